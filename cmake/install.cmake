@@ -1,0 +1,1 @@
+# Filled by the packaging: installed headers, perpConfig, pkg-config.

@@ -1,0 +1,46 @@
+#include "lcp/box.hpp"
+
+#include <cmath>
+#include <sstream>
+
+namespace perp::lcp {
+
+Box Box::free(Index n) { return {Vec::Constant(n, -infinity), Vec::Constant(n, infinity)}; }
+
+Box Box::nonnegative(Index n) { return {Vec::Zero(n), Vec::Constant(n, infinity)}; }
+
+std::optional<Index> Box::first_invalid() const {
+  for (Index i = 0; i < size(); ++i)
+    if (!(lower[i] <= upper[i]) || lower[i] == infinity || upper[i] == -infinity) return i;
+  return std::nullopt;
+}
+
+std::optional<std::string> Box::invalid() const {
+  std::ostringstream why;
+  if (lower.size() != upper.size()) {
+    why << "the box has " << lower.size() << " lower bounds and " << upper.size() << " upper bounds";
+    return why.str();
+  }
+  if (const auto i = first_invalid()) {
+    why.precision(17);
+    why << "[lower, upper] of index " << *i << " is [" << lower[*i] << ", " << upper[*i]
+        << "], which is not an interval";
+    return why.str();
+  }
+  return std::nullopt;
+}
+
+double project(const Box& box, Index i, double z) {
+  return z < box.lower[i] ? box.lower[i] : z > box.upper[i] ? box.upper[i] : z;
+}
+
+Vec project(const Box& box, In z) { return z.cwiseMax(box.lower).cwiseMin(box.upper); }
+
+BoundState bound_state(const Box& box, Index i, double z, double tol) {
+  if (box.lower[i] == box.upper[i]) return BoundState::Fixed;
+  if (z <= box.lower[i] + tol) return BoundState::AtLower;
+  if (z >= box.upper[i] - tol) return BoundState::AtUpper;
+  return BoundState::Free;
+}
+
+}  // namespace perp::lcp

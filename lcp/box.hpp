@@ -1,0 +1,35 @@
+#pragma once
+/// The box  B = {x in R^n : lower <= x <= upper}  of a mixed complementarity problem.
+/// Entries may be -inf / +inf; lower_i = upper_i fixes x_i.
+#include <optional>
+#include <string>
+
+#include "lcp/types.hpp"
+
+namespace perp::lcp {
+
+struct Box {
+  Vec lower;
+  Vec upper;
+
+  static Box free(Index n);         ///< R^n
+  static Box nonnegative(Index n);  ///< R^n_+
+  Index size() const { return lower.size(); }
+
+  /// The first index that is not a nonempty interval: lower > upper, NaN, lower = +inf or upper = -inf.
+  /// Empty if every interval is one. Pre: both vectors have one length.
+  std::optional<Index> first_invalid() const;
+  /// Why this is not a box (lengths differ, or the first invalid interval with its values), if it is not.
+  std::optional<std::string> invalid() const;
+};
+
+/// The projection onto the box, componentwise mid(lower, z, upper).
+Vec project(const Box& box, In z);
+double project(const Box& box, Index i, double z);
+
+/// Where z_i lies in [l_i, u_i]; a fixed variable counts as Fixed.
+enum class BoundState { Free, AtLower, AtUpper, Fixed };
+/// State of z_i with distances up to `tol` counted as "at the bound".
+BoundState bound_state(const Box& box, Index i, double z, double tol = 0);
+
+}  // namespace perp::lcp

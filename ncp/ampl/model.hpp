@@ -1,0 +1,53 @@
+#pragma once
+/// AMPL models: an .nl file (text or binary) as an Mcp, and the .sol file that answers it, through AMPL's own library.
+///
+/// A square model has n_eqn + n_cc = n_var. A row that complements a variable gives that variable's F; equations pair
+/// in order with the variables no row complements (their F is the row minus its right-hand side, and they are free).
+/// What is left over - inequality rows, and bounds on variables paired with an equation - are side inequalities, each
+/// with an extra variable y:
+///     c(x) >= b  becomes  c(x) - b - y >= 0  _|_  y >= 0
+/// (c(x) <= b mirrored, a range one of each), so that the Jacobian has no empty column (Munson's form, the AMPL/PATH
+/// driver's). References: Ferris, Fourer & Gay, SIAM J. Optim. 9 (1999) 991; Gay, "Writing .nl files" (2005).
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+#include "ncp/mcp.hpp"
+
+namespace perp::ncp::ampl {
+
+/// Why a file is refused; code() is AMPL's solve_result_num for it.
+class ModelError : public std::runtime_error {
+ public:
+  ModelError(int code, const std::string& what) : std::runtime_error(what), code_(code) {}
+  int code() const { return code_; }
+
+ private:
+  int code_;
+};
+inline constexpr int inconsistent_bounds = 200;
+inline constexpr int bad_file = 500;  ///< unreadable, malformed, truncated, integer variables, unknown functions
+inline constexpr int nonsquare = 504;
+
+/// An MCP read from an .nl file. The first n_var() unknowns are the model's variables in its order, the rest are the y
+/// of the side inequalities. Names come from the .col and .row files beside the stub where they exist.
+class Model : public Mcp {
+ public:
+  virtual const Vec& start() const = 0;  ///< the model's initial guess; 0 where it gives none; size() entries
+  virtual Index n_var() const = 0;       ///< variables of the model itself
+  virtual Index side_inequalities() const = 0;
+  virtual bool has_objective() const = 0;  ///< (ignored: an MCP has none)
+  /// Writes STUB.sol: `message`, x (n_var() entries) and solve_result_num. Throws ModelError if it cannot be written.
+  virtual void write_sol(const std::string& message, In x, int solve_result_num) const = 0;
+};
+
+/// Reads `path`, with or without its ".nl". Throws ModelError with the file, the line (or byte, in binary files), and
+/// the reason. AMPL's library keeps global state: a lock of this module lets any number of models live in different
+/// threads.
+std::unique_ptr<Model> read_model(const std::string& path);
+
+/// Writes a .sol file for a model that could not be read as an MCP, so that AMPL hears why: no solution vector.
+void write_failed_sol(const std::string& path, const std::string& message, int solve_result_num);
+
+}  // namespace perp::ncp::ampl

@@ -1,0 +1,85 @@
+#pragma once
+/// The mixed complementarity problem MCP(l, u, F): find x in [l, u] such that for every i
+///     l_i < x_i < u_i  =>  F_i(x)  = 0
+///     x_i = l_i        =>  F_i(x) >= 0        (free if l_i = u_i)
+///     x_i = u_i        =>  F_i(x) <= 0.
+/// l = 0, u = +inf is the NCP  0 <= x _|_ F(x) >= 0; infinite bounds on both sides make row i an equation.
+/// F: R^n -> R^n, J = F' with a fixed sparsity pattern.
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "lcp/box.hpp"
+
+namespace perp::ncp {
+
+using lcp::Box;
+using lcp::In;
+using lcp::Index;
+using lcp::infinity;
+using lcp::Out;
+using lcp::SpMat;
+using lcp::Vec;
+
+/// A problem. One object may be used by one thread at a time; different objects by different threads.
+class Mcp {
+ public:
+  virtual ~Mcp() = default;
+
+  virtual const Box& box() const = 0;
+  /// n x n, compressed; fixed for the whole life of the object. Its values mean nothing.
+  virtual const SpMat& jacobian_pattern() const = 0;
+  /// F := F(x), n rows. false: F is not defined at x (rows known to be undefined may be set to NaN: messages name
+  /// them).
+  virtual bool eval(In x, Out F) const = 0;
+  /// Fills the values of J, which comes in with jacobian_pattern(); J_ij = dF_i/dx_j. false: not defined at x.
+  virtual bool jacobian(In x, SpMat& J) const = 0;
+
+  virtual std::string name() const { return "mcp"; }
+  /// Names for people, counted from 1 as the papers do: "x[1]" and "F[1]" unless the problem knows better.
+  virtual std::string variable_name(Index i) const;
+  virtual std::string equation_name(Index i) const;
+
+  Index size() const { return box().size(); }
+};
+
+/// A problem made of functions.
+struct Functions {
+  std::string name = "mcp";
+  Box box;
+  SpMat pattern;                              ///< n x n; every entry that can be nonzero
+  std::function<bool(In x, Out F)> F;         ///< as Mcp::eval
+  std::function<bool(In x, SpMat& J)> J;      ///< as Mcp::jacobian
+  std::vector<std::string> variable_names{};  ///< empty, or n names
+  std::vector<std::string> equation_names{};  ///< empty, or n names
+};
+/// Throws std::invalid_argument if a function is missing or the sizes of box, pattern and names differ.
+std::unique_ptr<Mcp> make_mcp(Functions functions);
+
+/// The full n x n pattern, for small dense problems.
+SpMat dense_pattern(Index n);
+
+/// Throws std::invalid_argument, naming variables and values, if the box is none (lower > upper, NaN, an infinity on
+/// the wrong side), the pattern is not n x n, or x0 has not n finite entries.
+void check_input(const Mcp& mcp, In x0);
+
+/// Comparison of J with central differences of F at x.
+struct JacobianCheck {
+  double worst = 0;  ///< largest |J_ij - D_ij| / max(1, |J_ij|, |D_ij|) over the columns compared
+  Index row = -1;    ///< its place; -1 if there is none
+  Index col = -1;
+  double given = 0;              ///< J_ij there
+  double difference = 0;         ///< D_ij there
+  bool outside_pattern = false;  ///< D_ij is nonzero where the pattern has no entry
+  bool defined = true;           ///< false: F or J is not defined at x, or at no point near it
+  Index columns = 0;             ///< compared
+};
+/// D_.j = (F(x + h e_j) - F(x - h e_j)) / 2h with h = step * max(1, |x_j|); one-sided where F is not defined on one
+/// side. Dense in the rows, so that entries missing from the pattern are seen: 2 evaluations a column. With
+/// `max_columns` < n that many columns, spread evenly, are compared.
+JacobianCheck check_jacobian(const Mcp& mcp, In x, double step = 1e-6, Index max_columns = -1);
+/// One sentence naming the equation and the variable, empty if check.worst <= tol.
+std::string describe(const Mcp& mcp, const JacobianCheck& check, double tol = 1e-4);
+
+}  // namespace perp::ncp

@@ -1,0 +1,41 @@
+#pragma once
+/// Observers: the only way a solve shows itself. Each gets every Iteration record and may ask to stop.
+#include <atomic>
+#include <functional>
+#include <iosfwd>
+#include <vector>
+
+#include "ncp/mcp.hpp"
+
+namespace perp::ncp {
+
+struct Iteration {
+  int k = 0;            ///< 0 is the start
+  double residual = 0;  ///< natural residual of the iterate projected onto the box
+  Index worst = -1;     ///< index where it is largest
+  double merit = 0;     ///< the method's own merit function
+  double step = 0;      ///< step length t in (0, 1]; 0 at the start
+  double prox = 0;      ///< proximal or Levenberg-Marquardt parameter of the step; 0 if none
+  int pivots = 0;       ///< of this iteration
+  int backtracks = 0;   ///< of this iteration
+  int F_evals = 0;      ///< so far
+  int J_evals = 0;      ///< so far
+  char kind =
+      ' ';  ///< of the step: I start, N Newton, L Levenberg-Marquardt, G gradient, R ray/partial path, P proximal
+  const Vec* x = nullptr;  ///< the iterate; only during the call
+};
+
+enum class Next { Continue, Stop };
+using Observer = std::function<Next(const Iteration&)>;
+
+/// PATH's columns: major minor func grad residual step type prox (label), the label being the worst equation's name.
+/// The stream and the problem outlive the observer.
+Observer print_table(std::ostream& out, const Mcp& mcp);
+/// Appends every record, with x = nullptr.
+Observer record(std::vector<Iteration>& records);
+/// Stops when the flag is set (by a signal handler or another thread).
+Observer stop_when(const std::atomic<bool>& flag);
+/// Calls all; stops if any asks to.
+Observer all(std::vector<Observer> observers);
+
+}  // namespace perp::ncp
