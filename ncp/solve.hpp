@@ -23,6 +23,9 @@ struct Stop {
   std::chrono::duration<double> max_time{3600};
   /// Set by anybody: ends the solve as Interrupted, also inside a subproblem. May be null; outlives the solve.
   const std::atomic<bool>* interrupt = nullptr;
+  /// Compare J with differences of F at the start and refuse (std::invalid_argument) a J that is wrong by more than
+  /// 1e-4.
+  bool check_derivatives = false;
 };
 
 /// Non-monotone Armijo test  psi(x + t d) <= max of the last `memory` merits + sigma t psi'(x; d),  t = 1, beta,

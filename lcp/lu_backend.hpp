@@ -1,0 +1,26 @@
+#pragma once
+/// The seam between SparseLu and the libraries that factor; private to lcp/.
+#include <memory>
+
+#include "lcp/sparse_lu.hpp"
+
+namespace perp::lcp {
+
+class LuLibrary {
+ public:
+  LuLibrary() = default;
+  LuLibrary(const LuLibrary&) = delete;
+  LuLibrary& operator=(const LuLibrary&) = delete;
+  virtual ~LuLibrary() = default;
+
+  // Pre of all: A is square, compressed, not empty, finite; analyze() before factor() before the solves.
+  virtual LuStatus analyze(const SpMat& A) = 0;
+  virtual LuStatus factor(const SpMat& A) = 0;
+  virtual void solve(const SpMat& A, In b, Out x, bool transposed) const = 0;
+};
+
+std::unique_ptr<LuLibrary> make_umfpack();
+std::unique_ptr<LuLibrary> make_klu();
+std::unique_ptr<LuLibrary> make_eigen();
+
+}  // namespace perp::lcp

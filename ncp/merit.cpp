@@ -1,0 +1,78 @@
+#include "ncp/merit.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace perp::ncp {
+namespace {
+
+/// Da + Db J in the pattern of J with its diagonal.
+void combine(const Reformulation& at, const SpMat& J, SpMat& H) {
+  SpMat diagonal(J.rows(), J.cols());
+  diagonal.reserve(Eigen::VectorXi::Ones(J.cols()));
+  for (Index i = 0; i < J.rows(); ++i) diagonal.insert(i, i) = at.Da[i];
+  H = at.Db.asDiagonal() * J;
+  H += diagonal;
+  H.makeCompressed();
+}
+
+}  // namespace
+
+void linearise(const CFunction& c, const Box& box, const Point& point, Linearisation& out) {
+  const Index n = point.x.size();
+  Vec h(n);
+  double generic = 0;
+  for (Index i = 0; i < n; ++i) {
+    generic = std::fmod(generic + 0.6180339887498949, 1.0);  // the golden ratio's fractions: no two alike
+    h[i] = 1 + 0.1 * generic;
+  }
+  const Vec Jh = point.J * h;
+  reformulate(c, box, point.x, point.F, h, Jh, out.at);
+  combine(out.at, point.J, out.H);
+  out.gradient = out.H.transpose() * out.at.Phi;
+  out.merit = 0.5 * out.at.Phi.squaredNorm();
+}
+
+double merit(const CFunction& c, const Box& box, In x, In F) {
+  Vec Phi(x.size());
+  reformulate(c, box, x, F, Phi);
+  return 0.5 * Phi.squaredNorm();
+}
+
+void Memory::push(double merit) {
+  if (last_.size() == size_) last_.erase(last_.begin());
+  last_.push_back(merit);
+}
+
+void Memory::reset(double merit) { last_.assign(1, merit); }
+
+double Memory::reference() const { return *std::max_element(last_.begin(), last_.end()); }
+
+SearchOutcome line_search(Run& run, const CFunction& c, const Armijo& rule, In d, double slope, double reference,
+                          bool projected, Point& point) {
+  SearchOutcome out;
+  Point trial;
+  double t = 1;
+  for (; out.backtracks <= rule.max_backtracks; ++out.backtracks, t *= rule.beta) {
+    trial.x = point.x + t * d;
+    if (projected) trial.x = lcp::project(run.box(), trial.x);
+    if (trial.x == point.x) break;  // t d has vanished in rounding
+    if (!run.counted().eval(trial.x, trial.F)) {
+      ++out.undefined;
+      continue;
+    }
+    out.merit = merit(c, run.box(), trial.x, trial.F);
+    if (!(out.merit <= reference + rule.sigma * t * slope)) continue;
+    if (!run.counted().jacobian(trial.x, trial.J)) {
+      ++out.undefined;
+      continue;
+    }
+    std::swap(point, trial);
+    out.found = true;
+    out.t = t;
+    return out;
+  }
+  return out;
+}
+
+}  // namespace perp::ncp

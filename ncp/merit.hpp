@@ -1,0 +1,48 @@
+#pragma once
+/// Psi(x) = 1/2 ||Phi(x)||^2 of a reformulation, an element H of the B-subdifferential of Phi, and grad Psi = H' Phi.
+/// Private to ncp/.
+#include "ncp/cfunction.hpp"
+#include "ncp/run.hpp"
+#include "ncp/solve.hpp"
+
+namespace perp::ncp {
+
+/// Phi, H = Da + Db J and H'Phi at a point.
+struct Linearisation {
+  Reformulation at;
+  SpMat H;
+  Vec gradient;
+  double merit = 0;
+};
+/// At kinks the element of the B-subdifferential is the one along a generic h > 0: x + s h meets no kink for small s >
+/// 0 (De Luca, Facchinei & Kanzow 1996, section 7, with h_i = 1 at degenerate indices).
+void linearise(const CFunction& c, const Box& box, const Point& point, Linearisation& out);
+
+double merit(const CFunction& c, const Box& box, In x, In F);
+
+/// The reference values of a non-monotone line search.
+class Memory {
+ public:
+  explicit Memory(int size) : size_(static_cast<std::size_t>(size)) {}
+  void push(double merit);
+  void reset(double merit);
+  double reference() const;
+
+ private:
+  std::size_t size_;
+  std::vector<double> last_;
+};
+
+/// t with  psi(x + t d) <= reference + sigma t slope,  F and J defined there, over t = 1, beta, beta^2, ...; the point
+/// found replaces `point`. x + t d is projected onto `box` if `projected`.
+struct SearchOutcome {
+  bool found = false;
+  double t = 0;
+  double merit = 0;
+  int backtracks = 0;
+  int undefined = 0;  ///< trial points at which F or J was not defined
+};
+SearchOutcome line_search(Run& run, const CFunction& c, const Armijo& rule, In d, double slope, double reference,
+                          bool projected, Point& point);
+
+}  // namespace perp::ncp

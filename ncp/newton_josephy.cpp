@@ -1,0 +1,167 @@
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "ncp/merit.hpp"
+#include "ncp/methods.hpp"
+
+namespace perp::ncp {
+namespace {
+
+/// The point x of the normal map with pi(x) = z whose residual |F + x - z| is least.
+Vec normal_point(const Box& box, In z, In F) {
+  Vec x = z;
+  for (Index i = 0; i < z.size(); ++i) {
+    if (z[i] == box.lower[i]) x[i] -= std::max(F[i], 0.0);
+    if (z[i] == box.upper[i]) x[i] += std::max(-F[i], 0.0);
+  }
+  return x;
+}
+
+/// MCP(l, u, F(z^k) + (J + lambda I)(z - z^k)).
+lcp::AffineMcp linearised(const Box& box, const Point& point, double lambda) {
+  SpMat M = point.J;
+  if (lambda > 0) {
+    SpMat identity(M.rows(), M.cols());
+    identity.setIdentity();
+    M += lambda * identity;
+  }
+  Vec q = point.F - M * point.x;
+  return {std::move(M), std::move(q), box};
+}
+
+struct Step {
+  lcp::PivotResult path;
+  double lambda = 0;
+};
+
+/// Solves subproblems of one run: from the cells the last one ended in, then from a ray, then with a proximal term.
+class Subproblems {
+ public:
+  Subproblems(Run& run, const NewtonJosephy& method) : run_(run), options_(method.lemke) {
+    options_.interrupted = [&run] { return run.interrupted(); };
+    options_.deadline = run.deadline();
+  }
+
+  /// The solution of the linearised problem with this lambda, from `start` or from a ray. Not solved: the farther path.
+  Step solve(const Point& point, const Vec& start, double lambda) {
+    const lcp::AffineMcp problem = linearised(run_.box(), point, lambda);
+    Step step{.path = follow(problem, start, options_.start), .lambda = lambda};
+    if (!step.path.solved() && options_.start == lcp::LemkeStart::Regular && !stopped(step.path)) {
+      const int pivots = step.path.pivots;
+      lcp::PivotResult from_ray = follow(problem, start, lcp::LemkeStart::Ray);
+      // The points on a path from a ray say nothing of the way from z^k: only its end is worth having.
+      if (from_ray.solved())
+        step.path = std::move(from_ray);
+      else
+        pivots_ += from_ray.pivots;
+      pivots_ += step.path.solved() ? pivots : 0;
+    }
+    pivots_ += step.path.pivots;
+    return step;
+  }
+
+  static bool stopped(const lcp::PivotResult& path) {
+    return path.end == lcp::PivotEnd::Interrupted || path.end == lcp::PivotEnd::TimeLimit;
+  }
+
+  int take_pivots() { return std::exchange(pivots_, 0); }
+
+ private:
+  lcp::PivotResult follow(const lcp::AffineMcp& problem, const Vec& start, lcp::LemkeStart from) {
+    lcp::LemkeOptions options = options_;
+    options.start = from;
+    lcp::PivotResult path = lcp::lemke(problem, start, options);
+    run_.stats().factorizations += path.refactorizations;
+    return path;
+  }
+
+  Run& run_;
+  lcp::LemkeOptions options_;
+  int pivots_ = 0;
+};
+
+/// lambda of the proximal terms tried in turn, relative to the size of J.
+constexpr double prox_first = 1e-6;
+constexpr double prox_growth = 100;
+constexpr int prox_tries = 5;
+
+double size_of(const SpMat& J) {
+  return J.rows() == 0 ? 1 : std::max(1e-8, J.norm() / std::sqrt(static_cast<double>(J.rows())));
+}
+
+}  // namespace
+
+Result run_newton_josephy(const Mcp& mcp, In x0, const NewtonJosephy& method, const Observer& observer) {
+  Run run(mcp, method.stop, observer);
+  Point point;
+  if (!run.start(x0, point)) return run.result();
+
+  const CFunction fb = fischer_burmeister();
+  Linearisation descent;
+  Subproblems subproblems(run, method);
+  Memory memory(method.search.memory);
+  Iteration it{.k = 0, .kind = 'I'};
+  it.merit = merit(fb, run.box(), point.x, point.F);
+  memory.push(it.merit);
+  Vec start = normal_point(run.box(), point.x, point.F);
+
+  while (run.go_on(point, it)) {
+    linearise(fb, run.box(), point, descent);
+    it = {.k = it.k + 1};
+    int undefined = 0;
+    SearchOutcome found;
+    Step step;
+    double lambda = 0;
+    for (int i = 0; i <= prox_tries && !found.found; ++i) {
+      step = subproblems.solve(point, start, lambda);
+      if (Subproblems::stopped(step.path)) break;
+      const bool solved = step.path.solved();
+      const Vec end = solved ? step.path.z : lcp::project(run.box(), step.path.best_x);
+      const Vec d = end - point.x;
+      if (solved || step.path.best_t > 0) {
+        // Armijo's slope of a Newton step on Psi = 1/2 ||Phi||^2 is -2 Psi, of the part t of the way -2 t Psi.
+        const double slope = -2 * descent.merit * (solved ? 1 : step.path.best_t);
+        found = line_search(run, fb, method.search, d, slope, memory.reference(), true, point);
+        it.backtracks += found.backtracks;
+        undefined += found.undefined;
+        it.kind = solved ? (lambda > 0 ? 'P' : 'N') : 'R';
+      }
+      it.prox = lambda;
+      lambda = lambda > 0 ? prox_growth * lambda : prox_first * size_of(point.J);
+    }
+    it.pivots = subproblems.take_pivots();
+    const bool stopped = Subproblems::stopped(step.path);
+    bool full_step = found.found && found.t == 1 && step.path.solved();
+    if (!found.found && !stopped) {
+      const Vec d = lcp::project(run.box(), point.x - descent.gradient) - point.x;
+      found = line_search(run, fb, method.search, d, descent.gradient.dot(d), memory.reference(), true, point);
+      it.kind = 'G';
+      it.prox = 0;
+      it.backtracks += found.backtracks;
+      undefined += found.undefined;
+    }
+    if (!found.found && !stopped) {
+      if (undefined > 0)
+        run.end(Status::EvaluationFailed, "F or its Jacobian is not defined at any trial point, however short the step",
+                "try another start or method");
+      else if (!step.path.solved())
+        run.end(Status::SubproblemFailed,
+                "the linearised problem could not be solved (" + std::string(lcp::to_string(step.path.end)) +
+                    "), with proximal terms up to " + std::to_string(step.lambda) + " neither",
+                "try the semismooth method or another start");
+      else
+        run.end(Status::NoProgress, "neither the Newton steps nor the gradient decrease the merit function",
+                "try the semismooth method or another start");
+      break;
+    }
+    it.merit = found.found ? found.merit : descent.merit;
+    it.step = found.t;
+    memory.push(it.merit);
+    start = full_step ? step.path.x : normal_point(run.box(), point.x, point.F);
+  }
+  return run.result();
+}
+
+}  // namespace perp::ncp

@@ -1,0 +1,193 @@
+#include "ncp/run.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+#include <stdexcept>
+#include <utility>
+
+namespace perp::ncp {
+namespace {
+
+/// The first entry of J that its pattern has not, or of the pattern that J lost; (-1, -1) if there is none.
+std::pair<Index, Index> first_difference(const SpMat& J, const SpMat& pattern) {
+  for (Index j = 0; j < pattern.cols(); ++j) {
+    SpMat::InnerIterator a(J, j);
+    SpMat::InnerIterator b(pattern, j);
+    for (; a && b; ++a, ++b)
+      if (a.row() != b.row()) return {std::min(a.row(), b.row()), j};
+    if (a) return {a.row(), j};
+    if (b) return {b.row(), j};
+  }
+  return {-1, -1};
+}
+
+std::chrono::steady_clock::time_point deadline_after(std::chrono::duration<double> time) {
+  using Clock = std::chrono::steady_clock;
+  const auto now = Clock::now();
+  const std::chrono::duration<double> left = Clock::time_point::max() - now;
+  return time >= left ? Clock::time_point::max() : now + std::chrono::duration_cast<Clock::duration>(time);
+}
+
+std::string number(double value) {
+  std::ostringstream text;
+  text.precision(4);
+  text << value;
+  return text.str();
+}
+
+}  // namespace
+
+bool CountedMcp::eval(In x, Vec& F) {
+  ++F_evals_;
+  F.setZero(x.size());
+  return mcp_.eval(x, F) && F.allFinite();
+}
+
+bool CountedMcp::jacobian(In x, SpMat& J) {
+  ++J_evals_;
+  const SpMat& pattern = mcp_.jacobian_pattern();
+  if (J.rows() != pattern.rows() || J.nonZeros() != pattern.nonZeros()) J = pattern;
+  if (!mcp_.jacobian(x, J)) return false;
+  const bool kept =
+      J.isCompressed() && J.rows() == pattern.rows() && J.cols() == pattern.cols() &&
+      J.nonZeros() == pattern.nonZeros() &&
+      std::equal(pattern.outerIndexPtr(), pattern.outerIndexPtr() + pattern.cols() + 1, J.outerIndexPtr()) &&
+      std::equal(pattern.innerIndexPtr(), pattern.innerIndexPtr() + pattern.nonZeros(), J.innerIndexPtr());
+  if (!kept) {
+    std::ostringstream what;
+    what << mcp_.name() << ": the Jacobian does not match its pattern";
+    if (J.rows() != pattern.rows() || J.cols() != pattern.cols()) {
+      what << ": it is " << J.rows() << " x " << J.cols() << ", the pattern " << pattern.rows() << " x "
+           << pattern.cols();
+    } else if (const auto [i, j] = first_difference(J, pattern); i >= 0) {
+      what << " at the derivative of equation " << mcp_.equation_name(i) << " with respect to variable "
+           << mcp_.variable_name(j) << ": it has " << J.nonZeros() << " entries, the pattern " << pattern.nonZeros();
+    } else {
+      what << ": it is not compressed";
+    }
+    throw std::invalid_argument(what.str());
+  }
+  return std::all_of(J.valuePtr(), J.valuePtr() + J.nonZeros(), [](double v) { return std::isfinite(v); });
+}
+
+Run::Run(const Mcp& mcp, const Stop& stop, const Observer& observer)
+    : counted_(mcp), stop_(stop), observer_(observer), deadline_(deadline_after(stop.max_time)) {}
+
+void Run::end(Status status, std::string message, std::string advice) {
+  if (status_) return;
+  status_ = status;
+  message_ = std::move(message);
+  advice_ = std::move(advice);
+}
+
+bool Run::start(In x0, Point& point) {
+  point.x = lcp::project(box(), x0);
+  point.J = mcp().jacobian_pattern();
+  best_x_ = point.x;
+  const bool has_F = counted_.eval(point.x, point.F);
+  best_F_ = point.F;
+  if (!has_F) {
+    end(Status::EvaluationFailed, undefined_at_start(point.x, point.F), "give a start inside the domain of F");
+    return false;
+  }
+  best_ = residual(box(), point.x, point.F);
+  if (best_.natural <= stop_.tol) return true;  // go_on() will say so; J is not needed
+  if (!counted_.jacobian(point.x, point.J)) {
+    std::string where;
+    for (Index j = 0; j < point.J.cols() && where.empty(); ++j)
+      for (SpMat::InnerIterator it(point.J, j); it && where.empty(); ++it)
+        if (!std::isfinite(it.value()))
+          where = ": the derivative of equation " + equation(it.row()) + " with respect to variable " +
+                  mcp().variable_name(j) + " is " + number(it.value());
+    end(Status::EvaluationFailed, "the Jacobian is not defined at the start" + where,
+        "give a start inside the domain of the Jacobian, for instance away from the bounds");
+    return false;
+  }
+  return true;
+}
+
+std::string Run::undefined_at_start(In x, In F) const {
+  for (Index i = 0; i < F.size(); ++i)
+    if (!std::isfinite(F[i])) {
+      const std::string value = std::isnan(F[i]) ? "NaN" : number(F[i]);
+      return "equation " + equation(i) + " is " + value + " at the start, where its variable " +
+             mcp().variable_name(i) + " = " + number(x[i]);
+    }
+  return "F is not defined at the start";
+}
+
+bool Run::try_solved(const Point& point, const Residual& r) {
+  if (!(r.natural <= stop_.tol)) return false;
+  const Vec inside = lcp::project(box(), point.x);  // an answer lies in the box: judge that point
+  Vec F(inside.size());
+  if (!counted_.eval(inside, F)) return false;
+  const Residual judged = residual(box(), inside, F);
+  if (!(judged.natural <= stop_.tol)) return false;
+  best_ = judged;
+  best_x_ = inside;
+  best_F_ = F;
+  status_ = Status::Solved;
+  message_ = "solution found: the natural residual is " + number(judged.natural);
+  return true;
+}
+
+void Run::keep_if_better(const Point& point, const Residual& r) {
+  if (!(r.natural < best_.natural)) return;
+  best_ = r;
+  best_x_ = point.x;
+  best_F_ = point.F;
+}
+
+bool Run::go_on(const Point& point, Iteration it) {
+  const Residual r = residual(box(), point.x, point.F);
+  keep_if_better(point, r);
+  stats_.iterations = it.k;
+  stats_.pivots += it.pivots;
+  it.residual = r.natural;
+  it.worst = r.worst;
+  it.F_evals = counted_.F_evals();
+  it.J_evals = counted_.J_evals();
+  it.x = &point.x;
+  const bool asked_to_stop = observer_ && observer_(it) == Next::Stop;
+  if (try_solved(point, r)) return false;
+  if (asked_to_stop || interrupted())
+    end(Status::Interrupted, "interrupted after " + std::to_string(it.k) + " iterations",
+        "run on from the point returned");
+  else if (std::chrono::steady_clock::now() >= deadline_)
+    end(Status::TimeLimit, "the time limit of " + number(stop_.max_time.count()) + " s was reached",
+        "raise the time limit, or go on from the point returned");
+  else if (it.k >= stop_.max_iterations)
+    end(Status::IterationLimit, "the limit of " + std::to_string(stop_.max_iterations) + " iterations was reached",
+        "raise the limit if the residual was still falling; otherwise try another method or start");
+  return !status_;
+}
+
+Result Run::result() {
+  Result out;
+  out.status = status_.value_or(Status::NoProgress);
+  out.message = message_;
+  out.advice = advice_;
+  // The answer lies in the box; a best point outside it is projected and judged again.
+  out.x = lcp::project(box(), best_x_);
+  out.F = best_F_;
+  out.residual = best_;
+  if (out.x != best_x_) {
+    if (counted_.eval(out.x, out.F)) {
+      out.residual = residual(box(), out.x, out.F);
+    } else {
+      out.x = best_x_;
+      out.F = best_F_;
+    }
+  }
+  if (out.status != Status::Solved && out.residual.worst >= 0 && std::isfinite(out.residual.natural))
+    out.message += "; the best point has natural residual " + number(out.residual.natural) + ", worst in equation " +
+                   equation(out.residual.worst) + " of variable " + mcp().variable_name(out.residual.worst);
+  stats_.F_evals = counted_.F_evals();
+  stats_.J_evals = counted_.J_evals();
+  stats_.time = std::chrono::steady_clock::now() - begin_;
+  out.stats = stats_;
+  return out;
+}
+
+}  // namespace perp::ncp

@@ -1,0 +1,81 @@
+#pragma once
+/// What every method's loop shares: counted and guarded evaluation, limits, observers, the best point, the verdict.
+/// Private to ncp/.
+#include <optional>
+#include <string>
+
+#include "ncp/observe.hpp"
+#include "ncp/result.hpp"
+#include "ncp/solve.hpp"
+
+namespace perp::ncp {
+
+/// Counts evaluations, turns a NaN or an infinity into "not defined here", and refuses a J that left its pattern.
+class CountedMcp {
+ public:
+  explicit CountedMcp(const Mcp& mcp) : mcp_(mcp) {}
+  const Mcp& mcp() const { return mcp_; }
+  bool eval(In x, Vec& F);
+  /// Throws std::invalid_argument, naming equation and variable, if J comes back with other entries than its pattern.
+  bool jacobian(In x, SpMat& J);
+  int F_evals() const { return F_evals_; }
+  int J_evals() const { return J_evals_; }
+
+ private:
+  const Mcp& mcp_;
+  int F_evals_ = 0;
+  int J_evals_ = 0;
+};
+
+/// A point with F and J there.
+struct Point {
+  Vec x, F;
+  SpMat J;
+};
+
+class Run {
+ public:
+  Run(const Mcp& mcp, const Stop& stop, const Observer& observer);
+
+  const Mcp& mcp() const { return counted_.mcp(); }
+  const Box& box() const { return mcp().box(); }
+  CountedMcp& counted() { return counted_; }
+  Stats& stats() { return stats_; }
+
+  /// F and J at the projection of x0. False with the verdict made if they are not defined there.
+  bool start(In x0, Point& point);
+  /// F and J at x; false if one of them is not defined there.
+  bool evaluate(Point& point) { return counted_.eval(point.x, point.F) && counted_.jacobian(point.x, point.J); }
+
+  /// Judges the iterate, tells the observers and looks at the limits. False: the run is over, with a verdict.
+  bool go_on(const Point& point, Iteration it);
+  /// For subproblems: has somebody asked to stop?
+  bool interrupted() const { return stop_.interrupt != nullptr && *stop_.interrupt; }
+  std::chrono::steady_clock::time_point deadline() const { return deadline_; }
+
+  /// Ends the run. Solved cannot be said: the judge says it.
+  void end(Status status, std::string message, std::string advice);
+  bool ended() const { return status_.has_value(); }
+  /// Judges the best point once more by itself and gives the answer.
+  Result result();
+
+  const std::string equation(Index i) const { return mcp().equation_name(i); }
+
+ private:
+  void keep_if_better(const Point& point, const Residual& r);
+  bool try_solved(const Point& point, const Residual& r);
+  std::string undefined_at_start(In x, In F) const;
+
+  CountedMcp counted_;
+  const Stop& stop_;
+  const Observer& observer_;
+  std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
+  std::chrono::steady_clock::time_point deadline_;
+  Stats stats_;
+  std::optional<Status> status_;
+  std::string message_, advice_;
+  Vec best_x_, best_F_;
+  Residual best_;
+};
+
+}  // namespace perp::ncp

@@ -1,0 +1,111 @@
+#include "ncp/solve.hpp"
+
+#include <cmath>
+#include <sstream>
+#include <stdexcept>
+
+#include "ncp/methods.hpp"
+
+namespace perp::ncp {
+namespace {
+
+template <class... F>
+struct Overloaded : F... {
+  using F::operator()...;
+};
+template <class... F>
+Overloaded(F...) -> Overloaded<F...>;
+
+template <class Value>
+std::string bad(const char* option, const Value& value, const char* range) {
+  std::ostringstream why;
+  why << option << " is " << value << "; it must be " << range;
+  return why.str();
+}
+
+std::optional<std::string> invalid(const Stop& s) {
+  if (!(s.tol > 0) || std::isinf(s.tol)) return bad("stop.tol", s.tol, "positive and finite");
+  if (s.max_iterations < 0) return bad("stop.max_iterations", s.max_iterations, "at least 0");
+  if (!(s.max_time.count() >= 0)) return bad("stop.max_time", s.max_time.count(), "at least 0 s");
+  return std::nullopt;
+}
+
+std::optional<std::string> invalid(const Armijo& a) {
+  if (!(a.sigma > 0 && a.sigma < 1)) return bad("search.sigma", a.sigma, "in (0, 1)");
+  if (!(a.beta > 0 && a.beta < 1)) return bad("search.beta", a.beta, "in (0, 1)");
+  if (a.max_backtracks < 0) return bad("search.max_backtracks", a.max_backtracks, "at least 0");
+  if (a.memory < 1) return bad("search.memory", a.memory, "at least 1");
+  return std::nullopt;
+}
+
+std::optional<std::string> invalid(const lcp::LemkeOptions& l) {
+  if (l.max_pivots < 0) return bad("lemke.max_pivots", l.max_pivots, "at least 0");
+  if (!(l.residual_tol > 0)) return bad("lemke.residual_tol", l.residual_tol, "positive");
+  if (!(l.pivot_tol > 0 && l.pivot_tol < 1)) return bad("lemke.pivot_tol", l.pivot_tol, "in (0, 1)");
+  if (!(l.feasibility_tol >= 0)) return bad("lemke.feasibility_tol", l.feasibility_tol, "at least 0");
+  if (!(l.perturbation >= 0)) return bad("lemke.perturbation", l.perturbation, "at least 0");
+  if (l.basis.refactor_every < 1) return bad("lemke.basis.refactor_every", l.basis.refactor_every, "at least 1");
+  return std::nullopt;
+}
+
+/// A derivative that does not match is the most frequent reason of a failure, and the hardest to see.
+void blame_derivatives(const Mcp& mcp, Result& result) {
+  constexpr Index columns = 50;
+  const JacobianCheck check = check_jacobian(mcp, result.x, 1e-6, columns);
+  if (!check.defined) return;
+  if (const std::string mismatch = describe(mcp, check, 1e-3); !mismatch.empty()) {
+    result.message += "; at this point " + mismatch;
+    result.advice = "correct the Jacobian first";
+  }
+}
+
+}  // namespace
+
+std::string_view name(const Method& method) {
+  return std::visit(Overloaded{[](const SemismoothNewton&) { return std::string_view("semismooth"); },
+                               [](const NewtonJosephy&) { return std::string_view("josephy"); }},
+                    method);
+}
+
+const Stop& stop(const Method& method) {
+  return std::visit([](const auto& m) -> const Stop& { return m.stop; }, method);
+}
+
+Stop& stop(Method& method) {
+  return std::visit([](auto& m) -> Stop& { return m.stop; }, method);
+}
+
+std::optional<std::string> invalid(const Method& method) {
+  if (auto why = invalid(stop(method))) return why;
+  return std::visit(Overloaded{[](const SemismoothNewton& m) -> std::optional<std::string> {
+                                 if (!m.cfunction.at) return "cfunction has no function";
+                                 if (!(m.descent_rho > 0)) return bad("descent_rho", m.descent_rho, "positive");
+                                 if (!(m.descent_p > 2)) return bad("descent_p", m.descent_p, "greater than 2");
+                                 return invalid(m.search);
+                               },
+                               [](const NewtonJosephy& m) -> std::optional<std::string> {
+                                 if (auto why = invalid(m.search)) return why;
+                                 return invalid(m.lemke);
+                               }},
+                    method);
+}
+
+Result solve(const Mcp& mcp, In x0, const Method& method, const Observer& observer) {
+  if (const auto why = invalid(method)) throw std::invalid_argument(std::string(name(method)) + ": " + *why);
+  check_input(mcp, x0);
+  if (stop(method).check_derivatives)
+    if (const JacobianCheck check = check_jacobian(mcp, lcp::project(mcp.box(), x0)); check.defined)
+      if (const std::string mismatch = describe(mcp, check); !mismatch.empty())
+        throw std::invalid_argument(mcp.name() + ": " + mismatch);
+  Result result =
+      std::visit(Overloaded{[&](const SemismoothNewton& m) { return run_semismooth_newton(mcp, x0, m, observer); },
+                            [&](const NewtonJosephy& m) { return run_newton_josephy(mcp, x0, m, observer); }},
+                 method);
+  const bool stuck = result.status == Status::StationaryPoint || result.status == Status::NoProgress ||
+                     result.status == Status::IterationLimit || result.status == Status::SubproblemFailed ||
+                     result.status == Status::LinearAlgebraFailed;
+  if (stuck) blame_derivatives(mcp, result);
+  return result;
+}
+
+}  // namespace perp::ncp
