@@ -1,0 +1,76 @@
+# shellcheck shell=bash
+# What quickstart and test share; sourced by them. Needs bash, and Debian's apt where packages are missing.
+# shellcheck disable=SC2034  # the scripts that source this use them
+
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+build=$root/build/release
+logs=$root/build/logs
+jobs=$(nproc)
+
+# The one list of Debian packages: to build the program, and to test it as well.
+build_packages=(g++ cmake ninja-build libeigen3-dev libsuitesparse-dev libgsl-dev libamplsolver-dev
+  libcli11-dev nlohmann-json3-dev libfmt-dev)
+test_packages=("${build_packages[@]}" libgtest-dev libgmock-dev pkg-config python3)
+
+fail() {
+  printf '\nperp: %s\n' "$*" >&2
+  exit 1
+}
+
+# step NAME COMMAND...: runs the command with its output in a log. Says which step failed and how its log ends.
+step() {
+  local name=$1 log started=$SECONDS status=0
+  shift
+  mkdir -p "$logs"
+  log=$logs/${name// /-}.log
+  printf '%-34s' "$name"
+  "$@" >"$log" 2>&1 </dev/null || status=$?
+  if ((status != 0)); then
+    printf 'FAILED after %d s\n\n' $((SECONDS - started))
+    tail -n 60 "$log"
+    fail "the step \"$name\" failed with status $status; all of its log: $log"
+  fi
+  printf '%4d s\n' $((SECONDS - started))
+}
+
+# Whatever of the given packages is not installed, one a line.
+missing_packages() {
+  local package
+  for package in "$@"; do
+    [[ $(dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null) == installed ]] || printf '%s\n' "$package"
+  done
+}
+
+# A broken third-party source makes the update fail although Debian's own lists are there: let the installation decide.
+apt_update() { "$@" apt-get -q update || printf 'apt-get update failed, going on with the lists there are\n'; }
+
+# Installs the packages that are missing; silent if none is.
+ensure_packages() {
+  command -v dpkg-query >/dev/null ||
+    fail "this is no Debian system. Install what corresponds to Debian's packages and build with" \
+      "cmake --workflow --preset release: $*"
+  local missing become_root=()
+  mapfile -t missing < <(missing_packages "$@")
+  ((${#missing[@]})) || return 0
+  if ((EUID != 0)); then
+    local hint="as root: apt-get install ${missing[*]}"
+    command -v sudo >/dev/null || fail "packages are missing, and this is neither root nor is there sudo. Run $hint"
+    # Asks for the password here, where it can be seen, if one is needed and there is somebody to ask.
+    sudo -n true 2>/dev/null || { [[ -t 0 ]] && sudo -v; } || fail "packages are missing and sudo refuses. Run $hint"
+    become_root=(sudo)
+  fi
+  printf 'installing: %s\n' "${missing[*]}"
+  local apt=("${become_root[@]}" env DEBIAN_FRONTEND=noninteractive)
+  step "apt-get update" apt_update "${apt[@]}"
+  step "apt-get install" "${apt[@]}" apt-get -q install -y --no-install-recommends -o DPkg::Lock::Timeout=120 \
+    "${missing[@]}"
+  mapfile -t missing < <(missing_packages "$@")
+  ((${#missing[@]} == 0)) || fail "still not installed: ${missing[*]}"
+}
+
+# configure_release OPTIONS...: the preset `release`, in build/release.
+configure_release() {
+  if command -v ccache >/dev/null; then export CMAKE_CXX_COMPILER_LAUNCHER=ccache; fi
+  cd "$root" || return
+  cmake --preset release "$@"
+}

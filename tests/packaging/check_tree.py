@@ -1,0 +1,180 @@
+#!/usr/bin/env python3
+"""Rules of the source tree, checked: check_tree.py includes|length|format|readme|self-test [ROOT].
+
+includes   who may include whom (CONTRIBUTING.md, "The folders")
+length     no source file beyond 500 lines
+format     clang-format (the major version below, else skipped) would change nothing
+readme     the C++ example of README.md is the one the packaging test builds and runs
+self-test  each check reports a tree that breaks its rule
+
+Prints one line a violation; exit status 1 if there is one, 77 if the check was skipped.
+"""
+
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+CLANG_FORMAT_VERSION = "14"
+LONGEST = 500
+SKIPPED = 77
+SOURCES = (".cpp", ".hpp", ".h", ".cc")
+INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]')
+
+# Below: (headers, folders or files that may include them). tests/ and bench/ may include everything.
+RULES = [
+    (r"(app)/", ("app/",), "only app sees app"),
+    (r"(contact)/", ("contact/", "app/"), "only contact and app see contact"),
+    (r"(ncp)/", ("ncp/", "contact/", "app/"), "lcp sees nothing above it"),
+    (r"(tests|bench)/", (), "nobody includes tests or bench"),
+    (
+        r"(suitesparse/)?(umfpack|klu|btf|cholmod|spqr|cs|amd|colamd|SuiteSparse)\w*\.(h|hpp)$"
+        r"|Eigen/(UmfPack|KLU|Cholmod|SPQR)Support$",
+        ("lcp/",),
+        "SuiteSparse stays behind the linear-algebra seam in lcp",
+    ),
+    (r"(.*/)?(asl|asl_pfg|asl_pfgh|nlp|nlp2|getstub|jacpdim)\.h$", ("ncp/ampl/",), "AMPL's library stays in ncp/ampl"),
+    (r"(.*/)?(hdf5|H5\w*)\.h(pp)?$", ("contact/fclib.cpp",), "HDF5 stays in contact/fclib.cpp"),
+    (r"(CLI/|nlohmann/)", ("app/",), "command line and JSON stay in app"),
+    (r"(.*/)?\.\./", (), "includes are written from the root of the tree"),
+]
+UNRULED = ("tests/", "bench/", "data/")
+
+
+def sources(root):
+    """The tracked sources, relative to root; all outside of build folders where there is no git."""
+    command = ["git", "-c", "safe.directory=*", "-C", root, "ls-files", "-z"]
+    git = subprocess.run(command, capture_output=True, text=True) if shutil.which("git") else None
+    if git and git.returncode == 0:
+        names = git.stdout.split("\0")
+    else:
+        names = [path.relative_to(root).as_posix() for path in Path(root).rglob("*") if path.is_file()]
+        names = [name for name in names if not name.startswith(("build", "."))]
+    return sorted(name for name in names if name.endswith(SOURCES) and (Path(root) / name).is_file())
+
+
+def includes(root):
+    for name in sources(root):
+        if name.startswith(UNRULED):
+            continue
+        for number, line in enumerate((Path(root) / name).read_text(encoding="utf-8").splitlines(), 1):
+            found = INCLUDE.match(line)
+            for pattern, allowed, reason in RULES if found else ():
+                if re.match(pattern, found[1]) and not name.startswith(allowed):
+                    yield f"{name}:{number}: includes {found[1]}: {reason}"
+
+
+def length(root):
+    for name in sources(root):
+        lines = len((Path(root) / name).read_text(encoding="utf-8").splitlines())
+        if lines > LONGEST:
+            yield f"{name}: {lines} lines, more than {LONGEST}"
+
+
+def format_(root):
+    program = shutil.which(f"clang-format-{CLANG_FORMAT_VERSION}") or shutil.which("clang-format")
+    version = subprocess.run([program, "--version"], capture_output=True, text=True).stdout if program else ""
+    if f"version {CLANG_FORMAT_VERSION}." not in version:
+        print(f"skipped: clang-format {CLANG_FORMAT_VERSION} is not installed")
+        sys.exit(SKIPPED)
+    names = sources(root)
+    if not names:
+        return
+    run = subprocess.run([program, "--dry-run", *names], cwd=root, capture_output=True, text=True)
+    bad = {line.split(":")[0] for line in run.stderr.splitlines() if "[-Wclang-format-violations]" in line}
+    yield from (f"{name}: clang-format would change it" for name in sorted(bad))
+    if run.returncode != 0 and not bad:
+        yield f"{program}: {run.stderr.strip()}"
+
+
+def readme(root):
+    example = (Path(root) / "tests/packaging/consumer/example.cpp").read_text(encoding="utf-8")
+    if f"```cpp\n{example}```" not in (Path(root) / "README.md").read_text(encoding="utf-8"):
+        yield "README.md: its example is not tests/packaging/consumer/example.cpp"
+
+
+CHECKS = {"includes": includes, "length": length, "format": format_, "readme": readme}
+
+
+# --- self-test -------------------------------------------------------------------------------------------------------
+
+GOOD = {
+    "lcp/a.cpp": '#include <umfpack.h>\n\n#include "lcp/a.hpp"\n',
+    "lcp/e.cpp": "#include <Eigen/UmfPackSupport>\n",
+    "ncp/b.cpp": '#include "lcp/a.hpp"\n// #include "app/main.hpp" in a comment is none\n',
+    "ncp/ampl/r.cpp": "#include <asl.h>\n",
+    "contact/fclib.cpp": '#include <hdf5.h>\n\n#include "ncp/b.hpp"\n',
+    "app/c.cpp": '#include <CLI/CLI.hpp>\n\n#include "contact/c.hpp"\n',
+    "tests/t.cpp": '#include <nlohmann/json.hpp>\n\n#include "app/c.hpp"\n',
+}
+BAD = {  # file -> its line, one violation each
+    "lcp/a.hpp": '#include "ncp/mcp.hpp"',
+    "lcp/b.hpp": "#include <contact/problem.hpp>",
+    "ncp/a.hpp": '  #  include "app/options.hpp"',
+    "ncp/b.hpp": '#include "contact/problem.hpp"',
+    "ncp/c.hpp": "#include <umfpack.h>",
+    "ncp/d.hpp": "#include <suitesparse/klu.h>",
+    "ncp/e.hpp": "#include <Eigen/UmfPackSupport>",
+    "ncp/f.hpp": "#include <asl.h>",
+    "ncp/g.hpp": "#include <nlohmann/json.hpp>",
+    "ncp/ampl/h.hpp": "#include <cholmod.h>",
+    "contact/a.hpp": '#include "app/options.hpp"',
+    "contact/b.hpp": "#include <hdf5.h>",
+    "contact/c.hpp": "#include <CLI/App.hpp>",
+    "app/a.hpp": '#include "tests/support/a.hpp"',
+    "app/b.hpp": "#include <asl_pfgh.h>",
+    "app/c.hpp": '#include "../lcp/a.hpp"',
+}
+
+
+def write(root, files):
+    for name, content in files.items():
+        (Path(root) / name).parent.mkdir(parents=True, exist_ok=True)
+        (Path(root) / name).write_text(content, encoding="utf-8")
+
+
+def self_test(_):
+    """Trees that keep the rules and trees that break each of them, without git and with."""
+    with tempfile.TemporaryDirectory() as folder:
+        write(folder, GOOD)
+        yield from (f"a good tree is refused: {violation}" for violation in [*includes(folder), *length(folder)])
+        write(folder, {name: line + "\n" for name, line in BAD.items()})
+        write(folder, {"lcp/long.cpp": "\n" * (LONGEST + 1), "lcp/short.cpp": "\n" * LONGEST})
+        found = list(includes(folder))
+        for name, line in BAD.items():
+            if sum(violation.startswith(name + ":1:") for violation in found) != 1:
+                yield f"not reported once: {name} with {line}"
+        if len(found) != len(BAD):
+            yield f"{len(found)} violations instead of {len(BAD)}: {found}"
+        if [violation.split(":")[0] for violation in length(folder)] != ["lcp/long.cpp"]:
+            yield "the long file is not the one reported"
+        subprocess.run(["git", "init", "-q", folder], check=True)
+        subprocess.run(["git", "-C", folder, "add", "ncp/a.hpp"], check=True)
+        if sources(folder) != ["ncp/a.hpp"]:
+            yield "untracked files are looked at"
+        write(folder, {"README.md": "```cpp\nint a;\n```\n", "tests/packaging/consumer/example.cpp": "int a;\n"})
+        yield from readme(folder)
+        write(folder, {"tests/packaging/consumer/example.cpp": "int b;\n"})
+        if not list(readme(folder)):
+            yield "another example is taken for the README's"
+    if shutil.which("clang-format"):
+        with tempfile.TemporaryDirectory() as folder:
+            write(folder, {".clang-format": "BasedOnStyle: Google\n", "a.cpp": "int a ;\n", "b.cpp": "int b;\n"})
+            if [violation.split(":")[0] for violation in format_(folder)] != ["a.cpp"]:
+                yield "the badly formatted file is not the one reported"
+
+
+def main():
+    checks = {**CHECKS, "self-test": self_test}
+    if len(sys.argv) not in (2, 3) or sys.argv[1] not in checks:
+        sys.exit(__doc__)
+    root = sys.argv[2] if len(sys.argv) == 3 else str(Path(__file__).resolve().parent.parent.parent)
+    violations = list(checks[sys.argv[1]](root))
+    print("\n".join(violations), end="\n" if violations else "")
+    return 1 if violations else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

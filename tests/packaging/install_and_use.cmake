@@ -1,0 +1,55 @@
+# Installs the build tree to a temporary prefix, moves it, and builds and runs a project against it: by find_package and
+# by pkg-config. Catches headers that are not installed, exports with paths of the build tree, missing link libraries.
+#   cmake -DBUILD_DIR= -DSOURCE_DIR= -DWORK_DIR= -DLIBDIR= -DCXX= -DCXX_FLAGS= -P install_and_use.cmake
+function(run)
+  execute_process(COMMAND ${ARGN} RESULT_VARIABLE status OUTPUT_VARIABLE output ERROR_VARIABLE output)
+  if(NOT status EQUAL 0)
+    list(JOIN ARGN " " command)
+    message(FATAL_ERROR "failed (${status}): ${command}\n${output}")
+  endif()
+  set(output "${output}" PARENT_SCOPE)
+endfunction()
+
+# Prefix and project in paths with spaces; the prefix is moved, so nothing in it may know where it was installed.
+set(prefix "${WORK_DIR}/pre fix")
+set(consumer_build "${WORK_DIR}/consumer build")
+set(consumer ${SOURCE_DIR}/tests/packaging/consumer)
+set(model ${SOURCE_DIR}/data/models/cournot.nl)
+file(REMOVE_RECURSE "${WORK_DIR}")
+run(${CMAKE_COMMAND} --install ${BUILD_DIR} --prefix "${WORK_DIR}/first")
+file(RENAME "${WORK_DIR}/first" "${prefix}")
+
+run(${CMAKE_COMMAND} -S ${consumer} -B "${consumer_build}" -G Ninja -DCMAKE_BUILD_TYPE=Debug
+  -DCMAKE_PREFIX_PATH=${prefix} -DCMAKE_CXX_COMPILER=${CXX} -DCMAKE_CXX_FLAGS=${CXX_FLAGS})
+run(${CMAKE_COMMAND} --build "${consumer_build}")
+run("${consumer_build}/example")
+if(NOT output MATCHES "x = 0.618034 +1.61803")  # x2 = x1 + 1, the golden ratio
+  message(FATAL_ERROR "the example printed:\n${output}")
+endif()
+run("${consumer_build}/parts" ${model})
+if(NOT output MATCHES "output.hydro. 18")
+  message(FATAL_ERROR "the model's solution is:\n${output}")
+endif()
+
+# The version asked for must be one with the same interface.
+file(WRITE "${WORK_DIR}/next/CMakeLists.txt" "cmake_minimum_required(VERSION 3.25)\nproject(next LANGUAGES CXX)\n"
+  "find_package(perp 0.2 CONFIG QUIET)\nif(perp_FOUND)\n  message(FATAL_ERROR \"0.2 was accepted\")\nendif()\n")
+run(${CMAKE_COMMAND} -S "${WORK_DIR}/next" -B "${WORK_DIR}/next/build" -G Ninja -DCMAKE_PREFIX_PATH=${prefix}
+  -DCMAKE_CXX_COMPILER=${CXX})
+
+find_program(PKG_CONFIG pkg-config)
+if(NOT PKG_CONFIG)
+  message("pkg-config is not installed: perp.pc was not tried")
+  return()
+endif()
+set(ENV{PKG_CONFIG_PATH} "${prefix}/${LIBDIR}/pkgconfig")
+run(${PKG_CONFIG} --cflags --libs perp)
+separate_arguments(flags UNIX_COMMAND "${output}")
+separate_arguments(cxx_flags UNIX_COMMAND "${CXX_FLAGS}")
+run(${CXX} ${cxx_flags} -std=c++20 ${consumer}/parts.cpp -o "${WORK_DIR}/by pkg-config" ${flags}
+  "-Wl,-rpath,${prefix}/${LIBDIR}")
+run("${WORK_DIR}/by pkg-config" ${model})
+if(NOT output MATCHES "output.hydro. 18")
+  message(FATAL_ERROR "the model's solution is:\n${output}")
+endif()
+file(REMOVE_RECURSE "${WORK_DIR}")
