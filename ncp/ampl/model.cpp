@@ -1,0 +1,153 @@
+#include "ncp/ampl/model.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "ncp/ampl/asl_problem.hpp"
+#include "ncp/ampl/names.hpp"
+#include "ncp/ampl/nl_check.hpp"
+#include "ncp/ampl/pairing.hpp"
+#include "ncp/ampl/sol.hpp"
+
+namespace perp::ncp::ampl {
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+std::size_t at(Index i) { return static_cast<std::size_t>(i); }
+
+/// The path without its ".nl".
+std::string stub_of(const std::string& path) { return path.ends_with(".nl") ? path.substr(0, path.size() - 3) : path; }
+
+std::string file_name(const std::string& path) { return path.substr(path.find_last_of('/') + 1); }
+
+SolFormat sol_format(const NlHeader& header) {
+  return {header.binary, header.options, header.tolerance, header.n_con, header.n_var};
+}
+
+AslProblem::Sizes sizes_of(const NlHeader& h) {
+  return {h.n_var, h.n_con, h.n_obj, h.n_cc, h.jacobian_nonzeros, h.defined(), h.binary};
+}
+
+class AslModel final : public Model {
+ public:
+  AslModel(const std::string& stub, const std::string& bytes, NlModel nl)
+      : stub_(stub),
+        nl_(std::move(nl)),
+        names_(stub, nl_.header.n_var, nl_.header.n_con),
+        pairing_(pair(nl_, names_)),
+        jacobian_(map_jacobian(nl_, pairing_)),
+        asl_(stub, std::string_view(bytes).substr(nl_.header.body), sizes_of(nl_.header)),
+        start_(Vec::Zero(pairing_.box.size())),
+        rows_(nl_.rows.size(), 0.0),
+        nonzeros_(at(nl_.header.jacobian_nonzeros), 0.0) {
+    start_.head(n_var()) = Eigen::Map<const Vec>(nl_.start.data(), n_var());
+    all_used_ = std::find(pairing_.used.begin(), pairing_.used.end(), 0) == pairing_.used.end();
+  }
+
+  const Box& box() const override { return pairing_.box; }
+  const SpMat& jacobian_pattern() const override { return jacobian_.pattern; }
+  bool eval(In x, Out F) const override;
+  bool jacobian(In x, SpMat& J) const override;
+
+  std::string name() const override { return file_name(stub_); }
+  std::string variable_name(Index i) const override { return unknown_name(pairing_, names_, nl_.header.n_var, i); }
+  std::string equation_name(Index i) const override {
+    return ampl::equation_name(pairing_, names_, nl_.header.n_var, i);
+  }
+
+  const Vec& start() const override { return start_; }
+  Index n_var() const override { return nl_.header.n_var; }
+  Index side_inequalities() const override { return size() - n_var(); }
+  bool has_objective() const override { return nl_.header.n_obj > 0; }
+  void write_sol(const std::string& message, In x, int solve_result_num) const override;
+
+ private:
+  /// c(x), NaN in the rows known to be undefined. false: rows were left out.
+  bool values_of_rows(In x) const;
+
+  std::string stub_;
+  NlModel nl_;
+  Names names_;
+  Pairing pairing_;
+  JacobianMap jacobian_;
+  AslProblem asl_;
+  Vec start_;
+  bool all_used_ = true;                  // every row takes part in F
+  mutable std::vector<double> rows_;      // c(x); NaN where it is not defined
+  mutable std::vector<double> nonzeros_;  // of c'(x)
+};
+
+bool AslModel::values_of_rows(In x) const {
+  if (asl_.values(x.data(), rows_.data())) return true;
+  const AslProblem::RowByRow outcome = asl_.values_by_row(x.data(), rows_.data());
+  if (outcome.definition >= 0) {
+    std::fill(rows_.begin(), rows_.end(), 0.0);
+    for (int i : nl_.rows_using(outcome.definition)) rows_[at(i)] = nan;
+    return false;
+  }
+  for (std::size_t i = 0; i < rows_.size(); ++i)
+    if (!outcome.defined[i]) rows_[i] = nan;
+  return true;  // an undefined row that is not used does no harm
+}
+
+bool AslModel::eval(In x, Out F) const {
+  bool defined = values_of_rows(x);
+  for (Index u = 0; u < size(); ++u) {
+    const Equation& e = pairing_.equations[at(u)];
+    const double v = e.of_row ? rows_[at(e.index)] : x[e.index];
+    F[u] = e.sign * (v - e.bound) - (e.side ? x[u] : 0.0);
+    if (std::isfinite(F[u])) continue;
+    F[u] = nan;
+    defined = false;
+  }
+  return defined;
+}
+
+bool AslModel::jacobian(In x, SpMat& J) const {
+  if (!asl_.jacobian(x.data(), nonzeros_.data()) &&
+      (all_used_ || !asl_.jacobian_of(pairing_.used, x.data(), nonzeros_.data())))
+    return false;
+  double* values = J.valuePtr();
+  for (std::size_t k = 0; k < jacobian_.entries.size(); ++k) {
+    const JacobianMap::Entry& entry = jacobian_.entries[k];
+    values[k] = entry.nonzero < 0 ? entry.factor : entry.factor * nonzeros_[at(entry.nonzero)];
+    if (!std::isfinite(values[k])) return false;
+  }
+  return true;
+}
+
+void AslModel::write_sol(const std::string& message, In x, int solve_result_num) const {
+  const std::string path = stub_ + ".sol";
+  if (x.size() != n_var())
+    throw ModelError(bad_file, path + ": x has " + std::to_string(x.size()) + " entries, the model has " +
+                                   std::to_string(n_var()) + " variables");
+  for (Index i = 0; i < x.size(); ++i)
+    if (!std::isfinite(x[i])) throw ModelError(bad_file, path + ": " + variable_name(i) + " is " + number(x[i]));
+  write_whole(path, sol_text(sol_format(nl_.header), message, {x.data(), at(x.size())}, solve_result_num));
+}
+
+}  // namespace
+
+std::unique_ptr<Model> read_model(const std::string& path) {
+  const std::string stub = stub_of(path);
+  const std::string file = stub + ".nl";
+  const std::string bytes = read_file(file);
+  return std::make_unique<AslModel>(stub, bytes, check_nl(file, bytes));
+}
+
+void write_failed_sol(const std::string& path, const std::string& message, int solve_result_num) {
+  const std::string stub = stub_of(path);
+  SolFormat format;
+  try {
+    const std::string bytes = read_file(stub + ".nl");
+    NlTokens tokens(stub + ".nl", bytes);
+    format = sol_format(read_header(tokens, bytes.size()));
+  } catch (const ModelError&) {
+    // Text without sizes then: the caller says why in its message.
+  }
+  write_whole(stub + ".sol", sol_text(format, message, {}, solve_result_num));
+}
+
+}  // namespace perp::ncp::ampl

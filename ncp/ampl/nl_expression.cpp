@@ -1,0 +1,280 @@
+#include "ncp/ampl/nl_expression.hpp"
+
+#include <array>
+#include <climits>
+#include <cmath>
+
+namespace perp::ncp::ampl {
+namespace {
+
+enum class Shape : unsigned char {
+  None,             // no such operator
+  Unary,            // numeric
+  Binary,           // numeric
+  IntegerQuotient,  // div: numeric, without derivative
+  Precision,        // (numeric, significant digits), without derivative
+  Rounding,         // round, trunc: (numeric, digits after the point), without derivative
+  MinMax,           // n >= 1 numeric
+  Sum,              // n >= 3 numeric
+  Count,            // n logical -> numeric
+  NumberOf,         // n numeric -> numeric
+  PiecewiseLinear,  // slopes and breakpoints of a variable
+  If,               // logical, numeric, numeric -> numeric
+  Symbolic,         // has strings for values
+  Not,              // logical
+  Connective,       // two logical
+  Comparison,       // two numeric -> logical
+  CountComparison,  // (numeric, Count) -> logical
+  Iterated,         // n >= 3 logical
+  Implication,      // three logical
+  AllDifferent,     // n numeric -> logical
+};
+
+// 76 to 78 and 82 are the library's own variants of others, 79 to 81 leaves; they have no place in a file.
+Shape shape_of(int op) {
+  static constexpr auto table = [] {
+    using enum Shape;
+    std::array<Shape, 76> t{};
+    for (int i : {0, 1, 2, 3, 4, 5, 6, 48}) t[static_cast<std::size_t>(i)] = Binary;
+    for (int i : {13, 14, 15, 16, 37, 38, 39, 40, 41, 42, 43, 44, 45, 46, 47, 49, 50, 51, 52, 53})
+      t[static_cast<std::size_t>(i)] = Unary;
+    for (int i : {11, 12}) t[static_cast<std::size_t>(i)] = MinMax;
+    for (int i : {20, 21, 73}) t[static_cast<std::size_t>(i)] = Connective;
+    for (int i : {22, 23, 24, 28, 29, 30}) t[static_cast<std::size_t>(i)] = Comparison;
+    for (int i : {57, 58}) t[static_cast<std::size_t>(i)] = Rounding;
+    for (int i : {62, 63, 66, 67, 68, 69}) t[static_cast<std::size_t>(i)] = CountComparison;
+    for (int i : {61, 65}) t[static_cast<std::size_t>(i)] = Symbolic;
+    for (int i : {70, 71}) t[static_cast<std::size_t>(i)] = Iterated;
+    for (int i : {74, 75}) t[static_cast<std::size_t>(i)] = AllDifferent;
+    t[34] = Not;
+    t[35] = If;
+    t[54] = Sum;
+    t[55] = IntegerQuotient;
+    t[56] = Precision;
+    t[59] = Count;
+    t[60] = NumberOf;
+    t[64] = PiecewiseLinear;
+    t[72] = Implication;
+    return t;
+  }();
+  return op < static_cast<int>(table.size()) ? table[static_cast<std::size_t>(op)] : Shape::None;
+}
+
+bool is_logical(Shape shape) { return shape >= Shape::Not; }
+
+enum class Want : unsigned char { Numeric, Logical, Count, Precision, Digits };
+
+// The library formats the number into buffers of fixed size.
+constexpr int max_precision = 17;
+constexpr int max_digits = 60;
+
+struct Open {  // an operator whose operands are being read
+  Shape shape;
+  int operand;  // the next one
+  int left;     // still to come
+  bool derivative;
+};
+
+class Walk {
+ public:
+  Walk(NlTokens& tokens, const NlHeader& header, const DefinedVariables& defined, Reader reader, int self,
+       std::vector<Mention>& mentions)
+      : tokens_(tokens), header_(header), defined_(defined), reader_(reader), self_(self), mentions_(mentions) {}
+
+  void run() {
+    do {
+      node();
+      while (!open_.empty() && open_.back().left == 0) open_.pop_back();
+    } while (!open_.empty());
+  }
+
+ private:
+  void node();
+  void operation(Want want, bool derivative);
+  void piecewise_linear(bool derivative);
+  void variable(bool derivative);
+  static Want wanted(const Open& parent);
+  static bool differentiates(const Open& parent);
+  int operands(Shape shape);
+
+  NlTokens& tokens_;
+  const NlHeader& header_;
+  const DefinedVariables& defined_;
+  Reader reader_;
+  int self_;
+  std::vector<Mention>& mentions_;
+  std::vector<Open> open_;
+};
+
+Want Walk::wanted(const Open& parent) {
+  switch (parent.shape) {
+    case Shape::Precision:
+      return parent.operand == 0 ? Want::Numeric : Want::Precision;
+    case Shape::Rounding:
+      return parent.operand == 0 ? Want::Numeric : Want::Digits;
+    case Shape::If:
+      return parent.operand == 0 ? Want::Logical : Want::Numeric;
+    case Shape::CountComparison:
+      return parent.operand == 0 ? Want::Numeric : Want::Count;
+    case Shape::Count:
+    case Shape::Not:
+    case Shape::Connective:
+    case Shape::Iterated:
+    case Shape::Implication:
+      return Want::Logical;
+    default:
+      return Want::Numeric;
+  }
+}
+
+bool Walk::differentiates(const Open& parent) {
+  switch (parent.shape) {
+    case Shape::Unary:
+    case Shape::Binary:
+    case Shape::MinMax:
+    case Shape::Sum:
+      return parent.derivative;
+    case Shape::If:
+      return parent.derivative && parent.operand > 0;
+    default:
+      return false;
+  }
+}
+
+void Walk::node() {
+  Want want = Want::Numeric;
+  bool derivative = true;
+  if (!open_.empty()) {
+    Open& parent = open_.back();
+    want = wanted(parent);
+    derivative = differentiates(parent);
+    ++parent.operand;
+    --parent.left;
+  }
+  const char kind = tokens_.kind();
+  switch (kind) {
+    case 'n':
+    case 'l':
+    case 's': {
+      const double value = tokens_.literal(kind, "a number");
+      if (want == Want::Count) tokens_.fail("expected a count (o59), found a number");
+      const int digits = want == Want::Precision ? max_precision : max_digits;
+      if ((want == Want::Precision || want == Want::Digits) && !(std::abs(value) <= digits))
+        tokens_.fail("number of digits is " + number(value) + ", beyond " + std::to_string(digits));
+      return;
+    }
+    case 'v':
+      if (want != Want::Numeric) tokens_.fail("unexpected variable: a number or an operator belongs here");
+      return variable(derivative);
+    case 'o':
+      return operation(want, derivative);
+    case 'f':
+      tokens_.fail("calls imported function f" + std::to_string(tokens_.integer("function", 0, INT_MAX)) +
+                   ", which no F segment declares");
+    case 'h':
+      tokens_.fail("a string: symbolic expressions are not supported");
+    default:
+      tokens_.fail(std::string("expected an expression (n, v or o), found \"") +
+                   (kind > ' ' && kind <= '~' ? kind : '?') + "\"");
+  }
+}
+
+int Walk::operands(Shape shape) {
+  const auto counted = [&](int at_least) {
+    tokens_.item();
+    const int n = tokens_.integer("number of operands", at_least, INT_MAX);
+    tokens_.close();
+    return n;
+  };
+  switch (shape) {
+    case Shape::Unary:
+    case Shape::Not:
+      return 1;
+    case Shape::If:
+    case Shape::Implication:
+      return 3;
+    case Shape::MinMax:
+    case Shape::AllDifferent:
+      return counted(1);
+    case Shape::Count:  // the library reads past the end of a list of one
+    case Shape::NumberOf:
+      return counted(2);
+    case Shape::Sum:
+    case Shape::Iterated:
+      return counted(3);
+    default:
+      return 2;
+  }
+}
+
+void Walk::operation(Want want, bool derivative) {
+  const int op = tokens_.integer("opcode", 0, INT_MAX);
+  tokens_.close();
+  const auto refuse = [&](const std::string& why) { tokens_.fail("operator o" + std::to_string(op) + why); };
+  const Shape shape = shape_of(op);
+  if (shape == Shape::None) refuse(": there is no such operator");
+  if (shape == Shape::Symbolic) refuse(": symbolic expressions are not supported");
+  if (want == Want::Precision || want == Want::Digits) refuse(": the number of digits has to be a constant");
+  if (want == Want::Count && shape != Shape::Count) refuse(": expected a count (o59)");
+  if (want == Want::Logical && !is_logical(shape)) refuse(" has a number for its value, expected a condition");
+  if (want == Want::Numeric && is_logical(shape)) refuse(" is a condition, expected a number");
+  if (shape == Shape::PiecewiseLinear) return piecewise_linear(derivative);
+  if (open_.size() >= static_cast<std::size_t>(max_depth))
+    tokens_.fail("the expression is nested deeper than " + std::to_string(max_depth) +
+                 " levels (write long sums as o54)");
+  open_.push_back({shape, 0, operands(shape), derivative});
+}
+
+void Walk::piecewise_linear(bool derivative) {
+  tokens_.item();
+  const int slopes = tokens_.integer("number of slopes", 2, INT_MAX);
+  tokens_.close();
+  double last = -INFINITY;
+  for (int i = 0; i < slopes; ++i) {
+    tokens_.literal("slope");
+    if (i + 1 == slopes) break;
+    const double breakpoint = tokens_.literal("breakpoint");
+    if (!(breakpoint > last))
+      tokens_.fail("breakpoint " + number(breakpoint) + " of a piecewise-linear term does not exceed the one before, " +
+                   number(last));
+    last = breakpoint;
+  }
+  if (tokens_.kind() != 'v') tokens_.fail("the argument of a piecewise-linear term (o64) has to be a variable");
+  variable(derivative);
+}
+
+void Walk::variable(bool derivative) {
+  const int index = tokens_.integer("variable", 0, header_.n_var + header_.defined() - 1);
+  tokens_.close();
+  if (index >= header_.n_var) {
+    if (const char* why = defined_.objection(index - header_.n_var, reader_, self_))
+      tokens_.fail("defined variable v" + std::to_string(index) + why);
+  }
+  mentions_.push_back({index, derivative});
+}
+
+}  // namespace
+
+Reader DefinedVariables::group(int number) const {
+  if (number < header_.defined_both) return Reader::Both;
+  if (number < header_.defined_both + header_.defined_con) return Reader::Constraint;
+  if (number < header_.defined_shared()) return Reader::Objective;
+  return number < header_.defined_shared() + header_.defined_con1 ? Reader::Constraint : Reader::Objective;
+}
+
+const char* DefinedVariables::objection(int number, Reader reader, int self) const {
+  if (self >= 0 && number >= self) return " is used in the definition of one that does not come after it";
+  const int seen = seen_[static_cast<std::size_t>(number)];
+  if (seen == 0) return " is used before its V segment";
+  if (group(number) != Reader::Both && group(number) != reader)
+    return group(number) == Reader::Objective ? " is for objectives only" : " is for constraints only";
+  if (seen != shared && seen != row_) return " is for another constraint or objective only";
+  return nullptr;
+}
+
+void check_expression(NlTokens& tokens, const NlHeader& header, const DefinedVariables& defined, Reader reader,
+                      int self, std::vector<Mention>& mentions) {
+  Walk(tokens, header, defined, reader, self, mentions).run();
+}
+
+}  // namespace perp::ncp::ampl

@@ -1,0 +1,53 @@
+#pragma once
+/// The expression trees of an .nl file, checked while they are passed over. The grammar is that of the operators'
+/// opcodes (Gay, "Writing .nl files", table 6) with numeric and logical expressions kept apart; beyond it, only what
+/// AMPL's library evaluates and differentiates correctly is let through.
+#include <vector>
+
+#include "ncp/ampl/nl_header.hpp"
+#include "ncp/ampl/nl_tokens.hpp"
+
+namespace perp::ncp::ampl {
+
+/// Deepest nesting of an expression. AMPL's library recurses: 240 bytes of stack a level when it reads.
+inline constexpr int max_depth = 10000;
+
+/// An expression mentions a variable (index < n_var) or a defined variable (n_var + its number).
+struct Mention {
+  int index = 0;
+  bool derivative = false;  ///< its derivative counts (it does not within conditions, round(), ...)
+};
+
+/// Who reads the expression decides which defined variables it may mention.
+enum class Reader { Both, Constraint, Objective };
+
+/// The defined variables seen so far: what a later expression may mention.
+class DefinedVariables {
+ public:
+  explicit DefinedVariables(const NlHeader& header)
+      : header_(header), seen_(static_cast<std::size_t>(header.defined()), 0) {}
+
+  /// The number of a defined variable (0-based, after the n_var variables) is now defined. Variables of a single row
+  /// belong to the expression that follows them: `end_row` ends their life.
+  void define(int number) {
+    seen_[static_cast<std::size_t>(number)] = number < header_.defined_shared() ? shared : row_;
+  }
+  void end_row() { ++row_; }
+  bool defined(int number) const { return seen_[static_cast<std::size_t>(number)] != 0; }
+  /// Why `number` may not be mentioned by `reader`; nullptr if it may. `self` is the number being defined, or -1.
+  const char* objection(int number, Reader reader, int self) const;
+  /// Which readers the defined variable itself is for.
+  Reader group(int number) const;
+
+ private:
+  static constexpr int shared = 1;
+  const NlHeader& header_;
+  std::vector<int> seen_;
+  int row_ = 2;
+};
+
+/// Passes over one expression. Appends what it mentions.
+void check_expression(NlTokens& tokens, const NlHeader& header, const DefinedVariables& defined, Reader reader,
+                      int self, std::vector<Mention>& mentions);
+
+}  // namespace perp::ncp::ampl

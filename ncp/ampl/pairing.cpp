@@ -1,0 +1,207 @@
+#include "ncp/ampl/pairing.hpp"
+
+#include <algorithm>
+#include <climits>
+#include <cmath>
+
+#include "ncp/ampl/model.hpp"
+
+namespace perp::ncp::ampl {
+namespace {
+
+std::size_t at(Index i) { return static_cast<std::size_t>(i); }
+
+bool is_equation(const NlRange& row) { return row.complement < 0 && row.lower == row.upper; }
+
+std::string interval(const NlRange& r) { return "[" + number(r.lower) + ", " + number(r.upper) + "]"; }
+
+// AMPL's order of variables: nonlinear in both, in constraints only, in objectives only, then linear; within each of
+// the nonlinear groups the integer ones are last, and the linear ones end with the binary and the integer ones.
+int first_integer(const NlHeader& h) {
+  const int both = std::max(h.nonlinear_var_both, 0);
+  if (h.integer_both > 0) return both - h.integer_both;
+  if (h.integer_con > 0) return h.nonlinear_var_con - h.integer_con;
+  if (h.integer_obj > 0) return h.nonlinear_var_obj - h.integer_obj;
+  if (h.binary_var > 0 || h.integer_var > 0) return h.n_var - h.binary_var - h.integer_var;
+  return -1;
+}
+
+void refuse_integers(const NlModel& model, const Names& names) {
+  const NlHeader& h = model.header;
+  const long long count = 0LL + h.binary_var + h.integer_var + h.integer_both + h.integer_con + h.integer_obj;
+  if (count == 0) return;
+  const int first = std::clamp(first_integer(h), 0, h.n_var - 1);
+  throw ModelError(bad_file, model.file + ": the model has " + std::to_string(count) +
+                                 " integer or binary variables, the first is " + names.variable(first) +
+                                 "; a complementarity problem has none");
+}
+
+void refuse_empty_ranges(const NlModel& model, const Names& names) {
+  const auto check = [&](const NlRange& r, const std::string& what) {
+    if (r.lower > r.upper)
+      throw ModelError(inconsistent_bounds, model.at(r.place) + ": inconsistent bounds on " + what + ": lower " +
+                                                number(r.lower) + " > upper " + number(r.upper));
+  };
+  for (std::size_t j = 0; j < model.variables.size(); ++j)
+    check(model.variables[j], "variable " + names.variable(static_cast<int>(j)));
+  for (std::size_t i = 0; i < model.rows.size(); ++i)
+    check(model.rows[i], "constraint " + names.row(static_cast<int>(i)));
+}
+
+// The bounds decide (the AMPL/PATH driver's rule). A kind that names a bound which is infinite changes nothing: such a
+// bound is never active. One that leaves out a finite bound states another condition than the box does.
+void refuse_contradictions(const NlModel& model, const Names& names) {
+  for (std::size_t i = 0; i < model.rows.size(); ++i) {
+    const NlRange& row = model.rows[i];
+    if (row.complement < 0) continue;
+    const NlRange& variable = model.variables[at(row.complement)];
+    const int finite = (std::isfinite(variable.lower) ? 1 : 0) | (std::isfinite(variable.upper) ? 2 : 0);
+    if ((finite & ~row.bounds) == 0) continue;
+    throw ModelError(bad_file, model.at(row.place) + ": constraint " + names.row(static_cast<int>(i)) +
+                                   " complements variable " + names.variable(row.complement) + " with kind " +
+                                   std::to_string(row.bounds) + ", which contradicts the variable's bounds " +
+                                   interval(variable) + " (their kind is " + std::to_string(finite) + ")");
+  }
+}
+
+void refuse_nonsquare(const NlModel& model, const Names& names, const std::vector<char>& complemented) {
+  std::vector<std::string> equations, variables;
+  int conditions = 0;
+  for (std::size_t i = 0; i < model.rows.size(); ++i) {
+    if (model.rows[i].complement >= 0)
+      ++conditions;
+    else if (is_equation(model.rows[i]))
+      equations.push_back(names.row(static_cast<int>(i)));
+  }
+  for (std::size_t j = 0; j < complemented.size(); ++j)
+    if (!complemented[j]) variables.push_back(names.variable(static_cast<int>(j)));
+  if (equations.size() == variables.size()) return;
+  std::string message = model.file + ": the model is not square: " + std::to_string(equations.size()) +
+                        " equations and " + std::to_string(conditions) + " complementarity conditions for " +
+                        std::to_string(complemented.size()) + " variables; ";
+  const auto paired = static_cast<std::ptrdiff_t>(std::min(equations.size(), variables.size()));
+  const bool too_many = equations.size() > variables.size();
+  std::vector<std::string>& longer = too_many ? equations : variables;
+  longer.erase(longer.begin(), longer.begin() + paired);
+  message += (too_many ? "without a variable are the equations " : "without an equation or complement are ") +
+             Names::list(longer);
+  throw ModelError(nonsquare, message);
+}
+
+// Adds an unknown y >= 0 with F_y = sign (v - bound) - y.
+void add_side(Pairing& pairing, std::vector<Equation>& sides, bool of_row, int index, const NlRange& range) {
+  if (of_row && (std::isfinite(range.lower) || std::isfinite(range.upper))) pairing.used[at(index)] = 1;
+  if (std::isfinite(range.lower)) sides.push_back({of_row, index, 1, range.lower, true});
+  if (std::isfinite(range.upper)) sides.push_back({of_row, index, -1, range.upper, true});
+}
+
+bool two_sided(const Pairing& pairing, Index u) {
+  const Equation& e = pairing.equations[at(u)];
+  const auto same = [&](Index v) {
+    return v >= 0 && at(v) < pairing.equations.size() && pairing.equations[at(v)].side &&
+           pairing.equations[at(v)].of_row == e.of_row && pairing.equations[at(v)].index == e.index;
+  };
+  return same(u - 1) || same(u + 1);
+}
+
+std::string side_name(const Pairing& pairing, const Names& names, Index u) {
+  const Equation& e = pairing.equations[at(u)];
+  const char* which = e.of_row && !two_sided(pairing, u) ? "side[" : e.sign > 0 ? "side_lower[" : "side_upper[";
+  return which + (e.of_row ? names.row(e.index) : names.variable(e.index)) + "]";
+}
+
+}  // namespace
+
+Pairing pair(const NlModel& model, const Names& names) {
+  refuse_integers(model, names);
+  refuse_empty_ranges(model, names);
+  refuse_contradictions(model, names);
+  const auto n_var = static_cast<int>(model.variables.size());
+  std::vector<char> complemented(model.variables.size(), 0);
+  for (const NlRange& row : model.rows)
+    if (row.complement >= 0) complemented[at(row.complement)] = 1;
+  refuse_nonsquare(model, names, complemented);
+
+  Pairing pairing;
+  pairing.equations.resize(model.variables.size());
+  pairing.used.assign(model.rows.size(), 0);
+  std::vector<Equation> sides;
+  int next = 0;  // the first variable that may still be without an equation
+  for (std::size_t i = 0; i < model.rows.size(); ++i) {
+    const NlRange& row = model.rows[i];
+    const auto index = static_cast<int>(i);
+    if (row.complement >= 0) {
+      pairing.equations[at(row.complement)] = {true, index, 1, 0, false};
+      pairing.used[i] = 1;
+    } else if (is_equation(row)) {
+      while (complemented[at(next)]) ++next;
+      pairing.equations[at(next++)] = {true, index, 1, row.lower, false};
+      pairing.used[i] = 1;
+    } else {
+      add_side(pairing, sides, true, index, row);
+    }
+  }
+  for (int j = 0; j < n_var; ++j)
+    if (!complemented[at(j)]) add_side(pairing, sides, false, j, model.variables[at(j)]);
+
+  pairing.equations.insert(pairing.equations.end(), sides.begin(), sides.end());
+  pairing.box = Box::free(static_cast<Index>(pairing.equations.size()));
+  for (int j = 0; j < n_var; ++j) {
+    if (!complemented[at(j)]) continue;
+    pairing.box.lower[j] = model.variables[at(j)].lower;
+    pairing.box.upper[j] = model.variables[at(j)].upper;
+  }
+  pairing.box.lower.tail(static_cast<Index>(sides.size())).setZero();
+  return pairing;
+}
+
+JacobianMap map_jacobian(const NlModel& model, const Pairing& pairing) {
+  const auto n = static_cast<Index>(pairing.equations.size());
+  // Where each row's entries are among the nonzeros by columns.
+  std::vector<int> next = model.column_start;
+  std::vector<std::vector<int>> nonzero(model.rows.size());
+  for (std::size_t i = 0; i < model.rows.size(); ++i)
+    for (int j : model.row_variables[i]) nonzero[i].push_back(next[at(j)]++);
+
+  std::vector<std::vector<std::pair<int, JacobianMap::Entry>>> columns(at(n));  // (row, entry), rows ascending
+  long long count = 0;
+  for (Index u = 0; u < n; ++u) {
+    const Equation& e = pairing.equations[at(u)];
+    const auto add = [&](Index column, JacobianMap::Entry entry) {
+      columns[at(column)].emplace_back(static_cast<int>(u), entry);
+      ++count;
+    };
+    if (e.of_row) {
+      const std::vector<int>& variables = model.row_variables[at(e.index)];
+      for (std::size_t k = 0; k < variables.size(); ++k) add(variables[k], {nonzero[at(e.index)][k], e.sign});
+    } else {
+      add(e.index, {-1, e.sign});
+    }
+    if (e.side) add(u, {-1, -1.0});
+  }
+  if (count > INT_MAX) throw ModelError(bad_file, model.file + ": the Jacobian has more than 2^31 - 1 nonzeros");
+
+  JacobianMap map;
+  map.pattern.resize(n, n);
+  map.pattern.reserve(static_cast<Index>(count));
+  map.entries.reserve(static_cast<std::size_t>(count));
+  for (Index j = 0; j < n; ++j) {
+    map.pattern.startVec(j);
+    for (const auto& [row, entry] : columns[at(j)]) {
+      map.pattern.insertBack(row, j) = 1;
+      map.entries.push_back(entry);
+    }
+  }
+  map.pattern.finalize();
+  return map;
+}
+
+std::string unknown_name(const Pairing& pairing, const Names& names, int n_var, Index u) {
+  return u < n_var ? names.variable(static_cast<int>(u)) : side_name(pairing, names, u);
+}
+
+std::string equation_name(const Pairing& pairing, const Names& names, int n_var, Index u) {
+  return u < n_var ? names.row(pairing.equations[at(u)].index) : side_name(pairing, names, u);
+}
+
+}  // namespace perp::ncp::ampl

@@ -1,0 +1,47 @@
+#pragma once
+/// Which row gives which variable's F: the AMPL/PATH convention (see README.md). Every unknown u of the MCP gets
+///     F_u(x, y) = sign_u (v_u(x) - bound_u) - [u is a side inequality] y_u,
+/// where v_u is a row c_i(x) of the model or one of its variables.
+#include <vector>
+
+#include "ncp/ampl/names.hpp"
+#include "ncp/ampl/nl_check.hpp"
+#include "ncp/mcp.hpp"
+
+namespace perp::ncp::ampl {
+
+struct Equation {
+  bool of_row = true;  ///< v = c_index(x); false: v = x_index
+  int index = 0;
+  double sign = 1;
+  double bound = 0;
+  bool side = false;
+};
+
+struct Pairing {
+  Box box;                          ///< n_var + side inequalities
+  std::vector<Equation> equations;  ///< one an unknown
+  std::vector<char> used;           ///< n_con: 0 for free rows, which impose nothing
+};
+
+/// Throws ModelError: integer variables (bad_file), empty ranges (inconsistent_bounds), a complementarity row whose
+/// kind contradicts its variable's bounds (bad_file), a model that is not square (nonsquare).
+Pairing pair(const NlModel& model, const Names& names);
+
+/// The Jacobian of F in terms of the nonzeros of the model's own Jacobian, which come by columns, rows ascending.
+struct JacobianMap {
+  SpMat pattern;
+  /// A value of J is factor * (own nonzero), or factor alone where the entry is constant (nonzero < 0).
+  struct Entry {
+    int nonzero = -1;
+    double factor = 1;
+  };
+  std::vector<Entry> entries;  ///< in the pattern's order
+};
+JacobianMap map_jacobian(const NlModel& model, const Pairing& pairing);
+
+/// Names of an unknown and of its F.
+std::string unknown_name(const Pairing& pairing, const Names& names, int n_var, Index u);
+std::string equation_name(const Pairing& pairing, const Names& names, int n_var, Index u);
+
+}  // namespace perp::ncp::ampl
