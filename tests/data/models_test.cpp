@@ -55,8 +55,8 @@ INSTANTIATE_TEST_SUITE_P(All, DataModels,
                          testing::Combine(testing::Values("energy", "cournot", "harberger", "harberger-benchmark",
                                                           "cases"),
                                           testing::Values("semismooth", "josephy")),
-                         [](const auto& info) {
-                           std::string name = std::get<0>(info.param) + "_" + std::get<1>(info.param);
+                         [](const auto& combination) {
+                           std::string name = std::get<0>(combination.param) + "_" + std::get<1>(combination.param);
                            std::replace(name.begin(), name.end(), '-', '_');
                            return name;
                          });
