@@ -1,7 +1,10 @@
 #include "lcp/affine_mcp.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <sstream>
+#include <stdexcept>
+#include <utility>
 
 namespace perp::lcp {
 
@@ -33,12 +36,18 @@ AffineMcp standard_lcp(SpMat M, Vec q) {
 }
 
 double natural_residual(const AffineMcp& problem, In z) {
-  const Vec F = problem.M * z + problem.q;
-  double worst = 0;
-  for (Index i = 0; i < z.size(); ++i) {
-    const double r = std::abs(z[i] - project(problem.box, i, z[i] - F[i]));
-    if (!(r <= worst)) worst = std::isfinite(r) ? r : infinity;  // a NaN is no small residual
+  if (z.size() != problem.size()) {
+    std::ostringstream what;
+    what << "natural_residual: z has " << z.size() << " entries, the problem " << problem.size();
+    throw std::invalid_argument(what.str());
   }
+  const Vec F = problem.M * z + problem.q;
+  if (!F.allFinite() || !z.allFinite()) return infinity;  // an infinity may project onto a bound
+  double worst = 0;
+  // z - mid(l, z - F, u) = mid(z - u, F, z - l), which does not lose F beside a large z.
+  for (Index i = 0; i < z.size(); ++i)
+    worst =
+        std::max(worst, std::abs(std::min(std::max(F[i], z[i] - problem.box.upper[i]), z[i] - problem.box.lower[i])));
   return worst;
 }
 

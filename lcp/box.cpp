@@ -1,6 +1,6 @@
 #include "lcp/box.hpp"
 
-#include <cmath>
+#include <algorithm>
 #include <sstream>
 
 namespace perp::lcp {
@@ -38,9 +38,10 @@ Vec project(const Box& box, In z) { return z.cwiseMax(box.lower).cwiseMin(box.up
 
 BoundState bound_state(const Box& box, Index i, double z, double tol) {
   if (box.lower[i] == box.upper[i]) return BoundState::Fixed;
-  if (z <= box.lower[i] + tol) return BoundState::AtLower;
-  if (z >= box.upper[i] - tol) return BoundState::AtUpper;
-  return BoundState::Free;
+  const double above_lower = z - box.lower[i];
+  const double below_upper = box.upper[i] - z;
+  if (!(std::min(above_lower, below_upper) <= tol)) return BoundState::Free;
+  return above_lower <= below_upper ? BoundState::AtLower : BoundState::AtUpper;
 }
 
 }  // namespace perp::lcp
