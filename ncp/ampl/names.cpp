@@ -17,7 +17,7 @@ std::vector<std::string> read_lines(const std::string& path, int at_most) {
 
 std::string name(const std::vector<std::string>& names, int i, const char* otherwise) {
   const auto k = static_cast<std::size_t>(i);
-  return k < names.size() && !names[k].empty() ? names[k] : otherwise + ("[" + std::to_string(i + 1) + "]");
+  return k < names.size() && !names[k].empty() ? names[k] : otherwise + std::to_string(i + 1) + "]";
 }
 
 }  // namespace
@@ -25,8 +25,8 @@ std::string name(const std::vector<std::string>& names, int i, const char* other
 Names::Names(const std::string& stub, int n_var, int n_con)
     : variables_(read_lines(stub + ".col", n_var)), rows_(read_lines(stub + ".row", n_con)) {}
 
-std::string Names::variable(int i) const { return name(variables_, i, "_svar"); }
-std::string Names::row(int i) const { return name(rows_, i, "_scon"); }
+std::string Names::variable(int i) const { return name(variables_, i, "_svar["); }
+std::string Names::row(int i) const { return name(rows_, i, "_scon["); }
 
 std::string Names::list(const std::vector<std::string>& names) {
   constexpr std::size_t shown = 5;

@@ -237,6 +237,10 @@ void Walk::piecewise_linear(bool derivative) {
     if (!(breakpoint > last))
       tokens_.fail("breakpoint " + number(breakpoint) + " of a piecewise-linear term does not exceed the one before, " +
                    number(last));
+    if (breakpoint < 0)
+      tokens_.fail(
+          "breakpoint " + number(breakpoint) +
+          " of a piecewise-linear term is negative: AMPL's library evaluates such a term wrongly between it and 0");
     last = breakpoint;
   }
   if (tokens_.kind() != 'v') tokens_.fail("the argument of a piecewise-linear term (o64) has to be a variable");

@@ -1,0 +1,109 @@
+// What is no complementarity problem is refused with AMPL's codes and a message a person can act on.
+#include <sys/stat.h>
+
+#include <climits>
+
+#include "nl_text.hpp"
+
+namespace perp::ncp::ampl {
+namespace {
+
+const std::string two_rows = "C0\nn0\nC1\nn0\nr\n4 1\n4 2\nb\n3\n3\n3\nk2\n2\n3\nJ0 2\n0 1\n1 1\nJ1 2\n0 1\n2 1\n";
+
+TEST(Refusals, NotSquare) {
+  expect_refused(text({.vars = 3, .cons = 2, .eqns = 2, .nonzeros = 4}) + two_rows, nonsquare,
+                 {"not square", "2 equations and 0 complementarity conditions for 3 variables", "_svar[3]"});
+  expect_refused(
+      text({.cons = 2, .eqns = 2, .nonzeros = 2}) + "C0\nn0\nC1\nn0\nr\n4 1\n4 2\nb\n3\nk0\nJ0 1\n0 1\nJ1 1\n0 1\n",
+      nonsquare, {"2 equations", "1 variables", "without a variable are the equations _scon[2]"});
+  EXPECT_EQ(nonsquare, 504);
+}
+
+TEST(Refusals, NotSquareListsFiveNames) {
+  std::string s = text({.vars = 9, .cons = 1, .eqns = 1}) + "C0\nn0\nr\n4 1\nb\n";
+  for (int i = 0; i < 9; ++i) s += "3\n";
+  s += "k8\n";
+  for (int i = 0; i < 8; ++i) s += "1\n";
+  expect_refused(s + "J0 1\n0 1\n", nonsquare, {"_svar[2], _svar[3], _svar[4], _svar[5], _svar[6] and 3 more"});
+}
+
+TEST(Refusals, InconsistentBounds) {
+  expect_refused(text({.cc = 1}) + "C0\nn0\nr\n5 3 1\nb\n0 2 1.5\nk0\nJ0 1\n0 1\n", 200,
+                 {"model.nl:16: ", "variable _svar[1]", "lower 2 > upper 1.5"});
+  expect_refused(text({.cons = 2, .cc = 1, .nonzeros = 2}) +
+                     "C0\nn0\nC1\nn0\nr\n5 1 1\n0 1 -1\nb\n2 0\nk0\nJ0 1\n0 1\nJ1 1\n0 1\n",
+                 200, {"model.nl:17: ", "constraint _scon[2]", "lower 1 > upper -1"});
+}
+
+TEST(Refusals, InconsistentBoundsUseNames) {
+  const TempFolder folder;
+  const std::string path = folder.write("m.nl", text({.cc = 1}) + "C0\nn0\nr\n5 3 1\nb\n0 2 1\nk0\nJ0 1\n0 1\n");
+  folder.write("m.col", "price\n");
+  try {
+    read_model(path);
+    FAIL();
+  } catch (const ModelError& e) {
+    EXPECT_THAT(e.what(), testing::HasSubstr("variable price"));
+  }
+}
+
+// The row says that only a lower bound counts; the box would let F < 0 at the upper one.
+TEST(Refusals, KindThatContradictsTheBounds) {
+  for (const char* r : {"5 0 1", "5 1 1", "5 2 1"}) {
+    expect_refused(text({.cc = 1}) + "C0\nn0\nr\n" + r + "\nb\n0 0 5\nk0\nJ0 1\n0 1\n", bad_file,
+                   {"model.nl:14: ", "_scon[1] complements variable _svar[1]", std::string("kind ") + r[2], "[0, 5]",
+                    "their kind is 3"});
+  }
+}
+
+TEST(Refusals, IntegerVariables) {
+  const std::string body = "C0\nn0\nC1\nn0\nr\n5 1 1\n5 1 2\nb\n2 0\n2 0\nk1\n1\nJ0 1\n0 1\nJ1 1\n1 1\n";
+  const Header h{.vars = 2, .cons = 2, .cc = 2, .nonzeros = 2};
+  Header linear = h;
+  linear.integers = 1;
+  expect_refused(text(linear) + body, bad_file, {"1 integer or binary variables", "_svar[2]"});
+  Header binary = h;
+  binary.discrete = " 2 0 0 0 0";
+  expect_refused(text(binary) + body, bad_file, {"2 integer or binary variables", "_svar[1]"});
+  Header nonlinear_one = h;
+  nonlinear_one.discrete = " 0 0 0 1 0";
+  expect_refused(text(nonlinear_one) + body, bad_file, {"1 integer or binary variables", "_svar[2]"});
+}
+
+TEST(Refusals, ForeignThings) {
+  const std::string body = "C0\nn0\nr\n5 1 1\nb\n2 0\nk0\nJ0 1\n0 1\n";
+  expect_refused(text({.cc = 1, .functions = 1}) + "F0 1 -1 gsl_sf_gamma\n" + body, bad_file,
+                 {"model.nl:11: ", "imported function gsl_sf_gamma"});
+  expect_refused(text({.cc = 1, .functions = 1}) + body, bad_file, {"1 imported functions"});
+  expect_refused(text({.cc = 1, .logical = 1}) + body, bad_file, {"1 logical constraints"});
+  std::string network = text({.cc = 1}) + body;
+  network.replace(network.find("\n 0 0\t# network"), 5, "\n 0 1");
+  expect_refused(network, bad_file, {"network"});
+  std::string arcs = text({.cc = 1}) + body;
+  arcs.replace(arcs.find("\n 0 0 0 1\t# linear network"), 3, "\n 1");
+  expect_refused(arcs, bad_file, {"network"});
+}
+
+void expect_file_refused(const std::string& path, const std::string& part) {
+  try {
+    read_model(path);
+    ADD_FAILURE() << path;
+  } catch (const ModelError& e) {
+    EXPECT_EQ(e.code(), bad_file);
+    EXPECT_THAT(e.what(), testing::AllOf(testing::HasSubstr(".nl: "), testing::HasSubstr(part)));
+  }
+}
+
+TEST(Refusals, FilesThatAreNone) {
+  const TempFolder folder;
+  expect_file_refused(folder.path() + "/absent", "No such file");
+  expect_file_refused(folder.write("empty.nl", ""), "is empty");
+  ASSERT_EQ(mkdir((folder.path() + "/folder.nl").c_str(), 0755), 0);
+  expect_file_refused(folder.path() + "/folder", "is a directory");
+  ASSERT_EQ(mkfifo((folder.path() + "/pipe.nl").c_str(), 0644), 0);
+  expect_file_refused(folder.path() + "/pipe", "not a regular file");
+  expect_file_refused("/dev/null.nl", "No such file");
+}
+
+}  // namespace
+}  // namespace perp::ncp::ampl
