@@ -35,6 +35,9 @@ class BasisFactor {
   /// Puts column q of A at position p of the basis; `ftran_of_q` = B^-1 a_q.
   [[nodiscard]] Update replace(Index p, Index q, In ftran_of_q);
 
+  /// SparseLu::rcond() of the basis at the last factor().
+  double rcond() const { return lu_.rcond(); }
+
   int updates() const { return static_cast<int>(etas_.size()); }  ///< since the last factor()
   bool stale() const;                                             ///< refactor now: length or fill
   int factorizations() const { return factorizations_; }

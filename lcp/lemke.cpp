@@ -50,7 +50,8 @@ class Path {
   bool advance(PivotResult& result, const Vec& d);
   void enter(Index p, const Vec& d);
   void cross(Index i, double direction);
-  void polish();
+  bool back_at_start(PivotResult& result) const;
+  double polish();
   PivotResult finish(PivotResult result);
   std::optional<PivotEnd> limit(const PivotResult& result) const;
 
@@ -64,6 +65,8 @@ class Path {
   SpMat A_;  // [M, I, r]
   BasisFactor factor_;
   std::vector<Index> head_;
+  std::vector<Cell> start_;
+  Index away_ = 0;    // how many unknowns are in another cell than at the start
   Index driver_ = 0;  // the unknown that is not basic
   double direction_ = 1;
   bool distrusted_ = false;  // the last update was unstable or refused: factor afresh before the next solve
@@ -195,6 +198,8 @@ bool Path::drive(Vec& d) {
 /// Ratio test and move. False at the end of the path: t = 1, or a ray.
 bool Path::advance(PivotResult& result, const Vec& d) {
   const double smallest = options_.pivot_tol * std::max(1.0, d.lpNorm<::Eigen::Infinity>());
+  // t = 1 is the end: no basis has to be built on its pivot, however small.
+  const auto moves = [&](Index i, double rate) { return std::abs(rate) > (i == n_ ? 0 : smallest); };
   const auto room = [&](Index i, double rate) {  // how far unknown i may go at this rate, without tolerance
     const double bound = rate > 0 ? high(i) : low(i);
     return std::isinf(bound) ? infinity : std::max(0.0, rate > 0 ? bound - value(i) : value(i) - bound);
@@ -203,8 +208,8 @@ bool Path::advance(PivotResult& result, const Vec& d) {
   double longest = infinity;
   for (Index p = 0; p < n_; ++p) {
     const double rate = -direction_ * d[p];
-    if (std::abs(rate) <= smallest) continue;
     const Index i = head_[static_cast<std::size_t>(p)];
+    if (!moves(i, rate)) continue;
     const double r = room(i, rate);
     if (std::isinf(r)) continue;
     const double bound = rate > 0 ? high(i) : low(i);
@@ -215,8 +220,8 @@ bool Path::advance(PivotResult& result, const Vec& d) {
   double step = infinity;
   for (Index p = 0; p < n_; ++p) {
     const double rate = -direction_ * d[p];
-    if (std::abs(rate) <= smallest) continue;
     const Index i = head_[static_cast<std::size_t>(p)];
+    if (!moves(i, rate)) continue;
     const double ratio = room(i, rate) / std::abs(rate);
     if (ratio > longest) continue;
     if (leaving < 0 || i == n_ ||
@@ -246,7 +251,7 @@ bool Path::advance(PivotResult& result, const Vec& d) {
       return false;
     }
     cross(driver_, direction_);
-    return true;
+    return !back_at_start(result);
   }
   const Index blocking = head_[static_cast<std::size_t>(leaving)];
   const double onward = -direction_ * d[leaving] > 0 ? 1 : -1;
@@ -256,6 +261,12 @@ bool Path::advance(PivotResult& result, const Vec& d) {
   direction_ = onward;
   if (blocking == n_) return false;
   cross(blocking, onward);
+  return !back_at_start(result);
+}
+
+bool Path::back_at_start(PivotResult& result) const {
+  if (away_ > 0) return false;
+  result.end = PivotEnd::Loop;
   return true;
 }
 
@@ -268,6 +279,8 @@ void Path::enter(Index p, const Vec& d) {
 /// x_i passes from its cell into the next one in its direction.
 void Path::cross(Index i, double direction) {
   Cell& cell = cell_[static_cast<std::size_t>(i)];
+  const Cell home = start_[static_cast<std::size_t>(i)];
+  if (cell == home) ++away_;
   if (cell == Cell::Inside) {
     x_[i] = direction > 0 ? problem_.box.upper[i] : problem_.box.lower[i];
     cell = direction > 0 ? Cell::Above : Cell::Below;
@@ -275,6 +288,7 @@ void Path::cross(Index i, double direction) {
     x_[i] = cell == Cell::Below ? problem_.box.lower[i] : problem_.box.upper[i];
     cell = Cell::Inside;
   }
+  if (cell == home) --away_;
 }
 
 std::optional<PivotEnd> Path::limit(const PivotResult& result) const {
@@ -285,9 +299,9 @@ std::optional<PivotEnd> Path::limit(const PivotResult& result) const {
 }
 
 /// At t = 1: the zero of the last linear piece from a fresh factorization, if it is better than the point carried
-/// along.
-void Path::polish() {
-  if (factor_cells() != LuStatus::Ok) return;
+/// along. Returns the reciprocal condition of that piece.
+double Path::polish() {
+  if (factor_cells() != LuStatus::Ok) return 0;
   Vec y(n_);
   Vec correction(n_);
   const Vec rhs = constant();
@@ -297,17 +311,18 @@ void Path::polish() {
     if (x.allFinite() &&
         natural_residual(problem_, project(problem_.box, x)) < natural_residual(problem_, project(problem_.box, x_)))
       x_ = x;
+  return factor_.rcond();
 }
 
 /// Fills in the point reached and judges it.
 PivotResult Path::finish(PivotResult result) {
   const bool at_end = t_ == 1 && result.end != PivotEnd::Ray;
-  if (at_end) polish();
+  if (at_end) result.rcond = polish();
   result.x = x_;
   result.z = project(problem_.box, x_);
   result.t = t_;
   result.residual = natural_residual(problem_, result.z);
-  const double scale = 1 + problem_.q.lpNorm<::Eigen::Infinity>() + (n_ > 0 ? result.z.lpNorm<::Eigen::Infinity>() : 0);
+  const double scale = 1 + problem_.q.lpNorm<::Eigen::Infinity>();
   const bool right = result.residual <= options_.residual_tol * scale;
   if (right)
     result.end = PivotEnd::Solved;
@@ -324,9 +339,10 @@ PivotResult Path::finish(PivotResult result) {
 PivotResult Path::follow() {
   PivotResult result;
   choose_cells(options_.start == LemkeStart::Ray);
+  start_ = cell_;
   if (options_.start == LemkeStart::Regular) perturb();
   result.best_x = x_;
-  if (factor_cells() != LuStatus::Ok) {
+  if (factor_cells() != LuStatus::Ok || factor_.rcond() < options_.singular_rcond) {
     result.end = PivotEnd::SingularBasis;
     return finish(std::move(result));
   }
@@ -362,6 +378,8 @@ std::string_view to_string(PivotEnd end) {
       return "solved";
     case PivotEnd::Ray:
       return "ray";
+    case PivotEnd::Loop:
+      return "loop";
     case PivotEnd::SingularBasis:
       return "singular basis";
     case PivotEnd::PivotLimit:

@@ -25,8 +25,9 @@
 namespace perp::lcp {
 
 enum class PivotEnd {
-  Solved,         ///< natural residual <= residual_tol x scale of the problem
+  Solved,         ///< natural residual <= residual_tol (1 + ||q||_inf)
   Ray,            ///< the path is unbounded: z + s `ray` stays on it for all s >= 0
+  Loop,           ///< the path came back to the start: the component through it is closed and holds no solution
   SingularBasis,  ///< the start cell's matrix is singular, or a basis on the way is numerically so
   PivotLimit,
   TimeLimit,
@@ -43,13 +44,14 @@ enum class LemkeStart {
 struct LemkeOptions {
   LemkeStart start = LemkeStart::Regular;
   int max_pivots = 100'000;
-  double residual_tol = 1e-9;  ///< on the natural residual, relative to 1 + ||q||_inf + ||z||_inf
+  double residual_tol = 1e-9;  ///< on the natural residual, relative to 1 + ||q||_inf
   double pivot_tol = 1e-9;     ///< smallest pivot, relative to the largest entry of the pivot column
   double feasibility_tol =
       1e-9;  ///< Harris: how far, relative to 1 + |bound|, a variable may overstep its bound in a ratio test
-  double perturbation = 1e-7;  ///< of the start, relative to 1 + |x_i|; 0 keeps the start as it is
-  unsigned seed = 1;           ///< of the perturbation and of the covering vector
-  bool keep_path = false;      ///< fill PivotResult::path (n doubles a pivot)
+  double perturbation = 1e-7;     ///< of the start, relative to 1 + |x_i|; 0 keeps the start as it is
+  unsigned seed = 1;              ///< of the perturbation and of the covering vector
+  double singular_rcond = 1e-15;  ///< a start cell whose matrix has a smaller rcond() counts as singular
+  bool keep_path = false;         ///< fill PivotResult::path (n doubles a pivot)
   BasisOptions basis{};
   /// Polled at every pivot: true ends the run as Interrupted.
   std::function<bool()> interrupted{};
@@ -70,6 +72,7 @@ struct PivotResult {
   double best_t = 0;  ///< largest t met, at best_x
   Vec best_x;
   double residual = 0;  ///< natural residual of z
+  double rcond = 0;     ///< SparseLu::rcond() of the matrix of the last linear piece; 0 if t = 1 was not reached
   int pivots = 0;
   int refactorizations = 0;
   std::vector<Breakpoint> path;  ///< every kink from the start on, if keep_path
@@ -77,8 +80,9 @@ struct PivotResult {
 };
 
 /// Follows the path from `start` (any point of R^n: outside the box it means the cell beyond the bound).
-/// Throws std::invalid_argument if the problem or the start is malformed. Terminates for every M in exact arithmetic;
-/// from a Ray start it finds a solution if M is copositive-plus and the problem is feasible, or a P-matrix (LCP).
+/// Throws std::invalid_argument if the problem or the start is malformed. Terminates for every M in exact arithmetic:
+/// a path through a cell with nonsingular matrix is one segment there, so it ends or comes back to the start (Loop).
+/// From a Ray start it finds a solution if M is copositive-plus and the problem is feasible, or a P-matrix (LCP).
 PivotResult lemke(const AffineMcp& problem, In start, const LemkeOptions& options = {});
 
 }  // namespace perp::lcp

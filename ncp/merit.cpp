@@ -31,6 +31,28 @@ void linearise(const CFunction& c, const Box& box, const Point& point, Linearisa
   combine(out.at, point.J, out.H);
   out.gradient = out.H.transpose() * out.at.Phi;
   out.merit = 0.5 * out.at.Phi.squaredNorm();
+  out.stationarity = 0;
+  for (Index j = 0; j < n; ++j) {
+    double size = std::abs(out.at.Da[j] * out.at.Phi[j]);
+    for (SpMat::InnerIterator it(point.J, j); it; ++it)
+      size += std::abs(out.at.Db[it.row()] * it.value() * out.at.Phi[it.row()]);
+    if (size > 0) out.stationarity = std::max(out.stationarity, std::abs(out.gradient[j]) / size);
+  }
+}
+
+Vec Linearisation::cauchy_step() const {
+  const double curvature = (H * gradient).squaredNorm();
+  const double length = curvature > 0 ? gradient.squaredNorm() / curvature : 1;
+  return -(std::isfinite(length) ? length : 1) * gradient;
+}
+
+bool Stall::stalled(double merit) {
+  best_ = std::min(best_, merit);
+  if (best_ < factor * mark_) {
+    mark_ = best_;
+    since_ = 0;
+  }
+  return ++since_ > window;
 }
 
 double merit(const CFunction& c, const Box& box, In x, In F) {

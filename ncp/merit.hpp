@@ -13,6 +13,10 @@ struct Linearisation {
   SpMat H;
   Vec gradient;
   double merit = 0;
+  /// max_j |gradient_j| / sum_i (|Da_j| [i = j] + |Db_i J_ij|) |Phi_i|: 0 at stationary points, 1 without cancellation.
+  double stationarity = 0;
+  /// The minimiser of ||Phi + H d|| along d = -gradient.
+  Vec cauchy_step() const;
 };
 /// At kinks the element of the B-subdifferential is the one along a generic h > 0: x + s h meets no kink for small s >
 /// 0 (De Luca, Facchinei & Kanzow 1996, section 7, with h_i = 1 at degenerate indices).
@@ -31,6 +35,19 @@ class Memory {
  private:
   std::size_t size_;
   std::vector<double> last_;
+};
+
+/// Tells a run that gets nowhere: the best merit has not fallen by `factor` within `window` iterations.
+class Stall {
+ public:
+  bool stalled(double merit);
+
+ private:
+  static constexpr int window = 60;
+  static constexpr double factor = 0.99;
+  double best_ = infinity;
+  double mark_ = infinity;  // best_ at the begin of the window
+  int since_ = 0;
 };
 
 /// t with  psi(x + t d) <= reference + sigma t slope,  F and J defined there, over t = 1, beta, beta^2, ...; the point

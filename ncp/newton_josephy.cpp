@@ -87,6 +87,9 @@ constexpr double prox_first = 1e-6;
 constexpr double prox_growth = 100;
 constexpr int prox_tries = 5;
 
+/// A path that ends before t = 1 is worth following if it came so far; shorter ones hold a run where it is.
+constexpr double partial_path = 0.1;
+
 double size_of(const SpMat& J) {
   return J.rows() == 0 ? 1 : std::max(1e-8, J.norm() / std::sqrt(static_cast<double>(J.rows())));
 }
@@ -102,6 +105,7 @@ Result run_newton_josephy(const Mcp& mcp, In x0, const NewtonJosephy& method, co
   Linearisation descent;
   Subproblems subproblems(run, method);
   Memory memory(method.search.memory);
+  Stall stall;
   Iteration it{.k = 0, .kind = 'I'};
   it.merit = merit(fb, run.box(), point.x, point.F);
   memory.push(it.merit);
@@ -109,6 +113,11 @@ Result run_newton_josephy(const Mcp& mcp, In x0, const NewtonJosephy& method, co
 
   while (run.go_on(point, it)) {
     linearise(fb, run.box(), point, descent);
+    if (stall.stalled(descent.merit)) {
+      run.end(Status::NoProgress, "the Fischer-Burmeister merit function has stopped falling",
+              "try another start, or --method semismooth");
+      break;
+    }
     it = {.k = it.k + 1};
     int undefined = 0;
     SearchOutcome found;
@@ -120,7 +129,7 @@ Result run_newton_josephy(const Mcp& mcp, In x0, const NewtonJosephy& method, co
       const bool solved = step.path.solved();
       const Vec end = solved ? step.path.z : lcp::project(run.box(), step.path.best_x);
       const Vec d = end - point.x;
-      if (solved || step.path.best_t > 0) {
+      if (solved || step.path.best_t >= partial_path) {
         // Armijo's slope of a Newton step on Psi = 1/2 ||Phi||^2 is -2 Psi, of the part t of the way -2 t Psi.
         const double slope = -2 * descent.merit * (solved ? 1 : step.path.best_t);
         found = line_search(run, fb, method.search, d, slope, memory.reference(), true, point);
@@ -135,7 +144,7 @@ Result run_newton_josephy(const Mcp& mcp, In x0, const NewtonJosephy& method, co
     const bool stopped = Subproblems::stopped(step.path);
     bool full_step = found.found && found.t == 1 && step.path.solved();
     if (!found.found && !stopped) {
-      const Vec d = lcp::project(run.box(), point.x - descent.gradient) - point.x;
+      const Vec d = lcp::project(run.box(), point.x + descent.cauchy_step()) - point.x;
       found = line_search(run, fb, method.search, d, descent.gradient.dot(d), memory.reference(), true, point);
       it.kind = 'G';
       it.prox = 0;

@@ -21,7 +21,9 @@ Observer print_table(std::ostream& out, const Mcp& mcp) {
       std::snprintf(line, sizeof line, " %7.1e %4c %6s  ", it.step, it.kind, "");
     else
       std::snprintf(line, sizeof line, " %7.1e %4c %6.0e  ", it.step, it.kind, it.prox);
-    out << line << (it.worst >= 0 ? "(" + mcp.equation_name(it.worst) + ")" : "") << '\n';
+    out << line;
+    if (it.worst >= 0) out << '(' << mcp.equation_name(it.worst) << ')';
+    out << '\n';
     previous = it;
     return Next::Continue;
   };

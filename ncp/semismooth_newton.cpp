@@ -57,7 +57,7 @@ class Directions {
     return out.d.allFinite();
   }
 
-  static Direction gradient(const Vec& g) { return {.d = -g, .kind = 'G', .nu = 0}; }
+  static Direction gradient(const Linearisation& lin) { return {.d = lin.cauchy_step(), .kind = 'G', .nu = 0}; }
 
   bool descends(const Vec& gradient, const Vec& d) const {
     return gradient.dot(d) <= -method_.descent_rho * std::pow(d.norm(), method_.descent_p);
@@ -74,6 +74,9 @@ class Directions {
 constexpr double lm_growth = 1e3;
 constexpr int lm_tries = 4;
 
+/// A gradient smaller than this, relative to the terms it is the sum of, is zero.
+constexpr double stationary_tol = 1e-9;
+
 }  // namespace
 
 Result run_semismooth_newton(const Mcp& mcp, In x0, const SemismoothNewton& method, const Observer& observer) {
@@ -87,6 +90,7 @@ Result run_semismooth_newton(const Mcp& mcp, In x0, const SemismoothNewton& meth
   Linearisation descent;
   Directions directions(run, method);
   Memory memory(method.search.memory);
+  Stall stall;
   Iteration it{.k = 0, .kind = 'I'};
   it.merit = merit(smooth, run.box(), point.x, point.F);
   memory.push(it.merit);
@@ -98,10 +102,12 @@ Result run_semismooth_newton(const Mcp& mcp, In x0, const SemismoothNewton& meth
     else
       linearise(smooth, run.box(), point, descent);
     const Vec& g = descent.gradient;
-    if (g.lpNorm<Eigen::Infinity>() <= 1e-14 * (1 + std::sqrt(2 * descent.merit))) {
-      run.end(Status::StationaryPoint,
-              "the gradient of the merit function 1/2 ||Phi||^2 (" + smooth.name + ") vanishes where F is no solution",
-              "try another start or method: this one cannot leave a local minimum of its merit function");
+    if (const bool stationary = descent.stationarity <= stationary_tol; stationary || stall.stalled(descent.merit)) {
+      run.end(stationary ? Status::StationaryPoint : Status::NoProgress,
+              stationary
+                  ? "a stationary point of the merit function 1/2 ||Phi||^2 (" + smooth.name + ") that is no solution"
+                  : "the merit function 1/2 ||Phi||^2 (" + smooth.name + ") has stopped falling",
+              "try another start, or --method josephy: this method cannot leave a local minimum of its merit function");
       break;
     }
 
@@ -124,7 +130,7 @@ Result run_semismooth_newton(const Mcp& mcp, In x0, const SemismoothNewton& meth
                 std::max(1e-8, 1e-6 * descent.H.squaredNorm() / static_cast<double>(mcp.size()));
     for (int i = 0; i < lm_tries && !done; ++i, nu *= lm_growth)
       done = directions.levenberg_marquardt(descent, nu, direction) && g.dot(direction.d) < 0 && search(direction);
-    if (!done) done = search(Directions::gradient(g));
+    if (!done) done = search(Directions::gradient(descent));
     if (!done) {
       run.end(undefined > 0 ? Status::EvaluationFailed : Status::NoProgress,
               undefined > 0 ? "F or its Jacobian is not defined at any trial point, however short the step"

@@ -33,7 +33,7 @@ struct Stop {
 struct Armijo {
   double sigma = 1e-4;
   double beta = 0.5;
-  int max_backtracks = 40;
+  int max_backtracks = 25;  ///< shorter Newton steps than beta^25 lead nowhere: the next kind of direction is tried
   int memory = 5;
 };
 
