@@ -206,7 +206,12 @@ AslProblem::RowByRow AslProblem::values_by_row(const double* x, double* c) const
     fine = evaluate_guarded(asl, [=](fint* error) { c[i] = asl->p.Conival(asl, i, point, error); });
     result.defined[static_cast<std::size_t>(i)] = fine ? 1 : 0;
   }
-  if (asl->i.cv_index_ > 0) result.definition = asl->i.cv_index_ - 1;
+  if (const int index = asl->i.cv_index_; index > 0) {
+    // Counted from 1; the library adds the number of shared ones twice to those of a single row.
+    const int shared = asl->i.ncom0_;
+    result.definition = index > shared ? index - shared - 1 : index - 1;
+    result.evaluated = false;
+  }
   forget_x(asl);
   return result;
 }

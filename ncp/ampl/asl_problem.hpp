@@ -31,7 +31,8 @@ class AslProblem {
   /// What `values` cannot say: evaluates the rows one by one.
   struct RowByRow {
     std::vector<char> defined;  ///< n_con
-    int definition = -1;        ///< the defined variable that has no value, if that is the reason; no row is evaluated
+    bool evaluated = true;      ///< false: a defined variable has no value, so that no row was evaluated
+    int definition = -1;        ///< its number then
   };
   RowByRow values_by_row(const double* x, double* c) const;
   /// As `jacobian`, for the rows marked only; the nonzeros of others stay.

@@ -82,9 +82,10 @@ class AslModel final : public Model {
 bool AslModel::values_of_rows(In x) const {
   if (asl_.values(x.data(), rows_.data())) return true;
   const AslProblem::RowByRow outcome = asl_.values_by_row(x.data(), rows_.data());
-  if (outcome.definition >= 0) {
+  if (!outcome.evaluated) {
     std::fill(rows_.begin(), rows_.end(), 0.0);
-    for (int i : nl_.rows_using(outcome.definition)) rows_[at(i)] = nan;
+    if (outcome.definition < nl_.header.defined())
+      for (int i : nl_.rows_using(outcome.definition)) rows_[at(i)] = nan;
     return false;
   }
   for (std::size_t i = 0; i < rows_.size(); ++i)

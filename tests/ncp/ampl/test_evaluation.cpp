@@ -142,6 +142,20 @@ TEST(Evaluation, UndefinedDefinedVariable) {
   }
 }
 
+// The same for defined variables of a single row, whose numbers the library counts differently.
+TEST(Evaluation, UndefinedDefinedVariableOfOneRow) {
+  // v2 = x0 (shared), v3 = x1 (shared), v4 = v2 + 1 (row 0), v5 = log(v3) (row 1); F0 = v4, F1 = v5.
+  const auto m = read_text(text({.vars = 2, .cons = 2, .cc = 2, .nonzeros = 2, .con = 2, .con1 = 2}) +
+                           "V2 0 0\nv0\nV3 0 0\nv1\nV4 0 1\no0\nv2\nn1\nC0\nv4\nV5 0 2\no43\nv3\nC1\nv5\n"
+                           "r\n5 0 1\n5 0 2\nb\n3\n3\nk1\n1\nJ0 1\n0 0\nJ1 1\n1 0\n");
+  Vec F(2);
+  EXPECT_TRUE(m->eval(Vec{{1, 1}}, F));
+  EXPECT_EQ(F, (Vec{{2, 0}}));
+  EXPECT_FALSE(m->eval(Vec{{1, -1}}, F));
+  EXPECT_FALSE(isnan(F[0]));
+  EXPECT_TRUE(isnan(F[1]));
+}
+
 // A free row imposes nothing, not even that it has a value.
 TEST(Evaluation, UndefinedFreeRow) {
   const auto m = read_text(text({.cons = 2, .eqns = 1, .nonzeros = 2}) +

@@ -69,7 +69,7 @@ std::vector<std::string> records(const std::string& content) {
 template <class T>
 std::vector<T> unpack(const std::string& bytes, std::size_t from = 0) {
   std::vector<T> values((bytes.size() - from) / sizeof(T));
-  std::memcpy(values.data(), bytes.data() + from, values.size() * sizeof(T));
+  if (!values.empty()) std::memcpy(values.data(), bytes.data() + from, values.size() * sizeof(T));
   return values;
 }
 
