@@ -10,18 +10,18 @@
 namespace perp::ncp {
 
 struct Iteration {
-  int k = 0;            ///< 0 is the start
-  double residual = 0;  ///< natural residual of the iterate projected onto the box
-  Index worst = -1;     ///< index where it is largest
-  double merit = 0;     ///< the method's own merit function
-  double step = 0;      ///< step length t in (0, 1]; 0 at the start
-  double prox = 0;      ///< proximal or Levenberg-Marquardt parameter of the step; 0 if none
-  int pivots = 0;       ///< of this iteration
-  int backtracks = 0;   ///< of this iteration
-  int F_evals = 0;      ///< so far
-  int J_evals = 0;      ///< so far
-  char kind =
-      ' ';  ///< of the step: I start, N Newton, L Levenberg-Marquardt, G gradient, R ray/partial path, P proximal
+  int k = 0;               ///< 0 is the start
+  double residual = 0;     ///< natural residual of the iterate projected onto the box
+  Index worst = -1;        ///< index where it is largest
+  double merit = 0;        ///< the method's own merit function
+  double step = 0;         ///< step length t in (0, 1]; 0 at the start
+  double prox = 0;         ///< proximal or Levenberg-Marquardt parameter of the step; 0 if none
+  int pivots = 0;          ///< of this iteration
+  int backtracks = 0;      ///< of this iteration
+  int F_evals = 0;         ///< so far
+  int J_evals = 0;         ///< so far
+  char kind = ' ';         ///< of the step: I start, N Newton, L Levenberg-Marquardt, G gradient, R ray/partial path, P
+                           ///< proximal, E proximal escape
   const Vec* x = nullptr;  ///< the iterate; only during the call
 };
 

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "ncp/methods.hpp"
+#include "ncp/proximal.hpp"
 
 namespace perp::ncp {
 namespace {
@@ -48,6 +49,23 @@ std::optional<std::string> invalid(const lcp::LemkeOptions& l) {
   return std::nullopt;
 }
 
+std::optional<std::string> invalid(const Escape& e) {
+  if (e.rounds < 0) return bad("escape.rounds", e.rounds, "at least 0");
+  if (!(e.lambda > 0)) return bad("escape.lambda", e.lambda, "positive");
+  return std::nullopt;
+}
+
+Result run(const Mcp& mcp, In x0, const Method& method, const Observer& observer) {
+  return std::visit(Overloaded{[&](const SemismoothNewton& m) { return run_semismooth_newton(mcp, x0, m, observer); },
+                               [&](const NewtonJosephy& m) { return run_newton_josephy(mcp, x0, m, observer); }},
+                    method);
+}
+
+bool stuck(const Result& result) {
+  return result.status == Status::StationaryPoint || result.status == Status::NoProgress ||
+         result.status == Status::SubproblemFailed;
+}
+
 /// A derivative that does not match is the most frequent reason of a failure, and the hardest to see.
 void blame_derivatives(const Mcp& mcp, Result& result) {
   constexpr Index columns = 50;
@@ -81,10 +99,12 @@ std::optional<std::string> invalid(const Method& method) {
                                  if (!m.cfunction.at) return "cfunction has no function";
                                  if (!(m.descent_rho > 0)) return bad("descent_rho", m.descent_rho, "positive");
                                  if (!(m.descent_p > 2)) return bad("descent_p", m.descent_p, "greater than 2");
+                                 if (auto why = invalid(m.escape)) return why;
                                  return invalid(m.search);
                                },
                                [](const NewtonJosephy& m) -> std::optional<std::string> {
                                  if (auto why = invalid(m.search)) return why;
+                                 if (auto why = invalid(m.escape)) return why;
                                  return invalid(m.lemke);
                                }},
                     method);
@@ -97,14 +117,12 @@ Result solve(const Mcp& mcp, In x0, const Method& method, const Observer& observ
     if (const JacobianCheck check = check_jacobian(mcp, lcp::project(mcp.box(), x0)); check.defined)
       if (const std::string mismatch = describe(mcp, check); !mismatch.empty())
         throw std::invalid_argument(mcp.name() + ": " + mismatch);
-  Result result =
-      std::visit(Overloaded{[&](const SemismoothNewton& m) { return run_semismooth_newton(mcp, x0, m, observer); },
-                            [&](const NewtonJosephy& m) { return run_newton_josephy(mcp, x0, m, observer); }},
-                 method);
-  const bool stuck = result.status == Status::StationaryPoint || result.status == Status::NoProgress ||
-                     result.status == Status::IterationLimit || result.status == Status::SubproblemFailed ||
-                     result.status == Status::LinearAlgebraFailed;
-  if (stuck) blame_derivatives(mcp, result);
+  Result result = run(mcp, x0, method, observer);
+  const Escape& escape = std::visit([](const auto& m) -> const Escape& { return m.escape; }, method);
+  if (stuck(result) && escape.rounds > 0)
+    result = proximal_escape(mcp, method, escape, std::move(result), run, observer);
+  if (stuck(result) || result.status == Status::IterationLimit || result.status == Status::LinearAlgebraFailed)
+    blame_derivatives(mcp, result);
   return result;
 }
 

@@ -37,6 +37,14 @@ struct Armijo {
   int memory = 5;
 };
 
+/// What to do where a method is stuck (StationaryPoint, NoProgress, SubproblemFailed) at xbar: solve F(x) + lambda (x -
+/// xbar), go on from its solution, and so on, until the method reaches a solution of F from there (Billups & Ferris
+/// 1997).
+struct Escape {
+  int rounds = 20;    ///< 0: stay stuck
+  double lambda = 2;  ///< lambda in units of sqrt(||J||_1 ||J||_inf), a bound of ||J(xbar)||_2: above 1 it is monotone
+};
+
 /// x+ = x + t d,  H d = -Phi(x),  H in the B-subdifferential of Phi  (De Luca, Facchinei & Kanzow 1996, Math. Prog.
 /// 75). Levenberg-Marquardt steps (H'H + nu I) d = -H'Phi where H is singular or d is no descent direction, gradient
 /// steps where those fail too. Converges q-quadratically to R-regular solutions; every accumulation point is stationary
@@ -47,6 +55,7 @@ struct SemismoothNewton {
   Armijo search{};
   double descent_rho = 1e-9;  ///< a Newton direction needs  grad psi . d <= -rho ||d||^p
   double descent_p = 2.1;
+  Escape escape{};
   lcp::LuBackend lu = lcp::LuBackend::Umfpack;
 };
 
@@ -55,6 +64,7 @@ struct SemismoothNewton {
 struct NewtonJosephy {
   Stop stop{};
   Armijo search{};
+  Escape escape{};
   lcp::LemkeOptions lemke{};
 };
 

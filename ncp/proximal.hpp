@@ -1,0 +1,35 @@
+#pragma once
+/// The proximal perturbation of an MCP and the escape from local minima built on it; private to ncp/.
+#include "ncp/result.hpp"
+#include "ncp/solve.hpp"
+
+namespace perp::ncp {
+
+/// MCP(l, u, F(x) + lambda (x - c)): for lambda large enough its function is strongly monotone around c.
+class ProximalMcp final : public Mcp {
+ public:
+  ProximalMcp(const Mcp& base, double lambda, Vec center);
+  const Box& box() const override { return base_.box(); }
+  const SpMat& jacobian_pattern() const override { return pattern_; }
+  bool eval(In x, Out F) const override;
+  bool jacobian(In x, SpMat& J) const override;
+  std::string name() const override { return base_.name(); }
+  std::string variable_name(Index i) const override { return base_.variable_name(i); }
+  std::string equation_name(Index i) const override { return base_.equation_name(i); }
+
+ private:
+  const Mcp& base_;
+  double lambda_;
+  Vec center_;
+  SpMat pattern_;  // base's with the whole diagonal
+};
+
+using RunMethod = std::function<Result(const Mcp&, In x0, const Method&, const Observer&)>;
+
+/// Proximal escape (Billups & Ferris 1997, QPCOMP; Billups 1995): where the base method is stuck at xbar, solve
+/// F(x) + lambda (x - xbar), move xbar to its solution, and try the base method from there; repeat. xbar follows
+/// xdot = -F(x) in the box, uphill in the merit function if need be. `stuck` is what the base method answered.
+Result proximal_escape(const Mcp& mcp, const Method& method, const Escape& escape, Result stuck, const RunMethod& run,
+                       const Observer& observer);
+
+}  // namespace perp::ncp
