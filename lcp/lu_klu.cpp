@@ -41,11 +41,16 @@ class Klu final : public LuLibrary {
   void solve(const SpMat& A, In b, Out x, bool transposed) const override {
     x = b;
     const int n = static_cast<int>(A.rows());
-    klu_common common = common_;  // solves may run in two threads
+    // Solves may run in two threads: each has its own status, and its own copy of the head of the factors with a
+    // workspace of its own - KLU's is one per factorization.
+    klu_common common = common_;
+    klu_numeric numeric = *numeric_;
+    Vec workspace(4 * A.rows());
+    numeric.Xwork = workspace.data();
     if (transposed)
-      klu_tsolve(symbolic_, numeric_, n, 1, x.data(), &common);
+      klu_tsolve(symbolic_, &numeric, n, 1, x.data(), &common);
     else
-      klu_solve(symbolic_, numeric_, n, 1, x.data(), &common);
+      klu_solve(symbolic_, &numeric, n, 1, x.data(), &common);
   }
 
  private:

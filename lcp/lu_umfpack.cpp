@@ -54,8 +54,11 @@ class Umfpack final : public LuLibrary {
 
   void solve(const SpMat& A, In b, Out x, bool transposed) const override {
     std::array<double, UMFPACK_INFO> info{};  // not the member: solves may run in two threads
-    umfpack_di_solve(transposed ? UMFPACK_At : UMFPACK_A, A.outerIndexPtr(), A.innerIndexPtr(), A.valuePtr(), x.data(),
-                     b.data(), numeric_.get(), control_.data(), info.data());
+    // umfpack_di_solve would allocate these, and leave x as it is where it cannot. Sizes: without refinement.
+    ::Eigen::VectorXi integers(A.rows());
+    Vec numbers(A.rows());
+    umfpack_di_wsolve(transposed ? UMFPACK_At : UMFPACK_A, A.outerIndexPtr(), A.innerIndexPtr(), A.valuePtr(), x.data(),
+                      b.data(), numeric_.get(), control_.data(), info.data(), integers.data(), numbers.data());
   }
 
  private:

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <new>
 #include <sstream>
 #include <stdexcept>
 
@@ -70,9 +71,8 @@ struct SparseLu::Impl {
   int analyses = 0;
   LuStatus status = LuStatus::Singular;
 
-  void require_factors() const {
-    if (status != LuStatus::Ok) throw std::logic_error("SparseLu: solve without a successful factor()");
-  }
+  LuStatus factor(const SpMat& matrix);
+  void solve(In b, Out x, bool transposed) const;
 };
 
 SparseLu::SparseLu(LuBackend backend) : impl_(std::make_unique<Impl>(backend)) {}
@@ -90,35 +90,53 @@ LuStatus SparseLu::factor(const SpMat& A) {
     throw std::invalid_argument(what.str());
   }
   Impl& s = *impl_;
-  if (!A.isCompressed()) {
-    SpMat compressed = A;
+  try {
+    s.status = s.factor(A);
+  } catch (const std::bad_alloc&) {
+    s.analyzed = false;
+    s.status = LuStatus::OutOfMemory;
+  }
+  return s.status;
+}
+
+LuStatus SparseLu::Impl::factor(const SpMat& matrix) {
+  if (!matrix.isCompressed()) {
+    SpMat compressed = matrix;
     compressed.makeCompressed();
     return factor(compressed);
   }
-  s.status = LuStatus::NotFinite;
-  const double* values = A.valuePtr();
-  if (!std::all_of(values, values + A.nonZeros(), [](double v) { return std::isfinite(v); })) return s.status;
-  const bool known = s.analyzed && same_pattern(A, s.A);
-  s.A = A;
-  if (A.rows() == 0) return s.status = LuStatus::Ok;
-  if (!known) {
-    s.status = s.library->analyze(A);
-    s.analyzed = s.status == LuStatus::Ok;
-    ++s.analyses;
-    if (!s.analyzed) return s.status;
+  const double* values = matrix.valuePtr();
+  if (!std::all_of(values, values + matrix.nonZeros(), [](double v) { return std::isfinite(v); }))
+    return LuStatus::NotFinite;
+  const bool known = analyzed && same_pattern(matrix, A);
+  A = matrix;
+  if (A.rows() == 0) return LuStatus::Ok;
+  if (A.nonZeros() < A.rows()) {  // an empty column; and KLU refuses a matrix without entries as malformed
+    analyzed = false;
+    return LuStatus::Singular;
   }
-  return s.status = s.library->factor(A);
+  if (!known) {
+    ++analyses;
+    const LuStatus answer = library->analyze(A);
+    analyzed = answer == LuStatus::Ok;
+    if (!analyzed) return answer;
+  }
+  return library->factor(A);
 }
 
-void SparseLu::solve(In b, Out x) const {
-  impl_->require_factors();
-  if (size() > 0) impl_->library->solve(impl_->A, b, x, false);
+void SparseLu::Impl::solve(In b, Out x, bool transposed) const {
+  if (status != LuStatus::Ok) throw std::logic_error("SparseLu: solve without a successful factor()");
+  if (b.size() != A.rows() || x.size() != A.rows()) {
+    std::ostringstream what;
+    what << "SparseLu: the matrix has " << A.rows() << " rows, b " << b.size() << ", x " << x.size();
+    throw std::invalid_argument(what.str());
+  }
+  if (A.rows() > 0) library->solve(A, b, x, transposed);
 }
 
-void SparseLu::solve_transposed(In b, Out x) const {
-  impl_->require_factors();
-  if (size() > 0) impl_->library->solve(impl_->A, b, x, true);
-}
+void SparseLu::solve(In b, Out x) const { impl_->solve(b, x, false); }
+
+void SparseLu::solve_transposed(In b, Out x) const { impl_->solve(b, x, true); }
 
 void SparseLu::solve_refined(In b, Out x, int steps) const {
   solve(b, x);
