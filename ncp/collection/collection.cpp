@@ -1,0 +1,94 @@
+#include "ncp/collection/collection.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <numeric>
+#include <utility>
+
+#include "ncp/collection/problems.hpp"
+
+namespace perp::ncp::collection {
+
+namespace {
+
+constexpr std::array table{
+    Entry{"hydroc06", "chemical", 29, "Fletcher's hydrocarbon column, 6 stages, in More 1990",
+          "free variables; temperatures of 100 beside fractions of 0.01; exponentials", hydroc06},
+    Entry{"methan08", "chemical", 31, "Fletcher's methanol column, 8 stages, in More 1990",
+          "free variables; flows of 1000 beside fractions; exponentials", methan08},
+    Entry{"kehoe", "economics", 10, "Kehoe 1985, Quart. J. Econ. 100, 119-147",
+          "three equilibria, the middle one unstable; free and fixed variables; poles at p = 0", kehoe},
+    Entry{"mathiesen", "economics", 4, "Mathiesen 1987, Math. Prog. 37, 1-18; parameters (.9, 5, 3)",
+          "a ray of solutions, the Jacobian singular at each of them", mathiesen},
+    Entry{"choi", "games", 14, "Choi, DeSarbo & Harker 1990, Management Science 36, 175-199",
+          "dense and costly; not monotone; one variable fixed", choi},
+    Entry{"nash10", "games", 10, "Harker's ten firms, after Murphy, Sherali & Soyster 1982",
+          "powers: not defined for q < 0, infinite slopes at q = 0", nash10},
+    Entry{"tinloi42", "mechanics", 42, "Tin-Loi & Tseng 2003, Comput. Methods Appl. Mech. Engrg. 192, 1377-1388",
+          "an LCP with two solutions and a matrix of no helpful class", tinloi42},
+    Entry{"billups", "tiny", 1, "Billups 1995, Univ. of Wisconsin-Madison, PhD thesis",
+          "merit functions have a local minimum near 0 that is no solution", billups},
+    Entry{"colvdual", "tiny", 20, "Colville 1968, problem 2 (HS117); KKT system",
+          "not monotone; stationary points of the merit function; degenerate steps", colvdual},
+    Entry{"colvnlp", "tiny", 15, "Colville 1968, problem 1 (HS86); KKT system",
+          "many constraints change between active and not", colvnlp},
+    Entry{"hs34-kkt", "tiny", 5, "Hock & Schittkowski 1981, problem 34; KKT system",
+          "an upper bound is active with F < 0; exponential of an exponential", hs34_kkt},
+    Entry{"hs35-kkt", "tiny", 4, "Hock & Schittkowski 1981, problem 35 (Beale); KKT system",
+          "not hard: a convex quadratic program every method must solve", hs35_kkt},
+    Entry{"hs76-kkt", "tiny", 7, "Hock & Schittkowski 1981, problem 76; KKT system",
+          "not hard: a convex quadratic program with inactive constraints", hs76_kkt},
+    Entry{"josephy", "tiny", 4, "Josephy 1979, Univ. of Wisconsin-Madison, MRC report 1965",
+          "a linearised problem without solution at some starts; not monotone", josephy},
+    Entry{"kojshin", "tiny", 4, "Kojima & Shindo 1986, J. Oper. Res. Soc. Japan 29, 352-374",
+          "two solutions, one degenerate", kojshin},
+    Entry{"munson1", "tiny", 3, "Munson 2000, Univ. of Wisconsin-Madison, PhD thesis",
+          "a linear P-matrix problem where some merit functions mislead", munson1},
+    Entry{"watson4", "tiny", 5, "Watson 1979, SIAM J. Control Optim. 17, 36-46, problem 4",
+          "exp of a sum of squares: overflows far away", watson4},
+};
+
+constexpr auto order = [](const Entry& entry) { return std::pair(entry.problem_class, entry.name); };
+static_assert(std::ranges::is_sorted(table, {}, order));
+
+/// Levenshtein's distance, case ignored.
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+  const auto lower = [](char letter) { return std::tolower(static_cast<unsigned char>(letter)); };
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    std::size_t diagonal = std::exchange(row[0], i + 1);
+    for (std::size_t j = 0; j < b.size(); ++j) {
+      const std::size_t replaced = diagonal + (lower(a[i]) == lower(b[j]) ? 0 : 1);
+      diagonal = row[j + 1];
+      row[j + 1] = std::min({replaced, diagonal + 1, row[j] + 1});
+    }
+  }
+  return row.back();
+}
+
+}  // namespace
+
+std::span<const Entry> entries() { return table; }
+
+const Entry* find(std::string_view name) {
+  const auto found = std::ranges::find(table, name, &Entry::name);
+  return found == table.end() ? nullptr : &*found;
+}
+
+std::vector<std::string_view> similar(std::string_view name) {
+  std::vector<std::pair<std::size_t, std::string_view>> close;
+  for (const Entry& entry : table) {
+    const std::size_t distance = edit_distance(name, entry.name);
+    const bool prefix = name.size() >= 2 && entry.name.starts_with(name);
+    if (prefix || distance <= std::max<std::size_t>(1, entry.name.size() / 3))
+      close.emplace_back(prefix ? 0 : distance, entry.name);
+  }
+  std::ranges::sort(close);
+  std::vector<std::string_view> names;
+  for (const auto& [distance, candidate] : close) names.push_back(candidate);
+  return names;
+}
+
+}  // namespace perp::ncp::collection

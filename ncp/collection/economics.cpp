@@ -1,0 +1,83 @@
+/// General economic equilibria: activity levels y _|_ losses, prices p _|_ excess supplies, incomes.
+#include <array>
+
+#include "ncp/collection/build.hpp"
+#include "ncp/collection/problems.hpp"
+
+namespace perp::ncp::collection {
+
+/// Mathiesen 1987, an exchange economy with one activity, z = (y, p1, p2, p3), parameters alpha, b2, b3:
+///     -p1 + p2 + p3,                                  y - alpha (b2 p2 + b3 p3) / p1,
+///     b2 - y - (1 - alpha) (b2 p2 + b3 p3) / p2,      b3 - y,
+/// y >= 0, p >= 1e-6. F is homogeneous of degree 0 in p up to the scale of F1: with p every s p solves, s > 0, and F'
+/// is singular at each of them. With (.9, 5, 3) the solutions are y = 3, p = s (6, 1, 5).
+Problem mathiesen() {
+  Problem p;
+  const Box box{vec({0, 1e-6, 1e-6, 1e-6}), Vec::Constant(4, infinity)};
+  p.mcp = make_problem({"mathiesen", box, joined({{"y"}, indexed("p", 3)})}, [](const auto& z, auto& F) {
+    const auto &y = z[0], &p1 = z[1], &p2 = z[2], &p3 = z[3];
+    if (!(value(p1) > 0 && value(p2) > 0)) return false;
+    constexpr double alpha = 0.9, b2 = 5, b3 = 3;
+    const auto income = b2 * p2 + b3 * p3;
+    F[0] = -p1 + p2 + p3;
+    F[1] = y - alpha * income / p1;
+    F[2] = b2 - y - (1 - alpha) * income / p2;
+    F[3] = b3 - y;
+    return true;
+  });
+  p.starts = {Vec::Ones(4)};
+  p.solutions = {{"p1 = 6", vec({3, 6, 1, 5}), 0},
+                 {"p1 = 1", vec({3, 1, 1. / 6, 5. / 6}), 1e-15},
+                 {"p1 + p2 + p3 = 1", vec({3, 1. / 2, 1. / 12, 5. / 12}), 1e-15}};
+  return p;
+}
+
+namespace {
+
+constexpr int goods = 4, sectors = 2, consumers = 4;
+constexpr std::array<double, 4> endowment{5, 5, 40, 40};  // consumer c owns so much of good c and nothing else
+constexpr double share[goods][consumers] = {
+    {.52, .86, .5, .06}, {.4, .1, .2, .25}, {.04, .02, .2975, .0025}, {.04, .02, .0025, .6875}};
+constexpr double activity[goods][sectors] = {{6, -1}, {-1, 3}, {-4, -1}, {-1, -1}};
+
+}  // namespace
+
+/// Kehoe 1985, four goods, two activities a, four consumers with Cobb-Douglas shares alpha (by good) and endowments e,
+/// z = (y, p, h) with incomes h free, p1 = 1 fixed, p2..p4 >= 1e-4:
+///     F_y = -a'p,   F_p(g) = sum_c e_gc + (a y)_g - sum_c alpha_gc h_c / p_g,   F_h(c) = h_c - sum_g p_g e_gc.
+Problem kehoe() {
+  Problem p;
+  Box box{Vec::Zero(10), Vec::Constant(10, infinity)};
+  box.lower.segment(2, 4) = vec({1, 1e-4, 1e-4, 1e-4});
+  box.upper[2] = 1;
+  box.lower.tail(4).setConstant(-infinity);
+  const Names variables = joined({indexed("y", sectors), indexed("p", goods), indexed("h", consumers)});
+  const Names equations = joined({indexed("loss", sectors), indexed("market", goods), indexed("income", consumers)});
+  p.mcp = make_problem({"kehoe", box, variables, equations}, [](const auto& z, auto& F) {
+    const auto y = z.first(sectors), prices = z.subspan(sectors, goods), h = z.last(consumers);
+    for (int s = 0; s < sectors; ++s) {
+      F[s] = 0;
+      for (int g = 0; g < goods; ++g) F[s] -= activity[g][s] * prices[g];
+    }
+    for (int g = 0; g < goods; ++g) {
+      if (!(value(prices[g]) > 0)) return false;
+      Number<decltype(z)> spent = 0;
+      for (int c = 0; c < consumers; ++c) spent += share[g][c] * h[c];
+      F[sectors + g] = endowment[g] - spent / prices[g];
+      for (int s = 0; s < sectors; ++s) F[sectors + g] += activity[g][s] * y[s];
+    }
+    for (int c = 0; c < consumers; ++c) F[sectors + goods + c] = h[c] - prices[c] * endowment[c];
+    return true;
+  });
+  // Prices 1, no production, the incomes that go with them; and all ones.
+  p.starts = {vec({0, 0, 1, 1, 1, 1, 5, 5, 40, 40}), Vec::Ones(10)};
+  const auto equilibrium = [](double y1, double y2, double p2, double p3, double p4) {
+    return vec({y1, y2, 1, p2, p3, p4, 5, 5 * p2, 40 * p3, 40 * p4});
+  };
+  p.solutions = {{"Kehoe 1: p = 1", equilibrium(5.2, 6.9, 1, 1, 1), 1e-15},
+                 {"Kehoe 2", equilibrium(5.31801325, 6.51481515, .90864086, 1.12181218, .6041104), 1e-6},
+                 {"Kehoe 3", equilibrium(4.27012831, 8.11980347, 1.56816437, .24244751, 3.46204559), 1e-6}};
+  return p;
+}
+
+}  // namespace perp::ncp::collection

@@ -1,0 +1,33 @@
+#pragma once
+/// The makers behind entries(), one a problem; formulas and sources stand with their definitions. Private to the
+/// collection.
+#include "ncp/collection/collection.hpp"
+
+namespace perp::ncp::collection {
+
+// tiny.cpp
+Problem kojshin();
+Problem josephy();
+Problem munson1();
+Problem billups();
+Problem watson4();
+// kkt.cpp
+Problem hs34_kkt();
+Problem hs35_kkt();
+Problem hs76_kkt();
+Problem colvnlp();
+Problem colvdual();
+// economics.cpp
+Problem mathiesen();
+Problem kehoe();
+// games.cpp
+Problem nash10();
+// choi.cpp
+Problem choi();
+// distillation.cpp
+Problem hydroc06();
+Problem methan08();
+// tinloi.cpp
+Problem tinloi42();
+
+}  // namespace perp::ncp::collection
