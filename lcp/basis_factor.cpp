@@ -1,9 +1,27 @@
 #include "lcp/basis_factor.hpp"
 
 #include <cmath>
+#include <sstream>
 #include <stdexcept>
 
 namespace perp::lcp {
+namespace {
+
+void require_size(const char* what, Index size, Index rows) {
+  if (size == rows) return;
+  std::ostringstream message;
+  message << "BasisFactor: " << what << " has " << size << " entries, not one for each of " << rows << " rows";
+  throw std::invalid_argument(message.str());
+}
+
+void require_below(const char* what, Index i, Index limit) {
+  if (i >= 0 && i < limit) return;
+  std::ostringstream message;
+  message << "BasisFactor: " << what << ' ' << i << " is none of the " << limit << " there are";
+  throw std::invalid_argument(message.str());
+}
+
+}  // namespace
 
 BasisFactor::BasisFactor(const SpMat& A, BasisOptions options) : A_(&A), options_(options), lu_(options.lu) {
   if (A.cols() < A.rows()) throw std::invalid_argument("BasisFactor: fewer columns than rows");
@@ -11,7 +29,8 @@ BasisFactor::BasisFactor(const SpMat& A, BasisOptions options) : A_(&A), options
 
 LuStatus BasisFactor::factor(std::span<const Index> basis) {
   const Index n = A_->rows();
-  if (static_cast<Index>(basis.size()) != n) throw std::invalid_argument("BasisFactor: a basis has one column a row");
+  require_size("the basis", static_cast<Index>(basis.size()), n);
+  for (const Index j : basis) require_below("column", j, A_->cols());
   basis_.assign(basis.begin(), basis.end());
   etas_.clear();
   eta_entries_ = 0;
@@ -40,6 +59,7 @@ void BasisFactor::ftran(In b, Out x) const {
 }
 
 void BasisFactor::btran(In b, Out x) const {
+  require_size("b", b.size(), A_->rows());
   Vec y = b;
   for (auto eta = etas_.rbegin(); eta != etas_.rend(); ++eta) {
     double sum = y[eta->p];
@@ -50,9 +70,13 @@ void BasisFactor::btran(In b, Out x) const {
 }
 
 BasisFactor::Update BasisFactor::replace(Index p, Index q, In ftran_of_q) {
+  require_below("position", p, A_->rows());
+  require_below("column", q, A_->cols());
+  require_size("ftran_of_q", ftran_of_q.size(), A_->rows());
+  if (!ftran_of_q.allFinite()) return Update::Singular;  // the norm below may pass over a NaN
   const double largest = ftran_of_q.lpNorm<::Eigen::Infinity>();
   const double pivot = ftran_of_q[p];
-  if (!(std::abs(pivot) > options_.singular_tol * largest) || !std::isfinite(largest)) return Update::Singular;
+  if (!(std::abs(pivot) > options_.singular_tol * largest)) return Update::Singular;
   Eta eta{.p = p, .pivot = pivot, .rows = {}, .values = {}};
   for (Index i = 0; i < ftran_of_q.size(); ++i)
     if (i != p && ftran_of_q[i] != 0) {
