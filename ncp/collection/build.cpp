@@ -1,5 +1,7 @@
 #include "ncp/collection/build.hpp"
 
+#include <stdexcept>
+
 namespace perp::ncp::collection {
 
 std::string element(std::string letter, const std::string& place) {
@@ -48,6 +50,17 @@ Functions functions_of(Shape shape) {
   made.variable_names = std::move(shape.variables);
   made.equation_names = std::move(shape.equations);
   return made;
+}
+
+void require_at_least(std::string_view problem, std::string_view argument, Index value, Index least) {
+  if (value >= least) return;
+  throw std::invalid_argument(std::string(problem)
+                                  .append(": ")
+                                  .append(argument)
+                                  .append(" is ")
+                                  .append(std::to_string(value))
+                                  .append("; it must be at least ")
+                                  .append(std::to_string(least)));
 }
 
 bool all_finite(In values) { return values.allFinite(); }

@@ -43,6 +43,9 @@ Functions functions_of(Shape shape);
 /// Are all values finite?
 bool all_finite(In values);
 
+/// Throws std::invalid_argument, naming problem, argument and value, if value < least.
+void require_at_least(std::string_view problem, std::string_view argument, Index value, Index least);
+
 /// F(x) = M x + q.
 std::unique_ptr<Mcp> make_affine(Shape shape, const SpMat& M, const Vec& q);
 

@@ -74,9 +74,14 @@ Problem kehoe() {
   const auto equilibrium = [](double y1, double y2, double p2, double p3, double p4) {
     return vec({y1, y2, 1, p2, p3, p4, 5, 5 * p2, 40 * p3, 40 * p4});
   };
-  p.solutions = {{"Kehoe 1: p = 1", equilibrium(5.2, 6.9, 1, 1, 1), 1e-15},
-                 {"Kehoe 2", equilibrium(5.31801325, 6.51481515, .90864086, 1.12181218, .6041104), 1e-6},
-                 {"Kehoe 3", equilibrium(4.27012831, 8.11980347, 1.56816437, .24244751, 3.46204559), 1e-6}};
+  p.solutions = {
+      {"Kehoe 1: p = 1", equilibrium(5.2, 6.9, 1, 1, 1), 1e-15},
+      {"Kehoe 2",
+       equilibrium(5.3180132497870662, 6.514815149060321, .9086408621452301, 1.1218121838063599, .60411040262933036),
+       1e-12},
+      {"Kehoe 3",
+       equilibrium(4.2701283145309654, 8.1198034676171282, 1.5681643660527573, .24244751192965674, 3.4620455862286157),
+       1e-12}};
   return p;
 }
 

@@ -117,8 +117,19 @@ Problem hs76_kkt() {
   return p;
 }
 
+namespace {
+
+/// The solution of HS86; HS117 has y = lambda, x = w = x.
+Vec colville_x() { return vec({.3, .33346760653460711, .4, .42831010478169879, .22396487356079811}); }
+Vec colville_lambda() {
+  return vec({0, 0, 5.1740407276981735, 0, 3.0611086877584506, 11.839545664800733, 0, 0, .1038961907706156, 0});
+}
+
+}  // namespace
+
 /// HS86: min e'x + x'Cx + d'x^3, A x >= b, x >= 0, with z = (x, lambda):
 ///     F_x = e + 2 C x + 3 d . x^2 - A' lambda,     F_lambda = A x - b.
+/// Strictly convex where x > 0; four constraints with independent gradients are active: one solution.
 Problem colvnlp() {
   Problem p;
   p.mcp = make_problem({"colvnlp", Box::nonnegative(15), kkt_names(5, 10)}, [](const auto& z, auto& F) {
@@ -130,10 +141,8 @@ Problem colvnlp() {
   Vec feasible = Vec::Zero(15);
   feasible[4] = 1;
   p.starts = {Vec::Zero(15), Vec::Ones(15), feasible};
-  p.solutions = {
-      {"Colville 1",
-       vec({.3, .33346761, .4, .4283101, .22396487, 0, 0, 5.17404073, 0, 3.06110869, 11.83954566, 0, 0, .10389619, 0}),
-       1e-8}};
+  p.solutions = {{"Colville 1", joined({colville_x(), colville_lambda()}), 1e-14}};
+  p.solutions_complete = true;
   return p;
 }
 
@@ -158,10 +167,7 @@ Problem colvdual() {
   hs117[6] = 60;
   hs117.tail(columns).setZero();
   p.starts = {hs117, Vec::Ones(20)};
-  p.solutions = {{"Colville 2",
-                  vec({0,         0,  5.17404073, 0,         3.06110869, 11.83954566, 0,  0,        .10389619, 0, .3,
-                       .33346761, .4, .4283101,   .22396487, .3,         .33346761,   .4, .4283101, .22396487}),
-                  1e-8}};
+  p.solutions = {{"Colville 2", joined({colville_lambda(), colville_x(), colville_x()}), 1e-14}};
   return p;
 }
 

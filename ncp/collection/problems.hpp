@@ -29,5 +29,7 @@ Problem hydroc06();
 Problem methan08();
 // tinloi.cpp
 Problem tinloi42();
+// lcps.cpp
+Problem cottle4();
 
 }  // namespace perp::ncp::collection
