@@ -38,7 +38,7 @@ class AslModel final : public Model {
         names_(stub, nl_.header.n_var, nl_.header.n_con),
         pairing_(pair(nl_, names_)),
         jacobian_(map_jacobian(nl_, pairing_)),
-        asl_(stub, std::string_view(bytes).substr(nl_.header.body), sizes_of(nl_.header)),
+        asl_(stub, nl_.segments(bytes), sizes_of(nl_.header)),
         start_(Vec::Zero(pairing_.box.size())),
         rows_(nl_.rows.size(), 0.0),
         nonzeros_(at(nl_.header.jacobian_nonzeros), 0.0) {

@@ -19,6 +19,7 @@ class Segments {
         header_(model.header),
         defined_(header_),
         row_place_(at(header_.n_con), 0),
+        row_anchor_(at(header_.n_con), 0),
         has_gradient_(at(header_.n_obj), 0),
         has_objective_(at(header_.n_obj), 0),
         has_jacobian_(at(header_.n_con), 0),
@@ -55,7 +56,8 @@ class Segments {
   NlModel& model_;
   const NlHeader& header_;
   DefinedVariables defined_;
-  std::vector<Place> row_place_;  // of the C segment; 0: none yet
+  std::vector<Place> row_place_;         // of the C segment; 0: none yet
+  std::vector<std::size_t> row_anchor_;  // where its expression begins if it needs an anchor, else 0
   std::vector<char> has_gradient_, has_objective_, has_jacobian_;
   std::vector<int> column_count_;
   std::vector<int> last_row_;  // the last row to name the variable in its J segment
@@ -115,7 +117,12 @@ void Segments::constraint() {
   if (row_place_[at(row)] != 0) tokens_.fail("second segment C" + std::to_string(row));
   row_place_[at(row)] = tokens_.place();
   tokens_.close();
-  check_expression(tokens_, header_, defined_, Reader::Constraint, -1, model_.mentions[at(row)]);
+  const std::size_t begin = tokens_.offset();
+  std::vector<Mention>& mentions = model_.mentions[at(row)];
+  const ExpressionKind kind = check_expression(tokens_, header_, defined_, Reader::Constraint, -1, mentions);
+  // The library starts the derivative of a row at the last thing it read that has one: not that of a lone variable,
+  // and that of a definition before a row without derivative.
+  if ((kind.nodes == 1 && !mentions.empty()) || (owner_ != 0 && !kind.derivative)) row_anchor_[at(row)] = begin;
   defined_.end_row();
   owner_ = 0;
   expressions_ = true;
@@ -157,8 +164,11 @@ void Segments::defined_variable() {
     tokens_.real("coefficient");
     tokens_.close();
   }
-  check_expression(tokens_, header_, defined_, defined_.group(self), self, mentions);
-  defined_.define(self);
+  const std::size_t begin = tokens_.offset();
+  const ExpressionKind kind = check_expression(tokens_, header_, defined_, defined_.group(self), self, mentions);
+  // Beside some expressions without derivative the library forgets that of the linear terms.
+  if (terms > 0 && !kind.derivative && kind.nodes > 1) model_.anchors.push_back({begin, mentions.front().index});
+  defined_.define(self, terms > 0 || kind.derivative);
 }
 
 void Segments::function() {
@@ -338,6 +348,12 @@ void Segments::finish() {
                  " Jacobian nonzeros, the J segments have " + std::to_string(nonzeros_));
   check_columns();
   check_mentions();
+  // A row that lists no variable has no derivatives to go astray.
+  for (std::size_t i = 0; i < row_anchor_.size(); ++i)
+    if (row_anchor_[i] != 0 && !model_.row_variables[i].empty())
+      model_.anchors.push_back({row_anchor_[i], model_.row_variables[i].front()});
+  std::sort(model_.anchors.begin(), model_.anchors.end(),
+            [](const NlAnchor& a, const NlAnchor& b) { return a.offset < b.offset; });
 }
 
 void Segments::check_columns() const {
@@ -378,6 +394,27 @@ void Segments::check_mentions() const {
 
 std::string NlModel::at(Place place) const {
   return header.binary ? file + ": byte " + std::to_string(place) : file + ":" + std::to_string(place);
+}
+
+std::string NlModel::segments(std::string_view bytes) const {
+  std::string result;
+  const auto integer = [&](char kind, int value) {
+    result += kind;
+    if (header.binary)
+      result.append(reinterpret_cast<const char*>(&value), sizeof value);
+    else
+      result.append(std::to_string(value)).append("\n");
+  };
+  std::size_t from = header.body;
+  for (const NlAnchor& anchor : anchors) {
+    result.append(bytes.substr(from, anchor.offset - from));
+    integer('o', 0);  // plus
+    integer('o', 2);  // times
+    integer('l', 0);
+    integer('v', anchor.variable);
+    from = anchor.offset;
+  }
+  return result.append(bytes.substr(from));
 }
 
 std::vector<int> NlModel::rows_using(int number) const {

@@ -19,6 +19,12 @@ struct NlRange {
   Place place = 0;
 };
 
+/// Where in the file an expression begins, and the variable v for which it becomes 0 v + e.
+struct NlAnchor {
+  std::size_t offset = 0;
+  int variable = 0;
+};
+
 struct NlModel {
   std::string file;
   NlHeader header;
@@ -30,7 +36,12 @@ struct NlModel {
   std::vector<std::vector<Mention>> mentions;     ///< of each row's expression
   std::vector<std::vector<Mention>> definitions;  ///< of each defined variable
 
+  std::vector<NlAnchor> anchors;  ///< ascending; see segments()
+
   std::string at(Place place) const;
+  /// The segments as AMPL's library is to read them. It goes astray where an expression e with terms or definitions
+  /// around it has no derivative of its own, or is a single variable: there e becomes 0 v + e.
+  std::string segments(std::string_view bytes) const;
   /// The rows whose expression depends on the defined variable `number`.
   std::vector<int> rows_using(int number) const;
 };

@@ -64,15 +64,16 @@ bool is_logical(Shape shape) { return shape >= Shape::Not; }
 
 enum class Want : unsigned char { Numeric, Logical, Count, Precision, Digits };
 
-// The library formats the number into buffers of fixed size.
+// The library formats the number into buffers of fixed size, and goes astray where digits are negative.
 constexpr int max_precision = 17;
 constexpr int max_digits = 60;
 
 struct Open {  // an operator whose operands are being read
   Shape shape;
-  int operand;  // the next one
-  int left;     // still to come
-  bool derivative;
+  int operand;          // the next one
+  int left;             // still to come
+  bool derivative;      // does its own count?
+  bool varies = false;  // has an operand one that counts?
 };
 
 class Walk {
@@ -81,11 +82,15 @@ class Walk {
        std::vector<Mention>& mentions)
       : tokens_(tokens), header_(header), defined_(defined), reader_(reader), self_(self), mentions_(mentions) {}
 
-  void run() {
+  ExpressionKind run() {
+    ExpressionKind kind;
     do {
       node();
-      while (!open_.empty() && open_.back().left == 0) open_.pop_back();
+      ++kind.nodes;
+      for (; !open_.empty() && open_.back().left == 0; open_.pop_back()) found(open_.back());
     } while (!open_.empty());
+    kind.derivative = derivative_;
+    return kind;
   }
 
  private:
@@ -95,6 +100,9 @@ class Walk {
   void variable(bool derivative);
   static Want wanted(const Open& parent);
   static bool differentiates(const Open& parent);
+  /// The value of a node, once it is complete, has or has no derivative.
+  void found(const Open& operation);
+  void leaf(bool derivative);
   int operands(Shape shape);
 
   NlTokens& tokens_;
@@ -104,6 +112,7 @@ class Walk {
   int self_;
   std::vector<Mention>& mentions_;
   std::vector<Open> open_;
+  bool derivative_ = false;  // of the outermost node
 };
 
 Want Walk::wanted(const Open& parent) {
@@ -141,6 +150,21 @@ bool Walk::differentiates(const Open& parent) {
   }
 }
 
+void Walk::leaf(bool derivative) {
+  if (open_.empty())
+    derivative_ = derivative;
+  else
+    open_.back().varies |= derivative;
+}
+
+void Walk::found(const Open& operation) {
+  const bool varies = operation.varies;
+  if (open_.size() == 1)
+    derivative_ = varies;
+  else
+    open_[open_.size() - 2].varies |= varies;
+}
+
 void Walk::node() {
   Want want = Want::Numeric;
   bool derivative = true;
@@ -159,8 +183,8 @@ void Walk::node() {
       const double value = tokens_.literal(kind, "a number");
       if (want == Want::Count) tokens_.fail("expected a count (o59), found a number");
       const int digits = want == Want::Precision ? max_precision : max_digits;
-      if ((want == Want::Precision || want == Want::Digits) && !(std::abs(value) <= digits))
-        tokens_.fail("number of digits is " + number(value) + ", beyond " + std::to_string(digits));
+      if ((want == Want::Precision || want == Want::Digits) && !(value >= 0 && value <= digits))
+        tokens_.fail("number of digits is " + number(value) + ", not in 0.." + std::to_string(digits));
       return;
     }
     case 'v':
@@ -255,6 +279,7 @@ void Walk::variable(bool derivative) {
       tokens_.fail("defined variable v" + std::to_string(index) + why);
   }
   mentions_.push_back({index, derivative});
+  leaf(derivative && (index < header_.n_var || defined_.has_derivative(index - header_.n_var)));
 }
 
 }  // namespace
@@ -276,9 +301,9 @@ const char* DefinedVariables::objection(int number, Reader reader, int self) con
   return nullptr;
 }
 
-void check_expression(NlTokens& tokens, const NlHeader& header, const DefinedVariables& defined, Reader reader,
-                      int self, std::vector<Mention>& mentions) {
-  Walk(tokens, header, defined, reader, self, mentions).run();
+ExpressionKind check_expression(NlTokens& tokens, const NlHeader& header, const DefinedVariables& defined,
+                                Reader reader, int self, std::vector<Mention>& mentions) {
+  return Walk(tokens, header, defined, reader, self, mentions).run();
 }
 
 }  // namespace perp::ncp::ampl

@@ -25,13 +25,17 @@ enum class Reader { Both, Constraint, Objective };
 class DefinedVariables {
  public:
   explicit DefinedVariables(const NlHeader& header)
-      : header_(header), seen_(static_cast<std::size_t>(header.defined()), 0) {}
+      : header_(header),
+        seen_(static_cast<std::size_t>(header.defined()), 0),
+        derivative_(static_cast<std::size_t>(header.defined()), 0) {}
 
   /// The number of a defined variable (0-based, after the n_var variables) is now defined. Variables of a single row
   /// belong to the expression that follows them: `end_row` ends their life.
-  void define(int number) {
+  void define(int number, bool derivative) {
     seen_[static_cast<std::size_t>(number)] = number < header_.defined_shared() ? shared : row_;
+    derivative_[static_cast<std::size_t>(number)] = derivative ? 1 : 0;
   }
+  bool has_derivative(int number) const { return derivative_[static_cast<std::size_t>(number)] != 0; }
   void end_row() { ++row_; }
   bool defined(int number) const { return seen_[static_cast<std::size_t>(number)] != 0; }
   /// Why `number` may not be mentioned by `reader`; nullptr if it may. `self` is the number being defined, or -1.
@@ -43,11 +47,17 @@ class DefinedVariables {
   static constexpr int shared = 1;
   const NlHeader& header_;
   std::vector<int> seen_;
+  std::vector<char> derivative_;
   int row_ = 2;
 };
 
-/// Passes over one expression. Appends what it mentions.
-void check_expression(NlTokens& tokens, const NlHeader& header, const DefinedVariables& defined, Reader reader,
-                      int self, std::vector<Mention>& mentions);
+struct ExpressionKind {
+  int nodes = 0;
+  bool derivative = false;  ///< is there one with respect to any variable? (not of numbers, counts, round(), ...)
+};
+
+/// Passes over one expression and appends what it mentions.
+ExpressionKind check_expression(NlTokens& tokens, const NlHeader& header, const DefinedVariables& defined,
+                                Reader reader, int self, std::vector<Mention>& mentions);
 
 }  // namespace perp::ncp::ampl

@@ -174,6 +174,33 @@ TEST(Evaluation, OverflowIsUndefined) {
   EXPECT_FALSE(m->jacobian(Vec{{1e200, 1}}, J));
 }
 
+// An expression that is a single variable: the library has its value, but loses its derivative.
+TEST(Evaluation, BareVariables) {
+  // v2 = x1^2; F0 = x0 + 3 x0, F1 = v2.
+  const std::string model = text({.vars = 2, .cons = 2, .cc = 2, .nonzeros = 2, .con = 1}) +
+                            "V2 0 0\no5\nv1\nn2\nC0\nv0\nC1\nv2\nr\n5 0 1\n5 0 2\nb\n3\n3\nk1\n1\n"
+                            "J0 1\n0 3\nJ1 1\n1 0\n";
+  for (const std::string& content : {model, binary_twin(model)}) {
+    const auto m = read_text(content);
+    EXPECT_EQ(values(*m, Vec{{2, 5}}), (Vec{{8, 25}}));
+    EXPECT_EQ(jacobian(*m, Vec{{2, 5}}), (Eigen::MatrixXd{{4, 0}, {0, 10}}));
+  }
+}
+
+// A row without derivative after a definition of its own, which is not to lend it one; and linear terms beside a
+// condition, which are not to lose theirs.
+TEST(Evaluation, ExpressionsWithoutDerivative) {
+  // v2 = 5 x0 + (if x0 < 1 then 2 else 3), v3 = x1^2 (row 0); F0 = 4 + 3 x0, F1 = v2.
+  const std::string model = text({.vars = 2, .cons = 2, .cc = 2, .nonzeros = 3, .con = 1, .con1 = 1}) +
+                            "V2 1 0\n0 5\no35\no22\nv0\nn1\nn2\nn3\nV3 0 1\no5\nv1\nn2\nC0\nn4\nC1\nv2\n"
+                            "r\n5 0 1\n5 0 2\nb\n3\n3\nk1\n2\nJ0 2\n0 3\n1 0\nJ1 1\n0 0\n";
+  for (const std::string& content : {model, binary_twin(model)}) {
+    const auto m = read_text(content);
+    EXPECT_EQ(values(*m, Vec{{0.5, 5}}), (Vec{{5.5, 4.5}}));
+    EXPECT_EQ(jacobian(*m, Vec{{0.5, 5}}), (Eigen::MatrixXd{{3, 0}, {5, 0}}));
+  }
+}
+
 // Nothing of the caller's floating-point environment, signal handlers or standard streams changes.
 TEST(Evaluation, LeavesTheProcessAlone) {
   std::fesetround(FE_UPWARD);

@@ -237,6 +237,7 @@ TEST(Grammar, Expressions) {
   bad("o57\nv0\nv1\n", {"unexpected variable"});
   bad("o57\nv0\no2\nn1\nn1\n", {"number of digits has to be a constant"});
   bad("o57\nv0\nn1000\n", {"number of digits is 1000"});
+  bad("o57\nv0\nn-1\n", {"number of digits is -1"});
   bad("o56\nv0\nn60\n", {"number of digits is 60"});  // would overrun the library's buffer
   bad("o64\n1\nn1\nv0\n", {"number of slopes is 1"});
   bad("o64\n3\nn1\nn2\nn1\nn2\nn3\nv0\n", {"breakpoint 2", "does not exceed the one before, 2"});
