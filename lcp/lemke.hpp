@@ -46,9 +46,10 @@ struct LemkeOptions {
   int max_pivots = 100'000;
   double residual_tol = 1e-9;  ///< on the natural residual, relative to 1 + ||q||_inf
   double pivot_tol = 1e-9;     ///< smallest pivot, relative to the largest entry of the pivot column
-  double feasibility_tol =
-      1e-9;  ///< Harris: how far, relative to 1 + |bound|, a variable may overstep its bound in a ratio test
-  double perturbation = 1e-7;     ///< of the start, relative to 1 + |x_i|; 0 keeps the start as it is
+  /// Harris: how far, relative to 1 + |bound|, a variable may overstep its bound in a ratio test. Far below the
+  /// perturbation, or a path that begins near a corner is not followed but cut, and may cycle.
+  double feasibility_tol = 1e-12;
+  double perturbation = 1e-5;     ///< of the start, relative to 1 + |x_i|; 0 keeps the start as it is
   unsigned seed = 1;              ///< of the perturbation and of the covering vector
   double singular_rcond = 1e-15;  ///< a start cell whose matrix has a smaller rcond() counts as singular
   bool keep_path = false;         ///< fill PivotResult::path (n doubles a pivot)

@@ -9,6 +9,17 @@
 namespace perp::ncp {
 namespace {
 
+/// lambda of the proximal terms tried in turn, relative to the size of J.
+constexpr double prox_first = 1e-6;
+constexpr double prox_growth = 100;
+constexpr int prox_tries = 5;
+
+/// Covering vectors tried in turn.
+constexpr unsigned ray_starts = 3;
+
+/// A path that ends before t = 1 is worth following if it came so far; shorter ones hold a run where it is.
+constexpr double partial_path = 0.1;
+
 /// The point x of the normal map with pi(x) = z whose residual |F + x - z| is least.
 Vec normal_point(const Box& box, In z, In F) {
   Vec x = z;
@@ -36,29 +47,27 @@ struct Step {
   double lambda = 0;
 };
 
+/// More pivots than a subproblem is worth: a regular path of n variables takes a small multiple of n.
+int subproblem_pivots(Index n) { return 1000 + 20 * static_cast<int>(std::min<Index>(n, 1'000'000)); }
+
 /// Solves subproblems of one run: from the cells the last one ended in, then from a ray, then with a proximal term.
 class Subproblems {
  public:
   Subproblems(Run& run, const NewtonJosephy& method) : run_(run), options_(method.lemke) {
     options_.interrupted = [&run] { return run.interrupted(); };
     options_.deadline = run.deadline();
+    options_.max_pivots = std::min(options_.max_pivots, subproblem_pivots(run.box().size()));
   }
 
-  /// The solution of the linearised problem with this lambda, from `start` or from a ray. Not solved: the farther path.
+  /// The solution of the linearised problem with this lambda, from `start`, then from rays with several covering
+  /// vectors. Not solved: the path from `start`, for the points on a path from a ray say nothing of the way from z^k.
   Step solve(const Point& point, const Vec& start, double lambda) {
     const lcp::AffineMcp problem = linearised(run_.box(), point, lambda);
-    Step step{.path = follow(problem, start, options_.start), .lambda = lambda};
-    if (!step.path.solved() && options_.start == lcp::LemkeStart::Regular && !stopped(step.path)) {
-      const int pivots = step.path.pivots;
-      lcp::PivotResult from_ray = follow(problem, start, lcp::LemkeStart::Ray);
-      // The points on a path from a ray say nothing of the way from z^k: only its end is worth having.
-      if (from_ray.solved())
-        step.path = std::move(from_ray);
-      else
-        pivots_ += from_ray.pivots;
-      pivots_ += step.path.solved() ? pivots : 0;
+    Step step{.path = follow(problem, start, options_.start, options_.seed), .lambda = lambda};
+    for (unsigned i = 0; i < ray_starts && !step.path.solved() && !stopped(step.path); ++i) {
+      lcp::PivotResult from_ray = follow(problem, start, lcp::LemkeStart::Ray, options_.seed + i);
+      if (from_ray.solved() || stopped(from_ray)) step.path = std::move(from_ray);
     }
-    pivots_ += step.path.pivots;
     return step;
   }
 
@@ -69,11 +78,13 @@ class Subproblems {
   int take_pivots() { return std::exchange(pivots_, 0); }
 
  private:
-  lcp::PivotResult follow(const lcp::AffineMcp& problem, const Vec& start, lcp::LemkeStart from) {
+  lcp::PivotResult follow(const lcp::AffineMcp& problem, const Vec& start, lcp::LemkeStart from, unsigned seed) {
     lcp::LemkeOptions options = options_;
     options.start = from;
+    options.seed = seed;
     lcp::PivotResult path = lcp::lemke(problem, start, options);
     run_.stats().factorizations += path.refactorizations;
+    pivots_ += path.pivots;
     return path;
   }
 
@@ -81,14 +92,6 @@ class Subproblems {
   lcp::LemkeOptions options_;
   int pivots_ = 0;
 };
-
-/// lambda of the proximal terms tried in turn, relative to the size of J.
-constexpr double prox_first = 1e-6;
-constexpr double prox_growth = 100;
-constexpr int prox_tries = 5;
-
-/// A path that ends before t = 1 is worth following if it came so far; shorter ones hold a run where it is.
-constexpr double partial_path = 0.1;
 
 double size_of(const SpMat& J) {
   return J.rows() == 0 ? 1 : std::max(1e-8, J.norm() / std::sqrt(static_cast<double>(J.rows())));

@@ -63,7 +63,7 @@ class Rounds {
       : mcp_(mcp), method_(method), run_(run), observer_(observer), best_(std::move(stuck)) {}
 
   const Result& best() const { return best_; }
-  bool over() const { return over_ || best_.solved(); }
+  bool over() const { return ended_.has_value() || best_.solved(); }
 
   /// The point of F + lambda (x - center); lambda grows until it is found. False if it never is.
   bool perturbed(Vec& center, double& lambda) {
@@ -82,16 +82,32 @@ class Rounds {
     const Result r = run(mcp_, x, stop(method_).tol, iterations, [this](const Iteration& it) {
       return it.k == 0 ? Next::Continue : shown(it);  // the start of a trial is the centre shown before
     });
-    const bool better = r.solved() || r.residual.natural < 0.5 * best_.residual.natural;
-    if (better) best_ = r;
-    return better;
+    if (!r.solved() && !(r.residual.natural < 0.5 * best_.residual.natural)) return false;
+    if (r.solved()) {
+      best_ = r;
+    } else {  // the verdict stays that of the run that got stuck
+      best_.x = r.x;
+      best_.F = r.F;
+      best_.residual = r.residual;
+    }
+    return true;
   }
 
   Result finish(int rounds) {
-    if (best_.solved())
-      best_.message += ", after " + std::to_string(rounds) + " proximal escapes from a local minimum";
-    else if (rounds > 0)
-      best_.message += "; " + std::to_string(rounds) + " proximal escapes led nowhere better";
+    const std::string escapes = std::to_string(rounds) + " proximal escapes";
+    if (best_.solved()) {
+      best_.message += ", after " + escapes + " from a local minimum";
+    } else {
+      if (ended_.has_value()) {
+        best_.status = ended_->status;
+        best_.message = ended_->message;
+        best_.advice = ended_->advice;
+      }
+      best_.message += "; " + escapes + " have not led to a solution";
+      if (ended_.has_value() && best_.residual.worst >= 0)
+        best_.message += "; the best point is worst in equation " + mcp_.equation_name(best_.residual.worst) +
+                         " of variable " + mcp_.variable_name(best_.residual.worst);
+    }
     best_.stats = stats_;
     return best_;
   }
@@ -99,8 +115,10 @@ class Rounds {
   /// One record for a move of the centre.
   void show_move(const Vec& x) {
     const Residual r = residual(mcp_, x);
-    Iteration it{.k = 0, .residual = r.natural, .worst = r.worst, .step = 1, .kind = 'E', .x = &x};
-    shown(it);
+    const Iteration it{.k = 0, .residual = r.natural, .worst = r.worst, .step = 1, .kind = 'E', .x = &x};
+    if (shown(it) == Next::Stop)
+      end({Status::Interrupted, "interrupted after " + std::to_string(stats_.iterations) + " iterations",
+           "run on from the point returned"});
   }
 
   static constexpr int trial_iterations = 25;
@@ -109,19 +127,31 @@ class Rounds {
   static constexpr double loose_tol = 1e-6;
   static constexpr int perturbed_iterations = 60;
 
+  struct Verdict {
+    Status status;
+    std::string message, advice;
+  };
+  void end(Verdict verdict) {
+    if (!ended_) ended_ = std::move(verdict);
+  }
+
   Result run(const Mcp& mcp, const Vec& x, double tol, int iterations, const Observer& observer) {
     Method method = method_;
     Stop& limits = stop(method);
     limits.tol = tol;
-    limits.max_iterations = std::min(iterations, limits.max_iterations - stats_.iterations);
+    const int left = limits.max_iterations - stats_.iterations;
+    limits.max_iterations = std::min(iterations, left);
     limits.max_time -= stats_.time;
-    if (limits.max_iterations <= 0 || limits.max_time.count() <= 0) {
-      over_ = true;
-      return best_;
-    }
+    limits.max_time = std::max(limits.max_time, std::chrono::duration<double>(0));
     Result r = run_(mcp, x, method, observer);
     add(r.stats);
-    over_ = over_ || r.status == Status::Interrupted || r.status == Status::TimeLimit;
+    if (r.status == Status::Interrupted)
+      end({r.status, "interrupted after " + std::to_string(stats_.iterations) + " iterations", r.advice});
+    else if (r.status == Status::TimeLimit)
+      end({r.status, "the time limit was reached", r.advice});
+    else if (r.status == Status::IterationLimit && iterations >= left)
+      end({r.status, "the limit of " + std::to_string(stop(method_).max_iterations) + " iterations was reached",
+           r.advice});
     return r;
   }
 
@@ -139,7 +169,6 @@ class Rounds {
     it.F_evals += stats_.F_evals;
     it.J_evals += stats_.J_evals;
     const Next next = observer_ ? observer_(it) : Next::Continue;
-    over_ = over_ || next == Next::Stop;
     return next;
   }
 
@@ -149,7 +178,7 @@ class Rounds {
   const Observer& observer_;
   Result best_;
   Stats stats_ = best_.stats;
-  bool over_ = false;
+  std::optional<Verdict> ended_;  // by a limit or an observer
 };
 
 }  // namespace

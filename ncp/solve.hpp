@@ -65,7 +65,7 @@ struct NewtonJosephy {
   Stop stop{};
   Armijo search{};
   Escape escape{};
-  lcp::LemkeOptions lemke{};
+  lcp::LemkeOptions lemke{};  ///< max_pivots is for one subproblem, and at most 1000 + 20 n
 };
 
 using Method = std::variant<SemismoothNewton, NewtonJosephy>;
