@@ -1,0 +1,203 @@
+#include "app/ampl_driver.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <ostream>
+
+#include "app/report.hpp"
+#include "app/table.hpp"
+
+namespace perp::app {
+
+namespace {
+
+constexpr int dont_print_message = 8;  // of wantsol's bits
+
+struct Call {
+  std::string stub;
+  std::vector<std::string> words;  // key=value
+  char query = 0;                  // v, V, = or ?
+};
+
+/// The first argument without a dash is the stub; arguments with one are AMPL's flags, of which -v, -= and -? ask
+/// something and the others (-AMPL, -s, -e, ...) change nothing here.
+Call parse(const std::vector<std::string>& arguments) {
+  Call call;
+  for (const std::string& argument : arguments) {
+    if (argument == "-v")
+      call.query = 'v';
+    else if (argument == "--version")
+      call.query = 'V';
+    else if (argument == "-=")
+      call.query = '=';
+    else if (argument == "-?" || argument == "-h" || argument == "--help")
+      call.query = '?';
+    else if (argument.starts_with('-') && argument.size() > 1 && call.words.empty())
+      continue;
+    else if (call.stub.empty())
+      call.stub = argument;
+    else
+      call.words.push_back(argument);
+  }
+  return call;
+}
+
+void print_usage(std::ostream& out, const std::string& program) {
+  out << fmt::format(
+      "usage: {} stub [-AMPL] [key=value]...\n\n"
+      "Solves the complementarity problem in stub.nl and writes stub.sol.\n"
+      "  -v   version\n"
+      "  -=   the options\n"
+      "  -?   this text\n"
+      "Options also from the environment variables perp_options, path_options, pathampl_options.\n",
+      program);
+}
+
+void print_keywords(std::ostream& out) {
+  for (const Option& option : options())
+    out << fmt::format("{:<24}{}\n{:24}{}\n", option.key, values_text(option), "", option.help);
+  out << fmt::format("{:<24}a file\n{:24}of options, one a line: key value\n", "optfile", "");
+}
+
+ExitCode answer(const Call& call, const std::string& program, Streams streams) {
+  if (call.query == 'v')
+    streams.out << version_line() << '\n';
+  else if (call.query == 'V')
+    streams.out << version_text();
+  else if (call.query == '=')
+    print_keywords(streams.out);
+  else
+    print_usage(streams.out, program);
+  return exit_solved;
+}
+
+void append(std::vector<Assignment>& all, const std::vector<Assignment>& given) {
+  for (const Assignment& assignment : given) {
+    if (assignment.key == "optfile") {
+      const std::vector<Assignment> file = read_options_file(assignment.value);
+      all.insert(all.end(), file.begin(), file.end());
+    } else {
+      all.push_back(assignment);
+    }
+  }
+}
+
+std::vector<Assignment> assignments(const AmplRequest& request, const Call& call) {
+  std::vector<Assignment> all{{.key = "output", .value = "no", .source = "AMPL"}};  // AMPL prints what we print
+  for (const char* name : {"perp_options", "path_options", "pathampl_options"})
+    if (const char* text = request.environment(name))
+      append(all, parse_words(text, fmt::format("environment variable {}", name)));
+  append(all, parse_words(call.words, "command line"));
+  return all;
+}
+
+std::string message(const Report& report) {
+  const ncp::Result& result = report.result;
+  if (result.solved())
+    return fmt::format("Perp {}: solution found. {}; {}; {}; natural residual {:.1e}", version_number(),
+                       count(result.stats.iterations, "iteration"), count(result.stats.F_evals, "F evaluation"),
+                       count(result.stats.J_evals, "Jacobian"), result.residual.natural);
+  std::string text =
+      fmt::format("Perp {}: no solution found, {} after {}: {}.", version_number(), ncp::to_string(result.status),
+                  count(result.stats.iterations, "iteration"), result.message);
+  if (!result.advice.empty()) text += fmt::format("\nTry: {}.", result.advice);
+  return text;
+}
+
+/// The model was refused: says so to the person and, in the .sol file, to AMPL.
+ExitCode refuse(const std::string& program, const std::string& stub, int code, const std::string& why,
+                Streams streams) {
+  streams.err << program << ": " << why << '\n';
+  try {
+    ncp::ampl::write_failed_sol(stub, fmt::format("Perp {}: {}", version_number(), why), code);
+  } catch (const ncp::ampl::ModelError& error) {
+    streams.err << program << ": " << error.what() << '\n';
+  }
+  return exit_input;
+}
+
+ExitCode write_answer(const AmplRequest& request, const Report& report, const std::string& stub, Streams streams) {
+  const std::string text = message(report);
+  if ((report.run.wantsol & dont_print_message) == 0) streams.out << text << std::endl;
+  const ncp::ampl::Model& model = *report.problem->model;
+  const int code = solve_result_num(report.result.status);
+  try {
+    if (report.result.x.allFinite())
+      model.write_sol(text, report.result.x.head(model.n_var()), code);
+    else
+      ncp::ampl::write_failed_sol(stub, text, code);
+    return exit_solved;
+  } catch (const ncp::ampl::ModelError& error) {
+    streams.err << request.program << ": " << error.what() << '\n';
+    return exit_input;
+  }
+}
+
+ExitCode solve_stub(const AmplRequest& request, const Call& call, Streams streams, const std::atomic<bool>* interrupt) {
+  const Applied options = apply_options(assignments(request, call), Unknown::Report);
+  for (const std::string& unknown : options.unknown) streams.err << request.program << ": warning: " << unknown << '\n';
+  for (const std::string& note : options.notes) streams.err << request.program << ": note: " << note << '\n';
+  // Always a file, even if the collection has a problem of that name.
+  const LoadedProblem problem = load_problem(call.stub.ends_with(".nl") ? call.stub : call.stub + ".nl");
+  const Report report = run_method(problem, options.run, options.run.output ? &streams.out : nullptr, interrupt);
+  return write_answer(request, report, call.stub, streams);
+}
+
+}  // namespace
+
+bool is_ampl_call(const std::string& program, const std::vector<std::string>& arguments) {
+  if (program == "pathampl" || std::ranges::find(arguments, "-AMPL") != arguments.end()) return true;
+  return arguments.size() == 1 && (arguments[0] == "-v" || arguments[0] == "-=" || arguments[0] == "-?");
+}
+
+int solve_result_num(ncp::Status status) {
+  switch (status) {
+    case ncp::Status::Solved:
+      return 0;
+    case ncp::Status::IterationLimit:
+      return 400;
+    case ncp::Status::TimeLimit:
+      return 402;
+    case ncp::Status::Interrupted:
+      return 403;
+    case ncp::Status::LinearAlgebraFailed:
+      return 501;
+    case ncp::Status::EvaluationFailed:
+      return 503;
+    case ncp::Status::StationaryPoint:
+    case ncp::Status::NoProgress:
+    case ncp::Status::SubproblemFailed:  // no error, but an end of what the method can do from here: another start may
+                                         // do
+      return 510;
+  }
+  return 500;
+}
+
+ExitCode ampl_driver(const AmplRequest& request, Streams streams, const std::atomic<bool>* interrupt) {
+  const Call call = parse(request.arguments);
+  if (call.query != 0) return answer(call, request.program, streams);
+  if (call.stub.empty()) {
+    print_usage(streams.err, request.program);
+    return exit_input;
+  }
+  const std::string file = call.stub.ends_with(".nl") ? call.stub : call.stub + ".nl";
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(file, ignored)) {  // no model to answer
+    streams.err << fmt::format("{}: there is no file '{}'\n", request.program, file);
+    return exit_input;
+  }
+  try {
+    return solve_stub(request, call, streams, interrupt);
+  } catch (const ncp::ampl::ModelError& error) {
+    return refuse(request.program, call.stub, error.code(), error.what(), streams);
+  } catch (const InputError& error) {
+    return refuse(request.program, call.stub, ncp::ampl::bad_file, error.what(), streams);
+  } catch (const std::invalid_argument& error) {
+    return refuse(request.program, call.stub, ncp::ampl::bad_file, error.what(), streams);
+  }
+}
+
+}  // namespace perp::app

@@ -1,0 +1,222 @@
+#include "app/json.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "ncp/residual.hpp"
+
+namespace perp::app {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+namespace collection = ncp::collection;
+
+Json json_number(double value) {
+  if (std::isnan(value)) return "nan";
+  if (std::isinf(value)) return value > 0 ? "inf" : "-inf";
+  return value;
+}
+
+Json json_numbers(ncp::In values) {
+  Json array = Json::array();
+  for (const double value : values) array.push_back(json_number(value));
+  return array;
+}
+
+/// Text, with a newline; bytes that are no UTF-8 are replaced.
+std::string text(const Json& json) { return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"; }
+
+Json header() {
+  Json json;
+  json["program"] = "perp";
+  json["version"] = version_number();
+  return json;
+}
+
+Json equation_name(const ncp::Mcp& mcp, ncp::Index i) {
+  return i >= 0 && i < mcp.size() ? Json(mcp.equation_name(i)) : Json(nullptr);
+}
+
+Json index(ncp::Index i) { return i >= 0 ? Json(i) : Json(nullptr); }
+
+Json residual_json(const ncp::Mcp& mcp, const ncp::Residual& r) {
+  return {{"natural", json_number(r.natural)},
+          {"worst", equation_name(mcp, r.worst)},
+          {"worst_index", index(r.worst)},
+          {"bounds", json_number(r.bounds)},
+          {"complementarity", json_number(r.complementarity)}};
+}
+
+Json variables_json(const Report& report) {
+  const ncp::Mcp& mcp = report.mcp();
+  const ncp::Box& box = mcp.box();
+  const double tol = ncp::stop(report.run.method).tol;
+  Json array = Json::array();
+  for (ncp::Index i = 0; i < mcp.size(); ++i)
+    array.push_back({{"name", mcp.variable_name(i)},
+                     {"equation", mcp.equation_name(i)},
+                     {"lower", json_number(box.lower[i])},
+                     {"value", json_number(report.result.x[i])},
+                     {"upper", json_number(box.upper[i])},
+                     {"F", json_number(F_value(report, i))},
+                     {"state", state_name(box, i, report.result.x[i], tol)}});
+  return array;
+}
+
+Json iterations_json(const Report& report) {
+  Json array = Json::array();
+  for (const ncp::Iteration& it : report.iterations)
+    array.push_back({{"k", it.k},
+                     {"residual", json_number(it.residual)},
+                     {"worst", equation_name(report.mcp(), it.worst)},
+                     {"worst_index", index(it.worst)},
+                     {"merit", json_number(it.merit)},
+                     {"step", json_number(it.step)},
+                     {"prox", json_number(it.prox)},
+                     {"pivots", it.pivots},
+                     {"backtracks", it.backtracks},
+                     {"F_evals", it.F_evals},
+                     {"J_evals", it.J_evals},
+                     {"kind", std::string(1, it.kind)}});
+  return array;
+}
+
+Json options_json(const Run& run) {
+  Run copy = run;
+  Json json = Json::object();
+  for (const Option& option : options()) {
+    const Field field = option.field(copy);
+    if (std::holds_alternative<std::monostate>(field)) continue;
+    if (const auto* real = std::get_if<double*>(&field))
+      json[std::string(option.key)] = json_number(**real);
+    else if (const auto* integer = std::get_if<int*>(&field))
+      json[std::string(option.key)] = **integer;
+    else if (const auto* natural = std::get_if<unsigned*>(&field))
+      json[std::string(option.key)] = **natural;
+    else if (const auto* time = std::get_if<std::chrono::duration<double>*>(&field))
+      json[std::string(option.key)] = json_number((*time)->count());
+    else if (const auto* flag = std::get_if<bool*>(&field))
+      json[std::string(option.key)] = **flag;
+    else
+      json[std::string(option.key)] = value_text(field);
+  }
+  return json;
+}
+
+Json entry_json(const collection::Entry& entry, const collection::Problem& problem) {
+  return {{"name", entry.name},
+          {"size", entry.size},
+          {"class", entry.problem_class},
+          {"starts", problem.starts.size()},
+          {"known_solutions", problem.solutions.size()},
+          {"solutions_complete", problem.solutions_complete},
+          {"hard", entry.hard},
+          {"source", entry.source}};
+}
+
+}  // namespace
+
+std::string solve_json(const Report& report) {
+  const ncp::Result& result = report.result;
+  const ncp::Stats& stats = result.stats;
+  Json json = header();
+  json["problem"] = report.problem->label;
+  json["start"] = report.problem->start;
+  json["size"] = report.mcp().size();
+  json["method"] = report.run.method_name;
+  json["status"] = ncp::to_string(result.status);
+  json["exit_code"] = static_cast<int>(report.exit_code());
+  json["message"] = result.message;
+  json["advice"] = result.advice;
+  json["notes"] = report.notes;
+  json["residual"] = residual_json(report.mcp(), result.residual);
+  json["stats"] = {{"iterations", stats.iterations}, {"F_evals", stats.F_evals},
+                   {"J_evals", stats.J_evals},       {"factorizations", stats.factorizations},
+                   {"pivots", stats.pivots},         {"time_s", json_number(stats.time.count())}};
+  if (report.derivatives)
+    json["derivatives"] = {{"defined", report.derivatives->defined}, {"worst", json_number(report.derivatives->worst)}};
+  json["options"] = options_json(report.run);
+  json["variables"] = variables_json(report);
+  json["iterations"] = iterations_json(report);
+  return text(json);
+}
+
+std::string refused_json(const std::string& problem, const std::string& message) {
+  Json json = header();
+  json["problem"] = problem;
+  json["status"] = "InputError";
+  json["exit_code"] = static_cast<int>(exit_input);
+  json["message"] = message;
+  return text(json);
+}
+
+std::string problem_json(const collection::Entry& entry) {
+  const collection::Problem problem = entry.make();
+  const ncp::Mcp& mcp = *problem.mcp;
+  Json json = header();
+  json.update(entry_json(entry, problem));
+  json["nonzeros"] = mcp.jacobian_pattern().nonZeros();
+  json["lower"] = json_numbers(mcp.box().lower);
+  json["upper"] = json_numbers(mcp.box().upper);
+  json["starts"] = Json::array();
+  for (const ncp::Vec& start : problem.starts) json["starts"].push_back(json_numbers(start));
+  json["known_solutions"] = Json::array();
+  for (const collection::KnownSolution& known : problem.solutions)
+    json["known_solutions"].push_back({{"label", known.label},
+                                       {"x", json_numbers(known.x)},
+                                       {"tol", json_number(known.tol)},
+                                       {"residual", residual_json(mcp, ncp::residual(mcp, known.x))}});
+  return text(json);
+}
+
+std::string list_json() {
+  Json json = header();
+  json["problems"] = Json::array();
+  for (const collection::Entry& entry : collection::entries())
+    json["problems"].push_back(entry_json(entry, entry.make()));
+  return text(json);
+}
+
+void write_file(const std::string& path, const std::string& content) {
+  namespace fs = std::filesystem;
+  const auto fail = [&](const std::string& why) {
+    throw InputError(fmt::format("'{}' cannot be written: {}", path, why));
+  };
+  const auto write = [&](const fs::path& file) {
+    errno = 0;
+    std::ofstream out(file, std::ios::binary);
+    out << content << std::flush;
+    if (!out) fail(errno != 0 ? std::strerror(errno) : "write error");
+  };
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  if (fs::is_directory(status)) fail("it is a directory");
+  if (fs::exists(status) && !fs::is_regular_file(status)) return write(path);  // /dev/stdout, a named pipe
+
+  const fs::path target = fs::exists(status) ? fs::canonical(path) : fs::path(path);  // a link stays one
+  if (fs::exists(status) && access(target.c_str(), W_OK) != 0) fail(std::strerror(errno));
+  fs::path neighbour = target;
+  neighbour += fmt::format(".{}.tmp", getpid());
+  try {
+    write(neighbour);
+    if (fs::exists(status)) fs::permissions(neighbour, status.permissions());
+    fs::rename(neighbour, target);
+  } catch (const fs::filesystem_error& why) {
+    fs::remove(neighbour, error);
+    fail(why.code().message());
+  } catch (const InputError&) {
+    fs::remove(neighbour, error);
+    throw;
+  }
+}
+
+}  // namespace perp::app

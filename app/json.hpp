@@ -1,0 +1,23 @@
+#pragma once
+/// A run as JSON, for programs; the schema is in app/README.md.
+#include <iosfwd>
+#include <string>
+
+#include "app/report.hpp"
+
+namespace perp::app {
+
+/// Numbers with as many digits (up to 17) as reading back the same double takes; infinities as "inf" and "-inf", NaN as
+/// "nan".
+std::string solve_json(const Report& report);
+/// Input that was refused: status "InputError".
+std::string refused_json(const std::string& problem, const std::string& message);
+
+/// One entry of the collection, with everything about it, and all of them, with what the table says.
+std::string problem_json(const ncp::collection::Entry& entry);
+std::string list_json();
+
+/// Writes the file as a whole or not at all (a neighbour that is renamed). Throws InputError naming it.
+void write_file(const std::string& path, const std::string& content);
+
+}  // namespace perp::app

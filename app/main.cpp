@@ -1,0 +1,259 @@
+/// The program `perp`: its command line, signals and exit codes. The work is done by app/'s other files.
+#include <fmt/format.h>
+
+#include <CLI/App.hpp>
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+#include <array>
+#include <atomic>
+#include <cerrno>
+#include <csignal>
+#include <cstdlib>
+#include <exception>
+#include <filesystem>
+#include <iostream>
+
+#include "app/ampl_driver.hpp"
+#include "app/list.hpp"
+#include "app/methods.hpp"
+#include "app/solve.hpp"
+#include "ncp/collection/collection.hpp"
+
+namespace {
+
+using namespace perp::app;
+
+// The one global: what a signal handler may touch.
+std::atomic<bool> interrupted{false};
+static_assert(std::atomic<bool>::is_always_lock_free);
+
+/// The first signal asks the run to end with its best point; the second one ends the program.
+extern "C" void on_signal(int signal) {
+  if (!interrupted.exchange(true)) return;
+  std::signal(signal, SIG_DFL);
+  std::raise(signal);
+}
+
+void set_up_signals() {
+  struct sigaction action {};
+  action.sa_handler = on_signal;
+  sigemptyset(&action.sa_mask);
+  action.sa_flags = SA_RESTART;
+  for (const int signal : {SIGINT, SIGTERM}) sigaction(signal, &action, nullptr);
+  std::signal(SIGPIPE, SIG_IGN);  // `perp list | head`: the reader has had enough; files are still written
+}
+
+constexpr const char* about =
+    "Perp solves mixed complementarity problems: find x between l and u with\n"
+    "  F_i(x) >= 0 where x_i = l_i,   F_i(x) <= 0 where x_i = u_i,   F_i(x) = 0 between.";
+
+constexpr const char* main_footer =
+    "Examples:\n"
+    "  perp solve market.nl             solve an AMPL model\n"
+    "  perp solve kojshin --start 2     solve a problem of the collection\n"
+    "  perp list                        what the collection has\n"
+    "  perp methods                     the methods and their options\n"
+    "  perp market -AMPL tol=1e-10      as AMPL calls a solver: reads market.nl, writes market.sol\n"
+    "\n"
+    "Exit codes: 0 solved, 1 not solved, 2 wrong usage or input, 3 internal error.\n"
+    "'perp COMMAND --help' explains a command, 'man perp' everything.";
+
+constexpr const char* solve_footer =
+    "Examples:\n"
+    "  perp solve market.nl --tol 1e-10\n"
+    "  perp solve kojshin --start 3 --method josephy\n"
+    "  perp solve nash10 --option nms_memory_size=10 --option lu=klu\n"
+    "  perp solve market.nl --json result.json --log-level summary\n"
+    "  perp solve market.nl --json - | jq .residual.natural\n"
+    "\n"
+    "Ctrl-C ends the run with the best point so far, which is printed and written; a second one ends the program.\n"
+    "A problem counts as solved when its natural residual max_i |x_i - mid(l_i, x_i - F_i(x), u_i)| is at most the\n"
+    "tolerance, whatever the method says of itself. 'perp methods' explains the options.";
+
+constexpr const char* list_footer =
+    "Examples:\n"
+    "  perp list\n"
+    "  perp list kojshin           starts, bounds, known solutions and their residuals\n"
+    "  perp list kojshin --json    the same for programs, with all digits";
+
+constexpr const char* methods_footer =
+    "Examples:\n"
+    "  perp methods\n"
+    "  perp solve kojshin --method josephy --option lemke_start=always";
+
+/// Options with a flag of their own on `perp solve`.
+struct Shortcut {
+  const char* flag;
+  const char* value;  // for the help
+  const char* key;
+  const char* help;
+};
+constexpr std::array shortcuts{
+    Shortcut{"--method", "NAME", "method", "semismooth, semismooth-min or josephy"},
+    Shortcut{"--tol", "TOL", "convergence_tolerance", "tolerance on the natural residual"},
+    Shortcut{"--max-iterations", "N", "major_iteration_limit", "give up after N iterations"},
+    Shortcut{"--time-limit", "SECONDS", "time_limit", "give up after that time"},
+};
+
+struct CommandLine {
+  CLI::App app{about, "perp"};
+  CLI::App* solve = nullptr;
+  CLI::App* list = nullptr;
+  CLI::App* methods = nullptr;
+  SolveRequest solve_request;
+  ListRequest list_request;
+  std::array<std::string, shortcuts.size()> shortcut_values;
+  std::string level = "info";
+  bool check_derivatives = false;
+  bool version = false;
+
+  CommandLine() {
+    app.footer(main_footer);
+    app.require_subcommand(0, 1);
+    app.add_flag("-V,--version", version, "version, licence and linked libraries (-v alone: one line)");
+    add_solve();
+    list = app.add_subcommand("list", "The collection of named test problems, or one of them");
+    list->footer(list_footer);
+    list->add_option("NAME", list_request.name, "show everything about this one")->option_text(" ");
+    list->add_flag("--json", list_request.json, "as JSON");
+    methods = app.add_subcommand("methods", "The methods, their references, and all options with their defaults");
+    methods->footer(methods_footer);
+  }
+
+  void add_solve() {
+    solve = app.add_subcommand("solve", "Solve an AMPL model or a problem of the collection");
+    solve->footer(solve_footer);
+    SolveRequest& request = solve_request;
+    solve->add_option("PROBLEM", request.problem, "FILE.nl, or a NAME that 'perp list' shows")
+        ->required()
+        ->option_text(" ");
+    solve->add_option("--start", request.start, "which start of a collection problem, from 1")->option_text("K");
+    for (std::size_t k = 0; k < shortcuts.size(); ++k)
+      solve->add_option(shortcuts[k].flag, shortcut_values[k], shortcuts[k].help)->option_text(shortcuts[k].value);
+    solve->add_flag("--check-derivatives", check_derivatives,
+                    "compare the Jacobian with differences at the start; refuse a wrong one");
+    solve->add_option("-o,--option", request.options, "an option of 'perp methods'; may be repeated")
+        ->option_text("KEY=VALUE")
+        ->allow_extra_args(false);
+    solve->add_option("--options-file", request.options_file, "options, one a line: key value")->option_text("FILE");
+    solve
+        ->add_option("--json", request.json,
+                     "write the result as JSON; - is standard output, the log then goes to "
+                     "standard error")
+        ->option_text("FILE");
+    solve
+        ->add_option("--log-level", level,
+                     fmt::format("one of {}; each shows more than the one before", fmt::join(log_level_names(), ", ")))
+        ->option_text("LEVEL");
+    solve->add_flag("--full", request.full, "print every row of a long solution");
+  }
+
+  void finish_solve_request() {
+    solve_request.log_level = log_level(level);
+    for (std::size_t k = 0; k < shortcuts.size(); ++k)
+      if (solve->count(shortcuts[k].flag) > 0)
+        solve_request.flags.push_back({shortcuts[k].key, shortcut_values[k], shortcuts[k].flag});
+    if (check_derivatives) solve_request.flags.push_back({"check_derivatives", "yes", "--check-derivatives"});
+  }
+};
+
+/// A first word that is no command: what was meant?
+void check_command(const std::string& word, const Streams& streams, bool& known) {
+  constexpr std::array<std::string_view, 4> commands{"solve", "list", "methods", "help"};
+  known = word.starts_with('-') || std::ranges::find(commands, word) != commands.end();
+  if (known) return;
+  std::string hint = did_you_mean(word, commands);
+  std::error_code ignored;
+  if (word.ends_with(".nl") || std::filesystem::exists(word + ".nl", ignored) ||
+      perp::ncp::collection::find(word) != nullptr)
+    hint = fmt::format(" Did you mean 'perp solve {}'?", word);
+  streams.err << fmt::format("perp: there is no command '{}'.{} 'perp --help' lists the commands.\n", word, hint);
+}
+
+/// What is wrong with the command line, with the closest flag for one that does not exist.
+std::string parse_message(const CLI::App& app, const CLI::ParseError& error) {
+  const std::string what = error.what();
+  const std::size_t dashes = what.rfind("--");
+  if (dynamic_cast<const CLI::ExtrasError*>(&error) == nullptr || dashes == std::string::npos) return what + '.';
+  const std::string flag = what.substr(dashes, what.find_first_of(" =", dashes) - dashes);
+  std::vector<std::string> names;
+  for (const CLI::Option* option : app.get_options())
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  const std::vector<std::string_view> views(names.begin(), names.end());
+  return fmt::format("there is no flag '{}'.{}", flag, did_you_mean(flag, views));
+}
+
+int run_command(std::vector<std::string> arguments, Streams streams) {
+  if (!arguments.empty() && arguments[0] == "help") {  // perp help solve
+    arguments.erase(arguments.begin());
+    arguments.emplace_back("--help");
+  }
+  bool known = true;
+  if (!arguments.empty()) check_command(arguments[0], streams, known);
+  if (!known) return exit_input;
+
+  CommandLine line;
+  try {
+    line.app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
+  } catch (const CLI::CallForHelp&) {
+    const auto chosen = line.app.get_subcommands();
+    streams.out << (chosen.empty() ? line.app.help() : chosen[0]->help("perp"));
+    return exit_solved;
+  } catch (const CLI::ParseError& error) {
+    const auto chosen = line.app.get_subcommands();
+    const std::string command = chosen.empty() ? "perp" : "perp " + chosen[0]->get_name();
+    streams.err << fmt::format("{}: {} See '{} --help'.\n", command,
+                               parse_message(chosen.empty() ? line.app : *chosen[0], error), command);
+    return exit_input;
+  }
+  if (line.version) {
+    streams.out << version_text();
+    return exit_solved;
+  }
+  if (line.list->parsed()) return list(line.list_request, streams);
+  if (line.methods->parsed()) return print_methods(streams);
+  if (line.solve->parsed()) {
+    try {
+      line.finish_solve_request();
+    } catch (const InputError& error) {
+      streams.err << "perp: " << error.what() << '\n';
+      return exit_input;
+    }
+    return solve(line.solve_request, streams, &interrupted);
+  }
+  streams.out << line.app.help();
+  return exit_input;  // nothing was asked for
+}
+
+/// A reader who has gone (EPIPE) is no error, a full disk is.
+int checked_output(int code) {
+  errno = 0;
+  std::cout.flush();
+  if (std::cout || errno == EPIPE || errno == 0) return code;
+  std::cerr << "perp: standard output cannot be written\n";
+  return code == exit_internal ? code : exit_input;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    set_up_signals();
+    const std::string program = argc > 0 ? std::filesystem::path(argv[0]).filename().string() : "perp";
+    const std::vector<std::string> arguments(argv + std::min(argc, 1), argv + argc);
+    const Streams streams{std::cout, std::cerr};
+    const int code =
+        is_ampl_call(program, arguments)
+            ? ampl_driver({.program = program,
+                           .arguments = arguments,
+                           .environment = [](const char* name) -> const char* { return std::getenv(name); }},
+                          streams, &interrupted)
+            : run_command(arguments, streams);
+    return checked_output(code);
+  } catch (const std::exception& error) {
+    std::cerr << "perp: internal error: " << error.what() << '\n';
+  } catch (...) {
+    std::cerr << "perp: internal error\n";
+  }
+  return exit_internal;
+}

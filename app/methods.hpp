@@ -1,0 +1,28 @@
+#pragma once
+/// The methods by name, and `perp methods`.
+#include <span>
+#include <string_view>
+
+#include "app/program.hpp"
+#include "ncp/solve.hpp"
+
+namespace perp::app {
+
+/// The method that runs when none is named.
+inline constexpr std::string_view default_method = "semismooth";
+
+struct MethodEntry {
+  std::string_view name;
+  std::string_view what;  ///< one line
+  std::string_view reference;
+  ncp::Method (*make)();  ///< with its default options
+};
+
+std::span<const MethodEntry> methods();
+const MethodEntry* find_method(std::string_view name);  ///< nullptr if there is none
+std::vector<std::string_view> method_names();
+
+/// Prints the methods, their options with types and defaults, and the PATH options that have no effect.
+int print_methods(Streams streams);
+
+}  // namespace perp::app

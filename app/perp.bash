@@ -1,0 +1,60 @@
+# bash completion for perp; installed as share/bash-completion/completions/perp.
+
+_perp_keys() {  # the option keys, from the program itself
+  "$1" -AMPL -= 2>/dev/null | awk '/^[a-z]/ { print $1 "=" }'
+}
+
+_perp_problems() {  # names of the collection
+  "$1" list 2>/dev/null | awk 'NR > 2 && NF == 0 { exit } NR > 2 { print $1 }'
+}
+
+_perp() {
+  local cur=${COMP_WORDS[COMP_CWORD]} prev=${COMP_WORDS[COMP_CWORD-1]} command=${COMP_WORDS[1]}
+  COMPREPLY=()
+  if [ "$COMP_CWORD" -eq 1 ]; then
+    mapfile -t COMPREPLY < <(compgen -W 'solve list methods help --help --version -v' -- "$cur")
+    return
+  fi
+  case $prev in
+    --method)
+      mapfile -t COMPREPLY < <(compgen -W 'semismooth semismooth-min josephy' -- "$cur")
+      return ;;
+    --log-level)
+      mapfile -t COMPREPLY < <(compgen -W 'quiet warning summary info debug' -- "$cur")
+      return ;;
+    -o | --option)
+      mapfile -t COMPREPLY < <(compgen -W "$(_perp_keys "${COMP_WORDS[0]}")" -- "$cur")
+      compopt -o nospace
+      return ;;
+    --options-file)
+      mapfile -t COMPREPLY < <(compgen -f -- "$cur")
+      return ;;
+    --json)
+      if [ "$command" = solve ]; then
+        mapfile -t COMPREPLY < <(compgen -f -- "$cur")
+        return
+      fi ;;
+    --start | --tol | --max-iterations | --time-limit)
+      return ;;
+  esac
+  case $command in
+    solve)
+      if [ "${cur:0:1}" = - ]; then
+        mapfile -t COMPREPLY < <(compgen -W '--start --method --tol --max-iterations --time-limit --check-derivatives
+          --option --options-file --json --log-level --full --help' -- "$cur")
+      else
+        mapfile -t COMPREPLY < <(compgen -W "$(_perp_problems "${COMP_WORDS[0]}")" -- "$cur"
+          compgen -f -X '!*.nl' -- "$cur"; compgen -d -- "$cur")
+      fi ;;
+    list)
+      if [ "${cur:0:1}" = - ]; then
+        mapfile -t COMPREPLY < <(compgen -W '--json --help' -- "$cur")
+      else
+        mapfile -t COMPREPLY < <(compgen -W "$(_perp_problems "${COMP_WORDS[0]}")" -- "$cur")
+      fi ;;
+    methods) mapfile -t COMPREPLY < <(compgen -W '--help' -- "$cur") ;;
+    help) mapfile -t COMPREPLY < <(compgen -W 'solve list methods' -- "$cur") ;;
+  esac
+}
+
+complete -F _perp perp

@@ -1,0 +1,41 @@
+#pragma once
+/// What every part of the program `perp` shares: where text goes, exit codes, errors a user can mend, and versions.
+#include <iosfwd>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace perp::app {
+
+/// Where a command writes: `out` is for results, `err` for warnings and errors.
+struct Streams {
+  std::ostream& out;
+  std::ostream& err;
+};
+
+enum ExitCode : int {
+  exit_solved = 0,
+  exit_unsolved = 1,
+  exit_input = 2,     ///< wrong usage, a file or an option that makes no sense, a result that cannot be written
+  exit_internal = 3,  ///< an exception nobody expected
+};
+
+/// Input that is refused; what() names the file, key or value and says why.
+class InputError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// " Did you mean 'x' or 'y'?" for the candidates at a small edit distance from `word`, or "" if there is none.
+std::string did_you_mean(std::string_view word, std::span<const std::string_view> candidates);
+
+/// "0.1.0".
+std::string_view version_number();
+/// One line for `-v`; its first number of the form x.y.z is ours (Pyomo looks for it).
+std::string version_line();
+/// Version, effective licence, and the versions of the libraries linked.
+std::string version_text();
+
+}  // namespace perp::app

@@ -1,0 +1,52 @@
+#pragma once
+/// One run of a method on a problem, and how it is told to a person. (To programs: json.hpp; to AMPL: ampl_driver.hpp.)
+#include <atomic>
+#include <iosfwd>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "app/options.hpp"
+#include "app/problem.hpp"
+#include "ncp/solve.hpp"
+
+namespace perp::app {
+
+/// AMPL's solve_result_num for a model refused because of its side inequalities.
+inline constexpr int side_inequalities_refused = 505;
+
+struct Report {
+  const LoadedProblem* problem = nullptr;
+  Run run{};
+  ncp::Result result{};
+  std::vector<ncp::Iteration> iterations{};
+  std::optional<ncp::JacobianCheck> derivatives{};  ///< at the start, if asked for
+  std::vector<std::string> notes{};
+
+  const ncp::Mcp& mcp() const { return *problem->mcp; }
+  ExitCode exit_code() const { return result.solved() ? exit_solved : exit_unsolved; }
+};
+
+/// Solves; prints the iteration table to `table` (nullptr: none). `interrupt` may be null. Throws InputError if the
+/// Jacobian was to be checked and is wrong or if side inequalities were to be refused; what ncp::solve throws.
+Report run_method(const LoadedProblem& problem, const Run& run, std::ostream* table,
+                  const std::atomic<bool>* interrupt);
+
+/// Where variable i is: "basic" (between its bounds), "at lower", "at upper", "fixed", "free" (it has no bounds), with
+/// distances up to `tol` counted as "at".
+std::string_view state_name(const ncp::Box& box, ncp::Index i, double x, double tol);
+
+/// F_i at the result; NaN where it is not known.
+double F_value(const Report& report, ncp::Index i);
+
+/// Name, size, start, method.
+void print_heading(std::ostream& out, const LoadedProblem& problem, const Run& run);
+/// Name, lower, value, upper, F, state of each variable; shortened beyond 60 unless `full`.
+void print_solution(std::ostream& out, const Report& report, bool full);
+/// What happened; what to try if it did not work.
+void print_summary(std::ostream& out, const Report& report);
+/// Options in force.
+void print_options(std::ostream& out, const Run& run);
+
+}  // namespace perp::app

@@ -1,0 +1,100 @@
+#include "app/solve.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <ostream>
+
+#include "app/json.hpp"
+#include "app/report.hpp"
+
+namespace perp::app {
+
+namespace {
+
+std::vector<Assignment> assignments(const SolveRequest& request) {
+  std::vector<Assignment> all;
+  if (!request.options_file.empty()) all = read_options_file(request.options_file);
+  for (const std::string& option : request.options) all.push_back(parse_assignment(option, "--option"));
+  all.insert(all.end(), request.flags.begin(), request.flags.end());
+  return all;
+}
+
+/// Writes the JSON that was asked for, if any; false: it could not be written, and that was said.
+bool deliver_json(const SolveRequest& request, Streams streams, const std::string& text) {
+  if (request.json.empty()) return true;
+  if (request.json == "-") {
+    streams.out << text << std::flush;
+    return true;  // main() looks after a broken standard output
+  }
+  try {
+    write_file(request.json, text);
+    return true;
+  } catch (const InputError& error) {
+    streams.err << "perp: " << error.what() << '\n';
+    return false;
+  }
+}
+
+ExitCode refuse(const SolveRequest& request, Streams streams, const std::string& why) {
+  streams.err << "perp: " << why << '\n';
+  if (!request.json.empty()) deliver_json(request, streams, refused_json(request.problem, why));
+  return exit_input;
+}
+
+/// Everything between reading the input and writing JSON. Throws what run_method() does.
+Report run_and_print(const SolveRequest& request, const LoadedProblem& problem, const Applied& options, Streams streams,
+                     const std::atomic<bool>* interrupt) {
+  std::ostream& log = request.json == "-" ? streams.err : streams.out;
+  const auto shows = [&](LogLevel level) { return request.log_level >= level; };
+  if (shows(LogLevel::Warning))
+    for (const std::string& note : options.notes) streams.err << "perp: note: " << note << '\n';
+  if (shows(LogLevel::Info)) print_heading(log, problem, options.run);
+  if (shows(LogLevel::Debug)) print_options(log, options.run);
+  const bool table = shows(LogLevel::Info) && options.run.output;
+  if (table) log << '\n';
+  Report report = run_method(problem, options.run, table ? &log : nullptr, interrupt);
+  report.notes = options.notes;
+  if (shows(LogLevel::Info)) {
+    log << '\n';
+    print_solution(log, report, request.full);
+    log << '\n';
+  }
+  if (shows(LogLevel::Summary)) print_summary(log, report);
+  log.flush();
+  return report;
+}
+
+}  // namespace
+
+std::span<const std::string_view> log_level_names() {
+  static constexpr std::array<std::string_view, 5> names{"quiet", "warning", "summary", "info", "debug"};
+  return names;
+}
+
+LogLevel log_level(std::string_view name) {
+  const auto names = log_level_names();
+  const auto found = std::ranges::find(names, name);
+  if (found == names.end())
+    throw InputError(fmt::format("--log-level: '{}' is none of {}", name, fmt::join(names, ", ")));
+  return static_cast<LogLevel>(found - names.begin());
+}
+
+ExitCode solve(const SolveRequest& request, Streams streams, const std::atomic<bool>* interrupt) {
+  try {
+    const Applied options = apply_options(assignments(request));
+    const LoadedProblem problem = load_problem(request.problem, request.start);
+    const Report report = run_and_print(request, problem, options, streams, interrupt);
+    const bool delivered = request.json.empty() || deliver_json(request, streams, solve_json(report));
+    return delivered ? report.exit_code() : exit_input;
+  } catch (const InputError& error) {
+    return refuse(request, streams, error.what());
+  } catch (const ncp::ampl::ModelError& error) {
+    return refuse(request, streams, error.what());
+  } catch (const std::invalid_argument& error) {  // the library's door
+    return refuse(request, streams, error.what());
+  }
+}
+
+}  // namespace perp::app

@@ -1,0 +1,39 @@
+#pragma once
+/// Plain-text tables with aligned columns, and numbers for people.
+#include <iosfwd>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace perp::app {
+
+enum class Align { Left, Right };
+
+struct Column {
+  std::string header;
+  Align align = Align::Left;
+};
+
+class Table {
+ public:
+  explicit Table(std::vector<Column> columns) : columns_(std::move(columns)) {}
+  void add(std::vector<std::string> row);  ///< one cell a column
+  std::size_t rows() const { return rows_.size(); }
+  /// Header, rule and rows. Where there are more than `limit` rows (0: no limit), only the first and the last ones are
+  /// printed, and a line between them says how many are left out and `how` to see them.
+  void print(std::ostream& out, int indent = 0, std::size_t limit = 0, std::string_view how = "") const;
+
+ private:
+  std::vector<Column> columns_;
+  std::vector<std::vector<std::string>> rows_;
+};
+
+/// `digits` significant ones, no trailing zeros; "inf", "-inf", "nan".
+std::string number(double value, int digits = 7);
+/// "1 iteration", "3 iterations".
+std::string count(long long n, std::string_view noun);
+/// The words, comma-separated, in lines of at most `width` columns.
+void print_wrapped(std::ostream& out, std::span<const std::string_view> words, int indent, std::size_t width);
+
+}  // namespace perp::app
