@@ -3,7 +3,6 @@
 /// Private to the collection.
 #include <algorithm>
 #include <initializer_list>
-#include <span>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -49,34 +48,50 @@ void require_at_least(std::string_view problem, std::string_view argument, Index
 /// F(x) = M x + q.
 std::unique_ptr<Mcp> make_affine(Shape shape, const SpMat& M, const Vec& q);
 
-/// The number type f is called with: double or Dual.
-template <class Span>
-using Number = std::remove_cvref_t<decltype(std::declval<Span>()[0])>;
+/// n numbers side by side, indexed by Index as Eigen's vectors are, with their head, segment and tail.
+template <class T>
+class Row {
+ public:
+  Row(T* data, Index size) : data_(data), size_(size) {}
+  Index size() const { return size_; }
+  T& operator[](Index i) const { return data_[i]; }
+  T* begin() const { return data_; }
+  T* end() const { return data_ + size_; }
+  Row head(Index n) const { return {data_, n}; }
+  Row segment(Index first, Index n) const { return {data_ + first, n}; }
+  Row tail(Index n) const { return {data_ + size_ - n, n}; }
 
-/// The problem with F = f, where `bool f(const auto& x, auto& F)` reads x[0..n-1], writes F[0..n-1] (spans of double or
-/// Dual) and answers whether F is defined there. J comes by forward differentiation; values that are not finite count
-/// as "not defined here" in F and in J.
+ private:
+  T* data_;
+  Index size_;
+};
+
+/// The number type of a Row: double or Dual.
+template <class R>
+using Number = std::remove_cvref_t<decltype(std::declval<R>()[0])>;
+
+/// The problem with F = f, where `bool f(const auto& x, const auto& F)` reads x[0..n-1], writes F[0..n-1] (Rows of
+/// double or Dual) and answers whether F is defined there. J comes by forward differentiation; values that are not
+/// finite count as "not defined here" in F and in J.
 template <class Fn>
 std::unique_ptr<Mcp> make_problem(Shape shape, Fn f) {
   Functions made = functions_of(std::move(shape));
   made.F = [f](In x, Out F) {
-    const std::span<const double> from(x.data(), static_cast<std::size_t>(x.size()));
-    std::span<double> to(F.data(), static_cast<std::size_t>(F.size()));
-    return f(from, to) && all_finite(F);
+    return f(Row<const double>(x.data(), x.size()), Row<double>(F.data(), F.size())) && all_finite(F);
   };
   made.J = [f](In x, SpMat& J) {
-    const auto n = static_cast<std::size_t>(x.size());
-    std::vector<Dual> seeded(x.begin(), x.end()), rows(n);
-    const std::span<const Dual> from(seeded);
-    for (std::size_t first = 0; first < n; first += Dual::width) {
-      const std::size_t last = std::min(first + Dual::width, n);
-      for (std::size_t j = first; j < last; ++j) seeded[j].d[j - first] = 1;
-      std::span<Dual> to(rows);
+    const Index n = x.size();
+    std::vector<Dual> seeded(x.begin(), x.end()), F(x.begin(), x.end());
+    const Row<const Dual> from(seeded.data(), n);
+    const Row<Dual> to(F.data(), n);
+    const Row<Dual> seeds(seeded.data(), n);
+    for (Index first = 0; first < n; first += Dual::width) {
+      const Index last = std::min(first + Dual::width, n);
+      for (Index j = first; j < last; ++j) seeds[j].d[j - first] = 1;
       if (!f(from, to)) return false;
-      for (std::size_t j = first; j < last; ++j) {
-        for (SpMat::InnerIterator entry(J, static_cast<Index>(j)); entry; ++entry)
-          entry.valueRef() = rows[static_cast<std::size_t>(entry.row())].d[j - first];
-        seeded[j].d[j - first] = 0;
+      for (Index j = first; j < last; ++j) {
+        for (SpMat::InnerIterator entry(J, j); entry; ++entry) entry.valueRef() = to[entry.row()].d[j - first];
+        seeds[j].d[j - first] = 0;
       }
     }
     return all_finite(Eigen::Map<const Vec>(J.valuePtr(), J.nonZeros()));

@@ -29,35 +29,35 @@ double disutility(int i, int j) {
 ///     F_j = -(1/30) sum_i s_ij (1 + (p_j - c_j) w_i (1 - s_ij)) = 0;   p_j >= c_j; the price of brand 8 is fixed.
 /// exp is taken relative to the largest exponent of the consumer, so that no price overflows it.
 Problem choi() {
-  const Vec cost = Eigen::Map<const Vec>(c.data(), brands);
+  const Vec cost = Eigen::Map<const Vec>(c, brands);
   Box box{cost, Vec::Constant(brands, infinity)};
   box.lower[fixed_brand] = box.upper[fixed_brand] = fixed_price;
   Problem p;
-  p.mcp =
-      make_problem({"choi", box, indexed("p", brands), indexed("marginal_loss", brands)}, [](const auto& z, auto& F) {
-        using std::exp;
-        using T = Number<decltype(z)>;
-        for (auto& row : F) row = 0;
-        for (int i = 0; i < consumers; ++i) {
-          const double w = -chi * w0[i];
-          std::array<T, brands> E;
-          double largest = 0;  // of the exponents; 0 is that of "buys nothing"
-          for (int j = 0; j < brands; ++j) {
-            E[j] = w * z[j] + disutility(i, j);
-            largest = std::max(largest, value(E[j]));
-          }
-          T S = exp(-largest);
-          for (auto& term : E) {
-            term = exp(term - largest);
-            S += term;
-          }
-          for (int j = 0; j < brands; ++j) {
-            const T s = E[j] / S;
-            F[j] -= s * (1 + (z[j] - c[j]) * w * (1 - s)) / consumers;
-          }
-        }
-        return true;
-      });
+  p.mcp = make_problem({"choi", box, indexed("p", brands), indexed("marginal_loss", brands)},
+                       [](const auto& z, const auto& F) {
+                         using std::exp;
+                         using T = Number<decltype(z)>;
+                         for (auto& row : F) row = 0;
+                         for (int i = 0; i < consumers; ++i) {
+                           const double w = -chi * w0[i];
+                           T E[brands];
+                           double largest = 0;  // of the exponents; 0 is that of "buys nothing"
+                           for (int j = 0; j < brands; ++j) {
+                             E[j] = w * z[j] + disutility(i, j);
+                             largest = std::max(largest, value(E[j]));
+                           }
+                           T S = exp(-largest);
+                           for (auto& term : E) {
+                             term = exp(term - largest);
+                             S += term;
+                           }
+                           for (int j = 0; j < brands; ++j) {
+                             const T s = E[j] / S;
+                             F[j] -= s * (1 + (z[j] - c[j]) * w * (1 - s)) / consumers;
+                           }
+                         }
+                         return true;
+                       });
   Vec start = cost.array() + 0.01;
   start[fixed_brand] = fixed_price;
   p.starts = {start};

@@ -28,12 +28,12 @@ T quadratic(double a, double a1, double a2, const T& t) {
 /// What stage i holds: composition x of the liquid and y of the vapour, and their enthalpies.
 template <class T>
 struct Stage {
-  std::array<T, Column::max_components> x, y;
+  T x[Column::max_components], y[Column::max_components];
   T liquid_enthalpy = 0, vapour_enthalpy = 0;
 };
 
 template <class T>
-std::vector<Stage<T>> stages(const Column& column, std::span<const T> z) {
+std::vector<Stage<T>> stages(const Column& column, Row<const T> z) {
   using std::exp;
   std::vector<Stage<T>> made(static_cast<std::size_t>(column.n));
   for (int i = 0; i < column.n; ++i) {
@@ -53,7 +53,7 @@ std::vector<Stage<T>> stages(const Column& column, std::span<const T> z) {
 template <class T>
 struct Flows {
   const Column& column;
-  std::span<const T> z;
+  Row<const T> z;
   const T& V(int i) const { return z[at_V(column, i)]; }
   T L(int i) const { return i < column.feed_stage ? V(i) + column.bottoms : V(i) - column.distillate; }
 };
@@ -67,7 +67,7 @@ T balance(const Flows<T>& flow, int i, const Liquid& liquid, const Vapour& vapou
 }
 
 template <class T>
-void column_equations(const Column& column, std::span<const T> z, std::span<T> F) {
+void column_equations(const Column& column, Row<const T> z, const Row<T>& F) {
   const std::vector<Stage<T>> stage = stages(column, z);
   const Flows<T> flow{column, z};
   const auto at = [&](int i) -> const Stage<T>& { return stage[static_cast<std::size_t>(i)]; };
@@ -136,7 +136,7 @@ Shape shape(const Column& column) {
 /// = 1.
 Problem distillation(const Column& column, std::span<const double> start, std::span<const double> solution) {
   Problem p;
-  p.mcp = make_problem(shape(column), [&column](const auto& z, auto& F) {
+  p.mcp = make_problem(shape(column), [&column](const auto& z, const auto& F) {
     for (int i = 0; i < column.n; ++i)
       for (int j = 0; j < column.m; ++j)
         if (!(value(z[at_t(column, i)]) > -column.c[j])) return false;  // the pole of Antoine's equation

@@ -1,7 +1,6 @@
 #pragma once
 /// Fletcher's distillation columns as printed in More 1990 (see distillation.cpp); the solutions are recomputed to full
 /// precision. Private to the collection.
-#include <array>
 
 namespace perp::ncp::collection::distillation_tables {
 
@@ -10,12 +9,12 @@ struct Column {
   const char* name;
   int n, m;        ///< stages, components
   int feed_stage;  ///< counted from 0: the liquid feed enters there, the vapour feed one stage higher
-  std::array<double, max_components> a, b, c;       ///< Antoine's equation
-  std::array<double, max_components> al, al1, al2;  ///< enthalpy of the liquid
-  std::array<double, max_components> be, be1, be2;  ///< enthalpy of the vapour
-  std::array<double, max_components> feed_liquid, feed_vapour;
+  double a[max_components], b[max_components], c[max_components];       ///< Antoine's equation
+  double al[max_components], al1[max_components], al2[max_components];  ///< enthalpy of the liquid
+  double be[max_components], be1[max_components], be2[max_components];  ///< enthalpy of the vapour
+  double feed_liquid[max_components], feed_vapour[max_components];
   double feed_temperature, bottoms, distillate, heat;
-  std::array<double, max_stages> pressure;
+  double pressure[max_stages];
 };
 
 constexpr Column hydroc06{.name = "hydroc06",
@@ -38,10 +37,9 @@ constexpr Column hydroc06{.name = "hydroc06",
                           .distillate = 60,
                           .heat = 2500000,
                           .pressure = {1, 1, 1, 1, 1, 1}};
-constexpr std::array<double, 29> hydroc06_start{0,   0.2, 0.9, 0,   0.2, 0.8, 0.05, 0.3, 0.8, 0.1,
-                                                0.3, 0.6, 0.3, 0.5, 0.3, 0.6, 0.6,  0,   100, 100,
-                                                100, 100, 100, 100, 300, 300, 300,  300, 300};
-constexpr std::array<double, 29> hydroc06_solution{
+constexpr double hydroc06_start[29] = {0,   0.2, 0.9, 0,   0.2, 0.8, 0.05, 0.3, 0.8, 0.1, 0.3, 0.6, 0.3, 0.5, 0.3,
+                                       0.6, 0.6, 0,   100, 100, 100, 100,  100, 100, 300, 300, 300, 300, 300};
+constexpr double hydroc06_solution[29] = {
     0.005472248552475392, 0.12953722332897052, 0.8649905281185551,  0.02007671836697655, 0.22255560164324673,
     0.7573676799897768,   0.06451430119296975, 0.3302534329475756,  0.6052322658594548,  0.11720095026150983,
     0.44283268316358215,  0.439966366574908,   0.24944700150596688, 0.501567512749221,   0.2489854857448121,
@@ -69,11 +67,11 @@ constexpr Column methan08{.name = "methan08",
                           .distillate = 442.13,
                           .heat = 8386200,
                           .pressure = {1210, 1200, 1190, 1180, 1170, 1160, 1150, 1140}};
-constexpr std::array<double, 31> methan08_start{0.09203, 0.908,  0.1819, 0.8181, 0.284,  0.716,  0.3051, 0.6949,
-                                                0.3566,  0.6434, 0.468,  0.532,  0.6579, 0.3421, 0.8763, 0.1237,
-                                                120,     110,    100,    88,     86,     84,     80,     76,
-                                                886.37,  910.01, 922.52, 926.45, 935.56, 952.83, 975.73};
-constexpr std::array<double, 31> methan08_solution{
+constexpr double methan08_start[31] = {0.09203, 0.908,  0.1819, 0.8181, 0.284,  0.716,  0.3051, 0.6949,
+                                       0.3566,  0.6434, 0.468,  0.532,  0.6579, 0.3421, 0.8763, 0.1237,
+                                       120,     110,    100,    88,     86,     84,     80,     76,
+                                       886.37,  910.01, 922.52, 926.45, 935.56, 952.83, 975.73};
+constexpr double methan08_solution[31] = {
     0.09225723236421947, 0.9077427676357812,  0.1821995285312065, 0.8178004714687939,  0.28421889854366605,
     0.7157811014563339,  0.30530731675985706, 0.6946926832401433, 0.3566490103973168,  0.6433509896026834,
     0.467791111028162,   0.5322088889718378,  0.6573895966863109, 0.34261040331368914, 0.8759450903481355,

@@ -2,16 +2,14 @@
 /// Forward-mode automatic differentiation: a Dual is v + sum_k d_k eps_k with eps_j eps_k = 0, so that arithmetic on
 /// it carries `width` directional derivatives along with the value. A Jacobian with n columns takes ceil(n / width)
 /// sweeps. Private to the collection. Reference: Griewank & Walther 2008, section 3.1 (vector forward mode).
-#include <array>
 #include <cmath>
-#include <cstddef>
 
 namespace perp::ncp::collection {
 
 struct Dual {
-  static constexpr std::size_t width = 8;
+  static constexpr int width = 8;
   double v = 0;
-  std::array<double, width> d{};
+  double d[width] = {};
 
   Dual() = default;
   // NOLINTNEXTLINE(google-explicit-constructor): a number is a Dual with zero derivatives
@@ -20,27 +18,27 @@ struct Dual {
   /// f(u): value f and derivative df * du.
   static Dual chain(double f, double df, const Dual& u) {
     Dual w(f);
-    for (std::size_t k = 0; k < width; ++k) w.d[k] = df * u.d[k];
+    for (int k = 0; k < width; ++k) w.d[k] = df * u.d[k];
     return w;
   }
   Dual& operator+=(const Dual& b) {
     v += b.v;
-    for (std::size_t k = 0; k < width; ++k) d[k] += b.d[k];
+    for (int k = 0; k < width; ++k) d[k] += b.d[k];
     return *this;
   }
   Dual& operator-=(const Dual& b) {
     v -= b.v;
-    for (std::size_t k = 0; k < width; ++k) d[k] -= b.d[k];
+    for (int k = 0; k < width; ++k) d[k] -= b.d[k];
     return *this;
   }
   Dual& operator*=(const Dual& b) {
-    for (std::size_t k = 0; k < width; ++k) d[k] = d[k] * b.v + v * b.d[k];
+    for (int k = 0; k < width; ++k) d[k] = d[k] * b.v + v * b.d[k];
     v *= b.v;
     return *this;
   }
   Dual& operator/=(const Dual& b) {
     v /= b.v;
-    for (std::size_t k = 0; k < width; ++k) d[k] = (d[k] - v * b.d[k]) / b.v;
+    for (int k = 0; k < width; ++k) d[k] = (d[k] - v * b.d[k]) / b.v;
     return *this;
   }
   Dual& operator*=(double s) { return *this = chain(v * s, s, *this); }

@@ -1,6 +1,4 @@
 /// General economic equilibria: activity levels y _|_ losses, prices p _|_ excess supplies, incomes.
-#include <array>
-
 #include "ncp/collection/build.hpp"
 #include "ncp/collection/problems.hpp"
 
@@ -14,7 +12,7 @@ namespace perp::ncp::collection {
 Problem mathiesen() {
   Problem p;
   const Box box{vec({0, 1e-6, 1e-6, 1e-6}), Vec::Constant(4, infinity)};
-  p.mcp = make_problem({"mathiesen", box, joined({{"y"}, indexed("p", 3)})}, [](const auto& z, auto& F) {
+  p.mcp = make_problem({"mathiesen", box, joined({{"y"}, indexed("p", 3)})}, [](const auto& z, const auto& F) {
     const auto &y = z[0], &p1 = z[1], &p2 = z[2], &p3 = z[3];
     if (!(value(p1) > 0 && value(p2) > 0)) return false;
     constexpr double alpha = 0.9, b2 = 5, b3 = 3;
@@ -35,7 +33,7 @@ Problem mathiesen() {
 namespace {
 
 constexpr int goods = 4, sectors = 2, consumers = 4;
-constexpr std::array<double, 4> endowment{5, 5, 40, 40};  // consumer c owns so much of good c and nothing else
+constexpr double endowment[consumers] = {5, 5, 40, 40};  // consumer c owns so much of good c and nothing else
 constexpr double share[goods][consumers] = {
     {.52, .86, .5, .06}, {.4, .1, .2, .25}, {.04, .02, .2975, .0025}, {.04, .02, .0025, .6875}};
 constexpr double activity[goods][sectors] = {{6, -1}, {-1, 3}, {-4, -1}, {-1, -1}};
@@ -53,8 +51,8 @@ Problem kehoe() {
   box.lower.tail(4).setConstant(-infinity);
   const Names variables = joined({indexed("y", sectors), indexed("p", goods), indexed("h", consumers)});
   const Names equations = joined({indexed("loss", sectors), indexed("market", goods), indexed("income", consumers)});
-  p.mcp = make_problem({"kehoe", box, variables, equations}, [](const auto& z, auto& F) {
-    const auto y = z.first(sectors), prices = z.subspan(sectors, goods), h = z.last(consumers);
+  p.mcp = make_problem({"kehoe", box, variables, equations}, [](const auto& z, const auto& F) {
+    const auto y = z.head(sectors), prices = z.segment(sectors, goods), h = z.tail(consumers);
     for (int s = 0; s < sectors; ++s) {
       F[s] = 0;
       for (int g = 0; g < goods; ++g) F[s] -= activity[g][s] * prices[g];

@@ -1,7 +1,6 @@
 /// Karush-Kuhn-Tucker systems of test problems of Hock & Schittkowski 1981 (HS) and of Colville 1968.
 ///     min f(x), g(x) >= 0, x in X:    X    contains x       _|_  grad f(x) - g'(x)' lambda
 ///                                     R_+  contains lambda  _|_  g(x).
-#include <array>
 #include <cmath>
 
 #include "ncp/collection/build.hpp"
@@ -18,28 +17,21 @@ Names kkt_names(Index unknowns, Index constraints) {
 // Colville's problems 1 (HS86) and 2 (HS117), which are dual to each other.
 constexpr int columns = 5;
 constexpr int rows = 10;
-constexpr std::array<std::array<double, columns>, rows> A{{{-16, 2, 0, 1, 0},
-                                                           {0, -2, 0, 4, 2},
-                                                           {-3.5, 0, 2, 0, 0},
-                                                           {0, -2, 0, -4, -1},
-                                                           {0, -9, -2, 1, -2.8},
-                                                           {2, 0, -4, 0, 0},
-                                                           {-1, -1, -1, -1, -1},
-                                                           {-1, -2, -3, -2, -1},
-                                                           {1, 2, 3, 4, 5},
-                                                           {1, 1, 1, 1, 1}}};
-constexpr std::array<double, rows> b{-40, -2, -.25, -4, -4, -1, -40, -60, 5, 1};
-constexpr std::array<std::array<double, columns>, columns> C{{{30, -20, -10, 32, -10},
-                                                              {-20, 39, -6, -31, 32},
-                                                              {-10, -6, 10, -6, -10},
-                                                              {32, -31, -6, 39, -20},
-                                                              {-10, 32, -10, -20, 30}}};
-constexpr std::array<double, columns> d{4, 8, 10, 6, 2};
-constexpr std::array<double, columns> e{-15, -27, -36, -18, -12};
+constexpr double A[rows][columns] = {{-16, 2, 0, 1, 0},    {0, -2, 0, 4, 2}, {-3.5, 0, 2, 0, 0},   {0, -2, 0, -4, -1},
+                                     {0, -9, -2, 1, -2.8}, {2, 0, -4, 0, 0}, {-1, -1, -1, -1, -1}, {-1, -2, -3, -2, -1},
+                                     {1, 2, 3, 4, 5},      {1, 1, 1, 1, 1}};
+constexpr double b[rows] = {-40, -2, -.25, -4, -4, -1, -40, -60, 5, 1};
+constexpr double C[columns][columns] = {{30, -20, -10, 32, -10},
+                                        {-20, 39, -6, -31, 32},
+                                        {-10, -6, 10, -6, -10},
+                                        {32, -31, -6, 39, -20},
+                                        {-10, 32, -10, -20, 30}};
+constexpr double d[columns] = {4, 8, 10, 6, 2};
+constexpr double e[columns] = {-15, -27, -36, -18, -12};
 
 /// e + 2 C x + 3 d . x . x - A' lambda, row j: the gradient of HS86's Lagrangian, the constraint of HS117.
 template <class T>
-T colville_gradient(int j, std::span<const T> x, std::span<const T> lambda) {
+T colville_gradient(int j, Row<const T> x, Row<const T> lambda) {
   T sum = e[j] + 3 * d[j] * x[j] * x[j];
   for (int k = 0; k < columns; ++k) sum += 2 * C[j][k] * x[k];
   for (int i = 0; i < rows; ++i) sum -= A[i][j] * lambda[i];
@@ -48,7 +40,7 @@ T colville_gradient(int j, std::span<const T> x, std::span<const T> lambda) {
 
 /// -b + A x, row i.
 template <class T>
-T colville_constraint(int i, std::span<const T> x) {
+T colville_constraint(int i, Row<const T> x) {
   T sum = -b[i];
   for (int k = 0; k < columns; ++k) sum += A[i][k] * x[k];
   return sum;
@@ -62,7 +54,7 @@ T colville_constraint(int i, std::span<const T> x) {
 Problem hs34_kkt() {
   Problem p;
   const Box box{Vec::Zero(5), vec({100, 100, 10, infinity, infinity})};
-  p.mcp = make_problem({"hs34-kkt", box, kkt_names(3, 2)}, [](const auto& z, auto& F) {
+  p.mcp = make_problem({"hs34-kkt", box, kkt_names(3, 2)}, [](const auto& z, const auto& F) {
     using std::exp;
     const auto e1 = exp(z[0]), e2 = exp(z[1]);
     F[0] = -1 + z[3] * e1;
@@ -82,7 +74,7 @@ Problem hs34_kkt() {
 /// HS35 (Beale): min 9 - 8 x1 - 6 x2 - 4 x3 + 2 x1^2 + 2 x2^2 + x3^2 + 2 x1 x2 + 2 x1 x3, x1 + x2 + 2 x3 <= 3, x >= 0.
 Problem hs35_kkt() {
   Problem p;
-  p.mcp = make_problem({"hs35-kkt", Box::nonnegative(4), kkt_names(3, 1)}, [](const auto& z, auto& F) {
+  p.mcp = make_problem({"hs35-kkt", Box::nonnegative(4), kkt_names(3, 1)}, [](const auto& z, const auto& F) {
     const auto &x1 = z[0], &x2 = z[1], &x3 = z[2], &lambda = z[3];
     F[0] = -8 + 4 * x1 + 2 * x2 + 2 * x3 + lambda;
     F[1] = -6 + 2 * x1 + 4 * x2 + lambda;
@@ -100,7 +92,7 @@ Problem hs35_kkt() {
 /// 0, 4 - 3 x1 - x2 - 2 x3 + x4 >= 0, x2 + 4 x3 - 1.5 >= 0, x >= 0.
 Problem hs76_kkt() {
   Problem p;
-  p.mcp = make_problem({"hs76-kkt", Box::nonnegative(7), kkt_names(4, 3)}, [](const auto& z, auto& F) {
+  p.mcp = make_problem({"hs76-kkt", Box::nonnegative(7), kkt_names(4, 3)}, [](const auto& z, const auto& F) {
     const auto &x1 = z[0], &x2 = z[1], &x3 = z[2], &x4 = z[3], &l1 = z[4], &l2 = z[5], &l3 = z[6];
     F[0] = 2 * x1 - x3 - 1 + l1 + 3 * l2;
     F[1] = x2 - 3 + 2 * l1 + l2 - l3;
@@ -132,8 +124,8 @@ Vec colville_lambda() {
 /// Strictly convex where x > 0; four constraints with independent gradients are active: one solution.
 Problem colvnlp() {
   Problem p;
-  p.mcp = make_problem({"colvnlp", Box::nonnegative(15), kkt_names(5, 10)}, [](const auto& z, auto& F) {
-    const std::span<const Number<decltype(z)>> x = z.first(columns), lambda = z.subspan(columns);
+  p.mcp = make_problem({"colvnlp", Box::nonnegative(15), kkt_names(5, 10)}, [](const auto& z, const auto& F) {
+    const auto x = z.head(columns), lambda = z.tail(rows);
     for (int j = 0; j < columns; ++j) F[j] = colville_gradient(j, x, lambda);
     for (int i = 0; i < rows; ++i) F[columns + i] = colville_constraint(i, x);
     return true;
@@ -153,8 +145,8 @@ Problem colvnlp() {
 Problem colvdual() {
   Problem p;
   const Names names = joined({indexed("y", 10), indexed("x", 5), indexed("w", 5)});
-  p.mcp = make_problem({"colvdual", Box::nonnegative(20), names}, [](const auto& z, auto& F) {
-    const std::span<const Number<decltype(z)>> y = z.first(rows), x = z.subspan(rows, columns), w = z.last(columns);
+  p.mcp = make_problem({"colvdual", Box::nonnegative(20), names}, [](const auto& z, const auto& F) {
+    const auto y = z.head(rows), x = z.segment(rows, columns), w = z.tail(columns);
     for (int i = 0; i < rows; ++i) F[i] = colville_constraint(i, w);
     for (int j = 0; j < columns; ++j) {
       F[rows + j] = 6 * d[j] * x[j] * (x[j] - w[j]);

@@ -1,21 +1,22 @@
 #pragma once
 /// The numbers of tinloi42 (see tinloi.cpp). Private to the collection.
-#include <array>
+
+#include <cstddef>
 
 namespace perp::ncp::collection::tinloi_tables {
 
-constexpr int nodes = 21;
+constexpr std::ptrdiff_t nodes = 21;
 /// H_i of the inner nodes; half of it at the first and the last.
 constexpr double softening = 243.6926599234;
 /// r_i of the inner nodes; half of it at the first and the last.
 constexpr double strength = 8.5;
 /// c_i, i = 1..nodes.
-constexpr std::array<double, nodes> c{-9.1429, -0.21125, 0.94105, 1.20325, 1.34125, 1.4137,   1.45165,
-                                      1.4758,  1.48615,  1.49305, 1.4965,  1.49305, 1.48615,  1.4758,
-                                      1.45165, 1.4137,   1.34125, 1.20325, 0.94105, -0.21125, -9.1429};
+constexpr double c[nodes] = {-9.1429, -0.21125, 0.94105, 1.20325, 1.34125, 1.4137,   1.45165,
+                             1.4758,  1.48615,  1.49305, 1.4965,  1.49305, 1.48615,  1.4758,
+                             1.45165, 1.4137,   1.34125, 1.20325, 0.94105, -0.21125, -9.1429};
 
 /// Z, symmetric and full, the lower triangle row by row.
-constexpr std::array<double, nodes*(nodes + 1) / 2> Z{
+constexpr double Z[nodes * (nodes + 1) / 2] = {
     7222.1719219397,  -4649.9676916441, 10213.4532971716, -1544.7451369939, -3692.1334086434, 10540.6202126906,
     -672.1647407285,  -1174.3113115369, -3550.5396347565, 10611.2901479536, -446.7929017618,  -443.1416561956,
     -1083.1242537968, -3501.3570043848, 10647.7226465696, -310.2590028517,  -297.1082442779,  -381.9143663183,

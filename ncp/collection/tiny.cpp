@@ -19,7 +19,7 @@ Shape ncp_shape(std::string name, Index n) { return {std::move(name), Box::nonne
 /// At (sqrt(6)/2, 0, 0, 1/2) F = (0, 2 + sqrt(6)/2, 0, 0): z3 = F3 = 0 is degenerate.
 Problem kojshin() {
   Problem p;
-  p.mcp = make_problem(ncp_shape("kojshin", 4), [](const auto& z, auto& F) {
+  p.mcp = make_problem(ncp_shape("kojshin", 4), [](const auto& z, const auto& F) {
     const auto &z1 = z[0], &z2 = z[1], &z3 = z[2], &z4 = z[3];
     F[0] = 3 * z1 * z1 + 2 * z1 * z2 + 2 * z2 * z2 + z3 + 3 * z4 - 6;
     F[1] = 2 * z1 * z1 + z1 + z2 * z2 + 10 * z3 + 2 * z4 - 2;
@@ -36,7 +36,7 @@ Problem kojshin() {
 /// As kojshin but for F2 = 2 z1^2 + z1 + z2^2 + 3 z3 + 2 z4 - 2 and F3 = 3 z1^2 + z1 z2 + 2 z2^2 + 2 z3 + 3 z4 - 1.
 Problem josephy() {
   Problem p;
-  p.mcp = make_problem(ncp_shape("josephy", 4), [](const auto& z, auto& F) {
+  p.mcp = make_problem(ncp_shape("josephy", 4), [](const auto& z, const auto& F) {
     const auto &z1 = z[0], &z2 = z[1], &z3 = z[2], &z4 = z[3];
     F[0] = 3 * z1 * z1 + 2 * z1 * z2 + 2 * z2 * z2 + z3 + 3 * z4 - 6;
     F[1] = 2 * z1 * z1 + z1 + z2 * z2 + 3 * z3 + 2 * z4 - 2;
@@ -54,7 +54,7 @@ Problem josephy() {
 /// 1, 2, 2; so there is exactly one solution.
 Problem munson1() {
   Problem p;
-  p.mcp = make_problem(ncp_shape("munson1", 3), [](const auto& z, auto& F) {
+  p.mcp = make_problem(ncp_shape("munson1", 3), [](const auto& z, const auto& F) {
     F[0] = z[0] + 2 * z[1] + 3 * z[2] - 1;
     F[1] = z[1] - z[2] + 1;
     F[2] = z[1] + z[2] + 1;
@@ -69,11 +69,11 @@ Problem munson1() {
 /// F = (z - 1)^2 - 1.01. F(0) = -0.01 < 0, so z = 0 is no solution, but merit functions have a local minimum there.
 Problem billups() {
   Problem p;
-  p.mcp = make_problem(ncp_shape("billups", 1), [](const auto& z, auto& F) {
+  p.mcp = make_problem(ncp_shape("billups", 1), [](const auto& z, const auto& F) {
     F[0] = (z[0] - 1) * (z[0] - 1) - 1.01;
     return true;
   });
-  for (const double start : {0.0, 1.5, 2.0, 3.0, 5.0}) p.starts.push_back(Vec::Constant(1, start));
+  for (const double start : {0.0, 1.5, 2.0, 3.0, 5.0}) p.starts.emplace_back(Vec::Constant(1, start));
   p.solutions = {{"unique", vec({1 + std::sqrt(1.01)}), 1e-15}};
   p.solutions_complete = true;
   return p;
@@ -83,7 +83,7 @@ Problem billups() {
 /// monotone. Not defined where exp overflows, |z - a|^2 > 709.
 Problem watson4() {
   Problem p;
-  p.mcp = make_problem(ncp_shape("watson4", 5), [](const auto& z, auto& F) {
+  p.mcp = make_problem(ncp_shape("watson4", 5), [](const auto& z, const auto& F) {
     using std::exp;
     Number<decltype(z)> square = 0;
     for (int k = 0; k < 5; ++k) square += (z[k] - (k - 1)) * (z[k] - (k - 1));

@@ -183,7 +183,7 @@ Problem walras_own(Index goods, Index sectors, Index households, unsigned seed) 
     return joined({indexed(y, sectors), indexed(p, goods), indexed(h, households)});
   };
   Functions made = functions_of({"walras-own", box, names("y", "p", "h"), names("loss", "market", "income"), frame});
-  made.F = [economy](In z, Out F) { return excess(economy, z, F); };
+  made.F = [economy](In z, Out F) { return excess(economy, z, std::move(F)); };
   made.J = [economy, frame](In z, SpMat& J) { return slopes(economy, frame, z, J); };
 
   Problem p;

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <span>
 #include <sstream>
 
 #include "ncp/collection/choi_tables.hpp"
@@ -49,8 +50,8 @@ template <class Table>
 void expect_rows(const std::vector<double>& recorded, const Table& table) {
   std::vector<double> ours;
   for (const auto& row : table)
-    if constexpr (requires { row.size(); })
-      ours.insert(ours.end(), row.begin(), row.end());
+    if constexpr (std::is_array_v<std::remove_reference_t<decltype(row)>>)
+      ours.insert(ours.end(), std::begin(row), std::end(row));
     else
       ours.push_back(row);
   EXPECT_EQ(ours, recorded);
@@ -71,11 +72,12 @@ TEST_F(Tables, Distillation) {
   using namespace distillation_tables;
   nlohmann::json recorded;
   open("distillation.json") >> recorded;
-  const auto expect_column = [&](const Column& ours, auto start, auto solution) {
+  const auto expect_column = [&](const Column& ours, std::span<const double> start, std::span<const double> solution) {
     const nlohmann::json& column = recorded.at(ours.name);
-    const auto expect_list = [&](const char* key, const auto& values, int length) {
-      ASSERT_EQ(column.at(key).size(), static_cast<std::size_t>(length)) << key;
-      for (int i = 0; i < length; ++i) EXPECT_EQ(column[key][static_cast<std::size_t>(i)], values[i]) << key << i;
+    const auto expect_list = [&](const char* key, std::span<const double> values, auto count) {
+      const auto length = static_cast<std::size_t>(count);
+      ASSERT_EQ(column.at(key).size(), length) << key;
+      for (std::size_t i = 0; i < length; ++i) EXPECT_EQ(column[key][i], values[i]) << key << i;
     };
     EXPECT_EQ(column["n"], ours.n);
     EXPECT_EQ(column["m"], ours.m);
@@ -96,10 +98,9 @@ TEST_F(Tables, Distillation) {
     EXPECT_EQ(column["bottoms"], ours.bottoms);
     EXPECT_EQ(column["distillate"], ours.distillate);
     EXPECT_EQ(column["heat"], ours.heat);
-    const auto n = static_cast<int>(start.size());
+    const std::size_t n = start.size();
     expect_list("start", start, n);
-    for (int i = 0; i < n; ++i)
-      EXPECT_NEAR(column["solution"][static_cast<std::size_t>(i)].get<double>(), solution[i], 1e-9);
+    for (std::size_t i = 0; i < n; ++i) EXPECT_NEAR(column["solution"][i].get<double>(), solution[i], 1e-9);
   };
   expect_column(hydroc06, hydroc06_start, hydroc06_solution);
   expect_column(methan08, methan08_start, methan08_solution);
