@@ -6,29 +6,42 @@
 namespace perp::ncp {
 namespace {
 
+/// phi(a, b) / min(a, b), as a sum of positive terms of order one: no cancellation, overflow or underflow.
+double fischer_burmeister_factor(double most, double least) {
+  if (least > 0) {  // ab > 0: phi = 2 ab / (a + b + r)
+    const double q = least / most;
+    return 2 / (1 + q + std::hypot(1.0, q));
+  }
+  if (most <= 0) {
+    const double q = most / least;
+    return 1 + q + std::hypot(1.0, q);
+  }
+  // most - r = -least^2 / (most + r)
+  if (most >= -least) {
+    const double q = -least / most;
+    return 1 + q / (1 + std::hypot(1.0, q));
+  }
+  const double q = most / -least;
+  return 1 + 1 / (q + std::hypot(1.0, q));
+}
+
 CValue fischer_burmeister_at(double a, double b, double ha, double hb) {
-  const double r = std::hypot(a, b);
-  if (r == 0) {
+  if (a == infinity) return {b, 0, 1};  // x - l overflows
+  if (b == infinity) return {a, 1, 0};
+  const double size = std::max(std::abs(a), std::abs(b));
+  if (size == 0) {
     const double h = std::hypot(ha, hb);
     if (h == 0) return {0, 1 - std::sqrt(0.5), 1 - std::sqrt(0.5)};  // the limit along a = b > 0
     return {0, 1 - ha / h, 1 - hb / h};
   }
-  if (std::isinf(r) && std::isfinite(a) && std::isfinite(b)) {  // phi is positively homogeneous
-    const CValue v = fischer_burmeister_at(0.25 * a, 0.25 * b, ha, hb);
-    return {4 * v.phi, v.da, v.db};
-  }
-  // a + b - r and 1 - a / r cancel; these forms have no difference of like numbers in them.
-  const double most = std::max(a, b);
   const double least = std::min(a, b);
-  double phi = (most - r) + least;  // both <= 0
-  if (least > 0) {
-    const double q = least / most;
-    phi = 2 * least / (1 + q + std::hypot(1.0, q));
-  } else if (most > 0) {
-    phi = least - least * (least / (most + r));
-  }
-  const auto one_minus = [](double c, double s) { return c > 0 ? s * s / (1 + c) : 1 - c; };  // 1 - c, c^2 + s^2 = 1
-  return {phi, one_minus(a / r, b / r), one_minus(b / r, a / r)};
+  const double phi = least == 0 ? 0 : least * fischer_burmeister_factor(std::max(a, b), least);
+  // The partials 1 - c and 1 - s of c = a / r and s = b / r, with a, b brought where r neither over- nor underflows.
+  const double r = std::hypot(a / size, b / size);
+  const double c = a / size / r;
+  const double s = b / size / r;
+  const auto one_minus = [](double x, double y) { return x > 0 ? y * y / (1 + x) : 1 - x; };  // x^2 + y^2 = 1
+  return {phi, one_minus(c, s), one_minus(s, c)};
 }
 
 CValue min_at(double a, double b, double ha, double hb) {
