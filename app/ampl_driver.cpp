@@ -121,7 +121,7 @@ ExitCode refuse(const std::string& program, const std::string& stub, int code, c
 
 ExitCode write_answer(const AmplRequest& request, const Report& report, const std::string& stub, Streams streams) {
   const std::string text = message(report);
-  if ((report.run.wantsol & dont_print_message) == 0) streams.out << text << std::endl;
+  if ((report.settings.wantsol & dont_print_message) == 0) streams.out << text << std::endl;
   const ncp::ampl::Model& model = *report.problem->model;
   const int code = solve_result_num(report.result.status);
   try {
@@ -142,7 +142,8 @@ ExitCode solve_stub(const AmplRequest& request, const Call& call, Streams stream
   for (const std::string& note : options.notes) streams.err << request.program << ": note: " << note << '\n';
   // Always a file, even if the collection has a problem of that name.
   const LoadedProblem problem = load_problem(call.stub.ends_with(".nl") ? call.stub : call.stub + ".nl");
-  const Report report = run_method(problem, options.run, options.run.output ? &streams.out : nullptr, interrupt);
+  const Report report =
+      run_method(problem, options.settings, options.settings.output ? &streams.out : nullptr, interrupt);
   return write_answer(request, report, call.stub, streams);
 }
 

@@ -59,7 +59,7 @@ Json residual_json(const ncp::Mcp& mcp, const ncp::Residual& r) {
 Json variables_json(const Report& report) {
   const ncp::Mcp& mcp = report.mcp();
   const ncp::Box& box = mcp.box();
-  const double tol = ncp::stop(report.run.method).tol;
+  const double tol = ncp::stop(report.settings.method).tol;
   Json array = Json::array();
   for (ncp::Index i = 0; i < mcp.size(); ++i)
     array.push_back({{"name", mcp.variable_name(i)},
@@ -90,8 +90,8 @@ Json iterations_json(const Report& report) {
   return array;
 }
 
-Json options_json(const Run& run) {
-  Run copy = run;
+Json options_json(const Settings& settings) {
+  Settings copy = settings;
   Json json = Json::object();
   for (const Option& option : options()) {
     const Field field = option.field(copy);
@@ -132,7 +132,7 @@ std::string solve_json(const Report& report) {
   json["problem"] = report.problem->label;
   json["start"] = report.problem->start;
   json["size"] = report.mcp().size();
-  json["method"] = report.run.method_name;
+  json["method"] = report.settings.method_name;
   json["status"] = ncp::to_string(result.status);
   json["exit_code"] = static_cast<int>(report.exit_code());
   json["message"] = result.message;
@@ -144,7 +144,7 @@ std::string solve_json(const Report& report) {
                    {"pivots", stats.pivots},         {"time_s", json_number(stats.time.count())}};
   if (report.derivatives)
     json["derivatives"] = {{"defined", report.derivatives->defined}, {"worst", json_number(report.derivatives->worst)}};
-  json["options"] = options_json(report.run);
+  json["options"] = options_json(report.settings);
   json["variables"] = variables_json(report);
   json["iterations"] = iterations_json(report);
   return text(json);

@@ -54,8 +54,8 @@ int print_methods(Streams streams) {
   for (const Option& option : options()) {
     std::vector<std::string> row{std::string(option.key), values_text(option)};
     for (const MethodEntry& entry : methods()) {
-      Run run{.method_name = std::string(entry.name), .method = entry.make()};
-      row.push_back(value_text(option.field(run)));
+      Settings settings{.method_name = std::string(entry.name), .method = entry.make()};
+      row.push_back(value_text(option.field(settings)));
     }
     defaults.add(std::move(row));
   }

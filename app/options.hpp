@@ -20,7 +20,7 @@
 namespace perp::app {
 
 /// What options set: a method with its fields, and a few things that concern the program alone.
-struct Run {
+struct Settings {
   std::string method_name{default_method};
   ncp::Method method = ncp::SemismoothNewton{};  ///< methods()' entry of that name, with the options applied
   bool output = true;                            ///< print the iteration table
@@ -43,7 +43,7 @@ struct Option {
   std::vector<std::string_view> aliases;
   Range range;  ///< of numbers
   std::string_view help;
-  Field (*field)(Run& run);
+  Field (*field)(Settings& settings);
 };
 
 std::span<const Option> options();
@@ -61,7 +61,7 @@ enum class Unknown {
 };
 
 struct Applied {
-  Run run;
+  Settings settings;
   std::vector<std::string> notes;    ///< options without effect, and why
   std::vector<std::string> unknown;  ///< messages about unknown keys
 };

@@ -45,17 +45,17 @@ std::optional<std::pair<std::size_t, double>> nearest_known(const Report& report
 
 }  // namespace
 
-Report run_method(const LoadedProblem& problem, const Run& run, std::ostream* table,
+Report run_method(const LoadedProblem& problem, const Settings& settings, std::ostream* table,
                   const std::atomic<bool>* interrupt) {
-  Report report{.problem = &problem, .run = run};
-  if (run.sideineq == 2 && problem.model != nullptr && problem.model->side_inequalities() > 0)
+  Report report{.problem = &problem, .settings = settings};
+  if (settings.sideineq == 2 && problem.model != nullptr && problem.model->side_inequalities() > 0)
     throw ncp::ampl::ModelError(
         side_inequalities_refused,
         fmt::format("{}: the model has {}, refused by sideineq = 2", problem.label,
                     problem.model->side_inequalities() == 1
                         ? std::string("1 side inequality")
                         : fmt::format("{} side inequalities", problem.model->side_inequalities())));
-  ncp::Stop& stop = ncp::stop(report.run.method);
+  ncp::Stop& stop = ncp::stop(report.settings.method);
   stop.interrupt = interrupt;
   if (stop.check_derivatives) {  // ncp::solve would refuse a wrong Jacobian, but not say how good a right one is
     ncp::check_input(*problem.mcp, problem.x0);
@@ -63,7 +63,7 @@ Report run_method(const LoadedProblem& problem, const Run& run, std::ostream* ta
     if (const std::string wrong = ncp::describe(*problem.mcp, *report.derivatives, wrong_derivative); !wrong.empty())
       throw InputError(fmt::format("{}: {}", problem.label, wrong));
   }
-  ncp::Method method = report.run.method;
+  ncp::Method method = report.settings.method;
   ncp::stop(method).check_derivatives = false;
   std::vector<ncp::Observer> observers{ncp::record(report.iterations)};
   if (table != nullptr) observers.push_back(flushed_table(*table, *problem.mcp));
@@ -90,7 +90,7 @@ double F_value(const Report& report, ncp::Index i) {
   return i < report.result.F.size() ? report.result.F[i] : std::numeric_limits<double>::quiet_NaN();
 }
 
-void print_heading(std::ostream& out, const LoadedProblem& problem, const Run& run) {
+void print_heading(std::ostream& out, const LoadedProblem& problem, const Settings& settings) {
   out << fmt::format("{}: {}, {} in the Jacobian", problem.label, count(problem.mcp->size(), "variable"),
                      count(problem.mcp->jacobian_pattern().nonZeros(), "nonzero"));
   if (problem.model != nullptr) {
@@ -100,7 +100,7 @@ void print_heading(std::ostream& out, const LoadedProblem& problem, const Run& r
   } else {
     out << fmt::format(", start {} of {}", problem.start, problem.starts);
   }
-  out << "; method " << run.method_name << '\n';
+  out << "; method " << settings.method_name << '\n';
 }
 
 void print_solution(std::ostream& out, const Report& report, bool full) {
@@ -111,7 +111,7 @@ void print_solution(std::ostream& out, const Report& report, bool full) {
                {"upper", Align::Right},
                {"F", Align::Right},
                {"state", Align::Left}});
-  const double tol = ncp::stop(report.run.method).tol;
+  const double tol = ncp::stop(report.settings.method).tol;
   for (ncp::Index i = 0; i < box.size(); ++i) {
     const double x = report.result.x[i];
     table.add({report.mcp().variable_name(i), number(box.lower[i]), number(x), number(box.upper[i]),
@@ -142,8 +142,8 @@ void print_summary(std::ostream& out, const Report& report) {
   }
 }
 
-void print_options(std::ostream& out, const Run& run) {
-  Run copy = run;
+void print_options(std::ostream& out, const Settings& settings) {
+  Settings copy = settings;
   out << "options:";
   for (const Option& option : options())
     if (const Field field = option.field(copy); !std::holds_alternative<std::monostate>(field))

@@ -18,7 +18,7 @@ inline constexpr int side_inequalities_refused = 505;
 
 struct Report {
   const LoadedProblem* problem = nullptr;
-  Run run{};
+  Settings settings{};
   ncp::Result result{};
   std::vector<ncp::Iteration> iterations{};
   std::optional<ncp::JacobianCheck> derivatives{};  ///< at the start, if asked for
@@ -30,7 +30,7 @@ struct Report {
 
 /// Solves; prints the iteration table to `table` (nullptr: none). `interrupt` may be null. Throws InputError if the
 /// Jacobian was to be checked and is wrong or if side inequalities were to be refused; what ncp::solve throws.
-Report run_method(const LoadedProblem& problem, const Run& run, std::ostream* table,
+Report run_method(const LoadedProblem& problem, const Settings& settings, std::ostream* table,
                   const std::atomic<bool>* interrupt);
 
 /// Where variable i is: "basic" (between its bounds), "at lower", "at upper", "fixed", "free" (it has no bounds), with
@@ -41,12 +41,12 @@ std::string_view state_name(const ncp::Box& box, ncp::Index i, double x, double 
 double F_value(const Report& report, ncp::Index i);
 
 /// Name, size, start, method.
-void print_heading(std::ostream& out, const LoadedProblem& problem, const Run& run);
+void print_heading(std::ostream& out, const LoadedProblem& problem, const Settings& settings);
 /// Name, lower, value, upper, F, state of each variable; shortened beyond 60 unless `full`.
 void print_solution(std::ostream& out, const Report& report, bool full);
 /// What happened; what to try if it did not work.
 void print_summary(std::ostream& out, const Report& report);
 /// Options in force.
-void print_options(std::ostream& out, const Run& run);
+void print_options(std::ostream& out, const Settings& settings);
 
 }  // namespace perp::app

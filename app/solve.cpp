@@ -50,11 +50,11 @@ Report run_and_print(const SolveRequest& request, const LoadedProblem& problem, 
   const auto shows = [&](LogLevel level) { return request.log_level >= level; };
   if (shows(LogLevel::Warning))
     for (const std::string& note : options.notes) streams.err << "perp: note: " << note << '\n';
-  if (shows(LogLevel::Info)) print_heading(log, problem, options.run);
-  if (shows(LogLevel::Debug)) print_options(log, options.run);
-  const bool table = shows(LogLevel::Info) && options.run.output;
+  if (shows(LogLevel::Info)) print_heading(log, problem, options.settings);
+  if (shows(LogLevel::Debug)) print_options(log, options.settings);
+  const bool table = shows(LogLevel::Info) && options.settings.output;
   if (table) log << '\n';
-  Report report = run_method(problem, options.run, table ? &log : nullptr, interrupt);
+  Report report = run_method(problem, options.settings, table ? &log : nullptr, interrupt);
   report.notes = options.notes;
   if (shows(LogLevel::Info)) {
     log << '\n';

@@ -1,0 +1,244 @@
+#include <array>
+#include <limits>
+#include <type_traits>
+
+#include "app/options.hpp"
+
+namespace perp::app {
+
+namespace {
+
+constexpr double max_int = std::numeric_limits<int>::max();
+constexpr double years = 1e9;  // of seconds: a limit that no clock overflows with
+
+/// The field that one of `gets` finds in the run's method; a get that does not compile for a method finds nothing.
+template <class... Gets>
+Field of_method(Settings& settings, Gets... gets) {
+  return std::visit(
+      [&](auto& method) {
+        Field field;
+        const auto look = [&](auto get) {
+          if constexpr (std::is_invocable_v<decltype(get), decltype(method)>) field = get(method);
+        };
+        (look(gets), ...);
+        return field;
+      },
+      settings.method);
+}
+
+}  // namespace
+
+std::span<const Option> options() {
+  static const std::array table{
+      Option{"method",
+             {},
+             {},
+             "the method that runs; the other options apply to it, whatever their order",
+             [](Settings& settings) -> Field { return &settings.method_name; }},
+      Option{"convergence_tolerance",
+             {"tol"},
+             {0, lcp::infinity, true},
+             "tol: solved when the natural residual max_i |x_i - mid(l_i, x_i - F_i(x), u_i)| is at most tol",
+             [](Settings& settings) -> Field { return &ncp::stop(settings.method).tol; }},
+      Option{"major_iteration_limit",
+             {"max_iterations"},
+             {0, max_int},
+             "iterations (a linearisation each) after which to give up",
+             [](Settings& settings) -> Field { return &ncp::stop(settings.method).max_iterations; }},
+      Option{"time_limit",
+             {"max_time"},
+             {0, years, true},
+             "seconds after which to give up",
+             [](Settings& settings) -> Field { return &ncp::stop(settings.method).max_time; }},
+      Option{"check_derivatives",
+             {},
+             {},
+             "compare the Jacobian with differences of F at the start, and refuse a problem whose Jacobian is wrong",
+             [](Settings& settings) -> Field { return &ncp::stop(settings.method).check_derivatives; }},
+      Option{"output",
+             {},
+             {},
+             "print the iteration table (from AMPL: no, unless asked for)",
+             [](Settings& settings) -> Field { return &settings.output; }},
+      Option{"nms_memory_size",
+             {"memory"},
+             {1, 1e6},
+             "non-monotone line search: merits remembered, the largest of which must be beaten; 1 is monotone",
+             [](Settings& settings) {
+               return of_method(settings, [](auto& m) -> decltype(&m.search.memory) { return &m.search.memory; });
+             }},
+      Option{"sigma",
+             {},
+             {0, 1, true},
+             "line search: share of the predicted decrease of the merit that is demanded",
+             [](Settings& settings) {
+               return of_method(settings, [](auto& m) -> decltype(&m.search.sigma) { return &m.search.sigma; });
+             }},
+      Option{"beta",
+             {},
+             {0, 1, true},
+             "line search: factor of the step length a trial",
+             [](Settings& settings) {
+               return of_method(settings, [](auto& m) -> decltype(&m.search.beta) { return &m.search.beta; });
+             }},
+      Option{"max_backtracks",
+             {},
+             {0, 1000},
+             "line search: trials before the direction is given up",
+             [](Settings& settings) {
+               return of_method(settings,
+                                [](auto& m) -> decltype(&m.search.max_backtracks) { return &m.search.max_backtracks; });
+             }},
+      Option{"descent_rho",
+             {},
+             {0, lcp::infinity, true},
+             "a Newton direction d needs  merit'(x; d) <= -descent_rho |d|^descent_p",
+             [](Settings& settings) {
+               return of_method(settings, [](auto& m) -> decltype(&m.descent_rho) { return &m.descent_rho; });
+             }},
+      Option{"descent_p",
+             {},
+             {2, lcp::infinity, true},
+             "see descent_rho",
+             [](Settings& settings) {
+               return of_method(settings, [](auto& m) -> decltype(&m.descent_p) { return &m.descent_p; });
+             }},
+      Option{"escape_rounds",
+             {},
+             {0, max_int},
+             "where the method is stuck: proximal problems  F(x) + lambda (x - xbar)  tried to get away; 0: stay stuck",
+             [](Settings& settings) {
+               return of_method(settings, [](auto& m) -> decltype(&m.escape.rounds) { return &m.escape.rounds; });
+             }},
+      Option{"escape_lambda",
+             {},
+             {0, lcp::infinity, true},
+             "that lambda, in units of sqrt(|J|_1 |J|_inf)",
+             [](Settings& settings) {
+               return of_method(settings, [](auto& m) -> decltype(&m.escape.lambda) { return &m.escape.lambda; });
+             }},
+      Option{"lu",
+             {},
+             {},
+             "the sparse LU factorization used",
+             [](Settings& settings) {
+               return of_method(
+                   settings, [](auto& m) -> decltype(&m.lu) { return &m.lu; },
+                   [](auto& m) -> decltype(&m.lemke.basis.lu) { return &m.lemke.basis.lu; });
+             }},
+      Option{"minor_iteration_limit",
+             {"max_pivots"},
+             {1, max_int},
+             "pivots of one linearised problem",
+             [](Settings& settings) {
+               return of_method(settings, [](auto& m) -> decltype(&m.lemke.max_pivots) { return &m.lemke.max_pivots; });
+             }},
+      Option{"lemke_start",
+             {},
+             {},
+             "where pivoting starts: automatic (the cell of the current point) or always (a ray, as Lemke's method)",
+             [](Settings& settings) {
+               return of_method(settings, [](auto& m) -> decltype(&m.lemke.start) { return &m.lemke.start; });
+             }},
+      Option{"pivot_tolerance",
+             {},
+             {0, 1, true},
+             "smallest pivot, relative to the largest entry of its column",
+             [](Settings& settings) {
+               return of_method(settings, [](auto& m) -> decltype(&m.lemke.pivot_tol) { return &m.lemke.pivot_tol; });
+             }},
+      Option{"lemke_perturbation",
+             {},
+             {0, 1},
+             "relative perturbation of the path's start, against ties; 0: none",
+             [](Settings& settings) {
+               return of_method(settings,
+                                [](auto& m) -> decltype(&m.lemke.perturbation) { return &m.lemke.perturbation; });
+             }},
+      Option{"lemke_seed",
+             {"seed"},
+             {0, max_int},
+             "of that perturbation and of the ray",
+             [](Settings& settings) {
+               return of_method(settings, [](auto& m) -> decltype(&m.lemke.seed) { return &m.lemke.seed; });
+             }},
+      Option{"refactor_every",
+             {},
+             {1, max_int},
+             "pivots between fresh factorizations of the basis",
+             [](Settings& settings) {
+               return of_method(settings, [](auto& m) -> decltype(&m.lemke.basis.refactor_every) {
+                 return &m.lemke.basis.refactor_every;
+               });
+             }},
+      Option{"sideineq",
+             {},
+             {1, 2},
+             "a model's side inequalities: 1 accepts them, with an extra variable each; 2 refuses the model",
+             [](Settings& settings) -> Field { return &settings.sideineq; }},
+      Option{"wantsol",
+             {},
+             {0, 15},
+             "AMPL's: 8 does not print the closing message (the .sol file is written whatever the value)",
+             [](Settings& settings) -> Field { return &settings.wantsol; }},
+  };
+  return table;
+}
+
+std::span<const std::string_view> ignored_options() {
+  static constexpr auto keys = std::to_array<std::string_view>({"crash_iteration_limit",
+                                                                "crash_merit_function",
+                                                                "crash_method",
+                                                                "crash_minimum_dimension",
+                                                                "crash_nbchange_limit",
+                                                                "crash_perturb",
+                                                                "crash_searchtype",
+                                                                "cumulative_iteration_limit",
+                                                                "factorization_method",
+                                                                "gradient_searchtype",
+                                                                "gradient_step_limit",
+                                                                "interrupt_limit",
+                                                                "lemke_rank_deficiency_iterations",
+                                                                "lemke_start_type",
+                                                                "logfile",
+                                                                "merit_function",
+                                                                "nms",
+                                                                "nms_initial_reference_factor",
+                                                                "nms_maximum_watchdogs",
+                                                                "nms_mstep_frequency",
+                                                                "nms_searchtype",
+                                                                "output_crash_iterations",
+                                                                "output_crash_iterations_frequency",
+                                                                "output_errors",
+                                                                "output_factorization_singularities",
+                                                                "output_final_degeneracy_statistics",
+                                                                "output_final_point",
+                                                                "output_final_point_statistics",
+                                                                "output_final_scaling_statistics",
+                                                                "output_final_statistics",
+                                                                "output_final_summary",
+                                                                "output_initial_point",
+                                                                "output_initial_point_statistics",
+                                                                "output_initial_scaling_statistics",
+                                                                "output_initial_statistics",
+                                                                "output_initial_summary",
+                                                                "output_linear_model",
+                                                                "output_major_iterations",
+                                                                "output_major_iterations_frequency",
+                                                                "output_minor_iterations",
+                                                                "output_minor_iterations_frequency",
+                                                                "output_model_statistics",
+                                                                "output_options",
+                                                                "output_preprocess",
+                                                                "output_restart_log",
+                                                                "output_time",
+                                                                "output_warnings",
+                                                                "preprocess",
+                                                                "proximal_perturbation",
+                                                                "restart_limit",
+                                                                "return_best_point",
+                                                                "statusfile"});
+  return keys;
+}
+
+}  // namespace perp::app

@@ -1,0 +1,75 @@
+/// `perp list`, against the collection itself.
+#include "app/list.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "ncp/collection/collection.hpp"
+#include "support.hpp"
+
+namespace perp::app {
+namespace {
+
+using testing::HasSubstr;
+
+TEST(List, TableNamesEveryProblem) {
+  test::Captured captured;
+  EXPECT_EQ(list({}, captured.streams), exit_solved);
+  ASSERT_FALSE(ncp::collection::entries().empty());
+  for (const ncp::collection::Entry& entry : ncp::collection::entries()) {
+    std::string line_start("\n");
+    line_start.append(entry.name).append(" ");
+    EXPECT_THAT(captured.out.str(), HasSubstr(line_start));
+    EXPECT_THAT(captured.out.str(), HasSubstr(std::string(entry.hard)));
+  }
+  EXPECT_EQ(captured.err.str(), "");
+}
+
+// kojshin: eight starts and two solutions, (sqrt6/2, 0, 0, 1/2) and (1, 0, 3, 0) (Kojima & Shindo 1986).
+TEST(List, OneProblemWithStartsAndSolutions) {
+  test::Captured captured;
+  EXPECT_EQ(list({.name = "kojshin"}, captured.streams), exit_solved);
+  for (const char* part :
+       {"8 starts", "2 known solutions", "start 8", "solution 2", "1.224745", "natural residual", "source"})
+    EXPECT_THAT(captured.out.str(), HasSubstr(part));
+}
+
+// Would catch numbers printed with too few digits, infinities as null, residuals not of the solution they stand by.
+TEST(List, JsonHasAllDigits) {
+  test::Captured captured;
+  ASSERT_EQ(list({.name = "kojshin", .json = true}, captured.streams), exit_solved);
+  const auto json = nlohmann::json::parse(captured.out.str());
+  const ncp::collection::Problem problem = ncp::collection::find("kojshin")->make();
+  EXPECT_EQ(json.at("upper").at(0), "inf");
+  EXPECT_EQ(json.at("lower").at(0), 0.0);
+  ASSERT_EQ(json.at("known_solutions").size(), problem.solutions.size());
+  for (std::size_t k = 0; k < problem.solutions.size(); ++k) {
+    const auto& known = json.at("known_solutions").at(k);
+    for (ncp::Index i = 0; i < 4; ++i)
+      EXPECT_EQ(known.at("x").at(static_cast<std::size_t>(i)).get<double>(), problem.solutions[k].x[i]);
+    EXPECT_LT(known.at("residual").at("natural").get<double>(), 1e-6);
+  }
+}
+
+TEST(List, JsonOfAll) {
+  test::Captured captured;
+  ASSERT_EQ(list({.json = true}, captured.streams), exit_solved);
+  const auto json = nlohmann::json::parse(captured.out.str());
+  ASSERT_EQ(json.at("problems").size(), ncp::collection::entries().size());
+  for (const auto& problem : json.at("problems"))
+    for (const char* key :
+         {"name", "size", "class", "starts", "known_solutions", "solutions_complete", "hard", "source"})
+      EXPECT_TRUE(problem.contains(key)) << problem << key;
+}
+
+TEST(List, UnknownNameIsAnInputErrorWithSuggestion) {
+  test::Captured captured;
+  EXPECT_EQ(list({.name = "kojshim"}, captured.streams), exit_input);
+  EXPECT_EQ(captured.out.str(), "");
+  EXPECT_THAT(captured.err.str(), testing::AllOf(HasSubstr("'kojshim'"), HasSubstr("'kojshin'")));
+}
+
+}  // namespace
+}  // namespace perp::app

@@ -1,0 +1,248 @@
+/// `perp solve` in process: what it prints, answers and writes.
+#include "app/solve.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "app/report.hpp"
+#include "support.hpp"
+
+namespace perp::app {
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+using testing::Not;
+
+TEST(Solve, PrintsTableSolutionAndSummary) {
+  test::Captured captured;
+  EXPECT_EQ(solve({.problem = "kojshin"}, captured.streams), exit_solved);
+  for (const char* part : {"kojshin: 4 variables", "start 1 of 8", "major", "residual", "variable", "lower", "upper",
+                           "state", "z[1]", "1.224745", "at lower", "basic", "Solved:", "Nearest known solution"})
+    EXPECT_THAT(captured.out.str(), HasSubstr(part));
+  EXPECT_EQ(captured.err.str(), "");
+}
+
+// sqrt(2) is the solution by hand; the model's names come from the .col and .row files.
+TEST(Solve, ModelWithNames) {
+  const test::Folder folder;
+  test::write(folder / "m.nl", test::sqrt2_nl());
+  test::write(folder / "m.col", "side_length\n");
+  test::write(folder / "m.row", "area_balance\n");
+  for (const char* name : {"m.nl", "m"}) {
+    test::Captured captured;
+    EXPECT_EQ(solve({.problem = folder / name, .json = folder / "out.json"}, captured.streams), exit_solved);
+    EXPECT_THAT(captured.out.str(),
+                testing::AllOf(HasSubstr("side_length"), HasSubstr("(area_balance)"), HasSubstr("1.414214")));
+    const json parsed = json::parse(test::read(folder / "out.json"));
+    EXPECT_NEAR(parsed["variables"][0]["value"].get<double>(), std::sqrt(2.0), 1e-8);
+    EXPECT_EQ(parsed["residual"]["worst"], "area_balance");
+  }
+}
+
+TEST(Solve, StartsAreCountedFromOne) {
+  for (const int start : {1, 8}) {
+    test::Captured captured;
+    solve({.problem = "kojshin", .start = start, .json = "-"}, captured.streams);
+    EXPECT_EQ(json::parse(captured.out.str())["start"], start);
+  }
+  for (const int start : {0, 9, -1}) {
+    test::Captured captured;
+    EXPECT_EQ(solve({.problem = "kojshin", .start = start}, captured.streams), exit_input);
+    EXPECT_THAT(captured.err.str(), HasSubstr("1 to 8"));
+  }
+  const test::Folder folder;
+  test::write(folder / "m.nl", test::sqrt2_nl());
+  test::Captured captured;
+  EXPECT_EQ(solve({.problem = folder / "m.nl", .start = 2}, captured.streams), exit_input);
+  EXPECT_THAT(captured.err.str(), HasSubstr("one start"));
+}
+
+// Would catch a solver that says "solved" of a problem that has no solution, or that fails without a word of advice.
+TEST(Solve, UnsolvedIsExitOneWithAdvice) {
+  const test::Folder folder;
+  test::write(folder / "m.nl", test::infeasible_nl());
+  for (const MethodEntry& method : methods()) {
+    test::Captured captured;
+    const SolveRequest request{.problem = folder / "m.nl",
+                               .flags = {{"method", std::string(method.name), "--method"}},
+                               .json = folder / "out.json",
+                               .log_level = LogLevel::Summary};
+    EXPECT_EQ(solve(request, captured.streams), exit_unsolved) << method.name;
+    const json parsed = json::parse(test::read(folder / "out.json"));
+    EXPECT_NE(parsed["status"], "Solved") << method.name;
+    EXPECT_EQ(parsed["exit_code"], 1);
+    EXPECT_FALSE(parsed["advice"].get<std::string>().empty()) << method.name;
+    EXPECT_THAT(captured.out.str(), HasSubstr("Try: "));
+  }
+}
+
+TEST(Solve, UndefinedStart) {
+  const test::Folder folder;
+  test::write(folder / "m.nl", test::undefined_nl());
+  test::Captured captured;
+  EXPECT_EQ(solve({.problem = folder / "m.nl", .json = "-"}, captured.streams), exit_unsolved);
+  const json parsed = json::parse(captured.out.str());
+  EXPECT_EQ(parsed["status"], "EvaluationFailed");
+  EXPECT_EQ(parsed["residual"]["natural"], "inf");
+}
+
+// Would catch log lines inside JSON on standard output, and a log that is lost.
+TEST(Solve, JsonOnStandardOutputIsAlone) {
+  test::Captured captured;
+  EXPECT_EQ(solve({.problem = "kojshin", .json = "-"}, captured.streams), exit_solved);
+  EXPECT_TRUE(json::accept(captured.out.str()));
+  EXPECT_THAT(captured.err.str(), HasSubstr("Solved:"));
+}
+
+TEST(Solve, RefusedInputIsSaidAndWritten) {
+  const test::Folder folder;
+  test::write(folder / "square.nl", test::nonsquare_nl());
+  test::write(folder / "broken.nl", "g3 1 1 0\nno model\n");
+  test::write(folder / "empty.nl", "");
+  for (const std::string& problem : {folder / "square.nl", folder / "broken.nl", folder / "empty.nl",
+                                     folder / "none.nl", folder / "", std::string("no-such-name")}) {
+    test::Captured captured;
+    EXPECT_EQ(solve({.problem = problem, .json = "-"}, captured.streams), exit_input) << problem;
+    const json parsed = json::parse(captured.out.str());
+    EXPECT_EQ(parsed["status"], "InputError");
+    EXPECT_EQ(parsed["exit_code"], 2);
+    EXPECT_THAT(captured.err.str(), HasSubstr(parsed["message"].get<std::string>()));
+  }
+}
+
+TEST(Solve, BadOptionsAreRefused) {
+  const test::Folder folder;
+  test::write(folder / "bad.opt", "# fine\ntol 1e-4\nsigma 3\n");
+  test::Captured captured;
+  EXPECT_EQ(solve({.problem = "kojshin", .options_file = folder / "bad.opt"}, captured.streams), exit_input);
+  EXPECT_THAT(captured.err.str(), HasSubstr("bad.opt:3"));
+  test::Captured word;
+  EXPECT_EQ(solve({.problem = "kojshin", .options = {"tol"}}, word.streams), exit_input);
+  EXPECT_THAT(word.err.str(), HasSubstr("key=value"));
+}
+
+// File, then --option, then flags: the order app/README.md states.
+TEST(Solve, LaterOptionsWin) {
+  const test::Folder folder;
+  test::write(folder / "a.opt", "tol 1e-3\nmajor_iteration_limit = 77\ntime_limit 11\n");
+  test::Captured captured;
+  const SolveRequest request{.problem = "kojshin",
+                             .options_file = folder / "a.opt",
+                             .options = {"tol=1e-4", "major=66"},
+                             .flags = {{"tol", "1e-5", "--tol"}},
+                             .json = "-"};
+  EXPECT_EQ(solve(request, captured.streams), exit_solved);
+  const json options = json::parse(captured.out.str())["options"];
+  EXPECT_EQ(options["convergence_tolerance"], 1e-5);
+  EXPECT_EQ(options["major_iteration_limit"], 66);
+  EXPECT_EQ(options["time_limit"], 11.0);
+}
+
+// The solution is printed before the file fails, so that a long run is not lost.
+TEST(Solve, UnwritableJsonIsAnErrorAfterTheSolution) {
+  const test::Folder folder;
+  test::Captured captured;
+  EXPECT_EQ(solve({.problem = "kojshin", .json = folder / "none/out.json"}, captured.streams), exit_input);
+  EXPECT_THAT(captured.out.str(), HasSubstr("1.224745"));
+  EXPECT_THAT(captured.err.str(), HasSubstr(folder / "none/out.json"));
+}
+
+TEST(Solve, LogLevelsAddUp) {
+  const auto log = [](LogLevel level) {
+    test::Captured captured;
+    solve({.problem = "kojshin", .options = {"lemke_start=always"}, .log_level = level}, captured.streams);
+    return captured.out.str() + captured.err.str();
+  };
+  EXPECT_EQ(log(LogLevel::Quiet), "");
+  EXPECT_THAT(log(LogLevel::Warning), testing::AllOf(HasSubstr("lemke_start"), Not(HasSubstr("Solved"))));
+  EXPECT_THAT(log(LogLevel::Summary), testing::AllOf(HasSubstr("Solved"), Not(HasSubstr("major"))));
+  EXPECT_THAT(log(LogLevel::Info), testing::AllOf(HasSubstr("major"), HasSubstr("z[1]"), Not(HasSubstr("options:"))));
+  EXPECT_THAT(log(LogLevel::Debug), HasSubstr("options: method=semismooth"));
+  EXPECT_EQ(log_level("debug"), LogLevel::Debug);
+  EXPECT_THROW(log_level("loud"), InputError);
+}
+
+TEST(Solve, OutputNoLeavesTheSolution) {
+  test::Captured captured;
+  EXPECT_EQ(solve({.problem = "kojshin", .options = {"output=no"}}, captured.streams), exit_solved);
+  EXPECT_THAT(captured.out.str(), testing::AllOf(Not(HasSubstr("major")), HasSubstr("z[1]")));
+}
+
+TEST(Solve, LongSolutionsAreShortened) {
+  const test::Folder folder;
+  test::write(folder / "m.nl", test::endless_nl(100));
+  test::Captured shortened;
+  solve({.problem = folder / "m.nl"}, shortened.streams);
+  EXPECT_THAT(shortened.out.str(), HasSubstr("40 rows are not shown; --full"));
+  test::Captured full;
+  solve({.problem = folder / "m.nl", .full = true}, full.streams);
+  EXPECT_THAT(full.out.str(), testing::AllOf(Not(HasSubstr("not shown")), HasSubstr("_svar[75] ")));
+}
+
+// A flag that is set before the start ends the run at the start, with a best point and everything printed.
+TEST(Solve, InterruptedKeepsTheBestPoint) {
+  const std::atomic<bool> interrupt{true};
+  test::Captured captured;
+  EXPECT_EQ(solve({.problem = "kojshin", .json = "-"}, captured.streams, &interrupt), exit_unsolved);
+  const json parsed = json::parse(captured.out.str());
+  EXPECT_EQ(parsed["status"], "Interrupted");
+  EXPECT_EQ(parsed["variables"].size(), 4U);
+}
+
+TEST(Solve, DerivativesAreCheckedOnDemand) {
+  test::Captured captured;
+  const SolveRequest request{.problem = "kojshin", .start = 2, .options = {"check_derivatives=yes"}, .json = "-"};
+  EXPECT_EQ(solve(request, captured.streams), exit_solved);
+  const json parsed = json::parse(captured.out.str());
+  EXPECT_EQ(parsed["derivatives"]["defined"], true);
+  EXPECT_LT(parsed["derivatives"]["worst"].get<double>(), 1e-6);
+  EXPECT_EQ(parsed["options"]["check_derivatives"], true);
+  EXPECT_THAT(captured.err.str(), HasSubstr("Jacobian checked"));
+}
+
+// A Jacobian with a wrong sign must be refused with the names of its row and column.
+TEST(Solve, WrongDerivativesAreRefused) {
+  const LoadedProblem problem{.label = "wrong",
+                              .mcp = ncp::make_mcp({.name = "wrong",
+                                                    .box = ncp::Box::nonnegative(1),
+                                                    .pattern = ncp::dense_pattern(1),
+                                                    .F =
+                                                        [](ncp::In x, ncp::Out F) {
+                                                          F[0] = x[0] - 1;
+                                                          return true;
+                                                        },
+                                                    .J =
+                                                        [](ncp::In, ncp::SpMat& J) {
+                                                          J.coeffRef(0, 0) = -1;
+                                                          return true;
+                                                        },
+                                                    .variable_names = {"price"},
+                                                    .equation_names = {"market"}}),
+                              .x0 = ncp::Vec::Ones(1) * 3};
+  const std::vector<Assignment> options{{"check_derivatives", "yes", "test"}};
+  try {
+    run_method(problem, apply_options(options).settings, nullptr, nullptr);
+    ADD_FAILURE();
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), testing::AllOf(HasSubstr("price"), HasSubstr("market")));
+  }
+}
+
+TEST(Solve, SideInequalitiesAcceptedOrRefused) {
+  const test::Folder folder;
+  test::write(folder / "m.nl", test::side_inequality_nl());
+  test::Captured accepted;
+  EXPECT_EQ(solve({.problem = folder / "m.nl"}, accepted.streams), exit_solved);
+  EXPECT_THAT(accepted.out.str(), testing::AllOf(HasSubstr("side inequalities"), HasSubstr("1.414214")));
+  test::Captured refused;
+  EXPECT_EQ(solve({.problem = folder / "m.nl", .options = {"sideineq=2"}}, refused.streams), exit_input);
+  EXPECT_THAT(refused.err.str(), HasSubstr("1 side inequality"));
+}
+
+}  // namespace
+}  // namespace perp::app
