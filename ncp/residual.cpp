@@ -2,10 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
+#include <string>
 
 namespace perp::ncp {
 
 Residual residual(const Box& box, In x, In F) {
+  if (x.size() != box.size() || F.size() != box.size())
+    throw std::invalid_argument("residual: x has " + std::to_string(x.size()) + " entries, F " +
+                                std::to_string(F.size()) + ", the box " + std::to_string(box.size()));
   Residual r;
   r.natural = 0;
   for (Index i = 0; i < x.size(); ++i) {
@@ -14,7 +19,8 @@ Residual residual(const Box& box, In x, In F) {
       r.worst = i;
       return r;
     }
-    const double natural = std::abs(x[i] - lcp::project(box, i, x[i] - F[i]));
+    // x - mid(l, x - F, u) = mid(x - u, F, x - l), which does not lose F beside a large x.
+    const double natural = std::abs(std::min(std::max(F[i], x[i] - box.upper[i]), x[i] - box.lower[i]));
     if (natural > r.natural || r.worst < 0) {
       r.natural = natural;
       r.worst = i;
@@ -28,6 +34,7 @@ Residual residual(const Box& box, In x, In F) {
 
 Residual residual(const Mcp& mcp, In x) {
   Vec F = Vec::Zero(x.size());
+  if (x.size() != mcp.size()) return residual(mcp.box(), x, F);  // refuses it
   if (mcp.eval(x, F)) return residual(mcp.box(), x, F);
   Residual r = residual(mcp.box(), x, F);  // finds an undefined row if one was marked
   if (std::isfinite(r.natural)) r = Residual{};

@@ -12,7 +12,8 @@ struct Residual {
   double complementarity = 0;  ///< || min(x - l, F+) ||_inf and || min(u - x, F-) ||_inf: the larger
 };
 
-/// Of given values F = F(x). A NaN or infinity in F gives natural = +inf at that index.
+/// Of given values F = F(x). A NaN or infinity in x or F gives natural = +inf at that index. Throws
+/// std::invalid_argument if x, F and the box have not one length.
 Residual residual(const Box& box, In x, In F);
 /// Evaluates F itself.
 Residual residual(const Mcp& mcp, In x);
