@@ -76,8 +76,10 @@ struct JacobianCheck {
   Index columns = 0;             ///< compared
 };
 /// D_.j = (F(x + h e_j) - F(x - h e_j)) / 2h with h = step * max(1, |x_j|); one-sided where F is not defined on one
-/// side. Dense in the rows, so that entries missing from the pattern are seen: 2 evaluations a column. With
-/// `max_columns` < n that many columns, spread evenly, are compared.
+/// side. Where an entry does not match, 100 h, h / 100 and h / 10^4 are tried as well and the closest quotient counts,
+/// for rounding and curvature are no mismatch. Dense in the rows, so that entries missing from the pattern are seen:
+/// 2 evaluations a column, 8 where it does not match. With `max_columns` < n that many columns, spread evenly, are
+/// compared. Throws std::invalid_argument if x has not n entries or J does not keep its pattern.
 JacobianCheck check_jacobian(const Mcp& mcp, In x, double step = 1e-6, Index max_columns = -1);
 /// One sentence naming the equation and the variable, empty if check.worst <= tol.
 std::string describe(const Mcp& mcp, const JacobianCheck& check, double tol = 1e-4);
