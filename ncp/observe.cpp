@@ -9,11 +9,11 @@ namespace perp::ncp {
 
 Observer print_table(std::ostream& out, const Mcp& mcp) {
   return [&out, &mcp, previous = Iteration{}](const Iteration& it) mutable {
-    if (it.k == 0) out << "major minor  func  grad  residual    step type   prox  worst equation\n";
+    if (it.k == 0) out << "major minor  func  grad   residual    step type   prox  worst equation\n";
     char line[128];
     const int evals = it.k == 0 ? it.F_evals : it.F_evals - previous.F_evals;
     const int gradients = it.k == 0 ? it.J_evals : it.J_evals - previous.J_evals;
-    std::snprintf(line, sizeof line, "%5d %5d %5d %5d %9.4e", it.k, it.pivots, evals, gradients, it.residual);
+    std::snprintf(line, sizeof line, "%5d %5d %5d %5d %10.4e", it.k, it.pivots, evals, gradients, it.residual);
     out << line;
     if (it.k == 0)
       std::snprintf(line, sizeof line, " %7s %4c %6s  ", "", it.kind, "");
