@@ -44,7 +44,7 @@ std::vector<Vec> eight_starts() {
 Functions functions_of(Shape shape) {
   Functions made;
   made.name = std::move(shape.name);
-  made.pattern = shape.pattern.size() == 0 ? dense_pattern(shape.box.size()) : std::move(shape.pattern);
+  made.pattern = shape.pattern.size() == 0 ? dense_pattern(shape.box.size()) : shape.pattern;
   made.pattern.makeCompressed();
   made.box = std::move(shape.box);
   made.variable_names = std::move(shape.variables);

@@ -113,6 +113,7 @@ std::vector<std::string_view> similar(std::string_view name) {
   }
   std::ranges::sort(close);
   std::vector<std::string_view> names;
+  names.reserve(close.size());
   for (const auto& [distance, candidate] : close) names.push_back(candidate);
   return names;
 }

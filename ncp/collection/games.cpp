@@ -22,7 +22,7 @@ struct Oligopoly {
   double price(double Q) const { return std::pow(demand / Q, 1 / gamma); }
 
   /// F_i = c_i + (L q_i)^(1/beta_i) - p + q_i p / (gamma Q), as p' = -p / (gamma Q). Not defined for q_i < 0, Q = 0.
-  bool marginal_loss(In q, Out F) const {
+  bool marginal_loss(In q, Out& F) const {
     if (!defined(q)) return false;
     const double Q = q.sum(), p = price(Q);
     F = c.array() + (L * q.array()).pow(1 / beta.array()) - p + q.array() * p / (gamma * Q);
@@ -41,7 +41,7 @@ struct Oligopoly {
   }
 };
 
-std::unique_ptr<Mcp> make_oligopoly(std::string name, Oligopoly market) {
+std::unique_ptr<Mcp> make_oligopoly(std::string name, const Oligopoly& market) {
   const Index n = market.c.size();
   Functions made = functions_of({std::move(name), Box::nonnegative(n), indexed("q", n), indexed("marginal_loss", n)});
   made.F = [market](In q, Out F) { return market.marginal_loss(q, F); };
@@ -87,7 +87,7 @@ Problem nash_own(Index firms, unsigned seed) {
   for (Index i = 0; i < firms; ++i)
     market.c[i] = out(i) ? price * random.uniform(1.05, 1.5) : price * (1 - q[i] / (market.gamma * Q)) - rate[i];
   Problem p;
-  p.mcp = make_oligopoly("nash-own", std::move(market));
+  p.mcp = make_oligopoly("nash-own", market);
   p.starts = {Vec::Ones(firms), Vec::Constant(firms, 10), Vec::Constant(firms, 100)};
   p.solutions = {{"planted", q, 1e-12}};
   p.solutions_complete = true;

@@ -135,7 +135,7 @@ SpMat jacobian_frame(const Economy& economy) {
   return sparse(economy.size(), economy.size(), entries);
 }
 
-bool excess(const Economy& economy, In z, Out F) {
+bool excess(const Economy& economy, In z, Out& F) {
   const auto y = z.head(economy.sectors()), p = z.segment(economy.sectors(), economy.goods());
   const auto h = z.tail(economy.households());
   if (!(p.minCoeff() > 0)) return false;
@@ -183,7 +183,7 @@ Problem walras_own(Index goods, Index sectors, Index households, unsigned seed) 
     return joined({indexed(y, sectors), indexed(p, goods), indexed(h, households)});
   };
   Functions made = functions_of({"walras-own", box, names("y", "p", "h"), names("loss", "market", "income"), frame});
-  made.F = [economy](In z, Out F) { return excess(economy, z, std::move(F)); };
+  made.F = [economy](In z, Out F) { return excess(economy, z, F); };
   made.J = [economy, frame](In z, SpMat& J) { return slopes(economy, frame, z, J); };
 
   Problem p;
