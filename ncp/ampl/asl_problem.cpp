@@ -201,9 +201,9 @@ AslProblem::RowByRow AslProblem::values_by_row(const double* x, double* c) const
   auto* point = const_cast<double*>(x);
   forget_x(asl);
   // Known once, so that the rows need not compare x.
-  bool fine = evaluate_guarded(asl, [=](fint* error) { asl->p.Xknown(asl, point, error); });
+  evaluate_guarded(asl, [=](fint* error) { asl->p.Xknown(asl, point, error); });
   for (int i = 0; i < state_->sizes.n_con && asl->i.cv_index_ == 0; ++i) {
-    fine = evaluate_guarded(asl, [=](fint* error) { c[i] = asl->p.Conival(asl, i, point, error); });
+    const bool fine = evaluate_guarded(asl, [=](fint* error) { c[i] = asl->p.Conival(asl, i, point, error); });
     result.defined[static_cast<std::size_t>(i)] = fine ? 1 : 0;
   }
   if (const int index = asl->i.cv_index_; index > 0) {

@@ -122,7 +122,8 @@ void Segments::constraint() {
   const ExpressionKind kind = check_expression(tokens_, header_, defined_, Reader::Constraint, -1, mentions);
   // The library starts the derivative of a row at the last thing it read that has one: not that of a lone variable,
   // and that of a definition before a row without derivative.
-  if ((kind.nodes == 1 && !mentions.empty()) || (owner_ != 0 && !kind.derivative)) row_anchor_[at(row)] = begin;
+  if (kind.branches || (kind.nodes == 1 && !mentions.empty()) || (owner_ != 0 && !kind.derivative))
+    row_anchor_[at(row)] = begin;
   defined_.end_row();
   owner_ = 0;
   expressions_ = true;
@@ -134,8 +135,10 @@ void Segments::objective() {
   if (has_objective_[at(k)]) tokens_.fail("second segment O" + std::to_string(k));
   has_objective_[at(k)] = 1;
   tokens_.close();
+  const std::size_t begin = tokens_.offset();
   std::vector<Mention> mentions;
-  check_expression(tokens_, header_, defined_, Reader::Objective, -1, mentions);
+  if (check_expression(tokens_, header_, defined_, Reader::Objective, -1, mentions).branches)
+    model_.anchors.push_back({begin, 0});
   defined_.end_row();
   owner_ = 0;
   expressions_ = true;
@@ -166,8 +169,7 @@ void Segments::defined_variable() {
   }
   const std::size_t begin = tokens_.offset();
   const ExpressionKind kind = check_expression(tokens_, header_, defined_, defined_.group(self), self, mentions);
-  // Beside some expressions without derivative the library forgets that of the linear terms.
-  if (terms > 0 && !kind.derivative && kind.nodes > 1) model_.anchors.push_back({begin, mentions.front().index});
+  if (kind.branches) model_.anchors.push_back({begin, 0});
   defined_.define(self, terms > 0 || kind.derivative);
 }
 
@@ -348,10 +350,10 @@ void Segments::finish() {
                  " Jacobian nonzeros, the J segments have " + std::to_string(nonzeros_));
   check_columns();
   check_mentions();
-  // A row that lists no variable has no derivatives to go astray.
-  for (std::size_t i = 0; i < row_anchor_.size(); ++i)
-    if (row_anchor_[i] != 0 && !model_.row_variables[i].empty())
-      model_.anchors.push_back({row_anchor_[i], model_.row_variables[i].front()});
+  for (std::size_t i = 0; i < row_anchor_.size(); ++i) {
+    const std::vector<int>& variables = model_.row_variables[i];
+    if (row_anchor_[i] != 0) model_.anchors.push_back({row_anchor_[i], variables.empty() ? 0 : variables.front()});
+  }
   std::sort(model_.anchors.begin(), model_.anchors.end(),
             [](const NlAnchor& a, const NlAnchor& b) { return a.offset < b.offset; });
 }
@@ -427,7 +429,7 @@ std::vector<int> NlModel::rows_using(int number) const {
     });
   };
   for (std::size_t d = static_cast<std::size_t>(number) + 1; d < definitions.size(); ++d)
-    uses[d] = depends(definitions[d]);
+    uses[d] = depends(definitions[d]) ? 1 : 0;
   std::vector<int> found;
   for (std::size_t i = 0; i < mentions.size(); ++i)
     if (depends(mentions[i])) found.push_back(static_cast<int>(i));

@@ -39,8 +39,9 @@ struct NlModel {
   std::vector<NlAnchor> anchors;  ///< ascending; see segments()
 
   std::string at(Place place) const;
-  /// The segments as AMPL's library is to read them. It goes astray where an expression e with terms or definitions
-  /// around it has no derivative of its own, or is a single variable: there e becomes 0 v + e.
+  /// The segments as AMPL's library is to read them. It counts its derivatives wrongly, up to a crash, where the first
+  /// thing that could have one is a min, max or if that has none, and it loses that of a row that is a single variable.
+  /// There the expression e becomes 0 v + e.
   std::string segments(std::string_view bytes) const;
   /// The rows whose expression depends on the defined variable `number`.
   std::vector<int> rows_using(int number) const;

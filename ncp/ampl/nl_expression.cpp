@@ -3,6 +3,7 @@
 #include <array>
 #include <climits>
 #include <cmath>
+#include <limits>
 
 namespace perp::ncp::ampl {
 namespace {
@@ -90,6 +91,7 @@ class Walk {
       for (; !open_.empty() && open_.back().left == 0; open_.pop_back()) found(open_.back());
     } while (!open_.empty());
     kind.derivative = derivative_;
+    kind.branches = branches_;
     return kind;
   }
 
@@ -113,6 +115,7 @@ class Walk {
   std::vector<Mention>& mentions_;
   std::vector<Open> open_;
   bool derivative_ = false;  // of the outermost node
+  bool branches_ = false;
 };
 
 Want Walk::wanted(const Open& parent) {
@@ -246,6 +249,7 @@ void Walk::operation(Want want, bool derivative) {
   if (open_.size() >= static_cast<std::size_t>(max_depth))
     tokens_.fail("the expression is nested deeper than " + std::to_string(max_depth) +
                  " levels (write long sums as o54)");
+  branches_ |= shape == Shape::If || shape == Shape::MinMax;
   open_.push_back({shape, 0, operands(shape), derivative});
 }
 
@@ -253,7 +257,7 @@ void Walk::piecewise_linear(bool derivative) {
   tokens_.item();
   const int slopes = tokens_.integer("number of slopes", 2, INT_MAX);
   tokens_.close();
-  double last = -INFINITY;
+  double last = -std::numeric_limits<double>::infinity();
   for (int i = 0; i < slopes; ++i) {
     tokens_.literal("slope");
     if (i + 1 == slopes) break;

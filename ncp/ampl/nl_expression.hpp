@@ -54,6 +54,7 @@ class DefinedVariables {
 struct ExpressionKind {
   int nodes = 0;
   bool derivative = false;  ///< is there one with respect to any variable? (not of numbers, counts, round(), ...)
+  bool branches = false;    ///< has it min, max or if?
 };
 
 /// Passes over one expression and appends what it mentions.

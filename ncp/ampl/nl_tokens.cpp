@@ -177,7 +177,7 @@ double NlTokens::real(std::string_view what) {
     if (error == std::errc::invalid_argument || end != token.data() + token.size() ||
         (token.front() == '+' && digits.front() == '-'))
       fail("expected " + std::string(what) + ", a number, found " + printable(token));
-    if (error == std::errc::result_out_of_range) value = underflows(digits) ? 0 : INFINITY;
+    if (error == std::errc::result_out_of_range) value = underflows(digits) ? 0 : infinity;
     shown = token;
   }
   if (!std::isfinite(value)) fail(std::string(what) + " is " + shown + ", not a finite number");

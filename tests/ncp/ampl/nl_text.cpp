@@ -23,6 +23,7 @@ TempFolder::~TempFolder() {
 
 std::string TempFolder::write(const std::string& name, const std::string& content) const {
   const std::string file = path_ + "/" + name;
+  fs::remove(file);  // some file systems flush a file that is cut and written again
   std::ofstream(file, std::ios::binary) << content;
   return file;
 }

@@ -201,6 +201,20 @@ TEST(Evaluation, ExpressionsWithoutDerivative) {
   }
 }
 
+// A sum of nothing but conditions: the library by itself crashes over its derivative.
+TEST(Evaluation, SumOfConditions) {
+  // v1 = (if x0 < 0 then 1 else 2) + max(3, 4) + 1 (shared), F0 = v1 + x0, objective = v1 likewise.
+  const std::string sum = "o54\n3\no35\no22\nv0\nn0\nn1\nn2\no12\n2\nn3\nn4\nn1\n";
+  const std::string model = text({.objs = 1, .cc = 1, .con = 1}) + "V1 0 0\no2\n" + sum + "n1\nC0\no0\nv1\n" + sum +
+                            "O0 0\n" + sum + "r\n5 0 1\nb\n3\nk0\nJ0 1\n0 1\n";
+  for (const std::string& content : {model, binary_twin(model)}) {
+    const auto m = read_text(content);
+    EXPECT_EQ(values(*m, Vec{{5}}), (Vec{{7 + 7 + 5}}));
+    EXPECT_EQ(jacobian(*m, Vec{{5}}), (Eigen::MatrixXd{{1}}));
+    EXPECT_EQ(values(*m, Vec{{-5}}), (Vec{{6 + 6 - 5}}));
+  }
+}
+
 // Nothing of the caller's floating-point environment, signal handlers or standard streams changes.
 TEST(Evaluation, LeavesTheProcessAlone) {
   std::fesetround(FE_UPWARD);
