@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "ncp/run.hpp"
+
 namespace perp::ncp {
 
 ProximalMcp::ProximalMcp(const Mcp& base, double lambda, Vec center)
@@ -114,11 +116,21 @@ class Rounds {
 
   /// One record for a move of the centre.
   void show_move(const Vec& x) {
-    const Residual r = residual(mcp_, x);
+    Vec F;
+    CountedMcp guarded(mcp_);
+    const Residual r = guarded.eval(x, F) ? residual(mcp_.box(), x, F) : Residual{};
+    stats_.F_evals += guarded.F_evals();
     const Iteration it{.k = 0, .residual = r.natural, .worst = r.worst, .step = 1, .kind = 'E', .x = &x};
     if (shown(it) == Next::Stop)
       end({Status::Interrupted, "interrupted after " + std::to_string(stats_.iterations) + " iterations",
            "run on from the point returned"});
+  }
+
+  bool jacobian(const Vec& x, SpMat& J) {
+    CountedMcp guarded(mcp_);
+    const bool defined = guarded.jacobian(x, J);
+    stats_.J_evals += guarded.J_evals();
+    return defined;
   }
 
   static constexpr int trial_iterations = 25;
@@ -191,7 +203,7 @@ Result proximal_escape(const Mcp& mcp, const Method& method, const Escape& escap
   int k = 0;
   while (k < escape.rounds && !rounds.over()) {
     const Vec before = center;
-    if (!mcp.jacobian(center, J)) break;
+    if (!rounds.jacobian(center, J)) break;
     double lambda = escape.lambda * std::max(norm_bound(J), 1e-3);
     if (!rounds.perturbed(center, lambda)) break;
     ++k;

@@ -23,6 +23,7 @@ enum class Status {
 };
 std::string_view to_string(Status);  ///< "Solved", "StationaryPoint", ...
 
+/// Of the method and its escapes; what check_jacobian evaluates is not counted.
 struct Stats {
   int iterations = 0;
   int F_evals = 0;

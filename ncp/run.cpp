@@ -84,15 +84,15 @@ void Run::end(Status status, std::string message, std::string advice) {
 bool Run::start(In x0, Point& point) {
   point.x = lcp::project(box(), x0);
   point.J = mcp().jacobian_pattern();
-  best_x_ = point.x;
   const bool has_F = counted_.eval(point.x, point.F);
-  best_F_ = point.F;
+  best_ = {.x = point.x, .F = point.F, .residual = {}};
   if (!has_F) {
     end(Status::EvaluationFailed, undefined_at_start(point.x, point.F), "give a start inside the domain of F");
     return false;
   }
-  best_ = residual(box(), point.x, point.F);
-  if (best_.natural <= stop_.tol) return true;  // go_on() will say so; J is not needed
+  best_.residual = residual(box(), point.x, point.F);
+  if (solved(best_)) return true;  // J is not needed
+  point.F = best_.F;
   if (!counted_.jacobian(point.x, point.J)) {
     std::string where;
     for (Index j = 0; j < point.J.cols() && where.empty(); ++j)
@@ -117,40 +117,35 @@ std::string Run::undefined_at_start(In x, In F) const {
   return "F is not defined at the start";
 }
 
-bool Run::try_solved(const Point& point, const Residual& r) {
-  if (!(r.natural <= stop_.tol)) return false;
-  const Vec inside = lcp::project(box(), point.x);  // an answer lies in the box: judge that point
-  Vec F(inside.size());
-  if (!counted_.eval(inside, F)) return false;
-  const Residual judged = residual(box(), inside, F);
-  if (!(judged.natural <= stop_.tol)) return false;
-  best_ = judged;
-  best_x_ = inside;
-  best_F_ = F;
+Run::Judged Run::judge(const Point& point) {
+  Judged judged{.x = lcp::project(box(), point.x), .F = point.F, .residual = {}};
+  if (judged.x == point.x || counted_.eval(judged.x, judged.F)) judged.residual = residual(box(), judged.x, judged.F);
+  return judged;
+}
+
+bool Run::solved(Judged& judged) {
+  if (!(judged.residual.natural <= stop_.tol)) return false;
+  const bool defined = counted_.eval(judged.x, judged.F);
+  judged.residual = defined ? residual(box(), judged.x, judged.F) : Residual{};
+  if (!(judged.residual.natural <= stop_.tol)) return false;
   status_ = Status::Solved;
-  message_ = "solution found: the natural residual is " + number(judged.natural);
+  message_ = "solution found: the natural residual is " + number(judged.residual.natural);
   return true;
 }
 
-void Run::keep_if_better(const Point& point, const Residual& r) {
-  if (!(r.natural < best_.natural)) return;
-  best_ = r;
-  best_x_ = point.x;
-  best_F_ = point.F;
-}
-
 bool Run::go_on(const Point& point, Iteration it) {
-  const Residual r = residual(box(), point.x, point.F);
-  keep_if_better(point, r);
+  Judged now = judge(point);
+  const bool done = status_ || solved(now);
+  if (done || now.residual.natural < best_.residual.natural) best_ = now;
   stats_.iterations = it.k;
   stats_.pivots += it.pivots;
-  it.residual = r.natural;
-  it.worst = r.worst;
+  it.residual = now.residual.natural;
+  it.worst = now.residual.worst;
   it.F_evals = counted_.F_evals();
   it.J_evals = counted_.J_evals();
   it.x = &point.x;
   const bool asked_to_stop = observer_ && observer_(it) == Next::Stop;
-  if (try_solved(point, r)) return false;
+  if (done) return false;
   if (asked_to_stop || interrupted())
     end(Status::Interrupted, "interrupted after " + std::to_string(it.k) + " iterations",
         "run on from the point returned");
@@ -168,18 +163,9 @@ Result Run::result() {
   out.status = status_.value_or(Status::NoProgress);
   out.message = message_;
   out.advice = advice_;
-  // The answer lies in the box; a best point outside it is projected and judged again.
-  out.x = lcp::project(box(), best_x_);
-  out.F = best_F_;
-  out.residual = best_;
-  if (out.x != best_x_) {
-    if (counted_.eval(out.x, out.F)) {
-      out.residual = residual(box(), out.x, out.F);
-    } else {
-      out.x = best_x_;
-      out.F = best_F_;
-    }
-  }
+  out.x = best_.x;
+  out.F = best_.F;
+  out.residual = best_.residual;
   if (out.status != Status::Solved && out.residual.worst >= 0 && std::isfinite(out.residual.natural))
     out.message += "; the best point has natural residual " + number(out.residual.natural) + ", worst in equation " +
                    equation(out.residual.worst) + " of variable " + mcp().variable_name(out.residual.worst);

@@ -47,7 +47,8 @@ class Run {
   /// F and J at x; false if one of them is not defined there.
   bool evaluate(Point& point) { return counted_.eval(point.x, point.F) && counted_.jacobian(point.x, point.J); }
 
-  /// Judges the iterate, tells the observers and looks at the limits. False: the run is over, with a verdict.
+  /// Judges the iterate's projection onto the box, tells the observers and looks at the limits. False: the run is over,
+  /// with a verdict.
   bool go_on(const Point& point, Iteration it);
   /// For subproblems: has somebody asked to stop?
   bool interrupted() const { return stop_.interrupt != nullptr && *stop_.interrupt; }
@@ -56,14 +57,21 @@ class Run {
   /// Ends the run. Solved cannot be said: the judge says it.
   void end(Status status, std::string message, std::string advice);
   bool ended() const { return status_.has_value(); }
-  /// Judges the best point once more by itself and gives the answer.
+  /// The verdict with the best point.
   Result result();
 
   const std::string equation(Index i) const { return mcp().equation_name(i); }
 
  private:
-  void keep_if_better(const Point& point, const Residual& r);
-  bool try_solved(const Point& point, const Residual& r);
+  /// A point of the box, F there, and their residual: +inf if F is not defined there.
+  struct Judged {
+    Vec x, F;
+    Residual residual;
+  };
+  /// Of the projection of `point`: an answer lies in the box.
+  Judged judge(const Point& point);
+  /// Makes the verdict Solved if the point meets the tolerance with F evaluated afresh, which `judged` then holds.
+  bool solved(Judged& judged);
   std::string undefined_at_start(In x, In F) const;
 
   CountedMcp counted_;
@@ -74,8 +82,7 @@ class Run {
   Stats stats_;
   std::optional<Status> status_;
   std::string message_, advice_;
-  Vec best_x_, best_F_;
-  Residual best_;
+  Judged best_;
 };
 
 }  // namespace perp::ncp
