@@ -27,7 +27,8 @@ double disutility(int i, int j) {
 /// With w_i = -chi w0_i, E_ij = exp(w_i p_j + DU_ij) and S_i = 1 + sum_j E_ij, consumer i buys brand j with probability
 /// s_ij = E_ij / S_i, and the profit (p_j - c_j) mean_i s_ij of brand j is stationary in p_j where
 ///     F_j = -(1/30) sum_i s_ij (1 + (p_j - c_j) w_i (1 - s_ij)) = 0;   p_j >= c_j; the price of brand 8 is fixed.
-/// exp is taken relative to the largest exponent of the consumer, so that no price overflows it.
+/// F fades exponentially at high prices: with all prices at 10 it is below 1e-8 at the players, far from any
+/// equilibrium. exp is taken relative to the largest exponent of the consumer, so that no price overflows it.
 Problem choi() {
   const Vec cost = Eigen::Map<const Vec>(c, brands);
   Box box{cost, Vec::Constant(brands, infinity)};

@@ -34,7 +34,7 @@ constexpr std::array table{
           "as bimatrix-own: Newton methods stall, paths of Lemke's method get very long",
           [] { return bimatrix_own(30, 20, 1); }},
     Entry{"choi", "games", 14, "Choi, DeSarbo & Harker 1990, Management Science 36, 175-199",
-          "dense and costly; one variable fixed by its bounds", choi},
+          "dense and costly, one variable fixed; F fades at high prices: far points pass for solutions", choi},
     Entry{"nash-own", "games", 100, "own data: 100 firms in the manner of nash10, seed 1",
           "as nash10; firms at q = 0 with steep slopes", [] { return nash_own(100, 1); }},
     Entry{"nash10", "games", 10, "Harker's ten firms, after Murphy, Sherali & Soyster 1982",

@@ -160,6 +160,14 @@ TEST(Domain, DistillationNeedsTemperaturesAboveThePole) {
   EXPECT_TRUE(F_defined("hydroc06", z));
 }
 
+// The reason why a small residual alone proves little for choi. Catches: the note beside the problem being wrong.
+TEST(Values, ChoiFadesAtHighPrices) {
+  Vec F(14);
+  ASSERT_TRUE(find("choi")->make().mcp->eval(Vec::Constant(14, 10), F));
+  EXPECT_LT(F.head(7).lpNorm<Eigen::Infinity>(), 1e-8);
+  EXPECT_GT(F.head(7).lpNorm<Eigen::Infinity>(), 0);
+}
+
 // Prices at which exp(w_i p_j + DU_ij) itself overflows or all of them underflow. Catches: an unnormalised logit.
 TEST(Domain, ChoiIsDefinedAtAnyPrice) {
   for (const double price : {-1000.0, 1000.0}) {
