@@ -155,7 +155,7 @@ Result run_newton_josephy(const Mcp& mcp, In x0, const NewtonJosephy& method, co
       undefined += found.undefined;
     }
     if (!found.found && !stopped) {
-      if (undefined > 0)
+      if (undefined > 0 && undefined == it.backtracks)
         run.end(Status::EvaluationFailed, "F or its Jacobian is not defined at any trial point, however short the step",
                 "try another start or method");
       else if (!step.path.solved())

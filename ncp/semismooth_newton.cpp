@@ -132,9 +132,10 @@ Result run_semismooth_newton(const Mcp& mcp, In x0, const SemismoothNewton& meth
       done = directions.levenberg_marquardt(descent, nu, direction) && g.dot(direction.d) < 0 && search(direction);
     if (!done) done = search(Directions::gradient(descent));
     if (!done) {
-      run.end(undefined > 0 ? Status::EvaluationFailed : Status::NoProgress,
-              undefined > 0 ? "F or its Jacobian is not defined at any trial point, however short the step"
-                            : "no direction (Newton, Levenberg-Marquardt, gradient) decreases the merit function",
+      const bool nowhere = undefined > 0 && undefined == it.backtracks;
+      run.end(nowhere ? Status::EvaluationFailed : Status::NoProgress,
+              nowhere ? "F or its Jacobian is not defined at any trial point, however short the step"
+                      : "no direction (Newton, Levenberg-Marquardt, gradient) decreases the merit function",
               "try another start or method; check the derivatives (--check-derivatives)");
       break;
     }

@@ -41,17 +41,26 @@ std::optional<std::string> invalid(const Armijo& a) {
 
 std::optional<std::string> invalid(const lcp::LemkeOptions& l) {
   if (l.max_pivots < 0) return bad("lemke.max_pivots", l.max_pivots, "at least 0");
-  if (!(l.residual_tol > 0)) return bad("lemke.residual_tol", l.residual_tol, "positive");
+  if (!(l.residual_tol > 0) || std::isinf(l.residual_tol))
+    return bad("lemke.residual_tol", l.residual_tol, "positive and finite");
   if (!(l.pivot_tol > 0 && l.pivot_tol < 1)) return bad("lemke.pivot_tol", l.pivot_tol, "in (0, 1)");
   if (!(l.feasibility_tol >= 0)) return bad("lemke.feasibility_tol", l.feasibility_tol, "at least 0");
-  if (!(l.perturbation >= 0)) return bad("lemke.perturbation", l.perturbation, "at least 0");
+  if (!(l.perturbation >= 0) || std::isinf(l.perturbation))
+    return bad("lemke.perturbation", l.perturbation, "at least 0 and finite");
+  if (!(l.singular_rcond >= 0 && l.singular_rcond < 1))
+    return bad("lemke.singular_rcond", l.singular_rcond, "in [0, 1)");
   if (l.basis.refactor_every < 1) return bad("lemke.basis.refactor_every", l.basis.refactor_every, "at least 1");
+  if (!(l.basis.fill_limit > 0)) return bad("lemke.basis.fill_limit", l.basis.fill_limit, "positive");
+  if (!(l.basis.unstable_tol >= 0 && l.basis.unstable_tol < 1))
+    return bad("lemke.basis.unstable_tol", l.basis.unstable_tol, "in [0, 1)");
+  if (!(l.basis.singular_tol >= 0 && l.basis.singular_tol < 1))
+    return bad("lemke.basis.singular_tol", l.basis.singular_tol, "in [0, 1)");
   return std::nullopt;
 }
 
 std::optional<std::string> invalid(const Escape& e) {
   if (e.rounds < 0) return bad("escape.rounds", e.rounds, "at least 0");
-  if (!(e.lambda > 0)) return bad("escape.lambda", e.lambda, "positive");
+  if (!(e.lambda > 0) || std::isinf(e.lambda)) return bad("escape.lambda", e.lambda, "positive and finite");
   return std::nullopt;
 }
 
@@ -61,8 +70,10 @@ Result run(const Mcp& mcp, In x0, const Method& method, const Observer& observer
                     method);
 }
 
+/// EvaluationFailed after a step: the iterates, which may leave the box, ran against the border of the domain.
 bool stuck(const Result& result) {
-  return result.status == Status::StationaryPoint || result.status == Status::NoProgress ||
+  const bool at_border = result.status == Status::EvaluationFailed && result.stats.iterations > 0;
+  return at_border || result.status == Status::StationaryPoint || result.status == Status::NoProgress ||
          result.status == Status::SubproblemFailed;
 }
 

@@ -37,9 +37,9 @@ struct Armijo {
   int memory = 5;
 };
 
-/// What to do where a method is stuck (StationaryPoint, NoProgress, SubproblemFailed) at xbar: solve F(x) + lambda (x -
-/// xbar), go on from its solution, and so on, until the method reaches a solution of F from there (Billups & Ferris
-/// 1997).
+/// What to do where a method is stuck (StationaryPoint, NoProgress, SubproblemFailed, EvaluationFailed on the way) at
+/// xbar: solve F(x) + lambda (x - xbar), go on from its solution, and so on, until the method reaches a solution of F
+/// from there (Billups & Ferris 1997).
 struct Escape {
   int rounds = 20;    ///< 0: stay stuck
   double lambda = 2;  ///< lambda in units of sqrt(||J||_1 ||J||_inf), a bound of ||J(xbar)||_2: above 1 it is monotone

@@ -67,6 +67,7 @@ void expect_stop_and_search_checked() {
   EXPECT_THAT(why<M>([](M& m) { m.escape.rounds = -4; }), names("escape.rounds", "-4"));
   EXPECT_THAT(why<M>([](M& m) { m.escape.lambda = -0.5; }), names("escape.lambda", "-0.5"));
   EXPECT_THAT(why<M>([](M& m) { m.escape.lambda = nan; }), names("escape.lambda", "nan"));
+  EXPECT_THAT(why<M>([](M& m) { m.escape.lambda = infinity; }), names("escape.lambda", "inf"));
 }
 
 // Every option by its name and value. Catches an option that is not looked at: a beta of 1 would loop, a NaN compares
@@ -84,8 +85,15 @@ TEST(Invalid, NamesTheOptionAndItsValue) {
   EXPECT_THAT(why<J>([](J& m) { m.lemke.pivot_tol = 1; }), Optional(HasSubstr("lemke.pivot_tol is 1")));
   EXPECT_THAT(why<J>([](J& m) { m.lemke.feasibility_tol = nan; }), Optional(HasSubstr("lemke.feasibility_tol is nan")));
   EXPECT_THAT(why<J>([](J& m) { m.lemke.perturbation = -1e-5; }), Optional(HasSubstr("lemke.perturbation is -1e-05")));
+  EXPECT_THAT(why<J>([](J& m) { m.lemke.residual_tol = infinity; }), Optional(HasSubstr("lemke.residual_tol is inf")));
+  EXPECT_THAT(why<J>([](J& m) { m.lemke.singular_rcond = nan; }), Optional(HasSubstr("lemke.singular_rcond is nan")));
   EXPECT_THAT(why<J>([](J& m) { m.lemke.basis.refactor_every = 0; }),
               Optional(HasSubstr("lemke.basis.refactor_every is 0")));
+  EXPECT_THAT(why<J>([](J& m) { m.lemke.basis.fill_limit = 0; }), Optional(HasSubstr("lemke.basis.fill_limit is 0")));
+  EXPECT_THAT(why<J>([](J& m) { m.lemke.basis.unstable_tol = -1; }),
+              Optional(HasSubstr("lemke.basis.unstable_tol is -1")));
+  EXPECT_THAT(why<J>([](J& m) { m.lemke.basis.singular_tol = 2; }),
+              Optional(HasSubstr("lemke.basis.singular_tol is 2")));
 }
 
 auto solving(const Mcp& mcp, const Vec& x0, const Method& method) {
