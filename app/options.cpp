@@ -202,7 +202,8 @@ Found find_option(const Assignment& given) {
   for (const std::string_view name : ignored_options())
     if (look(name, nullptr)) return {nullptr, name};
   if (prefixed.empty()) return {};
-  const auto& [name, option] = prefixed.front();
+  const std::string_view name = prefixed.front().first;
+  const Option* option = prefixed.front().second;
   const bool one_option = std::ranges::all_of(prefixed, [&](const auto& other) {
     return other.second == option && (option != nullptr || other.first == name);
   });
