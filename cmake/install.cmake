@@ -12,7 +12,7 @@ set(perp_public_headers
   lcp/types.hpp
   ncp/ampl/model.hpp
   ncp/cfunction.hpp
-  ncp/collection/collection.hpp
+  ncp/collection/collection.hpp ncp/collection/generators.hpp
   ncp/mcp.hpp
   ncp/observe.hpp
   ncp/residual.hpp
