@@ -272,12 +272,12 @@ TEST(Evaluation, TwoThreads) {
       }
     }
   };
-  for (std::size_t i : {0, 1}) run(i, expected[i]);
+  for (std::size_t i = 0; i < 2; ++i) run(i, expected[i]);
   std::thread first([&] { run(0, found[0]); });
   std::thread second([&] { run(1, found[1]); });
   first.join();
   second.join();
-  for (std::size_t i : {0, 1}) EXPECT_TRUE(found[i] == expected[i]);
+  for (std::size_t i = 0; i < 2; ++i) EXPECT_TRUE(found[i] == expected[i]);
 }
 
 }  // namespace
