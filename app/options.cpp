@@ -137,12 +137,10 @@ std::string values_text(const Option& option) {
         using T = std::remove_pointer_t<decltype(target)>;
         if constexpr (std::is_same_v<T, std::string>)
           return alternatives(method_names());
-        else if constexpr (std::is_same_v<T, double>)
+        else if constexpr (std::is_same_v<T, double> || std::is_same_v<T, std::chrono::duration<double>>)
           return range_text(option.range, false);
         else if constexpr (std::is_same_v<T, int> || std::is_same_v<T, unsigned>)
           return range_text(option.range, true);
-        else if constexpr (std::is_same_v<T, std::chrono::duration<double>>)
-          return range_text(option.range, false);
         else if constexpr (std::is_same_v<T, bool>)
           return "yes or no";
         else if constexpr (std::is_same_v<T, lcp::LuBackend>)
@@ -159,12 +157,10 @@ std::string value_text(const Field& field) {
   return std::visit(
       [](auto target) -> std::string {
         using T = std::remove_pointer_t<decltype(target)>;
-        if constexpr (std::is_same_v<T, std::string> || std::is_same_v<T, int> || std::is_same_v<T, unsigned>)
-          return fmt::format("{}", *target);
-        else if constexpr (std::is_same_v<T, double>)
+        if constexpr (std::is_same_v<T, std::string> || (std::is_arithmetic_v<T> && !std::is_same_v<T, bool>))
           return fmt::format("{}", *target);
         else if constexpr (std::is_same_v<T, std::chrono::duration<double>>)
-          return fmt::format("{:g}", target->count());
+          return fmt::format("{}", target->count());
         else if constexpr (std::is_same_v<T, bool>)
           return *target ? "yes" : "no";
         else if constexpr (std::is_same_v<T, lcp::LuBackend>)
@@ -208,8 +204,8 @@ Found find_option(const Assignment& given) {
     return other.second == option && (option != nullptr || other.first == name);
   });
   if (one_option) return {option, option == nullptr ? name : std::string_view{}};
-  std::vector<std::string_view> names;
-  for (const auto& other : prefixed) names.push_back(other.first);
+  std::vector<std::string_view> names(prefixed.size());
+  std::ranges::transform(prefixed, names.begin(), [](const auto& other) { return other.first; });
   throw InputError(fmt::format("{}: '{}' is ambiguous: {}", given.source, given.key, alternatives(names)));
 }
 
