@@ -5,6 +5,9 @@
 #include <random>
 #include <sstream>
 #include <stdexcept>
+#include <utility>
+
+#include "lcp/equilibrate.hpp"
 
 namespace perp::lcp {
 namespace {
@@ -18,13 +21,15 @@ enum class Cell : signed char { Below, Inside, Above, Fixed };
 class Path {
  public:
   Path(const AffineMcp& problem, In start, const LemkeOptions& options)
-      : problem_(problem),
+      : original_(problem),
+        scaling_(equilibrate(problem)),
+        problem_(scaling_.apply(problem)),
         options_(options),
         n_(problem.size()),
         random_(options.seed),
-        x_(start),
+        x_(scaling_.to_scaled(problem.box, start)),
         cell_(static_cast<std::size_t>(n_)),
-        A_(with_unit_columns(problem.M)),
+        A_(with_unit_columns(problem_.M)),
         factor_(A_, options.basis) {}
 
   PivotResult follow();
@@ -47,6 +52,7 @@ class Path {
   LuStatus factor_basis();
   LuStatus refactor();
   bool drive(Vec& d);
+  bool t_moves(double rate, const Vec& d) const;
   bool advance(PivotResult& result, const Vec& d);
   void enter(Index p, const Vec& d);
   void cross(Index i, double direction);
@@ -55,7 +61,12 @@ class Path {
   PivotResult finish(PivotResult result);
   std::optional<PivotEnd> limit(const PivotResult& result) const;
 
-  const AffineMcp& problem_;
+  Vec original(In x) const { return scaling_.to_original(problem_.box, x); }  ///< in the units of the problem given
+  double judge(In x) const { return natural_residual(original_, project(original_.box, original(x))); }
+
+  const AffineMcp& original_;
+  Scaling scaling_;
+  AffineMcp problem_;  // equilibrated: that is what makes the tolerances mean the same for every unknown
   const LemkeOptions& options_;
   Index n_;
   std::mt19937 random_;
@@ -195,11 +206,25 @@ bool Path::drive(Vec& d) {
   return d.allFinite();
 }
 
+/// Whether the rate of t is more than the rounding of d: with dt = 0 the equation  sum a_i dx_i + r dt = 0  of the
+/// segment has the residual r dt, which is compared with the terms of the sum. On the ray of an infeasible
+/// copositive-plus problem dt is zero (Cottle, Pang & Stone 1992, section 4.4).
+bool Path::t_moves(double rate, const Vec& d) const {
+  Vec terms = Vec(A_.col(column(driver_))).cwiseAbs();
+  for (Index p = 0; p < n_; ++p)
+    if (const Index i = head_[static_cast<std::size_t>(p)]; i != n_)
+      terms += std::abs(d[p]) * A_.col(column(i)).cwiseAbs();
+  const double rounding = 1e-12;
+  return std::abs(rate) * Vec(A_.col(2 * n_)).lpNorm<::Eigen::Infinity>() > rounding * terms.maxCoeff();
+}
+
 /// Ratio test and move. False at the end of the path: t = 1, or a ray.
 bool Path::advance(PivotResult& result, const Vec& d) {
   const double smallest = options_.pivot_tol * std::max(1.0, d.lpNorm<::Eigen::Infinity>());
-  // t = 1 is the end: no basis has to be built on its pivot, however small.
-  const auto moves = [&](Index i, double rate) { return std::abs(rate) > (i == n_ ? 0 : smallest); };
+  // t = 1 is the end: no basis has to be built on its pivot, however small - if it is more than rounding.
+  const auto moves = [&](Index i, double rate) {
+    return std::abs(rate) > smallest || (i == n_ && rate != 0 && t_moves(rate, d));
+  };
   const auto room = [&](Index i, double rate) {  // how far unknown i may go at this rate, without tolerance
     const double bound = rate > 0 ? high(i) : low(i);
     return std::isinf(bound) ? infinity : std::max(0.0, rate > 0 ? bound - value(i) : value(i) - bound);
@@ -239,6 +264,7 @@ bool Path::advance(PivotResult& result, const Vec& d) {
     for (Index p = 0; p < n_; ++p)
       if (const Index i = head_[static_cast<std::size_t>(p)]; i < n_) result.ray[i] = -direction_ * d[p];
     if (driver_ < n_) result.ray[driver_] = direction_;
+    for (Index i = 0; i < n_; ++i) result.ray[i] *= inside(i) ? scaling_.columns[i] : 1 / scaling_.rows[i];
     return false;
   }
   for (Index p = 0; p < n_; ++p) value(head_[static_cast<std::size_t>(p)]) -= direction_ * step * d[p];
@@ -308,9 +334,7 @@ double Path::polish() {
   factor_.ftran(rhs, y);
   factor_.ftran(rhs - factor_.matrix() * y, correction);
   for (const Vec& x : {y, Vec(y + correction)})
-    if (x.allFinite() &&
-        natural_residual(problem_, project(problem_.box, x)) < natural_residual(problem_, project(problem_.box, x_)))
-      x_ = x;
+    if (x.allFinite() && judge(x) < judge(x_)) x_ = x;
   return factor_.rcond();
 }
 
@@ -318,11 +342,11 @@ double Path::polish() {
 PivotResult Path::finish(PivotResult result) {
   const bool at_end = t_ == 1 && result.end != PivotEnd::Ray;
   if (at_end) result.rcond = polish();
-  result.x = x_;
-  result.z = project(problem_.box, x_);
+  result.x = original(x_);
+  result.z = project(original_.box, result.x);
   result.t = t_;
-  result.residual = natural_residual(problem_, result.z);
-  const double scale = 1 + problem_.q.lpNorm<::Eigen::Infinity>();
+  result.residual = natural_residual(original_, result.z);
+  const double scale = 1 + original_.q.lpNorm<::Eigen::Infinity>();
   const bool right = result.residual <= options_.residual_tol * scale;
   if (right)
     result.end = PivotEnd::Solved;
@@ -330,7 +354,7 @@ PivotResult Path::finish(PivotResult result) {
     result.end = PivotEnd::Inaccurate;
   if (t_ >= result.best_t || right) {
     result.best_t = t_;
-    result.best_x = x_;
+    result.best_x = result.x;
   }
   result.refactorizations = factor_.factorizations();
   return result;
@@ -341,7 +365,7 @@ PivotResult Path::follow() {
   choose_cells(options_.start == LemkeStart::Ray);
   start_ = cell_;
   if (options_.start == LemkeStart::Regular) perturb();
-  result.best_x = x_;
+  result.best_x = original(x_);
   if (factor_cells() != LuStatus::Ok || factor_.rcond() < options_.singular_rcond) {
     result.end = PivotEnd::SingularBasis;
     return finish(std::move(result));
@@ -351,10 +375,10 @@ PivotResult Path::follow() {
 
   Vec d(n_);
   for (;;) {
-    if (options_.keep_path) result.path.push_back({t_, x_});
+    if (options_.keep_path) result.path.push_back({t_, original(x_)});
     if (t_ > result.best_t) {
       result.best_t = t_;
-      result.best_x = x_;
+      result.best_x = original(x_);
     }
     if (const auto end = limit(result)) {
       result.end = *end;
@@ -366,7 +390,7 @@ PivotResult Path::follow() {
     }
     if (!advance(result, d)) break;
   }
-  if (options_.keep_path) result.path.push_back({t_, x_});
+  if (options_.keep_path) result.path.push_back({t_, original(x_)});
   return finish(std::move(result));
 }
 
@@ -396,11 +420,24 @@ std::string_view to_string(PivotEnd end) {
 
 PivotResult lemke(const AffineMcp& problem, In start, const LemkeOptions& options) {
   if (const auto why = problem.invalid()) throw std::invalid_argument("lemke: " + *why);
-  if (start.size() != problem.size() || !start.allFinite()) {
-    std::ostringstream what;
-    what << "lemke: the start must have " << problem.size() << " finite entries; it has " << start.size();
+  std::ostringstream what;
+  if (start.size() != problem.size()) {
+    what << "lemke: the start has " << start.size() << " entries, the problem " << problem.size();
     throw std::invalid_argument(what.str());
   }
+  for (Index i = 0; i < start.size(); ++i)
+    if (!std::isfinite(start[i])) {
+      what << "lemke: the start of index " << i << " is " << start[i];
+      throw std::invalid_argument(what.str());
+    }
+  for (const auto& [name, value] : {std::pair{"residual_tol", options.residual_tol},
+                                    {"pivot_tol", options.pivot_tol},
+                                    {"feasibility_tol", options.feasibility_tol},
+                                    {"perturbation", options.perturbation}})
+    if (!(value >= 0) || std::isinf(value)) {
+      what << "lemke: the option " << name << " is " << value << ", not a finite number >= 0";
+      throw std::invalid_argument(what.str());
+    }
   return Path(problem, start, options).follow();
 }
 

@@ -1,0 +1,75 @@
+#include "lcp/equilibrate.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace perp::lcp {
+namespace {
+
+constexpr int sweeps = 10;
+
+double power_of_two(double a) { return std::exp2(std::clamp(std::round(std::log2(a)), -500.0, 500.0)); }
+
+double inverse_root(double largest) { return largest > 0 ? 1 / std::sqrt(largest) : 1; }
+
+/// One step of Ruiz' iteration: rows and columns are divided by the root of their largest entry.
+void sweep(const SpMat& M, Scaling& scaling) {
+  Vec row_max = Vec::Zero(M.rows());
+  Vec column_max = Vec::Zero(M.cols());
+  for (Index j = 0; j < M.cols(); ++j)
+    for (SpMat::InnerIterator it(M, j); it; ++it) {
+      const double a = std::abs(it.value()) * scaling.rows[it.row()] * scaling.columns[j];
+      row_max[it.row()] = std::max(row_max[it.row()], a);
+      column_max[j] = std::max(column_max[j], a);
+    }
+  for (Index i = 0; i < M.rows(); ++i) {
+    scaling.rows[i] *= inverse_root(row_max[i]);
+    scaling.columns[i] *= inverse_root(column_max[i]);
+  }
+}
+
+/// Whether every bound is as finite after the scaling as before, and every interval still one.
+bool keeps_bounds(const Box& box, const Box& scaled) {
+  for (Index i = 0; i < box.size(); ++i)
+    if (std::isfinite(box.lower[i]) != std::isfinite(scaled.lower[i]) ||
+        std::isfinite(box.upper[i]) != std::isfinite(scaled.upper[i]) ||
+        (box.lower[i] == box.upper[i]) != (scaled.lower[i] == scaled.upper[i]))
+      return false;
+  return true;
+}
+
+Scaling ones(Index n) { return {Vec::Ones(n), Vec::Ones(n)}; }
+
+}  // namespace
+
+AffineMcp Scaling::apply(const AffineMcp& problem) const {
+  return {rows.asDiagonal() * problem.M * columns.asDiagonal(),
+          rows.cwiseProduct(problem.q),
+          {problem.box.lower.cwiseQuotient(columns), problem.box.upper.cwiseQuotient(columns)}};
+}
+
+Vec Scaling::to_scaled(const Box& box, In x) const {
+  const Vec z = project(box, x);
+  return z.cwiseQuotient(columns) + rows.cwiseProduct(x - z);
+}
+
+Vec Scaling::to_original(const Box& scaled_box, In x) const {
+  const Vec z = project(scaled_box, x);
+  return columns.cwiseProduct(z) + (x - z).cwiseQuotient(rows);
+}
+
+Scaling equilibrate(const AffineMcp& problem) {
+  const Index n = problem.size();
+  Scaling scaling = ones(n);
+  for (int k = 0; k < sweeps; ++k) sweep(problem.M, scaling);
+  const double q = n > 0 ? scaling.rows.cwiseProduct(problem.q).lpNorm<::Eigen::Infinity>() : 0;
+  if (q > 0 && std::isfinite(q)) {
+    scaling.rows /= q;
+    scaling.columns *= q;
+  }
+  for (Vec* factors : {&scaling.rows, &scaling.columns}) *factors = factors->unaryExpr(&power_of_two);
+  const AffineMcp scaled = scaling.apply(problem);
+  return keeps_bounds(problem.box, scaled.box) && !scaled.invalid() ? scaling : ones(n);
+}
+
+}  // namespace perp::lcp
