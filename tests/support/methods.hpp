@@ -1,9 +1,15 @@
 #pragma once
 /// The methods, each with the name tests report.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
 #include <string>
 #include <vector>
 
 #include "ncp/solve.hpp"
+#include "support/problems.hpp"
 
 namespace perp::support {
 
@@ -21,6 +27,55 @@ inline std::vector<NamedMethod> methods(const ncp::Stop& stop = {}, const ncp::E
 /// Without proximal escapes: they end where they are stuck.
 inline std::vector<NamedMethod> methods_without_escape(const ncp::Stop& stop = {}) {
   return methods(stop, {.rounds = 0});
+}
+
+/// Solved, and the judge that shares nothing with the library agrees.
+inline ncp::Result expect_solved(const Mcp& mcp, const Vec& x0, const ncp::Method& method, const std::string& what = "",
+                                 const ncp::Observer& observer = {}) {
+  ncp::Result result = ncp::solve(mcp, x0, method, observer);
+  EXPECT_TRUE(result.solved()) << what << ": " << result;
+  EXPECT_LE(violation(mcp, result.x), ncp::stop(method).tol) << what;
+  return result;
+}
+
+/// The same, at a solution that is known to `digits`.
+inline ncp::Result expect_solution(const Mcp& mcp, const Vec& x0, const ncp::Method& method, const Vec& solution,
+                                   double digits, const std::string& what = "") {
+  ncp::Result result = expect_solved(mcp, x0, method, what);
+  EXPECT_LE((result.x - solution).lpNorm<Eigen::Infinity>(), digits) << what << ": " << result.x.transpose();
+  return result;
+}
+
+/// Kojima & Shindo's solutions, or Josephy's, to `digits`.
+inline bool is_kojima_shindo_solution(const Vec& x, bool josephy, double digits) {
+  const Vec common = vec({std::sqrt(6) / 2, 0, 0, 0.5});
+  const auto near = [&](const Vec& solution) { return (x - solution).lpNorm<Eigen::Infinity>() <= digits; };
+  return near(common) || (!josephy && near(vec({1, 0, 3, 0})));
+}
+
+/// The order of convergence in the last steps of a run, log r_{k+1} / log r_k, of the pair of residuals below `below`
+/// and above what rounding leaves; 0 if there is no such pair.
+inline double last_order(const std::vector<ncp::Iteration>& records, double below = 1e-2) {
+  double order = 0;
+  for (std::size_t k = 1; k < records.size(); ++k) {
+    const double before = records[k - 1].residual;
+    const double after = std::max(records[k].residual, 1e-15);
+    if (before < below && before > 1e-7) order = std::max(order, std::log(after) / std::log(before));
+  }
+  return order;
+}
+
+/// The largest resident size of this process so far in megabytes, 0 where the system does not tell or a sanitizer
+/// spoils it.
+inline double peak_megabytes() {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  return 0;
+#else
+  std::ifstream status("/proc/self/status");
+  for (std::string line; std::getline(status, line);)
+    if (line.rfind("VmHWM:", 0) == 0) return std::stod(line.substr(6)) / 1024;
+  return 0;
+#endif
 }
 
 }  // namespace perp::support

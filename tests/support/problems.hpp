@@ -136,12 +136,12 @@ inline Vec nash10_solution() {
 }
 
 /// The obstacle problem of the unit square with N x N unknowns v_ij, h = 1 / (N + 1), v = 0 around (MINPACK-2; Dirkse &
-/// Ferris 1995): F = 4 v_ij - its four neighbours - h^2, l = s^3 and u = s^2 + 0.2 with s = sin(9.2 x) sin(9.3 y).
-inline ncp::Functions obstacle(int N) {
+/// Ferris 1995): F = 4 v_ij - its four neighbours - load h^2, l = s^3 and u = s^2 + 0.2 with s = sin(9.2 x) sin(9.3 y).
+inline ncp::Functions obstacle(int N, double load = 1) {
   const Index n = static_cast<Index>(N) * N;
   const double h = 1.0 / (N + 1);
   Triplets entries;
-  AffineMcp problem{.M = {}, .q = Vec::Constant(n, -h * h), .box = Box::free(n)};
+  AffineMcp problem{.M = {}, .q = Vec::Constant(n, -load * h * h), .box = Box::free(n)};
   for (int j = 0; j < N; ++j)
     for (int i = 0; i < N; ++i) {
       const int k = j * N + i;
@@ -156,6 +156,71 @@ inline ncp::Functions obstacle(int N) {
     }
   problem.M = from(n, entries);
   return affine(problem);
+}
+
+/// Hock & Schittkowski's problem 34 with its multipliers: minimize -x_1 over e^x_1 <= x_2, e^x_2 <= x_3, 0 <= x <=
+/// (100, 100, 10). Solution (ln ln 10, ln 10, 10; 1 / ln 10, 1 / (10 ln 10)), where x_3 is at its upper bound.
+inline ncp::Functions hs34() {
+  return dense(
+      "hs34", {Vec::Zero(5), vec({100, 100, 10, infinity, infinity})},
+      [](const Vec& z) {
+        return vec({-1 + z[3] * std::exp(z[0]), -z[3] + z[4] * std::exp(z[1]), -z[4], z[1] - std::exp(z[0]),
+                    z[2] - std::exp(z[1])});
+      },
+      [](const Vec& z) {
+        const double a = std::exp(z[0]);
+        const double b = std::exp(z[1]);
+        Dense J(5, 5);
+        J << z[3] * a, 0, 0, a, 0,  //
+            0, z[4] * b, 0, -1, b,  //
+            0, 0, 0, 0, -1,         //
+            -a, 1, 0, 0, 0,         //
+            0, -b, 1, 0, 0;
+        return J;
+      });
+}
+
+inline Vec hs34_solution() {
+  const double ln10 = std::log(10);
+  return vec({std::log(ln10), ln10, 10, 1 / ln10, 0.1 / ln10});
+}
+
+struct Planted {
+  ncp::Functions functions;
+  Vec solution;
+};
+
+/// F(x) = M x + x^3 + q, M row diagonally dominant, in a box with every kind of interval. F is a P-function, so the
+/// solution planted is the only one. Each bounded variable is at a bound or inside; at a bound, F_i is 0 with
+/// probability `degenerate` (no strict complementarity there).
+inline Planted planted(Index n, double degenerate, Random& random) {
+  const Box box = mixed_box(n, random);
+  const SpMat M = h_plus(n, 2, random);
+  const Vec solution = lcp::project(box, random.normals(n));
+  Vec q = -(M * solution) - solution.array().cube().matrix();
+  for (Index i = 0; i < n; ++i) {
+    const double F = random.chance(degenerate) ? 0 : random.uniform(0.1, 2);
+    const bool fixed = box.lower[i] == box.upper[i];
+    if (fixed ? random.chance(0.5) : solution[i] == box.upper[i])
+      q[i] -= F;
+    else if (solution[i] == box.lower[i])
+      q[i] += F;
+  }
+  return {{.name = "planted",
+           .box = box,
+           .pattern = M,
+           .F =
+               [M, q](In x, Out F) {
+                 F = M * x + q + x.array().cube().matrix();
+                 return true;
+               },
+           .J =
+               [M](In x, SpMat& J) {
+                 J = M;
+                 for (Index i = 0; i < x.size(); ++i) J.coeffRef(i, i) += 3 * x[i] * x[i];
+                 return true;
+               }},
+          solution};
 }
 
 /// Counts what is asked of a problem.
