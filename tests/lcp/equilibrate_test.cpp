@@ -46,7 +46,9 @@ TEST(Equilibrate, NormalMapsCorrespond) {
     const Vec x = 3 * random.normals(n);
     const Vec there = s.to_scaled(p.box, x);
     const Vec G = s.rows.cwiseProduct(normal_map(p, x));
-    const Vec terms = scaled.M.cwiseAbs() * project(scaled.box, there).cwiseAbs() + scaled.q.cwiseAbs();
+    // Rounding is relative to the terms of G(x), the x that cancels in x - pi(x) among them.
+    const Vec terms = scaled.M.cwiseAbs() * project(scaled.box, there).cwiseAbs() + scaled.q.cwiseAbs() +
+                      s.rows.cwiseProduct(x.cwiseAbs() + project(p.box, x).cwiseAbs());
     EXPECT_LT((normal_map(scaled, there) - G).norm(), 1e-14 * (terms.norm() + there.norm() + G.norm()));
     // x' holds z' and E (x - z) in one number: what is rounded is relative to the larger.
     const Vec error = (s.to_original(scaled.box, there) - x).cwiseAbs();
