@@ -126,10 +126,13 @@ Functions with_wrong_entry(Functions functions, Index i, Index j, double factor)
   return functions;
 }
 
-// Stop::check_derivatives compares at the (projected) start. Catches a check that is not made, or made elsewhere.
+// Stop::check_derivatives compares at the (projected) start. F is not defined below
+// 0 here, so that only one side can be compared. Catches a check that is not made, or made elsewhere.
 TEST(Solve, RefusesAWrongJacobianIfAsked) {
   const auto right = make_mcp(support::kojima_shindo());
-  const auto wrong = make_mcp(with_wrong_entry(support::kojima_shindo(), 2, 3, -1));
+  Functions functions = with_wrong_entry(support::kojima_shindo(), 2, 3, -1);
+  functions.F = [F = functions.F](In x, Out out) { return x.minCoeff() >= 0 && F(x, out); };
+  const auto wrong = make_mcp(std::move(functions));
   for (const auto& [label, method] : methods({.check_derivatives = true})) {
     EXPECT_TRUE(solve(*right, Vec::Ones(4), method).solved()) << label;
     EXPECT_THAT(solving(*wrong, -Vec::Ones(4), method),

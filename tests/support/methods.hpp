@@ -53,14 +53,14 @@ inline bool is_kojima_shindo_solution(const Vec& x, bool josephy, double digits)
   return near(common) || (!josephy && near(vec({1, 0, 3, 0})));
 }
 
-/// The order of convergence in the last steps of a run, log r_{k+1} / log r_k, of the pair of residuals below `below`
-/// and above what rounding leaves; 0 if there is no such pair.
-inline double last_order(const std::vector<ncp::Iteration>& records, double below = 1e-2) {
+/// The order of convergence at the end of a run, log r_{k+1} / log r_k of the last r_k above what rounding leaves; 0 if
+/// that is not below `below`.
+inline double last_order(const std::vector<ncp::Iteration>& records, double below = 1e-3) {
   double order = 0;
   for (std::size_t k = 1; k < records.size(); ++k) {
     const double before = records[k - 1].residual;
     const double after = std::max(records[k].residual, 1e-15);
-    if (before < below && before > 1e-7) order = std::max(order, std::log(after) / std::log(before));
+    if (before < below && before > 1e-7) order = std::log(after) / std::log(before);
   }
   return order;
 }
