@@ -307,7 +307,7 @@ TEST(Reformulation, DiagonalsMatchDifferences) {
         const CValue after = Row{l, u, row.x + h, row.F + h}.at(c);
         // A kink between the two points, or curvature that differences of this size do not see.
         if (std::abs(before.da - after.da) + std::abs(before.db - after.db) > 1e-4) continue;
-        const auto phi = [&](double x, double F) { return Row{l, u, x, F}.phi(c); };
+        const auto phi = [&c, row](double x, double F) { return Row{row.l, row.u, x, F}.phi(c); };
         ASSERT_NEAR(v.da, (phi(row.x + h, row.F) - phi(row.x - h, row.F)) / (2 * h), 1e-7) << c.name << ": " << row;
         ASSERT_NEAR(v.db, (phi(row.x, row.F + h) - phi(row.x, row.F - h)) / (2 * h), 1e-7) << c.name << ": " << row;
         ++compared;

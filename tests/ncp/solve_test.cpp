@@ -289,7 +289,7 @@ TEST(Solve, RecordsAreOfTheProjectedIterates) {
       counted.F_evals = counted.J_evals = 0;
       double best = infinity;
       int k = 0;
-      const Result result = solve(counted, x0, method, [&](const Iteration& it) {
+      const Result result = solve(counted, x0, method, [&, &label = label](const Iteration& it) {
         EXPECT_EQ(it.k, k++);
         EXPECT_NEAR(it.residual, residual(*mcp, lcp::project(mcp->box(), *it.x)).natural, 1e-14) << label;
         EXPECT_EQ(it.F_evals, counted.F_evals) << label;
