@@ -43,7 +43,8 @@ constexpr double suspicious = 1e-6;
 
 double relative(double gap, double a, double b) {
   const double error = gap / std::max({1.0, std::abs(a), std::abs(b)});
-  return std::isnan(error) ? infinity : error;
+  if (std::isnan(error)) return infinity;
+  return error;
 }
 
 /// D and the errors of one column with the step h; where they do not match, the closest of other steps.

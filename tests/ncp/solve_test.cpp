@@ -308,7 +308,7 @@ TEST(Solve, RecordsAreOfTheProjectedIterates) {
 TEST(Solve, CountsEveryEvaluation) {
   const auto expect_counted = [](const Mcp& mcp, const Vec& x0, const Method& method, const std::string& label) {
     const Counting counted(mcp);
-    const Result result = solve(counted, x0, method);
+    Result result = solve(counted, x0, method);
     EXPECT_TRUE(result.solved()) << label << ": " << result;
     EXPECT_EQ(result.stats.F_evals, counted.F_evals) << label;
     EXPECT_EQ(result.stats.J_evals, counted.J_evals) << label;
