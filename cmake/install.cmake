@@ -8,6 +8,7 @@ set(perp_public_headers
   lcp/basis_factor.hpp
   lcp/box.hpp
   lcp/lemke.hpp
+  lcp/result.hpp
   lcp/sparse_lu.hpp
   lcp/types.hpp
   ncp/ampl/model.hpp

@@ -1,0 +1,111 @@
+#include "lcp/result.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+#include <stdexcept>
+#include <utility>
+
+namespace perp::lcp {
+
+std::string_view to_string(Status status) {
+  switch (status) {
+    case Status::Solved:
+      return "solved";
+    case Status::Infeasible:
+      return "infeasible";
+    case Status::Ray:
+      return "ray";
+    case Status::Singular:
+      return "singular";
+    case Status::NotApplicable:
+      return "not applicable";
+    case Status::Stalled:
+      return "stalled";
+    case Status::IterationLimit:
+      return "iteration limit";
+    case Status::TimeLimit:
+      return "time limit";
+    case Status::Interrupted:
+      return "interrupted";
+    case Status::OutOfMemory:
+      return "out of memory";
+  }
+  return "?";
+}
+
+std::optional<Status> Limits::reached() const {
+  if (interrupted && interrupted()) return Status::Interrupted;
+  if (deadline != std::chrono::steady_clock::time_point::max() && std::chrono::steady_clock::now() >= deadline)
+    return Status::TimeLimit;
+  return std::nullopt;
+}
+
+bool solves(const AffineMcp& problem, In z, double tol) {
+  const double scale = problem.size() > 0 ? 1 + problem.q.lpNorm<::Eigen::Infinity>() : 1;
+  return natural_residual(problem, z) <= tol * scale;
+}
+
+Result judged(const AffineMcp& problem, In z, const Limits& limits, Status otherwise, std::string message) {
+  Result result{.status = otherwise, .message = std::move(message), .z = project(problem.box, z)};
+  result.residual = natural_residual(problem, result.z);
+  if (solves(problem, result.z, limits.tol)) {
+    result.status = Status::Solved;
+    result.message.clear();
+  }
+  return result;
+}
+
+bool proves_infeasible(const AffineMcp& problem, In y) {
+  const Index n = problem.size();
+  if (y.size() != n || !y.allFinite()) return false;
+  const Box& box = problem.box;
+  for (Index i = 0; i < n; ++i) {
+    const bool below = box.lower[i] > -infinity;
+    const bool above = box.upper[i] < infinity;
+    if ((below && y[i] < 0) || (above && y[i] > 0)) return false;  // both finite: y_i = 0
+  }
+  double sum = 0;
+  double terms = 0;
+  const auto add = [&](double term, double size) {
+    sum += term;
+    terms += size;
+  };
+  for (Index i = 0; i < n; ++i) add(problem.q[i] * y[i], std::abs(problem.q[i] * y[i]));
+  const double rounding = 1e-12;
+  for (Index j = 0; j < n; ++j) {
+    double a = 0;
+    double size = 0;
+    for (SpMat::InnerIterator it(problem.M, j); it; ++it) {
+      a += it.value() * y[it.row()];
+      size += std::abs(it.value() * y[it.row()]);
+    }
+    if (std::abs(a) <= rounding * size) a = 0;
+    if (a == 0) continue;
+    const double bound = a > 0 ? box.upper[j] : box.lower[j];
+    if (!std::isfinite(bound)) return false;
+    add(a * bound, size * std::abs(bound));
+  }
+  return sum < -rounding * terms;
+}
+
+void check_input(const char* method, const AffineMcp& problem, In start, const Limits& limits) {
+  std::ostringstream what;
+  what << method << ": ";
+  if (const auto why = problem.invalid()) throw std::invalid_argument(what.str() + *why);
+  if (start.size() != problem.size()) {
+    what << "the start has " << start.size() << " entries, the problem " << problem.size();
+    throw std::invalid_argument(what.str());
+  }
+  for (Index i = 0; i < start.size(); ++i)
+    if (!std::isfinite(start[i])) {
+      what << "the start of index " << i << " is " << start[i];
+      throw std::invalid_argument(what.str());
+    }
+  if (!(limits.tol > 0) || std::isinf(limits.tol)) {
+    what << "the tolerance is " << limits.tol << ", not a positive number";
+    throw std::invalid_argument(what.str());
+  }
+}
+
+}  // namespace perp::lcp

@@ -1,0 +1,65 @@
+#pragma once
+/// What every method for the affine MCP answers, and what may stop it. Only the natural residual (affine_mcp.hpp) may
+/// call a point Solved: methods build their Result by judged().
+#include <chrono>
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "lcp/affine_mcp.hpp"
+
+namespace perp::lcp {
+
+enum class Status {
+  Solved,         ///< natural_residual(z) <= tol (1 + ||q||_inf)
+  Infeasible,     ///< proven to have no solution: by `certificate`, or by the exhaustive search the message names
+  Ray,            ///< a pivoting method's path went off along a ray: no solution found, and no proof of anything
+  Singular,       ///< a matrix the method has to factor is singular
+  NotApplicable,  ///< the problem is outside what the method is defined for; the message says why
+  Stalled,        ///< no progress short of the tolerance: a cycle, a stationary point, rounding
+  IterationLimit,
+  TimeLimit,
+  Interrupted,
+  OutOfMemory,
+};
+std::string_view to_string(Status);
+
+struct Limits {
+  double tol = 1e-9;  ///< on the natural residual, relative to 1 + ||q||_inf
+  std::chrono::steady_clock::time_point deadline = std::chrono::steady_clock::time_point::max();
+  std::function<bool()> interrupted{};  ///< polled; true ends the run as Interrupted
+
+  std::optional<Status> reached() const;  ///< Interrupted or TimeLimit, if one of them
+};
+
+struct Result {
+  Status status = Status::Stalled;
+  std::string message;     ///< what happened, with indices (from 1) and values
+  Vec z;                   ///< the best point met, in the box
+  double residual = 0;     ///< natural_residual of z
+  long iterations = 0;     ///< pivots, sweeps or Newton steps: the method says which
+  int factorizations = 0;  ///< of matrices, however small
+  Vec certificate{};       ///< y with proves_infeasible(problem, y), if status == Infeasible and there is one
+  bool solved() const { return status == Status::Solved; }
+};
+
+/// Whether the natural residual of z is at most tol (1 + ||q||_inf).
+bool solves(const AffineMcp& problem, In z, double tol);
+
+/// A result for z, projected on the box: Solved if limits.tol says so, else `otherwise` with `message`.
+Result judged(const AffineMcp& problem, In z, const Limits& limits, Status otherwise, std::string message);
+
+/// Whether y proves that no solution exists. F = M z + q of a solution has F_i >= 0 where only l_i is finite, F_i <= 0
+/// where only u_i is, F_i = 0 where neither is. With y_i of the same sign (any sign; 0 where both are finite) y'F >= 0,
+/// but
+///     sup over the box of y'(M z + q)  =  q'y + sum_j max(l_j (M'y)_j, u_j (M'y)_j)  <  0.
+/// For the LCP: y >= 0, M'y <= 0, q'y < 0. Entries of M'y within their own rounding count as zero; the sum must be
+/// negative by more than the rounding of its terms.
+bool proves_infeasible(const AffineMcp& problem, In y);
+
+/// Throws std::invalid_argument with `method`'s name if the problem is malformed, the start has another length or is
+/// not finite, or the tolerance is not a positive number.
+void check_input(const char* method, const AffineMcp& problem, In start, const Limits& limits);
+
+}  // namespace perp::lcp
