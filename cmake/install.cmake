@@ -7,6 +7,7 @@ set(perp_public_headers
   lcp/affine_mcp.hpp
   lcp/basis_factor.hpp
   lcp/box.hpp
+  lcp/cholesky.hpp
   lcp/lemke.hpp
   lcp/result.hpp
   lcp/sparse_lu.hpp
@@ -54,7 +55,8 @@ function(perp_link_flags out)
   list(JOIN flags " " flags)
   set(${out} ${flags} PARENT_SCOPE)
 endfunction()
-perp_link_flags(perp_pc_dependencies ${ASL_LIBRARY} ${SuiteSparse_UMFPACK_LIBRARY} ${SuiteSparse_KLU_LIBRARY})
+perp_link_flags(perp_pc_dependencies ${ASL_LIBRARY} ${SuiteSparse_UMFPACK_LIBRARY} ${SuiteSparse_KLU_LIBRARY}
+  ${SuiteSparse_CHOLMOD_LIBRARY})
 if(CMAKE_DL_LIBS)
   string(APPEND perp_pc_dependencies " -l${CMAKE_DL_LIBS}")
 endif()
