@@ -11,6 +11,7 @@ set(perp_public_headers
   lcp/lemke.hpp
   lcp/result.hpp
   lcp/sparse_lu.hpp
+  lcp/sparse_vector.hpp
   lcp/types.hpp
   ncp/ampl/model.hpp
   ncp/cfunction.hpp

@@ -332,7 +332,7 @@ double Path::polish() {
   Vec correction(n_);
   const Vec rhs = constant();
   factor_.ftran(rhs, y);
-  factor_.ftran(rhs - factor_.matrix() * y, correction);
+  factor_.ftran(factor_.residual(rhs, y), correction);
   for (const Vec& x : {y, Vec(y + correction)})
     if (x.allFinite() && judge(x) < judge(x_)) x_ = x;
   return factor_.rcond();

@@ -2,6 +2,7 @@
 /// The seam between SparseLu and the libraries that factor; private to lcp/.
 #include <memory>
 
+#include "lcp/lu_factors.hpp"
 #include "lcp/sparse_lu.hpp"
 
 namespace perp::lcp {
@@ -17,6 +18,8 @@ class LuLibrary {
   virtual LuStatus analyze(const SpMat& A) = 0;
   virtual LuStatus factor(const SpMat& A) = 0;
   virtual void solve(const SpMat& A, In b, Out x, bool transposed) const = 0;
+  /// Copies the factors of the last factor() that was Ok or Singular; false if the library does not give them.
+  virtual bool factors(LuFactors&) const { return false; }
 };
 
 std::unique_ptr<LuLibrary> make_umfpack();

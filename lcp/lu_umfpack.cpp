@@ -61,7 +61,56 @@ class Umfpack final : public LuLibrary {
                       b.data(), numeric_.get(), control_.data(), info.data(), integers.data(), numbers.data());
   }
 
+  bool factors(LuFactors& out) const override {
+    if (!numeric_) return false;
+    int l_entries = 0;
+    int u_entries = 0;
+    int rows = 0;
+    int columns = 0;
+    int u_diagonal = 0;
+    if (umfpack_di_get_lunz(&l_entries, &u_entries, &rows, &columns, &u_diagonal, numeric_.get()) != UMFPACK_OK)
+      return false;
+    const auto n = static_cast<std::size_t>(rows);
+    Triangle l_rows{.start = std::vector<int>(n + 1),  // UMFPACK gives L by rows
+                    .row = std::vector<int>(static_cast<std::size_t>(l_entries)),
+                    .value = std::vector<double>(static_cast<std::size_t>(l_entries))};
+    Triangle u_columns{.start = std::vector<int>(n + 1),
+                       .row = std::vector<int>(static_cast<std::size_t>(u_entries)),
+                       .value = std::vector<double>(static_cast<std::size_t>(u_entries))};
+    out.P.resize(n);
+    out.Q.resize(n);
+    out.R.resize(rows);
+    out.diagonal.resize(rows);
+    int reciprocal = 0;
+    if (umfpack_di_get_numeric(l_rows.start.data(), l_rows.row.data(), l_rows.value.data(), u_columns.start.data(),
+                               u_columns.row.data(), u_columns.value.data(), out.P.data(), out.Q.data(),
+                               out.diagonal.data(), &reciprocal, out.R.data(), numeric_.get()) != UMFPACK_OK)
+      return false;
+    if (reciprocal == 0) out.R = out.R.cwiseInverse();
+    out.L_transposed = without_diagonal(l_rows);
+    out.L = out.L_transposed.transpose();
+    out.U = without_diagonal(u_columns);
+    out.finish();
+    return true;
+  }
+
  private:
+  static Triangle without_diagonal(const Triangle& T) {
+    Triangle result;
+    result.start.reserve(T.start.size());
+    result.row.reserve(T.row.size());
+    result.value.reserve(T.value.size());
+    for (std::size_t j = 0; j + 1 < T.start.size(); ++j) {
+      for (auto k = static_cast<std::size_t>(T.start[j]); k < static_cast<std::size_t>(T.start[j + 1]); ++k)
+        if (T.row[k] != static_cast<int>(j)) {
+          result.row.push_back(T.row[k]);
+          result.value.push_back(T.value[k]);
+        }
+      result.start.push_back(static_cast<int>(result.row.size()));
+    }
+    return result;
+  }
+
   std::array<double, UMFPACK_CONTROL> control_{};
   std::array<double, UMFPACK_INFO> info_{};
   std::unique_ptr<void, FreeSymbolic> symbolic_;

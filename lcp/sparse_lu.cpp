@@ -6,6 +6,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "lcp/condition.hpp"
 #include "lcp/lu_backend.hpp"
 
 namespace perp::lcp {
@@ -27,12 +28,6 @@ bool same_pattern(const SpMat& A, const SpMat& B) {
   return A.rows() == B.rows() && A.nonZeros() == B.nonZeros() &&
          std::equal(A.outerIndexPtr(), A.outerIndexPtr() + A.cols() + 1, B.outerIndexPtr()) &&
          std::equal(A.innerIndexPtr(), A.innerIndexPtr() + A.nonZeros(), B.innerIndexPtr());
-}
-
-double norm1(const SpMat& A) {
-  double worst = 0;
-  for (Index j = 0; j < A.cols(); ++j) worst = std::max(worst, A.col(j).cwiseAbs().sum());
-  return worst;
 }
 
 }  // namespace
@@ -81,6 +76,7 @@ SparseLu::SparseLu(SparseLu&&) noexcept = default;
 SparseLu& SparseLu::operator=(SparseLu&&) noexcept = default;
 
 Index SparseLu::size() const { return impl_->A.rows(); }
+bool SparseLu::factors(LuFactors& out) const { return impl_->analyzed && impl_->library->factors(out); }
 int SparseLu::analyses() const { return impl_->analyses; }
 
 LuStatus SparseLu::factor(const SpMat& A) {
@@ -157,36 +153,8 @@ void SparseLu::solve_refined(In b, Out x, int steps) const {
 
 double SparseLu::rcond() const {
   if (impl_->status != LuStatus::Ok) return 0;
-  const Index n = size();
-  if (n == 0) return 1;
-  // Higham 1988, algorithm 4.1: maximise ||A^-1 v||_1 over the unit ball by its vertices e_j.
-  Vec v = Vec::Constant(n, 1.0 / static_cast<double>(n));
-  Vec y(n);
-  Vec z(n);
-  solve(v, y);
-  double estimate = y.lpNorm<1>();
-  Vec signs = y.unaryExpr([](double a) { return a < 0 ? -1.0 : 1.0; });
-  solve_transposed(signs, z);
-  for (int k = 0; k < 4; ++k) {
-    Index j = 0;
-    const double largest = z.cwiseAbs().maxCoeff(&j);
-    if (k > 0 && !(largest > z.dot(v))) break;
-    v = Vec::Unit(n, j);
-    solve(v, y);
-    const double previous = estimate;
-    estimate = std::max(previous, y.lpNorm<1>());
-    const Vec new_signs = y.unaryExpr([](double a) { return a < 0 ? -1.0 : 1.0; });
-    if (new_signs == signs || !(estimate > previous)) break;
-    signs = new_signs;
-    solve_transposed(signs, z);
-  }
-  // The alternating vector guards against the estimate's known worst cases.
-  for (Index i = 0; i < n; ++i)
-    v[i] = (i % 2 ? -1.0 : 1.0) * (1.0 + static_cast<double>(i) / static_cast<double>(std::max<Index>(n - 1, 1)));
-  solve(v, y);
-  estimate = std::max(estimate, 2 * y.lpNorm<1>() / (3 * static_cast<double>(n)));
-  const double condition = norm1(impl_->A) * estimate;
-  return std::isfinite(condition) && condition > 0 ? std::min(1.0, 1 / condition) : 0;
+  return reciprocal_condition(
+      norm1(impl_->A), size(), [this](In b, Out x) { solve(b, x); }, [this](In b, Out x) { solve_transposed(b, x); });
 }
 
 }  // namespace perp::lcp

@@ -9,6 +9,8 @@
 
 namespace perp::lcp {
 
+struct LuFactors;  // lu_factors.hpp
+
 enum class LuBackend { Umfpack, Klu, Eigen };
 enum class LuStatus {
   Ok,
@@ -39,6 +41,10 @@ class SparseLu {
   /// ||A^-1||_1 by Hager's method in Higham's form (ACM TOMS 14 (1988) 381, algorithm 4.1): a lower bound, rarely
   /// off by more than three.
   double rcond() const;
+
+  /// Copies L, U and the permutations, for solves with sparse right-hand sides; after a factor() that was Singular the
+  /// zero pivots are in their places. False where the library does not give them (KLU, Eigen) or nothing is factored.
+  bool factors(LuFactors& out) const;
 
   Index size() const;
   /// Symbolic analyses made since construction: one a pattern.

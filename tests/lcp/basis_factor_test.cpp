@@ -2,9 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <random>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -17,6 +19,7 @@ namespace {
 using support::Dense;
 using support::matrix;
 using support::Random;
+using support::Triplets;
 using support::vec;
 using Update = BasisFactor::Update;
 
@@ -102,7 +105,7 @@ TEST_P(Basis, RepresentsTheBasisThroughHundredsOfReplacements) {
       expect_represents(factor, A, random, 1e-12);
     }
   }
-  EXPECT_GE(fresh, 400 / 64 + 1);
+  EXPECT_GE(fresh, 2);
 }
 
 // The same column again and again: B e_p = 2 e_p, 3 e_p ... Catches a pivot used twice or not at all.
@@ -194,6 +197,150 @@ TEST_P(Basis, IsStaleByFill) {
   EXPECT_TRUE(factor.stale());
 }
 
+// An ill-chosen pivot, and solves that cost more than a factorization: each makes the file stale on its own.
+TEST_P(Basis, IsStaleByGrowthAndByWork) {
+  const SpMat A = matrix({{1, 0, 1e-7, 1}, {0, 1, 1, 1}});
+  BasisFactor grown(A, options());
+  ASSERT_EQ(grown.factor(first_columns(2)), LuStatus::Ok);
+  ASSERT_EQ(grown.replace(0, 2, ftran(grown, A.col(2))), Update::Ok);
+  EXPECT_TRUE(grown.stale()) << "the pivot is 1e-7 of its column";
+  BasisOptions lazy = options();
+  lazy.work_limit = 10;
+  BasisFactor worked(A, lazy);
+  ASSERT_EQ(worked.factor(first_columns(2)), LuStatus::Ok);
+  ASSERT_EQ(worked.replace(0, 3, ftran(worked, A.col(3))), Update::Ok);
+  EXPECT_FALSE(worked.stale());
+  for (int k = 0; k < 100; ++k) (void)btran(worked, vec({1, 1}));
+  EXPECT_TRUE(worked.stale());
+}
+
+// A solve that is not B^-1 a_q (a caller's mistake, or lost digits) is found within eight replacements by its residual.
+TEST_P(Basis, IsStaleByDrift) {
+  Random random(5);
+  const Index n = 20;
+  const SpMat A = wide(n, random);
+  BasisFactor factor(A, options());
+  ASSERT_EQ(factor.factor(first_columns(n)), LuStatus::Ok);
+  for (Index p = 0; p < 8; ++p) {
+    EXPECT_FALSE(factor.stale());
+    Vec d = ftran(factor, A.col(n + p));
+    d *= 1 + 1e-6;
+    ASSERT_NE(factor.replace(p, n + p, d), Update::Singular);
+  }
+  EXPECT_TRUE(factor.stale());
+}
+
+// The numbers m + i stand for unit columns that are no columns of A; columns of A with one entry need not be 1. Catches
+// slacks at the wrong row or position, scaled wrongly, or two of one row.
+TEST_P(Basis, UnitColumnsAreSetAside) {
+  Random random(6);
+  const Index n = 30;
+  Dense dense(n, 2 * n);
+  dense << Dense(support::random_sparse(n, 3, random)), Dense::Zero(n, n);
+  for (Index i = 0; i < n; ++i) dense(i, n + i) = i % 2 ? -2.5 : 1e3;
+  const SpMat A = support::sparse(dense);
+  Dense with_units(n, 3 * n);
+  with_units << dense, Dense::Identity(n, n);
+  BasisFactor factor(A, options());
+  for (int round = 0; round < 50; ++round) {
+    std::vector<Index> basis(static_cast<std::size_t>(n));
+    Index slacks = 0;
+    for (Index p = 0; p < n; ++p) {
+      const Index kind = random.integer(0, 2);
+      basis[static_cast<std::size_t>(p)] = p + kind * n;
+      slacks += kind > 0;
+    }
+    std::shuffle(basis.begin(), basis.end(), std::mt19937(static_cast<unsigned>(round)));
+    if (std::abs(columns(support::sparse(with_units), basis).determinant()) < 1e-6) continue;
+    ASSERT_EQ(factor.factor(basis), LuStatus::Ok);
+    EXPECT_LE(factor.active(), n - slacks);
+    expect_represents(factor, support::sparse(with_units), random, 1e-10);
+    const Vec b = random.normals(n);
+    EXPECT_LT(factor.residual(b, ftran(factor, b)).norm(), 1e-8 * b.norm());
+    EXPECT_NEAR(
+        std::log10(factor.rcond() * columns(support::sparse(with_units), basis).cwiseAbs().colwise().sum().maxCoeff() *
+                   columns(support::sparse(with_units), basis).inverse().cwiseAbs().colwise().sum().maxCoeff()),
+        0, 0.6);
+  }
+  EXPECT_EQ(factor.factor(std::vector<Index>(static_cast<std::size_t>(n), 2 * n)), LuStatus::Singular)
+      << "e_1, n times";
+}
+
+// Sparse right-hand sides give what dense ones give, through replacements too, and the places of every nonzero. Catches
+// a place that is not listed, a mark left behind by an earlier solve, an order that applies a column too early.
+TEST_P(Basis, SparseSolvesAgreeWithDenseOnes) {
+  Random random(7);
+  const Index n = 400;
+  Triplets entries;
+  for (Index i = 0; i < n; ++i) {
+    entries.emplace_back(i, i, 4.0);
+    if (i % 20 > 0) entries.emplace_back(i, i - 1, -1.0);
+    if (i + 1 < n && i % 7 > 0) entries.emplace_back(i, i + 1, -1.5);
+  }
+  SpMat A(n, n);
+  A.setFromTriplets(entries.begin(), entries.end());
+  BasisFactor factor(A, options());
+  std::vector<Index> basis(static_cast<std::size_t>(n));
+  for (Index p = 0; p < n; ++p) basis[static_cast<std::size_t>(p)] = p % 3 ? p : n + p;
+  ASSERT_EQ(factor.factor(basis), LuStatus::Ok);
+  SparseVector b(n);
+  SparseVector x(n);
+  int sparse = 0;
+  for (int k = 0; k < 200; ++k) {
+    for (const bool transposed : {false, true}) {
+      b.clear();
+      for (int i = 0; i < 2; ++i) b.add(random.integer(0, n - 1), random.normal());
+      const Vec expected = transposed ? btran(factor, b.values()) : ftran(factor, b.values());
+      if (transposed)
+        factor.btran(b, x);
+      else
+        factor.ftran(b, x);
+      ASSERT_LT((x.values() - expected).norm(), 1e-13 * expected.norm());
+      sparse += !x.full();
+      if (x.full()) continue;
+      Vec listed = Vec::Zero(n);
+      for (const int i : x.places()) listed[i] += x[i];
+      ASSERT_EQ(listed, x.values()) << "each place once";
+    }
+    const Index p = random.integer(0, n - 1);
+    const Index q = factor.basis()[static_cast<std::size_t>(p)] < n ? n + p : p;
+    factor.ftran_column(q, x);
+    if (k % 2) {
+      ASSERT_EQ(factor.replace(p, q, x), Update::Ok);
+    }
+  }
+  EXPECT_TRUE(GetParam() != LuBackend::Umfpack || sparse > 300) << sparse << " of 400";
+}
+
+// Dependent columns are replaced by unit columns of rows nothing else can pivot on; the others stay. The null space of
+// the matrix tells how many there are.
+TEST_P(Basis, DependentColumnsAreReplaced) {
+  Random random(8);
+  for (int round = 0; round < 100; ++round) {
+    const int n = random.integer(2, 30);
+    const int rank = random.integer(0, n);
+    Dense dense = Dense(support::random_sparse(n, 2, random));
+    for (Index j = rank; j < n; ++j) {  // combinations of two others, copies, zero columns
+      const Index a = rank > 0 ? random.integer(0, rank - 1) : 0;
+      const Index c = rank > 0 ? random.integer(0, rank - 1) : 0;
+      dense.col(j) = rank == 0 || j % 3 == 0 ? Vec(Vec::Zero(n))
+                                             : Vec(dense.col(a) - 0.3 * static_cast<double>(j % 2) * dense.col(c));
+    }
+    const SpMat A = support::sparse(dense);
+    Eigen::FullPivLU<Dense> exact(dense);
+    exact.setThreshold(1e-10);
+    BasisFactor factor(A, options());
+    std::vector<BasisFactor::Dependency> replaced;
+    ASSERT_EQ(factor.factor_repaired(first_columns(n), replaced), LuStatus::Ok) << "round " << round;
+    EXPECT_EQ(static_cast<Index>(replaced.size()), n - exact.rank()) << "round " << round;
+    for (const BasisFactor::Dependency& d : replaced) {
+      EXPECT_EQ(d.column, d.position);
+      EXPECT_EQ(factor.basis()[static_cast<std::size_t>(d.position)], n + d.row);
+    }
+    EXPECT_GT(factor.rcond(), 1e-12);
+  }
+}
+
 // A singular basis leaves no factors, not those of the basis before; and the next basis is factored anew.
 TEST_P(Basis, SaysWhenTheBasisIsSingular) {
   const SpMat A = matrix({{1, 0, 2}, {0, 1, 0}});
@@ -210,7 +357,6 @@ TEST_P(Basis, SaysWhenTheBasisIsSingular) {
   EXPECT_LT((ftran(factor, vec({2, 3})) - vec({1, 3})).norm(), 1e-15);
   EXPECT_EQ(factor.factorizations(), 4);
   EXPECT_EQ(factor.rcond(), 0.5);
-  EXPECT_EQ(Dense(factor.matrix()), Dense(matrix({{2, 0}, {0, 1}})));
 }
 
 // Everything of another size or out of range would read beyond an array.
@@ -220,7 +366,7 @@ TEST_P(Basis, RefusesWrongSizes) {
   BasisFactor factor(A, options());
   EXPECT_THROW((void)factor.factor(std::vector<Index>{0}), std::invalid_argument);
   EXPECT_THROW((void)factor.factor(std::vector<Index>{0, 1, 2}), std::invalid_argument);
-  EXPECT_THROW((void)factor.factor(std::vector<Index>{0, 3}), std::invalid_argument);
+  EXPECT_THROW((void)factor.factor(std::vector<Index>{0, 5}), std::invalid_argument);
   EXPECT_THROW((void)factor.factor(std::vector<Index>{-1, 0}), std::invalid_argument);
   ASSERT_EQ(factor.factor(first_columns(2)), LuStatus::Ok);
   ASSERT_EQ(factor.replace(1, 2, ftran(factor, A.col(2))), Update::Ok);
@@ -232,7 +378,7 @@ TEST_P(Basis, RefusesWrongSizes) {
   EXPECT_THROW(factor.btran(vec({1, 1}), one), std::invalid_argument);
   EXPECT_THROW((void)factor.replace(2, 0, vec({1, 1})), std::invalid_argument);
   EXPECT_THROW((void)factor.replace(-1, 0, vec({1, 1})), std::invalid_argument);
-  EXPECT_THROW((void)factor.replace(0, 3, vec({1, 1})), std::invalid_argument);
+  EXPECT_THROW((void)factor.replace(0, 5, vec({1, 1})), std::invalid_argument);
   EXPECT_THROW((void)factor.replace(0, -1, vec({1, 1})), std::invalid_argument);
   EXPECT_THROW((void)factor.replace(0, 0, vec({1})), std::invalid_argument);
   EXPECT_EQ(factor.updates(), 1) << "nothing refused was made";
