@@ -356,7 +356,12 @@ LuStatus BasisFactor::factor_repaired(std::span<const Index> basis, std::vector<
     if (found.empty() && status == LuStatus::Ok) return status;
     for (const Dependency& d : found) {
       columns[at(d.position)] = impl_->A->cols() + d.row;
-      if (d.column < impl_->A->cols()) replaced.push_back(d);
+      const auto before =
+          std::ranges::find_if(replaced, [&d](const Dependency& other) { return other.position == d.position; });
+      if (before == replaced.end())
+        replaced.push_back(d);
+      else
+        before->row = d.row;
     }
     status = factor(columns);
     if (status == LuStatus::Ok) return status;

@@ -11,6 +11,10 @@
 /// through cells in which M_BB is singular. With all bounded variables outside their box this is Lemke's method with
 /// covering vector -r.
 ///
+/// Where the start cell's matrix is rank deficient, unit columns of artificial variables, which stay at 0, stand in for
+/// the dependent columns, whose variables wait at their values; an artificial that would move is exchanged for the
+/// variable it stands for, in the direction in which t grows (Munson 2000, section 2.2).
+///
 /// A path from a start in general position meets no corner where two bounds are hit at once before t = 1, hence cannot
 /// cycle; the start is moved into general position by a relative perturbation (`perturbation`), which changes the path
 /// but not the problem: the zero at t = 1 does not know r.
@@ -26,9 +30,11 @@ namespace perp::lcp {
 
 enum class PivotEnd {
   Solved,         ///< natural residual <= residual_tol (1 + ||q||_inf)
-  Ray,            ///< the path is unbounded: z + s `ray` stays on it for all s >= 0
-  Loop,           ///< the path came back to the start: the component through it is closed and holds no solution
-  SingularBasis,  ///< the start cell's matrix is singular, or a basis on the way is numerically so
+  Ray,            ///< the path is unbounded: x + s `ray` stays on it for all s >= 0
+  /// The path came back to the start: the component through it is closed and holds no solution. From a rank-deficient
+  /// start also: t has not grown for 100 + 10 n pivots.
+  Loop,
+  SingularBasis,  ///< a basis on the way is numerically singular
   PivotLimit,
   TimeLimit,
   Interrupted,
@@ -37,21 +43,39 @@ enum class PivotEnd {
 std::string_view to_string(PivotEnd);
 
 enum class LemkeStart {
-  Regular,  ///< the cell the given point lies in
-  Ray,      ///< all variables with a finite bound outside it, by a generic covering vector: Lemke's classical start
+  Regular,  ///< the cell the given point lies in, or `cells`
+  Ray,      ///< all variables with a finite bound outside it, by a covering vector: Lemke's classical start
 };
+
+/// The covering vector d of a Ray start: F + d z0 covers the negative entries of F at the bounds.
+enum class Cover {
+  Generic,  ///< uniform in [1/2, 3/2], and larger where F is far from zero, after equilibration of the rows
+  Spread,   ///< log-uniform over three decades about 1, after equilibration
+  Ones,     ///< e in the units of F: the textbook's
+  Given,    ///< `covering`
+};
+
+/// Where x_i lies; the column of x_i in the normal map is M_{.i} if Inside, e_i otherwise.
+enum class Cell : signed char { Below, Inside, Above, Fixed };
 
 struct LemkeOptions {
   LemkeStart start = LemkeStart::Regular;
+  Cover cover = Cover::Generic;
+  Vec covering{};  ///< Cover::Given: d > 0, one for each variable; in the units of F
+  /// Regular: a warm basis, one cell for each variable, such as PivotResult::cells; the start is moved into it. Empty:
+  /// the cell of the start.
+  std::vector<Cell> cells{};
   int max_pivots = 100'000;
   double residual_tol = 1e-9;  ///< on the natural residual, relative to 1 + ||q||_inf
   double pivot_tol = 1e-9;     ///< smallest pivot, relative to the largest entry of the pivot column
+  /// A pivot smaller than this x the largest entry of its column is taken from a fresh factorization only.
+  double doubtful_pivot = 1e-5;
   /// Harris: how far, relative to 1 + |bound|, a variable may overstep its bound in a ratio test. Far below the
   /// perturbation, or a path that begins near a corner is not followed but cut, and may cycle.
   double feasibility_tol = 1e-12;
   double perturbation = 1e-5;     ///< of the start, relative to 1 + |x_i|; 0 keeps the start as it is
   unsigned seed = 1;              ///< of the perturbation and of the covering vector
-  double singular_rcond = 1e-15;  ///< a start cell whose matrix has a smaller rcond() counts as singular
+  double singular_rcond = 1e-15;  ///< a start cell whose matrix has a smaller rcond() is repaired as rank deficient
   bool keep_path = false;         ///< fill PivotResult::path (n doubles a pivot)
   BasisOptions basis{};
   /// Polled at every pivot: true ends the run as Interrupted.
@@ -66,24 +90,30 @@ struct Breakpoint {
 
 struct PivotResult {
   PivotEnd end = PivotEnd::PivotLimit;
-  Vec x;              ///< last point of the path, in the normal map's coordinates
-  Vec z;              ///< project(box, x)
-  Vec ray;            ///< direction in x, if end == Ray
+  Vec x;                    ///< last point of the path, in the normal map's coordinates
+  Vec z;                    ///< project(box, x)
+  std::vector<Cell> cells;  ///< the cell of the last linear piece: the final basis
+  Vec ray;                  ///< direction in x, if end == Ray
+  /// y with proves_infeasible(problem, y) (result.hpp), if end == Ray and its direction is one: always in exact
+  /// arithmetic from a Ray start with copositive-plus M (Cottle, Pang & Stone 1992, theorem 4.4.13).
+  Vec certificate;
   double t = 0;       ///< homotopy parameter there: 1 at a solution
   double best_t = 0;  ///< largest t met, at best_x
   Vec best_x;
   double residual = 0;  ///< natural residual of z
-  double rcond = 0;     ///< SparseLu::rcond() of the matrix of the last linear piece; 0 if t = 1 was not reached
+  double rcond = 0;     ///< BasisFactor::rcond() of the last linear piece; 0 if t = 1 was not reached
   int pivots = 0;
   int refactorizations = 0;
+  int repaired = 0;              ///< dependent columns of the start basis that artificials stood in for
   std::vector<Breakpoint> path;  ///< every kink from the start on, if keep_path
   bool solved() const { return end == PivotEnd::Solved; }
 };
 
 /// Follows the path from `start` (any point of R^n: outside the box it means the cell beyond the bound).
-/// Throws std::invalid_argument if the problem or the start is malformed. Terminates for every M in exact arithmetic:
-/// a path through a cell with nonsingular matrix is one segment there, so it ends or comes back to the start (Loop).
-/// From a Ray start it finds a solution if M is copositive-plus and the problem is feasible, or a P-matrix (LCP).
+/// Throws std::invalid_argument if the problem, the start or an option is malformed. Terminates for every M in exact
+/// arithmetic: a path through a cell with nonsingular matrix is one segment there, so it ends or comes back to the
+/// start (Loop). From a Ray start it finds a solution if M is copositive-plus and the problem is feasible, or a
+/// P-matrix (LCP).
 PivotResult lemke(const AffineMcp& problem, In start, const LemkeOptions& options = {});
 
 }  // namespace perp::lcp

@@ -48,17 +48,22 @@ TEST(LemkeEnds, LoopAroundTheOrigin) {
   EXPECT_EQ(result.pivots, 4);
 }
 
-// The cell of the start has the matrix 0; and in the ray start that of the free unknowns has an empty column.
-TEST(LemkeEnds, SingularStartCell) {
+// The cell of the start has the matrix 0, or nearly dependent columns; and in the ray start that of the free unknowns an
+// empty column. Artificials stand in for what is missing; F_2 = -1 and z_1 = 1, z_1 = -1 have no solution all the same.
+TEST(LemkeEnds, RankDeficientStartCell) {
   const PivotResult result = lemke(standard_lcp(matrix({{0, 0}, {0, 0}}), vec({1, -1})), vec({1, 1}));
-  EXPECT_EQ(result.end, PivotEnd::SingularBasis);
-  EXPECT_EQ(result.pivots, 0);
-  EXPECT_EQ(result.z.size(), 2);
+  EXPECT_NE(result.end, PivotEnd::Solved);
+  EXPECT_NE(result.end, PivotEnd::SingularBasis);
+  EXPECT_EQ(result.repaired, 2);
   AffineMcp free = standard_lcp(matrix({{0, 1}, {0, 1}}), vec({1, -1}));
   free.box = Box::free(2);
-  EXPECT_EQ(lemke_ray(free).end, PivotEnd::SingularBasis);
-  const SpMat nearly = matrix({{1, 1}, {1, 1 + 1e-15}});
-  EXPECT_EQ(lemke(standard_lcp(nearly, vec({-1, -2})), vec({1, 1})).end, PivotEnd::SingularBasis);
+  EXPECT_EQ(lemke_ray(free).end, PivotEnd::Ray);
+  EXPECT_EQ(lemke_ray(free).repaired, 1);
+  free.q = vec({1, 1});  // z_2 = -1, z_1 anything
+  expect_solved(free, lemke_ray(free));
+  const AffineMcp nearly = standard_lcp(matrix({{1, 1}, {1, 1 + 1e-15}}), vec({-1, -2}));
+  EXPECT_EQ(lemke(nearly, vec({1, 1})).repaired, 1);
+  expect_solved(nearly, lemke(nearly, vec({1, 1})));  // (0, 2)
 }
 
 // A start that happens to be a solution is one, whatever its cell.

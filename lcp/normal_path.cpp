@@ -1,0 +1,465 @@
+#include "lcp/normal_path.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "lcp/result.hpp"
+
+namespace perp::lcp {
+namespace {
+
+SpMat with_residual_column(const SpMat& M) {
+  const Index n = M.rows();
+  SpMat A(n, n + 1);
+  A.reserve(M.nonZeros() + n);
+  for (Index j = 0; j < n; ++j) {
+    A.startVec(j);
+    for (SpMat::InnerIterator it(M, j); it; ++it) A.insertBack(it.row(), j) = it.value();
+  }
+  A.startVec(n);
+  for (Index i = 0; i < n; ++i) A.insertBack(i, n) = 0;  // r / s, when it is known
+  A.finalize();
+  return A;
+}
+
+std::size_t at(Index i) { return static_cast<std::size_t>(i); }
+
+}  // namespace
+
+NormalPath::NormalPath(const AffineMcp& problem, In start, const LemkeOptions& options)
+    : original_(problem),
+      scaling_(equilibrate(problem)),
+      problem_(scaling_.apply(problem)),
+      options_(options),
+      n_(problem.size()),
+      random_(options.seed),
+      x_(scaling_.to_scaled(problem.box, start)),
+      low_(n_),
+      high_(n_),
+      cells_(at(n_)),
+      A_(with_residual_column(problem_.M)),
+      factor_(A_, options.basis),
+      waiting_(at(n_), none),
+      d_(n_) {}
+
+void NormalPath::set_interval(Index i) {
+  const Cell c = cells_[at(i)];
+  low_[i] = c == Cell::Inside ? problem_.box.lower[i] : c == Cell::Above ? problem_.box.upper[i] : -infinity;
+  high_[i] = c == Cell::Inside ? problem_.box.upper[i] : c == Cell::Below ? problem_.box.lower[i] : infinity;
+}
+
+/// The cell the start lies in, or the warm basis; from a ray the one beyond a finite bound for every variable that has
+/// one.
+void NormalPath::choose_cells() {
+  const Box& box = problem_.box;
+  const bool outside = options_.start == LemkeStart::Ray;
+  for (Index i = 0; i < n_; ++i) {
+    Cell& cell = cells_[at(i)];
+    const bool has_lower = box.lower[i] > -infinity;
+    const bool has_upper = box.upper[i] < infinity;
+    if (box.lower[i] == box.upper[i])
+      cell = Cell::Fixed;  // both cells outside have the column e_i and nothing lies between them
+    else if (outside && (has_lower || has_upper))
+      cell = has_lower ? Cell::Below : Cell::Above;
+    else if (!outside && !options_.cells.empty()) {
+      cell = options_.cells[at(i)];
+      if (cell == Cell::Fixed || (cell == Cell::Below && !has_lower) || (cell == Cell::Above && !has_upper))
+        cell = Cell::Inside;
+    } else
+      cell = x_[i] < box.lower[i] ? Cell::Below : x_[i] > box.upper[i] ? Cell::Above : Cell::Inside;
+    set_interval(i);
+    x_[i] = std::clamp(x_[i], low_[i], high_[i]);
+  }
+}
+
+/// Moves the start to a random nearby point in the interior of its cell.
+void NormalPath::perturb() {
+  if (options_.perturbation == 0) return;
+  for (Index i = 0; i < n_; ++i) {
+    double step = options_.perturbation * (1 + std::abs(x_[i])) * generic();
+    const double to_low = x_[i] - low_[i];
+    const double to_high = high_[i] - x_[i];
+    step = std::min(step, 0.25 * (high_[i] - low_[i]));
+    x_[i] += to_low <= to_high ? step : -step;
+  }
+}
+
+/// d > 0 in the equilibrated units, in general position.
+Vec NormalPath::covering() {
+  const auto spread = [this] { return std::exp(std::log(31.6) * 2 * (generic() - 1)); };
+  Vec d(n_);
+  for (Index i = 0; i < n_; ++i) switch (options_.cover) {
+      case Cover::Generic:
+        d[i] = generic();
+        break;
+      case Cover::Spread:
+        d[i] = spread();
+        break;
+      case Cover::Ones:
+        d[i] = scaling_.rows[i] * (1 + options_.perturbation * generic());
+        break;
+      case Cover::Given:
+        d[i] = scaling_.rows[i] * options_.covering[i] * (1 + options_.perturbation * generic());
+        break;
+    }
+  return d;
+}
+
+/// For a ray start: x with G(x) = 0 in the linear piece of the start cell (up to rows of artificials), then every
+/// bounded variable pushed beyond its bound along the covering vector.
+void NormalPath::place_outside() {
+  Vec y(n_);
+  factor_.ftran(constant(), y);
+  Vec x0 = Vec::Zero(n_);
+  for (Index p = 0; p < n_; ++p)
+    if (const Index i = head(p); i < n_) x0[i] = y[p];
+  const Vec d = covering();
+  const double unit = 1 + problem_.q.lpNorm<::Eigen::Infinity>();
+  double z0 = unit;
+  const auto beyond = [&](Index i) {  // how far y lies on the wrong side of the bound
+    return cells_[at(i)] == Cell::Below ? x0[i] - problem_.box.lower[i] : problem_.box.upper[i] - x0[i];
+  };
+  const bool by_row = options_.cover == Cover::Generic || options_.cover == Cover::Spread;
+  for (Index i = 0; i < n_; ++i)
+    if (!inside(i) && cells_[at(i)] != Cell::Fixed && !by_row) z0 = std::max(z0, 2 * beyond(i) / d[i]);
+  for (Index i = 0; i < n_; ++i) {
+    const Cell c = cells_[at(i)];
+    const double push = z0 * d[i] + (by_row ? std::max(0.0, c == Cell::Fixed ? 0.0 : inside(i) ? 0.0 : beyond(i)) : 0);
+    x_[i] = c == Cell::Below ? x0[i] - push : c == Cell::Above ? x0[i] + push : x0[i];
+  }
+}
+
+/// -(the part of G that does not depend on x in the present cells).
+Vec NormalPath::constant() const {
+  Vec bounds = Vec::Zero(n_);
+  for (Index i = 0; i < n_; ++i)
+    if (!inside(i)) bounds[i] = cells_[at(i)] == Cell::Above ? problem_.box.upper[i] : problem_.box.lower[i];
+  return bounds - problem_.q - problem_.M * bounds;
+}
+
+void NormalPath::set_residual_column() {
+  const Vec z = project(problem_.box, x_);
+  const Vec r = problem_.M * z + problem_.q + x_ - z;
+  scale_ = r.lpNorm<::Eigen::Infinity>();
+  if (!(scale_ > 0)) scale_ = 1;
+  Eigen::Map<Vec>(A_.valuePtr() + A_.outerIndexPtr()[n_], n_) = r / scale_;
+}
+
+LuStatus NormalPath::factor_basis() {
+  std::vector<Index> columns(head_.size());
+  std::transform(head_.begin(), head_.end(), columns.begin(), [this](Index i) { return column(i); });
+  return factor_.factor(columns);
+}
+
+/// The basis of all x_i in their present cells, t nonbasic; artificials in the places of dependent columns.
+bool NormalPath::factor_start(PivotResult& result) {
+  head_.resize(at(n_));
+  for (Index i = 0; i < n_; ++i) head(i) = i;
+  driver_ = n_;
+  direction_ = 1;
+  LuStatus status = factor_basis();
+  if (status == LuStatus::Ok && factor_.rcond() >= options_.singular_rcond) return true;
+  if (status != LuStatus::Ok && status != LuStatus::Singular) return false;
+  std::vector<BasisFactor::Dependency> replaced;
+  const std::vector<Index> columns = factor_.basis();
+  if (factor_.factor_repaired(columns, replaced) != LuStatus::Ok) return false;
+  for (const BasisFactor::Dependency& dependent : replaced) {
+    waiting_[at(dependent.row)] = head(dependent.position);
+    head(dependent.position) = n_ + 1 + dependent.row;
+  }
+  result.repaired = static_cast<int>(replaced.size());
+  return true;
+}
+
+bool NormalPath::begin(PivotResult& result) {
+  choose_cells();
+  start_ = cells_;
+  if (options_.start == LemkeStart::Regular) perturb();
+  result.best_x = x();
+  if (!factor_start(result)) {
+    result.end = PivotEnd::SingularBasis;
+    return false;
+  }
+  if (options_.start == LemkeStart::Ray) place_outside();
+  set_residual_column();
+  return true;
+}
+
+/// Factors the present basis afresh and recomputes the basic unknowns from the equations, which removes drift.
+bool NormalPath::refactor() {
+  distrusted_ = false;
+  if (factor_basis() != LuStatus::Ok) return false;
+  Vec rhs = constant() + scale_ * Vec(A_.col(n_));  // G(x) = r - tau (r / s)
+  const auto take = [&](Index i) {
+    if (value(i) == 0) return;
+    if (const Index j = column(i); j > n_)
+      rhs[j - n_ - 1] -= value(i);
+    else
+      rhs -= value(i) * A_.col(j);
+  };
+  take(driver_);
+  for (const Index i : waiting_)
+    if (i != none) take(i);
+  Vec y(n_);
+  factor_.ftran(rhs, y);
+  if (!y.allFinite()) return false;
+  for (Index p = 0; p < n_; ++p)
+    if (const Index i = head(p); !artificial(i)) (i == n_ ? tau_ : x_[i]) = y[p];
+  return true;
+}
+
+/// d for the driver. False if the basis is singular.
+bool NormalPath::drive() {
+  if ((distrusted_ || factor_.stale()) && !refactor()) return false;
+  factor_.ftran_column(column(driver_), d_);
+  d_largest_ = 0;
+  bool finite = true;
+  d_.for_each([&](Index, double v) {
+    d_largest_ = std::max(d_largest_, std::abs(v));
+    finite = finite && std::isfinite(v);
+  });
+  return finite;
+}
+
+/// Whether the rate of t is more than the rounding of d: with dt = 0 the equation  sum a_i dx_i + r dt = 0  of the
+/// segment has the residual r dt, which is compared with the terms of the sum. On the ray of an infeasible
+/// copositive-plus problem dt is zero (Cottle, Pang & Stone 1992, section 4.4).
+bool NormalPath::t_moves(double rate) const {
+  Vec terms = Vec::Zero(n_);
+  const auto add = [&](Index i, double v) {
+    if (const Index j = column(i); j > n_)
+      terms[j - n_ - 1] += std::abs(v);
+    else
+      for (SpMat::InnerIterator it(A_, j); it; ++it) terms[it.row()] += std::abs(v * it.value());
+  };
+  add(driver_, 1);
+  d_.for_each([&](Index p, double v) {
+    if (head(p) != n_) add(head(p), v);
+  });
+  const double rounding = 1e-12;
+  return std::abs(rate) > rounding * terms.maxCoeff();  // ||r / s|| = 1
+}
+
+/// How far unknown i may go at this rate, without tolerance.
+double NormalPath::room(Index i, double rate) const {
+  const double bound = rate > 0 ? high(i) : low(i);
+  return std::isinf(bound) ? infinity : std::max(0.0, rate > 0 ? bound - value(i) : value(i) - bound);
+}
+
+/// Whether the rate is more than rounding. t = 1 is the end: no basis has to be built on its pivot, however small.
+bool NormalPath::blocks(Index p, double rate) const {
+  if (std::abs(rate) > options_.pivot_tol * std::max(1.0, d_largest_)) return true;
+  return head(p) == n_ && rate != 0 && t_moves(rate);
+}
+
+/// Harris' two passes: the longest step with every bound relaxed by the tolerance; then, of the unknowns that block by
+/// then, t if it is among them, else an artificial, else the largest pivot.
+NormalPath::Block NormalPath::ratio_test() const {
+  double longest = infinity;
+  d_.for_each([&](Index p, double v) {
+    const double rate = -direction_ * v;
+    const Index i = head(p);
+    const double bound = rate > 0 ? high(i) : low(i);
+    if (std::isinf(bound) || !blocks(p, rate)) return;
+    longest = std::min(longest, (room(i, rate) + options_.feasibility_tol * (1 + std::abs(bound))) / std::abs(rate));
+  });
+  const auto rank = [this](Index i) { return i == n_ ? 2 : artificial(i) ? 1 : 0; };
+  Block block;
+  d_.for_each([&](Index p, double v) {
+    const double rate = -direction_ * v;
+    const Index i = head(p);
+    const double bound = rate > 0 ? high(i) : low(i);
+    if (std::isinf(bound) || !blocks(p, rate)) return;
+    const double ratio = room(i, rate) / std::abs(rate);
+    if (ratio > longest) return;
+    const Index other = block.position == none ? none : head(block.position);
+    if (other == none || rank(i) > rank(other) ||
+        (rank(i) == rank(other) && std::abs(v) > std::abs(d_[block.position])))
+      block = {.position = p, .step = ratio};
+  });
+  return block;
+}
+
+/// A pivot so small that the digits of d may not carry it, though a fresh factorization could tell.
+bool NormalPath::doubtful(const Block& block) const {
+  return block.position != none && head(block.position) != n_ && factor_.updates() > 0 &&
+         std::abs(d_[block.position]) < options_.doubtful_pivot * d_largest_;
+}
+
+void NormalPath::move(Index i, double by) {
+  if (i < n_)
+    x_[i] += by;
+  else if (i == n_)
+    tau_ += by;
+}
+
+void NormalPath::step(double length) {
+  d_.for_each([&](Index p, double v) { move(head(p), -direction_ * length * v); });
+  move(driver_, direction_ * length);
+}
+
+void NormalPath::end_on_ray(PivotResult& result) {
+  result.end = PivotEnd::Ray;
+  result.ray = Vec::Zero(n_);
+  d_.for_each([&](Index p, double v) {
+    if (const Index i = head(p); i < n_) result.ray[i] = -direction_ * v;
+  });
+  if (driver_ < n_) result.ray[driver_] = direction_;
+  Vec dz = Vec::Zero(n_);
+  for (Index i = 0; i < n_; ++i) {
+    result.ray[i] *= inside(i) ? scaling_.columns[i] : 1 / scaling_.rows[i];
+    if (inside(i)) dz[i] = result.ray[i];
+  }
+  const double size = n_ > 0 ? dz.lpNorm<::Eigen::Infinity>() : 0;
+  if (!(size > 0)) return;
+  // y = dz: copositive-plus M has (M + M') dz = 0. Rounding must not give an entry the wrong sign.
+  dz /= size;
+  for (Index i = 0; i < n_; ++i) {
+    if (std::abs(dz[i]) < 1e-13) dz[i] = 0;
+  }
+  if (proves_infeasible(original_, dz)) result.certificate = dz;
+}
+
+bool NormalPath::advance(PivotResult& result) {
+  if (!drive()) {
+    result.end = PivotEnd::SingularBasis;
+    return false;
+  }
+  Block block = ratio_test();
+  if (doubtful(block)) {
+    if (!refactor() || !drive()) {
+      result.end = PivotEnd::SingularBasis;
+      return false;
+    }
+    block = ratio_test();
+  }
+  const double own = room(driver_, direction_);
+  const bool driver_blocks = own <= block.step;
+  const double length = driver_blocks ? own : block.step;
+  if (std::isinf(length)) {
+    end_on_ray(result);
+    return false;
+  }
+  step(length);
+  ++result.pivots;
+
+  if (driver_blocks) {  // the driver crosses its cell: no change of basis but in its own column
+    if (driver_ == n_) {
+      tau_ = scale_;
+      return false;
+    }
+    cross(driver_, direction_);
+    return !back_at_start(result);
+  }
+  const Index blocking = head(block.position);
+  const double onward = -direction_ * d_[block.position] > 0 ? 1 : -1;
+  enter(block.position);
+  driver_ = blocking;
+  direction_ = onward;
+  if (blocking == n_) {
+    tau_ = scale_;
+    return false;
+  }
+  if (artificial(blocking)) {
+    leave_artificial(blocking - n_ - 1);
+    return true;
+  }
+  cross(blocking, onward);
+  return !back_at_start(result);
+}
+
+/// The variable that waited for the artificial of this row drives on, so that t grows: another path begins here.
+void NormalPath::leave_artificial(Index row) {
+  driver_ = std::exchange(waiting_[at(row)], none);
+  direction_ = 1;
+  start_ = cells_;
+  away_ = 0;
+  if (!drive()) return;  // the next advance() says so
+  for (Index p = 0; p < n_; ++p)
+    if (head(p) == n_) {
+      direction_ = d_[p] > 0 ? -1 : 1;
+      return;
+    }
+}
+
+/// A path from a rank-deficient start need not be in general position: there, t that has not grown for long counts too.
+bool NormalPath::back_at_start(PivotResult& result) {
+  if (tau_ > best_tau_) {
+    best_tau_ = tau_;
+    pivots_at_best_ = result.pivots;
+  }
+  const bool wanders = result.repaired > 0 && result.pivots - pivots_at_best_ > 100 + 10 * n_;
+  if (away_ > 0 && !wanders) return false;
+  result.end = PivotEnd::Loop;
+  return true;
+}
+
+/// The driver's column takes position p.
+void NormalPath::enter(Index p) {
+  head(p) = driver_;
+  distrusted_ = factor_.replace(p, column(driver_), d_) != BasisFactor::Update::Ok;
+}
+
+/// x_i passes from its cell into the next one in its direction.
+void NormalPath::cross(Index i, double direction) {
+  Cell& cell = cells_[at(i)];
+  const Cell home = start_[at(i)];
+  if (cell == home) ++away_;
+  if (cell == Cell::Inside) {
+    x_[i] = direction > 0 ? problem_.box.upper[i] : problem_.box.lower[i];
+    cell = direction > 0 ? Cell::Above : Cell::Below;
+  } else {
+    x_[i] = cell == Cell::Below ? problem_.box.lower[i] : problem_.box.upper[i];
+    cell = Cell::Inside;
+  }
+  set_interval(i);
+  if (cell == home) --away_;
+}
+
+double NormalPath::judge(In x) const {
+  return natural_residual(original_, project(original_.box, scaling_.to_original(problem_.box, x)));
+}
+
+/// At t = 1: the zero of the last linear piece from a fresh factorization, if it is better than the point carried
+/// along.
+void NormalPath::polish(PivotResult& result) {
+  const Vec carried = x_;
+  if (driver_ != n_ || !refactor()) return;
+  result.rcond = factor_.rcond();
+  const Vec fresh = x_;
+  // One step of refinement on G(x) = 0 itself.
+  const Vec z = project(problem_.box, fresh);
+  Vec correction(n_);
+  factor_.ftran(problem_.M * z + problem_.q + fresh - z, correction);
+  Vec refined = fresh;
+  for (Index p = 0; p < n_; ++p)
+    if (const Index i = head(p); i < n_) refined[i] -= correction[p];
+  x_ = carried;
+  for (const Vec& x : {fresh, refined})
+    if (x.allFinite() && judge(x) < judge(x_)) x_ = x;
+}
+
+PivotResult NormalPath::finish(PivotResult result) {
+  const bool at_end = tau_ >= scale_ && result.end != PivotEnd::Ray;
+  if (at_end) polish(result);
+  result.x = x();
+  result.z = project(original_.box, result.x);
+  result.cells = cells_;
+  result.t = t();
+  result.residual = natural_residual(original_, result.z);
+  const double scale = 1 + (n_ > 0 ? original_.q.lpNorm<::Eigen::Infinity>() : 0);
+  const bool right = result.residual <= options_.residual_tol * scale;
+  if (right)
+    result.end = PivotEnd::Solved;
+  else if (at_end)
+    result.end = PivotEnd::Inaccurate;
+  if (result.t >= result.best_t || right) {
+    result.best_t = result.t;
+    result.best_x = result.x;
+  }
+  result.refactorizations = factor_.factorizations();
+  return result;
+}
+
+}  // namespace perp::lcp
