@@ -95,7 +95,7 @@ struct Cholesky::Impl {
   Impl& operator=(const Impl&) = delete;
   ~Impl() { clear(); }
   void clear();
-  CholeskyStatus factor(const SpMat& A);
+  CholeskyStatus factor(const SpMat& A, double entries);
   Vec witness(const SpMat& A);
 };
 
@@ -107,7 +107,7 @@ void Cholesky::Impl::clear() {
   rcond = nonzeros = 0;
 }
 
-CholeskyStatus Cholesky::Impl::factor(const SpMat& A) {
+CholeskyStatus Cholesky::Impl::factor(const SpMat& A, double entries) {
   clear();
   n = A.rows();
   const double* values = A.valuePtr();
@@ -126,6 +126,7 @@ CholeskyStatus Cholesky::Impl::factor(const SpMat& A) {
   L = cholmod_analyze(&lower, common.get());
   if (!L || common.status() < CHOLMOD_OK) return failure_of(common.status());
   nonzeros = common.get()->lnz;
+  if (nonzeros > entries) return CholeskyStatus::OutOfMemory;
   cholmod_factorize(&lower, L, common.get());
   if (common.status() < CHOLMOD_OK) return failure_of(common.status());
   if (common.status() == CHOLMOD_NOT_POSDEF || L->minor < L->n) {
@@ -183,7 +184,7 @@ Cholesky::~Cholesky() = default;
 Cholesky::Cholesky(Cholesky&&) noexcept = default;
 Cholesky& Cholesky::operator=(Cholesky&&) noexcept = default;
 
-CholeskyStatus Cholesky::factor(const SpMat& A) {
+CholeskyStatus Cholesky::factor(const SpMat& A, double entries) {
   if (A.rows() != A.cols()) {
     std::ostringstream what;
     what << "Cholesky: the matrix is " << A.rows() << " x " << A.cols() << ", not square";
@@ -192,10 +193,10 @@ CholeskyStatus Cholesky::factor(const SpMat& A) {
   if (!A.isCompressed()) {
     SpMat compressed = A;
     compressed.makeCompressed();
-    return factor(compressed);
+    return factor(compressed, entries);
   }
   try {
-    impl_->status = impl_->factor(A);
+    impl_->status = impl_->factor(A, entries);
   } catch (const std::bad_alloc&) {
     impl_->status = CholeskyStatus::OutOfMemory;
   }

@@ -25,12 +25,13 @@ class Cholesky {
   Cholesky& operator=(Cholesky&&) noexcept;
 
   /// Factors the symmetric matrix whose lower triangle is A's; what A holds above its diagonal is not read. A is not
-  /// kept: it may change or die afterwards. Throws std::invalid_argument if A is not square.
+  /// kept: it may change or die afterwards. Answers OutOfMemory before the factorization if L would have more than
+  /// `entries` entries. Throws std::invalid_argument if A is not square.
   ///
   /// Rounding decides about matrices that are nearly singular: Ok says that A is within n eps ||A|| of a positive
   /// definite matrix, NotPositiveDefinite that it is within that of one that is not (Higham, Accuracy and Stability of
   /// Numerical Algorithms, 2nd ed. 2002, theorems 10.3, 10.7 and 10.14). rcond() and failed_direction() tell how near.
-  [[nodiscard]] CholeskyStatus factor(const SpMat& A);
+  [[nodiscard]] CholeskyStatus factor(const SpMat& A, double entries = infinity);
 
   /// A x = b with the last factor(); pre: that was Ok, else std::logic_error. b and x have n entries. Throws
   /// std::bad_alloc where there is no memory. Solves with one factor may run in two threads.

@@ -89,10 +89,6 @@ PivotResult lemke(const AffineMcp& problem, In start, const LemkeOptions& option
   bool on_the_way = path.begin(result);
   while (on_the_way) {
     if (options.keep_path) result.path.push_back({path.t(), path.x()});
-    if (path.t() > result.best_t) {
-      result.best_t = path.t();
-      result.best_x = path.x();
-    }
     if (const auto end = limit(options, result)) {
       result.end = *end;
       break;

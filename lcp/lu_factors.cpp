@@ -76,18 +76,25 @@ bool LuSolver::reach(const Triangle& T) {
 }
 
 /// work_ <- T^-1 work_, with the diagonal given or unit.
-void LuSolver::eliminate(const Triangle& T, bool ascending, const Vec* diagonal) {
+void LuSolver::eliminate(const Triangle& T, bool ascending, const Vec* diagonal, double& density) {
+  constexpr double dense = 0.1;
   double* x = work_.data();
+  Index nonzeros = 0;
   const auto column = [&](std::size_t j) {
     if (x[j] == 0) return;
+    ++nonzeros;
     if (diagonal != nullptr) x[j] /= (*diagonal)[static_cast<Index>(j)];
     const double xj = x[j];
     for (auto k = static_cast<std::size_t>(T.start[j]); k < static_cast<std::size_t>(T.start[j + 1]); ++k)
       x[T.row[k]] -= T.value[k] * xj;
   };
-  if (!work_.full() && reach(T)) {
+  const auto learn = [&] {
+    density = 0.75 * density + 0.25 * static_cast<double>(nonzeros) / static_cast<double>(size());
+  };
+  if (!work_.full() && density < dense && reach(T)) {
     for (auto j = order_.rbegin(); j != order_.rend(); ++j) column(static_cast<std::size_t>(*j));
     for (const int i : order_) work_.list(i);
+    learn();
     return;
   }
   work_.set_full();
@@ -96,14 +103,15 @@ void LuSolver::eliminate(const Triangle& T, bool ascending, const Vec* diagonal)
     for (std::size_t j = 0; j < n; ++j) column(j);
   else
     for (std::size_t j = n; j-- > 0;) column(j);
+  learn();
 }
 
 void LuSolver::solve(const SparseVector& b, SparseVector& x) {
   const LuFactors& f = factors_;
   work_.clear();
   b.for_each([&](Index i, double v) { work_.set(f.P_inverse[static_cast<std::size_t>(i)], v * f.R[i]); });
-  eliminate(f.L, true, nullptr);
-  eliminate(f.U, false, &f.diagonal);
+  eliminate(f.L, true, nullptr, dense_L_);
+  eliminate(f.U, false, &f.diagonal, dense_U_);
   x.clear();
   work_.for_each([&](Index k, double v) { x.set(f.Q[static_cast<std::size_t>(k)], v); });
 }
@@ -113,8 +121,8 @@ void LuSolver::solve_transposed(const SparseVector& b, SparseVector& x) {
   if (f.U_transposed.size() != f.size()) f.U_transposed = f.U.transpose();
   work_.clear();
   b.for_each([&](Index j, double v) { work_.set(f.Q_inverse[static_cast<std::size_t>(j)], v); });
-  eliminate(f.U_transposed, true, &f.diagonal);
-  eliminate(f.L_transposed, false, nullptr);
+  eliminate(f.U_transposed, true, &f.diagonal, dense_Ut_);
+  eliminate(f.L_transposed, false, nullptr, dense_Lt_);
   x.clear();
   work_.for_each([&](Index k, double v) {
     const int i = f.P[static_cast<std::size_t>(k)];

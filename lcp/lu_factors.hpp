@@ -46,7 +46,7 @@ class LuSolver {
   void solve_transposed(const SparseVector& b, SparseVector& x);  ///< A' x = b
 
  private:
-  void eliminate(const Triangle& T, bool ascending, const Vec* diagonal);
+  void eliminate(const Triangle& T, bool ascending, const Vec* diagonal, double& density);
   bool reach(const Triangle& T);
 
   LuFactors factors_;
@@ -55,6 +55,9 @@ class LuSolver {
   std::vector<int> stack_;
   std::vector<int> next_;
   std::vector<char> seen_;
+  // The part of the entries that lately came out nonzero, triangle by triangle: where it is large, looking for the
+  // reach costs more than it saves.
+  double dense_L_ = 0, dense_U_ = 0, dense_Ut_ = 0, dense_Lt_ = 0;
 };
 
 }  // namespace perp::lcp

@@ -176,7 +176,7 @@ bool NormalPath::begin(PivotResult& result) {
   choose_cells();
   start_ = cells_;
   if (options_.start == LemkeStart::Regular) perturb();
-  result.best_x = x();
+  best_x_ = x_;
   if (!factor_start(result)) {
     result.end = PivotEnd::SingularBasis;
     return false;
@@ -247,37 +247,33 @@ double NormalPath::room(Index i, double rate) const {
   return std::isinf(bound) ? infinity : std::max(0.0, rate > 0 ? bound - value(i) : value(i) - bound);
 }
 
-/// Whether the rate is more than rounding. t = 1 is the end: no basis has to be built on its pivot, however small.
-bool NormalPath::blocks(Index p, double rate) const {
-  if (std::abs(rate) > options_.pivot_tol * std::max(1.0, d_largest_)) return true;
-  return head(p) == n_ && rate != 0 && t_moves(rate);
-}
-
 /// Harris' two passes: the longest step with every bound relaxed by the tolerance; then, of the unknowns that block by
 /// then, t if it is among them, else an artificial, else the largest pivot.
-NormalPath::Block NormalPath::ratio_test() const {
+NormalPath::Block NormalPath::ratio_test() {
+  candidates_.clear();
   double longest = infinity;
+  const double smallest = options_.pivot_tol * std::max(1.0, d_largest_);
   d_.for_each([&](Index p, double v) {
     const double rate = -direction_ * v;
     const Index i = head(p);
+    // t = 1 is the end: no basis has to be built on its pivot, however small.
+    if (std::abs(rate) <= smallest && !(i == n_ && t_moves(rate))) return;
     const double bound = rate > 0 ? high(i) : low(i);
-    if (std::isinf(bound) || !blocks(p, rate)) return;
-    longest = std::min(longest, (room(i, rate) + options_.feasibility_tol * (1 + std::abs(bound))) / std::abs(rate));
+    if (std::isinf(bound)) return;
+    const double ratio = std::max(0.0, (bound - value(i)) / rate);
+    candidates_.push_back({p, ratio});
+    longest = std::min(longest, ratio + options_.feasibility_tol * (1 + std::abs(bound)) / std::abs(rate));
   });
   const auto rank = [this](Index i) { return i == n_ ? 2 : artificial(i) ? 1 : 0; };
   Block block;
-  d_.for_each([&](Index p, double v) {
-    const double rate = -direction_ * v;
-    const Index i = head(p);
-    const double bound = rate > 0 ? high(i) : low(i);
-    if (std::isinf(bound) || !blocks(p, rate)) return;
-    const double ratio = room(i, rate) / std::abs(rate);
-    if (ratio > longest) return;
+  for (const Block& candidate : candidates_) {
+    if (candidate.step > longest) continue;
+    const Index i = head(candidate.position);
     const Index other = block.position == none ? none : head(block.position);
     if (other == none || rank(i) > rank(other) ||
-        (rank(i) == rank(other) && std::abs(v) > std::abs(d_[block.position])))
-      block = {.position = p, .step = ratio};
-  });
+        (rank(i) == rank(other) && std::abs(d_[candidate.position]) > std::abs(d_[block.position])))
+      block = candidate;
+  }
   return block;
 }
 
@@ -343,6 +339,11 @@ bool NormalPath::advance(PivotResult& result) {
   }
   step(length);
   ++result.pivots;
+  if (tau_ > best_tau_) {
+    best_tau_ = tau_;
+    best_x_ = x_;
+    pivots_at_best_ = result.pivots;
+  }
 
   if (driver_blocks) {  // the driver crosses its cell: no change of basis but in its own column
     if (driver_ == n_) {
@@ -385,10 +386,6 @@ void NormalPath::leave_artificial(Index row) {
 
 /// A path from a rank-deficient start need not be in general position: there, t that has not grown for long counts too.
 bool NormalPath::back_at_start(PivotResult& result) {
-  if (tau_ > best_tau_) {
-    best_tau_ = tau_;
-    pivots_at_best_ = result.pivots;
-  }
   const bool wanders = result.repaired > 0 && result.pivots - pivots_at_best_ > 100 + 10 * n_;
   if (away_ > 0 && !wanders) return false;
   result.end = PivotEnd::Loop;
@@ -454,10 +451,9 @@ PivotResult NormalPath::finish(PivotResult result) {
     result.end = PivotEnd::Solved;
   else if (at_end)
     result.end = PivotEnd::Inaccurate;
-  if (result.t >= result.best_t || right) {
-    result.best_t = result.t;
-    result.best_x = result.x;
-  }
+  const bool last = tau_ >= best_tau_ || right;
+  result.best_t = last ? result.t : best_tau_ / scale_;
+  result.best_x = last ? result.x : scaling_.to_original(problem_.box, best_x_);
   result.refactorizations = factor_.factorizations();
   return result;
 }

@@ -56,8 +56,7 @@ class NormalPath {
   bool drive();
   bool t_moves(double rate) const;
   double room(Index i, double rate) const;
-  bool blocks(Index p, double rate) const;
-  Block ratio_test() const;
+  Block ratio_test();
   bool doubtful(const Block& block) const;
   void step(double length);
   void end_on_ray(PivotResult& result);
@@ -81,8 +80,9 @@ class NormalPath {
   double scale_ = 1;  // s
   std::vector<Cell> cells_;
   std::vector<Cell> start_;
-  Index away_ = 0;  // how many unknowns are in another cell than at the start
-  double best_tau_ = 0;
+  Index away_ = 0;       // how many unknowns are in another cell than at the start
+  double best_tau_ = 0;  // largest met, at best_x_
+  Vec best_x_;
   Index pivots_at_best_ = 0;
   SpMat A_;  // [M, r / s]
   BasisFactor factor_;
@@ -92,6 +92,7 @@ class NormalPath {
   double direction_ = 1;
   SparseVector d_;  // B^-1 a of the driver: the basic unknowns move by -direction d a unit step
   double d_largest_ = 0;
+  std::vector<Block> candidates_;
   bool distrusted_ = false;  // the last update was unstable or refused: factor afresh before the next solve
 };
 
