@@ -30,29 +30,41 @@ void require_below(const char* what, Index i, Index limit) {
 
 std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
-/// The etas E_1 ... E_k, in one file.
+/// The etas E_1 ... E_k, in one file. Those with few zeros are kept with them, which needs no row numbers.
 struct EtaFile {
   std::vector<Index> position;
   std::vector<double> pivot;
-  std::vector<std::size_t> start{0};
+  std::vector<std::size_t> start{0};      // of the values
+  std::vector<std::size_t> row_start{0};  // of the rows; none where the values are those of all rows
   std::vector<int> row;
   std::vector<double> value;
 
   std::size_t size() const { return position.size(); }
+  std::size_t entries() const { return value.size(); }
+  bool dense(std::size_t k) const { return row_start[k] == row_start[k + 1] && start[k] != start[k + 1]; }
+  Eigen::Map<const Vec> values(std::size_t k) const {
+    return {value.data() + start[k], static_cast<Index>(start[k + 1] - start[k])};
+  }
   void clear() {
+    for (auto* offsets : {&start, &row_start}) offsets->assign(1, 0);
     position.clear();
     pivot.clear();
-    start.assign(1, 0);
     row.clear();
     value.clear();
   }
   void push(Index p, const SparseVector& d) {
-    d.for_each([&](Index i, double v) {
-      if (i == p) return;
-      row.push_back(static_cast<int>(i));
-      value.push_back(v);
-    });
-    start.push_back(row.size());
+    if (d.full() && 2 * (d.values().array() != 0).count() > d.size()) {
+      value.insert(value.end(), d.values().begin(), d.values().end());
+      value[start.back() + at(p)] = 0;
+    } else {
+      d.for_each([&](Index i, double v) {
+        if (i == p) return;
+        row.push_back(static_cast<int>(i));
+        value.push_back(v);
+      });
+    }
+    start.push_back(value.size());
+    row_start.push_back(row.size());
     position.push_back(p);
     pivot.push_back(d[p]);
   }
@@ -60,25 +72,33 @@ struct EtaFile {
   std::size_t apply(SparseVector& x) const {
     std::size_t work = size();
     for (std::size_t k = 0; k < size(); ++k) {
-      if (x[position[k]] == 0) continue;
+      const Index p = position[k];
+      if (x[p] == 0) continue;
       work += start[k + 1] - start[k];
-      const double xp = x[position[k]] / pivot[k];
-      x.set(position[k], xp);
-      if (x.full()) {
-        double* values = x.data();
-        for (std::size_t e = start[k]; e < start[k + 1]; ++e) values[row[e]] -= value[e] * xp;
+      const double xp = x[p] / pivot[k];
+      if (dense(k)) {
+        x.set_full();
+        Eigen::Map<Vec>(x.data(), x.size()) -= xp * values(k);
       } else {
-        for (std::size_t e = start[k]; e < start[k + 1]; ++e) x.add(row[e], -value[e] * xp);
+        const double* v = value.data() + start[k];
+        for (std::size_t e = row_start[k]; e < row_start[k + 1]; ++e) x.add(row[e], -*v++ * xp);
       }
+      x.set(p, xp);
     }
     return work;
   }
   /// y <- E_1^-T ... E_k^-T y
   void apply_transposed(SparseVector& y) const {
     for (std::size_t k = size(); k-- > 0;) {
-      double sum = y[position[k]];
-      for (std::size_t e = start[k]; e < start[k + 1]; ++e) sum -= value[e] * y[row[e]];
-      if (sum != 0 || y[position[k]] != 0) y.set(position[k], sum / pivot[k]);
+      const Index p = position[k];
+      double sum = y[p];
+      if (dense(k)) {
+        sum -= values(k).dot(y.values());
+      } else {
+        const double* v = value.data() + start[k];
+        for (std::size_t e = row_start[k]; e < row_start[k + 1]; ++e) sum -= *v++ * y[row[e]];
+      }
+      if (sum != 0 || y[p] != 0) y.set(p, sum / pivot[k]);
     }
   }
 };
@@ -282,7 +302,7 @@ void BasisFactor::Impl::btran(const SparseVector& b, SparseVector& x) const {
   b_.clear();
   b.for_each([&](Index p, double v) { b_.set(p, v); });
   etas.apply_transposed(b_);
-  eta_work += etas.row.size();
+  eta_work += etas.entries();
   block_b.clear();
   x.clear();
   b_.for_each([&](Index p, double v) {
@@ -461,7 +481,7 @@ bool BasisFactor::stale() const {
   const auto allowed = s.options.fill_limit * static_cast<double>(s.B_nonzeros + s.rows());
   const double work = s.options.work_limit * static_cast<double>(s.factor_entries + s.rows());
   return updates() >= s.options.refactor_every || static_cast<double>(s.eta_work) > work ||
-         static_cast<double>(s.etas.row.size() + s.etas.size()) > allowed || s.growth > s.options.growth_limit ||
+         static_cast<double>(s.etas.entries()) > allowed || s.growth > s.options.growth_limit ||
          s.drift > s.options.drift_limit;
 }
 

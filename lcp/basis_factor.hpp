@@ -26,8 +26,9 @@ struct BasisOptions {
   double fill_limit = 64;     ///< stale() when the eta file has more than this many entries per nonzero of B and row
   double growth_limit = 1e6;  ///< stale() after a replacement with max |d_i / d_p| above this
   /// stale() when the solves have passed through this many entries of the eta file per entry of L + U: then they have
-  /// cost as much as a factorization (measured: UMFPACK takes 100 to 200 such passes), the least average a replacement.
-  double work_limit = 120;
+  /// cost as much as a factorization (UMFPACK: some 300 such passes; anything from 120 to 700 is about as good), the
+  /// least average a replacement.
+  double work_limit = 300;
   double drift_limit = 1e-9;   ///< stale() when ||B d - a_q|| of a replacement exceeds this x (||a_q|| + || |B| |d| ||)
   double unstable_tol = 1e-8;  ///< replace(): Unstable if |pivot| < this x the largest entry of its column
   double singular_tol = 1e-13;  ///< replace(): Singular if |pivot| < this x the largest entry of its column
