@@ -46,6 +46,25 @@ void check_options(const LemkeOptions& options, Index n) {
     }
 }
 
+PivotResult follow(const AffineMcp& problem, In start, const LemkeOptions& options) {
+  PivotResult result;
+  NormalPath path(problem, start, options);
+  bool on_the_way = path.begin(result);
+  while (on_the_way) {
+    if (options.keep_path) result.path.push_back({path.t(), path.x()});
+    if (const auto end = limit(options, result)) {
+      result.end = *end;
+      break;
+    }
+    on_the_way = path.advance(result);
+  }
+  if (options.keep_path) result.path.push_back({path.t(), path.x()});
+  return path.finish(std::move(result));
+}
+
+/// After paths that lost their digits.
+constexpr int restarts = 3;
+
 }  // namespace
 
 std::string_view to_string(PivotEnd end) {
@@ -84,19 +103,22 @@ PivotResult lemke(const AffineMcp& problem, In start, const LemkeOptions& option
     }
   check_options(options, problem.size());
 
-  PivotResult result;
-  NormalPath path(problem, start, options);
-  bool on_the_way = path.begin(result);
-  while (on_the_way) {
-    if (options.keep_path) result.path.push_back({path.t(), path.x()});
-    if (const auto end = limit(options, result)) {
-      result.end = *end;
-      break;
-    }
-    on_the_way = path.advance(result);
+  PivotResult result = follow(problem, start, options);
+  // A path that lost its digits on the way has mostly gone astray by a cell or two: a new one from its end gets there.
+  for (int k = 0; k < restarts && result.end == PivotEnd::Inaccurate; ++k) {
+    LemkeOptions again = options;
+    again.start = LemkeStart::Regular;
+    again.cells = result.cells;
+    again.seed += static_cast<unsigned>(k);
+    again.max_pivots = options.max_pivots - result.pivots;
+    PivotResult next = follow(problem, result.x, again);
+    next.pivots += result.pivots;
+    next.refactorizations += result.refactorizations;
+    next.path.insert(next.path.begin(), result.path.begin(), result.path.end());
+    if (next.end != PivotEnd::Solved && next.residual > result.residual) next.end = PivotEnd::Inaccurate;
+    result = std::move(next);
   }
-  if (options.keep_path) result.path.push_back({path.t(), path.x()});
-  return path.finish(std::move(result));
+  return result;
 }
 
 }  // namespace perp::lcp

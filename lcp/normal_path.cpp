@@ -334,6 +334,7 @@ bool NormalPath::advance(PivotResult& result) {
   const bool driver_blocks = own <= block.step;
   const double length = driver_blocks ? own : block.step;
   if (std::isinf(length)) {
+    if (take_other_branch()) return true;
     end_on_ray(result);
     return false;
   }
@@ -370,18 +371,50 @@ bool NormalPath::advance(PivotResult& result) {
   return !back_at_start(result);
 }
 
-/// The variable that waited for the artificial of this row drives on, so that t grows: another path begins here.
+/// The variable that waited for the artificial of this row drives on, so that t grows; if t stays, towards its nearer
+/// bound. Another path begins here.
 void NormalPath::leave_artificial(Index row) {
   driver_ = std::exchange(waiting_[at(row)], none);
-  direction_ = 1;
+  direction_ = x_[driver_] - low_[driver_] < high_[driver_] - x_[driver_] ? -1 : 1;
   start_ = cells_;
   away_ = 0;
   if (!drive()) return;  // the next advance() says so
+  bool undecided = true;
   for (Index p = 0; p < n_; ++p)
-    if (head(p) == n_) {
+    if (head(p) == n_ && t_moves(d_[p])) {
       direction_ = d_[p] > 0 ? -1 : 1;
-      return;
+      undecided = false;
     }
+  fork_.reset();
+  if (undecided)
+    fork_ = {.x = x_,
+             .low = low_,
+             .high = high_,
+             .tau = tau_,
+             .cells = cells_,
+             .head = head_,
+             .waiting = waiting_,
+             .driver = driver_,
+             .other_direction = -direction_};
+}
+
+/// Back to the last fork, if there is one, and on along its other branch.
+bool NormalPath::take_other_branch() {
+  if (!fork_) return false;
+  const Fork fork = *std::exchange(fork_, std::nullopt);
+  x_ = fork.x;
+  low_ = fork.low;
+  high_ = fork.high;
+  tau_ = fork.tau;
+  cells_ = fork.cells;
+  head_ = fork.head;
+  waiting_ = fork.waiting;
+  driver_ = fork.driver;
+  direction_ = fork.other_direction;
+  start_ = cells_;
+  away_ = 0;
+  distrusted_ = true;  // the factors are those of the other branch
+  return true;
 }
 
 /// A path from a rank-deficient start need not be in general position: there, t that has not grown for long counts too.

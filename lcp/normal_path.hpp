@@ -4,6 +4,7 @@
 /// Unknowns, by number: x_0 .. x_{n-1};  n: tau = s t <= s, s = ||r||_inf, with column r / s;  n + 1 + i: the
 /// artificial of row i, in [0, 0], with column e_i. One of them, the driver, is nonbasic and moves; n others are basic,
 /// head_[p] at position p; the rest wait.
+#include <optional>
 #include <random>
 
 #include "lcp/equilibrate.hpp"
@@ -43,6 +44,16 @@ class NormalPath {
   Index head(Index p) const { return head_[static_cast<std::size_t>(p)]; }
   double generic() { return std::uniform_real_distribution<double>(0.5, 1.5)(random_); }
 
+  /// Where a path could go on in two directions with equal right.
+  struct Fork {
+    Vec x, low, high;
+    double tau = 0;
+    std::vector<Cell> cells;
+    std::vector<Index> head, waiting;
+    Index driver = 0;
+    double other_direction = 1;
+  };
+
   Vec covering();
   void choose_cells();
   void set_interval(Index i);
@@ -62,6 +73,7 @@ class NormalPath {
   void end_on_ray(PivotResult& result);
   void enter(Index p);
   void leave_artificial(Index row);
+  bool take_other_branch();
   void cross(Index i, double direction);
   bool back_at_start(PivotResult& result);
   void polish(PivotResult& result);
@@ -93,6 +105,7 @@ class NormalPath {
   SparseVector d_;  // B^-1 a of the driver: the basic unknowns move by -direction d a unit step
   double d_largest_ = 0;
   std::vector<Block> candidates_;
+  std::optional<Fork> fork_;
   bool distrusted_ = false;  // the last update was unstable or refused: factor afresh before the next solve
 };
 
