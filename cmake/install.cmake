@@ -6,6 +6,7 @@ include(CMakePackageConfigHelpers)
 set(perp_public_headers
   lcp/affine_mcp.hpp
   lcp/basis_factor.hpp
+  lcp/bound_qp.hpp
   lcp/box.hpp
   lcp/cholesky.hpp
   lcp/lemke.hpp
