@@ -6,9 +6,12 @@ include(CMakePackageConfigHelpers)
 set(perp_public_headers
   lcp/affine_mcp.hpp
   lcp/basis_factor.hpp
+  lcp/block_pivoting.hpp
+  lcp/block_triangular.hpp
   lcp/bound_qp.hpp
   lcp/box.hpp
   lcp/cholesky.hpp
+  lcp/least_index.hpp
   lcp/lemke.hpp
   lcp/result.hpp
   lcp/sparse_lu.hpp
