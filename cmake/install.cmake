@@ -14,9 +14,11 @@ set(perp_public_headers
   lcp/least_index.hpp
   lcp/lemke.hpp
   lcp/result.hpp
+  lcp/solve.hpp
   lcp/sparse_lu.hpp
   lcp/sparse_vector.hpp
   lcp/types.hpp
+  ncp/affine.hpp
   ncp/ampl/model.hpp
   ncp/cfunction.hpp
   ncp/collection/collection.hpp ncp/collection/generators.hpp

@@ -15,6 +15,7 @@ class FunctionMcp final : public Mcp {
   const SpMat& jacobian_pattern() const override { return f_.pattern; }
   bool eval(In x, Out F) const override { return f_.F(x, F); }
   bool jacobian(In x, SpMat& J) const override { return f_.J(x, J); }
+  bool is_affine() const override { return f_.affine; }
   std::string name() const override { return f_.name; }
   std::string variable_name(Index i) const override {
     return f_.variable_names.empty() ? Mcp::variable_name(i) : f_.variable_names[static_cast<std::size_t>(i)];

@@ -36,6 +36,9 @@ class Mcp {
   /// Fills the values of J, which comes in with jacobian_pattern(); J_ij = dF_i/dx_j. false: not defined at x.
   virtual bool jacobian(In x, SpMat& J) const = 0;
 
+  /// Whether F(x) = F(0) + J x for all of R^n, with J the same everywhere: the problem's own promise.
+  virtual bool is_affine() const { return false; }
+
   virtual std::string name() const { return "mcp"; }
   /// Names for people, counted from 1 as the papers do: "x[1]" and "F[1]" unless the problem knows better.
   virtual std::string variable_name(Index i) const;
@@ -53,6 +56,7 @@ struct Functions {
   std::function<bool(In x, SpMat& J)> J;      ///< as Mcp::jacobian
   std::vector<std::string> variable_names{};  ///< empty, or n names
   std::vector<std::string> equation_names{};  ///< empty, or n names
+  bool affine = false;                        ///< as Mcp::is_affine
 };
 /// Throws std::invalid_argument if a function is missing or the sizes of box, pattern and names differ.
 std::unique_ptr<Mcp> make_mcp(Functions functions);

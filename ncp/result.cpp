@@ -22,6 +22,10 @@ std::string_view to_string(Status status) {
       return "EvaluationFailed";
     case Status::LinearAlgebraFailed:
       return "LinearAlgebraFailed";
+    case Status::Infeasible:
+      return "Infeasible";
+    case Status::NotApplicable:
+      return "NotApplicable";
     case Status::SubproblemFailed:
       return "SubproblemFailed";
   }

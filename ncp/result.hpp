@@ -19,6 +19,8 @@ enum class Status {
   Interrupted,          ///< an observer asked to stop
   EvaluationFailed,     ///< F or J is not defined at the start, or at every point tried
   LinearAlgebraFailed,  ///< out of memory, or no direction could be computed
+  Infeasible,           ///< proven to have no solution; the message says how
+  NotApplicable,        ///< the problem is outside what the method is defined for
   SubproblemFailed,     ///< the linearised problem could not be solved, however regularised
 };
 std::string_view to_string(Status);  ///< "Solved", "StationaryPoint", ...

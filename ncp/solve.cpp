@@ -66,7 +66,8 @@ std::optional<std::string> invalid(const Escape& e) {
 
 Result run(const Mcp& mcp, In x0, const Method& method, const Observer& observer) {
   return std::visit(Overloaded{[&](const SemismoothNewton& m) { return run_semismooth_newton(mcp, x0, m, observer); },
-                               [&](const NewtonJosephy& m) { return run_newton_josephy(mcp, x0, m, observer); }},
+                               [&](const NewtonJosephy& m) { return run_newton_josephy(mcp, x0, m, observer); },
+                               [&](const Affine& m) { return run_affine(mcp, x0, m, observer); }},
                     method);
 }
 
@@ -92,7 +93,8 @@ void blame_derivatives(const Mcp& mcp, Result& result) {
 
 std::string_view name(const Method& method) {
   return std::visit(Overloaded{[](const SemismoothNewton&) { return std::string_view("semismooth"); },
-                               [](const NewtonJosephy&) { return std::string_view("josephy"); }},
+                               [](const NewtonJosephy&) { return std::string_view("josephy"); },
+                               [](const Affine& m) { return lcp::name(m.method); }},
                     method);
 }
 
@@ -117,7 +119,8 @@ std::optional<std::string> invalid(const Method& method) {
                                  if (auto why = invalid(m.search)) return why;
                                  if (auto why = invalid(m.escape)) return why;
                                  return invalid(m.lemke);
-                               }},
+                               },
+                               [](const Affine&) -> std::optional<std::string> { return std::nullopt; }},
                     method);
 }
 
@@ -129,7 +132,9 @@ Result solve(const Mcp& mcp, In x0, const Method& method, const Observer& observ
       if (const std::string mismatch = describe(mcp, check); !mismatch.empty())
         throw std::invalid_argument(mcp.name() + ": " + mismatch);
   Result result = run(mcp, x0, method, observer);
-  const Escape& escape = std::visit([](const auto& m) -> const Escape& { return m.escape; }, method);
+  if (std::holds_alternative<Affine>(method)) return result;
+  const Escape escape = std::visit(
+      Overloaded{[](const Affine&) { return Escape{.rounds = 0}; }, [](const auto& m) { return m.escape; }}, method);
   if (stuck(result) && escape.rounds > 0)
     result = proximal_escape(mcp, method, escape, std::move(result), run, observer);
   if (stuck(result) || result.status == Status::IterationLimit || result.status == Status::LinearAlgebraFailed)

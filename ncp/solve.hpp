@@ -10,6 +10,7 @@
 #include <variant>
 
 #include "lcp/lemke.hpp"
+#include "lcp/solve.hpp"
 #include "lcp/sparse_lu.hpp"
 #include "ncp/cfunction.hpp"
 #include "ncp/observe.hpp"
@@ -68,8 +69,15 @@ struct NewtonJosephy {
   lcp::LemkeOptions lemke{};  ///< max_pivots is for one subproblem, and at most 1000 + 20 n
 };
 
-using Method = std::variant<SemismoothNewton, NewtonJosephy>;
-std::string_view name(const Method& method);  ///< "semismooth", "josephy"
+/// Affine problems (Mcp::is_affine) only, by a method of lcp/. Stop::tol is relative to 1 + ||F(0)||_inf here;
+/// Stop::max_iterations has no meaning but 0.
+struct Affine {
+  Stop stop{.tol = 1e-9};
+  lcp::Method method{};
+};
+
+using Method = std::variant<SemismoothNewton, NewtonJosephy, Affine>;
+std::string_view name(const Method& method);  ///< "semismooth", "josephy", or the name of the method of lcp/
 /// Why the options make no sense (a tolerance that is not positive, ...), if they do not.
 std::optional<std::string> invalid(const Method& method);
 const Stop& stop(const Method& method);

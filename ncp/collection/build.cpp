@@ -69,6 +69,7 @@ std::unique_ptr<Mcp> make_affine(Shape shape, const SpMat& M, const Vec& q) {
   shape.pattern = M;
   Functions made = functions_of(std::move(shape));
   const SpMat matrix = made.pattern;  // compressed, hence value for value J
+  made.affine = true;
   made.F = [matrix, q](In x, Out F) {
     F = q;
     F.noalias() += matrix * x;

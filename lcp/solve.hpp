@@ -1,0 +1,51 @@
+#pragma once
+/// The methods for the affine MCP as values, and solve(), which runs one of them or lets Auto choose.
+#include <span>
+#include <string>
+#include <string_view>
+#include <variant>
+
+#include "lcp/block_pivoting.hpp"
+#include "lcp/bound_qp.hpp"
+#include "lcp/least_index.hpp"
+#include "lcp/lemke.hpp"
+#include "lcp/result.hpp"
+
+namespace perp::lcp {
+
+/// Lemke's method from a ray (lemke.hpp), or from the start given with options.start = Regular. The covering vector is
+/// the textbook's e unless the options say otherwise. A Ray end with a checked certificate is Infeasible.
+struct Lemke {
+  LemkeOptions options{.start = LemkeStart::Ray, .cover = Cover::Ones};
+};
+
+/// Chooses methods from the structure of M (classify.hpp) and tries them in turn until one solves the problem or proves
+/// it infeasible; Result::message says which and why. The order:
+///  * symmetric M not known to be indefinite: block pivoting for small n, the QP for large n;
+///  * P-matrices and M-matrices: block pivoting, component by component where M is reducible;
+///  * monotone M: Lemke's method for small n, interior points for large n;
+///  * anything else: Lemke's method with several covering vectors; enumeration of all cells where there are few; the
+///    Newton methods.
+struct Auto {
+  unsigned seed = 1;  ///< of the covering vectors tried after the first
+};
+
+using Method = std::variant<Auto, Lemke, BlockPivoting, LeastIndex, BoundQp>;
+
+/// Runs the method from `start` (methods that need none ignore it). Throws std::invalid_argument for malformed input.
+Result solve(const AffineMcp& problem, In start, const Method& method = Auto{}, const Limits& limits = {});
+
+struct MethodEntry {
+  std::string_view name;       ///< "auto", "lemke", ...
+  std::string_view what;       ///< one line
+  std::string_view reference;  ///< author and year
+  Method method;               ///< with its default options
+};
+/// All methods; Auto is the first.
+std::span<const MethodEntry> methods();
+std::string_view name(const Method& method);
+
+Result lemke_method(const AffineMcp& problem, In start, const Lemke& method, const Limits& limits = {});
+Result automatic(const AffineMcp& problem, In start, const Auto& method, const Limits& limits = {});
+
+}  // namespace perp::lcp

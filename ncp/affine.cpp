@@ -1,0 +1,100 @@
+#include "ncp/affine.hpp"
+
+#include <algorithm>
+#include <memory>
+#include <stdexcept>
+#include <utility>
+
+#include "lcp/solve.hpp"
+#include "ncp/methods.hpp"
+#include "ncp/run.hpp"
+
+namespace perp::ncp {
+namespace {
+
+/// In the words of lcp: a method that does not get there is no progress, a ray or a singular matrix is its reason.
+Status status_of(lcp::Status status) {
+  switch (status) {
+    case lcp::Status::Solved:
+      return Status::Solved;
+    case lcp::Status::Infeasible:
+      return Status::Infeasible;
+    case lcp::Status::NotApplicable:
+      return Status::NotApplicable;
+    case lcp::Status::IterationLimit:
+      return Status::IterationLimit;
+    case lcp::Status::TimeLimit:
+      return Status::TimeLimit;
+    case lcp::Status::Interrupted:
+      return Status::Interrupted;
+    case lcp::Status::OutOfMemory:
+    case lcp::Status::Singular:
+      return Status::LinearAlgebraFailed;
+    case lcp::Status::Ray:
+    case lcp::Status::Stalled:
+      return Status::NoProgress;
+  }
+  return Status::NoProgress;
+}
+
+}  // namespace
+
+std::optional<lcp::AffineMcp> affine_part(const Mcp& mcp) {
+  if (!mcp.is_affine()) return std::nullopt;
+  const Vec zero = Vec::Zero(mcp.size());
+  lcp::AffineMcp problem{.M = mcp.jacobian_pattern(), .q = Vec(mcp.size()), .box = mcp.box()};
+  if (!mcp.eval(zero, problem.q) || !mcp.jacobian(zero, problem.M) || !problem.q.allFinite()) return std::nullopt;
+  return problem;
+}
+
+std::unique_ptr<Mcp> make_affine_mcp(lcp::AffineMcp problem, std::string name, std::vector<std::string> variable_names,
+                                     std::vector<std::string> equation_names) {
+  if (const auto why = problem.invalid()) throw std::invalid_argument(name + ": " + *why);
+  problem.M.makeCompressed();
+  const auto shared = std::make_shared<const lcp::AffineMcp>(std::move(problem));
+  Functions made{.name = std::move(name), .box = shared->box, .pattern = shared->M, .F = {}, .J = {}};
+  made.variable_names = std::move(variable_names);
+  made.equation_names = std::move(equation_names);
+  made.affine = true;
+  made.F = [shared](In x, Out F) {
+    F = shared->q;
+    F.noalias() += shared->M * x;
+    return F.allFinite();
+  };
+  made.J = [shared](In, SpMat& J) {
+    std::copy_n(shared->M.valuePtr(), shared->M.nonZeros(), J.valuePtr());
+    return true;
+  };
+  return make_mcp(std::move(made));
+}
+
+Result run_affine(const Mcp& mcp, In x0, const Affine& method, const Observer& observer) {
+  const std::optional<lcp::AffineMcp> problem = affine_part(mcp);
+  if (!problem)
+    throw std::invalid_argument(mcp.name() + ": method " + std::string(name(method)) +
+                                " is for affine problems, and this one does not say it is one");
+  const double scale = 1 + (mcp.size() > 0 ? problem->q.lpNorm<Eigen::Infinity>() : 0);
+  Stop stop = method.stop;
+  stop.tol *= scale;
+  Run run(mcp, stop, observer);
+  Point point;
+  if (!run.start(x0, point)) return run.result();
+  Iteration it{.k = 0, .kind = 'I'};
+  std::string how;
+  if (run.go_on(point, it)) {
+    lcp::Limits limits{.tol = method.stop.tol, .deadline = run.deadline()};
+    limits.interrupted = [&run] { return run.interrupted(); };
+    const lcp::Result found = lcp::solve(*problem, point.x, method.method, limits);
+    run.stats().factorizations = found.factorizations;
+    how = found.message;
+    point.x = found.z;
+    it = {.k = 1, .kind = 'A'};
+    if (!run.evaluate(point) || run.go_on(point, it))
+      run.end(found.solved() ? Status::NoProgress : status_of(found.status), found.message, {});
+  }
+  Result result = run.result();
+  if (result.solved() && !how.empty()) result.message += "; " + how;
+  return result;
+}
+
+}  // namespace perp::ncp
