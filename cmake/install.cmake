@@ -13,6 +13,7 @@ set(perp_public_headers
   lcp/cholesky.hpp
   lcp/least_index.hpp
   lcp/lemke.hpp
+  lcp/principal_pivoting.hpp
   lcp/result.hpp
   lcp/solve.hpp
   lcp/sparse_lu.hpp
