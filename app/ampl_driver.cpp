@@ -137,11 +137,12 @@ ExitCode write_answer(const AmplRequest& request, const Report& report, const st
 }
 
 ExitCode solve_stub(const AmplRequest& request, const Call& call, Streams streams, const std::atomic<bool>* interrupt) {
-  const Applied options = apply_options(assignments(request, call), Unknown::Report);
+  Applied options = apply_options(assignments(request, call), Unknown::Report);
   for (const std::string& unknown : options.unknown) streams.err << request.program << ": warning: " << unknown << '\n';
-  for (const std::string& note : options.notes) streams.err << request.program << ": note: " << note << '\n';
   // Always a file, even if the collection has a problem of that name.
   const LoadedProblem problem = load_problem(call.stub.ends_with(".nl") ? call.stub : call.stub + ".nl");
+  settle_auto(problem, options);
+  for (const std::string& note : options.notes) streams.err << request.program << ": note: " << note << '\n';
   const Report report =
       run_method(problem, options.settings, options.settings.output ? &streams.out : nullptr, interrupt);
   return write_answer(request, report, call.stub, streams);
@@ -168,6 +169,9 @@ int solve_result_num(ncp::Status status) {
       return 501;
     case ncp::Status::EvaluationFailed:
       return 503;
+    case ncp::Status::Infeasible:
+      return 201;
+    case ncp::Status::NotApplicable:
     case ncp::Status::StationaryPoint:
     case ncp::Status::NoProgress:
     case ncp::Status::SubproblemFailed:  // no error, but an end of what the method can do from here: another start may

@@ -89,7 +89,7 @@ struct Shortcut {
   const char* help;
 };
 constexpr std::array shortcuts{
-    Shortcut{"--method", "NAME", "method", "semismooth, semismooth-min or josephy"},
+    Shortcut{"--method", "NAME", "method", "one of"},  // and their names
     Shortcut{"--tol", "TOL", "convergence_tolerance", "tolerance on the natural residual"},
     Shortcut{"--max-iterations", "N", "major_iteration_limit", "give up after N iterations"},
     Shortcut{"--time-limit", "SECONDS", "time_limit", "give up after that time"},
@@ -129,7 +129,12 @@ struct CommandLine {
         ->option_text(" ");
     solve->add_option("--start", request.start, "which start of a collection problem, from 1")->option_text("K");
     for (std::size_t k = 0; k < shortcuts.size(); ++k)
-      solve->add_option(shortcuts[k].flag, shortcut_values[k], shortcuts[k].help)->option_text(shortcuts[k].value);
+      solve
+          ->add_option(shortcuts[k].flag, shortcut_values[k],
+                       shortcuts[k].help != std::string_view("one of")
+                           ? shortcuts[k].help
+                           : fmt::format("one of {}: 'perp methods' explains them", fmt::join(method_names(), ", ")))
+          ->option_text(shortcuts[k].value);
     solve->add_flag("--check-derivatives", check_derivatives,
                     "compare the Jacobian with differences at the start; refuse a wrong one");
     solve->add_option("-o,--option", request.options, "an option of 'perp methods'; may be repeated")

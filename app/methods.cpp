@@ -11,19 +11,54 @@
 
 namespace perp::app {
 
-std::span<const MethodEntry> methods() {
-  static const std::array table{
-      MethodEntry{"semismooth",
-                  "Newton on the Fischer-Burmeister equation, safeguarded by Levenberg-Marquardt and gradient steps",
-                  "De Luca, Facchinei & Kanzow, Math. Programming 75 (1996) 407",
-                  [] { return ncp::Method(ncp::SemismoothNewton{}); }},
-      MethodEntry{"semismooth-min", "the same on the min function: fewer, cheaper steps near a solution, less global",
-                  "Pang, Math. Oper. Research 15 (1990) 311",
-                  [] { return ncp::Method(ncp::SemismoothNewton{.cfunction = ncp::natural_min()}); }},
-      MethodEntry{"josephy", "Newton on the linearised problem, solved by Lemke-type pivoting; damped",
-                  "Josephy, MRC report 1965 (1979); Mathiesen, Math. Programming Study 23 (1985) 144",
-                  [] { return ncp::Method(ncp::NewtonJosephy{}); }},
+namespace {
+
+std::vector<MethodEntry> all_methods() {
+  std::vector<MethodEntry> table{
+      {"semismooth", "Newton on the Fischer-Burmeister equation, safeguarded by Levenberg-Marquardt and gradient steps",
+       "De Luca, Facchinei & Kanzow, Math. Programming 75 (1996) 407", ncp::SemismoothNewton{}},
+      {"semismooth-min", "the same on the min function: fewer, cheaper steps near a solution, less global",
+       "Pang, Math. Oper. Research 15 (1990) 311", ncp::SemismoothNewton{.cfunction = ncp::natural_min()}},
+      {"josephy", "Newton on the linearised problem, solved by Lemke-type pivoting; damped",
+       "Josephy, MRC report 1965 (1979); Mathiesen, Math. Programming Study 23 (1985) 144", ncp::NewtonJosephy{}},
   };
+  for (const lcp::MethodEntry& entry : lcp::methods())
+    table.push_back({entry.name, entry.what, entry.reference, ncp::Affine{.method = entry.method}});
+  return table;
+}
+
+/// The options that have an effect on at least one of these methods, with the default of each.
+Table defaults(bool affine) {
+  std::vector<Column> columns{{"key", Align::Left}, {"values", Align::Left}};
+  for (const MethodEntry& entry : methods())
+    if (entry.affine() == affine) columns.push_back({std::string(entry.name), Align::Right});
+  Table table(columns);
+  for (const Option& option : options()) {
+    std::vector<std::string> row{std::string(option.key),
+                                 option.key == "method" ? "a name above" : values_text(option)};
+    bool used = false;
+    for (const MethodEntry& entry : methods()) {
+      if (entry.affine() != affine) continue;
+      Settings settings{.method_name = std::string(entry.name), .method = entry.method};
+      row.push_back(value_text(option.field(settings)));
+      used = used || row.back() != "-";
+    }
+    if (used) table.add(std::move(row));
+  }
+  return table;
+}
+
+void print_entries(std::ostream& out, bool affine) {
+  for (const MethodEntry& entry : methods())
+    if (entry.affine() == affine)
+      out << fmt::format("\n  {}{}\n      {}\n      {}\n", entry.name,
+                         entry.name == default_method ? "  (default)" : "", entry.what, entry.reference);
+}
+
+}  // namespace
+
+std::span<const MethodEntry> methods() {
+  static const std::vector<MethodEntry> table = all_methods();
   return table;
 }
 
@@ -41,25 +76,17 @@ std::vector<std::string_view> method_names() {
 int print_methods(Streams streams) {
   std::ostream& out = streams.out;
   out << "Methods: --method NAME\n";
-  for (const MethodEntry& entry : methods())
-    out << fmt::format("\n  {}{}\n      {}\n      {}\n", entry.name, entry.name == default_method ? "  (default)" : "",
-                       entry.what, entry.reference);
+  print_entries(out, false);
+  out << "\nFor affine problems, F(x) = M x + q (auto takes others as well and gives them to " << default_method
+      << "):\n";
+  print_entries(out, true);
 
   out << "\nOptions: --option key=value, a line of an options file, or an AMPL option. A key may be shortened as long "
          "as\n"
          "it is unique. Defaults a method, '-' where the option has no effect on it:\n\n";
-  std::vector<Column> columns{{"key", Align::Left}, {"values", Align::Left}};
-  for (const MethodEntry& entry : methods()) columns.push_back({std::string(entry.name), Align::Right});
-  Table defaults(columns);
-  for (const Option& option : options()) {
-    std::vector<std::string> row{std::string(option.key), values_text(option)};
-    for (const MethodEntry& entry : methods()) {
-      Settings settings{.method_name = std::string(entry.name), .method = entry.make()};
-      row.push_back(value_text(option.field(settings)));
-    }
-    defaults.add(std::move(row));
-  }
-  defaults.print(out, 2);
+  defaults(false).print(out, 2);
+  out << "\nFor affine problems:\n\n";
+  defaults(true).print(out, 2);
 
   out << "\nWhat they mean:\n\n";
   for (const Option& option : options()) {

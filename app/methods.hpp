@@ -15,7 +15,9 @@ struct MethodEntry {
   std::string_view name;
   std::string_view what;  ///< one line
   std::string_view reference;
-  ncp::Method (*make)();  ///< with its default options
+  ncp::Method method;  ///< with its default options
+  /// Of lcp/: for affine problems only. (auto is for all: a nonlinear problem gets default_method.)
+  bool affine() const { return std::holds_alternative<ncp::Affine>(method); }
 };
 
 std::span<const MethodEntry> methods();

@@ -28,6 +28,9 @@ constexpr std::array lu_choices{Choice{"umfpack", static_cast<int>(lcp::LuBacken
 constexpr std::array start_choices{Choice{"automatic", static_cast<int>(lcp::LemkeStart::Regular)},
                                    Choice{"always", static_cast<int>(lcp::LemkeStart::Ray)},
                                    Choice{"first", static_cast<int>(lcp::LemkeStart::Regular)}};
+constexpr std::array cover_choices{Choice{"ones", static_cast<int>(lcp::Cover::Ones)},
+                                   Choice{"generic", static_cast<int>(lcp::Cover::Generic)},
+                                   Choice{"spread", static_cast<int>(lcp::Cover::Spread)}};
 constexpr std::array bool_choices{Choice{"yes", 1}, Choice{"no", 0},  Choice{"true", 1}, Choice{"false", 0},
                                   Choice{"on", 1},  Choice{"off", 0}, Choice{"1", 1},    Choice{"0", 0}};
 
@@ -66,7 +69,7 @@ Field any_field(const Option& option, Settings& settings) {
   Field field = option.field(settings);
   for (const MethodEntry& entry : methods()) {
     if (!std::holds_alternative<std::monostate>(field)) break;
-    settings.method = entry.make();
+    settings.method = entry.method;
     field = option.field(settings);
   }
   return field;
@@ -119,6 +122,8 @@ void set(const Field& field, const Assignment& given, const Option& option, Appl
           *target = one_of(bool_choices, given, option) != 0;
         } else if constexpr (std::is_same_v<T, lcp::LuBackend>) {
           *target = static_cast<T>(one_of(lu_choices, given, option));
+        } else if constexpr (std::is_same_v<T, lcp::Cover>) {
+          *target = static_cast<T>(one_of(cover_choices, given, option));
         } else if constexpr (std::is_same_v<T, lcp::LemkeStart>) {
           *target = static_cast<T>(one_of(start_choices, given, option));
           if (lower(given.value) == "first")
@@ -147,6 +152,8 @@ std::string values_text(const Option& option) {
           return alternatives(names_of(lu_choices));
         else if constexpr (std::is_same_v<T, lcp::LemkeStart>)
           return alternatives(names_of(start_choices));
+        else if constexpr (std::is_same_v<T, lcp::Cover>)
+          return alternatives(names_of(cover_choices));
         else
           return "-";
       },
@@ -167,6 +174,9 @@ std::string value_text(const Field& field) {
           return std::string(lcp::to_string(*target));
         else if constexpr (std::is_same_v<T, lcp::LemkeStart>)
           return *target == lcp::LemkeStart::Ray ? "always" : "automatic";
+        else if constexpr (std::is_same_v<T, lcp::Cover>)
+          return std::string(
+              std::ranges::find(cover_choices, static_cast<int>(*target), &Choice::value)->name);  // Given has no name
         else
           return "-";
       },
@@ -238,7 +248,7 @@ Applied apply_options(std::span<const Assignment> assignments, Unknown unknown) 
       result.unknown.push_back(unknown_key(given));
   }
   Settings& settings = result.settings;
-  settings.method = find_method(settings.method_name)->make();
+  settings.method = find_method(settings.method_name)->method;
   for (const auto& [option, given] : fields) {
     const Field field = option->field(settings);
     if (std::holds_alternative<std::monostate>(field)) {

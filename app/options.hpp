@@ -30,7 +30,7 @@ struct Settings {
 
 /// The place an option sets; monostate: it has no effect on the run's method.
 using Field = std::variant<std::monostate, std::string*, double*, int*, unsigned*, bool*,
-                           std::chrono::duration<double>*, lcp::LuBackend*, lcp::LemkeStart*>;
+                           std::chrono::duration<double>*, lcp::LuBackend*, lcp::LemkeStart*, lcp::Cover*>;
 
 struct Range {
   double low = 0;

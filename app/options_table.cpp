@@ -11,19 +11,30 @@ namespace {
 constexpr double max_int = std::numeric_limits<int>::max();
 constexpr double years = 1e9;  // of seconds: a limit that no clock overflows with
 
+/// Lemke's method for affine problems has its options where Newton-Josephy has those of its subproblems.
+struct LemkeView {
+  lcp::LemkeOptions& lemke;
+};
+
 /// The field that one of `gets` finds in the run's method; a get that does not compile for a method finds nothing.
 template <class... Gets>
 Field of_method(Settings& settings, Gets... gets) {
-  return std::visit(
-      [&](auto& method) {
-        Field field;
-        const auto look = [&](auto get) {
-          if constexpr (std::is_invocable_v<decltype(get), decltype(method)>) field = get(method);
-        };
-        (look(gets), ...);
-        return field;
-      },
-      settings.method);
+  const auto find = [&](auto& method) {
+    Field field;
+    const auto look = [&](auto get) {
+      if constexpr (std::is_invocable_v<decltype(get), decltype(method)>) field = get(method);
+    };
+    (look(gets), ...);
+    return field;
+  };
+  if (auto* affine = std::get_if<ncp::Affine>(&settings.method)) {
+    if (auto* lemke = std::get_if<lcp::Lemke>(&affine->method)) {
+      LemkeView view{lemke->options};
+      return find(view);
+    }
+    return std::visit(find, affine->method);
+  }
+  return std::visit(find, settings.method);
 }
 
 }  // namespace
@@ -129,7 +140,7 @@ std::span<const Option> options() {
       Option{"minor_iteration_limit",
              {"max_pivots"},
              {1, max_int},
-             "pivots of one linearised problem",
+             "pivots of one linearised problem, or of Lemke's method on an affine one",
              [](Settings& settings) {
                return of_method(settings, [](auto& m) -> decltype(&m.lemke.max_pivots) { return &m.lemke.max_pivots; });
              }},
@@ -140,6 +151,15 @@ std::span<const Option> options() {
              [](Settings& settings) {
                return of_method(settings, [](auto& m) -> decltype(&m.lemke.start) { return &m.lemke.start; });
              }},
+      Option{
+          "lemke_cover",
+          {},
+          {},
+          "Lemke's covering vector: ones (the textbook's e), generic (random about e in equilibrated units) or spread "
+          "(log-uniform over three decades)",
+          [](Settings& settings) {
+            return of_method(settings, [](auto& m) -> decltype(&m.lemke.cover) { return &m.lemke.cover; });
+          }},
       Option{"pivot_tolerance",
              {},
              {0, 1, true},

@@ -17,7 +17,8 @@ _perp() {
   fi
   case $prev in
     --method)
-      mapfile -t COMPREPLY < <(compgen -W 'semismooth semismooth-min josephy' -- "$cur")
+      mapfile -t COMPREPLY < <(compgen -W 'semismooth semismooth-min josephy auto lemke principal-pivoting block-pivoting least-index psor
+        min-newton fb-newton interior-point qp enumeration' -- "$cur")
       return ;;
     --log-level)
       mapfile -t COMPREPLY < <(compgen -W 'quiet warning summary info debug' -- "$cur")

@@ -45,6 +45,18 @@ std::optional<std::pair<std::size_t, double>> nearest_known(const Report& report
 
 }  // namespace
 
+void settle_auto(const LoadedProblem& problem, Applied& options) {
+  const auto* affine = std::get_if<ncp::Affine>(&options.settings.method);
+  if (affine == nullptr || !std::holds_alternative<lcp::Auto>(affine->method) || problem.mcp->is_affine()) return;
+  ncp::Method chosen = find_method(default_method)->method;
+  const double tol = ncp::stop(chosen).tol;
+  ncp::stop(chosen) = affine->stop;
+  if (affine->stop.tol == ncp::Affine{}.stop.tol) ncp::stop(chosen).tol = tol;  // not given
+  options.settings.method = chosen;
+  options.settings.method_name = default_method;
+  options.notes.push_back(fmt::format("auto: the problem is nonlinear, hence {}", default_method));
+}
+
 Report run_method(const LoadedProblem& problem, const Settings& settings, std::ostream* table,
                   const std::atomic<bool>* interrupt) {
   Report report{.problem = &problem, .settings = settings};

@@ -83,8 +83,9 @@ LogLevel log_level(std::string_view name) {
 
 ExitCode solve(const SolveRequest& request, Streams streams, const std::atomic<bool>* interrupt) {
   try {
-    const Applied options = apply_options(assignments(request));
+    Applied options = apply_options(assignments(request));
     const LoadedProblem problem = load_problem(request.problem, request.start);
+    settle_auto(problem, options);
     const Report report = run_and_print(request, problem, options, streams, interrupt);
     const bool delivered = request.json.empty() || deliver_json(request, streams, solve_json(report));
     return delivered ? report.exit_code() : exit_input;

@@ -1,6 +1,7 @@
 #include "ncp/affine.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <memory>
 #include <stdexcept>
 #include <utility>
@@ -80,20 +81,25 @@ Result run_affine(const Mcp& mcp, In x0, const Affine& method, const Observer& o
   Point point;
   if (!run.start(x0, point)) return run.result();
   Iteration it{.k = 0, .kind = 'I'};
-  std::string how;
+  lcp::Result found;
   if (run.go_on(point, it)) {
     lcp::Limits limits{.tol = method.stop.tol, .deadline = run.deadline()};
     limits.interrupted = [&run] { return run.interrupted(); };
-    const lcp::Result found = lcp::solve(*problem, point.x, method.method, limits);
+    found = lcp::solve(*problem, point.x, method.method, limits);
     run.stats().factorizations = found.factorizations;
-    how = found.message;
     point.x = found.z;
     it = {.k = 1, .kind = 'A'};
     if (!run.evaluate(point) || run.go_on(point, it))
-      run.end(found.solved() ? Status::NoProgress : status_of(found.status), found.message, {});
+      run.end(found.solved() ? Status::NoProgress : status_of(found.status), found.message,
+              found.status == lcp::Status::Infeasible ? "look for a mistake in the model"
+              : std::holds_alternative<lcp::Auto>(method.method)
+                  ? "the problem may have no solution; a nonlinear method "
+                    "(semismooth) may still find one"
+                  : "try --method auto");
   }
   Result result = run.result();
-  if (result.solved() && !how.empty()) result.message += "; " + how;
+  result.stats.iterations = static_cast<int>(std::min<long>(found.iterations, std::numeric_limits<int>::max()));
+  if (result.solved() && !found.message.empty()) result.message += "; " + found.message;
   return result;
 }
 

@@ -58,6 +58,7 @@ TEST(Options, EachKeySetsItsFieldAndNoOther) {
                                                        {"lemke_start", "always", "josephy"},
                                                        {"pivot_tolerance", "1e-06", "josephy"},
                                                        {"lemke_perturbation", "0.5", "josephy"},
+                                                       {"lemke_cover", "spread", "josephy"},
                                                        {"lemke_seed", "42", "josephy"},
                                                        {"refactor_every", "5", "josephy"},
                                                        {"sideineq", "2", "semismooth"},
@@ -119,25 +120,26 @@ TEST(Options, UniquePrefixesAndExactKeys) {
 
 // Would catch values that are clamped or half read ("1e-3x") in place of a refusal with key, value, range and source.
 TEST(Options, BadValuesAreRefusedByName) {
-  const std::vector<std::array<std::string, 3>> bad{{"tol", "0", "a number > 0"},
-                                                    {"tol", "-1", "> 0"},
-                                                    {"tol", "1e-3x", "> 0"},
-                                                    {"tol", "nan", "> 0"},
-                                                    {"tol", "", "(nothing)"},
-                                                    {"sigma", "1", "in (0, 1)"},
-                                                    {"sigma", "0", "in (0, 1)"},
-                                                    {"beta", "2", "in (0, 1)"},
-                                                    {"major", "2.5", "an integer"},
-                                                    {"major", "-1", ">= 0"},
-                                                    {"time_limit", "inf", "1e+09"},
-                                                    {"lemke_seed", "-3", ">= 0"},
-                                                    {"output", "maybe", "yes or no"},
-                                                    {"lu", "lapack", "umfpack, klu or eigen"},
-                                                    {"method", "newton", "semismooth, semismooth-min or josephy"},
-                                                    {"lemke_start", "never", "automatic, always or first"},
-                                                    {"sideineq", "3", "in [1, 2]"},
-                                                    {"major", "99999999999", ">= 0"},
-                                                    {"descent_p", "2", "> 2"}};
+  const std::vector<std::array<std::string, 3>> bad{
+      {"tol", "0", "a number > 0"},
+      {"tol", "-1", "> 0"},
+      {"tol", "1e-3x", "> 0"},
+      {"tol", "nan", "> 0"},
+      {"tol", "", "(nothing)"},
+      {"sigma", "1", "in (0, 1)"},
+      {"sigma", "0", "in (0, 1)"},
+      {"beta", "2", "in (0, 1)"},
+      {"major", "2.5", "an integer"},
+      {"major", "-1", ">= 0"},
+      {"time_limit", "inf", "1e+09"},
+      {"lemke_seed", "-3", ">= 0"},
+      {"output", "maybe", "yes or no"},
+      {"lu", "lapack", "umfpack, klu or eigen"},
+      {"method", "newton", "semismooth, semismooth-min, josephy, auto, lemke"},
+      {"lemke_start", "never", "automatic, always or first"},
+      {"sideineq", "3", "in [1, 2]"},
+      {"major", "99999999999", ">= 0"},
+      {"descent_p", "2", "> 2"}};
   for (const auto& [key, value, range] : bad)
     EXPECT_THAT(refusal({{key, value, "here:7"}}),
                 testing::AllOf(HasSubstr("here:7"), HasSubstr(key), HasSubstr(value), HasSubstr(range)))
@@ -217,7 +219,7 @@ TEST(OptionsText, FileErrorsNameTheLine) {
 TEST(Options, EveryMethodStandsInTheTableOnce) {
   for (const MethodEntry& entry : methods()) {
     EXPECT_EQ(find_method(entry.name), &entry);
-    EXPECT_FALSE(ncp::invalid(entry.make())) << entry.name;
+    EXPECT_FALSE(ncp::invalid(entry.method)) << entry.name;
     EXPECT_FALSE(entry.reference.empty());
   }
   EXPECT_NE(find_method(default_method), nullptr);

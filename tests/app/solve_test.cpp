@@ -67,6 +67,7 @@ TEST(Solve, UnsolvedIsExitOneWithAdvice) {
   const test::Folder folder;
   test::write(folder / "m.nl", test::infeasible_nl());
   for (const MethodEntry& method : methods()) {
+    if (method.affine() && method.name != "auto") continue;
     test::Captured captured;
     const SolveRequest request{.problem = folder / "m.nl",
                                .flags = {{"method", std::string(method.name), "--method"}},
@@ -79,6 +80,20 @@ TEST(Solve, UnsolvedIsExitOneWithAdvice) {
     EXPECT_FALSE(parsed["advice"].get<std::string>().empty()) << method.name;
     EXPECT_THAT(captured.out.str(), HasSubstr("Try: "));
   }
+}
+
+// A method for affine problems refuses a nonlinear one: it would solve its linearization.
+TEST(Solve, MethodsForAffineProblemsRefuseOthers) {
+  for (const MethodEntry& method : methods()) {
+    if (!method.affine() || method.name == "auto") continue;
+    test::Captured captured;
+    EXPECT_EQ(solve({.problem = "kojshin", .flags = {{"method", std::string(method.name), ""}}}, captured.streams),
+              exit_input);
+    EXPECT_THAT(captured.err.str(), testing::AllOf(HasSubstr("kojshin"), HasSubstr("affine")));
+  }
+  test::Captured captured;
+  EXPECT_EQ(solve({.problem = "kojshin", .flags = {{"method", "auto", ""}}}, captured.streams), exit_solved);
+  EXPECT_THAT(captured.err.str(), HasSubstr("nonlinear"));
 }
 
 TEST(Solve, UndefinedStart) {
