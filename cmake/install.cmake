@@ -11,6 +11,7 @@ set(perp_public_headers
   lcp/bound_qp.hpp
   lcp/box.hpp
   lcp/cholesky.hpp
+  lcp/enumeration.hpp
   lcp/classify.hpp
   lcp/least_index.hpp
   lcp/lemke.hpp

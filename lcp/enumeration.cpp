@@ -1,0 +1,285 @@
+#include "lcp/enumeration.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+#include <stdexcept>
+
+#include "lcp/bounded_rows.hpp"
+#include "lcp/cell.hpp"
+#include "lcp/equilibrate.hpp"
+
+namespace perp::lcp {
+namespace {
+
+using Eigen::MatrixXd;
+using Feasibility = BoundedRows::Feasibility;
+
+std::size_t at(Index i) { return static_cast<std::size_t>(i); }
+bool finite_lower(const Box& box, Index i) { return box.lower[i] > -infinity; }
+bool finite_upper(const Box& box, Index i) { return box.upper[i] < infinity; }
+bool is_fixed(const Box& box, Index i) { return box.lower[i] == box.upper[i]; }
+bool is_free(const Box& box, Index i) { return !finite_lower(box, i) && !finite_upper(box, i); }
+
+void check_options(const Enumeration& options) {
+  const auto refuse = [](const char* what, auto value) {
+    std::ostringstream out;
+    out << "enumeration: " << what << " is " << value;
+    throw std::invalid_argument(out.str());
+  };
+  if (options.max_bounded < 0) refuse("max_bounded", options.max_bounded);
+  if (!(options.degenerate_tol > 0 && options.degenerate_tol < 1)) refuse("degenerate_tol", options.degenerate_tol);
+  if (!(options.singular_tol > 0 && options.singular_tol < 1)) refuse("singular_tol", options.singular_tol);
+}
+
+Index rank(const MatrixXd& A, double tol) {
+  if (A.size() == 0) return 0;
+  Eigen::FullPivLU<MatrixXd> lu(A);
+  lu.setThreshold(tol);
+  return lu.rank();
+}
+
+/// A polyhedron of solutions: its cell, a relative interior point (of the equilibrated data), the dimension.
+struct Piece {
+  Places places;
+  Vec z;
+  Vec w;
+  Vec original;
+  Index dimension;
+};
+
+class Search {
+ public:
+  Search(const AffineMcp& problem, const Enumeration& options, const Limits& limits)
+      : problem_(problem),
+        options_(options),
+        limits_(limits),
+        scaling_(equilibrate(problem)),
+        scaled_(scaling_.apply(problem)),
+        M_(scaled_.M),
+        places_(all_inside(problem.box)),
+        decided_(at(problem.size()), 0),
+        cell_(problem, LuBackend::Umfpack, 0) {}
+
+  Solutions run() {
+    BoundedRows rows(M_, scaled_.q, scaled_.box, options_.degenerate_tol);
+    for (Index i = 0; i < problem_.size(); ++i) {
+      const Box& box = problem_.box;
+      if (is_fixed(box, i) || is_free(box, i)) decided_[at(i)] = 1;
+      if (is_free(box, i)) rows.set_bounds(rows.w(i), 0, 0);
+      if (finite_lower(box, i) && !finite_upper(box, i)) rows.set_bounds(rows.w(i), 0, infinity);
+      if (!finite_lower(box, i) && finite_upper(box, i)) rows.set_bounds(rows.w(i), -infinity, 0);
+    }
+    visit(std::move(rows));
+    out_.complete = out_.stopped == Status::Solved;
+    for (Piece& piece : pieces_) out_.found.push_back({std::move(piece.original), piece.dimension});
+    return std::move(out_);
+  }
+
+ private:
+  /// The partial cell: decided variables are at their places, the others anywhere between their bounds.
+  void visit(BoundedRows rows) {
+    if (done()) return;
+    ++out_.nodes;
+    const Feasibility answer = rows.repair();
+    if (answer == Feasibility::Undecided) stop(Status::Stalled, "rounding: a partial cell could not be decided");
+    if (answer != Feasibility::Feasible) return;
+    const Index i = farthest_from_complementary(rows);
+    if (i < 0) {
+      leaf(rows);
+      return;
+    }
+    decided_[at(i)] = 1;
+    const double l = scaled_.box.lower[i];
+    const double u = scaled_.box.upper[i];
+    const auto branch = [&](Place place, double z_lower, double z_upper, double w_lower, double w_upper) {
+      places_[at(i)] = place;
+      BoundedRows next = rows;
+      next.set_bounds(next.z(i), z_lower, z_upper);
+      next.set_bounds(next.w(i), w_lower, w_upper);
+      visit(std::move(next));
+    };
+    if (finite_lower(problem_.box, i)) branch(Place::Lower, l, l, 0, infinity);
+    branch(Place::Inside, l, u, 0, 0);
+    if (finite_upper(problem_.box, i)) branch(Place::Upper, u, u, -infinity, 0);
+    decided_[at(i)] = 0;
+  }
+
+  bool done() {
+    if (out_.stopped != Status::Solved && out_.stopped != Status::Stalled) return true;
+    if (const auto reached = limits_.reached()) {
+      out_.stopped = Status::Solved;
+      stop(*reached, "the enumeration was stopped");
+    } else if (pieces_.size() >= options_.max_solutions) {
+      stop(Status::IterationLimit, "as many solutions as asked for");
+    }
+    return out_.stopped != Status::Solved && out_.stopped != Status::Stalled;
+  }
+  void stop(Status status, const char* message) {
+    out_.stopped = status;
+    out_.message = message;
+  }
+
+  Index farthest_from_complementary(const BoundedRows& rows) const {
+    Index found = -1;
+    double worst = -1;
+    for (Index i = 0; i < problem_.size(); ++i) {
+      if (decided_[at(i)] != 0) continue;
+      const double z = rows.value(rows.z(i));
+      const double w = rows.value(rows.w(i));
+      const double gap = w > 0 ? z - scaled_.box.lower[i] : scaled_.box.upper[i] - z;
+      const double product = std::min(std::abs(w), gap);
+      if (product <= worst) continue;
+      worst = product;
+      found = i;
+    }
+    return found;
+  }
+
+  void leaf(const BoundedRows& rows) {
+    std::vector<Index> inside;
+    for (Index i = 0; i < problem_.size(); ++i)
+      if (places_[at(i)] == Place::Inside) inside.push_back(i);
+    if (rank(M_(inside, inside), options_.singular_tol) == static_cast<Index>(inside.size())) {
+      if (cell_.solve(places_) == LuStatus::Ok && offer(cell_.z().cwiseQuotient(scaling_.columns), 0)) return;
+      offer(values(rows), 0);  // ill-conditioned, or the cell holds no solution but within the tolerance
+      return;
+    }
+    const Vec z = relative_interior(rows);
+    if (!offer(z, dimension(z, inside)) && !offer(values(rows), dimension(z, inside)))
+      stop(Status::Stalled, "rounding: a cell with a singular matrix seems to hold a point, which is no solution");
+  }
+
+  static Vec values(const BoundedRows& rows) {
+    return Vec::NullaryExpr(rows.size(), [&](Index i) { return rows.value(rows.z(i)); });
+  }
+
+  /// The mean of points that have each inequality of the cell strict, where one has.
+  Vec relative_interior(const BoundedRows& rows) const {
+    Vec sum = values(rows);
+    double count = 1;
+    const auto push = [&](Index x, double direction) {
+      BoundedRows pushed = rows;
+      if (!pushed.push(x, direction)) return;
+      sum += values(pushed);
+      count += 1;
+    };
+    for (Index i = 0; i < problem_.size(); ++i) {
+      const Place place = places_[at(i)];
+      if (is_fixed(problem_.box, i)) continue;
+      if (place != Place::Inside) {
+        push(rows.w(i), place == Place::Lower ? 1 : -1);
+        continue;
+      }
+      if (finite_lower(problem_.box, i)) push(rows.z(i), 1);
+      if (finite_upper(problem_.box, i)) push(rows.z(i), -1);
+    }
+    return sum / count;
+  }
+
+  bool zero(double value, double scale = 0) const {
+    return std::isfinite(value) && std::abs(value) <= 2 * options_.degenerate_tol * (1 + std::abs(scale));
+  }
+
+  /// |F| less the rank of the equations that hold on the whole polyhedron: those of the cell, and the inequalities that
+  /// are equations in its relative interior.
+  Index dimension(const Vec& z, const std::vector<Index>& inside) const {
+    const Vec w = M_ * z + scaled_.q;
+    const auto columns = static_cast<Index>(inside.size());
+    std::vector<Eigen::RowVectorXd> equations;
+    for (Index i = 0; i < problem_.size(); ++i)
+      if (!is_fixed(problem_.box, i) && (places_[at(i)] == Place::Inside || zero(w[i])))
+        equations.emplace_back(M_(i, inside));
+    for (Index k = 0; k < columns; ++k) {
+      const Index i = inside[at(k)];
+      if (zero(z[i] - scaled_.box.lower[i], scaled_.box.lower[i]) ||
+          zero(z[i] - scaled_.box.upper[i], scaled_.box.upper[i]))
+        equations.emplace_back(Eigen::RowVectorXd::Unit(columns, k));
+    }
+    MatrixXd A(static_cast<Index>(equations.size()), columns);
+    for (std::size_t k = 0; k < equations.size(); ++k) A.row(static_cast<Index>(k)) = equations[k];
+    return columns - rank(A, options_.singular_tol);
+  }
+
+  /// Takes the point if it is a solution.
+  bool offer(const Vec& scaled_z, Index dimension) {
+    Piece piece{
+        .places = places_, .z = project(scaled_.box, scaled_z), .w = {}, .original = {}, .dimension = dimension};
+    piece.original = project(problem_.box, piece.z.cwiseProduct(scaling_.columns));
+    if (!piece.original.allFinite() || !solves(problem_, piece.original, limits_.tol)) return false;
+    piece.w = M_ * piece.z + scaled_.q;
+    for (const Piece& other : pieces_)
+      if (other.dimension >= dimension && contains(other, piece)) return true;
+    std::erase_if(pieces_, [&](const Piece& other) { return other.dimension <= dimension && contains(piece, other); });
+    pieces_.push_back(std::move(piece));
+    return true;
+  }
+
+  /// Whether the polyhedron of `inner` is part of that of `outer`: its relative interior point fulfils the equations,
+  /// and so do all its points, since for all of them z_i - l_i, u_i - z_i and the signed w_i are not negative.
+  bool contains(const Piece& outer, const Piece& inner) const {
+    const double near = 1e-6;
+    if (outer.dimension == 0)
+      return (outer.z - inner.z).lpNorm<Eigen::Infinity>() <= near * (1 + outer.z.lpNorm<Eigen::Infinity>());
+    for (Index i = 0; i < problem_.size(); ++i) {
+      if (is_fixed(problem_.box, i)) continue;
+      const Place place = outer.places[at(i)];
+      const double bound = place == Place::Upper ? scaled_.box.upper[i] : scaled_.box.lower[i];
+      const double off = place == Place::Inside ? inner.w[i] : inner.z[i] - bound;
+      if (std::abs(off) > near * (1 + std::abs(place == Place::Inside ? 0 : bound))) return false;
+    }
+    return true;
+  }
+
+  const AffineMcp& problem_;
+  const Enumeration& options_;
+  const Limits& limits_;
+  Scaling scaling_;
+  AffineMcp scaled_;
+  MatrixXd M_;
+  Places places_;
+  std::vector<char> decided_;
+  CellSolver cell_;
+  std::vector<Piece> pieces_;
+  Solutions out_;
+};
+
+}  // namespace
+
+Solutions enumerate(const AffineMcp& problem, const Enumeration& options, const Limits& limits) {
+  check_input("enumerate", problem, Vec::Zero(problem.size()), limits);
+  check_options(options);
+  Index bounded = 0;
+  for (Index i = 0; i < problem.size(); ++i) bounded += is_fixed(problem.box, i) || is_free(problem.box, i) ? 0 : 1;
+  if (bounded > options.max_bounded) {
+    std::ostringstream what;
+    what << bounded << " variables have bounds, more than max_bounded = " << options.max_bounded;
+    return {.found = {}, .complete = false, .nodes = 0, .stopped = Status::NotApplicable, .message = what.str()};
+  }
+  return Search(problem, options, limits).run();
+}
+
+Result enumeration(const AffineMcp& problem, In start, const Enumeration& options, const Limits& limits) {
+  check_input("enumeration", problem, start, limits);
+  const Solutions all = enumerate(problem, options, limits);
+  int two = 0;
+  int three = 0;
+  for (Index i = 0; i < problem.size(); ++i) {
+    if (is_fixed(problem.box, i) || is_free(problem.box, i)) continue;
+    ++(finite_lower(problem.box, i) && finite_upper(problem.box, i) ? three : two);
+  }
+  std::ostringstream what;
+  if (all.complete)
+    what << "all 2^" << two << (three > 0 ? " 3^" + std::to_string(three) : "") << " cells examined: ";
+  else
+    what << all.message << ": ";
+  what << all.found.size() << " solutions or sets of them";
+  const Vec z = all.found.empty() ? Vec(start) : all.found.front().z;
+  Result result = judged(problem, z, limits, all.complete ? Status::Infeasible : all.stopped, what.str());
+  result.message = what.str();
+  result.iterations = all.nodes;
+  return result;
+}
+
+}  // namespace perp::lcp
