@@ -1,4 +1,5 @@
 /// The program `perp`: its command line, signals and exit codes. The work is done by app/'s other files.
+#include <dlfcn.h>
 #include <fmt/format.h>
 
 #include <CLI/App.hpp>
@@ -41,6 +42,13 @@ void set_up_signals() {
   action.sa_flags = SA_RESTART;
   for (const int signal : {SIGINT, SIGTERM}) sigaction(signal, &action, nullptr);
   std::signal(SIGPIPE, SIG_IGN);  // `perp list | head`: the reader has had enough; files are still written
+}
+
+/// OpenBLAS' threads cost more than they bring on the fronts of sparse factorizations. Other BLAS have no such
+/// function.
+void pin_blas() {
+  if (std::getenv("OPENBLAS_NUM_THREADS") != nullptr) return;
+  if (void* set = dlsym(RTLD_DEFAULT, "openblas_set_num_threads")) reinterpret_cast<void (*)(int)>(set)(1);
 }
 
 constexpr const char* about =
@@ -244,6 +252,7 @@ int checked_output(int code) {
 int main(int argc, char** argv) {
   try {
     set_up_signals();
+    pin_blas();
     const std::string program = argc > 0 ? std::filesystem::path(argv[0]).filename().string() : "perp";
     const std::vector<std::string> arguments(argv + std::min(argc, 1), argv + argc);
     const Streams streams{std::cout, std::cerr};

@@ -17,6 +17,9 @@ set(perp_public_headers
   lcp/lemke.hpp
   lcp/mlcp.hpp
   lcp/principal_pivoting.hpp
+  lcp/file_error.hpp
+  lcp/lemke_howson.hpp
+  lcp/matrix_market.hpp
   lcp/result.hpp
   lcp/solve.hpp
   lcp/sparse_lu.hpp

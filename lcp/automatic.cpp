@@ -2,6 +2,7 @@
 #include <string>
 #include <utility>
 
+#include "lcp/classify.hpp"
 #include "lcp/solve.hpp"
 
 namespace perp::lcp {
@@ -49,6 +50,12 @@ class Attempts {
   bool settled_ = false;
 };
 
+/// Sizes up to which a method is worth its time here; larger problems go to the next.
+constexpr Index pivoting_to = 20'000;   // Lemke's method makes about n pivots
+constexpr Index factored_qp_to = 2000;  // below, block pivoting's dense steps cost less than a hierarchy of grids
+constexpr Index enumerated_to = 14;     // bounded variables: 2^14 cells are nothing
+constexpr Index enumerated_at_last_to = 20;
+
 Lemke covered(Cover cover, unsigned seed, Index n) {
   Lemke lemke;
   lemke.options.cover = cover;
@@ -57,16 +64,85 @@ Lemke covered(Cover cover, unsigned seed, Index n) {
   return lemke;
 }
 
+Index cells(const Box& box) {  // variables that have more than one place
+  Index count = 0;
+  for (Index i = 0; i < box.size(); ++i)
+    count += box.lower[i] < box.upper[i] && (box.lower[i] > -infinity || box.upper[i] < infinity);
+  return count;
+}
+
+ClassifyOptions cheap(Index n) {
+  ClassifyOptions options;
+  options.minors_to = 12;
+  options.p0_to = 0;
+  options.copositive_to = 8;
+  options.dense_to = 100;
+  options.factor_to = n > factored_qp_to ? 0 : options.factor_to;
+  return options;
+}
+
+/// The methods that the class of M promises something of. True: settled.
+bool try_by_class(Attempts& attempts, const Diagnosis& d, Index n, unsigned seed) {
+  const Property& psd = d.positive_semidefinite;
+  if (d.symmetric.yes() && !psd.no() && n > factored_qp_to &&
+      attempts.run(BoundQp{}, "qp",
+                   "M is symmetric, " + (psd.yes() ? "positive semidefinite: " + psd.reason
+                                                   : std::string("not known to be indefinite"))))
+    return true;
+  for (const auto& [property, text] : {std::pair{&d.m, "an M-matrix"},
+                                       {&d.h_plus, "an H-matrix with positive diagonal"},
+                                       {&d.positive_definite, "positive definite"},
+                                       {&d.p, "a P-matrix"}})
+    if (property->yes()) {
+      if (attempts.run(BlockPivoting{}, "block-pivoting", std::string("M is ") + text + ": " + property->reason))
+        return true;
+      break;
+    }
+  if (!psd.yes() && !d.copositive_plus.yes() && !d.p.yes()) return false;
+  const std::string why = psd.yes()                 ? "M is positive semidefinite: " + psd.reason
+                          : d.copositive_plus.yes() ? "M is copositive-plus: " + d.copositive_plus.reason
+                                                    : "M is a P-matrix: " + d.p.reason;
+  // IP1
+  for (const auto& [cover, label] :
+       {std::pair{Cover::Ones, "lemke"}, {Cover::Generic, "lemke with a generic covering vector"}})
+    if (attempts.run(covered(cover, seed, n), label, why)) return true;
+  return false;  // IP2
+}
+
+/// What may help where nothing is known.
+bool try_everything(Attempts& attempts, const AffineMcp& problem, unsigned seed) {
+  const Index n = problem.size();
+  const Index bounded = cells(problem.box);
+  const std::string why = "M is in no class with a promise";
+  const auto pivot = [&](unsigned first, unsigned last) {
+    for (unsigned k = first; k < last; ++k)
+      for (const auto& [cover, label] : {std::pair{Cover::Ones, "lemke"},
+                                         {Cover::Generic, "lemke with a generic covering vector"},
+                                         {Cover::Spread, "lemke with a widely spread covering vector"}})
+        if (attempts.run(covered(cover, seed + k, n), label, why)) return true;
+    return false;
+  };
+  if (n <= pivoting_to && pivot(0, 1)) return true;
+  if (bounded <= enumerated_to && attempts.run(Enumeration{}, "enumeration", "few cells")) return true;
+  Lemke regular = covered(Cover::Ones, seed, n);
+  regular.options.start = LemkeStart::Regular;
+  if (n <= pivoting_to &&
+      (attempts.run(LemkeHowson{}, "lemke-howson", why) || attempts.run(regular, "lemke from the start", why)))
+    return true;
+  if (attempts.run(BlockPivoting{}, "block-pivoting", why)) return true;
+  if (n <= pivoting_to && pivot(1, 4)) return true;
+  return bounded <= enumerated_at_last_to && attempts.run(Enumeration{}, "enumeration", "few cells");
+}
+
 }  // namespace
 
 Result automatic(const AffineMcp& problem, In start, const Auto& method, const Limits& limits) {
   check_input("auto", problem, start, limits);
+  const Result at_start = judged(problem, start, limits, Status::Stalled, {});
+  if (at_start.solved()) return at_start;
   Attempts attempts(problem, start, limits);
-  const Index n = problem.size();
-  if (attempts.run(covered(Cover::Ones, method.seed, n), "lemke", "")) return attempts.end();
-  if (attempts.run(covered(Cover::Generic, method.seed, n), "lemke, generic covering vector", ""))
-    return attempts.end();
-  if (attempts.run(BlockPivoting{}, "block-pivoting", "")) return attempts.end();
+  const Diagnosis diagnosis = classify(problem, cheap(problem.size()));
+  if (!try_by_class(attempts, diagnosis, problem.size(), method.seed)) try_everything(attempts, problem, method.seed);
   return attempts.end();
 }
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <type_traits>
 #include <utility>
 
 namespace perp::lcp {
@@ -12,12 +11,20 @@ std::span<const MethodEntry> methods() {
       MethodEntry{"auto", "chooses from the structure of M, says why, and falls back on the others", "perp", Auto{}},
       MethodEntry{"lemke", "complementary pivoting along a ray, sparse, any box", "Lemke 1965; Dirkse & Ferris 1995",
                   Lemke{}},
+      MethodEntry{"lemke-howson", "complementary pivoting with a missing label: bimatrix games and their like",
+                  "Lemke & Howson 1964", LemkeHowson{}},
+      MethodEntry{"principal-pivoting", "drives one variable after the other to feasibility; sufficient matrices",
+                  "Cottle & Dantzig 1968; Cottle, Pang & Stone 1992", PrincipalPivoting{}},
       MethodEntry{"block-pivoting", "exchanges all infeasible variables at once; finite for P-matrices",
                   "Kostreva 1978; Judice & Pires 1994", BlockPivoting{}},
       MethodEntry{"least-index", "exchanges the first infeasible variable; finite for P-matrices", "Murty 1974",
                   LeastIndex{}},
       MethodEntry{"qp", "symmetric positive semidefinite M: active sets, conjugate gradients, multigrid",
                   "Kornhuber 1994; More & Toraldo 1991", BoundQp{}},
+      MethodEntry{"enumeration",
+                  "all complementary cells, for at most 20 bounded variables: finds a solution or proves "
+                  "there is none",
+                  "Murty 1988", Enumeration{}},
   };
   return table;
 }
@@ -65,22 +72,29 @@ Result lemke_method(const AffineMcp& problem, In start, const Lemke& method, con
   return result;
 }
 
+namespace {
+
+Result run(const AffineMcp& p, In x, const Auto& m, const Limits& limits) { return automatic(p, x, m, limits); }
+Result run(const AffineMcp& p, In x, const Lemke& m, const Limits& limits) { return lemke_method(p, x, m, limits); }
+Result run(const AffineMcp& p, In x, const LemkeHowson& m, const Limits& limits) {
+  return lemke_howson(p, x, m, limits);
+}
+Result run(const AffineMcp& p, In x, const PrincipalPivoting& m, const Limits& limits) {
+  return principal_pivoting(p, x, m, limits);
+}
+Result run(const AffineMcp& p, In x, const BlockPivoting& m, const Limits& limits) {
+  return block_pivoting(p, x, m, limits);
+}
+Result run(const AffineMcp& p, In x, const LeastIndex& m, const Limits& limits) { return least_index(p, x, m, limits); }
+Result run(const AffineMcp& p, In x, const BoundQp& m, const Limits& limits) { return bound_qp(p, x, m, limits); }
+Result run(const AffineMcp& p, In x, const Enumeration& m, const Limits& limits) {
+  return enumeration(p, x, m, limits);
+}
+
+}  // namespace
+
 Result solve(const AffineMcp& problem, In start, const Method& method, const Limits& limits) {
-  return std::visit(
-      [&](const auto& m) {
-        using M = std::remove_cvref_t<decltype(m)>;
-        if constexpr (std::is_same_v<M, Auto>)
-          return automatic(problem, start, m, limits);
-        else if constexpr (std::is_same_v<M, Lemke>)
-          return lemke_method(problem, start, m, limits);
-        else if constexpr (std::is_same_v<M, BlockPivoting>)
-          return block_pivoting(problem, start, m, limits);
-        else if constexpr (std::is_same_v<M, LeastIndex>)
-          return least_index(problem, start, m, limits);
-        else
-          return bound_qp(problem, start, m, limits);
-      },
-      method);
+  return std::visit([&](const auto& m) { return run(problem, start, m, limits); }, method);
 }
 
 }  // namespace perp::lcp

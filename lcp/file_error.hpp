@@ -1,0 +1,18 @@
+#pragma once
+/// Why a file is refused: "file:line: reason".
+#include <stdexcept>
+#include <string>
+
+namespace perp::lcp {
+
+class FileError : public std::runtime_error {
+ public:
+  /// line from 1; 0: the file as a whole.
+  FileError(const std::string& file, long line, const std::string& reason)
+      : std::runtime_error(line > 0 ? file + ":" + std::to_string(line) + ": " + reason : file + ": " + reason) {}
+};
+
+/// The whole file as text. Throws FileError if it cannot be read, naming the system's reason.
+std::string read_file(const std::string& path);
+
+}  // namespace perp::lcp
