@@ -54,7 +54,7 @@ std::string asymmetry(const SparseRows& A, const SparseRows& T, const Vec& d) {
     while (s < A.start[at(i) + 1] || t < T.start[at(i) + 1]) {
       const int j = s < A.start[at(i) + 1] ? A.column[at(s)] : A.rows();
       const int k = t < T.start[at(i) + 1] ? T.column[at(t)] : A.rows();
-      const std::string why = compare(i, std::min(j, k), j <= k ? A.value[at(s)] : 0, k <= j ? T.value[at(t)] : 0);
+      std::string why = compare(i, std::min(j, k), j <= k ? A.value[at(s)] : 0, k <= j ? T.value[at(t)] : 0);
       if (!why.empty()) return why;
       if (j <= k) ++s;
       if (k <= j) ++t;
@@ -203,7 +203,7 @@ void Solver::prepare(Kind kind, double shift) {
   const SparseRows& A = shift > 0 ? shifted_ : A_;
   qp_.A = &A;
   qp_.diagonal = &shifted_d_;
-  qp_.q = problem_.q;
+  qp_.q = problem_.q - shift * d_.cwiseProduct(z_);
   hierarchy_.reset();
   if (kind == Kind::Cholesky) {
     B_ = std::make_unique<CholeskyFace>(A, options_.cholesky_entries);
@@ -223,6 +223,7 @@ double Solver::objective(const Vec& z) const {
 /// Solves the problem for coarse unknowns c, z = P c, bounds those of the C points, from the coarsest grid to the
 /// finest but one, each from the solution before; takes what comes out as the start if phi is lower there.
 void Solver::nested_start() {
+  if (kind_ != Kind::Multilevel || !options_.nested) return;
   const auto& grids = hierarchy_->grids;
   std::vector<BoxQp> qps{qp_};
   std::vector<Vec> given{z_};
@@ -299,6 +300,7 @@ double Solver::relative_residual() const {
 End Solver::proximal_points() {
   constexpr double rounding = 1e-15;
   double previous = infinity;
+  int slow = 0;
   for (long k = 0; k < options_.proximal_limit; ++k) {
     Vec next = z_;
     qp_.q = problem_.q - shift_ * d_.cwiseProduct(z_);
@@ -312,6 +314,8 @@ End Solver::proximal_points() {
     if (!(length < 0.5 * previous)) {
       if (certify(step)) return End::Flat;
       if (solves(problem_, z_, limits_.tol)) return End::Solved;
+      // Eigenvalues about eps: a smaller one, while it is told from zero.
+      if (++slow % 3 == 0 && shift_ > 1e-11) prepare(kind_, shift_ / 10);
     }
     previous = length;
   }
@@ -360,7 +364,7 @@ Result Solver::finish(Status otherwise, const std::string& message) {
 Result Solver::solve() {
   if (!take_matrix() || !fix_zero_rows()) return early_;
   prepare(first_choice(), 0);
-  if (kind_ == Kind::Multilevel && options_.nested) nested_start();
+  nested_start();
   for (;;) {
     const Vec before = z_;
     const End end = shift_ == 0 ? descend(z_) : proximal_points();
@@ -391,6 +395,7 @@ Result Solver::solve() {
         if (shift_ > 0) return finish(Status::Stalled, "M + eps D is singular up to rounding on a face");
         z_ = before;
         prepare(kind_, options_.proximal);
+        nested_start();
         break;
       case End::Slow:
       case End::OutOfMemory:

@@ -50,7 +50,7 @@ struct BoundQp {
   /// j is strong for i if -m_ij >= strength max_k -m_ik: Ruge & Stueben's 1/4. In (0, 1].
   double strength = 0.25;
   /// Auto takes M for mostly negative if the positive entries off the diagonal add up to at most this share of all.
-  double positive_share = 0.1;
+  double positive_share = 0.33;
   /// Up to this many unknowns Auto factors; the coarsest grid has not more.
   Index direct = 1000;
   /// Entries of the largest Cholesky factor to be computed (12 bytes each); beyond it Cholesky gives way to

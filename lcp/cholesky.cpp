@@ -143,7 +143,7 @@ CholeskyStatus Cholesky::Impl::factor(const SpMat& A, double entries) {
 /// d'A d = beta - b'B^-1 b, the pivot.
 Vec Cholesky::Impl::witness(const SpMat& A) {
   const auto k = static_cast<Index>(L->minor);
-  const int* permutation = static_cast<const int*>(L->Perm);
+  const auto* permutation = static_cast<const int*>(L->Perm);
   std::vector<int> place(static_cast<std::size_t>(n));
   for (Index i = 0; i < n; ++i) place[static_cast<std::size_t>(permutation[i])] = static_cast<int>(i);
   Vec x = Vec::Zero(n);
@@ -159,9 +159,9 @@ Vec Cholesky::Impl::witness(const SpMat& A) {
     }
   cholmod_sparse* columns = cholmod_factor_to_sparse(L, common.get());
   if (!columns) return {};
-  const int* p = static_cast<const int*>(columns->p);
-  const int* row = static_cast<const int*>(columns->i);
-  const double* value = static_cast<const double*>(columns->x);
+  const auto* p = static_cast<const int*>(columns->p);
+  const auto* row = static_cast<const int*>(columns->i);
+  const auto* value = static_cast<const double*>(columns->x);
   for (Index j = 0; j < k; ++j) {  // L y = -b; the diagonal comes first in a column
     x[j] /= value[p[j]];
     for (int s = p[j] + 1; s < p[j + 1]; ++s)

@@ -181,7 +181,8 @@ Run::Step Run::project_step() {
     return Step::Whole;
   }
   constexpr double part = 1e-4;  // of the decrease that the slope promises (Armijo)
-  for (double t = 1; t > 0.1; t /= 2) {
+  double t = 1;
+  for (int halvings = 0; halvings < 4; ++halvings, t /= 2) {
     for (Index i = 0; i < n_; ++i) y_[i] = mid(qp_.lower[i], z_[i] + t * step_[i], qp_.upper[i]) - z_[i];
     const double slope = g_.dot(y_);
     if (!(slope < 0) || !(change(y_) <= part * slope)) continue;

@@ -83,7 +83,7 @@ Mask split(const SparseRows& A, const Mask& strong) {
   for (int i = undecided.top(); i >= 0; i = undecided.top()) {
     undecided.remove(i);
     if (undecided.measure(i) == 0) {  // nobody left to interpolate from i; a C if it has nobody to interpolate from
-      c[at(i)] = S.start[at(i)] < S.start[at(i) + 1];
+      c[at(i)] = S.start[at(i)] < S.start[at(i) + 1] ? 1 : 0;
       continue;
     }
     c[at(i)] = 1;
@@ -289,7 +289,7 @@ void VCycle::restrict_to(std::size_t k, const Mask& changed, Mask& changed_coars
     bool neighbour_dropped = false;
     for (int s = whole.start[at(I)]; s < whole.start[at(I) + 1]; ++s)
       neighbour_dropped = neighbour_dropped || !coarse.free[at(whole.column[at(s)])];
-    changed_coarse[at(I)] = touched || neighbour_dropped;
+    changed_coarse[at(I)] = touched || neighbour_dropped ? 1 : 0;
     if (coarse.free[at(I)]) {
       if (changed_coarse[at(I)]) {
         galerkin_row(*fine.A, grid.P, grid.R, I, fine_free, coarse_free, place_, A);

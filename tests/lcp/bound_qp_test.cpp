@@ -54,6 +54,27 @@ TEST(BoundQp, FewStepsAtAnySize) {
   }
 }
 
+// Every step is a descent of the objective, whatever the preconditioner. Catches projected steps that are not checked.
+TEST(BoundQp, NeverRaisesTheObjective) {
+  Random random(7);
+  const auto phi = [](const AffineMcp& p, const Vec& z) { return z.dot(0.5 * (p.M * z) + p.q); };
+  for (int repeat = 0; repeat < 10; ++repeat) {
+    AffineMcp problem = planted(gram(80, 80, 3, random), 0, random).problem;
+    for (Index i = 0; i < 80; ++i) problem.M.coeffRef(i, i) += 1e-3;
+    const Vec start = project(problem.box, 10 * random.normals(80));
+    for (const auto& [name, options] : all_preconditioners()) {
+      double before = phi(problem, start);
+      for (long steps = 1; steps <= 6; ++steps) {
+        BoundQp limited = options;
+        limited.step_limit = steps;
+        const double now = phi(problem, bound_qp(problem, start, limited).z);
+        EXPECT_LE(now, before + 1e-12 * std::abs(before)) << name << " " << steps;
+        before = now;
+      }
+    }
+  }
+}
+
 // A start that solves is kept: nested iteration would only come back to it.
 TEST(BoundQp, KeepsAGoodStart) {
   const AffineMcp problem = membrane(50);
@@ -83,7 +104,7 @@ TEST(BoundQp, FindsThePlantedSolution) {
 // entries span 1e-8 to 1e8: the residual is then judged relative to the largest, so the tolerance is.
 TEST(BoundQp, ScaledFromBothSides) {
   Random random(2);
-  for (int repeat = 0; repeat < 40; ++repeat) {
+  for (int repeat = 0; repeat < 16; ++repeat) {
     const Index n = random.integer(20, 200);
     const SpMat half = support::m_matrix(n, 2, random);
     SpMat M = half + SpMat(half.transpose());
