@@ -15,6 +15,7 @@ set(perp_public_headers
   lcp/classify.hpp
   lcp/least_index.hpp
   lcp/lemke.hpp
+  lcp/projected_sor.hpp
   lcp/mlcp.hpp
   lcp/principal_pivoting.hpp
   lcp/file_error.hpp
