@@ -72,6 +72,7 @@ constexpr const char* solve_footer =
     "  perp solve kojshin --start 3 --method josephy\n"
     "  perp solve nash10 --option nms_memory_size=10 --option lu=klu\n"
     "  perp solve market.nl --json result.json --log-level summary\n"
+    "  perp solve M.mtx q.mtx --lower psi.mtx --method qp --solution x.mtx\n"
     "  perp solve market.nl --json - | jq .residual.natural\n"
     "\n"
     "Ctrl-C ends the run with the best point so far, which is printed and written; a second one ends the program.\n"
@@ -132,10 +133,15 @@ struct CommandLine {
     solve = app.add_subcommand("solve", "Solve an AMPL model or a problem of the collection");
     solve->footer(solve_footer);
     SolveRequest& request = solve_request;
-    solve->add_option("PROBLEM", request.problem, "FILE.nl, or a NAME that 'perp list' shows")
+    solve->add_option("PROBLEM", request.problem, "FILE.nl, a NAME that 'perp list' shows, or M.mtx (Matrix Market)")
         ->required()
         ->option_text(" ");
+    solve->add_option("VECTOR", request.q, "q.mtx: with M.mtx the affine problem F(x) = M x + q")->option_text(" ");
+    solve->add_option("--lower", request.lower, "of M.mtx: the lower bounds, of all or one by one (default 0)")
+        ->option_text("NUMBER|FILE");
+    solve->add_option("--upper", request.upper, "of M.mtx: the upper bounds (default inf)")->option_text("NUMBER|FILE");
     solve->add_option("--start", request.start, "which start of a collection problem, from 1")->option_text("K");
+    solve->add_option("--start-at", request.start_at, "start from the point in this file")->option_text("FILE");
     for (std::size_t k = 0; k < shortcuts.size(); ++k)
       solve
           ->add_option(shortcuts[k].flag, shortcut_values[k],
@@ -149,6 +155,7 @@ struct CommandLine {
         ->option_text("KEY=VALUE")
         ->allow_extra_args(false);
     solve->add_option("--options-file", request.options_file, "options, one a line: key value")->option_text("FILE");
+    solve->add_option("--solution", request.solution, "write x as a Matrix Market vector")->option_text("FILE");
     solve
         ->add_option("--json", request.json,
                      "write the result as JSON; - is standard output, the log then goes to "

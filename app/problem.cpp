@@ -2,9 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <cstdlib>
 #include <filesystem>
+#include <utility>
 
 #include "app/program.hpp"
+#include "lcp/matrix_market.hpp"
+#include "ncp/affine.hpp"
 
 namespace perp::app {
 
@@ -54,7 +58,58 @@ LoadedProblem from_collection(const collection::Entry& entry, std::optional<int>
           .solutions_complete = made.solutions_complete};
 }
 
+/// Of every variable: the number, or the numbers of the file.
+lcp::Vec bound(const char* flag, const std::string& given, double otherwise, lcp::Index n) {
+  if (given.empty()) return lcp::Vec::Constant(n, otherwise);
+  char* end = nullptr;
+  const double value = std::strtod(given.c_str(), &end);
+  lcp::Vec bounds = *end == '\0' ? lcp::Vec::Constant(n, value) : lcp::read_vector(given, true);
+  if (bounds.size() != n)
+    throw InputError(fmt::format("{} {}: {} numbers for {} variables", flag, given, bounds.size(), n));
+  return bounds;
+}
+
+LoadedProblem from_matrix(const ProblemSource& source) {
+  if (source.q.empty())
+    throw InputError(
+        fmt::format("'{}' is a matrix: its vector is missing, as in 'perp solve M.mtx q.mtx'", source.problem));
+  lcp::AffineMcp problem{.M = lcp::read_matrix(source.problem), .q = lcp::read_vector(source.q), .box = {}};
+  if (problem.M.rows() != problem.M.cols())
+    throw InputError(
+        fmt::format("{}: the matrix is {} x {}, not square", source.problem, problem.M.rows(), problem.M.cols()));
+  if (problem.M.rows() != problem.q.size())
+    throw InputError(fmt::format("{}: {} numbers for the {} rows of {}", source.q, problem.q.size(), problem.M.rows(),
+                                 source.problem));
+  const lcp::Index n = problem.q.size();
+  problem.box = {bound("--lower", source.lower, 0, n), bound("--upper", source.upper, lcp::infinity, n)};
+  LoadedProblem loaded{.label = source.problem, .mcp = nullptr, .x0 = lcp::Vec::Zero(n)};
+  loaded.mcp = ncp::make_affine_mcp(std::move(problem), source.problem);
+  return loaded;
+}
+
 }  // namespace
+
+bool is_matrix_file(const std::string& argument) { return argument.ends_with(".mtx"); }
+
+LoadedProblem load_problem(const ProblemSource& source) {
+  const bool matrix = is_matrix_file(source.problem);
+  if (!matrix)
+    for (const auto& [flag, given] :
+         {std::pair{"a second file", source.q}, {"--lower", source.lower}, {"--upper", source.upper}})
+      if (!given.empty())
+        throw InputError(fmt::format("{} ('{}') goes with a matrix file, not with '{}'", flag, given, source.problem));
+  if (matrix && source.start.value_or(1) != 1)
+    throw InputError(
+        fmt::format("--start {}: a matrix file has one start; --start-at FILE gives another", *source.start));
+  LoadedProblem problem = matrix ? from_matrix(source) : load_problem(source.problem, source.start);
+  if (!source.start_at.empty()) {
+    problem.x0 = lcp::read_vector(source.start_at);
+    if (problem.x0.size() != problem.mcp->size())
+      throw InputError(fmt::format("--start-at {}: {} numbers for {} variables", source.start_at, problem.x0.size(),
+                                   problem.mcp->size()));
+  }
+  return problem;
+}
 
 LoadedProblem load_problem(const std::string& argument, std::optional<int> start) {
   std::error_code ignored;

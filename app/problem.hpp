@@ -1,5 +1,5 @@
 #pragma once
-/// The problem a command is about: a name of the collection or an .nl file.
+/// The problem a command is about: a name of the collection, an .nl file, or files of an affine problem.
 #include <memory>
 #include <optional>
 #include <string>
@@ -23,6 +23,20 @@ struct LoadedProblem {
   /// Of the variables a user knows: without those added for side inequalities.
   ncp::Index own_variables() const { return model != nullptr ? model->n_var() : mcp->size(); }
 };
+
+/// What the command line names.
+struct ProblemSource {
+  std::string problem;         ///< NAME, FILE.nl, or M.mtx
+  std::string q{};             ///< of M.mtx: q.mtx
+  std::string lower{};         ///< of M.mtx: a file or a number; empty: 0
+  std::string upper{};         ///< of M.mtx: a file or a number; empty: inf
+  std::string start_at{};      ///< a file with the point to start from, in place of the problem's own start
+  std::optional<int> start{};  ///< of a collection problem, from 1
+};
+/// Is it the matrix of an affine problem? (By the file's ending: .mtx.)
+bool is_matrix_file(const std::string& argument);
+/// Throws InputError, ncp::ampl::ModelError or lcp::FileError.
+LoadedProblem load_problem(const ProblemSource& source);
 
 /// "FILE.nl", "FILE" beside which there is a FILE.nl, or NAME; a name of the collection goes before a file of that name
 /// without its ".nl". Throws InputError (no such file, name or start; a suggestion where there is one) or

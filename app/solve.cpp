@@ -8,6 +8,7 @@
 
 #include "app/json.hpp"
 #include "app/report.hpp"
+#include "lcp/matrix_market.hpp"
 
 namespace perp::app {
 
@@ -15,6 +16,7 @@ namespace {
 
 std::vector<Assignment> assignments(const SolveRequest& request) {
   std::vector<Assignment> all;
+  if (is_matrix_file(request.problem)) all.push_back({"method", "auto", "the default of matrix files"});
   if (!request.options_file.empty()) all = read_options_file(request.options_file);
   for (const std::string& option : request.options) all.push_back(parse_assignment(option, "--option"));
   all.insert(all.end(), request.flags.begin(), request.flags.end());
@@ -84,14 +86,22 @@ LogLevel log_level(std::string_view name) {
 ExitCode solve(const SolveRequest& request, Streams streams, const std::atomic<bool>* interrupt) {
   try {
     Applied options = apply_options(assignments(request));
-    const LoadedProblem problem = load_problem(request.problem, request.start);
+    const LoadedProblem problem = load_problem({.problem = request.problem,
+                                                .q = request.q,
+                                                .lower = request.lower,
+                                                .upper = request.upper,
+                                                .start_at = request.start_at,
+                                                .start = request.start});
     settle_auto(problem, options);
     const Report report = run_and_print(request, problem, options, streams, interrupt);
+    if (!request.solution.empty()) lcp::write_vector(request.solution, report.result.x, "solution of " + problem.label);
     const bool delivered = request.json.empty() || deliver_json(request, streams, solve_json(report));
     return delivered ? report.exit_code() : exit_input;
   } catch (const InputError& error) {
     return refuse(request, streams, error.what());
   } catch (const ncp::ampl::ModelError& error) {
+    return refuse(request, streams, error.what());
+  } catch (const lcp::FileError& error) {
     return refuse(request, streams, error.what());
   } catch (const std::invalid_argument& error) {  // the library's door
     return refuse(request, streams, error.what());

@@ -25,14 +25,19 @@ std::span<const std::string_view> log_level_names();
 LogLevel log_level(std::string_view name);
 
 struct SolveRequest {
-  std::string problem;                 ///< FILE.nl or NAME
+  std::string problem;                 ///< FILE.nl, NAME or M.mtx
   std::optional<int> start{};          ///< from 1
   std::string options_file{};          ///< "" for none
   std::vector<std::string> options{};  ///< key=value, in order; after the file's
   std::vector<Assignment> flags{};     ///< options that have a flag of their own; after those
   std::string json{};                  ///< "" for none, "-" for standard output (and the log to `err`)
   LogLevel log_level = LogLevel::Info;
-  bool full = false;  ///< print every row of the solution
+  bool full = false;    ///< print every row of the solution
+  std::string q{};      ///< of a matrix file: the vector's
+  std::string lower{};  ///< of a matrix file: a file or a number
+  std::string upper{};
+  std::string start_at{};  ///< a file with the start
+  std::string solution{};  ///< where to write x as a Matrix Market vector; "" for nowhere
 };
 
 /// Solves and reports. `interrupt`, when set, ends the run as Interrupted; may be null. Errors in the request are
