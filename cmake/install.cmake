@@ -18,6 +18,7 @@ set(perp_public_headers
   lcp/projected_sor.hpp
   lcp/mlcp.hpp
   lcp/principal_pivoting.hpp
+  lcp/siconos_file.hpp
   lcp/file_error.hpp
   lcp/lemke_howson.hpp
   lcp/matrix_market.hpp
