@@ -71,6 +71,12 @@ Vec diagonal_of(const SparseRows& A) {
   return d;
 }
 
+bool sorted(const SparseRows& A) {
+  for (int i = 0; i < A.rows(); ++i)
+    if (!std::is_sorted(A.column.begin() + A.start[at(i)], A.column.begin() + A.start[at(i) + 1])) return false;
+  return true;
+}
+
 bool mostly_negative(const SparseRows& A, double share) {
   double positive = 0;
   double all = 0;
@@ -128,7 +134,8 @@ class Solver {
 /// M by rows with its diagonal; false if bound_qp does not apply, with the reason in early_.
 bool Solver::take_matrix() {
   A_ = rows_of(problem_.M);
-  SparseRows T = A_.transposed(A_.rows());
+  SparseRows T = A_.transposed(A_.rows());  // sorted rows, which what follows needs
+  if (!sorted(A_)) A_ = T.transposed(A_.rows());
   d_ = diagonal_of(A_);
   const auto refuse = [&](const std::string& why) {
     early_ = finish(Status::NotApplicable, why);

@@ -40,7 +40,7 @@ class Run {
   void step_to_first_bound();
   Descent::End descend_on_face(bool changed, bool tight, bool& met);
   double change(const Vec& dz);
-  bool wait_for_rounding();
+  bool at_rounding(bool settled_and_tight);
   template <class Use>
   void row(Index i, Use use) const {
     const int end = A_.start[at(i) + 1];
@@ -63,7 +63,8 @@ class Run {
   Vec p_;
   Vec Ap_;
   double best_omega_ = infinity;
-  int without_progress_ = 0;
+  int solves_without_progress_ = 0;
+  int steps_without_progress_ = 0;
 };
 
 void Run::relax(Index i) {
@@ -90,6 +91,7 @@ void Run::gradient() {
     });
     g_[i] = sum;
     size_[i] = size;
+    if (!std::isfinite(sum) || !std::isfinite(size)) omega = infinity;
     if (!(d_[i] > 0) || size == 0) continue;
     const double moved = std::abs(z_[i] - mid(qp_.lower[i], z_[i] - sum / d_[i], qp_.upper[i]));
     omega = std::max(omega, moved * d_[i] / size);
@@ -212,14 +214,18 @@ void Run::step_to_first_bound() {
   }
 }
 
-/// After a tight solve on a settled face: whether omega still falls.
-bool Run::wait_for_rounding() {
+/// Whether omega has not fallen to half its best for some steps: three tight solves on a settled face, or ten near the
+/// level of rounding, where signs of rounding may make the face flicker.
+bool Run::at_rounding(bool settled_and_tight) {
+  constexpr double near = 1e-11;
   if (control_.omega < 0.5 * best_omega_) {
     best_omega_ = control_.omega;
-    without_progress_ = 0;
-    return true;
+    solves_without_progress_ = steps_without_progress_ = 0;
+    return false;
   }
-  return ++without_progress_ < 3;
+  if (settled_and_tight) ++solves_without_progress_;
+  ++steps_without_progress_;
+  return solves_without_progress_ >= 3 || (best_omega_ <= near && steps_without_progress_ >= 10);
 }
 
 /// Steps 3 and 4. Where no projected step lowers the objective it goes to the first bound and on from there on the
@@ -263,7 +269,7 @@ Descent::End Run::descend() {
     const bool changed = find_face();
     const bool settled = !changed && !met;
     if (settled && control_.settle_only) return Descent::End::Settled;
-    if (settled && tight && !wait_for_rounding()) return Descent::End::Solved;
+    if (at_rounding(settled && tight)) return Descent::End::Solved;
     tight = settled;
     const Descent::End end = descend_on_face(changed, tight, met);
     if (end != Descent::End::Settled) return end;

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
@@ -230,6 +231,34 @@ TEST(BoundQp, IndefiniteMatrices) {
     }
   }
   EXPECT_GT(refused, 100);
+}
+
+// Numbers that overflow on the way end in an honest answer, never in a loop or a point that does not solve.
+TEST(BoundQp, OverflowOnTheWay) {
+  const Vec big = vec({1e308, -1e308});
+  for (const double a : {1e-300, 1e-8, 1.0, 1e300})
+    for (const auto& [name, options] : all_preconditioners())
+      for (const Box& box : {Box::nonnegative(2), Box::free(2)}) {
+        const AffineMcp problem{support::matrix({{2 * a, -a}, {-a, 2 * a}}), big, box};
+        const Result result = bound_qp(problem, 1e10 * big.cwiseMax(0).cwiseMin(1), options);
+        EXPECT_TRUE(result.z.allFinite()) << name;
+        if (result.solved()) {
+          EXPECT_LE(violation(problem, result.z), 1e-8 * 1e308) << name;
+        }
+      }
+}
+
+// Rows whose entries are not in order, as other codes assemble them.
+TEST(BoundQp, TakesColumnsInAnyOrder) {
+  AffineMcp problem = membrane(12);
+  const Vec expected = expect_solved(problem, Vec::Zero(144), {}, "in order").z;
+  SpMat& M = problem.M;
+  for (Index j = 0; j < M.cols(); ++j) {
+    std::reverse(M.innerIndexPtr() + M.outerIndexPtr()[j], M.innerIndexPtr() + M.outerIndexPtr()[j + 1]);
+    std::reverse(M.valuePtr() + M.outerIndexPtr()[j], M.valuePtr() + M.outerIndexPtr()[j + 1]);
+  }
+  for (const auto& [name, options] : all_preconditioners())
+    EXPECT_LE((expect_solved(problem, Vec::Zero(144), options, name).z - expected).norm(), 1e-13) << name;
 }
 
 TEST(BoundQp, Limits) {
