@@ -26,6 +26,7 @@ set(perp_public_headers
   lcp/solve.hpp
   lcp/sparse_lu.hpp
   lcp/sparse_vector.hpp
+  lcp/structure.hpp
   lcp/types.hpp
   ncp/affine.hpp
   ncp/ampl/model.hpp
