@@ -1,0 +1,176 @@
+#include "lcp/matrix_market.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+
+#include "support/matrices.hpp"
+
+namespace perp::lcp {
+namespace {
+
+using support::Dense;
+using support::matrix;
+using support::Random;
+using support::vec;
+using testing::EndsWith;
+using testing::HasSubstr;
+
+/// A file of this content, gone with the object.
+class Temporary {
+ public:
+  explicit Temporary(const std::string& text = {}) {
+    const testing::TestInfo* test = testing::UnitTest::GetInstance()->current_test_info();
+    path_ = testing::TempDir() + "perp-" + test->name() + "-" + std::to_string(++count_) + ".mtx";
+    std::ofstream(path_, std::ios::binary) << text;
+  }
+  Temporary(const Temporary&) = delete;
+  Temporary& operator=(const Temporary&) = delete;
+  ~Temporary() {
+    std::error_code ignored;
+    std::filesystem::remove(path_, ignored);
+  }
+  const std::string& path() const { return path_; }
+
+ private:
+  std::string path_;
+  inline static int count_ = 0;
+};
+
+Dense read(const std::string& text) { return Dense(read_matrix(Temporary(text).path())); }
+Vec vector(const std::string& text, bool bounds = false) { return read_vector(Temporary(text).path(), bounds); }
+
+/// The error without the file's name: ":line: reason".
+std::string why_not(const std::string& text, bool of_vector = false) {
+  const Temporary file(text);
+  try {
+    if (of_vector)
+      read_vector(file.path());
+    else
+      read_matrix(file.path());
+  } catch (const FileError& error) {
+    return std::string(error.what()).substr(file.path().size());
+  }
+  return "read";
+}
+
+// The examples of NIST IR 5935 in small, one of each kind, with comments, blank lines, carriage returns, capitals and
+// entries in any order. Catches rows and columns exchanged, the wrong triangle, a sign of the skew half.
+TEST(MatrixMarket, EveryKind) {
+  Dense A(2, 3);
+  A << 1, 0, 2.5, 0, -3, 0;
+  EXPECT_EQ(read("%%MatrixMarket matrix coordinate real general\n% one\n\n2 3 3\n2 2 -3\n1 3 +2.5\n% two\n1 1 1e0\n"),
+            A);
+  EXPECT_EQ(read("%%matrixmarket MATRIX Coordinate Integer GENERAL\r\n%\r\n2 3 3\r\n1 1 1\r\n1 3 2.5\r\n2 2 -3"), A);
+  EXPECT_EQ(read("%%MatrixMarket matrix array real general\n2 3\n1\n0\n0\n-3\n2.5\n0\n"), A);
+  Dense S(2, 2);
+  S << 1, 2, 2, 3;
+  EXPECT_EQ(read("%%MatrixMarket matrix coordinate real symmetric\n2 2 3\n1 1 1\n2 1 2\n2 2 3\n"), S);
+  EXPECT_EQ(read("%%MatrixMarket matrix array real symmetric\n2 2\n1\n2\n3\n"), S);
+  Dense K(3, 3);
+  K << 0, -1, -2, 1, 0, -3, 2, 3, 0;
+  EXPECT_EQ(read("%%MatrixMarket matrix array real skew-symmetric\n3 3\n1\n2\n3\n"), K);
+  EXPECT_EQ(read("%%MatrixMarket matrix coordinate real skew-symmetric\n3 3 3\n2 1 1\n3 1 2\n3 2 3\n"), K);
+  EXPECT_EQ(read("%%MatrixMarket matrix coordinate pattern general\n1 2 1\n1 2\n"), Dense(matrix({{0, 1}})));
+  EXPECT_EQ(read("%%MatrixMarket matrix coordinate real general\n0 0 0\n").size(), 0);
+  // Entries of one place are added up, denormal numbers come as 0 or themselves.
+  EXPECT_EQ(read("%%MatrixMarket matrix coordinate real general\n1 1 3\n1 1 1\n1 1 2\n1 1 4\n")(0, 0), 7);
+  EXPECT_LT(read("%%MatrixMarket matrix coordinate real general\n1 1 1\n1 1 1e-400\n")(0, 0), 1e-300);
+}
+
+TEST(MatrixMarket, RefusesWhatIsNotAsAnnounced) {
+  const std::string header = "%%MatrixMarket matrix coordinate real general\n";
+  EXPECT_EQ(why_not(""), ":1: a Matrix Market file begins with %%MatrixMarket");
+  EXPECT_EQ(why_not("2 2 1\n1 1 1\n"), ":1: a Matrix Market file begins with %%MatrixMarket");
+  EXPECT_THAT(why_not("%%MatrixMarket matrix coordinate real\n1 1 0\n"), HasSubstr(":1: the header has 4 words"));
+  EXPECT_THAT(why_not("%%MatrixMarket matrix coordinate complex general\n1 1 0\n"), HasSubstr("'complex'"));
+  EXPECT_THAT(why_not("%%MatrixMarket matrix coordinate real hermitian\n1 1 0\n"), HasSubstr("'hermitian'"));
+  EXPECT_THAT(why_not("%%MatrixMarket vector coordinate real general\n1 1 0\n"), HasSubstr("'vector'"));
+  EXPECT_THAT(why_not("%%MatrixMarket matrix array pattern general\n1 1\n"), HasSubstr("pattern"));
+  EXPECT_THAT(why_not("%%MatrixMarket matrix coordinate real symmetric\n1 2 0\n"), HasSubstr(":2: "));
+  EXPECT_THAT(why_not(header + "-1 2 0\n"), HasSubstr(":2: the size -1 x 2"));
+  EXPECT_THAT(why_not(header + "99999999999 2 0\n"), HasSubstr("out of range"));
+  EXPECT_THAT(why_not(header + "2 2 1.5\n"), HasSubstr("the number of entries is '1.5'"));
+  EXPECT_EQ(why_not(header + "%\n2 2 1\n3 1 1\n"), ":4: the place (3, 1) is not in a matrix of 2 x 2");
+  EXPECT_EQ(why_not(header + "2 2 1\n1 0 1\n"), ":3: the place (1, 0) is not in a matrix of 2 x 2");
+  EXPECT_THAT(why_not(header + "2 2 2\n1 1 1\n"), HasSubstr("the file ends after 1 of 2 entries"));
+  EXPECT_THAT(why_not(header + "2 2 2000000000\n1 1 1\n"), HasSubstr("the file ends after 1 of 2000000000"));
+  EXPECT_THAT(why_not(header + "2 2 1\n1 1 1\n2 2 1\n"), HasSubstr(":4: there is more text"));
+  EXPECT_THAT(why_not(header + "2 2 1\n1 1 nan\n"), HasSubstr(":3: the value is nan"));
+  EXPECT_THAT(why_not(header + "2 2 1\n1 1 1e999\n"), HasSubstr(":3: the value is inf"));
+  EXPECT_THAT(why_not(header + "2 2 1\n1 1 1x\n"), HasSubstr(":3: '1x' is not a number"));
+  EXPECT_THAT(why_not(header + "2 2 1\n1 1"), HasSubstr("ends before its last value"));
+  EXPECT_THAT(why_not("%%MatrixMarket matrix coordinate real skew-symmetric\n2 2 1\n1 1 1\n"), HasSubstr("diagonal"));
+  EXPECT_THROW(read_matrix("/nonexistent/x.mtx"), FileError);
+  EXPECT_THROW(read_matrix(testing::TempDir()), FileError);
+}
+
+TEST(MatrixMarket, Vectors) {
+  EXPECT_EQ(vector("%%MatrixMarket matrix array real general\n3 1\n1\n2\n3\n"), vec({1, 2, 3}));
+  EXPECT_EQ(vector("%%MatrixMarket matrix array real general\n1 3\n1\n2\n3\n"), vec({1, 2, 3}));
+  EXPECT_EQ(vector("%%MatrixMarket matrix coordinate real general\n3 1 1\n2 1 5\n"), vec({0, 5, 0}));
+  EXPECT_EQ(vector("1\n2.5\n% a comment\n-3e1\n"), vec({1, 2.5, -30}));
+  EXPECT_THAT(why_not("%%MatrixMarket matrix array real general\n2 2\n1\n2\n3\n4\n", true), HasSubstr("2 x 2"));
+  EXPECT_THAT(why_not("1\ninf\n", true), HasSubstr(":2: "));
+  EXPECT_THAT(why_not("1\nnan\n", true), HasSubstr(":2: "));
+  // Bounds: infinite in every spelling, and from 1e20 on.
+  EXPECT_EQ(vector("inf\n-inf\nInfinity\n-INF\n1e30\n-1e20\n1e19\n0\n", true),
+            vec({infinity, -infinity, infinity, -infinity, infinity, -infinity, 1e19, 0}));
+  EXPECT_EQ(vector("%%MatrixMarket matrix array real general\n2 1\n-inf\n1e308\n", true), vec({-infinity, infinity}));
+}
+
+// What is written reads back bit by bit: the shortest digits that do, extreme numbers, empty rows and columns.
+TEST(MatrixMarket, RoundTrips) {
+  Random random(1);
+  for (int run = 0; run < 20; ++run) {
+    const Index n = random.integer(1, 30);
+    SpMat A = support::from(n, support::scatter(n, 2, random));
+    for (Index k = 0; k < A.nonZeros(); ++k) A.valuePtr()[k] *= std::pow(10, random.integer(-300, 300));
+    const Temporary file;
+    write_matrix(file.path(), A, "two lines\nof comment");
+    EXPECT_EQ(Dense(read_matrix(file.path())), Dense(A));
+    const Vec v = random.normals(n);
+    write_vector(file.path(), v);
+    EXPECT_EQ(read_vector(file.path()), v);
+  }
+  const Temporary file;
+  const double largest = std::numeric_limits<double>::max();
+  const double least = std::numeric_limits<double>::denorm_min();
+  write_vector(file.path(), vec({0.1, 1.0 / 3, -largest, least, 1e100}));
+  EXPECT_EQ(read_vector(file.path()), vec({0.1, 1.0 / 3, -largest, least, 1e100}));
+  write_matrix(file.path(), matrix({{0.1}}));
+  EXPECT_THAT(read_file(file.path()), EndsWith("\n1 1 1\n1 1 0.1\n"));
+  EXPECT_THROW(write_matrix("/nonexistent/x.mtx", matrix({{1}})), FileError);
+}
+
+// The Laplacian of a 300 x 300 grid, shuffled: 450000 entries, sorted into columns.
+TEST(MatrixMarket, LargeAndUnsorted) {
+  Random random(2);
+  const int N = 300;
+  std::string text = "%%MatrixMarket matrix coordinate real general\n";
+  support::Triplets entries;
+  for (int k = 0; k < N * N; ++k) {
+    entries.emplace_back(k, k, 4);
+    if (k % N > 0) entries.emplace_back(k, k - 1, -1);
+    if (k % N + 1 < N) entries.emplace_back(k, k + 1, -1.5);
+    if (k >= N) entries.emplace_back(k, k - N, -1);
+    if (k + N < N * N) entries.emplace_back(k, k + N, -1);
+  }
+  for (std::size_t k = entries.size(); k > 1; --k)
+    std::swap(entries[k - 1], entries[static_cast<std::size_t>(random.integer(0, static_cast<int>(k) - 1))]);
+  text += std::to_string(N * N) + " " + std::to_string(N * N) + " " + std::to_string(entries.size()) + "\n";
+  for (const auto& e : entries)
+    text += std::to_string(e.row() + 1) + " " + std::to_string(e.col() + 1) + " " + std::to_string(e.value()) + "\n";
+  const SpMat A = read_matrix(Temporary(text).path());
+  EXPECT_EQ(A.nonZeros(), static_cast<Index>(entries.size()));
+  EXPECT_EQ((A - support::from(N * N, entries)).norm(), 0);
+  for (Index j = 0; j < A.cols(); ++j)
+    EXPECT_TRUE(std::is_sorted(A.innerIndexPtr() + A.outerIndexPtr()[j], A.innerIndexPtr() + A.outerIndexPtr()[j + 1]));
+}
+
+}  // namespace
+}  // namespace perp::lcp
