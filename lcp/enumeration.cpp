@@ -49,6 +49,9 @@ struct Piece {
   Index dimension;
 };
 
+/// A sign that is violated by more than this, relative to the terms of the sum, is so beyond rounding.
+constexpr double clearly = 1e-8;
+
 class Search {
  public:
   Search(const AffineMcp& problem, const Enumeration& options, const Limits& limits)
@@ -60,7 +63,7 @@ class Search {
         M_(scaled_.M),
         places_(all_inside(problem.box)),
         decided_(at(problem.size()), 0),
-        cell_(problem, LuBackend::Umfpack, 0) {}
+        cell_(problem, LuBackend::Umfpack, clearly) {}
 
   Solutions run() {
     BoundedRows rows(M_, scaled_.q, scaled_.box, options_.degenerate_tol);
@@ -142,8 +145,13 @@ class Search {
     for (Index i = 0; i < problem_.size(); ++i)
       if (places_[at(i)] == Place::Inside) inside.push_back(i);
     if (rank(M_(inside, inside), options_.singular_tol) == static_cast<Index>(inside.size())) {
-      if (cell_.solve(places_) == LuStatus::Ok && offer(cell_.z().cwiseQuotient(scaling_.columns), 0)) return;
-      offer(values(rows), 0);  // ill-conditioned, or the cell holds no solution but within the tolerance
+      const bool solvable = cell_.solve(places_) == LuStatus::Ok;
+      if (solvable && offer(cell_.z().cwiseQuotient(scaling_.columns), 0)) return;
+      if (offer(values(rows), 0)) return;
+      // The cell's only point is no solution: either by a sign, though by less than the tolerance of the search, or
+      // because it is not known accurately enough.
+      if (!solvable || cell_.all_violated(places_).empty())
+        stop(Status::Stalled, "rounding: a cell holds a point that is not accurate enough to be judged");
       return;
     }
     const Vec z = relative_interior(rows);
