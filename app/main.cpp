@@ -133,7 +133,9 @@ struct CommandLine {
     solve = app.add_subcommand("solve", "Solve an AMPL model or a problem of the collection");
     solve->footer(solve_footer);
     SolveRequest& request = solve_request;
-    solve->add_option("PROBLEM", request.problem, "FILE.nl, a NAME that 'perp list' shows, or M.mtx (Matrix Market)")
+    solve
+        ->add_option("PROBLEM", request.problem,
+                     "FILE.nl, a NAME that 'perp list' shows, M.mtx (Matrix Market) or FILE.dat (Siconos)")
         ->required()
         ->option_text(" ");
     solve->add_option("VECTOR", request.q, "q.mtx: with M.mtx the affine problem F(x) = M x + q")->option_text(" ");

@@ -4,10 +4,13 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <optional>
+#include <sstream>
 #include <utility>
 
 #include "app/program.hpp"
 #include "lcp/matrix_market.hpp"
+#include "lcp/siconos_file.hpp"
 #include "ncp/affine.hpp"
 
 namespace perp::app {
@@ -87,21 +90,53 @@ LoadedProblem from_matrix(const ProblemSource& source) {
   return loaded;
 }
 
+/// An LCP or an MLCP, whichever it is.
+LoadedProblem from_siconos(const std::string& path) {
+  const std::string text = lcp::read_file(path);
+  // An MLCP begins with two flags of 0 or 1, an LCP with its size and its matrix' storage: "1 0" could be both.
+  std::istringstream first(text);
+  double a = 0;
+  double b = 0;
+  first >> a >> b;
+  LoadedProblem loaded{.label = path, .mcp = nullptr, .x0 = {}};
+  lcp::AffineMcp problem;
+  std::vector<std::string> names;
+  const bool flags = (a == 0 || a == 1) && (b == 0 || b == 1) && a + b > 0;
+  std::optional<lcp::SiconosMlcp> mixed;
+  if (flags) try {
+      mixed = lcp::parse_siconos_mlcp(text, path);
+    } catch (const lcp::FileError&) {
+      if (b == 1) throw;  // no LCP has a matrix of storage 1
+    }
+  if (mixed) {
+    problem = lcp::to_affine(mixed->mlcp);
+    for (const auto& [letter, count] : {std::pair{'u', mixed->mlcp.a.size()}, {'v', mixed->mlcp.b.size()}})
+      for (lcp::Index i = 0; i < count; ++i) names.push_back(fmt::format("{}[{}]", letter, i + 1));
+  } else {
+    problem = lcp::parse_siconos_lcp(text, path).problem;
+  }
+  loaded.x0 = lcp::Vec::Zero(problem.size());
+  loaded.mcp = ncp::make_affine_mcp(std::move(problem), path, std::move(names));
+  return loaded;
+}
+
 }  // namespace
 
-bool is_matrix_file(const std::string& argument) { return argument.ends_with(".mtx"); }
+bool is_matrix_file(const std::string& argument) { return argument.ends_with(".mtx") || argument.ends_with(".dat"); }
 
 LoadedProblem load_problem(const ProblemSource& source) {
-  const bool matrix = is_matrix_file(source.problem);
+  const bool matrix = source.problem.ends_with(".mtx");
   if (!matrix)
     for (const auto& [flag, given] :
          {std::pair{"a second file", source.q}, {"--lower", source.lower}, {"--upper", source.upper}})
       if (!given.empty())
         throw InputError(fmt::format("{} ('{}') goes with a matrix file, not with '{}'", flag, given, source.problem));
-  if (matrix && source.start.value_or(1) != 1)
+  if (is_matrix_file(source.problem) && source.start.value_or(1) != 1)
     throw InputError(
         fmt::format("--start {}: a matrix file has one start; --start-at FILE gives another", *source.start));
-  LoadedProblem problem = matrix ? from_matrix(source) : load_problem(source.problem, source.start);
+  LoadedProblem problem = matrix                             ? from_matrix(source)
+                          : source.problem.ends_with(".dat") ? from_siconos(source.problem)
+                                                             : load_problem(source.problem, source.start);
   if (!source.start_at.empty()) {
     problem.x0 = lcp::read_vector(source.start_at);
     if (problem.x0.size() != problem.mcp->size())

@@ -26,14 +26,14 @@ struct LoadedProblem {
 
 /// What the command line names.
 struct ProblemSource {
-  std::string problem;         ///< NAME, FILE.nl, or M.mtx
+  std::string problem;         ///< NAME, FILE.nl, FILE.dat (Siconos' LCPs and MLCPs), or M.mtx
   std::string q{};             ///< of M.mtx: q.mtx
   std::string lower{};         ///< of M.mtx: a file or a number; empty: 0
   std::string upper{};         ///< of M.mtx: a file or a number; empty: inf
   std::string start_at{};      ///< a file with the point to start from, in place of the problem's own start
   std::optional<int> start{};  ///< of a collection problem, from 1
 };
-/// Is it the matrix of an affine problem? (By the file's ending: .mtx.)
+/// Is it the matrix of an affine problem? (By the file's ending: .mtx, .dat.)
 bool is_matrix_file(const std::string& argument);
 /// Throws InputError, ncp::ampl::ModelError or lcp::FileError.
 LoadedProblem load_problem(const ProblemSource& source);
