@@ -13,8 +13,10 @@ set(perp_public_headers
   lcp/cholesky.hpp
   lcp/enumeration.hpp
   lcp/classify.hpp
+  lcp/fb_newton.hpp
   lcp/least_index.hpp
   lcp/lemke.hpp
+  lcp/min_newton.hpp
   lcp/projected_sor.hpp
   lcp/mlcp.hpp
   lcp/principal_pivoting.hpp
