@@ -147,6 +147,12 @@ std::string solve_json(const Report& report) {
   json["options"] = options_json(report.settings);
   json["variables"] = variables_json(report);
   json["iterations"] = iterations_json(report);
+  if (report.all_solutions) {
+    json["solutions_complete"] = report.all_solutions->complete;
+    json["solutions"] = Json::array();
+    for (const lcp::Solution& solution : report.all_solutions->found)
+      json["solutions"].push_back({{"dimension", solution.dimension}, {"x", json_numbers(solution.z)}});
+  }
   return text(json);
 }
 

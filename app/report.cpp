@@ -8,6 +8,7 @@
 #include <ostream>
 
 #include "app/table.hpp"
+#include "ncp/affine.hpp"
 
 namespace perp::app {
 
@@ -80,6 +81,13 @@ Report run_method(const LoadedProblem& problem, const Settings& settings, std::o
   std::vector<ncp::Observer> observers{ncp::record(report.iterations)};
   if (table != nullptr) observers.push_back(flushed_table(*table, *problem.mcp));
   report.result = ncp::solve(*problem.mcp, problem.x0, method, ncp::all(std::move(observers)));
+  if (const auto* affine = std::get_if<ncp::Affine>(&method))
+    if (const auto* enumeration = std::get_if<lcp::Enumeration>(&affine->method);
+        enumeration && report.result.solved()) {
+      lcp::Limits limits{.tol = stop.tol};
+      if (interrupt != nullptr) limits.interrupted = [interrupt] { return interrupt->load(); };
+      report.all_solutions = lcp::enumerate(*ncp::affine_part(*problem.mcp), *enumeration, limits);
+    }
   return report;
 }
 
@@ -130,6 +138,24 @@ void print_solution(std::ostream& out, const Report& report, bool full) {
                number(F_value(report, i), 4), std::string(state_name(box, i, x, tol))});
   }
   table.print(out, 0, full ? 0 : long_table, "--full shows them");
+}
+
+void print_all_solutions(std::ostream& out, const Report& report, bool full) {
+  if (!report.all_solutions) return;
+  const auto& [found, complete, nodes, stopped, message] = *report.all_solutions;
+  out << fmt::format("{}{}:\n", count(static_cast<ncp::Index>(found.size()), "solution"),
+                     complete ? ", and there are no others" : "; the search is not complete: " + message);
+  for (std::size_t k = 0; k < found.size(); ++k) {
+    if (!full && k == long_table) {
+      out << "  ... --full shows them\n";
+      break;
+    }
+    out << fmt::format("  {}:", k + 1);
+    if (found[k].dimension > 0) out << fmt::format(" (one of a set of dimension {})", found[k].dimension);
+    for (ncp::Index i = 0; i < found[k].z.size(); ++i)
+      if (found[k].z[i] != 0) out << fmt::format(" {} = {}", report.mcp().variable_name(i), number(found[k].z[i]));
+    out << '\n';
+  }
 }
 
 void print_summary(std::ostream& out, const Report& report) {

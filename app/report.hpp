@@ -23,6 +23,7 @@ struct Report {
   std::vector<ncp::Iteration> iterations{};
   std::optional<ncp::JacobianCheck> derivatives{};  ///< at the start, if asked for
   std::vector<std::string> notes{};
+  std::optional<lcp::Solutions> all_solutions{};  ///< of method enumeration
 
   const ncp::Mcp& mcp() const { return *problem->mcp; }
   ExitCode exit_code() const { return result.solved() ? exit_solved : exit_unsolved; }
@@ -49,6 +50,8 @@ void print_heading(std::ostream& out, const LoadedProblem& problem, const Settin
 void print_solution(std::ostream& out, const Report& report, bool full);
 /// What happened; what to try if it did not work.
 void print_summary(std::ostream& out, const Report& report);
+/// All solutions, if the method looked for all: what is not zero in each.
+void print_all_solutions(std::ostream& out, const Report& report, bool full);
 /// Options in force.
 void print_options(std::ostream& out, const Settings& settings);
 

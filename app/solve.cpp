@@ -63,7 +63,10 @@ Report run_and_print(const SolveRequest& request, const LoadedProblem& problem, 
     print_solution(log, report, request.full);
     log << '\n';
   }
-  if (shows(LogLevel::Summary)) print_summary(log, report);
+  if (shows(LogLevel::Summary)) {
+    print_summary(log, report);
+    print_all_solutions(log, report, request.full);
+  }
   log.flush();
   return report;
 }
