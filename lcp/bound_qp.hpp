@@ -49,7 +49,9 @@ struct BoundQp {
   bool nested = true;
   /// j is strong for i if -m_ij >= strength max_k -m_ik: Ruge & Stueben's 1/4. In (0, 1].
   double strength = 0.25;
-  /// Auto takes M for mostly negative if the positive entries off the diagonal add up to at most this share of all.
+  /// Auto takes M for mostly negative if the positive entries off the diagonal add up to at most this share of all. A
+  /// plate on an obstacle (13-point bilaplacian, share 0.27, n = 40000): 1.1 s by Multilevel, 10 s by Cholesky; plane
+  /// elasticity (share 0.18, n = 20402): 0.66 s and 0.32 s.
   double positive_share = 0.33;
   /// Up to this many unknowns Auto factors; the coarsest grid has not more.
   Index direct = 1000;
