@@ -14,6 +14,7 @@ set(perp_public_headers
   lcp/enumeration.hpp
   lcp/classify.hpp
   lcp/fb_newton.hpp
+  lcp/interior_point.hpp
   lcp/least_index.hpp
   lcp/lemke.hpp
   lcp/min_newton.hpp
