@@ -19,6 +19,12 @@ std::span<const MethodEntry> methods() {
                   "Kostreva 1978; Judice & Pires 1994", BlockPivoting{}},
       MethodEntry{"least-index", "exchanges the first infeasible variable; finite for P-matrices", "Murty 1974",
                   LeastIndex{}},
+      MethodEntry{"psor", "projected successive over-relaxation: symmetric positive definite or H-matrices",
+                  "Cryer 1971; Mangasarian 1977", ProjectedSor{}},
+      MethodEntry{"min-newton", "damped Newton on min(z, M z + q)", "Harker & Pang 1990; Fischer & Kanzow 1996",
+                  MinNewton{}},
+      MethodEntry{"fb-newton", "damped Newton on the Fischer-Burmeister equation, safeguarded",
+                  "Fischer 1992; De Luca, Facchinei & Kanzow 1996", FbNewton{}},
       MethodEntry{"qp", "symmetric positive semidefinite M: active sets, conjugate gradients, multigrid",
                   "Kornhuber 1994; More & Toraldo 1991", BoundQp{}},
       MethodEntry{"enumeration",
@@ -86,6 +92,11 @@ Result run(const AffineMcp& p, In x, const BlockPivoting& m, const Limits& limit
   return block_pivoting(p, x, m, limits);
 }
 Result run(const AffineMcp& p, In x, const LeastIndex& m, const Limits& limits) { return least_index(p, x, m, limits); }
+Result run(const AffineMcp& p, In x, const ProjectedSor& m, const Limits& limits) {
+  return projected_sor(p, x, m, limits);
+}
+Result run(const AffineMcp& p, In x, const MinNewton& m, const Limits& limits) { return min_newton(p, x, m, limits); }
+Result run(const AffineMcp& p, In x, const FbNewton& m, const Limits& limits) { return fb_newton(p, x, m, limits); }
 Result run(const AffineMcp& p, In x, const BoundQp& m, const Limits& limits) { return bound_qp(p, x, m, limits); }
 Result run(const AffineMcp& p, In x, const Enumeration& m, const Limits& limits) {
   return enumeration(p, x, m, limits);

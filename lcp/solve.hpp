@@ -8,10 +8,13 @@
 #include "lcp/block_pivoting.hpp"
 #include "lcp/bound_qp.hpp"
 #include "lcp/enumeration.hpp"
+#include "lcp/fb_newton.hpp"
 #include "lcp/least_index.hpp"
 #include "lcp/lemke.hpp"
 #include "lcp/lemke_howson.hpp"
+#include "lcp/min_newton.hpp"
 #include "lcp/principal_pivoting.hpp"
+#include "lcp/projected_sor.hpp"
 #include "lcp/result.hpp"
 
 namespace perp::lcp {
@@ -33,8 +36,8 @@ struct Auto {
   unsigned seed = 1;  ///< of the covering vectors tried after the first
 };
 
-using Method =
-    std::variant<Auto, Lemke, LemkeHowson, PrincipalPivoting, BlockPivoting, LeastIndex, BoundQp, Enumeration>;
+using Method = std::variant<Auto, Lemke, LemkeHowson, PrincipalPivoting, BlockPivoting, LeastIndex, ProjectedSor,
+                            MinNewton, FbNewton, BoundQp, Enumeration>;
 
 /// Runs the method from `start` (methods that need none ignore it). Throws std::invalid_argument for malformed input.
 Result solve(const AffineMcp& problem, In start, const Method& method = Auto{}, const Limits& limits = {});

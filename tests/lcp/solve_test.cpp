@@ -62,7 +62,9 @@ TEST(Methods, NeverClaimWhatIsNotSo) {
     for (const MethodEntry& entry : methods()) {
       // Nine of ten problems go to the cheap methods only.
       if (k % 10 != 0 && (entry.name == "enumeration" || entry.name == "auto")) continue;
-      const Result result = solve(p, start, entry.method);
+      Method method = entry.method;
+      if (auto* sor = std::get_if<ProjectedSor>(&method)) sor->max_sweeps = 300;  // it is the slow one
+      const Result result = solve(p, start, method);
       SCOPED_TRACE("problem " + std::to_string(k) + ", " + std::string(entry.name) + ": " + result.message);
       ASSERT_EQ(result.z.size(), p.size());
       ASSERT_TRUE((result.z.array() >= p.box.lower.array()).all() && (result.z.array() <= p.box.upper.array()).all());
