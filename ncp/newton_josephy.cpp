@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <string>
 #include <utility>
@@ -14,8 +15,8 @@ constexpr double prox_first = 1e-6;
 constexpr double prox_growth = 100;
 constexpr int prox_tries = 5;
 
-/// Covering vectors tried in turn.
-constexpr unsigned ray_starts = 3;
+/// Covering vectors tried in turn, after the one asked for.
+constexpr std::array covers{lcp::Cover::Generic, lcp::Cover::Ones, lcp::Cover::Spread};
 
 /// A path that ends before t = 1 is worth following if it came so far; shorter ones hold a run where it is.
 constexpr double partial_path = 0.1;
@@ -64,10 +65,14 @@ class Subproblems {
   Step solve(const Point& point, const Vec& start, double lambda) {
     const lcp::AffineMcp problem = linearised(run_.box(), point, lambda);
     Step step{.path = follow(problem, start, options_.start, options_.seed), .lambda = lambda};
-    for (unsigned i = 0; i < ray_starts && !step.path.solved() && !stopped(step.path); ++i) {
-      lcp::PivotResult from_ray = follow(problem, start, lcp::LemkeStart::Ray, options_.seed + i);
+    const lcp::Cover asked_for = options_.cover;
+    for (std::size_t i = 0; i <= covers.size() && !step.path.solved() && !stopped(step.path); ++i) {
+      options_.cover = i == 0 ? asked_for : covers[i - 1];
+      lcp::PivotResult from_ray =
+          follow(problem, start, lcp::LemkeStart::Ray, options_.seed + static_cast<unsigned>(i));
       if (from_ray.solved() || stopped(from_ray)) step.path = std::move(from_ray);
     }
+    options_.cover = asked_for;
     return step;
   }
 
