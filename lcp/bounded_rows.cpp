@@ -89,10 +89,10 @@ Index BoundedRows::entering(Index row, double direction, bool bland) const {
   return found;
 }
 
-bool BoundedRows::push(Index x, double direction) {
-  const double start = value_[x];
+bool BoundedRows::push(Index x, double direction, double target) {
+  const auto beyond = [&] { return direction * (value_[x] - target) > 0; };
   for (Index step = 0; step < 100 * (size() + 1); ++step) {
-    if (direction * (value_[x] - start) > 10 * tol_ * (1 + std::abs(start))) return true;
+    if (beyond()) return true;
     const Index row = place_[at(x)];
     const Index column = row < 0 ? -1 - row : entering(row, direction, true);
     if (column < 0) return false;
@@ -108,7 +108,7 @@ bool BoundedRows::push(Index x, double direction) {
     move(column, way * length);
     if (blocking >= 0) pivot(blocking, column);
   }
-  return direction * (value_[x] - start) > 10 * tol_ * (1 + std::abs(start));
+  return beyond();
 }
 
 /// How far the column's variable can move, and the row of the basic variable that stops it, or -1 if it meets its own

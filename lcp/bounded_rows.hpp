@@ -25,8 +25,9 @@ class BoundedRows {
   /// A point within all bounds (but for tol (1 + |bound|)), or the proof, a row of T, that there is none. Ends by
   /// Bland's rule; Undecided if rounding keeps it from ending.
   Feasibility repair();
-  /// From a feasible point: moves x up (direction 1) or down (-1) by more than tol within the bounds, if it can be.
-  bool push(Index x, double direction);
+  /// From a feasible point: moves x up (direction 1) or down (-1) within the bounds until it is beyond `target`; false
+  /// if it cannot be.
+  bool push(Index x, double direction, double target);
 
  private:
   bool below(Index x) const { return value_[x] < lower_[x] - tol_ * (1 + std::abs(lower_[x])); }

@@ -87,7 +87,7 @@ class Search {
     ++out_.nodes;
     const Feasibility answer = rows.repair();
     if (answer == Feasibility::Undecided) stop(Status::Stalled, "rounding: a partial cell could not be decided");
-    if (answer != Feasibility::Feasible) return;
+    if (answer != Feasibility::Feasible || degenerate_in_whole(rows)) return;
     const Index i = farthest_from_complementary(rows);
     if (i < 0) {
       leaf(rows);
@@ -107,6 +107,20 @@ class Search {
     branch(Place::Inside, l, u, 0, 0);
     if (finite_upper(problem_.box, i)) branch(Place::Upper, u, u, -infinity, 0);
     decided_[at(i)] = 0;
+  }
+
+  /// Whether some variable at a bound has w_i = 0 in the whole partial cell: then all of it is in the one with i
+  /// inside.
+  bool degenerate_in_whole(const BoundedRows& rows) const {
+    const double rounding = 1e-12;
+    for (Index i = 0; i < problem_.size(); ++i) {
+      if (decided_[at(i)] == 0 || places_[at(i)] == Place::Inside || is_fixed(problem_.box, i)) continue;
+      const double direction = places_[at(i)] == Place::Lower ? 1 : -1;
+      if (direction * rows.value(rows.w(i)) > rounding) continue;
+      BoundedRows pushed = rows;
+      if (!pushed.push(rows.w(i), direction, direction * rounding)) return true;
+    }
+    return false;
   }
 
   bool done() {
@@ -169,7 +183,8 @@ class Search {
     double count = 1;
     const auto push = [&](Index x, double direction) {
       BoundedRows pushed = rows;
-      if (!pushed.push(x, direction)) return;
+      const double start = rows.value(x);
+      if (!pushed.push(x, direction, start + direction * 10 * options_.degenerate_tol * (1 + std::abs(start)))) return;
       sum += values(pushed);
       count += 1;
     };

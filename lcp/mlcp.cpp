@@ -84,7 +84,7 @@ MlcpPoint from_affine(const Mlcp& mlcp, In z) {
   return point;
 }
 
-SchurReduction::SchurReduction(const Mlcp& mlcp, LuBackend lu) : mlcp_(mlcp), lu_(lu), status_(LuStatus::Ok) {
+SchurReduction::SchurReduction(const Mlcp& mlcp, LuBackend lu) : mlcp_(mlcp), lu_(lu) {
   check("SchurReduction", mlcp);
   status_ = lu_.factor(mlcp.A);
   if (status_ != LuStatus::Ok) return;
@@ -97,8 +97,10 @@ LuStatus SchurReduction::reduce() {
   const Index m = mlcp_.b.size();
   Vec x(n);
   lu_.solve_refined(mlcp_.a, x);
-  reduced_ = {.M = SpMat(m, m), .q = mlcp_.b - mlcp_.D * x, .box = Box::nonnegative(m)};
+  reduced_.q = mlcp_.b - mlcp_.D * x;
+  reduced_.box = Box::nonnegative(m);
   if (!reduced_.q.allFinite()) return LuStatus::NotFinite;
+  reduced_.M.resize(m, m);
   Vec column(m);
   for (Index j = 0; j < m; ++j) {
     column.setZero();

@@ -65,7 +65,7 @@ class SchurReduction {
   SparseLu lu_;
   AffineMcp reduced_;
   double rcond_ = 0;
-  LuStatus status_;
+  LuStatus status_ = LuStatus::Ok;
 };
 
 /// max of |A u + C v + a|, |w - (D u + B v + b)|, |min(v, w)|, in the infinity norm: zero exactly at the solutions.

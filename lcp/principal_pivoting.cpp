@@ -74,7 +74,7 @@ class Tableau {
   LuStatus pivot(Index s) {
     const Index enters = column(s, z_basic_[at(s)] == 0);
     const LuStatus status = put(position_[at(s)], enters);
-    z_basic_[at(s)] = z_basic_[at(s)] == 0;
+    z_basic_[at(s)] ^= 1;
     return status;
   }
 
@@ -85,7 +85,7 @@ class Tableau {
           status != LuStatus::Ok && leaves == r)
         return status;
     std::swap(position_[at(s)], position_[at(r)]);
-    for (const Index k : {s, r}) z_basic_[at(k)] = z_basic_[at(k)] == 0;
+    for (const Index k : {s, r}) z_basic_[at(k)] ^= 1;
     return LuStatus::Ok;
   }
 

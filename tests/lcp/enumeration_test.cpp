@@ -190,6 +190,22 @@ TEST(Enumeration, TwentyVariables) {
   EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(5));
 }
 
+// q = 0 and M an R_0-matrix (random): z = 0 is the only solution, a point of all 2^20 cells. The cells in which a w_i
+// is zero throughout are left to their neighbours, so that few are examined; with M = 0 all z >= 0 are found in one.
+TEST(Enumeration, TotallyDegenerate) {
+  Random random(5);
+  const AffineMcp problem = standard_lcp(support::sparse(random.normals(20, 20)), Vec::Zero(20));
+  const Solutions all = enumerate(problem);
+  EXPECT_TRUE(all.complete);
+  EXPECT_LT(all.nodes, 10000);
+  EXPECT_TRUE(std::any_of(all.found.begin(), all.found.end(), [](const Solution& s) { return s.z.isZero(1e-9); }) ||
+              std::any_of(all.found.begin(), all.found.end(), [](const Solution& s) { return s.dimension > 0; }));
+  const Solutions everything = enumerate(standard_lcp(SpMat(20, 20), Vec::Zero(20)));
+  EXPECT_TRUE(everything.complete);
+  ASSERT_EQ(everything.found.size(), 1U);
+  EXPECT_EQ(everything.found[0].dimension, 20);
+}
+
 // Small integers: singular cells, continua, ties everywhere; badly scaled rows. Every point is a solution; an empty
 // answer means that no other method finds one (badly scaled rows apart, which a tolerance relative to the largest
 // forgives), a certificate that the answer is empty. Catches a cell cut off wrongly.
