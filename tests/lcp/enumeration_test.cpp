@@ -190,8 +190,8 @@ TEST(Enumeration, TwentyVariables) {
   EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(5));
 }
 
-// q = 0 and M an R_0-matrix (random): z = 0 is the only solution, a point of all 2^20 cells. The cells in which a w_i
-// is zero throughout are left to their neighbours, so that few are examined; with M = 0 all z >= 0 are found in one.
+// q = 0: z = 0 is a solution, a point of all 2^20 cells. The cells in which a w_i is zero throughout are left to their
+// neighbours, so that few are examined; with M = 0 all z >= 0 are found in one.
 TEST(Enumeration, TotallyDegenerate) {
   Random random(5);
   const AffineMcp problem = standard_lcp(support::sparse(random.normals(20, 20)), Vec::Zero(20));
