@@ -16,7 +16,10 @@ class Attempts {
 
   /// Whether the problem is settled now: solved, proven infeasible, or the run stopped.
   bool run(const Method& method, const std::string& label, const std::string& why) {
-    Result result = solve(problem_, start_, method, limits_);
+    return run(method, start_, label, why);
+  }
+  bool run(const Method& method, const Vec& start, const std::string& label, const std::string& why) {
+    Result result = solve(problem_, start, method, limits_);
     const std::string before = tried_.empty() ? "" : "; tried before: " + tried_;
     const long iterations = best_.iterations + result.iterations;
     const int factorizations = best_.factorizations + result.factorizations;
@@ -82,7 +85,8 @@ ClassifyOptions cheap(Index n) {
 }
 
 /// The methods that the class of M promises something of. True: settled.
-bool try_by_class(Attempts& attempts, const Diagnosis& d, Index n, unsigned seed) {
+bool try_by_class(Attempts& attempts, const AffineMcp& problem, const Diagnosis& d, unsigned seed) {
+  const Index n = problem.size();
   const Property& psd = d.positive_semidefinite;
   if (d.symmetric.yes() && !psd.no() && n > factored_qp_to &&
       attempts.run(BoundQp{}, "qp",
@@ -98,15 +102,21 @@ bool try_by_class(Attempts& attempts, const Diagnosis& d, Index n, unsigned seed
         return true;
       break;
     }
+  // From the lower bounds, exchanges of all negative F_i are Chandrasekaran's method: it finds the least feasible
+  // point.
+  if (d.z.yes() && !d.m.yes() && problem.box.lower.allFinite() &&
+      attempts.run(BlockPivoting{}, problem.box.lower, "block-pivoting from the lower bounds", "M is a Z-matrix"))
+    return true;
   if (!psd.yes() && !d.copositive_plus.yes() && !d.p.yes()) return false;
   const std::string why = psd.yes()                 ? "M is positive semidefinite: " + psd.reason
                           : d.copositive_plus.yes() ? "M is copositive-plus: " + d.copositive_plus.reason
                                                     : "M is a P-matrix: " + d.p.reason;
-  // IP1
+  if (n > pivoting_to && psd.yes() && attempts.run(InteriorPoint{}, "interior-point", why)) return true;
+  if (n > pivoting_to) return false;
   for (const auto& [cover, label] :
        {std::pair{Cover::Ones, "lemke"}, {Cover::Generic, "lemke with a generic covering vector"}})
     if (attempts.run(covered(cover, seed, n), label, why)) return true;
-  return false;  // IP2
+  return psd.yes() && attempts.run(InteriorPoint{}, "interior-point", why);
 }
 
 /// What may help where nothing is known.
@@ -144,7 +154,7 @@ Result automatic(const AffineMcp& problem, In start, const Auto& method, const L
   if (at_start.solved()) return at_start;
   Attempts attempts(problem, start, limits);
   const Diagnosis diagnosis = classify(problem, cheap(problem.size()));
-  if (!try_by_class(attempts, diagnosis, problem.size(), method.seed)) try_everything(attempts, problem, method.seed);
+  if (!try_by_class(attempts, problem, diagnosis, method.seed)) try_everything(attempts, problem, method.seed);
   return attempts.end();
 }
 

@@ -25,6 +25,8 @@ std::span<const MethodEntry> methods() {
                   MinNewton{}},
       MethodEntry{"fb-newton", "damped Newton on the Fischer-Burmeister equation, safeguarded",
                   "Fischer 1992; De Luca, Facchinei & Kanzow 1996", FbNewton{}},
+      MethodEntry{"interior-point", "infeasible predictor-corrector primal-dual interior points; monotone problems",
+                  "Mehrotra 1992; Wright 1997", InteriorPoint{}},
       MethodEntry{"qp", "symmetric positive semidefinite M: active sets, conjugate gradients, multigrid",
                   "Kornhuber 1994; More & Toraldo 1991", BoundQp{}},
       MethodEntry{"enumeration",
@@ -97,6 +99,9 @@ Result run(const AffineMcp& p, In x, const ProjectedSor& m, const Limits& limits
 }
 Result run(const AffineMcp& p, In x, const MinNewton& m, const Limits& limits) { return min_newton(p, x, m, limits); }
 Result run(const AffineMcp& p, In x, const FbNewton& m, const Limits& limits) { return fb_newton(p, x, m, limits); }
+Result run(const AffineMcp& p, In x, const InteriorPoint& m, const Limits& limits) {
+  return interior_point(p, x, m, limits);
+}
 Result run(const AffineMcp& p, In x, const BoundQp& m, const Limits& limits) { return bound_qp(p, x, m, limits); }
 Result run(const AffineMcp& p, In x, const Enumeration& m, const Limits& limits) {
   return enumeration(p, x, m, limits);

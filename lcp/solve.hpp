@@ -9,6 +9,7 @@
 #include "lcp/bound_qp.hpp"
 #include "lcp/enumeration.hpp"
 #include "lcp/fb_newton.hpp"
+#include "lcp/interior_point.hpp"
 #include "lcp/least_index.hpp"
 #include "lcp/lemke.hpp"
 #include "lcp/lemke_howson.hpp"
@@ -37,7 +38,7 @@ struct Auto {
 };
 
 using Method = std::variant<Auto, Lemke, LemkeHowson, PrincipalPivoting, BlockPivoting, LeastIndex, ProjectedSor,
-                            MinNewton, FbNewton, BoundQp, Enumeration>;
+                            MinNewton, FbNewton, InteriorPoint, BoundQp, Enumeration>;
 
 /// Runs the method from `start` (methods that need none ignore it). Throws std::invalid_argument for malformed input.
 Result solve(const AffineMcp& problem, In start, const Method& method = Auto{}, const Limits& limits = {});

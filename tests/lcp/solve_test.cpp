@@ -4,7 +4,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <map>
 #include <string>
 
@@ -41,6 +43,18 @@ TEST(Methods, NamesAreUniqueAndFound) {
   EXPECT_TRUE(std::holds_alternative<Auto>(methods().front().method));
 }
 
+/// y'F = -delta at most in the box, but y'F >= -r |y|_1 where min(F, z - l) and its like are -r at worst, and the part
+/// of y'F that comes from z beyond the bounds is nothing: r >= delta / |y|_1.
+double least_violation(const AffineMcp& p, const Vec& y) {
+  double most = p.q.dot(y);
+  const Vec a = p.M.transpose() * y;
+  for (Index j = 0; j < a.size(); ++j) {
+    const double bound = a[j] > 0 ? p.box.upper[j] : p.box.lower[j];
+    if (std::isfinite(bound)) most += a[j] * bound;  // others are rounding: the certificate has been checked
+  }
+  return -most / y.lpNorm<1>();
+}
+
 // 4 x 2500 small problems of eight classes, degenerate, singular, infeasible and badly scaled ones included, by every
 // method. Solved must be so by a judge that shares no code with the library's; Infeasible must not contradict a
 // solution that another method found, and must prove itself by its certificate or by the exhaustive search. This is the
@@ -62,6 +76,8 @@ TEST_P(Campaign, NoMethodClaimsWhatIsNotSo) {
     };
     std::string_view has_solution;
     std::string_view has_none;
+    double smallest = infinity;  // violation of the solutions
+    double least = 0;            // violation that every point has, by a certificate
     for (const MethodEntry& entry : methods()) {
       // Nine of ten problems go to the cheap methods only.
       if (k % 10 != 0 && (entry.name == "enumeration" || entry.name == "auto")) continue;
@@ -75,6 +91,7 @@ TEST_P(Campaign, NoMethodClaimsWhatIsNotSo) {
         has_solution = entry.name;
         ++solved[entry.name];
         ASSERT_FALSE(wrong(result.z)) << support::violation(p, result.z);
+        smallest = std::min(smallest, support::violation(p, result.z));
       } else {
         ASSERT_FALSE(result.message.empty()) << to_string(result.status);
       }
@@ -83,13 +100,17 @@ TEST_P(Campaign, NoMethodClaimsWhatIsNotSo) {
         ++infeasible[entry.name];
         if (result.certificate.size() > 0) {
           ASSERT_TRUE(proves_infeasible(p, result.certificate));
+          least = std::max(least, least_violation(p, result.certificate));
         } else {
           ASSERT_THAT(result.message, HasSubstr("cells"));
         }
       }
     }
-    ASSERT_TRUE(has_solution.empty() || has_none.empty())
-        << "problem " << k << " is solved by " << has_solution << " and has no solution says " << has_none;
+    // Rows scaled by 1e-8 may be violated within the tolerance and provably so all the same.
+    const bool badly_scaled = k % 8 == 5;
+    ASSERT_TRUE(has_solution.empty() || has_none.empty() || (badly_scaled && smallest >= 0.5 * least))
+        << "problem " << k << " is solved by " << has_solution << " to " << smallest << " and has no solution says "
+        << has_none << ", every point being wrong by " << least;
   }
   for (const MethodEntry& entry : methods()) EXPECT_GT(solved[entry.name], 25) << entry.name;
   EXPECT_GT(solved["lemke"], 1250);
