@@ -260,7 +260,7 @@ class Classifier {
 
   void copositive() {
     const auto refute = [&](const Vec& v) {
-      const Form form = quadratic_form(S_, v);
+      const Form form = quadratic_form(S_, v, options_.tol);
       if (form.negative())
         for (Property* property : {&d_.copositive, &d_.strictly_copositive, &d_.copositive_plus})
           settle(*property, no("v'Mv < 0 for a v >= 0", {}, v));

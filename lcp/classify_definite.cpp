@@ -19,9 +19,9 @@ void refute(Property& property, const Vec& v, double value) {
 }
 
 /// Takes what v says: a negative form refutes both, an exact zero definiteness. Whether semidefiniteness fell.
-bool try_direction(const SpMat& S, const Vec& v, Diagnosis& d) {
+bool try_direction(const SpMat& S, const Vec& v, double tol, Diagnosis& d) {
   if (v.size() != S.rows() || !v.allFinite() || v.isZero(0)) return false;
-  const Form form = quadratic_form(S, v);
+  const Form form = quadratic_form(S, v, tol);
   if (form.not_positive() && !d.positive_definite.no()) refute(d.positive_definite, v, form.value);
   if (form.negative()) refute(d.positive_semidefinite, v, form.value);
   return form.negative();
@@ -42,18 +42,18 @@ SpMat scaled(const SpMat& S, const Vec& D) {
 }
 
 /// What a diagonal entry <= 0 says. Whether semidefiniteness is refuted.
-bool diagonal_refutes(const SpMat& S, Diagnosis& d) {
+bool diagonal_refutes(const SpMat& S, double tol, Diagnosis& d) {
   const Vec diagonal = S.diagonal();
   const Index n = S.rows();
   for (Index i = 0; i < n; ++i) {
     if (diagonal[i] > 0) continue;
-    if (try_direction(S, Vec::Unit(n, i), d)) return true;
+    if (try_direction(S, Vec::Unit(n, i), tol, d)) return true;
     for (SpMat::InnerIterator it(S, i); it; ++it) {
       if (it.row() == i || it.value() == 0) continue;
       // S_ii = 0: (a e_i + e_j)'S(a e_i + e_j) = 2 a S_ij + S_jj.
       Vec v = Vec::Unit(n, it.row());
       v[i] = -(diagonal[it.row()] / std::abs(it.value()) + 1) * (it.value() > 0 ? 1 : -1);
-      if (try_direction(S, v, d)) return true;
+      if (try_direction(S, v, tol, d)) return true;
     }
   }
   return false;
@@ -103,7 +103,7 @@ void by_cholesky(const SpMat& S, const ClassifyOptions& options, Diagnosis& d) {
   if (status == CholeskyStatus::Ok) return accept_definite(d, reason.str());
   if (status == CholeskyStatus::NotPositiveDefinite) {
     const Vec v = cholesky.failed_direction();
-    if (v.size() == S.rows() && try_direction(S, D.cwiseProduct(v), d)) return;
+    if (v.size() == S.rows() && try_direction(S, D.cwiseProduct(v), options.tol, d)) return;
     status = factor(1);
     if (status == CholeskyStatus::Ok) {
       reason.str("");
@@ -113,7 +113,7 @@ void by_cholesky(const SpMat& S, const ClassifyOptions& options, Diagnosis& d) {
     }
     if (status == CholeskyStatus::NotPositiveDefinite) {
       const Vec w = cholesky.failed_direction();
-      if (w.size() == S.rows() && try_direction(S, D.cwiseProduct(w), d)) return;
+      if (w.size() == S.rows() && try_direction(S, D.cwiseProduct(w), options.tol, d)) return;
     }
   }
   const std::string why = status == CholeskyStatus::OutOfMemory ? "no memory for Cholesky's factorization of M + M'"
@@ -124,23 +124,17 @@ void by_cholesky(const SpMat& S, const ClassifyOptions& options, Diagnosis& d) {
 
 }  // namespace
 
-Form quadratic_form(const SpMat& S, const Vec& v) {
+Form quadratic_form(const SpMat& S, const Vec& v, double tol) {
   long double value = 0;
   long double terms = 0;
-  Index longest = 1;
-  for (Index j = 0; j < S.cols(); ++j) {
-    Index count = 0;
-    for (SpMat::InnerIterator it(S, j); it; ++it, ++count) {
+  for (Index j = 0; j < S.cols(); ++j)
+    for (SpMat::InnerIterator it(S, j); it; ++it) {
       const long double term =
           static_cast<long double>(it.value()) * static_cast<long double>(v[it.row()]) * static_cast<long double>(v[j]);
       value += term;
       terms += std::abs(term);
     }
-    longest = std::max(longest, count);
-  }
-  // Rounding of the sum, and of S = M + M' itself.
-  const double unit = 1e-19 * static_cast<double>(S.nonZeros() + 3) + 2.3e-16;
-  return {static_cast<double>(value / 2), unit * static_cast<double>(terms)};
+  return {static_cast<double>(value / 2), tol * static_cast<double>(terms / 2)};
 }
 
 void dense_definite(const SpMat& S, double tol, Property& definite, Property& semidefinite) {
@@ -160,11 +154,11 @@ void dense_definite(const SpMat& S, double tol, Property& definite, Property& se
   } else {
     const Vec v = D.cwiseProduct(Vec(solver.eigenvectors().col(0)));
     d.positive_definite.reason = "M + M' is singular to rounding";
-    if (!try_direction(S, v, d)) {
+    if (!try_direction(S, v, tol, d)) {
       // Kernels of small integer matrices are often small integers: their form is exactly zero.
       Index largest = 0;
       const double scale = v.cwiseAbs().maxCoeff(&largest);
-      for (int k = 1; k <= 4; ++k) try_direction(S, (v * (k / scale)).array().round().matrix(), d);
+      for (int k = 1; k <= 4; ++k) try_direction(S, (v * (k / scale)).array().round().matrix(), tol, d);
       if (lambda[0] >= -zero && !d.positive_semidefinite.no())
         accept_semidefinite(d, "to rounding: " + reason.str());
       else if (!d.positive_semidefinite.no())
@@ -177,7 +171,7 @@ void dense_definite(const SpMat& S, double tol, Property& definite, Property& se
 
 void classify_definite(const SpMat& S, const ClassifyOptions& options, Diagnosis& d) {
   if (S.rows() == 0) return accept_definite(d, "n = 0");
-  if (diagonal_refutes(S, d)) return;
+  if (diagonal_refutes(S, options.tol, d)) return;
   if (by_dominance(S, options, d)) return;
   if (S.diagonal().minCoeff() > 0) {
     const std::vector<int> one(static_cast<std::size_t>(S.rows()), 0);

@@ -126,7 +126,7 @@ class Copositivity {
       const Vec y = lu.solve(Vec::Ones(A.rows()));
       if (y.maxCoeff() >= 0) return true;
       const Vec v = whole(alpha, -y / y.cwiseAbs().maxCoeff());
-      const Form form = quadratic_form(S_, v);
+      const Form form = quadratic_form(S_, v, tol_);
       if (form.negative()) {
         for (Property* property : {&d_.copositive, &d_.strictly_copositive, &d_.copositive_plus})
           settle(*property, Answer::No, "v'Mv < 0 for a v >= 0", v);
@@ -148,7 +148,7 @@ class Copositivity {
   /// v >= 0 is a zero of the form, up to rounding.
   void zero(const Vec& v) {
     near_zero_ = true;
-    if (quadratic_form(S_, v).value == 0) settle(d_.strictly_copositive, Answer::No, "v'Mv = 0 for a v >= 0", v);
+    if (quadratic_form(S_, v, tol_).value == 0) settle(d_.strictly_copositive, Answer::No, "v'Mv = 0 for a v >= 0", v);
     const Vec Sv = S_ * v;
     if (Sv.cwiseAbs().maxCoeff() > 1e3 * tol_ * dense_.cwiseAbs().maxCoeff())
       settle(d_.copositive_plus, Answer::No, "v'Mv = 0 but (M + M')v != 0 for a v >= 0", v);

@@ -4,14 +4,14 @@
 
 namespace perp::lcp {
 
-/// v'Sv / 2 with a bound on its rounding error.
+/// v'Sv / 2, and tol times the terms it is the sum of: within that it counts as zero.
 struct Form {
   double value = 0;
   double error = 0;
   bool negative() const { return value < -error; }
   bool not_positive() const { return negative() || value == 0; }
 };
-Form quadratic_form(const SpMat& S, const Vec& v);
+Form quadratic_form(const SpMat& S, const Vec& v, double tol);
 
 /// Sets positive_definite and positive_semidefinite from S = M + M'.
 void classify_definite(const SpMat& S, const ClassifyOptions& options, Diagnosis& d);

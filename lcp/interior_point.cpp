@@ -132,7 +132,7 @@ class Run {
       if (solves(problem_, best_.z(), limits_.tol)) return end(Status::Stalled, "");
       if (const auto stop = limits_.reached()) return end(*stop, "stopped between two steps");
       if (k_ >= options_.max_iterations) return end(Status::IterationLimit, "the limit of iterations is reached");
-      if (x_.z.cwiseAbs().maxCoeff() > 1e3 && infeasible()) return proven();
+      if (k_ % 5 == 4 && x_.z.cwiseAbs().maxCoeff() > 1e3 && infeasible()) return proven();
 
       const LuStatus status = factor();
       if (status == LuStatus::OutOfMemory) return end(Status::OutOfMemory, "no memory for the factors of M + diag");
@@ -148,6 +148,7 @@ class Run {
         alpha = length(d, mu);
       }
       ++k_;
+      last_step_ = d.z;
       x_ = moved(d, alpha);
       if (!x_.z.allFinite() || !x_.w.allFinite() || !x_.v.allFinite())
         return end(Status::Stalled, "the iterates overflow");
@@ -326,20 +327,21 @@ class Run {
   /// Whether the direction in which z goes to infinity proves that there is no solution: for monotone M it tends to a d
   /// of the recession cone of the box with M'd = -M d, (M d)_i = 0 where d_i != 0.
   bool infeasible() {
-    Vec d = x_.z;
-    for (const double small : {1e-3, 1e-5, 1e-7}) {
-      Vec y = d / d.cwiseAbs().maxCoeff();
-      Places places(at(n_), Place::Inside);
-      for (Index i = 0; i < n_; ++i) {
-        const bool wrong = (below(i) && y[i] < 0) || (above(i) && y[i] > 0);
-        if (wrong || std::abs(y[i]) < small) places[at(i)] = Place::Lower, y[i] = 0;
+    for (const Vec& d : {x_.z, last_step_})
+      for (const double small : {1e-7, 1e-5, 1e-3, 1e-2, 0.1, 0.3}) {
+        Vec y = d / d.cwiseAbs().maxCoeff();
+        if (!y.allFinite()) break;
+        Places places(at(n_), Place::Inside);
+        for (Index i = 0; i < n_; ++i) {
+          const bool wrong = (below(i) && y[i] < 0) || (above(i) && y[i] > 0);
+          if (wrong || std::abs(y[i]) < small) places[at(i)] = Place::Lower, y[i] = 0;
+        }
+        if (y.isZero(0)) continue;
+        if (accept(y)) return true;
+        const Vec none = Vec::Zero(n_);
+        descend(places, y, none);
+        if (accept(y)) return true;
       }
-      if (y.isZero(0) || !y.allFinite()) continue;
-      if (accept(y)) return true;
-      const Vec none = Vec::Zero(n_);
-      descend(places, y, none);
-      if (accept(y)) return true;
-    }
     return false;
   }
 
@@ -378,6 +380,7 @@ class Run {
   Index pairs_ = 0;  ///< finite bounds
   double first_ratio_ = 0;
   std::uint64_t last_key_ = 0, polished_key_ = 0;
+  Vec last_step_ = Vec::Zero(n_);
   Vec certificate_;
   long k_ = 0;
   int factorizations_ = 0;
