@@ -119,6 +119,7 @@ Json entry_json(const collection::Entry& entry, const collection::Problem& probl
           {"starts", problem.starts.size()},
           {"known_solutions", problem.solutions.size()},
           {"solutions_complete", problem.solutions_complete},
+          {"no_solution", problem.no_solution},
           {"hard", entry.hard},
           {"source", entry.source}};
 }

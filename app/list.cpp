@@ -27,12 +27,13 @@ void print_all(std::ostream& out) {
   for (const collection::Entry& entry : collection::entries()) {
     const collection::Problem problem = entry.make();
     table.add({std::string(entry.name), std::to_string(entry.size), std::string(entry.problem_class),
-               std::to_string(problem.starts.size()), std::to_string(problem.solutions.size()),
+               std::to_string(problem.starts.size()),
+               problem.no_solution.empty() ? std::to_string(problem.solutions.size()) : "none",
                std::string(entry.hard)});
   }
   table.print(out);
   out << fmt::format(
-      "\n{}. 'known' counts solutions from the literature or in closed form.\n"
+      "\n{}. 'known' counts solutions from the literature or in closed form, 'none': there is no solution.\n"
       "'perp list NAME' shows one of them, 'perp solve NAME --start K' solves it.\n",
       count(static_cast<long long>(table.rows()), "problem"));
 }
@@ -82,6 +83,7 @@ void print_one(std::ostream& out, const collection::Entry& entry) {
   }
   if (!problem.solutions.empty())
     out << (problem.solutions_complete ? "  There are no others.\n" : "  There may be others.\n");
+  if (!problem.no_solution.empty()) out << "\n  There is no solution: " << problem.no_solution << ".\n";
 }
 
 }  // namespace

@@ -34,7 +34,7 @@ set(perp_public_headers
   ncp/affine.hpp
   ncp/ampl/model.hpp
   ncp/cfunction.hpp
-  ncp/collection/collection.hpp ncp/collection/generators.hpp
+  ncp/collection/collection.hpp ncp/collection/generators.hpp ncp/collection/random_lcps.hpp
   ncp/mcp.hpp
   ncp/observe.hpp
   ncp/residual.hpp
@@ -76,7 +76,7 @@ function(perp_link_flags out)
   set(${out} ${flags} PARENT_SCOPE)
 endfunction()
 perp_link_flags(perp_pc_dependencies ${ASL_LIBRARY} ${SuiteSparse_UMFPACK_LIBRARY} ${SuiteSparse_KLU_LIBRARY}
-  ${SuiteSparse_CHOLMOD_LIBRARY})
+  ${SuiteSparse_CHOLMOD_LIBRARY} ${GSL_LIBRARY} ${GSL_CBLAS_LIBRARY})
 if(CMAKE_DL_LIBS)
   string(APPEND perp_pc_dependencies " -l${CMAKE_DL_LIBS}")
 endif()

@@ -23,6 +23,8 @@ struct Problem {
   std::vector<KnownSolution> solutions;
   /// A point outside the list may be a solution too (several solutions, or a ray of them).
   bool solutions_complete = false;
+  /// Why there is no solution, in one line, if there is none; then `solutions` is empty and complete.
+  std::string no_solution{};
 };
 
 /// One line of the catalogue; the problem itself is built on demand.

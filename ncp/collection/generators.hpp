@@ -3,6 +3,7 @@
 /// reproducible on every platform. All throw std::invalid_argument, naming the argument, for sizes below the stated
 /// least.
 #include "ncp/collection/collection.hpp"
+#include "ncp/collection/random_lcps.hpp"
 
 namespace perp::ncp::collection {
 
@@ -25,6 +26,9 @@ Problem walras_own(Index goods, Index sectors, Index households, unsigned seed);
 /// LCP(q, M), M = I + 2 (strict upper triangle), q = -e, n >= 1: z = e_n. A P-matrix; related right-hand sides drive
 /// Lemke's method and the principal pivoting method through 2^n pivots (Murty 1978).
 Problem murty(Index n);
+/// The same M transposed with q_i = -(2^n + 2^(n-1) + ... + 2^(n-i+1)): z = 2^n e_1. Murty's right-hand side, for which
+/// his least-index method and Lemke's take 2^n steps or nearly. 1 <= n <= 50.
+Problem murty_exp(Index n);
 /// M = I + 2 (strict lower triangle), q = -e: z = e_1.
 Problem murty_lower(Index n);
 /// M = L L', L = I + 2 (strict lower triangle), q = -e: z = e_1. Symmetric positive definite, condition growing like
@@ -34,5 +38,11 @@ Problem fathi(Index n);
 Problem ahn(Index n);
 /// M = tridiag(-1, 4, -1), q = -e, n >= 1 (Geiger & Kanzow 1996): M z = e.
 Problem geiger_kanzow(Index n);
+/// A membrane under the load f = -1e-6 over the bump psi = 0.1 - (x - 1/2)^2 - (y - 1/2)^2, zero around the unit
+/// square, N x N unknowns, h = 1 / (N + 1):  v_ij >= psi  _|_  4 v_ij - its four neighbours - f h^2 >= 0. Start max(0,
+/// psi). A symmetric M-matrix: one solution. N >= 1.
+Problem obstacle_bump_own(Index N);
+/// A problem of random_lcps.hpp under a name; why_none: why there is no solution, where it has a certificate.
+Problem of_random(std::string name, RandomLcp made, bool unique, std::string why_none = "");
 
 }  // namespace perp::ncp::collection

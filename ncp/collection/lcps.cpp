@@ -1,4 +1,6 @@
 /// Linear complementarity problems 0 <= z _|_ M z + q >= 0 of the literature.
+#include <cmath>
+
 #include "ncp/collection/build.hpp"
 #include "ncp/collection/generators.hpp"
 #include "ncp/collection/problems.hpp"
@@ -7,9 +9,9 @@ namespace perp::ncp::collection {
 
 namespace {
 
-/// LCP(-e, M) with M_ij = entry(i, j), zeros left out.
+/// LCP(q, M) with M_ij = entry(i, j), zeros left out; q = -e if none is given.
 template <class Entry>
-Problem lcp(const std::string& name, Index n, Entry entry) {
+Problem lcp(const std::string& name, Index n, Entry entry, const Vec& q = {}) {
   require_at_least(name, "n", n, 1);
   std::vector<Eigen::Triplet<double>> entries;
   for (Index i = 0; i < n; ++i)
@@ -18,7 +20,7 @@ Problem lcp(const std::string& name, Index n, Entry entry) {
   SpMat M(n, n);
   M.setFromTriplets(entries.begin(), entries.end());
   Problem p;
-  p.mcp = make_affine({name, Box::nonnegative(n), indexed("z", n)}, M, -Vec::Ones(n));
+  p.mcp = make_affine({name, Box::nonnegative(n), indexed("z", n)}, M, q.size() == n ? q : Vec(-Vec::Ones(n)));
   p.starts = {Vec::Zero(n), Vec::Ones(n)};
   return p;
 }
@@ -69,6 +71,19 @@ Problem murty_lower(Index n) {
                      Vec::Unit(n, 0), 0);
 }
 
+Problem murty_exp(Index n) {
+  require_at_least("murty-exp", "n", n, 1);
+  require_at_least("murty-exp", "50 - n", 50 - n, 0);
+  Vec q(n);
+  double sum = 0;
+  for (Index i = 0; i < n; ++i) q[i] = -(sum += std::ldexp(1, static_cast<int>(n - i)));
+  Problem p = lcp(
+      "murty-exp", n, [](Index i, Index j) { return i == j  ? 1
+                                                    : i > j ? 2
+                                                            : 0; }, q);
+  return with_unique(std::move(p), "2^n e_1", std::ldexp(1, static_cast<int>(n)) * Vec::Unit(n, 0), 0);
+}
+
 Problem fathi(Index n) {
   // (L L')_ij = 4 (min(i, j) - 1) + 2 off the diagonal and 4 (i - 1) + 1 on it, counted from 1.
   return with_unique(
@@ -91,6 +106,77 @@ Problem cottle4() {
   p.mcp = make_affine({"cottle4", Box::nonnegative(4), indexed("z", 4)}, M, vec({2, 2, -2, -6}));
   p.starts = {Vec::Zero(4), Vec::Ones(4)};
   p.solutions = {{"optimum", vec({2.8, 0, 0.8, 1.2}), 1e-15}};
+  return p;
+}
+
+/// M = [2 1; 1 2], q = (-5, -6): both rows are active at (4/3, 7/3).
+Problem cottle2() {
+  Problem p = lcp(
+      "cottle2", 2, [](Index i, Index j) { return i == j ? 2 : 1; }, vec({-5, -6}));
+  return with_unique(std::move(p), "unique", vec({4.0 / 3, 7.0 / 3}), 1e-15);
+}
+
+Problem obstacle_bump_own(Index N) {
+  require_at_least("obstacle-bump-own", "N", N, 1);
+  constexpr double load = -1e-6;
+  const Index n = N * N;
+  const double h = 1 / static_cast<double>(N + 1);
+  std::vector<Eigen::Triplet<double>> entries;
+  Names names;
+  Box box = Box::nonnegative(n);
+  for (Index j = 0; j < N; ++j)
+    for (Index i = 0; i < N; ++i) {
+      const Index k = j * N + i;
+      entries.emplace_back(k, k, 4.0);
+      if (i > 0) entries.emplace_back(k, k - 1, -1.0);
+      if (i + 1 < N) entries.emplace_back(k, k + 1, -1.0);
+      if (j > 0) entries.emplace_back(k, k - N, -1.0);
+      if (j + 1 < N) entries.emplace_back(k, k + N, -1.0);
+      const double x = h * static_cast<double>(i + 1) - 0.5;
+      const double y = h * static_cast<double>(j + 1) - 0.5;
+      box.lower[k] = 0.1 - x * x - y * y;
+      names.push_back(element("v", std::to_string(i + 1) + "," + std::to_string(j + 1)));
+    }
+  SpMat M(n, n);
+  M.setFromTriplets(entries.begin(), entries.end());
+  Problem p;
+  p.starts = {box.lower.cwiseMax(0)};
+  p.mcp = make_affine({"obstacle-bump-own", box, names}, M, Vec::Constant(n, -load * h * h));
+  return p;
+}
+
+/// M = [1 -1; -1 1], q = (-1, 1/2): F_1 + F_2 = -1/2 everywhere. M is positive semidefinite, hence copositive-plus.
+Problem infeasible_own() {
+  Problem p = lcp(
+      "infeasible-own", 2, [](Index i, Index j) { return i == j ? 1 : -1; }, vec({-1, 0.5}));
+  p.solutions_complete = true;
+  p.no_solution = "F_1 + F_2 = -1/2 for all z: certificate y = (1, 1)";
+  return p;
+}
+
+/// 0 <= x  _|_  (-exp(-x_2), 1 + x_1^2) >= 0.
+Problem infeasible_ncp_own() {
+  Problem p;
+  p.mcp = make_problem({"infeasible-ncp-own", Box::nonnegative(2), indexed("x", 2)}, [](const auto& x, const auto& F) {
+    using std::exp;
+    F[0] = -exp(-x[1]);
+    F[1] = 1 + x[0] * x[0];
+    return true;
+  });
+  p.starts = {Vec::Zero(2), Vec::Ones(2)};
+  p.solutions_complete = true;
+  p.no_solution = "F_1 < 0 for all x; F_1 fades as x_2 grows, where F_2 > 0 forbids it";
+  return p;
+}
+
+Problem of_random(std::string name, RandomLcp made, bool unique, std::string why_none) {
+  const Index n = made.problem.size();
+  Problem p;
+  p.mcp = make_affine({std::move(name), made.problem.box, indexed("z", n)}, made.problem.M, made.problem.q);
+  p.starts = {Vec::Zero(n), Vec::Ones(n)};
+  if (made.solution.size() > 0) p.solutions = {{"planted", std::move(made.solution), 1e-12}};
+  p.no_solution = std::move(why_none);
+  p.solutions_complete = unique || !p.no_solution.empty();
   return p;
 }
 

@@ -30,6 +30,9 @@ Problem methan08();
 // tinloi.cpp
 Problem tinloi42();
 // lcps.cpp
+Problem cottle2();
 Problem cottle4();
+Problem infeasible_own();
+Problem infeasible_ncp_own();
 
 }  // namespace perp::ncp::collection

@@ -36,6 +36,19 @@ TEST(List, OneProblemWithStartsAndSolutions) {
     EXPECT_THAT(captured.out.str(), HasSubstr(part));
 }
 
+// Would catch a problem without solution that looks like one whose solutions are merely not known.
+TEST(List, SaysWhereThereIsNoSolution) {
+  test::Captured one;
+  EXPECT_EQ(list({.name = "infeasible-own"}, one.streams), exit_solved);
+  EXPECT_THAT(one.out.str(), HasSubstr("There is no solution: F_1 + F_2 = -1/2"));
+  test::Captured json;
+  ASSERT_EQ(list({.name = "infeasible-own", .json = true}, json.streams), exit_solved);
+  EXPECT_NE(nlohmann::json::parse(json.out.str()).at("no_solution"), "");
+  test::Captured all;
+  EXPECT_EQ(list({}, all.streams), exit_solved);
+  EXPECT_THAT(all.out.str(), HasSubstr("none"));
+}
+
 // Would catch numbers printed with too few digits, infinities as null, residuals not of the solution they stand by.
 TEST(List, JsonHasAllDigits) {
   test::Captured captured;

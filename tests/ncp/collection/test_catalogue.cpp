@@ -59,10 +59,10 @@ TEST_P(EachEntry, KnownSolutionsSolveIt) {
   }
 }
 
-// Catches: solutions listed twice, a list of none that claims to be complete.
+// Catches: solutions listed twice, a list of none that claims to be complete, a problem without solution that has one.
 TEST_P(EachEntry, SolutionsAreDistinct) {
   const Problem problem = entry.make();
-  EXPECT_FALSE(problem.solutions_complete && problem.solutions.empty());
+  EXPECT_EQ(problem.solutions_complete && problem.solutions.empty(), !problem.no_solution.empty());
   for (std::size_t i = 0; i < problem.solutions.size(); ++i)
     for (std::size_t j = 0; j < i; ++j)
       EXPECT_GT((problem.solutions[i].x - problem.solutions[j].x).lpNorm<Eigen::Infinity>(), 1e-4);

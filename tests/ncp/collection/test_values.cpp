@@ -104,6 +104,30 @@ TEST(Values, Lcps) {
   F.setOnes();
   F.head(2) << -1, 0;
   expect_F("murty-lower", z, F);
+  expect_F("cottle2", Vec({{1, 2}}), Vec({{-1, -1}}));
+  expect_F("infeasible-own", Vec({{3, 1}}), Vec({{1, -1.5}}));
+  expect_F("infeasible-ncp-own", Vec({{2, 0}}), Vec({{-1, 5}}));
+  // q of murty-exp: -2^16, -(2^16 + 2^15), ..., -(2^17 - 2).
+  F = Vec::Zero(16);
+  ASSERT_TRUE(find("murty-exp")->make().mcp->eval(Vec::Zero(16), F));
+  EXPECT_EQ(F[0], -65536);
+  EXPECT_EQ(F[1], -98304);
+  EXPECT_EQ(F[15], -131070);
+}
+
+// Corner, edge and middle of the membrane at v = 1, and the obstacle's top: 4 - 2, 4 - 3, 4 - 4 neighbours, psi at the
+// centre 0.1 but for the grid's missing midpoint.
+TEST(Values, ObstacleBump) {
+  const Problem problem = find("obstacle-bump-own")->make();
+  Vec F(900);
+  ASSERT_TRUE(problem.mcp->eval(Vec::Ones(900), F));
+  const double load = 1e-6 / (31.0 * 31.0);
+  EXPECT_NEAR(F[0], 2 + load, 1e-15);
+  EXPECT_NEAR(F[1], 1 + load, 1e-15);
+  EXPECT_NEAR(F[31], load, 1e-16);
+  EXPECT_NEAR(problem.mcp->box().lower.maxCoeff(), 0.1 - 2 * std::pow(0.5 / 31, 2), 1e-15);
+  EXPECT_NEAR(problem.mcp->box().lower[0], 0.1 - 2 * std::pow(0.5 - 1.0 / 31, 2), 1e-15);
+  EXPECT_GE(problem.starts[0].minCoeff(), 0);
 }
 
 // Fathi's matrix is L L', L = I + 2 (strict lower triangle). Catches: a wrong closed form of its entries.
