@@ -10,6 +10,7 @@
 #include <cstring>
 #include <limits>
 #include <memory>
+#include <new>
 #include <optional>
 #include <string_view>
 #include <utility>
@@ -185,6 +186,9 @@ Entries read_entries(Scanner& in, const Header& h, std::size_t file_size, bool b
       if (i < 0 || i >= h.rows || j < 0 || j >= h.columns)
         in.fail("the place (" + std::to_string(i + 1) + ", " + std::to_string(j + 1) + ") is not in a matrix of " +
                 std::to_string(h.rows) + " x " + std::to_string(h.columns));
+      if (h.mirror != 0 && i < j)
+        in.fail("the place (" + std::to_string(i + 1) + ", " + std::to_string(j + 1) +
+                ") is above the diagonal: of a matrix with a symmetry the lower triangle is given");
       if (h.mirror < 0 && i == j) in.fail("a skew-symmetric matrix has no entries on the diagonal");
     }
     const double v = h.pattern ? 1 : in.number();
@@ -296,9 +300,13 @@ SpMat read_matrix(const std::string& path) {
   const Header h = read_header(in);
   Entries entries = read_entries(in, h, text.size(), false);
   try {
-    return assemble(h, std::move(entries));
+    SpMat A = assemble(h, std::move(entries));
+    if (!A.coeffs().allFinite()) in.fail("entries of one place add up to infinity");
+    return A;
   } catch (const std::length_error& error) {
     in.fail(error.what());
+  } catch (const std::bad_alloc&) {
+    in.fail("a matrix of " + std::to_string(h.rows) + " x " + std::to_string(h.columns) + " does not fit in memory");
   }
 }
 
@@ -320,7 +328,12 @@ Vec read_vector(const std::string& path, bool bounds) {
   const Entries e = read_entries(in, h, text.size(), bounds);
   const Index n = h.rows * h.columns;
   // A file of a few bytes may announce a vector that does not fit in memory; absent entries are legal, though.
-  Vec v = Vec::Zero(n);
+  Vec v;
+  try {
+    v = Vec::Zero(n);
+  } catch (const std::bad_alloc&) {
+    in.fail("a vector of " + std::to_string(n) + " entries does not fit in memory");
+  }
   for (std::size_t k = 0; k < e.value.size(); ++k) v[std::max(e.row[k], e.column[k])] += e.value[k];
   return bounds ? Vec(v.unaryExpr(&as_bound)) : v;
 }

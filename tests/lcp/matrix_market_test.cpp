@@ -2,6 +2,9 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
+#include <cstdio>
+#include <string>
 
 #include <cmath>
 #include <filesystem>
@@ -170,6 +173,25 @@ TEST(MatrixMarket, LargeAndUnsorted) {
   EXPECT_EQ((A - support::from(N * N, entries)).norm(), 0);
   for (Index j = 0; j < A.cols(); ++j)
     EXPECT_TRUE(std::is_sorted(A.innerIndexPtr() + A.outerIndexPtr()[j], A.innerIndexPtr() + A.outerIndexPtr()[j + 1]));
+}
+
+// Both halves of a symmetric matrix would be added up to twice of it; sizes that do not fit and sums that overflow are
+// no matrix either.
+TEST(MatrixMarket, RefusesWhatWouldBeReadWrong) {
+  const std::string path = testing::TempDir() + "perp-" + std::to_string(getpid()) + "-wrong.mtx";
+  const auto refusal = [&](const std::string& text) -> std::string {
+    std::ofstream(path) << "%%MatrixMarket matrix coordinate real " << text;
+    try {
+      (void)read_matrix(path);
+    } catch (const FileError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_THAT(refusal("symmetric\n2 2 2\n2 1 3\n1 2 3\n"),
+              testing::HasSubstr(":4: the place (1, 2) is above the diagonal"));
+  EXPECT_THAT(refusal("general\n1 1 2\n1 1 1e308\n1 1 1e308\n"), testing::HasSubstr("infinity"));
+  std::remove(path.c_str());
 }
 
 }  // namespace
