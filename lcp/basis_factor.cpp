@@ -449,14 +449,9 @@ BasisFactor::Update BasisFactor::replace(Index p, Index q, const SparseVector& d
   require_below("position", p, s.rows());
   require_below("column", q, s.A->cols() + s.rows());
   require_size("ftran_of_q", d.size(), s.rows());
-  double largest = 0;
-  bool finite = true;
-  d.for_each([&](Index, double v) {
-    largest = std::max(largest, std::abs(v));
-    finite = finite && std::isfinite(v);
-  });
+  const double largest = d.largest();
   const double pivot = std::abs(d[p]);
-  if (!finite || !(pivot > s.options.singular_tol * largest)) return Update::Singular;
+  if (!std::isfinite(largest) || !(pivot > s.options.singular_tol * largest)) return Update::Singular;
   constexpr std::size_t check_every = 8;
   if (s.etas.size() % check_every == check_every - 1) s.drift = std::max(s.drift, s.drift_of(q, d));
   s.growth = std::max(s.growth, largest / pivot);

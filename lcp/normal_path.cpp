@@ -213,13 +213,8 @@ bool NormalPath::refactor() {
 bool NormalPath::drive() {
   if ((distrusted_ || factor_.stale()) && !refactor()) return false;
   factor_.ftran_column(column(driver_), d_);
-  d_largest_ = 0;
-  bool finite = true;
-  d_.for_each([&](Index, double v) {
-    d_largest_ = std::max(d_largest_, std::abs(v));
-    finite = finite && std::isfinite(v);
-  });
-  return finite;
+  d_largest_ = d_.largest();
+  return std::isfinite(d_largest_);
 }
 
 /// Whether the rate of t is more than the rounding of d: with dt = 0 the equation  sum a_i dx_i + r dt = 0  of the
@@ -260,7 +255,9 @@ NormalPath::Block NormalPath::ratio_test() {
     if (std::abs(rate) <= smallest && !(i == n_ && t_moves(rate))) return;
     const double bound = rate > 0 ? high(i) : low(i);
     if (std::isinf(bound)) return;
-    const double ratio = std::max(0.0, (bound - value(i)) / rate);
+    const double distance = std::max(0.0, rate > 0 ? bound - value(i) : value(i) - bound);
+    if (distance > longest * std::abs(rate)) return;  // beyond the longest step, and no shorter one with the tolerance
+    const double ratio = distance / std::abs(rate);
     candidates_.push_back({p, ratio});
     longest = std::min(longest, ratio + options_.feasibility_tol * (1 + std::abs(bound)) / std::abs(rate));
   });

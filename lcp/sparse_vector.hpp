@@ -2,6 +2,8 @@
 /// A vector of R^n with the list of its nonzeros, for results that have few of them. Past n/5 of them the list is given
 /// up: then any entry may be nonzero, and full() is true.
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <vector>
 
 #include "lcp/types.hpp"
@@ -56,6 +58,20 @@ class SparseVector {
     clear();
     values_ = b;
     full_ = true;
+  }
+
+  /// The largest size of an entry; NaN or infinite if some entry is.
+  double largest() const {
+    double found = 0;
+    if (full_) {
+      if (!values_.allFinite()) return std::numeric_limits<double>::quiet_NaN();
+      return values_.size() > 0 ? values_.cwiseAbs().maxCoeff() : 0;
+    }
+    for (const int i : places_) {
+      if (!std::isfinite(values_[i])) return std::numeric_limits<double>::quiet_NaN();
+      found = std::max(found, std::abs(values_[i]));
+    }
+    return found;
   }
 
   /// f(i, value) for every place that may be nonzero.
