@@ -9,16 +9,11 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <nlohmann/json.hpp>
+#include <ostream>
 
-#include "ncp/residual.hpp"
+#include "app/json_parts.hpp"
 
 namespace perp::app {
-
-namespace {
-
-using Json = nlohmann::ordered_json;
-namespace collection = ncp::collection;
 
 Json json_number(double value) {
   if (std::isnan(value)) return "nan";
@@ -32,29 +27,32 @@ Json json_numbers(ncp::In values) {
   return array;
 }
 
-/// Text, with a newline; bytes that are no UTF-8 are replaced.
-std::string text(const Json& json) { return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"; }
+std::string json_text(const Json& json) { return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"; }
 
-Json header() {
+Json json_header() {
   Json json;
   json["program"] = "perp";
   json["version"] = version_number();
   return json;
 }
 
-Json equation_name(const ncp::Mcp& mcp, ncp::Index i) {
+Json equation_json(const ncp::Mcp& mcp, ncp::Index i) {
   return i >= 0 && i < mcp.size() ? Json(mcp.equation_name(i)) : Json(nullptr);
 }
 
-Json index(ncp::Index i) { return i >= 0 ? Json(i) : Json(nullptr); }
+Json index_json(ncp::Index i) { return i >= 0 ? Json(i) : Json(nullptr); }
 
 Json residual_json(const ncp::Mcp& mcp, const ncp::Residual& r) {
   return {{"natural", json_number(r.natural)},
-          {"worst", equation_name(mcp, r.worst)},
-          {"worst_index", index(r.worst)},
+          {"worst", equation_json(mcp, r.worst)},
+          {"worst_index", index_json(r.worst)},
           {"bounds", json_number(r.bounds)},
           {"complementarity", json_number(r.complementarity)}};
 }
+
+namespace {
+
+namespace collection = ncp::collection;
 
 Json variables_json(const Report& report) {
   const ncp::Mcp& mcp = report.mcp();
@@ -77,8 +75,8 @@ Json iterations_json(const Report& report) {
   for (const ncp::Iteration& it : report.iterations)
     array.push_back({{"k", it.k},
                      {"residual", json_number(it.residual)},
-                     {"worst", equation_name(report.mcp(), it.worst)},
-                     {"worst_index", index(it.worst)},
+                     {"worst", equation_json(report.mcp(), it.worst)},
+                     {"worst_index", index_json(it.worst)},
                      {"merit", json_number(it.merit)},
                      {"step", json_number(it.step)},
                      {"prox", json_number(it.prox)},
@@ -129,7 +127,7 @@ Json entry_json(const collection::Entry& entry, const collection::Problem& probl
 std::string solve_json(const Report& report) {
   const ncp::Result& result = report.result;
   const ncp::Stats& stats = result.stats;
-  Json json = header();
+  Json json = json_header();
   json["problem"] = report.problem->label;
   json["start"] = report.problem->start;
   json["size"] = report.mcp().size();
@@ -154,22 +152,22 @@ std::string solve_json(const Report& report) {
     for (const lcp::Solution& solution : report.all_solutions->found)
       json["solutions"].push_back({{"dimension", solution.dimension}, {"x", json_numbers(solution.z)}});
   }
-  return text(json);
+  return json_text(json);
 }
 
 std::string refused_json(const std::string& problem, const std::string& message) {
-  Json json = header();
+  Json json = json_header();
   json["problem"] = problem;
   json["status"] = "InputError";
   json["exit_code"] = static_cast<int>(exit_input);
   json["message"] = message;
-  return text(json);
+  return json_text(json);
 }
 
 std::string problem_json(const collection::Entry& entry) {
   const collection::Problem problem = entry.make();
   const ncp::Mcp& mcp = *problem.mcp;
-  Json json = header();
+  Json json = json_header();
   json.update(entry_json(entry, problem));
   json["nonzeros"] = mcp.jacobian_pattern().nonZeros();
   json["lower"] = json_numbers(mcp.box().lower);
@@ -182,15 +180,15 @@ std::string problem_json(const collection::Entry& entry) {
                                        {"x", json_numbers(known.x)},
                                        {"tol", json_number(known.tol)},
                                        {"residual", residual_json(mcp, ncp::residual(mcp, known.x))}});
-  return text(json);
+  return json_text(json);
 }
 
 std::string list_json() {
-  Json json = header();
+  Json json = json_header();
   json["problems"] = Json::array();
   for (const collection::Entry& entry : collection::entries())
     json["problems"].push_back(entry_json(entry, entry.make()));
-  return text(json);
+  return json_text(json);
 }
 
 void write_file(const std::string& path, const std::string& content) {
@@ -223,6 +221,21 @@ void write_file(const std::string& path, const std::string& content) {
   } catch (const InputError&) {
     fs::remove(neighbour, error);
     throw;
+  }
+}
+
+bool deliver_json(const std::string& path, const std::string& content, Streams streams) {
+  if (path.empty()) return true;
+  if (path == "-") {
+    streams.out << content << std::flush;
+    return true;  // main() looks after a broken standard output
+  }
+  try {
+    write_file(path, content);
+    return true;
+  } catch (const InputError& error) {
+    streams.err << "perp: " << error.what() << '\n';
+    return false;
   }
 }
 

@@ -1,13 +1,14 @@
 /// The program `perp`: its command line, signals and exit codes. The work is done by app/'s other files.
 #include <dlfcn.h>
 #include <fmt/format.h>
+#include <poll.h>
+#include <unistd.h>
 
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
 #include <array>
 #include <atomic>
-#include <cerrno>
 #include <csignal>
 #include <cstdlib>
 #include <exception>
@@ -15,6 +16,7 @@
 #include <iostream>
 
 #include "app/ampl_driver.hpp"
+#include "app/inspect.hpp"
 #include "app/list.hpp"
 #include "app/methods.hpp"
 #include "app/solve.hpp"
@@ -59,6 +61,7 @@ constexpr const char* main_footer =
     "Examples:\n"
     "  perp solve market.nl             solve an AMPL model\n"
     "  perp solve kojshin --start 2     solve a problem of the collection\n"
+    "  perp inspect market.nl           size, structure, scaling, the start, derivatives: without solving\n"
     "  perp list                        what the collection has\n"
     "  perp methods                     the methods and their options\n"
     "  perp market -AMPL tol=1e-10      as AMPL calls a solver: reads market.nl, writes market.sol\n"
@@ -78,6 +81,15 @@ constexpr const char* solve_footer =
     "Ctrl-C ends the run with the best point so far, which is printed and written; a second one ends the program.\n"
     "A problem counts as solved when its natural residual max_i |x_i - mid(l_i, x_i - F_i(x), u_i)| is at most the\n"
     "tolerance, whatever the method says of itself. 'perp methods' explains the options.";
+
+constexpr const char* inspect_footer =
+    "Examples:\n"
+    "  perp inspect market.nl\n"
+    "  perp inspect kojshin --start 2\n"
+    "  perp inspect M.mtx q.mtx                        also the classes of M and what they guarantee\n"
+    "  perp inspect market.nl --json - | jq .concerns\n"
+    "\n"
+    "What deserves a second look is marked with !; the exit code is 0 whatever was found, 2 for bad input.";
 
 constexpr const char* list_footer =
     "Examples:\n"
@@ -107,9 +119,11 @@ constexpr std::array shortcuts{
 struct CommandLine {
   CLI::App app{about, "perp"};
   CLI::App* solve = nullptr;
+  CLI::App* inspect = nullptr;
   CLI::App* list = nullptr;
   CLI::App* methods = nullptr;
   SolveRequest solve_request;
+  InspectRequest inspect_request;
   ListRequest list_request;
   std::array<std::string, shortcuts.size()> shortcut_values;
   std::string level = "info";
@@ -121,6 +135,7 @@ struct CommandLine {
     app.require_subcommand(0, 1);
     app.add_flag("-V,--version", version, "version, licence and linked libraries (-v alone: one line)");
     add_solve();
+    add_inspect();
     list = app.add_subcommand("list", "The collection of named test problems, or one of them");
     list->footer(list_footer);
     list->add_option("NAME", list_request.name, "show everything about this one")->option_text(" ");
@@ -170,6 +185,28 @@ struct CommandLine {
     solve->add_flag("--full", request.full, "print every row of a long solution");
   }
 
+  void add_inspect() {
+    inspect = app.add_subcommand("inspect", "What can be said of a problem without solving it");
+    inspect->footer(inspect_footer);
+    ProblemSource& source = inspect_request.source;
+    inspect
+        ->add_option("PROBLEM", source.problem,
+                     "FILE.nl, a NAME that 'perp list' shows, M.mtx (Matrix Market) or FILE.dat (Siconos)")
+        ->required()
+        ->option_text(" ");
+    inspect->add_option("VECTOR", source.q, "q.mtx: with M.mtx the affine problem F(x) = M x + q")->option_text(" ");
+    inspect->add_option("--lower", source.lower, "of M.mtx: the lower bounds, of all or one by one (default 0)")
+        ->option_text("NUMBER|FILE");
+    inspect->add_option("--upper", source.upper, "of M.mtx: the upper bounds (default inf)")
+        ->option_text("NUMBER|FILE");
+    inspect->add_option("--start", source.start, "which start of a collection problem, from 1")->option_text("K");
+    inspect->add_option("--start-at", source.start_at, "look at the point in this file")->option_text("FILE");
+    inspect
+        ->add_option("--json", inspect_request.json,
+                     "write what was found as JSON; - is standard output, the text then goes to standard error")
+        ->option_text("FILE");
+  }
+
   void finish_solve_request() {
     solve_request.log_level = log_level(level);
     for (std::size_t k = 0; k < shortcuts.size(); ++k)
@@ -181,7 +218,7 @@ struct CommandLine {
 
 /// A first word that is no command: what was meant?
 void check_command(const std::string& word, const Streams& streams, bool& known) {
-  constexpr std::array<std::string_view, 4> commands{"solve", "list", "methods", "help"};
+  constexpr std::array<std::string_view, 5> commands{"solve", "inspect", "list", "methods", "help"};
   known = word.starts_with('-') || std::ranges::find(commands, word) != commands.end();
   if (known) return;
   std::string hint = did_you_mean(word, commands);
@@ -232,6 +269,7 @@ int run_command(std::vector<std::string> arguments, Streams streams) {
     streams.out << version_text();
     return exit_solved;
   }
+  if (line.inspect->parsed()) return inspect(line.inspect_request, streams, &interrupted);
   if (line.list->parsed()) return list(line.list_request, streams);
   if (line.methods->parsed()) return print_methods(streams);
   if (line.solve->parsed()) {
@@ -247,11 +285,12 @@ int run_command(std::vector<std::string> arguments, Streams streams) {
   return exit_input;  // nothing was asked for
 }
 
-/// A reader who has gone (EPIPE) is no error, a full disk is.
+/// A reader who has gone is no error, a full disk is. (errno may be of an earlier write, or lost.)
 int checked_output(int code) {
-  errno = 0;
   std::cout.flush();
-  if (std::cout || errno == EPIPE || errno == 0) return code;
+  if (std::cout) return code;
+  pollfd reader{.fd = STDOUT_FILENO, .events = POLLOUT, .revents = 0};
+  if (poll(&reader, 1, 0) > 0 && (reader.revents & POLLERR) != 0) return code;
   std::cerr << "perp: standard output cannot be written\n";
   return code == exit_internal ? code : exit_input;
 }

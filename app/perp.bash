@@ -12,7 +12,7 @@ _perp() {
   local cur=${COMP_WORDS[COMP_CWORD]} prev=${COMP_WORDS[COMP_CWORD-1]} command=${COMP_WORDS[1]}
   COMPREPLY=()
   if [ "$COMP_CWORD" -eq 1 ]; then
-    mapfile -t COMPREPLY < <(compgen -W 'solve list methods help --help --version -v' -- "$cur")
+    mapfile -t COMPREPLY < <(compgen -W 'solve inspect list methods help --help --version -v' -- "$cur")
     return
   fi
   case $prev in
@@ -31,7 +31,7 @@ _perp() {
       mapfile -t COMPREPLY < <(compgen -f -- "$cur")
       return ;;
     --json)
-      if [ "$command" = solve ]; then
+      if [ "$command" = solve ] || [ "$command" = inspect ]; then
         mapfile -t COMPREPLY < <(compgen -f -- "$cur")
         return
       fi ;;
@@ -50,6 +50,13 @@ _perp() {
         mapfile -t COMPREPLY < <(compgen -W "$(_perp_problems "${COMP_WORDS[0]}")" -- "$cur"
           compgen -f -X '!*.@(nl|mtx|dat)' -- "$cur"; compgen -d -- "$cur")
       fi ;;
+    inspect)
+      if [ "${cur:0:1}" = - ]; then
+        mapfile -t COMPREPLY < <(compgen -W '--start --start-at --lower --upper --json --help' -- "$cur")
+      else
+        mapfile -t COMPREPLY < <(compgen -W "$(_perp_problems "${COMP_WORDS[0]}")" -- "$cur"
+          compgen -f -X '!*.@(nl|mtx|dat)' -- "$cur"; compgen -d -- "$cur")
+      fi ;;
     list)
       if [ "${cur:0:1}" = - ]; then
         mapfile -t COMPREPLY < <(compgen -W '--json --help' -- "$cur")
@@ -57,7 +64,7 @@ _perp() {
         mapfile -t COMPREPLY < <(compgen -W "$(_perp_problems "${COMP_WORDS[0]}")" -- "$cur")
       fi ;;
     methods) mapfile -t COMPREPLY < <(compgen -W '--help' -- "$cur") ;;
-    help) mapfile -t COMPREPLY < <(compgen -W 'solve list methods' -- "$cur") ;;
+    help) mapfile -t COMPREPLY < <(compgen -W 'solve inspect list methods' -- "$cur") ;;
   esac
 }
 

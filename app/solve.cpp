@@ -23,25 +23,9 @@ std::vector<Assignment> assignments(const SolveRequest& request) {
   return all;
 }
 
-/// Writes the JSON that was asked for, if any; false: it could not be written, and that was said.
-bool deliver_json(const SolveRequest& request, Streams streams, const std::string& text) {
-  if (request.json.empty()) return true;
-  if (request.json == "-") {
-    streams.out << text << std::flush;
-    return true;  // main() looks after a broken standard output
-  }
-  try {
-    write_file(request.json, text);
-    return true;
-  } catch (const InputError& error) {
-    streams.err << "perp: " << error.what() << '\n';
-    return false;
-  }
-}
-
 ExitCode refuse(const SolveRequest& request, Streams streams, const std::string& why) {
   streams.err << "perp: " << why << '\n';
-  if (!request.json.empty()) deliver_json(request, streams, refused_json(request.problem, why));
+  deliver_json(request.json, refused_json(request.problem, why), streams);
   return exit_input;
 }
 
@@ -98,7 +82,7 @@ ExitCode solve(const SolveRequest& request, Streams streams, const std::atomic<b
     settle_auto(problem, options);
     const Report report = run_and_print(request, problem, options, streams, interrupt);
     if (!request.solution.empty()) lcp::write_vector(request.solution, report.result.x, "solution of " + problem.label);
-    const bool delivered = request.json.empty() || deliver_json(request, streams, solve_json(report));
+    const bool delivered = request.json.empty() || deliver_json(request.json, solve_json(report), streams);
     return delivered ? report.exit_code() : exit_input;
   } catch (const InputError& error) {
     return refuse(request, streams, error.what());
