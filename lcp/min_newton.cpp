@@ -47,6 +47,8 @@ Result min_newton(const AffineMcp& problem, In start, const MinNewton& options, 
   Reference reference(options.memory);
   double psi = merit(z);
   reference.push(psi);
+  double lowest = psi;
+  long lowest_at = 0;
   for (; !solves(problem, best.z(), limits.tol); ++k) {
     if (const auto stop = limits.reached()) return end(*stop, "stopped between two steps");
     if (k >= options.max_iterations) return end(Status::IterationLimit, "the limit of Newton steps is reached");
@@ -71,6 +73,12 @@ Result min_newton(const AffineMcp& problem, In start, const MinNewton& options, 
     psi = merit(z);
     reference.push(psi);
     if (!std::isfinite(psi)) return end(Status::Stalled, "the iterates overflow");
+    if (psi < 0.9 * lowest) {
+      lowest = psi;
+      lowest_at = k;
+    } else if (k - lowest_at >= 60) {
+      return end(Status::Stalled, "||H||^2 has not fallen by a tenth in 60 steps");
+    }
   }
   return end(Status::Stalled, "");
 }

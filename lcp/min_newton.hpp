@@ -10,7 +10,8 @@
 /// From near a solution z* at which all M_II with {i: l < z* < u, F = 0} <= I <= {F = 0} are nonsingular it ends after
 /// finitely many steps with z* up to rounding (Fischer & Kanzow 1996); undamped (`memory` large) it does so from every
 /// start if M is a nonsingular M-matrix. Globally: no guarantee for P-matrices without damping, which may cycle (Ben
-/// Gharbia & Gilbert 2012); with it the run ends Solved or Stalled, at a stationary point of the merit functions.
+/// Gharbia & Gilbert 2012); with it the run ends Solved or Stalled: at a stationary point of the merit functions, or
+/// where ||H||^2 has not fallen by a tenth in 60 steps.
 ///
 /// References: Harker & Pang, Lectures in Appl. Math. 26 (1990) 265. Fischer & Kanzow, Math. Prog. 74 (1996) 279.
 /// Hintermueller, Ito & Kunisch, SIAM J. Optim. 13 (2002) 865. Ben Gharbia & Gilbert, Math. Prog. A 134 (2012) 349.
