@@ -48,8 +48,9 @@ TEST(LemkeEnds, LoopAroundTheOrigin) {
   EXPECT_EQ(result.pivots, 4);
 }
 
-// The cell of the start has the matrix 0, or nearly dependent columns; and in the ray start that of the free unknowns an
-// empty column. Artificials stand in for what is missing; F_2 = -1 and z_1 = 1, z_1 = -1 have no solution all the same.
+// The cell of the start has the matrix 0, or nearly dependent columns; and in the ray start that of the free unknowns
+// an empty column. Artificials stand in for what is missing; F_2 = -1 and z_1 = 1, z_1 = -1 have no solution all the
+// same.
 TEST(LemkeEnds, RankDeficientStartCell) {
   const PivotResult result = lemke(standard_lcp(matrix({{0, 0}, {0, 0}}), vec({1, -1})), vec({1, 1}));
   EXPECT_NE(result.end, PivotEnd::Solved);
