@@ -51,6 +51,10 @@ class AslModel final : public Model {
   bool eval(In x, Out F) const override;
   bool jacobian(In x, SpMat& J) const override;
 
+  /// No row's expression mentions a variable: all of them are constants.
+  bool is_affine() const override {
+    return std::ranges::all_of(nl_.mentions, [](const auto& row) { return row.empty(); });
+  }
   std::string name() const override { return file_name(stub_); }
   std::string variable_name(Index i) const override { return unknown_name(pairing_, names_, nl_.header.n_var, i); }
   std::string equation_name(Index i) const override {
