@@ -36,7 +36,7 @@ TEST(Evaluation, KnowsAffineModels) {
   EXPECT_TRUE(read_text(diagonal({"n3\n", "n-1\n"}))->is_affine());
   EXPECT_TRUE(read_text(diagonal({"o0\nn3\nn2\n", "n-1\n"}))->is_affine()) << "3 + 2";
   EXPECT_FALSE(read_text(diagonal({"n3\n", "o5\nv1\nn2\n"}))->is_affine());
-  EXPECT_FALSE(read_text(diagonal({"n3\n", "v0\n"}))->is_affine()) << "linear, but written as an expression";
+  EXPECT_FALSE(read_text(diagonal({"n3\n", "v1\n"}))->is_affine()) << "linear, but written as an expression";
 }
 
 // The defined variables of the first rich model, by hand: v3 = 2a + b^2, v4 = v3 + sin c, F(b) = exp(v4) + v3 + a - 3,
