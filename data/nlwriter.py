@@ -17,6 +17,7 @@ Standard library only; the files written do not depend on the machine.
 """
 
 import cmath
+import itertools
 import math
 import struct
 from pathlib import Path
@@ -240,20 +241,23 @@ class Row:
 class Model:
     def __init__(self, name):
         self.name, self.variables, self.rows, self.objective = name, [], [], None
+        self._own, self._complemented, self._names = set(), set(), {"variable": set(), "row": set()}
 
     def variable(self, name, lower=-INF, upper=INF, start=None):
         if not lower <= upper or lower == INF or upper == -INF:
             raise ValueError(f"{self.name}: variable {name} has bounds [{lower}, {upper}]")
-        self._new_name(name, self.variables)
+        self._new_name(name, "variable")
         self.variables.append(Variable(name, lower, upper, start))
+        self._own.add(self.variables[-1])
         return self.variables[-1]
 
     def complement(self, name, body, variable):
         """l <= variable <= u  _|_  body: body >= 0 at l, <= 0 at u, = 0 between."""
         if variable.lower == -INF and variable.upper == INF:
             raise ValueError(f"{self.name}: {variable.name} is free: row {name} is an equation")
-        if any(row.complement is variable for row in self.rows):
+        if variable in self._complemented:
             raise ValueError(f"{self.name}: two rows complement {variable.name}, the second is {name}")
+        self._complemented.add(variable)
         self._add(Row(name, body, -INF, INF, variable))
 
     def equation(self, name, body):
@@ -271,7 +275,7 @@ class Model:
         row = Row(name, body, -INF, INF)
         if row.nonlinear:
             raise ValueError(f"{self.name}: objective {name} is nonlinear")
-        self._new_name(name, self.rows)
+        self._new_name(name, "row")
         self.objective = row
 
     def ordered(self):
@@ -297,17 +301,18 @@ class Model:
             path.with_suffix(suffix).write_text("".join(thing.name + "\n" for thing in things), encoding="ascii")
 
     def _add(self, row):
-        strangers = [v.name for v in row.linear if v not in self.variables]
+        strangers = [v.name for v in row.linear if v not in self._own]
         if strangers:
             raise ValueError(f"{self.name}: row {row.name} uses variables of another model: {', '.join(strangers)}")
-        self._new_name(row.name, self.rows)
+        self._new_name(row.name, "row")
         self.rows.append(row)
 
-    def _new_name(self, name, things):
+    def _new_name(self, name, kind):
         if not name or "\n" in name:
             raise ValueError(f"{self.name}: {name!r} is no name")
-        if any(thing.name == name for thing in things):
+        if name in self._names[kind]:
             raise ValueError(f"{self.name}: two things are called {name}")
+        self._names[kind].add(name)
 
 
 # --- the file --------------------------------------------------------------------------------------------------------
@@ -483,8 +488,8 @@ def _jacobian(model, variables, rows, out):
         for v in row.linear:
             column[out.index[v]] += 1
     out.segment("k", len(variables) - 1)
-    for i in range(len(variables) - 1):
-        out.integers(sum(column[: i + 1]))
+    for count in itertools.accumulate(column[:-1]):
+        out.integers(count)
     for letter, group in (("J", rows), ("G", [model.objective] if model.objective else [])):
         for i, row in enumerate(group):
             if not row.linear:
