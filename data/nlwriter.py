@@ -137,6 +137,8 @@ class Sum(Expr):
         return constant, linear, nonlinear
 
     def prefix(self, out):
+        if len(self.args) < 2:  # the format has no sums of fewer
+            return (self.args or [Constant(0.0)])[0].prefix(out)
         out.sum_of(len(self.args))
         for arg in self.args:
             arg.prefix(out)

@@ -284,6 +284,13 @@ class Writer(unittest.TestCase):
         self.assertEqual((row.constant, row.linear), (1, {self.x: 2, self.y: 1.5}))
         self.assertEqual([factor for factor, _ in row.nonlinear], [-6])
 
+    def test_sums_of_one_and_of_none(self):
+        """Catches operator 0, which takes two arguments, before fewer: the reader would run on into the next row."""
+        for terms, expected in (([self.x], b"o5\nv0\nn2\n"), ([], b"o5\nn0\nn2\n")):
+            out = nlwriter.TextEncoder([self.x, self.y])
+            (nlwriter.total(terms) ** 2).prefix(out)
+            self.assertEqual(b"".join(out.parts), expected)
+
     def test_puts_nonlinear_rows_and_variables_first(self):
         m, x, y = self.m, self.x, self.y
         m.complement("linear", x + 1, x)
