@@ -171,6 +171,8 @@ int solve_result_num(ncp::Status status) {
       return 503;
     case ncp::Status::Infeasible:
       return 201;
+    case ncp::Status::Unbounded:
+      return 300;
     case ncp::Status::NotApplicable:
     case ncp::Status::StationaryPoint:
     case ncp::Status::NoProgress:

@@ -15,6 +15,8 @@ namespace {
 
 std::vector<MethodEntry> all_methods() {
   std::vector<MethodEntry> table{
+      {"path", "Newton-Robinson with path search: PATH's algorithm, with crash, restarts and other methods at last",
+       "Ralph (1994); Dirkse & Ferris (1995); Ferris, Kanzow & Munson (1999); Munson (2000)", ncp::PathSearch{}},
       {"semismooth", "Newton on the Fischer-Burmeister equation, safeguarded by Levenberg-Marquardt and gradient steps",
        "De Luca, Facchinei & Kanzow, Math. Programming 75 (1996) 407", ncp::SemismoothNewton{}},
       {"semismooth-min", "the same on the min function: fewer, cheaper steps near a solution, less global",

@@ -1,5 +1,6 @@
 #include "lcp/lemke.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <sstream>
@@ -46,19 +47,47 @@ void check_options(const LemkeOptions& options, Index n) {
     }
 }
 
+/// The kinks of a path, thinned out where they are too many.
+class Kinks {
+ public:
+  Kinks(const LemkeOptions& options, std::vector<Breakpoint>& path)
+      : on_(options.keep_path), limit_(std::max<std::size_t>(2, options.path_limit)), path_(path) {}
+  void add(const NormalPath& at) {
+    if (!on_ || count_++ % stride_ != 0) return;
+    if (path_.size() >= limit_) {
+      for (std::size_t k = 1; 2 * k < path_.size(); ++k) path_[k] = std::move(path_[2 * k]);
+      path_.resize((path_.size() + 1) / 2);
+      stride_ *= 2;
+      if ((count_ - 1) % stride_ != 0) return;
+    }
+    path_.push_back({at.t(), at.x()});
+  }
+  void finish(const NormalPath& at) {
+    if (on_) path_.push_back({at.t(), at.x()});
+  }
+
+ private:
+  bool on_;
+  std::size_t limit_;
+  std::size_t stride_ = 1;
+  std::size_t count_ = 0;
+  std::vector<Breakpoint>& path_;
+};
+
 PivotResult follow(const AffineMcp& problem, In start, const LemkeOptions& options) {
   PivotResult result;
   NormalPath path(problem, start, options);
+  Kinks kinks(options, result.path);
   bool on_the_way = path.begin(result);
   while (on_the_way) {
-    if (options.keep_path) result.path.push_back({path.t(), path.x()});
+    kinks.add(path);
     if (const auto end = limit(options, result)) {
       result.end = *end;
       break;
     }
     on_the_way = path.advance(result);
   }
-  if (options.keep_path) result.path.push_back({path.t(), path.x()});
+  kinks.finish(path);
   return path.finish(std::move(result));
 }
 

@@ -20,6 +20,7 @@
 /// but not the problem: the zero at t = 1 does not know r.
 #include <chrono>
 #include <functional>
+#include <limits>
 #include <string_view>
 #include <vector>
 
@@ -76,7 +77,9 @@ struct LemkeOptions {
   double perturbation = 1e-5;     ///< of the start, relative to 1 + |x_i|; 0 keeps the start as it is
   unsigned seed = 1;              ///< of the perturbation and of the covering vector
   double singular_rcond = 1e-15;  ///< a start cell whose matrix has a smaller rcond() is repaired as rank deficient
-  bool keep_path = false;         ///< fill PivotResult::path (n doubles a pivot)
+  bool keep_path = false;         ///< fill PivotResult::path (n doubles a kink)
+  /// Of a longer path, every 2nd, 4th, 8th ... kink is kept, the first and the last among them.
+  std::size_t path_limit = std::numeric_limits<std::size_t>::max();
   BasisOptions basis{};
   /// Polled at every pivot: true ends the run as Interrupted.
   std::function<bool()> interrupted{};
@@ -105,7 +108,7 @@ struct PivotResult {
   int pivots = 0;
   int refactorizations = 0;
   int repaired = 0;              ///< dependent columns of the start basis that artificials stood in for
-  std::vector<Breakpoint> path;  ///< every kink from the start on, if keep_path
+  std::vector<Breakpoint> path;  ///< the kinks from the start on, if keep_path
   bool solved() const { return end == PivotEnd::Solved; }
 };
 

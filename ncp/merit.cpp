@@ -52,7 +52,7 @@ bool Stall::stalled(double merit) {
     mark_ = best_;
     since_ = 0;
   }
-  return ++since_ > window;
+  return ++since_ > window_;
 }
 
 double merit(const CFunction& c, const Box& box, In x, In F) {

@@ -40,11 +40,12 @@ class Memory {
 /// Tells a run that gets nowhere: the best merit has not fallen by `factor` within `window` iterations.
 class Stall {
  public:
+  explicit Stall(int window = 60) : window_(window) {}
   bool stalled(double merit);
 
  private:
-  static constexpr int window = 60;
   static constexpr double factor = 0.99;
+  int window_;
   double best_ = infinity;
   double mark_ = infinity;  // best_ at the begin of the window
   int since_ = 0;

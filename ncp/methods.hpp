@@ -1,11 +1,18 @@
 #pragma once
 /// The methods' entry points behind solve(); private to ncp/.
+#include "ncp/run.hpp"
 #include "ncp/solve.hpp"
 
 namespace perp::ncp {
 
 Result run_semismooth_newton(const Mcp& mcp, In x0, const SemismoothNewton& method, const Observer& observer);
 Result run_newton_josephy(const Mcp& mcp, In x0, const NewtonJosephy& method, const Observer& observer);
+/// PathSearch with its presolve, scaling and restarts.
+Result run_path(const Mcp& mcp, In x0, const PathSearch& method, const Observer& observer);
 Result run_affine(const Mcp& mcp, In x0, const Affine& method, const Observer& observer);
+
+// The loops alone, within a run that has begun: from `point` until the run ends.
+void semismooth_newton(Run& run, const SemismoothNewton& method, Point point);
+void newton_josephy(Run& run, const NewtonJosephy& method, Point point);
 
 }  // namespace perp::ncp

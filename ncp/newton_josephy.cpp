@@ -6,6 +6,7 @@
 
 #include "ncp/merit.hpp"
 #include "ncp/methods.hpp"
+#include "ncp/normal_map.hpp"
 
 namespace perp::ncp {
 namespace {
@@ -20,28 +21,6 @@ constexpr std::array covers{lcp::Cover::Generic, lcp::Cover::Ones, lcp::Cover::S
 
 /// A path that ends before t = 1 is worth following if it came so far; shorter ones hold a run where it is.
 constexpr double partial_path = 0.1;
-
-/// The point x of the normal map with pi(x) = z whose residual |F + x - z| is least.
-Vec normal_point(const Box& box, In z, In F) {
-  Vec x = z;
-  for (Index i = 0; i < z.size(); ++i) {
-    if (z[i] == box.lower[i]) x[i] -= std::max(F[i], 0.0);
-    if (z[i] == box.upper[i]) x[i] += std::max(-F[i], 0.0);
-  }
-  return x;
-}
-
-/// MCP(l, u, F(z^k) + (J + lambda I)(z - z^k)).
-lcp::AffineMcp linearised(const Box& box, const Point& point, double lambda) {
-  SpMat M = point.J;
-  if (lambda > 0) {
-    SpMat identity(M.rows(), M.cols());
-    identity.setIdentity();
-    M += lambda * identity;
-  }
-  Vec q = point.F - M * point.x;
-  return {std::move(M), std::move(q), box};
-}
 
 struct Step {
   lcp::PivotResult path;
@@ -98,17 +77,9 @@ class Subproblems {
   int pivots_ = 0;
 };
 
-double size_of(const SpMat& J) {
-  return J.rows() == 0 ? 1 : std::max(1e-8, J.norm() / std::sqrt(static_cast<double>(J.rows())));
-}
-
 }  // namespace
 
-Result run_newton_josephy(const Mcp& mcp, In x0, const NewtonJosephy& method, const Observer& observer) {
-  Run run(mcp, method.stop, observer);
-  Point point;
-  if (!run.start(x0, point)) return run.result();
-
+void newton_josephy(Run& run, const NewtonJosephy& method, Point point) {
   const CFunction fb = fischer_burmeister();
   Linearisation descent;
   Subproblems subproblems(run, method);
@@ -178,6 +149,12 @@ Result run_newton_josephy(const Mcp& mcp, In x0, const NewtonJosephy& method, co
     memory.push(it.merit);
     start = full_step ? step.path.x : normal_point(run.box(), point.x, point.F);
   }
+}
+
+Result run_newton_josephy(const Mcp& mcp, In x0, const NewtonJosephy& method, const Observer& observer) {
+  Run run(mcp, method.stop, observer);
+  Point point;
+  if (run.start(x0, point)) newton_josephy(run, method, std::move(point));
   return run.result();
 }
 

@@ -33,6 +33,7 @@ Observer record(std::vector<Iteration>& records) {
   return [&records](const Iteration& it) {
     records.push_back(it);
     records.back().x = nullptr;
+    records.back().way = nullptr;
     return Next::Continue;
   };
 }

@@ -5,24 +5,37 @@
 #include <iosfwd>
 #include <vector>
 
+#include "lcp/lemke.hpp"
 #include "ncp/mcp.hpp"
 
 namespace perp::ncp {
 
+/// The way of one iteration of PathSearch, in the coordinates of the normal map.
+struct WayTaken {
+  std::vector<lcp::Breakpoint> kinks;  ///< of the path, from t = 0; begin and end only if it was a straight way
+  double T = 1;                        ///< accepted; 1 is the end
+  bool on_path = false;                ///< searched along the kinks
+};
+
 struct Iteration {
-  int k = 0;               ///< 0 is the start
-  double residual = 0;     ///< natural residual of the iterate projected onto the box
-  Index worst = -1;        ///< index where it is largest
-  double merit = 0;        ///< the method's own merit function
-  double step = 0;         ///< step length t in (0, 1]; 0 at the start
-  double prox = 0;         ///< proximal or Levenberg-Marquardt parameter of the step; 0 if none
-  int pivots = 0;          ///< of this iteration
-  int backtracks = 0;      ///< of this iteration
-  int F_evals = 0;         ///< so far
-  int J_evals = 0;         ///< so far
-  char kind = ' ';         ///< of the step: I start, N Newton, L Levenberg-Marquardt, G gradient, R ray/partial path, P
-                           ///< proximal, E proximal escape
-  const Vec* x = nullptr;  ///< the iterate; only during the call
+  int k = 0;            ///< 0 is the start
+  double residual = 0;  ///< natural residual of the iterate projected onto the box
+  Index worst = -1;     ///< index where it is largest
+  double merit = 0;     ///< the method's own merit function
+  double step = 0;      ///< step length t in (0, 1]; 0 at the start
+  double prox = 0;      ///< proximal or Levenberg-Marquardt parameter of the step; 0 if none
+  int pivots = 0;       ///< of this iteration
+  int backtracks = 0;   ///< of this iteration
+  int F_evals = 0;      ///< so far
+  int J_evals = 0;      ///< so far
+  /// Of the step: I start, N Newton, L Levenberg-Marquardt, G gradient, P proximal, R partial path (NewtonJosephy), E
+  /// proximal escape, A a linear method. PathSearch: C crash; a Newton point accepted by O distance and merit, M merit,
+  /// D distance; B backtracked, W watchdog, G gradient, R restart.
+  char kind = ' ';
+  /// PathSearch, the linear problem: S solved, R ray, C cycle, N singular, I pivot limit, T inaccurate, E other.
+  char linear = ' ';
+  const Vec* x = nullptr;         ///< the iterate; only during the call
+  const WayTaken* way = nullptr;  ///< PathSearch; only during the call
 };
 
 enum class Next { Continue, Stop };

@@ -156,7 +156,7 @@ class Rounds {
     limits.max_time -= stats_.time;
     limits.max_time = std::max(limits.max_time, std::chrono::duration<double>(0));
     Result r = run_(mcp, x, method, observer);
-    add(r.stats);
+    stats_ += r.stats;
     if (r.status == Status::Interrupted)
       end({r.status, "interrupted after " + std::to_string(stats_.iterations) + " iterations", r.advice});
     else if (r.status == Status::TimeLimit)
@@ -165,15 +165,6 @@ class Rounds {
       end({r.status, "the limit of " + std::to_string(stop(method_).max_iterations) + " iterations was reached",
            r.advice});
     return r;
-  }
-
-  void add(const Stats& s) {
-    stats_.iterations += s.iterations;
-    stats_.F_evals += s.F_evals;
-    stats_.J_evals += s.J_evals;
-    stats_.factorizations += s.factorizations;
-    stats_.pivots += s.pivots;
-    stats_.time += s.time;
   }
 
   Next shown(Iteration it) {

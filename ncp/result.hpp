@@ -4,7 +4,9 @@
 #include <iosfwd>
 #include <string>
 #include <string_view>
+#include <vector>
 
+#include "lcp/lemke.hpp"
 #include "ncp/mcp.hpp"
 #include "ncp/residual.hpp"
 
@@ -21,27 +23,41 @@ enum class Status {
   LinearAlgebraFailed,  ///< out of memory, or no direction could be computed
   Infeasible,           ///< proven to have no solution; the message says how
   NotApplicable,        ///< the problem is outside what the method is defined for
+  Unbounded,            ///< the iterates ran off to infinity
   SubproblemFailed,     ///< the linearised problem could not be solved, however regularised
 };
 std::string_view to_string(Status);  ///< "Solved", "StationaryPoint", ...
 
 /// Of the method and its escapes; what check_jacobian evaluates is not counted.
 struct Stats {
-  int iterations = 0;
+  int iterations = 0;        ///< major: a linearised problem each
+  int crash_iterations = 0;  ///< PathSearch: projected Newton steps, which are no major iterations
   int F_evals = 0;
   int J_evals = 0;
   int factorizations = 0;
-  int pivots = 0;
+  int pivots = 0;    ///< minor iterations
+  int restarts = 0;  ///< attempts after the first
+  int gradient_steps = 0;
+  int watchdogs = 0;                             ///< returns to the last point that had passed a merit test
+  int unchecked_steps = 0;                       ///< D-steps
+  int backtracks = 0;                            ///< points refused by a search
+  int ray_starts = 0;                            ///< linearised problems solved from a ray
+  int rank_deficient = 0;                        ///< start bases repaired by artificials
+  int proximal_steps = 0;                        ///< steps of perturbed linearised problems
+  std::chrono::duration<double> linear_time{0};  ///< in linearised problems
   std::chrono::duration<double> time{0};
+
+  Stats& operator+=(const Stats& other);
 };
 
 struct Result {
   Status status = Status::IterationLimit;
-  std::string message;  ///< what happened, with names and values
-  std::string advice;   ///< what to try when it did not work; empty if solved
-  Vec x;                ///< the best point met, in the box; the start if nothing better was met
-  Vec F;                ///< F(x)
-  Residual residual;    ///< of x, by the judge
+  std::string message;             ///< what happened, with names and values
+  std::string advice;              ///< what to try when it did not work; empty if solved
+  Vec x;                           ///< the best point met, in the box; the start if nothing better was met
+  Vec F;                           ///< F(x)
+  Residual residual;               ///< of x, by the judge
+  std::vector<lcp::Cell> basis{};  ///< PathSearch: of the last linearised problem solved; empty if there was none
   Stats stats;
   bool solved() const { return status == Status::Solved; }
 };

@@ -133,7 +133,26 @@ bool Run::solved(Judged& judged) {
   return true;
 }
 
+void Run::resume() {
+  status_.reset();
+  offset_ = stats_.iterations;
+}
+
+void Run::take(const Result& other) {
+  stats_ += other.stats;
+  Judged theirs{.x = other.x, .F = other.F, .residual = other.residual};
+  const bool done = other.solved() && solved(theirs);
+  if (done || theirs.residual.natural < best_.residual.natural) best_ = theirs;
+  if (!done && !other.solved()) end(other.status, other.message, other.advice);
+}
+
+bool stuck(Status status) {
+  return status == Status::EvaluationFailed || status == Status::StationaryPoint || status == Status::NoProgress ||
+         status == Status::SubproblemFailed || status == Status::Unbounded || status == Status::LinearAlgebraFailed;
+}
+
 bool Run::go_on(const Point& point, Iteration it) {
+  it.k += offset_;
   Judged now = judge(point);
   const bool done = status_ || solved(now);
   if (done || now.residual.natural < best_.residual.natural) best_ = now;
@@ -141,8 +160,8 @@ bool Run::go_on(const Point& point, Iteration it) {
   stats_.pivots += it.pivots;
   it.residual = now.residual.natural;
   it.worst = now.residual.worst;
-  it.F_evals = counted_.F_evals();
-  it.J_evals = counted_.J_evals();
+  it.F_evals = stats_.F_evals + counted_.F_evals();
+  it.J_evals = stats_.J_evals + counted_.J_evals();
   it.x = &point.x;
   const bool asked_to_stop = observer_ && observer_(it) == Next::Stop;
   if (done) return false;
@@ -169,10 +188,10 @@ Result Run::result() {
   if (out.status != Status::Solved && out.residual.worst >= 0 && std::isfinite(out.residual.natural))
     out.message += "; the best point has natural residual " + number(out.residual.natural) + ", worst in equation " +
                    equation(out.residual.worst) + " of variable " + mcp().variable_name(out.residual.worst);
-  stats_.F_evals = counted_.F_evals();
-  stats_.J_evals = counted_.J_evals();
-  stats_.time = std::chrono::steady_clock::now() - begin_;
   out.stats = stats_;
+  out.stats.F_evals += counted_.F_evals();
+  out.stats.J_evals += counted_.J_evals();
+  out.stats.time = std::chrono::steady_clock::now() - begin_;
   return out;
 }
 

@@ -57,6 +57,14 @@ class Run {
   /// Ends the run. Solved cannot be said: the judge says it.
   void end(Status status, std::string message, std::string advice);
   bool ended() const { return status_.has_value(); }
+  Status status() const { return *status_; }  ///< Pre: ended()
+  /// Withdraws a verdict that another attempt may better (stuck(Status)); its iterations count on from here.
+  void resume();
+  /// Another run's outcome on the same problem: its statistics, its point if it is better, its verdict.
+  void take(const Result& other);
+  /// The best point of the box so far, with F there.
+  const Vec& best() const { return best_.x; }
+  double best_residual() const { return best_.residual.natural; }
   /// The verdict with the best point.
   Result result();
 
@@ -79,10 +87,14 @@ class Run {
   const Observer& observer_;
   std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
   std::chrono::steady_clock::time_point deadline_;
-  Stats stats_;
+  Stats stats_;  // its evaluations are those of other runs; this one's are counted_'s
   std::optional<Status> status_;
   std::string message_, advice_;
+  int offset_ = 0;  // iterations of earlier attempts
   Judged best_;
 };
+
+/// Ends that another method, start or perturbation may better.
+bool stuck(Status status);
 
 }  // namespace perp::ncp

@@ -1,5 +1,6 @@
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "ncp/merit.hpp"
 #include "ncp/methods.hpp"
@@ -79,11 +80,7 @@ constexpr double stationary_tol = 1e-9;
 
 }  // namespace
 
-Result run_semismooth_newton(const Mcp& mcp, In x0, const SemismoothNewton& method, const Observer& observer) {
-  Run run(mcp, method.stop, observer);
-  Point point;
-  if (!run.start(x0, point)) return run.result();
-
+void semismooth_newton(Run& run, const SemismoothNewton& method, Point point) {
   // min's own 1/2 ||Phi||^2 is not differentiable: its steps are searched on the Fischer-Burmeister merit.
   const CFunction smooth = method.cfunction.smooth_merit ? method.cfunction : fischer_burmeister();
   Linearisation newton;
@@ -127,7 +124,7 @@ Result run_semismooth_newton(const Mcp& mcp, In x0, const SemismoothNewton& meth
     Direction direction;
     bool done = directions.newton(newton, direction) && directions.descends(g, direction.d) && search(direction);
     double nu = std::min(1.0, descent.at.Phi.norm()) *
-                std::max(1e-8, 1e-6 * descent.H.squaredNorm() / static_cast<double>(mcp.size()));
+                std::max(1e-8, 1e-6 * descent.H.squaredNorm() / static_cast<double>(point.x.size()));
     for (int i = 0; i < lm_tries && !done; ++i, nu *= lm_growth)
       done = directions.levenberg_marquardt(descent, nu, direction) && g.dot(direction.d) < 0 && search(direction);
     if (!done) done = search(Directions::gradient(descent));
@@ -143,6 +140,12 @@ Result run_semismooth_newton(const Mcp& mcp, In x0, const SemismoothNewton& meth
     it.step = found.t;
     memory.push(it.merit);
   }
+}
+
+Result run_semismooth_newton(const Mcp& mcp, In x0, const SemismoothNewton& method, const Observer& observer) {
+  Run run(mcp, method.stop, observer);
+  Point point;
+  if (run.start(x0, point)) semismooth_newton(run, method, std::move(point));
   return run.result();
 }
 

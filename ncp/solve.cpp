@@ -6,6 +6,7 @@
 
 #include "ncp/methods.hpp"
 #include "ncp/proximal.hpp"
+#include "ncp/run.hpp"
 
 namespace perp::ncp {
 namespace {
@@ -64,18 +65,40 @@ std::optional<std::string> invalid(const Escape& e) {
   return std::nullopt;
 }
 
+std::optional<std::string> invalid(const PathSearch& m) {
+  if (!(m.sigma > 0 && m.sigma < 1)) return bad("sigma", m.sigma, "in (0, 1)");
+  if (!(m.beta > 0 && m.beta < 1)) return bad("beta", m.beta, "in (0, 1)");
+  if (m.max_backtracks < 0) return bad("max_backtracks", m.max_backtracks, "at least 0");
+  if (m.crash.iteration_limit < 0) return bad("crash.iteration_limit", m.crash.iteration_limit, "at least 0");
+  if (!(m.crash.least_step > 0 && m.crash.least_step <= 1))
+    return bad("crash.least_step", m.crash.least_step, "in (0, 1]");
+  if (m.nms.memory < 1) return bad("nms.memory", m.nms.memory, "at least 1");
+  if (m.nms.mstep_frequency < 1) return bad("nms.mstep_frequency", m.nms.mstep_frequency, "at least 1");
+  if (!(m.nms.initial_reference_factor >= 1) || std::isinf(m.nms.initial_reference_factor))
+    return bad("nms.initial_reference_factor", m.nms.initial_reference_factor, "at least 1 and finite");
+  if (m.nms.maximum_watchdogs < 0) return bad("nms.maximum_watchdogs", m.nms.maximum_watchdogs, "at least 0");
+  if (!(m.nms.distance_decrease > 0 && m.nms.distance_decrease <= 1))
+    return bad("nms.distance_decrease", m.nms.distance_decrease, "in (0, 1]");
+  if (!(m.proximal_perturbation >= 0) || std::isinf(m.proximal_perturbation))
+    return bad("proximal_perturbation", m.proximal_perturbation, "at least 0 and finite");
+  if (m.gradient_step_limit < 0) return bad("gradient_step_limit", m.gradient_step_limit, "at least 0");
+  if (m.restart_limit < 0) return bad("restart_limit", m.restart_limit, "at least 0");
+  if (m.cumulative_iteration_limit < 1)
+    return bad("cumulative_iteration_limit", m.cumulative_iteration_limit, "at least 1");
+  return invalid(m.lemke);
+}
+
 Result run(const Mcp& mcp, In x0, const Method& method, const Observer& observer) {
   return std::visit(Overloaded{[&](const SemismoothNewton& m) { return run_semismooth_newton(mcp, x0, m, observer); },
                                [&](const NewtonJosephy& m) { return run_newton_josephy(mcp, x0, m, observer); },
+                               [&](const PathSearch& m) { return run_path(mcp, x0, m, observer); },
                                [&](const Affine& m) { return run_affine(mcp, x0, m, observer); }},
                     method);
 }
 
 /// EvaluationFailed after a step: the iterates, which may leave the box, ran against the border of the domain.
 bool stuck(const Result& result) {
-  const bool at_border = result.status == Status::EvaluationFailed && result.stats.iterations > 0;
-  return at_border || result.status == Status::StationaryPoint || result.status == Status::NoProgress ||
-         result.status == Status::SubproblemFailed;
+  return stuck(result.status) && (result.status != Status::EvaluationFailed || result.stats.iterations > 0);
 }
 
 /// A derivative that does not match is the most frequent reason of a failure, and the hardest to see.
@@ -94,6 +117,7 @@ void blame_derivatives(const Mcp& mcp, Result& result) {
 std::string_view name(const Method& method) {
   return std::visit(Overloaded{[](const SemismoothNewton&) { return std::string_view("semismooth"); },
                                [](const NewtonJosephy&) { return std::string_view("josephy"); },
+                               [](const PathSearch&) { return std::string_view("path"); },
                                [](const Affine& m) { return lcp::name(m.method); }},
                     method);
 }
@@ -120,6 +144,7 @@ std::optional<std::string> invalid(const Method& method) {
                                  if (auto why = invalid(m.escape)) return why;
                                  return invalid(m.lemke);
                                },
+                               [](const PathSearch& m) { return invalid(m); },
                                [](const Affine&) -> std::optional<std::string> { return std::nullopt; }},
                     method);
 }
@@ -133,8 +158,10 @@ Result solve(const Mcp& mcp, In x0, const Method& method, const Observer& observ
         throw std::invalid_argument(mcp.name() + ": " + mismatch);
   Result result = run(mcp, x0, method, observer);
   if (std::holds_alternative<Affine>(method)) return result;
-  const Escape escape = std::visit(
-      Overloaded{[](const Affine&) { return Escape{.rounds = 0}; }, [](const auto& m) { return m.escape; }}, method);
+  const Escape escape = std::visit(Overloaded{[](const Affine&) { return Escape{.rounds = 0}; },
+                                              [](const PathSearch&) { return Escape{.rounds = 0}; },  // in its list
+                                              [](const auto& m) { return m.escape; }},
+                                   method);
   if (stuck(result) && escape.rounds > 0)
     result = proximal_escape(mcp, method, escape, std::move(result), run, observer);
   if (stuck(result) || result.status == Status::IterationLimit || result.status == Status::LinearAlgebraFailed)

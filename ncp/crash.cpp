@@ -1,0 +1,106 @@
+#include "ncp/crash.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "ncp/normal_map.hpp"
+
+namespace perp::ncp {
+namespace {
+
+/// The proximal term of a singular J_II, relative to the size of J; it grows by this factor until J_II + lambda I is
+/// not.
+constexpr double prox_first = 1e-6;
+constexpr double prox_growth = 100;
+constexpr int prox_tries = 4;
+/// A step is worth a factorization if it leaves less than this share of the merit.
+constexpr double worthwhile = 0.9;
+
+using Places = std::vector<bool>;  // inside?
+
+/// The variables that the sign of F does not hold at a bound.
+Places inside(const Box& box, const Point& point) {
+  Places in(static_cast<std::size_t>(point.x.size()));
+  for (Index i = 0; i < point.x.size(); ++i) {
+    const bool held =
+        (point.x[i] == box.lower[i] && point.F[i] >= 0) || (point.x[i] == box.upper[i] && point.F[i] <= 0);
+    in[static_cast<std::size_t>(i)] = !held && box.lower[i] < box.upper[i];
+  }
+  return in;
+}
+
+/// J_II + lambda I.
+SpMat block(const SpMat& J, const std::vector<Index>& I, double lambda) {
+  std::vector<Index> position(static_cast<std::size_t>(J.rows()), -1);
+  for (std::size_t k = 0; k < I.size(); ++k) position[static_cast<std::size_t>(I[k])] = static_cast<Index>(k);
+  const auto m = static_cast<Index>(I.size());
+  std::vector<Eigen::Triplet<double>> entries;
+  for (Index k = 0; k < m; ++k) {
+    const Index j = I[static_cast<std::size_t>(k)];
+    for (SpMat::InnerIterator e(J, j); e; ++e)
+      if (const Index row = position[static_cast<std::size_t>(e.row())]; row >= 0)
+        entries.emplace_back(static_cast<int>(row), static_cast<int>(k), e.value());
+    if (lambda > 0) entries.emplace_back(static_cast<int>(k), static_cast<int>(k), lambda);
+  }
+  SpMat B(m, m);
+  B.setFromTriplets(entries.begin(), entries.end());
+  return B;
+}
+
+/// d with (J_II + lambda I) d_I = -F_I, d = 0 elsewhere; lambda > 0 if J_II is singular. False: no lambda helped.
+bool direction(Run& run, const Point& point, const Places& in, lcp::SparseLu& lu, double& lambda, Vec& d) {
+  std::vector<Index> I;
+  for (std::size_t i = 0; i < in.size(); ++i)
+    if (in[i]) I.push_back(static_cast<Index>(i));
+  if (I.empty()) return false;
+  Vec rhs(static_cast<Index>(I.size()));
+  for (std::size_t k = 0; k < I.size(); ++k) rhs[static_cast<Index>(k)] = -point.F[I[k]];
+  Vec step(rhs.size());
+  for (int tries = 0; tries <= prox_tries; ++tries) {
+    ++run.stats().factorizations;
+    if (lu.factor(block(point.J, I, lambda)) == lcp::LuStatus::Ok) {
+      lu.solve(rhs, step);
+      if (step.allFinite()) {
+        d.setZero(point.x.size());
+        for (std::size_t k = 0; k < I.size(); ++k) d[I[k]] = step[static_cast<Index>(k)];
+        return true;
+      }
+    }
+    lambda = lambda > 0 ? prox_growth * lambda : prox_first * size_of(point.J);
+  }
+  return false;
+}
+
+}  // namespace
+
+bool crash(Run& run, const Crash& options, Point& point, Iteration& it) {
+  if (!options.on || run.box().size() < options.minimum_dimension) return true;
+  const CFunction fb = fischer_burmeister();
+  const Armijo rule{.max_backtracks = static_cast<int>(std::ceil(-std::log2(options.least_step)))};
+  lcp::SparseLu lu;
+  Places before;
+  double psi = merit(fb, run.box(), point.x, point.F);
+  double lambda = 0;
+  for (int c = 0; c < options.iteration_limit; ++c) {
+    Places in = inside(run.box(), point);
+    Index changes = 0;
+    for (std::size_t i = 0; i < before.size(); ++i) changes += in[i] != before[i];
+    if (c > 0 && changes < options.nbchange_limit) return true;
+    before = std::move(in);
+    Vec d;
+    if (!direction(run, point, before, lu, lambda, d)) return true;
+    const SearchOutcome found = line_search(run, fb, rule, d, -2 * psi, psi, true, point);
+    if (!found.found) return true;
+    const bool pays = found.merit < worthwhile * psi;
+    psi = found.merit;
+    it = {.k = it.k, .merit = psi, .step = found.t, .prox = lambda, .backtracks = found.backtracks, .kind = 'C'};
+    ++run.stats().crash_iterations;
+    if (!run.go_on(point, it)) return false;
+    if (!pays) return true;
+    lambda /= 10;
+  }
+  return true;
+}
+
+}  // namespace perp::ncp

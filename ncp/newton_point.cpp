@@ -1,0 +1,97 @@
+#include "ncp/newton_point.hpp"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+namespace perp::ncp {
+namespace {
+
+/// More pivots than a linearised problem is worth: a regular path of n variables takes a small multiple of n.
+int worthwhile_pivots(Index n) { return 1000 + 20 * static_cast<int>(std::min<Index>(n, 1'000'000)); }
+
+/// Doubles that the kinks of one path may take.
+constexpr Index kink_memory = 4'000'000;
+constexpr Index most_kinks = 4096;
+
+/// Covering vectors of rays, in the order they are tried.
+constexpr std::array covers{lcp::Cover::Generic, lcp::Cover::Ones, lcp::Cover::Spread};
+
+}  // namespace
+
+char NewtonPoint::letter() const {
+  switch (path.end) {
+    case lcp::PivotEnd::Solved:
+      return 'S';
+    case lcp::PivotEnd::Ray:
+      return 'R';
+    case lcp::PivotEnd::Loop:
+      return 'C';
+    case lcp::PivotEnd::SingularBasis:
+      return 'N';
+    case lcp::PivotEnd::PivotLimit:
+      return 'I';
+    case lcp::PivotEnd::Inaccurate:
+      return 'T';
+    case lcp::PivotEnd::TimeLimit:
+    case lcp::PivotEnd::Interrupted:
+      return 'E';
+  }
+  return 'E';
+}
+
+NewtonPoints::NewtonPoints(Run& run, const PathSearch& method)
+    : run_(run), method_(method), options_(method.lemke), left_(method.cumulative_iteration_limit) {
+  const Index n = run.box().size();
+  options_.interrupted = [&run] { return run.interrupted(); };
+  options_.deadline = run.deadline();
+  options_.max_pivots = std::min(options_.max_pivots, worthwhile_pivots(n));
+  options_.path_limit =
+      static_cast<std::size_t>(std::clamp<Index>(kink_memory / std::max<Index>(n, 1), 16, most_kinks));
+}
+
+lcp::PivotResult NewtonPoints::follow(const lcp::AffineMcp& problem, const Vec& x, const lcp::LemkeOptions& options) {
+  const auto begin = std::chrono::steady_clock::now();
+  lcp::PivotResult path = lcp::lemke(problem, x, options);
+  Stats& stats = run_.stats();
+  stats.linear_time += std::chrono::steady_clock::now() - begin;
+  stats.factorizations += path.refactorizations;
+  if (path.repaired > 0) ++stats.rank_deficient;
+  if (options.start == lcp::LemkeStart::Ray) ++stats.ray_starts;
+  pivots_ += path.pivots;
+  left_ -= path.pivots;
+  return path;
+}
+
+NewtonPoint NewtonPoints::solve(const Point& point, const Vec& x, const std::vector<lcp::Cell>& cells, double lambda) {
+  const lcp::AffineMcp problem = linearised(run_.box(), point, lambda);
+  const bool first = std::exchange(first_, false);
+  NewtonPoint newton{.path = {}, .lambda = lambda};
+  lcp::LemkeOptions options = options_;
+  options.max_pivots = std::min(options.max_pivots, std::max(left_, 1));
+  const bool ray_asked = method_.start == PathStart::Always || (method_.start == PathStart::First && first) ||
+                         options.start == lcp::LemkeStart::Ray;
+  if (!ray_asked) {
+    options.cells = cells;
+    options.keep_path = method_.search == Searchtype::Path;
+    newton.path = follow(problem, x, options);
+    if (newton.usable() || newton.stopped()) return newton;
+  }
+  options.start = lcp::LemkeStart::Ray;
+  options.cells.clear();
+  options.keep_path = false;
+  for (std::size_t i = 0; i <= covers.size() && left_ > 0; ++i) {
+    if (i > 0) options.cover = covers[i - 1];
+    options.seed = options_.seed + static_cast<unsigned>(i);
+    lcp::PivotResult path = follow(problem, x, options);
+    const bool good = path.solved();
+    if (good || (i == 0 && ray_asked)) {
+      newton.path = std::move(path);
+      newton.from_ray = true;
+    }
+    if (good || newton.stopped()) break;
+  }
+  return newton;
+}
+
+}  // namespace perp::ncp

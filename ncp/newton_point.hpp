@@ -1,0 +1,45 @@
+#pragma once
+/// The linearised problems of PathSearch, solved by following the path from x^k; private to ncp/.
+#include <utility>
+#include <vector>
+
+#include "ncp/normal_map.hpp"
+
+namespace perp::ncp {
+
+struct NewtonPoint {
+  lcp::PivotResult path;
+  double lambda = 0;      ///< of the proximal term, absolute
+  bool from_ray = false;  ///< the kinks of `path` then say nothing of the way from x^k
+  bool solved() const { return path.solved(); }
+  /// Came far enough to be of use: t = 1, or the part of a path from x^k that has this share of it.
+  bool usable() const { return solved() || (!from_ray && path.best_t >= 0.1); }
+  double t() const { return solved() ? 1 : path.best_t; }
+  const Vec& x() const { return solved() ? path.x : path.best_x; }
+  bool stopped() const { return path.end == lcp::PivotEnd::Interrupted || path.end == lcp::PivotEnd::TimeLimit; }
+  char letter() const;  ///< Iteration::linear
+};
+
+class NewtonPoints {
+ public:
+  NewtonPoints(Run& run, const PathSearch& method);
+
+  /// Of the problem linearised at `point` with this lambda, from x (and its cells, if they are known); from rays with
+  /// several covering vectors if it is the first one or the path from x does not get anywhere.
+  NewtonPoint solve(const Point& point, const Vec& x, const std::vector<lcp::Cell>& cells, double lambda);
+
+  int take_pivots() { return std::exchange(pivots_, 0); }
+  bool exhausted() const { return left_ <= 0; }
+
+ private:
+  lcp::PivotResult follow(const lcp::AffineMcp& problem, const Vec& x, const lcp::LemkeOptions& options);
+
+  Run& run_;
+  const PathSearch& method_;
+  lcp::LemkeOptions options_;
+  int pivots_ = 0;
+  int left_;
+  bool first_ = true;
+};
+
+}  // namespace perp::ncp

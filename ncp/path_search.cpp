@@ -1,0 +1,334 @@
+#include "ncp/path_search.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "ncp/crash.hpp"
+#include "ncp/newton_point.hpp"
+
+namespace perp::ncp {
+namespace {
+
+/// lambda of the proximal terms tried in turn, relative to the size of J; one that helped shrinks from then on.
+constexpr double prox_first = 1e-6;
+constexpr double prox_growth = 100;
+constexpr double prox_decay = 0.1;
+constexpr int prox_tries = 5;
+
+/// The attempt is over when the best merit has not fallen by 1 % within so many iterations.
+constexpr int patience = 60;
+
+/// The reference values M_1 .. M_m.
+class References {
+ public:
+  References(const Nms& nms, double psi)
+      : values_(static_cast<std::size_t>(nms.on ? nms.memory : 1), (nms.on ? nms.initial_reference_factor : 1) * psi) {}
+  double largest() const { return *std::max_element(values_.begin(), values_.end()); }
+  void replace_largest(double psi) { *std::max_element(values_.begin(), values_.end()) = psi; }
+  void reset(double psi) { std::fill(values_.begin(), values_.end(), psi); }
+
+ private:
+  std::vector<double> values_;
+};
+
+/// One attempt: z^k = point.x with F and J, x^k, and what the non-monotone test remembers.
+class Attempt {
+ public:
+  Attempt(Run& run, const PathSearch& method, Point& point)
+      : run_(run),
+        method_(method),
+        point_(point),
+        x_(normal_point(run.box(), point.x, point.F)),
+        cells_(method.basis),
+        newton_points_(run, method),
+        lambda_(method.proximal_perturbation * size_of(point.J)),
+        psi_(psi(point.x, point.F, x_)),
+        references_(method.nms, psi_),
+        best_z_(point.x),
+        best_psi_(psi_) {}
+
+  double merit() const { return psi_; }
+  /// One major iteration. False: no step was found, and the run has a verdict or was asked to stop.
+  bool iterate(Iteration& it);
+  const WayTaken& way_taken() const { return taken_; }
+  bool stalled() { return stall_.stalled(best_psi_); }
+  const std::vector<lcp::Cell>& basis() const { return basis_; }
+
+ private:
+  struct Saved {  // the last point that passed the merit test, and the way from it
+    Point point;
+    Way way;
+    double t = 1;
+    double psi = 0;
+  };
+
+  double psi(In z, In F, In x) const {
+    if (method_.merit == PathMerit::Fischer) return ncp::merit(fb_, run_.box(), z, F);
+    return 0.5 * (F + x - z).squaredNorm();
+  }
+  Way way_to(const NewtonPoint& newton) const;
+  bool newton_step(Iteration& it);
+  bool accept(const NewtonPoint& newton, Iteration& it);
+  bool search(const Way& way, double t, double from, Iteration& it);
+  bool watchdog(Iteration& it);
+  bool gradient_step(Iteration& it);
+  void moved(Point&& to, Vec x, double merit);
+  void explain(const Iteration& it);
+
+  Run& run_;
+  const PathSearch& method_;
+  const CFunction fb_ = fischer_burmeister();
+  Point& point_;
+  Vec x_;
+  std::vector<lcp::Cell> cells_;  // of x^k, if known
+  std::vector<lcp::Cell> basis_;
+  NewtonPoints newton_points_;
+  double lambda_;
+  double psi_;
+  References references_;
+  Stall stall_{patience};
+  Vec best_z_;
+  double best_psi_;
+  double delta_ = infinity;  // the distance up to which steps go unchecked
+  int unchecked_ = 0;        // D-steps since the last merit test
+  int watchdogs_ = 0;
+  int gradient_steps_ = 0;
+  std::optional<Saved> saved_;
+  std::optional<NewtonPoint> last_;
+  int undefined_ = 0;  // trial points of this iteration where F or J is not defined
+  WayTaken taken_;
+};
+
+Way Attempt::way_to(const NewtonPoint& newton) const {
+  if (newton.from_ray || method_.search == Searchtype::Line) return Way::line(run_.box(), point_.x, newton.x());
+  if (method_.search == Searchtype::Arc || newton.path.path.size() < 2) return Way::arc(x_, newton.x());
+  return Way::path(x_, newton.path.path, newton.x(), newton.t());
+}
+
+void Attempt::moved(Point&& to, Vec x, double merit) {
+  std::swap(point_, to);
+  x_ = std::move(x);
+  psi_ = merit;
+  cells_.clear();
+  if (psi_ < best_psi_) {
+    best_psi_ = psi_;
+    best_z_ = point_.x;
+  }
+}
+
+/// Backwards from T = `from` along the way of a linearised problem solved up to t:  T = from, beta from, ...
+bool Attempt::search(const Way& way, double t, double from, Iteration& it) {
+  Point trial;
+  double T = from;
+  const double start = psi_;
+  for (int k = 0; k <= method_.max_backtracks; ++k, T *= method_.beta) {
+    Vec x = way.at(T);
+    trial.x = lcp::project(run_.box(), x);
+    if (trial.x == point_.x) break;
+    if (!run_.counted().eval(trial.x, trial.F)) {
+      ++undefined_, ++it.backtracks;
+      continue;
+    }
+    const double merit = psi(trial.x, trial.F, x);
+    if (!(merit <= references_.largest() - 2 * method_.sigma * T * t * start)) {
+      ++it.backtracks;
+      continue;
+    }
+    if (!run_.counted().jacobian(trial.x, trial.J)) {
+      ++undefined_, ++it.backtracks;
+      continue;
+    }
+    it.step = taken_.T = T;
+    references_.replace_largest(merit);
+    unchecked_ = 0;
+    saved_.reset();
+    if (method_.merit == PathMerit::Fischer) x = normal_point(run_.box(), trial.x, trial.F);
+    moved(std::move(trial), std::move(x), merit);
+    return true;
+  }
+  return false;
+}
+
+/// The Newton point by its merit (M), by its distance (D), by both (O), or backtracked to (B).
+bool Attempt::accept(const NewtonPoint& newton, Iteration& it) {
+  const Way way = way_to(newton);
+  taken_ = {.kinks = newton.from_ray ? std::vector<lcp::Breakpoint>{} : newton.path.path,
+            .on_path = !way.kinks().empty()};
+  if (!newton.solved()) {
+    it.kind = 'B';
+    return search(way, newton.t(), 1, it);
+  }
+  Point trial;
+  trial.x = lcp::project(run_.box(), newton.x());
+  const double distance = (trial.x - point_.x).norm();
+  if (std::isinf(delta_)) delta_ = distance;
+  const bool defined = run_.counted().eval(trial.x, trial.F);
+  if (defined) {
+    const double merit = psi(trial.x, trial.F, newton.x());
+    const bool near = method_.nms.on && distance <= delta_ && unchecked_ + 1 < method_.nms.mstep_frequency &&
+                      watchdogs_ <= method_.nms.maximum_watchdogs && std::isfinite(merit);
+    const bool falls = merit <= references_.largest() - 2 * method_.sigma * psi_;
+    if ((near || falls) && run_.counted().jacobian(trial.x, trial.J)) {
+      it.kind = near && falls ? 'O' : falls ? 'M' : 'D';
+      it.step = taken_.T = 1;
+      if (falls) {
+        references_.replace_largest(merit);
+        unchecked_ = 0;
+        saved_.reset();
+      } else {
+        ++run_.stats().unchecked_steps;
+        if (unchecked_++ == 0) saved_ = Saved{.point = point_, .way = way, .t = newton.t(), .psi = psi_};
+      }
+      if (near) delta_ *= method_.nms.distance_decrease;
+      moved(std::move(trial), newton.x(), merit);
+      cells_ = newton.path.cells;
+      return true;
+    }
+  }
+  ++it.backtracks;
+  if (!defined) ++undefined_;
+  if (unchecked_ > 0) return false;  // the watchdog's turn
+  it.kind = 'B';
+  return search(way, 1, method_.beta, it);
+}
+
+/// Linearised problems with growing lambda until one gives a step.
+bool Attempt::newton_step(Iteration& it) {
+  const double size = size_of(point_.J);
+  double lambda = lambda_;
+  for (int i = 0; i <= prox_tries; ++i) {
+    last_ = newton_points_.solve(point_, x_, cells_, lambda);
+    it.prox = lambda;
+    it.linear = last_->letter();
+    if (last_->solved()) basis_ = last_->path.cells;
+    if (last_->stopped() || newton_points_.exhausted()) return false;
+    if (last_->usable() && accept(*last_, it)) {
+      if (lambda > 0) ++run_.stats().proximal_steps;
+      lambda_ = lambda * prox_decay > 0.1 * prox_first * size ? lambda * prox_decay : 0;
+      return true;
+    }
+    if (unchecked_ > 0 || !method_.proximal_adaptive) return false;
+    lambda = lambda > 0 ? prox_growth * lambda : prox_first * size;
+    cells_.clear();
+  }
+  return false;
+}
+
+/// Back to the last point that passed a merit test, and a search along its way.
+bool Attempt::watchdog(Iteration& it) {
+  if (!saved_) return false;
+  ++run_.stats().watchdogs;
+  ++watchdogs_;
+  Saved saved = std::move(*saved_);
+  saved_.reset();
+  unchecked_ = 0;
+  it.kind = 'W';
+  Vec x = normal_point(run_.box(), saved.point.x, saved.point.F);
+  moved(std::move(saved.point), std::move(x), saved.psi);
+  return search(saved.way, saved.t, method_.beta, it);
+}
+
+/// A projected gradient step of the Fischer-Burmeister merit from the best point.
+bool Attempt::gradient_step(Iteration& it) {
+  if (gradient_steps_ >= method_.gradient_step_limit) return false;
+  if (best_psi_ < psi_) {
+    Point best;
+    best.x = best_z_;
+    if (run_.evaluate(best)) moved(std::move(best), normal_point(run_.box(), best_z_, best.F), best_psi_);
+  }
+  Linearisation descent;
+  linearise(fb_, run_.box(), point_, descent);
+  const Vec d = lcp::project(run_.box(), point_.x + descent.cauchy_step()) - point_.x;
+  const SearchOutcome found =
+      line_search(run_, fb_, Armijo{.sigma = method_.sigma}, d, descent.gradient.dot(d), descent.merit, true, point_);
+  it.backtracks += found.backtracks;
+  undefined_ += found.undefined;
+  if (!found.found) return false;
+  it.kind = 'G';
+  it.step = found.t;
+  it.prox = 0;
+  ++gradient_steps_;
+  ++run_.stats().gradient_steps;
+  x_ = normal_point(run_.box(), point_.x, point_.F);
+  cells_.clear();
+  psi_ = psi(point_.x, point_.F, x_);
+  best_psi_ = std::min(best_psi_, psi_);
+  best_z_ = point_.x;
+  references_.reset(psi_);
+  unchecked_ = 0;
+  saved_.reset();
+  return true;
+}
+
+bool Attempt::iterate(Iteration& it) {
+  undefined_ = 0;
+  it = {.k = it.k + 1};
+  const bool found =
+      newton_step(it) || (!last_->stopped() && !newton_points_.exhausted() && (watchdog(it) || gradient_step(it)));
+  it.pivots = newton_points_.take_pivots();
+  it.merit = psi_;
+  it.way = &taken_;
+  run_.stats().backtracks += it.backtracks;
+  if (!found) explain(it);
+  return found;
+}
+
+/// The verdict when no step was found.
+void Attempt::explain(const Iteration& it) {
+  if (last_->stopped()) return;  // the run says so
+  if (newton_points_.exhausted())
+    run_.end(Status::IterationLimit,
+             "the limit of " + std::to_string(method_.cumulative_iteration_limit) + " pivots in all was reached",
+             "raise cumulative_iteration_limit");
+  else if (undefined_ > 0 && undefined_ == it.backtracks)
+    run_.end(Status::EvaluationFailed, "F or its Jacobian is not defined at any trial point, however short the step",
+             "try another start, or bounds that keep the iterates inside the domain");
+  else if (!last_->usable())
+    run_.end(Status::SubproblemFailed,
+             "the linearised problem could not be solved (" + std::string(lcp::to_string(last_->path.end)) +
+                 "), with proximal terms up to " + std::to_string(last_->lambda) + " neither",
+             "try another start");
+  else
+    run_.end(Status::NoProgress, "neither the Newton steps nor the gradient decrease the merit function",
+             "try another start");
+}
+
+/// An iterate beyond this, relative to 1 + |start|, that is no solution has left for infinity.
+constexpr double far_away = 1e15;
+
+bool ran_off(Run& run, const Point& point, double start) {
+  Index i = 0;
+  if (point.x.size() == 0 || point.x.cwiseAbs().maxCoeff(&i) <= far_away * (1 + start)) return false;
+  run.end(Status::Unbounded,
+          "variable " + run.mcp().variable_name(i) + " has run off to " + std::to_string(point.x[i]) +
+              " without a solution",
+          "bound it, or look for a mistake in the model: it may have no solution");
+  return true;
+}
+
+}  // namespace
+
+void path_search(Run& run, const PathSearch& method, Point point, char kind, std::vector<lcp::Cell>& basis) {
+  Iteration it{.k = 0, .kind = kind};
+  it.merit = merit(fischer_burmeister(), run.box(), point.x, point.F);
+  if (!run.go_on(point, it) || !crash(run, method.crash, point, it)) return;
+  const double start = point.x.size() > 0 ? point.x.lpNorm<Eigen::Infinity>() : 0;
+  Attempt attempt(run, method, point);
+  do {
+    if (ran_off(run, point, start)) break;
+    if (attempt.stalled()) {
+      run.end(Status::NoProgress, "the merit function has stopped falling", "try another start");
+      break;
+    }
+    if (!attempt.iterate(it)) {
+      run.go_on(point, it);
+      break;
+    }
+  } while (run.go_on(point, it));
+  basis = attempt.basis();
+}
+
+}  // namespace perp::ncp
