@@ -16,6 +16,7 @@ class FunctionMcp final : public Mcp {
   bool eval(In x, Out F) const override { return f_.F(x, F); }
   bool jacobian(In x, SpMat& J) const override { return f_.J(x, J); }
   bool is_affine() const override { return f_.affine; }
+  std::vector<bool> linear_entries() const override { return f_.affine ? Mcp::linear_entries() : f_.linear_entries; }
   std::string name() const override { return f_.name; }
   std::string variable_name(Index i) const override {
     return f_.variable_names.empty() ? Mcp::variable_name(i) : f_.variable_names[static_cast<std::size_t>(i)];
@@ -41,6 +42,11 @@ template <class... Parts>
 std::string Mcp::variable_name(Index i) const { return std::string("x[").append(std::to_string(i + 1)).append("]"); }
 std::string Mcp::equation_name(Index i) const { return std::string("F[").append(std::to_string(i + 1)).append("]"); }
 
+std::vector<bool> Mcp::linear_entries() const {
+  return is_affine() ? std::vector<bool>(static_cast<std::size_t>(jacobian_pattern().nonZeros()), true)
+                     : std::vector<bool>{};
+}
+
 std::unique_ptr<Mcp> make_mcp(Functions functions) {
   const Index n = functions.box.lower.size();
   const std::string& name = functions.name;
@@ -55,6 +61,10 @@ std::unique_ptr<Mcp> make_mcp(Functions functions) {
     if (!names->empty() && static_cast<Index>(names->size()) != n)
       refuse(name, ": ", names->size(), " names for ", n, " variables");
   functions.pattern.makeCompressed();
+  if (const auto flags = static_cast<Index>(functions.linear_entries.size());
+      flags != 0 && flags != functions.pattern.nonZeros())
+    refuse(name, ": ", flags, " flags of linear entries for a Jacobian pattern of ", functions.pattern.nonZeros(),
+           " nonzeros");
   return std::make_unique<FunctionMcp>(std::move(functions));
 }
 

@@ -38,6 +38,10 @@ class Mcp {
 
   /// Whether F(x) = F(0) + J x for all of R^n, with J the same everywhere: the problem's own promise.
   virtual bool is_affine() const { return false; }
+  /// Which entries of J are constant: one flag for each nonzero of jacobian_pattern(), in its order. A flag at (i, j)
+  /// promises that F_i(x) - J_ij x_j does not depend on x_j, with one number J_ij wherever F_i is defined; a row with
+  /// nothing but such entries (or with none) is affine on all of R^n. Empty: nothing is known. All, where is_affine().
+  virtual std::vector<bool> linear_entries() const;
 
   virtual std::string name() const { return "mcp"; }
   /// Names for people, counted from 1 as the papers do: "x[1]" and "F[1]" unless the problem knows better.
@@ -57,8 +61,9 @@ struct Functions {
   std::vector<std::string> variable_names{};  ///< empty, or n names
   std::vector<std::string> equation_names{};  ///< empty, or n names
   bool affine = false;                        ///< as Mcp::is_affine
+  std::vector<bool> linear_entries{};         ///< as Mcp::linear_entries: empty, or one flag a nonzero of the pattern
 };
-/// Throws std::invalid_argument if a function is missing or the sizes of box, pattern and names differ.
+/// Throws std::invalid_argument if a function is missing or the sizes of box, pattern, names and flags differ.
 std::unique_ptr<Mcp> make_mcp(Functions functions);
 
 /// The full n x n pattern, for small dense problems.

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "ncp/ampl/asl_problem.hpp"
+#include "ncp/ampl/linearity.hpp"
 #include "ncp/ampl/names.hpp"
 #include "ncp/ampl/nl_check.hpp"
 #include "ncp/ampl/pairing.hpp"
@@ -55,6 +56,7 @@ class AslModel final : public Model {
   bool is_affine() const override {
     return std::ranges::all_of(nl_.mentions, [](const auto& row) { return row.empty(); });
   }
+  std::vector<bool> linear_entries() const override { return ampl::linear_entries(nl_, pairing_, jacobian_); }
   std::string name() const override { return file_name(stub_); }
   std::string variable_name(Index i) const override { return unknown_name(pairing_, names_, nl_.header.n_var, i); }
   std::string equation_name(Index i) const override {

@@ -73,6 +73,21 @@ TEST(MakeMcp, RefusesPartsThatDoNotFit) {
               ThrowsMessage<std::invalid_argument>(HasSubstr("3 names for 4 variables")));
   EXPECT_THAT(refusal([](Functions& f) { f.equation_names.emplace_back("one too many"); }),
               ThrowsMessage<std::invalid_argument>(HasSubstr("5 names for 4")));
+  EXPECT_THAT(refusal([](Functions& f) {
+                f.linear_entries = {true, false};
+              }),
+              ThrowsMessage<std::invalid_argument>(HasSubstr("2 flags of linear entries")));
+}
+
+// Nothing is known unless said; an affine problem says it of all. Catches flags that get lost on the way.
+TEST(MakeMcp, PassesOnWhichEntriesAreLinear) {
+  EXPECT_TRUE(make_mcp(named())->linear_entries().empty());
+  Functions functions = named();
+  functions.linear_entries = std::vector<bool>(16, false);
+  functions.linear_entries[2] = true;
+  EXPECT_EQ(make_mcp(functions)->linear_entries(), functions.linear_entries);
+  functions.affine = true;
+  EXPECT_EQ(make_mcp(functions)->linear_entries(), std::vector<bool>(16, true));
 }
 
 // A pattern built entry by entry is not compressed; mcp.hpp promises one that is.
