@@ -45,11 +45,13 @@ def grid_cournot(name, rows, columns, firms, seed=1):
     for v in nodes:
         withdrawn = total(sales[f, v] for f in F) - total(output[p] for p in plants if p[1] == v)
         carried = total(load[e] for e in lines if e[1] == v) - total(load[e] for e in lines if e[0] == v)
+        node = f"node[{label[v]}]"
+        m.complement(node, carried - withdrawn, fee[v]) if v == nodes[0] else m.equation(node, carried - withdrawn)
+    for v in nodes:
         turn = total(conductance[e] * voltage[e] for e in lines if e[0] == v)
         back = total(conductance[e] * voltage[e] for e in lines if e[1] == v)
-        for name, body, variable in (("node", carried - withdrawn, fee[v]), ("angle", turn - back, angle[v])):
-            row = f"{name}[{label[v]}]"
-            m.complement(row, body, variable) if v == nodes[0] else m.equation(row, body)
+        row = f"angle[{label[v]}]"
+        m.complement(row, turn - back, angle[v]) if v == nodes[0] else m.equation(row, turn - back)
     for e in lines:
         m.complement(f"congestion[{line[e]}]", fee[e[0]] - fee[e[1]] - voltage[e], load[e])
         m.equation(f"loop[{line[e]}]", load[e] - conductance[e] * (angle[e[0]] - angle[e[1]]))

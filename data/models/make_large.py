@@ -21,7 +21,9 @@ def reform():
 
 
 def rationed():
-    return Shock(output_tax=0.5, world_price=0.2, wage_floor=1.05, quota=0.6, carbon=0.6, backstop=1.15, keep_public=True)
+    return Shock(
+        output_tax=0.5, world_price=0.2, wage_floor=1.05, quota=0.6, carbon=0.6, backstop=0.95, keep_public=True
+    )
 
 
 MODELS = {

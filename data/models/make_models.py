@@ -6,7 +6,11 @@ from pathlib import Path
 
 sys.dont_write_bytecode = True
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
+from cge import Shock, cge  # noqa: E402
 from nlwriter import Model, exp, log, total  # noqa: E402
+from ramsey import ramsey  # noqa: E402
+from spatial import spatial  # noqa: E402
+from traffic import traffic  # noqa: E402
 
 
 # --- energy: spatial price equilibrium of two fuels under an emission cap --------------------------------------------
@@ -203,6 +207,19 @@ def cases():
     return m
 
 
+# --- small instances of the generators, whose large ones make_large.py writes ----------------------------------------
+
+# Variables that the equilibrium does not determine: any plan of shipments of least cost will do.
+UNDETERMINED = {"spatial": "flow["}
+
+
+def economy():
+    shock = Shock(
+        output_tax=0.5, world_price=0.2, wage_floor=1.02, quota=0.6, carbon=0.6, backstop=1.05, keep_public=True
+    )
+    return cge("economy", 4, 2, shock)
+
+
 def models():
     return [
         energy(),
@@ -210,6 +227,10 @@ def models():
         harberger("harberger", tax=0.5),
         harberger("harberger-benchmark", tax=BENCHMARK_TAX),
         cases(),
+        economy(),
+        spatial("spatial", 2, 3, "isoelastic", lowest=0.01),
+        traffic("streets", 3, 3, 1),
+        ramsey("growth", 6, cap_from=3),
     ]
 
 

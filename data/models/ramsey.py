@@ -1,6 +1,9 @@
 """Ramsey growth with an exhaustible resource, a backstop and an emission cap, in Mathiesen's format over time. See
 ../README.md."""
 
+import itertools
+import operator
+
 from nlwriter import Model, exp, log, total
 
 GROWTH, INTEREST, DECAY = 0.02, 0.05, 0.07
@@ -15,8 +18,10 @@ def ramsey(name, periods, stock=0.6, cap_from=None, cap=0.5, capital=1.0, lowest
     path, or all ones."""
     m = Model(name)
     T = range(periods)
-    size = [(1 + GROWTH) ** t for t in T]
-    present = [(1 + INTEREST) ** -t for t in T]
+    # Products, not powers: the same on every machine.
+    size = list(itertools.accumulate([1.0] + [1 + GROWTH] * (periods - 1), operator.mul))
+    present = list(itertools.accumulate([1.0] + [1 + INTEREST] * (periods - 1), operator.truediv))
+    backstop = list(itertools.accumulate([BACKSTOP] + [0.99] * (periods - 1), operator.mul))
     capital0 = CAPITAL / (INTEREST + DECAY)
     invested0 = (GROWTH + DECAY) * capital0
     consumed0 = OUTPUT - invested0 - ENERGY
@@ -63,9 +68,9 @@ def ramsey(name, periods, stock=0.6, cap_from=None, cap=0.5, capital=1.0, lowest
         m.complement(f"investing[{t}]", p[t] - after[t], I[t])
         m.complement(f"holding[{t}]", q[t] - (INTEREST + DECAY) * rent[t] - (1 - DECAY) * after[t], K[t])
         m.complement(f"extracting[{t}]", p[t] + in_ground + permit.get(t, 0) - e[t], X[t])
-        m.complement(f"backstop[{t}]", BACKSTOP * 0.99**t * p[t] - e[t], B[t])
+        m.complement(f"backstop[{t}]", backstop[t] * p[t] - e[t], B[t])
         consumed = consumed0 * size[t] * wealth / (lifetime * living) * (living * present[t] / p[t]) ** TIME_ELASTICITY
-        used = consumed + invested0 * I[t] + ENERGY * (X[t] + BACKSTOP * 0.99**t * B[t])
+        used = consumed + invested0 * I[t] + ENERGY * (X[t] + backstop[t] * B[t])
         m.complement(f"market[{t}]", OUTPUT * Y[t] - used, p[t])
         m.complement(f"labour[{t}]", LABOUR * (size[t] - labour[t] * Y[t]), w[t])
         m.complement(f"services[{t}]", CAPITAL * (K[t] - services[t] * Y[t]), rent[t])
@@ -76,7 +81,7 @@ def ramsey(name, periods, stock=0.6, cap_from=None, cap=0.5, capital=1.0, lowest
         m.complement(f"emissions[{t}]", ENERGY * (cap - X[t]), permit[t])
     m.complement("capital[end]", (1 - DECAY) * capital0 * K[-1] + invested0 * I[-1] - capital0 * last_K, last_q)
     # Investment grows as output does in the last period (Lau, Pahlke & Rutherford 2002).
-    m.complement("terminal", I[-1] * Y[-2] - I[-2] * Y[-1], last_K)
+    m.complement("terminal", I[-1] / I[-2] - Y[-1] / Y[-2], last_K)
     m.complement("resource", ENERGY * (stock * sum(size) - total(X)), in_ground)
     share = [consumed0 * size[t] * present[t] / lifetime for t in T]
     power = 1 - TIME_ELASTICITY

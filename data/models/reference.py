@@ -11,9 +11,10 @@ import sys
 from pathlib import Path
 
 sys.dont_write_bytecode = True
-from make_models import models  # noqa: E402
+from make_models import UNDETERMINED, models  # noqa: E402
 
 STEP = 1e-30
+SHIFT = 1e-6  # of a singular system's diagonal, where solutions are not unique
 
 
 def evaluate(variables, rows, x):
@@ -96,7 +97,11 @@ def solve(model, tolerance=1e-13):
         H = [[db * entry for entry in J[i]] for i, (_, _, db) in enumerate(triples)]
         for i, (_, da, _) in enumerate(triples):
             H[i][i] += da
-        d = eliminate(H, [-phi for phi, _, _ in triples])
+        right = [-phi for phi, _, _ in triples]
+        try:
+            d = eliminate([list(row) for row in H], list(right))
+        except ZeroDivisionError:
+            d = eliminate([[h + SHIFT * (i == j) for j, h in enumerate(row)] for i, row in enumerate(H)], right)
         t = 1.0
         while True:
             trial = [a + t * b for a, b in zip(x, d)]
@@ -118,7 +123,12 @@ def main():
     folder = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).resolve().parent
     for model in models():
         x = solve(model)
-        values = {v.name: float(f"{value:.10g}") if abs(value) > 1e-12 else 0.0 for v, value in zip(model.ordered()[0], x)}
+        skipped = UNDETERMINED.get(model.name, "/")  # no name begins so
+        values = {
+            v.name: float(f"{value:.10g}") if abs(value) > 1e-12 else 0.0
+            for v, value in zip(model.ordered()[0], x)
+            if not v.name.startswith(skipped)
+        }
         (folder / f"{model.name}.sol.json").write_text(json.dumps(values, indent=1) + "\n", encoding="ascii")
 
 

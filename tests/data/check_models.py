@@ -6,6 +6,7 @@ its expression trees; the files against AMPL's own reader (gjh_asl_json of the D
 installed.
 """
 
+import heapq
 import json
 import math
 import shutil
@@ -18,8 +19,11 @@ from pathlib import Path
 sys.dont_write_bytecode = True
 DATA = Path(__file__).resolve().parent.parent.parent / "data"
 sys.path[:0] = [str(DATA), str(DATA / "models")]
+import cge  # noqa: E402
+import make_large  # noqa: E402
 import make_models as mm  # noqa: E402
 import nlwriter  # noqa: E402
+import ramsey  # noqa: E402
 import reference  # noqa: E402
 
 MODELS = {model.name: model for model in mm.models()}
@@ -66,7 +70,10 @@ class Files(unittest.TestCase):
         read = json.loads((Path(folder) / "model.json").read_text())
         variables, rows = model.ordered()
         supplied = read["supplied starting points"]["primal"]
-        self.assertEqual(supplied, {str(i): v.start for i, v in enumerate(variables) if v.start is not None})
+        starts = {str(i): v.start for i, v in enumerate(variables) if v.start is not None}
+        self.assertEqual(set(supplied), set(starts))
+        for i, start in starts.items():  # gjh_asl_json writes 6 digits of some
+            self.assertAlmostEqual(supplied[i], start, delta=1e-5 * max(1, abs(start)), msg=variables[int(i)].name)
         x = [1.0 if v.start is None else v.start for v in variables]  # gjh_asl_json's default is 1
         bodies = read["initial evaluations"]["constraints"]
         for i, (row, value) in enumerate(zip(rows, reference.evaluate(variables, rows, x))):
@@ -74,7 +81,8 @@ class Files(unittest.TestCase):
             # AMPL moves the constant of a linear row into its bounds.
             moved = next((b for b in (low, high) if row.complement and math.isfinite(b)), 0.0)
             constant = 0.0 if row.complement else row.constant
-            self.assertAlmostEqual(bodies[str(i)] - moved, value - constant, delta=1e-11, msg=row.name)
+            delta = 1e-11 + 5e-6 * abs(moved)  # gjh_asl_json writes 6 digits of some
+            self.assertAlmostEqual(bodies[str(i)] - moved, value - constant, delta=delta, msg=row.name)
             if row.complement:  # a variable with a lower bound only pairs with a row >= 0, and so on
                 sides = (row.complement.upper == math.inf, row.complement.lower == -math.inf)
                 self.assertEqual((low > -math.inf, high < math.inf), sides, row.name)
@@ -94,19 +102,24 @@ class References(unittest.TestCase):
         for name, model in MODELS.items():
             variables = model.ordered()[0]
             values = solution(name)
+            if name in mm.UNDETERMINED:  # its own test looks at it
+                continue
             self.assertEqual(list(values), [v.name for v in variables])
             x = [values[v.name] for v in variables]
-            self.assertLess(reference.natural_residual(variables, model.pairs(), x), 2e-7, name)
+            self.assertLess(reference.natural_residual(variables, model.pairs(), x), 1e-6, name)
 
     def test_each_is_what_the_solver_finds(self):
         for name, model in MODELS.items():
             values = solution(name)
             for v, x in zip(model.ordered()[0], reference.solve(model)):
-                self.assertAlmostEqual(values[v.name], x, delta=6e-10 * max(1, abs(x)), msg=f"{name} {v.name}")
+                if not v.name.startswith(mm.UNDETERMINED.get(name, "/")):
+                    self.assertAlmostEqual(values[v.name], x, delta=6e-10 * max(1, abs(x)), msg=f"{name} {v.name}")
 
     def test_each_is_nondegenerate(self):
         """max(x - l, |F|) is away from 0 in every pair, so that all methods must find the same active set."""
         for name, model in MODELS.items():
+            if name in mm.UNDETERMINED:
+                continue
             variables = model.ordered()[0]
             x = [solution(name)[v.name] for v in variables]
             for v, t, F in zip(variables, x, reference.evaluate(variables, model.pairs(), x)):
@@ -251,6 +264,121 @@ class Cases(unittest.TestCase):
         self.assertEqual(len(sides), 3)
         for row in sides:
             self.assertTrue(row.lower < row.body.value(at) < row.upper, row.name)
+
+
+def residual_at_start(model):
+    """The natural residual at the start, each row in units of its largest derivative where that is above 1."""
+    variables, rows = model.ordered()[0], model.pairs()
+    x = [v.start for v in variables]
+    F, J = reference.evaluate(variables, rows, x), reference.jacobian(variables, rows, x)
+    scaled = [f / max(1, *map(abs, row)) for f, row in zip(F, J)]
+    return max(abs(t - min(max(t - f, v.lower), v.upper)) for v, t, f in zip(variables, x, scaled))
+
+
+class Economy(unittest.TestCase):
+    def test_benchmark_is_replicated(self):
+        """Without a shock the benchmark is an equilibrium: every market, budget and zero-profit condition holds in the
+        social accounting matrix. Catches a tax, a share or a use that one of two rows forgets."""
+        for scaled in (True, False):
+            for seed in range(1, 6):
+                self.assertLess(residual_at_start(cge.cge("benchmark", 7, 4, scaled=scaled, seed=seed)), 1e-12)
+
+    def test_rationing_is_met(self):
+        """Each instrument of the shock works: unemployment with the real wage at its floor, a premium where the quota
+        binds, a permit price, the other technology in use, the sales taxes moved."""
+        values = solution("economy")
+        self.assertTrue(0 < values["unemployment"] < 0.9)
+        self.assertGreater(values["premium[4]"], 0.1)
+        self.assertGreater(values["permit"], 0.1)
+        self.assertGreater(max(values["other_output[1]"], values["other_output[2]"]), 0)
+        self.assertGreater(abs(values["tax_multiplier"]), 0.01)
+        self.assertLess(abs(values["tax_multiplier"]), 10)
+
+    def test_walras_law(self):
+        """The row of the numeraire's fixed price, which no solver looks at, is zero all the same."""
+        model = MODELS["economy"]
+        at = {v: solution("economy")[v.name] for v in model.variables}
+        trade = next(row for row in model.rows if row.name == "trade")
+        self.assertLess(abs(trade.body.value(at)), 1e-6)
+
+
+class Spatial(unittest.TestCase):
+    def test_prices(self):
+        """No price exceeds another by more than the distance, and with prices given supply is (p - c) / slope and total
+        demand total supply. Some prices differ by just the distance although no two regions need trade: ties."""
+        values, model = solution("spatial"), MODELS["spatial"]
+        price = {v.name[6:-1]: values[v.name] for v in model.variables if v.name.startswith("price")}
+        gaps = []
+        for a in price:
+            for b in price:
+                (i, j), (k, l) = (map(int, r.split("_")) for r in (a, b))
+                gaps.append(price[a] + abs(i - k) + abs(j - l) - price[b])
+        self.assertGreater(min(gaps), -1e-7)
+        ties = sum(abs(gap) < 1e-7 for gap in gaps) - len(price)
+        self.assertGreater(ties, len(price) - 1)  # more than a tree: the flows are not determined
+        at = {v: values.get(v.name, 0.0) for v in model.variables}
+        excess = sum(row.body.value(at) for row in model.rows if row.name.startswith("market"))
+        self.assertAlmostEqual(excess, 0, delta=1e-6)
+
+
+class Streets(unittest.TestCase):
+    def test_everybody_drives_a_shortest_way(self):
+        """Wardrop: with the travel times of the flows, Dijkstra's distances are the times of the solution, all trips
+        arrive, and the time spent on the streets is trips times distance."""
+        model, values = MODELS["streets"], solution("streets")
+        at = {v: values[v.name] for v in model.variables}
+        streets, spent = {}, 0.0
+        for row in model.rows:
+            if row.name.startswith("choice"):
+                a, b, goal = row.name[7:-1].split(",")
+                duration = row.body.value(at) - values.get(f"time[{b},{goal}]", 0) + values.get(f"time[{a},{goal}]", 0)
+                streets.setdefault(b, []).append((a, duration))
+                spent += duration * values[f"flow[{a},{b},{goal}]"]
+        far, queue = {}, [(0.0, goal)]
+        while queue:
+            d, v = heapq.heappop(queue)
+            if v not in far:
+                far[v] = d
+                for a, duration in streets.get(v, []):
+                    heapq.heappush(queue, (d + duration, a))
+        trips = {row.name[6:-1].split(",")[0]: -row.constant for row in model.rows if row.name.startswith("trips")}
+        for v, number in trips.items():
+            self.assertAlmostEqual(values[f"time[{v},{goal}]"], far[v], delta=1e-7)
+            self.assertGreater(number, 0)
+        self.assertAlmostEqual(spent, sum(trips[v] * far[v] for v in trips), delta=1e-5)
+
+
+class Growth(unittest.TestCase):
+    def test_benchmark_path(self):
+        """With the resource, the first capital and the emissions of the benchmark, steady growth is the equilibrium."""
+        self.assertLess(residual_at_start(ramsey.ramsey("steady", 12, stock=1.0)), 1e-12)
+
+    def test_scarcity(self):
+        """Hotelling: the resource is used up, its rent (in present value) is one number, and energy costs extraction,
+        rent and permit in every period in which it is extracted."""
+        v = solution("growth")
+        extracted = [v[f"fossil[{t}]"] for t in range(6)]
+        self.assertAlmostEqual(sum(extracted), 0.6 * sum(1.02**t for t in range(6)), delta=1e-8)
+        self.assertGreater(v["resource_rent"], 0.01)
+        for t, x in enumerate(extracted):
+            gap = v[f"price[{t}]"] + v["resource_rent"] + v.get(f"permit[{t}]", 0) - v[f"price_of_energy[{t}]"]
+            self.assertGreater(gap, -1e-8)
+            self.assertLess(min(gap, x), 1e-8)
+
+
+class Large(unittest.TestCase):
+    def test_one_of_each_kind(self):
+        """Catches a generator that no longer runs, or whose model is not square."""
+        kinds = {name.split("-")[0]: name for name in make_large.MODELS}
+        with tempfile.TemporaryDirectory() as folder:
+            for name in kinds.values():
+                smallest = min((n for n in make_large.MODELS if n.split("-")[0] == name.split("-")[0]), key=size)
+                make_large.MODELS[smallest](smallest).write(Path(folder) / "model.nl")
+
+
+def size(name):
+    """The first number of a name: how large the model is, for those of one kind."""
+    return min(int(part) for part in name.split("-") if part.isdigit())
 
 
 class Writer(unittest.TestCase):

@@ -34,8 +34,12 @@ TEST_P(DataModels, SolvedAtTheReference) {
 
   std::ifstream file(folder / (stub + ".sol.json"));
   const auto reference = nlohmann::json::parse(file);
-  ASSERT_EQ(static_cast<std::size_t>(model->n_var()), reference.size());
+  // Any plan of shipments of least cost will do.
+  const auto determined = [&](const std::string& variable) {
+    return stub != "spatial" || variable.rfind("flow[", 0) != 0;
+  };
   for (Index i = 0; i < model->n_var(); ++i) {
+    if (!determined(model->variable_name(i))) continue;
     const double expected = reference.at(model->variable_name(i)).get<double>();
     EXPECT_NEAR(result.x[i], expected, 1e-6 * std::max(1.0, std::abs(expected))) << model->variable_name(i);
   }
@@ -53,7 +57,7 @@ TEST(DataModels, NamesAndSizes) {
 
 INSTANTIATE_TEST_SUITE_P(All, DataModels,
                          testing::Combine(testing::Values("energy", "cournot", "harberger", "harberger-benchmark",
-                                                          "cases"),
+                                                          "cases", "economy", "spatial", "streets", "growth"),
                                           testing::Values("semismooth", "josephy")),
                          [](const auto& combination) {
                            std::string name = std::get<0>(combination.param) + "_" + std::get<1>(combination.param);
