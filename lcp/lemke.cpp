@@ -76,7 +76,8 @@ class Kinks {
 
 PivotResult follow(const AffineMcp& problem, In start, const LemkeOptions& options) {
   PivotResult result;
-  NormalPath path(problem, start, options);
+  const auto owner = std::make_shared<NormalPath>(problem, start, options);
+  NormalPath& path = *owner;
   Kinks kinks(options, result.path);
   bool on_the_way = path.begin(result);
   while (on_the_way) {
@@ -88,7 +89,9 @@ PivotResult follow(const AffineMcp& problem, In start, const LemkeOptions& optio
     on_the_way = path.advance(result);
   }
   kinks.finish(path);
-  return path.finish(std::move(result));
+  result = path.finish(std::move(result));
+  if (options.keep_basis && result.solved() && path.whole()) result.last_piece = owner;
+  return result;
 }
 
 /// After paths that lost their digits.
@@ -117,6 +120,8 @@ std::string_view to_string(PivotEnd end) {
   }
   return "?";
 }
+
+Vec chord_step(const PivotResult& result, In r) { return result.last_piece->chord_step(r); }
 
 PivotResult lemke(const AffineMcp& problem, In start, const LemkeOptions& options) {
   if (const auto why = problem.invalid()) throw std::invalid_argument("lemke: " + *why);

@@ -21,6 +21,7 @@
 #include <chrono>
 #include <functional>
 #include <limits>
+#include <memory>
 #include <string_view>
 #include <vector>
 
@@ -77,6 +78,7 @@ struct LemkeOptions {
   double perturbation = 1e-5;     ///< of the start, relative to 1 + |x_i|; 0 keeps the start as it is
   unsigned seed = 1;              ///< of the perturbation and of the covering vector
   double singular_rcond = 1e-15;  ///< a start cell whose matrix has a smaller rcond() is repaired as rank deficient
+  bool keep_basis = false;        ///< keep the factors of the last piece: PivotResult::last_piece
   bool keep_path = false;         ///< fill PivotResult::path (n doubles a kink)
   /// Of a longer path, every 2nd, 4th, 8th ... kink is kept, the first and the last among them.
   std::size_t path_limit = std::numeric_limits<std::size_t>::max();
@@ -90,6 +92,8 @@ struct Breakpoint {
   double t = 0;
   Vec x;  ///< the point of the normal map; z = project(box, x)
 };
+
+class NormalPath;
 
 struct PivotResult {
   PivotEnd end = PivotEnd::PivotLimit;
@@ -109,8 +113,14 @@ struct PivotResult {
   int refactorizations = 0;
   int repaired = 0;              ///< dependent columns of the start basis that artificials stood in for
   std::vector<Breakpoint> path;  ///< the kinks from the start on, if keep_path
+  std::shared_ptr<const NormalPath> last_piece{};  ///< for chord_step(), if LemkeOptions::keep_basis and solved
   bool solved() const { return end == PivotEnd::Solved; }
 };
+
+/// dx with B dx = -r, B the matrix of the last linear piece of the path, G(x + dx) = G(x) + B dx: the simplified Newton
+/// (chord) step for another residual r of the normal map, at the price of one solve. Pre: result.last_piece. Not to be
+/// called by two threads at once.
+Vec chord_step(const PivotResult& result, In r);
 
 /// Follows the path from `start` (any point of R^n: outside the box it means the cell beyond the bound).
 /// Throws std::invalid_argument if the problem, the start or an option is malformed. Terminates for every M in exact

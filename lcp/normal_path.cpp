@@ -467,6 +467,15 @@ void NormalPath::polish(PivotResult& result) {
     if (x.allFinite() && judge(x) < judge(x_)) x_ = x;
 }
 
+Vec NormalPath::chord_step(In r) const {
+  Vec y(n_);
+  factor_.ftran(scaling_.rows.cwiseProduct(r), y);
+  Vec dx = Vec::Zero(n_);
+  for (Index p = 0; p < n_; ++p)
+    if (const Index i = head(p); i < n_) dx[i] = -y[p] * (inside(i) ? scaling_.columns[i] : 1 / scaling_.rows[i]);
+  return dx;
+}
+
 PivotResult NormalPath::finish(PivotResult result) {
   const bool at_end = tau_ >= scale_ && result.end != PivotEnd::Ray;
   if (at_end) polish(result);

@@ -23,6 +23,11 @@ class NormalPath {
   /// Fills in the point reached and judges it.
   PivotResult finish(PivotResult result);
 
+  /// At t = 1: the basis is that of all x_i, freshly factored.
+  bool whole() const { return driver_ == n_; }
+  /// lemke.hpp's; needs nothing of the problem and the options that the path was made with. Pre: whole().
+  Vec chord_step(In r) const;
+
   double t() const { return tau_ >= scale_ ? 1 : tau_ / scale_; }
   Vec x() const { return scaling_.to_original(problem_.box, x_); }  ///< in the units of the problem given
 

@@ -46,6 +46,7 @@ NewtonPoints::NewtonPoints(Run& run, const PathSearch& method)
   options_.interrupted = [&run] { return run.interrupted(); };
   options_.deadline = run.deadline();
   options_.max_pivots = std::min(options_.max_pivots, worthwhile_pivots(n));
+  options_.keep_basis = method.chord_steps > 0;
   options_.path_limit =
       static_cast<std::size_t>(std::clamp<Index>(kink_memory / std::max<Index>(n, 1), 16, most_kinks));
 }
@@ -75,12 +76,12 @@ NewtonPoint NewtonPoints::solve(const Point& point, const Vec& x, const std::vec
     options.cells = cells;
     options.keep_path = method_.search == Searchtype::Path;
     newton.path = follow(problem, x, options);
-    if (newton.usable() || newton.stopped()) return newton;
+    if (newton.solved() || newton.stopped()) return newton;
   }
   options.start = lcp::LemkeStart::Ray;
   options.cells.clear();
   options.keep_path = false;
-  for (std::size_t i = 0; i <= covers.size() && left_ > 0; ++i) {
+  for (std::size_t i = 0; i <= covers.size() && left_ > 0 && (i == 0 || !newton.usable()); ++i) {
     if (i > 0) options.cover = covers[i - 1];
     options.seed = options_.seed + static_cast<unsigned>(i);
     lcp::PivotResult path = follow(problem, x, options);

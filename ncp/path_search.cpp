@@ -13,10 +13,13 @@ namespace perp::ncp {
 namespace {
 
 /// lambda of the proximal terms tried in turn, relative to the size of J; one that helped shrinks from then on.
-constexpr double prox_first = 1e-6;
-constexpr double prox_growth = 100;
+constexpr double prox_first = 0.1;
+constexpr double prox_growth = 10;
 constexpr double prox_decay = 0.1;
 constexpr int prox_tries = 5;
+
+/// Shorter steps than this along a way are taken only when no proximal term gives a longer one.
+constexpr double least_step = 0.1;
 
 /// The attempt is over when the best merit has not fallen by 1 % within so many iterations.
 constexpr int patience = 60;
@@ -71,8 +74,9 @@ class Attempt {
   }
   Way way_to(const NewtonPoint& newton) const;
   bool newton_step(Iteration& it);
-  bool accept(const NewtonPoint& newton, Iteration& it);
-  bool search(const Way& way, double t, double from, Iteration& it);
+  bool accept(const NewtonPoint& newton, double least, Iteration& it);
+  void follow_chord(const NewtonPoint& newton, Point& trial, Vec& x, double& merit);
+  bool search(const Way& way, double t, double from, double least, Iteration& it);
   bool watchdog(Iteration& it);
   bool gradient_step(Iteration& it);
   void moved(Point&& to, Vec x, double merit);
@@ -92,8 +96,8 @@ class Attempt {
   Stall stall_{patience};
   Vec best_z_;
   double best_psi_;
-  double delta_ = infinity;  // the distance up to which steps go unchecked
-  int unchecked_ = 0;        // D-steps since the last merit test
+  double delta_ = 0;   // the distance up to which steps go unchecked; that of the first step accepted
+  int unchecked_ = 0;  // D-steps since the last merit test
   int watchdogs_ = 0;
   int gradient_steps_ = 0;
   std::optional<Saved> saved_;
@@ -120,11 +124,11 @@ void Attempt::moved(Point&& to, Vec x, double merit) {
 }
 
 /// Backwards from T = `from` along the way of a linearised problem solved up to t:  T = from, beta from, ...
-bool Attempt::search(const Way& way, double t, double from, Iteration& it) {
+bool Attempt::search(const Way& way, double t, double from, double least, Iteration& it) {
   Point trial;
   double T = from;
   const double start = psi_;
-  for (int k = 0; k <= method_.max_backtracks; ++k, T *= method_.beta) {
+  for (int k = 0; k <= method_.max_backtracks && T >= least; ++k, T *= method_.beta) {
     Vec x = way.at(T);
     trial.x = lcp::project(run_.box(), x);
     if (trial.x == point_.x) break;
@@ -152,38 +156,57 @@ bool Attempt::search(const Way& way, double t, double from, Iteration& it) {
   return false;
 }
 
+/// From the Newton point x on, with the Jacobian it was made with, as long as that pays.
+void Attempt::follow_chord(const NewtonPoint& newton, Point& trial, Vec& x, double& merit) {
+  if (!newton.path.last_piece || newton.lambda > 0) return;
+  Point next;
+  for (int k = 0; k < method_.chord_steps && merit > 0; ++k) {
+    Vec y = x + lcp::chord_step(newton.path, trial.F + x - trial.x);
+    next.x = lcp::project(run_.box(), y);
+    if (!y.allFinite() || !run_.counted().eval(next.x, next.F)) return;
+    const double fallen = psi(next.x, next.F, y);
+    if (!(fallen <= 0.7 * merit)) return;
+    std::swap(trial, next);
+    x = std::move(y);
+    merit = fallen;
+    ++run_.stats().chord_steps;
+  }
+}
+
 /// The Newton point by its merit (M), by its distance (D), by both (O), or backtracked to (B).
-bool Attempt::accept(const NewtonPoint& newton, Iteration& it) {
+bool Attempt::accept(const NewtonPoint& newton, double least, Iteration& it) {
   const Way way = way_to(newton);
   taken_ = {.kinks = newton.from_ray ? std::vector<lcp::Breakpoint>{} : newton.path.path,
             .on_path = !way.kinks().empty()};
   if (!newton.solved()) {
     it.kind = 'B';
-    return search(way, newton.t(), 1, it);
+    return search(way, newton.t(), 1, least, it);
   }
   Point trial;
   trial.x = lcp::project(run_.box(), newton.x());
   const double distance = (trial.x - point_.x).norm();
-  if (std::isinf(delta_)) delta_ = distance;
   const bool defined = run_.counted().eval(trial.x, trial.F);
   if (defined) {
     const double merit = psi(trial.x, trial.F, newton.x());
     const bool near = method_.nms.on && distance <= delta_ && unchecked_ + 1 < method_.nms.mstep_frequency &&
                       watchdogs_ <= method_.nms.maximum_watchdogs && std::isfinite(merit);
     const bool falls = merit <= references_.largest() - 2 * method_.sigma * psi_;
+    Vec x = newton.x();
+    double chord = merit;
+    if (near || falls) follow_chord(newton, trial, x, chord);
     if ((near || falls) && run_.counted().jacobian(trial.x, trial.J)) {
       it.kind = near && falls ? 'O' : falls ? 'M' : 'D';
       it.step = taken_.T = 1;
       if (falls) {
-        references_.replace_largest(merit);
+        references_.replace_largest(chord);
         unchecked_ = 0;
         saved_.reset();
       } else {
         ++run_.stats().unchecked_steps;
         if (unchecked_++ == 0) saved_ = Saved{.point = point_, .way = way, .t = newton.t(), .psi = psi_};
       }
-      if (near) delta_ *= method_.nms.distance_decrease;
-      moved(std::move(trial), newton.x(), merit);
+      delta_ = near ? method_.nms.distance_decrease * delta_ : std::max(delta_, distance);
+      moved(std::move(trial), std::move(x), chord);
       cells_ = newton.path.cells;
       return true;
     }
@@ -192,7 +215,7 @@ bool Attempt::accept(const NewtonPoint& newton, Iteration& it) {
   if (!defined) ++undefined_;
   if (unchecked_ > 0) return false;  // the watchdog's turn
   it.kind = 'B';
-  return search(way, 1, method_.beta, it);
+  return search(way, 1, method_.beta, least, it);
 }
 
 /// Linearised problems with growing lambda until one gives a step.
@@ -205,13 +228,15 @@ bool Attempt::newton_step(Iteration& it) {
     it.linear = last_->letter();
     if (last_->solved()) basis_ = last_->path.cells;
     if (last_->stopped() || newton_points_.exhausted()) return false;
-    if (last_->usable() && accept(*last_, it)) {
+    const bool last = i == prox_tries || !method_.proximal_adaptive;
+    if (last_->usable() && accept(*last_, last ? 0 : least_step, it)) {
       if (lambda > 0) ++run_.stats().proximal_steps;
-      lambda_ = lambda * prox_decay > 0.1 * prox_first * size ? lambda * prox_decay : 0;
+      lambda_ =
+          lambda * prox_decay > 0.01 * prox_first * std::min(1.0, std::sqrt(2 * psi_)) * size ? lambda * prox_decay : 0;
       return true;
     }
     if (unchecked_ > 0 || !method_.proximal_adaptive) return false;
-    lambda = lambda > 0 ? prox_growth * lambda : prox_first * size;
+    lambda = lambda > 0 ? prox_growth * lambda : prox_first * std::min(1.0, std::sqrt(2 * psi_)) * size;
     cells_.clear();
   }
   return false;
@@ -228,7 +253,7 @@ bool Attempt::watchdog(Iteration& it) {
   it.kind = 'W';
   Vec x = normal_point(run_.box(), saved.point.x, saved.point.F);
   moved(std::move(saved.point), std::move(x), saved.psi);
-  return search(saved.way, saved.t, method_.beta, it);
+  return search(saved.way, saved.t, method_.beta, 0, it);
 }
 
 /// A projected gradient step of the Fischer-Burmeister merit from the best point.

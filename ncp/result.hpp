@@ -40,6 +40,7 @@ struct Stats {
   int gradient_steps = 0;
   int watchdogs = 0;                             ///< returns to the last point that had passed a merit test
   int unchecked_steps = 0;                       ///< D-steps
+  int chord_steps = 0;        ///< that were kept
   int backtracks = 0;                            ///< points refused by a search
   int ray_starts = 0;                            ///< linearised problems solved from a ray
   int rank_deficient = 0;                        ///< start bases repaired by artificials

@@ -79,6 +79,7 @@ std::optional<std::string> invalid(const PathSearch& m) {
   if (m.nms.maximum_watchdogs < 0) return bad("nms.maximum_watchdogs", m.nms.maximum_watchdogs, "at least 0");
   if (!(m.nms.distance_decrease > 0 && m.nms.distance_decrease <= 1))
     return bad("nms.distance_decrease", m.nms.distance_decrease, "in (0, 1]");
+  if (m.chord_steps < 0) return bad("chord_steps", m.chord_steps, "at least 0");
   if (!(m.proximal_perturbation >= 0) || std::isinf(m.proximal_perturbation))
     return bad("proximal_perturbation", m.proximal_perturbation, "at least 0 and finite");
   if (m.gradient_step_limit < 0) return bad("gradient_step_limit", m.gradient_step_limit, "at least 0");

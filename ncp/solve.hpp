@@ -97,7 +97,7 @@ struct Crash {
   int iteration_limit = 50;
   Index minimum_dimension = 1;  ///< smaller problems go without
   Index nbchange_limit = 1;     ///< ends where fewer variables than this change between bound and inside
-  double least_step = 1e-2;     ///< ends where alpha would be smaller
+  double least_step = 0.1;      ///< ends where alpha would be smaller
 };
 
 /// Non-monotone stabilisation (Ferris & Lucidi 1994; Dirkse & Ferris 1995). The references M_1 .. M_m begin at `factor`
@@ -126,6 +126,10 @@ struct PathSearch {
   Crash crash{};
   Nms nms{};
   PathStart start = PathStart::Automatic;
+  /// Simplified Newton steps x - B^-1 F_+(x) after a Newton point, B the matrix of the path's last piece: a solve and
+  /// an evaluation of F each, no Jacobian; kept while the merit falls by a factor of 4 (Shamanskii 1967: order 2 +
+  /// their number an iteration).
+  int chord_steps = 1;
   /// lambda to begin with, relative to the size of J; it shrinks by a factor of 10 an iteration.
   double proximal_perturbation = 0;
   bool proximal_adaptive = true;  ///< lambda > 0 where J or the start basis is singular, or the path leads nowhere
