@@ -21,9 +21,6 @@ constexpr int prox_tries = 5;
 /// Shorter steps than this along a way are taken only when no proximal term gives a longer one.
 constexpr double least_step = 0.1;
 
-/// The attempt is over when the best merit has not fallen by 1 % within so many iterations.
-constexpr int patience = 60;
-
 /// The reference values M_1 .. M_m.
 class References {
  public:
@@ -93,7 +90,7 @@ class Attempt {
   double lambda_;
   double psi_;
   References references_;
-  Stall stall_{patience};
+  Stall stall_{method_.patience};
   Vec best_z_;
   double best_psi_;
   double delta_ = 0;   // the distance up to which steps go unchecked; that of the first step accepted
@@ -228,6 +225,12 @@ bool Attempt::newton_step(Iteration& it) {
     it.linear = last_->letter();
     if (last_->solved()) basis_ = last_->path.cells;
     if (last_->stopped() || newton_points_.exhausted()) return false;
+    if (last_->path.certificate.size() > 0 && lambda == 0 && run_.mcp().is_affine()) {
+      run_.end(Status::Infeasible,
+               "proven to have no solution: the path of Lemke's method runs off along a ray that certifies it",
+               "look for a mistake in the model");
+      return false;
+    }
     const bool last = i == prox_tries || !method_.proximal_adaptive;
     if (last_->usable() && accept(*last_, last ? 0 : least_step, it)) {
       if (lambda > 0) ++run_.stats().proximal_steps;
@@ -253,7 +256,7 @@ bool Attempt::watchdog(Iteration& it) {
   it.kind = 'W';
   Vec x = normal_point(run_.box(), saved.point.x, saved.point.F);
   moved(std::move(saved.point), std::move(x), saved.psi);
-  return search(saved.way, saved.t, method_.beta, 0, it);
+  return search(saved.way, saved.t, method_.beta, 1e-3, it);
 }
 
 /// A projected gradient step of the Fischer-Burmeister merit from the best point.

@@ -3,6 +3,7 @@
 #include <functional>
 #include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "ncp/methods.hpp"
@@ -12,6 +13,29 @@
 namespace perp::ncp {
 namespace {
 
+/// Restarts are given up sooner than the attempt with the user's options.
+constexpr int restart_patience = 15;
+
+/// One attempt without crash, warm start and restarts.
+PathSearch once(PathSearch method) {
+  method.crash.on = false;
+  method.basis.clear();
+  method.patience = std::min(method.patience, restart_patience);
+  method.restart_limit = 0;
+  return method;
+}
+
+Result run_once(const Mcp& mcp, In x0, const Method& method, const Observer& observer) {
+  if (const auto* semismooth = std::get_if<SemismoothNewton>(&method))
+    return run_semismooth_newton(mcp, x0, *semismooth, observer);
+  const auto& path = std::get<PathSearch>(method);
+  Run run(mcp, path.stop, observer);
+  Point point;
+  std::vector<lcp::Cell> basis;
+  if (run.start(x0, point)) path_search(run, path, std::move(point), 'I', basis);
+  return run.result();
+}
+
 struct Attempt {
   std::string what;
   bool from_best = false;  ///< else from the user's start
@@ -20,91 +44,88 @@ struct Attempt {
 
 class Attempts {
  public:
-  Attempts(const PathSearch& method, const Observer& observer) : method_(method), observer_(observer) {
-    add_path("the options given", false, method, 'I');
-    add_path("no crash", false, without_crash(method), 'R');
-    PathSearch perturbed = without_crash(method);
-    perturbed.proximal_perturbation = 0.1;
-    add_path("proximal perturbation 0.1", false, perturbed, 'R');
-    PathSearch monotone = without_crash(method);
-    monotone.merit = method.merit == PathMerit::Fischer ? PathMerit::NormalMap : PathMerit::Fischer;
-    monotone.search = method.search == Searchtype::Line ? Searchtype::Path : Searchtype::Line;
-    monotone.nms.initial_reference_factor = 2;
-    add_path("the other merit function, line search", false, monotone, 'R');
-    PathSearch best = without_crash(method);
-    best.proximal_perturbation = 0.01;
-    add_path("from the best point, proximal perturbation 0.01", true, best, 'R');
-    add_other("semismooth Newton", false, semismooth_newton, SemismoothNewton{});
-    add_other("Newton-Josephy", false, newton_josephy, NewtonJosephy{});
-    add_other("semismooth Newton from the best point", true, semismooth_newton, SemismoothNewton{});
-    add_other("semismooth Newton on the min function", false, semismooth_newton,
-              SemismoothNewton{.cfunction = natural_min()});
-    add_escape("proximal escape with semismooth Newton", SemismoothNewton{});
-    add_escape("proximal escape with Newton-Josephy", NewtonJosephy{});
-  }
-
+  Attempts(const Mcp& mcp, const PathSearch& method, const Observer& observer);
   const std::vector<Attempt>& list() const { return list_; }
   std::vector<lcp::Cell> basis;
 
  private:
-  static PathSearch without_crash(PathSearch method) {
-    method.crash.on = false;
-    method.basis.clear();
-    return method;
-  }
-  void add_path(std::string what, bool from_best, PathSearch method, char kind) {
-    list_.push_back({std::move(what), from_best, [this, method = std::move(method), kind](Run& run, Point point) {
+  void add_path(std::string what, PathSearch method, char kind) {
+    list_.push_back({std::move(what), false, [this, method = std::move(method), kind](Run& run, Point point) {
                        path_search(run, method, std::move(point), kind, basis);
                      }});
   }
-  template <class Loop, class Other>
-  void add_other(std::string what, bool from_best, Loop loop, Other other) {
-    list_.push_back(
-        {std::move(what), from_best, [loop, other](Run& run, Point point) { loop(run, other, std::move(point)); }});
+  void add_semismooth(std::string what, bool from_best, SemismoothNewton method) {
+    list_.push_back({std::move(what), from_best, [method = std::move(method)](Run& run, Point point) {
+                       semismooth_newton(run, method, std::move(point));
+                     }});
   }
-  template <class Other>
-  void add_escape(std::string what, Other other) {
-    list_.push_back({std::move(what), false,
-                     [this, other](Run& run, Point point) { escape(run, point, Method(other), other.escape); }});
+  void add_josephy(std::string what, NewtonJosephy method) {
+    list_.push_back({std::move(what), false, [method = std::move(method)](Run& run, Point point) {
+                       newton_josephy(run, method, std::move(point));
+                     }});
   }
-  void escape(Run& run, const Point& point, Method other, const Escape& options) const;
+  void add_escape(std::string what, Method base) {
+    list_.push_back({std::move(what), true, [this, base = std::move(base)](Run& run, const Point& point) {
+                       const Method method = within_limits(run, base);
+                       Result stuck;
+                       stuck.status = Status::NoProgress;
+                       stuck.x = point.x;
+                       stuck.F = point.F;
+                       stuck.residual = residual(run.box(), point.x, point.F);
+                       run.take(proximal_escape(run.mcp(), method, Escape{}, std::move(stuck), run_once, shown(run)));
+                     }});
+  }
+  void add_affine(std::string what) {
+    list_.push_back({std::move(what), false, [this](Run& run, const Point& point) {
+                       const Method method = within_limits(run, Affine{});
+                       run.take(run_affine(run.mcp(), point.x, std::get<Affine>(method), shown(run)));
+                     }});
+  }
+
+  /// With what is left of the limits.
+  Method within_limits(const Run& run, Method method) const {
+    Stop& limits = stop(method);
+    const double tol = std::holds_alternative<Affine>(method) ? limits.tol : method_.stop.tol;
+    limits = method_.stop;
+    limits.tol = tol;
+    limits.max_iterations = std::max(0, method_.stop.max_iterations - run.iterations());
+    limits.max_time = std::max(std::chrono::duration<double>(0),
+                               std::chrono::duration<double>(run.deadline() - std::chrono::steady_clock::now()));
+    return method;
+  }
+  /// The user's observer, for a run of its own.
+  Observer shown(const Run& run) const {
+    return [this, before = run.iterations()](const Iteration& it) {
+      Iteration counted = it;
+      counted.k += before;
+      return observer_ ? observer_(counted) : Next::Continue;
+    };
+  }
 
   const PathSearch& method_;
   const Observer& observer_;
   std::vector<Attempt> list_;
 };
 
-void Attempts::escape(Run& run, const Point& point, Method other, const Escape& options) const {
-  Stop& limits = stop(other);
-  limits = method_.stop;
-  limits.max_iterations = std::max(0, method_.stop.max_iterations - run.stats().iterations);
-  limits.max_time = std::max(std::chrono::duration<double>(0),
-                             std::chrono::duration<double>(run.deadline() - std::chrono::steady_clock::now()));
-  const RunMethod base = [](const Mcp& mcp, In x0, const Method& method, const Observer& observer) {
-    return std::visit(
-        [&](const auto& m) -> Result {
-          using M = std::decay_t<decltype(m)>;
-          if constexpr (std::is_same_v<M, SemismoothNewton>)
-            return run_semismooth_newton(mcp, x0, m, observer);
-          else if constexpr (std::is_same_v<M, NewtonJosephy>)
-            return run_newton_josephy(mcp, x0, m, observer);
-          else
-            return {};
-        },
-        method);
-  };
-  const int before = run.stats().iterations;
-  Result result;
-  result.status = Status::NoProgress;
-  result.x = point.x;
-  result.F = point.F;
-  result.residual = residual(run.box(), point.x, point.F);
-  const Observer shown = [this, before](const Iteration& it) {
-    Iteration counted = it;
-    counted.k += before;
-    return observer_ ? observer_(counted) : Next::Continue;
-  };
-  run.take(proximal_escape(run.mcp(), other, options, std::move(result), base, shown));
+Attempts::Attempts(const Mcp& mcp, const PathSearch& method, const Observer& observer)
+    : method_(method), observer_(observer) {
+  add_path("the options given", method, 'I');
+  if (mcp.is_affine()) add_affine("the best of the linear methods");
+  PathSearch again = once(method);
+  add_escape("proximal escape", again);
+  if (method.crash.on) add_path("no crash", again, 'R');
+  again.proximal_perturbation = 0.1;
+  add_path("proximal perturbation 0.1", again, 'R');
+  again.proximal_perturbation = method.proximal_perturbation;
+  again.merit = method.merit == PathMerit::Fischer ? PathMerit::NormalMap : PathMerit::Fischer;
+  again.search = method.search == Searchtype::Line ? Searchtype::Path : Searchtype::Line;
+  again.nms.initial_reference_factor = 2;
+  add_path("the other merit function, another search", again, 'R');
+  add_semismooth("semismooth Newton", false, {});
+  add_josephy("Newton-Josephy", {});
+  add_semismooth("semismooth Newton from the best point", true, {});
+  add_semismooth("semismooth Newton on the min function", false, {.cfunction = natural_min()});
+  add_escape("proximal escape with semismooth Newton", SemismoothNewton{});
 }
 
 }  // namespace
@@ -113,7 +134,7 @@ Result run_path(const Mcp& mcp, In x0, const PathSearch& method, const Observer&
   Run run(mcp, method.stop, observer);
   Point user;
   if (!run.start(x0, user)) return run.result();
-  Attempts attempts(method, observer);
+  Attempts attempts(mcp, method, observer);
   int tried = 0;
   for (const Attempt& attempt : attempts.list()) {
     if (tried > 0) run.resume();

@@ -41,6 +41,7 @@ class Run {
   const Box& box() const { return mcp().box(); }
   CountedMcp& counted() { return counted_; }
   Stats& stats() { return stats_; }
+  int iterations() const { return stats_.iterations; }
 
   /// F and J at the projection of x0. False with the verdict made if they are not defined there.
   bool start(In x0, Point& point);

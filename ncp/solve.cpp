@@ -83,6 +83,7 @@ std::optional<std::string> invalid(const PathSearch& m) {
   if (!(m.proximal_perturbation >= 0) || std::isinf(m.proximal_perturbation))
     return bad("proximal_perturbation", m.proximal_perturbation, "at least 0 and finite");
   if (m.gradient_step_limit < 0) return bad("gradient_step_limit", m.gradient_step_limit, "at least 0");
+  if (m.patience < 1) return bad("patience", m.patience, "at least 1");
   if (m.restart_limit < 0) return bad("restart_limit", m.restart_limit, "at least 0");
   if (m.cumulative_iteration_limit < 1)
     return bad("cumulative_iteration_limit", m.cumulative_iteration_limit, "at least 1");

@@ -137,10 +137,12 @@ struct PathSearch {
   /// Attempts after the first, of the list in ncp/README.md: other options, then other methods.
   int restart_limit = 20;
   int cumulative_iteration_limit = 1'000'000;  ///< pivots in all
-  bool preprocess = true;                      ///< presolve
-  bool scaling = true;                         ///< where it helps
-  lcp::LemkeOptions lemke{};                   ///< max_pivots is for one linearised problem, at most 1000 + 20 n
-  std::vector<lcp::Cell> basis{};              ///< warm start: Result::basis of a nearby problem
+  /// Iterations without 1 % less than the best merit so far, after which an attempt is given up.
+  int patience = 30;
+  bool preprocess = true;          ///< presolve
+  bool scaling = true;             ///< where it helps
+  lcp::LemkeOptions lemke{};       ///< max_pivots is for one linearised problem, at most 1000 + 20 n
+  std::vector<lcp::Cell> basis{};  ///< warm start: Result::basis of a nearby problem
 };
 
 /// Affine problems (Mcp::is_affine) only, by a method of lcp/. Stop::tol is relative to 1 + ||F(0)||_inf here;
