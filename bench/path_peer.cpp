@@ -156,8 +156,9 @@ struct Totals {
     std::printf("%s: %d runs, %d with a solution\n", name.c_str(), runs, solvable);
     std::printf("  solved           PATH %d, %s %d\n", solved[0], method.c_str(), solved[1]);
     std::printf("  false claims     PATH %d, %s %d\n", lies[0], method.c_str(), lies[1]);
-    std::printf("  time, both solve PATH %.3f s, %s %.3f s: ratio %.2f, worst %.2f (%s)\n", seconds[0], method.c_str(),
-                seconds[1], seconds[1] / seconds[0], worst_ratio, worst.c_str());
+    if (!worst.empty())
+      std::printf("  time, both solve PATH %.3f s, %s %.3f s: ratio %.2f, worst %.2f (%s)\n", seconds[0],
+                  method.c_str(), seconds[1], seconds[1] / seconds[0], worst_ratio, worst.c_str());
     std::printf("  time in all      PATH %.3f s, %s %.3f s: ratio %.2f\n\n", seconds_in_all[0], method.c_str(),
                 seconds_in_all[1], seconds_in_all[1] / seconds_in_all[0]);
   }

@@ -95,21 +95,27 @@ class Shock:
         self.draw = Draw(seed)
 
 
-def cge(name, sectors, households, shock=None, scaled=True, ones=False, lowest=1e-4, seed=1):
-    """scaled: quantities and incomes in units of the benchmark. ones: the start is 1 everywhere, else the benchmark."""
+def cge(name, sectors, households, shock=None, scaled=True, ones=False, spread=1, lowest=1e-4, seed=1):
+    """scaled: quantities and incomes in units of the benchmark. The start is the benchmark, or, if `ones`, 1 everywhere;
+    each entry is then multiplied by a random number between 1/spread and spread."""
     e, s = Economy(sectors, households, seed), shock or Shock()
     G, H = e.goods, e.homes
     m = Model(name)
     level = {}
+    draw = Draw(seed)
+
+    def away():
+        factor = draw.real(1, spread)
+        return factor if draw.chance(0.5) else 1 / factor
 
     def quantity(label, amount, lower=0.0):
         """A variable in units of the benchmark if scaled; level[v] * v is the amount either way."""
-        v = m.variable(label, lower=lower, start=1 if scaled or ones else amount)
+        v = m.variable(label, lower=lower, start=(1 if scaled or ones else amount) * away())
         level[v] = amount if scaled else 1.0
         return v
 
     def price(label):
-        return m.variable(label, lower=lowest, start=1)
+        return m.variable(label, lower=lowest, start=away())
 
     Y = {j: quantity(f"output[{j}]", e.Y[j]) for j in G}
     A = {i: quantity(f"supply[{i}]", e.A[i]) for i in G}
