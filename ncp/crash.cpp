@@ -94,7 +94,15 @@ bool crash(Run& run, const Crash& options, Point& point, Iteration& it) {
     if (!found.found) return true;
     const bool pays = found.merit < worthwhile * psi;
     psi = found.merit;
-    it = {.k = it.k, .merit = psi, .step = found.t, .prox = lambda, .backtracks = found.backtracks, .kind = 'C'};
+    it = {.k = it.k,
+          .merit = psi,
+          .step = found.t,
+          .prox = lambda,
+          .backtracks = found.backtracks,
+          .kind = 'C',
+          .crash = true,
+          .changes = changes,
+          .inside = std::count(before.begin(), before.end(), true)};
     ++run.stats().crash_iterations;
     if (!run.go_on(point, it)) return false;
     if (!pays) return true;

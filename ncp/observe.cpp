@@ -1,30 +1,124 @@
 #include "ncp/observe.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <ostream>
+#include <string>
 #include <utility>
 
 namespace perp::ncp {
 
-Observer print_table(std::ostream& out, const Mcp& mcp) {
-  return [&out, &mcp, previous = Iteration{}](const Iteration& it) mutable {
-    if (it.k == 0) out << "major minor  func  grad   residual    step type   prox  worst equation\n";
-    char line[128];
-    const int evals = it.k == 0 ? it.F_evals : it.F_evals - previous.F_evals;
-    const int gradients = it.k == 0 ? it.J_evals : it.J_evals - previous.J_evals;
-    std::snprintf(line, sizeof line, "%5d %5d %5d %5d %10.4e", it.k, it.pivots, evals, gradients, it.residual);
-    out << line;
-    if (it.k == 0)
-      std::snprintf(line, sizeof line, " %7s %4c %6s  ", "", it.kind, "");
-    else if (it.prox == 0)
-      std::snprintf(line, sizeof line, " %7.1e %4c %6s  ", it.step, it.kind, "");
+namespace {
+
+/// The state of a table: which part of it the next row belongs to.
+class Table {
+ public:
+  Table(std::ostream& out, const Mcp& mcp, TableOptions options) : out_(out), mcp_(mcp), options_(options) {}
+
+  void show(const Iteration& it) {
+    if (!it.attempt.empty()) {
+      part_ = Part::None;
+      if (options_.restarts) {
+        out_ << (any_ ? "\n" : "") << "Restart: " << it.attempt << '\n';
+        any_ = false;  // no empty line below it
+      }
+    }
+    if (it.crash)
+      show_crash(it);
     else
-      std::snprintf(line, sizeof line, " %7.1e %4c %6.0e  ", it.step, it.kind, it.prox);
-    out << line;
-    if (it.worst >= 0) out << '(' << mcp.equation_name(it.worst) << ')';
-    out << '\n';
-    previous = it;
+      show_major(it);
+    previous_ = it;
+    previous_.x = nullptr;
+    previous_.way = nullptr;
+  }
+
+ private:
+  enum class Part { None, Crash, Major };
+
+  void show_crash(const Iteration& it) {
+    const bool first = std::exchange(part_, Part::Crash) != Part::Crash;
+    crash_ = first ? 0 : crash_ + 1;
+    if (!options_.crash) return;
+    if (first) head("Crash Log", "major  func  diff  size   residual    step   prox      inorm (label)\n");
+    if (crash_ % std::max(options_.crash_frequency, 1) != 0) return;
+    print("%5d %5d ", crash_, it.F_evals);
+    count(it.changes);
+    count(it.inside);
+    numbers(it, it.kind == 'C');
+  }
+
+  void show_major(const Iteration& it) {
+    const Part before = std::exchange(part_, Part::Major);
+    if (!options_.major) return;
+    if (before != Part::Major)
+      head("Major Iteration Log", "major minor  func  grad   residual    step type   prox      inorm (label)\n");
+    if (before == Part::Crash) {  // begins where the crash ended
+      Iteration begin = previous_;
+      begin.kind = 'I';
+      major_row(begin);
+    }
+    const bool begins = it.kind == 'I' || it.kind == 'R';
+    if (begins || it.k % std::max(options_.major_frequency, 1) == 0) major_row(it);
+  }
+
+  void major_row(const Iteration& it) {
+    print("%5d %5d ", it.k, it.pivots);
+    print("%5d %5d ", it.F_evals, it.J_evals);
+    const bool moved = it.kind != 'I' && it.attempt.empty();
+    numbers(it, moved);
+  }
+
+  /// residual, step, type, prox, inorm, label.
+  void numbers(const Iteration& it, bool moved) {
+    if (it.merit > 0 || it.residual == 0)
+      print("%10.4e", std::sqrt(2 * it.merit));
+    else
+      out_ << std::string(10, ' ');
+    if (moved)
+      print(" %7.1e", it.step);
+    else
+      out_ << std::string(8, ' ');
+    if (!it.crash || part_ == Part::Major) out_ << "   " << it.linear << it.kind;
+    if (it.prox > 0)
+      print(" %6.0e", it.prox);
+    else
+      out_ << std::string(7, ' ');
+    print(" %10.4e ", it.residual);
+    if (it.worst >= 0) out_ << '(' << mcp_.equation_name(it.worst) << ')';
+    out_ << '\n';
+  }
+
+  void head(const char* name, const char* columns) {
+    out_ << (std::exchange(any_, true) ? "\n" : "") << name << '\n' << columns;
+  }
+  void count(Index n) {
+    if (n >= 0)
+      print("%5d ", static_cast<int>(n));
+    else
+      out_ << std::string(6, ' ');
+  }
+  template <class... Values>
+  void print(const char* format, Values... values) {
+    char text[64];
+    std::snprintf(text, sizeof text, format, values...);
+    out_ << text;
+  }
+
+  std::ostream& out_;
+  const Mcp& mcp_;
+  TableOptions options_;
+  Iteration previous_;
+  Part part_ = Part::None;
+  int crash_ = 0;
+  bool any_ = false;
+};
+
+}  // namespace
+
+Observer print_table(std::ostream& out, const Mcp& mcp, TableOptions options) {
+  return [table = Table(out, mcp, options)](const Iteration& it) mutable {
+    table.show(it);
     return Next::Continue;
   };
 }

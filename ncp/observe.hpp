@@ -3,6 +3,7 @@
 #include <atomic>
 #include <functional>
 #include <iosfwd>
+#include <string>
 #include <vector>
 
 #include "lcp/lemke.hpp"
@@ -12,9 +13,11 @@ namespace perp::ncp {
 
 /// The way of one iteration of PathSearch, in the coordinates of the normal map.
 struct WayTaken {
-  std::vector<lcp::Breakpoint> kinks;  ///< of the path, from t = 0; begin and end only if it was a straight way
-  double T = 1;                        ///< accepted; 1 is the end
-  bool on_path = false;                ///< searched along the kinks
+  /// Of the path, from t = 0, each with its t; of a way without kinks begin (t = 0) and end (t = 1) of
+  /// pi(x^k + T (end - x^k)).
+  std::vector<lcp::Breakpoint> kinks;
+  double T = 1;          ///< accepted; 1 is the end
+  bool on_path = false;  ///< searched along the kinks
 };
 
 struct Iteration {
@@ -34,6 +37,10 @@ struct Iteration {
   char kind = ' ';
   /// PathSearch, the linear problem: S solved, R ray, C cycle, N singular, I pivot limit, T inaccurate, E other.
   char linear = ' ';
+  bool crash = false;             ///< the start of a crash or one of its steps, which are no major iterations
+  Index changes = -1;             ///< crash: variables that came to a bound or left it since the last step
+  Index inside = -1;              ///< crash: rows of the system solved
+  std::string attempt{};          ///< begun with this record, after the first: "no crash", ...
   const Vec* x = nullptr;         ///< the iterate; only during the call
   const WayTaken* way = nullptr;  ///< PathSearch; only during the call
 };
@@ -41,9 +48,20 @@ struct Iteration {
 enum class Next { Continue, Stop };
 using Observer = std::function<Next(const Iteration&)>;
 
-/// PATH's columns: major minor func grad residual step type prox (label), the label being the worst equation's name.
-/// The stream and the problem outlive the observer.
-Observer print_table(std::ostream& out, const Mcp& mcp);
+/// What a table shows.
+struct TableOptions {
+  bool crash = true;
+  bool major = true;
+  bool restarts = true;     ///< the lines that say which attempt begins
+  int crash_frequency = 1;  ///< every crash iteration, every 2nd, ...
+  int major_frequency = 1;
+};
+
+/// PATH's tables, a crash's ("Crash Log") and that of the iterations ("Major Iteration Log"). Columns: major, minor =
+/// pivots, func and grad = evaluations of F and J so far, diff = changes, size = inside; residual = sqrt(2 merit), the
+/// norm of what the method makes zero; step; type = linear and kind; prox; inorm = the natural residual, which decides,
+/// and in brackets the equation where it is largest. The stream and the problem outlive the observer.
+Observer print_table(std::ostream& out, const Mcp& mcp, TableOptions options = {});
 /// Appends every record, with x = nullptr.
 Observer record(std::vector<Iteration>& records);
 /// Stops when the flag is set (by a signal handler or another thread).

@@ -170,11 +170,15 @@ void Attempt::follow_chord(const NewtonPoint& newton, Point& trial, Vec& x, doub
   }
 }
 
+WayTaken taken(const Way& way) {
+  if (!way.kinks().empty()) return {.kinks = way.kinks(), .on_path = true};
+  return {.kinks = {{.t = 0, .x = way.at(0)}, {.t = 1, .x = way.end()}}};
+}
+
 /// The Newton point by its merit (M), by its distance (D), by both (O), or backtracked to (B).
 bool Attempt::accept(const NewtonPoint& newton, double least, Iteration& it) {
   const Way way = way_to(newton);
-  taken_ = {.kinks = newton.from_ray ? std::vector<lcp::Breakpoint>{} : newton.path.path,
-            .on_path = !way.kinks().empty()};
+  taken_ = taken(way);
   if (!newton.solved()) {
     it.kind = 'B';
     return search(way, newton.t(), 1, least, it);
@@ -254,6 +258,7 @@ bool Attempt::watchdog(Iteration& it) {
   saved_.reset();
   unchecked_ = 0;
   it.kind = 'W';
+  taken_ = taken(saved.way);
   Vec x = normal_point(run_.box(), saved.point.x, saved.point.F);
   moved(std::move(saved.point), std::move(x), saved.psi);
   return search(saved.way, saved.t, method_.beta, 1e-3, it);
@@ -341,6 +346,7 @@ bool ran_off(Run& run, const Point& point, double start) {
 
 void path_search(Run& run, const PathSearch& method, Point point, char kind, std::vector<lcp::Cell>& basis) {
   Iteration it{.k = 0, .kind = kind};
+  it.crash = method.crash.on && run.box().size() >= method.crash.minimum_dimension;
   it.merit = merit(fischer_burmeister(), run.box(), point.x, point.F);
   if (!run.go_on(point, it) || !crash(run, method.crash, point, it)) return;
   const double start = point.x.size() > 0 ? point.x.lpNorm<Eigen::Infinity>() : 0;

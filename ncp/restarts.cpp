@@ -94,10 +94,15 @@ class Attempts {
     return method;
   }
   /// The user's observer, for a run of its own.
-  Observer shown(const Run& run) const {
-    return [this, before = run.iterations()](const Iteration& it) {
+  Observer shown(Run& run) const {
+    return [this, before = run.iterations(), F_evals = run.F_evals(), J_evals = run.J_evals(),
+            attempt = run.take_attempt()](const Iteration& it) mutable {
       Iteration counted = it;
       counted.k += before;
+      counted.F_evals += F_evals;
+      counted.J_evals += J_evals;
+      counted.attempt = std::exchange(attempt, {});
+      if (counted.kind == 'I') counted.kind = 'R';
       return observer_ ? observer_(counted) : Next::Continue;
     };
   }
@@ -137,7 +142,7 @@ Result run_path(const Mcp& mcp, In x0, const PathSearch& method, const Observer&
   Attempts attempts(mcp, method, observer);
   int tried = 0;
   for (const Attempt& attempt : attempts.list()) {
-    if (tried > 0) run.resume();
+    if (tried > 0) run.resume(attempt.what);
     Point point = user;
     if (attempt.from_best) {
       point.x = run.best();

@@ -133,8 +133,9 @@ bool Run::solved(Judged& judged) {
   return true;
 }
 
-void Run::resume() {
+void Run::resume(std::string attempt) {
   status_.reset();
+  attempt_ = std::move(attempt);
   offset_ = stats_.iterations;
 }
 
@@ -153,6 +154,8 @@ bool stuck(Status status) {
 
 bool Run::go_on(const Point& point, Iteration it) {
   it.k += offset_;
+  it.attempt = take_attempt();
+  if (!it.attempt.empty()) it.kind = 'R';
   Judged now = judge(point);
   const bool done = status_ || solved(now);
   if (done || now.residual.natural < best_.residual.natural) best_ = now;
@@ -160,8 +163,8 @@ bool Run::go_on(const Point& point, Iteration it) {
   stats_.pivots += it.pivots;
   it.residual = now.residual.natural;
   it.worst = now.residual.worst;
-  it.F_evals = stats_.F_evals + counted_.F_evals();
-  it.J_evals = stats_.J_evals + counted_.J_evals();
+  it.F_evals = F_evals();
+  it.J_evals = J_evals();
   it.x = &point.x;
   const bool asked_to_stop = observer_ && observer_(it) == Next::Stop;
   if (done) return false;

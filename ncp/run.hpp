@@ -3,6 +3,7 @@
 /// Private to ncp/.
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "ncp/observe.hpp"
 #include "ncp/result.hpp"
@@ -59,8 +60,13 @@ class Run {
   void end(Status status, std::string message, std::string advice);
   bool ended() const { return status_.has_value(); }
   Status status() const { return *status_; }  ///< Pre: ended()
-  /// Withdraws a verdict that another attempt may better (stuck(Status)); its iterations count on from here.
-  void resume();
+  /// Withdraws a verdict that another attempt may better (stuck(Status)); its iterations count on from here, and its
+  /// first record says what it is.
+  void resume(std::string attempt);
+  /// That name, for a record that another run makes.
+  std::string take_attempt() { return std::exchange(attempt_, {}); }
+  int F_evals() const { return stats_.F_evals + counted_.F_evals(); }
+  int J_evals() const { return stats_.J_evals + counted_.J_evals(); }
   /// Another run's outcome on the same problem: its statistics, its point if it is better, its verdict.
   void take(const Result& other);
   /// The best point of the box so far, with F there.
@@ -91,7 +97,8 @@ class Run {
   Stats stats_;  // its evaluations are those of other runs; this one's are counted_'s
   std::optional<Status> status_;
   std::string message_, advice_;
-  int offset_ = 0;  // iterations of earlier attempts
+  int offset_ = 0;       // iterations of earlier attempts
+  std::string attempt_;  // that begins
   Judged best_;
 };
 
