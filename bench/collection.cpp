@@ -106,9 +106,7 @@ int run(const Options& o) {
   return unsolved.empty() ? EXIT_SUCCESS : EXIT_FAILURE;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int main_or_throw(int argc, char** argv) {
   Options o;
   CLI::App app{"One method over the collection and over .nl models, in one process."};
   app.add_option("--method", o.method, "semismooth, josephy, path")->capture_default_str();
@@ -123,8 +121,14 @@ int main(int argc, char** argv) {
   app.add_flag("--messages", o.messages, "with the message of every solve");
   app.add_option("models", o.models, ".nl files");
   CLI11_PARSE(app, argc, argv);
+  return run(o);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
   try {
-    return run(o);
+    return main_or_throw(argc, argv);
   } catch (const std::exception& e) {
     std::fprintf(stderr, "bench_collection: %s\n", e.what());
     return 2;

@@ -211,21 +211,24 @@ PathAnswer PathLibrary::solve(const ncp::Mcp& mcp, ncp::In x0, const PathOptions
   Options_Interface* settings = path.options_create();
   path.add_options(settings);
   path.options_default(settings);
-  for (const auto& [name, value] : options)
-    if (path.options_set(settings, (name + ' ' + value).c_str()) != 0)
-      throw std::runtime_error("PATH refuses the option " + name + ' ' + value);
+  for (const auto& [name, value] : options) {
+    std::string setting = name;
+    setting.append(" ").append(value);
+    if (path.options_set(settings, setting.c_str()) != 0)
+      throw std::runtime_error("PATH refuses the option " + setting);
+  }
 
-  MCP_Interface interface {};
-  interface.interface_data = &p;
-  interface.problem_size = problem_size;
-  interface.bounds = bounds;
-  interface.function_evaluation = function;
-  interface.jacobian_evaluation = jacobian;
+  MCP_Interface callbacks{};
+  callbacks.interface_data = &p;
+  callbacks.problem_size = problem_size;
+  callbacks.bounds = bounds;
+  callbacks.function_evaluation = function;
+  callbacks.jacobian_evaluation = jacobian;
   Presolve_Interface presolve{};
   presolve.presolve_data = &p;
   presolve.jac_typ = entry_types;
   MCP* problem = path.create(static_cast<int>(mcp.size()), static_cast<int>(p.J.nonZeros()) + 1);
-  path.set_interface(problem, &interface);
+  path.set_interface(problem, &callbacks);
   path.structure_constant(problem, 1);
   path.data_contiguous(problem, 1);
   if (!p.linear.empty()) path.set_presolve(problem, &presolve);

@@ -48,6 +48,12 @@ struct Run {
   bool lied(double tolerance) const { return claimed && !solved(tolerance); }
 };
 
+std::string text(double value) {
+  std::array<char, 32> buffer{};
+  std::snprintf(buffer.data(), buffer.size(), "%.17g", value);
+  return buffer.data();
+}
+
 double median(std::vector<double> values) {
   std::sort(values.begin(), values.end());
   return values[values.size() / 2];
@@ -59,8 +65,7 @@ class Contest {
       : options_(options), path_(path), method_(bench::method_called(options.method)) {
     ncp::stop(method_).tol = options.tolerance;
     ncp::stop(method_).max_time = std::chrono::duration<double>(options.seconds);
-    path_options_ = {{"convergence_tolerance", std::to_string(options.tolerance)},
-                     {"time_limit", std::to_string(options.seconds)}};
+    path_options_ = {{"convergence_tolerance", text(options.tolerance)}, {"time_limit", text(options.seconds)}};
     if (options.crash == "none") {
       path_options_.emplace_back("crash_method", "none");
       if (auto* search = std::get_if<ncp::PathSearch>(&method_)) search->crash.on = false;
@@ -206,9 +211,7 @@ int run(const Options& o) {
   return EXIT_SUCCESS;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int main_or_throw(int argc, char** argv) {
   Options o;
   CLI::App app{"A method of Perp beside PATH 4.7 in one process."};
   app.add_option("--method", o.method, "semismooth, josephy, path")->capture_default_str();
@@ -223,8 +226,14 @@ int main(int argc, char** argv) {
   app.add_flag("--all", o.all_lines, "a line for every random start, not only where the two differ");
   app.add_option("models", o.models, ".nl files to run as well");
   CLI11_PARSE(app, argc, argv);
+  return run(o);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
   try {
-    return run(o);
+    return main_or_throw(argc, argv);
   } catch (const std::exception& e) {
     std::fprintf(stderr, "bench_path_peer: %s\n", e.what());
     return 2;
