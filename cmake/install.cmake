@@ -37,6 +37,7 @@ set(perp_public_headers
   ncp/collection/collection.hpp ncp/collection/generators.hpp ncp/collection/random_lcps.hpp
   ncp/mcp.hpp
   ncp/observe.hpp
+  ncp/presolve.hpp
   ncp/residual.hpp
   ncp/result.hpp
   ncp/solve.hpp)
