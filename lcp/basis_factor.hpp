@@ -21,7 +21,7 @@
 namespace perp::lcp {
 
 struct BasisOptions {
-  LuBackend lu = LuBackend::Umfpack;
+  LuBackend lu = LuBackend::Auto;
   int refactor_every = 500;   ///< stale() after so many replacements
   double fill_limit = 64;     ///< stale() when the eta file has more than this many entries per nonzero of B and row
   double growth_limit = 1e6;  ///< stale() after a replacement with max |d_i / d_p| above this

@@ -108,7 +108,6 @@ struct PivotResult {
   double best_t = 0;  ///< largest t met, at best_x
   Vec best_x;
   double residual = 0;  ///< natural residual of z
-  double rcond = 0;     ///< BasisFactor::rcond() of the last linear piece; 0 if t = 1 was not reached
   int pivots = 0;
   int refactorizations = 0;
   int repaired = 0;              ///< dependent columns of the start basis that artificials stood in for

@@ -25,5 +25,6 @@ class LuLibrary {
 std::unique_ptr<LuLibrary> make_umfpack();
 std::unique_ptr<LuLibrary> make_klu();
 std::unique_ptr<LuLibrary> make_eigen();
+std::unique_ptr<LuLibrary> make_dense();
 
 }  // namespace perp::lcp

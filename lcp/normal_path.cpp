@@ -448,23 +448,33 @@ double NormalPath::judge(In x) const {
   return natural_residual(original_, project(original_.box, scaling_.to_original(problem_.box, x)));
 }
 
-/// At t = 1: the zero of the last linear piece from a fresh factorization, if it is better than the point carried
-/// along.
-void NormalPath::polish(PivotResult& result) {
-  const Vec carried = x_;
-  if (driver_ != n_ || !refactor()) return;
-  result.rcond = factor_.rcond();
-  const Vec fresh = x_;
-  // One step of refinement on G(x) = 0 itself.
-  const Vec z = project(problem_.box, fresh);
+/// x - B^-1 G(x) with the present factors.
+Vec NormalPath::refined(const Vec& x) const {
+  const Vec z = project(problem_.box, x);
   Vec correction(n_);
-  factor_.ftran(problem_.M * z + problem_.q + fresh - z, correction);
-  Vec refined = fresh;
+  factor_.ftran(problem_.M * z + problem_.q + x - z, correction);
+  Vec better = x;
   for (Index p = 0; p < n_; ++p)
-    if (const Index i = head(p); i < n_) refined[i] -= correction[p];
-  x_ = carried;
-  for (const Vec& x : {fresh, refined})
+    if (const Index i = head(p); i < n_) better[i] -= correction[p];
+  return better;
+}
+
+/// At t = 1: the zero of the last linear piece, by refinement with the factors at hand, or from a fresh factorization
+/// where that is not accurate.
+void NormalPath::polish() {
+  if (driver_ != n_) return;
+  const double enough = 1e-13 * (1 + original_.q.lpNorm<::Eigen::Infinity>());
+  const auto take_better = [this](const Vec& x) {
     if (x.allFinite() && judge(x) < judge(x_)) x_ = x;
+  };
+  if (!distrusted_) take_better(refined(x_));
+  if (!distrusted_ && judge(x_) <= enough) return;
+  const Vec carried = x_;
+  if (!refactor()) return;
+  const Vec fresh = x_;
+  x_ = carried;
+  take_better(fresh);
+  take_better(refined(fresh));
 }
 
 Vec NormalPath::chord_step(In r) const {
@@ -478,7 +488,7 @@ Vec NormalPath::chord_step(In r) const {
 
 PivotResult NormalPath::finish(PivotResult result) {
   const bool at_end = tau_ >= scale_ && result.end != PivotEnd::Ray;
-  if (at_end) polish(result);
+  if (at_end) polish();
   result.x = x();
   result.z = project(original_.box, result.x);
   result.cells = cells_;

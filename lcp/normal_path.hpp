@@ -81,7 +81,8 @@ class NormalPath {
   bool take_other_branch();
   void cross(Index i, double direction);
   bool back_at_start(PivotResult& result);
-  void polish(PivotResult& result);
+  Vec refined(const Vec& x) const;
+  void polish();
   double judge(In x) const;
 
   const AffineMcp& original_;

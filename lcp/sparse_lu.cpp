@@ -12,13 +12,23 @@
 namespace perp::lcp {
 namespace {
 
-std::unique_ptr<LuLibrary> make(LuBackend backend) {
+/// Up to this many rows a dense LU is faster than any sparse one; up to that many KLU is, as a rule, for it does not
+/// prepare for large dense blocks.
+constexpr Index dense_rows = 32;
+constexpr Index klu_rows = 300;
+
+std::unique_ptr<LuLibrary> make(LuBackend backend, Index rows) {
+  if (backend == LuBackend::Auto)
+    backend = rows <= dense_rows ? LuBackend::Dense : rows <= klu_rows ? LuBackend::Klu : LuBackend::Umfpack;
   switch (backend) {
+    case LuBackend::Dense:
+      return make_dense();
     case LuBackend::Klu:
       return make_klu();
     case LuBackend::Eigen:
       return make_eigen();
     case LuBackend::Umfpack:
+    case LuBackend::Auto:
       break;
   }
   return make_umfpack();
@@ -34,6 +44,10 @@ bool same_pattern(const SpMat& A, const SpMat& B) {
 
 std::string_view to_string(LuBackend backend) {
   switch (backend) {
+    case LuBackend::Auto:
+      return "auto";
+    case LuBackend::Dense:
+      return "dense";
     case LuBackend::Umfpack:
       return "umfpack";
     case LuBackend::Klu:
@@ -59,9 +73,11 @@ std::string_view to_string(LuStatus status) {
 }
 
 struct SparseLu::Impl {
-  explicit Impl(LuBackend backend) : library(make(backend)) {}
-  std::unique_ptr<LuLibrary> library;
+  explicit Impl(LuBackend b) : backend(b) {}
+  LuBackend backend;
+  std::unique_ptr<LuLibrary> library;  // made for the size
   SpMat A;
+  Index made_for = 0;
   bool analyzed = false;
   int analyses = 0;
   LuStatus status = LuStatus::Singular;
@@ -113,6 +129,8 @@ LuStatus SparseLu::Impl::factor(const SpMat& matrix) {
   }
   if (!known) {
     ++analyses;
+    if (!library || (backend == LuBackend::Auto && made_for != A.rows())) library = make(backend, A.rows());
+    made_for = A.rows();
     const LuStatus answer = library->analyze(A);
     analyzed = answer == LuStatus::Ok;
     if (!analyzed) return answer;

@@ -11,7 +11,13 @@ namespace perp::lcp {
 
 struct LuFactors;  // lu_factors.hpp
 
-enum class LuBackend { Umfpack, Klu, Eigen };
+enum class LuBackend {
+  Umfpack,
+  Klu,
+  Eigen,  ///< its sparse LU
+  Dense,  ///< Eigen's dense LU, rows scaled
+  Auto,   ///< by size: Dense up to 32 rows, Klu up to 300, Umfpack beyond
+};
 enum class LuStatus {
   Ok,
   Singular,     ///< structurally, or an exactly zero (or not finite) pivot; near-singularity is told by rcond()

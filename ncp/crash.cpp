@@ -78,7 +78,7 @@ bool crash(Run& run, const Crash& options, Point& point, Iteration& it) {
   if (!options.on || run.box().size() < options.minimum_dimension) return true;
   const CFunction fb = fischer_burmeister();
   const Armijo rule{.max_backtracks = static_cast<int>(std::ceil(-std::log2(options.least_step)))};
-  lcp::SparseLu lu;
+  lcp::SparseLu lu(lcp::LuBackend::Auto);
   Places before;
   double psi = merit(fb, run.box(), point.x, point.F);
   double lambda = 0;

@@ -28,7 +28,9 @@ class Basis : public testing::TestWithParam<LuBackend> {
   BasisOptions options() const { return {.lu = GetParam()}; }
 };
 
-INSTANTIATE_TEST_SUITE_P(Backends, Basis, testing::Values(LuBackend::Umfpack, LuBackend::Klu, LuBackend::Eigen),
+INSTANTIATE_TEST_SUITE_P(Backends, Basis,
+                         testing::Values(LuBackend::Umfpack, LuBackend::Klu, LuBackend::Eigen, LuBackend::Dense,
+                                         LuBackend::Auto),
                          [](const auto& backend) { return std::string(to_string(backend.param)); });
 
 std::vector<Index> first_columns(Index n) {

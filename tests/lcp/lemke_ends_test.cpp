@@ -33,7 +33,6 @@ TEST(LemkeEnds, RayWithoutASolution) {
   EXPECT_EQ(result.end, PivotEnd::Ray);
   EXPECT_FALSE(result.solved());
   EXPECT_EQ(result.ray.size(), 2);
-  EXPECT_EQ(result.rcond, 0);
   EXPECT_GT(result.residual, 0.1);
 }
 
@@ -130,7 +129,6 @@ TEST(LemkeEnds, Inaccurate) {
   EXPECT_FALSE(result.solved());
   EXPECT_GT(result.residual, 0);
   EXPECT_LT(result.residual, 1e-12);
-  EXPECT_GT(result.rcond, 0);
 }
 
 TEST(LemkeEnds, HaveNames) {
@@ -197,7 +195,7 @@ bool same(const PivotResult& a, const PivotResult& b) {
   for (std::size_t i = 0; paths && i < a.path.size(); ++i)
     paths = a.path[i].t == b.path[i].t && a.path[i].x == b.path[i].x;
   return paths && a.end == b.end && a.x == b.x && a.z == b.z && a.ray == b.ray && a.t == b.t && a.best_t == b.best_t &&
-         a.best_x == b.best_x && a.residual == b.residual && a.rcond == b.rcond && a.pivots == b.pivots &&
+         a.best_x == b.best_x && a.residual == b.residual && a.pivots == b.pivots &&
          a.refactorizations == b.refactorizations;
 }
 

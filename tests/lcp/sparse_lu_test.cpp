@@ -39,7 +39,9 @@ class Lu : public testing::TestWithParam<LuBackend> {
   }
 };
 
-INSTANTIATE_TEST_SUITE_P(Backends, Lu, testing::Values(LuBackend::Umfpack, LuBackend::Klu, LuBackend::Eigen),
+INSTANTIATE_TEST_SUITE_P(Backends, Lu,
+                         testing::Values(LuBackend::Umfpack, LuBackend::Klu, LuBackend::Eigen, LuBackend::Dense,
+                                         LuBackend::Auto),
                          [](const auto& backend) { return std::string(to_string(backend.param)); });
 
 /// 1 / (||A||_1 ||A^-1||_1) by the dense inverse.
@@ -361,6 +363,8 @@ TEST(LuNames, AreWords) {
   EXPECT_EQ(to_string(LuBackend::Umfpack), "umfpack");
   EXPECT_EQ(to_string(LuBackend::Klu), "klu");
   EXPECT_EQ(to_string(LuBackend::Eigen), "eigen");
+  EXPECT_EQ(to_string(LuBackend::Dense), "dense");
+  EXPECT_EQ(to_string(LuBackend::Auto), "auto");
   EXPECT_EQ(to_string(LuStatus::Ok), "ok");
   EXPECT_EQ(to_string(LuStatus::Singular), "singular");
   EXPECT_EQ(to_string(LuStatus::NotFinite), "not finite");
