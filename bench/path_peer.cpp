@@ -137,7 +137,7 @@ struct Totals {
   std::array<int, 2> lies{};
   std::array<double, 2> seconds{};         ///< where both solve
   std::array<double, 2> seconds_in_all{};  ///< with what is not solved
-  double worst_ratio = 0;                  ///< of times, where both solve
+  std::vector<double> ratios;              ///< of times, where both solve
   std::string worst;
 
   void add(const bench::Case& c, const Run& theirs, const Run& ours, double tolerance) {
@@ -151,19 +151,18 @@ struct Totals {
     }
     if (!theirs.solved(tolerance) || !ours.solved(tolerance)) return;
     for (std::size_t k = 0; k < 2; ++k) seconds[k] += both[k]->seconds;
-    if (const double ratio = ours.seconds / theirs.seconds; ratio > worst_ratio) {
-      worst_ratio = ratio;
-      worst = c.problem + ", " + c.start;
-    }
+    ratios.push_back(ours.seconds / theirs.seconds);
+    if (ratios.back() == *std::max_element(ratios.begin(), ratios.end())) worst = c.problem + ", " + c.start;
   }
 
   void print(const std::string& name, const std::string& method) const {
     std::printf("%s: %d runs, %d with a solution\n", name.c_str(), runs, solvable);
     std::printf("  solved           PATH %d, %s %d\n", solved[0], method.c_str(), solved[1]);
     std::printf("  false claims     PATH %d, %s %d\n", lies[0], method.c_str(), lies[1]);
-    if (!worst.empty())
-      std::printf("  time, both solve PATH %.3f s, %s %.3f s: ratio %.2f, worst %.2f (%s)\n", seconds[0],
-                  method.c_str(), seconds[1], seconds[1] / seconds[0], worst_ratio, worst.c_str());
+    if (!ratios.empty())
+      std::printf("  time, both solve PATH %.3f s, %s %.3f s: ratio %.2f; of one case: median %.2f, worst %.2f (%s)\n",
+                  seconds[0], method.c_str(), seconds[1], seconds[1] / seconds[0], median(ratios),
+                  *std::max_element(ratios.begin(), ratios.end()), worst.c_str());
     std::printf("  time in all      PATH %.3f s, %s %.3f s: ratio %.2f\n\n", seconds_in_all[0], method.c_str(),
                 seconds_in_all[1], seconds_in_all[1] / seconds_in_all[0]);
   }
@@ -176,6 +175,13 @@ std::vector<bench::Case> cases_of(const Options& o) {
       for (bench::Case& c : bench::random_cases(name, o.random, o.seed)) cases.push_back(std::move(c));
   for (const std::string& path : o.models) cases.push_back(bench::model_case(path));
   return cases;
+}
+
+void print_list(const std::string& title, const std::vector<std::string>& lines, bool all) {
+  std::printf("%s: %zu\n", title.c_str(), lines.size());
+  const std::size_t shown = all ? lines.size() : std::min<std::size_t>(lines.size(), 30);
+  for (std::size_t k = 0; k < shown; ++k) std::printf("  %s\n", lines[k].c_str());
+  if (shown < lines.size()) std::printf("  and %zu more; --all lists them\n", lines.size() - shown);
 }
 
 std::string group(const bench::Case& c) {
@@ -194,20 +200,23 @@ int run(const Options& o) {
 
   std::map<std::string, Totals> totals;
   std::vector<std::string> lost;
+  std::vector<std::string> slow;
   for (const bench::Case& c : cases_of(o)) {
     if (!path.takes(c.mcp->size(), c.mcp->jacobian_pattern().nonZeros())) continue;
     const auto [theirs, ours] = contest.run(c);
-    const bool differ =
-        theirs.solved(o.tolerance) != ours.solved(o.tolerance) || theirs.lied(o.tolerance) || ours.lied(o.tolerance);
+    const bool path_solved = theirs.solved(o.tolerance);
+    const bool perp_solved = ours.solved(o.tolerance);
+    const bool differ = path_solved != perp_solved || theirs.lied(o.tolerance) || ours.lied(o.tolerance);
     if (!c.random || o.all_lines || differ) print_line(c, theirs, ours, o.tolerance);
     totals[group(c)].add(c, theirs, ours, o.tolerance);
-    if (theirs.solved(o.tolerance) && !ours.solved(o.tolerance))
-      lost.push_back(c.problem + ", start " + c.start + ": " + ours.status);
+    const std::string name = c.problem + ", start " + c.start;
+    if (path_solved && !perp_solved) lost.push_back(name + ": " + ours.status);
+    if (path_solved && perp_solved && ours.seconds > 3 * theirs.seconds) slow.push_back(name);
   }
   std::printf("\n");
   for (const auto& [name, sums] : totals) sums.print(name, o.method);
-  std::printf("Solved by PATH, not by %s: %zu\n", o.method.c_str(), lost.size());
-  for (const std::string& line : lost) std::printf("  %s\n", line.c_str());
+  print_list("Solved by PATH, not by " + o.method, lost, o.all_lines);
+  print_list("Solved by both, " + o.method + " taking more than 3 times as long", slow, o.all_lines);
   return EXIT_SUCCESS;
 }
 
