@@ -71,6 +71,11 @@ class Attempt {
   }
   Way way_to(const NewtonPoint& newton) const;
   bool newton_step(Iteration& it);
+  /// Whether steps other than Newton's may still be tried in this iteration.
+  bool may_go_on() const {
+    const bool given_up = run_.mcp().is_affine() && method_.restart_limit > 0 && !last_->solved();
+    return !run_.ended() && !last_->stopped() && !newton_points_.exhausted() && !given_up;
+  }
   bool accept(const NewtonPoint& newton, double least, Iteration& it);
   void follow_chord(const NewtonPoint& newton, Point& trial, Vec& x, double& merit);
   bool search(const Way& way, double t, double from, double least, Iteration& it);
@@ -235,6 +240,7 @@ bool Attempt::newton_step(Iteration& it) {
                "look for a mistake in the model");
       return false;
     }
+    if (!last_->solved() && run_.mcp().is_affine() && method_.restart_limit > 0) return false;  // others can do better
     const bool last = i == prox_tries || !method_.proximal_adaptive;
     if (last_->usable() && accept(*last_, last ? 0 : least_step, it)) {
       if (lambda > 0) ++run_.stats().proximal_steps;

@@ -78,7 +78,9 @@ class Attempts {
   void add_affine(std::string what) {
     list_.push_back({std::move(what), false, [this](Run& run, const Point& point) {
                        const Method method = within_limits(run, Affine{});
-                       run.take(run_affine(run.mcp(), point.x, std::get<Affine>(method), shown(run)));
+                       Result linear = run_affine(run.mcp(), point.x, std::get<Affine>(method), shown(run));
+                       linear.stats.pivots = std::exchange(linear.stats.iterations, 1);
+                       run.take(linear);
                      }});
   }
 
