@@ -305,8 +305,7 @@ bool Attempt::gradient_step(Iteration& it) {
 bool Attempt::iterate(Iteration& it) {
   undefined_ = 0;
   it = {.k = it.k + 1};
-  const bool found =
-      newton_step(it) || (!last_->stopped() && !newton_points_.exhausted() && (watchdog(it) || gradient_step(it)));
+  const bool found = newton_step(it) || (may_go_on() && (watchdog(it) || gradient_step(it)));
   it.pivots = newton_points_.take_pivots();
   it.merit = psi_;
   it.way = &taken_;
