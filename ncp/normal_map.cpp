@@ -63,4 +63,12 @@ Vec Way::at(double T) const {
   return a.x + share * (b.x - a.x) + (1 - T) * (begin_ - kinks_.front().x);
 }
 
+std::vector<lcp::Breakpoint> Way::corners() const {
+  if (kinks_.size() < 2) return {{.t = 0, .x = begin_}, {.t = 1, .x = end_}};
+  std::vector<lcp::Breakpoint> corners = kinks_;
+  const Vec error = begin_ - kinks_.front().x;
+  for (lcp::Breakpoint& corner : corners) corner.x += (1 - corner.t / t_end_) * error;
+  return corners;
+}
+
 }  // namespace perp::ncp

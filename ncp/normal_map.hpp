@@ -33,6 +33,8 @@ class Way {
   Vec at(double T) const;
   const Vec& end() const { return end_; }
   const std::vector<lcp::Breakpoint>& kinks() const { return kinks_; }
+  /// Where at() turns: the kinks without the error of the start; begin and end of a straight way.
+  std::vector<lcp::Breakpoint> corners() const;
 
  private:
   Vec begin_, end_;

@@ -31,6 +31,7 @@ class Table {
     previous_ = it;
     previous_.x = nullptr;
     previous_.way = nullptr;
+    previous_.problem = nullptr;
   }
 
  private:
@@ -128,6 +129,7 @@ Observer record(std::vector<Iteration>& records) {
     records.push_back(it);
     records.back().x = nullptr;
     records.back().way = nullptr;
+    records.back().problem = nullptr;
     return Next::Continue;
   };
 }

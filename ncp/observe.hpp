@@ -42,6 +42,7 @@ struct Iteration {
   Index inside = -1;              ///< crash: rows of the system solved
   std::string attempt{};          ///< begun with this record, after the first: "no crash", ...
   const Vec* x = nullptr;         ///< the iterate; only during the call
+  const Mcp* problem = nullptr;   ///< x and way are points of: the presolved problem, say; only during the call
   const WayTaken* way = nullptr;  ///< PathSearch; only during the call
 };
 

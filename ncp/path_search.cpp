@@ -175,10 +175,7 @@ void Attempt::follow_chord(const NewtonPoint& newton, Point& trial, Vec& x, doub
   }
 }
 
-WayTaken taken(const Way& way) {
-  if (!way.kinks().empty()) return {.kinks = way.kinks(), .on_path = true};
-  return {.kinks = {{.t = 0, .x = way.at(0)}, {.t = 1, .x = way.end()}}};
-}
+WayTaken taken(const Way& way) { return {.kinks = way.corners(), .on_path = way.kinks().size() > 1}; }
 
 /// The Newton point by its merit (M), by its distance (D), by both (O), or backtracked to (B).
 bool Attempt::accept(const NewtonPoint& newton, double least, Iteration& it) {

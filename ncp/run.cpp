@@ -166,6 +166,7 @@ bool Run::go_on(const Point& point, Iteration it) {
   it.F_evals = F_evals();
   it.J_evals = J_evals();
   it.x = &point.x;
+  it.problem = &mcp();
   const bool asked_to_stop = observer_ && observer_(it) == Next::Stop;
   if (done) return false;
   if (asked_to_stop || interrupted())
