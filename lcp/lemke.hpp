@@ -34,7 +34,7 @@ enum class PivotEnd {
   Solved,  ///< natural residual <= residual_tol (1 + ||q||_inf)
   Ray,     ///< the path is unbounded: x + s `ray` stays on it for all s >= 0
   /// The path came back to the start: the component through it is closed and holds no solution. From a rank-deficient
-  /// start also: t has not grown for 100 + 10 n pivots.
+  /// start also: t has not grown for 50 + 2 n pivots.
   Loop,
   SingularBasis,  ///< a basis on the way is numerically singular
   PivotLimit,

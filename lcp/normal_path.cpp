@@ -416,7 +416,7 @@ bool NormalPath::take_other_branch() {
 
 /// A path from a rank-deficient start need not be in general position: there, t that has not grown for long counts too.
 bool NormalPath::back_at_start(PivotResult& result) {
-  const bool wanders = result.repaired > 0 && result.pivots - pivots_at_best_ > 100 + 10 * n_;
+  const bool wanders = result.repaired > 0 && result.pivots - pivots_at_best_ > 50 + 2 * n_;
   if (away_ > 0 && !wanders) return false;
   result.end = PivotEnd::Loop;
   return true;
