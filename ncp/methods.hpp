@@ -7,8 +7,9 @@ namespace perp::ncp {
 
 Result run_semismooth_newton(const Mcp& mcp, In x0, const SemismoothNewton& method, const Observer& observer);
 Result run_newton_josephy(const Mcp& mcp, In x0, const NewtonJosephy& method, const Observer& observer);
-/// PathSearch with its presolve, scaling and restarts.
+/// PathSearch with its presolve, on what run_attempts() does: PathSearch with its restarts.
 Result run_path(const Mcp& mcp, In x0, const PathSearch& method, const Observer& observer);
+Result run_attempts(const Mcp& mcp, In x0, const PathSearch& method, const Observer& observer);
 Result run_affine(const Mcp& mcp, In x0, const Affine& method, const Observer& observer);
 
 // The loops alone, within a run that has begun: from `point` until the run ends.

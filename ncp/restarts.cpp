@@ -139,7 +139,7 @@ Attempts::Attempts(const Mcp& mcp, const PathSearch& method, const Observer& obs
 
 }  // namespace
 
-Result run_path(const Mcp& mcp, In x0, const PathSearch& method, const Observer& observer) {
+Result run_attempts(const Mcp& mcp, In x0, const PathSearch& method, const Observer& observer) {
   Run run(mcp, method.stop, observer);
   Point user;
   if (!run.start(x0, user)) return run.result();

@@ -35,12 +35,13 @@ struct Stats {
   int F_evals = 0;
   int J_evals = 0;
   int factorizations = 0;
-  int pivots = 0;    ///< minor iterations
-  int restarts = 0;  ///< attempts after the first
+  int pivots = 0;     ///< minor iterations
+  int presolved = 0;  ///< pairs that presolve took out
+  int restarts = 0;   ///< attempts after the first
   int gradient_steps = 0;
   int watchdogs = 0;                             ///< returns to the last point that had passed a merit test
   int unchecked_steps = 0;                       ///< D-steps
-  int chord_steps = 0;        ///< that were kept
+  int chord_steps = 0;                           ///< that were kept
   int backtracks = 0;                            ///< points refused by a search
   int ray_starts = 0;                            ///< linearised problems solved from a ray
   int rank_deficient = 0;                        ///< start bases repaired by artificials
