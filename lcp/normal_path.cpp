@@ -188,8 +188,9 @@ bool NormalPath::begin(PivotResult& result) {
 
 /// Factors the present basis afresh and recomputes the basic unknowns from the equations, which removes drift.
 bool NormalPath::refactor() {
-  distrusted_ = false;
+  distrusted_ = true;  // stays so where the basis is singular: nothing may be solved with it
   if (factor_basis() != LuStatus::Ok) return false;
+  distrusted_ = false;
   Vec rhs = constant() + scale_ * Vec(A_.col(n_));  // G(x) = r - tau (r / s)
   const auto take = [&](Index i) {
     if (value(i) == 0) return;
