@@ -143,8 +143,12 @@ ExitCode solve_stub(const AmplRequest& request, const Call& call, Streams stream
   const LoadedProblem problem = load_problem(call.stub.ends_with(".nl") ? call.stub : call.stub + ".nl");
   settle_auto(problem, options);
   for (const std::string& note : options.notes) streams.err << request.program << ": note: " << note << '\n';
-  const Report report =
-      run_method(problem, options.settings, options.settings.output ? &streams.out : nullptr, interrupt);
+  const Output& output = options.settings.output;
+  if (output.shows(output.options)) print_options(streams.out, options.settings);
+  if (output.shows(output.initial_statistics)) print_initial_statistics(streams.out, problem);
+  const Report report = run_method(problem, options.settings, output.table() ? &streams.out : nullptr, interrupt);
+  if (output.shows(output.final_statistics)) print_final_statistics(streams.out, report);
+  if (output.shows(output.final_summary)) print_final_summary(streams.out, report);
   return write_answer(request, report, call.stub, streams);
 }
 

@@ -12,6 +12,7 @@
 #include <ostream>
 
 #include "app/json_parts.hpp"
+#include "app/warm_start.hpp"
 
 namespace perp::app {
 
@@ -58,8 +59,9 @@ Json variables_json(const Report& report) {
   const ncp::Mcp& mcp = report.mcp();
   const ncp::Box& box = mcp.box();
   const double tol = ncp::stop(report.settings.method).tol;
+  const std::vector<lcp::Cell>& basis = report.result.basis;
   Json array = Json::array();
-  for (ncp::Index i = 0; i < mcp.size(); ++i)
+  for (ncp::Index i = 0; i < mcp.size(); ++i) {
     array.push_back({{"name", mcp.variable_name(i)},
                      {"equation", mcp.equation_name(i)},
                      {"lower", json_number(box.lower[i])},
@@ -67,6 +69,9 @@ Json variables_json(const Report& report) {
                      {"upper", json_number(box.upper[i])},
                      {"F", json_number(F_value(report, i))},
                      {"state", state_name(box, i, report.result.x[i], tol)}});
+    if (static_cast<ncp::Index>(basis.size()) == mcp.size())
+      array.back()["basis"] = cell_name(basis[static_cast<std::size_t>(i)]);
+  }
   return array;
 }
 
@@ -84,8 +89,33 @@ Json iterations_json(const Report& report) {
                      {"backtracks", it.backtracks},
                      {"F_evals", it.F_evals},
                      {"J_evals", it.J_evals},
-                     {"kind", std::string(1, it.kind)}});
+                     {"kind", std::string(1, it.kind)},
+                     {"linear", it.linear == ' ' ? Json(nullptr) : Json(std::string(1, it.linear))},
+                     {"crash", it.crash},
+                     {"changes", index_json(it.changes)},
+                     {"inside", index_json(it.inside)},
+                     {"attempt", it.attempt.empty() ? Json(nullptr) : Json(it.attempt)}});
   return array;
+}
+
+Json stats_json(const ncp::Stats& stats) {
+  return {{"iterations", stats.iterations},
+          {"crash_iterations", stats.crash_iterations},
+          {"F_evals", stats.F_evals},
+          {"J_evals", stats.J_evals},
+          {"factorizations", stats.factorizations},
+          {"pivots", stats.pivots},
+          {"restarts", stats.restarts},
+          {"gradient_steps", stats.gradient_steps},
+          {"watchdogs", stats.watchdogs},
+          {"unchecked_steps", stats.unchecked_steps},
+          {"chord_steps", stats.chord_steps},
+          {"backtracks", stats.backtracks},
+          {"ray_starts", stats.ray_starts},
+          {"rank_deficient", stats.rank_deficient},
+          {"proximal_steps", stats.proximal_steps},
+          {"linear_time_s", json_number(stats.linear_time.count())},
+          {"time_s", json_number(stats.time.count())}};
 }
 
 Json options_json(const Settings& settings) {
@@ -102,6 +132,8 @@ Json options_json(const Settings& settings) {
       json[std::string(option.key)] = **natural;
     else if (const auto* time = std::get_if<std::chrono::duration<double>*>(&field))
       json[std::string(option.key)] = json_number((*time)->count());
+    else if (const auto* index = std::get_if<ncp::Index*>(&field))
+      json[std::string(option.key)] = **index;
     else if (const auto* flag = std::get_if<bool*>(&field))
       json[std::string(option.key)] = **flag;
     else
@@ -126,7 +158,6 @@ Json entry_json(const collection::Entry& entry, const collection::Problem& probl
 
 std::string solve_json(const Report& report) {
   const ncp::Result& result = report.result;
-  const ncp::Stats& stats = result.stats;
   Json json = json_header();
   json["problem"] = report.problem->label;
   json["start"] = report.problem->start;
@@ -138,9 +169,7 @@ std::string solve_json(const Report& report) {
   json["advice"] = result.advice;
   json["notes"] = report.notes;
   json["residual"] = residual_json(report.mcp(), result.residual);
-  json["stats"] = {{"iterations", stats.iterations}, {"F_evals", stats.F_evals},
-                   {"J_evals", stats.J_evals},       {"factorizations", stats.factorizations},
-                   {"pivots", stats.pivots},         {"time_s", json_number(stats.time.count())}};
+  json["stats"] = stats_json(result.stats);
   if (report.derivatives)
     json["derivatives"] = {{"defined", report.derivatives->defined}, {"worst", json_number(report.derivatives->worst)}};
   json["options"] = options_json(report.settings);
@@ -222,6 +251,20 @@ void write_file(const std::string& path, const std::string& content) {
     fs::remove(neighbour, error);
     throw;
   }
+}
+
+void check_writable(const std::string& path) {
+  namespace fs = std::filesystem;
+  const auto fail = [&](const std::string& why) {
+    throw InputError(fmt::format("'{}' cannot be written: {}", path, why));
+  };
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  if (fs::is_directory(status)) fail("it is a directory");
+  fs::path folder = fs::path(path).parent_path();
+  if (folder.empty()) folder = ".";
+  if (!fs::is_directory(folder, error)) fail("there is no folder of that name");
+  if (access((fs::exists(status) ? fs::path(path) : folder).c_str(), W_OK) != 0) fail(std::strerror(errno));
 }
 
 bool deliver_json(const std::string& path, const std::string& content, Streams streams) {

@@ -20,6 +20,9 @@ std::string list_json();
 /// Writes the file as a whole or not at all (a neighbour that is renamed). Throws InputError naming it.
 void write_file(const std::string& path, const std::string& content);
 
+/// Throws InputError if write_file() would certainly fail: no such folder, a folder, no permission.
+void check_writable(const std::string& path);
+
 /// Writes what --json PATH asks for: "" is nothing, "-" standard output. False: it could not be written, and `err` says
 /// so.
 bool deliver_json(const std::string& path, const std::string& content, Streams streams);

@@ -76,6 +76,8 @@ constexpr const char* solve_footer =
     "  perp solve nash10 --option nms_memory_size=10 --option lu=klu\n"
     "  perp solve market.nl --json result.json --log-level summary\n"
     "  perp solve M.mtx q.mtx --lower psi.mtx --method qp --solution x.mtx\n"
+    "  perp solve market.nl --plot path.svg\n"
+    "  perp solve market2.nl --warm-start result.json\n"
     "  perp solve market.nl --json - | jq .residual.natural\n"
     "\n"
     "Ctrl-C ends the run with the best point so far, which is printed and written; a second one ends the program.\n"
@@ -159,6 +161,8 @@ struct CommandLine {
     solve->add_option("--upper", request.upper, "of M.mtx: the upper bounds (default inf)")->option_text("NUMBER|FILE");
     solve->add_option("--start", request.start, "which start of a collection problem, from 1")->option_text("K");
     solve->add_option("--start-at", request.start_at, "start from the point in this file")->option_text("FILE");
+    solve->add_option("--warm-start", request.warm_start, "start from point and basis of an earlier run's --json FILE")
+        ->option_text("FILE");
     for (std::size_t k = 0; k < shortcuts.size(); ++k)
       solve
           ->add_option(shortcuts[k].flag, shortcut_values[k],
@@ -182,6 +186,10 @@ struct CommandLine {
         ->add_option("--log-level", level,
                      fmt::format("one of {}; each shows more than the one before", fmt::join(log_level_names(), ", ")))
         ->option_text("LEVEL");
+    solve->add_option("--plot", request.plot, "draw merit and residual, and the path of one iteration, as SVG")
+        ->option_text("FILE");
+    solve->add_option("--plot-iteration", request.plot_iteration, "that iteration (default: the one with most kinks)")
+        ->option_text("K");
     solve->add_flag("--full", request.full, "print every row of a long solution");
   }
 

@@ -9,7 +9,7 @@
 namespace perp::app {
 
 /// The method that runs when none is named.
-inline constexpr std::string_view default_method = "semismooth";
+inline constexpr std::string_view default_method = "path";
 
 struct MethodEntry {
   std::string_view name;

@@ -16,23 +16,10 @@ namespace {
 
 constexpr double max_int = std::numeric_limits<int>::max();
 
-struct Choice {
-  std::string_view name;
-  int value;
-};
-
-constexpr std::array lu_choices{Choice{"umfpack", static_cast<int>(lcp::LuBackend::Umfpack)},
-                                Choice{"klu", static_cast<int>(lcp::LuBackend::Klu)},
-                                Choice{"eigen", static_cast<int>(lcp::LuBackend::Eigen)}};
-// `first` asks for a ray in the first iteration alone, which no method here does: see set().
-constexpr std::array start_choices{Choice{"automatic", static_cast<int>(lcp::LemkeStart::Regular)},
-                                   Choice{"always", static_cast<int>(lcp::LemkeStart::Ray)},
-                                   Choice{"first", static_cast<int>(lcp::LemkeStart::Regular)}};
-constexpr std::array cover_choices{Choice{"ones", static_cast<int>(lcp::Cover::Ones)},
-                                   Choice{"generic", static_cast<int>(lcp::Cover::Generic)},
-                                   Choice{"spread", static_cast<int>(lcp::Cover::Spread)}};
-constexpr std::array bool_choices{Choice{"yes", 1}, Choice{"no", 0},  Choice{"true", 1}, Choice{"false", 0},
-                                  Choice{"on", 1},  Choice{"off", 0}, Choice{"1", 1},    Choice{"0", 0}};
+constexpr auto synonym = Choice::Role::Synonym;
+constexpr std::array bool_choices{
+    Choice{"yes", 1},         Choice{"no", 0},           Choice{"true", 1, synonym}, Choice{"false", 0, synonym},
+    Choice{"on", 1, synonym}, Choice{"off", 0, synonym}, Choice{"1", 1, synonym},    Choice{"0", 0, synonym}};
 
 std::string lower(std::string_view text) {
   std::string result(text);
@@ -50,7 +37,8 @@ std::string alternatives(std::span<const std::string_view> names) {
 
 std::vector<std::string_view> names_of(std::span<const Choice> choices) {
   std::vector<std::string_view> names;
-  for (const Choice& choice : choices) names.push_back(choice.name);
+  for (const Choice& choice : choices)
+    if (choice.role != synonym) names.push_back(choice.name);
   return names;
 }
 
@@ -100,10 +88,16 @@ T number_in_range(const Assignment& given, const Option& option) {
   return value;
 }
 
-int one_of(std::span<const Choice> choices, const Assignment& given, const Option& option) {
+const Choice& one_of(std::span<const Choice> choices, const Assignment& given, const Option& option) {
   const auto choice = std::ranges::find(choices, lower(given.value), &Choice::name);
   if (choice == choices.end()) refuse(given, option);
-  return choice->value;
+  return *choice;
+}
+
+/// The first name of the value; "?" if it has none.
+std::string_view word_of(std::span<const Choice> choices, int value) {
+  const auto choice = std::ranges::find(choices, value, &Choice::value);
+  return choice == choices.end() ? "?" : choice->name;
 }
 
 /// Sets the field. Pre: not monostate.
@@ -114,20 +108,18 @@ void set(const Field& field, const Assignment& given, const Option& option, Appl
         if constexpr (std::is_same_v<T, std::string>) {
           if (find_method(lower(given.value)) == nullptr) refuse(given, option);
           *target = lower(given.value);
-        } else if constexpr (std::is_same_v<T, double> || std::is_same_v<T, int> || std::is_same_v<T, unsigned>) {
+        } else if constexpr (std::is_same_v<T, double> || (std::is_integral_v<T> && !std::is_same_v<T, bool>)) {
           *target = number_in_range<T>(given, option);
         } else if constexpr (std::is_same_v<T, std::chrono::duration<double>>) {
           *target = T(number_in_range<double>(given, option));
         } else if constexpr (std::is_same_v<T, bool>) {
-          *target = one_of(bool_choices, given, option) != 0;
-        } else if constexpr (std::is_same_v<T, lcp::LuBackend>) {
-          *target = static_cast<T>(one_of(lu_choices, given, option));
-        } else if constexpr (std::is_same_v<T, lcp::Cover>) {
-          *target = static_cast<T>(one_of(cover_choices, given, option));
-        } else if constexpr (std::is_same_v<T, lcp::LemkeStart>) {
-          *target = static_cast<T>(one_of(start_choices, given, option));
-          if (lower(given.value) == "first")
-            result.notes.emplace_back("lemke_start = first is taken as automatic: no method starts on a ray only once");
+          *target = one_of(bool_choices, given, option).value != 0;
+        } else if constexpr (std::is_same_v<T, Word>) {
+          const Choice& chosen = one_of(target.choices, given, option);
+          target.set(chosen.value);
+          if (chosen.role == Choice::Role::StandIn)
+            result.notes.push_back(fmt::format("{}: {} = {} is taken as {}", given.source, option.key, chosen.name,
+                                               word_of(target.choices, chosen.value)));
         }
       },
       field);
@@ -144,16 +136,12 @@ std::string values_text(const Option& option) {
           return alternatives(method_names());
         else if constexpr (std::is_same_v<T, double> || std::is_same_v<T, std::chrono::duration<double>>)
           return range_text(option.range, false);
-        else if constexpr (std::is_same_v<T, int> || std::is_same_v<T, unsigned>)
-          return range_text(option.range, true);
         else if constexpr (std::is_same_v<T, bool>)
           return "yes or no";
-        else if constexpr (std::is_same_v<T, lcp::LuBackend>)
-          return alternatives(names_of(lu_choices));
-        else if constexpr (std::is_same_v<T, lcp::LemkeStart>)
-          return alternatives(names_of(start_choices));
-        else if constexpr (std::is_same_v<T, lcp::Cover>)
-          return alternatives(names_of(cover_choices));
+        else if constexpr (std::is_integral_v<T>)
+          return range_text(option.range, true);
+        else if constexpr (std::is_same_v<T, Word>)
+          return alternatives(names_of(target.choices));
         else
           return "-";
       },
@@ -170,13 +158,8 @@ std::string value_text(const Field& field) {
           return fmt::format("{}", target->count());
         else if constexpr (std::is_same_v<T, bool>)
           return *target ? "yes" : "no";
-        else if constexpr (std::is_same_v<T, lcp::LuBackend>)
-          return std::string(lcp::to_string(*target));
-        else if constexpr (std::is_same_v<T, lcp::LemkeStart>)
-          return *target == lcp::LemkeStart::Ray ? "always" : "automatic";
-        else if constexpr (std::is_same_v<T, lcp::Cover>)
-          return std::string(
-              std::ranges::find(cover_choices, static_cast<int>(*target), &Choice::value)->name);  // Given has no name
+        else if constexpr (std::is_same_v<T, Word>)
+          return std::string(word_of(target.choices, target.get()));
         else
           return "-";
       },
@@ -192,12 +175,28 @@ struct Found {
   std::string_view ignored;  // a key of ignored_options()
 };
 
-/// The option a key names: exactly, or as a unique prefix. Throws InputError if the prefix is not unique.
+/// "maj_iter" of "major_iteration_limit": every word of the key begins the word in its place.
+bool abbreviates(std::string_view key, std::string_view name) {
+  while (!key.empty()) {
+    const std::string_view part = key.substr(0, key.find('_'));
+    if (part.empty() || name.empty() || !name.starts_with(part)) return false;
+    key.remove_prefix(std::min(part.size() + 1, key.size()));
+    const std::size_t next = name.find('_');
+    name = next == std::string_view::npos ? std::string_view{} : name.substr(next + 1);
+  }
+  return true;
+}
+
+bool is_paths(std::string_view name) { return std::ranges::find(path_options(), name) != path_options().end(); }
+
+/// The option a key names: exactly, or abbreviated, where PATH's options go before ours and those of as many words as
+/// the key before longer ones. Throws InputError if the abbreviation is not unique.
 Found find_option(const Assignment& given) {
   const std::string key = lower(given.key);
-  std::vector<std::pair<std::string_view, const Option*>> prefixed;
+  if (key.empty()) return {};
+  std::vector<std::pair<std::string_view, const Option*>> fits;
   const auto look = [&](std::string_view name, const Option* option) {
-    if (name.starts_with(key)) prefixed.emplace_back(name, option);
+    if (abbreviates(key, name)) fits.emplace_back(name, option);
     return name == key;
   };
   for (const Option& option : options()) {
@@ -207,15 +206,19 @@ Found find_option(const Assignment& given) {
   }
   for (const std::string_view name : ignored_options())
     if (look(name, nullptr)) return {nullptr, name};
-  if (prefixed.empty()) return {};
-  const std::string_view name = prefixed.front().first;
-  const Option* option = prefixed.front().second;
-  const bool one_option = std::ranges::all_of(prefixed, [&](const auto& other) {
-    return other.second == option && (option != nullptr || other.first == name);
-  });
-  if (one_option) return {option, option == nullptr ? name : std::string_view{}};
-  std::vector<std::string_view> names(prefixed.size());
-  std::ranges::transform(prefixed, names.begin(), [](const auto& other) { return other.first; });
+  if (std::ranges::any_of(fits, [](const auto& fit) { return is_paths(fit.first); }))
+    std::erase_if(fits, [](const auto& fit) { return !is_paths(fit.first); });
+  const auto words = [](std::string_view text) { return std::ranges::count(text, '_'); };
+  if (std::ranges::any_of(fits, [&](const auto& fit) { return words(fit.first) == words(key); }))
+    std::erase_if(fits, [&](const auto& fit) { return words(fit.first) != words(key); });
+  if (fits.empty()) return {};
+  const auto [name, option] = fits.front();
+  if (std::ranges::all_of(fits, [&](const auto& fit) {
+        return fit.first == fits.front().first || (fit.second != nullptr && fit.second == fits.front().second);
+      }))
+    return {option, option == nullptr ? name : std::string_view{}};
+  std::vector<std::string_view> names(fits.size());
+  std::ranges::transform(fits, names.begin(), [](const auto& fit) { return fit.first; });
   throw InputError(fmt::format("{}: '{}' is ambiguous: {}", given.source, given.key, alternatives(names)));
 }
 

@@ -2,10 +2,13 @@
 /// Options as people, option files and AMPL write them: key=value, with PATH's names where PATH has them. One table
 /// says what each key sets; nothing else in the program knows an option by name.
 ///
-/// A key may be shortened to any unique prefix and is read without regard to case. When a key is given more than once,
-/// the last value wins; the order is: environment (AMPL only: perp_options, path_options, pathampl_options), options
-/// file, then the command line from left to right.
+/// A key may be shortened word by word as long as it is unique (maj_iter for major_iteration_limit; PATH's options go
+/// before ours, and names of as many words before longer ones), and is read without regard to case. When a key is given
+/// more than once, the last value wins; the order is: environment (AMPL only: perp_options, path_options,
+/// pathampl_options), options file, then the command line from left to right.
 #include <chrono>
+#include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -19,18 +22,59 @@
 
 namespace perp::app {
 
+/// One of PATH's output switches. Where it is not given, `output` decides.
+struct Switch {
+  bool usual = true;  ///< part of the usual output
+  std::optional<bool> given{};
+};
+
+/// What of the log is printed.
+struct Output {
+  bool all = true;
+  Switch crash_iterations{};
+  Switch major_iterations{};
+  Switch restart_log{};
+  Switch initial_statistics{.usual = false};
+  Switch final_statistics{};
+  Switch final_summary{};
+  Switch options{.usual = false};
+  int crash_frequency = 1;
+  int major_frequency = 1;
+
+  bool shows(const Switch& part) const { return part.given.value_or(all && part.usual); }
+  /// Does a table of iterations?
+  bool table() const { return shows(crash_iterations) || shows(major_iterations) || shows(restart_log); }
+};
+
 /// What options set: a method with its fields, and a few things that concern the program alone.
 struct Settings {
   std::string method_name{default_method};
-  ncp::Method method = ncp::SemismoothNewton{};  ///< methods()' entry of that name, with the options applied
-  bool output = true;                            ///< print the iteration table
-  int sideineq = 1;                              ///< 1 accept side inequalities of a model, 2 refuse it for them
-  int wantsol = 1;                               ///< AMPL's bits; of them 8 (do not print the message) means something
+  ncp::Method method = find_method(default_method)->method;  ///< methods()' entry of that name, the options applied
+  Output output{};
+  int sideineq = 1;  ///< 1 accept side inequalities of a model, 2 refuse it for them
+  int wantsol = 1;   ///< AMPL's bits; of them 8 (do not print the message) means something
+};
+
+struct Choice {
+  enum class Role {
+    Name,     ///< of the value
+    Synonym,  ///< accepted
+    StandIn   ///< the value is taken for want of what the word asks for: worth a note
+  };
+  std::string_view name;
+  int value;
+  Role role = Role::Name;
+};
+/// A place that takes one of a few words.
+struct Word {
+  std::span<const Choice> choices;
+  std::function<int()> get;
+  std::function<void(int)> set;
 };
 
 /// The place an option sets; monostate: it has no effect on the run's method.
-using Field = std::variant<std::monostate, std::string*, double*, int*, unsigned*, bool*,
-                           std::chrono::duration<double>*, lcp::LuBackend*, lcp::LemkeStart*, lcp::Cover*>;
+using Field = std::variant<std::monostate, std::string*, double*, int*, unsigned*, ncp::Index*, bool*,
+                           std::chrono::duration<double>*, Word>;
 
 struct Range {
   double low = 0;
@@ -47,7 +91,9 @@ struct Option {
 };
 
 std::span<const Option> options();
-/// PATH's options that are accepted without effect.
+/// The options of PATH 4.7 (its manual, table of options).
+std::span<const std::string_view> path_options();
+/// Those of them that are accepted without effect.
 std::span<const std::string_view> ignored_options();
 
 /// "a number > 0", "yes or no", "umfpack, klu or eigen": what the option takes.

@@ -1,8 +1,7 @@
 #include <array>
 #include <limits>
-#include <type_traits>
 
-#include "app/options.hpp"
+#include "app/options_parts.hpp"
 
 namespace perp::app {
 
@@ -11,12 +10,28 @@ namespace {
 constexpr double max_int = std::numeric_limits<int>::max();
 constexpr double years = 1e9;  // of seconds: a limit that no clock overflows with
 
+constexpr std::array lu_choices{
+    Choice{"umfpack", static_cast<int>(lcp::LuBackend::Umfpack)}, Choice{"klu", static_cast<int>(lcp::LuBackend::Klu)},
+    Choice{"eigen", static_cast<int>(lcp::LuBackend::Eigen)}, Choice{"dense", static_cast<int>(lcp::LuBackend::Dense)},
+    Choice{"auto", static_cast<int>(lcp::LuBackend::Auto)}};
+constexpr std::array path_start_choices{Choice{"automatic", static_cast<int>(ncp::PathStart::Automatic)},
+                                        Choice{"first", static_cast<int>(ncp::PathStart::First)},
+                                        Choice{"always", static_cast<int>(ncp::PathStart::Always)}};
+// Only PathSearch can start from a ray in the first iteration alone.
+constexpr std::array start_choices{Choice{"automatic", static_cast<int>(lcp::LemkeStart::Regular)},
+                                   Choice{"first", static_cast<int>(lcp::LemkeStart::Regular), Choice::Role::StandIn},
+                                   Choice{"always", static_cast<int>(lcp::LemkeStart::Ray)}};
+constexpr std::array cover_choices{Choice{"ones", static_cast<int>(lcp::Cover::Ones)},
+                                   Choice{"generic", static_cast<int>(lcp::Cover::Generic)},
+                                   Choice{"spread", static_cast<int>(lcp::Cover::Spread)}};
+
 /// Lemke's method for affine problems has its options where Newton-Josephy has those of its subproblems.
 struct LemkeView {
   lcp::LemkeOptions& lemke;
 };
 
-/// The field that one of `gets` finds in the run's method; a get that does not compile for a method finds nothing.
+/// The field that the last of `gets` that finds one finds in the run's method; a get that does not compile for a method
+/// finds nothing.
 template <class... Gets>
 Field of_method(Settings& settings, Gets... gets) {
   const auto find = [&](auto& method) {
@@ -40,7 +55,16 @@ Field of_method(Settings& settings, Gets... gets) {
 }  // namespace
 
 std::span<const Option> options() {
-  static const std::array table{
+  static const std::vector<Option> table = [] {
+    std::vector<Option> all = general_options();
+    for (const auto& part : {path_search_options(), output_options()}) all.insert(all.end(), part.begin(), part.end());
+    return all;
+  }();
+  return table;
+}
+
+std::vector<Option> general_options() {
+  return {
       Option{"method",
              {},
              {},
@@ -66,39 +90,41 @@ std::span<const Option> options() {
              {},
              "compare the Jacobian with differences of F at the start, and refuse a problem whose Jacobian is wrong",
              [](Settings& settings) -> Field { return &ncp::stop(settings.method).check_derivatives; }},
-      Option{"output",
-             {},
-             {},
-             "print the iteration table (from AMPL: no, unless asked for)",
-             [](Settings& settings) -> Field { return &settings.output; }},
       Option{"nms_memory_size",
              {"memory"},
              {1, 1e6},
-             "non-monotone line search: merits remembered, the largest of which must be beaten; 1 is monotone",
+             "non-monotone search: merits remembered, the largest of which must be beaten; 1 is monotone",
              [](Settings& settings) {
-               return of_method(settings, [](auto& m) -> decltype(&m.search.memory) { return &m.search.memory; });
+               return of_method(
+                   settings, [](auto& m) -> decltype(&m.search.memory) { return &m.search.memory; },
+                   [](auto& m) -> decltype(&m.nms.memory) { return &m.nms.memory; });
              }},
       Option{"sigma",
              {},
              {0, 1, true},
              "line search: share of the predicted decrease of the merit that is demanded",
              [](Settings& settings) {
-               return of_method(settings, [](auto& m) -> decltype(&m.search.sigma) { return &m.search.sigma; });
+               return of_method(
+                   settings, [](auto& m) -> decltype(&m.search.sigma) { return &m.search.sigma; },
+                   [](auto& m) -> decltype(&m.sigma) { return &m.sigma; });
              }},
       Option{"beta",
              {},
              {0, 1, true},
              "line search: factor of the step length a trial",
              [](Settings& settings) {
-               return of_method(settings, [](auto& m) -> decltype(&m.search.beta) { return &m.search.beta; });
+               return of_method(
+                   settings, [](auto& m) -> decltype(&m.search.beta) { return &m.search.beta; },
+                   [](auto& m) -> decltype(&m.beta) { return &m.beta; });
              }},
       Option{"max_backtracks",
              {},
              {0, 1000},
              "line search: trials before the direction is given up",
              [](Settings& settings) {
-               return of_method(settings,
-                                [](auto& m) -> decltype(&m.search.max_backtracks) { return &m.search.max_backtracks; });
+               return of_method(
+                   settings, [](auto& m) -> decltype(&m.search.max_backtracks) { return &m.search.max_backtracks; },
+                   [](auto& m) -> decltype(&m.max_backtracks) { return &m.max_backtracks; });
              }},
       Option{"descent_rho",
              {},
@@ -134,8 +160,10 @@ std::span<const Option> options() {
              "the sparse LU factorization used",
              [](Settings& settings) {
                return of_method(
-                   settings, [](auto& m) -> decltype(&m.lu) { return &m.lu; },
-                   [](auto& m) -> decltype(&m.lemke.basis.lu) { return &m.lemke.basis.lu; });
+                   settings, [](auto& m) -> decltype(word(m.lu, lu_choices)) { return word(m.lu, lu_choices); },
+                   [](auto& m) -> decltype(word(m.lemke.basis.lu, lu_choices)) {
+                     return word(m.lemke.basis.lu, lu_choices);
+                   });
              }},
       Option{"minor_iteration_limit",
              {"max_pivots"},
@@ -144,13 +172,20 @@ std::span<const Option> options() {
              [](Settings& settings) {
                return of_method(settings, [](auto& m) -> decltype(&m.lemke.max_pivots) { return &m.lemke.max_pivots; });
              }},
-      Option{"lemke_start",
-             {},
-             {},
-             "where pivoting starts: automatic (the cell of the current point) or always (a ray, as Lemke's method)",
-             [](Settings& settings) {
-               return of_method(settings, [](auto& m) -> decltype(&m.lemke.start) { return &m.lemke.start; });
-             }},
+      Option{
+          "lemke_start",
+          {},
+          {},
+          "where pivoting starts: automatic (the cell of the current point), first (a ray in the first iteration) or "
+          "always (a ray, as Lemke's method)",
+          [](Settings& settings) {
+            return of_method(
+                settings,
+                [](auto& m) -> decltype(word(m.lemke.start, start_choices)) {
+                  return word(m.lemke.start, start_choices);
+                },
+                [](ncp::PathSearch& m) { return word(m.start, path_start_choices); });
+          }},
       Option{
           "lemke_cover",
           {},
@@ -158,7 +193,9 @@ std::span<const Option> options() {
           "Lemke's covering vector: ones (the textbook's e), generic (random about e in equilibrated units) or spread "
           "(log-uniform over three decades)",
           [](Settings& settings) {
-            return of_method(settings, [](auto& m) -> decltype(&m.lemke.cover) { return &m.lemke.cover; });
+            return of_method(settings, [](auto& m) -> decltype(word(m.lemke.cover, cover_choices)) {
+              return word(m.lemke.cover, cover_choices);
+            });
           }},
       Option{"pivot_tolerance",
              {},
@@ -202,63 +239,6 @@ std::span<const Option> options() {
              "AMPL's: 8 does not print the closing message (the .sol file is written whatever the value)",
              [](Settings& settings) -> Field { return &settings.wantsol; }},
   };
-  return table;
-}
-
-std::span<const std::string_view> ignored_options() {
-  static constexpr auto keys = std::to_array<std::string_view>({"crash_iteration_limit",
-                                                                "crash_merit_function",
-                                                                "crash_method",
-                                                                "crash_minimum_dimension",
-                                                                "crash_nbchange_limit",
-                                                                "crash_perturb",
-                                                                "crash_searchtype",
-                                                                "cumulative_iteration_limit",
-                                                                "factorization_method",
-                                                                "gradient_searchtype",
-                                                                "gradient_step_limit",
-                                                                "interrupt_limit",
-                                                                "lemke_rank_deficiency_iterations",
-                                                                "lemke_start_type",
-                                                                "logfile",
-                                                                "merit_function",
-                                                                "nms",
-                                                                "nms_initial_reference_factor",
-                                                                "nms_maximum_watchdogs",
-                                                                "nms_mstep_frequency",
-                                                                "nms_searchtype",
-                                                                "output_crash_iterations",
-                                                                "output_crash_iterations_frequency",
-                                                                "output_errors",
-                                                                "output_factorization_singularities",
-                                                                "output_final_degeneracy_statistics",
-                                                                "output_final_point",
-                                                                "output_final_point_statistics",
-                                                                "output_final_scaling_statistics",
-                                                                "output_final_statistics",
-                                                                "output_final_summary",
-                                                                "output_initial_point",
-                                                                "output_initial_point_statistics",
-                                                                "output_initial_scaling_statistics",
-                                                                "output_initial_statistics",
-                                                                "output_initial_summary",
-                                                                "output_linear_model",
-                                                                "output_major_iterations",
-                                                                "output_major_iterations_frequency",
-                                                                "output_minor_iterations",
-                                                                "output_minor_iterations_frequency",
-                                                                "output_model_statistics",
-                                                                "output_options",
-                                                                "output_preprocess",
-                                                                "output_restart_log",
-                                                                "output_time",
-                                                                "output_warnings",
-                                                                "preprocess",
-                                                                "proximal_perturbation",
-                                                                "restart_limit",
-                                                                "return_best_point",
-                                                                "statusfile"});
-  return keys;
 }
 
 }  // namespace perp::app

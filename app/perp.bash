@@ -17,7 +17,7 @@ _perp() {
   fi
   case $prev in
     --method)
-      mapfile -t COMPREPLY < <(compgen -W 'semismooth semismooth-min josephy auto lemke lemke-howson principal-pivoting block-pivoting least-index psor
+      mapfile -t COMPREPLY < <(compgen -W 'path semismooth semismooth-min josephy auto lemke lemke-howson principal-pivoting block-pivoting least-index psor
         min-newton fb-newton interior-point qp enumeration' -- "$cur")
       return ;;
     --log-level)
@@ -35,17 +35,17 @@ _perp() {
         mapfile -t COMPREPLY < <(compgen -f -- "$cur")
         return
       fi ;;
-    --lower | --upper | --start-at | --solution)
+    --lower | --upper | --start-at | --solution | --warm-start | --plot)
       mapfile -t COMPREPLY < <(compgen -f -- "$cur")
       return ;;
-    --start | --tol | --max-iterations | --time-limit)
+    --start | --plot-iteration | --tol | --max-iterations | --time-limit)
       return ;;
   esac
   case $command in
     solve)
       if [ "${cur:0:1}" = - ]; then
-        mapfile -t COMPREPLY < <(compgen -W '--start --start-at --lower --upper --solution --method --tol --max-iterations --time-limit --check-derivatives
-          --option --options-file --json --log-level --full --help' -- "$cur")
+        mapfile -t COMPREPLY < <(compgen -W '--start --start-at --warm-start --lower --upper --solution --method --tol --max-iterations --time-limit --check-derivatives
+          --option --options-file --json --plot --plot-iteration --log-level --full --help' -- "$cur")
       else
         mapfile -t COMPREPLY < <(compgen -W "$(_perp_problems "${COMP_WORDS[0]}")" -- "$cur"
           compgen -f -X '!*.@(nl|mtx|dat)' -- "$cur"; compgen -d -- "$cur")

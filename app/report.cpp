@@ -18,8 +18,13 @@ constexpr std::size_t long_table = 60;
 constexpr double wrong_derivative = 1e-4;  // as ncp::describe
 
 /// Prints the table at once, so that someone who watches a pipe or a log file sees the run as it goes.
-ncp::Observer flushed_table(std::ostream& out, const ncp::Mcp& mcp) {
-  return [&out, print = ncp::print_table(out, mcp)](const ncp::Iteration& it) {
+ncp::Observer flushed_table(std::ostream& out, const ncp::Mcp& mcp, const Output& output) {
+  const ncp::TableOptions options{.crash = output.shows(output.crash_iterations),
+                                  .major = output.shows(output.major_iterations),
+                                  .restarts = output.shows(output.restart_log),
+                                  .crash_frequency = output.crash_frequency,
+                                  .major_frequency = output.major_frequency};
+  return [&out, print = ncp::print_table(out, mcp, options)](const ncp::Iteration& it) {
     const ncp::Next next = print(it);
     out.flush();
     return next;
@@ -30,6 +35,22 @@ std::string seconds(double s) {
   if (s < 1e-3) return fmt::format("{:.0f} us", 1e6 * s);
   if (s < 1) return fmt::format("{:.3g} ms", 1e3 * s);
   return fmt::format("{:.4g} s", s);
+}
+
+/// "  what . . . . . . value (where)".
+void line(std::ostream& out, std::string what, const std::string& value, const std::string& where = "") {
+  constexpr std::size_t width = 28;
+  if (what.size() % 2 == 1) what += ' ';
+  while (what.size() < width) what += " .";
+  out << fmt::format("  {} {}{}\n", what, value, where.empty() ? "" : fmt::format(" ({})", where));
+}
+
+void print_largest(std::ostream& out, const char* what, ncp::In values, const ncp::Mcp& mcp,
+                   std::string (ncp::Mcp::*name)(ncp::Index) const) {
+  ncp::Index i = 0;
+  if (values.size() == 0) return;
+  const double largest = values.cwiseAbs().maxCoeff(&i);
+  line(out, fmt::format("largest entry of {}", what), fmt::format("{:.4e}", largest), (mcp.*name)(i));
 }
 
 /// The known solution nearest to x.
@@ -58,8 +79,8 @@ void settle_auto(const LoadedProblem& problem, Applied& options) {
   options.notes.push_back(fmt::format("auto: the problem is nonlinear, hence {}", default_method));
 }
 
-Report run_method(const LoadedProblem& problem, const Settings& settings, std::ostream* table,
-                  const std::atomic<bool>* interrupt) {
+Report run_method(const LoadedProblem& problem, const Settings& settings, std::ostream* log,
+                  const std::atomic<bool>* interrupt, const ncp::Observer& observer) {
   Report report{.problem = &problem, .settings = settings};
   if (settings.sideineq == 2 && problem.model != nullptr && problem.model->side_inequalities() > 0)
     throw ncp::ampl::ModelError(
@@ -79,7 +100,8 @@ Report run_method(const LoadedProblem& problem, const Settings& settings, std::o
   ncp::Method method = report.settings.method;
   ncp::stop(method).check_derivatives = false;
   std::vector<ncp::Observer> observers{ncp::record(report.iterations)};
-  if (table != nullptr) observers.push_back(flushed_table(*table, *problem.mcp));
+  if (log != nullptr) observers.push_back(flushed_table(*log, *problem.mcp, settings.output));
+  if (observer) observers.push_back(observer);
   report.result = ncp::solve(*problem.mcp, problem.x0, method, ncp::all(std::move(observers)));
   if (const auto* affine = std::get_if<ncp::Affine>(&method))
     if (const auto* enumeration = std::get_if<lcp::Enumeration>(&affine->method);
@@ -158,21 +180,93 @@ void print_all_solutions(std::ostream& out, const Report& report, bool full) {
   }
 }
 
-void print_summary(std::ostream& out, const Report& report) {
+void print_initial_statistics(std::ostream& out, const LoadedProblem& problem) {
+  const ncp::Mcp& mcp = *problem.mcp;
+  const ncp::Vec x = lcp::project(mcp.box(), problem.x0);
+  ncp::Vec F(x.size());
+  ncp::SpMat J = mcp.jacobian_pattern();
+  out << "Initial statistics\n";
+  print_largest(out, "x", x, mcp, &ncp::Mcp::variable_name);
+  if (mcp.eval(x, F))
+    print_largest(out, "F", F, mcp, &ncp::Mcp::equation_name);
+  else
+    out << "  F is not defined\n";
+  if (!mcp.jacobian(x, J)) {
+    out << "  the Jacobian is not defined\n";
+    return;
+  }
+  ncp::Index row = -1;
+  ncp::Index column = -1;
+  double largest = -1;
+  for (ncp::Index j = 0; j < J.cols(); ++j)
+    for (ncp::SpMat::InnerIterator e(J, j); e; ++e)
+      if (std::abs(e.value()) > largest) largest = std::abs(e.value()), row = e.row(), column = j;
+  if (row >= 0)
+    line(out, "largest entry of J", fmt::format("{:.4e}", largest),
+         fmt::format("{}, {}", mcp.equation_name(row), mcp.variable_name(column)));
+}
+
+void print_verdict(std::ostream& out, const Report& report) {
   const ncp::Result& result = report.result;
-  const ncp::Stats& stats = result.stats;
   out << fmt::format("{}: {}\n", ncp::to_string(result.status), result.message);
   if (!result.advice.empty()) out << fmt::format("Try: {}\n", result.advice);
+}
+
+void print_final_statistics(std::ostream& out, const Report& report) {
+  const ncp::Residual& r = report.result.residual;
+  const ncp::Mcp& mcp = report.mcp();
+  out << "Final statistics\n";
+  line(out, "natural residual", fmt::format("{:.4e}", r.natural), r.worst >= 0 ? mcp.equation_name(r.worst) : "");
+  line(out, "complementarity", fmt::format("{:.4e}", r.complementarity));
+  line(out, "violation of bounds", fmt::format("{:.4e}", r.bounds));
+  print_largest(out, "x", report.result.x, mcp, &ncp::Mcp::variable_name);
+  print_largest(out, "F", report.result.F, mcp, &ncp::Mcp::equation_name);
+}
+
+void print_final_summary(std::ostream& out, const Report& report) {
+  const ncp::Stats& stats = report.result.stats;
+  struct Count {
+    const char* what;
+    int count;
+    bool paths;  // PathSearch alone has it
+  };
+  const bool path = std::holds_alternative<ncp::PathSearch>(report.settings.method);
+  out << "Final summary\n";
+  for (const auto& [what, count, paths] : {Count{"major iterations", stats.iterations, false},
+                                           {"minor iterations (pivots)", stats.pivots, false},
+                                           {"crash iterations", stats.crash_iterations, true},
+                                           {"evaluations of F", stats.F_evals, false},
+                                           {"evaluations of J", stats.J_evals, false},
+                                           {"factorizations", stats.factorizations, false},
+                                           {"restarts", stats.restarts, true},
+                                           {"gradient steps", stats.gradient_steps, true},
+                                           {"watchdog returns", stats.watchdogs, true},
+                                           {"D-steps (untested)", stats.unchecked_steps, true},
+                                           {"chord steps", stats.chord_steps, true},
+                                           {"points refused by a search", stats.backtracks, true},
+                                           {"starts from a ray", stats.ray_starts, true},
+                                           {"rank-deficient start bases", stats.rank_deficient, true},
+                                           {"steps with proximal term", stats.proximal_steps, true}})
+    if (path || !paths) line(out, what, fmt::format("{}", count));
+  if (path) line(out, "time in linear problems", seconds(stats.linear_time.count()));
+  line(out, "time in all", seconds(stats.time.count()));
+}
+
+void print_short_summary(std::ostream& out, const Report& report) {
+  const ncp::Stats& stats = report.result.stats;
   out << fmt::format("{}, {}, {}, {}, {}, {}\n", count(stats.iterations, "iteration"),
                      count(stats.F_evals, "F evaluation"), count(stats.J_evals, "Jacobian"),
                      count(stats.factorizations, "factorization"), count(stats.pivots, "pivot"),
                      seconds(stats.time.count()));
+}
+
+void print_remarks(std::ostream& out, const Report& report) {
   if (report.derivatives)
     out << fmt::format("Jacobian checked by differences at the start: {}\n",
                        report.derivatives->defined
                            ? fmt::format("largest relative deviation {:.1e}", report.derivatives->worst)
                            : "F or its Jacobian is not defined there");
-  if (const auto nearest = nearest_known(report); nearest && result.solved()) {
+  if (const auto nearest = nearest_known(report); nearest && report.result.solved()) {
     const auto& [k, distance] = *nearest;
     const auto& known = report.problem->solutions[k];
     const std::string which = known.label.empty() ? "" : fmt::format(" '{}'", known.label);

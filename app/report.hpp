@@ -32,10 +32,11 @@ struct Report {
 /// Gives a nonlinear problem default_method in place of auto, with a note.
 void settle_auto(const LoadedProblem& problem, Applied& options);
 
-/// Solves; prints the iteration table to `table` (nullptr: none). `interrupt` may be null. Throws InputError if the
-/// Jacobian was to be checked and is wrong or if side inequalities were to be refused; what ncp::solve throws.
-Report run_method(const LoadedProblem& problem, const Settings& settings, std::ostream* table,
-                  const std::atomic<bool>* interrupt);
+/// Solves; prints the tables of iterations that the settings ask for to `log` (nullptr: none). `interrupt` may be null.
+/// Throws InputError if the Jacobian was to be checked and is wrong or if side inequalities were to be refused; what
+/// ncp::solve throws.
+Report run_method(const LoadedProblem& problem, const Settings& settings, std::ostream* log,
+                  const std::atomic<bool>* interrupt, const ncp::Observer& observer = {});
 
 /// Where variable i is: "basic" (between its bounds), "at lower", "at upper", "fixed", "free" (it has no bounds), with
 /// distances up to `tol` counted as "at".
@@ -48,8 +49,17 @@ double F_value(const Report& report, ncp::Index i);
 void print_heading(std::ostream& out, const LoadedProblem& problem, const Settings& settings);
 /// Name, lower, value, upper, F, state of each variable; shortened beyond 60 unless `full`.
 void print_solution(std::ostream& out, const Report& report, bool full);
+/// The largest entries of x, F and its Jacobian at the start.
+void print_initial_statistics(std::ostream& out, const LoadedProblem& problem);
 /// What happened; what to try if it did not work.
-void print_summary(std::ostream& out, const Report& report);
+void print_verdict(std::ostream& out, const Report& report);
+/// The residuals at the end and the largest entries of x and F.
+void print_final_statistics(std::ostream& out, const Report& report);
+/// How many iterations, evaluations, ... there were: one a line, or the main ones in one line.
+void print_final_summary(std::ostream& out, const Report& report);
+void print_short_summary(std::ostream& out, const Report& report);
+/// The check of the Jacobian, the nearest known solution.
+void print_remarks(std::ostream& out, const Report& report);
 /// All solutions, if the method looked for all: what is not zero in each.
 void print_all_solutions(std::ostream& out, const Report& report, bool full);
 /// Options in force.

@@ -7,7 +7,9 @@
 #include <ostream>
 
 #include "app/json.hpp"
+#include "app/plot.hpp"
 #include "app/report.hpp"
+#include "app/warm_start.hpp"
 #include "lcp/matrix_market.hpp"
 
 namespace perp::app {
@@ -23,6 +25,29 @@ std::vector<Assignment> assignments(const SolveRequest& request) {
   return all;
 }
 
+/// Flags that contradict each other, and files that could not be written after a long run.
+void check_request(const SolveRequest& request) {
+  if (!request.warm_start.empty() && (!request.start_at.empty() || request.start))
+    throw InputError(
+        fmt::format("--warm-start and {} both say where to start", request.start ? "--start" : "--start-at"));
+  if (request.plot_iteration && request.plot.empty())
+    throw InputError(fmt::format("--plot-iteration {} says which iteration --plot FILE draws, which is not given",
+                                 *request.plot_iteration));
+  if (request.plot_iteration && *request.plot_iteration < 1)
+    throw InputError(fmt::format("--plot-iteration {}: iterations are counted from 1", *request.plot_iteration));
+  if (!request.plot.empty()) check_writable(request.plot);
+}
+
+/// Writes the picture. Throws InputError.
+void draw(const SolveRequest& request, const Report& report, const WayKeeper& ways, Streams streams) {
+  if (request.plot_iteration && !ways.kept() && request.log_level >= LogLevel::Warning)
+    streams.err << fmt::format(
+        "perp: note: --plot-iteration {}: that iteration was not reached, or followed no path; the picture is "
+        "without\n",
+        *request.plot_iteration);
+  write_file(request.plot, plot_svg(report, ways.kept()));
+}
+
 ExitCode refuse(const SolveRequest& request, Streams streams, const std::string& why) {
   streams.err << "perp: " << why << '\n';
   deliver_json(request.json, refused_json(request.problem, why), streams);
@@ -31,16 +56,19 @@ ExitCode refuse(const SolveRequest& request, Streams streams, const std::string&
 
 /// Everything between reading the input and writing JSON. Throws what run_method() does.
 Report run_and_print(const SolveRequest& request, const LoadedProblem& problem, const Applied& options, Streams streams,
-                     const std::atomic<bool>* interrupt) {
+                     const std::atomic<bool>* interrupt, const ncp::Observer& observer) {
   std::ostream& log = request.json == "-" ? streams.err : streams.out;
   const auto shows = [&](LogLevel level) { return request.log_level >= level; };
   if (shows(LogLevel::Warning))
     for (const std::string& note : options.notes) streams.err << "perp: note: " << note << '\n';
   if (shows(LogLevel::Info)) print_heading(log, problem, options.settings);
-  if (shows(LogLevel::Debug)) print_options(log, options.settings);
-  const bool table = shows(LogLevel::Info) && options.settings.output;
+  const Output& output = options.settings.output;
+  const auto shows_part = [&](const Switch& part) { return shows(LogLevel::Info) && output.shows(part); };
+  if (shows(LogLevel::Debug) || shows_part(output.options)) print_options(log, options.settings);
+  if (shows_part(output.initial_statistics)) print_initial_statistics(log, problem);
+  const bool table = shows(LogLevel::Info) && output.table();
   if (table) log << '\n';
-  Report report = run_method(problem, options.settings, table ? &log : nullptr, interrupt);
+  Report report = run_method(problem, options.settings, table ? &log : nullptr, interrupt, observer);
   report.notes = options.notes;
   if (shows(LogLevel::Info)) {
     log << '\n';
@@ -48,7 +76,13 @@ Report run_and_print(const SolveRequest& request, const LoadedProblem& problem, 
     log << '\n';
   }
   if (shows(LogLevel::Summary)) {
-    print_summary(log, report);
+    print_verdict(log, report);
+    if (shows_part(output.final_statistics)) print_final_statistics(log, report);
+    if (shows_part(output.final_summary))
+      print_final_summary(log, report);
+    else
+      print_short_summary(log, report);
+    print_remarks(log, report);
     print_all_solutions(log, report, request.full);
   }
   log.flush();
@@ -73,14 +107,21 @@ LogLevel log_level(std::string_view name) {
 ExitCode solve(const SolveRequest& request, Streams streams, const std::atomic<bool>* interrupt) {
   try {
     Applied options = apply_options(assignments(request));
-    const LoadedProblem problem = load_problem({.problem = request.problem,
-                                                .q = request.q,
-                                                .lower = request.lower,
-                                                .upper = request.upper,
-                                                .start_at = request.start_at,
-                                                .start = request.start});
+    check_request(request);
+    LoadedProblem problem = load_problem({.problem = request.problem,
+                                          .q = request.q,
+                                          .lower = request.lower,
+                                          .upper = request.upper,
+                                          .start_at = request.start_at,
+                                          .start = request.start});
     settle_auto(problem, options);
-    const Report report = run_and_print(request, problem, options, streams, interrupt);
+    if (!request.warm_start.empty())
+      set_warm_start(read_warm_start(request.warm_start, *problem.mcp), problem, options);
+    const auto* path = std::get_if<ncp::PathSearch>(&options.settings.method);
+    WayKeeper ways(request.plot_iteration, path != nullptr ? path->merit : ncp::PathMerit::Fischer);
+    const Report report = run_and_print(request, problem, options, streams, interrupt,
+                                        request.plot.empty() ? ncp::Observer{} : ways.observer());
+    if (!request.plot.empty()) draw(request, report, ways, streams);
     if (!request.solution.empty()) lcp::write_vector(request.solution, report.result.x, "solution of " + problem.label);
     const bool delivered = request.json.empty() || deliver_json(request.json, solve_json(report), streams);
     return delivered ? report.exit_code() : exit_input;

@@ -36,8 +36,11 @@ struct SolveRequest {
   std::string q{};      ///< of a matrix file: the vector's
   std::string lower{};  ///< of a matrix file: a file or a number
   std::string upper{};
-  std::string start_at{};  ///< a file with the start
-  std::string solution{};  ///< where to write x as a Matrix Market vector; "" for nowhere
+  std::string start_at{};               ///< a file with the start
+  std::string warm_start{};             ///< the JSON of an earlier run: start from its point and basis
+  std::string plot{};                   ///< where to draw the run as SVG; "" for nowhere
+  std::optional<int> plot_iteration{};  ///< the iteration whose way is drawn
+  std::string solution{};               ///< where to write x as a Matrix Market vector; "" for nowhere
 };
 
 /// Solves and reports. `interrupt`, when set, ends the run as Interrupted; may be null. Errors in the request are

@@ -94,9 +94,9 @@ TEST(AmplDriver, OptionsFromEnvironmentAndCommandLine) {
 TEST(AmplDriver, UnknownKeysAreWarnedAbout) {
   const test::Folder folder;
   test::write(folder / "m.nl", test::sqrt2_nl());
-  const Answer answer = call({folder / "m", "-AMPL", "no_such_key=3", "crash_method=none"});
+  const Answer answer = call({folder / "m", "-AMPL", "no_such_key=3", "crash_perturb=no"});
   EXPECT_EQ(answer.code, exit_solved);
-  EXPECT_THAT(answer.err, testing::AllOf(HasSubstr("warning"), HasSubstr("no_such_key"), HasSubstr("crash_method")));
+  EXPECT_THAT(answer.err, testing::AllOf(HasSubstr("warning"), HasSubstr("no_such_key"), HasSubstr("crash_perturb")));
 }
 
 // Each refusal leaves a .sol with its code, says why, and is no success to the caller.
@@ -154,13 +154,13 @@ TEST(AmplDriver, OutcomesReachAmpl) {
   test::write(folder / "undefined.nl", test::undefined_nl());
   const std::atomic<bool> interrupt{true};
   const auto code = [&](const std::string& name, const std::string& option, const std::atomic<bool>* flag = nullptr) {
-    EXPECT_EQ(call({folder / name, "-AMPL", option}, {}, flag).code, exit_solved) << name;
+    EXPECT_EQ(call({folder / name, "-AMPL", "restart_limit=0", option}, {}, flag).code, exit_solved) << name;
     return objno(test::read(folder / (name + ".sol")));
   };
   EXPECT_EQ(code("m", "major=1"), "objno 0 400");
   EXPECT_EQ(code("m", "time_limit=1e-12"), "objno 0 402");
   EXPECT_EQ(code("m", "tol=1e-8", &interrupt), "objno 0 403");
-  EXPECT_EQ(code("billups", "escape_rounds=0"), "objno 0 510");
+  EXPECT_EQ(code("billups", "nms=no"), "objno 0 510");
   EXPECT_EQ(code("undefined", "tol=1e-8"), "objno 0 503");
 }
 

@@ -5,6 +5,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <sstream>
 
 #include "support.hpp"
@@ -43,7 +45,6 @@ TEST(Options, EachKeySetsItsFieldAndNoOther) {
                                                        {"major_iteration_limit", "17", "semismooth"},
                                                        {"time_limit", "2.5", "semismooth"},
                                                        {"check_derivatives", "yes", "semismooth"},
-                                                       {"output", "no", "semismooth"},
                                                        {"nms_memory_size", "9", "semismooth"},
                                                        {"sigma", "0.25", "semismooth"},
                                                        {"beta", "0.75", "semismooth"},
@@ -61,9 +62,46 @@ TEST(Options, EachKeySetsItsFieldAndNoOther) {
                                                        {"lemke_cover", "spread", "josephy"},
                                                        {"lemke_seed", "42", "josephy"},
                                                        {"refactor_every", "5", "josephy"},
+                                                       {"nms_memory_size", "9", "path"},
+                                                       {"sigma", "0.25", "path"},
+                                                       {"beta", "0.75", "path"},
+                                                       {"max_backtracks", "7", "path"},
+                                                       {"lu", "klu", "path"},
+                                                       {"minor_iteration_limit", "55", "path"},
+                                                       {"lemke_start", "first", "path"},
+                                                       {"crash_method", "none", "path"},
+                                                       {"crash_iteration_limit", "3", "path"},
+                                                       {"crash_minimum_dimension", "10", "path"},
+                                                       {"crash_nbchange_limit", "4", "path"},
+                                                       {"crash_least_step", "0.5", "path"},
+                                                       {"nms", "no", "path"},
+                                                       {"nms_initial_reference_factor", "2", "path"},
+                                                       {"nms_mstep_frequency", "3", "path"},
+                                                       {"nms_maximum_watchdogs", "1", "path"},
+                                                       {"nms_searchtype", "arc", "path"},
+                                                       {"distance_decrease", "0.25", "path"},
+                                                       {"merit_function", "normal", "path"},
+                                                       {"chord_steps", "3", "path"},
+                                                       {"proximal_perturbation", "0.01", "path"},
+                                                       {"proximal_adaptive", "no", "path"},
+                                                       {"gradient_step_limit", "2", "path"},
+                                                       {"restart_limit", "1", "path"},
+                                                       {"patience", "12", "path"},
+                                                       {"cumulative_iteration_limit", "99", "path"},
+                                                       {"preprocess", "no", "path"},
+                                                       {"scaling", "no", "path"},
+                                                       {"output_crash_iterations", "no", "path"},
+                                                       {"output_crash_iterations_frequency", "2", "path"},
+                                                       {"output_major_iterations", "no", "path"},
+                                                       {"output_major_iterations_frequency", "5", "path"},
+                                                       {"output_restart_log", "no", "path"},
+                                                       {"output_initial_statistics", "yes", "path"},
+                                                       {"output_final_statistics", "no", "path"},
+                                                       {"output_final_summary", "no", "path"},
+                                                       {"output_options", "yes", "path"},
                                                        {"sideineq", "2", "semismooth"},
                                                        {"wantsol", "8", "semismooth"}};
-  std::vector<std::string> covered{"method"};
+  std::vector<std::string> covered{"method", "output"};  // they change others: below
   for (const auto& [key, value, method] : values) {
     covered.emplace_back(key);
     Settings defaults = applied({{"method", method, ""}}).settings;
@@ -85,8 +123,12 @@ TEST(Options, EachKeySetsItsFieldAndNoOther) {
 
 // Would catch a table entry wired to a field that the solver does not read by that name.
 TEST(Options, ReachTheMethodsStructs) {
-  const Settings settings =
-      applied({{"tol", "1e-3", ""}, {"max_iterations", "4", ""}, {"memory", "2", ""}, {"lu", "KLU", ""}}).settings;
+  const Settings settings = applied({{"method", "semismooth", ""},
+                                     {"tol", "1e-3", ""},
+                                     {"max_iterations", "4", ""},
+                                     {"memory", "2", ""},
+                                     {"lu", "KLU", ""}})
+                                .settings;
   const auto& method = std::get<ncp::SemismoothNewton>(settings.method);
   EXPECT_EQ(method.stop.tol, 1e-3);
   EXPECT_EQ(method.stop.max_iterations, 4);
@@ -102,20 +144,112 @@ TEST(Options, ReachTheMethodsStructs) {
             ncp::natural_min().name);
 }
 
+// PATH's names and the fields of PathSearch, by its manual. Would catch two of them exchanged.
+TEST(Options, PathsNamesReachPathSearch) {
+  const Settings settings = applied({{"crash_method", "none", ""},
+                                     {"crash_nbchange_limit", "4", ""},
+                                     {"nms_searchtype", "Line", ""},
+                                     {"nms_initial_reference_factor", "3", ""},
+                                     {"nms_memory_size", "6", ""},
+                                     {"merit_function", "NORMAL", ""},
+                                     {"lemke_start", "first", ""},
+                                     {"proximal_perturbation", "0.5", ""},
+                                     {"restart_limit", "0", ""},
+                                     {"minor_iteration_limit", "7", ""},
+                                     {"cumulative_iteration_limit", "70", ""}})
+                                .settings;
+  const auto& path = std::get<ncp::PathSearch>(settings.method);
+  EXPECT_FALSE(path.crash.on);
+  EXPECT_EQ(path.crash.nbchange_limit, 4);
+  EXPECT_EQ(path.search, ncp::Searchtype::Line);
+  EXPECT_EQ(path.nms.initial_reference_factor, 3);
+  EXPECT_EQ(path.nms.memory, 6);
+  EXPECT_EQ(path.merit, ncp::PathMerit::NormalMap);
+  EXPECT_EQ(path.start, ncp::PathStart::First);
+  EXPECT_EQ(path.lemke.start, lcp::LemkeStart::Regular) << "that would start every iteration from a ray";
+  EXPECT_EQ(path.proximal_perturbation, 0.5);
+  EXPECT_EQ(path.restart_limit, 0);
+  EXPECT_EQ(path.lemke.max_pivots, 7);
+  EXPECT_EQ(path.cumulative_iteration_limit, 70);
+}
+
+// PATH's manual: output turns everything off, and parts can be turned on again, in any order.
+TEST(Options, OutputSwitches) {
+  const auto output = [](const std::vector<Assignment>& given) { return applied(given).settings.output; };
+  const Output usual = output({});
+  EXPECT_TRUE(usual.shows(usual.major_iterations) && usual.shows(usual.crash_iterations) && usual.table());
+  EXPECT_FALSE(usual.shows(usual.options));
+  const Output none = output({{"output", "no", ""}});
+  EXPECT_FALSE(none.table() || none.shows(none.final_statistics) || none.shows(none.final_summary));
+  for (const auto& order : {std::array{0, 1}, std::array{1, 0}}) {
+    const std::array given{Assignment{"output", "no", ""}, Assignment{"output_major_iterations", "on", ""}};
+    const Output some =
+        output({given.at(static_cast<std::size_t>(order[0])), given.at(static_cast<std::size_t>(order[1]))});
+    EXPECT_TRUE(some.shows(some.major_iterations) && some.table());
+    EXPECT_FALSE(some.shows(some.crash_iterations));
+  }
+  const Output without = output({{"output_crash_iterations", "no", ""}});
+  EXPECT_TRUE(without.shows(without.major_iterations));
+  EXPECT_FALSE(without.shows(without.crash_iterations));
+}
+
 TEST(Options, LastValueWins) {
   Settings settings =
       applied({{"tol", "1e-3", ""}, {"convergence_tolerance", "1e-4", ""}, {"conv", "1e-5", ""}}).settings;
   EXPECT_EQ(ncp::stop(settings.method).tol, 1e-5);
 }
 
-// Would catch prefixes that resolve to the first match, or exact keys refused because a longer key shares them.
-TEST(Options, UniquePrefixesAndExactKeys) {
+// Would catch abbreviations that resolve to the first match, or exact keys refused because a longer key shares them.
+TEST(Options, AbbreviationsAndExactKeys) {
   EXPECT_EQ(ncp::stop(applied({{"major", "3", ""}}).settings.method).max_iterations, 3);
   EXPECT_EQ(ncp::stop(applied({{"TIME", "3", ""}}).settings.method).max_time.count(), 3);
-  EXPECT_FALSE(applied({{"output", "no", ""}}).settings.output);  // though output_errors and others begin with it
-  EXPECT_THAT(refusal({{"ma", "3", ""}}),
-              testing::AllOf(HasSubstr("ambiguous"), HasSubstr("major_iteration_limit"), HasSubstr("max_backtracks")));
-  EXPECT_THAT(applied({{"crash_met", "none", ""}}, Unknown::Refuse).notes, testing::SizeIs(1));
+  EXPECT_FALSE(applied({{"output", "no", ""}}).settings.output.all);  // though output_errors and others begin with it
+  EXPECT_FALSE(std::get<ncp::PathSearch>(applied({{"nms", "no", ""}}).settings.method).nms.on);
+  EXPECT_THAT(refusal({{"nms_m", "3", ""}}),
+              testing::AllOf(HasSubstr("ambiguous"), HasSubstr("nms_memory_size"), HasSubstr("nms_maximum_watchdogs")));
+  EXPECT_THAT(refusal({{"max", "3", ""}}), testing::AllOf(HasSubstr("max_backtracks"), HasSubstr("max_iterations")));
+  EXPECT_THAT(refusal({{"_limit", "3", ""}}), HasSubstr("no option"));
+}
+
+// Word by word, as PATH's users write them; each means the option of PATH, whatever names of ours it fits as well.
+TEST(Options, WordsAreAbbreviatedAsPathsUsersDo) {
+  for (const auto& [key, full, value] :
+       std::vector<std::array<const char*, 3>>{{"conv_tol", "convergence_tolerance", "0.001"},
+                                               {"maj_iter", "major_iteration_limit", "5"},
+                                               {"MAJ_ITER_LIM", "major_iteration_limit", "5"},
+                                               {"minor", "minor_iteration_limit", "5"},
+                                               {"cum_iter", "cumulative_iteration_limit", "5"},
+                                               {"cra_meth", "crash_method", "none"},
+                                               {"crash_iter", "crash_iteration_limit", "5"},
+                                               {"prox_pert", "proximal_perturbation", "0.1"},
+                                               {"prox", "proximal_perturbation", "0.1"},
+                                               {"nms_mem", "nms_memory_size", "5"},
+                                               {"nms_init_ref", "nms_initial_reference_factor", "5"},
+                                               {"nms_ms_freq", "nms_mstep_frequency", "5"},
+                                               {"nms_s", "nms_searchtype", "line"},
+                                               {"lem_start", "lemke_start", "always"},
+                                               {"mer_func", "merit_function", "normal"},
+                                               {"grad_step", "gradient_step_limit", "1"},
+                                               {"res_lim", "restart_limit", "2"},
+                                               {"prep", "preprocess", "no"},
+                                               {"out_maj_iter_freq", "output_major_iterations_frequency", "10"}}) {
+    Settings settings = applied({{key, value, ""}}).settings;
+    EXPECT_EQ(value_text(option(full).field(settings)), value) << key;
+  }
+}
+
+// Every option of PATH's manual is accepted by its name. Would catch one lost when an option of ours takes its place.
+TEST(Options, AllOfPathsNamesAreKnown) {
+  EXPECT_GE(path_options().size(), 55U);
+  for (const std::string_view name : path_options()) {
+    const bool ignored = std::ranges::find(ignored_options(), name) != ignored_options().end();
+    bool ours = false;
+    for (const Option& entry : options())
+      ours = ours || entry.key == name || std::ranges::find(entry.aliases, name) != entry.aliases.end();
+    EXPECT_NE(ignored, ours) << name;
+  }
+  for (const char* name : {"nms", "crash_method", "merit_function", "restart_limit", "output_major_iterations"})
+    EXPECT_THAT(ignored_options(), testing::Not(testing::Contains(std::string_view(name))));
 }
 
 // Would catch values that are clamped or half read ("1e-3x") in place of a refusal with key, value, range and source.
@@ -134,9 +268,14 @@ TEST(Options, BadValuesAreRefusedByName) {
       {"time_limit", "inf", "1e+09"},
       {"lemke_seed", "-3", ">= 0"},
       {"output", "maybe", "yes or no"},
-      {"lu", "lapack", "umfpack, klu or eigen"},
-      {"method", "newton", "semismooth, semismooth-min, josephy, auto, lemke"},
-      {"lemke_start", "never", "automatic, always or first"},
+      {"lu", "lapack", "umfpack, klu, eigen"},
+      {"method", "newton", "path, semismooth, semismooth-min, josephy, auto, lemke"},
+      {"crash_method", "newton", "pnewton or none"},
+      {"nms_searchtype", "curve", "path, line or arc"},
+      {"nms_initial_reference_factor", "0.5", "in [1"},
+      {"restart_limit", "-1", ">= 0"},
+      {"output_major_iterations", "maybe", "yes or no"},
+      {"lemke_start", "never", "automatic, first or always"},
       {"sideineq", "3", "in [1, 2]"},
       {"major", "99999999999", ">= 0"},
       {"descent_p", "2", "> 2"}};
@@ -148,17 +287,20 @@ TEST(Options, BadValuesAreRefusedByName) {
 
 // A bad value must not pass because the chosen method has no such field.
 TEST(Options, WithoutEffectOnTheMethodIsSaidAndStillChecked) {
-  EXPECT_THAT(applied({{"lemke_start", "always", ""}}).notes,
+  EXPECT_THAT(applied({{"method", "semismooth", ""}, {"lemke_start", "always", ""}}).notes,
               testing::ElementsAre(HasSubstr("lemke_start has no effect on method semismooth")));
-  EXPECT_THAT(refusal({{"lemke_start", "never", ""}}), HasSubstr("lemke_start"));
+  EXPECT_THAT(refusal({{"method", "semismooth", ""}, {"lemke_start", "never", ""}}), HasSubstr("lemke_start"));
+  EXPECT_THAT(applied({{"method", "semismooth", ""}, {"nms", "no", ""}}).notes,
+              testing::ElementsAre(HasSubstr("nms has no effect on method semismooth")));
 }
 
 TEST(Options, PathOptionsWithoutCounterpartAreAcceptedAndNamed) {
-  const Applied result = applied({{"crash_method", "none", ""}, {"restart_limit", "3", ""}});
-  EXPECT_THAT(result.notes, testing::ElementsAre(testing::AllOf(HasSubstr("without effect"), HasSubstr("crash_method"),
-                                                                HasSubstr("restart_limit"))));
+  const Applied result = applied({{"crash_perturb", "no", ""}, {"logfile", "x.log", ""}});
+  EXPECT_THAT(result.notes, testing::ElementsAre(testing::AllOf(HasSubstr("without effect"), HasSubstr("crash_perturb"),
+                                                                HasSubstr("logfile"))));
   EXPECT_THAT(applied({{"lemke_start", "first", ""}, {"method", "josephy", ""}}).notes,
               testing::ElementsAre(HasSubstr("automatic")));
+  EXPECT_THAT(applied({{"lemke_start", "first", ""}}).notes, IsEmpty());
 }
 
 TEST(Options, UnknownKeysAreRefusedOrReported) {
@@ -192,9 +334,9 @@ TEST(OptionsText, AmplsForms) {
 }
 
 TEST(OptionsText, FileWithCommentsAndLineNumbers) {
-  std::istringstream in("# comment\n\n* another\ntol 1e-4\nmethod = josephy  # and why\nlu=klu;\r\n");
+  std::istringstream in("# comment\n\n* another\ntol 1e-4\nmethod = josephy  # and why\nlu=klu;\r\nprox_pert 0.1;\n");
   const std::vector<Assignment> all = parse_options_file(in, "path.opt");
-  EXPECT_EQ(pairs(all), "tol:1e-4;method:josephy;lu:klu;");
+  EXPECT_EQ(pairs(all), "tol:1e-4;method:josephy;lu:klu;prox_pert:0.1;");
   EXPECT_EQ(all[0].source, "path.opt:4");
   EXPECT_EQ(all[2].source, "path.opt:6");
 }
