@@ -9,6 +9,7 @@
 
 #include "app/inspect.hpp"
 #include "app/table.hpp"
+#include "ncp/structure_report.hpp"
 
 namespace perp::app {
 
@@ -16,28 +17,15 @@ namespace {
 
 using ncp::Index;
 
-constexpr std::size_t few = 5;               // names in a list
 constexpr double scaling_of_interest = 1e3;  // rows and columns are shown
 constexpr double scaling_of_concern = 1e8;   // half the digits of a double
 constexpr double singular = 1e-15;           // reciprocal condition
 constexpr std::size_t label_width = 13;
 constexpr std::size_t line_width = 110;
 
-/// "a, b and c", "a, b, c, d, e and 12 more".
-template <class Name>
-std::string listed(std::size_t count, Name&& name) {
-  const std::size_t shown = count <= few + 1 ? count : few;
-  std::string text;
-  for (std::size_t k = 0; k < shown; ++k)
-    text += (k == 0 ? "" : k + 1 == count ? " and " : ", ") + std::string(name(k));
-  return count > shown ? fmt::format("{} and {} more", text, count - shown) : text;
-}
-std::string variables(const ncp::Mcp& mcp, const Indices& indices) {
-  return listed(indices.size(), [&](std::size_t k) { return mcp.variable_name(indices[k]); });
-}
-std::string equations(const ncp::Mcp& mcp, const Indices& indices) {
-  return listed(indices.size(), [&](std::size_t k) { return mcp.equation_name(indices[k]); });
-}
+using ncp::listed;
+std::string variables(const ncp::Mcp& mcp, const Indices& indices) { return ncp::listed_variables(mcp, indices); }
+std::string equations(const ncp::Mcp& mcp, const Indices& indices) { return ncp::listed_equations(mcp, indices); }
 std::string plural(std::size_t n, std::string_view noun) { return count(static_cast<long long>(n), noun); }
 std::string size_text(double value) { return number(value, 3); }
 std::string range_text(std::string_view what, double smallest, double largest) {
@@ -47,17 +35,7 @@ std::string range_text(std::string_view what, double smallest, double largest) {
 
 /// The rows and columns that do not match: sentences, one a part.
 std::vector<std::string> blame(const ncp::Mcp& mcp, const StructureFindings& found) {
-  std::vector<std::string> text;
-  const auto& [over, under] = std::pair(found.over, found.under);
-  if (!over.columns.empty())
-    text.push_back(fmt::format("too many equations: {} ({}) for {} ({})", plural(over.rows.size(), "row"),
-                               equations(mcp, over.rows), plural(over.columns.size(), "variable"),
-                               variables(mcp, over.columns)));
-  if (!under.rows.empty())
-    text.push_back(fmt::format("too many unknowns: {} ({}) in {} ({})", plural(under.columns.size(), "variable"),
-                               variables(mcp, under.columns), plural(under.rows.size(), "row"),
-                               equations(mcp, under.rows)));
-  return text;
+  return ncp::describe_parts(mcp, found.over, found.under);
 }
 
 /// The printout: labelled parts, long lines broken between words.

@@ -40,7 +40,9 @@ set(perp_public_headers
   ncp/presolve.hpp
   ncp/residual.hpp
   ncp/result.hpp
-  ncp/solve.hpp)
+  ncp/scaling.hpp
+  ncp/solve.hpp
+  ncp/structure_report.hpp)
 foreach(header IN LISTS perp_public_headers)
   cmake_path(GET header PARENT_PATH folder)
   install(FILES ${PROJECT_SOURCE_DIR}/${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/perp/${folder})
