@@ -72,6 +72,44 @@ bool direction(Run& run, const Point& point, const Places& in, lcp::SparseLu& lu
   return false;
 }
 
+/// So many variables changing their places in one step are worth a try of cheaper changes.
+constexpr Index many_changes = 16;
+constexpr int sweeps = 50;
+
+/// Projected Gauss-Seidel sweeps on the problem linearised at `point`, z_i <- mid(l_i, z_i - F_i / J_ii, u_i), F <- F +
+/// J_.i dz_i: an active set that moves by one layer of variables a factorization moves by many in sweeps that cost as
+/// much as a product with J. False if a diagonal entry is not positive.
+bool relax(const Box& box, const Point& point, Vec& z) {
+  z = point.x;
+  Vec F = point.F;
+  const Vec diagonal = point.J.diagonal();
+  if (!(diagonal.minCoeff() > 0)) return false;
+  for (int k = 0; k < sweeps; ++k) {
+    bool moved = false;
+    for (Index i = 0; i < z.size(); ++i) {
+      const double to = std::clamp(z[i] - F[i] / diagonal[i], box.lower[i], box.upper[i]);
+      const double by = to - z[i];
+      if (by == 0) continue;
+      moved = true;
+      z[i] = to;
+      for (SpMat::InnerIterator e(point.J, i); e; ++e) F[e.row()] += e.value() * by;
+    }
+    if (!moved || !F.allFinite()) break;
+  }
+  return F.allFinite();
+}
+
+/// relax(), if the merit falls by it.
+bool relaxed(Run& run, const CFunction& fb, Point& point, double& psi) {
+  Point trial;
+  if (!relax(run.box(), point, trial.x) || !run.counted().eval(trial.x, trial.F)) return false;
+  const double merit_there = merit(fb, run.box(), trial.x, trial.F);
+  if (!(merit_there < psi) || !run.counted().jacobian(trial.x, trial.J)) return false;
+  std::swap(point, trial);
+  psi = merit_there;
+  return true;
+}
+
 }  // namespace
 
 bool crash(Run& run, const Crash& options, Point& point, Iteration& it) {
@@ -80,19 +118,33 @@ bool crash(Run& run, const Crash& options, Point& point, Iteration& it) {
   const Armijo rule{.max_backtracks = static_cast<int>(std::ceil(-std::log2(options.least_step)))};
   lcp::SparseLu lu(lcp::LuBackend::Auto);
   Places before;
+  bool sweeping = false;  // then full steps may raise the merit for a while: the set they overshoot to is a better one
+  bool sweeps_pay = true;
   double psi = merit(fb, run.box(), point.x, point.F);
   double lambda = 0;
+  Memory memory(4);
+  memory.push(psi);
+  Stall stall(2);
+  (void)stall.stalled(psi);
   for (int c = 0; c < options.iteration_limit; ++c) {
     Places in = inside(run.box(), point);
     Index changes = 0;
     for (std::size_t i = 0; i < before.size(); ++i) changes += in[i] != before[i];
     if (c > 0 && changes < options.nbchange_limit) return true;
+    if (c > 0 && changes >= many_changes && sweeps_pay) {
+      sweeps_pay = relaxed(run, fb, point, psi);
+      sweeping = sweeping || sweeps_pay;
+      in = inside(run.box(), point);
+    }
     before = std::move(in);
     Vec d;
     if (!direction(run, point, before, lu, lambda, d)) return true;
-    const SearchOutcome found = line_search(run, fb, rule, d, -2 * psi, psi, true, point);
+    const double reference = sweeping ? memory.reference() : psi;
+    const SearchOutcome found = line_search(run, fb, rule, d, -2 * psi, reference, true, point);
     if (!found.found) return true;
-    const bool pays = found.merit < worthwhile * psi;
+    memory.push(found.merit);
+    const bool stalled = stall.stalled(found.merit);
+    const bool pays = sweeping ? !stalled : found.merit < worthwhile * psi;
     psi = found.merit;
     it = {.k = it.k,
           .merit = psi,
