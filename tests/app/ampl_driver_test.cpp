@@ -89,6 +89,23 @@ TEST(AmplDriver, OptionsFromEnvironmentAndCommandLine) {
   EXPECT_EQ(limit({{"pathampl_options", "major=99"}}, {"major=0"}), "0");
   EXPECT_EQ(limit({{"perp_options", "major=0"}}, {"major", "99"}), "solved");
   EXPECT_EQ(limit({}, {"optfile=" + (folder / "one.opt")}), "1");
+  EXPECT_EQ(limit({{"path_options", "crash_meth none maj_iter 1"}}), "1") << "as PATH's users abbreviate";
+}
+
+// PATH's way: all off (AMPL's calls are silent here), and a part of it on again.
+TEST(AmplDriver, OutputSwitches) {
+  const test::Folder folder;
+  test::write(folder / "m.nl", test::sqrt2_nl());
+  const auto out = [&](const std::string& options) {
+    return call({folder / "m", "-AMPL"}, {{"path_options", options}}).out;
+  };
+  EXPECT_THAT(out(""), testing::AllOf(testing::Not(HasSubstr("Log")), testing::Not(HasSubstr("Final"))));
+  EXPECT_THAT(out("output_major_iterations yes"),
+              testing::AllOf(HasSubstr("Major Iteration Log"), testing::Not(HasSubstr("Crash Log")),
+                             testing::Not(HasSubstr("Final summary"))));
+  EXPECT_THAT(out("output yes output_crash_iterations no"),
+              testing::AllOf(HasSubstr("Major Iteration Log"), HasSubstr("Final summary"),
+                             HasSubstr("Final statistics"), testing::Not(HasSubstr("Crash Log"))));
 }
 
 TEST(AmplDriver, UnknownKeysAreWarnedAbout) {

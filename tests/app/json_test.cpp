@@ -81,6 +81,57 @@ TEST(Json, IterationsAreTheRecords) {
   EXPECT_FALSE(parsed["options"].contains("descent_rho")) << "that one is not josephy's";
 }
 
+// Everything Stats has, under its own name. Would catch a count left out, or written under another's name.
+TEST(Json, StatsAreComplete) {
+  const LoadedProblem problem = load_problem("kojshin");
+  Report report{.problem = &problem};
+  report.result.x = ncp::Vec::Zero(4);
+  ncp::Stats& stats = report.result.stats;
+  stats = {.iterations = 1,
+           .crash_iterations = 2,
+           .F_evals = 3,
+           .J_evals = 4,
+           .factorizations = 5,
+           .pivots = 6,
+           .restarts = 7,
+           .gradient_steps = 8,
+           .watchdogs = 9,
+           .unchecked_steps = 10,
+           .chord_steps = 11,
+           .backtracks = 12,
+           .ray_starts = 13,
+           .rank_deficient = 14,
+           .proximal_steps = 15,
+           .linear_time = std::chrono::duration<double>(16),
+           .time = std::chrono::duration<double>(17)};
+  const json written = json::parse(solve_json(report))["stats"];
+  const std::vector<const char*> keys{
+      "iterations", "crash_iterations", "F_evals",        "J_evals",         "factorizations", "pivots",
+      "restarts",   "gradient_steps",   "watchdogs",      "unchecked_steps", "chord_steps",    "backtracks",
+      "ray_starts", "rank_deficient",   "proximal_steps", "linear_time_s",   "time_s"};
+  EXPECT_EQ(written.size(), keys.size());
+  for (std::size_t k = 0; k < keys.size(); ++k) EXPECT_EQ(written.at(keys[k]), static_cast<int>(k + 1)) << keys[k];
+}
+
+// Crash, linear problems and restarts in the records.
+TEST(Json, IterationsOfPathSearch) {
+  LoadedProblem problem = load_problem("kojshin");
+  Report report{.problem = &problem};
+  report.result.x = ncp::Vec::Zero(4);
+  report.iterations = {{.k = 0, .kind = 'I', .crash = true},
+                       {.k = 0, .kind = 'C', .crash = true, .changes = 3, .inside = 2},
+                       {.k = 1, .kind = 'D', .linear = 'S'},
+                       {.k = 1, .kind = 'R', .attempt = "no crash"}};
+  const json written = json::parse(solve_json(report))["iterations"];
+  EXPECT_EQ(written[1]["changes"], 3);
+  EXPECT_EQ(written[1]["inside"], 2);
+  EXPECT_EQ(written[1]["crash"], true);
+  EXPECT_TRUE(written[1]["linear"].is_null() && written[2]["changes"].is_null() && written[2]["attempt"].is_null());
+  EXPECT_EQ(written[2]["linear"], "S");
+  EXPECT_EQ(written[2]["crash"], false);
+  EXPECT_EQ(written[3]["attempt"], "no crash");
+}
+
 // The values JSON has no numbers for, in every place a result can have them.
 TEST(Json, InfinitiesAndNaN) {
   LoadedProblem problem = load_problem("kojshin");

@@ -183,6 +183,93 @@ TEST(Solve, LogLevelsAddUp) {
   EXPECT_THROW(log_level("loud"), InputError);
 }
 
+// The method users know by this log: its tables and, at the end, its counts in words.
+TEST(Solve, PathIsTheDefaultAndReportsAsPathDoes) {
+  test::Captured captured;
+  EXPECT_EQ(solve({.problem = "josephy"}, captured.streams), exit_solved);
+  for (const char* part : {"method path",
+                           "Crash Log\nmajor  func  diff  size",
+                           "Major Iteration Log\nmajor minor  func  grad",
+                           "inorm (label)",
+                           "Final statistics",
+                           "natural residual",
+                           "Final summary",
+                           "major iterations",
+                           "minor iterations",
+                           "crash iterations",
+                           "evaluations of F",
+                           "evaluations of J",
+                           "factorizations",
+                           "restarts",
+                           "gradient steps",
+                           "watchdog",
+                           "D-steps",
+                           "rank-deficient",
+                           "starts from a ray",
+                           "time in linear problems",
+                           "time in all"})
+    EXPECT_THAT(captured.out.str(), HasSubstr(part));
+  test::Captured other;
+  EXPECT_EQ(solve({.problem = "josephy", .options = {"method=semismooth"}}, other.streams), exit_solved);
+  EXPECT_THAT(other.out.str(),
+              testing::AllOf(HasSubstr("Final summary"), Not(HasSubstr("watchdog")), Not(HasSubstr("Crash Log"))));
+}
+
+// Each of PATH's switches alone, with output off and on. Would catch one wired to another's part.
+TEST(Solve, OutputSwitchesShowTheirPart) {
+  const auto log = [](std::vector<std::string> options) {
+    test::Captured captured;
+    solve({.problem = "josephy", .options = std::move(options)}, captured.streams);
+    return captured.out.str();
+  };
+  const std::vector<std::pair<const char*, const char*>> parts{{"output_crash_iterations", "Crash Log"},
+                                                               {"output_major_iterations", "Major Iteration Log"},
+                                                               {"output_initial_statistics", "Initial statistics"},
+                                                               {"output_final_statistics", "Final statistics"},
+                                                               {"output_final_summary", "Final summary"},
+                                                               {"output_options", "options: method=path"}};
+  for (const auto& [key, part] : parts) {
+    const std::string alone = log({"output=no", std::string(key) + "=yes"});
+    const std::string without = log({std::string(key) + "=no"});
+    for (const auto& [other, text] : parts) {
+      EXPECT_EQ(alone.find(text) != std::string::npos, part == text) << key << ' ' << text;
+    }
+    EXPECT_THAT(without, testing::AllOf(Not(HasSubstr(part)), HasSubstr("Solved")));
+  }
+}
+
+// The attempts are told apart by name, in the log and in JSON.
+TEST(Solve, RestartsAreNamed) {
+  const test::Folder folder;
+  test::write(folder / "m.nl", test::infeasible_nl());
+  test::Captured captured;
+  EXPECT_EQ(solve({.problem = folder / "m.nl", .options = {"res_lim=2"}, .json = folder / "r.json"}, captured.streams),
+            exit_unsolved);
+  const json parsed = json::parse(test::read(folder / "r.json"));
+  int named = 0;
+  for (const json& it : parsed["iterations"]) {
+    if (it["attempt"].is_null()) continue;
+    ++named;
+    EXPECT_THAT(captured.out.str(), HasSubstr("Restart: " + it["attempt"].get<std::string>() + "\n"));
+  }
+  EXPECT_EQ(named, parsed["stats"]["restarts"]);
+  EXPECT_GT(named, 0);
+  test::Captured silent;
+  solve({.problem = folder / "m.nl", .options = {"output_restart_log=no"}}, silent.streams);
+  EXPECT_THAT(silent.out.str(), Not(HasSubstr("Restart: ")));
+}
+
+// By hand. Would catch the largest of another vector, or a row taken for a column.
+TEST(Solve, InitialStatistics) {
+  const test::Folder folder;
+  test::write(folder / "m.nl", test::scalar_nl("o1\no5\nv0\nn2\nn7\n", 3));  // x^2 - 7 at x = 3
+  test::Captured captured;
+  solve({.problem = folder / "m.nl", .options = {"out_init_stat=yes"}}, captured.streams);
+  EXPECT_THAT(captured.out.str(), testing::ContainsRegex("largest entry of x[ .]+3.0000e\\+00"));
+  EXPECT_THAT(captured.out.str(), testing::ContainsRegex("largest entry of F[ .]+2.0000e\\+00"));
+  EXPECT_THAT(captured.out.str(), testing::ContainsRegex("largest entry of J[ .]+6.0000e\\+00"));
+}
+
 TEST(Solve, OutputNoLeavesTheSolution) {
   test::Captured captured;
   EXPECT_EQ(solve({.problem = "kojshin", .options = {"output=no"}}, captured.streams), exit_solved);
