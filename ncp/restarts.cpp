@@ -1,11 +1,13 @@
 /// PathSearch as a user gets it: the attempts in their order, until one solves the problem or the list is at its end.
 #include <algorithm>
 #include <functional>
+#include <optional>
 #include <string>
 #include <utility>
 #include <variant>
 #include <vector>
 
+#include "ncp/diagnosis.hpp"
 #include "ncp/methods.hpp"
 #include "ncp/path_search.hpp"
 #include "ncp/proximal.hpp"
@@ -15,6 +17,8 @@ namespace {
 
 /// Restarts are given up sooner than the attempt with the user's options.
 constexpr int restart_patience = 15;
+
+constexpr int escape_rounds = 10;
 
 /// One attempt without crash, warm start and restarts.
 PathSearch once(PathSearch method) {
@@ -72,7 +76,8 @@ class Attempts {
                        stuck.x = point.x;
                        stuck.F = point.F;
                        stuck.residual = residual(run.box(), point.x, point.F);
-                       run.take(proximal_escape(run.mcp(), method, Escape{}, std::move(stuck), run_once, shown(run)));
+                       run.take(proximal_escape(run.mcp(), method, Escape{.rounds = escape_rounds}, std::move(stuck),
+                                                run_once, shown(run)));
                      }});
   }
   void add_affine(std::string what) {
@@ -137,6 +142,26 @@ Attempts::Attempts(const Mcp& mcp, const PathSearch& method, const Observer& obs
   add_escape("proximal escape with semismooth Newton", SemismoothNewton{});
 }
 
+/// The verdict of the first attempt, with what is known about the best point of all.
+Run::Verdict last_words(Run& run, const Run::Verdict& first, const Point& user, std::size_t restarts) {
+  Run::Verdict verdict = first;
+  Point best;
+  best.x = run.best();
+  if (run.evaluate(best)) {
+    const Diagnosis known = diagnose(run.mcp(), best, user.x);
+    if (known.unbounded) verdict.status = Status::Unbounded;
+    if (known.stationary) verdict.status = Status::StationaryPoint;
+    if (!known.message.empty()) {
+      verdict.message = known.message;
+      verdict.advice = known.advice;
+    }
+  }
+  if (restarts > 0)
+    verdict.message += "; " + std::to_string(restarts) +
+                       " restarts with other options and other methods have not led to a solution either";
+  return verdict;
+}
+
 }  // namespace
 
 Result run_attempts(const Mcp& mcp, In x0, const PathSearch& method, const Observer& observer) {
@@ -144,7 +169,8 @@ Result run_attempts(const Mcp& mcp, In x0, const PathSearch& method, const Obser
   Point user;
   if (!run.start(x0, user)) return run.result();
   Attempts attempts(mcp, method, observer);
-  int tried = 0;
+  std::size_t tried = 0;
+  std::optional<Run::Verdict> first;
   for (const Attempt& attempt : attempts.list()) {
     if (tried > 0) run.resume(attempt.what);
     Point point = user;
@@ -154,15 +180,21 @@ Result run_attempts(const Mcp& mcp, In x0, const PathSearch& method, const Obser
     }
     attempt.go(run, std::move(point));
     ++tried;
-    if (!run.ended() || !stuck(run.status()) || tried > method.restart_limit) break;
+    if (!run.ended() || !stuck(run.status())) break;
+    if (!first) first = run.verdict();
+    if (tried > static_cast<std::size_t>(method.restart_limit)) break;
   }
-  run.stats().restarts = tried - 1;
+  run.stats().restarts = static_cast<int>(tried) - 1;
+  const bool at_limit = first && run.ended() && run.status() == Status::IterationLimit;
+  if (run.ended() && (stuck(run.status()) || at_limit)) {
+    Run::Verdict verdict = last_words(run, *first, user, tried - 1);
+    if (at_limit)
+      verdict.message +=
+          ", the last one ended by the limit of " + std::to_string(method.stop.max_iterations) + " iterations";
+    run.replace_verdict(std::move(verdict));
+  }
   Result result = run.result();
-  if (stuck(result.status) && tried > 1)
-    result.message +=
-        "; " + std::to_string(tried - 1) + " restarts (other options, other methods) have not led to a solution";
-  else if (result.solved() && tried > 1)
-    result.message += ", after a restart: " + attempts.list()[static_cast<std::size_t>(tried - 1)].what;
+  if (result.solved() && tried > 1) result.message += ", after a restart: " + attempts.list()[tried - 1].what;
   result.basis = std::move(attempts.basis);
   return result;
 }

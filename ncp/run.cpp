@@ -139,12 +139,35 @@ void Run::resume(std::string attempt) {
   offset_ = stats_.iterations;
 }
 
+void Run::end_at(Status limit) {
+  if (limit == Status::Interrupted)
+    end(limit, "interrupted after " + std::to_string(stats_.iterations) + " iterations",
+        "run on from the point returned");
+  else if (limit == Status::TimeLimit)
+    end(limit, "the time limit of " + number(stop_.max_time.count()) + " s was reached",
+        "raise the time limit, or go on from the point returned");
+  else
+    end(Status::IterationLimit, "the limit of " + std::to_string(stop_.max_iterations) + " iterations was reached",
+        "raise the limit if the residual was still falling; otherwise try another method or start");
+}
+
+void Run::replace_verdict(Verdict verdict) {
+  status_ = verdict.status;
+  message_ = std::move(verdict.message);
+  advice_ = std::move(verdict.advice);
+}
+
 void Run::take(const Result& other) {
   stats_ += other.stats;
   Judged theirs{.x = other.x, .F = other.F, .residual = other.residual};
   const bool done = other.solved() && solved(theirs);
   if (done || theirs.residual.natural < best_.residual.natural) best_ = theirs;
-  if (!done && !other.solved()) end(other.status, other.message, other.advice);
+  if (done || other.solved()) return;
+  const bool at_limit = other.status == Status::IterationLimit && stats_.iterations >= stop_.max_iterations;
+  if (at_limit || other.status == Status::Interrupted || other.status == Status::TimeLimit)
+    end_at(other.status);
+  else  // limits of its own are no reason to stop
+    end(other.status == Status::IterationLimit ? Status::NoProgress : other.status, other.message, other.advice);
 }
 
 bool stuck(Status status) {
@@ -170,14 +193,11 @@ bool Run::go_on(const Point& point, Iteration it) {
   const bool asked_to_stop = observer_ && observer_(it) == Next::Stop;
   if (done) return false;
   if (asked_to_stop || interrupted())
-    end(Status::Interrupted, "interrupted after " + std::to_string(it.k) + " iterations",
-        "run on from the point returned");
+    end_at(Status::Interrupted);
   else if (std::chrono::steady_clock::now() >= deadline_)
-    end(Status::TimeLimit, "the time limit of " + number(stop_.max_time.count()) + " s was reached",
-        "raise the time limit, or go on from the point returned");
+    end_at(Status::TimeLimit);
   else if (it.k >= stop_.max_iterations)
-    end(Status::IterationLimit, "the limit of " + std::to_string(stop_.max_iterations) + " iterations was reached",
-        "raise the limit if the residual was still falling; otherwise try another method or start");
+    end_at(Status::IterationLimit);
   return !status_;
 }
 
@@ -185,7 +205,7 @@ Result Run::result() {
   Result out;
   out.status = status_.value_or(Status::NoProgress);
   out.message = message_;
-  out.advice = advice_;
+  if (out.status != Status::Solved) out.advice = advice_;
   out.x = best_.x;
   out.F = best_.F;
   out.residual = best_.residual;

@@ -60,6 +60,13 @@ class Run {
   void end(Status status, std::string message, std::string advice);
   bool ended() const { return status_.has_value(); }
   Status status() const { return *status_; }  ///< Pre: ended()
+  struct Verdict {
+    Status status;
+    std::string message, advice;
+  };
+  Verdict verdict() const { return {*status_, message_, advice_}; }  ///< Pre: ended()
+  /// Of several attempts that all got stuck. Pre: ended(), not Solved.
+  void replace_verdict(Verdict verdict);
   /// Withdraws a verdict that another attempt may better (stuck(Status)); its iterations count on from here, and its
   /// first record says what it is.
   void resume(std::string attempt);
@@ -85,6 +92,8 @@ class Run {
   };
   /// Of the projection of `point`: an answer lies in the box.
   Judged judge(const Point& point);
+  /// Interrupted, TimeLimit or IterationLimit, in this run's numbers.
+  void end_at(Status limit);
   /// Makes the verdict Solved if the point meets the tolerance with F evaluated afresh, which `judged` then holds.
   bool solved(Judged& judged);
   std::string undefined_at_start(In x, In F) const;

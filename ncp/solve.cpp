@@ -90,6 +90,14 @@ std::optional<std::string> invalid(const PathSearch& m) {
   return invalid(m.lemke);
 }
 
+/// What only the problem shows to be wrong with a method.
+void check_fit(const Mcp& mcp, const Method& method) {
+  const auto* path = std::get_if<PathSearch>(&method);
+  if (path == nullptr || path->basis.empty() || static_cast<Index>(path->basis.size()) == mcp.size()) return;
+  throw std::invalid_argument(mcp.name() + ": path: the warm start's basis has " + std::to_string(path->basis.size()) +
+                              " cells, the problem " + std::to_string(mcp.size()) + " variables");
+}
+
 Result run(const Mcp& mcp, In x0, const Method& method, const Observer& observer) {
   return std::visit(Overloaded{[&](const SemismoothNewton& m) { return run_semismooth_newton(mcp, x0, m, observer); },
                                [&](const NewtonJosephy& m) { return run_newton_josephy(mcp, x0, m, observer); },
@@ -154,6 +162,7 @@ std::optional<std::string> invalid(const Method& method) {
 Result solve(const Mcp& mcp, In x0, const Method& method, const Observer& observer) {
   if (const auto why = invalid(method)) throw std::invalid_argument(std::string(name(method)) + ": " + *why);
   check_input(mcp, x0);
+  check_fit(mcp, method);
   if (stop(method).check_derivatives)
     if (const JacobianCheck check = check_jacobian(mcp, lcp::project(mcp.box(), x0)); check.defined)
       if (const std::string mismatch = describe(mcp, check); !mismatch.empty())

@@ -138,7 +138,7 @@ struct PathSearch {
   int restart_limit = 20;
   int cumulative_iteration_limit = 1'000'000;  ///< pivots in all
   /// Iterations without 1 % less than the best merit so far, after which an attempt is given up.
-  int patience = 30;
+  int patience = 20;
   bool preprocess = true;          ///< presolve
   bool scaling = true;             ///< where it helps
   lcp::LemkeOptions lemke{};       ///< max_pivots is for one linearised problem, at most 1000 + 20 n
@@ -160,8 +160,8 @@ const Stop& stop(const Method& method);
 Stop& stop(Method& method);
 
 /// Solves the MCP from x0 (projected onto the box first). Throws std::invalid_argument for input that is no problem:
-/// see check_input(), a J that does not keep its pattern, and invalid(method). Everything else is a Status with a
-/// message.
+/// see check_input(), a J that does not keep its pattern, a basis of another size, and invalid(method). Everything else
+/// is a Status with a message.
 Result solve(const Mcp& mcp, In x0, const Method& method, const Observer& observer = {});
 
 }  // namespace perp::ncp

@@ -1,0 +1,50 @@
+#include "ncp/diagnosis.hpp"
+
+#include <cmath>
+#include <cstdio>
+
+#include "ncp/merit.hpp"
+#include "ncp/structure_report.hpp"
+
+namespace perp::ncp {
+namespace {
+
+/// Beyond this, relative to 1 + |start|, a variable is on its way to infinity.
+constexpr double far_away = 1e6;
+/// The gradient of Psi counts as zero below this share of the terms it is the sum of.
+constexpr double stationary_tol = 1e-6;
+
+std::string number(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.4g", value);
+  return text;
+}
+
+}  // namespace
+
+Diagnosis diagnose(const Mcp& mcp, const Point& point, In start) {
+  Diagnosis out;
+  if (point.x.size() == 0) return out;
+  Index i = 0;
+  const double farthest = point.x.cwiseAbs().maxCoeff(&i);
+  if (farthest > far_away * (1 + start.lpNorm<Eigen::Infinity>())) {
+    out.unbounded = true;
+    out.message = "the iterates ran off: variable " + mcp.variable_name(i) + " has come to " + number(point.x[i]);
+    out.advice =
+        "the problem may have no solution: bound " + mcp.variable_name(i) + ", or look for a mistake in the model";
+    return out;
+  }
+  Linearisation at;
+  linearise(fischer_burmeister(), mcp.box(), point, at);
+  if (at.stationarity <= stationary_tol) {
+    out.stationary = true;
+    out.message = "the best point is stationary for the Fischer-Burmeister merit 1/2 ||Phi||^2, which is " +
+                  number(at.merit) + " there: no step can decrease it";
+    out.advice = "the problem may have no solution; otherwise try another start";
+  }
+  if (const std::string singular = explain_singularity(mcp, point.J, point.x, point.F); !singular.empty())
+    out.message += (out.message.empty() ? "" : "; ") + singular;
+  return out;
+}
+
+}  // namespace perp::ncp
