@@ -117,16 +117,17 @@ TEST(Plot, ShowsEveryIterationAndEveryKink) {
 // for T, the merit of another function.
 TEST(Plot, TheCurvePassesThroughTheIterates) {
   int backtracked = 0;
-  for (const auto& [name, start, searchtype] : {std::tuple{"josephy", 3, "path"},
-                                                {"kojshin", 3, "path"},
-                                                {"nash-own", 3, "path"},
-                                                {"colvdual", 1, "path"},
-                                                {"josephy", 3, "arc"},
-                                                {"josephy", 3, "line"},
-                                                {"nash-own", 3, "arc"}}) {
-    const LoadedProblem problem = load_problem(name, start);
+  struct Case {
+    const char* name;
+    int start;
+    const char* searchtype;
+  };
+  for (const Case& of : {Case{"josephy", 3, "path"}, Case{"kojshin", 3, "path"}, Case{"nash-own", 3, "path"},
+                         Case{"colvdual", 1, "path"}, Case{"josephy", 3, "arc"}, Case{"josephy", 3, "line"},
+                         Case{"nash-own", 3, "arc"}}) {
+    const LoadedProblem problem = load_problem(of.name, of.start);
     const std::vector<Assignment> options{
-        {"chord_steps", "0", "test"}, {"nms_searchtype", searchtype, "test"}, {"restart_limit", "0", "test"}};
+        {"chord_steps", "0", "test"}, {"nms_searchtype", of.searchtype, "test"}, {"restart_limit", "0", "test"}};
     double before = 0;
     const ncp::Observer check = [&](const ncp::Iteration& it) {
       if (it.way != nullptr && it.step > 0 && it.kind != 'G') {
@@ -139,9 +140,9 @@ TEST(Plot, TheCurvePassesThroughTheIterates) {
           return merit_along(*it.problem, {{.t = 0, .x = x}}, ncp::PathMerit::Fischer, 0).at(0).merit;
         };
         EXPECT_NEAR(merit_at(kept.place(it.way->T)), it.merit, 1e-7 * it.merit + 1e-20)
-            << name << ' ' << searchtype << ' ' << it.k << ' ' << it.kind << " T = " << it.way->T;
+            << of.name << ' ' << of.searchtype << ' ' << it.k << ' ' << it.kind << " T = " << it.way->T;
         if (it.kind != 'W') {
-          EXPECT_NEAR(merit_at(0), before, 1e-7 * before + 1e-20) << name << ' ' << searchtype << ' ' << it.k;
+          EXPECT_NEAR(merit_at(0), before, 1e-7 * before + 1e-20) << of.name << ' ' << of.searchtype << ' ' << it.k;
         }
         backtracked += it.way->T < 1;
       }
