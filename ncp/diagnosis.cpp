@@ -1,8 +1,5 @@
 #include "ncp/diagnosis.hpp"
 
-#include <cmath>
-#include <cstdio>
-
 #include "ncp/merit.hpp"
 #include "ncp/structure_report.hpp"
 
@@ -13,12 +10,6 @@ namespace {
 constexpr double far_away = 1e6;
 /// The gradient of Psi counts as zero below this share of the terms it is the sum of.
 constexpr double stationary_tol = 1e-6;
-
-std::string number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.4g", value);
-  return text;
-}
 
 }  // namespace
 

@@ -1,6 +1,7 @@
 #pragma once
 /// The methods' entry points behind solve(); private to ncp/.
 #include "ncp/run.hpp"
+#include "ncp/scaling.hpp"
 #include "ncp/solve.hpp"
 
 namespace perp::ncp {
@@ -11,6 +12,8 @@ Result run_newton_josephy(const Mcp& mcp, In x0, const NewtonJosephy& method, co
 Result run_path(const Mcp& mcp, In x0, const PathSearch& method, const Observer& observer);
 Result run_attempts(const Mcp& mcp, In x0, const PathSearch& method, const Observer& observer);
 Result run_affine(const Mcp& mcp, In x0, const Affine& method, const Observer& observer);
+/// One attempt of PathSearch on the problem scaled by `factors`; the answer is judged on the problem itself.
+Result run_scaled(const Mcp& mcp, const Scaling& factors, In x0, const PathSearch& method, const Observer& observer);
 
 // The loops alone, within a run that has begun: from `point` until the run ends.
 void semismooth_newton(Run& run, const SemismoothNewton& method, Point point);

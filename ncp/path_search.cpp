@@ -324,7 +324,7 @@ void Attempt::explain(const Iteration& it) {
   else if (!last_->usable())
     run_.end(Status::SubproblemFailed,
              "the linearised problem could not be solved (" + std::string(lcp::to_string(last_->path.end)) +
-                 "), with proximal terms up to " + std::to_string(last_->lambda) + " neither",
+                 "), with proximal terms up to " + number(last_->lambda) + " neither",
              "try another start");
   else
     run_.end(Status::NoProgress, "neither the Newton steps nor the gradient decrease the merit function",
@@ -338,8 +338,7 @@ bool ran_off(Run& run, const Point& point, double start) {
   Index i = 0;
   if (point.x.size() == 0 || point.x.cwiseAbs().maxCoeff(&i) <= far_away * (1 + start)) return false;
   run.end(Status::Unbounded,
-          "variable " + run.mcp().variable_name(i) + " has run off to " + std::to_string(point.x[i]) +
-              " without a solution",
+          "variable " + run.mcp().variable_name(i) + " has run off to " + number(point.x[i]) + " without a solution",
           "bound it, or look for a mistake in the model: it may have no solution");
   return true;
 }

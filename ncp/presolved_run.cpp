@@ -39,10 +39,11 @@ Vec expanded(const Presolved& pre, const Vec& x) {
 }
 
 /// The user's observer sees the records of the full problem.
-Observer in_full(const Presolved& pre, const Observer& observer) {
+Observer in_full(const Mcp& mcp, const Presolved& pre, const Observer& observer) {
   if (!observer) return {};
-  return [&pre, &observer](const Iteration& it) {
+  return [&](const Iteration& it) {
     Iteration shown = it;
+    shown.problem = &mcp;
     if (it.worst >= 0) shown.worst = pre.rows()[static_cast<std::size_t>(it.worst)];
     Vec x;
     if (it.x != nullptr) shown.x = &(x = pre.postsolve(lcp::project(pre.problem().box(), *it.x)));
@@ -74,7 +75,7 @@ Result run_path(const Mcp& mcp, In x0, const PathSearch& method, const Observer&
 
   PathSearch reduced = method;
   reduced.basis = shrunk(pre, method.basis);
-  Result result = run_attempts(pre.problem(), pre.start(), reduced, in_full(pre, observer));
+  Result result = run_attempts(pre.problem(), pre.start(), reduced, in_full(mcp, pre, observer));
   result.x = pre.postsolve(result.x);
   result.basis = expanded(pre, mcp.box(), result.x, result.basis);
   result.stats.presolved = static_cast<int>(pre.counts().total());

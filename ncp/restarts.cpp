@@ -48,7 +48,7 @@ struct Attempt {
 
 class Attempts {
  public:
-  Attempts(const Mcp& mcp, const PathSearch& method, const Observer& observer);
+  Attempts(const Mcp& mcp, const Point& start, const PathSearch& method, const Observer& observer);
   const std::vector<Attempt>& list() const { return list_; }
   std::vector<lcp::Cell> basis;
 
@@ -78,6 +78,15 @@ class Attempts {
                        stuck.residual = residual(run.box(), point.x, point.F);
                        run.take(proximal_escape(run.mcp(), method, Escape{.rounds = escape_rounds}, std::move(stuck),
                                                 run_once, shown(run)));
+                     }});
+  }
+  void add_scaled(std::string what, const Scaling& factors) {
+    list_.push_back({std::move(what), false, [this, factors](Run& run, const Point& point) {
+                       const Method limited = within_limits(run, method_);
+                       Result scaled =
+                           run_scaled(run.mcp(), factors, point.x, std::get<PathSearch>(limited), shown(run));
+                       basis = std::move(scaled.basis);
+                       run.take(scaled);
                      }});
   }
   void add_affine(std::string what) {
@@ -119,9 +128,11 @@ class Attempts {
   std::vector<Attempt> list_;
 };
 
-Attempts::Attempts(const Mcp& mcp, const PathSearch& method, const Observer& observer)
+Attempts::Attempts(const Mcp& mcp, const Point& start, const PathSearch& method, const Observer& observer)
     : method_(method), observer_(observer) {
-  add_path("the options given", method, 'I');
+  if (method.scaling)
+    if (const Scaling factors = scaling(mcp, start.J); factors.helps()) add_scaled("rows and columns scaled", factors);
+  add_path("the options given", method, list_.empty() ? 'I' : 'R');
   if (mcp.is_affine()) add_affine("the best of the linear methods");
   PathSearch again = once(method);
   again.proximal_perturbation = 1;
@@ -168,7 +179,7 @@ Result run_attempts(const Mcp& mcp, In x0, const PathSearch& method, const Obser
   Run run(mcp, method.stop, observer);
   Point user;
   if (!run.start(x0, user)) return run.result();
-  Attempts attempts(mcp, method, observer);
+  Attempts attempts(mcp, user, method, observer);
   std::size_t tried = 0;
   std::optional<Run::Verdict> first;
   for (const Attempt& attempt : attempts.list()) {

@@ -29,14 +29,14 @@ std::chrono::steady_clock::time_point deadline_after(std::chrono::duration<doubl
   return time >= left ? Clock::time_point::max() : now + std::chrono::duration_cast<Clock::duration>(time);
 }
 
+}  // namespace
+
 std::string number(double value) {
   std::ostringstream text;
   text.precision(4);
   text << value;
   return text.str();
 }
-
-}  // namespace
 
 bool CountedMcp::eval(In x, Vec& F) {
   ++F_evals_;

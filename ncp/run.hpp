@@ -11,6 +11,9 @@
 
 namespace perp::ncp {
 
+/// Four digits, for messages.
+std::string number(double value);
+
 /// Counts evaluations, turns a NaN or an infinity into "not defined here", and refuses a J that left its pattern.
 class CountedMcp {
  public:
