@@ -70,7 +70,7 @@ ncp::Observer WayKeeper::observer() {
   return [this](const ncp::Iteration& it) {
     if (!worth_keeping(it)) return ncp::Next::Continue;
     const std::vector<lcp::Breakpoint>& corners = it.way->kinks;
-    KeptWay kept{.iteration = it, .on_path = it.way->on_path, .T = it.way->T, .size = it.problem->size()};
+    KeptWay kept{.iteration = it, .on_path = it.way->on_path, .T = it.way->T};
     kept.iteration.x = nullptr;
     kept.iteration.way = nullptr;
     kept.iteration.problem = nullptr;

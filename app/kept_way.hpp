@@ -26,7 +26,6 @@ struct KeptWay {
   std::vector<double> t{};     ///< of the corners
   int samples_between = 0;
   std::vector<WaySample> samples{};
-  ncp::Index size = 0;  ///< of the problem whose way it is
 
   std::size_t segments() const { return t.size() - 1; }
   std::size_t kinks() const { return on_path ? t.size() - 2 : 0; }

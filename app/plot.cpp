@@ -211,12 +211,11 @@ class Progress {
 /// The lower panel.
 class WayPicture {
  public:
-  WayPicture(Svg& svg, const ncp::PathSearch& method, ncp::Index size, const KeptWay& way)
+  WayPicture(Svg& svg, const ncp::PathSearch& method, const KeptWay& way)
       : svg_(svg),
         method_(method),
         way_(way),
         it_(way.iteration),
-        reduced_(way.size != size),
         end_(static_cast<double>(way.segments())),
         x_(Scale::linear(0, end_, lower.left, lower.right)),
         y_(Scale::logarithmic(values(), lower.bottom, lower.top)) {}
@@ -246,9 +245,11 @@ class WayPicture {
 
   void heading() {
     const std::string pivots = fmt::format("{} in all", count(it_.pivots, "pivot"));
-    const std::string what = way_.on_path ? fmt::format("the path of the linearised problem, {}, {}",
-                                                        count(static_cast<long long>(way_.kinks()), "kink"), pivots)
-                                          : fmt::format("the straight way to the Newton point, {}", pivots);
+    const std::string what =
+        way_.on_path ? fmt::format("the path of the linearised problem, {}, {}",
+                                   count(static_cast<long long>(way_.kinks()), "kink"), pivots)
+                     : fmt::format("the straight way to the Newton point{}, {}",
+                                   method_.search == ncp::Searchtype::Path ? " (found from a ray)" : "", pivots);
     svg_.text("subtitle", {lower.left, lower.top - 44},
               fmt::format("Iteration {} ({}): {}", it_.k, type_of(it_), what));
     std::string note = fmt::format("The linearised problem: {}", linear_words(it_.linear));
@@ -259,7 +260,6 @@ class WayPicture {
       note += it_.kind == 'G' ? "; a gradient step was taken in its place" : "; no point of the way was accepted";
     if (it_.backtracks > 0) note += fmt::format(", {} refused before", count(it_.backtracks, "point"));
     if (it_.kind == 'W') note += "; the way is the one from the last point that passed a test";
-    if (reduced_) note += fmt::format("; presolved to {}", count(way_.size, "variable"));
     svg_.text("note", {lower.left, lower.top - 22}, note + '.');
   }
 
@@ -342,7 +342,6 @@ class WayPicture {
   const ncp::PathSearch& method_;
   const KeptWay& way_;
   const ncp::Iteration& it_;
-  bool reduced_;
   double end_;
   Scale x_, y_;
 };
@@ -363,7 +362,7 @@ std::string plot_svg(const Report& report, const std::optional<KeptWay>& way) {
                        count(report.result.stats.restarts, "restart"), report.result.residual.natural));
   Progress(svg, report, way).draw();
   if (const auto* method = std::get_if<ncp::PathSearch>(&report.settings.method); way && method != nullptr)
-    WayPicture(svg, *method, problem.mcp->size(), *way).draw();
+    WayPicture(svg, *method, *way).draw();
   else
     svg.text("note", {lower.left, lower.top},
              "No iteration of this run followed the way of a linearised problem: there is no path to show.");

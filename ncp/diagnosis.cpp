@@ -33,8 +33,10 @@ Diagnosis diagnose(const Mcp& mcp, const Point& point, In start) {
                   number(at.merit) + " there: no step can decrease it";
     out.advice = "the problem may have no solution; otherwise try another start";
   }
-  if (const std::string singular = explain_singularity(mcp, point.J, point.x, point.F); !singular.empty())
+  if (const std::string singular = explain_singularity(mcp, point.J, point.x, point.F); !singular.empty()) {
     out.message += (out.message.empty() ? "" : "; ") + singular;
+    if (out.advice.empty()) out.advice = "look for a mistake in the equations named; otherwise try another start";
+  }
   return out;
 }
 

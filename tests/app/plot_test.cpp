@@ -113,8 +113,8 @@ TEST(Plot, ShowsEveryIterationAndEveryKink) {
 }
 
 // The curve at the point accepted is the merit the method itself found there, and at s = 0 that of the iterate before;
-// for all iterations, whatever the way. Would catch a way that is not the one searched, kinks shifted by one, t taken
-// for T, the merit of another function.
+// for all iterations, whatever the way (a presolved or scaled problem has a merit of its own). Would catch a way that
+// is not the one searched, kinks shifted by one, t taken for T, the merit of another function.
 TEST(Plot, TheCurvePassesThroughTheIterates) {
   int backtracked = 0;
   struct Case {
@@ -126,8 +126,11 @@ TEST(Plot, TheCurvePassesThroughTheIterates) {
                          Case{"colvdual", 1, "path"}, Case{"josephy", 3, "arc"}, Case{"josephy", 3, "line"},
                          Case{"nash-own", 3, "arc"}}) {
     const LoadedProblem problem = load_problem(of.name, of.start);
-    const std::vector<Assignment> options{
-        {"chord_steps", "0", "test"}, {"nms_searchtype", of.searchtype, "test"}, {"restart_limit", "0", "test"}};
+    const std::vector<Assignment> options{{"chord_steps", "0", "test"},
+                                          {"nms_searchtype", of.searchtype, "test"},
+                                          {"restart_limit", "0", "test"},
+                                          {"scaling", "no", "test"},
+                                          {"preprocess", "no", "test"}};
     double before = 0;
     const ncp::Observer check = [&](const ncp::Iteration& it) {
       if (it.way != nullptr && it.step > 0 && it.kind != 'G') {
@@ -207,8 +210,7 @@ TEST(Plot, GapsWhereFIsNotDefined) {
                     .T = 0.5,
                     .t = {0, 0.5, 1},
                     .samples_between = 9,
-                    .samples = samples,
-                    .size = 1};
+                    .samples = samples};
   const std::string svg = plot_svg(report, way);
   const Xml xml(svg);
   EXPECT_THAT(xml.text, testing::AllOf(HasSubstr("gap: F is not defined"), HasSubstr("a &lt;hole&gt; &amp; &quot;")));
