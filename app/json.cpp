@@ -105,6 +105,7 @@ Json stats_json(const ncp::Stats& stats) {
           {"J_evals", stats.J_evals},
           {"factorizations", stats.factorizations},
           {"pivots", stats.pivots},
+          {"presolved", stats.presolved},
           {"restarts", stats.restarts},
           {"gradient_steps", stats.gradient_steps},
           {"watchdogs", stats.watchdogs},

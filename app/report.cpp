@@ -238,6 +238,7 @@ void print_final_summary(std::ostream& out, const Report& report) {
                                            {"evaluations of F", stats.F_evals, false},
                                            {"evaluations of J", stats.J_evals, false},
                                            {"factorizations", stats.factorizations, false},
+                                           {"variables presolved", stats.presolved, true},
                                            {"restarts", stats.restarts, true},
                                            {"gradient steps", stats.gradient_steps, true},
                                            {"watchdog returns", stats.watchdogs, true},
