@@ -1,0 +1,89 @@
+/// Does each ingredient of PathSearch earn its place? The collection, random starts and models with the default options
+/// and with one ingredient at a time turned off, with the restarts and without. See bench/README.md.
+#include <cstdio>
+#include <exception>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "bench/cases.hpp"
+
+namespace {
+
+using namespace perp;
+
+struct Variant {
+  const char* name;
+  std::function<void(ncp::PathSearch&)> change;
+};
+
+const std::vector<Variant>& variants() {
+  static const std::vector<Variant> all{
+      {"default", [](ncp::PathSearch&) {}},
+      {"no crash", [](ncp::PathSearch& m) { m.crash.on = false; }},
+      {"no non-monotone stabilisation", [](ncp::PathSearch& m) { m.nms.on = false; }},
+      {"line search", [](ncp::PathSearch& m) { m.search = ncp::Searchtype::Line; }},
+      {"arc search", [](ncp::PathSearch& m) { m.search = ncp::Searchtype::Arc; }},
+      {"no proximal terms", [](ncp::PathSearch& m) { m.proximal_adaptive = false; }},
+      {"no chord steps", [](ncp::PathSearch& m) { m.chord_steps = 0; }},
+      {"no gradient steps", [](ncp::PathSearch& m) { m.gradient_step_limit = 0; }},
+      {"normal map's merit", [](ncp::PathSearch& m) { m.merit = ncp::PathMerit::NormalMap; }},
+      {"rays always", [](ncp::PathSearch& m) { m.start = ncp::PathStart::Always; }},
+      {"no presolve", [](ncp::PathSearch& m) { m.preprocess = false; }},
+      {"no scaling", [](ncp::PathSearch& m) { m.scaling = false; }},
+  };
+  return all;
+}
+
+struct Total {
+  int runs = 0, solved = 0;
+  long majors = 0, crash = 0, pivots = 0, F = 0, J = 0, factorizations = 0;
+  double seconds = 0;
+  void add(const ncp::Result& r) {
+    ++runs;
+    solved += r.solved() ? 1 : 0;
+    majors += r.stats.iterations;
+    crash += r.stats.crash_iterations;
+    pivots += r.stats.pivots;
+    F += r.stats.F_evals;
+    J += r.stats.J_evals;
+    factorizations += r.stats.factorizations;
+    seconds += r.stats.time.count();
+  }
+};
+
+void measure(const char* group, const std::vector<bench::Case>& cases) {
+  std::printf("\n%s\n%-30s %-9s %9s %8s %6s %9s %8s %7s %7s %8s\n", group, "", "restarts", "solved", "majors", "crash",
+              "pivots", "F", "J", "lu", "s");
+  for (const Variant& variant : variants())
+    for (const bool restarts : {true, false}) {
+      Total total;
+      for (const bench::Case& c : cases) {
+        if (!c.solvable) continue;
+        ncp::PathSearch method;
+        method.stop.max_time = std::chrono::seconds(20);
+        variant.change(method);
+        if (!restarts) method.restart_limit = 0;
+        total.add(ncp::solve(*c.mcp, c.x0, method));
+      }
+      std::printf("%-30s %-9s %4d/%-4d %8ld %6ld %9ld %8ld %7ld %7ld %8.3f\n", variant.name, restarts ? "yes" : "no",
+                  total.solved, total.runs, total.majors, total.crash, total.pivots, total.F, total.J,
+                  total.factorizations, total.seconds);
+      std::fflush(stdout);
+    }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) try {
+  measure("collection", bench::collection_cases(""));
+  measure("kehoe, 200 random starts", bench::random_cases("kehoe", 200));
+  measure("colvdual, 200 random starts", bench::random_cases("colvdual", 200));
+  std::vector<bench::Case> models;
+  for (int i = 1; i < argc; ++i) models.push_back(bench::model_case(argv[i]));
+  if (!models.empty()) measure("models", models);
+  return 0;
+} catch (const std::exception& error) {
+  std::fprintf(stderr, "bench_ingredients: %s\n", error.what());
+  return 1;
+}
