@@ -81,7 +81,8 @@ NewtonPoint NewtonPoints::solve(const Point& point, const Vec& x, const std::vec
   options.start = lcp::LemkeStart::Ray;
   options.cells.clear();
   options.keep_path = false;
-  for (std::size_t i = 0; i <= covers.size() && left_ > 0 && (i == 0 || !newton.usable()); ++i) {
+  const std::size_t rays = first || ray_asked ? covers.size() + 1 : 1;
+  for (std::size_t i = 0; i < rays && left_ > 0 && (i == 0 || !newton.usable()); ++i) {
     if (i > 0) options.cover = covers[i - 1];
     options.seed = options_.seed + static_cast<unsigned>(i);
     lcp::PivotResult path = follow(problem, x, options);
