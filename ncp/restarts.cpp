@@ -19,6 +19,7 @@ namespace {
 constexpr int restart_patience = 15;
 
 constexpr int escape_rounds = 10;
+constexpr int trial_patience = 6;  // of the tries from the points that an escape visits
 
 /// One attempt without crash, warm start and restarts.
 PathSearch once(PathSearch method) {
@@ -147,7 +148,9 @@ Attempts::Attempts(const Mcp& mcp, const Point& start, const PathSearch& method,
   add_path("the other merit function, another search", again, 'R');
   add_semismooth("semismooth Newton", false, {});
   add_josephy("Newton-Josephy", {});
-  add_escape("proximal escape", once(method));
+  PathSearch trial = once(method);
+  trial.patience = std::min(method.patience, trial_patience);
+  add_escape("proximal escape", trial);
   add_semismooth("semismooth Newton from the best point", true, {});
   add_semismooth("semismooth Newton on the min function", false, {.cfunction = natural_min()});
   add_escape("proximal escape with semismooth Newton", SemismoothNewton{});
