@@ -129,8 +129,8 @@ TEST(WarmStart, CellsFollowTheBoundsOfTheNewProblem) {
                                .box = {.lower = Eigen::VectorXd{{-ncp::infinity, 0, 2, 0}},
                                        .upper = Eigen::VectorXd{{ncp::infinity, 1, 2, ncp::infinity}}},
                                .pattern = ncp::dense_pattern(4),
-                               .F = [](const ncp::In&, const ncp::Out&) { return true; },
-                               .J = [](const ncp::In&, ncp::SpMat&) { return true; }});
+                               .F = [](ncp::In, const ncp::Out&) { return true; },
+                               .J = [](ncp::In, ncp::SpMat&) { return true; }});
   Applied options = apply_options({});
   using lcp::Cell;
   set_warm_start({.x = Eigen::VectorXd{{0, 1, 2, 5}}, .basis = {Cell::Below, Cell::Above, Cell::Inside, Cell::Above}},
