@@ -188,7 +188,7 @@ bool Attempt::accept(const NewtonPoint& newton, double least, Iteration& it) {
   Point trial;
   trial.x = lcp::project(run_.box(), newton.x());
   const double distance = (trial.x - point_.x).norm();
-  const bool defined = run_.counted().eval(trial.x, trial.F);
+  bool defined = run_.counted().eval(trial.x, trial.F);
   if (defined) {
     const double merit = psi(trial.x, trial.F, newton.x());
     const bool near = method_.nms.on && distance <= delta_ && unchecked_ + 1 < method_.nms.mstep_frequency &&
@@ -197,7 +197,8 @@ bool Attempt::accept(const NewtonPoint& newton, double least, Iteration& it) {
     Vec x = newton.x();
     double chord = merit;
     if (near || falls) follow_chord(newton, trial, x, chord);
-    if ((near || falls) && run_.counted().jacobian(trial.x, trial.J)) {
+    if (near || falls) defined = run_.counted().jacobian(trial.x, trial.J);
+    if (defined && (near || falls)) {
       it.kind = near && falls ? 'O' : falls ? 'M' : 'D';
       it.step = taken_.T = 1;
       if (falls) {

@@ -87,6 +87,13 @@ TEST(Threads, TwoSolvesAtOnceWithEscapesAndKlu) {
                      [&] { return trace(support::kojima_shindo(), Vec::Constant(4, 100), josephy); }, 30);
 }
 
+// Restarts, presolve and pivoting, with a list of attempts in each run.
+TEST(Threads, TwoSolvesAtOnceWithRestarts) {
+  const PathSearch pivoting{.crash = {.on = false}};
+  expect_independent([] { return trace(support::billups(), Vec::Zero(1), PathSearch{}); },
+                     [&] { return trace(support::obstacle(12), Vec::Zero(144), pivoting); }, 10);
+}
+
 // One problem shared by nobody, one method value by both. Catches a method that keeps state in itself.
 TEST(Threads, OneMethodServesTwoSolves) {
   for (const auto& [label, method] : support::methods()) {

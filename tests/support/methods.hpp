@@ -21,7 +21,9 @@ struct NamedMethod {
 inline std::vector<NamedMethod> methods(const ncp::Stop& stop = {}, const ncp::Escape& escape = {}) {
   return {{"semismooth, Fischer-Burmeister", ncp::SemismoothNewton{.stop = stop, .escape = escape}},
           {"semismooth, min", ncp::SemismoothNewton{.stop = stop, .cfunction = ncp::natural_min(), .escape = escape}},
-          {"josephy", ncp::NewtonJosephy{.stop = stop, .escape = escape}}};
+          {"josephy", ncp::NewtonJosephy{.stop = stop, .escape = escape}},
+          // With its list of restarts where the others may escape.
+          {"path", ncp::PathSearch{.stop = stop, .restart_limit = escape.rounds}}};
 }
 
 /// Without proximal escapes: they end where they are stuck.
