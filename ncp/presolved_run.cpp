@@ -58,7 +58,8 @@ Observer in_full(const Mcp& mcp, const Presolved& pre, const Observer& observer)
 }
 
 Result infeasible(const Mcp& mcp, In x0, const Presolved& pre, const Observer& observer) {
-  Run run(mcp, Stop{}, observer);
+  const Stop stop;  // Run refers to it
+  Run run(mcp, stop, observer);
   Point point;
   if (run.start(x0, point))
     run.end(Status::Infeasible, "proven to have no solution: " + pre.infeasible(), "look for a mistake in the model");
