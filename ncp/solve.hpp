@@ -127,8 +127,8 @@ struct PathSearch {
   Nms nms{};
   PathStart start = PathStart::Automatic;
   /// Simplified Newton steps x - B^-1 F_+(x) after a Newton point, B the matrix of the path's last piece: a solve and
-  /// an evaluation of F each, no Jacobian; kept while the merit falls by a factor of 4 (Shamanskii 1967: order 2 +
-  /// their number an iteration).
+  /// an evaluation of F each, no Jacobian; one is kept if it leaves at most 70 % of the merit (Shamanskii 1967:
+  /// order 2 + their number an iteration).
   int chord_steps = 1;
   /// lambda to begin with, relative to the size of J; it shrinks by a factor of 10 an iteration.
   double proximal_perturbation = 0;
