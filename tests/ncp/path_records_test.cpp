@@ -115,6 +115,58 @@ TEST(PathRecords, WaysBeginAtTheIterateAndEndAtTheNewtonPoint) {
     }
 }
 
+// From z^0 the way begins at the point x of the normal map with the least ||F + x - z||: 0 in every row whose bound F
+// holds. Catches paths from other points of the same cell, whose r is larger.
+TEST(PathRecords, TheFirstWayBeginsAtTheLeastNormalMapResidual) {
+  Random random(3);
+  int held = 0;
+  for (int k = 0; k < 10; ++k) {
+    const auto [functions, solution] = support::planted(8, 0, random);
+    const auto mcp = make_mcp(functions);
+    std::vector<Kept> kept;
+    PathSearch method{.crash = {.on = false}, .preprocess = false};
+    solve(*mcp, lcp::project(mcp->box(), -100 * Vec::Ones(8)), method, keep(kept));
+    if (kept.size() < 2 || !kept[1].way || !kept[1].way->on_path) continue;
+    const Vec& z = kept[0].x;
+    const Vec& x = kept[1].way->kinks.front().x;
+    Vec F(8);
+    ASSERT_TRUE(mcp->eval(z, F));
+    for (Index i = 0; i < 8; ++i) {
+      const bool lower = z[i] == mcp->box().lower[i] && F[i] > 0;
+      const bool upper = z[i] == mcp->box().upper[i] && F[i] < 0;
+      EXPECT_NEAR(x[i], lower || upper ? z[i] - F[i] : z[i], 1e-9 * (1 + std::abs(F[i]))) << i;
+      held += lower || upper;
+    }
+  }
+  EXPECT_GT(held, 0);
+}
+
+// A watchdog's way is the one by which the last point that had passed a test was left. Catches the way of the Newton
+// point that was refused.
+TEST(PathRecords, WatchdogsSearchAlongAnEarlierWay) {
+  const auto mcp = make_mcp(support::scalar(
+      -infinity, infinity, [](double x) { return std::atan(x) + 0.3 * std::sin(3 * x); },
+      [](double x) { return 1 / (1 + x * x) + 0.9 * std::cos(3 * x); }));
+  PathSearch method{.crash = {.on = false}, .nms = {.memory = 1, .initial_reference_factor = 1}};
+  method.chord_steps = method.restart_limit = 0;
+  int watchdogs = 0;
+  for (int start = 0; start < 30; ++start) {
+    std::vector<Kept> kept;
+    solve(*mcp, vec({-6 + 0.4 * start}), method, keep(kept));
+    for (std::size_t k = 1; k < kept.size(); ++k) {
+      if (kept[k].it.kind != 'W' || kept[k].it.step == 0) continue;
+      ++watchdogs;
+      ASSERT_TRUE(kept[k].way);
+      const Vec from = kept[k].way->kinks.front().x;
+      EXPECT_NE(from, kept[k - 1].x);
+      EXPECT_TRUE(std::any_of(kept.begin(), kept.begin() + static_cast<std::ptrdiff_t>(k) - 1,
+                              [&](const Kept& earlier) { return (earlier.x - from).norm() < 1e-12; }));
+      EXPECT_LE((at(*kept[k].way, kept[k].way->T) - kept[k].x).norm(), 1e-12);
+    }
+  }
+  EXPECT_GT(watchdogs, 0);
+}
+
 // Chord steps go on from T = 1: the iterate is beyond the way's end then, and its merit less. Catches a way that is
 // said to end where chord steps came to.
 TEST(PathRecords, ChordStepsAreBeyondTheWay) {

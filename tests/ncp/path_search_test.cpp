@@ -169,6 +169,50 @@ TEST(PathSearch, SolvesAffineProblemsInOneIteration) {
   }
 }
 
+/// Records of runs on problems with many cells, whose merit rises along some Newton steps.
+std::vector<std::vector<Iteration>> rugged_runs(const Nms& nms) {
+  std::vector<std::vector<Iteration>> runs;
+  const auto run = [&](const Mcp& mcp, const Vec& x0) {
+    PathSearch method{.crash = {.on = false}, .nms = nms, .restart_limit = 0};
+    method.chord_steps = 0;
+    solve(mcp, x0, method, record(runs.emplace_back()));
+  };
+  for (const bool josephy : {false, true})
+    for (const Vec& x0 : support::kojima_shindo_starts()) run(*make_mcp(support::kojima_shindo(josephy)), x0);
+  const auto wave = make_mcp(support::scalar(
+      -infinity, infinity, [](double x) { return std::atan(x) + 0.3 * std::sin(3 * x); },
+      [](double x) { return 1 / (1 + x * x) + 0.9 * std::cos(3 * x); }));
+  for (int k = 0; k < 30; ++k) run(*wave, vec({-6 + 0.4 * k}));
+  return runs;
+}
+
+// Without stabilisation every step beats the last merit; with it merits rise, D-steps are taken without a look at the
+// merit, and watchdogs take runs back: to a merit no greater than the one before the D-steps. Catches a reference that
+// stays where it began, and stabilisation that is on in name only.
+TEST(PathSearch, NonMonotoneStabilisationLetsMeritsRise) {
+  int unchecked = 0;
+  int watchdogs = 0;
+  int rises = 0;
+  for (const auto& records : rugged_runs({.on = false}))
+    for (std::size_t k = 1; k < records.size(); ++k)
+      EXPECT_LT(records[k].merit, records[k - 1].merit * (1 + 1e-12)) << records[k].kind;
+  for (const auto& records : rugged_runs({.memory = 1, .initial_reference_factor = 1})) {
+    double passed = records.front().merit;  // of the last point that passed a test
+    for (std::size_t k = 1; k < records.size(); ++k) {
+      const Iteration& it = records[k];
+      rises += it.merit > records[k - 1].merit;
+      unchecked += it.kind == 'D';
+      watchdogs += it.kind == 'W' && it.step > 0;
+      if (it.kind == 'D' || it.step == 0) continue;
+      EXPECT_LE(it.merit, passed) << it.kind;
+      passed = it.merit;
+    }
+  }
+  EXPECT_GT(unchecked, 0);
+  EXPECT_GT(watchdogs, 0);
+  EXPECT_GT(rises, 0);
+}
+
 // x_3 = 10 at its upper bound (Hock & Schittkowski 1981, problem 34).
 TEST(PathSearch, ActiveUpperBoundOfHs34) {
   const auto mcp = make_mcp(support::hs34());
