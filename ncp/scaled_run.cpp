@@ -27,7 +27,15 @@ Observer in_original(const Mcp& mcp, const ScaledMcp& scaled, const Scaling& fac
     Iteration shown = it;
     shown.problem = &mcp;
     Vec x;
-    if (it.x != nullptr) shown.x = &(x = unscaled(scaled, factors, *it.x));
+    if (it.x != nullptr) {
+      shown.x = &(x = unscaled(scaled, factors, *it.x));
+      const Vec z = lcp::project(mcp.box(), x);
+      Vec F;
+      CountedMcp guarded(mcp);  // for the observer: what the run itself evaluates is counted
+      const Residual judged = guarded.eval(z, F) ? residual(mcp.box(), z, F) : Residual{};
+      shown.residual = judged.natural;
+      shown.worst = judged.worst;
+    }
     WayTaken way;
     if (it.way != nullptr) {
       way = *it.way;
