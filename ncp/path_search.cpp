@@ -14,9 +14,9 @@ namespace {
 
 /// lambda of the proximal terms tried in turn, relative to the size of J; one that helped shrinks from then on.
 constexpr double prox_first = 0.1;
-constexpr double prox_growth = 10;
+constexpr double prox_growth = 30;
 constexpr double prox_decay = 0.1;
-constexpr int prox_tries = 5;
+constexpr int prox_tries = 3;
 
 /// Shorter steps than this along a way are taken only when no proximal term gives a longer one.
 constexpr double least_step = 0.1;
