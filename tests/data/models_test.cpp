@@ -20,6 +20,7 @@ namespace {
 const std::filesystem::path folder = std::filesystem::path(PERP_SOURCE_DIR) / "data" / "models";
 
 Method method_called(const std::string& method) {
+  if (method == "path") return PathSearch{};
   if (method == "semismooth") return SemismoothNewton{};
   return NewtonJosephy{};
 }
@@ -58,7 +59,7 @@ TEST(DataModels, NamesAndSizes) {
 INSTANTIATE_TEST_SUITE_P(All, DataModels,
                          testing::Combine(testing::Values("energy", "cournot", "harberger", "harberger-benchmark",
                                                           "cases", "economy", "spatial", "streets", "growth"),
-                                          testing::Values("semismooth", "josephy")),
+                                          testing::Values("path", "semismooth", "josephy")),
                          [](const auto& combination) {
                            std::string name = std::get<0>(combination.param) + "_" + std::get<1>(combination.param);
                            std::replace(name.begin(), name.end(), '-', '_');
