@@ -16,7 +16,7 @@ struct WayTaken {
   /// Of the path, from t = 0, each with its t; of a way without kinks begin (t = 0) and end (t = 1) of
   /// pi(x^k + T (end - x^k)).
   std::vector<lcp::Breakpoint> kinks;
-  double T = 1;          ///< accepted; 1 is the end
+  double T = 1;          ///< accepted; 1 is the end, 0 where no point of the way was: the step is another, or none
   bool on_path = false;  ///< searched along the kinks
 };
 

@@ -306,6 +306,7 @@ bool Attempt::iterate(Iteration& it) {
   const bool found = newton_step(it) || (may_go_on() && (watchdog(it) || gradient_step(it)));
   it.pivots = newton_points_.take_pivots();
   it.merit = psi_;
+  if (!found || it.kind == 'G') taken_.T = 0;
   it.way = &taken_;
   run_.stats().backtracks += it.backtracks;
   if (!found) explain(it);

@@ -61,6 +61,7 @@ int check_ways(const Mcp& mcp, const std::vector<Kept>& kept, const std::string&
   for (std::size_t k = 1; k < kept.size(); ++k) {
     const Iteration& it = kept[k].it;
     // A watchdog's way is an older one, a gradient step follows none.
+    EXPECT_TRUE(!kept[k].way || it.kind != 'G' || kept[k].way->T == 0);
     if (!kept[k].way || it.kind == 'W' || it.kind == 'G' || it.kind == 'R') continue;
     SCOPED_TRACE(what + ", record " + std::to_string(k) + ", kind " + it.kind);
     const WayTaken& way = *kept[k].way;
