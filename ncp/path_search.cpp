@@ -196,8 +196,19 @@ bool Attempt::accept(const NewtonPoint& newton, double least, Iteration& it) {
     const bool falls = merit <= references_.largest() - 2 * method_.sigma * psi_;
     Vec x = newton.x();
     double chord = merit;
-    if (near || falls) follow_chord(newton, trial, x, chord);
-    if (near || falls) defined = run_.counted().jacobian(trial.x, trial.J);
+    if (near || falls) {
+      const Vec z = trial.x;
+      const Vec F = trial.F;
+      follow_chord(newton, trial, x, chord);
+      defined = run_.counted().jacobian(trial.x, trial.J);
+      if (!defined && trial.x != z) {  // the Newton point itself may do
+        trial.x = z;
+        trial.F = F;
+        x = newton.x();
+        chord = merit;
+        defined = run_.counted().jacobian(trial.x, trial.J);
+      }
+    }
     if (defined && (near || falls)) {
       it.kind = near && falls ? 'O' : falls ? 'M' : 'D';
       it.step = taken_.T = 1;

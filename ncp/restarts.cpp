@@ -51,6 +51,8 @@ class Attempts {
  public:
   Attempts(const Mcp& mcp, const Point& start, const PathSearch& method, const Observer& observer);
   const std::vector<Attempt>& list() const { return list_; }
+  /// How many come before the one with the options given.
+  std::size_t before_restarts() const { return scaled_ ? 1 : 0; }
   std::vector<lcp::Cell> basis;
 
  private:
@@ -127,6 +129,7 @@ class Attempts {
   const PathSearch& method_;
   const Observer& observer_;
   std::vector<Attempt> list_;
+  bool scaled_ = false;
 };
 
 Attempts::Attempts(const Mcp& mcp, const Point& start, const PathSearch& method, const Observer& observer)
@@ -196,7 +199,7 @@ Result run_attempts(const Mcp& mcp, In x0, const PathSearch& method, const Obser
     ++tried;
     if (!run.ended() || !stuck(run.status())) break;
     if (!first) first = run.verdict();
-    if (tried > static_cast<std::size_t>(method.restart_limit)) break;
+    if (tried > attempts.before_restarts() + static_cast<std::size_t>(method.restart_limit)) break;
   }
   run.stats().restarts = static_cast<int>(tried) - 1;
   const bool at_limit = first && run.ended() && run.status() == Status::IterationLimit;
