@@ -36,11 +36,15 @@ set(perp_public_headers
   ncp/cfunction.hpp
   ncp/collection/collection.hpp ncp/collection/generators.hpp ncp/collection/random_lcps.hpp
   ncp/mcp.hpp
+  ncp/newton_josephy.hpp
   ncp/observe.hpp
+  ncp/options.hpp
+  ncp/path_search.hpp
   ncp/presolve.hpp
   ncp/residual.hpp
   ncp/result.hpp
   ncp/scaling.hpp
+  ncp/semismooth_newton.hpp
   ncp/solve.hpp
   ncp/structure_report.hpp)
 foreach(header IN LISTS perp_public_headers)

@@ -1,5 +1,7 @@
 #pragma once
 /// The methods' entry points behind solve(); private to ncp/.
+#include <vector>
+
 #include "ncp/run.hpp"
 #include "ncp/scaling.hpp"
 #include "ncp/solve.hpp"
@@ -18,5 +20,8 @@ Result run_scaled(const Mcp& mcp, const Scaling& factors, In x0, const PathSearc
 // The loops alone, within a run that has begun: from `point` until the run ends.
 void semismooth_newton(Run& run, const SemismoothNewton& method, Point point);
 void newton_josephy(Run& run, const NewtonJosephy& method, Point point);
+/// One attempt, from one start with one set of options; the list of attempts is in restarts.cpp. Fills `basis` with the
+/// cells of the last linearised problem that was solved.
+void path_search(Run& run, const PathSearch& method, Point point, std::vector<lcp::Cell>& basis);
 
 }  // namespace perp::ncp

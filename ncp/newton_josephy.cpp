@@ -7,6 +7,7 @@
 #include "ncp/merit.hpp"
 #include "ncp/methods.hpp"
 #include "ncp/normal_map.hpp"
+#include "ncp/refusal.hpp"
 
 namespace perp::ncp {
 namespace {
@@ -156,6 +157,12 @@ Result run_newton_josephy(const Mcp& mcp, In x0, const NewtonJosephy& method, co
   Point point;
   if (run.start(x0, point)) newton_josephy(run, method, std::move(point));
   return run.result();
+}
+
+std::optional<std::string> invalid(const NewtonJosephy& m) {
+  if (auto why = invalid(m.search)) return why;
+  if (auto why = invalid(m.escape)) return why;
+  return invalid(m.lemke);
 }
 
 }  // namespace perp::ncp

@@ -1,5 +1,3 @@
-#include "ncp/path_search.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -7,7 +5,10 @@
 #include <utility>
 
 #include "ncp/crash.hpp"
+#include "ncp/merit.hpp"
+#include "ncp/methods.hpp"
 #include "ncp/newton_point.hpp"
+#include "ncp/refusal.hpp"
 
 namespace perp::ncp {
 namespace {
@@ -17,6 +18,15 @@ constexpr double prox_first = 0.1;
 constexpr double prox_growth = 30;
 constexpr double prox_decay = 0.1;
 constexpr int prox_tries = 3;
+
+/// A term of lambda below this share of the first one tried is dropped.
+constexpr double prox_least = 0.01;
+
+/// A chord step is kept if it leaves at most this share of the merit.
+constexpr double chord_keeps = 0.7;
+
+/// The shortest step a watchdog takes.
+constexpr double watchdog_least = 1e-3;
 
 /// Shorter steps than this along a way are taken only when no proximal term gives a longer one.
 constexpr double least_step = 0.1;
@@ -50,10 +60,8 @@ class Attempt {
         best_z_(point.x),
         best_psi_(psi_) {}
 
-  double merit() const { return psi_; }
   /// One major iteration. False: no step was found, and the run has a verdict or was asked to stop.
   bool iterate(Iteration& it);
-  const WayTaken& way_taken() const { return taken_; }
   bool stalled() { return stall_.stalled(best_psi_); }
   const std::vector<lcp::Cell>& basis() const { return basis_; }
 
@@ -69,6 +77,8 @@ class Attempt {
     if (method_.merit == PathMerit::Fischer) return ncp::merit(fb_, run_.box(), z, F);
     return 0.5 * (F + x - z).squaredNorm();
   }
+  /// O(||Phi||), to keep the local order; `size` is that of J.
+  double first_lambda(double size) const { return prox_first * std::min(1.0, std::sqrt(2 * psi_)) * size; }
   Way way_to(const NewtonPoint& newton) const;
   bool newton_step(Iteration& it);
   /// Whether steps other than Newton's may still be tried in this iteration.
@@ -167,7 +177,7 @@ void Attempt::follow_chord(const NewtonPoint& newton, Point& trial, Vec& x, doub
     next.x = lcp::project(run_.box(), y);
     if (!y.allFinite() || !run_.counted().eval(next.x, next.F)) return;
     const double fallen = psi(next.x, next.F, y);
-    if (!(fallen <= 0.7 * merit)) return;
+    if (!(fallen <= chord_keeps * merit)) return;
     std::swap(trial, next);
     x = std::move(y);
     merit = fallen;
@@ -253,12 +263,11 @@ bool Attempt::newton_step(Iteration& it) {
     const bool last = i == prox_tries || !method_.proximal_adaptive;
     if (last_->usable() && accept(*last_, last ? 0 : least_step, it)) {
       if (lambda > 0) ++run_.stats().proximal_steps;
-      lambda_ =
-          lambda * prox_decay > 0.01 * prox_first * std::min(1.0, std::sqrt(2 * psi_)) * size ? lambda * prox_decay : 0;
+      lambda_ = lambda * prox_decay > prox_least * first_lambda(size) ? lambda * prox_decay : 0;
       return true;
     }
     if (unchecked_ > 0 || !method_.proximal_adaptive) return false;
-    lambda = lambda > 0 ? prox_growth * lambda : prox_first * std::min(1.0, std::sqrt(2 * psi_)) * size;
+    lambda = lambda > 0 ? prox_growth * lambda : first_lambda(size);
     cells_.clear();
   }
   return false;
@@ -276,7 +285,7 @@ bool Attempt::watchdog(Iteration& it) {
   taken_ = taken(saved.way);
   Vec x = normal_point(run_.box(), saved.point.x, saved.point.F);
   moved(std::move(saved.point), std::move(x), saved.psi);
-  return search(saved.way, saved.t, method_.beta, 1e-3, it);
+  return search(saved.way, saved.t, method_.beta, watchdog_least, it);
 }
 
 /// A projected gradient step of the Fischer-Burmeister merit from the best point.
@@ -336,8 +345,8 @@ void Attempt::explain(const Iteration& it) {
              "try another start, or bounds that keep the iterates inside the domain");
   else if (!last_->usable())
     run_.end(Status::SubproblemFailed,
-             "the linearised problem could not be solved (" + std::string(lcp::to_string(last_->path.end)) +
-                 "), with proximal terms up to " + number(last_->lambda) + " neither",
+             "the linearised problem could not be solved (" + std::string(lcp::to_string(last_->path.end)) + ")" +
+                 (last_->lambda > 0 ? ", with proximal terms up to " + number(last_->lambda) + " neither" : ""),
              "try another start");
   else
     run_.end(Status::NoProgress, "neither the Newton steps nor the gradient decrease the merit function",
@@ -358,8 +367,8 @@ bool ran_off(Run& run, const Point& point, double start) {
 
 }  // namespace
 
-void path_search(Run& run, const PathSearch& method, Point point, char kind, std::vector<lcp::Cell>& basis) {
-  Iteration it{.k = 0, .kind = kind};
+void path_search(Run& run, const PathSearch& method, Point point, std::vector<lcp::Cell>& basis) {
+  Iteration it{.k = 0, .kind = 'I'};
   it.crash = method.crash.on && run.box().size() >= method.crash.minimum_dimension;
   it.merit = merit(fischer_burmeister(), run.box(), point.x, point.F);
   if (!run.go_on(point, it) || !crash(run, method.crash, point, it)) return;
@@ -377,6 +386,31 @@ void path_search(Run& run, const PathSearch& method, Point point, char kind, std
     }
   } while (run.go_on(point, it));
   basis = attempt.basis();
+}
+
+std::optional<std::string> invalid(const PathSearch& m) {
+  if (!(m.sigma > 0 && m.sigma < 1)) return refusal("sigma", m.sigma, "in (0, 1)");
+  if (!(m.beta > 0 && m.beta < 1)) return refusal("beta", m.beta, "in (0, 1)");
+  if (m.max_backtracks < 0) return refusal("max_backtracks", m.max_backtracks, "at least 0");
+  if (m.crash.iteration_limit < 0) return refusal("crash.iteration_limit", m.crash.iteration_limit, "at least 0");
+  if (!(m.crash.least_step > 0 && m.crash.least_step <= 1))
+    return refusal("crash.least_step", m.crash.least_step, "in (0, 1]");
+  if (m.nms.memory < 1) return refusal("nms.memory", m.nms.memory, "at least 1");
+  if (m.nms.mstep_frequency < 1) return refusal("nms.mstep_frequency", m.nms.mstep_frequency, "at least 1");
+  if (!(m.nms.initial_reference_factor >= 1) || std::isinf(m.nms.initial_reference_factor))
+    return refusal("nms.initial_reference_factor", m.nms.initial_reference_factor, "at least 1 and finite");
+  if (m.nms.maximum_watchdogs < 0) return refusal("nms.maximum_watchdogs", m.nms.maximum_watchdogs, "at least 0");
+  if (!(m.nms.distance_decrease > 0 && m.nms.distance_decrease <= 1))
+    return refusal("nms.distance_decrease", m.nms.distance_decrease, "in (0, 1]");
+  if (m.chord_steps < 0) return refusal("chord_steps", m.chord_steps, "at least 0");
+  if (!(m.proximal_perturbation >= 0) || std::isinf(m.proximal_perturbation))
+    return refusal("proximal_perturbation", m.proximal_perturbation, "at least 0 and finite");
+  if (m.gradient_step_limit < 0) return refusal("gradient_step_limit", m.gradient_step_limit, "at least 0");
+  if (m.patience < 1) return refusal("patience", m.patience, "at least 1");
+  if (m.restart_limit < 0) return refusal("restart_limit", m.restart_limit, "at least 0");
+  if (m.cumulative_iteration_limit < 1)
+    return refusal("cumulative_iteration_limit", m.cumulative_iteration_limit, "at least 1");
+  return invalid(m.lemke);
 }
 
 }  // namespace perp::ncp

@@ -9,7 +9,6 @@
 
 #include "ncp/diagnosis.hpp"
 #include "ncp/methods.hpp"
-#include "ncp/path_search.hpp"
 #include "ncp/proximal.hpp"
 
 namespace perp::ncp {
@@ -37,7 +36,7 @@ Result run_once(const Mcp& mcp, In x0, const Method& method, const Observer& obs
   Run run(mcp, path.stop, observer);
   Point point;
   std::vector<lcp::Cell> basis;
-  if (run.start(x0, point)) path_search(run, path, std::move(point), 'I', basis);
+  if (run.start(x0, point)) path_search(run, path, std::move(point), basis);
   return run.result();
 }
 
@@ -56,9 +55,9 @@ class Attempts {
   std::vector<lcp::Cell> basis;
 
  private:
-  void add_path(std::string what, PathSearch method, char kind) {
-    list_.push_back({std::move(what), false, [this, method = std::move(method), kind](Run& run, Point point) {
-                       path_search(run, method, std::move(point), kind, basis);
+  void add_path(std::string what, PathSearch method) {
+    list_.push_back({std::move(what), false, [this, method = std::move(method)](Run& run, Point point) {
+                       path_search(run, method, std::move(point), basis);
                      }});
   }
   void add_semismooth(std::string what, bool from_best, SemismoothNewton method) {
@@ -136,19 +135,19 @@ Attempts::Attempts(const Mcp& mcp, const Point& start, const PathSearch& method,
     : method_(method), observer_(observer) {
   if (method.scaling)
     if (const Scaling factors = scaling(mcp, start.J); factors.helps()) add_scaled("rows and columns scaled", factors);
-  add_path("the options given", method, list_.empty() ? 'I' : 'R');
+  add_path("the options given", method);
   if (mcp.is_affine()) add_affine("the best of the linear methods");
   PathSearch again = once(method);
   again.proximal_perturbation = 1;
-  add_path("proximal perturbation 1", again, 'R');
+  add_path("proximal perturbation 1", again);
   again.proximal_perturbation = method.proximal_perturbation;
   again.start = PathStart::Always;
-  add_path("Newton points from rays", again, 'R');
+  add_path("Newton points from rays", again);
   again.start = method.start;
   again.merit = method.merit == PathMerit::Fischer ? PathMerit::NormalMap : PathMerit::Fischer;
   again.search = method.search == Searchtype::Line ? Searchtype::Path : Searchtype::Line;
   again.nms.initial_reference_factor = 2;
-  add_path("the other merit function, another search", again, 'R');
+  add_path("the other merit function, another search", again);
   add_semismooth("semismooth Newton", false, {});
   add_josephy("Newton-Josephy", {});
   PathSearch trial = once(method);

@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "ncp/methods.hpp"
-#include "ncp/path_search.hpp"
 #include "ncp/run.hpp"
 #include "ncp/scaling.hpp"
 
@@ -56,7 +55,7 @@ Result run_scaled(const Mcp& mcp, const Scaling& factors, In x0, const PathSearc
   Run run(scaled, limits, shown);
   Point point;
   std::vector<lcp::Cell> basis;
-  if (run.start(scaled.to_scaled(x0), point)) path_search(run, method, std::move(point), 'I', basis);
+  if (run.start(scaled.to_scaled(x0), point)) path_search(run, method, std::move(point), basis);
   Result result = run.result();
   result.basis = std::move(basis);
   result.x = lcp::project(mcp.box(), scaled.to_original(result.x));

@@ -4,6 +4,7 @@
 
 #include "ncp/merit.hpp"
 #include "ncp/methods.hpp"
+#include "ncp/refusal.hpp"
 
 namespace perp::ncp {
 namespace {
@@ -147,6 +148,14 @@ Result run_semismooth_newton(const Mcp& mcp, In x0, const SemismoothNewton& meth
   Point point;
   if (run.start(x0, point)) semismooth_newton(run, method, std::move(point));
   return run.result();
+}
+
+std::optional<std::string> invalid(const SemismoothNewton& m) {
+  if (!m.cfunction.at) return "cfunction has no function";
+  if (!(m.descent_rho > 0)) return refusal("descent_rho", m.descent_rho, "positive");
+  if (!(m.descent_p > 2)) return refusal("descent_p", m.descent_p, "greater than 2");
+  if (auto why = invalid(m.escape)) return why;
+  return invalid(m.search);
 }
 
 }  // namespace perp::ncp

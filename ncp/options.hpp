@@ -1,0 +1,46 @@
+#pragma once
+/// What the options of several methods share.
+#include <atomic>
+#include <chrono>
+#include <optional>
+#include <string>
+
+#include "lcp/lemke.hpp"
+
+namespace perp::ncp {
+
+struct Stop {
+  double tol = 1e-8;         ///< on the natural residual, inf-norm, absolute
+  int max_iterations = 500;  ///< major iterations
+  std::chrono::duration<double> max_time{3600};
+  /// Set by anybody: ends the solve as Interrupted, also inside a subproblem. May be null; outlives the solve.
+  const std::atomic<bool>* interrupt = nullptr;
+  /// Compare J with differences of F at the start and refuse (std::invalid_argument) a J that is wrong by more than
+  /// 1e-4.
+  bool check_derivatives = false;
+};
+
+/// Non-monotone Armijo test  psi(x + t d) <= max of the last `memory` merits + sigma t psi'(x; d),  t = 1, beta,
+/// beta^2, ... (Grippo, Lampariello & Lucidi 1986).
+struct Armijo {
+  double sigma = 1e-4;
+  double beta = 0.5;
+  int max_backtracks = 25;  ///< shorter Newton steps than beta^25 lead nowhere: the next kind of direction is tried
+  int memory = 5;
+};
+
+/// What to do where a method is stuck (StationaryPoint, NoProgress, SubproblemFailed, EvaluationFailed on the way) at
+/// xbar: solve F(x) + lambda (x - xbar), go on from its solution, and so on, until the method reaches a solution of F
+/// from there (Billups & Ferris 1997).
+struct Escape {
+  int rounds = 20;    ///< 0: stay stuck
+  double lambda = 2;  ///< lambda in units of sqrt(||J||_1 ||J||_inf), a bound of ||J(xbar)||_2: above 1 it is monotone
+};
+
+/// Why a value makes no sense, with its name, if one does not.
+std::optional<std::string> invalid(const Stop& stop);
+std::optional<std::string> invalid(const Armijo& search);
+std::optional<std::string> invalid(const Escape& escape);
+std::optional<std::string> invalid(const lcp::LemkeOptions& lemke);
+
+}  // namespace perp::ncp
