@@ -1,12 +1,11 @@
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <string>
 #include <utility>
 
 #include "ncp/merit.hpp"
 #include "ncp/methods.hpp"
-#include "ncp/normal_map.hpp"
+#include "ncp/newton_point.hpp"
 #include "ncp/refusal.hpp"
 
 namespace perp::ncp {
@@ -17,9 +16,6 @@ constexpr double prox_first = 1e-6;
 constexpr double prox_growth = 100;
 constexpr int prox_tries = 5;
 
-/// Covering vectors tried in turn, after the one asked for.
-constexpr std::array covers{lcp::Cover::Generic, lcp::Cover::Ones, lcp::Cover::Spread};
-
 /// A path that ends before t = 1 is worth following if it came so far; shorter ones hold a run where it is.
 constexpr double partial_path = 0.1;
 
@@ -28,16 +24,13 @@ struct Step {
   double lambda = 0;
 };
 
-/// More pivots than a subproblem is worth: a regular path of n variables takes a small multiple of n.
-int subproblem_pivots(Index n) { return 1000 + 20 * static_cast<int>(std::min<Index>(n, 1'000'000)); }
-
 /// Solves subproblems of one run: from the cells the last one ended in, then from a ray, then with a proximal term.
 class Subproblems {
  public:
   Subproblems(Run& run, const NewtonJosephy& method) : run_(run), options_(method.lemke) {
     options_.interrupted = [&run] { return run.interrupted(); };
     options_.deadline = run.deadline();
-    options_.max_pivots = std::min(options_.max_pivots, subproblem_pivots(run.box().size()));
+    options_.max_pivots = std::min(options_.max_pivots, worthwhile_pivots(run.box().size()));
   }
 
   /// The solution of the linearised problem with this lambda, from `start`, then from rays with several covering
@@ -160,6 +153,7 @@ Result run_newton_josephy(const Mcp& mcp, In x0, const NewtonJosephy& method, co
 }
 
 std::optional<std::string> invalid(const NewtonJosephy& m) {
+  if (auto why = invalid(m.stop)) return why;
   if (auto why = invalid(m.search)) return why;
   if (auto why = invalid(m.escape)) return why;
   return invalid(m.lemke);

@@ -1,23 +1,18 @@
 #include "ncp/newton_point.hpp"
 
 #include <algorithm>
-#include <array>
 #include <utility>
 
 namespace perp::ncp {
 namespace {
 
-/// More pivots than a linearised problem is worth: a regular path of n variables takes a small multiple of n.
-int worthwhile_pivots(Index n) { return 1000 + 20 * static_cast<int>(std::min<Index>(n, 1'000'000)); }
-
 /// Doubles that the kinks of one path may take.
 constexpr Index kink_memory = 4'000'000;
 constexpr Index most_kinks = 4096;
 
-/// Covering vectors of rays, in the order they are tried.
-constexpr std::array covers{lcp::Cover::Generic, lcp::Cover::Ones, lcp::Cover::Spread};
-
 }  // namespace
+
+int worthwhile_pivots(Index n) { return 1000 + 20 * static_cast<int>(std::min<Index>(n, 1'000'000)); }
 
 char NewtonPoint::letter() const {
   switch (path.end) {
@@ -41,7 +36,10 @@ char NewtonPoint::letter() const {
 }
 
 NewtonPoints::NewtonPoints(Run& run, const PathSearch& method)
-    : run_(run), method_(method), options_(method.lemke), left_(method.cumulative_iteration_limit) {
+    : run_(run),
+      method_(method),
+      options_(method.lemke),
+      left_(method.cumulative_iteration_limit - run.stats().pivots) {
   const Index n = run.box().size();
   options_.interrupted = [&run] { return run.interrupted(); };
   options_.deadline = run.deadline();

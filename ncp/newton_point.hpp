@@ -1,11 +1,18 @@
 #pragma once
 /// The linearised problems of PathSearch, solved by following the path from x^k; private to ncp/.
+#include <array>
 #include <utility>
 #include <vector>
 
 #include "ncp/normal_map.hpp"
 
 namespace perp::ncp {
+
+/// More pivots than a linearised problem is worth: a regular path of n variables takes a small multiple of n.
+int worthwhile_pivots(Index n);
+
+/// Covering vectors of rays, in the order they are tried.
+inline constexpr std::array covers{lcp::Cover::Generic, lcp::Cover::Ones, lcp::Cover::Spread};
 
 struct NewtonPoint {
   lcp::PivotResult path;

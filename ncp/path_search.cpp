@@ -389,6 +389,7 @@ void path_search(Run& run, const PathSearch& method, Point point, std::vector<lc
 }
 
 std::optional<std::string> invalid(const PathSearch& m) {
+  if (auto why = invalid(m.stop)) return why;
   if (!(m.sigma > 0 && m.sigma < 1)) return refusal("sigma", m.sigma, "in (0, 1)");
   if (!(m.beta > 0 && m.beta < 1)) return refusal("beta", m.beta, "in (0, 1)");
   if (m.max_backtracks < 0) return refusal("max_backtracks", m.max_backtracks, "at least 0");

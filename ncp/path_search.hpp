@@ -26,9 +26,10 @@ enum class PathStart {
   Always,     ///< from a ray in every iteration: Lemke's method proper
 };
 
-/// Projected Newton steps before the first linearised problem is solved: J_II d_I = -F_I, d_i to the bound for i not in
-/// I, searched along z -> pi(z + alpha d); I are the variables that are not held at a bound by the sign of F (Dirkse &
-/// Ferris 1997). Any number of variables may come to a bound or leave it in a step of one factorization.
+/// Projected Newton steps before the first linearised problem is solved: J_II d_I = -F_I, d = 0
+/// elsewhere, searched along z -> pi(z + alpha d); I are the variables that are not held at a bound by the sign of F
+/// (Dirkse & Ferris 1997). Any number of variables may come to a bound or leave it in a step of one factorization;
+/// where many do, projected Gauss-Seidel sweeps on the linearised problem go first.
 struct Crash {
   bool on = true;
   int iteration_limit = 50;
@@ -46,8 +47,9 @@ struct Nms {
   int memory = 10;
   int mstep_frequency = 10;
   double initial_reference_factor = 20;
-  int maximum_watchdogs = 5;       ///< without progress, after which D-steps are no longer taken
-  double distance_decrease = 0.5;  ///< Delta, at first the length of the first Newton step, shrinks so by a D-step
+  int maximum_watchdogs = 5;  ///< of an attempt, after which it takes no more D-steps
+  double distance_decrease =
+      0.5;  ///< a D-step shrinks Delta so; from 0 it grows to the longest step that passed the test
 };
 
 /// Newton-Robinson on the normal map with path search: PATH's algorithm (Ralph 1994; Dirkse & Ferris 1995; Ferris,
@@ -69,11 +71,11 @@ struct PathSearch {
   int chord_steps = 1;
   /// lambda to begin with, relative to the size of J; it shrinks by a factor of 10 an iteration.
   double proximal_perturbation = 0;
-  bool proximal_adaptive = true;  ///< lambda > 0 where J or the start basis is singular, or the path leads nowhere
+  bool proximal_adaptive = true;  ///< lambda > 0 where the path leads nowhere or its way gives no long step
   int gradient_step_limit = 5;    ///< projected gradient steps of the Fischer merit, where nothing else descends
-  /// Attempts after the first, of the list in ncp/README.md: other options, then other methods.
+  /// Attempts after that with these options, of the list in ncp/README.md: other options, then other methods.
   int restart_limit = 20;
-  int cumulative_iteration_limit = 1'000'000;  ///< pivots in all
+  int cumulative_iteration_limit = 1'000'000;  ///< pivots of all attempts together
   /// Iterations without 1 % less than the best merit so far, after which an attempt is given up.
   int patience = 20;
   bool preprocess = true;          ///< presolve

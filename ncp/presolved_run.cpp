@@ -1,5 +1,6 @@
 /// PathSearch on the presolved problem: the way there and back.
 #include <algorithm>
+#include <chrono>
 #include <string>
 #include <utility>
 #include <vector>
@@ -57,8 +58,7 @@ Observer in_full(const Mcp& mcp, const Presolved& pre, const Observer& observer)
   };
 }
 
-Result infeasible(const Mcp& mcp, In x0, const Presolved& pre, const Observer& observer) {
-  const Stop stop;  // Run refers to it
+Result infeasible(const Mcp& mcp, In x0, const Presolved& pre, const Stop& stop, const Observer& observer) {
   Run run(mcp, stop, observer);
   Point point;
   if (run.start(x0, point))
@@ -70,8 +70,10 @@ Result infeasible(const Mcp& mcp, In x0, const Presolved& pre, const Observer& o
 
 Result run_path(const Mcp& mcp, In x0, const PathSearch& method, const Observer& observer) {
   if (!method.preprocess) return run_attempts(mcp, x0, method, observer);
+  const auto begin = std::chrono::steady_clock::now();
+  const auto elapsed = [begin] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin); };
   const Presolved pre = presolve(mcp, lcp::project(mcp.box(), x0));
-  if (!pre.infeasible().empty()) return infeasible(mcp, x0, pre, observer);
+  if (!pre.infeasible().empty()) return infeasible(mcp, x0, pre, method.stop, observer);
   if (&pre.problem() == &mcp) return run_attempts(mcp, x0, method, observer);
 
   PathSearch reduced = method;
@@ -89,10 +91,13 @@ Result run_path(const Mcp& mcp, In x0, const PathSearch& method, const Observer&
     // What was computed afterwards amplifies the residual: the last digits are the full problem's.
     PathSearch full = method;
     full.basis = result.basis;
+    full.stop.max_iterations = std::max(0, method.stop.max_iterations - result.stats.iterations);
+    full.stop.max_time = std::max(std::chrono::duration<double>(0), method.stop.max_time - elapsed());
     const Stats before = result.stats;
     result = run_attempts(mcp, result.x, full, observer);
     result.stats += before;
   }
+  result.stats.time = elapsed();
   return result;
 }
 

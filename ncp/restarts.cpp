@@ -106,6 +106,8 @@ class Attempts {
     const double tol = std::holds_alternative<Affine>(method) ? limits.tol : method_.stop.tol;
     limits = method_.stop;
     limits.tol = tol;
+    if (auto* path = std::get_if<PathSearch>(&method))
+      path->cumulative_iteration_limit = std::max(1, method_.cumulative_iteration_limit - run.stats().pivots);
     limits.max_iterations = std::max(0, method_.stop.max_iterations - run.iterations());
     limits.max_time = std::max(std::chrono::duration<double>(0),
                                std::chrono::duration<double>(run.deadline() - std::chrono::steady_clock::now()));
@@ -120,7 +122,7 @@ class Attempts {
       counted.F_evals += F_evals;
       counted.J_evals += J_evals;
       counted.attempt = std::exchange(attempt, {});
-      if (counted.kind == 'I') counted.kind = 'R';
+      if (counted.kind == 'I' && before > 0) counted.kind = 'R';
       return observer_ ? observer_(counted) : Next::Continue;
     };
   }

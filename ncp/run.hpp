@@ -45,6 +45,7 @@ class Run {
   const Box& box() const { return mcp().box(); }
   CountedMcp& counted() { return counted_; }
   Stats& stats() { return stats_; }
+  const Stats& stats() const { return stats_; }
   int iterations() const { return stats_.iterations; }
 
   /// F and J at the projection of x0. False with the verdict made if they are not defined there.

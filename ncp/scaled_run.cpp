@@ -62,7 +62,11 @@ Result run_scaled(const Mcp& mcp, const Scaling& factors, In x0, const PathSearc
   CountedMcp guarded(mcp);
   ++result.stats.F_evals;
   result.residual = guarded.eval(result.x, result.F) ? residual(mcp.box(), result.x, result.F) : Residual{};
-  if (result.solved() && !(result.residual.natural <= method.stop.tol)) result.status = Status::NoProgress;
+  if (result.solved() && !(result.residual.natural <= method.stop.tol)) {
+    result.status = Status::NoProgress;
+    result.message = "the scaled problem was solved, but not to the tolerance of the problem itself";
+    result.advice = "scale the model, or try a larger tolerance";
+  }
   return result;
 }
 

@@ -27,6 +27,7 @@ void check_fit(const Mcp& mcp, const Method& method) {
 
 Result run(const Mcp& mcp, In x0, const Method& method, const Observer& observer) {
   return std::visit(Overloaded{[&](const SemismoothNewton& m) { return run_semismooth_newton(mcp, x0, m, observer); },
+                               [&](const MinNewton& m) { return run_min_newton(mcp, x0, m, observer); },
                                [&](const NewtonJosephy& m) { return run_newton_josephy(mcp, x0, m, observer); },
                                [&](const PathSearch& m) { return run_path(mcp, x0, m, observer); },
                                [&](const Affine& m) { return run_affine(mcp, x0, m, observer); }},
@@ -65,6 +66,10 @@ void blame_derivatives(const Mcp& mcp, Result& result) {
 
 std::string_view name(const Method& method) {
   return std::visit(Overloaded{[](const SemismoothNewton&) { return std::string_view("semismooth"); },
+                               [](const MinNewton& m) {
+                                 return m.direction == MinNewton::Direction::Newton ? std::string_view("min-newton")
+                                                                                    : std::string_view("nesqp");
+                               },
                                [](const NewtonJosephy&) { return std::string_view("josephy"); },
                                [](const PathSearch&) { return std::string_view("path"); },
                                [](const Affine& m) { return lcp::name(m.method); }},
@@ -80,10 +85,8 @@ Stop& stop(Method& method) {
 }
 
 std::optional<std::string> invalid(const Method& method) {
-  if (auto why = invalid(stop(method))) return why;
-  return std::visit(Overloaded{[](const Affine&) -> std::optional<std::string> { return std::nullopt; },
-                               [](const auto& m) { return invalid(m); }},
-                    method);
+  return std::visit(
+      Overloaded{[](const Affine& m) { return invalid(m.stop); }, [](const auto& m) { return invalid(m); }}, method);
 }
 
 Result solve(const Mcp& mcp, In x0, const Method& method, const Observer& observer) {
