@@ -151,6 +151,7 @@ Result run_semismooth_newton(const Mcp& mcp, In x0, const SemismoothNewton& meth
 }
 
 std::optional<std::string> invalid(const SemismoothNewton& m) {
+  if (auto why = invalid(m.stop)) return why;
   if (!m.cfunction.at) return "cfunction has no function";
   if (!(m.descent_rho > 0)) return refusal("descent_rho", m.descent_rho, "positive");
   if (!(m.descent_p > 2)) return refusal("descent_p", m.descent_p, "greater than 2");
