@@ -45,6 +45,7 @@ set(perp_public_headers
   ncp/result.hpp
   ncp/scaling.hpp
   ncp/semismooth_newton.hpp
+  ncp/sensitivity.hpp
   ncp/solve.hpp
   ncp/structure_report.hpp)
 foreach(header IN LISTS perp_public_headers)
