@@ -42,6 +42,31 @@ Problem geiger_kanzow(Index n);
 /// square, N x N unknowns, h = 1 / (N + 1):  v_ij >= psi  _|_  4 v_ij - its four neighbours - f h^2 >= 0. Start max(0,
 /// psi). A symmetric M-matrix: one solution. N >= 1.
 Problem obstacle_bump_own(Index N);
+
+// On the interior points (i, j) of a grid, i = 1 .. N along x (fastest), j = 1 .. M along y, zero on the boundary
+// unless said otherwise; rows times hx hy. F = A v + q, but for bratu_own; linear finite elements. 1 <= M, N <= 20000.
+
+/// A membrane between two obstacles, unit square: -Laplace v = 1, l = s^3 <= v <= s^2 + 0.2, s = sin(9.2 x) sin(9.3 y).
+/// Start max(0, l). One solution (symmetric M-matrix).
+Problem obstacle(Index M, Index N);
+/// -Laplace v = 6 exp(v), 0 <= v <= 4, unit square; start 0. No bound is active at the least solution; there are more.
+Problem bratu_own(Index M, Index N);
+/// Pressure in a journal bearing: v >= 0 _|_ -div((1 + e cos x)^3 grad v) - e sin x >= 0 on (0, 2 pi) x (0, 2 b), e =
+/// 0.1, b = 10 (MINPACK-2: Averick, Carter, More & Xue 1992, section 4.2). Start max(0, sin x). One solution.
+Problem journal_bearing(Index M, Index N);
+/// Elastic-plastic torsion: -Laplace v = 5, |v| <= distance from the boundary, unit square (MINPACK-2, section 4.1).
+/// Start at the upper bound. One solution.
+Problem torsion(Index M, Index N);
+/// American put, strike 1, sigma = 0.2, r = 0.06, one year, as one problem in space and time: implicit Euler in M
+/// steps, N prices x = log S in (-1, 1),  v_j >= max(0, 1 - e^x)  _|_  v_j + dt L v_j - v_{j-1} >= 0, L v = -sigma^2 /
+/// 2 v'' - (r - sigma^2 / 2) v' + r v, v at the ends and v_0 the payoff; rows as they stand. Start: the payoff. One
+/// solution if N >= 1 (an M-matrix, not symmetric, block triangular); v - payoff fades to 1e-8 where S > 1.
+Problem american_put_own(Index steps, Index N);
+
+/// The maker (M, N) of an entry that comes in any size, by its name; nullptr for others.
+using Maker = Problem (*)(Index, Index);
+Maker sized(std::string_view name);
+
 /// A problem of random_lcps.hpp under a name; why_none: why there is no solution, where it has a certificate.
 Problem of_random(std::string name, RandomLcp made, bool unique, std::string why_none = "");
 
