@@ -35,6 +35,7 @@ set(perp_public_headers
   ncp/ampl/model.hpp
   ncp/cfunction.hpp
   ncp/collection/collection.hpp ncp/collection/generators.hpp ncp/collection/random_lcps.hpp
+  ncp/deflation.hpp
   ncp/mcp.hpp
   ncp/newton_josephy.hpp
   ncp/observe.hpp

@@ -1,0 +1,195 @@
+#include "ncp/deflation.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+#include <stdexcept>
+
+#include "ncp/deflated_newton.hpp"
+#include "ncp/structure_report.hpp"
+
+namespace perp::ncp {
+namespace {
+
+constexpr double displacement = 0.1;      // of a start, relative to 1 + |x_i|
+constexpr double worth_polishing = 1e-3;  // natural residual of an attempt's best point
+constexpr int polish_iterations = 20;
+
+class Search {
+ public:
+  Search(const Mcp& mcp, In x0, const Method& method, const Deflation& deflation, const Observer& observer)
+      : mcp_(mcp), x0_(lcp::project(mcp.box(), x0)), stop_(stop(method)), deflation_(deflation), observer_(observer) {}
+
+  void first(Result result, std::string_view name) {
+    out_.stats += result.stats;
+    status_ = result.status;
+    out_.first = result;
+    if (result.solved()) keep(polished(std::move(result)), std::string(name));
+  }
+
+  bool enough() const { return static_cast<int>(out_.found.size()) >= deflation_.solutions; }
+
+  /// True if it found a solution that is not known.
+  bool attempt(const DeflationTry& how) {
+    ++out_.attempts;
+    const Stop limits = left(deflation_.max_iterations, stop_.tol);
+    const Observer shown = counting_on();
+    Run run(mcp_, limits, shown);
+    Point point;
+    if (run.start(start(how), point)) {
+      run.resume("deflation " + std::to_string(out_.attempts) + ": " + describe(how));
+      deflated_newton(run, how, roots_, std::move(point));
+    }
+    Result result = run.result();
+    out_.stats += result.stats;
+    status_ = result.status;
+    if (result.residual.natural > worth_polishing) return false;
+    result = polished(std::move(result));
+    if (!result.solved()) return false;
+    if (known(result.x)) {
+      ++out_.duplicates;
+      return false;
+    }
+    keep(std::move(result), describe(how));
+    return true;
+  }
+
+  /// Of the last run: ends everything.
+  bool stopped() const { return status_ == Status::Interrupted || out_.stats.time >= stop_.max_time; }
+  AllSolutions finish(std::string message) {
+    out_.message = std::move(message);
+    return std::move(out_);
+  }
+  const AllSolutions& so_far() const { return out_; }
+
+ private:
+  Stop left(int iterations, double tol) const {
+    Stop limits = stop_;
+    limits.tol = tol;
+    limits.max_iterations = iterations;
+    limits.max_time = std::max(limits.max_time - out_.stats.time, std::chrono::duration<double>(0));
+    limits.check_derivatives = false;
+    return limits;
+  }
+
+  Observer counting_on() {
+    if (!observer_) return {};
+    return [this, k = out_.stats.iterations, F = out_.stats.F_evals, J = out_.stats.J_evals](Iteration it) {
+      it.k += k;
+      it.F_evals += F;
+      it.J_evals += J;
+      return observer_(it);
+    };
+  }
+
+  /// The point where an attempt starts; no known solution, but with probability 0.
+  Vec start(const DeflationTry& how) const {
+    Vec x = how.start == DeflationStart::Solution ? roots_.back().r : x0_;
+    if (how.start == DeflationStart::Same && !known(x)) return x;
+    double generic = 0.7548776662466927 * out_.attempts;
+    for (Index i = 0; i < x.size(); ++i) {
+      generic = std::fmod(generic + 0.6180339887498949, 1.0);  // the golden ratio's fractions: no two alike
+      x[i] += displacement * (2 * generic - 1) * (1 + std::abs(x[i]));
+    }
+    return lcp::project(mcp_.box(), x);
+  }
+
+  bool known(In x) const {
+    return std::any_of(roots_.begin(), roots_.end(), [&](const DeflationOperator::Root& root) {
+      return (x - root.r).lpNorm<Eigen::Infinity>() <= deflation_.distinct * (1 + root.r.lpNorm<Eigen::Infinity>());
+    });
+  }
+
+  /// Plain semismooth Newton steps from there; what they reach if the residual is smaller.
+  Result polished(Result result) {
+    SemismoothNewton newton;
+    newton.stop = left(polish_iterations, std::min(stop_.tol, 1e-12));
+    newton.escape.rounds = 0;
+    Result polished = solve(mcp_, result.x, newton);
+    out_.stats += polished.stats;
+    if (!(polished.residual.natural < result.residual.natural)) return result;
+    result.x = polished.x;
+    result.F = polished.F;
+    result.residual = polished.residual;
+    if (!(result.residual.natural <= stop_.tol)) return result;
+    result.status = Status::Solved;
+    result.message = "solution found: the natural residual is " + number(result.residual.natural);
+    result.advice.clear();
+    return result;
+  }
+
+  void keep(Result result, std::string how) {
+    const double D = std::min(1.0, result.x.norm());
+    roots_.push_back({.r = result.x, .D = D > 0 ? D : 1});
+    SpMat J = mcp_.jacobian_pattern();
+    CountedMcp guarded(mcp_);
+    std::string singular;
+    if (guarded.jacobian(result.x, J)) singular = explain_singularity(mcp_, J, result.x, result.F);
+    ++out_.stats.J_evals;
+    out_.found.push_back({.result = std::move(result), .how = std::move(how), .singular = std::move(singular)});
+  }
+
+  const Mcp& mcp_;
+  const Vec x0_;
+  const Stop stop_;
+  const Deflation& deflation_;
+  const Observer& observer_;
+  AllSolutions out_;
+  std::vector<DeflationOperator::Root> roots_;
+  Status status_ = Status::NoProgress;
+};
+
+}  // namespace
+
+std::vector<DeflationTry> Deflation::default_tries() {
+  std::vector<DeflationTry> tries;
+  for (const DeflationStart start : {DeflationStart::Same, DeflationStart::Near, DeflationStart::Solution})
+    for (const double sigma : {1.0, 0.1, 10.0})
+      for (const bool search : {true, false}) {
+        for (const double p : {2.0, 1.0}) tries.push_back({.p = p, .sigma = sigma, .search = search, .start = start});
+        if (sigma == 1) tries.push_back({.cfunction = natural_min(), .search = search, .start = start});
+      }
+  return tries;
+}
+
+std::string describe(const DeflationTry& attempt) {
+  std::ostringstream text;
+  text << attempt.cfunction.name << ", p = " << attempt.p << ", sigma = " << attempt.sigma;
+  if (!attempt.search) text << ", full steps";
+  if (attempt.start == DeflationStart::Near) text << ", from near the start";
+  if (attempt.start == DeflationStart::Solution) text << ", from near the last solution";
+  return text.str();
+}
+
+std::optional<std::string> invalid(const Deflation& d) {
+  const auto bad = [](const char* name, double value, const char* range) {
+    return std::string(name) + " is " + number(value) + "; it must be " + range;
+  };
+  if (d.solutions < 1) return bad("solutions", d.solutions, "at least 1");
+  if (d.max_attempts < 0) return bad("max_attempts", d.max_attempts, "at least 0");
+  if (d.max_iterations < 0) return bad("max_iterations", d.max_iterations, "at least 0");
+  if (!(d.distinct > 0 && d.distinct < 1)) return bad("distinct", d.distinct, "in (0, 1)");
+  for (const DeflationTry& t : d.tries) {
+    if (!(t.p > 0) || std::isinf(t.p)) return bad("p", t.p, "positive and finite");
+    if (!(t.sigma >= 0) || std::isinf(t.sigma)) return bad("sigma", t.sigma, "at least 0 and finite");
+    if (!t.cfunction.at) return "cfunction has no function";
+  }
+  return std::nullopt;
+}
+
+AllSolutions solve_all(const Mcp& mcp, In x0, const Method& method, const Deflation& deflation,
+                       const Observer& observer) {
+  if (const auto why = invalid(deflation)) throw std::invalid_argument("deflation: " + *why);
+  Search search(mcp, x0, method, deflation, observer);
+  search.first(solve(mcp, x0, method, observer), name(method));
+  if (search.so_far().found.empty()) return search.finish("the first solve found no solution: nothing to deflate");
+  std::size_t next = 0;
+  while (!search.enough() && next < deflation.tries.size()) {
+    if (search.stopped()) return search.finish("stopped by the time limit or an interrupt");
+    if (search.so_far().attempts >= deflation.max_attempts) return search.finish("the limit of attempts was reached");
+    next = search.attempt(deflation.tries[next]) ? 0 : next + 1;
+  }
+  return search.finish(search.enough() ? "as many solutions as asked for" : "no try finds another one");
+}
+
+}  // namespace perp::ncp
