@@ -37,6 +37,7 @@ set(perp_public_headers
   ncp/collection/collection.hpp ncp/collection/generators.hpp ncp/collection/random_lcps.hpp
   ncp/deflation.hpp
   ncp/mcp.hpp
+  ncp/min_newton.hpp
   ncp/newton_josephy.hpp
   ncp/observe.hpp
   ncp/options.hpp

@@ -9,6 +9,7 @@
 namespace perp::ncp {
 
 Result run_semismooth_newton(const Mcp& mcp, In x0, const SemismoothNewton& method, const Observer& observer);
+Result run_min_newton(const Mcp& mcp, In x0, const MinNewton& method, const Observer& observer);
 Result run_newton_josephy(const Mcp& mcp, In x0, const NewtonJosephy& method, const Observer& observer);
 /// PathSearch with its presolve, on what run_attempts() does: PathSearch with its restarts.
 Result run_path(const Mcp& mcp, In x0, const PathSearch& method, const Observer& observer);
@@ -19,6 +20,7 @@ Result run_scaled(const Mcp& mcp, const Scaling& factors, In x0, const PathSearc
 
 // The loops alone, within a run that has begun: from `point` until the run ends.
 void semismooth_newton(Run& run, const SemismoothNewton& method, Point point);
+void min_newton(Run& run, const MinNewton& method, Point point);
 void newton_josephy(Run& run, const NewtonJosephy& method, Point point);
 /// One attempt, from one start with one set of options; the list of attempts is in restarts.cpp. Fills `basis` with the
 /// cells of the last linearised problem that was solved.

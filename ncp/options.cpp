@@ -24,6 +24,13 @@ std::optional<std::string> invalid(const Armijo& a) {
 std::optional<std::string> invalid(const Escape& e) {
   if (e.rounds < 0) return refusal("escape.rounds", e.rounds, "at least 0");
   if (!(e.lambda > 0) || std::isinf(e.lambda)) return refusal("escape.lambda", e.lambda, "positive and finite");
+  if (!(e.grow > 1) || std::isinf(e.grow)) return refusal("escape.grow", e.grow, "greater than 1 and finite");
+  if (!(e.shrink > 0 && e.shrink <= 1)) return refusal("escape.shrink", e.shrink, "in (0, 1]");
+  if (!(e.accept > 0 && e.accept < 1)) return refusal("escape.accept", e.accept, "in (0, 1)");
+  if (e.trial_iterations < 0) return refusal("escape.trial_iterations", e.trial_iterations, "at least 0");
+  if (!(e.perturbed_tol > 0) || std::isinf(e.perturbed_tol))
+    return refusal("escape.perturbed_tol", e.perturbed_tol, "positive and finite");
+  if (e.perturbed_iterations < 1) return refusal("escape.perturbed_iterations", e.perturbed_iterations, "at least 1");
   return std::nullopt;
 }
 

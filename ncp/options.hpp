@@ -30,11 +30,22 @@ struct Armijo {
 };
 
 /// What to do where a method is stuck (StationaryPoint, NoProgress, SubproblemFailed, EvaluationFailed on the way) at
-/// xbar: solve F(x) + lambda (x - xbar), go on from its solution, and so on, until the method reaches a solution of F
-/// from there (Billups & Ferris 1997).
+/// xbar: solve F(x) + lambda (x - xbar) loosely, move xbar to its solution, and so on, until the method goes on from
+/// there on F itself (Billups 1995; Billups & Ferris 1997). The centres xbar follow xdot = -F(x) in the box by implicit
+/// Euler steps of length 1 / lambda, uphill in the merit function if need be: out of its local minima to a solution
+/// that attracts the flow, as all do where F is monotone.
 struct Escape {
-  int rounds = 20;    ///< 0: stay stuck
-  double lambda = 2;  ///< lambda in units of sqrt(||J||_1 ||J||_inf), a bound of ||J(xbar)||_2: above 1 it is monotone
+  int rounds = 20;      ///< moves of the centre; 0: stay stuck
+  double lambda = 2;    ///< first lambda in units of sqrt(||J||_1 ||J||_inf) >= ||J(xbar)||_2: above 1 it is monotone
+  double grow = 10;     ///< lambda x grow where the perturbed problem has not been solved; > 1
+  double shrink = 0.5;  ///< lambda x shrink after a move; in (0, 1]
+  /// A centre whose natural residual is at most this part of the best point's is accepted: the method runs on from it.
+  /// In (0, 1).
+  double accept = 0.5;
+  /// From other centres the method is tried for so many iterations, and accepted likewise. 0: from accepted ones only.
+  int trial_iterations = 25;
+  double perturbed_tol = 1e-6;  ///< natural residual at which a perturbed problem is solved well enough
+  int perturbed_iterations = 60;
 };
 
 /// Why a value makes no sense, with its name, if one does not.

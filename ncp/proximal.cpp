@@ -61,17 +61,19 @@ double norm_bound(const SpMat& J) {
 /// Runs the base method within what is left of the user's limits, counting on from the runs before.
 class Rounds {
  public:
-  Rounds(const Mcp& mcp, const Method& method, Result stuck, const RunMethod& run, const Observer& observer)
-      : mcp_(mcp), method_(method), run_(run), observer_(observer), best_(std::move(stuck)) {}
+  Rounds(const Mcp& mcp, const Method& method, const Escape& escape, Result stuck, const RunMethod& run,
+         const Observer& observer)
+      : mcp_(mcp), method_(method), escape_(escape), run_(run), observer_(observer), best_(std::move(stuck)) {}
 
   const Result& best() const { return best_; }
   bool over() const { return ended_.has_value() || best_.solved(); }
 
   /// The point of F + lambda (x - center); lambda grows until it is found. False if it never is.
   bool perturbed(Vec& center, double& lambda) {
-    for (int tries = 0; tries < 4 && !over(); ++tries, lambda *= 10) {
+    for (int tries = 0; tries < 4 && !over(); ++tries, lambda *= escape_.grow) {
       const ProximalMcp problem(mcp_, lambda, center);
-      const Result r = run(problem, center, std::max(stop(method_).tol, loose_tol), perturbed_iterations, {});
+      const Result r =
+          run(problem, center, std::max(stop(method_).tol, escape_.perturbed_tol), escape_.perturbed_iterations, {});
       if (!r.solved()) continue;
       center = r.x;
       return true;
@@ -84,7 +86,7 @@ class Rounds {
     const Result r = run(mcp_, x, stop(method_).tol, iterations, [this](const Iteration& it) {
       return it.k == 0 ? Next::Continue : shown(it);  // the start of a trial is the centre shown before
     });
-    if (!r.solved() && !(r.residual.natural < 0.5 * best_.residual.natural)) return false;
+    if (!r.solved() && !(r.residual.natural <= escape_.accept * best_.residual.natural)) return false;
     if (r.solved()) {
       best_ = r;
     } else {  // the verdict stays that of the run that got stuck
@@ -114,8 +116,8 @@ class Rounds {
     return best_;
   }
 
-  /// One record for a move of the centre.
-  void show_move(const Vec& x) {
+  /// One record for a move of the centre. True if it is accepted as it is.
+  bool show_move(const Vec& x) {
     Vec F;
     CountedMcp guarded(mcp_);
     const Residual r = guarded.eval(x, F) ? residual(mcp_.box(), x, F) : Residual{};
@@ -124,6 +126,7 @@ class Rounds {
     if (shown(it) == Next::Stop)
       end({Status::Interrupted, "interrupted after " + std::to_string(stats_.iterations) + " iterations",
            "run on from the point returned"});
+    return r.natural <= escape_.accept * best_.residual.natural;
   }
 
   bool jacobian(const Vec& x, SpMat& J) {
@@ -133,12 +136,7 @@ class Rounds {
     return defined;
   }
 
-  static constexpr int trial_iterations = 25;
-
  private:
-  static constexpr double loose_tol = 1e-6;
-  static constexpr int perturbed_iterations = 60;
-
   struct Verdict {
     Status status;
     std::string message, advice;
@@ -177,6 +175,7 @@ class Rounds {
 
   const Mcp& mcp_;
   const Method& method_;
+  const Escape& escape_;
   const RunMethod& run_;
   const Observer& observer_;
   Result best_;
@@ -189,19 +188,27 @@ class Rounds {
 Result proximal_escape(const Mcp& mcp, const Method& method, const Escape& escape, Result stuck, const RunMethod& run,
                        const Observer& observer) {
   Vec center = stuck.x;
-  Rounds rounds(mcp, method, std::move(stuck), run, observer);
+  Rounds rounds(mcp, method, escape, std::move(stuck), run, observer);
   SpMat J = mcp.jacobian_pattern();
   int k = 0;
+  double lambda = 0;
   while (k < escape.rounds && !rounds.over()) {
     const Vec before = center;
-    if (!rounds.jacobian(center, J)) break;
-    double lambda = escape.lambda * std::max(norm_bound(J), 1e-3);
+    if (lambda == 0) {
+      if (!rounds.jacobian(center, J)) break;
+      lambda = escape.lambda * std::max(norm_bound(J), 1e-3);
+    }
     if (!rounds.perturbed(center, lambda)) break;
+    lambda *= escape.shrink;
     ++k;
-    rounds.show_move(center);
-    if (rounds.original(center, Rounds::trial_iterations)) {
-      if (!rounds.best().solved() && !rounds.over()) rounds.original(rounds.best().x, stop(method).max_iterations);
+    const bool good = rounds.show_move(center);
+    if (rounds.over()) break;
+    const int iterations = good ? stop(method).max_iterations : escape.trial_iterations;
+    if (iterations > 0 && rounds.original(center, iterations)) {
+      if (!good && !rounds.best().solved() && !rounds.over())
+        rounds.original(rounds.best().x, stop(method).max_iterations);
       center = rounds.best().x;
+      lambda = 0;
     }
     if ((center - before).lpNorm<Eigen::Infinity>() <= 1e-12 * (1 + before.lpNorm<Eigen::Infinity>())) break;
   }

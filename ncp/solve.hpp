@@ -7,6 +7,7 @@
 #include <variant>
 
 #include "lcp/solve.hpp"
+#include "ncp/min_newton.hpp"
 #include "ncp/newton_josephy.hpp"
 #include "ncp/observe.hpp"
 #include "ncp/options.hpp"
@@ -23,8 +24,8 @@ struct Affine {
   lcp::Method method{};
 };
 
-using Method = std::variant<SemismoothNewton, NewtonJosephy, PathSearch, Affine>;
-std::string_view name(const Method& method);  ///< "semismooth", "josephy", "path", or the name of the method of lcp/
+using Method = std::variant<SemismoothNewton, MinNewton, NewtonJosephy, PathSearch, Affine>;
+std::string_view name(const Method& method);  ///< "semismooth", "josephy", "path", ..., or that of lcp/
 /// Why the options make no sense (a tolerance that is not positive, ...), if they do not.
 std::optional<std::string> invalid(const Method& method);
 const Stop& stop(const Method& method);
