@@ -155,6 +155,23 @@ Json entry_json(const collection::Entry& entry, const collection::Problem& probl
           {"source", entry.source}};
 }
 
+void add_several(Json& json, const Report& report) {
+  const ncp::AllSolutions& all = *report.several;
+  json["solutions_complete"] = false;
+  json["solutions"] = Json::array();
+  for (const ncp::FoundSolution& f : all.found)
+    json["solutions"].push_back({{"residual", residual_json(report.mcp(), f.result.residual)},
+                                 {"found_by", f.how},
+                                 {"singular", f.singular.empty() ? Json(nullptr) : Json(f.singular)},
+                                 {"x", json_numbers(f.result.x)},
+                                 {"F", json_numbers(f.result.F)}});
+  json["deflation"] = {{"asked", *report.settings.solutions},
+                       {"attempts", all.attempts},
+                       {"duplicates", all.duplicates},
+                       {"message", all.message},
+                       {"stats", stats_json(all.stats)}};
+}
+
 }  // namespace
 
 std::string solve_json(const Report& report) {
@@ -182,6 +199,7 @@ std::string solve_json(const Report& report) {
     for (const lcp::Solution& solution : report.all_solutions->found)
       json["solutions"].push_back({{"dimension", solution.dimension}, {"x", json_numbers(solution.z)}});
   }
+  if (report.several) add_several(json, report);
   return json_text(json);
 }
 

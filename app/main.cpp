@@ -19,6 +19,7 @@
 #include "app/inspect.hpp"
 #include "app/list.hpp"
 #include "app/methods.hpp"
+#include "app/several.hpp"
 #include "app/solve.hpp"
 #include "ncp/collection/collection.hpp"
 
@@ -78,6 +79,7 @@ constexpr const char* solve_footer =
     "  perp solve M.mtx q.mtx --lower psi.mtx --method qp --solution x.mtx\n"
     "  perp solve market.nl --plot path.svg\n"
     "  perp solve market2.nl --warm-start result.json\n"
+    "  perp solve kehoe --all\n"
     "  perp solve market.nl --json - | jq .residual.natural\n"
     "\n"
     "Ctrl-C ends the run with the best point so far, which is printed and written; a second one ends the program.\n"
@@ -129,6 +131,7 @@ struct CommandLine {
   ListRequest list_request;
   std::array<std::string, shortcuts.size()> shortcut_values;
   std::string level = "info";
+  std::string all;
   bool check_derivatives = false;
   bool version = false;
 
@@ -175,6 +178,11 @@ struct CommandLine {
     solve->add_option("-o,--option", request.options, "an option of 'perp methods'; may be repeated")
         ->option_text("KEY=VALUE")
         ->allow_extra_args(false);
+    solve
+        ->add_option("--all", all,
+                     fmt::format("look for several solutions, K at most (default {}), by deflation", default_solutions))
+        ->option_text("[K]")
+        ->expected(0, 1);
     solve->add_option("--options-file", request.options_file, "options, one a line: key value")->option_text("FILE");
     solve->add_option("--solution", request.solution, "write x as a Matrix Market vector")->option_text("FILE");
     solve
@@ -217,6 +225,7 @@ struct CommandLine {
 
   void finish_solve_request() {
     solve_request.log_level = log_level(level);
+    if (solve->count("--all") > 0) solve_request.all = parse_solutions(all);
     for (std::size_t k = 0; k < shortcuts.size(); ++k)
       if (solve->count(shortcuts[k].flag) > 0)
         solve_request.flags.push_back({shortcuts[k].key, shortcut_values[k], shortcuts[k].flag});

@@ -50,6 +50,7 @@ struct Output {
 struct Settings {
   std::string method_name{default_method};
   ncp::Method method = find_method(default_method)->method;  ///< methods()' entry of that name, the options applied
+  std::optional<int> solutions{};                            ///< several, by deflation: at most so many
   Output output{};
   int sideineq = 1;  ///< 1 accept side inequalities of a model, 2 refuse it for them
   int wantsol = 1;   ///< AMPL's bits; of them 8 (do not print the message) means something

@@ -7,6 +7,7 @@
 #include <limits>
 #include <ostream>
 
+#include "app/several.hpp"
 #include "app/table.hpp"
 #include "ncp/affine.hpp"
 
@@ -102,7 +103,11 @@ Report run_method(const LoadedProblem& problem, const Settings& settings, std::o
   std::vector<ncp::Observer> observers{ncp::record(report.iterations)};
   if (log != nullptr) observers.push_back(flushed_table(*log, *problem.mcp, settings.output));
   if (observer) observers.push_back(observer);
-  report.result = ncp::solve(*problem.mcp, problem.x0, method, ncp::all(std::move(observers)));
+  const ncp::Observer shown = ncp::all(std::move(observers));
+  if (settings.solutions)
+    solve_several(report, method, shown);
+  else
+    report.result = ncp::solve(*problem.mcp, problem.x0, method, shown);
   if (const auto* affine = std::get_if<ncp::Affine>(&method))
     if (const auto* enumeration = std::get_if<lcp::Enumeration>(&affine->method);
         enumeration && report.result.solved()) {

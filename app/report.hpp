@@ -9,6 +9,7 @@
 
 #include "app/options.hpp"
 #include "app/problem.hpp"
+#include "ncp/deflation.hpp"
 #include "ncp/solve.hpp"
 
 namespace perp::app {
@@ -24,6 +25,7 @@ struct Report {
   std::optional<ncp::JacobianCheck> derivatives{};  ///< at the start, if asked for
   std::vector<std::string> notes{};
   std::optional<lcp::Solutions> all_solutions{};  ///< of method enumeration
+  std::optional<ncp::AllSolutions> several{};     ///< where settings.solutions asks for several
 
   const ncp::Mcp& mcp() const { return *problem->mcp; }
   ExitCode exit_code() const { return result.solved() ? exit_solved : exit_unsolved; }

@@ -9,6 +9,7 @@
 #include "app/json.hpp"
 #include "app/plot.hpp"
 #include "app/report.hpp"
+#include "app/several.hpp"
 #include "app/warm_start.hpp"
 #include "lcp/matrix_market.hpp"
 
@@ -84,6 +85,7 @@ Report run_and_print(const SolveRequest& request, const LoadedProblem& problem, 
       print_short_summary(log, report);
     print_remarks(log, report);
     print_all_solutions(log, report, request.full);
+    print_several(log, report, request.full);
   }
   log.flush();
   return report;
@@ -115,6 +117,7 @@ ExitCode solve(const SolveRequest& request, Streams streams, const std::atomic<b
                                           .start_at = request.start_at,
                                           .start = request.start});
     settle_auto(problem, options);
+    options.settings.solutions = request.all;
     if (!request.warm_start.empty())
       set_warm_start(read_warm_start(request.warm_start, *problem.mcp), problem, options);
     const auto* path = std::get_if<ncp::PathSearch>(&options.settings.method);

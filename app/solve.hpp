@@ -41,6 +41,7 @@ struct SolveRequest {
   std::string plot{};                   ///< where to draw the run as SVG; "" for nowhere
   std::optional<int> plot_iteration{};  ///< the iteration whose way is drawn
   std::string solution{};               ///< where to write x as a Matrix Market vector; "" for nowhere
+  std::optional<int> all{};             ///< look for several solutions, so many at most
 };
 
 /// Solves and reports. `interrupt`, when set, ends the run as Interrupted; may be null. Errors in the request are

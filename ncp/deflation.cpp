@@ -13,6 +13,7 @@ namespace {
 
 constexpr double displacement = 0.1;      // of a start, relative to 1 + |x_i|
 constexpr double worth_polishing = 1e-3;  // natural residual of an attempt's best point
+constexpr double rounding = 1e-13;
 constexpr int polish_iterations = 20;
 
 class Search {
@@ -105,17 +106,29 @@ class Search {
     SemismoothNewton newton;
     newton.stop = left(polish_iterations, std::min(stop_.tol, 1e-12));
     newton.escape.rounds = 0;
-    Result polished = solve(mcp_, result.x, newton);
+    const Result polished = solve(mcp_, result.x, newton);
     out_.stats += polished.stats;
-    if (!(polished.residual.natural < result.residual.natural)) return result;
-    result.x = polished.x;
-    result.F = polished.F;
-    result.residual = polished.residual;
-    if (!(result.residual.natural <= stop_.tol)) return result;
-    result.status = Status::Solved;
-    result.message = "solution found: the natural residual is " + number(result.residual.natural);
-    result.advice.clear();
+    if (polished.residual.natural < result.residual.natural) take(result, polished.x, polished.F, polished.residual);
+    // Entries that are off a bound by rounding alone.
+    Vec x = result.x, F(x.size());
+    for (Index i = 0; i < x.size(); ++i)
+      for (const double bound : {mcp_.box().lower[i], mcp_.box().upper[i]})
+        if (std::isfinite(bound) && std::abs(x[i] - bound) <= rounding * (1 + std::abs(bound))) x[i] = bound;
+    ++out_.stats.F_evals;
+    if (x == result.x || !mcp_.eval(x, F)) return result;
+    const Residual snapped = residual(mcp_.box(), x, F);
+    if (snapped.natural <= std::max(result.residual.natural, rounding)) take(result, x, F, snapped);
     return result;
+  }
+
+  void take(Result& result, const Vec& x, const Vec& F, const Residual& residual) const {
+    result.x = x;
+    result.F = F;
+    result.residual = residual;
+    if (!(residual.natural <= stop_.tol)) return;
+    result.status = Status::Solved;
+    result.message = "solution found: the natural residual is " + number(residual.natural);
+    result.advice.clear();
   }
 
   void keep(Result result, std::string how) {

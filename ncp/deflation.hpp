@@ -7,9 +7,10 @@
 /// on
 ///     M(x; R) Phi(x) = 0,   M(x; R) = product over r of ((D / ||x - r||)^p + sigma),
 /// Phi a reformulation by a C-function (cfunction.hpp). Its zeros are those of Phi but for R: near a regular r, Phi
-/// falls like ||x - r||, and M Phi does not vanish. sigma > 0 keeps M from vanishing far away. Only the rank-one change
-/// m = grad M / M enters: the deflated Newton step is tau d, d the plain one, tau = 1 / (1 - m'd), for one scalar
-/// product more than the plain step costs.
+/// falls like ||x - r||, and M Phi does not vanish. sigma > 0 keeps M from vanishing far away, where iterates would run
+/// to; D = min(1, ||r||) (1 if r = 0) makes "far" what it is in problems of small numbers. Only the rank-one change m =
+/// grad M / M enters: the deflated Newton step is tau d, d the plain one, tau = 1 / (1 - m'd), for one scalar product
+/// more than the plain step costs.
 ///
 /// Nothing says that all solutions are found, or even a second one: an empty-handed end is no proof of uniqueness. From
 /// a continuum of solutions points of it are found that are as far apart as `distinct` demands.
