@@ -81,8 +81,8 @@ class Table {
     else
       out_ << std::string(8, ' ');
     if (!it.crash || part_ == Part::Major) out_ << "   " << it.linear << it.kind;
-    if (it.prox > 0)
-      print(" %6.0e", it.prox);
+    if (const double prox = it.prox > 0 ? it.prox : it.mu; prox > 0)
+      print(" %6.0e", prox);
     else
       out_ << std::string(7, ' ');
     print(" %10.4e ", it.residual);
