@@ -141,7 +141,6 @@ ExitCode solve_stub(const AmplRequest& request, const Call& call, Streams stream
   for (const std::string& unknown : options.unknown) streams.err << request.program << ": warning: " << unknown << '\n';
   // Always a file, even if the collection has a problem of that name.
   const LoadedProblem problem = load_problem(call.stub.ends_with(".nl") ? call.stub : call.stub + ".nl");
-  settle_auto(problem, options);
   for (const std::string& note : options.notes) streams.err << request.program << ": note: " << note << '\n';
   const Output& output = options.settings.output;
   if (output.shows(output.options)) print_options(streams.out, options.settings);

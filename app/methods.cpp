@@ -8,24 +8,19 @@
 
 #include "app/options.hpp"
 #include "app/table.hpp"
+#include "ncp/presets.hpp"
 
 namespace perp::app {
 
 namespace {
 
 std::vector<MethodEntry> all_methods() {
-  std::vector<MethodEntry> table{
-      {"path", "Newton-Robinson with path search: PATH's algorithm, with crash, restarts and other methods at last",
-       "Ralph (1994); Dirkse & Ferris (1995); Ferris, Kanzow & Munson (1999); Munson (2000)", ncp::PathSearch{}},
-      {"semismooth", "Newton on the Fischer-Burmeister equation, safeguarded by Levenberg-Marquardt and gradient steps",
-       "De Luca, Facchinei & Kanzow, Math. Programming 75 (1996) 407", ncp::SemismoothNewton{}},
-      {"semismooth-min", "the same on the min function: fewer, cheaper steps near a solution, less global",
-       "Pang, Math. Oper. Research 15 (1990) 311", ncp::SemismoothNewton{.cfunction = ncp::natural_min()}},
-      {"josephy", "Newton on the linearised problem, solved by Lemke-type pivoting; damped",
-       "Josephy, MRC report 1965 (1979); Mathiesen, Math. Programming Study 23 (1985) 144", ncp::NewtonJosephy{}},
-  };
+  std::vector<MethodEntry> table;
+  for (const ncp::Preset& preset : ncp::presets())
+    table.push_back({preset.name, preset.what, preset.reference, preset.method});
   for (const lcp::MethodEntry& entry : lcp::methods())
-    table.push_back({entry.name, entry.what, entry.reference, ncp::Affine{.method = entry.method}});
+    if (!std::holds_alternative<lcp::Auto>(entry.method))  // auto calls it
+      table.push_back({entry.name, entry.what, entry.reference, ncp::Affine{.method = entry.method}});
   return table;
 }
 
@@ -79,8 +74,7 @@ int print_methods(Streams streams) {
   std::ostream& out = streams.out;
   out << "Methods: --method NAME\n";
   print_entries(out, false);
-  out << "\nFor affine problems, F(x) = M x + q (auto takes others as well and gives them to " << default_method
-      << "):\n";
+  out << "\nFor affine problems, F(x) = M x + q (auto chooses among them there):\n";
   print_entries(out, true);
 
   out << "\nOptions: --option key=value, a line of an options file, or an AMPL option. A key may be shortened as long "

@@ -9,14 +9,14 @@
 namespace perp::app {
 
 /// The method that runs when none is named.
-inline constexpr std::string_view default_method = "path";
+inline constexpr std::string_view default_method = "auto";
 
 struct MethodEntry {
   std::string_view name;
   std::string_view what;  ///< one line
   std::string_view reference;
   ncp::Method method;  ///< with its default options
-  /// Of lcp/: for affine problems only. (auto is for all: a nonlinear problem gets default_method.)
+  /// Of lcp/: for affine problems only.
   bool affine() const { return std::holds_alternative<ncp::Affine>(method); }
 };
 

@@ -20,10 +20,10 @@ constexpr std::array switch_choices{
     Choice{"yes", 1},         Choice{"no", 0},           Choice{"true", 1, synonym}, Choice{"false", 0, synonym},
     Choice{"on", 1, synonym}, Choice{"off", 0, synonym}, Choice{"1", 1, synonym},    Choice{"0", 0, synonym}};
 
-/// The field, if the method is PathSearch.
+/// The field, if the method is PathSearch or tries it.
 template <class Get>
 Field of_path(Settings& settings, Get get) {
-  if (auto* path = std::get_if<ncp::PathSearch>(&settings.method)) return get(*path);
+  if (ncp::PathSearch* path = ncp::path_of(settings.method)) return get(*path);
   return {};
 }
 

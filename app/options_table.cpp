@@ -49,6 +49,7 @@ Field of_method(Settings& settings, Gets... gets) {
     }
     return std::visit(find, affine->method);
   }
+  if (ncp::PathSearch* path = ncp::path_of(settings.method)) return find(*path);
   return std::visit(find, settings.method);
 }
 

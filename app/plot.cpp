@@ -361,7 +361,7 @@ std::string plot_svg(const Report& report, const std::optional<KeptWay>& way) {
                        count(report.result.stats.crash_iterations, "crash iteration"),
                        count(report.result.stats.restarts, "restart"), report.result.residual.natural));
   Progress(svg, report, way).draw();
-  if (const auto* method = std::get_if<ncp::PathSearch>(&report.settings.method); way && method != nullptr)
+  if (const ncp::PathSearch* method = ncp::path_of(report.settings.method); way && method != nullptr)
     WayPicture(svg, *method, *way).draw();
   else
     svg.text("note", {lower.left, lower.top},

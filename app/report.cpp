@@ -68,18 +68,6 @@ std::optional<std::pair<std::size_t, double>> nearest_known(const Report& report
 
 }  // namespace
 
-void settle_auto(const LoadedProblem& problem, Applied& options) {
-  const auto* affine = std::get_if<ncp::Affine>(&options.settings.method);
-  if (affine == nullptr || !std::holds_alternative<lcp::Auto>(affine->method) || problem.mcp->is_affine()) return;
-  ncp::Method chosen = find_method(default_method)->method;
-  const double tol = ncp::stop(chosen).tol;
-  ncp::stop(chosen) = affine->stop;
-  if (affine->stop.tol == ncp::Affine{}.stop.tol) ncp::stop(chosen).tol = tol;  // not given
-  options.settings.method = chosen;
-  options.settings.method_name = default_method;
-  options.notes.push_back(fmt::format("auto: the problem is nonlinear, hence {}", default_method));
-}
-
 Report run_method(const LoadedProblem& problem, const Settings& settings, std::ostream* log,
                   const std::atomic<bool>* interrupt, const ncp::Observer& observer) {
   Report report{.problem = &problem, .settings = settings};
@@ -235,7 +223,7 @@ void print_final_summary(std::ostream& out, const Report& report) {
     int count;
     bool paths;  // PathSearch alone has it
   };
-  const bool path = std::holds_alternative<ncp::PathSearch>(report.settings.method);
+  const bool path = ncp::path_of(report.settings.method) != nullptr;
   out << "Final summary\n";
   for (const auto& [what, count, paths] : {Count{"major iterations", stats.iterations, false},
                                            {"minor iterations (pivots)", stats.pivots, false},

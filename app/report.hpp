@@ -31,8 +31,6 @@ struct Report {
   ExitCode exit_code() const { return result.solved() ? exit_solved : exit_unsolved; }
 };
 
-/// Gives a nonlinear problem default_method in place of auto, with a note.
-void settle_auto(const LoadedProblem& problem, Applied& options);
 
 /// Solves; prints the tables of iterations that the settings ask for to `log` (nullptr: none). `interrupt` may be null.
 /// Throws InputError if the Jacobian was to be checked and is wrong or if side inequalities were to be refused; what

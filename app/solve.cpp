@@ -19,7 +19,6 @@ namespace {
 
 std::vector<Assignment> assignments(const SolveRequest& request) {
   std::vector<Assignment> all;
-  if (is_matrix_file(request.problem)) all.push_back({"method", "auto", "the default of matrix files"});
   if (!request.options_file.empty()) all = read_options_file(request.options_file);
   for (const std::string& option : request.options) all.push_back(parse_assignment(option, "--option"));
   all.insert(all.end(), request.flags.begin(), request.flags.end());
@@ -116,11 +115,10 @@ ExitCode solve(const SolveRequest& request, Streams streams, const std::atomic<b
                                           .upper = request.upper,
                                           .start_at = request.start_at,
                                           .start = request.start});
-    settle_auto(problem, options);
     options.settings.solutions = request.all;
     if (!request.warm_start.empty())
       set_warm_start(read_warm_start(request.warm_start, *problem.mcp), problem, options);
-    const auto* path = std::get_if<ncp::PathSearch>(&options.settings.method);
+    const ncp::PathSearch* path = ncp::path_of(options.settings.method);
     WayKeeper ways(request.plot_iteration, path != nullptr ? path->merit : ncp::PathMerit::Fischer);
     const Report report = run_and_print(request, problem, options, streams, interrupt,
                                         request.plot.empty() ? ncp::Observer{} : ways.observer());

@@ -94,7 +94,7 @@ WarmStart read_warm_start(const std::string& path, const ncp::Mcp& mcp) {
 void set_warm_start(WarmStart warm, LoadedProblem& problem, Applied& options) {
   problem.x0 = std::move(warm.x);
   if (warm.basis.empty()) return;
-  auto* path = std::get_if<ncp::PathSearch>(&options.settings.method);
+  ncp::PathSearch* path = ncp::path_of(options.settings.method);
   if (path == nullptr) {
     options.notes.push_back(fmt::format("--warm-start: method {} starts from the point alone, without the basis",
                                         options.settings.method_name));

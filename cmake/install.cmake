@@ -33,15 +33,18 @@ set(perp_public_headers
   lcp/types.hpp
   ncp/affine.hpp
   ncp/ampl/model.hpp
+  ncp/auto.hpp
   ncp/cfunction.hpp
   ncp/collection/collection.hpp ncp/collection/generators.hpp ncp/collection/random_lcps.hpp
   ncp/deflation.hpp
   ncp/mcp.hpp
   ncp/min_newton.hpp
   ncp/newton_josephy.hpp
+  ncp/newton_robinson.hpp
   ncp/observe.hpp
   ncp/options.hpp
   ncp/path_search.hpp
+  ncp/presets.hpp
   ncp/presolve.hpp
   ncp/residual.hpp
   ncp/result.hpp

@@ -14,14 +14,20 @@ Result run_newton_josephy(const Mcp& mcp, In x0, const NewtonJosephy& method, co
 /// PathSearch with its presolve, on what run_attempts() does: PathSearch with its restarts.
 Result run_path(const Mcp& mcp, In x0, const PathSearch& method, const Observer& observer);
 Result run_attempts(const Mcp& mcp, In x0, const PathSearch& method, const Observer& observer);
+Result run_newton_robinson(const Mcp& mcp, In x0, const NewtonRobinson& method, const Observer& observer);
+Result run_auto(const Mcp& mcp, In x0, const Auto& method, const Observer& observer);
 Result run_affine(const Mcp& mcp, In x0, const Affine& method, const Observer& observer);
 /// One attempt of PathSearch on the problem scaled by `factors`; the answer is judged on the problem itself.
 Result run_scaled(const Mcp& mcp, const Scaling& factors, In x0, const PathSearch& method, const Observer& observer);
+
+/// Any method, with its proximal escapes where it is stuck.
+Result run_with_escapes(const Mcp& mcp, In x0, const Method& method, const Observer& observer);
 
 // The loops alone, within a run that has begun: from `point` until the run ends.
 void semismooth_newton(Run& run, const SemismoothNewton& method, Point point);
 void min_newton(Run& run, const MinNewton& method, Point point);
 void newton_josephy(Run& run, const NewtonJosephy& method, Point point);
+void newton_robinson(Run& run, const NewtonRobinson& method, Point point);
 /// One attempt, from one start with one set of options; the list of attempts is in restarts.cpp. Fills `basis` with the
 /// cells of the last linearised problem that was solved.
 void path_search(Run& run, const PathSearch& method, Point point, std::vector<lcp::Cell>& basis);

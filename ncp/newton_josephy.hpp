@@ -9,7 +9,7 @@ namespace perp::ncp {
 struct NewtonJosephy {
   Stop stop{};
   Armijo search{};
-  Escape escape{};
+  Escape escape{.rounds = 0};
   lcp::LemkeOptions lemke{};  ///< max_pivots is for one subproblem, and at most 1000 + 20 n
 };
 

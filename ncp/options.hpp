@@ -2,6 +2,7 @@
 /// What the options of several methods share.
 #include <atomic>
 #include <chrono>
+#include <limits>
 #include <optional>
 #include <string>
 
@@ -10,8 +11,9 @@
 namespace perp::ncp {
 
 struct Stop {
-  double tol = 1e-8;         ///< on the natural residual, inf-norm, absolute
-  int max_iterations = 500;  ///< major iterations
+  double tol = 1e-8;                                  ///< on the natural residual, inf-norm, absolute
+  int max_iterations = 500;                           ///< major iterations
+  int max_F_evals = std::numeric_limits<int>::max();  ///< evaluations of F, looked at after each iteration
   std::chrono::duration<double> max_time{3600};
   /// Set by anybody: ends the solve as Interrupted, also inside a subproblem. May be null; outlives the solve.
   const std::atomic<bool>* interrupt = nullptr;

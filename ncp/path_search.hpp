@@ -2,6 +2,7 @@
 #include <vector>
 
 #include "lcp/lemke.hpp"
+#include "ncp/mcp.hpp"
 #include "ncp/options.hpp"
 
 namespace perp::ncp {

@@ -48,10 +48,10 @@ struct Attempt {
 
 class Attempts {
  public:
-  Attempts(const Mcp& mcp, const Point& start, const PathSearch& method, const Observer& observer);
+  Attempts(const Mcp& mcp, const Point& start, const PathSearch& method);
   const std::vector<Attempt>& list() const { return list_; }
   /// How many come before the one with the options given.
-  std::size_t before_restarts() const { return scaled_ ? 1 : 0; }
+  std::size_t before_restarts() const { return before_; }
   std::vector<lcp::Cell> basis;
 
  private:
@@ -79,14 +79,14 @@ class Attempts {
                        stuck.F = point.F;
                        stuck.residual = residual(run.box(), point.x, point.F);
                        run.take(proximal_escape(run.mcp(), method, Escape{.rounds = escape_rounds}, std::move(stuck),
-                                                run_once, shown(run)));
+                                                run_once, run.counting_on()));
                      }});
   }
   void add_scaled(std::string what, const Scaling& factors) {
     list_.push_back({std::move(what), false, [this, factors](Run& run, const Point& point) {
                        const Method limited = within_limits(run, method_);
                        Result scaled =
-                           run_scaled(run.mcp(), factors, point.x, std::get<PathSearch>(limited), shown(run));
+                           run_scaled(run.mcp(), factors, point.x, std::get<PathSearch>(limited), run.counting_on());
                        basis = std::move(scaled.basis);
                        run.take(scaled);
                      }});
@@ -94,7 +94,7 @@ class Attempts {
   void add_affine(std::string what) {
     list_.push_back({std::move(what), false, [this](Run& run, const Point& point) {
                        const Method method = within_limits(run, Affine{});
-                       Result linear = run_affine(run.mcp(), point.x, std::get<Affine>(method), shown(run));
+                       Result linear = run_affine(run.mcp(), point.x, std::get<Affine>(method), run.counting_on());
                        linear.stats.pivots = std::exchange(linear.stats.iterations, 1);
                        run.take(linear);
                      }});
@@ -104,39 +104,22 @@ class Attempts {
   Method within_limits(const Run& run, Method method) const {
     Stop& limits = stop(method);
     const double tol = std::holds_alternative<Affine>(method) ? limits.tol : method_.stop.tol;
-    limits = method_.stop;
+    limits = run.left();
     limits.tol = tol;
     if (auto* path = std::get_if<PathSearch>(&method))
       path->cumulative_iteration_limit = std::max(1, method_.cumulative_iteration_limit - run.stats().pivots);
-    limits.max_iterations = std::max(0, method_.stop.max_iterations - run.iterations());
-    limits.max_time = std::max(std::chrono::duration<double>(0),
-                               std::chrono::duration<double>(run.deadline() - std::chrono::steady_clock::now()));
     return method;
-  }
-  /// The user's observer, for a run of its own.
-  Observer shown(Run& run) const {
-    return [this, before = run.iterations(), F_evals = run.F_evals(), J_evals = run.J_evals(),
-            attempt = run.take_attempt()](const Iteration& it) mutable {
-      Iteration counted = it;
-      counted.k += before;
-      counted.F_evals += F_evals;
-      counted.J_evals += J_evals;
-      counted.attempt = std::exchange(attempt, {});
-      if (counted.kind == 'I' && before > 0) counted.kind = 'R';
-      return observer_ ? observer_(counted) : Next::Continue;
-    };
   }
 
   const PathSearch& method_;
-  const Observer& observer_;
   std::vector<Attempt> list_;
-  bool scaled_ = false;
+  std::size_t before_ = 0;
 };
 
-Attempts::Attempts(const Mcp& mcp, const Point& start, const PathSearch& method, const Observer& observer)
-    : method_(method), observer_(observer) {
+Attempts::Attempts(const Mcp& mcp, const Point& start, const PathSearch& method) : method_(method) {
   if (method.scaling)
     if (const Scaling factors = scaling(mcp, start.J); factors.helps()) add_scaled("rows and columns scaled", factors);
+  before_ = list_.size();
   add_path("the options given", method);
   if (mcp.is_affine()) add_affine("the best of the linear methods");
   PathSearch again = once(method);
@@ -186,7 +169,7 @@ Result run_attempts(const Mcp& mcp, In x0, const PathSearch& method, const Obser
   Run run(mcp, method.stop, observer);
   Point user;
   if (!run.start(x0, user)) return run.result();
-  Attempts attempts(mcp, user, method, observer);
+  Attempts attempts(mcp, user, method);
   std::size_t tried = 0;
   std::optional<Run::Verdict> first;
   for (const Attempt& attempt : attempts.list()) {

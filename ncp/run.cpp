@@ -146,9 +146,35 @@ void Run::end_at(Status limit) {
   else if (limit == Status::TimeLimit)
     end(limit, "the time limit of " + number(stop_.max_time.count()) + " s was reached",
         "raise the time limit, or go on from the point returned");
+  else if (stats_.iterations < stop_.max_iterations)
+    end(Status::IterationLimit, "the limit of " + std::to_string(stop_.max_F_evals) + " evaluations of F was reached",
+        "raise the limit if the residual was still falling; otherwise try another method or start");
   else
     end(Status::IterationLimit, "the limit of " + std::to_string(stop_.max_iterations) + " iterations was reached",
         "raise the limit if the residual was still falling; otherwise try another method or start");
+}
+
+Stop Run::left() const {
+  using Seconds = std::chrono::duration<double>;
+  Stop stop = stop_;
+  stop.max_iterations = std::max(0, stop_.max_iterations - iterations());
+  stop.max_F_evals = std::max(1, stop_.max_F_evals - F_evals());
+  stop.max_time = std::max(Seconds(0), Seconds(deadline_ - std::chrono::steady_clock::now()));
+  return stop;
+}
+
+Observer Run::counting_on() {
+  return [this, before = iterations(), F = F_evals(), J = J_evals(),
+          attempt = take_attempt()](const Iteration& it) mutable {
+    if (!observer_) return Next::Continue;
+    Iteration counted = it;
+    counted.k += before;
+    counted.F_evals += F;
+    counted.J_evals += J;
+    if (!attempt.empty()) counted.attempt = std::exchange(attempt, {});
+    if (counted.kind == 'I' && !counted.attempt.empty()) counted.kind = 'R';
+    return observer_(counted);
+  };
 }
 
 void Run::replace_verdict(Verdict verdict) {
@@ -163,8 +189,8 @@ void Run::take(const Result& other) {
   const bool done = other.solved() && solved(theirs);
   if (done || theirs.residual.natural < best_.residual.natural) best_ = theirs;
   if (done || other.solved()) return;
-  const bool at_limit = other.status == Status::IterationLimit && stats_.iterations >= stop_.max_iterations;
-  if (at_limit || other.status == Status::Interrupted || other.status == Status::TimeLimit)
+  if ((other.status == Status::IterationLimit && at_limit()) || other.status == Status::Interrupted ||
+      other.status == Status::TimeLimit)
     end_at(other.status);
   else  // limits of its own are no reason to stop
     end(other.status == Status::IterationLimit ? Status::NoProgress : other.status, other.message, other.advice);
@@ -196,7 +222,7 @@ bool Run::go_on(const Point& point, Iteration it) {
     end_at(Status::Interrupted);
   else if (std::chrono::steady_clock::now() >= deadline_)
     end_at(Status::TimeLimit);
-  else if (it.k >= stop_.max_iterations)
+  else if (at_limit())
     end_at(Status::IterationLimit);
   return !status_;
 }

@@ -56,6 +56,12 @@ class Run {
   /// Judges the iterate's projection onto the box, tells the observers and looks at the limits. False: the run is over,
   /// with a verdict.
   bool go_on(const Point& point, Iteration it);
+  /// Of iterations or evaluations.
+  bool at_limit() const { return iterations() >= stop_.max_iterations || F_evals() >= stop_.max_F_evals; }
+  /// What is left of the limits, for a run within this one.
+  Stop left() const;
+  /// The observer, for a run within this one: its records count on from here.
+  Observer counting_on();
   /// For subproblems: has somebody asked to stop?
   bool interrupted() const { return stop_.interrupt != nullptr && *stop_.interrupt; }
   std::chrono::steady_clock::time_point deadline() const { return deadline_; }

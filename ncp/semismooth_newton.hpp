@@ -15,7 +15,7 @@ struct SemismoothNewton {
   Armijo search{};
   double descent_rho = 1e-9;  ///< a Newton direction needs  grad psi . d <= -rho ||d||^p
   double descent_p = 2.1;
-  Escape escape{};
+  Escape escape{.rounds = 0};
   lcp::LuBackend lu = lcp::LuBackend::Umfpack;
 };
 

@@ -19,7 +19,7 @@ Overloaded(F...) -> Overloaded<F...>;
 
 /// What only the problem shows to be wrong with a method.
 void check_fit(const Mcp& mcp, const Method& method) {
-  const auto* path = std::get_if<PathSearch>(&method);
+  const PathSearch* path = path_of(method);
   if (path == nullptr || path->basis.empty() || static_cast<Index>(path->basis.size()) == mcp.size()) return;
   throw std::invalid_argument(mcp.name() + ": path: the warm start's basis has " + std::to_string(path->basis.size()) +
                               " cells, the problem " + std::to_string(mcp.size()) + " variables");
@@ -29,7 +29,9 @@ Result run(const Mcp& mcp, In x0, const Method& method, const Observer& observer
   return std::visit(Overloaded{[&](const SemismoothNewton& m) { return run_semismooth_newton(mcp, x0, m, observer); },
                                [&](const MinNewton& m) { return run_min_newton(mcp, x0, m, observer); },
                                [&](const NewtonJosephy& m) { return run_newton_josephy(mcp, x0, m, observer); },
+                               [&](const NewtonRobinson& m) { return run_newton_robinson(mcp, x0, m, observer); },
                                [&](const PathSearch& m) { return run_path(mcp, x0, m, observer); },
+                               [&](const Auto& m) { return run_auto(mcp, x0, m, observer); },
                                [&](const Affine& m) { return run_affine(mcp, x0, m, observer); }},
                     method);
 }
@@ -64,6 +66,13 @@ void blame_derivatives(const Mcp& mcp, Result& result) {
 
 }  // namespace
 
+Result run_with_escapes(const Mcp& mcp, In x0, const Method& method, const Observer& observer) {
+  Result result = run(mcp, x0, method, observer);
+  const Escape escape = escape_of(method);
+  if (!stuck(result) || escape.rounds == 0) return result;
+  return proximal_escape(mcp, method, escape, std::move(result), run, observer);
+}
+
 std::string_view name(const Method& method) {
   return std::visit(Overloaded{[](const SemismoothNewton&) { return std::string_view("semismooth"); },
                                [](const MinNewton& m) {
@@ -71,10 +80,19 @@ std::string_view name(const Method& method) {
                                                                                     : std::string_view("nesqp");
                                },
                                [](const NewtonJosephy&) { return std::string_view("josephy"); },
+                               [](const NewtonRobinson&) { return std::string_view("robinson"); },
                                [](const PathSearch&) { return std::string_view("path"); },
+                               [](const Auto&) { return std::string_view("auto"); },
                                [](const Affine& m) { return lcp::name(m.method); }},
                     method);
 }
+
+const PathSearch* path_of(const Method& method) {
+  const auto* automatic = std::get_if<Auto>(&method);
+  return automatic != nullptr ? &automatic->path : std::get_if<PathSearch>(&method);
+}
+
+PathSearch* path_of(Method& method) { return const_cast<PathSearch*>(path_of(std::as_const(method))); }
 
 const Stop& stop(const Method& method) {
   return std::visit([](const auto& m) -> const Stop& { return m.stop; }, method);
@@ -97,11 +115,8 @@ Result solve(const Mcp& mcp, In x0, const Method& method, const Observer& observ
     if (const JacobianCheck check = check_jacobian(mcp, lcp::project(mcp.box(), x0)); check.defined)
       if (const std::string mismatch = describe(mcp, check); !mismatch.empty())
         throw std::invalid_argument(mcp.name() + ": " + mismatch);
-  Result result = run(mcp, x0, method, observer);
+  Result result = run_with_escapes(mcp, x0, method, observer);
   if (std::holds_alternative<Affine>(method)) return result;
-  const Escape escape = escape_of(method);
-  if (stuck(result) && escape.rounds > 0)
-    result = proximal_escape(mcp, method, escape, std::move(result), run, observer);
   if (stuck(result) || result.status == Status::IterationLimit || result.status == Status::LinearAlgebraFailed)
     blame_derivatives(mcp, result);
   return result;

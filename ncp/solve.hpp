@@ -7,8 +7,10 @@
 #include <variant>
 
 #include "lcp/solve.hpp"
+#include "ncp/auto.hpp"
 #include "ncp/min_newton.hpp"
 #include "ncp/newton_josephy.hpp"
+#include "ncp/newton_robinson.hpp"
 #include "ncp/observe.hpp"
 #include "ncp/options.hpp"
 #include "ncp/path_search.hpp"
@@ -24,10 +26,14 @@ struct Affine {
   lcp::Method method{};
 };
 
-using Method = std::variant<SemismoothNewton, MinNewton, NewtonJosephy, PathSearch, Affine>;
+using Method =
+    std::variant<Auto, SemismoothNewton, MinNewton, NewtonJosephy, NewtonRobinson, PathSearch, Affine>;
 std::string_view name(const Method& method);  ///< "semismooth", "josephy", "path", ..., or that of lcp/
 /// Why the options make no sense (a tolerance that is not positive, ...), if they do not.
 std::optional<std::string> invalid(const Method& method);
+/// The PathSearch that the method is, or tries (Auto); nullptr otherwise.
+const PathSearch* path_of(const Method& method);
+PathSearch* path_of(Method& method);
 const Stop& stop(const Method& method);
 Stop& stop(Method& method);
 

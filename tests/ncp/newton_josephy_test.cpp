@@ -18,7 +18,7 @@ std::vector<support::NamedMethod> variants() {
   return {{"regular start", NewtonJosephy{}},
           {"ray start", NewtonJosephy{.lemke = {.start = lcp::LemkeStart::Ray}}},
           {"KLU", NewtonJosephy{.lemke = {.basis = {.lu = lcp::LuBackend::Klu}}}},
-          {"monotone search", NewtonJosephy{.search = {.memory = 1}}}};
+          {"monotone search, escapes", NewtonJosephy{.search = {.memory = 1}, .escape = Escape{}}}};
 }
 
 // Catches a method that fails on the smallest classics: subproblems without a solution at some starts, a degenerate

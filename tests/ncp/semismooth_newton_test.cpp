@@ -17,9 +17,9 @@ using support::vec;
 /// With both C-functions and the linear algebra of each library.
 std::vector<support::NamedMethod> variants() {
   return {{"Fischer-Burmeister", SemismoothNewton{}},
-          {"min", SemismoothNewton{.cfunction = natural_min()}},
+          {"min, escapes", SemismoothNewton{.cfunction = natural_min(), .escape = Escape{}}},
           {"Fischer-Burmeister, KLU", SemismoothNewton{.lu = lcp::LuBackend::Klu}},
-          {"monotone search", SemismoothNewton{.search = {.memory = 1}}}};
+          {"monotone search, escapes", SemismoothNewton{.search = {.memory = 1}, .escape = Escape{}}}};
 }
 
 // Catches a method that fails on the smallest classics: singular Jacobians at some starts, a degenerate solution.

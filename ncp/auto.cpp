@@ -1,0 +1,105 @@
+#include "ncp/auto.hpp"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "ncp/affine.hpp"
+#include "ncp/methods.hpp"
+
+namespace perp::ncp {
+namespace {
+
+struct Choice {
+  std::string label;
+  std::string why;
+  Method method;
+};
+
+std::string variables(Index n) { return std::to_string(n) + (n == 1 ? " variable" : " variables"); }
+
+/// What is tried first, and why.
+Choice first_choice(const Mcp& mcp, const Auto& method) {
+  const Index n = mcp.size();
+  if (!method.path.basis.empty()) return {"path", "a warm basis is given", method.path};
+  if (mcp.is_affine()) return {"the linear methods", "the problem is affine", Affine{}};
+  return {"path", "nonlinear, " + variables(n), method.path};
+}
+
+std::vector<Choice> choices(const Mcp& mcp, const Auto& method) {
+  std::vector<Choice> list{first_choice(mcp, method)};
+  if (!std::holds_alternative<PathSearch>(list.front().method)) list.push_back({"path", "", method.path});
+  SemismoothNewton penalised = method.semismooth;
+  penalised.cfunction = penalised_fischer_burmeister();
+  list.push_back({"semismooth on the penalised function", "", penalised});
+  SemismoothNewton escaping = method.semismooth;
+  escaping.escape = Escape{};
+  list.push_back({"semismooth with proximal escapes", "", escaping});
+  return list;
+}
+
+/// The choice's method with its part of what is left of the limits.
+Method limited(const Run& run, const Choice& choice, bool last, double scale) {
+  Method method = choice.method;
+  Stop left = run.left();
+  const auto half = [last](int what) { return last ? what : (what + 1) / 2; };
+  left.max_iterations = half(left.max_iterations);
+  left.max_F_evals = half(left.max_F_evals);
+  if (std::holds_alternative<Affine>(method)) left.tol = std::min(stop(method).tol, left.tol / scale);
+  stop(method) = left;
+  return method;
+}
+
+/// "auto chose path (nonlinear, 4 variables); tried before: ..."
+std::string account(const std::vector<Choice>& list, std::size_t tried) {
+  std::string text = "auto chose " + list.front().label + " (" + list.front().why + ")";
+  for (std::size_t i = 1; i < tried; ++i) text += (i == 1 ? ", then " : ", ") + list[i].label;
+  return text;
+}
+
+}  // namespace
+
+Result run_auto(const Mcp& mcp, In x0, const Auto& method, const Observer& observer) {
+  Stop limits = method.stop;
+  double scale = 1;
+  if (const auto affine = affine_part(mcp); affine && mcp.size() > 0) {
+    scale += affine->q.lpNorm<Eigen::Infinity>();
+    limits.tol = std::max(limits.tol, 1e-12 * scale);
+  }
+  Run run(mcp, limits, observer);
+  Point start;
+  if (!run.start(x0, start)) return run.result();
+  if (run.ended()) {
+    run.go_on(start, {.k = 0, .kind = 'I'});
+    return run.result();
+  }
+  const std::vector<Choice> list = choices(mcp, method);
+  std::vector<lcp::Cell> basis;
+  std::optional<Run::Verdict> first;
+  std::size_t tried = 0;
+  for (const Choice& choice : list) {
+    if (tried > 0) run.resume(choice.label);
+    ++tried;
+    const Observer shown = run.counting_on();
+    Result result = run_with_escapes(mcp, start.x, limited(run, choice, tried == list.size(), scale), shown);
+    if (!result.basis.empty()) basis = std::move(result.basis);
+    run.take(result);
+    if (!run.ended() || !stuck(run.status())) break;
+    if (!first || std::holds_alternative<PathSearch>(choice.method)) first = run.verdict();  // path knows most
+  }
+  if (stuck(run.status())) run.replace_verdict(*first);
+  Result result = run.result();
+  result.message += "; " + account(list, tried);
+  result.basis = std::move(basis);
+  return result;
+}
+
+std::optional<std::string> invalid(const Auto& m) {
+  if (auto why = invalid(m.stop)) return why;
+  if (auto why = invalid(m.path)) return "path." + *why;
+  if (auto why = invalid(m.semismooth)) return "semismooth." + *why;
+  return std::nullopt;
+}
+
+}  // namespace perp::ncp

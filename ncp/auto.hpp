@@ -1,0 +1,26 @@
+#pragma once
+#include "ncp/options.hpp"
+#include "ncp/path_search.hpp"
+#include "ncp/semismooth_newton.hpp"
+
+namespace perp::ncp {
+
+/// Chooses the method by size, structure and class of the problem, says in the message which and why, and goes on to
+/// others of the family where it is stuck, all within one budget of iterations, evaluations and time (Stop):
+///
+///     affine                          the linear methods (lcp::Auto, which chooses by the class of the matrix)
+///     else                            PathSearch
+///
+/// then PathSearch if it was not the first, SemismoothNewton on a penalised function, and proximal escapes.
+/// Every attempt but the last may use half of the iterations and evaluations that are left.
+///
+/// On affine problems the tolerance is not less than 1e-12 (1 + ||F(0)||_inf), which rounding leaves.
+struct Auto {
+  Stop stop{};
+  PathSearch path{};              ///< options where it is tried; stop is not used
+  SemismoothNewton semismooth{};  ///< likewise
+};
+
+std::optional<std::string> invalid(const Auto& method);
+
+}  // namespace perp::ncp

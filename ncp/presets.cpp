@@ -1,0 +1,68 @@
+#include "ncp/presets.hpp"
+
+#include <algorithm>
+#include <vector>
+
+namespace perp::ncp {
+namespace {
+
+/// Rutherford's damping: halved steps until the merit falls, no memory.
+NewtonJosephy miles() { return {.search = {.memory = 1}}; }
+
+/// Pang & Gabriel: every step descends.
+MinNewton nesqp() { return {.direction = MinNewton::Direction::ConvexQp, .search = {.memory = 1}}; }
+
+template <class M>
+M escaping(M base) {
+  base.escape = Escape{};
+  return base;
+}
+
+/// De Luca, Facchinei & Kanzow's test of a direction and of a step; the memory is that of their non-monotone variant.
+SemismoothNewton semismooth() { return {}; }
+
+std::vector<Preset> all_presets() {
+  return {
+      {"auto", "chooses by size, structure and class, goes on to others of these where it is stuck, and says what it did",
+       "ncp/auto.hpp", Auto{}},
+      {"path", "Newton-Robinson with path search: PATH's algorithm, with crash, restarts and other methods at last",
+       "Ralph (1994); Dirkse & Ferris (1995); Ferris, Kanzow & Munson (1999); Munson (2000)", PathSearch{}},
+      {"miles", "Newton-Josephy: linear complementarity problems by Lemke's method, damped",
+       "Rutherford, MILES (1993); Mathiesen, Math. Programming Study 23 (1985) 144", miles()},
+      {"nesqp", "least-squares steps on the min function from convex quadratic programs",
+       "Pang & Gabriel, Math. Programming 60 (1993) 295", nesqp()},
+      {"qpcomp", "nesqp that leaves local minima by proximal escapes",
+       "Billups & Ferris, Math. Programming 76 (1997) 533", escaping(nesqp())},
+      {"proxi", "Newton on the min function that leaves local minima by proximal escapes",
+       "Billups, PhD thesis, Wisconsin (1995)", escaping(MinNewton{})},
+      {"semismooth", "Newton on the Fischer-Burmeister equation, safeguarded by Levenberg-Marquardt and gradient steps",
+       "De Luca, Facchinei & Kanzow, Math. Programming 75 (1996) 407", semismooth()},
+      {"semicomp", "semismooth that leaves local minima by proximal escapes", "Billups, PhD thesis, Wisconsin (1995)",
+       escaping(semismooth())},
+      {"josephy", "miles with a non-monotone search and proximal escapes",
+       "Josephy, MRC report 1965 (1979); Billups & Ferris, Math. Programming 76 (1997) 533", escaping(NewtonJosephy{})},
+      {"robinson", "Newton on the normal map, undamped: full steps of josephy, for comparison",
+       "Robinson, Math. Oper. Res. 17 (1992) 691; Acary, lecture 3, (36)", NewtonRobinson{}},
+      {"newton-min", "Newton on the min function, the base of proxi", "Pang, Math. Oper. Res. 15 (1990) 311",
+       MinNewton{}},
+      {"semismooth-min", "semismooth on the min function, its steps searched on the Fischer-Burmeister merit",
+       "Pang, Math. Oper. Res. 15 (1990) 311", SemismoothNewton{.cfunction = natural_min()}},
+      {"semismooth-penalised", "semismooth on the penalised Fischer-Burmeister function",
+       "Chen, Chen & Kanzow, Math. Programming 88 (2000) 211",
+       SemismoothNewton{.cfunction = penalised_fischer_burmeister()}},
+  };
+}
+
+}  // namespace
+
+std::span<const Preset> presets() {
+  static const std::vector<Preset> table = all_presets();
+  return table;
+}
+
+const Preset* find_preset(std::string_view name) {
+  const auto found = std::ranges::find(presets(), name, &Preset::name);
+  return found == presets().end() ? nullptr : &*found;
+}
+
+}  // namespace perp::ncp
