@@ -39,6 +39,7 @@ set(perp_public_headers
   ncp/deflation.hpp
   ncp/mcp.hpp
   ncp/min_newton.hpp
+  ncp/multiroot.hpp
   ncp/newton_josephy.hpp
   ncp/newton_robinson.hpp
   ncp/observe.hpp

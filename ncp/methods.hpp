@@ -16,6 +16,7 @@ Result run_path(const Mcp& mcp, In x0, const PathSearch& method, const Observer&
 Result run_attempts(const Mcp& mcp, In x0, const PathSearch& method, const Observer& observer);
 Result run_newton_robinson(const Mcp& mcp, In x0, const NewtonRobinson& method, const Observer& observer);
 Result run_auto(const Mcp& mcp, In x0, const Auto& method, const Observer& observer);
+Result run_multiroot(const Mcp& mcp, In x0, const Multiroot& method, const Observer& observer);
 Result run_affine(const Mcp& mcp, In x0, const Affine& method, const Observer& observer);
 /// One attempt of PathSearch on the problem scaled by `factors`; the answer is judged on the problem itself.
 Result run_scaled(const Mcp& mcp, const Scaling& factors, In x0, const PathSearch& method, const Observer& observer);

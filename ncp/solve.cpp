@@ -32,6 +32,7 @@ Result run(const Mcp& mcp, In x0, const Method& method, const Observer& observer
                                [&](const NewtonRobinson& m) { return run_newton_robinson(mcp, x0, m, observer); },
                                [&](const PathSearch& m) { return run_path(mcp, x0, m, observer); },
                                [&](const Auto& m) { return run_auto(mcp, x0, m, observer); },
+                               [&](const Multiroot& m) { return run_multiroot(mcp, x0, m, observer); },
                                [&](const Affine& m) { return run_affine(mcp, x0, m, observer); }},
                     method);
 }
@@ -83,6 +84,7 @@ std::string_view name(const Method& method) {
                                [](const NewtonRobinson&) { return std::string_view("robinson"); },
                                [](const PathSearch&) { return std::string_view("path"); },
                                [](const Auto&) { return std::string_view("auto"); },
+                               [](const Multiroot& m) { return to_string(m.solver); },
                                [](const Affine& m) { return lcp::name(m.method); }},
                     method);
 }

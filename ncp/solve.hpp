@@ -9,6 +9,7 @@
 #include "lcp/solve.hpp"
 #include "ncp/auto.hpp"
 #include "ncp/min_newton.hpp"
+#include "ncp/multiroot.hpp"
 #include "ncp/newton_josephy.hpp"
 #include "ncp/newton_robinson.hpp"
 #include "ncp/observe.hpp"
@@ -27,7 +28,7 @@ struct Affine {
 };
 
 using Method =
-    std::variant<Auto, SemismoothNewton, MinNewton, NewtonJosephy, NewtonRobinson, PathSearch, Affine>;
+    std::variant<Auto, SemismoothNewton, MinNewton, NewtonJosephy, NewtonRobinson, PathSearch, Multiroot, Affine>;
 std::string_view name(const Method& method);  ///< "semismooth", "josephy", "path", ..., or that of lcp/
 /// Why the options make no sense (a tolerance that is not positive, ...), if they do not.
 std::optional<std::string> invalid(const Method& method);

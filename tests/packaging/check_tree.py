@@ -37,6 +37,7 @@ RULES = [
     ),
     (r"(.*/)?(asl|asl_pfg|asl_pfgh|nlp|nlp2|getstub|jacpdim)\.h$", ("ncp/ampl/",), "AMPL's library stays in ncp/ampl"),
     (r"(.*/)?(hdf5|H5\w*)\.h(pp)?$", ("contact/fclib.cpp",), "HDF5 stays in contact/fclib.cpp"),
+    (r"gsl/", ("ncp/multiroot.cpp", "ncp/collection/"), "GSL stays in ncp/multiroot.cpp and the collection"),
     (r"(CLI/|nlohmann/)", ("app/",), "command line and JSON stay in app"),
     (r"(.*/)?\.\./", (), "includes are written from the root of the tree"),
 ]
@@ -119,6 +120,7 @@ BAD = {  # file -> its line, one violation each
     "ncp/e.hpp": "#include <Eigen/UmfPackSupport>",
     "ncp/f.hpp": "#include <asl.h>",
     "ncp/g.hpp": "#include <nlohmann/json.hpp>",
+    "ncp/multiroot.hpp": "#include <gsl/gsl_multiroots.h>",
     "ncp/ampl/h.hpp": "#include <cholmod.h>",
     "contact/a.hpp": '#include "app/options.hpp"',
     "contact/b.hpp": "#include <hdf5.h>",
