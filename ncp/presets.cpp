@@ -50,6 +50,8 @@ std::vector<Preset> all_presets() {
       {"semismooth-penalised", "semismooth on the penalised Fischer-Burmeister function",
        "Chen, Chen & Kanzow, Math. Programming 88 (2000) 211",
        SemismoothNewton{.cfunction = penalised_fischer_burmeister()}},
+      {"gsl-hybridsj", "a baseline: GSL's dense hybrid solver on the smoothed equations, mu in stages",
+       "GNU Scientific Library manual, Multidimensional Root-Finding; Powell (1970), MINPACK hybrj", Multiroot{}},
   };
 }
 
