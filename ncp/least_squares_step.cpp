@@ -9,8 +9,8 @@
 namespace perp::ncp {
 namespace {
 
-/// M = [I -H; H' nu I], q = (H x - Phi, -nu x).
-lcp::AffineMcp conditions(const Linearisation& lin, const Box& box, const Vec& x, double nu) {
+/// M = [I -H; H' nu I], q = (-Phi, 0), everything in units of `unit`.
+lcp::AffineMcp conditions(const Linearisation& lin, const Box& box, const Vec& x, double nu, double unit) {
   const Index n = x.size();
   std::vector<Eigen::Triplet<double>> entries;
   entries.reserve(static_cast<std::size_t>(2 * (lin.H.nonZeros() + n)));
@@ -28,9 +28,9 @@ lcp::AffineMcp conditions(const Linearisation& lin, const Box& box, const Vec& x
     }
   lcp::AffineMcp problem{.M = SpMat(2 * n, 2 * n), .q = Vec(2 * n), .box = Box::free(2 * n)};
   problem.M.setFromTriplets(entries.begin(), entries.end());
-  problem.q << lin.H * x - lin.at.Phi, -nu * x;
-  problem.box.lower.tail(n) = box.lower;
-  problem.box.upper.tail(n) = box.upper;
+  problem.q << -lin.at.Phi / unit, Vec::Zero(n);
+  problem.box.lower.tail(n) = (box.lower - x) / unit;
+  problem.box.upper.tail(n) = (box.upper - x) / unit;
   return problem;
 }
 
@@ -42,9 +42,11 @@ int path_pivots(Index n) { return 50 + static_cast<int>(std::min<Index>(n, 1000)
 
 LeastSquaresStep LeastSquaresSteps::solve(const Linearisation& lin, const Vec& x, double nu) {
   const Index n = x.size();
-  const lcp::AffineMcp problem = conditions(lin, run_.box(), x, nu);
-  const auto step_to = [&](const Vec& y) {
-    LeastSquaresStep step{.end = LeastSquaresStep::End::Found, .d = lcp::project(run_.box(), y) - x};
+  const double size = lin.at.Phi.lpNorm<Eigen::Infinity>();
+  const double unit = size > 0 ? size : 1;
+  const lcp::AffineMcp problem = conditions(lin, run_.box(), x, nu, unit);
+  const auto step_along = [&](const Vec& d) {
+    LeastSquaresStep step{.end = LeastSquaresStep::End::Found, .d = lcp::project(run_.box(), x + unit * d) - x};
     step.model = lin.at.Phi.dot(lin.H * step.d);
     return step;
   };
@@ -55,23 +57,23 @@ LeastSquaresStep LeastSquaresSteps::solve(const Linearisation& lin, const Vec& x
   options.interrupted = [this] { return run_.interrupted(); };
   if (cells_.size() == static_cast<std::size_t>(2 * n)) options.cells = cells_;
   Vec start(2 * n);
-  start << lin.at.Phi, x - lin.gradient;
+  start << lin.at.Phi / unit, -lin.gradient / unit;
   const lcp::PivotResult path = lcp::lemke(problem, start, options);
   pivots_ += path.pivots;
   run_.stats().factorizations += path.refactorizations;
   if (path.solved()) {
     cells_ = path.cells;
-    return step_to(path.z.tail(n));
+    return step_along(path.z.tail(n));
   }
   cells_.clear();
 
-  start.tail(n) = x;
+  start.tail(n).setZero();
   const lcp::Limits limits{.deadline = run_.deadline(), .interrupted = [this] { return run_.interrupted(); }};
   const lcp::Result interior = lcp::interior_point(problem, start, {}, limits);
   run_.stats().factorizations += interior.factorizations;
   if (interior.status == lcp::Status::Interrupted || interior.status == lcp::Status::TimeLimit)
     return {.end = LeastSquaresStep::End::Stopped};
-  LeastSquaresStep step = step_to(interior.z.tail(n));
+  LeastSquaresStep step = step_along(interior.z.tail(n));
   if (!interior.solved()) step.end = LeastSquaresStep::End::Failed;
   return step;
 }

@@ -1,12 +1,11 @@
 #pragma once
 /// Feasible steps of least residual,
 ///     min_d  1/2 ||Phi + H d||^2 + nu/2 ||d||^2   over   l <= x + d <= u,
-/// the subproblem of NE/SQP (Pang & Gabriel 1993); private to ncp/. H'H is not formed: with r = Phi + H d and y = x + d
-/// the optimality conditions are the monotone affine MCP in (r, y)
-///     r - H y - Phi + H x = 0  (r free),    H'r + nu (y - x)  complementary to  y in [l, u],
-/// with M = [I -H; H' nu I]. Tried in turn: the Newton point H d = -Phi if nu = 0 and it is feasible (then it is the
-/// solution), Lemke's path from the last step's cells, which takes few pivots from a near point, and interior points,
-/// which take some 20 factorizations from anywhere.
+/// the subproblem of NE/SQP (Pang & Gabriel 1993); private to ncp/. H'H is not formed: with r = Phi + H d the
+/// optimality conditions are the monotone affine MCP in (r, d)
+///     r - H d - Phi = 0  (r free),    H'r + nu d  complementary to  d in [l - x, u - x],
+/// with M = [I -H; H' nu I], in units of ||Phi||_inf. Lemke's path from the last step's cells is tried first, which
+/// takes few pivots from a near point; then interior points, which take some 20 factorizations from anywhere.
 #include <vector>
 
 #include "lcp/sparse_lu.hpp"

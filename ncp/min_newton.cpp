@@ -21,6 +21,9 @@ constexpr int lm_tries = 4;
 /// A step whose model predicts less than this share of theta to go is none: the point is stationary.
 constexpr double stationary_tol = 1e-10;
 
+/// The search becomes monotone when theta has not been lower for so many iterations: with a memory it can cycle.
+constexpr int patience = 10;
+
 /// The Newton step by blocks: d_A = -Phi_A, J_II d_I = -F_I - J_IA d_A.
 class NewtonSteps {
  public:
@@ -107,6 +110,8 @@ void min_newton(Run& run, const MinNewton& method, Point point) {
   Iteration it{.k = 0, .kind = 'I'};
   it.merit = merit(min, run.box(), point.x, point.F);
   memory.push(it.merit);
+  double best = it.merit;
+  int since_best = 0;
 
   while (run.go_on(point, it)) {
     linearise(min, run.box(), point, lin);
@@ -158,7 +163,14 @@ void min_newton(Run& run, const MinNewton& method, Point point) {
     }
     it.merit = done ? found.merit : lin.merit;
     it.step = done ? found.t : 0;
-    memory.push(it.merit);
+    if (it.merit < best) {
+      best = it.merit;
+      since_best = 0;
+    }
+    if (++since_best > patience)
+      memory.reset(it.merit);
+    else
+      memory.push(it.merit);
   }
 }
 

@@ -98,7 +98,7 @@ class Rounds {
   }
 
   Result finish(int rounds) {
-    const std::string escapes = std::to_string(rounds) + " proximal escapes";
+    const std::string escapes = std::to_string(rounds) + (rounds == 1 ? " proximal escape" : " proximal escapes");
     if (best_.solved()) {
       best_.message += ", after " + escapes + " from a local minimum";
     } else {
@@ -107,7 +107,7 @@ class Rounds {
         best_.message = ended_->message;
         best_.advice = ended_->advice;
       }
-      best_.message += "; " + escapes + " have not led to a solution";
+      best_.message += "; " + escapes + (rounds == 1 ? " has" : " have") + " not led to a solution";
       if (ended_.has_value() && best_.residual.worst >= 0)
         best_.message += "; the best point is worst in equation " + mcp_.equation_name(best_.residual.worst) +
                          " of variable " + mcp_.variable_name(best_.residual.worst);
@@ -116,13 +116,16 @@ class Rounds {
     return best_;
   }
 
-  /// One record for a move of the centre. True if it is accepted as it is.
-  bool show_move(const Vec& x) {
+  /// One record for a move of the centre by this lambda. True if it is accepted as it is.
+  bool show_move(const Vec& x, double lambda, bool first) {
     Vec F;
     CountedMcp guarded(mcp_);
     const Residual r = guarded.eval(x, F) ? residual(mcp_.box(), x, F) : Residual{};
     stats_.F_evals += guarded.F_evals();
-    const Iteration it{.k = 0, .residual = r.natural, .worst = r.worst, .step = 1, .kind = 'E', .x = &x};
+    Iteration it{.k = 0, .residual = r.natural, .worst = r.worst, .step = 1, .prox = lambda, .kind = 'E'};
+    if (first) it.attempt = "proximal escape";
+    it.x = &x;
+    it.problem = &mcp_;
     if (shown(it) == Next::Stop)
       end({Status::Interrupted, "interrupted after " + std::to_string(stats_.iterations) + " iterations",
            "run on from the point returned"});
@@ -151,6 +154,7 @@ class Rounds {
     limits.tol = tol;
     const int left = limits.max_iterations - stats_.iterations;
     limits.max_iterations = std::min(iterations, left);
+    limits.max_F_evals = std::max(1, limits.max_F_evals - stats_.F_evals);
     limits.max_time -= stats_.time;
     limits.max_time = std::max(limits.max_time, std::chrono::duration<double>(0));
     Result r = run_(mcp, x, method, observer);
@@ -199,9 +203,9 @@ Result proximal_escape(const Mcp& mcp, const Method& method, const Escape& escap
       lambda = escape.lambda * std::max(norm_bound(J), 1e-3);
     }
     if (!rounds.perturbed(center, lambda)) break;
+    const bool good = rounds.show_move(center, lambda, k == 0);
     lambda *= escape.shrink;
     ++k;
-    const bool good = rounds.show_move(center);
     if (rounds.over()) break;
     const int iterations = good ? stop(method).max_iterations : escape.trial_iterations;
     if (iterations > 0 && rounds.original(center, iterations)) {

@@ -26,9 +26,14 @@ class ProximalMcp final : public Mcp {
 
 using RunMethod = std::function<Result(const Mcp&, In x0, const Method&, const Observer&)>;
 
-/// Proximal escape (Billups & Ferris 1997, QPCOMP; Billups 1995): where the base method is stuck at xbar, solve
-/// F(x) + lambda (x - xbar), move xbar to its solution, and try the base method from there; repeat. xbar follows
-/// xdot = -F(x) in the box, uphill in the merit function if need be. `stuck` is what the base method answered.
+/// Proximal escape (Billups & Ferris 1997, QPCOMP; Billups 1995, PROXI and SEMICOMP): where the base method is stuck at
+/// xbar, solve F(x) + lambda (x - xbar) by it to a loose tolerance and move xbar to the solution; where that has a
+/// natural residual of the original problem that is small enough beside the best one's, the base goes on from it, else
+/// it is tried for a few iterations; repeat. lambda shrinks after each move (xbar follows xdot = -F(x) in the box in
+/// longer and longer steps, uphill in the merit function if need be) and grows where the base does not solve the
+/// perturbed problem. `stuck` is what the base method answered. Records: one of kind E for each move, with its lambda
+/// in `prox`, and those of the base method on the problem itself; what perturbed problems take shows in the counters
+/// only.
 Result proximal_escape(const Mcp& mcp, const Method& method, const Escape& escape, Result stuck, const RunMethod& run,
                        const Observer& observer);
 
