@@ -8,6 +8,7 @@
 
 #include "ncp/ampl/model.hpp"
 #include "ncp/collection/collection.hpp"
+#include "ncp/presets.hpp"
 
 namespace perp::bench {
 
@@ -15,10 +16,6 @@ namespace {
 
 using ncp::Index;
 using ncp::Vec;
-
-std::vector<std::pair<std::string_view, ncp::Method>> methods() {
-  return {{"semismooth", ncp::SemismoothNewton{}}, {"josephy", ncp::NewtonJosephy{}}, {"path", ncp::PathSearch{}}};
-}
 
 }  // namespace
 
@@ -69,11 +66,9 @@ Case model_case(const std::string& path) {
 }
 
 ncp::Method method_called(std::string_view name) {
+  if (const ncp::Preset* preset = ncp::find_preset(name)) return preset->method;
   std::string known;
-  for (const auto& [key, method] : methods()) {
-    if (key == name) return method;
-    known.append(" ").append(key);
-  }
+  for (const ncp::Preset& preset : ncp::presets()) known.append(" ").append(preset.name);
   throw std::invalid_argument("there is no method '" + std::string(name) + "'; known:" + known);
 }
 
