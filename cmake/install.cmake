@@ -52,6 +52,8 @@ set(perp_public_headers
   ncp/scaling.hpp
   ncp/semismooth_newton.hpp
   ncp/sensitivity.hpp
+  ncp/smoothing.hpp
+  ncp/smoothing_function.hpp
   ncp/solve.hpp
   ncp/structure_report.hpp)
 foreach(header IN LISTS perp_public_headers)

@@ -199,7 +199,7 @@ CFunction min_rho_b(double rho) {
           .at = [rho](double a, double b, double ha, double hb) { return weighted_min(1, rho, a, b, ha, hb); },
           .parameter = checked("min-rho-b", {.name = "rho", .value = rho}),
           .properties = piecewise_linear(),
-          .reference = "Acary & Brogliato, Numerical Methods for Nonsmooth Dynamical Systems (2008), section 12.5"};
+          .reference = "Acary & Brogliato, Numerical Methods for Nonsmooth Dynamical Systems (Springer 2008)"};
 }
 
 CFunction min_rho_a(double rho) {
@@ -209,7 +209,7 @@ CFunction min_rho_a(double rho) {
           .at = [rho](double a, double b, double ha, double hb) { return weighted_min(rho, 1, a, b, ha, hb); },
           .parameter = checked("min-rho-a", {.name = "rho", .value = rho}),
           .properties = piecewise_linear(),
-          .reference = "Acary & Brogliato, Numerical Methods for Nonsmooth Dynamical Systems (2008), section 12.5"};
+          .reference = "Acary & Brogliato, Numerical Methods for Nonsmooth Dynamical Systems (Springer 2008)"};
 }
 
 CFunction fischer_burmeister() {
