@@ -43,7 +43,8 @@ TEST(Several, PrintsSolutionsSideBySide) {
 // Kehoe's three equilibria as JSON: each with x, F and its residual.
 TEST(Several, JsonHoldsEverySolution) {
   test::Captured captured;
-  EXPECT_EQ(solve({.problem = "kehoe", .json = "-", .all = 10}, captured.streams), exit_solved);
+  const SolveRequest request{.problem = "kehoe", .flags = {{"method", "path", "--method"}}, .json = "-", .all = 10};
+  EXPECT_EQ(solve(request, captured.streams), exit_solved);
   const json parsed = json::parse(captured.out.str());
   ASSERT_EQ(parsed["solutions"].size(), 3U);
   EXPECT_EQ(parsed["solutions_complete"], false);
@@ -62,7 +63,7 @@ TEST(Several, JsonHoldsEverySolution) {
   EXPECT_NEAR(h[0], 24.16, 0.01);
   EXPECT_NEAR(h[1], 40, 0.01);
   EXPECT_NEAR(h[2], 138.48, 0.01);
-  EXPECT_EQ(parsed["solutions"][0]["found_by"], "path");
+  EXPECT_EQ(parsed["solutions"][0]["found_by"], "auto");
   EXPECT_EQ(parsed["variables"][9]["value"], parsed["solutions"][0]["x"][9]);
 }
 
