@@ -63,7 +63,7 @@ TEST(Several, JsonHoldsEverySolution) {
   EXPECT_NEAR(h[0], 24.16, 0.01);
   EXPECT_NEAR(h[1], 40, 0.01);
   EXPECT_NEAR(h[2], 138.48, 0.01);
-  EXPECT_EQ(parsed["solutions"][0]["found_by"], "auto");
+  EXPECT_EQ(parsed["solutions"][0]["found_by"], "path");
   EXPECT_EQ(parsed["variables"][9]["value"], parsed["solutions"][0]["x"][9]);
 }
 
