@@ -4,10 +4,8 @@
 #include <cmath>
 
 namespace perp::ncp {
-namespace {
 
-/// Da + Db J in the pattern of J with its diagonal.
-void combine(const Reformulation& at, const SpMat& J, SpMat& H) {
+void assemble(const Reformulation& at, const SpMat& J, SpMat& H) {
   SpMat diagonal(J.rows(), J.cols());
   diagonal.reserve(Eigen::VectorXi::Ones(J.cols()));
   for (Index i = 0; i < J.rows(); ++i) diagonal.insert(i, i) = at.Da[i];
@@ -16,9 +14,7 @@ void combine(const Reformulation& at, const SpMat& J, SpMat& H) {
   H.makeCompressed();
 }
 
-}  // namespace
-
-void linearise(const CFunction& c, const Box& box, const Point& point, Linearisation& out) {
+void linearise(const CFunction& c, const Box& box, const Point& point, Linearisation& out, bool with_H) {
   const Index n = point.x.size();
   Vec h(n);
   double generic = 0;
@@ -28,8 +24,13 @@ void linearise(const CFunction& c, const Box& box, const Point& point, Linearisa
   }
   const Vec Jh = point.J * h;
   reformulate(c, box, point.x, point.F, h, Jh, out.at);
-  combine(out.at, point.J, out.H);
-  out.gradient = out.H.transpose() * out.at.Phi;
+  if (with_H) {
+    assemble(out.at, point.J, out.H);
+    out.gradient = out.H.transpose() * out.at.Phi;
+  } else {
+    out.H = SpMat();
+    out.gradient = out.at.Da.cwiseProduct(out.at.Phi) + point.J.transpose() * out.at.Db.cwiseProduct(out.at.Phi);
+  }
   out.merit = 0.5 * out.at.Phi.squaredNorm();
   out.stationarity = 0;
   for (Index j = 0; j < n; ++j) {

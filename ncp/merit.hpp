@@ -10,7 +10,7 @@ namespace perp::ncp {
 /// Phi, H = Da + Db J and H'Phi at a point.
 struct Linearisation {
   Reformulation at;
-  SpMat H;
+  SpMat H;  ///< empty if it was not asked for
   Vec gradient;
   double merit = 0;
   /// max_j |gradient_j| / sum_i (|Da_j| [i = j] + |Db_i J_ij|) |Phi_i|: 0 at stationary points, 1 without cancellation.
@@ -20,7 +20,9 @@ struct Linearisation {
 };
 /// At kinks the element of the B-subdifferential is the one along a generic h > 0: x + s h meets no kink for small s >
 /// 0 (De Luca, Facchinei & Kanzow 1996, section 7, with h_i = 1 at degenerate indices).
-void linearise(const CFunction& c, const Box& box, const Point& point, Linearisation& out);
+void linearise(const CFunction& c, const Box& box, const Point& point, Linearisation& out, bool with_H = true);
+/// Da + Db J in the pattern of J with its diagonal.
+void assemble(const Reformulation& at, const SpMat& J, SpMat& H);
 
 double merit(const CFunction& c, const Box& box, In x, In F);
 

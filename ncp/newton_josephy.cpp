@@ -3,6 +3,8 @@
 #include <string>
 #include <utility>
 
+#include "lcp/bound_qp.hpp"
+#include "lcp/krylov.hpp"
 #include "ncp/merit.hpp"
 #include "ncp/methods.hpp"
 #include "ncp/newton_point.hpp"
@@ -22,12 +24,20 @@ constexpr double partial_path = 0.1;
 struct Step {
   lcp::PivotResult path;
   double lambda = 0;
+  bool qp = false;
 };
+
+/// Auto: pivoting solves smaller problems in milliseconds.
+constexpr Index pivoting_to = 2000;
 
 /// Solves subproblems of one run: from the cells the last one ended in, then from a ray, then with a proximal term.
 class Subproblems {
  public:
-  Subproblems(Run& run, const NewtonJosephy& method) : run_(run), options_(method.lemke) {
+  Subproblems(Run& run, const NewtonJosephy& method)
+      : run_(run),
+        options_(method.lemke),
+        qp_(method.subproblem == Subproblem::Qp ||
+            (method.subproblem == Subproblem::Auto && run.box().size() > pivoting_to)) {
     options_.interrupted = [&run] { return run.interrupted(); };
     options_.deadline = run.deadline();
     options_.max_pivots = std::min(options_.max_pivots, worthwhile_pivots(run.box().size()));
@@ -37,6 +47,11 @@ class Subproblems {
   /// vectors. Not solved: the path from `start`, for the points on a path from a ray say nothing of the way from z^k.
   Step solve(const Point& point, const Vec& start, double lambda) {
     const lcp::AffineMcp problem = linearised(run_.box(), point, lambda);
+    if (qp_ && lcp::symmetric(problem.M)) {
+      Step by_qp{.path = quadratic(problem, point.x), .lambda = lambda, .qp = true};
+      nested_ = false;
+      if (by_qp.path.solved() || stopped(by_qp.path)) return by_qp;
+    }
     Step step{.path = follow(problem, start, options_.start, options_.seed), .lambda = lambda};
     const lcp::Cover asked_for = options_.cover;
     for (std::size_t i = 0; i <= covers.size() && !step.path.solved() && !stopped(step.path); ++i) {
@@ -49,10 +64,17 @@ class Subproblems {
     return step;
   }
 
+  /// The linearised problem with J of another point, by bound_qp. Not solved: the answer has no z.
+  lcp::PivotResult chord(const Point& point, const SpMat& J) {
+    return quadratic({.M = J, .q = point.F - J * point.x, .box = run_.box()}, point.x);
+  }
+
   static bool stopped(const lcp::PivotResult& path) {
     return path.end == lcp::PivotEnd::Interrupted || path.end == lcp::PivotEnd::TimeLimit;
   }
 
+  /// Whether quadratic programs are tried first.
+  bool by_qp() const { return qp_; }
   int take_pivots() { return std::exchange(pivots_, 0); }
 
  private:
@@ -66,10 +88,50 @@ class Subproblems {
     return path;
   }
 
+  lcp::PivotResult quadratic(const lcp::AffineMcp& problem, In z) {
+    const lcp::Limits limits{
+        .tol = options_.residual_tol, .deadline = options_.deadline, .interrupted = options_.interrupted};
+    const lcp::Result found = lcp::bound_qp(problem, z, {.nested = nested_}, limits);
+    run_.stats().factorizations += found.factorizations;
+    pivots_ += static_cast<int>(found.iterations);
+    lcp::PivotResult path;
+    if (found.status == lcp::Status::Interrupted) path.end = lcp::PivotEnd::Interrupted;
+    if (found.status == lcp::Status::TimeLimit) path.end = lcp::PivotEnd::TimeLimit;
+    if (!found.solved()) return path;
+    path.end = lcp::PivotEnd::Solved;
+    path.z = found.z;
+    path.x = normal_point(problem.box, found.z, problem.M * found.z + problem.q);
+    path.t = path.best_t = 1;
+    return path;
+  }
+
   Run& run_;
   lcp::LemkeOptions options_;
+  bool qp_;
+  bool nested_ = true;  // coarse grids give the first start; later ones are near already
   int pivots_ = 0;
 };
+
+/// Chord steps from the point of a full step, with the Jacobian of the point before.
+void chords(Run& run, const NewtonJosephy& method, Subproblems& subproblems, const SpMat& J, Point& point,
+            double& psi) {
+  constexpr double keep = 0.25;  // half of the norm
+  const CFunction fb = fischer_burmeister();
+  Point trial{.x = {}, .F = {}, .J = point.J};
+  for (int k = 0; k < method.chord_steps; ++k) {
+    // Where the next point is judged solved there is nothing to gain.
+    if (residual(run.box(), point.x, point.F).natural <= method.stop.tol) break;
+    const lcp::PivotResult path = subproblems.chord(point, J);
+    if (!path.solved()) break;
+    trial.x = path.z;
+    if (!run.counted().eval(trial.x, trial.F)) break;
+    const double merit_there = merit(fb, run.box(), trial.x, trial.F);
+    if (!(merit_there <= keep * psi) || !run.counted().jacobian(trial.x, trial.J)) break;
+    std::swap(point, trial);
+    psi = merit_there;
+    ++run.stats().chord_steps;
+  }
+}
 
 }  // namespace
 
@@ -95,6 +157,7 @@ void newton_josephy(Run& run, const NewtonJosephy& method, Point point) {
     int undefined = 0;
     SearchOutcome found;
     Step step;
+    const SpMat before = method.chord_steps > 0 && subproblems.by_qp() ? point.J : SpMat();
     double lambda = 0;
     for (int i = 0; i <= prox_tries && !found.found; ++i) {
       step = subproblems.solve(point, start, lambda);
@@ -108,11 +171,13 @@ void newton_josephy(Run& run, const NewtonJosephy& method, Point point) {
         found = line_search(run, fb, method.search, d, slope, memory.reference(), true, point);
         it.backtracks += found.backtracks;
         undefined += found.undefined;
+        it.linear = step.qp ? 'Q' : ' ';
         it.kind = solved ? (lambda > 0 ? 'P' : 'N') : 'R';
       }
       it.prox = lambda;
       lambda = lambda > 0 ? prox_growth * lambda : prox_first * size_of(point.J);
     }
+    if (found.found && found.t == 1 && step.qp) chords(run, method, subproblems, before, point, found.merit);
     it.pivots = subproblems.take_pivots();
     const bool stopped = Subproblems::stopped(step.path);
     bool full_step = found.found && found.t == 1 && step.path.solved();
@@ -141,7 +206,7 @@ void newton_josephy(Run& run, const NewtonJosephy& method, Point point) {
     it.merit = found.found ? found.merit : descent.merit;
     it.step = found.t;
     memory.push(it.merit);
-    start = full_step ? step.path.x : normal_point(run.box(), point.x, point.F);
+    start = full_step && !step.qp ? step.path.x : normal_point(run.box(), point.x, point.F);
   }
 }
 
@@ -156,6 +221,7 @@ std::optional<std::string> invalid(const NewtonJosephy& m) {
   if (auto why = invalid(m.stop)) return why;
   if (auto why = invalid(m.search)) return why;
   if (auto why = invalid(m.escape)) return why;
+  if (m.chord_steps < 0) return refusal("chord_steps", m.chord_steps, "at least 0");
   return invalid(m.lemke);
 }
 

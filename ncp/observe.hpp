@@ -38,6 +38,8 @@ struct Iteration {
   /// gradient, R restart.
   char kind = ' ';
   /// PathSearch, the linear problem: S solved, R ray, C cycle, N singular, I pivot limit, T inaccurate, E other.
+  /// SemismoothNewton: K solved by the Krylov method, D by LU where that had failed. NewtonJosephy: Q solved as a
+  /// quadratic program.
   char linear = ' ';
   bool crash = false;             ///< the start of a crash or one of its steps, which are no major iterations
   Index changes = -1;             ///< crash: variables that came to a bound or left it since the last step

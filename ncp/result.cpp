@@ -35,10 +35,11 @@ std::string_view to_string(Status status) {
 }
 
 Stats& Stats::operator+=(const Stats& other) {
-  for (int Stats::*count : {&Stats::iterations, &Stats::crash_iterations, &Stats::F_evals, &Stats::J_evals,
-                            &Stats::factorizations, &Stats::pivots, &Stats::presolved, &Stats::restarts,
-                            &Stats::gradient_steps, &Stats::watchdogs, &Stats::unchecked_steps, &Stats::chord_steps,
-                            &Stats::backtracks, &Stats::ray_starts, &Stats::rank_deficient, &Stats::proximal_steps})
+  for (int Stats::*count :
+       {&Stats::iterations, &Stats::crash_iterations, &Stats::F_evals, &Stats::J_evals, &Stats::factorizations,
+        &Stats::krylov_iterations, &Stats::pivots, &Stats::presolved, &Stats::restarts, &Stats::gradient_steps,
+        &Stats::watchdogs, &Stats::unchecked_steps, &Stats::chord_steps, &Stats::backtracks, &Stats::ray_starts,
+        &Stats::rank_deficient, &Stats::proximal_steps})
     this->*count += other.*count;
   linear_time += other.linear_time;
   time += other.time;

@@ -35,6 +35,7 @@ struct Stats {
   int F_evals = 0;
   int J_evals = 0;
   int factorizations = 0;
+  int krylov_iterations = 0;  ///< of inexactly solved systems
   int pivots = 0;     ///< minor iterations
   int presolved = 0;  ///< pairs that presolve took out
   int restarts = 0;   ///< attempts after the first

@@ -183,6 +183,10 @@ void Run::replace_verdict(Verdict verdict) {
   advice_ = std::move(verdict.advice);
 }
 
+void Run::remark(const std::string& text) {
+  if (!text.empty()) message_ += "; " + text;
+}
+
 void Run::take(const Result& other) {
   stats_ += other.stats;
   Judged theirs{.x = other.x, .F = other.F, .residual = other.residual};

@@ -84,6 +84,8 @@ class Run {
   std::string take_attempt() { return std::exchange(attempt_, {}); }
   int F_evals() const { return stats_.F_evals + counted_.F_evals(); }
   int J_evals() const { return stats_.J_evals + counted_.J_evals(); }
+  /// For the end of the message, whatever the verdict; nothing if empty.
+  void remark(const std::string& text);
   /// Another run's outcome on the same problem: its statistics, its point if it is better, its verdict.
   void take(const Result& other);
   /// The best point of the box so far, with F there.

@@ -1,83 +1,98 @@
+#include <Eigen/QR>
 #include <cmath>
 #include <string>
 #include <utility>
 
 #include "ncp/merit.hpp"
 #include "ncp/methods.hpp"
+#include "ncp/newton_direction.hpp"
 #include "ncp/refusal.hpp"
 
 namespace perp::ncp {
 namespace {
 
-struct Direction {
-  Vec d;
-  char kind = 'N';
-  double nu = 0;
-};
-
-/// The directions of one iteration, from the fastest to the safest: Newton, Levenberg-Marquardt with growing nu,
-/// gradient.
-class Directions {
- public:
-  Directions(Run& run, const SemismoothNewton& method) : run_(run), method_(method), lu_(method.lu), lm_(method.lu) {}
-
-  /// H d = -Phi.
-  bool newton(const Linearisation& lin, Direction& out) {
-    ++run_.stats().factorizations;
-    if (lu_.factor(lin.H) != lcp::LuStatus::Ok) return false;
-    out = {.d = Vec(lin.at.Phi.size()), .kind = 'N', .nu = 0};
-    lu_.solve(-lin.at.Phi, out.d);
-    return out.d.allFinite();
-  }
-
-  /// (H'H + nu I) d = -H'Phi, as the quasi-definite system  [I H; H' -nu I] (r; d) = (-Phi; 0), which does not square
-  /// H.
-  bool levenberg_marquardt(const Linearisation& lin, double nu, Direction& out) {
-    const Index n = lin.at.Phi.size();
-    std::vector<Eigen::Triplet<double>> entries;
-    entries.reserve(static_cast<std::size_t>(2 * (lin.H.nonZeros() + n)));
-    for (int i = 0; i < n; ++i) {
-      entries.emplace_back(i, i, 1);
-      entries.emplace_back(static_cast<int>(n) + i, static_cast<int>(n) + i, -nu);
-    }
-    for (Index j = 0; j < n; ++j)
-      for (SpMat::InnerIterator it(lin.H, j); it; ++it) {
-        const int i = static_cast<int>(it.row());
-        const int column = static_cast<int>(n + j);
-        entries.emplace_back(i, column, it.value());
-        entries.emplace_back(column, i, it.value());
-      }
-    SpMat K(2 * n, 2 * n);
-    K.setFromTriplets(entries.begin(), entries.end());
-    ++run_.stats().factorizations;
-    if (lm_.factor(K) != lcp::LuStatus::Ok) return false;
-    Vec rhs = Vec::Zero(2 * n);
-    rhs.head(n) = -lin.at.Phi;
-    Vec solution(2 * n);
-    lm_.solve_refined(rhs, solution);
-    out = {.d = solution.tail(n), .kind = 'L', .nu = nu};
-    return out.d.allFinite();
-  }
-
-  static Direction gradient(const Linearisation& lin) { return {.d = lin.cauchy_step(), .kind = 'G', .nu = 0}; }
-
-  bool descends(const Vec& gradient, const Vec& d) const {
-    return gradient.dot(d) <= -method_.descent_rho * std::pow(d.norm(), method_.descent_p);
-  }
-
- private:
-  Run& run_;
-  const SemismoothNewton& method_;
-  lcp::SparseLu lu_, lm_;
-};
-
-/// nu of the Levenberg-Marquardt steps tried in turn, relative to the size of H'H: ||Phi|| keeps fast local
-/// convergence.
+/// nu of the Levenberg-Marquardt steps tried in turn.
 constexpr double lm_growth = 1e3;
 constexpr int lm_tries = 4;
 
 /// A gradient smaller than this, relative to the terms it is the sum of, is zero.
 constexpr double stationary_tol = 1e-9;
+
+/// After a full Newton step: x+ = x + d with H d = -Phi(x), H that of the Newton step, with Anderson's acceleration: of
+/// the last steps dX and the changes dD of d between them, the combination that d is nearest to is taken away.
+class ChordSteps {
+ public:
+  ChordSteps(Run& run, const SemismoothNewton& method, const CFunction& smooth, Directions& directions)
+      : run_(run), method_(method), smooth_(smooth), directions_(directions) {}
+
+  /// False where none was of use in the last two iterations: the function bends at its kinks, not smoothly.
+  bool worthwhile() const { return method_.forcing.chord_steps > 0 && idle_ < 2; }
+
+  /// Moves the point on while ||Phi|| halves; its J is that of the last point accepted, unless that is a solution.
+  void run(Point& point, double& psi) {
+    Eigen::MatrixXd dX(point.x.size(), 0);
+    Eigen::MatrixXd dD(point.x.size(), 0);
+    Vec Phi(point.x.size());
+    Vec last_d;
+    Vec last_x;
+    const Vec begin_x = point.x;
+    const Vec begin_F = point.F;
+    const double begin_psi = psi;
+    bool moved = false;
+    Point trial{.x = {}, .F = {}, .J = {}};
+    for (int k = 0; k < method_.forcing.chord_steps && !solved(point); ++k) {
+      reformulate(method_.cfunction, run_.box(), point.x, point.F, Phi);
+      Vec d;
+      if (!directions_.chord(Phi, d)) break;
+      Vec step = d;
+      if (k > 0) {
+        append(dX, point.x - last_x);
+        append(dD, d - last_d);
+        const Vec gamma = dD.colPivHouseholderQr().solve(d);
+        if (gamma.allFinite()) step -= (dX + dD) * gamma;
+      }
+      trial.x = point.x + step;
+      if (!run_.counted().eval(trial.x, trial.F)) break;
+      const double there = merit(smooth_, run_.box(), trial.x, trial.F);
+      if (!(there <= 0.25 * psi)) break;
+      last_d = std::move(d);
+      last_x = point.x;
+      std::swap(point.x, trial.x);
+      std::swap(point.F, trial.F);
+      psi = there;
+      moved = true;
+      ++run_.stats().chord_steps;
+    }
+    idle_ = moved ? 0 : idle_ + 1;
+    if (!moved || solved(point)) return;
+    trial.J = point.J;
+    if (run_.counted().jacobian(point.x, trial.J)) {
+      std::swap(point.J, trial.J);
+      return;
+    }
+    point.x = begin_x;
+    point.F = begin_F;
+    psi = begin_psi;
+  }
+
+ private:
+  bool solved(const Point& point) const {
+    return (point.x - lcp::project(run_.box(), point.x - point.F)).lpNorm<Eigen::Infinity>() <= method_.stop.tol &&
+           lcp::project(run_.box(), point.x) == point.x;
+  }
+  static void append(Eigen::MatrixXd& columns, const Vec& column) {
+    constexpr Index depth = 4;
+    if (columns.cols() == depth) columns.leftCols(depth - 1) = columns.rightCols(depth - 1).eval();
+    if (columns.cols() < depth) columns.conservativeResize(Eigen::NoChange, columns.cols() + 1);
+    columns.rightCols(1) = column;
+  }
+
+  Run& run_;
+  const SemismoothNewton& method_;
+  const CFunction& smooth_;
+  Directions& directions_;
+  int idle_ = 0;
+};
 
 }  // namespace
 
@@ -85,8 +100,9 @@ void semismooth_newton(Run& run, const SemismoothNewton& method, Point point) {
   // min's own 1/2 ||Phi||^2 is not differentiable: its steps are searched on the Fischer-Burmeister merit.
   const CFunction smooth = method.cfunction.smooth_merit ? method.cfunction : fischer_burmeister();
   Linearisation newton;
-  Linearisation descent;
+  Linearisation other;
   Directions directions(run, method);
+  ChordSteps chords(run, method, smooth, directions);
   Memory memory(method.search.memory);
   Stall stall;
   Iteration it{.k = 0, .kind = 'I'};
@@ -94,11 +110,9 @@ void semismooth_newton(Run& run, const SemismoothNewton& method, Point point) {
   memory.push(it.merit);
 
   while (run.go_on(point, it)) {
-    linearise(method.cfunction, run.box(), point, newton);
-    if (method.cfunction.smooth_merit)
-      descent = newton;
-    else
-      linearise(smooth, run.box(), point, descent);
+    linearise(method.cfunction, run.box(), point, newton, !directions.krylov());
+    if (!method.cfunction.smooth_merit) linearise(smooth, run.box(), point, other, !directions.krylov());
+    const Linearisation& descent = method.cfunction.smooth_merit ? newton : other;
     const Vec& g = descent.gradient;
     if (const bool stationary = descent.stationarity <= stationary_tol; stationary || stall.stalled(descent.merit)) {
       run.end(stationary ? Status::StationaryPoint : Status::NoProgress,
@@ -120,15 +134,19 @@ void semismooth_newton(Run& run, const SemismoothNewton& method, Point point) {
       undefined += found.undefined;
       it.kind = direction.kind;
       it.prox = direction.nu;
+      it.linear = direction.linear;
       return found.found;
     };
     Direction direction;
-    bool done = directions.newton(newton, direction) && directions.descends(g, direction.d) && search(direction);
-    double nu = std::min(1.0, descent.at.Phi.norm()) *
-                std::max(1e-8, 1e-6 * descent.H.squaredNorm() / static_cast<double>(point.x.size()));
+    const auto descends = [&](const Vec& d) {
+      return g.dot(d) <= -method.descent_rho * std::pow(d.norm(), method.descent_p);
+    };
+    bool done = directions.newton(newton, point, descends, direction) && search(direction);
+    double nu = directions.first_nu(descent, point);
     for (int i = 0; i < lm_tries && !done; ++i, nu *= lm_growth)
-      done = directions.levenberg_marquardt(descent, nu, direction) && g.dot(direction.d) < 0 && search(direction);
-    if (!done) done = search(Directions::gradient(descent));
+      done =
+          directions.levenberg_marquardt(descent, point, nu, direction) && g.dot(direction.d) < 0 && search(direction);
+    if (!done) done = search(directions.gradient(descent, point));
     if (!done) {
       const bool nowhere = undefined > 0 && undefined == it.backtracks;
       run.end(nowhere ? Status::EvaluationFailed : Status::NoProgress,
@@ -137,10 +155,13 @@ void semismooth_newton(Run& run, const SemismoothNewton& method, Point point) {
               "try another start or method; check the derivatives (--check-derivatives)");
       break;
     }
+    if (direction.linear == 'K' && direction.kind == 'N' && found.t == 1 && chords.worthwhile())
+      chords.run(point, found.merit);
     it.merit = found.merit;
     it.step = found.t;
     memory.push(it.merit);
   }
+  run.remark(directions.remark());
 }
 
 Result run_semismooth_newton(const Mcp& mcp, In x0, const SemismoothNewton& method, const Observer& observer) {
@@ -155,8 +176,18 @@ std::optional<std::string> invalid(const SemismoothNewton& m) {
   if (!m.cfunction.at) return "cfunction has no function";
   if (!(m.descent_rho > 0)) return refusal("descent_rho", m.descent_rho, "positive");
   if (!(m.descent_p > 2)) return refusal("descent_p", m.descent_p, "greater than 2");
+  if (auto why = invalid(m.forcing)) return why;
   if (auto why = invalid(m.escape)) return why;
   return invalid(m.search);
+}
+
+std::optional<std::string> invalid(const Forcing& f) {
+  if (!(f.eta_max > 0 && f.eta_max < 1)) return refusal("forcing.eta_max", f.eta_max, "in (0, 1)");
+  if (!(f.gamma > 0 && f.gamma <= 1)) return refusal("forcing.gamma", f.gamma, "in (0, 1]");
+  if (!(f.alpha > 1 && f.alpha <= 2)) return refusal("forcing.alpha", f.alpha, "in (1, 2]");
+  if (f.max_iterations < 1) return refusal("forcing.max_iterations", f.max_iterations, "at least 1");
+  if (f.chord_steps < 0) return refusal("forcing.chord_steps", f.chord_steps, "at least 0");
+  return std::nullopt;
 }
 
 }  // namespace perp::ncp

@@ -219,7 +219,8 @@ TEST(Status, InterruptedInTheMiddleOfASubproblem) {
     std::this_thread::sleep_for(100ms);
     flag = true;
   });
-  const Result result = solve(*mcp, Vec::Zero(10000), NewtonJosephy{.stop = {.interrupt = &flag}});
+  const Result result =
+      solve(*mcp, Vec::Zero(10000), NewtonJosephy{.stop = {.interrupt = &flag}, .subproblem = Subproblem::Lemke});
   EXPECT_EQ(result.status, Status::Interrupted) << result;
   EXPECT_EQ(result.stats.F_evals, 1);
   EXPECT_EQ(result.x, lcp::project(mcp->box(), Vec::Zero(10000)));
@@ -228,7 +229,8 @@ TEST(Status, InterruptedInTheMiddleOfASubproblem) {
 TEST(Status, TimeLimitInTheMiddleOfASubproblem) {
   std::atomic<bool> entered = false;
   const auto mcp = make_mcp(long_subproblem(entered));
-  const Result result = solve(*mcp, Vec::Zero(10000), NewtonJosephy{.stop = {.max_time = 150ms}});
+  const Result result =
+      solve(*mcp, Vec::Zero(10000), NewtonJosephy{.stop = {.max_time = 150ms}, .subproblem = Subproblem::Lemke});
   EXPECT_EQ(result.status, Status::TimeLimit) << result;
   EXPECT_EQ(result.stats.F_evals, 1);
 }
