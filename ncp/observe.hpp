@@ -32,7 +32,7 @@ struct Iteration {
   int backtracks = 0;   ///< of this iteration
   int F_evals = 0;      ///< so far
   int J_evals = 0;      ///< so far
-  /// Of the step: I start, N Newton, L Levenberg-Marquardt, G gradient, P proximal, R partial path (NewtonJosephy), E
+  /// Of the step: I start, N Newton, Q convex QP, L Levenberg-Marquardt, G gradient, P proximal, R partial path (NewtonJosephy), E
   /// proximal escape, A a linear method. Smoothing: H predictor, S Newton on the active set, U mu raised. PathSearch: C
   /// crash; a Newton point accepted by O distance and merit, M merit, D distance; B backtracked, W watchdog, G
   /// gradient, R restart.
