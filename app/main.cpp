@@ -16,6 +16,7 @@
 #include <iostream>
 
 #include "app/ampl_driver.hpp"
+#include "app/cfunctions.hpp"
 #include "app/inspect.hpp"
 #include "app/list.hpp"
 #include "app/methods.hpp"
@@ -65,6 +66,7 @@ constexpr const char* main_footer =
     "  perp inspect market.nl           size, structure, scaling, the start, derivatives: without solving\n"
     "  perp list                        what the collection has\n"
     "  perp methods                     the methods and their options\n"
+    "  perp cfunctions                  the complementarity functions and smoothings they are built on\n"
     "  perp market -AMPL tol=1e-10      as AMPL calls a solver: reads market.nl, writes market.sol\n"
     "\n"
     "Exit codes: 0 solved, 1 not solved, 2 wrong usage or input, 3 internal error.\n"
@@ -106,6 +108,12 @@ constexpr const char* methods_footer =
     "  perp methods\n"
     "  perp solve kojshin --method josephy --option lemke_start=always";
 
+constexpr const char* cfunctions_footer =
+    "Examples:\n"
+    "  perp cfunctions\n"
+    "  perp solve kojshin --method semismooth --option cfunction=kanzow-kleinmichel --option cfunction_parameter=1\n"
+    "  perp solve kojshin --method smooth --option smoothing_function=chks";
+
 /// Options with a flag of their own on `perp solve`.
 struct Shortcut {
   const char* flag;
@@ -126,6 +134,7 @@ struct CommandLine {
   CLI::App* inspect = nullptr;
   CLI::App* list = nullptr;
   CLI::App* methods = nullptr;
+  CLI::App* cfunctions = nullptr;
   SolveRequest solve_request;
   InspectRequest inspect_request;
   ListRequest list_request;
@@ -147,6 +156,8 @@ struct CommandLine {
     list->add_flag("--json", list_request.json, "as JSON");
     methods = app.add_subcommand("methods", "The methods, their references, and all options with their defaults");
     methods->footer(methods_footer);
+    cfunctions = app.add_subcommand("cfunctions", "The C-functions and smoothings: formulas, properties, references");
+    cfunctions->footer(cfunctions_footer);
   }
 
   void add_solve() {
@@ -235,7 +246,7 @@ struct CommandLine {
 
 /// A first word that is no command: what was meant?
 void check_command(const std::string& word, const Streams& streams, bool& known) {
-  constexpr std::array<std::string_view, 5> commands{"solve", "inspect", "list", "methods", "help"};
+  constexpr std::array<std::string_view, 6> commands{"solve", "inspect", "list", "methods", "cfunctions", "help"};
   known = word.starts_with('-') || std::ranges::find(commands, word) != commands.end();
   if (known) return;
   std::string hint = did_you_mean(word, commands);
@@ -289,6 +300,7 @@ int run_command(std::vector<std::string> arguments, Streams streams) {
   if (line.inspect->parsed()) return inspect(line.inspect_request, streams, &interrupted);
   if (line.list->parsed()) return list(line.list_request, streams);
   if (line.methods->parsed()) return print_methods(streams);
+  if (line.cfunctions->parsed()) return print_cfunctions(streams);
   if (line.solve->parsed()) {
     try {
       line.finish_solve_request();

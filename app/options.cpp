@@ -7,6 +7,7 @@
 #include <cctype>
 #include <charconv>
 #include <limits>
+#include <stdexcept>
 
 namespace perp::app {
 
@@ -114,6 +115,14 @@ void set(const Field& field, const Assignment& given, const Option& option, Appl
           *target = T(number_in_range<double>(given, option));
         } else if constexpr (std::is_same_v<T, bool>) {
           *target = one_of(bool_choices, given, option).value != 0;
+        } else if constexpr (std::is_same_v<T, DependentNumber>) {
+          const auto value = number_in_range<double>(given, option);
+          try {
+            target.set(value);
+          } catch (const std::invalid_argument& error) {
+            throw InputError(
+                fmt::format("{}: {} = {} is refused: {}", given.source, option.key, given.value, error.what()));
+          }
         } else if constexpr (std::is_same_v<T, Word>) {
           const Choice& chosen = one_of(target.choices, given, option);
           target.set(chosen.value);
@@ -140,6 +149,8 @@ std::string values_text(const Option& option) {
           return "yes or no";
         else if constexpr (std::is_integral_v<T>)
           return range_text(option.range, true);
+        else if constexpr (std::is_same_v<T, DependentNumber>)
+          return std::string(target.range);
         else if constexpr (std::is_same_v<T, Word>)
           return alternatives(names_of(target.choices));
         else
@@ -158,6 +169,8 @@ std::string value_text(const Field& field) {
           return fmt::format("{}", target->count());
         else if constexpr (std::is_same_v<T, bool>)
           return *target ? "yes" : "no";
+        else if constexpr (std::is_same_v<T, DependentNumber>)
+          return target.get() ? fmt::format("{}", *target.get()) : "-";
         else if constexpr (std::is_same_v<T, Word>)
           return std::string(word_of(target.choices, target.get()));
         else
@@ -252,11 +265,16 @@ Applied apply_options(std::span<const Assignment> assignments, Unknown unknown) 
   }
   Settings& settings = result.settings;
   settings.method = find_method(settings.method_name)->method;
+  std::ranges::stable_partition(fields, [](const auto& field) {
+    Settings any;
+    return !std::holds_alternative<DependentNumber>(any_field(*field.first, any));
+  });
   for (const auto& [option, given] : fields) {
     const Field field = option->field(settings);
     if (std::holds_alternative<std::monostate>(field)) {
       Settings other = settings;  // the value is checked all the same
-      set(any_field(*option, other), *given, *option, result);
+      if (const Field elsewhere = any_field(*option, other); !std::holds_alternative<DependentNumber>(elsewhere))
+        set(elsewhere, *given, *option, result);
       result.notes.push_back(
           fmt::format("{}: {} has no effect on method {}", given->source, option->key, settings.method_name));
     } else {

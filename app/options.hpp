@@ -73,9 +73,16 @@ struct Word {
   std::function<void(int)> set;
 };
 
+/// A number that exists, and whose range is known, only where another option has made its choice.
+struct DependentNumber {
+  std::function<std::optional<double>()> get;
+  std::function<void(double)> set;  ///< throws std::invalid_argument, saying why, for a value that makes no sense
+  std::string_view range;           ///< in words
+};
+
 /// The place an option sets; monostate: it has no effect on the run's method.
 using Field = std::variant<std::monostate, std::string*, double*, int*, unsigned*, ncp::Index*, bool*,
-                           std::chrono::duration<double>*, Word>;
+                           std::chrono::duration<double>*, Word, DependentNumber>;
 
 struct Range {
   double low = 0;
@@ -112,9 +119,9 @@ struct Applied {
   std::vector<std::string> notes;    ///< options without effect, and why
   std::vector<std::string> unknown;  ///< messages about unknown keys
 };
-/// Starts from the defaults of the method named last and applies the assignments in order. Throws InputError naming
-/// source, key, value and range for a value that makes no sense, for an ambiguous key, and for options that contradict
-/// each other (ncp::invalid).
+/// Starts from the defaults of the method named last and applies the assignments in order, dependent numbers last.
+/// Throws InputError naming source, key, value and range for a value that makes no sense, for an ambiguous key, and for
+/// options that contradict each other (ncp::invalid).
 Applied apply_options(std::span<const Assignment> assignments, Unknown unknown = Unknown::Refuse);
 
 }  // namespace perp::app

@@ -12,6 +12,8 @@ namespace perp::app {
 std::vector<Option> general_options();
 /// Of PathSearch alone.
 std::vector<Option> path_search_options();
+/// Of SemismoothNewton and Smoothing: the C-function, the smoothing.
+std::vector<Option> reformulation_options();
 /// PATH's output switches.
 std::vector<Option> output_options();
 

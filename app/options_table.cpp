@@ -58,7 +58,8 @@ Field of_method(Settings& settings, Gets... gets) {
 std::span<const Option> options() {
   static const std::vector<Option> table = [] {
     std::vector<Option> all = general_options();
-    for (const auto& part : {path_search_options(), output_options()}) all.insert(all.end(), part.begin(), part.end());
+    for (const auto& part : {reformulation_options(), path_search_options(), output_options()})
+      all.insert(all.end(), part.begin(), part.end());
     return all;
   }();
   return table;

@@ -122,6 +122,7 @@ bool Smoother::newton(const Vec& rhs, Vec& d) const {
 /// The quasi-definite system  [I H; H' -nu I] (r; d) = (-Phi_mu; 0), which does not square H.
 bool Smoother::levenberg_marquardt(double nu, Vec& d) {
   const auto n = static_cast<int>(point_.x.size());
+  const Index rows = 2 * point_.x.size();
   std::vector<Eigen::Triplet<double>> entries;
   entries.reserve(static_cast<std::size_t>(2 * (H_.nonZeros() + n)));
   for (int i = 0; i < n; ++i) {
@@ -133,14 +134,14 @@ bool Smoother::levenberg_marquardt(double nu, Vec& d) {
       entries.emplace_back(static_cast<int>(e.row()), n + j, e.value());
       entries.emplace_back(n + j, static_cast<int>(e.row()), e.value());
     }
-  SpMat K(2 * n, 2 * n);
+  SpMat K(rows, rows);
   K.setFromTriplets(entries.begin(), entries.end());
   ++run_.stats().factorizations;
   lcp::SparseLu lu(method_.lu);
   if (lu.factor(K) != lcp::LuStatus::Ok) return false;
-  Vec rhs = Vec::Zero(2 * n);
+  Vec rhs = Vec::Zero(rows);
   rhs.head(n) = -at_.Phi;
-  Vec solution(2 * n);
+  Vec solution(rows);
   lu.solve_refined(rhs, solution);
   d = solution.tail(n);
   return d.allFinite();

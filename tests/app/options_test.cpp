@@ -100,7 +100,12 @@ TEST(Options, EachKeySetsItsFieldAndNoOther) {
                                                        {"output_final_summary", "no", "path"},
                                                        {"output_options", "yes", "path"},
                                                        {"sideineq", "2", "semismooth"},
-                                                       {"wantsol", "8", "semismooth"}};
+                                                       {"wantsol", "8", "semismooth"},
+                                                       {"cfunction", "min", "semismooth"},
+                                                       {"cfunction_parameter", "0.5", "semismooth-penalised"},
+                                                       {"smoothing_function", "chks", "smooth"},
+                                                       {"smoothing_schedule", "predictor-corrector", "smooth"},
+                                                       {"smoothing_finish", "no", "smooth"}};
   std::vector<std::string> covered{"method", "output"};  // they change others: below
   for (const auto& [key, value, method] : values) {
     covered.emplace_back(key);
@@ -119,6 +124,25 @@ TEST(Options, EachKeySetsItsFieldAndNoOther) {
   }
   for (const Option& entry : options())
     EXPECT_THAT(covered, testing::Contains(std::string(entry.key))) << "a new option needs a line in this test";
+}
+
+// The parameter belongs to the function, whatever the order in which the two are given. Would catch a number that is
+// shown but not used by phi, one of another function, and a refusal without the range.
+TEST(Options, CFunctionsTakeTheirParameter) {
+  const std::vector<Assignment> given{{"cfunction_parameter", "0.5", ""},
+                                      {"method", "semismooth", ""},
+                                      {"cfunction", "penalised-fischer-burmeister", ""}};
+  const auto method = std::get<ncp::SemismoothNewton>(applied(given).settings.method);
+  EXPECT_EQ(method.cfunction.parameter->value, 0.5);
+  EXPECT_EQ(method.cfunction.at(3, 4, 1, 1).phi, 7);  // (2 + 12) / 2
+  const std::vector<Assignment> too_large{
+      {"method", "semismooth", ""}, {"cfunction", "kanzow-kleinmichel", ""}, {"cfunction_parameter", "4", ""}};
+  EXPECT_THAT(refusal(too_large), HasSubstr("lambda is 4; it must be in (0, 4)"));
+  EXPECT_THAT(refusal({{"method", "semismooth", ""}, {"cfunction_parameter", "1", ""}}),
+              HasSubstr("fischer-burmeister has no parameter"));
+  EXPECT_THAT(refusal({{"cfunction", "fisher", ""}}), HasSubstr("fischer-burmeister"));
+  EXPECT_THAT(applied({{"method", "josephy", ""}, {"cfunction", "min", ""}, {"cfunction_parameter", "1", ""}}).notes,
+              testing::SizeIs(2));
 }
 
 // Would catch a table entry wired to a field that the solver does not read by that name.

@@ -7,8 +7,11 @@
 #include <array>
 #include <regex>
 
+#include "app/cfunctions.hpp"
 #include "app/options.hpp"
 #include "app/solve.hpp"
+#include "ncp/cfunction.hpp"
+#include "ncp/smoothing_function.hpp"
 #include "support.hpp"
 
 namespace perp::app {
@@ -49,6 +52,21 @@ TEST(Help, MethodsCommandNamesEverything) {
     EXPECT_THAT(text, HasSubstr(std::string(option.help)));
   }
   EXPECT_THAT(text, HasSubstr("crash_method"));
+}
+
+// Would catch a C-function or a smoothing without its line, and a range that is not printed.
+TEST(Help, CFunctionsCommandNamesEverything) {
+  test::Captured captured;
+  EXPECT_EQ(print_cfunctions(captured.streams), exit_solved);
+  const std::string text = captured.out.str();
+  for (const ncp::CFunction& c : ncp::cfunctions())
+    for (const std::string& part : {c.name, c.formula, c.reference, c.properties.level_sets,
+                                    c.properties.stationary_points, c.parameter ? c.parameter->name : c.name})
+      EXPECT_THAT(text, HasSubstr(part));
+  for (const ncp::SmoothingFunction& s : ncp::smoothing_functions())
+    for (const std::string& part : {s.name, s.formula, s.reference}) EXPECT_THAT(text, HasSubstr(part));
+  EXPECT_THAT(text, HasSubstr("lambda in (0, 4), default 2"));
+  EXPECT_THAT(text, HasSubstr("rho > 0, default 1"));
 }
 
 TEST(Help, ManPageNamesEveryOptionMethodAndLevel) {
