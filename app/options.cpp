@@ -265,7 +265,7 @@ Applied apply_options(std::span<const Assignment> assignments, Unknown unknown) 
   }
   Settings& settings = result.settings;
   settings.method = find_method(settings.method_name)->method;
-  std::ranges::stable_partition(fields, [](const auto& field) {
+  std::stable_partition(fields.begin(), fields.end(), [](const auto& field) {
     Settings any;
     return !std::holds_alternative<DependentNumber>(any_field(*field.first, any));
   });
