@@ -24,18 +24,25 @@ std::vector<MethodEntry> all_methods() {
   return table;
 }
 
+/// Those whose options and defaults are shown; the others differ from them as print_methods() says.
+bool stands_for_others(const MethodEntry& entry) {
+  constexpr std::array names{"path", "josephy", "qpcomp", "proxi", "smooth", "semicomp"};
+  return entry.affine() || std::ranges::find(names, entry.name) != names.end();
+}
+
 /// The options that have an effect on at least one of these methods, with the default of each.
 Table defaults(bool affine) {
   std::vector<Column> columns{{"key", Align::Left}, {"values", Align::Left}};
   for (const MethodEntry& entry : methods())
-    if (entry.affine() == affine) columns.push_back({std::string(entry.name), Align::Right});
+    if (entry.affine() == affine && stands_for_others(entry))
+      columns.push_back({std::string(entry.name), Align::Right});
   Table table(columns);
   for (const Option& option : options()) {
     std::vector<std::string> row{std::string(option.key),
                                  option.key == "method" ? "a name above" : values_text(option)};
     bool used = false;
     for (const MethodEntry& entry : methods()) {
-      if (entry.affine() != affine) continue;
+      if (entry.affine() != affine || !stands_for_others(entry)) continue;
       Settings settings{.method_name = std::string(entry.name), .method = entry.method};
       row.push_back(value_text(option.field(settings)));
       used = used || row.back() != "-";
@@ -74,12 +81,16 @@ int print_methods(Streams streams) {
   std::ostream& out = streams.out;
   out << "Methods: --method NAME\n";
   print_entries(out, false);
-  out << "\nFor affine problems, F(x) = M x + q (auto chooses among them there):\n";
+  out << "\nFor affine problems, F(x) = M x + q, where auto chooses among them:\n";
   print_entries(out, true);
 
   out << "\nOptions: --option key=value, a line of an options file, or an AMPL option. A key may be shortened as long "
          "as\n"
-         "it is unique. Defaults a method, '-' where the option has no effect on it:\n\n";
+         "it is unique. Defaults a method, '-' where the option has no effect on it; auto has path's, miles, nesqp,\n"
+         "newton-min and semismooth have those of josephy, qpcomp, proxi and semicomp but escape_rounds = 0, and "
+         "miles\n"
+         "and nesqp a monotone search; semismooth-min and semismooth-penalised are semismooth with another "
+         "cfunction:\n\n";
   defaults(false).print(out, 2);
   out << "\nFor affine problems:\n\n";
   defaults(true).print(out, 2);

@@ -156,6 +156,29 @@ std::vector<Option> general_options() {
              [](Settings& settings) {
                return of_method(settings, [](auto& m) -> decltype(&m.escape.lambda) { return &m.escape.lambda; });
              }},
+      Option{"escape_shrink",
+             {},
+             {0.001, 1},
+             "lambda x escape_shrink after each move of xbar",
+             [](Settings& settings) {
+               return of_method(settings, [](auto& m) -> decltype(&m.escape.shrink) { return &m.escape.shrink; });
+             }},
+      Option{"escape_accept",
+             {},
+             {0, 1, true},
+             "an xbar with this part of the best residual is accepted: the method goes on from it",
+             [](Settings& settings) {
+               return of_method(settings, [](auto& m) -> decltype(&m.escape.accept) { return &m.escape.accept; });
+             }},
+      Option{"escape_trial_iterations",
+             {},
+             {0, max_int},
+             "iterations tried from other xbar",
+             [](Settings& settings) {
+               return of_method(settings, [](auto& m) -> decltype(&m.escape.trial_iterations) {
+                 return &m.escape.trial_iterations;
+               });
+             }},
       Option{"lu",
              {},
              {},

@@ -17,7 +17,8 @@ _perp() {
   fi
   case $prev in
     --method)
-      mapfile -t COMPREPLY < <(compgen -W 'path semismooth semismooth-min josephy auto lemke lemke-howson principal-pivoting block-pivoting least-index psor
+      mapfile -t COMPREPLY < <(compgen -W 'auto path miles nesqp qpcomp smooth proxi semismooth semicomp josephy robinson newton-min
+        semismooth-min semismooth-penalised lemke lemke-howson principal-pivoting block-pivoting least-index psor
         min-newton fb-newton interior-point qp enumeration' -- "$cur")
       return ;;
     --log-level)

@@ -7,6 +7,7 @@
 
 #include "ncp/affine.hpp"
 #include "ncp/methods.hpp"
+#include "ncp/normal_map.hpp"
 
 namespace perp::ncp {
 namespace {
@@ -76,6 +77,7 @@ Result run_auto(const Mcp& mcp, In x0, const Auto& method, const Observer& obser
   }
   const std::vector<Choice> list = choices(mcp, method);
   std::vector<lcp::Cell> basis;
+  std::string last;  // words of the attempt that solved it
   std::optional<Run::Verdict> first;
   std::size_t tried = 0;
   for (const Choice& choice : list) {
@@ -83,15 +85,18 @@ Result run_auto(const Mcp& mcp, In x0, const Auto& method, const Observer& obser
     ++tried;
     const Observer shown = run.counting_on();
     Result result = run_with_escapes(mcp, start.x, limited(run, choice, tried == list.size(), scale), shown);
-    if (!result.basis.empty()) basis = std::move(result.basis);
+    basis = std::move(result.basis);
+    last = result.message;
     run.take(result);
     if (!run.ended() || !stuck(run.status())) break;
     if (!first || std::holds_alternative<PathSearch>(choice.method)) first = run.verdict();  // path knows most
   }
   if (stuck(run.status())) run.replace_verdict(*first);
+  run.stats().restarts += static_cast<int>(tried) - 1;
   Result result = run.result();
+  if (result.solved()) result.message = last;
   result.message += "; " + account(list, tried);
-  result.basis = std::move(basis);
+  result.basis = result.solved() && basis.empty() ? cells_at(mcp.box(), result.x) : std::move(basis);
   return result;
 }
 

@@ -10,6 +10,7 @@ namespace perp::ncp {
 
 Result run_semismooth_newton(const Mcp& mcp, In x0, const SemismoothNewton& method, const Observer& observer);
 Result run_min_newton(const Mcp& mcp, In x0, const MinNewton& method, const Observer& observer);
+Result run_smoothing(const Mcp& mcp, In x0, const Smoothing& method, const Observer& observer);
 Result run_newton_josephy(const Mcp& mcp, In x0, const NewtonJosephy& method, const Observer& observer);
 /// PathSearch with its presolve, on what run_attempts() does: PathSearch with its restarts.
 Result run_path(const Mcp& mcp, In x0, const PathSearch& method, const Observer& observer);

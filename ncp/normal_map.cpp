@@ -15,6 +15,16 @@ Vec normal_point(const Box& box, In z, In F) {
   return x;
 }
 
+std::vector<lcp::Cell> cells_at(const Box& box, In z) {
+  std::vector<lcp::Cell> cells(static_cast<std::size_t>(z.size()));
+  for (Index i = 0; i < z.size(); ++i)
+    cells[static_cast<std::size_t>(i)] = box.lower[i] == box.upper[i] ? lcp::Cell::Fixed
+                                         : z[i] <= box.lower[i]       ? lcp::Cell::Below
+                                         : z[i] >= box.upper[i]       ? lcp::Cell::Above
+                                                                      : lcp::Cell::Inside;
+  return cells;
+}
+
 lcp::AffineMcp linearised(const Box& box, const Point& point, double lambda) {
   SpMat M = point.J;
   if (lambda > 0) {

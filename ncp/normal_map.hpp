@@ -11,6 +11,9 @@ namespace perp::ncp {
 /// at an upper one.
 Vec normal_point(const Box& box, In z, In F);
 
+/// The cells of a point of the box: at a bound it touches, else inside.
+std::vector<lcp::Cell> cells_at(const Box& box, In z);
+
 /// MCP(l, u, F(z^k) + (J + lambda I)(. - z^k)).
 lcp::AffineMcp linearised(const Box& box, const Point& point, double lambda);
 

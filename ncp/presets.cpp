@@ -33,6 +33,8 @@ std::vector<Preset> all_presets() {
        "Pang & Gabriel, Math. Programming 60 (1993) 295", nesqp()},
       {"qpcomp", "nesqp that leaves local minima by proximal escapes",
        "Billups & Ferris, Math. Programming 76 (1997) 533", escaping(nesqp())},
+      {"smooth", "Newton on a sequence of smooth approximations, by the neural smoothing function",
+       "Chen & Mangasarian, Comput. Optim. Appl. 5 (1996) 97", Smoothing{}},
       {"proxi", "Newton on the min function that leaves local minima by proximal escapes",
        "Billups, PhD thesis, Wisconsin (1995)", escaping(MinNewton{})},
       {"semismooth", "Newton on the Fischer-Burmeister equation, safeguarded by Levenberg-Marquardt and gradient steps",

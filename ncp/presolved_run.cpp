@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "ncp/methods.hpp"
+#include "ncp/normal_map.hpp"
 #include "ncp/presolve.hpp"
 #include "ncp/run.hpp"
 
@@ -15,12 +16,7 @@ namespace {
 /// The cells of all variables: those that stayed as they are, the others by where they ended.
 std::vector<lcp::Cell> expanded(const Presolved& pre, const Box& box, In x, const std::vector<lcp::Cell>& reduced) {
   if (reduced.empty()) return {};
-  std::vector<lcp::Cell> cells(static_cast<std::size_t>(x.size()));
-  for (Index i = 0; i < x.size(); ++i)
-    cells[static_cast<std::size_t>(i)] = box.lower[i] == box.upper[i] ? lcp::Cell::Fixed
-                                         : x[i] <= box.lower[i]       ? lcp::Cell::Below
-                                         : x[i] >= box.upper[i]       ? lcp::Cell::Above
-                                                                      : lcp::Cell::Inside;
+  std::vector<lcp::Cell> cells = cells_at(box, x);
   for (std::size_t k = 0; k < reduced.size(); ++k) cells[static_cast<std::size_t>(pre.columns()[k])] = reduced[k];
   return cells;
 }

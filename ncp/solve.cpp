@@ -28,6 +28,7 @@ void check_fit(const Mcp& mcp, const Method& method) {
 Result run(const Mcp& mcp, In x0, const Method& method, const Observer& observer) {
   return std::visit(Overloaded{[&](const SemismoothNewton& m) { return run_semismooth_newton(mcp, x0, m, observer); },
                                [&](const MinNewton& m) { return run_min_newton(mcp, x0, m, observer); },
+                               [&](const Smoothing& m) { return run_smoothing(mcp, x0, m, observer); },
                                [&](const NewtonJosephy& m) { return run_newton_josephy(mcp, x0, m, observer); },
                                [&](const NewtonRobinson& m) { return run_newton_robinson(mcp, x0, m, observer); },
                                [&](const PathSearch& m) { return run_path(mcp, x0, m, observer); },
@@ -80,6 +81,7 @@ std::string_view name(const Method& method) {
                                  return m.direction == MinNewton::Direction::Newton ? std::string_view("min-newton")
                                                                                     : std::string_view("nesqp");
                                },
+                               [](const Smoothing&) { return std::string_view("smooth"); },
                                [](const NewtonJosephy&) { return std::string_view("josephy"); },
                                [](const NewtonRobinson&) { return std::string_view("robinson"); },
                                [](const PathSearch&) { return std::string_view("path"); },

@@ -17,6 +17,7 @@
 #include "ncp/path_search.hpp"
 #include "ncp/result.hpp"
 #include "ncp/semismooth_newton.hpp"
+#include "ncp/smoothing.hpp"
 
 namespace perp::ncp {
 
@@ -27,8 +28,8 @@ struct Affine {
   lcp::Method method{};
 };
 
-using Method =
-    std::variant<Auto, SemismoothNewton, MinNewton, NewtonJosephy, NewtonRobinson, PathSearch, Multiroot, Affine>;
+using Method = std::variant<Auto, SemismoothNewton, MinNewton, Smoothing, NewtonJosephy, NewtonRobinson, PathSearch,
+                            Multiroot, Affine>;
 std::string_view name(const Method& method);  ///< "semismooth", "josephy", "path", ..., or that of lcp/
 /// Why the options make no sense (a tolerance that is not positive, ...), if they do not.
 std::optional<std::string> invalid(const Method& method);

@@ -177,7 +177,7 @@ TEST(AmplDriver, OutcomesReachAmpl) {
   EXPECT_EQ(code("m", "major=1"), "objno 0 400");
   EXPECT_EQ(code("m", "time_limit=1e-12"), "objno 0 402");
   EXPECT_EQ(code("m", "tol=1e-8", &interrupt), "objno 0 403");
-  EXPECT_EQ(code("billups", "nms=no"), "objno 0 510");
+  EXPECT_EQ(code("billups", "method=semismooth"), "objno 0 510");
   EXPECT_EQ(code("undefined", "tol=1e-8"), "objno 0 503");
 }
 

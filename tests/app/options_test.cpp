@@ -53,6 +53,9 @@ TEST(Options, EachKeySetsItsFieldAndNoOther) {
                                                        {"descent_p", "3", "semismooth"},
                                                        {"escape_rounds", "3", "semismooth"},
                                                        {"escape_lambda", "5", "semismooth"},
+                                                       {"escape_shrink", "0.25", "semismooth"},
+                                                       {"escape_accept", "0.125", "semismooth"},
+                                                       {"escape_trial_iterations", "11", "semismooth"},
                                                        {"lu", "klu", "semismooth"},
                                                        {"lu", "eigen", "josephy"},
                                                        {"minor_iteration_limit", "55", "josephy"},
@@ -182,7 +185,7 @@ TEST(Options, PathsNamesReachPathSearch) {
                                      {"minor_iteration_limit", "7", ""},
                                      {"cumulative_iteration_limit", "70", ""}})
                                 .settings;
-  const auto& path = std::get<ncp::PathSearch>(settings.method);
+  const ncp::PathSearch& path = *ncp::path_of(settings.method);
   EXPECT_FALSE(path.crash.on);
   EXPECT_EQ(path.crash.nbchange_limit, 4);
   EXPECT_EQ(path.search, ncp::Searchtype::Line);
@@ -228,7 +231,8 @@ TEST(Options, AbbreviationsAndExactKeys) {
   EXPECT_EQ(ncp::stop(applied({{"major", "3", ""}}).settings.method).max_iterations, 3);
   EXPECT_EQ(ncp::stop(applied({{"TIME", "3", ""}}).settings.method).max_time.count(), 3);
   EXPECT_FALSE(applied({{"output", "no", ""}}).settings.output.all);  // though output_errors and others begin with it
-  EXPECT_FALSE(std::get<ncp::PathSearch>(applied({{"nms", "no", ""}}).settings.method).nms.on);
+  Settings monotone = applied({{"nms", "no", ""}}).settings;
+  EXPECT_FALSE(ncp::path_of(monotone.method)->nms.on);
   EXPECT_THAT(refusal({{"nms_m", "3", ""}}),
               testing::AllOf(HasSubstr("ambiguous"), HasSubstr("nms_memory_size"), HasSubstr("nms_maximum_watchdogs")));
   EXPECT_THAT(refusal({{"max", "3", ""}}), testing::AllOf(HasSubstr("max_backtracks"), HasSubstr("max_iterations")));
@@ -278,31 +282,30 @@ TEST(Options, AllOfPathsNamesAreKnown) {
 
 // Would catch values that are clamped or half read ("1e-3x") in place of a refusal with key, value, range and source.
 TEST(Options, BadValuesAreRefusedByName) {
-  const std::vector<std::array<std::string, 3>> bad{
-      {"tol", "0", "a number > 0"},
-      {"tol", "-1", "> 0"},
-      {"tol", "1e-3x", "> 0"},
-      {"tol", "nan", "> 0"},
-      {"tol", "", "(nothing)"},
-      {"sigma", "1", "in (0, 1)"},
-      {"sigma", "0", "in (0, 1)"},
-      {"beta", "2", "in (0, 1)"},
-      {"major", "2.5", "an integer"},
-      {"major", "-1", ">= 0"},
-      {"time_limit", "inf", "1e+09"},
-      {"lemke_seed", "-3", ">= 0"},
-      {"output", "maybe", "yes or no"},
-      {"lu", "lapack", "umfpack, klu, eigen"},
-      {"method", "newton", "path, semismooth, semismooth-min, josephy, auto, lemke"},
-      {"crash_method", "newton", "pnewton or none"},
-      {"nms_searchtype", "curve", "path, line or arc"},
-      {"nms_initial_reference_factor", "0.5", "in [1"},
-      {"restart_limit", "-1", ">= 0"},
-      {"output_major_iterations", "maybe", "yes or no"},
-      {"lemke_start", "never", "automatic, first or always"},
-      {"sideineq", "3", "in [1, 2]"},
-      {"major", "99999999999", ">= 0"},
-      {"descent_p", "2", "> 2"}};
+  const std::vector<std::array<std::string, 3>> bad{{"tol", "0", "a number > 0"},
+                                                    {"tol", "-1", "> 0"},
+                                                    {"tol", "1e-3x", "> 0"},
+                                                    {"tol", "nan", "> 0"},
+                                                    {"tol", "", "(nothing)"},
+                                                    {"sigma", "1", "in (0, 1)"},
+                                                    {"sigma", "0", "in (0, 1)"},
+                                                    {"beta", "2", "in (0, 1)"},
+                                                    {"major", "2.5", "an integer"},
+                                                    {"major", "-1", ">= 0"},
+                                                    {"time_limit", "inf", "1e+09"},
+                                                    {"lemke_seed", "-3", ">= 0"},
+                                                    {"output", "maybe", "yes or no"},
+                                                    {"lu", "lapack", "umfpack, klu, eigen"},
+                                                    {"method", "newton", "auto, path, miles, nesqp, qpcomp"},
+                                                    {"crash_method", "newton", "pnewton or none"},
+                                                    {"nms_searchtype", "curve", "path, line or arc"},
+                                                    {"nms_initial_reference_factor", "0.5", "in [1"},
+                                                    {"restart_limit", "-1", ">= 0"},
+                                                    {"output_major_iterations", "maybe", "yes or no"},
+                                                    {"lemke_start", "never", "automatic, first or always"},
+                                                    {"sideineq", "3", "in [1, 2]"},
+                                                    {"major", "99999999999", ">= 0"},
+                                                    {"descent_p", "2", "> 2"}};
   for (const auto& [key, value, range] : bad)
     EXPECT_THAT(refusal({{key, value, "here:7"}}),
                 testing::AllOf(HasSubstr("here:7"), HasSubstr(key), HasSubstr(value), HasSubstr(range)))

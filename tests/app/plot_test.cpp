@@ -105,7 +105,7 @@ TEST(Plot, ShowsEveryIterationAndEveryKink) {
     EXPECT_EQ(count("mark"), static_cast<int>(picture.way->kinks())) << name;
     EXPECT_EQ(count("accepted"), 1) << name;
     EXPECT_EQ(count("end"), 2) << name;
-    EXPECT_THAT(xml.text, testing::AllOf(HasSubstr(name), HasSubstr("start 1"), HasSubstr("method path"),
+    EXPECT_THAT(xml.text, testing::AllOf(HasSubstr(name), HasSubstr("start 1"), HasSubstr("method auto"),
                                          HasSubstr("Solved"), HasSubstr("pivot"),
                                          HasSubstr("Iteration " + std::to_string(picture.way->iteration.k) + " ")));
     EXPECT_EQ(picture.svg.find("http"), picture.svg.rfind("http")) << "the name of the name space, and no address";

@@ -67,7 +67,7 @@ TEST(Solve, UnsolvedIsExitOneWithAdvice) {
   const test::Folder folder;
   test::write(folder / "m.nl", test::infeasible_nl());
   for (const MethodEntry& method : methods()) {
-    if (method.affine() && method.name != "auto") continue;
+    if (method.affine()) continue;
     test::Captured captured;
     const SolveRequest request{.problem = folder / "m.nl",
                                .flags = {{"method", std::string(method.name), "--method"}},
@@ -85,7 +85,7 @@ TEST(Solve, UnsolvedIsExitOneWithAdvice) {
 // A method for affine problems refuses a nonlinear one: it would solve its linearization.
 TEST(Solve, MethodsForAffineProblemsRefuseOthers) {
   for (const MethodEntry& method : methods()) {
-    if (!method.affine() || method.name == "auto") continue;
+    if (!method.affine()) continue;
     test::Captured captured;
     EXPECT_EQ(solve({.problem = "kojshin", .flags = {{"method", std::string(method.name), ""}}}, captured.streams),
               exit_input);
@@ -93,7 +93,7 @@ TEST(Solve, MethodsForAffineProblemsRefuseOthers) {
   }
   test::Captured captured;
   EXPECT_EQ(solve({.problem = "kojshin", .flags = {{"method", "auto", ""}}}, captured.streams), exit_solved);
-  EXPECT_THAT(captured.err.str(), HasSubstr("nonlinear"));
+  EXPECT_THAT(captured.out.str(), HasSubstr("auto chose path (nonlinear, 4 variables)"));
 }
 
 TEST(Solve, UndefinedStart) {
@@ -184,10 +184,11 @@ TEST(Solve, LogLevelsAddUp) {
 }
 
 // The method users know by this log: its tables and, at the end, its counts in words.
-TEST(Solve, PathIsTheDefaultAndReportsAsPathDoes) {
+TEST(Solve, TheDefaultTakesPathAndReportsAsPathDoes) {
   test::Captured captured;
   EXPECT_EQ(solve({.problem = "josephy"}, captured.streams), exit_solved);
-  for (const char* part : {"method path",
+  for (const char* part : {"method auto",
+                           "auto chose path",
                            "Crash Log\nmajor  func  diff  size",
                            "Major Iteration Log\nmajor minor  func  grad",
                            "inorm (label)",
@@ -227,7 +228,7 @@ TEST(Solve, OutputSwitchesShowTheirPart) {
                                                                {"output_initial_statistics", "Initial statistics"},
                                                                {"output_final_statistics", "Final statistics"},
                                                                {"output_final_summary", "Final summary"},
-                                                               {"output_options", "options: method=path"}};
+                                                               {"output_options", "options: method=auto"}};
   for (const auto& [key, part] : parts) {
     const std::string alone = log({"output=no", std::string(key) + "=yes"});
     const std::string without = log({std::string(key) + "=no"});

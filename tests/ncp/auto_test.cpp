@@ -91,7 +91,7 @@ TEST(Auto, ToleranceOfBadlyScaledAffineProblems) {
 }
 
 TEST(Presets, TheEightSystemsByName) {
-  for (const char* name : {"miles", "path", "nesqp", "qpcomp", "proxi", "semismooth", "semicomp", "auto"}) {
+  for (const char* name : {"miles", "path", "nesqp", "qpcomp", "smooth", "proxi", "semismooth", "semicomp", "auto"}) {
     const Preset* preset = find_preset(name);
     ASSERT_NE(preset, nullptr) << name;
     EXPECT_EQ(invalid(preset->method), std::nullopt) << name;
