@@ -104,6 +104,7 @@ Json stats_json(const ncp::Stats& stats) {
           {"F_evals", stats.F_evals},
           {"J_evals", stats.J_evals},
           {"factorizations", stats.factorizations},
+          {"krylov_iterations", stats.krylov_iterations},
           {"pivots", stats.pivots},
           {"presolved", stats.presolved},
           {"restarts", stats.restarts},

@@ -14,6 +14,12 @@ constexpr std::array lu_choices{
     Choice{"umfpack", static_cast<int>(lcp::LuBackend::Umfpack)}, Choice{"klu", static_cast<int>(lcp::LuBackend::Klu)},
     Choice{"eigen", static_cast<int>(lcp::LuBackend::Eigen)}, Choice{"dense", static_cast<int>(lcp::LuBackend::Dense)},
     Choice{"auto", static_cast<int>(lcp::LuBackend::Auto)}};
+constexpr std::array linear_choices{Choice{"direct", static_cast<int>(ncp::LinearSolver::Direct)},
+                                    Choice{"krylov", static_cast<int>(ncp::LinearSolver::Krylov)},
+                                    Choice{"auto", static_cast<int>(ncp::LinearSolver::Auto)}};
+constexpr std::array subproblem_choices{Choice{"lemke", static_cast<int>(ncp::Subproblem::Lemke)},
+                                        Choice{"qp", static_cast<int>(ncp::Subproblem::Qp)},
+                                        Choice{"auto", static_cast<int>(ncp::Subproblem::Auto)}};
 constexpr std::array path_start_choices{Choice{"automatic", static_cast<int>(ncp::PathStart::Automatic)},
                                         Choice{"first", static_cast<int>(ncp::PathStart::First)},
                                         Choice{"always", static_cast<int>(ncp::PathStart::Always)}};
@@ -190,6 +196,34 @@ std::vector<Option> general_options() {
                      return word(m.lemke.basis.lu, lu_choices);
                    });
              }},
+      Option{"linear_solver",
+             {},
+             {},
+             "Newton systems of semismooth: direct (LU), krylov (inexactly, in little memory) or auto (krylov for more "
+             "than 20000 variables)",
+             [](Settings& settings) {
+               return of_method(settings, [](auto& m) -> decltype(word(m.linear, linear_choices)) {
+                 return word(m.linear, linear_choices);
+               });
+             }},
+      Option{"forcing_max",
+             {},
+             {0, 1, true},
+             "krylov: a Newton system's relative residual at most",
+             [](Settings& settings) {
+               return of_method(settings, [](auto& m) -> decltype(&m.forcing.eta_max) { return &m.forcing.eta_max; });
+             }},
+      Option{
+          "subproblem",
+          {},
+          {},
+          "linearised problems of josephy: lemke (pivoting), qp (quadratic programs where J is symmetric) or auto (qp "
+          "for more than 2000 variables)",
+          [](Settings& settings) {
+            return of_method(settings, [](auto& m) -> decltype(word(m.subproblem, subproblem_choices)) {
+              return word(m.subproblem, subproblem_choices);
+            });
+          }},
       Option{"minor_iteration_limit",
              {"max_pivots"},
              {1, max_int},

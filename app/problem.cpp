@@ -2,16 +2,19 @@
 
 #include <fmt/format.h>
 
+#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <optional>
 #include <sstream>
+#include <stdexcept>
 #include <utility>
 
 #include "app/program.hpp"
 #include "lcp/matrix_market.hpp"
 #include "lcp/siconos_file.hpp"
 #include "ncp/affine.hpp"
+#include "ncp/collection/generators.hpp"
 
 namespace perp::app {
 
@@ -46,19 +49,40 @@ LoadedProblem from_file(const std::string& path, std::optional<int> start) {
   return problem;
 }
 
-LoadedProblem from_collection(const collection::Entry& entry, std::optional<int> start) {
-  collection::Problem made = entry.make();
+LoadedProblem from_collection(const std::string& label, collection::Problem made, std::optional<int> start) {
   const int k = start.value_or(1);
   const int starts = static_cast<int>(made.starts.size());
-  if (k < 1 || k > starts)
-    throw InputError(fmt::format("--start {}: '{}' has the starts 1 to {}", k, entry.name, starts));
-  return {.label = std::string(entry.name),
+  if (k < 1 || k > starts) throw InputError(fmt::format("--start {}: '{}' has the starts 1 to {}", k, label, starts));
+  return {.label = label,
           .mcp = std::move(made.mcp),
           .x0 = made.starts[static_cast<std::size_t>(k - 1)],
           .start = k,
           .starts = starts,
           .solutions = std::move(made.solutions),
           .solutions_complete = made.solutions_complete};
+}
+
+/// NAME:MxN of a problem that comes in any size; nothing if NAME is no such problem.
+std::optional<collection::Problem> of_size(const std::string& argument) {
+  const std::size_t colon = argument.find(':');
+  if (colon == std::string::npos) return std::nullopt;
+  const std::string name = argument.substr(0, colon);
+  const collection::Maker maker = collection::sized(name);
+  if (maker == nullptr) {
+    if (collection::find(name) != nullptr)
+      throw InputError(fmt::format("'{}': '{}' comes in one size", argument, name));
+    return std::nullopt;
+  }
+  int M = 0;
+  int N = 0;
+  char end = '\0';
+  if (std::sscanf(argument.c_str() + colon + 1, "%7dx%7d%c", &M, &N, &end) != 2)
+    throw InputError(fmt::format("'{}': a size is MxN, as in {}:300x300", argument, name));
+  try {
+    return maker(M, N);
+  } catch (const std::invalid_argument& refused) {
+    throw InputError(refused.what());
+  }
 }
 
 /// Of every variable: the number, or the numbers of the file.
@@ -150,7 +174,10 @@ LoadedProblem load_problem(const std::string& argument, std::optional<int> start
   std::error_code ignored;
   if (fs::is_directory(argument, ignored)) throw InputError(fmt::format("'{}' is a directory, not a model", argument));
   if (argument.ends_with(".nl") || argument.find('/') != std::string::npos) return from_file(argument, start);
-  if (const collection::Entry* entry = collection::find(argument)) return from_collection(*entry, start);
+  if (const collection::Entry* entry = collection::find(argument))
+    return from_collection(argument, entry->make(), start);
+  if (std::optional<collection::Problem> made = of_size(argument))
+    return from_collection(argument, std::move(*made), start);
   if (exists(argument + ".nl")) return from_file(argument, start);
   throw InputError(
       fmt::format("'{}' is neither a file (no '{}.nl' here) nor a problem of the collection.{} "

@@ -40,8 +40,9 @@ class ChordSteps {
     const double begin_psi = psi;
     bool moved = false;
     Point trial{.x = {}, .F = {}, .J = {}};
+    reformulate(method_.cfunction, run_.box(), point.x, point.F, Phi);
+    double norm = Phi.norm();
     for (int k = 0; k < method_.forcing.chord_steps && !solved(point); ++k) {
-      reformulate(method_.cfunction, run_.box(), point.x, point.F, Phi);
       Vec d;
       if (!directions_.chord(Phi, d)) break;
       Vec step = d;
@@ -53,20 +54,23 @@ class ChordSteps {
       }
       trial.x = point.x + step;
       if (!run_.counted().eval(trial.x, trial.F)) break;
-      const double there = merit(smooth_, run_.box(), trial.x, trial.F);
-      if (!(there <= 0.25 * psi)) break;
+      reformulate(method_.cfunction, run_.box(), trial.x, trial.F, Phi);
+      const double there = Phi.norm();
+      if (!(there <= 0.5 * norm)) break;
       last_d = std::move(d);
       last_x = point.x;
       std::swap(point.x, trial.x);
       std::swap(point.F, trial.F);
-      psi = there;
+      norm = there;
       moved = true;
       ++run_.stats().chord_steps;
     }
     idle_ = moved ? 0 : idle_ + 1;
-    if (!moved || solved(point)) return;
+    if (!moved) return;
+    psi = merit(smooth_, run_.box(), point.x, point.F);
+    if (solved(point)) return;
     trial.J = point.J;
-    if (run_.counted().jacobian(point.x, trial.J)) {
+    if (psi <= begin_psi && run_.counted().jacobian(point.x, trial.J)) {
       std::swap(point.J, trial.J);
       return;
     }

@@ -105,11 +105,13 @@ TEST(Json, StatsAreComplete) {
            .linear_time = std::chrono::duration<double>(16),
            .time = std::chrono::duration<double>(17)};
   stats.presolved = 18;
+  stats.krylov_iterations = 19;
   const json written = json::parse(solve_json(report))["stats"];
-  const std::vector<const char*> keys{
-      "iterations", "crash_iterations", "F_evals",        "J_evals",         "factorizations", "pivots",
-      "restarts",   "gradient_steps",   "watchdogs",      "unchecked_steps", "chord_steps",    "backtracks",
-      "ray_starts", "rank_deficient",   "proximal_steps", "linear_time_s",   "time_s",         "presolved"};
+  const std::vector<const char*> keys{"iterations",     "crash_iterations", "F_evals",          "J_evals",
+                                      "factorizations", "pivots",           "restarts",         "gradient_steps",
+                                      "watchdogs",      "unchecked_steps",  "chord_steps",      "backtracks",
+                                      "ray_starts",     "rank_deficient",   "proximal_steps",   "linear_time_s",
+                                      "time_s",         "presolved",        "krylov_iterations"};
   EXPECT_EQ(written.size(), keys.size());
   for (std::size_t k = 0; k < keys.size(); ++k) EXPECT_EQ(written.at(keys[k]), static_cast<int>(k + 1)) << keys[k];
 }
