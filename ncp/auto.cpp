@@ -5,9 +5,11 @@
 #include <utility>
 #include <vector>
 
+#include "lcp/krylov.hpp"
 #include "ncp/affine.hpp"
 #include "ncp/methods.hpp"
 #include "ncp/normal_map.hpp"
+#include "ncp/refusal.hpp"
 
 namespace perp::ncp {
 namespace {
@@ -21,16 +23,20 @@ struct Choice {
 std::string variables(Index n) { return std::to_string(n) + (n == 1 ? " variable" : " variables"); }
 
 /// What is tried first, and why.
-Choice first_choice(const Mcp& mcp, const Auto& method) {
+Choice first_choice(const Mcp& mcp, const Point& start, const Auto& method) {
   const Index n = mcp.size();
   if (!method.path.basis.empty()) return {"path", "a warm basis is given", method.path};
   if (mcp.is_affine()) return {"the linear methods", "the problem is affine", Affine{}};
+  if (n > method.large && lcp::symmetric(start.J))
+    return {"josephy", "nonlinear, " + variables(n) + ", a symmetric Jacobian: quadratic programs by multigrid",
+            NewtonJosephy{.subproblem = Subproblem::Qp}};
   return {"path", "nonlinear, " + variables(n), method.path};
 }
 
-std::vector<Choice> choices(const Mcp& mcp, const Auto& method) {
-  std::vector<Choice> list{first_choice(mcp, method)};
+std::vector<Choice> choices(const Mcp& mcp, const Point& start, const Auto& method) {
+  std::vector<Choice> list{first_choice(mcp, start, method)};
   if (!std::holds_alternative<PathSearch>(list.front().method)) list.push_back({"path", "", method.path});
+  if (!mcp.is_affine()) list.push_back({"smoothing", "", Smoothing{}});
   SemismoothNewton penalised = method.semismooth;
   penalised.cfunction = penalised_fischer_burmeister();
   list.push_back({"semismooth on the penalised function", "", penalised});
@@ -75,7 +81,7 @@ Result run_auto(const Mcp& mcp, In x0, const Auto& method, const Observer& obser
     run.go_on(start, {.k = 0, .kind = 'I'});
     return run.result();
   }
-  const std::vector<Choice> list = choices(mcp, method);
+  const std::vector<Choice> list = choices(mcp, start, method);
   std::vector<lcp::Cell> basis;
   std::string last;  // words of the attempt that solved it
   std::optional<Run::Verdict> first;
@@ -102,6 +108,7 @@ Result run_auto(const Mcp& mcp, In x0, const Auto& method, const Observer& obser
 
 std::optional<std::string> invalid(const Auto& m) {
   if (auto why = invalid(m.stop)) return why;
+  if (m.large < 0) return refusal("large", m.large, "at least 0");
   if (auto why = invalid(m.path)) return "path." + *why;
   if (auto why = invalid(m.semismooth)) return "semismooth." + *why;
   return std::nullopt;

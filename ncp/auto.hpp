@@ -9,14 +9,17 @@ namespace perp::ncp {
 /// others of the family where it is stuck, all within one budget of iterations, evaluations and time (Stop):
 ///
 ///     affine                          the linear methods (lcp::Auto, which chooses by the class of the matrix)
-///     else                            PathSearch
+///     n > large, J symmetric          NewtonJosephy, its linearised problems as quadratic programs by multigrid
+///     else, or with a warm basis      PathSearch
 ///
-/// then PathSearch if it was not the first, SemismoothNewton on a penalised function, and proximal escapes.
+/// then PathSearch if it was not the first, Smoothing, SemismoothNewton on the penalised function and with proximal
+/// escapes.
 /// Every attempt but the last may use half of the iterations and evaluations that are left.
 ///
 /// On affine problems the tolerance is not less than 1e-12 (1 + ||F(0)||_inf), which rounding leaves.
 struct Auto {
   Stop stop{};
+  Index large = 2000;
   PathSearch path{};              ///< options where it is tried; stop is not used
   SemismoothNewton semismooth{};  ///< likewise
 };

@@ -35,6 +35,9 @@ TEST(Auto, ChoosesByClassAndBasis) {
               HasSubstr("auto chose the linear methods (the problem is affine)"));
   const auto nonlinear = make_mcp(support::kojima_shindo());
   EXPECT_THAT(solve(*nonlinear, Vec::Zero(4), Auto{}).message, HasSubstr("auto chose path (nonlinear, 4 variables)"));
+  const auto symmetric = collection::find("bratu-own")->make();
+  EXPECT_THAT(solve(*symmetric.mcp, symmetric.starts[0], Auto{.large = 100}).message,
+              HasSubstr("a symmetric Jacobian: quadratic programs"));
   Auto warm;
   warm.path.basis.assign(2, lcp::Cell::Inside);
   EXPECT_THAT(solve(*affine.mcp, Vec::Zero(2), warm).message, HasSubstr("auto chose path (a warm basis is given)"));

@@ -269,7 +269,7 @@ TEST(Smoothing, SolvesTheCollection) {
       if (result.solved())
         EXPECT_LE(support::violation(*problem.mcp, result.x), 1e-8) << entry.name;
       else
-        failed += " " + std::string(entry.name);
+        failed.append(" ").append(entry.name);
     }
   }
   EXPECT_GE(solvable, 90);
