@@ -18,7 +18,7 @@ _perp() {
   case $prev in
     --method)
       mapfile -t COMPREPLY < <(compgen -W 'auto path miles nesqp qpcomp smooth proxi semismooth semicomp josephy robinson newton-min
-        semismooth-min semismooth-penalised lemke lemke-howson principal-pivoting block-pivoting least-index psor
+        semismooth-min semismooth-penalised gsl-hybridsj lemke lemke-howson principal-pivoting block-pivoting least-index psor
         min-newton fb-newton interior-point qp enumeration' -- "$cur")
       return ;;
     --log-level)

@@ -31,7 +31,6 @@ struct Report {
   ExitCode exit_code() const { return result.solved() ? exit_solved : exit_unsolved; }
 };
 
-
 /// Solves; prints the tables of iterations that the settings ask for to `log` (nullptr: none). `interrupt` may be null.
 /// Throws InputError if the Jacobian was to be checked and is wrong or if side inequalities were to be refused; what
 /// ncp::solve throws.

@@ -23,7 +23,8 @@ SemismoothNewton semismooth() { return {}; }
 
 std::vector<Preset> all_presets() {
   return {
-      {"auto", "chooses by size, structure and class, goes on to others of these where it is stuck, and says what it did",
+      {"auto",
+       "chooses by size, structure and class, goes on to others of these where it is stuck, and says what it did",
        "ncp/auto.hpp", Auto{}},
       {"path", "Newton-Robinson with path search: PATH's algorithm, with crash, restarts and other methods at last",
        "Ralph (1994); Dirkse & Ferris (1995); Ferris, Kanzow & Munson (1999); Munson (2000)", PathSearch{}},

@@ -123,7 +123,10 @@ class Rounds {
     const Residual r = guarded.eval(x, F) ? residual(mcp_.box(), x, F) : Residual{};
     stats_.F_evals += guarded.F_evals();
     Iteration it{.k = 0, .residual = r.natural, .worst = r.worst, .step = 1, .prox = lambda, .kind = 'E'};
-    if (first) it.attempt = "proximal escape";
+    if (first) {
+      it.attempt = "proximal escape";
+      ++stats_.restarts;
+    }
     it.x = &x;
     it.problem = &mcp_;
     if (shown(it) == Next::Stop)

@@ -36,9 +36,9 @@ struct Stats {
   int J_evals = 0;
   int factorizations = 0;
   int krylov_iterations = 0;  ///< of inexactly solved systems
-  int pivots = 0;     ///< minor iterations
-  int presolved = 0;  ///< pairs that presolve took out
-  int restarts = 0;   ///< attempts after the first
+  int pivots = 0;             ///< minor iterations
+  int presolved = 0;          ///< pairs that presolve took out
+  int restarts = 0;           ///< attempts after the first
   int gradient_steps = 0;
   int watchdogs = 0;                             ///< returns to the last point that had passed a merit test
   int unchecked_steps = 0;                       ///< D-steps

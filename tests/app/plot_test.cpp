@@ -222,7 +222,7 @@ TEST(Plot, AnyRunIsDrawn) {
   const test::Folder folder;
   test::write(folder / "m.nl", test::infeasible_nl());
   const LoadedProblem infeasible = load_problem(folder / "m.nl");
-  const Pictured restarted = pictured(infeasible);
+  const Pictured restarted = pictured(infeasible, {{"method", "path", ""}});
   ASSERT_GT(restarted.report.result.stats.restarts, 0);
   const Xml xml(restarted.svg);
   EXPECT_EQ(xml.classes.at("restart"), restarted.report.result.stats.restarts);
