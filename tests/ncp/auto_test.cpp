@@ -4,7 +4,7 @@
 
 #include "ncp/affine.hpp"
 #include "ncp/collection/collection.hpp"
-#include "ncp/presets.hpp"
+#include "ncp/solve.hpp"
 #include "support/methods.hpp"
 #include "support/problems.hpp"
 
@@ -91,18 +91,6 @@ TEST(Auto, ToleranceOfBadlyScaledAffineProblems) {
   const Result result = solve(*make_affine_mcp(problem, "large"), Vec::Zero(3), Auto{});
   EXPECT_TRUE(result.solved()) << result;
   EXPECT_LE(result.residual.natural, 1);
-}
-
-TEST(Presets, TheEightSystemsByName) {
-  for (const char* name : {"miles", "path", "nesqp", "qpcomp", "smooth", "proxi", "semismooth", "semicomp", "auto"}) {
-    const Preset* preset = find_preset(name);
-    ASSERT_NE(preset, nullptr) << name;
-    EXPECT_EQ(invalid(preset->method), std::nullopt) << name;
-    EXPECT_FALSE(preset->what.empty() || preset->reference.empty()) << name;
-    const auto mcp = make_mcp(support::kojima_shindo(true));
-    EXPECT_TRUE(solve(*mcp, Vec::Ones(4), preset->method).solved()) << name;
-  }
-  EXPECT_EQ(find_preset("milles"), nullptr);
 }
 
 }  // namespace
