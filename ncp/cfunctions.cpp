@@ -39,23 +39,26 @@ CValue min_at(double a, double b, double ha, double hb) {
   return {saturated(b), 0, 1};
 }
 
+/// sqrt(1 + q^2) for 0 <= q <= 1, where nothing overflows and hypot's care would cost most of the function's time.
+double unit_root(double q) { return std::sqrt(1 + q * q); }
+
 /// phi_FB(a, b) / min(a, b), as a sum of positive terms of order one: no cancellation, overflow or underflow.
 double fischer_burmeister_factor(double most, double least) {
   if (least > 0) {  // ab > 0: phi = 2 ab / (a + b + r)
     const double q = least / most;
-    return 2 / (1 + q + std::hypot(1.0, q));
+    return 2 / (1 + q + unit_root(q));
   }
   if (most <= 0) {
     const double q = most / least;
-    return 1 + q + std::hypot(1.0, q);
+    return 1 + q + unit_root(q);
   }
   // most - r = -least^2 / (most + r)
   if (most >= -least) {
     const double q = -least / most;
-    return 1 + q / (1 + std::hypot(1.0, q));
+    return 1 + q / (1 + unit_root(q));
   }
   const double q = most / -least;
-  return 1 + 1 / (q + std::hypot(1.0, q));
+  return 1 + 1 / (q + unit_root(q));
 }
 
 /// weight phi_FB with the partials of phi_FB itself.
@@ -77,10 +80,12 @@ CValue fischer_burmeister_at(double weight, double a, double b, double ha, doubl
     phi = weight == 1 ? saturated(least * factor) : product({weight, least, factor});
   }
   // The partials 1 - c and 1 - s of c = a / r and s = b / r, with a, b brought where r neither over- nor underflows.
-  const double r = std::hypot(a / size, b / size);
-  const double c = a / size / r;
-  const double s = b / size / r;
-  const auto one_minus = [](double x, double y) { return x > 0 ? y * y / (1 + x) : 1 - x; };  // x^2 + y^2 = 1
+  const double x = a / size;
+  const double y = b / size;
+  const double r = std::sqrt(x * x + y * y);
+  const double c = x / r;
+  const double s = y / r;
+  const auto one_minus = [](double p, double q) { return p > 0 ? q * q / (1 + p) : 1 - p; };  // p^2 + q^2 = 1
   return {phi, one_minus(c, s), one_minus(s, c)};
 }
 
