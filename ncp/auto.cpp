@@ -91,6 +91,8 @@ Result run_auto(const Mcp& mcp, In x0, const Auto& method, const Observer& obser
     ++tried;
     const Observer shown = run.counting_on();
     Result result = run_with_escapes(mcp, start.x, limited(run, choice, tried == list.size(), scale), shown);
+    if (std::holds_alternative<Affine>(choice.method))  // one iteration of this run, whatever its pivots
+      result.stats.pivots += std::exchange(result.stats.iterations, std::min(result.stats.iterations, 1));
     basis = std::move(result.basis);
     last = result.message;
     run.take(result);
