@@ -201,7 +201,7 @@ bool stage(Run& run, const Multiroot& method, System& system, gsl_multiroot_fdfs
     if (status != GSL_SUCCESS || !system.evaluate(to_vec(solver->x))) break;
     point.x = system.last().x;
     point.F = system.last().F;
-    it = {.k = it.k + 1, .merit = 0.5 * to_vec(solver->f).squaredNorm(), .step = 1, .prox = system.mu, .kind = 'N'};
+    it = {.k = it.k + 1, .merit = 0.5 * to_vec(solver->f).squaredNorm(), .step = 1, .mu = system.mu, .kind = 'N'};
     ++run.stats().factorizations;
     if (!run.go_on(point, it)) return false;
   }
@@ -215,7 +215,7 @@ bool stage(Run& run, const Multiroot& method, System& system, gsl_multiroot_fdfs
 void multiroot(Run& run, const Multiroot& method, Point point) {
   const Index n = point.x.size();
   Iteration it{.k = 0, .kind = 'I'};
-  if (!run.go_on(point, it)) return;
+  if (!run.go_on(point, it) || n == 0) return;  // GSL's handler would end the process at n = 0
   if (!memory_for(n)) return run.end(Status::LinearAlgebraFailed, "out of memory for dense matrices", "--method path");
   const std::unique_ptr<gsl_multiroot_fdfsolver, Free> solver(
       gsl_multiroot_fdfsolver_alloc(type_of(method.solver), static_cast<std::size_t>(n)));
@@ -240,6 +240,7 @@ std::string_view to_string(MultirootSolver solver) {
 }
 
 std::optional<std::string> invalid(const Multiroot& m) {
+  if (auto why = invalid(m.stop)) return why;
   if (!(m.mu > 0) || std::isinf(m.mu)) return refusal("mu", m.mu, "positive and finite");
   if (!(m.shrink > 0 && m.shrink < 1)) return refusal("shrink", m.shrink, "in (0, 1)");
   if (!(m.mu_end > 0 && m.mu_end <= m.mu)) return refusal("mu_end", m.mu_end, "in (0, mu]");

@@ -27,7 +27,7 @@ struct Iteration {
   double merit = 0;     ///< the method's own merit function
   double step = 0;      ///< step length t in (0, 1]; 0 at the start
   double prox = 0;      ///< proximal or Levenberg-Marquardt parameter of the step; 0 if none
-  double mu = 0;        ///< Smoothing: its parameter after the step
+  double mu = 0;        ///< Smoothing: its parameter after the step; Multiroot: during it
   int pivots = 0;       ///< of this iteration
   int backtracks = 0;   ///< of this iteration
   int F_evals = 0;      ///< so far

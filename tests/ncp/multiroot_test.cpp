@@ -129,6 +129,14 @@ TEST(Multiroot, SingularJacobiansDoNotEndTheProcess) {
   }
 }
 
+// GSL allocates nothing of size 0: it would call the handler.
+TEST(Multiroot, SolvesTheEmptyProblem) {
+  const HandlerGuard guard;
+  const auto mcp = make_mcp(support::dense(
+      "empty", Box::free(0), [](const Vec& x) { return x; }, [](const Vec&) { return Dense(0, 0); }));
+  for (const Multiroot& method : solvers()) EXPECT_TRUE(solve(*mcp, Vec(0), method).solved());
+}
+
 TEST(Multiroot, RefusesLargeProblems) {
   const auto mcp = make_mcp(support::obstacle(10));
   const Result result = solve(*mcp, Vec::Zero(100), Multiroot{.max_size = 99});
@@ -144,7 +152,7 @@ TEST(Multiroot, KeepsToItsLimitsAndShowsItsIterations) {
   EXPECT_EQ(result.status, Status::IterationLimit);
   EXPECT_EQ(result.stats.iterations, 3);
   ASSERT_EQ(records.size(), 4U);
-  EXPECT_EQ(records[1].prox, 1);  // mu
+  EXPECT_EQ(records[1].mu, 1);
   EXPECT_GT(result.stats.J_evals, 0);
   const auto interrupted = [](const Iteration& it) { return it.k == 2 ? Next::Stop : Next::Continue; };
   EXPECT_EQ(solve(*mcp, Vec::Ones(4), Multiroot{}, interrupted).status, Status::Interrupted);
@@ -180,6 +188,8 @@ TEST(Multiroot, RefusesBadOptionsByName) {
   EXPECT_THAT(why({.shrink = 1}), HasSubstr("shrink is 1"));
   EXPECT_THAT(why({.mu_end = 2}), HasSubstr("mu_end is 2"));
   EXPECT_THAT(why({.max_size = -1}), HasSubstr("max_size is -1"));
+  EXPECT_THAT(why({.stop = {.tol = -1}}), HasSubstr("stop.tol is -1"));
+  EXPECT_THAT(why({.stop = {.max_iterations = -1}}), HasSubstr("max_iterations is -1"));
   EXPECT_FALSE(invalid(Method(Multiroot{})).has_value());
   EXPECT_EQ(name(Method(Multiroot{})), "gsl-hybridsj");
 }
