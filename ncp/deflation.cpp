@@ -1,11 +1,13 @@
 #include "ncp/deflation.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <sstream>
 #include <stdexcept>
 
 #include "ncp/deflated_newton.hpp"
+#include "ncp/methods.hpp"
 #include "ncp/structure_report.hpp"
 
 namespace perp::ncp {
@@ -55,20 +57,30 @@ class Search {
     return true;
   }
 
-  /// Of the last run: ends everything.
-  bool stopped() const { return status_ == Status::Interrupted || out_.stats.time >= stop_.max_time; }
+  /// Which limit ends everything; empty: none yet.
+  std::string stopped() const {
+    if (status_ == Status::Interrupted || (stop_.interrupt != nullptr && *stop_.interrupt)) return "interrupted";
+    if (elapsed() >= stop_.max_time) return "the time limit of " + number(stop_.max_time.count()) + " s was reached";
+    if (out_.stats.F_evals >= stop_.max_F_evals)
+      return "the limit of " + std::to_string(stop_.max_F_evals) + " evaluations of F was reached";
+    return {};
+  }
   AllSolutions finish(std::string message) {
     out_.message = std::move(message);
+    out_.stats.time = elapsed();
     return std::move(out_);
   }
   const AllSolutions& so_far() const { return out_; }
 
  private:
+  std::chrono::duration<double> elapsed() const { return std::chrono::steady_clock::now() - begin_; }
+
   Stop left(int iterations, double tol) const {
     Stop limits = stop_;
     limits.tol = tol;
     limits.max_iterations = iterations;
-    limits.max_time = std::max(limits.max_time - out_.stats.time, std::chrono::duration<double>(0));
+    limits.max_F_evals = std::max(1, stop_.max_F_evals - out_.stats.F_evals);
+    limits.max_time = std::max(stop_.max_time - elapsed(), std::chrono::duration<double>(0));
     limits.check_derivatives = false;
     return limits;
   }
@@ -83,16 +95,22 @@ class Search {
     };
   }
 
-  /// The point where an attempt starts; no known solution, but with probability 0.
+  /// The point where an attempt starts; no known solution, but with probability 0. A move out of the box is reflected
+  /// at the bound: projected, half of all starts near a solution at a bound would be that solution.
   Vec start(const DeflationTry& how) const {
     Vec x = how.start == DeflationStart::Solution ? roots_.back().r : x0_;
     if (how.start == DeflationStart::Same && !known(x)) return x;
     double generic = 0.7548776662466927 * out_.attempts;
     for (Index i = 0; i < x.size(); ++i) {
       generic = std::fmod(generic + 0.6180339887498949, 1.0);  // the golden ratio's fractions: no two alike
-      x[i] += displacement * (2 * generic - 1) * (1 + std::abs(x[i]));
+      const double lower = mcp_.box().lower[i], upper = mcp_.box().upper[i];
+      x[i] += (2 * generic - 1) * std::min(displacement * (1 + std::abs(x[i])), (upper - lower) / 2);
+      if (x[i] < lower)
+        x[i] = 2 * lower - x[i];
+      else if (x[i] > upper)
+        x[i] = 2 * upper - x[i];
     }
-    return lcp::project(mcp_.box(), x);
+    return lcp::project(mcp_.box(), x);  // rounding
   }
 
   bool known(In x) const {
@@ -103,10 +121,11 @@ class Search {
 
   /// Plain semismooth Newton steps from there; what they reach if the residual is smaller.
   Result polished(Result result) {
+    if (!stopped().empty()) return result;
     SemismoothNewton newton;
     newton.stop = left(polish_iterations, std::min(stop_.tol, 1e-12));
     newton.escape.rounds = 0;
-    const Result polished = solve(mcp_, result.x, newton);
+    const Result polished = run_with_escapes(mcp_, result.x, newton, {});
     out_.stats += polished.stats;
     if (polished.residual.natural < result.residual.natural) take(result, polished.x, polished.F, polished.residual);
     // Entries that are off a bound by rounding alone.
@@ -114,10 +133,12 @@ class Search {
     for (Index i = 0; i < x.size(); ++i)
       for (const double bound : {mcp_.box().lower[i], mcp_.box().upper[i]})
         if (std::isfinite(bound) && std::abs(x[i] - bound) <= rounding * (1 + std::abs(bound))) x[i] = bound;
+    if (x == result.x) return result;
     ++out_.stats.F_evals;
-    if (x == result.x || !mcp_.eval(x, F)) return result;
+    if (!CountedMcp(mcp_).eval(x, F)) return result;
     const Residual snapped = residual(mcp_.box(), x, F);
-    if (snapped.natural <= std::max(result.residual.natural, rounding)) take(result, x, F, snapped);
+    if (snapped.natural <= std::max(result.residual.natural, std::min(rounding, stop_.tol)))
+      take(result, x, F, snapped);
     return result;
   }
 
@@ -147,6 +168,7 @@ class Search {
   const Stop stop_;
   const Deflation& deflation_;
   const Observer& observer_;
+  const std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
   AllSolutions out_;
   std::vector<DeflationOperator::Root> roots_;
   Status status_ = Status::NoProgress;
@@ -191,18 +213,20 @@ std::optional<std::string> invalid(const Deflation& d) {
 }
 
 AllSolutions solve_all(const Mcp& mcp, In x0, const Method& method, const Deflation& deflation,
-                       const Observer& observer) {
+                       const Observer& observer, std::string_view label) {
   if (const auto why = invalid(deflation)) throw std::invalid_argument("deflation: " + *why);
   Search search(mcp, x0, method, deflation, observer);
-  search.first(solve(mcp, x0, method, observer), name(method));
+  search.first(solve(mcp, x0, method, observer), label.empty() ? name(method) : label);
   if (search.so_far().found.empty()) return search.finish("the first solve found no solution: nothing to deflate");
   std::size_t next = 0;
   while (!search.enough() && next < deflation.tries.size()) {
-    if (search.stopped()) return search.finish("stopped by the time limit or an interrupt");
+    if (std::string why = search.stopped(); !why.empty()) return search.finish(std::move(why));
     if (search.so_far().attempts >= deflation.max_attempts) return search.finish("the limit of attempts was reached");
     next = search.attempt(deflation.tries[next]) ? 0 : next + 1;
   }
-  return search.finish(search.enough() ? "as many solutions as asked for" : "no try finds another one");
+  if (search.enough()) return search.finish("as many solutions as asked for");
+  std::string why = search.stopped();  // in the last try
+  return search.finish(why.empty() ? "no try finds another one" : std::move(why));
 }
 
 }  // namespace perp::ncp

@@ -16,6 +16,7 @@
 /// a continuum of solutions points of it are found that are as far apart as `distinct` demands.
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "ncp/cfunction.hpp"
@@ -58,7 +59,7 @@ std::optional<std::string> invalid(const Deflation& deflation);
 
 struct FoundSolution {
   Result result;      ///< Solved, by the judge of the undeflated problem
-  std::string how{};  ///< the method's name, or describe() of the try
+  std::string how{};  ///< the label of the method, or describe() of the try
   /// Why J is singular there (structure_report.hpp): it may be one of a continuum. Empty: regular, hence isolated if it
   /// is strictly complementary.
   std::string singular{};
@@ -74,10 +75,12 @@ struct AllSolutions {
 };
 
 /// The first solution by solve(mcp, x0, method), the others by deflation from x0; each is polished by plain semismooth
-/// Newton steps, which stay if the residual falls. stop(method): the tolerance is that of all, the time limit and the
-/// interrupt that of the whole; iteration limits are those of the method and of each attempt. If the first solve fails
-/// there is nothing to deflate and the list is empty. Throws std::invalid_argument as solve() does.
+/// Newton steps, which stay if the residual falls. stop(method): the tolerance is that of all; time limit, limit of
+/// evaluations and interrupt are those of the whole, shared by first solve, attempts and polishing; iteration limits
+/// are those of the method and of each attempt. If the first solve fails there is nothing to deflate and the list is
+/// empty. `label` is what found the first solution, for FoundSolution::how (a preset's name, say); name(method) if
+/// empty. Throws std::invalid_argument as solve() does.
 AllSolutions solve_all(const Mcp& mcp, In x0, const Method& method = {}, const Deflation& deflation = {},
-                       const Observer& observer = {});
+                       const Observer& observer = {}, std::string_view label = {});
 
 }  // namespace perp::ncp

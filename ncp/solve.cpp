@@ -78,7 +78,7 @@ Result run_with_escapes(const Mcp& mcp, In x0, const Method& method, const Obser
 std::string_view name(const Method& method) {
   return std::visit(Overloaded{[](const SemismoothNewton&) { return std::string_view("semismooth"); },
                                [](const MinNewton& m) {
-                                 return m.direction == MinNewton::Direction::Newton ? std::string_view("min-newton")
+                                 return m.direction == MinNewton::Direction::Newton ? std::string_view("newton-min")
                                                                                     : std::string_view("nesqp");
                                },
                                [](const Smoothing&) { return std::string_view("smooth"); },

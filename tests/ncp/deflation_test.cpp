@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <chrono>
 #include <cmath>
 
 #include "lcp/enumeration.hpp"
@@ -218,6 +219,132 @@ TEST(Deflation, KeepsToItsLimits) {
   EXPECT_EQ(stopped.attempts, 1);
   EXPECT_THAT(stopped.message, HasSubstr("interrupt"));
   EXPECT_TRUE(stopped.first.solved());
+}
+
+// The flag, raised in an attempt: in the first of many, and in the only one there is, after which nothing else asks.
+TEST(Deflation, TheFlagEndsTheWhole) {
+  const auto mcp = make_mcp(support::kojima_shindo());
+  for (const std::vector<DeflationTry>& tries : {Deflation::default_tries(), std::vector<DeflationTry>(1)}) {
+    std::atomic<bool> flag{false};
+    const AllSolutions all = solve_all(*mcp, Vec::Ones(4), SemismoothNewton{.stop = {.interrupt = &flag}},
+                                       {.tries = tries}, [&](const Iteration& it) {
+                                         if (it.attempt.find("deflation") != std::string::npos) flag = true;
+                                         return Next::Continue;
+                                       });
+    EXPECT_EQ(all.attempts, 1);
+    EXPECT_EQ(all.message, "interrupted");
+    EXPECT_THAT(all.found, SizeIs(1));
+  }
+}
+
+// The time is that of the whole: an F that waits 1 ms has 50 of them, also where no attempt alone lasts so long.
+TEST(Deflation, KeepsToItsTime) {
+  using Clock = std::chrono::steady_clock;
+  const std::chrono::duration<double> limit(0.05);
+  const auto mcp = make_mcp(support::scalar(
+      0, infinity,
+      [](double x) {
+        for (const auto end = Clock::now() + std::chrono::milliseconds(1); Clock::now() < end;) {
+        }
+        return x + 1;
+      },
+      [](double) { return 1; }));
+  const auto begin = Clock::now();
+  const AllSolutions all = solve_all(*mcp, vec({3}), SemismoothNewton{.stop = {.max_time = limit}});
+  const std::chrono::duration<double> taken = Clock::now() - begin;
+  EXPECT_THAT(all.found, SizeIs(1));
+  EXPECT_THAT(all.message, HasSubstr("time limit of 0.05 s"));
+  EXPECT_LT(all.attempts, static_cast<int>(Deflation::default_tries().size()));
+  EXPECT_GE(all.stats.time, limit);
+  EXPECT_LT(taken.count(), 20 * limit.count());
+}
+
+/// Counts what is evaluated.
+struct Calls {
+  int F = 0, J = 0;
+};
+Functions counting(Functions f, Calls& calls) {
+  f.F = [F = f.F, &calls](In x, Out out) { return ++calls.F, F(x, out); };
+  f.J = [J = f.J, &calls](In x, SpMat& out) { return ++calls.J, J(x, out); };
+  return f;
+}
+
+// Every evaluation is counted once: in attempts, polishing and snapping, also where the tolerance of polishing is out
+// of reach.
+TEST(Deflation, CountsEveryEvaluation) {
+  Random random(6);
+  const auto check = [](const Functions& functions, In x0, const char* what) {
+    Calls calls;
+    const auto mcp = make_mcp(counting(functions, calls));
+    const AllSolutions all = solve_all(*mcp, x0, SemismoothNewton{});
+    EXPECT_GE(all.found.size(), 1U) << what;
+    EXPECT_GT(all.attempts, 10) << what;
+    EXPECT_EQ(all.stats.F_evals, calls.F) << what;
+    EXPECT_EQ(all.stats.J_evals, calls.J) << what;
+  };
+  check(support::kojima_shindo(), Vec::Ones(4), "kojima-shindo");
+  check(support::planted(6, 0.3, random).functions, Vec::Ones(6), "planted");
+  // A residual of 1e-10 stays: F(x) = x + 1e-10 sign(x), which polishing cannot bring to 1e-12.
+  check(support::scalar(
+            -infinity, infinity, [](double x) { return x + (x < 0 ? -1e-10 : 1e-10); }, [](double) { return 1; }),
+        vec({3}), "jump");
+}
+
+// max_F_evals is that of the whole. Each run within looks at it after an iteration, and a few evaluations follow.
+// Catches a limit that every attempt has anew.
+TEST(Deflation, SharesTheLimitOfEvaluations) {
+  const auto functions = support::kojima_shindo();
+  for (const int limit : {30, 100, 300}) {
+    Calls calls;
+    const auto mcp = make_mcp(counting(functions, calls));
+    const AllSolutions all = solve_all(*mcp, Vec::Ones(4), SemismoothNewton{.stop = {.max_F_evals = limit}});
+    ASSERT_TRUE(all.first.solved());
+    EXPECT_GE(calls.F, limit);
+    EXPECT_LE(calls.F, limit + 60);
+    EXPECT_EQ(all.stats.F_evals, calls.F);
+    EXPECT_THAT(all.message, HasSubstr("limit of " + std::to_string(limit) + " evaluations"));
+  }
+}
+
+// F = x - 5e-14 on x >= 0 to a tolerance of 1e-15: 0 is within rounding of the solution, and no solution. Catches a
+// verdict that the rounding to a bound breaks.
+TEST(Deflation, RoundingToABoundKeepsTheVerdict) {
+  for (const double tol : {1e-15, 1e-14, 1e-8}) {
+    const auto mcp = make_mcp(support::scalar(
+        0, infinity, [](double x) { return x - 5e-14; }, [](double) { return 1; }));
+    const AllSolutions all = solve_all(*mcp, vec({1}), SemismoothNewton{.stop = {.tol = tol}}, {.solutions = 1});
+    ASSERT_THAT(all.found, SizeIs(1)) << tol;
+    EXPECT_LE(all.found[0].result.residual.natural, tol);
+    EXPECT_EQ(all.found[0].result.x[0] == 0, tol > 1e-13);
+  }
+}
+
+// 0 is the start, the solution and a bound: no attempt starts there, nor within `distinct` of it. Catches moves that
+// are projected back onto the bound.
+TEST(Deflation, NoAttemptStartsAtASolutionAtTheBound) {
+  for (const double upper : {infinity, 0.05}) {
+    const auto mcp = make_mcp(support::scalar(
+        0, upper, [](double x) { return 1 + x; }, [](double) { return 1; }));
+    int starts = 0;
+    const AllSolutions all = solve_all(*mcp, vec({0}), SemismoothNewton{}, {}, [&](const Iteration& it) {
+      if (it.attempt.find("deflation") != std::string::npos) {
+        ++starts;
+        EXPECT_GT(it.x->minCoeff(), 1e-4) << it.attempt;
+        EXPECT_LT(it.x->maxCoeff(), upper) << it.attempt;
+      }
+      return Next::Continue;
+    });
+    EXPECT_EQ(starts, all.attempts);
+    EXPECT_EQ(starts, static_cast<int>(Deflation::default_tries().size()));
+  }
+}
+
+// The name that the caller gave, or the method's own.
+TEST(Deflation, TheFirstSolutionIsToldByItsLabel) {
+  const auto mcp = make_mcp(support::kojima_shindo());
+  EXPECT_EQ(solve_all(*mcp, Vec::Ones(4), SemismoothNewton{}, {.solutions = 1}, {}, "semicomp").found[0].how,
+            "semicomp");
+  EXPECT_EQ(solve_all(*mcp, Vec::Ones(4), MinNewton{}, {.solutions = 1}).found[0].how, "newton-min");
 }
 
 // Records count on over the attempts, each of which is named once.
