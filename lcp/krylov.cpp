@@ -22,15 +22,23 @@ struct Block {
 
 Vec diagonal_of(const SpMat& J) { return J.diagonal(); }
 
+/// max_j |J_ij|: what a row says off its diagonal counts too (the multipliers' rows of a saddle point have only that).
+Vec row_sizes(const SpMat& J) {
+  Vec size = Vec::Zero(J.rows());
+  for (Index j = 0; j < J.cols(); ++j)
+    for (SpMat::InnerIterator it(J, j); it; ++it) size[it.row()] = std::max(size[it.row()], std::abs(it.value()));
+  return size;
+}
+
 /// False if a row says nothing.
 bool reduce(const SpMat& J, In Da, In Db, Block& block) {
   constexpr double negligible = 1e-16;
-  const Vec diagonal = diagonal_of(J);
+  const Vec size = row_sizes(J);
   const Index n = J.rows();
   block.number.assign(at(n), -1);
   for (Index i = 0; i < n; ++i) {
     if (Da[i] == 0 && Db[i] == 0) return false;
-    if (std::abs(Db[i]) * std::max(std::abs(diagonal[i]), 1e-300) <= negligible * std::abs(Da[i])) continue;
+    if (std::abs(Db[i]) * std::max(size[i], 1e-300) <= negligible * std::abs(Da[i])) continue;
     block.number[at(i)] = static_cast<int>(block.unknowns.size());
     block.unknowns.push_back(static_cast<int>(i));
   }
@@ -73,9 +81,9 @@ SparseRows symmetric_block(const SpMat& J, In Da, In Db, const Block& block) {
 }
 
 /// Conjugate gradients on S d = b / Db preconditioned by B, until ||Db (b / Db - S d)|| <= tol. False where S or B
-/// shows not to be positive definite, or after max_iterations.
+/// shows not to be positive definite, after max_iterations, or at a limit.
 bool conjugate_gradients(const SparseRows& S, FacePreconditioner& B, const Vec& Db, const Vec& b, double tol,
-                         int max_iterations, Vec& d, int& iterations) {
+                         int max_iterations, const Limits& limits, Vec& d, int& iterations) {
   const Index n = b.size();
   Vec r = b.cwiseQuotient(Db);
   Vec z(n);
@@ -85,7 +93,7 @@ bool conjugate_gradients(const SparseRows& S, FacePreconditioner& B, const Vec& 
   double rz_before = 1;
   for (int k = 0;; ++k) {
     if (r.cwiseProduct(Db).norm() <= tol) return true;
-    if (k == max_iterations) return false;
+    if (k == max_iterations || limits.reached()) return false;
     B.apply(r, z);
     const double rz = r.dot(z);
     if (!(rz > 0)) return false;
@@ -97,6 +105,50 @@ bool conjugate_gradients(const SparseRows& S, FacePreconditioner& B, const Vec& 
     ++iterations;
     d += rz / curvature * p;
     r -= rz / curvature * Sp;
+  }
+}
+
+using Ilut = Eigen::IncompleteLUT<double, int>;
+
+/// BiCGSTAB on H d = b preconditioned from the right by B, until ||b - H d|| <= tol by its recurrence, or after
+/// max_iterations, at a limit, or where starting again from d does not cure a breakdown. (Eigen's cannot be
+/// interrupted, and a run of it in slices would lose its search space at each.)
+void bicgstab(const SpMat& H, const Ilut& B, const Vec& b, double tol, int max_iterations, const Limits& limits, Vec& d,
+              int& iterations) {
+  constexpr double orthogonal = 1e-16;  // cosine of an angle that is rounding
+  d = Vec::Zero(b.size());
+  Vec r = b;
+  Vec shadow = r;
+  Vec p;
+  Vec v;
+  double rho = 1;
+  double alpha = 1;
+  double omega = 1;
+  bool begun = true;  // by the last iteration
+  for (int k = 0; k < max_iterations && r.norm() > tol && !limits.reached(); ++k, ++iterations) {
+    double next = shadow.dot(r);
+    if (omega == 0 || !(std::abs(next) > orthogonal * shadow.norm() * r.norm())) {
+      if (begun) return;
+      begun = true;
+      r = b - H * d;
+      shadow = r;
+      next = r.squaredNorm();
+    } else {
+      begun = k == 0;
+    }
+    p = begun ? r : Vec(r + next / rho * (alpha / omega) * (p - omega * v));
+    rho = next;
+    const Vec y = B.solve(p);
+    v = H * y;
+    alpha = rho / shadow.dot(v);
+    if (!std::isfinite(alpha)) return;
+    r -= alpha * v;
+    const Vec z = B.solve(r);
+    const Vec t = H * z;
+    const double tt = t.squaredNorm();
+    omega = tt > 0 ? t.dot(r) / tt : 0;
+    d += alpha * y + omega * z;
+    r -= omega * t;
   }
 }
 
@@ -129,30 +181,6 @@ SpMat block_of(const SpMat& J, In Da, In Db, const Block& block) {
 }
 
 }  // namespace
-
-std::string_view to_string(KrylovEnd end) {
-  switch (end) {
-    case KrylovEnd::Solved:
-      return "solved";
-    case KrylovEnd::NotConverged:
-      return "not converged";
-    case KrylovEnd::OutOfMemory:
-      return "out of memory";
-  }
-  return "?";
-}
-
-std::string_view to_string(KrylovKind kind) {
-  switch (kind) {
-    case KrylovKind::None:
-      return "no system left";
-    case KrylovKind::ConjugateGradients:
-      return "conjugate gradients, multigrid";
-    case KrylovKind::BiCgStab:
-      return "BiCGSTAB, ILUT";
-  }
-  return "?";
-}
 
 bool symmetric(const SpMat& J) {
   if (J.rows() != J.cols()) return false;
@@ -191,21 +219,21 @@ bool symmetric(const SpMat& J) {
 }
 
 struct KrylovSystem::Parts {
-  using Ilut = Eigen::BiCGSTAB<SpMat, Eigen::IncompleteLUT<double, int>>;
-
   const SpMat& J;
   Vec Da, Db;
   KrylovOptions options;
+  Limits limits;
   Block block{};
   bool regular = false;
   Vec scale{};  // Db of the rows left
   bool multigrid_tried = false;
   std::unique_ptr<Hierarchy> hierarchy{};
   std::unique_ptr<VCycle> cycle{};
-  SpMat H{};  // BiCGSTAB refers to it
+  SpMat H{};  // made with ilut
   std::unique_ptr<Ilut> ilut{};
 
-  Parts(const SpMat& matrix, In a, In b, const KrylovOptions& given) : J(matrix), Da(a), Db(b), options(given) {
+  Parts(const SpMat& matrix, In a, In b, const KrylovOptions& given, const Limits& until)
+      : J(matrix), Da(a), Db(b), options(given), limits(until) {
     regular = reduce(J, Da, Db, block);
     scale = Vec(static_cast<Index>(block.unknowns.size()));
     for (std::size_t k = 0; k < block.unknowns.size(); ++k) scale[static_cast<Index>(k)] = Db[block.unknowns[k]];
@@ -235,6 +263,12 @@ struct KrylovSystem::Parts {
     return result.solved();
   }
 
+  bool stopped(KrylovResult& result) const {
+    if (!limits.reached()) return false;
+    result.end = KrylovEnd::Stopped;
+    return true;
+  }
+
   void solve(In b, double eta, KrylovResult& result) {
     if (!regular) return;
     // The known unknowns, and what they leave of the others' right-hand sides.
@@ -252,29 +286,27 @@ struct KrylovSystem::Parts {
       take(result, b, part, KrylovKind::None, eta);
       return;
     }
+    if (stopped(result)) return;
     if (has_multigrid()) {
-      conjugate_gradients(hierarchy->grids[0].A, *cycle, scale, rest, tol, options.max_iterations, part,
+      conjugate_gradients(hierarchy->grids[0].A, *cycle, scale, rest, tol, options.max_iterations, limits, part,
                           result.iterations);
-      if (take(result, b, part, KrylovKind::ConjugateGradients, eta)) return;
+      if (take(result, b, part, KrylovKind::ConjugateGradients, eta) || stopped(result)) return;
     }
     if (!ilut) {
       H = block_of(J, Da, Db, block);
       ilut = std::make_unique<Ilut>();
-      ilut->preconditioner().setDroptol(options.drop);
-      ilut->preconditioner().setFillfactor(options.fill);
-      ilut->setMaxIterations(options.max_iterations);
+      ilut->setDroptol(options.drop);
+      ilut->setFillfactor(options.fill);
       ilut->compute(H);
     }
     if (ilut->info() != Eigen::Success) return;
-    ilut->setTolerance(tol / rest.norm());
-    part = ilut->solve(rest);
-    result.iterations += static_cast<int>(ilut->iterations());
-    take(result, b, part, KrylovKind::BiCgStab, eta);
+    bicgstab(H, *ilut, rest, tol, options.max_iterations, limits, part, result.iterations);
+    if (!take(result, b, part, KrylovKind::BiCgStab, eta)) stopped(result);
   }
 };
 
-KrylovSystem::KrylovSystem(const SpMat& J, In Da, In Db, const KrylovOptions& options)
-    : parts_(std::make_unique<Parts>(J, Da, Db, options)) {}
+KrylovSystem::KrylovSystem(const SpMat& J, In Da, In Db, const KrylovOptions& options, const Limits& limits)
+    : parts_(std::make_unique<Parts>(J, Da, Db, options, limits)) {}
 KrylovSystem::~KrylovSystem() = default;
 KrylovSystem::KrylovSystem(KrylovSystem&&) noexcept = default;
 KrylovSystem& KrylovSystem::operator=(KrylovSystem&&) noexcept = default;
@@ -290,7 +322,8 @@ KrylovResult KrylovSystem::solve(In b, double eta) {
   return result;
 }
 
-Vec damped_least_squares(const SpMat& J, In Da, In Db, In b, double nu, double eta, int iterations) {
+Vec damped_least_squares(const SpMat& J, In Da, In Db, In b, double nu, double eta, int iterations,
+                         const Limits& limits) {
   const Index n = b.size();
   // Unknowns y = S d, S_j^2 = ||H e_j||^2 + nu.
   Vec scale = Vec::Constant(n, nu);
@@ -314,7 +347,7 @@ Vec damped_least_squares(const SpMat& J, In Da, In Db, In b, double nu, double e
   Vec p = s;
   double ss = s.squaredNorm();
   const double goal = eta * eta * ss;
-  for (int k = 0; k < iterations && ss > goal && std::isfinite(ss); ++k) {
+  for (int k = 0; k < iterations && ss > goal && std::isfinite(ss) && !limits.reached(); ++k) {
     const Vec step = p.cwiseQuotient(scale);
     const Vec q = Da.cwiseProduct(step) + Db.cwiseProduct(J * step);
     const double curvature = q.squaredNorm() + nu * step.squaredNorm();

@@ -2,8 +2,8 @@
 /// Inexact solution of  H d = b,  H = Da + Db J  (Da, Db diagonal, J sparse, n x n): the systems of semismooth Newton
 /// methods, in memory that is a small multiple of J's.
 ///
-/// A row with Db_i J_ii negligible beside Da_i says d_i = b_i / Da_i: such unknowns, held at a bound, are known and
-/// leave. The others' rows are divided by Db_i,
+/// A row with Db_i max_j |J_ij| negligible beside Da_i says d_i = b_i / Da_i: such unknowns, held at a bound, are known
+/// and leave. The others' rows are divided by Db_i,
 ///     (D + J) d = b / Db,   D = Da / Db,
 /// so that what remains of a symmetric J is symmetric, and positive definite if J is and D >= 0. Then conjugate
 /// gradients preconditioned by an algebraic multigrid V-cycle of that very block (multilevel.hpp) are tried where most
@@ -13,9 +13,8 @@
 /// References: van der Vorst, SIAM J. Sci. Stat. Comput. 13 (1992) 631; Saad, Numer. Linear Algebra Appl. 1 (1994) 387
 /// (ILUT); Stueben 2001 (multigrid); Paige & Saunders, ACM TOMS 8 (1982) 43 (damped least squares).
 #include <memory>
-#include <string_view>
 
-#include "lcp/types.hpp"
+#include "lcp/result.hpp"
 
 namespace perp::lcp {
 
@@ -35,10 +34,9 @@ enum class KrylovEnd {
   Solved,
   NotConverged,  ///< max_iterations, or the residual has stopped falling
   OutOfMemory,
+  Stopped,  ///< by the limits
 };
 enum class KrylovKind { None, ConjugateGradients, BiCgStab };  ///< None: every unknown was known
-std::string_view to_string(KrylovEnd);
-std::string_view to_string(KrylovKind);
 
 struct KrylovResult {
   KrylovEnd end = KrylovEnd::NotConverged;
@@ -52,8 +50,9 @@ struct KrylovResult {
 /// One matrix H with its preconditioners, made when they are first needed and kept for other right-hand sides.
 class KrylovSystem {
  public:
-  /// J is not copied and must live as long. Pre: square with n rows, as have Da and Db.
-  KrylovSystem(const SpMat& J, In Da, In Db, const KrylovOptions& options = {});
+  /// J is not copied and must live as long. Of the limits, deadline and interrupted are looked at before each
+  /// preconditioner is made and each iteration. Pre: square with n rows, as have Da and Db.
+  KrylovSystem(const SpMat& J, In Da, In Db, const KrylovOptions& options = {}, const Limits& limits = {});
   ~KrylovSystem();
   KrylovSystem(KrylovSystem&&) noexcept;
   KrylovSystem& operator=(KrylovSystem&&) noexcept;
@@ -67,8 +66,9 @@ class KrylovSystem {
 };
 
 /// d approximately minimising ||H d - b||^2 + nu ||d||^2, by conjugate gradients on the normal equations (CGLS) scaled
-/// by the norms of H's columns, until their residual has fallen to `eta` or after `iterations`. From d = 0 every
-/// iterate is a descent direction of 1/2 ||H d - b||^2, whatever H.
-Vec damped_least_squares(const SpMat& J, In Da, In Db, In b, double nu, double eta, int iterations);
+/// by the norms of H's columns, until their residual has fallen to `eta`, after `iterations` or at the limits' deadline
+/// or interrupt. From d = 0 every iterate is a descent direction of 1/2 ||H d - b||^2, whatever H.
+Vec damped_least_squares(const SpMat& J, In Da, In Db, In b, double nu, double eta, int iterations,
+                         const Limits& limits = {});
 
 }  // namespace perp::lcp

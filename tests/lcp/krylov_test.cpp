@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cmath>
 #include <random>
 
@@ -67,7 +68,7 @@ TEST(Krylov, AgreesWithLuWhereSymmetric) {
   for (unsigned seed = 1; seed <= 20; ++seed) {
     const System s = random_system(grid(40, 0), seed);
     const KrylovResult found = KrylovSystem(s.J, s.Da, s.Db).solve(s.b, 1e-12);
-    ASSERT_TRUE(found.solved()) << to_string(found.end);
+    ASSERT_TRUE(found.solved()) << found.reduction;
     EXPECT_EQ(found.kind, KrylovKind::ConjugateGradients);
     EXPECT_LE((s.H() * found.d - s.b).norm(), 1.2e-12 * s.b.norm());
     EXPECT_LT((found.d - exact(s)).lpNorm<Eigen::Infinity>(), 1e-9);
@@ -79,7 +80,7 @@ TEST(Krylov, AgreesWithLuWhereNot) {
   for (unsigned seed = 1; seed <= 20; ++seed) {
     const System s = random_system(grid(30, 0.6), seed);
     const KrylovResult found = KrylovSystem(s.J, s.Da, s.Db).solve(s.b, 1e-10);
-    ASSERT_TRUE(found.solved()) << to_string(found.end);
+    ASSERT_TRUE(found.solved()) << found.reduction;
     EXPECT_EQ(found.kind, KrylovKind::BiCgStab);
     EXPECT_LT((found.d - exact(s)).lpNorm<Eigen::Infinity>(), 1e-7);
   }
@@ -93,6 +94,85 @@ TEST(Krylov, AgreesWithLuWhereIndefinite) {
   const KrylovResult found = KrylovSystem(s.J, s.Da, s.Db).solve(s.b, 1e-9);
   ASSERT_TRUE(found.solved()) << found.reduction;
   EXPECT_LT((found.d - exact(s)).norm(), 1e-5 * exact(s).norm());
+}
+
+/// [Q -A'; A 0], Q the grid's matrix, row k of A the sum of the k-th pair of neighbours: the multipliers' rows have
+/// nothing on the diagonal.
+SpMat saddle_point(int N) {
+  const SpMat Q = grid(N, 0, 0.1);
+  const Index n = Q.rows();
+  const Index m = n / 4;
+  std::vector<Eigen::Triplet<double>> entries;
+  for (Index j = 0; j < n; ++j)
+    for (SpMat::InnerIterator it(Q, j); it; ++it)
+      entries.emplace_back(static_cast<int>(it.row()), static_cast<int>(j), it.value());
+  for (int k = 0; k < m; ++k)
+    for (const int j : {4 * k, 4 * k + 1}) {
+      entries.emplace_back(static_cast<int>(n) + k, j, 1);
+      entries.emplace_back(j, static_cast<int>(n) + k, -1);
+    }
+  SpMat J(n + m, n + m);
+  J.setFromTriplets(entries.begin(), entries.end());
+  return J;
+}
+
+// The Karush-Kuhn-Tucker system of a quadratic program (Nocedal & Wright 2006, section 16.1): equations only, and
+// inequalities, whose rows are the Fischer-Burmeister function's. Catches: rows without a diagonal entry that are taken
+// for known.
+TEST(Krylov, SaddlePoints) {
+  const SpMat J = saddle_point(20);
+  for (unsigned seed = 1; seed <= 10; ++seed) {
+    System s = random_system(J, seed);
+    const Index rows = seed <= 5 ? s.b.size() : 400;
+    s.Da.head(rows).setZero();
+    s.Db.head(rows).setOnes();
+    const KrylovResult found = KrylovSystem(s.J, s.Da, s.Db).solve(s.b, 1e-10);
+    ASSERT_TRUE(found.solved()) << seed << ": " << found.reduction;
+    EXPECT_LT((s.H() * found.d - s.b).norm(), 1.2e-10 * s.b.norm());
+    EXPECT_LT((found.d - exact(s)).norm(), 1e-6 * exact(s).norm());
+  }
+}
+
+// Catches: an interrupt that waits for the end of a solve, or is told as a failure to converge.
+TEST(Krylov, StopsInsideSolvesWhenAsked) {
+  for (const double wind : {0.0, 0.6}) {
+    const System s = random_system(grid(60, wind), 2);
+    int polls = 0;
+    const Limits limits{.interrupted = [&polls] { return ++polls > 6; }};
+    KrylovSystem system(s.J, Vec::Zero(s.b.size()), Vec::Ones(s.b.size()), {.drop = 0.1}, limits);
+    const KrylovResult found = system.solve(s.b, 1e-12);
+    EXPECT_EQ(found.end, KrylovEnd::Stopped);
+    EXPECT_GE(found.iterations, 1);
+    EXPECT_LE(found.iterations, 6);
+    polls = 0;
+    const Vec d = damped_least_squares(s.J, s.Da, s.Db, s.b, 0.01, 1e-12, 2000, limits);
+    EXPECT_EQ(polls, 7);
+    EXPECT_EQ(d, damped_least_squares(s.J, s.Da, s.Db, s.b, 0.01, 1e-12, 6));
+    // Before anything is made:
+    const KrylovResult nothing =
+        KrylovSystem(s.J, s.Da, s.Db, {}, {.interrupted = [] { return true; }}).solve(s.b, 0.1);
+    EXPECT_EQ(nothing.end, KrylovEnd::Stopped);
+    EXPECT_EQ(nothing.iterations, 0);
+  }
+}
+
+// 40 000 unknowns, not symmetric: past its deadline a solve ends as soon as the incomplete LU factorization is there.
+// The first solve, of one iteration, says how long that takes. Catches: iterations that do not look at the clock.
+TEST(Krylov, EndsAtItsDeadline) {
+  using Clock = std::chrono::steady_clock;
+  const System s = random_system(grid(200, 0.6), 2);
+  const Vec zero = Vec::Zero(s.b.size());
+  const Vec one = Vec::Ones(s.b.size());
+  const auto begin = Clock::now();
+  (void)KrylovSystem(s.J, zero, one, {.max_iterations = 1, .drop = 1e-2}).solve(s.b, 0.5);
+  const auto once = Clock::now() - begin;
+  const auto again = Clock::now();
+  const Limits limits{.deadline = again + std::chrono::milliseconds(50)};
+  const KrylovResult found =
+      KrylovSystem(s.J, zero, one, {.max_iterations = 1'000'000, .drop = 1e-2}, limits).solve(s.b, 1e-30);
+  const auto taken = Clock::now() - again;
+  EXPECT_EQ(found.end, KrylovEnd::Stopped);
+  EXPECT_LT(taken, 3 * once + std::chrono::milliseconds(300));
 }
 
 // Multigrid: the number of iterations does not grow with the grid. Catches: a preconditioner of another matrix.
