@@ -180,6 +180,23 @@ SpMat block_of(const SpMat& J, In Da, In Db, const Block& block) {
   return H;
 }
 
+/// ILUT(drop, fill) does not pivot, so it is made of H with diagonal entries of at least sqrt(drop) max_j |H_ij|: in
+/// the multipliers' rows of a saddle point they are zero or next to it. (Eigen does as much for exact zeros.)
+std::unique_ptr<Ilut> incomplete_lu(SpMat& H, double drop, int fill) {
+  const Vec diagonal = diagonal_of(H);
+  const Vec least = std::sqrt(drop) * row_sizes(H);
+  const auto enlarged = [&](Index i) { return std::abs(diagonal[i]) < least[i]; };
+  for (Index i = 0; i < H.rows(); ++i)
+    if (enlarged(i)) H.coeffRef(i, i) = std::copysign(least[i], diagonal[i]);
+  auto ilut = std::make_unique<Ilut>();
+  ilut->setDroptol(drop);
+  ilut->setFillfactor(fill);
+  ilut->compute(H);
+  for (Index i = 0; i < H.rows(); ++i)
+    if (enlarged(i)) H.coeffRef(i, i) = diagonal[i];
+  return ilut;
+}
+
 }  // namespace
 
 bool symmetric(const SpMat& J) {
@@ -294,10 +311,7 @@ struct KrylovSystem::Parts {
     }
     if (!ilut) {
       H = block_of(J, Da, Db, block);
-      ilut = std::make_unique<Ilut>();
-      ilut->setDroptol(options.drop);
-      ilut->setFillfactor(options.fill);
-      ilut->compute(H);
+      ilut = incomplete_lu(H, options.drop, options.fill);
     }
     if (ilut->info() != Eigen::Success) return;
     bicgstab(H, *ilut, rest, tol, options.max_iterations, limits, part, result.iterations);
