@@ -11,16 +11,14 @@ namespace perp::ncp {
 /// How mu follows the iterates; r is their natural residual.
 enum class SmoothingSchedule {
   /// SMOOTH (Chen & Mangasarian 1996, where alpha = 1/mu): Newton steps on Phi_mu(x) = 0 with Armijo's search on
-  /// 1/2 ||Phi_mu||^2; mu never rises and is at most min(r, sqrt(r)), and mu x shrink follows where the smooth system
-  /// is
-  /// solved to ||Phi_mu||_inf <= centring mu.
+  /// 1/2 ||Phi_mu||^2; mu never rises and is at most min(r, sqrt(r)) (but 1e-4 tol at least), and mu x shrink follows
+  /// where the smooth system is solved to ||Phi_mu||_inf <= centring mu.
   NewtonArmijo,
-  /// Path following within ||Phi_mu(x)||_inf <= beta mu (Burke & Xu 1998; Chen & Xiu 1999). Predictor: the smooth
-  /// Jacobian
-  /// with the nonsmooth right-hand side, H_mu d = -Phi_0(x), which by Jacobian consistency (Chen, Qi & Sun 1998) is
-  /// Newton's step in the limit; the full step is taken if it leads into the neighbourhood of a mu at most half as
-  /// large.
-  /// Else a corrector: a damped Newton step on Phi_mu = 0, and then the least mu of a few whose neighbourhood x is in.
+  /// Path following towards ||Phi_mu(x)||_inf <= beta mu (Burke & Xu 1998; Chen & Xiu 1999). Predictor: the smooth
+  /// Jacobian with the nonsmooth right-hand side, H_mu d = -Phi_0(x), which by Jacobian consistency (Chen, Qi & Sun
+  /// 1998) is Newton's step in the limit; the full step is taken if it leads into the neighbourhood of a mu at most
+  /// half as large. Else a corrector: a damped Newton step on Phi_mu = 0, and then the least mu of a few whose
+  /// neighbourhood x is in.
   PredictorCorrector,
 };
 
@@ -38,8 +36,8 @@ struct Smoothing {
   Armijo search{};
   double shrink = 0.5;  ///< see NewtonArmijo; in (0, 1)
   double centring = 1;  ///< see NewtonArmijo; > 0
-  double neighbourhood =
-      10;              ///< PredictorCorrector: beta, at least twice what the start needs; > kappa of the function
+  /// PredictorCorrector: beta, at least twice what the start needs; > kappa of the function
+  double neighbourhood = 10;
   bool finish = true;  ///< active-set Newton steps
   int restarts = 6;    ///< times that mu is raised
   int patience = 25;   ///< iterations without 1 % less natural residual after which it is

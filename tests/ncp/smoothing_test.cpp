@@ -114,18 +114,28 @@ TEST(Smoothing, PredictorsConvergeFastWithoutTheActiveSet) {
   EXPECT_GE(measured, 3);
 }
 
-// The records: mu is at most min(r, sqrt(r)) and never rises but at U; the last step is one of the active set, whose
-// residual does not depend on mu. Catches a schedule that is not theirs.
+// The records: mu is at most min(r, sqrt(r)), r the residual of the iterate itself (above 1e-4 tol, where it ends), and
+// never rises but at U; the last step is one of the active set, whose residual does not depend on mu. Catches a
+// schedule that is not theirs.
 TEST(Smoothing, MuFollowsTheResidual) {
   Random random(4);
   int finished = 0;
   for (int k = 0; k < 10; ++k) {
     const auto [functions, solution] = support::planted(30, 0, random);
+    const auto mcp = make_mcp(functions);
+    constexpr double tol = 1e-11;
     std::vector<Iteration> records;
-    expect_solved(*make_mcp(functions), 5 * random.normals(30), Smoothing{.stop = {.tol = 1e-11}}, "", record(records));
+    std::vector<double> residuals;
+    expect_solved(*mcp, 5 * random.normals(30), Smoothing{.stop = {.tol = tol}}, "", [&](const Iteration& it) {
+      records.push_back(it);
+      residuals.push_back(residual(*mcp, *it.x).natural);
+      return Next::Continue;
+    });
     for (std::size_t i = 1; i < records.size(); ++i) {
       if (records[i].kind == 'U') continue;
+      const double r = residuals[i];
       EXPECT_LE(records[i].mu, records[i - 1].mu);
+      EXPECT_LE(records[i].mu, std::max(std::min(r, std::sqrt(r)) * (1 + 1e-12), 1e-4 * tol));
       EXPECT_GT(records[i].mu, 0);
     }
     finished += records.back().kind == 'S';
