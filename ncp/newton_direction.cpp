@@ -40,6 +40,7 @@ double squared_norm(const Reformulation& at, const SpMat& J) {
 Directions::Directions(Run& run, const SemismoothNewton& method)
     : run_(run),
       method_(method),
+      limits_{.deadline = run.deadline(), .interrupted = [&run] { return run.interrupted(); }},
       krylov_(method.linear == LinearSolver::Krylov ||
               (method.linear == LinearSolver::Auto && run.box().size() > direct_to)),
       lu_(method.lu),
@@ -69,7 +70,7 @@ bool Directions::newton(const Linearisation& lin, const Point& point, const std:
     options.max_iterations = method_.forcing.max_iterations;
     system_.reset();
     J_ = point.J;
-    system_.emplace(J_, lin.at.Da, lin.at.Db, options);
+    system_.emplace(J_, lin.at.Da, lin.at.Db, options, limits_);
     for (int k = 0; k <= tightenings; ++k, eta = std::max(eta * tighter, 1e-13)) {
       lcp::KrylovResult found = system_->solve(-lin.at.Phi, eta);
       run_.stats().krylov_iterations += found.iterations;
@@ -79,6 +80,7 @@ bool Directions::newton(const Linearisation& lin, const Point& point, const std:
       if (k == tightenings) return false;  // it is not for its error that the Newton direction does not descend
     }
     system_.reset();
+    if (stopped()) return false;
     if (++failures_ >= most_failures) krylov_ = false;
     return direct(lin, point, out) && descends(out.d);
   }
@@ -107,7 +109,8 @@ bool Directions::direct(const Linearisation& lin, const Point& point, Direction&
 bool Directions::levenberg_marquardt(const Linearisation& lin, const Point& point, double nu, Direction& out) {
   const Index n = lin.at.Phi.size();
   if (lin.H.rows() == 0) {
-    out = {.d = lcp::damped_least_squares(point.J, lin.at.Da, lin.at.Db, -lin.at.Phi, nu, lm_reduction, lm_iterations),
+    out = {.d = lcp::damped_least_squares(point.J, lin.at.Da, lin.at.Db, -lin.at.Phi, nu, lm_reduction, lm_iterations,
+                                          limits_),
            .kind = 'L',
            .nu = nu,
            .linear = 'K'};

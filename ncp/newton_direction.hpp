@@ -24,7 +24,7 @@ class Directions {
 
   /// Whether linearisations need no H.
   bool krylov() const { return krylov_; }
-  /// H d = -Phi; false if there is no d (H singular, out of memory) or none that `descends`.
+  /// H d = -Phi; false if there is no d (H singular, out of memory, stopped()) or none that `descends`.
   bool newton(const Linearisation& lin, const Point& point, const std::function<bool(const Vec&)>& descends,
               Direction& out);
   /// The Newton system of the last newton() that was solved by the Krylov method with another right-hand side, to a
@@ -36,6 +36,8 @@ class Directions {
   Direction gradient(const Linearisation& lin, const Point& point) const;
   /// nu to begin with: ||Phi|| keeps fast local convergence.
   double first_nu(const Linearisation& lin, const Point& point) const;
+  /// Whether the run's time is over or somebody has asked to stop: what solves that ended early say means nothing.
+  bool stopped() const { return limits_.reached().has_value(); }
   /// What to tell of Krylov solves that failed; empty if none did.
   std::string remark() const;
 
@@ -45,6 +47,7 @@ class Directions {
 
   Run& run_;
   const SemismoothNewton& method_;
+  lcp::Limits limits_;
   bool krylov_;
   int failures_ = 0;  // of Krylov solves
   double norm_ = 0;   // ||Phi|| of the last iteration, and its eta

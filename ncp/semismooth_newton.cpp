@@ -81,7 +81,7 @@ class ChordSteps {
 
  private:
   bool solved(const Point& point) const {
-    return (point.x - lcp::project(run_.box(), point.x - point.F)).lpNorm<Eigen::Infinity>() <= method_.stop.tol &&
+    return residual(run_.box(), point.x, point.F).natural <= method_.stop.tol &&
            lcp::project(run_.box(), point.x) == point.x;
   }
   static void append(Eigen::MatrixXd& columns, const Vec& column) {
@@ -147,11 +147,11 @@ void semismooth_newton(Run& run, const SemismoothNewton& method, Point point) {
     };
     bool done = directions.newton(newton, point, descends, direction) && search(direction);
     double nu = directions.first_nu(descent, point);
-    for (int i = 0; i < lm_tries && !done; ++i, nu *= lm_growth)
+    for (int i = 0; i < lm_tries && !done && !directions.stopped(); ++i, nu *= lm_growth)
       done =
           directions.levenberg_marquardt(descent, point, nu, direction) && g.dot(direction.d) < 0 && search(direction);
-    if (!done) done = search(directions.gradient(descent, point));
-    if (!done) {
+    if (!done && !directions.stopped()) done = search(directions.gradient(descent, point));
+    if (!done && !directions.stopped()) {
       const bool nowhere = undefined > 0 && undefined == it.backtracks;
       run.end(nowhere ? Status::EvaluationFailed : Status::NoProgress,
               nowhere ? "F or its Jacobian is not defined at any trial point, however short the step"
@@ -159,10 +159,10 @@ void semismooth_newton(Run& run, const SemismoothNewton& method, Point point) {
               "try another start or method; check the derivatives (--check-derivatives)");
       break;
     }
-    if (direction.linear == 'K' && direction.kind == 'N' && found.t == 1 && chords.worthwhile())
+    if (done && direction.linear == 'K' && direction.kind == 'N' && found.t == 1 && chords.worthwhile())
       chords.run(point, found.merit);
-    it.merit = found.merit;
-    it.step = found.t;
+    it.merit = done ? found.merit : descent.merit;
+    it.step = done ? found.t : 0;
     memory.push(it.merit);
   }
   run.remark(directions.remark());

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cmath>
 
 #include "ncp/collection/generators.hpp"
@@ -80,6 +81,101 @@ TEST(InexactNewton, ChordStepsSpareNewtonSteps) {
   EXPECT_LT((fast.x - plain.x).lpNorm<Eigen::Infinity>(), 1e-7);
 }
 
+// x^3 = 2 in the unit 1e12, where x - F is x as soon as F is below 1e-4. Chord steps go on all the same until F meets
+// the tolerance, and the Jacobian is evaluated where they end. Catches: a residual that loses F beside a large x.
+TEST(InexactNewton, ChordStepsSeeSmallResidualsBesideLargeVariables) {
+  constexpr double unit = 1e12;
+  const auto mcp = make_mcp(support::scalar(
+      -infinity, infinity, [](double x) { return std::pow(x / unit, 3) - 2; },
+      [](double x) { return 3 / unit * std::pow(x / unit, 2); }));
+  SemismoothNewton method = to(1e-12, inexact());
+  method.descent_rho = 1e-40;  // the gradient's unit is 1e-12, the direction's 1e12
+  method.forcing.chord_steps = 20;
+  const Result result = solve(*mcp, support::vec({1.5 * unit}), method);
+  ASSERT_TRUE(result.solved()) << result;
+  EXPECT_EQ(result.stats.iterations, 1);
+  EXPECT_NEAR(result.x[0] / unit, std::cbrt(2), 1e-12);
+}
+
+/// The first-order conditions of  min 1/2 v'Qv - 3 sum v_j sin j + 1/4 sum v^4,  v_j + v_{j+1} >= 0.3 for every fourth
+/// j,  Q = the five-point Laplacian plus 1/10 on an N x N grid: J has no diagonal in the multipliers' rows.
+Functions saddle_point(int N) {
+  const Functions grid = support::obstacle(N);
+  const Index n = static_cast<Index>(N) * N;
+  const Index m = n / 4;
+  support::Triplets entries;
+  for (int j = 0; j < n; ++j)
+    for (SpMat::InnerIterator it(grid.pattern, j); it; ++it)
+      entries.emplace_back(static_cast<int>(it.row()), j, it.value() + (it.row() == j ? 0.1 : 0));
+  for (int k = 0; k < m; ++k)
+    for (const int j : {4 * k, 4 * k + 1}) {
+      entries.emplace_back(static_cast<int>(n) + k, j, 1);
+      entries.emplace_back(j, static_cast<int>(n) + k, -1);
+    }
+  const SpMat M = support::from(n + m, entries);
+  Box box = Box::free(n + m);
+  box.lower.tail(m).setZero();
+  return {.name = "saddle point",
+          .box = box,
+          .pattern = M,
+          .F =
+              [M, n, m](In x, Out F) {
+                F = M * x;
+                for (Index j = 0; j < n; ++j) F[j] += x[j] * x[j] * x[j] - 3 * std::sin(static_cast<double>(j));
+                F.tail(m).array() -= 0.3;
+                return true;
+              },
+          .J =
+              [M, n](In x, SpMat& J) {
+                J = M;
+                for (Index i = 0; i < n; ++i) J.coeffRef(i, i) += 3 * x[i] * x[i];
+                return true;
+              }};
+}
+
+// Multipliers at zero and above, n + m = 2000. Catches: Newton systems of which the multipliers' rows are lost, so that
+// LU has to take over.
+TEST(InexactNewton, SaddlePointsNeedNoLu) {
+  const auto mcp = make_mcp(saddle_point(40));
+  const Result one = solve(*mcp, Vec::Ones(2000), to(1e-10, inexact()));
+  const Result other = solve(*mcp, Vec::Ones(2000), to(1e-10, direct()));
+  ASSERT_TRUE(one.solved()) << one;
+  ASSERT_TRUE(other.solved()) << other;
+  EXPECT_EQ(one.stats.factorizations, 0) << one;
+  EXPECT_LT((one.x - other.x).lpNorm<Eigen::Infinity>(), 1e-7);
+  const auto active = (other.x.tail(400).array() > 1e-6).count();
+  EXPECT_GT(active, 50);
+  EXPECT_LT(active, 350);
+}
+
+// 40 000 unknowns, not symmetric, in 0.05 s: the run ends with the linear solve it is in, by no factorization and
+// without a verdict on the problem. Catches: Krylov solves and fallbacks that do not look at the clock.
+TEST(InexactNewton, EndsAtItsTimeLimitInsideALinearSolve) {
+  Functions functions = support::obstacle(200, 100);
+  for (Index j = 0; j + 1 < functions.pattern.cols(); ++j) functions.pattern.coeffRef(j + 1, j) -= 0.9;
+  functions.pattern.makeCompressed();
+  const SpMat M = functions.pattern;
+  functions.box = Box::nonnegative(M.rows());
+  functions.F = [M](In x, Out F) {
+    F = M * x - Vec::Ones(x.size());
+    return true;
+  };
+  functions.J = [M](In, SpMat& J) {
+    J = M;
+    return true;
+  };
+  const auto mcp = make_mcp(functions);
+  SemismoothNewton method = to(1e-13, inexact());
+  method.stop.max_iterations = 1;
+  const Result once = solve(*mcp, Vec::Ones(M.rows()), method);
+  method.stop.max_iterations = 500;
+  method.stop.max_time = std::chrono::duration<double>(0.05);
+  const Result cut = solve(*mcp, Vec::Ones(M.rows()), method);
+  EXPECT_EQ(cut.status, Status::TimeLimit) << cut;
+  EXPECT_EQ(cut.stats.factorizations, 0);
+  EXPECT_LT(cut.stats.time.count(), 2 * once.stats.time.count() + 0.3);
+}
+
 // The whole collection, whose Newton systems are anything but elliptic: what BiCGSTAB cannot solve LU must, and the
 // answer says so. Catches: a fallback that is not there, or silent.
 TEST(InexactNewton, FallsBackToLuAndSaysSo) {
@@ -87,7 +183,7 @@ TEST(InexactNewton, FallsBackToLuAndSaysSo) {
   for (const char* name : {"kojshin", "josephy", "nash10", "hs34-kkt", "hs76-kkt", "walras-own", "murty", "fathi",
                            "hydroc06", "methan08", "geiger-kanzow"}) {
     const collection::Entry* entry = collection::find(name);
-    if (entry == nullptr) continue;
+    ASSERT_NE(entry, nullptr) << name;
     const collection::Problem problem = entry->make();
     SemismoothNewton method = inexact();
     method.forcing.max_iterations = 5;
