@@ -249,8 +249,8 @@ struct KrylovSystem::Parts {
   SpMat H{};  // made with ilut
   std::unique_ptr<Ilut> ilut{};
 
-  Parts(const SpMat& matrix, In a, In b, const KrylovOptions& given, const Limits& until)
-      : J(matrix), Da(a), Db(b), options(given), limits(until) {
+  Parts(const SpMat& matrix, In a, In b, const KrylovOptions& given, Limits until)
+      : J(matrix), Da(a), Db(b), options(given), limits(std::move(until)) {
     regular = reduce(J, Da, Db, block);
     scale = Vec(static_cast<Index>(block.unknowns.size()));
     for (std::size_t k = 0; k < block.unknowns.size(); ++k) scale[static_cast<Index>(k)] = Db[block.unknowns[k]];
