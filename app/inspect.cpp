@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <new>
 #include <ostream>
 
 #include "app/json.hpp"
@@ -282,6 +283,8 @@ ExitCode inspect(const InspectRequest& request, Streams streams, const std::atom
     return refuse(error.what());
   } catch (const std::invalid_argument& error) {  // the library's door
     return refuse(error.what());
+  } catch (const std::bad_alloc&) {
+    return refuse(out_of_memory(request.source.problem));
   }
 }
 

@@ -85,6 +85,7 @@ Json iterations_json(const Report& report) {
                      {"merit", json_number(it.merit)},
                      {"step", json_number(it.step)},
                      {"prox", json_number(it.prox)},
+                     {"mu", json_number(it.mu)},
                      {"pivots", it.pivots},
                      {"backtracks", it.backtracks},
                      {"F_evals", it.F_evals},

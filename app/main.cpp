@@ -14,6 +14,7 @@
 #include <exception>
 #include <filesystem>
 #include <iostream>
+#include <new>
 
 #include "app/ampl_driver.hpp"
 #include "app/cfunctions.hpp"
@@ -341,6 +342,8 @@ int main(int argc, char** argv) {
                           streams, &interrupted)
             : run_command(arguments, streams);
     return checked_output(code);
+  } catch (const std::bad_alloc&) {
+    std::cerr << "perp: out of memory\n";
   } catch (const std::exception& error) {
     std::cerr << "perp: internal error: " << error.what() << '\n';
   } catch (...) {

@@ -51,6 +51,11 @@ std::string did_you_mean(std::string_view word, std::span<const std::string_view
   return text + "?";
 }
 
+std::string out_of_memory(const std::string& problem) {
+  return fmt::format("'{}': out of memory: the problem is too large for this machine, or for the limit set (ulimit -v)",
+                     problem);
+}
+
 std::string_view version_number() { return PERP_VERSION; }
 
 std::string version_line() { return fmt::format("perp {} (AMPL/MCP) ASL({})", version_number(), ASLdate_ASL); }

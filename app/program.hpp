@@ -28,6 +28,9 @@ class InputError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// Of a problem that does not fit: "'obstacle:20000x20000': out of memory: ...".
+std::string out_of_memory(const std::string& problem);
+
 /// " Did you mean 'x' or 'y'?" for the candidates at a small edit distance from `word`, or "" if there is none.
 std::string did_you_mean(std::string_view word, std::span<const std::string_view> candidates);
 

@@ -51,8 +51,9 @@ void solve_several(Report& report, const ncp::Method& method, const ncp::Observe
   if (const auto* affine = std::get_if<ncp::Affine>(&method);
       affine != nullptr && std::holds_alternative<lcp::Enumeration>(affine->method))
     throw InputError("--all: method enumeration lists all solutions by itself");
-  report.several = ncp::solve_all(*report.problem->mcp, report.problem->x0, method,
-                                  {.solutions = *report.settings.solutions}, first_solve_only(observer));
+  report.several =
+      ncp::solve_all(*report.problem->mcp, report.problem->x0, method, {.solutions = *report.settings.solutions},
+                     first_solve_only(observer), report.settings.method_name);
   const auto& [found, first, attempts, duplicates, stats, message] = *report.several;
   report.result = found.empty() ? first : found.front().result;
 }

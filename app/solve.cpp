@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <new>
 #include <ostream>
 
 #include "app/json.hpp"
@@ -134,6 +135,8 @@ ExitCode solve(const SolveRequest& request, Streams streams, const std::atomic<b
     return refuse(request, streams, error.what());
   } catch (const std::invalid_argument& error) {  // the library's door
     return refuse(request, streams, error.what());
+  } catch (const std::bad_alloc&) {
+    return refuse(request, streams, out_of_memory(request.problem));
   }
 }
 

@@ -81,6 +81,23 @@ TEST(Json, IterationsAreTheRecords) {
   EXPECT_FALSE(parsed["options"].contains("descent_rho")) << "that one is not josephy's";
 }
 
+// Smoothing's parameter, which is no prox; others have none.
+TEST(Json, MuOfSmoothing) {
+  const LoadedProblem problem = load_problem("kojshin");
+  for (const char* method : {"smooth", "gsl-hybridsj", "josephy"}) {
+    const Report report = report_of(problem, {{"method", method, "test"}});
+    const json parsed = json::parse(solve_json(report));
+    ASSERT_GT(report.iterations.size(), 1U);
+    double largest = 0;
+    for (std::size_t k = 0; k < report.iterations.size(); ++k) {
+      ASSERT_TRUE(parsed["iterations"][k].contains("mu"));
+      EXPECT_EQ(parsed["iterations"][k]["mu"].get<double>(), report.iterations[k].mu);
+      largest = std::max(largest, report.iterations[k].mu);
+    }
+    EXPECT_EQ(largest > 0, method != std::string_view("josephy")) << method;
+  }
+}
+
 // Everything Stats has, under its own name. Would catch a count left out, or written under another's name.
 TEST(Json, StatsAreComplete) {
   const LoadedProblem problem = load_problem("kojshin");

@@ -143,6 +143,25 @@ TEST(Process, ExitCodes) {
   EXPECT_THAT(run({}).out, HasSubstr("perp solve"));
 }
 
+// A problem that does not fit is an input that is refused, by name; not an internal error.
+TEST(Process, OutOfMemoryNamesTheProblem) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "sanitizers need more address space than the limit";
+#endif
+  const test::Folder folder;
+  for (const char* command : {"inspect", "solve"}) {
+    const std::string file = folder / "out.json";
+    const Finished finished = run({"-c", std::string("ulimit -v 2000000; exec " PERP_PROGRAM " ") + command +
+                                             " obstacle:20000x20000 --json " + file},
+                                  {"OPENBLAS_NUM_THREADS=1"}, "/bin/sh");
+    EXPECT_EQ(finished.code, 2) << command;
+    EXPECT_THAT(finished.err, testing::StartsWith("perp: 'obstacle:20000x20000': out of memory")) << command;
+    const json refused = json::parse(test::read(file));
+    EXPECT_EQ(refused["status"], "InputError");
+    EXPECT_EQ(refused["problem"], "obstacle:20000x20000");
+  }
+}
+
 TEST(Process, Suggestions) {
   EXPECT_THAT(run({"solv", "kojshin"}).err, HasSubstr("'solve'"));
   EXPECT_THAT(run({"kojshin"}).err, HasSubstr("'perp solve kojshin'"));

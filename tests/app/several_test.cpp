@@ -67,6 +67,19 @@ TEST(Several, JsonHoldsEverySolution) {
   EXPECT_EQ(parsed["variables"][9]["value"], parsed["solutions"][0]["x"][9]);
 }
 
+// found_by is the name that was asked for, also where several presets are one method. Catches semicomp told as
+// semismooth.
+TEST(Several, FoundByTheMethodAskedFor) {
+  for (const char* method :
+       {"auto", "semicomp", "semismooth-min", "newton-min", "qpcomp", "proxi", "miles", "josephy"}) {
+    test::Captured captured;
+    const SolveRequest request{
+        .problem = "kojshin", .start = 2, .flags = {{"method", method, "--method"}}, .json = "-", .all = 1};
+    EXPECT_EQ(solve(request, captured.streams), exit_solved) << method;
+    EXPECT_EQ(json::parse(captured.out.str())["solutions"][0]["found_by"], method);
+  }
+}
+
 // As many as asked for, and not one more.
 TEST(Several, StopsAtTheNumberAskedFor) {
   for (const int asked : {1, 2}) {
