@@ -87,7 +87,15 @@ std::vector<Option> general_options() {
              {"max_iterations"},
              {0, max_int},
              "iterations (a linearisation each) after which to give up",
-             [](Settings& settings) -> Field { return &ncp::stop(settings.method).max_iterations; }},
+             [](Settings& settings) -> Field {
+               if (std::holds_alternative<ncp::Affine>(settings.method)) return {};  // they count pivots, sweeps, ...
+               return &ncp::stop(settings.method).max_iterations;
+             }},
+      Option{"evaluation_limit",
+             {"max_F_evals"},
+             {1, max_int},
+             "evaluations of F, of all attempts together, after which to give up; looked at after each iteration",
+             [](Settings& settings) -> Field { return &ncp::stop(settings.method).max_F_evals; }},
       Option{"time_limit",
              {"max_time"},
              {0, years, true},
@@ -137,7 +145,7 @@ std::vector<Option> general_options() {
       Option{"descent_rho",
              {},
              {0, lcp::infinity, true},
-             "a Newton direction d needs  merit'(x; d) <= -descent_rho |d|^descent_p",
+             "a Newton direction d needs  merit'(x; d) <= -descent_rho (|d| / sqrt n)^descent_p",
              [](Settings& settings) {
                return of_method(settings, [](auto& m) -> decltype(&m.descent_rho) { return &m.descent_rho; });
              }},

@@ -7,6 +7,7 @@ set(perp_public_headers
   lcp/affine_mcp.hpp
   lcp/basis_factor.hpp
   lcp/block_pivoting.hpp
+  lcp/blocks.hpp
   lcp/block_triangular.hpp
   lcp/bound_qp.hpp
   lcp/box.hpp

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <vector>
 
+#include "lcp/blocks.hpp"
+
 namespace perp::lcp {
 
 FbValue fischer_burmeister(double a, double b, double ha, double hb) {
@@ -122,28 +124,8 @@ bool NewtonSystem::newton(const Equations& at, Vec& d) {
 
 bool NewtonSystem::levenberg_marquardt(const Equations& at, double nu, Vec& d) {
   fill(at);
-  const auto n = static_cast<int>(H_.rows());
-  std::vector<Eigen::Triplet<double>> entries;
-  entries.reserve(static_cast<std::size_t>(2 * (H_.nonZeros() + n)));
-  for (int i = 0; i < n; ++i) {
-    entries.emplace_back(i, i, 1);
-    entries.emplace_back(n + i, n + i, -nu);
-  }
-  for (int j = 0; j < n; ++j)
-    for (SpMat::InnerIterator it(H_, j); it; ++it) {
-      entries.emplace_back(static_cast<int>(it.row()), n + j, it.value());
-      entries.emplace_back(n + j, static_cast<int>(it.row()), it.value());
-    }
-  SpMat K(2 * n, 2 * n);
-  K.setFromTriplets(entries.begin(), entries.end());
   ++factorizations_;
-  if (lm_.factor(K) != LuStatus::Ok) return false;
-  Vec rhs = Vec::Zero(2 * n);
-  rhs.head(n) = -at.Phi;
-  Vec solution(2 * n);
-  lm_.solve_refined(rhs, solution);
-  d = solution.tail(n);
-  return d.allFinite();
+  return damped_least_squares(lm_, H_, -at.Phi, nu, d);
 }
 
 Vec NewtonSystem::gradient(const Equations& at) const {

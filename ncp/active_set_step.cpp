@@ -1,5 +1,7 @@
 #include "ncp/active_set_step.hpp"
 
+#include "lcp/blocks.hpp"
+
 namespace perp::ncp {
 
 using lcp::BoundState;
@@ -21,33 +23,21 @@ bool active_set_step(Run& run, const Point& point, const std::vector<BoundState>
   const Index n = point.x.size();
   const Box& box = run.box();
   Vec d = Vec::Zero(n);
-  std::vector<int> place(static_cast<std::size_t>(n), -1);  // in I
   std::vector<Index> I;
   for (Index i = 0; i < n; ++i) {
     const auto k = static_cast<std::size_t>(i);
     if (active[k] == BoundState::AtLower) d[i] = box.lower[i] - point.x[i];
     if (active[k] == BoundState::AtUpper) d[i] = box.upper[i] - point.x[i];
-    if (active[k] != BoundState::Free) continue;
-    place[k] = static_cast<int>(I.size());
-    I.push_back(i);
+    if (active[k] == BoundState::Free) I.push_back(i);
   }
   const auto m = static_cast<Index>(I.size());
-  const Vec moved = point.F + point.J * d;
-  Vec rhs(m);
-  std::vector<Eigen::Triplet<double>> entries;
-  for (Index k = 0; k < m; ++k) {
-    const Index j = I[static_cast<std::size_t>(k)];
-    rhs[k] = -moved[j];
-    for (SpMat::InnerIterator e(point.J, j); e; ++e)
-      if (const int row = place[static_cast<std::size_t>(e.row())]; row >= 0)
-        entries.emplace_back(row, static_cast<int>(k), e.value());
-  }
   if (m > 0) {
-    SpMat B(m, m);
-    B.setFromTriplets(entries.begin(), entries.end());
+    const Vec moved = point.F + point.J * d;
+    Vec rhs(m);
+    for (Index k = 0; k < m; ++k) rhs[k] = -moved[I[static_cast<std::size_t>(k)]];
     ++run.stats().factorizations;
     lcp::SparseLu lu(backend);
-    if (lu.factor(B) != lcp::LuStatus::Ok) return false;
+    if (lu.factor(lcp::principal_block(point.J, I)) != lcp::LuStatus::Ok) return false;
     Vec free(m);
     lu.solve(rhs, free);
     if (!free.allFinite()) return false;

@@ -14,6 +14,10 @@
 namespace perp::ncp {
 namespace {
 
+/// Limits this tight are for the first method alone.
+constexpr int enough_iterations = 100;
+constexpr int enough_F_evals = 1000;
+
 struct Choice {
   std::string label;
   std::string why;
@@ -50,9 +54,11 @@ std::vector<Choice> choices(const Mcp& mcp, const Point& start, const Auto& meth
 Method limited(const Run& run, const Choice& choice, bool last, double scale) {
   Method method = choice.method;
   Stop left = run.left();
-  const auto half = [last](int what) { return last ? what : (what + 1) / 2; };
-  left.max_iterations = half(left.max_iterations);
-  left.max_F_evals = half(left.max_F_evals);
+  const auto part = [last](int what, int enough) {
+    return last ? what : std::max((what + 1) / 2, std::min(what, enough));
+  };
+  left.max_iterations = part(left.max_iterations, enough_iterations);
+  left.max_F_evals = part(left.max_F_evals, enough_F_evals);
   if (std::holds_alternative<Affine>(method)) left.tol = std::min(stop(method).tol, left.tol / scale);
   stop(method) = left;
   return method;
@@ -99,7 +105,7 @@ Result run_auto(const Mcp& mcp, In x0, const Auto& method, const Observer& obser
     if (!run.ended() || !stuck(run.status())) break;
     if (!first || std::holds_alternative<PathSearch>(choice.method)) first = run.verdict();  // path knows most
   }
-  if (stuck(run.status())) run.replace_verdict(*first);
+  if (first && run.ended() && stuck(run.status())) run.replace_verdict(*first);
   run.stats().restarts += static_cast<int>(tried) - 1;
   Result result = run.result();
   if (result.solved()) result.message = last;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "lcp/blocks.hpp"
 #include "ncp/normal_map.hpp"
 
 namespace perp::ncp {
@@ -32,19 +33,12 @@ Places inside(const Box& box, const Point& point) {
 
 /// J_II + lambda I.
 SpMat block(const SpMat& J, const std::vector<Index>& I, double lambda) {
-  std::vector<Index> position(static_cast<std::size_t>(J.rows()), -1);
-  for (std::size_t k = 0; k < I.size(); ++k) position[static_cast<std::size_t>(I[k])] = static_cast<Index>(k);
-  const auto m = static_cast<Index>(I.size());
-  std::vector<Eigen::Triplet<double>> entries;
-  for (Index k = 0; k < m; ++k) {
-    const Index j = I[static_cast<std::size_t>(k)];
-    for (SpMat::InnerIterator e(J, j); e; ++e)
-      if (const Index row = position[static_cast<std::size_t>(e.row())]; row >= 0)
-        entries.emplace_back(static_cast<int>(row), static_cast<int>(k), e.value());
-    if (lambda > 0) entries.emplace_back(static_cast<int>(k), static_cast<int>(k), lambda);
+  SpMat B = lcp::principal_block(J, I);
+  if (lambda > 0) {
+    SpMat one(B.rows(), B.cols());
+    one.setIdentity();
+    B += lambda * one;
   }
-  SpMat B(m, m);
-  B.setFromTriplets(entries.begin(), entries.end());
   return B;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lcp/blocks.hpp"
 #include "lcp/sparse_lu.hpp"
 
 namespace perp::ncp {
@@ -46,7 +47,7 @@ class DeflatedSteps {
   bool levenberg_marquardt(const Linearisation& lin, const Vec& m, double nu, Vec& step) {
     const Index n = m.size();
     ++run_.stats().factorizations;
-    if (lm_.factor(augmented(lin.H, nu)) != lcp::LuStatus::Ok) return false;
+    if (lm_.factor(lcp::least_squares_system(lin.H, nu)) != lcp::LuStatus::Ok) return false;
     Vec rhs = Vec::Zero(2 * n), a(2 * n), b(2 * n);
     rhs.head(n) = lin.at.Phi;
     lm_.solve(rhs, a);
@@ -64,25 +65,6 @@ class DeflatedSteps {
   }
 
  private:
-  static SpMat augmented(const SpMat& H, double nu) {
-    const Index n = H.rows();
-    std::vector<Eigen::Triplet<double>> entries;
-    entries.reserve(static_cast<std::size_t>(2 * (H.nonZeros() + n)));
-    for (int i = 0; i < n; ++i) {
-      entries.emplace_back(i, i, 1.0);
-      entries.emplace_back(static_cast<int>(n) + i, static_cast<int>(n) + i, -nu);
-    }
-    for (Index j = 0; j < n; ++j)
-      for (SpMat::InnerIterator it(H, j); it; ++it) {
-        const int i = static_cast<int>(it.row()), column = static_cast<int>(n + j);
-        entries.emplace_back(i, column, it.value());
-        entries.emplace_back(column, i, it.value());
-      }
-    SpMat K(2 * n, 2 * n);
-    K.setFromTriplets(entries.begin(), entries.end());
-    return K;
-  }
-
   Run& run_;
   lcp::SparseLu lu_, lm_;
 };

@@ -5,6 +5,7 @@
 
 #include "lcp/interior_point.hpp"
 #include "lcp/lemke.hpp"
+#include "ncp/newton_point.hpp"
 
 namespace perp::ncp {
 namespace {
@@ -51,6 +52,7 @@ LeastSquaresStep LeastSquaresSteps::solve(const Linearisation& lin, const Vec& x
     return step;
   };
 
+  if (!finite(problem) || !lin.gradient.allFinite()) return {.end = LeastSquaresStep::End::Failed, .d = Vec::Zero(n)};
   lcp::LemkeOptions options;
   options.max_pivots = path_pivots(n);
   options.deadline = run_.deadline();

@@ -32,13 +32,19 @@ void linearise(const CFunction& c, const Box& box, const Point& point, Linearisa
     out.gradient = out.at.Da.cwiseProduct(out.at.Phi) + point.J.transpose() * out.at.Db.cwiseProduct(out.at.Phi);
   }
   out.merit = 0.5 * out.at.Phi.squaredNorm();
-  out.stationarity = 0;
-  for (Index j = 0; j < n; ++j) {
-    double size = std::abs(out.at.Da[j] * out.at.Phi[j]);
+  Vec terms = out.at.Da.cwiseProduct(out.at.Phi).cwiseAbs();
+  for (Index j = 0; j < n; ++j)
     for (SpMat::InnerIterator it(point.J, j); it; ++it)
-      size += std::abs(out.at.Db[it.row()] * it.value() * out.at.Phi[it.row()]);
-    if (size > 0) out.stationarity = std::max(out.stationarity, std::abs(out.gradient[j]) / size);
-  }
+      terms[j] += std::abs(out.at.Db[it.row()] * it.value() * out.at.Phi[it.row()]);
+  out.stationarity = stationarity(out.gradient, terms);
+}
+
+double stationarity(const Vec& gradient, const Vec& terms) {
+  if (!gradient.allFinite() || !terms.allFinite()) return 1;
+  double largest = 0;
+  for (Index j = 0; j < gradient.size(); ++j)
+    if (terms[j] > 0) largest = std::max(largest, std::abs(gradient[j]) / terms[j]);
+  return largest;
 }
 
 Vec Linearisation::cauchy_step() const {

@@ -24,6 +24,9 @@ void linearise(const CFunction& c, const Box& box, const Point& point, Linearisa
 /// Da + Db J in the pattern of J with its diagonal.
 void assemble(const Reformulation& at, const SpMat& J, SpMat& H);
 
+/// max_j |gradient_j| / terms_j, terms_j the sum of the sizes of what gradient_j is the sum of; 1 where that overflows.
+double stationarity(const Vec& gradient, const Vec& terms);
+
 double merit(const CFunction& c, const Box& box, In x, In F);
 
 /// The reference values of a non-monotone line search.

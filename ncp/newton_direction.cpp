@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <vector>
+
+#include "lcp/blocks.hpp"
 
 namespace perp::ncp {
 namespace {
@@ -105,9 +106,7 @@ bool Directions::direct(const Linearisation& lin, const Point& point, Direction&
   return out.d.allFinite();
 }
 
-/// As the quasi-definite system  [I H; H' -nu I] (r; d) = (-Phi; 0), which does not square H.
 bool Directions::levenberg_marquardt(const Linearisation& lin, const Point& point, double nu, Direction& out) {
-  const Index n = lin.at.Phi.size();
   if (lin.H.rows() == 0) {
     out = {.d = lcp::damped_least_squares(point.J, lin.at.Da, lin.at.Db, -lin.at.Phi, nu, lm_reduction, lm_iterations,
                                           limits_),
@@ -116,29 +115,9 @@ bool Directions::levenberg_marquardt(const Linearisation& lin, const Point& poin
            .linear = 'K'};
     return out.d.allFinite();
   }
-  std::vector<Eigen::Triplet<double>> entries;
-  entries.reserve(static_cast<std::size_t>(2 * (lin.H.nonZeros() + n)));
-  for (int i = 0; i < n; ++i) {
-    entries.emplace_back(i, i, 1);
-    entries.emplace_back(static_cast<int>(n) + i, static_cast<int>(n) + i, -nu);
-  }
-  for (Index j = 0; j < n; ++j)
-    for (SpMat::InnerIterator it(lin.H, j); it; ++it) {
-      const int i = static_cast<int>(it.row());
-      const int column = static_cast<int>(n + j);
-      entries.emplace_back(i, column, it.value());
-      entries.emplace_back(column, i, it.value());
-    }
-  SpMat K(2 * n, 2 * n);
-  K.setFromTriplets(entries.begin(), entries.end());
   ++run_.stats().factorizations;
-  if (lm_.factor(K) != lcp::LuStatus::Ok) return false;
-  Vec rhs = Vec::Zero(2 * n);
-  rhs.head(n) = -lin.at.Phi;
-  Vec solution(2 * n);
-  lm_.solve_refined(rhs, solution);
-  out = {.d = solution.tail(n), .kind = 'L', .nu = nu, .linear = ' '};
-  return out.d.allFinite();
+  out = {.d = {}, .kind = 'L', .nu = nu, .linear = ' '};
+  return lcp::damped_least_squares(lm_, lin.H, -lin.at.Phi, nu, out.d);
 }
 
 Direction Directions::gradient(const Linearisation& lin, const Point& point) const {

@@ -82,13 +82,14 @@ class Subproblems {
     lcp::LemkeOptions options = options_;
     options.start = from;
     options.seed = seed;
-    lcp::PivotResult path = lcp::lemke(problem, start, options);
+    lcp::PivotResult path = follow_path(problem, start, options);
     run_.stats().factorizations += path.refactorizations;
     pivots_ += path.pivots;
     return path;
   }
 
   lcp::PivotResult quadratic(const lcp::AffineMcp& problem, In z) {
+    if (!finite(problem)) return {};
     const lcp::Limits limits{
         .tol = options_.residual_tol, .deadline = options_.deadline, .interrupted = options_.interrupted};
     const lcp::Result found = lcp::bound_qp(problem, z, {.nested = nested_}, limits);

@@ -1,6 +1,7 @@
 #include "ncp/newton_point.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace perp::ncp {
@@ -13,6 +14,21 @@ constexpr Index most_kinks = 4096;
 }  // namespace
 
 int worthwhile_pivots(Index n) { return 1000 + 20 * static_cast<int>(std::min<Index>(n, 1'000'000)); }
+
+bool finite(const lcp::AffineMcp& problem) {
+  const double* values = problem.M.valuePtr();
+  return problem.q.allFinite() &&
+         std::all_of(values, values + problem.M.nonZeros(), [](double value) { return std::isfinite(value); });
+}
+
+lcp::PivotResult follow_path(const lcp::AffineMcp& linearised, const Vec& start, const lcp::LemkeOptions& options) {
+  if (finite(linearised) && start.allFinite()) return lcp::lemke(linearised, start, options);
+  lcp::PivotResult none;
+  none.end = lcp::PivotEnd::Inaccurate;
+  none.x = none.best_x = start;
+  none.z = lcp::project(linearised.box, start);
+  return none;
+}
 
 char NewtonPoint::letter() const {
   switch (path.end) {
@@ -51,7 +67,7 @@ NewtonPoints::NewtonPoints(Run& run, const PathSearch& method)
 
 lcp::PivotResult NewtonPoints::follow(const lcp::AffineMcp& problem, const Vec& x, const lcp::LemkeOptions& options) {
   const auto begin = std::chrono::steady_clock::now();
-  lcp::PivotResult path = lcp::lemke(problem, x, options);
+  lcp::PivotResult path = follow_path(problem, x, options);
   Stats& stats = run_.stats();
   stats.linear_time += std::chrono::steady_clock::now() - begin;
   stats.factorizations += path.refactorizations;

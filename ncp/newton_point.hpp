@@ -14,6 +14,13 @@ int worthwhile_pivots(Index n);
 /// Covering vectors of rays, in the order they are tried.
 inline constexpr std::array covers{lcp::Cover::Generic, lcp::Cover::Ones, lcp::Cover::Spread};
 
+/// Whether M and q are finite: they may overflow where F and J do not.
+bool finite(const lcp::AffineMcp& problem);
+
+/// lcp::lemke, for linearised problems: q = F - J x may overflow where F and J do not, and then no path begins
+/// (PivotEnd::Inaccurate, best_x = start).
+lcp::PivotResult follow_path(const lcp::AffineMcp& linearised, const Vec& start, const lcp::LemkeOptions& options);
+
 struct NewtonPoint {
   lcp::PivotResult path;
   double lambda = 0;      ///< of the proximal term, absolute

@@ -13,7 +13,7 @@ namespace {
 /// The zero of L_k, by the path from y^k, then by rays, as NewtonJosephy finds its point.
 lcp::PivotResult zero_of_linearised(Run& run, const lcp::LemkeOptions& options, const Point& point, const Vec& y) {
   const lcp::AffineMcp L = linearised(run.box(), point, 0);
-  lcp::PivotResult path = lcp::lemke(L, y, options);
+  lcp::PivotResult path = follow_path(L, y, options);
   run.stats().factorizations += path.refactorizations;
   for (std::size_t i = 0; i <= covers.size() && path.end != lcp::PivotEnd::Solved && !run.interrupted(); ++i) {
     lcp::LemkeOptions ray = options;
@@ -21,7 +21,7 @@ lcp::PivotResult zero_of_linearised(Run& run, const lcp::LemkeOptions& options, 
     ray.seed += static_cast<unsigned>(i);
     if (i > 0) ray.cover = covers[i - 1];
     const int before = path.pivots;
-    path = lcp::lemke(L, y, ray);
+    path = follow_path(L, y, ray);
     path.pivots += before;
     run.stats().factorizations += path.refactorizations;
   }

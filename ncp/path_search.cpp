@@ -308,7 +308,6 @@ bool Attempt::gradient_step(Iteration& it) {
   it.step = found.t;
   it.prox = 0;
   ++gradient_steps_;
-  ++run_.stats().gradient_steps;
   x_ = normal_point(run_.box(), point_.x, point_.F);
   cells_.clear();
   psi_ = psi(point_.x, point_.F, x_);
@@ -328,7 +327,6 @@ bool Attempt::iterate(Iteration& it) {
   it.merit = psi_;
   if (!found || it.kind == 'G') taken_.T = 0;
   it.way = &taken_;
-  run_.stats().backtracks += it.backtracks;
   if (!found) explain(it);
   return found;
 }

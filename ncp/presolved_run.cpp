@@ -88,6 +88,8 @@ Result run_path(const Mcp& mcp, In x0, const PathSearch& method, const Observer&
     PathSearch full = method;
     full.basis = result.basis;
     full.stop.max_iterations = std::max(0, method.stop.max_iterations - result.stats.iterations);
+    full.stop.max_F_evals = std::max(1, method.stop.max_F_evals - result.stats.F_evals);
+    full.cumulative_iteration_limit = std::max(1, method.cumulative_iteration_limit - result.stats.pivots);
     full.stop.max_time = std::max(std::chrono::duration<double>(0), method.stop.max_time - elapsed());
     const Stats before = result.stats;
     result = run_attempts(mcp, result.x, full, observer);

@@ -109,8 +109,9 @@ class Rounds {
       }
       best_.message += "; " + escapes + (rounds == 1 ? " has" : " have") + " not led to a solution";
       if (ended_.has_value() && best_.residual.worst >= 0)
-        best_.message += "; the best point is worst in equation " + mcp_.equation_name(best_.residual.worst) +
-                         " of variable " + mcp_.variable_name(best_.residual.worst);
+        best_.message += "; the best point has natural residual " + number(best_.residual.natural) +
+                         ", worst in equation " + mcp_.equation_name(best_.residual.worst) + " of variable " +
+                         mcp_.variable_name(best_.residual.worst);
     }
     best_.stats = stats_;
     return best_;
@@ -166,6 +167,9 @@ class Rounds {
       end({r.status, "interrupted after " + std::to_string(stats_.iterations) + " iterations", r.advice});
     else if (r.status == Status::TimeLimit)
       end({r.status, "the time limit was reached", r.advice});
+    else if (!r.solved() && stats_.F_evals >= stop(method_).max_F_evals)
+      end({Status::IterationLimit,
+           "the limit of " + std::to_string(stop(method_).max_F_evals) + " evaluations of F was reached", r.advice});
     else if (r.status == Status::IterationLimit && iterations >= left)
       end({r.status, "the limit of " + std::to_string(stop(method_).max_iterations) + " iterations was reached",
            r.advice});

@@ -164,9 +164,12 @@ Stop Run::left() const {
 }
 
 Observer Run::counting_on() {
+  if (!observer_) {
+    attempt_.clear();
+    return {};
+  }
   return [this, before = iterations(), F = F_evals(), J = J_evals(),
           attempt = take_attempt()](const Iteration& it) mutable {
-    if (!observer_) return Next::Continue;
     Iteration counted = it;
     counted.k += before;
     counted.F_evals += F;
@@ -192,7 +195,12 @@ void Run::take(const Result& other) {
   Judged theirs{.x = other.x, .F = other.F, .residual = other.residual};
   const bool done = other.solved() && solved(theirs);
   if (done || theirs.residual.natural < best_.residual.natural) best_ = theirs;
-  if (done || other.solved()) return;
+  if (done) return;
+  if (other.solved()) {
+    end(Status::NoProgress, "an attempt's solution was not confirmed: F has other values there now",
+        "F must be a function of x alone");
+    return;
+  }
   if ((other.status == Status::IterationLimit && at_limit()) || other.status == Status::Interrupted ||
       other.status == Status::TimeLimit)
     end_at(other.status);
@@ -214,6 +222,8 @@ bool Run::go_on(const Point& point, Iteration it) {
   if (done || now.residual.natural < best_.residual.natural) best_ = now;
   stats_.iterations = it.k;
   stats_.pivots += it.pivots;
+  stats_.backtracks += it.backtracks;
+  if (it.kind == 'G') ++stats_.gradient_steps;
   it.residual = now.residual.natural;
   it.worst = now.residual.worst;
   it.F_evals = F_evals();

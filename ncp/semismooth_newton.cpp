@@ -143,7 +143,8 @@ void semismooth_newton(Run& run, const SemismoothNewton& method, Point point) {
     };
     Direction direction;
     const auto descends = [&](const Vec& d) {
-      return g.dot(d) <= -method.descent_rho * std::pow(d.norm(), method.descent_p);
+      const double rms = d.norm() / std::sqrt(static_cast<double>(d.size()));
+      return g.dot(d) <= -method.descent_rho * std::pow(rms, method.descent_p);
     };
     bool done = directions.newton(newton, point, descends, direction) && search(direction);
     double nu = directions.first_nu(descent, point);

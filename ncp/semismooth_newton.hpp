@@ -44,7 +44,7 @@ struct SemismoothNewton {
   Stop stop{};
   CFunction cfunction = fischer_burmeister();
   Armijo search{};
-  double descent_rho = 1e-9;  ///< a Newton direction needs  grad psi . d <= -rho ||d||^p
+  double descent_rho = 1e-9;  ///< a Newton direction needs  grad psi . d <= -rho (||d|| / sqrt n)^p
   double descent_p = 2.1;
   Escape escape{.rounds = 0};
   LinearSolver linear = LinearSolver::Auto;

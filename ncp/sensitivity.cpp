@@ -7,6 +7,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "lcp/blocks.hpp"
 #include "lcp/classify.hpp"
 #include "lcp/enumeration.hpp"
 #include "lcp/solve.hpp"
@@ -90,21 +91,14 @@ Activity activity(const Box& box, Index i, double x, double F, double row_size, 
 class ActiveSystem {
  public:
   ActiveSystem(const SpMat& J, const Indices& A, lcp::LuBackend backend) : A_(A), lu_(backend) {
-    Indices place(at(J.cols()), -1);
-    for (std::size_t k = 0; k < A.size(); ++k) place[at(A[k])] = static_cast<Index>(k);
     const auto size = static_cast<Index>(A.size());
     rows_ = Vec::Zero(size);
     columns_ = Vec::Ones(size);
-    std::vector<Eigen::Triplet<double>> entries;
-    for (std::size_t k = 0; k < A.size(); ++k)
-      for (SpMat::InnerIterator it(J, A[k]); it; ++it)
-        if (const Index row = place[at(it.row())]; row >= 0 && it.value() != 0) {
-          rows_[row] = std::max(rows_[row], std::abs(it.value()));
-          entries.emplace_back(static_cast<int>(row), static_cast<int>(k), it.value());
-        }
+    SpMat block = lcp::principal_block(J, A);
+    for (Index j = 0; j < size; ++j)
+      for (SpMat::InnerIterator it(block, j); it; ++it)
+        rows_[it.row()] = std::max(rows_[it.row()], std::abs(it.value()));
     rows_ = (rows_.array() > 0).select(rows_.cwiseInverse(), 1.0);
-    SpMat block(size, size);
-    block.setFromTriplets(entries.begin(), entries.end());
     block = rows_.asDiagonal() * block;
     for (Index j = 0; j < size; ++j) {
       double largest = 0;

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "lcp/blocks.hpp"
 #include "ncp/active_set_step.hpp"
 #include "ncp/merit.hpp"
 #include "ncp/methods.hpp"
@@ -109,9 +110,7 @@ void Smoother::linearise() {
   H_.makeCompressed();
   gradient_ = H_.transpose() * at_.Phi;
   const Vec terms = H_.cwiseAbs().transpose() * at_.Phi.cwiseAbs();
-  stationarity_ = 0;
-  for (Index j = 0; j < n; ++j)
-    if (terms[j] > 0) stationarity_ = std::max(stationarity_, std::abs(gradient_[j]) / terms[j]);
+  stationarity_ = stationarity(gradient_, terms);
 }
 
 bool Smoother::newton(const Vec& rhs, Vec& d) const {
@@ -119,32 +118,10 @@ bool Smoother::newton(const Vec& rhs, Vec& d) const {
   return d.allFinite();
 }
 
-/// The quasi-definite system  [I H; H' -nu I] (r; d) = (-Phi_mu; 0), which does not square H.
 bool Smoother::levenberg_marquardt(double nu, Vec& d) {
-  const auto n = static_cast<int>(point_.x.size());
-  const Index rows = 2 * point_.x.size();
-  std::vector<Eigen::Triplet<double>> entries;
-  entries.reserve(static_cast<std::size_t>(2 * (H_.nonZeros() + n)));
-  for (int i = 0; i < n; ++i) {
-    entries.emplace_back(i, i, 1);
-    entries.emplace_back(n + i, n + i, -nu);
-  }
-  for (int j = 0; j < n; ++j)
-    for (SpMat::InnerIterator e(H_, j); e; ++e) {
-      entries.emplace_back(static_cast<int>(e.row()), n + j, e.value());
-      entries.emplace_back(n + j, static_cast<int>(e.row()), e.value());
-    }
-  SpMat K(rows, rows);
-  K.setFromTriplets(entries.begin(), entries.end());
   ++run_.stats().factorizations;
   lcp::SparseLu lu(method_.lu);
-  if (lu.factor(K) != lcp::LuStatus::Ok) return false;
-  Vec rhs = Vec::Zero(rows);
-  rhs.head(n) = -at_.Phi;
-  Vec solution(rows);
-  lu.solve_refined(rhs, solution);
-  d = solution.tail(n);
-  return d.allFinite();
+  return lcp::damped_least_squares(lu, H_, -at_.Phi, nu, d);
 }
 
 /// The minimiser of ||Phi_mu + H d|| along d = -gradient.
@@ -197,7 +174,6 @@ bool Smoother::step() {
       it_.prox = nu;
       return true;
     }
-  ++run_.stats().gradient_steps;
   return search(cauchy_step(), 'G');
 }
 

@@ -6,6 +6,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "lcp/blocks.hpp"
 #include "lcp/sparse_lu.hpp"
 
 namespace perp::ncp {
@@ -25,17 +26,10 @@ std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
 std::string counted(std::size_t n, const char* noun) { return std::to_string(n) + ' ' + noun + (n == 1 ? "" : "s"); }
 
-/// J_AA.
+/// J_AA without entries that are zero.
 SpMat block_of(const SpMat& J, const Indices& block) {
-  std::vector<Index> place(at(J.rows()), -1);
-  for (std::size_t k = 0; k < block.size(); ++k) place[at(block[k])] = static_cast<Index>(k);
-  std::vector<Eigen::Triplet<double>> entries;
-  for (std::size_t k = 0; k < block.size(); ++k)
-    for (SpMat::InnerIterator it(J, block[k]); it; ++it)
-      if (place[at(it.row())] >= 0 && it.value() != 0)
-        entries.emplace_back(static_cast<int>(place[at(it.row())]), static_cast<int>(k), it.value());
-  SpMat B(static_cast<Index>(block.size()), static_cast<Index>(block.size()));
-  B.setFromTriplets(entries.begin(), entries.end());
+  SpMat B = lcp::principal_block(J, block);
+  B.prune([](Index, Index, double value) { return value != 0; });
   return B;
 }
 

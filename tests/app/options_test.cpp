@@ -43,6 +43,7 @@ const Option& option(std::string_view key) {
 TEST(Options, EachKeySetsItsFieldAndNoOther) {
   const std::vector<std::array<const char*, 3>> values{{"convergence_tolerance", "1e-05", "semismooth"},
                                                        {"major_iteration_limit", "17", "semismooth"},
+                                                       {"evaluation_limit", "19", "semismooth"},
                                                        {"time_limit", "2.5", "semismooth"},
                                                        {"check_derivatives", "yes", "semismooth"},
                                                        {"nms_memory_size", "9", "semismooth"},

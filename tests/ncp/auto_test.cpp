@@ -4,6 +4,7 @@
 
 #include "ncp/affine.hpp"
 #include "ncp/collection/collection.hpp"
+#include "ncp/presets.hpp"
 #include "ncp/solve.hpp"
 #include "support/methods.hpp"
 #include "support/problems.hpp"
@@ -61,10 +62,56 @@ TEST(Auto, OneBudgetForAllAttempts) {
       EXPECT_GE(records[i].F_evals, records[i - 1].F_evals) << limit;
     }
   }
+  const auto murty = collection::find("murty-exp")->make();  // pivots are no iterations of auto's
+  const Result affine = solve(*murty.mcp, murty.starts[0], Auto{.stop = {.max_iterations = 3}});
+  EXPECT_TRUE(affine.solved()) << affine;
+  EXPECT_LE(affine.stats.iterations, 3);
   const Result few = solve(*mcp, vec({1}), Auto{.stop = {.max_F_evals = 40}});
   EXPECT_FALSE(few.solved());
   EXPECT_LT(few.stats.F_evals, 40 + 60);  // a search is not interrupted
   EXPECT_LT(few.stats.F_evals, solve(*mcp, vec({1}), Auto{}).stats.F_evals);
+}
+
+// F that answers otherwise each time: an attempt may believe it has a solution that the judge does not find. Catches a
+// verdict without words.
+TEST(Auto, WhatIsNotConfirmedIsNotSolved) {
+  int calls = 0;
+  const auto mcp = make_mcp(support::scalar(
+      -infinity, infinity, [&calls](double x) { return ++calls % 4 == 0 ? 1e-12 : x - 1 + 1e-3; },
+      [](double) { return 1; }));
+  const Result result = solve(*mcp, vec({5}), Auto{});
+  EXPECT_TRUE(result.solved() || !result.message.starts_with(";")) << result;
+  EXPECT_TRUE(result.solved() || result.message.find("natural residual") > 5) << result;
+}
+
+// F(x) - J x overflows at (700, 1e100) where F and J do not. Catches an exception out of a solve, which would cost auto
+// its other methods.
+TEST(Auto, OverflowOfALinearisedProblemIsAStatus) {
+  const auto mcp = make_mcp(support::dense(
+      "overflow", {Vec::Constant(2, -infinity), Vec::Constant(2, infinity)},
+      [](const Vec& x) {
+        return vec({std::exp(x[0]) + x[1] - 2, x[1] * x[1] * x[1] - x[0]});
+      },
+      [](const Vec& x) {
+        support::Dense J(2, 2);
+        J << std::exp(x[0]), 1, -1, 3 * x[1] * x[1];
+        return J;
+      }));
+  for (const Preset& preset : presets()) {
+    Result result;
+    EXPECT_NO_THROW(result = solve(*mcp, vec({700, 1e100}), preset.method)) << preset.name;
+    EXPECT_FALSE(result.message.empty()) << preset.name;
+  }
+}
+
+// Psi overflows far away; its gradient, infinite, is not zero.
+TEST(Auto, OverflowOfAMeritIsNoStationaryPoint) {
+  const auto mcp = make_mcp(support::scalar(
+      0, infinity, [](double x) { return x - 1; }, [](double) { return 1; }));
+  for (const CFunction& c : cfunctions()) {
+    const Result result = solve(*mcp, vec({1e160}), SemismoothNewton{.cfunction = c});
+    EXPECT_NE(result.status, Status::StationaryPoint) << c.name << ": " << result;
+  }
 }
 
 TEST(Auto, StopsWhenAsked) {

@@ -113,6 +113,13 @@ TEST(ProximalEscape, LimitsAndInterruptsInsideEscapes) {
     EXPECT_LE(result.stats.iterations, 100) << label;
   }
   const auto billups = make_mcp(support::billups());
+  for (const auto& [label, method] : systems(Escape{})) {  // evaluations too, and the verdict says so
+    Method limited = method;
+    stop(limited).max_F_evals = 50;
+    const Result result = solve(*billups, vec({0}), limited);
+    EXPECT_TRUE(result.solved() || result.status == Status::IterationLimit) << label << result;
+    EXPECT_LT(result.stats.F_evals, 50 + 100) << label;
+  }
   for (const auto& [label, method] : systems(Escape{})) {
     const Result observed = solve(*billups, vec({0}), method,
                                   [](const Iteration& it) { return it.kind == 'E' ? Next::Stop : Next::Continue; });
