@@ -31,7 +31,6 @@ Total run(const std::vector<bench::Case>& cases, ncp::Method method, double seco
   for (const bench::Case& c : cases) {
     const ncp::Result r = ncp::solve(*c.mcp, c.x0, method);
     if (r.solved() && !(c.solvable && honest(*c.mcp, r, ncp::stop(method).tol))) {
-      // auto and the linear methods allow for the rounding of large data
       ++total.wrong;
       total.failures += " WRONG:" + c.problem + '/' + c.start;
     }

@@ -8,6 +8,7 @@
 
 #include "ncp/deflated_newton.hpp"
 #include "ncp/methods.hpp"
+#include "ncp/refusal.hpp"
 #include "ncp/structure_report.hpp"
 
 namespace perp::ncp {
@@ -197,16 +198,13 @@ std::string describe(const DeflationTry& attempt) {
 }
 
 std::optional<std::string> invalid(const Deflation& d) {
-  const auto bad = [](const char* name, double value, const char* range) {
-    return std::string(name) + " is " + number(value) + "; it must be " + range;
-  };
-  if (d.solutions < 1) return bad("solutions", d.solutions, "at least 1");
-  if (d.max_attempts < 0) return bad("max_attempts", d.max_attempts, "at least 0");
-  if (d.max_iterations < 0) return bad("max_iterations", d.max_iterations, "at least 0");
-  if (!(d.distinct > 0 && d.distinct < 1)) return bad("distinct", d.distinct, "in (0, 1)");
+  if (d.solutions < 1) return refusal("solutions", d.solutions, "at least 1");
+  if (d.max_attempts < 0) return refusal("max_attempts", d.max_attempts, "at least 0");
+  if (d.max_iterations < 0) return refusal("max_iterations", d.max_iterations, "at least 0");
+  if (!(d.distinct > 0 && d.distinct < 1)) return refusal("distinct", d.distinct, "in (0, 1)");
   for (const DeflationTry& t : d.tries) {
-    if (!(t.p > 0) || std::isinf(t.p)) return bad("p", t.p, "positive and finite");
-    if (!(t.sigma >= 0) || std::isinf(t.sigma)) return bad("sigma", t.sigma, "at least 0 and finite");
+    if (!(t.p > 0) || std::isinf(t.p)) return refusal("p", t.p, "positive and finite");
+    if (!(t.sigma >= 0) || std::isinf(t.sigma)) return refusal("sigma", t.sigma, "at least 0 and finite");
     if (!t.cfunction.at) return "cfunction has no function";
   }
   return std::nullopt;

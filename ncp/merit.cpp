@@ -5,11 +5,11 @@
 
 namespace perp::ncp {
 
-void assemble(const Reformulation& at, const SpMat& J, SpMat& H) {
+void assemble(In Da, In Db, const SpMat& J, SpMat& H) {
   SpMat diagonal(J.rows(), J.cols());
   diagonal.reserve(Eigen::VectorXi::Ones(J.cols()));
-  for (Index i = 0; i < J.rows(); ++i) diagonal.insert(i, i) = at.Da[i];
-  H = at.Db.asDiagonal() * J;
+  for (Index i = 0; i < J.rows(); ++i) diagonal.insert(i, i) = Da[i];
+  H = Db.asDiagonal() * J;
   H += diagonal;
   H.makeCompressed();
 }
@@ -25,7 +25,7 @@ void linearise(const CFunction& c, const Box& box, const Point& point, Linearisa
   const Vec Jh = point.J * h;
   reformulate(c, box, point.x, point.F, h, Jh, out.at);
   if (with_H) {
-    assemble(out.at, point.J, out.H);
+    assemble(out.at.Da, out.at.Db, point.J, out.H);
     out.gradient = out.H.transpose() * out.at.Phi;
   } else {
     out.H = SpMat();

@@ -22,7 +22,7 @@ struct Linearisation {
 /// 0 (De Luca, Facchinei & Kanzow 1996, section 7, with h_i = 1 at degenerate indices).
 void linearise(const CFunction& c, const Box& box, const Point& point, Linearisation& out, bool with_H = true);
 /// Da + Db J in the pattern of J with its diagonal.
-void assemble(const Reformulation& at, const SpMat& J, SpMat& H);
+void assemble(In Da, In Db, const SpMat& J, SpMat& H);
 
 /// max_j |gradient_j| / terms_j, terms_j the sum of the sizes of what gradient_j is the sum of; 1 where that overflows.
 double stationarity(const Vec& gradient, const Vec& terms);

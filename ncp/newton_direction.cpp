@@ -99,7 +99,7 @@ bool Directions::chord(In Phi, Vec& d) {
 bool Directions::direct(const Linearisation& lin, const Point& point, Direction& out) {
   ++run_.stats().factorizations;
   SpMat assembled;
-  if (lin.H.rows() == 0) assemble(lin.at, point.J, assembled);
+  if (lin.H.rows() == 0) assemble(lin.at.Da, lin.at.Db, point.J, assembled);
   if (lu_.factor(lin.H.rows() == 0 ? assembled : lin.H) != lcp::LuStatus::Ok) return false;
   out = {.d = Vec(lin.at.Phi.size()), .kind = 'N', .nu = 0, .linear = failures_ > 0 ? 'D' : ' '};
   lu_.solve(-lin.at.Phi, out.d);

@@ -52,15 +52,9 @@ class Subproblems {
       nested_ = false;
       if (by_qp.path.solved() || stopped(by_qp.path)) return by_qp;
     }
-    Step step{.path = follow(problem, start, options_.start, options_.seed), .lambda = lambda};
-    const lcp::Cover asked_for = options_.cover;
-    for (std::size_t i = 0; i <= covers.size() && !step.path.solved() && !stopped(step.path); ++i) {
-      options_.cover = i == 0 ? asked_for : covers[i - 1];
-      lcp::PivotResult from_ray =
-          follow(problem, start, lcp::LemkeStart::Ray, options_.seed + static_cast<unsigned>(i));
-      if (from_ray.solved() || stopped(from_ray)) step.path = std::move(from_ray);
-    }
-    options_.cover = asked_for;
+    Step step{.path = path_or_rays(problem, start, options_), .lambda = lambda};
+    run_.stats().factorizations += step.path.refactorizations;
+    pivots_ += step.path.pivots;
     return step;
   }
 
@@ -69,25 +63,11 @@ class Subproblems {
     return quadratic({.M = J, .q = point.F - J * point.x, .box = run_.box()}, point.x);
   }
 
-  static bool stopped(const lcp::PivotResult& path) {
-    return path.end == lcp::PivotEnd::Interrupted || path.end == lcp::PivotEnd::TimeLimit;
-  }
-
   /// Whether quadratic programs are tried first.
   bool by_qp() const { return qp_; }
   int take_pivots() { return std::exchange(pivots_, 0); }
 
  private:
-  lcp::PivotResult follow(const lcp::AffineMcp& problem, const Vec& start, lcp::LemkeStart from, unsigned seed) {
-    lcp::LemkeOptions options = options_;
-    options.start = from;
-    options.seed = seed;
-    lcp::PivotResult path = follow_path(problem, start, options);
-    run_.stats().factorizations += path.refactorizations;
-    pivots_ += path.pivots;
-    return path;
-  }
-
   lcp::PivotResult quadratic(const lcp::AffineMcp& problem, In z) {
     if (!finite(problem)) return {};
     const lcp::Limits limits{
@@ -162,7 +142,7 @@ void newton_josephy(Run& run, const NewtonJosephy& method, Point point) {
     double lambda = 0;
     for (int i = 0; i <= prox_tries && !found.found; ++i) {
       step = subproblems.solve(point, start, lambda);
-      if (Subproblems::stopped(step.path)) break;
+      if (stopped(step.path)) break;
       const bool solved = step.path.solved();
       const Vec end = solved ? step.path.z : lcp::project(run.box(), step.path.best_x);
       const Vec d = end - point.x;
@@ -180,9 +160,9 @@ void newton_josephy(Run& run, const NewtonJosephy& method, Point point) {
     }
     if (found.found && found.t == 1 && step.qp) chords(run, method, subproblems, before, point, found.merit);
     it.pivots = subproblems.take_pivots();
-    const bool stopped = Subproblems::stopped(step.path);
+    const bool cut = stopped(step.path);
     bool full_step = found.found && found.t == 1 && step.path.solved();
-    if (!found.found && !stopped) {
+    if (!found.found && !cut) {
       const Vec d = lcp::project(run.box(), point.x + descent.cauchy_step()) - point.x;
       found = line_search(run, fb, method.search, d, descent.gradient.dot(d), memory.reference(), true, point);
       it.kind = 'G';
@@ -190,7 +170,7 @@ void newton_josephy(Run& run, const NewtonJosephy& method, Point point) {
       it.backtracks += found.backtracks;
       undefined += found.undefined;
     }
-    if (!found.found && !stopped) {
+    if (!found.found && !cut) {
       if (undefined > 0 && undefined == it.backtracks)
         run.end(Status::EvaluationFailed, "F or its Jacobian is not defined at any trial point, however short the step",
                 "try another start or method");

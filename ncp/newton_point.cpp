@@ -30,6 +30,29 @@ lcp::PivotResult follow_path(const lcp::AffineMcp& linearised, const Vec& start,
   return none;
 }
 
+bool stopped(const lcp::PivotResult& path) {
+  return path.end == lcp::PivotEnd::Interrupted || path.end == lcp::PivotEnd::TimeLimit;
+}
+
+lcp::PivotResult path_or_rays(const lcp::AffineMcp& linearised, const Vec& start, const lcp::LemkeOptions& options) {
+  lcp::PivotResult path = follow_path(linearised, start, options);
+  int pivots = path.pivots;
+  int refactorizations = path.refactorizations;
+  lcp::LemkeOptions ray = options;
+  ray.start = lcp::LemkeStart::Ray;
+  for (std::size_t i = 0; i <= covers.size() && !path.solved() && !stopped(path); ++i) {
+    ray.seed = options.seed + static_cast<unsigned>(i);
+    if (i > 0) ray.cover = covers[i - 1];
+    lcp::PivotResult from_ray = follow_path(linearised, start, ray);
+    pivots += from_ray.pivots;
+    refactorizations += from_ray.refactorizations;
+    if (from_ray.solved() || stopped(from_ray)) path = std::move(from_ray);
+  }
+  path.pivots = pivots;
+  path.refactorizations = refactorizations;
+  return path;
+}
+
 char NewtonPoint::letter() const {
   switch (path.end) {
     case lcp::PivotEnd::Solved:

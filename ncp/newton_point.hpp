@@ -21,6 +21,13 @@ bool finite(const lcp::AffineMcp& problem);
 /// (PivotEnd::Inaccurate, best_x = start).
 lcp::PivotResult follow_path(const lcp::AffineMcp& linearised, const Vec& start, const lcp::LemkeOptions& options);
 
+/// The path from `start`; where that does not solve the problem, rays with the covering vector asked for and then with
+/// `covers`. Not solved: the path from `start`, for the points on a path from a ray say nothing of the way from it.
+/// pivots and refactorizations are those of all.
+lcp::PivotResult path_or_rays(const lcp::AffineMcp& linearised, const Vec& start, const lcp::LemkeOptions& options);
+/// Interrupted, or past the deadline.
+bool stopped(const lcp::PivotResult& path);
+
 struct NewtonPoint {
   lcp::PivotResult path;
   double lambda = 0;      ///< of the proximal term, absolute
@@ -30,7 +37,7 @@ struct NewtonPoint {
   bool usable() const { return solved() || (!from_ray && path.best_t >= 0.1); }
   double t() const { return solved() ? 1 : path.best_t; }
   const Vec& x() const { return solved() ? path.x : path.best_x; }
-  bool stopped() const { return path.end == lcp::PivotEnd::Interrupted || path.end == lcp::PivotEnd::TimeLimit; }
+  bool stopped() const { return ncp::stopped(path); }
   char letter() const;  ///< Iteration::linear
 };
 

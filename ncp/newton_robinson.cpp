@@ -8,28 +8,6 @@
 #include "ncp/newton_point.hpp"
 
 namespace perp::ncp {
-namespace {
-
-/// The zero of L_k, by the path from y^k, then by rays, as NewtonJosephy finds its point.
-lcp::PivotResult zero_of_linearised(Run& run, const lcp::LemkeOptions& options, const Point& point, const Vec& y) {
-  const lcp::AffineMcp L = linearised(run.box(), point, 0);
-  lcp::PivotResult path = follow_path(L, y, options);
-  run.stats().factorizations += path.refactorizations;
-  for (std::size_t i = 0; i <= covers.size() && path.end != lcp::PivotEnd::Solved && !run.interrupted(); ++i) {
-    lcp::LemkeOptions ray = options;
-    ray.start = lcp::LemkeStart::Ray;
-    ray.seed += static_cast<unsigned>(i);
-    if (i > 0) ray.cover = covers[i - 1];
-    const int before = path.pivots;
-    path = follow_path(L, y, ray);
-    path.pivots += before;
-    run.stats().factorizations += path.refactorizations;
-  }
-  return path;
-}
-
-}  // namespace
-
 void newton_robinson(Run& run, const NewtonRobinson& method, Point point) {
   lcp::LemkeOptions options = method.lemke;
   options.interrupted = [&run] { return run.interrupted(); };
@@ -40,10 +18,11 @@ void newton_robinson(Run& run, const NewtonRobinson& method, Point point) {
   it.merit = 0.5 * (point.F + y - point.x).squaredNorm();
 
   while (run.go_on(point, it)) {
-    const lcp::PivotResult path = zero_of_linearised(run, options, point, y);
+    const lcp::PivotResult path = path_or_rays(linearised(run.box(), point, 0), y, options);
+    run.stats().factorizations += path.refactorizations;
     it = {.k = it.k + 1, .step = 1, .pivots = path.pivots, .kind = 'N'};
-    if (path.end == lcp::PivotEnd::Interrupted || path.end == lcp::PivotEnd::TimeLimit) continue;  // the run says so
-    if (path.end != lcp::PivotEnd::Solved) {
+    if (stopped(path)) continue;  // the run says so
+    if (!path.solved()) {
       run.end(Status::SubproblemFailed,
               "the linearised problem could not be solved (" + std::string(lcp::to_string(path.end)) + ")",
               "try the method path, which searches along the way to such points, or another start");

@@ -100,14 +100,8 @@ void Smoother::set_mu(double mu) {
 }
 
 void Smoother::linearise() {
-  const Index n = point_.x.size();
   reformulate(method_.function, run_.box(), point_.x, point_.F, mu_, at_);
-  SpMat diagonal(n, n);
-  diagonal.reserve(Eigen::VectorXi::Ones(n));
-  for (Index i = 0; i < n; ++i) diagonal.insert(i, i) = at_.Da[i];
-  H_ = at_.Db.asDiagonal() * point_.J;
-  H_ += diagonal;
-  H_.makeCompressed();
+  assemble(at_.Da, at_.Db, point_.J, H_);
   gradient_ = H_.transpose() * at_.Phi;
   const Vec terms = H_.cwiseAbs().transpose() * at_.Phi.cwiseAbs();
   stationarity_ = stationarity(gradient_, terms);

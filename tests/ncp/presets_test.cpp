@@ -35,8 +35,9 @@ TEST(Presets, SolveTheirShareOfTheCollection) {
     const char* name;
     double least;
   };
-  for (const Share& share : {Share{"miles", 0.93}, Share{"semismooth", 0.9}, Share{"semicomp", 0.95},
-                             Share{"proxi", 0.9}, Share{"smooth", 0.92}, Share{"path", 1}, Share{"auto", 1}}) {
+  for (const Share& share :
+       {Share{"miles", 0.93}, Share{"semismooth", 0.9}, Share{"semicomp", 0.95}, Share{"proxi", 0.9},
+        Share{"nesqp", 0.75}, Share{"qpcomp", 0.88}, Share{"smooth", 0.92}, Share{"path", 1}, Share{"auto", 1}}) {
     int runs = 0;
     int solved = 0;
     std::string failures;
