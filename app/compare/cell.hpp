@@ -1,0 +1,113 @@
+#pragma once
+/// One cell of a comparison, (method, problem, start), and the files of a campaign that hold them.
+///
+/// DIR/cells.jsonl has one line a finished cell and only ever grows:
+///     {"cell":{...},"crc":"xxxxxxxx"}
+/// with the CRC-32 (that of zlib, polynomial 0xEDB88320) of the text of the cell object, from its { to its }. A line
+/// that is torn, or whose text does not fit its CRC, does not count, wherever it stands. DIR/cells.csv, cells.json and
+/// outcomes.csv are made from it.
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace perp::app::compare {
+
+/// How a cell ended, in one word. The judge's word counts: the natural residual of the original problem at the point
+/// returned, evaluated outside of the method, is at most the tolerance or not.
+enum class Outcome {
+  Solved,            ///< claimed, and the judge agrees
+  Failed,            ///< the method itself says that it has not
+  FalseConvergence,  ///< claimed, and the judge disagrees
+  Unclaimed,         ///< the judge calls the point a solution, the method did not
+  TimeLimit,         ///< its own limit, or killed
+  MemoryLimit,
+  Crashed,          ///< a signal, which the message names, or an exit nobody expected
+  Garbage,          ///< of an external program: no .sol file, an unreadable one, one of other sizes
+  NotApplicable,    ///< the method is not for this problem
+  Infeasible,       ///< rightly: there is no solution, and the method says so
+  FalseInfeasible,  ///< claims that there is none although one is known
+};
+/// In the order of the enumeration: "solved", "failed", "false-convergence", ...
+std::span<const std::string_view> outcome_names();
+std::string_view to_string(Outcome outcome);
+/// Throws InputError for a word that is none.
+Outcome outcome_of(std::string_view name);
+
+inline constexpr std::size_t longest_curve = 200;
+
+struct Cell {
+  std::string method{};   ///< label, as campaign.json has it
+  std::string problem{};  ///< label
+  int start = 1;          ///< from 1
+  Outcome outcome = Outcome::Failed;
+  std::string status{};  ///< the solver's own word: "Solved", "NoProgress", ...; of a .sol file "solve_result_num 0"
+  bool claimed = false;  ///< does the solver say that it has solved it?
+  double natural = std::numeric_limits<double>::quiet_NaN();  ///< judge's residual; NaN where no point came back
+  /// Of the run from the start itself, not of those after it; -1 where not known (external programs, killed ones).
+  int iterations = -1;
+  int F_evals = -1;
+  int J_evals = -1;
+  int factorizations = -1;
+  int krylov_iterations = -1;
+  double seconds = 0;  ///< wall clock of the solve; of a killed run, of the process
+  double peak_mb = 0;  ///< largest resident memory of the process in MiB (problem included)
+  int restarts = 0;    ///< runs from perturbed starts, tried one after another where the first failed
+  Outcome outcome_after_restarts = Outcome::Failed;  ///< of the last run; `outcome` where there was no other
+  std::string message{};
+  std::vector<double> curve{};  ///< natural residual from the start on, thinned evenly to at most longest_curve points
+};
+
+/// Is this end what one wants of the problem: solved, or rightly found infeasible?
+bool good(Outcome outcome);
+
+/// method, problem, start: a cell's identity. Orders as the derived files are sorted.
+struct CellKey {
+  std::string method{};
+  std::string problem{};
+  int start = 1;
+  auto operator<=>(const CellKey&) const = default;
+};
+CellKey key(const Cell& cell);
+
+/// The CRC-32 of zlib: crc32("123456789") = 0xcbf43926.
+std::uint32_t crc32(std::string_view text);
+
+/// The cell object, in one line without spaces; infinities as "inf", NaN as "nan", -1 for counts not known as null.
+std::string cell_json(const Cell& cell);
+/// Throws InputError saying what is wrong: no JSON, a key that is missing, a value of another type.
+Cell cell_of_json(std::string_view json);
+
+/// A line of cells.jsonl, with its newline.
+std::string cell_line(const Cell& cell);
+/// Of a line without its newline. Throws InputError: torn, CRC wrong, not a cell.
+Cell parse_line(std::string_view line);
+
+/// What cells.jsonl holds.
+struct CellsRead {
+  std::vector<Cell> cells;           ///< sorted by key; of two with one key the later
+  std::vector<std::string> dropped;  ///< lines that do not count, with number and reason
+  bool torn = false;                 ///< the last line has no newline: it was being written
+};
+/// Of the text of a cells.jsonl.
+CellsRead parse_cells(std::string_view text);
+/// Of DIR/cells.jsonl. Throws InputError if it cannot be read.
+CellsRead read_cells(const std::string& dir);
+
+/// Columns of cells.csv, and those of outcomes.csv: those that do not depend on time and memory.
+std::span<const std::string_view> csv_columns();
+std::span<const std::string_view> outcome_columns();
+/// RFC 4180: header, then one line a cell; fields with comma, quote or line break in quotes. Empty: not known.
+std::string cells_csv(std::span<const Cell> cells);
+/// Two runs of one campaign can be compared by it with cmp: where a run was ended by a limit, what it had reached until
+/// then is left empty.
+std::string outcomes_csv(std::span<const Cell> cells);
+/// All that cells.csv has and the curves, as one array.
+std::string cells_json(std::span<const Cell> cells);
+
+/// The records of an RFC 4180 file, header included. Throws InputError for a quote without its end.
+std::vector<std::vector<std::string>> parse_csv(std::string_view text);
+
+}  // namespace perp::app::compare
