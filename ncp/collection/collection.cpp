@@ -13,7 +13,7 @@ namespace perp::ncp::collection {
 
 namespace {
 
-constexpr std::array table{
+constexpr std::array first{
     Entry{"hydroc06", "chemical", 29, "Fletcher's hydrocarbon column, 6 stages, in More 1990",
           "free variables; temperatures of 100 beside fractions of 0.01; exponentials", hydroc06},
     Entry{"methan08", "chemical", 31, "Fletcher's methanol column, 8 stages, in More 1990",
@@ -170,8 +170,17 @@ constexpr std::array table{
           "exp of a sum of squares: overflows far away", watson4},
 };
 
-constexpr auto order = [](const Entry& entry) { return std::pair(entry.problem_class, entry.name); };
-static_assert(std::ranges::is_sorted(table, {}, order));
+/// The parts of the catalogue as one, sorted by class, then name.
+template <std::size_t... sizes>
+constexpr auto sorted(const std::array<Entry, sizes>&... parts) {
+  std::array<Entry, (sizes + ...)> all{};
+  auto* at = all.begin();
+  ((at = std::ranges::copy(parts, at).out), ...);
+  std::ranges::sort(all, {}, [](const Entry& entry) { return std::pair(entry.problem_class, entry.name); });
+  return all;
+}
+
+constexpr auto table = sorted(first);
 
 /// Levenshtein's distance, case ignored.
 std::size_t edit_distance(std::string_view a, std::string_view b) {
