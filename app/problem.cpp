@@ -59,7 +59,8 @@ LoadedProblem from_collection(const std::string& label, collection::Problem made
           .start = k,
           .starts = starts,
           .solutions = std::move(made.solutions),
-          .solutions_complete = made.solutions_complete};
+          .solutions_complete = made.solutions_complete,
+          .no_solution = std::move(made.no_solution)};
 }
 
 /// NAME:MxN of a problem that comes in any size; nothing if NAME is no such problem.

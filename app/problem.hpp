@@ -18,6 +18,7 @@ struct LoadedProblem {
   int starts = 1;  ///< how many there are
   std::vector<ncp::collection::KnownSolution> solutions{};
   bool solutions_complete = false;
+  std::string no_solution{};                ///< why there is none, where the collection knows that
   const ncp::ampl::Model* model = nullptr;  ///< mcp, if it came from a file
 
   /// Of the variables a user knows: without those added for side inequalities.
