@@ -60,14 +60,19 @@ std::string_view version_number() { return PERP_VERSION; }
 
 std::string version_line() { return fmt::format("perp {} (AMPL/MCP) ASL({})", version_number(), ASLdate_ASL); }
 
+std::vector<std::string> library_versions() {
+  return {fmt::format("Eigen {}.{}.{}", EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION),
+          fmt::format("UMFPACK and KLU of SuiteSparse {}", PERP_SUITESPARSE_VERSION),
+          fmt::format("AMPL solver library of {}", ASLdate_ASL)};
+}
+
 std::string version_text() {
   return fmt::format(
       "{}\n"
       "Licence GPL-3.0-or-later: the sources are free software; UMFPACK's licence decides for the program as linked.\n"
       "There is NO WARRANTY, to the extent permitted by law.\n"
-      "Linked: Eigen {}.{}.{}, UMFPACK and KLU of SuiteSparse {}, AMPL solver library of {}\n",
-      version_line(), EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION, PERP_SUITESPARSE_VERSION,
-      ASLdate_ASL);
+      "Linked: {}\n",
+      version_line(), fmt::join(library_versions(), ", "));
 }
 
 }  // namespace perp::app

@@ -38,6 +38,8 @@ std::string did_you_mean(std::string_view word, std::span<const std::string_view
 std::string_view version_number();
 /// One line for `-v`; its first number of the form x.y.z is ours (Pyomo looks for it).
 std::string version_line();
+/// "Eigen 3.4.0", ...: what the program links.
+std::vector<std::string> library_versions();
 /// Version, effective licence, and the versions of the libraries linked.
 std::string version_text();
 

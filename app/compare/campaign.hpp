@@ -1,0 +1,76 @@
+#pragma once
+/// What a campaign was asked to do, DIR/campaign.json: written before the first cell, never changed.
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace perp::app::compare {
+
+struct AskedMethod {
+  std::string label{};  ///< as it was written: "semismooth:cfunction=min:tol=1e-9", or an external's NAME
+  std::string name{};   ///< of `perp methods`; of an external program NAME
+  std::vector<std::string> options{};                           ///< key=value, in the order given
+  std::string command{};                                        ///< of an external program; empty for ours
+  std::vector<std::pair<std::string, std::string>> in_force{};  ///< every option that applies, with its value
+  bool external() const { return !command.empty(); }
+};
+
+struct AskedProblem {
+  std::string name{};  ///< of the collection, NAME:SIZE, or a file's without its folder
+  std::string file{};  ///< with its whole path; empty for the collection
+  std::string cls{};   ///< class in the collection; "nl", "dat" for files
+  long long n = 0;
+  long long nonzeros = 0;  ///< of the Jacobian's pattern
+  bool affine = false;
+  int starts = 1;             ///< that take part: 1 to starts
+  int known_solutions = 0;    ///< listed in the collection
+  std::string no_solution{};  ///< why there is none, if that is known
+  std::string crc{};          ///< CRC-32 of a file's content
+  bool solvable() const { return no_solution.empty(); }
+  /// Is it known to have a solution, so that a method that says otherwise is wrong? (Of a file nobody knows.)
+  bool known_solvable() const { return solvable() && file.empty(); }
+};
+
+struct Machine {
+  std::string cpu{};
+  int cores = 0;  ///< that this process may use
+  long long memory_mb = 0;
+  std::string system{};  ///< kernel and its release
+
+  static Machine here();
+};
+
+struct Campaign {
+  std::vector<AskedMethod> methods{};
+  std::vector<AskedProblem> problems{};
+  int starts = 0;              ///< at most so many of each problem; 0: all
+  double tol = 1e-6;           ///< of the judge, and of the methods where their options name no other
+  double time_limit = 60;      ///< s, wall clock, of a run
+  long long memory_mb = 4096;  ///< resident, of a run
+  int restarts = 0;            ///< at most so many after a failure
+  unsigned seed = 1;           ///< of their starts
+  int jobs = 1;
+  std::string version{};                 ///< of perp
+  std::string build{};                   ///< CRC-32 of the program's file
+  std::vector<std::string> libraries{};  ///< linked, with their versions
+  Machine machine{};
+  std::vector<std::string> command_line{};
+  std::string date{};  ///< UTC, ISO 8601
+
+  std::size_t cells() const;  ///< methods x (problem, start)
+};
+
+/// Sets version, build, libraries, machine and date.
+void stamp(Campaign& campaign);
+
+std::string campaign_json(const Campaign& campaign);
+/// Throws InputError saying what is missing or of another type.
+Campaign parse_campaign(const std::string& json);
+/// Of DIR/campaign.json. Throws InputError naming the file.
+Campaign read_campaign(const std::string& dir);
+
+/// What cells of `now` would not fit beside those of `before`: one line a difference, "tol: 1e-06 there, 1e-08 here".
+/// Jobs, build, machine, command line and date may differ.
+std::vector<std::string> differences(const Campaign& before, const Campaign& now);
+
+}  // namespace perp::app::compare
