@@ -289,13 +289,17 @@ struct KrylovSystem::Parts {
   void solve(In b, double eta, KrylovResult& result) {
     if (!regular) return;
     // The known unknowns, and what they leave of the others' right-hand sides.
-    for (Index i = 0; i < b.size(); ++i)
-      if (block.number[at(i)] < 0) result.d[i] = b[i] / Da[i];
-    const Vec moved = J * result.d;
     Vec rest(scale.size());
-    for (std::size_t k = 0; k < block.unknowns.size(); ++k) {
-      const int i = block.unknowns[k];
-      rest[static_cast<Index>(k)] = b[i] - Db[i] * moved[i];
+    if (rest.size() == b.size()) {
+      rest = b;
+    } else {
+      for (Index i = 0; i < b.size(); ++i)
+        if (block.number[at(i)] < 0) result.d[i] = b[i] / Da[i];
+      const Vec moved = J * result.d;
+      for (std::size_t k = 0; k < block.unknowns.size(); ++k) {
+        const int i = block.unknowns[k];
+        rest[static_cast<Index>(k)] = b[i] - Db[i] * moved[i];
+      }
     }
     const double tol = eta * b.norm();
     Vec part = Vec::Zero(rest.size());

@@ -68,6 +68,7 @@ Mask split(const SparseRows& A, const Mask& strong) {
   const int n = A.rows();
   SparseRows S;  // the pattern of the strong entries
   S.start.reserve(at(n) + 1);
+  S.column.reserve(A.column.size());
   for (int i = 0; i < n; ++i) {
     for (int s = A.start[at(i)]; s < A.start[at(i) + 1]; ++s)
       if (strong[at(s)]) S.column.push_back(A.column[at(s)]);
@@ -104,6 +105,8 @@ Mask split(const SparseRows& A, const Mask& strong) {
 SparseRows interpolation(const SparseRows& A, const Mask& strong, const Mask& c, const std::vector<int>& number) {
   SparseRows P;
   P.start.reserve(A.start.size());
+  P.column.reserve(A.column.size());
+  P.value.reserve(A.column.size());
   for (int i = 0; i < A.rows(); ++i) {
     if (c[at(i)]) {
       P.push(number[at(i)], 1);
@@ -179,13 +182,17 @@ SparseRows galerkin(const SparseRows& A, const SparseRows& P, const SparseRows& 
   SparseRows coarse;
   const int n = R.rows();
   coarse.start.reserve(at(n) + 1);
+  coarse.column.reserve(A.column.size());
+  coarse.value.reserve(A.column.size());
   std::vector<int> place(at(n), -1);
   const auto all = [](int) { return true; };
   for (int I = 0; I < n; ++I) {
+    const std::size_t first = coarse.column.size();
     galerkin_row(A, P, R, I, all, all, place, coarse);
+    sort_last_row(coarse, first);
     coarse.end_row();
   }
-  return coarse.transposed(n);  // which is the same matrix, with sorted rows
+  return coarse;
 }
 
 Vec diagonal_of(const SparseRows& A) {
@@ -236,7 +243,7 @@ VCycle::VCycle(const Hierarchy& hierarchy, std::size_t finest, int direct)
     : hierarchy_(hierarchy), finest_(finest), direct_(direct), levels_(hierarchy.grids.size() - finest) {
   for (std::size_t k = 0; k < levels_.size(); ++k) {
     const Index n = hierarchy.grids[finest + k].A.rows();
-    levels_[k].b = levels_[k].x = levels_[k].inverse = Vec::Zero(n);
+    levels_[k].b = levels_[k].x = levels_[k].inverse = levels_[k].residual = Vec::Zero(n);
     levels_[k].free.resize(static_cast<std::size_t>(n));
   }
   place_.assign(levels_.size() > 1 ? levels_[1].free.size() : 0, -1);
@@ -247,6 +254,10 @@ FaceStatus VCycle::set_free(const Mask& free) {
   Level& top = levels_[0];
   top.A = &A;
   top.free = free;
+  if (std::ranges::find(free, 0) == free.end()) {
+    all_free();
+    return FaceStatus::Ok;
+  }
   // Rows whose coarse rows differ from the hierarchy's, because something they reach is not free.
   Mask changed(free.size(), 0);
   for (int i = 0; i < A.rows(); ++i) {
@@ -262,6 +273,18 @@ FaceStatus VCycle::set_free(const Mask& free) {
   }
   factor_coarsest();
   return FaceStatus::Ok;
+}
+
+/// The whole space is a face too: the hierarchy's own matrices.
+void VCycle::all_free() {
+  for (std::size_t k = 0; k < levels_.size(); ++k) {
+    const Grid& grid = hierarchy_.grids[finest_ + k];
+    Level& level = levels_[k];
+    level.A = &grid.A;
+    level.free.assign(level.free.size(), 1);
+    level.inverse = grid.diagonal.unaryExpr([](double d) { return d > 0 ? 1 / d : 0.0; });
+  }
+  factor_coarsest();
 }
 
 /// The matrix of level k + 1 on the face.
@@ -343,42 +366,49 @@ void VCycle::cycle(std::size_t k, const Vec& b, Vec& x) {
       if (level.inverse[i] == 0) x[i] = 0;
     return;
   }
-  const SparseRows& A = *level.A;
-  const int n = A.rows();
-  // Forward sweep from 0, which knows only the columns before the diagonal...
+  const int n = level.A->rows();
+  const int* start = level.A->start.data();
+  const int* column = level.A->column.data();
+  const double* value = level.A->value.data();
+  const double* inverse = level.inverse.data();
+  double* residual = level.residual.data();
+  double* y = x.data();
+  // Forward sweep from 0, which knows only the columns before the diagonal. A is symmetric: the same entries carry x_i
+  // to the rows before, whose residual b - A x is what they have of the columns behind the diagonal.
   for (int i = 0; i < n; ++i) {
-    if (level.inverse[i] == 0) {
-      x[i] = 0;
-      continue;
-    }
+    residual[i] = 0;
+    y[i] = 0;
+    if (inverse[i] == 0) continue;
     double sum = b[i];
-    for (int s = A.start[at(i)]; A.column[at(s)] < i; ++s) sum -= A.value[at(s)] * x[A.column[at(s)]];
-    x[i] = sum * level.inverse[i];
+    int s = start[i];
+    for (; column[s] < i; ++s) sum -= value[s] * y[column[s]];
+    const double x_i = sum * inverse[i];
+    y[i] = x_i;
+    for (--s; s >= start[i]; --s) residual[column[s]] -= value[s] * x_i;
   }
   if (!coarsest) {
-    // ... and leaves those behind it as the residual, which is restricted at once.
     const SparseRows& P = hierarchy_.grids[finest_ + k].P;
+    const int* begin = P.start.data();
+    const int* parent = P.column.data();
+    const double* weight = P.value.data();
     Level& next = levels_[k + 1];
     next.b.setZero();
-    for (int i = 0; i < n; ++i) {
-      if (level.inverse[i] == 0) continue;
-      double residual = 0;
-      for (int s = A.start[at(i) + 1] - 1; A.column[at(s)] > i; --s) residual -= A.value[at(s)] * x[A.column[at(s)]];
-      for (int t = P.start[at(i)]; t < P.start[at(i) + 1]; ++t) next.b[P.column[at(t)]] += P.value[at(t)] * residual;
-    }
-    for (Index I = 0; I < next.b.size(); ++I)
-      if (next.inverse[I] == 0) next.b[I] = 0;
+    double* to = next.b.data();
+    for (int i = 0; i < n; ++i)
+      if (inverse[i] != 0)
+        for (int t = begin[i]; t < begin[i + 1]; ++t) to[parent[t]] += weight[t] * residual[i];
+    next.b = (next.inverse.array() == 0).select(0, next.b);
     cycle(k + 1, next.b, next.x);
-    for (int i = 0; i < n; ++i) {
-      if (level.inverse[i] == 0) continue;
-      for (int t = P.start[at(i)]; t < P.start[at(i) + 1]; ++t) x[i] += P.value[at(t)] * next.x[P.column[at(t)]];
-    }
+    const double* from = next.x.data();
+    for (int i = 0; i < n; ++i)
+      if (inverse[i] != 0)
+        for (int t = begin[i]; t < begin[i + 1]; ++t) y[i] += weight[t] * from[parent[t]];
   }
   for (int i = n - 1; i >= 0; --i) {
-    if (level.inverse[i] == 0) continue;
+    if (inverse[i] == 0) continue;
     double sum = b[i];
-    for (int s = A.start[at(i)]; s < A.start[at(i) + 1]; ++s) sum -= A.value[at(s)] * x[A.column[at(s)]];
-    x[i] += sum * level.inverse[i];
+    for (int s = start[i]; s < start[i + 1]; ++s) sum -= value[s] * y[column[s]];
+    y[i] += sum * inverse[i];
   }
 }
 

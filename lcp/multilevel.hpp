@@ -52,7 +52,9 @@ class VCycle final : public FacePreconditioner {
     Vec inverse;  ///< of the diagonal; zero where not free
     Vec b;
     Vec x;
+    Vec residual;
   };
+  void all_free();
   void restrict_to(std::size_t k, const Mask& changed, Mask& changed_coarse);
   void cycle(std::size_t k, const Vec& b, Vec& x);
   void factor_coarsest();

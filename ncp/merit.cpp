@@ -14,16 +14,21 @@ void assemble(In Da, In Db, const SpMat& J, SpMat& H) {
   H.makeCompressed();
 }
 
-void linearise(const CFunction& c, const Box& box, const Point& point, Linearisation& out, bool with_H) {
+void elements(const CFunction& c, const Box& box, const Point& point, Reformulation& out) {
   const Index n = point.x.size();
   Vec h(n);
   double generic = 0;
   for (Index i = 0; i < n; ++i) {
-    generic = std::fmod(generic + 0.6180339887498949, 1.0);  // the golden ratio's fractions: no two alike
+    generic += 0.6180339887498949;  // the golden ratio's fractions: no two alike
+    if (generic >= 1) generic -= 1;
     h[i] = 1 + 0.1 * generic;
   }
   const Vec Jh = point.J * h;
-  reformulate(c, box, point.x, point.F, h, Jh, out.at);
+  reformulate(c, box, point.x, point.F, h, Jh, out);
+}
+
+void linearise(const CFunction& c, const Box& box, const Point& point, Linearisation& out, bool with_H) {
+  elements(c, box, point, out.at);
   if (with_H) {
     assemble(out.at.Da, out.at.Db, point.J, out.H);
     out.gradient = out.H.transpose() * out.at.Phi;
@@ -33,7 +38,7 @@ void linearise(const CFunction& c, const Box& box, const Point& point, Linearisa
   }
   out.merit = 0.5 * out.at.Phi.squaredNorm();
   Vec terms = out.at.Da.cwiseProduct(out.at.Phi).cwiseAbs();
-  for (Index j = 0; j < n; ++j)
+  for (Index j = 0; j < point.J.cols(); ++j)
     for (SpMat::InnerIterator it(point.J, j); it; ++it)
       terms[j] += std::abs(out.at.Db[it.row()] * it.value() * out.at.Phi[it.row()]);
   out.stationarity = stationarity(out.gradient, terms);

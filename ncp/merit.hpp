@@ -18,8 +18,9 @@ struct Linearisation {
   /// The minimiser of ||Phi + H d|| along d = -gradient.
   Vec cauchy_step() const;
 };
-/// At kinks the element of the B-subdifferential is the one along a generic h > 0: x + s h meets no kink for small s >
-/// 0 (De Luca, Facchinei & Kanzow 1996, section 7, with h_i = 1 at degenerate indices).
+/// Phi, Da, Db. At kinks the element of the B-subdifferential is the one along a generic h > 0: x + s h meets no kink
+/// for small s > 0 (De Luca, Facchinei & Kanzow 1996, section 7, with h_i = 1 at degenerate indices).
+void elements(const CFunction& c, const Box& box, const Point& point, Reformulation& out);
 void linearise(const CFunction& c, const Box& box, const Point& point, Linearisation& out, bool with_H = true);
 /// Da + Db J in the pattern of J with its diagonal.
 void assemble(In Da, In Db, const SpMat& J, SpMat& H);

@@ -22,8 +22,8 @@ constexpr double stationary_tol = 1e-9;
 /// the last steps dX and the changes dD of d between them, the combination that d is nearest to is taken away.
 class ChordSteps {
  public:
-  ChordSteps(Run& run, const SemismoothNewton& method, const CFunction& smooth, Directions& directions)
-      : run_(run), method_(method), smooth_(smooth), directions_(directions) {}
+  ChordSteps(Run& run, const SemismoothNewton& method, Directions& directions)
+      : run_(run), method_(method), directions_(directions) {}
 
   /// False where none was of use in the last two iterations: the function bends at its kinks, not smoothly.
   bool worthwhile() const { return method_.forcing.chord_steps > 0 && idle_ < 2; }
@@ -37,7 +37,6 @@ class ChordSteps {
     Vec last_x;
     const Vec begin_x = point.x;
     const Vec begin_F = point.F;
-    const double begin_psi = psi;
     bool moved = false;
     Point trial{.x = {}, .F = {}, .J = {}};
     reformulate(method_.cfunction, run_.box(), point.x, point.F, Phi);
@@ -67,16 +66,16 @@ class ChordSteps {
     }
     idle_ = moved ? 0 : idle_ + 1;
     if (!moved) return;
-    psi = merit(smooth_, run_.box(), point.x, point.F);
-    if (solved(point)) return;
-    trial.J = point.J;
-    if (psi <= begin_psi && run_.counted().jacobian(point.x, trial.J)) {
+    if (!solved(point)) {
+      trial.J = point.J;
+      if (!run_.counted().jacobian(point.x, trial.J)) {
+        point.x = begin_x;
+        point.F = begin_F;
+        return;
+      }
       std::swap(point.J, trial.J);
-      return;
     }
-    point.x = begin_x;
-    point.F = begin_F;
-    psi = begin_psi;
+    psi = 0.5 * norm * norm;
   }
 
  private:
@@ -93,78 +92,141 @@ class ChordSteps {
 
   Run& run_;
   const SemismoothNewton& method_;
-  const CFunction& smooth_;
   Directions& directions_;
   int idle_ = 0;
+};
+
+/// The step of one iteration.
+class Steps {
+ public:
+  Steps(Run& run, const SemismoothNewton& method, Directions& directions)
+      : run_(run),
+        method_(method),
+        directions_(directions),
+        halving_(!method.cfunction.smooth_merit),
+        searched_(halving_ ? fischer_burmeister() : method.cfunction),
+        memory_(method.search.memory) {}
+
+  /// The first of the steps, from the fastest to the safest, that is accepted. False: none is; the run has ended, or is
+  /// to stop.
+  bool take(Point& point, Iteration& it) {
+    Direction newton{.d = {}};
+    if (halving_ && halve(point, newton, it)) return true;
+    linearise(searched_, run_.box(), point, at_, !directions_.krylov());
+    if (std::exchange(halved_, false))
+      memory_.reset(at_.merit);
+    else
+      memory_.push(at_.merit);
+    undefined_ = 0;
+    return !stuck() && (descend(point, newton, it) || give_up(it));
+  }
+
+ private:
+  /// The full Newton step, if it leaves at most half of the least ||Phi|| so far; `newton` is its direction. There are
+  /// infinitely many such steps only if Phi goes to zero, so they do not spoil what the others guarantee (De Luca,
+  /// Facchinei & Kanzow, Comput. Optim. Appl. 16 (2000) 173).
+  bool halve(Point& point, Direction& newton, Iteration& it) {
+    Linearisation own;
+    elements(method_.cfunction, run_.box(), point, own.at);
+    least_ = std::min(least_, own.at.Phi.norm());
+    const auto any = [](const Vec&) { return true; };
+    if (!directions_.newton(own, point, any, newton)) return false;
+    Point trial{.x = point.x + newton.d, .F = {}, .J = {}};
+    if (!run_.counted().eval(trial.x, trial.F)) return false;
+    const double psi = merit(method_.cfunction, run_.box(), trial.x, trial.F);
+    if (!(psi <= 0.125 * least_ * least_) || !run_.counted().jacobian(trial.x, trial.J)) return false;
+    std::swap(point, trial);
+    halved_ = true;
+    tell(newton, 1, it);
+    it.merit = psi;
+    return true;
+  }
+
+  /// Whether the merit function has let the run down, which has ended then.
+  bool stuck() {
+    const bool stationary = at_.stationarity <= stationary_tol;
+    if (!stationary && !stall_.stalled(at_.merit)) return false;
+    run_.end(stationary ? Status::StationaryPoint : Status::NoProgress,
+             stationary
+                 ? "a stationary point of the merit function 1/2 ||Phi||^2 (" + searched_.name + ") that is no solution"
+                 : "the merit function 1/2 ||Phi||^2 (" + searched_.name + ") has stopped falling",
+             "try another start, or --method josephy: this method cannot leave a local minimum of its merit function");
+    return true;
+  }
+
+  /// A search along Newton's, then Levenberg-Marquardt's directions, then the negative gradient.
+  bool descend(Point& point, Direction& newton, Iteration& it) {
+    const Vec& g = at_.gradient;
+    const auto descends = [&](const Vec& d) {
+      const double rms = d.norm() / std::sqrt(static_cast<double>(d.size()));
+      return g.dot(d) <= -method_.descent_rho * std::pow(rms, method_.descent_p);
+    };
+    const bool usable =
+        halving_ ? newton.d.size() > 0 && descends(newton.d) : directions_.newton(at_, point, descends, newton);
+    if (usable && search(newton, point, it)) return true;
+    double nu = directions_.first_nu(at_, point);
+    for (int i = 0; i < lm_tries && !directions_.stopped(); ++i, nu *= lm_growth) {
+      Direction lm;
+      if (directions_.levenberg_marquardt(at_, point, nu, lm) && g.dot(lm.d) < 0 && search(lm, point, it)) return true;
+    }
+    return !directions_.stopped() && search(directions_.gradient(at_, point), point, it);
+  }
+
+  bool search(const Direction& direction, Point& point, Iteration& it) {
+    const SearchOutcome found = line_search(run_, searched_, method_.search, direction.d, at_.gradient.dot(direction.d),
+                                            memory_.reference(), false, point);
+    it.backtracks += found.backtracks;
+    undefined_ += found.undefined;
+    tell(direction, found.t, it);
+    if (found.found) it.merit = halving_ ? merit(method_.cfunction, run_.box(), point.x, point.F) : found.merit;
+    return found.found;
+  }
+
+  /// No direction was of use: the run ends, unless it is to stop for other reasons.
+  bool give_up(const Iteration& it) {
+    if (directions_.stopped()) return false;
+    const bool nowhere = undefined_ > 0 && undefined_ == it.backtracks;
+    run_.end(nowhere ? Status::EvaluationFailed : Status::NoProgress,
+             nowhere ? "F or its Jacobian is not defined at any trial point, however short the step"
+                     : "no direction (Newton, Levenberg-Marquardt, gradient) decreases the merit function",
+             "try another start or method; check the derivatives (--check-derivatives)");
+    return false;
+  }
+
+  static void tell(const Direction& direction, double t, Iteration& it) {
+    it.kind = direction.kind;
+    it.prox = direction.nu;
+    it.linear = direction.linear;
+    it.step = t;
+  }
+
+  Run& run_;
+  const SemismoothNewton& method_;
+  Directions& directions_;
+  bool halving_;         // the merit of Phi is not differentiable: steps that halve ||Phi||, others are searched on ...
+  CFunction searched_;   // ... the merit of this function
+  bool halved_ = false;  // by the last step
+  double least_ = lcp::infinity;
+  int undefined_ = 0;  // trial points of this iteration
+  Linearisation at_;
+  Memory memory_;
+  Stall stall_;
 };
 
 }  // namespace
 
 void semismooth_newton(Run& run, const SemismoothNewton& method, Point point) {
-  // min's own 1/2 ||Phi||^2 is not differentiable: its steps are searched on the Fischer-Burmeister merit.
-  const CFunction smooth = method.cfunction.smooth_merit ? method.cfunction : fischer_burmeister();
-  Linearisation newton;
-  Linearisation other;
   Directions directions(run, method);
-  ChordSteps chords(run, method, smooth, directions);
-  Memory memory(method.search.memory);
-  Stall stall;
+  Steps steps(run, method, directions);
+  ChordSteps chords(run, method, directions);
   Iteration it{.k = 0, .kind = 'I'};
-  it.merit = merit(smooth, run.box(), point.x, point.F);
-  memory.push(it.merit);
+  it.merit = merit(method.cfunction, run.box(), point.x, point.F);
 
   while (run.go_on(point, it)) {
-    linearise(method.cfunction, run.box(), point, newton, !directions.krylov());
-    if (!method.cfunction.smooth_merit) linearise(smooth, run.box(), point, other, !directions.krylov());
-    const Linearisation& descent = method.cfunction.smooth_merit ? newton : other;
-    const Vec& g = descent.gradient;
-    if (const bool stationary = descent.stationarity <= stationary_tol; stationary || stall.stalled(descent.merit)) {
-      run.end(stationary ? Status::StationaryPoint : Status::NoProgress,
-              stationary
-                  ? "a stationary point of the merit function 1/2 ||Phi||^2 (" + smooth.name + ") that is no solution"
-                  : "the merit function 1/2 ||Phi||^2 (" + smooth.name + ") has stopped falling",
-              "try another start, or --method josephy: this method cannot leave a local minimum of its merit function");
-      break;
-    }
-
-    const int k = it.k + 1;
-    it = {.k = k};
-    SearchOutcome found;
-    int undefined = 0;
-    const auto search = [&](const Direction& direction) {
-      found =
-          line_search(run, smooth, method.search, direction.d, g.dot(direction.d), memory.reference(), false, point);
-      it.backtracks += found.backtracks;
-      undefined += found.undefined;
-      it.kind = direction.kind;
-      it.prox = direction.nu;
-      it.linear = direction.linear;
-      return found.found;
-    };
-    Direction direction;
-    const auto descends = [&](const Vec& d) {
-      const double rms = d.norm() / std::sqrt(static_cast<double>(d.size()));
-      return g.dot(d) <= -method.descent_rho * std::pow(rms, method.descent_p);
-    };
-    bool done = directions.newton(newton, point, descends, direction) && search(direction);
-    double nu = directions.first_nu(descent, point);
-    for (int i = 0; i < lm_tries && !done && !directions.stopped(); ++i, nu *= lm_growth)
-      done =
-          directions.levenberg_marquardt(descent, point, nu, direction) && g.dot(direction.d) < 0 && search(direction);
-    if (!done && !directions.stopped()) done = search(directions.gradient(descent, point));
-    if (!done && !directions.stopped()) {
-      const bool nowhere = undefined > 0 && undefined == it.backtracks;
-      run.end(nowhere ? Status::EvaluationFailed : Status::NoProgress,
-              nowhere ? "F or its Jacobian is not defined at any trial point, however short the step"
-                      : "no direction (Newton, Levenberg-Marquardt, gradient) decreases the merit function",
-              "try another start or method; check the derivatives (--check-derivatives)");
-      break;
-    }
-    if (done && direction.linear == 'K' && direction.kind == 'N' && found.t == 1 && chords.worthwhile())
-      chords.run(point, found.merit);
-    it.merit = done ? found.merit : descent.merit;
-    it.step = done ? found.t : 0;
-    memory.push(it.merit);
+    it = {.k = it.k + 1, .merit = it.merit};
+    const bool moved = steps.take(point, it);
+    if (run.ended()) break;
+    if (moved && it.linear == 'K' && it.kind == 'N' && it.step == 1 && chords.worthwhile()) chords.run(point, it.merit);
   }
   run.remark(directions.remark());
 }
