@@ -2,9 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <new>
 #include <optional>
 #include <sstream>
 #include <stdexcept>
@@ -14,7 +14,7 @@
 #include "lcp/matrix_market.hpp"
 #include "lcp/siconos_file.hpp"
 #include "ncp/affine.hpp"
-#include "ncp/collection/generators.hpp"
+#include "ncp/collection/sized.hpp"
 
 namespace perp::app {
 
@@ -63,26 +63,23 @@ LoadedProblem from_collection(const std::string& label, collection::Problem made
           .no_solution = std::move(made.no_solution)};
 }
 
-/// NAME:MxN of a problem that comes in any size; nothing if NAME is no such problem.
+/// NAME:SIZES of a problem that comes in any size; nothing if NAME is no problem at all.
 std::optional<collection::Problem> of_size(const std::string& argument) {
   const std::size_t colon = argument.find(':');
   if (colon == std::string::npos) return std::nullopt;
   const std::string name = argument.substr(0, colon);
-  const collection::Maker maker = collection::sized(name);
-  if (maker == nullptr) {
+  const collection::Family* family = collection::find_family(name);
+  if (family == nullptr) {
     if (collection::find(name) != nullptr)
       throw InputError(fmt::format("'{}': '{}' comes in one size", argument, name));
     return std::nullopt;
   }
-  int M = 0;
-  int N = 0;
-  char end = '\0';
-  if (std::sscanf(argument.c_str() + colon + 1, "%7dx%7d%c", &M, &N, &end) != 2)
-    throw InputError(fmt::format("'{}': a size is MxN, as in {}:300x300", argument, name));
   try {
-    return maker(M, N);
+    return collection::make(*family, argument.substr(colon + 1));
   } catch (const std::invalid_argument& refused) {
     throw InputError(refused.what());
+  } catch (const std::bad_alloc&) {
+    throw InputError(fmt::format("'{}' does not fit into memory", argument));
   }
 }
 

@@ -9,9 +9,10 @@
 #include <cstdlib>
 #include <fstream>
 #include <optional>
+#include <stdexcept>
 #include <utility>
 
-#include "ncp/collection/generators.hpp"
+#include "ncp/collection/sized.hpp"
 #include "ncp/residual.hpp"
 #include "ncp/solve.hpp"
 
@@ -22,13 +23,13 @@ constexpr double tol = 1e-8;
 
 std::optional<ncp::collection::Problem> problem_called(const std::string& text) {
   const std::size_t colon = text.find(':');
-  const auto maker = ncp::collection::sized(text.substr(0, colon));
-  char* end = nullptr;
-  if (maker == nullptr || colon == std::string::npos) return std::nullopt;
-  const long M = std::strtol(text.c_str() + colon + 1, &end, 10);
-  if (*end != 'x') return std::nullopt;
-  const long N = std::strtol(end + 1, nullptr, 10);
-  return maker(M, N);
+  const ncp::collection::Family* family = ncp::collection::find_family(text.substr(0, colon));
+  if (family == nullptr || colon == std::string::npos) return std::nullopt;
+  try {
+    return ncp::collection::make(*family, text.substr(colon + 1));
+  } catch (const std::invalid_argument&) {
+    return std::nullopt;
+  }
 }
 
 struct Own {

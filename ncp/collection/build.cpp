@@ -52,15 +52,29 @@ Functions functions_of(Shape shape) {
   return made;
 }
 
-void require_at_least(std::string_view problem, std::string_view argument, Index value, Index least) {
-  if (value >= least) return;
+namespace {
+
+[[noreturn]] void refuse(std::string_view problem, std::string_view argument, Index value, const char* than,
+                         Index limit) {
   throw std::invalid_argument(std::string(problem)
                                   .append(": ")
                                   .append(argument)
                                   .append(" is ")
                                   .append(std::to_string(value))
-                                  .append("; it must be at least ")
-                                  .append(std::to_string(least)));
+                                  .append("; it must be at ")
+                                  .append(than)
+                                  .append(std::to_string(limit)));
+}
+
+}  // namespace
+
+void require_at_least(std::string_view problem, std::string_view argument, Index value, Index least) {
+  if (value < least) refuse(problem, argument, value, "least ", least);
+}
+
+void require_between(std::string_view problem, std::string_view argument, Index value, Index least, Index most) {
+  require_at_least(problem, argument, value, least);
+  if (value > most) refuse(problem, argument, value, "most ", most);
 }
 
 bool all_finite(In values) { return values.allFinite(); }

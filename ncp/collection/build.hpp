@@ -44,6 +44,8 @@ bool all_finite(In values);
 
 /// Throws std::invalid_argument, naming problem, argument and value, if value < least.
 void require_at_least(std::string_view problem, std::string_view argument, Index value, Index least);
+/// The same if value < least or value > most.
+void require_between(std::string_view problem, std::string_view argument, Index value, Index least, Index most);
 
 /// F(x) = M x + q.
 std::unique_ptr<Mcp> make_affine(Shape shape, const SpMat& M, const Vec& q);

@@ -63,11 +63,67 @@ Problem torsion(Index M, Index N);
 /// solution if N >= 1 (an M-matrix, not symmetric, block triangular); v - payoff fades to 1e-8 where S > 1.
 Problem american_put_own(Index steps, Index N);
 
-/// The maker (M, N) of an entry that comes in any size, by its name; nullptr for others.
-using Maker = Problem (*)(Index, Index);
-Maker sized(std::string_view name);
+/// Linear-quadratic control over T >= 1 stages: x_t = A x_{t-1} + B u_t, A = [1 .1; -.2 .95], B = (0, .1), x_0 = (1,
+/// .5), |u_t| <= 0.3, min sum_{t=1..T} (x_t'x_t + 0.05 u_t^2) / 2. 5 T unknowns by stages (x_t, u_t, l_t), l_{T+1} = 0:
+///     x_t free:   x_t - l_t + A'l_{t+1} = 0
+///     u_t:        0.05 u_t + B'l_t            complements the box
+///     l_t free:   x_t - A x_{t-1} - B u_t = 0.
+/// M is positive semidefinite and banded. The only solution is given (the program is strictly convex, the adjoints
+/// follow from the states): Riccati recursions with the controls at a bound held there. Starts: 0; the states without
+/// control; 1.
+Problem lq_control_own(Index T);
+/// Van der Pol's oscillator x' = f(x) + (0, u), f(x) = (x2, (1 - x1^2) x2 - x1), x(0) = (1, 0), along a reference r for
+/// ten units of time in T >= 40 steps h = 10 / T of explicit Euler: min h sum_t (|x_t - r_t|^2 + 0.05 u_t^2) / 2 with
+/// |u| <= 0.75. 5 T unknowns by stages as in lq_control_own, in the scale of the differential equations:
+///     x_t free:   x_t - r_t - (l_t - l_{t+1}) / h + f'(x_t)'l_{t+1} = 0
+///     u_t:        0.05 u_t + l_t,2            complements the box
+///     l_t free:   (x_t - x_{t-1}) / h - f(x_{t-1}) - (0, u_t) = 0.
+/// r is made for a planted solution, a strict local minimum; there may be more. Starts: 0; the reference; the states
+/// without control.
+Problem vanderpol_own(Index T);
+
+/// Pressure p and gap h in a lubricated line contact (Kostreva 1984) at 3 <= N <= 10000 points, dx = 5 / N. Unknowns k,
+/// free, and p_1 .. p_N >= 0, p_0 = p_{N+1} = 0; dense:
+///     F_k = 1 - (2 dx / pi) sum_i w_i p_i
+///     F_i = (lambda / dx) (h_i - h_{i-1}) - (Q_i - Q_{i-1}) / dx^2,  Q_j = h_j^3 (p_{j+1} - p_j) / e^{alpha m_j}
+///     h_j = y_j^2 + 1 + k + (1 / pi) sum_{i=0..N} w_i d_ij ln|d_ij| (p_{i+1} [i < N] - p_{i-1} [i > 1])
+/// with y_j = -3 + (j + 1/2) dx, d_ij = (i - j - 1/2) dx, m_j = (p_{j+1} + p_j) / 2, w_0 = w_N = 1/2, the others 1;
+/// alpha = 2.832, lambda = 6.057. Starts, at k = 1.6: p a roof over (-3, 1); the dry contact's sqrt(1 - x^2).
+Problem ehl_kost(Index N);
+
+/// Spatial price equilibrium (Samuelson 1952; Takayama & Judge 1964; congestion as in Nagurney 1993): regions >= 2 on a
+/// grid with ceil(sqrt(regions)) columns, arcs both ways between neighbours. Shipments x >= 0, prices p >= 0:
+///     x_a, from i to j:  p_i + t_a + k_a x_a^2 - p_j
+///     p_i:               s_i p_i - d_i exp(-p_i / 10) + shipments in - out.
+/// About 5 regions unknowns, sparse. Strictly monotone: the planted solution is the only one. A tenth of the arcs that
+/// lead to a dearer region are degenerate there. Starts: x = 0, p = 10; 0; 1.
+Problem spatial_price_own(Index regions, unsigned seed);
+
+/// Traffic in Wardrop's equilibrium by destinations (Aashtiani & Magnanti 1981) on M x N nodes, 2 <= M, N <= 4000, with
+/// streets both ways between neighbours and four destinations k. Flows v_ak >= 0, times pi_ik >= 0 from node i to k (0
+/// at k), d_ik > 0 trips:
+///     v_ak, a from i to j:  c_a(sum_k v_ak) + pi_jk - pi_ik
+///     pi_ik:                flow to k out of i - flow in - d_ik
+/// with c_a(v) = t_a (1 + 0.15 (v / capacity_a)^4) (Bureau of Public Roads). 4 (arcs + nodes - 1) unknowns, about 20 M
+/// N, sparse. Monotone: every solution has the planted total flows and times, but the flows by destination may differ,
+/// and then J is singular; at 0 it always is. Some shortest ways are unused: degenerate. Starts: all on shortest ways
+/// of the empty streets; 0; 1.
+Problem traffic_own(Index M, Index N, unsigned seed);
 
 /// A problem of random_lcps.hpp under a name; why_none: why there is no solution, where it has a certificate.
 Problem of_random(std::string name, RandomLcp made, bool unique, std::string why_none = "");
+
+// The families of random_lcps.hpp as problems. Starts: 0; 1.
+Problem random_bimatrix_own(Index m, Index n, unsigned seed);
+Problem random_copositive_own(Index n, unsigned seed);
+Problem random_copositive_plus_own(Index n, unsigned seed);
+Problem random_degenerate_own(Index n, unsigned seed);
+Problem random_p_own(Index n, unsigned seed);
+Problem random_pd_own(Index n, unsigned seed);
+Problem random_psd_own(Index n, unsigned seed);
+Problem random_strictly_copositive_own(Index n, unsigned seed);
+Problem random_z_own(Index n, unsigned seed);
+Problem infeasible_monotone_own(Index n, unsigned seed);
+Problem infeasible_row_own(Index n, unsigned seed);
 
 }  // namespace perp::ncp::collection

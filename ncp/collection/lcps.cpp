@@ -180,4 +180,34 @@ Problem of_random(std::string name, RandomLcp made, bool unique, std::string why
   return p;
 }
 
+Problem random_bimatrix_own(Index m, Index n, unsigned seed) {
+  return of_random("random-bimatrix-own", random_bimatrix(m, n, seed), false);
+}
+Problem random_copositive_own(Index n, unsigned seed) {
+  return of_random("random-copositive-own", random_copositive(n, seed), false);
+}
+Problem random_copositive_plus_own(Index n, unsigned seed) {
+  return of_random("random-copositive-plus-own", random_copositive_plus(n, seed), false);
+}
+Problem random_degenerate_own(Index n, unsigned seed) {
+  return of_random("random-degenerate-own", random_degenerate(n, seed), false);
+}
+Problem random_p_own(Index n, unsigned seed) { return of_random("random-p-own", random_p_matrix(n, seed), true); }
+Problem random_pd_own(Index n, unsigned seed) {
+  return of_random("random-pd-own", random_positive_definite(n, seed), true);
+}
+Problem random_psd_own(Index n, unsigned seed) {
+  return of_random("random-psd-own", random_semidefinite(n, seed), false);
+}
+Problem random_strictly_copositive_own(Index n, unsigned seed) {
+  return of_random("random-strictly-copositive-own", random_strictly_copositive(n, seed), false);
+}
+Problem random_z_own(Index n, unsigned seed) { return of_random("random-z-own", random_z_matrix(n, seed), false); }
+Problem infeasible_monotone_own(Index n, unsigned seed) {
+  return of_random("infeasible-monotone-own", random_infeasible(n, seed), false, "y = e_1 + e_2 has M'y = 0, q'y = -1");
+}
+Problem infeasible_row_own(Index n, unsigned seed) {
+  return of_random("infeasible-row-own", random_infeasible_row(n, seed), false, "F_1 <= -1 for all z >= 0");
+}
+
 }  // namespace perp::ncp::collection

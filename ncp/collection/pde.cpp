@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
@@ -199,16 +198,6 @@ Problem american_put_own(Index steps, Index N) {
   Vec start = lower;
   Box box{std::move(lower), Vec::Constant(g.size(), infinity)};
   return grid_problem("american-put-own", g, std::move(box), std::move(A), std::move(q), 0, std::move(start));
-}
-
-Maker sized(std::string_view name) {
-  constexpr std::array<std::pair<std::string_view, Maker>, 5> makers{{{"american-put-own", american_put_own},
-                                                                      {"bratu-own", bratu_own},
-                                                                      {"journal-bearing", journal_bearing},
-                                                                      {"obstacle", obstacle},
-                                                                      {"torsion", torsion}}};
-  const auto* found = std::ranges::find(makers, name, &std::pair<std::string_view, Maker>::first);
-  return found == makers.end() ? nullptr : found->second;
 }
 
 }  // namespace perp::ncp::collection

@@ -29,6 +29,8 @@ Problem hydroc06();
 Problem methan08();
 // tinloi.cpp
 Problem tinloi42();
+// pies.cpp
+Problem pies();
 // lcps.cpp
 Problem cottle2();
 Problem cottle4();

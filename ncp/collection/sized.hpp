@@ -1,0 +1,43 @@
+#pragma once
+/// The families of problems in any size, by name: NAME:SIZE[xSIZE...][:SEED], as in walras-own:400x300x300:7. The names
+/// are those of entries(), which has them at some sizes.
+#include <span>
+#include <string>
+#include <string_view>
+#include <variant>
+
+#include "ncp/collection/collection.hpp"
+
+namespace perp::ncp::collection {
+
+/// A size that a family asks for. `most`: what fits, as matrices are indexed by 32-bit numbers; dense families get
+/// less.
+struct SizeArgument {
+  std::string_view name;
+  Index least = 1;
+  Index most = 1;
+};
+
+struct Family {
+  std::string_view name;
+  SizeArgument sizes[3];     ///< the first ones that have a name
+  std::string_view example;  ///< sizes that make sense, with a seed if it takes one: "400x300x300:7"
+  std::variant<Problem (*)(Index), Problem (*)(Index, Index), Problem (*)(Index, unsigned),
+               Problem (*)(Index, Index, unsigned), Problem (*)(Index, Index, Index, unsigned)>
+      maker;
+
+  std::span<const SizeArgument> arguments() const;
+  bool seeded() const { return maker.index() >= 2; }
+};
+
+std::span<const Family> families();                ///< sorted by name
+const Family* find_family(std::string_view name);  ///< nullptr if there is none
+std::string syntax(const Family& family);          ///< "walras-own:GOODSxSECTORSxHOUSEHOLDS[:SEED]"
+std::string limits(const Family& family);          ///< "goods from 4 to 10000000, sectors ..."
+
+/// The problem of "400x300x300:7", the text behind the name; the seed is 1 if it is left out. Throws
+/// std::invalid_argument with argument, value and what is expected: not as many sizes as the family has, none of its
+/// limits met, a seed that is none or not taken.
+Problem make(const Family& family, std::string_view sizes);
+
+}  // namespace perp::ncp::collection
