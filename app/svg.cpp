@@ -113,10 +113,14 @@ void Svg::marker(std::string_view css, Marker shape, Pixel at, double radius, st
   }
 }
 
-void Svg::begin_group(std::string_view id) { body_ += fmt::format("<g id=\"{}\">\n", id); }
+void Svg::begin_group(std::string_view id, std::string_view css) {
+  body_ += fmt::format("<g id=\"{}\"{}>\n", id, css.empty() ? "" : fmt::format(" class=\"{}\"", css));
+}
 void Svg::end_group() { body_ += "</g>\n"; }
 
 std::string Svg::finish() const { return body_ + "</svg>\n"; }
+
+std::string Svg::inlined() const { return finish().substr(body_.find("<svg")); }
 
 Scale Scale::logarithmic(const std::vector<double>& values, double pixel_low, double pixel_high) {
   double low = std::numeric_limits<double>::infinity();

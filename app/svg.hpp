@@ -29,11 +29,13 @@ class Svg {
   /// `tip`, if not empty, is shown where a mouse rests on it.
   void marker(std::string_view css, Marker shape, Pixel at, double radius, std::string_view tip = {});
 
-  /// Everything up to end() has this id.
-  void begin_group(std::string_view id);
+  /// Everything up to end_group() has this id, and this class if it is not empty.
+  void begin_group(std::string_view id, std::string_view css = {});
   void end_group();
 
   std::string finish() const;
+  /// The same to stand in an HTML page: without the declaration of a document of its own.
+  std::string inlined() const;
 
  private:
   std::string body_;

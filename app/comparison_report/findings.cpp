@@ -1,0 +1,279 @@
+#include "app/comparison_report/findings.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include "app/comparison_report/summary.hpp"
+#include "app/comparison_report/words.hpp"
+
+namespace perp::app::comparison {
+
+namespace {
+
+using Indices = std::vector<std::size_t>;
+
+std::vector<std::string> labels(const CampaignData& data, const Indices& methods) {
+  std::vector<std::string> names;
+  for (const std::size_t m : methods) names.push_back(data.label(m));
+  return names;
+}
+
+/// How many of these pairs each of these methods has solved; those with the most, and with the next most.
+struct Top {
+  Indices first{}, second{};
+  std::size_t most = 0, next = 0;
+};
+Top top(const Indices& methods, const std::function<std::size_t(std::size_t)>& count) {
+  Top result;
+  for (const std::size_t m : methods) result.most = std::max(result.most, count(m));
+  for (const std::size_t m : methods)
+    if (count(m) < result.most) result.next = std::max(result.next, count(m));
+  for (const std::size_t m : methods) {
+    if (count(m) == result.most)
+      result.first.push_back(m);
+    else if (count(m) == result.next)
+      result.second.push_back(m);
+  }
+  return result;
+}
+
+std::size_t solved_of(const CampaignData& data, const Indices& pairs, std::size_t method) {
+  return static_cast<std::size_t>(
+      std::ranges::count_if(pairs, [&](std::size_t p) { return solved(*data.at(method, p)); }));
+}
+
+std::string scope(const CampaignData& data) {
+  const compare::Campaign& campaign = data.campaign();
+  std::string text = fmt::format("{} on {}, from all chosen starts {}: {}.", counted(data.methods().size(), "method"),
+                                 counted(campaign.problems.size(), "problem"), counted(data.pairs().size(), "pair"),
+                                 counted(campaign.cells(), "cell"));
+  if (data.cells().size() < campaign.cells())
+    text += fmt::format(
+        " {} of them are not finished: what follows is provisional, and counts the pairs only that all "
+        "methods compared have finished.",
+        campaign.cells() - data.cells().size());
+  return text;
+}
+
+/// Who solves most, and who cannot be told from them.
+std::string most_solved(const CampaignData& data, const Comparison& comparison) {
+  const auto count = [&](std::size_t m) { return solved_of(data, comparison.pairs, m); };
+  const Top best = top(comparison.methods, count);
+  const std::size_t pairs = comparison.pairs.size();
+  if (best.most == 0)
+    return fmt::format("None of the {} with a solution is solved by any method.", counted(pairs, "pair"));
+  if (comparison.methods.size() == 1)
+    return fmt::format("{} solves {}.", data.label(comparison.methods[0]), share_words(best.most, pairs));
+  if (best.second.empty()) return fmt::format("Every method solves {}: no difference.", share_words(best.most, pairs));
+  std::string text =
+      fmt::format("{} {} most of the {} with a solution, {}; ", listed(labels(data, best.first)),
+                  verb(best.first.size(), "solve"), counted(pairs, "pair"), share_words(best.most, pairs));
+  text += fmt::format("next {} {} {}.", verb(best.second.size(), "come"), listed(labels(data, best.second)), best.next);
+  Indices close;
+  for (const std::size_t m : comparison.methods)
+    if (count(m) < best.most && !duel(data, comparison.pairs, best.first[0], m).clear()) close.push_back(m);
+  if (!close.empty())
+    text +=
+        fmt::format(" Not clearly behind {}: {}.", best.first.size() > 1 ? "them" : "it", listed(labels(data, close)));
+  const std::size_t last = comparison.methods.back();
+  text += fmt::format(" Fewest: {} with {}.", data.label(last), count(last));
+  return text;
+}
+
+std::string cheapest(const CampaignData& data, const Comparison& comparison) {
+  const Summary all = summary(data, comparison);
+  if (comparison.methods.size() < 2 ||
+      std::ranges::all_of(all.rows, [](const SummaryRow& row) { return row.solved == 0; }))
+    return "";
+  const auto leader = [&](std::size_t SummaryRow::*field) {
+    return top(comparison.methods,
+               [&](std::size_t m) { return (*std::ranges::find(all.rows, m, &SummaryRow::method)).*field; });
+  };
+  const Top quickest = leader(&SummaryRow::quickest);
+  const Top within = leader(&SummaryRow::within_two);
+  const Top fewest = leader(&SummaryRow::fewest_F);
+  std::string text = fmt::format("Quickest most often {} {} (on {}; times below 1 ms are ties)",
+                                 is(quickest.first.size()), listed(labels(data, quickest.first)), quickest.most);
+  text += fmt::format(", within twice the least time most often {} (on {})", listed(labels(data, within.first)),
+                      within.most);
+  if (fewest.most > 0)
+    text += fmt::format("; the fewest evaluations of F most often {} {} (on {})", verb(fewest.first.size(), "need"),
+                        listed(labels(data, fewest.first)), fewest.most);
+  return text + ".";
+}
+
+/// "games: path alone (23 of 24, next auto 22: no clear lead)".
+std::string of_class(const CampaignData& data, const Comparison& comparison, const Indices& pairs,
+                     const std::string& cls) {
+  const Top best = top(comparison.methods, [&](std::size_t m) { return solved_of(data, pairs, m); });
+  if (best.most == 0) return fmt::format("{}: nobody (0 of {})", cls, pairs.size());
+  if (best.second.empty()) return fmt::format("{}: all alike ({} of {})", cls, best.most, pairs.size());
+  std::string text = fmt::format("{}: {}{} ({} of {}", cls, listed(labels(data, best.first)),
+                                 best.first.size() == 1 ? " alone" : "", best.most, pairs.size());
+  if (best.first.size() == 1)
+    text += fmt::format(", next {} {}{}", listed(labels(data, best.second)), best.next,
+                        duel(data, pairs, best.first[0], best.second[0]).clear() ? "" : ": no clear lead");
+  return text + ")";
+}
+
+std::string by_class(const CampaignData& data, const Comparison& comparison) {
+  std::vector<std::string> judged, few;
+  for (const std::string& cls : data.classes(true)) {
+    Indices pairs;
+    std::ranges::copy_if(comparison.pairs, std::back_inserter(pairs),
+                         [&](std::size_t p) { return data.problem(p).cls == cls; });
+    if (pairs.size() < few_pairs)
+      few.push_back(cls);
+    else
+      judged.push_back(of_class(data, comparison, pairs, cls));
+  }
+  std::string text;
+  if (!judged.empty()) text = fmt::format("Who solves most, class by class: {}.", fmt::join(judged, "; "));
+  if (!few.empty())
+    text += fmt::format("{}Fewer than {} pairs, too few to tell: {}.", text.empty() ? "" : " ", few_pairs,
+                        fmt::join(few, ", "));
+  return text;
+}
+
+std::string cfunction_of(const CampaignData& data, std::size_t method) {
+  const std::string given = given_cfunction(data.methods()[method]);
+  return given.empty() ? cfunction_in_force(data.methods()[method]) : given;
+}
+
+std::string cfunctions(const CampaignData& data, const Comparison& comparison) {
+  const auto names = [&](const Indices& methods) {
+    std::vector<std::string> result;
+    for (const std::size_t m : methods) result.push_back(cfunction_of(data, m));
+    return listed(result);
+  };
+  const Top best = top(comparison.methods, [&](std::size_t m) { return solved_of(data, comparison.pairs, m); });
+  if (best.most == 0) return fmt::format("{}: none solves anything.", comparison.title);
+  std::string text = fmt::format("{}: ", comparison.title);
+  if (best.second.empty()) {
+    text += fmt::format("all {} solve as many, {}", comparison.methods.size(),
+                        share_words(best.most, comparison.pairs.size()));
+  } else {
+    text += fmt::format("{} {} most, {}; next {} {}{}", names(best.first), verb(best.first.size(), "solve"),
+                        share_words(best.most, comparison.pairs.size()), names(best.second), best.next,
+                        duel(data, comparison.pairs, best.first[0], best.second[0]).clear() ? "" : " (no clear lead)");
+  }
+  const Summary all = summary(data, comparison);
+  if (all.common < few_pairs) return text + ".";
+  const auto [least, most] = std::ranges::minmax_element(all.rows, {}, &SummaryRow::F_evals);
+  if (!(least->F_evals <= most->F_evals)) return text + ".";  // not known
+  if (most->F_evals < 1.05 * least->F_evals)
+    return text + fmt::format(". On the {} that all solve their evaluations of F differ by less than 5 %.",
+                              counted(all.common, "pair"));
+  return text + fmt::format(
+                    ". On the {} that all solve {} needs the fewest evaluations of F (geometric mean {:.3g}), {} the "
+                    "most ({:.3g}).",
+                    counted(all.common, "pair"), cfunction_of(data, least->method), least->F_evals,
+                    cfunction_of(data, most->method), most->F_evals);
+}
+
+/// Comparisons of those whom the lecture puts ahead with the others.
+struct Ranking {
+  std::size_t more = 0, same = 0, fewer = 0, clearly_more = 0, clearly_fewer = 0;
+  std::string verdict() const {
+    if (fewer == 0 && same == 0) return "its ranking holds on these data";
+    if (fewer == 0 && more > 0) return "its ranking holds on these data, with ties";
+    if (fewer == 0) return "these data cannot tell them apart";
+    if (more > fewer) return "its ranking holds by and large";
+    return more == fewer ? "its ranking does not show in these data" : "these data turn its ranking round";
+  }
+};
+
+std::string lecture_ranking(const CampaignData& data) {
+  Indices ahead, behind, all;
+  for (std::size_t k = 0; k < lecture.size(); ++k)
+    if (const auto m = plain_method(data, lecture[k]))
+      (k < lecture_ahead ? ahead : behind).push_back(*m), all.push_back(*m);
+  Indices pairs;
+  for (std::size_t p = 0; p < data.pairs().size(); ++p)
+    if (data.problem(p).solvable() && std::ranges::all_of(all, [&](std::size_t m) { return data.at(m, p) != nullptr; }))
+      pairs.push_back(p);
+  if (ahead.empty() || behind.empty() || pairs.empty()) return "";
+  const auto count = [&](std::size_t m) { return solved_of(data, pairs, m); };
+  Ranking ranking;
+  for (const std::size_t a : ahead)
+    for (const std::size_t b : behind) {
+      const bool clear = duel(data, pairs, a, b).clear();
+      ++(count(a) > count(b) ? ranking.more : count(a) < count(b) ? ranking.fewer : ranking.same);
+      ranking.clearly_more += clear && count(a) > count(b) ? 1 : 0;
+      ranking.clearly_fewer += clear && count(a) < count(b) ? 1 : 0;
+    }
+  std::ranges::stable_sort(all, std::ranges::greater{}, count);
+  std::vector<std::string> order;
+  for (const std::size_t m : all) order.push_back(fmt::format("{} {}", data.label(m), count(m)));
+  return fmt::format(
+      "The lecture's ranking, {} ahead of {}: {}. Solved of {}: {}. In {} of one of the former with one of "
+      "the latter it solves more in {} ({} clearly), as many in {}, fewer in {} ({} clearly).",
+      listed(labels(data, ahead)), listed(labels(data, behind)), ranking.verdict(), counted(pairs.size(), "pair"),
+      fmt::join(order, ", "), counted(ahead.size() * behind.size(), "comparison"), ranking.more, ranking.clearly_more,
+      ranking.same, ranking.fewer, ranking.clearly_fewer);
+}
+
+std::string without_solution(const CampaignData& data) {
+  const std::vector<UnsolvableRow> rows = unsolvable(data);
+  if (rows.empty()) return "";
+  const std::size_t pairs = data.pairs(false);
+  Indices methods(data.methods().size());
+  std::vector<std::size_t> found(methods.size());
+  std::size_t wrong = 0;
+  for (const UnsolvableRow& row : rows) {
+    methods[row.method] = row.method;
+    found[row.method] = row.infeasible;
+    wrong += row.wrong;
+  }
+  const Top best = top(methods, [&](std::size_t m) { return found[m]; });
+  std::string text = fmt::format("Of the {} without a solution ", counted(pairs, "pair"));
+  text += best.most == 0 ? "nobody says so of any"
+                         : fmt::format("{} {} so of most ({})", listed(labels(data, best.first)),
+                                       verb(best.first.size(), "say"), best.most);
+  return text + (wrong == 0 ? "; nobody claims a solution."
+                            : fmt::format("; {} a solution.", counted(wrong, "cell claims", "cells claim")));
+}
+
+std::string false_claims(const CampaignData& data) {
+  Indices count(data.methods().size());
+  std::size_t all = 0;
+  for (std::size_t m = 0; m < count.size(); ++m)
+    for (std::size_t p = 0; p < data.pairs().size(); ++p)
+      if (const Cell* cell = data.at(m, p); cell != nullptr && false_claim(*cell)) ++count[m], ++all;
+  if (all == 0) return "No method claimed what is not so.";
+  std::vector<std::string> names;
+  for (std::size_t m = 0; m < count.size(); ++m)
+    if (count[m] > 0) names.push_back(fmt::format("{} {}", data.label(m), count[m]));
+  return fmt::format("{} what is not so: {}.", counted(all, "cell claims", "cells claim"), listed(names));
+}
+
+}  // namespace
+
+std::vector<std::string> findings(const CampaignData& data, const std::vector<Comparison>& comparisons) {
+  std::vector<std::string> sentences{scope(data)};
+  if (data.cells().empty()) return {sentences[0] + " Nothing can be said yet."};
+  const auto add = [&](std::string sentence) {
+    if (!sentence.empty()) sentences.push_back(std::move(sentence));
+  };
+  add(false_claims(data));
+  for (const Comparison& comparison : comparisons) {
+    if (comparison.pairs.empty()) continue;
+    if (comparison.id == "general") {
+      add(most_solved(data, comparison));
+      add(cheapest(data, comparison));
+      add(by_class(data, comparison));
+    } else if (comparison.id == "affine" || comparison.id == "external") {
+      add(comparison.title + ": " + most_solved(data, comparison));
+    } else if (comparison.id.starts_with("cfunctions")) {
+      add(cfunctions(data, comparison));
+    }
+  }
+  add(lecture_ranking(data));
+  add(without_solution(data));
+  return sentences;
+}
+
+}  // namespace perp::app::comparison

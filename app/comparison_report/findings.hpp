@@ -1,0 +1,20 @@
+#pragma once
+/// What a campaign shows, in plain words, by rules:
+///   * who solves most: ties are named as ties, and a lead counts as one only if the pairs on which two methods differ
+///     say so (Duel: exact sign test at 5 %); otherwise it is "not a clear difference";
+///   * classes with fewer than few_pairs pairs are not judged;
+///   * nothing is said of methods that were not run, and of pairs that not all have finished.
+#include <string>
+#include <vector>
+
+#include "app/comparison_report/comparisons.hpp"
+#include "app/comparison_report/robustness.hpp"
+
+namespace perp::app::comparison {
+
+inline constexpr std::size_t few_pairs = 5;
+
+/// Sentences, plain text, in order; never empty.
+std::vector<std::string> findings(const CampaignData& data, const std::vector<Comparison>& comparisons);
+
+}  // namespace perp::app::comparison

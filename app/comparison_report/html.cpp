@@ -1,0 +1,97 @@
+#include "app/comparison_report/html.hpp"
+
+#include <fmt/format.h>
+
+namespace perp::app::comparison {
+
+namespace {
+
+/// Bytes of the UTF-8 character that text begins with; 0 if it is none (overlong forms and surrogates included).
+std::size_t utf8_length(std::string_view text) {
+  const auto byte = [&](std::size_t k) { return static_cast<unsigned char>(text[k]); };
+  const unsigned char lead = byte(0);
+  const std::size_t length = lead < 0x80   ? 1
+                             : lead < 0xC2 ? 0
+                             : lead < 0xE0 ? 2
+                             : lead < 0xF0 ? 3
+                             : lead < 0xF5 ? 4
+                                           : 0;
+  if (length == 0 || text.size() < length) return 0;
+  for (std::size_t k = 1; k < length; ++k)
+    if ((byte(k) & 0xC0U) != 0x80U) return 0;
+  if (lead == 0xE0 && byte(1) < 0xA0) return 0;
+  if (lead == 0xED && byte(1) > 0x9F) return 0;
+  if (lead == 0xF0 && byte(1) < 0x90) return 0;
+  if (lead == 0xF4 && byte(1) > 0x8F) return 0;
+  return length;
+}
+
+std::string attribute(std::string_view name, std::string_view value) {
+  return value.empty() ? "" : fmt::format(" {}=\"{}\"", name, html_text(value));
+}
+
+}  // namespace
+
+std::string html_text(std::string_view text) {
+  std::string result;
+  while (!text.empty()) {
+    const std::size_t length = utf8_length(text);
+    const char c = text.front();
+    if (c == '&')
+      result += "&amp;";
+    else if (c == '<')
+      result += "&lt;";
+    else if (c == '>')
+      result += "&gt;";
+    else if (c == '"')
+      result += "&quot;";
+    else if (c == '\'')
+      result += "&#39;";
+    else if (length == 0 || c == 0x7F || (length == 1 && c < ' ' && c != '\n' && c != '\t'))
+      result += "\xEF\xBF\xBD";
+    else
+      result += text.substr(0, length);
+    text.remove_prefix(length == 0 ? 1 : length);
+  }
+  return result;
+}
+
+std::string script_json(std::string json) {
+  for (std::size_t k = json.find('<'); k != std::string::npos; k = json.find('<', k)) json.replace(k, 1, "\\u003c");
+  return json;
+}
+
+std::string HtmlTable::row(const std::vector<HtmlCell>& cells) const {
+  std::string html = "<tr>";
+  for (std::size_t k = 0; k < cells.size(); ++k) {
+    const HtmlCell& cell = cells[k];
+    std::string css = columns_[k].number ? "n" : "";
+    if (!cell.css.empty()) css += (css.empty() ? "" : " ") + cell.css;
+    const std::string tag = k == 0 ? "th scope=\"row\"" : "td";
+    html +=
+        fmt::format("<{}{}{}{}>{}</{}>", tag, attribute("class", css), attribute("data-key", cell.key),
+                    attribute("title", cell.tip), cell.raw ? cell.text : html_text(cell.text), k == 0 ? "th" : "td");
+  }
+  return html + "</tr>\n";
+}
+
+std::string HtmlTable::html() const {
+  std::string html = fmt::format(
+      "<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"{0}\">\n"
+      "<table class=\"sortable\">\n<caption>{0}</caption>\n<thead><tr>",
+      html_text(caption_));
+  for (const HtmlColumn& column : columns_)
+    html += fmt::format("<th scope=\"col\"{}{}>{}</th>", attribute("class", column.number ? "n" : ""),
+                        attribute("title", column.tip), html_text(column.header));
+  html += "</tr></thead>\n<tbody>\n";
+  for (const auto& cells : rows_) html += row(cells);
+  html += "</tbody>\n";
+  if (!foot_.empty()) {
+    html += "<tfoot>\n";
+    for (const auto& cells : foot_) html += row(cells);
+    html += "</tfoot>\n";
+  }
+  return html + "</table>\n</div>\n";
+}
+
+}  // namespace perp::app::comparison

@@ -1,0 +1,37 @@
+#pragma once
+/// A comparison in one line a method, and when a difference between two methods deserves to be called one.
+#include "app/comparison_report/comparisons.hpp"
+
+namespace perp::app::comparison {
+
+struct SummaryRow {
+  std::size_t method = 0;
+  std::size_t solved = 0;      ///< of the comparison's pairs
+  std::size_t after = 0;       ///< with restarts
+  std::size_t quickest = 0;    ///< at most as long as any other, ties included
+  std::size_t within_two = 0;  ///< at most twice as long as the quickest
+  std::size_t fewest_F = 0;    ///< at most as many evaluations of F as any other
+  /// Geometric means over the pairs that all methods of the comparison have solved, each at least 1 (1 ms); NaN if
+  /// there is none or one is not known.
+  double iterations = 0, F_evals = 0, factorizations = 0, seconds = 0;
+};
+
+struct Summary {
+  std::vector<SummaryRow> rows{};  ///< in the comparison's order
+  std::size_t pairs = 0;
+  std::size_t common = 0;  ///< solved by all
+};
+Summary summary(const CampaignData& data, const Comparison& comparison);
+
+/// Pairs on which two methods differ.
+struct Duel {
+  std::size_t only_a = 0;
+  std::size_t only_b = 0;
+  /// Exact two-sided sign test of equal chances (McNemar): 2 P(X <= min(only_a, only_b)), X ~ B(only_a + only_b, 1/2),
+  /// at most 1. Pairs of one problem are not independent: small values are an indication, not a proof.
+  double p_value() const;
+  bool clear() const { return p_value() < 0.05; }
+};
+Duel duel(const CampaignData& data, const std::vector<std::size_t>& pairs, std::size_t a, std::size_t b);
+
+}  // namespace perp::app::comparison
