@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "ncp/collection/generators.hpp"
+#include "ncp/collection/kkt_entries.hpp"
 #include "ncp/collection/problems.hpp"
 #include "ncp/collection/scalable_entries.hpp"
 
@@ -153,6 +154,7 @@ constexpr auto sorted(const std::array<Entry, sizes>&... parts) {
   return all;
 }
 
+constexpr auto table = sorted(first, kkt_entries, scalable);
 
 /// Levenshtein's distance, case ignored.
 std::size_t edit_distance(std::string_view a, std::string_view b) {

@@ -1,5 +1,6 @@
 #pragma once
 /// The named test problems: each with its source, its starts, its known solutions and one line on why it is hard.
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -25,6 +26,8 @@ struct Problem {
   bool solutions_complete = false;
   /// Why there is no solution, in one line, if there is none; then `solutions` is empty and complete.
   std::string no_solution{};
+  /// Of a KKT system: the objective, of x = (unknowns, multipliers); empty for other problems.
+  std::function<double(In)> objective{};
 };
 
 /// One line of the catalogue; the problem itself is built on demand.

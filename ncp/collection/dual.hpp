@@ -58,6 +58,13 @@ struct Dual {
   friend Dual operator/(Dual a, double b) { return a /= b; }
   friend Dual operator/(double a, const Dual& b) { return chain(a / b.v, -a / (b.v * b.v), b); }
   friend Dual exp(const Dual& u) { return chain(std::exp(u.v), std::exp(u.v), u); }
+  friend Dual log(const Dual& u) { return chain(std::log(u.v), 1 / u.v, u); }
+  friend Dual sqrt(const Dual& u) { return chain(std::sqrt(u.v), 0.5 / std::sqrt(u.v), u); }
+  friend Dual sin(const Dual& u) { return chain(std::sin(u.v), std::cos(u.v), u); }
+  friend Dual cos(const Dual& u) { return chain(std::cos(u.v), -std::sin(u.v), u); }
+  friend Dual atan(const Dual& u) { return chain(std::atan(u.v), 1 / (1 + u.v * u.v), u); }
+  /// u > 0, or p an integer.
+  friend Dual pow(const Dual& u, double p) { return chain(std::pow(u.v, p), p * std::pow(u.v, p - 1), u); }
 };
 
 /// The value alone, for domain tests and scalings that must not be differentiated.
