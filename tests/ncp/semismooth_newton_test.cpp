@@ -55,6 +55,34 @@ TEST(SemismoothNewton, ActiveUpperBoundOfHs34) {
     expect_solution(*mcp, vec({0, 1.05, 2.9, 0, 0}), method, support::hs34_solution(), 1e-6, label);
 }
 
+// min's own merit is not differentiable: full Newton steps are taken where they halve ||Phi|| (De Luca, Facchinei &
+// Kanzow 2000), others are searched on the Fischer-Burmeister merit. atan(x) = 0: from 0.5 Newton's steps shrink |F| at
+// least fivefold each, one evaluation a step; from 1.3 the first goes to -1.16, which is no half, but descends;
+// from 1.5 Newton's method diverges. Catches: full steps that do not halve taken for good, or none taken without a
+// search.
+TEST(SemismoothNewton, MinTakesFullStepsThatHalvePhi) {
+  const auto mcp = make_mcp(support::scalar(
+      -infinity, infinity, [](double x) { return std::atan(x); }, [](double x) { return 1 / (1 + x * x); }));
+  const auto first_step = [&mcp](double x0, Result& result) {
+    Iteration first;
+    result = solve(*mcp, vec({x0}), SemismoothNewton{.cfunction = natural_min()}, [&first](const Iteration& it) {
+      if (it.k == 1) first = it;
+      return Next::Continue;
+    });
+    EXPECT_TRUE(result.solved()) << result;
+    return first;
+  };
+  Result result;
+  const Iteration halving = first_step(0.5, result);
+  EXPECT_EQ(halving.F_evals, 2);
+  EXPECT_DOUBLE_EQ(halving.merit, 0.5 * std::pow(std::atan(0.5 - std::atan(0.5) * 1.25), 2));
+  EXPECT_EQ(result.stats.F_evals, 1 + result.stats.iterations + 1);  // the last one is the judge's
+  const Iteration descending = first_step(1.3, result);
+  EXPECT_EQ(descending.step, 1);
+  EXPECT_EQ(descending.F_evals, 3);  // tried, and then searched
+  EXPECT_LT(first_step(1.5, result).step, 1);
+}
+
 // F undefined below 0, F' infinite at 0, where the bounds are (Harker 1988). From 100 the first steps leave the domain.
 TEST(SemismoothNewton, Nash10) {
   const auto mcp = make_mcp(support::nash10());
