@@ -6,9 +6,11 @@
 #include <numeric>
 #include <utility>
 
+#include "ncp/collection/equation_entries.hpp"
 #include "ncp/collection/generators.hpp"
 #include "ncp/collection/kkt_entries.hpp"
 #include "ncp/collection/problems.hpp"
+#include "ncp/collection/random_entries.hpp"
 #include "ncp/collection/scalable_entries.hpp"
 
 namespace perp::ncp::collection {
@@ -154,7 +156,7 @@ constexpr auto sorted(const std::array<Entry, sizes>&... parts) {
   return all;
 }
 
-constexpr auto table = sorted(first, kkt_entries, scalable);
+constexpr auto table = sorted(first, equation_entries, kkt_entries, random_entries, scalable);
 
 /// Levenshtein's distance, case ignored.
 std::size_t edit_distance(std::string_view a, std::string_view b) {

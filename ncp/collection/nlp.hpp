@@ -6,7 +6,7 @@
 ///     R^p      contains mu      _|_  h(x).
 /// Gradients come by forward differentiation, and the Jacobian by differentiating that once more (dual.hpp), so that
 /// only f, g and h are written down. Private to the collection.
-#include <array>
+#include <vector>
 
 #include "ncp/collection/build.hpp"
 
@@ -16,7 +16,7 @@ namespace perp::ncp::collection {
 template <class T, int n>
 struct Partial {
   T v = 0;
-  std::array<T, n> d{};
+  T d[n] = {};
 
   Partial() = default;
   // NOLINTNEXTLINE(google-explicit-constructor): a number is a Partial with zero derivatives
@@ -123,18 +123,19 @@ Problem kkt_problem(const Nlp& nlp, std::initializer_list<Vec> points, Fn fn) {
   Problem p;
   p.mcp = make_problem(kkt_shape(nlp), [fn, m](const auto& z, const auto& F) {
     using T = Number<decltype(F)>;
-    std::array<Partial<T, n>, n> x;
-    std::vector<Partial<T, n>> g(static_cast<std::size_t>(m));
+    Partial<T, n> x[n];
+    std::vector<Partial<T, n>> values(static_cast<std::size_t>(m));
+    const Row<Partial<T, n>> g(values.data(), m);
     for (int j = 0; j < n; ++j) {
       x[j].v = z[j];
       x[j].d[j] = 1;
     }
-    const Partial<T, n> f = fn(Row<const Partial<T, n>>(x.data(), n), Row<Partial<T, n>>(g.data(), m));
+    const Partial<T, n> f = fn(Row<const Partial<T, n>>(x, n), g);
     for (int j = 0; j < n; ++j) {
       F[j] = f.d[j];
-      for (int k = 0; k < m; ++k) F[j] -= z[n + k] * g[static_cast<std::size_t>(k)].d[j];
+      for (int k = 0; k < m; ++k) F[j] -= z[n + k] * g[k].d[j];
     }
-    for (int k = 0; k < m; ++k) F[n + k] = g[static_cast<std::size_t>(k)].v;
+    for (int k = 0; k < m; ++k) F[n + k] = g[k].v;
     return true;
   });
   if (nlp.quadratic) p.mcp = as_affine(*p.mcp, kkt_shape(nlp));
