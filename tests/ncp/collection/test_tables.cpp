@@ -5,14 +5,17 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <span>
 #include <sstream>
+#include <type_traits>
 
 #include "ncp/collection/choi_tables.hpp"
 #include "ncp/collection/collection.hpp"
 #include "ncp/collection/distillation_tables.hpp"
+#include "ncp/collection/pies_tables.hpp"
 
 namespace {
 
@@ -66,6 +69,61 @@ TEST_F(Tables, Choi) {
   expect_rows(ampl_numbers(text.str(), "b ", 1), choi_tables::b);
   expect_rows(ampl_numbers(text.str(), "c ", 1), choi_tables::c);
   expect_rows(ampl_numbers(text.str(), "w0 ", 1), choi_tables::w0);
+}
+
+/// The numbers of AMPL's `param name` to its semicolon: below a heading ": 1 2 :=" whole rows without their first
+/// index, else the last number of each line.
+std::vector<double> ampl_rows(const std::string& text, const std::string& name) {
+  const std::size_t head = text.find("param " + name);
+  std::istringstream body(text.substr(head, text.find(';', head) - head));
+  std::vector<double> numbers;
+  bool heading = false;
+  for (std::string line; std::getline(body, line);) {
+    heading = heading || line.starts_with(':');
+    if (line.empty() || line.starts_with(':') || line.starts_with('[') || line.starts_with("param")) continue;
+    std::istringstream words(line);
+    std::vector<std::string> row{std::istream_iterator<std::string>(words), {}};
+    for (std::size_t k = heading ? 1 : row.size() - 1; k < row.size(); ++k) numbers.push_back(std::stod(row[k]));
+  }
+  return numbers;
+}
+
+/// A table of any rank, row by row.
+template <class Table>
+void expect_all(const std::string& text, const std::string& name, const Table& table) {
+  using Entry = std::remove_all_extents_t<Table>;
+  const auto* first = reinterpret_cast<const Entry*>(&table);
+  EXPECT_EQ(std::vector<double>(first, first + sizeof(Table) / sizeof(Entry)), ampl_rows(text, name)) << name;
+}
+
+TEST_F(Tables, Pies) {
+  std::stringstream in;
+  in << open("pies.dat").rdbuf();
+  const std::string text = in.str();
+  using namespace pies_tables;
+  expect_all(text, "rmax", rmax);
+  expect_all(text, "cmax", cmax);
+  expect_all(text, "omax", omax);
+  expect_all(text, "rcost", rcost);
+  expect_all(text, "q0", q0);
+  expect_all(text, "p0", p0);
+  expect_all(text, "output", output);
+  expect_all(text, "esub", esub);
+  expect_all(text, "cruse", cruse);
+  expect_all(text, "oruse", oruse);
+  expect_all(text, "ccost", ccost);
+  expect_all(text, "ocost", ocost);
+  expect_all(text, "ctcost", ctcost);
+  expect_all(text, "otcost", otcost);
+  expect_all(text, "ltcost", ltcost);
+  expect_all(text, "htcost", htcost);
+  expect_all(text, "i_c", i_c);
+  expect_all(text, "i_o", i_o);
+  expect_all(text, "i_ct", i_ct);
+  expect_all(text, "i_ot", i_ot);
+  expect_all(text, "i_lt", i_lt);
+  expect_all(text, "i_ht", i_ht);
+  expect_all(text, "iprice", iprice);
 }
 
 TEST_F(Tables, Distillation) {
