@@ -18,6 +18,7 @@
 
 #include "app/ampl_driver.hpp"
 #include "app/cfunctions.hpp"
+#include "app/comparison_report/write_report.hpp"
 #include "app/inspect.hpp"
 #include "app/list.hpp"
 #include "app/methods.hpp"
@@ -68,6 +69,7 @@ constexpr const char* main_footer =
     "  perp list                        what the collection has\n"
     "  perp methods                     the methods and their options\n"
     "  perp cfunctions                  the complementarity functions and smoothings they are built on\n"
+    "  perp report DIR                  the report of a comparison, again\n"
     "  perp market -AMPL tol=1e-10      as AMPL calls a solver: reads market.nl, writes market.sol\n"
     "\n"
     "Exit codes: 0 solved, 1 not solved, 2 wrong usage or input, 3 internal error.\n"
@@ -115,6 +117,14 @@ constexpr const char* cfunctions_footer =
     "  perp solve kojshin --method semismooth --option cfunction=kanzow-kleinmichel --option cfunction_parameter=1\n"
     "  perp solve kojshin --method smooth --option smoothing_function=chks";
 
+constexpr const char* report_footer =
+    "Makes DIR/report.html, one page that needs nothing else, and its numbers as CSV and JSON, from the campaign.json\n"
+    "and cells.jsonl that 'perp compare' has left in DIR; also while it runs, or after it was killed.\n"
+    "\n"
+    "Examples:\n"
+    "  perp report campaign\n"
+    "  column -s, -t campaign/robustness.csv";
+
 /// Options with a flag of their own on `perp solve`.
 struct Shortcut {
   const char* flag;
@@ -136,12 +146,14 @@ struct CommandLine {
   CLI::App* list = nullptr;
   CLI::App* methods = nullptr;
   CLI::App* cfunctions = nullptr;
+  CLI::App* report = nullptr;
   SolveRequest solve_request;
   InspectRequest inspect_request;
   ListRequest list_request;
   std::array<std::string, shortcuts.size()> shortcut_values;
   std::string level = "info";
   std::string all;
+  std::string campaign;
   bool check_derivatives = false;
   bool version = false;
 
@@ -159,6 +171,9 @@ struct CommandLine {
     methods->footer(methods_footer);
     cfunctions = app.add_subcommand("cfunctions", "The C-functions and smoothings: formulas, properties, references");
     cfunctions->footer(cfunctions_footer);
+    report = app.add_subcommand("report", "The report of a comparison: report.html and its numbers as CSV and JSON");
+    report->footer(report_footer);
+    report->add_option("DIR", campaign, "folder of the campaign")->required()->option_text(" ");
   }
 
   void add_solve() {
@@ -247,7 +262,8 @@ struct CommandLine {
 
 /// A first word that is no command: what was meant?
 void check_command(const std::string& word, const Streams& streams, bool& known) {
-  constexpr std::array<std::string_view, 6> commands{"solve", "inspect", "list", "methods", "cfunctions", "help"};
+  constexpr std::array<std::string_view, 7> commands{"solve",      "inspect", "list", "methods",
+                                                     "cfunctions", "report",  "help"};
   known = word.starts_with('-') || std::ranges::find(commands, word) != commands.end();
   if (known) return;
   std::string hint = did_you_mean(word, commands);
@@ -302,6 +318,7 @@ int run_command(std::vector<std::string> arguments, Streams streams) {
   if (line.list->parsed()) return list(line.list_request, streams);
   if (line.methods->parsed()) return print_methods(streams);
   if (line.cfunctions->parsed()) return print_cfunctions(streams);
+  if (line.report->parsed()) return report_campaign(line.campaign, streams);
   if (line.solve->parsed()) {
     try {
       line.finish_solve_request();

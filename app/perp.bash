@@ -12,7 +12,7 @@ _perp() {
   local cur=${COMP_WORDS[COMP_CWORD]} prev=${COMP_WORDS[COMP_CWORD-1]} command=${COMP_WORDS[1]}
   COMPREPLY=()
   if [ "$COMP_CWORD" -eq 1 ]; then
-    mapfile -t COMPREPLY < <(compgen -W 'solve inspect list methods cfunctions help --help --version -v' -- "$cur")
+    mapfile -t COMPREPLY < <(compgen -W 'solve inspect list methods cfunctions report help --help --version -v' -- "$cur")
     return
   fi
   case $prev in
@@ -64,8 +64,9 @@ _perp() {
       else
         mapfile -t COMPREPLY < <(compgen -W "$(_perp_problems "${COMP_WORDS[0]}")" -- "$cur")
       fi ;;
+    report) mapfile -t COMPREPLY < <(compgen -d -- "$cur") ;;
     methods | cfunctions) mapfile -t COMPREPLY < <(compgen -W '--help' -- "$cur") ;;
-    help) mapfile -t COMPREPLY < <(compgen -W 'solve inspect list methods cfunctions' -- "$cur") ;;
+    help) mapfile -t COMPREPLY < <(compgen -W 'solve inspect list methods cfunctions report' -- "$cur") ;;
   esac
 }
 

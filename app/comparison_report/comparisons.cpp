@@ -141,6 +141,24 @@ std::optional<double> cost(const Cell& cell, Measure measure) {
   return std::max(value, floor_of(measure));
 }
 
+std::string name_in(const CampaignData& data, const Comparison& comparison, std::size_t method) {
+  if (!comparison.id.starts_with("cfunctions")) return data.label(method);
+  const std::string given = given_cfunction(data.methods()[method]);
+  return given.empty() ? cfunction_in_force(data.methods()[method]) + " (default)" : given;
+}
+
+std::vector<bool> in_colour(const CampaignData& data, const Comparison& comparison) {
+  constexpr std::size_t most = 8, most_of_subject = 5;
+  std::vector<bool> chosen(data.methods().size(), false);
+  std::size_t count = 0;
+  for (const std::size_t m : comparison.methods)
+    if (count < most_of_subject && std::ranges::find(comparison.subject, m) != comparison.subject.end())
+      chosen[m] = true, ++count;
+  for (const std::size_t m : comparison.methods)
+    if (count < most && !chosen[m]) chosen[m] = true, ++count;
+  return chosen;
+}
+
 std::optional<std::size_t> plain_method(const CampaignData& data, std::string_view name) {
   for (std::size_t m = 0; m < data.methods().size(); ++m) {
     const compare::AskedMethod& method = data.methods()[m];
@@ -177,12 +195,14 @@ std::vector<Comparison> comparisons(const CampaignData& data) {
                    .note = fmt::format("On the pairs to which at least one of the {} that are for some problems only "
                                        "applies; what a method does not apply to it has not solved.",
                                        affine.size()),
+                   .subject = affine,
                    .methods = joined(affine, general),
                    .pairs = pairs_of(data, affine)});
   if (!external.empty())
     all.push_back({.id = "external",
                    .title = "External programs, beside the methods for all problems",
                    .note = "On the pairs that an external program was given.",
+                   .subject = external,
                    .methods = joined(external, general),
                    .pairs = pairs_of(data, external)});
   if (eight.size() >= 2 && eight.size() < general.size())

@@ -37,6 +37,7 @@ struct Comparison {
   std::string id{};     ///< for file names and columns
   std::string title{};  ///< for people
   std::string note{};
+  std::vector<std::size_t> subject{};  ///< those for some problems only that it is about, if it is about them
   std::vector<std::size_t> methods{};  ///< most solved first, then least sum of log(time) over what they solve
   std::vector<std::size_t> pairs{};
   std::size_t unfinished = 0;  ///< pairs left out
@@ -50,6 +51,11 @@ std::vector<Comparison> comparisons(const CampaignData& data);
 inline constexpr std::array<std::string_view, 8> lecture{"proxi", "path",   "smooth",   "miles",
                                                          "nesqp", "qpcomp", "semicomp", "semismooth"};
 inline constexpr std::size_t lecture_ahead = 3;
+/// What a method is called in a comparison: its label; among C-functions theirs.
+std::string name_in(const CampaignData& data, const Comparison& comparison, std::size_t method);
+/// The eight to be shown in colour, by method: those that solve most; of the subject, if there is one, five.
+std::vector<bool> in_colour(const CampaignData& data, const Comparison& comparison);
+
 /// Index of the method of that name without options; nothing if the campaign has none.
 std::optional<std::size_t> plain_method(const CampaignData& data, std::string_view name);
 

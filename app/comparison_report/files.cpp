@@ -159,7 +159,12 @@ std::vector<std::pair<std::string, std::string>> data_files(const ReportParts& p
   std::ranges::copy_if(parts.data.cells(), std::back_inserter(claims), false_claim);
   Json whole = json_header();
   whole["date"] = parts.data.campaign().date;
-  whole["findings"] = parts.findings;
+  whole["findings"] = Json::array();
+  std::string sentences;
+  for (const Finding& finding : parts.findings) {
+    whole["findings"].push_back({{"topic", finding.topic}, {"text", finding.text}});
+    sentences += fmt::format("{}: {}\n", finding.topic, finding.text);
+  }
   whole["robustness"] = json(rows);
   whole["unsolvable"] = json(without);
   whole["summary"] = json(all_summaries);
@@ -172,7 +177,7 @@ std::vector<std::pair<std::string, std::string>> data_files(const ReportParts& p
           {"unsolvable.csv", csv(without)},
           {"false_claims.csv", compare::cells_csv(claims)},
           {"curves.csv", csv(curves(parts))},
-          {"findings.txt", fmt::format("{}\n", fmt::join(parts.findings, "\n"))},
+          {"findings.txt", sentences},
           {"report.json", whole.dump(1, ' ', false, Json::error_handler_t::replace) + "\n"}};
 }
 

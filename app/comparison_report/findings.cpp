@@ -45,11 +45,17 @@ std::size_t solved_of(const CampaignData& data, const Indices& pairs, std::size_
       std::ranges::count_if(pairs, [&](std::size_t p) { return solved(*data.at(method, p)); }));
 }
 
+/// "113 of 119 pairs (95.0 %)".
+std::string of_pairs(std::size_t count, std::size_t pairs) {
+  return fmt::format("{} of {} ({})", count, counted(pairs, "pair"), percent(count, pairs));
+}
+
 std::string scope(const CampaignData& data) {
   const compare::Campaign& campaign = data.campaign();
-  std::string text = fmt::format("{} on {}, from all chosen starts {}: {}.", counted(data.methods().size(), "method"),
+  std::string text = fmt::format("{} on {}: {} of a problem and a start, {}.", counted(data.methods().size(), "method"),
                                  counted(campaign.problems.size(), "problem"), counted(data.pairs().size(), "pair"),
-                                 counted(campaign.cells(), "cell"));
+                                 counted(campaign.cells(), "run"));
+  if (data.cells().empty()) return text + " None of them is finished: nothing can be said yet.";
   if (data.cells().size() < campaign.cells())
     text += fmt::format(
         " {} of them are not finished: what follows is provisional, and counts the pairs only that all "
@@ -63,15 +69,16 @@ std::string most_solved(const CampaignData& data, const Comparison& comparison) 
   const auto count = [&](std::size_t m) { return solved_of(data, comparison.pairs, m); };
   const Top best = top(comparison.methods, count);
   const std::size_t pairs = comparison.pairs.size();
-  if (best.most == 0)
-    return fmt::format("None of the {} with a solution is solved by any method.", counted(pairs, "pair"));
+  if (best.most == 0) return fmt::format("No method solves any of the {} with a solution.", counted(pairs, "pair"));
   if (comparison.methods.size() == 1)
-    return fmt::format("{} solves {}.", data.label(comparison.methods[0]), share_words(best.most, pairs));
-  if (best.second.empty()) return fmt::format("Every method solves {}: no difference.", share_words(best.most, pairs));
-  std::string text =
-      fmt::format("{} {} most of the {} with a solution, {}; ", listed(labels(data, best.first)),
-                  verb(best.first.size(), "solve"), counted(pairs, "pair"), share_words(best.most, pairs));
-  text += fmt::format("next {} {} {}.", verb(best.second.size(), "come"), listed(labels(data, best.second)), best.next);
+    return fmt::format("{} solves {} of a problem with a solution and a start.", data.label(comparison.methods[0]),
+                       of_pairs(best.most, pairs));
+  if (best.second.empty())
+    return fmt::format("All {} methods solve as many, {}.", comparison.methods.size(), of_pairs(best.most, pairs));
+  std::string text = fmt::format("{} {} the most: {} with a solution; ", listed(labels(data, best.first)),
+                                 verb(best.first.size(), "solve"), of_pairs(best.most, pairs));
+  text += fmt::format("next {} {} with {}.", verb(best.second.size(), "come"), listed(labels(data, best.second)),
+                      best.next);
   Indices close;
   for (const std::size_t m : comparison.methods)
     if (count(m) < best.most && !duel(data, comparison.pairs, best.first[0], m).clear()) close.push_back(m);
@@ -109,7 +116,7 @@ std::string cheapest(const CampaignData& data, const Comparison& comparison) {
 std::string of_class(const CampaignData& data, const Comparison& comparison, const Indices& pairs,
                      const std::string& cls) {
   const Top best = top(comparison.methods, [&](std::size_t m) { return solved_of(data, pairs, m); });
-  if (best.most == 0) return fmt::format("{}: nobody (0 of {})", cls, pairs.size());
+  if (best.most == 0) return fmt::format("{}: none (0 of {})", cls, pairs.size());
   if (best.second.empty()) return fmt::format("{}: all alike ({} of {})", cls, best.most, pairs.size());
   std::string text = fmt::format("{}: {}{} ({} of {}", cls, listed(labels(data, best.first)),
                                  best.first.size() == 1 ? " alone" : "", best.most, pairs.size());
@@ -131,56 +138,49 @@ std::string by_class(const CampaignData& data, const Comparison& comparison) {
       judged.push_back(of_class(data, comparison, pairs, cls));
   }
   std::string text;
-  if (!judged.empty()) text = fmt::format("Who solves most, class by class: {}.", fmt::join(judged, "; "));
+  if (!judged.empty()) text = fmt::format("The most are solved in {}.", fmt::join(judged, "; "));
   if (!few.empty())
     text += fmt::format("{}Fewer than {} pairs, too few to tell: {}.", text.empty() ? "" : " ", few_pairs,
                         fmt::join(few, ", "));
   return text;
 }
 
-std::string cfunction_of(const CampaignData& data, std::size_t method) {
-  const std::string given = given_cfunction(data.methods()[method]);
-  return given.empty() ? cfunction_in_force(data.methods()[method]) : given;
-}
-
 std::string cfunctions(const CampaignData& data, const Comparison& comparison) {
   const auto names = [&](const Indices& methods) {
     std::vector<std::string> result;
-    for (const std::size_t m : methods) result.push_back(cfunction_of(data, m));
+    for (const std::size_t m : methods) result.push_back(name_in(data, comparison, m));
     return listed(result);
   };
   const Top best = top(comparison.methods, [&](std::size_t m) { return solved_of(data, comparison.pairs, m); });
-  if (best.most == 0) return fmt::format("{}: none solves anything.", comparison.title);
-  std::string text = fmt::format("{}: ", comparison.title);
+  if (best.most == 0) return "None solves anything.";
+  std::string text;
   if (best.second.empty()) {
-    text += fmt::format("all {} solve as many, {}", comparison.methods.size(),
-                        share_words(best.most, comparison.pairs.size()));
+    text = fmt::format("All {} solve as many, {}", comparison.methods.size(),
+                       of_pairs(best.most, comparison.pairs.size()));
   } else {
-    text += fmt::format("{} {} most, {}; next {} {}{}", names(best.first), verb(best.first.size(), "solve"),
-                        share_words(best.most, comparison.pairs.size()), names(best.second), best.next,
+    text += fmt::format("{} {} the most, {}; next {} {} with {}{}", names(best.first), verb(best.first.size(), "solve"),
+                        of_pairs(best.most, comparison.pairs.size()), verb(best.second.size(), "come"),
+                        names(best.second), best.next,
                         duel(data, comparison.pairs, best.first[0], best.second[0]).clear() ? "" : " (no clear lead)");
   }
   const Summary all = summary(data, comparison);
-  if (all.common < few_pairs) return text + ".";
-  const auto [least, most] = std::ranges::minmax_element(all.rows, {}, &SummaryRow::F_evals);
-  if (!(least->F_evals <= most->F_evals)) return text + ".";  // not known
-  if (most->F_evals < 1.05 * least->F_evals)
-    return text + fmt::format(". On the {} that all solve their evaluations of F differ by less than 5 %.",
-                              counted(all.common, "pair"));
-  return text + fmt::format(
-                    ". On the {} that all solve {} needs the fewest evaluations of F (geometric mean {:.3g}), {} the "
-                    "most ({:.3g}).",
-                    counted(all.common, "pair"), cfunction_of(data, least->method), least->F_evals,
-                    cfunction_of(data, most->method), most->F_evals);
+  if (all.common < few_pairs || all.compared() < 2) return text + ".";
+  const auto [least, most] = all.extremes(&SummaryRow::F_evals);
+  text += fmt::format(". On the {} that {} solve ", counted(all.common, "pair"),
+                      all.compared() == all.rows.size() ? "all" : fmt::format("the best {} all", all.compared()));
+  if (most->F_evals < 1.05 * least->F_evals) return text + "their evaluations of F differ by less than 5 %.";
+  return text + fmt::format("{} needs the fewest evaluations of F (geometric mean {:.3g}), {} the most ({:.3g}).",
+                            name_in(data, comparison, least->method), least->F_evals,
+                            name_in(data, comparison, most->method), most->F_evals);
 }
 
 /// Comparisons of those whom the lecture puts ahead with the others.
 struct Ranking {
   std::size_t more = 0, same = 0, fewer = 0, clearly_more = 0, clearly_fewer = 0;
   std::string verdict() const {
+    if (clearly_more == 0 && clearly_fewer == 0) return "no difference between them is clear on these data";
     if (fewer == 0 && same == 0) return "its ranking holds on these data";
     if (fewer == 0 && more > 0) return "its ranking holds on these data, with ties";
-    if (fewer == 0) return "these data cannot tell them apart";
     if (more > fewer) return "its ranking holds by and large";
     return more == fewer ? "its ranking does not show in these data" : "these data turn its ranking round";
   }
@@ -209,10 +209,11 @@ std::string lecture_ranking(const CampaignData& data) {
   std::vector<std::string> order;
   for (const std::size_t m : all) order.push_back(fmt::format("{} {}", data.label(m), count(m)));
   return fmt::format(
-      "The lecture's ranking, {} ahead of {}: {}. Solved of {}: {}. In {} of one of the former with one of "
-      "the latter it solves more in {} ({} clearly), as many in {}, fewer in {} ({} clearly).",
+      "The 1997 comparison of the lecture puts {} ahead of {}: {}. Solved of {}: {}. Taken two by two, the former "
+      "solve more pairs "
+      "than the latter in {} of {} ({} clearly), as many in {}, fewer in {} ({} clearly).",
       listed(labels(data, ahead)), listed(labels(data, behind)), ranking.verdict(), counted(pairs.size(), "pair"),
-      fmt::join(order, ", "), counted(ahead.size() * behind.size(), "comparison"), ranking.more, ranking.clearly_more,
+      fmt::join(order, ", "), ranking.more, counted(ahead.size() * behind.size(), "comparison"), ranking.clearly_more,
       ranking.same, ranking.fewer, ranking.clearly_fewer);
 }
 
@@ -229,11 +230,11 @@ std::string without_solution(const CampaignData& data) {
     wrong += row.wrong;
   }
   const Top best = top(methods, [&](std::size_t m) { return found[m]; });
-  std::string text = fmt::format("Of the {} without a solution ", counted(pairs, "pair"));
-  text += best.most == 0 ? "nobody says so of any"
-                         : fmt::format("{} {} so of most ({})", listed(labels(data, best.first)),
-                                       verb(best.first.size(), "say"), best.most);
-  return text + (wrong == 0 ? "; nobody claims a solution."
+  std::string text = best.most == 0
+                         ? fmt::format("No method recognises any of the {}", counted(pairs, "pair"))
+                         : fmt::format("{} {} the most: {} of {}", listed(labels(data, best.first)),
+                                       verb(best.first.size(), "recognise"), best.most, counted(pairs, "pair"));
+  return text + (wrong == 0 ? "; none claims a solution."
                             : fmt::format("; {} a solution.", counted(wrong, "cell claims", "cells claim")));
 }
 
@@ -252,28 +253,30 @@ std::string false_claims(const CampaignData& data) {
 
 }  // namespace
 
-std::vector<std::string> findings(const CampaignData& data, const std::vector<Comparison>& comparisons) {
-  std::vector<std::string> sentences{scope(data)};
-  if (data.cells().empty()) return {sentences[0] + " Nothing can be said yet."};
-  const auto add = [&](std::string sentence) {
-    if (!sentence.empty()) sentences.push_back(std::move(sentence));
+std::vector<Finding> findings(const CampaignData& data, const std::vector<Comparison>& comparisons) {
+  std::vector<Finding> all{{"What ran", scope(data)}};
+  if (data.cells().empty()) return all;
+  const auto add = [&](const std::string& topic, const std::string& text) {
+    if (!text.empty()) all.push_back({topic, text});
   };
-  add(false_claims(data));
   for (const Comparison& comparison : comparisons) {
     if (comparison.pairs.empty()) continue;
     if (comparison.id == "general") {
-      add(most_solved(data, comparison));
-      add(cheapest(data, comparison));
-      add(by_class(data, comparison));
-    } else if (comparison.id == "affine" || comparison.id == "external") {
-      add(comparison.title + ": " + most_solved(data, comparison));
+      add("Most solved", most_solved(data, comparison));
+      add("Least cost", cheapest(data, comparison));
+      add("Class by class", by_class(data, comparison));
+    } else if (comparison.id == "affine") {
+      add("Affine problems", most_solved(data, comparison));
+    } else if (comparison.id == "external") {
+      add("Where external programs ran", most_solved(data, comparison));
     } else if (comparison.id.starts_with("cfunctions")) {
-      add(cfunctions(data, comparison));
+      add(comparison.title, cfunctions(data, comparison));
     }
   }
-  add(lecture_ranking(data));
-  add(without_solution(data));
-  return sentences;
+  add("The lecture's ranking", lecture_ranking(data));
+  add("Problems without a solution", without_solution(data));
+  add("False claims", false_claims(data));
+  return all;
 }
 
 }  // namespace perp::app::comparison

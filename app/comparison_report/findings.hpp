@@ -14,7 +14,12 @@ namespace perp::app::comparison {
 
 inline constexpr std::size_t few_pairs = 5;
 
-/// Sentences, plain text, in order; never empty.
-std::vector<std::string> findings(const CampaignData& data, const std::vector<Comparison>& comparisons);
+struct Finding {
+  std::string topic{};  ///< "Most solved"
+  std::string text{};   ///< sentences, plain text
+};
+
+/// In the order of their weight; never empty.
+std::vector<Finding> findings(const CampaignData& data, const std::vector<Comparison>& comparisons);
 
 }  // namespace perp::app::comparison

@@ -38,7 +38,7 @@ std::string machine_words(const compare::Machine& machine) {
 
 /// The one with the most curves worth looking at: {problem, start}.
 Json shown_pair(const CampaignData& data) {
-  constexpr std::size_t worth = 4;  // points
+  constexpr std::size_t worth = 2;  // points
   std::size_t best = 0, most = 0;
   for (std::size_t p = 0; p < data.pairs().size(); ++p) {
     std::size_t curves = 0;
@@ -91,11 +91,20 @@ std::string convergence_section() {
 <option value="500">first 500</option></select></label>
 </div>
 <noscript><p>This chart needs JavaScript; curves.csv beside this page has all of it.</p></noscript>
-<p class="note">Natural residual of the original problem after each iteration; curves.csv has the numbers.</p>
-<div id="curves" class="scroll"></div>
+<p class="note screen">Natural residual of the original problem after each iteration; curves.csv has the numbers.</p>
+<ul class="legend needs-script" hidden="hidden" id="curve-methods" aria-label="Methods shown"></ul>
+<h4 id="curves-title"></h4>
+<div id="curves" class="scroll" tabindex="0" role="region" aria-label="Convergence"></div>
 <p class="note" id="curves-note"></p>
 </section>
 )html";
+}
+
+std::string findings_section(const std::vector<Finding>& findings) {
+  std::string html = "<div class=\"findings\" id=\"findings\">\n";
+  for (const Finding& finding : findings)
+    html += fmt::format("<p><b>{}.</b> {}</p>\n", html_text(finding.topic), html_text(finding.text));
+  return html + "</div>\n";
 }
 
 std::string navigation(const ReportParts& parts) {
@@ -204,8 +213,6 @@ std::string page(const ReportParts& parts) {
   const CampaignData& data = parts.data;
   const compare::Campaign& campaign = data.campaign();
   const std::vector<std::size_t> style = styles(data, parts.comparisons);
-  std::string findings_html;
-  for (const std::string& sentence : parts.findings) findings_html.append(html_text(sentence)).append(" ");
   const std::string title = fmt::format("Comparison of {} on {}", counted(campaign.methods.size(), "method"),
                                         counted(campaign.problems.size(), "problem"));
   std::string html =
@@ -219,11 +226,12 @@ std::string page(const ReportParts& parts) {
       title, page_style(), title, html_text(campaign.date), html_text(campaign.version),
       html_text(machine_words(campaign.machine)));
   html += "<main>\n" + false_claims_section(data);
-  html += "<div class=\"findings\" id=\"findings\"><p>" + findings_html + "</p></div>\n";
+  html += findings_section(parts.findings);
   html += navigation(parts) + robustness_section(data) + unsolvable_section(data) + profiles_sections(parts, style) +
           convergence_section() + cells_section() + method_section(data) + "</main>\n";
   html += "<script type=\"application/json\" id=\"data\">" + script_json(cells_data(data, style)) + "</script>\n";
-  return html + fmt::format("<script>{}</script>\n</body>\n</html>\n", page_script());
+  return html +
+         fmt::format("<script>\n\"use strict\";{}{}</script>\n</body>\n</html>\n", page_script(), page_script_curves());
 }
 
 }  // namespace perp::app::comparison

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "app/comparison_report/comparisons.hpp"
+#include "app/comparison_report/findings.hpp"
 
 namespace perp::app::comparison {
 
@@ -11,7 +12,7 @@ namespace perp::app::comparison {
 struct ReportParts {
   const CampaignData& data;
   std::vector<Comparison> comparisons{};
-  std::vector<std::string> findings{};
+  std::vector<Finding> findings{};
 };
 
 std::string page(const ReportParts& parts);
@@ -34,5 +35,6 @@ std::string cells_data(const CampaignData& data, const std::vector<std::size_t>&
 /// Static text of the page.
 std::string_view page_style();
 std::string_view page_script();
+std::string_view page_script_curves();
 
 }  // namespace perp::app::comparison

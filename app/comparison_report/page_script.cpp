@@ -2,10 +2,9 @@
 
 namespace perp::app::comparison {
 
-/// Sorting, searching, the chosen curves. Text reaches the page by textContent only, never as HTML.
+/// Sorting, searching, curves brought out. Text reaches the page by textContent only, never as HTML.
 std::string_view page_script() {
   return R"js(
-"use strict";
 const data = JSON.parse(document.getElementById("data").textContent);
 const by_id = (id) => document.getElementById(id);
 const known = (v) => v !== null && v !== undefined;
@@ -62,7 +61,7 @@ for (const table of document.querySelectorAll("table.sortable"))
     sortable_header(th, th.classList.contains("n"), (down) => sort_rows(table.tBodies[0], k, down)));
 
 // Names under the charts: pressing shows a curve or makes it grey, resting on one brings it out.
-for (const button of document.querySelectorAll(".legend button")) {
+for (const button of document.querySelectorAll(".legend button[data-curve]")) {
   const section = button.closest("section");
   const curves = () => section.querySelectorAll('g[id$="-' + button.dataset.curve + '"]');
   const lit = (on) => {
@@ -88,12 +87,13 @@ const columns = [
   ["method", false, (c) => data.methods[c[M]], String], ["problem", false, (c) => data.problems[c[P]][0], String],
   ["class", false, (c) => data.problems[c[P]][1], String], ["n", true, (c) => data.problems[c[P]][2], String],
   ["start", true, ...plain(START)], ["outcome", false, (c) => data.outcomes[c[OUTCOME]], String],
-  ["restarts", true, ...plain(RESTARTS)], ["after restarts", false, (c) => data.outcomes[c[AFTER]], String],
+  ["after restarts", false, (c) => c[RESTARTS] > 0 ? data.outcomes[c[AFTER]] + " (" + c[RESTARTS] + ")" : "", String],
   ["status", false, ...plain(STATUS)], ["residual", true, (c) => c[NATURAL] === "inf" ? Infinity : c[NATURAL],
     (v) => v === Infinity ? "inf" : exponential(v)],
   ["iter.", true, ...plain(7)], ["F", true, ...plain(8)], ["J", true, ...plain(9)], ["fact.", true, ...plain(10)],
   ["Krylov", true, ...plain(11)], ["seconds", true, (c) => c[SECONDS], (v) => digits(v, 3)],
-  ["MiB", true, (c) => c[MB], (v) => known(v) ? v.toFixed(0) : ""], ["message", false, ...plain(MESSAGE)]];
+  ["MiB", true, (c) => c[MB], (v) => known(v) ? v.toFixed(0) : ""], ["message", false, ...plain(MESSAGE)]]
+  .filter(([, , value, words], k) => k < 6 || data.cells.some((c) => !["", "0"].includes(words(value(c)))));
 const false_claims = new Set(["false-convergence", "false-infeasible"]);
 let rows = data.cells, first = 0, page = 100, sorted = null;
 const texts = data.cells.map((c) => columns.filter((k) => !k[1]).map((k) => k[2](c)).concat("start " + c[START])
@@ -109,11 +109,11 @@ function show_page() {
     columns.forEach(([name, number, value, words], k) => {
       const text = words(value(cell));
       const bad = name === "outcome" && false_claims.has(text);
-      const css = (number ? "n" : name === "message" ? "message" : name === "outcome" ? "o" : "") + (bad ? " bad" : "");
+      const css = (number ? "n" : name === "message" ? "message" : "w") + (bad ? " bad" : "");
       if (k > 0) return add(row, "td", css ? {class: css} : {}, bad ? "\u26a0 " + text : text);
       const show = add(add(row, "th", {scope: "row"}), "button",
         {type: "button", class: "show", title: "show its convergence"}, text);
-      show.addEventListener("click", () => { choose(cell[P], cell[START]); by_id("convergence").scrollIntoView(); });
+      show.addEventListener("click", () => { choose(cell[P], cell[START], cell[M]); by_id("convergence").scrollIntoView(); });
     });
   }
   by_id("cells-count").textContent = rows.length === 0 ? "No cell fits." : (first + 1) + " to " + last + " of " +
@@ -156,136 +156,6 @@ data.outcomes.forEach((name, k) => {
 for (const cls of Array.from(new Set(data.problems.map((p) => p[1]))).sort())
   add(by_id("cells-class"), "option", {value: cls}, cls);
 select_cells();
-)js"
-         R"js(
-// Convergence: natural residual against iterations, one line a method.
-const svg_name = "http://www.w3.org/2000/svg";
-function draw(parent, name, attributes, text) {
-  const element = document.createElementNS(svg_name, name);
-  for (const key in attributes) element.setAttribute(key, attributes[key]);
-  if (known(text)) element.textContent = text;
-  parent.appendChild(element);
-  return element;
-}
-
-const shapes = [(x, y) => `M${x - 3.4} ${y}a3.4 3.4 0 1 0 6.8 0a3.4 3.4 0 1 0 -6.8 0Z`,
-  (x, y) => `M${x - 3.2} ${y - 3.2}h6.4v6.4h-6.4Z`, (x, y) => `M${x - 4} ${y + 3}h8l-4 -7.4Z`,
-  (x, y) => `M${x} ${y - 4.4}l4.4 4.4l-4.4 4.4l-4.4 -4.4Z`, (x, y) => `M${x - 4} ${y - 3}h8l-4 7.4Z`,
-  (x, y) => `M${x - 3.4} ${y}a3.4 3.4 0 1 0 6.8 0a3.4 3.4 0 1 0 -6.8 0Z`,
-  (x, y) => `M${x - 3.6} ${y}h7.2M${x} ${y - 3.6}v7.2`, (x, y) => `M${x - 3} ${y - 3}l6 6m0 -6l-6 6`];
-const special = [5, 6, 7];  // hollow, and two of strokes
-
-// [iteration, log10 of the residual] of a cell; the curve may have been thinned.
-function points(cell) {
-  const curve = cell[CURVE], scale = known(cell[7]) && cell[7] > curve.length - 1 && curve.length > 1 ?
-    cell[7] / (curve.length - 1) : 1;
-  return curve.map((v, k) => [k * scale, v === null ? null : Math.max(-18, v / 100)]);
-}
-
-function spread(ends, height, top, bottom) {
-  const ranks = ends.map((y, k) => [y, k]).sort((a, b) => a[0] - b[0]), places = [];
-  let next = top;
-  for (const [y, k] of ranks) { places[k] = Math.max(y, next); next = places[k] + height; }
-  let lowest = bottom;
-  for (const [, k] of ranks.reverse()) { places[k] = Math.min(places[k], lowest); lowest = places[k] - height; }
-  return places;
-}
-
-function draw_frame(svg, box, x, y, span, low, high) {
-  const step = Math.max(1, Math.ceil((high - low) / 10));
-  for (let k = Math.ceil(low / step) * step; k <= high; k += step) {
-    draw(svg, "line", {class: "grid", x1: box.left, x2: box.right, y1: y(k), y2: y(k)});
-    draw(svg, "text", {x: box.left - 6, y: y(k) + 4, "text-anchor": "end"}, "1e" + k);
-  }
-  const raw = span / 8, power = Math.pow(10, Math.floor(Math.log10(raw)));
-  const tick = Math.max(1, [1, 2, 5, 10].find((f) => f * power >= raw) * power);
-  for (let k = 0; k <= span; k += tick) {
-    draw(svg, "line", {class: "grid", x1: x(k), x2: x(k), y1: box.top, y2: box.bottom});
-    draw(svg, "text", {x: x(k), y: box.bottom + 17, "text-anchor": "middle"}, k);
-  }
-  draw(svg, "line", {class: "axis", x1: box.left, x2: box.right, y1: box.bottom, y2: box.bottom});
-  draw(svg, "text", {x: (box.left + box.right) / 2, y: box.bottom + 36, "text-anchor": "middle"}, "iterations");
-  const log_tol = Math.log10(data.tol);
-  if (log_tol > low && log_tol < high) {
-    draw(svg, "line", {class: "axis", "stroke-dasharray": "4 4", x1: box.left, x2: box.right, y1: y(log_tol), y2: y(log_tol)});
-    draw(svg, "text", {x: box.right - 4, y: y(log_tol) - 4, "text-anchor": "end"}, "tolerance");
-  }
-}
-
-function draw_way(svg, cell, way, box, x, y, span, place) {
-  const style = data.styles[cell[M]], group = draw(svg, "g", {class: "curve"});
-  const seen = way.filter(([k, v]) => v !== null && k <= span);
-  const kinds = "marker f" + style % 7 + (special.includes(style % 8) ? style % 8 === 5 ? " hollow" : " stroke" : "");
-  let path = "", open = false;
-  for (const [k, v] of way) {
-    if (v === null || k > span) { open = false; continue; }
-    path += (open ? "L" : "M") + x(k).toFixed(1) + " " + y(v).toFixed(1);
-    open = true;
-  }
-  draw(group, "path", {class: "line c" + style % 7 + " d" + style % 4, d: path});
-  const every = Math.max(1, Math.floor(seen.length / 8));
-  seen.forEach(([k, v], i) => {
-    if (i % every !== style % every && i !== seen.length - 1) return;
-    const marker = draw(group, "path", {class: kinds, d: shapes[style % 8](x(k), y(v))});
-    draw(marker, "title", {}, data.methods[cell[M]] + ": " + Math.pow(10, v).toExponential(1) + " at iteration " + Math.round(k));
-  });
-  const [k, v] = seen[seen.length - 1];
-  draw(group, "path", {class: "leader c" + style % 7, "fill": "none",
-    d: `M${x(k)} ${y(v)}L${box.right + 6} ${place}h4`});
-  draw(group, "path", {class: kinds, d: shapes[style % 8](box.right + 16, place)});
-  draw(group, "text", {class: "label", x: box.right + 24, y: place + 4}, data.methods[cell[M]] + " (" +
-    data.outcomes[cell[OUTCOME]] + ")");
-}
-
-function draw_curves() {
-  const parent = by_id("curves"), problem = Number(by_id("curve-problem").value);
-  const start = Number(by_id("curve-start").value);
-  parent.textContent = "";
-  const cells = data.cells.filter((c) => c[P] === problem && c[START] === start);
-  const ways = cells.map((c) => [c, points(c)]).filter(([, way]) => way.some(([, v]) => v !== null));
-  const without = cells.filter((c) => !ways.some(([w]) => w === c)).map((c) => data.methods[c[M]]);
-  by_id("curves-note").textContent = without.length === 0 ? "" : "Without a curve: " + without.join(", ") + ".";
-  if (ways.length === 0) return add(parent, "p", {class: "note"}, "No method left a curve here.");
-  const longest = Math.max(1, ...ways.map(([, way]) => way[way.length - 1][0]));
-  const asked = by_id("curve-length").value, span = asked === "" ? longest : Math.min(longest, Number(asked));
-  const height = Math.max(380, 15 * ways.length + 10), box = {left: 56, right: 830, top: 14, bottom: 14 + height};
-  const inside = ways.flatMap(([, way]) => way.filter(([k, v]) => v !== null && k <= span).map((p) => p[1]));
-  const low = Math.floor(Math.min(...inside)), high = Math.max(low + 1, Math.min(20, Math.ceil(Math.max(...inside))));
-  const x = (k) => box.left + k / span * (box.right - box.left);
-  const y = (v) => box.bottom - (Math.min(v, high) - low) / (high - low) * (box.bottom - box.top);
-  const svg = draw(parent, "svg", {viewBox: "0 0 1120 " + (box.bottom + 46), role: "img"});
-  draw(svg, "title", {}, "Convergence on " + data.problems[problem][0] + " from start " + start);
-  draw_frame(svg, box, x, y, span, low, high);
-  const drawn = ways.filter(([, way]) => way.some(([k, v]) => v !== null && k <= span));
-  const ends = drawn.map(([, way]) => y(way.filter(([k, v]) => v !== null && k <= span).pop()[1]));
-  const places = spread(ends, 15, box.top + 4, box.bottom);
-  drawn.forEach(([cell, way], k) => draw_way(svg, cell, way, box, x, y, span, places[k]));
-}
-
-function fill_starts(chosen) {
-  const problem = Number(by_id("curve-problem").value), menu = by_id("curve-start");
-  menu.textContent = "";
-  const starts = new Set(data.cells.filter((c) => c[P] === problem).map((c) => c[START]));
-  for (const start of Array.from(starts).sort((a, b) => a - b)) add(menu, "option", {value: start}, start);
-  if (starts.has(chosen)) menu.value = chosen;
-}
-
-function choose(problem, start) {
-  by_id("curve-problem").value = problem;
-  fill_starts(start);
-  draw_curves();
-}
-
-const in_use = new Set(data.cells.map((c) => c[P]));
-data.problems.forEach(([name, cls, n], k) => {
-  if (in_use.has(k)) add(by_id("curve-problem"), "option", {value: k}, name + " (" + cls + ", n = " + n + ")");
-});
-by_id("curve-problem").addEventListener("change", () => choose(Number(by_id("curve-problem").value), 1));
-by_id("curve-start").addEventListener("change", draw_curves);
-by_id("curve-length").addEventListener("change", draw_curves);
-if (data.shown) choose(data.shown[0], data.shown[1]);
-else draw_curves();
-for (const needs of document.querySelectorAll(".needs-script")) needs.hidden = false;
 )js";
 }
 

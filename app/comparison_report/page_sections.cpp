@@ -15,8 +15,6 @@ namespace perp::app::comparison {
 
 namespace {
 
-constexpr std::size_t curves_in_colour = 8;
-
 HtmlCell count_cell(std::size_t count) { return {.text = fmt::format("{}", count), .css = count == 0 ? "none" : ""}; }
 
 HtmlCell number_cell(double value, const char* format = "{:.3g}") {
@@ -55,6 +53,7 @@ std::string chart(const CampaignData& data, const Comparison& comparison, const 
                                            profiles.measure == Measure::Seconds ? "time" : "number")
                              : fmt::format("alpha: budget in {}", unit),
                  .ratios = ratios};
+  const std::vector<bool> coloured = in_colour(data, comparison);
   std::vector<ChartCurve> curves;
   for (std::size_t k = 0; k < profiles.methods.size(); ++k) {
     const std::size_t m = profiles.methods[k];
@@ -62,20 +61,22 @@ std::string chart(const CampaignData& data, const Comparison& comparison, const 
         static_cast<std::size_t>(std::ranges::find(comparison.methods, m) - comparison.methods.begin());
     curves.push_back(
         {.id = fmt::format("{}-{}-{}-m{}", comparison.id, column(profiles.measure), ratios ? "rho" : "d", m),
-         .label = data.label(m),
+         .label = name_in(data, comparison, m),
          .style = style_in(comparison, position, styles),
-         .muted = position >= curves_in_colour,
+         .muted = !coloured[m],
          .profile = ratios ? profiles.performance[k] : profiles.data[k]});
   }
   return "<div>" + profile_chart(axes, curves) + "</div>\n";
 }
 
 std::string legend(const CampaignData& data, const Comparison& comparison, const std::vector<std::size_t>& styles) {
+  const std::vector<bool> coloured = in_colour(data, comparison);
   std::string html = "<ul class=\"legend\" aria-label=\"Curves shown in colour\">\n";
   for (std::size_t k = 0; k < comparison.methods.size(); ++k)
     html += fmt::format("<li><button type=\"button\" aria-pressed=\"{}\" data-curve=\"m{}\">{}{}</button></li>\n",
-                        k < curves_in_colour, comparison.methods[k], line_sample(style_in(comparison, k, styles)),
-                        html_text(data.label(comparison.methods[k])));
+                        bool{coloured[comparison.methods[k]]}, comparison.methods[k],
+                        line_sample(style_in(comparison, k, styles)),
+                        html_text(name_in(data, comparison, comparison.methods[k])));
   return html + "</ul>\n";
 }
 
@@ -105,7 +106,7 @@ std::string panes(const CampaignData& data, const Comparison& comparison, const 
 std::string summary_table(const CampaignData& data, const Comparison& comparison) {
   const Summary all = summary(data, comparison);
   HtmlTable table(fmt::format("{}: in numbers", comparison.title),
-                  {{.header = "method", .number = false},
+                  {{.header = comparison.id.starts_with("cfunctions") ? "C-function" : "method", .number = false},
                    {.header = "solved", .tip = "pairs"},
                    {.header = "share"},
                    {.header = "with restarts", .tip = "pairs solved by the run or one of its restarts"},
@@ -117,7 +118,7 @@ std::string summary_table(const CampaignData& data, const Comparison& comparison
                    {.header = "factorizations*"},
                    {.header = "seconds*"}});
   for (const SummaryRow& row : all.rows)
-    table.add({{.text = data.label(row.method)},
+    table.add({{.text = name_in(data, comparison, row.method)},
                count_cell(row.solved),
                {.text = percent(row.solved, all.pairs), .key = fmt::format("{}", row.solved)},
                count_cell(row.after),
@@ -130,8 +131,9 @@ std::string summary_table(const CampaignData& data, const Comparison& comparison
                number_cell(row.seconds, "{:.2g}")});
   return table.html() +
          fmt::format(
-             "<p class=\"note\">Of {}. * geometric mean over the {} that all of these methods solve; what is "
-             "below 1 counts as 1, times below 1 ms as 1 ms.</p>\n",
+             "<p class=\"note\">Of {}. * geometric mean over the {} that all methods with a mean solve, which are "
+             "those that solve at least three quarters of what the best solves; what is below 1 counts as 1, times "
+             "below 1 ms as 1 ms.</p>\n",
              counted(all.pairs, "pair"), counted(all.common, "pair"));
 }
 
@@ -175,14 +177,19 @@ std::string false_claims_section(const CampaignData& data) {
 
 std::string robustness_section(const CampaignData& data) {
   const Robustness all = robustness(data);
-  const bool restarts = data.campaign().restarts > 0;
+  const bool inapplicable =
+      std::ranges::any_of(all.rows, [](const RobustnessRow& row) { return row.not_applicable > 0; });
+  const bool unfinished = std::ranges::any_of(all.rows, [](const RobustnessRow& row) { return row.unfinished > 0; });
   std::vector<HtmlColumn> columns{{.header = "method", .number = false}};
   std::vector<HtmlCell> pairs{{.text = "pairs"}};
   for (std::size_t c = 0; c < all.classes.size(); ++c) {
     columns.push_back({.header = all.classes[c]});
     pairs.push_back({.text = fmt::format("{}", all.pairs[c])});
   }
-  for (const char* header : {"total", "solved", "not for it", "unfinished"}) columns.push_back({.header = header});
+  columns.push_back({.header = "total"});
+  columns.push_back({.header = "solved"});
+  if (inapplicable) columns.push_back({.header = "not for it", .tip = "pairs that the method does not apply to"});
+  if (unfinished) columns.push_back({.header = "unfinished"});
   pairs.push_back({.text = fmt::format("{}", data.pairs(true))});
   pairs.resize(columns.size());
   HtmlTable table("Failures by method and class; in parentheses: left after restarts", columns);
@@ -192,15 +199,15 @@ std::string robustness_section(const CampaignData& data) {
     cells.push_back(failures_cell(row.total, "total"));
     cells.push_back(
         {.text = percent(row.total.solved(), row.total.pairs), .key = fmt::format("{}", row.total.share())});
-    cells.push_back(count_cell(row.not_applicable));
-    cells.push_back(count_cell(row.unfinished));
+    if (inapplicable) cells.push_back(count_cell(row.not_applicable));
+    if (unfinished) cells.push_back(count_cell(row.unfinished));
     table.add(std::move(cells));
   }
   table.foot(std::move(pairs));
-  const std::string how = restarts
-                              ? fmt::format("After a failure a method starts again from up to {} perturbed points.",
-                                            data.campaign().restarts)
-                              : "This campaign had no restarts, so that both numbers are the same.";
+  const int restarts = data.campaign().restarts;
+  const std::string how = restarts > 0 ? fmt::format("After a failure a method starts again from up to {}.",
+                                                     counted(static_cast<std::size_t>(restarts), "perturbed point"))
+                                       : "This campaign had no restarts, so that both numbers are the same.";
   return fmt::format(
       "<section id=\"robustness\"><h2>Robustness</h2>\n<p>Pairs of a problem that has a solution and a start which a "
       "method "
@@ -213,24 +220,28 @@ std::string robustness_section(const CampaignData& data) {
 std::string unsolvable_section(const CampaignData& data) {
   const std::vector<UnsolvableRow> rows = unsolvable(data);
   if (rows.empty()) return "";
-  HtmlTable table("Problems without a solution: how the runs ended",
-                  {{.header = "method", .number = false},
-                   {.header = "infeasible", .tip = "says that there is none: best"},
-                   {.header = "honest", .tip = "says that it has not solved it, or came to a limit: right"},
-                   {.header = "wrong", .tip = "claims a solution"},
-                   {.header = "broken", .tip = "crashed, or wrote garbage"},
-                   {.header = "not for it"},
-                   {.header = "unfinished"}});
+  const bool inapplicable = std::ranges::any_of(rows, [](const UnsolvableRow& row) { return row.not_applicable > 0; });
+  const bool unfinished = std::ranges::any_of(rows, [](const UnsolvableRow& row) { return row.unfinished > 0; });
+  std::vector<HtmlColumn> columns{
+      {.header = "method", .number = false},
+      {.header = "infeasible", .tip = "says that there is none: best"},
+      {.header = "honest", .tip = "says that it has not solved it, or came to a limit: right"},
+      {.header = "wrong", .tip = "claims a solution"},
+      {.header = "broken", .tip = "crashed, or wrote garbage"}};
+  if (inapplicable) columns.push_back({.header = "not for it", .tip = "pairs that the method does not apply to"});
+  if (unfinished) columns.push_back({.header = "unfinished"});
+  HtmlTable table("Problems without a solution: how the runs ended", columns);
   for (const UnsolvableRow& row : rows) {
     HtmlCell wrong = count_cell(row.wrong);
     if (row.wrong > 0) wrong.css = "bad";
-    table.add({{.text = data.label(row.method)},
-               count_cell(row.infeasible),
-               count_cell(row.honest),
-               wrong,
-               count_cell(row.broken),
-               count_cell(row.not_applicable),
-               count_cell(row.unfinished)});
+    std::vector<HtmlCell> cells{{.text = data.label(row.method)},
+                                count_cell(row.infeasible),
+                                count_cell(row.honest),
+                                wrong,
+                                count_cell(row.broken)};
+    if (inapplicable) cells.push_back(count_cell(row.not_applicable));
+    if (unfinished) cells.push_back(count_cell(row.unfinished));
+    table.add(std::move(cells));
   }
   return fmt::format(
       "<section id=\"unsolvable\"><h2>Problems without a solution</h2>\n<p>{}. The best answer is that there "
@@ -241,7 +252,7 @@ std::string unsolvable_section(const CampaignData& data) {
 std::string comparison_section(const CampaignData& data, const Comparison& comparison,
                                const std::vector<std::size_t>& styles) {
   std::string html =
-      fmt::format("<section id=\"{}\"><h3>{}</h3>\n<p class=\"note\">{} {}.", comparison.id,
+      fmt::format("<section id=\"{}\" class=\"comparison\"><h3>{}</h3>\n<p class=\"note\">{} {}.", comparison.id,
                   html_text(comparison.title), html_text(comparison.note), counted(comparison.pairs.size(), "pair"));
   if (comparison.unfinished > 0)
     html +=
@@ -249,10 +260,11 @@ std::string comparison_section(const CampaignData& data, const Comparison& compa
                     counted(comparison.unfinished, "pair is", "pairs are"), comparison.unfinished == 1 ? "it" : "them");
   html += "</p>\n";
   if (comparison.pairs.empty()) return html + "<p>Nothing to compare yet.</p></section>\n";
-  if (comparison.methods.size() > curves_in_colour)
-    html +=
-        "<p class=\"note\">In colour the eight that solve most; press a name to change that, rest on it to see it "
-        "alone.</p>\n";
+  const auto coloured = static_cast<std::size_t>(std::ranges::count(in_colour(data, comparison), true));
+  if (comparison.methods.size() > coloured)
+    html += fmt::format(
+        "<p class=\"note screen\">In colour {}; press a name to change that, rest on it to bring it out.</p>\n",
+        comparison.subject.empty() ? "the eight that solve most" : "those of either kind that solve most");
   return html + legend(data, comparison, styles) + panes(data, comparison, styles) + summary_table(data, comparison) +
          "</section>\n";
 }

@@ -7,6 +7,7 @@ std::string_view page_style() {
   return R"css(
 :root { --ink: #1a1a1a; --soft: #555; --line: #c8c8c8; --pale: #f3f5f7; --link: #004a80; --red: #a80000; }
 * { box-sizing: border-box; }
+[hidden] { display: none !important; }
 html { -webkit-text-size-adjust: 100%; }
 body { margin: 0 auto; max-width: 1320px; padding: 0 20px 60px; background: #fff; color: var(--ink);
   font: 15px/1.5 system-ui, "DejaVu Sans", "Liberation Sans", Arial, sans-serif; }
@@ -19,10 +20,9 @@ p { margin: 6px 0 10px; max-width: 86em; }
 .note { font-size: 13.5px; }
 a { color: var(--link); }
 code { font: 13px/1.4 "DejaVu Sans Mono", monospace; overflow-wrap: anywhere; }
-nav { margin: 12px 0; font-size: 14px; }
-nav a { margin-right: 16px; white-space: nowrap; }
+nav { display: flex; flex-wrap: wrap; gap: 2px 16px; margin: 12px 0; font-size: 14px; }
 .findings { border-left: 4px solid #0072B2; padding: 2px 0 2px 14px; margin: 14px 0; }
-.findings p { max-width: 74em; margin: 4px 0; }
+.findings p { max-width: 82em; margin: 5px 0; }
 .alarm { border: 2px solid var(--red); border-left-width: 10px; padding: 4px 14px 10px; margin: 14px 0; color: var(--red); }
 .alarm table { color: var(--ink); }
 .alarm td.bad, td.bad, th.bad { color: var(--red); font-weight: 700; }
@@ -38,11 +38,11 @@ tfoot th, tfoot td { border-top: 1.5px solid var(--ink); color: var(--soft); }
 td.total { font-weight: 700; }
 td.none { color: #767676; }
 tbody tr:hover { background: var(--pale); }
-th button { font: inherit; font-weight: 600; color: inherit; background: none; border: 0; padding: 0; cursor: pointer;
-  text-align: inherit; }
-th button::after { content: " \2195"; color: #8a8a8a; font-weight: 400; }
-th[aria-sort=ascending] button::after { content: " \2191"; color: var(--ink); }
-th[aria-sort=descending] button::after { content: " \2193"; color: var(--ink); }
+thead th button { font: inherit; font-weight: 600; color: inherit; background: none; border: 0; padding: 0; cursor: pointer;
+  text-align: inherit; border-bottom: 1px dotted #777; }
+thead th button:hover { text-decoration: underline; }
+th[aria-sort=ascending] button::after { content: "\2191"; }
+th[aria-sort=descending] button::after { content: "\2193"; }
 :focus-visible { outline: 3px solid #0072B2; outline-offset: 2px; }
 input, select, .more button { font: inherit; font-size: 14px; padding: 4px 8px; border: 1px solid #777; border-radius: 4px;
   background: #fff; color: var(--ink); }
@@ -88,10 +88,11 @@ g.muted .leader { stroke: #c8c8c8; }
 g.muted .label { fill: #6a6a6a; }
 .lit g.curve:not(.strong) { opacity: .22; }
 g.strong .line { stroke-width: 3.2; }
-#cells table { width: 100%; font-size: 12.5px; }
-#cells th, #cells td { padding: 2px 6px; }
-#cells td.message { min-width: 15em; max-width: 30em; overflow-wrap: anywhere; }
-#cells td.o { white-space: nowrap; }
+#cells table { width: 100%; font-size: 12px; }
+#cells th, #cells td { padding: 2px 5px; }
+#cells td.message { min-width: 14em; max-width: 30em; overflow-wrap: anywhere; }
+#cells td.o, #cells th, #cells td.w { white-space: nowrap; }
+#curves text.label { paint-order: stroke; stroke: #fff; stroke-width: 3px; stroke-linejoin: round; }
 #cells button.show { font: inherit; color: var(--link); background: none; border: 0; padding: 0; cursor: pointer;
   text-decoration: underline; text-align: left; white-space: nowrap; }
 dl { display: grid; grid-template-columns: max-content 1fr; gap: 2px 18px; font-size: 14px; }
@@ -105,18 +106,23 @@ dd { margin: 0; overflow-wrap: anywhere; }
   dl { grid-template-columns: 1fr; } dt { margin-top: 6px; }
   input[type=search] { width: 100%; }
   .controls label { width: 100%; }
+  .controls select { flex: 1; min-width: 0; }
 }
 @media print {
   @page { size: A4 landscape; margin: 11mm; }
-  body { max-width: none; padding: 0; font-size: 10pt; }
+  body { max-width: none; padding: 0; line-height: 1.4; font-size: 9pt; }
   h1 { margin-top: 0; } h2 { break-after: avoid; margin-top: 18pt; } h3, h4, caption { break-after: avoid; }
-  nav, .controls, .more, .skip, .tabs > label { display: none; }
+  nav, .controls, .legend, .more, .skip, .screen, .tabs > label { display: none; }
+  .note { break-after: avoid; }
   .tabs > .pane { display: block; }
   .scroll, .charts > div { overflow: visible; }
   .charts { grid-template-columns: 1fr 1fr; break-inside: avoid; }
-  .charts svg, #curves svg { min-width: 0; }
-  th button::after { content: "" !important; }
-  table { font-size: 7.5pt; } th, td { padding: 1.5pt 4pt; }
+  section.comparison:not(#cfunctions + *, #profiles + *), #profiles, #cfunctions, #convergence, #cells { break-before: page; }
+  .charts svg { min-width: 0; max-height: 70mm; }
+  #curves svg { min-width: 0; max-height: 140mm; }
+  thead th button { border-bottom: 0; }
+  thead th button::after { content: "" !important; }
+  table { font-size: 7.5pt; line-height: 1.25; } th, td { padding: 1.5pt 4pt; }
   thead { display: table-header-group; } tr, svg { break-inside: avoid; }
   #cells table { font-size: 6pt; } #cells th, #cells td { padding: 1pt 2.5pt; }
   #cells td.message { min-width: 0; }

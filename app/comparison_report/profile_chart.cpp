@@ -16,7 +16,7 @@ namespace {
 
 constexpr double width = 620;
 constexpr double label_height = 13.5;
-constexpr std::size_t label_length = 24;
+constexpr std::size_t label_length = 22;
 using Anchor = Svg::Anchor;
 
 constexpr std::array shapes{Svg::Marker::Dot,     Svg::Marker::Square,       Svg::Marker::TriangleUp,
@@ -84,7 +84,9 @@ void draw_curve(Svg& svg, const ChartCurve& curve, const Axis& axis, const Panel
     line.push_back({axis(step.x), y(step.count)});
   }
   line.push_back({panel.right, line.back().y});
-  if (curve.profile.steps.empty() || axis(curve.profile.steps.front().x) <= panel.left) line.erase(line.begin());
+  // A curve that begins on the axis begins at its height.
+  if (!curve.profile.steps.empty() && axis(curve.profile.steps.front().x) <= panel.left)
+    line.erase(line.begin(), line.begin() + 2);
   svg.polyline(line_class(curve.style), line);
 
   constexpr int markers = 4;  // at places that differ from curve to curve
@@ -128,7 +130,7 @@ std::string line_sample(std::size_t style) {
 
 std::string profile_chart(const ChartAxes& axes, const std::vector<ChartCurve>& curves) {
   const double height = std::max(330.0, label_height * static_cast<double>(curves.size()) + 20);
-  const Panel panel{.left = 48, .right = width - 178, .top = 34, .bottom = 34 + height};
+  const Panel panel{.left = 48, .right = width - 186, .top = 34, .bottom = 34 + height};
   Svg svg(static_cast<int>(width), static_cast<int>(panel.bottom + 44), axes.title, "");
   const Axis axis = x_axis(axes, curves, panel);
   draw_frame(svg, axes, axis, panel);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace perp::app::comparison {
 
@@ -37,38 +38,69 @@ Leads leads(const MeasureProfiles& profiles, std::size_t method) {
 
 }  // namespace
 
+std::size_t Summary::compared() const {
+  return static_cast<std::size_t>(
+      std::ranges::count_if(rows, [](const SummaryRow& row) { return !std::isnan(row.F_evals); }));
+}
+
+std::pair<const SummaryRow*, const SummaryRow*> Summary::extremes(double SummaryRow::*mean) const {
+  std::pair<const SummaryRow*, const SummaryRow*> result{nullptr, nullptr};
+  for (const SummaryRow& row : rows) {
+    if (std::isnan(row.*mean)) continue;
+    if (result.first == nullptr || row.*mean < result.first->*mean) result.first = &row;
+    if (result.second == nullptr || row.*mean > result.second->*mean) result.second = &row;
+  }
+  return result;
+}
+
+namespace {
+
+SummaryRow counts(const CampaignData& data, const Comparison& comparison, std::size_t m) {
+  SummaryRow row{.method = m};
+  for (const std::size_t p : comparison.pairs) {
+    const Cell& cell = *data.at(m, p);
+    row.solved += solved(cell) ? 1 : 0;
+    row.after += solved(cell) || cell.outcome_after_restarts == Outcome::Solved ? 1 : 0;
+  }
+  const Leads time = leads(comparison.profiles[0], m);
+  row.quickest = time.first;
+  row.within_two = time.within_two;
+  row.fewest_F = leads(comparison.profiles[1], m).first;
+  return row;
+}
+
+void set_means(const CampaignData& data, const std::vector<std::size_t>& pairs, SummaryRow& row) {
+  GeometricMean iterations, F_evals, factorizations, seconds;
+  for (const std::size_t p : pairs) {
+    const Cell& cell = *data.at(row.method, p);
+    iterations.add(cell.iterations, 1);
+    F_evals.add(cell.F_evals, floor_of(Measure::FEvals));
+    factorizations.add(cell.factorizations, floor_of(Measure::Factorizations));
+    seconds.add(cell.seconds, floor_of(Measure::Seconds));
+  }
+  row.iterations = iterations.value();
+  row.F_evals = F_evals.value();
+  row.factorizations = factorizations.value();
+  row.seconds = seconds.value();
+}
+
+}  // namespace
+
 Summary summary(const CampaignData& data, const Comparison& comparison) {
   Summary result{.rows = {}, .pairs = comparison.pairs.size()};
+  std::size_t most = 0;
+  for (const std::size_t m : comparison.methods) {
+    result.rows.push_back(counts(data, comparison, m));
+    most = std::max(most, result.rows.back().solved);
+  }
+  const auto takes_part = [&](const SummaryRow& row) { return most > 0 && 4 * row.solved >= 3 * most; };
   std::vector<std::size_t> common;
   for (const std::size_t p : comparison.pairs)
-    if (std::ranges::all_of(comparison.methods, [&](std::size_t m) { return solved(*data.at(m, p)); }))
+    if (std::ranges::all_of(result.rows,
+                            [&](const SummaryRow& row) { return !takes_part(row) || solved(*data.at(row.method, p)); }))
       common.push_back(p);
-  result.common = common.size();
-  for (const std::size_t m : comparison.methods) {
-    SummaryRow row{.method = m};
-    for (const std::size_t p : comparison.pairs) {
-      const Cell& cell = *data.at(m, p);
-      row.solved += solved(cell) ? 1 : 0;
-      row.after += solved(cell) || cell.outcome_after_restarts == Outcome::Solved ? 1 : 0;
-    }
-    const Leads time = leads(comparison.profiles[0], m);
-    row.quickest = time.first;
-    row.within_two = time.within_two;
-    row.fewest_F = leads(comparison.profiles[1], m).first;
-    GeometricMean iterations, F_evals, factorizations, seconds;
-    for (const std::size_t p : common) {
-      const Cell& cell = *data.at(m, p);
-      iterations.add(cell.iterations, 1);
-      F_evals.add(cell.F_evals, floor_of(Measure::FEvals));
-      factorizations.add(cell.factorizations, floor_of(Measure::Factorizations));
-      seconds.add(cell.seconds, floor_of(Measure::Seconds));
-    }
-    row.iterations = iterations.value();
-    row.F_evals = F_evals.value();
-    row.factorizations = factorizations.value();
-    row.seconds = seconds.value();
-    result.rows.push_back(row);
-  }
+  if (most > 0) result.common = common.size();
+  for (SummaryRow& row : result.rows) set_means(data, takes_part(row) ? common : std::vector<std::size_t>{}, row);
   return result;
 }
 

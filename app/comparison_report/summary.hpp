@@ -11,15 +11,19 @@ struct SummaryRow {
   std::size_t quickest = 0;    ///< at most as long as any other, ties included
   std::size_t within_two = 0;  ///< at most twice as long as the quickest
   std::size_t fewest_F = 0;    ///< at most as many evaluations of F as any other
-  /// Geometric means over the pairs that all methods of the comparison have solved, each at least 1 (1 ms); NaN if
-  /// there is none or one is not known.
+  /// Geometric means over the common pairs, each cost at least 1 (1 ms); NaN if there is none, if one is not known, and
+  /// for methods that solve less than three quarters of what the best solves: they would leave too few common pairs.
   double iterations = 0, F_evals = 0, factorizations = 0, seconds = 0;
 };
 
 struct Summary {
   std::vector<SummaryRow> rows{};  ///< in the comparison's order
   std::size_t pairs = 0;
-  std::size_t common = 0;  ///< solved by all
+  std::size_t common = 0;  ///< solved by all but those that solve less than three quarters of what the best solves
+
+  std::size_t compared() const;  ///< methods with a mean
+  /// The rows with the least and the greatest of these means. One row at least has to have one.
+  std::pair<const SummaryRow*, const SummaryRow*> extremes(double SummaryRow::*mean) const;
 };
 Summary summary(const CampaignData& data, const Comparison& comparison);
 

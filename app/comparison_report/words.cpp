@@ -8,7 +8,7 @@ namespace perp::app::comparison {
 
 std::string listed(const std::vector<std::string>& names) {
   constexpr std::size_t most = 5;
-  if (names.empty()) return "nobody";
+  if (names.empty()) return "none";
   if (names.size() == 1) return names[0];
   const std::size_t shown = names.size() > most ? most - 2 : names.size() - 1;
   const std::string head = fmt::format("{}", fmt::join(names.begin(), names.begin() + static_cast<long>(shown), ", "));

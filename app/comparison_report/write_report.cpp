@@ -29,12 +29,15 @@ std::vector<std::string> write_report(const std::string& dir) {
   for (const auto& [name, content] : comparison::data_files(parts))
     write_file(fmt::format("{}/{}", dir, name), content);
   write_file(dir + "/report.html", comparison::page(parts));
-  return parts.findings;
+  std::vector<std::string> findings;
+  for (const comparison::Finding& finding : parts.findings)
+    findings.push_back(fmt::format("{}: {}", finding.topic, finding.text));
+  return findings;
 }
 
 int report_campaign(const std::string& dir, Streams streams) {
   try {
-    for (const std::string& sentence : write_report(dir)) streams.out << sentence << "\n\n";
+    for (const std::string& sentence : write_report(dir)) streams.out << sentence << '\n';
     streams.out << fmt::format("{}/report.html\n", dir);
     return exit_solved;
   } catch (const InputError& error) {

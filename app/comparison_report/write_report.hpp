@@ -8,8 +8,8 @@
 namespace perp::app {
 
 /// Writes DIR/report.html, cells.csv, cells.json, outcomes.csv and the files of comparison_report/files.hpp, each as a
-/// whole or not at all. The findings come back, a sentence each. Throws InputError naming what cannot be read or
-/// written.
+/// whole or not at all. The findings come back, "topic: sentences" each. Throws InputError naming what cannot be read
+/// or written.
 std::vector<std::string> write_report(const std::string& dir);
 
 /// `perp report DIR`: an exit code.
