@@ -50,7 +50,7 @@ Problem bimatrix_own(Index m, Index n, unsigned seed) {
   p.mcp = make_affine({"bimatrix-own", Box::nonnegative(m + n), joined({indexed("x", m), indexed("y", n)}),
                        joined({indexed("row_cost", m), indexed("column_cost", n)})},
                       M, -Vec::Ones(m + n));
-  p.starts = {Vec::Zero(m + n), Vec::Ones(m + n)};
+  p.starts = {Vec::Zero(m + n), Vec::Ones(m + n), Vec::Constant(m + n, 0.01)};
   p.solutions = {{"planted", joined({x, y}), 1e-12}};
   return p;
 }

@@ -36,6 +36,12 @@ Vec joined(std::initializer_list<Vec> parts) {
   return all;
 }
 
+Vec shaken(const Vec& x, double fraction) {
+  Vec made = x;
+  for (Index i = 0; i < x.size(); ++i) made[i] *= 1 + (i % 2 == 0 ? fraction : -fraction);
+  return made;
+}
+
 std::vector<Vec> eight_starts() {
   return {Vec::Zero(4),      Vec::Ones(4),      Vec::Constant(4, 100), vec({1, 0, 1, 0}),
           vec({1, 0, 0, 0}), vec({0, 1, 1, 0}), vec({0, 1, 0, 1}),     vec({1.25, 0, 0, 0.5})};

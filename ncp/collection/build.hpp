@@ -24,6 +24,8 @@ Names joined(std::initializer_list<Names> parts);
 
 Vec vec(std::initializer_list<double> values);
 Vec joined(std::initializer_list<Vec> parts);
+/// x_i (1 + fraction), x_i (1 - fraction) in turn: a start near another one that nobody has chosen.
+Vec shaken(const Vec& x, double fraction);
 /// The eight starts of the tiny problems with four unknowns: 0; 1; 100; (1,0,1,0); (1,0,0,0); (0,1,1,0); (0,1,0,1);
 /// (1.25,0,0,.5).
 std::vector<Vec> eight_starts();

@@ -61,7 +61,9 @@ Problem choi() {
                        });
   Vec start = cost.array() + 0.01;
   start[fixed_brand] = fixed_price;
-  p.starts = {start};
+  Vec half = cost.array() + 0.5, near = 1.5 * cost;
+  half[fixed_brand] = near[fixed_brand] = fixed_price;
+  p.starts = {start, near, half};
   p.solutions = {
       {"equilibrium",
        vec({0.61135771696123498, 0.22686800458787471, 0.61135771696123498, 0.22974301705284214, 0.20038070949241155,

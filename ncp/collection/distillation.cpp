@@ -146,7 +146,7 @@ Problem distillation(const Column& column, std::span<const double> start, std::s
   const auto as_vec = [](std::span<const double> values) {
     return Vec(Eigen::Map<const Vec>(values.data(), static_cast<Index>(values.size())));
   };
-  p.starts = {as_vec(start)};
+  p.starts = {as_vec(start), shaken(as_vec(start), 0.02), shaken(as_vec(solution), 0.05)};
   p.solutions = {{"Fletcher", as_vec(solution), 1e-9}};
   return p;
 }

@@ -23,7 +23,7 @@ Problem mathiesen() {
     F[3] = b3 - y;
     return true;
   });
-  p.starts = {Vec::Ones(4)};
+  p.starts = {Vec::Ones(4), Vec::Constant(4, 10), vec({0, 1, 2, 3}), vec({3, 5, 1, 5})};
   p.solutions = {{"p1 = 6", vec({3, 6, 1, 5}), 0},
                  {"p1 = 1", vec({3, 1, 1. / 6, 5. / 6}), 1e-15},
                  {"p1 + p2 + p3 = 1", vec({3, 1. / 2, 1. / 12, 5. / 12}), 1e-15}};
@@ -68,7 +68,8 @@ Problem kehoe() {
     return true;
   });
   // Prices 1, no production, the incomes that go with them; and all ones.
-  p.starts = {vec({0, 0, 1, 1, 1, 1, 5, 5, 40, 40}), Vec::Ones(10)};
+  p.starts = {vec({0, 0, 1, 1, 1, 1, 5, 5, 40, 40}), Vec::Ones(10), vec({5, 5, 1, 2, 0.5, 3, 5, 10, 20, 120}),
+              vec({0, 0, 1, 10, 10, 10, 5, 50, 400, 400})};
   const auto equilibrium = [](double y1, double y2, double p2, double p3, double p4) {
     return vec({y1, y2, 1, p2, p3, p4, 5, 5 * p2, 40 * p3, 40 * p4});
   };

@@ -64,7 +64,7 @@ Problem hs34_kkt() {
     F[4] = z[2] - e2;
     return true;
   });
-  p.starts = {vec({0, 1.05, 2.9, 0, 0}), vec({1, 1, 5, 0.1, 0.1})};
+  p.starts = {vec({0, 1.05, 2.9, 0, 0}), vec({1, 1, 5, 0.1, 0.1}), vec({0, 1.05, 2.9, 1, 1}), Vec::Zero(5)};
   const double ln10 = std::log(10.0);
   p.solutions = {{"unique", vec({std::log(ln10), ln10, 10, 1 / ln10, 0.1 / ln10}), 1e-14}};
   p.solutions_complete = true;
@@ -82,7 +82,7 @@ Problem hs35_kkt() {
     F[3] = 3 - x1 - x2 - 2 * x3;
     return true;
   });
-  p.starts = {Vec::Zero(4), Vec::Ones(4)};
+  p.starts = {Vec::Zero(4), Vec::Ones(4), vec({0.5, 0.5, 0.5, 0}), Vec::Constant(4, 10)};
   p.solutions = {{"unique", vec({4. / 3, 7. / 9, 4. / 9, 2. / 9}), 1e-15}};
   p.solutions_complete = true;
   return p;
@@ -103,7 +103,7 @@ Problem hs76_kkt() {
     F[6] = x2 + 4 * x3 - 1.5;
     return true;
   });
-  p.starts = {Vec::Zero(7), Vec::Ones(7)};
+  p.starts = {Vec::Zero(7), Vec::Ones(7), vec({0.5, 0.5, 0.5, 0.5, 0, 0, 0}), Vec::Constant(7, 10)};
   p.solutions = {{"unique", vec({3. / 11, 23. / 11, 0, 6. / 11, 5. / 11, 0, 0}), 1e-15}};
   p.solutions_complete = true;
   return p;
@@ -158,7 +158,7 @@ Problem colvdual() {
   Vec hs117 = Vec::Constant(20, 0.001);
   hs117[6] = 60;
   hs117.tail(columns).setZero();
-  p.starts = {hs117, Vec::Ones(20)};
+  p.starts = {hs117, Vec::Ones(20), Vec::Zero(20)};
   p.solutions = {{"Colville 2", joined({colville_lambda(), colville_x(), colville_x()}), 1e-14}};
   return p;
 }

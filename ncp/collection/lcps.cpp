@@ -21,7 +21,7 @@ Problem lcp(const std::string& name, Index n, Entry entry, const Vec& q = {}) {
   M.setFromTriplets(entries.begin(), entries.end());
   Problem p;
   p.mcp = make_affine({name, Box::nonnegative(n), indexed("z", n)}, M, q.size() == n ? q : Vec(-Vec::Ones(n)));
-  p.starts = {Vec::Zero(n), Vec::Ones(n)};
+  p.starts = {Vec::Zero(n), Vec::Ones(n), Vec::Constant(n, 10)};
   return p;
 }
 
@@ -51,7 +51,7 @@ Problem tridiagonal(const std::string& name, Index n, double below, double above
   for (Index i = n - 1; i >= 0; --i) z[i] = (z[i] - (i + 1 < n ? above * z[i + 1] : 0)) / diagonal[i];
   Problem p;
   p.mcp = make_affine({name, Box::nonnegative(n), indexed("z", n)}, M, -Vec::Ones(n));
-  p.starts = {Vec::Zero(n), Vec::Ones(n)};
+  p.starts = {Vec::Zero(n), Vec::Ones(n), Vec::Constant(n, 10)};
   return with_unique(std::move(p), "M z = e", std::move(z), 1e-14);
 }
 
@@ -104,7 +104,7 @@ Problem cottle4() {
       if (entries[i][j] != 0) M.insert(i, j) = entries[i][j];
   Problem p;
   p.mcp = make_affine({"cottle4", Box::nonnegative(4), indexed("z", 4)}, M, vec({2, 2, -2, -6}));
-  p.starts = {Vec::Zero(4), Vec::Ones(4)};
+  p.starts = {Vec::Zero(4), Vec::Ones(4), Vec::Constant(4, 10)};
   p.solutions = {{"optimum", vec({2.8, 0, 0.8, 1.2}), 1e-15}};
   return p;
 }
@@ -140,7 +140,7 @@ Problem obstacle_bump_own(Index N) {
   SpMat M(n, n);
   M.setFromTriplets(entries.begin(), entries.end());
   Problem p;
-  p.starts = {box.lower.cwiseMax(0)};
+  p.starts = {box.lower.cwiseMax(0), Vec::Ones(n), box.lower};
   p.mcp = make_affine({"obstacle-bump-own", box, names}, M, Vec::Constant(n, -load * h * h));
   return p;
 }

@@ -120,7 +120,7 @@ SpMat laplace(const Grid& g) {
 
 Problem grid_problem(std::string name, const Grid& g, Box box, SpMat A, Vec q, double s, Vec start) {
   Problem p;
-  p.starts = {std::move(start)};
+  p.starts = {std::move(start), box.lower, Vec::Constant(g.size(), 1)};
   p.mcp = std::make_unique<GridMcp>(std::move(name), g.N, std::move(box), std::move(A), std::move(q), s);
   return p;
 }

@@ -65,7 +65,7 @@ Problem tinloi42() {
                      0.0008483519598382058, 0.0006584465015999385, 0.0005152271507835943, 0.0004099941059656503,
                      0.0003380874738832177, 0.0002959358842721869, 0.0002819698732087845})),
        1e-15}};
-  p.starts = {Vec::Constant(2 * nodes, 0.4), Vec::Zero(2 * nodes)};
+  p.starts = {Vec::Constant(2 * nodes, 0.4), Vec::Zero(2 * nodes), Vec::Constant(2 * nodes, 0.001)};
   return p;
 }
 

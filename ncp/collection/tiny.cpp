@@ -60,7 +60,7 @@ Problem munson1() {
     F[2] = z[1] + z[2] + 1;
     return true;
   });
-  p.starts = {Vec::Zero(3)};
+  p.starts = {Vec::Zero(3), Vec::Ones(3), Vec::Constant(3, 10)};
   p.solutions = {{"unique", vec({1, 0, 0}), 0}};
   p.solutions_complete = true;
   return p;

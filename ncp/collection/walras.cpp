@@ -189,7 +189,8 @@ Problem walras_own(Index goods, Index sectors, Index households, unsigned seed) 
   Problem p;
   p.mcp = make_mcp(std::move(made));
   const Vec incomes = economy.e.transpose() * Vec::Ones(goods);
-  p.starts = {joined({Vec::Zero(sectors), Vec::Ones(goods), incomes}), Vec::Ones(economy.size())};
+  p.starts = {joined({Vec::Zero(sectors), Vec::Ones(goods), incomes}), Vec::Ones(economy.size()),
+              Vec::Constant(economy.size(), 10)};
   p.solutions = {{"planted", joined({economy.y, economy.p, economy.h}), 1e-12}};
   return p;
 }
