@@ -38,8 +38,11 @@ MeasureProfiles profiles(const CampaignData& data, const Comparison& comparison,
 
 /// Keeps the pairs that all have finished, orders the methods, draws the profiles.
 void finish(const CampaignData& data, Comparison& comparison) {
+  std::erase_if(comparison.methods, [&](std::size_t m) {
+    return std::ranges::all_of(comparison.pairs, [&](std::size_t p) { return data.at(m, p) == nullptr; });
+  });
   comparison.unfinished = std::erase_if(comparison.pairs, [&](std::size_t p) {
-    return std::ranges::any_of(comparison.methods, [&](std::size_t m) { return data.at(m, p) == nullptr; });
+    return comparison.methods.empty() || std::ranges::any_of(comparison.methods, [&](std::size_t m) { return data.at(m, p) == nullptr; });
   });
   struct Rank {
     std::size_t failures;

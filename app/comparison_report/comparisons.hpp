@@ -7,7 +7,8 @@
 ///   to lecture        the eight systems of the 1997 comparison, as far as the campaign has them cfunctions-K   methods
 ///   that differ in nothing but their option cfunction
 /// Methods with an option cfunction are in the last kind only (unless the campaign has no others). Each comparison
-/// counts the pairs only that all of its methods have finished. What a method does not apply to it has not solved.
+/// counts the pairs only that all of its methods have finished, and leaves out methods that have finished none. What a
+/// method does not apply to it has not solved.
 #include <array>
 #include <optional>
 

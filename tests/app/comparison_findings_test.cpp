@@ -195,6 +195,8 @@ TEST(Findings, CampaignsThatAreNotFinished) {
   made_up.runs("a", "tiny", 6, 6).runs("b", "tiny", 3, 0);
   EXPECT_THAT(said(made_up, "What ran"), HasSubstr("3 of them are not finished"));
   EXPECT_THAT(said(made_up, "Most solved"), HasSubstr("a solves the most: 3 of 3 pairs"));
+  made_up.method("not begun");
+  EXPECT_THAT(said(made_up, "Most solved"), HasSubstr("a solves the most: 3 of 3 pairs"));
 }
 
 /// 99.96 % is not 100 %.
