@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
+#include <functional>
 #include <ostream>
 
 #include "app/options.hpp"
@@ -24,32 +24,30 @@ std::vector<MethodEntry> all_methods() {
   return table;
 }
 
-/// Those whose options and defaults are shown; the others differ from them as print_methods() says.
-bool stands_for_others(const MethodEntry& entry) {
-  constexpr std::array names{"path", "josephy", "qpcomp", "proxi", "smooth", "semicomp"};
-  return entry.affine() || std::ranges::find(names, entry.name) != names.end();
-}
-
-/// The options that have an effect on at least one of these methods, with the default of each.
-Table defaults(bool affine) {
-  std::vector<Column> columns{{"key", Align::Left}, {"values", Align::Left}};
-  for (const MethodEntry& entry : methods())
-    if (entry.affine() == affine && stands_for_others(entry))
-      columns.push_back({std::string(entry.name), Align::Right});
-  Table table(columns);
-  for (const Option& option : options()) {
-    std::vector<std::string> row{std::string(option.key),
-                                 option.key == "method" ? "a name above" : values_text(option)};
-    bool used = false;
-    for (const MethodEntry& entry : methods()) {
-      if (entry.affine() != affine || !stands_for_others(entry)) continue;
-      Settings settings{.method_name = std::string(entry.name), .method = entry.method};
-      row.push_back(value_text(option.field(settings)));
-      used = used || row.back() != "-";
-    }
-    if (used) table.add(std::move(row));
+/// "umfpack; klu with x, y; no effect on z": the default of an option, method by method.
+std::string defaults(const Option& option) {
+  struct Group {
+    std::string value;
+    std::vector<std::string_view> methods{};
+  };
+  std::vector<Group> groups;
+  std::vector<std::string_view> with, without;
+  for (const MethodEntry& entry : methods()) {
+    Settings settings{.method_name = std::string(entry.name), .method = entry.method};
+    const std::string value = value_text(option.field(settings));
+    (value == "-" ? without : with).push_back(entry.name);
+    if (value == "-") continue;
+    auto group = std::ranges::find(groups, value, &Group::value);
+    if (group == groups.end()) group = groups.insert(groups.end(), {.value = value});
+    group->methods.push_back(entry.name);
   }
-  return table;
+  std::ranges::stable_sort(groups, std::greater{}, [](const Group& group) { return group.methods.size(); });
+  std::string text = groups.empty() ? "" : "default " + groups[0].value;
+  for (std::size_t k = 1; k < groups.size(); ++k)
+    text += fmt::format("; {} with {}", groups[k].value, fmt::join(groups[k].methods, ", "));
+  if (without.empty() || with.empty()) return text;
+  return text + (with.size() <= without.size() ? fmt::format("; for {}", fmt::join(with, ", "))
+                                               : fmt::format("; no effect on {}", fmt::join(without, ", ")));
 }
 
 void print_entries(std::ostream& out, bool affine) {
@@ -84,27 +82,25 @@ int print_methods(Streams streams) {
   out << "\nFor affine problems, F(x) = M x + q, where auto chooses among them:\n";
   print_entries(out, true);
 
-  out << "\nOptions: --option key=value, a line of an options file, or an AMPL option. A key may be shortened as long "
-         "as\n"
-         "it is unique. Defaults a method, '-' where the option has no effect on it; auto has path's, miles, nesqp,\n"
-         "newton-min and semismooth have those of josephy, qpcomp, proxi and semicomp but escape_rounds = 0, and "
-         "miles\n"
-         "and nesqp a monotone search; semismooth-min and semismooth-penalised are semismooth with another "
-         "cfunction:\n\n";
-  defaults(false).print(out, 2);
-  out << "\nFor affine problems:\n\n";
-  defaults(true).print(out, 2);
-
-  out << "\nWhat they mean:\n\n";
+  out << '\n';
+  print_wrapped(out,
+                "Options: --option key=value, a line of an options file, or an AMPL option. A key may be shortened as "
+                "long as it is unique.",
+                0);
   for (const Option& option : options()) {
-    out << "  " << option.key;
+    out << "\n  " << option.key;
     if (!option.aliases.empty()) out << fmt::format(" ({})", fmt::join(option.aliases, ", "));
-    out << "\n      " << option.help << '\n';
+    out << '\n';
+    print_wrapped(out, option.help, 6);
+    print_wrapped(out,
+                  option.key == "method" ? fmt::format("one of those above; default {}", default_method)
+                                         : values_text(option) + "; " + defaults(option),
+                  6);
   }
 
   out << "\nOptions of PATH that are accepted, so that its option files can be read, but have no effect in this "
          "version:\n";
-  print_wrapped(out, ignored_options(), 2, 100);
+  print_wrapped(out, fmt::format("{}", fmt::join(ignored_options(), ", ")), 2);
   return exit_solved;
 }
 

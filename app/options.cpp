@@ -72,10 +72,11 @@ bool parse_number(std::string_view text, T& value) {
   return error == std::errc{} && end == text.data() + text.size();
 }
 
-[[noreturn]] void refuse(const Assignment& given, const Option& option) {
+[[noreturn]] void refuse(const Assignment& given, const Option& option, std::span<const std::string_view> words = {}) {
   const std::string key = lower(given.key) == option.key ? given.key : fmt::format("{} ({})", given.key, option.key);
-  throw InputError(fmt::format("{}: {} = {} is refused; it takes {}", given.source, key,
-                               given.value.empty() ? "(nothing)" : given.value, values_text(option)));
+  throw InputError(fmt::format("{}: {} = {} is refused; it takes {}{}", given.source, key,
+                               given.value.empty() ? "(nothing)" : given.value, values_text(option),
+                               words.empty() ? "" : "." + did_you_mean(lower(given.value), words)));
 }
 
 template <class T>
@@ -91,7 +92,11 @@ T number_in_range(const Assignment& given, const Option& option) {
 
 const Choice& one_of(std::span<const Choice> choices, const Assignment& given, const Option& option) {
   const auto choice = std::ranges::find(choices, lower(given.value), &Choice::name);
-  if (choice == choices.end()) refuse(given, option);
+  if (choice == choices.end()) {
+    std::vector<std::string_view> words;
+    for (const Choice& c : choices) words.push_back(c.name);
+    refuse(given, option, words);
+  }
   return *choice;
 }
 
@@ -107,7 +112,7 @@ void set(const Field& field, const Assignment& given, const Option& option, Appl
       [&](auto target) {
         using T = std::remove_pointer_t<decltype(target)>;
         if constexpr (std::is_same_v<T, std::string>) {
-          if (find_method(lower(given.value)) == nullptr) refuse(given, option);
+          if (find_method(lower(given.value)) == nullptr) refuse(given, option, method_names());
           *target = lower(given.value);
         } else if constexpr (std::is_same_v<T, double> || (std::is_integral_v<T> && !std::is_same_v<T, bool>)) {
           *target = number_in_range<T>(given, option);

@@ -64,16 +64,18 @@ std::string number(double value, int digits) {
 
 std::string count(long long n, std::string_view noun) { return fmt::format("{} {}{}", n, noun, n == 1 ? "" : "s"); }
 
-void print_wrapped(std::ostream& out, std::span<const std::string_view> words, int indent, std::size_t width) {
+void print_wrapped(std::ostream& out, std::string_view text, int indent, std::size_t width) {
   const std::string margin(static_cast<std::size_t>(indent), ' ');
   std::string line = margin;
-  for (std::size_t k = 0; k < words.size(); ++k) {
-    const std::string word = fmt::format("{}{}", words[k], k + 1 < words.size() ? "," : "");
+  while (!text.empty()) {
+    const std::string_view word = text.substr(0, text.find(' '));
+    text.remove_prefix(std::min(text.size(), word.size() + 1));
     if (line.size() > margin.size() && line.size() + 1 + word.size() > width) {
       out << line << '\n';
       line = margin;
     }
-    line += (line.size() > margin.size() ? " " : "") + word;
+    if (line.size() > margin.size()) line += ' ';
+    line += word;
   }
   out << line << '\n';
 }

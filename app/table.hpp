@@ -33,7 +33,7 @@ class Table {
 std::string number(double value, int digits = 7);
 /// "1 iteration", "3 iterations".
 std::string count(long long n, std::string_view noun);
-/// The words, comma-separated, in lines of at most `width` columns.
-void print_wrapped(std::ostream& out, std::span<const std::string_view> words, int indent, std::size_t width);
+/// The text, broken at spaces into lines of at most `width` columns.
+void print_wrapped(std::ostream& out, std::string_view text, int indent, std::size_t width = 100);
 
 }  // namespace perp::app

@@ -9,6 +9,7 @@
 #include "ncp/affine.hpp"
 #include "ncp/methods.hpp"
 #include "ncp/normal_map.hpp"
+#include "ncp/presolve.hpp"
 #include "ncp/refusal.hpp"
 
 namespace perp::ncp {
@@ -24,17 +25,16 @@ struct Choice {
   Method method;
 };
 
-std::string variables(Index n) { return std::to_string(n) + (n == 1 ? " variable" : " variables"); }
-
 /// What is tried first, and why.
 Choice first_choice(const Mcp& mcp, const Point& start, const Auto& method) {
   const Index n = mcp.size();
   if (!method.path.basis.empty()) return {"path", "a warm basis is given", method.path};
   if (mcp.is_affine()) return {"the linear methods", "the problem is affine", Affine{}};
   if (n > method.large && lcp::symmetric(start.J))
-    return {"josephy", "nonlinear, " + variables(n) + ", a symmetric Jacobian: quadratic programs by multigrid",
+    return {"josephy",
+            "nonlinear, " + quantity(n, "variable") + ", a symmetric Jacobian: quadratic programs by multigrid",
             NewtonJosephy{.subproblem = Subproblem::Qp}};
-  return {"path", "nonlinear, " + variables(n), method.path};
+  return {"path", "nonlinear, " + quantity(n, "variable"), method.path};
 }
 
 std::vector<Choice> choices(const Mcp& mcp, const Point& start, const Auto& method) {
@@ -71,6 +71,14 @@ std::string account(const std::vector<Choice>& list, std::size_t tried) {
   return text;
 }
 
+/// What presolve can say of a problem without a solution, row by row, is for people; a ray is not.
+void explain(const Mcp& mcp, In x0, Result& result) {
+  const Presolved pre = presolve(mcp, x0);
+  result.stats.F_evals += pre.F_evals();
+  result.stats.J_evals += pre.J_evals();
+  if (!pre.infeasible().empty()) result.message = "proven to have no solution: " + pre.infeasible();
+}
+
 }  // namespace
 
 Result run_auto(const Mcp& mcp, In x0, const Auto& method, const Observer& observer) {
@@ -85,6 +93,7 @@ Result run_auto(const Mcp& mcp, In x0, const Auto& method, const Observer& obser
   if (!run.start(x0, start)) return run.result();
   if (run.ended()) {
     run.go_on(start, {.k = 0, .kind = 'I'});
+    run.remark("auto had nothing to choose: the start is a solution");
     return run.result();
   }
   const std::vector<Choice> list = choices(mcp, start, method);
@@ -99,6 +108,7 @@ Result run_auto(const Mcp& mcp, In x0, const Auto& method, const Observer& obser
     Result result = run_with_escapes(mcp, start.x, limited(run, choice, tried == list.size(), scale), shown);
     if (std::holds_alternative<Affine>(choice.method))  // one iteration of this run, whatever its pivots
       result.stats.pivots += std::exchange(result.stats.iterations, std::min(result.stats.iterations, 1));
+    if (result.status == Status::Infeasible) explain(mcp, start.x, result);
     basis = std::move(result.basis);
     last = result.message;
     run.take(result);

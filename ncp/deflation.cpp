@@ -63,7 +63,7 @@ class Search {
     if (status_ == Status::Interrupted || (stop_.interrupt != nullptr && *stop_.interrupt)) return "interrupted";
     if (elapsed() >= stop_.max_time) return "the time limit of " + number(stop_.max_time.count()) + " s was reached";
     if (out_.stats.F_evals >= stop_.max_F_evals)
-      return "the limit of " + std::to_string(stop_.max_F_evals) + " evaluations of F was reached";
+      return "the limit of " + quantity(stop_.max_F_evals, "evaluation") + " of F was reached";
     return {};
   }
   AllSolutions finish(std::string message) {

@@ -117,7 +117,7 @@ void min_newton(Run& run, const MinNewton& method, Point point) {
     linearise(min, run.box(), point, lin);
     if (stall.stalled(lin.merit)) {
       run.end(Status::NoProgress, "the merit function theta = 1/2 ||min||^2 has stopped falling",
-              "try an escape, another start or --method semismooth");
+              "try --method proxi, which leaves local minima, another start or --method semismooth");
       break;
     }
     it = {.k = it.k + 1};
@@ -153,12 +153,12 @@ void min_newton(Run& run, const MinNewton& method, Point point) {
       if (stationary)
         run.end(Status::StationaryPoint,
                 "no feasible step reduces the linearised equations: a point that is not regular",
-                "try an escape or another start");
+                "try --method proxi, which leaves local minima, or another start");
       else
         run.end(nowhere ? Status::EvaluationFailed : Status::NoProgress,
                 nowhere ? "F or its Jacobian is not defined at any trial point, however short the step"
                         : "no direction decreases the merit function theta = 1/2 ||min||^2",
-                "try an escape, another start or method; check the derivatives (--check-derivatives)");
+                "try --method proxi, another start or method; check the derivatives (--check-derivatives)");
       break;
     }
     it.merit = done ? found.merit : lin.merit;

@@ -134,8 +134,7 @@ double Directions::first_nu(const Linearisation& lin, const Point& point) const 
 
 std::string Directions::remark() const {
   if (failures_ == 0) return {};
-  return "the Krylov method did not converge in " + std::to_string(failures_) +
-         (failures_ == 1 ? " iteration" : " iterations") + ", where LU took over" +
+  return "the Krylov method did not converge in " + quantity(failures_, "iteration") + ", where LU took over" +
          (method_.linear != LinearSolver::Direct && !krylov_ ? " for the rest of the run" : "");
 }
 

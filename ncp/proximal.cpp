@@ -131,7 +131,7 @@ class Rounds {
     it.x = &x;
     it.problem = &mcp_;
     if (shown(it) == Next::Stop)
-      end({Status::Interrupted, "interrupted after " + std::to_string(stats_.iterations) + " iterations",
+      end({Status::Interrupted, "interrupted after " + quantity(stats_.iterations, "iteration"),
            "run on from the point returned"});
     return r.natural <= escape_.accept * best_.residual.natural;
   }
@@ -164,15 +164,14 @@ class Rounds {
     Result r = run_(mcp, x, method, observer);
     stats_ += r.stats;
     if (r.status == Status::Interrupted)
-      end({r.status, "interrupted after " + std::to_string(stats_.iterations) + " iterations", r.advice});
+      end({r.status, "interrupted after " + quantity(stats_.iterations, "iteration"), r.advice});
     else if (r.status == Status::TimeLimit)
       end({r.status, "the time limit was reached", r.advice});
     else if (!r.solved() && stats_.F_evals >= stop(method_).max_F_evals)
       end({Status::IterationLimit,
-           "the limit of " + std::to_string(stop(method_).max_F_evals) + " evaluations of F was reached", r.advice});
+           "the limit of " + quantity(stop(method_).max_F_evals, "evaluation") + " of F was reached", r.advice});
     else if (r.status == Status::IterationLimit && iterations >= left)
-      end({r.status, "the limit of " + std::to_string(stop(method_).max_iterations) + " iterations was reached",
-           r.advice});
+      end({r.status, "the limit of " + quantity(stop(method_).max_iterations, "iteration") + " was reached", r.advice});
     return r;
   }
 

@@ -190,8 +190,7 @@ Result run_attempts(const Mcp& mcp, In x0, const PathSearch& method, const Obser
   if (run.ended() && (stuck(run.status()) || at_limit)) {
     Run::Verdict verdict = last_words(run, *first, user, tried - 1);
     if (at_limit)
-      verdict.message +=
-          ", the last one ended by the limit of " + std::to_string(method.stop.max_iterations) + " iterations";
+      verdict.message += ", the last one ended by the limit of " + quantity(method.stop.max_iterations, "iteration");
     run.replace_verdict(std::move(verdict));
   }
   Result result = run.result();

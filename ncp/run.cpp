@@ -22,6 +22,8 @@ std::pair<Index, Index> first_difference(const SpMat& J, const SpMat& pattern) {
   return {-1, -1};
 }
 
+constexpr const char* best_point = "; the best point has natural residual ";
+
 std::chrono::steady_clock::time_point deadline_after(std::chrono::duration<double> time) {
   using Clock = std::chrono::steady_clock;
   const auto now = Clock::now();
@@ -36,6 +38,10 @@ std::string number(double value) {
   text.precision(4);
   text << value;
   return text.str();
+}
+
+std::string quantity(Index n, std::string_view noun) {
+  return std::to_string(n).append(" ").append(noun).append(n == 1 ? "" : "s");
 }
 
 bool CountedMcp::eval(In x, Vec& F) {
@@ -141,16 +147,15 @@ void Run::resume(std::string attempt) {
 
 void Run::end_at(Status limit) {
   if (limit == Status::Interrupted)
-    end(limit, "interrupted after " + std::to_string(stats_.iterations) + " iterations",
-        "run on from the point returned");
+    end(limit, "interrupted after " + quantity(stats_.iterations, "iteration"), "run on from the point returned");
   else if (limit == Status::TimeLimit)
     end(limit, "the time limit of " + number(stop_.max_time.count()) + " s was reached",
         "raise the time limit, or go on from the point returned");
   else if (stats_.iterations < stop_.max_iterations)
-    end(Status::IterationLimit, "the limit of " + std::to_string(stop_.max_F_evals) + " evaluations of F was reached",
+    end(Status::IterationLimit, "the limit of " + quantity(stop_.max_F_evals, "evaluation") + " of F was reached",
         "raise the limit if the residual was still falling; otherwise try another method or start");
   else
-    end(Status::IterationLimit, "the limit of " + std::to_string(stop_.max_iterations) + " iterations was reached",
+    end(Status::IterationLimit, "the limit of " + quantity(stop_.max_iterations, "iteration") + " was reached",
         "raise the limit if the residual was still falling; otherwise try another method or start");
 }
 
@@ -205,7 +210,8 @@ void Run::take(const Result& other) {
       other.status == Status::TimeLimit)
     end_at(other.status);
   else  // limits of its own are no reason to stop
-    end(other.status == Status::IterationLimit ? Status::NoProgress : other.status, other.message, other.advice);
+    end(other.status == Status::IterationLimit ? Status::NoProgress : other.status,
+        other.message.substr(0, other.message.find(best_point)), other.advice);  // result() tells of the best of all
 }
 
 bool stuck(Status status) {
@@ -250,8 +256,8 @@ Result Run::result() {
   out.F = best_.F;
   out.residual = best_.residual;
   if (out.status != Status::Solved && out.residual.worst >= 0 && std::isfinite(out.residual.natural))
-    out.message += "; the best point has natural residual " + number(out.residual.natural) + ", worst in equation " +
-                   equation(out.residual.worst) + " of variable " + mcp().variable_name(out.residual.worst);
+    out.message += best_point + number(out.residual.natural) + ", worst in equation " + equation(out.residual.worst) +
+                   " of variable " + mcp().variable_name(out.residual.worst);
   out.stats = stats_;
   out.stats.F_evals += counted_.F_evals();
   out.stats.J_evals += counted_.J_evals();

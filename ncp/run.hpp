@@ -37,6 +37,9 @@ struct Point {
   SpMat J;
 };
 
+/// "1 iteration", "3 iterations".
+std::string quantity(Index n, std::string_view noun);
+
 class Run {
  public:
   Run(const Mcp& mcp, const Stop& stop, const Observer& observer);

@@ -243,12 +243,12 @@ void Smoother::give_up(bool stationary, bool stalled) {
              "try another start or method; check the derivatives (--check-derivatives)");
   else if (stationary)
     run_.end(Status::StationaryPoint, "a stationary point of " + merit_name + " that is no solution" + raised,
-             "try another start, or a method with proximal escapes");
+             "try another start, or a method with proximal escapes, --method proxi or semicomp");
   else
     run_.end(Status::NoProgress,
              stalled ? "the natural residual has stopped falling" + raised
                      : "no direction (Newton, Levenberg-Marquardt, gradient) decreases " + merit_name + raised,
-             "try another start, or a method with proximal escapes");
+             "try another start, or a method with proximal escapes, --method proxi or semicomp");
 }
 
 void Smoother::run() {

@@ -301,6 +301,8 @@ TEST(Options, BadValuesAreRefusedByName) {
                                                     {"output", "maybe", "yes or no"},
                                                     {"lu", "lapack", "umfpack, klu, eigen"},
                                                     {"method", "newton", "auto, path, miles, nesqp, qpcomp"},
+                                                    {"method", "semismoth", "Did you mean 'semismooth'"},
+                                                    {"cfunction", "fisher-burmeister", "'fischer-burmeister'"},
                                                     {"crash_method", "newton", "pnewton or none"},
                                                     {"nms_searchtype", "curve", "path, line or arc"},
                                                     {"nms_initial_reference_factor", "0.5", "in [1"},

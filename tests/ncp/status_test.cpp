@@ -117,7 +117,7 @@ TEST(Status, IterationLimit) {
       const Result result = solve(*mcp, Vec::Constant(4, 100), method);
       EXPECT_EQ(result.status, Status::IterationLimit) << label << ": " << result;
       EXPECT_EQ(result.stats.iterations, limit) << label;
-      EXPECT_THAT(result.message, HasSubstr("limit of " + std::to_string(limit) + " iterations")) << label;
+      EXPECT_THAT(result.message, HasSubstr("limit of " + std::to_string(limit) + " iteration")) << label;
     }
   // The limit is for the run and its escapes together.
   const auto billups = make_mcp(support::billups());
