@@ -13,6 +13,7 @@
 
 #include "app/json_parts.hpp"
 #include "app/warm_start.hpp"
+#include "ncp/collection/sized.hpp"
 
 namespace perp::app {
 
@@ -146,8 +147,10 @@ Json options_json(const Settings& settings) {
 }
 
 Json entry_json(const collection::Entry& entry, const collection::Problem& problem) {
+  const collection::Family* family = collection::find_family(entry.name);
   return {{"name", entry.name},
           {"size", entry.size},
+          {"any_size", family == nullptr ? Json(nullptr) : Json(syntax(*family))},
           {"class", entry.problem_class},
           {"starts", problem.starts.size()},
           {"known_solutions", problem.solutions.size()},

@@ -9,6 +9,7 @@
 #include "app/problem.hpp"
 #include "app/report.hpp"
 #include "app/table.hpp"
+#include "ncp/collection/sized.hpp"
 #include "ncp/residual.hpp"
 
 namespace perp::app {
@@ -20,21 +21,25 @@ namespace collection = ncp::collection;
 void print_all(std::ostream& out) {
   Table table({{"name", Align::Left},
                {"n", Align::Right},
+               {"sizes", Align::Left},
                {"class", Align::Left},
                {"starts", Align::Right},
                {"known", Align::Right},
                {"why it is hard", Align::Left}});
   for (const collection::Entry& entry : collection::entries()) {
     const collection::Problem problem = entry.make();
-    table.add({std::string(entry.name), std::to_string(entry.size), std::string(entry.problem_class),
-               std::to_string(problem.starts.size()),
+    const bool any_size = collection::find_family(entry.name) != nullptr;
+    table.add({std::string(entry.name), std::to_string(entry.size), any_size ? "any" : "",
+               std::string(entry.problem_class), std::to_string(problem.starts.size()),
                problem.no_solution.empty() ? std::to_string(problem.solutions.size()) : "none",
                std::string(entry.hard)});
   }
   table.print(out);
   out << fmt::format(
       "\n{}. 'known' counts solutions from the literature or in closed form, 'none': there is no solution.\n"
-      "'perp list NAME' shows one of them, 'perp solve NAME --start K' solves it.\n",
+      "'perp list NAME' shows one of them, 'perp solve NAME --start K' solves it.\n"
+      "'any': comes in any size as NAME:SIZE[xSIZE...][:SEED], as in 'perp solve walras-own:400x300x300:7';\n"
+      "'perp list NAME' tells what its sizes are.\n",
       count(static_cast<long long>(table.rows()), "problem"));
 }
 
@@ -65,12 +70,20 @@ void print_values(std::ostream& out, const collection::Problem& problem) {
   if (hidden > 0) out << fmt::format("  {} more are not shown; --json has all of them\n", hidden);
 }
 
+/// What the sizes of a family are, if it is one.
+void print_sizes(std::ostream& out, const collection::Family* family) {
+  if (family == nullptr) return;
+  out << fmt::format("  sizes   {}, as in {}:{}\n          {}{}\n", syntax(*family), family->name, family->example,
+                     limits(*family), family->seeded() ? ", a seed for other random numbers, else 1" : "");
+}
+
 void print_one(std::ostream& out, const collection::Entry& entry) {
   const collection::Problem problem = entry.make();
   const ncp::Mcp& mcp = *problem.mcp;
   out << fmt::format("{}: {}, {} in the Jacobian\n  class   {}\n  hard    {}\n  source  {}\n", entry.name,
                      count(mcp.size(), "variable"), count(mcp.jacobian_pattern().nonZeros(), "nonzero"),
                      entry.problem_class, entry.hard, entry.source);
+  print_sizes(out, collection::find_family(entry.name));
   out << '\n'
       << fmt::format("{}, {}\n\n", count(static_cast<long long>(problem.starts.size()), "start"),
                      count(static_cast<long long>(problem.solutions.size()), "known solution"));

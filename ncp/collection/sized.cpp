@@ -10,13 +10,14 @@
 
 #include "ncp/collection/build.hpp"
 #include "ncp/collection/generators.hpp"
+#include "ncp/collection/random_ncps.hpp"
 
 namespace perp::ncp::collection {
 
 namespace {
 
 constexpr Index sparse = 10'000'000;
-constexpr Index dense = 20'000;
+constexpr Index dense = 10'000;
 constexpr Index side = 20'000;  // of a grid
 
 constexpr std::array table{
@@ -24,7 +25,7 @@ constexpr std::array table{
     Family{"american-put-own", {{"steps", 1, side}, {"N", 1, side}}, "100x400", american_put_own},
     Family{"bimatrix-own", {{"m", 1, dense}, {"n", 1, dense}}, "30x20:3", bimatrix_own},
     Family{"bratu-own", {{"M", 1, side}, {"N", 1, side}}, "300x300", bratu_own},
-    Family{"ehl-kost", {{"N", 3, 10'000}}, "200", ehl_kost},
+    Family{"ehl-kost", {{"N", 3, dense}}, "200", ehl_kost},
     Family{"fathi", {{"n", 1, dense}}, "100", fathi},
     Family{"geiger-kanzow", {{"n", 1, sparse}}, "1000", geiger_kanzow},
     Family{"infeasible-monotone-own", {{"n", 2, sparse}}, "1000:2", infeasible_monotone_own},
@@ -38,10 +39,16 @@ constexpr std::array table{
     Family{"obstacle", {{"M", 1, side}, {"N", 1, side}}, "300x300", obstacle},
     Family{"obstacle-bump-own", {{"N", 1, 5000}}, "100", obstacle_bump_own},
     Family{"random-bimatrix-own", {{"m", 1, dense}, {"n", 1, dense}}, "30x20:3", random_bimatrix_own},
+    Family{"random-boxed-ncp-own", {{"n", 2, sparse}}, "1000:5", random_boxed_ncp_own},
     Family{"random-copositive-own", {{"n", 2, sparse}}, "1000:5", random_copositive_own},
     Family{"random-copositive-plus-own", {{"n", 4, sparse}}, "1000:5", random_copositive_plus_own},
+    Family{"random-degenerate-ncp-own", {{"n", 2, sparse}}, "1000:5", random_degenerate_ncp_own},
     Family{"random-degenerate-own", {{"n", 2, sparse}}, "1000:5", random_degenerate_own},
+    Family{"random-exponential-ncp-own", {{"n", 2, sparse}}, "1000:5", random_exponential_ncp_own},
+    Family{"random-ill-conditioned-ncp-own", {{"n", 2, sparse}}, "1000:5", random_ill_conditioned_ncp_own},
+    Family{"random-monotone-ncp-own", {{"n", 2, sparse}}, "1000:5", random_monotone_ncp_own},
     Family{"random-p-own", {{"n", 2, sparse}}, "1000:5", random_p_own},
+    Family{"random-p0-ncp-own", {{"n", 4, sparse}}, "1000:5", random_p0_ncp_own},
     Family{"random-pd-own", {{"n", 1, sparse}}, "1000:5", random_pd_own},
     Family{"random-psd-own", {{"n", 2, sparse}}, "1000:5", random_psd_own},
     Family{"random-strictly-copositive-own", {{"n", 2, sparse}}, "1000:5", random_strictly_copositive_own},
@@ -138,8 +145,8 @@ Problem make(const Family& family, std::string_view sizes) {
   const std::span<const SizeArgument> arguments = family.arguments();
   const std::vector<std::string_view> given = split(parts[0], 'x');
   if (given.size() != arguments.size())
-    refuse(family, quoted(parts[0]) + " has " + std::to_string(given.size()) + " sizes, not " +
-                       std::to_string(arguments.size()));
+    refuse(family, std::to_string(arguments.size()) + (arguments.size() == 1 ? " size is" : " sizes are") +
+                       " needed, " + quoted(parts[0]) + " has " + std::to_string(given.size()));
   Index n[3] = {};
   for (std::size_t k = 0; k < arguments.size(); ++k) {
     n[k] = whole_number(family, given[k], "size");

@@ -36,6 +36,26 @@ TEST(List, OneProblemWithStartsAndSolutions) {
     EXPECT_THAT(captured.out.str(), HasSubstr(part));
 }
 
+// Would catch sizes that nobody can find: the mark, the syntax below the table, arguments and limits of one problem.
+TEST(List, SaysWhichComeInAnySize) {
+  test::Captured all;
+  EXPECT_EQ(list({}, all.streams), exit_solved);
+  EXPECT_THAT(all.out.str(), testing::AllOf(testing::ContainsRegex("\nwalras-own +100 +any "),
+                                            testing::ContainsRegex("\nwalras-own-1000 +1000 +economics"),
+                                            HasSubstr("NAME:SIZE[xSIZE...][:SEED]")));
+  test::Captured one;
+  EXPECT_EQ(list({.name = "walras-own"}, one.streams), exit_solved);
+  for (const char* part : {"walras-own:GOODSxSECTORSxHOUSEHOLDS[:SEED], as in walras-own:400x300x300:7",
+                           "goods from 4 to 10000000, sectors from 1", "seed"})
+    EXPECT_THAT(one.out.str(), HasSubstr(part));
+  test::Captured other;
+  EXPECT_EQ(list({.name = "kojshin"}, other.streams), exit_solved);
+  EXPECT_THAT(other.out.str(), testing::Not(HasSubstr("sizes")));
+  test::Captured json;
+  ASSERT_EQ(list({.name = "obstacle", .json = true}, json.streams), exit_solved);
+  EXPECT_EQ(nlohmann::json::parse(json.out.str()).at("any_size"), "obstacle:MxN");
+}
+
 // Would catch a problem without solution that looks like one whose solutions are merely not known.
 TEST(List, SaysWhereThereIsNoSolution) {
   test::Captured one;
@@ -73,7 +93,7 @@ TEST(List, JsonOfAll) {
   ASSERT_EQ(json.at("problems").size(), ncp::collection::entries().size());
   for (const auto& problem : json.at("problems"))
     for (const char* key :
-         {"name", "size", "class", "starts", "known_solutions", "solutions_complete", "hard", "source"})
+         {"name", "size", "any_size", "class", "starts", "known_solutions", "solutions_complete", "hard", "source"})
       EXPECT_TRUE(problem.contains(key)) << problem << key;
 }
 
