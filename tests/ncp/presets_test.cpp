@@ -28,36 +28,55 @@ TEST(Presets, AreKnownByName) {
   EXPECT_EQ(find_preset("milles"), nullptr);
 }
 
+struct Count {
+  int runs = 0;
+  int solved = 0;
+  std::string failures{};
+};
+
+/// The solvable (problem, start) pairs among the entries chosen. A run that says it has solved must have; where there
+/// is no solution none may say so.
+Count run_preset(const char* name, bool (*chosen)(const collection::Entry&)) {
+  Count count;
+  for (const collection::Entry& entry : collection::entries()) {
+    if (entry.size > 60 || !chosen(entry)) continue;  // for time
+    const collection::Problem problem = entry.make();
+    for (std::size_t k = 0; k < problem.starts.size(); ++k) {
+      const Result result = solve(*problem.mcp, problem.starts[k], find_preset(name)->method);
+      const bool good = result.solved() && support::violation(*problem.mcp, result.x) <= 1e-8;
+      EXPECT_EQ(good, result.solved()) << name << " on " << entry.name << ": " << result;
+      if (!problem.no_solution.empty()) {
+        EXPECT_FALSE(result.solved()) << name << " on " << entry.name;
+        continue;
+      }
+      ++count.runs;
+      count.solved += good ? 1 : 0;
+      if (!good) count.failures.append(" ").append(entry.name).append(":").append(std::to_string(k + 1));
+    }
+  }
+  return count;
+}
+
+/// Optimality conditions, equations from far starts, random NCPs: many, and harder for some systems than the rest.
+bool is_set_apart(const collection::Entry& entry) {
+  return entry.problem_class == "kkt" || entry.problem_class == "equations" || entry.problem_class == "random";
+}
+
 // Shares of the solvable (problem, start) pairs, some below what is measured (bench_presets; README.md has the table).
 // Catches a change that costs a system its problems, and every false "solved".
 TEST(Presets, SolveTheirShareOfTheCollection) {
   struct Share {
     const char* name;
     double least;
+    double least_set_apart;
   };
-  for (const Share& share :
-       {Share{"miles", 0.93}, Share{"semismooth", 0.9}, Share{"semicomp", 0.95}, Share{"proxi", 0.9},
-        Share{"nesqp", 0.75}, Share{"qpcomp", 0.88}, Share{"smooth", 0.92}, Share{"path", 1}, Share{"auto", 1}}) {
-    int runs = 0;
-    int solved = 0;
-    std::string failures;
-    for (const collection::Entry& entry : collection::entries()) {
-      if (entry.size > 60) continue;  // for time
-      const collection::Problem problem = entry.make();
-      for (const Vec& x0 : problem.starts) {
-        const Result result = solve(*problem.mcp, x0, find_preset(share.name)->method);
-        const bool good = result.solved() && support::violation(*problem.mcp, result.x) <= 1e-8;
-        EXPECT_EQ(good, result.solved()) << share.name << " on " << entry.name << ": " << result;
-        if (!problem.no_solution.empty()) {
-          EXPECT_FALSE(result.solved()) << share.name << " on " << entry.name;
-          continue;
-        }
-        ++runs;
-        solved += good ? 1 : 0;
-        if (!good) failures.append(" ").append(entry.name);
-      }
-    }
-    EXPECT_GE(solved, share.least * runs) << share.name << " fails on" << failures;
+  for (const Share& share : {Share{"miles", 0.93, 0.88}, Share{"semismooth", 0.9, 0.83}, Share{"semicomp", 0.95, 0.87},
+                             Share{"proxi", 0.88, 0.87}, Share{"nesqp", 0.73, 0.7}, Share{"qpcomp", 0.85, 0.85},
+                             Share{"smooth", 0.92, 0.86}, Share{"path", 1, 0.97}, Share{"auto", 1, 0.975}}) {
+    const Count most = run_preset(share.name, [](const collection::Entry& entry) { return !is_set_apart(entry); });
+    EXPECT_GE(most.solved, share.least * most.runs) << share.name << " fails on" << most.failures;
+    const Count apart = run_preset(share.name, is_set_apart);
+    EXPECT_GE(apart.solved, share.least_set_apart * apart.runs) << share.name << " fails on" << apart.failures;
   }
 }
 
