@@ -18,6 +18,8 @@
 
 #include "app/ampl_driver.hpp"
 #include "app/cfunctions.hpp"
+#include "app/compare/command_line.hpp"
+#include "app/compare/worker.hpp"
 #include "app/comparison_report/write_report.hpp"
 #include "app/inspect.hpp"
 #include "app/list.hpp"
@@ -71,6 +73,7 @@ constexpr const char* main_footer =
     "  perp cfunctions                  the complementarity functions and smoothings they are built on\n"
     "  perp report DIR                  the report of a comparison, again\n"
     "  perp market -AMPL tol=1e-10      as AMPL calls a solver: reads market.nl, writes market.sol\n"
+    "  perp compare --problems class:tiny  methods x problems, each run in a process of its own, and a report\n"
     "\n"
     "Exit codes: 0 solved, 1 not solved, 2 wrong usage or input, 3 internal error.\n"
     "'perp COMMAND --help' explains a command, 'man perp' everything.";
@@ -157,10 +160,14 @@ struct CommandLine {
   bool check_derivatives = false;
   bool version = false;
 
+  CLI::App* export_command = nullptr;
+  CLI::App* compare = nullptr;
   CommandLine() {
     app.footer(main_footer);
     app.require_subcommand(0, 1);
     app.add_flag("-V,--version", version, "version, licence and linked libraries (-v alone: one line)");
+  ExportRequest export_request;
+  compare::CompareRequest compare_request;
     add_solve();
     add_inspect();
     list = app.add_subcommand("list", "The collection of named test problems, or one of them");
@@ -186,6 +193,7 @@ struct CommandLine {
         ->required()
         ->option_text(" ");
     solve->add_option("VECTOR", request.q, "q.mtx: with M.mtx the affine problem F(x) = M x + q")->option_text(" ");
+    compare = compare::add_command(app, compare_request);
     solve->add_option("--lower", request.lower, "of M.mtx: the lower bounds, of all or one by one (default 0)")
         ->option_text("NUMBER|FILE");
     solve->add_option("--upper", request.upper, "of M.mtx: the upper bounds (default inf)")->option_text("NUMBER|FILE");
@@ -262,8 +270,8 @@ struct CommandLine {
 
 /// A first word that is no command: what was meant?
 void check_command(const std::string& word, const Streams& streams, bool& known) {
-  constexpr std::array<std::string_view, 7> commands{"solve",      "inspect", "list", "methods",
-                                                     "cfunctions", "report",  "help"};
+  constexpr std::array<std::string_view, 9> commands{"solve",      "inspect", "list",   "export", "methods",
+                                                     "cfunctions", "compare", "report", "help"};
   known = word.starts_with('-') || std::ranges::find(commands, word) != commands.end();
   if (known) return;
   std::string hint = did_you_mean(word, commands);
@@ -348,6 +356,12 @@ int main(int argc, char** argv) {
   try {
     set_up_signals();
     pin_blas();
+  if (line.compare->parsed()) {
+    line.compare_request.command_line = {"perp"};
+    line.compare_request.command_line.insert(line.compare_request.command_line.end(), arguments.begin(),
+                                             arguments.end());
+    return compare::compare(line.compare_request, streams, &interrupted);
+  }
     const std::string program = argc > 0 ? std::filesystem::path(argv[0]).filename().string() : "perp";
     const std::vector<std::string> arguments(argv + std::min(argc, 1), argv + argc);
     const Streams streams{std::cout, std::cerr};
@@ -368,3 +382,4 @@ int main(int argc, char** argv) {
   }
   return exit_internal;
 }
+    if (arguments.size() == 2 && arguments[0] == "compare-worker") return compare::worker(arguments[1], &interrupted);

@@ -1,0 +1,267 @@
+#include "app/compare/compare.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <exception>
+#include <filesystem>
+#include <functional>
+#include <mutex>
+#include <ostream>
+#include <set>
+#include <thread>
+
+#include "app/compare/asked.hpp"
+#include "app/compare/baseline.hpp"
+#include "app/compare/journal.hpp"
+#include "app/compare/outcome_table.hpp"
+#include "app/compare/progress.hpp"
+#include "app/compare/run_cell.hpp"
+#include "app/comparison_report/write_report.hpp"
+#include "app/json.hpp"
+#include "app/table.hpp"
+
+namespace perp::app::compare {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A signal, or a failure in one of the threads, ends all of them.
+class Stopper {
+ public:
+  explicit Stopper(const std::atomic<bool>* interrupt) : interrupt_(interrupt) {}
+  bool look() {
+    if (interrupt_ != nullptr && interrupt_->load()) stop_ = true;
+    return stop_;
+  }
+  void stop() { stop_ = true; }
+  const std::atomic<bool>* flag() const { return &stop_; }
+
+ private:
+  const std::atomic<bool>* interrupt_;
+  std::atomic<bool> stop_{false};
+};
+
+/// Calls work(k, thread) for k = 0, ..., n - 1 on so many threads, in that order, and meanwhile look() in this one.
+/// Rethrows the first exception, after all threads have ended.
+void in_threads(std::size_t n, int threads, Stopper& stopper, const std::function<void(std::size_t, int)>& work,
+                const std::function<void()>& look) {
+  std::atomic<std::size_t> next{0};
+  std::atomic<int> running{threads};
+  std::exception_ptr failure;
+  std::mutex mutex;
+  std::vector<std::thread> all;
+  for (int t = 0; t < threads; ++t)
+    all.emplace_back([&, t] {
+      try {
+        for (std::size_t k = next++; k < n && !stopper.flag()->load(); k = next++) work(k, t);
+      } catch (...) {
+        const std::scoped_lock lock(mutex);
+        if (!failure) failure = std::current_exception();
+        stopper.stop();
+      }
+      --running;
+    });
+  constexpr std::chrono::milliseconds pause{20};
+  while (running > 0) {
+    stopper.look();
+    look();
+    std::this_thread::sleep_for(pause);
+  }
+  for (std::thread& thread : all) thread.join();
+  if (failure) std::rethrow_exception(failure);
+}
+
+struct Pending {
+  const AskedMethod* method;
+  const AskedProblem* problem;
+  int start;
+};
+
+/// Problem by problem, so that what is seen first is comparable.
+std::vector<Pending> pending_cells(const Campaign& campaign, const std::vector<Cell>& done) {
+  std::set<CellKey> keys;
+  for (const Cell& cell : done) keys.insert(key(cell));
+  std::vector<Pending> cells;
+  for (const AskedProblem& problem : campaign.problems)
+    for (int start = 1; start <= problem.starts; ++start)
+      for (const AskedMethod& method : campaign.methods)
+        if (!keys.contains({method.label, problem.name, start})) cells.push_back({&method, &problem, start});
+  return cells;
+}
+
+/// For a shell.
+std::string quoted(const std::string& word) {
+  if (!word.empty() && word.find_first_of(" \t'\"$`\\&|;<>()*?[]#~!{}") == std::string::npos) return word;
+  std::string text = "'";
+  for (const char c : word) text += c == '\'' ? "'\\''" : std::string(1, c);
+  return text + "'";
+}
+
+class Comparison {
+ public:
+  Comparison(const CompareRequest& request, Streams streams, const std::atomic<bool>* interrupt)
+      : request_(request), streams_(streams), stopper_(interrupt) {}
+
+  int run() {
+    if (!request_.baseline.empty()) baseline_ = read_baseline(request_.baseline);
+    std::error_code ignored;
+    const bool resume = request_.resume && fs::exists(request_.out + "/campaign.json", ignored);
+    if (request_.resume && !resume && !request_.problems && !request_.methods && request_.externals.empty())
+      throw InputError(fmt::format("--resume: there is no campaign in '{}'", request_.out));
+    if (!(resume ? take_up() : begin())) return interrupted(0, 0);
+    return work();
+  }
+
+ private:
+  void note(const std::string& text) { streams_.err << "perp: note: " << text << '\n'; }
+
+  /// What was begun. Throws InputError if it is something else.
+  bool take_up() {
+    const Campaign before = read_campaign(request_.out);
+    std::vector<std::string> notes;
+    Campaign now = asked_campaign(request_, &before, notes);
+    check_resumable(request_.out, before, now);
+    if (before.build != now.build) note("the program is another build than the one that began this campaign");
+    if (before.machine.cpu != now.machine.cpu)
+      note(fmt::format("another machine began this campaign ({}): times do not compare", before.machine.cpu));
+    lock_ = std::make_unique<DirectoryLock>(request_.out);
+    campaign_ = before;
+    campaign_.jobs = now.jobs;
+    return true;
+  }
+
+  /// A new one; false if it was interrupted while problems were looked at.
+  bool begin() {
+    std::vector<std::string> notes;
+    campaign_ = asked_campaign(request_, nullptr, notes);
+    for (const std::string& text : notes) note(text);
+    make_directory(request_.out, true);
+    lock_ = std::make_unique<DirectoryLock>(request_.out);
+    try {
+      if (!describe_problems()) {
+        leave_nothing();
+        return false;
+      }
+    } catch (const InputError&) {
+      leave_nothing();
+      throw;
+    }
+    write_file(request_.out + "/campaign.json", campaign_json(campaign_));
+    return true;
+  }
+
+  /// Of a campaign that has not begun.
+  void leave_nothing() {
+    std::error_code ignored;
+    fs::remove_all(work_folder(), ignored);
+    fs::remove(request_.out + "/lock", ignored);
+    fs::remove(request_.out, ignored);  // if empty
+  }
+
+  std::string work_folder() const { return fs::absolute(request_.out) / "work"; }
+  std::unique_ptr<CellRunner> runner(int thread) {
+    return std::make_unique<CellRunner>(campaign_, request_.program, fmt::format("{}/{}", work_folder(), thread),
+                                        stopper_.flag());
+  }
+  std::vector<std::unique_ptr<CellRunner>> runners() {
+    std::error_code ignored;
+    fs::remove_all(work_folder(), ignored);  // of a campaign that was killed
+    std::vector<std::unique_ptr<CellRunner>> all;
+    for (int t = 0; t < campaign_.jobs; ++t) all.push_back(runner(t));
+    return all;
+  }
+
+  bool describe_problems() {
+    std::vector<AskedProblem>& problems = campaign_.problems;
+    const auto all = runners();
+    in_threads(
+        problems.size(), campaign_.jobs, stopper_,
+        [&](std::size_t k, int t) {
+          if (const auto described = all[static_cast<std::size_t>(t)]->describe(problems[k])) problems[k] = *described;
+        },
+        [] {});
+    return !stopper_.look();
+  }
+
+  int work() {
+    Journal journal(request_.out);
+    for (const std::string& dropped : journal.before().dropped)
+      note(fmt::format("{}/cells.jsonl, {}: left out, its cell runs again", request_.out, dropped));
+    const std::vector<Cell>& before = journal.before().cells;
+    const std::vector<Pending> cells = pending_cells(campaign_, before);
+    const std::size_t total = campaign_.cells();
+    Progress progress(streams_.err, total, before, terminal_width(STDERR_FILENO));
+    streams_.err << fmt::format("perp: {} x {}: {}{}, {} at a time\n",
+                                count(static_cast<long long>(campaign_.methods.size()), "method"),
+                                count(static_cast<long long>(campaign_.problems.size()), "problem"),
+                                count(static_cast<long long>(total), "cell"),
+                                before.empty() ? "" : fmt::format(", {} of them to do", cells.size()), campaign_.jobs);
+    std::atomic<std::size_t> done{total - cells.size()};
+    {
+      const auto all = runners();
+      in_threads(
+          cells.size(), campaign_.jobs, stopper_,
+          [&](std::size_t k, int t) {
+            const Pending& next = cells[k];
+            const auto cell = all[static_cast<std::size_t>(t)]->run(*next.method, *next.problem, next.start);
+            if (!cell) return;
+            journal.add(*cell);
+            ++done;
+            progress.add(*cell);
+          },
+          [&] { progress.tick(); });
+    }
+    progress.end();
+    std::error_code ignored;
+    fs::remove_all(work_folder(), ignored);
+    return done < total ? interrupted(done, total) : finish();
+  }
+
+  int interrupted(std::size_t done, std::size_t total) {
+    if (total == 0)
+      streams_.err << "perp: interrupted before the first cell; nothing is left behind\n";
+    else
+      streams_.err << fmt::format(
+          "perp: interrupted; {} of {} cells are done. 'perp compare --out {} --resume' goes on\n", done, total,
+          quoted(request_.out));
+    return exit_interrupted;
+  }
+
+  int finish() {
+    write_report(request_.out);
+    const std::vector<Cell> cells = read_cells(request_.out).cells;
+    print_outcomes(streams_.out, campaign_, cells);
+    print_false_claims(streams_.out, cells);
+    streams_.out << fmt::format(
+        "\n{0}/report.html shows and {0}/findings.txt says what came out; {0}/cells.csv has every cell.\n",
+        request_.out);
+    if (request_.baseline.empty()) return exit_solved;
+    const BaselineComparison comparison = compare_with(baseline_, cells);
+    print_comparison(streams_.out, request_.baseline, comparison);
+    return comparison.regressions.empty() ? exit_solved : exit_unsolved;
+  }
+
+  const CompareRequest& request_;
+  Streams streams_;
+  Stopper stopper_;
+  std::vector<BaselineRow> baseline_;
+  Campaign campaign_;
+  std::unique_ptr<DirectoryLock> lock_;
+};
+
+}  // namespace
+
+int compare(const CompareRequest& request, Streams streams, const std::atomic<bool>* interrupt) {
+  try {
+    return Comparison(request, streams, interrupt).run();
+  } catch (const InputError& error) {
+    streams.err << "perp: " << error.what() << '\n';
+    return exit_input;
+  }
+}
+
+}  // namespace perp::app::compare
