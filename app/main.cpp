@@ -71,9 +71,9 @@ constexpr const char* main_footer =
     "  perp list                        what the collection has\n"
     "  perp methods                     the methods and their options\n"
     "  perp cfunctions                  the complementarity functions and smoothings they are built on\n"
+    "  perp compare --problems class:tiny  methods x problems, each run in a process of its own, and a report\n"
     "  perp report DIR                  the report of a comparison, again\n"
     "  perp market -AMPL tol=1e-10      as AMPL calls a solver: reads market.nl, writes market.sol\n"
-    "  perp compare --problems class:tiny  methods x problems, each run in a process of its own, and a report\n"
     "\n"
     "Exit codes: 0 solved, 1 not solved, 2 wrong usage or input, 3 internal error.\n"
     "'perp COMMAND --help' explains a command, 'man perp' everything.";
@@ -149,10 +149,12 @@ struct CommandLine {
   CLI::App* list = nullptr;
   CLI::App* methods = nullptr;
   CLI::App* cfunctions = nullptr;
+  CLI::App* compare = nullptr;
   CLI::App* report = nullptr;
   SolveRequest solve_request;
   InspectRequest inspect_request;
   ListRequest list_request;
+  compare::CompareRequest compare_request;
   std::array<std::string, shortcuts.size()> shortcut_values;
   std::string level = "info";
   std::string all;
@@ -160,14 +162,10 @@ struct CommandLine {
   bool check_derivatives = false;
   bool version = false;
 
-  CLI::App* export_command = nullptr;
-  CLI::App* compare = nullptr;
   CommandLine() {
     app.footer(main_footer);
     app.require_subcommand(0, 1);
     app.add_flag("-V,--version", version, "version, licence and linked libraries (-v alone: one line)");
-  ExportRequest export_request;
-  compare::CompareRequest compare_request;
     add_solve();
     add_inspect();
     list = app.add_subcommand("list", "The collection of named test problems, or one of them");
@@ -178,6 +176,7 @@ struct CommandLine {
     methods->footer(methods_footer);
     cfunctions = app.add_subcommand("cfunctions", "The C-functions and smoothings: formulas, properties, references");
     cfunctions->footer(cfunctions_footer);
+    compare = compare::add_command(app, compare_request);
     report = app.add_subcommand("report", "The report of a comparison: report.html and its numbers as CSV and JSON");
     report->footer(report_footer);
     report->add_option("DIR", campaign, "folder of the campaign")->required()->option_text(" ");
@@ -193,7 +192,6 @@ struct CommandLine {
         ->required()
         ->option_text(" ");
     solve->add_option("VECTOR", request.q, "q.mtx: with M.mtx the affine problem F(x) = M x + q")->option_text(" ");
-    compare = compare::add_command(app, compare_request);
     solve->add_option("--lower", request.lower, "of M.mtx: the lower bounds, of all or one by one (default 0)")
         ->option_text("NUMBER|FILE");
     solve->add_option("--upper", request.upper, "of M.mtx: the upper bounds (default inf)")->option_text("NUMBER|FILE");
@@ -270,7 +268,7 @@ struct CommandLine {
 
 /// A first word that is no command: what was meant?
 void check_command(const std::string& word, const Streams& streams, bool& known) {
-  constexpr std::array<std::string_view, 9> commands{"solve",      "inspect", "list",   "export", "methods",
+  constexpr std::array<std::string_view, 8> commands{"solve",      "inspect", "list",   "methods",
                                                      "cfunctions", "compare", "report", "help"};
   known = word.starts_with('-') || std::ranges::find(commands, word) != commands.end();
   if (known) return;
@@ -326,6 +324,12 @@ int run_command(std::vector<std::string> arguments, Streams streams) {
   if (line.list->parsed()) return list(line.list_request, streams);
   if (line.methods->parsed()) return print_methods(streams);
   if (line.cfunctions->parsed()) return print_cfunctions(streams);
+  if (line.compare->parsed()) {
+    line.compare_request.command_line = {"perp"};
+    line.compare_request.command_line.insert(line.compare_request.command_line.end(), arguments.begin(),
+                                             arguments.end());
+    return compare::compare(line.compare_request, streams, &interrupted);
+  }
   if (line.report->parsed()) return report_campaign(line.campaign, streams);
   if (line.solve->parsed()) {
     try {
@@ -356,14 +360,9 @@ int main(int argc, char** argv) {
   try {
     set_up_signals();
     pin_blas();
-  if (line.compare->parsed()) {
-    line.compare_request.command_line = {"perp"};
-    line.compare_request.command_line.insert(line.compare_request.command_line.end(), arguments.begin(),
-                                             arguments.end());
-    return compare::compare(line.compare_request, streams, &interrupted);
-  }
     const std::string program = argc > 0 ? std::filesystem::path(argv[0]).filename().string() : "perp";
     const std::vector<std::string> arguments(argv + std::min(argc, 1), argv + argc);
+    if (arguments.size() == 2 && arguments[0] == "compare-worker") return compare::worker(arguments[1], &interrupted);
     const Streams streams{std::cout, std::cerr};
     const int code =
         is_ampl_call(program, arguments)
@@ -382,4 +381,3 @@ int main(int argc, char** argv) {
   }
   return exit_internal;
 }
-    if (arguments.size() == 2 && arguments[0] == "compare-worker") return compare::worker(arguments[1], &interrupted);
