@@ -12,7 +12,7 @@ _perp() {
   local cur=${COMP_WORDS[COMP_CWORD]} prev=${COMP_WORDS[COMP_CWORD-1]} command=${COMP_WORDS[1]}
   COMPREPLY=()
   if [ "$COMP_CWORD" -eq 1 ]; then
-    mapfile -t COMPREPLY < <(compgen -W 'solve inspect list methods cfunctions report help --help --version -v' -- "$cur")
+    mapfile -t COMPREPLY < <(compgen -W 'solve inspect list methods cfunctions compare report help --help --version -v' -- "$cur")
     return
   fi
   case $prev in
@@ -39,6 +39,18 @@ _perp() {
     --lower | --upper | --start-at | --solution | --warm-start | --plot)
       mapfile -t COMPREPLY < <(compgen -f -- "$cur")
       return ;;
+    --out)
+      mapfile -t COMPREPLY < <(compgen -d -- "$cur")
+      return ;;
+    --baseline)
+      mapfile -t COMPREPLY < <(compgen -f -X '!*.csv' -- "$cur"; compgen -d -- "$cur")
+      return ;;
+    --problems)
+      mapfile -t COMPREPLY < <(compgen -W "all $(_perp_problems "${COMP_WORDS[0]}")" -- "$cur")
+      return ;;
+    --methods)
+      mapfile -t COMPREPLY < <(compgen -W 'presets all cfunctions none' -- "$cur")
+      return ;;
     --start | --plot-iteration | --tol | --max-iterations | --time-limit)
       return ;;
   esac
@@ -64,9 +76,12 @@ _perp() {
       else
         mapfile -t COMPREPLY < <(compgen -W "$(_perp_problems "${COMP_WORDS[0]}")" -- "$cur")
       fi ;;
+    compare)
+      mapfile -t COMPREPLY < <(compgen -W '--problems --methods --starts --tol --time-limit --memory-limit --jobs --restarts --seed --external
+        --out --resume --baseline --help' -- "$cur") ;;
     report) mapfile -t COMPREPLY < <(compgen -d -- "$cur") ;;
     methods | cfunctions) mapfile -t COMPREPLY < <(compgen -W '--help' -- "$cur") ;;
-    help) mapfile -t COMPREPLY < <(compgen -W 'solve inspect list methods cfunctions report' -- "$cur") ;;
+    help) mapfile -t COMPREPLY < <(compgen -W 'solve inspect list methods cfunctions compare report' -- "$cur") ;;
   esac
 }
 

@@ -205,7 +205,7 @@ std::vector<std::string> flags_in(const std::string& help) {
 TEST(Process, HelpManPageAndCompletionAgree) {
   const std::string completion = test::read(PERP_SOURCE_DIR "/app/perp.bash");
   const std::string page = test::read(PERP_SOURCE_DIR "/app/perp.1");
-  for (const char* command : {"solve", "list", "methods", "cfunctions"}) {
+  for (const char* command : {"solve", "list", "methods", "cfunctions", "compare"}) {
     const Finished finished = run({command, "--help"});
     EXPECT_EQ(finished.code, 0);
     EXPECT_EQ(run({"help", command}).out, finished.out);
