@@ -150,6 +150,9 @@ Json entry_json(const collection::Entry& entry, const collection::Problem& probl
   const collection::Family* family = collection::find_family(entry.name);
   return {{"name", entry.name},
           {"size", entry.size},
+          {"nonzeros", problem.mcp->jacobian_pattern().nonZeros()},
+          {"affine", problem.mcp->is_affine()},
+          {"solvable", problem.no_solution.empty()},
           {"any_size", family == nullptr ? Json(nullptr) : Json(syntax(*family))},
           {"class", entry.problem_class},
           {"starts", problem.starts.size()},
@@ -222,7 +225,6 @@ std::string problem_json(const collection::Entry& entry) {
   const ncp::Mcp& mcp = *problem.mcp;
   Json json = json_header();
   json.update(entry_json(entry, problem));
-  json["nonzeros"] = mcp.jacobian_pattern().nonZeros();
   json["lower"] = json_numbers(mcp.box().lower);
   json["upper"] = json_numbers(mcp.box().upper);
   json["starts"] = Json::array();
@@ -236,11 +238,10 @@ std::string problem_json(const collection::Entry& entry) {
   return json_text(json);
 }
 
-std::string list_json() {
+std::string list_json(std::span<const collection::Entry* const> entries) {
   Json json = json_header();
   json["problems"] = Json::array();
-  for (const collection::Entry& entry : collection::entries())
-    json["problems"].push_back(entry_json(entry, entry.make()));
+  for (const collection::Entry* entry : entries) json["problems"].push_back(entry_json(*entry, entry->make()));
   return json_text(json);
 }
 

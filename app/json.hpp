@@ -1,6 +1,7 @@
 #pragma once
 /// A run as JSON, for programs; the schema is in app/README.md.
 #include <iosfwd>
+#include <span>
 #include <string>
 
 #include "app/report.hpp"
@@ -13,9 +14,9 @@ std::string solve_json(const Report& report);
 /// Input that was refused: status "InputError".
 std::string refused_json(const std::string& problem, const std::string& message);
 
-/// One entry of the collection, with everything about it, and all of them, with what the table says.
+/// One entry of the collection, with everything about it, and several, with what the table says.
 std::string problem_json(const ncp::collection::Entry& entry);
-std::string list_json();
+std::string list_json(std::span<const ncp::collection::Entry* const> entries);
 
 /// Writes the file as a whole or not at all (a neighbour that is renamed). Throws InputError naming it.
 void write_file(const std::string& path, const std::string& content);

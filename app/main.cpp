@@ -21,6 +21,7 @@
 #include "app/compare/command_line.hpp"
 #include "app/compare/worker.hpp"
 #include "app/comparison_report/write_report.hpp"
+#include "app/export.hpp"
 #include "app/inspect.hpp"
 #include "app/list.hpp"
 #include "app/methods.hpp"
@@ -69,6 +70,7 @@ constexpr const char* main_footer =
     "  perp solve kojshin --start 2     solve a problem of the collection\n"
     "  perp inspect market.nl           size, structure, scaling, the start, derivatives: without solving\n"
     "  perp list                        what the collection has\n"
+    "  perp export ahn -o F.mtx         an affine problem as Matrix Market files\n"
     "  perp methods                     the methods and their options\n"
     "  perp cfunctions                  the complementarity functions and smoothings they are built on\n"
     "  perp compare --problems class:tiny  methods x problems, each run in a process of its own, and a report\n"
@@ -106,8 +108,17 @@ constexpr const char* inspect_footer =
 constexpr const char* list_footer =
     "Examples:\n"
     "  perp list\n"
+    "  perp list --class kkt,games --json\n"
     "  perp list kojshin           starts, bounds, known solutions and their residuals\n"
+    "  perp list walras-own        the same; it comes in any size, as 'perp solve walras-own:400x300x300:7'\n"
     "  perp list kojshin --json    the same for programs, with all digits";
+
+constexpr const char* export_footer =
+    "Examples:\n"
+    "  perp export cottle4 -o F.mtx     writes F.mtx, F-q.mtx, F-lower.mtx, F-upper.mtx, F-start.mtx\n"
+    "  perp export lq-control-own:1000 --start 2 -o F.mtx\n"
+    "\n"
+    "Reading the files back gives the same problem, digit for digit; the command that does is printed.";
 
 constexpr const char* methods_footer =
     "Examples:\n"
@@ -149,11 +160,13 @@ struct CommandLine {
   CLI::App* list = nullptr;
   CLI::App* methods = nullptr;
   CLI::App* cfunctions = nullptr;
+  CLI::App* export_command = nullptr;
   CLI::App* compare = nullptr;
   CLI::App* report = nullptr;
   SolveRequest solve_request;
   InspectRequest inspect_request;
   ListRequest list_request;
+  ExportRequest export_request;
   compare::CompareRequest compare_request;
   std::array<std::string, shortcuts.size()> shortcut_values;
   std::string level = "info";
@@ -171,7 +184,11 @@ struct CommandLine {
     list = app.add_subcommand("list", "The collection of named test problems, or one of them");
     list->footer(list_footer);
     list->add_option("NAME", list_request.name, "show everything about this one")->option_text(" ");
+    list->add_option("--class", list_request.classes, "only problems of these classes")
+        ->option_text("CLASS[,CLASS]")
+        ->allow_extra_args(false);
     list->add_flag("--json", list_request.json, "as JSON");
+    add_export();
     methods = app.add_subcommand("methods", "The methods, their references, and all options with their defaults");
     methods->footer(methods_footer);
     cfunctions = app.add_subcommand("cfunctions", "The C-functions and smoothings: formulas, properties, references");
@@ -180,6 +197,20 @@ struct CommandLine {
     report = app.add_subcommand("report", "The report of a comparison: report.html and its numbers as CSV and JSON");
     report->footer(report_footer);
     report->add_option("DIR", campaign, "folder of the campaign")->required()->option_text(" ");
+  }
+
+  void add_export() {
+    export_command = app.add_subcommand("export", "Write an affine problem of the collection as Matrix Market files");
+    export_command->footer(export_footer);
+    export_command->add_option("PROBLEM", export_request.source.problem, "a NAME that 'perp list' shows, or FILE.nl")
+        ->required()
+        ->option_text(" ");
+    export_command->add_option("-o,--output", export_request.file, "the matrix; its name is that of the vectors' files")
+        ->required()
+        ->option_text("F.mtx");
+    export_command->add_option("--start", export_request.source.start, "which start F-start.mtx is, from 1")
+        ->option_text("K");
+    export_command->add_flag("--force", export_request.force, "overwrite files");
   }
 
   void add_solve() {
@@ -268,7 +299,7 @@ struct CommandLine {
 
 /// A first word that is no command: what was meant?
 void check_command(const std::string& word, const Streams& streams, bool& known) {
-  constexpr std::array<std::string_view, 8> commands{"solve",      "inspect", "list",   "methods",
+  constexpr std::array<std::string_view, 9> commands{"solve",      "inspect", "list",   "export", "methods",
                                                      "cfunctions", "compare", "report", "help"};
   known = word.starts_with('-') || std::ranges::find(commands, word) != commands.end();
   if (known) return;
@@ -322,6 +353,7 @@ int run_command(std::vector<std::string> arguments, Streams streams) {
   }
   if (line.inspect->parsed()) return inspect(line.inspect_request, streams, &interrupted);
   if (line.list->parsed()) return list(line.list_request, streams);
+  if (line.export_command->parsed()) return export_problem(line.export_request, streams);
   if (line.methods->parsed()) return print_methods(streams);
   if (line.cfunctions->parsed()) return print_cfunctions(streams);
   if (line.compare->parsed()) {

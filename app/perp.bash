@@ -12,7 +12,7 @@ _perp() {
   local cur=${COMP_WORDS[COMP_CWORD]} prev=${COMP_WORDS[COMP_CWORD-1]} command=${COMP_WORDS[1]}
   COMPREPLY=()
   if [ "$COMP_CWORD" -eq 1 ]; then
-    mapfile -t COMPREPLY < <(compgen -W 'solve inspect list methods cfunctions compare report help --help --version -v' -- "$cur")
+    mapfile -t COMPREPLY < <(compgen -W 'solve inspect list export methods cfunctions compare report help --help --version -v' -- "$cur")
     return
   fi
   case $prev in
@@ -24,6 +24,15 @@ _perp() {
     --log-level)
       mapfile -t COMPREPLY < <(compgen -W 'quiet warning summary info debug' -- "$cur")
       return ;;
+    --class)
+      mapfile -t COMPREPLY < <(compgen -W "$("${COMP_WORDS[0]}" list --json 2>/dev/null |
+        sed -n 's/^ *"class": "\(.*\)",$/\1/p' | sort -u)" -- "$cur")
+      return ;;
+    -o | --output)
+      if [ "$command" = export ]; then
+        mapfile -t COMPREPLY < <(compgen -f -- "$cur")
+        return
+      fi ;;&
     -o | --option)
       mapfile -t COMPREPLY < <(compgen -W "$(_perp_keys "${COMP_WORDS[0]}")" -- "$cur")
       compopt -o nospace
@@ -72,7 +81,7 @@ _perp() {
       fi ;;
     list)
       if [ "${cur:0:1}" = - ]; then
-        mapfile -t COMPREPLY < <(compgen -W '--json --help' -- "$cur")
+        mapfile -t COMPREPLY < <(compgen -W '--class --json --help' -- "$cur")
       else
         mapfile -t COMPREPLY < <(compgen -W "$(_perp_problems "${COMP_WORDS[0]}")" -- "$cur")
       fi ;;
@@ -80,8 +89,14 @@ _perp() {
       mapfile -t COMPREPLY < <(compgen -W '--problems --methods --starts --tol --time-limit --memory-limit --jobs --restarts --seed --external
         --out --resume --baseline --help' -- "$cur") ;;
     report) mapfile -t COMPREPLY < <(compgen -d -- "$cur") ;;
+    export)
+      if [ "${cur:0:1}" = - ]; then
+        mapfile -t COMPREPLY < <(compgen -W '--output --start --force --help' -- "$cur")
+      else
+        mapfile -t COMPREPLY < <(compgen -W "$(_perp_problems "${COMP_WORDS[0]}")" -- "$cur")
+      fi ;;
     methods | cfunctions) mapfile -t COMPREPLY < <(compgen -W '--help' -- "$cur") ;;
-    help) mapfile -t COMPREPLY < <(compgen -W 'solve inspect list methods cfunctions compare report' -- "$cur") ;;
+    help) mapfile -t COMPREPLY < <(compgen -W 'solve inspect list export methods cfunctions compare report' -- "$cur") ;;
   esac
 }
 

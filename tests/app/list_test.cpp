@@ -5,6 +5,10 @@
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
+#include <set>
+#include <sstream>
+#include <string>
+#include <vector>
 
 #include "ncp/collection/collection.hpp"
 #include "support.hpp"
@@ -14,6 +18,7 @@ namespace {
 
 using testing::HasSubstr;
 
+// Would catch a problem left out, and lines that a terminal of 120 columns breaks.
 TEST(List, TableNamesEveryProblem) {
   test::Captured captured;
   EXPECT_EQ(list({}, captured.streams), exit_solved);
@@ -22,9 +27,46 @@ TEST(List, TableNamesEveryProblem) {
     std::string line_start("\n");
     line_start.append(entry.name).append(" ");
     EXPECT_THAT(captured.out.str(), HasSubstr(line_start));
-    EXPECT_THAT(captured.out.str(), HasSubstr(std::string(entry.hard)));
+    EXPECT_THAT(captured.out.str(), HasSubstr(std::string(entry.hard.substr(0, 12))));
   }
+  std::istringstream lines(captured.out.str());
+  for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 120U) << line;
   EXPECT_EQ(captured.err.str(), "");
+}
+
+std::set<std::string> listed(const std::vector<std::string>& classes) {
+  test::Captured captured;
+  EXPECT_EQ(list({.classes = classes, .json = true}, captured.streams), exit_solved) << captured.err.str();
+  std::set<std::string> names;
+  const auto json = nlohmann::json::parse(captured.out.str());
+  for (const auto& problem : json.at("problems")) names.insert(problem.at("name").get<std::string>());
+  return names;
+}
+
+// Would catch a class that takes others along, and of several classes only one.
+TEST(List, OfSomeClasses) {
+  std::set<std::string> expected;
+  for (const ncp::collection::Entry& entry : ncp::collection::entries())
+    if (entry.problem_class == "games" || entry.problem_class == "kkt") expected.emplace(entry.name);
+  EXPECT_EQ(listed({"games,kkt"}), expected);
+  EXPECT_EQ(listed({"kkt", "games"}), expected);
+  EXPECT_EQ(listed({}).size(), ncp::collection::entries().size());
+  test::Captured table;
+  EXPECT_EQ(list({.classes = {"games"}}, table.streams), exit_solved);
+  EXPECT_THAT(table.out.str(), HasSubstr("\nnash10 "));
+  EXPECT_THAT(table.out.str(), testing::Not(HasSubstr("\nkojshin ")));
+}
+
+TEST(List, UnknownClassIsAnInputErrorWithSuggestion) {
+  test::Captured captured;
+  EXPECT_EQ(list({.classes = {"lcp,gams"}}, captured.streams), exit_input);
+  EXPECT_EQ(captured.out.str(), "");
+  EXPECT_THAT(captured.err.str(), testing::AllOf(HasSubstr("'gams'"), HasSubstr("'games'"), HasSubstr("tiny")));
+  for (const ListRequest& wrong : {ListRequest{.classes = {""}}, ListRequest{.name = "kojshin", .classes = {"tiny"}}}) {
+    test::Captured refused;
+    EXPECT_EQ(list(wrong, refused.streams), exit_input);
+    EXPECT_THAT(refused.err.str(), HasSubstr("--class"));
+  }
 }
 
 // kojshin: eight starts and two solutions, (sqrt6/2, 0, 0, 1/2) and (1, 0, 3, 0) (Kojima & Shindo 1986).
