@@ -1,5 +1,6 @@
 #include "ncp/collection/build.hpp"
 
+#include <memory>
 #include <stdexcept>
 
 namespace perp::ncp::collection {
@@ -88,15 +89,15 @@ bool all_finite(In values) { return values.allFinite(); }
 std::unique_ptr<Mcp> make_affine(Shape shape, const SpMat& M, const Vec& q) {
   shape.pattern = M;
   Functions made = functions_of(std::move(shape));
-  const SpMat matrix = made.pattern;  // compressed, hence value for value J
+  const auto matrix = std::make_shared<const SpMat>(made.pattern);  // compressed, hence value for value J
   made.affine = true;
   made.F = [matrix, q](In x, Out F) {
     F = q;
-    F.noalias() += matrix * x;
+    F.noalias() += *matrix * x;
     return all_finite(F);
   };
   made.J = [matrix](In, SpMat& J) {
-    std::copy_n(matrix.valuePtr(), matrix.nonZeros(), J.valuePtr());
+    std::copy_n(matrix->valuePtr(), matrix->nonZeros(), J.valuePtr());
     return true;
   };
   return make_mcp(std::move(made));

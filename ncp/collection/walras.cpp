@@ -1,5 +1,6 @@
 /// A sparse general equilibrium of any size around a planted equilibrium.
 #include <algorithm>
+#include <memory>
 
 #include "ncp/collection/build.hpp"
 #include "ncp/collection/generators.hpp"
@@ -172,8 +173,9 @@ Problem walras_own(Index goods, Index sectors, Index households, unsigned seed) 
   require_at_least("walras-own", "sectors", sectors, 1);
   require_at_least("walras-own", "goods - sectors", goods - sectors, 1);
   require_at_least("walras-own", "households", households, 1);
-  const Economy economy = plant(goods, sectors, households, seed);
-  const SpMat frame = jacobian_frame(economy);
+  const auto shared = std::make_shared<const Economy>(plant(goods, sectors, households, seed));
+  const Economy& economy = *shared;
+  const auto frame = std::make_shared<const SpMat>(jacobian_frame(economy));
 
   Box box{Vec::Zero(economy.size()), Vec::Constant(economy.size(), infinity)};
   box.lower.segment(sectors, goods).setConstant(1e-4);
@@ -182,9 +184,9 @@ Problem walras_own(Index goods, Index sectors, Index households, unsigned seed) 
   const auto names = [&](const char* y, const char* p, const char* h) {
     return joined({indexed(y, sectors), indexed(p, goods), indexed(h, households)});
   };
-  Functions made = functions_of({"walras-own", box, names("y", "p", "h"), names("loss", "market", "income"), frame});
-  made.F = [economy](In z, Out F) { return excess(economy, z, F); };
-  made.J = [economy, frame](In z, SpMat& J) { return slopes(economy, frame, z, J); };
+  Functions made = functions_of({"walras-own", box, names("y", "p", "h"), names("loss", "market", "income"), *frame});
+  made.F = [shared](In z, Out F) { return excess(*shared, z, F); };
+  made.J = [shared, frame](In z, SpMat& J) { return slopes(*shared, *frame, z, J); };
 
   Problem p;
   p.mcp = make_mcp(std::move(made));
