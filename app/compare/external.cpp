@@ -15,12 +15,13 @@
 #include <cstring>
 #include <filesystem>
 
+#include "app/compare/affine_nl.hpp"
 #include "app/compare/process.hpp"
 #include "app/compare/sol_file.hpp"
 #include "app/compare/worker_files.hpp"
 #include "app/json.hpp"
+#include "app/problem.hpp"
 #include "app/program.hpp"
-#include "ncp/ampl/model.hpp"
 
 namespace perp::app::compare {
 
@@ -38,13 +39,16 @@ sigset_t death_notice() {
   return set;
 }
 
-/// A private copy of the model with the start of the rule; its stub.
-std::string copy_model(const Task& task, const ncp::ampl::Model& model) {
+/// A private copy of the model with the start of the rule, written anew where it is no file; its stub.
+std::string copy_model(const Task& task, const LoadedProblem& problem) {
   const fs::path stub = fs::path(task.folder) / "model";
+  const ncp::Vec x0 = perturbed(problem.mcp->box(), problem.x0, task.rule);
+  if (problem.model == nullptr) {
+    write_file(stub.string() + ".nl", affine_nl(*problem.mcp, x0));
+    return stub;
+  }
   const std::string text = read_text(task.problem);
-  const bool changed = task.rule.run > 0;
-  write_file(stub.string() + ".nl",
-             changed ? nl_with_start(text, perturbed(model.box(), model.start(), task.rule)) : text);
+  write_file(stub.string() + ".nl", task.rule.run > 0 ? nl_with_start(text, x0) : text);
   for (const char* names : {".col", ".row"}) {
     std::error_code ignored;
     const fs::path source = fs::path(task.problem).replace_extension(names);
@@ -145,15 +149,15 @@ int signal_of(int status) {
   return signal > 0 && sigabbrev_np(signal) != nullptr ? signal : 0;
 }
 
-void take_sol(Answer& answer, const std::string& text, const ncp::ampl::Model& model, const std::string& folder) {
+void take_sol(Answer& answer, const std::string& text, ncp::Index variables, const std::string& folder) {
   constexpr int claims_below = 200;
   constexpr int infeasible_below = 300;
-  const SolFile sol = parse_sol(text, model.n_var());
+  const SolFile sol = parse_sol(text, variables);
   answer.status = fmt::format("solve_result_num {}", sol.code);
   answer.message = sol.message;
   answer.claimed = sol.code >= 0 && sol.code < claims_below;
   answer.infeasible = sol.code >= claims_below && sol.code < infeasible_below;
-  answer.has_x = sol.x.size() > 0 || model.n_var() == 0;
+  answer.has_x = sol.x.size() > 0 || variables == 0;
   if (answer.claimed && !answer.has_x) throw InputError("it claims a solution and gives no values");
   if (answer.has_x) write_point(folder, sol.x);
 }
@@ -164,8 +168,8 @@ Answer run_external(const Task& task) {
   const sigset_t notice = death_notice();
   sigprocmask(SIG_BLOCK, &notice, nullptr);
   prctl(PR_SET_CHILD_SUBREAPER, 1);  // orphans of the program come to this process, which finds and ends them
-  const auto model = ncp::ampl::read_model(task.problem);
-  const std::string stub = copy_model(task, *model);
+  const LoadedProblem problem = load_problem(ProblemSource{.problem = task.problem, .start = task.start});
+  const std::string stub = copy_model(task, problem);
   Answer answer;
   const Clock::time_point begin = Clock::now();
   Running program(task.command, stub);
@@ -184,7 +188,7 @@ Answer run_external(const Task& task) {
     std::error_code ignored;
     const std::string path = stub + ".sol";
     if (!fs::is_regular_file(path, ignored)) throw InputError("there is none");
-    take_sol(answer, read_text(path), *model, task.folder);
+    take_sol(answer, read_text(path), problem.own_variables(), task.folder);
   } catch (const InputError& error) {
     answer.claimed = answer.infeasible = answer.has_x = false;
     if (const int signal = signal_of(status); signal != 0)

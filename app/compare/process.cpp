@@ -195,6 +195,7 @@ class Watch {
     return why_;
   }
   double seconds() const { return seconds_since(begin_); }
+  double largest_mb() const { return largest_mb_; }  // that was seen
 
  private:
   void look() {
@@ -211,6 +212,7 @@ class Watch {
     if (request_.runs_others && now < next_look_) return;
     next_look_ = now + 0.05;
     const double mb = request_.runs_others ? tree_mb(pid_) : resident_mb(pid_);
+    largest_mb_ = std::max(largest_mb_, mb);
     if (mb > static_cast<double>(limits.memory_mb)) end(ProcessEnd::Why::MemoryLimit);
   }
 
@@ -228,6 +230,7 @@ class Watch {
   ProcessEnd::Why why_ = ProcessEnd::Why::Itself;
   bool told_ = false;
   double next_look_ = 0;
+  double largest_mb_ = 0;
 };
 
 }  // namespace
@@ -266,7 +269,7 @@ ProcessEnd run_process(const ProcessRequest& request, const std::atomic<bool>* i
   rusage usage{};
   while (wait4(pid, &end.status, 0, &usage) < 0 && errno == EINTR) {
   }
-  end.peak_mb = static_cast<double>(usage.ru_maxrss) / 1024;
+  end.peak_mb = std::max(static_cast<double>(usage.ru_maxrss) / 1024, watch.largest_mb());
   return end;
 }
 

@@ -26,7 +26,7 @@ struct ProcessEnd {
   Why why = Why::Itself;
   int status = 0;       ///< of wait4
   double seconds = 0;   ///< from its start to its end
-  double peak_mb = 0;   ///< largest resident memory, by rusage: its own or that of the largest process it waited for
+  double peak_mb = 0;   ///< largest resident memory, by rusage or, of all it started together, as it was seen
   std::string error{};  ///< NotStarted
 };
 

@@ -111,10 +111,9 @@ std::string CellRunner::log_tail() const {
 
 std::optional<RunEnd> CellRunner::attempt(const AskedMethod& method, const AskedProblem& problem, int start, int run) {
   RunEnd end;
-  const bool model = problem.file.ends_with(".nl");
-  if (method.external() && !model) {
+  if (method.external() && !problem.file.ends_with(".nl") && !problem.affine) {
     end.answer.complete = end.answer.not_applicable = true;
-    end.answer.message = "not an .nl file";
+    end.answer.message = "neither an .nl file nor affine";
     return end;
   }
   fs::remove_all(folder_);

@@ -50,6 +50,12 @@ Answer solve(const Task& task, Clock::time_point begin, const std::atomic<bool>*
   const ncp::Mcp& mcp = *problem.mcp;
   ncp::Method method =
       settings_of({.label = task.method, .name = task.name, .options = task.options}, task.tol).settings.method;
+  Answer answer;
+  if (std::holds_alternative<ncp::Affine>(method) && !mcp.is_affine()) {
+    answer.not_applicable = true;
+    answer.message = "the method is for affine problems, and this one does not say it is one";
+    return answer;
+  }
   set_tolerance(method, mcp, task.tol);
   ncp::Stop& stop = ncp::stop(method);
   stop.interrupt = interrupt;
@@ -57,7 +63,6 @@ Answer solve(const Task& task, Clock::time_point begin, const std::atomic<bool>*
   stop.max_time = std::min(
       stop.max_time, std::chrono::duration<double>(std::max(1e-3, task.time_limit - margin - seconds_since(begin))));
   const ncp::Vec x0 = perturbed(mcp.box(), problem.x0, task.rule);
-  Answer answer;
   const Clock::time_point solving = Clock::now();
   const ncp::Result result = ncp::solve(mcp, x0, method, [&](const ncp::Iteration& it) {
     answer.curve.push_back(it.residual);

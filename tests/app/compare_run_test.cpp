@@ -1,0 +1,490 @@
+/// perp compare as a process: limits, peers that misbehave, kill -9 and --resume, refusals.
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <csignal>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <thread>
+
+#include "app/compare/cell.hpp"
+#include "app/compare/process.hpp"
+#include "support.hpp"
+
+namespace perp::app::compare {
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+
+/// A child whose output goes to files in `folder`.
+class Child {
+ public:
+  Child(const test::Folder& folder, std::vector<std::string> arguments)
+      : out_(folder / "stdout.txt"), err_(folder / "stderr.txt") {
+    arguments.insert(arguments.begin(), PERP_PROGRAM);
+    std::vector<char*> argv;
+    for (std::string& argument : arguments) argv.push_back(argument.data());
+    argv.push_back(nullptr);
+    pid_ = fork();
+    if (pid_ != 0) return;
+    dup2(open(out_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666), STDOUT_FILENO);
+    dup2(open(err_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666), STDERR_FILENO);
+    execv(argv[0], argv.data());
+    _exit(127);
+  }
+  Child(const Child&) = delete;
+  Child& operator=(const Child&) = delete;
+  ~Child() {
+    if (pid_ > 0) {
+      kill(pid_, SIGKILL);
+      waitpid(pid_, nullptr, 0);
+    }
+  }
+  void signal(int number) const { kill(pid_, number); }
+  /// The exit code, or minus the signal that ended it.
+  int wait() {
+    int status = 0;
+    waitpid(pid_, &status, 0);
+    pid_ = -1;
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+  }
+  std::string out() const { return test::read(out_); }
+  std::string err() const { return test::read(err_); }
+
+ private:
+  std::string out_, err_;
+  pid_t pid_ = -1;
+};
+
+struct Finished {
+  int code = 0;
+  std::string out, err;
+};
+Finished compare(const test::Folder& folder, std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), "compare");
+  Child child(folder, std::move(arguments));
+  const int code = child.wait();
+  return {code, child.out(), child.err()};
+}
+
+/// Waits until test() holds, at most 20 s.
+template <class Test>
+bool eventually(Test test) {
+  for (int k = 0; k < 4000; ++k) {
+    if (test()) return true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  return false;
+}
+
+bool alive(const std::string& pid_file) {
+  const std::string text = test::read(pid_file);
+  if (text.empty()) return false;
+  const std::string stat = test::read("/proc/" + std::to_string(std::stoi(text)) + "/stat");
+  return !stat.empty() && stat.substr(stat.rfind(')') + 2, 1) != "Z";
+}
+
+Cell only(const std::vector<Cell>& cells, const std::string& method) {
+  for (const Cell& cell : cells)
+    if (cell.method == method) return cell;
+  ADD_FAILURE() << "no cell of " << method;
+  return {};
+}
+
+/// A .sol file for one variable.
+std::string sol(const std::string& x, int code) {
+  return "peer\n\nOptions\n3\n1\n1\n0\n1\n0\n1\n1\n" + x + "\nobjno 0 " + std::to_string(code) + "\n";
+}
+
+/// A shell script that AMPL could call; $1 is the stub.
+std::string script(const test::Folder& folder, const std::string& name, const std::string& body) {
+  const std::string path = folder / (name + ".sh");
+  test::write(path, "#!/bin/sh\n" + body + "\n");
+  std::filesystem::permissions(path, std::filesystem::perms::owner_all);
+  return name + "=" + path;
+}
+
+/// cat > $1.sol of that text.
+std::string writes(const std::string& text) { return "cat > $1.sol <<'END'\n" + text + "END\n"; }
+
+// Every way a peer can misbehave loses its own cell, shown as exactly that. x^2 - 2 has the solution sqrt(2).
+TEST(CompareRun, PeersAreShownAsWhatTheyAre) {
+  const test::Folder folder;
+  test::write(folder / "m.nl", test::sqrt2_nl());
+  const std::string right = sol("1.414213562373095", 0);
+  struct Peer {
+    std::string name, body;
+    Outcome outcome;
+    std::string message;
+  };
+  const std::vector<Peer> peers{
+      {"right", "exec " PERP_PROGRAM " \"$@\"", Outcome::Solved, "solution found"},
+      {"segv", "kill -SEGV $$", Outcome::Crashed, "signal 11"},
+      {"inner-segv", "sh -c 'kill -SEGV $$'\nexit $?", Outcome::Crashed, "signal 11"},
+      {"chatter", "head -c 3000000 /dev/urandom\n" + writes(right), Outcome::Solved, "peer"},
+      {"garbage", "head -c 3000 /dev/urandom > $1.sol", Outcome::Garbage, ".sol file"},
+      {"truncated", writes(right) + "head -c 40 $1.sol > $1.t; mv $1.t $1.sol", Outcome::Garbage, "cut off"},
+      {"wrong-size", writes("peer\n\nOptions\n3\n1\n1\n0\n1\n0\n2\n2\n1\n1\nobjno 0 0\n"), Outcome::Garbage,
+       "for 2 variables"},
+      {"wrong", writes(sol("1.5", 0)), Outcome::FalseConvergence, "peer"},
+      {"nan", writes(sol("nan", 0)), Outcome::FalseConvergence, "peer"},
+      {"modest", writes(sol("1.414213562373095", 500)), Outcome::Unclaimed, "peer"},
+      {"honest", writes(sol("1.5", 500)), Outcome::Failed, "peer"},
+      {"denies", writes(sol("1.5", 200)), Outcome::Failed, "peer"},
+      {"mute", "echo no licence >&2; exit 1", Outcome::Garbage, "exit code 1; it said: no licence"},
+      {"pipe", "mkfifo $1.sol", Outcome::Garbage, ".sol file: there is none"},
+      {"forks",
+       "sleep 1000 & echo $! > " + (folder / "child1") + "\nsetsid sleep 1000 & echo $! > " + (folder / "child2") +
+           "\n" + writes(right),
+       Outcome::Solved, "peer"},
+  };
+  std::vector<std::string> arguments{"--methods",    "none",         "--problems", folder / "m.nl", "--out",
+                                     folder / "out", "--time-limit", "20",         "--jobs",        "2"};
+  for (const Peer& peer : peers) {
+    arguments.emplace_back("--external");
+    arguments.push_back(script(folder, peer.name, peer.body));
+  }
+  const Finished finished = compare(folder, arguments);
+  EXPECT_EQ(finished.code, 0) << finished.err;
+  const std::vector<Cell> cells = read_cells(folder / "out").cells;
+  ASSERT_EQ(cells.size(), peers.size());
+  for (const Peer& peer : peers) {
+    const Cell cell = only(cells, peer.name);
+    EXPECT_EQ(to_string(cell.outcome), to_string(peer.outcome)) << peer.name << ": " << cell.message;
+    EXPECT_THAT(cell.message, HasSubstr(peer.message)) << peer.name;
+  }
+  EXPECT_LT(only(cells, "right").natural, 1e-6);
+  EXPECT_NEAR(only(cells, "wrong").natural, 0.25, 1e-9) << "F(1.5) = 1/4";
+  EXPECT_FALSE(alive(folder / "child1")) << "left behind in the group";
+  EXPECT_FALSE(alive(folder / "child2")) << "left behind in another session";
+  EXPECT_THAT(finished.out, HasSubstr("false claim"));
+}
+
+// A peer on the collection: affine problems with all their starts, others not; restarts change its start.
+TEST(CompareRun, PeersOnTheCollection) {
+  const test::Folder folder;
+  const std::string peer =
+      script(folder, "perp-itself", "cp $1.nl " + (folder / "last.nl") + "\nexec " PERP_PROGRAM " \"$@\"");
+  const std::string gives_up = script(folder, "gives-up",
+                                      "head -2 $1.nl | grep -q '^ 1 1 ' && grep -A1 '^x' $1.nl >> " +
+                                          (folder / "starts") + "\n" + writes(sol("1", 500)));
+  test::write(folder / "m.nl", test::sqrt2_nl());
+  const Finished finished =
+      compare(folder, {"--methods", "none", "--problems", "cottle4,kojshin,infeasible-own," + (folder / "m.nl"),
+                       "--out", folder / "out", "--external", peer, "--external", gives_up, "--restarts", "2"});
+  EXPECT_EQ(finished.code, 0) << finished.err;
+  for (const Cell& cell : read_cells(folder / "out").cells) {
+    if (cell.method == "perp-itself") {
+      const Outcome right = cell.problem == "kojshin"          ? Outcome::NotApplicable
+                            : cell.problem == "infeasible-own" ? Outcome::Infeasible
+                                                               : Outcome::Solved;
+      EXPECT_EQ(to_string(cell.outcome), to_string(right)) << cell.problem << ": " << cell.message;
+    }
+    if (cell.method == "gives-up" && cell.problem == "m.nl") {
+      EXPECT_EQ(cell.restarts, 2);
+      EXPECT_EQ(cell.outcome_after_restarts, Outcome::Failed);
+    }
+  }
+  std::istringstream lines(test::read(folder / "starts"));
+  std::set<std::string> starts;
+  for (std::string line; std::getline(lines, line);)
+    if (!line.starts_with('x')) starts.insert(line);
+  EXPECT_EQ(starts.size(), 3U) << "of m.nl: its own and two others";
+}
+
+// What hangs and what grows is ended at its limit, children included, however it ignores signals.
+TEST(CompareRun, PeersBeyondTheirLimits) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "sanitizers need more memory than the limit";
+#endif
+  const test::Folder folder;
+  test::write(folder / "m.nl", test::sqrt2_nl());
+  const std::string pids = "echo $$ > " + (folder / "hang.pid") + "; ";
+  const auto begin = std::chrono::steady_clock::now();
+  const Finished finished =
+      compare(folder, {"--methods",
+                       "none",
+                       "--problems",
+                       folder / "m.nl",
+                       "--out",
+                       folder / "out",
+                       "--time-limit",
+                       "0.6",
+                       "--memory-limit",
+                       "150",
+                       "--jobs",
+                       "4",
+                       "--external",
+                       script(folder, "hangs", pids + "sleep 1000"),
+                       "--external",
+                       script(folder, "ignores", "trap '' TERM INT HUP\nwhile :; do sleep 0.1; done"),
+                       "--external",
+                       script(folder, "answers",
+                              "trap '" + std::string("printf \"") +
+                                  "p\\n\\nOptions\\n3\\n1\\n1\\n0\\n1\\n0\\n1\\n1\\n1.5\\nobjno 0 "
+                                  "400\\n\" > \"$1.sol\"; exit 0' TERM\nsleep 1000 & wait"),
+                       "--external",
+                       script(folder, "eats", "exec perl -e '$s .= \"x\" x 10000000 while 1'"),
+                       "--external",
+                       script(folder, "inner-eats", "perl -e '$s .= \"x\" x 10000000 while 1'; exit 0")});
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  EXPECT_EQ(finished.code, 0) << finished.err;
+  EXPECT_LT(seconds, 15);
+  const std::vector<Cell> cells = read_cells(folder / "out").cells;
+  EXPECT_EQ(only(cells, "hangs").outcome, Outcome::TimeLimit);
+  EXPECT_EQ(only(cells, "ignores").outcome, Outcome::TimeLimit);
+  EXPECT_THAT(only(cells, "ignores").message, HasSubstr("killed after"));
+  EXPECT_EQ(only(cells, "answers").outcome, Outcome::TimeLimit);
+  EXPECT_NEAR(only(cells, "answers").natural, 0.25, 1e-9) << "its last word is judged";
+  EXPECT_EQ(only(cells, "eats").outcome, Outcome::MemoryLimit);
+  EXPECT_EQ(only(cells, "inner-eats").outcome, Outcome::MemoryLimit) << "not a child of the worker itself";
+  EXPECT_FALSE(alive(folder / "hang.pid"));
+}
+
+// Our own methods: one that has no end is stopped by its own limit, one whose problem does not fit by memory's, those
+// for affine problems are not for others.
+TEST(CompareRun, OwnMethodsAtTheirLimits) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "sanitizers need more memory than the limit";
+#endif
+  const test::Folder folder;
+  test::write(folder / "endless.nl", test::endless_nl(2000));
+  const Finished finished = compare(folder, {"--problems", (folder / "endless.nl") + ",obstacle:400x400,infeasible-own",
+                                             "--methods", "josephy:tol=1e-300:major_iteration_limit=1000000000,lemke",
+                                             "--out", folder / "out", "--time-limit", "0.4", "--memory-limit", "150"});
+  EXPECT_EQ(finished.code, 0) << finished.err;
+  std::map<std::string, Outcome> outcomes;
+  for (const Cell& cell : read_cells(folder / "out").cells)
+    outcomes[cell.method.substr(0, 5) + " " + cell.problem.substr(0, 8) + (cell.start == 1 ? "" : " again")] =
+        cell.outcome;
+  EXPECT_EQ(outcomes["josep endless."], Outcome::TimeLimit);
+  EXPECT_EQ(outcomes["lemke endless."], Outcome::NotApplicable);
+  EXPECT_EQ(outcomes["lemke infeasib"], Outcome::Infeasible);
+  EXPECT_TRUE(outcomes["josep obstacle"] == Outcome::MemoryLimit || outcomes["josep obstacle"] == Outcome::TimeLimit);
+}
+
+const std::vector<std::string> campaign_of_tiny{"--problems",   "kojshin,josephy,billups,munson1",
+                                                "--methods",    "path,miles,newton-min,semismooth,lemke",
+                                                "--time-limit", "30"};
+std::vector<std::string> with(std::vector<std::string> arguments, const std::vector<std::string>& more) {
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  return arguments;
+}
+
+// Killed with -9 whenever it has so many cells, and resumed, until it is complete: the same outcomes, byte by byte, as
+// in one go, no cell twice, and none of its processes left.
+TEST(CompareRun, KilledAndResumed) {
+  const test::Folder folder;
+  const Finished once = compare(folder, with(campaign_of_tiny, {"--out", folder / "once", "--restarts", "1"}));
+  ASSERT_EQ(once.code, 0) << once.err;
+  const std::string out = folder / "killed";
+  const std::size_t total = read_cells(folder / "once").cells.size();
+  EXPECT_EQ(total, 5U * (8 + 8 + 5 + 1));
+  const auto lines = [&] {
+    const std::string text = test::read(out + "/cells.jsonl");
+    return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
+  };
+  {
+    Child child(folder, with({"compare"}, with(campaign_of_tiny, {"--out", out, "--restarts", "1"})));
+    ASSERT_TRUE(eventually([&] { return lines() >= 7; }));
+    child.signal(SIGKILL);
+    EXPECT_EQ(child.wait(), -SIGKILL);
+  }
+  std::size_t before = lines();
+  EXPECT_LT(before, total);
+  {
+    Child child(folder, {"compare", "--out", out, "--resume"});
+    ASSERT_TRUE(eventually([&] { return lines() >= before + 20; }));
+    child.signal(SIGKILL);
+    EXPECT_EQ(child.wait(), -SIGKILL);
+  }
+  before = lines();
+  EXPECT_LT(before, total);
+  // Also what a dying machine does: a changed byte in the middle and a line that ends too early.
+  std::string text = test::read(out + "/cells.jsonl");
+  text[text.find('\n') + 40] ^= 1;
+  test::write(out + "/cells.jsonl", text + R"({"cell":{"method":"pa)");
+  const Finished last = compare(folder, {"--out", out, "--resume"});
+  EXPECT_EQ(last.code, 0) << last.err;
+  EXPECT_THAT(last.err, HasSubstr("line 2: its CRC"));
+  EXPECT_THAT(last.err, HasSubstr("torn"));
+  EXPECT_EQ(test::read(out + "/outcomes.csv"), test::read(folder / "once/outcomes.csv"));
+  EXPECT_EQ(lines(), total + 1) << "one line for every cell, and the one with the changed byte";
+  EXPECT_FALSE(std::filesystem::exists(out + "/work"));
+  const Finished again = compare(folder, {"--out", out, "--resume"});
+  EXPECT_EQ(again.code, 0);
+  EXPECT_EQ(lines(), total + 1) << "nothing is left to do";
+  EXPECT_THAT(once.out, HasSubstr("failures after restarts"));
+}
+
+// Killed while runs that never end are under way: they, and what they run, die with the campaign.
+TEST(CompareRun, OrphansDie) {
+  const test::Folder folder;
+  test::write(folder / "m.nl", test::sqrt2_nl());
+  test::write(folder / "endless.nl", test::endless_nl(3000));
+  const std::string peer =
+      script(folder, "peer",
+             "sleep 1000 & echo $! > " + (folder / "child.pid") + "\necho $$ > " + (folder / "peer.pid") + "\nwait");
+  Child child(folder, {"compare", "--methods", "josephy:tol=1e-300:major_iteration_limit=1000000000", "--problems",
+                       (folder / "m.nl") + "," + (folder / "endless.nl"), "--out", folder / "out", "--external", peer,
+                       "--jobs", "4"});
+  ASSERT_TRUE(eventually([&] { return alive(folder / "peer.pid") && alive(folder / "child.pid"); }));
+  child.signal(SIGKILL);
+  child.wait();
+  EXPECT_TRUE(eventually([&] { return !alive(folder / "peer.pid"); }));
+  EXPECT_TRUE(eventually([&] { return !alive(folder / "child.pid"); }));
+  EXPECT_TRUE(eventually([&] {  // nobody has the folder in its command line any more
+    for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
+      std::error_code ignored;
+      if (!std::filesystem::exists(entry.path() / "cmdline", ignored)) continue;
+      if (test::read(entry.path() / "cmdline").find(folder / "out") != std::string::npos) return false;
+    }
+    return true;
+  }));
+}
+
+// Ctrl-C: what is finished stays, the message says how to go on, and going on completes it.
+TEST(CompareRun, InterruptedAndLocked) {
+  const test::Folder folder;
+  test::write(folder / "m.nl", test::sqrt2_nl());
+  const std::string out = folder / "an out";
+  const std::string quick = script(folder, "quick", writes(sol("1.414213562373095", 0)));
+  const std::string slow =
+      script(folder, "slow", "touch " + (folder / "started") + "\nsleep 1\n" + writes(sol("1.414213562373095", 0)));
+  Child child(folder, {"compare", "--methods", "none", "--problems", folder / "m.nl", "--out", out, "--external", quick,
+                       "--external", slow, "--jobs", "1"});
+  ASSERT_TRUE(eventually([&] { return std::filesystem::exists(folder / "started"); }));
+  const test::Folder& same = folder;
+  {
+    std::filesystem::create_directories(same / "b");
+    const std::string command = PERP_PROGRAM " compare --resume --out '" + out + "' 2> " + (folder / "b/err");
+    EXPECT_EQ(WEXITSTATUS(std::system(command.c_str())), 2);  // NOLINT(cert-env33-c)
+    EXPECT_THAT(test::read(folder / "b/err"), HasSubstr("another campaign is at work"));
+  }
+  child.signal(SIGINT);
+  EXPECT_EQ(child.wait(), 4);
+  EXPECT_THAT(child.err(), HasSubstr("1 of 2 cells are done. 'perp compare --out '" + out + "' --resume'"));
+  EXPECT_EQ(read_cells(out).cells.size(), 1U);
+  const Finished resumed = compare(folder, {"--out", out, "--resume"});
+  EXPECT_EQ(resumed.code, 0) << resumed.err;
+  EXPECT_EQ(read_cells(out).cells.size(), 2U);
+}
+
+TEST(CompareRun, Refusals) {
+  const test::Folder folder;
+  const std::string out = folder / "out";
+  const auto refused = [&](const std::vector<std::string>& arguments) {
+    const Finished finished = compare(folder, arguments);
+    EXPECT_EQ(finished.code, 2) << testing::PrintToString(arguments);
+    EXPECT_EQ(finished.out, "") << testing::PrintToString(arguments);
+    return finished.err;
+  };
+  EXPECT_THAT(refused({"--problems", "kojshim", "--out", out}), HasSubstr("'kojshin'"));
+  EXPECT_THAT(refused({"--methods", "pat", "--out", out}), HasSubstr("'path'"));
+  EXPECT_THAT(refused({"--problems", "obstacle:0x3", "--out", out}), HasSubstr("obstacle"));
+  EXPECT_THAT(refused({"--problems", "kojshin:3", "--out", out}), HasSubstr("one size"));
+  EXPECT_THAT(refused({"--tol", "-1", "--out", out}), HasSubstr("--tol"));
+  EXPECT_THAT(refused({"--time-limit", "0", "--out", out}), HasSubstr("--time-limit"));
+  EXPECT_THAT(refused({"--jobs", "0", "--out", out}), HasSubstr("--jobs"));
+  EXPECT_THAT(refused({"--restarts", "-1", "--out", out}), HasSubstr("--restarts"));
+  EXPECT_THAT(refused({"--starts", "none", "--out", out}), HasSubstr("--starts"));
+  EXPECT_THAT(refused({"--external", "peer=/no/such", "--out", out}), HasSubstr("no program"));
+  EXPECT_THAT(refused({"--baseline", "/no/such.csv", "--out", out}), HasSubstr("/no/such.csv"));
+  EXPECT_THAT(refused({"--resume", "--out", out}), HasSubstr("no campaign"));
+  test::write(folder / "bad.nl", "g3 1 1 0\n");
+  EXPECT_THAT(refused({"--problems", folder / "bad.nl", "--out", out}), HasSubstr("bad.nl"));
+  EXPECT_FALSE(std::filesystem::exists(out)) << "what was refused leaves nothing";
+
+  const std::vector<std::string> small{"--problems", "munson1", "--methods", "path", "--out", out};
+  ASSERT_EQ(compare(folder, small).code, 0);
+  EXPECT_THAT(refused(small), HasSubstr("--resume goes on with it"));
+  EXPECT_THAT(refused({"--resume", "--out", out, "--tol", "1e-9"}), HasSubstr("--tol: 1e-06 there, 1e-09 here"));
+  EXPECT_THAT(refused({"--resume", "--out", out, "--methods", "miles"}), HasSubstr("methods there but not here: path"));
+  EXPECT_EQ(compare(folder, with(small, {"--resume"})).code, 0) << "the same in full";
+  const std::string campaign = test::read(out + "/campaign.json");
+  test::write(out + "/campaign.json", campaign.substr(0, 100));
+  EXPECT_THAT(refused({"--resume", "--out", out}), HasSubstr("campaign.json"));
+}
+
+// A file that changes between a campaign and its resumption is another problem.
+TEST(CompareRun, ChangedFilesAreNoticed) {
+  const test::Folder folder;
+  test::write(folder / "m.nl", test::sqrt2_nl());
+  ASSERT_EQ(compare(folder, {"--problems", folder / "m.nl", "--methods", "path", "--out", folder / "out"}).code, 0);
+  test::write(folder / "m.nl", test::billups_nl());
+  const Finished finished = compare(folder, {"--out", folder / "out", "--resume"});
+  EXPECT_EQ(finished.code, 2);
+  EXPECT_THAT(finished.err, HasSubstr("content (CRC) of m.nl"));
+}
+
+// Exit code 1 and a list where something that was solved is not; the campaign itself is complete.
+TEST(CompareRun, RegressionAgainstABaseline) {
+  const test::Folder folder;
+  test::write(folder / "b.csv", "method,problem,start,outcome\npath,munson1,1,solved\nnewton-min,billups,1,solved\n");
+  const std::vector<std::string> small{"--problems", "munson1,billups", "--methods",     "path,newton-min", "--starts",
+                                       "1",          "--baseline",      folder / "b.csv"};
+  const Finished lost = compare(folder, with(small, {"--out", folder / "lost"}));
+  EXPECT_EQ(lost.code, 1) << "Newton's method on min has a local minimum at billups' first start (Billups 1995)";
+  EXPECT_THAT(lost.out, HasSubstr("2 cells compared, 1 solved there and not here"));
+  test::write(folder / "b.csv", "method,problem,start,outcome\npath,munson1,1,solved\nnewton-min,billups,1,failed\n");
+  EXPECT_EQ(compare(folder, with(small, {"--out", folder / "kept"})).code, 0);
+}
+
+// The judge's tolerance, options of methods and the machine are written down; times are not in outcomes.csv.
+TEST(CompareRun, CampaignJson) {
+  const test::Folder folder;
+  ASSERT_EQ(compare(folder, {"--problems", "kojshin", "--methods", "semismooth:cfunction=kanzow-kleinmichel:tol=1e-9",
+                             "--starts", "3", "--tol", "1e-5", "--out", folder / "out"})
+                .code,
+            0);
+  const json campaign = json::parse(test::read(folder / "out/campaign.json"));
+  EXPECT_EQ(campaign["tol"], 1e-5);
+  EXPECT_EQ(campaign["methods"][0]["in_force"]["cfunction"], "kanzow-kleinmichel");
+  EXPECT_EQ(campaign["methods"][0]["in_force"]["convergence_tolerance"], "1e-09");
+  EXPECT_EQ(campaign["problems"][0]["n"], 4);
+  EXPECT_EQ(campaign["problems"][0]["starts"], 3);
+  EXPECT_GT(campaign["machine"]["cores"], 0);
+  EXPECT_EQ(campaign["command_line"][1], "compare");
+  const std::vector<Cell> cells = read_cells(folder / "out").cells;
+  ASSERT_EQ(cells.size(), 3U);
+  for (const Cell& cell : cells) {
+    EXPECT_EQ(cell.outcome, Outcome::Solved);
+    EXPECT_LE(cell.natural, 1e-9) << "the method's own tolerance";
+    EXPECT_GT(cell.peak_mb, 1);
+    EXPECT_GE(cell.curve.size(), 2U);
+  }
+}
+
+// The process that is run is killed with the thread's process, told before it is killed, and cannot dump core.
+TEST(CompareProcess, Limits) {
+  const test::Folder folder;
+  const auto shell = [&](const std::string& text, ProcessLimits limits) {
+    return run_process({.arguments = {"/bin/sh", "-c", text}, .log = folder / "log", .limits = limits}, nullptr);
+  };
+  ProcessEnd end = shell("echo hello; exit 3", {});
+  EXPECT_EQ(end.why, ProcessEnd::Why::Itself);
+  EXPECT_EQ(WEXITSTATUS(end.status), 3);
+  EXPECT_EQ(test::read(folder / "log"), "hello\n");
+  end = shell("trap 'echo told; exit 5' TERM; sleep 100 & wait", {.seconds = 0.2, .grace = 10});
+  EXPECT_EQ(end.why, ProcessEnd::Why::TimeLimit);
+  EXPECT_EQ(WEXITSTATUS(end.status), 5);
+  end = shell("trap '' TERM; while :; do sleep 0.01; done", {.seconds = 0.2, .grace = 0.2});
+  EXPECT_EQ(end.why, ProcessEnd::Why::TimeLimit);
+  EXPECT_EQ(WTERMSIG(end.status), SIGKILL);
+  end = shell("ulimit -c; echo $OPENBLAS_NUM_THREADS", {});
+  EXPECT_EQ(test::read(folder / "log"), "0\n1\n");
+  std::atomic<bool> interrupt{true};
+  end = run_process({.arguments = {"/bin/sleep", "100"}, .log = folder / "log", .limits = {}}, &interrupt);
+  EXPECT_EQ(end.why, ProcessEnd::Why::Interrupted);
+  end = run_process({.arguments = {"/bin/sleep", "100"}, .log = folder / "no/log", .limits = {}}, nullptr);
+  EXPECT_EQ(end.why, ProcessEnd::Why::NotStarted);
+}
+
+}  // namespace
+}  // namespace perp::app::compare
