@@ -6,6 +6,7 @@
 #include <numeric>
 #include <utility>
 
+#include "ncp/collection/classic_entries.hpp"
 #include "ncp/collection/equation_entries.hpp"
 #include "ncp/collection/generators.hpp"
 #include "ncp/collection/kkt_entries.hpp"
@@ -156,7 +157,7 @@ constexpr auto sorted(const std::array<Entry, sizes>&... parts) {
   return all;
 }
 
-constexpr auto table = sorted(first, equation_entries, kkt_entries, random_entries, scalable);
+constexpr auto table = sorted(first, classic_entries, equation_entries, kkt_entries, random_entries, scalable);
 
 /// Levenshtein's distance, case ignored.
 std::size_t edit_distance(std::string_view a, std::string_view b) {

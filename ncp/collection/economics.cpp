@@ -1,32 +1,62 @@
 /// General economic equilibria: activity levels y _|_ losses, prices p _|_ excess supplies, incomes.
+#include <utility>
+
 #include "ncp/collection/build.hpp"
+#include "ncp/collection/classic_entries.hpp"
 #include "ncp/collection/problems.hpp"
 
 namespace perp::ncp::collection {
 
+namespace {
+
 /// Mathiesen 1987, an exchange economy with one activity, z = (y, p1, p2, p3), parameters alpha, b2, b3:
 ///     -p1 + p2 + p3,                                  y - alpha (b2 p2 + b3 p3) / p1,
 ///     b2 - y - (1 - alpha) (b2 p2 + b3 p3) / p2,      b3 - y,
-/// y >= 0, p >= 1e-6. F is homogeneous of degree 0 in p up to the scale of F1: with p every s p solves, s > 0, and F'
-/// is singular at each of them. With (.9, 5, 3) the solutions are y = 3, p = s (6, 1, 5).
+/// y >= 0, p1, p2 >= 1e-6. F is homogeneous of degree 0 in p up to the scale of F1: with p every s p solves, s > 0, and
+/// F' is singular at each of them.
+std::unique_ptr<Mcp> exchange(std::string name, double alpha, double b2, double b3, double least_p3) {
+  const Box box{vec({0, 1e-6, 1e-6, least_p3}), Vec::Constant(4, infinity)};
+  return make_problem({std::move(name), box, joined({{"y"}, indexed("p", 3)})},
+                      [alpha, b2, b3](const auto& z, const auto& F) {
+                        const auto &y = z[0], &p1 = z[1], &p2 = z[2], &p3 = z[3];
+                        if (!(value(p1) > 0 && value(p2) > 0)) return false;
+                        const auto income = b2 * p2 + b3 * p3;
+                        F[0] = -p1 + p2 + p3;
+                        F[1] = y - alpha * income / p1;
+                        F[2] = b2 - y - (1 - alpha) * income / p2;
+                        F[3] = b3 - y;
+                        return true;
+                      });
+}
+
+}  // namespace
+
+/// (.9, 5, 3), p3 >= 1e-6: the solutions are y = 3, p = s (6, 1, 5).
 Problem mathiesen() {
   Problem p;
-  const Box box{vec({0, 1e-6, 1e-6, 1e-6}), Vec::Constant(4, infinity)};
-  p.mcp = make_problem({"mathiesen", box, joined({{"y"}, indexed("p", 3)})}, [](const auto& z, const auto& F) {
-    const auto &y = z[0], &p1 = z[1], &p2 = z[2], &p3 = z[3];
-    if (!(value(p1) > 0 && value(p2) > 0)) return false;
-    constexpr double alpha = 0.9, b2 = 5, b3 = 3;
-    const auto income = b2 * p2 + b3 * p3;
-    F[0] = -p1 + p2 + p3;
-    F[1] = y - alpha * income / p1;
-    F[2] = b2 - y - (1 - alpha) * income / p2;
-    F[3] = b3 - y;
-    return true;
-  });
+  p.mcp = exchange("mathiesen", 0.9, 5, 3, 1e-6);
   p.starts = {Vec::Ones(4), Vec::Constant(4, 10), vec({0, 1, 2, 3}), vec({3, 5, 1, 5})};
   p.solutions = {{"p1 = 6", vec({3, 6, 1, 5}), 0},
                  {"p1 = 1", vec({3, 1, 1. / 6, 5. / 6}), 1e-15},
                  {"p1 + p2 + p3 = 1", vec({3, 1. / 2, 1. / 12, 5. / 12}), 1e-15}};
+  return p;
+}
+
+/// (.75, 1, .5), p3 >= 1e-6: y = 1/2, p = s (3, 1, 2).
+Problem mathiesen_2() {
+  Problem p;
+  p.mcp = exchange("mathiesen-2", 0.75, 1, 0.5, 1e-6);
+  p.starts = {Vec::Ones(4), Vec::Constant(4, 10), vec({0, 1, 2, 3}), vec({1, 0.1, 5, 0.2})};
+  p.solutions = {{"p2 = 1", vec({0.5, 3, 1, 2}), 0}, {"p1 = 1", vec({0.5, 1, 1. / 3, 2. / 3}), 1e-15}};
+  return p;
+}
+
+/// (.75, 1, 2), p3 >= 0 (with a positive bound there is no solution): y = 3/4, p = s (1, 1, 0).
+Problem mathiesen_3() {
+  Problem p;
+  p.mcp = exchange("mathiesen-3", 0.75, 1, 2, 0);
+  p.starts = {Vec::Ones(4), Vec::Constant(4, 10), vec({0, 1, 2, 3}), vec({1, 0.1, 5, 0.2})};
+  p.solutions = {{"p1 = 1", vec({0.75, 1, 1, 0}), 0}, {"p1 = 5", vec({0.75, 5, 5, 0}), 0}};
   return p;
 }
 
