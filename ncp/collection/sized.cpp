@@ -71,7 +71,7 @@ static_assert(std::ranges::is_sorted(table, {}, &Family::name));
 
 std::string quoted(std::string_view text) { return std::string("'").append(text).append("'"); }
 
-/// The whole number that the text is, cut to a limit far beyond all sizes and seeds.
+/// The whole number that the text is; what Index does not hold is refused.
 Index whole_number(const Family& family, std::string_view text, const char* what) {
   Index number = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);

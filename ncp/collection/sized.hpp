@@ -10,8 +10,7 @@
 
 namespace perp::ncp::collection {
 
-/// A size that a family asks for. `most`: what fits, as matrices are indexed by 32-bit numbers; dense families get
-/// less.
+/// A size that a family asks for. `most` keeps matrices within 32-bit indices, dense ones within some gigabytes.
 struct SizeArgument {
   std::string_view name;
   Index least = 1;
@@ -36,8 +35,8 @@ std::string syntax(const Family& family);          ///< "walras-own:GOODSxSECTOR
 std::string limits(const Family& family);          ///< "goods from 4 to 10000000, sectors ..."
 
 /// The problem of "400x300x300:7", the text behind the name; the seed is 1 if it is left out. Throws
-/// std::invalid_argument with argument, value and what is expected: not as many sizes as the family has, none of its
-/// limits met, a seed that is none or not taken.
+/// std::invalid_argument with argument, value and what is expected: more or fewer sizes than the family has, one beyond
+/// its limits, a seed that is none or is not taken.
 Problem make(const Family& family, std::string_view sizes);
 
 }  // namespace perp::ncp::collection
