@@ -42,7 +42,8 @@ void finish(const CampaignData& data, Comparison& comparison) {
     return std::ranges::all_of(comparison.pairs, [&](std::size_t p) { return data.at(m, p) == nullptr; });
   });
   comparison.unfinished = std::erase_if(comparison.pairs, [&](std::size_t p) {
-    return comparison.methods.empty() || std::ranges::any_of(comparison.methods, [&](std::size_t m) { return data.at(m, p) == nullptr; });
+    return comparison.methods.empty() ||
+           std::ranges::any_of(comparison.methods, [&](std::size_t m) { return data.at(m, p) == nullptr; });
   });
   struct Rank {
     std::size_t failures;
@@ -62,11 +63,23 @@ void finish(const CampaignData& data, Comparison& comparison) {
   for (std::size_t k = 0; k < measures.size(); ++k) comparison.profiles[k] = profiles(data, comparison, measures[k]);
 }
 
-/// Does the method apply to every pair, solvable or not, that it has finished?
-bool everywhere(const CampaignData& data, std::size_t m) {
+/// Does it apply to affine problems only, as far as it has got?
+bool for_affine_problems(const CampaignData& data, std::size_t m) {
+  bool refused = false;
+  for (std::size_t p = 0; p < data.pairs().size(); ++p) {
+    const Cell* cell = data.at(m, p);
+    if (cell == nullptr || data.problem(p).affine) continue;
+    if (applies(*cell)) return false;
+    refused = true;
+  }
+  return refused;
+}
+
+/// Is there a finished pair, solvable or not, that it does not apply to?
+bool refuses_some(const CampaignData& data, std::size_t m) {
   for (std::size_t p = 0; p < data.pairs().size(); ++p)
-    if (const Cell* cell = data.at(m, p); cell != nullptr && !applies(*cell)) return false;
-  return true;
+    if (const Cell* cell = data.at(m, p); cell != nullptr && !applies(*cell)) return true;
+  return false;
 }
 
 /// Solvable pairs to which one of the methods applies.
@@ -174,10 +187,10 @@ std::vector<Comparison> comparisons(const CampaignData& data) {
   Indices general, affine, external, variants;
   for (std::size_t m = 0; m < data.methods().size(); ++m) {
     const compare::AskedMethod& method = data.methods()[m];
-    Indices& kind = !given_cfunction(method).empty() ? variants
-                    : everywhere(data, m)            ? general
-                    : method.external()              ? external
-                                                     : affine;
+    Indices& kind = !given_cfunction(method).empty()                     ? variants
+                    : method.external() && refuses_some(data, m)         ? external
+                    : !method.external() && for_affine_problems(data, m) ? affine
+                                                                         : general;
     kind.push_back(m);
   }
   Indices eight;
@@ -189,13 +202,14 @@ std::vector<Comparison> comparisons(const CampaignData& data) {
   if (!general.empty())
     all.push_back({.id = "general",
                    .title = "Methods for all problems",
-                   .note = "On every pair of a problem with a solution and a start.",
+                   .note = "On every pair of a problem with a solution and a start; what a method does not apply to it "
+                           "has not solved.",
                    .methods = general,
                    .pairs = pairs_of(data, general)});
   if (!affine.empty())
     all.push_back({.id = "affine",
                    .title = "Methods for affine problems, beside those for all problems",
-                   .note = fmt::format("On the pairs to which at least one of the {} that are for some problems only "
+                   .note = fmt::format("On the pairs to which at least one of the {} that are for affine problems only "
                                        "applies; what a method does not apply to it has not solved.",
                                        affine.size()),
                    .subject = affine,

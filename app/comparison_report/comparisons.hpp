@@ -1,8 +1,8 @@
 #pragma once
 /// Which methods are compared with which, on which pairs, by which costs.
 ///
-///   general        the methods that apply to every problem, on all pairs that have a solution
-///   affine         all of Perp's methods, on the pairs to which at least one of those for some problems only applies
+///   general        the methods that are not for affine problems only, on all pairs that have a solution
+///   affine         beside them those for affine problems only, on the pairs to which one of these applies
 ///   external       external programs that do not apply everywhere beside the general methods, on the pairs they apply
 ///   to lecture        the eight systems of the 1997 comparison, as far as the campaign has them cfunctions-K   methods
 ///   that differ in nothing but their option cfunction

@@ -218,24 +218,27 @@ std::string lecture_ranking(const CampaignData& data) {
 }
 
 std::string without_solution(const CampaignData& data) {
-  const std::vector<UnsolvableRow> rows = unsolvable(data);
-  if (rows.empty()) return "";
-  const std::size_t pairs = data.pairs(false);
-  Indices methods(data.methods().size());
-  std::vector<std::size_t> found(methods.size());
-  std::size_t wrong = 0;
-  for (const UnsolvableRow& row : rows) {
-    methods[row.method] = row.method;
-    found[row.method] = row.infeasible;
-    wrong += row.wrong;
+  Indices pairs, methods(data.methods().size());
+  for (std::size_t m = 0; m < methods.size(); ++m) methods[m] = m;
+  std::size_t claims = 0;
+  for (std::size_t p = 0; p < data.pairs().size(); ++p) {
+    if (data.problem(p).solvable()) continue;
+    if (std::ranges::all_of(methods, [&](std::size_t m) { return data.at(m, p) != nullptr; })) pairs.push_back(p);
+    claims += static_cast<std::size_t>(std::ranges::count_if(methods, [&](std::size_t m) {
+      return data.at(m, p) != nullptr && data.at(m, p)->outcome == Outcome::FalseConvergence;
+    }));
   }
-  const Top best = top(methods, [&](std::size_t m) { return found[m]; });
-  std::string text = best.most == 0
-                         ? fmt::format("No method recognises any of the {}", counted(pairs, "pair"))
-                         : fmt::format("{} {} the most: {} of {}", listed(labels(data, best.first)),
-                                       verb(best.first.size(), "recognise"), best.most, counted(pairs, "pair"));
-  return text + (wrong == 0 ? "; none claims a solution."
-                            : fmt::format("; {} a solution.", counted(wrong, "cell claims", "cells claim")));
+  if (pairs.empty()) return "";
+  const Top best = top(methods, [&](std::size_t m) {
+    return static_cast<std::size_t>(
+        std::ranges::count_if(pairs, [&](std::size_t p) { return data.at(m, p)->outcome == Outcome::Infeasible; }));
+  });
+  const std::string text =
+      best.most == 0 ? fmt::format("No method recognises any of the {}", counted(pairs.size(), "pair"))
+                     : fmt::format("{} {} the most: {} of {}", listed(labels(data, best.first)),
+                                   verb(best.first.size(), "recognise"), best.most, counted(pairs.size(), "pair"));
+  return text + (claims == 0 ? "; none claims a solution."
+                             : fmt::format("; {} a solution.", counted(claims, "cell claims", "cells claim")));
 }
 
 std::string false_claims(const CampaignData& data) {

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "app/comparison_report/comparisons.hpp"
-#include "app/comparison_report/robustness.hpp"
 
 namespace perp::app::comparison {
 

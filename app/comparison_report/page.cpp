@@ -108,7 +108,7 @@ std::string findings_section(const std::vector<Finding>& findings) {
 }
 
 std::string navigation(const ReportParts& parts) {
-  std::string html = "<nav aria-label=\"Sections\"><a href=\"#robustness\">Robustness</a>";
+  std::string html = R"(<nav aria-label="Sections"><a href="#robustness">Robustness</a>)";
   if (parts.data.pairs(false) > 0) html += "<a href=\"#unsolvable\">Without a solution</a>";
   html += "<a href=\"#profiles\">Profiles</a>";
   if (std::ranges::any_of(parts.comparisons, [](const Comparison& c) { return c.id.starts_with("cfunctions"); }))
@@ -163,7 +163,8 @@ std::string method_section(const CampaignData& data) {
   for (const compare::AskedMethod& method : campaign.methods)
     if (method.external()) html += definition("external " + method.label, method.command);
   html +=
-      "</dl>\n<p>Times, iterations and evaluations are of the run from the start itself, not of restarts. Outcomes: "
+      "</dl>\n<p>Times, iterations and evaluations are of the run from the start itself, not of restarts; an external "
+      "program's time is that of its process. Outcomes: "
       "<b>solved</b> claimed, and the judge agrees; <b>failed</b> says so itself; <b>false-convergence</b> claimed, "
       "and "
       "the judge disagrees; <b>unclaimed</b> a solution that the method does not call one; <b>time-limit</b>, "
@@ -229,7 +230,7 @@ std::string page(const ReportParts& parts) {
   html += findings_section(parts.findings);
   html += navigation(parts) + robustness_section(data) + unsolvable_section(data) + profiles_sections(parts, style) +
           convergence_section() + cells_section() + method_section(data) + "</main>\n";
-  html += "<script type=\"application/json\" id=\"data\">" + script_json(cells_data(data, style)) + "</script>\n";
+  html += R"(<script type="application/json" id="data">)" + script_json(cells_data(data, style)) + "</script>\n";
   return html +
          fmt::format("<script>\n\"use strict\";{}{}</script>\n</body>\n</html>\n", page_script(), page_script_curves());
 }

@@ -112,9 +112,10 @@ std::vector<double> label_places(const std::vector<double>& ends, const Panel& p
     next = place[k] + label_height;
   }
   double lowest = panel.bottom;
-  for (auto k = order.rbegin(); k != order.rend(); ++k) {
-    place[*k] = std::min(place[*k], lowest);
-    lowest = place[*k] - label_height;
+  std::ranges::reverse(order);
+  for (const std::size_t k : order) {
+    place[k] = std::min(place[k], lowest);
+    lowest = place[k] - label_height;
   }
   return place;
 }
@@ -135,9 +136,10 @@ std::string profile_chart(const ChartAxes& axes, const std::vector<ChartCurve>& 
   const Axis axis = x_axis(axes, curves, panel);
   draw_frame(svg, axes, axis, panel);
 
-  std::vector<double> ends;
-  for (const ChartCurve& curve : curves)
-    ends.push_back(panel.bottom - curve.profile.share(std::numeric_limits<double>::infinity()) * panel.height());
+  std::vector<double> ends(curves.size());
+  std::ranges::transform(curves, ends.begin(), [&](const ChartCurve& curve) {
+    return panel.bottom - curve.profile.share(std::numeric_limits<double>::infinity()) * panel.height();
+  });
   const std::vector<double> places = label_places(ends, panel);
   for (std::size_t k = curves.size(); k-- > 0;) {  // the first on top
     const ChartCurve& curve = curves[k];

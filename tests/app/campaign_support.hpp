@@ -35,11 +35,13 @@ struct MadeUp {
     return *this;
   }
 
+  /// Those of class lcp are affine.
   MadeUp& problem(const std::string& name, const std::string& cls, long long n = 1, int starts = 1,
                   const std::string& no_solution = "") {
     compare::AskedProblem asked{.name = name, .file = {}, .cls = cls};
     asked.n = n;
     asked.nonzeros = n;
+    asked.affine = cls == "lcp";
     asked.starts = starts;
     asked.no_solution = no_solution;
     campaign.problems.push_back(std::move(asked));

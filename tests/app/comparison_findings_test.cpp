@@ -4,6 +4,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
+#include "app/comparison_report/robustness.hpp"
 #include "app/comparison_report/summary.hpp"
 #include "app/comparison_report/words.hpp"
 #include "campaign_support.hpp"
@@ -79,22 +82,24 @@ TEST(Robustness, CountsByHand) {
 TEST(Comparisons, WhoIsComparedOnWhat) {
   MadeUp made_up;
   made_up.method("path").method("smooth").method("lemke").method("semismooth", "fb").method("semismooth:cfunction=min");
-  made_up.problem("l", "lcp").problem("t", "tiny").problem("open", "tiny");
+  made_up.problem("l", "lcp").problem("t", "tiny").problem("open", "tiny").problem("large", "lcp");
   for (const char* method : {"path", "smooth", "semismooth", "semismooth:cfunction=min"})
     made_up.run(method, "l", Outcome::Solved), made_up.run(method, "t", Outcome::Solved);
   made_up.run("lemke", "l", Outcome::Solved);
   made_up.run("lemke", "t", Outcome::NotApplicable);
+  for (const auto& method : made_up.campaign.methods) made_up.run(method.label, "large", Outcome::Solved);
+  made_up.cells[made_up.cells.size() - 4].outcome = Outcome::NotApplicable;  // smooth, too large for it
   const CampaignData data = made_up.data();
   const std::vector<Comparison> all = comparisons(data);
-  std::vector<std::string> ids;
-  for (const Comparison& comparison : all) ids.push_back(comparison.id);
+  std::vector<std::string> ids(all.size());
+  std::ranges::transform(all, ids.begin(), &Comparison::id);
   EXPECT_THAT(ids, ElementsAre("general", "affine", "cfunctions-semismooth"))
       << "the three of 1997 are all general methods there are";
   EXPECT_THAT(all[0].methods, testing::UnorderedElementsAre(0, 1, 3));
-  EXPECT_THAT(all[0].pairs, ElementsAre(0, 1));
+  EXPECT_THAT(all[0].pairs, ElementsAre(0, 1, 3));
   EXPECT_EQ(all[0].unfinished, 1U);
   EXPECT_THAT(all[1].methods, testing::UnorderedElementsAre(0, 1, 2, 3));
-  EXPECT_THAT(all[1].pairs, ElementsAre(0)) << "lemke applies to the first; nobody has finished the third";
+  EXPECT_THAT(all[1].pairs, ElementsAre(0, 3)) << "lemke applies to these; nobody has finished the third";
   EXPECT_THAT(all[2].methods, testing::UnorderedElementsAre(3, 4)) << "the default is one of the C-functions";
   EXPECT_EQ(name_in(data, all[2], 3), "fb (default)");
   EXPECT_EQ(name_in(data, all[2], 4), "min");

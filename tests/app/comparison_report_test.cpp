@@ -344,7 +344,7 @@ TEST(ComparisonReportEdges, WhatCannotBeRead) {
   made_up.method("a").problem("p", "tiny").run("a", "p", Outcome::Solved);
   made_up.run("stranger", "p", Outcome::Solved);
   made_up.write(folder);
-  std::ofstream(folder / "cells.jsonl", std::ios::app) << "{\"cell\":{\"method\"";
+  std::ofstream(folder / "cells.jsonl", std::ios::app) << R"({"cell":{"method")";
   EXPECT_EQ(report_campaign(folder / "", captured.streams), exit_solved);
   const std::string page = test::read(folder / "report.html");
   EXPECT_THAT(page, AllOf(HasSubstr("stranger on p from start 1"), HasSubstr("line 3: torn")));
