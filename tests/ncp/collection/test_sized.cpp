@@ -3,6 +3,8 @@
 
 #include <gmock/gmock.h>
 
+#include <sstream>
+
 #include "ncp/residual.hpp"
 
 namespace {
@@ -35,16 +37,28 @@ std::string least(const Family& family) {
   return text;
 }
 
-// Each is an entry at some size; its example works and its starts fit; the least sizes are those of its maker, and the
-// planted solution is one there too. Catches: a maker under another's name, an example that is refused, a least size
-// that crashes.
+/// The family's example with sizes above 100 divided by ten, which keeps their relations.
+std::string smaller_example(const Family& family) {
+  std::string text;
+  std::istringstream sizes(std::string(family.example.substr(0, family.example.find(':'))));
+  for (std::string size; std::getline(sizes, size, 'x');) {
+    long n = std::stol(size);
+    while (n > 100 && n >= 10 * family.arguments()[0].least) n /= 10;
+    text.append(text.empty() ? "" : "x").append(std::to_string(n));
+  }
+  return family.seeded() ? text + ":7" : text;
+}
+
+// Each is an entry at some size; a problem like its example has the entry's starts; the least sizes are those of its
+// maker, and the planted solution is one there too. Catches: a maker under another's name, an example with too few
+// sizes or without sense, a least size that crashes.
 TEST(Sized, EveryFamilyKeepsItsPromises) {
   ASSERT_GE(families().size(), 37u);
   for (const Family& family : families()) {
     SCOPED_TRACE(family.name);
     const Entry* entry = find(family.name);
     ASSERT_NE(entry, nullptr);
-    for (const std::string& sizes : {std::string(family.example), least(family)}) {
+    for (const std::string& sizes : {smaller_example(family), least(family)}) {
       SCOPED_TRACE(sizes);
       const Problem problem = make(family, sizes);
       EXPECT_EQ(problem.mcp->name(), family.name);
