@@ -66,6 +66,7 @@ void print_table(std::ostream& out, const Entries& entries) {
                                     {"why it is hard", Align::Left}};
   std::vector<std::vector<std::string>> rows;
   std::vector<std::size_t> width;
+  width.reserve(columns.size());
   for (const Column& column : columns) width.push_back(column.header.size());
   std::size_t pairs = 0;
   for (const collection::Entry* entry : entries) {
