@@ -66,7 +66,7 @@ std::string HtmlTable::row(const std::vector<HtmlCell>& cells) const {
   for (std::size_t k = 0; k < cells.size(); ++k) {
     const HtmlCell& cell = cells[k];
     std::string css = columns_[k].number ? "n" : "";
-    if (!cell.css.empty()) css += (css.empty() ? "" : " ") + cell.css;
+    if (!cell.css.empty()) css = css.empty() ? cell.css : fmt::format("{} {}", css, cell.css);
     const std::string tag = k == 0 ? "th scope=\"row\"" : "td";
     html +=
         fmt::format("<{}{}{}{}>{}</{}>", tag, attribute("class", css), attribute("data-key", cell.key),
@@ -75,11 +75,11 @@ std::string HtmlTable::row(const std::vector<HtmlCell>& cells) const {
   return html + "</tr>\n";
 }
 
-std::string HtmlTable::html() const {
+std::string HtmlTable::html(std::string_view css) const {
   std::string html = fmt::format(
       "<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"{0}\">\n"
-      "<table class=\"sortable\">\n<caption>{0}</caption>\n<thead><tr>",
-      html_text(caption_));
+      "<table class=\"sortable{1}\">\n<caption>{0}</caption>\n<thead><tr>",
+      html_text(caption_), css.empty() ? std::string() : fmt::format(" {}", css));
   for (const HtmlColumn& column : columns_)
     html += fmt::format("<th scope=\"col\"{}{}>{}</th>", attribute("class", column.number ? "n" : ""),
                         attribute("title", column.tip), html_text(column.header));

@@ -34,7 +34,8 @@ class HtmlTable {
   /// A last row that stays where it is.
   void foot(std::vector<HtmlCell> row) { foot_.push_back(std::move(row)); }
   /// First column as row headers; in a frame of its own that scrolls where the page is too narrow.
-  std::string html() const;
+  /// `css`: classes of the table beside "sortable".
+  std::string html(std::string_view css = {}) const;
 
  private:
   std::string row(const std::vector<HtmlCell>& cells) const;

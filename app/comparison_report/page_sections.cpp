@@ -36,9 +36,11 @@ HtmlCell failures_cell(const Failures& failures, const char* css) {
 
 std::string residual_text(double natural) { return std::isnan(natural) ? "no point" : fmt::format("{:.1e}", natural); }
 
-/// The colours of a comparison of C-functions are its own; the other charts share theirs.
+/// Comparisons of C-functions and of the systems of 1997 have colours of their own, so that they differ most; the other
+/// charts share theirs.
 std::size_t style_in(const Comparison& comparison, std::size_t position, const std::vector<std::size_t>& shared) {
-  return comparison.id.starts_with("cfunctions") ? position : shared[comparison.methods[position]];
+  const bool own = comparison.id.starts_with("cfunctions") || comparison.id == "lecture";
+  return own ? position : shared[comparison.methods[position]];
 }
 
 std::string chart(const CampaignData& data, const Comparison& comparison, const MeasureProfiles& profiles, bool ratios,
@@ -168,11 +170,8 @@ std::string false_claims_section(const CampaignData& data) {
       "<strong>\u26a0 False claims:</strong> {} solved where the judge's residual is above the tolerance, "
       "{} infeasible although a solution is known.",
       counted(converged, "cell says", "cells say"), counted(infeasible, "says", "say"));
-  constexpr std::size_t many = 12;
-  const bool folded = converged + infeasible > many;
-  return fmt::format("<div class=\"alarm\" id=\"false-claims\" role=\"alert\"><p>{}</p>\n{}{}{}</div>\n", head,
-                     folded ? "<details><summary>All of them</summary>\n" : "", table.html(),
-                     folded ? "</details>\n" : "");
+  return fmt::format("<div class=\"alarm\" id=\"false-claims\" role=\"alert\"><p>{}</p>\n{}</div>\n", head,
+                     table.html());
 }
 
 std::string robustness_section(const CampaignData& data) {
@@ -180,25 +179,23 @@ std::string robustness_section(const CampaignData& data) {
   const bool inapplicable =
       std::ranges::any_of(all.rows, [](const RobustnessRow& row) { return row.not_applicable > 0; });
   const bool unfinished = std::ranges::any_of(all.rows, [](const RobustnessRow& row) { return row.unfinished > 0; });
-  std::vector<HtmlColumn> columns{{.header = "method", .number = false}};
-  std::vector<HtmlCell> pairs{{.text = "pairs"}};
+  std::vector<HtmlColumn> columns{{.header = "method", .number = false}, {.header = "total"}, {.header = "solved"}};
+  std::vector<HtmlCell> pairs{{.text = "pairs"}, {.text = fmt::format("{}", data.pairs(true))}, {}};
   for (std::size_t c = 0; c < all.classes.size(); ++c) {
     columns.push_back({.header = all.classes[c]});
     pairs.push_back({.text = fmt::format("{}", all.pairs[c])});
   }
-  columns.push_back({.header = "total"});
-  columns.push_back({.header = "solved"});
   if (inapplicable) columns.push_back({.header = "not for it", .tip = "pairs that the method does not apply to"});
   if (unfinished) columns.push_back({.header = "unfinished"});
-  pairs.push_back({.text = fmt::format("{}", data.pairs(true))});
   pairs.resize(columns.size());
   HtmlTable table("Failures by method and class; in parentheses: left after restarts", columns);
   for (const RobustnessRow& row : all.rows) {
-    std::vector<HtmlCell> cells{{.text = data.label(row.method)}};
+    const Failures& total = row.total;
+    std::vector<HtmlCell> cells{
+        {.text = data.label(row.method)},
+        failures_cell(total, "total"),
+        {.text = percent(total.solved(), total.pairs), .key = fmt::format("{}", total.share())}};
     for (const Failures& failures : row.by_class) cells.push_back(failures_cell(failures, ""));
-    cells.push_back(failures_cell(row.total, "total"));
-    cells.push_back(
-        {.text = percent(row.total.solved(), row.total.pairs), .key = fmt::format("{}", row.total.share())});
     if (inapplicable) cells.push_back(count_cell(row.not_applicable));
     if (unfinished) cells.push_back(count_cell(row.unfinished));
     table.add(std::move(cells));
@@ -214,7 +211,7 @@ std::string robustness_section(const CampaignData& data) {
       "did not solve, as Billups, Dirkse &amp; Ferris (1997) print them: 3 (1) are three failures from the published "
       "starts, one of them still after restarts. {} A point that is a solution but was not claimed as one counts as a "
       "failure. Shares are of the pairs a method applies to.</p>\n{}</section>\n",
-      how, table.html());
+      how, table.html("dense"));
 }
 
 std::string unsolvable_section(const CampaignData& data) {

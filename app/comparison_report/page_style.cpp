@@ -25,7 +25,8 @@ nav { display: flex; flex-wrap: wrap; gap: 2px 16px; margin: 12px 0; font-size: 
 .findings p { max-width: 82em; margin: 5px 0; }
 .alarm { border: 2px solid var(--red); border-left-width: 10px; padding: 4px 14px 10px; margin: 14px 0; color: var(--red); }
 .alarm table { color: var(--ink); }
-.alarm td.bad, td.bad, th.bad { color: var(--red); font-weight: 700; }
+.alarm .scroll { max-height: 340px; overflow-y: auto; }
+.alarm td.bad, td.bad, th.bad { color: var(--red); font-weight: 700; white-space: nowrap; }
 .fine { border-left: 4px solid #009E73; padding: 2px 0 2px 14px; margin: 14px 0; }
 .scroll { overflow-x: auto; }
 table { border-collapse: collapse; font-size: 13.5px; margin: 8px 0; font-variant-numeric: tabular-nums; }
@@ -36,6 +37,9 @@ tbody th { font-weight: 500; white-space: nowrap; }
 tfoot th, tfoot td { border-top: 1.5px solid var(--ink); color: var(--soft); }
 .n { text-align: right; white-space: nowrap; }
 td.total { font-weight: 700; }
+.dense { font-size: 12.5px; }
+.dense th, .dense td { padding: 3px 5px; }
+.dense tbody th { white-space: normal; overflow-wrap: anywhere; min-width: 11em; }
 td.none { color: #767676; }
 tbody tr:hover { background: var(--pale); }
 thead th button { font: inherit; font-weight: 600; color: inherit; background: none; border: 0; padding: 0; cursor: pointer;
@@ -115,7 +119,7 @@ dd { margin: 0; overflow-wrap: anywhere; }
   nav, .controls, .legend, .more, .skip, .screen, .tabs > label { display: none; }
   .note { break-after: avoid; }
   .tabs > .pane { display: block; }
-  .scroll, .charts > div { overflow: visible; }
+  .scroll, .alarm .scroll, .charts > div { overflow: visible; max-height: none; }
   .charts { grid-template-columns: 1fr 1fr; break-inside: avoid; }
   section.comparison:not(#cfunctions + *, #profiles + *), #profiles, #cfunctions, #convergence, #cells { break-before: page; }
   .charts svg { min-width: 0; max-height: 70mm; }
