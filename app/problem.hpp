@@ -40,8 +40,8 @@ bool is_matrix_file(const std::string& argument);
 LoadedProblem load_problem(const ProblemSource& source);
 
 /// "FILE.nl", "FILE" beside which there is a FILE.nl, NAME, or NAME:SIZE[xSIZE...][:SEED] of a family in any size
-/// (ncp/collection/sized.hpp); a name of the collection goes before a file of that name without its ".nl". Throws InputError (no such file, name or start; a
-/// suggestion where there is one) or ncp::ampl::ModelError.
+/// (ncp/collection/sized.hpp); a name of the collection goes before a file of that name without its ".nl". Throws
+/// InputError (no such file, name or start; a suggestion where there is one) or ncp::ampl::ModelError.
 LoadedProblem load_problem(const std::string& argument, std::optional<int> start = {});
 
 /// The entry of that name. Throws InputError with a suggestion.
