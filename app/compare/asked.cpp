@@ -103,10 +103,10 @@ void check_resumable(const std::string& dir, const Campaign& before, const Campa
     found.push_back(fmt::format("--starts: {} there, {} here", text(before.starts), text(now.starts)));
   }
   if (found.empty()) return;
-  throw InputError(
-      fmt::format("--resume: '{}' holds a campaign that asks for something else:\n  {}\n'perp compare --out "
-                  "DIR --resume' alone goes on as it was begun, another --out begins anew",
-                  dir, fmt::join(found, "\n  ")));
+  throw InputError(fmt::format(
+      "--resume: '{0}' holds a campaign that asks for something else:\n  {1}\n'--out {0} --resume' alone goes on as "
+      "it was begun, another --out begins anew",
+      dir, fmt::join(found, "\n  ")));
 }
 
 }  // namespace perp::app::compare

@@ -112,6 +112,7 @@ class Comparison {
     const bool resume = request_.resume && fs::exists(request_.out + "/campaign.json", ignored);
     if (request_.resume && !resume && !request_.problems && !request_.methods && request_.externals.empty())
       throw InputError(fmt::format("--resume: there is no campaign in '{}'", request_.out));
+    if (request_.resume && !resume) note(fmt::format("there is no campaign in '{}' yet: one begins", request_.out));
     if (!(resume ? take_up() : begin())) return interrupted(0, 0);
     return work();
   }
