@@ -121,7 +121,7 @@ dd { margin: 0; overflow-wrap: anywhere; }
   .tabs > .pane { display: block; }
   .scroll, .alarm .scroll, .charts > div { overflow: visible; max-height: none; }
   .charts { grid-template-columns: 1fr 1fr; break-inside: avoid; }
-  section.comparison:not(#cfunctions + *, #profiles + *), #profiles, #cfunctions, #convergence, #cells { break-before: page; }
+  section.comparison:not(#cfunctions + *, #profiles + *), #robustness, #unsolvable, #profiles, #cfunctions, #convergence, #cells { break-before: page; }
   .charts svg { min-width: 0; max-height: 70mm; }
   #curves svg { min-width: 0; max-height: 140mm; }
   thead th button { border-bottom: 0; }
@@ -131,7 +131,8 @@ dd { margin: 0; overflow-wrap: anywhere; }
   #cells table { font-size: 6pt; } #cells th, #cells td { padding: 1pt 2.5pt; }
   #cells td.message { min-width: 0; }
   #cells button.show { color: inherit; text-decoration: none; }
-  .n { white-space: normal; }
+  #cells .n { white-space: normal; }
+  .dense { font-size: 7pt; } .dense th, .dense td { padding: 1.3pt 3pt; } .dense tbody th { min-width: 0; white-space: nowrap; }
   * { -webkit-print-color-adjust: exact; print-color-adjust: exact; }
 }
 )css";

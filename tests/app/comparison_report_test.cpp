@@ -1,6 +1,7 @@
 /// The report of a made-up campaign: a page that is well-formed, complete in itself, and says what the CSV files say.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/wait.h>
 
 #include <algorithm>
 #include <array>
@@ -281,6 +282,19 @@ TEST_F(ComparisonReport, FalseClaimsComeFirst) {
   write_report(folder_ / "");
   EXPECT_THAT(test::read(folder_ / "report.html"),
               AllOf(HasSubstr("No false claims"), Not(HasSubstr("class=\"alarm\""))));
+}
+
+/// The command itself. Would catch a subcommand that is not wired, and wrong exit codes.
+TEST_F(ComparisonReport, IsACommand) {
+  std::filesystem::remove(folder_ / "report.html");
+  const std::string program = std::string("'") + PERP_PROGRAM + "' report '";
+  EXPECT_EQ(std::system((program + folder_ / "" + "' > '" + folder_ / "out" + "'").c_str()), 0);
+  EXPECT_EQ(test::read(folder_ / "report.html"), page_) << "and twice the same page";
+  EXPECT_THAT(test::read(folder_ / "out"), HasSubstr("report.html"));
+  const int status = std::system((program + folder_ / "nowhere' 2> '" + folder_ / "err" + "'").c_str());
+  ASSERT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), exit_input);
+  EXPECT_THAT(test::read(folder_ / "err"), HasSubstr("campaign.json"));
 }
 
 /// In a browser, if there is one: the script fills the table and draws the curves without an error.
