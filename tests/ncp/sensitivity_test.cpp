@@ -106,12 +106,13 @@ TEST(Sensitivity, LcpInAllItsRightHandSides) {
 }
 
 // Catches a wrong dx on real nonlinear systems: central differences of solve() along random directions at every
-// regular solution that the collection's small problems have near the start's.
+// regular solution that the collection's small problems have near the start's. Equations and optimality conditions are
+// left out: many of their solutions are singular, or scaled over so many decades that differences show nothing.
 TEST(Sensitivity, MatchesDifferencesOfSolvesOnTheCollection) {
   Random random(5);
   int compared = 0;
   for (const collection::Entry& entry : collection::entries()) {
-    if (entry.size > 60) continue;
+    if (entry.size > 60 || entry.problem_class == "equations" || entry.problem_class == "kkt") continue;
     const collection::Problem problem = entry.make();
     PathSearch method;
     method.stop.tol = 1e-10;
