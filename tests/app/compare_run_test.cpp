@@ -285,7 +285,7 @@ TEST(CompareRun, KilledAndResumed) {
   ASSERT_EQ(once.code, 0) << once.err;
   const std::string out = folder / "killed";
   const std::size_t total = read_cells(folder / "once").cells.size();
-  EXPECT_EQ(total, 5U * (8 + 8 + 5 + 1));
+  EXPECT_EQ(total, 5U * (8 + 8 + 5 + 3));
   const auto lines = [&] {
     const std::string text = test::read(out + "/cells.jsonl");
     return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
