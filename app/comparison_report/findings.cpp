@@ -86,8 +86,17 @@ std::string most_solved(const CampaignData& data, const Comparison& comparison) 
     text +=
         fmt::format(" Not clearly behind {}: {}.", best.first.size() > 1 ? "them" : "it", listed(labels(data, close)));
   const std::size_t last = comparison.methods.back();
-  text += fmt::format(" Fewest: {} with {}.", data.label(last), count(last));
+  if (count(last) < best.next) text += fmt::format(" Fewest: {} with {}.", data.label(last), count(last));
   return text;
+}
+
+/// " They: a 3, b 2.", in the comparison's order.
+std::string subject(const CampaignData& data, const Comparison& comparison, const char* whose) {
+  std::vector<std::string> counts;
+  for (const std::size_t m : comparison.methods)
+    if (std::ranges::find(comparison.subject, m) != comparison.subject.end())
+      counts.push_back(fmt::format("{} {}", data.label(m), solved_of(data, comparison.pairs, m)));
+  return counts.empty() ? "" : fmt::format(" {}: {}.", whose, fmt::join(counts, ", "));
 }
 
 std::string cheapest(const CampaignData& data, const Comparison& comparison) {
@@ -269,9 +278,10 @@ std::vector<Finding> findings(const CampaignData& data, const std::vector<Compar
       add("Least cost", cheapest(data, comparison));
       add("Class by class", by_class(data, comparison));
     } else if (comparison.id == "affine") {
-      add("Affine problems", most_solved(data, comparison));
+      add("Affine problems",
+          most_solved(data, comparison) + subject(data, comparison, "The methods for affine problems"));
     } else if (comparison.id == "external") {
-      add("Where external programs ran", most_solved(data, comparison));
+      add("Where external programs ran", most_solved(data, comparison) + subject(data, comparison, "They"));
     } else if (comparison.id.starts_with("cfunctions")) {
       add(comparison.title, cfunctions(data, comparison));
     }

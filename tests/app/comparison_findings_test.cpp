@@ -140,6 +140,17 @@ TEST(Findings, LeadsAndTies) {
   EXPECT_EQ(said(nothing, "Least cost"), "");
 }
 
+/// Methods for affine problems are named with what they solve, and do not come into what is said of all.
+TEST(Findings, MethodsForAffineProblems) {
+  MadeUp made_up;
+  made_up.method("a").method("lemke").problems("lcp", 6).problems("tiny", 6);
+  made_up.runs("a", "lcp", 6, 6).runs("a", "tiny", 6, 6).runs("lemke", "lcp", 6, 4);
+  for (int k = 1; k <= 6; ++k) made_up.run("lemke", "tiny" + std::to_string(k), Outcome::NotApplicable);
+  EXPECT_EQ(said(made_up, "Most solved"), "a solves 12 of 12 pairs (100 %) of a problem with a solution and a start.");
+  EXPECT_THAT(said(made_up, "Affine problems"), AllOf(HasSubstr("a solves the most: 6 of 6 pairs"),
+                                                      HasSubstr("The methods for affine problems: lemke 4.")));
+}
+
 /// Would catch: verdicts about a class of two pairs.
 TEST(Findings, FewPairsAreNotJudged) {
   MadeUp made_up;
