@@ -75,10 +75,10 @@ bool for_affine_problems(const CampaignData& data, std::size_t m) {
   return refused;
 }
 
-/// Is there a finished pair, solvable or not, that it does not apply to?
+/// Is there a finished pair with a solution that it does not apply to?
 bool refuses_some(const CampaignData& data, std::size_t m) {
   for (std::size_t p = 0; p < data.pairs().size(); ++p)
-    if (const Cell* cell = data.at(m, p); cell != nullptr && !applies(*cell)) return true;
+    if (const Cell* cell = data.at(m, p); data.problem(p).solvable() && cell != nullptr && !applies(*cell)) return true;
   return false;
 }
 

@@ -85,12 +85,14 @@ std::string most_solved(const CampaignData& data, const Comparison& comparison) 
   if (!close.empty())
     text +=
         fmt::format(" Not clearly behind {}: {}.", best.first.size() > 1 ? "them" : "it", listed(labels(data, close)));
-  const std::size_t last = comparison.methods.back();
-  if (count(last) < best.next) text += fmt::format(" Fewest: {} with {}.", data.label(last), count(last));
+  const std::size_t least = count(*std::ranges::min_element(comparison.methods, {}, count));
+  Indices last;
+  std::ranges::copy_if(comparison.methods, std::back_inserter(last), [&](std::size_t m) { return count(m) == least; });
+  if (least < best.next) text += fmt::format(" Fewest: {} with {}.", listed(labels(data, last)), least);
   return text;
 }
 
-/// " They: a 3, b 2.", in the comparison's order.
+/// " The external programs: a 3, b 2.", in the comparison's order.
 std::string subject(const CampaignData& data, const Comparison& comparison, const char* whose) {
   std::vector<std::string> counts;
   for (const std::size_t m : comparison.methods)
@@ -281,7 +283,8 @@ std::vector<Finding> findings(const CampaignData& data, const std::vector<Compar
       add("Affine problems",
           most_solved(data, comparison) + subject(data, comparison, "The methods for affine problems"));
     } else if (comparison.id == "external") {
-      add("Where external programs ran", most_solved(data, comparison) + subject(data, comparison, "They"));
+      add("Where external programs ran",
+          most_solved(data, comparison) + subject(data, comparison, "The external programs"));
     } else if (comparison.id.starts_with("cfunctions")) {
       add(comparison.title, cfunctions(data, comparison));
     }

@@ -65,6 +65,7 @@ select { max-width: 100%; }
 .charts { display: grid; grid-template-columns: 1fr 1fr; gap: 4px 16px; }
 .charts > div { overflow-x: auto; }
 .charts svg, #curves svg { display: block; width: 100%; min-width: 520px; height: auto; }
+#curves svg { min-width: 760px; }
 .tabs > input { position: absolute; opacity: 0; width: 1px; height: 1px; }
 .tabs > label { display: inline-block; padding: 3px 12px; margin: 4px 4px 8px 0; border: 1px solid #777; border-radius: 4px;
   font-size: 14px; cursor: pointer; }

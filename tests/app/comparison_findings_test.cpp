@@ -134,6 +134,11 @@ TEST(Findings, LeadsAndTies) {
   tie.method("a").method("b").problems("tiny", 20).runs("a", "tiny", 20, 7).runs("b", "tiny", 20, 7);
   EXPECT_THAT(said(tie, "Most solved"), HasSubstr("All 2 methods solve as many, 7 of 20 pairs (35.0 %)."));
   EXPECT_THAT(said(tie, "Least cost"), HasSubstr("Quickest most often are a and b (on 7"));
+  MadeUp last;
+  last.method("a").method("b").method("c").method("d").problems("tiny", 9);
+  last.runs("a", "tiny", 9, 9).runs("b", "tiny", 9, 5).runs("c", "tiny", 9, 2).runs("d", "tiny", 9, 2);
+  EXPECT_THAT(said(last, "Most solved"),
+              HasSubstr("next comes b with 5. Not clearly behind it: b. Fewest: c and d with 2."));
   MadeUp nothing;
   nothing.method("a").method("b").problems("tiny", 3).runs("a", "tiny", 3, 0).runs("b", "tiny", 3, 0);
   EXPECT_THAT(said(nothing, "Most solved"), HasSubstr("No method solves any of the 3 pairs"));
