@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "ncp/deflated_newton.hpp"
+#include "ncp/merit.hpp"
 #include "ncp/methods.hpp"
 #include "ncp/refusal.hpp"
 #include "ncp/structure_report.hpp"
@@ -101,11 +102,10 @@ class Search {
   Vec start(const DeflationTry& how) const {
     Vec x = how.start == DeflationStart::Solution ? roots_.back().r : x0_;
     if (how.start == DeflationStart::Same && !known(x)) return x;
-    double generic = 0.7548776662466927 * out_.attempts;
+    const Vec h = generic(x.size(), out_.attempts);
     for (Index i = 0; i < x.size(); ++i) {
-      generic = std::fmod(generic + 0.6180339887498949, 1.0);  // the golden ratio's fractions: no two alike
       const double lower = mcp_.box().lower[i], upper = mcp_.box().upper[i];
-      x[i] += (2 * generic - 1) * std::min(displacement * (1 + std::abs(x[i])), (upper - lower) / 2);
+      x[i] += (2 * h[i] - 1) * std::min(displacement * (1 + std::abs(x[i])), (upper - lower) / 2);
       if (x[i] < lower)
         x[i] = 2 * lower - x[i];
       else if (x[i] > upper)

@@ -14,15 +14,19 @@ void assemble(In Da, In Db, const SpMat& J, SpMat& H) {
   H.makeCompressed();
 }
 
-void elements(const CFunction& c, const Box& box, const Point& point, Reformulation& out) {
-  const Index n = point.x.size();
+Vec generic(Index n, int k) {
   Vec h(n);
-  double generic = 0;
+  double fraction = std::fmod(0.7548776662466927 * k, 1);
   for (Index i = 0; i < n; ++i) {
-    generic += 0.6180339887498949;  // the golden ratio's fractions: no two alike
-    if (generic >= 1) generic -= 1;
-    h[i] = 1 + 0.1 * generic;
+    fraction += 0.6180339887498949;
+    if (fraction >= 1) fraction -= 1;
+    h[i] = fraction;
   }
+  return h;
+}
+
+void elements(const CFunction& c, const Box& box, const Point& point, Reformulation& out) {
+  const Vec h = (1 + 0.1 * generic(point.x.size()).array()).matrix();
   const Vec Jh = point.J * h;
   reformulate(c, box, point.x, point.F, h, Jh, out);
 }

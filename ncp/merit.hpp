@@ -18,6 +18,9 @@ struct Linearisation {
   /// The minimiser of ||Phi + H d|| along d = -gradient.
   Vec cauchy_step() const;
 };
+/// Fractions of multiples of the golden ratio: in (0, 1), no two alike; another sequence for every k.
+Vec generic(Index n, int k = 0);
+
 /// Phi, Da, Db. At kinks the element of the B-subdifferential is the one along a generic h > 0: x + s h meets no kink
 /// for small s > 0 (De Luca, Facchinei & Kanzow 1996, section 7, with h_i = 1 at degenerate indices).
 void elements(const CFunction& c, const Box& box, const Point& point, Reformulation& out);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "ncp/diagnosis.hpp"
+#include "ncp/merit.hpp"
 #include "ncp/methods.hpp"
 #include "ncp/proximal.hpp"
 
@@ -40,11 +41,37 @@ Result run_once(const Mcp& mcp, In x0, const Method& method, const Observer& obs
   return run.result();
 }
 
+/// Where an attempt starts.
+enum class From {
+  Start,    ///< the user's
+  Best,     ///< the best point so far
+  Origin,   ///< the point of the box nearest to 0
+  UnitBox,  ///< a generic point of the unit box next to that
+};
+
 struct Attempt {
   std::string what;
-  bool from_best = false;  ///< else from the user's start
+  From from = From::Start;
   std::function<void(Run&, Point)> go;
 };
+
+/// The attempt's first point with F and J; false if they are not defined there, or it is where others began.
+bool begin(Run& run, From from, const Point& user, Point& point) {
+  point = user;
+  if (from == From::Start) return true;
+  if (from == From::Best) {
+    point.x = run.best();
+    if (!run.evaluate(point)) point = user;
+    return true;
+  }
+  point.x = lcp::project(run.box(), Vec::Zero(user.x.size()));
+  if (from == From::UnitBox) {
+    const Vec h = generic(user.x.size(), 1);
+    for (Index i = 0; i < h.size(); ++i) point.x[i] += point.x[i] + h[i] <= run.box().upper[i] ? h[i] : -h[i];
+    point.x = lcp::project(run.box(), point.x);
+  }
+  return point.x != user.x && run.evaluate(point);
+}
 
 class Attempts {
  public:
@@ -55,23 +82,23 @@ class Attempts {
   std::vector<lcp::Cell> basis;
 
  private:
-  void add_path(std::string what, PathSearch method) {
-    list_.push_back({std::move(what), false, [this, method = std::move(method)](Run& run, Point point) {
+  void add_path(std::string what, PathSearch method, From from = From::Start) {
+    list_.push_back({std::move(what), from, [this, method = std::move(method)](Run& run, Point point) {
                        path_search(run, method, std::move(point), basis);
                      }});
   }
-  void add_semismooth(std::string what, bool from_best, SemismoothNewton method) {
-    list_.push_back({std::move(what), from_best, [method = std::move(method)](Run& run, Point point) {
+  void add_semismooth(std::string what, From from, SemismoothNewton method) {
+    list_.push_back({std::move(what), from, [method = std::move(method)](Run& run, Point point) {
                        semismooth_newton(run, method, std::move(point));
                      }});
   }
   void add_josephy(std::string what, NewtonJosephy method) {
-    list_.push_back({std::move(what), false, [method = std::move(method)](Run& run, Point point) {
+    list_.push_back({std::move(what), From::Start, [method = std::move(method)](Run& run, Point point) {
                        newton_josephy(run, method, std::move(point));
                      }});
   }
   void add_escape(std::string what, Method base) {
-    list_.push_back({std::move(what), true, [this, base = std::move(base)](Run& run, const Point& point) {
+    list_.push_back({std::move(what), From::Best, [this, base = std::move(base)](Run& run, const Point& point) {
                        const Method method = within_limits(run, base);
                        Result stuck;
                        stuck.status = Status::NoProgress;
@@ -83,7 +110,7 @@ class Attempts {
                      }});
   }
   void add_scaled(std::string what, const Scaling& factors) {
-    list_.push_back({std::move(what), false, [this, factors](Run& run, const Point& point) {
+    list_.push_back({std::move(what), From::Start, [this, factors](Run& run, const Point& point) {
                        const Method limited = within_limits(run, method_);
                        Result scaled =
                            run_scaled(run.mcp(), factors, point.x, std::get<PathSearch>(limited), run.counting_on());
@@ -92,7 +119,7 @@ class Attempts {
                      }});
   }
   void add_affine(std::string what) {
-    list_.push_back({std::move(what), false, [this](Run& run, const Point& point) {
+    list_.push_back({std::move(what), From::Start, [this](Run& run, const Point& point) {
                        const Method method = within_limits(run, Affine{});
                        Result linear = run_affine(run.mcp(), point.x, std::get<Affine>(method), run.counting_on());
                        linear.stats.pivots = std::exchange(linear.stats.iterations, 1);
@@ -126,6 +153,8 @@ Attempts::Attempts(const Mcp& mcp, const Point& start, const PathSearch& method)
   again.proximal_perturbation = 1;
   add_path("proximal perturbation 1", again);
   again.proximal_perturbation = method.proximal_perturbation;
+  add_path("from the origin", again, From::Origin);
+  add_path("from a point of the unit box", again, From::UnitBox);
   again.start = PathStart::Always;
   add_path("Newton points from rays", again);
   again.start = method.start;
@@ -133,13 +162,13 @@ Attempts::Attempts(const Mcp& mcp, const Point& start, const PathSearch& method)
   again.search = method.search == Searchtype::Line ? Searchtype::Path : Searchtype::Line;
   again.nms.initial_reference_factor = 2;
   add_path("the other merit function, another search", again);
-  add_semismooth("semismooth Newton", false, {});
+  add_semismooth("semismooth Newton", From::Start, {});
   add_josephy("Newton-Josephy", {});
   PathSearch trial = once(method);
   trial.patience = std::min(method.patience, trial_patience);
   add_escape("proximal escape", trial);
-  add_semismooth("semismooth Newton from the best point", true, {});
-  add_semismooth("semismooth Newton on the min function", false, {.cfunction = natural_min()});
+  add_semismooth("semismooth Newton from the best point", From::Best, {});
+  add_semismooth("semismooth Newton on the min function", From::Start, {.cfunction = natural_min()});
   add_escape("proximal escape with semismooth Newton", SemismoothNewton{});
 }
 
@@ -172,13 +201,12 @@ Result run_attempts(const Mcp& mcp, In x0, const PathSearch& method, const Obser
   Attempts attempts(mcp, user, method);
   std::size_t tried = 0;
   std::optional<Run::Verdict> first;
+  std::string last;
   for (const Attempt& attempt : attempts.list()) {
+    Point point;
+    if (!begin(run, attempt.from, user, point)) continue;
     if (tried > 0) run.resume(attempt.what);
-    Point point = user;
-    if (attempt.from_best) {
-      point.x = run.best();
-      if (!run.evaluate(point)) point = user;
-    }
+    last = attempt.what;
     attempt.go(run, std::move(point));
     ++tried;
     if (!run.ended() || !stuck(run.status())) break;
@@ -194,7 +222,7 @@ Result run_attempts(const Mcp& mcp, In x0, const PathSearch& method, const Obser
     run.replace_verdict(std::move(verdict));
   }
   Result result = run.result();
-  if (result.solved() && tried > 1) result.message += ", after a restart: " + attempts.list()[tried - 1].what;
+  if (result.solved() && tried > 1) result.message += ", after a restart: " + last;
   result.basis = std::move(attempts.basis);
   return result;
 }
