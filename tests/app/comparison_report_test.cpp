@@ -198,7 +198,7 @@ TEST_F(ComparisonReport, RobustnessTableIsThatOfTheCsv) {
     const auto& r = records[k];
     const std::string cell = '|' + (r[2] == "0" ? "-" : r[3] == "0" ? "0" : r[3] + " (" + r[4] + ')');
     std::string& cells = expected[r[0]];
-    cells = r[1] == "total" ? cell + cells : cells + cell;
+    cells.insert(r[1] == "total" ? 0 : cells.size(), cell);
   }
   EXPECT_EQ(expected.size(), 6U);
   const std::regex tags("<[^>]*>");
