@@ -114,6 +114,7 @@ void compare_value(const std::string& what, const T& before, const T& now, std::
 template <class T, class Name>
 std::vector<std::string> names_of(const std::vector<T>& items, Name name) {
   std::vector<std::string> names;
+  names.reserve(items.size());
   for (const T& item : items) names.push_back(item.*name);
   return names;
 }

@@ -193,9 +193,9 @@ std::string cell_line(const Cell& cell) {
 }
 
 Cell parse_line(std::string_view line) {
-  constexpr std::string_view head = "{\"cell\":";
-  constexpr std::string_view middle = ",\"crc\":\"";
-  constexpr std::string_view tail = "\"}";
+  constexpr std::string_view head = R"({"cell":)";
+  constexpr std::string_view middle = R"(,"crc":")";
+  constexpr std::string_view tail = R"("})";
   constexpr std::size_t digits = 8;
   constexpr std::size_t around = head.size() + middle.size() + digits + tail.size();
   if (line.size() < around || !line.starts_with(head) || !line.ends_with(tail)) throw InputError("torn");

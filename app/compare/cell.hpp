@@ -68,7 +68,7 @@ struct CellKey {
   std::string method{};
   std::string problem{};
   int start = 1;
-  auto operator<=>(const CellKey&) const = default;
+  auto operator<=>(const CellKey&) const = default;  // NOLINT(modernize-use-nullptr): of the 0 compared with
 };
 CellKey key(const Cell& cell);
 

@@ -54,6 +54,7 @@ void in_threads(std::size_t n, int threads, Stopper& stopper, const std::functio
   std::exception_ptr failure;
   std::mutex mutex;
   std::vector<std::thread> all;
+  all.reserve(static_cast<std::size_t>(threads));
   for (int t = 0; t < threads; ++t)
     all.emplace_back([&, t] {
       try {
@@ -172,6 +173,7 @@ class Comparison {
     std::error_code ignored;
     fs::remove_all(work_folder(), ignored);  // of a campaign that was killed
     std::vector<std::unique_ptr<CellRunner>> all;
+    all.reserve(static_cast<std::size_t>(campaign_.jobs));
     for (int t = 0; t < campaign_.jobs; ++t) all.push_back(runner(t));
     return all;
   }

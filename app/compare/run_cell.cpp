@@ -93,11 +93,11 @@ CellRunner::~CellRunner() {
 
 ProcessEnd CellRunner::run_task(Task task, const ProcessLimits& limits) {
   task.folder = folder_;
-  const ProcessEnd end = run_process({.arguments = {program_, "compare-worker", task_json(task)},
-                                      .log = folder_ + "/log",
-                                      .limits = limits,
-                                      .runs_others = task.role == Task::Role::External},
-                                     interrupt_);
+  ProcessEnd end = run_process({.arguments = {program_, "compare-worker", task_json(task)},
+                                .log = folder_ + "/log",
+                                .limits = limits,
+                                .runs_others = task.role == Task::Role::External},
+                               interrupt_);
   if (end.why == ProcessEnd::Why::NotStarted)
     throw InputError(fmt::format("a process for '{}' cannot be started: {}", task.problem, end.error));
   return end;
@@ -175,7 +175,7 @@ std::optional<Cell> CellRunner::run(const AskedMethod& method, const AskedProble
   return cell;
 }
 
-std::optional<AskedProblem> CellRunner::describe(AskedProblem problem) {
+std::optional<AskedProblem> CellRunner::describe(const AskedProblem& problem) {
   fs::remove_all(folder_);
   fs::create_directories(folder_);
   const std::string source = problem.file.empty() ? problem.name : problem.file;

@@ -39,7 +39,7 @@ class CellRunner {
 
   /// Size, starts and the like of a problem of which name and file are known. Nothing if interrupted; throws InputError
   /// if it cannot be built.
-  std::optional<AskedProblem> describe(AskedProblem problem);
+  std::optional<AskedProblem> describe(const AskedProblem& problem);
 
  private:
   std::optional<RunEnd> attempt(const AskedMethod& method, const AskedProblem& problem, int start, int run);

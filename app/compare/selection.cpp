@@ -155,6 +155,7 @@ AskedMethod of_method(const std::string& label) {
 template <class Names>
 std::vector<AskedMethod> of_names(const Names& names) {
   std::vector<AskedMethod> found;
+  found.reserve(names.size());
   for (const auto& name : names) found.push_back(of_method(std::string(name)));
   return found;
 }
