@@ -16,6 +16,7 @@ std::string library_path() {
 
 End end_of(const PathAnswer& answer) {
   if (answer.claimed) return End::Claimed;
+  if (answer.status == "Infeasible") return End::Infeasible;
   if (answer.status == "MajorLimit" || answer.status == "MinorLimit") return End::IterationLimit;
   if (answer.status == "TimeLimit") return End::TimeLimit;
   if (answer.status == "DomainError") return End::Undefined;

@@ -99,12 +99,12 @@ void PeerOptions::set(std::string_view assignment) {
   const std::string value(equals == std::string_view::npos ? "" : assignment.substr(equals + 1));
   const auto option = std::ranges::find(table_, key, &PeerOption::key);
   if (option == table_.end()) throw std::invalid_argument("there is no option '" + key + "'");
-  if (option->values.empty()) {
+  if (option->values.empty() && value != option->initial) {
     char* end = nullptr;
     const double number = std::strtod(value.c_str(), &end);
     if (value.empty() || *end != '\0' || !(number > 0))
       throw std::invalid_argument(key + "=" + value + ": not a positive number");
-  } else if (std::ranges::find(option->values, value) == option->values.end()) {
+  } else if (!option->values.empty() && std::ranges::find(option->values, value) == option->values.end()) {
     std::string all;
     for (const std::string& word : option->values) all += (all.empty() ? "" : ", ") + word;
     throw std::invalid_argument(key + "=" + value + ": not one of " + all);

@@ -2,8 +2,8 @@
 /// What the drivers of peers share: somebody else's solver as a program that AMPL, and `perp compare --external`, can
 /// call. `DRIVER [key=value]... STUB -AMPL` reads STUB.nl as an Mcp and writes STUB.sol.
 ///
-/// solve_result_num says what the peer says, not what is true: 0 where it claims a solution, and 400 and more where it
-/// does not. Whoever wants the truth judges the point.
+/// solve_result_num says what the peer says, not what is true: 0 where it claims a solution, 201 where it claims that
+/// there is none, else 400 and more. Whoever wants the truth judges the point.
 #include <functional>
 #include <map>
 #include <string>
@@ -17,10 +17,11 @@ namespace perp::bench {
 /// Of solve_result_num, as perp itself uses it (app/README.md).
 enum class End {
   Claimed = 0,              ///< the peer says: solved
+  Infeasible = 201,         ///< the peer says: there is no solution
   IterationLimit = 400,     ///< or of evaluations
-  TimeLimit = 402,          ///
-  NotTaken = 500,           ///< the problem has a shape or size, or the option a value, that the peer does not take
-  LinearSolveFailed = 501,  ///
+  TimeLimit = 402,          ///< the peer's own
+  NotTaken = 500,           ///< the peer does not take this shape or size of problem, or value of an option
+  LinearSolveFailed = 501,  ///< a singular matrix
   Undefined = 503,          ///< F or J is not defined where the peer wants it
   Failed = 510,             ///< any other end that the peer does not call solved
 };
@@ -34,8 +35,8 @@ struct PeerAnswer {
 /// An option of a driver. Values are checked before the peer sees them.
 struct PeerOption {
   std::string key;
-  std::string initial;                ///< its value if it is not given
-  std::vector<std::string> values{};  ///< the words that it may be; none: a positive number
+  std::string initial;                ///< its value if it is not given; "own": the peer's
+  std::vector<std::string> values{};  ///< the words that it may be; none: a positive number, or `initial`
   std::string help{};
 };
 
@@ -45,7 +46,7 @@ class PeerOptions {
   /// "key=value". Throws std::invalid_argument naming key and value where there is no such key or value.
   void set(std::string_view assignment);
   const std::string& text(const std::string& key) const { return values_.at(key); }
-  double number(const std::string& key) const;
+  double number(const std::string& key) const;  ///< 0 if it is "own"
   const std::vector<PeerOption>& table() const { return table_; }
 
  private:

@@ -215,6 +215,10 @@ void set_options(const std::string& solver, const std::string& linear) {
 }
 
 PeerAnswer solve(const ncp::Mcp& mcp, ncp::In x0, const PeerOptions& options) {
+  // One process needs neither Open MPI's daemon nor its networks, which take half a second.
+  setenv("OMPI_MCA_ess_singleton_isolated", "1", 0);
+  setenv("OMPI_MCA_btl", "self", 0);
+  setenv("OMPI_MCA_pml", "ob1", 0);
   PetscInitializeNoArguments();
   PetscPopSignalHandler();                                  // a crash is to be seen as one
   PetscPushErrorHandler(PetscIgnoreErrorHandler, nullptr);  // errors come back as codes
@@ -269,7 +273,7 @@ int main(int argc, char** argv) {
        .version = version(),
        .options =
            {{"solver",
-             "rsls",
+             "ssils",
              {"rsls", "ssls", "ssils", "ssfls", "asils", "asfls"},
              "SNESVI: rsls, ssls; TAO: the others"},
             {"linear", "direct", {"direct", "gmres"}, "MUMPS (or PETSc's LU), or GMRES with ILU"},

@@ -101,7 +101,8 @@ int solve_mcp(Orthant& problem, ncp::Vec& z, ncp::Vec& G, SolverOptions& options
   return mcp_driver(p.get(), z.data(), G.data(), &options);
 }
 
-int solve_lcp(Orthant& problem, ncp::Vec& z, ncp::Vec& w, SolverOptions& options) {
+/// `absolute`: dparam's tolerance is one of the error, and is to be absolute.
+int solve_lcp(Orthant& problem, ncp::Vec& z, ncp::Vec& w, SolverOptions& options, bool absolute) {
   const auto n = static_cast<int>(problem.size());
   ncp::Vec q(n);
   LinearComplementarityProblem p{};
@@ -111,6 +112,8 @@ int solve_lcp(Orthant& problem, ncp::Vec& z, ncp::Vec& w, SolverOptions& options
   evaluate(&problem, n, zero.data(), q.data());
   differentiate(&problem, n, zero.data(), p.M);
   p.q = q.data();
+  // Its LCP solvers measure errors relative to || q ||_2.
+  if (const double norm = q.norm(); absolute && norm > 0) options.dparam[SICONOS_DPARAM_TOL] /= norm;
   const int info = linearComplementarity_driver(&p, z.data(), w.data(), &options);
   NM_clear(p.M);
   std::free(p.M);
@@ -139,7 +142,10 @@ PeerAnswer solve(const ncp::Mcp& mcp, ncp::In x0, const PeerOptions& asked) {
   const std::unique_ptr<SolverOptions, decltype(&solver_options_delete)> options(solver_options_create(solver.id),
                                                                                  &solver_options_delete);
   if (solver.tol) options->dparam[SICONOS_DPARAM_TOL] = asked.number("tol");
-  options->iparam[SICONOS_IPARAM_MAX_ITER] = static_cast<int>(std::min(asked.number("iterations"), 1e9));
+  if (const double most = asked.number("iterations"); most > 0)
+    options->iparam[SICONOS_IPARAM_MAX_ITER] = static_cast<int>(std::min(most, 1e9));
+  // Else its path search frees what it has not initialised (4.4); of the others it changes nothing.
+  options->iparam[SICONOS_IPARAM_PREALLOC] = 1;
   ncp::Vec z = problem.from(x0);
   ncp::Vec w = ncp::Vec::Zero(problem.size());
   int info = -1;
@@ -148,7 +154,7 @@ PeerAnswer solve(const ncp::Mcp& mcp, ncp::In x0, const PeerOptions& asked) {
   else if (solver.kind == Kind::Mcp)
     info = solve_mcp(problem, z, w, *options);
   else
-    info = solve_lcp(problem, z, w, *options);
+    info = solve_lcp(problem, z, w, *options, solver.tol);
   std::array<char, 160> text{};
   const int done = options->iparam[SICONOS_IPARAM_ITER_DONE];
   std::snprintf(text.data(), text.size(),
@@ -172,8 +178,8 @@ int main(int argc, char** argv) {
       {.name = "siconos_peer",
        .version = "Siconos (" PERP_SICONOS_LIBRARY ")",
        .options = {{"solver", "mcp-fb", names, "mcp-*: any bounds; ncp-*: no free variables; lcp-*: affine, too"},
-                   {"tol", "1e-6", {}, "its tolerance (not of lcp-pivot and lcp-pathsearch, which have none)"},
-                   {"iterations", "1000", {}, "at most so many"}},
+                   {"tol", "1e-6", {}, "absolute tolerance (lcp-pivot and lcp-pathsearch have none)"},
+                   {"iterations", "own", {}, "at most so many"}},
        .solve = solve},
       argc, argv);
 }

@@ -1,0 +1,16 @@
+#!/bin/sh
+# One driver on small models through `perp compare`: the judge has to call every answer solved, and a wrong option has to
+# come back as a failure with its reason. usage: test.sh PERP DRIVER FOLDER MODEL.nl...
+set -eu
+perp=$1 driver=$2 out=$3
+shift 3
+problems=$(IFS=,; echo "$*")
+rm -rf "$out"
+"$perp" compare --problems "$problems" --methods none --external peer="'$driver'" --external wrong="'$driver' tol=zero" \
+  --time-limit 30 --out "$out" >"$out.log" 2>&1 || { cat "$out.log"; exit 1; }
+solved=$(grep -c '^peer,[^,]*,1,solved,' "$out/outcomes.csv" || true)
+failed=$(grep -c '^wrong,[^,]*,1,failed,' "$out/outcomes.csv" || true)
+if [ "$solved" -ne $# ] || [ "$failed" -ne $# ] || ! grep -q 'tol=zero: not a positive number' "$out/cells.csv"; then
+  cat "$out/cells.csv"
+  exit 1
+fi
