@@ -215,8 +215,10 @@ void set_options(const std::string& solver, const std::string& linear) {
 }
 
 PeerAnswer solve(const ncp::Mcp& mcp, ncp::In x0, const PeerOptions& options) {
-  // One process needs neither Open MPI's daemon nor its networks, which take half a second.
+  // One process needs neither Open MPI's daemon nor its networks, which take half a second, nor its folders in /tmp,
+  // which without the daemon two processes at a time take away from each other.
   setenv("OMPI_MCA_ess_singleton_isolated", "1", 0);
+  setenv("OMPI_MCA_orte_create_session_dirs", "0", 0);
   setenv("OMPI_MCA_btl", "self", 0);
   setenv("OMPI_MCA_pml", "ob1", 0);
   PetscInitializeNoArguments();

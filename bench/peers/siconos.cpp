@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
+#include <cstdlib>
 #include <limits>
 #include <memory>
 #include <string>
@@ -45,21 +46,20 @@ struct Solver {
   const char* name;
   Kind kind;
   int id;
-  bool tol;  ///< is dparam[0] a tolerance of the answer? (Of pivoting methods it is not, or is one of pivots.)
 };
 
 constexpr std::array solvers{
-    Solver{"mcp-fb", Kind::Mcp, SICONOS_MCP_NEWTON_FB_FBLSA, true},
-    Solver{"mcp-min", Kind::Mcp, SICONOS_MCP_NEWTON_MIN_FBLSA, true},
-    Solver{"ncp-fb", Kind::Ncp, SICONOS_NCP_NEWTON_FB_FBLSA, true},
-    Solver{"ncp-min", Kind::Ncp, SICONOS_NCP_NEWTON_MIN_FBLSA, true},
-    Solver{"ncp-pathsearch", Kind::Ncp, SICONOS_NCP_PATHSEARCH, true},
-    Solver{"lcp-lemke", Kind::Lcp, SICONOS_LCP_LEMKE, true},
-    Solver{"lcp-pivot", Kind::Lcp, SICONOS_LCP_PIVOT, false},
-    Solver{"lcp-pathsearch", Kind::Lcp, SICONOS_LCP_PATHSEARCH, false},
-    Solver{"lcp-fb", Kind::Lcp, SICONOS_LCP_NEWTON_FB_FBLSA, true},
-    Solver{"lcp-min", Kind::Lcp, SICONOS_LCP_NEWTON_MIN_FBLSA, true},
-    Solver{"lcp-pgs", Kind::Lcp, SICONOS_LCP_PGS, true},
+    Solver{"mcp-fb", Kind::Mcp, SICONOS_MCP_NEWTON_FB_FBLSA},
+    Solver{"mcp-min", Kind::Mcp, SICONOS_MCP_NEWTON_MIN_FBLSA},
+    Solver{"ncp-fb", Kind::Ncp, SICONOS_NCP_NEWTON_FB_FBLSA},
+    Solver{"ncp-min", Kind::Ncp, SICONOS_NCP_NEWTON_MIN_FBLSA},
+    Solver{"ncp-pathsearch", Kind::Ncp, SICONOS_NCP_PATHSEARCH},
+    Solver{"lcp-lemke", Kind::Lcp, SICONOS_LCP_LEMKE},
+    Solver{"lcp-pivot", Kind::Lcp, SICONOS_LCP_PIVOT},
+    Solver{"lcp-pathsearch", Kind::Lcp, SICONOS_LCP_PATHSEARCH},
+    Solver{"lcp-fb", Kind::Lcp, SICONOS_LCP_NEWTON_FB_FBLSA},
+    Solver{"lcp-min", Kind::Lcp, SICONOS_LCP_NEWTON_MIN_FBLSA},
+    Solver{"lcp-pgs", Kind::Lcp, SICONOS_LCP_PGS},
 };
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
@@ -101,8 +101,7 @@ int solve_mcp(Orthant& problem, ncp::Vec& z, ncp::Vec& G, SolverOptions& options
   return mcp_driver(p.get(), z.data(), G.data(), &options);
 }
 
-/// `absolute`: dparam's tolerance is one of the error, and is to be absolute.
-int solve_lcp(Orthant& problem, ncp::Vec& z, ncp::Vec& w, SolverOptions& options, bool absolute) {
+int solve_lcp(Orthant& problem, ncp::Vec& z, ncp::Vec& w, SolverOptions& options) {
   const auto n = static_cast<int>(problem.size());
   ncp::Vec q(n);
   LinearComplementarityProblem p{};
@@ -113,7 +112,7 @@ int solve_lcp(Orthant& problem, ncp::Vec& z, ncp::Vec& w, SolverOptions& options
   differentiate(&problem, n, zero.data(), p.M);
   p.q = q.data();
   // Its LCP solvers measure errors relative to || q ||_2.
-  if (const double norm = q.norm(); absolute && norm > 0) options.dparam[SICONOS_DPARAM_TOL] /= norm;
+  if (const double norm = q.norm(); norm > 0) options.dparam[SICONOS_DPARAM_TOL] /= norm;
   const int info = linearComplementarity_driver(&p, z.data(), w.data(), &options);
   NM_clear(p.M);
   std::free(p.M);
@@ -141,11 +140,11 @@ PeerAnswer solve(const ncp::Mcp& mcp, ncp::In x0, const PeerOptions& asked) {
     return {.end = End::NotTaken, .words = why};
   const std::unique_ptr<SolverOptions, decltype(&solver_options_delete)> options(solver_options_create(solver.id),
                                                                                  &solver_options_delete);
-  if (solver.tol) options->dparam[SICONOS_DPARAM_TOL] = asked.number("tol");
+  options->dparam[SICONOS_DPARAM_TOL] = asked.number("tol");
   if (const double most = asked.number("iterations"); most > 0)
     options->iparam[SICONOS_IPARAM_MAX_ITER] = static_cast<int>(std::min(most, 1e9));
-  // Else its path search frees what it has not initialised (4.4); of the others it changes nothing.
-  options->iparam[SICONOS_IPARAM_PREALLOC] = 1;
+  // Else it frees what it has not initialised (4.4).
+  if (solver.id == SICONOS_NCP_PATHSEARCH) options->iparam[SICONOS_IPARAM_PREALLOC] = 1;
   ncp::Vec z = problem.from(x0);
   ncp::Vec w = ncp::Vec::Zero(problem.size());
   int info = -1;
@@ -154,7 +153,7 @@ PeerAnswer solve(const ncp::Mcp& mcp, ncp::In x0, const PeerOptions& asked) {
   else if (solver.kind == Kind::Mcp)
     info = solve_mcp(problem, z, w, *options);
   else
-    info = solve_lcp(problem, z, w, *options, solver.tol);
+    info = solve_lcp(problem, z, w, *options);
   std::array<char, 160> text{};
   const int done = options->iparam[SICONOS_IPARAM_ITER_DONE];
   std::snprintf(text.data(), text.size(),
@@ -178,7 +177,7 @@ int main(int argc, char** argv) {
       {.name = "siconos_peer",
        .version = "Siconos (" PERP_SICONOS_LIBRARY ")",
        .options = {{"solver", "mcp-fb", names, "mcp-*: any bounds; ncp-*: no free variables; lcp-*: affine, too"},
-                   {"tol", "1e-6", {}, "absolute tolerance (lcp-pivot and lcp-pathsearch have none)"},
+                   {"tol", "1e-6", {}, "absolute tolerance of the error in the 2-norm"},
                    {"iterations", "own", {}, "at most so many"}},
        .solve = solve},
       argc, argv);
