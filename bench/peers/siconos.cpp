@@ -172,6 +172,7 @@ PeerAnswer solve(const ncp::Mcp& mcp, ncp::In x0, const PeerOptions& asked) {
 int main(int argc, char** argv) {
   using namespace perp::bench;
   std::vector<std::string> names;
+  names.reserve(solvers.size());
   for (const Solver& solver : solvers) names.emplace_back(solver.name);
   return run_peer(
       {.name = "siconos_peer",
