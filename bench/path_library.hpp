@@ -1,6 +1,7 @@
 #pragma once
-/// PATH's C library, loaded at run time: libpath47.so of a checkout of ampl/pathlib, unlicensed, so up to 300 variables
-/// and 2000 nonzeros. For measurements only; nothing of it is part of this project.
+/// PATH's C library, loaded at run time: libpath47.so of a checkout of ampl/pathlib, up to 300 variables and 2000
+/// nonzeros unless the environment variable PATH_LICENSE_STRING has a licence. For measurements only; nothing of it is
+/// part of this project.
 #include <memory>
 #include <string>
 #include <utility>
@@ -35,7 +36,7 @@ class PathLibrary {
   ~PathLibrary();
 
   std::string version() const;
-  bool takes(ncp::Index n, ncp::Index nonzeros) const;  ///< without a licence
+  bool takes(ncp::Index n, ncp::Index nonzeros) const;  ///< with the licence there is
   /// Solves from x0, silently, with PATH's default options but for `options`. Throws std::runtime_error if PATH refuses
   /// one of them or reports an internal error, after which the object is of no use.
   PathAnswer solve(const ncp::Mcp& mcp, ncp::In x0, const PathOptions& options) const;

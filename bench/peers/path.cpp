@@ -30,7 +30,7 @@ PeerAnswer solve(const ncp::Mcp& mcp, ncp::In x0, const PeerOptions& options) {
   if (!path.takes(mcp.size(), nonzeros))
     return {.end = End::NotTaken,
             .words = std::to_string(mcp.size()) + " variables and " + std::to_string(nonzeros) +
-                     " nonzeros are more than it takes without a licence (300, 2000)"};
+                     " nonzeros are more than its licence allows (without one 300 and 2000)"};
   PathOptions settings{{"convergence_tolerance", options.text("tol")}, {"time_limit", options.text("time")}};
   if (options.text("crash") == "none") settings.emplace_back("crash_method", "none");
   const PathAnswer answer = path.solve(mcp, x0, settings);
