@@ -79,7 +79,7 @@ std::optional<collection::Problem> of_size(const std::string& argument) {
   } catch (const std::invalid_argument& refused) {
     throw InputError(refused.what());
   } catch (const std::bad_alloc&) {
-    throw InputError(fmt::format("'{}' does not fit into memory", argument));
+    throw InputError(out_of_memory(std::string(argument)));
   }
 }
 

@@ -37,7 +37,7 @@ struct Armijo {
 /// Euler steps of length 1 / lambda, uphill in the merit function if need be: out of its local minima to a solution
 /// that attracts the flow, as all do where F is monotone.
 struct Escape {
-  int rounds = 20;      ///< moves of the centre; 0: stay stuck
+  int rounds = 50;      ///< moves of the centre; 0: stay stuck
   double lambda = 2;    ///< first lambda in units of sqrt(||J||_1 ||J||_inf) >= ||J(xbar)||_2: above 1 it is monotone
   double grow = 10;     ///< lambda x grow where the perturbed problem has not been solved; > 1
   double shrink = 0.5;  ///< lambda x shrink after a move; in (0, 1]

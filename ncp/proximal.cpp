@@ -9,7 +9,7 @@
 namespace perp::ncp {
 
 ProximalMcp::ProximalMcp(const Mcp& base, double lambda, Vec center)
-    : base_(base), lambda_(lambda), center_(std::move(center)) {
+    : base_(base), lambda_(lambda), s_(1 / std::max(1.0, lambda)), center_(std::move(center)) {
   SpMat diagonal(base.size(), base.size());
   diagonal.setIdentity();
   SpMat ones = base.jacobian_pattern();
@@ -20,7 +20,7 @@ ProximalMcp::ProximalMcp(const Mcp& base, double lambda, Vec center)
 
 bool ProximalMcp::eval(In x, Out F) const {
   if (!base_.eval(x, F)) return false;
-  F += lambda_ * (x - center_);
+  F = s_ * F + s_ * lambda_ * (x - center_);
   return true;
 }
 
@@ -30,9 +30,9 @@ bool ProximalMcp::jacobian(In x, SpMat& J) const {
   for (Index j = 0; j < J.cols(); ++j) {
     SpMat::InnerIterator from(base, j);
     for (SpMat::InnerIterator to(J, j); to; ++to) {
-      double value = to.row() == j ? lambda_ : 0;
+      double value = to.row() == j ? s_ * lambda_ : 0;
       if (from && from.row() == to.row()) {
-        value += from.value();
+        value += s_ * from.value();
         ++from;
       }
       to.valueRef() = value;

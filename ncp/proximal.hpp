@@ -5,7 +5,8 @@
 
 namespace perp::ncp {
 
-/// MCP(l, u, F(x) + lambda (x - c)): for lambda large enough its function is strongly monotone around c.
+/// MCP(l, u, s (F(x) + lambda (x - c))), s = 1 / max(1, lambda): for lambda large enough its function is strongly
+/// monotone around c. s keeps it in the units of x, so that min and Fischer-Burmeister see both of their arguments.
 class ProximalMcp final : public Mcp {
  public:
   ProximalMcp(const Mcp& base, double lambda, Vec center);
@@ -20,6 +21,7 @@ class ProximalMcp final : public Mcp {
  private:
   const Mcp& base_;
   double lambda_;
+  double s_;
   Vec center_;
   SpMat pattern_;  // base's with the whole diagonal
 };

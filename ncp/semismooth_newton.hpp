@@ -36,9 +36,10 @@ struct Forcing {
 /// steps where those fail too. Converges q-quadratically to R-regular solutions; every accumulation point is stationary
 /// for the merit.
 ///
-/// Functions whose merit is not differentiable (CFunction::smooth_merit is false: min): a full Newton step is taken where
-/// it leaves at most half of the least ||Phi|| so far; others are searched along on the Fischer-Burmeister merit, which
-/// also gives the gradients (De Luca, Facchinei & Kanzow, Comput. Optim. Appl. 16 (2000) 173). Records tell Phi's merit.
+/// Functions whose merit is not differentiable (CFunction::smooth_merit is false: min): a full Newton step is taken
+/// where it leaves at most half of the least ||Phi|| so far; others are searched along on the Fischer-Burmeister merit,
+/// which also gives the gradients (De Luca, Facchinei & Kanzow, Comput. Optim. Appl. 16 (2000) 173). Records tell Phi's
+/// merit.
 ///
 /// Inexact (LinearSolver::Krylov): a d that is no descent direction is computed again with a smaller eta before another
 /// is tried, and Levenberg-Marquardt steps are truncated conjugate gradients on the normal equations, which descend

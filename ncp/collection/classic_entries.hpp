@@ -18,10 +18,10 @@ Problem mathiesen_2();
 Problem mathiesen_3();
 
 inline constexpr std::array classic_entries{
-    Entry{"mathiesen-2", "economics", 4, "Mathiesen 1987, Math. Prog. 37, 1-18; parameters (.75, 1, .5)",
+    Entry{"mathiesen-2-own", "economics", 4, "own data: mathiesen with parameters (.75, 1, .5)",
           "a ray of solutions, the Jacobian singular at each of them", mathiesen_2},
-    Entry{"mathiesen-3", "economics", 4, "Mathiesen 1987, Math. Prog. 37, 1-18; parameters (.75, 1, 2)",
-          "as mathiesen-2, with a good in excess: its price is 0", mathiesen_3},
+    Entry{"mathiesen-3-own", "economics", 4, "own data: mathiesen with parameters (.75, 1, 2)",
+          "as mathiesen-2-own, with a good in excess: its price is 0", mathiesen_3},
     Entry{"nash5", "games", 5, "Murphy, Sherali & Soyster 1982, Math. Prog. 24, 92-106; five firms",
           "powers: not defined for q < 0, infinite slopes at q = 0", nash5},
     Entry{"cube-vertices-own", "lcp", 4, "own data: M = -I, q = e", "16 solutions; negative definite",

@@ -45,7 +45,7 @@ Problem mathiesen() {
 /// (.75, 1, .5), p3 >= 1e-6: y = 1/2, p = s (3, 1, 2).
 Problem mathiesen_2() {
   Problem p;
-  p.mcp = exchange("mathiesen-2", 0.75, 1, 0.5, 1e-6);
+  p.mcp = exchange("mathiesen-2-own", 0.75, 1, 0.5, 1e-6);
   p.starts = {Vec::Ones(4), Vec::Constant(4, 10), vec({0, 1, 2, 3}), vec({1, 0.1, 5, 0.2})};
   p.solutions = {{"p2 = 1", vec({0.5, 3, 1, 2}), 0}, {"p1 = 1", vec({0.5, 1, 1. / 3, 2. / 3}), 1e-15}};
   return p;
@@ -54,7 +54,7 @@ Problem mathiesen_2() {
 /// (.75, 1, 2), p3 >= 0 (with a positive bound there is no solution): y = 3/4, p = s (1, 1, 0).
 Problem mathiesen_3() {
   Problem p;
-  p.mcp = exchange("mathiesen-3", 0.75, 1, 2, 0);
+  p.mcp = exchange("mathiesen-3-own", 0.75, 1, 2, 0);
   p.starts = {Vec::Ones(4), Vec::Constant(4, 10), vec({0, 1, 2, 3}), vec({1, 0.1, 5, 0.2})};
   p.solutions = {{"p1 = 1", vec({0.75, 1, 1, 0}), 0}, {"p1 = 5", vec({0.75, 5, 5, 0}), 0}};
   return p;

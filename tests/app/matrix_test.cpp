@@ -117,7 +117,7 @@ TEST_F(Matrix, Infeasible) {
   EXPECT_EQ(solve(request(), captured.streams), exit_unsolved);
   const json result = json::parse(test::read(folder / "out.json"));
   EXPECT_EQ(result["status"], "Infeasible");
-  EXPECT_THAT(result["message"].get<std::string>(), HasSubstr("certificate"));
+  EXPECT_THAT(result["message"].get<std::string>(), HasSubstr("proven to have no solution"));
 }
 
 // The bimatrix game of Cottle, Pang & Stone 1992, example 4.4.23: three equilibria.

@@ -139,7 +139,8 @@ TEST(ProximalEscape, LimitsAndInterruptsInsideEscapes) {
   }
 }
 
-// F + lambda (x - c) and its Jacobian, also where the pattern lacks diagonal entries; names are the base's.
+// (F + lambda (x - c)) / lambda and its Jacobian, with lambda <= 1 undivided; also where the pattern lacks diagonal
+// entries; names are the base's.
 TEST(ProximalMcp, AddsItsTermToEveryRow) {
   support::Dense M(2, 2);
   M << 0, -1, 1, 0;
@@ -148,7 +149,9 @@ TEST(ProximalMcp, AddsItsTermToEveryRow) {
   EXPECT_EQ(mcp.jacobian_pattern().nonZeros(), 4);
   Vec F(2);
   ASSERT_TRUE(mcp.eval(vec({2, 5}), F));
-  EXPECT_EQ(F, vec({1 - 5 + 3 * 1, 2 + 2 + 3 * 6}));
+  EXPECT_LT((3 * F - vec({1 - 5 + 3 * 1, 2 + 2 + 3 * 6})).norm(), 1e-14);
+  ASSERT_TRUE(ProximalMcp(*base, 0.5, vec({1, -1})).eval(vec({2, 5}), F));
+  EXPECT_EQ(F, vec({1 - 5 + 0.5 * 1, 2 + 2 + 0.5 * 6}));
   EXPECT_EQ(describe(mcp, check_jacobian(mcp, vec({2, 5}))), "");
   EXPECT_EQ(mcp.variable_name(1), base->variable_name(1));
 }

@@ -35,11 +35,11 @@ TEST(Classics, Nash5) {
 // Prices scale. Catches: parameters of another of the three economies.
 TEST(Classics, MathiesensFurtherEconomies) {
   for (const double s : {0.01, 1.0, 300.0}) {
-    EXPECT_LT(residual(*find("mathiesen-2")->make().mcp, Vec({{0.5, 3 * s, s, 2 * s}})).natural, 1e-13);
-    EXPECT_LT(residual(*find("mathiesen-3")->make().mcp, Vec({{0.75, s, s, 0}})).natural, 1e-13);
+    EXPECT_LT(residual(*find("mathiesen-2-own")->make().mcp, Vec({{0.5, 3 * s, s, 2 * s}})).natural, 1e-13);
+    EXPECT_LT(residual(*find("mathiesen-3-own")->make().mcp, Vec({{0.75, s, s, 0}})).natural, 1e-13);
   }
-  EXPECT_EQ(F_of(find("mathiesen-2")->make(), Vec::Ones(4)), Vec({{1, -0.125, -0.375, -0.5}}));
-  EXPECT_EQ(F_of(find("mathiesen-3")->make(), Vec::Ones(4)), Vec({{1, -1.25, -0.75, 1}}));
+  EXPECT_EQ(F_of(find("mathiesen-2-own")->make(), Vec::Ones(4)), Vec({{1, -0.125, -0.375, -0.5}}));
+  EXPECT_EQ(F_of(find("mathiesen-3-own")->make(), Vec::Ones(4)), Vec({{1, -1.25, -0.75, 1}}));
 }
 
 // Newton's steps on min(z, M z + q): z_i = 0 outside of the set, F_i = 0 in it, the next set where z_i > F_i. Catches:
