@@ -254,7 +254,7 @@ TEST(CompareRun, OwnMethodsAtTheirLimits) {
   GTEST_SKIP() << "sanitizers need more memory than the limit";
 #endif
   const test::Folder folder;
-  test::write(folder / "endless.nl", test::endless_nl(2000));
+  test::write(folder / "endless.nl", test::endless_nl(20000));
   const Finished finished = compare(folder, {"--problems", (folder / "endless.nl") + ",obstacle:400x400,infeasible-own",
                                              "--methods", "josephy:tol=1e-300:major_iteration_limit=1000000000,lemke",
                                              "--out", folder / "out", "--time-limit", "0.4", "--memory-limit", "150"});
