@@ -126,6 +126,10 @@ class Comparison {
     const Campaign before = read_campaign(request_.out);
     std::vector<std::string> notes;
     Campaign now = asked_campaign(request_, &before, notes);
+    std::erase_if(now.problems, [&](const AskedProblem& problem) {  // left out then
+      return problem.by_pattern &&
+             std::ranges::find(before.problems, problem.name, &AskedProblem::name) == before.problems.end();
+    });
     check_resumable(request_.out, before, now);
     if (before.build != now.build) note("the program is another build than the one that began this campaign");
     if (before.machine.cpu != now.machine.cpu)
@@ -180,13 +184,29 @@ class Comparison {
 
   bool describe_problems() {
     std::vector<AskedProblem>& problems = campaign_.problems;
+    std::vector<std::string> refused(problems.size());
     const auto all = runners();
     in_threads(
         problems.size(), campaign_.jobs, stopper_,
         [&](std::size_t k, int t) {
-          if (const auto described = all[static_cast<std::size_t>(t)]->describe(problems[k])) problems[k] = *described;
+          try {
+            if (const auto described = all[static_cast<std::size_t>(t)]->describe(problems[k]))
+              problems[k] = *described;
+          } catch (const InputError& error) {
+            if (!problems[k].by_pattern) throw;
+            refused[k] = error.what();
+          }
         },
         [] {});
+    std::vector<AskedProblem> kept;
+    for (std::size_t k = 0; k < problems.size(); ++k) {
+      if (refused[k].empty())
+        kept.push_back(problems[k]);
+      else
+        note(fmt::format("{} is left out: {}", problems[k].name, refused[k]));
+    }
+    if (kept.empty() && !problems.empty()) throw InputError("--problems: every file is refused");
+    problems = std::move(kept);
     return !stopper_.look();
   }
 
