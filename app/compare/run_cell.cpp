@@ -49,7 +49,8 @@ std::string message_of(const RunEnd& end, Outcome outcome, const AskedProblem& p
     case Outcome::Garbage:
       return answer.garbage;
     case Outcome::FalseConvergence:
-      if (!problem.solvable()) return fmt::format("there is no solution: {}", problem.no_solution);
+      if (!problem.solvable())
+        return fmt::format("there is no solution: {}; it says: {}", problem.no_solution, answer.message);
       break;
     default:
       break;

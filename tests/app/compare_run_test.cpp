@@ -402,6 +402,10 @@ TEST(CompareRun, Refusals) {
   EXPECT_THAT(refused({"--problems", folder / "bad.nl", "--out", out}), HasSubstr("bad.nl"));
   EXPECT_THAT(refused({"--problems", folder / "ba*.nl", "--out", out}), HasSubstr("every file is refused"));
   EXPECT_FALSE(std::filesystem::exists(out)) << "what was refused leaves nothing";
+  test::write(folder / "m.nl", test::sqrt2_nl());
+  const std::vector<std::string> all{"--problems", folder / "*.nl", "--methods", "path", "--out", folder / "of-all"};
+  EXPECT_THAT(compare(folder, all).err, HasSubstr("bad.nl is left out"));
+  EXPECT_EQ(compare(folder, with(all, {"--resume"})).code, 0);
 
   const std::vector<std::string> small{"--problems", "munson1", "--methods", "path", "--out", out};
   ASSERT_EQ(compare(folder, small).code, 0);
@@ -412,20 +416,6 @@ TEST(CompareRun, Refusals) {
   const std::string campaign = test::read(out + "/campaign.json");
   test::write(out + "/campaign.json", campaign.substr(0, 100));
   EXPECT_THAT(refused({"--resume", "--out", out}), HasSubstr("campaign.json"));
-}
-
-// Of files that a pattern found, those that are refused are left out with a note; the campaign is of the others, and
-// can be resumed by the same words.
-TEST(CompareRun, PatternsLeaveOutFilesThatAreRefused) {
-  const test::Folder folder;
-  test::write(folder / "bad.nl", "g3 1 1 0\n");
-  test::write(folder / "m.nl", test::sqrt2_nl());
-  const std::vector<std::string> all{"--problems", folder / "*.nl", "--methods", "path", "--out", folder / "out"};
-  const Finished finished = compare(folder, all);
-  EXPECT_EQ(finished.code, 0) << finished.err;
-  EXPECT_THAT(finished.err, HasSubstr("bad.nl is left out"));
-  EXPECT_EQ(read_cells(folder / "out").cells.size(), 1U);
-  EXPECT_EQ(compare(folder, with(all, {"--resume"})).code, 0);
 }
 
 // A file that changes between a campaign and its resumption is another problem.
