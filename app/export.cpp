@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <filesystem>
-#include <new>
 #include <optional>
 #include <ostream>
 #include <stdexcept>
@@ -73,24 +72,10 @@ void write_and_tell(const ExportRequest& request, Streams streams) {
 }  // namespace
 
 ExitCode export_problem(const ExportRequest& request, Streams streams) {
-  const auto refuse = [&](const std::string& why) {
-    streams.err << "perp: " << why << '\n';
-    return exit_input;
-  };
-  try {
-    write_and_tell(request, streams);
-    return exit_solved;
-  } catch (const InputError& error) {
-    return refuse(error.what());
-  } catch (const ncp::ampl::ModelError& error) {
-    return refuse(error.what());
-  } catch (const lcp::FileError& error) {
-    return refuse(error.what());
-  } catch (const std::invalid_argument& error) {  // the library's door
-    return refuse(error.what());
-  } catch (const std::bad_alloc&) {
-    return refuse(out_of_memory(request.source.problem));
-  }
+  const std::string why = refusal(request.source.problem, [&] { write_and_tell(request, streams); });
+  if (why.empty()) return exit_solved;
+  streams.err << "perp: " << why << '\n';
+  return exit_input;
 }
 
 }  // namespace perp::app

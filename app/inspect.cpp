@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <new>
 #include <ostream>
 
 #include "app/json.hpp"
@@ -262,30 +261,19 @@ Inspection inspect_problem(const LoadedProblem& problem, const std::atomic<bool>
 }
 
 ExitCode inspect(const InspectRequest& request, Streams streams, const std::atomic<bool>* interrupt) {
-  const auto refuse = [&](const std::string& why) {
-    streams.err << "perp: " << why << '\n';
-    deliver_json(request.json, refused_json(request.source.problem, why), streams);
-    return exit_input;
-  };
-  try {
+  ExitCode code = exit_solved;
+  const std::string why = refusal(request.source.problem, [&] {
     const LoadedProblem problem = load_problem(request.source);
     const Inspection inspection = inspect_problem(problem, interrupt);
     std::ostream& log = request.json == "-" ? streams.err : streams.out;
     print_inspection(log, inspection);
     log.flush();
-    if (request.json.empty()) return exit_solved;
-    return deliver_json(request.json, inspect_json(inspection), streams) ? exit_solved : exit_input;
-  } catch (const InputError& error) {
-    return refuse(error.what());
-  } catch (const ncp::ampl::ModelError& error) {
-    return refuse(error.what());
-  } catch (const lcp::FileError& error) {
-    return refuse(error.what());
-  } catch (const std::invalid_argument& error) {  // the library's door
-    return refuse(error.what());
-  } catch (const std::bad_alloc&) {
-    return refuse(out_of_memory(request.source.problem));
-  }
+    if (!request.json.empty() && !deliver_json(request.json, inspect_json(inspection), streams)) code = exit_input;
+  });
+  if (why.empty()) return code;
+  streams.err << "perp: " << why << '\n';
+  deliver_json(request.json, refused_json(request.source.problem, why), streams);
+  return exit_input;
 }
 
 }  // namespace perp::app

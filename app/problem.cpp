@@ -4,6 +4,7 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <functional>
 #include <new>
 #include <optional>
 #include <sstream>
@@ -186,6 +187,23 @@ LoadedProblem load_problem(const std::string& argument, std::optional<int> start
 const collection::Entry& find_entry(const std::string& name) {
   if (const collection::Entry* entry = collection::find(name)) return *entry;
   throw InputError(fmt::format("the collection has no problem '{}'.{}", name, suggestion(name)));
+}
+
+std::string refusal(const std::string& problem, const std::function<void()>& work) {
+  try {
+    work();
+    return "";
+  } catch (const InputError& error) {
+    return error.what();
+  } catch (const ncp::ampl::ModelError& error) {
+    return error.what();
+  } catch (const lcp::FileError& error) {
+    return error.what();
+  } catch (const std::invalid_argument& error) {  // the library's door
+    return error.what();
+  } catch (const std::bad_alloc&) {
+    return out_of_memory(problem);
+  }
 }
 
 }  // namespace perp::app

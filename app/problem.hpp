@@ -1,5 +1,6 @@
 #pragma once
 /// The problem a command is about: a name of the collection, an .nl file, or files of an affine problem.
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -38,6 +39,10 @@ struct ProblemSource {
 bool is_matrix_file(const std::string& argument);
 /// Throws InputError, ncp::ampl::ModelError or lcp::FileError.
 LoadedProblem load_problem(const ProblemSource& source);
+
+/// Does the work of a command on `problem`. What is wrong with the input, for the user, where something refuses it:
+/// InputError, the readers' errors, std::invalid_argument of the libraries, std::bad_alloc; "" if nothing does.
+std::string refusal(const std::string& problem, const std::function<void()>& work);
 
 /// "FILE.nl", "FILE" beside which there is a FILE.nl, NAME, or NAME:SIZE[xSIZE...][:SEED] of a family in any size
 /// (ncp/collection/sized.hpp); a name of the collection goes before a file of that name without its ".nl". Throws

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <new>
 #include <ostream>
 
 #include "app/json.hpp"
@@ -107,7 +106,8 @@ LogLevel log_level(std::string_view name) {
 }
 
 ExitCode solve(const SolveRequest& request, Streams streams, const std::atomic<bool>* interrupt) {
-  try {
+  ExitCode code = exit_solved;
+  const std::string why = refusal(request.problem, [&] {
     Applied options = apply_options(assignments(request));
     check_request(request);
     LoadedProblem problem = load_problem({.problem = request.problem,
@@ -126,18 +126,9 @@ ExitCode solve(const SolveRequest& request, Streams streams, const std::atomic<b
     if (!request.plot.empty()) draw(request, report, ways, streams);
     if (!request.solution.empty()) lcp::write_vector(request.solution, report.result.x, "solution of " + problem.label);
     const bool delivered = request.json.empty() || deliver_json(request.json, solve_json(report), streams);
-    return delivered ? report.exit_code() : exit_input;
-  } catch (const InputError& error) {
-    return refuse(request, streams, error.what());
-  } catch (const ncp::ampl::ModelError& error) {
-    return refuse(request, streams, error.what());
-  } catch (const lcp::FileError& error) {
-    return refuse(request, streams, error.what());
-  } catch (const std::invalid_argument& error) {  // the library's door
-    return refuse(request, streams, error.what());
-  } catch (const std::bad_alloc&) {
-    return refuse(request, streams, out_of_memory(request.problem));
-  }
+    code = delivered ? report.exit_code() : exit_input;
+  });
+  return why.empty() ? code : refuse(request, streams, why);
 }
 
 }  // namespace perp::app

@@ -6,6 +6,8 @@
 
 namespace perp::app {
 
+/// What stands for c in XML and HTML, if c cannot stand for itself; else "".
+std::string_view entity(char c);
 /// Escaped for XML; bytes that are no printable ASCII become '?'.
 std::string xml_text(std::string_view text);
 

@@ -98,7 +98,7 @@ class Rounds {
   }
 
   Result finish(int rounds) {
-    const std::string escapes = std::to_string(rounds) + (rounds == 1 ? " proximal escape" : " proximal escapes");
+    const std::string escapes = quantity(rounds, "proximal escape");
     if (best_.solved()) {
       best_.message += ", after " + escapes + " from a local minimum";
     } else {

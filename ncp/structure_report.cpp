@@ -8,6 +8,7 @@
 
 #include "lcp/blocks.hpp"
 #include "lcp/sparse_lu.hpp"
+#include "ncp/run.hpp"
 
 namespace perp::ncp {
 namespace {
@@ -23,8 +24,6 @@ constexpr double takes_part = 1e-3;   // share of the largest entry of a null ve
 constexpr std::size_t few_pairs = 3;  // parallel pairs told
 
 std::size_t at(Index i) { return static_cast<std::size_t>(i); }
-
-std::string counted(std::size_t n, const char* noun) { return std::to_string(n) + ' ' + noun + (n == 1 ? "" : "s"); }
 
 /// J_AA without entries that are zero.
 SpMat block_of(const SpMat& J, const Indices& block) {
@@ -167,13 +166,13 @@ std::vector<std::string> numerical(const Mcp& mcp, const SpMat& B, const Indices
   const Indices columns = renumbered(null_space.columns, block);
   if (!rows.empty())
     found.push_back(rows.size() == 1 ? "equation " + equation(rows[0]) + " hardly changes"
-                                     : "a combination of " + counted(rows.size(), "equation") +
+                                     : "a combination of " + quantity(std::ssize(rows), "equation") +
                                            " does not change with any variable (" + listed_equations(mcp, rows) + ")");
   if (!columns.empty())
-    found.push_back(columns.size() == 1
-                        ? "variable " + variable(columns[0]) + " hardly changes any equation"
-                        : counted(columns.size(), "variable") + " can move together without changing any equation (" +
-                              listed_variables(mcp, columns) + ")");
+    found.push_back(columns.size() == 1 ? "variable " + variable(columns[0]) + " hardly changes any equation"
+                                        : quantity(std::ssize(columns), "variable") +
+                                              " can move together without changing any equation (" +
+                                              listed_variables(mcp, columns) + ")");
   return found;
 }
 
@@ -207,12 +206,12 @@ std::vector<std::string> describe_parts(const Mcp& mcp, const lcp::StructurePart
                                         const lcp::StructurePart& under) {
   std::vector<std::string> text;
   if (!over.columns.empty())
-    text.push_back("too many equations: " + counted(over.rows.size(), "row") + " (" + listed_equations(mcp, over.rows) +
-                   ") for " + counted(over.columns.size(), "variable") + " (" + listed_variables(mcp, over.columns) +
-                   ")");
+    text.push_back("too many equations: " + quantity(std::ssize(over.rows), "row") + " (" +
+                   listed_equations(mcp, over.rows) + ") for " + quantity(std::ssize(over.columns), "variable") + " (" +
+                   listed_variables(mcp, over.columns) + ")");
   if (!under.rows.empty())
-    text.push_back("too many unknowns: " + counted(under.columns.size(), "variable") + " (" +
-                   listed_variables(mcp, under.columns) + ") in " + counted(under.rows.size(), "row") + " (" +
+    text.push_back("too many unknowns: " + quantity(std::ssize(under.columns), "variable") + " (" +
+                   listed_variables(mcp, under.columns) + ") in " + quantity(std::ssize(under.rows), "row") + " (" +
                    listed_equations(mcp, under.rows) + ")");
   return text;
 }
@@ -261,7 +260,8 @@ std::string explain_singularity(const Mcp& mcp, const SpMat& J, In x, In F) {
     found = numerical(mcp, B, block);
   }
   if (found.empty()) return {};
-  std::string text = "the Jacobian of the " + counted(block.size(), "variable") + " off their bounds is singular: ";
+  std::string text =
+      "the Jacobian of the " + quantity(std::ssize(block), "variable") + " off their bounds is singular: ";
   if (block.size() == 1) text = "the Jacobian of the variable off its bounds is singular: ";
   for (std::size_t k = 0; k < found.size(); ++k) text += (k > 0 ? "; " : "") + found[k];
   return text;

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "app/svg.hpp"
+
 namespace perp::app::comparison {
 
 namespace {
@@ -37,16 +39,8 @@ std::string html_text(std::string_view text) {
   while (!text.empty()) {
     const std::size_t length = utf8_length(text);
     const char c = text.front();
-    if (c == '&')
-      result += "&amp;";
-    else if (c == '<')
-      result += "&lt;";
-    else if (c == '>')
-      result += "&gt;";
-    else if (c == '"')
-      result += "&quot;";
-    else if (c == '\'')
-      result += "&#39;";
+    if (const std::string_view other = entity(c); !other.empty())
+      result += other;
     else if (length == 0 || c == 0x7F || (length == 1 && c < ' ' && c != '\n' && c != '\t'))
       result += "\xEF\xBF\xBD";
     else

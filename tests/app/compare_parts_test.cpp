@@ -22,18 +22,10 @@
 namespace perp::app::compare {
 namespace {
 
+using test::refused;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
-
-std::string refusal(const std::function<void()>& call) {
-  try {
-    call();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "(accepted)";
-}
 
 // Outcomes.
 
@@ -134,14 +126,14 @@ TEST(SolFile, TruncatedTextIsRefused) {
 }
 
 TEST(SolFile, GarbageIsRefused) {
-  EXPECT_THAT(refusal([] { parse_sol(sol(), 3); }), HasSubstr("for 2 variables, the model has 3"));
-  EXPECT_THAT(refusal([] { parse_sol(sol("1\n", "1"), 2); }), HasSubstr("1 values instead of 2"));
-  EXPECT_THAT(refusal([] { parse_sol(sol("1\nx\n"), 2); }), HasSubstr("'x' is no value"));
-  EXPECT_THAT(refusal([] { parse_sol(sol("1\n2\n3\n"), 2); }), HasSubstr("where objno belongs"));
-  EXPECT_THAT(refusal([] { parse_sol("Options\n999999999\n", 2); }), HasSubstr("options"));
-  EXPECT_THAT(refusal([] { parse_sol("Options\n0\n1\n0\n2\n99999999999\n", 2); }), HasSubstr("instead of 2"));
-  EXPECT_THAT(refusal([] { parse_sol(std::string(5000, '\xff'), 2); }), HasSubstr("cut off"));
-  EXPECT_THAT(refusal([] { parse_sol("", 2); }), HasSubstr("empty"));
+  EXPECT_THAT(refused([] { parse_sol(sol(), 3); }), HasSubstr("for 2 variables, the model has 3"));
+  EXPECT_THAT(refused([] { parse_sol(sol("1\n", "1"), 2); }), HasSubstr("1 values instead of 2"));
+  EXPECT_THAT(refused([] { parse_sol(sol("1\nx\n"), 2); }), HasSubstr("'x' is no value"));
+  EXPECT_THAT(refused([] { parse_sol(sol("1\n2\n3\n"), 2); }), HasSubstr("where objno belongs"));
+  EXPECT_THAT(refused([] { parse_sol("Options\n999999999\n", 2); }), HasSubstr("options"));
+  EXPECT_THAT(refused([] { parse_sol("Options\n0\n1\n0\n2\n99999999999\n", 2); }), HasSubstr("instead of 2"));
+  EXPECT_THAT(refused([] { parse_sol(std::string(5000, '\xff'), 2); }), HasSubstr("cut off"));
+  EXPECT_THAT(refused([] { parse_sol("", 2); }), HasSubstr("empty"));
 }
 
 // Text and binary as the program itself writes them for AMPL; every proper prefix of the binary one is refused.
@@ -266,16 +258,16 @@ TEST(Baseline, ListsWhatWasLost) {
 
 TEST(Baseline, BadOnesAreRefused) {
   const test::Folder folder;
-  const auto refused = [&](const std::string& text) {
+  const auto refused_text = [&](const std::string& text) {
     test::write(folder / "b.csv", text);
-    return refusal([&] { read_baseline(folder / "b.csv"); });
+    return refused([&] { read_baseline(folder / "b.csv"); });
   };
-  EXPECT_THAT(refused(""), HasSubstr("no header"));
-  EXPECT_THAT(refused("method,problem,outcome\n"), HasSubstr("no column 'start'"));
-  EXPECT_THAT(refused("method,problem,start,outcome\na,b,1\n"), HasSubstr("record 2 has 3 fields"));
-  EXPECT_THAT(refused("method,problem,start,outcome\na,b,x,solved\n"), HasSubstr("'x' is no start"));
-  EXPECT_THAT(refused("method,problem,start,outcome\na,b,1,done\n"), HasSubstr("'done' is no outcome"));
-  EXPECT_THAT(refusal([&] { read_baseline(folder / "absent.csv"); }), HasSubstr("there is no file"));
+  EXPECT_THAT(refused_text(""), HasSubstr("no header"));
+  EXPECT_THAT(refused_text("method,problem,outcome\n"), HasSubstr("no column 'start'"));
+  EXPECT_THAT(refused_text("method,problem,start,outcome\na,b,1\n"), HasSubstr("record 2 has 3 fields"));
+  EXPECT_THAT(refused_text("method,problem,start,outcome\na,b,x,solved\n"), HasSubstr("'x' is no start"));
+  EXPECT_THAT(refused_text("method,problem,start,outcome\na,b,1,done\n"), HasSubstr("'done' is no outcome"));
+  EXPECT_THAT(refused([&] { read_baseline(folder / "absent.csv"); }), HasSubstr("there is no file"));
 }
 
 // The journal.
@@ -304,11 +296,11 @@ TEST(Journal, Lock) {
   const test::Folder folder;
   {
     const DirectoryLock first(folder / "");
-    EXPECT_THAT(refusal([&] { const DirectoryLock second(folder / ""); }),
+    EXPECT_THAT(refused([&] { const DirectoryLock second(folder / ""); }),
                 HasSubstr("another campaign is at work there (process " + std::to_string(getpid())));
   }
   const DirectoryLock third(folder / "");
-  EXPECT_THAT(refusal([&] { const DirectoryLock lock(folder / "absent"); }), HasSubstr("absent"));
+  EXPECT_THAT(refused([&] { const DirectoryLock lock(folder / "absent"); }), HasSubstr("absent"));
 }
 
 TEST(Journal, Directories) {
@@ -316,11 +308,11 @@ TEST(Journal, Directories) {
   make_directory(folder / "a/b", true);
   make_directory(folder / "a/b", true);
   test::write(folder / "a/b/x", "");
-  EXPECT_THAT(refusal([&] { make_directory(folder / "a/b", true); }), HasSubstr("is not empty"));
+  EXPECT_THAT(refused([&] { make_directory(folder / "a/b", true); }), HasSubstr("is not empty"));
   test::write(folder / "a/b/campaign.json", "");
-  EXPECT_THAT(refusal([&] { make_directory(folder / "a/b", true); }), HasSubstr("--resume"));
-  EXPECT_THAT(refusal([&] { make_directory(folder / "a/b/x", true); }), HasSubstr("is a file"));
-  EXPECT_THAT(refusal([&] { make_directory(folder / "a/b/x/y", true); }), HasSubstr("cannot be made"));
+  EXPECT_THAT(refused([&] { make_directory(folder / "a/b", true); }), HasSubstr("--resume"));
+  EXPECT_THAT(refused([&] { make_directory(folder / "a/b/x", true); }), HasSubstr("is a file"));
+  EXPECT_THAT(refused([&] { make_directory(folder / "a/b/x/y", true); }), HasSubstr("cannot be made"));
 }
 
 // Progress.

@@ -11,6 +11,7 @@
 namespace perp::app::compare {
 namespace {
 
+using test::refused;
 using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -29,19 +30,11 @@ std::vector<std::string> methods(const std::string& list) {
   return labels;
 }
 
-std::string refusal(const std::function<void()>& call) {
-  try {
-    call();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "(accepted)";
-}
 std::string problems_refusal(const std::string& list) {
-  return refusal([&] { select_problems(list); });
+  return refused([&] { select_problems(list); });
 }
 std::string methods_refusal(const std::string& list) {
-  return refusal([&] { methods(list); });
+  return refused([&] { methods(list); });
 }
 
 TEST(Selection, ProblemsByNameClassPatternAndSize) {
@@ -134,7 +127,7 @@ TEST(Selection, Externals) {
   EXPECT_EQ(parse_external("sh=sh").command, "sh");
   for (const char* wrong :
        {"peer", "=sh", "peer=", "pe er=sh", "a,b=sh", "path=sh", "peer=/no/such/program", "peer=no-such-program-here"})
-    EXPECT_THAT(refusal([&] { parse_external(wrong); }), testing::StartsWith("--external")) << wrong;
+    EXPECT_THAT(refused([&] { parse_external(wrong); }), testing::StartsWith("--external")) << wrong;
 }
 
 Campaign example() {

@@ -41,6 +41,17 @@ inline std::string read(const std::string& path) {
   return text.str();
 }
 
+/// The words with which the call is refused.
+template <class Call>
+std::string refused(const Call& call) {
+  try {
+    call();
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "(accepted)";
+}
+
 /// Output and errors of a call in process.
 struct Captured {
   std::ostringstream out, err;

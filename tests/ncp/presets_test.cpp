@@ -5,6 +5,7 @@
 
 #include "ncp/collection/collection.hpp"
 #include "ncp/presets.hpp"
+#include "support/collection.hpp"
 #include "support/methods.hpp"
 #include "support/problems.hpp"
 
@@ -57,11 +58,6 @@ Count run_preset(const char* name, bool (*chosen)(const collection::Entry&)) {
   return count;
 }
 
-/// Optimality conditions, equations from far starts, random NCPs: many, and harder for some systems than the rest.
-bool is_set_apart(const collection::Entry& entry) {
-  return entry.problem_class == "kkt" || entry.problem_class == "equations" || entry.problem_class == "random";
-}
-
 // Shares of the solvable (problem, start) pairs, some below what is measured (bench_presets; README.md has the table).
 // Catches a change that costs a system its problems, and every false "solved".
 TEST(Presets, SolveTheirShareOfTheCollection) {
@@ -73,9 +69,10 @@ TEST(Presets, SolveTheirShareOfTheCollection) {
   for (const Share& share : {Share{"miles", 0.93, 0.88}, Share{"semismooth", 0.9, 0.83}, Share{"semicomp", 0.95, 0.87},
                              Share{"proxi", 0.88, 0.87}, Share{"nesqp", 0.73, 0.7}, Share{"qpcomp", 0.85, 0.85},
                              Share{"smooth", 0.92, 0.86}, Share{"path", 1, 0.97}, Share{"auto", 1, 0.975}}) {
-    const Count most = run_preset(share.name, [](const collection::Entry& entry) { return !is_set_apart(entry); });
+    const Count most =
+        run_preset(share.name, [](const collection::Entry& entry) { return !support::set_apart(entry); });
     EXPECT_GE(most.solved, share.least * most.runs) << share.name << " fails on" << most.failures;
-    const Count apart = run_preset(share.name, is_set_apart);
+    const Count apart = run_preset(share.name, support::set_apart);
     EXPECT_GE(apart.solved, share.least_set_apart * apart.runs) << share.name << " fails on" << apart.failures;
   }
 }

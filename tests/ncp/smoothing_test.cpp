@@ -9,6 +9,7 @@
 
 #include "ncp/collection/collection.hpp"
 #include "ncp/solve.hpp"
+#include "support/collection.hpp"
 #include "support/methods.hpp"
 #include "support/problems.hpp"
 
@@ -276,8 +277,7 @@ TEST(Smoothing, SolvesTheCollection) {
   for (const auto& entry : collection::entries()) {
     const collection::Problem problem = entry.make();
     if (problem.mcp->size() > 100 || !problem.no_solution.empty()) continue;
-    const std::string_view kind = entry.problem_class;
-    Share& share = kind == "kkt" || kind == "equations" || kind == "random" ? apart : most;
+    Share& share = support::set_apart(entry) ? apart : most;
     for (const Vec& x0 : problem.starts) {
       const Result result = solve(*problem.mcp, x0, Smoothing{});
       ++share.solvable;
