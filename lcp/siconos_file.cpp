@@ -1,139 +1,37 @@
 #include "lcp/siconos_file.hpp"
 
-#include <algorithm>
-#include <charconv>
 #include <cmath>
-#include <cstdlib>
 #include <limits>
-#include <sstream>
 #include <utility>
+
+#include "lcp/numbers.hpp"
 
 namespace perp::lcp {
 namespace {
 
 using Dense = Eigen::MatrixXd;
 
-bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r' || c == '\v' || c == '\f'; }
-
-/// Numbers one after the other, with the line they stand on.
-class Numbers {
- public:
-  Numbers(std::string_view text, const std::string& name) : rest_(text), name_(name) {}
-
-  template <class... Parts>
-  [[noreturn]] void refuse(const Parts&... parts) const {
-    std::ostringstream why;
-    (why << ... << parts);
-    throw FileError(name_, line_, why.str());
-  }
-
-  Index integer(const char* what, Index least, Index most) {
-    const std::string_view token = next(what);
-    long long value = 0;
-    const auto [end, error] = std::from_chars(token.data(), token.data() + token.size(), value);
-    if (error != std::errc() || end != token.data() + token.size()) refuse(what, " is '", token, "', not an integer");
-    if (value < least || value > most) refuse(what, " is ", value, ", not within ", least, " and ", most);
-    return static_cast<Index>(value);
-  }
-
-  double number(const char* what) {
-    const std::string_view token = next(what);
-    double value = 0;
-    if (!parse(token, value)) refuse(what, ": '", token, "' is not a number");
-    if (!std::isfinite(value)) refuse(what, " has an entry ", token);
-    return value;
-  }
-
-  /// What a file of so many more bytes can hold at most: a count above is refused before anything is allocated.
-  void expect(const char* what, Index rows, Index columns) const {
-    const auto room = static_cast<double>(rest_.size() + 1) / 2;
-    if (static_cast<double>(rows) * static_cast<double>(columns) > room)
-      refuse(what, " has ", rows, " x ", columns, " entries, more than the rest of the file can hold");
-  }
-
-  Vec vector(const char* what, Index n) {
-    expect(what, n, 1);
-    Vec v(n);
-    for (Index i = 0; i < n; ++i) v[i] = number(what);
-    return v;
-  }
-
-  Dense by_rows(const char* what, Index rows, Index columns) {
-    expect(what, rows, columns);
-    Dense A(rows, columns);
-    for (Index i = 0; i < rows; ++i)
-      for (Index j = 0; j < columns; ++j) A(i, j) = number(what);
-    return A;
-  }
-
-  /// MATRIX of the header comment.
-  Dense matrix(const char* what, Index size) {
-    const Index storage = integer("the storage type", 0, 100);
-    if (storage != 0)
-      refuse("the storage type of ", what, " is ", storage, storage == 1 ? " (block-sparse)" : "",
-             ", only 0 (dense) is read");
-    const Index most = std::numeric_limits<int>::max();
-    const Index rows = integer("the number of rows", 0, most);
-    const Index columns = integer("the number of columns", 0, most);
-    if (integer("the number of rows, again,", 0, most) != rows ||
-        integer("the number of columns, again,", 0, most) != columns)
-      refuse("the second pair of sizes differs from the first, ", rows, " x ", columns);
-    if (rows > columns && columns == size)
-      refuse(what, " is ", rows, " x ", columns, ": ", rows - columns, " equations more than unknowns");
-    if (rows != size || columns != size) refuse(what, " is ", rows, " x ", columns, ", not ", size, " x ", size);
-    expect(what, rows, columns);
-    Dense M(rows, columns);
-    for (Index j = 0; j < columns; ++j)
-      for (Index i = 0; i < rows; ++i) M(i, j) = number(what);
-    return M;
-  }
-
-  /// The numbers of a known solution, or text; nothing else may be left.
-  std::vector<double> end() {
-    const long last = line_;
-    std::vector<double> known;
-    double value = 0;
-    for (skip_blanks(); !rest_.empty(); skip_blanks()) {
-      if (!parse(token(), value)) {
-        if (line_ == last) refuse("'", token(), "' after the last number on its line");
-        break;
-      }
-      known.push_back(value);
-      rest_.remove_prefix(token().size());
-    }
-    return known;
-  }
-
- private:
-  static bool parse(std::string_view token, double& value) {
-    if (token.starts_with('+')) token.remove_prefix(1);
-    const auto [end, error] = std::from_chars(token.data(), token.data() + token.size(), value);
-    if (error == std::errc::result_out_of_range) value = std::strtod(std::string(token).c_str(), nullptr);  // 0, inf
-    return (error == std::errc() || error == std::errc::result_out_of_range) && end == token.data() + token.size();
-  }
-
-  void skip_blanks() {
-    while (!rest_.empty() && is_blank(rest_.front())) {
-      if (rest_.front() == '\n') ++line_;
-      rest_.remove_prefix(1);
-    }
-  }
-  std::string_view token() const {
-    const auto end = std::find_if(rest_.begin(), rest_.end(), is_blank);
-    return rest_.substr(0, static_cast<std::size_t>(end - rest_.begin()));
-  }
-  std::string_view next(const char* what) {
-    skip_blanks();
-    if (rest_.empty()) refuse("the file ends where ", what, " should be");
-    const std::string_view found = token();
-    rest_.remove_prefix(found.size());
-    return found;
-  }
-
-  std::string_view rest_;
-  const std::string& name_;
-  long line_ = 1;
-};
+/// MATRIX of the header comment.
+Dense matrix(Numbers& in, const char* what, Index size) {
+  const Index storage = in.integer("the storage type", 0, 100);
+  if (storage != 0)
+    in.refuse("the storage type of ", what, " is ", storage, storage == 1 ? " (block-sparse)" : "",
+              ", only 0 (dense) is read");
+  const Index most = std::numeric_limits<int>::max();
+  const Index rows = in.integer("the number of rows", 0, most);
+  const Index columns = in.integer("the number of columns", 0, most);
+  if (in.integer("the number of rows, again,", 0, most) != rows ||
+      in.integer("the number of columns, again,", 0, most) != columns)
+    in.refuse("the second pair of sizes differs from the first, ", rows, " x ", columns);
+  if (rows > columns && columns == size)
+    in.refuse(what, " is ", rows, " x ", columns, ": ", rows - columns, " equations more than unknowns");
+  if (rows != size || columns != size) in.refuse(what, " is ", rows, " x ", columns, ", not ", size, " x ", size);
+  in.expect(what, rows, columns);
+  Dense M(rows, columns);
+  for (Index j = 0; j < columns; ++j)
+    for (Index i = 0; i < rows; ++i) M(i, j) = in.number(what);
+  return M;
+}
 
 /// The rows of the equations and of the conditions.
 void read_blocks(Numbers& in, Index n, Index m, SiconosMlcp& out) {
@@ -162,7 +60,7 @@ void compare(const Numbers& in, const std::string& name, const Dense& block, con
 SiconosLcp parse_siconos_lcp(std::string_view text, const std::string& name) {
   Numbers in(text, name);
   const Index n = in.integer("n", 0, std::numeric_limits<int>::max());
-  const Dense M = in.matrix("M", n);
+  const Dense M = matrix(in, "M", n);
   SiconosLcp out{.problem = standard_lcp(sparse(M), in.vector("q", n))};
   const std::vector<double> known = in.end();
   if (known.empty()) return out;
@@ -190,7 +88,7 @@ SiconosMlcp parse_siconos_mlcp(std::string_view text, const std::string& name) {
   Dense D;
   if (whole) {
     read_blocks(in, n, m, out);
-    const Dense M = in.matrix("M", n + m);
+    const Dense M = matrix(in, "M", n + m);
     const Vec q = in.vector("q", n + m);
     A = M(out.equations, out.equations);
     B = M(out.conditions, out.conditions);

@@ -1,0 +1,64 @@
+#pragma once
+/// Unilateral contact with Coulomb friction, discrete in time, at n contacts:
+///     u = W r + q,   K*_mu > u + mu |u_T| e_N  _|_  r in K_mu,   K_mu = {r : |r_T| <= mu r_N}
+/// contact by contact (De Saxce & Feng 1998; Acary & Brogliato 2008, eq. 13.58). Block a of r, u, q is
+/// (N, T1[, T2]) of contact a: with d = `dimension`, entries d a .. d a + d - 1.
+///     r   impulses [N s], r_N >= 0 pushes the bodies apart
+///     u   relative velocities after the impact [m/s]; q is the free velocity with Newton's impact law folded in
+///         (e U_N,k added to the normal part)
+///     W   Delassus operator H' M^-1 H [1/kg]: positive semidefinite, of low rank where contacts are redundant; in
+///         recorded data unsymmetric by up to some per cent
+///     mu  coefficients of friction [-], >= 0; 0 is a frictionless contact
+#include <memory>
+#include <string>
+
+#include "lcp/types.hpp"
+
+namespace perp::contact {
+
+using lcp::In;
+using lcp::Index;
+using lcp::SpMat;
+using lcp::Vec;
+
+/// The problem before its condensation: velocities v of the bodies [m/s], m of them, and multipliers of b.size()
+/// bilateral constraints,
+///     M v = H r + G lambda + f,   u = H' v + w,   0 = G' v + b.
+struct Global {
+  SpMat M{};  ///< m x m, inertia [kg], positive definite
+  SpMat H{};  ///< m x d n
+  SpMat G{};  ///< m x number of bilateral constraints; may have no columns
+  Vec f{};    ///< m [N s]
+  Vec w{};    ///< d n [m/s]
+  Vec b{};    ///< [m/s]
+};
+
+struct Problem {
+  int dimension = 3;  ///< d: 2 or 3
+  SpMat W{};          ///< d n x d n, compressed
+  Vec q{};            ///< d n
+  Vec mu{};           ///< n
+  std::string name{};
+  std::shared_ptr<const Global> global{};  ///< where W and q are condensed from it
+
+  Index contacts() const { return mu.size(); }
+};
+
+/// What a reader or a solver hands on: impulses and velocities of the contacts. Nobody has judged it.
+struct Solution {
+  Vec r{};  ///< d n
+  Vec u{};  ///< d n
+};
+
+/// Throws std::invalid_argument naming the contact and the value if the dimension is neither 2 nor 3, sizes differ, W
+/// is not square, an entry is not finite or a mu negative.
+void check(const Problem& problem);
+
+/// W = H' M^-1 H, q = H' M^-1 f + w; with bilateral constraints G' v + b = 0 these are eliminated first, all in one:
+///     W = [H; 0]' K^-1 [H; 0],   q = [H; 0]' K^-1 [f; -b] + w,   K = [M G; G' 0].
+/// Sparse: one LU factorization of K, column by column with sparse right-hand sides; |W_ij| <= 1e-15 sqrt(W_ii W_jj) is
+/// rounding and left out. Symmetric if M is. Throws std::invalid_argument if sizes differ, an entry is not finite, M is
+/// singular or G has dependent columns (K singular up to rounding), std::bad_alloc if the factors do not fit.
+Problem condense(Global global, Vec mu, int dimension = 3, std::string name = {});
+
+}  // namespace perp::contact

@@ -1,0 +1,15 @@
+#include "contact/units.hpp"
+
+namespace perp::contact {
+
+Units Units::of(const SpMat& W, In q) {
+  const double largest = q.size() > 0 ? q.lpNorm<Eigen::Infinity>() : 0;
+  const double trace = W.diagonal().sum();
+  Units units;
+  if (largest > 0) units.velocity = largest;
+  const double s = trace > 0 ? trace / static_cast<double>(W.rows()) : 1;
+  units.impulse = units.velocity / s;
+  return units;
+}
+
+}  // namespace perp::contact
