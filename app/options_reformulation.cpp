@@ -99,6 +99,33 @@ std::vector<Option> reformulation_options() {
                if (method == nullptr) return {};
                return &method->finish;
              }},
+      Option{"interior_centring",
+             {},
+             {0, 1, true},
+             "interior: sigma at least, the share of the mean product tau that a step aims at",
+             [](Settings& settings) -> Field {
+               auto* method = std::get_if<ncp::InteriorPoint>(&settings.method);
+               if (method == nullptr) return {};
+               return &method->least_centring;
+             }},
+      Option{"interior_to_boundary",
+             {},
+             {0, 1, true},
+             "interior: share of the way to the boundary that a step goes at most",
+             [](Settings& settings) -> Field {
+               auto* method = std::get_if<ncp::InteriorPoint>(&settings.method);
+               if (method == nullptr) return {};
+               return &method->to_boundary;
+             }},
+      Option{"interior_finish",
+             {},
+             {},
+             "interior: Newton steps on the active set at the end",
+             [](Settings& settings) -> Field {
+               auto* method = std::get_if<ncp::InteriorPoint>(&settings.method);
+               if (method == nullptr) return {};
+               return &method->finish;
+             }},
   };
 }
 

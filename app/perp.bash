@@ -17,7 +17,7 @@ _perp() {
   fi
   case $prev in
     --method)
-      mapfile -t COMPREPLY < <(compgen -W 'auto path miles nesqp qpcomp smooth proxi semismooth semicomp josephy robinson newton-min
+      mapfile -t COMPREPLY < <(compgen -W 'auto path miles nesqp qpcomp smooth interior proxi semismooth semicomp josephy robinson newton-min
         semismooth-min semismooth-penalised gsl-hybridsj lemke lemke-howson principal-pivoting block-pivoting least-index psor
         min-newton fb-newton interior-point qp enumeration' -- "$cur")
       return ;;

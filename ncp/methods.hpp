@@ -14,6 +14,7 @@ Result run_smoothing(const Mcp& mcp, In x0, const Smoothing& method, const Obser
 Result run_newton_josephy(const Mcp& mcp, In x0, const NewtonJosephy& method, const Observer& observer);
 /// PathSearch with its presolve, on what run_attempts() does: PathSearch with its restarts.
 Result run_path(const Mcp& mcp, In x0, const PathSearch& method, const Observer& observer);
+Result run_interior_point(const Mcp& mcp, In x0, const InteriorPoint& method, const Observer& observer);
 Result run_attempts(const Mcp& mcp, In x0, const PathSearch& method, const Observer& observer);
 Result run_newton_robinson(const Mcp& mcp, In x0, const NewtonRobinson& method, const Observer& observer);
 Result run_auto(const Mcp& mcp, In x0, const Auto& method, const Observer& observer);

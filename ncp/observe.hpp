@@ -27,14 +27,14 @@ struct Iteration {
   double merit = 0;     ///< the method's own merit function
   double step = 0;      ///< step length t in (0, 1]; 0 at the start
   double prox = 0;      ///< proximal or Levenberg-Marquardt parameter of the step; 0 if none
-  double mu = 0;        ///< Smoothing: its parameter after the step; Multiroot: during it
+  double mu = 0;        ///< Smoothing, InteriorPoint: its parameter (tau) after the step; Multiroot: during it
   int pivots = 0;       ///< of this iteration
   int backtracks = 0;   ///< of this iteration
   int F_evals = 0;      ///< so far
   int J_evals = 0;      ///< so far
   /// Of the step: I start, N Newton, Q convex QP, L Levenberg-Marquardt, G gradient, P proximal, R partial path
   /// (NewtonJosephy), E proximal escape, A a linear method. Smoothing: H predictor, S Newton on the active set, U mu
-  /// raised. PathSearch: C crash; a Newton point accepted by O distance and merit, M merit, D distance; B backtracked,
+  /// raised; InteriorPoint: S, U likewise. PathSearch: C crash; a Newton point accepted by O distance and merit, M merit, D distance; B backtracked,
   /// W watchdog, G gradient, R restart.
   char kind = ' ';
   /// PathSearch, the linear problem: S solved, R ray, C cycle, N singular, I pivot limit, T inaccurate, E other.

@@ -29,6 +29,7 @@ Result run(const Mcp& mcp, In x0, const Method& method, const Observer& observer
   return std::visit(Overloaded{[&](const SemismoothNewton& m) { return run_semismooth_newton(mcp, x0, m, observer); },
                                [&](const MinNewton& m) { return run_min_newton(mcp, x0, m, observer); },
                                [&](const Smoothing& m) { return run_smoothing(mcp, x0, m, observer); },
+                               [&](const InteriorPoint& m) { return run_interior_point(mcp, x0, m, observer); },
                                [&](const NewtonJosephy& m) { return run_newton_josephy(mcp, x0, m, observer); },
                                [&](const NewtonRobinson& m) { return run_newton_robinson(mcp, x0, m, observer); },
                                [&](const PathSearch& m) { return run_path(mcp, x0, m, observer); },
@@ -91,6 +92,7 @@ std::string_view name(const Method& method) {
                     method);
 }
 
+                               [](const InteriorPoint&) { return std::string_view("interior"); },
 const PathSearch* path_of(const Method& method) {
   const auto* automatic = std::get_if<Auto>(&method);
   return automatic != nullptr ? &automatic->path : std::get_if<PathSearch>(&method);

@@ -8,6 +8,7 @@
 
 #include "lcp/solve.hpp"
 #include "ncp/auto.hpp"
+#include "ncp/interior_point.hpp"
 #include "ncp/min_newton.hpp"
 #include "ncp/multiroot.hpp"
 #include "ncp/newton_josephy.hpp"
@@ -28,8 +29,8 @@ struct Affine {
   lcp::Method method{};
 };
 
-using Method = std::variant<Auto, SemismoothNewton, MinNewton, Smoothing, NewtonJosephy, NewtonRobinson, PathSearch,
-                            Multiroot, Affine>;
+using Method = std::variant<Auto, SemismoothNewton, MinNewton, Smoothing, InteriorPoint, NewtonJosephy, NewtonRobinson,
+                            PathSearch, Multiroot, Affine>;
 std::string_view name(const Method& method);  ///< "semismooth", "josephy", "path", ..., or that of lcp/
 /// Why the options make no sense (a tolerance that is not positive, ...), if they do not.
 std::optional<std::string> invalid(const Method& method);

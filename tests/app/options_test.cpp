@@ -112,7 +112,10 @@ TEST(Options, EachKeySetsItsFieldAndNoOther) {
                                                        {"cfunction_parameter", "0.5", "semismooth-penalised"},
                                                        {"smoothing_function", "chks", "smooth"},
                                                        {"smoothing_schedule", "predictor-corrector", "smooth"},
-                                                       {"smoothing_finish", "no", "smooth"}};
+                                                       {"smoothing_finish", "no", "smooth"},
+                                                       {"interior_centring", "0.25", "interior"},
+                                                       {"interior_to_boundary", "0.5", "interior"},
+                                                       {"interior_finish", "no", "interior"}};
   std::vector<std::string> covered{"method", "output"};  // they change others: below
   for (const auto& [key, value, method] : values) {
     covered.emplace_back(key);
