@@ -1,21 +1,19 @@
 #include "contact/inner_faceting.hpp"
 
-#include "contact/faceting_builder.hpp"
+#include "contact/encoding_builder.hpp"
 
 namespace perp::contact {
 namespace {
 
-FacetingBuilder build(const Problem& problem, const Polygons& polygons, const FacetedOptions& options) {
-  FacetingBuilder b("inner faceting", problem, polygons, options);
+EncodingBuilder build(const Problem& problem, const Polygons& polygons, const EncodingOptions& options) {
+  check("inner faceting", problem, polygons);
+  EncodingBuilder b(problem, options);
   const bool mixed = options.form == Form::Mixed;
   for (Index a = 0; a < problem.contacts(); ++a) {
-    b.next_contact(a);
-    const Index r_N = b.nonnegative();
-    b.velocity_row(r_N, 0, 1);
-    b.impulse_column(r_N, 0, 1);
+    const Index r_N = b.next_contact(a);
     const double mu = problem.mu[a];
     if (mu == 0) continue;
-    const auto& D = b.polygon(a).vertices();
+    const auto& D = of_contact(polygons, a).vertices();
     const Index T = D.rows();
     const Index r_T = r_N + 1;
     const Index u_T = r_T + T;
@@ -49,7 +47,7 @@ FacetingBuilder build(const Problem& problem, const Polygons& polygons, const Fa
 
 }  // namespace
 
-InnerFaceting::InnerFaceting(const Problem& problem, const Polygons& polygons, const FacetedOptions& options)
-    : Faceting(problem, build(problem, polygons, options)) {}
+InnerFaceting::InnerFaceting(const Problem& problem, const Polygons& polygons, const EncodingOptions& options)
+    : AffineEncoding(problem, build(problem, polygons, options)) {}
 
 }  // namespace perp::contact

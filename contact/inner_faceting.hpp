@@ -30,14 +30,14 @@
 /// A contact with mu = 0 has the unknown r_N alone. References: Al-Fahed, Stavroulakis & Panagiotopoulos,
 /// Ingenieur-Archiv 61 (1991) 434. Stewart & Trinkle, Int. J. Numer. Methods Engrg. 39 (1996) 2673. Cottle, Pang &
 /// Stone, The Linear Complementarity Problem, 1992.
-#include "contact/faceting.hpp"
+#include "contact/affine_encoding.hpp"
 
 namespace perp::contact {
 
-class InnerFaceting : public Faceting {
+class InnerFaceting : public AffineEncoding {
  public:
   /// As OuterFaceting's.
-  InnerFaceting(const Problem& problem, const Polygons& polygons, const FacetedOptions& options = {});
+  InnerFaceting(const Problem& problem, const Polygons& polygons, const EncodingOptions& options = {});
 };
 
 }  // namespace perp::contact

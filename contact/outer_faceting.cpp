@@ -1,10 +1,11 @@
 #include "contact/outer_faceting.hpp"
 
+#include <Eigen/LU>
 #include <cmath>
 #include <utility>
 #include <vector>
 
-#include "contact/faceting_builder.hpp"
+#include "contact/encoding_builder.hpp"
 
 namespace perp::contact {
 namespace {
@@ -25,16 +26,14 @@ std::vector<Index> basis_edges(const Polygon::Matrix& C) {
   return best;
 }
 
-FacetingBuilder mixed(const Problem& problem, const Polygons& polygons, const FacetedOptions& options) {
-  FacetingBuilder b("outer faceting", problem, polygons, options);
+EncodingBuilder mixed(const Problem& problem, const Polygons& polygons, const EncodingOptions& options) {
+  check("outer faceting", problem, polygons);
+  EncodingBuilder b(problem, options);
   for (Index a = 0; a < problem.contacts(); ++a) {
-    b.next_contact(a);
-    const Index r_N = b.nonnegative();
-    b.velocity_row(r_N, 0, 1);
-    b.impulse_column(r_N, 0, 1);
+    const Index r_N = b.next_contact(a);
     const double mu = problem.mu[a];
     if (mu == 0) continue;
-    const auto& C = b.polygon(a).normals();
+    const auto& C = of_contact(polygons, a).normals();
     const Index r_T = r_N + 1;
     for (Index t = 0; t < C.rows(); ++t) {
       const Index i = b.free();
@@ -53,16 +52,14 @@ FacetingBuilder mixed(const Problem& problem, const Polygons& polygons, const Fa
   return b;
 }
 
-FacetingBuilder reduced(const Problem& problem, const Polygons& polygons, const FacetedOptions& options) {
-  FacetingBuilder b("outer faceting", problem, polygons, options);
+EncodingBuilder reduced(const Problem& problem, const Polygons& polygons, const EncodingOptions& options) {
+  check("outer faceting", problem, polygons);
+  EncodingBuilder b(problem, options);
   for (Index a = 0; a < problem.contacts(); ++a) {
-    b.next_contact(a);
-    const Index r_N = b.nonnegative();
-    b.velocity_row(r_N, 0, 1);
-    b.impulse_column(r_N, 0, 1);
+    const Index r_N = b.next_contact(a);
     const double mu = problem.mu[a];
     if (mu == 0) continue;
-    const auto& C = b.polygon(a).normals();
+    const auto& C = of_contact(polygons, a).normals();
     const std::vector<Index> basis = basis_edges(C);
     const Index T = C.rows();
     Polygon::Matrix C1(T, T);
@@ -95,8 +92,8 @@ FacetingBuilder reduced(const Problem& problem, const Polygons& polygons, const 
 
 }  // namespace
 
-OuterFaceting::OuterFaceting(const Problem& problem, const Polygons& polygons, const FacetedOptions& options)
-    : Faceting(problem,
-               options.form == Form::Mixed ? mixed(problem, polygons, options) : reduced(problem, polygons, options)) {}
+OuterFaceting::OuterFaceting(const Problem& problem, const Polygons& polygons, const EncodingOptions& options)
+    : AffineEncoding(problem, options.form == Form::Mixed ? mixed(problem, polygons, options)
+                                                          : reduced(problem, polygons, options)) {}
 
 }  // namespace perp::contact

@@ -20,15 +20,15 @@
 ///
 /// A contact with mu = 0 has the unknown r_N alone. References: Klarbring, Comput. Methods Appl. Mech. Engrg. 58 (1986)
 /// 185. Klarbring & Bjorkman, Comput. Mech. 3 (1988) 25. Glocker, Set-Valued Force Laws, Springer 2001.
-#include "contact/faceting.hpp"
+#include "contact/affine_encoding.hpp"
 
 namespace perp::contact {
 
-class OuterFaceting : public Faceting {
+class OuterFaceting : public AffineEncoding {
  public:
   /// Copies what it needs of the problem. Throws std::invalid_argument if it is malformed (check()), or there is
   /// neither one polygon nor one for each contact, or one is of another dimension than the tangent plane.
-  OuterFaceting(const Problem& problem, const Polygons& polygons, const FacetedOptions& options = {});
+  OuterFaceting(const Problem& problem, const Polygons& polygons, const EncodingOptions& options = {});
 };
 
 }  // namespace perp::contact

@@ -33,6 +33,9 @@ Matrix on_circle(int K, double first, double radius) {
   return points;
 }
 
+/// A corner that lies less than this beyond the side through its neighbours, in units of P, is none.
+constexpr double flat = 1e-12;
+
 double cross(const Matrix& v, Index i, Index j) { return v(0, i) * v(1, j) - v(1, i) * v(0, j); }
 
 }  // namespace
@@ -68,29 +71,23 @@ Polygon Polygon::of_vertices(const Matrix& vertices) {
   std::iota(order.begin(), order.end(), Index{0});
   const auto angle = [&](Index j) { return std::atan2(vertices(1, j), vertices(0, j)); };
   std::stable_sort(order.begin(), order.end(), [&](Index i, Index j) { return angle(i) < angle(j); });
-  const auto next = [&](Index k) { return order[static_cast<std::size_t>((k + 1) % K)]; };
-
   Matrix sorted(2, K);
+  for (Index k = 0; k < K; ++k) sorted.col(k) = vertices.col(order[static_cast<std::size_t>(k)]);
+  const auto name = [&](Index k) { return "vertex " + std::to_string(order[static_cast<std::size_t>(k)] + 1); };
+
   Matrix normals(2, K);
-  for (Index k = 0; k < K; ++k) {
-    const Index i = order[static_cast<std::size_t>(k)];
-    const Index j = next(k);
-    sorted.col(k) = vertices.col(i);
-    // c'd_i = c'd_j = 1. Their cross product is twice the area of the triangle (0, d_i, d_j).
-    const double area = cross(vertices, i, j);
-    if (!(area > 0)) {
-      why << "the origin is not inside: seen from it, vertex " << j + 1 << " lies half a turn or more behind vertex "
-          << i + 1 << ", or in the same direction";
-      refuse(why.str());
-    }
-    normals(0, k) = (vertices(1, j) - vertices(1, i)) / area;
-    normals(1, k) = (vertices(0, i) - vertices(0, j)) / area;
-    const Index after = next(k + 1);
-    if (!(normals.col(k).dot(vertices.col(after)) < 1 - 1e-12)) {
-      why << "not convex, or flat, at vertex " << j + 1;
-      refuse(why.str());
-    }
+  for (Index k = 0; k < K; ++k) {  // c'd_k = c'd_next = 1
+    const Index next = (k + 1) % K;
+    const double area = cross(sorted, k, next);  // twice that of the triangle (0, d_k, d_next)
+    if (!(area > 0))
+      refuse("the origin is not inside: seen from it, " + name(next) + " lies half a turn or more behind " + name(k) +
+             ", or in the same direction");
+    normals(0, k) = (sorted(1, next) - sorted(1, k)) / area;
+    normals(1, k) = (sorted(0, k) - sorted(0, next)) / area;
   }
+  for (Index k = 0; k < K; ++k)
+    if (!(normals.col(k).dot(sorted.col((k + 2) % K)) < 1 - flat))
+      refuse("not convex, or flat, at " + name((k + 1) % K));
   return {sorted, normals};
 }
 

@@ -1,17 +1,14 @@
-#include "contact/faceting.hpp"
+#include "contact/affine_encoding.hpp"
 
 #include <sstream>
 #include <stdexcept>
 #include <utility>
 
-#include "contact/faceting_builder.hpp"
+#include "contact/encoding_builder.hpp"
 
 namespace perp::contact {
 
-FacetingBuilder::FacetingBuilder(const char* who, const Problem& problem, const Polygons& polygons,
-                                 const FacetedOptions& options)
-    : problem_(problem), polygons_(polygons), scaled_(options.scaled) {
-  check(problem);
+void check(const char* who, const Problem& problem, const Polygons& polygons) {
   std::ostringstream why;
   const auto n = static_cast<std::size_t>(problem.contacts());
   if (polygons.size() != 1 && polygons.size() != n) {
@@ -26,33 +23,42 @@ FacetingBuilder::FacetingBuilder(const char* who, const Problem& problem, const 
     }
 }
 
-void FacetingBuilder::next_contact(Index a) {
-  contact_ = a;
-  starts_.push_back(static_cast<Index>(lower_.size()));
+EncodingBuilder::EncodingBuilder(const Problem& problem, const EncodingOptions& options)
+    : problem_(problem), scaled_(options.scaled) {
+  contact::check(problem);
 }
 
-Index FacetingBuilder::unknown(double lower) {
+Index EncodingBuilder::next_contact(Index a) {
+  contact_ = a;
+  starts_.push_back(static_cast<Index>(lower_.size()));
+  const Index r_N = nonnegative();
+  velocity_row(r_N, 0, 1);
+  impulse_column(r_N, 0, 1);
+  return r_N;
+}
+
+Index EncodingBuilder::unknown(double lower) {
   lower_.push_back(lower);
   return static_cast<Index>(lower_.size()) - 1;
 }
 
-void FacetingBuilder::add(Triplets& entries, Index row, Index column, double value) {
+void EncodingBuilder::add(Triplets& entries, Index row, Index column, double value) {
   if (value != 0) entries.emplace_back(static_cast<int>(row), static_cast<int>(column), value);
 }
 
-SpMat FacetingBuilder::matrix(Index rows, const Triplets& entries) const {
+SpMat EncodingBuilder::matrix(Index rows, const Triplets& entries) const {
   SpMat result(rows, static_cast<Index>(lower_.size()));
   result.setFromTriplets(entries.begin(), entries.end());
   return result;
 }
 
-Faceting::Faceting(const Problem& problem, FacetingBuilder&& builder)
+AffineEncoding::AffineEncoding(const Problem& problem, EncodingBuilder&& builder)
     : W_(problem.W), q_(problem.q), units_(builder.scaled_ ? Units::of(W_, q_) : Units::none()) {
   const auto size = static_cast<Index>(builder.lower_.size());
   const SpMat A = builder.matrix(q_.size(), builder.A_);
   B_ = builder.matrix(q_.size(), builder.B_);
-  affine_.M =
-      SpMat(A.transpose()) * SpMat(W_ * B_ * (units_.impulse / units_.velocity)) + builder.matrix(size, builder.L_);
+  const SpMat velocities = W_ * B_ * (units_.impulse / units_.velocity);
+  affine_.M = SpMat(A.transpose()) * velocities + builder.matrix(size, builder.L_);
   affine_.M.makeCompressed();
   affine_.q = A.transpose() * q_ / units_.velocity;
   affine_.box = {Eigen::Map<const Vec>(builder.lower_.data(), size), Vec::Constant(size, lcp::infinity)};
@@ -60,10 +66,10 @@ Faceting::Faceting(const Problem& problem, FacetingBuilder&& builder)
   starts_.push_back(size);
 }
 
-Solution Faceting::recover(In z) const {
+Solution AffineEncoding::recover(In z) const {
   if (z.size() != affine_.size()) {
     std::ostringstream why;
-    why << "faceted contact: the point has " << z.size() << " entries, the problem " << affine_.size();
+    why << "contact: the point has " << z.size() << " entries, the encoding " << affine_.size();
     throw std::invalid_argument(why.str());
   }
   Solution solution;

@@ -1,23 +1,19 @@
 #pragma once
-/// Private to the faceted encodings: collects A, B, L and the box of faceting.hpp contact by contact.
+/// Private to the affine encodings: collects A, B, L and the box of affine_encoding.hpp contact by contact.
 #include <vector>
 
-#include "contact/faceting.hpp"
+#include "contact/affine_encoding.hpp"
 
 namespace perp::contact {
 
-class FacetingBuilder {
+class EncodingBuilder {
  public:
-  /// Checks the problem, and the polygons: one or as many as contacts, of the plane's dimension (else
-  /// std::invalid_argument beginning with `who`).
-  FacetingBuilder(const char* who, const Problem& problem, const Polygons& polygons, const FacetedOptions& options);
+  /// Throws std::invalid_argument if the problem is malformed (check()).
+  EncodingBuilder(const Problem& problem, const EncodingOptions& options);
 
-  bool scaled() const { return scaled_; }
-  Index tangents() const { return problem_.dimension - 1; }
-  const Polygon& polygon(Index a) const { return polygons_[polygons_.size() == 1 ? 0 : static_cast<std::size_t>(a)]; }
-
-  /// Begins a contact; its r and u are addressed by c = 0 (N), 1, 2 (T) below.
-  void next_contact(Index a);
+  /// Begins a contact; its r and u are addressed by c = 0 (N), 1, 2 (T) below. Its first unknown is r_N >= 0, with the
+  /// row of u_N; returns it.
+  Index next_contact(Index a);
   Index nonnegative() { return unknown(0); }
   Index free() { return unknown(-lcp::infinity); }
   void velocity_row(Index row, Index c, double value) { add(A_, problem_.dimension * contact_ + c, row, value); }
@@ -27,14 +23,13 @@ class FacetingBuilder {
   void local(Index row, Index column, double value) { add(L_, row, column, value); }
 
  private:
-  friend class Faceting;
+  friend class AffineEncoding;
   using Triplets = std::vector<Eigen::Triplet<double, int>>;
   static void add(Triplets& entries, Index row, Index column, double value);
   Index unknown(double lower);
   SpMat matrix(Index rows, const Triplets& entries) const;
 
   const Problem& problem_;
-  const Polygons& polygons_;
   bool scaled_;
   Index contact_ = 0;
   std::vector<double> lower_;
@@ -43,5 +38,12 @@ class FacetingBuilder {
   Triplets B_;
   Triplets L_;
 };
+
+/// Throws std::invalid_argument, beginning with `who`, unless there is one polygon or one for each contact, all of the
+/// tangent plane's dimension.
+void check(const char* who, const Problem& problem, const Polygons& polygons);
+inline const Polygon& of_contact(const Polygons& polygons, Index a) {
+  return polygons[polygons.size() == 1 ? 0 : static_cast<std::size_t>(a)];
+}
 
 }  // namespace perp::contact

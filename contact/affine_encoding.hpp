@@ -1,0 +1,49 @@
+#pragma once
+/// What the affine encodings of a contact problem share (frictionless.hpp, inner_faceting.hpp, outer_faceting.hpp):
+/// each is, in the units of units.hpp, an affine MCP in unknowns z that determine the impulses,
+///     r = B z,   M = A'W B + L,   q_z = A'q,
+/// where A' places the rows of u = W r + q among the equations and L has the law's own entries. A, B and L have blocks
+/// of one contact on their diagonals and nothing else, so M is as sparse as W.
+#include <vector>
+
+#include "contact/polygon.hpp"
+#include "contact/problem.hpp"
+#include "contact/units.hpp"
+#include "lcp/affine_mcp.hpp"
+
+namespace perp::contact {
+
+/// How much of a faceted law is left in equations: the mixed form keeps r_T (and u_T) as free unknowns; the reduced one
+/// is an LCP.
+enum class Form { Mixed, Reduced };
+
+struct EncodingOptions {
+  Form form = Form::Reduced;
+  bool scaled = true;  ///< in the units of units.hpp; false: in those of the problem
+};
+
+class EncodingBuilder;
+
+class AffineEncoding {
+ public:
+  const lcp::AffineMcp& affine() const { return affine_; }
+  const Units& units() const { return units_; }
+  Index contacts() const { return static_cast<Index>(starts_.size()) - 1; }
+  /// The first unknown of contact a, its r_N; those of a are start(a) .. start(a + 1) - 1.
+  Index start(Index a) const { return starts_[static_cast<std::size_t>(a)]; }
+  /// r = B z in the problem's units, u = W r + q. Throws std::invalid_argument if z has not affine().size() entries.
+  Solution recover(In z) const;
+
+ protected:
+  AffineEncoding(const Problem& problem, EncodingBuilder&& builder);
+
+ private:
+  SpMat W_;
+  Vec q_;
+  Units units_;
+  SpMat B_;
+  lcp::AffineMcp affine_;
+  std::vector<Index> starts_;
+};
+
+}  // namespace perp::contact
