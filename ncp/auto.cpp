@@ -40,7 +40,8 @@ Choice first_choice(const Mcp& mcp, const Point& start, const Auto& method) {
 std::vector<Choice> choices(const Mcp& mcp, const Point& start, const Auto& method) {
   std::vector<Choice> list{first_choice(mcp, start, method)};
   if (!std::holds_alternative<PathSearch>(list.front().method)) list.push_back({"path", "", method.path});
-  if (!mcp.is_affine()) list.push_back({"smoothing", "", Smoothing{}});
+  if (!mcp.is_affine())
+    list.push_back({"smoothing", "", Smoothing{.function = smoothed_fischer_burmeister(), .restarts = 1}});
   SemismoothNewton penalised = method.semismooth;
   penalised.cfunction = penalised_fischer_burmeister();
   list.push_back({"semismooth on the penalised function", "", penalised});

@@ -31,6 +31,7 @@ std::optional<std::string> invalid(const Escape& e) {
   if (e.trial_iterations < 0) return refusal("escape.trial_iterations", e.trial_iterations, "at least 0");
   if (!(e.perturbed_tol > 0) || std::isinf(e.perturbed_tol))
     return refusal("escape.perturbed_tol", e.perturbed_tol, "positive and finite");
+  if (e.rescalings < 0 || e.rescalings > 2) return refusal("escape.rescalings", e.rescalings, "0, 1 or 2");
   if (e.perturbed_iterations < 1) return refusal("escape.perturbed_iterations", e.perturbed_iterations, "at least 1");
   return std::nullopt;
 }

@@ -48,6 +48,9 @@ struct Escape {
   int trial_iterations = 25;
   double perturbed_tol = 1e-6;  ///< natural residual at which a perturbed problem is solved well enough
   int perturbed_iterations = 60;
+  /// After all rounds: runs of the method from the start on the scaled problem, by J at the best point and by J at the
+  /// start. 0, 1 or 2.
+  int rescalings = 2;
 };
 
 /// Why a value makes no sense, with its name, if one does not.

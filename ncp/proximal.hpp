@@ -1,7 +1,6 @@
 #pragma once
 /// The proximal perturbation of an MCP and the escape from local minima built on it; private to ncp/.
-#include "ncp/result.hpp"
-#include "ncp/solve.hpp"
+#include "ncp/methods.hpp"
 
 namespace perp::ncp {
 
@@ -25,8 +24,6 @@ class ProximalMcp final : public Mcp {
   Vec center_;
   SpMat pattern_;  // base's with the whole diagonal
 };
-
-using RunMethod = std::function<Result(const Mcp&, In x0, const Method&, const Observer&)>;
 
 /// Proximal escape (Billups & Ferris 1997, QPCOMP; Billups 1995, PROXI and SEMICOMP): where the base method is stuck at
 /// xbar, solve F(x) + lambda (x - xbar) by it to a loose tolerance and move xbar to the solution; where that has a

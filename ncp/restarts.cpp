@@ -33,12 +33,15 @@ PathSearch once(PathSearch method) {
 Result run_once(const Mcp& mcp, In x0, const Method& method, const Observer& observer) {
   if (const auto* semismooth = std::get_if<SemismoothNewton>(&method))
     return run_semismooth_newton(mcp, x0, *semismooth, observer);
+  if (const auto* smoothing = std::get_if<Smoothing>(&method)) return run_smoothing(mcp, x0, *smoothing, observer);
   const auto& path = std::get<PathSearch>(method);
   Run run(mcp, path.stop, observer);
   Point point;
   std::vector<lcp::Cell> basis;
   if (run.start(x0, point)) path_search(run, path, std::move(point), basis);
-  return run.result();
+  Result result = run.result();
+  result.basis = std::move(basis);
+  return result;
 }
 
 /// Where an attempt starts.
@@ -97,6 +100,17 @@ class Attempts {
                        newton_josephy(run, method, std::move(point));
                      }});
   }
+  /// Smoothing, and again on the problem scaled by J where that has got stuck.
+  void add_smoothing(std::string what, const Smoothing& method) {
+    list_.push_back({what, From::Start, [this, method](Run& run, const Point& point) {
+                       const Method limited = within_limits(run, method);
+                       const Result result = run_once(run.mcp(), point.x, limited, run.counting_on());
+                       smoothed_ = result.x;
+                       run.take(result);
+                     }});
+    list_.push_back({std::move(what) + ", rows and columns scaled", From::Start,
+                     [this, method](Run& run, const Point& point) { scaled(run, smoothed_, point, method); }});
+  }
   void add_escape(std::string what, Method base) {
     list_.push_back({std::move(what), From::Best, [this, base = std::move(base)](Run& run, const Point& point) {
                        const Method method = within_limits(run, base);
@@ -112,10 +126,14 @@ class Attempts {
   void add_scaled(std::string what, const Scaling& factors) {
     list_.push_back({std::move(what), From::Start, [this, factors](Run& run, const Point& point) {
                        const Method limited = within_limits(run, method_);
-                       Result scaled =
-                           run_scaled(run.mcp(), factors, point.x, std::get<PathSearch>(limited), run.counting_on());
+                       Result scaled = run_scaled(run.mcp(), factors, point.x, limited, run_once, run.counting_on());
                        basis = std::move(scaled.basis);
                        run.take(scaled);
+                     }});
+  }
+  void add_scaled_at_best(std::string what, Method base) {
+    list_.push_back({std::move(what), From::Start, [this, base = std::move(base)](Run& run, const Point& point) {
+                       scaled(run, run.best(), point, base);
                      }});
   }
   void add_affine(std::string what) {
@@ -127,6 +145,11 @@ class Attempts {
                      }});
   }
 
+  /// From the start, on the problem scaled by J at x.
+  void scaled(Run& run, const Vec& x, const Point& start, const Method& base) const {
+    if (!run_scaled_at(run, x, start.x, within_limits(run, base), run_once))
+      run.end(Status::NoProgress, "scaling changes nothing", "try another start or method");
+  }
   /// With what is left of the limits.
   Method within_limits(const Run& run, Method method) const {
     Stop& limits = stop(method);
@@ -141,6 +164,7 @@ class Attempts {
   const PathSearch& method_;
   std::vector<Attempt> list_;
   std::size_t before_ = 0;
+  Vec smoothed_;  // where smoothing has got stuck
 };
 
 Attempts::Attempts(const Mcp& mcp, const Point& start, const PathSearch& method) : method_(method) {
@@ -155,6 +179,7 @@ Attempts::Attempts(const Mcp& mcp, const Point& start, const PathSearch& method)
   again.proximal_perturbation = method.proximal_perturbation;
   add_path("from the origin", again, From::Origin);
   add_path("from a point of the unit box", again, From::UnitBox);
+  add_scaled_at_best("rows and columns scaled as at the best point", again);
   again.start = PathStart::Always;
   add_path("Newton points from rays", again);
   again.start = method.start;
@@ -167,6 +192,7 @@ Attempts::Attempts(const Mcp& mcp, const Point& start, const PathSearch& method)
   PathSearch trial = once(method);
   trial.patience = std::min(method.patience, trial_patience);
   add_escape("proximal escape", trial);
+  add_smoothing("smoothing", {.function = smoothed_fischer_burmeister(), .restarts = 1});
   add_semismooth("semismooth Newton from the best point", From::Best, {});
   add_semismooth("semismooth Newton on the min function", From::Start, {.cfunction = natural_min()});
   add_escape("proximal escape with semismooth Newton", SemismoothNewton{});

@@ -1,6 +1,10 @@
-/// One attempt of PathSearch on the scaled problem.
+/// Attempts on the scaled problem, and the retries that methods are given there.
 #include <algorithm>
+#include <chrono>
+#include <optional>
+#include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "ncp/methods.hpp"
@@ -19,15 +23,16 @@ Vec unscaled(const ScaledMcp& scaled, const Scaling& factors, const Vec& x) {
   return scaled.to_original(z) + (x - z).cwiseQuotient(factors.rows);
 }
 
-/// The user's observer sees the records of the problem as it is.
-Observer in_original(const Mcp& mcp, const ScaledMcp& scaled, const Scaling& factors, const Observer& observer) {
+/// The user's observer sees the records of the problem as it is. Iterates are points of the normal map, or of R^n.
+Observer in_original(const Mcp& mcp, const ScaledMcp& scaled, const Scaling& factors, bool normal_map,
+                     const Observer& observer) {
   if (!observer) return {};
-  return [&](const Iteration& it) {
+  return [&mcp, &scaled, &factors, normal_map, &observer](const Iteration& it) {
     Iteration shown = it;
     shown.problem = &mcp;
     Vec x;
     if (it.x != nullptr) {
-      shown.x = &(x = unscaled(scaled, factors, *it.x));
+      shown.x = &(x = normal_map ? unscaled(scaled, factors, *it.x) : scaled.to_original(*it.x));
       const Vec z = lcp::project(mcp.box(), x);
       Vec F;
       CountedMcp guarded(mcp);  // for the observer: what the run itself evaluates is counted
@@ -45,28 +50,73 @@ Observer in_original(const Mcp& mcp, const ScaledMcp& scaled, const Scaling& fac
   };
 }
 
+/// Factors of J at x; nothing where J is not defined there or they change nothing.
+std::optional<Scaling> factors_at(Run& run, const Vec& x) {
+  SpMat J = run.mcp().jacobian_pattern();
+  if (!run.counted().jacobian(x, J)) return std::nullopt;
+  Scaling factors = scaling(run.mcp(), J);
+  if ((factors.rows.array() == 1).all() && (factors.columns.array() == 1).all()) return std::nullopt;
+  return factors;
+}
+
 }  // namespace
 
-Result run_scaled(const Mcp& mcp, const Scaling& factors, In x0, const PathSearch& method, const Observer& observer) {
+Result run_scaled(const Mcp& mcp, const Scaling& factors, In x0, const Method& method, const RunMethod& run,
+                  const Observer& observer) {
   const ScaledMcp scaled(mcp, factors);
-  Stop limits = method.stop;
-  limits.tol = std::max(least_tolerance, scaled.tolerance(method.stop.tol));
-  const Observer shown = in_original(mcp, scaled, factors, observer);
-  Run run(scaled, limits, shown);
-  Point point;
-  std::vector<lcp::Cell> basis;
-  if (run.start(scaled.to_scaled(x0), point)) path_search(run, method, std::move(point), basis);
-  Result result = run.result();
-  result.basis = std::move(basis);
+  Method inner = method;
+  const double tol = stop(method).tol;
+  stop(inner).tol = std::max(least_tolerance, scaled.tolerance(tol));
+  const bool normal_map = std::holds_alternative<PathSearch>(method);
+  Result result = run(scaled, scaled.to_scaled(x0), inner, in_original(mcp, scaled, factors, normal_map, observer));
   result.x = lcp::project(mcp.box(), scaled.to_original(result.x));
   CountedMcp guarded(mcp);
   ++result.stats.F_evals;
   result.residual = guarded.eval(result.x, result.F) ? residual(mcp.box(), result.x, result.F) : Residual{};
-  if (result.solved() && !(result.residual.natural <= method.stop.tol)) {
+  if (result.solved() && !(result.residual.natural <= tol)) {
     result.status = Status::NoProgress;
     result.message = "the scaled problem was solved, but not to the tolerance of the problem itself";
     result.advice = "scale the model, or try a larger tolerance";
   }
+  return result;
+}
+
+bool run_scaled_at(Run& run, const Vec& x, In x0, const Method& method, const RunMethod& base) {
+  const std::optional<Scaling> factors = factors_at(run, x);
+  if (factors) run.take(run_scaled(run.mcp(), *factors, x0, method, base, run.counting_on()));
+  return factors.has_value();
+}
+
+Result retry_scaled(const Mcp& mcp, In x0, const Method& method, int rescalings, Result stuck_at, const RunMethod& base,
+                    const Observer& observer) {
+  Stop limits = stop(method);
+  limits.max_time = std::max(limits.max_time - stuck_at.stats.time, std::chrono::duration<double>(0));
+  Run run(mcp, limits, observer);
+  run.take(stuck_at);
+  const Vec scaled_at[] = {stuck_at.x, lcp::project(mcp.box(), x0)};
+  const char* const names[] = {"rows and columns scaled as at the best point", "rows and columns scaled"};
+  int tried = 0;
+  std::string last;
+  for (int k = 0; k < std::min(rescalings, 2) && run.ended() && stuck(run.status()); ++k) {
+    const Run::Verdict before = run.verdict();
+    Method limited = method;
+    stop(limited) = run.left();
+    run.resume(names[k]);
+    if (run_scaled_at(run, scaled_at[k], x0, limited, base)) {
+      ++tried;
+      last = names[k];
+    } else {
+      run.take_attempt();
+    }
+    if (!run.ended() || stuck(run.status())) run.replace_verdict(before);
+  }
+  run.stats().restarts += tried;
+  if (tried > 0 && run.ended() && stuck(run.status()))
+    run.remark(quantity(tried, "run") + " on the scaled problem " + (tried == 1 ? "has" : "have") +
+               " not led to a solution either");
+  Result result = run.result();
+  result.stats.time += stuck_at.stats.time;
+  if (result.solved() && tried > 0) result.message += ", after a restart: " + last;
   return result;
 }
 

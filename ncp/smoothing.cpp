@@ -289,6 +289,7 @@ std::optional<std::string> invalid(const Smoothing& m) {
     return refusal("neighbourhood", m.neighbourhood, "greater than the function's kappa and finite");
   if (m.restarts < 0) return refusal("restarts", m.restarts, "at least 0");
   if (m.patience < 1) return refusal("patience", m.patience, "at least 1");
+  if (m.rescalings < 0 || m.rescalings > 2) return refusal("rescalings", m.rescalings, "0, 1 or 2");
   return std::nullopt;
 }
 

@@ -186,12 +186,40 @@ TEST(Smoothing, TakesLevenbergMarquardtStepsWhereHIsSingular) {
 TEST(Smoothing, SaysThatItIsStuck) {
   const auto mcp = make_mcp(support::scalar(
       -infinity, infinity, [](double x) { return x * x + 1; }, [](double x) { return 2 * x; }));
-  for (const auto& [label, method] : variants()) {
+  for (const auto& [label, variant] : variants()) {
+    const Result again = solve(*mcp, vec({0.3}), variant);
+    EXPECT_THAT(again.message, HasSubstr("2 runs on the scaled problem have not led to a solution")) << label;
+    Smoothing method = std::get<Smoothing>(variant);
+    method.rescalings = 0;
     const Result result = solve(*mcp, vec({0.3}), method);
     EXPECT_TRUE(result.status == Status::StationaryPoint || result.status == Status::NoProgress) << label << result;
     EXPECT_THAT(result.message, HasSubstr("mu was raised 6 times")) << label;
     EXPECT_FALSE(result.advice.empty());
     EXPECT_LT(result.stats.iterations, 400) << label;
+  }
+}
+
+// Powell's badly scaled equations from start 3, and Hock & Schittkowski 62 from every start: their local minima of the
+// merit function are the units'. Catches a retry that does not happen, that starts elsewhere, that scales nothing, or
+// whose answer and records are in the units of the scaled problem.
+TEST(Smoothing, RunsAgainOnTheScaledProblem) {
+  for (const auto& [name, start] : {std::pair("powell-badly-scaled", 2), std::pair("hs62-kkt", 0)}) {
+    const collection::Problem problem = collection::find(name)->make();
+    const Vec x0 = problem.starts[static_cast<std::size_t>(start)];
+    const Result without = solve(*problem.mcp, x0, Smoothing{.rescalings = 0});
+    EXPECT_FALSE(without.solved()) << name;
+    std::vector<Vec> begun;
+    double last = infinity;
+    const Result result = expect_solved(*problem.mcp, x0, Smoothing{}, name, [&](const Iteration& it) {
+      if (!it.attempt.empty()) begun.push_back(*it.x);
+      last = it.residual;
+      return Next::Continue;
+    });
+    EXPECT_GT(result.stats.iterations, without.stats.iterations) << name;
+    ASSERT_EQ(static_cast<int>(begun.size()), result.stats.restarts) << name;
+    EXPECT_LE((begun.front() - x0).lpNorm<Eigen::Infinity>(), 1e-12 * x0.lpNorm<Eigen::Infinity>()) << name;
+    EXPECT_DOUBLE_EQ(last, result.residual.natural) << name;
+    EXPECT_THAT(result.message, HasSubstr("after a restart: rows and columns scaled")) << name;
   }
 }
 
@@ -239,6 +267,7 @@ TEST(Smoothing, RefusesOptionsWithoutSense) {
   EXPECT_THAT(why([](Smoothing& m) { m.neighbourhood = 0.5; }), HasSubstr("neighbourhood is 0.5"));
   EXPECT_THAT(why([](Smoothing& m) { m.restarts = -1; }), HasSubstr("restarts is -1"));
   EXPECT_THAT(why([](Smoothing& m) { m.patience = 0; }), HasSubstr("patience is 0"));
+  EXPECT_THAT(why([](Smoothing& m) { m.rescalings = 3; }), HasSubstr("rescalings is 3"));
   EXPECT_THAT(why([](Smoothing& m) { m.function.at = nullptr; }), HasSubstr("function"));
   EXPECT_THAT(why([](Smoothing& m) { m.stop.tol = -1; }), HasSubstr("stop.tol is -1"));
 }
