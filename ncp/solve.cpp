@@ -56,6 +56,12 @@ Escape escape_of(const Method& method) {
       method);
 }
 
+int rescalings_of(const Method& method) {
+  if (const auto* smoothing = std::get_if<Smoothing>(&method)) return smoothing->rescalings;
+  const Escape escape = escape_of(method);
+  return escape.rounds > 0 ? escape.rescalings : 0;
+}
+
 /// A derivative that does not match is the most frequent reason of a failure, and the hardest to see.
 void blame_derivatives(const Mcp& mcp, Result& result) {
   constexpr Index columns = 50;
@@ -72,8 +78,11 @@ void blame_derivatives(const Mcp& mcp, Result& result) {
 Result run_with_escapes(const Mcp& mcp, In x0, const Method& method, const Observer& observer) {
   Result result = run(mcp, x0, method, observer);
   const Escape escape = escape_of(method);
-  if (!stuck(result) || escape.rounds == 0) return result;
-  return proximal_escape(mcp, method, escape, std::move(result), run, observer);
+  if (stuck(result) && escape.rounds > 0)
+    result = proximal_escape(mcp, method, escape, std::move(result), run, observer);
+  const int rescalings = rescalings_of(method);
+  if (!stuck(result) || rescalings == 0) return result;
+  return retry_scaled(mcp, x0, method, rescalings, std::move(result), run, observer);
 }
 
 std::string_view name(const Method& method) {
@@ -83,6 +92,7 @@ std::string_view name(const Method& method) {
                                                                                     : std::string_view("nesqp");
                                },
                                [](const Smoothing&) { return std::string_view("smooth"); },
+                               [](const InteriorPoint&) { return std::string_view("interior"); },
                                [](const NewtonJosephy&) { return std::string_view("josephy"); },
                                [](const NewtonRobinson&) { return std::string_view("robinson"); },
                                [](const PathSearch&) { return std::string_view("path"); },
@@ -92,7 +102,6 @@ std::string_view name(const Method& method) {
                     method);
 }
 
-                               [](const InteriorPoint&) { return std::string_view("interior"); },
 const PathSearch* path_of(const Method& method) {
   const auto* automatic = std::get_if<Auto>(&method);
   return automatic != nullptr ? &automatic->path : std::get_if<PathSearch>(&method);

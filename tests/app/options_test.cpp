@@ -113,6 +113,7 @@ TEST(Options, EachKeySetsItsFieldAndNoOther) {
                                                        {"smoothing_function", "chks", "smooth"},
                                                        {"smoothing_schedule", "predictor-corrector", "smooth"},
                                                        {"smoothing_finish", "no", "smooth"},
+                                                       {"rescalings", "1", "smooth"},
                                                        {"interior_centring", "0.25", "interior"},
                                                        {"interior_to_boundary", "0.5", "interior"},
                                                        {"interior_finish", "no", "interior"}};
