@@ -4,6 +4,11 @@ include(CMakePackageConfigHelpers)
 
 # The public headers; those not listed are the folders' own.
 set(perp_public_headers
+  contact/dat_file.hpp
+  contact/fclib.hpp
+  contact/problem.hpp
+  contact/read.hpp
+  contact/residual.hpp
   lcp/affine_mcp.hpp
   lcp/basis_factor.hpp
   lcp/block_pivoting.hpp
@@ -39,6 +44,7 @@ set(perp_public_headers
   ncp/collection/collection.hpp ncp/collection/generators.hpp ncp/collection/random_lcps.hpp
   ncp/deflation.hpp
   ncp/mcp.hpp
+  ncp/interior_point.hpp
   ncp/min_newton.hpp
   ncp/multiroot.hpp
   ncp/newton_josephy.hpp
@@ -75,6 +81,7 @@ endif()
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/perpConfigVersion.cmake COMPATIBILITY ${perp_compatibility})
 install(FILES ${PROJECT_BINARY_DIR}/perpConfig.cmake ${PROJECT_BINARY_DIR}/perpConfigVersion.cmake
   ${CMAKE_CURRENT_LIST_DIR}/FindSuiteSparse.cmake ${CMAKE_CURRENT_LIST_DIR}/FindASL.cmake
+  ${CMAKE_CURRENT_LIST_DIR}/FindHDF5Serial.cmake
   DESTINATION ${perp_package_dir})
 
 # pkg-config. Whoever links static libraries links what they use as well, hence Libs and not Libs.private.
@@ -93,7 +100,7 @@ function(perp_link_flags out)
   set(${out} ${flags} PARENT_SCOPE)
 endfunction()
 perp_link_flags(perp_pc_dependencies ${ASL_LIBRARY} ${SuiteSparse_UMFPACK_LIBRARY} ${SuiteSparse_KLU_LIBRARY}
-  ${SuiteSparse_CHOLMOD_LIBRARY} ${GSL_LIBRARY} ${GSL_CBLAS_LIBRARY})
+  ${SuiteSparse_CHOLMOD_LIBRARY} ${GSL_LIBRARY} ${GSL_CBLAS_LIBRARY} ${HDF5Serial_LIBRARY})
 if(CMAKE_DL_LIBS)
   string(APPEND perp_pc_dependencies " -l${CMAKE_DL_LIBS}")
 endif()
@@ -116,7 +123,7 @@ install(FILES ${PROJECT_BINARY_DIR}/perp.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/
 # Shared libraries find each other, and the program finds them, wherever the prefix is.
 if(BUILD_SHARED_LIBS)
   file(RELATIVE_PATH perp_bin_to_lib /${CMAKE_INSTALL_BINDIR} /${CMAKE_INSTALL_LIBDIR})
-  set_target_properties(perp_lcp perp_ncp perp_collection PROPERTIES INSTALL_RPATH "$ORIGIN")
+  set_target_properties(perp_lcp perp_ncp perp_collection perp_contact PROPERTIES INSTALL_RPATH "$ORIGIN")
   if(TARGET perp)
     set_target_properties(perp PROPERTIES INSTALL_RPATH "$ORIGIN/${perp_bin_to_lib}")
   endif()

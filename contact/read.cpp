@@ -3,6 +3,7 @@
 #include <string_view>
 
 #include "contact/dat_file.hpp"
+#include "contact/fclib.hpp"
 #include "lcp/file_error.hpp"
 
 namespace perp::contact {
@@ -25,7 +26,7 @@ Problem read_problem(const std::string& path) {
   if (is_hdf5(content)) {
     if (path.ends_with(".dat"))
       throw lcp::FileError(path, 0, "an HDF5 file with the ending of a text file; rename it to .hdf5");
-    throw lcp::FileError(path, 0, "HDF5 files are not read");
+    return parse_fclib(content, path).problem;
   }
   if (path.ends_with(".hdf5") || path.ends_with(".h5"))
     throw lcp::FileError(path, 0, "not an HDF5 file: it has no HDF5 signature");

@@ -14,7 +14,6 @@ constexpr double rounding = 2e-13;
 TEST(Recorded, ReferencesAreSolutions) {
   SKIP_WITHOUT_RECORDED_PROBLEMS();
   for (const Reference& ref : references()) {
-    if (ref.file.ends_with(".hdf5")) continue;
     SCOPED_TRACE(ref.file);
     const Problem p = recorded(ref.file);
     const Solution s = ref.solution();
