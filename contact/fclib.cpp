@@ -14,6 +14,7 @@
 
 #include "contact/atomic_file.hpp"
 #include "contact/fclib_parts.hpp"
+#include "contact/hdf5_check.hpp"
 #include "lcp/file_error.hpp"
 #include "lcp/schur.hpp"
 
@@ -454,6 +455,11 @@ void write_point(const Writer& out, const std::string& path, const FclibPoint& p
 }  // namespace
 
 Fclib parse_fclib(std::string_view content, const std::string& name) {
+  try {
+    check_hdf5(content);
+  } catch (const std::invalid_argument& error) {
+    throw FileError(name, 0, std::string("no HDF5 file, damaged or cut short: ") + error.what());
+  }
   Fclib out = read_all(content, name);
   Problem& p = out.problem;
   try {
