@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "contact/encoding_builder.hpp"
+#include "lcp/solve.hpp"
 
 namespace perp::contact {
 
@@ -30,7 +31,7 @@ EncodingBuilder::EncodingBuilder(const Problem& problem, const EncodingOptions& 
 
 Index EncodingBuilder::next_contact(Index a) {
   contact_ = a;
-  starts_.push_back(static_cast<Index>(lower_.size()));
+  first_.push_back(static_cast<Index>(lower_.size()));
   const Index r_N = nonnegative();
   velocity_row(r_N, 0, 1);
   impulse_column(r_N, 0, 1);
@@ -62,8 +63,8 @@ AffineEncoding::AffineEncoding(const Problem& problem, EncodingBuilder&& builder
   affine_.M.makeCompressed();
   affine_.q = A.transpose() * q_ / units_.velocity;
   affine_.box = {Eigen::Map<const Vec>(builder.lower_.data(), size), Vec::Constant(size, lcp::infinity)};
-  starts_ = std::move(builder.starts_);
-  starts_.push_back(size);
+  first_ = std::move(builder.first_);
+  first_.push_back(size);
 }
 
 Solution AffineEncoding::recover(In z) const {
@@ -76,6 +77,26 @@ Solution AffineEncoding::recover(In z) const {
   solution.r = units_.impulse * (B_ * z);
   solution.u = W_ * solution.r + q_;
   return solution;
+}
+
+lcp::Result solve(const AffineEncoding& encoding, const lcp::Limits& limits) {
+  const lcp::AffineMcp& problem = encoding.affine();
+  lcp::Lemke lemke;
+  Vec start = encoding.lemke_start();
+  if (start.size() > 0)
+    lemke.options.start = lcp::LemkeStart::Regular;
+  else
+    start = Vec::Zero(problem.size());
+  lcp::Result result = lcp::solve(problem, start, lemke, limits);
+  if (result.solved() || result.status == lcp::Status::Infeasible || limits.reached()) {
+    result.message = "lemke" + (result.message.empty() ? "" : ": " + result.message);
+    return result;
+  }
+  lcp::Result next = lcp::solve(problem, result.z, lcp::Auto{}, limits);
+  next.message = "lemke: " + result.message + "; then " + next.message;
+  next.iterations += result.iterations;
+  next.factorizations += result.factorizations;
+  return next;
 }
 
 }  // namespace perp::contact

@@ -4,12 +4,14 @@
 ///     r = B z,   M = A'W B + L,   q_z = A'q,
 /// where A' places the rows of u = W r + q among the equations and L has the law's own entries. A, B and L have blocks
 /// of one contact on their diagonals and nothing else, so M is as sparse as W.
+#include <utility>
 #include <vector>
 
 #include "contact/polygon.hpp"
 #include "contact/problem.hpp"
 #include "contact/units.hpp"
 #include "lcp/affine_mcp.hpp"
+#include "lcp/result.hpp"
 
 namespace perp::contact {
 
@@ -28,14 +30,17 @@ class AffineEncoding {
  public:
   const lcp::AffineMcp& affine() const { return affine_; }
   const Units& units() const { return units_; }
-  Index contacts() const { return static_cast<Index>(starts_.size()) - 1; }
-  /// The first unknown of contact a, its r_N; those of a are start(a) .. start(a + 1) - 1.
-  Index start(Index a) const { return starts_[static_cast<std::size_t>(a)]; }
+  Index contacts() const { return static_cast<Index>(first_.size()) - 1; }
+  /// The first unknown of contact a, its r_N; those of a are first(a) .. first(a + 1) - 1.
+  Index first(Index a) const { return first_[static_cast<std::size_t>(a)]; }
   /// r = B z in the problem's units, u = W r + q. Throws std::invalid_argument if z has not affine().size() entries.
   Solution recover(In z) const;
+  /// Where Lemke's method begins, in the normal map's coordinates (lcp/lemke.hpp); empty: on its classical ray.
+  const Vec& lemke_start() const { return lemke_start_; }
 
  protected:
   AffineEncoding(const Problem& problem, EncodingBuilder&& builder);
+  void begin_lemke_at(Vec x) { lemke_start_ = std::move(x); }
 
  private:
   SpMat W_;
@@ -43,7 +48,12 @@ class AffineEncoding {
   Units units_;
   SpMat B_;
   lcp::AffineMcp affine_;
-  std::vector<Index> starts_;
+  std::vector<Index> first_;
+  Vec lemke_start_;
 };
+
+/// Lemke's method from the encoding's start, with the textbook's covering vector; where that ends on a ray or loses its
+/// digits, lcp::Auto. Throws as lcp::solve.
+lcp::Result solve(const AffineEncoding& encoding, const lcp::Limits& limits = {});
 
 }  // namespace perp::contact

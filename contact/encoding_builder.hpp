@@ -33,7 +33,7 @@ class EncodingBuilder {
   bool scaled_;
   Index contact_ = 0;
   std::vector<double> lower_;
-  std::vector<Index> starts_;
+  std::vector<Index> first_;
   Triplets A_;
   Triplets B_;
   Triplets L_;

@@ -26,6 +26,13 @@ std::vector<Index> basis_edges(const Polygon::Matrix& C) {
   return best;
 }
 
+/// C_1^-1, 1 x 1 or 2 x 2.
+Polygon::Matrix inverse(const Polygon::Matrix& C, const std::vector<Index>& basis) {
+  Polygon::Matrix C1(C.rows(), C.rows());
+  for (Index k = 0; k < C.rows(); ++k) C1.col(k) = C.col(basis[static_cast<std::size_t>(k)]);
+  return C1.inverse();
+}
+
 EncodingBuilder mixed(const Problem& problem, const Polygons& polygons, const EncodingOptions& options) {
   check("outer faceting", problem, polygons);
   EncodingBuilder b(problem, options);
@@ -62,16 +69,14 @@ EncodingBuilder reduced(const Problem& problem, const Polygons& polygons, const 
     const auto& C = of_contact(polygons, a).normals();
     const std::vector<Index> basis = basis_edges(C);
     const Index T = C.rows();
-    Polygon::Matrix C1(T, T);
-    for (Index k = 0; k < T; ++k) C1.col(k) = C.col(basis[static_cast<std::size_t>(k)]);
-    const Polygon::Matrix inverse = C1.inverse();  // 1 x 1 or 2 x 2
+    const Polygon::Matrix C1_inverse = inverse(C, basis);
 
     for (Index k = 0; k < T; ++k) {  // kappa_k = -(C_1^-1 u_T)_k - .., r_T = C_1^-T (mu r_N 1 - s)
       const Index s = b.nonnegative();
       for (Index t = 0; t < T; ++t) {
-        b.velocity_row(s, t + 1, -inverse(k, t));
-        b.impulse_column(s, t + 1, -inverse(k, t));
-        b.impulse_column(r_N, t + 1, mu * inverse(k, t));
+        b.velocity_row(s, t + 1, -C1_inverse(k, t));
+        b.impulse_column(s, t + 1, -C1_inverse(k, t));
+        b.impulse_column(r_N, t + 1, mu * C1_inverse(k, t));
       }
     }
     for (Index i = 0; i < C.cols(); ++i) {
@@ -79,7 +84,7 @@ EncodingBuilder reduced(const Problem& problem, const Polygons& polygons, const 
       for (const Index j : basis) in_basis = in_basis || i == j;
       if (in_basis) continue;
       const Index kappa = b.nonnegative();
-      const Eigen::VectorXd m = inverse * C.col(i);  // c_i = C_1 m: c_i'r_T = m'(mu r_N 1 - s)
+      const Eigen::VectorXd m = C1_inverse * C.col(i);  // c_i = C_1 m: c_i'r_T = m'(mu r_N 1 - s)
       b.local(kappa, r_N, mu * (1 - m.sum()));
       for (Index k = 0; k < T; ++k) {
         b.local(kappa, r_N + 1 + k, m[k]);
@@ -94,6 +99,37 @@ EncodingBuilder reduced(const Problem& problem, const Polygons& polygons, const 
 
 OuterFaceting::OuterFaceting(const Problem& problem, const Polygons& polygons, const EncodingOptions& options)
     : AffineEncoding(problem, options.form == Form::Mixed ? mixed(problem, polygons, options)
-                                                          : reduced(problem, polygons, options)) {}
+                                                          : reduced(problem, polygons, options)) {
+  if (options.form == Form::Mixed) begin_lemke_at(mixed_start(problem, polygons));
+}
+
+/// x of the normal map with z = project(x) = (0, 0, kappa of the pair) and, at a distance z0 that covers all of them,
+/// u_N + z0 > 0, kappa = -C_1^-1 q_T + z0 > 0 for the pair and sigma + z0 > 0 for the other edges.
+Vec OuterFaceting::mixed_start(const Problem& problem, const Polygons& polygons) const {
+  const Vec& q = affine().q;
+  Vec x = Vec::Zero(q.size());
+  for (Index a = 0; a < problem.contacts(); ++a) {
+    const Index r_N = first(a);
+    x[r_N] = -q[r_N];
+    if (problem.mu[a] == 0) continue;
+    const auto& C = of_contact(polygons, a).normals();
+    const Index T = C.rows();
+    const std::vector<Index> basis = basis_edges(C);
+    const Vec kappa = -inverse(C, basis) * q.segment(r_N + 1, T);
+    for (Index k = 0; k < T; ++k) x[r_N + 1 + T + basis[static_cast<std::size_t>(k)]] = kappa[k];
+  }
+  const double z0 = 1 + 2 * (x.size() > 0 ? x.lpNorm<Eigen::Infinity>() : 0);
+  for (Index a = 0; a < problem.contacts(); ++a) {
+    const Index r_N = first(a);
+    x[r_N] -= z0;
+    if (problem.mu[a] == 0) continue;
+    const auto& C = of_contact(polygons, a).normals();
+    const std::vector<Index> basis = basis_edges(C);
+    const Index kappa = r_N + 1 + C.rows();
+    x.segment(kappa, C.cols()).array() -= z0;
+    for (const Index i : basis) x[kappa + i] += 2 * z0;
+  }
+  return x;
+}
 
 }  // namespace perp::contact

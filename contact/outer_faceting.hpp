@@ -18,6 +18,10 @@
 /// with C_2, kappa_2 of the other edges. An LCP of K + 1 unknowns (r_N, s, kappa_2) a contact, its values (u_N, kappa_i
 /// and kappa_j, sigma_2). W is not inverted, and M is as sparse as W. The pair is the one with the largest determinant.
 ///
+/// Where contacts are redundant W_TT is singular, and the free unknowns r_T are no start basis of Lemke's method for
+/// the mixed form. lemke_start() has the pair's kappa in the basis in their place, sigma_i = sigma_j = 0: the reduced
+/// form's path.
+///
 /// A contact with mu = 0 has the unknown r_N alone. References: Klarbring, Comput. Methods Appl. Mech. Engrg. 58 (1986)
 /// 185. Klarbring & Bjorkman, Comput. Mech. 3 (1988) 25. Glocker, Set-Valued Force Laws, Springer 2001.
 #include "contact/affine_encoding.hpp"
@@ -29,6 +33,9 @@ class OuterFaceting : public AffineEncoding {
   /// Copies what it needs of the problem. Throws std::invalid_argument if it is malformed (check()), or there is
   /// neither one polygon nor one for each contact, or one is of another dimension than the tangent plane.
   OuterFaceting(const Problem& problem, const Polygons& polygons, const EncodingOptions& options = {});
+
+ private:
+  Vec mixed_start(const Problem& problem, const Polygons& polygons) const;
 };
 
 }  // namespace perp::contact

@@ -17,7 +17,7 @@ using support::vec;
 using Unknowns = BilateralContact::Unknowns;
 
 /// Direct form by lcp::solve, or through the Schur complement.
-BilateralContact::Point solved(const BilateralContact& contact, bool reduced) {
+BilateralContact::Point motion(const BilateralContact& contact, bool reduced) {
   if (!reduced) {
     const lcp::AffineMcp problem = lcp::to_affine(contact.mlcp());
     const lcp::Result result = lcp::solve(problem, Vec::Zero(problem.size()), lcp::Auto{}, {.tol = 1e-11});
@@ -49,13 +49,13 @@ TEST(Bilateral, BeadOnARail) {
     for (const bool reduced : {false, true}) {
       Global global = bead();
       const BilateralContact held(global, 2, unknowns);
-      const auto p = solved(held, reduced);
+      const auto p = motion(held, reduced);
       EXPECT_NEAR(p.contact.r[0], 4, 1e-12);
       EXPECT_NEAR(p.lambda[0], 0, 1e-12);
       EXPECT_LE(p.v.norm(), 1e-12);
       Global sinking = bead();
       sinking.w[0] = 0.5;
-      const auto s = solved(BilateralContact(sinking, 2, unknowns), reduced);
+      const auto s = motion(BilateralContact(sinking, 2, unknowns), reduced);
       EXPECT_NEAR(s.contact.r[0], 2, 1e-12);
       EXPECT_NEAR(s.lambda[0], -1, 1e-12);
       EXPECT_LE((s.v - vec({-0.5, -0.5})).norm(), 1e-12);
@@ -91,11 +91,11 @@ TEST(Bilateral, AllWaysLeadToOneMotion) {
     const Global g = random_global(random, 12, 3, 5, dimension);
     const Problem condensed = condense(g, Vec::Zero(5), dimension);
     const Frictionless lcp_form(condensed, {.scaled = false});
-    const Solution expected = lcp_form.recover(solve(lcp_form).z);
+    const Solution expected = lcp_form.recover(solved(lcp_form).z);
     for (const Unknowns unknowns : {Unknowns::Velocities, Unknowns::Multipliers}) {
       const BilateralContact contact(g, dimension, unknowns);
       for (const bool reduced : {false, true}) {
-        const auto p = solved(contact, reduced);
+        const auto p = motion(contact, reduced);
         EXPECT_LE((p.contact.u - expected.u).norm(), 1e-8 * (1 + expected.u.norm()));
         EXPECT_LE((g.M * p.v - g.H * p.contact.r - g.G * p.lambda - g.f).norm(), 1e-8 * (1 + g.f.norm()));
         EXPECT_LE((g.G.transpose() * p.v + g.b).norm(), 1e-9 * (1 + g.b.norm()));
@@ -114,7 +114,7 @@ TEST(Bilateral, DependentConstraintsNeedTheDirectForm) {
   for (const Unknowns unknowns : {Unknowns::Velocities, Unknowns::Multipliers}) {
     const BilateralContact contact(twice, 2, unknowns);
     EXPECT_EQ(lcp::SchurReduction(contact.mlcp()).status(), lcp::LuStatus::Singular);
-    const auto p = solved(contact, false);
+    const auto p = motion(contact, false);
     EXPECT_NEAR(p.contact.r[0], 2, 1e-9);
     EXPECT_NEAR(p.lambda.sum(), -1, 1e-9);
     EXPECT_LE((p.v - vec({-0.5, -0.5})).norm(), 1e-9);

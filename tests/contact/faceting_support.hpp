@@ -85,9 +85,7 @@ inline std::vector<NamedEncoding> encodings(const Problem& p, const Polygons& ou
           {"inner reduced", InnerFaceting(p, inner, reduced)}};
 }
 
-inline lcp::Result solve(const AffineEncoding& encoding, const lcp::Method& method = lcp::Auto{}) {
-  // The methods stop at tol (1 + ||q||_inf) <= 2 tol.
-  return lcp::solve(encoding.affine(), Vec::Zero(encoding.affine().size()), method, {.tol = 5e-10});
-}
+/// contact::solve to the tolerance that all tests ask for: the methods stop at tol (1 + ||q||_inf) <= 2 tol.
+inline lcp::Result solved(const AffineEncoding& encoding) { return solve(encoding, {.tol = 5e-10}); }
 
 }  // namespace perp::contact

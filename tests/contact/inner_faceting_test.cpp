@@ -55,7 +55,7 @@ TEST(InnerFaceting, QuadraticFormIsDissipationPlusSlip) {
       const Solution s = form.recover(z);
       double expected = s.r.dot(p.W * s.r);
       for (Index a = 0; a < p.contacts(); ++a)
-        if (p.mu[a] > 0) expected += p.mu[a] * s.r[3 * a] * z[form.start(a + 1) - 1];
+        if (p.mu[a] > 0) expected += p.mu[a] * s.r[3 * a] * z[form.first(a + 1) - 1];
       EXPECT_NEAR(z.dot(form.affine().M * z), expected, 1e-10 * (1 + std::abs(expected)));
     }
   }
@@ -67,7 +67,7 @@ TEST(InnerFaceting, SlidingBlockOnTheSquare) {
       .dimension = 3, .W = support::matrix({{2, 0, 0}, {0, 2, 0}, {0, 0, 2}}), .q = vec({-2, 4, 2}), .mu = vec({0.5})};
   for (const Form form : {Form::Mixed, Form::Reduced}) {
     const InnerFaceting inner(p, {Polygon::inscribed(4)}, {.form = form});
-    const lcp::Result result = solve(inner);
+    const lcp::Result result = solved(inner);
     ASSERT_TRUE(result.solved()) << result.message;
     EXPECT_LE((inner.recover(result.z).r - vec({1, -0.5, 0})).norm(), 1e-12);
   }
@@ -84,7 +84,8 @@ TEST(InnerFaceting, LemkeSolvesWhereWIsPositiveDefinite) {
     const Polygons polygons{Polygon::inscribed(K, 0.01 * k)};
     for (const Form form : {Form::Mixed, Form::Reduced}) {
       const InnerFaceting inner(p, polygons, {.form = form});
-      const lcp::Result result = solve(inner, lcp::Lemke{});
+      const lcp::Result result =
+          lcp::solve(inner.affine(), Vec::Zero(inner.affine().size()), lcp::Lemke{}, {.tol = 5e-10});
       ASSERT_TRUE(result.solved()) << "problem " << k << ", " << contacts << " contacts, K = " << K << ": "
                                    << result.message;
       EXPECT_LE(result.residual, 1e-9);
