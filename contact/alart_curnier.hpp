@@ -1,0 +1,31 @@
+#pragma once
+/// Newton's method on the equation of Alart & Curnier, in the coordinates of scaling.hpp (mu = 1):
+///     r_N = max(0, r_N - rho_N u_N),   r_T = P_disk(r_N+)(r_T - rho_T u_T),   u = W r + q + alpha (r - centre),
+/// contact by contact, rho_N = 1 / W_NN, rho_T = 1 / mean(W_TT), an element of the generalised Jacobian each step and
+/// no line search (Alart & Curnier, Comput. Methods Appl. Mech. Eng. 92 (1991) 353, with the radius r_N+ of Jean &
+/// Moreau). alpha > 0 makes it the proximal problem of `centre`: regular where W is not.
+///
+/// Fast near a solution and without a guarantee elsewhere: the last digits of a homotopy.
+#include "contact/scaling.hpp"
+#include "lcp/sparse_lu.hpp"
+
+namespace perp::contact {
+
+class AlartCurnier {
+ public:
+  explicit AlartCurnier(const Scaled& problem, lcp::LuBackend lu = lcp::LuBackend::Umfpack);
+
+  /// r + dr, the full Newton step from r; false if the matrix is singular or dr not finite.
+  bool step(In r, In centre, double alpha, Vec& to);
+
+  int factorizations() const { return factorizations_; }
+
+ private:
+  const Scaled& problem_;
+  Vec rho_N_, rho_T_;
+  SpMat K_;
+  lcp::SparseLu lu_;
+  int factorizations_ = 0;
+};
+
+}  // namespace perp::contact

@@ -1,0 +1,238 @@
+/// GlockerHomotopy: attempts of the homotopy, Newton steps at the end, the proximal loop.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+#include "contact/alart_curnier.hpp"
+#include "contact/referee.hpp"
+
+namespace perp::contact {
+namespace {
+
+/// Of W + alpha I, r the centre, where the Newton steps of one polish are taken: nothing where W is regular, then more.
+constexpr std::array polish_alphas{1e-10, 1e-4, 1e-7};
+constexpr int polish_steps = 12;
+/// A polish that does not halve the residual this many times in a row is given up.
+constexpr int polish_failures = 2;
+/// The next polish is tried when the homotopy has come so much closer.
+constexpr double polish_again = 0.1;
+/// Steps this short in a row end an attempt.
+constexpr double short_step = 0.1;
+constexpr int short_steps = 5;
+
+/// The proximal loop.
+constexpr double first_alpha = 1;
+constexpr double least_alpha = 1e-5;
+constexpr double alpha_shrink = 0.5;
+constexpr double alpha_growth = 4;
+/// After a subproblem that was not solved alpha stays above twice its own; that bound falls so fast.
+constexpr double bound_relaxation = 0.99;
+constexpr int inner_newton = 15;
+constexpr int inner_homotopy = 60;
+constexpr double inner_tol = 1e-11;           // of the subproblem's natural map, absolute, in scaled units,
+constexpr double inner_share = 1e-3;          // or this part of alpha |r - centre|
+constexpr double inner_accept = 1e-7;         // what the homotopy must come to
+constexpr double parallel = 0.95;             // cosine of successive increments that are extrapolated
+constexpr double longest_extrapolation = 20;  // increments
+
+class Solver {
+ public:
+  Solver(Referee& referee, const Scaled& problem, const GlockerHomotopy& method)
+      : referee_(referee), problem_(problem), method_(method), newton_(problem, method.options.lu) {}
+  ~Solver() { referee_.stats().factorizations += newton_.factorizations(); }
+  Solver(const Solver&) = delete;
+  Solver& operator=(const Solver&) = delete;
+
+  void run(const Vec& start) {
+    if (start.size() > 0 && warm(start)) return;
+    if (attempt(method_.options)) return;
+    if (method_.other_settings && with_other_settings()) return;
+    if (method_.proximal) proximal_loop();
+  }
+
+ private:
+  /// In the scaled problem's own measure: what decides when to polish must not depend on the problem's units.
+  double relative(In r, In u) const {
+    return natural_map(problem_, r) / std::max({r.lpNorm<Eigen::Infinity>(), u.lpNorm<Eigen::Infinity>(), 1e-300});
+  }
+
+  /// Each of these answers whether the run is over.
+  bool warm(const Vec& start);
+  bool attempt(const HomotopyOptions& options, const Vec* from = nullptr, double tau = 1);
+  bool polish(Vec r, double alpha);
+  bool with_other_settings();
+  bool proximal_loop();
+
+  bool newton_on(In centre, double alpha, Vec& r);
+  bool homotopy_on(In centre, double alpha, Vec& r);
+  Scaled proximal_problem(In centre, double alpha) const;
+
+  Referee& referee_;
+  const Scaled& problem_;
+  const GlockerHomotopy& method_;
+  AlartCurnier newton_;
+};
+
+/// Newton steps from the last solution, then the homotopy from near it.
+bool Solver::warm(const Vec& start) {
+  if (referee_.judge(start, {.kind = 'W'})) return true;
+  if (method_.polish && polish(start, polish_alphas.front())) return true;
+  const double far = natural_map(problem_, start);
+  return attempt(method_.options, &start, std::clamp(far * far, 1e-6, 1.0));
+}
+
+bool Solver::attempt(const HomotopyOptions& options, const Vec* from, double tau) {
+  ++referee_.stats().attempts;
+  Homotopy homotopy(problem_, options);
+  if (from != nullptr) homotopy.start(*from, tau);
+  double polish_at = method_.polish_at;
+  std::size_t polished = 0;
+  int in_a_row = 0;
+  bool over = false;
+  for (int k = 0; k < method_.max_iterations && in_a_row < short_steps && !over; ++k) {
+    const bool going = homotopy.step();
+    ++referee_.stats().iterations;
+    const HomotopyIteration& last = homotopy.last();
+    over = referee_.judge(homotopy.r(), {.kind = 'N', .tau = last.tau, .step = last.step});
+    if (over || !going) break;
+    in_a_row = last.step < short_step ? in_a_row + 1 : 0;
+    if (!method_.polish) continue;
+    if (const double near = relative(homotopy.r(), homotopy.u()); near <= polish_at) {
+      polish_at = polish_again * near;
+      over = polish(homotopy.r(), polish_alphas[polished++ % polish_alphas.size()]);
+    }
+  }
+  referee_.stats().factorizations += homotopy.factorizations();
+  return over;
+}
+
+/// Newton steps on the equation of Alart & Curnier with the proximal term of the iterate itself.
+bool Solver::polish(Vec r, double alpha) {
+  double last = natural_map(problem_, r);
+  int failures = 0;
+  for (int k = 0; k < polish_steps && failures < polish_failures; ++k) {
+    Vec to;
+    if (!newton_.step(r, r, alpha, to)) return false;
+    r = std::move(to);
+    ++referee_.stats().newton_steps;
+    if (referee_.judge(r, {.kind = 'P', .alpha = alpha})) return true;
+    const double now = natural_map(problem_, r);
+    if (!(now <= 1e3 * last)) return false;
+    failures = now <= 0.5 * last ? 0 : failures + 1;
+    last = std::min(last, now);
+  }
+  return false;
+}
+
+/// From the best point with larger products; from the start with more centring, with a stronger gauge, with shorter
+/// steps.
+bool Solver::with_other_settings() {
+  HomotopyOptions careful = method_.options;
+  careful.least_centring = std::max(0.1, careful.least_centring);
+  const Vec best = referee_.best_point();
+  const double far = natural_map(problem_, best);
+  if (attempt(careful, &best, std::clamp(far, 1e-8, 1.0))) return true;
+  if (attempt(careful)) return true;
+  HomotopyOptions gauged = method_.options;
+  gauged.eps_share = 1;
+  if (attempt(gauged)) return true;
+  HomotopyOptions shorter = method_.options;
+  shorter.to_boundary = std::min(0.9, shorter.to_boundary);
+  return attempt(shorter);
+}
+
+Scaled Solver::proximal_problem(In centre, double alpha) const {
+  Scaled proximal = problem_;
+  for (Index i = 0; i < proximal.size(); ++i) proximal.W.coeffRef(i, i) += alpha;
+  proximal.q -= alpha * centre;
+  return proximal;
+}
+
+/// Newton's method on the proximal problem of `centre`, from r. The natural map is evaluated with the velocities of
+/// that problem.
+bool Solver::newton_on(In centre, double alpha, Vec& r) {
+  const Scaled proximal = proximal_problem(centre, alpha);
+  Vec x = r;
+  double least = lcp::infinity;
+  for (int k = 0; k <= inner_newton; ++k) {
+    const double far = natural_map(proximal, x);
+    if (far < inner_tol || (k > 0 && far < std::min(1e-6, inner_share * alpha * (x - centre).norm()))) {
+      r = x;
+      return true;
+    }
+    if (!(far <= 1e3 * least) || k == inner_newton) return false;
+    least = std::min(least, far);
+    Vec to;
+    ++referee_.stats().newton_steps;
+    if (!newton_.step(x, centre, alpha, to)) return false;
+    x = std::move(to);
+  }
+  return false;
+}
+
+bool Solver::homotopy_on(In centre, double alpha, Vec& r) {
+  const Scaled proximal = proximal_problem(centre, alpha);
+  HomotopyOptions careful = method_.options;
+  careful.least_centring = std::max(0.1, careful.least_centring);
+  Homotopy homotopy(proximal, careful);
+  double least = lcp::infinity;
+  for (int k = 0; k < inner_homotopy && least > 1e-9 && !referee_.over(); ++k) {
+    const bool going = homotopy.step();
+    ++referee_.stats().iterations;
+    if (const double far = natural_map(proximal, homotopy.r()); far < least) {
+      least = far;
+      r = homotopy.r();
+    }
+    if (!going || (k > 15 && homotopy.last().step < 0.02)) break;
+  }
+  referee_.stats().factorizations += homotopy.factorizations();
+  return least <= inner_accept;
+}
+
+bool Solver::proximal_loop() {
+  ++referee_.stats().attempts;
+  Vec centre = Vec::Zero(problem_.size());
+  Vec reached = centre;  // the last subproblem's solution
+  Vec r = centre;
+  std::optional<Vec> increment;
+  double alpha = first_alpha;
+  double bound = 0;
+  while (!referee_.over()) {
+    bool from_start = false;
+    if (!newton_on(centre, alpha, r)) {
+      from_start = true;
+      if (!homotopy_on(centre, alpha, r)) {
+        if (alpha >= first_alpha) return referee_.over();
+        bound = std::min(first_alpha, 2 * alpha);
+        alpha = std::min(first_alpha, alpha_growth * alpha);
+        centre = r = reached;
+        increment.reset();
+        continue;
+      }
+    }
+    ++referee_.stats().proximal_steps;
+    if (referee_.judge(r, {.kind = 'X', .alpha = alpha})) return true;
+    const Vec moved = r - centre;
+    centre = reached = r;
+    if (increment && moved.dot(*increment) > parallel * moved.norm() * increment->norm()) {
+      // Along a line: to the limit of the geometric series, or far.
+      const double ratio = moved.norm() / increment->norm();
+      centre += std::min(longest_extrapolation, ratio < 1 ? ratio / (1 - ratio) : longest_extrapolation) * moved;
+      increment.reset();
+    } else {
+      increment = moved;
+    }
+    if (!from_start) bound *= bound_relaxation;
+    alpha = std::max({least_alpha, alpha_shrink * alpha, bound});
+  }
+  return true;
+}
+
+}  // namespace
+
+void run_homotopy(Referee& referee, const Scaled& problem, const GlockerHomotopy& method, const Vec& start) {
+  Solver(referee, problem, method).run(start);
+}
+
+}  // namespace perp::contact

@@ -1,0 +1,42 @@
+#pragma once
+/// What every solver of contact/solve.hpp shares: the judge, the best point, limits, records. Private to contact/.
+#include <chrono>
+#include <string>
+
+#include "contact/scaling.hpp"
+#include "contact/solve.hpp"
+
+namespace perp::contact {
+
+class Referee {
+ public:
+  Referee(const Problem& problem, const Scaled& scaled, const Options& options);
+
+  /// Judges r~; true if it is the end: solved, or a limit.
+  bool judge(In r, Record record);
+  /// Whether the run is over.
+  bool over();
+  /// The larger metric of the point judged last, and of the best one.
+  double last() const { return last_; }
+  double best() const { return best_metric_; }
+  const Vec& best_point() const { return best_; }  ///< r~
+  Stats& stats() { return result_.stats; }
+  double seconds_left() const;
+  const std::atomic<bool>* interrupt() const { return options_.interrupt; }
+  Result result(std::string message);
+
+ private:
+  const Problem& problem_;
+  const Scaled& scaled_;
+  const Options& options_;
+  std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
+  Result result_;
+  Vec best_;
+  double best_metric_ = lcp::infinity;
+  double last_ = lcp::infinity;
+};
+
+void run_homotopy(Referee& referee, const Scaled& problem, const GlockerHomotopy& method, const Vec& start);
+void run_ncp(Referee& referee, const Scaled& problem, const GlockerNcp& method, const Vec& start);
+
+}  // namespace perp::contact

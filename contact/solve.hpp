@@ -1,0 +1,96 @@
+#pragma once
+/// Contact problems through Glocker's differentiable NCP, solved to the exact law of Coulomb:
+///     solve(problem)                                        the interior-point homotopy, with what follows it
+///     solve(problem, {.method = GlockerNcp{.method = ncp::PathSearch{}}})   any method of ncp/
+/// Only contact::residual may call a point solved: both published metrics, Residual::siconos and Residual::rr9118, at
+/// most tol. The faceted and frictionless laws have solvers of their own (affine_encoding.hpp).
+#include <atomic>
+#include <chrono>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "contact/glocker.hpp"
+#include "contact/homotopy.hpp"
+#include "contact/problem.hpp"
+#include "contact/residual.hpp"
+#include "ncp/solve.hpp"
+
+namespace perp::contact {
+
+/// The homotopy of homotopy.hpp in scaled units. When its point comes near a solution, Newton steps on the equation of
+/// Alart & Curnier are tried from it for the last digits (`polish`); where that fails the homotopy goes on. Where it
+/// stalls: attempts with other settings, from the best point and from the start, and then a proximal loop: solve the
+/// problem with (W + alpha I, q - alpha r_k), r_{k+1} its solution, alpha falling as long as the subproblems are
+/// solved, extrapolated where successive increments are parallel. It is what singular W need.
+struct GlockerHomotopy {
+  HomotopyOptions options{};
+  int max_iterations = 60;  ///< of one attempt
+  bool polish = true;       ///< Newton steps on Alart & Curnier's equation
+  double polish_at = 0.1;   ///< relative natural residual at which they are tried first
+  bool other_settings = true;
+  bool proximal = true;
+  bool scaling = true;  ///< of scaling.hpp
+};
+
+/// Glocker's NCP (glocker.hpp) as it stands, by any method of ncp/. With `stages` > 1 and the normalised row, delta is
+/// continued: 0.1 first, then in equal factors down to `delta`, each stage from the last one's end.
+struct GlockerNcp {
+  ncp::Method method = ncp::PathSearch{};
+  GlockerOptions formulation{.encoding = Encoding::B};
+  int stages = 4;
+  bool scaling = true;
+};
+
+struct Options {
+  double tol = 1e-8;  ///< on both published metrics
+  std::chrono::duration<double> max_time{30};
+  const std::atomic<bool>* interrupt = nullptr;  ///< may be null; outlives the solve
+  std::variant<GlockerHomotopy, GlockerNcp> method{};
+  Vec start{};  ///< r to begin near, of the step before; empty: cold
+};
+
+enum class Status { Solved, NoProgress, TimeLimit, Interrupted };
+std::string_view to_string(Status);
+
+/// One point that was judged.
+struct Record {
+  int k = 0;
+  /// N homotopy step, P Newton step on Alart & Curnier's equation, X proximal problem, C an end of a stage of an
+  /// ncp method, W warm start.
+  char kind = ' ';
+  double tau = 0;      ///< of a homotopy step
+  double step = 0;     ///< its length
+  double alpha = 0;    ///< of P and X
+  double siconos = 0;  ///< metrics of the point
+  double rr9118 = 0;
+};
+
+struct Stats {
+  int iterations = 0;      ///< homotopy steps, or iterations of the ncp method
+  int newton_steps = 0;    ///< on Alart & Curnier's equation
+  int proximal_steps = 0;  ///< moves of the proximal loop's centre
+  int attempts = 0;
+  int factorizations = 0;
+  std::chrono::duration<double> time{0};
+};
+
+struct Result {
+  Status status = Status::NoProgress;
+  std::string message;
+  Solution solution;  ///< the best point met, whose metrics are `residual`
+  Residual residual;
+  Stats stats;
+  std::vector<Record> history;
+  bool solved() const { return status == Status::Solved; }
+};
+
+/// Why the options make no sense, if they do not.
+std::optional<std::string> invalid(const Options& options);
+
+/// Throws std::invalid_argument for what is no problem (contact::check), options that are invalid(), or a start that
+/// has not d n finite entries.
+Result solve(const Problem& problem, const Options& options = {});
+
+}  // namespace perp::contact
