@@ -197,7 +197,7 @@ std::vector<Option> general_options() {
           "rescalings",
           {},
           {0, 2},
-          "where the method is stuck at last: runs from the start on the scaled problem, by J at the best point, then "
+          "where the method is stuck: runs from the start on the scaled problem, by J at the best point, then "
           "at the start",
           [](Settings& settings) -> Field {
             if (auto* smoothing = std::get_if<ncp::Smoothing>(&settings.method)) return &smoothing->rescalings;

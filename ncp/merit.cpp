@@ -64,7 +64,7 @@ Vec Linearisation::cauchy_step() const {
 
 bool Stall::stalled(double merit) {
   best_ = std::min(best_, merit);
-  if (best_ < factor * mark_) {
+  if (best_ < factor_ * mark_) {
     mark_ = best_;
     since_ = 0;
   }

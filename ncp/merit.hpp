@@ -46,15 +46,16 @@ class Memory {
   std::vector<double> last_;
 };
 
-/// Tells a run that gets nowhere: the best merit has not fallen by `factor` within `window` iterations.
+/// Tells a run that gets nowhere: the best merit has not come down to `factor` of what it was within `window`
+/// iterations.
 class Stall {
  public:
-  explicit Stall(int window = 60) : window_(window) {}
+  explicit Stall(int window = 60, double factor = 0.99) : window_(window), factor_(factor) {}
   bool stalled(double merit);
 
  private:
-  static constexpr double factor = 0.99;
   int window_;
+  double factor_;
   double best_ = infinity;
   double mark_ = infinity;  // best_ at the begin of the window
   int since_ = 0;

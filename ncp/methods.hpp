@@ -1,6 +1,7 @@
 #pragma once
 /// The methods' entry points behind solve(); private to ncp/.
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "ncp/run.hpp"
@@ -26,8 +27,8 @@ Result run_affine(const Mcp& mcp, In x0, const Affine& method, const Observer& o
 /// `method`, as `run` runs it, on the problem scaled by `factors`; the answer is judged on the problem itself.
 Result run_scaled(const Mcp& mcp, const Scaling& factors, In x0, const Method& method, const RunMethod& run,
                   const Observer& observer);
-/// The same as an attempt of `run`, scaled by J at x. False if J is not defined there or scaling changes nothing.
-bool run_scaled_at(Run& run, const Vec& x, In x0, const Method& method, const RunMethod& base);
+/// Factors of J at x; nothing where J is not defined there or they bring no entries together.
+std::optional<Scaling> factors_at(Run& run, const Vec& x);
 /// A method that is stuck runs again from x0, on the problem scaled by J at the best point and then (rescalings = 2) by
 /// J at x0: what is a local minimum of the merit function depends on the units.
 Result retry_scaled(const Mcp& mcp, In x0, const Method& method, int rescalings, Result stuck_at, const RunMethod& base,

@@ -56,6 +56,7 @@ struct Attempt {
   std::string what;
   From from = From::Start;
   std::function<void(Run&, Point)> go;
+  std::function<bool(Run&)> worthwhile = [](Run&) { return true; };
 };
 
 /// The attempt's first point with F and J; false if they are not defined there, or it is where others began.
@@ -108,8 +109,7 @@ class Attempts {
                        smoothed_ = result.x;
                        run.take(result);
                      }});
-    list_.push_back({std::move(what) + ", rows and columns scaled", From::Start,
-                     [this, method](Run& run, const Point& point) { scaled(run, smoothed_, point, method); }});
+    add_scaled(std::move(what) + ", rows and columns scaled", method, [this](const Run&) { return smoothed_; });
   }
   void add_escape(std::string what, Method base) {
     list_.push_back({std::move(what), From::Best, [this, base = std::move(base)](Run& run, const Point& point) {
@@ -123,17 +123,18 @@ class Attempts {
                                                 run_once, run.counting_on()));
                      }});
   }
-  void add_scaled(std::string what, const Scaling& factors) {
-    list_.push_back({std::move(what), From::Start, [this, factors](Run& run, const Point& point) {
-                       const Method limited = within_limits(run, method_);
-                       Result scaled = run_scaled(run.mcp(), factors, point.x, limited, run_once, run.counting_on());
-                       basis = std::move(scaled.basis);
+  /// From the start on the problem scaled by J at a point that is known when it is the attempt's turn.
+  void add_scaled(std::string what, Method base, std::function<Vec(const Run&)> where) {
+    list_.push_back({std::move(what), From::Start,
+                     [this, base = std::move(base)](Run& run, const Point& point) {
+                       Result scaled = run_scaled(run.mcp(), *factors_, point.x, within_limits(run, base), run_once,
+                                                  run.counting_on());
+                       if (!scaled.basis.empty()) basis = std::move(scaled.basis);
                        run.take(scaled);
-                     }});
-  }
-  void add_scaled_at_best(std::string what, Method base) {
-    list_.push_back({std::move(what), From::Start, [this, base = std::move(base)](Run& run, const Point& point) {
-                       scaled(run, run.best(), point, base);
+                     },
+                     [this, where = std::move(where)](Run& run) {
+                       factors_ = factors_at(run, where(run));
+                       return factors_.has_value();
                      }});
   }
   void add_affine(std::string what) {
@@ -145,11 +146,6 @@ class Attempts {
                      }});
   }
 
-  /// From the start, on the problem scaled by J at x.
-  void scaled(Run& run, const Vec& x, const Point& start, const Method& base) const {
-    if (!run_scaled_at(run, x, start.x, within_limits(run, base), run_once))
-      run.end(Status::NoProgress, "scaling changes nothing", "try another start or method");
-  }
   /// With what is left of the limits.
   Method within_limits(const Run& run, Method method) const {
     Stop& limits = stop(method);
@@ -164,12 +160,14 @@ class Attempts {
   const PathSearch& method_;
   std::vector<Attempt> list_;
   std::size_t before_ = 0;
-  Vec smoothed_;  // where smoothing has got stuck
+  Vec smoothed_;                    // where smoothing has got stuck
+  std::optional<Scaling> factors_;  // of the attempt that begins
 };
 
 Attempts::Attempts(const Mcp& mcp, const Point& start, const PathSearch& method) : method_(method) {
   if (method.scaling)
-    if (const Scaling factors = scaling(mcp, start.J); factors.helps()) add_scaled("rows and columns scaled", factors);
+    if (const Scaling factors = scaling(mcp, start.J); factors.helps())
+      add_scaled("rows and columns scaled", method, [x = start.x](const Run&) { return x; });
   before_ = list_.size();
   add_path("the options given", method);
   if (mcp.is_affine()) add_affine("the best of the linear methods");
@@ -179,7 +177,7 @@ Attempts::Attempts(const Mcp& mcp, const Point& start, const PathSearch& method)
   again.proximal_perturbation = method.proximal_perturbation;
   add_path("from the origin", again, From::Origin);
   add_path("from a point of the unit box", again, From::UnitBox);
-  add_scaled_at_best("rows and columns scaled as at the best point", again);
+  add_scaled("rows and columns scaled as at the best point", again, [](const Run& run) { return run.best(); });
   again.start = PathStart::Always;
   add_path("Newton points from rays", again);
   again.start = method.start;
@@ -230,7 +228,7 @@ Result run_attempts(const Mcp& mcp, In x0, const PathSearch& method, const Obser
   std::string last;
   for (const Attempt& attempt : attempts.list()) {
     Point point;
-    if (!begin(run, attempt.from, user, point)) continue;
+    if (!begin(run, attempt.from, user, point) || !attempt.worthwhile(run)) continue;
     if (tried > 0) run.resume(attempt.what);
     last = attempt.what;
     attempt.go(run, std::move(point));

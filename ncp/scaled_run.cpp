@@ -50,15 +50,6 @@ Observer in_original(const Mcp& mcp, const ScaledMcp& scaled, const Scaling& fac
   };
 }
 
-/// Factors of J at x; nothing where J is not defined there or they change nothing.
-std::optional<Scaling> factors_at(Run& run, const Vec& x) {
-  SpMat J = run.mcp().jacobian_pattern();
-  if (!run.counted().jacobian(x, J)) return std::nullopt;
-  Scaling factors = scaling(run.mcp(), J);
-  if ((factors.rows.array() == 1).all() && (factors.columns.array() == 1).all()) return std::nullopt;
-  return factors;
-}
-
 }  // namespace
 
 Result run_scaled(const Mcp& mcp, const Scaling& factors, In x0, const Method& method, const RunMethod& run,
@@ -81,10 +72,11 @@ Result run_scaled(const Mcp& mcp, const Scaling& factors, In x0, const Method& m
   return result;
 }
 
-bool run_scaled_at(Run& run, const Vec& x, In x0, const Method& method, const RunMethod& base) {
-  const std::optional<Scaling> factors = factors_at(run, x);
-  if (factors) run.take(run_scaled(run.mcp(), *factors, x0, method, base, run.counting_on()));
-  return factors.has_value();
+std::optional<Scaling> factors_at(Run& run, const Vec& x) {
+  SpMat J = run.mcp().jacobian_pattern();
+  if (!run.counted().jacobian(x, J)) return std::nullopt;
+  Scaling factors = scaling(run.mcp(), J);
+  return factors.after < factors.before ? std::optional(factors) : std::nullopt;
 }
 
 Result retry_scaled(const Mcp& mcp, In x0, const Method& method, int rescalings, Result stuck_at, const RunMethod& base,
@@ -98,17 +90,15 @@ Result retry_scaled(const Mcp& mcp, In x0, const Method& method, int rescalings,
   int tried = 0;
   std::string last;
   for (int k = 0; k < std::min(rescalings, 2) && run.ended() && stuck(run.status()); ++k) {
+    const std::optional<Scaling> factors = factors_at(run, scaled_at[k]);
+    if (!factors) continue;
     const Run::Verdict before = run.verdict();
     Method limited = method;
     stop(limited) = run.left();
-    run.resume(names[k]);
-    if (run_scaled_at(run, scaled_at[k], x0, limited, base)) {
-      ++tried;
-      last = names[k];
-    } else {
-      run.take_attempt();
-    }
-    if (!run.ended() || stuck(run.status())) run.replace_verdict(before);
+    run.resume(last = names[k]);
+    run.take(run_scaled(mcp, *factors, x0, limited, base, run.counting_on()));
+    ++tried;
+    if (stuck(run.status())) run.replace_verdict(before);
   }
   run.stats().restarts += tried;
   if (tried > 0 && run.ended() && stuck(run.status()))

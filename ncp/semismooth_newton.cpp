@@ -11,6 +11,10 @@
 namespace perp::ncp {
 namespace {
 
+/// Less merit within 60 iterations is progress; to get out of a crawl there are the escapes, if the method has them.
+constexpr double progress = 0.99;
+constexpr double progress_before_escapes = 0.8;
+
 /// nu of the Levenberg-Marquardt steps tried in turn.
 constexpr double lm_growth = 1e3;
 constexpr int lm_tries = 4;
@@ -210,7 +214,7 @@ class Steps {
   int undefined_ = 0;  // trial points of this iteration
   Linearisation at_;
   Memory memory_;
-  Stall stall_;
+  Stall stall_{60, method_.escape.rounds > 0 ? progress_before_escapes : progress};
 };
 
 }  // namespace

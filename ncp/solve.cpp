@@ -62,6 +62,17 @@ int rescalings_of(const Method& method) {
   return escape.rounds > 0 ? escape.rescalings : 0;
 }
 
+/// On a scaled problem: the escapes get a part of the iterations, so that some are left for those on the problem
+/// itself.
+Result run_and_escape(const Mcp& mcp, In x0, const Method& method, const Observer& observer) {
+  Result result = run(mcp, x0, method, observer);
+  const Escape escape = escape_of(method);
+  if (!stuck(result) || escape.rounds == 0) return result;
+  Method limited = method;
+  stop(limited).max_iterations /= 3;
+  return proximal_escape(mcp, limited, escape, std::move(result), run, observer);
+}
+
 /// A derivative that does not match is the most frequent reason of a failure, and the hardest to see.
 void blame_derivatives(const Mcp& mcp, Result& result) {
   constexpr Index columns = 50;
@@ -78,11 +89,12 @@ void blame_derivatives(const Mcp& mcp, Result& result) {
 Result run_with_escapes(const Mcp& mcp, In x0, const Method& method, const Observer& observer) {
   Result result = run(mcp, x0, method, observer);
   const Escape escape = escape_of(method);
+  const int rescalings = rescalings_of(method);
+  if (stuck(result) && rescalings > 0)
+    result = retry_scaled(mcp, x0, method, rescalings, std::move(result), run_and_escape, observer);
   if (stuck(result) && escape.rounds > 0)
     result = proximal_escape(mcp, method, escape, std::move(result), run, observer);
-  const int rescalings = rescalings_of(method);
-  if (!stuck(result) || rescalings == 0) return result;
-  return retry_scaled(mcp, x0, method, rescalings, std::move(result), run, observer);
+  return result;
 }
 
 std::string_view name(const Method& method) {
