@@ -5,6 +5,7 @@ include(CMakePackageConfigHelpers)
 # The public headers; those not listed are the folders' own.
 set(perp_public_headers
   contact/dat_file.hpp
+  contact/facts.hpp
   contact/fclib.hpp
   contact/problem.hpp
   contact/read.hpp
