@@ -134,11 +134,39 @@ SparseRows interpolation(const SparseRows& A, const Mask& strong, const Mask& c,
   return P;
 }
 
-/// Appends row I of P'A P to `out`, over fine and coarse unknowns that are `free` (all, if null). place: -1 everywhere.
+/// Adds up a sparse row.
+class RowSum {
+ public:
+  explicit RowSum(std::size_t columns = 0) : value_(columns), in_row_(columns, 0) {}
+  void add(int j, double a) {
+    if (in_row_[at(j)]) {
+      value_[at(j)] += a;
+    } else {
+      in_row_[at(j)] = 1;
+      value_[at(j)] = a;
+      columns_.push_back(j);
+    }
+  }
+  /// Appends the row to A, columns ascending, and begins a new one.
+  void take(SparseRows& A) {
+    std::ranges::sort(columns_);
+    for (const int j : columns_) {
+      A.push(j, value_[at(j)]);
+      in_row_[at(j)] = 0;
+    }
+    columns_.clear();
+  }
+
+ private:
+  std::vector<double> value_;
+  Mask in_row_;
+  std::vector<int> columns_;
+};
+
+/// Row I of P'A P, over fine and coarse unknowns that are free.
 template <class FineFree, class CoarseFree>
 void galerkin_row(const SparseRows& A, const SparseRows& P, const SparseRows& R, int I, FineFree fine,
-                  CoarseFree coarse, std::vector<int>& place, SparseRows& out) {
-  const std::size_t first = out.column.size();
+                  CoarseFree coarse, RowSum& row) {
   for (int r = R.start[at(I)]; r < R.start[at(I) + 1]; ++r) {
     const int i = R.column[at(r)];
     if (!fine(i)) continue;
@@ -147,34 +175,9 @@ void galerkin_row(const SparseRows& A, const SparseRows& P, const SparseRows& R,
       const int k = A.column[at(s)];
       if (!fine(k)) continue;
       const double wa = w * A.value[at(s)];
-      for (int t = P.start[at(k)]; t < P.start[at(k) + 1]; ++t) {
-        const int J = P.column[at(t)];
-        if (!coarse(J)) continue;
-        const double a = wa * P.value[at(t)];
-        if (place[at(J)] < 0) {
-          place[at(J)] = static_cast<int>(out.column.size());
-          out.push(J, a);
-        } else {
-          out.value[at(place[at(J)])] += a;
-        }
-      }
+      for (int t = P.start[at(k)]; t < P.start[at(k) + 1]; ++t)
+        if (coarse(P.column[at(t)])) row.add(P.column[at(t)], wa * P.value[at(t)]);
     }
-  }
-  for (std::size_t s = first; s < out.column.size(); ++s) place[at(out.column[s])] = -1;
-}
-
-/// Sorts the last row by columns.
-void sort_last_row(SparseRows& A, std::size_t first) {
-  for (std::size_t s = first + 1; s < A.column.size(); ++s) {
-    const int j = A.column[s];
-    const double a = A.value[s];
-    std::size_t t = s;
-    for (; t > first && A.column[t - 1] > j; --t) {
-      A.column[t] = A.column[t - 1];
-      A.value[t] = A.value[t - 1];
-    }
-    A.column[t] = j;
-    A.value[t] = a;
   }
 }
 
@@ -184,12 +187,11 @@ SparseRows galerkin(const SparseRows& A, const SparseRows& P, const SparseRows& 
   coarse.start.reserve(at(n) + 1);
   coarse.column.reserve(A.column.size());
   coarse.value.reserve(A.column.size());
-  std::vector<int> place(at(n), -1);
+  RowSum row(at(n));
   const auto all = [](int) { return true; };
   for (int I = 0; I < n; ++I) {
-    const std::size_t first = coarse.column.size();
-    galerkin_row(A, P, R, I, all, all, place, coarse);
-    sort_last_row(coarse, first);
+    galerkin_row(A, P, R, I, all, all, row);
+    row.take(coarse);
     coarse.end_row();
   }
   return coarse;
@@ -201,6 +203,34 @@ Vec diagonal_of(const SparseRows& A) {
     for (int s = A.start[at(i)]; s < A.start[at(i) + 1]; ++s)
       if (A.column[at(s)] == i) d[i] = A.value[at(s)];
   return d;
+}
+
+/// Row k: of unknown order[k], what stands before it in that order.
+void lower_part(const SparseRows& A, const std::vector<int>& order, const std::vector<int>& position, SparseRows& L) {
+  L.start.assign(1, 0);
+  L.start.reserve(order.size() + 1);
+  L.column.clear();
+  L.value.clear();
+  L.column.reserve(A.column.size() / 2);
+  L.value.reserve(A.column.size() / 2);
+  for (const int i : order) {
+    for (int s = A.start[at(i)]; s < A.start[at(i) + 1]; ++s)
+      if (position[at(A.column[at(s)])] < position[at(i)]) L.push(A.column[at(s)], A.value[at(s)]);
+    L.end_row();
+  }
+}
+
+/// The next grid's unknowns, then the others.
+std::vector<int> sweep_order(const Grid& grid) {
+  std::vector<int> order = grid.c_points;
+  order.reserve(at(grid.A.rows()));
+  std::size_t next = 0;
+  for (int i = 0; i < grid.A.rows(); ++i)
+    if (next < grid.c_points.size() && grid.c_points[next] == i)
+      ++next;
+    else
+      order.push_back(i);
+  return order;
 }
 
 /// Zero for diagonals of the next grid that are the rounding of 0, where A is singular.
@@ -243,10 +273,14 @@ VCycle::VCycle(const Hierarchy& hierarchy, std::size_t finest, int direct)
     : hierarchy_(hierarchy), finest_(finest), direct_(direct), levels_(hierarchy.grids.size() - finest) {
   for (std::size_t k = 0; k < levels_.size(); ++k) {
     const Index n = hierarchy.grids[finest + k].A.rows();
-    levels_[k].b = levels_[k].x = levels_[k].inverse = levels_[k].residual = Vec::Zero(n);
+    levels_[k].b = levels_[k].x = levels_[k].inverse = levels_[k].behind = Vec::Zero(n);
     levels_[k].free.resize(static_cast<std::size_t>(n));
+    levels_[k].order = sweep_order(hierarchy.grids[finest + k]);
+    levels_[k].position.resize(levels_[k].order.size());
+    for (std::size_t p = 0; p < levels_[k].order.size(); ++p)
+      levels_[k].position[at(levels_[k].order[p])] = static_cast<int>(p);
   }
-  place_.assign(levels_.size() > 1 ? levels_[1].free.size() : 0, -1);
+  lower_part(hierarchy.grids[finest].A, levels_[0].order, levels_[0].position, levels_[0].lower);
 }
 
 FaceStatus VCycle::set_free(const Mask& free) {
@@ -283,6 +317,7 @@ void VCycle::all_free() {
     level.A = &grid.A;
     level.free.assign(level.free.size(), 1);
     level.inverse = grid.diagonal.unaryExpr([](double d) { return d > 0 ? 1 / d : 0.0; });
+    if (k > 0) lower_part(grid.A, level.order, level.position, level.lower);
   }
   factor_coarsest();
 }
@@ -302,10 +337,10 @@ void VCycle::restrict_to(std::size_t k, const Mask& changed, Mask& changed_coars
   A.column.reserve(whole.column.size());
   A.value.reserve(whole.value.size());
   changed_coarse.assign(at(n), 0);
+  RowSum row(at(n));
   const auto fine_free = [&](int i) { return fine.free[at(i)] != 0; };
   const auto coarse_free = [&](int J) { return coarse.free[at(J)] != 0; };
   for (int I = 0; I < n; ++I) {
-    const std::size_t first = A.column.size();
     bool touched = !coarse.free[at(I)];
     for (int r = grid.R.start[at(I)]; r < grid.R.start[at(I) + 1] && !touched; ++r)
       touched = changed[at(grid.R.column[at(r)])] != 0;
@@ -315,8 +350,8 @@ void VCycle::restrict_to(std::size_t k, const Mask& changed, Mask& changed_coars
     changed_coarse[at(I)] = touched || neighbour_dropped ? 1 : 0;
     if (coarse.free[at(I)]) {
       if (changed_coarse[at(I)]) {
-        galerkin_row(*fine.A, grid.P, grid.R, I, fine_free, coarse_free, place_, A);
-        sort_last_row(A, first);
+        galerkin_row(*fine.A, grid.P, grid.R, I, fine_free, coarse_free, row);
+        row.take(A);
       } else {
         A.column.insert(A.column.end(), whole.column.begin() + whole.start[at(I)],
                         whole.column.begin() + whole.start[at(I) + 1]);
@@ -327,6 +362,7 @@ void VCycle::restrict_to(std::size_t k, const Mask& changed, Mask& changed_coars
     A.end_row();
   }
   coarse.A = &coarse.truncated;
+  lower_part(A, coarse.order, coarse.position, coarse.lower);
   coarse.inverse = diagonal_of(A);
   drop_null(grid, coarse.inverse);
   for (double& d : coarse.inverse) d = d > 0 ? 1 / d : 0;
@@ -357,58 +393,64 @@ void VCycle::factor_coarsest() {
 
 void VCycle::apply(const Vec& r, Vec& x) { cycle(0, r, x); }
 
-void VCycle::cycle(std::size_t k, const Vec& b, Vec& x) {
-  Level& level = levels_[k];
-  const bool coarsest = k + 1 == levels_.size();
+void VCycle::cycle(std::size_t depth, const Vec& b, Vec& x) {
+  Level& level = levels_[depth];
+  const bool coarsest = depth + 1 == levels_.size();
   if (coarsest && factored_) {
     coarsest_.solve(b, x);
     for (Index i = 0; i < x.size(); ++i)
       if (level.inverse[i] == 0) x[i] = 0;
     return;
   }
-  const int n = level.A->rows();
-  const int* start = level.A->start.data();
-  const int* column = level.A->column.data();
-  const double* value = level.A->value.data();
+  const int n = level.lower.rows();
+  const int* start = level.lower.start.data();
+  const int* column = level.lower.column.data();
+  const double* value = level.lower.value.data();
   const double* inverse = level.inverse.data();
-  double* residual = level.residual.data();
+  double* behind = level.behind.data();
   double* y = x.data();
-  // Forward sweep from 0, which knows only the columns before the diagonal. A is symmetric: the same entries carry x_i
-  // to the rows before, whose residual b - A x is what they have of the columns behind the diagonal.
-  for (int i = 0; i < n; ++i) {
-    residual[i] = 0;
+  const int* order = level.order.data();
+  // Forward sweep from 0, which knows only the unknowns before its own. A is symmetric: the same entries carry x_i to
+  // those, whose residual b - A x is what they have of the unknowns behind them.
+  for (int k = 0; k < n; ++k) {
+    const int i = order[k];
+    behind[i] = 0;
     y[i] = 0;
     if (inverse[i] == 0) continue;
     double sum = b[i];
-    int s = start[i];
-    for (; column[s] < i; ++s) sum -= value[s] * y[column[s]];
+    for (int s = start[k]; s < start[k + 1]; ++s) sum -= value[s] * y[column[s]];
     const double x_i = sum * inverse[i];
     y[i] = x_i;
-    for (--s; s >= start[i]; --s) residual[column[s]] -= value[s] * x_i;
+    for (int s = start[k]; s < start[k + 1]; ++s) behind[column[s]] -= value[s] * x_i;
   }
   if (!coarsest) {
-    const SparseRows& P = hierarchy_.grids[finest_ + k].P;
+    const SparseRows& P = hierarchy_.grids[finest_ + depth].P;
     const int* begin = P.start.data();
     const int* parent = P.column.data();
     const double* weight = P.value.data();
-    Level& next = levels_[k + 1];
+    Level& next = levels_[depth + 1];
     next.b.setZero();
     double* to = next.b.data();
     for (int i = 0; i < n; ++i)
       if (inverse[i] != 0)
-        for (int t = begin[i]; t < begin[i + 1]; ++t) to[parent[t]] += weight[t] * residual[i];
+        for (int t = begin[i]; t < begin[i + 1]; ++t) to[parent[t]] += weight[t] * behind[i];
     next.b = (next.inverse.array() == 0).select(0, next.b);
-    cycle(k + 1, next.b, next.x);
+    cycle(depth + 1, next.b, next.x);
     const double* from = next.x.data();
     for (int i = 0; i < n; ++i)
       if (inverse[i] != 0)
         for (int t = begin[i]; t < begin[i + 1]; ++t) y[i] += weight[t] * from[parent[t]];
   }
-  for (int i = n - 1; i >= 0; --i) {
+  // Backward sweep: what is behind comes from those that are done, likewise.
+  level.behind.setZero();
+  for (int k = n - 1; k >= 0; --k) {
+    const int i = order[k];
     if (inverse[i] == 0) continue;
-    double sum = b[i];
-    for (int s = start[i]; s < start[i + 1]; ++s) sum -= value[s] * y[column[s]];
-    y[i] += sum * inverse[i];
+    double sum = b[i] + behind[i];
+    for (int s = start[k]; s < start[k + 1]; ++s) sum -= value[s] * y[column[s]];
+    const double x_i = sum * inverse[i];
+    y[i] = x_i;
+    for (int s = start[k]; s < start[k + 1]; ++s) behind[column[s]] -= value[s] * x_i;
   }
 }
 

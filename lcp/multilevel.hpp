@@ -35,7 +35,8 @@ struct Hierarchy {
   Hierarchy(SparseRows A, double theta, int coarsest);
 };
 
-/// One V-cycle with one forward Gauss-Seidel sweep before and one backward sweep after the coarse correction: a
+/// One V-cycle with one forward Gauss-Seidel sweep before and one backward sweep after the coarse correction, over C
+/// and then F unknowns (of whom few are neighbours, so that a row need not wait for the one before): a
 /// symmetric positive definite approximation of the inverse of A's free block, whatever the interpolation.
 class VCycle final : public FacePreconditioner {
  public:
@@ -48,15 +49,18 @@ class VCycle final : public FacePreconditioner {
   struct Level {
     const SparseRows* A = nullptr;  ///< the grid's, on the finest level, else truncated
     SparseRows truncated;
+    std::vector<int> order;     ///< of the forward sweep: the next grid's unknowns first
+    std::vector<int> position;  ///< in that order
+    SparseRows lower;           ///< of A in that order, strictly: all that the sweeps read
     Mask free;
     Vec inverse;  ///< of the diagonal; zero where not free
     Vec b;
     Vec x;
-    Vec residual;
+    Vec behind;  ///< -sum_{j > i} a_ij x_j
   };
   void all_free();
   void restrict_to(std::size_t k, const Mask& changed, Mask& changed_coarse);
-  void cycle(std::size_t k, const Vec& b, Vec& x);
+  void cycle(std::size_t depth, const Vec& b, Vec& x);
   void factor_coarsest();
 
   const Hierarchy& hierarchy_;
@@ -65,7 +69,6 @@ class VCycle final : public FacePreconditioner {
   std::vector<Level> levels_;
   Cholesky coarsest_;
   bool factored_ = false;
-  std::vector<int> place_;  ///< scratch: where a coarse column is in the row that is being added up
 };
 
 }  // namespace perp::lcp

@@ -70,8 +70,8 @@ bool Directions::newton(const Linearisation& lin, const Point& point, const std:
     lcp::KrylovOptions options;
     options.max_iterations = method_.forcing.max_iterations;
     system_.reset();
-    J_ = point.J;
-    system_.emplace(J_, lin.at.Da, lin.at.Db, options, limits_);
+    const SpMat& J = method_.cfunction.smooth_merit ? (J_ = point.J) : point.J;  // that of min's steps stays till then
+    system_.emplace(J, lin.at.Da, lin.at.Db, options, limits_);
     for (int k = 0; k <= tightenings; ++k, eta = std::max(eta * tighter, 1e-13)) {
       lcp::KrylovResult found = system_->solve(-lin.at.Phi, eta);
       run_.stats().krylov_iterations += found.iterations;

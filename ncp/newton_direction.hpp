@@ -52,7 +52,7 @@ class Directions {
   int failures_ = 0;  // of Krylov solves
   double norm_ = 0;   // ||Phi|| of the last iteration, and its eta
   double eta_ = 0;
-  SpMat J_;  // of system_
+  SpMat J_;  // of system_, where the point's is replaced before the chord steps
   std::optional<lcp::KrylovSystem> system_;
   lcp::SparseLu lu_, lm_;
 };

@@ -32,61 +32,51 @@ class ChordSteps {
   /// False where none was of use in the last two iterations: the function bends at its kinks, not smoothly.
   bool worthwhile() const { return method_.forcing.chord_steps > 0 && idle_ < 2; }
 
-  /// Moves the point on while ||Phi|| halves; its J is that of the last point accepted, unless that is a solution.
-  void run(Point& point, double& psi) {
-    Eigen::MatrixXd dX(point.x.size(), 0);
-    Eigen::MatrixXd dD(point.x.size(), 0);
-    Vec Phi(point.x.size());
+  /// Moves x and F on while ||Phi|| halves; psi becomes 1/2 ||Phi||^2 there.
+  void run(Vec& x, Vec& F, double& psi) {
+    Eigen::MatrixXd dX(x.size(), 0);
+    Eigen::MatrixXd dD(x.size(), 0);
+    Vec Phi(x.size());
     Vec last_d;
     Vec last_x;
-    const Vec begin_x = point.x;
-    const Vec begin_F = point.F;
+    Vec trial;
+    Vec F_there;
     bool moved = false;
-    Point trial{.x = {}, .F = {}, .J = {}};
-    reformulate(method_.cfunction, run_.box(), point.x, point.F, Phi);
+    reformulate(method_.cfunction, run_.box(), x, F, Phi);
     double norm = Phi.norm();
-    for (int k = 0; k < method_.forcing.chord_steps && !solved(point); ++k) {
+    for (int k = 0; k < method_.forcing.chord_steps && !solved(x, F); ++k) {
       Vec d;
       if (!directions_.chord(Phi, d)) break;
       Vec step = d;
       if (k > 0) {
-        append(dX, point.x - last_x);
+        append(dX, x - last_x);
         append(dD, d - last_d);
         const Vec gamma = dD.colPivHouseholderQr().solve(d);
         if (gamma.allFinite()) step -= (dX + dD) * gamma;
       }
-      trial.x = point.x + step;
-      if (!run_.counted().eval(trial.x, trial.F)) break;
-      reformulate(method_.cfunction, run_.box(), trial.x, trial.F, Phi);
+      trial = x + step;
+      if (!run_.counted().eval(trial, F_there)) break;
+      reformulate(method_.cfunction, run_.box(), trial, F_there, Phi);
       const double there = Phi.norm();
       if (!(there <= 0.5 * norm)) break;
       last_d = std::move(d);
-      last_x = point.x;
-      std::swap(point.x, trial.x);
-      std::swap(point.F, trial.F);
+      last_x = x;
+      x.swap(trial);
+      F.swap(F_there);
       norm = there;
       moved = true;
       ++run_.stats().chord_steps;
     }
     idle_ = moved ? 0 : idle_ + 1;
-    if (!moved) return;
-    if (!solved(point)) {
-      trial.J = point.J;
-      if (!run_.counted().jacobian(point.x, trial.J)) {
-        point.x = begin_x;
-        point.F = begin_F;
-        return;
-      }
-      std::swap(point.J, trial.J);
-    }
-    psi = 0.5 * norm * norm;
+    if (moved) psi = 0.5 * norm * norm;
+  }
+
+  /// Nothing is left to do at x: its J is not needed.
+  bool solved(const Vec& x, const Vec& F) const {
+    return residual(run_.box(), x, F).natural <= method_.stop.tol && lcp::project(run_.box(), x) == x;
   }
 
  private:
-  bool solved(const Point& point) const {
-    return residual(run_.box(), point.x, point.F).natural <= method_.stop.tol &&
-           lcp::project(run_.box(), point.x) == point.x;
-  }
   static void append(Eigen::MatrixXd& columns, const Vec& column) {
     constexpr Index depth = 4;
     if (columns.cols() == depth) columns.leftCols(depth - 1) = columns.rightCols(depth - 1).eval();
@@ -103,16 +93,17 @@ class ChordSteps {
 /// The step of one iteration.
 class Steps {
  public:
-  Steps(Run& run, const SemismoothNewton& method, Directions& directions)
+  Steps(Run& run, const SemismoothNewton& method)
       : run_(run),
         method_(method),
-        directions_(directions),
+        directions_(run, method),
+        chords_(run, method, directions_),
         halving_(!method.cfunction.smooth_merit),
         searched_(halving_ ? fischer_burmeister() : method.cfunction),
         memory_(method.search.memory) {}
 
   /// The first of the steps, from the fastest to the safest, that is accepted. False: none is; the run has ended, or is
-  /// to stop.
+  /// to stop. Chord steps follow a full Newton step.
   bool take(Point& point, Iteration& it) {
     Direction newton{.d = {}};
     if (halving_ && halve(point, newton, it)) return true;
@@ -125,6 +116,8 @@ class Steps {
     return !stuck() && (descend(point, newton, it) || give_up(it));
   }
 
+  std::string remark() const { return directions_.remark(); }
+
  private:
   /// The full Newton step, if it leaves at most half of the least ||Phi|| so far; `newton` is its direction. There are
   /// infinitely many such steps only if Phi goes to zero, so they do not spoil what the others guarantee (De Luca,
@@ -135,14 +128,27 @@ class Steps {
     least_ = std::min(least_, own.at.Phi.norm());
     const auto any = [](const Vec&) { return true; };
     if (!directions_.newton(own, point, any, newton)) return false;
-    Point trial{.x = point.x + newton.d, .F = {}, .J = {}};
-    if (!run_.counted().eval(trial.x, trial.F)) return false;
-    const double psi = merit(method_.cfunction, run_.box(), trial.x, trial.F);
-    if (!(psi <= 0.125 * least_ * least_) || !run_.counted().jacobian(trial.x, trial.J)) return false;
-    std::swap(point, trial);
+    Vec x = point.x + newton.d;
+    Vec F;
+    if (!run_.counted().eval(x, F)) return false;
+    double psi = merit(method_.cfunction, run_.box(), x, F);
+    if (!(psi <= 0.125 * least_ * least_)) return false;
+    if (newton.linear == 'K' && chords_.worthwhile()) chords_.run(x, F, psi);
+    if (!move(point, std::move(x), std::move(F))) return false;
     halved_ = true;
     tell(newton, 1, it);
     it.merit = psi;
+    return true;
+  }
+
+  /// J too, unless x is a solution. False, and nothing moved, if J is not defined there.
+  bool move(Point& point, Vec x, Vec F) {
+    if (!chords_.solved(x, F)) {
+      if (!run_.counted().jacobian(x, spare_)) return false;
+      point.J.swap(spare_);
+    }
+    point.x = std::move(x);
+    point.F = std::move(F);
     return true;
   }
 
@@ -182,8 +188,16 @@ class Steps {
     it.backtracks += found.backtracks;
     undefined_ += found.undefined;
     tell(direction, found.t, it);
-    if (found.found) it.merit = halving_ ? merit(method_.cfunction, run_.box(), point.x, point.F) : found.merit;
-    return found.found;
+    if (!found.found) return false;
+    it.merit = halving_ ? merit(method_.cfunction, run_.box(), point.x, point.F) : found.merit;
+    if (!halving_ && direction.linear == 'K' && direction.kind == 'N' && found.t == 1 && chords_.worthwhile()) {
+      Vec x = point.x;
+      Vec F = point.F;
+      double psi = found.merit;
+      chords_.run(x, F, psi);
+      if (x != point.x && move(point, std::move(x), std::move(F))) it.merit = psi;
+    }
+    return true;
   }
 
   /// No direction was of use: the run ends, unless it is to stop for other reasons.
@@ -206,7 +220,8 @@ class Steps {
 
   Run& run_;
   const SemismoothNewton& method_;
-  Directions& directions_;
+  Directions directions_;
+  ChordSteps chords_;
   bool halving_;         // the merit of Phi is not differentiable: steps that halve ||Phi||, others are searched on ...
   CFunction searched_;   // ... the merit of this function
   bool halved_ = false;  // by the last step
@@ -214,25 +229,23 @@ class Steps {
   int undefined_ = 0;  // trial points of this iteration
   Linearisation at_;
   Memory memory_;
+  SpMat spare_;  // the last J
   Stall stall_{60, method_.escape.rounds > 0 ? progress_before_escapes : progress};
 };
 
 }  // namespace
 
 void semismooth_newton(Run& run, const SemismoothNewton& method, Point point) {
-  Directions directions(run, method);
-  Steps steps(run, method, directions);
-  ChordSteps chords(run, method, directions);
+  Steps steps(run, method);
   Iteration it{.k = 0, .kind = 'I'};
   it.merit = merit(method.cfunction, run.box(), point.x, point.F);
 
   while (run.go_on(point, it)) {
     it = {.k = it.k + 1, .merit = it.merit};
-    const bool moved = steps.take(point, it);
+    steps.take(point, it);
     if (run.ended()) break;
-    if (moved && it.linear == 'K' && it.kind == 'N' && it.step == 1 && chords.worthwhile()) chords.run(point, it.merit);
   }
-  run.remark(directions.remark());
+  run.remark(steps.remark());
 }
 
 Result run_semismooth_newton(const Mcp& mcp, In x0, const SemismoothNewton& method, const Observer& observer) {
