@@ -128,9 +128,10 @@ void Checker::superblock() {
   if (number(rest, 8) != 0) refuse("superblock", 0, "its base address is ", number(rest, 8));
   if (number(rest + 8, 8) != undefined || number(rest + 24, 8) != undefined)
     refuse("superblock", 0, "free-space or driver information");
-  if (number(rest + 16, 8) > file_.size())
-    refuse("superblock", 0, "it says that the file ends at byte ", number(rest + 16, 8), ", but there are only ",
-           file_.size());
+  const Address end = number(rest + 16, 8);
+  if (end > file_.size())
+    refuse("superblock", 0, "it says that the file ends at byte ", end, ", but there are only ", file_.size());
+  file_ = file_.substr(0, end);
   entry(rest + 32, nullptr, 0);
 }
 

@@ -1,5 +1,7 @@
 /// The judge on the recorded problems: it must see in the reference solutions what the solver that made them saw.
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
+
+#include <array>
 
 #include "contact/contact_support.hpp"
 
@@ -24,6 +26,40 @@ TEST(Recorded, ReferencesAreSolutions) {
     EXPECT_NEAR(e.natural, ref.natural, rounding * scale + 0.01 * ref.natural);
     EXPECT_LE(e.scaled, 2e-11);
     EXPECT_LE((p.W * s.r + p.q - s.u).norm(), 1e-12 * (p.q.norm() + s.u.norm()));
+  }
+}
+
+// Catches margins and thresholds that tell a sticking contact from a slipping one by the rounding of its velocity.
+TEST(Recorded, States) {
+  SKIP_WITHOUT_RECORDED_PROBLEMS();
+  int same = 0;
+  for (const Reference& ref : references()) {
+    SCOPED_TRACE(ref.file);
+    const Problem p = recorded(ref.file);
+    const Vec r = ref.solution().r;
+    std::array<Index, 3> count{};
+    for (const ContactState& c : states(p, r)) {
+      ++count[static_cast<std::size_t>(c.state)];
+      EXPECT_GE(c.margin, -1e-6 * (r.lpNorm<Eigen::Infinity>() + p.q.lpNorm<Eigen::Infinity>()));
+    }
+    EXPECT_LE(count[2], ref.slip);
+    same += count == std::array<Index, 3>{ref.open, ref.stick, ref.slip} ? 1 : 0;
+  }
+  // Where bodies rest the record makes slip of contacts at their limit of friction whose |u_T| is 1e-17.
+  EXPECT_GE(same, 27);
+}
+
+// Solutions of one problem are none of another: any impulse 1 % larger is seen.
+TEST(Recorded, NearbyPointsAreNoSolutions) {
+  SKIP_WITHOUT_RECORDED_PROBLEMS();
+  for (const Reference& ref : references()) {
+    SCOPED_TRACE(ref.file);
+    const Problem p = recorded(ref.file);
+    Vec r = ref.solution().r;
+    if (r.norm() == 0) continue;
+    const Residual at = residual(p, r);
+    r *= 1.01;
+    EXPECT_GT(residual(p, r).scaled, 1e3 * at.scaled + 1e-8);
   }
 }
 
