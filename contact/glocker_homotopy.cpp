@@ -10,6 +10,8 @@
 namespace perp::contact {
 namespace {
 
+/// KLU up to so many entries of W, UMFPACK beyond.
+constexpr Index klu_entries = 50'000;
 /// Of W + alpha I, r the centre, where the Newton steps of one polish are taken: nothing where W is regular, then more.
 constexpr std::array polish_alphas{1e-10, 1e-4, 1e-7};
 constexpr int polish_steps = 12;
@@ -24,29 +26,37 @@ constexpr int short_steps = 5;
 /// The proximal loop.
 constexpr double first_alpha = 1;
 constexpr double least_alpha = 1e-5;
-constexpr double alpha_shrink = 0.5;
+constexpr double alpha_shrink = 0.7;
 constexpr double alpha_growth = 4;
 /// After a subproblem that was not solved alpha stays above twice its own; that bound falls so fast.
-constexpr double bound_relaxation = 0.99;
-constexpr int inner_newton = 15;
+constexpr double bound_relaxation = 0.9;
+constexpr int inner_newton = 10;
+/// Where Newton's method fails from the last solution, alpha is raised; from here on the homotopy solves the
+/// subproblem.
+constexpr double homotopy_from = 0.3;
+constexpr double largest_alpha = 100;
 constexpr int inner_homotopy = 60;
-constexpr double inner_tol = 1e-11;           // of the subproblem's natural map, absolute, in scaled units,
-constexpr double inner_share = 1e-3;          // or this part of alpha |r - centre|
-constexpr double inner_accept = 1e-7;         // what the homotopy must come to
-constexpr double parallel = 0.95;             // cosine of successive increments that are extrapolated
-constexpr double longest_extrapolation = 20;  // increments
+constexpr double inner_tol = 1e-11;          // of the subproblem's natural map, absolute, in scaled units,
+constexpr double inner_share = 0.1;          // or this part of alpha |r - centre|
+constexpr double inner_accept = 1e-7;        // what the homotopy must come to
+constexpr double parallel = 0.95;            // cosine of successive increments that are extrapolated
+constexpr double longest_extrapolation = 5;  // increments
 
 class Solver {
  public:
   Solver(Referee& referee, const Scaled& problem, const GlockerHomotopy& method)
-      : referee_(referee), problem_(problem), method_(method), newton_(problem, method.options.lu) {}
-  ~Solver() { referee_.stats().factorizations += newton_.factorizations(); }
+      : referee_(referee), problem_(problem), method_(method), options_(method.options) {
+    if (options_.lu == lcp::LuBackend::Auto)
+      options_.lu = problem.W.nonZeros() <= klu_entries ? lcp::LuBackend::Klu : lcp::LuBackend::Umfpack;
+    newton_.emplace(problem, options_.lu);
+  }
+  ~Solver() { referee_.stats().factorizations += newton_->factorizations(); }
   Solver(const Solver&) = delete;
   Solver& operator=(const Solver&) = delete;
 
   void run(const Vec& start) {
     if (start.size() > 0 && warm(start)) return;
-    if (attempt(method_.options)) return;
+    if (attempt(options_)) return;
     if (method_.other_settings && with_other_settings()) return;
     if (method_.proximal) proximal_loop();
   }
@@ -71,7 +81,8 @@ class Solver {
   Referee& referee_;
   const Scaled& problem_;
   const GlockerHomotopy& method_;
-  AlartCurnier newton_;
+  HomotopyOptions options_;
+  std::optional<AlartCurnier> newton_;
 };
 
 /// Newton steps from the last solution, then the homotopy from near it.
@@ -79,7 +90,7 @@ bool Solver::warm(const Vec& start) {
   if (referee_.judge(start, {.kind = 'W'})) return true;
   if (method_.polish && polish(start, polish_alphas.front())) return true;
   const double far = natural_map(problem_, start);
-  return attempt(method_.options, &start, std::clamp(far * far, 1e-6, 1.0));
+  return attempt(options_, &start, std::clamp(far * far, 1e-6, 1.0));
 }
 
 bool Solver::attempt(const HomotopyOptions& options, const Vec* from, double tau) {
@@ -113,7 +124,7 @@ bool Solver::polish(Vec r, double alpha) {
   int failures = 0;
   for (int k = 0; k < polish_steps && failures < polish_failures; ++k) {
     Vec to;
-    if (!newton_.step(r, r, alpha, to)) return false;
+    if (!newton_->step(r, r, alpha, to)) return false;
     r = std::move(to);
     ++referee_.stats().newton_steps;
     if (referee_.judge(r, {.kind = 'P', .alpha = alpha})) return true;
@@ -128,16 +139,16 @@ bool Solver::polish(Vec r, double alpha) {
 /// From the best point with larger products; from the start with more centring, with a stronger gauge, with shorter
 /// steps.
 bool Solver::with_other_settings() {
-  HomotopyOptions careful = method_.options;
+  HomotopyOptions careful = options_;
   careful.least_centring = std::max(0.1, careful.least_centring);
   const Vec best = referee_.best_point();
   const double far = natural_map(problem_, best);
   if (attempt(careful, &best, std::clamp(far, 1e-8, 1.0))) return true;
   if (attempt(careful)) return true;
-  HomotopyOptions gauged = method_.options;
+  HomotopyOptions gauged = options_;
   gauged.eps_share = 1;
   if (attempt(gauged)) return true;
-  HomotopyOptions shorter = method_.options;
+  HomotopyOptions shorter = options_;
   shorter.to_boundary = std::min(0.9, shorter.to_boundary);
   return attempt(shorter);
 }
@@ -149,14 +160,12 @@ Scaled Solver::proximal_problem(In centre, double alpha) const {
   return proximal;
 }
 
-/// Newton's method on the proximal problem of `centre`, from r. The natural map is evaluated with the velocities of
-/// that problem.
+/// Newton's method on the proximal problem of `centre`, from r.
 bool Solver::newton_on(In centre, double alpha, Vec& r) {
-  const Scaled proximal = proximal_problem(centre, alpha);
   Vec x = r;
   double least = lcp::infinity;
   for (int k = 0; k <= inner_newton; ++k) {
-    const double far = natural_map(proximal, x);
+    const double far = natural_map(problem_, x, centre, alpha);
     if (far < inner_tol || (k > 0 && far < std::min(1e-6, inner_share * alpha * (x - centre).norm()))) {
       r = x;
       return true;
@@ -165,7 +174,7 @@ bool Solver::newton_on(In centre, double alpha, Vec& r) {
     least = std::min(least, far);
     Vec to;
     ++referee_.stats().newton_steps;
-    if (!newton_.step(x, centre, alpha, to)) return false;
+    if (!newton_->step(x, centre, alpha, to)) return false;
     x = std::move(to);
   }
   return false;
@@ -173,7 +182,7 @@ bool Solver::newton_on(In centre, double alpha, Vec& r) {
 
 bool Solver::homotopy_on(In centre, double alpha, Vec& r) {
   const Scaled proximal = proximal_problem(centre, alpha);
-  HomotopyOptions careful = method_.options;
+  HomotopyOptions careful = options_;
   careful.least_centring = std::max(0.1, careful.least_centring);
   Homotopy homotopy(proximal, careful);
   double least = lcp::infinity;
@@ -199,17 +208,13 @@ bool Solver::proximal_loop() {
   double alpha = first_alpha;
   double bound = 0;
   while (!referee_.over()) {
-    bool from_start = false;
-    if (!newton_on(centre, alpha, r)) {
-      from_start = true;
-      if (!homotopy_on(centre, alpha, r)) {
-        if (alpha >= first_alpha) return referee_.over();
-        bound = std::min(first_alpha, 2 * alpha);
-        alpha = std::min(first_alpha, alpha_growth * alpha);
-        centre = r = reached;
-        increment.reset();
-        continue;
-      }
+    if (!newton_on(centre, alpha, r) && (alpha < homotopy_from || !homotopy_on(centre, alpha, r))) {
+      if (alpha >= largest_alpha) return referee_.over();
+      bound = 2 * alpha;
+      alpha *= alpha_growth;
+      centre = r = reached;
+      increment.reset();
+      continue;
     }
     ++referee_.stats().proximal_steps;
     if (referee_.judge(r, {.kind = 'X', .alpha = alpha})) return true;
@@ -223,7 +228,7 @@ bool Solver::proximal_loop() {
     } else {
       increment = moved;
     }
-    if (!from_start) bound *= bound_relaxation;
+    bound *= bound_relaxation;
     alpha = std::max({least_alpha, alpha_shrink * alpha, bound});
   }
   return true;

@@ -26,7 +26,7 @@ struct HomotopyOptions {
   double least_centring = 1e-4;  ///< sigma at least
   double to_boundary = 0.99;     ///< share of the way to the boundary
   double neighbourhood = 1e-4;   ///< least product over the mean
-  lcp::LuBackend lu = lcp::LuBackend::Umfpack;
+  lcp::LuBackend lu = lcp::LuBackend::Auto;  ///< contact::solve: by the entries of W
 };
 
 struct HomotopyIteration {

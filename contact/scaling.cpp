@@ -90,19 +90,24 @@ Scaled scaled(const Problem& problem, bool scale) {
   return out;
 }
 
-double natural_map(const Scaled& problem, In r) {
-  const Vec u = problem.W * r + problem.q;
+double natural_map(const Scaled& problem, In r) { return natural_map(problem, r, r, 0); }
+
+double natural_map(const Scaled& problem, In r, In centre, double alpha) {
+  const Vec u = problem.W * r + problem.q + alpha * (r - centre);
   double worst = 0;
   for (const Scaled::Block& block : problem.blocks) {
-    Vec y = r.segment(block.first, block.size) - u.segment(block.first, block.size);
-    Vec projected(block.size);
+    const Index N = block.first;
+    double part = 0;
     if (block.size == 1) {
-      projected[0] = std::max(0.0, y[0]);
+      part = std::abs(r[N] - std::max(0.0, r[N] - u[N]));
     } else {
-      y[0] -= u.segment(block.first + 1, block.size - 1).norm();
+      const bool three = block.size == 3;
+      Eigen::Vector3d y(r[N] - u[N], r[N + 1] - u[N + 1], three ? r[N + 2] - u[N + 2] : 0);
+      y[0] -= three ? std::hypot(u[N + 1], u[N + 2]) : std::abs(u[N + 1]);
+      Eigen::Vector3d projected;
       project_onto_cone(y, 1, projected);
+      part = (Eigen::Vector3d(r[N], r[N + 1], three ? r[N + 2] : 0) - projected).norm();
     }
-    const double part = (r.segment(block.first, block.size) - projected).norm();
     if (!(part <= worst)) worst = part;
   }
   return std::isnan(worst) ? lcp::infinity : worst;

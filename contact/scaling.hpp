@@ -34,5 +34,7 @@ Scaled scaled(const Problem& problem, bool scale = true);
 
 /// The scaled problem's own natural map, max over contacts of |r~ - P_K(r~ - u~ - |u~_T| e_N)| with u~ = W~ r~ + q~.
 double natural_map(const Scaled& problem, In r);
+/// The same of the proximal problem with u~ = W~ r~ + q~ + alpha (r~ - centre).
+double natural_map(const Scaled& problem, In r, In centre, double alpha);
 
 }  // namespace perp::contact
