@@ -1,7 +1,7 @@
 #pragma once
-/// A damaged file can make HDF5's library (1.10) read and write outside of its memory: of 20,000 small files with up to
-/// three random bytes or words changed one to two end the process. Hence this look beforehand, which follows everything
-/// the library will follow and checks every address, count, size and offset on the way. Private to contact/.
+/// A damaged file can make HDF5's library (1.10.8) read and write outside of its memory: of 200,000 small files with up
+/// to three random bytes or words changed, eleven ended the process. Hence this look beforehand, which follows
+/// everything the library will follow and checks every address, count, size and offset on the way. Private to contact/.
 ///
 /// What it knows is the classic layout, the library's default: superblock 0 or 1, object headers 1, groups as B-trees
 /// with local heaps, datasets in one piece (HDF5 File Format Specification 3.0, sections II.A, III.A.1, III.B - D,

@@ -69,7 +69,7 @@ class RawFile {
   hid_t id() const { return file_; }
 
   void write(const Datasets& datasets) {
-    for (const auto& [path, values] : datasets) std::visit([&](const auto& v) { write(path, v); }, values);
+    for (const auto& one : datasets) std::visit([&](const auto& v) { write(one.first, v); }, one.second);
   }
   void write(const std::string& path, const Ints& v, Storage as = Storage::Contiguous) {
     write(path, H5T_STD_I32LE, H5T_NATIVE_INT, v.size(), v.data(), as);
