@@ -30,6 +30,8 @@ constexpr double alpha_shrink = 0.7;
 constexpr double alpha_growth = 4;
 /// After a subproblem that was not solved alpha stays above twice its own; that bound falls so fast.
 constexpr double bound_relaxation = 0.9;
+/// Moves without half of the residual after which the loop is given up.
+constexpr int patience = 3000;
 constexpr int inner_newton = 10;
 /// Where Newton's method fails from the last solution, alpha is raised; from here on the homotopy solves the
 /// subproblem.
@@ -207,7 +209,9 @@ bool Solver::proximal_loop() {
   std::optional<Vec> increment;
   double alpha = first_alpha;
   double bound = 0;
-  while (!referee_.over()) {
+  double milestone = lcp::infinity;
+  int since = 0;  // moves since the best point was half as good
+  while (!referee_.over() && since < patience) {
     if (!newton_on(centre, alpha, r) && (alpha < homotopy_from || !homotopy_on(centre, alpha, r))) {
       if (alpha >= largest_alpha) return referee_.over();
       bound = 2 * alpha;
@@ -218,6 +222,11 @@ bool Solver::proximal_loop() {
     }
     ++referee_.stats().proximal_steps;
     if (referee_.judge(r, {.kind = 'X', .alpha = alpha})) return true;
+    ++since;
+    if (referee_.best() <= 0.5 * milestone) {
+      milestone = referee_.best();
+      since = 0;
+    }
     const Vec moved = r - centre;
     centre = reached = r;
     if (increment && moved.dot(*increment) > parallel * moved.norm() * increment->norm()) {
@@ -231,7 +240,7 @@ bool Solver::proximal_loop() {
     bound *= bound_relaxation;
     alpha = std::max({least_alpha, alpha_shrink * alpha, bound});
   }
-  return true;
+  return referee_.over();
 }
 
 }  // namespace
