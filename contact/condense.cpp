@@ -64,7 +64,8 @@ Problem condense(Global global, Vec mu, int dimension, std::string name) {
   const SpMat K = saddle_point(global.M, global.G);
   lcp::Schur s = lcp::schur(K, B, f, drop);
   if (!regular(s)) refuse_singular(global, s);
-  Problem p{.dimension = dimension, .W = std::move(s.S), .name = std::move(name)};
+  Problem p{.dimension = dimension, .name = std::move(name)};
+  p.W.swap(s.S);
   if (SpMat(K.transpose()).isApprox(K, 0)) p.W = 0.5 * (p.W + SpMat(p.W.transpose()));
   p.W.makeCompressed();
   p.q = B.transpose() * s.x + global.w;

@@ -123,8 +123,7 @@ void end(Numbers& in) {
   if (in.left() > 0) in.refuse(in.left(), " numbers too many");
 }
 
-Problem read_global(Numbers& in, Global g, Vec& mu, int d, const std::string& name) {
-  const Index n = mu.size();
+Problem read_global(Numbers& in, Global g, Index n, int d, const std::string& name) {
   const Index m = g.M.rows();
   if (g.M.cols() != m) in.refuse("M is ", m, " x ", g.M.cols(), ", not square");
   Matrix H(in, "H");
@@ -133,7 +132,7 @@ Problem read_global(Numbers& in, Global g, Vec& mu, int d, const std::string& na
   g.H = H.entries();
   g.f = in.vector("f", m);
   g.w = in.vector("w", d * n);
-  mu = friction(in, n);
+  const Vec mu = friction(in, n);
   end(in);
   g.G = SpMat(m, 0);
   g.b = Vec(0);
@@ -154,15 +153,15 @@ Problem parse_dat(std::string_view text, const std::string& name) {
   Matrix first(in, "the first matrix, W or M,");
   const Shape shape = first.shape();
   SpMat A = first.entries();
-  Vec mu(n);
   // A global problem has more to come: at least the head of H, f and w.
   if (in.left() > d * n + n + 1 || shape.rows != d * n) {
     Global g;
-    g.M = std::move(A);
-    return read_global(in, std::move(g), mu, d, name);
+    g.M.swap(A);
+    return read_global(in, std::move(g), n, d, name);
   }
   if (shape.columns != d * n) in.refuse("W is ", shape.rows, " x ", shape.columns, ", not ", d * n, " x ", d * n);
-  Problem p{.dimension = d, .W = std::move(A), .name = name};
+  Problem p{.dimension = d, .name = name};
+  p.W.swap(A);
   p.q = in.vector("q", d * n);
   p.mu = friction(in, n);
   end(in);

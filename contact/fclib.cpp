@@ -94,7 +94,7 @@ class Id {
 Id in_memory() {
   constexpr std::size_t growth = 1 << 16;
   Id access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
-  H5Pset_fapl_core(access, growth, 0);
+  H5Pset_fapl_core(access, growth, false);
   H5Pset_fclose_degree(access, H5F_CLOSE_STRONG);
   return access;
 }

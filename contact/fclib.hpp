@@ -17,10 +17,10 @@
 ///                says the reverse
 /// nzmax, and the arrays, may be longer than what is used: p[last] or nz entries. Entries of one place add up.
 ///
-/// Nothing is trusted: HDF5 is given the file's bytes and never opens another file (external storage and links, virtual
-/// datasets are refused, and so are compressed ones); no count is believed before there are as many bytes; values that
-/// are not finite, indices out of range, sizes that contradict each other are refused, by lcp::FileError with file,
-/// dataset and reason.
+/// Nothing is trusted: HDF5 is given the file's bytes after a look at all of its metadata, and never opens another
+/// file. External storage and links, virtual datasets are refused; so are compressed ones and HDF5's newer layouts,
+/// which h5repack rewrites. No count is believed before there are as many bytes. Values that are not finite, indices
+/// out of range, sizes that contradict each other are refused, by lcp::FileError with file, dataset and reason.
 ///
 /// HDF5 is not made for threads (Debian's is built without the lock): calls of these functions wait for each other. A
 /// program that calls HDF5 itself has to keep its calls apart from these.

@@ -16,6 +16,7 @@ constexpr std::string_view signature("\x89HDF\r\n\x1a\n", 8);
 constexpr Address undefined = ~Address{0};
 constexpr Address longest_type = 1 << 16;
 constexpr int deepest = 32;
+constexpr const char* newer = ", one of the newer layouts (h5repack rewrites them)";
 
 enum Message : std::uint64_t {
   Nil = 0x00,
@@ -116,8 +117,7 @@ class Checker {
 
 void Checker::superblock() {
   const std::uint64_t version = number(8, 1);
-  if (version == 2 || version == 3) return;
-  if (version > 3) refuse("superblock", 0, "version ", version);
+  if (version > 1) refuse("superblock", 0, "version ", version, newer);
   if (number(9, 1) != 0 || number(10, 1) != 0 || number(12, 1) != 0)
     refuse("superblock", 0, "unknown versions of parts");
   if (number(13, 1) != 8 || number(14, 1) != 8) refuse("superblock", 0, "sizes of addresses other than 8");
@@ -159,7 +159,7 @@ Checker::Object Checker::object(Address at, int depth) {
   if (depth > deepest) refuse("object header", at, "groups within groups, ", depth, " deep");
   seen_.insert(at);
   require("object header", {.at = at, .size = 16});
-  if (file_.substr(at, 4) == "OHDR") return found;  // with a checksum
+  if (file_.substr(at, 4) == "OHDR") refuse("object header", at, "version 2", newer);
   if (number(at, 1) != 1) refuse("object header", at, "version ", number(at, 1));
   const std::uint64_t expected = number(at + 2, 2);
   Address count = 0;
@@ -245,7 +245,7 @@ void Checker::message(Message type, Range body, std::vector<Range>& chunks, Obje
       return;
   }
   refuse("message", body.at, "of type ", static_cast<std::uint64_t>(type),
-         ": a group of the newer kind, compressed data or another file");
+         ": a group of the newer kind (h5repack rewrites it), compressed data or another file");
 }
 
 /// The number of values.
@@ -367,7 +367,7 @@ void Checker::tree(Address at, const Heap& names, std::optional<std::uint64_t> l
 
 void Checker::symbols(Address at, const Heap& names, int depth) {
   require_signature("symbol table node", at, "SNOD");
-  const Address size = 8 + 40 * 2 * leaf_k_;
+  const Address size = 8 + 80 * leaf_k_;
   require("symbol table node", {.at = at, .size = size});
   spend(size);
   const std::uint64_t entries = number(at + 6, 2);

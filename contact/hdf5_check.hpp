@@ -5,7 +5,7 @@
 ///
 /// What it knows is the classic layout, the library's default: superblock 0 or 1, object headers 1, groups as B-trees
 /// with local heaps, datasets in one piece (HDF5 File Format Specification 3.0, sections II.A, III.A.1, III.B - D,
-/// IV.A). Files and objects of the newer layouts guard their metadata by checksums and are left to the library.
+/// IV.A). All else is refused. Newer layouts have checksums, but the library leaks what it opened where one is wrong.
 #include <string_view>
 
 namespace perp::contact {

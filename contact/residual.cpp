@@ -27,7 +27,10 @@ double size(const Parts& p) { return std::hypot(p.N, p.T); }
 double larger(double a, double b) { return b <= a ? a : b; }
 
 /// No metric is NaN: what cannot be computed is no solution.
-double told(double metric) { return std::isfinite(metric) ? metric : lcp::infinity; }
+double told(double metric) {
+  if (std::isfinite(metric)) return metric;
+  return lcp::infinity;
+}
 
 /// 1 / mean(diag W), the unit kg of r / u; 1 where W has no positive trace.
 double unit(const SpMat& W) {
