@@ -2,6 +2,7 @@
 
 #include <sstream>
 #include <stdexcept>
+#include <string>
 #include <utility>
 
 #include "contact/encoding_builder.hpp"
@@ -79,24 +80,53 @@ Solution AffineEncoding::recover(In z) const {
   return solution;
 }
 
-lcp::Result solve(const AffineEncoding& encoding, const lcp::Limits& limits) {
-  const lcp::AffineMcp& problem = encoding.affine();
+namespace {
+
+/// Contacts up to which Lemke's method comes first: beyond, interior points take as long or less, and where contacts
+/// are redundant by the hundred far less.
+constexpr Index pivoting_to = 200;
+
+lcp::Result by_lemke(const AffineEncoding& encoding, const lcp::Limits& limits) {
   lcp::Lemke lemke;
   Vec start = encoding.lemke_start();
   if (start.size() > 0)
     lemke.options.start = lcp::LemkeStart::Regular;
   else
-    start = Vec::Zero(problem.size());
-  lcp::Result result = lcp::solve(problem, start, lemke, limits);
-  if (result.solved() || result.status == lcp::Status::Infeasible || limits.reached()) {
-    result.message = "lemke" + (result.message.empty() ? "" : ": " + result.message);
-    return result;
-  }
-  lcp::Result next = lcp::solve(problem, result.z, lcp::Auto{}, limits);
-  next.message = "lemke: " + result.message + "; then " + next.message;
-  next.iterations += result.iterations;
-  next.factorizations += result.factorizations;
-  return next;
+    start = Vec::Zero(encoding.affine().size());
+  return lcp::solve(encoding.affine(), start, lemke, limits);
+}
+
+}  // namespace
+
+lcp::Result solve(const AffineEncoding& encoding, const lcp::Limits& limits) {
+  const lcp::AffineMcp& problem = encoding.affine();
+  std::string tried;
+  lcp::Result best;
+  /// Whether this was the last one.
+  const auto keep = [&](const char* method, lcp::Result result) {
+    result.message = tried + method + (result.message.empty() ? "" : ": " + result.message);
+    tried = result.message + "; then ";
+    result.iterations += best.iterations;
+    result.factorizations += best.factorizations;
+    const bool settled = result.solved() || result.status == lcp::Status::Infeasible || limits.reached();
+    if (best.z.size() == 0 || result.solved() || result.residual < best.residual)
+      best = std::move(result);
+    else {
+      best.message = result.message;
+      best.iterations = result.iterations;
+      best.factorizations = result.factorizations;
+    }
+    return settled;
+  };
+  const auto interior = [&] {
+    return keep("interior-point", lcp::solve(problem, Vec::Zero(problem.size()), lcp::InteriorPoint{}, limits));
+  };
+  const bool pivoting_first = encoding.contacts() <= pivoting_to;
+  if (!pivoting_first && interior()) return best;
+  if (keep("lemke", by_lemke(encoding, limits))) return best;
+  if (pivoting_first && interior()) return best;
+  keep("auto", lcp::solve(problem, best.z, lcp::Auto{}, limits));
+  return best;
 }
 
 }  // namespace perp::contact

@@ -52,8 +52,9 @@ class AffineEncoding {
   Vec lemke_start_;
 };
 
-/// Lemke's method from the encoding's start, with the textbook's covering vector; where that ends on a ray or loses its
-/// digits, lcp::Auto. Throws as lcp::solve.
+/// Lemke's method from the encoding's start, with the textbook's covering vector, and interior points, which nothing is
+/// promised of (M is copositive, not monotone) and which solve nearly everything; with more than 200 contacts in the
+/// other order; lcp::Auto at last. Result::message says what was tried, the last one successful. Throws as lcp::solve.
 lcp::Result solve(const AffineEncoding& encoding, const lcp::Limits& limits = {});
 
 }  // namespace perp::contact
