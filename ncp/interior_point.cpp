@@ -376,7 +376,7 @@ void InteriorPath::run() {
   do {
     it_ = {.k = it_.k + 1};
     undefined_ = 0;
-    if (!method_.finish || !finish()) {
+    if (!method_.finish || method_.follow || !finish()) {
       if (left_) at_ = std::move(*left_);  // the path goes on from where it was left
       left_.reset();
       if (!stall.stalled(natural()) && step()) {

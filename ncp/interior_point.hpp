@@ -38,7 +38,8 @@ struct InteriorPoint {
   Escape escape{.rounds = 0};
   lcp::LuBackend lu = lcp::LuBackend::Umfpack;
   /// Called with tau before every linearisation; F and J are evaluated after it. Here a problem may tie smoothing
-  /// parameters of its own to tau, so that one path leads both to zero. May be empty.
+  /// parameters of its own to tau, so that one path leads both to zero. There are no Newton steps on the active set
+  /// then, for they would solve the problem of the present tau. May be empty.
   std::function<void(double tau)> follow{};
 };
 /// Why the options make no sense, if they do not.
