@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <map>
 #include <numbers>
 #include <random>
 
@@ -141,6 +140,20 @@ void solve_recorded(int K) {
 TEST(Faceting, SolvesTheRecordedProblems) {
   SKIP_WITHOUT_RECORDED_PROBLEMS();
   for (const int K : {3, 4, 6, 8, 16}) solve_recorded(K);
+}
+
+// Up to 570 contacts, some highly redundant: interior points first, Lemke's method where they fail.
+TEST(Faceting, SolvesTheLargeRecordedProblems) {
+  SKIP_WITHOUT_RECORDED_PROBLEMS();
+  int count = 0;
+  for (const Reference& ref : references()) {
+    if (ref.contacts <= 60) continue;
+    const Problem p = recorded(ref.file);
+    const lcp::Result result = solved(OuterFaceting(p, {Polygon::circumscribed(4, 0.1)}));
+    EXPECT_LE(result.residual, 1e-9) << ref.file << ": " << result.message;
+    ++count;
+  }
+  EXPECT_EQ(count, 8);
 }
 
 }  // namespace
