@@ -35,6 +35,7 @@ using contact::Vec;
 struct Outcome {
   double seconds = 0;
   int iterations = 0;
+  int sweeps = 0;
   int extra = 0;  // Newton steps
   int proximal = 0;
   int attempts = 0;
@@ -179,6 +180,7 @@ void print(const std::string& solver, const Run& run, double limit, Total& total
   if (run.outcome.end == 'T') how = "  out of time";
   if (run.outcome.end == 'C') how = "  crashed";
   std::printf("    %-14s %9.4f s  iterations %6d", solver.c_str(), run.outcome.seconds, run.outcome.iterations);
+  if (run.outcome.sweeps > 0) std::printf(" + %d sweeps", run.outcome.sweeps);
   if (run.outcome.extra > 0 || run.outcome.proximal > 0)
     std::printf(" + %d Newton, %d proximal", run.outcome.extra, run.outcome.proximal);
   std::printf("  siconos %.1e  rr9118 %.1e%s\n", run.residual.siconos, run.residual.rr9118, how.c_str());
@@ -205,6 +207,7 @@ int main(int argc, char** argv) {
   std::string row = "normalised";
   int stages = 4;
   bool no_polish = false;
+  bool no_sweeps = false;
   bool no_proximal = false;
   app.add_option("files", files, "problems, .dat or FCLIB")->required();
   app.add_flag("--perturbed", perturb, "the perturbed variants, too");
@@ -221,12 +224,14 @@ int main(int argc, char** argv) {
   app.add_option("--row", row, "normalised or original");
   app.add_option("--stages", stages, "of the continuation in delta");
   app.add_flag("--no-polish", no_polish, "the homotopy without Newton steps at the end");
+  app.add_flag("--no-sweeps", no_sweeps, "no sweeps of Gauss-Seidel before the homotopy");
   app.add_flag("--no-proximal", no_proximal, "and without the proximal loop");
   CLI11_PARSE(app, argc, argv);
 
   contact::Options options{.tol = tol, .max_time = std::chrono::duration<double>(limit)};
   if (method.empty()) {
-    options.method = contact::GlockerHomotopy{.polish = !no_polish, .proximal = !no_proximal};
+    options.method = contact::GlockerHomotopy{
+        .polish = !no_polish, .proximal = !no_proximal, .sweeps = no_sweeps ? 0 : contact::GlockerHomotopy{}.sweeps};
   } else {
     const ncp::Preset* preset = ncp::find_preset(method);
     if (preset == nullptr) {
@@ -258,6 +263,7 @@ int main(int argc, char** argv) {
           const contact::Result result = contact::solve(one.problem, options);
           outcome.seconds = result.stats.time.count();
           outcome.iterations = result.stats.iterations;
+          outcome.sweeps = result.stats.sweeps;
           outcome.extra = result.stats.newton_steps;
           outcome.proximal = result.stats.proximal_steps;
           outcome.attempts = result.stats.attempts;

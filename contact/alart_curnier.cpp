@@ -7,19 +7,13 @@
 namespace perp::contact {
 namespace {
 
-using Block = Eigen::Matrix<double, 3, 3>;
-
 std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
-/// The rows of one contact: A dr + B du = c.
-struct Rows {
-  Block A = Block::Zero();
-  Block B = Block::Zero();
-  Eigen::Vector3d c = Eigen::Vector3d::Zero();
-};
+}  // namespace
 
-Rows rows(int size, const Eigen::Vector3d& r, const Eigen::Vector3d& u, double rho_N, double rho_T) {
-  Rows out;
+AlartCurnierRows alart_curnier_rows(int size, const Eigen::Vector3d& r, const Eigen::Vector3d& u, double rho_N,
+                                    double rho_T) {
+  AlartCurnierRows out;
   const bool closed = r[0] - rho_N * u[0] > 0;
   if (closed) {
     out.B(0, 0) = 1;
@@ -54,8 +48,6 @@ Rows rows(int size, const Eigen::Vector3d& r, const Eigen::Vector3d& u, double r
   return out;
 }
 
-}  // namespace
-
 AlartCurnier::AlartCurnier(const Scaled& problem, lcp::LuBackend lu)
     : problem_(problem),
       rho_N_(static_cast<Index>(problem.blocks.size())),
@@ -74,7 +66,7 @@ AlartCurnier::AlartCurnier(const Scaled& problem, lcp::LuBackend lu)
 
 bool AlartCurnier::step(In r, In centre, double alpha, Vec& to) {
   const Vec u = problem_.W * r + problem_.q + alpha * (r - centre);
-  std::vector<Rows> local(problem_.blocks.size());
+  std::vector<AlartCurnierRows> local(problem_.blocks.size());
   Vec rhs(r.size());
   std::vector<int> owner(at(r.size()));
   for (std::size_t a = 0; a < local.size(); ++a) {
@@ -83,7 +75,7 @@ bool AlartCurnier::step(In r, In centre, double alpha, Vec& to) {
     Eigen::Vector3d u_a = Eigen::Vector3d::Zero();
     r_a.head(block.size) = r.segment(block.first, block.size);
     u_a.head(block.size) = u.segment(block.first, block.size);
-    local[a] = rows(block.size, r_a, u_a, rho_N_[static_cast<Index>(a)], rho_T_[static_cast<Index>(a)]);
+    local[a] = alart_curnier_rows(block.size, r_a, u_a, rho_N_[static_cast<Index>(a)], rho_T_[static_cast<Index>(a)]);
     rhs.segment(block.first, block.size) = local[a].c.head(block.size);
     for (int i = 0; i < block.size; ++i) owner[at(block.first + i)] = static_cast<int>(a);
   }

@@ -11,6 +11,15 @@
 
 namespace perp::contact {
 
+/// The rows of one contact of 1, 2 or 3 entries at (r, u): A dr + B du = c for the step to the equation's zero.
+struct AlartCurnierRows {
+  Eigen::Matrix3d A = Eigen::Matrix3d::Zero();
+  Eigen::Matrix3d B = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d c = Eigen::Vector3d::Zero();
+};
+AlartCurnierRows alart_curnier_rows(int size, const Eigen::Vector3d& r, const Eigen::Vector3d& u, double rho_N,
+                                    double rho_T);
+
 class AlartCurnier {
  public:
   explicit AlartCurnier(const Scaled& problem, lcp::LuBackend lu = lcp::LuBackend::Umfpack);

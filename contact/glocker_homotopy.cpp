@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "contact/alart_curnier.hpp"
+#include "contact/gauss_seidel.hpp"
 #include "contact/referee.hpp"
 
 namespace perp::contact {
@@ -12,6 +13,10 @@ namespace {
 
 /// KLU up to so many entries of W, UMFPACK beyond.
 constexpr Index klu_entries = 50'000;
+/// Sweeps are judged so many at a time, and ended unless r changes less by this factor than in the lot before.
+constexpr int sweeps_a_lot = 4;
+constexpr double sweeps_contract = 0.5;
+constexpr int sweeps_at_least = 24;  // before that test: states settle first
 /// Of W + alpha I, r the centre, where the Newton steps of one polish are taken: nothing where W is regular, then more.
 constexpr std::array polish_alphas{1e-10, 1e-4, 1e-7};
 constexpr int polish_steps = 12;
@@ -57,7 +62,7 @@ class Solver {
   Solver& operator=(const Solver&) = delete;
 
   void run(const Vec& start) {
-    if (start.size() > 0 && warm(start)) return;
+    if (start.size() > 0 ? warm(start) : sweep()) return;
     if (attempt(options_)) return;
     if (method_.other_settings && with_other_settings()) return;
     if (method_.proximal) proximal_loop();
@@ -71,6 +76,7 @@ class Solver {
 
   /// Each of these answers whether the run is over.
   bool warm(const Vec& start);
+  bool sweep();
   bool attempt(const HomotopyOptions& options, const Vec* from = nullptr, double tau = 1);
   bool polish(Vec r, double alpha);
   bool with_other_settings();
@@ -93,6 +99,24 @@ bool Solver::warm(const Vec& start) {
   if (method_.polish && polish(start, polish_alphas.front())) return true;
   const double far = natural_map(problem_, start);
   return attempt(options_, &start, std::clamp(far * far, 1e-6, 1.0));
+}
+
+/// Sweeps while they contract.
+bool Solver::sweep() {
+  const GaussSeidel method(problem_);
+  Vec r = Vec::Zero(problem_.size());
+  Vec u = problem_.q;
+  double before = lcp::infinity;  // change of r in the last lot
+  for (int k = 0; k < method_.sweeps; k += sweeps_a_lot) {
+    const Vec last = r;
+    for (int i = 0; i < sweeps_a_lot; ++i) method.sweep(r, u);
+    referee_.stats().sweeps += sweeps_a_lot;
+    if (referee_.judge(r, {.kind = 'G'})) return true;
+    const double change = (r - last).norm();
+    if (k >= sweeps_at_least && !(change <= sweeps_contract * before)) return false;
+    before = change;
+  }
+  return false;
 }
 
 bool Solver::attempt(const HomotopyOptions& options, const Vec* from, double tau) {

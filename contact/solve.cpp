@@ -26,6 +26,7 @@ std::optional<std::string> invalid_method(const GlockerHomotopy& m) {
   if (!(o.to_boundary > 0 && o.to_boundary < 1)) return refusal("to_boundary", o.to_boundary, "in (0, 1)");
   if (!(o.neighbourhood > 0 && o.neighbourhood < 1)) return refusal("neighbourhood", o.neighbourhood, "in (0, 1)");
   if (m.max_iterations < 1) return refusal("max_iterations", m.max_iterations, "at least 1");
+  if (m.sweeps < 0) return refusal("sweeps", m.sweeps, "at least 0");
   if (!(m.polish_at > 0)) return refusal("polish_at", m.polish_at, "positive");
   return std::nullopt;
 }

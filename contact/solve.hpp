@@ -32,6 +32,9 @@ struct GlockerHomotopy {
   bool other_settings = true;
   bool proximal = true;
   bool scaling = true;  ///< of scaling.hpp
+  /// Sweeps of nonsmooth Gauss-Seidel before anything else (gauss_seidel.hpp), ended where they contract slowly: they
+  /// cost little, and weakly coupled contacts need no more. 0: none.
+  int sweeps = 100;
 };
 
 /// Glocker's NCP (glocker.hpp) as it stands, by any method of ncp/. With `stages` > 1 and the normalised row, delta is
@@ -57,8 +60,8 @@ std::string_view to_string(Status);
 /// One point that was judged.
 struct Record {
   int k = 0;
-  /// N homotopy step, P Newton step on Alart & Curnier's equation, X proximal problem, C an end of a stage of an
-  /// ncp method, W warm start.
+  /// N homotopy step, P Newton step on Alart & Curnier's equation, G sweeps, X proximal problem, C an end of a stage of
+  /// an ncp method, W warm start.
   char kind = ' ';
   double tau = 0;      ///< of a homotopy step
   double step = 0;     ///< its length
@@ -69,6 +72,7 @@ struct Record {
 
 struct Stats {
   int iterations = 0;      ///< homotopy steps, or iterations of the ncp method
+  int sweeps = 0;          ///< of Gauss-Seidel
   int newton_steps = 0;    ///< on Alart & Curnier's equation
   int proximal_steps = 0;  ///< moves of the proximal loop's centre
   int attempts = 0;

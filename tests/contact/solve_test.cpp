@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "contact/alart_curnier.hpp"
+#include "contact/gauss_seidel.hpp"
 #include "contact/homotopy.hpp"
 #include "contact_support.hpp"
 #include "glocker_support.hpp"
@@ -76,7 +77,8 @@ TEST(Homotopy, AloneReachesTheTolerance) {
   int solved = 0;
   for (int k = 0; k < 20; ++k) {
     const Problem problem = random_problem(3, 8, 30, random, 0.1);
-    const Options alone{.method = GlockerHomotopy{.polish = false, .other_settings = false, .proximal = false}};
+    const Options alone{.method =
+                            GlockerHomotopy{.polish = false, .other_settings = false, .proximal = false, .sweeps = 0}};
     const Result result = solve(problem, alone);
     solved += result.solved() ? 1 : 0;
     EXPECT_EQ(result.stats.newton_steps, 0);
@@ -101,15 +103,17 @@ TEST(Solve, OneContactInAnyUnits) {
     }
 }
 
-// Random problems of full and of low rank, in 2D and 3D, with frictionless contacts: W of low rank is where Newton's
-// matrix is singular at the solution. Catches an attempt that ends the run, a proximal loop that does not converge.
+// Without sweeps of Gauss-Seidel: random problems of full and of low rank, in 2D and 3D, with frictionless contacts: W
+// of low rank is where Newton's matrix is singular at the solution. Catches an attempt that ends the run, a proximal
+// loop that does not converge.
 TEST(Solve, RandomProblems) {
   Random random(3);
   for (const int dimension : {2, 3})
     for (int k = 0; k < 40; ++k) {
       const Index contacts = random.integer(1, 12);
       const Index m = random.integer(3, static_cast<int>(dimension * contacts + 4));
-      expect_solved(random_problem(dimension, contacts, m, random, 0.2), {}, std::to_string(k));
+      expect_solved(random_problem(dimension, contacts, m, random, 0.2), {.method = GlockerHomotopy{.sweeps = 0}},
+                    std::to_string(k));
     }
 }
 
@@ -200,6 +204,28 @@ TEST(AlartCurnier, ConvergesQuadratically) {
     EXPECT_LE(before, 1e-12);
   }
   EXPECT_GE(measured, 5);
+}
+
+// Contacts that are not coupled: one sweep solves them all, and u stays W r + q. Coupled ones: the change falls.
+TEST(GaussSeidel, SolvesUncoupledContactsInOneSweep) {
+  Random random(10);
+  for (const int dimension : {2, 3}) {
+    Problem problem{.dimension = dimension, .W = SpMat(dimension * 6, dimension * 6), .q = {}, .mu = Vec::Zero(6)};
+    problem.W.setIdentity();
+    problem.q = 2 * random.normals(dimension * 6);
+    for (Index a = 0; a < 5; ++a) problem.mu[a] = random.uniform(0.1, 1);  // the last is frictionless
+    const Scaled coordinates = scaled(problem);
+    Vec r = Vec::Zero(coordinates.size());
+    Vec u = coordinates.q;
+    const GaussSeidel method(coordinates);
+    EXPECT_GT(method.sweep(r, u), 0);
+    EXPECT_LE(natural_map(coordinates, r), 1e-12);
+    EXPECT_LE((coordinates.W * r + coordinates.q - u).norm(), 1e-12);
+    EXPECT_LE(method.sweep(r, u), 1e-12);
+    EXPECT_LE(
+        (coordinates.expand(r).head(dimension) - one_contact_solution(problem.q.head(dimension), problem.mu[0])).norm(),
+        1e-12);
+  }
 }
 
 // Every method of ncp/ takes Glocker's NCP, in both encodings; PATH's with delta continued solves them all. Catches a
