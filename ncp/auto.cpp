@@ -19,6 +19,9 @@ namespace {
 constexpr int enough_iterations = 100;
 constexpr int enough_F_evals = 1000;
 
+/// Pivots of the first try of PathSearch on large problems, which needs few of them or very many.
+constexpr int few_pivots = 3000;
+
 struct Choice {
   std::string label;
   std::string why;
@@ -39,7 +42,15 @@ Choice first_choice(const Mcp& mcp, const Point& start, const Auto& method) {
 
 std::vector<Choice> choices(const Mcp& mcp, const Point& start, const Auto& method) {
   std::vector<Choice> list{first_choice(mcp, start, method)};
-  if (!std::holds_alternative<PathSearch>(list.front().method)) list.push_back({"path", "", method.path});
+  const Index n = mcp.size();
+  if (n > method.large && method.path.basis.empty() && !lcp::symmetric(start.J)) {
+    PathSearch brief = method.path;
+    brief.restart_limit = 0;
+    brief.cumulative_iteration_limit = std::min(brief.cumulative_iteration_limit, few_pivots);
+    list.insert(list.begin(),
+                {{"path with few pivots", quantity(n, "variable"), brief}, {"interior points", "", InteriorPoint{}}});
+  }
+  if (!std::holds_alternative<PathSearch>(list.back().method)) list.push_back({"path", "", method.path});
   if (!mcp.is_affine())
     list.push_back({"smoothing", "", Smoothing{.function = smoothed_fischer_burmeister(), .restarts = 1}});
   SemismoothNewton penalised = method.semismooth;

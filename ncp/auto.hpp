@@ -10,9 +10,10 @@ namespace perp::ncp {
 ///
 ///     affine                          the linear methods (lcp::Auto, which chooses by the class of the matrix)
 ///     n > large, J symmetric          NewtonJosephy, its linearised problems as quadratic programs by multigrid
+///     n > large, J not symmetric      PathSearch with few pivots, then InteriorPoint, before what follows
 ///     else, or with a warm basis      PathSearch
 ///
-/// then PathSearch if it was not the first, Smoothing (not for affine problems), SemismoothNewton on the penalised
+/// then PathSearch if it was not the last, Smoothing (not for affine problems), SemismoothNewton on the penalised
 /// function and with proximal escapes. Every attempt but the last may use half of the iterations and evaluations that
 /// are left, or 100 and 1000 if that is more: tighter limits are for the first method alone.
 ///

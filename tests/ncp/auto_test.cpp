@@ -42,11 +42,24 @@ TEST(Auto, ChoosesByClassAndBasis) {
   const auto symmetric = collection::find("bratu-own")->make();
   EXPECT_THAT(solve(*symmetric.mcp, symmetric.starts[0], Auto{.large = 100}).message,
               HasSubstr("a symmetric Jacobian: quadratic programs"));
+  const auto spatial = collection::find("spatial-price-own")->make();
+  EXPECT_THAT(solve(*spatial.mcp, spatial.starts[0], Auto{.large = 100}).message,
+              HasSubstr("auto chose path with few pivots (105 variables)"));
   Auto warm;
   warm.path.basis.assign(2, lcp::Cell::Inside);
   EXPECT_THAT(solve(*affine.mcp, Vec::Zero(2), warm).message, HasSubstr("auto chose path (a warm basis is given)"));
   warm.path.basis.assign(3, lcp::Cell::Inside);
   EXPECT_THROW(solve(*affine.mcp, Vec::Zero(2), warm), std::invalid_argument);
+}
+
+// Where the path is too long for few pivots, interior points take over, as on traffic equilibria. Catches a first try
+// that is not cut off, or whose limit ends the whole run.
+TEST(Auto, InteriorPointsWhereThePathIsLong) {
+  const collection::Problem problem = collection::find("traffic-own-1148")->make();
+  Auto method{.large = 1000};
+  method.path.cumulative_iteration_limit = 50;
+  const Result result = support::expect_solved(*problem.mcp, problem.starts[2], method, "traffic");
+  EXPECT_THAT(result.message, HasSubstr("then interior points"));
 }
 
 // A row without a solution is named, where a ray would tell a person nothing; the best point is told once.
