@@ -11,7 +11,7 @@ namespace perp::contact {
 inline std::vector<Scene> committed_scenes() {
   std::vector<Scene> scenes;
   scenes.push_back(make_scene(BoxStack{.boxes = 5}));
-  scenes.push_back(make_scene(Spheres{.spheres = 15}));
+  scenes.push_back(make_scene(Spheres{.spheres = 15, .mu = 0.4}));
   scenes.push_back(make_scene(Arch{.voussoirs = 9}));
   scenes.push_back(make_scene(Arch{.voussoirs = 13, .thickness = 0.12}));  // too thin by half
   scenes.back().name += "-falling";
