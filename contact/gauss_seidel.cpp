@@ -13,13 +13,13 @@ constexpr int local_steps = 10;
 constexpr double local_tol = 1e-13;
 
 /// The local problem of one contact from r; r as it was where Newton's method fails.
-Eigen::Vector3d local(int size, const Eigen::Matrix3d& W, const Eigen::Vector3d& b, const Eigen::Vector3d& from) {
+Eigen::Vector3d local(int size, const Eigen::Matrix3d& W, const Eigen::Matrix3d& inverse, const Eigen::Vector3d& b,
+                      const Eigen::Vector3d& from) {
   if (b[0] >= 0) return Eigen::Vector3d::Zero();
   if (!(W(0, 0) > 0)) return from;
   if (size == 1) return {-b[0] / W(0, 0), 0, 0};
-  const Eigen::Vector3d stuck = W.fullPivLu().solve(-b);
-  if (stuck.allFinite() && (W * stuck + b).norm() <= 1e-12 * b.norm() && stuck.tail<2>().norm() <= stuck[0])
-    return stuck;
+  Eigen::Vector3d stuck = -(inverse * b);
+  if ((W * stuck + b).norm() <= 1e-12 * b.norm() && stuck.tail<2>().norm() <= stuck[0]) return stuck;
   const double rho_N = 1 / W(0, 0);
   const double tangential = size == 2 ? W(1, 1) : (W(1, 1) + W(2, 2)) / 2;
   const double rho_T = tangential > 0 ? 1 / tangential : 1;
@@ -45,6 +45,11 @@ GaussSeidel::GaussSeidel(const Scaled& problem) : problem_(problem) {
     for (int j = 0; j < block.size; ++j)
       for (int i = 0; i < block.size; ++i) W(i, j) = problem.W.coeff(block.first + i, block.first + j);
     diagonal_.push_back(W);
+    for (int i = block.size; i < 3; ++i) W(i, i) = 1;
+    const Eigen::FullPivLU<Eigen::Matrix3d> factors(W);
+    Eigen::Matrix3d inverse = Eigen::Matrix3d::Zero();  // of singular blocks: none
+    if (factors.isInvertible()) inverse = factors.inverse();
+    inverse_.push_back(inverse);
   }
 }
 
@@ -56,7 +61,8 @@ double GaussSeidel::sweep(Vec& r, Vec& u) const {
     Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
     before.head(block.size) = r.segment(block.first, block.size);
     velocity.head(block.size) = u.segment(block.first, block.size);
-    const Eigen::Vector3d after = local(block.size, diagonal_[a], velocity - diagonal_[a] * before, before);
+    const Eigen::Vector3d after =
+        local(block.size, diagonal_[a], inverse_[a], velocity - diagonal_[a] * before, before);
     const Eigen::Vector3d d = after - before;
     if (d.isZero(0)) continue;
     change += d.squaredNorm();

@@ -18,6 +18,7 @@ class GaussSeidel {
  private:
   const Scaled& problem_;
   std::vector<Eigen::Matrix3d> diagonal_;  // W_aa; of smaller contacts its first rows and columns
+  std::vector<Eigen::Matrix3d> inverse_;
 };
 
 }  // namespace perp::contact

@@ -11,12 +11,14 @@
 namespace perp::contact {
 namespace {
 
-/// KLU up to so many entries of W, UMFPACK beyond.
-constexpr Index klu_entries = 50'000;
+/// KLU up to so many entries a row of W, UMFPACK beyond.
+constexpr Index klu_entries = 60;
 /// Sweeps are judged so many at a time, and ended unless r changes less by this factor than in the lot before.
 constexpr int sweeps_a_lot = 4;
 constexpr double sweeps_contract = 0.5;
-constexpr int sweeps_at_least = 24;  // before that test: states settle first
+/// But so many are made where they have come so near (both metrics): the contacts' states settle first.
+constexpr int sweeps_settle = 24;
+constexpr double sweeps_near = 1e-2;
 /// Of W + alpha I, r the centre, where the Newton steps of one polish are taken: nothing where W is regular, then more.
 constexpr std::array polish_alphas{1e-10, 1e-4, 1e-7};
 constexpr int polish_steps = 12;
@@ -54,7 +56,8 @@ class Solver {
   Solver(Referee& referee, const Scaled& problem, const GlockerHomotopy& method)
       : referee_(referee), problem_(problem), method_(method), options_(method.options) {
     if (options_.lu == lcp::LuBackend::Auto)
-      options_.lu = problem.W.nonZeros() <= klu_entries ? lcp::LuBackend::Klu : lcp::LuBackend::Umfpack;
+      options_.lu =
+          problem.W.nonZeros() <= klu_entries * problem.size() ? lcp::LuBackend::Klu : lcp::LuBackend::Umfpack;
     newton_.emplace(problem, options_.lu);
   }
   ~Solver() { referee_.stats().factorizations += newton_->factorizations(); }
@@ -113,7 +116,8 @@ bool Solver::sweep() {
     referee_.stats().sweeps += sweeps_a_lot;
     if (referee_.judge(r, {.kind = 'G'})) return true;
     const double change = (r - last).norm();
-    if (k >= sweeps_at_least && !(change <= sweeps_contract * before)) return false;
+    const bool settling = k < sweeps_settle && referee_.last() <= sweeps_near;
+    if (!settling && !(change <= sweeps_contract * before)) return false;
     before = change;
   }
   return false;
