@@ -23,7 +23,7 @@ class Referee {
   Stats& stats() { return result_.stats; }
   double seconds_left() const;
   const std::atomic<bool>* interrupt() const { return options_.interrupt; }
-  Result result(std::string message);
+  Result result(const std::string& message);
 
  private:
   const Problem& problem_;

@@ -102,11 +102,11 @@ double natural_map(const Scaled& problem, In r, In centre, double alpha) {
       part = std::abs(r[N] - std::max(0.0, r[N] - u[N]));
     } else {
       const bool three = block.size == 3;
-      Eigen::Vector3d y(r[N] - u[N], r[N + 1] - u[N + 1], three ? r[N + 2] - u[N + 2] : 0);
+      Eigen::Vector3d y(r[N] - u[N], r[N + 1] - u[N + 1], three ? r[N + 2] - u[N + 2] : 0.0);
       y[0] -= three ? std::hypot(u[N + 1], u[N + 2]) : std::abs(u[N + 1]);
       Eigen::Vector3d projected;
       project_onto_cone(y, 1, projected);
-      part = (Eigen::Vector3d(r[N], r[N + 1], three ? r[N + 2] : 0) - projected).norm();
+      part = (Eigen::Vector3d(r[N], r[N + 1], three ? r[N + 2] : 0.0) - projected).norm();
     }
     if (!(part <= worst)) worst = part;
   }

@@ -99,7 +99,7 @@ double Referee::seconds_left() const {
   return (options_.max_time - (std::chrono::steady_clock::now() - begin_)).count();
 }
 
-Result Referee::result(std::string message) {
+Result Referee::result(const std::string& message) {
   result_.solution.r = scaled_.expand(best_);
   result_.solution.u = problem_.W * result_.solution.r + problem_.q;
   std::ostringstream text;

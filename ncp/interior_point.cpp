@@ -31,7 +31,7 @@ constexpr double vanishing_step = 1e-8;
 /// Proximal terms tried in turn, relative to the largest entry of J.
 constexpr double first_proximal = 1e-14;
 constexpr double proximal_growth = 1e4;
-constexpr double last_proximal = 1e3;
+constexpr int proximal_tries = 5;
 /// An active-set step is kept if it leaves at most this part of the natural residual.
 constexpr double finish_share = 0.5;
 /// tau is raised to this times the natural residual of the best point, times 10 a restart.
@@ -190,7 +190,8 @@ bool InteriorPath::factor() {
     if (below(i)) diagonal[i] += at_.w[i] / s(at_, i);
     if (above(i)) diagonal[i] += at_.v[i] / t(at_, i);
   }
-  for (double proximal = first_proximal; proximal <= last_proximal; proximal *= proximal_growth) {
+  double proximal = first_proximal;
+  for (int attempt = 0; attempt < proximal_tries; ++attempt, proximal *= proximal_growth) {
     for (Index j = 0; j < n; ++j) {
       SpMat::InnerIterator a(J, j);
       for (SpMat::InnerIterator k(K_, j); k; ++k) {
@@ -281,11 +282,11 @@ bool InteriorPath::advance(const Direction& d) {
       continue;
     }
     if (!(residual(to).norm() <= method_.growth * std::max(size, floor))) continue;
-    to.point.J = std::move(at_.point.J);
+    to.point.J.swap(at_.point.J);  // its pattern
     const bool defined = run_.counted().jacobian(to.point.x, to.point.J);
     if (!defined) {
       ++undefined_;
-      at_.point.J = std::move(to.point.J);
+      at_.point.J.swap(to.point.J);
       run_.counted().jacobian(at_.point.x, at_.point.J);  // as it was
       continue;
     }
