@@ -21,6 +21,7 @@
 #include "app/compare/command_line.hpp"
 #include "app/compare/worker.hpp"
 #include "app/comparison_report/write_report.hpp"
+#include "app/contact/command_line.hpp"
 #include "app/export.hpp"
 #include "app/inspect.hpp"
 #include "app/list.hpp"
@@ -71,6 +72,7 @@ constexpr const char* main_footer =
     "  perp inspect market.nl           size, structure, scaling, the start, derivatives: without solving\n"
     "  perp list                        what the collection has\n"
     "  perp export ahn -o F.mtx         an affine problem as Matrix Market files\n"
+    "  perp contact spheres:200         contact with Coulomb friction: Siconos' and FCLIB's files, or made ones\n"
     "  perp methods                     the methods and their options\n"
     "  perp cfunctions                  the complementarity functions and smoothings they are built on\n"
     "  perp compare --problems class:tiny  methods x problems, each run in a process of its own, and a report\n"
@@ -163,11 +165,13 @@ struct CommandLine {
   CLI::App* export_command = nullptr;
   CLI::App* compare = nullptr;
   CLI::App* report = nullptr;
+  CLI::App* contact = nullptr;
   SolveRequest solve_request;
   InspectRequest inspect_request;
   ListRequest list_request;
   ExportRequest export_request;
   compare::CompareRequest compare_request;
+  contacts::ContactWords contact_words;
   std::array<std::string, shortcuts.size()> shortcut_values;
   std::string level = "info";
   std::string all;
@@ -197,6 +201,7 @@ struct CommandLine {
     report = app.add_subcommand("report", "The report of a comparison: report.html and its numbers as CSV and JSON");
     report->footer(report_footer);
     report->add_option("DIR", campaign, "folder of the campaign")->required()->option_text(" ");
+    contact = contacts::add_command(app, contact_words);
   }
 
   void add_export() {
@@ -299,8 +304,8 @@ struct CommandLine {
 
 /// A first word that is no command: what was meant?
 void check_command(const std::string& word, const Streams& streams, bool& known) {
-  constexpr std::array<std::string_view, 9> commands{"solve",      "inspect", "list",   "export", "methods",
-                                                     "cfunctions", "compare", "report", "help"};
+  constexpr std::array<std::string_view, 10> commands{"solve",      "inspect", "list",   "export",  "methods",
+                                                      "cfunctions", "compare", "report", "contact", "help"};
   known = word.starts_with('-') || std::ranges::find(commands, word) != commands.end();
   if (known) return;
   std::string hint = did_you_mean(word, commands);
@@ -363,6 +368,7 @@ int run_command(std::vector<std::string> arguments, Streams streams) {
     return compare::compare(line.compare_request, streams, &interrupted);
   }
   if (line.report->parsed()) return report_campaign(line.campaign, streams);
+  if (line.contact->parsed()) return contacts::run_command(*line.contact, line.contact_words, streams, &interrupted);
   if (line.solve->parsed()) {
     try {
       line.finish_solve_request();

@@ -12,14 +12,29 @@ _perp() {
   local cur=${COMP_WORDS[COMP_CWORD]} prev=${COMP_WORDS[COMP_CWORD-1]} command=${COMP_WORDS[1]}
   COMPREPLY=()
   if [ "$COMP_CWORD" -eq 1 ]; then
-    mapfile -t COMPREPLY < <(compgen -W 'solve inspect list export methods cfunctions compare report help --help --version -v' -- "$cur")
+    mapfile -t COMPREPLY < <(compgen -W 'solve inspect list export methods cfunctions compare report contact help --help --version -v' -- "$cur")
     return
   fi
   case $prev in
+    --formulation)
+      mapfile -t COMPREPLY < <(compgen -W 'glocker ncp1 inner:8 outer:8 frictionless' -- "$cur")
+      return ;;
+    --encoding)
+      mapfile -t COMPREPLY < <(compgen -W 'A B' -- "$cur")
+      return ;;
+    --row)
+      mapfile -t COMPREPLY < <(compgen -W 'normalised original' -- "$cur")
+      return ;;
+    --form)
+      mapfile -t COMPREPLY < <(compgen -W 'reduced mixed' -- "$cur")
+      return ;;
+    --fclib-out | --svg)
+      mapfile -t COMPREPLY < <(compgen -f -- "$cur")
+      return ;;
     --method)
       mapfile -t COMPREPLY < <(compgen -W 'auto path miles nesqp qpcomp smooth interior proxi semismooth semicomp josephy robinson newton-min
         semismooth-min semismooth-penalised gsl-hybridsj lemke lemke-howson principal-pivoting block-pivoting least-index psor
-        min-newton fb-newton interior-point qp enumeration' -- "$cur")
+        min-newton fb-newton interior-point qp enumeration homotopy' -- "$cur")
       return ;;
     --log-level)
       mapfile -t COMPREPLY < <(compgen -W 'quiet warning summary info debug' -- "$cur")
@@ -41,7 +56,7 @@ _perp() {
       mapfile -t COMPREPLY < <(compgen -f -- "$cur")
       return ;;
     --json)
-      if [ "$command" = solve ] || [ "$command" = inspect ]; then
+      if [ "$command" = solve ] || [ "$command" = inspect ] || [ "$command" = contact ]; then
         mapfile -t COMPREPLY < <(compgen -f -- "$cur")
         return
       fi ;;
@@ -88,6 +103,14 @@ _perp() {
     compare)
       mapfile -t COMPREPLY < <(compgen -W '--problems --methods --starts --tol --time-limit --memory-limit --jobs --restarts --seed --external
         --out --resume --baseline --help' -- "$cur") ;;
+    contact)
+      if [ "${cur:0:1}" = - ]; then
+        mapfile -t COMPREPLY < <(compgen -W '--generate --formulation --method --encoding --row --form --tol --time-limit --json --fclib-out --svg
+          --log-level --full --compare --variants --out --memory-limit --jobs --help' -- "$cur")
+      else
+        mapfile -t COMPREPLY < <(compgen -W 'stack: spheres: arch: chain: wall: incline:' -- "$cur"
+          compgen -f -X '!*.@(dat|hdf5|h5)' -- "$cur"; compgen -d -- "$cur")
+      fi ;;
     report) mapfile -t COMPREPLY < <(compgen -d -- "$cur") ;;
     export)
       if [ "${cur:0:1}" = - ]; then
@@ -96,7 +119,7 @@ _perp() {
         mapfile -t COMPREPLY < <(compgen -W "$(_perp_problems "${COMP_WORDS[0]}")" -- "$cur")
       fi ;;
     methods | cfunctions) mapfile -t COMPREPLY < <(compgen -W '--help' -- "$cur") ;;
-    help) mapfile -t COMPREPLY < <(compgen -W 'solve inspect list export methods cfunctions compare report' -- "$cur") ;;
+    help) mapfile -t COMPREPLY < <(compgen -W 'solve inspect list export methods cfunctions compare report contact' -- "$cur") ;;
   esac
 }
 

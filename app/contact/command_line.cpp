@@ -1,0 +1,138 @@
+#include "app/contact/command_line.hpp"
+
+#include <fmt/format.h>
+
+#include <ostream>
+#include <utility>
+
+#include "app/contact/compare_variants.hpp"
+#include "app/contact/contact.hpp"
+
+namespace perp::app::contacts {
+
+namespace {
+
+constexpr const char* footer =
+    "PROBLEM is a file of FCLIB (HDF5) or Siconos (.dat), or NAME:SIZE[:SEED], a problem that is made with about SIZE\n"
+    "contacts: stack, spheres, arch, chain, wall, incline.\n"
+    "\n"
+    "Examples:\n"
+    "  perp contact Capsules.hdf5                              Glocker's NCP by the interior-point homotopy\n"
+    "  perp contact spheres:200:7 --svg forces.svg             the forces in their friction disks\n"
+    "  perp contact wall:100 --formulation inner:8             friction by octagons, and what that costs\n"
+    "  perp contact Rover.dat --method path --encoding B --row original\n"
+    "  perp contact arch:40 --json - | jq '.contacts[] | select(.state == \"slip\")'\n"
+    "  perp contact --generate stack:60 --fclib-out stack.hdf5\n"
+    "  perp contact data/*.dat --compare --out contact-comparison\n"
+    "  perp contact wall:40 arch:40 --compare --variants glocker,glocker+path/B,inner:4,inner:16,ncp1\n"
+    "\n"
+    "glocker and ncp1 are solved when Coulomb's law holds at r: the natural map relative to max(|q|, |r|, |u|) and to\n"
+    "|q| is at most the tolerance. inner:K, outer:K and frictionless are solved when their own affine problem is; "
+    "what\n"
+    "Coulomb's law says of them stands beside it.\n"
+    "\n"
+    "Exit codes: 0 solved (--compare: complete), 1 not solved, 2 wrong usage or input, 3 internal error, 4 a "
+    "comparison\n"
+    "that was interrupted.";
+
+/// Flags of the other mode.
+std::string misplaced(const CLI::App& command, bool compare) {
+  const auto given = [&](const char* flag) { return command.count(flag) > 0; };
+  if (compare) {
+    for (const char* flag : {"--formulation", "--method", "--encoding", "--row", "--form"})
+      if (given(flag))
+        return fmt::format("{}: --compare runs what --variants lists, as in glocker+path/B,inner:8", flag);
+    for (const char* flag : {"--svg", "--fclib-out", "--log-level", "--full"})
+      if (given(flag)) return fmt::format("{} goes with one run, not with --compare", flag);
+    return "";
+  }
+  for (const char* flag : {"--variants", "--out", "--memory-limit", "--jobs"})
+    if (given(flag)) return fmt::format("{} goes with --compare", flag);
+  return "";
+}
+
+std::optional<std::string> if_given(const CLI::App& command, const char* flag, const std::string& value) {
+  return command.count(flag) > 0 ? std::optional(value) : std::nullopt;
+}
+
+}  // namespace
+
+CLI::App* add_command(CLI::App& app, ContactWords& words) {
+  CLI::App* contact = app.add_subcommand("contact", "Unilateral contact with Coulomb friction: solve, judge, compare");
+  contact->footer(footer);
+  contact->add_option("PROBLEM", words.problems, "files, or problems that are made: NAME:SIZE[:SEED]")
+      ->option_text("...");
+  const auto text = [&](const char* flag, auto& value, const std::string& help, const char* shown) {
+    contact->add_option(flag, value, help)->option_text(shown);
+  };
+  contact->add_option("--generate", words.generated, "one more problem that is made; may be repeated")
+      ->option_text("NAME:SIZE[:SEED]")
+      ->allow_extra_args(false);
+  text("--formulation", words.formulation, fmt::format("one of {}; default glocker", formulation_names), "NAME");
+  text(
+      "--method", words.method,
+      "homotopy (of glocker, its default) or a method of 'perp methods': for glocker and ncp1 (default path) those for "
+      "nonlinear problems, for the others (default auto: Lemke's first) those for affine ones",
+      "NAME");
+  text("--encoding", words.encoding, "of glocker by another method than homotopy: A, an MCP, or B, an NCP (A)", "A|B");
+  text("--row", words.row, "of glocker by another method than homotopy: the disk's equation (normalised)",
+       "normalised|original");
+  text("--form", words.form, "of inner and outer: an LCP, or an MLCP with r_T free (reduced)", "reduced|mixed");
+  text("--tol", words.tol, "tolerance (1e-8)", "TOL");
+  text("--time-limit", words.time_limit, "give up after that time; of a comparison: each run (30)", "SECONDS");
+  text("--json", words.json, "write the result as JSON; - is standard output, the text then goes to standard error",
+       "FILE");
+  text("--fclib-out", words.fclib_out, "write problem and solution as an FCLIB file", "FILE");
+  text("--svg", words.svg, "draw the forces in their friction disks", "FILE");
+  text("--log-level", words.level,
+       fmt::format("one of {}; each shows more than the one before", fmt::join(log_level_names(), ", ")), "LEVEL");
+  contact->add_flag("--full", words.full, "print every contact of a long table");
+  contact->add_flag("--compare", words.compare, "run variants on all problems, each in a process of its own");
+  text("--variants", words.variants,
+       fmt::format("of a comparison: FORMULATION[+METHOD][/WORD]..., default {}", default_variants), "LIST");
+  text("--out", words.out, "of a comparison: where its files go (contact-comparison)", "DIR");
+  text("--memory-limit", words.memory_mb, "of a comparison: resident memory of a run (4096)", "MB");
+  text("--jobs", words.jobs, "of a comparison: runs at a time (1, so that times compare)", "N");
+  return contact;
+}
+
+int run_command(const CLI::App& command, const ContactWords& words, Streams streams,
+                const std::atomic<bool>* interrupt) {
+  if (const std::string why = misplaced(command, words.compare); !why.empty()) {
+    streams.err << "perp contact: " << why << '\n';
+    return exit_input;
+  }
+  if (words.compare) {
+    CompareVariantsRequest request{.problems = words.problems, .json = words.json};
+    request.problems.insert(request.problems.end(), words.generated.begin(), words.generated.end());
+    request.tol = words.tol.value_or(request.tol);
+    request.time_limit = words.time_limit.value_or(request.time_limit);
+    request.variants = words.variants.value_or(request.variants);
+    request.memory_mb = words.memory_mb.value_or(request.memory_mb);
+    request.jobs = words.jobs.value_or(request.jobs);
+    request.out = words.out.value_or(request.out);
+    return compare_variants(request, streams, interrupt);
+  }
+  ContactRequest request{.problems = words.problems,
+                         .generated = words.generated,
+                         .json = words.json,
+                         .fclib_out = words.fclib_out,
+                         .svg = words.svg,
+                         .full = words.full};
+  request.variant = {.method = if_given(command, "--method", words.method),
+                     .encoding = if_given(command, "--encoding", words.encoding),
+                     .row = if_given(command, "--row", words.row),
+                     .form = if_given(command, "--form", words.form)};
+  if (command.count("--formulation") > 0) request.variant.formulation = words.formulation;
+  request.tol = words.tol.value_or(request.tol);
+  request.time_limit = words.time_limit.value_or(request.time_limit);
+  try {
+    request.log_level = log_level(words.level);
+  } catch (const InputError& error) {
+    streams.err << "perp: " << error.what() << '\n';
+    return exit_input;
+  }
+  return solve_contact(request, streams, interrupt);
+}
+
+}  // namespace perp::app::contacts

@@ -1,0 +1,35 @@
+#pragma once
+/// The command line of `perp contact`.
+#include <CLI/App.hpp>
+#include <atomic>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/program.hpp"
+
+namespace perp::app::contacts {
+
+/// What the words of a command line say, before anything is looked at.
+struct ContactWords {
+  std::vector<std::string> problems{};
+  std::vector<std::string> generated{};
+  std::string formulation{};
+  std::string method{}, encoding{}, row{}, form{}, json{}, fclib_out{}, svg{};
+  std::string level = "info";
+  std::optional<double> tol{}, time_limit{};
+  bool full = false;
+  bool compare = false;
+  std::optional<std::string> variants{}, out{};
+  std::optional<long long> memory_mb{};
+  std::optional<int> jobs{};
+};
+
+/// Adds the command; what it is called with goes to `words`, which must outlive `app`.
+CLI::App* add_command(CLI::App& app, ContactWords& words);
+
+/// Runs it; its exit code.
+int run_command(const CLI::App& command, const ContactWords& words, Streams streams,
+                const std::atomic<bool>* interrupt);
+
+}  // namespace perp::app::contacts

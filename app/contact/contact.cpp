@@ -1,0 +1,142 @@
+#include "app/contact/contact.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <ostream>
+
+#include "app/contact/forces_svg.hpp"
+#include "app/contact/report.hpp"
+#include "app/json.hpp"
+#include "app/problem.hpp"
+#include "contact/fclib.hpp"
+
+namespace perp::app::contacts {
+
+namespace {
+
+/// Flags that make no sense, and files that could not be written after a long run.
+void check_request(const ContactRequest& request, std::size_t problems) {
+  if (problems == 0) throw InputError("which problem? FILE, or NAME:SIZE[:SEED] of a generator, as in spheres:100");
+  if (!(request.tol > 0) || !std::isfinite(request.tol))
+    throw InputError(fmt::format("--tol {:g}: a tolerance is positive", request.tol));
+  if (!(request.time_limit > 0))
+    throw InputError(fmt::format("--time-limit {:g}: a limit is positive", request.time_limit));
+  for (const auto& [flag, file] : {std::pair{"--svg", request.svg}, std::pair{"--fclib-out", request.fclib_out}}) {
+    if (file.empty()) continue;
+    if (problems > 1) throw InputError(fmt::format("{} {}: goes with one problem, not with {}", flag, file, problems));
+    check_writable(file);
+  }
+  if (!request.json.empty() && request.json != "-") check_writable(request.json);
+}
+
+void write_solution(const std::string& path, const Loaded& loaded, const Run& run) {
+  contact::Fclib file{.problem = loaded.problem,
+                      .title = loaded.label,
+                      .description = fmt::format("solution: {}, {}, by perp {}: {}", run.variant.label(), run.status,
+                                                 version_number(), run.message)};
+  file.solution = contact::FclibPoint{.u = run.solution.u, .r = run.solution.r};
+  contact::write_fclib(path, file);
+}
+
+class Command {
+ public:
+  Command(const ContactRequest& request, Streams streams, const std::atomic<bool>* interrupt)
+      : request_(request),
+        streams_(streams),
+        interrupt_(interrupt),
+        log_(request.json == "-" ? streams.err : streams.out) {}
+
+  ExitCode run() {
+    std::vector<std::string> problems = request_.problems;
+    problems.insert(problems.end(), request_.generated.begin(), request_.generated.end());
+    std::string why = refusal("", [&] {
+      check_request(request_, problems.size());
+      variant_ = parse_variant(request_.variant);
+      for (const std::string& name : request_.generated)
+        if (!is_generated(name)) generate(name);  // says why
+    });
+    if (!why.empty()) return refuse(problems.empty() ? "" : problems[0], why);
+    for (std::size_t k = 0; k < problems.size() && !stopped(); ++k) {
+      if (k > 0 && shows(LogLevel::Info)) log_ << '\n';
+      take(problems[k]);
+    }
+    if (all_.size() > 1 && shows(LogLevel::Summary)) {
+      log_ << '\n';
+      print_summaries(log_, all_);
+    }
+    if (all_.size() < problems.size()) code_ = std::max(code_, exit_unsolved);  // interrupted
+    log_.flush();
+    const std::string json = problems.size() == 1 && json_.size() == 1 ? json_[0] : runs_json(json_, code_);
+    return deliver_json(request_.json, json, streams_) ? code_ : exit_input;
+  }
+
+ private:
+  bool shows(LogLevel level) const { return request_.log_level >= level; }
+  bool stopped() const { return interrupt_ != nullptr && interrupt_->load(); }
+
+  ExitCode refuse(const std::string& problem, const std::string& why) {
+    streams_.err << "perp: " << why << '\n';
+    deliver_json(request_.json, refused_json(problem, why), streams_);
+    return exit_input;
+  }
+
+  /// One problem, from its file to its lines; its JSON is kept.
+  void take(const std::string& name) {
+    Summary summary{.label = name, .run = {}};
+    summary.refused = refusal(name, [&] {
+      const Loaded loaded = load(name);
+      if (shows(LogLevel::Info)) print_heading(log_, loaded, variant_, request_.tol);
+      log_.flush();
+      summary.run = contacts::run(loaded.problem, variant_,
+                                  {.tol = request_.tol, .seconds = request_.time_limit, .interrupt = interrupt_});
+      const Run& run = summary.run;
+      print(loaded, run);
+      const ExitCode code = run.solved ? exit_solved : exit_unsolved;
+      code_ = std::max(code_, code);
+      json_.push_back(request_.json.empty() ? "{}" : run_json(loaded, run, code));
+      if (!request_.svg.empty()) write_file(request_.svg, forces_svg(loaded, run));
+      if (!request_.fclib_out.empty()) write_solution(request_.fclib_out, loaded, run);
+    });
+    if (!summary.refused.empty()) {
+      streams_.err << "perp: " << summary.refused << '\n';
+      code_ = exit_input;
+      json_.resize(all_.size());
+      json_.push_back(refused_json(name, summary.refused));
+    }
+    all_.push_back(std::move(summary));
+  }
+
+  void print(const Loaded& loaded, const Run& run) {
+    if (shows(LogLevel::Debug)) print_history(log_, run);
+    if (shows(LogLevel::Info)) {
+      log_ << '\n';
+      print_contacts(log_, loaded.problem, run, request_.full);
+      log_ << '\n';
+    }
+    if (!shows(LogLevel::Summary)) return;
+    print_verdict(log_, loaded.problem, run);
+    if (shows(LogLevel::Info)) {
+      log_ << '\n';
+      print_judge(log_, loaded.problem, run);
+    }
+  }
+
+  const ContactRequest& request_;
+  Streams streams_;
+  const std::atomic<bool>* interrupt_;
+  std::ostream& log_;
+  Variant variant_;
+  ExitCode code_ = exit_solved;
+  std::vector<Summary> all_;
+  std::vector<std::string> json_;
+};
+
+}  // namespace
+
+ExitCode solve_contact(const ContactRequest& request, Streams streams, const std::atomic<bool>* interrupt) {
+  return Command(request, streams, interrupt).run();
+}
+
+}  // namespace perp::app::contacts

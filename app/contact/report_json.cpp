@@ -1,0 +1,79 @@
+/// Runs as JSON.
+#include "app/contact/report.hpp"
+#include "app/json_parts.hpp"
+
+namespace perp::app::contacts {
+
+namespace {
+
+using contact::Problem;
+using lcp::Index;
+
+Json contacts_json(const Problem& problem, const Run& run) {
+  const int d = problem.dimension;
+  Json array = Json::array();
+  for (Index a = 0; a < problem.contacts(); ++a) {
+    const contact::ContactState& s = run.states[static_cast<std::size_t>(a)];
+    array.push_back({{"contact", a + 1},
+                     {"mu", json_number(problem.mu[a])},
+                     {"state", contact::name(s.state)},
+                     {"margin", json_number(s.margin)},
+                     {"r", json_numbers(run.solution.r.segment(d * a, d))},
+                     {"u", json_numbers(run.solution.u.segment(d * a, d))}});
+  }
+  return array;
+}
+
+Json exact_residual_json(const contact::Residual& r) {
+  return {{"natural", json_number(r.natural)}, {"siconos", json_number(r.siconos)},
+          {"rr9118", json_number(r.rr9118)},   {"scaled", json_number(r.scaled)},
+          {"cone", json_number(r.cone)},       {"normal", json_number(r.normal)},
+          {"slip", json_number(r.slip)},       {"worst", r.worst < 0 ? Json(nullptr) : Json(r.worst + 1)}};
+}
+
+Json stats_json(const Run& run) {
+  Json json = Json::object();
+  for (const auto& [what, n] : run.counts) json[what] = n;
+  json["time_s"] = json_number(run.seconds);
+  return json;
+}
+
+}  // namespace
+
+std::string run_json(const Loaded& loaded, const Run& run, ExitCode code) {
+  const Variant& variant = run.variant;
+  const bool glocker = variant.law == Variant::Law::Glocker;
+  Json json = json_header();
+  json["problem"] = loaded.label;
+  json["dimension"] = loaded.problem.dimension;
+  json["formulation"] = variant.formulation();
+  json["method"] = variant.method;
+  json["variant"] = variant.label();
+  json["encoding"] = glocker ? Json(variant.encoding == contact::Encoding::A ? "A" : "B") : Json(nullptr);
+  json["row"] = glocker ? Json(variant.row == contact::DiskRow::Original ? "original" : "normalised") : Json(nullptr);
+  json["form"] = variant.faceted() ? Json(variant.form == contact::Form::Mixed ? "mixed" : "reduced") : Json(nullptr);
+  json["exact"] = variant.exact();
+  json["tol"] = json_number(run.limits.tol);
+  json["status"] = run.status;
+  json["exit_code"] = static_cast<int>(code);
+  json["message"] = run.message;
+  json["residual"] = exact_residual_json(run.residual);
+  json["own_residual"] = variant.exact() ? Json(nullptr) : json_number(run.own);
+  json["unknowns"] = run.unknowns > 0 ? Json(run.unknowns) : Json(nullptr);
+  json["states"] = {{"open", run.in_state(contact::State::Open)},
+                    {"stick", run.in_state(contact::State::Stick)},
+                    {"slip", run.in_state(contact::State::Slip)}};
+  json["stats"] = stats_json(run);
+  json["contacts"] = contacts_json(loaded.problem, run);
+  return json_text(json);
+}
+
+std::string runs_json(std::span<const std::string> objects, ExitCode code) {
+  Json json = json_header();
+  json["exit_code"] = static_cast<int>(code);
+  json["problems"] = Json::array();
+  for (const std::string& object : objects) json["problems"].push_back(Json::parse(object));
+  return json_text(json);
+}
+
+}  // namespace perp::app::contacts

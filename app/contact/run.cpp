@@ -1,0 +1,222 @@
+#include "app/contact/run.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <chrono>
+#include <filesystem>
+#include <limits>
+
+#include "app/methods.hpp"
+#include "app/program.hpp"
+#include "contact/first_ncp.hpp"
+#include "contact/frictionless.hpp"
+#include "contact/generators.hpp"
+#include "contact/inner_faceting.hpp"
+#include "contact/outer_faceting.hpp"
+#include "contact/read.hpp"
+#include "lcp/solve.hpp"
+
+namespace perp::app::contacts {
+
+namespace {
+
+using contact::Problem;
+using Clock = std::chrono::steady_clock;
+using Law = Variant::Law;
+
+std::string_view name_of(const std::string& argument) {
+  return std::string_view(argument).substr(0, argument.find(':'));
+}
+
+bool known_generator(std::string_view name) {
+  return std::ranges::any_of(contact::generators(), [&](const auto& entry) { return entry.name == name; });
+}
+
+std::string generator_names() {
+  std::vector<std::string_view> names;
+  for (const contact::GeneratorEntry& entry : contact::generators()) names.push_back(entry.name);
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+template <class Number>
+Number parse_count(const std::string& argument, std::string_view digits, const char* what) {
+  Number value = 0;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+  if (error != std::errc{} || end != digits.data() + digits.size() || digits.empty())
+    throw InputError(
+        fmt::format("'{}': '{}' is no {}; NAME:SIZE[:SEED] is meant, as in spheres:100:7", argument, digits, what));
+  return value;
+}
+
+/// What the exact law's judge says of r, whoever made it.
+void judge(Run& run, const Problem& problem) {
+  run.residual = contact::residual(problem, run.solution.r);
+  if (run.variant.exact()) {
+    run.states = contact::states(problem, run.solution.r);
+    return;
+  }
+  // Where a polygon's law lets a contact slip |r_T| need not be mu r_N: what moves, slips.
+  run.states = contact::states(contact::without_friction(problem), run.solution.r);
+  const int d = problem.dimension;
+  for (lcp::Index a = 0; a < problem.contacts(); ++a)
+    if (contact::ContactState& s = run.states[static_cast<std::size_t>(a)]; s.state == contact::State::Stick)
+      s.margin = problem.mu[a] * run.solution.r[d * a] - run.solution.r.segment(d * a + 1, d - 1).norm();
+}
+
+double larger_metric(const contact::Residual& r) { return std::max(r.siconos, r.rr9118); }
+
+void run_glocker(Run& run, const Problem& problem) {
+  contact::Options options{.tol = run.limits.tol,
+                           .max_time = std::chrono::duration<double>(run.limits.seconds),
+                           .interrupt = run.limits.interrupt};
+  if (!run.variant.homotopy()) {
+    contact::GlockerNcp ncp{.method = find_method(run.variant.method)->method,
+                            .formulation = {.encoding = run.variant.encoding, .row = run.variant.row}};
+    run.unknowns = contact::Glocker(contact::scaled(problem), ncp.formulation).size();
+    options.method = std::move(ncp);
+  }
+  contact::Result result = contact::solve(problem, options);
+  run.status = contact::to_string(result.status);
+  run.message = std::move(result.message);
+  run.solution = std::move(result.solution);
+  run.history = std::move(result.history);
+  run.counts = {{"iterations", result.stats.iterations},     {"sweeps", result.stats.sweeps},
+                {"newton_steps", result.stats.newton_steps}, {"proximal_steps", result.stats.proximal_steps},
+                {"attempts", result.stats.attempts},         {"factorizations", result.stats.factorizations}};
+  if (!run.variant.homotopy()) run.counts = {run.counts.front(), run.counts.back()};
+}
+
+/// The NCP's own residual says little of the law's: every iterate is judged, and the method goes on while it can.
+void run_first_ncp(Run& run, const Problem& problem) {
+  constexpr double tightest = 1e-14;
+  const contact::FirstNcp mcp(problem);
+  ncp::Method method = find_method(run.variant.method)->method;
+  ncp::Stop& stop = ncp::stop(method);
+  stop.interrupt = run.limits.interrupt;
+  stop.max_time = std::chrono::duration<double>(run.limits.seconds);
+  stop.tol = tightest;
+  const ncp::Observer judge = [&](const ncp::Iteration& it) {
+    if (it.x == nullptr || it.problem != &mcp) return ncp::Next::Continue;
+    const contact::Solution point = mcp.recover(lcp::project(mcp.box(), *it.x));
+    return point.r.allFinite() && larger_metric(contact::residual(problem, point.r)) <= run.limits.tol
+               ? ncp::Next::Stop
+               : ncp::Next::Continue;
+  };
+  const ncp::Result result = ncp::solve(mcp, mcp.start(), method, judge);
+  run.unknowns = mcp.size();
+  run.solution = mcp.recover(result.x);
+  run.counts = {{"iterations", result.stats.iterations}, {"factorizations", result.stats.factorizations}};
+  const bool solved = larger_metric(contact::residual(problem, run.solution.r)) <= run.limits.tol;
+  run.message = result.message;
+  run.status = solved                                      ? "Solved"
+               : result.solved() || result.message.empty() ? "NoProgress"
+                                                           : std::string(ncp::to_string(result.status));
+  if (!solved && result.solved()) run.message = "the NCP is solved to rounding, Coulomb's law is not: " + run.message;
+}
+
+/// As the other statuses are written.
+std::string_view status_name(lcp::Status status) {
+  constexpr std::array<std::string_view, 10> names{
+      "Solved",  "Infeasible",     "Ray",       "Singular",    "NotApplicable",
+      "Stalled", "IterationLimit", "TimeLimit", "Interrupted", "OutOfMemory"};
+  return names.at(static_cast<std::size_t>(status));
+}
+
+template <class Encoding>
+void run_affine(Run& run, const Encoding& encoding, Clock::time_point begin) {
+  const lcp::AffineMcp& problem = encoding.affine();
+  lcp::Limits limits{.tol = run.limits.tol / (1 + (problem.q.size() > 0 ? problem.q.lpNorm<Eigen::Infinity>() : 0))};
+  limits.deadline =
+      begin + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(run.limits.seconds));
+  if (const auto* interrupt = run.limits.interrupt) limits.interrupted = [interrupt] { return interrupt->load(); };
+  const lcp::Result result =
+      run.variant.method == "auto"
+          ? contact::solve(encoding, limits)
+          : lcp::solve(problem, lcp::Vec::Zero(problem.size()),
+                       std::get<ncp::Affine>(find_method(run.variant.method)->method).method, limits);
+  run.unknowns = problem.size();
+  run.own = result.residual;
+  run.status = status_name(result.status);
+  run.message = result.message;
+  run.solution = encoding.recover(result.z);
+  run.counts = {{"iterations", result.iterations}, {"factorizations", result.factorizations}};
+}
+
+contact::Polygons polygons(const Problem& problem, const Variant& variant) {
+  if (problem.dimension == 2) return {contact::Polygon::interval()};
+  return {variant.law == Law::Inner ? contact::Polygon::inscribed(variant.facets)
+                                    : contact::Polygon::circumscribed(variant.facets)};
+}
+
+}  // namespace
+
+bool is_generated(const std::string& argument) {
+  std::error_code ignored;
+  return argument.find(':') != std::string::npos && known_generator(name_of(argument)) &&
+         !std::filesystem::exists(argument, ignored);
+}
+
+Loaded generate(const std::string& argument) {
+  const std::string_view name = name_of(argument);
+  if (!known_generator(name)) {
+    std::vector<std::string_view> names;
+    for (const contact::GeneratorEntry& entry : contact::generators()) names.push_back(entry.name);
+    throw InputError(
+        fmt::format("'{}': '{}' is none of {}.{}", argument, name, generator_names(), did_you_mean(name, names)));
+  }
+  if (name.size() == argument.size()) throw InputError(fmt::format("'{0}': how many contacts? {0}:100, say", argument));
+  const std::string_view rest = std::string_view(argument).substr(name.size() + 1);
+  const std::size_t colon = rest.find(':');
+  const auto size = parse_count<lcp::Index>(argument, rest.substr(0, colon), "number of contacts");
+  if (size < 1) throw InputError(fmt::format("'{}': at least 1 contact is needed", argument));
+  const unsigned seed =
+      colon == std::string_view::npos ? 1U : parse_count<unsigned>(argument, rest.substr(colon + 1), "seed");
+  return {argument, contact::make_scene(name, size, seed).problem()};
+}
+
+Loaded load(const std::string& argument) {
+  std::error_code ignored;
+  if (is_generated(argument)) return generate(argument);
+  if (std::filesystem::is_directory(argument, ignored))
+    throw InputError(fmt::format("'{}' is a directory, not a file", argument));
+  if (!std::filesystem::exists(argument, ignored))
+    throw InputError(fmt::format("there is no file '{}'; problems that can be made, as NAME:SIZE[:SEED]: {}", argument,
+                                 generator_names()));
+  return {argument, contact::read_problem(argument)};
+}
+
+lcp::Index Run::in_state(contact::State state) const {
+  return std::ranges::count(states, state, &contact::ContactState::state);
+}
+
+Run run(const Problem& problem, const Variant& variant, const Limits& limits) {
+  const Clock::time_point begin = Clock::now();
+  Run run{.variant = variant, .limits = limits};
+  const contact::EncodingOptions form{.form = variant.form};
+  switch (variant.law) {
+    case Law::Glocker:
+      run_glocker(run, problem);
+      break;
+    case Law::Ncp1:
+      run_first_ncp(run, problem);
+      break;
+    case Law::Inner:
+      run_affine(run, contact::InnerFaceting(problem, polygons(problem, variant), form), begin);
+      break;
+    case Law::Outer:
+      run_affine(run, contact::OuterFaceting(problem, polygons(problem, variant), form), begin);
+      break;
+    case Law::Frictionless:
+      run_affine(run, contact::Frictionless(problem), begin);
+      break;
+  }
+  run.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
+  run.solved = run.status == "Solved";
+  judge(run, problem);
+  return run;
+}
+
+}  // namespace perp::app::contacts

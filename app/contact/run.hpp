@@ -1,0 +1,57 @@
+#pragma once
+/// One run: a problem, a variant, limits, and the judge's word. Only contact::residual calls a point a solution of
+/// Coulomb's law (both published metrics at most tol); faceted and frictionless laws are judged by the natural residual
+/// of their own affine problem first, in the units of contact/units.hpp, and the exact law's residual stands beside it.
+#include <atomic>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "app/contact/variant.hpp"
+#include "contact/facts.hpp"
+#include "contact/problem.hpp"
+#include "contact/residual.hpp"
+#include "contact/solve.hpp"
+
+namespace perp::app::contacts {
+
+struct Loaded {
+  std::string label;  ///< as it was given
+  contact::Problem problem;
+};
+/// A file of FCLIB or Siconos, or NAME:SIZE[:SEED] of contact/generators.hpp, SIZE contacts, where there is no such
+/// file. Throws InputError, lcp::FileError, std::invalid_argument, std::bad_alloc.
+Loaded load(const std::string& argument);
+/// The same where the argument has to be NAME:SIZE[:SEED].
+Loaded generate(const std::string& argument);
+/// Is it NAME:... of a generator and no file?
+bool is_generated(const std::string& argument);
+
+struct Limits {
+  double tol = 1e-8;
+  double seconds = 30;
+  const std::atomic<bool>* interrupt = nullptr;
+};
+
+struct Run {
+  Variant variant{};
+  Limits limits{};
+  std::string status{};  ///< "Solved", "NoProgress", "TimeLimit", ...
+  std::string message{};
+  bool solved = false;  ///< exact(): the exact law, else the variant's own problem
+  contact::Solution solution{};
+  contact::Residual residual{};  ///< of Coulomb's law
+  double own = 0;                ///< of laws that are not exact: natural residual of the affine problem
+  lcp::Index unknowns = 0;       ///< of it, or of the NCP; 0 of the homotopy, which has none but r
+  std::vector<contact::ContactState> states{};
+  std::vector<std::pair<std::string, long>> counts{};  ///< iterations first; JSON's keys
+  double seconds = 0;
+  std::vector<contact::Record> history{};
+
+  lcp::Index in_state(contact::State state) const;
+};
+
+/// Throws what the libraries throw at malformed input.
+Run run(const contact::Problem& problem, const Variant& variant, const Limits& limits);
+
+}  // namespace perp::app::contacts

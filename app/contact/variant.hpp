@@ -1,0 +1,58 @@
+#pragma once
+/// One way to solve a contact problem: a law of friction, its form, and a method. As text
+///     FORMULATION[+METHOD][/WORD]...
+/// "glocker", "glocker+path/B/original", "inner:8", "outer:16+lemke/mixed", "frictionless", "ncp1+semismooth".
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "contact/affine_encoding.hpp"
+#include "contact/glocker.hpp"
+
+namespace perp::app::contacts {
+
+struct Variant {
+  enum class Law { Glocker, Ncp1, Inner, Outer, Frictionless };
+  Law law = Law::Glocker;
+  int facets = 0;        ///< K of Inner and Outer
+  std::string method{};  ///< "homotopy" (Glocker alone), or a name of `perp methods`; "auto" of the affine laws:
+                         ///< Lemke's from the encoding's own start, then lcp::Auto
+  contact::Encoding encoding = contact::Encoding::A;  ///< of Glocker
+  contact::DiskRow row = contact::DiskRow::Normalised;
+  contact::Form form = contact::Form::Reduced;  ///< of Inner and Outer
+
+  /// Is it Coulomb's law? The others solve a problem of their own.
+  bool exact() const { return law == Law::Glocker || law == Law::Ncp1; }
+  bool faceted() const { return law == Law::Inner || law == Law::Outer; }
+  bool homotopy() const { return law == Law::Glocker && method == "homotopy"; }
+  std::string formulation() const;  ///< "glocker", "inner:8"
+  /// The text it is parsed from, with its method, without what is as it would be anyway.
+  std::string label() const;
+  /// The flags of `perp contact` that ask for it.
+  std::vector<std::string> flags() const;
+  /// In words: "Glocker's NCP (encoding B, normalised disk row) by path".
+  std::string words() const;
+};
+
+/// What flags say; what is not given follows from the rest.
+struct VariantRequest {
+  std::string formulation = "glocker";
+  std::optional<std::string> method{};
+  std::optional<std::string> encoding{};
+  std::optional<std::string> row{};
+  std::optional<std::string> form{};
+};
+/// Throws InputError naming flag and value: no such word, K < 3 or above 1000, a flag of another formulation or method.
+Variant parse_variant(const VariantRequest& request);
+/// Of the text above.
+Variant parse_variant(const std::string& text);
+/// Of a comma-separated list; refuses repetitions.
+std::vector<Variant> parse_variants(const std::string& list);
+
+/// The formulations, as --help writes them.
+inline constexpr const char* formulation_names = "glocker, ncp1, inner:K, outer:K, frictionless";
+/// What `--compare` runs where nothing else is asked for.
+inline constexpr const char* default_variants =
+    "glocker+homotopy,glocker+path/B,glocker+semismooth/B,glocker+smooth/B,inner:8,outer:8,frictionless";
+
+}  // namespace perp::app::contacts
