@@ -95,22 +95,24 @@ double natural_map(const Scaled& problem, In r) { return natural_map(problem, r,
 double natural_map(const Scaled& problem, In r, In centre, double alpha) {
   const Vec u = problem.W * r + problem.q + alpha * (r - centre);
   double worst = 0;
+  Vec y(3);
+  Vec projected(3);
   for (const Scaled::Block& block : problem.blocks) {
     const Index N = block.first;
+    const int d = block.size;
     double part = 0;
-    if (block.size == 1) {
+    if (d == 1) {
       part = std::abs(r[N] - std::max(0.0, r[N] - u[N]));
     } else {
-      const bool three = block.size == 3;
-      Eigen::Vector3d y(r[N] - u[N], r[N + 1] - u[N + 1], three ? r[N + 2] - u[N + 2] : 0.0);
-      y[0] -= three ? std::hypot(u[N + 1], u[N + 2]) : std::abs(u[N + 1]);
-      Eigen::Vector3d projected;
-      project_onto_cone(y, 1, projected);
-      part = (Eigen::Vector3d(r[N], r[N + 1], three ? r[N + 2] : 0.0) - projected).norm();
+      y.head(d) = r.segment(N, d) - u.segment(N, d);
+      y[0] -= u.segment(N + 1, d - 1).norm();
+      project_onto_cone(y.head(d), 1, projected.head(d));
+      part = (r.segment(N, d) - projected.head(d)).norm();
     }
     if (!(part <= worst)) worst = part;
   }
-  return std::isnan(worst) ? lcp::infinity : worst;
+  if (std::isnan(worst)) return lcp::infinity;
+  return worst;
 }
 
 }  // namespace perp::contact
