@@ -82,7 +82,7 @@ std::string field(const Json& value) {
   if (value.is_null()) return "";
   if (value.is_boolean()) return value.get<bool>() ? "yes" : "no";
   if (!value.is_string()) return value.dump();
-  const auto text = value.get<std::string>();
+  auto text = value.get<std::string>();
   if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
   std::string quoted;
   for (const char c : text) quoted += c == '"' ? "\"\"" : std::string(1, c);
@@ -106,9 +106,10 @@ Cell cell_of(const compare::ProcessEnd& end, const std::string& json, const comp
   if (end.why == Why::MemoryLimit) {
     cell.outcome = Outcome::MemoryLimit;
     cell.message = fmt::format("killed: more than {} MB", limits.memory_mb);
-  } else if (end.why == Why::TimeLimit && !complete) {
+  } else if (end.why == Why::TimeLimit) {
     cell.outcome = Outcome::TimeLimit;
-    cell.message = fmt::format("killed after {:.3g} s, reading included", end.seconds);
+    cell.message = complete ? fmt::format("told to end after {:.3g} s; {}", end.seconds, cell.message)
+                            : fmt::format("killed after {:.3g} s, reading included", end.seconds);
   } else if (!complete) {
     cell.outcome = Outcome::Crashed;
     cell.message = WIFSIGNALED(end.status) ? compare::signal_name(WTERMSIG(end.status))

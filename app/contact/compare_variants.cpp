@@ -136,10 +136,9 @@ class Campaign {
     cell.exact = variant.exact();
     cell.command = command;
     if (cell.status == "Interrupted" && stopped()) return;
-    if (cell.solved() && cell.seconds > request_.time_limit) {
-      cell.outcome = Outcome::TimeLimit;
-      cell.message = fmt::format("solved after {:.3g} s, beyond the limit", cell.seconds);
-    }
+    const bool over = cell.seconds > request_.time_limit;
+    if (over && cell.solved()) cell.message = fmt::format("solved after {:.3g} s, beyond the limit", cell.seconds);
+    if (over && (cell.solved() || cell.outcome == Outcome::Failed)) cell.outcome = Outcome::TimeLimit;
     add(std::move(cell), total);
   }
 

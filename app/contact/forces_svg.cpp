@@ -130,7 +130,12 @@ struct Grid {
   double left = 0, cell = 0, height = 0;
   Index columns = 1;
   bool numbers = true;
-  double bottom(Index n) const { return top + height * static_cast<double>((n + columns - 1) / columns); }
+  /// Upper left corner of the k-th cell.
+  Pixel corner(Index k) const {
+    const Index row = k / columns;
+    return {left + cell * static_cast<double>(k - row * columns), top - 8 + height * static_cast<double>(row)};
+  }
+  double bottom(Index n) const { return corner(n - 1).y + height + 8; }
 };
 
 /// The largest cells with which all fit on a page of the usual height.
@@ -194,7 +199,7 @@ class Drawing {
     legend.marker("open", Marker::Cross, "open: no force");
     if (ticks)
       legend.line("against", d_ == 3 ? "against the slip (-u_T): where friction belongs" : "against the slip (-u_T)");
-    Legend second(svg, {margin, 102}, width - margin);
+    Legend second(svg, {margin - 8, 102}, width - margin);
     second.words(d_ == 3 ? "disk: |r_T| <= mu r_N, scaled to one size; T1 right, T2 up"
                          : "interval: |r_T| <= mu r_N, scaled to one size");
     second.box("bar-stick", logarithmic_ ? fmt::format("bar: r_N, logarithmic, from {} N s at its foot to {}",
@@ -253,8 +258,7 @@ class Drawing {
   void one_by_one(Svg& svg, const Grid& grid) const {
     for (std::size_t k = 0; k < contacts_.size(); ++k) {
       const auto place = static_cast<Index>(k);
-      const double x = grid.left + grid.cell * static_cast<double>(place % grid.columns);
-      const double y = top - 8 + grid.height * static_cast<double>(place / grid.columns);
+      const auto [x, y] = grid.corner(place);
       if (!grid.numbers && place % grid.columns == 0)
         svg.text("small", {grid.left - 6, y + grid.cell / 2 + 4}, fmt::format("{}", contacts_[k].number), Anchor::End);
       if (grid.numbers)

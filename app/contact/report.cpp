@@ -135,7 +135,8 @@ void print_history(std::ostream& out, const Run& run) {
   for (const contact::Record& r : run.history)
     table.add({fmt::format("{}", r.k), std::string(1, r.kind), number(r.tau, 3), number(r.step, 3), number(r.alpha, 3),
                metric(r.siconos), metric(r.rr9118)});
-  out << "\nPoints judged: G sweeps, N homotopy step, P Newton step on Alart & Curnier's equation, X proximal problem,\n"
+  out << "\nPoints judged: G sweeps, N homotopy step, P Newton step on Alart & Curnier's equation, X proximal "
+         "problem,\n"
          "C end of a stage, others: the method's letters\n";
   table.print(out, 2);
 }
@@ -188,7 +189,7 @@ void print_judge(std::ostream& out, const Problem& problem, const Run& run) {
   line(out, "outside of the cone", metric(r.cone), "N s, of |r_T| <= mu r_N and r_N >= 0");
   line(out, "normal complementarity", metric(r.normal), "N s, |min(r_N, rho u_N)|");
   line(out, "friction against slip", metric(r.slip), "J, |mu r_N |u_T| + r_T.u_T|");
-  if (r.worst < 0) return;
+  if (r.worst < 0 || r.scaled == 0) return;
   const Parts p = parts(problem, run, r.worst);
   line(out, "worst contact", fmt::format("{}", r.worst + 1),
        fmt::format("{}: r_N {}, |r_T| {}, u_N {}, |u_T| {}", name(run.states[static_cast<std::size_t>(r.worst)].state),

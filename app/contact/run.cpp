@@ -41,6 +41,12 @@ std::string generator_names() {
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
+std::string similar(std::string_view name) {
+  std::vector<std::string_view> names;
+  for (const contact::GeneratorEntry& entry : contact::generators()) names.push_back(entry.name);
+  return did_you_mean(name, names);
+}
+
 template <class Number>
 Number parse_count(const std::string& argument, std::string_view digits, const char* what) {
   Number value = 0;
@@ -161,12 +167,8 @@ bool is_generated(const std::string& argument) {
 
 Loaded generate(const std::string& argument) {
   const std::string_view name = name_of(argument);
-  if (!known_generator(name)) {
-    std::vector<std::string_view> names;
-    for (const contact::GeneratorEntry& entry : contact::generators()) names.push_back(entry.name);
-    throw InputError(
-        fmt::format("'{}': '{}' is none of {}.{}", argument, name, generator_names(), did_you_mean(name, names)));
-  }
+  if (!known_generator(name))
+    throw InputError(fmt::format("'{}': '{}' is none of {}.{}", argument, name, generator_names(), similar(name)));
   if (name.size() == argument.size()) throw InputError(fmt::format("'{0}': how many contacts? {0}:100, say", argument));
   const std::string_view rest = std::string_view(argument).substr(name.size() + 1);
   const std::size_t colon = rest.find(':');
@@ -183,8 +185,8 @@ Loaded load(const std::string& argument) {
   if (std::filesystem::is_directory(argument, ignored))
     throw InputError(fmt::format("'{}' is a directory, not a file", argument));
   if (!std::filesystem::exists(argument, ignored))
-    throw InputError(fmt::format("there is no file '{}'; problems that can be made, as NAME:SIZE[:SEED]: {}", argument,
-                                 generator_names()));
+    throw InputError(fmt::format("there is no file '{}'; problems that can be made, as NAME:SIZE[:SEED]: {}.{}",
+                                 argument, generator_names(), similar(name_of(argument))));
   return {argument, contact::read_problem(argument)};
 }
 

@@ -62,7 +62,7 @@ void set_method(Variant& variant, const VariantRequest& request) {
   const MethodEntry* entry = find_method(variant.method);
   if (entry == nullptr) {
     std::vector<std::string_view> names = method_names();
-    names.push_back("homotopy");
+    names.emplace_back("homotopy");
     throw InputError(fmt::format("--method: there is no method '{}'.{} 'perp methods' lists them; homotopy is one more",
                                  variant.method, did_you_mean(variant.method, names)));
   }

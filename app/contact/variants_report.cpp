@@ -26,13 +26,13 @@ using comparison::HtmlTable;
 constexpr double least_time = 1e-6;  // s; below it times are noise
 
 constexpr std::string_view style = R"css(
-body { font: 16px/1.5 system-ui, "DejaVu Sans", "Liberation Sans", Arial, sans-serif; color: #222; max-width: 1150px;
+body { font: 16px/1.5 system-ui, "DejaVu Sans", "Liberation Sans", Arial, sans-serif; color: #222; max-width: 1400px;
   margin: 0 auto; padding: 8px 20px 40px; }
 h1 { font-size: 24px; } h2 { font-size: 18px; margin: 28px 0 6px; }
 table { border-collapse: collapse; font-size: 13.5px; font-variant-numeric: tabular-nums; margin: 8px 0; }
 caption { text-align: left; padding: 4px 0; color: #555; }
 th, td { padding: 3px 9px; border-bottom: 1px solid #e3e3e3; text-align: left; vertical-align: top; }
-thead th { border-bottom: 1.5px solid #222; vertical-align: bottom; } tbody th { font-weight: 500; }
+thead th { border-bottom: 1.5px solid #222; vertical-align: bottom; overflow-wrap: anywhere; } tbody th { font-weight: 500; }
 thead th button { font: inherit; color: inherit; background: none; border: 0; padding: 0; text-align: inherit; }
 .n { text-align: right; white-space: nowrap; } .bad { color: #b00020; } .best { font-weight: 700; } .soft { color: #666; }
 .scroll { overflow-x: auto; } .charts { display: grid; grid-template-columns: 1fr 1fr; gap: 4px 16px; }

@@ -147,6 +147,10 @@ TEST(ContactCompare, CellOfAProcess) {
   for (const char* torn : {"", "{", "[]", R"({"status":"Solved"})", R"({"status":"Solved","message":3})"})
     EXPECT_EQ(cell_of({}, torn, limits).outcome, Outcome::Crashed) << torn;
   EXPECT_EQ(cell_of({.why = compare::ProcessEnd::Why::MemoryLimit}, "", limits).outcome, Outcome::MemoryLimit);
+  const Cell told = cell_of({.why = compare::ProcessEnd::Why::TimeLimit, .seconds = 3},
+                            R"({"status":"InputError","message":"interrupted"})", limits);
+  EXPECT_EQ(told.outcome, Outcome::TimeLimit);
+  EXPECT_THAT(told.message, HasSubstr("told to end after 3 s"));
   const Cell refused = cell_of({}, R"({"status":"InputError","message":"no"})", limits);
   EXPECT_EQ(refused.outcome, Outcome::Failed);
   EXPECT_THAT(refused.message, HasSubstr("refused: no"));
