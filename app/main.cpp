@@ -346,10 +346,13 @@ int run_command(std::vector<std::string> arguments, Streams streams) {
     streams.out << (chosen.empty() ? line.app.help() : chosen[0]->help("perp"));
     return exit_solved;
   } catch (const CLI::ParseError& error) {
-    const auto chosen = line.app.get_subcommands();
-    const std::string command = chosen.empty() ? "perp" : "perp " + chosen[0]->get_name();
-    streams.err << fmt::format("{}: {} See '{} --help'.\n", command,
-                               parse_message(chosen.empty() ? line.app : *chosen[0], error), command);
+    const CLI::App* chosen = &line.app;
+    std::string command = "perp";
+    while (!chosen->get_subcommands().empty()) {
+      chosen = chosen->get_subcommands()[0];
+      command += " " + chosen->get_name();
+    }
+    streams.err << fmt::format("{}: {} See '{} --help'.\n", command, parse_message(*chosen, error), command);
     return exit_input;
   }
   if (line.version) {

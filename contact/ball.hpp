@@ -20,17 +20,17 @@
 namespace perp::contact {
 
 struct CyclicBall {
-  double mass = 1;               ///< m [kg]; the path does not depend on it
-  double radius = 0.1;           ///< [m]; nor on this
-  double mu = 0.3;               ///< [-]
-  double gravity = 9.81;         ///< g [m/s^2]
-  double load = 1;               ///< L [-]: |F| / (mu m g)
-  double phase = 5;              ///< P [s]
-  double cycles = 3;             ///< of 3 P
-  double h = 0.01;               ///< [s]
-  double theta = 0.5;            ///< of the scheme
-  double frame = 0;              ///< of the contact, turned from (x, y) by this angle [rad]
-  bool rolls = false;            ///< it may turn: then it rolls, F = 7/5 m a, while L <= 3.5, by any law
+  double mass = 1;        ///< m [kg]; the path does not depend on it
+  double radius = 0.1;    ///< [m]; nor on this
+  double mu = 0.3;        ///< [-]
+  double gravity = 9.81;  ///< g [m/s^2]
+  double load = 1;        ///< L [-]: |F| / (mu m g)
+  double phase = 5;       ///< P [s]
+  double cycles = 3;      ///< of 3 P
+  double h = 0.01;        ///< [s]
+  double theta = 0.5;     ///< of the scheme
+  double frame = 0;       ///< of the contact, turned from (x, y) by this angle [rad]
+  bool rolls = false;     ///< it may turn: then it rolls, F = 7/5 m a, while 2/7 F is within friction's limit, L <= 3.5
   Vec3 velocity = Vec3::Zero();  ///< at t = 0 [m/s]
   double tol = 1e-10;            ///< of each step's contact problem
 };

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <limits>
@@ -62,14 +63,18 @@ std::vector<FrictionLaw> laws(const BallRequest& request) {
 
 double degrees(double radians) { return radians * 180 / std::numbers::pi; }
 
+/// Three decimals, and no -0.000.
+std::string metres(double value) { return fmt::format("{:.3f}", std::abs(value) < 5e-4 ? 0 : value); }
+/// What rounding and tolerances leave is 0.
+std::string joules(double value) { return std::abs(value) < 1e-6 ? "0" : number(value, 4); }
+
 std::string heading(const CyclicBall& ball) {
-  return fmt::format(
-      "Ball on a plane, mu {:g}; a load of constant size at 60, 180 and -60 degrees, {:g} s each, in turn; {:g} "
-      "cycles, "
-      "steps of {:g} s{}{}",
-      ball.mu, ball.phase, ball.cycles, ball.h,
-      ball.frame != 0 ? fmt::format("; frame turned by {:.4g} degrees", degrees(ball.frame)) : "",
-      ball.rolls ? "; it may roll" : "");
+  std::string text = fmt::format(
+      "Ball on a plane, mu {:g}; a load of constant size at 60, 180 and -60 degrees, {:g} s each, in turn; {:g} {}, "
+      "steps of {:g} s",
+      ball.mu, ball.phase, ball.cycles, ball.cycles == 1 ? "cycle" : "cycles", ball.h);
+  if (ball.frame != 0) text += fmt::format("; frame turned by {:.4g} degrees", degrees(ball.frame));
+  return text + (ball.rolls ? "; it may roll" : "");
 }
 
 void print(std::ostream& out, const BallScene& scene) {
@@ -88,11 +93,10 @@ void print(std::ostream& out, const BallScene& scene) {
     const contact::Vec3 end = path.centres.back();
     const double distance = from_exact(scene, path);
     const bool drifts = drift.norm() > 1e-5;
-    table.add({name(path.law) + (path.solved ? "" : " (unsolved)"), fmt::format("{:.3f}", end.x() + 0.0),
-               fmt::format("{:.3f}", end.y() + 0.0), std::isnan(distance) ? "" : fmt::format("{:.3f}", distance),
-               fmt::format("{:.4f}", drift.norm()),
+    table.add({name(path.law) + (path.solved ? "" : " (unsolved)"), metres(end.x()), metres(end.y()),
+               std::isnan(distance) ? "" : metres(distance), fmt::format("{:.4f}", drift.norm()),
                drifts ? fmt::format("{:.0f} deg", degrees(std::atan2(drift.y(), drift.x()))) : "-",
-               number(path.energy.work, 4), number(path.energy.friction, 4), fmt::format("{:.2f}", path.seconds)});
+               joules(path.energy.work), joules(path.energy.friction), fmt::format("{:.2f}", path.seconds)});
   }
   table.print(out, 2);
   for (const BallPath& path : scene.paths)
@@ -153,6 +157,7 @@ std::string ball_json(const std::vector<BallScene>& scenes, ExitCode code) {
 std::vector<BallScene> run(const BallRequest& request, const std::atomic<bool>* interrupt) {
   for (const std::string& file : {request.svg, request.json})
     if (!file.empty() && file != "-") check_writable(file);
+  if (!std::isfinite(request.frame)) throw InputError(fmt::format("--frame {}: an angle is finite", request.frame));
   if (request.svg == "-") throw InputError("--svg -: a picture goes to a file");
   const std::vector<FrictionLaw> all = laws(request);
   const std::vector<double> loads = parse_list("--load", request.loads, 0.0, 1e6);
@@ -194,7 +199,9 @@ ExitCode ball(const BallRequest& request, Streams streams, const std::atomic<boo
       for (const BallPath& path : scene.paths)
         if (!path.solved) code = exit_unsolved;
     }
-    log << "\ndrift: the mean velocity over the last cycle. By Coulomb's law there is none.\n";
+    log << (request.ball.rolls
+                ? "\nRolling takes 2/7 of the load in friction: laws differ where that is more than they allow.\n"
+                : "\ndrift: the mean velocity over the last cycle. By Coulomb's law there is none.\n");
     if (!request.svg.empty()) write_file(request.svg, ball_svg(scenes));
     json = request.json.empty() ? "" : ball_json(scenes, code);
   });

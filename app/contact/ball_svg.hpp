@@ -1,7 +1,8 @@
 #pragma once
-/// The paths of the ball under the cyclic load, seen from above, over each other: a panel for each load, all of one
-/// scale within it. Laws differ in colour (Okabe & Ito's, which colour-blind people can tell apart), in dashes and in
-/// the mark at the end of each cycle; Coulomb's law is black and wide.
+/// The paths of the ball under the cyclic load, seen from above, over each other: a panel for each load, and a closer
+/// view where some paths are so long that others would be small. Laws differ in colour (Okabe & Ito's, which
+/// colour-blind people can tell apart), in dashes and in the mark at the end of each cycle; Coulomb's law is black and
+/// wide.
 #include <span>
 #include <string>
 

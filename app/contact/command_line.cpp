@@ -5,6 +5,7 @@
 #include <ostream>
 #include <utility>
 
+#include "app/contact/ball_command_line.hpp"
 #include "app/contact/compare_variants.hpp"
 #include "app/contact/contact.hpp"
 
@@ -24,6 +25,7 @@ constexpr const char* footer =
     "  perp contact arch:40 --json - | jq '.contacts[] | select(.state == \"slip\")'\n"
     "  perp contact --generate stack:60 --fclib-out stack.hdf5\n"
     "  perp contact data/*.dat --compare --out contact-comparison\n"
+    "  perp contact ball --svg ball.svg                        time stepping: what facets do to a path\n"
     "  perp contact wall:40 arch:40 --compare --variants glocker,glocker+path/B,inner:4,inner:16,ncp1\n"
     "\n"
     "glocker and ncp1 are solved when Coulomb's law holds at r: the natural map relative to max(|q|, |r|, |u|) and to\n"
@@ -93,11 +95,13 @@ CLI::App* add_command(CLI::App& app, ContactWords& words) {
   text("--out", words.out, "of a comparison: where its files go (contact-comparison)", "DIR");
   text("--memory-limit", words.memory_mb, "of a comparison: resident memory of a run (4096)", "MB");
   text("--jobs", words.jobs, "of a comparison: runs at a time (1, so that times compare)", "N");
+  add_ball_command(*contact, words.ball);
   return contact;
 }
 
 int run_command(const CLI::App& command, const ContactWords& words, Streams streams,
                 const std::atomic<bool>* interrupt) {
+  if (command.got_subcommand("ball")) return run_ball_command(command, words.ball, streams, interrupt);
   if (const std::string why = misplaced(command, words.compare); !why.empty()) {
     streams.err << "perp contact: " << why << '\n';
     return exit_input;

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "app/contact/ball.hpp"
 #include "app/program.hpp"
 
 namespace perp::app::contacts {
@@ -23,6 +24,7 @@ struct ContactWords {
   std::optional<std::string> variants{}, out{};
   std::optional<long long> memory_mb{};
   std::optional<int> jobs{};
+  BallRequest ball{};  ///< of `perp contact ball`
 };
 
 /// Adds the command; what it is called with goes to `words`, which must outlive `app`.
