@@ -116,6 +116,7 @@ class Command {
       log_ << '\n';
     }
     if (!shows(LogLevel::Summary)) return;
+    if (!shows(LogLevel::Info)) log_ << loaded.label << '\n';
     print_verdict(log_, loaded.problem, run);
     if (shows(LogLevel::Info)) {
       log_ << '\n';

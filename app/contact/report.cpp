@@ -68,9 +68,18 @@ std::string counts_text(const Run& run) {
   return text + seconds_text(run.seconds);
 }
 
+/// What to try, or nothing.
+std::string advice(const Run& run) {
+  if (run.status == "TimeLimit") return fmt::format(" Try: a longer --time-limit than {:g} s.", run.limits.seconds);
+  if (run.variant.exact() && !run.variant.homotopy()) return " Try: --formulation glocker --method homotopy.";
+  if (run.variant.exact() && run.status == "NoProgress")
+    return " Try: a looser --tol; --svg and the table show what is not decided yet.";
+  return "";
+}
+
 std::string unsolved_text(const Run& run) {
-  if (run.message.empty()) return "Not solved (" + run.status + ")";
-  return fmt::format("Not solved ({}): {}", run.status, run.message);
+  const std::string what = fmt::format("Not solved ({})", run.status);
+  return (run.message.empty() ? what : fmt::format("{}: {}", what, run.message)) + "." + advice(run);
 }
 
 /// Words for a law that is not Coulomb's.
@@ -172,7 +181,7 @@ void print_verdict(std::ostream& out, const Problem& problem, const Run& run) {
                              : unsolved_text(run),
                   0);
   else
-    print_wrapped(out, (run.solved ? "" : unsolved_text(run) + ". ") + own_text(problem, run), 0);
+    print_wrapped(out, (run.solved ? "" : unsolved_text(run) + " ") + own_text(problem, run), 0);
   out << fmt::format("{}: {} open, {} stick, {} slip\n", count(problem.contacts(), "contact"),
                      run.in_state(State::Open), run.in_state(State::Stick), run.in_state(State::Slip));
   out << counts_text(run) << '\n';
@@ -203,18 +212,19 @@ void print_summaries(std::ostream& out, std::span<const Summary> all) {
                {"stick", Align::Right},
                {"slip", Align::Right},
                {"status"},
+               {"own law", Align::Right},
                {"siconos", Align::Right},
                {"rr9118", Align::Right},
                {"iterations", Align::Right},
                {"time", Align::Right}});
   for (const auto& [label, run, refused] : all) {
     if (!refused.empty()) {
-      table.add({label, "", "", "", "", "refused", "", "", "", ""});
+      table.add({label, "", "", "", "", "refused", "", "", "", "", ""});
       continue;
     }
     table.add({label, fmt::format("{}", run.states.size()), fmt::format("{}", run.in_state(State::Open)),
                fmt::format("{}", run.in_state(State::Stick)), fmt::format("{}", run.in_state(State::Slip)), run.status,
-               metric(run.residual.siconos), metric(run.residual.rr9118),
+               run.variant.exact() ? "" : metric(run.own), metric(run.residual.siconos), metric(run.residual.rr9118),
                run.counts.empty() ? "" : fmt::format("{}", run.counts.front().second), seconds_text(run.seconds)});
   }
   table.print(out);

@@ -160,7 +160,7 @@ TEST(Contact, UnsolvedIsExitOne) {
     EXPECT_NE(run.result["status"], "Solved");
     EXPECT_EQ(run.result["exit_code"], 1);
     EXPECT_FALSE(run.result["message"].get<std::string>().empty());
-    EXPECT_THAT(run.err, HasSubstr("Not solved"));
+    EXPECT_THAT(run.err, testing::AllOf(HasSubstr("Not solved"), HasSubstr("Try: ")));
   }
 }
 
