@@ -18,7 +18,8 @@ using lcp::Index;
 using lcp::Vec;
 
 constexpr std::size_t long_table = 60;
-constexpr Index dense_limit = 400;  // rows whose eigenvalues cost some hundredths of a second
+constexpr double symmetric = 1e-13;  // largest |S_ij - S_ji| of rounding
+constexpr Index dense_limit = 400;   // rows whose eigenvalues cost some hundredths of a second
 
 std::string size_text(double value) { return number(value, 4); }
 
@@ -71,6 +72,7 @@ std::string counts_text(const Run& run) {
 /// What to try, or nothing.
 std::string advice(const Run& run) {
   if (run.status == "TimeLimit") return fmt::format(" Try: a longer --time-limit than {:g} s.", run.limits.seconds);
+  if (run.status == "Interrupted") return "";
   if (run.variant.exact() && !run.variant.homotopy()) return " Try: --formulation glocker --method homotopy.";
   if (run.variant.exact() && run.status == "NoProgress")
     return " Try: a looser --tol; --svg and the table show what is not decided yet.";
@@ -115,7 +117,7 @@ void print_heading(std::ostream& out, const Loaded& loaded, const Variant& varia
   std::string text =
       fmt::format("W: {} rows, {} nonzeros ({} %)", problem.q.size(), problem.W.nonZeros(),
                   number(100 * static_cast<double>(problem.W.nonZeros()) / std::max(1.0, rows * rows), 3));
-  text += facts.asymmetry == 0 ? ", symmetric" : fmt::format(", asymmetric by {}", number(facts.asymmetry, 2));
+  text += facts.asymmetry < symmetric ? ", symmetric" : fmt::format(", asymmetric by {}", number(facts.asymmetry, 2));
   if (facts.known && facts.rank < problem.q.size())
     text += fmt::format(", rank {}: contacts are redundant, impulses need not be unique", facts.rank);
   else if (facts.known)
