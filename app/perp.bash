@@ -104,11 +104,14 @@ _perp() {
       mapfile -t COMPREPLY < <(compgen -W '--problems --methods --starts --tol --time-limit --memory-limit --jobs --restarts --seed --external
         --out --resume --baseline --help' -- "$cur") ;;
     contact)
-      if [ "${cur:0:1}" = - ]; then
+      if [ "${COMP_WORDS[2]}" = ball ] && [ "$COMP_CWORD" -gt 2 ]; then
+        mapfile -t COMPREPLY < <(compgen -W '--facets --exact --outer --load --frame --mu --phase --cycles --step --theta --rolling --svg
+          --json --help' -- "$cur")
+      elif [ "${cur:0:1}" = - ]; then
         mapfile -t COMPREPLY < <(compgen -W '--generate --formulation --method --encoding --row --form --tol --time-limit --json --fclib-out --svg
           --log-level --full --compare --variants --out --memory-limit --jobs --help' -- "$cur")
       else
-        mapfile -t COMPREPLY < <(compgen -W 'stack: spheres: arch: chain: wall: incline:' -- "$cur"
+        mapfile -t COMPREPLY < <(compgen -W 'ball stack: spheres: arch: chain: wall: incline:' -- "$cur"
           compgen -f -X '!*.@(dat|hdf5|h5)' -- "$cur"; compgen -d -- "$cur")
       fi ;;
     report) mapfile -t COMPREPLY < <(compgen -d -- "$cur") ;;

@@ -166,6 +166,29 @@ TEST(BallCommand, IsAPartOfContact) {
   EXPECT_THAT(test::read(folder / "text"), HasSubstr("perp contact ball: there is no flag '--facet'. Did you mean"));
 }
 
+// Would catch a flag that was added without a word in the man page or to the shell.
+TEST(BallCommand, ManPageAndCompletionKnowEveryFlag) {
+  const test::Folder folder;
+  const std::string text = folder / "help";
+  ASSERT_EQ(std::system((std::string("'") + PERP_PROGRAM + "' contact ball --help > '" + text + "'").c_str()), 0);
+  const std::string help = test::read(text);
+  std::string page = test::read(PERP_SOURCE_DIR "/app/perp.1");
+  page = page.substr(page.find(".Ss perp contact ball"));
+  page = page.substr(0, page.find("\n.Ss ", 1));
+  const std::string shell = test::read(PERP_SOURCE_DIR "/app/perp.bash");
+  const std::size_t from = shell.find("= ball ]");
+  const std::string completion = shell.substr(from, shell.find("elif", from) - from);
+  const std::regex flag("--([a-z]+)");
+  int flags = 0;
+  for (std::sregex_iterator it(help.begin(), help.end(), flag), end; it != end; ++it, ++flags) {
+    if ((*it)[1] != "help") {
+      EXPECT_THAT(page, HasSubstr("Fl -" + it->str(1)));
+    }
+    EXPECT_THAT(completion, HasSubstr(it->str()));
+  }
+  EXPECT_GE(flags, 14);
+}
+
 // One line a law and panel, of a class and so of a colour of its own; all elements closed.
 TEST(BallPicture, EveryLawHasItsLook) {
   const std::vector<BallScene> scenes{scene_of(1.5, {4, 8, 16})};
