@@ -11,6 +11,7 @@
 #include "app/json.hpp"
 #include "app/problem.hpp"
 #include "contact/fclib.hpp"
+#include "lcp/sparse_lu.hpp"
 
 namespace perp::app::contacts {
 
@@ -31,12 +32,40 @@ void check_request(const ContactRequest& request, std::size_t problems) {
   if (!request.json.empty() && request.json != "-") check_writable(request.json);
 }
 
+/// v of the bodies and lambda, of M v = H r + G lambda + f, 0 = G' v + b; nothing if the matrix is singular.
+void add_body_velocities(const contact::Global& global, contact::FclibPoint& point) {
+  const lcp::Index m = global.M.rows();
+  const lcp::Index bilateral = global.b.size();
+  std::vector<Eigen::Triplet<double>> entries;
+  const auto add = [&](const lcp::SpMat& block, lcp::Index column, bool both) {
+    for (int j = 0; j < block.outerSize(); ++j)
+      for (lcp::SpMat::InnerIterator it(block, j); it; ++it) {
+        const int at = static_cast<int>(column + it.col());
+        entries.emplace_back(static_cast<int>(it.row()), at, it.value());
+        if (both) entries.emplace_back(at, static_cast<int>(it.row()), it.value());
+      }
+  };
+  add(global.M, 0, false);
+  if (bilateral > 0) add(global.G, m, true);
+  lcp::SpMat K(m + bilateral, m + bilateral);
+  K.setFromTriplets(entries.begin(), entries.end());
+  lcp::SparseLu lu;
+  if (lu.factor(K) != lcp::LuStatus::Ok) return;
+  lcp::Vec right(m + bilateral);
+  right << global.H * point.r + global.f, -global.b;
+  lcp::Vec v(m + bilateral);
+  lu.solve_refined(right, v);
+  point.v = v.head(m);
+  point.l = -v.tail(bilateral);
+}
+
 void write_solution(const std::string& path, const Loaded& loaded, const Run& run) {
   contact::Fclib file{.problem = loaded.problem,
                       .title = loaded.label,
                       .description = fmt::format("solution: {}, {}, by perp {}: {}", run.variant.label(), run.status,
                                                  version_number(), run.message)};
   file.solution = contact::FclibPoint{.u = run.solution.u, .r = run.solution.r};
+  if (loaded.problem.global) add_body_velocities(*loaded.problem.global, *file.solution);
   contact::write_fclib(path, file);
 }
 

@@ -264,6 +264,13 @@ TEST(Contact, FclibFileReadsBack) {
       EXPECT_EQ(read.solution->r[3 * a + k],
                 run.result["contacts"][static_cast<std::size_t>(a)]["r"][static_cast<std::size_t>(k)].get<double>());
   EXPECT_LE(contact::residual(read.problem, read.solution->r).siconos, 1e-8);
+  ASSERT_TRUE(read.problem.global);  // the velocities of the bodies obey their equation of motion
+  const contact::Global& global = *read.problem.global;
+  const contact::FclibPoint& point = *read.solution;
+  ASSERT_EQ(point.v.size(), global.f.size());
+  const lcp::Vec momentum = global.H * point.r + global.f;
+  EXPECT_LT((global.M * point.v - momentum).norm(), 1e-10 * momentum.norm());
+  EXPECT_LT((global.H.transpose() * point.v + global.w - point.u).lpNorm<Eigen::Infinity>(), 1e-10);
   EXPECT_THAT(read.description, HasSubstr("glocker+homotopy"));
   EXPECT_EQ(answer({.problems = {file}}).code, exit_solved);
 }
