@@ -217,7 +217,7 @@ void print_summaries(std::ostream& out, std::span<const Summary> all) {
                {"own law", Align::Right},
                {"siconos", Align::Right},
                {"rr9118", Align::Right},
-               {"iterations", Align::Right},
+               {"steps", Align::Right},
                {"time", Align::Right}});
   for (const auto& [label, run, refused] : all) {
     if (!refused.empty()) {
@@ -227,7 +227,7 @@ void print_summaries(std::ostream& out, std::span<const Summary> all) {
     table.add({label, fmt::format("{}", run.states.size()), fmt::format("{}", run.in_state(State::Open)),
                fmt::format("{}", run.in_state(State::Stick)), fmt::format("{}", run.in_state(State::Slip)), run.status,
                run.variant.exact() ? "" : metric(run.own), metric(run.residual.siconos), metric(run.residual.rr9118),
-               run.counts.empty() ? "" : fmt::format("{}", run.counts.front().second), seconds_text(run.seconds)});
+               fmt::format("{}", run.steps()), seconds_text(run.seconds)});
   }
   table.print(out);
 }

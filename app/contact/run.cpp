@@ -190,6 +190,13 @@ Loaded load(const std::string& argument) {
   return {argument, contact::read_problem(argument)};
 }
 
+long Run::steps() const {
+  long sum = 0;
+  for (const auto& [what, n] : counts)
+    if (what == "iterations" || what == "sweeps" || what == "newton_steps") sum += n;
+  return sum;
+}
+
 lcp::Index Run::in_state(contact::State state) const {
   return std::ranges::count(states, state, &contact::ContactState::state);
 }

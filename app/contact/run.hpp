@@ -48,6 +48,7 @@ struct Run {
   double seconds = 0;
   std::vector<contact::Record> history{};
 
+  long steps() const;  ///< iterations, sweeps and Newton steps
   lcp::Index in_state(contact::State state) const;
 };
 
