@@ -193,16 +193,16 @@ std::vector<Option> general_options() {
                  return &m.escape.trial_iterations;
                });
              }},
-      Option{
-          "rescalings",
-          {},
-          {0, 2},
-          "where the method is stuck: runs from the start on the scaled problem, by J at the best point, then "
-          "at the start",
-          [](Settings& settings) -> Field {
-            if (auto* smoothing = std::get_if<ncp::Smoothing>(&settings.method)) return &smoothing->rescalings;
-            return of_method(settings, [](auto& m) -> decltype(&m.escape.rescalings) { return &m.escape.rescalings; });
-          }},
+      Option{"rescalings",
+             {},
+             {0, 2},
+             "where the method is stuck: runs from the start on the scaled problem, by J at the best point, then "
+             "at the start",
+             [](Settings& settings) -> Field {
+               if (auto* smoothing = std::get_if<ncp::Smoothing>(&settings.method)) return &smoothing->rescalings;
+               return of_method(settings,
+                                [](auto& m) -> decltype(&m.escape.rescalings) { return &m.escape.rescalings; });
+             }},
       Option{"lu",
              {},
              {},

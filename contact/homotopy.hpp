@@ -21,11 +21,11 @@
 namespace perp::contact {
 
 struct HomotopyOptions {
-  double delta_share = 0.1;      ///< delta = delta_share tau, not below 1e-13
-  double eps_share = 0.1;        ///< eps = eps_share tau: fixes kappa up to a common constant
-  double least_centring = 1e-4;  ///< sigma at least
-  double to_boundary = 0.99;     ///< share of the way to the boundary
-  double neighbourhood = 1e-4;   ///< least product over the mean
+  double delta_share = 0.1;                  ///< delta = delta_share tau, not below 1e-13
+  double eps_share = 0.1;                    ///< eps = eps_share tau: fixes kappa up to a common constant
+  double least_centring = 1e-4;              ///< sigma at least
+  double to_boundary = 0.99;                 ///< share of the way to the boundary
+  double neighbourhood = 1e-4;               ///< least product over the mean
   lcp::LuBackend lu = lcp::LuBackend::Auto;  ///< contact::solve: by the entries of W
 };
 

@@ -96,7 +96,7 @@ bool Referee::over() {
 }
 
 double Referee::seconds_left() const {
-  return (options_.max_time - (std::chrono::steady_clock::now() - begin_)).count();
+  return std::chrono::duration<double>(options_.max_time - (std::chrono::steady_clock::now() - begin_)).count();
 }
 
 Result Referee::result(const std::string& message) {

@@ -1,5 +1,8 @@
 #include "ncp/active_set_step.hpp"
 
+#include <algorithm>
+#include <utility>
+
 #include "lcp/blocks.hpp"
 
 namespace perp::ncp {
@@ -45,6 +48,22 @@ bool active_set_step(Run& run, const Point& point, const std::vector<BoundState>
   }
   to = lcp::project(box, point.x + d);
   return true;
+}
+
+bool ActiveSetFinish::step(Run& run, const Point& point, lcp::LuBackend backend, Point& to) {
+  constexpr double share = 0.5;
+  std::vector<lcp::BoundState> now = active_set(run.box(), point);
+  const bool settled = now == active_;
+  active_ = std::move(now);
+  if (!settled || pause_-- > 0) return false;
+  if (active_set_step(run, point, active_, backend, to.x) && run.counted().eval(to.x, to.F) &&
+      residual(run.box(), to.x, to.F).natural <= share * residual(run.box(), point.x, point.F).natural &&
+      run.counted().jacobian(to.x, to.J)) {
+    pause_ = 0;
+    return true;
+  }
+  pause_ = 1 << std::min(failures_++, 5);
+  return false;
 }
 
 }  // namespace perp::ncp

@@ -17,4 +17,17 @@ std::vector<lcp::BoundState> active_set(const Box& box, const Point& point);
 bool active_set_step(Run& run, const Point& point, const std::vector<lcp::BoundState>& active, lcp::LuBackend backend,
                      Vec& to);
 
+/// Such steps at the end of a method that comes to its solutions along a path.
+class ActiveSetFinish {
+ public:
+  /// A step from `point`, if its active set is that of the last call, to one of at most half the natural residual.
+  /// After failures it is tried more and more seldom.
+  bool step(Run& run, const Point& point, lcp::LuBackend backend, Point& to);
+
+ private:
+  std::vector<lcp::BoundState> active_;
+  int pause_ = 0;  // calls until the next try
+  int failures_ = 0;
+};
+
 }  // namespace perp::ncp

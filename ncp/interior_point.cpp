@@ -32,8 +32,6 @@ constexpr double vanishing_step = 1e-8;
 constexpr double first_proximal = 1e-14;
 constexpr double proximal_growth = 1e4;
 constexpr int proximal_tries = 5;
-/// An active-set step is kept if it leaves at most this part of the natural residual.
-constexpr double finish_share = 0.5;
 /// tau is raised to this times the natural residual of the best point, times 10 a restart.
 constexpr double raise = 1;
 
@@ -90,9 +88,7 @@ class InteriorPath {
   SpMat K_;
   Iteration it_;
   int undefined_ = 0;
-  std::vector<lcp::BoundState> active_;
-  int finish_pause_ = 0;
-  int finish_failures_ = 0;
+  ActiveSetFinish finish_;
   int raises_ = 0;
   bool singular_ = false;
 };
@@ -315,28 +311,14 @@ bool InteriorPath::step() {
   return advance(direction(most_centring * tau, nullptr));
 }
 
-/// A step of the active set, if that has settled. After failures it is tried more and more seldom.
 bool InteriorPath::finish() {
-  std::vector<lcp::BoundState> now = active_set(run_.box(), at_.point);
-  const bool settled = now == active_;
-  active_ = std::move(now);
-  if (!settled || finish_pause_-- > 0) return false;
-  Iterate trial = at_;
-  if (active_set_step(run_, at_.point, active_, method_.lu, trial.point.x) &&
-      run_.counted().eval(trial.point.x, trial.point.F)) {
-    const double before = natural();
-    const double after = ncp::residual(run_.box(), trial.point.x, trial.point.F).natural;
-    if (after <= finish_share * before && run_.counted().jacobian(trial.point.x, trial.point.J)) {
-      if (!left_) left_ = at_;
-      at_.point = std::move(trial.point);
-      finish_pause_ = 0;
-      it_.kind = 'S';
-      it_.step = 1;
-      return true;
-    }
-  }
-  finish_pause_ = 1 << std::min(finish_failures_++, 5);
-  return false;
+  Point to;
+  if (!finish_.step(run_, at_.point, method_.lu, to)) return false;
+  if (!left_) left_ = at_;
+  at_.point = std::move(to);
+  it_.kind = 'S';
+  it_.step = 1;
+  return true;
 }
 
 /// From the best point, or for every other restart from where the run is, with larger products.

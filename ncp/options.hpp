@@ -48,8 +48,8 @@ struct Escape {
   int trial_iterations = 25;
   double perturbed_tol = 1e-6;  ///< natural residual at which a perturbed problem is solved well enough
   int perturbed_iterations = 60;
-  /// Before that: runs of the method and its escapes from the start on the scaled problem (ncp/scaling.hpp), by J at the
-  /// best point and by J at the start. 0, 1 or 2.
+  /// Before that: runs of the method and its escapes from the start on the scaled problem (ncp/scaling.hpp), by J at
+  /// the best point and by J at the start. 0, 1 or 2.
   int rescalings = 2;
 };
 

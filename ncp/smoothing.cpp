@@ -28,8 +28,6 @@ constexpr double raise = 10;
 constexpr double reductions[] = {0.1, 0.3, 0.5, 0.7, 0.9};
 /// A predictor that comes to less than this part of mu is worth its evaluation.
 constexpr double predicted_share = 0.5;
-/// An active-set step is kept if it leaves at most this part of the natural residual.
-constexpr double finish_share = 0.5;
 
 class Smoother {
  public:
@@ -76,9 +74,7 @@ class Smoother {
 
   Iteration it_;
   int undefined_ = 0;  // trial points of this iteration at which F or J was not defined
-  std::vector<lcp::BoundState> active_;
-  int finish_pause_ = 0;  // iterations until the next try
-  int finish_failures_ = 0;
+  ActiveSetFinish finish_;
   int raises_ = 0;
 };
 
@@ -188,24 +184,14 @@ bool Smoother::predict() {
   return true;
 }
 
-/// A step of the active set, if that has settled. After failures it is tried more and more seldom.
 bool Smoother::finish() {
-  std::vector<lcp::BoundState> now = active_set(run_.box(), point_);
-  const bool settled = now == active_;
-  active_ = std::move(now);
-  if (!settled || finish_pause_-- > 0) return false;
-  Point trial;
-  if (active_set_step(run_, point_, active_, method_.lu, trial.x) && run_.counted().eval(trial.x, trial.F) &&
-      natural(trial) <= finish_share * natural(point_) && run_.counted().jacobian(trial.x, trial.J)) {
-    std::swap(point_, trial);
-    set_mu(std::min(mu_, scheduled(point_)));
-    finish_pause_ = 0;
-    it_.kind = 'S';
-    it_.step = 1;
-    return true;
-  }
-  finish_pause_ = 1 << std::min(finish_failures_++, 5);
-  return false;
+  Point to;
+  if (!finish_.step(run_, point_, method_.lu, to)) return false;
+  std::swap(point_, to);
+  set_mu(std::min(mu_, scheduled(point_)));
+  it_.kind = 'S';
+  it_.step = 1;
+  return true;
 }
 
 /// After a step for the present mu.

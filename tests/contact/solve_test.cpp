@@ -10,6 +10,7 @@
 #include "contact/alart_curnier.hpp"
 #include "contact/gauss_seidel.hpp"
 #include "contact/homotopy.hpp"
+#include "contact/referee.hpp"
 #include "contact_support.hpp"
 #include "glocker_support.hpp"
 #include "ncp/interior_point.hpp"
@@ -154,6 +155,18 @@ TEST(Solve, WarmStarts) {
     problem.q += random.normals(problem.q.size());
     if (expect_solved(problem, {.start = next.solution.r}, "far").stats.iterations == 0) continue;
   }
+}
+
+// What the methods of ncp/ get for a time limit. Catches nanoseconds taken for seconds: a path through a pile of
+// contacts went on for minutes.
+TEST(Solve, SecondsLeftAreSeconds) {
+  Random random(6);
+  const Problem problem = random_problem(3, 6, 20, random);
+  const Scaled coordinates = scaled(problem, true);
+  const Options options{.max_time = std::chrono::duration<double>(7)};
+  const Referee referee(problem, coordinates, options);
+  EXPECT_LE(referee.seconds_left(), 7);
+  EXPECT_GT(referee.seconds_left(), -600);
 }
 
 // Limits and refusals.
