@@ -32,8 +32,6 @@ constexpr double vanishing_step = 1e-8;
 constexpr double first_proximal = 1e-14;
 constexpr double proximal_growth = 1e4;
 constexpr int proximal_tries = 5;
-/// tau is raised to this times the natural residual of the best point, times 10 a restart.
-constexpr double raise = 1;
 
 struct Iterate {
   Point point;
@@ -321,12 +319,13 @@ bool InteriorPath::finish() {
   return true;
 }
 
-/// From the best point, or for every other restart from where the run is, with larger products.
+/// From the best point, or for every other restart from where the run is, with larger products: its natural residual,
+/// times 10 a restart.
 bool InteriorPath::raise_tau() {
   if (raises_ == method_.restarts) return false;
   ++raises_;
   if (raises_ % 2 == 1) at_.point.x = run_.best();
-  const double tau = raise * std::pow(10.0, raises_ - 1) * std::clamp(run_.best_residual(), 1e-3, 1e6);
+  const double tau = std::pow(10.0, raises_ - 1) * std::clamp(run_.best_residual(), 1e-3, 1e6);
   if (!enter(tau)) return false;
   last_step_ = 1;
   it_.kind = 'U';

@@ -70,7 +70,8 @@ bool Directions::newton(const Linearisation& lin, const Point& point, const std:
     lcp::KrylovOptions options;
     options.max_iterations = method_.forcing.max_iterations;
     system_.reset();
-    const SpMat& J = method_.cfunction.smooth_merit ? (J_ = point.J) : point.J;  // that of min's steps stays till then
+    // Chord steps solve with this J again: a line search has replaced the point's by then, a halving step has not.
+    const SpMat& J = method_.cfunction.smooth_merit ? (J_ = point.J) : point.J;
     system_.emplace(J, lin.at.Da, lin.at.Db, options, limits_);
     for (int k = 0; k <= tightenings; ++k, eta = std::max(eta * tighter, 1e-13)) {
       lcp::KrylovResult found = system_->solve(-lin.at.Phi, eta);

@@ -10,8 +10,17 @@
 #include "contact/outer_faceting.hpp"
 #include "contact/problem.hpp"
 #include "lcp/solve.hpp"
+#include "support/matrices.hpp"
 
 namespace perp::contact {
+
+/// One contact whose normal and tangents act on each other.
+inline Problem coupled_contact() {
+  return {.dimension = 3,
+          .W = support::matrix({{2, 0.5, -0.25}, {0.5, 1, 0.125}, {-0.25, 0.125, 3}}),
+          .q = support::vec({-1, 0.75, -0.5}),
+          .mu = support::vec({0.5})};
+}
 
 /// W = X'X + shift I for a random X of `rank` rows, q and mu random; every fourth contact is frictionless.
 inline Problem random_problem(std::mt19937& random, Index contacts, int dimension, Index rank, double shift) {

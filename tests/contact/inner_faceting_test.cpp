@@ -13,16 +13,9 @@ namespace {
 
 using support::vec;
 
-Problem one_contact() {
-  return {.dimension = 3,
-          .W = support::matrix({{2, 0.5, -0.25}, {0.5, 1, 0.125}, {-0.25, 0.125, 3}}),
-          .q = vec({-1, 0.75, -0.5}),
-          .mu = vec({0.5})};
-}
-
 // (25)-(26) as they must read: the last row [mu, -1', 0], the last column [0; 1; 0], q = [q_N; D'q_T; 0].
 TEST(InnerFaceting, ReducedFormIsEquation25) {
-  const Problem p = one_contact();
+  const Problem p = coupled_contact();
   const Polygon triangle = Polygon::inscribed(3, 0.4);
   const auto& D = triangle.vertices();
   const InnerFaceting form(p, {triangle}, {.scaled = false});

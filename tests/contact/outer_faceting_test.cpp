@@ -13,16 +13,9 @@ namespace {
 
 using support::vec;
 
-Problem one_contact() {
-  return {.dimension = 3,
-          .W = support::matrix({{2, 0.5, -0.25}, {0.5, 1, 0.125}, {-0.25, 0.125, 3}}),
-          .q = vec({-1, 0.75, -0.5}),
-          .mu = vec({0.5})};
-}
-
 // The matrix of (20), entry by entry: a sign of C, a transposed block or a mu in the wrong row would show.
 TEST(OuterFaceting, MixedFormIsEquation20) {
-  const Problem p = one_contact();
+  const Problem p = coupled_contact();
   const Polygon square = Polygon::circumscribed(4);
   const OuterFaceting form(p, {square}, {.form = Form::Mixed, .scaled = false});
   ASSERT_EQ(form.affine().size(), 7);
@@ -42,7 +35,7 @@ TEST(OuterFaceting, MixedFormIsEquation20) {
 // At any r, the reduced form's values are u_N, the two kappa that close the equation -u_T = sum kappa c, and the
 // slacks: checked at a random point z against the definitions.
 TEST(OuterFaceting, ReducedFormIsThePairOfSlacks) {
-  const Problem p = one_contact();
+  const Problem p = coupled_contact();
   const Polygon pentagon = Polygon::circumscribed(5, 0.2);
   const OuterFaceting form(p, {pentagon}, {.scaled = false});
   ASSERT_EQ(form.affine().size(), 6);
@@ -106,7 +99,7 @@ TEST(OuterFaceting, MixedFormWithRedundantContacts) {
 }
 
 TEST(OuterFaceting, RefusesPolygonsThatDoNotFit) {
-  const Problem p = one_contact();
+  const Problem p = coupled_contact();
   const Polygon square = Polygon::circumscribed(4);
   EXPECT_THROW(OuterFaceting(p, {}), std::invalid_argument);
   EXPECT_THROW(OuterFaceting(p, {square, square}), std::invalid_argument);
