@@ -7,6 +7,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "app/compare/external.hpp"
 #include "app/compare/selection.hpp"
 #include "app/compare/worker_files.hpp"
 
@@ -45,6 +46,9 @@ std::vector<AskedMethod> asked_methods(const CompareRequest& request, const Camp
     methods.push_back(parse_external(external));
     const auto same = std::ranges::count(methods, methods.back().label, &AskedMethod::label);
     if (same > 1) throw InputError(fmt::format("--external: '{}' is given twice", methods.back().label));
+    for (const std::string& word : unfilled_words(methods.back().command))
+      notes.push_back(fmt::format("--external {}: {} is left to the shell as it is; only {{tol}} is filled in",
+                                  methods.back().label, word));
   }
   if (methods.empty()) throw InputError("--methods: nothing is left");
   return methods;

@@ -9,8 +9,8 @@ namespace perp::app::compare {
 struct AskedMethod {
   std::string label{};  ///< as it was written: "semismooth:cfunction=min:tol=1e-9", or an external's NAME
   std::string name{};   ///< of `perp methods`; of an external program NAME
-  std::vector<std::string> options{};                           ///< key=value, in the order given
-  std::string command{};                                        ///< of an external program; empty for ours
+  std::vector<std::string> options{};  ///< key=value, in the order given
+  std::string command{};               ///< of an external program, {tol} not filled in; empty for ours
   std::vector<std::pair<std::string, std::string>> in_force{};  ///< every option that applies, with its value
   bool external() const { return !command.empty(); }
 };

@@ -15,7 +15,7 @@ constexpr const char* footer =
     "  perp compare --problems all,-class:pde --methods path,miles,semismooth:tol=1e-9 --starts 1\n"
     "  perp compare --methods=presets,-gsl* --restarts 2 --out with-restarts\n"
     "  perp compare --methods cfunctions --problems class:tiny,class:economics --out functions\n"
-    "  perp compare --problems 'models/*.nl' --external peer=./peer --out peers\n"
+    "  perp compare --problems 'models/*.nl' --external 'peer=./peer tol={tol}' --out peers\n"
     "  perp compare --out tiny --resume                      after Ctrl-C, kill -9 or a power cut\n"
     "  perp compare --problems class:tiny --baseline tiny/outcomes.csv --out again\n"
     "\n"
@@ -46,7 +46,8 @@ CLI::App* add_command(CLI::App& app, CompareRequest& request) {
   compare->add_option("--seed", request.seed, "of those starts (1)")->option_text("N");
   compare
       ->add_option("--external", request.externals,
-                   "a program that AMPL could call, 'COMMAND stub -AMPL', on .nl problems; may be repeated")
+                   "a program that AMPL could call, 'COMMAND stub -AMPL', on .nl problems; {tol} in COMMAND is the "
+                   "campaign's tolerance; may be repeated")
       ->option_text("NAME=COMMAND")
       ->allow_extra_args(false);
   compare->add_option("--out", request.out, "where all is kept (comparison)")->option_text("DIR");

@@ -14,6 +14,8 @@
 #include <csignal>
 #include <cstring>
 #include <filesystem>
+#include <regex>
+#include <string_view>
 
 #include "app/compare/affine_nl.hpp"
 #include "app/compare/process.hpp"
@@ -163,6 +165,26 @@ void take_sol(Answer& answer, const std::string& text, ncp::Index variables, con
 }
 
 }  // namespace
+
+std::string with_tolerance(const std::string& command, double tol) {
+  constexpr std::string_view word = "{tol}";
+  std::string text;
+  std::size_t from = 0;
+  for (std::size_t at = command.find(word); at != std::string::npos; at = command.find(word, at + 1)) {
+    if (at > 0 && command[at - 1] == '$') continue;
+    text += command.substr(from, at - from) + fmt::format("{}", tol);
+    from = at + word.size();
+  }
+  return text + command.substr(from);
+}
+
+std::vector<std::string> unfilled_words(const std::string& command) {
+  const std::regex bare("(^|[^$])(\\{[A-Za-z_]+\\})");
+  std::vector<std::string> words;
+  for (std::sregex_iterator it(command.begin(), command.end(), bare), end; it != end; ++it)
+    if ((*it)[2] != "{tol}") words.push_back((*it)[2]);
+  return words;
+}
 
 Answer run_external(const Task& task) {
   const sigset_t notice = death_notice();

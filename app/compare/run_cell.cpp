@@ -7,6 +7,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "app/compare/external.hpp"
 #include "app/compare/worker_files.hpp"
 #include "app/program.hpp"
 
@@ -125,7 +126,7 @@ std::optional<RunEnd> CellRunner::attempt(const AskedMethod& method, const Asked
             .method = method.label,
             .name = method.name,
             .options = method.options,
-            .command = method.command,
+            .command = with_tolerance(method.command, campaign_.tol),
             .tol = campaign_.tol,
             .time_limit = campaign_.time_limit,
             .rule = {.seed = campaign_.seed, .problem = problem.name, .start = start, .run = run}};

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "app/compare/external.hpp"
 #include "app/comparison_report/html.hpp"
 #include "app/comparison_report/words.hpp"
 #include "app/json_parts.hpp"
@@ -161,7 +162,8 @@ std::string method_section(const CampaignData& data) {
   html += definition("starts", campaign.starts == 0 ? "all of each problem"
                                                     : fmt::format("at most {} of each problem", campaign.starts));
   for (const compare::AskedMethod& method : campaign.methods)
-    if (method.external()) html += definition("external " + method.label, method.command);
+    if (method.external())
+      html += definition("external " + method.label, compare::with_tolerance(method.command, campaign.tol));
   html +=
       "</dl>\n<p>Times, iterations and evaluations are of the run from the start itself, not of restarts; an external "
       "program's time is that of its process. Outcomes: "

@@ -6,7 +6,7 @@ perp=$1 driver=$2 out=$3
 shift 3
 problems=$(IFS=,; echo "$*")
 rm -rf "$out"
-"$perp" compare --problems "$problems" --methods none --external peer="'$driver'" --external wrong="'$driver' tol=zero" \
+"$perp" compare --problems "$problems" --methods none --external peer="'$driver' tol={tol}" --external wrong="'$driver' tol=zero" \
   --time-limit 30 --out "$out" >"$out.log" 2>&1 || { cat "$out.log"; exit 1; }
 solved=$(grep -c '^peer,[^,]*,1,solved,' "$out/outcomes.csv" || true)
 failed=$(grep -c '^wrong,[^,]*,1,failed,' "$out/outcomes.csv" || true)

@@ -1,251 +1,22 @@
-/// perp compare as a process: limits, peers that misbehave, kill -9 and --resume, refusals.
-#include <fcntl.h>
+/// perp compare as a process: limits, kill -9 and --resume, refusals.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/wait.h>
-#include <unistd.h>
 
 #include <chrono>
 #include <csignal>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <set>
 #include <thread>
 
-#include "app/compare/cell.hpp"
 #include "app/compare/process.hpp"
-#include "support.hpp"
+#include "compare_process_support.hpp"
 
 namespace perp::app::compare {
 namespace {
 
 using nlohmann::json;
 using testing::HasSubstr;
-
-/// A child whose output goes to files in `folder`.
-class Child {
- public:
-  Child(const test::Folder& folder, std::vector<std::string> arguments)
-      : out_(folder / "stdout.txt"), err_(folder / "stderr.txt") {
-    arguments.insert(arguments.begin(), PERP_PROGRAM);
-    std::vector<char*> argv;
-    for (std::string& argument : arguments) argv.push_back(argument.data());
-    argv.push_back(nullptr);
-    pid_ = fork();
-    if (pid_ != 0) return;
-    dup2(open(out_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666), STDOUT_FILENO);
-    dup2(open(err_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666), STDERR_FILENO);
-    execv(argv[0], argv.data());
-    _exit(127);
-  }
-  Child(const Child&) = delete;
-  Child& operator=(const Child&) = delete;
-  ~Child() {
-    if (pid_ > 0) {
-      kill(pid_, SIGKILL);
-      waitpid(pid_, nullptr, 0);
-    }
-  }
-  void signal(int number) const { kill(pid_, number); }
-  /// The exit code, or minus the signal that ended it.
-  int wait() {
-    int status = 0;
-    waitpid(pid_, &status, 0);
-    pid_ = -1;
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
-  }
-  std::string out() const { return test::read(out_); }
-  std::string err() const { return test::read(err_); }
-
- private:
-  std::string out_, err_;
-  pid_t pid_ = -1;
-};
-
-struct Finished {
-  int code = 0;
-  std::string out, err;
-};
-Finished compare(const test::Folder& folder, std::vector<std::string> arguments) {
-  arguments.insert(arguments.begin(), "compare");
-  Child child(folder, std::move(arguments));
-  const int code = child.wait();
-  return {code, child.out(), child.err()};
-}
-
-/// Waits until test() holds, at most 20 s.
-template <class Test>
-bool eventually(Test test) {
-  for (int k = 0; k < 4000; ++k) {
-    if (test()) return true;
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
-  }
-  return false;
-}
-
-bool alive(const std::string& pid_file) {
-  const std::string text = test::read(pid_file);
-  if (text.empty()) return false;
-  const std::string stat = test::read("/proc/" + std::to_string(std::stoi(text)) + "/stat");
-  return !stat.empty() && stat.substr(stat.rfind(')') + 2, 1) != "Z";
-}
-
-Cell only(const std::vector<Cell>& cells, const std::string& method) {
-  for (const Cell& cell : cells)
-    if (cell.method == method) return cell;
-  ADD_FAILURE() << "no cell of " << method;
-  return {};
-}
-
-/// A .sol file for one variable.
-std::string sol(const std::string& x, int code) {
-  return "peer\n\nOptions\n3\n1\n1\n0\n1\n0\n1\n1\n" + x + "\nobjno 0 " + std::to_string(code) + "\n";
-}
-
-/// A shell script that AMPL could call; $1 is the stub.
-std::string script(const test::Folder& folder, const std::string& name, const std::string& body) {
-  const std::string path = folder / (name + ".sh");
-  test::write(path, "#!/bin/sh\n" + body + "\n");
-  std::filesystem::permissions(path, std::filesystem::perms::owner_all);
-  return name + "=" + path;
-}
-
-/// cat > $1.sol of that text.
-std::string writes(const std::string& text) { return "cat > $1.sol <<'END'\n" + text + "END\n"; }
-
-// Every way a peer can misbehave loses its own cell, shown as exactly that. x^2 - 2 has the solution sqrt(2).
-TEST(CompareRun, PeersAreShownAsWhatTheyAre) {
-  const test::Folder folder;
-  test::write(folder / "m.nl", test::sqrt2_nl());
-  const std::string right = sol("1.414213562373095", 0);
-  struct Peer {
-    std::string name, body;
-    Outcome outcome;
-    std::string message;
-  };
-  const std::vector<Peer> peers{
-      {"right", "exec " PERP_PROGRAM " \"$@\"", Outcome::Solved, "solution found"},
-      {"segv", "kill -SEGV $$", Outcome::Crashed, "signal 11"},
-      {"inner-segv", "sh -c 'kill -SEGV $$'\nexit $?", Outcome::Crashed, "signal 11"},
-      {"chatter", "head -c 3000000 /dev/urandom\n" + writes(right), Outcome::Solved, "peer"},
-      {"garbage", "head -c 3000 /dev/urandom > $1.sol", Outcome::Garbage, ".sol file"},
-      {"truncated", writes(right) + "head -c 40 $1.sol > $1.t; mv $1.t $1.sol", Outcome::Garbage, "cut off"},
-      {"wrong-size", writes("peer\n\nOptions\n3\n1\n1\n0\n1\n0\n2\n2\n1\n1\nobjno 0 0\n"), Outcome::Garbage,
-       "for 2 variables"},
-      {"wrong", writes(sol("1.5", 0)), Outcome::FalseConvergence, "peer"},
-      {"nan", writes(sol("nan", 0)), Outcome::FalseConvergence, "peer"},
-      {"modest", writes(sol("1.414213562373095", 500)), Outcome::Unclaimed, "peer"},
-      {"honest", writes(sol("1.5", 500)), Outcome::Failed, "peer"},
-      {"denies", writes(sol("1.5", 200)), Outcome::Failed, "peer"},
-      {"mute", "echo no licence >&2; exit 1", Outcome::Garbage, "exit code 1; it said: no licence"},
-      {"pipe", "mkfifo $1.sol", Outcome::Garbage, ".sol file: there is none"},
-      {"forks",
-       "sleep 1000 & echo $! > " + (folder / "child1") + "\nsetsid sleep 1000 & echo $! > " + (folder / "child2") +
-           "\n" + writes(right),
-       Outcome::Solved, "peer"},
-  };
-  std::vector<std::string> arguments{"--methods",    "none",         "--problems", folder / "m.nl", "--out",
-                                     folder / "out", "--time-limit", "20",         "--jobs",        "2"};
-  for (const Peer& peer : peers) {
-    arguments.emplace_back("--external");
-    arguments.push_back(script(folder, peer.name, peer.body));
-  }
-  const Finished finished = compare(folder, arguments);
-  EXPECT_EQ(finished.code, 0) << finished.err;
-  const std::vector<Cell> cells = read_cells(folder / "out").cells;
-  ASSERT_EQ(cells.size(), peers.size());
-  for (const Peer& peer : peers) {
-    const Cell cell = only(cells, peer.name);
-    EXPECT_EQ(to_string(cell.outcome), to_string(peer.outcome)) << peer.name << ": " << cell.message;
-    EXPECT_THAT(cell.message, HasSubstr(peer.message)) << peer.name;
-  }
-  EXPECT_LT(only(cells, "right").natural, 1e-6);
-  EXPECT_NEAR(only(cells, "wrong").natural, 0.25, 1e-9) << "F(1.5) = 1/4";
-  EXPECT_FALSE(alive(folder / "child1")) << "left behind in the group";
-  EXPECT_FALSE(alive(folder / "child2")) << "left behind in another session";
-  EXPECT_THAT(finished.out, HasSubstr("false claim"));
-}
-
-// A peer on the collection: affine problems with all their starts, others not; restarts change its start.
-TEST(CompareRun, PeersOnTheCollection) {
-  const test::Folder folder;
-  const std::string peer =
-      script(folder, "perp-itself", "cp $1.nl " + (folder / "last.nl") + "\nexec " PERP_PROGRAM " \"$@\"");
-  const std::string gives_up = script(folder, "gives-up",
-                                      "head -2 $1.nl | grep -q '^ 1 1 ' && grep -A1 '^x' $1.nl >> " +
-                                          (folder / "starts") + "\n" + writes(sol("1", 500)));
-  test::write(folder / "m.nl", test::sqrt2_nl());
-  const Finished finished =
-      compare(folder, {"--methods", "none", "--problems", "cottle4,kojshin,infeasible-own," + (folder / "m.nl"),
-                       "--out", folder / "out", "--external", peer, "--external", gives_up, "--restarts", "2"});
-  EXPECT_EQ(finished.code, 0) << finished.err;
-  for (const Cell& cell : read_cells(folder / "out").cells) {
-    if (cell.method == "perp-itself") {
-      const Outcome right = cell.problem == "kojshin"          ? Outcome::NotApplicable
-                            : cell.problem == "infeasible-own" ? Outcome::Infeasible
-                                                               : Outcome::Solved;
-      EXPECT_EQ(to_string(cell.outcome), to_string(right)) << cell.problem << ": " << cell.message;
-    }
-    if (cell.method == "gives-up" && cell.problem == "m.nl") {
-      EXPECT_EQ(cell.restarts, 2);
-      EXPECT_EQ(cell.outcome_after_restarts, Outcome::Failed);
-    }
-  }
-  std::istringstream lines(test::read(folder / "starts"));
-  std::set<std::string> starts;
-  for (std::string line; std::getline(lines, line);)
-    if (!line.starts_with('x')) starts.insert(line);
-  EXPECT_EQ(starts.size(), 3U) << "of m.nl: its own and two others";
-}
-
-// What hangs and what grows is ended at its limit, children included, however it ignores signals.
-TEST(CompareRun, PeersBeyondTheirLimits) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-  GTEST_SKIP() << "sanitizers need more memory than the limit";
-#endif
-  const test::Folder folder;
-  test::write(folder / "m.nl", test::sqrt2_nl());
-  const std::string pids = "echo $$ > " + (folder / "hang.pid") + "; ";
-  const auto begin = std::chrono::steady_clock::now();
-  const Finished finished =
-      compare(folder, {"--methods",
-                       "none",
-                       "--problems",
-                       folder / "m.nl",
-                       "--out",
-                       folder / "out",
-                       "--time-limit",
-                       "0.6",
-                       "--memory-limit",
-                       "150",
-                       "--jobs",
-                       "4",
-                       "--external",
-                       script(folder, "hangs", pids + "sleep 1000"),
-                       "--external",
-                       script(folder, "ignores", "trap '' TERM INT HUP\nwhile :; do sleep 0.1; done"),
-                       "--external",
-                       script(folder, "answers",
-                              "trap '" + std::string("printf \"") +
-                                  "p\\n\\nOptions\\n3\\n1\\n1\\n0\\n1\\n0\\n1\\n1\\n1.5\\nobjno 0 "
-                                  "400\\n\" > \"$1.sol\"; exit 0' TERM\nsleep 1000 & wait"),
-                       "--external",
-                       script(folder, "eats", "exec perl -e '$s .= \"x\" x 10000000 while 1'"),
-                       "--external",
-                       script(folder, "inner-eats", "perl -e '$s .= \"x\" x 10000000 while 1'; exit 0")});
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-  EXPECT_EQ(finished.code, 0) << finished.err;
-  EXPECT_LT(seconds, 15);
-  const std::vector<Cell> cells = read_cells(folder / "out").cells;
-  EXPECT_EQ(only(cells, "hangs").outcome, Outcome::TimeLimit);
-  EXPECT_EQ(only(cells, "ignores").outcome, Outcome::TimeLimit);
-  EXPECT_THAT(only(cells, "ignores").message, HasSubstr("killed after"));
-  EXPECT_EQ(only(cells, "answers").outcome, Outcome::TimeLimit);
-  EXPECT_NEAR(only(cells, "answers").natural, 0.25, 1e-9) << "its last word is judged";
-  EXPECT_EQ(only(cells, "eats").outcome, Outcome::MemoryLimit);
-  EXPECT_EQ(only(cells, "inner-eats").outcome, Outcome::MemoryLimit) << "not a child of the worker itself";
-  EXPECT_FALSE(alive(folder / "hang.pid"));
-}
 
 // Our own methods: one that has no end is stopped by its own limit, one whose problem does not fit by memory's, those
 // for affine problems are not for others.
@@ -271,10 +42,6 @@ TEST(CompareRun, OwnMethodsAtTheirLimits) {
 
 const std::vector<std::string> campaign_of_tiny{"--problems", "kojshin,josephy,billups",     "--starts",     "3",
                                                 "--methods",  "path,miles,newton-min,lemke", "--time-limit", "30"};
-std::vector<std::string> with(std::vector<std::string> arguments, const std::vector<std::string>& more) {
-  arguments.insert(arguments.end(), more.begin(), more.end());
-  return arguments;
-}
 
 // Killed with -9 whenever it has so many cells, and resumed, until it is complete: the same outcomes, byte by byte, as
 // in one go, no cell twice, and none of its processes left.
