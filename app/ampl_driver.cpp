@@ -6,6 +6,7 @@
 #include <array>
 #include <filesystem>
 #include <ostream>
+#include <variant>
 
 #include "app/report.hpp"
 #include "app/table.hpp"
@@ -142,6 +143,8 @@ ExitCode solve_stub(const AmplRequest& request, const Call& call, Streams stream
   // Always a file, even if the collection has a problem of that name.
   const LoadedProblem problem = load_problem(call.stub.ends_with(".nl") ? call.stub : call.stub + ".nl");
   for (const std::string& note : options.notes) streams.err << request.program << ": note: " << note << '\n';
+  if (std::holds_alternative<ncp::Affine>(options.settings.method) && !problem.mcp->is_affine())
+    throw ncp::ampl::ModelError(ncp::ampl::not_applicable, "the method is for affine problems, and this one is not");
   const Output& output = options.settings.output;
   if (output.shows(output.options)) print_options(streams.out, options.settings);
   if (output.shows(output.initial_statistics)) print_initial_statistics(streams.out, problem);
@@ -177,6 +180,7 @@ int solve_result_num(ncp::Status status) {
     case ncp::Status::Unbounded:
       return 300;
     case ncp::Status::NotApplicable:
+      return ncp::ampl::not_applicable;
     case ncp::Status::StationaryPoint:
     case ncp::Status::NoProgress:
     case ncp::Status::SubproblemFailed:  // no error, but an end of what the method can do from here: another start may

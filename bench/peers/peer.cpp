@@ -14,6 +14,8 @@ namespace perp::bench {
 
 namespace {
 
+static_assert(static_cast<int>(End::NotTaken) == ncp::ampl::not_applicable);
+
 struct Call {
   std::string stub{};
   std::vector<std::string> words{};
@@ -130,7 +132,7 @@ int run_peer(const Peer& peer, int argc, const char* const* argv) {
   } catch (const ncp::ampl::ModelError& error) {
     return refuse(peer, call.stub, error.code(), error.what());
   } catch (const std::exception& error) {
-    return refuse(peer, call.stub, static_cast<int>(End::NotTaken), error.what());
+    return refuse(peer, call.stub, static_cast<int>(End::Refused), error.what());
   }
 }
 

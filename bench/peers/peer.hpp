@@ -3,7 +3,7 @@
 /// call. `DRIVER [key=value]... STUB -AMPL` reads STUB.nl as an Mcp and writes STUB.sol.
 ///
 /// solve_result_num says what the peer says, not what is true: 0 where it claims a solution, 201 where it claims that
-/// there is none, else 400 and more. Whoever wants the truth judges the point.
+/// there is none, 590 where the problem is not for it, else 400 to 599. Whoever wants the truth judges the point.
 #include <functional>
 #include <map>
 #include <string>
@@ -20,10 +20,11 @@ enum class End {
   Infeasible = 201,         ///< the peer says: there is no solution
   IterationLimit = 400,     ///< or of evaluations
   TimeLimit = 402,          ///< the peer's own
-  NotTaken = 500,           ///< the peer does not take this shape or size of problem, or value of an option
+  Refused = 500,            ///< the driver could not do its work: a wrong option, an exception
   LinearSolveFailed = 501,  ///< a singular matrix
   Undefined = 503,          ///< F or J is not defined where the peer wants it
   Failed = 510,             ///< any other end that the peer does not call solved
+  NotTaken = 590,           ///< the peer does not take this shape or size of problem: ncp::ampl::not_applicable
 };
 
 struct PeerAnswer {

@@ -29,6 +29,8 @@ class ModelError : public std::runtime_error {
 inline constexpr int inconsistent_bounds = 200;
 inline constexpr int bad_file = 500;  ///< unreadable, malformed, truncated, integer variables, unknown functions
 inline constexpr int nonsquare = 504;
+/// Of AMPL's failures, 500 to 599, our own: the model is sound, and not of the kind or size that the solver takes.
+inline constexpr int not_applicable = 590;
 
 /// An MCP read from an .nl file. The first n_var() unknowns are the model's variables in its order, the rest are the y
 /// of the side inequalities. Names come from the .col and .row files beside the stub where they exist.

@@ -181,6 +181,15 @@ TEST(AmplDriver, OutcomesReachAmpl) {
   EXPECT_EQ(code("undefined", "tol=1e-8"), "objno 0 503");
 }
 
+// x^2 - 2 is not affine. Would catch a number that says that the file is bad.
+TEST(AmplDriver, AMethodThatIsNotForTheProblem) {
+  const test::Folder folder;
+  test::write(folder / "m.nl", test::sqrt2_nl());
+  EXPECT_EQ(call({folder / "m", "-AMPL", "method=lemke"}).code, exit_input);
+  EXPECT_EQ(objno(test::read(folder / "m.sol")), "objno 0 590");
+  EXPECT_THAT(test::read(folder / "m.sol"), HasSubstr("for affine problems"));
+}
+
 TEST(AmplDriver, EveryStatusHasANumber) {
   using ncp::Status;
   EXPECT_EQ(solve_result_num(Status::Solved), 0);
@@ -189,6 +198,7 @@ TEST(AmplDriver, EveryStatusHasANumber) {
   EXPECT_EQ(solve_result_num(Status::Interrupted), 403);
   EXPECT_EQ(solve_result_num(Status::LinearAlgebraFailed), 501);
   EXPECT_EQ(solve_result_num(Status::EvaluationFailed), 503);
+  EXPECT_EQ(solve_result_num(Status::NotApplicable), 590);
   for (const Status status : {Status::StationaryPoint, Status::NoProgress, Status::SubproblemFailed})
     EXPECT_EQ(solve_result_num(status), 510);
 }

@@ -40,6 +40,9 @@ TEST(CompareRun, PeersAreShownAsWhatTheyAre) {
       {"modest", writes(sol("1.414213562373095", 500)), Outcome::Unclaimed, "peer"},
       {"honest", writes(sol("1.5", 500)), Outcome::Failed, "peer"},
       {"denies", writes(sol("1.5", 200)), Outcome::Failed, "peer"},
+      {"fails-by-599", writes(sol("1.5", 599)), Outcome::Failed, "peer"},
+      {"not-for-it", writes("affine ones only\n\nOptions\n3\n1\n1\n0\n1\n0\n1\n0\nobjno 0 590\n"),
+       Outcome::NotApplicable, "affine ones only"},
       {"mute", "echo no licence >&2; exit 1", Outcome::Garbage, "exit code 1; it said: no licence"},
       {"pipe", "mkfifo $1.sol", Outcome::Garbage, ".sol file: there is none"},
       {"forks",
@@ -165,8 +168,8 @@ TEST(CompareExternal, ToleranceInTheCommand) {
 TEST(CompareRun, PeersAreToldTheTolerance) {
   const test::Folder folder;
   test::write(folder / "m.nl", test::sqrt2_nl());
-  const std::string peer =
-      script(folder, "peer", "echo \"$1\" >> " + (folder / "told") + "\nshift 2\n" + writes(sol("1.414213562373095", 0)));
+  const std::string peer = script(
+      folder, "peer", "echo \"$1\" >> " + (folder / "told") + "\nshift 2\n" + writes(sol("1.414213562373095", 0)));
   const std::vector<std::string> arguments{"--methods",     "none",       "--problems",
                                            folder / "m.nl", "--external", peer + " tol={tol} {Tol}"};
   const std::string out = folder / "out";

@@ -105,6 +105,40 @@ TEST(Comparisons, WhoIsComparedOnWhat) {
   EXPECT_EQ(name_in(data, all[2], 4), "min");
 }
 
+/// A program that says of a pair that it is not for it: left out of the robustness table, as a method for affine
+/// problems is; in profiles it has not solved the pair; and it does not come into the comparison of the methods for
+/// all.
+TEST(Comparisons, ProgramsThatRefuseSomePairs) {
+  MadeUp made_up;
+  made_up.method("path").method("peer").problem("p", "nl").problem("q", "nl").problem("r", "nl");
+  made_up.campaign.methods.back().command = "peer";
+  for (const char* name : {"p", "q", "r"}) made_up.run("path", name, Outcome::Solved, 0.04);
+  made_up.run("peer", "p", Outcome::Solved, 0.02);
+  made_up.run("peer", "q", Outcome::NotApplicable);
+  made_up.run("peer", "r", Outcome::Failed);
+  const CampaignData data = made_up.data();
+  const Robustness table = robustness(data);
+  EXPECT_EQ(table.rows[1].total.pairs, 2U);
+  EXPECT_EQ(table.rows[1].total.failures, 1U);
+  EXPECT_EQ(table.rows[1].not_applicable, 1U);
+  const std::vector<Comparison> all = comparisons(data);
+  ASSERT_EQ(all.size(), 2U);
+  EXPECT_THAT(all[0].methods, ElementsAre(0));
+  EXPECT_EQ(all[1].id, "external");
+  EXPECT_THAT(all[1].pairs, ElementsAre(0, 2)) << "those that a program was for";
+  EXPECT_EQ(all[1].profiles[0].performance[1].count(1), 1U);
+  EXPECT_EQ(all[1].profiles[0].performance[1].problems, 2U);
+  made_up.method("other").campaign.methods.back().command = "other";
+  for (const char* name : {"p", "q", "r"}) made_up.run("other", name, Outcome::Solved, 0.01);
+  made_up.run("other", "p", Outcome::NotApplicable);
+  const std::vector<Comparison> three = comparisons(made_up.data());
+  EXPECT_THAT(three[1].pairs, ElementsAre(0, 1, 2));
+  const MeasureProfiles& time = three[1].profiles[0];
+  const auto peer = std::ranges::find(time.methods, 1U) - time.methods.begin();
+  EXPECT_EQ(time.performance[static_cast<std::size_t>(peer)].solved(), 1U) << "q is not for it, r it fails";
+  EXPECT_EQ(time.performance[static_cast<std::size_t>(peer)].problems, 3U);
+}
+
 /// Costs below the floor tie, and a cost that is not known leaves the method out of that profile only.
 TEST(Comparisons, FloorsAndUnknownCosts) {
   MadeUp made_up;
