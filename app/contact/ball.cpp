@@ -3,16 +3,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <ostream>
-#include <set>
 #include <stdexcept>
 #include <utility>
 
 #include "app/contact/ball_svg.hpp"
+#include "app/contact/number_list.hpp"
 #include "app/json.hpp"
 #include "app/json_parts.hpp"
 #include "app/problem.hpp"
@@ -26,30 +25,8 @@ using contact::BallPath;
 using contact::CyclicBall;
 using contact::FrictionLaw;
 
-constexpr int most_facets = 1000;
 constexpr std::size_t most_loads = 6;
 constexpr std::size_t most_points = 1000;  // of a path in JSON
-
-/// Comma-separated numbers.
-template <class Value>
-std::vector<Value> parse_list(const char* flag, const std::string& text, Value least, Value most) {
-  std::vector<Value> values;
-  std::set<Value> seen;
-  for (std::size_t begin = 0; begin <= text.size();) {
-    const std::size_t end = std::min(text.find(',', begin), text.size());
-    const std::string word = text.substr(begin, end - begin);
-    Value value{};
-    const auto [stop, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-    if (word.empty() || error != std::errc{} || stop != word.data() + word.size())
-      throw InputError(fmt::format("{} {}: '{}' is no number; a list is like 4,6,8", flag, text, word));
-    if (!(value >= least && value <= most))
-      throw InputError(fmt::format("{} {}: {} is not in [{}, {}]", flag, text, word, least, most));
-    if (!seen.insert(value).second) throw InputError(fmt::format("{} {}: {} stands there twice", flag, text, word));
-    values.push_back(value);
-    begin = end + 1;
-  }
-  return values;
-}
 
 std::vector<FrictionLaw> laws(const BallRequest& request) {
   const bool all = !request.facets && !request.exact;

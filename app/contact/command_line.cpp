@@ -8,6 +8,7 @@
 #include "app/contact/ball_command_line.hpp"
 #include "app/contact/compare_variants.hpp"
 #include "app/contact/contact.hpp"
+#include "app/contact/facets.hpp"
 
 namespace perp::app::contacts {
 
@@ -25,6 +26,7 @@ constexpr const char* footer =
     "  perp contact arch:40 --json - | jq '.contacts[] | select(.state == \"slip\")'\n"
     "  perp contact --generate stack:60 --fclib-out stack.hdf5\n"
     "  perp contact data/*.dat --compare --out contact-comparison\n"
+    "  perp contact data/*.dat --facets 4,8,16,32 --svg facets.svg   what facets cost by the exact law, over K\n"
     "  perp contact ball --svg ball.svg                        time stepping: what facets do to a path\n"
     "  perp contact wall:40 arch:40 --compare --variants glocker,glocker+path/B,inner:4,inner:16,ncp1\n"
     "\n"
@@ -37,10 +39,12 @@ constexpr const char* footer =
     "comparison\n"
     "that was interrupted.";
 
-/// Flags of the other mode.
-std::string misplaced(const CLI::App& command, bool compare) {
+/// Flags of another mode: one run, --compare, --facets.
+std::string misplaced(const CLI::App& command, const ContactWords& words) {
   const auto given = [&](const char* flag) { return command.count(flag) > 0; };
-  if (compare) {
+  const bool facets = given("--facets");
+  if (words.compare && facets) return "--facets is a study of its own; --compare runs inner:8,outer:8 of --variants";
+  if (words.compare) {
     for (const char* flag : {"--formulation", "--method", "--encoding", "--row", "--form"})
       if (given(flag))
         return fmt::format("{}: --compare runs what --variants lists, as in glocker+path/B,inner:8", flag);
@@ -50,11 +54,30 @@ std::string misplaced(const CLI::App& command, bool compare) {
   }
   for (const char* flag : {"--variants", "--out", "--memory-limit", "--jobs"})
     if (given(flag)) return fmt::format("{} goes with --compare", flag);
+  if (!facets) return "";
+  for (const char* flag : {"--formulation", "--method", "--encoding", "--row"})
+    if (given(flag)) return fmt::format("{}: --facets runs inner:K and outer:K, by Lemke's method first", flag);
+  for (const char* flag : {"--fclib-out", "--log-level", "--full"})
+    if (given(flag)) return fmt::format("{} goes with one run, not with --facets", flag);
   return "";
 }
 
 std::optional<std::string> if_given(const CLI::App& command, const char* flag, const std::string& value) {
   return command.count(flag) > 0 ? std::optional(value) : std::nullopt;
+}
+
+std::vector<std::string> all_problems(const ContactWords& words) {
+  std::vector<std::string> all = words.problems;
+  all.insert(all.end(), words.generated.begin(), words.generated.end());
+  return all;
+}
+
+ExitCode run_facets(const ContactWords& words, Streams streams, const std::atomic<bool>* interrupt) {
+  FacetsRequest request{.problems = all_problems(words), .facets = words.facets, .svg = words.svg, .json = words.json};
+  if (!words.form.empty()) request.form = words.form;
+  request.tol = words.tol.value_or(request.tol);
+  request.time_limit = words.time_limit.value_or(request.time_limit);
+  return facets(request, streams, interrupt);
 }
 
 }  // namespace
@@ -80,12 +103,13 @@ CLI::App* add_command(CLI::App& app, ContactWords& words) {
   text("--row", words.row, "of glocker by another method than homotopy: the disk's equation (normalised)",
        "normalised|original");
   text("--form", words.form, "of inner and outer: an LCP, or an MLCP with r_T free (reduced)", "reduced|mixed");
-  text("--tol", words.tol, "tolerance (1e-8)", "TOL");
-  text("--time-limit", words.time_limit, "give up after that time; of a comparison: each run (30)", "SECONDS");
+  text("--tol", words.tol, "tolerance (1e-8; of --facets 1e-9)", "TOL");
+  text("--time-limit", words.time_limit, "give up after that time; of --compare and --facets: each run (30)",
+       "SECONDS");
   text("--json", words.json, "write the result as JSON; - is standard output, the text then goes to standard error",
        "FILE");
   text("--fclib-out", words.fclib_out, "write problem and solution as an FCLIB file", "FILE");
-  text("--svg", words.svg, "draw the forces in their friction disks", "FILE");
+  text("--svg", words.svg, "draw the forces in their friction disks; of --facets: the errors over K", "FILE");
   text("--log-level", words.level,
        fmt::format("one of {}; each shows more than the one before", fmt::join(log_level_names(), ", ")), "LEVEL");
   contact->add_flag("--full", words.full, "print every contact of a long table");
@@ -95,6 +119,9 @@ CLI::App* add_command(CLI::App& app, ContactWords& words) {
   text("--out", words.out, "of a comparison: where its files go (contact-comparison)", "DIR");
   text("--memory-limit", words.memory_mb, "of a comparison: resident memory of a run (4096)", "MB");
   text("--jobs", words.jobs, "of a comparison: runs at a time (1, so that times compare)", "N");
+  text("--facets", words.facets,
+       "by polygons of each K of the list, in the disk and about it: the errors by the exact law, and how they fall",
+       "K,K,...");
   add_ball_command(*contact, words.ball);
   return contact;
 }
@@ -102,13 +129,12 @@ CLI::App* add_command(CLI::App& app, ContactWords& words) {
 int run_command(const CLI::App& command, const ContactWords& words, Streams streams,
                 const std::atomic<bool>* interrupt) {
   if (command.got_subcommand("ball")) return run_ball_command(command, words.ball, streams, interrupt);
-  if (const std::string why = misplaced(command, words.compare); !why.empty()) {
+  if (const std::string why = misplaced(command, words); !why.empty()) {
     streams.err << "perp contact: " << why << '\n';
     return exit_input;
   }
   if (words.compare) {
-    CompareVariantsRequest request{.problems = words.problems, .json = words.json};
-    request.problems.insert(request.problems.end(), words.generated.begin(), words.generated.end());
+    CompareVariantsRequest request{.problems = all_problems(words), .json = words.json};
     request.tol = words.tol.value_or(request.tol);
     request.time_limit = words.time_limit.value_or(request.time_limit);
     request.variants = words.variants.value_or(request.variants);
@@ -117,6 +143,7 @@ int run_command(const CLI::App& command, const ContactWords& words, Streams stre
     request.out = words.out.value_or(request.out);
     return compare_variants(request, streams, interrupt);
   }
+  if (command.count("--facets") > 0) return run_facets(words, streams, interrupt);
   ContactRequest request{.problems = words.problems,
                          .generated = words.generated,
                          .json = words.json,

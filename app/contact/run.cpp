@@ -153,8 +153,8 @@ void run_affine(Run& run, const Encoding& encoding, Clock::time_point begin) {
 
 contact::Polygons polygons(const Problem& problem, const Variant& variant) {
   if (problem.dimension == 2) return {contact::Polygon::interval()};
-  return {variant.law == Law::Inner ? contact::Polygon::inscribed(variant.facets)
-                                    : contact::Polygon::circumscribed(variant.facets)};
+  return {variant.law == Law::Inner ? contact::Polygon::inscribed(variant.facets, variant.rotation)
+                                    : contact::Polygon::circumscribed(variant.facets, variant.rotation)};
 }
 
 }  // namespace

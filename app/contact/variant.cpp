@@ -7,6 +7,7 @@
 #include <charconv>
 #include <string_view>
 
+#include "app/contact/number_list.hpp"
 #include "app/methods.hpp"
 #include "app/program.hpp"
 
@@ -16,7 +17,6 @@ namespace {
 
 using Law = Variant::Law;
 constexpr int least_facets = 3;
-constexpr int most_facets = 1000;
 constexpr std::array<std::string_view, 5> laws{"glocker", "ncp1", "inner", "outer", "frictionless"};
 
 int parse_facets(const std::string& formulation, std::string_view digits) {

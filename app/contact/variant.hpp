@@ -20,6 +20,7 @@ struct Variant {
   contact::Encoding encoding = contact::Encoding::A;  ///< of Glocker
   contact::DiskRow row = contact::DiskRow::Normalised;
   contact::Form form = contact::Form::Reduced;  ///< of Inner and Outer
+  double rotation = 0;                          ///< of their polygons [rad]; in no text
 
   /// Is it Coulomb's law? The others solve a problem of their own.
   bool exact() const { return law == Law::Glocker || law == Law::Ncp1; }
