@@ -83,6 +83,7 @@ void write_answer(const std::string& folder, const Answer& answer) {
                   {"status", answer.status},
                   {"claimed", answer.claimed},
                   {"infeasible", answer.infeasible},
+                  {"proven", answer.proven},
                   {"not_applicable", answer.not_applicable},
                   {"time_limit", answer.time_limit},
                   {"crashed", answer.crashed},
@@ -118,6 +119,7 @@ Answer read_answer(const std::string& folder) {
     json.at("status").get_to(answer.status);
     json.at("claimed").get_to(answer.claimed);
     json.at("infeasible").get_to(answer.infeasible);
+    json.at("proven").get_to(answer.proven);
     json.at("not_applicable").get_to(answer.not_applicable);
     json.at("time_limit").get_to(answer.time_limit);
     json.at("crashed").get_to(answer.crashed);

@@ -58,7 +58,8 @@ BaselineComparison compare_with(const std::vector<BaselineRow>& baseline, std::s
     if (found == now.end()) continue;
     ++comparison.compared;
     const bool before = good(row.outcome);
-    if (before && !good(found->second->outcome)) comparison.regressions.push_back({row, *found->second});
+    const bool denied = row.outcome == Outcome::Solved && found->second->outcome == Outcome::Infeasible;
+    if (before && (denied || !good(found->second->outcome))) comparison.regressions.push_back({row, *found->second});
     if (!before && good(found->second->outcome)) comparison.gained.push_back(row.key);
   }
   return comparison;

@@ -25,10 +25,12 @@ struct AskedProblem {
   int starts = 1;             ///< that take part: 1 to starts
   int known_solutions = 0;    ///< listed in the collection
   std::string no_solution{};  ///< why there is none, if that is known
+  std::string denied_by{};    ///< set by settle(): the method that has proven it here; not in campaign.json
   std::string crc{};          ///< CRC-32 of a file's content
   bool by_pattern = false;    ///< a file that nobody named: left out, with a note, where it is refused
   bool solvable() const { return no_solution.empty(); }
-  /// Is it known to have a solution, so that a method that says otherwise is wrong? (Of a file nobody knows.)
+  /// Is it taken to have a solution, so that a program that says otherwise without a proof is wrong? (Of a file nobody
+  /// knows.)
   bool known_solvable() const { return solvable() && file.empty(); }
 };
 

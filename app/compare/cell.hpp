@@ -27,7 +27,7 @@ enum class Outcome {
   Crashed,          ///< a signal, which the message names, or an exit nobody expected
   Garbage,          ///< of an external program: no .sol file, an unreadable one, one of other sizes
   NotApplicable,    ///< the method is not for this problem
-  Infeasible,       ///< rightly: there is no solution, and the method says so
+  Infeasible,       ///< rightly: there is no solution, as is known or as the method has proven, and it says so
   FalseInfeasible,  ///< claims that there is none although one is known
 };
 /// In the order of the enumeration: "solved", "failed", "false-convergence", ...

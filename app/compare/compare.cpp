@@ -19,6 +19,7 @@
 #include "app/compare/outcome_table.hpp"
 #include "app/compare/progress.hpp"
 #include "app/compare/run_cell.hpp"
+#include "app/compare/settle.hpp"
 #include "app/comparison_report/write_report.hpp"
 #include "app/json.hpp"
 #include "app/table.hpp"
@@ -256,7 +257,8 @@ class Comparison {
 
   int finish() {
     write_report(request_.out);
-    const std::vector<Cell> cells = read_cells(request_.out).cells;
+    std::vector<Cell> cells = read_cells(request_.out).cells;
+    settle(campaign_, cells);
     print_outcomes(streams_.out, campaign_, cells);
     print_false_claims(streams_.out, cells);
     streams_.out << fmt::format(

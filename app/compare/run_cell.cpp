@@ -78,6 +78,7 @@ Outcome outcome_of_run(const RunEnd& end, const AskedProblem& problem, const Cam
   const bool holds = end.natural <= campaign.tol && problem.solvable();
   if (answer.claimed) return holds ? Outcome::Solved : Outcome::FalseConvergence;
   if (answer.infeasible && !problem.solvable()) return Outcome::Infeasible;
+  if (answer.infeasible && answer.proven && !holds && problem.known_solutions == 0) return Outcome::Infeasible;
   if (answer.infeasible && (holds || problem.known_solvable())) return Outcome::FalseInfeasible;
   return holds ? Outcome::Unclaimed : Outcome::Failed;
 }

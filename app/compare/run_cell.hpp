@@ -20,7 +20,8 @@ struct RunEnd {
 
 /// The one word. In this order: limits, crashes and garbage; what the method says, held against the judge's residual
 /// and against what is known of the problem. A run of more than memory_mb counts as stopped by that limit however it
-/// ended; a claim to have solved a problem that has no solution is a false one, small as the residual may be.
+/// ended; a claim to have solved a problem that has no solution is a false one, small as the residual may be. A proof
+/// that there is none counts unless a solution is listed or in hand; settle() has the last word on it.
 Outcome outcome_of_run(const RunEnd& end, const AskedProblem& problem, const Campaign& campaign);
 
 /// After these a further run from another start makes sense.

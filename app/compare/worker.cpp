@@ -72,7 +72,7 @@ Answer solve(const Task& task, Clock::time_point begin, const std::atomic<bool>*
   answer.curve = thinned(answer.curve);
   answer.status = ncp::to_string(result.status);
   answer.claimed = result.solved();
-  answer.infeasible = result.status == ncp::Status::Infeasible;
+  answer.infeasible = answer.proven = result.status == ncp::Status::Infeasible;
   answer.not_applicable = result.status == ncp::Status::NotApplicable;
   answer.time_limit = result.status == ncp::Status::TimeLimit;
   answer.message = result.message;

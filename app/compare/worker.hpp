@@ -39,6 +39,7 @@ struct Answer {
   std::string status{};
   bool claimed = false;
   bool infeasible = false;  ///< claims that there is no solution
+  bool proven = false;      ///< and has a proof that we trust: ours have
   bool not_applicable = false;
   bool time_limit = false;  ///< ended by it
   std::string crashed{};    ///< External: the signal or exit code

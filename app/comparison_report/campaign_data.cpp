@@ -7,6 +7,8 @@
 #include <map>
 #include <set>
 
+#include "app/compare/settle.hpp"
+
 namespace perp::app::comparison {
 
 CampaignData::CampaignData(compare::Campaign campaign, compare::CellsRead cells)
@@ -26,6 +28,7 @@ CampaignData::CampaignData(compare::Campaign campaign, compare::CellsRead cells)
           fmt::format("{} on {} from start {}: not of this campaign", cell.method, cell.problem, cell.start));
     return !known;
   });
+  compare::settle(campaign_, read_.cells);
   at_.assign(methods().size() * pairs_.size(), none);
   for (std::size_t k = 0; k < read_.cells.size(); ++k) {
     Cell& cell = read_.cells[k];

@@ -240,10 +240,15 @@ std::string unsolvable_section(const CampaignData& data) {
     if (unfinished) cells.push_back(count_cell(row.unfinished));
     table.add(std::move(cells));
   }
+  std::string proven;
+  for (const compare::AskedProblem& problem : data.campaign().problems)
+    if (!problem.denied_by.empty())
+      proven += fmt::format("{}{} (by {})", proven.empty() ? " Not known before, proven in this campaign: " : ", ",
+                            html_text(problem.name), html_text(problem.denied_by));
   return fmt::format(
       "<section id=\"unsolvable\"><h2>Problems without a solution</h2>\n<p>{}. The best answer is that there "
-      "is no solution; any other end that does not claim one is right, too.</p>\n{}</section>\n",
-      counted(data.pairs(false), "pair"), table.html());
+      "is no solution; any other end that does not claim one is right, too.{}</p>\n{}</section>\n",
+      counted(data.pairs(false), "pair"), proven.empty() ? "" : proven + '.', table.html());
 }
 
 std::string comparison_section(const CampaignData& data, const Comparison& comparison,
