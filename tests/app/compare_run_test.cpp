@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "app/compare/process.hpp"
+#include "app/methods.hpp"
 #include "compare_process_support.hpp"
 
 namespace perp::app::compare {
@@ -38,6 +39,28 @@ TEST(CompareRun, OwnMethodsAtTheirLimits) {
   EXPECT_EQ(outcomes["lemke endless."], Outcome::NotApplicable);
   EXPECT_EQ(outcomes["lemke infeasib"], Outcome::Infeasible);
   EXPECT_TRUE(outcomes["josep obstacle"] == Outcome::MemoryLimit || outcomes["josep obstacle"] == Outcome::TimeLimit);
+}
+
+// Every method for affine problems, asked of nonlinear ones: of the collection, and of a file. Would catch a method
+// that throws, crashes or solves a linearization.
+TEST(CompareRun, MethodsForAffineProblemsOnOthers) {
+  const test::Folder folder;
+  test::write(folder / "m.nl", test::sqrt2_nl());
+  std::string names;
+  for (const MethodEntry& method : methods()) {
+    if (!method.affine()) continue;
+    if (!names.empty()) names += ',';
+    names += method.name;
+  }
+  const Finished finished = compare(folder, {"--problems", "kojshin," + (folder / "m.nl"), "--methods", names,
+                                             "--starts", "1", "--out", folder / "out"});
+  EXPECT_EQ(finished.code, 0) << finished.err;
+  const std::vector<Cell> cells = read_cells(folder / "out").cells;
+  EXPECT_GE(cells.size(), 2U * 10U);
+  for (const Cell& cell : cells) {
+    EXPECT_EQ(cell.outcome, Outcome::NotApplicable) << cell.method << " on " << cell.problem;
+    EXPECT_THAT(cell.message, HasSubstr("is for affine problems"));
+  }
 }
 
 const std::vector<std::string> campaign_of_tiny{"--problems", "kojshin,josephy,billups",     "--starts",     "3",
