@@ -109,7 +109,7 @@ _perp() {
           --json --help' -- "$cur")
       elif [ "${cur:0:1}" = - ]; then
         mapfile -t COMPREPLY < <(compgen -W '--generate --formulation --method --encoding --row --form --tol --time-limit --json --fclib-out --svg
-          --log-level --full --compare --variants --out --memory-limit --jobs --facets --help' -- "$cur")
+          --log-level --full --compare --variants --out --resume --memory-limit --jobs --facets --help' -- "$cur")
       else
         mapfile -t COMPREPLY < <(compgen -W 'ball stack: spheres: arch: chain: wall: incline:' -- "$cur"
           compgen -f -X '!*.@(dat|hdf5|h5)' -- "$cur"; compgen -d -- "$cur")

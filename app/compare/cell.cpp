@@ -187,12 +187,11 @@ Cell cell_of_json(std::string_view json) {
   return cell;
 }
 
-std::string cell_line(const Cell& cell) {
-  const std::string text = cell_json(cell);
-  return fmt::format("{{\"cell\":{},\"crc\":\"{:08x}\"}}\n", text, crc32(text));
+std::string checked_line(std::string_view object) {
+  return fmt::format("{{\"cell\":{},\"crc\":\"{:08x}\"}}\n", object, crc32(object));
 }
 
-Cell parse_line(std::string_view line) {
+std::string_view checked_object(std::string_view line) {
   constexpr std::string_view head = R"({"cell":)";
   constexpr std::string_view middle = R"(,"crc":")";
   constexpr std::string_view tail = R"("})";
@@ -206,24 +205,36 @@ Cell parse_line(std::string_view line) {
   const auto [end, error] = std::from_chars(first, first + digits, crc, 16);
   if (!rest.starts_with(middle) || error != std::errc{} || end != first + digits) throw InputError("torn");
   if (crc != crc32(text)) throw InputError(fmt::format("its CRC is {:08x}, not {:08x}", crc32(text), crc));
-  return cell_of_json(text);
+  return text;
 }
 
-CellsRead parse_cells(std::string_view text) {
-  CellsRead read;
-  std::map<CellKey, Cell> cells;
+LinesRead read_checked_lines(std::string_view text, const std::function<void(std::string_view)>& take) {
+  LinesRead read;
   for (std::size_t number = 1; !text.empty(); ++number) {
     const std::size_t end = text.find('\n');
     read.torn = end == std::string_view::npos;
     try {
       if (read.torn) throw InputError("torn");
-      Cell cell = parse_line(text.substr(0, end));
-      cells.insert_or_assign(key(cell), std::move(cell));
+      take(checked_object(text.substr(0, end)));
     } catch (const InputError& error) {
       read.dropped.push_back(fmt::format("line {}: {}", number, error.what()));
     }
     text.remove_prefix(read.torn ? text.size() : end + 1);
   }
+  return read;
+}
+
+std::string cell_line(const Cell& cell) { return checked_line(cell_json(cell)); }
+
+Cell parse_line(std::string_view line) { return cell_of_json(checked_object(line)); }
+
+CellsRead parse_cells(std::string_view text) {
+  std::map<CellKey, Cell> cells;
+  LinesRead lines = read_checked_lines(text, [&](std::string_view object) {
+    Cell cell = cell_of_json(object);
+    cells.insert_or_assign(key(cell), std::move(cell));
+  });
+  CellsRead read{.cells = {}, .dropped = std::move(lines.dropped), .torn = lines.torn};
   for (auto& [identity, cell] : cells) read.cells.push_back(std::move(cell));
   return read;
 }

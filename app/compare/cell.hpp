@@ -7,6 +7,7 @@
 /// that is torn, or whose text does not fit its CRC, does not count, wherever it stands. DIR/cells.csv, cells.json and
 /// outcomes.csv are made from it.
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <span>
 #include <string>
@@ -79,6 +80,19 @@ std::uint32_t crc32(std::string_view text);
 std::string cell_json(const Cell& cell);
 /// Throws InputError saying what is wrong: no JSON, a key that is missing, a value of another type.
 Cell cell_of_json(std::string_view json);
+
+/// {"cell":OBJECT,"crc":"8 hex digits"}, with its newline: how a JSON object without line breaks stands in a file of
+/// cells.
+std::string checked_line(std::string_view object);
+/// The object of such a line without its newline. Throws InputError: torn, CRC wrong.
+std::string_view checked_object(std::string_view line);
+/// What does not count of a file of such lines.
+struct LinesRead {
+  std::vector<std::string> dropped;  ///< with number and reason
+  bool torn = false;                 ///< the last line has no newline: it was being written
+};
+/// Calls take(object) line by line. Lines that are torn or corrupt, and those where it throws InputError, are dropped.
+LinesRead read_checked_lines(std::string_view text, const std::function<void(std::string_view)>& take);
 
 /// A line of cells.jsonl, with its newline.
 std::string cell_line(const Cell& cell);

@@ -57,13 +57,12 @@ DirectoryLock::DirectoryLock(const std::string& dir) {
 
 DirectoryLock::~DirectoryLock() { close(file_); }
 
-Journal::Journal(const std::string& dir) : path_(dir + "/cells.jsonl") {
+LineJournal::LineJournal(const std::string& dir) : path_(dir + "/cells.jsonl") {
   file_ = open(path_.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
   if (file_ < 0) refuse(path_, errno);
-  const std::string text = read_text(path_);
-  before_ = parse_cells(text);
-  if (before_.torn) {
-    const std::size_t whole = text.rfind('\n') + 1;  // npos + 1 is 0
+  before_ = read_text(path_);
+  if (!before_.empty() && !before_.ends_with('\n')) {
+    const std::size_t whole = before_.rfind('\n') + 1;  // npos + 1 is 0
     if (ftruncate(file_, static_cast<off_t>(whole)) != 0) {
       const int error = errno;
       close(file_);
@@ -74,10 +73,9 @@ Journal::Journal(const std::string& dir) : path_(dir + "/cells.jsonl") {
   sync_directory(dir);
 }
 
-Journal::~Journal() { close(file_); }
+LineJournal::~LineJournal() { close(file_); }
 
-void Journal::add(const Cell& cell) {
-  const std::string line = cell_line(cell);
+void LineJournal::add(const std::string& line) {
   const std::scoped_lock lock(mutex_);
   struct stat before {};
   fstat(file_, &before);

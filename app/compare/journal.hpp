@@ -22,24 +22,40 @@ class DirectoryLock {
   int file_ = -1;
 };
 
-/// cells.jsonl, open for appending; several threads may. A cell is on the disk when add() returns.
-class Journal {
+/// cells.jsonl, lines as checked_line() makes them, open for appending; several threads may. A line is on the disk when
+/// add() returns.
+class LineJournal {
  public:
   /// Opens or makes it, and cuts off a torn last line. Throws InputError.
-  explicit Journal(const std::string& dir);
-  ~Journal();
-  Journal(const Journal&) = delete;
-  Journal& operator=(const Journal&) = delete;
+  explicit LineJournal(const std::string& dir);
+  ~LineJournal();
+  LineJournal(const LineJournal&) = delete;
+  LineJournal& operator=(const LineJournal&) = delete;
 
-  const CellsRead& before() const { return before_; }  ///< what it held
+  const std::string& before() const { return before_; }  ///< what it held, a torn line included
   /// Throws InputError if it cannot be written (a full disk); the line is then cut off again where that is possible.
-  void add(const Cell& cell);
+  void add(const std::string& line);
 
  private:
   std::string path_;
-  CellsRead before_;
+  std::string before_;
   std::mutex mutex_;
   int file_ = -1;
+};
+
+/// The same of a campaign's cells.
+class Journal {
+ public:
+  /// Throws InputError.
+  explicit Journal(const std::string& dir) : lines_(dir), before_(parse_cells(lines_.before())) {}
+
+  const CellsRead& before() const { return before_; }  ///< what it held
+  /// Throws InputError.
+  void add(const Cell& cell) { lines_.add(cell_line(cell)); }
+
+ private:
+  LineJournal lines_;
+  CellsRead before_;
 };
 
 /// Makes the directory (and those above it). `fresh`: it is to be new or empty. Throws InputError.

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "app/json_parts.hpp"
+#include "app/program.hpp"
 
 namespace perp::app::contacts {
 
@@ -78,6 +79,27 @@ Json row(const Cell& c) {
           {"command", c.command}};
 }
 
+/// What row() made. Throws Json's exceptions and InputError.
+Cell cell_of_row(const Json& json) {
+  Cell cell;
+  cell.variant = json.at("variant").get<std::string>();
+  cell.problem = json.at("problem").get<std::string>();
+  cell.exact = json.at("exact").get<bool>();
+  cell.outcome = compare::outcome_of(json.at("outcome").get<std::string>());
+  cell.status = json.at("status").get<std::string>();
+  cell.contacts = json.at("contacts").is_null() ? -1 : json.at("contacts").get<int>();
+  cell.iterations = json.at("iterations").is_null() ? -1 : json.at("iterations").get<long>();
+  cell.seconds = real(json.at("seconds"));
+  cell.peak_mb = real(json.at("peak_mb"));
+  cell.siconos = real(json.at("siconos"));
+  cell.rr9118 = real(json.at("rr9118"));
+  cell.scaled = real(json.at("scaled"));
+  cell.own = real(json.at("own_residual"));
+  cell.message = json.at("message").get<std::string>();
+  cell.command = json.at("command").get<std::string>();
+  return cell;
+}
+
 std::string field(const Json& value) {
   if (value.is_null()) return "";
   if (value.is_boolean()) return value.get<bool>() ? "yes" : "no";
@@ -116,6 +138,30 @@ Cell cell_of(const compare::ProcessEnd& end, const std::string& json, const comp
                                            : fmt::format("exit code {}, no result", WEXITSTATUS(end.status));
   }
   return cell;
+}
+
+std::string cell_line(const Cell& cell) {
+  return compare::checked_line(row(cell).dump(-1, ' ', false, Json::error_handler_t::replace));
+}
+
+CellsRead parse_cells(const std::string& text) {
+  CellsRead read;
+  const auto take = [&](std::string_view object) {
+    Cell cell;
+    try {
+      cell = cell_of_row(Json::parse(object));
+    } catch (const Json::exception& error) {
+      throw InputError(error.what());
+    }
+    const auto same = std::ranges::find_if(
+        read.cells, [&](const Cell& c) { return c.variant == cell.variant && c.problem == cell.problem; });
+    if (same == read.cells.end())
+      read.cells.push_back(std::move(cell));
+    else
+      *same = std::move(cell);
+  };
+  read.dropped = compare::read_checked_lines(text, take).dropped;
+  return read;
 }
 
 std::string cells_csv(std::span<const Cell> cells) {

@@ -36,6 +36,15 @@ struct Cell {
 /// NotApplicable, TimeLimit, MemoryLimit, Crashed.
 Cell cell_of(const compare::ProcessEnd& end, const std::string& json, const compare::ProcessLimits& limits);
 
+/// A line of cells.jsonl, with its newline (app/compare/cell.hpp).
+std::string cell_line(const Cell& cell);
+/// The cells of such a file, of two with the same variant and problem the later; and what does not count of it.
+struct CellsRead {
+  std::vector<Cell> cells;
+  std::vector<std::string> dropped;  ///< lines, with number and reason
+};
+CellsRead parse_cells(const std::string& text);
+
 /// RFC 4180: header, then one line a cell. Empty: not known.
 std::string cells_csv(std::span<const Cell> cells);
 std::string cells_json(std::span<const Cell> cells);

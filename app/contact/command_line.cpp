@@ -27,6 +27,7 @@ constexpr const char* footer =
     "  perp contact --generate stack:60 --fclib-out stack.hdf5\n"
     "  perp contact data/*.dat --compare --out contact-comparison\n"
     "  perp contact data/*.dat --facets 4,8,16,32 --svg facets.svg   what facets cost by the exact law, over K\n"
+    "  perp contact --compare --out contact-comparison --resume    after Ctrl-C, kill -9 or a power cut\n"
     "  perp contact ball --svg ball.svg                        time stepping: what facets do to a path\n"
     "  perp contact wall:40 arch:40 --compare --variants glocker,glocker+path/B,inner:4,inner:16,ncp1\n"
     "\n"
@@ -37,7 +38,7 @@ constexpr const char* footer =
     "\n"
     "Exit codes: 0 solved (--compare: complete), 1 not solved, 2 wrong usage or input, 3 internal error, 4 a "
     "comparison\n"
-    "that was interrupted.";
+    "that was interrupted (--resume goes on).";
 
 /// Flags of another mode: one run, --compare, --facets.
 std::string misplaced(const CLI::App& command, const ContactWords& words) {
@@ -52,7 +53,7 @@ std::string misplaced(const CLI::App& command, const ContactWords& words) {
       if (given(flag)) return fmt::format("{} goes with one run, not with --compare", flag);
     return "";
   }
-  for (const char* flag : {"--variants", "--out", "--memory-limit", "--jobs"})
+  for (const char* flag : {"--variants", "--out", "--resume", "--memory-limit", "--jobs"})
     if (given(flag)) return fmt::format("{} goes with --compare", flag);
   if (!facets) return "";
   for (const char* flag : {"--formulation", "--method", "--encoding", "--row"})
@@ -117,6 +118,8 @@ CLI::App* add_command(CLI::App& app, ContactWords& words) {
   text("--variants", words.variants,
        fmt::format("of a comparison: FORMULATION[+METHOD][/WORD]..., default {}", default_variants), "LIST");
   text("--out", words.out, "of a comparison: where its files go (contact-comparison)", "DIR");
+  contact->add_flag("--resume", words.resume,
+                    "of a comparison: go on with the one in DIR; what is not given is as it was");
   text("--memory-limit", words.memory_mb, "of a comparison: resident memory of a run (4096)", "MB");
   text("--jobs", words.jobs, "of a comparison: runs at a time (1, so that times compare)", "N");
   text("--facets", words.facets,
@@ -135,12 +138,13 @@ int run_command(const CLI::App& command, const ContactWords& words, Streams stre
   }
   if (words.compare) {
     CompareVariantsRequest request{.problems = all_problems(words), .json = words.json};
-    request.tol = words.tol.value_or(request.tol);
-    request.time_limit = words.time_limit.value_or(request.time_limit);
-    request.variants = words.variants.value_or(request.variants);
-    request.memory_mb = words.memory_mb.value_or(request.memory_mb);
+    request.variants = words.variants;
+    request.tol = words.tol;
+    request.time_limit = words.time_limit;
+    request.memory_mb = words.memory_mb;
     request.jobs = words.jobs.value_or(request.jobs);
     request.out = words.out.value_or(request.out);
+    request.resume = words.resume;
     return compare_variants(request, streams, interrupt);
   }
   if (command.count("--facets") > 0) return run_facets(words, streams, interrupt);

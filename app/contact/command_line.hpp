@@ -21,6 +21,7 @@ struct ContactWords {
   std::optional<double> tol{}, time_limit{};
   bool full = false;
   bool compare = false;
+  bool resume = false;
   std::string facets{};
   std::optional<std::string> variants{}, out{};
   std::optional<long long> memory_mb{};

@@ -4,6 +4,7 @@
 /// glocker and ncp1 by Coulomb's exact one, faceted and frictionless variants by that of their affine problem; what
 /// Coulomb's law says of them stands beside it.
 #include <atomic>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,16 +14,18 @@
 
 namespace perp::app::contacts {
 
+/// What is not given: of a campaign that is resumed as it was, else as beside it.
 struct CompareVariantsRequest {
   std::vector<std::string> problems{};
-  std::string variants = default_variants;  ///< list of variant.hpp
-  double tol = 1e-8;
-  double time_limit = 30;  ///< s, wall clock of a run
-  long long memory_mb = 4096;
-  double reading = 10;  ///< s, beside the solve's own limit twice: then a process counts as hanging
-  int jobs = 1;         ///< runs at a time
+  std::optional<std::string> variants{};  ///< list of variant.hpp; default_variants
+  std::optional<double> tol{};            ///< 1e-8
+  std::optional<double> time_limit{};     ///< s, wall clock of a run; 30
+  std::optional<long long> memory_mb{};   ///< 4096
+  double reading = 10;                    ///< s, beside the solve's own limit twice: then a process counts as hanging
+  int jobs = 1;                           ///< runs at a time
   std::string out = "contact-comparison";
-  std::string json{};  ///< the cells once more, "-" for standard output; "" for nowhere
+  bool resume = false;  ///< go on with the campaign in `out`, if there is one
+  std::string json{};   ///< the cells once more, "-" for standard output; "" for nowhere
   std::string program = "/proc/self/exe";
 };
 
