@@ -11,7 +11,9 @@
 namespace perp::contact {
 namespace {
 
-/// KLU up to so many entries a row of W, UMFPACK beyond.
+/// KLU up to so many rows of W and entries in each, UMFPACK beyond: factors of large piles are dense, KLU's loops are
+/// for sparse ones.
+constexpr Index klu_rows = 2000;
 constexpr Index klu_entries = 60;
 /// Sweeps are judged so many at a time, and ended unless r changes less by this factor than in the lot before.
 constexpr int sweeps_a_lot = 4;
@@ -29,6 +31,14 @@ constexpr double polish_again = 0.1;
 /// Steps this short in a row end an attempt.
 constexpr double short_step = 0.1;
 constexpr int short_steps = 5;
+
+/// Damped Newton steps from the best point of an attempt: alpha of the first, third, .. and of the other attempts; at
+/// most so many steps; of the step lengths 1, 1/2, .. the first that brings the natural map below this part, else the
+/// best.
+constexpr std::array search_alphas{1e-5, 1e-4};
+constexpr int search_steps = 80;
+constexpr int search_halvings = 7;
+constexpr double search_decrease = 0.9;
 
 /// The proximal loop.
 constexpr double first_alpha = 1;
@@ -56,8 +66,9 @@ class Solver {
   Solver(Referee& referee, const Scaled& problem, const GlockerHomotopy& method)
       : referee_(referee), problem_(problem), method_(method), options_(method.options) {
     if (options_.lu == lcp::LuBackend::Auto)
-      options_.lu =
-          problem.W.nonZeros() <= klu_entries * problem.size() ? lcp::LuBackend::Klu : lcp::LuBackend::Umfpack;
+      options_.lu = problem.size() <= klu_rows && problem.W.nonZeros() <= klu_entries * problem.size()
+                        ? lcp::LuBackend::Klu
+                        : lcp::LuBackend::Umfpack;
     newton_.emplace(problem, options_.lu);
   }
   ~Solver() { referee_.stats().factorizations += newton_->factorizations(); }
@@ -82,6 +93,7 @@ class Solver {
   bool sweep();
   bool attempt(const HomotopyOptions& options, const Vec* from = nullptr, double tau = 1);
   bool polish(Vec r, double alpha);
+  bool search(Vec r, double alpha);
   bool with_other_settings();
   bool proximal_loop();
 
@@ -129,6 +141,8 @@ bool Solver::attempt(const HomotopyOptions& options, const Vec* from, double tau
   if (from != nullptr) homotopy.start(*from, tau);
   double polish_at = method_.polish_at;
   std::size_t polished = 0;
+  Vec best = homotopy.r();
+  double least = lcp::infinity;
   int in_a_row = 0;
   bool over = false;
   for (int k = 0; k < method_.max_iterations && in_a_row < short_steps && !over; ++k) {
@@ -139,13 +153,19 @@ bool Solver::attempt(const HomotopyOptions& options, const Vec* from, double tau
     if (over || !going) break;
     in_a_row = last.step < short_step ? in_a_row + 1 : 0;
     if (!method_.polish) continue;
+    if (const double map = natural_map(problem_, homotopy.r()); map < least) {
+      least = map;
+      best = homotopy.r();
+    }
     if (const double near = relative(homotopy.r(), homotopy.u()); near <= polish_at) {
       polish_at = polish_again * near;
       over = polish(homotopy.r(), polish_alphas[polished++ % polish_alphas.size()]);
     }
   }
   referee_.stats().factorizations += homotopy.factorizations();
-  return over;
+  if (over || !method_.polish) return over;
+  const auto number = static_cast<std::size_t>(referee_.stats().attempts - 1);
+  return search(std::move(best), search_alphas[number % search_alphas.size()]);
 }
 
 /// Newton steps on the equation of Alart & Curnier with the proximal term of the iterate itself.
@@ -162,6 +182,30 @@ bool Solver::polish(Vec r, double alpha) {
     if (!(now <= 1e3 * last)) return false;
     failures = now <= 0.5 * last ? 0 : failures + 1;
     last = std::min(last, now);
+  }
+  return false;
+}
+
+/// Damped Newton steps on the same equation: where the path turns back, a solution is often not far from it.
+bool Solver::search(Vec r, double alpha) {
+  double last = natural_map(problem_, r);
+  for (int k = 0; k < search_steps; ++k) {
+    Vec to;
+    if (!newton_->step(r, r, alpha, to)) return false;
+    ++referee_.stats().newton_steps;
+    Vec d = to - r;
+    double least = lcp::infinity;
+    for (int i = 0; i <= search_halvings && !(least <= search_decrease * last); ++i, d *= 0.5) {
+      const double now = natural_map(problem_, r + d);
+      if (now < least) {
+        least = now;
+        to = r + d;
+      }
+    }
+    if (!std::isfinite(least)) return false;
+    r = std::move(to);
+    last = least;
+    if (referee_.judge(r, {.kind = 'S', .alpha = alpha})) return true;
   }
   return false;
 }

@@ -21,9 +21,10 @@ namespace perp::contact {
 
 /// The homotopy of homotopy.hpp in scaled units. When its point comes near a solution, Newton steps on the equation of
 /// Alart & Curnier are tried from it for the last digits (`polish`); where that fails the homotopy goes on. Where it
-/// stalls: attempts with other settings, from the best point and from the start, and then a proximal loop: solve the
-/// problem with (W + alpha I, q - alpha r_k), r_{k+1} its solution, alpha falling as long as the subproblems are
-/// solved, extrapolated where successive increments are parallel. It is what singular W need.
+/// stalls: damped Newton steps from its best point; attempts with other settings, from the best point and from the
+/// start, and then a proximal loop: solve the problem with (W + alpha I, q - alpha r_k), r_{k+1} its solution, alpha
+/// falling as long as the subproblems are solved, extrapolated where successive increments are parallel. It is what
+/// singular W need.
 struct GlockerHomotopy {
   HomotopyOptions options{};
   int max_iterations = 60;  ///< of one attempt
@@ -60,12 +61,12 @@ std::string_view to_string(Status);
 /// One point that was judged.
 struct Record {
   int k = 0;
-  /// N homotopy step, P Newton step on Alart & Curnier's equation, G sweeps, X proximal problem, C an end of a stage of
-  /// an ncp method, W warm start.
+  /// N homotopy step, P Newton step on Alart & Curnier's equation, S damped one, G sweeps, X proximal problem, C an end
+  /// of a stage of an ncp method, W warm start.
   char kind = ' ';
   double tau = 0;      ///< of a homotopy step
   double step = 0;     ///< its length
-  double alpha = 0;    ///< of P and X
+  double alpha = 0;    ///< of P, S and X
   double siconos = 0;  ///< metrics of the point
   double rr9118 = 0;
 };

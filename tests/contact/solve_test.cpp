@@ -9,6 +9,7 @@
 
 #include "contact/alart_curnier.hpp"
 #include "contact/gauss_seidel.hpp"
+#include "contact/generators.hpp"
 #include "contact/homotopy.hpp"
 #include "contact/referee.hpp"
 #include "contact_support.hpp"
@@ -288,6 +289,28 @@ TEST(Solve, RockPile) {
   if (sanitized) GTEST_SKIP() << "slow with sanitizers";
   const Result result = expect_solved(recorded("RockPile_tob1.dat"), {.max_time = std::chrono::duration<double>(60)});
   EXPECT_GT(result.stats.proximal_steps, 0);
+}
+
+// Poured spheres, mu lower than they were poured for: the path of the homotopy turns back at a residual of 1e-3, a
+// solution is some twenty damped Newton steps from there. Catches a search that is not made, or not from the best
+// point.
+TEST(Solve, WhereThePathTurnsBack) {
+  Problem problem = make_scene("spheres", 299).problem();
+  problem.mu.setConstant(0.4);
+  GlockerHomotopy method{.other_settings = false, .proximal = false};
+  const Result result = expect_solved(problem, {.method = method});
+  EXPECT_EQ(result.history.back().kind, 'S');
+  method.polish = false;
+  EXPECT_FALSE(solve(problem, {.method = method}).solved());
+}
+
+// 1,000 contacts, each coupled with some nine: one attempt of the homotopy, without the proximal loop. Catches what
+// gets stuck only in large scenes, and loops over all pairs by the test's time.
+TEST(Solve, ThousandContacts) {
+  if (sanitized) GTEST_SKIP() << "slow with sanitizers";
+  const Result result = expect_solved(make_scene("spheres", 1000).problem());
+  EXPECT_EQ(result.stats.attempts, 1);
+  EXPECT_EQ(result.stats.proximal_steps, 0);
 }
 
 // The law does not know the tangent frames: turned by random angles the problem is solved as well, to the same
