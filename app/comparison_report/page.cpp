@@ -176,8 +176,7 @@ std::string method_section(const CampaignData& data) {
       "although a solution is known or another method has found one.</p>\n"
       "<p>Beside this page: cells.csv and cells.json (all cells), curves.csv, methods.csv, pairs.csv, profiles.csv, "
       "summary.csv, robustness.csv, unsolvable.csv, false_claims.csv, report.json, findings.txt. Everything here can "
-      "be "
-      "computed from cells.csv, pairs.csv and methods.csv.</p>\n";
+      "be computed from cells.csv, curves.csv, pairs.csv and methods.csv.</p>\n";
   if (!data.dropped().empty()) {
     html += fmt::format("<p>{} of cells.jsonl left out:</p>\n<ul>\n", counted(data.dropped().size(), "line"));
     for (const std::string& line : data.dropped()) html += fmt::format("<li><code>{}</code></li>\n", html_text(line));

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <cstdlib>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -14,7 +13,7 @@
 
 #include "app/comparison_report/html.hpp"
 #include "app/comparison_report/write_report.hpp"
-#include "campaign_support.hpp"
+#include "report_support.hpp"
 
 namespace perp::app {
 namespace {
@@ -22,12 +21,15 @@ namespace {
 using compare::Cell;
 using compare::Outcome;
 using nlohmann::json;
+using test::csv;
 using test::Folder;
 using test::MadeUp;
+using test::nasty;
+using test::Records;
+using test::small_campaign;
 using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
-using Records = std::vector<std::vector<std::string>>;
 
 /// What a page consists of; throws where an element is not closed, an attribute has no quotes, or an entity no name.
 struct Html {
@@ -92,44 +94,6 @@ struct Html {
   std::size_t at_ = 0;
   std::vector<std::string> open_;
 };
-
-Records csv(const Folder& folder, const std::string& name) { return compare::parse_csv(test::read(folder / name)); }
-
-constexpr const char* nasty = "</script><script>alert(1)</script> & \"q\" 'x' <b>\n\x01 \xff \xc3\xa9";
-
-/// Three methods, one of them for affine problems and one with another C-function, four problems, everything that can
-/// happen.
-MadeUp small_campaign() {
-  MadeUp made_up;
-  made_up.method("path")
-      .method("smooth")
-      .method("semismooth", "fischer-burmeister")
-      .method("semismooth:cfunction=min", "min");
-  made_up.method("lemke").method("<evil> & \"co\"");
-  made_up.campaign.methods.back().command = nasty;
-  made_up.problem("kojshin", "tiny", 4, 2).problem("ahn", "lcp", 128).problem("nash, \"10\"", "games", 10);
-  made_up.problem("none", "lcp", 2, 1, "the first row is negative").problem("</script><i>x", "nl", 3);
-  const std::array seconds{0.002, 0.004, 0.008, 0.016, 0.032, 0.064};
-  std::size_t k = 0;
-  for (const auto& method : made_up.campaign.methods)
-    for (const auto& problem : made_up.campaign.problems)
-      for (int start = 1; start <= problem.starts; ++start, ++k) {
-        const bool affine = method.label == "lemke" && problem.cls != "lcp";
-        const Outcome outcome = affine                   ? Outcome::NotApplicable
-                                : problem.name == "none" ? Outcome::Infeasible
-                                : k % 5 == 3             ? Outcome::Failed
-                                : method.external()      ? Outcome::FalseConvergence
-                                                         : Outcome::Solved;
-        Cell& cell = made_up.run(method.label, problem.name, outcome, seconds[k * 7 % 6], static_cast<int>(3 + k % 4));
-        cell.start = start;
-        if (outcome == Outcome::Failed) cell.restarts = 1, cell.outcome_after_restarts = Outcome::Solved;
-        if (outcome != Outcome::Solved) cell.message = nasty;
-      }
-  made_up.cells[3].natural = std::nan("");
-  made_up.cells[3].curve = {std::numeric_limits<double>::infinity(), std::nan(""), 0};
-  made_up.cells[3].iterations = -1;
-  return made_up;
-}
 
 class ComparisonReport : public testing::Test {
  protected:
@@ -240,35 +204,6 @@ TEST_F(ComparisonReport, ChartsAreThoseOfTheCsv) {
     }
   }
   EXPECT_EQ(tips, 3U * 3U * 4U) << "costs, methods, markers";
-}
-
-/// Would catch a report that cannot be recomputed from its CSV: the script that bench/README.md shows does.
-TEST_F(ComparisonReport, TheScriptOfTheReadmeRecomputesIt) {
-  if (std::system("python3 -c 'import csv' >/dev/null 2>&1") != 0) GTEST_SKIP() << "no python3";
-  const std::string readme = test::read(std::string(PERP_SOURCE_DIR) + "/bench/README.md");
-  const std::size_t section = readme.find("## The report of a comparison, recomputed");
-  ASSERT_NE(section, std::string::npos);
-  const std::size_t begin = readme.find("```python\n", section) + 10;
-  test::write(folder_ / "recompute.py", readme.substr(begin, readme.find("```", begin) - begin));
-  const std::string command =
-      "python3 '" + folder_ / "recompute.py" + "' '" + folder_ / "" + "' > '" + folder_ / "recomputed.csv" + "'";
-  ASSERT_EQ(std::system(command.c_str()), 0);
-  Records robustness, profile;
-  for (auto& record : csv(folder_, "recomputed.csv")) {
-    if (record.size() == 7) record[4] = std::to_string(std::strtod(record[4].c_str(), nullptr));
-    (record.size() == 5 ? robustness : profile).push_back(record);
-  }
-  Records expected_robustness, expected_profile;
-  for (const auto& record : csv(folder_, "robustness.csv"))
-    if (record[1] != "class" && record[1] != "total") expected_robustness.push_back(record);
-  for (auto& record : csv(folder_, "profiles.csv"))
-    if (record[0] == "general" && record[1] == "performance" && record[2] == "seconds") {
-      record[4] = std::to_string(std::strtod(record[4].c_str(), nullptr));
-      expected_profile.push_back(record);
-    }
-  EXPECT_GT(expected_profile.size(), 3U);
-  EXPECT_THAT(robustness, testing::UnorderedElementsAreArray(expected_robustness));
-  EXPECT_THAT(profile, testing::UnorderedElementsAreArray(expected_profile));
 }
 
 /// False claims stand before everything else, and where there is none a line says so.
