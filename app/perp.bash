@@ -49,6 +49,12 @@ _perp() {
         return
       fi ;;&
     -o | --option)
+      if [ "$command" = contact ]; then
+        mapfile -t COMPREPLY < <(compgen -W "$(_perp_keys "${COMP_WORDS[0]}") sweeps= polish= polish_at= other_settings= proximal= scaling=
+          delta_share= eps_share= least_centring= to_boundary= neighbourhood= delta= eps= stages=" -- "$cur")
+        compopt -o nospace
+        return
+      fi
       mapfile -t COMPREPLY < <(compgen -W "$(_perp_keys "${COMP_WORDS[0]}")" -- "$cur")
       compopt -o nospace
       return ;;
@@ -108,7 +114,7 @@ _perp() {
         mapfile -t COMPREPLY < <(compgen -W '--facets --exact --outer --load --frame --mu --phase --cycles --step --theta --rolling --svg
           --json --help' -- "$cur")
       elif [ "${cur:0:1}" = - ]; then
-        mapfile -t COMPREPLY < <(compgen -W '--generate --formulation --method --encoding --row --form --tol --time-limit --json --fclib-out --svg
+        mapfile -t COMPREPLY < <(compgen -W '--generate --formulation --method --option --encoding --row --form --tol --time-limit --json --fclib-out --svg
           --log-level --full --compare --variants --out --resume --memory-limit --jobs --facets --help' -- "$cur")
       else
         mapfile -t COMPREPLY < <(compgen -W 'ball stack: spheres: arch: chain: wall: incline:' -- "$cur"

@@ -9,6 +9,7 @@
 #include "app/contact/compare_variants.hpp"
 #include "app/contact/contact.hpp"
 #include "app/contact/facets.hpp"
+#include "app/contact/method_options.hpp"
 
 namespace perp::app::contacts {
 
@@ -24,6 +25,7 @@ constexpr const char* footer =
     "  perp contact wall:100 --formulation inner:8             friction by octagons, and what that costs\n"
     "  perp contact Rover.dat --method path --encoding B --row original\n"
     "  perp contact arch:40 --json - | jq '.contacts[] | select(.state == \"slip\")'\n"
+    "  perp contact Rover.dat --option sweeps=0 --option polish=no          the homotopy alone\n"
     "  perp contact --generate stack:60 --fclib-out stack.hdf5\n"
     "  perp contact data/*.dat --compare --out contact-comparison\n"
     "  perp contact data/*.dat --facets 4,8,16,32 --svg facets.svg   what facets cost by the exact law, over K\n"
@@ -49,7 +51,7 @@ std::string misplaced(const CLI::App& command, const ContactWords& words) {
     for (const char* flag : {"--formulation", "--method", "--encoding", "--row", "--form"})
       if (given(flag))
         return fmt::format("{}: --compare runs what --variants lists, as in glocker+path/B,inner:8", flag);
-    for (const char* flag : {"--svg", "--fclib-out", "--log-level", "--full"})
+    for (const char* flag : {"--option", "--svg", "--fclib-out", "--log-level", "--full"})
       if (given(flag)) return fmt::format("{} goes with one run, not with --compare", flag);
     return "";
   }
@@ -58,7 +60,7 @@ std::string misplaced(const CLI::App& command, const ContactWords& words) {
   if (!facets) return "";
   for (const char* flag : {"--formulation", "--method", "--encoding", "--row"})
     if (given(flag)) return fmt::format("{}: --facets runs inner:K and outer:K, by Lemke's method first", flag);
-  for (const char* flag : {"--fclib-out", "--log-level", "--full"})
+  for (const char* flag : {"--option", "--fclib-out", "--log-level", "--full"})
     if (given(flag)) return fmt::format("{} goes with one run, not with --facets", flag);
   return "";
 }
@@ -104,6 +106,13 @@ CLI::App* add_command(CLI::App& app, ContactWords& words) {
   text("--row", words.row, "of glocker by another method than homotopy: the disk's equation (normalised)",
        "normalised|original");
   text("--form", words.form, "of inner and outer: an LCP, or an MLCP with r_T free (reduced)", "reduced|mixed");
+  contact
+      ->add_option("-o,--option", words.options,
+                   fmt::format("of the method; may be repeated: of homotopy {}; of others what 'perp methods' lists, "
+                               "and for glocker {}",
+                               homotopy_keys(), glocker_keys()))
+      ->option_text("KEY=VALUE")
+      ->allow_extra_args(false);
   text("--tol", words.tol, "tolerance (1e-8; of --facets 1e-9)", "TOL");
   text("--time-limit", words.time_limit, "give up after that time; of --compare and --facets: each run (30)",
        "SECONDS");
@@ -157,7 +166,8 @@ int run_command(const CLI::App& command, const ContactWords& words, Streams stre
   request.variant = {.method = if_given(command, "--method", words.method),
                      .encoding = if_given(command, "--encoding", words.encoding),
                      .row = if_given(command, "--row", words.row),
-                     .form = if_given(command, "--form", words.form)};
+                     .form = if_given(command, "--form", words.form),
+                     .options = words.options};
   if (command.count("--formulation") > 0) request.variant.formulation = words.formulation;
   request.tol = words.tol.value_or(request.tol);
   request.time_limit = words.time_limit.value_or(request.time_limit);

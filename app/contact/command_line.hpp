@@ -17,6 +17,7 @@ struct ContactWords {
   std::vector<std::string> generated{};
   std::string formulation{};
   std::string method{}, encoding{}, row{}, form{}, json{}, fclib_out{}, svg{};
+  std::vector<std::string> options{};
   std::string level = "info";
   std::optional<double> tol{}, time_limit{};
   bool full = false;

@@ -7,6 +7,7 @@
 #include <ostream>
 
 #include "app/contact/forces_svg.hpp"
+#include "app/contact/method_options.hpp"
 #include "app/contact/report.hpp"
 #include "app/json.hpp"
 #include "app/problem.hpp"
@@ -86,6 +87,8 @@ class Command {
       for (const std::string& name : request_.generated)
         if (!is_generated(name)) generate(name);  // says why
     });
+    if (why.empty() && shows(LogLevel::Warning))
+      for (const std::string& note : method_options(variant_).notes) streams_.err << "perp: note: " << note << '\n';
     if (!why.empty()) return refuse(problems.empty() ? "" : problems[0], why);
     for (std::size_t k = 0; k < problems.size() && !stopped(); ++k) {
       if (k > 0 && shows(LogLevel::Info)) log_ << '\n';

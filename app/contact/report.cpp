@@ -130,6 +130,7 @@ void print_heading(std::ostream& out, const Loaded& loaded, const Variant& varia
                            ? fmt::format(" and {}", count(problem.global->b.size(), "bilateral constraint"))
                            : "");
   out << fmt::format("{}: {}; tolerance {:g}\n", variant.label(), variant.words(), tol);
+  if (!variant.options.empty()) out << fmt::format("options: {}\n", fmt::join(variant.options, ", "));
   if (variant.faceted() && problem.dimension == 2)
     out << "in 2D the friction polygon is the interval [-mu r_N, mu r_N], whatever K is\n";
 }

@@ -52,6 +52,7 @@ std::string run_json(const Loaded& loaded, const Run& run, ExitCode code) {
   json["encoding"] = glocker ? Json(variant.encoding == contact::Encoding::A ? "A" : "B") : Json(nullptr);
   json["row"] = glocker ? Json(variant.row == contact::DiskRow::Original ? "original" : "normalised") : Json(nullptr);
   json["form"] = variant.faceted() ? Json(variant.form == contact::Form::Mixed ? "mixed" : "reduced") : Json(nullptr);
+  json["options"] = variant.options;
   json["exact"] = variant.exact();
   json["tol"] = json_number(run.limits.tol);
   json["status"] = run.status;

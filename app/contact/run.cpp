@@ -9,7 +9,7 @@
 #include <filesystem>
 #include <limits>
 
-#include "app/methods.hpp"
+#include "app/contact/method_options.hpp"
 #include "app/program.hpp"
 #include "contact/first_ncp.hpp"
 #include "contact/frictionless.hpp"
@@ -78,11 +78,12 @@ void run_glocker(Run& run, const Problem& problem) {
   contact::Options options{.tol = run.limits.tol,
                            .max_time = std::chrono::duration<double>(run.limits.seconds),
                            .interrupt = run.limits.interrupt};
-  if (!run.variant.homotopy()) {
-    contact::GlockerNcp ncp{.method = find_method(run.variant.method)->method,
-                            .formulation = {.encoding = run.variant.encoding, .row = run.variant.row}};
-    run.unknowns = contact::Glocker(contact::scaled(problem), ncp.formulation).size();
-    options.method = std::move(ncp);
+  MethodOptions method = method_options(run.variant);
+  if (run.variant.homotopy()) {
+    options.method = method.homotopy;
+  } else {
+    run.unknowns = contact::Glocker(contact::scaled(problem), method.glocker.formulation).size();
+    options.method = std::move(method.glocker);
   }
   contact::Result result = contact::solve(problem, options);
   run.status = contact::to_string(result.status);
@@ -99,7 +100,7 @@ void run_glocker(Run& run, const Problem& problem) {
 void run_first_ncp(Run& run, const Problem& problem) {
   constexpr double tightest = 1e-14;
   const contact::FirstNcp mcp(problem);
-  ncp::Method method = find_method(run.variant.method)->method;
+  ncp::Method method = method_options(run.variant).method;
   ncp::Stop& stop = ncp::stop(method);
   stop.interrupt = run.limits.interrupt;
   stop.max_time = std::chrono::duration<double>(run.limits.seconds);
@@ -138,11 +139,10 @@ void run_affine(Run& run, const Encoding& encoding, Clock::time_point begin) {
   limits.deadline =
       begin + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(run.limits.seconds));
   if (const auto* interrupt = run.limits.interrupt) limits.interrupted = [interrupt] { return interrupt->load(); };
-  const lcp::Result result =
-      run.variant.method == "auto"
-          ? contact::solve(encoding, limits)
-          : lcp::solve(problem, lcp::Vec::Zero(problem.size()),
-                       std::get<ncp::Affine>(find_method(run.variant.method)->method).method, limits);
+  const lcp::Result result = run.variant.method == "auto"
+                                 ? contact::solve(encoding, limits)
+                                 : lcp::solve(problem, lcp::Vec::Zero(problem.size()),
+                                              std::get<ncp::Affine>(method_options(run.variant).method).method, limits);
   run.unknowns = problem.size();
   run.own = result.residual;
   run.status = status_name(result.status);

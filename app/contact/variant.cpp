@@ -7,6 +7,7 @@
 #include <charconv>
 #include <string_view>
 
+#include "app/contact/method_options.hpp"
 #include "app/contact/number_list.hpp"
 #include "app/methods.hpp"
 #include "app/program.hpp"
@@ -123,6 +124,7 @@ std::vector<std::string> Variant::flags() const {
   if (law == Law::Glocker && !homotopy()) add("--encoding", encoding == contact::Encoding::A ? "A" : "B");
   if (row == contact::DiskRow::Original) add("--row", "original");
   if (form == contact::Form::Mixed) add("--form", "mixed");
+  for (const std::string& option : options) add("--option", option.c_str());
   return flags;
 }
 
@@ -151,6 +153,8 @@ Variant parse_variant(const VariantRequest& request) {
   set_law(variant, request.formulation);
   set_method(variant, request);
   set_form(variant, request);
+  variant.options = request.options;
+  method_options(variant);  // says why
   return variant;
 }
 

@@ -21,6 +21,7 @@ struct Variant {
   contact::DiskRow row = contact::DiskRow::Normalised;
   contact::Form form = contact::Form::Reduced;  ///< of Inner and Outer
   double rotation = 0;                          ///< of their polygons [rad]; in no text
+  std::vector<std::string> options{};           ///< key=value, of the method (method_options.hpp); in no text
 
   /// Is it Coulomb's law? The others solve a problem of their own.
   bool exact() const { return law == Law::Glocker || law == Law::Ncp1; }
@@ -42,6 +43,7 @@ struct VariantRequest {
   std::optional<std::string> encoding{};
   std::optional<std::string> row{};
   std::optional<std::string> form{};
+  std::vector<std::string> options{};
 };
 /// Throws InputError naming flag and value: no such word, K < 3 or above 1000, a flag of another formulation or method.
 Variant parse_variant(const VariantRequest& request);
