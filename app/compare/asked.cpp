@@ -92,7 +92,9 @@ Campaign asked_campaign(const CompareRequest& request, const Campaign* before, s
   campaign.memory_mb = checked("--memory-limit", request.memory_mb.value_or(otherwise.memory_mb), 16LL, most_memory);
   campaign.restarts = checked("--restarts", request.restarts.value_or(otherwise.restarts), 0, most_restarts);
   campaign.seed = request.seed.value_or(otherwise.seed);
-  campaign.jobs = checked("--jobs", request.jobs.value_or(std::max(1, campaign.machine.cores)), 1, most_jobs);
+  campaign.jobs =
+      checked("--jobs", request.jobs.value_or(before != nullptr ? before->jobs : std::max(1, campaign.machine.cores)),
+              1, most_jobs);
   campaign.starts = request.starts ? parse_starts(*request.starts) : otherwise.starts;
   campaign.methods = asked_methods(request, before, campaign.tol, notes);
   campaign.problems = asked_problems(request, before);

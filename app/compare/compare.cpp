@@ -135,6 +135,8 @@ class Comparison {
     if (before.build != now.build) note("the program is another build than the one that began this campaign");
     if (before.machine.cpu != now.machine.cpu)
       note(fmt::format("another machine began this campaign ({}): times do not compare", before.machine.cpu));
+    if (before.jobs != now.jobs)
+      note(fmt::format("begun with {}, now {} at a time: times do not compare", count(before.jobs, "run"), now.jobs));
     lock_ = std::make_unique<DirectoryLock>(request_.out);
     campaign_ = before;
     campaign_.jobs = now.jobs;
@@ -218,7 +220,10 @@ class Comparison {
     const std::vector<Cell>& before = journal.before().cells;
     const std::vector<Pending> cells = pending_cells(campaign_, before);
     const std::size_t total = campaign_.cells();
-    Progress progress(streams_.err, total, before, terminal_width(STDERR_FILENO));
+    std::set<std::string> without_solution;
+    for (const AskedProblem& problem : campaign_.problems)
+      if (!problem.solvable()) without_solution.insert(problem.name);
+    Progress progress(streams_.err, total, before, terminal_width(STDERR_FILENO), std::move(without_solution));
     streams_.err << fmt::format("perp: {} x {}: {}{}, {} at a time\n",
                                 count(static_cast<long long>(campaign_.methods.size()), "method"),
                                 count(static_cast<long long>(campaign_.problems.size()), "problem"),

@@ -66,7 +66,10 @@ void print_outcomes(std::ostream& out, const Campaign& campaign, std::span<const
     table.add(std::move(line));
   }
   table.print(out);
-  if (honest) out << "\nhonest: not claimed to be solved, of problems that have no solution.\n";
+  const bool infeasible = occurs(static_cast<std::size_t>(Outcome::Infeasible));
+  if (infeasible || honest) out << "\nOf problems that have no solution: ";
+  if (infeasible) out << "infeasible, it says so" << (honest ? "; " : ".\n");
+  if (honest) out << "honest, it does not claim one.\n";
 }
 
 void print_false_claims(std::ostream& out, std::span<const Cell> cells) {

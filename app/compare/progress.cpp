@@ -42,14 +42,21 @@ int terminal_width(int file) {
   return ioctl(file, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? std::max<int>(size.ws_col, least_width) : 80;
 }
 
-Progress::Progress(std::ostream& out, std::size_t total, std::span<const Cell> before, int width)
+Progress::Progress(std::ostream& out, std::size_t total, std::span<const Cell> before, int width,
+                   std::set<std::string> without_solution)
     : out_(out),
       total_(total),
       before_(before.size()),
       done_(before.size()),
       width_(width),
+      without_solution_(std::move(without_solution)),
       shown_done_(before.size()) {
-  for (const Cell& cell : before) ++counts_.at(static_cast<std::size_t>(cell.outcome));
+  for (const Cell& cell : before) count(cell);
+}
+
+void Progress::count(const Cell& cell) {
+  const bool honest = cell.outcome == Outcome::Failed && without_solution_.contains(cell.problem);
+  ++(honest ? honest_ : counts_.at(static_cast<std::size_t>(cell.outcome)));
 }
 
 std::string Progress::line(double now) const {
@@ -59,6 +66,7 @@ std::string Progress::line(double now) const {
     if (group.outcomes[1] != group.outcomes[0]) n += counts_.at(static_cast<std::size_t>(group.outcomes[1]));
     if (n > 0) text += fmt::format("  {} {}", group.name, n);
   }
+  if (honest_ > 0) text += fmt::format("  honest {}", honest_);
   if (done_ > before_ && done_ < total_)
     text += fmt::format(
         "  {} left", duration_text(now / static_cast<double>(done_ - before_) * static_cast<double>(total_ - done_)));
@@ -68,7 +76,7 @@ std::string Progress::line(double now) const {
 void Progress::add(const Cell& cell) {
   const std::scoped_lock lock(mutex_);
   ++done_;
-  ++counts_.at(static_cast<std::size_t>(cell.outcome));
+  count(cell);
   show(false);
 }
 

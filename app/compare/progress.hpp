@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <iosfwd>
 #include <mutex>
+#include <set>
 #include <span>
 #include <string>
 
@@ -14,8 +15,10 @@ namespace perp::app::compare {
 
 class Progress {
  public:
-  /// Of `total` cells those in `before` are there already; `width` of the terminal, 0 where there is none.
-  Progress(std::ostream& out, std::size_t total, std::span<const Cell> before, int width);
+  /// Of `total` cells those in `before` are there already; `width` of the terminal, 0 where there is none. Not to solve
+  /// problems without a solution is honest, and no failure.
+  Progress(std::ostream& out, std::size_t total, std::span<const Cell> before, int width,
+           std::set<std::string> without_solution = {});
 
   void add(const Cell& cell);
   void tick();  ///< shows that time goes on
@@ -26,11 +29,14 @@ class Progress {
 
  private:
   void show(bool always);
+  void count(const Cell& cell);
 
   std::ostream& out_;
   std::size_t total_, before_, done_;
   int width_;
   std::array<std::size_t, static_cast<std::size_t>(Outcome::FalseInfeasible) + 1> counts_{};
+  std::set<std::string> without_solution_;
+  std::size_t honest_ = 0;
   std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
   double shown_ = -1;  ///< when, s
   std::size_t shown_done_ = 0;

@@ -139,6 +139,7 @@ std::string of_class(const CampaignData& data, const Comparison& comparison, con
 
 std::string by_class(const CampaignData& data, const Comparison& comparison) {
   std::vector<std::string> judged, few;
+  if (data.classes(true).size() < 2) return "";  // all is said
   for (const std::string& cls : data.classes(true)) {
     Indices pairs;
     std::ranges::copy_if(comparison.pairs, std::back_inserter(pairs),
@@ -219,13 +220,15 @@ std::string lecture_ranking(const CampaignData& data) {
   std::ranges::stable_sort(all, std::ranges::greater{}, count);
   std::vector<std::string> order;
   for (const std::size_t m : all) order.push_back(fmt::format("{} {}", data.label(m), count(m)));
-  return fmt::format(
-      "The 1997 comparison of the lecture puts {} ahead of {}: {}. Solved of {}: {}. Taken two by two, the former "
-      "solve more pairs "
-      "than the latter in {} of {} ({} clearly), as many in {}, fewer in {} ({} clearly).",
-      listed(labels(data, ahead)), listed(labels(data, behind)), ranking.verdict(), counted(pairs.size(), "pair"),
-      fmt::join(order, ", "), ranking.more, counted(ahead.size() * behind.size(), "comparison"), ranking.clearly_more,
-      ranking.same, ranking.fewer, ranking.clearly_fewer);
+  const std::string text = fmt::format("The 1997 comparison of the lecture puts {} ahead of {}: {}. Solved of {}: {}.",
+                                       listed(labels(data, ahead)), listed(labels(data, behind)), ranking.verdict(),
+                                       counted(pairs.size(), "pair"), fmt::join(order, ", "));
+  const std::size_t duels = ahead.size() * behind.size();
+  if (duels == 1) return text;
+  return text + fmt::format(
+                    " Taken two by two, the former solve more pairs than the latter in {} of {} comparisons ({} "
+                    "clearly), as many in {}, fewer in {} ({} clearly).",
+                    ranking.more, duels, ranking.clearly_more, ranking.same, ranking.fewer, ranking.clearly_fewer);
 }
 
 std::string without_solution(const CampaignData& data) {

@@ -331,6 +331,16 @@ TEST(Progress, OneLine) {
 }
 
 // On a terminal: one line that is rewritten, never wider than the terminal, with a bar where there is room.
+// Would catch: failures in the progress that the table at the end does not know.
+TEST(Progress, NotToSolveWhatHasNoSolutionIsHonest) {
+  std::ostringstream out;
+  Progress progress(out, 5, {}, 0, {"none"});
+  progress.add({.problem = "none", .outcome = Outcome::Failed});
+  progress.add({.problem = "p", .outcome = Outcome::Failed});
+  progress.add({.problem = "none", .outcome = Outcome::Infeasible});
+  EXPECT_THAT(progress.line(1), testing::StartsWith("3/5  solved 1  failed 1  honest 1  "));
+}
+
 TEST(Progress, OnATerminal) {
   std::ostringstream out;
   Progress progress(out, 4, {}, 60);

@@ -80,7 +80,7 @@ TEST(CompareRun, KilledAndResumed) {
     return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
   };
   {
-    Child child(folder, with({"compare"}, with(campaign_of_tiny, {"--out", out, "--restarts", "1"})));
+    Child child(folder, with({"compare"}, with(campaign_of_tiny, {"--out", out, "--restarts", "1", "--jobs", "1"})));
     ASSERT_TRUE(eventually([&] { return lines() >= 5; }));
     child.signal(SIGKILL);
     EXPECT_EQ(child.wait(), -SIGKILL);
@@ -109,6 +109,9 @@ TEST(CompareRun, KilledAndResumed) {
   const Finished again = compare(folder, {"--out", out, "--resume"});
   EXPECT_EQ(again.code, 0);
   EXPECT_EQ(lines(), total + 1) << "nothing is left to do";
+  EXPECT_THAT(again.err, HasSubstr("1 at a time")) << "as it was begun, on a machine with however many cores";
+  EXPECT_THAT(compare(folder, {"--out", out, "--resume", "--jobs", "3"}).err,
+              HasSubstr("begun with 1 run, now 3 at a time: times do not compare"));
   EXPECT_THAT(once.out, HasSubstr("failures after restarts"));
 }
 

@@ -135,7 +135,8 @@ TEST(CompareRun, OurProofsOfFiles) {
   for (const char* line : {"lemke,m.nl,1,infeasible,", "path,m.nl,1,infeasible,", "semismooth,m.nl,1,failed,",
                            "denies,m.nl,1,failed,", "honest,m.nl,1,failed,"})
     EXPECT_THAT(outcomes, HasSubstr(line));
-  EXPECT_THAT(finished.out, AllOf(HasSubstr("honest: not claimed"), Not(HasSubstr("false claim"))));
+  EXPECT_THAT(finished.out, AllOf(HasSubstr("infeasible, it says so; honest, it does not claim one."),
+                                  Not(HasSubstr("false claim"))));
   EXPECT_THAT(test::read(folder / "out/unsolvable.csv"), HasSubstr("lemke,1,0,0,0,0,0"));
   EXPECT_THAT(test::read(folder / "out/unsolvable.csv"), HasSubstr("denies,0,1,0,0,0,0"));
   const Finished again = compare(folder, {"--out", folder / "out", "--resume"});

@@ -163,6 +163,7 @@ TEST(Findings, LeadsAndTies) {
   MadeUp close;
   close.method("a").method("b").problems("tiny", 20).runs("a", "tiny", 20, 20).runs("b", "tiny", 20, 19);
   EXPECT_THAT(said(close, "Most solved"), HasSubstr("Not clearly behind it: b."));
+  close.problems("games", 1).runs("a", "games", 1, 1).runs("b", "games", 1, 1);
   EXPECT_THAT(said(close, "Class by class"), HasSubstr("tiny: a alone (20 of 20, next b 19: no clear lead)"));
   MadeUp tie;
   tie.method("a").method("b").problems("tiny", 20).runs("a", "tiny", 20, 7).runs("b", "tiny", 20, 7);
@@ -212,6 +213,13 @@ TEST(Findings, TheLecturesRanking) {
   EXPECT_THAT(campaign(5, 20), HasSubstr("these data turn its ranking round"));
   EXPECT_THAT(campaign(9, 9), HasSubstr("no difference between them is clear"));
   EXPECT_THAT(campaign(10, 9), HasSubstr("no difference between them is clear")) << "a lead of one pair";
+  MadeUp two;
+  two.problems("tiny", 20).method("path").runs("path", "tiny", 20, 20).method("miles").runs("miles", "tiny", 20, 5);
+  EXPECT_EQ(
+      said(two, "The lecture's ranking"),
+      "The 1997 comparison of the lecture puts path ahead of miles: its ranking holds on these data. Solved of 20 "
+      "pairs: path 20, miles 5.");
+  EXPECT_EQ(said(two, "Class by class"), "") << "there is but one";
   MadeUp without;
   without.method("path").problems("tiny", 20).runs("path", "tiny", 20, 20);
   EXPECT_EQ(said(without, "The lecture's ranking"), "");
