@@ -45,6 +45,10 @@ constexpr const char* footer =
 /// Flags of another mode: one run, --compare, --facets.
 std::string misplaced(const CLI::App& command, const ContactWords& words) {
   const auto given = [&](const char* flag) { return command.count(flag) > 0; };
+  for (const auto& [flag, file] :
+       {std::pair{"--json", words.json}, std::pair{"--svg", words.svg}, std::pair{"--fclib-out", words.fclib_out},
+        std::pair{"--out", words.out.value_or("")}})
+    if (given(flag) && file.empty()) return fmt::format("{}: a name is missing", flag);
   const bool facets = given("--facets");
   if (words.compare && facets) return "--facets is a study of its own; --compare runs inner:8,outer:8 of --variants";
   if (words.compare) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <ostream>
+#include <sstream>
 
 #include "app/contact/forces_svg.hpp"
 #include "app/contact/method_options.hpp"
@@ -27,6 +28,7 @@ void check_request(const ContactRequest& request, std::size_t problems) {
     throw InputError(fmt::format("--time-limit {:g}: a limit is positive", request.time_limit));
   for (const auto& [flag, file] : {std::pair{"--svg", request.svg}, std::pair{"--fclib-out", request.fclib_out}}) {
     if (file.empty()) continue;
+    if (file == "-") throw InputError(fmt::format("{} -: that goes to a file", flag));
     if (problems > 1) throw InputError(fmt::format("{} {}: goes with one problem, not with {}", flag, file, problems));
     check_writable(file);
   }
@@ -110,7 +112,8 @@ class Command {
 
   ExitCode refuse(const std::string& problem, const std::string& why) {
     streams_.err << "perp: " << why << '\n';
-    deliver_json(request_.json, refused_json(problem, why), streams_);
+    std::ostringstream said;  // that it cannot be written, again
+    deliver_json(request_.json, refused_json(problem, why), {streams_.out, said});
     return exit_input;
   }
 

@@ -8,6 +8,7 @@
 #include <numbers>
 #include <ostream>
 #include <set>
+#include <sstream>
 #include <utility>
 
 #include "app/contact/facets_svg.hpp"
@@ -91,7 +92,7 @@ class Study {
     const contact::Problem& problem = loaded_[p].problem;
     const contact::Result exact =
         contact::solve(problem, {.tol = std::min(exact_tol, request_.tol),
-                                 .max_time = std::chrono::duration<double>(request_.time_limit),
+                                 .max_time = std::chrono::duration<double>(std::min(request_.time_limit, most_seconds)),
                                  .interrupt = interrupt_});
     const contact::Residual& e = exact.residual;
     const auto states = contact::states(problem, exact.solution.r);
@@ -331,7 +332,9 @@ ExitCode facets(const FacetsRequest& request, Streams streams, const std::atomic
   log.flush();
   if (!why.empty()) {
     if (!told) streams.err << "perp: " << why << '\n';
-    deliver_json(request.json, refused_json(fmt::format("{}", fmt::join(request.problems, " ")), why), streams);
+    std::ostringstream said;  // that it cannot be written, again
+    deliver_json(request.json, refused_json(fmt::format("{}", fmt::join(request.problems, " ")), why),
+                 {streams.out, said});
     return exit_input;
   }
   return deliver_json(request.json, json, streams) ? code : exit_input;

@@ -204,6 +204,7 @@ lcp::Index Run::in_state(contact::State state) const {
 Run run(const Problem& problem, const Variant& variant, const Limits& limits) {
   const Clock::time_point begin = Clock::now();
   Run run{.variant = variant, .limits = limits};
+  run.limits.seconds = std::min(limits.seconds, most_seconds);
   const contact::EncodingOptions form{.form = variant.form};
   switch (variant.law) {
     case Law::Glocker:

@@ -27,9 +27,12 @@ Loaded generate(const std::string& argument);
 /// Is it NAME:... of a generator and no file?
 bool is_generated(const std::string& argument);
 
+/// Clocks count nanoseconds in 64 bits: a limit beyond this, infinity too, is this one.
+inline constexpr double most_seconds = 1e9;
+
 struct Limits {
   double tol = 1e-8;
-  double seconds = 30;
+  double seconds = 30;  ///< at most most_seconds
   const std::atomic<bool>* interrupt = nullptr;
 };
 

@@ -6,6 +6,7 @@
 
 #include <atomic>
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "app/contact/run.hpp"
@@ -234,6 +235,18 @@ TEST(Contact, BadRequestsAreRefused) {
 }
 
 // A refused one among several does not keep the others from being solved; the worst code counts.
+// Would catch a limit whose nanoseconds overflow, so that it is over before it begins.
+TEST(Contact, HugeTimeLimits) {
+  const test::Folder folder;
+  test::write(folder / "three.dat", test::three_contacts());
+  for (const char* formulation : {"glocker", "ncp1", "inner:8", "frictionless"})
+    for (const double limit : {1e10, 1e300, std::numeric_limits<double>::infinity()}) {
+      const Answer run =
+          answer({.problems = {folder / "three.dat"}, .variant = {.formulation = formulation}, .time_limit = limit});
+      EXPECT_EQ(run.code, exit_solved) << formulation << ' ' << limit << run.result["status"];
+    }
+}
+
 TEST(Contact, SeveralProblems) {
   const test::Folder folder;
   test::write(folder / "three.dat", test::three_contacts());

@@ -206,6 +206,13 @@ TEST(ContactProcess, FlagsAndExitCodes) {
                                              {file, "--out", folder / "x"},
                                              {file, "--variants", "glocker"},
                                              {file, "--compare", "--method", "path"},
+                                             {file, "--compare", "--option", "sweeps=0"},
+                                             {file, "--option", "sweep=0"},
+                                             {file, "--resume"},
+                                             {file, "--svg", ""},
+                                             {file, "--json", ""},
+                                             {file, "--fclib-out", "-"},
+                                             {file, "--svg", "-"},
                                              {file, "--compare", "--svg", folder / "f.svg"},
                                              {file, "--compare", "--variants", "nonsense", "--out", folder / "x"}}) {
     const Ended ended = perp(folder, bad);
