@@ -24,6 +24,7 @@ class Child {
       : out_(folder / "stdout.txt"), err_(folder / "stderr.txt") {
     arguments.insert(arguments.begin(), PERP_PROGRAM);
     std::vector<char*> argv;
+    argv.reserve(arguments.size() + 1);
     for (std::string& argument : arguments) argv.push_back(argument.data());
     argv.push_back(nullptr);
     pid_ = fork();

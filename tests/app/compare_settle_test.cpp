@@ -122,10 +122,8 @@ TEST(CompareRun, OurProofsOfFiles) {
   const LoadedProblem problem = load_problem("infeasible-own");
   test::write(folder / "m.nl", affine_nl(*problem.mcp, problem.x0));
   const auto peer = [&](const char* name, const char* code) {
-    return script(folder, name,
-                  "n=$(sed -n 2p $1.nl | cut -d' ' -f3); printf 'p\\n\\nOptions\\n3\\n1\\n1\\n0\\n%d\\n0\\n%d\\n0\\n"
-                  "objno 0 " +
-                      std::string(code) + "\\n' $n $n > $1.sol");
+    const std::string sol = R"(printf 'p\n\nOptions\n3\n1\n1\n0\n%d\n0\n%d\n0\nobjno 0 )";
+    return script(folder, name, "n=$(sed -n 2p $1.nl | cut -d' ' -f3); " + sol + code + "\n' $n $n > $1.sol");
   };
   const Finished finished =
       compare(folder, {"--methods", "lemke,path,semismooth", "--problems", folder / "m.nl", "--out", folder / "out",

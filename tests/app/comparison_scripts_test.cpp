@@ -16,7 +16,6 @@
 namespace perp::app {
 namespace {
 
-using compare::Cell;
 using compare::Outcome;
 using nlohmann::json;
 using test::csv;
