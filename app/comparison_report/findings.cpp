@@ -220,9 +220,9 @@ std::string lecture_ranking(const CampaignData& data) {
   std::ranges::stable_sort(all, std::ranges::greater{}, count);
   std::vector<std::string> order;
   for (const std::size_t m : all) order.push_back(fmt::format("{} {}", data.label(m), count(m)));
-  const std::string text = fmt::format("The 1997 comparison of the lecture puts {} ahead of {}: {}. Solved of {}: {}.",
-                                       listed(labels(data, ahead)), listed(labels(data, behind)), ranking.verdict(),
-                                       counted(pairs.size(), "pair"), fmt::join(order, ", "));
+  std::string text = fmt::format("The 1997 comparison of the lecture puts {} ahead of {}: {}. Solved of {}: {}.",
+                                 listed(labels(data, ahead)), listed(labels(data, behind)), ranking.verdict(),
+                                 counted(pairs.size(), "pair"), fmt::join(order, ", "));
   const std::size_t duels = ahead.size() * behind.size();
   if (duels == 1) return text;
   return text + fmt::format(
