@@ -37,8 +37,8 @@ void compare_names(const char* what, const std::vector<std::string>& before, con
 }
 
 std::vector<std::string> arguments(const std::vector<CampaignProblem>& problems) {
-  std::vector<std::string> names;
-  for (const CampaignProblem& problem : problems) names.push_back(problem.argument());
+  std::vector<std::string> names(problems.size());
+  std::ranges::transform(problems, names.begin(), &CampaignProblem::argument);
   return names;
 }
 

@@ -220,8 +220,8 @@ std::string facets_svg(const FacetStudy& study) {
   svg.text("", {x + 62, 90}, "c / K, c / K^2");
   svg.text("", {x + 200, 90}, "K^p beside a line: fitted to its points");
   for (std::size_t k = 0; k < facet_errors.size(); ++k) {
-    const double side = left + static_cast<double>(k % 2) * column;
-    const double y = head + 14 + static_cast<double>(k / 2) * step;
+    const double side = left + (k % 2 == 0 ? 0 : column);
+    const double y = head + 14 + (k < 2 ? 0 : step);
     panel(svg, study, lines, view_at(study, errors, side, y), facet_errors.at(k));
   }
   return svg.finish();

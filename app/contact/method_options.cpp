@@ -54,8 +54,8 @@ std::vector<OwnOption> own_options(contact::GlockerNcp& m) {
 }
 
 std::vector<std::string_view> keys(const std::vector<OwnOption>& options) {
-  std::vector<std::string_view> names;
-  for (const OwnOption& option : options) names.push_back(option.key);
+  std::vector<std::string_view> names(options.size());
+  std::ranges::transform(options, names.begin(), &OwnOption::key);
   return names;
 }
 
