@@ -33,10 +33,11 @@ constexpr double short_step = 0.1;
 constexpr int short_steps = 5;
 
 /// Damped Newton steps from the best point of an attempt: alpha of the first, third, .. and of the other attempts; at
-/// most so many steps; of the step lengths 1, 1/2, .. the first that brings the natural map below this part, else the
-/// best.
+/// most so many steps, and so many in a row without a natural map below `search_decrease` times the least; of the step
+/// lengths 1, 1/2, .. the first that brings it below that part of the last, else the best.
 constexpr std::array search_alphas{1e-5, 1e-4};
-constexpr int search_steps = 80;
+constexpr int search_steps = 100;
+constexpr int search_patience = 40;
 constexpr int search_halvings = 7;
 constexpr double search_decrease = 0.9;
 
@@ -189,7 +190,8 @@ bool Solver::polish(Vec r, double alpha) {
 /// Damped Newton steps on the same equation: where the path turns back, a solution is often not far from it.
 bool Solver::search(Vec r, double alpha) {
   double last = natural_map(problem_, r);
-  for (int k = 0; k < search_steps; ++k) {
+  double lowest = last;
+  for (int k = 0, since = 0; k < search_steps && since < search_patience; ++k) {
     Vec to;
     if (!newton_->step(r, r, alpha, to)) return false;
     ++referee_.stats().newton_steps;
@@ -206,6 +208,11 @@ bool Solver::search(Vec r, double alpha) {
     r = std::move(to);
     last = least;
     if (referee_.judge(r, {.kind = 'S', .alpha = alpha})) return true;
+    ++since;
+    if (last <= search_decrease * lowest) {
+      lowest = last;
+      since = 0;
+    }
   }
   return false;
 }
