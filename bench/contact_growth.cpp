@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <exception>
 #include <iostream>
 #include <string>
 #include <vector>
@@ -93,7 +94,7 @@ double exponent(const std::vector<std::pair<double, double>>& points) {
 
 }  // namespace
 
-int main(int argc, char** argv) {
+int main(int argc, char** argv) try {
   CLI::App app{"how the cost of contact::solve grows with a generated scene"};
   std::string scene = "spheres";
   std::vector<Index> sizes{100, 300, 1000, 3000, 10000};
@@ -122,4 +123,7 @@ int main(int argc, char** argv) {
   std::printf("solved runs: seconds grow like contacts^%.2f, megabytes like contacts^%.2f\n", exponent(seconds),
               exponent(memory));
   return 0;
+} catch (const std::exception& error) {
+  std::cerr << error.what() << '\n';
+  return 2;
 }
