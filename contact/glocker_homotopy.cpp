@@ -56,6 +56,7 @@ constexpr int inner_newton = 10;
 constexpr double homotopy_from = 0.3;
 constexpr double largest_alpha = 100;
 constexpr int inner_homotopy = 60;
+constexpr double inner_to_boundary = 0.99;   // these problems are regular
 constexpr double inner_tol = 1e-11;          // of the subproblem's natural map, absolute, in scaled units,
 constexpr double inner_share = 0.1;          // or this part of alpha |r - centre|
 constexpr double inner_accept = 1e-7;        // what the homotopy must come to
@@ -217,21 +218,20 @@ bool Solver::search(Vec r, double alpha) {
   return false;
 }
 
-/// From the best point with larger products; from the start with more centring, with a stronger gauge, with shorter
-/// steps.
+/// From the best point with products like its residual; from the start with shorter steps, which are blocked less often
+/// (0.7 is what poured spheres like best), with more centring, with a stronger gauge.
 bool Solver::with_other_settings() {
   HomotopyOptions careful = options_;
   careful.least_centring = std::max(0.1, careful.least_centring);
   const Vec best = referee_.best_point();
   const double far = natural_map(problem_, best);
-  if (attempt(careful, &best, std::clamp(far, 1e-8, 1.0))) return true;
-  if (attempt(careful)) return true;
+  if (attempt(careful, &best, std::clamp(far * far, 1e-8, 1.0))) return true;
+  HomotopyOptions shorter = options_;
+  shorter.to_boundary = std::min(0.7, shorter.to_boundary);
+  if (attempt(shorter) || attempt(careful)) return true;
   HomotopyOptions gauged = options_;
   gauged.eps_share = 1;
-  if (attempt(gauged)) return true;
-  HomotopyOptions shorter = options_;
-  shorter.to_boundary = std::min(0.9, shorter.to_boundary);
-  return attempt(shorter);
+  return attempt(gauged);
 }
 
 Scaled Solver::proximal_problem(In centre, double alpha) const {
@@ -265,6 +265,7 @@ bool Solver::homotopy_on(In centre, double alpha, Vec& r) {
   const Scaled proximal = proximal_problem(centre, alpha);
   HomotopyOptions careful = options_;
   careful.least_centring = std::max(0.1, careful.least_centring);
+  careful.to_boundary = inner_to_boundary;
   Homotopy homotopy(proximal, careful);
   double least = lcp::infinity;
   for (int k = 0; k < inner_homotopy && least > 1e-9 && !referee_.over(); ++k) {

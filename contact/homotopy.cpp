@@ -42,18 +42,33 @@ Homotopy::Homotopy(const Scaled& problem, const HomotopyOptions& options)
       }
     }
   }
-  Vec r = Vec::Zero(problem.size());
-  for (const Scaled::Block& block : problem.blocks) r[block.first] = 1;
-  start(r, 1);
+  r_ = Vec::Zero(problem.size());
+  for (const Scaled::Block& block : problem.blocks) r_[block.first] = 1;
+  tau_ = 1;
+  begin();
+  for (std::size_t a = 0; a < of_.size(); ++a) {
+    const Scaled::Block& block = problem_.blocks[a];
+    Multipliers& m = of_[a];
+    m.kappa.fill(1);
+    m.w_N = std::max(u_[block.first], 1.0);
+    for (int i = 0; i < multipliers(block.size); ++i) m.w[at(i)] = std::max(sigma(r_, block, m, i), 1.0);
+  }
+  tau_ = gap(r_, of_);
 }
 
 void Homotopy::start(In r, double tau) {
   r_ = r;
   tau_ = tau;
-  last_ = {.k = 0, .tau = tau};
+  begin();
+  centre(tau);
+}
+
+void Homotopy::begin() {
+  last_ = {.k = 0, .tau = tau_};
   last_step_ = 1;
   short_steps_ = 0;
-  centre(tau);
+  parameters();
+  u_ = problem_.W * r_ + problem_.q;
 }
 
 double Homotopy::sigma(const Vec& r, const Scaled::Block& block, const Multipliers& m, int i) const {
@@ -73,19 +88,27 @@ void Homotopy::parameters() {
   eps_ = options_.eps_share * tau_;
 }
 
-/// Multipliers of products about tau at r, w >= F.
+/// Products about tau at r, w >= F: where one factor is far from zero the other is tau over it, both are sqrt(tau)
+/// where neither is. kappa_D begins at |u_T| g / (2 |r_T|), what it is where the contact slips.
 void Homotopy::centre(double tau) {
-  parameters();
-  u_ = problem_.W * r_ + problem_.q;
   const double root = std::sqrt(tau);
+  const auto pair = [&](double& z, double& w, double F) {
+    w = std::max(F, tau / std::max(z, root));
+    z = std::max(z, tau / std::max(w, root));
+  };
   for (std::size_t a = 0; a < of_.size(); ++a) {
     const Scaled::Block& block = problem_.blocks[a];
+    const Index N = block.first;
     Multipliers& m = of_[a];
-    r_[block.first] = std::max(r_[block.first], root);
-    m.w_N = std::max(u_[block.first], root);
+    pair(r_[N], m.w_N, u_[N]);
     for (int i = 0; i < multipliers(block.size); ++i) {
-      m.kappa[at(i)] = root;
-      m.w[at(i)] = std::max(sigma(r_, block, m, i), root);
+      m.kappa[at(i)] = 0;
+      if (i == facets(block.size)) {
+        const double length = r_.segment(N + 1, 2).norm();
+        if (length > 0) m.kappa[at(i)] = u_.segment(N + 1, 2).norm() * smooth_normal(r_[N], delta_).g / (2 * length);
+      }
+      const double sigma_i = sigma(r_, block, m, i);
+      pair(m.kappa[at(i)], m.w[at(i)], sigma_i);
     }
   }
   u_ = problem_.W * r_ + problem_.q;

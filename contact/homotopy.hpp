@@ -24,7 +24,7 @@ struct HomotopyOptions {
   double delta_share = 0.1;                  ///< delta = delta_share tau, not below 1e-13
   double eps_share = 0.1;                    ///< eps = eps_share tau: fixes kappa up to a common constant
   double least_centring = 1e-4;              ///< sigma at least
-  double to_boundary = 0.99;                 ///< share of the way to the boundary
+  double to_boundary = 0.9;                  ///< share of the way to the boundary
   double neighbourhood = 1e-4;               ///< least product over the mean
   lcp::LuBackend lu = lcp::LuBackend::Auto;  ///< contact::solve: by the entries of W
 };
@@ -66,6 +66,7 @@ class Homotopy {
   static int facets(int size) { return size; }  // of a contact with friction: 2 in 2D, 3 in 3D
   static int multipliers(int size) { return size == 3 ? 4 : size == 2 ? 2 : 0; }
   double sigma(const Vec& r, const Scaled::Block& block, const Multipliers& m, int i) const;
+  void begin();
   void centre(double tau);
   void parameters();
   double gap(const Vec& r, const std::vector<Multipliers>& of) const;

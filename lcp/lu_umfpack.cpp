@@ -55,6 +55,7 @@ class Umfpack final : public LuLibrary {
   }
 
   LuStatus factor(const SpMat& A) override {
+    numeric_.reset();  // its memory serves the next factors
     void* numeric = nullptr;
     const int code = umfpack_di_numeric(A.outerIndexPtr(), A.innerIndexPtr(), A.valuePtr(), symbolic_.get(), &numeric,
                                         control_.data(), info_.data());

@@ -51,7 +51,8 @@ TEST(Homotopy, IsTheUnreducedInteriorPoint) {
     for (int k = 0; k < 6; ++k) {
       const Problem problem = random_problem(dimension, 4, 14, random, 0.25);
       const Scaled coordinates = scaled(problem);
-      Homotopy reduced(coordinates);
+      const ncp::InteriorPoint defaults;
+      Homotopy reduced(coordinates, {.to_boundary = defaults.to_boundary});
       std::vector<Vec> iterates;
       for (int step = 0; step < 5; ++step) {
         ASSERT_TRUE(reduced.step());
@@ -274,8 +275,8 @@ TEST(Solve, RecordedProblems) {
     if (sanitized && reference.contacts > 150) continue;
     const Problem problem = recorded(reference.file);
     const Result result = expect_solved(problem, {}, reference.file);
-    // OneObject-i1028-138 has two solutions at least, 1.1e-3 of |q| apart in u, both to 1e-15.
-    const double apart = reference.file == "OneObject-i1028-138.hdf5.dat" ? 2e-3 : 1e-4;
+    // OneObject-i1028-138 has three solutions at least, up to 5.1e-3 of |q| apart in u, all to 1e-14.
+    const double apart = reference.file == "OneObject-i1028-138.hdf5.dat" ? 6e-3 : 1e-4;
     const Vec u = reference.solution().u;
     EXPECT_LE((result.solution.u - u).norm(), apart * std::max(u.norm(), problem.q.norm())) << reference.file;
     solved += result.solved() ? 1 : 0;
