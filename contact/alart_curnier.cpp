@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 namespace perp::contact {
 namespace {
@@ -48,12 +49,12 @@ AlartCurnierRows alart_curnier_rows(int size, const Eigen::Vector3d& r, const Ei
   return out;
 }
 
-AlartCurnier::AlartCurnier(const Scaled& problem, lcp::LuBackend lu)
+AlartCurnier::AlartCurnier(const Scaled& problem, std::shared_ptr<lcp::SparseLu> lu)
     : problem_(problem),
       rho_N_(static_cast<Index>(problem.blocks.size())),
       rho_T_(static_cast<Index>(problem.blocks.size())),
       K_(problem.W),
-      lu_(lu) {
+      lu_(std::move(lu)) {
   const Vec diagonal = problem.W.diagonal();
   const auto inverse = [](double w) { return w > 1e-12 ? 1 / w : 1; };
   for (std::size_t a = 0; a < problem.blocks.size(); ++a) {
@@ -97,9 +98,9 @@ bool AlartCurnier::step(In r, In centre, double alpha, Vec& to) {
     }
   }
   ++factorizations_;
-  if (lu_.factor(K_) != lcp::LuStatus::Ok) return false;
+  if (lu_->factor(K_) != lcp::LuStatus::Ok) return false;
   Vec d(r.size());
-  lu_.solve(rhs, d);
+  lu_->solve(rhs, d);
   if (!d.allFinite()) return false;
   to = r + d;
   return true;

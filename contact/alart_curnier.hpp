@@ -6,6 +6,8 @@
 /// Moreau). alpha > 0 makes it the proximal problem of `centre`: regular where W is not.
 ///
 /// Fast near a solution and without a guarantee elsewhere: the last digits of a homotopy.
+#include <memory>
+
 #include "contact/scaling.hpp"
 #include "lcp/sparse_lu.hpp"
 
@@ -22,7 +24,9 @@ AlartCurnierRows alart_curnier_rows(int size, const Eigen::Vector3d& r, const Ei
 
 class AlartCurnier {
  public:
-  explicit AlartCurnier(const Scaled& problem, lcp::LuBackend lu = lcp::LuBackend::Umfpack);
+  /// `lu`: whose factors are overwritten each step; may serve others with the pattern of W, whose symbolic analysis it
+  /// then shares.
+  explicit AlartCurnier(const Scaled& problem, std::shared_ptr<lcp::SparseLu> lu = std::make_shared<lcp::SparseLu>());
 
   /// r + dr, the full Newton step from r; false if the matrix is singular or dr not finite.
   bool step(In r, In centre, double alpha, Vec& to);
@@ -33,7 +37,7 @@ class AlartCurnier {
   const Scaled& problem_;
   Vec rho_N_, rho_T_;
   SpMat K_;
-  lcp::SparseLu lu_;
+  std::shared_ptr<lcp::SparseLu> lu_;
   int factorizations_ = 0;
 };
 

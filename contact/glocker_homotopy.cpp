@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
 #include <optional>
 
 #include "contact/alart_curnier.hpp"
@@ -71,7 +72,8 @@ class Solver {
       options_.lu = problem.size() <= klu_rows && problem.W.nonZeros() <= klu_entries * problem.size()
                         ? lcp::LuBackend::Klu
                         : lcp::LuBackend::Umfpack;
-    newton_.emplace(problem, options_.lu);
+    lu_ = std::make_shared<lcp::SparseLu>(options_.lu);
+    newton_.emplace(problem, lu_);
   }
   ~Solver() { referee_.stats().factorizations += newton_->factorizations(); }
   Solver(const Solver&) = delete;
@@ -107,6 +109,7 @@ class Solver {
   const Scaled& problem_;
   const GlockerHomotopy& method_;
   HomotopyOptions options_;
+  std::shared_ptr<lcp::SparseLu> lu_;  // all have the pattern of W: one analysis, and one set of factors in memory
   std::optional<AlartCurnier> newton_;
 };
 
@@ -139,7 +142,7 @@ bool Solver::sweep() {
 
 bool Solver::attempt(const HomotopyOptions& options, const Vec* from, double tau) {
   ++referee_.stats().attempts;
-  Homotopy homotopy(problem_, options);
+  Homotopy homotopy(problem_, options, lu_);
   if (from != nullptr) homotopy.start(*from, tau);
   double polish_at = method_.polish_at;
   std::size_t polished = 0;
@@ -266,7 +269,7 @@ bool Solver::homotopy_on(In centre, double alpha, Vec& r) {
   HomotopyOptions careful = options_;
   careful.least_centring = std::max(0.1, careful.least_centring);
   careful.to_boundary = inner_to_boundary;
-  Homotopy homotopy(proximal, careful);
+  Homotopy homotopy(proximal, careful, lu_);
   double least = lcp::infinity;
   for (int k = 0; k < inner_homotopy && least > 1e-9 && !referee_.over(); ++k) {
     const bool going = homotopy.step();

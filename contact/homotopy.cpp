@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "contact/glocker_law.hpp"
 
@@ -26,8 +27,11 @@ std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
 }  // namespace
 
-Homotopy::Homotopy(const Scaled& problem, const HomotopyOptions& options)
-    : problem_(problem), options_(options), K_(problem.W), lu_(options.lu) {
+Homotopy::Homotopy(const Scaled& problem, const HomotopyOptions& options, std::shared_ptr<lcp::SparseLu> lu)
+    : problem_(problem),
+      options_(options),
+      K_(problem.W),
+      lu_(lu != nullptr ? std::move(lu) : std::make_shared<lcp::SparseLu>(options.lu)) {
   of_.resize(problem.blocks.size());
   for (const Scaled::Block& block : problem.blocks) {
     products_ += 1 + multipliers(block.size);
@@ -163,7 +167,7 @@ bool Homotopy::assemble() {
         values[block_entries_[k]] = W_diagonal_[k] + B[at(i)][at(j)] + (i == j ? diagonal_term : 0);
   }
   ++factorizations_;
-  return lu_.factor(K_) == lcp::LuStatus::Ok;
+  return lu_->factor(K_) == lcp::LuStatus::Ok;
 }
 
 /// Newton's direction towards products `target`, with the second-order terms of `affine` if there is one.
@@ -197,7 +201,7 @@ Homotopy::Direction Homotopy::direction(double target, const Direction* affine) 
       for (int i = 0; i < 2; ++i) rhs[N + 1 + i] -= 2 * r_[N + 1 + i] / g * (m.kappa[3] + local[a][3] / D);
     }
   }
-  lu_.solve(rhs, d.r);
+  lu_->solve(rhs, d.r);
   for (std::size_t a = 0; a < of_.size(); ++a) {
     const Scaled::Block& block = problem_.blocks[a];
     const Multipliers& m = of_[a];

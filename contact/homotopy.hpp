@@ -13,6 +13,7 @@
 ///     (W + diag(B_a)) dr = rhs.
 /// Predictor, corrector and step lengths as in ncp/interior_point.hpp, without any search on the residual.
 #include <array>
+#include <memory>
 #include <vector>
 
 #include "contact/scaling.hpp"
@@ -39,8 +40,10 @@ struct HomotopyIteration {
 /// The run, step by step: the caller judges r after each.
 class Homotopy {
  public:
-  /// From r_N = 1, r_T = 0, kappa = 1. `problem` outlives *this.
-  explicit Homotopy(const Scaled& problem, const HomotopyOptions& options = {});
+  /// From r_N = 1, r_T = 0, kappa = 1. `problem` outlives *this. `lu` as for AlartCurnier; none: one of its own, as
+  /// the options have it.
+  explicit Homotopy(const Scaled& problem, const HomotopyOptions& options = {},
+                    std::shared_ptr<lcp::SparseLu> lu = nullptr);
   /// From near r, with products about tau: for warm starts.
   void start(In r, double tau);
 
@@ -85,7 +88,7 @@ class Homotopy {
   SpMat K_;
   std::vector<Index> block_entries_;  // places of the diagonal blocks in K's values, column by column
   std::vector<double> W_diagonal_;    // their values in W
-  lcp::SparseLu lu_;
+  std::shared_ptr<lcp::SparseLu> lu_;
   HomotopyIteration last_;
   double last_step_ = 1;
   int factorizations_ = 0;
