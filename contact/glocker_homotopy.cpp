@@ -87,11 +87,6 @@ class Solver {
   }
 
  private:
-  /// In the scaled problem's own measure: what decides when to polish must not depend on the problem's units.
-  double relative(In r, In u) const {
-    return natural_map(problem_, r) / std::max({r.lpNorm<Eigen::Infinity>(), u.lpNorm<Eigen::Infinity>(), 1e-300});
-  }
-
   /// Each of these answers whether the run is over.
   bool warm(const Vec& start);
   bool sweep();
@@ -158,11 +153,14 @@ bool Solver::attempt(const HomotopyOptions& options, const Vec* from, double tau
     if (over || !going) break;
     in_a_row = last.step < short_step ? in_a_row + 1 : 0;
     if (!method_.polish) continue;
-    if (const double map = natural_map(problem_, homotopy.r()); map < least) {
+    // In the scaled problem's own measure: what decides here must not depend on the problem's units.
+    const double map = natural_map(problem_, homotopy.r());
+    if (map < least) {
       least = map;
       best = homotopy.r();
     }
-    if (const double near = relative(homotopy.r(), homotopy.u()); near <= polish_at) {
+    const double largest = std::max(homotopy.r().lpNorm<Eigen::Infinity>(), homotopy.u().lpNorm<Eigen::Infinity>());
+    if (const double near = map / std::max(largest, 1e-300); near <= polish_at) {
       polish_at = polish_again * near;
       over = polish(homotopy.r(), polish_alphas[polished++ % polish_alphas.size()]);
     }

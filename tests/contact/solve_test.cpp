@@ -306,7 +306,7 @@ TEST(Solve, WhereThePathTurnsBack) {
 }
 
 // 1,000 contacts, each coupled with some nine: one attempt of the homotopy, without the proximal loop. Catches what
-// gets stuck only in large scenes, and loops over all pairs by the test's time.
+// gets stuck in large scenes only.
 TEST(Solve, ThousandContacts) {
   if (sanitized) GTEST_SKIP() << "slow with sanitizers";
   const Result result = expect_solved(make_scene("spheres", 1000).problem());
