@@ -95,12 +95,22 @@ std::vector<Assignment> assignments(const AmplRequest& request, const Call& call
   return all;
 }
 
+std::string listed_notes(const ncp::Result& result) {
+  std::string text;
+  for (const std::string& note : result.notes) text += "\nNote: " + note;
+  return text;
+}
+
 std::string message(const Report& report) {
   const ncp::Result& result = report.result;
   if (result.solved())
     return fmt::format("Perp {}: solution found. {}; {}; {}; natural residual {:.1e}", version_number(),
                        count(result.stats.iterations, "iteration"), count(result.stats.F_evals, "F evaluation"),
-                       count(result.stats.J_evals, "Jacobian"), result.residual.natural);
+                       count(result.stats.J_evals, "Jacobian"), result.residual.natural) +
+           listed_notes(result);
+  if (result.status == ncp::Status::SolvedToRounding)
+    return fmt::format("Perp {}: solved to rounding only, natural residual {:.1e}: {}.\nTry: {}.", version_number(),
+                       result.residual.natural, result.message, result.advice);
   std::string text =
       fmt::format("Perp {}: no solution found, {} after {}: {}.", version_number(), ncp::to_string(result.status),
                   count(result.stats.iterations, "iteration"), result.message);
@@ -165,6 +175,8 @@ int solve_result_num(ncp::Status status) {
   switch (status) {
     case ncp::Status::Solved:
       return 0;
+    case ncp::Status::SolvedToRounding:  // AMPL: "solved?"
+      return 100;
     case ncp::Status::IterationLimit:
       return 400;
     case ncp::Status::TimeLimit:

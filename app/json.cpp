@@ -194,7 +194,10 @@ std::string solve_json(const Report& report) {
   json["message"] = result.message;
   json["advice"] = result.advice;
   json["notes"] = report.notes;
+  for (const std::string& note : result.notes) json["notes"].push_back(note);
   json["residual"] = residual_json(report.mcp(), result.residual);
+  json["residual"]["relative"] = json_number(result.relative);
+  json["residual"]["relative_worst"] = equation_json(report.mcp(), result.relative_row);
   json["stats"] = stats_json(result.stats);
   if (report.derivatives)
     json["derivatives"] = {{"defined", report.derivatives->defined}, {"worst", json_number(report.derivatives->worst)}};

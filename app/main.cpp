@@ -151,6 +151,8 @@ struct Shortcut {
 constexpr std::array shortcuts{
     Shortcut{"--method", "NAME", "method", "one of"},  // and their names
     Shortcut{"--tol", "TOL", "convergence_tolerance", "tolerance on the natural residual"},
+    Shortcut{"--tol-relative", "R", "relative_tolerance",
+             "asks also for |F_i| <= R (size of its terms) off the bounds"},
     Shortcut{"--max-iterations", "N", "major_iteration_limit", "give up after N iterations"},
     Shortcut{"--time-limit", "SECONDS", "time_limit", "give up after that time"},
 };

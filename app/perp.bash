@@ -81,13 +81,13 @@ _perp() {
     --methods)
       mapfile -t COMPREPLY < <(compgen -W 'presets all cfunctions none' -- "$cur")
       return ;;
-    --start | --plot-iteration | --tol | --max-iterations | --time-limit)
+    --start | --plot-iteration | --tol | --tol-relative | --max-iterations | --time-limit)
       return ;;
   esac
   case $command in
     solve)
       if [ "${cur:0:1}" = - ]; then
-        mapfile -t COMPREPLY < <(compgen -W '--start --start-at --warm-start --lower --upper --solution --method --all --tol --max-iterations --time-limit --check-derivatives
+        mapfile -t COMPREPLY < <(compgen -W '--start --start-at --warm-start --lower --upper --solution --method --all --tol --tol-relative --max-iterations --time-limit --check-derivatives
           --option --options-file --json --plot --plot-iteration --log-level --full --help' -- "$cur")
       else
         mapfile -t COMPREPLY < <(compgen -W "$(_perp_problems "${COMP_WORDS[0]}")" -- "$cur"

@@ -202,6 +202,7 @@ void print_initial_statistics(std::ostream& out, const LoadedProblem& problem) {
 void print_verdict(std::ostream& out, const Report& report) {
   const ncp::Result& result = report.result;
   out << fmt::format("{}: {}\n", ncp::to_string(result.status), result.message);
+  for (const std::string& note : result.notes) out << fmt::format("Note: {}\n", note);
   if (!result.advice.empty()) out << fmt::format("Try: {}\n", result.advice);
 }
 
@@ -210,6 +211,9 @@ void print_final_statistics(std::ostream& out, const Report& report) {
   const ncp::Mcp& mcp = report.mcp();
   out << "Final statistics\n";
   line(out, "natural residual", fmt::format("{:.4e}", r.natural), r.worst >= 0 ? mcp.equation_name(r.worst) : "");
+  if (report.result.relative_row >= 0)
+    line(out, "beside the row's terms", fmt::format("{:.4e}", report.result.relative),
+         mcp.equation_name(report.result.relative_row));
   line(out, "complementarity", fmt::format("{:.4e}", r.complementarity));
   line(out, "violation of bounds", fmt::format("{:.4e}", r.bounds));
   print_largest(out, "x", report.result.x, mcp, &ncp::Mcp::variable_name);

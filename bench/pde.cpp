@@ -39,10 +39,8 @@ struct Own {
 
 std::vector<Own> methods(double limit) {
   const ncp::Stop stop{.tol = tol, .max_time = std::chrono::duration<double>(limit)};
-  ncp::Stop relative = stop;
-  relative.tol = tol / 10;  // of 1 + ||q||_inf
   return {{"josephy", ncp::NewtonJosephy{.stop = stop}},
-          {"auto for affine problems (bound_qp)", ncp::Affine{.stop = relative, .method = lcp::Auto{}}},
+          {"auto for affine problems (bound_qp)", ncp::Affine{.stop = stop, .method = lcp::Auto{}}},
           {"semismooth, Krylov", ncp::SemismoothNewton{.stop = stop, .linear = ncp::LinearSolver::Krylov}},
           {"semismooth, LU", ncp::SemismoothNewton{.stop = stop, .linear = ncp::LinearSolver::Direct}},
           {"semismooth-min, Krylov",

@@ -108,8 +108,8 @@ lcp::Result solve(const AffineEncoding& encoding, const lcp::Limits& limits) {
     tried = result.message + "; then ";
     result.iterations += best.iterations;
     result.factorizations += best.factorizations;
-    const bool settled = result.solved() || result.status == lcp::Status::Infeasible || limits.reached();
-    if (best.z.size() == 0 || result.solved() || result.residual < best.residual)
+    const bool settled = result.accepted() || result.status == lcp::Status::Infeasible || limits.reached();
+    if (best.z.size() == 0 || result.accepted() || result.residual < best.residual)
       best = std::move(result);
     else {
       best.message = result.message;

@@ -24,7 +24,8 @@ struct AffineMcp {
 /// LCP(q, M):  0 <= z  _|_  M z + q >= 0.
 AffineMcp standard_lcp(SpMat M, Vec q);
 
-/// || z - mid(l, z - (M z + q), u) ||_inf: zero exactly at the solutions; +inf where M z + q is not finite.
+/// || z - mid(l, z - (M z + q), u) ||_inf: zero exactly at the solutions; +inf where M z + q is not finite. M z + q in
+/// plain sums: what decides is judge() (judge.hpp).
 double natural_residual(const AffineMcp& problem, In z);
 
 }  // namespace perp::lcp

@@ -24,7 +24,7 @@ class Attempts {
     const long iterations = best_.iterations + result.iterations;
     const int factorizations = best_.factorizations + result.factorizations;
     const bool stopped = limits_.reached().has_value();
-    settled_ = result.solved() || result.status == Status::Infeasible || stopped;
+    settled_ = result.accepted() || result.status == Status::Infeasible || stopped;
     if (settled_)
       result.message = label + (why.empty() ? "" : " (" + why + ")") + (result.message.empty() ? "" : ": ") +
                        result.message + before;

@@ -142,7 +142,7 @@ Result block_pivoting(const AffineMcp& problem, In start, const BlockPivoting& o
   check_options(options);
   if (!options.components || strong_components(problem).count() <= 1) return Run(problem, start, options, limits).run();
   Result parts = by_components(problem, start, options, limits);
-  if (parts.solved() || parts.status == Status::OutOfMemory || limits.reached()) return parts;
+  if (parts.accepted() || parts.status == Status::OutOfMemory || limits.reached()) return parts;
   Result whole = Run(problem, start, options, limits).run();
   whole.iterations += parts.iterations;
   whole.factorizations += parts.factorizations;

@@ -104,8 +104,7 @@ class Sweep {
         q_(problem.q),
         z_(project(problem.box, start)),
         depends_(at(problem.size()), 0),
-        position_(at(problem.size()), -1),
-        scale_(1 + (problem.size() > 0 ? problem.q.lpNorm<Eigen::Infinity>() : 0)) {}
+        position_(at(problem.size()), -1) {}
 
   Result run() {
     const Components c = strong_components(problem_);
@@ -143,16 +142,13 @@ class Sweep {
     const AffineMcp part = component(indices);
     Vec start(part.size());
     for (Index i = 0; i < part.size(); ++i) start[i] = start_[indices[at(i)]];
-    Limits limits = limits_;
-    limits.tol = limits_.tol * scale_ / (1 + part.q.lpNorm<Eigen::Infinity>());
-    Result result = part.invalid() || !(limits.tol > 0)
-                        ? Result{.status = Status::Stalled, .message = "its data overflow", .z = start}
-                        : solver_(part, start, limits);
+    Result result = part.invalid() ? Result{.status = Status::Stalled, .message = "its data overflow", .z = start}
+                                   : solver_(part, start, limits_);
     iterations_ += result.iterations;
     factorizations_ += result.factorizations;
     for (Index i = 0; i < part.size(); ++i) z_[indices[at(i)]] = result.z[i];
-    if (!result.solved()) fail(indices, result, k, count);
-    return result.solved();
+    if (!result.accepted()) fail(indices, result, k, count);
+    return result.accepted();
   }
 
   AffineMcp component(const std::vector<Index>& indices) {
@@ -212,7 +208,6 @@ class Sweep {
   Vec z_;
   std::vector<char> depends_;  ///< on a solution that may not be the only one
   std::vector<int> position_;
-  double scale_;
   Result failure_{
       .status = Status::Stalled, .message = "the components' solutions do not fit together: rounding", .z = {}};
   long iterations_ = 0;

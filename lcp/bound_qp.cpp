@@ -396,7 +396,7 @@ Result Solver::solve() {
         if (certificate_.size() > 0) {
           Result result =
               finish(Status::Infeasible, "q'd < 0 for the direction d of the box, M d = 0: phi falls forever");
-          if (!result.solved()) result.certificate = certificate_;
+          if (result.status == Status::Infeasible) result.certificate = certificate_;
           return result;
         }
         if (shift_ > 0) return finish(Status::Stalled, "M + eps D is singular up to rounding on a face");

@@ -106,6 +106,16 @@ LuStatus CellSolver::solve(const Places& places) {
   return F_.allFinite() ? LuStatus::Ok : LuStatus::Singular;
 }
 
+bool CellSolver::correct(const Vec& F, Vec& x) const {
+  const auto m = static_cast<Index>(inside_.size());
+  if (m == 0) return false;
+  Vec dx(m);
+  lu_.solve(F(inside_), dx);
+  if (!dx.allFinite()) return false;
+  for (Index k = 0; k < m; ++k) x[inside_[static_cast<std::size_t>(k)]] -= dx[k];
+  return true;
+}
+
 bool CellSolver::violated(const Places& places, Index i) const {
   const double lower = problem_.box.lower[i];
   const double upper = problem_.box.upper[i];

@@ -230,7 +230,7 @@ class Search {
     Piece piece{
         .places = places_, .z = project(scaled_.box, scaled_z), .w = {}, .original = {}, .dimension = dimension};
     piece.original = project(problem_.box, piece.z.cwiseProduct(scaling_.columns));
-    if (!piece.original.allFinite() || !solves(problem_, piece.original, limits_.tol)) return false;
+    if (!piece.original.allFinite() || !accepts(problem_, piece.original, limits_.tol)) return false;
     piece.w = M_ * piece.z + scaled_.q;
     for (const Piece& other : pieces_)
       if (other.dimension >= dimension && contains(other, piece)) return true;

@@ -31,7 +31,7 @@ struct Enumeration {
 };
 
 struct Solution {
-  Vec z;  ///< solves() with the limits' tolerance
+  Vec z;  ///< accepts() with the limits' tolerance
   Index dimension =
       0;  ///< of the polyhedron of solutions it is a relative interior point of; 0: an isolated point of it
 };

@@ -41,7 +41,7 @@ Result lemke_howson(const AffineMcp& problem, In start, const LemkeHowson& optio
   path_options.interrupted = limits.interrupted;
   Result best = judged(problem, start, limits, Status::Stalled, "no label's path ends in a solution");
   const Index labels = std::min<Index>(n, options.labels);
-  for (Index k = 0; k < labels && !best.solved(); ++k) {
+  for (Index k = 0; k < labels && !best.accepted(); ++k) {
     const Vec x0 = howson_start(problem, k * n / labels);
     if (x0.size() == 0 || !x0.allFinite()) continue;
     const PivotResult path = lemke(problem, x0, path_options);
@@ -50,7 +50,7 @@ Result lemke_howson(const AffineMcp& problem, In start, const LemkeHowson& optio
     if (path.residual < best.residual) best = judged(problem, path.z, limits, best.status, best.message);
     best.iterations = iterations;
     best.factorizations = factorizations;
-    if (const auto stopped = limits.reached(); stopped && !best.solved()) {
+    if (const auto stopped = limits.reached(); stopped && !best.accepted()) {
       best.status = *stopped;
       best.message = std::string(to_string(*stopped));
       break;

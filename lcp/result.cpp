@@ -6,12 +6,16 @@
 #include <stdexcept>
 #include <utility>
 
+#include "lcp/judge.hpp"
+
 namespace perp::lcp {
 
 std::string_view to_string(Status status) {
   switch (status) {
     case Status::Solved:
       return "solved";
+    case Status::SolvedToRounding:
+      return "solved to rounding";
     case Status::Infeasible:
       return "infeasible";
     case Status::Ray:
@@ -42,16 +46,26 @@ std::optional<Status> Limits::reached() const {
 }
 
 bool solves(const AffineMcp& problem, In z, double tol) {
-  const double scale = problem.size() > 0 ? 1 + problem.q.lpNorm<::Eigen::Infinity>() : 1;
-  return natural_residual(problem, z) <= tol * scale;
+  return natural_residual(problem, z) <= tol && judge(problem, z).natural <= tol;
+}
+
+bool accepts(const AffineMcp& problem, In z, double tol) {
+  const Judgement judgement = judge(problem, z);
+  return judgement.natural <= tol || judgement.accuracy.to_rounding;
 }
 
 Result judged(const AffineMcp& problem, In z, const Limits& limits, Status otherwise, std::string message) {
   Result result{.status = otherwise, .message = std::move(message), .z = project(problem.box, z)};
-  result.residual = natural_residual(problem, result.z);
-  if (solves(problem, result.z, limits.tol)) {
+  const Judgement judgement = judge(problem, result.z);
+  result.residual = judgement.natural;
+  result.relative = judgement.accuracy.relative;
+  const bool disproved = otherwise == Status::Infeasible;
+  if (judgement.natural <= limits.tol) {
     result.status = Status::Solved;
     result.message.clear();
+  } else if (judgement.accuracy.to_rounding && !disproved) {
+    result.status = Status::SolvedToRounding;
+    result.message = "every row's residual is within the rounding of its terms, and no double is nearer for sure";
   }
   return result;
 }

@@ -1,6 +1,6 @@
 #pragma once
-/// What every method for the affine MCP answers, and what may stop it. Only the natural residual (affine_mcp.hpp) may
-/// call a point Solved: methods build their Result by judged().
+/// What every method for the affine MCP answers, and what may stop it. Only the judge (judge.hpp) may call a point
+/// Solved: methods build their Result by judged().
 #include <chrono>
 #include <functional>
 #include <optional>
@@ -12,12 +12,13 @@
 namespace perp::lcp {
 
 enum class Status {
-  Solved,         ///< natural_residual(z) <= tol (1 + ||q||_inf)
-  Infeasible,     ///< proven to have no solution: by `certificate`, or by the exhaustive search the message names
-  Ray,            ///< a pivoting method's path went off along a ray: no solution found, and no proof of anything
-  Singular,       ///< a matrix the method has to factor is singular
-  NotApplicable,  ///< the problem is outside what the method is defined for; the message says why
-  Stalled,        ///< no progress short of the tolerance: a cycle, a stationary point, rounding
+  Solved,            ///< the natural residual is at most tol
+  SolvedToRounding,  ///< it is not, but no point of doubles can be told to be better: Accuracy::to_rounding
+  Infeasible,        ///< proven to have no solution: by `certificate`, or by the exhaustive search the message names
+  Ray,               ///< a pivoting method's path went off along a ray: no solution found, and no proof of anything
+  Singular,          ///< a matrix the method has to factor is singular
+  NotApplicable,     ///< the problem is outside what the method is defined for; the message says why
+  Stalled,           ///< no progress short of the tolerance: a cycle, a stationary point, rounding
   IterationLimit,
   TimeLimit,
   Interrupted,
@@ -26,7 +27,7 @@ enum class Status {
 std::string_view to_string(Status);
 
 struct Limits {
-  double tol = 1e-9;  ///< on the natural residual, relative to 1 + ||q||_inf
+  double tol = 1e-9;  ///< on the natural residual, absolute
   std::chrono::steady_clock::time_point deadline = std::chrono::steady_clock::time_point::max();
   std::function<bool()> interrupted{};  ///< polled; true ends the run as Interrupted
 
@@ -37,17 +38,23 @@ struct Result {
   Status status = Status::Stalled;
   std::string message;     ///< what happened, with indices (from 1) and values
   Vec z;                   ///< the best point met, in the box
-  double residual = 0;     ///< natural_residual of z
+  double residual = 0;     ///< the natural residual of z, by judge()
+  double relative = 0;     ///< Accuracy::relative of z: the residual beside the terms of its row
   long iterations = 0;     ///< pivots, sweeps or Newton steps: the method says which
   int factorizations = 0;  ///< of matrices, however small
   Vec certificate{};       ///< y with proves_infeasible(problem, y), if status == Infeasible and there is one
   bool solved() const { return status == Status::Solved; }
+  /// Solved, or as near to a solution as doubles come.
+  bool accepted() const { return solved() || status == Status::SolvedToRounding; }
 };
 
-/// Whether the natural residual of z is at most tol (1 + ||q||_inf).
+/// Whether the natural residual of z is at most tol.
 bool solves(const AffineMcp& problem, In z, double tol);
+/// The same, or Accuracy::to_rounding.
+bool accepts(const AffineMcp& problem, In z, double tol);
 
-/// A result for z, projected on the box: Solved if limits.tol says so, else `otherwise` with `message`.
+/// A result for z, projected on the box: Solved if limits.tol says so, SolvedToRounding if Accuracy::to_rounding does
+/// and `otherwise` is no proof, else `otherwise` with `message`.
 Result judged(const AffineMcp& problem, In z, const Limits& limits, Status otherwise, std::string message);
 
 /// Whether y proves that no solution exists. F = M z + q of a solution has F_i >= 0 where only l_i is finite, F_i <= 0

@@ -4,6 +4,8 @@
 #include <array>
 #include <utility>
 
+#include "lcp/judge.hpp"
+
 namespace perp::lcp {
 
 std::span<const MethodEntry> methods() {
@@ -107,10 +109,29 @@ Result run(const AffineMcp& p, In x, const Enumeration& m, const Limits& limits)
   return enumeration(p, x, m, limits);
 }
 
+/// An end at the door of a solution: the last digits may be had.
+bool worth_refining(const Result& result) {
+  constexpr double near = 1e-9;
+  return (result.status == Status::SolvedToRounding || result.status == Status::Stalled) && result.relative <= near;
+}
+
+void refine(const AffineMcp& problem, const Limits& limits, Result& result) {
+  Result better = judged(problem, refined(problem, result.z), limits, result.status, result.message);
+  ++result.factorizations;
+  if (!better.accepted()) return;
+  result.status = better.status;
+  result.message = better.message.empty() ? "after refinement" : better.message;
+  result.z = better.z;
+  result.residual = better.residual;
+  result.relative = better.relative;
+}
+
 }  // namespace
 
 Result solve(const AffineMcp& problem, In start, const Method& method, const Limits& limits) {
-  return std::visit([&](const auto& m) { return run(problem, start, m, limits); }, method);
+  Result result = std::visit([&](const auto& m) { return run(problem, start, m, limits); }, method);
+  if (worth_refining(result)) refine(problem, limits, result);
+  return result;
 }
 
 }  // namespace perp::lcp

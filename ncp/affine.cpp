@@ -18,6 +18,8 @@ Status status_of(lcp::Status status) {
   switch (status) {
     case lcp::Status::Solved:
       return Status::Solved;
+    case lcp::Status::SolvedToRounding:
+      return Status::SolvedToRounding;
     case lcp::Status::Infeasible:
       return Status::Infeasible;
     case lcp::Status::NotApplicable:
@@ -74,10 +76,7 @@ Result run_affine(const Mcp& mcp, In x0, const Affine& method, const Observer& o
   if (!problem)
     throw std::invalid_argument(mcp.name() + ": method " + std::string(name(method)) +
                                 " is for affine problems, and this one does not say it is one");
-  const double scale = 1 + (mcp.size() > 0 ? problem->q.lpNorm<Eigen::Infinity>() : 0);
-  Stop stop = method.stop;
-  stop.tol *= scale;
-  Run run(mcp, stop, observer);
+  Run run(mcp, method.stop, observer);
   Point point;
   if (!run.start(x0, point)) return run.result();
   Iteration it{.k = 0, .kind = 'I'};
@@ -90,7 +89,7 @@ Result run_affine(const Mcp& mcp, In x0, const Affine& method, const Observer& o
     point.x = found.z;
     it = {.k = 1, .kind = 'A'};
     if (!run.evaluate(point) || run.go_on(point, it))
-      run.end(found.solved() ? Status::NoProgress : status_of(found.status), found.message,
+      run.end(found.accepted() ? Status::NoProgress : status_of(found.status), found.message,
               found.status == lcp::Status::Infeasible ? "look for a mistake in the model"
               : std::holds_alternative<lcp::Auto>(method.method)
                   ? "the problem may have no solution; a nonlinear method "

@@ -63,7 +63,7 @@ std::vector<Choice> choices(const Mcp& mcp, const Point& start, const Auto& meth
 }
 
 /// The choice's method with its part of what is left of the limits.
-Method limited(const Run& run, const Choice& choice, bool last, double scale) {
+Method limited(const Run& run, const Choice& choice, bool last) {
   Method method = choice.method;
   Stop left = run.left();
   const auto part = [last](int what, int enough) {
@@ -71,7 +71,7 @@ Method limited(const Run& run, const Choice& choice, bool last, double scale) {
   };
   left.max_iterations = part(left.max_iterations, enough_iterations);
   left.max_F_evals = part(left.max_F_evals, enough_F_evals);
-  if (std::holds_alternative<Affine>(method)) left.tol = std::min(stop(method).tol, left.tol / scale);
+  if (std::holds_alternative<Affine>(method)) left.tol = std::min(stop(method).tol, left.tol);
   stop(method) = left;
   return method;
 }
@@ -94,13 +94,7 @@ void explain(const Mcp& mcp, In x0, Result& result) {
 }  // namespace
 
 Result run_auto(const Mcp& mcp, In x0, const Auto& method, const Observer& observer) {
-  Stop limits = method.stop;
-  double scale = 1;
-  if (const auto affine = affine_part(mcp); affine && mcp.size() > 0) {
-    scale += affine->q.lpNorm<Eigen::Infinity>();
-    limits.tol = std::max(limits.tol, 1e-12 * scale);
-  }
-  Run run(mcp, limits, observer);
+  Run run(mcp, method.stop, observer);
   Point start;
   if (!run.start(x0, start)) return run.result();
   if (run.ended()) {
@@ -117,7 +111,7 @@ Result run_auto(const Mcp& mcp, In x0, const Auto& method, const Observer& obser
     if (tried > 0) run.resume(choice.label);
     ++tried;
     const Observer shown = run.counting_on();
-    Result result = run_with_escapes(mcp, start.x, limited(run, choice, tried == list.size(), scale), shown);
+    Result result = run_with_escapes(mcp, start.x, limited(run, choice, tried == list.size()), shown);
     if (std::holds_alternative<Affine>(choice.method))  // one iteration of this run, whatever its pivots
       result.stats.pivots += std::exchange(result.stats.iterations, std::min(result.stats.iterations, 1));
     if (result.status == Status::Infeasible) explain(mcp, start.x, result);
@@ -132,7 +126,7 @@ Result run_auto(const Mcp& mcp, In x0, const Auto& method, const Observer& obser
   Result result = run.result();
   if (result.solved()) result.message = last;
   result.message += "; " + account(list, tried);
-  result.basis = result.solved() && basis.empty() ? cells_at(mcp.box(), result.x) : std::move(basis);
+  result.basis = result.accepted() && basis.empty() ? cells_at(mcp.box(), result.x) : std::move(basis);
   return result;
 }
 

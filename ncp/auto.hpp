@@ -16,8 +16,6 @@ namespace perp::ncp {
 /// then PathSearch if it was not the last, Smoothing (not for affine problems), SemismoothNewton on the penalised
 /// function and with proximal escapes. Every attempt but the last may use half of the iterations and evaluations that
 /// are left, or 100 and 1000 if that is more: tighter limits are for the first method alone.
-///
-/// On affine problems the tolerance is not less than 1e-12 (1 + ||F(0)||_inf), which rounding leaves.
 struct Auto {
   Stop stop{};
   Index large = 2000;

@@ -149,8 +149,8 @@ class Search {
     result.residual = residual;
     if (!(residual.natural <= stop_.tol)) return;
     result.status = Status::Solved;
-    result.message = "solution found: the natural residual is " + number(residual.natural);
     result.advice.clear();
+    judge_here(mcp_, stop_, result);
   }
 
   void keep(Result result, std::string how) {

@@ -101,7 +101,7 @@ void chords(Run& run, const NewtonJosephy& method, Subproblems& subproblems, con
   Point trial{.x = {}, .F = {}, .J = point.J};
   for (int k = 0; k < method.chord_steps; ++k) {
     // Where the next point is judged solved there is nothing to gain.
-    if (residual(run.box(), point.x, point.F).natural <= method.stop.tol) break;
+    if (residual(run.box(), point.x, point.F).natural <= run.tol()) break;
     const lcp::PivotResult path = subproblems.chord(point, J);
     if (!path.solved()) break;
     trial.x = path.z;

@@ -8,6 +8,7 @@ namespace perp::ncp {
 
 std::optional<std::string> invalid(const Stop& s) {
   if (!(s.tol > 0) || std::isinf(s.tol)) return refusal("stop.tol", s.tol, "positive and finite");
+  if (!(s.tol_relative > 0)) return refusal("stop.tol_relative", s.tol_relative, "positive");
   if (s.max_iterations < 0) return refusal("stop.max_iterations", s.max_iterations, "at least 0");
   if (s.max_F_evals < 1) return refusal("stop.max_F_evals", s.max_F_evals, "at least 1");
   if (!(s.max_time.count() >= 0)) return refusal("stop.max_time", s.max_time.count(), "at least 0 s");

@@ -11,7 +11,10 @@
 namespace perp::ncp {
 
 struct Stop {
-  double tol = 1e-8;                                  ///< on the natural residual, inf-norm, absolute
+  double tol = 1e-8;  ///< on the natural residual, inf-norm, absolute
+  /// Asked in addition: |F_i| <= tol_relative t_i in every row whose variable is not at a bound, with
+  /// t_i = sum_j |J_ij x_j| + |F_i - sum_j J_ij x_j|. Infinity: not asked.
+  double tol_relative = std::numeric_limits<double>::infinity();
   int max_iterations = 500;                           ///< major iterations
   int max_F_evals = std::numeric_limits<int>::max();  ///< evaluations of F, looked at after each iteration
   std::chrono::duration<double> max_time{3600};

@@ -78,12 +78,11 @@ Result run_path(const Mcp& mcp, In x0, const PathSearch& method, const Observer&
   result.x = pre.postsolve(result.x);
   result.basis = expanded(pre, mcp.box(), result.x, result.basis);
   result.stats.presolved = static_cast<int>(pre.counts().total());
-  result.stats.F_evals += pre.F_evals() + 1;
+  result.stats.F_evals += pre.F_evals();
   result.stats.J_evals += pre.J_evals();
-  CountedMcp guarded(mcp);
-  const bool defined = guarded.eval(result.x, result.F);
-  if (defined) result.residual = residual(mcp.box(), result.x, result.F);
-  if (result.solved() && !(defined && result.residual.natural <= method.stop.tol)) {
+  const bool accepted = result.accepted();
+  judge_here(mcp, method.stop, result);
+  if (accepted && !result.solved()) {
     // What was computed afterwards amplifies the residual: the last digits are the full problem's.
     PathSearch full = method;
     full.basis = result.basis;

@@ -66,7 +66,7 @@ class Rounds {
       : mcp_(mcp), method_(method), escape_(escape), run_(run), observer_(observer), best_(std::move(stuck)) {}
 
   const Result& best() const { return best_; }
-  bool over() const { return ended_.has_value() || best_.solved(); }
+  bool over() const { return ended_.has_value() || best_.accepted(); }
 
   /// The point of F + lambda (x - center); lambda grows until it is found. False if it never is.
   bool perturbed(Vec& center, double& lambda) {
@@ -74,7 +74,7 @@ class Rounds {
       const ProximalMcp problem(mcp_, lambda, center);
       const Result r =
           run(problem, center, std::max(stop(method_).tol, escape_.perturbed_tol), escape_.perturbed_iterations, {});
-      if (!r.solved()) continue;
+      if (!r.accepted()) continue;
       center = r.x;
       return true;
     }
@@ -86,8 +86,8 @@ class Rounds {
     const Result r = run(mcp_, x, stop(method_).tol, iterations, [this](const Iteration& it) {
       return it.k == 0 ? Next::Continue : shown(it);  // the start of a trial is the centre shown before
     });
-    if (!r.solved() && !(r.residual.natural <= escape_.accept * best_.residual.natural)) return false;
-    if (r.solved()) {
+    if (!r.accepted() && !(r.residual.natural <= escape_.accept * best_.residual.natural)) return false;
+    if (r.accepted()) {
       best_ = r;
     } else {  // the verdict stays that of the run that got stuck
       best_.x = r.x;
@@ -99,7 +99,7 @@ class Rounds {
 
   Result finish(int rounds) {
     const std::string escapes = quantity(rounds, "proximal escape");
-    if (best_.solved()) {
+    if (best_.accepted()) {
       best_.message += ", after " + escapes + " from a local minimum";
     } else {
       if (ended_.has_value()) {
@@ -167,7 +167,7 @@ class Rounds {
       end({r.status, "interrupted after " + quantity(stats_.iterations, "iteration"), r.advice});
     else if (r.status == Status::TimeLimit)
       end({r.status, "the time limit was reached", r.advice});
-    else if (!r.solved() && stats_.F_evals >= stop(method_).max_F_evals)
+    else if (!r.accepted() && stats_.F_evals >= stop(method_).max_F_evals)
       end({Status::IterationLimit,
            "the limit of " + quantity(stop(method_).max_F_evals, "evaluation") + " of F was reached", r.advice});
     else if (r.status == Status::IterationLimit && iterations >= left)
@@ -215,7 +215,7 @@ Result proximal_escape(const Mcp& mcp, const Method& method, const Escape& escap
     if (rounds.over()) break;
     const int iterations = good ? stop(method).max_iterations : escape.trial_iterations;
     if (iterations > 0 && rounds.original(center, iterations)) {
-      if (!good && !rounds.best().solved() && !rounds.over())
+      if (!good && !rounds.best().accepted() && !rounds.over())
         rounds.original(rounds.best().x, stop(method).max_iterations);
       center = rounds.best().x;
       lambda = 0;

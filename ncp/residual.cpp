@@ -5,6 +5,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "ncp/affine.hpp"
+
 namespace perp::ncp {
 
 Residual residual(const Box& box, In x, In F) {
@@ -19,8 +21,7 @@ Residual residual(const Box& box, In x, In F) {
       r.worst = i;
       return r;
     }
-    // x - mid(l, x - F, u) = mid(x - u, F, x - l), which does not lose F beside a large x.
-    const double natural = std::abs(std::min(std::max(F[i], x[i] - box.upper[i]), x[i] - box.lower[i]));
+    const double natural = lcp::row_residual(box, i, x[i], F[i]);
     if (natural > r.natural || r.worst < 0) {
       r.natural = natural;
       r.worst = i;
@@ -35,10 +36,44 @@ Residual residual(const Box& box, In x, In F) {
 Residual residual(const Mcp& mcp, In x) {
   Vec F = Vec::Zero(x.size());
   if (x.size() != mcp.size()) return residual(mcp.box(), x, F);  // refuses it
-  if (mcp.eval(x, F)) return residual(mcp.box(), x, F);
+  if (mcp.eval(x, F)) {
+    const auto affine = affine_part(mcp);
+    return residual(mcp.box(), x, affine && x.allFinite() ? lcp::judge(*affine, x).F : F);
+  }
   Residual r = residual(mcp.box(), x, F);  // finds an undefined row if one was marked
   if (std::isfinite(r.natural)) r = Residual{};
   return r;
+}
+
+lcp::RowTerms row_terms(const SpMat& J, In x, In F) {
+  lcp::RowTerms terms{.size = Vec::Zero(x.size()), .entries = Eigen::VectorXi::Zero(x.size())};
+  Vec rest = F;
+  for (Index j = 0; j < J.cols(); ++j)
+    for (SpMat::InnerIterator it(J, j); it; ++it) {
+      if (it.value() == 0) continue;
+      const double term = it.value() * x[j];
+      terms.size[it.row()] += std::abs(term);
+      rest[it.row()] -= term;
+      ++terms.entries[it.row()];
+    }
+  terms.size += rest.cwiseAbs();
+  return terms;
+}
+
+Vec row_residuals(const Box& box, In x, In F) {
+  return Vec::NullaryExpr(x.size(), [&](Index i) { return lcp::row_residual(box, i, x[i], F[i]); });
+}
+
+lcp::Accuracy accuracy(const Box& box, In x, In F, const SpMat& J) {
+  return lcp::accuracy(row_residuals(box, x, F), row_terms(J, x, F));
+}
+
+lcp::Accuracy accuracy(const Mcp& mcp, In x) {
+  if (const auto affine = affine_part(mcp)) return lcp::judge(*affine, x).accuracy;
+  Vec F = Vec::Zero(mcp.size());
+  SpMat J = mcp.jacobian_pattern();
+  if (!x.allFinite() || !mcp.eval(x, F) || !F.allFinite() || !mcp.jacobian(x, J)) return {};
+  return accuracy(mcp.box(), x, F, J);
 }
 
 }  // namespace perp::ncp

@@ -1,6 +1,7 @@
 #pragma once
 /// The one judge. r(x) = || x - mid(l, x - F(x), u) ||_inf is zero exactly at the solutions of MCP(l, u, F); it knows
 /// no method, no merit function and no scaling, and nothing else may call a point solved.
+#include "lcp/judge.hpp"
 #include "ncp/mcp.hpp"
 
 namespace perp::ncp {
@@ -15,7 +16,15 @@ struct Residual {
 /// Of given values F = F(x). A NaN or infinity in x or F gives natural = +inf at that index. Throws
 /// std::invalid_argument if x, F and the box have not one length.
 Residual residual(const Box& box, In x, In F);
-/// Evaluates F itself.
+/// Evaluates F itself; that of affine problems in sums without rounding errors (lcp/judge.hpp).
 Residual residual(const Mcp& mcp, In x);
+
+/// r_i = |mid(x_i - u_i, F_i, x_i - l_i)|, whose largest is Residual::natural.
+Vec row_residuals(const Box& box, In x, In F);
+/// What they are the rest of: t_i = sum_j |J_ij x_j| + |F_i - sum_j J_ij x_j|, and the nonzeros of the rows of J.
+lcp::RowTerms row_terms(const SpMat& J, In x, In F);
+/// r_i against t_i, of values given, and of values it evaluates itself; not to_rounding where F or J is not defined.
+lcp::Accuracy accuracy(const Box& box, In x, In F, const SpMat& J);
+lcp::Accuracy accuracy(const Mcp& mcp, In x);
 
 }  // namespace perp::ncp

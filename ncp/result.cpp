@@ -8,6 +8,8 @@ std::string_view to_string(Status status) {
   switch (status) {
     case Status::Solved:
       return "Solved";
+    case Status::SolvedToRounding:
+      return "SolvedToRounding";
     case Status::StationaryPoint:
       return "StationaryPoint";
     case Status::NoProgress:

@@ -2,6 +2,7 @@
 /// What a solve answers: a status, a message a person can act on, the best point, its judgement, and statistics.
 #include <chrono>
 #include <iosfwd>
+#include <limits>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -13,9 +14,10 @@
 namespace perp::ncp {
 
 enum class Status {
-  Solved,           ///< the natural residual is at most the tolerance
-  StationaryPoint,  ///< the gradient of the merit function vanished, the residual did not
-  NoProgress,       ///< steps became too short to change x
+  Solved,            ///< the natural residual is at most the tolerance
+  SolvedToRounding,  ///< it is not, but in every row it is within the rounding of the row's terms: doubles end here
+  StationaryPoint,   ///< the gradient of the merit function vanished, the residual did not
+  NoProgress,        ///< steps became too short to change x
   IterationLimit,
   TimeLimit,
   Interrupted,          ///< an observer asked to stop
@@ -55,14 +57,21 @@ struct Stats {
 
 struct Result {
   Status status = Status::IterationLimit;
-  std::string message;             ///< what happened, with names and values
-  std::string advice;              ///< what to try when it did not work; empty if solved
-  Vec x;                           ///< the best point met, in the box; the start if nothing better was met
-  Vec F;                           ///< F(x)
-  Residual residual;               ///< of x, by the judge
-  std::vector<lcp::Cell> basis{};  ///< PathSearch: of the last linearised problem solved; empty if there was none
+  std::string message;  ///< what happened, with names and values
+  std::string advice;   ///< what to try when it did not work; empty if solved
+  Vec x;                ///< the best point met, in the box; the start if nothing better was met
+  Vec F;                ///< F(x)
+  Residual residual;    ///< of x, by the judge
+  /// max_i r_i / t_i, the residual of a row beside the terms it is the rest of (lcp/judge.hpp), and that row; NaN and
+  /// -1 where J is not defined.
+  double relative = std::numeric_limits<double>::quiet_NaN();
+  Index relative_row = -1;
+  std::vector<std::string> notes{};  ///< what a solution to the tolerance leaves to be said; with names and values
+  std::vector<lcp::Cell> basis{};    ///< PathSearch: of the last linearised problem solved; empty if there was none
   Stats stats;
   bool solved() const { return status == Status::Solved; }
+  /// Solved, or as near to a solution as doubles come.
+  bool accepted() const { return solved() || status == Status::SolvedToRounding; }
 };
 /// One line: status, residual with the worst equation's index, iterations, message.
 std::ostream& operator<<(std::ostream&, const Result&);

@@ -40,6 +40,10 @@ std::string number(double value) {
   return text.str();
 }
 
+std::string solution_found(const Residual& residual) {
+  return "solution found: the natural residual is " + number(residual.natural);
+}
+
 std::string quantity(Index n, std::string_view noun) {
   return std::to_string(n).append(" ").append(noun).append(n == 1 ? "" : "s");
 }
@@ -78,13 +82,32 @@ bool CountedMcp::jacobian(In x, SpMat& J) {
 }
 
 Run::Run(const Mcp& mcp, const Stop& stop, const Observer& observer)
-    : counted_(mcp), stop_(stop), observer_(observer), deadline_(deadline_after(stop.max_time)) {}
+    : counted_(mcp),
+      stop_(stop),
+      judge_(counted_, stop),
+      observer_(observer),
+      deadline_(deadline_after(stop.max_time)) {}
 
 void Run::end(Status status, std::string message, std::string advice) {
   if (status_) return;
-  status_ = status;
+  const bool proven = status == Status::Infeasible || status == Status::NotApplicable;
+  if (!proven && settled()) return;
+  status_ = status == Status::SolvedToRounding ? Status::NoProgress : status;  // that is the judge's to say
   message_ = std::move(message);
   advice_ = std::move(advice);
+}
+
+bool Run::settled() {
+  if (best_.x.size() == 0) return false;
+  judge_.refine(best_);
+  if (solved(best_)) return true;
+  if (!judge_.to_rounding(best_)) return false;
+  status_ = Status::SolvedToRounding;
+  message_ =
+      "the tolerance is not met, but the residual of every equation is within the rounding of its terms: doubles come "
+      "no nearer";
+  advice_ = "scale the model, or ask for no more digits than its numbers have (--tol)";
+  return true;
 }
 
 bool Run::start(In x0, Point& point) {
@@ -123,19 +146,16 @@ std::string Run::undefined_at_start(In x, In F) const {
   return "F is not defined at the start";
 }
 
-Run::Judged Run::judge(const Point& point) {
+Judged Run::judged(const Point& point) {
   Judged judged{.x = lcp::project(box(), point.x), .F = point.F, .residual = {}};
   if (judged.x == point.x || counted_.eval(judged.x, judged.F)) judged.residual = residual(box(), judged.x, judged.F);
   return judged;
 }
 
 bool Run::solved(Judged& judged) {
-  if (!(judged.residual.natural <= stop_.tol)) return false;
-  const bool defined = counted_.eval(judged.x, judged.F);
-  judged.residual = defined ? residual(box(), judged.x, judged.F) : Residual{};
-  if (!(judged.residual.natural <= stop_.tol)) return false;
+  if (!judge_.solved(judged)) return false;
   status_ = Status::Solved;
-  message_ = "solution found: the natural residual is " + number(judged.residual.natural);
+  message_ = solution_found(judged.residual);
   return true;
 }
 
@@ -199,7 +219,8 @@ void Run::take(const Result& other) {
   stats_ += other.stats;
   Judged theirs{.x = other.x, .F = other.F, .residual = other.residual};
   const bool done = other.solved() && solved(theirs);
-  if (done || theirs.residual.natural < best_.residual.natural) best_ = theirs;
+  const bool rounded = other.status == Status::SolvedToRounding && judge_.to_rounding(theirs);
+  if (done || rounded || theirs.residual.natural < best_.residual.natural) best_ = theirs;
   if (done) return;
   if (other.solved()) {
     end(Status::NoProgress, "an attempt's solution was not confirmed: F has other values there now",
@@ -223,15 +244,18 @@ bool Run::go_on(const Point& point, Iteration it) {
   it.k += offset_;
   it.attempt = take_attempt();
   if (!it.attempt.empty()) it.kind = 'R';
-  Judged now = judge(point);
-  const bool done = status_ || solved(now);
-  if (done || now.residual.natural < best_.residual.natural) best_ = now;
+  Judged now = judged(point);
+  const Residual of_iterate = now.residual;
+  const bool solution = !status_ && solved(now);
+  const bool accepted = status_ == Status::Solved || status_ == Status::SolvedToRounding;
+  if (solution || (!accepted && now.residual.natural < best_.residual.natural)) best_ = now;
+  const bool done = status_.has_value();
   stats_.iterations = it.k;
   stats_.pivots += it.pivots;
   stats_.backtracks += it.backtracks;
   if (it.kind == 'G') ++stats_.gradient_steps;
-  it.residual = now.residual.natural;
-  it.worst = now.residual.worst;
+  it.residual = of_iterate.natural;
+  it.worst = of_iterate.worst;
   it.F_evals = F_evals();
   it.J_evals = J_evals();
   it.x = &point.x;

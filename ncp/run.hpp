@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "ncp/judge.hpp"
 #include "ncp/observe.hpp"
 #include "ncp/result.hpp"
 #include "ncp/solve.hpp"
@@ -37,6 +38,9 @@ struct Point {
   SpMat J;
 };
 
+/// "solution found: the natural residual is 1.2e-10".
+std::string solution_found(const Residual& residual);
+
 /// "1 iteration", "3 iterations".
 std::string quantity(Index n, std::string_view noun);
 
@@ -61,6 +65,8 @@ class Run {
   bool go_on(const Point& point, Iteration it);
   /// Of iterations or evaluations.
   bool at_limit() const { return iterations() >= stop_.max_iterations || F_evals() >= stop_.max_F_evals; }
+  /// The tolerance of the judge.
+  double tol() const { return stop_.tol; }
   /// What is left of the limits, for a run within this one.
   Stop left() const;
   /// The observer, for a run within this one: its records count on from here.
@@ -69,7 +75,8 @@ class Run {
   bool interrupted() const { return stop_.interrupt != nullptr && *stop_.interrupt; }
   std::chrono::steady_clock::time_point deadline() const { return deadline_; }
 
-  /// Ends the run. Solved cannot be said: the judge says it.
+  /// Ends the run. Solved cannot be said: the judge says it, and where nothing is proven it looks at the best point
+  /// once more: SolvedToRounding.
   void end(Status status, std::string message, std::string advice);
   bool ended() const { return status_.has_value(); }
   Status status() const { return *status_; }  ///< Pre: ended()
@@ -100,21 +107,19 @@ class Run {
   const std::string equation(Index i) const { return mcp().equation_name(i); }
 
  private:
-  /// A point of the box, F there, and their residual: +inf if F is not defined there.
-  struct Judged {
-    Vec x, F;
-    Residual residual;
-  };
   /// Of the projection of `point`: an answer lies in the box.
-  Judged judge(const Point& point);
+  Judged judged(const Point& point);
   /// Interrupted, TimeLimit or IterationLimit, in this run's numbers.
   void end_at(Status limit);
   /// Makes the verdict Solved if the point meets the tolerance with F evaluated afresh, which `judged` then holds.
   bool solved(Judged& judged);
+  /// The best point is Solved after all, or SolvedToRounding.
+  bool settled();
   std::string undefined_at_start(In x, In F) const;
 
   CountedMcp counted_;
   const Stop& stop_;
+  Judge judge_;
   const Observer& observer_;
   std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
   std::chrono::steady_clock::time_point deadline_;

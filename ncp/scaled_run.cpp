@@ -61,14 +61,7 @@ Result run_scaled(const Mcp& mcp, const Scaling& factors, In x0, const Method& m
   const bool normal_map = std::holds_alternative<PathSearch>(method);
   Result result = run(scaled, scaled.to_scaled(x0), inner, in_original(mcp, scaled, factors, normal_map, observer));
   result.x = lcp::project(mcp.box(), scaled.to_original(result.x));
-  CountedMcp guarded(mcp);
-  ++result.stats.F_evals;
-  result.residual = guarded.eval(result.x, result.F) ? residual(mcp.box(), result.x, result.F) : Residual{};
-  if (result.solved() && !(result.residual.natural <= tol)) {
-    result.status = Status::NoProgress;
-    result.message = "the scaled problem was solved, but not to the tolerance of the problem itself";
-    result.advice = "scale the model, or try a larger tolerance";
-  }
+  judge_here(mcp, stop(method), result);
   return result;
 }
 

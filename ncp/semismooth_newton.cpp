@@ -73,7 +73,7 @@ class ChordSteps {
 
   /// Nothing is left to do at x: its J is not needed.
   bool solved(const Vec& x, const Vec& F) const {
-    return residual(run_.box(), x, F).natural <= method_.stop.tol && lcp::project(run_.box(), x) == x;
+    return residual(run_.box(), x, F).natural <= run_.tol() && lcp::project(run_.box(), x) == x;
   }
 
  private:
@@ -106,6 +106,7 @@ class Steps {
   /// to stop. Chord steps follow a full Newton step.
   bool take(Point& point, Iteration& it) {
     Direction newton{.d = {}};
+    if (!has_J_ && !evaluate_J(point)) return false;
     if (halving_ && halve(point, newton, it)) return true;
     linearise(searched_, run_.box(), point, at_, !directions_.krylov());
     if (std::exchange(halved_, false))
@@ -141,15 +142,24 @@ class Steps {
     return true;
   }
 
-  /// J too, unless x is a solution. False, and nothing moved, if J is not defined there.
+  /// J too, unless x looks like a solution. False, and nothing moved, if J is not defined there.
   bool move(Point& point, Vec x, Vec F) {
-    if (!chords_.solved(x, F)) {
+    has_J_ = !chords_.solved(x, F);
+    if (has_J_) {
       if (!run_.counted().jacobian(x, spare_)) return false;
       point.J.swap(spare_);
     }
     point.x = std::move(x);
     point.F = std::move(F);
     return true;
+  }
+
+  /// What move() left out, where the judge did not think x a solution.
+  bool evaluate_J(Point& point) {
+    has_J_ = run_.counted().jacobian(point.x, point.J);
+    if (!has_J_)
+      run_.end(Status::EvaluationFailed, "the Jacobian is not defined at the last iterate", "try another start");
+    return has_J_;
   }
 
   /// Whether the merit function has let the run down, which has ended then.
@@ -229,7 +239,8 @@ class Steps {
   int undefined_ = 0;  // trial points of this iteration
   Linearisation at_;
   Memory memory_;
-  SpMat spare_;  // the last J
+  SpMat spare_;        // the last J
+  bool has_J_ = true;  // at the iterate
   Stall stall_{60, method_.escape.rounds > 0 ? progress_before_escapes : progress};
 };
 

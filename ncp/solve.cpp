@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "ncp/methods.hpp"
+#include "ncp/notes.hpp"
 #include "ncp/proximal.hpp"
 #include "ncp/run.hpp"
 
@@ -143,6 +144,7 @@ Result solve(const Mcp& mcp, In x0, const Method& method, const Observer& observ
       if (const std::string mismatch = describe(mcp, check); !mismatch.empty())
         throw std::invalid_argument(mcp.name() + ": " + mismatch);
   Result result = run_with_escapes(mcp, x0, method, observer);
+  annotate(mcp, stop(method), result);
   if (std::holds_alternative<Affine>(method)) return result;
   if (stuck(result) || result.status == Status::IterationLimit || result.status == Status::LinearAlgebraFailed)
     blame_derivatives(mcp, result);

@@ -22,8 +22,7 @@
 
 namespace perp::ncp {
 
-/// Affine problems (Mcp::is_affine) only, by a method of lcp/. Stop::tol is relative to 1 + ||F(0)||_inf here;
-/// Stop::max_iterations has no meaning but 0.
+/// Affine problems (Mcp::is_affine) only, by a method of lcp/. Stop::max_iterations has no meaning but 0.
 struct Affine {
   Stop stop{.tol = 1e-9};
   lcp::Method method{};

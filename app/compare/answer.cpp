@@ -82,6 +82,7 @@ void write_answer(const std::string& folder, const Answer& answer) {
                   {"out_of_memory", answer.out_of_memory},
                   {"status", answer.status},
                   {"claimed", answer.claimed},
+                  {"to_rounding", answer.to_rounding},
                   {"infeasible", answer.infeasible},
                   {"proven", answer.proven},
                   {"not_applicable", answer.not_applicable},
@@ -118,6 +119,7 @@ Answer read_answer(const std::string& folder) {
     json.at("out_of_memory").get_to(answer.out_of_memory);
     json.at("status").get_to(answer.status);
     json.at("claimed").get_to(answer.claimed);
+    json.at("to_rounding").get_to(answer.to_rounding);
     json.at("infeasible").get_to(answer.infeasible);
     json.at("proven").get_to(answer.proven);
     json.at("not_applicable").get_to(answer.not_applicable);

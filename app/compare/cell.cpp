@@ -17,9 +17,9 @@ namespace perp::app::compare {
 
 namespace {
 
-constexpr std::array<std::string_view, 11> names{"solved",         "failed",       "false-convergence", "unclaimed",
-                                                 "time-limit",     "memory-limit", "crashed",           "garbage",
-                                                 "not-applicable", "infeasible",   "false-infeasible"};
+constexpr std::array<std::string_view, 12> names{"solved",    "solved-to-rounding", "failed",       "false-convergence",
+                                                 "unclaimed", "time-limit",         "memory-limit", "crashed",
+                                                 "garbage",   "not-applicable",     "infeasible",   "false-infeasible"};
 
 constexpr std::array<std::string_view, 17> columns{"method",         "problem",
                                                    "start",          "outcome",

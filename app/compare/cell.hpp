@@ -20,6 +20,8 @@ namespace perp::app::compare {
 /// returned, evaluated outside of the method, is at most the tolerance or not.
 enum class Outcome {
   Solved,            ///< claimed, and the judge agrees
+  SolvedToRounding,  ///< claimed as far as doubles go, not to the tolerance, and the judge agrees: never added to
+                     ///< solved
   Failed,            ///< the method itself says that it has not
   FalseConvergence,  ///< claimed, and the judge disagrees
   Unclaimed,         ///< the judge calls the point a solution, the method did not

@@ -152,16 +152,18 @@ int signal_of(int status) {
 }
 
 void take_sol(Answer& answer, const std::string& text, ncp::Index variables, const std::string& folder) {
+  constexpr int solved_below = 100;  // then AMPL's "solved?"
   constexpr int claims_below = 200;
   constexpr int infeasible_below = 300;
   const SolFile sol = parse_sol(text, variables);
   answer.status = fmt::format("solve_result_num {}", sol.code);
   answer.message = sol.message;
-  answer.claimed = sol.code >= 0 && sol.code < claims_below;
+  answer.claimed = sol.code >= 0 && sol.code < solved_below;
+  answer.to_rounding = sol.code >= solved_below && sol.code < claims_below;
   answer.infeasible = sol.code >= claims_below && sol.code < infeasible_below;
   answer.not_applicable = sol.code == ncp::ampl::not_applicable;
   answer.has_x = sol.x.size() > 0 || variables == 0;
-  if (answer.claimed && !answer.has_x) throw InputError("it claims a solution and gives no values");
+  if ((answer.claimed || answer.to_rounding) && !answer.has_x) throw InputError("it claims a solution and gives no values");
   if (answer.has_x) write_point(folder, sol.x);
 }
 
@@ -213,7 +215,7 @@ Answer run_external(const Task& task) {
     if (!fs::is_regular_file(path, ignored)) throw InputError("there is none");
     take_sol(answer, read_text(path), problem.own_variables(), task.folder);
   } catch (const InputError& error) {
-    answer.claimed = answer.infeasible = answer.not_applicable = answer.has_x = false;
+    answer.claimed = answer.to_rounding = answer.infeasible = answer.not_applicable = answer.has_x = false;
     if (const int signal = signal_of(status); signal != 0)
       answer.crashed = fmt::format("{} of what it ran; {}", signal_name(signal), end);
     else

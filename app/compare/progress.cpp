@@ -21,6 +21,7 @@ struct Group {
   std::array<Outcome, 2> outcomes;
 };
 constexpr std::array groups{Group{"solved", {Outcome::Solved, Outcome::Infeasible}},
+                            Group{"to rounding", {Outcome::SolvedToRounding, Outcome::SolvedToRounding}},
                             Group{"failed", {Outcome::Failed, Outcome::Unclaimed}},
                             Group{"false", {Outcome::FalseConvergence, Outcome::FalseInfeasible}},
                             Group{"limits", {Outcome::TimeLimit, Outcome::MemoryLimit}},

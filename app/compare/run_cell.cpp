@@ -76,7 +76,9 @@ Outcome outcome_of_run(const RunEnd& end, const AskedProblem& problem, const Cam
   if (!answer.garbage.empty()) return Outcome::Garbage;
   if (answer.not_applicable) return Outcome::NotApplicable;
   const bool holds = end.natural <= campaign.tol && problem.solvable();
-  if (answer.claimed) return holds ? Outcome::Solved : Outcome::FalseConvergence;
+  if (answer.to_rounding && !holds)
+    return end.to_rounding && problem.solvable() ? Outcome::SolvedToRounding : Outcome::FalseConvergence;
+  if (answer.claimed || answer.to_rounding) return holds ? Outcome::Solved : Outcome::FalseConvergence;
   if (answer.infeasible && !problem.solvable()) return Outcome::Infeasible;
   if (answer.infeasible && answer.proven && !holds && problem.known_solutions == 0) return Outcome::Infeasible;
   if (answer.infeasible && (holds || problem.known_solvable())) return Outcome::FalseInfeasible;
@@ -144,7 +146,7 @@ std::optional<RunEnd> CellRunner::attempt(const AskedMethod& method, const Asked
   if (judging.why == ProcessEnd::Why::Interrupted) return std::nullopt;
   const Answer judged = read_answer(folder_);
   if (judged.complete && judged.refused.empty())
-    end.natural = judged.natural;
+    end.natural = judged.natural, end.to_rounding = judged.to_rounding;
   else
     end.answer.message += fmt::format(" (the judge: {})", judged.complete ? judged.refused : sudden_end(judging));
   return end;

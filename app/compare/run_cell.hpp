@@ -16,6 +16,7 @@ struct RunEnd {
   ProcessEnd process{};
   Answer answer{};
   double natural = std::numeric_limits<double>::quiet_NaN();  ///< by the judge; NaN: no point, or none judged
+  bool to_rounding = false;  ///< by the judge: every row's residual is within the rounding of its terms
 };
 
 /// The one word. In this order: limits, crashes and garbage; what the method says, held against the judge's residual

@@ -14,7 +14,9 @@ bool denies(const Cell& cell) {
 }
 
 bool has_solution(const Cell& cell, double tol) {
-  const auto found = [](Outcome outcome) { return outcome == Outcome::Solved || outcome == Outcome::Unclaimed; };
+  const auto found = [](Outcome outcome) {
+    return outcome == Outcome::Solved || outcome == Outcome::SolvedToRounding || outcome == Outcome::Unclaimed;
+  };
   return cell.natural <= tol || found(cell.outcome) || found(cell.outcome_after_restarts);
 }
 

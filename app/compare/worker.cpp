@@ -36,15 +36,6 @@ Answer describe(const Task& task) {
   return answer;
 }
 
-/// The campaign's tolerance is absolute for every method; that of the methods for affine problems, relative to 1 +
-/// ||F(0)||, is made to fit, unless it was given with the method.
-void set_tolerance(ncp::Method& method, const ncp::Mcp& mcp, double tol) {
-  if (!std::holds_alternative<ncp::Affine>(method) || ncp::stop(method).tol != tol) return;
-  ncp::Vec F0(mcp.size());
-  if (mcp.eval(ncp::Vec::Zero(mcp.size()), F0) && F0.allFinite())
-    ncp::stop(method).tol = tol / (1 + F0.lpNorm<Eigen::Infinity>());
-}
-
 Answer solve(const Task& task, Clock::time_point begin, const std::atomic<bool>* interrupt) {
   const LoadedProblem problem = load_problem(ProblemSource{.problem = task.problem, .start = task.start});
   const ncp::Mcp& mcp = *problem.mcp;
@@ -56,7 +47,6 @@ Answer solve(const Task& task, Clock::time_point begin, const std::atomic<bool>*
     answer.message = "the method is for affine problems, and this one does not say it is one";
     return answer;
   }
-  set_tolerance(method, mcp, task.tol);
   ncp::Stop& stop = ncp::stop(method);
   stop.interrupt = interrupt;
   const double margin = std::clamp(0.02 * task.time_limit, 0.05, 1.0);
@@ -72,6 +62,7 @@ Answer solve(const Task& task, Clock::time_point begin, const std::atomic<bool>*
   answer.curve = thinned(answer.curve);
   answer.status = ncp::to_string(result.status);
   answer.claimed = result.solved();
+  answer.to_rounding = result.status == ncp::Status::SolvedToRounding;
   answer.infeasible = answer.proven = result.status == ncp::Status::Infeasible;
   answer.not_applicable = result.status == ncp::Status::NotApplicable;
   answer.time_limit = result.status == ncp::Status::TimeLimit;
@@ -110,6 +101,7 @@ Answer judge(const Task& task) {
   if (x.size() != problem.mcp->size())
     throw InputError(fmt::format("{} values for {} variables", x.size(), problem.mcp->size()));
   answer.natural = natural_residual(*problem.mcp, x, task.tol);
+  answer.to_rounding = x.allFinite() && ncp::accuracy(*problem.mcp, lcp::project(problem.mcp->box(), x)).to_rounding;
   return answer;
 }
 

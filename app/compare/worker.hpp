@@ -38,8 +38,9 @@ struct Answer {
   bool out_of_memory = false;
   std::string status{};
   bool claimed = false;
-  bool infeasible = false;  ///< claims that there is no solution
-  bool proven = false;      ///< and has a proof that we trust: ours have
+  bool to_rounding = false;  ///< Solve: says so; Judge: finds so
+  bool infeasible = false;   ///< claims that there is no solution
+  bool proven = false;       ///< and has a proof that we trust: ours have
   bool not_applicable = false;
   bool time_limit = false;  ///< ended by it
   std::string crashed{};    ///< External: the signal or exit code

@@ -167,7 +167,10 @@ std::string method_section(const CampaignData& data) {
   html +=
       "</dl>\n<p>Times, iterations and evaluations are of the run from the start itself, not of restarts; an external "
       "program's time is that of its process. Outcomes: "
-      "<b>solved</b> claimed, and the judge agrees; <b>failed</b> says so itself; <b>false-convergence</b> claimed, "
+      "<b>solved</b> claimed, and the judge agrees; <b>solved-to-rounding</b> not to the tolerance, but as far as "
+      "double "
+      "arithmetic goes, by the method and the judge: not counted as solved; <b>failed</b> says so itself; "
+      "<b>false-convergence</b> claimed, "
       "and "
       "the judge disagrees; <b>unclaimed</b> a solution that the method does not call one; <b>time-limit</b>, "
       "<b>memory-limit</b>, <b>crashed</b>; <b>garbage</b> an external program's answer that cannot be read; "

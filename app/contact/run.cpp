@@ -126,16 +126,16 @@ void run_first_ncp(Run& run, const Problem& problem) {
 
 /// As the other statuses are written.
 std::string_view status_name(lcp::Status status) {
-  constexpr std::array<std::string_view, 10> names{
-      "Solved",  "Infeasible",     "Ray",       "Singular",    "NotApplicable",
-      "Stalled", "IterationLimit", "TimeLimit", "Interrupted", "OutOfMemory"};
+  constexpr std::array<std::string_view, 11> names{
+      "Solved",  "SolvedToRounding", "Infeasible", "Ray",         "Singular",   "NotApplicable",
+      "Stalled", "IterationLimit",   "TimeLimit",  "Interrupted", "OutOfMemory"};
   return names.at(static_cast<std::size_t>(status));
 }
 
 template <class Encoding>
 void run_affine(Run& run, const Encoding& encoding, Clock::time_point begin) {
   const lcp::AffineMcp& problem = encoding.affine();
-  lcp::Limits limits{.tol = run.limits.tol / (1 + (problem.q.size() > 0 ? problem.q.lpNorm<Eigen::Infinity>() : 0))};
+  lcp::Limits limits{.tol = run.limits.tol};
   limits.deadline =
       begin + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(run.limits.seconds));
   if (const auto* interrupt = run.limits.interrupt) limits.interrupted = [interrupt] { return interrupt->load(); };

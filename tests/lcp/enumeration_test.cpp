@@ -227,7 +227,7 @@ TEST(Enumeration, AgreesWithOtherMethods) {
     const Solutions all = enumerate(problem);
     EXPECT_TRUE(all.complete) << "run " << run << ": " << all.message;
     for (const Solution& s : all.found) {
-      EXPECT_LE(support::violation(problem, s.z), 2e-9 * (1 + norm_inf(q))) << "run " << run;
+      EXPECT_TRUE(accepts(problem, s.z, 1e-9)) << "run " << run;  // rows of 1e8 are solved to rounding only
       continua += s.dimension > 0 ? 1 : 0;
     }
     const Result block = block_pivoting(problem, Vec::Zero(n));

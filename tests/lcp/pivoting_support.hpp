@@ -6,6 +6,7 @@
 #include <functional>
 #include <string>
 
+#include "lcp/judge.hpp"
 #include "lcp/result.hpp"
 #include "support/matrices.hpp"
 
@@ -13,12 +14,12 @@ namespace perp::lcp {
 
 inline double norm_inf(const Vec& v) { return v.size() > 0 ? v.lpNorm<Eigen::Infinity>() : 0; }
 
-/// Solved, and the independent judge agrees.
+/// Solved, and the independent judge agrees: `tol` is absolute.
 inline void expect_solved(const AffineMcp& problem, const Result& result, const std::string& what, double tol = 2e-9) {
   EXPECT_EQ(to_string(result.status), "solved") << what << ": " << result.message;
   if (!result.solved()) return;
-  EXPECT_LE(support::violation(problem, result.z), tol * (1 + norm_inf(problem.q))) << what;
-  EXPECT_EQ(result.residual, natural_residual(problem, result.z)) << what;
+  EXPECT_LE(support::violation(problem, result.z), tol) << what;
+  EXPECT_EQ(result.residual, judge(problem, result.z).natural) << what;
 }
 
 /// The result says the truth about its point: in the box, residual as told, Solved only within the tolerance, and a
@@ -27,7 +28,7 @@ inline void expect_honest(const AffineMcp& problem, const Result& result, const 
   ASSERT_EQ(result.z.size(), problem.size()) << what;
   EXPECT_EQ(result.z, project(problem.box, result.z)) << what << ": not in the box";
   if (result.solved()) {
-    EXPECT_LE(support::violation(problem, result.z), 2e-9 * (1 + norm_inf(problem.q))) << what;
+    EXPECT_LE(support::violation(problem, result.z), 2e-9) << what;
   }
   if (result.status == Status::Infeasible && result.certificate.size() > 0) {
     EXPECT_TRUE(proves_infeasible(problem, result.certificate)) << what;

@@ -1,0 +1,88 @@
+#include "ncp/notes.hpp"
+
+#include <cmath>
+
+#include "ncp/judge.hpp"
+#include "ncp/run.hpp"
+
+namespace perp::ncp {
+namespace {
+
+constexpr double far = 1e3;  // of the tolerance
+
+/// Rows of one kind: the worst is told, the others are counted.
+struct Kind {
+  Index worst = -1;
+  double largest = 0;
+  Index count = 0;
+  void add(Index i, double size) {
+    ++count;
+    if (!(size > largest) && worst >= 0) return;
+    worst = i;
+    largest = size;
+  }
+  std::string others() const { return count > 1 ? "; so it is in " + quantity(count - 1, "other equation") : ""; }
+};
+
+std::string subject(const Mcp& mcp, const Result& result, Index i) {
+  return "equation " + mcp.equation_name(i) + " is " + number(result.F[i]);
+}
+
+std::string variable(const Mcp& mcp, Index i) { return "variable " + mcp.variable_name(i); }
+
+void add_notes(const Mcp& mcp, const Stop& stop, const lcp::RowTerms& terms, Result& result) {
+  const Box& box = mcp.box();
+  Kind unbalanced;
+  Kind near_bound;
+  Kind narrow;
+  for (Index i = 0; i < result.x.size(); ++i) {
+    const double x = result.x[i];
+    const double F = std::abs(result.F[i]);
+    const double from_bound = std::min(x - box.lower[i], box.upper[i] - x);
+    const double width = box.upper[i] - box.lower[i];
+    if (width > 0 && width <= stop.tol && F > far * stop.tol)
+      narrow.add(i, F);
+    else if (from_bound > 0 && F > far * stop.tol)
+      near_bound.add(i, F);
+    else if (from_bound > 0 && F > far * stop.tol * terms.size[i])
+      unbalanced.add(i, F / terms.size[i]);
+  }
+  if (unbalanced.count > 0) {
+    const Index i = unbalanced.worst;
+    result.notes.push_back(subject(mcp, result, i) + ", below the tolerance, but its terms are of size " +
+                           number(terms.size[i]) + " there: it is balanced to " + number(100 * unbalanced.largest) +
+                           " % only" + unbalanced.others() + "; scale the equation, or ask for --tol-relative");
+  }
+  if (near_bound.count > 0) {
+    const Index i = near_bound.worst;
+    const bool lower = result.x[i] - box.lower[i] < box.upper[i] - result.x[i];
+    result.notes.push_back(subject(mcp, result, i) + ", excused because " + variable(mcp, i) +
+                           " is within the tolerance of its " + (lower ? "lower" : "upper") +
+                           " bound, but at the bound itself the point is no solution" + near_bound.others() +
+                           "; scale the variable");
+  }
+  if (narrow.count > 0) {
+    const Index i = narrow.worst;
+    result.notes.push_back(subject(mcp, result, i) + ", which says nothing: the bounds of " + variable(mcp, i) +
+                           " are " + number(box.upper[i] - box.lower[i]) +
+                           " apart, less than the tolerance, and every point between them passes" + narrow.others());
+  }
+}
+
+}  // namespace
+
+void annotate(const Mcp& mcp, const Stop& stop, Result& result) {
+  if (result.F.size() != mcp.size() || !result.F.allFinite() || !result.x.allFinite()) return;
+  CountedMcp counted(mcp);
+  SpMat J = mcp.jacobian_pattern();
+  const bool defined = counted.jacobian(result.x, J);
+  result.stats.J_evals += counted.J_evals();
+  if (!defined) return;
+  const lcp::RowTerms terms = row_terms(J, result.x, result.F);
+  const lcp::Accuracy accuracy = lcp::accuracy(row_residuals(mcp.box(), result.x, result.F), terms);
+  result.relative = accuracy.relative;
+  result.relative_row = accuracy.worst;
+  if (result.solved()) add_notes(mcp, stop, terms, result);
+}
+
+}  // namespace perp::ncp
