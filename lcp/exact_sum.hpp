@@ -1,0 +1,102 @@
+#pragma once
+/// Sums of doubles and of products of two doubles without rounding: the value to the nearest double, and the sign.
+///     a + b = s + e,  s = fl(a + b)      (two_sum; Knuth, TAOCP 2, 4.2.2)
+///     a b   = p + e,  p = fl(a b)        (two_product, by a fused multiply-add; exact for |p| >= 2^-968 or p = 0 = e)
+/// A sum is kept as an expansion, doubles whose digits do not overlap, added up exactly, smallest first. The sign of an
+/// expansion is that of its largest entry. References: Shewchuk, Discrete Comput. Geom. 18 (1997) 305 (growing and
+/// compressing expansions); Python's math.fsum (rounding the expansion). Private to the libraries.
+#include <array>
+#include <cmath>
+#include <cstddef>
+
+namespace perp::lcp {
+
+struct TwoParts {
+  double value;  ///< rounded
+  double error;  ///< what the rounding took away
+};
+
+/// a + b without rounding; any order of sizes. Pre: a + b does not overflow.
+inline TwoParts two_sum(double a, double b) {
+  const double s = a + b;
+  const double t = s - a;
+  return {s, (a - (s - t)) + (b - t)};
+}
+
+/// a b without rounding where |a b| >= 2^-968 or one of them is 0, and a b does not overflow.
+inline TwoParts two_product(double a, double b) {
+  const double p = a * b;
+  return {p, std::fma(a, b, -p)};
+}
+
+/// A sum that is exact as long as exact() says so: nothing overflowed, and no product lost digits below the range.
+class ExactSum {
+ public:
+  void add(double a) {
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < size_; ++i) {
+      const TwoParts sum = two_sum(a, parts_[i]);
+      if (sum.error != 0) parts_[kept++] = sum.error;
+      a = sum.value;
+    }
+    size_ = kept;
+    if (!std::isfinite(a)) exact_ = false;
+    if (a == 0) return;
+    if (size_ == parts_.size()) compress();
+    parts_[size_++] = a;
+  }
+
+  void add_product(double a, double b) {
+    const TwoParts product = two_product(a, b);
+    if (!(std::abs(product.value) >= 0x1p-968) && a != 0 && b != 0) exact_ = false;
+    if (product.error != 0) add(product.error);
+    add(product.value);
+  }
+
+  /// The sum, rounded to the nearest double, ties to even. Not a number to rely on if !exact().
+  double value() const {
+    if (size_ == 0) return 0;
+    std::size_t i = size_ - 1;
+    TwoParts sum{parts_[i], 0};
+    while (i > 0 && sum.error == 0) sum = two_sum(sum.value, parts_[--i]);
+    // A tie was rounded to even; what is left below decides on which side of it the sum is.
+    const bool same_side = i > 0 && ((sum.error < 0) == (parts_[i - 1] < 0));
+    const double twice = 2 * sum.error;
+    const double moved = sum.value + twice;
+    return same_side && moved - sum.value == twice ? moved : sum.value;
+  }
+
+  /// -1, 0 or 1: of the exact sum.
+  int sign() const {
+    if (size_ == 0) return 0;
+    return parts_[size_ - 1] > 0 ? 1 : -1;
+  }
+
+  bool exact() const { return exact_; }
+
+ private:
+  /// The same sum in parts 52 digits apart: at most 41 of them cover all exponents, so there is always room.
+  void compress() {
+    std::size_t bottom = size_ - 1;
+    double high = parts_[bottom];
+    for (std::size_t i = size_ - 1; i-- > 0;) {
+      const TwoParts sum = two_sum(high, parts_[i]);
+      if (sum.error == 0) {
+        high = sum.value;
+        continue;
+      }
+      parts_[bottom--] = sum.value;
+      high = sum.error;
+    }
+    std::size_t kept = 0;
+    if (high != 0) parts_[kept++] = high;
+    for (std::size_t i = bottom + 1; i < size_; ++i) parts_[kept++] = parts_[i];
+    size_ = kept;
+  }
+
+  std::array<double, 64> parts_{};  ///< increasing, not overlapping, none 0
+  std::size_t size_ = 0;
+  bool exact_ = true;
+};
+
+}  // namespace perp::lcp
