@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -90,7 +91,8 @@ bool exact_column(const SpMat& M, Index j, const Multipliers& y, double& g) {
     sum.add(it.value(), y.low_of(it.row()));
   }
   g = sum.value();
-  return sum.exact() && (g != 0) == (sum.sign() != 0);
+  if (g == 0) g = sum.sign() * std::numeric_limits<double>::min();  // a value below all doubles keeps its sign
+  return sum.exact();
 }
 
 bool has_signs(const Box& W, In y) {
@@ -266,7 +268,7 @@ Vec repaired(const Relation& r, const Vec& start) {
   Vec last;
   for (const double tiny : {0.0, 1e-13, 1e-10, 1e-7}) {
     const Vec y = start.unaryExpr([&](double a) { return std::abs(a) <= tiny ? 0 : a; });
-    if (y == last || !nearly_excludes(r, y)) continue;
+    if ((last.size() > 0 && y == last) || !nearly_excludes(r, y)) continue;
     last = y;
     if (excludes(y)) return y;
     Index largest = 0;
