@@ -147,7 +147,8 @@ TEST(Adversarial, NothingFalse) {
     for (const MethodEntry& entry : methods()) {
       const std::string wrong = run(problem, entry, tol, truth, tallies[std::string(entry.name)]);
       if (wrong.empty()) continue;
-      if (++shown <= 20) ADD_FAILURE() << entry.name << ", tol " << tol << ": " << wrong << " (" << problem.what << ")";
+      if (++shown <= 20 || !wrong.starts_with("false Solved"))
+        ADD_FAILURE() << entry.name << ", tol " << tol << ": " << wrong << " (" << problem.what << ")";
     }
   }
   EXPECT_EQ(shown, 0) << "false claims in all";
