@@ -1,8 +1,11 @@
 #include "lcp/block_triangular.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <sstream>
 #include <stdexcept>
+
+#include "lcp/exact_sum.hpp"
 
 namespace perp::lcp {
 namespace {
@@ -122,7 +125,7 @@ class Sweep {
   }
 
  private:
-  /// mid(l, -q / M_ii, u) if that is the one solution.
+  /// mid(l, -q / M_ii, u) if that is the one solution, but for rounding: then it is no ground for a proof.
   bool closed_form(const std::vector<Index>& indices) {
     const Index i = indices.front();
     if (indices.size() > 1) return false;
@@ -131,6 +134,7 @@ class Sweep {
     const double z = -q_[i] / m;
     if (!(m > 0) || !std::isfinite(z)) return false;
     z_[i] = project(problem_.box, i, z);
+    if (z_[i] == z && std::fma(m, z, q_[i]) != 0) depends_[at(i)] = 1;
     return true;
   }
 
@@ -190,13 +194,16 @@ class Sweep {
     failure_.message = what.str();
   }
 
-  /// Adds M_.j z_j to q; marks the rows that depend on a value that is not known to be the only one.
+  /// Adds M_.j z_j to q; marks the rows that depend on a value that is not known to be the only one, or exact.
   void pass_on(const std::vector<Index>& indices, bool closed) {
     const bool certain = closed && (is_fixed(problem_.box, indices.front()) || depends_[at(indices.front())] == 0);
     for (const Index j : indices)
       for (SpMat::InnerIterator it(problem_.M, j); it; ++it) {
-        q_[it.row()] += it.value() * z_[j];
-        if (!certain && it.value() != 0) depends_[at(it.row())] = 1;
+        const TwoParts product = two_product(it.value(), z_[j]);
+        const TwoParts sum = two_sum(q_[it.row()], product.value);
+        q_[it.row()] = sum.value;
+        const bool rounded = product.error != 0 || sum.error != 0 || (product.value == 0 && z_[j] != 0);
+        if ((!certain || rounded) && it.value() != 0) depends_[at(it.row())] = 1;
       }
   }
 
@@ -206,7 +213,7 @@ class Sweep {
   const Limits& limits_;
   Vec q_;  ///< with the solved components' M_.j z_j
   Vec z_;
-  std::vector<char> depends_;  ///< on a solution that may not be the only one
+  std::vector<char> depends_;  ///< on a solution that may not be the only one, or is rounded
   std::vector<int> position_;
   Result failure_{
       .status = Status::Stalled, .message = "the components' solutions do not fit together: rounding", .z = {}};

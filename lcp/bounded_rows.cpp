@@ -50,7 +50,10 @@ BoundedRows::Feasibility BoundedRows::repair() {
     const Index x = basic_[at(row)];
     const bool up = below(x);
     const Index column = entering(row, up ? 1 : -1, bland);
-    if (column < 0) return Feasibility::Empty;
+    if (column < 0) {
+      empty_row_ = row;
+      return Feasibility::Empty;
+    }
     const double target = up ? lower_[x] : upper_[x];
     move(column, (target - value_[x]) / T_(row, column));
     value_[x] = target;
@@ -58,6 +61,18 @@ BoundedRows::Feasibility BoundedRows::repair() {
     pivot(row, column);
   }
   return Feasibility::Undecided;
+}
+
+/// The row says x_B - T x_N = const, a combination of w - M z = q with the factors that w has in it. x_B is below its
+/// bound although T x_N is as large as it can be, or above.
+Vec BoundedRows::multipliers() const {
+  const Index n = size();
+  Vec y = Vec::Zero(n);
+  const Index x = basic_[at(empty_row_)];
+  if (x >= n) y[x - n] = 1;
+  for (Index column = 0; column < n; ++column)
+    if (const Index k = nonbasic_[at(column)]; k >= n) y[k - n] = -T_(empty_row_, column);
+  return value_[x] < lower_[x] ? y : Vec(-y);
 }
 
 Index BoundedRows::violated_row(bool bland) const {

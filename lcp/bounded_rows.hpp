@@ -22,9 +22,14 @@ class BoundedRows {
   double value(Index x) const { return value_[x]; }
 
   void set_bounds(Index x, double lower, double upper);
-  /// A point within all bounds (but for tol (1 + |bound|)), or the proof, a row of T, that there is none. Ends by
-  /// Bland's rule; Undecided if rounding keeps it from ending.
+  /// A point within all bounds (but for tol (1 + |bound|)), or a row of T, that says there is none. Ends by Bland's
+  /// rule; Undecided if rounding keeps it from ending.
   Feasibility repair();
+  /// After Empty: y with sup y'(M z + q - w) < 0 over the bounds, but for the rounding of T: the row in the data.
+  Vec multipliers() const;
+  Box z_bounds() const { return {lower_.head(size()), upper_.head(size())}; }
+  Box w_bounds() const { return {lower_.tail(size()), upper_.tail(size())}; }
+  void set_tolerance(double tol) { tol_ = tol; }
   /// From a feasible point: moves x up (direction 1) or down (-1) within the bounds until it is beyond `target`; false
   /// if it cannot be.
   bool push(Index x, double direction, double target);
@@ -45,6 +50,7 @@ class BoundedRows {
   std::vector<Index> basic_;     ///< of a row
   std::vector<Index> nonbasic_;  ///< of a column
   std::vector<Index> place_;     ///< of a variable: row, or -1 - column
+  Index empty_row_ = -1;
   double tol_;
 };
 

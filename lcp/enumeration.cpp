@@ -3,6 +3,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <sstream>
 #include <stdexcept>
 
@@ -49,8 +50,12 @@ struct Piece {
   Index dimension;
 };
 
-/// A sign that is violated by more than this, relative to the terms of the sum, is so beyond rounding.
-constexpr double clearly = 1e-8;
+/// None at all if equilibrating would lose digits: proofs are of the data as they are.
+Scaling exact_scaling(const AffineMcp& problem) {
+  Scaling scaling = equilibrate(problem);
+  if (scaling.loses_nothing(problem)) return scaling;
+  return {Vec::Ones(problem.size()), Vec::Ones(problem.size())};
+}
 
 class Search {
  public:
@@ -58,14 +63,28 @@ class Search {
       : problem_(problem),
         options_(options),
         limits_(limits),
-        scaling_(equilibrate(problem)),
+        scaling_(exact_scaling(problem)),
         scaled_(scaling_.apply(problem)),
         M_(scaled_.M),
         places_(all_inside(problem.box)),
         decided_(at(problem.size()), 0),
-        cell_(problem, LuBackend::Umfpack, clearly) {}
+        cell_(problem, LuBackend::Umfpack, options.degenerate_tol) {}
 
   Solutions run() {
+    search();
+    if (cut_degenerate_ && out_.stopped == Status::Solved && pieces_.empty()) {
+      // "None" must not rest on a w_i that is 0 up to rounding: once more without these cuts.
+      skip_degenerate_ = false;
+      nodes_limit_ = out_.nodes + 100'000;
+      search();
+    }
+    out_.complete = out_.stopped == Status::Solved;
+    for (Piece& piece : pieces_) out_.found.push_back({std::move(piece.original), piece.dimension});
+    return std::move(out_);
+  }
+
+ private:
+  void search() {
     BoundedRows rows(M_, scaled_.q, scaled_.box, options_.degenerate_tol);
     for (Index i = 0; i < problem_.size(); ++i) {
       const Box& box = problem_.box;
@@ -75,19 +94,16 @@ class Search {
       if (!finite_lower(box, i) && finite_upper(box, i)) rows.set_bounds(rows.w(i), -infinity, 0);
     }
     visit(std::move(rows));
-    out_.complete = out_.stopped == Status::Solved;
-    for (Piece& piece : pieces_) out_.found.push_back({std::move(piece.original), piece.dimension});
-    return std::move(out_);
   }
 
- private:
   /// The partial cell: decided variables are at their places, the others anywhere between their bounds.
   void visit(BoundedRows rows) {
     if (done()) return;
-    ++out_.nodes;
-    const Feasibility answer = rows.repair();
-    if (answer == Feasibility::Undecided) stop(Status::Stalled, "rounding: a partial cell could not be decided");
-    if (answer != Feasibility::Feasible || degenerate_in_whole(rows)) return;
+    if (++out_.nodes > nodes_limit_) {
+      stop(Status::Stalled, "rounding: cells where w is 0 throughout are too many to be examined one by one");
+      return;
+    }
+    if (is_empty(rows) || degenerate_in_whole(rows)) return;
     const Index i = farthest_from_complementary(rows);
     if (i < 0) {
       leaf(rows);
@@ -109,16 +125,30 @@ class Search {
     decided_[at(i)] = 0;
   }
 
-  /// Whether some variable at a bound has w_i = 0 in the whole partial cell: then all of it is in the one with i
-  /// inside.
-  bool degenerate_in_whole(const BoundedRows& rows) const {
+  /// Whether no point is within the rows' bounds; proved without rounding, or the search is not complete.
+  bool is_empty(BoundedRows& rows) {
+    const Feasibility answer = rows.repair();
+    if (answer == Feasibility::Feasible) return false;
+    const bool proved =
+        answer == Feasibility::Empty &&
+        exact_exclusion(scaled_.M, scaled_.q, rows.z_bounds(), rows.w_bounds(), rows.multipliers()).size() > 0;
+    if (!proved) stop(Status::Stalled, "rounding: a partial cell could not be decided");
+    return true;
+  }
+
+  /// Whether some variable at a bound has w_i = 0 in the whole partial cell, up to rounding: then all of it is in the
+  /// one with i inside.
+  bool degenerate_in_whole(const BoundedRows& rows) {
+    if (!skip_degenerate_) return false;
     const double rounding = 1e-12;
     for (Index i = 0; i < problem_.size(); ++i) {
       if (decided_[at(i)] == 0 || places_[at(i)] == Place::Inside || is_fixed(problem_.box, i)) continue;
       const double direction = places_[at(i)] == Place::Lower ? 1 : -1;
       if (direction * rows.value(rows.w(i)) > rounding) continue;
       BoundedRows pushed = rows;
-      if (!pushed.push(rows.w(i), direction, direction * rounding)) return true;
+      if (pushed.push(rows.w(i), direction, direction * rounding)) continue;
+      cut_degenerate_ = true;
+      return true;
     }
     return false;
   }
@@ -162,15 +192,16 @@ class Search {
       const bool solvable = cell_.solve(places_) == LuStatus::Ok;
       if (solvable && offer(cell_.z().cwiseQuotient(scaling_.columns), 0)) return;
       if (offer(values(rows), 0)) return;
-      // The cell's only point is no solution: either by a sign, though by less than the tolerance of the search, or
-      // because it is not known accurately enough.
-      if (!solvable || cell_.all_violated(places_).empty())
-        stop(Status::Stalled, "rounding: a cell holds a point that is not accurate enough to be judged");
-      return;
+    } else {
+      const Vec z = relative_interior(rows);
+      if (offer(z, dimension(z, inside)) || offer(values(rows), dimension(z, inside))) return;
     }
-    const Vec z = relative_interior(rows);
-    if (!offer(z, dimension(z, inside)) && !offer(values(rows), dimension(z, inside)))
-      stop(Status::Stalled, "rounding: a cell with a singular matrix seems to hold a point, which is no solution");
+    // The cell's point is no solution: by a sign, though by less than the tolerance of the search, or because it is not
+    // known accurately enough.
+    BoundedRows strict = rows;
+    strict.set_tolerance(0);
+    if (!is_empty(strict))
+      stop(Status::Stalled, "rounding: a cell holds a point that is not accurate enough to be judged");
   }
 
   static Vec values(const BoundedRows& rows) {
@@ -264,6 +295,9 @@ class Search {
   Places places_;
   std::vector<char> decided_;
   CellSolver cell_;
+  bool skip_degenerate_ = true;
+  bool cut_degenerate_ = false;
+  long nodes_limit_ = std::numeric_limits<long>::max();
   std::vector<Piece> pieces_;
   Solutions out_;
 };

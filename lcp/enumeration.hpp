@@ -8,9 +8,12 @@
 ///
 /// Depth first, one variable a level, the one farthest from complementarity first. A partial cell whose polyhedron
 /// (signs of the bounds kept for the undecided variables) is empty is cut off with all cells below it: emptiness is
-/// decided by exact pivoting on z and w with bounds, w - M z = q, from the parent's basis (Dutertre & de Moura 2006),
-/// ending by Bland's rule; a row of the tableau is the proof. So is one in which w_i = 0 throughout for a variable at a
-/// bound: all of it lies in the cell with that variable inside.
+/// found by pivoting on z and w with bounds, w - M z = q, from the parent's basis (Dutertre & de Moura 2006), ending by
+/// Bland's rule; a row of the tableau, as multipliers y of the rows of M, is the proof, and it is checked without
+/// rounding in the data themselves (infeasible.hpp). A cell that cannot be proved empty so, but in which no solution is
+/// found, leaves the enumeration incomplete. So is cut off a cell in which w_i = 0 throughout for a variable at a
+/// bound: all of it lies in the cell with that variable inside. That is judged in doubles: if nothing has been found in
+/// the end, all is done once more without these cuts.
 ///
 /// A cell with nonsingular M_FF has one point at most. One with singular M_FF may be a continuum: it is reported by a
 /// relative interior point with the polyhedron's dimension. Points and polyhedra within others are reported once.

@@ -48,6 +48,19 @@ AffineMcp Scaling::apply(const AffineMcp& problem) const {
           {problem.box.lower.cwiseQuotient(columns), problem.box.upper.cwiseQuotient(columns)}};
 }
 
+bool Scaling::loses_nothing(const AffineMcp& problem) const {
+  const AffineMcp scaled = apply(problem);
+  for (Index j = 0; j < problem.size(); ++j) {
+    if (scaled.q[j] / rows[j] != problem.q[j] || scaled.box.lower[j] * columns[j] != problem.box.lower[j] ||
+        scaled.box.upper[j] * columns[j] != problem.box.upper[j])
+      return false;
+    SpMat::InnerIterator it(problem.M, j);
+    for (SpMat::InnerIterator scaled_it(scaled.M, j); it && scaled_it; ++it, ++scaled_it)
+      if (scaled_it.value() / columns[j] / rows[it.row()] != it.value()) return false;
+  }
+  return true;
+}
+
 Vec Scaling::to_scaled(const Box& box, In x) const {
   const Vec z = project(box, x);
   return z.cwiseQuotient(columns) + rows.cwiseProduct(x - z);

@@ -13,6 +13,8 @@ struct Scaling {
   Vec columns;  ///< D
 
   AffineMcp apply(const AffineMcp& problem) const;
+  /// Whether no number of apply(problem) was rounded: none overflows, or falls below the least normal double.
+  bool loses_nothing(const AffineMcp& problem) const;
   Vec to_scaled(const Box& box, In x) const;           ///< x -> x'; box of the problem as given
   Vec to_original(const Box& scaled_box, In x) const;  ///< x' -> x; box' of the scaled problem
 };

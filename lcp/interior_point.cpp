@@ -349,10 +349,8 @@ class Run {
     Vec d = p_.expand_direction(y);
     const double size = d.size() > 0 ? d.cwiseAbs().maxCoeff() : 0;
     if (!(size > 0)) return false;
-    d /= size;
-    if (!proves_infeasible(problem_, d)) return false;
-    certificate_ = d;
-    return true;
+    certificate_ = exact_certificate(problem_, d / size);
+    return certificate_.size() > 0;
   }
 
   Result proven() {

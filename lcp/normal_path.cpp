@@ -140,12 +140,8 @@ void NormalPath::end_on_ray(PivotResult& result) {
   }
   const double size = n_ > 0 ? dz.lpNorm<::Eigen::Infinity>() : 0;
   if (!(size > 0)) return;
-  // y = dz: copositive-plus M has (M + M') dz = 0. Rounding must not give an entry the wrong sign.
-  dz /= size;
-  for (Index i = 0; i < n_; ++i) {
-    if (std::abs(dz[i]) < 1e-13) dz[i] = 0;
-  }
-  if (proves_infeasible(original_, dz)) result.certificate = dz;
+  // y = dz: copositive-plus M has (M + M') dz = 0.
+  result.certificate = exact_certificate(original_, dz / size);
 }
 
 bool NormalPath::advance(PivotResult& result) {

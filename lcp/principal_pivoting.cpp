@@ -295,13 +295,13 @@ class Run {
     const double rounding = 1e-12 * y.lpNorm<Eigen::Infinity>();
     for (Index k = 0; k < y.size(); ++k)
       if (std::abs(y[k]) <= rounding || (y[k] < 0 && form_.free[at(k)] == 0)) y[k] = 0;
-    y = form_.to_certificate(y).cwiseProduct(scaling_.rows);
-    if (!proves_infeasible(problem_, y))
+    const Vec certificate = exact_certificate(problem_, form_.to_certificate(y).cwiseProduct(scaling_.rows));
+    if (certificate.size() == 0)
       return end(Status::Ray,
                  "the driving variable grows without bound, but its row is no certificate: M is not "
                  "sufficient, or rounding");
     Result result = end(Status::Infeasible, "the driving variable grows without bound");
-    if (result.status == Status::Infeasible) result.certificate = y;
+    if (result.status == Status::Infeasible) result.certificate = certificate;
     return result;
   }
 

@@ -70,39 +70,6 @@ Result judged(const AffineMcp& problem, In z, const Limits& limits, Status other
   return result;
 }
 
-bool proves_infeasible(const AffineMcp& problem, In y) {
-  const Index n = problem.size();
-  if (y.size() != n || !y.allFinite()) return false;
-  const Box& box = problem.box;
-  for (Index i = 0; i < n; ++i) {
-    const bool below = box.lower[i] > -infinity;
-    const bool above = box.upper[i] < infinity;
-    if ((below && y[i] < 0) || (above && y[i] > 0)) return false;  // both finite: y_i = 0
-  }
-  double sum = 0;
-  double terms = 0;
-  const auto add = [&](double term, double size) {
-    sum += term;
-    terms += size;
-  };
-  for (Index i = 0; i < n; ++i) add(problem.q[i] * y[i], std::abs(problem.q[i] * y[i]));
-  const double rounding = 1e-12;
-  for (Index j = 0; j < n; ++j) {
-    double a = 0;
-    double size = 0;
-    for (SpMat::InnerIterator it(problem.M, j); it; ++it) {
-      a += it.value() * y[it.row()];
-      size += std::abs(it.value() * y[it.row()]);
-    }
-    if (std::abs(a) <= rounding * size) a = 0;
-    if (a == 0) continue;
-    const double bound = a > 0 ? box.upper[j] : box.lower[j];
-    if (!std::isfinite(bound)) return false;
-    add(a * bound, size * std::abs(bound));
-  }
-  return sum < -rounding * terms;
-}
-
 void check_input(const char* method, const AffineMcp& problem, In start, const Limits& limits) {
   std::ostringstream what;
   what << method << ": ";

@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "lcp/affine_mcp.hpp"
+#include "lcp/infeasible.hpp"
 
 namespace perp::lcp {
 
@@ -56,14 +57,6 @@ bool accepts(const AffineMcp& problem, In z, double tol);
 /// A result for z, projected on the box: Solved if limits.tol says so, SolvedToRounding if Accuracy::to_rounding does
 /// and `otherwise` is no proof, else `otherwise` with `message`.
 Result judged(const AffineMcp& problem, In z, const Limits& limits, Status otherwise, std::string message);
-
-/// Whether y proves that no solution exists. F = M z + q of a solution has F_i >= 0 where only l_i is finite, F_i <= 0
-/// where only u_i is, F_i = 0 where neither is. With y_i of the same sign (any sign; 0 where both are finite) y'F >= 0,
-/// but
-///     sup over the box of y'(M z + q)  =  q'y + sum_j max(l_j (M'y)_j, u_j (M'y)_j)  <  0.
-/// For the LCP: y >= 0, M'y <= 0, q'y < 0. Entries of M'y within their own rounding count as zero; the sum must be
-/// negative by more than the rounding of its terms.
-bool proves_infeasible(const AffineMcp& problem, In y);
 
 /// Throws std::invalid_argument with `method`'s name if the problem is malformed, the start has another length or is
 /// not finite, or the tolerance is not a positive number.

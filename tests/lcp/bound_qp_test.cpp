@@ -156,20 +156,21 @@ TEST(BoundQp, PeriodicLaplacian) {
   }
 }
 
-// Random problems without a solution: q has a part -v along a null vector v >= 0 of M, and nothing bounds it.
+// Random problems without a solution: q has a part -v along a null vector v >= 0 of M, and nothing bounds it. All
+// numbers are small integers over powers of two: rounded, M would be nonsingular, and a solution far out possible.
 TEST(BoundQp, ProvesInfeasibility) {
   Random random(5);
   for (int repeat = 0; repeat < 40; ++repeat) {
     const Index n = random.integer(2, 60);
-    const Vec v = random.normals(n).cwiseAbs();
-    const Dense B = random.normals(n, n / 2 + 1);
-    const Dense project = Dense::Identity(n, n) - v * v.transpose() / v.squaredNorm();
-    const Dense C = project * B;
-    const AffineMcp problem{sparse(C * C.transpose()), Vec(C * random.normals(C.cols()) - 0.1 * v),
-                            Box::nonnegative(n)};
-    Dense M = Dense(problem.M);
-    AffineMcp symmetric = problem;
-    symmetric.M = sparse(0.5 * (M + M.transpose()));
+    const auto integers = [&](Index rows, Index columns) -> Dense {
+      return random.normals(rows, columns).unaryExpr([](double a) { return std::round(2 * a); });
+    };
+    const Vec v = integers(n, 1).cwiseAbs().cwiseMax(1);
+    const Dense B = integers(n, n / 2 + 1);
+    const Dense project = v.squaredNorm() * Dense::Identity(n, n) - v * v.transpose();
+    const Dense C = project * B * std::exp2(-std::round(std::log2(v.squaredNorm())));
+    const AffineMcp symmetric{sparse(C * C.transpose()), Vec(C * integers(C.cols(), 1) - 0.125 * v),
+                              Box::nonnegative(n)};
     for (const auto& [name, options] : all_preconditioners()) {
       const Result result = bound_qp(symmetric, Vec::Zero(n), options);
       EXPECT_EQ(result.status, Status::Infeasible) << name << ": " << to_string(result.status) << result.message;

@@ -105,13 +105,17 @@ TEST(InteriorPoint, ProvesInfeasibility) {
   int proven = 0;
   for (int repeat = 0; repeat < 20; ++repeat) {
     const Index n = 30;
-    const Dense B = random.normals(n, n);
-    Vec y = random.normals(n).cwiseMax(0);
-    // M = P (B B' + skew) P with P y = 0: M'y = 0, and q'y < 0.
-    const Dense P = Dense::Identity(n, n) - y * y.transpose() / y.squaredNorm();
-    const Dense M = P * (B * B.transpose() + (B - B.transpose())) * P;
-    Vec q = random.normals(n);
-    q -= y * (q.dot(y) + 1) / y.squaredNorm();
+    const auto integers = [&](Index columns) -> Dense {
+      return random.normals(n, columns).unaryExpr([](double a) { return std::round(2 * a); });
+    };
+    const Dense B = integers(n);
+    const Vec y = integers(1).cwiseMax(0);
+    // M = P (B B' + skew) P with P y = 0: M'y = 0, and q'y < 0. Integers over a power of two, so that this is exact.
+    const double scale = std::exp2(-std::round(std::log2(y.squaredNorm())));
+    const Dense P = scale * (y.squaredNorm() * Dense::Identity(n, n) - y * y.transpose());
+    const Dense M = 0.25 * P * (B * B.transpose() + (B - B.transpose())) * P;
+    const Vec q = P * integers(1) - scale * y;
+    ASSERT_TRUE((M.transpose() * y).isZero(0));
     const AffineMcp problem = standard_lcp(sparse(M), q);
     const Result r = interior_point(problem, Vec::Zero(n));
     expect_honest(problem, r, "dense " + std::to_string(repeat));

@@ -107,9 +107,10 @@ TEST(PrincipalPivoting, SufficientMatrices) {
   for (int run = 0; run < 100; ++run) {
     const Index n = random.integer(1, 12);
     const Dense S = random.normals(n, n);
-    const Vec d = Vec::NullaryExpr(n, [&] { return random.uniform(0.1, 5); });
-    const Vec e = Vec::NullaryExpr(n, [&] { return random.uniform(0.1, 5); });
-    const Dense M = d.asDiagonal() * (S - S.transpose()) * e.asDiagonal();  // rows and columns scaled: sufficient
+    const Vec d = Vec::NullaryExpr(n, [&] { return std::exp2(random.integer(-3, 2)); });
+    const Vec e = Vec::NullaryExpr(n, [&] { return std::exp2(random.integer(-3, 2)); });
+    // Rows and columns scaled, without rounding: sufficient.
+    const Dense M = d.asDiagonal() * (S - S.transpose()) * e.asDiagonal();
     const AffineMcp problem = standard_lcp(support::sparse(M), random.normals(n));
     const Result result = principal_pivoting(problem, Vec::Zero(n));
     expect_honest(problem, result, "run " + std::to_string(run));
