@@ -11,7 +11,7 @@ jobs=$(nproc)
 build_packages=(g++ cmake ninja-build libeigen3-dev libsuitesparse-dev libgsl-dev libamplsolver-dev
   libhdf5-dev libcli11-dev nlohmann-json3-dev libfmt-dev)
 test_packages=("${build_packages[@]}" libgtest-dev libgmock-dev pkg-config python3
-  gjh-asl-json)
+  gjh-asl-json libmpfr-dev)
 
 fail() {
   printf '\nperp: %s\n' "$*" >&2
