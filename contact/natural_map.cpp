@@ -28,7 +28,7 @@ double difference(double alpha, double T1, double T2, double beta, double N) {
   if (T1 < T2) std::swap(T1, T2);
   // To about 1, so that no square overflows or loses digits; the two products are of one size here.
   const int unit = std::ilogb(T1);
-  const int size = std::ilogb(alpha * T1);
+  const int size = std::ilogb(alpha * T);
   const double alpha_1 = std::ldexp(alpha, unit - size);
   const double T1_1 = std::ldexp(T1, -unit);
   const int own = std::ilogb(N);
