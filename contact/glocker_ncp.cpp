@@ -41,6 +41,7 @@ void tie(ncp::Method& method, Glocker& mcp, double last_delta) {
   if (interior == nullptr || interior->follow) return;
   interior->stop.tol = std::min(interior->stop.tol, tightest_tol);
   interior->follow = [&mcp, last_delta](double tau) {
+    if (!std::isfinite(tau)) return;  // the method ends; no wrong option of the user's
     mcp.set_smoothing(std::clamp(tau_share * tau, std::min(least_delta, last_delta), 1.0), tau_share * tau);
   };
 }
