@@ -40,6 +40,7 @@ struct Outcome {
   int proximal = 0;
   int attempts = 0;
   char end = 'T';  // T out of time, C crashed, E returned
+  contact::Origin by = contact::Origin::Zero;
 };
 
 struct Run {
@@ -107,8 +108,7 @@ Run in_process(const Problem& problem, double limit, double tol, bool both,
   }
   if (!r.allFinite()) r.setZero();
   run.residual = contact::residual(problem, r);
-  const double metric = both ? std::max(run.residual.siconos, run.residual.rr9118) : run.residual.siconos;
-  run.solved = metric <= tol * (1 + 1e-6);
+  run.solved = both ? contact::accepted(run.residual, tol) : run.residual.siconos <= tol * (1 + 1e-6);
   return run;
 }
 
@@ -175,8 +175,9 @@ struct Total {
   double seconds = 0;  // unsolved runs count as the limit
 };
 
-void print(const std::string& solver, const Run& run, double limit, Total& total) {
+void print(const std::string& solver, bool own, const Run& run, double limit, Total& total) {
   std::string how = run.solved ? "" : "  not solved";
+  if (run.solved && own) how = "  by " + std::string(contact::to_string(run.outcome.by));
   if (run.outcome.end == 'T') how = "  out of time";
   if (run.outcome.end == 'C') how = "  crashed";
   std::printf("    %-14s %9.4f s  iterations %6d", solver.c_str(), run.outcome.seconds, run.outcome.iterations);
@@ -206,6 +207,7 @@ int main(int argc, char** argv) {
   std::string encoding = "B";
   std::string row = "normalised";
   int stages = 4;
+  bool homotopy = false;
   bool no_polish = false;
   bool no_sweeps = false;
   bool no_proximal = false;
@@ -219,19 +221,22 @@ int main(int argc, char** argv) {
   app.add_option("--seed", seed, "of the random variants");
   app.add_option("--least", least, "contacts at least");
   app.add_option("--most", most, "contacts at most");
-  app.add_option("--method", method, "a preset of ncp/ on Glocker's NCP instead of the homotopy");
+  app.add_option("--method", method, "a preset of ncp/ on Glocker's NCP instead of contact::Auto");
+  app.add_flag("--homotopy", homotopy, "the homotopy alone");
   app.add_option("--encoding", encoding, "A or B");
   app.add_option("--row", row, "normalised or original");
   app.add_option("--stages", stages, "of the continuation in delta");
-  app.add_flag("--no-polish", no_polish, "the homotopy without Newton steps at the end");
+  app.add_flag("--no-polish", no_polish, "no Newton steps on another equation");
   app.add_flag("--no-sweeps", no_sweeps, "no sweeps of Gauss-Seidel before the homotopy");
-  app.add_flag("--no-proximal", no_proximal, "and without the proximal loop");
+  app.add_flag("--no-proximal", no_proximal, "no proximal loop");
   CLI11_PARSE(app, argc, argv);
 
   contact::Options options{.tol = tol, .max_time = std::chrono::duration<double>(limit)};
-  if (method.empty()) {
-    options.method = contact::GlockerHomotopy{
-        .polish = !no_polish, .proximal = !no_proximal, .sweeps = no_sweeps ? 0 : contact::GlockerHomotopy{}.sweeps};
+  if (homotopy) {
+    options.method = contact::GlockerHomotopy{};
+  } else if (method.empty()) {
+    options.method =
+        contact::Auto{.sweeps = no_sweeps ? 0 : contact::Auto{}.sweeps, .polish = !no_polish, .proximal = !no_proximal};
   } else {
     const ncp::Preset* preset = ncp::find_preset(method);
     if (preset == nullptr) {
@@ -267,12 +272,13 @@ int main(int argc, char** argv) {
           outcome.extra = result.stats.newton_steps;
           outcome.proximal = result.stats.proximal_steps;
           outcome.attempts = result.stats.attempts;
+          outcome.by = result.by;
           r = result.solution.r;
         });
         if (k == 0 || run.outcome.seconds < best.outcome.seconds) best = run;
         if (run.outcome.seconds > 1) break;
       }
-      print("perp", best, limit, totals["perp"]);
+      print("perp", true, best, limit, totals["perp"]);
       for (const std::string& solver : solvers) {
         Run peer;
         for (int k = 0; k < repeat; ++k) {
@@ -285,7 +291,7 @@ int main(int argc, char** argv) {
           if (k == 0 || run.outcome.seconds < peer.outcome.seconds) peer = run;
           if (!run.solved || run.outcome.seconds > 1) break;
         }
-        print(solver, peer, limit, totals[solver]);
+        print(solver, false, peer, limit, totals[solver]);
       }
       std::fflush(stdout);
     }

@@ -98,10 +98,10 @@ lcp::Result by_lemke(const AffineEncoding& encoding, const lcp::Limits& limits) 
 
 }  // namespace
 
-lcp::Result solve(const AffineEncoding& encoding, const lcp::Limits& limits) {
+EncodingResult solve(const AffineEncoding& encoding, const lcp::Limits& limits) {
   const lcp::AffineMcp& problem = encoding.affine();
   std::string tried;
-  lcp::Result best;
+  EncodingResult best;
   /// Whether this was the last one.
   const auto keep = [&](const char* method, lcp::Result result) {
     result.message = tried + method + (result.message.empty() ? "" : ": " + result.message);
@@ -110,7 +110,7 @@ lcp::Result solve(const AffineEncoding& encoding, const lcp::Limits& limits) {
     result.factorizations += best.factorizations;
     const bool settled = result.accepted() || result.status == lcp::Status::Infeasible || limits.reached();
     if (best.z.size() == 0 || result.accepted() || result.residual < best.residual)
-      best = std::move(result);
+      best = {std::move(result), method};
     else {
       best.message = result.message;
       best.iterations = result.iterations;

@@ -52,9 +52,13 @@ class AffineEncoding {
   Vec lemke_start_;
 };
 
+/// What came out, and which method made its point: "lemke", "interior-point" or "auto".
+struct EncodingResult : lcp::Result {
+  const char* by = "";
+};
 /// Lemke's method from the encoding's start, with the textbook's covering vector, and interior points, which nothing is
 /// promised of (M is copositive, not monotone) and which solve nearly everything; with more than 200 contacts in the
 /// other order; lcp::Auto at last. Result::message says what was tried, the last one successful. Throws as lcp::solve.
-lcp::Result solve(const AffineEncoding& encoding, const lcp::Limits& limits = {});
+EncodingResult solve(const AffineEncoding& encoding, const lcp::Limits& limits = {});
 
 }  // namespace perp::contact

@@ -32,7 +32,7 @@ enum class Encoding { A, B };
 enum class DiskRow { Original, Normalised };
 
 struct GlockerOptions {
-  Encoding encoding = Encoding::A;
+  Encoding encoding = Encoding::B;
   DiskRow row = DiskRow::Normalised;
   double delta = 1e-9;  ///< in scaled units; > 0 with the normalised row
   double eps = 0;       ///< >= 0

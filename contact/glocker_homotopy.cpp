@@ -1,4 +1,4 @@
-/// GlockerHomotopy: attempts of the homotopy, Newton steps at the end, the proximal loop.
+/// Auto, and GlockerHomotopy as a part of it: sweeps, attempts of the homotopy, Newton steps, the proximal loop.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -66,8 +66,8 @@ constexpr double longest_extrapolation = 5;  // increments
 
 class Solver {
  public:
-  Solver(Referee& referee, const Scaled& problem, const GlockerHomotopy& method)
-      : referee_(referee), problem_(problem), method_(method), options_(method.options) {
+  Solver(Referee& referee, const Scaled& problem, const Auto& method)
+      : referee_(referee), problem_(problem), method_(method), options_(method.homotopy.options) {
     if (options_.lu == lcp::LuBackend::Auto)
       options_.lu = problem.size() <= klu_rows && problem.W.nonZeros() <= klu_entries * problem.size()
                         ? lcp::LuBackend::Klu
@@ -82,7 +82,7 @@ class Solver {
   void run(const Vec& start) {
     if (start.size() > 0 ? warm(start) : sweep()) return;
     if (attempt(options_)) return;
-    if (method_.other_settings && with_other_settings()) return;
+    if (method_.homotopy.other_settings && with_other_settings()) return;
     if (method_.proximal) proximal_loop();
   }
 
@@ -102,7 +102,7 @@ class Solver {
 
   Referee& referee_;
   const Scaled& problem_;
-  const GlockerHomotopy& method_;
+  const Auto& method_;
   HomotopyOptions options_;
   std::shared_ptr<lcp::SparseLu> lu_;  // all have the pattern of W: one analysis, and one set of factors in memory
   std::optional<AlartCurnier> newton_;
@@ -110,7 +110,7 @@ class Solver {
 
 /// Newton steps from the last solution, then the homotopy from near it.
 bool Solver::warm(const Vec& start) {
-  if (referee_.judge(start, {.kind = 'W'})) return true;
+  if (referee_.judge(start, {.by = Origin::WarmStart})) return true;
   if (method_.polish && polish(start, polish_alphas.front())) return true;
   const double far = natural_map(problem_, start);
   return attempt(options_, &start, std::clamp(far * far, 1e-6, 1.0));
@@ -126,7 +126,7 @@ bool Solver::sweep() {
     const Vec last = r;
     for (int i = 0; i < sweeps_a_lot; ++i) method.sweep(r, u);
     referee_.stats().sweeps += sweeps_a_lot;
-    if (referee_.judge(r, {.kind = 'G'})) return true;
+    if (referee_.judge(r, {.by = Origin::Sweeps})) return true;
     const double change = (r - last).norm();
     const bool settling = k < sweeps_settle && referee_.last() <= sweeps_near;
     if (!settling && !(change <= sweeps_contract * before)) return false;
@@ -145,11 +145,11 @@ bool Solver::attempt(const HomotopyOptions& options, const Vec* from, double tau
   double least = lcp::infinity;
   int in_a_row = 0;
   bool over = false;
-  for (int k = 0; k < method_.max_iterations && in_a_row < short_steps && !over; ++k) {
+  for (int k = 0; k < method_.homotopy.max_iterations && in_a_row < short_steps && !over; ++k) {
     const bool going = homotopy.step();
     ++referee_.stats().iterations;
     const HomotopyIteration& last = homotopy.last();
-    over = referee_.judge(homotopy.r(), {.kind = 'N', .tau = last.tau, .step = last.step});
+    over = referee_.judge(homotopy.r(), {.by = Origin::Homotopy, .tau = last.tau, .step = last.step});
     if (over || !going) break;
     in_a_row = last.step < short_step ? in_a_row + 1 : 0;
     if (!method_.polish) continue;
@@ -180,7 +180,7 @@ bool Solver::polish(Vec r, double alpha) {
     if (!newton_->step(r, r, alpha, to)) return false;
     r = std::move(to);
     ++referee_.stats().newton_steps;
-    if (referee_.judge(r, {.kind = 'P', .alpha = alpha})) return true;
+    if (referee_.judge(r, {.by = Origin::Newton, .alpha = alpha})) return true;
     const double now = natural_map(problem_, r);
     if (!(now <= 1e3 * last)) return false;
     failures = now <= 0.5 * last ? 0 : failures + 1;
@@ -209,7 +209,7 @@ bool Solver::search(Vec r, double alpha) {
     if (!std::isfinite(least)) return false;
     r = std::move(to);
     last = least;
-    if (referee_.judge(r, {.kind = 'S', .alpha = alpha})) return true;
+    if (referee_.judge(r, {.by = Origin::DampedNewton, .alpha = alpha})) return true;
     ++since;
     if (last <= search_decrease * lowest) {
       lowest = last;
@@ -302,7 +302,7 @@ bool Solver::proximal_loop() {
       continue;
     }
     ++referee_.stats().proximal_steps;
-    if (referee_.judge(r, {.kind = 'X', .alpha = alpha})) return true;
+    if (referee_.judge(r, {.by = Origin::Proximal, .alpha = alpha})) return true;
     ++since;
     if (referee_.best() <= 0.5 * milestone) {
       milestone = referee_.best();
@@ -326,7 +326,7 @@ bool Solver::proximal_loop() {
 
 }  // namespace
 
-void run_homotopy(Referee& referee, const Scaled& problem, const GlockerHomotopy& method, const Vec& start) {
+void run_auto(Referee& referee, const Scaled& problem, const Auto& method, const Vec& start) {
   Solver(referee, problem, method).run(start);
 }
 

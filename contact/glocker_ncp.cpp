@@ -23,8 +23,8 @@ bool run_stage(Referee& referee, const Glocker& mcp, const ncp::Method& method, 
   bool over = false;
   const ncp::Observer judge = [&](const ncp::Iteration& it) {
     if (it.x == nullptr || it.problem != &mcp) return ncp::Next::Continue;
-    over =
-        referee.judge(mcp.impulses(lcp::project(mcp.box(), *it.x)), {.kind = it.kind, .tau = it.mu, .step = it.step});
+    over = referee.judge(mcp.impulses(lcp::project(mcp.box(), *it.x)),
+                         {.by = Origin::Ncp, .letter = it.kind, .tau = it.mu, .step = it.step});
     return over ? ncp::Next::Stop : ncp::Next::Continue;
   };
   const ncp::Result result = ncp::solve(mcp, z, method, judge);
@@ -32,7 +32,7 @@ bool run_stage(Referee& referee, const Glocker& mcp, const ncp::Method& method, 
   referee.stats().factorizations += result.stats.factorizations;
   z = result.x;
   solved = result.solved();
-  return over || referee.judge(mcp.impulses(z), {.kind = 'C'});
+  return over || referee.judge(mcp.impulses(z), {.by = Origin::Ncp, .letter = 'C'});
 }
 
 /// delta, and with it eps, follows the tau of interior points; they have no use for stages.
@@ -41,6 +41,7 @@ void tie(ncp::Method& method, Glocker& mcp, double last_delta) {
   if (interior == nullptr || interior->follow) return;
   interior->stop.tol = std::min(interior->stop.tol, tightest_tol);
   interior->follow = [&mcp, last_delta](double tau) {
+    if (!std::isfinite(tau)) return;  // the method ends; no wrong option of the user's
     mcp.set_smoothing(std::clamp(tau_share * tau, std::min(least_delta, last_delta), 1.0), tau_share * tau);
   };
 }

@@ -26,7 +26,10 @@ class Referee {
   Result result(const std::string& message);
 
  private:
+  void take(In r, const Vec& impulses, const Residual& residual, Origin by);
+
   const Problem& problem_;
+  Judge judge_;
   const Scaled& scaled_;
   const Options& options_;
   std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
@@ -36,7 +39,7 @@ class Referee {
   double last_ = lcp::infinity;
 };
 
-void run_homotopy(Referee& referee, const Scaled& problem, const GlockerHomotopy& method, const Vec& start);
+void run_auto(Referee& referee, const Scaled& problem, const Auto& method, const Vec& start);
 void run_ncp(Referee& referee, const Scaled& problem, const GlockerNcp& method, const Vec& start);
 
 }  // namespace perp::contact

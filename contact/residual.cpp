@@ -2,15 +2,22 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <numeric>
 #include <sstream>
 #include <stdexcept>
+
+#include "contact/natural_map.hpp"
+#include "contact/velocities.hpp"
 
 namespace perp::contact {
 namespace {
 
 /// Divisors are not below this.
 constexpr double least_scale = 1e-300;
+
+using Eigen::Vector3d;
+
+std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
 struct Parts {
   double N;  ///< normal
@@ -21,10 +28,13 @@ Parts parts(In v, Index a, int d) {
   return {v[d * a], d == 2 ? std::abs(v[d * a + 1]) : std::hypot(v[d * a + 1], v[d * a + 2])};
 }
 
+/// (N, T1, T2) of contact a, T2 = 0 in 2D.
+Vector3d part(In v, Index a, int d) { return {v[d * a], v[d * a + 1], d == 3 ? v[d * a + 2] : 0}; }
+
 double size(const Parts& p) { return std::hypot(p.N, p.T); }
 
 /// The larger, NaN if there is one.
-double larger(double a, double b) { return b <= a ? a : b; }
+double larger(double a, double b) { return b <= a || std::isnan(a) ? a : b; }
 
 /// No metric is NaN: what cannot be computed is no solution.
 double told(double metric) {
@@ -52,19 +62,47 @@ void check_impulses(const Problem& problem, In r) {
     }
 }
 
-/// e_rho(r) = r - P_K(r - rho uhat), contact by contact.
-Vec natural_map(const Problem& problem, In r, const Vec& u, double rho) {
+/// x in units of what it is compared with.
+double share(double x, double scale) {
+  if (x == 0) return 0;
+  return scale > 0 ? x / scale : std::copysign(lcp::infinity, x);
+}
+
+/// Of each contact the largest |q_b| of those it acts on, or that act on it, directly or through others.
+std::vector<double> coupled_velocities(const Problem& problem) {
   const int d = problem.dimension;
-  Vec e(r.size());
-  Vec y(d);
-  Vec projected(d);
+  std::vector<Index> parent(at(problem.contacts()));
+  std::iota(parent.begin(), parent.end(), Index{0});
+  const auto root = [&parent](Index a) {
+    while (parent[at(a)] != a) a = parent[at(a)] = parent[at(parent[at(a)])];
+    return a;
+  };
+  for (Index j = 0; j < problem.W.cols(); ++j)
+    for (SpMat::InnerIterator it(problem.W, j); it; ++it)
+      if (it.value() != 0) parent[at(root(it.row() / d))] = root(j / d);
+  std::vector<double> largest(parent.size(), 0);
   for (Index a = 0; a < problem.contacts(); ++a) {
-    y = r.segment(d * a, d) - rho * u.segment(d * a, d);
-    y[0] -= rho * problem.mu[a] * parts(u, a, d).T;
-    project_onto_cone(y, problem.mu[a], projected);
-    e.segment(d * a, d) = r.segment(d * a, d) - projected;
+    double& most = largest[at(root(a))];
+    most = std::max(most, problem.q.segment(d * a, d).stableNorm());
   }
-  return e;
+  std::vector<double> out(parent.size());
+  for (Index a = 0; a < problem.contacts(); ++a) out[at(a)] = largest[at(root(a))];
+  return out;
+}
+
+/// Adds contact a's shares to the largest so far.
+void add_shares(Residual& out, const Vector3d& r, const Vector3d& u, double mu, double V, double w) {
+  const double r_size = r.stableNorm();
+  const double R = w > 0 ? std::max(r_size, V / w) : r_size;
+  const double friction = mu * r[0];
+  const double S = std::max(R, std::abs(friction));
+  out.cone_share = larger(out.cone_share, share(natural_map(r, Vector3d::Zero(), mu).stableNorm(), R));
+  out.normal_share = larger(out.normal_share, std::abs(std::min(share(r[0], R), share(u[0], V))));
+  const double speed = share(std::hypot(u[1], u[2]), V);
+  double against = 0;
+  for (int i = 1; i < 3; ++i)
+    against = std::hypot(against, speed * share(r[i], S) + share(friction, S) * share(u[i], V));
+  out.slip_share = larger(out.slip_share, against);
 }
 
 }  // namespace
@@ -91,46 +129,63 @@ void project_onto_cone(In y, double mu, lcp::Out out) {
   for (Index k = 1; k < d; ++k) out[k] = T > 0 ? s * along * (y[k] / T) : 0;
 }
 
-Residual residual(const Problem& problem, In r) {
-  check_impulses(problem, r);
-  const int d = problem.dimension;
-  const Vec u = problem.W * r + problem.q;
-  const double rho = unit(problem.W);
+double Residual::largest() const { return std::max({siconos, rr9118, cone_share, normal_share, slip_share}); }
+
+bool accepted(const Residual& residual, double tol) { return residual.largest() <= tol; }
+
+Judge::Judge(const Problem& problem) : problem_(problem), rho_(unit(problem.W)), coupled_(coupled_velocities(problem)) {
+  const Vec diagonal = problem.W.diagonal();
+  for (Index a = 0; a < problem.contacts(); ++a)
+    diagonal_.push_back(diagonal.segment(problem.dimension * a, problem.dimension).mean());
+}
+
+Residual Judge::operator()(In r) const {
+  check_impulses(problem_, r);
+  const int d = problem_.dimension;
+  const Velocities at_r = exact_velocities(problem_, r);
+  const Vec Wr = at_r.u - problem_.q;
   Residual out;
-  const Vec e = natural_map(problem, r, u, rho);
   double worst = -1;
-  for (Index a = 0; a < problem.contacts(); ++a) {
-    const Parts force = parts(r, a, d);
-    const Parts velocity = parts(u, a, d);
-    const double mu = problem.mu[a];
-    const double power = r.segment(d * a + 1, d - 1).dot(u.segment(d * a + 1, d - 1));
-    out.cone = larger(out.cone, larger(force.T - mu * force.N, -force.N));
-    out.normal = larger(out.normal, std::abs(std::min(force.N, rho * velocity.N)));
-    out.slip = larger(out.slip, std::abs(velocity.T * mu * force.N + power));
-    const double part = told(e.segment(d * a, d).stableNorm());
-    if (part > worst) {
-      worst = part;
+  Vec natural(problem_.contacts());
+  Vec e_rho(problem_.contacts());
+  for (Index a = 0; a < problem_.contacts(); ++a) {
+    const Vector3d force = part(r, a, d);
+    const Vector3d velocity = part(at_r.u, a, d);
+    const double mu = problem_.mu[a];
+    const double T = std::hypot(force[1], force[2]);
+    const double power = force[1] * velocity[1] + force[2] * velocity[2];
+    out.cone = larger(out.cone, larger(T - mu * force[0], -force[0]));
+    out.normal = larger(out.normal, std::abs(std::min(force[0], rho_ * velocity[0])));
+    out.slip = larger(out.slip, std::abs(std::hypot(velocity[1], velocity[2]) * mu * force[0] + power));
+    const auto size_of = [&](const Vec& v) { return v.segment(d * a, d).stableNorm(); };
+    const double V = std::max({size_of(problem_.q), size_of(Wr), std::min(size_of(at_r.terms), coupled_[at(a)])});
+    add_shares(out, force, velocity, mu, V, diagonal_[at(a)]);
+    natural[a] = told(natural_map(force, velocity, mu).stableNorm());
+    e_rho[a] = told(natural_map(force, velocity, mu, rho_).stableNorm());
+    if (e_rho[a] > worst) {
+      worst = e_rho[a];
       out.worst = a;
     }
   }
-  const double q = problem.q.stableNorm();
-  const double natural = natural_map(problem, r, u, 1).stableNorm();
-  const double sizes = std::max({q, r.stableNorm(), u.stableNorm()});
-  const double scaled_sizes = std::max({r.stableNorm(), rho * u.stableNorm(), rho * q});
-  out.natural = told(natural);
-  out.siconos = told(natural / std::max(sizes, least_scale));
-  out.rr9118 = told(natural / std::max(q, least_scale));
-  out.scaled = told(e.stableNorm() / std::max(scaled_sizes, least_scale));
-  out.cone = told(out.cone);
-  out.normal = told(out.normal);
-  out.slip = told(out.slip);
+  const double q = problem_.q.stableNorm();
+  const double u = told(at_r.u.stableNorm());
+  const double sizes = std::max({q, r.stableNorm(), u});
+  const double scaled_sizes = std::max({r.stableNorm(), rho_ * u, rho_ * q});
+  out.natural = told(natural.stableNorm());
+  out.siconos = told(out.natural / std::max(sizes, least_scale));
+  out.rr9118 = told(out.natural / std::max(q, least_scale));
+  out.scaled = told(e_rho.stableNorm() / std::max(scaled_sizes, least_scale));
+  for (double* metric : {&out.cone, &out.normal, &out.slip, &out.cone_share, &out.normal_share, &out.slip_share})
+    *metric = told(*metric);
   return out;
 }
+
+Residual residual(const Problem& problem, In r) { return Judge(problem)(r); }
 
 std::vector<ContactState> states(const Problem& problem, In r, double tol) {
   check_impulses(problem, r);
   const int d = problem.dimension;
-  const Vec u = problem.W * r + problem.q;
+  const Vec u = velocities(problem, r);
   double largest_r = 0;
   double largest_u = 0;
   for (Index a = 0; a < problem.contacts(); ++a) {

@@ -18,19 +18,49 @@ struct ContactState {
   double margin = 0;
 };
 
-/// Norms are Euclidean over all contacts where nothing else is said, as in the published metrics.
+/// Norms are Euclidean over all contacts where nothing else is said, as in the published metrics. The parts of the law
+/// stand twice: in units, and relative to what is compared at each contact. With w_a the mean of W's diagonal there,
+///     V_a = max(|q_a|, |(W r)_a|, min(t_a, Q_a)),   t_a = |(|q| + |W| |r|)_a|,
+///     R_a = max(|r_a|, V_a / w_a),                  Q_a the largest |q_b| of contacts b that W couples with a:
+/// the velocities that cancel in u_a, and the impulses that act or would stop V_a. Neither can be made large by an
+/// r in the kernel of W, nor depends on units.
 struct Residual {
-  double natural = 0;  ///< ||e_1|| [mixed units]
-  double siconos = 0;  ///< ||e_1|| / max(||q||, ||r||, ||u||), the largest not below 1e-300: Siconos 4.4's metric
-  double rr9118 = 0;   ///< ||e_1|| / ||q||: the metric of INRIA RR-9118
-  double scaled = 0;   ///< ||e_rho|| / max(||r||, rho ||u||, rho ||q||) with rho = 1 / mean(diag W): free of units
-  double cone = 0;     ///< max over contacts of (|r_T| - mu r_N)+ and (-r_N)+ [N s]
-  double normal = 0;   ///< max of |min(r_N, rho u_N)| [N s]: normal complementarity
-  double slip = 0;     ///< max of |u_T| mu r_N + r_T.u_T [J], 0 where friction opposes slip and is fully used
-  Index worst = -1;    ///< contact with the largest part of e_rho; -1 if there is no contact
+  double natural = 0;       ///< ||e_1|| [mixed units]
+  double siconos = 0;       ///< ||e_1|| / max(||q||, ||r||, ||u||), the largest not below 1e-300: Siconos 4.4's metric
+  double rr9118 = 0;        ///< ||e_1|| / ||q||: the metric of INRIA RR-9118
+  double scaled = 0;        ///< ||e_rho|| / max(||r||, rho ||u||, rho ||q||) with rho = 1 / mean(diag W): free of units
+  double cone = 0;          ///< max over contacts of (|r_T| - mu r_N)+ and (-r_N)+ [N s]
+  double normal = 0;        ///< max of |min(r_N, rho u_N)| [N s]: normal complementarity
+  double slip = 0;          ///< max of |u_T| mu r_N + r_T.u_T [J], 0 where friction opposes slip and is fully used
+  double cone_share = 0;    ///< max over contacts of dist(r, K) / R_a
+  double normal_share = 0;  ///< max of |min(r_N / R_a, u_N / V_a)|
+  double slip_share = 0;  ///< max of ||u_T| r_T + mu r_N u_T| / (V_a max(R_a, mu |r_N|)): 0 where friction opposes slip
+  Index worst = -1;       ///< contact with the largest part of e_rho; -1 if there is no contact
+  /// The largest of what accepted() asks for.
+  double largest() const;
 };
 
-/// r has d n finite entries (else std::invalid_argument).
+/// Whether r solves the problem to `tol`: both published metrics and, contact by contact, the shares of cone, normal
+/// and slip are at most tol. Nothing else calls a point a solution of Coulomb's law.
+bool accepted(const Residual& residual, double tol);
+
+/// u = W r + q, each entry to a few eps of itself: q is not lost beside a huge W r.
+Vec velocities(const Problem& problem, In r);
+
+/// Judges many points of one problem, which outlives it.
+class Judge {
+ public:
+  explicit Judge(const Problem& problem);
+  /// r has d n finite entries (else std::invalid_argument). O(entries of W).
+  Residual operator()(In r) const;
+
+ private:
+  const Problem& problem_;
+  double rho_ = 1;
+  std::vector<double> coupled_;   // Q_a
+  std::vector<double> diagonal_;  // w_a
+};
+/// One point.
 Residual residual(const Problem& problem, In r);
 
 /// Open: |r| at most `tol` times the largest |r|; Slip: |r_T| >= (1 - tol) mu r_N and |u_T| above tol times the largest

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "contact/residual.hpp"
+#include "contact/natural_map.hpp"
 
 namespace perp::contact {
 namespace {
@@ -95,20 +95,14 @@ double natural_map(const Scaled& problem, In r) { return natural_map(problem, r,
 double natural_map(const Scaled& problem, In r, In centre, double alpha) {
   const Vec u = problem.W * r + problem.q + alpha * (r - centre);
   double worst = 0;
-  Vec y(3);
-  Vec projected(3);
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
   for (const Scaled::Block& block : problem.blocks) {
-    const Index N = block.first;
-    const int d = block.size;
-    double part = 0;
-    if (d == 1) {
-      part = std::abs(r[N] - std::max(0.0, r[N] - u[N]));
-    } else {
-      y.head(d) = r.segment(N, d) - u.segment(N, d);
-      y[0] -= u.segment(N + 1, d - 1).norm();
-      project_onto_cone(y.head(d), 1, projected.head(d));
-      part = (r.segment(N, d) - projected.head(d)).norm();
-    }
+    force.tail(2).setZero();
+    velocity.tail(2).setZero();
+    force.head(block.size) = r.segment(block.first, block.size);
+    velocity.head(block.size) = u.segment(block.first, block.size);
+    const double part = natural_map(force, velocity, 1).norm();
     if (!(part <= worst)) worst = part;
   }
   if (std::isnan(worst)) return lcp::infinity;

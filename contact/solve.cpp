@@ -26,9 +26,13 @@ std::optional<std::string> invalid_method(const GlockerHomotopy& m) {
   if (!(o.to_boundary > 0 && o.to_boundary < 1)) return refusal("to_boundary", o.to_boundary, "in (0, 1)");
   if (!(o.neighbourhood > 0 && o.neighbourhood < 1)) return refusal("neighbourhood", o.neighbourhood, "in (0, 1)");
   if (m.max_iterations < 1) return refusal("max_iterations", m.max_iterations, "at least 1");
+  return std::nullopt;
+}
+
+std::optional<std::string> invalid_method(const Auto& m) {
   if (m.sweeps < 0) return refusal("sweeps", m.sweeps, "at least 0");
   if (!(m.polish_at > 0)) return refusal("polish_at", m.polish_at, "positive");
-  return std::nullopt;
+  return invalid_method(m.homotopy);
 }
 
 std::optional<std::string> invalid_method(const GlockerNcp& m) {
@@ -36,6 +40,22 @@ std::optional<std::string> invalid_method(const GlockerNcp& m) {
   if (auto why = invalid(m.formulation)) return why;
   return ncp::invalid(m.method);
 }
+
+bool scales(const Auto& m) { return m.homotopy.scaling; }
+bool scales(const GlockerHomotopy& m) { return m.scaling; }
+bool scales(const GlockerNcp& m) { return m.scaling; }
+
+void run(Referee& referee, const Scaled& problem, const Auto& method, const Vec& start) {
+  run_auto(referee, problem, method, start);
+}
+void run(Referee& referee, const Scaled& problem, const GlockerHomotopy& method, const Vec& start) {
+  run_auto(referee, problem, {.homotopy = method, .sweeps = 0, .polish = false, .proximal = false}, start);
+}
+void run(Referee& referee, const Scaled& problem, const GlockerNcp& method, const Vec& start) {
+  run_ncp(referee, problem, method, start);
+}
+
+double larger_metric(const Residual& residual) { return std::max(residual.siconos, residual.rr9118); }
 
 }  // namespace
 
@@ -53,6 +73,28 @@ std::string_view to_string(Status status) {
   return "?";
 }
 
+std::string_view to_string(Origin origin) {
+  switch (origin) {
+    case Origin::Zero:
+      return "zero";
+    case Origin::WarmStart:
+      return "warm-start";
+    case Origin::Sweeps:
+      return "sweeps";
+    case Origin::Homotopy:
+      return "homotopy";
+    case Origin::Newton:
+      return "newton";
+    case Origin::DampedNewton:
+      return "damped-newton";
+    case Origin::Proximal:
+      return "proximal";
+    case Origin::Ncp:
+      return "ncp";
+  }
+  return "?";
+}
+
 std::optional<std::string> invalid(const Options& options) {
   if (!(options.tol > 0)) return refusal("tol", options.tol, "positive");
   if (!(options.max_time.count() >= 0)) return refusal("max_time", options.max_time.count(), "at least 0 s");
@@ -60,29 +102,36 @@ std::optional<std::string> invalid(const Options& options) {
 }
 
 Referee::Referee(const Problem& problem, const Scaled& scaled, const Options& options)
-    : problem_(problem), scaled_(scaled), options_(options), best_(Vec::Zero(scaled.size())) {
-  result_.residual = residual(problem, Vec::Zero(scaled.whole));
-  last_ = best_metric_ = std::max(result_.residual.siconos, result_.residual.rr9118);
-  if (best_metric_ <= options.tol) result_.status = Status::Solved;
+    : problem_(problem), judge_(problem), scaled_(scaled), options_(options) {
+  const Vec zero = Vec::Zero(scaled.whole);
+  take(Vec::Zero(scaled.size()), zero, judge_(zero), Origin::Zero);
 }
 
+/// An accepted point is the end; else the best one is that of the least metrics, which say how near all of it is.
 bool Referee::judge(In r, Record record) {
   last_ = lcp::infinity;
-  if (r.allFinite()) {
-    const Residual now = residual(problem_, scaled_.expand(r));
+  // Impulses that overflow are no solution, and no error of whoever asked.
+  if (const Vec impulses = scaled_.expand(r); impulses.allFinite()) {
+    const Residual now = judge_(impulses);
     record.k = static_cast<int>(result_.history.size());
     record.siconos = now.siconos;
     record.rr9118 = now.rr9118;
     result_.history.push_back(record);
-    last_ = std::max(now.siconos, now.rr9118);
-    if (last_ < best_metric_) {
-      best_metric_ = last_;
-      best_ = r;
-      result_.residual = now;
-    }
+    take(r, impulses, now, record.by);
   }
-  if (best_metric_ <= options_.tol) result_.status = Status::Solved;
   return over();
+}
+
+void Referee::take(In r, const Vec& impulses, const Residual& residual, Origin by) {
+  last_ = larger_metric(residual);
+  const bool solved = accepted(residual, options_.tol);
+  if (result_.solved() || !(solved || last_ < best_metric_ || best_.size() != r.size())) return;
+  if (solved) result_.status = Status::Solved;
+  best_metric_ = last_;
+  best_ = r;
+  result_.solution.r = impulses;
+  result_.residual = residual;
+  result_.by = by;
 }
 
 bool Referee::over() {
@@ -100,8 +149,7 @@ double Referee::seconds_left() const {
 }
 
 Result Referee::result(const std::string& message) {
-  result_.solution.r = scaled_.expand(best_);
-  result_.solution.u = problem_.W * result_.solution.r + problem_.q;
+  result_.solution.u = velocities(problem_, result_.solution.r);
   std::ostringstream text;
   if (result_.status == Status::Solved)
     text << "solved: ";
@@ -112,10 +160,12 @@ Result Referee::result(const std::string& message) {
   else
     text << message << ": ";
   text.precision(3);
-  text << "the natural map is " << result_.residual.siconos << " (largest of |q|, |r|, |u|) and "
-       << result_.residual.rr9118 << " (|q|), relative";
-  if (result_.status != Status::Solved && result_.residual.worst >= 0)
-    text << "; worst at contact " << result_.residual.worst + 1;
+  const Residual& e = result_.residual;
+  text << "the natural map is " << e.siconos << " (largest of |q|, |r|, |u|) and " << e.rr9118 << " (|q|), relative";
+  if (result_.status != Status::Solved && larger_metric(e) <= options_.tol)
+    text << "; contact by contact cone, normal and slip hold to " << e.cone_share << ", " << e.normal_share << " and "
+         << e.slip_share << ", relative";
+  if (result_.status != Status::Solved && e.worst >= 0) text << "; worst at contact " << e.worst + 1;
   result_.message = text.str();
   result_.stats.time = std::chrono::steady_clock::now() - begin_;
   return std::move(result_);
@@ -128,16 +178,12 @@ Result solve(const Problem& problem, const Options& options) {
     throw std::invalid_argument("contact::solve: the start has " + std::to_string(options.start.size()) +
                                 " entries, or some that are not finite; the problem has " +
                                 std::to_string(problem.q.size()));
-  const bool scale = std::visit([](const auto& m) { return m.scaling; }, options.method);
+  const bool scale = std::visit([](const auto& m) { return scales(m); }, options.method);
   const Scaled coordinates = scaled(problem, scale);
   Referee referee(problem, coordinates, options);
   const Vec start = options.start.size() > 0 ? coordinates.reduce(options.start) : Vec();
-  if (!referee.over()) {
-    if (const auto* homotopy = std::get_if<GlockerHomotopy>(&options.method))
-      run_homotopy(referee, coordinates, *homotopy, start);
-    else
-      run_ncp(referee, coordinates, std::get<GlockerNcp>(options.method), start);
-  }
+  if (!referee.over())
+    std::visit([&](const auto& method) { run(referee, coordinates, method, start); }, options.method);
   return referee.result("no attempt comes closer");
 }
 

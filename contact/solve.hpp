@@ -1,9 +1,10 @@
 #pragma once
 /// Contact problems through Glocker's differentiable NCP, solved to the exact law of Coulomb:
-///     solve(problem)                                        the interior-point homotopy, with what follows it
+///     solve(problem)                                        several methods, one after another: Auto
+///     solve(problem, {.method = GlockerHomotopy{}})         the interior-point homotopy alone
 ///     solve(problem, {.method = GlockerNcp{.method = ncp::PathSearch{}}})   any method of ncp/
-/// Only contact::residual may call a point solved: both published metrics, Residual::siconos and Residual::rr9118, at
-/// most tol. The faceted and frictionless laws have solvers of their own (affine_encoding.hpp).
+/// Only contact::accepted (residual.hpp) calls a point solved, and Result::by says what made it. The faceted and
+/// frictionless laws have solvers of their own (affine_encoding.hpp).
 #include <atomic>
 #include <chrono>
 #include <optional>
@@ -19,54 +20,72 @@
 
 namespace perp::contact {
 
-/// The homotopy of homotopy.hpp in scaled units. When its point comes near a solution, Newton steps on the equation of
-/// Alart & Curnier are tried from it for the last digits (`polish`); where that fails the homotopy goes on. Where it
-/// stalls: damped Newton steps from its best point; attempts with other settings, from the best point and from the
-/// start, and then a proximal loop: solve the problem with (W + alpha I, q - alpha r_k), r_{k+1} its solution, alpha
-/// falling as long as the subproblems are solved, extrapolated where successive increments are parallel. It is what
-/// singular W need.
+/// The homotopy of homotopy.hpp in scaled units, and no other equation: one attempt from its own start and, where that
+/// stalls, attempts with other settings, from the best point and from the start.
 struct GlockerHomotopy {
   HomotopyOptions options{};
   int max_iterations = 60;  ///< of one attempt
-  bool polish = true;       ///< Newton steps on Alart & Curnier's equation
-  double polish_at = 0.1;   ///< relative natural residual at which they are tried first
   bool other_settings = true;
-  bool proximal = true;
   bool scaling = true;  ///< of scaling.hpp
+};
+
+/// Sweeps of Gauss-Seidel; then the homotopy. When its point comes near a solution, Newton steps on the equation of
+/// Alart & Curnier are tried from it for the last digits (`polish`); where that fails the homotopy goes on. Where an
+/// attempt stalls: damped Newton steps from its best point. After all attempts a proximal loop: solve the problem with
+/// (W + alpha I, q - alpha r_k), r_{k+1} its solution, alpha falling as long as the subproblems are solved,
+/// extrapolated where successive increments are parallel. It is what singular W need.
+struct Auto {
+  GlockerHomotopy homotopy{};
   /// Sweeps of nonsmooth Gauss-Seidel before anything else (gauss_seidel.hpp), ended where they contract slowly: they
   /// cost little, and weakly coupled contacts need no more. 0: none.
   int sweeps = 100;
+  bool polish = true;      ///< Newton steps on Alart & Curnier's equation, damped ones too
+  double polish_at = 0.1;  ///< relative natural residual at which they are tried first
+  bool proximal = true;
 };
 
 /// Glocker's NCP (glocker.hpp) as it stands, by any method of ncp/. With `stages` > 1 and the normalised row, delta is
 /// continued: 0.1 first, then in equal factors down to `delta`, each stage from the last one's end.
 struct GlockerNcp {
   ncp::Method method = ncp::PathSearch{};
-  GlockerOptions formulation{.encoding = Encoding::B};
+  GlockerOptions formulation{};
   int stages = 4;
   bool scaling = true;
 };
 
 struct Options {
-  double tol = 1e-8;  ///< on both published metrics
+  double tol = 1e-8;  ///< of accepted(): both published metrics, and the law's parts contact by contact
   std::chrono::duration<double> max_time{30};
   const std::atomic<bool>* interrupt = nullptr;  ///< may be null; outlives the solve
-  std::variant<GlockerHomotopy, GlockerNcp> method{};
+  std::variant<Auto, GlockerHomotopy, GlockerNcp> method{};
   Vec start{};  ///< r to begin near, of the step before; empty: cold
 };
 
 enum class Status { Solved, NoProgress, TimeLimit, Interrupted };
 std::string_view to_string(Status);
 
+/// What made a point.
+enum class Origin {
+  Zero,          ///< no impulses at all
+  WarmStart,     ///< Options::start
+  Sweeps,        ///< of Gauss-Seidel
+  Homotopy,      ///< a step of it
+  Newton,        ///< a step on Alart & Curnier's equation
+  DampedNewton,  ///< a shortened one
+  Proximal,      ///< the solution of a proximal problem
+  Ncp            ///< the method of GlockerNcp
+};
+/// "zero", "warm-start", "sweeps", "homotopy", "newton", "damped-newton", "proximal", "ncp".
+std::string_view to_string(Origin);
+
 /// One point that was judged.
 struct Record {
   int k = 0;
-  /// N homotopy step, P Newton step on Alart & Curnier's equation, S damped one, G sweeps, X proximal problem, C an end
-  /// of a stage of an ncp method, W warm start.
-  char kind = ' ';
+  Origin by = Origin::Zero;
+  char letter = ' ';   ///< of Ncp: the method's own (ncp::Iteration::kind); C at the end of a stage
   double tau = 0;      ///< of a homotopy step
   double step = 0;     ///< its length
-  double alpha = 0;    ///< of P, S and X
+  double alpha = 0;    ///< of Newton, DampedNewton and Proximal
   double siconos = 0;  ///< metrics of the point
   double rr9118 = 0;
 };
@@ -84,8 +103,9 @@ struct Stats {
 struct Result {
   Status status = Status::NoProgress;
   std::string message;
-  Solution solution;  ///< the best point met, whose metrics are `residual`
+  Solution solution;  ///< the accepted point, or the best one met, whose metrics are `residual`
   Residual residual;
+  Origin by = Origin::Zero;  ///< what made it
   Stats stats;
   std::vector<Record> history;
   bool solved() const { return status == Status::Solved; }

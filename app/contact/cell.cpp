@@ -47,6 +47,7 @@ void read(Cell& cell, const Json& json) {
   }
   const Json& residual = json.at("residual");
   cell.exact = json.at("exact").get<bool>();
+  if (json.at("solved_by").is_string()) cell.solved_by = json.at("solved_by").get<std::string>();
   cell.contacts = static_cast<int>(json.at("contacts").size());
   const Json& stats = json.at("stats");
   cell.iterations = stats.value("iterations", -1L) + stats.value("newton_steps", 0L) + stats.value("sweeps", 0L);
@@ -67,6 +68,7 @@ Json row(const Cell& c) {
           {"exact", c.exact},
           {"outcome", compare::to_string(c.outcome)},
           {"status", c.status},
+          {"solved_by", c.solved_by},
           {"contacts", natural(c.contacts)},
           {"iterations", natural(c.iterations)},
           {"seconds", value(c.seconds)},
@@ -87,6 +89,7 @@ Cell cell_of_row(const Json& json) {
   cell.exact = json.at("exact").get<bool>();
   cell.outcome = compare::outcome_of(json.at("outcome").get<std::string>());
   cell.status = json.at("status").get<std::string>();
+  cell.solved_by = json.at("solved_by").get<std::string>();
   cell.contacts = json.at("contacts").is_null() ? -1 : json.at("contacts").get<int>();
   cell.iterations = json.at("iterations").is_null() ? -1 : json.at("iterations").get<long>();
   cell.seconds = real(json.at("seconds"));

@@ -18,8 +18,9 @@ struct Cell {
   bool exact = true;      ///< is the variant's law Coulomb's?
   Outcome outcome = Outcome::Failed;
   std::string status{};                                       ///< the run's own word
+  std::string solved_by{};                                    ///< the step that made the accepted point; "" if none is
   int contacts = -1;                                          ///< -1: not known
-  long iterations = -1;                                       ///< of the homotopy: with its sweeps and Newton steps
+  long iterations = -1;                                       ///< of auto: with its sweeps and Newton steps
   double seconds = 0;                                         ///< of the solve; of a killed run, of its process
   double peak_mb = 0;                                         ///< resident, reading included
   double siconos = std::numeric_limits<double>::quiet_NaN();  ///< metrics of Coulomb's law; NaN: no point came back

@@ -20,12 +20,12 @@ constexpr const char* footer =
     "contacts: stack, spheres, arch, chain, wall, incline.\n"
     "\n"
     "Examples:\n"
-    "  perp contact Capsules.hdf5                              Glocker's NCP by the interior-point homotopy\n"
+    "  perp contact Capsules.hdf5                              Coulomb's law, by several methods until one solves it\n"
     "  perp contact spheres:200:7 --svg forces.svg             the forces in their friction disks\n"
     "  perp contact wall:100 --formulation inner:8             friction by octagons, and what that costs\n"
     "  perp contact Rover.dat --method path --encoding B --row original\n"
     "  perp contact arch:40 --json - | jq '.contacts[] | select(.state == \"slip\")'\n"
-    "  perp contact Rover.dat --option sweeps=0 --option polish=no          the homotopy alone\n"
+    "  perp contact Rover.dat --method homotopy                Glocker's NCP by interior points, and nothing else\n"
     "  perp contact --generate stack:60 --fclib-out stack.hdf5\n"
     "  perp contact data/*.dat --compare --out contact-comparison\n"
     "  perp contact data/*.dat --facets 4,8,16,32 --svg facets.svg   what facets cost by the exact law, over K\n"
@@ -34,7 +34,9 @@ constexpr const char* footer =
     "  perp contact wall:40 arch:40 --compare --variants glocker,glocker+path/B,inner:4,inner:16,ncp1\n"
     "\n"
     "glocker and ncp1 are solved when Coulomb's law holds at r: the natural map relative to max(|q|, |r|, |u|) and to\n"
-    "|q| is at most the tolerance. inner:K, outer:K and frictionless are solved when their own affine problem is; "
+    "|q| is at most the tolerance, and so are, contact by contact, the violations of cone, normal and slip relative "
+    "to\n"
+    "the impulses and velocities there. inner:K, outer:K and frictionless are solved when their own affine problem is; "
     "what\n"
     "Coulomb's law says of them stands beside it.\n"
     "\n"
@@ -101,20 +103,21 @@ CLI::App* add_command(CLI::App& app, ContactWords& words) {
       ->option_text("NAME:SIZE[:SEED]")
       ->allow_extra_args(false);
   text("--formulation", words.formulation, fmt::format("one of {}; default glocker", formulation_names), "NAME");
-  text(
-      "--method", words.method,
-      "homotopy (of glocker, its default) or a method of 'perp methods': for glocker and ncp1 (default path) those for "
-      "nonlinear problems, for the others (default auto: Lemke's first) those for affine ones",
-      "NAME");
-  text("--encoding", words.encoding, "of glocker by another method than homotopy: A, an MCP, or B, an NCP (A)", "A|B");
-  text("--row", words.row, "of glocker by another method than homotopy: the disk's equation (normalised)",
+  text("--method", words.method,
+       "of glocker auto (its default: sweeps, homotopy, Newton steps, proximal loop) or homotopy alone; or a method of "
+       "'perp methods': for glocker and ncp1 (default path) those for "
+       "nonlinear problems, for the others (default auto: Lemke's first) those for affine ones",
+       "NAME");
+  text("--encoding", words.encoding, "of glocker by a method of 'perp methods': A, an MCP, or B, an NCP (B)", "A|B");
+  text("--row", words.row, "of glocker by a method of 'perp methods': the disk's equation (normalised)",
        "normalised|original");
   text("--form", words.form, "of inner and outer: an LCP, or an MLCP with r_T free (reduced)", "reduced|mixed");
   contact
-      ->add_option("-o,--option", words.options,
-                   fmt::format("of the method; may be repeated: of homotopy {}; of others what 'perp methods' lists, "
-                               "and for glocker {}",
-                               homotopy_keys(), glocker_keys()))
+      ->add_option(
+          "-o,--option", words.options,
+          fmt::format("of the method; may be repeated: of homotopy {}; of auto these and {}; of others what 'perp "
+                      "methods' lists, and for glocker {}",
+                      homotopy_keys(), auto_keys(), glocker_keys()))
       ->option_text("KEY=VALUE")
       ->allow_extra_args(false);
   text("--tol", words.tol, "tolerance (1e-8; of --facets 1e-9)", "TOL");

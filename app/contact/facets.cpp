@@ -101,7 +101,7 @@ class Study {
          .dimension = problem.dimension,
          .contacts = problem.contacts(),
          .slipping = std::ranges::count(states, contact::State::Slip, &contact::ContactState::state),
-         .solved = std::max(e.siconos, e.rr9118) <= exact_enough,
+         .solved = contact::accepted(e, exact_enough),
          .siconos = e.siconos});
     for (const bool outer : {false, true})
       for (const int K : study_.facets)

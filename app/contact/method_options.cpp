@@ -35,11 +35,7 @@ struct OwnOption {
 
 std::vector<OwnOption> own_options(contact::GlockerHomotopy& m) {
   return {{"max_iterations", &m.max_iterations},
-          {"sweeps", &m.sweeps},
-          {"polish", &m.polish},
-          {"polish_at", &m.polish_at},
           {"other_settings", &m.other_settings},
-          {"proximal", &m.proximal},
           {"scaling", &m.scaling},
           {"delta_share", &m.options.delta_share},
           {"eps_share", &m.options.eps_share},
@@ -47,6 +43,11 @@ std::vector<OwnOption> own_options(contact::GlockerHomotopy& m) {
           {"to_boundary", &m.options.to_boundary},
           {"neighbourhood", &m.options.neighbourhood},
           {"lu", &m.options.lu}};
+}
+
+/// Of auto, but for the homotopy's.
+std::vector<OwnOption> further_options(contact::Auto& m) {
+  return {{"sweeps", &m.sweeps}, {"polish", &m.polish}, {"polish_at", &m.polish_at}, {"proximal", &m.proximal}};
 }
 
 std::vector<OwnOption> own_options(contact::GlockerNcp& m) {
@@ -142,12 +143,21 @@ MethodOptions method_options(const Variant& variant) {
   result.glocker.formulation = {.encoding = variant.encoding, .row = variant.row};
   std::vector<Assignment> given;
   for (const std::string& option : variant.options) given.push_back(parse_assignment(option, source));
-  if (variant.homotopy()) {
-    const std::vector<OwnOption> own = own_options(result.homotopy);
+  const auto set_all = [&given, &variant](const std::vector<OwnOption>& own) {
     for (const Assignment& one : given)
       if (!set_own(one, own))
-        throw InputError(fmt::format("{}: method homotopy has no option '{}'; it has {}.{}", source, one.key,
-                                     homotopy_keys(), did_you_mean(lower(one.key), keys(own))));
+        throw InputError(fmt::format("{}: method {} has no option '{}'; it has {}.{}", source, variant.method, one.key,
+                                     fmt::join(keys(own), ", "), did_you_mean(lower(one.key), keys(own))));
+  };
+  if (variant.automatic()) {
+    std::vector<OwnOption> own = further_options(result.automatic);
+    for (const OwnOption& one : own_options(result.automatic.homotopy)) own.push_back(one);
+    set_all(own);
+    check({.method = result.automatic});
+    return result;
+  }
+  if (variant.homotopy()) {
+    set_all(own_options(result.homotopy));
     check({.method = result.homotopy});
     return result;
   }
@@ -172,6 +182,11 @@ MethodOptions method_options(const Variant& variant) {
   }
   check({.method = result.glocker});
   return result;
+}
+
+std::string auto_keys() {
+  contact::Auto any;
+  return fmt::format("{}", fmt::join(keys(further_options(any)), ", "));
 }
 
 std::string homotopy_keys() {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <ostream>
 
 #include "app/table.hpp"
@@ -73,7 +74,7 @@ std::string counts_text(const Run& run) {
 std::string advice(const Run& run) {
   if (run.status == "TimeLimit") return fmt::format(" Try: a longer --time-limit than {:g} s.", run.limits.seconds);
   if (run.status == "Interrupted") return "";
-  if (run.variant.exact() && !run.variant.homotopy()) return " Try: --formulation glocker --method homotopy.";
+  if (run.variant.exact() && !run.variant.automatic()) return " Try: --formulation glocker --method auto.";
   if (run.variant.exact() && run.status == "NoProgress")
     return " Try: a looser --tol; --svg and the table show what is not decided yet.";
   return "";
@@ -82,6 +83,19 @@ std::string advice(const Run& run) {
 std::string unsolved_text(const Run& run) {
   const std::string what = fmt::format("Not solved ({})", run.status);
   return (run.message.empty() ? what : fmt::format("{}: {}", what, run.message)) + "." + advice(run);
+}
+
+/// In words what made the accepted point.
+std::string solved_by_text(const Run& run) {
+  static const std::map<std::string, std::string> words{
+      {"zero", "no impulses at all"},
+      {"sweeps", "sweeps of Gauss-Seidel"},
+      {"homotopy", "the homotopy"},
+      {"newton", "Newton steps on Alart & Curnier's equation"},
+      {"damped-newton", "damped Newton steps on Alart & Curnier's equation"},
+      {"proximal", "the proximal loop"}};
+  const auto found = words.find(run.solved_by);
+  return found == words.end() ? run.solved_by : found->second;
 }
 
 /// Words for a law that is not Coulomb's.
@@ -135,21 +149,27 @@ void print_heading(std::ostream& out, const Loaded& loaded, const Variant& varia
     out << "in 2D the friction polygon is the interval [-mu r_N, mu r_N], whatever K is\n";
 }
 
+namespace {
+std::string made_by(const Run& run, const contact::Record& record) {
+  if (record.by != contact::Origin::Ncp) return std::string(contact::to_string(record.by));
+  return record.letter == ' ' ? run.variant.method : fmt::format("{} {}", run.variant.method, record.letter);
+}
+}  // namespace
+
 void print_history(std::ostream& out, const Run& run) {
   if (run.history.empty()) return;
   Table table({{"k", Align::Right},
-               {"kind"},
+               {"made by"},
                {"tau", Align::Right},
                {"step", Align::Right},
                {"alpha", Align::Right},
                {"siconos", Align::Right},
                {"rr9118", Align::Right}});
   for (const contact::Record& r : run.history)
-    table.add({fmt::format("{}", r.k), std::string(1, r.kind), number(r.tau, 3), number(r.step, 3), number(r.alpha, 3),
+    table.add({fmt::format("{}", r.k), made_by(run, r), number(r.tau, 3), number(r.step, 3), number(r.alpha, 3),
                metric(r.siconos), metric(r.rr9118)});
-  out << "\nPoints judged: G sweeps, N homotopy step, P Newton step on Alart & Curnier's equation, X proximal "
-         "problem,\n"
-         "C end of a stage, others: the method's letters\n";
+  out << (run.variant.as_ncp() ? "\nPoints judged, by the method's own letters; C: end of a stage\n"
+                               : "\nPoints judged\n");
   table.print(out, 2);
 }
 
@@ -179,9 +199,10 @@ void print_verdict(std::ostream& out, const Problem& problem, const Run& run) {
   const contact::Residual& r = run.residual;
   if (run.variant.exact())
     print_wrapped(out,
-                  run.solved ? fmt::format("Solved: Coulomb's law holds to {} (Siconos' metric) and {} (RR-9118's).",
-                                           metric(r.siconos), metric(r.rr9118))
-                             : unsolved_text(run),
+                  run.solved
+                      ? fmt::format("Solved by {}: Coulomb's law holds to {} (Siconos' metric) and {} (RR-9118's).",
+                                    solved_by_text(run), metric(r.siconos), metric(r.rr9118))
+                      : unsolved_text(run),
                   0);
   else
     print_wrapped(out, (run.solved ? "" : unsolved_text(run) + " ") + own_text(problem, run), 0);
@@ -201,6 +222,9 @@ void print_judge(std::ostream& out, const Problem& problem, const Run& run) {
   line(out, "outside of the cone", metric(r.cone), "N s, of |r_T| <= mu r_N and r_N >= 0");
   line(out, "normal complementarity", metric(r.normal), "N s, |min(r_N, rho u_N)|");
   line(out, "friction against slip", metric(r.slip), "J, |mu r_N |u_T| + r_T.u_T|");
+  line(out, "cone, normal, slip",
+       fmt::format("{}, {}, {}", metric(r.cone_share), metric(r.normal_share), metric(r.slip_share)),
+       "at the worst contact, each relative to what is compared there");
   if (r.worst < 0 || r.scaled == 0) return;
   const Parts p = parts(problem, run, r.worst);
   line(out, "worst contact", fmt::format("{}", r.worst + 1),
@@ -215,6 +239,7 @@ void print_summaries(std::ostream& out, std::span<const Summary> all) {
                {"stick", Align::Right},
                {"slip", Align::Right},
                {"status"},
+               {"solved by"},
                {"own law", Align::Right},
                {"siconos", Align::Right},
                {"rr9118", Align::Right},
@@ -222,13 +247,13 @@ void print_summaries(std::ostream& out, std::span<const Summary> all) {
                {"time", Align::Right}});
   for (const auto& [label, run, refused] : all) {
     if (!refused.empty()) {
-      table.add({label, "", "", "", "", "refused", "", "", "", "", ""});
+      table.add({label, "", "", "", "", "refused", "", "", "", "", "", ""});
       continue;
     }
     table.add({label, fmt::format("{}", run.states.size()), fmt::format("{}", run.in_state(State::Open)),
                fmt::format("{}", run.in_state(State::Stick)), fmt::format("{}", run.in_state(State::Slip)), run.status,
-               run.variant.exact() ? "" : metric(run.own), metric(run.residual.siconos), metric(run.residual.rr9118),
-               fmt::format("{}", run.steps()), seconds_text(run.seconds)});
+               run.solved_by, run.variant.exact() ? "" : metric(run.own), metric(run.residual.siconos),
+               metric(run.residual.rr9118), fmt::format("{}", run.steps()), seconds_text(run.seconds)});
   }
   table.print(out);
 }

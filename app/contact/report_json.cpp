@@ -25,10 +25,17 @@ Json contacts_json(const Problem& problem, const Run& run) {
 }
 
 Json exact_residual_json(const contact::Residual& r) {
-  return {{"natural", json_number(r.natural)}, {"siconos", json_number(r.siconos)},
-          {"rr9118", json_number(r.rr9118)},   {"scaled", json_number(r.scaled)},
-          {"cone", json_number(r.cone)},       {"normal", json_number(r.normal)},
-          {"slip", json_number(r.slip)},       {"worst", r.worst < 0 ? Json(nullptr) : Json(r.worst + 1)}};
+  return {{"natural", json_number(r.natural)},
+          {"siconos", json_number(r.siconos)},
+          {"rr9118", json_number(r.rr9118)},
+          {"scaled", json_number(r.scaled)},
+          {"cone", json_number(r.cone)},
+          {"normal", json_number(r.normal)},
+          {"slip", json_number(r.slip)},
+          {"cone_share", json_number(r.cone_share)},
+          {"normal_share", json_number(r.normal_share)},
+          {"slip_share", json_number(r.slip_share)},
+          {"worst", r.worst < 0 ? Json(nullptr) : Json(r.worst + 1)}};
 }
 
 Json stats_json(const Run& run) {
@@ -42,20 +49,21 @@ Json stats_json(const Run& run) {
 
 std::string run_json(const Loaded& loaded, const Run& run, ExitCode code) {
   const Variant& variant = run.variant;
-  const bool glocker = variant.law == Variant::Law::Glocker;
   Json json = json_header();
   json["problem"] = loaded.label;
   json["dimension"] = loaded.problem.dimension;
   json["formulation"] = variant.formulation();
   json["method"] = variant.method;
   json["variant"] = variant.label();
-  json["encoding"] = glocker ? Json(variant.encoding == contact::Encoding::A ? "A" : "B") : Json(nullptr);
-  json["row"] = glocker ? Json(variant.row == contact::DiskRow::Original ? "original" : "normalised") : Json(nullptr);
+  const bool as_ncp = variant.as_ncp();
+  json["encoding"] = as_ncp ? Json(variant.encoding == contact::Encoding::A ? "A" : "B") : Json(nullptr);
+  json["row"] = as_ncp ? Json(variant.row == contact::DiskRow::Original ? "original" : "normalised") : Json(nullptr);
   json["form"] = variant.faceted() ? Json(variant.form == contact::Form::Mixed ? "mixed" : "reduced") : Json(nullptr);
   json["options"] = variant.options;
   json["exact"] = variant.exact();
   json["tol"] = json_number(run.limits.tol);
   json["status"] = run.status;
+  json["solved_by"] = run.solved_by.empty() ? Json(nullptr) : Json(run.solved_by);
   json["exit_code"] = static_cast<int>(code);
   json["message"] = run.message;
   json["residual"] = exact_residual_json(run.residual);

@@ -72,14 +72,14 @@ void judge(Run& run, const Problem& problem) {
       s.margin = problem.mu[a] * run.solution.r[d * a] - run.solution.r.segment(d * a + 1, d - 1).norm();
 }
 
-double larger_metric(const contact::Residual& r) { return std::max(r.siconos, r.rr9118); }
-
 void run_glocker(Run& run, const Problem& problem) {
   contact::Options options{.tol = run.limits.tol,
                            .max_time = std::chrono::duration<double>(run.limits.seconds),
                            .interrupt = run.limits.interrupt};
   MethodOptions method = method_options(run.variant);
-  if (run.variant.homotopy()) {
+  if (run.variant.automatic()) {
+    options.method = method.automatic;
+  } else if (run.variant.homotopy()) {
     options.method = method.homotopy;
   } else {
     run.unknowns = contact::Glocker(contact::scaled(problem), method.glocker.formulation).size();
@@ -87,36 +87,41 @@ void run_glocker(Run& run, const Problem& problem) {
   }
   contact::Result result = contact::solve(problem, options);
   run.status = contact::to_string(result.status);
+  const bool by_ncp = result.by == contact::Origin::Ncp;
+  if (result.solved()) run.solved_by = by_ncp ? run.variant.method : std::string(contact::to_string(result.by));
   run.message = std::move(result.message);
   run.solution = std::move(result.solution);
   run.history = std::move(result.history);
   run.counts = {{"iterations", result.stats.iterations},     {"sweeps", result.stats.sweeps},
                 {"newton_steps", result.stats.newton_steps}, {"proximal_steps", result.stats.proximal_steps},
                 {"attempts", result.stats.attempts},         {"factorizations", result.stats.factorizations}};
-  if (!run.variant.homotopy()) run.counts = {run.counts.front(), run.counts.back()};
+  if (run.variant.as_ncp()) run.counts = {run.counts.front(), run.counts.back()};
 }
 
 /// The NCP's own residual says little of the law's: every iterate is judged, and the method goes on while it can.
 void run_first_ncp(Run& run, const Problem& problem) {
   constexpr double tightest = 1e-14;
   const contact::FirstNcp mcp(problem);
+  const contact::Judge judge(problem);
   ncp::Method method = method_options(run.variant).method;
   ncp::Stop& stop = ncp::stop(method);
   stop.interrupt = run.limits.interrupt;
   stop.max_time = std::chrono::duration<double>(run.limits.seconds);
   stop.tol = tightest;
-  const ncp::Observer judge = [&](const ncp::Iteration& it) {
-    if (it.x == nullptr || it.problem != &mcp) return ncp::Next::Continue;
-    const contact::Solution point = mcp.recover(lcp::project(mcp.box(), *it.x));
-    return point.r.allFinite() && larger_metric(contact::residual(problem, point.r)) <= run.limits.tol
-               ? ncp::Next::Stop
-               : ncp::Next::Continue;
+  const auto accepted = [&](const contact::Solution& point) {
+    return point.r.allFinite() && contact::accepted(judge(point.r), run.limits.tol);
   };
-  const ncp::Result result = ncp::solve(mcp, mcp.start(), method, judge);
+  const ncp::Observer watch = [&](const ncp::Iteration& it) {
+    if (it.x == nullptr || it.problem != &mcp) return ncp::Next::Continue;
+    return accepted(mcp.recover(lcp::project(mcp.box(), *it.x))) ? ncp::Next::Stop : ncp::Next::Continue;
+  };
+  const ncp::Result result = ncp::solve(mcp, mcp.start(), method, watch);
   run.unknowns = mcp.size();
   run.solution = mcp.recover(result.x);
   run.counts = {{"iterations", result.stats.iterations}, {"factorizations", result.stats.factorizations}};
-  const bool solved = larger_metric(contact::residual(problem, run.solution.r)) <= run.limits.tol;
+  if (!run.solution.r.allFinite()) run.solution.r.setZero();  // overflowed: no point came back
+  const bool solved = accepted(run.solution);
+  if (solved) run.solved_by = run.variant.method;
   run.message = result.message;
   run.status = solved                                      ? "Solved"
                : result.solved() || result.message.empty() ? "NoProgress"
@@ -139,10 +144,14 @@ void run_affine(Run& run, const Encoding& encoding, Clock::time_point begin) {
   limits.deadline =
       begin + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(run.limits.seconds));
   if (const auto* interrupt = run.limits.interrupt) limits.interrupted = [interrupt] { return interrupt->load(); };
-  const lcp::Result result = run.variant.method == "auto"
-                                 ? contact::solve(encoding, limits)
-                                 : lcp::solve(problem, lcp::Vec::Zero(problem.size()),
-                                              std::get<ncp::Affine>(method_options(run.variant).method).method, limits);
+  contact::EncodingResult result;
+  if (run.variant.method == "auto")
+    result = contact::solve(encoding, limits);
+  else
+    result = {lcp::solve(problem, lcp::Vec::Zero(problem.size()),
+                         std::get<ncp::Affine>(method_options(run.variant).method).method, limits),
+              run.variant.method.c_str()};
+  if (result.solved()) run.solved_by = result.by;
   run.unknowns = problem.size();
   run.own = result.residual;
   run.status = status_name(result.status);

@@ -1,6 +1,6 @@
 #pragma once
-/// One run: a problem, a variant, limits, and the judge's word. Only contact::residual calls a point a solution of
-/// Coulomb's law (both published metrics at most tol); faceted and frictionless laws are judged by the natural residual
+/// One run: a problem, a variant, limits, and the judge's word. Only contact::accepted calls a point a solution of
+/// Coulomb's law; faceted and frictionless laws are judged by the natural residual
 /// of their own affine problem first, in the units of contact/units.hpp, and the exact law's residual stands beside it.
 #include <atomic>
 #include <string>
@@ -41,11 +41,12 @@ struct Run {
   Limits limits{};
   std::string status{};  ///< "Solved", "NoProgress", "TimeLimit", ...
   std::string message{};
-  bool solved = false;  ///< exact(): the exact law, else the variant's own problem
+  bool solved = false;      ///< exact(): the exact law, else the variant's own problem
+  std::string solved_by{};  ///< the step that made the accepted point (contact::Origin), or the method; "" if unsolved
   contact::Solution solution{};
   contact::Residual residual{};  ///< of Coulomb's law
   double own = 0;                ///< of laws that are not exact: natural residual of the affine problem
-  lcp::Index unknowns = 0;       ///< of it, or of the NCP; 0 of the homotopy, which has none but r
+  lcp::Index unknowns = 0;       ///< of it, or of the NCP; 0 of auto and homotopy, which have none but r
   std::vector<contact::ContactState> states{};
   std::vector<std::pair<std::string, long>> counts{};  ///< iterations first; JSON's keys
   double seconds = 0;

@@ -50,14 +50,12 @@ void set_law(Variant& variant, const std::string& formulation) {
 
 void set_method(Variant& variant, const VariantRequest& request) {
   if (!request.method) {
-    const bool as_ncp = request.encoding.value_or("A") != "A" || request.row.value_or("normalised") != "normalised";
-    variant.method = variant.law == Law::Ncp1 || (variant.law == Law::Glocker && as_ncp) ? "path"
-                     : variant.law == Law::Glocker                                       ? "homotopy"
-                                                                                         : "auto";
+    const bool as_ncp = request.encoding.has_value() || request.row.has_value();
+    variant.method = variant.law == Law::Ncp1 || (variant.law == Law::Glocker && as_ncp) ? "path" : "auto";
     return;
   }
   variant.method = *request.method;
-  if (variant.homotopy()) return;
+  if (variant.homotopy() || variant.automatic()) return;
   if (variant.method == "homotopy")
     throw InputError(fmt::format("--method homotopy is of --formulation glocker, not of {}", variant.formulation()));
   const MethodEntry* entry = find_method(variant.method);
@@ -94,12 +92,10 @@ void set_form(Variant& variant, const VariantRequest& request) {
     variant.encoding = static_cast<contact::Encoding>(one_of("--encoding", *request.encoding, "A", "B"));
   if (request.row) variant.row = static_cast<contact::DiskRow>(one_of("--row", *request.row, "original", "normalised"));
   if (request.form) variant.form = static_cast<contact::Form>(one_of("--form", *request.form, "mixed", "reduced"));
-  if (!variant.homotopy()) return;
-  if (variant.encoding != contact::Encoding::A)
-    throw InputError("--encoding B: method homotopy works in encoding A; name another --method, path for instance");
-  if (variant.row != contact::DiskRow::Normalised)
-    throw InputError(
-        "--row original: method homotopy needs the normalised row; name another --method, path for instance");
+  for (const auto& [flag, given] : {std::pair{"--encoding", request.encoding}, std::pair{"--row", request.row}})
+    if (given && !variant.as_ncp() && variant.law == Law::Glocker)
+      throw InputError(fmt::format("{} {}: method {} has its own form; name another --method, path for instance", flag,
+                                   *given, variant.method));
 }
 
 }  // namespace
@@ -112,7 +108,7 @@ std::string Variant::formulation() const {
 std::string Variant::label() const {
   std::string text = formulation();
   if (exact() || method != "auto") text += "+" + method;
-  if (law == Law::Glocker && !homotopy()) text += encoding == contact::Encoding::A ? "/A" : "/B";
+  if (as_ncp()) text += encoding == contact::Encoding::A ? "/A" : "/B";
   if (row == contact::DiskRow::Original) text += "/original";
   if (form == contact::Form::Mixed) text += "/mixed";
   return text;
@@ -121,7 +117,7 @@ std::string Variant::label() const {
 std::vector<std::string> Variant::flags() const {
   std::vector<std::string> flags{"--formulation", formulation(), "--method", method};
   const auto add = [&](const char* flag, const char* value) { flags.insert(flags.end(), {flag, value}); };
-  if (law == Law::Glocker && !homotopy()) add("--encoding", encoding == contact::Encoding::A ? "A" : "B");
+  if (as_ncp()) add("--encoding", encoding == contact::Encoding::A ? "A" : "B");
   if (row == contact::DiskRow::Original) add("--row", "original");
   if (form == contact::Form::Mixed) add("--form", "mixed");
   for (const std::string& option : options) add("--option", option.c_str());
@@ -132,6 +128,7 @@ std::string Variant::words() const {
   const char* shape = form == contact::Form::Mixed ? "MLCP" : "LCP";
   switch (law) {
     case Law::Glocker:
+      if (automatic()) return "Gauss-Seidel, Glocker's homotopy, Newton steps, a proximal loop, until one solves it";
       if (homotopy()) return "Glocker's NCP by the interior-point homotopy";
       return fmt::format("Glocker's {} (encoding {}, {} disk row) by {}",
                          encoding == contact::Encoding::A ? "MCP" : "NCP", encoding == contact::Encoding::A ? "A" : "B",

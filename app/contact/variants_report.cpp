@@ -7,6 +7,7 @@
 #include <cmath>
 #include <filesystem>
 #include <limits>
+#include <map>
 #include <ostream>
 
 #include "app/compare/campaign.hpp"
@@ -65,6 +66,7 @@ struct Line {
   bool exact = true;
   int cells = 0, solved = 0, failed = 0, time = 0, broken = 0, not_applicable = 0;
   double seconds = 0;                // in all, what was not solved counted as the limit
+  std::map<std::string, int> by{};   // how many each step solved
   double iterations = std::nan("");  // median of the solved
   double error = std::nan("");       // of Coulomb's law, median of the solved
   double worst = std::nan("");
@@ -83,6 +85,7 @@ std::vector<Line> lines(const Comparison& comparison) {
       switch (cell.outcome) {
         case Outcome::Solved:
           ++line.solved;
+          if (!cell.solved_by.empty()) ++line.by[cell.solved_by];
           iterations.push_back(std::max(1.0, static_cast<double>(cell.iterations)));
           errors.push_back(std::max(1e-300, cell.siconos));
           break;
@@ -108,10 +111,20 @@ std::vector<Line> lines(const Comparison& comparison) {
   return all;
 }
 
+/// "sweeps 17, newton 11", the most first.
+std::string by_text(const std::map<std::string, int>& by) {
+  std::vector<std::pair<std::string, int>> all(by.begin(), by.end());
+  std::ranges::stable_sort(all, std::ranges::greater{}, &std::pair<std::string, int>::second);
+  std::string text;
+  for (const auto& [step, n] : all) text += fmt::format("{}{} {}", text.empty() ? "" : ", ", step, n);
+  return text;
+}
+
 std::vector<std::string> cells_of(const Line& line) {
   return {line.variant,
           line.exact ? "Coulomb" : "its own",
           fmt::format("{}/{}", line.solved, line.cells),
+          by_text(line.by),
           fmt::format("{}", line.failed),
           fmt::format("{}", line.time),
           fmt::format("{}", line.broken),
@@ -122,10 +135,11 @@ std::vector<std::string> cells_of(const Line& line) {
           text_of(line.worst, 2)};
 }
 
-constexpr std::array<std::pair<const char*, const char*>, 11> columns{
+constexpr std::array<std::pair<const char*, const char*>, 12> columns{
     {{"variant", "formulation+method/form"},
      {"judged by", "the law whose residual decides"},
      {"solved", "of the cells that ran"},
+     {"solved by", "the step that made the accepted point"},
      {"failed", "the method gave up, or its point is no solution"},
      {"time limit", ""},
      {"broken", "crashed, or beyond the limit of memory"},

@@ -49,6 +49,8 @@ TEST(Contact, ThreeContactsByHand) {
         VariantRequest{.method = "semismooth", .encoding = "B"}, VariantRequest{.method = "interior"}}) {
     const Answer run = answer({.problems = {folder / "three.dat"}, .variant = variant});
     EXPECT_EQ(run.code, exit_solved) << run.err;
+    EXPECT_EQ(run.result["solved_by"],
+              variant.encoding ? variant.method.value_or("path") : variant.method.value_or("sweeps"));
     const json& contacts = run.result["contacts"];
     ASSERT_EQ(contacts.size(), 3U);
     EXPECT_EQ(contacts[0]["state"], "open");
@@ -77,9 +79,10 @@ TEST(Contact, PrintsTableVerdictAndJudge) {
   test::Captured captured;
   EXPECT_EQ(solve_contact({.problems = {folder / "three.dat"}}, captured.streams), exit_solved);
   for (const char* part :
-       {"3 contacts in 3 dimensions, mu 0.5", "of full rank", "symmetric", "glocker+homotopy", "contact  state",
-        "1.5 m/s", "0.2 N s", "Solved: Coulomb's law holds", "3 contacts: 1 open, 1 stick, 1 slip", "Siconos 4.4",
-        "INRIA RR-9118", "outside of the cone", "normal complementarity", "friction against slip"})
+       {"3 contacts in 3 dimensions, mu 0.5", "of full rank", "symmetric", "glocker+auto", "Solved by",
+        "contact  state", "1.5 m/s", "0.2 N s", "Solved by sweeps of Gauss-Seidel: Coulomb's law holds",
+        "3 contacts: 1 open, 1 stick, 1 slip", "Siconos 4.4", "INRIA RR-9118", "outside of the cone",
+        "normal complementarity", "friction against slip"})
     EXPECT_THAT(captured.out.str(), HasSubstr(part));
   EXPECT_EQ(captured.err.str(), "");
 }
@@ -97,6 +100,29 @@ TEST(Contact, LogLevels) {
       EXPECT_GT(captured.out.str().size(), before);
     }
     before = captured.out.str().size();
+  }
+}
+
+// Who made each point that was judged, in words. Would catch a legend of letters that lacks some.
+TEST(Contact, HistorySaysWhoMadeAPoint) {
+  test::Captured captured;
+  solve_contact({.problems = {"spheres:12"}, .variant = {.options = {"sweeps=4"}}, .log_level = LogLevel::Debug},
+                captured.streams);
+  for (const char* part : {"made by", "sweeps", "homotopy", "newton"}) EXPECT_THAT(captured.out.str(), HasSubstr(part));
+}
+
+// W = 0 and q_N < 0: no solution, by no formulation of Coulomb's law. Would catch a claim where r is huge.
+TEST(Contact, NothingSolvesWhatHasNoSolution) {
+  const test::Folder folder;
+  test::write(folder / "w0.dat", "3\n1\n\n0\n3\n3\n\n3\n3\n\n0 0 0\n0 0 0\n0 0 0\n\n-1 0.5 0\n\n0.3\n\n0\n");
+  for (const char* text : {"glocker", "glocker+homotopy", "glocker+path/B", "glocker+path/A", "glocker+interior/B",
+                           "ncp1+path", "ncp1+semismooth", "ncp1+interior"}) {
+    const Variant variant = parse_variant(std::string(text));
+    VariantRequest request{.formulation = variant.formulation(), .method = variant.method};
+    if (variant.as_ncp()) request.encoding = variant.encoding == contact::Encoding::A ? "A" : "B";
+    const Answer run = answer({.problems = {folder / "w0.dat"}, .variant = request, .time_limit = 5});
+    EXPECT_EQ(run.code, exit_unsolved) << text << run.err;
+    EXPECT_TRUE(run.result["solved_by"].is_null()) << text;
   }
 }
 
@@ -284,7 +310,7 @@ TEST(Contact, FclibFileReadsBack) {
   const lcp::Vec momentum = global.H * point.r + global.f;
   EXPECT_LT((global.M * point.v - momentum).norm(), 1e-10 * momentum.norm());
   EXPECT_LT((global.H.transpose() * point.v + global.w - point.u).lpNorm<Eigen::Infinity>(), 1e-10);
-  EXPECT_THAT(read.description, HasSubstr("glocker+homotopy"));
+  EXPECT_THAT(read.description, HasSubstr("glocker+auto"));
   EXPECT_EQ(answer({.problems = {file}}).code, exit_solved);
 }
 

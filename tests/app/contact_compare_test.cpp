@@ -58,14 +58,15 @@ TEST(ContactCompare, TableFilesAndLaws) {
       EXPECT_LE(cell["siconos"].get<double>(), 1e-8);
     }
   }
-  EXPECT_EQ(cells[0]["variant"], "glocker+homotopy");  // problem by problem, in the order asked for
+  EXPECT_EQ(cells[0]["variant"], "glocker+auto");  // problem by problem, in the order asked for
   EXPECT_EQ(cells[2]["variant"], "inner:4");
   EXPECT_GT(cells[2]["siconos"].get<double>(), 1e-2);
   EXPECT_EQ(cells[4]["contacts"], 2);
   const auto records = compare::parse_csv(test::read(folder / "out/cells.csv"));
   ASSERT_EQ(records.size(), 13U);
   for (const auto& record : records) EXPECT_EQ(record.size(), records[0].size());
-  for (const char* part : {"glocker+homotopy", "3/3", "its own", "Coulomb", "stack:4", "report.html"})
+  for (const char* part :
+       {"glocker+auto", "3/3", "solved by", "sweeps ", "its own", "Coulomb", "stack:4", "report.html"})
     EXPECT_THAT(captured.out.str(), HasSubstr(part));
   const std::string page = test::read(folder / "out/report.html");
   for (const char* part : {"Performance profiles", "glocker+path/B", "inner:4 *", "three.dat", "<svg"})

@@ -36,18 +36,20 @@ Answer answer(const std::string& problem, const VariantRequest& variant) {
 TEST(ContactOptions, OfTheHomotopy) {
   const MethodOptions plain = method_options(parse_variant(VariantRequest{}));
   const contact::GlockerHomotopy usual;
-  EXPECT_EQ(plain.homotopy.sweeps, usual.sweeps);
+  EXPECT_EQ(plain.automatic.sweeps, contact::Auto{}.sweeps);
+  EXPECT_EQ(plain.automatic.homotopy.max_iterations, usual.max_iterations);
   const MethodOptions all = method_options(
       parse_variant({.options = {"max_iterations=7", "sweeps=3", "polish=no", "polish_at=0.25", "other_settings=off",
                                  "proximal=0", "scaling=FALSE", "delta_share=0.2", "eps_share=0.3",
                                  "least_centring=0.4", "to_boundary=0.5", "neighbourhood=0.6", "LU=klu", "sweeps=5"}}));
-  const contact::GlockerHomotopy& m = all.homotopy;
+  const contact::Auto& whole = all.automatic;
+  const contact::GlockerHomotopy& m = whole.homotopy;
   EXPECT_EQ(m.max_iterations, 7);
-  EXPECT_EQ(m.sweeps, 5) << "the last one counts";
-  EXPECT_FALSE(m.polish);
-  EXPECT_EQ(m.polish_at, 0.25);
+  EXPECT_EQ(whole.sweeps, 5) << "the last one counts";
+  EXPECT_FALSE(whole.polish);
+  EXPECT_EQ(whole.polish_at, 0.25);
   EXPECT_FALSE(m.other_settings);
-  EXPECT_FALSE(m.proximal);
+  EXPECT_FALSE(whole.proximal);
   EXPECT_FALSE(m.scaling);
   EXPECT_EQ(m.options.delta_share, 0.2);
   EXPECT_EQ(m.options.eps_share, 0.3);
@@ -55,6 +57,10 @@ TEST(ContactOptions, OfTheHomotopy) {
   EXPECT_EQ(m.options.to_boundary, 0.5);
   EXPECT_EQ(m.options.neighbourhood, 0.6);
   EXPECT_EQ(m.options.lu, lcp::LuBackend::Klu);
+  const MethodOptions alone =
+      method_options(parse_variant({.method = "homotopy", .options = {"max_iterations=9", "eps_share=0.7"}}));
+  EXPECT_EQ(alone.homotopy.max_iterations, 9);
+  EXPECT_EQ(alone.homotopy.options.eps_share, 0.7);
 }
 
 TEST(ContactOptions, OfGlockersNcp) {
@@ -110,7 +116,9 @@ TEST(ContactOptions, RefusedWithWhatIsKnown) {
   EXPECT_THAT(why({.options = {"lu=mumps"}}), HasSubstr("umfpack, klu"));
   EXPECT_THAT(why({.options = {"delta_share=nan"}}), HasSubstr("a finite number"));
   EXPECT_THAT(why({.options = {"to_boundary=1"}}), HasSubstr("in (0, 1)"));
-  EXPECT_THAT(why({.options = {"delta=1e-9"}}), HasSubstr("method homotopy has no option 'delta'"));
+  EXPECT_THAT(why({.options = {"delta=1e-9"}}), HasSubstr("method auto has no option 'delta'"));
+  EXPECT_THAT(why({.method = "homotopy", .options = {"sweeps=0"}}),
+              HasSubstr("method homotopy has no option 'sweeps'"));
   const VariantRequest path{.method = "path"};
   const auto why_path = [&](const std::string& option) {
     VariantRequest request = path;
@@ -145,7 +153,7 @@ TEST(ContactOptions, AreDocumented) {
   const std::string page = test::read(PERP_SOURCE_DIR "/app/perp.1");
   const std::string readme = test::read(PERP_SOURCE_DIR "/app/README.md");
   const std::string shell = test::read(PERP_SOURCE_DIR "/app/perp.bash");
-  const std::string all = homotopy_keys() + ", " + glocker_keys();
+  const std::string all = auto_keys() + ", " + homotopy_keys() + ", " + glocker_keys();
   const std::regex word("[a-z_]+");
   int keys = 0;
   for (std::sregex_iterator it(all.begin(), all.end(), word), end; it != end; ++it, ++keys) {

@@ -13,21 +13,21 @@ using testing::HasSubstr;
 
 // Would catch a default that changes, and a word that is dropped between text and variant.
 TEST(ContactVariant, TextThereAndBack) {
-  for (const char* label : {"glocker+homotopy", "glocker+path/B", "glocker+semismooth/A", "glocker+path/B/original",
-                            "ncp1+path", "ncp1+semismooth", "inner:8", "outer:64/mixed", "inner:4+lemke/mixed",
-                            "frictionless", "frictionless+block-pivoting"})
+  for (const char* label : {"glocker+auto", "glocker+homotopy", "glocker+path/B", "glocker+semismooth/A",
+                            "glocker+path/B/original", "ncp1+path", "ncp1+semismooth", "inner:8", "outer:64/mixed",
+                            "inner:4+lemke/mixed", "frictionless", "frictionless+block-pivoting"})
     EXPECT_EQ(parse_variant(std::string(label)).label(), label);
-  EXPECT_EQ(parse_variant(std::string("glocker")).label(), "glocker+homotopy");
+  EXPECT_EQ(parse_variant(std::string("glocker")).label(), "glocker+auto");
   EXPECT_EQ(parse_variant(std::string("glocker/B")).label(), "glocker+path/B");
-  EXPECT_EQ(parse_variant(std::string("glocker/original")).label(), "glocker+path/A/original");
+  EXPECT_EQ(parse_variant(std::string("glocker/original")).label(), "glocker+path/B/original");
   EXPECT_EQ(parse_variant(std::string("ncp1")).label(), "ncp1+path");
   EXPECT_EQ(parse_variant(std::string("inner:8+auto/reduced")).label(), "inner:8");
 }
 
 // A comparison's cells are runs of these flags: would catch one that asks for something else.
 TEST(ContactVariant, FlagsAskForTheSame) {
-  for (const std::string label : {"glocker+homotopy", "glocker+path/B/original", "inner:8+lemke/mixed", "outer:5",
-                                  "frictionless", "ncp1+semismooth"}) {
+  for (const std::string label : {"glocker+auto", "glocker+homotopy", "glocker+path/B/original", "inner:8+lemke/mixed",
+                                  "outer:5", "frictionless", "ncp1+semismooth"}) {
     const std::vector<std::string> flags = parse_variant(label).flags();
     VariantRequest request;
     for (std::size_t k = 0; k + 1 < flags.size(); k += 2) {
@@ -63,6 +63,7 @@ TEST(ContactVariant, RefusesWithFlagAndValue) {
   EXPECT_THAT(why({.formulation = "glocker", .encoding = "C"}), HasSubstr("'C'"));
   EXPECT_THAT(why({.method = "homotopy", .encoding = "B"}), HasSubstr("--method"));
   EXPECT_THAT(why({.method = "homotopy", .row = "original"}), HasSubstr("--row original"));
+  EXPECT_THAT(why({.method = "auto", .encoding = "A"}), HasSubstr("method auto has its own form"));
   EXPECT_THAT(why({.method = "pth"}), HasSubstr("'path'"));
   EXPECT_THAT(why({.method = "lemke"}), HasSubstr("affine"));
   EXPECT_THAT(why({.formulation = "inner:8", .method = "path"}), HasSubstr("affine"));
@@ -70,7 +71,7 @@ TEST(ContactVariant, RefusesWithFlagAndValue) {
   EXPECT_THAT(test::refused([] { parse_variant(std::string("glocker+path/C")); }), HasSubstr("'C'"));
   EXPECT_THAT(test::refused([] { parse_variants("inner:8,glocker,inner:8"); }), HasSubstr("twice"));
   EXPECT_THAT(test::refused([] { parse_variants("inner:8,,glocker"); }), HasSubstr("''"));
-  EXPECT_EQ(parse_variants(default_variants).size(), 7U);
+  EXPECT_EQ(parse_variants(default_variants).size(), 8U);
 }
 
 }  // namespace

@@ -148,8 +148,8 @@ TEST(Glocker, TheOriginalRowVanishesAtOpenContacts) {
       }
     }
   for (const double delta : {1e-2, 1e-4, 1e-6}) {
-    const Glocker original(scaled(problem), {.row = DiskRow::Original});
-    const Glocker normalised(scaled(problem), {.delta = delta});
+    const Glocker original(scaled(problem), {.encoding = Encoding::A, .row = DiskRow::Original});
+    const Glocker normalised(scaled(problem), {.encoding = Encoding::A, .delta = delta});
     Vec x = random.normals(original.size());
     x[0] = 1.5;
     Vec F(x.size());
@@ -162,7 +162,7 @@ TEST(Glocker, TheOriginalRowVanishesAtOpenContacts) {
 // Names say which contact and which part. Options that make no sense are refused.
 TEST(Glocker, NamesAndRefusals) {
   const Scaled coordinates = scaled(one_contact(vec({-1, 2, 1}), 0.5));
-  const Glocker A(coordinates, {});
+  const Glocker A(coordinates, {.encoding = Encoding::A});
   EXPECT_EQ(A.variable_name(6), "kappa_D[1]");
   EXPECT_EQ(A.equation_name(0), "u_N[1]");
   const Glocker B(coordinates, {.encoding = Encoding::B});

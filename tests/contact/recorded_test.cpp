@@ -25,6 +25,7 @@ TEST(Recorded, ReferencesAreSolutions) {
     const double scale = ref.siconos > 0 ? ref.natural / ref.siconos : 1;
     EXPECT_NEAR(e.natural, ref.natural, rounding * scale + 0.01 * ref.natural);
     EXPECT_LE(e.scaled, 2e-11);
+    EXPECT_TRUE(accepted(e, 1e-8)) << e.largest();
     EXPECT_LE((p.W * s.r + p.q - s.u).norm(), 1e-12 * (p.q.norm() + s.u.norm()));
   }
 }
@@ -59,7 +60,9 @@ TEST(Recorded, NearbyPointsAreNoSolutions) {
     if (r.norm() == 0) continue;
     const Residual at = residual(p, r);
     r *= 1.01;
-    EXPECT_GT(residual(p, r).scaled, 1e3 * at.scaled + 1e-8);
+    const Residual near = residual(p, r);
+    EXPECT_GT(near.scaled, 1e3 * at.scaled + 1e-8);
+    EXPECT_FALSE(accepted(near, 1e-8)) << near.largest();
   }
 }
 

@@ -198,6 +198,129 @@ TEST(Residual, ScaledIsFreeOfUnits) {
   }
 }
 
+// --- accepted --------------------------------------------------------------------------------------------------------
+
+// W = 0, q_N < 0: no impulse is a solution, however large. Catches r - P_K(r - uhat) by subtraction, which loses u_N
+// = -1 beside r_N = 1e33, and a metric relative to the largest impulse alone.
+TEST(Accepted, HugeImpulsesBuyNothing) {
+  Problem p = point(vec({-1, 0.5, 0}), 0.3);
+  p.W = SpMat(3, 3);
+  for (const double size : {0.0, 1.0, 1e8, 1e16, 1.2e33, 1e200})
+    for (const double friction : {0.0, -0.2, -0.3}) {
+      const Residual e = residual(p, vec({size, friction * size, 0}));
+      EXPECT_FALSE(accepted(e, 0.1)) << size;
+      EXPECT_GE(e.rr9118, 0.5) << size;
+    }
+}
+
+// A body of 1 kg squeezed between two walls that both come towards it, W = (1, -1; -1, 1) in the normal rows: no
+// solution, but r = s (1, 1) has W r = 0. Beside a free contact with |q| = 1e12 both published metrics are small.
+TEST(Accepted, SqueezedBesideAFastOne) {
+  Dense W = Dense::Zero(9, 9);
+  W(0, 0) = W(3, 3) = 1;
+  W(0, 3) = W(3, 0) = -1;
+  for (const Index i : {1, 2, 4, 5, 6, 7, 8}) W(i, i) = 1;
+  Problem p;
+  p.W = sparse(W);
+  p.mu = vec({0.5, 0.5, 0.5});
+  p.q = vec({-1, 0, 0, -1, 0, 0, -1e12, 0, 0});
+  for (const double s : {0.0, 1.0, 1e10, 1e20, 1e40}) {
+    const Residual e = residual(p, vec({s, 0, 0, s, 0, 0, 1e12, 0, 0}));
+    EXPECT_LE(std::max(e.siconos, e.rr9118), 2e-12) << s;
+    EXPECT_GE(e.normal_share, 0.1) << s;
+    EXPECT_FALSE(accepted(e, 1e-3)) << s;
+  }
+}
+
+// Two blocks of 1 kg, one upon the other, on the ground: the joint has q = 0, and u = 0 only to rounding. Catches
+// shares that ask for more than doubles have.
+TEST(Accepted, RoundingOfWhatCancels) {
+  Dense W = Dense::Zero(4, 4);
+  W(0, 0) = 1 / 0.3;
+  W(2, 2) = 1 / 0.3 + 1 / 0.7;
+  W(0, 2) = W(2, 0) = -1 / 0.3;
+  W(1, 1) = W(3, 3) = 1;
+  Problem p;
+  p.dimension = 2;
+  p.W = sparse(W);
+  p.mu = vec({0.5, 0.5});
+  p.q = vec({-0.0981, 0, 0, 0});
+  const double above = 0.7 * 0.0981;
+  const Vec r = vec({0.3 * 0.0981 + above, 0, above, 0});
+  EXPECT_TRUE(accepted(residual(p, r), 1e-14)) << residual(p, r).largest();
+  Vec wrong = r;
+  wrong[2] *= 1.0001;
+  EXPECT_FALSE(accepted(residual(p, wrong), 1e-6));
+}
+
+// The shares name what is wrong: the points of NonSolutions.
+TEST(Accepted, EachPartSeesItsOwn) {
+  const Problem slip = point(vec({-3, 3, -4}), 0.1);
+  const Residual right = residual(slip, vec({6, -0.36, 0.48}));
+  EXPECT_LE(right.largest(), 1e-15);
+  const Residual turned = residual(slip, vec({6, -0.48, 0.36}));
+  EXPECT_LE(std::max(turned.cone_share, turned.normal_share), 1e-15);
+  EXPECT_GT(turned.slip_share, 0.01);
+  EXPECT_GT(residual(slip, vec({6, -0.18, 0.24})).slip_share, 0.01);
+  EXPECT_GT(residual(slip, vec({7, -0.42, 0.56})).normal_share, 0.05);
+  EXPECT_GT(residual(slip, vec({6, -0.72, 0.96})).cone_share, 0.05);
+  EXPECT_GT(residual(point(vec({1, 2, -3}), 0.4), vec({-2, 0, 0})).cone_share, 0.2);  // 2 N s of 2 |q|
+  EXPECT_EQ(residual(point(vec({0, 0, 0}), 0.4), vec({0, 0, 0})).largest(), 0);
+}
+
+// Kilograms or tonnes, seconds or days: solutions stay solutions and others do not become any, although the published
+// metrics compare impulses with velocities (with 1e12 kg the rounding of r alone is more than 1e-8 |q|). In small units
+// of impulse they take any r for a solution of an open contact.
+TEST(Accepted, DoesNotDependOnUnits) {
+  const Vec stick = vec({6, -1.2, 1.6});
+  const Problem sticks = point(vec({-3, 0.6, -0.8}), 0.4);
+  const Problem slips = point(vec({-3, 3, -4}), 0.1);
+  const Problem open = point(vec({1, 2, -3}), 0.4);
+  for (const double mass : {1e-12, 1e-6, 1.0, 1e3, 1e6})
+    for (const double time : {1e-6, 1.0, 1e6}) {
+      const auto verdict = [&](Problem p, const Vec& r) {
+        p.W /= mass;
+        p.q *= time;
+        return accepted(residual(p, mass * time * r), 1e-8);
+      };
+      SCOPED_TRACE(std::to_string(mass) + ", " + std::to_string(time));
+      EXPECT_TRUE(verdict(sticks, stick));
+      EXPECT_TRUE(verdict(slips, vec({6, -0.36, 0.48})));
+      EXPECT_TRUE(verdict(open, Vec::Zero(3)));
+      EXPECT_FALSE(verdict(sticks, 1.01 * stick));
+      EXPECT_FALSE(verdict(slips, vec({6, -0.48, 0.36})));
+      EXPECT_FALSE(verdict(slips, vec({6, -0.36, 0.4801})));
+      EXPECT_FALSE(verdict(slips, vec({7, -0.42, 0.56})));
+      EXPECT_FALSE(verdict(open, vec({0.1, 0, 0})));
+      EXPECT_FALSE(verdict(open, vec({-0.1, 0, 0})));
+    }
+}
+
+// u = W r + q where W r is 1e60 and cancels but for one unit: integers times powers of two, so that the sum is exact.
+// Catches sums in double, and in twice its precision.
+TEST(Velocities, AreThoseOfTheGivenDoubles) {
+  Random random(12);
+  for (int k = 0; k < 200; ++k) {
+    const Index n = random.integer(2, 12);
+    Dense W = Dense::Zero(3 * n, 3 * n);
+    Vec r(3 * n);
+    Vec expected(3 * n);
+    const int high = random.integer(0, 200);
+    for (Index j = 0; j < 3 * n; ++j) r[j] = std::ldexp(random.integer(1, 1 << 20), high);
+    Problem p{.dimension = 3, .W = {}, .q = Vec(3 * n), .mu = Vec::Ones(n)};
+    for (Index i = 0; i < 3 * n; ++i) {
+      // a r_j - b r_k + q with a r_j = b r_k
+      const Index j = random.integer(0, static_cast<int>(3 * n) - 1);
+      const Index l = (j + 1) % (3 * n);
+      W(i, j) = std::ldexp(r[l], -high);
+      W(i, l) = -std::ldexp(r[j], -high);
+      p.q[i] = expected[i] = random.normal();
+    }
+    p.W = sparse(W);
+    EXPECT_EQ(velocities(p, r), expected);
+  }
+}
+
 // Numbers whose squares overflow, and what overflows itself, are never taken for a solution.
 TEST(Residual, LargeNumbers) {
   Problem p = point(vec({-3e200, 3e200, -4e200}), 0.1);

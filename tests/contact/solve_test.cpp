@@ -36,8 +36,7 @@ Result expect_solved(const Problem& problem, const Options& options = {}, const 
   Result result = solve(problem, options);
   EXPECT_TRUE(result.solved()) << problem.name << ' ' << what << ": " << result.message;
   const Residual judged = residual(problem, result.solution.r);
-  EXPECT_LE(judged.siconos, options.tol) << problem.name << ' ' << what;
-  EXPECT_LE(judged.rr9118, options.tol) << problem.name << ' ' << what;
+  EXPECT_TRUE(accepted(judged, options.tol)) << problem.name << ' ' << what << ": " << judged.largest();
   EXPECT_LE((problem.W * result.solution.r + problem.q - result.solution.u).norm(), 1e-12 * (1 + problem.q.norm()));
   return result;
 }
@@ -58,7 +57,7 @@ TEST(Homotopy, IsTheUnreducedInteriorPoint) {
         ASSERT_TRUE(reduced.step());
         iterates.push_back(reduced.r());
       }
-      Glocker mcp(coordinates, {.delta = 0.1, .eps = 0.1});
+      Glocker mcp(coordinates, {.encoding = Encoding::A, .delta = 0.1, .eps = 0.1});
       ncp::InteriorPoint whole{.growth = 1e6, .finish = false};
       whole.stop.tol = 1e-15;
       whole.follow = [&mcp](double tau) { mcp.set_smoothing(std::clamp(0.1 * tau, 1e-13, 1.0), 0.1 * tau); };
@@ -80,8 +79,7 @@ TEST(Homotopy, AloneReachesTheTolerance) {
   int solved = 0;
   for (int k = 0; k < 20; ++k) {
     const Problem problem = random_problem(3, 8, 30, random, 0.1);
-    const Options alone{.method =
-                            GlockerHomotopy{.polish = false, .other_settings = false, .proximal = false, .sweeps = 0}};
+    const Options alone{.method = GlockerHomotopy{.other_settings = false}};
     const Result result = solve(problem, alone);
     solved += result.solved() ? 1 : 0;
     EXPECT_EQ(result.stats.newton_steps, 0);
@@ -115,7 +113,7 @@ TEST(Solve, RandomProblems) {
     for (int k = 0; k < 40; ++k) {
       const Index contacts = random.integer(1, 12);
       const Index m = random.integer(3, static_cast<int>(dimension * contacts + 4));
-      expect_solved(random_problem(dimension, contacts, m, random, 0.2), {.method = GlockerHomotopy{.sweeps = 0}},
+      expect_solved(random_problem(dimension, contacts, m, random, 0.2), {.method = Auto{.sweeps = 0}},
                     std::to_string(k));
     }
 }
@@ -143,6 +141,63 @@ TEST(Solve, WithoutASolution) {
   EXPECT_LT(result.stats.time.count(), 10);
   EXPECT_TRUE(result.solution.r.allFinite());
   EXPECT_THAT(result.message, HasSubstr("worst at contact 1"));
+}
+
+// The same by every method and in both encodings, and where q_N of another contact is 1e12: relative to the largest |q|
+// the violation is nothing. Catches a judge that a huge impulse, or a huge velocity elsewhere, can buy.
+TEST(Solve, NeverClaimsWhatHasNoSolution) {
+  Problem one = one_contact(vec({-1, 0.5, 0}), 0.3);
+  one.W = SpMat(3, 3);
+  Problem two{.dimension = 3, .W = SpMat(6, 6), .q = vec({-1, 0.5, 0, -1e12, 0, 0}), .mu = vec({0.3, 0.5})};
+  for (int i = 3; i < 6; ++i) two.W.insert(i, i) = 1;
+  two.W.makeCompressed();
+  const std::chrono::duration<double> second(0.5);
+  for (const Problem& problem : {one, two}) {
+    EXPECT_FALSE(solve(problem, {.max_time = second}).solved());
+    EXPECT_FALSE(solve(problem, {.max_time = second, .method = GlockerHomotopy{}}).solved());
+    for (const Encoding encoding : {Encoding::A, Encoding::B})
+      for (const DiskRow row : {DiskRow::Original, DiskRow::Normalised})
+        for (const ncp::Method& method :
+             {ncp::Method(ncp::PathSearch{}), ncp::Method(ncp::NewtonJosephy{}), ncp::Method(ncp::SemismoothNewton{}),
+              ncp::Method(ncp::Smoothing{}), ncp::Method(ncp::InteriorPoint{}), ncp::Method(ncp::MinNewton{})}) {
+          const GlockerNcp by{.method = method, .formulation = {.encoding = encoding, .row = row}};
+          EXPECT_FALSE(solve(problem, {.max_time = second, .method = by}).solved()) << ncp::name(method);
+        }
+  }
+}
+
+// Impulses beyond the doubles, and the NaN they make, are a run that failed: q / W overflows. Catches a judge that
+// blames the input, which is finite.
+TEST(Solve, OverflowIsNoWrongInput) {
+  for (const auto& [W, q] : {std::pair{1e-200, 1e200}, std::pair{1e-310, 1e10}, std::pair{1e300, 1e300}}) {
+    Problem problem = one_contact(vec({-q, q / 2, 0}), 0.3);
+    problem.W *= W;
+    for (const Options& options : {Options{}, Options{.method = GlockerHomotopy{}}, Options{.method = GlockerNcp{}},
+                                   Options{.method = GlockerNcp{.method = ncp::InteriorPoint{}}}}) {
+      Result result;
+      EXPECT_NO_THROW(result = solve(problem, options)) << W;
+      EXPECT_TRUE(result.solution.r.allFinite());
+      EXPECT_TRUE(W > 1 || !result.solved());
+    }
+  }
+}
+
+// Who made the accepted point: each part of Auto in turn, alone as far as it can be.
+TEST(Solve, SaysWhoSolvedIt) {
+  Random random(11);
+  const Problem problem = random_problem(3, 8, 30, random, 0.1);
+  Problem open = problem;
+  for (Index a = 0; a < open.contacts(); ++a) open.q[3 * a] = 1e3;
+  EXPECT_EQ(expect_solved(open).by, Origin::Zero);
+  EXPECT_EQ(expect_solved(one_contact(vec({-1, 2, 1}), 0.4)).by, Origin::Sweeps);
+  const Result newton = expect_solved(problem, {.tol = 1e-12, .method = Auto{.sweeps = 0}});
+  EXPECT_EQ(newton.by, Origin::Newton);
+  EXPECT_EQ(expect_solved(problem, {.tol = 1e-10, .start = newton.solution.r}).by, Origin::WarmStart);
+  EXPECT_EQ(expect_solved(problem, {.method = GlockerNcp{}}).by, Origin::Ncp);
+  const Result homotopy = expect_solved(problem, {.method = GlockerHomotopy{}});
+  EXPECT_EQ(homotopy.by, Origin::Homotopy);
+  EXPECT_EQ(homotopy.stats.sweeps + homotopy.stats.newton_steps + homotopy.stats.proximal_steps, 0);
+  for (const Record& record : homotopy.history) EXPECT_EQ(record.by, Origin::Homotopy);
 }
 
 // A warm start from the solution before takes no homotopy where little has changed, and solves where much has.
@@ -271,6 +326,7 @@ TEST(Solve, MethodsOfNcp) {
 TEST(Solve, RecordedProblems) {
   SKIP_WITHOUT_RECORDED_PROBLEMS();
   int solved = 0;
+  int sweeps = 0;
   for (const Reference& reference : references()) {
     if (sanitized && reference.contacts > 150) continue;
     const Problem problem = recorded(reference.file);
@@ -280,8 +336,10 @@ TEST(Solve, RecordedProblems) {
     const Vec u = reference.solution().u;
     EXPECT_LE((result.solution.u - u).norm(), apart * std::max(u.norm(), problem.q.norm())) << reference.file;
     solved += result.solved() ? 1 : 0;
+    sweeps += result.by == Origin::Sweeps ? 1 : 0;
   }
   EXPECT_GE(solved, sanitized ? 20 : 30);
+  EXPECT_GE(sweeps, 10);
 }
 
 // 463 contacts, W of rank 743 of 1389: the proximal loop. Nobody else is known to solve it to 1e-8.
@@ -290,6 +348,7 @@ TEST(Solve, RockPile) {
   if (sanitized) GTEST_SKIP() << "slow with sanitizers";
   const Result result = expect_solved(recorded("RockPile_tob1.dat"), {.max_time = std::chrono::duration<double>(60)});
   EXPECT_GT(result.stats.proximal_steps, 0);
+  EXPECT_EQ(result.by, Origin::Proximal);
 }
 
 // Poured spheres, mu lower than they were poured for: the path of the homotopy turns back at a residual of 1e-3, a
@@ -298,9 +357,9 @@ TEST(Solve, RockPile) {
 TEST(Solve, WhereThePathTurnsBack) {
   Problem problem = make_scene("spheres", 299).problem();
   problem.mu.setConstant(0.4);
-  GlockerHomotopy method{.other_settings = false, .proximal = false};
+  Auto method{.homotopy = {.other_settings = false}, .proximal = false};
   const Result result = expect_solved(problem, {.method = method});
-  EXPECT_EQ(result.history.back().kind, 'S');
+  EXPECT_EQ(result.by, Origin::DampedNewton);
   method.polish = false;
   EXPECT_FALSE(solve(problem, {.method = method}).solved());
 }
