@@ -69,13 +69,19 @@ std::string counts_text(const Run& run) {
   return text + seconds_text(run.seconds);
 }
 
+/// A tolerance larger by this is worth a try; what is worse is no solution to anybody.
+constexpr double loosened = 1e4;
+
 /// What to try, or nothing.
 std::string advice(const Run& run) {
+  if (run.verdict.existence == contact::Existence::None) return "";
   if (run.status == "TimeLimit") return fmt::format(" Try: a longer --time-limit than {:g} s.", run.limits.seconds);
   if (run.status == "Interrupted") return "";
   if (run.variant.exact() && !run.variant.homotopy()) return " Try: --formulation glocker --method homotopy.";
   if (run.variant.exact() && run.status == "NoProgress")
-    return " Try: a looser --tol; --svg and the table show what is not decided yet.";
+    return run.residual.siconos <= loosened * run.limits.tol
+               ? " Try: a looser --tol; --svg and the table show what is not decided yet."
+               : " --svg and the table show what is not decided yet.";
   return "";
 }
 

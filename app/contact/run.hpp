@@ -41,7 +41,8 @@ struct Run {
   Limits limits{};
   std::string status{};  ///< "Solved", "NoProgress", "TimeLimit", ...
   std::string message{};
-  bool solved = false;  ///< exact(): the exact law, else the variant's own problem
+  contact::Verdict verdict{};  ///< what is known of solutions of the variant's law, where none was found
+  bool solved = false;         ///< exact(): the exact law, else the variant's own problem
   contact::Solution solution{};
   contact::Residual residual{};  ///< of Coulomb's law
   double own = 0;                ///< of laws that are not exact: natural residual of the affine problem
