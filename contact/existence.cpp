@@ -23,7 +23,7 @@ constexpr double eps = std::numeric_limits<double>::epsilon();
 constexpr double slack = 1e-14;
 /// ADMM: its penalty in scaled units, iterations a margin, and how often the velocities are looked at.
 constexpr double penalty = 0.3;
-constexpr int iterations = 400;
+constexpr int iterations = 5000;
 constexpr int look = 10;
 constexpr std::array margins{1.0, 0.1, 0.01, 0.001};
 /// Of the regularised equation W r' = ... that is tried before.

@@ -10,8 +10,8 @@ jobs=$(nproc)
 # The one list of Debian packages: to build the program, and to test it as well.
 build_packages=(g++ cmake ninja-build libeigen3-dev libsuitesparse-dev libgsl-dev libamplsolver-dev
   libhdf5-dev libcli11-dev nlohmann-json3-dev libfmt-dev)
-test_packages=("${build_packages[@]}" libgtest-dev libgmock-dev pkg-config python3
-  gjh-asl-json)
+test_packages=("${build_packages[@]}" libgtest-dev libgmock-dev libgmp-dev pkg-config
+  python3 gjh-asl-json)
 
 fail() {
   printf '\nperp: %s\n' "$*" >&2
