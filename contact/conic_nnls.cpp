@@ -16,6 +16,8 @@ std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 constexpr double negligible = 1e-14;
 /// Solutions of the normal equations are refined so often with the residual of the columns themselves.
 constexpr int refinements = 3;
+/// Up to so many entries the columns are factored themselves, which does not square their condition.
+constexpr Index dense_entries = 200000;
 
 }  // namespace
 
@@ -45,6 +47,15 @@ void ConicNnls::append(Column column) {
 }
 
 bool ConicNnls::least_squares(Vec& z) const {
+  if (x_.size() * e_.size() <= dense_entries) {
+    Eigen::MatrixXd C = Eigen::MatrixXd::Zero(e_.size(), x_.size());
+    for (Index j = 0; j < x_.size(); ++j)
+      for (const auto& [row, value] : columns_[at(j)].entries) C(row, j) += value;
+    const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> factor(C);
+    z = factor.solve(-e_);
+    z -= factor.solve(residual(z));
+    return z.allFinite();
+  }
   const Eigen::LLT<Eigen::MatrixXd> factor(gram_);
   if (factor.info() != Eigen::Success) return false;
   z = Vec::Zero(x_.size());

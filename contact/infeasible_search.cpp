@@ -7,7 +7,7 @@
 
 #include "contact/conic_nnls.hpp"
 #include "contact/infeasible.hpp"
-#include "lcp/bound_qp.hpp"
+#include "lcp/solve.hpp"
 
 namespace perp::contact {
 namespace {
@@ -15,8 +15,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using Dense = Eigen::MatrixXd;
 
-/// Contacts of a part from which on the frictionless problem is asked first, if W is symmetric.
-constexpr Index ask_first = 60;
+/// Contacts of a part up to which pivoting is asked, if W is symmetric; beyond, the QP.
+constexpr Index pivoting_to = 60;
 /// Columns, and rounds, of one least squares problem.
 constexpr std::size_t most_columns = 600;
 constexpr int rounds_a_contact = 40;
@@ -88,10 +88,13 @@ class Search {
   bool alone(Index a);
   std::vector<std::vector<Index>> parts() const;
   bool examine(const std::vector<Index>& part);
-  std::vector<Index> frictionless_ray(const std::vector<Index>& part, bool& none) const;
-  bool least_squares(const std::vector<Index>& part);
+  void prepare(const std::vector<Index>& part);
+  double unit(Index a) const { return weight_[d_ * place_[at(a)]]; }
+  std::vector<Index> frictionless_ray(const std::vector<Index>& part, const lcp::Method& method, bool& solved);
+  bool least_squares(const std::vector<Index>& part, bool with_slack);
   ConicNnls::Column ray(Index a, const Vec& rho, double& slope) const;
   bool offer(const ConicNnls& method, const std::vector<Index>& part);
+  std::vector<Index> offer(Vec y, const std::vector<char>& slack, const std::vector<Index>& part);
   void refine(Vec& y, const std::vector<Index>& support, const std::vector<char>& slack) const;
   bool try_one(const Vec& y);
 
@@ -104,10 +107,11 @@ class Search {
   double velocity_ = 1;
   std::optional<Infeasible> best_;
 
-  // Of the part at hand: its contacts' places, and what its columns are divided by.
+  // Of the part at hand: the contacts it acts on and their places, weights of rows, what columns are divided by.
+  std::vector<Index> all_;
   std::vector<Index> place_;
-  Vec weight_;  // of rows
-  Vec norm_;    // of columns
+  Vec weight_;
+  Vec norm_;
 };
 
 /// Keeps y if it proves anything and more than what is kept; whether it proves all.
@@ -146,40 +150,49 @@ std::vector<std::vector<Index>> Search::parts() const {
   return all;
 }
 
+/// For symmetric semidefinite W there is a certificate if and only if the frictionless problem has none but
+/// certificates for an answer: pivoting, or the QP, which is fast for any size, is asked first. Then least squares,
+/// without slack where W y e_N has to be 0.
 bool Search::examine(const std::vector<Index>& part) {
-  if (!symmetric_ || static_cast<Index>(part.size()) < ask_first) return least_squares(part);
-  bool none = false;
-  const std::vector<Index> support = frictionless_ray(part, none);
-  if (none) return false;
-  return least_squares(support.empty() ? part : support);
+  if (!symmetric_) return least_squares(part, true);
+  const bool small = static_cast<Index>(part.size()) < pivoting_to;
+  bool solved = false;
+  const std::vector<Index> support =
+      frictionless_ray(part, small ? lcp::Method(lcp::PrincipalPivoting{}) : lcp::Method(lcp::BoundQp{}), solved);
+  if (best_) return true;
+  if (solved && !small) return false;
+  if (!support.empty() && support.size() < part.size() && least_squares(support, false)) return true;
+  return least_squares(part, false) || (small && least_squares(part, true));
 }
 
-/// For symmetric semidefinite W there is a certificate if and only if the frictionless problem has no solution, which
-/// the QP answers fast for any size: the contacts of its ray. `none`: it has a solution.
-std::vector<Index> Search::frictionless_ray(const std::vector<Index>& part, bool& none) const {
+/// Asks a method for the frictionless problem of the part; a certificate of it is offered. The contacts of that.
+std::vector<Index> Search::frictionless_ray(const std::vector<Index>& part, const lcp::Method& method, bool& solved) {
+  prepare(part);
   std::vector<Index> place(at(problem_.contacts()), -1);
   for (std::size_t k = 0; k < part.size(); ++k) place[at(part[k])] = static_cast<Index>(k);
   std::vector<Eigen::Triplet<double>> entries;
-  Vec q(static_cast<Index>(part.size()));
+  lcp::Vec q(static_cast<Index>(part.size()));
   for (const Index a : part) {
-    q[place[at(a)]] = problem_.q[d_ * a] / velocity_;
+    q[place[at(a)]] = unit(a) * problem_.q[d_ * a];
     for (SpMat::InnerIterator it(rows_, d_ * a); it; ++it)
-      if (it.row() % d_ == 0 && place[at(it.row() / d_)] >= 0)
-        entries.emplace_back(static_cast<int>(place[at(it.row() / d_)]), static_cast<int>(place[at(a)]), it.value());
+      if (const Index b = it.row() / d_; it.row() % d_ == 0 && place[at(b)] >= 0)
+        entries.emplace_back(static_cast<int>(place[at(a)]), static_cast<int>(place[at(b)]),
+                             unit(a) * it.value() * unit(b));
   }
+  const double largest = q.lpNorm<Eigen::Infinity>();
   SpMat M(q.size(), q.size());
   M.setFromTriplets(entries.begin(), entries.end());
   lcp::Limits limits;
   limits.deadline = begin_ + std::chrono::duration_cast<Clock::duration>(limits_.max_time);
   if (limits_.interrupt != nullptr) limits.interrupted = [stop = limits_.interrupt] { return stop->load(); };
-  const lcp::Result result = lcp::bound_qp(lcp::standard_lcp(std::move(M), q), Vec::Zero(q.size()), {}, limits);
-  none = result.solved();
-  std::vector<Index> support;
-  if (result.certificate.size() == q.size())
-    for (Index k = 0; k < q.size(); ++k)
-      if (result.certificate[k] > support_tol * result.certificate.lpNorm<Eigen::Infinity>())
-        support.push_back(part[at(k)]);
-  return support;
+  const lcp::Result result =
+      lcp::solve(lcp::standard_lcp(std::move(M), q / largest), Vec::Zero(q.size()), method, limits);
+  solved = result.solved();
+  if (result.certificate.size() != q.size()) return {};
+  Vec y = Vec::Zero(problem_.contacts());
+  for (const Index a : part) y[a] = std::max(0.0, result.certificate[place[at(a)]]) * unit(a);
+  std::vector<char> slack(at(problem_.contacts()), 0);
+  return offer(y, slack, part);
 }
 
 /// The generator of K* at contact a that reduces |rho| most: -P_K*(-rho_a), in coordinates where mu = 1.
@@ -204,26 +217,29 @@ ConicNnls::Column Search::ray(Index a, const Vec& rho, double& slope) const {
   return column;
 }
 
-bool Search::least_squares(const std::vector<Index>& part) {
-  place_.assign(at(problem_.contacts()), -1);
-  std::vector<Index> all = part;  // and the contacts they act on
+/// Every contact in units of its own, friction cones with mu = 1; no rows for tangents that do no work.
+void Search::prepare(const std::vector<Index>& part) {
+  all_ = part;
   for (const Index a : part)
-    for (SpMat::InnerIterator it(rows_, d_ * a); it; ++it) all.push_back(it.row() / d_);
-  std::ranges::sort(all);
-  all.erase(std::ranges::unique(all).begin(), all.end());
-  for (std::size_t k = 0; k < all.size(); ++k) place_[at(all[k])] = static_cast<Index>(k);
-
-  // Every contact in units of its own, friction cones with mu = 1; no rows for tangents that do no work.
-  const Index m = d_ * static_cast<Index>(all.size());
-  weight_ = Vec::Ones(m);
-  for (const Index b : all) {
+    for (SpMat::InnerIterator it(rows_, d_ * a); it; ++it) all_.push_back(it.row() / d_);
+  std::ranges::sort(all_);
+  all_.erase(std::ranges::unique(all_).begin(), all_.end());
+  place_.assign(at(problem_.contacts()), -1);
+  for (std::size_t k = 0; k < all_.size(); ++k) place_[at(all_[k])] = static_cast<Index>(k);
+  weight_ = Vec::Ones(d_ * static_cast<Index>(all_.size()));
+  for (const Index b : all_) {
     double largest = 0;
     for (int k = 0; k < d_; ++k) largest = std::max(largest, std::abs(problem_.W.coeff(d_ * b + k, d_ * b + k)));
-    const double unit = largest > 0 ? 1 / std::sqrt(largest) : 1;
-    for (int k = 0; k < d_; ++k) weight_[d_ * place_[at(b)] + k] = k == 0 ? unit : problem_.mu[b] * unit;
+    const double own = largest > 0 ? 1 / std::sqrt(largest) : 1;
+    for (int k = 0; k < d_; ++k) weight_[d_ * place_[at(b)] + k] = k == 0 ? own : problem_.mu[b] * own;
   }
-  std::vector<ConicNnls::Column> columns;
   norm_ = Vec::Ones(problem_.contacts());
+}
+
+bool Search::least_squares(const std::vector<Index>& part, bool with_slack) {
+  prepare(part);
+  const Index m = weight_.size();
+  std::vector<ConicNnls::Column> columns;
   double steepest = 0;  // largest velocity of a column of norm 1
   for (const Index a : part) {
     ConicNnls::Column column{.tag = a, .entries = {}};
@@ -246,7 +262,7 @@ bool Search::least_squares(const std::vector<Index>& part) {
 
   ConicNnls method(Vec::Unit(m + 1, m));
   std::vector<char> refused(columns.size(), 0);
-  const int rounds = rounds_a_contact * static_cast<int>(all.size()) + 100;
+  const int rounds = rounds_a_contact * static_cast<int>(all_.size()) + 100;
   for (int k = 0; k < rounds && method.columns().size() < most_columns && !over(); ++k) {
     const Vec& rho = method.rho();
     if (rho.norm() < candidate) break;
@@ -258,7 +274,8 @@ bool Search::least_squares(const std::vector<Index>& part) {
         entering = j;
       }
     std::optional<ConicNnls::Column> slack;
-    for (const Index b : all) {
+    for (const Index b : all_) {
+      if (!with_slack) break;
       double slope = 0;
       ConicNnls::Column column = ray(b, rho, slope);
       if (slope >= steep) continue;
@@ -311,22 +328,29 @@ void Search::refine(Vec& y, const std::vector<Index>& support, const std::vector
 bool Search::offer(const ConicNnls& method, const std::vector<Index>& part) {
   Vec y = Vec::Zero(problem_.contacts());
   std::vector<char> slack(at(problem_.contacts()), 0);
-  double largest = 0;
   for (Index j = 0; j < method.x().size(); ++j) {
     const Index tag = method.columns()[at(j)].tag;
     if (tag < 0)
       slack[at(-1 - tag)] = 1;
     else
-      largest = std::max(largest, y[tag] = method.x()[j] / norm_[tag]);
+      y[tag] = method.x()[j] / norm_[tag];
   }
+  offer(y, slack, part);
+  return best_.has_value();
+}
+
+/// Tries y, refined, in whole numbers and as it is; the contacts it is made of.
+std::vector<Index> Search::offer(Vec y, const std::vector<char>& slack, const std::vector<Index>& part) {
+  double largest = 0;
+  for (const Index a : part) largest = std::max(largest, y[a] / unit(a));
   std::vector<Index> support;
   for (const Index a : part) {
-    if (y[a] > support_tol * largest)
+    if (y[a] / unit(a) > support_tol * largest)
       support.push_back(a);
     else
       y[a] = 0;
   }
-  if (support.empty()) return false;
+  if (support.empty()) return support;
   Vec refined = y;
   refine(refined, support, slack);
   for (const Vec& v : {refined, y}) {
@@ -335,13 +359,12 @@ bool Search::offer(const ConicNnls& method, const std::vector<Index>& part) {
     double least = most;
     for (const Index a : support)
       if (v[a] > 0) least = std::min(least, v[a]);
-    for (const double unit : {most, least, v[support.front()]})
-      if (unit > 0 && try_one(whole_numbers(v / unit))) return true;
+    for (const double one : {most, least, v[support.front()]})
+      if (one > 0 && try_one(whole_numbers(v / one))) return support;
     // Where all is slack any near numbers do: ten bits.
-    if (try_one((v * (0x1p10 / most)).array().round().matrix())) return true;
-    if (try_one(v / most)) return true;
+    if (try_one((v * (0x1p10 / most)).array().round().matrix()) || try_one(v / most)) return support;
   }
-  return best_.has_value();
+  return support;
 }
 
 }  // namespace

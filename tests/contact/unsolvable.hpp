@@ -20,7 +20,7 @@ struct Unsolvable {
   std::string family{};
 };
 
-inline constexpr int unsolvable_families = 7;
+inline constexpr int unsolvable_families = 8;
 
 namespace unsolvable {
 
@@ -203,12 +203,26 @@ inline Unsolvable make_unsolvable(int k, Random& random) {
       Dense W =
           Dense::NullaryExpr(d * n, d * n, [&] { return random.chance(0.5) ? random.integer(-2, 3) / 2.0 : 0.0; });
       out.y = Vec::Zero(n);
-      const Index used = random.integer(1, static_cast<int>(std::min<Index>(n, 4)));
+      const Index used = random.integer(1, static_cast<int>(std::min<Index>(n, 10)));
       for (Index a = 0; a < used; ++a) out.y[a] = random.integer(1, 3);
       out.y[used - 1] = 1;
       push_into_cone(W, problem, out.y, used - 1, border, random);
       problem.W = W.sparseView();
       problem.W.makeCompressed();
+      break;
+    }
+    case 7: {  // contact a pushes bodies a - 1 and a apart; the first and the last are walls
+      out.family = "a row of bodies between walls";
+      Dense H = Dense::Zero(d * (n - 1), d * n);
+      const Dense Q = turn(d, random);
+      for (Index a = 0; a < n; ++a) {
+        if (a > 0) H.block(d * (a - 1), d * a, d, d) = -Q;
+        if (a + 1 < n) H.block(d * a, d * a, d, d) = Q;
+      }
+      Vec inverse(H.rows());
+      for (Index body = 0; body + 1 < n; ++body) inverse.segment(d * body, d).setConstant(power(random, 10));
+      problem.W = delassus(H, inverse);
+      out.y = Vec::Ones(n);
       break;
     }
     default:
