@@ -6,9 +6,9 @@
 /// *Exists*: for symmetric positive semidefinite W, if some velocities that impulses (of any sign) can bring about are
 /// inside the dual cones,
 ///     u' = W r' + q,   u'_N > mu |u'_T| in every contact                                                         (*)
-/// (theorem 3.1 of Acary, Cadoux, Lemarechal & Malick, ZAMM 91 (2011) 165, whose H'v + w in int K* it is, since H' and
-/// W have one range). The proof turns convex problems min 1/2 r'W r + (q + mu s e_N).r over K into a continuous map of
-/// s = |u_T| with bounded range. For unsymmetric W nothing is said.
+/// (Acary, Cadoux, Lemarechal & Malick, ZAMM 91 (2011) 155, whose H'v + w in int K* it is, since H' and W have one
+/// range). The proof turns convex problems min 1/2 r'W r + (q + mu s e_N).r over K into a continuous map of s = |u_T|
+/// with bounded range. For unsymmetric W nothing is said.
 ///
 /// W is symmetric if it is as given, bit by bit. Whether a singular matrix of doubles is semidefinite rounding would
 /// decide; what is shown instead is that S = D W D, D = diag(W_ii^-1/2), has no eigenvalue below -shift:

@@ -34,10 +34,10 @@ Json exact_residual_json(const contact::Residual& r) {
 /// What is known of the existence of solutions: null where a solution was found.
 void add_verdict(Json& json, const Run& run) {
   const contact::Verdict& verdict = run.verdict;
-  const bool none = verdict.existence == contact::Existence::None;
+  const bool certified = verdict.certificate.size() > 0;
   json["existence"] = run.solved ? Json(nullptr) : Json(contact::to_string(verdict.existence));
-  json["certificate"] = none ? json_numbers(verdict.certificate) : Json(nullptr);
-  json["radius"] = none ? json_number(verdict.radius) : Json(nullptr);
+  json["certificate"] = certified ? json_numbers(verdict.certificate) : Json(nullptr);
+  json["radius"] = certified ? json_number(verdict.radius) : Json(nullptr);
   json["witness"] = verdict.existence == contact::Existence::Exists ? json_numbers(verdict.witness.r) : Json(nullptr);
 }
 

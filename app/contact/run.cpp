@@ -186,6 +186,7 @@ void ask_existence(Run& run, const Problem& problem, Clock::duration spent) {
     if (auto proof = contact::find_infeasibility(enclosing, limits))
       run.verdict = contact::verdict_of(enclosing, std::move(*proof));
   }
+  if (run.status == "Infeasible") run.verdict.existence = contact::Existence::None;  // the method's own proof
   if (run.verdict.existence == contact::Existence::None) run.status = "Infeasible";
   if (run.verdict.message.empty()) return;
   run.message += run.message.empty() ? run.verdict.message : "; " + run.verdict.message;

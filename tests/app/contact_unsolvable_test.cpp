@@ -51,7 +51,7 @@ std::vector<Variant> all_variants() {
 Problem enclosing(Problem problem, const Variant& variant) {
   if (variant.law == Variant::Law::Frictionless) problem.mu.setZero();
   if (variant.law == Variant::Law::Outer && problem.dimension == 3)
-    problem.mu *= (1 + 1e-12) / std::cos(std::numbers::pi / variant.facets);
+    problem.mu *= (1 + 2e-15) / std::cos(std::numbers::pi / variant.facets);
   return problem;
 }
 
@@ -64,9 +64,12 @@ void check_claims(const Problem& problem, const contact::Vec& planted, const Run
   EXPECT_NE(run.verdict.existence, contact::Existence::Exists) << what;
   if (run.verdict.existence != contact::Existence::None) return;
   EXPECT_EQ(run.status, "Infeasible") << what;
+  if (run.verdict.certificate.size() == 0) {  // the proof of a method for affine problems, in its own unknowns
+    EXPECT_FALSE(run.variant.exact()) << what;
+    return;
+  }
   const double radius = contact::support::exact_radius(own, run.verdict.certificate);
-  EXPECT_GE(radius, std::min(run.verdict.radius, 0.999 * radius)) << what;
-  EXPECT_GE(radius, 1e11) << what;
+  EXPECT_GE(radius, run.verdict.radius) << what;
 }
 
 // Every variant in turn, some for each problem. Catches a method that calls an unsolvable problem solved, a certificate
@@ -83,7 +86,7 @@ TEST(ContactUnsolvable, ByEveryVariant) {
     const auto [problem, planted, family] = make_unsolvable(k, random);
     for (std::size_t i = 0; i < each; ++i) {
       const Variant& variant = variants[next++ % variants.size()];
-      const Run run = contacts::run(problem, variant, {.seconds = 0.2});
+      const contacts::Run run = contacts::run(problem, variant, {.seconds = 0.2});
       check_claims(problem, planted, run);
       ++ended[run.status];
     }
@@ -99,7 +102,7 @@ TEST(ContactUnsolvable, TextAndJson) {
   problem.W = perp::support::matrix({{1, 0, -1, 0}, {0, 1, 0, 1}, {-1, 0, 1, 0}, {0, 1, 0, 1}});
   const Loaded loaded{"squeezed", problem};
   for (const char* label : {"glocker", "glocker+path/B", "ncp1", "inner:8", "outer:8", "frictionless"}) {
-    const Run run = contacts::run(problem, parse_variant(std::string(label)), {.seconds = 5});
+    const contacts::Run run = contacts::run(problem, parse_variant(std::string(label)), {.seconds = 5});
     EXPECT_EQ(run.status, "Infeasible") << label;
     std::ostringstream text;
     print_verdict(text, problem, run);
@@ -114,7 +117,7 @@ TEST(ContactUnsolvable, TextAndJson) {
     EXPECT_TRUE(json["witness"].is_null());
   }
   problem.q[2] = 2;
-  const Run solved = contacts::run(problem, parse_variant(std::string("glocker")), {});
+  const contacts::Run solved = contacts::run(problem, parse_variant(std::string("glocker")), {});
   const auto json = nlohmann::json::parse(run_json(loaded, solved, exit_solved));
   for (const char* key : {"existence", "certificate", "radius", "witness"}) EXPECT_TRUE(json.at(key).is_null()) << key;
 }

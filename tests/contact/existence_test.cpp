@@ -1,5 +1,5 @@
-/// What is said of the existence of solutions. Source: Acary, Cadoux, Lemarechal & Malick, ZAMM 91 (2011) 165, theorem
-/// 3.1; contact/existence.hpp.
+/// What is said of the existence of solutions. Source: Acary, Cadoux, Lemarechal & Malick, ZAMM 91 (2011) 155;
+/// contact/existence.hpp.
 #include "contact/existence.hpp"
 
 #include <gtest/gtest.h>
