@@ -17,6 +17,8 @@ using Dense = Eigen::MatrixXd;
 
 /// Contacts of a part up to which pivoting is asked, if W is symmetric; beyond, the QP.
 constexpr Index pivoting_to = 60;
+/// Impulses in units of their contacts beyond which the frictionless problem does not count as solved.
+constexpr double largest_impulse = 1e8;
 /// Columns, and rounds, of one least squares problem.
 constexpr std::size_t most_columns = 600;
 constexpr int rounds_a_contact = 40;
@@ -160,7 +162,7 @@ bool Search::examine(const std::vector<Index>& part) {
   const std::vector<Index> support =
       frictionless_ray(part, small ? lcp::Method(lcp::PrincipalPivoting{}) : lcp::Method(lcp::BoundQp{}), solved);
   if (best_) return true;
-  if (solved && !small) return false;
+  if (solved) return false;
   if (!support.empty() && support.size() < part.size() && least_squares(support, false)) return true;
   return least_squares(part, false) || (small && least_squares(part, true));
 }
@@ -187,7 +189,7 @@ std::vector<Index> Search::frictionless_ray(const std::vector<Index>& part, cons
   if (limits_.interrupt != nullptr) limits.interrupted = [stop = limits_.interrupt] { return stop->load(); };
   const lcp::Result result =
       lcp::solve(lcp::standard_lcp(std::move(M), q / largest), Vec::Zero(q.size()), method, limits);
-  solved = result.solved();
+  solved = result.solved() && result.z.lpNorm<Eigen::Infinity>() <= largest_impulse;
   if (result.certificate.size() != q.size()) return {};
   Vec y = Vec::Zero(problem_.contacts());
   for (const Index a : part) y[a] = std::max(0.0, result.certificate[place[at(a)]]) * unit(a);

@@ -69,8 +69,9 @@ std::string counts_text(const Run& run) {
   return text + seconds_text(run.seconds);
 }
 
-/// A tolerance larger by this is worth a try; what is worse is no solution to anybody.
-constexpr double loosened = 1e4;
+/// Points as near as this are worth a looser tolerance; what is worse is no solution to anybody.
+constexpr double nearly = 1e-6;
+double larger_metric(const contact::Residual& r) { return std::max(r.siconos, r.rr9118); }
 
 /// What to try, or nothing.
 std::string advice(const Run& run) {
@@ -79,7 +80,7 @@ std::string advice(const Run& run) {
   if (run.status == "Interrupted") return "";
   if (run.variant.exact() && !run.variant.homotopy()) return " Try: --formulation glocker --method homotopy.";
   if (run.variant.exact() && run.status == "NoProgress")
-    return run.residual.siconos <= loosened * run.limits.tol
+    return larger_metric(run.residual) <= nearly
                ? " Try: a looser --tol; --svg and the table show what is not decided yet."
                : " --svg and the table show what is not decided yet.";
   return "";
