@@ -173,7 +173,8 @@ Problem enclosing_problem(const Problem& problem, const Variant& variant) {
 
 /// What contact::solve asks by itself. That a solution exists is known of Coulomb's law alone.
 void ask_existence(Run& run, const Problem& problem, Clock::duration spent) {
-  if (run.solved || run.status == "Interrupted") return;
+  // Status "Interrupted" is also that of a method which the judge of its iterates stopped.
+  if (run.solved || (run.limits.interrupt != nullptr && run.limits.interrupt->load())) return;
   constexpr double least_search = 0.1;
   const contact::SearchLimits limits{
       .max_time = std::clamp(std::chrono::duration<double>(spent), std::chrono::duration<double>(least_search),

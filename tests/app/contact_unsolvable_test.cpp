@@ -59,7 +59,7 @@ void check_claims(const Problem& problem, const contact::Vec& planted, const Run
   const std::string what = problem.name + " by " + run.variant.label() + ": " + run.message;
   const Problem own = enclosing(problem, run.variant);
   if (contact::support::exactly_infeasible(own, planted)) {
-    EXPECT_FALSE(run.solved) << what;
+    EXPECT_FALSE(run.solved) << what << ", largest impulse " << run.solution.r.lpNorm<Eigen::Infinity>();
   }
   EXPECT_NE(run.verdict.existence, contact::Existence::Exists) << what;
   if (run.verdict.existence != contact::Existence::None) return;
