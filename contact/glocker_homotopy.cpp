@@ -82,6 +82,7 @@ class Solver {
   void run(const Vec& start) {
     if (start.size() > 0 ? warm(start) : sweep()) return;
     if (attempt(options_)) return;
+    if ((method_.homotopy.other_settings || method_.proximal) && referee_.no_solution()) return;
     if (method_.homotopy.other_settings && with_other_settings()) return;
     if (method_.proximal) proximal_loop();
   }

@@ -23,6 +23,8 @@ class Referee {
   Stats& stats() { return result_.stats; }
   double seconds_left() const;
   const std::atomic<bool>* interrupt() const { return options_.interrupt; }
+  /// Asks for a proof that there is no solution; true if that ends the run. For solvers that are about to do long work.
+  bool no_solution();
   Result result(const std::string& message);
 
  private:
@@ -37,6 +39,10 @@ class Referee {
   Vec best_;
   double best_metric_ = lcp::infinity;
   double last_ = lcp::infinity;
+  bool searched_ = false;  // for a certificate, to the end
+
+  SearchLimits search_limits() const;
+  void ask_existence();
 };
 
 void run_auto(Referee& referee, const Scaled& problem, const Auto& method, const Vec& start);

@@ -57,6 +57,10 @@ void run(Referee& referee, const Scaled& problem, const GlockerNcp& method, cons
 
 double larger_metric(const Residual& residual) { return std::max(residual.siconos, residual.rr9118); }
 
+/// Of a search for a certificate or a witness.
+constexpr std::chrono::duration<double> least_search{0.1};
+constexpr double least_share = 0.1;  // of a time limit that was reached
+
 }  // namespace
 
 std::string_view to_string(Status status) {
@@ -69,6 +73,8 @@ std::string_view to_string(Status status) {
       return "TimeLimit";
     case Status::Interrupted:
       return "Interrupted";
+    case Status::Infeasible:
+      return "Infeasible";
   }
   return "?";
 }
@@ -148,7 +154,36 @@ double Referee::seconds_left() const {
   return std::chrono::duration<double>(options_.max_time - (std::chrono::steady_clock::now() - begin_)).count();
 }
 
+/// As long as the run has taken, a tenth of a second at least; beyond a time limit a tenth of it.
+SearchLimits Referee::search_limits() const {
+  const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - begin_;
+  const std::chrono::duration<double> share =
+      result_.status == Status::TimeLimit ? least_share * options_.max_time : spent;
+  return {.max_time = std::max(least_search, share), .interrupt = options_.interrupt};
+}
+
+bool Referee::no_solution() {
+  if (searched_ || result_.status == Status::Solved || result_.status == Status::Interrupted) return over();
+  const auto begin = std::chrono::steady_clock::now();
+  const SearchLimits limits = search_limits();
+  std::optional<Infeasible> proof = find_infeasibility(problem_, limits);
+  searched_ = proof || std::chrono::steady_clock::now() - begin < limits.max_time;
+  if (proof) {
+    result_.status = Status::Infeasible;
+    result_.verdict = verdict_of(problem_, std::move(*proof));
+  }
+  return over();
+}
+
+/// What is known where no solution was found.
+void Referee::ask_existence() {
+  if (result_.status == Status::NoProgress || result_.status == Status::TimeLimit) no_solution();
+  if (result_.status == Status::NoProgress || result_.status == Status::TimeLimit)
+    result_.verdict = verdict_without_certificate(problem_, search_limits());
+}
+
 Result Referee::result(const std::string& message) {
+  ask_existence();
   result_.solution.u = velocities(problem_, result_.solution.r);
   std::ostringstream text;
   if (result_.status == Status::Solved)
@@ -157,6 +192,8 @@ Result Referee::result(const std::string& message) {
     text << "the time limit of " << options_.max_time.count() << " s was reached: ";
   else if (result_.status == Status::Interrupted)
     text << "interrupted: ";
+  else if (result_.status == Status::Infeasible)
+    text << result_.verdict.message << "; at the best point ";
   else
     text << message << ": ";
   text.precision(3);
@@ -166,6 +203,8 @@ Result Referee::result(const std::string& message) {
     text << "; contact by contact cone, normal and slip hold to " << e.cone_share << ", " << e.normal_share << " and "
          << e.slip_share << ", relative";
   if (result_.status != Status::Solved && e.worst >= 0) text << "; worst at contact " << e.worst + 1;
+  if (result_.status == Status::NoProgress || result_.status == Status::TimeLimit)
+    text << "; " << result_.verdict.message;
   result_.message = text.str();
   result_.stats.time = std::chrono::steady_clock::now() - begin_;
   return std::move(result_);

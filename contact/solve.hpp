@@ -12,6 +12,7 @@
 #include <variant>
 #include <vector>
 
+#include "contact/existence.hpp"
 #include "contact/glocker.hpp"
 #include "contact/homotopy.hpp"
 #include "contact/problem.hpp"
@@ -61,7 +62,8 @@ struct Options {
   Vec start{};  ///< r to begin near, of the step before; empty: cold
 };
 
-enum class Status { Solved, NoProgress, TimeLimit, Interrupted };
+/// Infeasible: proven to have no solution, by Result::verdict.certificate (infeasible.hpp).
+enum class Status { Solved, NoProgress, TimeLimit, Interrupted, Infeasible };
 std::string_view to_string(Status);
 
 /// What made a point.
@@ -108,6 +110,9 @@ struct Result {
   Origin by = Origin::Zero;  ///< what made it
   Stats stats;
   std::vector<Record> history;
+  /// Asked for where a solve is given up: after the first attempt of the homotopy and at the end, in as much time as
+  /// was spent before, or a tenth of a second. Undecided where it was not asked.
+  Verdict verdict;
   bool solved() const { return status == Status::Solved; }
 };
 

@@ -30,6 +30,7 @@ std::string cleaned(const std::string& text) {
 
 Outcome outcome_of(const std::string& status) {
   if (status == "Solved") return Outcome::Solved;
+  if (status == "Infeasible") return Outcome::Infeasible;
   if (status == "TimeLimit") return Outcome::TimeLimit;
   if (status == "OutOfMemory") return Outcome::MemoryLimit;
   if (status == "NotApplicable") return Outcome::NotApplicable;

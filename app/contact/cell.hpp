@@ -33,8 +33,8 @@ struct Cell {
   bool solved() const { return outcome == Outcome::Solved; }
 };
 
-/// The cell of a process that has ended and of the JSON it left ("" or torn: none). Outcomes: Solved, Failed,
-/// NotApplicable, TimeLimit, MemoryLimit, Crashed.
+/// The cell of a process that has ended and of the JSON it left ("" or torn: none). Outcomes: Solved, Infeasible,
+/// Failed, NotApplicable, TimeLimit, MemoryLimit, Crashed.
 Cell cell_of(const compare::ProcessEnd& end, const std::string& json, const compare::ProcessLimits& limits);
 
 /// A line of cells.jsonl, with its newline (app/compare/cell.hpp).

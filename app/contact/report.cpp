@@ -70,13 +70,20 @@ std::string counts_text(const Run& run) {
   return text + seconds_text(run.seconds);
 }
 
+/// Points as near as this are worth a looser tolerance; what is worse is no solution to anybody.
+constexpr double nearly = 1e-6;
+double larger_metric(const contact::Residual& r) { return std::max(r.siconos, r.rr9118); }
+
 /// What to try, or nothing.
 std::string advice(const Run& run) {
+  if (run.verdict.existence == contact::Existence::None) return "";
   if (run.status == "TimeLimit") return fmt::format(" Try: a longer --time-limit than {:g} s.", run.limits.seconds);
   if (run.status == "Interrupted") return "";
   if (run.variant.exact() && !run.variant.automatic()) return " Try: --formulation glocker --method auto.";
   if (run.variant.exact() && run.status == "NoProgress")
-    return " Try: a looser --tol; --svg and the table show what is not decided yet.";
+    return larger_metric(run.residual) <= nearly
+               ? " Try: a looser --tol; --svg and the table show what is not decided yet."
+               : " --svg and the table show what is not decided yet.";
   return "";
 }
 

@@ -38,6 +38,16 @@ Json exact_residual_json(const contact::Residual& r) {
           {"worst", r.worst < 0 ? Json(nullptr) : Json(r.worst + 1)}};
 }
 
+/// What is known of the existence of solutions: null where a solution was found.
+void add_verdict(Json& json, const Run& run) {
+  const contact::Verdict& verdict = run.verdict;
+  const bool certified = verdict.certificate.size() > 0;
+  json["existence"] = run.solved ? Json(nullptr) : Json(contact::to_string(verdict.existence));
+  json["certificate"] = certified ? json_numbers(verdict.certificate) : Json(nullptr);
+  json["radius"] = certified ? json_number(verdict.radius) : Json(nullptr);
+  json["witness"] = verdict.existence == contact::Existence::Exists ? json_numbers(verdict.witness.r) : Json(nullptr);
+}
+
 Json stats_json(const Run& run) {
   Json json = Json::object();
   for (const auto& [what, n] : run.counts) json[what] = n;
@@ -66,6 +76,7 @@ std::string run_json(const Loaded& loaded, const Run& run, ExitCode code) {
   json["solved_by"] = run.solved_by.empty() ? Json(nullptr) : Json(run.solved_by);
   json["exit_code"] = static_cast<int>(code);
   json["message"] = run.message;
+  add_verdict(json, run);
   json["residual"] = exact_residual_json(run.residual);
   json["own_residual"] = variant.exact() ? Json(nullptr) : json_number(run.own);
   json["unknowns"] = run.unknowns > 0 ? Json(run.unknowns) : Json(nullptr);

@@ -90,6 +90,7 @@ void run_glocker(Run& run, const Problem& problem) {
   const bool by_ncp = result.by == contact::Origin::Ncp;
   if (result.solved()) run.solved_by = by_ncp ? run.variant.method : std::string(contact::to_string(result.by));
   run.message = std::move(result.message);
+  run.verdict = std::move(result.verdict);
   run.solution = std::move(result.solution);
   run.history = std::move(result.history);
   run.counts = {{"iterations", result.stats.iterations},     {"sweeps", result.stats.sweeps},
@@ -166,6 +167,41 @@ contact::Polygons polygons(const Problem& problem, const Variant& variant) {
                                     : contact::Polygon::circumscribed(variant.facets, variant.rotation)};
 }
 
+/// The problem with Coulomb's law whose cones hold all impulses of the variant's law: what has no solution there has
+/// none under that law. Polygons in the disk and intervals are within Coulomb's cone.
+Problem enclosing_problem(const Problem& problem, const Variant& variant) {
+  if (variant.law == Law::Frictionless) return contact::without_friction(problem);
+  Problem enclosing = problem;
+  if (variant.law == Law::Outer && problem.dimension == 3) {
+    constexpr double rounding = 1e-14;  // of the polygon's own corners
+    for (const contact::Polygon& polygon : polygons(problem, variant))
+      enclosing.mu *= polygon.vertices().colwise().norm().maxCoeff() * (1 + rounding);
+  }
+  return enclosing;
+}
+
+/// What contact::solve asks by itself. That a solution exists is known of Coulomb's law alone.
+void ask_existence(Run& run, const Problem& problem, Clock::duration spent) {
+  // Status "Interrupted" is also that of a method which the judge of its iterates stopped.
+  if (run.solved || (run.limits.interrupt != nullptr && run.limits.interrupt->load())) return;
+  constexpr double least_search = 0.1;
+  const contact::SearchLimits limits{
+      .max_time = std::clamp(std::chrono::duration<double>(spent), std::chrono::duration<double>(least_search),
+                             std::chrono::duration<double>(std::max(least_search, run.limits.seconds))),
+      .interrupt = run.limits.interrupt};
+  if (run.variant.exact()) {
+    run.verdict = contact::existence(problem, limits);
+  } else {
+    const Problem enclosing = enclosing_problem(problem, run.variant);
+    if (auto proof = contact::find_infeasibility(enclosing, limits))
+      run.verdict = contact::verdict_of(enclosing, std::move(*proof));
+  }
+  if (run.status == "Infeasible") run.verdict.existence = contact::Existence::None;  // the method's own proof
+  if (run.verdict.existence == contact::Existence::None) run.status = "Infeasible";
+  if (run.verdict.message.empty()) return;
+  run.message += run.message.empty() ? run.verdict.message : "; " + run.verdict.message;
+}
+
 }  // namespace
 
 bool is_generated(const std::string& argument) {
@@ -232,8 +268,9 @@ Run run(const Problem& problem, const Variant& variant, const Limits& limits) {
       run_affine(run, contact::Frictionless(problem), begin);
       break;
   }
-  run.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
   run.solved = run.status == "Solved";
+  if (variant.law != Law::Glocker) ask_existence(run, problem, Clock::now() - begin);
+  run.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
   judge(run, problem);
   return run;
 }

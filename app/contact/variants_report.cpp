@@ -64,7 +64,7 @@ std::string text_of(double value, int digits) { return std::isnan(value) ? "" : 
 struct Line {
   std::string variant;
   bool exact = true;
-  int cells = 0, solved = 0, failed = 0, time = 0, broken = 0, not_applicable = 0;
+  int cells = 0, solved = 0, infeasible = 0, failed = 0, time = 0, broken = 0, not_applicable = 0;
   double seconds = 0;                // in all, what was not solved counted as the limit
   std::map<std::string, int> by{};   // how many each step solved
   double iterations = std::nan("");  // median of the solved
@@ -81,13 +81,17 @@ std::vector<Line> lines(const Comparison& comparison) {
       if (cell.variant != variant) continue;
       line.exact = cell.exact;
       ++line.cells;
-      line.seconds += cell.solved() ? cell.seconds : comparison.time_limit;
+      const bool answered = cell.solved() || cell.outcome == Outcome::Infeasible;
+      line.seconds += answered ? cell.seconds : comparison.time_limit;
       switch (cell.outcome) {
         case Outcome::Solved:
           ++line.solved;
           if (!cell.solved_by.empty()) ++line.by[cell.solved_by];
           iterations.push_back(std::max(1.0, static_cast<double>(cell.iterations)));
           errors.push_back(std::max(1e-300, cell.siconos));
+          break;
+        case Outcome::Infeasible:
+          ++line.infeasible;
           break;
         case Outcome::TimeLimit:
           ++line.time;
@@ -125,6 +129,7 @@ std::vector<std::string> cells_of(const Line& line) {
           line.exact ? "Coulomb" : "its own",
           fmt::format("{}/{}", line.solved, line.cells),
           by_text(line.by),
+          fmt::format("{}", line.infeasible),
           fmt::format("{}", line.failed),
           fmt::format("{}", line.time),
           fmt::format("{}", line.broken),
@@ -135,16 +140,17 @@ std::vector<std::string> cells_of(const Line& line) {
           text_of(line.worst, 2)};
 }
 
-constexpr std::array<std::pair<const char*, const char*>, 12> columns{
+constexpr std::array<std::pair<const char*, const char*>, 13> columns{
     {{"variant", "formulation+method/form"},
      {"judged by", "the law whose residual decides"},
      {"solved", "of the cells that ran"},
      {"solved by", "the step that made the accepted point"},
+     {"infeasible", "proven to have no solution"},
      {"failed", "the method gave up, or its point is no solution"},
      {"time limit", ""},
      {"broken", "crashed, or beyond the limit of memory"},
      {"not applicable", ""},
-     {"time in all", "what was not solved counts as the time limit"},
+     {"time in all", "what was neither solved nor proven infeasible counts as the time limit"},
      {"iterations", "median of the solved"},
      {"exact-law error", "Siconos' metric of Coulomb's law, median of the solved"},
      {"largest", "of those errors"}}};
@@ -154,6 +160,7 @@ std::string_view short_outcome(Outcome outcome) {
          : outcome == Outcome::TimeLimit   ? "limit"
          : outcome == Outcome::MemoryLimit ? "memory"
          : outcome == Outcome::Crashed     ? "CRASH"
+         : outcome == Outcome::Infeasible  ? "infeasible"
                                            : "n/a";
 }
 

@@ -131,14 +131,16 @@ TEST(Solve, NothingToDo) {
   expect_solved(none);
 }
 
-// W = 0 and q_N < 0: no impulse can stop the contact. Not claimed, with the best point and a message; in finite time.
+// W = 0 and q_N < 0: no impulse can stop the contact. Proven, with the best point and a message; in finite time.
 TEST(Solve, WithoutASolution) {
   Problem problem = one_contact(vec({-1, 0.5, 0}), 0.3);
   problem.W = SpMat(3, 3);
   const Result result = solve(problem);
   EXPECT_FALSE(result.solved());
-  EXPECT_EQ(result.status, Status::NoProgress);
-  EXPECT_LT(result.stats.time.count(), 10);
+  EXPECT_EQ(result.status, Status::Infeasible);
+  EXPECT_EQ(result.verdict.certificate, vec({1}));
+  EXPECT_EQ(result.verdict.radius, lcp::infinity);
+  EXPECT_LT(result.stats.time.count(), 1);
   EXPECT_TRUE(result.solution.r.allFinite());
   EXPECT_THAT(result.message, HasSubstr("worst at contact 1"));
 }
