@@ -187,6 +187,11 @@ std::string value_text(const Field& field) {
       field);
 }
 
+bool has_value(const Field& field) {
+  if (const auto* number = std::get_if<DependentNumber>(&field)) return number->get().has_value();
+  return !std::holds_alternative<NoEffect>(field);
+}
+
 // Keys.
 
 namespace {

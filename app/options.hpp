@@ -116,6 +116,8 @@ std::span<const std::string_view> ignored_options();
 std::string values_text(const Option& option);
 /// The value in the field, as it would be written; "-" for NoEffect.
 std::string value_text(const Field& field);
+/// Whether there is something to list: an effect, and of numbers that depend on another option a value.
+bool has_value(const Field& field);
 
 enum class Unknown {
   Refuse,  ///< an unknown key throws

@@ -4,9 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <sstream>
 #include <utility>
 
 #include "app/options.hpp"
+#include "app/report.hpp"
 
 namespace perp::app {
 namespace {
@@ -57,6 +59,18 @@ TEST(Options, InertOnesAreNotShown) {
   }
   EXPECT_EQ(effect({{"method", "semismooth", ""}}, "rescalings"), "-");
   EXPECT_EQ(effect({{"method", "semicomp", ""}}, "rescalings"), "2");
+}
+
+// The Fischer-Burmeister function has no parameter: "-" is no value of an option.
+TEST(Options, AreListedWithValuesOnly) {
+  const auto listed = [](const char* method) {
+    std::ostringstream out;
+    print_options(out, applied({{"method", method, ""}}).settings);
+    return out.str();
+  };
+  EXPECT_THAT(listed("semismooth"), testing::Not(testing::AnyOf(HasSubstr("cfunction_parameter"), HasSubstr("=-"))));
+  EXPECT_THAT(listed("semismooth"), testing::Not(HasSubstr("rescalings")));
+  EXPECT_THAT(listed("semismooth-penalised"), HasSubstr("cfunction_parameter="));
 }
 
 // What the help says of a range is what is checked: its ends, and what lies beyond its lower one. Would catch a range
