@@ -351,7 +351,7 @@ std::vector<Option> general_options() {
              }},
       Option{"lemke_perturbation",
              {},
-             {0, 1},
+             {0, 1e100},
              "relative perturbation of the path's start, against ties; 0: none",
              [](Settings& settings) {
                return of_method(settings,

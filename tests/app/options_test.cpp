@@ -52,7 +52,7 @@ TEST(Options, EachKeySetsItsFieldAndNoOther) {
                                                        {"max_backtracks", "7", "semismooth"},
                                                        {"descent_rho", "0.001", "semismooth"},
                                                        {"descent_p", "3", "semismooth"},
-                                                       {"escape_rounds", "3", "semismooth"},
+                                                       {"escape_rounds", "3", "semicomp"},
                                                        {"escape_lambda", "5", "semicomp"},
                                                        {"escape_grow", "4", "semicomp"},
                                                        {"escape_shrink", "1", "semicomp"},
