@@ -152,6 +152,7 @@ ExitCode solve_stub(const AmplRequest& request, const Call& call, Streams stream
   for (const std::string& unknown : options.unknown) streams.err << request.program << ": warning: " << unknown << '\n';
   // Always a file, even if the collection has a problem of that name.
   const LoadedProblem problem = load_problem(call.stub.ends_with(".nl") ? call.stub : call.stub + ".nl");
+  note_limits_of_size(problem.mcp->size(), options);
   for (const std::string& note : options.notes) streams.err << request.program << ": note: " << note << '\n';
   if (std::holds_alternative<ncp::Affine>(options.settings.method) && !problem.mcp->is_affine())
     throw ncp::ampl::ModelError(ncp::ampl::not_applicable, "the method is for affine problems, and this one is not");

@@ -127,7 +127,7 @@ Json options_json(const Settings& settings) {
   Json json = Json::object();
   for (const Option& option : options()) {
     const Field field = option.field(copy);
-    if (std::holds_alternative<std::monostate>(field)) continue;
+    if (!has_value(field)) continue;
     if (const auto* real = std::get_if<double*>(&field))
       json[std::string(option.key)] = json_number(**real);
     else if (const auto* integer = std::get_if<int*>(&field))

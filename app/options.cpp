@@ -9,6 +9,8 @@
 #include <limits>
 #include <stdexcept>
 
+#include "ncp/pivot_limit.hpp"
+
 namespace perp::app {
 
 // Values.
@@ -49,7 +51,7 @@ std::string range_text(const Range& range, bool integer) {
   const std::string what = integer ? "an integer" : "a number";
   if (range.high < (integer ? max_int : lcp::infinity))
     return fmt::format("{} in {}{}, {}{}", what, range.open ? '(' : '[', end(range.low), end(range.high),
-                       range.open ? ')' : ']');
+                       range.open_high ? ')' : ']');
   return fmt::format("{} {} {}", what, range.open ? ">" : ">=", end(range.low));
 }
 
@@ -57,7 +59,7 @@ std::string range_text(const Range& range, bool integer) {
 Field any_field(const Option& option, Settings& settings) {
   Field field = option.field(settings);
   for (const MethodEntry& entry : methods()) {
-    if (!std::holds_alternative<std::monostate>(field)) break;
+    if (!std::holds_alternative<NoEffect>(field)) break;
     settings.method = entry.method;
     field = option.field(settings);
   }
@@ -85,7 +87,8 @@ T number_in_range(const Assignment& given, const Option& option) {
   if (!parse_number(given.value, value)) refuse(given, option);
   const auto x = static_cast<double>(value);
   const Range& range = option.range;
-  const bool inside = range.open ? x > range.low && x < range.high : x >= range.low && x <= range.high;
+  const bool inside =
+      (range.open ? x > range.low : x >= range.low) && (range.open_high ? x < range.high : x <= range.high);
   if (!inside) refuse(given, option);  // also a NaN
   return value;
 }
@@ -106,7 +109,7 @@ std::string_view word_of(std::span<const Choice> choices, int value) {
   return choice == choices.end() ? "?" : choice->name;
 }
 
-/// Sets the field. Pre: not monostate.
+/// Sets the field. Pre: not NoEffect.
 void set(const Field& field, const Assignment& given, const Option& option, Applied& result) {
   std::visit(
       [&](auto target) {
@@ -182,6 +185,11 @@ std::string value_text(const Field& field) {
           return "-";
       },
       field);
+}
+
+bool has_value(const Field& field) {
+  if (const auto* number = std::get_if<DependentNumber>(&field)) return number->get().has_value();
+  return !std::holds_alternative<NoEffect>(field);
 }
 
 // Keys.
@@ -270,18 +278,16 @@ Applied apply_options(std::span<const Assignment> assignments, Unknown unknown) 
   }
   Settings& settings = result.settings;
   settings.method = find_method(settings.method_name)->method;
-  std::stable_partition(fields.begin(), fields.end(), [](const auto& field) {
-    Settings any;
-    return !std::holds_alternative<DependentNumber>(any_field(*field.first, any));
-  });
+  std::ranges::stable_sort(fields, {}, [](const auto& field) { return field.first; });
   for (const auto& [option, given] : fields) {
     const Field field = option->field(settings);
-    if (std::holds_alternative<std::monostate>(field)) {
+    if (const auto* none = std::get_if<NoEffect>(&field)) {
       Settings other = settings;  // the value is checked all the same
       if (const Field elsewhere = any_field(*option, other); !std::holds_alternative<DependentNumber>(elsewhere))
         set(elsewhere, *given, *option, result);
-      result.notes.push_back(
-          fmt::format("{}: {} has no effect on method {}", given->source, option->key, settings.method_name));
+      result.notes.push_back(fmt::format("{}: {} has no effect on method {}{}", given->source, option->key,
+                                         settings.method_name,
+                                         none->because.empty() ? "" : fmt::format(" with {}", none->because)));
     } else {
       set(field, *given, *option, result);
     }
@@ -290,6 +296,20 @@ Applied apply_options(std::span<const Assignment> assignments, Unknown unknown) 
     result.notes.push_back(fmt::format("accepted, but without effect in this version: {}", fmt::join(ignored, ", ")));
   if (const auto why = ncp::invalid(settings.method)) throw InputError(*why);
   return result;
+}
+
+void note_limits_of_size(ncp::Index n, Applied& options) {
+  const auto pivots = [](const ncp::Method& method) -> std::optional<int> {
+    if (const ncp::PathSearch* path = ncp::path_of(method)) return path->lemke.max_pivots;
+    if (const auto* josephy = std::get_if<ncp::NewtonJosephy>(&method)) return josephy->lemke.max_pivots;
+    if (const auto* robinson = std::get_if<ncp::NewtonRobinson>(&method)) return robinson->lemke.max_pivots;
+    return std::nullopt;  // the affine methods take the limit as it is
+  };
+  const std::optional<int> given = pivots(options.settings.method);
+  const int most = ncp::worthwhile_pivots(n);
+  if (!given || *given <= most || given == pivots(find_method(options.settings.method_name)->method)) return;
+  options.notes.push_back(fmt::format(
+      "minor_iteration_limit = {} is taken as {}, which is 1000 + 20 n: a longer path leads nowhere", *given, most));
 }
 
 }  // namespace perp::app

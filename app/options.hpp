@@ -80,14 +80,21 @@ struct DependentNumber {
   std::string_view range;           ///< in words
 };
 
-/// The place an option sets; monostate: it has no effect on the run's method.
-using Field = std::variant<std::monostate, std::string*, double*, int*, unsigned*, ncp::Index*, bool*,
+/// Instead of a place: the option has no effect on the run's method.
+struct NoEffect {
+  std::string_view
+      because{};  ///< another option's value that takes the effect away; empty: the method has no such thing
+};
+
+/// The place an option sets.
+using Field = std::variant<NoEffect, std::string*, double*, int*, unsigned*, ncp::Index*, bool*,
                            std::chrono::duration<double>*, Word, DependentNumber>;
 
 struct Range {
   double low = 0;
   double high = lcp::infinity;
-  bool open = false;  ///< the ends do not belong to it
+  bool open = false;      ///< the ends do not belong to it
+  bool open_high = open;  ///< the upper one does not
 };
 
 struct Option {
@@ -98,6 +105,7 @@ struct Option {
   Field (*field)(Settings& settings);
 };
 
+/// What depends on another option stands after it.
 std::span<const Option> options();
 /// The options of PATH 4.7 (its manual, table of options).
 std::span<const std::string_view> path_options();
@@ -106,8 +114,10 @@ std::span<const std::string_view> ignored_options();
 
 /// "a number > 0", "yes or no", "umfpack, klu or eigen": what the option takes.
 std::string values_text(const Option& option);
-/// The value in the field, as it would be written; "-" for monostate.
+/// The value in the field, as it would be written; "-" for NoEffect.
 std::string value_text(const Field& field);
+/// Whether there is something to list: an effect, and of numbers that depend on another option a value.
+bool has_value(const Field& field);
 
 enum class Unknown {
   Refuse,  ///< an unknown key throws
@@ -119,9 +129,12 @@ struct Applied {
   std::vector<std::string> notes;    ///< options without effect, and why
   std::vector<std::string> unknown;  ///< messages about unknown keys
 };
-/// Starts from the defaults of the method named last and applies the assignments in order, dependent numbers last.
-/// Throws InputError naming source, key, value and range for a value that makes no sense, for an ambiguous key, and for
-/// options that contradict each other (ncp::invalid).
+/// Starts from the defaults of the method named last and applies the assignments in the order of the table, so that
+/// what depends on another option finds it set; of several of one key the last one wins. Throws InputError naming
+/// source, key, value and range for a value that makes no sense, for an ambiguous key, and for options that contradict
+/// each other (ncp::invalid).
 Applied apply_options(std::span<const Assignment> assignments, Unknown unknown = Unknown::Refuse);
+/// Adds notes on what the size n of the problem takes from the options.
+void note_limits_of_size(ncp::Index n, Applied& options);
 
 }  // namespace perp::app

@@ -12,7 +12,7 @@ namespace perp::app {
 std::vector<Option> general_options();
 /// Of PathSearch alone.
 std::vector<Option> path_search_options();
-/// Of SemismoothNewton, Smoothing and InteriorPoint: the C-function, the smoothing, the path.
+/// Of SemismoothNewton, Smoothing, InteriorPoint and Multiroot alone: the C-function, the smoothing, the path.
 std::vector<Option> reformulation_options();
 /// PATH's output switches.
 std::vector<Option> output_options();

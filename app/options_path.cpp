@@ -27,6 +27,23 @@ Field of_path(Settings& settings, Get get) {
   return {};
 }
 
+/// The crash's, and the non-monotone stabilisation's, where these are on.
+template <class Get>
+Field of_crash(Settings& settings, Get get) {
+  return of_path(settings, [&](auto& path) -> Field {
+    if (!path.crash.on) return NoEffect{"crash_method = none"};
+    return get(path.crash);
+  });
+}
+
+template <class Get>
+Field of_nms(Settings& settings, Get get) {
+  return of_path(settings, [&](auto& path) -> Field {
+    if (!path.nms.on) return NoEffect{"nms = no"};
+    return get(path.nms);
+  });
+}
+
 /// What is printed, and what that depends on.
 Field output_switch(Settings& settings, Switch Output::*part) {
   Output& output = settings.output;
@@ -47,22 +64,22 @@ std::vector<Option> path_search_options() {
        {},
        {0, max_int},
        "of the crash",
-       [](Settings& s) { return of_path(s, [](auto& m) -> Field { return &m.crash.iteration_limit; }); }},
+       [](Settings& s) { return of_crash(s, [](auto& m) -> Field { return &m.iteration_limit; }); }},
       {"crash_minimum_dimension",
        {},
        {0, max_int},
        "smaller problems go without a crash",
-       [](Settings& s) { return of_path(s, [](auto& m) -> Field { return &m.crash.minimum_dimension; }); }},
+       [](Settings& s) { return of_crash(s, [](auto& m) -> Field { return &m.minimum_dimension; }); }},
       {"crash_nbchange_limit",
        {},
        {0, max_int},
        "the crash ends where fewer variables than this come to a bound or leave it",
-       [](Settings& s) { return of_path(s, [](auto& m) -> Field { return &m.crash.nbchange_limit; }); }},
+       [](Settings& s) { return of_crash(s, [](auto& m) -> Field { return &m.nbchange_limit; }); }},
       {"crash_least_step",
        {},
-       {0, 1},
+       {0, 1, true, false},
        "the crash ends where its step would be shorter",
-       [](Settings& s) { return of_path(s, [](auto& m) -> Field { return &m.crash.least_step; }); }},
+       [](Settings& s) { return of_crash(s, [](auto& m) -> Field { return &m.least_step; }); }},
       {"nms",
        {},
        {},
@@ -72,17 +89,17 @@ std::vector<Option> path_search_options() {
        {},
        {1, 1e100},
        "the reference values begin at this multiple of the first merit",
-       [](Settings& s) { return of_path(s, [](auto& m) -> Field { return &m.nms.initial_reference_factor; }); }},
+       [](Settings& s) { return of_nms(s, [](auto& m) -> Field { return &m.initial_reference_factor; }); }},
       {"nms_mstep_frequency",
        {},
        {1, max_int},
        "iterations between two tests of the merit",
-       [](Settings& s) { return of_path(s, [](auto& m) -> Field { return &m.nms.mstep_frequency; }); }},
+       [](Settings& s) { return of_nms(s, [](auto& m) -> Field { return &m.mstep_frequency; }); }},
       {"nms_maximum_watchdogs",
        {},
        {0, max_int},
        "returns to a checkpoint after which D-steps are no longer taken",
-       [](Settings& s) { return of_path(s, [](auto& m) -> Field { return &m.nms.maximum_watchdogs; }); }},
+       [](Settings& s) { return of_nms(s, [](auto& m) -> Field { return &m.maximum_watchdogs; }); }},
       {"nms_searchtype",
        {},
        {},
@@ -92,19 +109,14 @@ std::vector<Option> path_search_options() {
        [](Settings& s) { return of_path(s, [](auto& m) -> Field { return word(m.search, search_choices); }); }},
       {"distance_decrease",
        {},
-       {0, 1},
+       {0, 1, true, false},
        "factor a D-step of the distance up to which Newton points go untested",
-       [](Settings& s) { return of_path(s, [](auto& m) -> Field { return &m.nms.distance_decrease; }); }},
+       [](Settings& s) { return of_nms(s, [](auto& m) -> Field { return &m.distance_decrease; }); }},
       {"merit_function",
        {},
        {},
        "fischer (Fischer-Burmeister) or normal (the normal map): half of its squared norm",
        [](Settings& s) { return of_path(s, [](auto& m) -> Field { return word(m.merit, merit_choices); }); }},
-      {"chord_steps",
-       {},
-       {0, 1000},
-       "simplified Newton steps with the last matrix after a Newton point, while they pay",
-       [](Settings& s) { return of_path(s, [](auto& m) -> Field { return &m.chord_steps; }); }},
       {"proximal_perturbation",
        {},
        {0, 1e100},
@@ -125,11 +137,6 @@ std::vector<Option> path_search_options() {
        {0, max_int},
        "attempts after the first: other options, then other methods (the list is in ncp/README.md)",
        [](Settings& s) { return of_path(s, [](auto& m) -> Field { return &m.restart_limit; }); }},
-      {"patience",
-       {},
-       {1, max_int},
-       "iterations in which the best merit must fall by 1 %, or the attempt is given up",
-       [](Settings& s) { return of_path(s, [](auto& m) -> Field { return &m.patience; }); }},
       {"cumulative_iteration_limit",
        {},
        {1, max_int},

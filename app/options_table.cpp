@@ -59,6 +59,24 @@ Field of_method(Settings& settings, Gets... gets) {
   return std::visit(find, settings.method);
 }
 
+/// The escapes', where there are any.
+template <class Get>
+Field of_escape(Settings& settings, Get get) {
+  return of_method(settings, [&](auto& m) -> decltype(Field(get(m.escape))) {
+    if (m.escape.rounds == 0) return NoEffect{"escape_rounds = 0"};
+    return get(m.escape);
+  });
+}
+
+/// The inexact Newton method's, where Newton systems may be solved so.
+template <class Get>
+Field of_forcing(Settings& settings, Get get) {
+  return of_method(settings, [&](auto& m) -> decltype(Field(get(m.forcing))) {
+    if (m.linear == ncp::LinearSolver::Direct) return NoEffect{"linear_solver = direct"};
+    return get(m.forcing);
+  });
+}
+
 }  // namespace
 
 std::span<const Option> options() {
@@ -112,6 +130,15 @@ std::vector<Option> general_options() {
              {},
              "compare the Jacobian with differences of F at the start, and refuse a problem whose Jacobian is wrong",
              [](Settings& settings) -> Field { return &ncp::stop(settings.method).check_derivatives; }},
+      Option{"auto_large",
+             {},
+             {0, max_int},
+             "auto: from more variables on it takes iterative linear algebra and interior points first",
+             [](Settings& settings) -> Field {
+               auto* automatic = std::get_if<ncp::Auto>(&settings.method);
+               if (automatic == nullptr) return {};
+               return &automatic->large;
+             }},
       Option{"nms_memory_size",
              {"memory"},
              {1, 1e6},
@@ -162,52 +189,61 @@ std::vector<Option> general_options() {
              [](Settings& settings) {
                return of_method(settings, [](auto& m) -> decltype(&m.descent_p) { return &m.descent_p; });
              }},
-      Option{"escape_rounds",
-             {},
-             {0, max_int},
-             "where the method is stuck: proximal problems  F(x) + lambda (x - xbar)  tried to get away; 0: stay stuck",
-             [](Settings& settings) {
-               return of_method(settings, [](auto& m) -> decltype(&m.escape.rounds) { return &m.escape.rounds; });
-             }},
+      Option{
+          "escape_rounds",
+          {},
+          {0, max_int},
+          "where the method is stuck: proximal problems  F(x) + lambda (x - xbar)  tried to get away; 0: stay stuck, "
+          "and no effect of the other options escape_*",
+          [](Settings& settings) {
+            return of_method(settings, [](auto& m) -> decltype(&m.escape.rounds) { return &m.escape.rounds; });
+          }},
       Option{"escape_lambda",
              {},
              {0, lcp::infinity, true},
              "that lambda, in units of sqrt(|J|_1 |J|_inf)",
-             [](Settings& settings) {
-               return of_method(settings, [](auto& m) -> decltype(&m.escape.lambda) { return &m.escape.lambda; });
-             }},
+             [](Settings& settings) { return of_escape(settings, [](auto& m) -> Field { return &m.lambda; }); }},
+      Option{"escape_grow",
+             {},
+             {1, 1e100, true},
+             "lambda x escape_grow where a proximal problem has not been solved",
+             [](Settings& settings) { return of_escape(settings, [](auto& m) -> Field { return &m.grow; }); }},
       Option{"escape_shrink",
              {},
-             {0.001, 1},
+             {0, 1, true, false},
              "lambda x escape_shrink after each move of xbar",
-             [](Settings& settings) {
-               return of_method(settings, [](auto& m) -> decltype(&m.escape.shrink) { return &m.escape.shrink; });
-             }},
+             [](Settings& settings) { return of_escape(settings, [](auto& m) -> Field { return &m.shrink; }); }},
       Option{"escape_accept",
              {},
              {0, 1, true},
              "an xbar with this part of the best residual is accepted: the method goes on from it",
-             [](Settings& settings) {
-               return of_method(settings, [](auto& m) -> decltype(&m.escape.accept) { return &m.escape.accept; });
-             }},
-      Option{"escape_trial_iterations",
+             [](Settings& settings) { return of_escape(settings, [](auto& m) -> Field { return &m.accept; }); }},
+      Option{
+          "escape_trial_iterations",
+          {},
+          {0, max_int},
+          "iterations tried from other xbar",
+          [](Settings& settings) { return of_escape(settings, [](auto& m) -> Field { return &m.trial_iterations; }); }},
+      Option{"escape_tolerance",
              {},
-             {0, max_int},
-             "iterations tried from other xbar",
+             {0, lcp::infinity, true},
+             "natural residual at which a proximal problem is solved well enough",
+             [](Settings& settings) { return of_escape(settings, [](auto& m) -> Field { return &m.perturbed_tol; }); }},
+      Option{"escape_iteration_limit",
+             {},
+             {1, max_int},
+             "iterations for one proximal problem",
              [](Settings& settings) {
-               return of_method(settings, [](auto& m) -> decltype(&m.escape.trial_iterations) {
-                 return &m.escape.trial_iterations;
-               });
+               return of_escape(settings, [](auto& m) -> Field { return &m.perturbed_iterations; });
              }},
       Option{"rescalings",
              {},
              {0, 2},
-             "where the method is stuck: runs from the start on the scaled problem, by J at the best point, then "
-             "at the start",
+             "where a method with escapes, or smooth, is stuck: runs from the start on the scaled problem, by J at the "
+             "best point, then at the start",
              [](Settings& settings) -> Field {
                if (auto* smoothing = std::get_if<ncp::Smoothing>(&settings.method)) return &smoothing->rescalings;
-               return of_method(settings,
-                                [](auto& m) -> decltype(&m.escape.rescalings) { return &m.escape.rescalings; });
+               return of_escape(settings, [](auto& m) -> Field { return &m.rescalings; });
              }},
       Option{"lu",
              {},
@@ -234,8 +270,40 @@ std::vector<Option> general_options() {
              {},
              {0, 1, true},
              "krylov: a Newton system's relative residual at most",
+             [](Settings& settings) { return of_forcing(settings, [](auto& m) -> Field { return &m.eta_max; }); }},
+      Option{"forcing_gamma",
+             {},
+             {0, 1, true, false},
+             "krylov: factor of the forcing term  gamma (|Phi_k| / |Phi_k-1|)^alpha",
+             [](Settings& settings) { return of_forcing(settings, [](auto& m) -> Field { return &m.gamma; }); }},
+      Option{"forcing_alpha",
+             {},
+             {1, 2, true, false},
+             "krylov: its exponent, the order of convergence aimed at",
+             [](Settings& settings) { return of_forcing(settings, [](auto& m) -> Field { return &m.alpha; }); }},
+      Option{
+          "krylov_iteration_limit",
+          {},
+          {1, max_int},
+          "krylov: iterations for one Newton system, after which LU takes over",
+          [](Settings& settings) { return of_forcing(settings, [](auto& m) -> Field { return &m.max_iterations; }); }},
+      Option{"chord_steps",
+             {},
+             {0, 1000},
+             "simplified Newton steps with the last matrix after a Newton point, while they pay; of josephy where it "
+             "solves quadratic programs, of semismooth where krylov solves the systems",
              [](Settings& settings) {
-               return of_method(settings, [](auto& m) -> decltype(&m.forcing.eta_max) { return &m.forcing.eta_max; });
+               if (auto* semismooth = std::get_if<ncp::SemismoothNewton>(&settings.method); semismooth != nullptr)
+                 return of_forcing(settings, [](auto& m) -> Field { return &m.chord_steps; });
+               return of_method(settings, [](auto& m) -> decltype(&m.chord_steps) { return &m.chord_steps; });
+             }},
+      Option{"patience",
+             {},
+             {1, max_int},
+             "path: iterations in which the best merit must fall by 1 %, or the attempt is given up; smooth, interior: "
+             "the same of the natural residual, or the parameter is raised; psor: sweeps likewise",
+             [](Settings& settings) {
+               return of_method(settings, [](auto& m) -> decltype(&m.patience) { return &m.patience; });
              }},
       Option{
           "subproblem",
@@ -251,7 +319,7 @@ std::vector<Option> general_options() {
       Option{"minor_iteration_limit",
              {"max_pivots"},
              {1, max_int},
-             "pivots of one linearised problem, or of Lemke's method on an affine one",
+             "pivots of one linearised problem, at most 1000 + 20 n of them; or of Lemke's method on an affine one",
              [](Settings& settings) {
                return of_method(settings, [](auto& m) -> decltype(&m.lemke.max_pivots) { return &m.lemke.max_pivots; });
              }},
@@ -289,7 +357,7 @@ std::vector<Option> general_options() {
              }},
       Option{"lemke_perturbation",
              {},
-             {0, 1},
+             {0, 1e100},
              "relative perturbation of the path's start, against ties; 0: none",
              [](Settings& settings) {
                return of_method(settings,

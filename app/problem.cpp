@@ -126,17 +126,23 @@ LoadedProblem from_siconos(const std::string& path) {
   std::vector<std::string> names;
   const bool flags = (a == 0 || a == 1) && (b == 0 || b == 1) && a + b > 0;
   std::optional<lcp::SiconosMlcp> mixed;
+  std::exception_ptr no_mlcp;
   if (flags) try {
       mixed = lcp::parse_siconos_mlcp(text, path);
     } catch (const lcp::FileError&) {
-      if (b == 1) throw;  // no LCP has a matrix of storage 1
+      no_mlcp = std::current_exception();
     }
   if (mixed) {
     problem = lcp::to_affine(mixed->mlcp);
     for (const auto& [letter, count] : {std::pair{'u', mixed->mlcp.a.size()}, {'v', mixed->mlcp.b.size()}})
       for (lcp::Index i = 0; i < count; ++i) names.push_back(fmt::format("{}[{}]", letter, i + 1));
   } else {
-    problem = lcp::parse_siconos_lcp(text, path).problem;
+    try {
+      problem = lcp::parse_siconos_lcp(text, path).problem;
+    } catch (const lcp::FileError&) {
+      if (no_mlcp && b == 1) std::rethrow_exception(no_mlcp);  // an LCP of size 1 by blocks is rarer than a bad MLCP
+      throw;
+    }
   }
   loaded.x0 = lcp::Vec::Zero(problem.size());
   loaded.mcp = ncp::make_affine_mcp(std::move(problem), path, std::move(names));

@@ -276,7 +276,7 @@ void print_options(std::ostream& out, const Settings& settings) {
   Settings copy = settings;
   out << "options:";
   for (const Option& option : options())
-    if (const Field field = option.field(copy); !std::holds_alternative<std::monostate>(field))
+    if (const Field field = option.field(copy); has_value(field))
       out << fmt::format(" {}={}", option.key, value_text(field));
   out << '\n';
 }

@@ -117,6 +117,7 @@ ExitCode solve(const SolveRequest& request, Streams streams, const std::atomic<b
                                           .start_at = request.start_at,
                                           .start = request.start});
     options.settings.solutions = request.all;
+    note_limits_of_size(problem.mcp->size(), options);
     if (!request.warm_start.empty())
       set_warm_start(read_warm_start(request.warm_start, *problem.mcp), problem, options);
     const ncp::PathSearch* path = ncp::path_of(options.settings.method);

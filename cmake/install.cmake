@@ -54,6 +54,7 @@ set(perp_public_headers
   ncp/observe.hpp
   ncp/options.hpp
   ncp/path_search.hpp
+  ncp/pivot_limit.hpp
   ncp/presets.hpp
   ncp/presolve.hpp
   ncp/residual.hpp

@@ -4,33 +4,22 @@
 #include <limits>
 #include <utility>
 
-#include "lcp/numbers.hpp"
+#include "lcp/siconos_matrix.hpp"
 
 namespace perp::lcp {
 namespace {
 
 using Dense = Eigen::MatrixXd;
 
-/// MATRIX of the header comment.
-Dense matrix(Numbers& in, const char* what, Index size) {
-  const Index storage = in.integer("the storage type", 0, 100);
-  if (storage != 0)
-    in.refuse("the storage type of ", what, " is ", storage, storage == 1 ? " (block-sparse)" : "",
-              ", only 0 (dense) is read");
-  const Index most = std::numeric_limits<int>::max();
-  const Index rows = in.integer("the number of rows", 0, most);
-  const Index columns = in.integer("the number of columns", 0, most);
-  if (in.integer("the number of rows, again,", 0, most) != rows ||
-      in.integer("the number of columns, again,", 0, most) != columns)
-    in.refuse("the second pair of sizes differs from the first, ", rows, " x ", columns);
-  if (rows > columns && columns == size)
-    in.refuse(what, " is ", rows, " x ", columns, ": ", rows - columns, " equations more than unknowns");
-  if (rows != size || columns != size) in.refuse(what, " is ", rows, " x ", columns, ", not ", size, " x ", size);
-  in.expect(what, rows, columns);
-  Dense M(rows, columns);
-  for (Index j = 0; j < columns; ++j)
-    for (Index i = 0; i < rows; ++i) M(i, j) = in.number(what);
-  return M;
+/// MATRIX of the header comment, size x size.
+SpMat matrix(Numbers& in, const char* what, Index size) {
+  SiconosMatrix M(in, what);
+  if (M.rows() > M.columns() && M.columns() == size)
+    in.refuse(what, " is ", M.rows(), " x ", M.columns(), ": ", M.rows() - M.columns(),
+              " equations more than unknowns");
+  if (M.rows() != size || M.columns() != size)
+    in.refuse(what, " is ", M.rows(), " x ", M.columns(), ", not ", size, " x ", size);
+  return M.entries();
 }
 
 /// The rows of the equations and of the conditions.
@@ -47,12 +36,26 @@ void read_blocks(Numbers& in, Index n, Index m, SiconosMlcp& out) {
 
 SpMat sparse(const Dense& A) { return A.sparseView(0, 0); }
 
-void compare(const Numbers& in, const std::string& name, const Dense& block, const Dense& of_M) {
+/// The entries of M in these rows and columns.
+SpMat part(const SpMat& M, const std::vector<Index>& rows, const std::vector<Index>& columns) {
+  std::vector<int> row(static_cast<std::size_t>(M.rows()), -1);
+  for (std::size_t i = 0; i < rows.size(); ++i) row[static_cast<std::size_t>(rows[i])] = static_cast<int>(i);
+  std::vector<Eigen::Triplet<double>> entries;
+  for (std::size_t j = 0; j < columns.size(); ++j)
+    for (SpMat::InnerIterator it(M, columns[j]); it; ++it)
+      if (const int i = row[static_cast<std::size_t>(it.row())]; i >= 0)
+        entries.emplace_back(i, static_cast<int>(j), it.value());
+  SpMat A(static_cast<Index>(rows.size()), static_cast<Index>(columns.size()));
+  A.setFromTriplets(entries.begin(), entries.end());
+  return A;
+}
+
+void compare(const Numbers& in, const std::string& name, const Dense& block, const SpMat& of_M) {
   for (Index j = 0; j < block.cols(); ++j)
     for (Index i = 0; i < block.rows(); ++i)
-      if (std::abs(block(i, j) - of_M(i, j)) > 1e-12 * std::abs(of_M(i, j)))
+      if (const double there = of_M.coeff(i, j); std::abs(block(i, j) - there) > 1e-12 * std::abs(there))
         in.refuse(name, "(", i + 1, block.cols() > 1 ? ", " + std::to_string(j + 1) : "", ") is ", block(i, j),
-                  ", but (M, q) has ", of_M(i, j), " there");
+                  ", but (M, q) has ", there, " there");
 }
 
 }  // namespace
@@ -60,8 +63,8 @@ void compare(const Numbers& in, const std::string& name, const Dense& block, con
 SiconosLcp parse_siconos_lcp(std::string_view text, const std::string& name) {
   Numbers in(text, name);
   const Index n = in.integer("n", 0, std::numeric_limits<int>::max());
-  const Dense M = matrix(in, "M", n);
-  SiconosLcp out{.problem = standard_lcp(sparse(M), in.vector("q", n))};
+  SpMat M = matrix(in, "M", n);
+  SiconosLcp out{.problem = standard_lcp(std::move(M), in.vector("q", n))};
   const std::vector<double> known = in.end();
   if (known.empty()) return out;
   if (static_cast<Index>(known.size()) != 2 * n)
@@ -82,51 +85,45 @@ SiconosMlcp parse_siconos_mlcp(std::string_view text, const std::string& name) {
   in.expect("the problem", n + m, 1);
   SiconosMlcp out;
   Mlcp& p = out.mlcp;
-  Dense A;
-  Dense B;
-  Dense C;
-  Dense D;
   if (whole) {
     read_blocks(in, n, m, out);
-    const Dense M = matrix(in, "M", n + m);
+    const SpMat M = matrix(in, "M", n + m);
     const Vec q = in.vector("q", n + m);
-    A = M(out.equations, out.equations);
-    B = M(out.conditions, out.conditions);
-    C = M(out.equations, out.conditions);
-    D = M(out.conditions, out.equations);
+    p.A = part(M, out.equations, out.equations);
+    p.B = part(M, out.conditions, out.conditions);
+    p.C = part(M, out.equations, out.conditions);
+    p.D = part(M, out.conditions, out.equations);
     p.a = q(out.equations);
     p.b = q(out.conditions);
   } else {
     for (Index i = 0; i < n + m; ++i) (i < n ? out.equations : out.conditions).push_back(i);
   }
   if (blocks) {
-    const auto read = [&](const char* what, Index rows, Index columns, Dense& into) {
+    const auto read = [&](const char* what, Index rows, Index columns, SpMat& into) {
       const Dense given = in.by_rows(what, rows, columns);
       if (whole)
         compare(in, what, given, into);
       else
-        into = given;
+        into = sparse(given);
     };
-    read("A", n, n, A);
-    read("B", m, m, B);
-    read("C", n, m, C);
-    read("D", m, n, D);
-    Dense a = p.a;
-    Dense b = p.b;
+    read("A", n, n, p.A);
+    read("B", m, m, p.B);
+    read("C", n, m, p.C);
+    read("D", m, n, p.D);
+    SpMat a = sparse(p.a);
+    SpMat b = sparse(p.b);
     read("a", n, 1, a);
     read("b", m, 1, b);
     p.a = a;
     p.b = b;
   }
-  p.A = sparse(A);
-  p.B = sparse(B);
-  p.C = sparse(C);
-  p.D = sparse(D);
   const std::vector<double> known = in.end();
   if (known.empty()) return out;
   const auto count = static_cast<Index>(known.size());
-  if (count != n + 2 * m && count != n + 2 * m - 1)
-    in.refuse(count, " numbers after the problem, neither none nor a solution of ", n + 2 * m, " or one less");
+  // Some files lack one number of u, which is not read; where there is no u, none can be missing.
+  if (count != n + 2 * m && (n == 0 || count != n + 2 * m - 1))
+    in.refuse(count, " numbers after the problem, neither none nor a solution of ", n + 2 * m,
+              n == 0 ? "" : " or one less");
   out.v = Eigen::Map<const Vec>(known.data() + count - 2 * m, m);
   out.w = Eigen::Map<const Vec>(known.data() + count - m, m);
   return out;

@@ -15,10 +15,23 @@
 ///             q_1 .. q_{n+m}
 ///     if s2:  A B C D a b            dense, by ROWS
 /// MATRIX is
-///     storage rows columns           storage 0: dense; 1 (block-sparse) and 2 (sparse) are refused
+///     storage rows columns           storage 0: dense
 ///     rows columns                   again
 ///     entries by COLUMNS             lcp_CPS_2.dat, which looks as if printed by rows, is example 4.4.7 of the book
-///     that way
+///                                    that way
+/// or
+///     storage rows columns           storage 1: sparse by blocks
+///     N                              blocks
+///     B C                            block rows, block columns
+///     e_1 .. e_B                     rows up to the end of each block row: row of its end
+///     e_1 .. e_C                     the same of the columns
+///     a b                            lengths of the next two, b = N
+///     k_1 .. k_a                     block row i has the blocks k_i .. k_{i+1} - 1; trailing empty ones may be
+///                                    left out
+///     c_1 .. c_b                     block column of each block
+///     number, entries by COLUMNS     of each block, numbered from 0
+/// Storage 2 (compressed) is refused.
+///
 /// Blocks may come in any number and order; u and v gather the unknowns of the equations and of the conditions. After
 /// the problem may stand the known solution (z, w) or (v, w), or on a new line any text that does not begin with a
 /// number.

@@ -4,8 +4,8 @@
 
 namespace perp::ncp {
 
-/// Moves `point` down the Fischer-Burmeister merit while it pays (struct Crash in solve.hpp). `it` is the record of the
-/// last iteration. False if the run is over: solved, or at one of its limits.
+/// Moves `point` down the Fischer-Burmeister merit while it pays (struct Crash in ncp/path_search.hpp). `it` is the
+/// record of the last iteration. False if the run is over: solved, or at one of its limits.
 bool crash(Run& run, const Crash& options, Point& point, Iteration& it);
 
 }  // namespace perp::ncp

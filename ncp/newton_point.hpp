@@ -5,11 +5,9 @@
 #include <vector>
 
 #include "ncp/normal_map.hpp"
+#include "ncp/pivot_limit.hpp"
 
 namespace perp::ncp {
-
-/// More pivots than a linearised problem is worth: a regular path of n variables takes a small multiple of n.
-int worthwhile_pivots(Index n);
 
 /// Covering vectors of rays, in the order they are tried.
 inline constexpr std::array covers{lcp::Cover::Generic, lcp::Cover::Ones, lcp::Cover::Spread};

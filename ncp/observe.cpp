@@ -59,7 +59,7 @@ class Table {
       begin.kind = 'I';
       major_row(begin);
     }
-    const bool begins = it.kind == 'I' || it.kind == 'R';
+    const bool begins = it.kind == 'I' || !it.attempt.empty();  // R alone may be josephy's partial step
     if (begins || it.k % std::max(options_.major_frequency, 1) == 0) major_row(it);
   }
 

@@ -139,7 +139,7 @@ bool Run::start(In x0, Point& point) {
 std::string Run::undefined_at_start(In x, In F) const {
   for (Index i = 0; i < F.size(); ++i)
     if (!std::isfinite(F[i])) {
-      const std::string value = std::isnan(F[i]) ? "NaN" : number(F[i]);
+      const char* value = std::isnan(F[i]) ? "NaN" : "infinite (an overflow or a pole)";
       return "equation " + equation(i) + " is " + value + " at the start, where its variable " +
              mcp().variable_name(i) + " = " + number(x[i]);
     }

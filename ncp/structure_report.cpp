@@ -106,7 +106,8 @@ SpMat equilibrated(SpMat B) {
 }
 
 /// Indices with a share in y, || y ||_inf = 1, where y'B (or B y) is as good as 0; empty if there is no such y. Inverse
-/// iteration with B + delta I, which is regular for almost all delta.
+/// iteration with B + delta I, which is regular for almost all delta; but hardly so where left and right null vector
+/// are nearly orthogonal, and then the iterates after the first are rounding: the best one counts.
 struct NullVectors {
   Indices rows, columns;
 };
@@ -122,17 +123,23 @@ NullVectors null_vectors(const SpMat& B) {
   const auto iterate = [&](bool transposed) {
     Vec y(B.rows()), z(B.rows());
     for (Index i = 0; i < y.size(); ++i) y[i] = 1 + 0.5 * std::sin(static_cast<double>(i + 1));  // like no null vector
+    Vec best = y;
+    double least = lcp::infinity;
     for (int k = 0; k < 3; ++k) {
       transposed ? lu.solve_transposed(y, z) : lu.solve(y, z);
       const double size = z.lpNorm<Eigen::Infinity>();
       if (!(size > 0) || !std::isfinite(size)) return Indices{};
       y = z / size;
+      const Vec product = transposed ? Vec(B.transpose() * y) : Vec(B * y);
+      if (product.lpNorm<Eigen::Infinity>() < least) {
+        least = product.lpNorm<Eigen::Infinity>();
+        best = y;
+      }
     }
-    const Vec product = transposed ? Vec(B.transpose() * y) : Vec(B * y);
     Indices share;
-    if (product.lpNorm<Eigen::Infinity>() <= null)
-      for (Index i = 0; i < y.size(); ++i)
-        if (std::abs(y[i]) >= takes_part) share.push_back(i);
+    if (least <= null)
+      for (Index i = 0; i < best.size(); ++i)
+        if (std::abs(best[i]) >= takes_part) share.push_back(i);
     return share;
   };
   found.rows = iterate(true);

@@ -9,7 +9,7 @@
 
 namespace perp::app::compare {
 
-/// Beside those of program.hpp: stopped by a signal, --resume goes on.
+/// Beside those of app/program.hpp: stopped by a signal, --resume goes on.
 inline constexpr int exit_interrupted = 4;
 
 struct CompareRequest {

@@ -212,8 +212,9 @@ std::string lecture_ranking(const CampaignData& data) {
   Ranking ranking;
   for (const std::size_t a : ahead)
     for (const std::size_t b : behind) {
-      const bool clear = duel(data, pairs, a, b).clear();
-      ++(count(a) > count(b) ? ranking.more : count(a) < count(b) ? ranking.fewer : ranking.same);
+      const Duel both = duel(data, pairs, a, b);
+      const bool clear = both.clear();
+      ++(!both.beyond_rounding() ? ranking.same : count(a) > count(b) ? ranking.more : ranking.fewer);
       ranking.clearly_more += clear && count(a) > count(b) ? 1 : 0;
       ranking.clearly_fewer += clear && count(a) < count(b) ? 1 : 0;
     }
@@ -227,7 +228,7 @@ std::string lecture_ranking(const CampaignData& data) {
   if (duels == 1) return text;
   return text + fmt::format(
                     " Taken two by two, the former solve more pairs than the latter in {} of {} comparisons ({} "
-                    "clearly), as many in {}, fewer in {} ({} clearly).",
+                    "clearly), as many (but for rounding) in {}, fewer in {} ({} clearly).",
                     ranking.more, duels, ranking.clearly_more, ranking.same, ranking.fewer, ranking.clearly_fewer);
 }
 

@@ -1,7 +1,8 @@
 #pragma once
 /// What a campaign shows, in plain words, by rules:
 ///   * who solves most: ties are named as ties, and a lead counts as one only if the pairs on which two methods differ
-///     say so (Duel: exact sign test at 5 %); otherwise it is "not a clear difference";
+///     say so (Duel: exact sign test at 5 %, and more than rounding_share of the pairs); otherwise it is "not a clear
+///     difference";
 ///   * classes with fewer than few_pairs pairs are not judged;
 ///   * nothing is said of methods that were not run, and of pairs that not all have finished.
 #include <string>

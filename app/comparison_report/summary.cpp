@@ -116,8 +116,13 @@ double Duel::p_value() const {
   return std::min(1.0, 2 * tail);
 }
 
+bool Duel::beyond_rounding() const {
+  const std::size_t lead = std::max(only_a, only_b) - std::min(only_a, only_b);
+  return static_cast<double>(lead) > rounding_share * static_cast<double>(pairs);
+}
+
 Duel duel(const CampaignData& data, const std::vector<std::size_t>& pairs, std::size_t a, std::size_t b) {
-  Duel result;
+  Duel result{.pairs = pairs.size()};
   for (const std::size_t p : pairs) {
     const bool a_solves = data.at(a, p) != nullptr && solved(*data.at(a, p));
     const bool b_solves = data.at(b, p) != nullptr && solved(*data.at(b, p));

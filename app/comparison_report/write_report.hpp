@@ -7,9 +7,9 @@
 
 namespace perp::app {
 
-/// Writes DIR/report.html, cells.csv, cells.json, outcomes.csv and the files of comparison_report/files.hpp, each as a
-/// whole or not at all. The findings come back, "topic: sentences" each. Throws InputError naming what cannot be read
-/// or written.
+/// Writes DIR/report.html, cells.csv, cells.json, outcomes.csv and the files of app/comparison_report/files.hpp, each
+/// as a whole or not at all. The findings come back, "topic: sentences" each. Throws InputError naming what cannot be
+/// read or written.
 std::vector<std::string> write_report(const std::string& dir);
 
 /// `perp report DIR`: an exit code.

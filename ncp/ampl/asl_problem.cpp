@@ -198,19 +198,26 @@ AslProblem::RowByRow AslProblem::values_by_row(const double* x, double* c) const
   const LibraryCall call(asl, state_->messages.stream());
   RowByRow result;
   result.defined.assign(static_cast<std::size_t>(state_->sizes.n_con), 0);
+  result.overflow = result.defined;
   auto* point = const_cast<double*>(x);
   forget_x(asl);
+  // The library says that there is no value, the processor why.
+  const auto overflowed = [] { return std::fetestexcept(FE_OVERFLOW | FE_INVALID | FE_DIVBYZERO) == FE_OVERFLOW; };
+  std::feclearexcept(FE_ALL_EXCEPT);
   // Known once, so that the rows need not compare x.
   evaluate_guarded(asl, [=](fint* error) { asl->p.Xknown(asl, point, error); });
   for (int i = 0; i < state_->sizes.n_con && asl->i.cv_index_ == 0; ++i) {
+    std::feclearexcept(FE_ALL_EXCEPT);
     const bool fine = evaluate_guarded(asl, [=](fint* error) { c[i] = asl->p.Conival(asl, i, point, error); });
     result.defined[static_cast<std::size_t>(i)] = fine ? 1 : 0;
+    result.overflow[static_cast<std::size_t>(i)] = !fine && overflowed() ? 1 : 0;
   }
   if (const int index = asl->i.cv_index_; index > 0) {
     // Counted from 1; the library adds the number of shared ones twice to those of a single row.
     const int shared = asl->i.ncom0_;
     result.definition = index > shared ? index - shared - 1 : index - 1;
     result.evaluated = false;
+    result.definition_overflow = overflowed();
   }
   forget_x(asl);
   return result;

@@ -30,9 +30,11 @@ class AslProblem {
 
   /// What `values` cannot say: evaluates the rows one by one.
   struct RowByRow {
-    std::vector<char> defined;  ///< n_con
-    bool evaluated = true;      ///< false: a defined variable has no value, so that no row was evaluated
-    int definition = -1;        ///< its number then
+    std::vector<char> defined;   ///< n_con
+    std::vector<char> overflow;  ///< n_con: not defined because it was too large on the way, exp(800) for instance
+    bool evaluated = true;       ///< false: a defined variable has no value, so that no row was evaluated
+    int definition = -1;         ///< its number then
+    bool definition_overflow = false;
   };
   RowByRow values_by_row(const double* x, double* c) const;
   /// As `jacobian`, for the rows marked only; the nonzeros of others stay.

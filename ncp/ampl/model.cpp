@@ -70,7 +70,8 @@ class AslModel final : public Model {
   void write_sol(const std::string& message, In x, int solve_result_num) const override;
 
  private:
-  /// c(x), NaN in the rows known to be undefined. false: rows were left out.
+  /// c(x); in the rows known to be undefined NaN, or infinity (of whatever sign) after an overflow. false: rows were
+  /// left out.
   bool values_of_rows(In x) const;
 
   std::string stub_;
@@ -81,7 +82,7 @@ class AslModel final : public Model {
   AslProblem asl_;
   Vec start_;
   bool all_used_ = true;                  // every row takes part in F
-  mutable std::vector<double> rows_;      // c(x); NaN where it is not defined
+  mutable std::vector<double> rows_;      // c(x); not finite where it is not defined
   mutable std::vector<double> nonzeros_;  // of c'(x)
 };
 
@@ -91,11 +92,11 @@ bool AslModel::values_of_rows(In x) const {
   if (!outcome.evaluated) {
     std::fill(rows_.begin(), rows_.end(), 0.0);
     if (outcome.definition < nl_.header.defined())
-      for (int i : nl_.rows_using(outcome.definition)) rows_[at(i)] = nan;
+      for (int i : nl_.rows_using(outcome.definition)) rows_[at(i)] = outcome.definition_overflow ? infinity : nan;
     return false;
   }
   for (std::size_t i = 0; i < rows_.size(); ++i)
-    if (!outcome.defined[i]) rows_[i] = nan;
+    if (!outcome.defined[i]) rows_[i] = outcome.overflow[i] ? infinity : nan;
   return true;  // an undefined row that is not used does no harm
 }
 
@@ -105,9 +106,7 @@ bool AslModel::eval(In x, Out F) const {
     const Equation& e = pairing_.equations[at(u)];
     const double v = e.of_row ? rows_[at(e.index)] : x[e.index];
     F[u] = e.sign * (v - e.bound) - (e.side ? x[u] : 0.0);
-    if (std::isfinite(F[u])) continue;
-    F[u] = nan;
-    defined = false;
+    if (!std::isfinite(F[u])) defined = false;
   }
   return defined;
 }

@@ -5,6 +5,8 @@
 #include <sys/file.h>
 
 #include <cmath>
+#include <map>
+#include <set>
 #include <sstream>
 
 #include "app/compare/affine_nl.hpp"
@@ -17,6 +19,7 @@
 #include "app/compare/start.hpp"
 #include "app/problem.hpp"
 #include "ncp/ampl/model.hpp"
+#include "ncp/presets.hpp"
 #include "support.hpp"
 
 namespace perp::app::compare {
@@ -254,6 +257,17 @@ TEST(Baseline, ListsWhatWasLost) {
     print_comparison(text_out, "b.csv", found);
     EXPECT_THAT(text_out.str(), HasSubstr("so, it is"));
   }
+}
+
+// The committed one is of every preset, on the same problems. Catches a preset that was added and is not held to
+// anything.
+TEST(Baseline, CommittedOneIsOfEveryPreset) {
+  std::map<std::string, std::set<std::string>> problems;
+  for (const BaselineRow& row : read_baseline(PERP_SOURCE_DIR "/data/baseline/baseline.csv"))
+    problems[row.key.method].insert(row.key.problem);
+  EXPECT_EQ(problems.size(), ncp::presets().size());
+  for (const ncp::Preset& preset : ncp::presets())
+    EXPECT_EQ(problems[std::string(preset.name)], problems["path"]) << preset.name;
 }
 
 TEST(Baseline, BadOnesAreRefused) {

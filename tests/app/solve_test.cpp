@@ -106,6 +106,21 @@ TEST(Solve, UndefinedStart) {
   EXPECT_EQ(parsed["residual"]["natural"], "inf");
 }
 
+// exp(800) is too large for a double, and -exp(800) as well; log(0) has no value. Would catch an overflow called NaN.
+TEST(Solve, OverflowAtTheStartIsNotCalledNaN) {
+  const auto message = [](const std::string& nl) {
+    const test::Folder folder;
+    test::write(folder / "m.nl", nl);
+    test::Captured captured;
+    EXPECT_EQ(solve({.problem = folder / "m.nl", .json = "-"}, captured.streams), exit_unsolved);
+    return json::parse(captured.out.str())["message"].get<std::string>();
+  };
+  for (const char* F : {"o44\nv0\n", "o16\no44\nv0\n"})
+    EXPECT_THAT(message(test::scalar_nl(F, 800)),
+                testing::AllOf(HasSubstr("is infinite (an overflow"), HasSubstr("= 800")));
+  EXPECT_THAT(message(test::undefined_nl()), HasSubstr("is NaN"));
+}
+
 // Would catch log lines inside JSON on standard output, and a log that is lost.
 TEST(Solve, JsonOnStandardOutputIsAlone) {
   test::Captured captured;

@@ -52,13 +52,27 @@ TEST(SiconosFile, DenseLcpByColumns) {
   EXPECT_EQ(parse_siconos_lcp("0 0 0 0 0 0", "x").problem.size(), 0);
 }
 
+// Storage 1, blocks of 1 and 2 rows (tests/contact/dat_file_test.cpp breaks such files in every place). Catches blocks
+// at another's place, and a transposed one.
+TEST(SiconosFile, BlockSparseLcp) {
+  const std::string text = "3\n1\n3 3\n3\n2 2\n1 3\n1 3\n3 3\n0 2 3\n0 1 1\n0 1\n1 2 3\n2 4 5 0 7\n-1 -2 -3\n";
+  const SiconosLcp lcp = parse_siconos_lcp(text, "x");
+  Dense M(3, 3);
+  M << 1, 2, 3, 0, 4, 0, 0, 5, 7;
+  EXPECT_EQ(Dense(lcp.problem.M), M);
+  EXPECT_EQ(lcp.problem.M.nonZeros(), 6);
+  EXPECT_EQ(lcp.problem.q, vec({-1, -2, -3}));
+  EXPECT_EQ(parse_siconos_lcp(text + "0 0 1 2 3 4", "x").w, vec({2, 3, 4}));
+  EXPECT_EQ(why_not("2\n1\n2 3"), "x.dat:3: M is 2 x 3, not 2 x 2");
+  EXPECT_THAT(why_not("3\n1\n3 3\n1\n1 1\n2\n3\n2 1\n0 1\n0\n0 1 2 3\n1 2 3"), HasSubstr("the last is 2, not 3"));
+}
+
 TEST(SiconosFile, RefusesBadLcps) {
   EXPECT_EQ(why_not(""), "x.dat:1: the file ends where n should be");
   EXPECT_EQ(why_not("-1 0"), "x.dat:1: n is -1, not within 0 and 2147483647");
   EXPECT_EQ(why_not("1.5"), "x.dat:1: n is '1.5', not an integer");
   EXPECT_EQ(why_not("99999999999999999999"), "x.dat:1: n is '99999999999999999999', not an integer");
-  EXPECT_EQ(why_not("2\n1\n2 2"), "x.dat:2: the storage type of M is 1 (block-sparse), only 0 (dense) is read");
-  EXPECT_THAT(why_not("2\n2\n2 2"), HasSubstr("the storage type of M is 2"));
+  EXPECT_THAT(why_not("2\n2\n2 2"), HasSubstr("the storage type of M is 2 (compressed), only 0 and 1 are read"));
   EXPECT_EQ(why_not("2\n0\n2 3 2 3"), "x.dat:3: M is 2 x 3, not 2 x 2");
   EXPECT_THAT(why_not("2 0 2 2 2 1"), HasSubstr("differs from the first, 2 x 2"));
   EXPECT_THAT(why_not("2000000000 0 2000000000 2000000000 2000000000 2000000000 1 2"), HasSubstr("more than the rest"));
@@ -152,6 +166,23 @@ TEST(SiconosFile, RefusesBadMlcps) {
   EXPECT_EQ(with("-2 -3 0.000", "-2 -4 0.000"), "x.dat:22: b(2) is -4, but (M, q) has -3 there");
   EXPECT_THAT(with("5.000 0.000", "5.000"), HasSubstr("3 numbers after the problem, neither none nor a solution of 5"));
   EXPECT_THAT(with("\n-2 -3 0.000 3.000 5.000 0.000", ""), HasSubstr("b has 2 x 1 entries, more than the rest"));
+}
+
+// Without u no number of it can be missing: the one after the problem cannot be the end of (v, w), which was read from
+// before the beginning of the list.
+TEST(SiconosFile, KnownSolutionWithoutFreeUnknowns) {
+  EXPECT_EQ(why_not("0 1 0 1 1 7 0", true), "x.dat:1: 1 numbers after the problem, neither none nor a solution of 2");
+  EXPECT_EQ(parse_siconos_mlcp("0 1 0 1 1 -7 7 0", "x").v, vec({7}));
+}
+
+// M by blocks, which MLCPs may have as well: u first, then v.
+TEST(SiconosFile, BlockSparseMlcp) {
+  const SiconosMlcp file =
+      parse_siconos_mlcp("1 0 1 1\n0 1 2\n0 1\n1 2 2\n1\n1 1\n2\n2\n2 1\n0 1\n0\n0 1 2 3 4\n5 6\n", "x");
+  EXPECT_EQ(file.mlcp.A.coeff(0, 0), 1);
+  EXPECT_EQ(file.mlcp.D.coeff(0, 0), 2);
+  EXPECT_EQ(file.mlcp.C.coeff(0, 0), 3);
+  EXPECT_EQ(file.mlcp.B.coeff(0, 0), 4);
 }
 
 TEST(SiconosFile, NoSuchFile) {
@@ -251,7 +282,7 @@ TEST(SiconosFile, RecordedMlcps) {
     read_siconos_mlcp(rectangular);
     ADD_FAILURE() << "read";
   } catch (const FileError& error) {
-    EXPECT_EQ(error.what(), rectangular + ":10: M is 3 x 2: 1 equations more than unknowns");
+    EXPECT_EQ(error.what(), rectangular + ":9: M is 3 x 2: 1 equations more than unknowns");
   }
 }
 

@@ -150,6 +150,24 @@ TEST(PrintTable, PartsCanBeLeftOut) {
   EXPECT_TRUE(has(every_second, "    2     0"));
 }
 
+// R is also the letter of josephy's partial steps, which begin nothing: of 9 of them every 5th is printed. Catches a
+// frequency that all steps of such a run escape.
+TEST(PrintTable, FrequencyHoldsForPartialSteps) {
+  std::vector<Iteration> run{{.k = 0, .worst = 0, .kind = 'I'}};
+  for (int k = 1; k < 10; ++k) run.push_back({.k = k, .worst = 0, .kind = 'R'});
+  run.push_back({.k = 10, .worst = 0, .kind = 'R', .attempt = "again"});
+  run.push_back({.k = 11, .worst = 0, .kind = 'N'});
+  const auto mcp = make_mcp(support::kojima_shindo());
+  std::ostringstream out;
+  const Observer table = print_table(out, *mcp, {.major_frequency = 5});
+  for (const Iteration& it : run) table(it);
+  std::vector<int> shown;
+  std::istringstream lines(out.str());
+  for (std::string line; std::getline(lines, line);)
+    if (int k = 0; std::istringstream(line) >> k) shown.push_back(k);
+  EXPECT_THAT(shown, testing::ElementsAre(0, 5, 10));
+}
+
 // Two tables at once know nothing of each other. Catches state shared between observers.
 TEST(PrintTable, KeepsItsOwnState) {
   const auto mcp = make_mcp(support::kojima_shindo());

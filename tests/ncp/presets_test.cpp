@@ -58,23 +58,34 @@ Count run_preset(const char* name, bool (*chosen)(const collection::Entry&)) {
   return count;
 }
 
-// Shares of the solvable (problem, start) pairs, some below what is measured (bench_presets; README.md has the table).
-// Catches a change that costs a system its problems, and every false "solved".
+// Shares of the solvable (problem, start) pairs: the least number that was solved of the 134 and the 269 set apart,
+// over reference BLAS and OpenBLAS's kernels PRESCOTT, NEHALEM, SANDYBRIDGE, HASWELL, SKYLAKEX, ZEN, less a margin.
+// Rounding alone makes smooth solve 253 to 258 of the 269, the others up to 2 more or fewer, `path` and `auto` all of
+// them (scripts/test-blas, ncp/README.md). Catches a change that costs a system its problems, and every false "solved".
 TEST(Presets, SolveTheirShareOfTheCollection) {
+  constexpr double margin = 0.015;  // 2 of 134, 4 of 269: processors that were not at hand
   struct Share {
     const char* name;
-    double least;
-    double least_set_apart;
+    int least;            // of 134
+    int least_set_apart;  // of 269
   };
   for (const Share& share :
-       {Share{"miles", 0.93, 0.88}, Share{"semismooth", 0.9, 0.83}, Share{"semicomp", 0.95, 0.93},
-        Share{"proxi", 0.92, 0.95}, Share{"nesqp", 0.73, 0.7}, Share{"qpcomp", 0.92, 0.94}, Share{"smooth", 0.97, 0.95},
-        Share{"interior", 0.92, 0.85}, Share{"path", 1, 1}, Share{"auto", 1, 1}}) {
+       {Share{"miles", 132, 241}, Share{"semismooth", 123, 227}, Share{"semicomp", 130, 252}, Share{"proxi", 126, 258},
+        Share{"nesqp", 106, 194}, Share{"qpcomp", 125, 256}, Share{"smooth", 130, 253}, Share{"interior", 129, 254},
+        Share{"path", 134, 269}, Share{"auto", 134, 269}}) {
     const Count most =
         run_preset(share.name, [](const collection::Entry& entry) { return !support::set_apart(entry); });
-    EXPECT_GE(most.solved, share.least * most.runs) << share.name << " fails on" << most.failures;
     const Count apart = run_preset(share.name, support::set_apart);
-    EXPECT_GE(apart.solved, share.least_set_apart * apart.runs) << share.name << " fails on" << apart.failures;
+    const auto asked = [](int least, int of, int runs) {
+      return least == of ? runs : (1.0 * least / of - margin) * runs;
+    };
+    EXPECT_GE(most.solved, asked(share.least, 134, most.runs)) << share.name << " fails on" << most.failures;
+    EXPECT_GE(apart.solved, asked(share.least_set_apart, 269, apart.runs))
+        << share.name << " fails on" << apart.failures;
+    // For the tables, with --gtest_output=json.
+    RecordProperty(std::string("solved_by_") + share.name,
+                   std::to_string(most.solved) + " of " + std::to_string(most.runs) + ", " +
+                       std::to_string(apart.solved) + " of " + std::to_string(apart.runs));
   }
 }
 

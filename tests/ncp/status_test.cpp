@@ -247,7 +247,7 @@ TEST(Status, EvaluationFailedAtTheStartNamesTheRow) {
   for (const auto& [label, method] : methods({.check_derivatives = true})) {
     const Result result = solve(*mcp, vec({1, 1, -5, 1}), method);
     EXPECT_EQ(result.status, Status::EvaluationFailed) << label;
-    EXPECT_THAT(result.message, AllOf(HasSubstr("oats"), HasSubstr("price[3] = 0"), HasSubstr("-inf"))) << label;
+    EXPECT_THAT(result.message, AllOf(HasSubstr("oats"), HasSubstr("price[3] = 0"), HasSubstr("is infinite"))) << label;
     EXPECT_EQ(result.x, vec({1, 1, 0, 1})) << label;
     EXPECT_EQ(result.residual.natural, infinity) << label;
   }

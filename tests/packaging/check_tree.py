@@ -1,15 +1,17 @@
 #!/usr/bin/env python3
-"""Rules of the source tree, checked: check_tree.py includes|length|format|readme|self-test [ROOT].
+"""Rules of the source tree, checked: check_tree.py includes|length|format|readme|paths|self-test [ROOT].
 
 includes   who may include whom (CONTRIBUTING.md, "The folders")
 length     no source file beyond 500 lines
 format     clang-format (the major version below, else skipped) would change nothing
 readme     the C++ example of README.md is the one the packaging test builds and runs
+paths      files that texts and comments name exist, seen from the root or from where they are named
 self-test  each check reports a tree that breaks its rule
 
 Prints one line a violation; exit status 1 if there is one, 77 if the check was skipped.
 """
 
+import posixpath
 import re
 import shutil
 import subprocess
@@ -44,8 +46,8 @@ RULES = [
 UNRULED = ("tests/", "bench/", "data/")
 
 
-def sources(root):
-    """The tracked sources, relative to root; all outside of build folders where there is no git."""
+def tracked(root):
+    """The tracked files, relative to root; all outside of build folders where there is no git."""
     command = ["git", "-c", "safe.directory=*", "-C", root, "ls-files", "-z"]
     git = subprocess.run(command, capture_output=True, text=True) if shutil.which("git") else None
     if git and git.returncode == 0:
@@ -53,7 +55,11 @@ def sources(root):
     else:
         names = [path.relative_to(root).as_posix() for path in Path(root).rglob("*") if path.is_file()]
         names = [name for name in names if not name.startswith(("build", "."))]
-    return sorted(name for name in names if name.endswith(SOURCES) and (Path(root) / name).is_file())
+    return sorted(name for name in names if (Path(root) / name).is_file())
+
+
+def sources(root):
+    return [name for name in tracked(root) if name.endswith(SOURCES)]
 
 
 def includes(root):
@@ -96,7 +102,31 @@ def readme(root):
         yield "README.md: its example is not tests/packaging/consumer/example.cpp"
 
 
-CHECKS = {"includes": includes, "length": length, "format": format_, "readme": readme}
+# folder/file.py, and of sources also file.cpp. Names in capitals (ncp/METHOD.cpp) stand for any file, with * for some.
+PATH = re.compile(r"(?<![\w/.*<-])((?:[\w.-]+/)+[a-z][\w-]*\.(?:hpp|cpp|py|cmake)|[a-z][\w-]*\.(?:hpp|cpp))(?![\w*])")
+UNCHECKED = ("CHANGELOG.md", "tests/packaging/check_tree.py")  # of files that are gone; of files that are made up
+
+
+def named(name, line):
+    """What a line of a text, or the comment of a line of a source, says."""
+    return line if name.endswith(".md") else line.partition("//")[2] if name.endswith(SOURCES) else ""
+
+
+def paths(root):
+    names = set(tracked(root))
+    for name in sorted(names - set(UNCHECKED)):
+        if not name.endswith((".md", *SOURCES)):
+            continue
+        folder = posixpath.dirname(name)
+        for number, line in enumerate((Path(root) / name).read_text(encoding="utf-8").splitlines(), 1):
+            for found in PATH.findall(named(name, line)):
+                # Tests speak of the sources they mirror.
+                places = (found, posixpath.join(folder, found), posixpath.join(folder.removeprefix("tests/"), found))
+                if names.isdisjoint(posixpath.normpath(place) for place in places):
+                    yield f"{name}:{number}: there is no file {found}"
+
+
+CHECKS = {"includes": includes, "length": length, "format": format_, "readme": readme, "paths": paths}
 
 
 # --- self-test -------------------------------------------------------------------------------------------------------
@@ -161,6 +191,12 @@ def self_test(_):
         write(folder, {"tests/packaging/consumer/example.cpp": "int b;\n"})
         if not list(readme(folder)):
             yield "another example is taken for the README's"
+    with tempfile.TemporaryDirectory() as folder:
+        text = "`lcp/a.cpp`, `a.cpp`, lcp/METHOD.hpp, `x/*.cpp`, in b.hpp\n"
+        write(folder, {"README.md": text, "lcp/README.md": text, "lcp/a.cpp": "f();  // as in b.hpp\n", "lcp/b.hpp": "\n"})
+        wanted = ["README.md:1: there is no file a.cpp", "README.md:1: there is no file b.hpp"]
+        if list(paths(folder)) != wanted:
+            yield f"{list(paths(folder))} instead of {wanted}"
     if shutil.which("clang-format"):
         with tempfile.TemporaryDirectory() as folder:
             write(folder, {".clang-format": "BasedOnStyle: Google\n", "a.cpp": "int a ;\n", "b.cpp": "int b;\n"})
