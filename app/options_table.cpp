@@ -101,12 +101,13 @@ std::vector<Option> general_options() {
              {0, lcp::infinity, true},
              "tol: solved when the natural residual max_i |x_i - mid(l_i, x_i - F_i(x), u_i)| is at most tol",
              [](Settings& settings) -> Field { return &ncp::stop(settings.method).tol; }},
-      Option{"relative_tolerance",
-             {"tol_relative"},
-             {0, lcp::infinity, true},
-             "R: asked in addition of equations whose variable is not at a bound: |F_i| <= R t_i, the size of the terms "
-             "that F_i is the rest of; inf: not asked",
-             [](Settings& settings) -> Field { return &ncp::stop(settings.method).tol_relative; }},
+      Option{
+          "relative_tolerance",
+          {"tol_relative"},
+          {0, lcp::infinity, true},
+          "R: asked in addition of equations whose variable is not at a bound: |F_i| <= R t_i, the size of the terms "
+          "that F_i is the rest of; inf: not asked",
+          [](Settings& settings) -> Field { return &ncp::stop(settings.method).tol_relative; }},
       Option{"major_iteration_limit",
              {"max_iterations"},
              {0, max_int},

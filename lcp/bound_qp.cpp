@@ -320,7 +320,7 @@ End Solver::proximal_points() {
     if (!std::isfinite(length)) return End::Limit;
     if (!(length < 0.5 * previous)) {
       if (certify(step)) return End::Flat;
-      if (solves(problem_, z_, limits_.tol)) return End::Solved;
+      if (accepts(problem_, z_, limits_.tol)) return End::Solved;
       // Eigenvalues about eps: a smaller one, while it is told from zero.
       if (++slow % 3 == 0 && shift_ > 1e-11) prepare(kind_, shift_ / 10);
     }
@@ -379,7 +379,7 @@ Result Solver::solve() {
     switch (end) {
       case End::Solved:
       case End::Settled:
-        if (shift_ > 0 || solves(problem_, z_, limits_.tol))
+        if (shift_ > 0 || accepts(problem_, z_, limits_.tol))
           return finish(Status::Stalled, "no more digits: the residual is at the level of rounding");
         z_ = before;  // which may have gone far along a flat direction
         prepare(kind_, options_.proximal);

@@ -10,6 +10,7 @@
 #include "lcp/bounded_rows.hpp"
 #include "lcp/cell.hpp"
 #include "lcp/equilibrate.hpp"
+#include "lcp/judge.hpp"
 
 namespace perp::lcp {
 namespace {
@@ -261,7 +262,11 @@ class Search {
     Piece piece{
         .places = places_, .z = project(scaled_.box, scaled_z), .w = {}, .original = {}, .dimension = dimension};
     piece.original = project(problem_.box, piece.z.cwiseProduct(scaling_.columns));
-    if (!piece.original.allFinite() || !accepts(problem_, piece.original, limits_.tol)) return false;
+    if (!piece.original.allFinite()) return false;
+    if (!accepts(problem_, piece.original, limits_.tol)) {
+      piece.original = refined(problem_, piece.original, limits_.tol);
+      if (!accepts(problem_, piece.original, limits_.tol)) return false;
+    }
     piece.w = M_ * piece.z + scaled_.q;
     for (const Piece& other : pieces_)
       if (other.dimension >= dimension && contains(other, piece)) return true;
@@ -333,7 +338,9 @@ Result enumeration(const AffineMcp& problem, In start, const Enumeration& option
     what << all.message << ": ";
   what << all.found.size() << " solutions or sets of them";
   const Vec z = all.found.empty() ? Vec(start) : all.found.front().z;
-  Result result = judged(problem, z, limits, all.complete ? Status::Infeasible : all.stopped, what.str());
+  const bool none = all.complete && all.found.empty();
+  const Status otherwise = none ? Status::Infeasible : all.complete ? Status::Stalled : all.stopped;
+  Result result = judged(problem, z, limits, otherwise, what.str());
   result.message = what.str();
   result.iterations = all.nodes;
   return result;

@@ -5,6 +5,7 @@
 #include <limits>
 #include <sstream>
 #include <stdexcept>
+#include <utility>
 
 #include "lcp/cell.hpp"
 #include "lcp/exact_sum.hpp"
@@ -41,8 +42,8 @@ Judgement judge(const AffineMcp& problem, In z) {
   Judgement out;
   if (!z.allFinite()) return out;
   const Eigen::SparseMatrix<double, Eigen::RowMajor> rows = problem.M;
-  RowTerms terms{.size = problem.q.cwiseAbs(), .entries = Eigen::VectorXi::Zero(n)};
-  Vec residuals(n);
+  out.terms = {.size = problem.q.cwiseAbs(), .entries = Eigen::VectorXi::Zero(n)};
+  out.rows.resize(n);
   out.F.resize(n);
   out.natural = 0;
   for (Index i = 0; i < n; ++i) {
@@ -51,18 +52,18 @@ Judgement judge(const AffineMcp& problem, In z) {
     for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(rows, i); it; ++it) {
       if (it.value() == 0) continue;
       F.add_product(it.value(), z[it.col()]);
-      terms.size[i] += std::abs(it.value() * z[it.col()]);
-      ++terms.entries[i];
+      out.terms.size[i] += std::abs(it.value() * z[it.col()]);
+      ++out.terms.entries[i];
     }
     out.F[i] = F.value();
-    residuals[i] = row_residual(problem.box, i, z[i], out.F[i]);
-    if (!std::isfinite(out.F[i])) residuals[i] = infinity;
-    if (residuals[i] > out.natural || out.worst < 0) {
-      out.natural = residuals[i];
+    out.rows[i] = row_residual(problem.box, i, z[i], out.F[i]);
+    if (!std::isfinite(out.F[i])) out.rows[i] = infinity;
+    if (out.rows[i] > out.natural || out.worst < 0) {
+      out.natural = out.rows[i];
       out.worst = i;
     }
   }
-  out.accuracy = accuracy(residuals, terms);
+  out.accuracy = accuracy(out.rows, out.terms);
   return out;
 }
 
@@ -87,21 +88,31 @@ Places cell_of(const AffineMcp& problem, In z, const Vec& F) {
 
 }  // namespace
 
-Vec refined(const AffineMcp& problem, In z) {
+bool worth_refining(const Judgement& judgement, double tol) {
+  constexpr double near = 1e-9;
+  if (judgement.natural <= tol || !std::isfinite(judgement.natural)) return false;
+  return (judgement.rows.array() <= (near * judgement.terms.size.array()).max(tol)).all();
+}
+
+Vec refined(const AffineMcp& problem, In z, double tol) {
+  const auto rank = [tol](const Judgement& j) { return j.natural <= tol ? 0 : j.accuracy.to_rounding ? 1 : 2; };
   Vec best = project(problem.box, z);
   Judgement now = judge(problem, best);
-  if (now.F.size() == 0 || !now.F.allFinite()) return best;
-  const Places places = cell_of(problem, best, now.F);
+  if (!std::isfinite(now.natural)) return best;
   CellSolver cell(problem, LuBackend::Auto, 1e-13);
-  if (cell.solve(places) != LuStatus::Ok) return best;
+  if (cell.solve(cell_of(problem, best, now.F)) != LuStatus::Ok) return best;
   Vec x = project(problem.box, cell.z());
   for (int step = 0; step < 4; ++step) {
-    const Judgement there = judge(problem, x);
-    if (!(there.natural < now.natural)) break;
-    best = x;
-    now = there;
-    if (!cell.correct(there.F, x)) break;
-    x = project(problem.box, x);
+    Judgement there = judge(problem, x);
+    if (!std::isfinite(there.natural)) break;
+    Vec next = x;
+    const bool further = cell.correct(there.F, next);
+    if (std::pair(rank(there), there.natural) < std::pair(rank(now), now.natural)) {
+      best = x;
+      now = std::move(there);
+    }
+    if (!further) break;
+    x = project(problem.box, next);
   }
   return best;
 }

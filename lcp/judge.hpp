@@ -24,6 +24,8 @@ Accuracy accuracy(In row_residuals, const RowTerms& terms);
 
 struct Judgement {
   Vec F;                      ///< M z + q, each the double nearest to the exact sum; empty where z is not finite
+  Vec rows;                   ///< r_i; likewise
+  RowTerms terms;             ///< t_i and n_i; likewise
   double natural = infinity;  ///< max r_i; +inf where something is not finite
   Index worst = -1;           ///< its row
   Accuracy accuracy;
@@ -34,8 +36,11 @@ Judgement judge(const AffineMcp& problem, In z);
 /// |mid(z_i - u_i, F_i, z_i - l_i)| = |z_i - mid(l_i, z_i - F_i, u_i)|; the left side does not lose F_i beside z_i.
 double row_residual(const Box& box, Index i, double z, double F);
 
-/// The point of the cell that z points to, with steps of refinement by exact residuals, where that is nearer to a
-/// solution; else z. Costs a factorization of the block of M inside the bounds.
-Vec refined(const AffineMcp& problem, In z);
+/// Whether z is no solution but near one: every r_i at most tol or 1e-9 t_i. A factorization may bring the last digits.
+bool worth_refining(const Judgement& judgement, double tol);
+/// The point of the cell that z points to, with steps of refinement by exact residuals, where that is better: a
+/// solution to tol, or to rounding, or nearer to one; else z. Costs a factorization of the block of M inside the
+/// bounds.
+Vec refined(const AffineMcp& problem, In z, double tol);
 
 }  // namespace perp::lcp

@@ -109,14 +109,11 @@ Result run(const AffineMcp& p, In x, const Enumeration& m, const Limits& limits)
   return enumeration(p, x, m, limits);
 }
 
-/// An end at the door of a solution: the last digits may be had.
-bool worth_refining(const Result& result) {
-  constexpr double near = 1e-9;
-  return (result.status == Status::SolvedToRounding || result.status == Status::Stalled) && result.relative <= near;
-}
-
+/// At the door of a solution the last digits may be had.
 void refine(const AffineMcp& problem, const Limits& limits, Result& result) {
-  Result better = judged(problem, refined(problem, result.z), limits, result.status, result.message);
+  if (result.status != Status::SolvedToRounding && result.status != Status::Stalled) return;
+  if (!worth_refining(judge(problem, result.z), limits.tol)) return;
+  Result better = judged(problem, refined(problem, result.z, limits.tol), limits, result.status, result.message);
   ++result.factorizations;
   if (!better.accepted()) return;
   result.status = better.status;
@@ -130,7 +127,7 @@ void refine(const AffineMcp& problem, const Limits& limits, Result& result) {
 
 Result solve(const AffineMcp& problem, In start, const Method& method, const Limits& limits) {
   Result result = std::visit([&](const auto& m) { return run(problem, start, m, limits); }, method);
-  if (worth_refining(result)) refine(problem, limits, result);
+  refine(problem, limits, result);
   return result;
 }
 

@@ -143,14 +143,17 @@ class Search {
     return result;
   }
 
-  void take(Result& result, const Vec& x, const Vec& F, const Residual& residual) const {
+  void take(Result& result, const Vec& x, const Vec& F, const Residual& residual) {
     result.x = x;
     result.F = F;
     result.residual = residual;
     if (!(residual.natural <= stop_.tol)) return;
     result.status = Status::Solved;
     result.advice.clear();
+    const Stats before = result.stats;
     judge_here(mcp_, stop_, result);
+    out_.stats.F_evals += result.stats.F_evals - before.F_evals;
+    out_.stats.J_evals += result.stats.J_evals - before.J_evals;
   }
 
   void keep(Result result, std::string how) {

@@ -10,8 +10,6 @@
 namespace perp::ncp {
 namespace {
 
-/// An affine point this near to the rounding of its terms is worth a factorization for the last digits.
-constexpr double near_rounding = 1e-9;
 /// Evaluations of F for moving entries to their bounds.
 constexpr int most_moves = 24;
 
@@ -101,10 +99,9 @@ bool Judge::to_rounding(const Judged& point) {
 void Judge::refine(Judged& point) {
   const lcp::AffineMcp* exact = affine();
   if (exact == nullptr || !std::isfinite(point.residual.natural)) return;
-  if (!(lcp::judge(*exact, point.x).accuracy.relative <= near_rounding)) return;
-  Judged better{.x = lcp::refined(*exact, point.x), .F = point.F, .residual = {}};
-  evaluate(better);
-  if (better.residual.natural < point.residual.natural) point = std::move(better);
+  if (!lcp::worth_refining(lcp::judge(*exact, point.x), stop_.tol)) return;
+  point.x = lcp::refined(*exact, point.x, stop_.tol);
+  evaluate(point);
 }
 
 void judge_here(const Mcp& mcp, const Stop& stop, Result& result) {

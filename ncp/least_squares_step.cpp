@@ -70,13 +70,15 @@ LeastSquaresStep LeastSquaresSteps::solve(const Linearisation& lin, const Vec& x
   cells_.clear();
 
   start.tail(n).setZero();
-  const lcp::Limits limits{.deadline = run_.deadline(), .interrupted = [this] { return run_.interrupted(); }};
+  const lcp::Limits limits{.tol = subproblem_tol(problem), .deadline = run_.deadline(), .interrupted = [this] {
+                             return run_.interrupted();
+                           }};
   const lcp::Result interior = lcp::interior_point(problem, start, {}, limits);
   run_.stats().factorizations += interior.factorizations;
   if (interior.status == lcp::Status::Interrupted || interior.status == lcp::Status::TimeLimit)
     return {.end = LeastSquaresStep::End::Stopped};
   LeastSquaresStep step = step_along(interior.z.tail(n));
-  if (!interior.solved()) step.end = LeastSquaresStep::End::Failed;
+  if (!interior.accepted()) step.end = LeastSquaresStep::End::Failed;
   return step;
 }
 

@@ -70,15 +70,16 @@ class Subproblems {
  private:
   lcp::PivotResult quadratic(const lcp::AffineMcp& problem, In z) {
     if (!finite(problem)) return {};
-    const lcp::Limits limits{
-        .tol = options_.residual_tol, .deadline = options_.deadline, .interrupted = options_.interrupted};
+    const lcp::Limits limits{.tol = subproblem_tol(problem, options_.residual_tol),
+                             .deadline = options_.deadline,
+                             .interrupted = options_.interrupted};
     const lcp::Result found = lcp::bound_qp(problem, z, {.nested = nested_}, limits);
     run_.stats().factorizations += found.factorizations;
     pivots_ += static_cast<int>(found.iterations);
     lcp::PivotResult path;
     if (found.status == lcp::Status::Interrupted) path.end = lcp::PivotEnd::Interrupted;
     if (found.status == lcp::Status::TimeLimit) path.end = lcp::PivotEnd::TimeLimit;
-    if (!found.solved()) return path;
+    if (!found.accepted()) return path;
     path.end = lcp::PivotEnd::Solved;
     path.z = found.z;
     path.x = normal_point(problem.box, found.z, problem.M * found.z + problem.q);

@@ -13,6 +13,10 @@ constexpr Index most_kinks = 4096;
 
 }  // namespace
 
+double subproblem_tol(const lcp::AffineMcp& problem, double relative) {
+  return relative * (1 + (problem.size() > 0 ? problem.q.lpNorm<Eigen::Infinity>() : 0));
+}
+
 int worthwhile_pivots(Index n) { return 1000 + 20 * static_cast<int>(std::min<Index>(n, 1'000'000)); }
 
 bool finite(const lcp::AffineMcp& problem) {

@@ -14,6 +14,8 @@ inline constexpr std::array covers{lcp::Cover::Generic, lcp::Cover::Ones, lcp::C
 
 /// Whether M and q are finite: they may overflow where F and J do not.
 bool finite(const lcp::AffineMcp& problem);
+/// A linearised problem is solved well enough for a step relative to its own size: relative (1 + ||q||_inf).
+double subproblem_tol(const lcp::AffineMcp& problem, double relative = 1e-9);
 
 /// lcp::lemke, for linearised problems: q = F - J x may overflow where F and J do not, and then no path begins
 /// (PivotEnd::Inaccurate, best_x = start).

@@ -75,9 +75,7 @@ void annotate(const Mcp& mcp, const Stop& stop, Result& result) {
   if (result.F.size() != mcp.size() || !result.F.allFinite() || !result.x.allFinite()) return;
   CountedMcp counted(mcp);
   SpMat J = mcp.jacobian_pattern();
-  const bool defined = counted.jacobian(result.x, J);
-  result.stats.J_evals += counted.J_evals();
-  if (!defined) return;
+  if (!counted.jacobian(result.x, J)) return;
   const lcp::RowTerms terms = row_terms(J, result.x, result.F);
   const lcp::Accuracy accuracy = lcp::accuracy(row_residuals(mcp.box(), result.x, result.F), terms);
   result.relative = accuracy.relative;

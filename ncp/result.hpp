@@ -30,7 +30,7 @@ enum class Status {
 };
 std::string_view to_string(Status);  ///< "Solved", "StationaryPoint", ...
 
-/// Of the method and its escapes; what check_jacobian evaluates is not counted.
+/// Of the method and its escapes; what check_jacobian evaluates is not counted, nor the J at x for Result::relative.
 struct Stats {
   int iterations = 0;        ///< major: a linearised problem each
   int crash_iterations = 0;  ///< PathSearch: projected Newton steps, which are no major iterations

@@ -246,9 +246,10 @@ bool Run::go_on(const Point& point, Iteration it) {
   if (!it.attempt.empty()) it.kind = 'R';
   Judged now = judged(point);
   const Residual of_iterate = now.residual;
-  const bool solution = !status_ && solved(now);
   const bool accepted = status_ == Status::Solved || status_ == Status::SolvedToRounding;
-  if (solution || (!accepted && now.residual.natural < best_.residual.natural)) best_ = now;
+  const bool last = status_ && now.residual.natural <= best_.residual.natural;
+  const bool solution = !status_ && solved(now);
+  if (solution || (!accepted && (last || now.residual.natural < best_.residual.natural))) best_ = now;
   const bool done = status_.has_value();
   stats_.iterations = it.k;
   stats_.pivots += it.pivots;

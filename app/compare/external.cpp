@@ -163,7 +163,8 @@ void take_sol(Answer& answer, const std::string& text, ncp::Index variables, con
   answer.infeasible = sol.code >= claims_below && sol.code < infeasible_below;
   answer.not_applicable = sol.code == ncp::ampl::not_applicable;
   answer.has_x = sol.x.size() > 0 || variables == 0;
-  if ((answer.claimed || answer.to_rounding) && !answer.has_x) throw InputError("it claims a solution and gives no values");
+  if ((answer.claimed || answer.to_rounding) && !answer.has_x)
+    throw InputError("it claims a solution and gives no values");
   if (answer.has_x) write_point(folder, sol.x);
 }
 

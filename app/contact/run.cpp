@@ -132,9 +132,9 @@ void run_first_ncp(Run& run, const Problem& problem) {
 
 /// As the other statuses are written.
 std::string_view status_name(lcp::Status status) {
-  constexpr std::array<std::string_view, 11> names{
-      "Solved",  "SolvedToRounding", "Infeasible", "Ray",         "Singular",   "NotApplicable",
-      "Stalled", "IterationLimit",   "TimeLimit",  "Interrupted", "OutOfMemory"};
+  constexpr std::array<std::string_view, 11> names{"Solved",    "SolvedToRounding", "Infeasible", "Ray",
+                                                   "Singular",  "NotApplicable",    "Stalled",    "IterationLimit",
+                                                   "TimeLimit", "Interrupted",      "OutOfMemory"};
   return names.at(static_cast<std::size_t>(status));
 }
 

@@ -42,7 +42,7 @@ struct Run {
   std::string status{};  ///< "Solved", "NoProgress", "TimeLimit", ...
   std::string message{};
   contact::Verdict verdict{};  ///< what is known of solutions of the variant's law, where none was found
-  bool solved = false;      ///< exact(): the exact law, else the variant's own problem
+  bool solved = false;         ///< exact(): the exact law, else the variant's own problem
   std::string solved_by{};  ///< the step that made the accepted point (contact::Origin), or the method; "" if unsolved
   contact::Solution solution{};
   contact::Residual residual{};  ///< of Coulomb's law

@@ -175,6 +175,7 @@ TEST(Options, ReachEveryField) {
       {"Stop",
        members<ncp::Stop>(),
        {{"tol", "convergence_tolerance"},
+        {"tol_relative", "relative_tolerance"},
         {"max_iterations", "major_iteration_limit"},
         {"max_F_evals", "evaluation_limit"},
         {"max_time", "time_limit"},

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "lcp/bound_qp.hpp"
+#include "lcp/solve.hpp"
 #include "support/matrices.hpp"
 
 namespace perp::lcp {

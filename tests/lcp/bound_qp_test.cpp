@@ -117,7 +117,7 @@ TEST(BoundQp, ScaledFromBothSides) {
       if (repeat % 2 == 0)
         expect_solved(problem, Vec::Zero(n), options, name, {.tol = 1e-10});
       else
-        EXPECT_TRUE(bound_qp(problem, Vec::Zero(n), options, {.tol = 1e-8}).accepted()) << name << ' ' << repeat;
+        EXPECT_TRUE(solve(problem, Vec::Zero(n), options, {.tol = 1e-8}).accepted()) << name << ' ' << repeat;
   }
 }
 

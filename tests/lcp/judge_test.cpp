@@ -114,7 +114,7 @@ TEST(Judge, RefinedHasAllDigits) {
   Eigen::MatrixXd M(2, 2);
   M << 1e8, 1, 1, 2;
   const AffineMcp problem = dense(M, Eigen::Vector2d(-1e8 - 1, -3), Box::nonnegative(2));
-  const Vec z = refined(problem, Eigen::Vector2d(1 + 1e-9, 1 - 1e-8));
+  const Vec z = refined(problem, Eigen::Vector2d(1 + 1e-9, 1 - 1e-8), 1e-9);
   EXPECT_EQ(judge(problem, z).natural, 0);
 }
 

@@ -1,5 +1,5 @@
-/// The affine problems of lcp/adversarial_support.hpp as nonlinear ones, by every preset, judged in rational numbers.
-/// PERP_ADVERSARIAL=2000 takes so many problems and prints a table by preset.
+/// The affine problems of tests/lcp/adversarial_support.hpp as nonlinear ones, by every preset, judged in rational
+/// numbers. PERP_ADVERSARIAL=2000 takes so many problems and prints a table by preset.
 #include <gtest/gtest.h>
 
 #include <algorithm>
