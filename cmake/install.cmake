@@ -22,6 +22,7 @@ set(perp_public_headers
   lcp/classify.hpp
   lcp/fb_newton.hpp
   lcp/interior_point.hpp
+  lcp/infeasible.hpp
   lcp/judge.hpp
   lcp/least_index.hpp
   lcp/lemke.hpp

