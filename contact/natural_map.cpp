@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "contact/exact.hpp"
+#include "lcp/exact_sum.hpp"
 
 namespace perp::contact {
 namespace {
@@ -34,16 +34,16 @@ double difference(double alpha, double T1, double T2, double beta, double N) {
   const int own = std::ilogb(N);
   const double beta_1 = std::ldexp(beta, own - size);
   const double N_1 = std::ldexp(N, -own);
-  const Pair a = two_product(alpha_1, T1_1);
-  const Pair b = two_product(beta_1, N_1);
+  const lcp::TwoParts a = lcp::two_product(alpha_1, T1_1);
+  const lcp::TwoParts b = lcp::two_product(beta_1, N_1);
   if (T2 < tiny_share * T1) {  // |(T1, T2)| = T1 + T2^2 / (T1 + T); either part is nothing beside the other
-    Expansion first;
+    lcp::ExactSum first;
     for (const double part : {a.value, a.error, -b.value, -b.error}) first.add(part);
     return std::ldexp(first.value(), size) + alpha * T2 * (T2 / (T1 + T));
   }
-  const Pair c = two_product(alpha_1, std::ldexp(T2, -unit));
-  Expansion numerator;
-  const auto add_square = [&numerator](const Pair& x, double sign) {
+  const lcp::TwoParts c = lcp::two_product(alpha_1, std::ldexp(T2, -unit));
+  lcp::ExactSum numerator;
+  const auto add_square = [&numerator](const lcp::TwoParts& x, double sign) {
     numerator.add_product(sign * x.error, x.error);
     numerator.add_product(sign * 2 * x.value, x.error);
     numerator.add_product(sign * x.value, x.value);

@@ -4,8 +4,8 @@
 #include <limits>
 #include <vector>
 
-#include "contact/exact.hpp"
 #include "contact/residual.hpp"
+#include "lcp/exact_sum.hpp"
 
 namespace perp::contact {
 namespace {
@@ -25,7 +25,7 @@ void add_exactly(const Problem& problem, In r, const std::vector<char>& asked, V
       place[at(i)] = static_cast<Index>(rows.size());
       rows.push_back(i);
     }
-  std::vector<Expansion> sums(rows.size());
+  std::vector<lcp::ExactSum> sums(rows.size());
   for (Index j = 0; j < r.size(); ++j)
     for (SpMat::InnerIterator it(problem.W, j); it; ++it)
       if (const Index k = place[at(it.row())]; k >= 0) sums[at(k)].add_product(it.value(), r[j]);
@@ -46,8 +46,8 @@ Velocities exact_velocities(const Problem& problem, In r) {
     if (r[j] == 0) continue;
     for (SpMat::InnerIterator it(problem.W, j); it; ++it) {
       const Index i = it.row();
-      const Pair product = two_product(it.value(), r[j]);
-      const Pair sum = two_sum(out.u[i], product.value);
+      const lcp::TwoParts product = lcp::two_product(it.value(), r[j]);
+      const lcp::TwoParts sum = lcp::two_sum(out.u[i], product.value);
       out.u[i] = sum.value;
       errors[i] += sum.error + product.error;
       out.terms[i] += std::abs(product.value);

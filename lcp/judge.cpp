@@ -89,7 +89,7 @@ Places cell_of(const AffineMcp& problem, In z, const Vec& F) {
 }  // namespace
 
 bool worth_refining(const Judgement& judgement, double tol) {
-  constexpr double near = 1e-9;
+  constexpr double near = 1e-6;
   if (judgement.natural <= tol || !std::isfinite(judgement.natural)) return false;
   return (judgement.rows.array() <= (near * judgement.terms.size.array()).max(tol)).all();
 }

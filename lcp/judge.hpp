@@ -36,7 +36,7 @@ Judgement judge(const AffineMcp& problem, In z);
 /// |mid(z_i - u_i, F_i, z_i - l_i)| = |z_i - mid(l_i, z_i - F_i, u_i)|; the left side does not lose F_i beside z_i.
 double row_residual(const Box& box, Index i, double z, double F);
 
-/// Whether z is no solution but near one: every r_i at most tol or 1e-9 t_i. A factorization may bring the last digits.
+/// Whether z is no solution but near one: every r_i at most tol or 1e-6 t_i. A factorization may bring the last digits.
 bool worth_refining(const Judgement& judgement, double tol);
 /// The point of the cell that z points to, with steps of refinement by exact residuals, where that is better: a
 /// solution to tol, or to rounding, or nearer to one; else z. Costs a factorization of the block of M inside the

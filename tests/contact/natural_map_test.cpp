@@ -12,7 +12,7 @@
 #include <sstream>
 #include <string>
 
-#include "contact/exact.hpp"
+#include "lcp/exact_sum.hpp"
 #include "support/matrices.hpp"
 
 namespace perp::contact {
