@@ -106,11 +106,12 @@ LuStatus CellSolver::solve(const Places& places) {
   return F_.allFinite() ? LuStatus::Ok : LuStatus::Singular;
 }
 
-bool CellSolver::correct(const Vec& F, Vec& x) const {
+bool CellSolver::correct(In F, Vec& x) const {
   const auto m = static_cast<Index>(inside_.size());
   if (m == 0) return false;
   Vec dx(m);
-  lu_.solve(F(inside_), dx);
+  const Vec right = F(inside_);
+  lu_.solve(right, dx);
   if (!dx.allFinite()) return false;
   for (Index k = 0; k < m; ++k) x[inside_[static_cast<std::size_t>(k)]] -= dx[k];
   return true;

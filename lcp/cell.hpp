@@ -35,7 +35,7 @@ class CellSolver {
   [[nodiscard]] LuStatus solve(const Places& places);
 
   /// A step of refinement of a point x of that cell, F = F(x): x_I -= M_II^-1 F_I. False if there is nothing to do.
-  [[nodiscard]] bool correct(const Vec& F, Vec& x) const;
+  [[nodiscard]] bool correct(In F, Vec& x) const;
 
   const Vec& z() const { return z_; }
   const Vec& F() const { return F_; }

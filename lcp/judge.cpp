@@ -71,7 +71,7 @@ namespace {
 
 /// The cell of z where each variable is on the side of its pair that is the smaller: z_i - l_i against F_i in units of
 /// the row's terms over its largest entry.
-Places cell_of(const AffineMcp& problem, In z, const Vec& F) {
+Places cell_of(const AffineMcp& problem, In z, In F) {
   const Box& box = problem.box;
   Vec largest = Vec::Zero(problem.size());
   for (Index j = 0; j < problem.M.cols(); ++j)
@@ -87,6 +87,18 @@ Places cell_of(const AffineMcp& problem, In z, const Vec& F) {
 }
 
 }  // namespace
+
+bool rounds_a_solution(const AffineMcp& problem, In z, In F, const RowTerms& terms) {
+  constexpr double share = 1e-4;
+  CellSolver cell(problem, LuBackend::Auto, 1e-13);
+  if (cell.solve(cell_of(problem, z, F)) != LuStatus::Ok) return false;
+  Vec there = z;
+  if (!cell.correct(F, there)) return true;  // nothing is inside its bounds
+  Vec moved = Vec::Zero(problem.size());
+  for (Index j = 0; j < problem.size(); ++j)
+    for (SpMat::InnerIterator it(problem.M, j); it; ++it) moved[it.row()] += std::abs(it.value() * (there[j] - z[j]));
+  return (moved.array() <= share * terms.size.array()).all();
+}
 
 bool worth_refining(const Judgement& judgement, double tol) {
   constexpr double near = 1e-6;

@@ -17,7 +17,7 @@ struct RowTerms {
 struct Accuracy {
   double relative = infinity;  ///< max r_i / t_i, with 0 / 0 = 0
   Index worst = -1;            ///< the row of it
-  /// r_i <= 8 (n_i + 2) eps t_i in every row: no point of doubles can be told to be better.
+  /// r_i <= 8 (n_i + 2) eps t_i in every row: within what doubles round. Where z rounds_a_solution() none is better.
   bool to_rounding = false;
 };
 Accuracy accuracy(In row_residuals, const RowTerms& terms);
@@ -35,6 +35,11 @@ Judgement judge(const AffineMcp& problem, In z);
 
 /// |mid(z_i - u_i, F_i, z_i - l_i)| = |z_i - mid(l_i, z_i - F_i, u_i)|; the left side does not lose F_i beside z_i.
 double row_residual(const Box& box, Index i, double z, double F);
+
+/// Whether z may be a solution rounded to doubles: with dz = -M_II^-1 F_I, the step to the point of the cell that z
+/// points to, sum_j |M_ij dz_j| <= 1e-4 t_i in every row. A z that runs off along what M nearly takes to zero has small
+/// residuals beside its terms, too, also where there is no solution; this tells it. Costs a factorization of M_II.
+bool rounds_a_solution(const AffineMcp& problem, In z, In F, const RowTerms& terms);
 
 /// Whether z is no solution but near one: every r_i at most tol or 1e-6 t_i. A factorization may bring the last digits.
 bool worth_refining(const Judgement& judgement, double tol);

@@ -49,9 +49,17 @@ bool solves(const AffineMcp& problem, In z, double tol) {
   return natural_residual(problem, z) <= tol && judge(problem, z).natural <= tol;
 }
 
+namespace {
+
+bool to_rounding(const AffineMcp& problem, In z, const Judgement& judgement) {
+  return judgement.accuracy.to_rounding && rounds_a_solution(problem, z, judgement.F, judgement.terms);
+}
+
+}  // namespace
+
 bool accepts(const AffineMcp& problem, In z, double tol) {
   const Judgement judgement = judge(problem, z);
-  return judgement.natural <= tol || judgement.accuracy.to_rounding;
+  return judgement.natural <= tol || to_rounding(problem, z, judgement);
 }
 
 Result judged(const AffineMcp& problem, In z, const Limits& limits, Status otherwise, std::string message) {
@@ -63,7 +71,7 @@ Result judged(const AffineMcp& problem, In z, const Limits& limits, Status other
   if (judgement.natural <= limits.tol) {
     result.status = Status::Solved;
     result.message.clear();
-  } else if (judgement.accuracy.to_rounding && !disproved) {
+  } else if (!disproved && to_rounding(problem, result.z, judgement)) {
     result.status = Status::SolvedToRounding;
     result.message = "every row's residual is within the rounding of its terms, and no double is nearer for sure";
   }

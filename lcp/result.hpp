@@ -14,7 +14,7 @@ namespace perp::lcp {
 
 enum class Status {
   Solved,            ///< the natural residual is at most tol
-  SolvedToRounding,  ///< it is not, but no point of doubles can be told to be better: Accuracy::to_rounding
+  SolvedToRounding,  ///< it is not, but Accuracy::to_rounding holds, and z rounds_a_solution(): doubles end here
   Infeasible,        ///< proven to have no solution: by `certificate`, or by the exhaustive search the message names
   Ray,               ///< a pivoting method's path went off along a ray: no solution found, and no proof of anything
   Singular,          ///< a matrix the method has to factor is singular
@@ -51,11 +51,11 @@ struct Result {
 
 /// Whether the natural residual of z is at most tol.
 bool solves(const AffineMcp& problem, In z, double tol);
-/// The same, or Accuracy::to_rounding.
+/// The same, or solved to rounding.
 bool accepts(const AffineMcp& problem, In z, double tol);
 
-/// A result for z, projected on the box: Solved if limits.tol says so, SolvedToRounding if Accuracy::to_rounding does
-/// and `otherwise` is no proof, else `otherwise` with `message`.
+/// A result for z, projected on the box: Solved if limits.tol says so, SolvedToRounding if doubles
+/// end there and `otherwise` is no proof, else `otherwise` with `message`.
 Result judged(const AffineMcp& problem, In z, const Limits& limits, Status otherwise, std::string message);
 
 /// Throws std::invalid_argument with `method`'s name if the problem is malformed, the start has another length or is

@@ -90,10 +90,16 @@ bool Judge::balanced(const Judged& point) {
 
 bool Judge::to_rounding(const Judged& point) {
   if (!std::isfinite(point.residual.natural)) return false;
-  if (const lcp::AffineMcp* exact = affine()) return lcp::judge(*exact, point.x).accuracy.to_rounding;
+  if (const lcp::AffineMcp* exact = affine()) {
+    const lcp::Judgement there = lcp::judge(*exact, point.x);
+    return there.accuracy.to_rounding && lcp::rounds_a_solution(*exact, point.x, there.F, there.terms);
+  }
   SpMat J = counted_.mcp().jacobian_pattern();
   if (!counted_.jacobian(point.x, J)) return false;
-  return accuracy(counted_.mcp().box(), point.x, point.F, J).to_rounding;
+  const Box& box = counted_.mcp().box();
+  if (!accuracy(box, point.x, point.F, J).to_rounding) return false;
+  const Vec q = point.F - J * point.x;
+  return q.allFinite() && lcp::rounds_a_solution({J, q, box}, point.x, point.F, row_terms(J, point.x, point.F));
 }
 
 void Judge::refine(Judged& point) {

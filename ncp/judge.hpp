@@ -32,7 +32,8 @@ class Judge {
   /// The same of a point whose F is not known yet.
   bool solved_at(Judged& point);
   /// Of points that are none: whether every row's residual is within the rounding of its terms
-  /// (lcp::Accuracy::to_rounding). One evaluation of J, none for affine problems.
+  /// (lcp::Accuracy::to_rounding), and the point may be a solution of the linearised problem rounded to doubles
+  /// (lcp::rounds_a_solution). One evaluation of J, none for affine problems, and a factorization.
   bool to_rounding(const Judged& point);
   /// Affine problems near a solution: a step to the point of the cell that this one points to, if that is nearer.
   void refine(Judged& point);

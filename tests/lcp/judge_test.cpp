@@ -99,6 +99,20 @@ TEST(Judge, SolvedToRounding) {
   }
 }
 
+// z_1 - z_2 = 1/4 and z_2 - z_1 = 1/4 have no solution, but at z = (1e16, 1e16) both residuals are within the rounding
+// of their terms. Catches SolvedToRounding bought by running off.
+TEST(Judge, RunningOffIsNotSolvedToRounding) {
+  Eigen::MatrixXd M(2, 2);
+  M << 1, -1, -1, 1;
+  const AffineMcp problem = dense(M, Eigen::Vector2d(-0.25, -0.25), Box::nonnegative(2));
+  const Vec z = Vec::Constant(2, 1e16);
+  EXPECT_TRUE(judge(problem, z).accuracy.to_rounding);
+  EXPECT_EQ(judged(problem, z, {}, Status::Stalled, "ran off").status, Status::Stalled);
+  M(1, 1) = 1 + eps;  // nonsingular by a rounding
+  const AffineMcp nearly = dense(M, Eigen::Vector2d(-0.25, -0.25), Box::nonnegative(2));
+  EXPECT_EQ(judged(nearly, 10 * z, {}, Status::Stalled, "ran off").status, Status::Stalled);
+}
+
 // Not granted to a point that is merely near: 1e-3 beside terms of 1 is no rounding.
 TEST(Judge, NearIsNotSolvedToRounding) {
   const AffineMcp problem = diagonal(Vec::Ones(1), Vec::Constant(1, -1));
