@@ -23,8 +23,8 @@ class NormalPath {
   /// Fills in the point reached and judges it.
   PivotResult finish(PivotResult result);
 
-  /// At t = 1: the basis is that of all x_i, freshly factored.
-  bool whole() const { return driver_ == n_; }
+  /// At t = 1: the basis is that of all x_i, and there are factors of it.
+  bool whole() const { return driver_ == n_ && !distrusted_; }
   /// lemke.hpp's; needs nothing of the problem and the options that the path was made with. Pre: whole().
   Vec chord_step(In r) const;
 

@@ -73,7 +73,7 @@ Result judged(const AffineMcp& problem, In z, const Limits& limits, Status other
     result.message.clear();
   } else if (!disproved && to_rounding(problem, result.z, judgement)) {
     result.status = Status::SolvedToRounding;
-    result.message = "every row's residual is within the rounding of its terms, and no double is nearer for sure";
+    result.message = "every row's residual is within the rounding of its terms, which is more than the tolerance";
   }
   return result;
 }

@@ -74,17 +74,16 @@ bool Judge::moved_to_bounds(Judged& point, const std::vector<Index>& which, int&
   return moved_to_bounds(point, {middle, which.end()}, tries) || first;
 }
 
-/// |F_i| <= tol_relative t_i in every row whose variable is not at a bound.
+/// |F_i| <= tol_relative t_i in every row whose variable is not at its bound.
 bool Judge::balanced(const Judged& point) {
   if (stop_.tol_relative == lcp::infinity) return true;
   const Box& box = counted_.mcp().box();
   SpMat J = counted_.mcp().jacobian_pattern();
   if (!counted_.jacobian(point.x, J)) return false;
   const lcp::RowTerms terms = row_terms(J, point.x, point.F);
-  for (Index i = 0; i < point.x.size(); ++i) {
-    const bool at_bound = point.x[i] == box.lower[i] || point.x[i] == box.upper[i];
-    if (!at_bound && !(std::abs(point.F[i]) <= stop_.tol_relative * terms.size[i])) return false;
-  }
+  for (Index i = 0; i < point.x.size(); ++i)
+    if (!at_its_bound(box, i, point.x[i], point.F[i]) && !(std::abs(point.F[i]) <= stop_.tol_relative * terms.size[i]))
+      return false;
   return true;
 }
 
@@ -105,6 +104,7 @@ bool Judge::to_rounding(const Judged& point) {
 void Judge::refine(Judged& point) {
   const lcp::AffineMcp* exact = affine();
   if (exact == nullptr || !std::isfinite(point.residual.natural)) return;
+  evaluate(point);  // the method's own sums may hide that it is a solution
   if (!lcp::worth_refining(lcp::judge(*exact, point.x), stop_.tol)) return;
   point.x = lcp::refined(*exact, point.x, stop_.tol);
   evaluate(point);

@@ -1,6 +1,8 @@
 #include "ncp/notes.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "ncp/judge.hpp"
 #include "ncp/run.hpp"
@@ -30,21 +32,31 @@ std::string subject(const Mcp& mcp, const Result& result, Index i) {
 
 std::string variable(const Mcp& mcp, Index i) { return "variable " + mcp.variable_name(i); }
 
-void add_notes(const Mcp& mcp, const Stop& stop, const lcp::RowTerms& terms, Result& result) {
+/// What F_i moves by where every x_j moves by eps max(1, |x_j|), n_i + 2 times eightfold: less than that is no news.
+Vec noise(const SpMat& J, In x, const lcp::RowTerms& terms) {
+  Vec out = Vec::Zero(x.size());
+  for (Index j = 0; j < J.cols(); ++j)
+    for (SpMat::InnerIterator it(J, j); it; ++it) out[it.row()] += std::abs(it.value()) * std::max(1.0, std::abs(x[j]));
+  for (Index i = 0; i < x.size(); ++i) out[i] *= 8.0 * (terms.entries[i] + 2) * std::numeric_limits<double>::epsilon();
+  return out;
+}
+
+void add_notes(const Mcp& mcp, const Stop& stop, const SpMat& J, const lcp::RowTerms& terms, Result& result) {
   const Box& box = mcp.box();
+  const Vec rounding = noise(J, result.x, terms);
   Kind unbalanced;
   Kind near_bound;
   Kind narrow;
   for (Index i = 0; i < result.x.size(); ++i) {
     const double x = result.x[i];
     const double F = std::abs(result.F[i]);
-    const double from_bound = std::min(x - box.lower[i], box.upper[i] - x);
+    const bool excused = at_its_bound(box, i, x, result.F[i]);
     const double width = box.upper[i] - box.lower[i];
     if (width > 0 && width <= stop.tol && F > far * stop.tol)
       narrow.add(i, F);
-    else if (from_bound > 0 && F > far * stop.tol)
+    else if (!excused && F > far * stop.tol)
       near_bound.add(i, F);
-    else if (from_bound > 0 && F > far * stop.tol * terms.size[i])
+    else if (!excused && F > far * stop.tol * terms.size[i] && F > rounding[i])
       unbalanced.add(i, F / terms.size[i]);
   }
   if (unbalanced.count > 0) {
@@ -80,7 +92,12 @@ void annotate(const Mcp& mcp, const Stop& stop, Result& result) {
   const lcp::Accuracy accuracy = lcp::accuracy(row_residuals(mcp.box(), result.x, result.F), terms);
   result.relative = accuracy.relative;
   result.relative_row = accuracy.worst;
-  if (result.solved()) add_notes(mcp, stop, terms, result);
+  if (result.solved()) {
+    add_notes(mcp, stop, J, terms, result);
+  } else if (result.residual.natural <= stop.tol) {
+    result.message += "; the tolerance is met, but |F_i| <= tol_relative t_i is not, off the bounds";
+    result.advice = "scale the equations, or ask for a larger relative tolerance (--tol-relative)";
+  }
 }
 
 }  // namespace perp::ncp

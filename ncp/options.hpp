@@ -12,8 +12,8 @@ namespace perp::ncp {
 
 struct Stop {
   double tol = 1e-8;  ///< on the natural residual, inf-norm, absolute
-  /// Asked in addition: |F_i| <= tol_relative t_i in every row whose variable is not at a bound, with
-  /// t_i = sum_j |J_ij x_j| + |F_i - sum_j J_ij x_j|. Infinity: not asked.
+  /// Asked in addition: |F_i| <= tol_relative t_i in every row whose variable is not at the bound that the sign of F_i
+  /// asks for, with t_i = sum_j |J_ij x_j| + |F_i - sum_j J_ij x_j|. Infinity: not asked.
   double tol_relative = std::numeric_limits<double>::infinity();
   int max_iterations = 500;                           ///< major iterations
   int max_F_evals = std::numeric_limits<int>::max();  ///< evaluations of F, looked at after each iteration

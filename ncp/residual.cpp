@@ -64,6 +64,10 @@ Vec row_residuals(const Box& box, In x, In F) {
   return Vec::NullaryExpr(x.size(), [&](Index i) { return lcp::row_residual(box, i, x[i], F[i]); });
 }
 
+bool at_its_bound(const Box& box, Index i, double x, double F) {
+  return (x == box.lower[i] && F >= 0) || (x == box.upper[i] && F <= 0) || box.lower[i] == box.upper[i];
+}
+
 lcp::Accuracy accuracy(const Box& box, In x, In F, const SpMat& J) {
   return lcp::accuracy(row_residuals(box, x, F), row_terms(J, x, F));
 }

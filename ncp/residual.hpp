@@ -23,6 +23,8 @@ Residual residual(const Mcp& mcp, In x);
 Vec row_residuals(const Box& box, In x, In F);
 /// What they are the rest of: t_i = sum_j |J_ij x_j| + |F_i - sum_j J_ij x_j|, and the nonzeros of the rows of J.
 lcp::RowTerms row_terms(const SpMat& J, In x, In F);
+/// Whether a bound excuses F_i: x_i is on it and F_i has its sign, or x_i is fixed.
+bool at_its_bound(const Box& box, Index i, double x, double F);
 /// r_i against t_i, of values given, and of values it evaluates itself; not to_rounding where F or J is not defined.
 lcp::Accuracy accuracy(const Box& box, In x, In F, const SpMat& J);
 lcp::Accuracy accuracy(const Mcp& mcp, In x);

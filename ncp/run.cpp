@@ -103,9 +103,7 @@ bool Run::settled() {
   if (solved(best_)) return true;
   if (!judge_.to_rounding(best_)) return false;
   status_ = Status::SolvedToRounding;
-  message_ =
-      "the tolerance is not met, but the residual of every equation is within the rounding of its terms: doubles come "
-      "no nearer";
+  message_ = "the tolerance is not met, but the residual of every equation is within the rounding of its terms";
   advice_ = "scale the model, or ask for no more digits than its numbers have (--tol)";
   return true;
 }

@@ -8,6 +8,7 @@
 #include <chrono>
 #include <filesystem>
 #include <limits>
+#include <optional>
 
 #include "app/contact/method_options.hpp"
 #include "app/program.hpp"
@@ -112,13 +113,17 @@ void run_first_ncp(Run& run, const Problem& problem) {
   const auto accepted = [&](const contact::Solution& point) {
     return point.r.allFinite() && contact::accepted(judge(point.r), run.limits.tol);
   };
+  std::optional<contact::Solution> found;
   const ncp::Observer watch = [&](const ncp::Iteration& it) {
     if (it.x == nullptr || it.problem != &mcp) return ncp::Next::Continue;
-    return accepted(mcp.recover(lcp::project(mcp.box(), *it.x))) ? ncp::Next::Stop : ncp::Next::Continue;
+    contact::Solution point = mcp.recover(lcp::project(mcp.box(), *it.x));
+    if (!accepted(point)) return ncp::Next::Continue;
+    found = std::move(point);  // the NCP's own residual may prefer another one
+    return ncp::Next::Stop;
   };
   const ncp::Result result = ncp::solve(mcp, mcp.start(), method, watch);
   run.unknowns = mcp.size();
-  run.solution = mcp.recover(result.x);
+  run.solution = found ? std::move(*found) : mcp.recover(result.x);
   run.counts = {{"iterations", result.stats.iterations}, {"factorizations", result.stats.factorizations}};
   if (!run.solution.r.allFinite()) run.solution.r.setZero();  // overflowed: no point came back
   const bool solved = accepted(run.solution);

@@ -1,9 +1,11 @@
 /// `perp contact` in process: what it prints, answers and writes.
 #include "app/contact/contact.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <limits>
@@ -37,6 +39,40 @@ Answer answer(const ContactRequest& request) {
   with_json.json = "-";
   const int code = solve_contact(with_json, captured.streams);
   return {code, json::parse(captured.out.str()), captured.err.str()};
+}
+
+// W = 2^30 v v' of rank 1: the linearised problems of the NCP by norms end on bases that are singular afresh, and a
+// chord step asked for their factors: an internal error, and no answer.
+TEST(Contact, NormsOnASingularMatrix) {
+  const test::Folder folder;
+  const std::array<int, 6> v{1, -2, -3, -1, 2, -2};
+  std::string text = "3\n2\n\n0\n6\n6\n\n6\n6\n\n";
+  for (const int a : v) {
+    for (const int b : v) text += fmt::format("{} ", 1073741824.0 * a * b);
+    text += '\n';
+  }
+  text += "\n-80 169 252 81 -164 160\n\n0 0.5\n\n0\n";
+  test::write(folder / "singular.dat", text);
+  const Answer run = answer({.problems = {folder / "singular.dat"}, .variant = {.formulation = "ncp1"}});
+  EXPECT_TRUE(run.code == exit_solved || run.code == exit_unsolved) << run.err;
+  EXPECT_FALSE(run.result["status"].get<std::string>().empty());
+}
+
+// W of rank 1 again, small. A record of the NCP by norms is accepted by Coulomb's law, at which the run stops; the
+// point that the NCP's own residual likes best is another one. The answer is the accepted one, and nobody interrupted.
+TEST(Contact, NormsAnswerWithTheAcceptedPoint) {
+  const test::Folder folder;
+  const std::array<int, 4> v{1, 2, 2, -1};
+  std::string text = "2\n2\n\n0\n4\n4\n\n4\n4\n\n";
+  for (const int a : v) {
+    for (const int b : v) text += fmt::format("{} ", std::ldexp(a * b, -30));
+    text += '\n';
+  }
+  text += "\n6.620772103005379e-06 1.3240612883436143e-05 1.3241544206010758e-05 -6.625428715878456e-06\n";
+  text += "\n9.5367431640625e-07 1024\n\n0\n";
+  test::write(folder / "small.dat", text);
+  const Answer run = answer({.problems = {folder / "small.dat"}, .variant = {.formulation = "ncp1"}});
+  EXPECT_NE(run.result["status"], "Interrupted") << run.result["message"];
 }
 
 // The solution by hand (contact_app_support.hpp), by every formulation of Coulomb's law. Would catch components or

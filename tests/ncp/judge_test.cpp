@@ -74,6 +74,23 @@ TEST(Notes, AnEquationInTinyUnits) {
   EXPECT_THAT(balanced.notes, IsEmpty());
 }
 
+// The same from x = 0 = l: F = -9e-12 has the wrong sign there, so that the bound excuses nothing. Catches a rule that
+// asks where x is and not what F is.
+TEST(Notes, AnEquationInTinyUnitsAtABoundThatExcusesNothing) {
+  const auto mcp =
+      scalar([](double x) { return 1e-12 * (x * x - 9); }, [](double x) { return 2e-12 * x; }, 0, infinity);
+  EXPECT_THAT(at(*mcp, 0).notes, ElementsAre(HasSubstr("balanced to 100 % only")));
+  const Result balanced = at(*mcp, 0, {.tol_relative = 1e-9, .max_iterations = 50});
+  EXPECT_TRUE(!balanced.solved() || std::abs(balanced.x[0] - 3) < 1e-7);
+}
+
+// x + y = 0.1 + 0.2, whose rounding is no news at x = y = 0.15: catches notes on what is solved as far as can be.
+TEST(Notes, RoundingIsNoNews) {
+  const auto mcp =
+      scalar([](double x) { return x - 0.1 + 0.1 + 1e-17; }, [](double) { return 1.0; }, -infinity, infinity);
+  EXPECT_THAT(at(*mcp, 0).notes, IsEmpty());
+}
+
 // l = 0, u = 1e-9, F = -5: x = 0 passes because u is near, and the point moves there, where it is a solution exactly.
 TEST(Notes, BoundsNearerThanTheTolerance) {
   const auto mcp = scalar([](double) { return -5.0; }, [](double) { return 0.0; }, 0, 1e-9);
