@@ -124,7 +124,7 @@ TEST(ProvesInfeasible, AtAnyScale) {
 
 // Problems with a solution, which enumeration (a fixed rounding of 1e-12) or principal pivoting called infeasible.
 TEST(ProvesInfeasible, WhatWasCalledInfeasible) {
-  for (const std::uint64_t seed : {5139, 6349, 6958, 7523, 10194, 11229, 11264, 14930, 16093, 19532}) {
+  for (const unsigned seed : {5139U, 6349U, 6958U, 7523U, 10194U, 11229U, 11264U, 14930U, 16093U, 19532U}) {
     const adversarial::Problem made = adversarial::make(seed);
     for (const double tol : {1e-6, 1e-9, 1e-12}) {
       Limits limits;
