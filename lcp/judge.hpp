@@ -2,7 +2,7 @@
 /// The judge of affine problems: the natural residual of F = M z + q summed without rounding errors, so that huge terms
 /// that cancel cannot hide an F_i; and what a residual is worth beside the terms it is the rest of,
 ///     r_i = |mid(z_i - u_i, F_i, z_i - l_i)|,   t_i = sum_j |J_ij z_j| + |F_i - sum_j J_ij z_j|   (|M||z| + |q| here),
-/// with n_i the nonzeros of row i. Double arithmetic answers for r_i down to about n_i eps t_i and no further.
+/// with n_i the nonzeros of row i. A sum in doubles is known to about n_i eps t_i.
 #include "lcp/affine_mcp.hpp"
 
 namespace perp::lcp {
@@ -17,7 +17,7 @@ struct RowTerms {
 struct Accuracy {
   double relative = infinity;  ///< max r_i / t_i, with 0 / 0 = 0
   Index worst = -1;            ///< the row of it
-  /// r_i <= 8 (n_i + 2) eps t_i in every row: within what doubles round. Where z rounds_a_solution() none is better.
+  /// r_i <= 8 (n_i + 2) eps t_i in every row: within what doubles round.
   bool to_rounding = false;
 };
 Accuracy accuracy(In row_residuals, const RowTerms& terms);

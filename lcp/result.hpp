@@ -14,7 +14,7 @@ namespace perp::lcp {
 
 enum class Status {
   Solved,            ///< the natural residual is at most tol
-  SolvedToRounding,  ///< it is not, but Accuracy::to_rounding holds, and z rounds_a_solution(): doubles end here
+  SolvedToRounding,  ///< it is not, but Accuracy::to_rounding holds, and z rounds_a_solution()
   Infeasible,        ///< proven to have no solution: by `certificate`, or by the exhaustive search the message names
   Ray,               ///< a pivoting method's path went off along a ray: no solution found, and no proof of anything
   Singular,          ///< a matrix the method has to factor is singular
@@ -45,7 +45,7 @@ struct Result {
   int factorizations = 0;  ///< of matrices, however small
   Vec certificate{};       ///< y with proves_infeasible(problem, y), if status == Infeasible and there is one
   bool solved() const { return status == Status::Solved; }
-  /// Solved, or as near to a solution as doubles come.
+  /// Solved, to the tolerance or to rounding.
   bool accepted() const { return solved() || status == Status::SolvedToRounding; }
 };
 

@@ -15,7 +15,7 @@ namespace perp::ncp {
 
 enum class Status {
   Solved,            ///< the natural residual is at most the tolerance
-  SolvedToRounding,  ///< it is not, but in every row it is within the rounding of the row's terms: doubles end here
+  SolvedToRounding,  ///< it is not, but in every row it is within the rounding of the row's terms
   StationaryPoint,   ///< the gradient of the merit function vanished, the residual did not
   NoProgress,        ///< steps became too short to change x
   IterationLimit,
@@ -70,7 +70,7 @@ struct Result {
   std::vector<lcp::Cell> basis{};    ///< PathSearch: of the last linearised problem solved; empty if there was none
   Stats stats;
   bool solved() const { return status == Status::Solved; }
-  /// Solved, or as near to a solution as doubles come.
+  /// Solved, to the tolerance or to rounding.
   bool accepted() const { return solved() || status == Status::SolvedToRounding; }
 };
 /// One line: status, residual with the worst equation's index, iterations, message.

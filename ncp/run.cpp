@@ -245,6 +245,7 @@ bool Run::go_on(const Point& point, Iteration it) {
   Judged now = judged(point);
   const Residual of_iterate = now.residual;
   const bool accepted = status_ == Status::Solved || status_ == Status::SolvedToRounding;
+  // A run that ended unsolved tells of where it ended, rather than of an earlier point that is as good.
   const bool last = status_ && now.residual.natural <= best_.residual.natural;
   const bool solution = !status_ && solved(now);
   if (solution || (!accepted && (last || now.residual.natural < best_.residual.natural))) best_ = now;

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "ncp/affine.hpp"
+#include "ncp/methods.hpp"
 #include "ncp/presets.hpp"
 #include "ncp/solve.hpp"
 
@@ -173,16 +174,26 @@ TEST(Judge, NonlinearEquationsAreSolvedToRoundingToo) {
   }
 }
 
-// The restarts of path run semismooth and josephy with default options inside the user's run: their own tolerance of
-// 1e-8 must not leave a Jacobian out that the run still needs. F = x^3 from where Newton's steps converge linearly, to
-// 1e-30: every record's J is that of its point.
+// As the restarts of path do: semismooth (on the min function, whose steps halve ||Phi||) with its own default
+// tolerance of 1e-8 within a run that asks for 1e-30. Newton's steps on x^3 take x to 2/3 x. Catches the J that was
+// left out, and kept stale, from 1e-8 on: x falls more slowly then.
 TEST(Judge, TheToleranceIsTheRunsOwn) {
   const auto mcp = scalar([](double x) { return x * x * x; }, [](double x) { return 3 * x * x; }, -infinity, infinity);
-  SemismoothNewton method;
-  method.stop = {.tol = 1e-30, .max_iterations = 200};
-  const Result result = solve(*mcp, Vec::Ones(1), method);
-  EXPECT_TRUE(result.solved()) << result.message;
-  EXPECT_LE(std::abs(result.x[0]), 1e-10);
+  const Stop stop{.tol = 1e-30, .max_iterations = 200};
+  double last = 0;
+  const Observer watch = [&last](const Iteration& it) {
+    const double x = (*it.x)[0];
+    if (it.k > 0 && last > 1e-4) {  // F from 1 to 1e-12; a regularised J shortens the steps at last
+      EXPECT_NEAR(x / last, 2.0 / 3, 1e-3) << it.k;
+    }
+    last = x;
+    return Next::Continue;
+  };
+  ncp::Run run(*mcp, stop, watch);
+  Point point;
+  ASSERT_TRUE(run.start(Vec::Ones(1), point));
+  semismooth_newton(run, SemismoothNewton{.cfunction = natural_min()}, std::move(point));
+  EXPECT_EQ(run.status(), Status::Solved);
 }
 
 }  // namespace
