@@ -15,6 +15,7 @@ namespace {
 /// Divisors are not below this.
 constexpr double least_scale = 1e-300;
 
+using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 std::size_t at(Index i) { return static_cast<std::size_t>(i); }
@@ -94,15 +95,15 @@ std::vector<double> coupled_velocities(const Problem& problem) {
 void add_shares(Residual& out, const Vector3d& r, const Vector3d& u, double mu, double V, double w) {
   const double r_size = r.stableNorm();
   const double R = w > 0 ? std::max(r_size, V / w) : r_size;
-  const double friction = mu * r[0];
-  const double S = std::max(R, std::abs(friction));
   out.cone_share = larger(out.cone_share, share(natural_map(r, Vector3d::Zero(), mu).stableNorm(), R));
   out.normal_share = larger(out.normal_share, std::abs(std::min(share(r[0], R), share(u[0], V))));
-  const double speed = share(std::hypot(u[1], u[2]), V);
-  double against = 0;
-  for (int i = 1; i < 3; ++i)
-    against = std::hypot(against, speed * share(r[i], S) + share(friction, S) * share(u[i], V));
-  out.slip_share = larger(out.slip_share, against);
+  const Vector2d r_T(share(r[1], R), share(r[2], R));
+  const Vector2d u_T(share(u[1], V), share(u[2], V));
+  const double most = std::max(mu * share(r[0], R), 0.0);
+  const Vector2d y = r_T - u_T;
+  const double Y = y.stableNorm();
+  const double slip = Y <= most ? u_T.stableNorm() : (r_T - most / Y * y).stableNorm();
+  out.slip_share = larger(out.slip_share, slip);
 }
 
 }  // namespace

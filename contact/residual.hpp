@@ -34,8 +34,10 @@ struct Residual {
   double slip = 0;          ///< max of |u_T| mu r_N + r_T.u_T [J], 0 where friction opposes slip and is fully used
   double cone_share = 0;    ///< max over contacts of dist(r, K) / R_a
   double normal_share = 0;  ///< max of |min(r_N / R_a, u_N / V_a)|
-  double slip_share = 0;  ///< max of ||u_T| r_T + mu r_N u_T| / (V_a max(R_a, mu |r_N|)): 0 where friction opposes slip
-  Index worst = -1;       ///< contact with the largest part of e_rho; -1 if there is no contact
+  /// max of |r_T / R_a - P(r_T / R_a - u_T / V_a)|, P onto the disc of radius mu r_N / R_a: no slip inside the cone,
+  /// and friction that opposes slip.
+  double slip_share = 0;
+  Index worst = -1;  ///< contact with the largest part of e_rho; -1 if there is no contact
   /// The largest of what accepted() asks for.
   double largest() const;
 };

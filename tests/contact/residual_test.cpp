@@ -268,6 +268,20 @@ TEST(Accepted, EachPartSeesItsOwn) {
   EXPECT_EQ(residual(point(vec({0, 0, 0}), 0.4), vec({0, 0, 0})).largest(), 0);
 }
 
+// A contact that slips at 3e-5 of its velocities with friction 1e-5 inside its cone, beside a body of 1e6 N s: neither is
+// slip nor stick. Catches products of the two, 3e-10, and metrics that divide by the body.
+TEST(Accepted, NoSlipInsideTheCone) {
+  const double inside = 0.3 * (1 - 1e-5);
+  Problem p;
+  p.W = sparse(Dense::Identity(6, 6));
+  p.mu = vec({0.3, 0.3});
+  p.q = vec({-1, inside + 3e-5, 0, -1e6, 0, 0});
+  const Residual e = residual(p, vec({1, -inside, 0, 1e6, 0, 0}));
+  EXPECT_LE(std::max({e.siconos, e.rr9118, e.cone_share, e.normal_share}), 1e-10);
+  EXPECT_NEAR(e.slip_share, 1e-5 * 0.3 / std::hypot(1, 0.3), 1e-7);
+  EXPECT_FALSE(accepted(e, 1e-8));
+}
+
 // Kilograms or tonnes, seconds or days: solutions stay solutions and others do not become any, although the published
 // metrics compare impulses with velocities (with 1e12 kg the rounding of r alone is more than 1e-8 |q|). In small units
 // of impulse they take any r for a solution of an open contact.
