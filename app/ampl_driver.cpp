@@ -8,6 +8,7 @@
 #include <ostream>
 #include <variant>
 
+#include "app/bounded_run.hpp"
 #include "app/report.hpp"
 #include "app/table.hpp"
 
@@ -118,15 +119,23 @@ std::string message(const Report& report) {
   return text;
 }
 
-/// The model was refused: says so to the person and, in the .sol file, to AMPL.
-ExitCode refuse(const std::string& program, const std::string& stub, int code, const std::string& why,
-                Streams streams) {
+/// There is no point to answer with: says so to the person and, in the .sol file, to AMPL. Whether that was written.
+bool answer_without_point(const std::string& program, const std::string& stub, int code, const std::string& why,
+                          Streams streams) {
   streams.err << program << ": " << why << '\n';
   try {
     ncp::ampl::write_failed_sol(stub, fmt::format("Perp {}: {}", version_number(), why), code);
+    return true;
   } catch (const ncp::ampl::ModelError& error) {
     streams.err << program << ": " << error.what() << '\n';
+    return false;
   }
+}
+
+/// The model was refused.
+ExitCode refuse(const std::string& program, const std::string& stub, int code, const std::string& why,
+                Streams streams) {
+  answer_without_point(program, stub, code, why, streams);
   return exit_input;
 }
 
@@ -151,7 +160,12 @@ ExitCode solve_stub(const AmplRequest& request, const Call& call, Streams stream
   Applied options = apply_options(assignments(request, call), Unknown::Report);
   for (const std::string& unknown : options.unknown) streams.err << request.program << ": warning: " << unknown << '\n';
   // Always a file, even if the collection has a problem of that name.
-  const LoadedProblem problem = load_problem(call.stub.ends_with(".nl") ? call.stub : call.stub + ".nl");
+  const std::string file = call.stub.ends_with(".nl") ? call.stub : call.stub + ".nl";
+  const Patience limits = patience(ncp::stop(options.settings.method).max_time, interrupt);
+  end_by(limits.deadline);
+  const auto loaded = load_within(
+      limits, [file] { return load_problem(file); }, fmt::format("'{}' was being read", file));
+  const LoadedProblem& problem = *loaded;
   note_limits_of_size(problem.mcp->size(), options);
   for (const std::string& note : options.notes) streams.err << request.program << ": note: " << note << '\n';
   if (std::holds_alternative<ncp::Affine>(options.settings.method) && !problem.mcp->is_affine())
@@ -159,7 +173,8 @@ ExitCode solve_stub(const AmplRequest& request, const Call& call, Streams stream
   const Output& output = options.settings.output;
   if (output.shows(output.options)) print_options(streams.out, options.settings);
   if (output.shows(output.initial_statistics)) print_initial_statistics(streams.out, problem);
-  const Report report = run_method(problem, options.settings, output.table() ? &streams.out : nullptr, interrupt);
+  const Report report = run_within(limits, loaded, options.settings, output.table() ? &streams.out : nullptr);
+  writing_takes(writing_time(problem.mcp->size()));
   if (output.shows(output.final_statistics)) print_final_statistics(streams.out, report);
   if (output.shows(output.final_summary)) print_final_summary(streams.out, report);
   return write_answer(request, report, call.stub, streams);
@@ -220,6 +235,9 @@ ExitCode ampl_driver(const AmplRequest& request, Streams streams, const std::ato
     return solve_stub(request, call, streams, interrupt);
   } catch (const ncp::ampl::ModelError& error) {
     return refuse(request.program, call.stub, error.code(), error.what(), streams);
+  } catch (const OutOfTime& out) {
+    const int code = solve_result_num(out.status());
+    return answer_without_point(request.program, call.stub, code, out.what(), streams) ? exit_solved : exit_input;
   } catch (const InputError& error) {
     return refuse(request.program, call.stub, ncp::ampl::bad_file, error.what(), streams);
   } catch (const std::invalid_argument& error) {

@@ -163,6 +163,15 @@ Json entry_json(const collection::Entry& entry, const collection::Problem& probl
           {"source", entry.source}};
 }
 
+Json without_point(const std::string& problem, std::string_view status, ExitCode code, const std::string& message) {
+  Json json = json_header();
+  json["problem"] = problem;
+  json["status"] = status;
+  json["exit_code"] = static_cast<int>(code);
+  json["message"] = message;
+  return json;
+}
+
 void add_several(Json& json, const Report& report) {
   const ncp::AllSolutions& all = *report.several;
   json["solutions_complete"] = false;
@@ -215,12 +224,11 @@ std::string solve_json(const Report& report) {
 }
 
 std::string refused_json(const std::string& problem, const std::string& message) {
-  Json json = json_header();
-  json["problem"] = problem;
-  json["status"] = "InputError";
-  json["exit_code"] = static_cast<int>(exit_input);
-  json["message"] = message;
-  return json_text(json);
+  return json_text(without_point(problem, "InputError", exit_input, message));
+}
+
+std::string no_point_json(const std::string& problem, const OutOfTime& why) {
+  return json_text(without_point(problem, ncp::to_string(why.status()), exit_unsolved, why.what()));
 }
 
 std::string problem_json(const collection::Entry& entry) {

@@ -4,6 +4,7 @@
 #include <span>
 #include <string>
 
+#include "app/bounded_run.hpp"
 #include "app/report.hpp"
 
 namespace perp::app {
@@ -13,6 +14,8 @@ namespace perp::app {
 std::string solve_json(const Report& report);
 /// Input that was refused: status "InputError".
 std::string refused_json(const std::string& problem, const std::string& message);
+/// The time was over, or somebody asked to end, before there was a point: status "TimeLimit" or "Interrupted".
+std::string no_point_json(const std::string& problem, const OutOfTime& why);
 
 /// One entry of the collection, with everything about it, and several, with what the table says.
 std::string problem_json(const ncp::collection::Entry& entry);

@@ -17,6 +17,7 @@
 #include <new>
 
 #include "app/ampl_driver.hpp"
+#include "app/bounded_call.hpp"
 #include "app/cfunctions.hpp"
 #include "app/compare/command_line.hpp"
 #include "app/compare/worker.hpp"
@@ -402,6 +403,7 @@ int checked_output(int code) {
 int main(int argc, char** argv) {
   try {
     set_up_signals();
+    const Guard guard(interrupted);
     pin_blas();
     const std::string program = argc > 0 ? std::filesystem::path(argv[0]).filename().string() : "perp";
     const std::vector<std::string> arguments(argv + std::min(argc, 1), argv + argc);
@@ -414,7 +416,9 @@ int main(int argc, char** argv) {
                            .environment = [](const char* name) -> const char* { return std::getenv(name); }},
                           streams, &interrupted)
             : run_command(arguments, streams);
-    return checked_output(code);
+    const int checked = checked_output(code);
+    if (calls_left_behind()) _exit(checked);  // they use what the destructors of the program would take away
+    return checked;
   } catch (const std::bad_alloc&) {
     std::cerr << "perp: out of memory\n";
   } catch (const std::exception& error) {

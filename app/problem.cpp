@@ -13,6 +13,7 @@
 
 #include "app/program.hpp"
 #include "lcp/matrix_market.hpp"
+#include "lcp/memory.hpp"
 #include "lcp/siconos_file.hpp"
 #include "ncp/affine.hpp"
 #include "ncp/collection/sized.hpp"
@@ -207,6 +208,8 @@ std::string refusal(const std::string& problem, const std::function<void()>& wor
     return error.what();
   } catch (const std::invalid_argument& error) {  // the library's door
     return error.what();
+  } catch (const lcp::NotEnoughMemory& error) {
+    return problem.empty() ? error.what() : fmt::format("'{}': {}", problem, error.what());
   } catch (const std::bad_alloc&) {
     return out_of_memory(problem);
   }

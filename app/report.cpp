@@ -18,20 +18,6 @@ namespace {
 constexpr std::size_t long_table = 60;
 constexpr double wrong_derivative = 1e-4;  // as ncp::describe
 
-/// Prints the table at once, so that someone who watches a pipe or a log file sees the run as it goes.
-ncp::Observer flushed_table(std::ostream& out, const ncp::Mcp& mcp, const Output& output) {
-  const ncp::TableOptions options{.crash = output.shows(output.crash_iterations),
-                                  .major = output.shows(output.major_iterations),
-                                  .restarts = output.shows(output.restart_log),
-                                  .crash_frequency = output.crash_frequency,
-                                  .major_frequency = output.major_frequency};
-  return [&out, print = ncp::print_table(out, mcp, options)](const ncp::Iteration& it) {
-    const ncp::Next next = print(it);
-    out.flush();
-    return next;
-  };
-}
-
 std::string seconds(double s) {
   if (s < 1e-3) return fmt::format("{:.0f} us", 1e6 * s);
   if (s < 1) return fmt::format("{:.3g} ms", 1e3 * s);
@@ -68,6 +54,19 @@ std::optional<std::pair<std::size_t, double>> nearest_known(const Report& report
 
 }  // namespace
 
+ncp::Observer live_table(std::ostream& out, const ncp::Mcp& mcp, const Output& output) {
+  const ncp::TableOptions options{.crash = output.shows(output.crash_iterations),
+                                  .major = output.shows(output.major_iterations),
+                                  .restarts = output.shows(output.restart_log),
+                                  .crash_frequency = output.crash_frequency,
+                                  .major_frequency = output.major_frequency};
+  return [&out, print = ncp::print_table(out, mcp, options)](const ncp::Iteration& it) {
+    const ncp::Next next = print(it);
+    out.flush();
+    return next;
+  };
+}
+
 Report run_method(const LoadedProblem& problem, const Settings& settings, std::ostream* log,
                   const std::atomic<bool>* interrupt, const ncp::Observer& observer) {
   Report report{.problem = &problem, .settings = settings};
@@ -89,7 +88,7 @@ Report run_method(const LoadedProblem& problem, const Settings& settings, std::o
   ncp::Method method = report.settings.method;
   ncp::stop(method).check_derivatives = false;
   std::vector<ncp::Observer> observers{ncp::record(report.iterations)};
-  if (log != nullptr) observers.push_back(flushed_table(*log, *problem.mcp, settings.output));
+  if (log != nullptr) observers.push_back(live_table(*log, *problem.mcp, settings.output));
   if (observer) observers.push_back(observer);
   const ncp::Observer shown = ncp::all(std::move(observers));
   if (settings.solutions)

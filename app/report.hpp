@@ -31,6 +31,10 @@ struct Report {
   ExitCode exit_code() const { return result.solved() ? exit_solved : exit_unsolved; }
 };
 
+/// The tables of iterations, each line at once: someone who watches a pipe or a log file sees the run as it goes. The
+/// stream and the problem outlive the observer.
+ncp::Observer live_table(std::ostream& out, const ncp::Mcp& mcp, const Output& output);
+
 /// Solves; prints the tables of iterations that the settings ask for to `log` (nullptr: none). `interrupt` may be null.
 /// Throws InputError if the Jacobian was to be checked and is wrong or if side inequalities were to be refused; what
 /// ncp::solve throws.

@@ -4,8 +4,11 @@
 
 #include <algorithm>
 #include <array>
+#include <memory>
 #include <ostream>
+#include <utility>
 
+#include "app/bounded_run.hpp"
 #include "app/json.hpp"
 #include "app/plot.hpp"
 #include "app/report.hpp"
@@ -55,8 +58,9 @@ ExitCode refuse(const SolveRequest& request, Streams streams, const std::string&
 }
 
 /// Everything between reading the input and writing JSON. Throws what run_method() does.
-Report run_and_print(const SolveRequest& request, const LoadedProblem& problem, const Applied& options, Streams streams,
-                     const std::atomic<bool>* interrupt, const ncp::Observer& observer) {
+Report run_and_print(const SolveRequest& request, const std::shared_ptr<const LoadedProblem>& loaded,
+                     const Applied& options, Streams streams, const Patience& patience, ncp::Observer observer) {
+  const LoadedProblem& problem = *loaded;
   std::ostream& log = request.json == "-" ? streams.err : streams.out;
   const auto shows = [&](LogLevel level) { return request.log_level >= level; };
   if (shows(LogLevel::Warning))
@@ -68,7 +72,8 @@ Report run_and_print(const SolveRequest& request, const LoadedProblem& problem, 
   if (shows_part(output.initial_statistics)) print_initial_statistics(log, problem);
   const bool table = shows(LogLevel::Info) && output.table();
   if (table) log << '\n';
-  Report report = run_method(problem, options.settings, table ? &log : nullptr, interrupt, observer);
+  Report report = run_within(patience, loaded, options.settings, table ? &log : nullptr, std::move(observer));
+  writing_takes(writing_time(problem.mcp->size()));
   report.notes = options.notes;
   if (shows(LogLevel::Info)) {
     log << '\n';
@@ -90,6 +95,46 @@ Report run_and_print(const SolveRequest& request, const LoadedProblem& problem, 
   return report;
 }
 
+/// The problem, and the options that depend on it.
+std::shared_ptr<const LoadedProblem> load(const SolveRequest& request, Applied& options, const Patience& patience) {
+  const auto changed = std::make_shared<Applied>(options);
+  auto problem = load_within(
+      patience,
+      [request, changed] {
+        LoadedProblem made = load_problem({.problem = request.problem,
+                                           .q = request.q,
+                                           .lower = request.lower,
+                                           .upper = request.upper,
+                                           .start_at = request.start_at,
+                                           .start = request.start});
+        changed->settings.solutions = request.all;
+        note_limits_of_size(made.mcp->size(), *changed);
+        if (!request.warm_start.empty()) set_warm_start(read_warm_start(request.warm_start, *made.mcp), made, *changed);
+        return made;
+      },
+      fmt::format("'{}' was being read", request.problem));
+  options = std::move(*changed);
+  return problem;
+}
+
+ExitCode solve_within_limits(const SolveRequest& request, Streams streams, const std::atomic<bool>* interrupt) {
+  Applied options = apply_options(assignments(request));
+  check_request(request);
+  const Patience limits = patience(ncp::stop(options.settings.method).max_time, interrupt);
+  end_by(limits.deadline);
+  const auto problem = load(request, options, limits);
+  const ncp::PathSearch* path = ncp::path_of(options.settings.method);
+  const auto ways =
+      std::make_shared<WayKeeper>(request.plot_iteration, path != nullptr ? path->merit : ncp::PathMerit::Fischer);
+  ncp::Observer observer;
+  if (!request.plot.empty()) observer = [ways, keep = ways->observer()](const ncp::Iteration& it) { return keep(it); };
+  const Report report = run_and_print(request, problem, options, streams, limits, std::move(observer));
+  if (!request.plot.empty()) draw(request, report, *ways, streams);
+  if (!request.solution.empty()) lcp::write_vector(request.solution, report.result.x, "solution of " + problem->label);
+  const bool delivered = request.json.empty() || deliver_json(request.json, solve_json(report), streams);
+  return delivered ? report.exit_code() : exit_input;
+}
+
 }  // namespace
 
 std::span<const std::string_view> log_level_names() {
@@ -107,28 +152,14 @@ LogLevel log_level(std::string_view name) {
 
 ExitCode solve(const SolveRequest& request, Streams streams, const std::atomic<bool>* interrupt) {
   ExitCode code = exit_solved;
-  const std::string why = refusal(request.problem, [&] {
-    Applied options = apply_options(assignments(request));
-    check_request(request);
-    LoadedProblem problem = load_problem({.problem = request.problem,
-                                          .q = request.q,
-                                          .lower = request.lower,
-                                          .upper = request.upper,
-                                          .start_at = request.start_at,
-                                          .start = request.start});
-    options.settings.solutions = request.all;
-    note_limits_of_size(problem.mcp->size(), options);
-    if (!request.warm_start.empty())
-      set_warm_start(read_warm_start(request.warm_start, *problem.mcp), problem, options);
-    const ncp::PathSearch* path = ncp::path_of(options.settings.method);
-    WayKeeper ways(request.plot_iteration, path != nullptr ? path->merit : ncp::PathMerit::Fischer);
-    const Report report = run_and_print(request, problem, options, streams, interrupt,
-                                        request.plot.empty() ? ncp::Observer{} : ways.observer());
-    if (!request.plot.empty()) draw(request, report, ways, streams);
-    if (!request.solution.empty()) lcp::write_vector(request.solution, report.result.x, "solution of " + problem.label);
-    const bool delivered = request.json.empty() || deliver_json(request.json, solve_json(report), streams);
-    code = delivered ? report.exit_code() : exit_input;
-  });
+  std::string why;
+  try {
+    why = refusal(request.problem, [&] { code = solve_within_limits(request, streams, interrupt); });
+  } catch (const OutOfTime& out) {
+    streams.err << "perp: " << out.what() << '\n';
+    const bool delivered = deliver_json(request.json, no_point_json(request.problem, out), streams);
+    return delivered ? exit_unsolved : exit_input;
+  }
   return why.empty() ? code : refuse(request, streams, why);
 }
 

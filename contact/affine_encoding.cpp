@@ -1,11 +1,13 @@
 #include "contact/affine_encoding.hpp"
 
+#include <limits>
 #include <sstream>
 #include <stdexcept>
 #include <string>
 #include <utility>
 
 #include "contact/encoding_builder.hpp"
+#include "lcp/memory.hpp"
 #include "lcp/solve.hpp"
 
 namespace perp::contact {
@@ -54,8 +56,36 @@ SpMat EncodingBuilder::matrix(Index rows, const Triplets& entries) const {
   return result;
 }
 
+/// Of A' W B, cancelled ones too: what the polygons make of one entry of W goes with the square of their corners.
+double EncodingBuilder::product_entries() const {
+  const auto in_rows = [&](const Triplets& entries) {
+    std::vector<double> count(static_cast<std::size_t>(problem_.q.size()), 0);
+    for (const auto& entry : entries) ++count[static_cast<std::size_t>(entry.row())];
+    return count;
+  };
+  const std::vector<double> A = in_rows(A_);
+  const std::vector<double> B = in_rows(B_);
+  double sum = 0;
+  for (Index j = 0; j < problem_.W.cols(); ++j)
+    for (SpMat::InnerIterator it(problem_.W, j); it; ++it)
+      sum += A[static_cast<std::size_t>(it.row())] * B[static_cast<std::size_t>(j)];
+  return sum;
+}
+
+void EncodingBuilder::check_size() const {
+  const double entries = product_entries() + static_cast<double>(L_.size());
+  std::ostringstream what;
+  what.precision(3);
+  what << "contact: the encoding's " << entries << " entries";
+  constexpr double most = std::numeric_limits<int>::max();
+  if (entries > most) throw std::invalid_argument(what.str() + " are more than 2^31; use fewer facets, or form mixed");
+  constexpr double bytes = 3 * (sizeof(double) + sizeof(int));  // the product, its sum with L, and what sorts them
+  lcp::require_memory(bytes * entries, what.str());
+}
+
 AffineEncoding::AffineEncoding(const Problem& problem, EncodingBuilder&& builder)
     : W_(problem.W), q_(problem.q), units_(builder.scaled_ ? Units::of(W_, q_) : Units::none()) {
+  builder.check_size();
   const auto size = static_cast<Index>(builder.lower_.size());
   const SpMat A = builder.matrix(q_.size(), builder.A_);
   B_ = builder.matrix(q_.size(), builder.B_);

@@ -28,6 +28,9 @@ class EncodingBuilder {
   static void add(Triplets& entries, Index row, Index column, double value);
   Index unknown(double lower);
   SpMat matrix(Index rows, const Triplets& entries) const;
+  double product_entries() const;
+  /// Throws lcp::NotEnoughMemory, or std::invalid_argument where indices do not count as far.
+  void check_size() const;
 
   const Problem& problem_;
   bool scaled_;

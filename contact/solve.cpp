@@ -59,7 +59,6 @@ double larger_metric(const Residual& residual) { return std::max(residual.sicono
 
 /// Of a search for a certificate or a witness.
 constexpr std::chrono::duration<double> least_search{0.1};
-constexpr double least_share = 0.1;  // of a time limit that was reached
 
 }  // namespace
 
@@ -138,6 +137,7 @@ void Referee::take(In r, const Vec& impulses, const Residual& residual, Origin b
   result_.solution.r = impulses;
   result_.residual = residual;
   result_.by = by;
+  if (options_.better) options_.better(result_.solution.r, by);
 }
 
 bool Referee::over() {
@@ -154,12 +154,11 @@ double Referee::seconds_left() const {
   return std::chrono::duration<double>(options_.max_time - (std::chrono::steady_clock::now() - begin_)).count();
 }
 
-/// As long as the run has taken, a tenth of a second at least; beyond a time limit a tenth of it.
+/// As long as the run has taken, of the time that is left, and a tenth of a second at least.
 SearchLimits Referee::search_limits() const {
   const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - begin_;
-  const std::chrono::duration<double> share =
-      result_.status == Status::TimeLimit ? least_share * options_.max_time : spent;
-  return {.max_time = std::max(least_search, share), .interrupt = options_.interrupt};
+  return {.max_time = std::max(least_search, std::min(spent, options_.max_time - spent)),
+          .interrupt = options_.interrupt};
 }
 
 bool Referee::no_solution() {

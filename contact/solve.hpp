@@ -7,6 +7,7 @@
 /// frictionless laws have solvers of their own (affine_encoding.hpp).
 #include <atomic>
 #include <chrono>
+#include <functional>
 #include <optional>
 #include <string>
 #include <variant>
@@ -54,18 +55,6 @@ struct GlockerNcp {
   bool scaling = true;
 };
 
-struct Options {
-  double tol = 1e-8;  ///< of accepted(): both published metrics, and the law's parts contact by contact
-  std::chrono::duration<double> max_time{30};
-  const std::atomic<bool>* interrupt = nullptr;  ///< may be null; outlives the solve
-  std::variant<Auto, GlockerHomotopy, GlockerNcp> method{};
-  Vec start{};  ///< r to begin near, of the step before; empty: cold
-};
-
-/// Infeasible: proven to have no solution, by Result::verdict.certificate (infeasible.hpp).
-enum class Status { Solved, NoProgress, TimeLimit, Interrupted, Infeasible };
-std::string_view to_string(Status);
-
 /// What made a point.
 enum class Origin {
   Zero,          ///< no impulses at all
@@ -79,6 +68,20 @@ enum class Origin {
 };
 /// "zero", "warm-start", "sweeps", "homotopy", "newton", "damped-newton", "proximal", "ncp".
 std::string_view to_string(Origin);
+
+struct Options {
+  double tol = 1e-8;  ///< of accepted(): both published metrics, and the law's parts contact by contact
+  std::chrono::duration<double> max_time{30};
+  const std::atomic<bool>* interrupt = nullptr;  ///< may be null; outlives the solve
+  std::variant<Auto, GlockerHomotopy, GlockerNcp> method{};
+  Vec start{};  ///< r to begin near, of the step before; empty: cold
+  /// Called with every r that is better than those before, and what made it; on the thread that solves.
+  std::function<void(const Vec& r, Origin by)> better{};
+};
+
+/// Infeasible: proven to have no solution, by Result::verdict.certificate (infeasible.hpp).
+enum class Status { Solved, NoProgress, TimeLimit, Interrupted, Infeasible };
+std::string_view to_string(Status);
 
 /// One point that was judged.
 struct Record {
@@ -111,7 +114,7 @@ struct Result {
   Stats stats;
   std::vector<Record> history;
   /// Asked for where a solve is given up: after the first attempt of the homotopy and at the end, in as much time as
-  /// was spent before, or a tenth of a second. Undecided where it was not asked.
+  /// was spent before, of what is left, or a tenth of a second. Undecided where it was not asked.
   Verdict verdict;
   bool solved() const { return status == Status::Solved; }
 };

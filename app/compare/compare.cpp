@@ -13,6 +13,7 @@
 #include <set>
 #include <thread>
 
+#include "app/bounded_call.hpp"
 #include "app/compare/asked.hpp"
 #include "app/compare/baseline.hpp"
 #include "app/compare/journal.hpp"
@@ -286,6 +287,7 @@ class Comparison {
 }  // namespace
 
 int compare(const CompareRequest& request, Streams streams, const std::atomic<bool>* interrupt) {
+  leave_with(exit_interrupted);
   try {
     return Comparison(request, streams, interrupt).run();
   } catch (const InputError& error) {

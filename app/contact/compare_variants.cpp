@@ -14,6 +14,7 @@
 #include <sstream>
 #include <thread>
 
+#include "app/bounded_call.hpp"
 #include "app/compare/compare.hpp"
 #include "app/compare/journal.hpp"
 #include "app/contact/campaign.hpp"
@@ -266,6 +267,7 @@ class Comparing {
 }  // namespace
 
 int compare_variants(const CompareVariantsRequest& request, Streams streams, const std::atomic<bool>* interrupt) {
+  leave_with(compare::exit_interrupted);
   int code = exit_input;
   const std::string why = refusal("", [&] {
     check_request(request);

@@ -10,6 +10,7 @@
 #include "app/contact/forces_svg.hpp"
 #include "app/contact/method_options.hpp"
 #include "app/contact/report.hpp"
+#include "app/contact/run_within.hpp"
 #include "app/json.hpp"
 #include "app/problem.hpp"
 #include "contact/fclib.hpp"
@@ -120,12 +121,15 @@ class Command {
   /// One problem, from its file to its lines; its JSON is kept.
   void take(const std::string& name) {
     Summary summary{.label = name, .run = {}};
-    summary.refused = refusal(name, [&] {
-      const Loaded loaded = load(name);
+    const auto take_it = [&] {
+      const Patience limits = patience(std::chrono::duration<double>(request_.time_limit), interrupt_);
+      end_by(limits.deadline);
+      const std::shared_ptr<const Loaded> kept = load_within(limits, name);
+      const Loaded& loaded = *kept;
       if (shows(LogLevel::Info)) print_heading(log_, loaded, variant_, request_.tol);
       log_.flush();
-      summary.run = contacts::run(loaded.problem, variant_,
-                                  {.tol = request_.tol, .seconds = request_.time_limit, .interrupt = interrupt_});
+      summary.run = run_within(limits, kept, variant_, {.tol = request_.tol, .seconds = request_.time_limit});
+      writing_takes(writing_time(loaded.problem.q.size()));
       const Run& run = summary.run;
       print(loaded, run);
       const ExitCode code = run.solved ? exit_solved : exit_unsolved;
@@ -133,7 +137,17 @@ class Command {
       json_.push_back(request_.json.empty() ? "{}" : run_json(loaded, run, code));
       if (!request_.svg.empty()) write_file(request_.svg, forces_svg(loaded, run));
       if (!request_.fclib_out.empty()) write_solution(request_.fclib_out, loaded, run);
-    });
+    };
+    try {
+      summary.refused = refusal(name, take_it);
+    } catch (const OutOfTime& out) {
+      streams_.err << "perp: " << out.what() << '\n';
+      code_ = std::max(code_, exit_unsolved);
+      summary.run.status = ncp::to_string(out.status());
+      json_.resize(all_.size());
+      json_.push_back(no_point_json(name, out));
+    }
+    end_by(Clock::time_point::max());
     if (!summary.refused.empty()) {
       streams_.err << "perp: " << summary.refused << '\n';
       code_ = exit_input;

@@ -14,6 +14,7 @@
 #include "app/contact/facets_svg.hpp"
 #include "app/contact/number_list.hpp"
 #include "app/contact/report.hpp"
+#include "app/contact/run_within.hpp"
 #include "app/json.hpp"
 #include "app/json_parts.hpp"
 #include "app/problem.hpp"
@@ -68,7 +69,7 @@ class Study {
   bool load_all(std::ostream& err) {
     bool good = true;
     for (const std::string& name : request_.problems) {
-      const std::string why = refusal(name, [&] { loaded_.push_back(load(name)); });
+      const std::string why = refusal(name, [&] { loaded_.push_back(std::make_shared<const Loaded>(load(name))); });
       if (why.empty()) continue;
       err << "perp: " << why << '\n';
       refused_.push_back(why);
@@ -80,7 +81,7 @@ class Study {
 
   const FacetStudy& run(std::ostream& err) {
     for (std::size_t p = 0; p < loaded_.size() && !stopped(); ++p) {
-      err << fmt::format("perp: {} of {}: {}\n", p + 1, loaded_.size(), loaded_[p].label) << std::flush;
+      err << fmt::format("perp: {} of {}: {}\n", p + 1, loaded_.size(), loaded_[p]->label) << std::flush;
       one(p);
     }
     return study_;
@@ -89,35 +90,34 @@ class Study {
 
  private:
   void one(std::size_t p) {
-    const contact::Problem& problem = loaded_[p].problem;
-    const contact::Result exact =
-        contact::solve(problem, {.tol = std::min(exact_tol, request_.tol),
-                                 .max_time = std::chrono::duration<double>(std::min(request_.time_limit, most_seconds)),
-                                 .interrupt = interrupt_});
+    const contact::Problem& problem = loaded_[p]->problem;
+    const Run exact = within_limits(p, parse_variant("glocker"), std::min(exact_tol, request_.tol));
     const contact::Residual& e = exact.residual;
-    const auto states = contact::states(problem, exact.solution.r);
-    study_.problems.push_back(
-        {.label = loaded_[p].label,
-         .dimension = problem.dimension,
-         .contacts = problem.contacts(),
-         .slipping = std::ranges::count(states, contact::State::Slip, &contact::ContactState::state),
-         .solved = contact::accepted(e, exact_enough),
-         .siconos = e.siconos});
+    study_.problems.push_back({.label = loaded_[p]->label,
+                               .dimension = problem.dimension,
+                               .contacts = problem.contacts(),
+                               .slipping = exact.in_state(contact::State::Slip),
+                               .solved = contact::accepted(e, exact_enough),
+                               .siconos = e.siconos});
     for (const bool outer : {false, true})
       for (const int K : study_.facets)
         for (const double position : positions)
           if (!stopped()) polygon(p, outer, K, position * 2 * std::numbers::pi / K, exact.solution);
   }
 
+  Run within_limits(std::size_t p, const Variant& variant, double tol) {
+    const Patience limits = patience(std::chrono::duration<double>(request_.time_limit), interrupt_);
+    return run_within(limits, loaded_[p], variant, {.tol = tol, .seconds = request_.time_limit});
+  }
+
   void polygon(std::size_t p, bool outer, int K, double rotation, const contact::Solution& exact) {
-    const contact::Problem& problem = loaded_[p].problem;
+    const contact::Problem& problem = loaded_[p]->problem;
     const Variant variant{.law = outer ? Variant::Law::Outer : Variant::Law::Inner,
                           .facets = K,
                           .method = "auto",
                           .form = study_.form,
                           .rotation = rotation};
-    const Run run =
-        contacts::run(problem, variant, {.tol = request_.tol, .seconds = request_.time_limit, .interrupt = interrupt_});
+    const Run run = within_limits(p, variant, request_.tol);
     FacetRun& result = study_.runs.emplace_back();
     result = {.problem = p,
               .outer = outer,
@@ -141,7 +141,7 @@ class Study {
 
   const FacetsRequest& request_;
   const std::atomic<bool>* interrupt_;
-  std::vector<Loaded> loaded_;
+  std::vector<std::shared_ptr<const Loaded>> loaded_;
   std::vector<std::string> refused_;
   FacetStudy study_;
 };

@@ -58,25 +58,11 @@ Number parse_count(const std::string& argument, std::string_view digits, const c
   return value;
 }
 
-/// What the exact law's judge says of r, whoever made it.
-void judge(Run& run, const Problem& problem) {
-  run.residual = contact::residual(problem, run.solution.r);
-  if (run.variant.exact()) {
-    run.states = contact::states(problem, run.solution.r);
-    return;
-  }
-  // Where a polygon's law lets a contact slip |r_T| need not be mu r_N: what moves, slips.
-  run.states = contact::states(contact::without_friction(problem), run.solution.r);
-  const int d = problem.dimension;
-  for (lcp::Index a = 0; a < problem.contacts(); ++a)
-    if (contact::ContactState& s = run.states[static_cast<std::size_t>(a)]; s.state == contact::State::Stick)
-      s.margin = problem.mu[a] * run.solution.r[d * a] - run.solution.r.segment(d * a + 1, d - 1).norm();
-}
-
 void run_glocker(Run& run, const Problem& problem) {
   contact::Options options{.tol = run.limits.tol,
                            .max_time = std::chrono::duration<double>(run.limits.seconds),
                            .interrupt = run.limits.interrupt};
+  if (run.limits.better) options.better = [&run](const lcp::Vec& r, contact::Origin) { run.limits.better(r); };
   MethodOptions method = method_options(run.variant);
   if (run.variant.automatic()) {
     options.method = method.automatic;
@@ -114,9 +100,14 @@ void run_first_ncp(Run& run, const Problem& problem) {
     return point.r.allFinite() && contact::accepted(judge(point.r), run.limits.tol);
   };
   std::optional<contact::Solution> found;
+  double best = lcp::infinity;
   const ncp::Observer watch = [&](const ncp::Iteration& it) {
     if (it.x == nullptr || it.problem != &mcp) return ncp::Next::Continue;
     contact::Solution point = mcp.recover(lcp::project(mcp.box(), *it.x));
+    if (run.limits.better && it.residual < best && point.r.allFinite()) {
+      best = it.residual;
+      run.limits.better(point.r);
+    }
     if (!accepted(point)) return ncp::Next::Continue;
     found = std::move(point);  // the NCP's own residual may prefer another one
     return ncp::Next::Stop;
@@ -185,14 +176,15 @@ Problem enclosing_problem(const Problem& problem, const Variant& variant) {
   return enclosing;
 }
 
-/// What contact::solve asks by itself. That a solution exists is known of Coulomb's law alone.
+/// What contact::solve asks by itself, in as much time as was spent, of what is left. That a solution exists is known
+/// of Coulomb's law alone.
 void ask_existence(Run& run, const Problem& problem, Clock::duration spent) {
   // Status "Interrupted" is also that of a method which the judge of its iterates stopped.
   if (run.solved || (run.limits.interrupt != nullptr && run.limits.interrupt->load())) return;
-  constexpr double least_search = 0.1;
+  constexpr std::chrono::duration<double> least_search{0.1};
+  const std::chrono::duration<double> taken = spent;
   const contact::SearchLimits limits{
-      .max_time = std::clamp(std::chrono::duration<double>(spent), std::chrono::duration<double>(least_search),
-                             std::chrono::duration<double>(std::max(least_search, run.limits.seconds))),
+      .max_time = std::max(least_search, std::min(taken, std::chrono::duration<double>(run.limits.seconds) - taken)),
       .interrupt = run.limits.interrupt};
   if (run.variant.exact()) {
     run.verdict = contact::existence(problem, limits);
@@ -249,6 +241,20 @@ long Run::steps() const {
 
 lcp::Index Run::in_state(contact::State state) const {
   return std::ranges::count(states, state, &contact::ContactState::state);
+}
+
+void judge(Run& run, const Problem& problem) {
+  run.residual = contact::residual(problem, run.solution.r);
+  if (run.variant.exact()) {
+    run.states = contact::states(problem, run.solution.r);
+    return;
+  }
+  // Where a polygon's law lets a contact slip |r_T| need not be mu r_N: what moves, slips.
+  run.states = contact::states(contact::without_friction(problem), run.solution.r);
+  const int d = problem.dimension;
+  for (lcp::Index a = 0; a < problem.contacts(); ++a)
+    if (contact::ContactState& s = run.states[static_cast<std::size_t>(a)]; s.state == contact::State::Stick)
+      s.margin = problem.mu[a] * run.solution.r[d * a] - run.solution.r.segment(d * a + 1, d - 1).norm();
 }
 
 Run run(const Problem& problem, const Variant& variant, const Limits& limits) {

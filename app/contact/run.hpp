@@ -3,6 +3,7 @@
 /// Coulomb's law; faceted and frictionless laws are judged by the natural residual
 /// of their own affine problem first, in the units of contact/units.hpp, and the exact law's residual stands beside it.
 #include <atomic>
+#include <functional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -34,6 +35,9 @@ struct Limits {
   double tol = 1e-8;
   double seconds = 30;  ///< at most most_seconds
   const std::atomic<bool>* interrupt = nullptr;
+  /// Called with every r that is better by Coulomb's law than those before, by formulations whose method tells of its
+  /// iterates; on the thread that solves.
+  std::function<void(const lcp::Vec& r)> better{};
 };
 
 struct Run {
@@ -56,6 +60,9 @@ struct Run {
   long steps() const;  ///< iterations, sweeps and Newton steps
   lcp::Index in_state(contact::State state) const;
 };
+
+/// Fills in residual and states of run.solution.r: what the exact law's judge says, whoever made it.
+void judge(Run& run, const contact::Problem& problem);
 
 /// Throws what the libraries throw at malformed input.
 Run run(const contact::Problem& problem, const Variant& variant, const Limits& limits);
