@@ -201,6 +201,8 @@ int solve_result_num(ncp::Status status) {
       return 403;
     case ncp::Status::LinearAlgebraFailed:
       return 501;
+    case ncp::Status::OutOfMemory:
+      return 502;
     case ncp::Status::EvaluationFailed:
       return 503;
     case ncp::Status::Infeasible:

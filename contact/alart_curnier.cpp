@@ -98,7 +98,7 @@ bool AlartCurnier::step(In r, In centre, double alpha, Vec& to) {
     }
   }
   ++factorizations_;
-  if (lu_->factor(K_) != lcp::LuStatus::Ok) return false;
+  if (!lu_->try_factor(K_)) return false;
   Vec d(r.size());
   lu_->solve(rhs, d);
   if (!d.allFinite()) return false;

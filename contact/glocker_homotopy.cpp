@@ -72,7 +72,7 @@ class Solver {
       options_.lu = problem.size() <= klu_rows && problem.W.nonZeros() <= klu_entries * problem.size()
                         ? lcp::LuBackend::Klu
                         : lcp::LuBackend::Umfpack;
-    lu_ = std::make_shared<lcp::SparseLu>(options_.lu);
+    lu_ = std::make_shared<lcp::SparseLu>(options_.lu, referee.deadline());
     newton_.emplace(problem, lu_);
   }
   ~Solver() { referee_.stats().factorizations += newton_->factorizations(); }

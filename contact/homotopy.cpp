@@ -167,7 +167,7 @@ bool Homotopy::assemble() {
         values[block_entries_[k]] = W_diagonal_[k] + B[at(i)][at(j)] + (i == j ? diagonal_term : 0);
   }
   ++factorizations_;
-  return lu_->factor(K_) == lcp::LuStatus::Ok;
+  return lu_->try_factor(K_);
 }
 
 /// Newton's direction towards products `target`, with the second-order terms of `affine` if there is one.

@@ -1,6 +1,7 @@
 #pragma once
 /// What every solver of contact/solve.hpp shares: the judge, the best point, limits, records. Private to contact/.
 #include <chrono>
+#include <functional>
 #include <string>
 
 #include "contact/scaling.hpp"
@@ -25,6 +26,11 @@ class Referee {
   const std::atomic<bool>* interrupt() const { return options_.interrupt; }
   /// Asks for a proof that there is no solution; true if that ends the run. For solvers that are about to do long work.
   bool no_solution();
+  /// Runs a part of a method, which may throw: where a factorization would end after the time limit, or memory is
+  /// short, the run is over with that and keeps its best point.
+  void guard(const std::function<void()>& part);
+  /// When the time is over.
+  lcp::Deadline deadline() const;
   Result result(const std::string& message);
 
  private:
@@ -34,6 +40,7 @@ class Referee {
   Judge judge_;
   const Scaled& scaled_;
   const Options& options_;
+  std::string stopped_by_;  // what a part threw
   std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
   Result result_;
   Vec best_;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "contact/referee.hpp"
+#include "lcp/memory.hpp"
 
 namespace perp::contact {
 namespace {
@@ -74,6 +75,8 @@ std::string_view to_string(Status status) {
       return "Interrupted";
     case Status::Infeasible:
       return "Infeasible";
+    case Status::OutOfMemory:
+      return "OutOfMemory";
   }
   return "?";
 }
@@ -131,10 +134,12 @@ void Referee::take(In r, const Vec& impulses, const Residual& residual, Origin b
   last_ = larger_metric(residual);
   const bool solved = accepted(residual, options_.tol);
   if (result_.solved() || !(solved || last_ < best_metric_ || best_.size() != r.size())) return;
+  Vec best = r;  // what may throw comes first: the point and what is said of it change together
+  Vec solution = impulses;
   if (solved) result_.status = Status::Solved;
   best_metric_ = last_;
-  best_ = r;
-  result_.solution.r = impulses;
+  best_ = std::move(best);
+  result_.solution.r = std::move(solution);
   result_.residual = residual;
   result_.by = by;
   if (options_.better) options_.better(result_.solution.r, by);
@@ -181,12 +186,38 @@ void Referee::ask_existence() {
     result_.verdict = verdict_without_certificate(problem_, search_limits());
 }
 
+void Referee::guard(const std::function<void()>& part) {
+  const auto out_of = [this](Status status, const std::string& why) {
+    if (result_.status != Status::NoProgress) return;
+    stopped_by_ = why;
+    result_.status = status;
+  };
+  try {
+    part();
+  } catch (const lcp::KernelTooLong& error) {
+    out_of(Status::TimeLimit, error.what());
+  } catch (const lcp::NotEnoughMemory& error) {
+    out_of(Status::OutOfMemory, error.what());
+  } catch (const std::bad_alloc&) {
+    out_of(Status::OutOfMemory, "there is no more memory");
+  }
+}
+
+lcp::Deadline Referee::deadline() const {
+  const std::chrono::duration<double> most = lcp::no_deadline - begin_;
+  if (!(options_.max_time < most / 2)) return lcp::no_deadline;
+  return begin_ + std::chrono::duration_cast<std::chrono::steady_clock::duration>(options_.max_time);
+}
+
 Result Referee::result(const std::string& message) {
   ask_existence();
   result_.solution.u = velocities(problem_, result_.solution.r);
   std::ostringstream text;
   if (result_.status == Status::Solved)
     text << "solved: ";
+  else if (!stopped_by_.empty())
+    text << (result_.status == Status::TimeLimit ? "stopped before the time limit: " : "out of memory: ") << stopped_by_
+         << "; ";
   else if (result_.status == Status::TimeLimit)
     text << "the time limit of " << options_.max_time.count() << " s was reached: ";
   else if (result_.status == Status::Interrupted)
@@ -221,7 +252,8 @@ Result solve(const Problem& problem, const Options& options) {
   Referee referee(problem, coordinates, options);
   const Vec start = options.start.size() > 0 ? coordinates.reduce(options.start) : Vec();
   if (!referee.over())
-    std::visit([&](const auto& method) { run(referee, coordinates, method, start); }, options.method);
+    referee.guard(
+        [&] { std::visit([&](const auto& method) { run(referee, coordinates, method, start); }, options.method); });
   return referee.result("no attempt comes closer");
 }
 

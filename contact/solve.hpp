@@ -80,7 +80,7 @@ struct Options {
 };
 
 /// Infeasible: proven to have no solution, by Result::verdict.certificate (infeasible.hpp).
-enum class Status { Solved, NoProgress, TimeLimit, Interrupted, Infeasible };
+enum class Status { Solved, NoProgress, TimeLimit, Interrupted, Infeasible, OutOfMemory };
 std::string_view to_string(Status);
 
 /// One point that was judged.

@@ -106,7 +106,8 @@ struct EtaFile {
 }  // namespace
 
 struct BasisFactor::Impl {
-  Impl(const SpMat& matrix, BasisOptions o) : A(&matrix), options(o), lu(o.lu), rhs(matrix.rows()), b_(matrix.rows()) {}
+  Impl(const SpMat& matrix, BasisOptions o)
+      : A(&matrix), options(o), lu(o.lu, o.deadline), rhs(matrix.rows()), b_(matrix.rows()) {}
 
   const SpMat* A;
   BasisOptions options;
@@ -200,6 +201,7 @@ LuStatus BasisFactor::Impl::factor(std::span<const Index> columns) {
   drift = 0;
   eta_work = 0;
   ++factorizations;
+  status = LuStatus::Singular;
   partition();
   const auto order = static_cast<Index>(active_position.size());
   Index in_S = 0;
@@ -241,7 +243,7 @@ std::vector<BasisFactor::Dependency> BasisFactor::Impl::dependencies(double tol)
   SpMat zeros(C.rows(), C.cols());
   zeros.setIdentity();
   zeros *= 0;
-  SparseLu revealing(LuBackend::Umfpack);
+  SparseLu revealing(LuBackend::Umfpack, options.deadline);
   (void)revealing.factor(C + zeros);
   LuFactors f;
   std::vector<Dependency> found;

@@ -22,7 +22,8 @@ namespace perp::lcp {
 
 struct BasisOptions {
   LuBackend lu = LuBackend::Auto;
-  int refactor_every = 500;   ///< stale() after so many replacements
+  Deadline deadline = no_deadline;  ///< of every factorization (kernel_clock.hpp)
+  int refactor_every = 500;         ///< stale() after so many replacements
   double fill_limit = 64;     ///< stale() when the eta file has more than this many entries per nonzero of B and row
   double growth_limit = 1e6;  ///< stale() after a replacement with max |d_i / d_p| above this
   /// stale() when the solves have passed through this many entries of the eta file per entry of L + U: then they have

@@ -30,7 +30,7 @@ class Run {
       : problem_(problem),
         options_(options),
         limits_(limits),
-        cell_(problem, options.lu, options.degenerate_tol),
+        cell_(problem, options.lu, options.degenerate_tol, limits.deadline),
         places_(places_of(problem.box, start)),
         best_(problem, start) {}
 
@@ -140,13 +140,17 @@ Result by_components(const AffineMcp& problem, In start, const BlockPivoting& op
 Result block_pivoting(const AffineMcp& problem, In start, const BlockPivoting& options, const Limits& limits) {
   check_input("block_pivoting", problem, start, limits);
   check_options(options);
-  if (!options.components || strong_components(problem).count() <= 1) return Run(problem, start, options, limits).run();
-  Result parts = by_components(problem, start, options, limits);
-  if (parts.accepted() || parts.status == Status::OutOfMemory || limits.reached()) return parts;
-  Result whole = Run(problem, start, options, limits).run();
-  whole.iterations += parts.iterations;
-  whole.factorizations += parts.factorizations;
-  return whole;
+  const auto solve = [&] {
+    if (!options.components || strong_components(problem).count() <= 1)
+      return Run(problem, start, options, limits).run();
+    Result parts = by_components(problem, start, options, limits);
+    if (parts.accepted() || parts.status == Status::OutOfMemory || limits.reached()) return parts;
+    Result whole = Run(problem, start, options, limits).run();
+    whole.iterations += parts.iterations;
+    whole.factorizations += parts.factorizations;
+    return whole;
+  };
+  return within_limits(solve, at_start("block_pivoting", problem, start, limits));
 }
 
 }  // namespace perp::lcp

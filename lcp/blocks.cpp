@@ -35,7 +35,7 @@ SpMat least_squares_system(const SpMat& H, double nu) {
 }
 
 bool damped_least_squares(SparseLu& lu, const SpMat& H, In b, double nu, Vec& d) {
-  if (lu.factor(least_squares_system(H, nu)) != LuStatus::Ok) return false;
+  if (!lu.try_factor(least_squares_system(H, nu))) return false;
   Vec rhs = Vec::Zero(H.rows() + H.cols());
   rhs.head(H.rows()) = b;
   Vec solution(rhs.size());

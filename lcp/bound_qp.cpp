@@ -213,7 +213,7 @@ void Solver::prepare(Kind kind, double shift) {
   qp_.q = problem_.q - shift * d_.cwiseProduct(z_);
   hierarchy_.reset();
   if (kind == Kind::Cholesky) {
-    B_ = std::make_unique<CholeskyFace>(A, options_.cholesky_entries);
+    B_ = std::make_unique<CholeskyFace>(A, options_.cholesky_entries, limits_.deadline);
     return;
   }
   const auto direct = static_cast<int>(std::min<Index>(options_.direct, A.rows()));
@@ -421,11 +421,8 @@ Result Solver::solve() {
 Result bound_qp(const AffineMcp& problem, In start, const BoundQp& options, const Limits& limits) {
   check_input("bound_qp", problem, start, limits);
   check_options(options);
-  try {
-    return Solver(problem, start, options, limits).solve();
-  } catch (const std::bad_alloc&) {
-    return judged(problem, start, limits, Status::OutOfMemory, "bound_qp: out of memory");
-  }
+  return within_limits([&] { return Solver(problem, start, options, limits).solve(); },
+                       at_start("bound_qp", problem, start, limits));
 }
 
 }  // namespace perp::lcp

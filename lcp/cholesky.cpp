@@ -89,6 +89,7 @@ struct Cholesky::Impl {
   Vec direction;
   double rcond = 0;
   double nonzeros = 0;
+  KernelClock clock;
 
   Impl() = default;
   Impl(const Impl&) = delete;
@@ -127,7 +128,10 @@ CholeskyStatus Cholesky::Impl::factor(const SpMat& A, double entries) {
   if (!L || common.status() < CHOLMOD_OK) return failure_of(common.status());
   nonzeros = common.get()->lnz;
   if (nonzeros > entries) return CholeskyStatus::OutOfMemory;
+  const KernelCost cost{.flops = common.get()->fl, .bytes = (sizeof(double) + sizeof(int)) * nonzeros};
+  clock.before(n, cost);
   cholmod_factorize(&lower, L, common.get());
+  clock.after(cost);
   if (common.status() < CHOLMOD_OK) return failure_of(common.status());
   if (common.status() == CHOLMOD_NOT_POSDEF || L->minor < L->n) {
     failed_column = static_cast<const int*>(L->Perm)[L->minor];
@@ -179,7 +183,7 @@ Vec Cholesky::Impl::witness(const SpMat& A) {
   return d.allFinite() ? d : Vec();
 }
 
-Cholesky::Cholesky() : impl_(std::make_unique<Impl>()) {}
+Cholesky::Cholesky(Deadline deadline) : impl_(std::make_unique<Impl>()) { impl_->clock = KernelClock(deadline); }
 Cholesky::~Cholesky() = default;
 Cholesky::Cholesky(Cholesky&&) noexcept = default;
 Cholesky& Cholesky::operator=(Cholesky&&) noexcept = default;
@@ -195,6 +199,7 @@ CholeskyStatus Cholesky::factor(const SpMat& A, double entries) {
     compressed.makeCompressed();
     return factor(compressed, entries);
   }
+  impl_->status = CholeskyStatus::NotPositiveDefinite;
   try {
     impl_->status = impl_->factor(A, entries);
   } catch (const std::bad_alloc&) {

@@ -5,7 +5,7 @@
 #include <memory>
 #include <string_view>
 
-#include "lcp/types.hpp"
+#include "lcp/kernel_clock.hpp"
 
 namespace perp::lcp {
 
@@ -19,7 +19,8 @@ std::string_view to_string(CholeskyStatus);
 
 class Cholesky {
  public:
-  Cholesky();
+  /// No factorization is begun that would not have ended at the deadline (kernel_clock.hpp).
+  explicit Cholesky(Deadline = no_deadline);
   ~Cholesky();
   Cholesky(Cholesky&&) noexcept;
   Cholesky& operator=(Cholesky&&) noexcept;
@@ -31,6 +32,7 @@ class Cholesky {
   /// Rounding decides about matrices that are nearly singular: Ok says that A is within n eps ||A|| of a positive
   /// definite matrix, NotPositiveDefinite that it is within that of one that is not (Higham, Accuracy and Stability of
   /// Numerical Algorithms, 2nd ed. 2002, theorems 10.3, 10.7 and 10.14). rcond() and failed_direction() tell how near.
+  /// Throws KernelTooLong where the factorization would end after the deadline.
   [[nodiscard]] CholeskyStatus factor(const SpMat& A, double entries = infinity);
 
   /// A x = b with the last factor(); pre: that was Ok, else std::logic_error. b and x have n entries. Throws

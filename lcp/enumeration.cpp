@@ -324,26 +324,29 @@ Solutions enumerate(const AffineMcp& problem, const Enumeration& options, const 
 
 Result enumeration(const AffineMcp& problem, In start, const Enumeration& options, const Limits& limits) {
   check_input("enumeration", problem, start, limits);
-  const Solutions all = enumerate(problem, options, limits);
-  int two = 0;
-  int three = 0;
-  for (Index i = 0; i < problem.size(); ++i) {
-    if (is_fixed(problem.box, i) || is_free(problem.box, i)) continue;
-    ++(finite_lower(problem.box, i) && finite_upper(problem.box, i) ? three : two);
-  }
-  std::ostringstream what;
-  if (all.complete)
-    what << "all 2^" << two << (three > 0 ? " 3^" + std::to_string(three) : "") << " cells examined: ";
-  else
-    what << all.message << ": ";
-  what << all.found.size() << " solutions or sets of them";
-  const Vec z = all.found.empty() ? Vec(start) : all.found.front().z;
-  const bool none = all.complete && all.found.empty();
-  const Status otherwise = none ? Status::Infeasible : all.complete ? Status::Stalled : all.stopped;
-  Result result = judged(problem, z, limits, otherwise, what.str());
-  result.message = what.str();
-  result.iterations = all.nodes;
-  return result;
+  const auto solve = [&] {
+    const Solutions all = enumerate(problem, options, limits);
+    int two = 0;
+    int three = 0;
+    for (Index i = 0; i < problem.size(); ++i) {
+      if (is_fixed(problem.box, i) || is_free(problem.box, i)) continue;
+      ++(finite_lower(problem.box, i) && finite_upper(problem.box, i) ? three : two);
+    }
+    std::ostringstream what;
+    if (all.complete)
+      what << "all 2^" << two << (three > 0 ? " 3^" + std::to_string(three) : "") << " cells examined: ";
+    else
+      what << all.message << ": ";
+    what << all.found.size() << " solutions or sets of them";
+    const Vec z = all.found.empty() ? Vec(start) : all.found.front().z;
+    const bool none = all.complete && all.found.empty();
+    const Status otherwise = none ? Status::Infeasible : all.complete ? Status::Stalled : all.stopped;
+    Result result = judged(problem, z, limits, otherwise, what.str());
+    result.message = what.str();
+    result.iterations = all.nodes;
+    return result;
+  };
+  return within_limits(solve, at_start("enumeration", problem, start, limits));
 }
 
 }  // namespace perp::lcp

@@ -54,7 +54,7 @@ class LastDigits {
 Result fb_newton(const AffineMcp& problem, In start, const FbNewton& options, const Limits& limits) {
   check_input("fb_newton", problem, start, limits);
   check_options(options);
-  NewtonSystem system(problem.M, options.lu);
+  NewtonSystem system(problem.M, options.lu, limits.deadline);
   LastDigits last_digits(problem, options.lu);
   const SafeStep safe_step{.armijo = options.armijo, .shortest = options.shortest};
   Best best(problem, start);
@@ -74,32 +74,35 @@ Result fb_newton(const AffineMcp& problem, In start, const FbNewton& options, co
   reference.push(at.merit());
   double lowest = at.merit();
   long lowest_at = 0;
-  for (; !solves(problem, best.z(), limits.tol); ++k) {
-    if (const auto stop = limits.reached()) return end(*stop, "stopped between two steps");
-    if (k >= options.max_iterations) return end(Status::IterationLimit, "the limit of Newton steps is reached");
-    double t = 0;
-    if (system.newton(at, d)) {
-      const double slope = system.gradient(at).dot(d);
-      if (slope <= -options.descent_rho * std::pow(d.norm(), options.descent_p))
-        t = backtrack(merit, z, d, reference.value(), -options.armijo * slope, options.shortest);
-      if (t > 0) z += t * d;
+  const auto iterate = [&] {
+    for (; !solves(problem, best.z(), limits.tol); ++k) {
+      if (const auto stop = limits.reached()) return end(*stop, "stopped between two steps");
+      if (k >= options.max_iterations) return end(Status::IterationLimit, "the limit of Newton steps is reached");
+      double t = 0;
+      if (system.newton(at, d)) {
+        const double slope = system.gradient(at).dot(d);
+        if (slope <= -options.descent_rho * std::pow(d.norm(), options.descent_p))
+          t = backtrack(merit, z, d, reference.value(), -options.armijo * slope, options.shortest);
+        if (t > 0) z += t * d;
+      }
+      if (t == 0 && !safe_step(problem, system, at, reference.value(), z))
+        return end(Status::Stalled,
+                   "a stationary point of ||Phi||^2 (Fischer-Burmeister) that is no solution, or rounding");
+      at = fb_equations(problem, z);
+      if (!std::isfinite(at.merit())) return end(Status::Stalled, "the iterates overflow");
+      reference.push(at.merit());
+      best.offer(z);
+      last_digits.offer(z, best);
+      if (at.merit() < 0.9 * lowest) {
+        lowest = at.merit();
+        lowest_at = k;
+      } else if (k - lowest_at >= 60) {
+        return end(Status::Stalled, "||Phi||^2 (Fischer-Burmeister) has not fallen by a tenth in 60 steps");
+      }
     }
-    if (t == 0 && !safe_step(problem, system, at, reference.value(), z))
-      return end(Status::Stalled,
-                 "a stationary point of ||Phi||^2 (Fischer-Burmeister) that is no solution, or rounding");
-    at = fb_equations(problem, z);
-    if (!std::isfinite(at.merit())) return end(Status::Stalled, "the iterates overflow");
-    reference.push(at.merit());
-    best.offer(z);
-    last_digits.offer(z, best);
-    if (at.merit() < 0.9 * lowest) {
-      lowest = at.merit();
-      lowest_at = k;
-    } else if (k - lowest_at >= 60) {
-      return end(Status::Stalled, "||Phi||^2 (Fischer-Burmeister) has not fallen by a tenth in 60 steps");
-    }
-  }
-  return end(Status::Stalled, "");
+    return end(Status::Stalled, "");
+  };
+  return within_limits(iterate, end);
 }
 
 }  // namespace perp::lcp

@@ -117,8 +117,8 @@ class Run {
         limits_(limits),
         p_(problem),
         best_(problem, start),
-        lu_(options.lu),
-        polish_lu_(options.lu),
+        lu_(options.lu, limits.deadline),
+        polish_lu_(options.lu, limits.deadline),
         K_(p_.M),
         n_(p_.size()) {
     const Vec x = p_.reduce(start);
@@ -126,6 +126,12 @@ class Run {
   }
 
   Result run() {
+    return within_limits([this] { return iterate(); },
+                         [this](Status s, const std::string& why) { return end(s, why); });
+  }
+
+ private:
+  Result iterate() {
     int short_steps = 0;
     for (;;) {
       finish();
@@ -165,7 +171,6 @@ class Run {
     }
   }
 
- private:
   bool below(Index i) const { return p_.l[i] > -infinity; }
   bool above(Index i) const { return p_.u[i] < infinity; }
 

@@ -2,6 +2,7 @@
 /// The seam between SparseLu and the libraries that factor; private to lcp/.
 #include <memory>
 
+#include "lcp/kernel_clock.hpp"
 #include "lcp/lu_factors.hpp"
 #include "lcp/sparse_lu.hpp"
 
@@ -16,6 +17,8 @@ class LuLibrary {
 
   // Pre of all: A is square, compressed, not empty, finite; analyze() before factor() before the solves.
   virtual LuStatus analyze(const SpMat& A) = 0;
+  /// Of factor(), after analyze().
+  virtual KernelCost cost() const { return {}; }
   virtual LuStatus factor(const SpMat& A) = 0;
   virtual void solve(const SpMat& A, In b, Out x, bool transposed) const = 0;
   /// Copies the factors of the last factor() that was Ok or Singular; false if the library does not give them.

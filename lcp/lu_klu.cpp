@@ -28,6 +28,12 @@ class Klu final : public LuLibrary {
     return symbolic_ ? LuStatus::Ok : status();
   }
 
+  KernelCost cost() const override {
+    constexpr double bytes_of_entry = sizeof(double) + sizeof(int);
+    return {.flops = std::max(0.0, symbolic_->est_flops),
+            .bytes = bytes_of_entry * std::max(0.0, symbolic_->lnz + symbolic_->unz)};
+  }
+
   LuStatus factor(const SpMat& A) override {
     klu_free_numeric(&numeric_, &common_);
     std::copy_n(A.valuePtr(), A.nonZeros(), pattern_.valuePtr());

@@ -48,10 +48,22 @@ class Umfpack final : public LuLibrary {
         A.nonZeros() <= dissection_entries * A.rows() || !(info_[UMFPACK_FLOPS_ESTIMATE] > dissection_flops))
       return status;
     const double flops = info_[UMFPACK_FLOPS_ESTIMATE];
+    const std::array<double, UMFPACK_INFO> of_degree = analysis_;
     std::unique_ptr<void, FreeSymbolic> by_degree = std::move(symbolic_);
     if (analyze_by(UMFPACK_ORDERING_METIS, A) != LuStatus::Ok || !(info_[UMFPACK_FLOPS_ESTIMATE] < flops))
-      symbolic_ = std::move(by_degree);
+      symbolic_ = std::move(by_degree), analysis_ = of_degree;
     return LuStatus::Ok;
+  }
+
+  /// Of pivots on the diagonal where the strategy is symmetric; the bounds for the other are far above what it comes
+  /// to.
+  KernelCost cost() const override {
+    constexpr double above = 10;
+    constexpr double bytes_of_entry = sizeof(double) + sizeof(int);
+    if (analysis_[UMFPACK_STRATEGY_USED] == UMFPACK_STRATEGY_SYMMETRIC && analysis_[UMFPACK_SYMMETRIC_FLOPS] > 0)
+      return {.flops = analysis_[UMFPACK_SYMMETRIC_FLOPS], .bytes = bytes_of_entry * analysis_[UMFPACK_SYMMETRIC_LUNZ]};
+    return {.flops = analysis_[UMFPACK_FLOPS_ESTIMATE] / above,
+            .bytes = analysis_[UMFPACK_NUMERIC_SIZE_ESTIMATE] * analysis_[UMFPACK_SIZE_OF_UNIT] / above};
   }
 
   LuStatus factor(const SpMat& A) override {
@@ -114,6 +126,7 @@ class Umfpack final : public LuLibrary {
     const int code = umfpack_di_symbolic(n, n, A.outerIndexPtr(), A.innerIndexPtr(), A.valuePtr(), &symbolic,
                                          control_.data(), info_.data());
     symbolic_.reset(symbolic);
+    analysis_ = info_;
     return status_of(code);
   }
 
@@ -135,6 +148,7 @@ class Umfpack final : public LuLibrary {
 
   std::array<double, UMFPACK_CONTROL> control_{};
   std::array<double, UMFPACK_INFO> info_{};
+  std::array<double, UMFPACK_INFO> analysis_{};  // as the analysis left it
   std::unique_ptr<void, FreeSymbolic> symbolic_;
   std::unique_ptr<void, FreeNumeric> numeric_;
 };

@@ -30,8 +30,8 @@ Result min_newton(const AffineMcp& problem, In start, const MinNewton& options, 
   check_input("min_newton", problem, start, limits);
   check_options(options);
   constexpr double rounding = 1e-13;
-  CellSolver cells(problem, options.lu, rounding);
-  NewtonSystem system(problem.M, options.lu);
+  CellSolver cells(problem, options.lu, rounding, limits.deadline);
+  NewtonSystem system(problem.M, options.lu, limits.deadline);
   const SafeStep safe_step{.armijo = options.armijo, .shortest = options.shortest};
   Best best(problem, start);
   long k = 0;
@@ -49,38 +49,41 @@ Result min_newton(const AffineMcp& problem, In start, const MinNewton& options, 
   reference.push(psi);
   double lowest = psi;
   long lowest_at = 0;
-  for (; !solves(problem, best.z(), limits.tol); ++k) {
-    if (const auto stop = limits.reached()) return end(*stop, "stopped between two steps");
-    if (k >= options.max_iterations) return end(Status::IterationLimit, "the limit of Newton steps is reached");
-    double t = 0;
-    const LuStatus status = cells.solve(places_of(problem, z));
-    if (status == LuStatus::OutOfMemory) return end(Status::OutOfMemory, "no memory for the factors of M_II");
-    if (status == LuStatus::Ok) {
-      const Vec d = cells.z() - z;
-      best.offer(cells.z());
-      t = backtrack(merit, z, d, reference.value(), options.armijo * 2 * psi, options.shortest);
-      if (t > 0) z = t == 1 ? cells.z() : Vec(z + t * d);
+  const auto iterate = [&] {
+    for (; !solves(problem, best.z(), limits.tol); ++k) {
+      if (const auto stop = limits.reached()) return end(*stop, "stopped between two steps");
+      if (k >= options.max_iterations) return end(Status::IterationLimit, "the limit of Newton steps is reached");
+      double t = 0;
+      const LuStatus status = cells.solve(places_of(problem, z));
+      if (status == LuStatus::OutOfMemory) return end(Status::OutOfMemory, "no memory for the factors of M_II");
+      if (status == LuStatus::Ok) {
+        const Vec d = cells.z() - z;
+        best.offer(cells.z());
+        t = backtrack(merit, z, d, reference.value(), options.armijo * 2 * psi, options.shortest);
+        if (t > 0) z = t == 1 ? cells.z() : Vec(z + t * d);
+      }
+      if (t == 0) {
+        const Equations at = fb_equations(problem, z);
+        if (!safe_step(problem, system, at, at.merit(), z))
+          return end(Status::Stalled,
+                     "a stationary point of the merit functions of min and Fischer-Burmeister that is "
+                     "no solution, or rounding");
+        reference.restart(merit(z));
+      }
+      best.offer(z);
+      psi = merit(z);
+      reference.push(psi);
+      if (!std::isfinite(psi)) return end(Status::Stalled, "the iterates overflow");
+      if (psi < 0.9 * lowest) {
+        lowest = psi;
+        lowest_at = k;
+      } else if (k - lowest_at >= 60) {
+        return end(Status::Stalled, "||H||^2 has not fallen by a tenth in 60 steps");
+      }
     }
-    if (t == 0) {
-      const Equations at = fb_equations(problem, z);
-      if (!safe_step(problem, system, at, at.merit(), z))
-        return end(Status::Stalled,
-                   "a stationary point of the merit functions of min and Fischer-Burmeister that is "
-                   "no solution, or rounding");
-      reference.restart(merit(z));
-    }
-    best.offer(z);
-    psi = merit(z);
-    reference.push(psi);
-    if (!std::isfinite(psi)) return end(Status::Stalled, "the iterates overflow");
-    if (psi < 0.9 * lowest) {
-      lowest = psi;
-      lowest_at = k;
-    } else if (k - lowest_at >= 60) {
-      return end(Status::Stalled, "||H||^2 has not fallen by a tenth in 60 steps");
-    }
-  }
-  return end(Status::Stalled, "");
+    return end(Status::Stalled, "");
+  };
+  return within_limits(iterate, end);
 }
 
 }  // namespace perp::lcp

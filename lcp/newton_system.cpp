@@ -92,7 +92,7 @@ Equations min_equations(const AffineMcp& problem, In z) {
   return at;
 }
 
-NewtonSystem::NewtonSystem(const SpMat& M, LuBackend lu) : lu_(lu), lm_(lu) {
+NewtonSystem::NewtonSystem(const SpMat& M, LuBackend lu, Deadline deadline) : lu_(lu, deadline), lm_(lu, deadline) {
   std::vector<Eigen::Triplet<double>> entries;
   entries.reserve(static_cast<std::size_t>(M.nonZeros() + M.cols()));
   for (Index j = 0; j < M.cols(); ++j) {
@@ -116,7 +116,7 @@ void NewtonSystem::fill(const Equations& at) {
 bool NewtonSystem::newton(const Equations& at, Vec& d) {
   fill(at);
   ++factorizations_;
-  if (lu_.factor(H_) != LuStatus::Ok) return false;
+  if (!lu_.try_factor(H_)) return false;
   d.resize(at.Phi.size());
   lu_.solve_refined(-at.Phi, d, 1);
   return d.allFinite();

@@ -1,6 +1,7 @@
 /// Where paths begin: the cells and the basis of the start.
 #include <algorithm>
 #include <cmath>
+#include <new>
 
 #include "lcp/normal_path.hpp"
 
@@ -21,6 +22,11 @@ SpMat with_residual_column(const SpMat& M) {
   return A;
 }
 
+BasisOptions within(BasisOptions options, Deadline deadline) {
+  options.deadline = std::min(options.deadline, deadline);
+  return options;
+}
+
 std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
 }  // namespace
@@ -37,7 +43,7 @@ NormalPath::NormalPath(const AffineMcp& problem, In start, const LemkeOptions& o
       high_(n_),
       cells_(at(n_)),
       A_(with_residual_column(problem_.M)),
-      factor_(A_, options.basis),
+      factor_(A_, within(options.basis, options.deadline)),
       waiting_(at(n_), none),
       d_(n_) {}
 
@@ -141,7 +147,9 @@ void NormalPath::set_residual_column() {
 LuStatus NormalPath::factor_basis() {
   std::vector<Index> columns(head_.size());
   std::transform(head_.begin(), head_.end(), columns.begin(), [this](Index i) { return column(i); });
-  return factor_.factor(columns);
+  const LuStatus status = factor_.factor(columns);
+  if (status == LuStatus::OutOfMemory) throw std::bad_alloc();  // no other basis needs less
+  return status;
 }
 
 /// The basis of all x_i in their present cells, t nonbasic; artificials in the places of dependent columns.

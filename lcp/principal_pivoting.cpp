@@ -32,8 +32,11 @@ void check_options(const PrincipalPivoting& options) {
 /// basic w_k and M_.k of basic z_k, whose unknowns are therefore w_k and -z_k.
 class Tableau {
  public:
-  Tableau(const StandardForm& form, LuBackend lu)
-      : form_(form), factor_(form.M, {.lu = lu}), z_basic_(at(form.size())), position_(at(form.size())) {}
+  Tableau(const StandardForm& form, LuBackend lu, Deadline deadline)
+      : form_(form),
+        factor_(form.M, {.lu = lu, .deadline = deadline}),
+        z_basic_(at(form.size())),
+        position_(at(form.size())) {}
 
   /// Basic z_k where `inside`, the nonbasic variables at zero. Singular also where that is only hidden by rounding.
   LuStatus start(const std::vector<char>& inside) {
@@ -166,7 +169,7 @@ class Run {
         scaling_(equilibrate(problem)),
         scaled_(scaling_.apply(problem)),
         form_(scaled_, split_free),
-        tableau_(form_, options.lu),
+        tableau_(form_, options.lu, limits.deadline),
         best_(problem, start) {}
 
   /// False if the block of the free variables is singular.
@@ -359,11 +362,14 @@ class Run {
 Result principal_pivoting(const AffineMcp& problem, In start, const PrincipalPivoting& options, const Limits& limits) {
   check_input("principal_pivoting", problem, start, limits);
   check_options(options);
-  Run run(problem, start, options, limits, false);
-  if (run.enter(start)) return run.run();
-  Run split(problem, start, options, limits, true);
-  split.enter(start);  // the basis of unit columns at the latest
-  return split.run();
+  const auto solve = [&] {
+    Run run(problem, start, options, limits, false);
+    if (run.enter(start)) return run.run();
+    Run split(problem, start, options, limits, true);
+    split.enter(start);  // the basis of unit columns at the latest
+    return split.run();
+  };
+  return within_limits(solve, at_start("principal_pivoting", problem, start, limits));
 }
 
 }  // namespace perp::lcp

@@ -3,12 +3,15 @@
 /// Solved: methods build their Result by judged().
 #include <chrono>
 #include <functional>
+#include <new>
 #include <optional>
 #include <string>
 #include <string_view>
 
 #include "lcp/affine_mcp.hpp"
 #include "lcp/infeasible.hpp"
+#include "lcp/kernel_clock.hpp"
+#include "lcp/memory.hpp"
 
 namespace perp::lcp {
 
@@ -57,6 +60,27 @@ bool accepts(const AffineMcp& problem, In z, double tol);
 /// A result for z, projected on the box: Solved if limits.tol says so, SolvedToRounding if doubles
 /// end there and `otherwise` is no proof, else `otherwise` with `message`.
 Result judged(const AffineMcp& problem, In z, const Limits& limits, Status otherwise, std::string message);
+
+/// Runs solve(); where a factorization would end after the deadline, or memory is short, end(status, why) instead.
+template <class Solve, class End>
+Result within_limits(Solve solve, End end) {
+  try {
+    return solve();
+  } catch (const KernelTooLong& error) {
+    return end(Status::TimeLimit, error.what());
+  } catch (const NotEnoughMemory& error) {
+    return end(Status::OutOfMemory, error.what());
+  } catch (const std::bad_alloc&) {
+    return end(Status::OutOfMemory, "out of memory");
+  }
+}
+
+/// An `end` for methods that have nothing better than the start then.
+inline auto at_start(const char* method, const AffineMcp& problem, In start, const Limits& limits) {
+  return [method, &problem, start, &limits](Status status, const std::string& why) {
+    return judged(problem, start, limits, status, std::string(method) + ": " + why);
+  };
+}
 
 /// Throws std::invalid_argument with `method`'s name if the problem is malformed, the start has another length or is
 /// not finite, or the tolerance is not a positive number.

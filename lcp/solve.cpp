@@ -45,8 +45,9 @@ std::string_view name(const Method& method) {
   return entry == methods().end() ? "?" : entry->name;
 }
 
-Result lemke_method(const AffineMcp& problem, In start, const Lemke& method, const Limits& limits) {
-  check_input("lemke", problem, start, limits);
+namespace {
+
+Result by_lemke(const AffineMcp& problem, In start, const Lemke& method, const Limits& limits) {
   LemkeOptions options = method.options;
   options.residual_tol = limits.tol;
   options.deadline = std::min(options.deadline, limits.deadline);
@@ -80,6 +81,14 @@ Result lemke_method(const AffineMcp& problem, In start, const Lemke& method, con
   result.iterations = path.pivots;
   result.factorizations = path.refactorizations;
   return result;
+}
+
+}  // namespace
+
+Result lemke_method(const AffineMcp& problem, In start, const Lemke& method, const Limits& limits) {
+  check_input("lemke", problem, start, limits);
+  return within_limits([&] { return by_lemke(problem, start, method, limits); },
+                       at_start("lemke", problem, start, limits));
 }
 
 namespace {
@@ -126,9 +135,12 @@ void refine(const AffineMcp& problem, const Limits& limits, Result& result) {
 }  // namespace
 
 Result solve(const AffineMcp& problem, In start, const Method& method, const Limits& limits) {
-  Result result = std::visit([&](const auto& m) { return run(problem, start, m, limits); }, method);
-  refine(problem, limits, result);
-  return result;
+  const auto method_and_refinement = [&] {
+    Result result = std::visit([&](const auto& m) { return run(problem, start, m, limits); }, method);
+    refine(problem, limits, result);
+    return result;
+  };
+  return within_limits(method_and_refinement, at_start(name(method).data(), problem, start, limits));
 }
 
 }  // namespace perp::lcp

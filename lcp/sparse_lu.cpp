@@ -8,6 +8,7 @@
 
 #include "lcp/condition.hpp"
 #include "lcp/lu_backend.hpp"
+#include "lcp/memory.hpp"
 
 namespace perp::lcp {
 namespace {
@@ -81,12 +82,16 @@ struct SparseLu::Impl {
   bool analyzed = false;
   int analyses = 0;
   LuStatus status = LuStatus::Singular;
+  std::shared_ptr<const NotEnoughMemory> short_of{};  // of the last OutOfMemory, if that was an estimate
+  KernelClock clock;
 
   LuStatus factor(const SpMat& matrix);
   void solve(In b, Out x, bool transposed) const;
 };
 
-SparseLu::SparseLu(LuBackend backend) : impl_(std::make_unique<Impl>(backend)) {}
+SparseLu::SparseLu(LuBackend backend, Deadline deadline) : impl_(std::make_unique<Impl>(backend)) {
+  impl_->clock = KernelClock(deadline);
+}
 SparseLu::~SparseLu() = default;
 SparseLu::SparseLu(SparseLu&&) noexcept = default;
 SparseLu& SparseLu::operator=(SparseLu&&) noexcept = default;
@@ -102,14 +107,28 @@ LuStatus SparseLu::factor(const SpMat& A) {
     throw std::invalid_argument(what.str());
   }
   Impl& s = *impl_;
+  s.status = LuStatus::Singular;
+  s.short_of.reset();
   try {
     s.status = s.factor(A);
+  } catch (const NotEnoughMemory& error) {
+    s.status = LuStatus::OutOfMemory;
+    s.short_of = std::make_shared<const NotEnoughMemory>(error);
   } catch (const std::bad_alloc&) {
     s.analyzed = false;
     s.status = LuStatus::OutOfMemory;
   }
   return s.status;
 }
+
+bool SparseLu::try_factor(const SpMat& A) {
+  const LuStatus status = factor(A);
+  if (status != LuStatus::OutOfMemory) return status == LuStatus::Ok;
+  if (impl_->short_of) throw NotEnoughMemory(*impl_->short_of);
+  throw std::bad_alloc();
+}
+
+double SparseLu::longest_call() const { return impl_->clock.longest(); }
 
 LuStatus SparseLu::Impl::factor(const SpMat& matrix) {
   if (!matrix.isCompressed()) {
@@ -135,7 +154,11 @@ LuStatus SparseLu::Impl::factor(const SpMat& matrix) {
     analyzed = answer == LuStatus::Ok;
     if (!analyzed) return answer;
   }
-  return library->factor(A);
+  const KernelCost cost = library->cost();
+  clock.before(A.rows(), cost);
+  const LuStatus answer = library->factor(A);
+  clock.after(cost);
+  return answer;
 }
 
 void SparseLu::Impl::solve(In b, Out x, bool transposed) const {

@@ -5,7 +5,7 @@
 #include <memory>
 #include <string_view>
 
-#include "lcp/types.hpp"
+#include "lcp/kernel_clock.hpp"
 
 namespace perp::lcp {
 
@@ -29,13 +29,20 @@ std::string_view to_string(LuStatus);
 
 class SparseLu {
  public:
-  explicit SparseLu(LuBackend = LuBackend::Umfpack);
+  /// No factorization is begun that would not have ended at the deadline (kernel_clock.hpp).
+  explicit SparseLu(LuBackend = LuBackend::Umfpack, Deadline = no_deadline);
   ~SparseLu();
   SparseLu(SparseLu&&) noexcept;
   SparseLu& operator=(SparseLu&&) noexcept;
 
   /// Factors A (square; throws std::invalid_argument if it is not). A is copied: it may change or die afterwards.
+  /// OutOfMemory also where the estimate says that the factors do not fit. Throws KernelTooLong where the
+  /// factorization would end after the deadline.
   [[nodiscard]] LuStatus factor(const SpMat& A);
+  /// factor(): true if Ok, false if there are no factors of this matrix. Throws std::bad_alloc if OutOfMemory.
+  [[nodiscard]] bool try_factor(const SpMat& A);
+  /// The longest factorization so far [s].
+  double longest_call() const;
 
   // Solves with the last factor(); pre: that was Ok, else std::logic_error. b and x have n rows, may not overlap.
   void solve(In b, Out x) const;             ///< A  x = b

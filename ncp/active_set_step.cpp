@@ -39,8 +39,8 @@ bool active_set_step(Run& run, const Point& point, const std::vector<BoundState>
     Vec rhs(m);
     for (Index k = 0; k < m; ++k) rhs[k] = -moved[I[static_cast<std::size_t>(k)]];
     ++run.stats().factorizations;
-    lcp::SparseLu lu(backend);
-    if (lu.factor(lcp::principal_block(point.J, I)) != lcp::LuStatus::Ok) return false;
+    lcp::SparseLu lu(backend, run.deadline());
+    if (!lu.try_factor(lcp::principal_block(point.J, I))) return false;
     Vec free(m);
     lu.solve(rhs, free);
     if (!free.allFinite()) return false;

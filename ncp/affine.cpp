@@ -31,6 +31,7 @@ Status status_of(lcp::Status status) {
     case lcp::Status::Interrupted:
       return Status::Interrupted;
     case lcp::Status::OutOfMemory:
+      return Status::OutOfMemory;
     case lcp::Status::Singular:
       return Status::LinearAlgebraFailed;
     case lcp::Status::Ray:
@@ -38,6 +39,20 @@ Status status_of(lcp::Status status) {
       return Status::NoProgress;
   }
   return Status::NoProgress;
+}
+
+const char* advice(lcp::Status status, bool automatic) {
+  switch (status) {
+    case lcp::Status::Infeasible:
+      return "look for a mistake in the model";
+    case lcp::Status::TimeLimit:
+      return "raise the time limit";
+    case lcp::Status::OutOfMemory:
+      return "a smaller problem, more memory, or --method psor";
+    default:
+      return automatic ? "the problem may have no solution; a nonlinear method (semismooth) may still find one"
+                       : "try --method auto";
+  }
 }
 
 }  // namespace
@@ -90,11 +105,7 @@ Result run_affine(const Mcp& mcp, In x0, const Affine& method, const Observer& o
     it = {.k = 1, .kind = 'A'};
     if (!run.evaluate(point) || run.go_on(point, it))
       run.end(found.accepted() ? Status::NoProgress : status_of(found.status), found.message,
-              found.status == lcp::Status::Infeasible ? "look for a mistake in the model"
-              : std::holds_alternative<lcp::Auto>(method.method)
-                  ? "the problem may have no solution; a nonlinear method "
-                    "(semismooth) may still find one"
-                  : "try --method auto");
+              advice(found.status, std::holds_alternative<lcp::Auto>(method.method)));
   }
   Result result = run.result();
   result.stats.iterations = static_cast<int>(std::min<long>(found.iterations, std::numeric_limits<int>::max()));

@@ -53,7 +53,7 @@ bool direction(Run& run, const Point& point, const Places& in, lcp::SparseLu& lu
   Vec step(rhs.size());
   for (int tries = 0; tries <= prox_tries; ++tries) {
     ++run.stats().factorizations;
-    if (lu.factor(block(point.J, I, lambda)) == lcp::LuStatus::Ok) {
+    if (lu.try_factor(block(point.J, I, lambda))) {
       lu.solve(rhs, step);
       if (step.allFinite()) {
         d.setZero(point.x.size());
@@ -110,7 +110,7 @@ bool crash(Run& run, const Crash& options, Point& point, Iteration& it) {
   if (!options.on || run.box().size() < options.minimum_dimension) return true;
   const CFunction fb = fischer_burmeister();
   const Armijo rule{.max_backtracks = static_cast<int>(std::ceil(-std::log2(options.least_step)))};
-  lcp::SparseLu lu(lcp::LuBackend::Auto);
+  lcp::SparseLu lu(lcp::LuBackend::Auto, run.deadline());
   Places before;
   bool sweeping = false;  // then full steps may raise the merit for a while: the set they overshoot to is a better one
   bool sweeps_pay = true;

@@ -40,12 +40,10 @@ class Search {
     const Stop limits = left(deflation_.max_iterations, stop_.tol);
     const Observer shown = counting_on();
     Run run(mcp_, limits, shown);
-    Point point;
-    if (run.start(start(how), point)) {
+    Result result = run.concluded(start(how), [&](Point point) {
       run.resume("deflation " + std::to_string(out_.attempts) + ": " + describe(how));
       deflated_newton(run, how, roots_, std::move(point));
-    }
-    Result result = run.result();
+    });
     out_.stats += result.stats;
     status_ = result.status;
     if (result.residual.natural > worth_polishing) return false;

@@ -92,7 +92,7 @@ class InteriorPath {
 };
 
 InteriorPath::InteriorPath(Run& run, const InteriorPoint& method, Point point)
-    : run_(run), method_(method), lu_(method.lu) {
+    : run_(run), method_(method), lu_(method.lu, run.deadline()) {
   const Index n = point.x.size();
   for (Index i = 0; i < n; ++i) {
     const bool held = fixed(i);
@@ -199,7 +199,7 @@ bool InteriorPath::factor() {
       }
     }
     ++run_.stats().factorizations;
-    if (lu_.factor(K_) == lcp::LuStatus::Ok) {
+    if (lu_.try_factor(K_)) {
       if (proximal > first_proximal) it_.prox = proximal * std::max(1.0, size);
       return true;
     }
@@ -391,9 +391,9 @@ std::optional<std::string> invalid(const InteriorPoint& m) {
 
 Result run_interior_point(const Mcp& mcp, In x0, const InteriorPoint& method, const Observer& observer) {
   Run run(mcp, method.stop, observer);
-  Point point;
-  if (run.start(x0, point) && !run.ended()) InteriorPath(run, method, std::move(point)).run();
-  return run.result();
+  return run.concluded(x0, [&](Point point) {
+    if (!run.ended()) InteriorPath(run, method, std::move(point)).run();
+  });
 }
 
 }  // namespace perp::ncp

@@ -27,7 +27,7 @@ constexpr int patience = 10;
 /// The Newton step by blocks: d_A = -Phi_A, J_II d_I = -F_I - J_IA d_A.
 class NewtonSteps {
  public:
-  NewtonSteps(Run& run, lcp::LuBackend lu) : run_(run), lu_(lu) {}
+  NewtonSteps(Run& run, lcp::LuBackend lu) : run_(run), lu_(lu, run.deadline()) {}
 
   /// False where J_II is singular.
   bool solve(const Linearisation& lin, const SpMat& J, Vec& d) {
@@ -57,7 +57,7 @@ class NewtonSteps {
     SpMat block(inside, inside);
     block.setFromTriplets(entries.begin(), entries.end());
     ++run_.stats().factorizations;
-    if (lu_.factor(block) != lcp::LuStatus::Ok) return false;
+    if (!lu_.try_factor(block)) return false;
     Vec inner(inside);
     lu_.solve_refined(rhs, inner);
     for (Index i = 0; i < n; ++i)
@@ -176,9 +176,7 @@ void min_newton(Run& run, const MinNewton& method, Point point) {
 
 Result run_min_newton(const Mcp& mcp, In x0, const MinNewton& method, const Observer& observer) {
   Run run(mcp, method.stop, observer);
-  Point point;
-  if (run.start(x0, point)) min_newton(run, method, std::move(point));
-  return run.result();
+  return run.concluded(x0, [&](Point point) { min_newton(run, method, std::move(point)); });
 }
 
 }  // namespace perp::ncp

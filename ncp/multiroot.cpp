@@ -216,7 +216,7 @@ void multiroot(Run& run, const Multiroot& method, Point point) {
   const Index n = point.x.size();
   Iteration it{.k = 0, .kind = 'I'};
   if (!run.go_on(point, it) || n == 0) return;  // GSL's handler would end the process at n = 0
-  if (!memory_for(n)) return run.end(Status::LinearAlgebraFailed, "out of memory for dense matrices", "--method path");
+  if (!memory_for(n)) return run.end(Status::OutOfMemory, "out of memory for dense matrices", "--method path");
   const std::unique_ptr<gsl_multiroot_fdfsolver, Free> solver(
       gsl_multiroot_fdfsolver_alloc(type_of(method.solver), static_cast<std::size_t>(n)));
   System system(run, method.solver, n);
@@ -250,15 +250,14 @@ std::optional<std::string> invalid(const Multiroot& m) {
 
 Result run_multiroot(const Mcp& mcp, In x0, const Multiroot& method, const Observer& observer) {
   Run run(mcp, method.stop, observer);
-  Point point;
-  if (!run.start(x0, point)) return run.result();
-  if (!run.ended() && mcp.size() > method.max_size)
-    run.end(Status::NotApplicable,
-            "GSL's solvers are dense: " + std::to_string(mcp.size()) + " variables are more than the limit of " +
-                std::to_string(method.max_size) + " (max_size)",
-            "--method path");
-  multiroot(run, method, std::move(point));
-  return run.result();
+  return run.concluded(x0, [&](Point point) {
+    if (!run.ended() && mcp.size() > method.max_size)
+      run.end(Status::NotApplicable,
+              "GSL's solvers are dense: " + std::to_string(mcp.size()) + " variables are more than the limit of " +
+                  std::to_string(method.max_size) + " (max_size)",
+              "--method path");
+    multiroot(run, method, std::move(point));
+  });
 }
 
 }  // namespace perp::ncp

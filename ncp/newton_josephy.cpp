@@ -194,9 +194,7 @@ void newton_josephy(Run& run, const NewtonJosephy& method, Point point) {
 
 Result run_newton_josephy(const Mcp& mcp, In x0, const NewtonJosephy& method, const Observer& observer) {
   Run run(mcp, method.stop, observer);
-  Point point;
-  if (run.start(x0, point)) newton_josephy(run, method, std::move(point));
-  return run.result();
+  return run.concluded(x0, [&](Point point) { newton_josephy(run, method, std::move(point)); });
 }
 
 std::optional<std::string> invalid(const NewtonJosephy& m) {

@@ -36,10 +36,8 @@ Result run_once(const Mcp& mcp, In x0, const Method& method, const Observer& obs
   if (const auto* smoothing = std::get_if<Smoothing>(&method)) return run_smoothing(mcp, x0, *smoothing, observer);
   const auto& path = std::get<PathSearch>(method);
   Run run(mcp, path.stop, observer);
-  Point point;
   std::vector<lcp::Cell> basis;
-  if (run.start(x0, point)) path_search(run, path, std::move(point), basis);
-  Result result = run.result();
+  Result result = run.concluded(x0, [&](Point point) { path_search(run, path, std::move(point), basis); });
   result.basis = std::move(basis);
   return result;
 }
@@ -231,7 +229,7 @@ Result run_attempts(const Mcp& mcp, In x0, const PathSearch& method, const Obser
     if (!begin(run, attempt.from, user, point) || !attempt.worthwhile(run)) continue;
     if (tried > 0) run.resume(attempt.what);
     last = attempt.what;
-    attempt.go(run, std::move(point));
+    run.guard([&] { attempt.go(run, std::move(point)); });
     ++tried;
     if (!run.ended() || !stuck(run.status())) break;
     if (!first) first = run.verdict();

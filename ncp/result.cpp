@@ -24,6 +24,8 @@ std::string_view to_string(Status status) {
       return "EvaluationFailed";
     case Status::LinearAlgebraFailed:
       return "LinearAlgebraFailed";
+    case Status::OutOfMemory:
+      return "OutOfMemory";
     case Status::Infeasible:
       return "Infeasible";
     case Status::NotApplicable:

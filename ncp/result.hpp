@@ -22,7 +22,8 @@ enum class Status {
   TimeLimit,
   Interrupted,          ///< an observer asked to stop
   EvaluationFailed,     ///< F or J is not defined at the start, or at every point tried
-  LinearAlgebraFailed,  ///< out of memory, or no direction could be computed
+  LinearAlgebraFailed,  ///< no direction could be computed
+  OutOfMemory,          ///< something did not fit; the message says how much it takes, where that is known
   Infeasible,           ///< proven to have no solution; the message says how
   NotApplicable,        ///< the problem is outside what the method is defined for
   Unbounded,            ///< the iterates ran off to infinity

@@ -97,14 +97,35 @@ void Run::end(Status status, std::string message, std::string advice) {
   advice_ = std::move(advice);
 }
 
+void Run::guard(const std::function<void()>& part) {
+  // Not end(): to settle what is open takes factorizations too.
+  const auto out_of = [this](Status status, const std::string& why, const char* advice) {
+    if (status_) return;
+    message_ = why;
+    advice_ = advice;
+    status_ = status;
+  };
+  constexpr const char* smaller = "a smaller problem, more memory, or a method that factors less (--option krylov=yes)";
+  try {
+    part();
+  } catch (const lcp::KernelTooLong& error) {
+    out_of(Status::TimeLimit, std::string("stopped before the time limit: ") + error.what(),
+           "raise the time limit, or go on from the point returned");
+  } catch (const lcp::NotEnoughMemory& error) {
+    out_of(Status::OutOfMemory, error.what(), smaller);
+  } catch (const std::bad_alloc&) {
+    out_of(Status::OutOfMemory, "there is no more memory", smaller);
+  }
+}
+
 bool Run::settled() {
   if (best_.x.size() == 0) return false;
   judge_.refine(best_);
   if (solved(best_)) return true;
   if (!judge_.to_rounding(best_)) return false;
-  status_ = Status::SolvedToRounding;
   message_ = "the tolerance is not met, but the residual of every equation is within the rounding of its terms";
   advice_ = "scale the model, or ask for no more digits than its numbers have (--tol)";
+  status_ = Status::SolvedToRounding;
   return true;
 }
 
@@ -152,8 +173,8 @@ Judged Run::judged(const Point& point) {
 
 bool Run::solved(Judged& judged) {
   if (!judge_.solved(judged)) return false;
-  status_ = Status::Solved;
   message_ = solution_found(judged.residual);
+  status_ = Status::Solved;
   return true;
 }
 
@@ -218,15 +239,15 @@ void Run::take(const Result& other) {
   Judged theirs{.x = other.x, .F = other.F, .residual = other.residual};
   const bool done = other.solved() && solved(theirs);
   const bool rounded = other.status == Status::SolvedToRounding && judge_.to_rounding(theirs);
-  if (done || rounded || theirs.residual.natural < best_.residual.natural) best_ = theirs;
+  if (done || rounded || theirs.residual.natural < best_.residual.natural) best_ = std::move(theirs);
   if (done) return;
   if (other.solved()) {
     end(Status::NoProgress, "an attempt's solution was not confirmed: F has other values there now",
         "F must be a function of x alone");
     return;
   }
-  if ((other.status == Status::IterationLimit && at_limit()) || other.status == Status::Interrupted ||
-      other.status == Status::TimeLimit)
+  const bool late = other.status == Status::TimeLimit && std::chrono::steady_clock::now() >= deadline_;
+  if ((other.status == Status::IterationLimit && at_limit()) || other.status == Status::Interrupted || late)
     end_at(other.status);
   else  // limits of its own are no reason to stop
     end(other.status == Status::IterationLimit ? Status::NoProgress : other.status,
@@ -248,7 +269,7 @@ bool Run::go_on(const Point& point, Iteration it) {
   // A run that ended unsolved tells of where it ended, rather than of an earlier point that is as good.
   const bool last = status_ && now.residual.natural <= best_.residual.natural;
   const bool solution = !status_ && solved(now);
-  if (solution || (!accepted && (last || now.residual.natural < best_.residual.natural))) best_ = now;
+  if (solution || (!accepted && (last || now.residual.natural < best_.residual.natural))) best_ = std::move(now);
   const bool done = status_.has_value();
   stats_.iterations = it.k;
   stats_.pivots += it.pivots;

@@ -1,6 +1,7 @@
 #pragma once
 /// What every method's loop shares: counted and guarded evaluation, limits, observers, the best point, the verdict.
 /// Private to ncp/.
+#include <functional>
 #include <optional>
 #include <string>
 #include <utility>
@@ -78,6 +79,9 @@ class Run {
   /// Ends the run. Solved cannot be said: the judge says it, and where nothing is proven it looks at the best point
   /// once more: SolvedToRounding.
   void end(Status status, std::string message, std::string advice);
+  /// Runs a part of a method, which may throw: where a factorization would end after the deadline, or memory is short,
+  /// the run ends with that and keeps its best point.
+  void guard(const std::function<void()>& part);
   bool ended() const { return status_.has_value(); }
   Status status() const { return *status_; }  ///< Pre: ended()
   struct Verdict {
@@ -103,6 +107,15 @@ class Run {
   double best_residual() const { return best_.residual.natural; }
   /// The verdict with the best point.
   Result result();
+  /// A method: its loop(Point) from x0, guarded, and the result.
+  template <class Loop>
+  Result concluded(In x0, Loop loop) {
+    guard([&] {
+      Point point;
+      if (start(x0, point)) loop(std::move(point));
+    });
+    return result();
+  }
 
   const std::string equation(Index i) const { return mcp().equation_name(i); }
 

@@ -261,9 +261,7 @@ void semismooth_newton(Run& run, const SemismoothNewton& method, Point point) {
 
 Result run_semismooth_newton(const Mcp& mcp, In x0, const SemismoothNewton& method, const Observer& observer) {
   Run run(mcp, method.stop, observer);
-  Point point;
-  if (run.start(x0, point)) semismooth_newton(run, method, std::move(point));
-  return run.result();
+  return run.concluded(x0, [&](Point point) { semismooth_newton(run, method, std::move(point)); });
 }
 
 std::optional<std::string> invalid(const SemismoothNewton& m) {

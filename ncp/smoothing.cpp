@@ -32,7 +32,11 @@ constexpr double predicted_share = 0.5;
 class Smoother {
  public:
   Smoother(Run& run, const Smoothing& method, Point point)
-      : run_(run), method_(method), point_(std::move(point)), lu_(method.lu), memory_(method.search.memory) {}
+      : run_(run),
+        method_(method),
+        point_(std::move(point)),
+        lu_(method.lu, run.deadline()),
+        memory_(method.search.memory) {}
   void run();
 
  private:
@@ -110,7 +114,7 @@ bool Smoother::newton(const Vec& rhs, Vec& d) const {
 
 bool Smoother::levenberg_marquardt(double nu, Vec& d) {
   ++run_.stats().factorizations;
-  lcp::SparseLu lu(method_.lu);
+  lcp::SparseLu lu(method_.lu, run_.deadline());
   return lcp::damped_least_squares(lu, H_, -at_.Phi, nu, d);
 }
 
@@ -154,7 +158,7 @@ bool Smoother::step() {
   const auto n = static_cast<double>(point_.x.size());
   Vec d(point_.x.size());
   ++run_.stats().factorizations;
-  if (lu_.factor(H_) == lcp::LuStatus::Ok) {
+  if (lu_.try_factor(H_)) {
     if (method_.schedule == SmoothingSchedule::PredictorCorrector && predict()) return true;
     if (newton(-at_.Phi, d) && search(d, 'N')) return true;
   }
@@ -281,9 +285,7 @@ std::optional<std::string> invalid(const Smoothing& m) {
 
 Result run_smoothing(const Mcp& mcp, In x0, const Smoothing& method, const Observer& observer) {
   Run run(mcp, method.stop, observer);
-  Point point;
-  if (run.start(x0, point)) Smoother(run, method, std::move(point)).run();
-  return run.result();
+  return run.concluded(x0, [&](Point point) { Smoother(run, method, std::move(point)).run(); });
 }
 
 }  // namespace perp::ncp

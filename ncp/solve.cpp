@@ -1,6 +1,8 @@
 #include "ncp/solve.hpp"
 
 #include <cmath>
+#include <limits>
+#include <new>
 #include <stdexcept>
 
 #include "ncp/methods.hpp"
@@ -87,6 +89,22 @@ void blame_derivatives(const Mcp& mcp, Result& result) {
 
 }  // namespace
 
+namespace {
+
+/// What needs memory between the runs, too. The point is lost then: the runs keep theirs (Run::guard).
+Result guarded(const Mcp& mcp, In x0, const Method& method, const Observer& observer) {
+  Run run(mcp, stop(method), observer);
+  Result result;
+  run.guard([&] { result = run_with_escapes(mcp, x0, method, observer); });
+  if (!run.ended()) return result;
+  result = run.result();
+  result.x = lcp::project(mcp.box(), x0);
+  result.F = Vec::Constant(x0.size(), std::numeric_limits<double>::quiet_NaN());
+  return result;
+}
+
+}  // namespace
+
 Result run_with_escapes(const Mcp& mcp, In x0, const Method& method, const Observer& observer) {
   Result result = run(mcp, x0, method, observer);
   const Escape escape = escape_of(method);
@@ -135,6 +153,17 @@ std::optional<std::string> invalid(const Method& method) {
       Overloaded{[](const Affine& m) { return invalid(m.stop); }, [](const auto& m) { return invalid(m); }}, method);
 }
 
+namespace {
+
+void comment(const Mcp& mcp, const Method& method, Result& result) {
+  annotate(mcp, stop(method), result);
+  if (std::holds_alternative<Affine>(method)) return;
+  if (stuck(result) || result.status == Status::IterationLimit || result.status == Status::LinearAlgebraFailed)
+    blame_derivatives(mcp, result);
+}
+
+}  // namespace
+
 Result solve(const Mcp& mcp, In x0, const Method& method, const Observer& observer) {
   if (const auto why = invalid(method)) throw std::invalid_argument(std::string(name(method)) + ": " + *why);
   check_input(mcp, x0);
@@ -143,11 +172,11 @@ Result solve(const Mcp& mcp, In x0, const Method& method, const Observer& observ
     if (const JacobianCheck check = check_jacobian(mcp, lcp::project(mcp.box(), x0)); check.defined)
       if (const std::string mismatch = describe(mcp, check); !mismatch.empty())
         throw std::invalid_argument(mcp.name() + ": " + mismatch);
-  Result result = run_with_escapes(mcp, x0, method, observer);
-  annotate(mcp, stop(method), result);
-  if (std::holds_alternative<Affine>(method)) return result;
-  if (stuck(result) || result.status == Status::IterationLimit || result.status == Status::LinearAlgebraFailed)
-    blame_derivatives(mcp, result);
+  Result result = guarded(mcp, x0, method, observer);
+  try {
+    if (result.status != Status::OutOfMemory) comment(mcp, method, result);
+  } catch (const std::bad_alloc&) {  // the result stands without a comment
+  }
   return result;
 }
 

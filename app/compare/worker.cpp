@@ -67,8 +67,7 @@ Answer solve(const Task& task, Clock::time_point begin, const std::atomic<bool>*
   answer.not_applicable = result.status == ncp::Status::NotApplicable;
   answer.time_limit = result.status == ncp::Status::TimeLimit;
   answer.message = result.message;
-  answer.out_of_memory =
-      result.status == ncp::Status::LinearAlgebraFailed && result.message.find("out of memory") != std::string::npos;
+  answer.out_of_memory = result.status == ncp::Status::OutOfMemory;
   const ncp::Stats& stats = result.stats;
   answer.iterations = stats.iterations;
   answer.F_evals = stats.F_evals;
