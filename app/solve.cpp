@@ -6,6 +6,7 @@
 #include <array>
 #include <ostream>
 
+#include "app/files.hpp"
 #include "app/json.hpp"
 #include "app/plot.hpp"
 #include "app/report.hpp"
@@ -25,7 +26,7 @@ std::vector<Assignment> assignments(const SolveRequest& request) {
   return all;
 }
 
-/// Flags that contradict each other, and files that could not be written after a long run.
+/// Flags that contradict each other.
 void check_request(const SolveRequest& request) {
   if (!request.warm_start.empty() && (!request.start_at.empty() || request.start))
     throw InputError(
@@ -35,7 +36,25 @@ void check_request(const SolveRequest& request) {
                                  *request.plot_iteration));
   if (request.plot_iteration && *request.plot_iteration < 1)
     throw InputError(fmt::format("--plot-iteration {}: iterations are counted from 1", *request.plot_iteration));
-  if (!request.plot.empty()) check_writable(request.plot);
+}
+
+ProblemSource source_of(const SolveRequest& request) {
+  return {.problem = request.problem,
+          .q = request.q,
+          .lower = request.lower,
+          .upper = request.upper,
+          .start_at = request.start_at,
+          .start = request.start};
+}
+
+/// Can what is asked for be written, and does it leave the input alone? A refusal is not written as JSON then.
+bool files_fit(const SolveRequest& request, Streams streams) {
+  std::vector<FileUse> inputs = files_of(source_of(request));
+  inputs.push_back({"--options-file", request.options_file});
+  inputs.push_back({"--warm-start", request.warm_start});
+  const std::vector<FileUse> outputs{
+      {"--json", request.json}, {"--plot", request.plot}, {"--solution", request.solution}};
+  return outputs_fit(outputs, inputs, streams);
 }
 
 /// Writes the picture. Throws InputError.
@@ -106,16 +125,12 @@ LogLevel log_level(std::string_view name) {
 }
 
 ExitCode solve(const SolveRequest& request, Streams streams, const std::atomic<bool>* interrupt) {
+  if (!files_fit(request, streams)) return exit_input;
   ExitCode code = exit_solved;
   const std::string why = refusal(request.problem, [&] {
     Applied options = apply_options(assignments(request));
     check_request(request);
-    LoadedProblem problem = load_problem({.problem = request.problem,
-                                          .q = request.q,
-                                          .lower = request.lower,
-                                          .upper = request.upper,
-                                          .start_at = request.start_at,
-                                          .start = request.start});
+    LoadedProblem problem = load_problem(source_of(request));
     options.settings.solutions = request.all;
     note_limits_of_size(problem.mcp->size(), options);
     if (!request.warm_start.empty())
