@@ -108,7 +108,7 @@ void write_answer(const std::string& folder, const Answer& answer) {
                   {"known_solutions", problem.known_solutions},
                   {"no_solution", problem.no_solution},
                   {"crc", problem.crc}};
-  write_file(folder + "/result.json", json_text(json), lcp::Sync::No);
+  app::write_file(folder + "/result.json", json_text(json), lcp::Sync::No);
 }
 
 Answer read_answer(const std::string& folder) {
@@ -154,9 +154,10 @@ Answer read_answer(const std::string& folder) {
 }
 
 void write_point(const std::string& folder, ncp::In x) {
-  write_file(folder + "/x.bin",
-             std::string(reinterpret_cast<const char*>(x.data()), static_cast<std::size_t>(x.size()) * sizeof(double)),
-             lcp::Sync::No);
+  app::write_file(
+      folder + "/x.bin",
+      std::string(reinterpret_cast<const char*>(x.data()), static_cast<std::size_t>(x.size()) * sizeof(double)),
+      lcp::Sync::No);
 }
 
 ncp::Vec read_point(const std::string& folder) {

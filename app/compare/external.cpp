@@ -47,11 +47,11 @@ std::string copy_model(const Task& task, const LoadedProblem& problem) {
   const fs::path stub = fs::path(task.folder) / "model";
   const ncp::Vec x0 = perturbed(problem.mcp->box(), problem.x0, task.rule);
   if (problem.model == nullptr) {
-    write_file(stub.string() + ".nl", affine_nl(*problem.mcp, x0), lcp::Sync::No);
+    app::write_file(stub.string() + ".nl", affine_nl(*problem.mcp, x0), lcp::Sync::No);
     return stub;
   }
   const std::string text = read_text(task.problem);
-  write_file(stub.string() + ".nl", task.rule.run > 0 ? nl_with_start(text, x0) : text, lcp::Sync::No);
+  app::write_file(stub.string() + ".nl", task.rule.run > 0 ? nl_with_start(text, x0) : text, lcp::Sync::No);
   for (const char* names : {".col", ".row"}) {
     std::error_code ignored;
     const fs::path source = fs::path(task.problem).replace_extension(names);
