@@ -234,7 +234,7 @@ ExitCode ampl_driver(const AmplRequest& request, Streams streams, const std::ato
   }
   const std::string stub = file.substr(0, file.size() - 3);
   try {
-    check_outputs(std::vector<FileUse>{{"", stub + ".sol"}}, inputs_of(request, call, stub));
+    check_apart(std::vector<FileUse>{{"", stub + ".sol"}}, inputs_of(request, call, stub));
   } catch (const InputError& error) {
     streams.err << request.program << ": " << error.what() << '\n';
     return exit_input;

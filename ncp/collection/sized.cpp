@@ -94,7 +94,7 @@ std::vector<std::string_view> split(std::string_view text, char separator) {
 }
 
 /// At least so many bytes: bounds, start and values of F of 8 each and two entries of 12 for every unknown; the entries
-/// of dense matrices.
+/// of dense matrices, or of their triangles.
 double least_memory(const Family& family, const Index* n) {
   const std::size_t count = family.arguments().size();
   double sum = 0;
@@ -104,7 +104,7 @@ double least_memory(const Family& family, const Index* n) {
     product *= static_cast<double>(n[k]);
   }
   constexpr double unknown = 56;
-  constexpr double entry = 12;
+  constexpr double entry = 12.0 / 2;
   return family.growth == Growth::Linear ? unknown * sum : (family.growth == Growth::Grid ? unknown : entry) * product;
 }
 

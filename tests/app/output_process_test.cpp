@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -133,6 +134,30 @@ TEST(OutputProcess, KilledAtRandomMoments) {
   }
   EXPECT_GT(ended, 0);
   EXPECT_GT(killed, 0);
+}
+
+// Killed at the first sign that the file changes, while a megabyte is written. Catches files written in place, which a
+// random moment rarely meets.
+TEST(OutputProcess, KilledWhileItWrites) {
+  const test::Folder folder;
+  const std::string F = folder / "F.mtx";
+  for (int run = 0; run < 5; ++run) {
+    test::write(F, old);
+    const pid_t child = start({"export", "obstacle:100x100", "-o", F, "--force"}, folder / "log");
+    struct stat before {};
+    struct stat now {};
+    ASSERT_EQ(stat(F.c_str(), &before), 0);
+    const Clock::time_point begin = Clock::now();
+    do {
+      if (stat(F.c_str(), &now) != 0) break;
+    } while (now.st_ino == before.st_ino && now.st_size == before.st_size &&
+             Clock::now() - begin < std::chrono::seconds(20));
+    kill(child, SIGKILL);
+    end(child);
+    EXPECT_TRUE(now.st_ino != before.st_ino || now.st_size != before.st_size) << test::read(folder / "log");
+    EXPECT_TRUE(whole(F));
+    drafts(folder);
+  }
 }
 
 // A disk that is full after so many bytes: told with the file's name, exit code 2, and all files are as they were.
