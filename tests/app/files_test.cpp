@@ -9,6 +9,9 @@
 #include <random>
 
 #include "app/ampl_driver.hpp"
+#include "app/compare/baseline.hpp"
+#include "app/compare/compare.hpp"
+#include "app/compare/sol_file.hpp"
 #include "app/comparison_report/write_report.hpp"
 #include "app/contact/ball.hpp"
 #include "app/contact/contact.hpp"
@@ -167,6 +170,58 @@ TEST(Outputs, OfCampaignsAreNoInputs) {
   fs::remove(folder / "cells.csv");
   fs::create_symlink("cells.jsonl", folder / "cells.csv");
   EXPECT_THAT(test::refused([&] { check_campaign_files(folder / ".", {}); }), HasSubstr("that is the output"));
+}
+
+// The mark that some editors put before a text is no part of it, and no reason for a refusal that names another.
+TEST(ByteOrderMarks, OfTextFiles) {
+  const test::Folder folder;
+  const std::string mark = "\xEF\xBB\xBF";
+  test::write(folder / "options", mark + "tol 1e-9\n");
+  ASSERT_EQ(read_options_file(folder / "options").size(), 1U);
+  EXPECT_EQ(read_options_file(folder / "options")[0].key, "tol");
+  test::write(folder / "wide", "\xFF\xFEt");
+  EXPECT_THAT(test::refused([&] { read_options_file(folder / "wide"); }), HasSubstr("wide:1: it is text in UTF-16"));
+  test::write(folder / "base.csv", mark + "method,problem,start,outcome\n'=a,p,1,solved\n");
+  const auto rows = compare::read_baseline(folder / "base.csv");
+  ASSERT_EQ(rows.size(), 1U);
+  EXPECT_EQ(rows[0].key.method, "=a");
+  test::write(folder / "open.csv", "method,problem,start,outcome\na,\"p,1,solved\n");
+  EXPECT_THAT(test::refused([&] { compare::read_baseline(folder / "open.csv"); }), HasSubstr("open.csv:2: a quote"));
+  const std::string line = compare::cell_line({.method = "a", .problem = "p"});
+  EXPECT_EQ(compare::parse_cells(mark + line).cells.size(), 1U);
+  EXPECT_EQ(compare::parse_sol(mark + "\nOptions\n3\n1\n1\n0\n1\n0\n1\n1\n7\nobjno 0 0\n", 1).x,
+            ncp::Vec::Constant(1, 7));
+  test::write(folder / "m.col", mark + "name\n");
+  test::write(folder / "m.nl", test::sqrt2_nl());
+  EXPECT_EQ(ncp::ampl::read_model(folder / "m.nl")->variable_name(0), "name");
+  test::write(folder / "b.nl", mark + test::sqrt2_nl());
+  try {
+    ncp::ampl::read_model(folder / "b.nl");
+    ADD_FAILURE();
+  } catch (const ncp::ampl::ModelError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("b.nl:1: it begins with a UTF-8 byte order mark"));
+  }
+  test::Captured captured;
+  ASSERT_EQ(solve({.problem = "josephy", .json = folder / "r.json"}, captured.streams), exit_solved);
+  test::write(folder / "r.json", mark + test::read(folder / "r.json"));
+  EXPECT_EQ(solve({.problem = "josephy", .warm_start = folder / "r.json"}, captured.streams), exit_solved)
+      << captured.err.str();
+}
+
+// Issue 17: "left out: there is no file".
+TEST(Utf8, NamesThatCampaignsCannotHold) {
+  const test::Folder folder;
+  test::write(folder / "\xE9.nl", test::sqrt2_nl());
+  test::Captured captured;
+  compare::CompareRequest request;
+  request.problems = folder / "*.nl";
+  request.out = folder / "out";
+  EXPECT_EQ(compare::compare(request, captured.streams), exit_input);
+  EXPECT_THAT(captured.err.str(), HasSubstr("the name is not UTF-8"));
+  request.problems = "josephy";
+  request.out = folder / "\xE9";
+  EXPECT_EQ(compare::compare(request, captured.streams), exit_input);
+  EXPECT_FALSE(fs::exists(folder / "\xE9"));
 }
 
 TEST(Printable, LeavesTextAndShowsControls) {
