@@ -81,7 +81,7 @@ std::optional<collection::Problem> of_size(const std::string& argument) {
   } catch (const std::invalid_argument& refused) {
     throw InputError(refused.what());
   } catch (const lcp::NotEnoughMemory& error) {
-    throw InputError(fmt::format("'{}': {}", argument, error.what()));
+    throw InputError(fmt::format("'{}': out of memory: {}", argument, error.what()));
   } catch (const std::bad_alloc&) {
     throw InputError(out_of_memory(std::string(argument)));
   }
@@ -243,7 +243,7 @@ std::string refusal(const std::string& problem, const std::function<void()>& wor
   } catch (const std::invalid_argument& error) {  // the library's door
     return error.what();
   } catch (const lcp::NotEnoughMemory& error) {
-    return problem.empty() ? error.what() : fmt::format("'{}': {}", problem, error.what());
+    return fmt::format("'{}': out of memory: {}", problem, error.what());
   } catch (const std::bad_alloc&) {
     return out_of_memory(problem);
   }

@@ -39,7 +39,7 @@ class Descriptor {
   ~Descriptor() {
     if (file_ >= 0) ::close(file_);
   }
-  operator int() const { return file_; }
+  operator int() const { return file_; }  // NOLINT(google-explicit-constructor)
   /// The error, or 0. (After EINTR Linux has closed it.)
   int close() { return ::close(std::exchange(file_, -1)) == 0 || errno == EINTR ? 0 : errno; }
 
