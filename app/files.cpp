@@ -152,6 +152,7 @@ PrintableStream::PrintableStream(std::ostream& stream)
 
 PrintableStream::~PrintableStream() {
   const std::ios::iostate state = stream_.rdstate();
+  buffer_.end();
   stream_.rdbuf(raw_.rdbuf());  // which clears the state
   stream_.setstate(state);
 }
@@ -167,6 +168,12 @@ std::streamsize PrintableStream::Buffer::xsputn(const char* text, std::streamsiz
 }
 
 int PrintableStream::Buffer::sync() { return to_->pubsync(); }
+
+void PrintableStream::Buffer::end() {
+  const std::string shown = printable(begun_);
+  to_->sputn(shown.data(), static_cast<std::streamsize>(shown.size()));
+  begun_.clear();
+}
 
 bool PrintableStream::Buffer::put(std::string_view text) {
   begun_ += text;

@@ -54,6 +54,7 @@ class PrintableStream {
   class Buffer : public std::streambuf {
    public:
     explicit Buffer(std::streambuf* to) : to_(to) {}
+    void end();  ///< also what is no whole character
 
    protected:
     int_type overflow(int_type c) override;

@@ -251,9 +251,10 @@ TEST(Printable, Streams) {
     for (const char c : text) stream << c << std::flush;
     stream << text;
     through.raw() << "\r\033[K";
+    stream << "\xE2\x82";
   }
   EXPECT_EQ(stream.rdbuf(), before);
-  EXPECT_EQ(stream.str(), printable(text) + printable(text) + "\r\033[K");
+  EXPECT_EQ(stream.str(), printable(text) + printable(text) + "\r\033[K\\xe2\\x82");
   std::ofstream full("/dev/full");
   {
     const PrintableStream through(full);
