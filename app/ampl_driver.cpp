@@ -9,6 +9,7 @@
 #include <variant>
 
 #include "app/bounded_run.hpp"
+#include "app/files.hpp"
 #include "app/report.hpp"
 #include "app/table.hpp"
 
@@ -17,6 +18,7 @@ namespace perp::app {
 namespace {
 
 constexpr int dont_print_message = 8;  // of wantsol's bits
+constexpr std::array option_variables{"perp_options", "path_options", "pathampl_options"};
 
 struct Call {
   std::string stub;
@@ -89,7 +91,7 @@ void append(std::vector<Assignment>& all, const std::vector<Assignment>& given) 
 
 std::vector<Assignment> assignments(const AmplRequest& request, const Call& call) {
   std::vector<Assignment> all{{.key = "output", .value = "no", .source = "AMPL"}};  // AMPL prints what we print
-  for (const char* name : {"perp_options", "path_options", "pathampl_options"})
+  for (const char* name : option_variables)
     if (const char* text = request.environment(name))
       append(all, parse_words(text, fmt::format("environment variable {}", name)));
   append(all, parse_words(call.words, "command line"));
@@ -124,7 +126,7 @@ bool answer_without_point(const std::string& program, const std::string& stub, i
                           Streams streams) {
   streams.err << program << ": " << why << '\n';
   try {
-    ncp::ampl::write_failed_sol(stub, fmt::format("Perp {}: {}", version_number(), why), code);
+    ncp::ampl::write_failed_sol(stub, printable(fmt::format("Perp {}: {}", version_number(), why)), code);
     return true;
   } catch (const ncp::ampl::ModelError& error) {
     streams.err << program << ": " << error.what() << '\n';
@@ -140,7 +142,7 @@ ExitCode refuse(const std::string& program, const std::string& stub, int code, c
 }
 
 ExitCode write_answer(const AmplRequest& request, const Report& report, const std::string& stub, Streams streams) {
-  const std::string text = message(report);
+  const std::string text = printable(message(report));  // AMPL shows it on a terminal
   if ((report.settings.wantsol & dont_print_message) == 0) streams.out << text << std::endl;
   const ncp::ampl::Model& model = *report.problem->model;
   const int code = solve_result_num(report.result.status);
@@ -154,6 +156,20 @@ ExitCode write_answer(const AmplRequest& request, const Report& report, const st
     streams.err << request.program << ": " << error.what() << '\n';
     return exit_input;
   }
+}
+
+/// The answer must not replace what is read.
+std::vector<FileUse> inputs_of(const AmplRequest& request, const Call& call, const std::string& stub) {
+  std::vector<FileUse> inputs;
+  for (const char* ending : {".nl", ".col", ".row"}) inputs.push_back({"", stub + ending});
+  const auto add = [&](const std::vector<Assignment>& given) {
+    for (const Assignment& assignment : given)
+      if (assignment.key == "optfile") inputs.push_back({"optfile", assignment.value});
+  };
+  for (const char* name : option_variables)
+    if (const char* text = request.environment(name)) add(parse_words(text, name));
+  add(parse_words(call.words, "command line"));
+  return inputs;
 }
 
 ExitCode solve_stub(const AmplRequest& request, const Call& call, Streams streams, const std::atomic<bool>* interrupt) {
@@ -231,6 +247,13 @@ ExitCode ampl_driver(const AmplRequest& request, Streams streams, const std::ato
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(file, ignored)) {  // no model to answer
     streams.err << fmt::format("{}: there is no file '{}'\n", request.program, file);
+    return exit_input;
+  }
+  const std::string stub = file.substr(0, file.size() - 3);
+  try {
+    check_apart(std::vector<FileUse>{{"", stub + ".sol"}}, inputs_of(request, call, stub));
+  } catch (const InputError& error) {
+    streams.err << request.program << ": " << error.what() << '\n';
     return exit_input;
   }
   try {

@@ -2,12 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <filesystem>
 #include <optional>
 #include <ostream>
 #include <stdexcept>
 #include <string_view>
 
+#include "app/files.hpp"
 #include "app/json.hpp"
 #include "lcp/file_error.hpp"
 #include "lcp/matrix_market.hpp"
@@ -20,6 +22,7 @@ namespace {
 
 struct Files {
   std::string M, q, lower, upper, start;
+  std::array<std::string, 5> all() const { return {M, q, lower, upper, start}; }
 };
 
 Files files_of(const std::string& file) {
@@ -30,10 +33,12 @@ Files files_of(const std::string& file) {
   return {file, stem + "-q.mtx", stem + "-lower.mtx", stem + "-upper.mtx", stem + "-start.mtx"};
 }
 
-/// Before anything is written: all of the paths are fit.
-void check(const Files& files, bool force) {
-  for (const std::string& path : {files.M, files.q, files.lower, files.upper, files.start}) {
-    check_writable(path);
+/// Before anything is read: all of the paths are fit.
+void check(const Files& files, const ProblemSource& source, bool force) {
+  std::vector<FileUse> outputs;
+  for (const std::string& path : files.all()) outputs.push_back({"-o", path});
+  check_outputs(outputs, files_of(source));
+  for (const std::string& path : files.all()) {
     std::error_code ignored;
     if (!force && std::filesystem::exists(path, ignored))
       throw InputError(fmt::format("'{}' exists; --force overwrites it", path));
@@ -51,19 +56,24 @@ std::string quoted(const std::string& path) {
 
 void write_and_tell(const ExportRequest& request, Streams streams) {
   const Files files = files_of(request.file);
+  check(files, request.source, request.force);
   const LoadedProblem problem = load_problem(request.source);
   const std::optional<lcp::AffineMcp> affine = ncp::affine_part(*problem.mcp);
   if (!affine)
     throw InputError(fmt::format(
         "'{}' is not affine, F(x) = M x + q: Matrix Market files cannot hold it. 'perp list --json' tells which are",
         problem.label));
-  check(files, request.force);
   const std::string comment = fmt::format("{}, written by perp {}", problem.label, version_number());
-  lcp::write_matrix(files.M, affine->M, comment);
-  lcp::write_vector(files.q, affine->q, comment + ": q");
-  lcp::write_vector(files.lower, affine->box.lower, comment + ": lower bounds");
-  lcp::write_vector(files.upper, affine->box.upper, comment + ": upper bounds");
-  lcp::write_vector(files.start, problem.x0, fmt::format("{}: start {} of {}", comment, problem.start, problem.starts));
+  // Drafts of all, so that a full disk leaves all as they were.
+  std::vector<lcp::OutputFile> drafts;
+  const auto draft = [&](const std::string& path, const std::string& text) { drafts.emplace_back(path, text); };
+  draft(files.M, lcp::matrix_text(affine->M, comment));
+  draft(files.q, lcp::vector_text(affine->q, comment + ": q"));
+  draft(files.lower, lcp::vector_text(affine->box.lower, comment + ": lower bounds"));
+  draft(files.upper, lcp::vector_text(affine->box.upper, comment + ": upper bounds"));
+  draft(files.start,
+        lcp::vector_text(problem.x0, fmt::format("{}: start {} of {}", comment, problem.start, problem.starts)));
+  for (lcp::OutputFile& file : drafts) file.replace();
   streams.out << fmt::format("{}: {} rows, {} entries\n  perp solve {} {} --lower {} --upper {} --start-at {}\n",
                              problem.label, affine->size(), affine->M.nonZeros(), quoted(files.M), quoted(files.q),
                              quoted(files.lower), quoted(files.upper), quoted(files.start));

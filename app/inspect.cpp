@@ -6,6 +6,7 @@
 #include <cmath>
 #include <ostream>
 
+#include "app/files.hpp"
 #include "app/json.hpp"
 #include "lcp/file_error.hpp"
 #include "lcp/sparse_lu.hpp"
@@ -261,6 +262,8 @@ Inspection inspect_problem(const LoadedProblem& problem, const std::atomic<bool>
 }
 
 ExitCode inspect(const InspectRequest& request, Streams streams, const std::atomic<bool>* interrupt) {
+  const std::vector<FileUse> outputs{{"--json", request.json}};
+  if (!outputs_fit(outputs, files_of(request.source), streams)) return exit_input;
   ExitCode code = exit_solved;
   const std::string why = refusal(request.source.problem, [&] {
     const LoadedProblem problem = load_problem(request.source);

@@ -1,16 +1,11 @@
 #include "app/json.hpp"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <unistd.h>
 
-#include <cerrno>
 #include <cmath>
-#include <cstring>
-#include <filesystem>
-#include <fstream>
 #include <ostream>
 
+#include "app/files.hpp"
 #include "app/json_parts.hpp"
 #include "app/warm_start.hpp"
 #include "ncp/collection/sized.hpp"
@@ -29,7 +24,22 @@ Json json_numbers(ncp::In values) {
   return array;
 }
 
-std::string json_text(const Json& json) { return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"; }
+std::string json_text(const Json& json) {
+  const std::string dumped = json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  // What JSON lets stand and terminals obey: DEL and C1.
+  std::string text;
+  text.reserve(dumped.size());
+  for (std::size_t k = 0; k < dumped.size(); ++k) {
+    const auto next = k + 1 < dumped.size() ? static_cast<unsigned char>(dumped[k + 1]) : 0U;
+    if (dumped[k] == '\x7F')
+      text += "\\u007f";
+    else if (dumped[k] == '\xC2' && next >= 0x80 && next < 0xA0)
+      text += fmt::format("\\u{:04x}", static_cast<unsigned char>(dumped[++k]));
+    else
+      text += dumped[k];
+  }
+  return text;
+}
 
 Json json_header() {
   Json json;
@@ -254,53 +264,6 @@ std::string list_json(std::span<const collection::Entry* const> entries) {
   json["problems"] = Json::array();
   for (const collection::Entry* entry : entries) json["problems"].push_back(entry_json(*entry, entry->make()));
   return json_text(json);
-}
-
-void write_file(const std::string& path, const std::string& content) {
-  namespace fs = std::filesystem;
-  const auto fail = [&](const std::string& why) {
-    throw InputError(fmt::format("'{}' cannot be written: {}", path, why));
-  };
-  const auto write = [&](const fs::path& file) {
-    errno = 0;
-    std::ofstream out(file, std::ios::binary);
-    out << content << std::flush;
-    if (!out) fail(errno != 0 ? std::strerror(errno) : "write error");
-  };
-  std::error_code error;
-  const fs::file_status status = fs::status(path, error);
-  if (fs::is_directory(status)) fail("it is a directory");
-  if (fs::exists(status) && !fs::is_regular_file(status)) return write(path);  // /dev/stdout, a named pipe
-
-  const fs::path target = fs::exists(status) ? fs::canonical(path) : fs::path(path);  // a link stays one
-  if (fs::exists(status) && access(target.c_str(), W_OK) != 0) fail(std::strerror(errno));
-  fs::path neighbour = target;
-  neighbour += fmt::format(".{}.tmp", getpid());
-  try {
-    write(neighbour);
-    if (fs::exists(status)) fs::permissions(neighbour, status.permissions());
-    fs::rename(neighbour, target);
-  } catch (const fs::filesystem_error& why) {
-    fs::remove(neighbour, error);
-    fail(why.code().message());
-  } catch (const InputError&) {
-    fs::remove(neighbour, error);
-    throw;
-  }
-}
-
-void check_writable(const std::string& path) {
-  namespace fs = std::filesystem;
-  const auto fail = [&](const std::string& why) {
-    throw InputError(fmt::format("'{}' cannot be written: {}", path, why));
-  };
-  std::error_code error;
-  const fs::file_status status = fs::status(path, error);
-  if (fs::is_directory(status)) fail("it is a directory");
-  fs::path folder = fs::path(path).parent_path();
-  if (folder.empty()) folder = ".";
-  if (!fs::is_directory(folder, error)) fail("there is no folder of that name");
-  if (access((fs::exists(status) ? fs::path(path) : folder).c_str(), W_OK) != 0) fail(std::strerror(errno));
 }
 
 bool deliver_json(const std::string& path, const std::string& content, Streams streams) {

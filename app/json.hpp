@@ -21,12 +21,6 @@ std::string no_point_json(const std::string& problem, const OutOfTime& why);
 std::string problem_json(const ncp::collection::Entry& entry);
 std::string list_json(std::span<const ncp::collection::Entry* const> entries);
 
-/// Writes the file as a whole or not at all (a neighbour that is renamed). Throws InputError naming it.
-void write_file(const std::string& path, const std::string& content);
-
-/// Throws InputError if write_file() would certainly fail: no such folder, a folder, no permission.
-void check_writable(const std::string& path);
-
 /// Writes what --json PATH asks for: "" is nothing, "-" standard output. False: it could not be written, and `err` says
 /// so.
 bool deliver_json(const std::string& path, const std::string& content, Streams streams);

@@ -24,6 +24,7 @@
 #include "app/comparison_report/write_report.hpp"
 #include "app/contact/command_line.hpp"
 #include "app/export.hpp"
+#include "app/files.hpp"
 #include "app/inspect.hpp"
 #include "app/list.hpp"
 #include "app/methods.hpp"
@@ -53,6 +54,7 @@ void set_up_signals() {
   action.sa_flags = SA_RESTART;
   for (const int signal : {SIGINT, SIGTERM}) sigaction(signal, &action, nullptr);
   std::signal(SIGPIPE, SIG_IGN);  // `perp list | head`: the reader has had enough; files are still written
+  std::signal(SIGXFSZ, SIG_IGN);  // a file beyond the limit is an error like a full disk
 }
 
 /// OpenBLAS' threads cost more than they bring on the fronts of sparse factorizations. Other BLAS have no such
@@ -408,7 +410,9 @@ int main(int argc, char** argv) {
     const std::string program = argc > 0 ? std::filesystem::path(argv[0]).filename().string() : "perp";
     const std::vector<std::string> arguments(argv + std::min(argc, 1), argv + argc);
     if (arguments.size() == 2 && arguments[0] == "compare-worker") return compare::worker(arguments[1], &interrupted);
-    const Streams streams{std::cout, std::cerr};
+    const PrintableStream out(std::cout);
+    PrintableStream err(std::cerr);
+    const Streams streams{std::cout, std::cerr, &err.raw()};
     const int code =
         is_ampl_call(program, arguments)
             ? ampl_driver({.program = program,

@@ -7,6 +7,7 @@
 #include <istream>
 
 #include "app/program.hpp"
+#include "lcp/file_error.hpp"
 
 namespace perp::app {
 
@@ -42,6 +43,15 @@ std::vector<std::string> split_words(std::string_view text) {
   }
   if (inside) words.push_back(std::move(word));
   return words;
+}
+
+/// Of the first line.
+std::string_view without_mark(std::string_view line, const std::string& name) {
+  try {
+    return lcp::without_mark(line, name);
+  } catch (const lcp::FileError& error) {
+    throw InputError(error.what());
+  }
 }
 
 /// A line of an options file without its comment and its closing semicolon.
@@ -90,7 +100,7 @@ std::vector<Assignment> parse_options_file(std::istream& in, const std::string& 
   std::vector<Assignment> result;
   std::string line;
   for (int number = 1; std::getline(in, line); ++number) {
-    const std::string_view text = content(line);
+    const std::string_view text = content(number == 1 ? without_mark(line, name) : std::string_view(line));
     if (text.empty()) continue;
     const std::string source = fmt::format("{}:{}", name, number);
     const std::vector<Assignment> given = parse_words(text, source);

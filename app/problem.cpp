@@ -80,20 +80,36 @@ std::optional<collection::Problem> of_size(const std::string& argument) {
     return collection::make(*family, argument.substr(colon + 1));
   } catch (const std::invalid_argument& refused) {
     throw InputError(refused.what());
+  } catch (const lcp::NotEnoughMemory& error) {
+    throw InputError(fmt::format("'{}': out of memory: {}", argument, error.what()));
   } catch (const std::bad_alloc&) {
     throw InputError(out_of_memory(std::string(argument)));
   }
 }
 
+bool is_number(const std::string& given) {
+  char* end = nullptr;
+  std::strtod(given.c_str(), &end);
+  return *end == '\0';
+}
+
 /// Of every variable: the number, or the numbers of the file.
 lcp::Vec bound(const char* flag, const std::string& given, double otherwise, lcp::Index n) {
   if (given.empty()) return lcp::Vec::Constant(n, otherwise);
-  char* end = nullptr;
-  const double value = std::strtod(given.c_str(), &end);
-  lcp::Vec bounds = *end == '\0' ? lcp::Vec::Constant(n, value) : lcp::read_vector(given, true);
+  lcp::Vec bounds =
+      is_number(given) ? lcp::Vec::Constant(n, std::strtod(given.c_str(), nullptr)) : lcp::read_vector(given, true);
   if (bounds.size() != n)
     throw InputError(fmt::format("{} {}: {} numbers for {} variables", flag, given, bounds.size(), n));
   return bounds;
+}
+
+/// So many vectors more: bounds and start.
+void require_vectors(const std::string& file, int vectors, lcp::Index n) {
+  try {
+    lcp::require_memory(static_cast<double>(sizeof(double)) * vectors * static_cast<double>(n), "bounds and start");
+  } catch (const lcp::NotEnoughMemory& error) {
+    throw InputError(fmt::format("{}: {}", file, error.what()));
+  }
 }
 
 LoadedProblem from_matrix(const ProblemSource& source) {
@@ -108,6 +124,7 @@ LoadedProblem from_matrix(const ProblemSource& source) {
     throw InputError(fmt::format("{}: {} numbers for the {} rows of {}", source.q, problem.q.size(), problem.M.rows(),
                                  source.problem));
   const lcp::Index n = problem.q.size();
+  require_vectors(source.problem, 3, n);
   problem.box = {bound("--lower", source.lower, 0, n), bound("--upper", source.upper, lcp::infinity, n)};
   LoadedProblem loaded{.label = source.problem, .mcp = nullptr, .x0 = lcp::Vec::Zero(n)};
   loaded.mcp = ncp::make_affine_mcp(std::move(problem), source.problem);
@@ -118,7 +135,7 @@ LoadedProblem from_matrix(const ProblemSource& source) {
 LoadedProblem from_siconos(const std::string& path) {
   const std::string text = lcp::read_file(path);
   // An MLCP begins with two flags of 0 or 1, an LCP with its size and its matrix' storage: "1 0" could be both.
-  std::istringstream first(text);
+  std::istringstream first(std::string(lcp::without_mark(text, path)));
   double a = 0;
   double b = 0;
   first >> a >> b;
@@ -191,6 +208,23 @@ LoadedProblem load_problem(const std::string& argument, std::optional<int> start
                   argument, argument, suggestion(argument)));
 }
 
+std::vector<FileUse> files_of(const ProblemSource& source) {
+  std::vector<FileUse> files;
+  const std::string& problem = source.problem;
+  const bool path = problem.find('/') != std::string::npos;
+  if (is_matrix_file(problem)) {
+    files.push_back({"", problem});
+  } else if (problem.ends_with(".nl") || path || collection::find(problem) == nullptr) {
+    const std::string stub = problem.ends_with(".nl") ? problem.substr(0, problem.size() - 3) : problem;
+    for (const char* ending : {".nl", ".col", ".row"}) files.push_back({"", stub + ending});
+  }
+  files.push_back({"", source.q});
+  if (!is_number(source.lower)) files.push_back({"--lower", source.lower});
+  if (!is_number(source.upper)) files.push_back({"--upper", source.upper});
+  files.push_back({"--start-at", source.start_at});
+  return files;
+}
+
 const collection::Entry& find_entry(const std::string& name) {
   if (const collection::Entry* entry = collection::find(name)) return *entry;
   throw InputError(fmt::format("the collection has no problem '{}'.{}", name, suggestion(name)));
@@ -209,7 +243,7 @@ std::string refusal(const std::string& problem, const std::function<void()>& wor
   } catch (const std::invalid_argument& error) {  // the library's door
     return error.what();
   } catch (const lcp::NotEnoughMemory& error) {
-    return problem.empty() ? error.what() : fmt::format("'{}': {}", problem, error.what());
+    return problem.empty() ? error.what() : fmt::format("'{}': out of memory: {}", problem, error.what());
   } catch (const std::bad_alloc&) {
     return out_of_memory(problem);
   }

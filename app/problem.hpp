@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "app/files.hpp"
 #include "ncp/ampl/model.hpp"
 #include "ncp/collection/collection.hpp"
 
@@ -39,6 +40,9 @@ struct ProblemSource {
 bool is_matrix_file(const std::string& argument);
 /// Throws InputError, ncp::ampl::ModelError or lcp::FileError.
 LoadedProblem load_problem(const ProblemSource& source);
+
+/// The files that load_problem() reads of it: for check_outputs().
+std::vector<FileUse> files_of(const ProblemSource& source);
 
 /// Does the work of a command on `problem`. What is wrong with the input, for the user, where something refuses it:
 /// InputError, the readers' errors, std::invalid_argument of the libraries, std::bad_alloc; "" if nothing does.

@@ -13,6 +13,7 @@ namespace perp::app {
 struct Streams {
   std::ostream& out;
   std::ostream& err;
+  std::ostream* terminal = nullptr;  ///< `err` for what steers the cursor, where `err` lets no such thing through
 };
 
 enum ExitCode : int {

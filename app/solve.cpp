@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "app/bounded_run.hpp"
+#include "app/files.hpp"
 #include "app/json.hpp"
 #include "app/plot.hpp"
 #include "app/report.hpp"
@@ -28,7 +29,7 @@ std::vector<Assignment> assignments(const SolveRequest& request) {
   return all;
 }
 
-/// Flags that contradict each other, and files that could not be written after a long run.
+/// Flags that contradict each other.
 void check_request(const SolveRequest& request) {
   if (!request.warm_start.empty() && (!request.start_at.empty() || request.start))
     throw InputError(
@@ -38,7 +39,25 @@ void check_request(const SolveRequest& request) {
                                  *request.plot_iteration));
   if (request.plot_iteration && *request.plot_iteration < 1)
     throw InputError(fmt::format("--plot-iteration {}: iterations are counted from 1", *request.plot_iteration));
-  if (!request.plot.empty()) check_writable(request.plot);
+}
+
+ProblemSource source_of(const SolveRequest& request) {
+  return {.problem = request.problem,
+          .q = request.q,
+          .lower = request.lower,
+          .upper = request.upper,
+          .start_at = request.start_at,
+          .start = request.start};
+}
+
+/// Can what is asked for be written, and does it leave the input alone? A refusal is not written as JSON then.
+bool files_fit(const SolveRequest& request, Streams streams) {
+  std::vector<FileUse> inputs = files_of(source_of(request));
+  inputs.push_back({"--options-file", request.options_file});
+  inputs.push_back({"--warm-start", request.warm_start});
+  const std::vector<FileUse> outputs{
+      {"--json", request.json}, {"--plot", request.plot}, {"--solution", request.solution}};
+  return outputs_fit(outputs, inputs, streams);
 }
 
 /// Writes the picture. Throws InputError.
@@ -101,12 +120,7 @@ std::shared_ptr<const LoadedProblem> load(const SolveRequest& request, Applied& 
   auto problem = load_within(
       patience,
       [request, changed] {
-        LoadedProblem made = load_problem({.problem = request.problem,
-                                           .q = request.q,
-                                           .lower = request.lower,
-                                           .upper = request.upper,
-                                           .start_at = request.start_at,
-                                           .start = request.start});
+        LoadedProblem made = load_problem(source_of(request));
         changed->settings.solutions = request.all;
         note_limits_of_size(made.mcp->size(), *changed);
         if (!request.warm_start.empty()) set_warm_start(read_warm_start(request.warm_start, *made.mcp), made, *changed);
@@ -151,6 +165,7 @@ LogLevel log_level(std::string_view name) {
 }
 
 ExitCode solve(const SolveRequest& request, Streams streams, const std::atomic<bool>* interrupt) {
+  if (!files_fit(request, streams)) return exit_input;
   ExitCode code = exit_solved;
   std::string why;
   try {

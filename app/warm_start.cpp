@@ -58,7 +58,8 @@ std::string_view cell_name(lcp::Cell cell) {
 
 WarmStart read_warm_start(const std::string& path, const ncp::Mcp& mcp) {
   const auto fail = [&](const std::string& why) { throw InputError(fmt::format("--warm-start {}: {}", path, why)); };
-  const Json json = Json::parse(lcp::read_file(path), nullptr, false);
+  const std::string content = lcp::read_file(path);
+  const Json json = Json::parse(lcp::without_mark(content, path), nullptr, false);
   if (!json.is_object() || !json.contains("variables") || !json["variables"].is_array())
     fail("this is no result that 'perp solve --json' wrote");
   const Json& variables = json["variables"];

@@ -34,6 +34,7 @@ set(perp_public_headers
   lcp/file_error.hpp
   lcp/lemke_howson.hpp
   lcp/matrix_market.hpp
+  lcp/output_file.hpp
   lcp/result.hpp
   lcp/solve.hpp
   lcp/sparse_lu.hpp

@@ -12,10 +12,9 @@
 #include <stdexcept>
 #include <utility>
 
-#include "contact/atomic_file.hpp"
 #include "contact/fclib_parts.hpp"
 #include "contact/hdf5_check.hpp"
-#include "lcp/file_error.hpp"
+#include "lcp/output_file.hpp"
 #include "lcp/schur.hpp"
 
 namespace perp::contact {
@@ -492,7 +491,7 @@ void write_fclib(const std::string& path, const Fclib& file, FclibForm form) {
     }
     bytes = out.bytes();
   }
-  write_atomically(path, bytes);
+  lcp::write_file(path, bytes);
 }
 
 }  // namespace perp::contact

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "contact/random.hpp"
+#include "lcp/memory.hpp"
 
 namespace perp::contact {
 namespace {
@@ -279,6 +280,8 @@ std::span<const GeneratorEntry> generators() {
 
 Scene make_scene(std::string_view name, Index contacts, unsigned seed) {
   require(contacts >= 1, "generators", "the number of contacts", static_cast<double>(contacts));
+  constexpr double contact_bytes = 200;  // at least: its point and frame, and a column of W
+  lcp::require_memory(contact_bytes * static_cast<double>(contacts), "the contacts");
   std::ostringstream known;
   for (const GeneratorEntry& entry : generators()) {
     if (entry.name == name) return entry.make(contacts, seed);

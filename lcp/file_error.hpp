@@ -2,6 +2,7 @@
 /// Why a file is refused: "file:line: reason".
 #include <stdexcept>
 #include <string>
+#include <string_view>
 
 namespace perp::lcp {
 
@@ -11,6 +12,9 @@ class FileError : public std::runtime_error {
   FileError(const std::string& file, long line, const std::string& reason)
       : std::runtime_error(line > 0 ? file + ":" + std::to_string(line) + ": " + reason : file + ": " + reason) {}
 };
+
+/// The text without the UTF-8 byte order mark that some editors put before it. Throws FileError for UTF-16.
+std::string_view without_mark(std::string_view text, const std::string& file);
 
 /// The whole file as text. Throws FileError if it cannot be read, naming the system's reason.
 std::string read_file(const std::string& path);

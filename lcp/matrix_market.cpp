@@ -1,5 +1,7 @@
 #include "lcp/matrix_market.hpp"
 
+#include <sys/stat.h>
+
 #include <algorithm>
 #include <array>
 #include <cctype>
@@ -15,6 +17,9 @@
 #include <string_view>
 #include <utility>
 #include <vector>
+
+#include "lcp/memory.hpp"
+#include "lcp/output_file.hpp"
 
 namespace perp::lcp {
 namespace {
@@ -87,7 +92,8 @@ class Scanner {
     at_ = end;
     return value;
   }
-  long line_number() const { return line_; }
+  /// Characters left.
+  std::size_t left() const { return static_cast<std::size_t>(end_ - at_); }
 
  private:
   static bool space(char c) { return c == ' ' || c == '\n' || c == '\t' || c == '\r' || c == '\f' || c == '\v'; }
@@ -168,13 +174,14 @@ struct Entries {
 };
 
 /// As given: of a matrix with a symmetry one triangle.
-Entries read_entries(Scanner& in, const Header& h, std::size_t file_size, bool bounds) {
+Entries read_entries(Scanner& in, const Header& h, bool bounds) {
   Entries e;
-  // What a short file announces is not believed: an entry takes two characters at least.
-  const std::size_t believed = std::min(static_cast<std::size_t>(h.entries), file_size / 2 + 1);
-  e.row.reserve(believed);
-  e.column.reserve(believed);
-  e.value.reserve(believed);
+  // What a short file announces is not believed: an entry takes two characters at least, one with its place four.
+  const std::size_t count = std::min(static_cast<std::size_t>(h.entries), in.left() / (h.coordinate ? 4 : 2) + 1);
+  require_memory(static_cast<double>(count * (2 * sizeof(int) + sizeof(double))), "the entries");
+  e.row.reserve(count);
+  e.column.reserve(count);
+  e.value.reserve(count);
   Index i = h.mirror < 0 ? 1 : 0;  // of an array: by columns, of a triangle from the diagonal down
   Index j = 0;
   for (Index k = 0; k < h.entries; ++k) {
@@ -218,6 +225,12 @@ SpMat assemble(const Header& h, Entries e) {
   }
   if (e.value.size() > static_cast<std::size_t>(std::numeric_limits<int>::max()))
     throw std::length_error("more than 2^31 entries");
+  // Absent entries are legal, so that a short file may have any size; lists over rows and columns must fit, though.
+  const double lists =
+      static_cast<double>(sizeof(int)) * (3.0 * static_cast<double>(h.rows) + static_cast<double>(h.columns));
+  const double entries = 2.0 * (sizeof(int) + sizeof(double)) * static_cast<double>(e.value.size());
+  require_memory(lists + entries,
+                 "the lists of a matrix of " + std::to_string(h.rows) + " x " + std::to_string(h.columns));
   Eigen::SparseMatrix<double, Eigen::RowMajor> by_rows(h.rows, h.columns);
   by_rows.resizeNonZeros(static_cast<Index>(e.value.size()));
   int* start = by_rows.outerIndexPtr();
@@ -264,12 +277,6 @@ void append(std::string& text, double v) {
   text.append(digits.data(), end);
 }
 
-void write_file(const std::string& path, const std::string& text) {
-  const File file(std::fopen(path.c_str(), "wb"));
-  if (!file || std::fwrite(text.data(), 1, text.size(), file.get()) != text.size() || std::fflush(file.get()) != 0)
-    throw FileError(path, 0, std::strerror(errno));
-}
-
 std::string heading(const char* format, const std::string& comment) {
   std::string text = std::string("%%MatrixMarket matrix ") + format + " real general\n";
   std::size_t begin = 0;
@@ -283,10 +290,26 @@ std::string heading(const char* format, const std::string& comment) {
 
 }  // namespace
 
+std::string_view without_mark(std::string_view text, const std::string& file) {
+  if (text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF"))
+    throw FileError(file, 1, "it is text in UTF-16 (its byte order mark says so), not in UTF-8");
+  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
+  return text;
+}
+
 std::string read_file(const std::string& path) {
   const File file(std::fopen(path.c_str(), "rb"));
   if (!file) throw FileError(path, 0, std::strerror(errno));
   std::string text;
+  struct stat status {};
+  if (fstat(fileno(file.get()), &status) == 0 && S_ISREG(status.st_mode)) {
+    try {
+      require_memory(static_cast<double>(status.st_size), "the characters of the file");
+    } catch (const NotEnoughMemory& error) {
+      throw FileError(path, 0, error.what());
+    }
+    text.reserve(static_cast<std::size_t>(status.st_size));
+  }
   std::array<char, 1 << 16> buffer{};
   while (const std::size_t got = std::fread(buffer.data(), 1, buffer.size(), file.get()))
     text.append(buffer.data(), got);
@@ -295,23 +318,27 @@ std::string read_file(const std::string& path) {
 }
 
 SpMat read_matrix(const std::string& path) {
-  const std::string text = read_file(path);
+  const std::string content = read_file(path);
+  const std::string_view text = without_mark(content, path);
   Scanner in(path, text);
   const Header h = read_header(in);
-  Entries entries = read_entries(in, h, text.size(), false);
+  const Scanner sizes = in;
   try {
-    SpMat A = assemble(h, std::move(entries));
+    SpMat A = assemble(h, read_entries(in, h, false));
     if (!A.coeffs().allFinite()) in.fail("entries of one place add up to infinity");
     return A;
   } catch (const std::length_error& error) {
     in.fail(error.what());
+  } catch (const NotEnoughMemory& error) {
+    sizes.fail(error.what());
   } catch (const std::bad_alloc&) {
-    in.fail("a matrix of " + std::to_string(h.rows) + " x " + std::to_string(h.columns) + " does not fit in memory");
+    sizes.fail("a matrix of " + std::to_string(h.rows) + " x " + std::to_string(h.columns) + " does not fit in memory");
   }
 }
 
 Vec read_vector(const std::string& path, bool bounds) {
-  const std::string text = read_file(path);
+  const std::string content = read_file(path);
+  const std::string_view text = without_mark(content, path);
   Scanner in(path, text);
   if (!has_banner(text)) {
     std::vector<double> values;
@@ -325,20 +352,25 @@ Vec read_vector(const std::string& path, bool bounds) {
   const Header h = read_header(in);
   if (h.rows != 1 && h.columns != 1)
     in.fail("a vector is n x 1 or 1 x n, this is " + std::to_string(h.rows) + " x " + std::to_string(h.columns));
-  const Entries e = read_entries(in, h, text.size(), bounds);
+  const Scanner sizes = in;
   const Index n = h.rows * h.columns;
-  // A file of a few bytes may announce a vector that does not fit in memory; absent entries are legal, though.
-  Vec v;
   try {
-    v = Vec::Zero(n);
+    const Entries e = read_entries(in, h, bounds);
+    // Absent entries are legal, so that a short file may announce any length.
+    require_memory(static_cast<double>(sizeof(double)) * static_cast<double>(n),
+                   "the values of a vector of " + std::to_string(n));
+    Vec v = Vec::Zero(n);
+    for (std::size_t k = 0; k < e.value.size(); ++k) v[std::max(e.row[k], e.column[k])] += e.value[k];
+    if (bounds) v = v.unaryExpr(&as_bound);
+    return v;
+  } catch (const NotEnoughMemory& error) {
+    sizes.fail(error.what());
   } catch (const std::bad_alloc&) {
-    in.fail("a vector of " + std::to_string(n) + " entries does not fit in memory");
+    sizes.fail("a vector of " + std::to_string(n) + " entries does not fit in memory");
   }
-  for (std::size_t k = 0; k < e.value.size(); ++k) v[std::max(e.row[k], e.column[k])] += e.value[k];
-  return bounds ? Vec(v.unaryExpr(&as_bound)) : v;
 }
 
-void write_matrix(const std::string& path, const SpMat& A, const std::string& comment) {
+std::string matrix_text(const SpMat& A, const std::string& comment) {
   std::string text = heading("coordinate", comment);
   text += std::to_string(A.rows()) + " " + std::to_string(A.cols()) + " " + std::to_string(A.nonZeros()) + "\n";
   for (Index j = 0; j < A.cols(); ++j)
@@ -347,17 +379,24 @@ void write_matrix(const std::string& path, const SpMat& A, const std::string& co
       append(text, it.value());
       text += '\n';
     }
-  write_file(path, text);
+  return text;
 }
 
-void write_vector(const std::string& path, In v, const std::string& comment) {
+std::string vector_text(In v, const std::string& comment) {
   std::string text = heading("array", comment);
   text += std::to_string(v.size()) + " 1\n";
   for (const double value : v) {
     append(text, value);
     text += '\n';
   }
-  write_file(path, text);
+  return text;
+}
+
+void write_matrix(const std::string& path, const SpMat& A, const std::string& comment) {
+  write_file(path, matrix_text(A, comment));
+}
+void write_vector(const std::string& path, In v, const std::string& comment) {
+  write_file(path, vector_text(v, comment));
 }
 
 }  // namespace perp::lcp

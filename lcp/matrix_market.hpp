@@ -21,8 +21,12 @@ SpMat read_matrix(const std::string& path);
 /// refused if not. Throws FileError.
 Vec read_vector(const std::string& path, bool bounds = false);
 
-/// Coordinate, general, the shortest text that reads back exactly. Throws FileError if the file cannot be written.
+/// What a file of it holds: coordinate, general, the shortest text that reads back exactly; of a vector array, n x 1.
+std::string matrix_text(const SpMat& A, const std::string& comment = {});
+std::string vector_text(In v, const std::string& comment = {});
+
+/// By lcp/output_file.hpp. Throws FileError if the file cannot be written.
 void write_matrix(const std::string& path, const SpMat& A, const std::string& comment = {});
-void write_vector(const std::string& path, In v, const std::string& comment = {});  ///< array, n x 1
+void write_vector(const std::string& path, In v, const std::string& comment = {});
 
 }  // namespace perp::lcp

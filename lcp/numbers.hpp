@@ -14,7 +14,7 @@ namespace perp::lcp {
 class Numbers {
  public:
   /// Both must outlive this; `name` is for the errors.
-  Numbers(std::string_view text, const std::string& name) : rest_(text), name_(name) {}
+  Numbers(std::string_view text, const std::string& name) : rest_(without_mark(text, name)), name_(name) {}
 
   template <class... Parts>
   [[noreturn]] void refuse(const Parts&... parts) const {

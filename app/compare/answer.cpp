@@ -8,6 +8,7 @@
 #include "app/compare/cell.hpp"
 #include "app/compare/worker.hpp"
 #include "app/compare/worker_files.hpp"
+#include "app/files.hpp"
 #include "app/json.hpp"
 #include "app/json_parts.hpp"
 #include "app/program.hpp"
@@ -107,7 +108,7 @@ void write_answer(const std::string& folder, const Answer& answer) {
                   {"known_solutions", problem.known_solutions},
                   {"no_solution", problem.no_solution},
                   {"crc", problem.crc}};
-  write_file(folder + "/result.json", json_text(json));
+  app::write_file(folder + "/result.json", json_text(json), lcp::Sync::No);
 }
 
 Answer read_answer(const std::string& folder) {
@@ -153,8 +154,10 @@ Answer read_answer(const std::string& folder) {
 }
 
 void write_point(const std::string& folder, ncp::In x) {
-  write_file(folder + "/x.bin",
-             std::string(reinterpret_cast<const char*>(x.data()), static_cast<std::size_t>(x.size()) * sizeof(double)));
+  app::write_file(
+      folder + "/x.bin",
+      std::string(reinterpret_cast<const char*>(x.data()), static_cast<std::size_t>(x.size()) * sizeof(double)),
+      lcp::Sync::No);
 }
 
 ncp::Vec read_point(const std::string& folder) {

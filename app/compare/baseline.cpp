@@ -10,6 +10,7 @@
 #include <ostream>
 
 #include "app/compare/worker_files.hpp"
+#include "app/csv.hpp"
 #include "app/program.hpp"
 #include "app/table.hpp"
 
@@ -19,7 +20,7 @@ std::vector<BaselineRow> read_baseline(const std::string& path) {
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(path, ignored))
     throw InputError(fmt::format("--baseline: there is no file '{}'", path));
-  const auto records = parse_csv(read_text(path));
+  const auto records = parse_csv(read_text(path), path);
   if (records.empty()) throw InputError(fmt::format("{}: no header", path));
   constexpr std::array<std::string_view, 4> wanted{"method", "problem", "start", "outcome"};
   std::array<std::size_t, wanted.size()> at{};

@@ -10,6 +10,7 @@
 #include <map>
 #include <sstream>
 
+#include "app/csv.hpp"
 #include "app/json_parts.hpp"
 #include "app/program.hpp"
 
@@ -94,13 +95,6 @@ Json to_json(const Cell& cell) {
           {"curve", std::move(curve)}};
 }
 
-std::string quoted(const std::string& field) {
-  if (field.find_first_of(",\"\r\n") == std::string::npos) return field;
-  std::string text = "\"";
-  for (const char c : field) text.append(c == '"' ? 2 : 1, c);
-  return text + '"';
-}
-
 std::string count_text(int n) { return n < 0 ? "" : fmt::format("{}", n); }
 
 /// In the order of `columns`.
@@ -128,7 +122,7 @@ template <class Row>
 void append_row(std::string& text, const Row& row, std::size_t width) {
   for (std::size_t k = 0; k < width; ++k) {
     if (k > 0) text += ',';
-    text += quoted(std::string(row[k]));
+    text += csv_field(row[k]);
   }
   text += '\n';
 }
@@ -210,6 +204,7 @@ std::string_view checked_object(std::string_view line) {
 
 LinesRead read_checked_lines(std::string_view text, const std::function<void(std::string_view)>& take) {
   LinesRead read;
+  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);  // an editor's byte order mark
   for (std::size_t number = 1; !text.empty(); ++number) {
     const std::size_t end = text.find('\n');
     read.torn = end == std::string_view::npos;
@@ -279,28 +274,6 @@ std::string cells_json(std::span<const Cell> cells) {
   std::string text = "[";
   for (const Cell& cell : cells) text += (text.size() == 1 ? "\n" : ",\n") + cell_json(cell);
   return text + "\n]\n";
-}
-
-std::vector<std::vector<std::string>> parse_csv(std::string_view text) {
-  std::vector<std::vector<std::string>> records;
-  std::vector<std::string> record(1);
-  bool quote = false;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const char c = text[i];
-    if (c == '"' && quote && i + 1 < text.size() && text[i + 1] == '"')
-      record.back() += text[++i];
-    else if (c == '"')
-      quote = !quote;
-    else if (c == ',' && !quote)
-      record.emplace_back();
-    else if (c == '\n' && !quote)
-      records.push_back(std::exchange(record, {1, std::string{}}));
-    else if (c != '\r' || quote)
-      record.back() += c;
-  }
-  if (quote) throw InputError("a quote without its end");
-  if (record.size() > 1 || !record.front().empty()) records.push_back(std::move(record));
-  return records;
 }
 
 }  // namespace perp::app::compare

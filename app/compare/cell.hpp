@@ -123,7 +123,4 @@ std::string outcomes_csv(std::span<const Cell> cells);
 /// All that cells.csv has and the curves, as one array.
 std::string cells_json(std::span<const Cell> cells);
 
-/// The records of an RFC 4180 file, header included. Throws InputError for a quote without its end.
-std::vector<std::vector<std::string>> parse_csv(std::string_view text);
-
 }  // namespace perp::app::compare

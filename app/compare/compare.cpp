@@ -22,6 +22,7 @@
 #include "app/compare/run_cell.hpp"
 #include "app/compare/settle.hpp"
 #include "app/comparison_report/write_report.hpp"
+#include "app/files.hpp"
 #include "app/json.hpp"
 #include "app/table.hpp"
 
@@ -110,6 +111,7 @@ class Comparison {
       : request_(request), streams_(streams), stopper_(interrupt) {}
 
   int run() {
+    check_utf8(request_.out);
     if (!request_.baseline.empty()) baseline_ = read_baseline(request_.baseline);
     std::error_code ignored;
     const bool resume = request_.resume && fs::exists(request_.out + "/campaign.json", ignored);
@@ -123,6 +125,13 @@ class Comparison {
  private:
   void note(const std::string& text) { streams_.err << "perp: note: " << text << '\n'; }
 
+  /// The campaign's own files replace nothing that it reads.
+  void check_files(const Campaign& campaign) const {
+    std::vector<FileUse> inputs{{"--baseline", request_.baseline}};
+    for (const AskedProblem& problem : campaign.problems) inputs.push_back({"", problem.file});
+    check_campaign_files(request_.out, inputs);
+  }
+
   /// What was begun. Throws InputError if it is something else.
   bool take_up() {
     const Campaign before = read_campaign(request_.out);
@@ -133,6 +142,7 @@ class Comparison {
              std::ranges::find(before.problems, problem.name, &AskedProblem::name) == before.problems.end();
     });
     check_resumable(request_.out, before, now);
+    check_files(now);
     if (before.build != now.build) note("the program is another build than the one that began this campaign");
     if (before.machine.cpu != now.machine.cpu)
       note(fmt::format("another machine began this campaign ({}): times do not compare", before.machine.cpu));
@@ -149,6 +159,7 @@ class Comparison {
     std::vector<std::string> notes;
     campaign_ = asked_campaign(request_, nullptr, notes);
     for (const std::string& text : notes) note(text);
+    check_files(campaign_);
     make_directory(request_.out, true);
     lock_ = std::make_unique<DirectoryLock>(request_.out);
     try {
@@ -224,7 +235,8 @@ class Comparison {
     std::set<std::string> without_solution;
     for (const AskedProblem& problem : campaign_.problems)
       if (!problem.solvable()) without_solution.insert(problem.name);
-    Progress progress(streams_.err, total, before, terminal_width(STDERR_FILENO), std::move(without_solution));
+    Progress progress(streams_.terminal != nullptr ? *streams_.terminal : streams_.err, total, before,
+                      terminal_width(STDERR_FILENO), std::move(without_solution));
     streams_.err << fmt::format("perp: {} x {}: {}{}, {} at a time\n",
                                 count(static_cast<long long>(campaign_.methods.size()), "method"),
                                 count(static_cast<long long>(campaign_.problems.size()), "problem"),

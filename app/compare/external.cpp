@@ -21,6 +21,7 @@
 #include "app/compare/process.hpp"
 #include "app/compare/sol_file.hpp"
 #include "app/compare/worker_files.hpp"
+#include "app/files.hpp"
 #include "app/json.hpp"
 #include "app/problem.hpp"
 #include "app/program.hpp"
@@ -46,11 +47,11 @@ std::string copy_model(const Task& task, const LoadedProblem& problem) {
   const fs::path stub = fs::path(task.folder) / "model";
   const ncp::Vec x0 = perturbed(problem.mcp->box(), problem.x0, task.rule);
   if (problem.model == nullptr) {
-    write_file(stub.string() + ".nl", affine_nl(*problem.mcp, x0));
+    app::write_file(stub.string() + ".nl", affine_nl(*problem.mcp, x0), lcp::Sync::No);
     return stub;
   }
   const std::string text = read_text(task.problem);
-  write_file(stub.string() + ".nl", task.rule.run > 0 ? nl_with_start(text, x0) : text);
+  app::write_file(stub.string() + ".nl", task.rule.run > 0 ? nl_with_start(text, x0) : text, lcp::Sync::No);
   for (const char* names : {".col", ".row"}) {
     std::error_code ignored;
     const fs::path source = fs::path(task.problem).replace_extension(names);
@@ -73,7 +74,7 @@ class Running {
       if (getppid() != parent) _exit(127);
       dup2(ends[1], STDOUT_FILENO);
       dup2(ends[1], STDERR_FILENO);
-      for (const int signal : {SIGPIPE, SIGINT, SIGTERM}) std::signal(signal, SIG_DFL);
+      for (const int signal : {SIGPIPE, SIGXFSZ, SIGINT, SIGTERM}) std::signal(signal, SIG_DFL);
       const sigset_t notice = death_notice();
       sigprocmask(SIG_UNBLOCK, &notice, nullptr);
       execl("/bin/sh", "sh", "-c", script.c_str(), stub.c_str(), nullptr);

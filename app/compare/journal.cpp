@@ -36,7 +36,7 @@ void sync_directory(const std::string& dir) {
 
 DirectoryLock::DirectoryLock(const std::string& dir) {
   const std::string path = dir + "/lock";
-  file_ = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+  file_ = open(path.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0666);
   if (file_ < 0) refuse(path, errno);
   if (flock(file_, LOCK_EX | LOCK_NB) != 0) {
     const int error = errno;
@@ -78,13 +78,13 @@ LineJournal::~LineJournal() { close(file_); }
 void LineJournal::add(const std::string& line) {
   const std::scoped_lock lock(mutex_);
   struct stat before {};
-  fstat(file_, &before);
+  if (fstat(file_, &before) != 0) refuse(path_, errno);
   std::size_t done = 0;
   while (done < line.size()) {
     const ssize_t n = write(file_, line.data() + done, line.size() - done);
     if (n < 0 && errno == EINTR) continue;
-    if (n < 0) {
-      const int error = errno;
+    if (n <= 0) {
+      const int error = n < 0 ? errno : EIO;
       if (ftruncate(file_, before.st_size) != 0) refuse(path_, errno);
       refuse(path_, error);
     }

@@ -110,7 +110,7 @@ void limit(int resource, rlim_t value) {
   dup2(prepared.null, STDIN_FILENO);
   dup2(prepared.log, STDOUT_FILENO);
   dup2(prepared.log, STDERR_FILENO);
-  for (const int signal : {SIGPIPE, SIGINT, SIGTERM, SIGHUP}) std::signal(signal, SIG_DFL);
+  for (const int signal : {SIGPIPE, SIGXFSZ, SIGINT, SIGTERM, SIGHUP}) std::signal(signal, SIG_DFL);
   sigset_t none;
   sigemptyset(&none);
   sigprocmask(SIG_SETMASK, &none, nullptr);

@@ -105,6 +105,7 @@ AskedProblem of_file(const std::string& path) {
     throw InputError(fmt::format("{}: '{}' is neither an .nl nor a .dat file", problems_flag, path));
   if (!fs::is_regular_file(path, ignored))
     throw InputError(fmt::format("{}: there is no file '{}'", problems_flag, path));
+  check_utf8(fs::canonical(path));
   return {.name = fs::path(path).filename(), .file = fs::canonical(path), .cls = path.ends_with(".nl") ? "nl" : "dat"};
 }
 

@@ -166,6 +166,7 @@ SolFile parse_binary(std::string_view bytes, ncp::Index variables) {
 }  // namespace
 
 SolFile parse_sol(std::string_view text, ncp::Index variables) {
+  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);  // an editor's byte order mark
   if (text.empty()) throw InputError("it is empty");
   return text.starts_with(binary_head) ? parse_binary(text, variables) : parse_text(text, variables);
 }

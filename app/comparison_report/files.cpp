@@ -7,6 +7,7 @@
 
 #include "app/comparison_report/robustness.hpp"
 #include "app/comparison_report/summary.hpp"
+#include "app/csv.hpp"
 #include "app/json_parts.hpp"
 
 namespace perp::app::comparison {
@@ -22,12 +23,7 @@ struct Records {
 std::string field(const Json& value) {
   if (value.is_null()) return "";
   if (!value.is_string()) return value.dump();
-  const auto& text = value.get_ref<const std::string&>();
-  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) quoted.append(c == '"' ? 2 : 1, c);
-  quoted += '"';
-  return quoted;
+  return csv_field(value.get_ref<const std::string&>());
 }
 
 std::string csv(const Records& records) {

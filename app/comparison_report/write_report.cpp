@@ -6,29 +6,45 @@
 
 #include "app/comparison_report/files.hpp"
 #include "app/comparison_report/findings.hpp"
+#include "app/files.hpp"
 #include "app/json.hpp"
 
 namespace perp::app {
 
 namespace {
 
-/// Sorted as cells.jsonl's reader sorts them; cells that are not of the campaign do not come into any file.
-void write_cells(const std::string& dir, const comparison::CampaignData& data) {
-  write_file(dir + "/cells.csv", compare::cells_csv(data.cells()));
-  write_file(dir + "/cells.json", compare::cells_json(data.cells()));
-  write_file(dir + "/outcomes.csv", compare::outcomes_csv(data.cells()));
+/// Every file with its path. Cells are sorted as cells.jsonl's reader sorts them; cells that are not of the campaign do
+/// not come into any file.
+std::vector<std::pair<std::string, std::string>> report_files(const std::string& dir,
+                                                              const comparison::ReportParts& parts) {
+  const auto cells = parts.data.cells();
+  std::vector<std::pair<std::string, std::string>> files = comparison::data_files(parts);
+  files.emplace_back("cells.csv", compare::cells_csv(cells));
+  files.emplace_back("cells.json", compare::cells_json(cells));
+  files.emplace_back("outcomes.csv", compare::outcomes_csv(cells));
+  files.emplace_back("report.html", comparison::page(parts));
+  for (auto& [path, content] : files) path = fmt::format("{}/{}", dir, path);
+  return files;
 }
 
 }  // namespace
 
+void check_campaign_files(const std::string& dir, std::span<const FileUse> inputs) {
+  std::vector<FileUse> outputs;
+  for (const char* name :
+       {"lock", "campaign.json", "cells.jsonl", "cells.csv", "cells.json", "outcomes.csv", "methods.csv", "pairs.csv",
+        "profiles.csv", "summary.csv", "robustness.csv", "unsolvable.csv", "false_claims.csv", "curves.csv",
+        "findings.txt", "report.json", "report.html"})
+    outputs.push_back({"", fmt::format("{}/{}", dir, name)});
+  check_apart(outputs, inputs);
+}
+
 std::vector<std::string> write_report(const std::string& dir) {
+  check_campaign_files(dir, {});
   const comparison::CampaignData data = comparison::read_data(dir);
   comparison::ReportParts parts{.data = data, .comparisons = comparison::comparisons(data)};
   parts.findings = comparison::findings(data, parts.comparisons);
-  write_cells(dir, data);
-  for (const auto& [name, content] : comparison::data_files(parts))
-    write_file(fmt::format("{}/{}", dir, name), content);
-  write_file(dir + "/report.html", comparison::page(parts));
+  write_files(report_files(dir, parts));
   std::vector<std::string> findings;
   for (const comparison::Finding& finding : parts.findings)
     findings.push_back(fmt::format("{}: {}", finding.topic, finding.text));

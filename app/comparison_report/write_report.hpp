@@ -3,13 +3,17 @@
 /// DIR/cells.jsonl.
 #include <string>
 
-#include "app/program.hpp"
+#include "app/files.hpp"
 
 namespace perp::app {
 
+/// Throws InputError if one of a campaign's files in DIR, those that write_report() makes among them, is one of these
+/// or another one of them, by whatever names.
+void check_campaign_files(const std::string& dir, std::span<const FileUse> inputs);
+
 /// Writes DIR/report.html, cells.csv, cells.json, outcomes.csv and the files of app/comparison_report/files.hpp, each
-/// as a whole or not at all. The findings come back, "topic: sentences" each. Throws InputError naming what cannot be
-/// read or written.
+/// as a whole or not at all, and none of them where one cannot be written. The findings come back, "topic: sentences"
+/// each. Throws InputError naming what cannot be read or written.
 std::vector<std::string> write_report(const std::string& dir);
 
 /// `perp report DIR`: an exit code.

@@ -12,6 +12,7 @@
 
 #include "app/contact/ball_svg.hpp"
 #include "app/contact/number_list.hpp"
+#include "app/files.hpp"
 #include "app/json.hpp"
 #include "app/json_parts.hpp"
 #include "app/problem.hpp"
@@ -132,8 +133,6 @@ std::string ball_json(const std::vector<BallScene>& scenes, ExitCode code) {
 }
 
 std::vector<BallScene> run(const BallRequest& request, const std::atomic<bool>* interrupt) {
-  for (const std::string& file : {request.svg, request.json})
-    if (!file.empty() && file != "-") check_writable(file);
   if (!std::isfinite(request.frame)) throw InputError(fmt::format("--frame {}: an angle is finite", request.frame));
   if (request.svg == "-") throw InputError("--svg -: a picture goes to a file");
   const std::vector<FrictionLaw> all = laws(request);
@@ -165,6 +164,8 @@ double from_exact(const BallScene& scene, const BallPath& path) {
 }
 
 ExitCode ball(const BallRequest& request, Streams streams, const std::atomic<bool>* interrupt) {
+  const std::vector<FileUse> outputs{{"--json", request.json}, {"--svg", request.svg}};
+  if (!outputs_fit(outputs, {}, streams)) return exit_input;
   std::ostream& log = request.json == "-" ? streams.err : streams.out;
   ExitCode code = exit_solved;
   std::string json;

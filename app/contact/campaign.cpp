@@ -7,6 +7,7 @@
 
 #include "app/compare/worker_files.hpp"
 #include "app/contact/run.hpp"
+#include "app/files.hpp"
 #include "app/json_parts.hpp"
 #include "app/program.hpp"
 
@@ -46,6 +47,7 @@ std::vector<std::string> arguments(const std::vector<CampaignProblem>& problems)
 
 CampaignProblem campaign_problem(const std::string& argument) {
   if (is_generated(argument)) return {.name = argument};
+  check_utf8(argument);
   return {.name = argument, .file = fs::absolute(argument), .crc = compare::file_crc(argument)};
 }
 

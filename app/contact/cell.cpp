@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 
+#include "app/csv.hpp"
 #include "app/json_parts.hpp"
 #include "app/program.hpp"
 
@@ -108,11 +109,7 @@ std::string field(const Json& value) {
   if (value.is_null()) return "";
   if (value.is_boolean()) return value.get<bool>() ? "yes" : "no";
   if (!value.is_string()) return value.dump();
-  auto text = value.get<std::string>();
-  if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
-  std::string quoted;
-  for (const char c : text) quoted += c == '"' ? "\"\"" : std::string(1, c);
-  return fmt::format("\"{}\"", quoted);
+  return csv_field(value.get_ref<const std::string&>());
 }
 
 }  // namespace

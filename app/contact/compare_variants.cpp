@@ -21,6 +21,7 @@
 #include "app/contact/report.hpp"
 #include "app/contact/run.hpp"
 #include "app/contact/variants_report.hpp"
+#include "app/files.hpp"
 #include "app/json.hpp"
 #include "app/problem.hpp"
 #include "app/table.hpp"
@@ -45,7 +46,7 @@ void check_request(const CompareVariantsRequest& request) {
   if (request.memory_mb && *request.memory_mb < 1)
     throw InputError(fmt::format("--memory-limit {}: at least 1 MB", *request.memory_mb));
   if (request.jobs < 1) throw InputError(fmt::format("--jobs {}: at least 1", request.jobs));
-  if (!request.json.empty() && request.json != "-") check_writable(request.json);
+  check_outputs(std::vector<FileUse>{{"--json", request.json}}, files_of(request.problems));
   for (std::size_t k = 0; k < request.problems.size(); ++k)
     if (std::ranges::count(request.problems, request.problems[k]) > 1)
       throw InputError(fmt::format("'{}' is there twice", request.problems[k]));
@@ -90,7 +91,9 @@ class Comparing {
       : request_(request), streams_(streams), interrupt_(interrupt) {}
 
   int run() {
+    check_utf8(request_.out);
     if (!begin()) return exit_input;
+    check_files();
     lock_ = std::make_unique<compare::DirectoryLock>(request_.out);
     if (!resumed_) write_file(request_.out + "/campaign.json", campaign_json(campaign_));
     journal_ = std::make_unique<compare::LineJournal>(request_.out);
@@ -138,6 +141,17 @@ class Comparing {
           fmt::format("--resume: '{}' holds another campaign:\n  {}", request_.out, fmt::join(found, "\n  ")));
     campaign_ = before;
     return true;
+  }
+
+  /// The files of the folder are neither problems nor each other.
+  void check_files() const {
+    std::vector<FileUse> inputs;
+    for (const CampaignProblem& problem : campaign_.problems) inputs.push_back({"", problem.file});
+    std::vector<FileUse> outputs{{"--json", request_.json}};
+    for (const char* name :
+         {"lock", "campaign.json", "cells.jsonl", "cells.csv", "cells.json", "profile.svg", "report.html"})
+      outputs.push_back({"", fmt::format("{}/{}", request_.out, name)});
+    check_apart(outputs, inputs);
   }
 
   /// Cells that are there and cells to do; how many there are in all.
@@ -241,10 +255,11 @@ class Comparing {
   }
 
   void write_files() const {
-    write_file(request_.out + "/cells.csv", cells_csv(comparison_.cells));
-    write_file(request_.out + "/cells.json", cells_json(comparison_.cells));
-    write_file(request_.out + "/profile.svg", profile_svg(comparison_));
-    write_file(request_.out + "/report.html", report_html(comparison_));
+    app::write_files(
+        std::vector<std::pair<std::string, std::string>>{{request_.out + "/cells.csv", cells_csv(comparison_.cells)},
+                                                         {request_.out + "/cells.json", cells_json(comparison_.cells)},
+                                                         {request_.out + "/profile.svg", profile_svg(comparison_)},
+                                                         {request_.out + "/report.html", report_html(comparison_)}});
   }
 
   struct Pending {

@@ -11,6 +11,7 @@
 #include "app/contact/method_options.hpp"
 #include "app/contact/report.hpp"
 #include "app/contact/run_within.hpp"
+#include "app/files.hpp"
 #include "app/json.hpp"
 #include "app/problem.hpp"
 #include "contact/fclib.hpp"
@@ -20,7 +21,7 @@ namespace perp::app::contacts {
 
 namespace {
 
-/// Flags that make no sense, and files that could not be written after a long run.
+/// Flags that make no sense.
 void check_request(const ContactRequest& request, std::size_t problems) {
   if (problems == 0) throw InputError("which problem? FILE, or NAME:SIZE[:SEED] of a generator, as in spheres:100");
   if (!(request.tol > 0) || !std::isfinite(request.tol))
@@ -31,9 +32,14 @@ void check_request(const ContactRequest& request, std::size_t problems) {
     if (file.empty()) continue;
     if (file == "-") throw InputError(fmt::format("{} -: that goes to a file", flag));
     if (problems > 1) throw InputError(fmt::format("{} {}: goes with one problem, not with {}", flag, file, problems));
-    check_writable(file);
   }
-  if (!request.json.empty() && request.json != "-") check_writable(request.json);
+}
+
+/// A refusal is not written as JSON where these do not fit.
+bool files_fit(const ContactRequest& request, Streams streams) {
+  const std::vector<FileUse> outputs{
+      {"--json", request.json}, {"--svg", request.svg}, {"--fclib-out", request.fclib_out}};
+  return outputs_fit(outputs, files_of(request.problems), streams);
 }
 
 /// v of the bodies and lambda, of M v = H r + G lambda + f, 0 = G' v + b; nothing if the matrix is singular.
@@ -186,6 +192,7 @@ class Command {
 }  // namespace
 
 ExitCode solve_contact(const ContactRequest& request, Streams streams, const std::atomic<bool>* interrupt) {
+  if (!files_fit(request, streams)) return exit_input;
   return Command(request, streams, interrupt).run();
 }
 

@@ -15,6 +15,7 @@
 #include "app/contact/number_list.hpp"
 #include "app/contact/report.hpp"
 #include "app/contact/run_within.hpp"
+#include "app/files.hpp"
 #include "app/json.hpp"
 #include "app/json_parts.hpp"
 #include "app/problem.hpp"
@@ -52,8 +53,6 @@ void check(const FacetsRequest& request) {
   if (!(request.time_limit > 0))
     throw InputError(fmt::format("--time-limit {:g}: a limit is positive", request.time_limit));
   if (request.svg == "-") throw InputError("--svg -: a picture goes to a file");
-  for (const std::string& file : {request.svg, request.json})
-    if (!file.empty() && file != "-") check_writable(file);
 }
 
 class Study {
@@ -310,6 +309,8 @@ double fitted_power(const std::vector<FacetLine>& lines, bool outer, FacetError 
 }
 
 ExitCode facets(const FacetsRequest& request, Streams streams, const std::atomic<bool>* interrupt) {
+  const std::vector<FileUse> outputs{{"--json", request.json}, {"--svg", request.svg}};
+  if (!outputs_fit(outputs, files_of(request.problems), streams)) return exit_input;
   std::ostream& log = request.json == "-" ? streams.err : streams.out;
   ExitCode code = exit_solved;
   std::string json;

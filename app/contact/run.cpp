@@ -207,6 +207,13 @@ bool is_generated(const std::string& argument) {
          !std::filesystem::exists(argument, ignored);
 }
 
+std::vector<FileUse> files_of(const std::vector<std::string>& arguments) {
+  std::vector<FileUse> files;
+  for (const std::string& argument : arguments)
+    if (!is_generated(argument)) files.push_back({"", argument});
+  return files;
+}
+
 Loaded generate(const std::string& argument) {
   const std::string_view name = name_of(argument);
   if (!known_generator(name))

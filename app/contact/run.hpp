@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "app/contact/variant.hpp"
+#include "app/files.hpp"
 #include "contact/facts.hpp"
 #include "contact/problem.hpp"
 #include "contact/residual.hpp"
@@ -27,6 +28,8 @@ Loaded load(const std::string& argument);
 Loaded generate(const std::string& argument);
 /// Is it NAME:... of a generator and no file?
 bool is_generated(const std::string& argument);
+/// Those of the arguments that are files: for check_outputs().
+std::vector<FileUse> files_of(const std::vector<std::string>& arguments);
 
 /// Clocks count nanoseconds in 64 bits: a limit beyond this, infinity too, is this one.
 inline constexpr double most_seconds = 1e9;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "lcp/output_file.hpp"
 #include "ncp/ampl/asl_problem.hpp"
 #include "ncp/ampl/linearity.hpp"
 #include "ncp/ampl/names.hpp"
@@ -29,6 +30,15 @@ SolFormat sol_format(const NlHeader& header) {
 
 AslProblem::Sizes sizes_of(const NlHeader& h) {
   return {h.n_var, h.n_con, h.n_obj, h.n_cc, h.jacobian_nonzeros, h.defined(), h.binary};
+}
+
+/// STUB.sol, unless it is, by a link, one of the model's own files.
+void write_answer(const std::string& stub, const std::string& content) {
+  const std::string path = stub + ".sol";
+  for (const char* ending : {".nl", ".col", ".row"})
+    if (lcp::same_file(path, stub + ending))
+      throw ModelError(bad_file, path + ": cannot be written: it is the input " + stub + ending);
+  write_whole(path, content);
 }
 
 class AslModel final : public Model {
@@ -131,7 +141,7 @@ void AslModel::write_sol(const std::string& message, In x, int solve_result_num)
                                    std::to_string(n_var()) + " variables");
   for (Index i = 0; i < x.size(); ++i)
     if (!std::isfinite(x[i])) throw ModelError(bad_file, path + ": " + variable_name(i) + " is " + number(x[i]));
-  write_whole(path, sol_text(sol_format(nl_.header), message, {x.data(), at(x.size())}, solve_result_num));
+  write_answer(stub_, sol_text(sol_format(nl_.header), message, {x.data(), at(x.size())}, solve_result_num));
 }
 
 }  // namespace
@@ -153,7 +163,7 @@ void write_failed_sol(const std::string& path, const std::string& message, int s
   } catch (const ModelError&) {
     // Text without sizes then: the caller says why in its message.
   }
-  write_whole(stub + ".sol", sol_text(format, message, {}, solve_result_num));
+  write_answer(stub, sol_text(format, message, {}, solve_result_num));
 }
 
 }  // namespace perp::ncp::ampl

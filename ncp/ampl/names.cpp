@@ -11,6 +11,7 @@ std::vector<std::string> read_lines(const std::string& path, int at_most) {
   std::ifstream file(path);
   for (std::string line; static_cast<int>(lines.size()) < at_most && std::getline(file, line); lines.push_back(line)) {
     if (!line.empty() && line.back() == '\r') line.pop_back();
+    if (lines.empty() && line.starts_with("\xEF\xBB\xBF")) line.erase(0, 3);  // an editor's byte order mark
   }
   return lines;
 }

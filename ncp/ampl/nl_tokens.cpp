@@ -226,6 +226,8 @@ void NlTokens::close() {
 
 char NlTokens::header_kind(std::string_view kinds) {
   open_line();
+  if (rest_.starts_with("\xEF\xBB\xBF"))
+    fail("it begins with a UTF-8 byte order mark, which .nl files do not have: write the file without it");
   if (rest_.empty() || kinds.find(rest_.front()) == std::string_view::npos)
     fail("not an .nl file: it has to begin with g (text) or b (binary), found " + printable(rest_.substr(0, 12)));
   const char kind = rest_.front();

@@ -1,12 +1,6 @@
 #include "ncp/ampl/sol.hpp"
 
-#include <fcntl.h>
-#include <unistd.h>
-
-#include <cerrno>
-#include <cstdio>
-#include <cstring>
-
+#include "lcp/output_file.hpp"
 #include "ncp/ampl/model.hpp"
 #include "ncp/ampl/nl_tokens.hpp"
 
@@ -97,19 +91,6 @@ std::string as_binary(const SolFormat& f, const std::string& message, std::span<
   return out.take();
 }
 
-[[noreturn]] void refuse(const std::string& path, int error) {
-  throw ModelError(bad_file, path + ": cannot be written: " + std::strerror(error));
-}
-
-// A new file beside `path`, so that the rename stays within one file system.
-int create_beside(const std::string& path, std::string& temporary) {
-  for (int attempt = 0;; ++attempt) {
-    temporary = path + "." + std::to_string(::getpid()) + "-" + std::to_string(attempt);
-    const int fd = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    if (fd >= 0 || errno != EEXIST || attempt >= 1000) return fd;
-  }
-}
-
 }  // namespace
 
 std::string sol_text(const SolFormat& format, const std::string& message, std::span<const double> x, int code) {
@@ -117,22 +98,10 @@ std::string sol_text(const SolFormat& format, const std::string& message, std::s
 }
 
 void write_whole(const std::string& path, const std::string& content) {
-  std::string temporary;
-  const int fd = create_beside(path, temporary);
-  if (fd < 0) refuse(path, errno);
-  int error = 0;
-  for (std::size_t done = 0; done < content.size() && error == 0;) {
-    const ssize_t wrote = ::write(fd, content.data() + done, content.size() - done);
-    if (wrote >= 0)
-      done += static_cast<std::size_t>(wrote);
-    else if (errno != EINTR)
-      error = errno;
-  }
-  if (::close(fd) != 0 && error == 0) error = errno;
-  if (error == 0 && std::rename(temporary.c_str(), path.c_str()) != 0) error = errno;
-  if (error != 0) {
-    ::unlink(temporary.c_str());
-    refuse(path, error);
+  try {
+    lcp::write_file(path, content);
+  } catch (const lcp::FileError& error) {
+    throw ModelError(bad_file, error.what());
   }
 }
 

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "lcp/memory.hpp"
 #include "ncp/collection/build.hpp"
 #include "ncp/collection/generators.hpp"
 #include "ncp/collection/random_ncps.hpp"
@@ -22,23 +23,23 @@ constexpr Index side = 20'000;  // of a grid
 
 constexpr std::array table{
     Family{"ahn", {{"n", 1, sparse}}, "1000", ahn},
-    Family{"american-put-own", {{"steps", 1, side}, {"N", 1, side}}, "100x400", american_put_own},
-    Family{"bimatrix-own", {{"m", 1, dense}, {"n", 1, dense}}, "30x20:3", bimatrix_own},
-    Family{"bratu-own", {{"M", 1, side}, {"N", 1, side}}, "300x300", bratu_own},
-    Family{"ehl-kost", {{"N", 3, dense}}, "200", ehl_kost},
-    Family{"fathi", {{"n", 1, dense}}, "100", fathi},
+    Family{"american-put-own", {{"steps", 1, side}, {"N", 1, side}}, "100x400", american_put_own, Growth::Grid},
+    Family{"bimatrix-own", {{"m", 1, dense}, {"n", 1, dense}}, "30x20:3", bimatrix_own, Growth::Dense},
+    Family{"bratu-own", {{"M", 1, side}, {"N", 1, side}}, "300x300", bratu_own, Growth::Grid},
+    Family{"ehl-kost", {{"N", 3, dense}}, "200", ehl_kost, Growth::Dense},
+    Family{"fathi", {{"n", 1, dense}}, "100", fathi, Growth::Dense},
     Family{"geiger-kanzow", {{"n", 1, sparse}}, "1000", geiger_kanzow},
     Family{"infeasible-monotone-own", {{"n", 2, sparse}}, "1000:2", infeasible_monotone_own},
     Family{"infeasible-row-own", {{"n", 1, sparse}}, "1000:2", infeasible_row_own},
-    Family{"journal-bearing", {{"M", 1, side}, {"N", 1, side}}, "300x300", journal_bearing},
+    Family{"journal-bearing", {{"M", 1, side}, {"N", 1, side}}, "300x300", journal_bearing, Growth::Grid},
     Family{"lq-control-own", {{"T", 1, sparse}}, "100000", lq_control_own},
-    Family{"murty", {{"n", 1, dense}}, "30", murty},
+    Family{"murty", {{"n", 1, dense}}, "30", murty, Growth::Dense},
     Family{"murty-exp", {{"n", 1, 50}}, "20", murty_exp},
-    Family{"murty-lower", {{"n", 1, dense}}, "30", murty_lower},
-    Family{"nash-own", {{"firms", 10, dense}}, "500:2", nash_own},
-    Family{"obstacle", {{"M", 1, side}, {"N", 1, side}}, "300x300", obstacle},
-    Family{"obstacle-bump-own", {{"N", 1, 5000}}, "100", obstacle_bump_own},
-    Family{"random-bimatrix-own", {{"m", 1, dense}, {"n", 1, dense}}, "30x20:3", random_bimatrix_own},
+    Family{"murty-lower", {{"n", 1, dense}}, "30", murty_lower, Growth::Dense},
+    Family{"nash-own", {{"firms", 10, dense}}, "500:2", nash_own, Growth::Dense},
+    Family{"obstacle", {{"M", 1, side}, {"N", 1, side}}, "300x300", obstacle, Growth::Grid},
+    Family{"obstacle-bump-own", {{"N", 1, 5000}}, "100", obstacle_bump_own, Growth::Grid},
+    Family{"random-bimatrix-own", {{"m", 1, dense}, {"n", 1, dense}}, "30x20:3", random_bimatrix_own, Growth::Dense},
     Family{"random-boxed-ncp-own", {{"n", 2, sparse}}, "1000:5", random_boxed_ncp_own},
     Family{"random-copositive-own", {{"n", 2, sparse}}, "1000:5", random_copositive_own},
     Family{"random-copositive-plus-own", {{"n", 4, sparse}}, "1000:5", random_copositive_plus_own},
@@ -54,8 +55,8 @@ constexpr std::array table{
     Family{"random-strictly-copositive-own", {{"n", 2, sparse}}, "1000:5", random_strictly_copositive_own},
     Family{"random-z-own", {{"n", 1, sparse}}, "1000:5", random_z_own},
     Family{"spatial-price-own", {{"regions", 2, sparse}}, "2000:2", spatial_price_own},
-    Family{"torsion", {{"M", 1, side}, {"N", 1, side}}, "300x300", torsion},
-    Family{"traffic-own", {{"M", 2, 4000}, {"N", 2, 4000}}, "50x50:2", traffic_own},
+    Family{"torsion", {{"M", 1, side}, {"N", 1, side}}, "300x300", torsion, Growth::Grid},
+    Family{"traffic-own", {{"M", 2, 4000}, {"N", 2, 4000}}, "50x50:2", traffic_own, Growth::Grid},
     Family{"vanderpol-own", {{"T", 40, sparse}}, "10000", vanderpol_own},
     Family{"walras-own",
            {{"goods", 4, sparse}, {"sectors", 1, sparse}, {"households", 1, sparse}},
@@ -90,6 +91,21 @@ std::vector<std::string_view> split(std::string_view text, char separator) {
   }
   parts.push_back(text);
   return parts;
+}
+
+/// At least so many bytes: bounds, start and values of F of 8 each and two entries of 12 for every unknown; the entries
+/// of dense matrices, or of their triangles.
+double least_memory(const Family& family, const Index* n) {
+  const std::size_t count = family.arguments().size();
+  double sum = 0;
+  double product = count == 1 ? static_cast<double>(n[0]) : 1;
+  for (std::size_t k = 0; k < count; ++k) {
+    sum += static_cast<double>(n[k]);
+    product *= static_cast<double>(n[k]);
+  }
+  constexpr double unknown = 56;
+  constexpr double entry = 12.0 / 2;
+  return family.growth == Growth::Linear ? unknown * sum : (family.growth == Growth::Grid ? unknown : entry) * product;
 }
 
 unsigned seed_of(const Family& family, std::string_view text) {
@@ -152,6 +168,7 @@ Problem make(const Family& family, std::string_view sizes) {
     n[k] = whole_number(family, given[k], "size");
     require_between(family.name, arguments[k].name, n[k], arguments[k].least, arguments[k].most);
   }
+  lcp::require_memory(least_memory(family, n), "vectors and matrix");
   const unsigned seed = parts.size() == 2 ? seed_of(family, parts[1]) : 1;
   struct Call {
     const Index* n;

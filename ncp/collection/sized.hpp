@@ -17,6 +17,13 @@ struct SizeArgument {
   Index most = 1;
 };
 
+/// How a problem grows with its sizes.
+enum class Growth {
+  Linear,  ///< unknowns and entries with their sum
+  Grid,    ///< with their product, or the square of the only one
+  Dense,   ///< entries with their product, or the square of the only one
+};
+
 struct Family {
   std::string_view name;
   SizeArgument sizes[3];     ///< the first ones that have a name
@@ -24,6 +31,7 @@ struct Family {
   std::variant<Problem (*)(Index), Problem (*)(Index, Index), Problem (*)(Index, unsigned),
                Problem (*)(Index, Index, unsigned), Problem (*)(Index, Index, Index, unsigned)>
       maker;
+  Growth growth = Growth::Linear;
 
   std::span<const SizeArgument> arguments() const;
   bool seeded() const { return maker.index() >= 2; }
@@ -36,7 +44,7 @@ std::string limits(const Family& family);          ///< "goods from 4 to 1000000
 
 /// The problem of "400x300x300:7", the text behind the name; the seed is 1 if it is left out. Throws
 /// std::invalid_argument with argument, value and what is expected: more or fewer sizes than the family has, one beyond
-/// its limits, a seed that is none or is not taken.
+/// its limits, a seed that is none or is not taken; lcp::NotEnoughMemory if its vectors and matrix alone would not fit.
 Problem make(const Family& family, std::string_view sizes);
 
 }  // namespace perp::ncp::collection

@@ -7,6 +7,8 @@
 #include <nlohmann/json.hpp>
 
 #include "app/compare/cell.hpp"
+
+#include "app/csv.hpp"
 #include "support.hpp"
 
 namespace perp::app::compare {

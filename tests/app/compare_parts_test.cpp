@@ -3,8 +3,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/file.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <cmath>
+#include <csignal>
+#include <filesystem>
 #include <map>
 #include <set>
 #include <sstream>
@@ -315,6 +320,37 @@ TEST(Journal, Lock) {
   }
   const DirectoryLock third(folder / "");
   EXPECT_THAT(refused([&] { const DirectoryLock lock(folder / "absent"); }), HasSubstr("absent"));
+}
+
+// Issue 17: a lock that is a link empties what it leads to.
+TEST(Journal, LockFollowsNoLink) {
+  const test::Folder folder;
+  test::write(folder / "victim", "kept");
+  std::filesystem::create_symlink("victim", folder / "lock");
+  EXPECT_THAT(refused([&] { const DirectoryLock lock(folder / "."); }), HasSubstr("lock"));
+  EXPECT_EQ(test::read(folder / "victim"), "kept");
+}
+
+// On a disk that is full, in a child: lines that were there stay, none is torn.
+TEST(Journal, DiskThatFillsUp) {
+  const test::Folder folder;
+  const std::string line = cell_line(cell("a", 1, Outcome::Solved));
+  const pid_t child = fork();
+  if (child == 0) {
+    std::signal(SIGXFSZ, SIG_IGN);
+    const rlimit limit{line.size() * 5 / 2, RLIM_INFINITY};
+    setrlimit(RLIMIT_FSIZE, &limit);
+    Journal journal(folder / ".");
+    int added = 0;
+    const std::string why = refused([&] {
+      for (; added < 5; ++added) journal.add(cell("a", 1, Outcome::Solved));
+    });
+    _exit(added == 2 && why.find("cells.jsonl': File too large") != std::string::npos ? 0 : 1);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  EXPECT_EQ(status, 0);
+  EXPECT_EQ(test::read(folder / "cells.jsonl"), line + line);
 }
 
 TEST(Journal, Directories) {

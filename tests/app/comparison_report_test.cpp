@@ -303,6 +303,22 @@ TEST(ComparisonReportEdges, WhatCannotBeRead) {
   EXPECT_EQ(csv(folder, "cells.csv").size(), 2U);
 }
 
+// Every file that a report makes is known to be one, so that none replaces a baseline.
+TEST(ComparisonReportEdges, ReplacesNoInput) {
+  const Folder folder;
+  MadeUp made_up;
+  made_up.method("a").problem("p", "tiny").run("a", "p", Outcome::Solved);
+  made_up.write(folder);
+  write_report(folder / ".");
+  int files = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder / ".")) {
+    const std::vector<FileUse> inputs{{"--baseline", entry.path()}};
+    EXPECT_THROW(check_campaign_files(folder / ".", inputs), InputError) << entry.path();
+    ++files;
+  }
+  EXPECT_GE(files, 16);
+}
+
 TEST(HtmlText, EscapesAndReplaces) {
   EXPECT_EQ(comparison::html_text("<a href=\"x\">'&"), "&lt;a href=&quot;x&quot;&gt;&#39;&amp;");
   EXPECT_EQ(comparison::html_text("\xc3\xa9\xe2\x80\x93\xf0\x9f\x98\x80"), "\xc3\xa9\xe2\x80\x93\xf0\x9f\x98\x80");

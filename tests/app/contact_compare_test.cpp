@@ -1,5 +1,6 @@
 /// `perp contact --compare`, and the command line of `perp contact` as a process.
 #include "app/contact/compare_variants.hpp"
+#include "app/csv.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -62,7 +63,7 @@ TEST(ContactCompare, TableFilesAndLaws) {
   EXPECT_EQ(cells[2]["variant"], "inner:4");
   EXPECT_GT(cells[2]["siconos"].get<double>(), 1e-2);
   EXPECT_EQ(cells[4]["contacts"], 2);
-  const auto records = compare::parse_csv(test::read(folder / "out/cells.csv"));
+  const auto records = parse_csv(test::read(folder / "out/cells.csv"));
   ASSERT_EQ(records.size(), 13U);
   for (const auto& record : records) EXPECT_EQ(record.size(), records[0].size());
   for (const char* part :

@@ -11,6 +11,7 @@
 
 #include "app/contact/campaign.hpp"
 #include "app/contact/compare_variants.hpp"
+#include "app/csv.hpp"
 #include "compare_process_support.hpp"
 #include "contact_app_support.hpp"
 
@@ -32,7 +33,7 @@ Finished contact(const test::Folder& folder, std::vector<std::string> arguments)
 /// cells.csv without what depends on time and memory.
 std::string timeless(const std::string& dir) {
   std::string text;
-  auto records = compare::parse_csv(test::read(dir + "/cells.csv"));
+  auto records = parse_csv(test::read(dir + "/cells.csv"));
   for (auto& record : records) {
     for (std::size_t k = 0; k < record.size(); ++k)
       if (records[0][k] != "seconds" && records[0][k] != "peak_mb") text += record[k] + "|";

@@ -350,9 +350,11 @@ TEST_F(Inspect, RefusesWhatSolveRefuses) {
     EXPECT_EQ(json::parse(test::read(folder / "out.json")).at("status"), "InputError");
   }
   test::Captured captured;
-  EXPECT_EQ(inspect({.source = {.problem = "kojshin"}, .json = folder / "none/out.json"}, captured.streams),
-            exit_input);
+  EXPECT_EQ(inspect({.source = {.problem = "kojshin"}, .json = "/dev/full"}, captured.streams), exit_input);
   EXPECT_THAT(captured.out.str(), HasSubstr("structural rank"));
+  test::Captured refused;
+  EXPECT_EQ(inspect({.source = {.problem = "kojshin"}, .json = folder / "none/out.json"}, refused.streams), exit_input);
+  EXPECT_EQ(refused.out.str(), "");
 }
 
 // Its Jacobian comes back with another pattern: refused as by solve, with names.

@@ -7,15 +7,14 @@
 #include <vector>
 
 #include "app/compare/cell.hpp"
+#include "app/csv.hpp"
 #include "campaign_support.hpp"
 
 namespace perp::app::test {
 
 using Records = std::vector<std::vector<std::string>>;
 
-inline Records csv(const Folder& folder, const std::string& name) {
-  return compare::parse_csv(test::read(folder / name));
-}
+inline Records csv(const Folder& folder, const std::string& name) { return parse_csv(test::read(folder / name)); }
 
 inline constexpr const char* nasty = "</script><script>alert(1)</script> & \"q\" 'x' <b>\n\x01 \xff \xc3\xa9";
 

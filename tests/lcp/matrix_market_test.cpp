@@ -2,15 +2,19 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
 #include <unistd.h>
-#include <cstdio>
-#include <string>
 
+#include <array>
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <limits>
+#include <string>
 
+#include "lcp/siconos_file.hpp"
 #include "support/matrices.hpp"
 
 namespace perp::lcp {
@@ -20,8 +24,10 @@ using support::Dense;
 using support::matrix;
 using support::Random;
 using support::vec;
+using testing::AllOf;
 using testing::EndsWith;
 using testing::HasSubstr;
+using testing::Not;
 
 /// A file of this content, gone with the object.
 class Temporary {
@@ -192,6 +198,81 @@ TEST(MatrixMarket, RefusesWhatWouldBeReadWrong) {
               testing::HasSubstr(":4: the place (1, 2) is above the diagonal"));
   EXPECT_THAT(refusal("general\n1 1 2\n1 1 1e308\n1 1 1e308\n"), testing::HasSubstr("infinity"));
   std::remove(path.c_str());
+}
+
+/// Why a child that may have 16 GB of addresses, and no more, refuses the file; "accepted".
+template <class Read>
+std::string refused_in_child(const std::string& text, const Read& read_it) {
+  const Temporary file(text);
+  std::array<int, 2> ends{};
+  if (pipe(ends.data()) != 0) return "pipe";
+  const pid_t child = fork();
+  if (child == 0) {
+    const rlimit limit{rlim_t{1} << 34, RLIM_INFINITY};
+    setrlimit(RLIMIT_AS, &limit);
+    std::string why = "accepted";
+    try {
+      read_it(file.path());
+    } catch (const FileError& error) {
+      why = error.what();
+    }
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    if (usage.ru_maxrss > 1 << 20) why += "; it took " + std::to_string(usage.ru_maxrss / 1024) + " MB";
+    _exit(::write(ends[1], why.data(), why.size()) > 0 ? 0 : 1);
+  }
+  close(ends[1]);
+  std::string why(500, ' ');
+  const ssize_t size = ::read(ends[0], why.data(), why.size());
+  close(ends[0]);
+  int status = 0;
+  waitpid(child, &status, 0);
+  why.resize(size > 0 && status == 0 ? static_cast<std::size_t>(size) : 0);
+  return why;
+}
+
+// Issue 17: 60 bytes that announce 2e9 rows took gigabytes. What cannot be in the file is refused whatever memory there
+// is; absent entries are legal, and only lists over rows and columns that do not fit are refused, with the figure.
+TEST(MatrixMarket, AnnouncedSizes) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "sanitizers need more address space than the limit";
+#endif
+  const auto matrix_of = [](const std::string& path) { (void)read_matrix(path); };
+  const auto vector_of = [](const std::string& path) { (void)read_vector(path); };
+  const std::string head = "%%MatrixMarket matrix ";
+  EXPECT_THAT(refused_in_child(head + "coordinate real general\n2000000000 2000000000 1\n1 1 1\n", matrix_of),
+              AllOf(HasSubstr(":2: the lists of a matrix of 2000000000 x 2000000000 need 32 GB, "),
+                    HasSubstr(" are available"), Not(HasSubstr("took"))));
+  EXPECT_THAT(refused_in_child(head + "coordinate real general\n2147483647 1 1\n1 1 1\n", vector_of),
+              AllOf(HasSubstr(":2: the values of a vector of 2147483647 need 17 GB, "), Not(HasSubstr("took"))));
+  EXPECT_THAT(refused_in_child(head + "array real general\n2000000000 1\n1\n", vector_of),
+              AllOf(HasSubstr(":4: the file ends after 1 of 2000000000 entries"), Not(HasSubstr("took"))));
+  EXPECT_THAT(refused_in_child(head + "array real general\n40000 40000\n1\n", matrix_of),
+              AllOf(HasSubstr(":4: the file ends after 1 of 1600000000 entries"), Not(HasSubstr("took"))));
+  EXPECT_THAT(refused_in_child(head + "coordinate real general\n2 2 2000000000\n1 1 1\n", matrix_of),
+              AllOf(HasSubstr(":4: the file ends after 1 of 2000000000"), Not(HasSubstr("took"))));
+  EXPECT_EQ(refused_in_child(head + "coordinate real general\n1000000 1000000 1\n1 1 1\n", matrix_of), "accepted");
+}
+
+// A file that some editors have saved: the mark is no part of the text, nor of the reason for a refusal (issue 17:
+// "a Matrix Market file begins with %%MatrixMarket").
+TEST(MatrixMarket, ByteOrderMarks) {
+  const std::string mark = "\xEF\xBB\xBF";
+  EXPECT_EQ(read_matrix(Temporary(mark + "%%MatrixMarket matrix array real general\n1 1\n7\n").path()).coeff(0, 0), 7);
+  EXPECT_EQ(read_vector(Temporary(mark + "7\n8\n").path()), vec({7, 8}));
+  EXPECT_EQ(read_vector(Temporary(mark + "%%MatrixMarket matrix array real general\n1 1\n7\n").path()), vec({7}));
+  EXPECT_EQ(read_siconos_lcp(Temporary(mark + "1\n0\n1 1\n1 1\n2\n-4\n").path()).problem.q, vec({-4}));
+  for (const char* wide : {"\xFF\xFE%", "\xFE\xFF%"})
+    for (const bool whole : {true, false}) try {
+        const Temporary file(wide);
+        if (whole)
+          (void)read_matrix(file.path());
+        else
+          (void)read_vector(file.path());
+        ADD_FAILURE();
+      } catch (const FileError& error) {
+        EXPECT_THAT(error.what(), HasSubstr(":1: it is text in UTF-16"));
+      }
 }
 
 }  // namespace

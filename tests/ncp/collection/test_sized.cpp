@@ -2,7 +2,11 @@
 #include "ncp/collection/sized.hpp"
 
 #include <gmock/gmock.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
+#include <new>
 #include <sstream>
 
 #include "ncp/residual.hpp"
@@ -73,6 +77,51 @@ TEST(Sized, EveryFamilyKeepsItsPromises) {
       EXPECT_GT(argument.most, argument.least);
     }
   }
+}
+
+// What a family is said to need at least must be needed: else sizes that fit are refused. Five vectors of 8 bytes and
+// two entries of 12 an unknown (56 bytes), or the entries of a dense triangle.
+TEST(Sized, RefusesForLackOfMemoryOnlyWhatNeedsIt) {
+  for (const Family& family : families()) {
+    SCOPED_TRACE(family.name);
+    const std::string sizes = smaller_example(family);
+    double sum = 0;
+    double product = family.arguments().size() == 1 ? -1 : 1;
+    std::istringstream in(sizes.substr(0, sizes.find(':')));
+    for (std::string size; std::getline(in, size, 'x');) {
+      sum += std::stod(size);
+      product *= product < 0 ? -std::stod(size) * std::stod(size) : std::stod(size);
+    }
+    const Problem problem = make(family, sizes);
+    const auto n = static_cast<double>(problem.mcp->size());
+    const auto entries = static_cast<double>(problem.mcp->jacobian_pattern().nonZeros());
+    const double needs = 40 * n + 12 * entries;
+    if (family.growth == Growth::Dense)
+      EXPECT_LE(product / 2, entries);
+    else
+      EXPECT_LE(56 * (family.growth == Growth::Grid ? product : sum), needs * 1.05);
+  }
+}
+
+// The largest sizes are refused with the figure before anything is built: in a child that may not have the memory.
+TEST(Sized, TooLargeForTheMachine) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "sanitizers need more address space than the limit";
+#endif
+  const pid_t child = fork();
+  if (child == 0) {
+    const rlimit limit{rlim_t{1} << 34, RLIM_INFINITY};
+    setrlimit(RLIMIT_AS, &limit);
+    try {
+      of("obstacle:20000x20000");
+    } catch (const std::bad_alloc& error) {
+      _exit(std::string(error.what()).starts_with("vectors and matrix need 22 GB, ") ? 0 : 2);
+    }
+    _exit(1);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  EXPECT_EQ(status, 0);
 }
 
 // Catches: sizes exchanged on their way to the maker, a seed lost.

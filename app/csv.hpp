@@ -1,0 +1,18 @@
+#pragma once
+/// Fields of CSV files (RFC 4180). A text that a spreadsheet would take for a formula, beginning with = + - @, a tab or
+/// a carriage return, gets an apostrophe before it (OWASP, "CSV Injection"); numbers stay as they are, and reading
+/// takes the apostrophe off again.
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace perp::app {
+
+/// The text as a field, quoted if it has to be.
+std::string csv_field(std::string_view text);
+
+/// Records of fields, header included. Throws InputError, "NAME:3: ...", if a quote has no end; a byte order mark is
+/// skipped.
+std::vector<std::vector<std::string>> parse_csv(std::string_view text, const std::string& name = "CSV");
+
+}  // namespace perp::app
