@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <condition_variable>
+#include <csignal>
 #include <exception>
 #include <memory>
 #include <mutex>
@@ -66,7 +67,24 @@ std::size_t stack_size() {
   return std::clamp(limit.rlim_cur, usual, most);
 }
 
+/// While it lives threads are made that take no signals: those are for the first thread, and for whoever blocks them.
+class WithoutSignals {
+ public:
+  WithoutSignals() {
+    sigset_t all;
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, &before_);
+  }
+  ~WithoutSignals() { pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
+  WithoutSignals(const WithoutSignals&) = delete;
+  WithoutSignals& operator=(const WithoutSignals&) = delete;
+
+ private:
+  sigset_t before_{};
+};
+
 bool started(const std::shared_ptr<Call>& call) {
+  const WithoutSignals silent;
   pthread_attr_t attributes;
   if (pthread_attr_init(&attributes) != 0) return false;
   pthread_attr_setstacksize(&attributes, stack_size());
@@ -144,6 +162,7 @@ std::optional<GivenUp> bounded_call(std::function<void()> work, const Patience& 
 bool calls_left_behind() { return left_behind > 0; }
 
 Guard::Guard(const std::atomic<bool>& interrupt) {
+  const WithoutSignals silent;
   try {
     std::thread([&interrupt] { watch(interrupt); }).detach();
   } catch (const std::system_error&) {

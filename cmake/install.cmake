@@ -37,6 +37,8 @@ set(perp_public_headers
   lcp/output_file.hpp
   lcp/result.hpp
   lcp/solve.hpp
+  lcp/kernel_clock.hpp
+  lcp/memory.hpp
   lcp/sparse_lu.hpp
   lcp/sparse_vector.hpp
   lcp/structure.hpp

@@ -74,6 +74,12 @@ SpMat skew(Index n, Rng& rng) {
   return C - Ct;
 }
 
+/// The skew part is drawn first: compilers do not agree on which operand of + is.
+SpMat gram_plus_skew(Index n, Index rank, Rng& rng) {
+  const SpMat S = skew(n, rng);
+  return gram(n, rank, rng) + S;
+}
+
 SpMat nonnegative(Index n, double least, Rng& rng) {
   Entries entries = scatter(n, n, 3, rng, [&] { return rng.uniform(0, 1); });
   for (int i = 0; i < n; ++i) entries.emplace_back(i, i, rng.uniform(least, 2));
@@ -118,7 +124,7 @@ Vec any_q(Index n, Rng& rng) {
 RandomLcp random_positive_definite(Index n, unsigned seed) {
   require_at_least("random-pd-own", "n", n, 1);
   Rng rng(seed);
-  SpMat M = gram(n, n, rng) + skew(n, rng);
+  const SpMat M = gram_plus_skew(n, n, rng);
   Entries diagonal;
   for (int i = 0; i < n; ++i) diagonal.emplace_back(i, i, rng.uniform(0.1, 1));
   return planted(M + matrix(n, n, diagonal), 0, rng);
@@ -127,7 +133,7 @@ RandomLcp random_positive_definite(Index n, unsigned seed) {
 RandomLcp random_semidefinite(Index n, unsigned seed) {
   require_at_least("random-psd-own", "n", n, 2);
   Rng rng(seed);
-  const SpMat M = gram(n, n / 2, rng) + skew(n, rng);
+  const SpMat M = gram_plus_skew(n, n / 2, rng);
   return planted(M, 0, rng);
 }
 
@@ -208,7 +214,7 @@ RandomLcp random_bimatrix(Index m, Index n, unsigned seed) {
 RandomLcp random_degenerate(Index n, unsigned seed) {
   require_at_least("random-degenerate-own", "n", n, 2);
   Rng rng(seed);
-  const SpMat M = gram(n, n / 2, rng) + skew(n, rng);
+  const SpMat M = gram_plus_skew(n, n / 2, rng);
   return planted(M, 0.5, rng);
 }
 

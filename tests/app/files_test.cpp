@@ -294,12 +294,12 @@ TEST(Csv, ReadsBack) {
       for (std::size_t length = letter(random) / 2; length > 0; --length) field += letters[letter(random)];
       record.push_back(field);
     }
-    for (std::size_t n = 0; n < record.size(); ++n) text += (n > 0 ? "," : "") + csv_field(record[n]);
+    for (std::size_t n = 0; n < record.size(); ++n) text.append(n > 0 ? "," : "").append(csv_field(record[n]));
     text += '\n';
     records.push_back(std::move(record));
   }
   EXPECT_EQ(parse_csv(text), records);
-  EXPECT_EQ(parse_csv("\xEF\xBB\xBF" + text), records);
+  EXPECT_EQ(parse_csv(std::string("\xEF\xBB\xBF").append(text)), records);
   EXPECT_EQ(test::refused([] { parse_csv("a,b\n\"c\nd\",e\nf,\"g\nh", "x.csv"); }), "x.csv:4: a quote without its end");
 }
 

@@ -268,8 +268,8 @@ TEST(Accepted, EachPartSeesItsOwn) {
   EXPECT_EQ(residual(point(vec({0, 0, 0}), 0.4), vec({0, 0, 0})).largest(), 0);
 }
 
-// A contact that slips at 3e-5 of its velocities with friction 1e-5 inside its cone, beside a body of 1e6 N s: neither is
-// slip nor stick. Catches products of the two, 3e-10, and metrics that divide by the body.
+// A contact that slips at 3e-5 of its velocities with friction 1e-5 inside its cone, beside a body of 1e6 N s: neither
+// is slip nor stick. Catches products of the two, 3e-10, and metrics that divide by the body.
 TEST(Accepted, NoSlipInsideTheCone) {
   const double inside = 0.3 * (1 - 1e-5);
   Problem p;
