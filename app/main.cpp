@@ -1,7 +1,9 @@
 /// The program `perp`: its command line, signals and exit codes. The work is done by app/'s other files.
 #include <dlfcn.h>
 #include <fmt/format.h>
+#include <malloc.h>
 #include <poll.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <CLI/App.hpp>
@@ -30,6 +32,7 @@
 #include "app/methods.hpp"
 #include "app/several.hpp"
 #include "app/solve.hpp"
+#include "lcp/memory.hpp"
 #include "ncp/collection/collection.hpp"
 
 namespace {
@@ -57,11 +60,36 @@ void set_up_signals() {
   std::signal(SIGXFSZ, SIG_IGN);  // a file beyond the limit is an error like a full disk
 }
 
+bool address_space_is_limited() {
+  rlimit limit{};
+  return getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY;
+}
+
 /// OpenBLAS' threads cost more than they bring on the fronts of sparse factorizations. Other BLAS have no such
-/// function.
-void pin_blas() {
-  if (std::getenv("OPENBLAS_NUM_THREADS") != nullptr) return;
-  if (void* set = dlsym(RTLD_DEFAULT, "openblas_set_num_threads")) reinterpret_cast<void (*)(int)>(set)(1);
+/// function. Under `ulimit -v` each asks for its buffer for ever where there is no room, from before main() on: the
+/// program begins once more without them.
+void pin_blas(char** argv) {
+  void* set = dlsym(RTLD_DEFAULT, "openblas_set_num_threads");
+  if (set == nullptr || std::getenv("OPENBLAS_NUM_THREADS") != nullptr) return;
+  if (address_space_is_limited() && setenv("OPENBLAS_NUM_THREADS", "1", 1) == 0) execv("/proc/self/exe", argv);
+  reinterpret_cast<void (*)(int)>(set)(1);
+}
+
+/// Whether OpenBLAS finds room for the buffer of one thread, 32 MB x 4 (its BUFFER_SIZE); else it asks for ever.
+bool blas_fits(std::ostream& err) {
+  constexpr double buffer = 140e6;
+  if (dlsym(RTLD_DEFAULT, "openblas_set_num_threads") == nullptr || !address_space_is_limited()) return true;
+  const double available = perp::lcp::available_memory();
+  if (available >= buffer) return true;
+  err << fmt::format("perp: OpenBLAS needs {} of address space for its buffers, {} are available: raise ulimit -v\n",
+                     perp::lcp::memory_text(buffer), perp::lcp::memory_text(available));
+  return false;
+}
+
+/// Whether the command may factor a matrix.
+bool factors(const std::vector<std::string>& arguments) {
+  constexpr std::array<std::string_view, 3> commands{"solve", "inspect", "contact"};
+  return !arguments.empty() && std::ranges::find(commands, arguments[0]) != commands.end();
 }
 
 constexpr const char* about =
@@ -404,22 +432,24 @@ int checked_output(int code) {
 
 int main(int argc, char** argv) {
   try {
+    pin_blas(argv);
+    mallopt(M_ARENA_MAX, 1);  // one thread works at a time, and each arena takes 64 MB of address space
     set_up_signals();
     const Guard guard(interrupted);
-    pin_blas();
     const std::string program = argc > 0 ? std::filesystem::path(argv[0]).filename().string() : "perp";
     const std::vector<std::string> arguments(argv + std::min(argc, 1), argv + argc);
     if (arguments.size() == 2 && arguments[0] == "compare-worker") return compare::worker(arguments[1], &interrupted);
     const PrintableStream out(std::cout);
     PrintableStream err(std::cerr);
     const Streams streams{std::cout, std::cerr, &err.raw()};
+    const bool ampl = is_ampl_call(program, arguments);
+    if ((ampl || factors(arguments)) && !blas_fits(streams.err)) return exit_input;
     const int code =
-        is_ampl_call(program, arguments)
-            ? ampl_driver({.program = program,
-                           .arguments = arguments,
-                           .environment = [](const char* name) -> const char* { return std::getenv(name); }},
-                          streams, &interrupted)
-            : run_command(arguments, streams);
+        ampl ? ampl_driver({.program = program,
+                            .arguments = arguments,
+                            .environment = [](const char* name) -> const char* { return std::getenv(name); }},
+                           streams, &interrupted)
+             : run_command(arguments, streams);
     const int checked = checked_output(code);
     if (calls_left_behind()) _exit(checked);  // they use what the destructors of the program would take away
     return checked;

@@ -125,6 +125,18 @@ TEST(ProgramLimits, Contact) {
   EXPECT_GT(result["contacts"].size(), 100U);
 }
 
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+// `ulimit -v`: OpenBLAS asks for its buffers for ever where they do not fit, from before main() on. Catches a program
+// that has to be killed then.
+TEST(ProgramLimits, SmallAddressSpace) {
+  const std::string command = std::string("timeout -s KILL 20 ") + PERP_PROGRAM;
+  EXPECT_EQ(std::system(("ulimit -v 100000; " + command + " --version > /dev/null").c_str()), 0);
+  const int status = std::system(("ulimit -v 100000; " + command + " solve kojshin > /dev/null 2>&1").c_str());
+  ASSERT_TRUE(WIFEXITED(status));
+  EXPECT_THAT(WEXITSTATUS(status), testing::AnyOf(exit_solved, exit_input));  // by another BLAS; refused
+}
+#endif
+
 // 200 contacts with 1,000 facets each have 6e9 entries. Catches encodings that are built until the machine dies.
 TEST(ProgramLimits, EncodingsAreEstimatedFirst) {
   const Folder folder;

@@ -402,5 +402,19 @@ TEST(Solve, TurnedFrames) {
   }
 }
 
+// mu = 1e308 overflows in every equation with mu u_T. Catches NaNs that are told as wrong input: one recorded set with
+// such a mu was refused in the middle of the homotopy.
+TEST(Solve, FrictionThatOverflowsIsNoWrongInput) {
+  Problem problem = make_scene("spheres", 20).problem();
+  problem.mu[3] = 1e308;
+  for (const auto& method : {decltype(Options::method)(Auto{}), decltype(Options::method)(GlockerHomotopy{}),
+                             decltype(Options::method)(GlockerNcp{})}) {
+    Result result;
+    ASSERT_NO_THROW(result = solve(problem, {.max_time = std::chrono::seconds(5), .method = method}));
+    EXPECT_TRUE(result.solution.r.allFinite()) << result.message;
+    EXPECT_EQ(result.solved(), accepted(residual(problem, result.solution.r), 1e-8)) << result.message;
+  }
+}
+
 }  // namespace
 }  // namespace perp::contact
