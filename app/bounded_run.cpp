@@ -109,32 +109,38 @@ std::shared_ptr<const LoadedProblem> load_within(const Patience& patience, std::
   return *loaded;
 }
 
-Report run_within(const Patience& patience, std::shared_ptr<const LoadedProblem> problem, const Settings& settings,
+Report run_within(const Patience& whole, std::shared_ptr<const LoadedProblem> problem, const Settings& settings,
                   std::ostream* log, ncp::Observer observer) {
   const auto shared = std::make_shared<Shared>();
   shared->problem = std::move(problem);
   shared->settings = settings;
   shared->observer = std::move(observer);
   if (log != nullptr) shared->table = live_table(*log, shared->mcp(), settings.output);
+  std::chrono::duration<double> left = whole.deadline - Clock::now();
+  left -= std::min(left / 2, writing_time(shared->mcp().size()));
   Settings within = settings;
   std::chrono::duration<double>& limit = ncp::stop(within.method).max_time;
-  const std::chrono::duration<double> left = patience.deadline - Clock::now();
   if (left < limit - worth_telling) limit = std::max(left, decltype(left)::zero());
   const auto given_up = bounded_call(
-      [shared, within = std::move(within), interrupt = patience.interrupt] {
+      [shared, within = std::move(within), interrupt = whole.interrupt] {
         shared->start();
         shared->report = run_method(*shared->problem, within, nullptr, interrupt,
                                     [&s = *shared](const ncp::Iteration& it) { return s.see(it); });
       },
-      patience);
+      patience(left, whole.interrupt));
   if (given_up) return report_of_best(*shared, *given_up);
   Report report = std::move(shared->report);
   report.settings = settings;
   return report;
 }
 
+std::chrono::duration<double> patience_with_writing(ncp::Index n) {
+  constexpr double slow = 10;  // disks, and machines that have other things to do
+  return slow * writing_time(n);
+}
+
 std::chrono::duration<double> writing_time(ncp::Index n) {
-  constexpr std::chrono::duration<double> of_variable{2e-5};
+  constexpr std::chrono::duration<double> of_variable{4e-6};
   return static_cast<double>(n) * of_variable;
 }
 

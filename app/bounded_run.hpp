@@ -27,13 +27,16 @@ class OutOfTime : public std::runtime_error {
 std::shared_ptr<const LoadedProblem> load_within(const Patience& patience, std::function<LoadedProblem()> load,
                                                  const std::string& what);
 
-/// run_method() with `settings`, whose time limit is what is left of `patience`. Where the method does not come back
-/// from a phase of linear algebra the report is of the best point met: TimeLimit or Interrupted. `observer`, if there
-/// is one, is not called any more then.
-Report run_within(const Patience& patience, std::shared_ptr<const LoadedProblem> problem, const Settings& settings,
+/// run_method() with `settings`, whose time limit is what is left of `whole`, less writing_time(). Where the method
+/// does not come back from a phase of linear algebra the report is of the best point met: TimeLimit or Interrupted.
+/// `observer`, if there is one, is not called any more then.
+Report run_within(const Patience& whole, std::shared_ptr<const LoadedProblem> problem, const Settings& settings,
                   std::ostream* log, ncp::Observer observer = {});
 
-/// What writing a report of n variables may take at most.
+/// What writing a report of n variables takes at most, by and large: runs end so long before their time limit.
 std::chrono::duration<double> writing_time(ncp::Index n);
+/// How long a report that is being written is waited for after a limit or a signal: a result is worth more than a
+/// second.
+std::chrono::duration<double> patience_with_writing(ncp::Index n);
 
 }  // namespace perp::app

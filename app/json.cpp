@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <array>
+#include <charconv>
 #include <cmath>
 #include <ostream>
 
@@ -24,9 +26,11 @@ Json json_numbers(ncp::In values) {
   return array;
 }
 
-std::string json_text(const Json& json) {
-  const std::string dumped = json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
-  // What JSON lets stand and terminals obey: DEL and C1.
+namespace {
+
+/// What JSON lets stand and terminals obey: DEL and C1.
+std::string for_terminals(std::string dumped) {
+  if (dumped.find('\x7F') == std::string::npos && dumped.find('\xC2') == std::string::npos) return dumped;
   std::string text;
   text.reserve(dumped.size());
   for (std::size_t k = 0; k < dumped.size(); ++k) {
@@ -39,6 +43,12 @@ std::string json_text(const Json& json) {
       text += dumped[k];
   }
   return text;
+}
+
+}  // namespace
+
+std::string json_text(const Json& json) {
+  return for_terminals(json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 
 Json json_header() {
@@ -66,24 +76,49 @@ namespace {
 
 namespace collection = ncp::collection;
 
-Json variables_json(const Report& report) {
+void append_number(std::string& text, double value) {
+  if (!std::isfinite(value)) {
+    text += json_number(value).dump();
+    return;
+  }
+  std::array<char, 32> digits{};
+  const char* end = std::to_chars(digits.data(), digits.data() + digits.size(), value).ptr;
+  const std::string_view shortest(digits.data(), static_cast<std::size_t>(end - digits.data()));
+  text += shortest;
+  if (shortest.find_first_of(".e") == std::string_view::npos) text += ".0";  // a double for readers that tell
+}
+
+/// Written at once, in the form of json_text(): a tree of a million variables takes several times as long as the text.
+std::string variables_text(const Report& report) {
   const ncp::Mcp& mcp = report.mcp();
   const ncp::Box& box = mcp.box();
   const double tol = ncp::stop(report.settings.method).tol;
   const std::vector<lcp::Cell>& basis = report.result.basis;
-  Json array = Json::array();
+  const bool has_basis = static_cast<ncp::Index>(basis.size()) == mcp.size();
+  if (mcp.size() == 0) return "[]";
+  const auto quoted = [](std::string_view text) {
+    return Json(text).dump(-1, ' ', false, Json::error_handler_t::replace);
+  };
+  std::string text = "[";
   for (ncp::Index i = 0; i < mcp.size(); ++i) {
-    array.push_back({{"name", mcp.variable_name(i)},
-                     {"equation", mcp.equation_name(i)},
-                     {"lower", json_number(box.lower[i])},
-                     {"value", json_number(report.result.x[i])},
-                     {"upper", json_number(box.upper[i])},
-                     {"F", json_number(F_value(report, i))},
-                     {"state", state_name(box, i, report.result.x[i], tol)}});
-    if (static_cast<ncp::Index>(basis.size()) == mcp.size())
-      array.back()["basis"] = cell_name(basis[static_cast<std::size_t>(i)]);
+    const auto number = [&](const char* key, double value) {
+      text.append(",\n      \"").append(key).append("\": ");
+      append_number(text, value);
+    };
+    const auto word = [&](const char* key, std::string_view value) {
+      text.append(",\n      \"").append(key).append("\": ").append(quoted(value));
+    };
+    text.append(i > 0 ? "," : "").append("\n    {\n      \"name\": ").append(quoted(mcp.variable_name(i)));
+    word("equation", mcp.equation_name(i));
+    number("lower", box.lower[i]);
+    number("value", report.result.x[i]);
+    number("upper", box.upper[i]);
+    number("F", F_value(report, i));
+    word("state", state_name(box, i, report.result.x[i], tol));
+    if (has_basis) word("basis", cell_name(basis[static_cast<std::size_t>(i)]));
+    text += "\n    }";
   }
-  return array;
+  return text += "\n  ]";
 }
 
 Json iterations_json(const Report& report) {
@@ -221,7 +256,7 @@ std::string solve_json(const Report& report) {
   if (report.derivatives)
     json["derivatives"] = {{"defined", report.derivatives->defined}, {"worst", json_number(report.derivatives->worst)}};
   json["options"] = options_json(report.settings);
-  json["variables"] = variables_json(report);
+  json["variables"] = "";
   json["iterations"] = iterations_json(report);
   if (report.all_solutions) {
     json["solutions_complete"] = report.all_solutions->complete;
@@ -230,7 +265,10 @@ std::string solve_json(const Report& report) {
       json["solutions"].push_back({{"dimension", solution.dimension}, {"x", json_numbers(solution.z)}});
   }
   if (report.several) add_several(json, report);
-  return json_text(json);
+  std::string text = json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  constexpr std::string_view place = "\n  \"variables\": ";  // no text has a line break of its own
+  text.replace(text.find(place) + place.size(), 2, variables_text(report));
+  return for_terminals(std::move(text));
 }
 
 std::string refused_json(const std::string& problem, const std::string& message) {

@@ -92,7 +92,7 @@ Report run_and_print(const SolveRequest& request, const std::shared_ptr<const Lo
   const bool table = shows(LogLevel::Info) && output.table();
   if (table) log << '\n';
   Report report = run_within(patience, loaded, options.settings, table ? &log : nullptr, std::move(observer));
-  writing_takes(writing_time(problem.mcp->size()));
+  writing_takes(patience_with_writing(problem.mcp->size()));
   report.notes = options.notes;
   if (shows(LogLevel::Info)) {
     log << '\n';

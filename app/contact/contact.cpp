@@ -135,7 +135,7 @@ class Command {
       if (shows(LogLevel::Info)) print_heading(log_, loaded, variant_, request_.tol);
       log_.flush();
       summary.run = run_within(limits, kept, variant_, {.tol = request_.tol, .seconds = request_.time_limit});
-      writing_takes(writing_time(loaded.problem.q.size()));
+      writing_takes(patience_with_writing(loaded.problem.q.size()));
       const Run& run = summary.run;
       print(loaded, run);
       const ExitCode code = run.solved ? exit_solved : exit_unsolved;
