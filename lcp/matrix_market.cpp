@@ -294,9 +294,10 @@ std::string read_file(const std::string& path) {
   return text;
 }
 
-SpMat read_matrix(const std::string& path) {
-  const std::string text = read_file(path);
-  Scanner in(path, text);
+SpMat read_matrix(const std::string& path) { return parse_matrix(read_file(path), path); }
+
+SpMat parse_matrix(std::string_view text, const std::string& name) {
+  Scanner in(name, text);
   const Header h = read_header(in);
   Entries entries = read_entries(in, h, text.size(), false);
   try {
@@ -310,9 +311,10 @@ SpMat read_matrix(const std::string& path) {
   }
 }
 
-Vec read_vector(const std::string& path, bool bounds) {
-  const std::string text = read_file(path);
-  Scanner in(path, text);
+Vec read_vector(const std::string& path, bool bounds) { return parse_vector(read_file(path), path, bounds); }
+
+Vec parse_vector(std::string_view text, const std::string& name, bool bounds) {
+  Scanner in(name, text);
   if (!has_banner(text)) {
     std::vector<double> values;
     while (!in.done()) {
