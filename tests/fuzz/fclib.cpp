@@ -1,6 +1,9 @@
 /// FCLIB files from their bytes (contact/fclib.hpp): what is read passes contact::check and the judge, and what is
 /// written of it reads back the same.
 #include "contact/fclib.hpp"
+
+#include <hdf5.h>
+
 #include "contact/residual.hpp"
 #include "fuzz/support.hpp"
 #include "lcp/file_error.hpp"
@@ -36,5 +39,6 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     if (file.solution && file.solution->r.size() == file.problem.q.size()) judge(file.solution->r);
     if (perp::fuzz::one_in(16, content)) write_and_read(file);
   });
+  require(H5Fget_obj_count(H5F_OBJ_ALL, H5F_OBJ_ALL) == 0, "HDF5 has nothing open");
   return 0;
 }
