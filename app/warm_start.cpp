@@ -87,7 +87,7 @@ WarmStart parse_warm_start(std::string_view text, const std::string& path, const
     const std::optional<lcp::Cell> cell = cell_of(word("basis"));
     if (!cell)
       fail(fmt::format("the basis of variable '{}' is {}; it must be below, inside, above or fixed", name,
-                       variable["basis"].dump()));
+                       variable["basis"].is_string() ? fmt::format("'{}'", word("basis")) : "no word"));
     warm.basis.push_back(*cell);
   }
   if (!warm.basis.empty() && static_cast<ncp::Index>(warm.basis.size()) != mcp.size())
