@@ -156,7 +156,7 @@ SolFile parse_binary(std::string_view bytes, ncp::Index variables) {
   if (record.size() != static_cast<std::size_t>(sizes.values) * sizeof(double))
     throw InputError("its record of values has another length");
   sol.x.resize(sizes.values);
-  std::memcpy(sol.x.data(), record.data(), record.size());
+  if (!record.empty()) std::memcpy(sol.x.data(), record.data(), record.size());  // none: no address to copy to
   const std::vector<long long> objno = integers(records.next());
   if (objno.size() < 2) throw InputError("no record of objno");
   sol.code = static_cast<int>(objno[1]);

@@ -19,6 +19,7 @@
 #include "app/compare/start.hpp"
 #include "app/problem.hpp"
 #include "ncp/ampl/model.hpp"
+#include "ncp/ampl/sol.hpp"
 #include "ncp/presets.hpp"
 #include "support.hpp"
 
@@ -119,6 +120,15 @@ TEST(SolFile, Text) {
   const std::string tolerance = "m\n\nOptions\n5\n1\n3\n0\n1\n0\n1\n1\n1e-9\n0.25\nobjno 0 0\nsuffix 0 1 2 0 0\n";
   EXPECT_EQ(parse_sol(tolerance, 1).x[0], 0.25);
   EXPECT_TRUE(std::isnan(parse_sol(sol("nan\n1\n"), 2).x[0]));
+}
+
+// A program that has given up writes a record of values that is empty. Would catch (under asan-ubsan) a copy to the
+// address of an empty vector, which there is none of.
+TEST(SolFile, BinaryWithoutValues) {
+  const SolFile sol = parse_sol(ncp::ampl::sol_text({.binary = true, .n_con = 2, .n_var = 3}, "failed", {}, 500), 3);
+  EXPECT_EQ(sol.message, "failed");
+  EXPECT_EQ(sol.code, 500);
+  EXPECT_EQ(sol.x.size(), 0);
 }
 
 // Every proper prefix of a file is one that was cut off.
