@@ -1,6 +1,6 @@
 /// cells.jsonl of `perp compare` and `perp contact --compare` (app/compare/cell.hpp, app/contact/cell.hpp). The fuzzer
-/// cannot guess a CRC, so each line is read as it stands and as the object of a line whose CRC is right. What is read
-/// writes lines and tables that read back the same.
+/// cannot guess a CRC: a text without "crc" is made lines whose CRC is right. What is read writes lines and tables that
+/// read back the same. And the result a run of contact leaves behind.
 #include "app/compare/cell.hpp"
 #include "app/contact/cell.hpp"
 #include "app/program.hpp"
@@ -57,11 +57,9 @@ void use(const std::vector<contacts::Cell>& cells) {
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string_view text = fuzz::view(data, size);
-  const std::string right = checked(text);
-  for (const std::string_view lines : {text, std::string_view(right)}) {
-    if (const auto read = compare::parse_cells(lines); !read.cells.empty()) use(read.cells);
-    if (const auto read = contacts::parse_cells(std::string(lines)); !read.cells.empty()) use(read.cells);
-  }
-  contacts::cell_of({}, std::string(text), {});
+  const std::string lines = text.find("crc") != std::string_view::npos ? std::string(text) : checked(text);
+  if (const auto read = compare::parse_cells(lines); !read.cells.empty()) use(read.cells);
+  if (const auto read = contacts::parse_cells(lines); !read.cells.empty()) use(read.cells);
+  if (text.find("residual") != std::string_view::npos) contacts::cell_of({}, std::string(text), {});
   return 0;
 }
