@@ -225,7 +225,7 @@ void Search::prepare(const std::vector<Index>& part) {
   for (const Index a : part)
     for (SpMat::InnerIterator it(rows_, d_ * a); it; ++it) all_.push_back(it.row() / d_);
   std::ranges::sort(all_);
-  all_.erase(std::ranges::unique(all_).begin(), all_.end());
+  all_.erase(std::unique(all_.begin(), all_.end()), all_.end());
   place_.assign(at(problem_.contacts()), -1);
   for (std::size_t k = 0; k < all_.size(); ++k) place_[at(all_[k])] = static_cast<Index>(k);
   weight_ = Vec::Ones(d_ * static_cast<Index>(all_.size()));
@@ -305,7 +305,7 @@ void Search::refine(Vec& y, const std::vector<Index>& support, const std::vector
       if (it.value() != 0 && slack[at(it.row() / d_)] == 0 && (it.row() % d_ == 0 || problem_.mu[it.row() / d_] > 0))
         rows.push_back(it.row());
   std::ranges::sort(rows);
-  rows.erase(std::ranges::unique(rows).begin(), rows.end());
+  rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
   if (rows.empty() || support.size() > most_columns) return;
   Dense G = Dense::Zero(static_cast<Index>(rows.size()), static_cast<Index>(support.size()));
   Vec x(G.cols());

@@ -36,8 +36,8 @@ TEST_P(DataModels, SolvedAtTheReference) {
   std::ifstream file(folder / (stub + ".sol.json"));
   const auto reference = nlohmann::json::parse(file);
   // Any plan of shipments of least cost will do.
-  const auto determined = [&](const std::string& variable) {
-    return stub != "spatial" || variable.rfind("flow[", 0) != 0;
+  const auto determined = [&, name = stub](const std::string& variable) {
+    return name != "spatial" || variable.rfind("flow[", 0) != 0;
   };
   for (Index i = 0; i < model->n_var(); ++i) {
     if (!determined(model->variable_name(i))) continue;
