@@ -15,6 +15,7 @@
 #include "app/contact/variant.hpp"
 #include "app/problem.hpp"
 #include "fuzz/support.hpp"
+#include "ncp/collection/sized.hpp"
 
 namespace {
 
@@ -58,6 +59,13 @@ bool no_file(std::string_view text) {
 /// fnmatch() tries all ways to share a name among many stars.
 bool few_stars(std::string_view text) { return std::ranges::count(text, '*') <= 4; }
 
+/// What names nothing is compared with all names of the collection for a suggestion, which takes its time.
+bool worth_it(const std::string& text) {
+  const std::string name = text.substr(0, text.find(':'));
+  return ncp::collection::find(name) != nullptr || ncp::collection::find_family(name) != nullptr ||
+         fuzz::one_in(64, text);
+}
+
 void read(char kind, const std::string& text) {
   const bool write = fuzz::one_in(16, text);
   std::vector<std::string> notes;
@@ -81,7 +89,7 @@ void read(char kind, const std::string& text) {
       }
       return;
     case 's':
-      if (small(text) && no_file(text)) app::load_problem(text);
+      if (small(text) && no_file(text) && worth_it(text)) app::load_problem(text);
       return;
     case 'c':
       if (small(text) && no_file(text)) app::contacts::generate(text);
