@@ -131,6 +131,28 @@ TEST(SolFile, BinaryWithoutValues) {
   EXPECT_EQ(sol.x.size(), 0);
 }
 
+// An empty line ends the message (Gay 1997). Would catch a line "Options" of a message taken for the end of it, and the
+// rest of the message for a point.
+TEST(SolFile, OptionsInTheMessage) {
+  const std::string message = "Options\n3\n1\n1\n0\n2\n0\n2\n0\nobjno 0 0";
+  const std::vector<double> x{1, 2};
+  const SolFile read = parse_sol(ncp::ampl::sol_text({.n_con = 2, .n_var = 2}, "Says:\n" + message, x, 400), 2);
+  EXPECT_EQ(read.message, "Says:\n" + message);
+  EXPECT_EQ(read.code, 400);
+  ASSERT_EQ(read.x.size(), 2);
+  EXPECT_EQ(read.x[1], 2);
+}
+
+// Would catch what stands behind a NUL left out of sight, and codes that an int does not hold.
+TEST(SolFile, WholeLinesAreNumbers) {
+  using namespace std::string_literals;
+  EXPECT_THROW(parse_sol(sol("1\n2\0junk\n"s), 2), InputError);
+  EXPECT_THROW(parse_sol(sol("1\n2\n", "2\0junk"s), 2), InputError);
+  for (const char* end : {"objno 0 4294967296\n", "objno 0 1e3\n", "objno 0 \n", "objno 0\n", "objno 0 0x10\n"})
+    EXPECT_THROW(parse_sol(sol("1\n2\n", "2", end), 2), InputError) << end;
+  EXPECT_EQ(parse_sol(sol("1\n2\n", "2", "objno -1 402 \n"), 2).code, 402);
+}
+
 // Every proper prefix of a file is one that was cut off.
 TEST(SolFile, TruncatedTextIsRefused) {
   const std::string text = sol();
