@@ -15,7 +15,6 @@
 #include "app/contact/variant.hpp"
 #include "app/problem.hpp"
 #include "fuzz/support.hpp"
-#include "ncp/collection/sized.hpp"
 
 namespace {
 
@@ -59,23 +58,16 @@ bool no_file(std::string_view text) {
 /// fnmatch() tries all ways to share a name among many stars.
 bool few_stars(std::string_view text) { return std::ranges::count(text, '*') <= 4; }
 
-/// What names nothing is compared with all names of the collection for a suggestion, which takes its time.
-bool worth_it(const std::string& text) {
-  const std::string name = text.substr(0, text.find(':'));
-  return ncp::collection::find(name) != nullptr || ncp::collection::find_family(name) != nullptr ||
-         fuzz::one_in(64, text);
-}
-
 void read(char kind, const std::string& text) {
-  const bool write = fuzz::one_in(16, text);
+  const bool seldom = fuzz::one_in(16, text);
   std::vector<std::string> notes;
   switch (kind) {
     case 'f': {
       std::istringstream in(text);
-      return apply(app::parse_options_file(in, "input.opt"), app::Unknown::Refuse, write);
+      return apply(app::parse_options_file(in, "input.opt"), app::Unknown::Refuse, seldom);
     }
     case 'w':
-      return apply(app::parse_words(text, "input"), app::Unknown::Report, write);
+      return apply(app::parse_words(text, "input"), app::Unknown::Report, seldom);
     case 'm':
       if (few_stars(text)) app::compare::select_methods(text, 1e-6, notes);
       return;
@@ -89,10 +81,10 @@ void read(char kind, const std::string& text) {
       }
       return;
     case 's':
-      if (small(text) && no_file(text) && worth_it(text)) app::load_problem(text);
+      if (seldom && small(text) && no_file(text)) app::load_problem(text);
       return;
     case 'c':
-      if (small(text) && no_file(text)) app::contacts::generate(text);
+      if (seldom && small(text) && no_file(text)) app::contacts::generate(text);
       return;
     case 'n':
       app::contacts::parse_list<int>("--facets", text, 3, app::contacts::most_facets);
