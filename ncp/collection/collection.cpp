@@ -192,8 +192,7 @@ std::vector<std::string_view> similar(std::string_view name) {
     if (name.size() > entry.name.size() + near) continue;
     const std::size_t distance = edit_distance(name, entry.name);
     const bool prefix = name.size() >= 2 && entry.name.starts_with(name);
-    if (prefix || distance <= near)
-      close.emplace_back(prefix ? 0 : distance, entry.name);
+    if (prefix || distance <= near) close.emplace_back(prefix ? 0 : distance, entry.name);
   }
   std::ranges::sort(close);
   std::vector<std::string_view> names;
