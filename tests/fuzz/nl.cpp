@@ -4,6 +4,7 @@
 #include <cstring>
 #include <vector>
 
+#include "app/compare/start.hpp"
 #include "fuzz/support.hpp"
 #include "ncp/ampl/model.hpp"
 #include "ncp/ampl/nl_check.hpp"
@@ -61,6 +62,12 @@ void use(const ampl::Model& model, bool write) {
   if (write) model.write_sol("of the fuzzer", x0.head(model.n_var()), 0);
 }
 
+void use_start(const std::string& text, const ampl::Model& model, const perp::fuzz::Scratch& scratch) {
+  const Vec x = model.start().head(model.n_var()).array() + 0.5;
+  const std::string path = scratch.write("started.nl", perp::app::compare::nl_with_start(text, x));
+  require(ampl::read_model(path)->start().head(model.n_var()) == x, "a model takes another start");
+}
+
 }  // namespace
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
@@ -69,6 +76,9 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const bool sound = perp::fuzz::accepted<ampl::ModelError>([&] { ampl::check_nl("model.nl", bytes); });
   if (!sound) return 0;
   const std::string path = scratch.write("model.nl", bytes);
-  perp::fuzz::accepted<ampl::ModelError>([&] { use(*ampl::read_model(path), perp::fuzz::one_in(64, bytes)); });
+  std::unique_ptr<ampl::Model> model;
+  if (!perp::fuzz::accepted<ampl::ModelError>([&] { model = ampl::read_model(path); })) return 0;
+  use(*model, perp::fuzz::one_in(64, bytes));
+  if (bytes.starts_with('g') && perp::fuzz::one_in(8, bytes)) use_start(std::string(bytes), *model, scratch);
   return 0;
 }
