@@ -81,7 +81,7 @@ class Lines {
 SolFile parse_text(std::string_view text, ncp::Index variables) {
   SolFile sol;
   Lines lines(text);
-  bool ended = true;  // the message, by an empty line: "Options" may be a line of it
+  bool ended = false;  // the message, by an empty line: "Options" may be a line of it
   for (std::string_view line = lines.next(); !ended || line != "Options"; line = lines.next()) {
     (sol.message += sol.message.empty() || line.empty() ? "" : "\n") += line;
     ended = line.empty();

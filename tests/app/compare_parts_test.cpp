@@ -136,11 +136,13 @@ TEST(SolFile, BinaryWithoutValues) {
 TEST(SolFile, OptionsInTheMessage) {
   const std::string message = "Options\n3\n1\n1\n0\n2\n0\n2\n0\nobjno 0 0";
   const std::vector<double> x{1, 2};
-  const SolFile read = parse_sol(ncp::ampl::sol_text({.n_con = 2, .n_var = 2}, "Says:\n" + message, x, 400), 2);
-  EXPECT_EQ(read.message, "Says:\n" + message);
-  EXPECT_EQ(read.code, 400);
-  ASSERT_EQ(read.x.size(), 2);
-  EXPECT_EQ(read.x[1], 2);
+  for (const std::string& said : {message, "Says:\n" + message}) {
+    const SolFile read = parse_sol(ncp::ampl::sol_text({.n_con = 2, .n_var = 2}, said, x, 400), 2);
+    EXPECT_EQ(read.message, said);
+    EXPECT_EQ(read.code, 400);
+    ASSERT_EQ(read.x.size(), 2);
+    EXPECT_EQ(read.x[1], 2);
+  }
 }
 
 // Would catch what stands behind a NUL left out of sight, and codes that an int does not hold.
@@ -165,8 +167,8 @@ TEST(SolFile, GarbageIsRefused) {
   EXPECT_THAT(refused([] { parse_sol(sol("1\n", "1"), 2); }), HasSubstr("1 values instead of 2"));
   EXPECT_THAT(refused([] { parse_sol(sol("1\nx\n"), 2); }), HasSubstr("'x' is no value"));
   EXPECT_THAT(refused([] { parse_sol(sol("1\n2\n3\n"), 2); }), HasSubstr("where objno belongs"));
-  EXPECT_THAT(refused([] { parse_sol("Options\n999999999\n", 2); }), HasSubstr("options"));
-  EXPECT_THAT(refused([] { parse_sol("Options\n0\n1\n0\n2\n99999999999\n", 2); }), HasSubstr("instead of 2"));
+  EXPECT_THAT(refused([] { parse_sol("\nOptions\n999999999\n", 2); }), HasSubstr("options"));
+  EXPECT_THAT(refused([] { parse_sol("\nOptions\n0\n1\n0\n2\n99999999999\n", 2); }), HasSubstr("instead of 2"));
   EXPECT_THAT(refused([] { parse_sol(std::string(5000, '\xff'), 2); }), HasSubstr("cut off"));
   EXPECT_THAT(refused([] { parse_sol("", 2); }), HasSubstr("empty"));
 }
