@@ -22,7 +22,9 @@ namespace perp::app::compare {
 namespace {
 
 constexpr int format_version = 1;
-constexpr int most_starts = 10'000;  // of a problem: ten times what any has
+// What nobody runs, and a damaged file may ask for: starts of a problem, and cells.
+constexpr int most_starts = 10'000;
+constexpr std::size_t most_cells = 10'000'000;
 
 Json pairs_json(const std::vector<std::pair<std::string, std::string>>& pairs) {
   Json object = Json::object();
@@ -205,6 +207,8 @@ Campaign parse_campaign(const std::string& text) {
     campaign.jobs = json_integer<int>(json.at("jobs"), "jobs");
     for (const Json& method : json.at("methods")) campaign.methods.push_back(method_of(method));
     for (const Json& problem : json.at("problems")) campaign.problems.push_back(problem_of(problem));
+    if (campaign.cells() > most_cells)
+      throw InputError(fmt::format("{} cells, more than {}", campaign.cells(), most_cells));
     return campaign;
   } catch (const Json::exception& error) {
     throw InputError(error.what());

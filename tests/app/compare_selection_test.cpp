@@ -185,6 +185,16 @@ TEST(CampaignFile, NumbersOutOfRangeAreRefused) {
   EXPECT_THROW(parse_campaign(with(R"("memory_limit_mb": 4096)", R"("memory_limit_mb": 1e300)")), InputError);
 }
 
+// A short file may ask for more cells than there is memory. Would catch a report that makes a table of them all.
+TEST(CampaignFile, MoreCellsThanAnybodyRunsAreRefused) {
+  Campaign campaign;
+  campaign.methods.assign(1000, {.label = "path", .name = "path"});
+  campaign.problems.assign(1000, {.name = "kojshin", .starts = 10});
+  EXPECT_EQ(parse_campaign(campaign_json(campaign)).cells(), 10'000'000U);
+  campaign.problems.front().starts = 11;
+  EXPECT_THROW(parse_campaign(campaign_json(campaign)), InputError);
+}
+
 // Each thing that cells depend on is named when it differs, and nothing else is.
 TEST(CampaignFile, DifferencesAreNamed) {
   const Campaign before = example();
