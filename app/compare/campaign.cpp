@@ -207,8 +207,10 @@ Campaign parse_campaign(const std::string& text) {
     campaign.jobs = json_integer<int>(json.at("jobs"), "jobs");
     for (const Json& method : json.at("methods")) campaign.methods.push_back(method_of(method));
     for (const Json& problem : json.at("problems")) campaign.problems.push_back(problem_of(problem));
-    if (campaign.cells() > most_cells)
-      throw InputError(fmt::format("{} cells, more than {}", campaign.cells(), most_cells));
+    std::size_t pairs = 0;
+    for (const AskedProblem& problem : campaign.problems) pairs += static_cast<std::size_t>(problem.starts);
+    if (pairs > most_cells || campaign.cells() > most_cells)
+      throw InputError(fmt::format("more than {} cells", most_cells));
     return campaign;
   } catch (const Json::exception& error) {
     throw InputError(error.what());

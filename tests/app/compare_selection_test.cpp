@@ -193,6 +193,9 @@ TEST(CampaignFile, MoreCellsThanAnybodyRunsAreRefused) {
   EXPECT_EQ(parse_campaign(campaign_json(campaign)).cells(), 10'000'000U);
   campaign.problems.front().starts = 11;
   EXPECT_THROW(parse_campaign(campaign_json(campaign)), InputError);
+  campaign.methods.clear();  // nor starts of nobody
+  campaign.problems.assign(1001, {.name = "kojshin", .starts = 10'000});
+  EXPECT_THROW(parse_campaign(campaign_json(campaign)), InputError);
 }
 
 // Each thing that cells depend on is named when it differs, and nothing else is.
