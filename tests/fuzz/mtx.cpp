@@ -36,7 +36,7 @@ bool slow(std::string_view text) {
 
 bool same(const SpMat& A, const SpMat& B) {
   return A.rows() == B.rows() && A.cols() == B.cols() && A.nonZeros() == B.nonZeros() &&
-         (A.nonZeros() == 0 || A.coeffs().isApprox(B.coeffs(), 0));
+         (A.nonZeros() == 0 || (A.coeffs() == B.coeffs()).all());
 }
 
 void use(const SpMat& A, bool write) {
