@@ -38,6 +38,8 @@ std::string did_you_mean(std::string_view word, std::span<const std::string_view
   const std::size_t near = std::max<std::size_t>(1, word.size() / 3);
   std::vector<std::pair<std::size_t, std::string_view>> close;
   for (const std::string_view candidate : candidates) {
+    // The distance is the difference of the lengths at least; a word may be megabytes long.
+    if (word.size() > candidate.size() + near) continue;
     const std::size_t distance = edit_distance(word, candidate);
     if (distance <= near || (word.size() >= 3 && candidate.find(word) != std::string_view::npos))
       close.emplace_back(distance, candidate);

@@ -57,9 +57,12 @@ std::string_view cell_name(lcp::Cell cell) {
 }
 
 WarmStart read_warm_start(const std::string& path, const ncp::Mcp& mcp) {
+  return parse_warm_start(lcp::read_file(path), path, mcp);
+}
+
+WarmStart parse_warm_start(std::string_view text, const std::string& path, const ncp::Mcp& mcp) {
   const auto fail = [&](const std::string& why) { throw InputError(fmt::format("--warm-start {}: {}", path, why)); };
-  const std::string content = lcp::read_file(path);
-  const Json json = Json::parse(lcp::without_mark(content, path), nullptr, false);
+  const Json json = Json::parse(lcp::without_mark(text, path), nullptr, false);
   if (!json.is_object() || !json.contains("variables") || !json["variables"].is_array())
     fail("this is no result that 'perp solve --json' wrote");
   const Json& variables = json["variables"];
@@ -69,22 +72,22 @@ WarmStart read_warm_start(const std::string& path, const ncp::Mcp& mcp) {
   for (ncp::Index i = 0; i < mcp.size(); ++i) {
     const Json& variable = variables[static_cast<std::size_t>(i)];
     const std::string name = mcp.variable_name(i);
-    const auto text = [&](const char* key) {
+    const auto word = [&](const char* key) {
       return variable.is_object() && variable.contains(key) && variable[key].is_string()
                  ? variable[key].get<std::string>()
                  : std::string();
     };
-    if (text("name") != name)
-      fail(fmt::format("variable {} is '{}' there and '{}' in the problem", i + 1, text("name"), name));
+    if (word("name") != name)
+      fail(fmt::format("variable {} is '{}' there and '{}' in the problem", i + 1, word("name"), name));
     if (!variable.contains("value") || !variable["value"].is_number() ||
         !std::isfinite(variable["value"].get<double>()))
       fail(fmt::format("the value of variable '{}' is no finite number", name));
     warm.x[i] = variable["value"].get<double>();
     if (!variable.contains("basis")) continue;  // of all, or of none: below
-    const std::optional<lcp::Cell> cell = cell_of(text("basis"));
+    const std::optional<lcp::Cell> cell = cell_of(word("basis"));
     if (!cell)
       fail(fmt::format("the basis of variable '{}' is {}; it must be below, inside, above or fixed", name,
-                       variable["basis"].dump()));
+                       variable["basis"].is_string() ? fmt::format("'{}'", word("basis")) : "no word"));
     warm.basis.push_back(*cell);
   }
   if (!warm.basis.empty() && static_cast<ncp::Index>(warm.basis.size()) != mcp.size())

@@ -19,6 +19,8 @@ struct WarmStart {
 /// Throws InputError, naming file and variable, if this is no result of as many variables with the same names, a value
 /// is no finite number, or the basis is not one of all variables.
 WarmStart read_warm_start(const std::string& path, const ncp::Mcp& mcp);
+/// The same from the text of a file; `path` is for the errors.
+WarmStart parse_warm_start(std::string_view text, const std::string& path, const ncp::Mcp& mcp);
 
 /// Makes it the start of the problem and of the method. A basis that the method cannot use, and variables whose bounds
 /// do not allow their cell any more (they take the cell of their value), are worth a note.

@@ -106,11 +106,12 @@ struct EtaFile {
 }  // namespace
 
 struct BasisFactor::Impl {
-  Impl(const SpMat& matrix, BasisOptions o)
-      : A(&matrix), options(o), lu(o.lu, o.deadline), rhs(matrix.rows()), b_(matrix.rows()) {}
+  Impl(const SpMat& matrix, BasisOptions o, Deadline until)
+      : A(&matrix), options(o), deadline(until), lu(o.lu, until), rhs(matrix.rows()), b_(matrix.rows()) {}
 
   const SpMat* A;
   BasisOptions options;
+  Deadline deadline;
   SparseLu lu;
   LuStatus status = LuStatus::Singular;
   std::vector<Index> basis;
@@ -243,7 +244,7 @@ std::vector<BasisFactor::Dependency> BasisFactor::Impl::dependencies(double tol)
   SpMat zeros(C.rows(), C.cols());
   zeros.setIdentity();
   zeros *= 0;
-  SparseLu revealing(LuBackend::Umfpack, options.deadline);
+  SparseLu revealing(LuBackend::Umfpack, deadline);
   (void)revealing.factor(C + zeros);
   LuFactors f;
   std::vector<Dependency> found;
@@ -351,9 +352,9 @@ double BasisFactor::Impl::norm1() const {
   return worst;
 }
 
-BasisFactor::BasisFactor(const SpMat& A, BasisOptions options) {
+BasisFactor::BasisFactor(const SpMat& A, BasisOptions options, Deadline deadline) {
   if (A.cols() < A.rows()) throw std::invalid_argument("BasisFactor: fewer columns than rows");
-  impl_ = std::make_unique<Impl>(A, options);
+  impl_ = std::make_unique<Impl>(A, options, deadline);
 }
 BasisFactor::~BasisFactor() = default;
 BasisFactor::BasisFactor(BasisFactor&&) noexcept = default;

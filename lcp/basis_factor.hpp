@@ -22,8 +22,7 @@ namespace perp::lcp {
 
 struct BasisOptions {
   LuBackend lu = LuBackend::Auto;
-  Deadline deadline = no_deadline;  ///< of every factorization (kernel_clock.hpp)
-  int refactor_every = 500;         ///< stale() after so many replacements
+  int refactor_every = 500;   ///< stale() after so many replacements
   double fill_limit = 64;     ///< stale() when the eta file has more than this many entries per nonzero of B and row
   double growth_limit = 1e6;  ///< stale() after a replacement with max |d_i / d_p| above this
   /// stale() when the solves have passed through this many entries of the eta file per entry of L + U: then they have
@@ -51,7 +50,9 @@ class BasisFactor {
     Index row;
   };
 
-  explicit BasisFactor(const SpMat& A, BasisOptions = {});  ///< m >= n; A outlives *this, its values may change
+  /// No factorization is begun that would not have ended at the deadline (kernel_clock.hpp).
+  explicit BasisFactor(const SpMat& A, BasisOptions = {},
+                       Deadline = no_deadline);  ///< m >= n; A outlives *this, its values may change
   ~BasisFactor();
   BasisFactor(BasisFactor&&) noexcept;
   BasisFactor& operator=(BasisFactor&&) noexcept;

@@ -317,10 +317,11 @@ std::string read_file(const std::string& path) {
   return text;
 }
 
-SpMat read_matrix(const std::string& path) {
-  const std::string content = read_file(path);
-  const std::string_view text = without_mark(content, path);
-  Scanner in(path, text);
+SpMat read_matrix(const std::string& path) { return parse_matrix(read_file(path), path); }
+
+SpMat parse_matrix(std::string_view content, const std::string& name) {
+  const std::string_view text = without_mark(content, name);
+  Scanner in(name, text);
   const Header h = read_header(in);
   const Scanner sizes = in;
   try {
@@ -336,10 +337,11 @@ SpMat read_matrix(const std::string& path) {
   }
 }
 
-Vec read_vector(const std::string& path, bool bounds) {
-  const std::string content = read_file(path);
-  const std::string_view text = without_mark(content, path);
-  Scanner in(path, text);
+Vec read_vector(const std::string& path, bool bounds) { return parse_vector(read_file(path), path, bounds); }
+
+Vec parse_vector(std::string_view content, const std::string& name, bool bounds) {
+  const std::string_view text = without_mark(content, name);
+  Scanner in(name, text);
   if (!has_banner(text)) {
     std::vector<double> values;
     while (!in.done()) {

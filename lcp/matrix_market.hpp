@@ -7,6 +7,7 @@
 /// lines and carriage returns do not matter. Complex and Hermitian matrices are refused, and so is everything that is
 /// not as announced: counts, ranges, values that are not finite, text after the last entry.
 #include <string>
+#include <string_view>
 
 #include "lcp/file_error.hpp"
 #include "lcp/types.hpp"
@@ -20,6 +21,10 @@ SpMat read_matrix(const std::string& path);
 /// header. Bounds may be infinite: inf, -inf, infinity, or 1e20 and beyond in size, are taken as infinite if `bounds`,
 /// refused if not. Throws FileError.
 Vec read_vector(const std::string& path, bool bounds = false);
+
+// The same from the text of a file; `name` is for the errors.
+SpMat parse_matrix(std::string_view text, const std::string& name);
+Vec parse_vector(std::string_view text, const std::string& name, bool bounds = false);
 
 /// What a file of it holds: coordinate, general, the shortest text that reads back exactly; of a vector array, n x 1.
 std::string matrix_text(const SpMat& A, const std::string& comment = {});

@@ -22,11 +22,6 @@ SpMat with_residual_column(const SpMat& M) {
   return A;
 }
 
-BasisOptions within(BasisOptions options, Deadline deadline) {
-  options.deadline = std::min(options.deadline, deadline);
-  return options;
-}
-
 std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
 }  // namespace
@@ -43,7 +38,7 @@ NormalPath::NormalPath(const AffineMcp& problem, In start, const LemkeOptions& o
       high_(n_),
       cells_(at(n_)),
       A_(with_residual_column(problem_.M)),
-      factor_(A_, within(options.basis, options.deadline)),
+      factor_(A_, options.basis, options.deadline),
       waiting_(at(n_), none),
       d_(n_) {}
 

@@ -33,10 +33,7 @@ void check_options(const PrincipalPivoting& options) {
 class Tableau {
  public:
   Tableau(const StandardForm& form, LuBackend lu, Deadline deadline)
-      : form_(form),
-        factor_(form.M, {.lu = lu, .deadline = deadline}),
-        z_basic_(at(form.size())),
-        position_(at(form.size())) {}
+      : form_(form), factor_(form.M, {.lu = lu}, deadline), z_basic_(at(form.size())), position_(at(form.size())) {}
 
   /// Basic z_k where `inside`, the nonbasic variables at zero. Singular also where that is only hidden by rounding.
   LuStatus start(const std::vector<char>& inside) {

@@ -7,11 +7,12 @@ build=$root/build/release
 logs=$root/build/logs
 jobs=$(nproc)
 
-# The one list of Debian packages: to build the program, and to test it as well.
+# The one list of Debian packages: to build the program, to test it as well, to fuzz it.
 build_packages=(g++ cmake ninja-build libeigen3-dev libsuitesparse-dev libgsl-dev libamplsolver-dev
   libhdf5-dev libcli11-dev nlohmann-json3-dev libfmt-dev)
 test_packages=("${build_packages[@]}" libgtest-dev libgmock-dev libgmp-dev libmpfr-dev pkg-config python3
   gjh-asl-json)
+fuzz_packages=("${build_packages[@]}" clang llvm libclang-rt-14-dev)
 
 fail() {
   printf '\nperp: %s\n' "$*" >&2

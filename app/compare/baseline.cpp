@@ -20,7 +20,11 @@ std::vector<BaselineRow> read_baseline(const std::string& path) {
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(path, ignored))
     throw InputError(fmt::format("--baseline: there is no file '{}'", path));
-  const auto records = parse_csv(read_text(path), path);
+  return parse_baseline(read_text(path), path);
+}
+
+std::vector<BaselineRow> parse_baseline(std::string_view text, const std::string& path) {
+  const auto records = parse_csv(text, path);
   if (records.empty()) throw InputError(fmt::format("{}: no header", path));
   constexpr std::array<std::string_view, 4> wanted{"method", "problem", "start", "outcome"};
   std::array<std::size_t, wanted.size()> at{};

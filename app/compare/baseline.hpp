@@ -4,6 +4,7 @@
 #include <iosfwd>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "app/compare/cell.hpp"
@@ -17,6 +18,8 @@ struct BaselineRow {
 
 /// By the columns method, problem, start, outcome, which the header names. Throws InputError naming file and line.
 std::vector<BaselineRow> read_baseline(const std::string& path);
+/// The same from the text of a file; `path` is for the errors.
+std::vector<BaselineRow> parse_baseline(std::string_view text, const std::string& path);
 
 struct Regression {
   BaselineRow before{};

@@ -13,6 +13,7 @@
 #include <sstream>
 
 #include "app/compare/cell.hpp"
+#include "app/json_integer.hpp"
 #include "app/json_parts.hpp"
 #include "app/program.hpp"
 
@@ -21,6 +22,9 @@ namespace perp::app::compare {
 namespace {
 
 constexpr int format_version = 1;
+// What nobody runs, and a damaged file may ask for: starts of a problem, and cells.
+constexpr int most_starts = 10'000;
+constexpr std::size_t most_cells = 10'000'000;
 
 Json pairs_json(const std::vector<std::pair<std::string, std::string>>& pairs) {
   Json object = Json::object();
@@ -68,11 +72,11 @@ AskedProblem problem_of(const Json& json) {
   AskedProblem problem{.name = json.at("name").get<std::string>(),
                        .file = json.value("file", ""),
                        .cls = json.at("class").get<std::string>()};
-  problem.n = json.at("n").get<long long>();
-  problem.nonzeros = json.at("nonzeros").get<long long>();
+  problem.n = json_integer<long long>(json.at("n"), "n");
+  problem.nonzeros = json_integer<long long>(json.at("nonzeros"), "nonzeros");
   problem.affine = json.at("affine").get<bool>();
-  problem.starts = json.at("starts").get<int>();
-  problem.known_solutions = json.at("known_solutions").get<int>();
+  problem.starts = json_integer(json.at("starts"), "starts", 1, most_starts);
+  problem.known_solutions = json_integer<int>(json.at("known_solutions"), "known_solutions");
   problem.no_solution = json.at("no_solution").get<std::string>();
   problem.crc = json.value("crc", "");
   return problem;
@@ -181,8 +185,8 @@ std::string campaign_json(const Campaign& campaign) {
 Campaign parse_campaign(const std::string& text) {
   try {
     const Json json = Json::parse(text);
-    if (json.at("campaign").get<int>() != format_version)
-      throw InputError(fmt::format("written in format {}, of another version", json.at("campaign").get<int>()));
+    if (const int format = json_integer<int>(json.at("campaign"), "campaign"); format != format_version)
+      throw InputError(fmt::format("written in format {}, of another version", format));
     Campaign campaign;
     campaign.version = json.at("version").get<std::string>();
     campaign.build = json.at("build").get<std::string>();
@@ -191,18 +195,22 @@ Campaign parse_campaign(const std::string& text) {
     campaign.command_line = json.at("command_line").get<std::vector<std::string>>();
     const Json& machine = json.at("machine");
     campaign.machine = {.cpu = machine.at("cpu").get<std::string>(),
-                        .cores = machine.at("cores").get<int>(),
-                        .memory_mb = machine.at("memory_mb").get<long long>(),
+                        .cores = json_integer<int>(machine.at("cores"), "cores"),
+                        .memory_mb = json_integer<long long>(machine.at("memory_mb"), "memory_mb"),
                         .system = machine.at("system").get<std::string>()};
     campaign.tol = json.at("tol").get<double>();
     campaign.time_limit = json.at("time_limit").get<double>();
-    campaign.memory_mb = json.at("memory_limit_mb").get<long long>();
-    campaign.restarts = json.at("restarts").get<int>();
-    campaign.seed = json.at("seed").get<unsigned>();
-    campaign.starts = json.at("starts").is_string() ? 0 : json.at("starts").get<int>();
-    campaign.jobs = json.at("jobs").get<int>();
+    campaign.memory_mb = json_integer<long long>(json.at("memory_limit_mb"), "memory_limit_mb");
+    campaign.restarts = json_integer(json.at("restarts"), "restarts", 0);
+    campaign.seed = json_integer<unsigned>(json.at("seed"), "seed");
+    campaign.starts = json.at("starts").is_string() ? 0 : json_integer(json.at("starts"), "starts", 0);
+    campaign.jobs = json_integer<int>(json.at("jobs"), "jobs");
     for (const Json& method : json.at("methods")) campaign.methods.push_back(method_of(method));
     for (const Json& problem : json.at("problems")) campaign.problems.push_back(problem_of(problem));
+    std::size_t pairs = 0;
+    for (const AskedProblem& problem : campaign.problems) pairs += static_cast<std::size_t>(problem.starts);
+    if (pairs > most_cells || campaign.cells() > most_cells)
+      throw InputError(fmt::format("more than {} cells", most_cells));
     return campaign;
   } catch (const Json::exception& error) {
     throw InputError(error.what());

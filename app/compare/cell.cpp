@@ -11,6 +11,7 @@
 #include <sstream>
 
 #include "app/csv.hpp"
+#include "app/json_integer.hpp"
 #include "app/json_parts.hpp"
 #include "app/program.hpp"
 
@@ -60,8 +61,7 @@ std::string text_of(const Json& object, const char* key) {
 int count_of(const Json& object, const char* key) {
   const Json& value = member(object, key);
   if (value.is_null()) return -1;
-  if (!value.is_number_integer()) throw InputError(fmt::format("'{}' is no integer", key));
-  return value.get<int>();
+  return json_integer<int>(value, key);
 }
 
 double number_of(const Json& value, const char* key) {

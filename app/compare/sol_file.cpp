@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <vector>
@@ -58,27 +59,33 @@ class Lines {
     const std::string line(next());
     char* end = nullptr;
     const double value = std::strtod(line.c_str(), &end);
-    if (end == line.c_str() || !blank(end)) throw InputError(fmt::format("'{:.40}' is no {}", line, what));
+    if (end == line.c_str() || !blank(line, end)) throw InputError(fmt::format("'{:.40}' is no {}", line, what));
     return value;
   }
   long long integer(std::string_view what) {
     const std::string line(next());
     char* end = nullptr;
     const long long value = std::strtoll(line.c_str(), &end, 10);
-    if (end == line.c_str() || !blank(end)) throw InputError(fmt::format("'{:.40}' is no {}", line, what));
+    if (end == line.c_str() || !blank(line, end)) throw InputError(fmt::format("'{:.40}' is no {}", line, what));
     return value;
   }
 
  private:
-  static bool blank(const char* text) { return text[std::strspn(text, " \t")] == '\0'; }
+  /// From there to the line's end, which the first NUL need not be.
+  static bool blank(const std::string& line, const char* from) {
+    return line.find_first_not_of(" \t", static_cast<std::size_t>(from - line.c_str())) == std::string::npos;
+  }
   std::string_view text_;
 };
 
 SolFile parse_text(std::string_view text, ncp::Index variables) {
   SolFile sol;
   Lines lines(text);
-  for (std::string_view line = lines.next(); line != "Options"; line = lines.next())
+  bool ended = false;  // the message, by an empty line: "Options" may be a line of it
+  for (std::string_view line = lines.next(); !ended || line != "Options"; line = lines.next()) {
     (sol.message += sol.message.empty() || line.empty() ? "" : "\n") += line;
+    ended = line.empty();
+  }
   const long long announced = lines.integer("number of options");
   if (announced < 0 || announced > static_cast<long long>(most_options))
     throw InputError(fmt::format("{} options", announced));
@@ -94,7 +101,9 @@ SolFile parse_text(std::string_view text, ncp::Index variables) {
   for (double& value : sol.x) value = lines.real("value");
   const std::string objno(lines.next());
   int objective = 0;
-  if (std::sscanf(objno.c_str(), "objno %d %d", &objective, &sol.code) != 2)
+  int length = 0;  // of what is read; nine digits are within an int
+  if (std::sscanf(objno.c_str(), "objno %9d %9d %n", &objective, &sol.code, &length) != 2 ||
+      static_cast<std::size_t>(length) != objno.size())
     throw InputError(fmt::format("'{:.40}' where objno belongs", objno));
   return sol;
 }
@@ -156,7 +165,7 @@ SolFile parse_binary(std::string_view bytes, ncp::Index variables) {
   if (record.size() != static_cast<std::size_t>(sizes.values) * sizeof(double))
     throw InputError("its record of values has another length");
   sol.x.resize(sizes.values);
-  std::memcpy(sol.x.data(), record.data(), record.size());
+  if (!record.empty()) std::memcpy(sol.x.data(), record.data(), record.size());  // none: no address to copy to
   const std::vector<long long> objno = integers(records.next());
   if (objno.size() < 2) throw InputError("no record of objno");
   sol.code = static_cast<int>(objno[1]);

@@ -8,6 +8,7 @@
 #include "app/compare/worker_files.hpp"
 #include "app/contact/run.hpp"
 #include "app/files.hpp"
+#include "app/json_integer.hpp"
 #include "app/json_parts.hpp"
 #include "app/program.hpp"
 
@@ -75,13 +76,13 @@ Campaign parse_campaign(const std::string& text) {
   try {
     const Json json = Json::parse(text);
     if (!json.contains("contact_campaign")) throw InputError("no campaign of perp contact --compare");
-    if (json.at("contact_campaign").get<int>() != format_version)
-      throw InputError(fmt::format("written in format {}, of another version", json.at("contact_campaign").get<int>()));
+    if (const int format = json_integer<int>(json.at("contact_campaign"), "contact_campaign"); format != format_version)
+      throw InputError(fmt::format("written in format {}, of another version", format));
     Campaign campaign;
     campaign.version = json.at("version").get<std::string>();
     campaign.tol = json.at("tol").get<double>();
     campaign.time_limit = json.at("time_limit").get<double>();
-    campaign.memory_mb = json.at("memory_limit_mb").get<long long>();
+    campaign.memory_mb = json_integer<long long>(json.at("memory_limit_mb"), "memory_limit_mb");
     campaign.variants = json.at("variants").get<std::vector<std::string>>();
     for (const Json& problem : json.at("problems"))
       campaign.problems.push_back({.name = problem.at("name").get<std::string>(),

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "app/csv.hpp"
+#include "app/json_integer.hpp"
 #include "app/json_parts.hpp"
 #include "app/program.hpp"
 
@@ -52,7 +53,10 @@ void read(Cell& cell, const Json& json) {
   if (json.at("solved_by").is_string()) cell.solved_by = json.at("solved_by").get<std::string>();
   cell.contacts = static_cast<int>(json.at("contacts").size());
   const Json& stats = json.at("stats");
-  cell.iterations = stats.value("iterations", -1L) + stats.value("newton_steps", 0L) + stats.value("sweeps", 0L);
+  const auto steps = [&](const char* key, int otherwise) -> long {  // ints, whose sum a long holds
+    return stats.contains(key) ? json_integer<int>(stats.at(key), key) : otherwise;
+  };
+  cell.iterations = steps("iterations", -1) + steps("newton_steps", 0) + steps("sweeps", 0);
   cell.seconds = json.at("stats").at("time_s").get<double>();
   cell.siconos = real(residual.at("siconos"));
   cell.rr9118 = real(residual.at("rr9118"));
@@ -92,8 +96,8 @@ Cell cell_of_row(const Json& json) {
   cell.outcome = compare::outcome_of(json.at("outcome").get<std::string>());
   cell.status = json.at("status").get<std::string>();
   cell.solved_by = json.at("solved_by").get<std::string>();
-  cell.contacts = json.at("contacts").is_null() ? -1 : json.at("contacts").get<int>();
-  cell.iterations = json.at("iterations").is_null() ? -1 : json.at("iterations").get<long>();
+  cell.contacts = json.at("contacts").is_null() ? -1 : json_integer<int>(json.at("contacts"), "contacts");
+  cell.iterations = json.at("iterations").is_null() ? -1 : json_integer<long>(json.at("iterations"), "iterations");
   cell.seconds = real(json.at("seconds"));
   cell.peak_mb = real(json.at("peak_mb"));
   cell.siconos = real(json.at("siconos"));
@@ -123,6 +127,8 @@ Cell cell_of(const compare::ProcessEnd& end, const std::string& json, const comp
   if (complete) try {
       read(cell, parsed);
     } catch (const Json::exception&) {
+      complete = false;
+    } catch (const InputError&) {
       complete = false;
     }
   cell.peak_mb = end.peak_mb;

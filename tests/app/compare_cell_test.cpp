@@ -75,6 +75,17 @@ TEST(Cell, TornAndChangedLinesAreRefused) {
   }
 }
 
+// Numbers that an int does not hold. Would catch one taken modulo 2^32: a cell that counts as that of another start.
+TEST(Cell, CountsBeyondAnIntAreRefused) {
+  const std::string line = cell_line(example());
+  for (const char* count : {"4294967298", "-9223372036854775808", "18446744073709551615", "2.0"}) {
+    std::string object(checked_object(std::string_view(line).substr(0, line.size() - 1)));
+    const std::string start = R"("start":2)";
+    object.replace(object.find(start), start.size(), std::string(R"("start":)") + count);
+    EXPECT_THAT(parse_cells(checked_line(object)).dropped, ElementsAre(HasSubstr("'start'"))) << count;
+  }
+}
+
 // After a kill -9 the file ends anywhere; a disk may change bytes in the middle. Both cost the lines they hit alone.
 TEST(Cell, FileWithTornAndCorruptLines) {
   Cell a = example();

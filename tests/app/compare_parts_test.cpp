@@ -24,6 +24,7 @@
 #include "app/compare/start.hpp"
 #include "app/problem.hpp"
 #include "ncp/ampl/model.hpp"
+#include "ncp/ampl/sol.hpp"
 #include "ncp/presets.hpp"
 #include "support.hpp"
 
@@ -126,6 +127,39 @@ TEST(SolFile, Text) {
   EXPECT_TRUE(std::isnan(parse_sol(sol("nan\n1\n"), 2).x[0]));
 }
 
+// A program that has given up writes a record of values that is empty. Would catch (under asan-ubsan) a copy to the
+// address of an empty vector, which there is none of.
+TEST(SolFile, BinaryWithoutValues) {
+  const SolFile sol = parse_sol(ncp::ampl::sol_text({.binary = true, .n_con = 2, .n_var = 3}, "failed", {}, 500), 3);
+  EXPECT_EQ(sol.message, "failed");
+  EXPECT_EQ(sol.code, 500);
+  EXPECT_EQ(sol.x.size(), 0);
+}
+
+// An empty line ends the message (Gay 1997). Would catch a line "Options" of a message taken for the end of it, and the
+// rest of the message for a point.
+TEST(SolFile, OptionsInTheMessage) {
+  const std::string message = "Options\n3\n1\n1\n0\n2\n0\n2\n0\nobjno 0 0";
+  const std::vector<double> x{1, 2};
+  for (const std::string& said : {message, "Says:\n" + message}) {
+    const SolFile read = parse_sol(ncp::ampl::sol_text({.n_con = 2, .n_var = 2}, said, x, 400), 2);
+    EXPECT_EQ(read.message, said);
+    EXPECT_EQ(read.code, 400);
+    ASSERT_EQ(read.x.size(), 2);
+    EXPECT_EQ(read.x[1], 2);
+  }
+}
+
+// Would catch what stands behind a NUL left out of sight, and codes that an int does not hold.
+TEST(SolFile, WholeLinesAreNumbers) {
+  using namespace std::string_literals;
+  EXPECT_THROW(parse_sol(sol("1\n2\0junk\n"s), 2), InputError);
+  EXPECT_THROW(parse_sol(sol("1\n2\n", "2\0junk"s), 2), InputError);
+  for (const char* end : {"objno 0 4294967296\n", "objno 0 1e3\n", "objno 0 \n", "objno 0\n", "objno 0 0x10\n"})
+    EXPECT_THROW(parse_sol(sol("1\n2\n", "2", end), 2), InputError) << end;
+  EXPECT_EQ(parse_sol(sol("1\n2\n", "2", "objno -1 402 \n"), 2).code, 402);
+}
+
 // Every proper prefix of a file is one that was cut off.
 TEST(SolFile, TruncatedTextIsRefused) {
   const std::string text = sol();
@@ -138,8 +172,8 @@ TEST(SolFile, GarbageIsRefused) {
   EXPECT_THAT(refused([] { parse_sol(sol("1\n", "1"), 2); }), HasSubstr("1 values instead of 2"));
   EXPECT_THAT(refused([] { parse_sol(sol("1\nx\n"), 2); }), HasSubstr("'x' is no value"));
   EXPECT_THAT(refused([] { parse_sol(sol("1\n2\n3\n"), 2); }), HasSubstr("where objno belongs"));
-  EXPECT_THAT(refused([] { parse_sol("Options\n999999999\n", 2); }), HasSubstr("options"));
-  EXPECT_THAT(refused([] { parse_sol("Options\n0\n1\n0\n2\n99999999999\n", 2); }), HasSubstr("instead of 2"));
+  EXPECT_THAT(refused([] { parse_sol("\nOptions\n999999999\n", 2); }), HasSubstr("options"));
+  EXPECT_THAT(refused([] { parse_sol("\nOptions\n0\n1\n0\n2\n99999999999\n", 2); }), HasSubstr("instead of 2"));
   EXPECT_THAT(refused([] { parse_sol(std::string(5000, '\xff'), 2); }), HasSubstr("cut off"));
   EXPECT_THAT(refused([] { parse_sol("", 2); }), HasSubstr("empty"));
 }

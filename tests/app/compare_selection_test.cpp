@@ -159,6 +159,45 @@ TEST(CampaignFile, DamagedOnesAreRefused) {
   EXPECT_THROW(parse_campaign(""), InputError);
 }
 
+// A damaged campaign.json. Would catch numbers turned into an int that does not hold them (undefined from a double),
+// and starts that are believed: a report makes a row of each, `perp compare --resume` a run.
+TEST(CampaignFile, NumbersOutOfRangeAreRefused) {
+  Campaign campaign;
+  campaign.problems = select_problems("kojshin");
+  campaign.problems.front().starts = 3;
+  campaign.restarts = 5;
+  const std::string text = campaign_json(campaign);
+  const auto with = [&](const std::string& was, const std::string& is) {
+    std::string changed = text;
+    const std::size_t at = changed.find(was);
+    EXPECT_NE(at, std::string::npos) << was;
+    return changed.replace(at, was.size(), is);
+  };
+  EXPECT_EQ(parse_campaign(with(R"("starts": 3)", R"("starts": 4)")).problems.front().starts, 4);
+  for (const char* starts : {"-1", "0", "2000000000", "4294967299", "1e300", "3.5"})
+    EXPECT_THROW(parse_campaign(with(R"("starts": 3)", std::string("\"starts\": ") + starts)), InputError) << starts;
+  for (const char* starts : {"-1", "1e300"})
+    EXPECT_THROW(parse_campaign(with(R"("starts": "all")", std::string("\"starts\": ") + starts)), InputError)
+        << starts;
+  for (const char* restarts : {"-1", "4294967296", "1e300"})
+    EXPECT_THROW(parse_campaign(with(R"("restarts": 5)", std::string("\"restarts\": ") + restarts)), InputError)
+        << restarts;
+  EXPECT_THROW(parse_campaign(with(R"("memory_limit_mb": 4096)", R"("memory_limit_mb": 1e300)")), InputError);
+}
+
+// A short file may ask for more cells than there is memory. Would catch a report that makes a table of them all.
+TEST(CampaignFile, MoreCellsThanAnybodyRunsAreRefused) {
+  Campaign campaign;
+  campaign.methods.assign(1000, {.label = "path", .name = "path"});
+  campaign.problems.assign(1000, {.name = "kojshin", .starts = 10});
+  EXPECT_EQ(parse_campaign(campaign_json(campaign)).cells(), 10'000'000U);
+  campaign.problems.front().starts = 11;
+  EXPECT_THROW(parse_campaign(campaign_json(campaign)), InputError);
+  campaign.methods.clear();  // nor starts of nobody
+  campaign.problems.assign(1001, {.name = "kojshin", .starts = 10'000});
+  EXPECT_THROW(parse_campaign(campaign_json(campaign)), InputError);
+}
+
 // Each thing that cells depend on is named when it differs, and nothing else is.
 TEST(CampaignFile, DifferencesAreNamed) {
   const Campaign before = example();

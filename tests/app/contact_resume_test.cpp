@@ -171,5 +171,34 @@ TEST(ContactResume, CellsComeBack) {
   EXPECT_EQ(parse_cells(compare::checked_line(R"({"variant":3})")).dropped.size(), 1U);
 }
 
+// Damaged files. Would catch a double or a long turned into an integer that does not hold it (undefined, or modulo
+// 2^32).
+TEST(ContactResume, NumbersOutOfRangeAreRefused) {
+  const std::string line = cell_line({.variant = "v", .problem = "p", .contacts = 7, .iterations = 12});
+  const std::string whole(compare::checked_object(std::string_view(line).substr(0, line.size() - 1)));
+  for (const auto& [was, is] : {std::pair{R"("contacts":7)", R"("contacts":4294967303)"},
+                                {R"("contacts":7)", R"("contacts":1e300)"},
+                                {R"("iterations":12)", R"("iterations":1e300)"}}) {
+    std::string object = whole;
+    object.replace(object.find(was), std::string_view(was).size(), is);
+    EXPECT_THAT(parse_cells(compare::checked_line(object)).dropped, testing::SizeIs(1)) << is;
+  }
+  const std::string limit = R"("memory_limit_mb": 4096)";
+  std::string campaign = campaign_json({});
+  EXPECT_EQ(parse_campaign(campaign).memory_mb, 4096);
+  campaign.replace(campaign.find(limit), limit.size(), R"("memory_limit_mb": 1e300)");
+  EXPECT_THROW(parse_campaign(campaign), InputError);
+}
+
+// What a run that was killed left behind may be anything that is JSON.
+TEST(ContactResume, ResultsWithCountsOutOfRangeAreTorn) {
+  const std::string huge = "9223372036854775807";
+  const std::string json =
+      R"({"status":"Solved","message":"","residual":{"siconos":1,"rr9118":1,"scaled":1},"exact":true,)"
+      R"("solved_by":null,"contacts":[],"own_residual":null,"stats":{"time_s":0,"iterations":)" +
+      huge + R"(,"sweeps":)" + huge + "}}";
+  EXPECT_EQ(cell_of({}, json, {}).outcome, Outcome::Crashed);
+}
+
 }  // namespace
 }  // namespace perp::app::contacts

@@ -5,12 +5,14 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <chrono>
 #include <regex>
 
 #include "app/cfunctions.hpp"
 #include "app/options.hpp"
 #include "app/solve.hpp"
 #include "ncp/cfunction.hpp"
+#include "ncp/collection/collection.hpp"
 #include "ncp/smoothing_function.hpp"
 #include "support.hpp"
 
@@ -25,6 +27,16 @@ TEST(DidYouMean, NearNamesOnly) {
   EXPECT_THAT(did_you_mean("SEMISMOTH", names), testing::StartsWith(" Did you mean 'semismooth'"));
   EXPECT_EQ(did_you_mean("xyz", names), "");
   EXPECT_EQ(did_you_mean("", names), "");
+}
+
+// A file of options may have a line of any length. Would catch one that is compared with every key letter by letter,
+// half a minute long and deaf to limits.
+TEST(DidYouMean, LongWordsAreNotComparedLetterByLetter) {
+  const std::vector<std::string_view> names(100, "convergence_tolerance");
+  const auto begun = std::chrono::steady_clock::now();
+  EXPECT_EQ(did_you_mean(std::string(10'000'000, 'e'), names), "");
+  EXPECT_TRUE(ncp::collection::similar(std::string(10'000'000, 'e')).empty());
+  EXPECT_LT(std::chrono::steady_clock::now() - begun, std::chrono::seconds(5));
 }
 
 // Pyomo takes the first number of the form x.y[.z] in the output of -v for the version (its _extract_version).

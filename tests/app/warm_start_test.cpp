@@ -83,6 +83,16 @@ TEST(WarmStart, SavesPivotsOnANearbyProblem) {
   EXPECT_LT(warm.result.stats.pivots, cold.result.stats.pivots / 4);
 }
 
+// A cell that is a list in a list, a million deep. Would catch a message that writes it out, a call a level: the
+// stack's end.
+TEST(WarmStart, DeepJsonIsRefused) {
+  const LoadedProblem problem = obstacle(1, 1);
+  constexpr std::size_t deep = 1'000'000;
+  const std::string text =
+      R"({"variables":[{"name":"x[1]","value":1,"basis":)" + std::string(deep, '[') + std::string(deep, ']') + "}]}";
+  EXPECT_THROW(parse_warm_start(text, "r.json", *problem.mcp), InputError);
+}
+
 TEST(WarmStart, WhatIsNoResultOfThisProblemIsRefused) {
   const test::Folder folder;
   const LoadedProblem problem = obstacle(6, 1);
