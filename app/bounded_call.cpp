@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "app/program.hpp"
+#include "lcp/kernel_clock.hpp"
 
 namespace perp::app {
 
@@ -141,10 +142,7 @@ void watch(const std::atomic<bool>& interrupt) {
 }  // namespace
 
 Patience patience(std::chrono::duration<double> limit, const std::atomic<bool>* interrupt) {
-  const Clock::time_point now = Clock::now();
-  const std::chrono::duration<double> longest = Clock::time_point::max() - now;
-  if (!(limit < longest / 2)) return {.interrupt = interrupt};
-  return {.deadline = now + std::chrono::duration_cast<Clock::duration>(limit), .interrupt = interrupt};
+  return {.deadline = lcp::deadline_after(limit), .interrupt = interrupt};
 }
 
 std::optional<GivenUp> bounded_call(std::function<void()> work, const Patience& patience) {

@@ -33,8 +33,8 @@ std::optional<GivenUp> bounded_call(std::function<void()> work, const Patience& 
 /// Whether a call goes on that nobody waits for: then the process ends by _exit.
 bool calls_left_behind();
 
-/// Ends the process, wherever its other threads are: where `grace` and as much again have passed since the flag was
-/// set, or since what end_by() says, and it is still there. For whoever does not come to an end by himself.
+/// Ends the process, wherever its other threads are, if it is still there 0.9 s after the flag was set, or after what
+/// end_by() says: for what is no bounded_call().
 class Guard {
  public:
   /// Begins to watch. `interrupt` outlives the process' last command.

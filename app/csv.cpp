@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "app/program.hpp"
+#include "lcp/file_error.hpp"
 
 namespace perp::app {
 
@@ -47,7 +48,7 @@ std::vector<std::vector<std::string>> parse_csv(std::string_view text, const std
   bool quote = false;
   std::size_t line = 1;
   std::size_t begin = 0;  // the line of the quote
-  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
+  text = lcp::without_utf8_mark(text);
   for (std::size_t i = 0; i < text.size(); ++i) {
     const char c = text[i];
     if (c == '"' && quote && i + 1 < text.size() && text[i + 1] == '"') {

@@ -272,7 +272,7 @@ Applied apply_options(std::span<const Assignment> assignments, Unknown unknown) 
     else if (!found.ignored.empty())
       ignored.push_back(found.ignored);
     else if (unknown == Unknown::Refuse)
-      throw InputError(unknown_key(given) + " 'perp methods' lists them all.");
+      throw UnknownOption(unknown_key(given) + " 'perp methods' lists them all.");
     else
       result.unknown.push_back(unknown_key(given));
   }

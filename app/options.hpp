@@ -119,6 +119,12 @@ std::string value_text(const Field& field);
 /// Whether there is something to list: an effect, and of numbers that depend on another option a value.
 bool has_value(const Field& field);
 
+/// A key that no option has.
+class UnknownOption : public InputError {
+ public:
+  using InputError::InputError;
+};
+
 enum class Unknown {
   Refuse,  ///< an unknown key throws
   Report,  ///< an unknown key is listed in Applied::unknown

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "contact/referee.hpp"
-#include "lcp/memory.hpp"
+#include "lcp/result.hpp"
 
 namespace perp::contact {
 namespace {
@@ -187,27 +187,14 @@ void Referee::ask_existence() {
 }
 
 void Referee::guard(const std::function<void()>& part) {
-  const auto out_of = [this](Status status, const std::string& why) {
+  lcp::within_limits(part, [this](lcp::Status status, const std::string& why) {
     if (result_.status != Status::NoProgress) return;
     stopped_by_ = why;
-    result_.status = status;
-  };
-  try {
-    part();
-  } catch (const lcp::KernelTooLong& error) {
-    out_of(Status::TimeLimit, error.what());
-  } catch (const lcp::NotEnoughMemory& error) {
-    out_of(Status::OutOfMemory, error.what());
-  } catch (const std::bad_alloc&) {
-    out_of(Status::OutOfMemory, "there is no more memory");
-  }
+    result_.status = status == lcp::Status::TimeLimit ? Status::TimeLimit : Status::OutOfMemory;
+  });
 }
 
-lcp::Deadline Referee::deadline() const {
-  const std::chrono::duration<double> most = lcp::no_deadline - begin_;
-  if (!(options_.max_time < most / 2)) return lcp::no_deadline;
-  return begin_ + std::chrono::duration_cast<std::chrono::steady_clock::duration>(options_.max_time);
-}
+lcp::Deadline Referee::deadline() const { return lcp::deadline_after(options_.max_time, begin_); }
 
 Result Referee::result(const std::string& message) {
   ask_existence();

@@ -13,7 +13,12 @@ class FileError : public std::runtime_error {
       : std::runtime_error(line > 0 ? file + ":" + std::to_string(line) + ": " + reason : file + ": " + reason) {}
 };
 
-/// The text without the UTF-8 byte order mark that some editors put before it. Throws FileError for UTF-16.
+/// The text without the UTF-8 byte order mark that some editors put before it.
+inline std::string_view without_utf8_mark(std::string_view text) {
+  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
+  return text;
+}
+/// The same. Throws FileError for UTF-16.
 std::string_view without_mark(std::string_view text, const std::string& file);
 
 /// The whole file as text. Throws FileError if it cannot be read, naming the system's reason.

@@ -39,6 +39,12 @@ double rate_of_machine() {
 
 }  // namespace
 
+Deadline deadline_after(std::chrono::duration<double> time, Deadline begin) {
+  const std::chrono::duration<double> longest = no_deadline - begin;
+  if (!(time < longest)) return no_deadline;
+  return begin + std::chrono::duration_cast<Clock::duration>(time);
+}
+
 KernelTooLong::KernelTooLong(Index rows, double seconds, double left)
     : std::runtime_error(sentence(rows, seconds, left)) {}
 

@@ -10,6 +10,8 @@ namespace perp::lcp {
 
 using Deadline = std::chrono::steady_clock::time_point;
 inline constexpr Deadline no_deadline = Deadline::max();
+/// After that time from `begin`, or never where it is longer than the clock counts.
+Deadline deadline_after(std::chrono::duration<double> time, Deadline begin = std::chrono::steady_clock::now());
 
 /// What a numeric factorization takes, estimated from the analysis of the pattern; 0 where nothing is known.
 struct KernelCost {

@@ -50,8 +50,10 @@ class Umfpack final : public LuLibrary {
     const double flops = info_[UMFPACK_FLOPS_ESTIMATE];
     const std::array<double, UMFPACK_INFO> of_degree = analysis_;
     std::unique_ptr<void, FreeSymbolic> by_degree = std::move(symbolic_);
-    if (analyze_by(UMFPACK_ORDERING_METIS, A) != LuStatus::Ok || !(info_[UMFPACK_FLOPS_ESTIMATE] < flops))
-      symbolic_ = std::move(by_degree), analysis_ = of_degree;
+    if (analyze_by(UMFPACK_ORDERING_METIS, A) != LuStatus::Ok || !(info_[UMFPACK_FLOPS_ESTIMATE] < flops)) {
+      symbolic_ = std::move(by_degree);
+      analysis_ = of_degree;
+    }
     return LuStatus::Ok;
   }
 

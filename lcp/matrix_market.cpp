@@ -293,8 +293,7 @@ std::string heading(const char* format, const std::string& comment) {
 std::string_view without_mark(std::string_view text, const std::string& file) {
   if (text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF"))
     throw FileError(file, 1, "it is text in UTF-16 (its byte order mark says so), not in UTF-8");
-  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
-  return text;
+  return without_utf8_mark(text);
 }
 
 std::string read_file(const std::string& path) {

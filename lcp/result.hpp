@@ -63,7 +63,7 @@ Result judged(const AffineMcp& problem, In z, const Limits& limits, Status other
 
 /// Runs solve(); where a factorization would end after the deadline, or memory is short, end(status, why) instead.
 template <class Solve, class End>
-Result within_limits(Solve solve, End end) {
+auto within_limits(Solve solve, End end) -> decltype(solve()) {
   try {
     return solve();
   } catch (const KernelTooLong& error) {
@@ -71,12 +71,12 @@ Result within_limits(Solve solve, End end) {
   } catch (const NotEnoughMemory& error) {
     return end(Status::OutOfMemory, error.what());
   } catch (const std::bad_alloc&) {
-    return end(Status::OutOfMemory, "out of memory");
+    return end(Status::OutOfMemory, "there is no more memory");
   }
 }
 
 /// An `end` for methods that have nothing better than the start then.
-inline auto at_start(const char* method, const AffineMcp& problem, In start, const Limits& limits) {
+inline auto at_start(std::string_view method, const AffineMcp& problem, In start, const Limits& limits) {
   return [method, &problem, start, &limits](Status status, const std::string& why) {
     return judged(problem, start, limits, status, std::string(method) + ": " + why);
   };

@@ -140,7 +140,7 @@ Result solve(const AffineMcp& problem, In start, const Method& method, const Lim
     refine(problem, limits, result);
     return result;
   };
-  return within_limits(method_and_refinement, at_start(name(method).data(), problem, start, limits));
+  return within_limits(method_and_refinement, at_start(name(method), problem, start, limits));
 }
 
 }  // namespace perp::lcp

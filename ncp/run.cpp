@@ -6,6 +6,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "lcp/result.hpp"
+
 namespace perp::ncp {
 namespace {
 
@@ -23,13 +25,6 @@ std::pair<Index, Index> first_difference(const SpMat& J, const SpMat& pattern) {
 }
 
 constexpr const char* best_point = "; the best point has natural residual ";
-
-std::chrono::steady_clock::time_point deadline_after(std::chrono::duration<double> time) {
-  using Clock = std::chrono::steady_clock;
-  const auto now = Clock::now();
-  const std::chrono::duration<double> left = Clock::time_point::max() - now;
-  return time >= left ? Clock::time_point::max() : now + std::chrono::duration_cast<Clock::duration>(time);
-}
 
 }  // namespace
 
@@ -86,7 +81,7 @@ Run::Run(const Mcp& mcp, const Stop& stop, const Observer& observer)
       stop_(stop),
       judge_(counted_, stop),
       observer_(observer),
-      deadline_(deadline_after(stop.max_time)) {}
+      deadline_(lcp::deadline_after(stop.max_time)) {}
 
 void Run::end(Status status, std::string message, std::string advice) {
   if (status_) return;
@@ -99,23 +94,14 @@ void Run::end(Status status, std::string message, std::string advice) {
 
 void Run::guard(const std::function<void()>& part) {
   // Not end(): to settle what is open takes factorizations too.
-  const auto out_of = [this](Status status, const std::string& why, const char* advice) {
+  lcp::within_limits(part, [this](lcp::Status status, const std::string& why) {
     if (status_) return;
-    message_ = why;
-    advice_ = advice;
-    status_ = status;
-  };
-  constexpr const char* smaller = "a smaller problem, more memory, or a method that factors less (--option krylov=yes)";
-  try {
-    part();
-  } catch (const lcp::KernelTooLong& error) {
-    out_of(Status::TimeLimit, std::string("stopped before the time limit: ") + error.what(),
-           "raise the time limit, or go on from the point returned");
-  } catch (const lcp::NotEnoughMemory& error) {
-    out_of(Status::OutOfMemory, error.what(), smaller);
-  } catch (const std::bad_alloc&) {
-    out_of(Status::OutOfMemory, "there is no more memory", smaller);
-  }
+    const bool late = status == lcp::Status::TimeLimit;
+    message_ = late ? "stopped before the time limit: " + why : why;
+    advice_ = late ? "raise the time limit, or go on from the point returned"
+                   : "a smaller problem, more memory, or --method semismooth --option linear_solver=krylov";
+    status_ = late ? Status::TimeLimit : Status::OutOfMemory;
+  });
 }
 
 bool Run::settled() {

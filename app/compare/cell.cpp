@@ -14,6 +14,7 @@
 #include "app/json_integer.hpp"
 #include "app/json_parts.hpp"
 #include "app/program.hpp"
+#include "lcp/file_error.hpp"
 
 namespace perp::app::compare {
 
@@ -204,7 +205,7 @@ std::string_view checked_object(std::string_view line) {
 
 LinesRead read_checked_lines(std::string_view text, const std::function<void(std::string_view)>& take) {
   LinesRead read;
-  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);  // an editor's byte order mark
+  text = lcp::without_utf8_mark(text);
   for (std::size_t number = 1; !text.empty(); ++number) {
     const std::size_t end = text.find('\n');
     read.torn = end == std::string_view::npos;

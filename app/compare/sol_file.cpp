@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "app/program.hpp"
+#include "lcp/file_error.hpp"
 
 namespace perp::app::compare {
 
@@ -175,7 +176,7 @@ SolFile parse_binary(std::string_view bytes, ncp::Index variables) {
 }  // namespace
 
 SolFile parse_sol(std::string_view text, ncp::Index variables) {
-  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);  // an editor's byte order mark
+  text = lcp::without_utf8_mark(text);
   if (text.empty()) throw InputError("it is empty");
   return text.starts_with(binary_head) ? parse_binary(text, variables) : parse_text(text, variables);
 }

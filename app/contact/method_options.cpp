@@ -175,10 +175,8 @@ MethodOptions method_options(const Variant& variant) {
   std::erase_if(given, [&](const Assignment& one) { return set_own(one, own); });
   try {
     result.glocker.method = with_options(variant, std::move(given), result);
-  } catch (const InputError& error) {
-    const std::string why = error.what();
-    if (why.find("there is no option") == std::string::npos) throw;
-    throw InputError(fmt::format("{} Of Glocker's NCP there are also {}.", why, glocker_keys()));
+  } catch (const UnknownOption& error) {
+    throw InputError(fmt::format("{} Of Glocker's NCP there are also {}.", error.what(), glocker_keys()));
   }
   check({.method = result.glocker});
   return result;

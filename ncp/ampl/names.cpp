@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <fstream>
 
+#include "lcp/file_error.hpp"
+
 namespace perp::ncp::ampl {
 namespace {
 
@@ -11,7 +13,7 @@ std::vector<std::string> read_lines(const std::string& path, int at_most) {
   std::ifstream file(path);
   for (std::string line; static_cast<int>(lines.size()) < at_most && std::getline(file, line); lines.push_back(line)) {
     if (!line.empty() && line.back() == '\r') line.pop_back();
-    if (lines.empty() && line.starts_with("\xEF\xBB\xBF")) line.erase(0, 3);  // an editor's byte order mark
+    if (lines.empty()) line = std::string(lcp::without_utf8_mark(line));
   }
   return lines;
 }
