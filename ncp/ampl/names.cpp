@@ -9,9 +9,14 @@ namespace {
 std::vector<std::string> read_lines(const std::string& path, int at_most) {
   std::vector<std::string> lines;
   std::ifstream file(path);
-  for (std::string line; static_cast<int>(lines.size()) < at_most && std::getline(file, line); lines.push_back(line)) {
-    if (!line.empty() && line.back() == '\r') line.pop_back();
-    if (lines.empty() && line.starts_with("\xEF\xBB\xBF")) line.erase(0, 3);  // an editor's byte order mark
+  file.exceptions(std::ios::badbit);  // else want of memory would be the end of the file
+  try {
+    for (std::string line; static_cast<int>(lines.size()) < at_most && std::getline(file, line);
+         lines.push_back(line)) {
+      if (!line.empty() && line.back() == '\r') line.pop_back();
+      if (lines.empty() && line.starts_with("\xEF\xBB\xBF")) line.erase(0, 3);  // an editor's byte order mark
+    }
+  } catch (const std::ios::failure&) {  // as far as it can be read
   }
   return lines;
 }

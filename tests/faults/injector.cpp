@@ -12,8 +12,8 @@
 #include <cstdlib>
 #include <cstring>
 #include <new>
-#include <utility>
 #include <string_view>
+#include <utility>
 
 namespace perp::faults {
 namespace {
@@ -42,8 +42,8 @@ bool has_failed = false;
 int add_module(dl_phdr_info* info, std::size_t, void*) {
   std::string_view name = info->dlpi_name;
   name.remove_prefix(name.rfind('/') + 1);
-  constexpr std::array ours{"libamd.", "libbtf.", "libcamd.", "libccolamd.", "libcholmod.", "libcolamd.",
-                            "libgsl.", "libklu.", "libsuitesparseconfig.", "libumfpack."};
+  constexpr std::array ours{"libamd.",    "libbtf.", "libcamd.", "libccolamd.",           "libcholmod.",
+                            "libcolamd.", "libgsl.", "libklu.",  "libsuitesparseconfig.", "libumfpack."};
   const auto begins = [&](const char* with) { return name.starts_with(with); };
   const bool chosen = *only != '\0';
   const bool library = chosen ? begins(only) : name.empty() || std::any_of(ours.begin(), ours.end(), begins);

@@ -44,7 +44,8 @@ Scenario solving(AffineMcp problem, Method method) {
     const auto judgement = lcp::judge(problem, result.z);
     outcome.right = judgement.natural == result.residual && (result.accepted() || result.status == *usual) &&
                     (!result.solved() || judgement.natural <= 1e-9);
-    if (outcome.out_of_memory && judgement.natural != result.residual) outcome = {false, false, "not its residual: " + outcome.all};
+    if (outcome.out_of_memory && judgement.natural != result.residual)
+      outcome = {false, false, "not its residual: " + outcome.all};
     return outcome;
   };
 }
