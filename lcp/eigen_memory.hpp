@@ -9,6 +9,7 @@
 /// as long as there is memory.
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
+#include <algorithm>
 #include <cstdlib>
 #include <cstring>
 
@@ -45,35 +46,51 @@ PERP_RESIZE_WHOLE(Index, Dynamic, 1, ColMajor, m_rows = rows)
 PERP_RESIZE_WHOLE(bool, Dynamic, 1, ColMajor, m_rows = rows)
 #undef PERP_RESIZE_WHOLE
 
-// Which member throws is left to Eigen: a delegating constructor's object is destroyed whatever comes after.
-#define PERP_SPARSE_WHOLE(ORDER)                                                                               \
-  template <>                                                                                                  \
-  inline void SparseMatrix<double, ORDER, int>::resize(Index rows, Index cols) {                               \
-    const Index outer = ORDER == RowMajor ? rows : cols;                                                       \
-    if (m_outerSize != outer || m_outerSize == 0) {                                                            \
-      auto* const made = static_cast<int*>(std::malloc(static_cast<std::size_t>(outer + 1) * sizeof(int)));    \
-      if (made == nullptr) internal::throw_std_bad_alloc();                                                    \
-      std::free(m_outerIndex);                                                                                 \
-      m_outerIndex = made;                                                                                     \
-      m_outerSize = outer;                                                                                     \
-    }                                                                                                          \
-    m_innerSize = ORDER == RowMajor ? cols : rows;                                                             \
-    m_data.clear();                                                                                            \
-    std::free(m_innerNonZeros);                                                                                \
-    m_innerNonZeros = nullptr;                                                                                 \
-    std::memset(m_outerIndex, 0, static_cast<std::size_t>(m_outerSize + 1) * sizeof(int));                     \
-  }                                                                                                            \
-  template <>                                                                                                  \
-  inline SparseMatrix<double, ORDER, int>::SparseMatrix(const SparseMatrix& other) : SparseMatrix() {          \
-    *this = other;                                                                                             \
-  }                                                                                                            \
-  template <>                                                                                                  \
-  template <class Expression>                                                                                  \
-  SparseMatrix<double, ORDER, int>::SparseMatrix(const SparseMatrixBase<Expression>& other) : SparseMatrix() { \
-    if constexpr ((int(Flags) & RowMajorBit) != (int(internal::evaluator<Expression>::Flags) & RowMajorBit))   \
-      *this = other.derived();                                                                                 \
-    else                                                                                                       \
-      internal::call_assignment_no_alias(*this, other.derived());                                              \
+// The constructors delegate: such an object is destroyed whatever comes after. A copy has its entries before it counts
+// them.
+#define PERP_SPARSE_WHOLE(ORDER)                                                                                    \
+  template <>                                                                                                       \
+  inline void SparseMatrix<double, ORDER, int>::resize(Index rows, Index cols) {                                    \
+    const Index outer = ORDER == RowMajor ? rows : cols;                                                            \
+    if (m_outerSize != outer || m_outerSize == 0) {                                                                 \
+      auto* const made = static_cast<int*>(std::malloc(static_cast<std::size_t>(outer + 1) * sizeof(int)));         \
+      if (made == nullptr) internal::throw_std_bad_alloc();                                                         \
+      std::free(m_outerIndex);                                                                                      \
+      m_outerIndex = made;                                                                                          \
+      m_outerSize = outer;                                                                                          \
+    }                                                                                                               \
+    m_innerSize = ORDER == RowMajor ? cols : rows;                                                                  \
+    m_data.clear();                                                                                                 \
+    std::free(m_innerNonZeros);                                                                                     \
+    m_innerNonZeros = nullptr;                                                                                      \
+    std::memset(m_outerIndex, 0, static_cast<std::size_t>(m_outerSize + 1) * sizeof(int));                          \
+  }                                                                                                                 \
+  template <>                                                                                                       \
+  inline SparseMatrix<double, ORDER, int>& SparseMatrix<double, ORDER, int>::operator=(const SparseMatrix& other) { \
+    if (other.isRValue()) {                                                                                         \
+      swap(other.const_cast_derived());                                                                             \
+    } else if (this != &other) {                                                                                    \
+      initAssignment(other);                                                                                        \
+      if (!other.isCompressed()) {                                                                                  \
+        Base::operator=(other);                                                                                     \
+      } else {                                                                                                      \
+        m_data = other.m_data;                                                                                      \
+        std::copy_n(other.m_outerIndex, m_outerSize + 1, m_outerIndex);                                             \
+      }                                                                                                             \
+    }                                                                                                               \
+    return *this;                                                                                                   \
+  }                                                                                                                 \
+  template <>                                                                                                       \
+  inline SparseMatrix<double, ORDER, int>::SparseMatrix(const SparseMatrix& other) : SparseMatrix() {               \
+    *this = other;                                                                                                  \
+  }                                                                                                                 \
+  template <>                                                                                                       \
+  template <class Expression>                                                                                       \
+  SparseMatrix<double, ORDER, int>::SparseMatrix(const SparseMatrixBase<Expression>& other) : SparseMatrix() {      \
+    if constexpr ((int(Flags) & RowMajorBit) != (int(internal::evaluator<Expression>::Flags) & RowMajorBit))        \
+      *this = other.derived();                                                                                      \
+    else                                                                                                            \
+      internal::call_assignment_no_alias(*this, other.derived());                                                   \
   }
 PERP_SPARSE_WHOLE(ColMajor)
 PERP_SPARSE_WHOLE(RowMajor)
