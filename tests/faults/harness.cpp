@@ -52,20 +52,24 @@ void try_module(const std::string& name, const Scenario& scenario, const char* m
   count_only(module);
   scenario(0);
   const long calls = Armed::calls();
-  std::array<int, 5> ends{};  // out of memory, right, wrong, crashed, too long
+  constexpr int first_code = 100;  // not one that a library ends the process with
+  std::array<int, 5> ends{};       // out of memory, right, wrong, crashed, too long
   for (long k = 1; k <= std::min(2000L, calls); ++k) {
+    std::fflush(stdout);
     const pid_t child = fork();
     if (child == 0) {
       for (const int signal : {SIGALRM, SIGABRT, SIGSEGV}) std::signal(signal, SIG_DFL);
       alarm(10);
       const Outcome outcome = scenario(k);
-      _exit(outcome.out_of_memory ? 0 : outcome.right ? 1 : 2);
+      if (!outcome.out_of_memory && !outcome.right)
+        std::fprintf(stderr, "%s, request %ld: %.160s\n", name.c_str(), k, outcome.all.c_str());
+      _exit(first_code + (outcome.out_of_memory ? 0 : outcome.right ? 1 : 2));
     }
     int status = 0;
     waitpid(child, &status, 0);
     const bool slow = WIFSIGNALED(status) && WTERMSIG(status) == SIGALRM;
-    const bool ended = WIFEXITED(status) && WEXITSTATUS(status) <= 2;
-    ++ends[ended ? static_cast<std::size_t>(WEXITSTATUS(status)) : slow ? 4 : 3];
+    const int code = WIFEXITED(status) ? WEXITSTATUS(status) - first_code : -1;
+    ++ends[code >= 0 && code <= 2 ? static_cast<std::size_t>(code) : slow ? 4 : 3];
   }
   std::printf("%-40s %7ld requests of %s: %d out of memory, %d right, %d wrong, %d ended the process, %d too long\n",
               name.c_str(), calls, module, ends[0], ends[1], ends[2], ends[3], ends[4]);
