@@ -143,11 +143,7 @@ void* make_new(Real<Function>& real, const void* caller, std::size_t size, Align
 }  // namespace
 
 Armed::Armed(long k) {
-  std::array<void*, 1> frame{};
-  if (modules.count == 0) {
-    backtrace(frame.data(), 1);  // loads what it needs
-    dl_iterate_phdr(add_module, nullptr);
-  }
+  if (modules.count == 0) dl_iterate_phdr(add_module, nullptr);
   counted = 0;
   failing = k;
   has_failed = false;
@@ -157,7 +153,11 @@ Armed::~Armed() { armed = false; }
 long Armed::calls() { return counted; }
 bool Armed::failed() { return has_failed; }
 
-void trace(bool on) { traced = on; }
+void trace(bool on) {
+  std::array<void*, 1> frame{};
+  if (on) backtrace(frame.data(), 1);  // loads what it needs
+  traced = on;
+}
 
 void count_only(const char* module) {
   only = module;
