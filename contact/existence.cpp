@@ -83,7 +83,7 @@ std::optional<double> semidefinite_up_to(const SpMat& W) {
   const std::optional<SpMat> S = unit_diagonal(W, shift);
   if (!S) return std::nullopt;
   lcp::Cholesky factor;
-  if (S->rows() > 0 && factor.factor(*S) != lcp::CholeskyStatus::Ok) return std::nullopt;
+  if (S->rows() > 0 && !factor.try_factor(*S)) return std::nullopt;
   return shift;
 }
 
@@ -148,7 +148,7 @@ class WitnessSearch {
   bool factor(double diagonal) {
     SpMat K = scaled_.W;
     for (Index i = 0; i < K.rows(); ++i) K.coeffRef(i, i) += diagonal;
-    return factor_.factor(K) == lcp::CholeskyStatus::Ok;
+    return factor_.try_factor(K);
   }
 
   /// Velocities as near to e_N as W lets them be, by a regularised solve: for regular W this is all.

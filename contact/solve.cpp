@@ -197,7 +197,7 @@ void Referee::guard(const std::function<void()>& part) {
 lcp::Deadline Referee::deadline() const { return lcp::deadline_after(options_.max_time, begin_); }
 
 Result Referee::result(const std::string& message) {
-  ask_existence();
+  guard([this] { ask_existence(); });
   result_.solution.u = velocities(problem_, result_.solution.r);
   std::ostringstream text;
   if (result_.status == Status::Solved)
@@ -220,7 +220,7 @@ Result Referee::result(const std::string& message) {
     text << "; contact by contact cone, normal and slip hold to " << e.cone_share << ", " << e.normal_share << " and "
          << e.slip_share << ", relative";
   if (result_.status != Status::Solved && e.worst >= 0) text << "; worst at contact " << e.worst + 1;
-  if (result_.status == Status::NoProgress || result_.status == Status::TimeLimit)
+  if ((result_.status == Status::NoProgress || result_.status == Status::TimeLimit) && !result_.verdict.message.empty())
     text << "; " << result_.verdict.message;
   result_.message = text.str();
   result_.stats.time = std::chrono::steady_clock::now() - begin_;

@@ -245,7 +245,7 @@ std::vector<BasisFactor::Dependency> BasisFactor::Impl::dependencies(double tol)
   zeros.setIdentity();
   zeros *= 0;
   SparseLu revealing(LuBackend::Umfpack, deadline);
-  (void)revealing.factor(C + zeros);
+  (void)revealing.try_factor(C + zeros);
   LuFactors f;
   std::vector<Dependency> found;
   if (!revealing.factors(f)) return found;

@@ -208,6 +208,11 @@ CholeskyStatus Cholesky::factor(const SpMat& A, double entries) {
   return impl_->status;
 }
 
+bool Cholesky::try_factor(const SpMat& A) {
+  if (factor(A) == CholeskyStatus::OutOfMemory) throw std::bad_alloc();
+  return impl_->status == CholeskyStatus::Ok;
+}
+
 void Cholesky::solve(In b, Out x) const {
   if (impl_->status != CholeskyStatus::Ok) throw std::logic_error("Cholesky: solve without a successful factor()");
   const Index n = impl_->n;

@@ -34,6 +34,8 @@ class Cholesky {
   /// Numerical Algorithms, 2nd ed. 2002, theorems 10.3, 10.7 and 10.14). rcond() and failed_direction() tell how near.
   /// Throws KernelTooLong where the factorization would end after the deadline.
   [[nodiscard]] CholeskyStatus factor(const SpMat& A, double entries = infinity);
+  /// factor(): true if Ok, false if A is not positive definite. Throws std::bad_alloc if OutOfMemory.
+  [[nodiscard]] bool try_factor(const SpMat& A);
 
   /// A x = b with the last factor(); pre: that was Ok, else std::logic_error. b and x have n entries. Throws
   /// std::bad_alloc where there is no memory. Solves with one factor may run in two threads.

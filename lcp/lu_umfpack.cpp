@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <new>
 #include <utility>
 
 #include "lcp/lu_backend.hpp"
@@ -108,10 +109,12 @@ class Umfpack final : public LuLibrary {
     out.R.resize(rows);
     out.diagonal.resize(rows);
     int reciprocal = 0;
-    if (umfpack_di_get_numeric(l_rows.start.data(), l_rows.row.data(), l_rows.value.data(), u_columns.start.data(),
+    const int code =
+        umfpack_di_get_numeric(l_rows.start.data(), l_rows.row.data(), l_rows.value.data(), u_columns.start.data(),
                                u_columns.row.data(), u_columns.value.data(), out.P.data(), out.Q.data(),
-                               out.diagonal.data(), &reciprocal, out.R.data(), numeric_.get()) != UMFPACK_OK)
-      return false;
+                               out.diagonal.data(), &reciprocal, out.R.data(), numeric_.get());
+    if (code == UMFPACK_ERROR_out_of_memory) throw std::bad_alloc();
+    if (code != UMFPACK_OK) return false;
     if (reciprocal == 0) out.R = out.R.cwiseInverse();
     out.L_transposed = without_diagonal(l_rows);
     out.L = out.L_transposed.transpose();

@@ -185,12 +185,10 @@ struct OutputFile::Draft {
     constexpr int tries = 100;
     const mode_t mode = place.was ? 0600 : 0666;
     for (int k = 0; k < tries; ++k) {
-      const std::string candidate = draft_name(told_as);
-      Descriptor file(openat(folder, candidate.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, mode));
-      if (file >= 0) {
-        name = candidate;
-        return file;
-      }
+      name = draft_name(told_as);  // before there is a file that could not be told of for want of memory
+      Descriptor file(openat(folder, name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, mode));
+      if (file >= 0) return file;
+      name.clear();
       if (errno != EEXIST) break;
     }
     refuse(told_as, errno);

@@ -57,6 +57,7 @@ class SparseLu {
 
   /// Copies L, U and the permutations, for solves with sparse right-hand sides; after a factor() that was Singular the
   /// zero pivots are in their places. False where the library does not give them (KLU, Eigen) or nothing is factored.
+  /// Throws std::bad_alloc.
   bool factors(LuFactors& out) const;
 
   Index size() const;

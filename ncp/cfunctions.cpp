@@ -188,6 +188,8 @@ CProperties piecewise_linear() {
 
 }  // namespace
 
+// CProperties is named where it stands amid others: of braces alone g++ 12 destroys the members twice if what comes
+// after them throws.
 CFunction natural_min() {
   return {.name = "min",
           .formula = "min(a, b)",
@@ -222,7 +224,7 @@ CFunction fischer_burmeister() {
           .formula = "a + b - sqrt(a^2 + b^2)",
           .smooth_merit = true,
           .at = [](double a, double b, double ha, double hb) { return fischer_burmeister_at(1, a, b, ha, hb); },
-          .properties = {.level_sets = uniform_p, .stationary_points = p0},
+          .properties = CProperties{.level_sets = uniform_p, .stationary_points = p0},
           .reference = "Fischer, Optimization 24 (1992) 269"};
 }
 
@@ -233,7 +235,7 @@ CFunction penalised_fischer_burmeister(double lambda) {
       .smooth_merit = true,
       .at = [lambda](double a, double b, double ha, double hb) { return penalised_at(lambda, a, b, ha, hb); },
       .parameter = checked("penalised-fischer-burmeister", {.name = "lambda", .value = lambda, .low = 0, .high = 1}),
-      .properties = {.level_sets = uniform_p_or_monotone, .stationary_points = p0},
+      .properties = CProperties{.level_sets = uniform_p_or_monotone, .stationary_points = p0},
       .reference = "Chen, Chen & Kanzow, Math. Programming 88 (2000) 211"};
 }
 
@@ -242,9 +244,9 @@ CFunction evtushenko_purtov() {
           .formula = "ab - min(0, a + b)^2 / 2",
           .smooth_merit = true,
           .at = evtushenko_purtov_at,
-          .properties = {.singular_at_degenerate = true,
-                         .level_sets = uniform_p_or_monotone,
-                         .stationary_points = "none: not even F(x) = x + 2"},
+          .properties = CProperties{.singular_at_degenerate = true,
+                                    .level_sets = uniform_p_or_monotone,
+                                    .stationary_points = "none: not even F(x) = x + 2"},
           .reference = "Evtushenko & Purtov, Soviet Math. Doklady 30 (1984) 313"};
 }
 
@@ -255,7 +257,7 @@ CFunction kanzow_kleinmichel(double lambda) {
       .smooth_merit = true,
       .at = [lambda](double a, double b, double ha, double hb) { return kanzow_kleinmichel_at(lambda, a, b, ha, hb); },
       .parameter = checked("kanzow-kleinmichel", {.name = "lambda", .value = lambda, .low = 0, .high = 4}),
-      .properties = {.level_sets = uniform_p, .stationary_points = p0},
+      .properties = CProperties{.level_sets = uniform_p, .stationary_points = p0},
       .reference = "Kanzow & Kleinmichel, Comput. Optim. Appl. 11 (1998) 227"};
 }
 
@@ -266,7 +268,8 @@ CFunction luo_tseng(double alpha) {
           .at = [root = std::sqrt(alpha)](double a, double b, double ha,
                                           double hb) { return luo_tseng_at(root, a, b, ha, hb); },
           .parameter = checked("luo-tseng", {.name = "alpha", .value = alpha}),
-          .properties = {.singular_at_degenerate = true, .level_sets = uniform_p_or_monotone, .stationary_points = p0},
+          .properties =
+              CProperties{.singular_at_degenerate = true, .level_sets = uniform_p_or_monotone, .stationary_points = p0},
           .reference =
               "Luo & Tseng, in: Complementarity and Variational Problems (SIAM 1997) 204; "
               "Kanzow, Yamashita & Fukushima, J. Optim. Theory Appl. 94 (1997) 115"};

@@ -11,6 +11,8 @@
 #include <new>
 #include <utility>
 
+#include "lcp/memory.hpp"
+#include "ncp/gsl_errors.hpp"
 #include "ncp/methods.hpp"
 #include "ncp/refusal.hpp"
 #include "ncp/smoothing_function.hpp"
@@ -26,6 +28,13 @@ struct Free {
   void operator()(gsl_vector* v) const { gsl_vector_free(v); }
   void operator()(gsl_permutation* p) const { gsl_permutation_free(p); }
 };
+
+/// What GSL has made, or std::bad_alloc.
+template <class T>
+std::unique_ptr<T, Free> made(T* object) {
+  if (object == nullptr) throw std::bad_alloc();
+  return std::unique_ptr<T, Free>(object);
+}
 
 Vec to_vec(const gsl_vector* v) {
   return Eigen::Map<const Vec, 0, Eigen::InnerStride<>>(v->data, static_cast<Index>(v->size),
@@ -56,7 +65,7 @@ class System {
         smoothing_(smoothed_fischer_burmeister()),
         factors_(solver == MultirootSolver::Newton || solver == MultirootSolver::Gnewton),
         n_(n),
-        permutation_(factors_ ? gsl_permutation_alloc(static_cast<std::size_t>(n)) : nullptr) {
+        permutation_(factors_ ? made(gsl_permutation_alloc(static_cast<std::size_t>(n))) : nullptr) {
     gsl_.f = [](const gsl_vector* x, void* self, gsl_vector* f) { return static_cast<System*>(self)->value(x, f); };
     gsl_.df = [](const gsl_vector* x, void* self, gsl_matrix* J) { return static_cast<System*>(self)->jacobian(x, J); };
     gsl_.fdf = [](const gsl_vector* x, void* self, gsl_vector* f, gsl_matrix* J) {
@@ -91,6 +100,7 @@ class System {
  private:
   template <class Work>
   int guarded(Work work) noexcept {
+    const GslCallback callback;
     trouble_ = Trouble::None;
     try {
       return work() ? GSL_SUCCESS : GSL_EBADFUNC;
@@ -137,7 +147,7 @@ class System {
     if (!factors_) return true;
     gsl_matrix_view view = gsl_matrix_view_array(H.data(), gsl_.n, gsl_.n);
     int sign = 0;
-    gsl_linalg_LU_decomp(&view.matrix, permutation_.get(), &sign);
+    call_gsl([&] { gsl_linalg_LU_decomp(&view.matrix, permutation_.get(), &sign); });
     if ((H.diagonal().array() != 0).all()) return true;
     trouble_ = Trouble::Singular;
     return false;
@@ -156,10 +166,7 @@ class System {
 };
 
 /// GSL's state: some five matrices and twenty vectors.
-bool memory_for(Index n) {
-  const auto doubles = static_cast<std::size_t>(8 * n * n + 40 * n);
-  return std::unique_ptr<double[]>(new (std::nothrow) double[doubles]) != nullptr;
-}
+double bytes_for(Index n) { return static_cast<double>(sizeof(double)) * static_cast<double>(8 * n * n + 40 * n); }
 
 bool has_bounds(const Box& box) {
   for (Index i = 0; i < box.size(); ++i)
@@ -191,12 +198,13 @@ void give_up(Run& run, const Multiroot& method, const System& system, int status
 bool stage(Run& run, const Multiroot& method, System& system, gsl_multiroot_fdfsolver* solver, bool last, Point& point,
            Iteration& it) {
   const double enough = last ? 0 : std::max(0.1 * system.mu, 0.1 * method.stop.tol);
-  std::unique_ptr<gsl_vector, Free> x(gsl_vector_alloc(static_cast<std::size_t>(point.x.size())));
+  const auto x = made(gsl_vector_alloc(static_cast<std::size_t>(point.x.size())));
   std::copy(point.x.begin(), point.x.end(), x->data);
-  int status = gsl_multiroot_fdfsolver_set(solver, system.gsl(), x.get());
+  int status = GSL_SUCCESS;
+  call_gsl([&] { status = gsl_multiroot_fdfsolver_set(solver, system.gsl(), x.get()); });
   if (system.trouble() != System::Trouble::None) status = GSL_EBADFUNC;  // GSL does not look here
   while (status == GSL_SUCCESS && !(to_vec(solver->f).lpNorm<Eigen::Infinity>() <= enough)) {
-    status = gsl_multiroot_fdfsolver_iterate(solver);
+    call_gsl([&] { status = gsl_multiroot_fdfsolver_iterate(solver); });
     system.rethrow();
     if (status != GSL_SUCCESS || !system.evaluate(to_vec(solver->x))) break;
     point.x = system.last().x;
@@ -216,9 +224,9 @@ void multiroot(Run& run, const Multiroot& method, Point point) {
   const Index n = point.x.size();
   Iteration it{.k = 0, .kind = 'I'};
   if (!run.go_on(point, it) || n == 0) return;  // GSL's handler would end the process at n = 0
-  if (!memory_for(n)) return run.end(Status::OutOfMemory, "out of memory for dense matrices", "--method path");
-  const std::unique_ptr<gsl_multiroot_fdfsolver, Free> solver(
-      gsl_multiroot_fdfsolver_alloc(type_of(method.solver), static_cast<std::size_t>(n)));
+  lcp::require_memory(bytes_for(n), "GSL's dense matrices");
+  const GslErrors errors;
+  const auto solver = made(gsl_multiroot_fdfsolver_alloc(type_of(method.solver), static_cast<std::size_t>(n)));
   System system(run, method.solver, n);
   if (!has_bounds(run.box())) {
     stage(run, method, system, solver.get(), true, point, it);

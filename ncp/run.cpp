@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <sstream>
 #include <stdexcept>
 #include <utility>
@@ -293,6 +294,14 @@ Result Run::result() {
   out.stats.F_evals += counted_.F_evals();
   out.stats.J_evals += counted_.J_evals();
   out.stats.time = std::chrono::steady_clock::now() - begin_;
+  return out;
+}
+
+Result Run::result(In x0) {
+  Result out = result();
+  if (out.x.size() == x0.size()) return out;
+  out.x = lcp::project(box(), x0);
+  out.F = Vec::Constant(x0.size(), std::numeric_limits<double>::quiet_NaN());
   return out;
 }
 

@@ -114,8 +114,10 @@ class Run {
       Point point;
       if (start(x0, point)) loop(std::move(point));
     });
-    return result();
+    return result(x0);
   }
+  /// The same result() with the start, F not evaluated, where no point was met.
+  Result result(In x0);
 
   const std::string equation(Index i) const { return mcp().equation_name(i); }
 

@@ -1,7 +1,6 @@
 #include "ncp/solve.hpp"
 
 #include <cmath>
-#include <limits>
 #include <new>
 #include <stdexcept>
 
@@ -96,11 +95,7 @@ Result guarded(const Mcp& mcp, In x0, const Method& method, const Observer& obse
   Run run(mcp, stop(method), observer);
   Result result;
   run.guard([&] { result = run_with_escapes(mcp, x0, method, observer); });
-  if (!run.ended()) return result;
-  result = run.result();
-  result.x = lcp::project(mcp.box(), x0);
-  result.F = Vec::Constant(x0.size(), std::numeric_limits<double>::quiet_NaN());
-  return result;
+  return run.ended() ? run.result(x0) : result;
 }
 
 }  // namespace

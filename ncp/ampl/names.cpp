@@ -11,9 +11,14 @@ namespace {
 std::vector<std::string> read_lines(const std::string& path, int at_most) {
   std::vector<std::string> lines;
   std::ifstream file(path);
-  for (std::string line; static_cast<int>(lines.size()) < at_most && std::getline(file, line); lines.push_back(line)) {
-    if (!line.empty() && line.back() == '\r') line.pop_back();
-    if (lines.empty()) line = std::string(lcp::without_utf8_mark(line));
+  file.exceptions(std::ios::badbit);  // else want of memory would be the end of the file
+  try {
+    for (std::string line; static_cast<int>(lines.size()) < at_most && std::getline(file, line);
+         lines.push_back(line)) {
+      if (!line.empty() && line.back() == '\r') line.pop_back();
+      if (lines.empty()) line = std::string(lcp::without_utf8_mark(line));
+    }
+  } catch (const std::ios::failure&) {  // as far as it can be read
   }
   return lines;
 }

@@ -86,9 +86,9 @@ Problem murty_exp(Index n) {
 
 Problem fathi(Index n) {
   // (L L')_ij = 4 (min(i, j) - 1) + 2 off the diagonal and 4 (i - 1) + 1 on it, counted from 1.
-  return with_unique(
-      lcp("fathi", n, [](Index i, Index j) { return 4 * static_cast<double>(std::min(i, j)) + (i == j ? 1 : 2); }),
-      "e_1", Vec::Unit(n, 0), 0);
+  Problem p =
+      lcp("fathi", n, [](Index i, Index j) { return 4 * static_cast<double>(std::min(i, j)) + (i == j ? 1 : 2); });
+  return with_unique(std::move(p), "e_1", Vec::Unit(n, 0), 0);
 }
 
 Problem ahn(Index n) { return tridiagonal("ahn", n, 1, -2); }

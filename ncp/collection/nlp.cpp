@@ -7,7 +7,7 @@ Shape kkt_shape(const Nlp& nlp) {
   const Vec above = Vec::Constant(nlp.inequalities, infinity);
   const Vec free = Vec::Constant(nlp.equalities, infinity);
   return {.name = nlp.name,
-          .box = {joined({nlp.X.lower, zero, Vec(-free)}), joined({nlp.X.upper, above, free})},
+          .box = Box{joined({nlp.X.lower, zero, Vec(-free)}), joined({nlp.X.upper, above, free})},
           .variables =
               joined({indexed("x", nlp.X.size()), indexed("lambda", nlp.inequalities), indexed("mu", nlp.equalities)})};
 }

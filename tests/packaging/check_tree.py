@@ -39,7 +39,7 @@ RULES = [
     ),
     (r"(.*/)?(asl|asl_pfg|asl_pfgh|nlp|nlp2|getstub|jacpdim)\.h$", ("ncp/ampl/",), "AMPL's library stays in ncp/ampl"),
     (r"(.*/)?(hdf5|H5\w*)\.h(pp)?$", ("contact/fclib.cpp",), "HDF5 stays in contact/fclib.cpp"),
-    (r"gsl/", ("ncp/multiroot.cpp", "ncp/collection/"), "GSL stays in ncp/multiroot.cpp and the collection"),
+    (r"gsl/", ("ncp/multiroot.cpp", "ncp/gsl_errors.cpp", "ncp/collection/"), "GSL stays behind multiroot and in the collection"),
     (r"(CLI/|nlohmann/)", ("app/",), "command line and JSON stay in app"),
     (r"(.*/)?\.\./", (), "includes are written from the root of the tree"),
 ]

@@ -1,0 +1,57 @@
+#include "ncp/gsl_errors.hpp"
+
+#include <gsl/gsl_errno.h>
+
+#include <atomic>
+#include <csetjmp>
+#include <mutex>
+#include <utility>
+
+namespace perp::ncp {
+namespace {
+
+thread_local int mine = 0;                     // GslErrors of this thread
+thread_local std::jmp_buf* back_to = nullptr;  // where want of memory leads, if anywhere
+std::mutex lock;
+int all = 0;  // GslErrors of the process
+std::atomic<gsl_error_handler_t*> before{nullptr};
+
+void handle(const char* reason, const char* file, int line, int error) {
+  if (mine == 0) {
+    if (gsl_error_handler_t* handler = before) handler(reason, file, line, error);
+  } else if (error == GSL_ENOMEM && back_to != nullptr) {
+    std::longjmp(*back_to, 1);
+  }
+}
+
+}  // namespace
+
+GslErrors::GslErrors() {
+  const std::lock_guard guard(lock);
+  if (all++ == 0) before = gsl_set_error_handler(handle);
+  ++mine;
+}
+
+GslErrors::~GslErrors() {
+  const std::lock_guard guard(lock);
+  if (--all == 0) gsl_set_error_handler(before);
+  --mine;
+}
+
+bool detail::call_gsl(void (*call)(void*), void* context) {
+  std::jmp_buf here;
+  std::jmp_buf* const outer = back_to;
+  if (setjmp(here) != 0) {
+    back_to = outer;
+    return false;
+  }
+  back_to = &here;
+  call(context);
+  back_to = outer;
+  return true;
+}
+
+GslCallback::GslCallback() : outer_(std::exchange(back_to, nullptr)) {}
+GslCallback::~GslCallback() { back_to = static_cast<std::jmp_buf*>(outer_); }
+
+}  // namespace perp::ncp
