@@ -68,13 +68,15 @@ std::size_t stack_size() {
   return std::clamp(limit.rlim_cur, usual, most);
 }
 
-/// While it lives threads are made that take no signals: those are for the first thread, and for whoever blocks them.
+/// While it lives threads are made that take no signals: those are for the first thread, and for whoever waits for
+/// them. But SIGABRT, which METIS sends itself where memory ends.
 class WithoutSignals {
  public:
   WithoutSignals() {
-    sigset_t all;
-    sigfillset(&all);
-    pthread_sigmask(SIG_SETMASK, &all, &before_);
+    sigset_t others;
+    sigfillset(&others);
+    sigdelset(&others, SIGABRT);
+    pthread_sigmask(SIG_SETMASK, &others, &before_);
   }
   ~WithoutSignals() { pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
   WithoutSignals(const WithoutSignals&) = delete;

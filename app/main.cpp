@@ -31,6 +31,7 @@
 #include "app/list.hpp"
 #include "app/methods.hpp"
 #include "app/several.hpp"
+#include "app/signals.hpp"
 #include "app/solve.hpp"
 #include "lcp/memory.hpp"
 #include "ncp/collection/collection.hpp"
@@ -39,23 +40,10 @@ namespace {
 
 using namespace perp::app;
 
-// The one global: what a signal handler may touch.
 std::atomic<bool> interrupted{false};
-static_assert(std::atomic<bool>::is_always_lock_free);
-
-/// The first signal asks the run to end with its best point; the second one ends the program.
-extern "C" void on_signal(int signal) {
-  if (!interrupted.exchange(true)) return;
-  std::signal(signal, SIG_DFL);
-  std::raise(signal);
-}
 
 void set_up_signals() {
-  struct sigaction action {};
-  action.sa_handler = on_signal;
-  sigemptyset(&action.sa_mask);
-  action.sa_flags = SA_RESTART;
-  for (const int signal : {SIGINT, SIGTERM}) sigaction(signal, &action, nullptr);
+  wait_for_signals(interrupted);
   std::signal(SIGPIPE, SIG_IGN);  // `perp list | head`: the reader has had enough; files are still written
   std::signal(SIGXFSZ, SIG_IGN);  // a file beyond the limit is an error like a full disk
 }

@@ -9,6 +9,8 @@
 #include <stdexcept>
 #include <vector>
 
+#include "lcp/metis_lock.hpp"
+
 namespace perp::lcp {
 namespace {
 
@@ -59,6 +61,21 @@ cholmod_dense column(const double* values, Index n) {
   view.dtype = CHOLMOD_DOUBLE;
   return view;
 }
+
+struct Dense {
+  Dense(Common& of, Index rows, std::size_t columns)
+      : common(of),
+        is(cholmod_allocate_dense(static_cast<std::size_t>(rows), columns, static_cast<std::size_t>(rows), CHOLMOD_REAL,
+                                  of.get())) {
+    if (is == nullptr) throw std::bad_alloc();
+  }
+  ~Dense() { cholmod_free_dense(&is, common.get()); }
+  Dense(const Dense&) = delete;
+  Dense& operator=(const Dense&) = delete;
+
+  Common& common;
+  cholmod_dense* is;
+};
 
 CholeskyStatus failure_of(int code) {
   return code == CHOLMOD_NOT_POSDEF ? CholeskyStatus::NotPositiveDefinite : CholeskyStatus::OutOfMemory;
@@ -124,7 +141,10 @@ CholeskyStatus Cholesky::Impl::factor(const SpMat& A, double entries) {
     return CholeskyStatus::NotPositiveDefinite;
   }
   cholmod_sparse lower = lower_triangle(A);
-  L = cholmod_analyze(&lower, common.get());
+  {
+    const std::lock_guard alone(metis_lock());
+    L = cholmod_analyze(&lower, common.get());
+  }
   if (!L || common.status() < CHOLMOD_OK) return failure_of(common.status());
   nonzeros = common.get()->lnz;
   if (nonzeros > entries) return CholeskyStatus::OutOfMemory;
@@ -224,10 +244,14 @@ void Cholesky::solve(In b, Out x) const {
   if (n == 0) return;
   Common common;  // its own: solves may run in two threads
   cholmod_dense right = column(b.data(), n);
-  cholmod_dense* solution = cholmod_solve(CHOLMOD_A, impl_->L, &right, common.get());
-  if (!solution) throw std::bad_alloc();
-  std::copy_n(static_cast<const double*>(solution->x), n, x.data());
-  cholmod_free_dense(&solution, common.get());
+  // Made here: of its own requests cholmod_solve2 looks at the last one only, and then uses those that were refused.
+  Dense solution(common, n, 1);
+  Dense permuted(common, n, 1);
+  Dense rows(common, 1, std::max<std::size_t>(1, impl_->L->maxesize));
+  if (!cholmod_solve2(CHOLMOD_A, impl_->L, &right, nullptr, &solution.is, nullptr, &permuted.is, &rows.is,
+                      common.get()))
+    throw std::bad_alloc();
+  std::copy_n(static_cast<const double*>(solution.is->x), n, x.data());
 }
 
 double Cholesky::rcond() const { return impl_->status == CholeskyStatus::Ok ? impl_->rcond : 0; }

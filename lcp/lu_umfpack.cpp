@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "lcp/lu_backend.hpp"
+#include "lcp/metis_lock.hpp"
 
 namespace perp::lcp {
 namespace {
@@ -128,6 +129,8 @@ class Umfpack final : public LuLibrary {
     void* symbolic = nullptr;
     const int n = static_cast<int>(A.rows());
     control_[UMFPACK_ORDERING] = ordering;
+    std::unique_lock alone(metis_lock(), std::defer_lock);
+    if (ordering == UMFPACK_ORDERING_METIS) alone.lock();
     const int code = umfpack_di_symbolic(n, n, A.outerIndexPtr(), A.innerIndexPtr(), A.valuePtr(), &symbolic,
                                          control_.data(), info_.data());
     symbolic_.reset(symbolic);

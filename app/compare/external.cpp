@@ -75,8 +75,9 @@ class Running {
       dup2(ends[1], STDOUT_FILENO);
       dup2(ends[1], STDERR_FILENO);
       for (const int signal : {SIGPIPE, SIGXFSZ, SIGINT, SIGTERM}) std::signal(signal, SIG_DFL);
-      const sigset_t notice = death_notice();
-      sigprocmask(SIG_UNBLOCK, &notice, nullptr);
+      sigset_t none;
+      sigemptyset(&none);
+      sigprocmask(SIG_SETMASK, &none, nullptr);
       execl("/bin/sh", "sh", "-c", script.c_str(), stub.c_str(), nullptr);
       _exit(127);
     }

@@ -42,6 +42,7 @@ class Child {
       waitpid(pid_, nullptr, 0);
     }
   }
+  pid_t pid() const { return pid_; }
   void signal(int number) const { kill(pid_, number); }
   /// The exit code, or minus the signal that ended it.
   int wait() {

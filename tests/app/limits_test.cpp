@@ -2,6 +2,9 @@
 #include <gmock/gmock.h>
 #include <sys/stat.h>
 
+#include <csignal>
+#include <filesystem>
+#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "compare_process_support.hpp"
@@ -67,6 +70,63 @@ TEST(ProgramLimits, SignalsWithinLinearAlgebra) {
     EXPECT_LE(end.took, slack);
     EXPECT_EQ(written(folder / "o.json").value("status", ""), "Interrupted");
   }
+}
+
+/// 27 neighbours in three dimensions: what UMFPACK asks METIS to order.
+lcp::SpMat neighbours(int N) {
+  std::vector<Eigen::Triplet<double>> entries;
+  const auto each = [](int from, int to, const auto& act) {
+    for (int i = from; i < to; ++i) act(i);
+  };
+  each(0, N, [&](int x) {
+    each(0, N, [&](int y) {
+      each(0, N, [&](int z) {
+        const auto near = [N](int i, const auto& act) {
+          for (int k = std::max(0, i - 1); k <= std::min(N - 1, i + 1); ++k) act(k);
+        };
+        near(x, [&](int a) {
+          near(y, [&](int b) {
+            near(z, [&](int c) {
+              const bool here = a == x && b == y && c == z;
+              entries.emplace_back((x * N + y) * N + z, (a * N + b) * N + c, here ? 27.5 : -1.0);
+            });
+          });
+        });
+      });
+    });
+  });
+  lcp::SpMat A(N * N * N, N * N * N);
+  A.setFromTriplets(entries.begin(), entries.end());
+  return A;
+}
+
+/// Whether the process catches that signal now.
+bool catches(pid_t pid, int signal) {
+  std::ifstream status("/proc/" + std::to_string(pid) + "/status");
+  for (std::string line; std::getline(status, line);)
+    if (line.starts_with("SigCgt:")) return (std::stoull(line.substr(7), nullptr, 16) >> (signal - 1) & 1) != 0;
+  return false;
+}
+
+// While METIS works, SIGABRT and SIGTERM are caught by METIS, for the whole process, with a jump to where only its own
+// thread may go. Catches a program that crashes then.
+TEST(ProgramLimits, WithinMetis) {
+  const Folder folder;
+  const lcp::SpMat M = neighbours(30);
+  lcp::write_matrix(folder / "M.mtx", M, "");
+  lcp::write_vector(folder / "q.mtx", lcp::Vec::Constant(M.rows(), -1), "");
+  Child child(folder, {"solve", folder / "M.mtx", folder / "q.mtx", "--method", "semismooth", "--option",
+                       "linear_solver=direct", "--json", folder / "o.json", "--log-level", "quiet"});
+  bool met = false;
+  for (int look = 0; look < 60'000 && !met && !std::filesystem::exists(folder / "o.json"); ++look) {
+    met = catches(child.pid(), SIGABRT);
+    if (!met) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  child.signal(SIGTERM);
+  const int code = child.wait();
+  if (!met) GTEST_SKIP() << "METIS was not met: SuiteSparse orders without it";
+  EXPECT_EQ(code, exit_unsolved) << child.err();
+  EXPECT_EQ(written(folder / "o.json").value("status", ""), "Interrupted");
 }
 
 // A reader that waits for somebody who never writes. Catches readers that are deaf to the clock and to signals.

@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "faults/harness.hpp"
+#include "lcp/cholesky.hpp"
 #include "lcp/judge.hpp"
 #include "lcp/lemke_howson.hpp"
 #include "lcp/solve.hpp"
@@ -113,6 +114,48 @@ TEST_P(LcpFaults, Large) {
   const std::string name(GetParam()->name);
   every_request_fails_once(name + ", 361 rows symmetric", solving(obstacle(19), GetParam()->method), 12);
   every_request_fails_once(name + ", 350 rows", solving(unsymmetric(350), GetParam()->method), 12);
+}
+
+/// Of the seven-point grid of N^3 points.
+lcp::SpMat cube(int N) {
+  const int n = N * N * N;
+  support::Triplets entries;
+  for (int k = 0; k < n; ++k) {
+    entries.emplace_back(k, k, 6.1);
+    const auto join = [&](bool inside, int other) {
+      if (!inside) return;
+      entries.emplace_back(k, other, -1);
+      entries.emplace_back(other, k, -1);
+    };
+    join(k % N + 1 < N, k + 1);
+    join(k / N % N + 1 < N, k + N);
+    join(k / (N * N) + 1 < N, k + N * N);
+  }
+  return support::from(n, entries);
+}
+
+// Factors so full that CHOLMOD tries METIS: what METIS does without memory is told of by PERP_FAULT_MODULE=libmetis.
+TEST(CholeskyFaults, NestedDissection) {
+  const lcp::SpMat A = cube(21);
+  const lcp::Vec b = lcp::Vec::LinSpaced(A.rows(), 0, 1);
+  every_request_fails_once(
+      "Cholesky, 9261 rows",
+      [&](long k) {
+        Outcome outcome;
+        lcp::Vec x = lcp::Vec::Zero(A.rows());
+        std::optional<lcp::CholeskyStatus> status;
+        outcome.out_of_memory = !attempt(k, [&] {
+          lcp::Cholesky factors;
+          status = factors.factor(A);
+          if (status == lcp::CholeskyStatus::Ok) factors.solve(b, x);
+        });
+        outcome.all = std::to_string(status ? static_cast<int>(*status) : -1) + ": " + bits(x);
+        if (outcome.out_of_memory) return outcome;
+        outcome.out_of_memory = status == lcp::CholeskyStatus::OutOfMemory;
+        outcome.right = status == lcp::CholeskyStatus::Ok && (A * x - b).lpNorm<Eigen::Infinity>() <= 1e-12;
+        return outcome;
+      },
+      6);
 }
 
 }  // namespace
