@@ -36,15 +36,18 @@ void wait_for_signals(std::atomic<bool>& interrupted) {
   sigemptyset(&action.sa_mask);
   action.sa_flags = SA_RESTART;
   for (const int signal : {SIGINT, SIGTERM}) sigaction(signal, &action, nullptr);
+  sigset_t all, before;
+  sigfillset(&all);
+  pthread_sigmask(SIG_SETMASK, &all, &before);  // the thread's: other signals are not for it
   const sigset_t set = both();
-  pthread_sigmask(SIG_BLOCK, &set, nullptr);
   try {
     std::thread([set] {
       for (int signal = 0; sigwait(&set, &signal) == 0;) on_signal(signal);
     }).detach();
+    for (const int signal : {SIGINT, SIGTERM}) sigaddset(&before, signal);
   } catch (const std::system_error&) {  // no thread to be had: they are handled after all
-    pthread_sigmask(SIG_UNBLOCK, &set, nullptr);
   }
+  pthread_sigmask(SIG_SETMASK, &before, nullptr);
 }
 
 }  // namespace perp::app
