@@ -6,6 +6,7 @@ root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 build=$root/build/release
 logs=$root/build/logs
 jobs=$(nproc)
+export CCACHE_SLOPPINESS=${CCACHE_SLOPPINESS:-pch_defines,time_macros}  # else it caches nothing that begins with precompiled headers
 
 # The one list of Debian packages: to build the program, to test it as well, to fuzz it.
 build_packages=(g++ cmake ninja-build libeigen3-dev libsuitesparse-dev libgsl-dev libamplsolver-dev
@@ -19,20 +20,39 @@ fail() {
   exit 1
 }
 
-# step NAME COMMAND...: runs the command with its output in a log. Says which step failed and how its log ends.
+# step NAME COMMAND...: runs the command with its output in a log, and shows how far ninja or ctest is: on a terminal in
+# place, else now and then. Says which step failed and how its log ends.
 step() {
-  local name=$1 log started=$SECONDS status=0
+  local name=$1 log started=$SECONDS status=0 progress
   shift
   mkdir -p "$logs"
   log=$logs/${name// /-}.log
   printf '%-34s' "$name"
+  : >"$log"
+  show_progress "$log" "$name" &
+  progress=$!
   "$@" >"$log" 2>&1 </dev/null || status=$?
+  kill "$progress"
+  wait "$progress" 2>/dev/null || true
+  if [[ -t 1 ]]; then printf '\r\033[K%-34s' "$name"; fi
   if ((status != 0)); then
     printf 'FAILED after %d s\n\n' $((SECONDS - started))
     tail -n 60 "$log"
     fail "the step \"$name\" failed with status $status; all of its log: $log"
   fi
   printf '%4d s\n' $((SECONDS - started))
+}
+
+# show_progress LOG NAME: for ever, or until the script is gone. ninja says "[12/499]", ctest "12/2991 Test".
+show_progress() {
+  local at shown='' pause=30
+  if [[ -t 1 ]]; then pause=1; fi
+  while sleep "$pause" &>/dev/null && kill -0 $$ 2>/dev/null; do
+    at=$(tail -c 4000 "$1" | grep -aoE '^\[[0-9]+/[0-9]+\]|^ *[0-9]+/[0-9]+ Test' | tail -n 1 | tr -d '[] Test') || true
+    if [[ -z $at || $at == "$shown" ]]; then continue; fi
+    shown=$at
+    if [[ -t 1 ]]; then printf '\r\033[K%-34s%s' "$2" "$at"; else printf '%s ' "$at"; fi
+  done
 }
 
 # Whatever of the given packages is not installed, one a line.

@@ -1,0 +1,6 @@
+// precompiled.hpp for the program.
+#include "cmake/precompiled.hpp"
+//
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
