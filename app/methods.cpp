@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <functional>
 #include <ostream>
+#include <stdexcept>
 
 #include "app/options.hpp"
 #include "app/table.hpp"
@@ -75,12 +76,29 @@ std::vector<std::string_view> method_names() {
   return names;
 }
 
+std::optional<ncp::Method> method_named(const std::string& text) {
+  if (const MethodEntry* entry = find_method(text)) return entry->method;
+  if (text.find('(') == std::string::npos) return std::nullopt;
+  try {
+    return ncp::method_of(text);
+  } catch (const std::invalid_argument& error) {
+    throw InputError(error.what());
+  }
+}
+
 int print_methods(Streams streams) {
   std::ostream& out = streams.out;
   out << "Methods: --method NAME\n";
   print_entries(out, false);
   out << "\nFor affine problems, F(x) = M x + q, where auto chooses among them:\n";
   print_entries(out, true);
+  out << "\nStrategies, put together from those for nonlinear problems: --method 'first(path, scaled(smooth), "
+         "escape(semismooth))'\n";
+  print_wrapped(
+      out,
+      "first(...): one after the other, until one is not stuck; presolved(M) and scaled(M): M on the presolved "
+      "and on the scaled problem; escape(M): M with proximal escapes where it is stuck.",
+      2);
 
   out << '\n';
   print_wrapped(out,

@@ -1,6 +1,8 @@
 #pragma once
 /// The methods by name, and `perp methods`.
+#include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 
 #include "app/program.hpp"
@@ -23,6 +25,9 @@ struct MethodEntry {
 std::span<const MethodEntry> methods();
 const MethodEntry* find_method(std::string_view name);  ///< nullptr if there is none
 std::vector<std::string_view> method_names();
+/// Of a name, or of a strategy in words, "first(path, scaled(smooth))"; nothing if the name has no parenthesis and is
+/// none. Throws InputError that says what is wrong with a strategy.
+std::optional<ncp::Method> method_named(const std::string& text);
 
 /// Prints the methods, their options with types and defaults, and the PATH options that have no effect.
 int print_methods(Streams streams);

@@ -115,8 +115,9 @@ void set(const Field& field, const Assignment& given, const Option& option, Appl
       [&](auto target) {
         using T = std::remove_pointer_t<decltype(target)>;
         if constexpr (std::is_same_v<T, std::string>) {
-          if (find_method(lower(given.value)) == nullptr) refuse(given, option, method_names());
-          *target = lower(given.value);
+          const std::string name = lower(given.value);
+          if (!method_named(name)) refuse(given, option, method_names());
+          *target = name;
         } else if constexpr (std::is_same_v<T, double> || (std::is_integral_v<T> && !std::is_same_v<T, bool>)) {
           *target = number_in_range<T>(given, option);
         } else if constexpr (std::is_same_v<T, std::chrono::duration<double>>) {
@@ -277,7 +278,7 @@ Applied apply_options(std::span<const Assignment> assignments, Unknown unknown) 
       result.unknown.push_back(unknown_key(given));
   }
   Settings& settings = result.settings;
-  settings.method = find_method(settings.method_name)->method;
+  settings.method = *method_named(settings.method_name);
   std::ranges::stable_sort(fields, {}, [](const auto& field) { return field.first; });
   for (const auto& [option, given] : fields) {
     const Field field = option->field(settings);
@@ -307,7 +308,7 @@ void note_limits_of_size(ncp::Index n, Applied& options) {
   };
   const std::optional<int> given = pivots(options.settings.method);
   const int most = ncp::worthwhile_pivots(n);
-  if (!given || *given <= most || given == pivots(find_method(options.settings.method_name)->method)) return;
+  if (!given || *given <= most || given == pivots(*method_named(options.settings.method_name))) return;
   options.notes.push_back(fmt::format(
       "minor_iteration_limit = {} is taken as {}, which is 1000 + 20 n: a longer path leads nowhere", *given, most));
 }

@@ -69,6 +69,7 @@ set(perp_public_headers
   ncp/smoothing.hpp
   ncp/smoothing_function.hpp
   ncp/solve.hpp
+  ncp/strategy.hpp
   ncp/structure_report.hpp)
 foreach(header IN LISTS perp_public_headers)
   cmake_path(GET header PARENT_PATH folder)

@@ -86,31 +86,27 @@ std::unique_ptr<Mcp> make_affine_mcp(lcp::AffineMcp problem, std::string name, s
   return make_mcp(std::move(made));
 }
 
-Result run_affine(const Mcp& mcp, In x0, const Affine& method, const Observer& observer) {
+void affine(Run& run, In x0, const Affine& method) {
+  const Mcp& mcp = run.mcp();
   const std::optional<lcp::AffineMcp> problem = affine_part(mcp);
   if (!problem)
     throw std::invalid_argument(mcp.name() + ": method " + std::string(name(method)) +
                                 " is for affine problems, and this one does not say it is one");
-  Run run(mcp, method.stop, observer);
   Point point;
-  if (!run.start(x0, point)) return run.result();
+  if (!run.start(x0, point)) return;
   Iteration it{.k = 0, .kind = 'I'};
-  lcp::Result found;
-  if (run.go_on(point, it)) {
-    lcp::Limits limits{.tol = method.stop.tol, .deadline = run.deadline()};
-    limits.interrupted = [&run] { return run.interrupted(); };
-    found = lcp::solve(*problem, point.x, method.method, limits);
-    run.stats().factorizations = found.factorizations;
-    point.x = found.z;
-    it = {.k = 1, .kind = 'A'};
-    if (!run.evaluate(point) || run.go_on(point, it))
-      run.end(found.accepted() ? Status::NoProgress : status_of(found.status), found.message,
-              advice(found.status, std::holds_alternative<lcp::Auto>(method.method)));
-  }
-  Result result = run.result();
-  result.stats.iterations = static_cast<int>(std::min<long>(found.iterations, std::numeric_limits<int>::max()));
-  if (result.solved() && !found.message.empty()) result.message += "; " + found.message;
-  return result;
+  if (!run.go_on(point, it)) return;
+  lcp::Limits limits{.tol = run.tol(), .deadline = run.deadline()};
+  limits.interrupted = [&run] { return run.interrupted(); };
+  const lcp::Result found = lcp::solve(*problem, point.x, method.method, limits);
+  run.stats().factorizations += found.factorizations;
+  point.x = found.z;
+  it = {.k = 1, .kind = 'A'};
+  if (!run.evaluate(point) || run.go_on(point, it))
+    run.end(found.accepted() ? Status::NoProgress : status_of(found.status), found.message,
+            advice(found.status, std::holds_alternative<lcp::Auto>(method.method)));
+  run.stats().iterations = static_cast<int>(std::min<long>(found.iterations, std::numeric_limits<int>::max()));
+  if (run.status() == Status::Solved) run.remark(found.message);
 }
 
 }  // namespace perp::ncp

@@ -62,18 +62,16 @@ std::vector<Choice> choices(const Mcp& mcp, const Point& start, const Auto& meth
   return list;
 }
 
-/// The choice's method with its part of what is left of the limits.
-Method limited(const Run& run, const Choice& choice, bool last) {
-  Method method = choice.method;
-  Stop left = run.left();
+/// The choice's part of what is left of the limits.
+Share part_of(const Run& run, const Choice& choice, bool last) {
+  const Stop left = run.left();
   const auto part = [last](int what, int enough) {
     return last ? what : std::max((what + 1) / 2, std::min(what, enough));
   };
-  left.max_iterations = part(left.max_iterations, enough_iterations);
-  left.max_F_evals = part(left.max_F_evals, enough_F_evals);
-  if (std::holds_alternative<Affine>(method)) left.tol = std::min(stop(method).tol, left.tol);
-  stop(method) = left;
-  return method;
+  Share share{.iterations = part(left.max_iterations, enough_iterations),
+              .F_evals = part(left.max_F_evals, enough_F_evals)};
+  if (std::holds_alternative<Affine>(choice.method)) share.tol = std::min(stop(choice.method).tol, left.tol);
+  return share;
 }
 
 /// "auto chose path (nonlinear, 4 variables); tried before: ..."
@@ -93,29 +91,26 @@ void explain(const Mcp& mcp, In x0, Result& result) {
 
 }  // namespace
 
-Result run_auto(const Mcp& mcp, In x0, const Auto& method, const Observer& observer) {
-  Run run(mcp, method.stop, observer);
+void automatic(Run& run, In x0, const Auto& method) {
   Point start;
-  if (!run.start(x0, start)) return run.result();
+  if (!run.start(x0, start)) return;
   if (run.ended()) {
     run.go_on(start, {.k = 0, .kind = 'I'});
-    run.remark("auto had nothing to choose: the start is a solution");
-    return run.result();
+    return run.remark("auto had nothing to choose: the start is a solution");
   }
-  const std::vector<Choice> list = choices(mcp, start, method);
-  std::vector<lcp::Cell> basis;
+  const std::vector<Choice> list = choices(run.mcp(), start, method);
   std::string last;  // words of the attempt that solved it
   std::optional<Run::Verdict> first;
   std::size_t tried = 0;
   for (const Choice& choice : list) {
     if (tried > 0) run.resume(choice.label);
     ++tried;
-    const Observer shown = run.counting_on();
-    Result result = run_with_escapes(mcp, start.x, limited(run, choice, tried == list.size()), shown);
+    run.keep_basis({});
+    Result result = run.within(run.mcp(), part_of(run, choice, tried == list.size()), start.x,
+                               [&](Run& inner, In z) { run_method(inner, z, choice.method); });
     if (std::holds_alternative<Affine>(choice.method))  // one iteration of this run, whatever its pivots
       result.stats.pivots += std::exchange(result.stats.iterations, std::min(result.stats.iterations, 1));
-    if (result.status == Status::Infeasible) explain(mcp, start.x, result);
-    basis = std::move(result.basis);
+    if (result.status == Status::Infeasible) explain(run.mcp(), start.x, result);
     last = result.message;
     run.take(result);
     if (!run.ended() || !stuck(run.status())) break;
@@ -123,11 +118,9 @@ Result run_auto(const Mcp& mcp, In x0, const Auto& method, const Observer& obser
   }
   if (first && run.ended() && stuck(run.status())) run.replace_verdict(*first);
   run.stats().restarts += static_cast<int>(tried) - 1;
-  Result result = run.result();
-  if (result.solved()) result.message = last;
-  result.message += "; " + account(list, tried);
-  result.basis = result.accepted() && basis.empty() ? cells_at(mcp.box(), result.x) : std::move(basis);
-  return result;
+  if (run.accepted() && run.basis().empty()) run.keep_basis(cells_at(run.box(), run.best()));
+  if (run.ended() && run.status() == Status::Solved) run.say(last);
+  run.remark(account(list, tried));
 }
 
 std::optional<std::string> invalid(const Auto& m) {

@@ -148,7 +148,8 @@ bool crash(Run& run, const Crash& options, Point& point, Iteration& it) {
           .kind = 'C',
           .crash = true,
           .changes = changes,
-          .inside = std::count(before.begin(), before.end(), true)};
+          .inside = std::count(before.begin(), before.end(), true),
+          .normal_map = true};
     ++run.stats().crash_iterations;
     if (!run.go_on(point, it)) return false;
     if (!pays) return true;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <sstream>
 #include <stdexcept>
 
@@ -23,11 +24,14 @@ constexpr int polish_iterations = 20;
 class Search {
  public:
   Search(const Mcp& mcp, In x0, const Method& method, const Deflation& deflation, const Observer& observer)
-      : mcp_(mcp), x0_(lcp::project(mcp.box(), x0)), stop_(stop(method)), deflation_(deflation), observer_(observer) {}
+      : mcp_(mcp),
+        x0_(lcp::project(mcp.box(), x0)),
+        stop_(without_iteration_limit(stop(method))),
+        deflation_(deflation),
+        run_(mcp, stop_, observer) {}
 
   void first(Result result, std::string_view name) {
-    out_.stats += result.stats;
-    status_ = result.status;
+    run_.charge(result);
     out_.first = result;
     if (result.solved()) keep(polished(std::move(result)), std::string(name));
   }
@@ -37,15 +41,12 @@ class Search {
   /// True if it found a solution that is not known.
   bool attempt(const DeflationTry& how) {
     ++out_.attempts;
-    const Stop limits = left(deflation_.max_iterations, stop_.tol);
-    const Observer shown = counting_on();
-    Run run(mcp_, limits, shown);
-    Result result = run.concluded(start(how), [&](Point point) {
-      run.resume("deflation " + std::to_string(out_.attempts) + ": " + describe(how));
-      deflated_newton(run, how, roots_, std::move(point));
+    run_.next_attempt("deflation " + std::to_string(out_.attempts) + ": " + describe(how));
+    Result result = run_.within(mcp_, {.iterations = deflation_.max_iterations}, start(how), [&](Run& inner, In z) {
+      Point point;
+      if (inner.start(z, point)) deflated_newton(inner, how, roots_, std::move(point));
     });
-    out_.stats += result.stats;
-    status_ = result.status;
+    run_.charge(result);
     if (result.residual.natural > worth_polishing) return false;
     result = polished(std::move(result));
     if (!result.solved()) return false;
@@ -59,40 +60,25 @@ class Search {
 
   /// Which limit ends everything; empty: none yet.
   std::string stopped() const {
-    if (status_ == Status::Interrupted || (stop_.interrupt != nullptr && *stop_.interrupt)) return "interrupted";
-    if (elapsed() >= stop_.max_time) return "the time limit of " + number(stop_.max_time.count()) + " s was reached";
-    if (out_.stats.F_evals >= stop_.max_F_evals)
+    if (run_.interrupted() || (run_.ended() && run_.status() == Status::Interrupted)) return "interrupted";
+    if (std::chrono::steady_clock::now() >= run_.deadline())
+      return "the time limit of " + number(stop_.max_time.count()) + " s was reached";
+    if (run_.F_evals() >= stop_.max_F_evals)
       return "the limit of " + quantity(stop_.max_F_evals, "evaluation") + " of F was reached";
     return {};
   }
   AllSolutions finish(std::string message) {
     out_.message = std::move(message);
-    out_.stats.time = elapsed();
+    out_.stats = run_.result(x0_).stats;
     return std::move(out_);
   }
   const AllSolutions& so_far() const { return out_; }
 
  private:
-  std::chrono::duration<double> elapsed() const { return std::chrono::steady_clock::now() - begin_; }
-
-  Stop left(int iterations, double tol) const {
-    Stop limits = stop_;
-    limits.tol = tol;
-    limits.max_iterations = iterations;
-    limits.max_F_evals = std::max(1, stop_.max_F_evals - out_.stats.F_evals);
-    limits.max_time = std::max(stop_.max_time - elapsed(), std::chrono::duration<double>(0));
-    limits.check_derivatives = false;
-    return limits;
-  }
-
-  Observer counting_on() {
-    if (!observer_) return {};
-    return [this, k = out_.stats.iterations, F = out_.stats.F_evals, J = out_.stats.J_evals](Iteration it) {
-      it.k += k;
-      it.F_evals += F;
-      it.J_evals += J;
-      return observer_(it);
-    };
+  /// The tries have their own.
+  static Stop without_iteration_limit(Stop stop) {
+    stop.max_iterations = std::numeric_limits<int>::max();
+    return stop;
   }
 
   /// The point where an attempt starts; no known solution, but with probability 0. A move out of the box is reflected
@@ -121,11 +107,10 @@ class Search {
   /// Plain semismooth Newton steps from there; what they reach if the residual is smaller.
   Result polished(Result result) {
     if (!stopped().empty()) return result;
-    SemismoothNewton newton;
-    newton.stop = left(polish_iterations, std::min(stop_.tol, 1e-12));
-    newton.escape.rounds = 0;
-    const Result polished = run_with_escapes(mcp_, result.x, newton, {});
-    out_.stats += polished.stats;
+    const Share share{.iterations = polish_iterations, .tol = std::min(stop_.tol, 1e-12), .shown = false};
+    const Result polished =
+        run_.within(mcp_, share, result.x, [](Run& inner, In z) { run_once(inner, z, SemismoothNewton{}); });
+    run_.charge(polished);
     if (polished.residual.natural < result.residual.natural) take(result, polished.x, polished.F, polished.residual);
     // Entries that are off a bound by rounding alone.
     Vec x = result.x, F(x.size());
@@ -133,8 +118,7 @@ class Search {
       for (const double bound : {mcp_.box().lower[i], mcp_.box().upper[i]})
         if (std::isfinite(bound) && std::abs(x[i] - bound) <= rounding * (1 + std::abs(bound))) x[i] = bound;
     if (x == result.x) return result;
-    ++out_.stats.F_evals;
-    if (!CountedMcp(mcp_).eval(x, F)) return result;
+    if (!run_.counted().eval(x, F)) return result;
     const Residual snapped = residual(mcp_.box(), x, F);
     if (snapped.natural <= std::max(result.residual.natural, std::min(rounding, stop_.tol)))
       take(result, x, F, snapped);
@@ -150,18 +134,16 @@ class Search {
     result.advice.clear();
     const Stats before = result.stats;
     judge_here(mcp_, stop_, result);
-    out_.stats.F_evals += result.stats.F_evals - before.F_evals;
-    out_.stats.J_evals += result.stats.J_evals - before.J_evals;
+    run_.stats().F_evals += result.stats.F_evals - before.F_evals;
+    run_.stats().J_evals += result.stats.J_evals - before.J_evals;
   }
 
   void keep(Result result, std::string how) {
     const double D = std::min(1.0, result.x.norm());
     roots_.push_back({.r = result.x, .D = D > 0 ? D : 1});
     SpMat J = mcp_.jacobian_pattern();
-    CountedMcp guarded(mcp_);
     std::string singular;
-    if (guarded.jacobian(result.x, J)) singular = explain_singularity(mcp_, J, result.x, result.F);
-    ++out_.stats.J_evals;
+    if (run_.counted().jacobian(result.x, J)) singular = explain_singularity(mcp_, J, result.x, result.F);
     out_.found.push_back({.result = std::move(result), .how = std::move(how), .singular = std::move(singular)});
   }
 
@@ -169,11 +151,9 @@ class Search {
   const Vec x0_;
   const Stop stop_;
   const Deflation& deflation_;
-  const Observer& observer_;
-  const std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
+  Run run_;  // of everything; its best point is nobody's
   AllSolutions out_;
   std::vector<DeflationOperator::Root> roots_;
-  Status status_ = Status::NoProgress;
 };
 
 }  // namespace

@@ -389,11 +389,8 @@ std::optional<std::string> invalid(const InteriorPoint& m) {
   return std::nullopt;
 }
 
-Result run_interior_point(const Mcp& mcp, In x0, const InteriorPoint& method, const Observer& observer) {
-  Run run(mcp, method.stop, observer);
-  return run.concluded(x0, [&](Point point) {
-    if (!run.ended()) InteriorPath(run, method, std::move(point)).run();
-  });
+void interior_point(Run& run, const InteriorPoint& method, Point point) {
+  if (!run.ended()) InteriorPath(run, method, std::move(point)).run();
 }
 
 }  // namespace perp::ncp

@@ -174,9 +174,4 @@ void min_newton(Run& run, const MinNewton& method, Point point) {
   }
 }
 
-Result run_min_newton(const Mcp& mcp, In x0, const MinNewton& method, const Observer& observer) {
-  Run run(mcp, method.stop, observer);
-  return run.concluded(x0, [&](Point point) { min_newton(run, method, std::move(point)); });
-}
-
 }  // namespace perp::ncp

@@ -197,7 +197,7 @@ void give_up(Run& run, const Multiroot& method, const System& system, int status
 /// From `point` to a zero of Phi_mu, as far as GSL gets. False: the run is over.
 bool stage(Run& run, const Multiroot& method, System& system, gsl_multiroot_fdfsolver* solver, bool last, Point& point,
            Iteration& it) {
-  const double enough = last ? 0 : std::max(0.1 * system.mu, 0.1 * method.stop.tol);
+  const double enough = last ? 0 : std::max(0.1 * system.mu, 0.1 * run.tol());
   const auto x = made(gsl_vector_alloc(static_cast<std::size_t>(point.x.size())));
   std::copy(point.x.begin(), point.x.end(), x->data);
   int status = GSL_SUCCESS;
@@ -220,8 +220,20 @@ bool stage(Run& run, const Multiroot& method, System& system, gsl_multiroot_fdfs
   return false;
 }
 
+}  // namespace
+
+std::string_view to_string(MultirootSolver solver) {
+  constexpr std::array<std::string_view, 4> names{"gsl-hybridsj", "gsl-hybridj", "gsl-newton", "gsl-gnewton"};
+  return names[static_cast<std::size_t>(solver)];
+}
+
 void multiroot(Run& run, const Multiroot& method, Point point) {
   const Index n = point.x.size();
+  if (!run.ended() && n > method.max_size)
+    run.end(Status::NotApplicable,
+            "GSL's solvers are dense: " + std::to_string(n) + " variables are more than the limit of " +
+                std::to_string(method.max_size) + " (max_size)",
+            "--method path");
   Iteration it{.k = 0, .kind = 'I'};
   if (!run.go_on(point, it) || n == 0) return;  // GSL's handler would end the process at n = 0
   lcp::require_memory(bytes_for(n), "GSL's dense matrices");
@@ -240,13 +252,6 @@ void multiroot(Run& run, const Multiroot& method, Point point) {
           "a smaller mu_end, or --method path");
 }
 
-}  // namespace
-
-std::string_view to_string(MultirootSolver solver) {
-  constexpr std::array<std::string_view, 4> names{"gsl-hybridsj", "gsl-hybridj", "gsl-newton", "gsl-gnewton"};
-  return names[static_cast<std::size_t>(solver)];
-}
-
 std::optional<std::string> invalid(const Multiroot& m) {
   if (auto why = invalid(m.stop)) return why;
   if (!(m.mu > 0) || std::isinf(m.mu)) return refusal("mu", m.mu, "positive and finite");
@@ -254,18 +259,6 @@ std::optional<std::string> invalid(const Multiroot& m) {
   if (!(m.mu_end > 0 && m.mu_end <= m.mu)) return refusal("mu_end", m.mu_end, "in (0, mu]");
   if (m.max_size < 0) return refusal("max_size", m.max_size, "at least 0");
   return std::nullopt;
-}
-
-Result run_multiroot(const Mcp& mcp, In x0, const Multiroot& method, const Observer& observer) {
-  Run run(mcp, method.stop, observer);
-  return run.concluded(x0, [&](Point point) {
-    if (!run.ended() && mcp.size() > method.max_size)
-      run.end(Status::NotApplicable,
-              "GSL's solvers are dense: " + std::to_string(mcp.size()) + " variables are more than the limit of " +
-                  std::to_string(method.max_size) + " (max_size)",
-              "--method path");
-    multiroot(run, method, std::move(point));
-  });
 }
 
 }  // namespace perp::ncp

@@ -56,7 +56,7 @@ double Directions::forcing_term(double norm) {
     if (const double before = f.gamma * std::pow(eta_, f.alpha); before > memory) eta = std::max(eta, before);
   }
   // What the tolerance asks of the next residual, tenfold; and no digits that rounding takes.
-  eta = std::max({eta, 0.1 * method_.stop.tol / norm, 1e-10});
+  eta = std::max({eta, 0.1 * run_.tol() / norm, 1e-10});
   eta_ = std::min(eta, f.eta_max);
   norm_ = norm;
   return eta_;

@@ -192,11 +192,6 @@ void newton_josephy(Run& run, const NewtonJosephy& method, Point point) {
   }
 }
 
-Result run_newton_josephy(const Mcp& mcp, In x0, const NewtonJosephy& method, const Observer& observer) {
-  Run run(mcp, method.stop, observer);
-  return run.concluded(x0, [&](Point point) { newton_josephy(run, method, std::move(point)); });
-}
-
 std::optional<std::string> invalid(const NewtonJosephy& m) {
   if (auto why = invalid(m.stop)) return why;
   if (auto why = invalid(m.search)) return why;

@@ -39,11 +39,6 @@ void newton_robinson(Run& run, const NewtonRobinson& method, Point point) {
   }
 }
 
-Result run_newton_robinson(const Mcp& mcp, In x0, const NewtonRobinson& method, const Observer& observer) {
-  Run run(mcp, method.stop, observer);
-  return run.concluded(x0, [&](Point point) { newton_robinson(run, method, std::move(point)); });
-}
-
 std::optional<std::string> invalid(const NewtonRobinson& m) {
   if (auto why = invalid(m.stop)) return why;
   return invalid(m.lemke);

@@ -45,6 +45,7 @@ struct Iteration {
   Index changes = -1;             ///< crash: variables that came to a bound or left it since the last step
   Index inside = -1;              ///< crash: rows of the system solved
   std::string attempt{};          ///< begun with this record, after the first: "no crash", ...
+  bool normal_map = false;        ///< x is a point of the normal map: pi(x) is the iterate
   const Vec* x = nullptr;         ///< the iterate; only during the call
   const Mcp* problem = nullptr;   ///< x and way are points of: the presolved problem, say; only during the call
   const WayTaken* way = nullptr;  ///< PathSearch; only during the call

@@ -321,7 +321,7 @@ bool Attempt::gradient_step(Iteration& it) {
 
 bool Attempt::iterate(Iteration& it) {
   undefined_ = 0;
-  it = {.k = it.k + 1};
+  it = {.k = it.k + 1, .normal_map = true};
   const bool found = newton_step(it) || (may_go_on() && (watchdog(it) || gradient_step(it)));
   it.pivots = newton_points_.take_pivots();
   it.merit = psi_;
@@ -365,8 +365,8 @@ bool ran_off(Run& run, const Point& point, double start) {
 
 }  // namespace
 
-void path_search(Run& run, const PathSearch& method, Point point, std::vector<lcp::Cell>& basis) {
-  Iteration it{.k = 0, .kind = 'I'};
+void path_search(Run& run, const PathSearch& method, Point point) {
+  Iteration it{.k = 0, .kind = 'I', .normal_map = true};
   it.crash = method.crash.on && run.box().size() >= method.crash.minimum_dimension;
   it.merit = merit(fischer_burmeister(), run.box(), point.x, point.F);
   if (!run.go_on(point, it) || !crash(run, method.crash, point, it)) return;
@@ -383,7 +383,7 @@ void path_search(Run& run, const PathSearch& method, Point point, std::vector<lc
       break;
     }
   } while (run.go_on(point, it));
-  basis = attempt.basis();
+  run.keep_basis(attempt.basis());
 }
 
 std::optional<std::string> invalid(const PathSearch& m) {

@@ -2,9 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
-
-#include "ncp/run.hpp"
 
 namespace perp::ncp {
 
@@ -58,22 +57,27 @@ double norm_bound(const SpMat& J) {
   return std::sqrt(columns * rows.maxCoeff());
 }
 
-/// Runs the base method within what is left of the user's limits, counting on from the runs before.
+/// The base method on perturbed problems and on the problem itself, within the run.
 class Rounds {
  public:
-  Rounds(const Mcp& mcp, const Method& method, const Escape& escape, Result stuck, const RunMethod& run,
-         const Observer& observer)
-      : mcp_(mcp), method_(method), escape_(escape), run_(run), observer_(observer), best_(std::move(stuck)) {}
+  Rounds(Run& run, const Vec& start, double residual, const Escape& escape, int iterations, const Body& base)
+      : run_(run), escape_(escape), iterations_(iterations), base_(base), x_(start), residual_(residual) {}
 
-  const Result& best() const { return best_; }
-  bool over() const { return ended_.has_value() || best_.accepted(); }
+  /// Where the method has come to: accepted by this escape's mark.
+  const Vec& x() const { return x_; }
+  int iterations_left() const { return std::max(0, iterations_ - run_.iterations()); }
 
   /// The point of F + lambda (x - center); lambda grows until it is found. False if it never is.
   bool perturbed(Vec& center, double& lambda) {
-    for (int tries = 0; tries < 4 && !over(); ++tries, lambda *= escape_.grow) {
-      const ProximalMcp problem(mcp_, lambda, center);
-      const Result r =
-          run(problem, center, std::max(stop(method_).tol, escape_.perturbed_tol), escape_.perturbed_iterations, {});
+    for (int tries = 0; tries < 4 && !run_.ended(); ++tries, lambda *= escape_.grow) {
+      const ProximalMcp problem(run_.mcp(), lambda, center);
+      const Result r = run_.within(problem,
+                                   {.iterations = std::min(escape_.perturbed_iterations, iterations_left()),
+                                    .tol = std::max(run_.tol(), escape_.perturbed_tol),
+                                    .shown = false},
+                                   center, base_);
+      run_.charge(r);
+      end_at_limit(r);
       if (!r.accepted()) continue;
       center = r.x;
       return true;
@@ -83,146 +87,75 @@ class Rounds {
 
   /// The base method from x on the problem itself; true if it came nearer to a solution.
   bool original(const Vec& x, int iterations) {
-    const Result r = run(mcp_, x, stop(method_).tol, iterations, [this](const Iteration& it) {
-      return it.k == 0 ? Next::Continue : shown(it);  // the start of a trial is the centre shown before
-    });
-    if (!r.accepted() && !(r.residual.natural <= escape_.accept * best_.residual.natural)) return false;
+    const Share share{.iterations = std::min(iterations, iterations_left()), .start_shown = false};
+    const Result r = run_.within(run_.mcp(), share, x, base_);  // its start is the centre shown before
     if (r.accepted()) {
-      best_ = r;
-    } else {  // the verdict stays that of the run that got stuck
-      best_.x = r.x;
-      best_.F = r.F;
-      best_.residual = r.residual;
+      run_.take(r);
+      return true;
     }
+    run_.charge(r);
+    if (iterations > share.iterations) end_at_limit(r);
+    if (!(r.residual.natural <= escape_.accept * residual_)) return false;
+    run_.take_point(r);
+    x_ = r.x;
+    residual_ = r.residual.natural;
     return true;
-  }
-
-  Result finish(int rounds) {
-    const std::string escapes = quantity(rounds, "proximal escape");
-    if (best_.accepted()) {
-      best_.message += ", after " + escapes + " from a local minimum";
-    } else {
-      if (ended_.has_value()) {
-        best_.status = ended_->status;
-        best_.message = ended_->message;
-        best_.advice = ended_->advice;
-      }
-      best_.message += "; " + escapes + (rounds == 1 ? " has" : " have") + " not led to a solution";
-      if (ended_.has_value() && best_.residual.worst >= 0)
-        best_.message += "; the best point has natural residual " + number(best_.residual.natural) +
-                         ", worst in equation " + mcp_.equation_name(best_.residual.worst) + " of variable " +
-                         mcp_.variable_name(best_.residual.worst);
-    }
-    best_.stats = stats_;
-    return best_;
   }
 
   /// One record for a move of the centre by this lambda. True if it is accepted as it is.
   bool show_move(const Vec& x, double lambda, bool first) {
-    Vec F;
-    CountedMcp guarded(mcp_);
-    const Residual r = guarded.eval(x, F) ? residual(mcp_.box(), x, F) : Residual{};
-    stats_.F_evals += guarded.F_evals();
-    Iteration it{.k = 0, .residual = r.natural, .worst = r.worst, .step = 1, .prox = lambda, .kind = 'E'};
+    Iteration it{.k = 0, .step = 1, .prox = lambda, .kind = 'E'};
     if (first) {
       it.attempt = "proximal escape";
-      ++stats_.restarts;
+      ++run_.stats().restarts;
     }
-    it.x = &x;
-    it.problem = &mcp_;
-    if (shown(it) == Next::Stop)
-      end({Status::Interrupted, "interrupted after " + quantity(stats_.iterations, "iteration"),
-           "run on from the point returned"});
-    return r.natural <= escape_.accept * best_.residual.natural;
-  }
-
-  bool jacobian(const Vec& x, SpMat& J) {
-    CountedMcp guarded(mcp_);
-    const bool defined = guarded.jacobian(x, J);
-    stats_.J_evals += guarded.J_evals();
-    return defined;
+    Residual there;
+    run_.show(x, it, there);
+    return there.natural <= escape_.accept * residual_;
   }
 
  private:
-  struct Verdict {
-    Status status;
-    std::string message, advice;
-  };
-  void end(Verdict verdict) {
-    if (!ended_) ended_ = std::move(verdict);
+  void end_at_limit(const Result& r) {
+    if (r.status != Status::IterationLimit || iterations_left() > 0) return;
+    run_.end(Status::IterationLimit, "the limit of " + quantity(iterations_, "iteration") + " was reached", r.advice);
   }
 
-  Result run(const Mcp& mcp, const Vec& x, double tol, int iterations, const Observer& observer) {
-    Method method = method_;
-    Stop& limits = stop(method);
-    limits.tol = tol;
-    const int left = limits.max_iterations - stats_.iterations;
-    limits.max_iterations = std::min(iterations, left);
-    limits.max_F_evals = std::max(1, limits.max_F_evals - stats_.F_evals);
-    limits.max_time -= stats_.time;
-    limits.max_time = std::max(limits.max_time, std::chrono::duration<double>(0));
-    Result r = run_(mcp, x, method, observer);
-    stats_ += r.stats;
-    if (r.status == Status::Interrupted)
-      end({r.status, "interrupted after " + quantity(stats_.iterations, "iteration"), r.advice});
-    else if (r.status == Status::TimeLimit)
-      end({r.status, "the time limit was reached", r.advice});
-    else if (!r.accepted() && stats_.F_evals >= stop(method_).max_F_evals)
-      end({Status::IterationLimit,
-           "the limit of " + quantity(stop(method_).max_F_evals, "evaluation") + " of F was reached", r.advice});
-    else if (r.status == Status::IterationLimit && iterations >= left)
-      end({r.status, "the limit of " + quantity(stop(method_).max_iterations, "iteration") + " was reached", r.advice});
-    return r;
-  }
-
-  Next shown(Iteration it) {
-    it.k += stats_.iterations;
-    it.F_evals += stats_.F_evals;
-    it.J_evals += stats_.J_evals;
-    const Next next = observer_ ? observer_(it) : Next::Continue;
-    return next;
-  }
-
-  const Mcp& mcp_;
-  const Method& method_;
+  Run& run_;
   const Escape& escape_;
-  const RunMethod& run_;
-  const Observer& observer_;
-  Result best_;
-  Stats stats_ = best_.stats;
-  std::optional<Verdict> ended_;  // by a limit or an observer
+  int iterations_;
+  const Body& base_;
+  Vec x_;
+  double residual_;
 };
 
 }  // namespace
 
-Result proximal_escape(const Mcp& mcp, const Method& method, const Escape& escape, Result stuck, const RunMethod& run,
-                       const Observer& observer) {
-  Vec center = stuck.x;
-  Rounds rounds(mcp, method, escape, std::move(stuck), run, observer);
-  SpMat J = mcp.jacobian_pattern();
+int proximal_escape(Run& run, Vec center, double residual, const Escape& escape, int iterations, const Body& base) {
+  Rounds rounds(run, center, residual, escape, iterations, base);
+  constexpr int all = std::numeric_limits<int>::max();
+  SpMat J = run.mcp().jacobian_pattern();
   int k = 0;
   double lambda = 0;
-  while (k < escape.rounds && !rounds.over()) {
+  while (k < escape.rounds && !run.ended()) {
     const Vec before = center;
     if (lambda == 0) {
-      if (!rounds.jacobian(center, J)) break;
+      if (!run.counted().jacobian(center, J)) break;
       lambda = escape.lambda * std::max(norm_bound(J), 1e-3);
     }
     if (!rounds.perturbed(center, lambda)) break;
     const bool good = rounds.show_move(center, lambda, k == 0);
     lambda *= escape.shrink;
     ++k;
-    if (rounds.over()) break;
-    const int iterations = good ? stop(method).max_iterations : escape.trial_iterations;
-    if (iterations > 0 && rounds.original(center, iterations)) {
-      if (!good && !rounds.best().accepted() && !rounds.over())
-        rounds.original(rounds.best().x, stop(method).max_iterations);
-      center = rounds.best().x;
+    if (run.ended()) break;
+    const int tries = good ? all : escape.trial_iterations;
+    if (tries > 0 && rounds.original(center, tries)) {
+      if (!good && !run.ended()) rounds.original(rounds.x(), all);
+      center = rounds.x();
       lambda = 0;
     }
     if ((center - before).lpNorm<Eigen::Infinity>() <= 1e-12 * (1 + before.lpNorm<Eigen::Infinity>())) break;
   }
-  return rounds.finish(k);
+  return k;
 }
 
 }  // namespace perp::ncp

@@ -1,6 +1,6 @@
 #pragma once
 /// The proximal perturbation of an MCP and the escape from local minima built on it; private to ncp/.
-#include "ncp/methods.hpp"
+#include "ncp/run.hpp"
 
 namespace perp::ncp {
 
@@ -30,10 +30,12 @@ class ProximalMcp final : public Mcp {
 /// natural residual of the original problem that is small enough beside the best one's, the base goes on from it, else
 /// it is tried for a few iterations; repeat. lambda shrinks after each move (xbar follows xdot = -F(x) in the box in
 /// longer and longer steps, uphill in the merit function if need be) and grows where the base does not solve the
-/// perturbed problem. `stuck` is what the base method answered. Records: one of kind E for each move, with its lambda
-/// in `prox`, and those of the base method on the problem itself; what perturbed problems take shows in the counters
-/// only.
-Result proximal_escape(const Mcp& mcp, const Method& method, const Escape& escape, Result stuck, const RunMethod& run,
-                       const Observer& observer);
+/// perturbed problem.
+///
+/// `run` has not ended; it ends unless it is stuck as before, with `center` the best point, of that residual. No more
+/// than `iterations` of the run are spent, those before it included. Records: one of kind E for each move, with its
+/// lambda in `prox`, and those of the base method on the problem itself; what perturbed problems take shows in the
+/// counters only. Returns the number of moves.
+int proximal_escape(Run& run, Vec center, double residual, const Escape& escape, int iterations, const Body& base);
 
 }  // namespace perp::ncp

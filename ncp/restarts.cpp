@@ -1,6 +1,7 @@
 /// PathSearch as a user gets it: the attempts in their order, until one solves the problem or the list is at its end.
 #include <algorithm>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <string>
 #include <utility>
@@ -11,6 +12,7 @@
 #include "ncp/merit.hpp"
 #include "ncp/methods.hpp"
 #include "ncp/proximal.hpp"
+#include "ncp/scale_transform.hpp"
 
 namespace perp::ncp {
 namespace {
@@ -30,16 +32,8 @@ PathSearch once(PathSearch method) {
   return method;
 }
 
-Result run_once(const Mcp& mcp, In x0, const Method& method, const Observer& observer) {
-  if (const auto* semismooth = std::get_if<SemismoothNewton>(&method))
-    return run_semismooth_newton(mcp, x0, *semismooth, observer);
-  if (const auto* smoothing = std::get_if<Smoothing>(&method)) return run_smoothing(mcp, x0, *smoothing, observer);
-  const auto& path = std::get<PathSearch>(method);
-  Run run(mcp, path.stop, observer);
-  std::vector<lcp::Cell> basis;
-  Result result = run.concluded(x0, [&](Point point) { path_search(run, path, std::move(point), basis); });
-  result.basis = std::move(basis);
-  return result;
+Body loop_of(Method method) {
+  return [method = std::move(method)](Run& run, In x0) { run_once(run, x0, method); };
 }
 
 /// Where an attempt starts.
@@ -81,12 +75,11 @@ class Attempts {
   const std::vector<Attempt>& list() const { return list_; }
   /// How many come before the one with the options given.
   std::size_t before_restarts() const { return before_; }
-  std::vector<lcp::Cell> basis;
 
  private:
   void add_path(std::string what, PathSearch method, From from = From::Start) {
-    list_.push_back({std::move(what), from, [this, method = std::move(method)](Run& run, Point point) {
-                       path_search(run, method, std::move(point), basis);
+    list_.push_back({std::move(what), from, [method = std::move(method)](Run& run, Point point) {
+                       path_search(run, method, std::move(point));
                      }});
   }
   void add_semismooth(std::string what, From from, SemismoothNewton method) {
@@ -102,8 +95,7 @@ class Attempts {
   /// Smoothing, and again on the problem scaled by J where that has got stuck.
   void add_smoothing(std::string what, const Smoothing& method) {
     list_.push_back({what, From::Start, [this, method](Run& run, const Point& point) {
-                       const Method limited = within_limits(run, method);
-                       const Result result = run_once(run.mcp(), point.x, limited, run.counting_on());
+                       const Result result = run.within(run.mcp(), {}, point.x, loop_of(method));
                        smoothed_ = result.x;
                        run.take(result);
                      }});
@@ -111,24 +103,19 @@ class Attempts {
   }
   void add_escape(std::string what, Method base) {
     list_.push_back({std::move(what), From::Best, [this, base = std::move(base)](Run& run, const Point& point) {
-                       const Method method = within_limits(run, base);
-                       Result stuck;
-                       stuck.status = Status::NoProgress;
-                       stuck.x = point.x;
-                       stuck.F = point.F;
-                       stuck.residual = residual(run.box(), point.x, point.F);
-                       run.take(proximal_escape(run.mcp(), method, Escape{.rounds = escape_rounds}, std::move(stuck),
-                                                run_once, run.counting_on()));
+                       const double natural = residual(run.box(), point.x, point.F).natural;
+                       const int k = proximal_escape(run, point.x, natural, Escape{.rounds = escape_rounds},
+                                                     std::numeric_limits<int>::max(), loop_of(limited(run, base)));
+                       if (run.accepted()) run.remark("after " + quantity(k, "proximal escape"));
+                       if (!run.ended()) run.end(Status::NoProgress, "proximal escapes do not help", "");
                      }});
   }
   /// From the start on the problem scaled by J at a point that is known when it is the attempt's turn.
   void add_scaled(std::string what, Method base, std::function<Vec(const Run&)> where) {
     list_.push_back({std::move(what), From::Start,
                      [this, base = std::move(base)](Run& run, const Point& point) {
-                       Result scaled = run_scaled(run.mcp(), *factors_, point.x, within_limits(run, base), run_once,
-                                                  run.counting_on());
-                       if (!scaled.basis.empty()) basis = std::move(scaled.basis);
-                       run.take(scaled);
+                       run.take(
+                           run.within(ScaleTransform(run.mcp(), *factors_), {}, point.x, loop_of(limited(run, base))));
                      },
                      [this, where = std::move(where)](Run& run) {
                        factors_ = factors_at(run, where(run));
@@ -136,20 +123,17 @@ class Attempts {
                      }});
   }
   void add_affine(std::string what) {
-    list_.push_back({std::move(what), From::Start, [this](Run& run, const Point& point) {
-                       const Method method = within_limits(run, Affine{});
-                       Result linear = run_affine(run.mcp(), point.x, std::get<Affine>(method), run.counting_on());
-                       linear.stats.pivots = std::exchange(linear.stats.iterations, 1);
-                       run.take(linear);
+    list_.push_back({std::move(what), From::Start, [](Run& run, const Point& point) {
+                       const Affine linear;
+                       Result result = run.within(run.mcp(), {.tol = linear.stop.tol}, point.x,
+                                                  [&](Run& inner, In x0) { affine(inner, x0, linear); });
+                       result.stats.pivots = std::exchange(result.stats.iterations, 1);
+                       run.take(result);
                      }});
   }
 
-  /// With what is left of the limits.
-  Method within_limits(const Run& run, Method method) const {
-    Stop& limits = stop(method);
-    const double tol = std::holds_alternative<Affine>(method) ? limits.tol : method_.stop.tol;
-    limits = run.left();
-    limits.tol = tol;
+  /// With what is left of the pivots.
+  Method limited(const Run& run, Method method) const {
     if (auto* path = std::get_if<PathSearch>(&method))
       path->cumulative_iteration_limit = std::max(1, method_.cumulative_iteration_limit - run.stats().pivots);
     return method;
@@ -216,11 +200,11 @@ Run::Verdict last_words(Run& run, const Run::Verdict& first, const Point& user, 
 
 }  // namespace
 
-Result run_attempts(const Mcp& mcp, In x0, const PathSearch& method, const Observer& observer) {
-  Run run(mcp, method.stop, observer);
+void path_attempts(Run& run, In x0, const PathSearch& method) {
   Point user;
-  if (!run.start(x0, user)) return run.result();
-  Attempts attempts(mcp, user, method);
+  if (!run.start(x0, user)) return;
+  Attempts attempts(run.mcp(), user, method);
+  const int restarts = run.stats().restarts;
   std::size_t tried = 0;
   std::optional<Run::Verdict> first;
   std::string last;
@@ -235,18 +219,16 @@ Result run_attempts(const Mcp& mcp, In x0, const PathSearch& method, const Obser
     if (!first) first = run.verdict();
     if (tried > attempts.before_restarts() + static_cast<std::size_t>(method.restart_limit)) break;
   }
-  run.stats().restarts = static_cast<int>(tried) - 1;
+  run.stats().restarts = restarts + static_cast<int>(tried) - 1;
   const bool at_limit = first && run.ended() && run.status() == Status::IterationLimit;
   if (run.ended() && (stuck(run.status()) || at_limit)) {
     Run::Verdict verdict = last_words(run, *first, user, tried - 1);
     if (at_limit)
-      verdict.message += ", the last one ended by the limit of " + quantity(method.stop.max_iterations, "iteration");
+      verdict.message +=
+          ", the last one ended by the limit of " + quantity(run.iterations() + run.left().max_iterations, "iteration");
     run.replace_verdict(std::move(verdict));
   }
-  Result result = run.result();
-  if (result.solved() && tried > 1) result.message += ", after a restart: " + last;
-  result.basis = std::move(attempts.basis);
-  return result;
+  if (run.ended() && run.status() == Status::Solved && tried > 1) run.remark("after a restart: " + last);
 }
 
 }  // namespace perp::ncp

@@ -25,8 +25,6 @@ std::pair<Index, Index> first_difference(const SpMat& J, const SpMat& pattern) {
   return {-1, -1};
 }
 
-constexpr const char* best_point = "; the best point has natural residual ";
-
 }  // namespace
 
 std::string number(double value) {
@@ -194,13 +192,14 @@ Stop Run::left() const {
   return stop;
 }
 
-Observer Run::counting_on() {
+Observer Run::counting_on(bool start_shown) {
   if (!observer_) {
     attempt_.clear();
     return {};
   }
-  return [this, before = iterations(), F = F_evals(), J = J_evals(),
+  return [this, start_shown, before = iterations(), F = F_evals(), J = J_evals(),
           attempt = take_attempt()](const Iteration& it) mutable {
+    if (it.k == 0 && !start_shown) return Next::Continue;
     Iteration counted = it;
     counted.k += before;
     counted.F_evals += F;
@@ -209,6 +208,70 @@ Observer Run::counting_on() {
     if (counted.kind == 'I' && !counted.attempt.empty()) counted.kind = 'R';
     return observer_(counted);
   };
+}
+
+namespace {
+
+/// Records of the transformed problem as those of the problem itself.
+Observer brought_back(const Mcp& mcp, const Transform& way, Observer observer) {
+  if (!observer) return {};
+  return [&mcp, &way, observer = std::move(observer)](const Iteration& it) {
+    Iteration shown = it;
+    shown.problem = &mcp;
+    if (it.worst >= 0) shown.worst = way.equation_back(it.worst);
+    Vec x;
+    if (it.x != nullptr) {
+      shown.x = &(x = way.iterate_back(*it.x, it.normal_map));
+      if (!way.keeps_residuals()) {
+        const Vec z = lcp::project(mcp.box(), x);
+        Vec F;
+        CountedMcp guarded(mcp);  // for the observer: what the run itself evaluates is counted
+        const Residual judged = guarded.eval(z, F) ? residual(mcp.box(), z, F) : Residual{};
+        shown.residual = judged.natural;
+        shown.worst = judged.worst;
+      }
+    }
+    WayTaken taken;
+    if (it.way != nullptr) {
+      taken = *it.way;
+      for (lcp::Breakpoint& kink : taken.kinks) kink.x = way.kink_back(kink.x);
+      shown.way = &taken;
+    }
+    return observer(shown);
+  };
+}
+
+Stop shared(Stop left, const Share& share) {
+  left.max_iterations = std::min(left.max_iterations, share.iterations);
+  left.max_F_evals = std::min(left.max_F_evals, share.F_evals);
+  left.tol = share.tol.value_or(left.tol);
+  return left;
+}
+
+}  // namespace
+
+Result Run::within(const Mcp& mcp, const Stop& limits, const Observer& shown, In x0, const Body& body) {
+  Run inner(mcp, limits, shown);
+  inner.guard([&] { body(inner, x0); });
+  return inner.result(x0);
+}
+
+Result Run::within(const Mcp& mcp, const Share& share, In x0, const Body& body) {
+  const Observer shown = share.shown ? counting_on(share.start_shown) : Observer{};
+  return within(mcp, shared(left(), share), shown, x0, body);
+}
+
+Result Run::within(const Transform& way, const Share& share, In x0, const Body& body, bool* accepted_there) {
+  const Stop limits = shared(left(), share);
+  Stop there = limits;
+  there.tol = way.tolerance(limits.tol);
+  const Observer shown = share.shown ? counting_on(share.start_shown) : Observer{};
+  Result result = within(way.problem(), there, brought_back(mcp(), way, shown), way.there(x0), body);
+  if (accepted_there != nullptr) *accepted_there = result.accepted();
+  result.x = way.back(result.x);
+  result.basis = way.back(result.x, std::move(result.basis));
+  judge_here(mcp(), limits, result);
+  return result;
 }
 
 void Run::replace_verdict(Verdict verdict) {
@@ -223,6 +286,7 @@ void Run::remark(const std::string& text) {
 
 void Run::take(const Result& other) {
   stats_ += other.stats;
+  if (!other.basis.empty()) basis_ = other.basis;
   Judged theirs{.x = other.x, .F = other.F, .residual = other.residual};
   const bool done = other.solved() && solved(theirs);
   const bool rounded = other.status == Status::SolvedToRounding && judge_.to_rounding(theirs);
@@ -233,12 +297,40 @@ void Run::take(const Result& other) {
         "F must be a function of x alone");
     return;
   }
+  if (!ended_with(other))  // limits of its own are no reason to stop
+    end(other.status == Status::IterationLimit ? Status::NoProgress : other.status, other.message, other.advice);
+}
+
+void Run::charge(const Result& other) {
+  stats_ += other.stats;
+  ended_with(other);
+}
+
+void Run::take_point(const Result& other) {
+  if (other.residual.natural < best_.residual.natural) best_ = {.x = other.x, .F = other.F, .residual = other.residual};
+}
+
+bool Run::ended_with(const Result& other) {
   const bool late = other.status == Status::TimeLimit && std::chrono::steady_clock::now() >= deadline_;
-  if ((other.status == Status::IterationLimit && at_limit()) || other.status == Status::Interrupted || late)
-    end_at(other.status);
-  else  // limits of its own are no reason to stop
-    end(other.status == Status::IterationLimit ? Status::NoProgress : other.status,
-        other.message.substr(0, other.message.find(best_point)), other.advice);  // result() tells of the best of all
+  const bool at_end = !other.accepted() && at_limit() && other.status == Status::IterationLimit;
+  if (!at_end && other.status != Status::Interrupted && !late) return false;
+  end_at(other.status);
+  return true;
+}
+
+bool Run::show(const Vec& x, Iteration it, Residual& there) {
+  Vec F;
+  there = counted_.eval(x, F) ? residual(box(), x, F) : Residual{};
+  if (!attempt_.empty()) it.attempt = take_attempt();
+  it.k = iterations();
+  it.residual = there.natural;
+  it.worst = there.worst;
+  it.F_evals = F_evals();
+  it.J_evals = J_evals();
+  it.x = &x;
+  it.problem = &mcp();
+  if (observer_ && observer_(it) == Next::Stop) end_at(Status::Interrupted);
+  return !ended();
 }
 
 bool stuck(Status status) {
@@ -279,7 +371,7 @@ bool Run::go_on(const Point& point, Iteration it) {
   return !status_;
 }
 
-Result Run::result() {
+Result Run::result(In x0) {
   Result out;
   out.status = status_.value_or(Status::NoProgress);
   out.message = message_;
@@ -287,9 +379,11 @@ Result Run::result() {
   out.x = best_.x;
   out.F = best_.F;
   out.residual = best_.residual;
-  if (out.status != Status::Solved && out.residual.worst >= 0 && std::isfinite(out.residual.natural))
-    out.message += best_point + number(out.residual.natural) + ", worst in equation " + equation(out.residual.worst) +
-                   " of variable " + mcp().variable_name(out.residual.worst);
+  if (out.x.size() != x0.size()) {
+    out.x = lcp::project(box(), x0);
+    out.F = Vec::Constant(x0.size(), std::numeric_limits<double>::quiet_NaN());
+  }
+  out.basis = basis_;
   out.stats = stats_;
   out.stats.F_evals += counted_.F_evals();
   out.stats.J_evals += counted_.J_evals();
@@ -297,12 +391,11 @@ Result Run::result() {
   return out;
 }
 
-Result Run::result(In x0) {
-  Result out = result();
-  if (out.x.size() == x0.size()) return out;
-  out.x = lcp::project(box(), x0);
-  out.F = Vec::Constant(x0.size(), std::numeric_limits<double>::quiet_NaN());
-  return out;
+std::string words_on_best(const Mcp& mcp, const Result& result) {
+  const Residual& r = result.residual;
+  if (result.status == Status::Solved || r.worst < 0 || !std::isfinite(r.natural)) return {};
+  return "; the best point has natural residual " + number(r.natural) + ", worst in equation " +
+         mcp.equation_name(r.worst) + " of variable " + mcp.variable_name(r.worst);
 }
 
 }  // namespace perp::ncp

@@ -259,11 +259,6 @@ void semismooth_newton(Run& run, const SemismoothNewton& method, Point point) {
   run.remark(steps.remark());
 }
 
-Result run_semismooth_newton(const Mcp& mcp, In x0, const SemismoothNewton& method, const Observer& observer) {
-  Run run(mcp, method.stop, observer);
-  return run.concluded(x0, [&](Point point) { semismooth_newton(run, method, std::move(point)); });
-}
-
 std::optional<std::string> invalid(const SemismoothNewton& m) {
   if (auto why = invalid(m.stop)) return why;
   if (!m.cfunction.at) return "cfunction has no function";

@@ -95,7 +95,7 @@ double Smoother::merit(const Point& p, double mu) const {
 }
 
 void Smoother::set_mu(double mu) {
-  mu_ = std::max(mu, least_mu * method_.stop.tol);
+  mu_ = std::max(mu, least_mu * run_.tol());
   memory_.reset(merit(point_, mu_));
 }
 
@@ -283,9 +283,6 @@ std::optional<std::string> invalid(const Smoothing& m) {
   return std::nullopt;
 }
 
-Result run_smoothing(const Mcp& mcp, In x0, const Smoothing& method, const Observer& observer) {
-  Run run(mcp, method.stop, observer);
-  return run.concluded(x0, [&](Point point) { Smoother(run, method, std::move(point)).run(); });
-}
+void smoothing(Run& run, const Smoothing& method, Point point) { Smoother(run, method, std::move(point)).run(); }
 
 }  // namespace perp::ncp

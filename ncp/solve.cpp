@@ -1,6 +1,7 @@
 #include "ncp/solve.hpp"
 
 #include <cmath>
+#include <limits>
 #include <new>
 #include <stdexcept>
 
@@ -8,6 +9,7 @@
 #include "ncp/notes.hpp"
 #include "ncp/proximal.hpp"
 #include "ncp/run.hpp"
+#include "ncp/strategy_node.hpp"
 
 namespace perp::ncp {
 namespace {
@@ -25,25 +27,6 @@ void check_fit(const Mcp& mcp, const Method& method) {
   if (path == nullptr || path->basis.empty() || static_cast<Index>(path->basis.size()) == mcp.size()) return;
   throw std::invalid_argument(mcp.name() + ": path: the warm start's basis has " + std::to_string(path->basis.size()) +
                               " cells, the problem " + std::to_string(mcp.size()) + " variables");
-}
-
-Result run(const Mcp& mcp, In x0, const Method& method, const Observer& observer) {
-  return std::visit(Overloaded{[&](const SemismoothNewton& m) { return run_semismooth_newton(mcp, x0, m, observer); },
-                               [&](const MinNewton& m) { return run_min_newton(mcp, x0, m, observer); },
-                               [&](const Smoothing& m) { return run_smoothing(mcp, x0, m, observer); },
-                               [&](const InteriorPoint& m) { return run_interior_point(mcp, x0, m, observer); },
-                               [&](const NewtonJosephy& m) { return run_newton_josephy(mcp, x0, m, observer); },
-                               [&](const NewtonRobinson& m) { return run_newton_robinson(mcp, x0, m, observer); },
-                               [&](const PathSearch& m) { return run_path(mcp, x0, m, observer); },
-                               [&](const Auto& m) { return run_auto(mcp, x0, m, observer); },
-                               [&](const Multiroot& m) { return run_multiroot(mcp, x0, m, observer); },
-                               [&](const Affine& m) { return run_affine(mcp, x0, m, observer); }},
-                    method);
-}
-
-/// EvaluationFailed after a step: the iterates, which may leave the box, ran against the border of the domain.
-bool stuck(const Result& result) {
-  return stuck(result.status) && (result.status != Status::EvaluationFailed || result.stats.iterations > 0);
 }
 
 /// PathSearch has its escapes in its list of restarts.
@@ -64,15 +47,26 @@ int rescalings_of(const Method& method) {
   return escape.rounds > 0 ? escape.rescalings : 0;
 }
 
-/// On a scaled problem: the escapes get a part of the iterations, so that some are left for those on the problem
-/// itself.
-Result run_and_escape(const Mcp& mcp, In x0, const Method& method, const Observer& observer) {
-  Result result = run(mcp, x0, method, observer);
-  const Escape escape = escape_of(method);
-  if (!stuck(result) || escape.rounds == 0) return result;
-  Method limited = method;
-  stop(limited).max_iterations /= 3;
-  return proximal_escape(mcp, limited, escape, std::move(result), run, observer);
+bool stuck(Status status, const Stats& stats) {
+  return stuck(status) && (status != Status::EvaluationFailed || stats.iterations > 0);
+}
+
+void path(Run& run, In x0, const PathSearch& method) {
+  const auto attempts = [&method](Run& inner, In z0, const std::vector<lcp::Cell>& basis) {
+    PathSearch there = method;
+    there.basis = basis;
+    path_attempts(inner, z0, there);
+  };
+  return method.preprocess ? run_presolved(run, x0, method.basis, attempts) : attempts(run, x0, method.basis);
+}
+
+/// Without rescalings and escapes.
+void run_base(Run& run, In x0, const Method& method) {
+  std::visit(Overloaded{[&](const PathSearch& m) { path(run, x0, m); }, [&](const Auto& m) { automatic(run, x0, m); },
+                        [&](const Affine& m) { affine(run, x0, m); },
+                        [&](const Strategy& m) { run_strategy(run, x0, *m.tree); },
+                        [&](const auto&) { run_once(run, x0, method); }},
+             method);
 }
 
 /// A derivative that does not match is the most frequent reason of a failure, and the hardest to see.
@@ -88,44 +82,55 @@ void blame_derivatives(const Mcp& mcp, Result& result) {
 
 }  // namespace
 
-namespace {
-
-/// What needs memory between the runs, too. The point is lost then: the runs keep theirs (Run::guard).
-Result guarded(const Mcp& mcp, In x0, const Method& method, const Observer& observer) {
-  Run run(mcp, stop(method), observer);
-  Result result;
-  run.guard([&] { result = run_with_escapes(mcp, x0, method, observer); });
-  return run.ended() ? run.result(x0) : result;
+bool stuck(const Run& run) {
+  return run.ended() && stuck(run.status()) && (run.status() != Status::EvaluationFailed || run.stats().iterations > 0);
 }
 
-}  // namespace
+void run_once(Run& run, In x0, const Method& method) {
+  Point point;
+  if (!run.start(x0, point)) return;
+  std::visit(Overloaded{[&](const SemismoothNewton& m) { semismooth_newton(run, m, std::move(point)); },
+                        [&](const MinNewton& m) { min_newton(run, m, std::move(point)); },
+                        [&](const Smoothing& m) { smoothing(run, m, std::move(point)); },
+                        [&](const InteriorPoint& m) { interior_point(run, m, std::move(point)); },
+                        [&](const NewtonJosephy& m) { newton_josephy(run, m, std::move(point)); },
+                        [&](const NewtonRobinson& m) { newton_robinson(run, m, std::move(point)); },
+                        [&](const PathSearch& m) { path_search(run, m, std::move(point)); },
+                        [&](const Multiroot& m) { multiroot(run, m, std::move(point)); },
+                        [](const auto&) { throw std::logic_error("run_once: the method has no loop of its own"); }},
+             method);
+}
 
-Result run_with_escapes(const Mcp& mcp, In x0, const Method& method, const Observer& observer) {
-  Result result = run(mcp, x0, method, observer);
-  const Escape escape = escape_of(method);
+void run_method(Run& run, In x0, const Method& method) {
+  const Body base = [&method](Run& inner, In z0) { run_base(inner, z0, method); };
+  const Escape escapes = escape_of(method);
   const int rescalings = rescalings_of(method);
-  if (stuck(result) && rescalings > 0)
-    result = retry_scaled(mcp, x0, method, rescalings, std::move(result), run_and_escape, observer);
-  if (stuck(result) && escape.rounds > 0)
-    result = proximal_escape(mcp, method, escape, std::move(result), run, observer);
-  return result;
+  base(run, x0);
+  // The escapes there get a part of the iterations, so that some are left for those on the problem itself.
+  if (stuck(run) && rescalings > 0)
+    retry_scaled(run, x0, rescalings, [&](Run& scaled, In z0) {
+      base(scaled, z0);
+      escape(scaled, escapes, (scaled.iterations() + scaled.left().max_iterations) / 3, base);
+    });
+  escape(run, escapes, std::numeric_limits<int>::max(), base);
 }
 
 std::string_view name(const Method& method) {
-  return std::visit(Overloaded{[](const SemismoothNewton&) { return std::string_view("semismooth"); },
-                               [](const MinNewton& m) {
-                                 return m.direction == MinNewton::Direction::Newton ? std::string_view("newton-min")
-                                                                                    : std::string_view("nesqp");
-                               },
-                               [](const Smoothing&) { return std::string_view("smooth"); },
-                               [](const InteriorPoint&) { return std::string_view("interior"); },
-                               [](const NewtonJosephy&) { return std::string_view("josephy"); },
-                               [](const NewtonRobinson&) { return std::string_view("robinson"); },
-                               [](const PathSearch&) { return std::string_view("path"); },
-                               [](const Auto&) { return std::string_view("auto"); },
-                               [](const Multiroot& m) { return to_string(m.solver); },
-                               [](const Affine& m) { return lcp::name(m.method); }},
-                    method);
+  return std::visit(
+      Overloaded{[](const SemismoothNewton&) { return std::string_view("semismooth"); },
+                 [](const MinNewton& m) {
+                   return m.direction == MinNewton::Direction::Newton ? std::string_view("newton-min")
+                                                                      : std::string_view("nesqp");
+                 },
+                 [](const Smoothing&) { return std::string_view("smooth"); },
+                 [](const InteriorPoint&) { return std::string_view("interior"); },
+                 [](const NewtonJosephy&) { return std::string_view("josephy"); },
+                 [](const NewtonRobinson&) { return std::string_view("robinson"); },
+                 [](const PathSearch&) { return std::string_view("path"); },
+                 [](const Auto&) { return std::string_view("auto"); },
+                 [](const Multiroot& m) { return to_string(m.solver); },
+                 [](const Affine& m) { return lcp::name(m.method); }, [](const Strategy& m) { return name(m); }},
+      method);
 }
 
 const PathSearch* path_of(const Method& method) {
@@ -153,7 +158,8 @@ namespace {
 void comment(const Mcp& mcp, const Method& method, Result& result) {
   annotate(mcp, stop(method), result);
   if (std::holds_alternative<Affine>(method)) return;
-  if (stuck(result) || result.status == Status::IterationLimit || result.status == Status::LinearAlgebraFailed)
+  if (stuck(result.status, result.stats) || result.status == Status::IterationLimit ||
+      result.status == Status::LinearAlgebraFailed)
     blame_derivatives(mcp, result);
 }
 
@@ -167,7 +173,10 @@ Result solve(const Mcp& mcp, In x0, const Method& method, const Observer& observ
     if (const JacobianCheck check = check_jacobian(mcp, lcp::project(mcp.box(), x0)); check.defined)
       if (const std::string mismatch = describe(mcp, check); !mismatch.empty())
         throw std::invalid_argument(mcp.name() + ": " + mismatch);
-  Result result = guarded(mcp, x0, method, observer);
+  Run run(mcp, stop(method), observer);
+  run.guard([&] { run_method(run, x0, method); });
+  Result result = run.result(x0);
+  result.message += words_on_best(mcp, result);
   try {
     if (result.status != Status::OutOfMemory) comment(mcp, method, result);
   } catch (const std::bad_alloc&) {  // the result stands without a comment

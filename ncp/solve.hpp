@@ -5,6 +5,7 @@
 #include <string>
 #include <string_view>
 #include <variant>
+#include <vector>
 
 #include "lcp/solve.hpp"
 #include "ncp/auto.hpp"
@@ -19,6 +20,7 @@
 #include "ncp/result.hpp"
 #include "ncp/semismooth_newton.hpp"
 #include "ncp/smoothing.hpp"
+#include "ncp/strategy.hpp"
 
 namespace perp::ncp {
 
@@ -29,7 +31,7 @@ struct Affine {
 };
 
 using Method = std::variant<Auto, SemismoothNewton, MinNewton, Smoothing, InteriorPoint, NewtonJosephy, NewtonRobinson,
-                            PathSearch, Multiroot, Affine>;
+                            PathSearch, Multiroot, Affine, Strategy>;
 std::string_view name(const Method& method);  ///< "semismooth", "josephy", "path", ..., or that of lcp/
 /// Why the options make no sense (a tolerance that is not positive, ...), if they do not.
 std::optional<std::string> invalid(const Method& method);
@@ -38,6 +40,17 @@ const PathSearch* path_of(const Method& method);
 PathSearch* path_of(Method& method);
 const Stop& stop(const Method& method);
 Stop& stop(Method& method);
+
+/// The method on the presolved problem; on the problem scaled by J at the start, if that brings the entries of J
+/// together; with proximal escapes where it is stuck.
+Strategy presolved(Method method);
+Strategy scaled(Method method);
+Strategy escaping(Method method, const Escape& escape = {});
+/// One method after the other, from the same start, until one is not stuck; each but the last gets half of the
+/// iterations that are left. Throws std::invalid_argument if there is none.
+Strategy first_of(std::vector<Method> methods);
+/// The preset of that name, or a strategy in words (ncp/strategy.hpp). Throws std::invalid_argument, naming the place.
+Method method_of(std::string_view text);
 
 /// Solves the MCP from x0 (projected onto the box first). Throws std::invalid_argument for input that is no problem:
 /// see check_input(), a J that does not keep its pattern, a basis of another size, and invalid(method). Everything else

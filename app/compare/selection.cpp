@@ -31,11 +31,22 @@ std::string trimmed(const std::string& text) {
   return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(" \t\n") + 1 - first);
 }
 
+/// Of the comma that ends an item: those in parentheses belong to strategies.
+std::size_t end_of_item(const std::string& list, std::size_t begin) {
+  int depth = 0;
+  for (std::size_t at = begin; at < list.size(); ++at) {
+    if (list[at] == '(') ++depth;
+    if (list[at] == ')') --depth;
+    if (list[at] == ',' && depth <= 0) return at;
+  }
+  return list.size();
+}
+
 /// The items of a LIST; "all" before them where nothing is taken.
 std::vector<Item> items_of(const std::string& list, const char* flag) {
   std::vector<Item> items;
   for (std::size_t begin = 0; begin <= list.size();) {
-    const std::size_t end = std::min(list.find(',', begin), list.size());
+    const std::size_t end = end_of_item(list, begin);
     const std::string text = trimmed(list.substr(begin, end - begin));
     if (text.empty() || text == "-") throw InputError(fmt::format("{} '{}': an item is empty", flag, list));
     items.push_back(text.starts_with('-') ? Item{text.substr(1), false} : Item{text});
@@ -182,6 +193,7 @@ std::vector<AskedMethod> methods_of(const Item& item) {
   for (const std::string_view method : method_names())
     if (method == name || (is_pattern(name) && matches(name, method))) names.push_back(std::string(method) + rest);
   if (!names.empty()) return of_names(names);
+  if (const auto strategy = method_named(name)) return {of_method(std::string(ncp::name(*strategy)) + rest)};
   if (is_pattern(name)) throw InputError(fmt::format("{}: no method fits '{}'", methods_flag, name));
   std::vector<std::string_view> candidates = method_names();
   candidates.insert(candidates.end(), {"presets", "all", "cfunctions", "none"});

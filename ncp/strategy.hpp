@@ -1,0 +1,30 @@
+#pragma once
+/// Strategies: methods put together as values, for solve() like any method. In text, with the names of presets:
+///
+///     first(path, scaled(smooth), escape(semismooth))
+///
+/// A method keeps its own presolve, restarts and escapes where it has them; limits and tolerance are the strategy's.
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "ncp/options.hpp"
+
+namespace perp::ncp {
+
+struct StrategyNode;
+
+/// A copy shares the tree, which nobody changes. Made by presolved(), scaled(), escaping(), first_of() (ncp/solve.hpp)
+/// or method_of(); solve() refuses an empty one.
+struct Strategy {
+  Stop stop{};
+  std::shared_ptr<const StrategyNode> tree{};
+};
+
+/// "first(path, scaled(smooth))": what method_of() reads.
+std::string_view name(const Strategy& strategy);
+/// Why it makes no sense, if it does not.
+std::optional<std::string> invalid(const Strategy& strategy);
+
+}  // namespace perp::ncp
