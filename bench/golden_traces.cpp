@@ -42,9 +42,10 @@ class Hash {
   std::uint64_t value_ = 14695981039346656037U;
 };
 
+/// Without the counters of evaluations, which are columns of their own.
 void add(Hash& hash, const Iteration& it) {
   hash << it.k << it.residual << it.worst << it.merit << it.step << it.prox << it.mu << it.pivots << it.backtracks
-       << it.F_evals << it.J_evals << it.kind << it.linear << it.crash << it.changes << it.inside << it.attempt;
+       << it.kind << it.linear << it.crash << it.changes << it.inside << it.attempt;
   if (it.x != nullptr) hash << *it.x;
   if (it.problem != nullptr) hash << it.problem->size();
   if (it.way == nullptr) return;
@@ -53,9 +54,9 @@ void add(Hash& hash, const Iteration& it) {
 }
 
 void add(Hash& hash, const Stats& s) {
-  hash << s.iterations << s.crash_iterations << s.F_evals << s.J_evals << s.factorizations << s.krylov_iterations
-       << s.pivots << s.presolved << s.restarts << s.gradient_steps << s.watchdogs << s.unchecked_steps << s.chord_steps
-       << s.backtracks << s.ray_starts << s.rank_deficient << s.proximal_steps;
+  hash << s.iterations << s.crash_iterations << s.factorizations << s.krylov_iterations << s.pivots << s.presolved
+       << s.restarts << s.gradient_steps << s.watchdogs << s.unchecked_steps << s.chord_steps << s.backtracks
+       << s.ray_starts << s.rank_deficient << s.proximal_steps;
 }
 
 void trace(const Preset& preset, const collection::Entry& entry, const collection::Problem& problem, std::size_t start,
@@ -64,7 +65,7 @@ void trace(const Preset& preset, const collection::Entry& entry, const collectio
   stop(method).max_iterations = iterations;
   stop(method).max_F_evals = 100 * iterations;
   stop(method).max_time = std::chrono::hours(24);
-  Hash records, answer, words;
+  Hash records, answer, counts, words;
   const Observer observer = [&records](const Iteration& it) {
     add(records, it);
     return Next::Continue;
@@ -80,12 +81,13 @@ void trace(const Preset& preset, const collection::Entry& entry, const collectio
   }
   answer << result.x << result.F << result.residual.natural;
   for (const auto cell : result.basis) answer << cell;
-  add(answer, result.stats);
+  add(counts, result.stats);
   words << result.message << result.advice;
   for (const auto& note : result.notes) words << note;
-  std::printf("%s,%s,%zu,%s,%d,%d,%016llx,%016llx,%016llx\n", std::string(preset.name).c_str(),
+  std::printf("%s,%s,%zu,%s,%d,%d,%d,%016llx,%016llx,%016llx,%016llx\n", std::string(preset.name).c_str(),
               std::string(entry.name).c_str(), start + 1, status.c_str(), result.stats.iterations, result.stats.F_evals,
-              static_cast<unsigned long long>(records.value()), static_cast<unsigned long long>(answer.value()),
+              result.stats.J_evals, static_cast<unsigned long long>(records.value()),
+              static_cast<unsigned long long>(answer.value()), static_cast<unsigned long long>(counts.value()),
               static_cast<unsigned long long>(words.value()));
 }
 
@@ -95,7 +97,7 @@ void trace(const Preset& preset, const collection::Entry& entry, const collectio
 int main(int argc, char** argv) {
   const int iterations = argc > 1 ? std::atoi(argv[1]) : 100;
   const Index size = argc > 2 ? std::atoi(argv[2]) : 1000;
-  std::printf("preset,problem,start,status,iterations,F,records,answer,words\n");
+  std::printf("preset,problem,start,status,iterations,F,J,records,answer,counts,words\n");
   for (const auto& entry : collection::entries()) {
     if (entry.size > size) continue;
     const auto problem = entry.make();

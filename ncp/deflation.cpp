@@ -214,6 +214,7 @@ std::optional<std::string> invalid(const Deflation& d) {
 AllSolutions solve_all(const Mcp& mcp, In x0, const Method& method, const Deflation& deflation,
                        const Observer& observer, std::string_view label) {
   if (const auto why = invalid(deflation)) throw std::invalid_argument("deflation: " + *why);
+  check_input(mcp, x0);
   Search search(mcp, x0, method, deflation, observer);
   search.first(solve(mcp, x0, method, observer), label.empty() ? name(method) : label);
   if (search.so_far().found.empty()) return search.finish("the first solve found no solution: nothing to deflate");
