@@ -111,14 +111,18 @@ AskedProblem of_file(const std::string& path) {
 
 std::vector<AskedProblem> of_files(const std::string& pattern) {
   if (!is_pattern(pattern)) return {of_file(pattern)};
-  glob_t paths{};
+  struct Paths : glob_t {
+    Paths() : glob_t{} {}
+    Paths(const Paths&) = delete;
+    Paths& operator=(const Paths&) = delete;
+    ~Paths() { globfree(this); }
+  } paths;
   std::vector<AskedProblem> found;
   if (glob(pattern.c_str(), 0, nullptr, &paths) == 0)
     for (std::size_t k = 0; k < paths.gl_pathc; ++k) {
       found.push_back(of_file(paths.gl_pathv[k]));
       found.back().by_pattern = true;
     }
-  globfree(&paths);
   if (found.empty()) throw InputError(fmt::format("{}: no file fits '{}'", problems_flag, pattern));
   return found;
 }
