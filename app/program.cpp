@@ -40,9 +40,10 @@ std::string did_you_mean(std::string_view word, std::span<const std::string_view
   for (const std::string_view candidate : candidates) {
     // The distance is the difference of the lengths at least; a word may be megabytes long.
     if (word.size() > candidate.size() + near) continue;
+    const bool part = word.size() >= 3 && candidate.find(word) != std::string_view::npos;
+    if (!part && candidate.size() > word.size() + near) continue;
     const std::size_t distance = edit_distance(word, candidate);
-    if (distance <= near || (word.size() >= 3 && candidate.find(word) != std::string_view::npos))
-      close.emplace_back(distance, candidate);
+    if (distance <= near || part) close.emplace_back(distance, candidate);
   }
   if (close.empty()) return "";
   std::ranges::stable_sort(close, {}, [](const auto& entry) { return entry.first; });

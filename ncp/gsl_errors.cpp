@@ -5,6 +5,7 @@
 #include <atomic>
 #include <csetjmp>
 #include <mutex>
+#include <string_view>
 #include <utility>
 
 namespace perp::ncp {
@@ -16,10 +17,16 @@ std::mutex lock;
 int all = 0;  // GslErrors of the process
 std::atomic<gsl_error_handler_t*> before{nullptr};
 
+/// Vectors and matrices are made of a struct and a block: where there is no block they free the struct and say so
+/// themselves.
+bool frees_and_calls_again(const std::string_view reason) {
+  return reason.ends_with("block struct") || reason.ends_with("block data");
+}
+
 void handle(const char* reason, const char* file, int line, int error) {
   if (mine == 0) {
     if (gsl_error_handler_t* handler = before) handler(reason, file, line, error);
-  } else if (error == GSL_ENOMEM && back_to != nullptr) {
+  } else if (error == GSL_ENOMEM && back_to != nullptr && !frees_and_calls_again(reason)) {
     std::longjmp(*back_to, 1);
   }
 }

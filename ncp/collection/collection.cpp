@@ -190,9 +190,10 @@ std::vector<std::string_view> similar(std::string_view name) {
     const std::size_t near = std::max<std::size_t>(1, entry.name.size() / 3);
     // The distance is the difference of the lengths at least; a name may be megabytes long.
     if (name.size() > entry.name.size() + near) continue;
-    const std::size_t distance = edit_distance(name, entry.name);
     const bool prefix = name.size() >= 2 && entry.name.starts_with(name);
-    if (prefix || distance <= near) close.emplace_back(prefix ? 0 : distance, entry.name);
+    if (!prefix && entry.name.size() > name.size() + near) continue;
+    const std::size_t distance = prefix ? 0 : edit_distance(name, entry.name);
+    if (distance <= near) close.emplace_back(distance, entry.name);
   }
   std::ranges::sort(close);
   std::vector<std::string_view> names;

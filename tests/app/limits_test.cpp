@@ -177,7 +177,7 @@ TEST(ProgramLimits, Contact) {
   EXPECT_EQ(written(folder / "o.json").value("status", ""), "TimeLimit");
   const Ended encoding =
       ended(folder, {"contact", "spheres:200", "--formulation", "inner:100", "--json", folder / "o.json"}, SIGTERM,
-            Seconds(0.7));
+            Seconds(3));
   EXPECT_EQ(encoding.code, exit_unsolved) << encoding.err;
   EXPECT_LE(encoding.took, slack);
   const json result = written(folder / "o.json");

@@ -14,6 +14,11 @@
 #include <iostream>
 #include <optional>
 
+#if defined(__SANITIZE_ADDRESS__)
+/// README.md, "Excepted".
+extern "C" const char* __lsan_default_suppressions() { return "leak:gsl_matrix_alloc\n"; }
+#endif
+
 namespace perp::faults {
 namespace {
 

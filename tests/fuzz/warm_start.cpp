@@ -2,6 +2,7 @@
 /// what is read is finite, and the path search takes the basis.
 #include "app/warm_start.hpp"
 #include "fuzz/support.hpp"
+#include "lcp/file_error.hpp"
 #include "ncp/affine.hpp"
 #include "ncp/residual.hpp"
 #include "ncp/solve.hpp"
@@ -39,7 +40,7 @@ void use(app::WarmStart warm, bool solve) {
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   static const std::unique_ptr<ncp::Mcp> mcp = problem();
   const std::string_view text = fuzz::view(data, size);
-  fuzz::accepted<app::InputError>(
+  fuzz::accepted<app::InputError, lcp::FileError>(
       [&] { use(app::parse_warm_start(text, "input.json", *mcp), fuzz::one_in(16, text)); });
   return 0;
 }

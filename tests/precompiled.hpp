@@ -1,4 +1,4 @@
-// precompiled.hpp for tests.
+// cmake/precompiled.hpp for tests.
 #include "cmake/precompiled.hpp"
 //
 #include <gmock/gmock.h>

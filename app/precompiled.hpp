@@ -1,4 +1,4 @@
-// precompiled.hpp for the program.
+// cmake/precompiled.hpp for the program.
 #include "cmake/precompiled.hpp"
 //
 #include <fmt/format.h>
