@@ -82,6 +82,18 @@ void blame_derivatives(const Mcp& mcp, Result& result) {
 
 }  // namespace
 
+void escape(Run& run, const Escape& options, int iterations, const Body& base) {
+  if (!stuck(run) || options.rounds == 0) return;
+  const Run::Verdict before = run.verdict();
+  const Vec center = run.best();
+  run.resume({});
+  const int k = proximal_escape(run, center, run.best_residual(), options, iterations, base);
+  const std::string escapes = quantity(k, "proximal escape");
+  if (run.accepted()) return run.remark("after " + escapes + " from a local minimum");
+  if (!run.ended()) run.replace_verdict(before);
+  run.remark(escapes + (k == 1 ? " has" : " have") + " not led to a solution");
+}
+
 bool stuck(const Run& run) {
   return run.ended() && stuck(run.status()) && (run.status() != Status::EvaluationFailed || run.stats().iterations > 0);
 }
