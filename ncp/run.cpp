@@ -311,6 +311,10 @@ void Run::take_point(const Result& other) {
 }
 
 bool Run::ended_with(const Result& other) {
+  if (other.status == Status::OutOfMemory) {
+    end(other.status, other.message, other.advice);
+    return true;
+  }
   const bool late = other.status == Status::TimeLimit && std::chrono::steady_clock::now() >= deadline_;
   const bool at_end = !other.accepted() && at_limit() && other.status == Status::IterationLimit;
   if (!at_end && other.status != Status::Interrupted && !late) return false;
