@@ -35,7 +35,9 @@ std::string defaults(const Option& option) {
   std::vector<std::string_view> with, without;
   for (const MethodEntry& entry : methods()) {
     Settings settings{.method_name = std::string(entry.name), .method = entry.method};
-    const std::string value = value_text(option.field(settings));
+    const ncp::Fields fields = fields_of(settings);
+    const ncp::Field* field = fields.find(option.key);
+    const std::string value = field == nullptr ? "-" : value_text(*field);
     (value == "-" ? without : with).push_back(entry.name);
     if (value == "-") continue;
     auto group = std::ranges::find(groups, value, &Group::value);
@@ -86,7 +88,38 @@ std::optional<ncp::Method> method_named(const std::string& text) {
   }
 }
 
-int print_methods(Streams streams) {
+namespace {
+
+int print_method(Streams streams, const std::string& name) {
+  const std::optional<ncp::Method> method = method_named(name);
+  if (!method) throw InputError(fmt::format("there is no method '{}'.{}", name, did_you_mean(name, method_names())));
+  std::ostream& out = streams.out;
+  out << name << '\n';
+  if (const MethodEntry* entry = find_method(name))
+    out << fmt::format("    {}\n    {}\n", entry->what, entry->reference);
+  Settings settings{.method_name = name, .method = *method};
+  for (const ncp::Field& field : fields_of(settings).options()) {
+    if (field.key == "method") continue;
+    out << fmt::format("\n  {}{}\n", field.key, field.alias.empty() ? "" : fmt::format(" ({})", field.alias));
+    print_wrapped(out, std::string(field.help), 6);
+    print_wrapped(out,
+                  fmt::format("{}; {}", takes(field),
+                              field.inert.empty() ? "default " + value_text(field)
+                                                  : fmt::format("no effect with {}", field.inert)),
+                  6);
+  }
+  return exit_solved;
+}
+
+}  // namespace
+
+int print_methods(Streams streams, const std::string& name) {
+  if (!name.empty()) try {
+      return print_method(streams, name);
+    } catch (const InputError& error) {
+      streams.err << fmt::format("perp: {}\n", error.what());
+      return exit_input;
+    }
   std::ostream& out = streams.out;
   out << "Methods: --method NAME\n";
   print_entries(out, false);
@@ -107,12 +140,12 @@ int print_methods(Streams streams) {
                 0);
   for (const Option& option : options()) {
     out << "\n  " << option.key;
-    if (!option.aliases.empty()) out << fmt::format(" ({})", fmt::join(option.aliases, ", "));
+    if (!option.alias.empty()) out << fmt::format(" ({})", option.alias);
     out << '\n';
     print_wrapped(out, option.help, 6);
     print_wrapped(out,
                   option.key == "method" ? fmt::format("one of those above; default {}", default_method)
-                                         : values_text(option) + "; " + defaults(option),
+                                         : option.takes + "; " + defaults(option),
                   6);
   }
 

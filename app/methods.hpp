@@ -29,7 +29,8 @@ std::vector<std::string_view> method_names();
 /// none. Throws InputError that says what is wrong with a strategy.
 std::optional<ncp::Method> method_named(const std::string& text);
 
-/// Prints the methods, their options with types and defaults, and the PATH options that have no effect.
-int print_methods(Streams streams);
+/// Prints the methods, their options with types and defaults, and the PATH options that have no effect. With the name
+/// of a method, or a strategy, only what concerns that one.
+int print_methods(Streams streams, const std::string& name = {});
 
 }  // namespace perp::app

@@ -49,6 +49,7 @@ set(perp_public_headers
   ncp/cfunction.hpp
   ncp/collection/collection.hpp ncp/collection/generators.hpp ncp/collection/random_lcps.hpp
   ncp/deflation.hpp
+  ncp/fields.hpp
   ncp/mcp.hpp
   ncp/interior_point.hpp
   ncp/min_newton.hpp
