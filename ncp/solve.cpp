@@ -94,9 +94,7 @@ void escape(Run& run, const Escape& options, int iterations, const Body& base) {
   run.remark(escapes + (k == 1 ? " has" : " have") + " not led to a solution");
 }
 
-bool stuck(const Run& run) {
-  return run.ended() && stuck(run.status()) && (run.status() != Status::EvaluationFailed || run.stats().iterations > 0);
-}
+bool stuck(const Run& run) { return run.ended() && stuck(run.status(), run.stats()); }
 
 void run_once(Run& run, In x0, const Method& method) {
   Point point;
