@@ -144,6 +144,7 @@ constexpr const char* export_footer =
 constexpr const char* methods_footer =
     "Examples:\n"
     "  perp methods\n"
+    "  perp methods --show path\n"
     "  perp solve kojshin --method josephy --option lemke_start=always";
 
 constexpr const char* cfunctions_footer =
@@ -182,6 +183,7 @@ struct CommandLine {
   CLI::App* inspect = nullptr;
   CLI::App* list = nullptr;
   CLI::App* methods = nullptr;
+  std::string shown_method{};
   CLI::App* cfunctions = nullptr;
   CLI::App* export_command = nullptr;
   CLI::App* compare = nullptr;
@@ -216,6 +218,7 @@ struct CommandLine {
     add_export();
     methods = app.add_subcommand("methods", "The methods, their references, and all options with their defaults");
     methods->footer(methods_footer);
+    methods->add_option("--show", shown_method, "what METHOD tries in turn")->option_text("METHOD");
     cfunctions = app.add_subcommand("cfunctions", "The C-functions and smoothings: formulas, properties, references");
     cfunctions->footer(cfunctions_footer);
     compare = compare::add_command(app, compare_request);
@@ -383,7 +386,8 @@ int run_command(std::vector<std::string> arguments, Streams streams) {
   if (line.inspect->parsed()) return inspect(line.inspect_request, streams, &interrupted);
   if (line.list->parsed()) return list(line.list_request, streams);
   if (line.export_command->parsed()) return export_problem(line.export_request, streams);
-  if (line.methods->parsed()) return print_methods(streams);
+  if (line.methods->parsed())
+    return line.shown_method.empty() ? print_methods(streams) : show_method(line.shown_method, streams);
   if (line.cfunctions->parsed()) return print_cfunctions(streams);
   if (line.compare->parsed()) {
     line.compare_request.command_line = {"perp"};

@@ -19,9 +19,11 @@ std::vector<MethodEntry> all_methods() {
   std::vector<MethodEntry> table;
   for (const ncp::Preset& preset : ncp::presets())
     table.push_back({preset.name, preset.what, preset.reference, preset.method});
+  for (const ncp::Preset& preset : ncp::published())
+    table.push_back({preset.name, preset.what, preset.reference, preset.method, true});
   for (const lcp::MethodEntry& entry : lcp::methods())
     if (!std::holds_alternative<lcp::Auto>(entry.method))  // auto calls it
-      table.push_back({entry.name, entry.what, entry.reference, ncp::Affine{.method = entry.method}});
+      table.push_back({entry.name, entry.what, entry.reference, ncp::Affine{.method = entry.method}, false});
   return table;
 }
 
@@ -51,9 +53,9 @@ std::string defaults(const Option& option) {
                                                : fmt::format("; no effect on {}", fmt::join(without, ", ")));
 }
 
-void print_entries(std::ostream& out, bool affine) {
+void print_entries(std::ostream& out, bool affine, bool published) {
   for (const MethodEntry& entry : methods())
-    if (entry.affine() == affine)
+    if (entry.affine() == affine && entry.published == published)
       out << fmt::format("\n  {}{}\n      {}\n      {}\n", entry.name,
                          entry.name == default_method ? "  (default)" : "", entry.what, entry.reference);
 }
@@ -86,12 +88,31 @@ std::optional<ncp::Method> method_named(const std::string& text) {
   }
 }
 
+int show_method(const std::string& text, Streams streams) {
+  const std::optional<ncp::Method> method = method_named(text);
+  if (!method)
+    throw InputError(fmt::format("--show: there is no method '{}'.{} 'perp methods' lists them.", text,
+                                 did_you_mean(text, method_names())));
+  const ncp::Outline outline = ncp::outline(*method);
+  streams.out << fmt::format("{}{}:\n", text, outline.presolved ? ", on the presolved problem" : "");
+  Table table({{"", Align::Right}, {"method", Align::Left}, {"attempt", Align::Left}});
+  int k = 0;
+  for (const ncp::Outline::Line& line : outline.lines)
+    table.add({std::to_string(++k), line.what,
+               (line.name == line.what ? "" : line.name) + (line.when.empty() ? "" : ", if " + line.when)});
+  table.print(streams.out);
+  streams.out << (outline.lines.size() > 1 ? "\nThe next one begins where one is stuck. A limit ends them all.\n" : "");
+  return exit_solved;
+}
+
 int print_methods(Streams streams) {
   std::ostream& out = streams.out;
   out << "Methods: --method NAME\n";
-  print_entries(out, false);
+  print_entries(out, false, false);
+  out << "\nThe systems of 1997 as published, for comparisons:\n";
+  print_entries(out, false, true);
   out << "\nFor affine problems, F(x) = M x + q, where auto chooses among them:\n";
-  print_entries(out, true);
+  print_entries(out, true, false);
   out << "\nStrategies, put together from those for nonlinear problems: --method 'first(path, scaled(smooth), "
          "escape(semismooth))'\n";
   print_wrapped(

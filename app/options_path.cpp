@@ -15,6 +15,8 @@ constexpr std::array merit_choices{Choice{"fischer", static_cast<int>(ncp::PathM
 constexpr std::array search_choices{Choice{"path", static_cast<int>(ncp::Searchtype::Path)},
                                     Choice{"line", static_cast<int>(ncp::Searchtype::Line)},
                                     Choice{"arc", static_cast<int>(ncp::Searchtype::Arc)}};
+constexpr std::array restart_choices{Choice{"own", static_cast<int>(ncp::PathRestarts::Own)},
+                                     Choice{"documented", static_cast<int>(ncp::PathRestarts::Documented)}};
 constexpr auto synonym = Choice::Role::Synonym;
 constexpr std::array switch_choices{
     Choice{"yes", 1},         Choice{"no", 0},           Choice{"true", 1, synonym}, Choice{"false", 0, synonym},
@@ -135,8 +137,13 @@ std::vector<Option> path_search_options() {
       {"restart_limit",
        {},
        {0, max_int},
-       "attempts after the first: other options, then other methods (the list is in ncp/README.md)",
+       "attempts after the first, so many of them: 'perp methods --show path'",
        [](Settings& s) { return of_path(s, [](auto& m) -> Field { return &m.restart_limit; }); }},
+      {"restarts",
+       {},
+       {},
+       "of these attempts: our own, other options and then other methods, or the three that PATH documents",
+       [](Settings& s) { return of_path(s, [](auto& m) -> Field { return word(m.restarts, restart_choices); }); }},
       {"cumulative_iteration_limit",
        {},
        {1, max_int},

@@ -190,6 +190,14 @@ std::vector<Option> general_options() {
              [](Settings& settings) {
                return of_method(settings, [](auto& m) -> decltype(&m.descent_p) { return &m.descent_p; });
              }},
+      Option{"levenberg_marquardt",
+             {},
+             {},
+             "steps of that kind where Newton's does not descend, before gradient steps",
+             [](Settings& settings) {
+               return of_method(settings,
+                                [](auto& m) -> decltype(&m.levenberg_marquardt) { return &m.levenberg_marquardt; });
+             }},
       Option{
           "escape_rounds",
           {},

@@ -79,7 +79,7 @@ _perp() {
       mapfile -t COMPREPLY < <(compgen -W "all $(_perp_problems "${COMP_WORDS[0]}")" -- "$cur")
       return ;;
     --methods)
-      mapfile -t COMPREPLY < <(compgen -W 'presets all cfunctions none' -- "$cur")
+      mapfile -t COMPREPLY < <(compgen -W 'presets published all cfunctions none' -- "$cur")
       return ;;
     --start | --plot-iteration | --tol | --tol-relative | --max-iterations | --time-limit)
       return ;;
@@ -127,7 +127,8 @@ _perp() {
       else
         mapfile -t COMPREPLY < <(compgen -W "$(_perp_problems "${COMP_WORDS[0]}")" -- "$cur")
       fi ;;
-    methods | cfunctions) mapfile -t COMPREPLY < <(compgen -W '--help' -- "$cur") ;;
+    methods) mapfile -t COMPREPLY < <(compgen -W '--show --help' -- "$cur") ;;
+    cfunctions) mapfile -t COMPREPLY < <(compgen -W '--help' -- "$cur") ;;
     help) mapfile -t COMPREPLY < <(compgen -W 'solve inspect list export methods cfunctions compare report contact' -- "$cur") ;;
   esac
 }

@@ -185,7 +185,8 @@ class Steps {
         halving_ ? newton.d.size() > 0 && descends(newton.d) : directions_.newton(at_, point, descends, newton);
     if (usable && search(newton, point, it)) return true;
     double nu = directions_.first_nu(at_, point);
-    for (int i = 0; i < lm_tries && !directions_.stopped(); ++i, nu *= lm_growth) {
+    const int tries = method_.levenberg_marquardt ? lm_tries : 0;
+    for (int i = 0; i < tries && !directions_.stopped(); ++i, nu *= lm_growth) {
       Direction lm;
       if (directions_.levenberg_marquardt(at_, point, nu, lm) && g.dot(lm.d) < 0 && search(lm, point, it)) return true;
     }
