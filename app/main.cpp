@@ -144,7 +144,7 @@ constexpr const char* export_footer =
 constexpr const char* methods_footer =
     "Examples:\n"
     "  perp methods\n"
-    "  perp methods josephy\n"
+    "  perp methods --show path\n"
     "  perp solve kojshin --method josephy --option lemke_start=always";
 
 constexpr const char* cfunctions_footer =
@@ -183,6 +183,7 @@ struct CommandLine {
   CLI::App* inspect = nullptr;
   CLI::App* list = nullptr;
   CLI::App* methods = nullptr;
+  std::string shown_method{};
   CLI::App* cfunctions = nullptr;
   CLI::App* export_command = nullptr;
   CLI::App* compare = nullptr;
@@ -195,7 +196,6 @@ struct CommandLine {
   compare::CompareRequest compare_request;
   contacts::ContactWords contact_words;
   std::array<std::string, shortcuts.size()> shortcut_values;
-  std::string method;
   std::string level = "info";
   std::string all;
   std::string campaign;
@@ -218,7 +218,7 @@ struct CommandLine {
     add_export();
     methods = app.add_subcommand("methods", "The methods, their references, and all options with their defaults");
     methods->footer(methods_footer);
-    methods->add_option("NAME", method, "only this one, with its options")->option_text(" ");
+    methods->add_option("--show", shown_method, "what METHOD tries in turn, and its options")->option_text("METHOD");
     cfunctions = app.add_subcommand("cfunctions", "The C-functions and smoothings: formulas, properties, references");
     cfunctions->footer(cfunctions_footer);
     compare = compare::add_command(app, compare_request);
@@ -386,7 +386,8 @@ int run_command(std::vector<std::string> arguments, Streams streams) {
   if (line.inspect->parsed()) return inspect(line.inspect_request, streams, &interrupted);
   if (line.list->parsed()) return list(line.list_request, streams);
   if (line.export_command->parsed()) return export_problem(line.export_request, streams);
-  if (line.methods->parsed()) return print_methods(streams, line.method);
+  if (line.methods->parsed())
+    return line.shown_method.empty() ? print_methods(streams) : show_method(line.shown_method, streams);
   if (line.cfunctions->parsed()) return print_cfunctions(streams);
   if (line.compare->parsed()) {
     line.compare_request.command_line = {"perp"};

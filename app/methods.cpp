@@ -19,9 +19,11 @@ std::vector<MethodEntry> all_methods() {
   std::vector<MethodEntry> table;
   for (const ncp::Preset& preset : ncp::presets())
     table.push_back({preset.name, preset.what, preset.reference, preset.method});
+  for (const ncp::Preset& preset : ncp::published())
+    table.push_back({preset.name, preset.what, preset.reference, preset.method, true});
   for (const lcp::MethodEntry& entry : lcp::methods())
     if (!std::holds_alternative<lcp::Auto>(entry.method))  // auto calls it
-      table.push_back({entry.name, entry.what, entry.reference, ncp::Affine{.method = entry.method}});
+      table.push_back({entry.name, entry.what, entry.reference, ncp::Affine{.method = entry.method}, false});
   return table;
 }
 
@@ -53,9 +55,9 @@ std::string defaults(const Option& option) {
                                                : fmt::format("; no effect on {}", fmt::join(without, ", ")));
 }
 
-void print_entries(std::ostream& out, bool affine) {
+void print_entries(std::ostream& out, bool affine, bool published) {
   for (const MethodEntry& entry : methods())
-    if (entry.affine() == affine)
+    if (entry.affine() == affine && entry.published == published)
       out << fmt::format("\n  {}{}\n      {}\n      {}\n", entry.name,
                          entry.name == default_method ? "  (default)" : "", entry.what, entry.reference);
 }
@@ -90,41 +92,49 @@ std::optional<ncp::Method> method_named(const std::string& text) {
 
 namespace {
 
-int print_method(Streams streams, const std::string& name) {
-  const std::optional<ncp::Method> method = method_named(name);
-  if (!method) throw InputError(fmt::format("there is no method '{}'.{}", name, did_you_mean(name, method_names())));
-  std::ostream& out = streams.out;
-  out << name << '\n';
-  if (const MethodEntry* entry = find_method(name))
-    out << fmt::format("    {}\n    {}\n", entry->what, entry->reference);
-  Settings settings{.method_name = name, .method = *method};
+void print_options_of(std::ostream& out, Settings settings) {
+  out << "\nIts options:\n";
   for (const ncp::Field& field : fields_of(settings).options()) {
     if (field.key == "method") continue;
     out << fmt::format("\n  {}{}\n", field.key, field.alias.empty() ? "" : fmt::format(" ({})", field.alias));
     print_wrapped(out, std::string(field.help), 6);
+    const std::string value = value_text(field);
     print_wrapped(out,
-                  fmt::format("{}; {}", takes(field),
-                              field.inert.empty() ? "default " + value_text(field)
-                                                  : fmt::format("no effect with {}", field.inert)),
+                  takes(field) + (!field.inert.empty() ? fmt::format("; no effect with {}", field.inert)
+                                  : value == "-"       ? "; the function has none"
+                                                       : "; default " + value),
                   6);
   }
-  return exit_solved;
 }
 
 }  // namespace
 
-int print_methods(Streams streams, const std::string& name) {
-  if (!name.empty()) try {
-      return print_method(streams, name);
-    } catch (const InputError& error) {
-      streams.err << fmt::format("perp: {}\n", error.what());
-      return exit_input;
-    }
+int show_method(const std::string& text, Streams streams) {
+  const std::optional<ncp::Method> method = method_named(text);
+  if (!method)
+    throw InputError(fmt::format("--show: there is no method '{}'.{} 'perp methods' lists them.", text,
+                                 did_you_mean(text, method_names())));
+  const ncp::Outline outline = ncp::outline(*method);
+  streams.out << fmt::format("{}{}:\n", text, outline.presolved ? ", on the presolved problem" : "");
+  Table table({{"", Align::Right}, {"method", Align::Left}, {"attempt", Align::Left}});
+  int k = 0;
+  for (const ncp::Outline::Line& line : outline.lines)
+    table.add({std::to_string(++k), line.what,
+               (line.name == line.what ? "" : line.name) + (line.when.empty() ? "" : ", if " + line.when)});
+  table.print(streams.out);
+  streams.out << (outline.lines.size() > 1 ? "\nThe next one begins where one is stuck. A limit ends them all.\n" : "");
+  print_options_of(streams.out, {.method_name = text, .method = *method});
+  return exit_solved;
+}
+
+int print_methods(Streams streams) {
   std::ostream& out = streams.out;
   out << "Methods: --method NAME\n";
-  print_entries(out, false);
+  print_entries(out, false, false);
+  out << "\nThe systems of 1997 as published, for comparisons:\n";
+  print_entries(out, false, true);
   out << "\nFor affine problems, F(x) = M x + q, where auto chooses among them:\n";
-  print_entries(out, true);
+  print_entries(out, true, false);
   out << "\nStrategies, put together from those for nonlinear problems: --method 'first(path, scaled(smooth), "
          "escape(semismooth))'\n";
   print_wrapped(

@@ -35,7 +35,7 @@ _perp() {
     --fclib-out | --svg)
       mapfile -t COMPREPLY < <(compgen -f -- "$cur")
       return ;;
-    --method)
+    --method | --show)
       local more=
       [ "$command" = contact ] && more=homotopy
       mapfile -t COMPREPLY < <(compgen -W "$(_perp_methods "${COMP_WORDS[0]}") $more" -- "$cur")
@@ -83,7 +83,7 @@ _perp() {
       mapfile -t COMPREPLY < <(compgen -W "all $(_perp_problems "${COMP_WORDS[0]}")" -- "$cur")
       return ;;
     --methods)
-      mapfile -t COMPREPLY < <(compgen -W 'presets all cfunctions none' -- "$cur")
+      mapfile -t COMPREPLY < <(compgen -W 'presets published all cfunctions none' -- "$cur")
       return ;;
     --start | --plot-iteration | --tol | --tol-relative | --max-iterations | --time-limit)
       return ;;
@@ -131,7 +131,7 @@ _perp() {
       else
         mapfile -t COMPREPLY < <(compgen -W "$(_perp_problems "${COMP_WORDS[0]}")" -- "$cur")
       fi ;;
-    methods) mapfile -t COMPREPLY < <(compgen -W "--help $(_perp_methods "${COMP_WORDS[0]}")" -- "$cur") ;;
+    methods) mapfile -t COMPREPLY < <(compgen -W '--show --help' -- "$cur") ;;
     cfunctions) mapfile -t COMPREPLY < <(compgen -W '--help' -- "$cur") ;;
     help) mapfile -t COMPREPLY < <(compgen -W 'solve inspect list export methods cfunctions compare report contact' -- "$cur") ;;
   esac

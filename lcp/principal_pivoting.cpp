@@ -332,8 +332,7 @@ class Run {
   Result end(Status status, const std::string& what) {
     // The last cell afresh, with refined solves: the pivots' rounding does not matter.
     CellSolver cell(problem_, options_.lu, options_.degenerate_tol);
-    if (tableau_.basic.size() == form_.size() && tableau_.basic.allFinite() &&
-        what.find("singular") == std::string::npos)
+    if (tableau_.basic.size() == form_.size() && tableau_.basic.allFinite() && status != Status::Singular)
       if (cell.solve(places_of(problem_.box, point())) == LuStatus::Ok) best_.offer(cell.z());
     Result result = judged(problem_, best_.z(), limits_, status, what);
     result.iterations = pivots_;

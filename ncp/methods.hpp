@@ -22,12 +22,15 @@ void multiroot(Run& run, const Multiroot& method, Point point);
 /// solved.
 void path_search(Run& run, const PathSearch& method, Point point);
 
+/// One of these.
+void run_loop(Run& run, Point point, const Method& method);
+
 /// PathSearch with its restarts.
 void path_attempts(Run& run, In x0, const PathSearch& method);
 void automatic(Run& run, In x0, const Auto& method);
 void affine(Run& run, In x0, const Affine& method);
 
-/// The method's loop alone: no presolve, restarts, rescalings, escapes.
+/// The method's loop from x0: no presolve, restarts, rescalings, escapes.
 void run_once(Run& run, In x0, const Method& method);
 /// The method as a user gets it.
 void run_method(Run& run, In x0, const Method& method);
@@ -36,6 +39,9 @@ void run_method(Run& run, In x0, const Method& method);
 /// can be taken out, or where what was taken out leaves the last digits to do.
 void run_presolved(Run& run, In x0, const std::vector<lcp::Cell>& basis,
                    const std::function<void(Run&, In, const std::vector<lcp::Cell>&)>& body);
+/// What the method's options ask for; PathSearch has both in its list of restarts.
+Escape escape_of(const Method& method);
+int rescalings_of(const Method& method);
 /// Of a run that is stuck: proximal escapes with `base`; no more than so many iterations are spent in all.
 void escape(Run& run, const Escape& options, int iterations, const Body& base);
 

@@ -53,7 +53,9 @@ void describe(PathSearch& m, Fields& f) {
   f.add("gradient_step_limit", &m.gradient_step_limit, at_least(0),
         "projected gradient steps, taken where nothing else descends");
   f.add("restart_limit", &m.restart_limit, at_least(0),
-        "attempts after the first: other options, then other methods (the list is in ncp/README.md)");
+        "attempts after the first, so many of them: 'perp methods --show path'");
+  f.choice("restarts", &m.restarts, {{"own", PathRestarts::Own}, {"documented", PathRestarts::Documented}},
+           "of these attempts: our own, other options and then other methods, or the three that PATH documents");
   f.add("cumulative_iteration_limit", &m.cumulative_iteration_limit, at_least(1), "pivots in all");
   f.add("preprocess", &m.preprocess, "presolve: take out what constant rows and columns decide");
   f.add("scaling", &m.scaling, "of rows and columns, where it helps; a solution is judged unscaled all the same");

@@ -80,9 +80,13 @@ class Attempt {
   double first_lambda(double size) const { return prox_first * std::min(1.0, std::sqrt(2 * psi_)) * size; }
   Way way_to(const NewtonPoint& newton) const;
   bool newton_step(Iteration& it);
+  /// Of affine problems: among the restarts are the linear methods.
+  bool others_do_better() const {
+    return run_.mcp().is_affine() && method_.restart_limit > 0 && method_.restarts == PathRestarts::Own;
+  }
   /// Whether steps other than Newton's may still be tried in this iteration.
   bool may_go_on() const {
-    const bool given_up = run_.mcp().is_affine() && method_.restart_limit > 0 && !last_->solved();
+    const bool given_up = others_do_better() && !last_->solved();
     return !run_.ended() && !last_->stopped() && !newton_points_.exhausted() && !given_up;
   }
   bool accept(const NewtonPoint& newton, double least, Iteration& it);
@@ -258,7 +262,7 @@ bool Attempt::newton_step(Iteration& it) {
                "look for a mistake in the model");
       return false;
     }
-    if (!last_->solved() && run_.mcp().is_affine() && method_.restart_limit > 0) return false;  // others can do better
+    if (!last_->solved() && others_do_better()) return false;
     const bool last = i == prox_tries || !method_.proximal_adaptive;
     if (last_->usable() && accept(*last_, last ? 0 : least_step, it)) {
       if (lambda > 0) ++run_.stats().proximal_steps;

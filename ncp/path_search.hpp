@@ -53,6 +53,12 @@ struct Nms {
       0.5;  ///< a D-step shrinks Delta so; from 0 it grows to the longest step that passed the test
 };
 
+/// What is tried where the attempt with the options given is stuck.
+enum class PathRestarts {
+  Own,         ///< other options, then other methods
+  Documented,  ///< the three of PATH's documentation: perturbed; tested in each iteration; searched along arcs
+};
+
 /// Newton-Robinson on the normal map with path search: PATH's algorithm (Ralph 1994; Dirkse & Ferris 1995; Ferris,
 /// Kanzow & Munson 1999; Munson 2000). The linearised problem MCP(l, u, F(z^k) + (J + lambda I)(. - z^k)) is solved by
 /// following M z + q - w + v = (1 - t) r from x^k (t = 0) to the Newton point (t = 1) with lcp::lemke.
@@ -74,8 +80,8 @@ struct PathSearch {
   double proximal_perturbation = 0;
   bool proximal_adaptive = true;  ///< lambda > 0 where the path leads nowhere or its way gives no long step
   int gradient_step_limit = 5;    ///< projected gradient steps of the Fischer merit, where nothing else descends
-  /// Attempts after that with these options, of the list in ncp/README.md: other options, then other methods.
-  int restart_limit = 20;
+  PathRestarts restarts = PathRestarts::Own;
+  int restart_limit = 20;                      ///< so many of them: `perp methods --show path`
   int cumulative_iteration_limit = 1'000'000;  ///< pivots of all attempts together
   /// Iterations without 1 % less than the best merit so far, after which an attempt is given up.
   int patience = 20;

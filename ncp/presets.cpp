@@ -61,6 +61,60 @@ std::vector<Preset> all_presets() {
   };
 }
 
+template <class M>
+M escaping_published(M base) {
+  base.escape = Escape{.rescalings = 0};
+  return base;
+}
+
+NewtonJosephy miles_published() {
+  NewtonJosephy method = miles();
+  method.subproblem = Subproblem::Lemke;
+  return method;
+}
+
+/// In 1997: no Fischer-Burmeister merit and so no gradient steps, lambda as given.
+PathSearch path_published() {
+  return {.merit = PathMerit::NormalMap,
+          .chord_steps = 0,
+          .proximal_adaptive = false,
+          .gradient_step_limit = 0,
+          .restart_limit = 0,
+          .preprocess = false,
+          .scaling = false};
+}
+
+PathSearch path_documented(int restarts) {
+  return {.chord_steps = 0, .restarts = PathRestarts::Documented, .restart_limit = restarts, .scaling = false};
+}
+
+Smoothing smooth_published() { return {.finish = false, .restarts = 0, .rescalings = 0}; }
+
+SemismoothNewton semismooth_published() { return {.levenberg_marquardt = false, .linear = LinearSolver::Direct}; }
+
+std::vector<Preset> all_published() {
+  return {
+      {"path-1997", "path as published: one attempt on the normal map's merit, the problem as it is",
+       "Ralph, Math. Oper. Res. 19 (1994) 352; Dirkse & Ferris, Optim. Methods Softw. 5 (1995) 123", path_published()},
+      {"path-one-attempt", "path with presolve and the Fischer-Burmeister merit, without restarts",
+       "Ferris, Kanzow & Munson, Math. Programming 86 (1999) 475", path_documented(0)},
+      {"path-three-restarts", "path-one-attempt with the three restarts that PATH documents",
+       "Ferris & Munson, PATH 4.7 (option restart_limit)", path_documented(3)},
+      {"miles-1997", "miles, all linear problems by Lemke's method", "Rutherford, MILES (1993)", miles_published()},
+      {"nesqp-1997", "nesqp, which is as published", "Pang & Gabriel, Math. Programming 60 (1993) 295", nesqp()},
+      {"qpcomp-1997", "qpcomp without rescalings", "Billups & Ferris, Math. Programming 76 (1997) 533",
+       escaping_published(nesqp())},
+      {"smooth-1997", "smooth without rescalings, without raising mu, without steps on the active set",
+       "Chen & Mangasarian, Comput. Optim. Appl. 5 (1996) 97", smooth_published()},
+      {"proxi-1997", "proxi without rescalings", "Billups, PhD thesis, Wisconsin (1995)",
+       escaping_published(MinNewton{})},
+      {"semismooth-1997", "semismooth with gradient steps alone as a safeguard, by factorizations",
+       "De Luca, Facchinei & Kanzow, Math. Programming 75 (1996) 407", semismooth_published()},
+      {"semicomp-1997", "semismooth-1997 that leaves local minima by proximal escapes, without rescalings",
+       "Billups, PhD thesis, Wisconsin (1995)", escaping_published(semismooth_published())},
+  };
+}
+
 }  // namespace
 
 std::span<const Preset> presets() {
@@ -68,9 +122,15 @@ std::span<const Preset> presets() {
   return table;
 }
 
+std::span<const Preset> published() {
+  static const std::vector<Preset> table = all_published();
+  return table;
+}
+
 const Preset* find_preset(std::string_view name) {
-  const auto found = std::ranges::find(presets(), name, &Preset::name);
-  return found == presets().end() ? nullptr : &*found;
+  for (const auto table : {presets(), published()})
+    if (const auto found = std::ranges::find(table, name, &Preset::name); found != table.end()) return &*found;
+  return nullptr;
 }
 
 }  // namespace perp::ncp

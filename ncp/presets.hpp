@@ -1,7 +1,8 @@
 #pragma once
 /// The nonlinear methods by name, each a documented combination of ingredients. Eight carry the names of the systems
 /// that Billups, Dirkse & Ferris (1997, Comput. Optim. Appl. 7, 3) compare: miles, path, nesqp, qpcomp, smooth, proxi,
-/// semismooth, semicomp, with the parameters of their papers where those are for what the ingredients do.
+/// semismooth, semicomp, with the parameters of their papers where those are for what the ingredients do. published()
+/// has them without what was added since: presolve, rescalings, restarts by other methods, Levenberg-Marquardt steps.
 #include <span>
 #include <string_view>
 
@@ -17,6 +18,7 @@ struct Preset {
 };
 
 std::span<const Preset> presets();
-const Preset* find_preset(std::string_view name);  ///< nullptr if there is none
+std::span<const Preset> published();
+const Preset* find_preset(std::string_view name);  ///< of both; nullptr if there is none
 
 }  // namespace perp::ncp

@@ -290,7 +290,10 @@ void Run::take(const Result& other) {
   const bool done = other.solved() && solved(theirs);
   const bool rounded = other.status == Status::SolvedToRounding && judge_.to_rounding(theirs);
   if (done || rounded || theirs.residual.natural < best_.residual.natural) best_ = std::move(theirs);
-  if (done) return;
+  if (done) {
+    message_ = other.message;
+    return;
+  }
   if (other.solved()) {
     end(Status::NoProgress, "an attempt's solution was not confirmed: F has other values there now",
         "F must be a function of x alone");

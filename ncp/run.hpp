@@ -118,8 +118,6 @@ class Run {
   int J_evals() const { return stats_.J_evals + counted_.J_evals(); }
   /// What begins with the next record of a run within this one.
   void next_attempt(std::string attempt) { attempt_ = std::move(attempt); }
-  /// In the place of the message.
-  void say(std::string message) { message_ = std::move(message); }
   /// For the end of the message, whatever the verdict; nothing if empty.
   void remark(const std::string& text);
   /// Another run's outcome on the same problem: its statistics, its point if it is better, its basis if it has one, and

@@ -184,7 +184,8 @@ class Steps {
         halving_ ? newton.d.size() > 0 && descends(newton.d) : directions_.newton(at_, point, descends, newton);
     if (usable && search(newton, point, it)) return true;
     double nu = directions_.first_nu(at_, point);
-    for (int i = 0; i < lm_tries && !directions_.stopped(); ++i, nu *= lm_growth) {
+    const int tries = method_.levenberg_marquardt ? lm_tries : 0;
+    for (int i = 0; i < tries && !directions_.stopped(); ++i, nu *= lm_growth) {
       Direction lm;
       if (directions_.levenberg_marquardt(at_, point, nu, lm) && g.dot(lm.d) < 0 && search(lm, point, it)) return true;
     }
@@ -274,6 +275,8 @@ void describe(SemismoothNewton& m, Fields& f) {
   describe(m.cfunction, f);
   describe(m.search, f);
   describe_descent(m.descent_rho, m.descent_p, f);
+  f.add("levenberg_marquardt", &m.levenberg_marquardt,
+        "steps of that kind where Newton's does not descend, before gradient steps");
   describe(m.escape, f);
   describe_lu(m.lu, f);
   f.choice("linear_solver", &m.linear,

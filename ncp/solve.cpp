@@ -29,24 +29,6 @@ void check_fit(const Mcp& mcp, const Method& method) {
                               " cells, the problem " + std::to_string(mcp.size()) + " variables");
 }
 
-/// PathSearch has its escapes in its list of restarts.
-Escape escape_of(const Method& method) {
-  return std::visit(
-      [](const auto& m) {
-        if constexpr (requires { m.escape; })
-          return m.escape;
-        else
-          return Escape{.rounds = 0};
-      },
-      method);
-}
-
-int rescalings_of(const Method& method) {
-  if (const auto* smoothing = std::get_if<Smoothing>(&method)) return smoothing->rescalings;
-  const Escape escape = escape_of(method);
-  return escape.rounds > 0 ? escape.rescalings : 0;
-}
-
 bool stuck(Status status, const Stats& stats) {
   return stuck(status) && (status != Status::EvaluationFailed || stats.iterations > 0);
 }
@@ -82,6 +64,23 @@ void blame_derivatives(const Mcp& mcp, Result& result) {
 
 }  // namespace
 
+Escape escape_of(const Method& method) {
+  return std::visit(
+      [](const auto& m) {
+        if constexpr (requires { m.escape; })
+          return m.escape;
+        else
+          return Escape{.rounds = 0};
+      },
+      method);
+}
+
+int rescalings_of(const Method& method) {
+  if (const auto* smoothing = std::get_if<Smoothing>(&method)) return smoothing->rescalings;
+  const Escape escape = escape_of(method);
+  return escape.rounds > 0 ? escape.rescalings : 0;
+}
+
 void escape(Run& run, const Escape& options, int iterations, const Body& base) {
   if (!stuck(run) || options.rounds == 0) return;
   const Run::Verdict before = run.verdict();
@@ -94,13 +93,9 @@ void escape(Run& run, const Escape& options, int iterations, const Body& base) {
   run.remark(escapes + (k == 1 ? " has" : " have") + " not led to a solution");
 }
 
-bool stuck(const Run& run) {
-  return run.ended() && stuck(run.status()) && (run.status() != Status::EvaluationFailed || run.stats().iterations > 0);
-}
+bool stuck(const Run& run) { return run.ended() && stuck(run.status(), run.stats()); }
 
-void run_once(Run& run, In x0, const Method& method) {
-  Point point;
-  if (!run.start(x0, point)) return;
+void run_loop(Run& run, Point point, const Method& method) {
   std::visit(Overloaded{[&](const SemismoothNewton& m) { semismooth_newton(run, m, std::move(point)); },
                         [&](const MinNewton& m) { min_newton(run, m, std::move(point)); },
                         [&](const Smoothing& m) { smoothing(run, m, std::move(point)); },
@@ -109,8 +104,13 @@ void run_once(Run& run, In x0, const Method& method) {
                         [&](const NewtonRobinson& m) { newton_robinson(run, m, std::move(point)); },
                         [&](const PathSearch& m) { path_search(run, m, std::move(point)); },
                         [&](const Multiroot& m) { multiroot(run, m, std::move(point)); },
-                        [](const auto&) { throw std::logic_error("run_once: the method has no loop of its own"); }},
+                        [](const auto&) { throw std::logic_error("run_loop: the method has no loop of its own"); }},
              method);
+}
+
+void run_once(Run& run, In x0, const Method& method) {
+  Point point;
+  if (run.start(x0, point)) run_loop(run, std::move(point), method);
 }
 
 void run_method(Run& run, In x0, const Method& method) {

@@ -44,6 +44,9 @@ PathSearch* path_of(Method& method);
 const Stop& stop(const Method& method);
 Stop& stop(Method& method);
 
+/// What it tries, and in what order.
+Outline outline(const Method& method);
+
 /// The method on the presolved problem; on the problem scaled by J at the start, if that brings the entries of J
 /// together; with proximal escapes where it is stuck.
 Strategy presolved(Method method);

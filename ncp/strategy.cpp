@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "ncp/methods.hpp"
+#include "ncp/attempts.hpp"
 #include "ncp/presets.hpp"
 #include "ncp/scale_transform.hpp"
 #include "ncp/strategy_node.hpp"
@@ -105,9 +105,6 @@ class Reader {
   std::size_t at_ = 0;
 };
 
-/// Limits this tight are for one method alone.
-constexpr int enough_iterations = 100;
-
 void run_scaled(Run& run, In x0, const Body& body) {
   const Vec start = lcp::project(run.box(), x0);
   if (const auto factors = factors_at(run, start)) {
@@ -118,24 +115,15 @@ void run_scaled(Run& run, In x0, const Body& body) {
   }
 }
 
-/// One method after the other, as long as they get stuck; each but the last gets half of the iterations left.
 void run_first_of(Run& run, In x0, const StrategyNode& node) {
-  std::optional<Run::Verdict> first;
-  std::size_t tried = 0;
-  for (const Method& method : node.methods) {
-    if (tried > 0) run.resume(node.names[tried]);
-    ++tried;
-    const int left = run.left().max_iterations;
-    Share share;
-    if (tried < node.methods.size()) share.iterations = std::max((left + 1) / 2, std::min(left, enough_iterations));
-    run.take(run.within(run.mcp(), share, x0, [&](Run& inner, In z) { run_method(inner, z, method); }));
-    if (!stuck(run)) break;
-    if (!first) first = run.verdict();
-  }
-  if (first && stuck(run)) run.replace_verdict(*first);
-  run.stats().restarts += static_cast<int>(tried) - 1;
-  std::string all = "tried " + node.names.front();
-  for (std::size_t i = 1; i < tried; ++i) all += ", then " + node.names[i];
+  Point start;
+  if (!run.start(x0, start)) return;
+  const std::vector<Attempt> list = first_list(node);
+  const Tried tried = in_turn(run, start, list, static_cast<int>(list.size()));
+  if (stuck(run)) run.replace_verdict(tried.verdicts.front());
+  run.stats().restarts += static_cast<int>(tried.attempts.size()) - 1;
+  std::string all = "tried " + tried.attempts.front()->name;
+  for (std::size_t i = 1; i < tried.attempts.size(); ++i) all += ", then " + tried.attempts[i]->name;
   run.remark(all);
 }
 
@@ -167,6 +155,18 @@ void describe(Strategy& strategy, Fields& f) {
   Escape escape = strategy.tree->escape;
   describe(escape, escapes);
   if (const auto why = escapes.invalid()) f.check(false, *why);
+}
+
+std::vector<Attempt> first_list(const StrategyNode& node) {
+  std::vector<Attempt> list;
+  for (std::size_t i = 0; i < node.methods.size(); ++i) {
+    const auto go = [method = node.methods[i], last = i + 1 == node.methods.size()](Run& run, const Point& start) {
+      run.take(run.within(run.mcp(), part_of_left(run, last), start.x,
+                          [&](Run& inner, In z) { run_method(inner, z, method); }));
+    };
+    list.push_back({.name = node.names[i], .what = node.names[i], .go = go});
+  }
+  return list;
 }
 
 void run_strategy(Run& run, In x0, const StrategyNode& node) {

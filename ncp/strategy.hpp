@@ -6,6 +6,7 @@
 /// A method keeps its own presolve, restarts and escapes where it has them; limits and tolerance are the strategy's.
 #include <memory>
 #include <string_view>
+#include <vector>
 
 #include "ncp/options.hpp"
 
@@ -18,6 +19,17 @@ struct StrategyNode;
 struct Strategy {
   Stop stop{};
   std::shared_ptr<const StrategyNode> tree{};
+};
+
+/// What a method tries in turn, until one does not get stuck.
+struct Outline {
+  struct Line {
+    std::string name;  ///< as in the first record
+    std::string what;  ///< as in strategies
+    std::string when;  ///< in words; empty: always
+  };
+  std::vector<Line> lines{};
+  bool presolved = false;  ///< all of it, on the presolved problem
 };
 
 /// "first(path, scaled(smooth))": what method_of() reads.

@@ -6,9 +6,8 @@ namespace {
 
 constexpr const char* footer =
     "PROBLEMS is a comma-separated list of NAME, NAME:SIZE, class:CLASS, FILE.nl, all; METHODS of NAME,\n"
-    "NAME:key=value:key=value, presets, all, cfunctions (semismooth over every C-function), none. Names may have * "
-    "and\n"
-    "?; what begins with - is taken away.\n"
+    "NAME:key=value:key=value, presets, published, all, cfunctions (semismooth over every C-function), none.\n"
+    "Names may have * and ?; what begins with - is taken away.\n"
     "\n"
     "Examples:\n"
     "  perp compare --problems class:tiny --out tiny\n"

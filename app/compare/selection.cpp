@@ -188,6 +188,10 @@ std::vector<AskedMethod> methods_of(const Item& item) {
     for (const ncp::Preset& preset : ncp::presets()) names.emplace_back(preset.name);
     return of_names(names);
   }
+  if (text == "published") {
+    for (const ncp::Preset& preset : ncp::published()) names.emplace_back(preset.name);
+    return of_names(names);
+  }
   if (text == "cfunctions") {
     for (const ncp::CFunction& c : ncp::cfunctions()) names.push_back("semismooth:cfunction=" + c.name);
     return of_names(names);
@@ -200,7 +204,7 @@ std::vector<AskedMethod> methods_of(const Item& item) {
   if (const auto strategy = method_named(name)) return {of_method(std::string(ncp::name(*strategy)) + rest)};
   if (is_pattern(name)) throw InputError(fmt::format("{}: no method fits '{}'", methods_flag, name));
   std::vector<std::string_view> candidates = method_names();
-  candidates.insert(candidates.end(), {"presets", "all", "cfunctions", "none"});
+  candidates.insert(candidates.end(), {"presets", "published", "all", "cfunctions", "none"});
   throw InputError(fmt::format("{}: there is no method '{}'.{} 'perp methods' lists them.", methods_flag, name,
                                did_you_mean(name, candidates)));
 }

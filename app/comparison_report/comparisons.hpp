@@ -3,9 +3,11 @@
 ///
 ///   general        the methods that are not for affine problems only, on all pairs that have a solution
 ///   affine         beside them those for affine problems only, on the pairs to which one of these applies
-///   external       external programs that do not apply everywhere beside the general methods, on the pairs they apply
-///   to lecture        the eight systems of the 1997 comparison, as far as the campaign has them cfunctions-K   methods
-///   that differ in nothing but their option cfunction
+///   external       external programs that do not apply everywhere beside the general methods, on their pairs
+///   lecture        the eight systems of the 1997 comparison, as far as the campaign has them
+///   published      the same as published
+///   cfunctions-K   methods that differ in nothing but their option cfunction
+///
 /// Methods with an option cfunction are in the last kind only (unless the campaign has no others). Each comparison
 /// counts the pairs only that all of its methods have finished, and leaves out methods that have finished none. What a
 /// method does not apply to it has not solved.
@@ -52,6 +54,8 @@ std::vector<Comparison> comparisons(const CampaignData& data);
 inline constexpr std::array<std::string_view, 8> lecture{"proxi", "path",   "smooth",   "miles",
                                                          "nesqp", "qpcomp", "semicomp", "semismooth"};
 inline constexpr std::size_t lecture_ahead = 3;
+/// What ends the names of the presets that are as published.
+inline constexpr std::string_view as_published = "-1997";
 /// What a method is called in a comparison: its label; among C-functions theirs.
 std::string name_in(const CampaignData& data, const Comparison& comparison, std::size_t method);
 /// The eight to be shown in colour, by method: those that solve most; of the subject, if there is one, five.

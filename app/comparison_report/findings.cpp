@@ -198,10 +198,11 @@ struct Ranking {
   }
 };
 
-std::string lecture_ranking(const CampaignData& data) {
+/// With the presets that have the systems' names, or with the systems as published.
+std::string lecture_ranking(const CampaignData& data, std::string_view suffix) {
   Indices ahead, behind, all;
   for (std::size_t k = 0; k < lecture.size(); ++k)
-    if (const auto m = plain_method(data, lecture[k]))
+    if (const auto m = plain_method(data, fmt::format("{}{}", lecture[k], suffix)))
       (k < lecture_ahead ? ahead : behind).push_back(*m), all.push_back(*m);
   Indices pairs;
   for (std::size_t p = 0; p < data.pairs().size(); ++p)
@@ -225,11 +226,16 @@ std::string lecture_ranking(const CampaignData& data) {
                                  listed(labels(data, ahead)), listed(labels(data, behind)), ranking.verdict(),
                                  counted(pairs.size(), "pair"), fmt::join(order, ", "));
   const std::size_t duels = ahead.size() * behind.size();
-  if (duels == 1) return text;
-  return text + fmt::format(
-                    " Taken two by two, the former solve more pairs than the latter in {} of {} comparisons ({} "
-                    "clearly), as many (but for rounding) in {}, fewer in {} ({} clearly).",
-                    ranking.more, duels, ranking.clearly_more, ranking.same, ranking.fewer, ranking.clearly_fewer);
+  if (duels > 1)
+    text += fmt::format(
+        " Taken two by two, the former solve more pairs than the latter in {} of {} comparisons ({} "
+        "clearly), as many (but for rounding) in {}, fewer in {} ({} clearly).",
+        ranking.more, duels, ranking.clearly_more, ranking.same, ranking.fewer, ranking.clearly_fewer);
+  if (suffix.empty())
+    text +=
+        " These are this program's presets, with what was added since: presolve, rescalings, restarts by other "
+        "methods.";
+  return text;
 }
 
 std::string without_solution(const CampaignData& data) {
@@ -293,7 +299,8 @@ std::vector<Finding> findings(const CampaignData& data, const std::vector<Compar
       add(comparison.title, cfunctions(data, comparison));
     }
   }
-  add("The lecture's ranking", lecture_ranking(data));
+  add("The lecture's ranking", lecture_ranking(data, ""));
+  add("The lecture's ranking, as published", lecture_ranking(data, as_published));
   add("Problems without a solution", without_solution(data));
   add("False claims", false_claims(data));
   return all;

@@ -75,27 +75,17 @@ TEST(ProgramLimits, SignalsWithinLinearAlgebra) {
 /// 27 neighbours in three dimensions: what UMFPACK asks METIS to order.
 lcp::SpMat neighbours(int N) {
   std::vector<Eigen::Triplet<double>> entries;
-  const auto each = [](int from, int to, const auto& act) {
-    for (int i = from; i < to; ++i) act(i);
-  };
-  each(0, N, [&](int x) {
-    each(0, N, [&](int y) {
-      each(0, N, [&](int z) {
-        const auto near = [N](int i, const auto& act) {
-          for (int k = std::max(0, i - 1); k <= std::min(N - 1, i + 1); ++k) act(k);
-        };
-        near(x, [&](int a) {
-          near(y, [&](int b) {
-            near(z, [&](int c) {
-              const bool here = a == x && b == y && c == z;
-              entries.emplace_back((x * N + y) * N + z, (a * N + b) * N + c, here ? 27.5 : -1.0);
-            });
-          });
-        });
-      });
-    });
-  });
-  lcp::SpMat A(N * N * N, N * N * N);
+  const int n = N * N * N;
+  for (int i = 0; i < n; ++i)
+    for (int k = 0; k < 27; ++k) {
+      const int x = i / (N * N) + k / 9 - 1;
+      const int y = i / N % N + k / 3 % 3 - 1;
+      const int z = i % N + k % 3 - 1;
+      const auto inside = [N](int a) { return a >= 0 && a < N; };
+      const int j = (x * N + y) * N + z;
+      if (inside(x) && inside(y) && inside(z)) entries.emplace_back(i, j, i == j ? 27.5 : -1.0);
+    }
+  lcp::SpMat A(n, n);
   A.setFromTriplets(entries.begin(), entries.end());
   return A;
 }

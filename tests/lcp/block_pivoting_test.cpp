@@ -61,19 +61,12 @@ TEST(BlockPivoting, WarmStartEndsAtOnce) {
 TEST(BlockPivoting, ObstacleProblem) {
   const int N = 60;
   const double h = 1.0 / (N + 1);
-  support::Triplets entries;
-  AffineMcp problem = standard_lcp(SpMat(N * N, N * N), Vec::Constant(N * N, h * h));
+  AffineMcp problem = standard_lcp(support::five_point(N, 4), Vec::Constant(N * N, h * h));
   for (int j = 0; j < N; ++j)
     for (int i = 0; i < N; ++i) {
       const int k = j * N + i;
-      entries.emplace_back(k, k, 4);
-      if (i > 0) entries.emplace_back(k, k - 1, -1);
-      if (i + 1 < N) entries.emplace_back(k, k + 1, -1);
-      if (j > 0) entries.emplace_back(k, k - N, -1);
-      if (j + 1 < N) entries.emplace_back(k, k + N, -1);
       problem.box.lower[k] = 0.1 - std::pow(h * (i + 1) - 0.5, 2) - std::pow(h * (j + 1) - 0.5, 2);
     }
-  problem.M = support::from(N * N, entries);
   for (const Vec& start : {Vec(Vec::Ones(N * N)), problem.box.lower}) {
     const Result result = block_pivoting(problem, start);
     expect_solved(problem, result, "obstacle");

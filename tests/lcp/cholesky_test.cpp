@@ -20,17 +20,7 @@ using support::tridiagonal;
 using support::Triplets;
 using support::vec;
 
-SpMat laplacian(int N) {
-  Triplets entries;
-  for (int j = 0; j < N; ++j)
-    for (int i = 0; i < N; ++i) {
-      const int k = j * N + i;
-      entries.emplace_back(k, k, 4);
-      if (i > 0) entries.emplace_back(k, k - 1, -1), entries.emplace_back(k - 1, k, -1);
-      if (j > 0) entries.emplace_back(k, k - N, -1), entries.emplace_back(k - N, k, -1);
-    }
-  return from(static_cast<Index>(N) * N, entries);
-}
+SpMat laplacian(int N) { return support::five_point(N, 4); }
 
 void expect_solves(const SpMat& A, const Cholesky& cholesky, Random& random) {
   const Vec solution = random.normals(A.rows());

@@ -1,6 +1,7 @@
 /// The systems that Billups, Dirkse & Ferris (1997) compare, by name, on the collection.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <string>
 
 #include "ncp/collection/collection.hpp"
@@ -27,6 +28,38 @@ TEST(Presets, AreKnownByName) {
     EXPECT_FALSE(preset.what.empty() || preset.reference.empty()) << preset.name;
   }
   EXPECT_EQ(find_preset("milles"), nullptr);
+}
+
+// The systems as published. Catches an addition that comes back with a default: presolve, rescalings, restarts.
+TEST(Presets, PublishedOnesAreWithoutAdditions) {
+  for (const Preset& preset : published()) {
+    EXPECT_EQ(find_preset(preset.name), &preset) << "named twice: " << preset.name;
+    EXPECT_EQ(invalid(preset.method), std::nullopt) << preset.name;
+    for (const Outline::Line& line : outline(preset.method).lines)
+      EXPECT_TRUE(line.what.find("scaled") == std::string::npos) << preset.name << ": " << line.name;
+    EXPECT_EQ(outline(preset.method).presolved,
+              preset.name == "path-one-attempt" || preset.name == "path-three-restarts");
+    const auto mcp = make_mcp(support::kojima_shindo(true));
+    EXPECT_TRUE(solve(*mcp, Vec::Ones(4), preset.method).solved()) << preset.name;
+  }
+  EXPECT_EQ(outline(find_preset("path-1997")->method).lines.size(), 1U);
+  EXPECT_EQ(outline(find_preset("path-three-restarts")->method).lines.size(), 4U);
+}
+
+// Billups' problem: De Luca, Facchinei & Kanzow's method has no Levenberg-Marquardt steps, ours has.
+TEST(Presets, PublishedSemismoothHasGradientStepsAlone) {
+  int marquardt = 0;
+  for (const char* name : {"semismooth-1997", "semismooth"}) {
+    for (const char* problem : {"billups", "colvdual", "powell-badly-scaled", "tinloi"}) {
+      const collection::Entry* entry = collection::find(problem);
+      if (entry == nullptr) continue;
+      const collection::Problem given = entry->make();
+      std::vector<Iteration> records;
+      (void)solve(*given.mcp, given.starts[0], find_preset(name)->method, record(records));
+      marquardt += static_cast<int>(std::ranges::count(records, 'L', &Iteration::kind));
+    }
+    EXPECT_EQ(marquardt > 0, std::string_view(name) == "semismooth") << name;
+  }
 }
 
 struct Count {

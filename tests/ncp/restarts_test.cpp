@@ -31,6 +31,21 @@ Observer begun(Begun& out) {
   };
 }
 
+// PATH's manual, option restart_limit. Billups' problem has a local minimum that none of the three leaves. Catches
+// other restarts in their place, and a list that goes on.
+TEST(Restarts, ThoseThatPathDocuments) {
+  const auto mcp = make_mcp(support::billups());
+  Begun all;
+  const PathSearch method{.restarts = PathRestarts::Documented, .scaling = false};
+  const Result result = solve(*mcp, vec({0}), method, begun(all));
+  EXPECT_FALSE(result.accepted());
+  ASSERT_EQ(all.names.size(), 3U);
+  EXPECT_THAT(all.names[0], HasSubstr("perturbed by 0.01 times the residual"));
+  EXPECT_THAT(all.names[1], HasSubstr("a test in each iteration"));
+  EXPECT_THAT(all.names[2], HasSubstr("arcs"));
+  EXPECT_EQ(result.stats.restarts, 3);
+}
+
 // Billups 1995: no descent method leaves its local minimum; a proximal escape does (Billups & Ferris 1997). Catches a
 // list that ends before that.
 TEST(Restarts, GoThroughTheListUntilOneSolves) {

@@ -51,6 +51,30 @@ TEST(Strategy, RefusalsNameThePlace) {
   EXPECT_THROW(solve(*any.mcp, any.starts[0], Strategy{}), std::invalid_argument);
 }
 
+// Catches an outline that says other than what is done.
+TEST(Strategy, OutlinesSayWhatIsTried) {
+  const auto what = [](const Method& method) {
+    std::string all;
+    for (const Outline::Line& line : outline(method).lines) all += line.what + "; ";
+    return all;
+  };
+  EXPECT_EQ(what(method_of("first(path, scaled(smooth))")), "path; scaled(smooth); ");
+  EXPECT_EQ(what(MinNewton{}), "newton-min; ");
+  EXPECT_EQ(what(find_preset("semicomp")->method),
+            "semismooth; scaled(escape(semismooth)); scaled(escape(semismooth)); escape(semismooth); ");
+  EXPECT_EQ(what(PathSearch{.restart_limit = 0, .scaling = false}), "path; ");
+  EXPECT_EQ(outline(PathSearch{.restart_limit = 2}).lines.size(), 4U);
+  const auto billups = problem("billups");
+  std::vector<std::string> tried;
+  (void)solve(*billups.mcp, billups.starts[0], PathSearch{}, [&](const Iteration& it) {
+    if (!it.attempt.empty()) tried.push_back(it.attempt);
+    return Next::Continue;
+  });
+  std::vector<std::string> listed;
+  for (const Outline::Line& line : outline(PathSearch{}).lines) listed.push_back(line.name);
+  for (const std::string& name : tried) EXPECT_THAT(listed, testing::Contains(name));
+}
+
 // Newton on the min function stays in a local minimum of billups, which escapes leave and path solves.
 TEST(Strategy, TheNextOneGoesOnWhereOneIsStuck) {
   const auto billups = problem("billups");

@@ -138,6 +138,21 @@ inline Dense hilbert(Index n) {
   return Dense::NullaryExpr(n, n, [](Index i, Index j) { return 1.0 / static_cast<double>(i + j + 1); });
 }
 
+/// The five-point grid of N x N points: -1 to each neighbour.
+inline SpMat five_point(int N, double diagonal) {
+  Triplets entries;
+  for (int j = 0; j < N; ++j)
+    for (int i = 0; i < N; ++i) {
+      const int k = j * N + i;
+      entries.emplace_back(k, k, diagonal);
+      if (i > 0) entries.emplace_back(k, k - 1, -1);
+      if (i + 1 < N) entries.emplace_back(k, k + 1, -1);
+      if (j > 0) entries.emplace_back(k, k - N, -1);
+      if (j + 1 < N) entries.emplace_back(k, k + N, -1);
+    }
+  return from(static_cast<Index>(N) * N, entries);
+}
+
 inline SpMat tridiagonal(Index n, double below, double diagonal, double above) {
   Triplets entries;
   for (int i = 0; i < n; ++i) {

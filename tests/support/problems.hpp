@@ -140,21 +140,14 @@ inline Vec nash10_solution() {
 inline ncp::Functions obstacle(int N, double load = 1) {
   const Index n = static_cast<Index>(N) * N;
   const double h = 1.0 / (N + 1);
-  Triplets entries;
-  AffineMcp problem{.M = {}, .q = Vec::Constant(n, -load * h * h), .box = Box::free(n)};
+  AffineMcp problem{.M = five_point(N, 4), .q = Vec::Constant(n, -load * h * h), .box = Box::free(n)};
   for (int j = 0; j < N; ++j)
     for (int i = 0; i < N; ++i) {
       const int k = j * N + i;
-      entries.emplace_back(k, k, 4);
-      if (i > 0) entries.emplace_back(k, k - 1, -1);
-      if (i + 1 < N) entries.emplace_back(k, k + 1, -1);
-      if (j > 0) entries.emplace_back(k, k - N, -1);
-      if (j + 1 < N) entries.emplace_back(k, k + N, -1);
       const double s = std::sin(9.2 * h * (i + 1)) * std::sin(9.3 * h * (j + 1));
       problem.box.lower[k] = s * s * s;
       problem.box.upper[k] = s * s + 0.2;
     }
-  problem.M = from(n, entries);
   return affine(problem);
 }
 
