@@ -37,7 +37,7 @@ struct Meanings {
   void add(std::string_view text, std::string_view method) {
     auto known = std::ranges::find(texts, text, [](const auto& one) { return one.first; });
     if (known == texts.end()) known = texts.insert(texts.end(), {text, {}});
-    if (known->second.empty() || known->second.back() != method) known->second.push_back(method);
+    if (std::ranges::find(known->second, method) == known->second.end()) known->second.push_back(method);
   }
   std::string all() const {
     if (texts.size() == 1) return std::string(texts[0].first);
@@ -264,10 +264,6 @@ std::string unknown_key(const Assignment& given) {
   }
   return fmt::format("{}: there is no option '{}'.{}", given.source, given.key, did_you_mean(given.key, names));
 }
-
-}  // namespace
-
-namespace {
 
 /// Sets it; where the settings have it not, or another option takes its effect away, that is noted.
 void apply(const Option& option, const Assignment& given, Applied& result) {
