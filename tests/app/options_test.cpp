@@ -65,7 +65,7 @@ std::string another_value(const ncp::Field& field) {
             if (other != value && std::isfinite(other) && field.range.has(other)) return fmt::format("{}", other);
           return "";
         } else {
-          return fmt::format("{}", field.range.has(static_cast<double>(*target) + 1) ? *target + 1 : *target - 1);
+          return fmt::format("{}", field.range.has(static_cast<double>(*target) - 1) ? *target - 1 : *target + 1);
         }
       },
       field.target);
