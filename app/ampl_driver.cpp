@@ -62,7 +62,8 @@ void print_usage(std::ostream& out, const std::string& program) {
 
 void print_keywords(std::ostream& out) {
   for (const Option& option : options())
-    out << fmt::format("{:<24}{}\n{:24}{}\n", option.key, values_text(option), "", option.help);
+    out << fmt::format("{:<24}{}\n{:24}{}{}{}\n", option.key, option.takes, "", option.help,
+                       option.alias.empty() ? "" : "; also ", option.alias);
   out << fmt::format("{:<24}a file\n{:24}of options, one a line: key value\n", "optfile", "");
 }
 

@@ -170,24 +170,21 @@ Json stats_json(const ncp::Stats& stats) {
 Json options_json(const Settings& settings) {
   Settings copy = settings;
   Json json = Json::object();
-  for (const Option& option : options()) {
-    const Field field = option.field(copy);
-    if (!has_value(field)) continue;
-    if (const auto* real = std::get_if<double*>(&field))
-      json[std::string(option.key)] = json_number(**real);
-    else if (const auto* integer = std::get_if<int*>(&field))
-      json[std::string(option.key)] = **integer;
-    else if (const auto* natural = std::get_if<unsigned*>(&field))
-      json[std::string(option.key)] = **natural;
-    else if (const auto* time = std::get_if<std::chrono::duration<double>*>(&field))
-      json[std::string(option.key)] = json_number((*time)->count());
-    else if (const auto* index = std::get_if<ncp::Index*>(&field))
-      json[std::string(option.key)] = **index;
-    else if (const auto* flag = std::get_if<bool*>(&field))
-      json[std::string(option.key)] = **flag;
-    else
-      json[std::string(option.key)] = value_text(field);
-  }
+  for (const ncp::Field& field : fields_of(copy).options())
+    if (const std::string text = value_text(field); text != "-")
+      json[std::string(field.key)] = std::visit(
+          [&](const auto& target) -> Json {
+            using T = std::remove_cvref_t<decltype(target)>;
+            if constexpr (std::is_same_v<T, double*>)
+              return json_number(*target);
+            else if constexpr (std::is_same_v<T, ncp::Seconds*>)
+              return json_number(target->count());
+            else if constexpr (std::is_pointer_v<T>)
+              return *target;
+            else
+              return text;
+          },
+          field.target);
   return json;
 }
 

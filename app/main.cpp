@@ -218,7 +218,7 @@ struct CommandLine {
     add_export();
     methods = app.add_subcommand("methods", "The methods, their references, and all options with their defaults");
     methods->footer(methods_footer);
-    methods->add_option("--show", shown_method, "what METHOD tries in turn")->option_text("METHOD");
+    methods->add_option("--show", shown_method, "what METHOD tries in turn, and its options")->option_text("METHOD");
     cfunctions = app.add_subcommand("cfunctions", "The C-functions and smoothings: formulas, properties, references");
     cfunctions->footer(cfunctions_footer);
     compare = compare::add_command(app, compare_request);

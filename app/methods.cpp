@@ -37,7 +37,9 @@ std::string defaults(const Option& option) {
   std::vector<std::string_view> with, without;
   for (const MethodEntry& entry : methods()) {
     Settings settings{.method_name = std::string(entry.name), .method = entry.method};
-    const std::string value = value_text(option.field(settings));
+    const ncp::Fields fields = fields_of(settings);
+    const ncp::Field* field = fields.find(option.key);
+    const std::string value = field == nullptr ? "-" : value_text(*field);
     (value == "-" ? without : with).push_back(entry.name);
     if (value == "-") continue;
     auto group = std::ranges::find(groups, value, &Group::value);
@@ -88,6 +90,25 @@ std::optional<ncp::Method> method_named(const std::string& text) {
   }
 }
 
+namespace {
+
+void print_options_of(std::ostream& out, Settings settings) {
+  out << "\nIts options:\n";
+  for (const ncp::Field& field : fields_of(settings).options()) {
+    if (field.key == "method") continue;
+    out << fmt::format("\n  {}{}\n", field.key, field.alias.empty() ? "" : fmt::format(" ({})", field.alias));
+    print_wrapped(out, std::string(field.help), 6);
+    const std::string value = value_text(field);
+    print_wrapped(out,
+                  takes(field) + (!field.inert.empty() ? fmt::format("; no effect with {}", field.inert)
+                                  : value == "-"       ? "; the function has none"
+                                                       : "; default " + value),
+                  6);
+  }
+}
+
+}  // namespace
+
 int show_method(const std::string& text, Streams streams) {
   const std::optional<ncp::Method> method = method_named(text);
   if (!method)
@@ -102,6 +123,7 @@ int show_method(const std::string& text, Streams streams) {
                (line.name == line.what ? "" : line.name) + (line.when.empty() ? "" : ", if " + line.when)});
   table.print(streams.out);
   streams.out << (outline.lines.size() > 1 ? "\nThe next one begins where one is stuck. A limit ends them all.\n" : "");
+  print_options_of(streams.out, {.method_name = text, .method = *method});
   return exit_solved;
 }
 
@@ -128,12 +150,12 @@ int print_methods(Streams streams) {
                 0);
   for (const Option& option : options()) {
     out << "\n  " << option.key;
-    if (!option.aliases.empty()) out << fmt::format(" ({})", fmt::join(option.aliases, ", "));
+    if (!option.alias.empty()) out << fmt::format(" ({})", option.alias);
     out << '\n';
     print_wrapped(out, option.help, 6);
     print_wrapped(out,
                   option.key == "method" ? fmt::format("one of those above; default {}", default_method)
-                                         : values_text(option) + "; " + defaults(option),
+                                         : option.takes + "; " + defaults(option),
                   6);
   }
 

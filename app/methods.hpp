@@ -17,7 +17,7 @@ struct MethodEntry {
   std::string_view name;
   std::string_view what;  ///< one line
   std::string_view reference;
-  ncp::Method method;  ///< with its default options
+  ncp::Method method;      ///< with its default options
   bool published = false;  ///< as in its paper, for comparisons
   /// Of lcp/: for affine problems only.
   bool affine() const { return std::holds_alternative<ncp::Affine>(method); }
@@ -32,7 +32,7 @@ std::optional<ncp::Method> method_named(const std::string& text);
 
 /// Prints the methods, their options with types and defaults, and the PATH options that have no effect.
 int print_methods(Streams streams);
-/// Prints what the method tries in turn. Throws InputError for a name that is none.
+/// Prints what the method tries in turn, and its options. Throws InputError for a name that is none.
 int show_method(const std::string& text, Streams streams);
 
 }  // namespace perp::app

@@ -6,23 +6,13 @@
 #include <array>
 #include <cctype>
 #include <charconv>
-#include <limits>
 #include <stdexcept>
 
 #include "ncp/pivot_limit.hpp"
 
 namespace perp::app {
 
-// Values.
-
 namespace {
-
-constexpr double max_int = std::numeric_limits<int>::max();
-
-constexpr auto synonym = Choice::Role::Synonym;
-constexpr std::array bool_choices{
-    Choice{"yes", 1},         Choice{"no", 0},           Choice{"true", 1, synonym}, Choice{"false", 0, synonym},
-    Choice{"on", 1, synonym}, Choice{"off", 0, synonym}, Choice{"1", 1, synonym},    Choice{"0", 0, synonym}};
 
 std::string lower(std::string_view text) {
   std::string result(text);
@@ -31,40 +21,80 @@ std::string lower(std::string_view text) {
   return result;
 }
 
-std::string alternatives(std::span<const std::string_view> names) {
-  std::string text;
-  for (std::size_t k = 0; k < names.size(); ++k)
-    text += fmt::format("{}{}", k == 0 ? "" : (k + 1 == names.size() ? " or " : ", "), names[k]);
-  return text;
+/// Those of the program alone.
+void describe(Settings& settings, ncp::Fields& f) {
+  f.add("sideineq", &settings.sideineq, ncp::between(1, 2),
+        "a model's side inequalities: 1 accepts them, with an extra variable each; 2 refuses the model");
+  f.add("wantsol", &settings.wantsol, ncp::between(0, 15),
+        "AMPL's: 8 does not print the closing message (the .sol file is written whatever the value)");
+  describe(settings.output, f);
 }
 
-std::vector<std::string_view> names_of(std::span<const Choice> choices) {
-  std::vector<std::string_view> names;
-  for (const Choice& choice : choices)
-    if (choice.role != synonym) names.push_back(choice.name);
-  return names;
-}
+/// What the methods mean by a key; where that differs, each by its name.
+struct Meanings {
+  std::vector<std::pair<std::string_view, std::vector<std::string_view>>> texts;
 
-/// "a number > 0", "an integer in [1, 2]".
-std::string range_text(const Range& range, bool integer) {
-  const auto end = [](double value) { return value == max_int ? "2147483647" : fmt::format("{:g}", value); };
-  const std::string what = integer ? "an integer" : "a number";
-  if (range.high < (integer ? max_int : lcp::infinity))
-    return fmt::format("{} in {}{}, {}{}", what, range.open ? '(' : '[', end(range.low), end(range.high),
-                       range.open_high ? ')' : ']');
-  return fmt::format("{} {} {}", what, range.open ? ">" : ">=", end(range.low));
-}
-
-/// What the option's field holds, whichever method has it.
-Field any_field(const Option& option, Settings& settings) {
-  Field field = option.field(settings);
-  for (const MethodEntry& entry : methods()) {
-    if (!std::holds_alternative<NoEffect>(field)) break;
-    settings.method = entry.method;
-    field = option.field(settings);
+  void add(std::string_view text, std::string_view method) {
+    auto known = std::ranges::find(texts, text, [](const auto& one) { return one.first; });
+    if (known == texts.end()) known = texts.insert(texts.end(), {text, {}});
+    if (std::ranges::find(known->second, method) == known->second.end()) known->second.push_back(method);
   }
-  return field;
+  std::string all() const {
+    if (texts.size() == 1) return std::string(texts[0].first);
+    std::string result;
+    for (const auto& [text, methods] : texts)
+      result += fmt::format("{}{}: {}", result.empty() ? "" : "; ", fmt::join(methods, ", "), text);
+    return result;
+  }
+};
+
+std::vector<Option> all_options() {
+  std::vector<Option> all{{.key = "method",
+                           .alias = {},
+                           .help = "the method that runs; the other options apply to it, whatever their order",
+                           .takes = ncp::alternatives(method_names()),
+                           .method = {}}};
+  std::vector<Meanings> meanings(1);
+  for (const MethodEntry& entry : methods()) {
+    ncp::Method method = entry.method;
+    ncp::Fields fields;
+    ncp::describe(method, fields);
+    for (const ncp::Field& field : fields.options()) {
+      auto known = std::ranges::find(all, field.key, &Option::key);
+      if (known == all.end()) {
+        known = all.insert(all.end(), {field.key, field.alias, "", takes(field), entry.method});
+        meanings.emplace_back();
+      }
+      meanings[static_cast<std::size_t>(known - all.begin())].add(field.help, ncp::name(method));
+    }
+  }
+  for (std::size_t k = 1; k < all.size(); ++k) all[k].help = meanings[k].all();
+  Settings settings;
+  ncp::Fields own;
+  describe(settings, own);
+  for (const ncp::Field& field : own.options())
+    all.push_back({field.key, field.alias, std::string(field.help), takes(field), settings.method});
+  return all;
 }
+
+}  // namespace
+
+ncp::Fields fields_of(Settings& settings) {
+  ncp::Fields fields;
+  fields.add("method", &settings.method_name, "the method that runs");
+  ncp::describe(settings.method, fields);
+  describe(settings, fields);
+  return fields;
+}
+
+std::span<const Option> options() {
+  static const std::vector<Option> table = all_options();
+  return table;
+}
+
+// Values.
+
+namespace {
 
 /// A number's text without the '+' that from_chars does not take.
 template <class T>
@@ -77,120 +107,98 @@ bool parse_number(std::string_view text, T& value) {
 [[noreturn]] void refuse(const Assignment& given, const Option& option, std::span<const std::string_view> words = {}) {
   const std::string key = lower(given.key) == option.key ? given.key : fmt::format("{} ({})", given.key, option.key);
   throw InputError(fmt::format("{}: {} = {} is refused; it takes {}{}", given.source, key,
-                               given.value.empty() ? "(nothing)" : given.value, values_text(option),
+                               given.value.empty() ? "(nothing)" : given.value, option.takes,
                                words.empty() ? "" : "." + did_you_mean(lower(given.value), words)));
 }
 
 template <class T>
-T number_in_range(const Assignment& given, const Option& option) {
+T number_in_range(const Assignment& given, const Option& option, const ncp::Range& range) {
   T value{};
-  if (!parse_number(given.value, value)) refuse(given, option);
-  const auto x = static_cast<double>(value);
-  const Range& range = option.range;
-  const bool inside =
-      (range.open ? x > range.low : x >= range.low) && (range.open_high ? x < range.high : x <= range.high);
-  if (!inside) refuse(given, option);  // also a NaN
+  if (!parse_number(given.value, value) || !range.has(static_cast<double>(value))) refuse(given, option);
   return value;
 }
 
-const Choice& one_of(std::span<const Choice> choices, const Assignment& given, const Option& option) {
-  const auto choice = std::ranges::find(choices, lower(given.value), &Choice::name);
-  if (choice == choices.end()) {
-    std::vector<std::string_view> words;
-    for (const Choice& c : choices) words.push_back(c.name);
-    refuse(given, option, words);
-  }
-  return *choice;
+bool yes_or_no(const Assignment& given, const Option& option) {
+  const std::string word = lower(given.value);
+  for (const char* yes : {"yes", "true", "on", "1"})
+    if (word == yes) return true;
+  for (const char* no : {"no", "false", "off", "0"})
+    if (word == no) return false;
+  refuse(given, option, std::array<std::string_view, 6>{"yes", "no", "true", "false", "on", "off"});
 }
 
 /// The first name of the value; "?" if it has none.
-std::string_view word_of(std::span<const Choice> choices, int value) {
-  const auto choice = std::ranges::find(choices, value, &Choice::value);
-  return choice == choices.end() ? "?" : choice->name;
+std::string_view word_of(const ncp::Words& words) {
+  const auto found = std::ranges::find(words.words, words.get(), [](const auto& word) { return word.second; });
+  return found == words.words.end() ? "?" : found->first;
 }
 
-/// Sets the field. Pre: not NoEffect.
-void set(const Field& field, const Assignment& given, const Option& option, Applied& result) {
+void set_word(const ncp::Words& words, const Assignment& given, const Option& option, Applied& result) {
+  const auto name = [](const auto& word) { return word.first; };
+  const auto chosen = std::ranges::find(words.words, lower(given.value), name);
+  if (chosen == words.words.end()) {
+    std::vector<std::string_view> names(words.words.size());
+    std::ranges::transform(words.words, names.begin(), name);
+    refuse(given, option, names);
+  }
+  words.set(chosen->second);
+  if (word_of(words) != chosen->first)
+    result.notes.push_back(
+        fmt::format("{}: {} = {} is taken as {}", given.source, option.key, chosen->first, word_of(words)));
+}
+
+void set(const ncp::Field& field, const Assignment& given, const Option& option, Applied& result) {
   std::visit(
-      [&](auto target) {
-        using T = std::remove_pointer_t<decltype(target)>;
-        if constexpr (std::is_same_v<T, std::string>) {
+      [&](const auto& target) {
+        using T = std::remove_cvref_t<decltype(target)>;
+        if constexpr (std::is_same_v<T, std::string*>) {
           const std::string name = lower(given.value);
           if (!method_named(name)) refuse(given, option, method_names());
           *target = name;
-        } else if constexpr (std::is_same_v<T, double> || (std::is_integral_v<T> && !std::is_same_v<T, bool>)) {
-          *target = number_in_range<T>(given, option);
-        } else if constexpr (std::is_same_v<T, std::chrono::duration<double>>) {
-          *target = T(number_in_range<double>(given, option));
-        } else if constexpr (std::is_same_v<T, bool>) {
-          *target = one_of(bool_choices, given, option).value != 0;
-        } else if constexpr (std::is_same_v<T, DependentNumber>) {
-          const auto value = number_in_range<double>(given, option);
+        } else if constexpr (std::is_same_v<T, bool*>) {
+          *target = yes_or_no(given, option);
+        } else if constexpr (std::is_same_v<T, ncp::Flag>) {
+          target.set(yes_or_no(given, option));
+        } else if constexpr (std::is_same_v<T, ncp::Words>) {
+          set_word(target, given, option, result);
+        } else if constexpr (std::is_same_v<T, ncp::Seconds*>) {
+          *target = ncp::Seconds(number_in_range<double>(given, option, field.range));
+        } else if constexpr (std::is_same_v<T, ncp::Parameter>) {
+          const auto value = number_in_range<double>(given, option, {});
           try {
             target.set(value);
           } catch (const std::invalid_argument& error) {
             throw InputError(
                 fmt::format("{}: {} = {} is refused: {}", given.source, option.key, given.value, error.what()));
           }
-        } else if constexpr (std::is_same_v<T, Word>) {
-          const Choice& chosen = one_of(target.choices, given, option);
-          target.set(chosen.value);
-          if (chosen.role == Choice::Role::StandIn)
-            result.notes.push_back(fmt::format("{}: {} = {} is taken as {}", given.source, option.key, chosen.name,
-                                               word_of(target.choices, chosen.value)));
+        } else {
+          *target = number_in_range<std::remove_pointer_t<T>>(given, option, field.range);
         }
       },
-      field);
+      field.target);
 }
 
 }  // namespace
 
-std::string values_text(const Option& option) {
-  Settings settings;
+std::string value_text(const ncp::Field& field) {
+  if (!field.inert.empty()) return "-";
   return std::visit(
-      [&](auto target) -> std::string {
-        using T = std::remove_pointer_t<decltype(target)>;
-        if constexpr (std::is_same_v<T, std::string>)
-          return alternatives(method_names());
-        else if constexpr (std::is_same_v<T, double> || std::is_same_v<T, std::chrono::duration<double>>)
-          return range_text(option.range, false);
-        else if constexpr (std::is_same_v<T, bool>)
-          return "yes or no";
-        else if constexpr (std::is_integral_v<T>)
-          return range_text(option.range, true);
-        else if constexpr (std::is_same_v<T, DependentNumber>)
-          return std::string(target.range);
-        else if constexpr (std::is_same_v<T, Word>)
-          return alternatives(names_of(target.choices));
-        else
-          return "-";
-      },
-      any_field(option, settings));
-}
-
-std::string value_text(const Field& field) {
-  return std::visit(
-      [](auto target) -> std::string {
-        using T = std::remove_pointer_t<decltype(target)>;
-        if constexpr (std::is_same_v<T, std::string> || (std::is_arithmetic_v<T> && !std::is_same_v<T, bool>))
-          return fmt::format("{}", *target);
-        else if constexpr (std::is_same_v<T, std::chrono::duration<double>>)
-          return fmt::format("{}", target->count());
-        else if constexpr (std::is_same_v<T, bool>)
+      [](const auto& target) -> std::string {
+        using T = std::remove_cvref_t<decltype(target)>;
+        if constexpr (std::is_same_v<T, ncp::Words>)
+          return std::string(word_of(target));
+        else if constexpr (std::is_same_v<T, bool*>)
           return *target ? "yes" : "no";
-        else if constexpr (std::is_same_v<T, DependentNumber>)
+        else if constexpr (std::is_same_v<T, ncp::Flag>)
+          return target.get() ? "yes" : "no";
+        else if constexpr (std::is_same_v<T, ncp::Parameter>)
           return target.get() ? fmt::format("{}", *target.get()) : "-";
-        else if constexpr (std::is_same_v<T, Word>)
-          return std::string(word_of(target.choices, target.get()));
+        else if constexpr (std::is_same_v<T, ncp::Seconds*>)
+          return fmt::format("{}", target->count());
         else
-          return "-";
+          return fmt::format("{}", *target);
       },
-      field);
-}
-
-bool has_value(const Field& field) {
-  if (const auto* number = std::get_if<DependentNumber>(&field)) return number->get().has_value();
-  return !std::holds_alternative<NoEffect>(field);
+      field.target);
 }
 
 // Keys.
@@ -228,8 +236,7 @@ Found find_option(const Assignment& given) {
   };
   for (const Option& option : options()) {
     if (look(option.key, &option)) return {&option, {}};
-    for (const std::string_view alias : option.aliases)
-      if (look(alias, &option)) return {&option, {}};
+    if (!option.alias.empty() && look(option.alias, &option)) return {&option, {}};
   }
   for (const std::string_view name : ignored_options())
     if (look(name, nullptr)) return {nullptr, name};
@@ -246,30 +253,46 @@ Found find_option(const Assignment& given) {
     return {option, option == nullptr ? name : std::string_view{}};
   std::vector<std::string_view> names(fits.size());
   std::ranges::transform(fits, names.begin(), [](const auto& fit) { return fit.first; });
-  throw InputError(fmt::format("{}: '{}' is ambiguous: {}", given.source, given.key, alternatives(names)));
+  throw InputError(fmt::format("{}: '{}' is ambiguous: {}", given.source, given.key, ncp::alternatives(names)));
 }
 
 std::string unknown_key(const Assignment& given) {
   std::vector<std::string_view> names;
   for (const Option& option : options()) {
     names.push_back(option.key);
-    names.insert(names.end(), option.aliases.begin(), option.aliases.end());
+    if (!option.alias.empty()) names.push_back(option.alias);
   }
   return fmt::format("{}: there is no option '{}'.{}", given.source, given.key, did_you_mean(given.key, names));
+}
+
+/// Sets it; where the settings have it not, or another option takes its effect away, that is noted.
+void apply(const Option& option, const Assignment& given, Applied& result) {
+  const ncp::Fields fields = fields_of(result.settings);
+  const ncp::Field* field = fields.find(option.key);
+  if (field != nullptr && field->inert.empty()) return set(*field, given, option, result);
+  Settings other = result.settings;  // the value is checked all the same
+  if (field == nullptr) other.method = option.method;
+  const ncp::Fields others = fields_of(other);
+  if (const ncp::Field& there = *others.find(option.key); !std::holds_alternative<ncp::Parameter>(there.target))
+    set(there, given, option, result);
+  result.notes.push_back(fmt::format("{}: {} has no effect on method {}{}", given.source, option.key,
+                                     result.settings.method_name,
+                                     field == nullptr ? "" : fmt::format(" with {}", field->inert)));
 }
 
 }  // namespace
 
 Applied apply_options(std::span<const Assignment> assignments, Unknown unknown) {
   Applied result;
-  std::vector<std::pair<const Option*, const Assignment*>> fields;
+  Settings& settings = result.settings;
+  std::vector<std::pair<const Option*, const Assignment*>> given_options;
   std::vector<std::string_view> ignored;
   for (const Assignment& given : assignments) {
     const Found found = find_option(given);
     if (found.option != nullptr && found.option->key == "method")
-      set(found.option->field(result.settings), given, *found.option, result);
+      apply(*found.option, given, result);
     else if (found.option != nullptr)
-      fields.emplace_back(found.option, &given);
+      given_options.emplace_back(found.option, &given);
     else if (!found.ignored.empty())
       ignored.push_back(found.ignored);
     else if (unknown == Unknown::Refuse)
@@ -277,22 +300,12 @@ Applied apply_options(std::span<const Assignment> assignments, Unknown unknown) 
     else
       result.unknown.push_back(unknown_key(given));
   }
-  Settings& settings = result.settings;
   settings.method = *method_named(settings.method_name);
-  std::ranges::stable_sort(fields, {}, [](const auto& field) { return field.first; });
-  for (const auto& [option, given] : fields) {
-    const Field field = option->field(settings);
-    if (const auto* none = std::get_if<NoEffect>(&field)) {
-      Settings other = settings;  // the value is checked all the same
-      if (const Field elsewhere = any_field(*option, other); !std::holds_alternative<DependentNumber>(elsewhere))
-        set(elsewhere, *given, *option, result);
-      result.notes.push_back(fmt::format("{}: {} has no effect on method {}{}", given->source, option->key,
-                                         settings.method_name,
-                                         none->because.empty() ? "" : fmt::format(" with {}", none->because)));
-    } else {
-      set(field, *given, *option, result);
-    }
-  }
+  const auto place = [fields = fields_of(settings).options()](const auto& one) {
+    return std::ranges::find(fields, one.first->key, &ncp::Field::key) - fields.begin();
+  };
+  std::ranges::stable_sort(given_options, {}, place);
+  for (const auto& [option, given] : given_options) apply(*option, *given, result);
   if (!ignored.empty())
     result.notes.push_back(fmt::format("accepted, but without effect in this version: {}", fmt::join(ignored, ", ")));
   if (const auto why = ncp::invalid(settings.method)) throw InputError(*why);
@@ -300,11 +313,12 @@ Applied apply_options(std::span<const Assignment> assignments, Unknown unknown) 
 }
 
 void note_limits_of_size(ncp::Index n, Applied& options) {
-  const auto pivots = [](const ncp::Method& method) -> std::optional<int> {
-    if (const ncp::PathSearch* path = ncp::path_of(method)) return path->lemke.max_pivots;
-    if (const auto* josephy = std::get_if<ncp::NewtonJosephy>(&method)) return josephy->lemke.max_pivots;
-    if (const auto* robinson = std::get_if<ncp::NewtonRobinson>(&method)) return robinson->lemke.max_pivots;
-    return std::nullopt;  // the affine methods take the limit as it is
+  if (std::holds_alternative<ncp::Affine>(options.settings.method)) return;  // they take the limit as it is
+  const auto pivots = [](ncp::Method method) -> std::optional<int> {
+    ncp::Fields fields;
+    ncp::describe(method, fields);
+    const ncp::Field* field = fields.find("minor_iteration_limit");
+    return field == nullptr ? std::nullopt : std::optional(*std::get<int*>(field->target));
   };
   const std::optional<int> given = pivots(options.settings.method);
   const int most = ncp::worthwhile_pivots(n);

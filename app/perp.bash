@@ -4,6 +4,10 @@ _perp_keys() {  # the option keys, from the program itself
   "$1" -AMPL -= 2>/dev/null | awk '/^[a-z]/ { print $1 "=" }'
 }
 
+_perp_methods() {
+  "$1" methods 2>/dev/null | awk '/^Options:/ { exit } /^  [a-z]/ && !/[(]/ || /[(]default[)]/ { print $1 }'
+}
+
 _perp_problems() {  # names of the collection
   "$1" list 2>/dev/null | awk 'NR > 2 && NF == 0 { exit } NR > 2 { print $1 }'
 }
@@ -31,10 +35,10 @@ _perp() {
     --fclib-out | --svg)
       mapfile -t COMPREPLY < <(compgen -f -- "$cur")
       return ;;
-    --method)
-      mapfile -t COMPREPLY < <(compgen -W 'auto path miles nesqp qpcomp smooth interior proxi semismooth semicomp josephy robinson newton-min
-        semismooth-min semismooth-penalised gsl-hybridsj lemke lemke-howson principal-pivoting block-pivoting least-index psor
-        min-newton fb-newton interior-point qp enumeration homotopy' -- "$cur")
+    --method | --show)
+      local more=
+      [ "$command" = contact ] && more=homotopy
+      mapfile -t COMPREPLY < <(compgen -W "$(_perp_methods "${COMP_WORDS[0]}") $more" -- "$cur")
       return ;;
     --log-level)
       mapfile -t COMPREPLY < <(compgen -W 'quiet warning summary info debug' -- "$cur")

@@ -274,9 +274,8 @@ void print_remarks(std::ostream& out, const Report& report) {
 void print_options(std::ostream& out, const Settings& settings) {
   Settings copy = settings;
   out << "options:";
-  for (const Option& option : options())
-    if (const Field field = option.field(copy); has_value(field))
-      out << fmt::format(" {}={}", option.key, value_text(field));
+  for (const ncp::Field& field : fields_of(copy).options())
+    if (const std::string value = value_text(field); value != "-") out << fmt::format(" {}={}", field.key, value);
   out << '\n';
 }
 

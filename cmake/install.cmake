@@ -2,75 +2,39 @@
 # find_package(perp CONFIG) and perp.pc for pkg-config. The program installs itself (app/).
 include(CMakePackageConfigHelpers)
 
-# The public headers; those not listed are the folders' own.
+# The public headers: these, and what they include. Those left are the folders' own.
 set(perp_public_headers
   contact/dat_file.hpp
   contact/facts.hpp
   contact/fclib.hpp
-  contact/problem.hpp
   contact/read.hpp
   contact/residual.hpp
-  lcp/affine_mcp.hpp
-  lcp/basis_factor.hpp
-  lcp/block_pivoting.hpp
-  lcp/blocks.hpp
   lcp/block_triangular.hpp
-  lcp/bound_qp.hpp
-  lcp/box.hpp
+  lcp/blocks.hpp
   lcp/cholesky.hpp
-  lcp/enumeration.hpp
   lcp/classify.hpp
-  lcp/fb_newton.hpp
-  lcp/interior_point.hpp
-  lcp/infeasible.hpp
-  lcp/judge.hpp
-  lcp/least_index.hpp
-  lcp/lemke.hpp
-  lcp/min_newton.hpp
-  lcp/projected_sor.hpp
-  lcp/mlcp.hpp
-  lcp/principal_pivoting.hpp
-  lcp/siconos_file.hpp
-  lcp/file_error.hpp
-  lcp/lemke_howson.hpp
   lcp/matrix_market.hpp
   lcp/output_file.hpp
-  lcp/result.hpp
-  lcp/solve.hpp
-  lcp/kernel_clock.hpp
-  lcp/memory.hpp
-  lcp/sparse_lu.hpp
-  lcp/sparse_vector.hpp
-  lcp/structure.hpp
-  lcp/types.hpp
+  lcp/siconos_file.hpp
   ncp/affine.hpp
   ncp/ampl/model.hpp
-  ncp/auto.hpp
-  ncp/cfunction.hpp
-  ncp/collection/collection.hpp ncp/collection/generators.hpp ncp/collection/random_lcps.hpp
+  ncp/collection/generators.hpp
   ncp/deflation.hpp
-  ncp/mcp.hpp
-  ncp/interior_point.hpp
-  ncp/min_newton.hpp
-  ncp/multiroot.hpp
-  ncp/newton_josephy.hpp
-  ncp/newton_robinson.hpp
-  ncp/observe.hpp
-  ncp/options.hpp
-  ncp/path_search.hpp
   ncp/pivot_limit.hpp
   ncp/presets.hpp
   ncp/presolve.hpp
-  ncp/residual.hpp
-  ncp/result.hpp
   ncp/scaling.hpp
-  ncp/semismooth_newton.hpp
   ncp/sensitivity.hpp
-  ncp/smoothing.hpp
-  ncp/smoothing_function.hpp
-  ncp/solve.hpp
-  ncp/strategy.hpp
   ncp/structure_report.hpp)
+set(perp_unread_headers ${perp_public_headers})
+while(perp_unread_headers)
+  list(POP_FRONT perp_unread_headers header)
+  file(STRINGS ${PROJECT_SOURCE_DIR}/${header} includes REGEX "^#include \"(contact|lcp|ncp)/")
+  list(TRANSFORM includes REPLACE "^#include \"([^\"]+)\".*" "\\1")
+  list(REMOVE_ITEM includes ${perp_public_headers})
+  list(APPEND perp_public_headers ${includes})
+  list(APPEND perp_unread_headers ${includes})
+endwhile()
 foreach(header IN LISTS perp_public_headers)
   cmake_path(GET header PARENT_PATH folder)
   install(FILES ${PROJECT_SOURCE_DIR}/${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/perp/${folder})

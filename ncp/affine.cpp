@@ -109,4 +109,21 @@ void affine(Run& run, In x0, const Affine& method) {
   if (run.status() == Status::Solved) run.remark(found.message);
 }
 
+void describe(Affine& method, Fields& f) {
+  f.hide("major_iteration_limit");  // these count pivots, sweeps, ...
+  std::visit(
+      [&](auto& m) {
+        using M = std::remove_cvref_t<decltype(m)>;
+        if constexpr (std::is_same_v<M, lcp::Lemke>) {
+          describe_start(m.options.start, f);
+          describe(m.options, f);
+        }
+        if constexpr (std::is_same_v<M, lcp::FbNewton>) describe_descent(m.descent_rho, m.descent_p, f);
+        if constexpr (std::is_same_v<M, lcp::ProjectedSor>)
+          f.add("patience", &m.patience, at_least(1), "sweeps in which the residual must fall by 1 %");
+        if constexpr (requires { m.lu; }) describe_lu(m.lu, f);
+      },
+      method.method);
+}
+
 }  // namespace perp::ncp

@@ -11,7 +11,6 @@
 #include "ncp/methods.hpp"
 #include "ncp/normal_map.hpp"
 #include "ncp/presolve.hpp"
-#include "ncp/refusal.hpp"
 
 namespace perp::ncp {
 namespace {
@@ -116,12 +115,13 @@ void automatic(Run& run, In x0, const Auto& method) {
   run.remark(account(run.mcp(), method, tried));
 }
 
-std::optional<std::string> invalid(const Auto& m) {
-  if (auto why = invalid(m.stop)) return why;
-  if (m.large < 0) return refusal("large", m.large, "at least 0");
-  if (auto why = invalid(m.path)) return "path." + *why;
-  if (auto why = invalid(m.semismooth)) return "semismooth." + *why;
-  return std::nullopt;
+void describe(Auto& m, Fields& f) {
+  f.add("auto_large", &m.large, at_least(0),
+        "auto: from more variables on it takes iterative linear algebra and interior points first");
+  describe(m.path, f);
+  Fields semismooth;  // its keys would be path's
+  describe(m.semismooth, semismooth);
+  if (const auto why = semismooth.invalid()) f.check(false, "semismooth: " + *why);
 }
 
 }  // namespace perp::ncp

@@ -23,6 +23,6 @@ struct Auto {
   SemismoothNewton semismooth{};  ///< likewise
 };
 
-std::optional<std::string> invalid(const Auto& method);
+void describe(Auto& method, Fields& fields);
 
 }  // namespace perp::ncp

@@ -29,6 +29,8 @@
 
 namespace perp::ncp {
 
+class Fields;
+
 struct CValue {
   double phi = 0;
   double da = 0;  ///< d phi / da; at a kink an element of the B-subdifferential, see CFunction::at
@@ -98,6 +100,8 @@ std::span<const CFunction> cfunctions();
 /// The function of this name. Throws std::invalid_argument for an unknown name, for a parameter out of range, and for a
 /// parameter where there is none; all functions above throw the second.
 CFunction cfunction(std::string_view name, std::optional<double> parameter = std::nullopt);
+
+void describe(CFunction& function, Fields& fields);
 
 /// Phi at (x, F), with diagonals Da, Db of an element H = Da + Db J of the B-subdifferential of Phi.
 struct Reformulation {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "ncp/cfunction.hpp"
+#include "ncp/fields.hpp"
 #include "ncp/wide_arithmetic.hpp"
 
 namespace perp::ncp {
@@ -301,6 +302,15 @@ CFunction cfunction(std::string_view name, std::optional<double> parameter) {
     known += " " + c.name;
   }
   throw std::invalid_argument("there is no C-function '" + std::string(name) + "'; known:" + known);
+}
+
+void describe(CFunction& c, Fields& f) {
+  f.choice("cfunction", &c, cfunctions(), "the C-function of the reformulation; 'perp cfunctions' explains them");
+  f.add("cfunction_parameter",
+        Parameter{[&c] { return c.parameter ? std::optional(c.parameter->value) : std::nullopt; },
+                  [&c](double value) { c = cfunction(c.name, value); }},
+        "its parameter: lambda, rho or alpha");
+  f.check(static_cast<bool>(c.at), "cfunction has no function");
 }
 
 }  // namespace perp::ncp

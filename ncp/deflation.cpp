@@ -10,7 +10,6 @@
 #include "ncp/deflated_newton.hpp"
 #include "ncp/merit.hpp"
 #include "ncp/methods.hpp"
-#include "ncp/refusal.hpp"
 #include "ncp/structure_report.hpp"
 
 namespace perp::ncp {
@@ -179,16 +178,17 @@ std::string describe(const DeflationTry& attempt) {
 }
 
 std::optional<std::string> invalid(const Deflation& d) {
-  if (d.solutions < 1) return refusal("solutions", d.solutions, "at least 1");
-  if (d.max_attempts < 0) return refusal("max_attempts", d.max_attempts, "at least 0");
-  if (d.max_iterations < 0) return refusal("max_iterations", d.max_iterations, "at least 0");
-  if (!(d.distinct > 0 && d.distinct < 1)) return refusal("distinct", d.distinct, "in (0, 1)");
+  Fields f;
+  f.check(d.solutions >= 1, "solutions", d.solutions, "at least 1");
+  f.check(d.max_attempts >= 0, "max_attempts", d.max_attempts, "at least 0");
+  f.check(d.max_iterations >= 0, "max_iterations", d.max_iterations, "at least 0");
+  f.check(strictly_between(0, 1).has(d.distinct), "distinct", d.distinct, "in (0, 1)");
   for (const DeflationTry& t : d.tries) {
-    if (!(t.p > 0) || std::isinf(t.p)) return refusal("p", t.p, "positive and finite");
-    if (!(t.sigma >= 0) || std::isinf(t.sigma)) return refusal("sigma", t.sigma, "at least 0 and finite");
-    if (!t.cfunction.at) return "cfunction has no function";
+    f.check(above(0).has(t.p), "p", t.p, "positive and finite");
+    f.check(at_least(0).has(t.sigma), "sigma", t.sigma, "at least 0 and finite");
+    f.check(static_cast<bool>(t.cfunction.at), "cfunction has no function");
   }
-  return std::nullopt;
+  return f.invalid();
 }
 
 AllSolutions solve_all(const Mcp& mcp, In x0, const Method& method, const Deflation& deflation,

@@ -9,7 +9,6 @@
 #include "ncp/active_set_step.hpp"
 #include "ncp/merit.hpp"
 #include "ncp/methods.hpp"
-#include "ncp/refusal.hpp"
 
 namespace perp::ncp {
 namespace {
@@ -376,17 +375,24 @@ void InteriorPath::run() {
 
 }  // namespace
 
-std::optional<std::string> invalid(const InteriorPoint& m) {
-  if (auto why = invalid(m.stop)) return why;
-  if (auto why = invalid(m.escape)) return why;
-  if (!(m.to_boundary > 0 && m.to_boundary < 1)) return refusal("to_boundary", m.to_boundary, "in (0, 1)");
-  if (!(m.neighbourhood > 0 && m.neighbourhood < 1)) return refusal("neighbourhood", m.neighbourhood, "in (0, 1)");
-  if (!(m.least_centring > 0 && m.least_centring < 1)) return refusal("least_centring", m.least_centring, "in (0, 1)");
-  if (!(m.growth > 1) || std::isinf(m.growth)) return refusal("growth", m.growth, "greater than 1 and finite");
-  if (!(m.margin > 0) || std::isinf(m.margin)) return refusal("margin", m.margin, "positive and finite");
-  if (m.restarts < 0) return refusal("restarts", m.restarts, "at least 0");
-  if (m.patience < 1) return refusal("patience", m.patience, "at least 1");
-  return std::nullopt;
+void describe(InteriorPoint& m, Fields& f) {
+  describe(m.escape, f);
+  describe_lu(m.lu, f);
+  f.add("patience", &m.patience, at_least(1),
+        "iterations in which the natural residual must fall by 1 %, or the parameter is raised");
+  f.add("interior_centring", &m.least_centring, strictly_between(0, 1),
+        "interior: sigma at least, the share of the mean product tau that a step aims at");
+  f.add("interior_to_boundary", &m.to_boundary, strictly_between(0, 1),
+        "interior: share of the way to the boundary that a step goes at most");
+  f.add("interior_finish", &m.finish, "interior: Newton steps on the active set at the end");
+  f.add("interior_neighbourhood", &m.neighbourhood, strictly_between(0, 1),
+        "interior: the least product is kept above this share of the mean");
+  f.add("interior_growth", &m.growth, strictly_between(1, 1e100),
+        "interior: factor by which |F - w + v| may grow in one step");
+  f.add("interior_margin", &m.margin, strictly_between(0, 1e100),
+        "interior: the start is moved so far inside finite bounds, or to the middle");
+  f.add("interior_restarts", &m.restarts, at_least(0),
+        "interior: times that tau is raised where the residual has stopped falling");
 }
 
 void interior_point(Run& run, const InteriorPoint& method, Point point) {

@@ -1,7 +1,5 @@
 #pragma once
 #include <functional>
-#include <optional>
-#include <string>
 
 #include "lcp/sparse_lu.hpp"
 #include "ncp/options.hpp"
@@ -42,7 +40,6 @@ struct InteriorPoint {
   /// then, for they would solve the problem of the present tau. May be empty.
   std::function<void(double tau)> follow{};
 };
-/// Why the options make no sense, if they do not.
-std::optional<std::string> invalid(const InteriorPoint& method);
+void describe(InteriorPoint& method, Fields& fields);
 
 }  // namespace perp::ncp

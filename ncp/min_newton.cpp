@@ -9,7 +9,6 @@
 #include "ncp/least_squares_step.hpp"
 #include "ncp/merit.hpp"
 #include "ncp/methods.hpp"
-#include "ncp/refusal.hpp"
 
 namespace perp::ncp {
 namespace {
@@ -93,10 +92,10 @@ double first_nu(const Linearisation& lin) {
 
 }  // namespace
 
-std::optional<std::string> invalid(const MinNewton& method) {
-  if (auto why = invalid(method.stop)) return why;
-  if (auto why = invalid(method.escape)) return why;
-  return invalid(method.search);
+void describe(MinNewton& m, Fields& f) {
+  describe(m.search, f);
+  describe(m.escape, f);
+  describe_lu(m.lu, f);
 }
 
 void min_newton(Run& run, const MinNewton& method, Point point) {

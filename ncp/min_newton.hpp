@@ -41,6 +41,6 @@ struct MinNewton {
   lcp::LuBackend lu = lcp::LuBackend::Umfpack;  ///< of the Newton steps
 };
 
-std::optional<std::string> invalid(const MinNewton& method);
+void describe(MinNewton& method, Fields& fields);
 
 }  // namespace perp::ncp

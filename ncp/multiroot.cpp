@@ -14,7 +14,6 @@
 #include "lcp/memory.hpp"
 #include "ncp/gsl_errors.hpp"
 #include "ncp/methods.hpp"
-#include "ncp/refusal.hpp"
 #include "ncp/smoothing_function.hpp"
 
 namespace perp::ncp {
@@ -252,13 +251,16 @@ void multiroot(Run& run, const Multiroot& method, Point point) {
           "a smaller mu_end, or --method path");
 }
 
-std::optional<std::string> invalid(const Multiroot& m) {
-  if (auto why = invalid(m.stop)) return why;
-  if (!(m.mu > 0) || std::isinf(m.mu)) return refusal("mu", m.mu, "positive and finite");
-  if (!(m.shrink > 0 && m.shrink < 1)) return refusal("shrink", m.shrink, "in (0, 1)");
-  if (!(m.mu_end > 0 && m.mu_end <= m.mu)) return refusal("mu_end", m.mu_end, "in (0, mu]");
-  if (m.max_size < 0) return refusal("max_size", m.max_size, "at least 0");
-  return std::nullopt;
+void describe(Multiroot& m, Fields& f) {
+  using enum MultirootSolver;
+  f.choice("gsl_solver", &m.solver,
+           {{"hybridsj", Hybridsj}, {"hybridj", Hybridj}, {"newton", Newton}, {"gnewton", Gnewton}},
+           "gsl: hybridsj (Powell's hybrid method, scaled), hybridj (unscaled), newton (undamped) or gnewton (damped)");
+  f.add("gsl_mu", &m.mu, strictly_between(0, 1e100), "gsl: first mu of the smoothed equations");
+  f.add("gsl_shrink", &m.shrink, strictly_between(0, 1), "gsl: factor of mu from stage to stage");
+  f.add("gsl_mu_end", &m.mu_end, strictly_between(0, 1e100), "gsl: last mu; at most gsl_mu");
+  f.add("gsl_max_size", &m.max_size, at_least(0), "gsl: problems of more variables are refused");
+  f.check(m.mu_end <= m.mu, "gsl_mu_end", m.mu_end, "at most gsl_mu");
 }
 
 }  // namespace perp::ncp

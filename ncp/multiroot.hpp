@@ -34,6 +34,6 @@ struct Multiroot {
   lcp::Index max_size = 500;  ///< larger problems are refused (NotApplicable): O(n^2) memory, O(n^3) work an iteration
 };
 
-std::optional<std::string> invalid(const Multiroot& method);
+void describe(Multiroot& method, Fields& fields);
 
 }  // namespace perp::ncp

@@ -8,7 +8,6 @@
 #include "ncp/merit.hpp"
 #include "ncp/methods.hpp"
 #include "ncp/newton_point.hpp"
-#include "ncp/refusal.hpp"
 
 namespace perp::ncp {
 namespace {
@@ -192,12 +191,18 @@ void newton_josephy(Run& run, const NewtonJosephy& method, Point point) {
   }
 }
 
-std::optional<std::string> invalid(const NewtonJosephy& m) {
-  if (auto why = invalid(m.stop)) return why;
-  if (auto why = invalid(m.search)) return why;
-  if (auto why = invalid(m.escape)) return why;
-  if (m.chord_steps < 0) return refusal("chord_steps", m.chord_steps, "at least 0");
-  return invalid(m.lemke);
+void describe(NewtonJosephy& m, Fields& f) {
+  describe(m.search, f);
+  describe(m.escape, f);
+  f.add("chord_steps", &m.chord_steps, between(0, 1000),
+        "simplified Newton steps with the last matrix after a Newton point, while they pay; where quadratic programs "
+        "are solved");
+  f.choice("subproblem", &m.subproblem,
+           {{"lemke", Subproblem::Lemke}, {"qp", Subproblem::Qp}, {"auto", Subproblem::Auto}},
+           "linearised problems of josephy: lemke (pivoting), qp (quadratic programs where J is symmetric) or auto (qp "
+           "for more than 2000 variables)");
+  describe_start(m.lemke.start, f);
+  describe(m.lemke, f);
 }
 
 }  // namespace perp::ncp

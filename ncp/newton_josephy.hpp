@@ -25,6 +25,6 @@ struct NewtonJosephy {
   lcp::LemkeOptions lemke{};  ///< max_pivots is for one subproblem, and at most 1000 + 20 n
 };
 
-std::optional<std::string> invalid(const NewtonJosephy& method);
+void describe(NewtonJosephy& method, Fields& fields);
 
 }  // namespace perp::ncp

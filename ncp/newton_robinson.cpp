@@ -39,9 +39,9 @@ void newton_robinson(Run& run, const NewtonRobinson& method, Point point) {
   }
 }
 
-std::optional<std::string> invalid(const NewtonRobinson& m) {
-  if (auto why = invalid(m.stop)) return why;
-  return invalid(m.lemke);
+void describe(NewtonRobinson& m, Fields& f) {
+  describe_start(m.lemke.start, f);
+  describe(m.lemke, f);
 }
 
 }  // namespace perp::ncp

@@ -15,6 +15,6 @@ struct NewtonRobinson {
   lcp::LemkeOptions lemke{};  ///< max_pivots is for one linearised problem, and at most 1000 + 20 n
 };
 
-std::optional<std::string> invalid(const NewtonRobinson& method);
+void describe(NewtonRobinson& method, Fields& fields);
 
 }  // namespace perp::ncp

@@ -3,10 +3,9 @@
 #include <atomic>
 #include <chrono>
 #include <limits>
-#include <optional>
-#include <string>
 
 #include "lcp/lemke.hpp"
+#include "ncp/fields.hpp"
 
 namespace perp::ncp {
 
@@ -56,10 +55,21 @@ struct Escape {
   int rescalings = 2;
 };
 
-/// Why a value makes no sense, with its name, if one does not.
-std::optional<std::string> invalid(const Stop& stop);
-std::optional<std::string> invalid(const Armijo& search);
-std::optional<std::string> invalid(const Escape& escape);
-std::optional<std::string> invalid(const lcp::LemkeOptions& lemke);
+void describe(Stop& stop, Fields& fields);
+void describe(Armijo& search, Fields& fields);
+void describe(Escape& escape, Fields& fields);
+/// But for where the path starts.
+void describe(lcp::LemkeOptions& lemke, Fields& fields);
+
+// Single options that several methods have.
+inline constexpr std::string_view lemke_start_help =
+    "where pivoting starts: automatic (the cell of the current point), first (a ray in the first iteration) or "
+    "always (a ray, as Lemke's method)";
+void describe_start(lcp::LemkeStart& start, Fields& fields);
+void describe_search(double& sigma, double& beta, int& max_backtracks, Fields& fields);
+void describe_memory(int& memory, Fields& fields);
+void describe_descent(double& rho, double& p, Fields& fields);
+void describe_rescalings(int& rescalings, Fields& fields);
+void describe_lu(lcp::LuBackend& lu, Fields& fields);
 
 }  // namespace perp::ncp

@@ -8,7 +8,6 @@
 #include "ncp/merit.hpp"
 #include "ncp/methods.hpp"
 #include "ncp/newton_point.hpp"
-#include "ncp/refusal.hpp"
 
 namespace perp::ncp {
 namespace {
@@ -388,32 +387,6 @@ void path_search(Run& run, const PathSearch& method, Point point) {
     }
   } while (run.go_on(point, it));
   run.keep_basis(attempt.basis());
-}
-
-std::optional<std::string> invalid(const PathSearch& m) {
-  if (auto why = invalid(m.stop)) return why;
-  if (!(m.sigma > 0 && m.sigma < 1)) return refusal("sigma", m.sigma, "in (0, 1)");
-  if (!(m.beta > 0 && m.beta < 1)) return refusal("beta", m.beta, "in (0, 1)");
-  if (m.max_backtracks < 0) return refusal("max_backtracks", m.max_backtracks, "at least 0");
-  if (m.crash.iteration_limit < 0) return refusal("crash.iteration_limit", m.crash.iteration_limit, "at least 0");
-  if (!(m.crash.least_step > 0 && m.crash.least_step <= 1))
-    return refusal("crash.least_step", m.crash.least_step, "in (0, 1]");
-  if (m.nms.memory < 1) return refusal("nms.memory", m.nms.memory, "at least 1");
-  if (m.nms.mstep_frequency < 1) return refusal("nms.mstep_frequency", m.nms.mstep_frequency, "at least 1");
-  if (!(m.nms.initial_reference_factor >= 1) || std::isinf(m.nms.initial_reference_factor))
-    return refusal("nms.initial_reference_factor", m.nms.initial_reference_factor, "at least 1 and finite");
-  if (m.nms.maximum_watchdogs < 0) return refusal("nms.maximum_watchdogs", m.nms.maximum_watchdogs, "at least 0");
-  if (!(m.nms.distance_decrease > 0 && m.nms.distance_decrease <= 1))
-    return refusal("nms.distance_decrease", m.nms.distance_decrease, "in (0, 1]");
-  if (m.chord_steps < 0) return refusal("chord_steps", m.chord_steps, "at least 0");
-  if (!(m.proximal_perturbation >= 0) || std::isinf(m.proximal_perturbation))
-    return refusal("proximal_perturbation", m.proximal_perturbation, "at least 0 and finite");
-  if (m.gradient_step_limit < 0) return refusal("gradient_step_limit", m.gradient_step_limit, "at least 0");
-  if (m.patience < 1) return refusal("patience", m.patience, "at least 1");
-  if (m.restart_limit < 0) return refusal("restart_limit", m.restart_limit, "at least 0");
-  if (m.cumulative_iteration_limit < 1)
-    return refusal("cumulative_iteration_limit", m.cumulative_iteration_limit, "at least 1");
-  return invalid(m.lemke);
 }
 
 }  // namespace perp::ncp

@@ -91,6 +91,8 @@ struct PathSearch {
   std::vector<lcp::Cell> basis{};  ///< warm start: Result::basis of a nearby problem
 };
 
-std::optional<std::string> invalid(const PathSearch& method);
+void describe(Crash& crash, Fields& fields);
+void describe(Nms& nms, Fields& fields);
+void describe(PathSearch& method, Fields& fields);
 
 }  // namespace perp::ncp

@@ -184,7 +184,6 @@ void Run::end_at(Status limit) {
 }
 
 Stop Run::left() const {
-  using Seconds = std::chrono::duration<double>;
   Stop stop = stop_;
   stop.max_iterations = std::max(0, stop_.max_iterations - iterations());
   stop.max_F_evals = std::max(1, stop_.max_F_evals - F_evals());

@@ -6,7 +6,6 @@
 #include "ncp/merit.hpp"
 #include "ncp/methods.hpp"
 #include "ncp/newton_direction.hpp"
-#include "ncp/refusal.hpp"
 
 namespace perp::ncp {
 namespace {
@@ -260,23 +259,31 @@ void semismooth_newton(Run& run, const SemismoothNewton& method, Point point) {
   run.remark(steps.remark());
 }
 
-std::optional<std::string> invalid(const SemismoothNewton& m) {
-  if (auto why = invalid(m.stop)) return why;
-  if (!m.cfunction.at) return "cfunction has no function";
-  if (!(m.descent_rho > 0)) return refusal("descent_rho", m.descent_rho, "positive");
-  if (!(m.descent_p > 2)) return refusal("descent_p", m.descent_p, "greater than 2");
-  if (auto why = invalid(m.forcing)) return why;
-  if (auto why = invalid(m.escape)) return why;
-  return invalid(m.search);
+void describe(Forcing& o, Fields& f) {
+  f.add("forcing_max", &o.eta_max, strictly_between(0, 1), "krylov: a Newton system's relative residual at most");
+  f.add("forcing_gamma", &o.gamma, above_up_to(0, 1),
+        "krylov: factor of the forcing term  gamma (|Phi_k| / |Phi_k-1|)^alpha");
+  f.add("forcing_alpha", &o.alpha, above_up_to(1, 2), "krylov: its exponent, the order of convergence aimed at");
+  f.add("krylov_iteration_limit", &o.max_iterations, at_least(1),
+        "krylov: iterations for one Newton system, after which LU takes over");
+  f.add("chord_steps", &o.chord_steps, between(0, 1000),
+        "simplified Newton steps with the last matrix after a Newton point, while they pay; where krylov solves the "
+        "systems");
 }
 
-std::optional<std::string> invalid(const Forcing& f) {
-  if (!(f.eta_max > 0 && f.eta_max < 1)) return refusal("forcing.eta_max", f.eta_max, "in (0, 1)");
-  if (!(f.gamma > 0 && f.gamma <= 1)) return refusal("forcing.gamma", f.gamma, "in (0, 1]");
-  if (!(f.alpha > 1 && f.alpha <= 2)) return refusal("forcing.alpha", f.alpha, "in (1, 2]");
-  if (f.max_iterations < 1) return refusal("forcing.max_iterations", f.max_iterations, "at least 1");
-  if (f.chord_steps < 0) return refusal("forcing.chord_steps", f.chord_steps, "at least 0");
-  return std::nullopt;
+void describe(SemismoothNewton& m, Fields& f) {
+  describe(m.cfunction, f);
+  describe(m.search, f);
+  describe_descent(m.descent_rho, m.descent_p, f);
+  f.add("levenberg_marquardt", &m.levenberg_marquardt,
+        "steps of that kind where Newton's does not descend, before gradient steps");
+  describe(m.escape, f);
+  describe_lu(m.lu, f);
+  f.choice("linear_solver", &m.linear,
+           {{"direct", LinearSolver::Direct}, {"krylov", LinearSolver::Krylov}, {"auto", LinearSolver::Auto}},
+           "Newton systems of semismooth: direct (LU), krylov (inexactly, in little memory) or auto (krylov for more "
+           "than 20000 variables)");
+  f.when(m.linear != LinearSolver::Direct, "linear_solver = direct", [&] { describe(m.forcing, f); });
 }
 
 }  // namespace perp::ncp

@@ -1,6 +1,4 @@
 #pragma once
-#include <optional>
-#include <string>
 
 #include "lcp/sparse_lu.hpp"
 #include "ncp/cfunction.hpp"
@@ -57,8 +55,7 @@ struct SemismoothNewton {
   Forcing forcing{};
   lcp::LuBackend lu = lcp::LuBackend::Umfpack;
 };
-/// Why the options make no sense, if they do not.
-std::optional<std::string> invalid(const Forcing& forcing);
-std::optional<std::string> invalid(const SemismoothNewton& method);
+void describe(Forcing& forcing, Fields& fields);
+void describe(SemismoothNewton& method, Fields& fields);
 
 }  // namespace perp::ncp

@@ -9,7 +9,6 @@
 #include "ncp/active_set_step.hpp"
 #include "ncp/merit.hpp"
 #include "ncp/methods.hpp"
-#include "ncp/refusal.hpp"
 
 namespace perp::ncp {
 namespace {
@@ -269,18 +268,33 @@ void Smoother::run() {
 
 }  // namespace
 
-std::optional<std::string> invalid(const Smoothing& m) {
-  if (auto why = invalid(m.stop)) return why;
-  if (auto why = invalid(m.search)) return why;
-  if (!m.function.at || !m.function.limit.at) return "function has no function";
-  if (!(m.shrink > 0 && m.shrink < 1)) return refusal("shrink", m.shrink, "in (0, 1)");
-  if (!(m.centring > 0) || std::isinf(m.centring)) return refusal("centring", m.centring, "positive and finite");
-  if (!(m.neighbourhood > m.function.kappa) || std::isinf(m.neighbourhood))
-    return refusal("neighbourhood", m.neighbourhood, "greater than the function's kappa and finite");
-  if (m.restarts < 0) return refusal("restarts", m.restarts, "at least 0");
-  if (m.patience < 1) return refusal("patience", m.patience, "at least 1");
-  if (m.rescalings < 0 || m.rescalings > 2) return refusal("rescalings", m.rescalings, "0, 1 or 2");
-  return std::nullopt;
+void describe(Smoothing& m, Fields& f) {
+  using enum SmoothingSchedule;
+  describe(m.search, f);
+  describe_rescalings(m.rescalings, f);
+  describe_lu(m.lu, f);
+  f.add("patience", &m.patience, at_least(1),
+        "iterations in which the natural residual must fall by 1 %, or the parameter is raised");
+  describe(m.function, f);
+  f.choice("smoothing_schedule", &m.schedule,
+           {{"newton-armijo", NewtonArmijo}, {"predictor-corrector", PredictorCorrector}},
+           "how its parameter mu shrinks: newton-armijo (with the residual) or predictor-corrector (along the path "
+           "Phi_mu(x) = 0)");
+  f.add("smoothing_finish", &m.finish, "Newton steps on the active set at the end");
+  f.when(m.schedule == NewtonArmijo, "smoothing_schedule = predictor-corrector", [&] {
+    f.add("smoothing_shrink", &m.shrink, strictly_between(0, 1),
+          "newton-armijo: mu x smoothing_shrink where the smooth system is solved");
+    f.add("smoothing_centring", &m.centring, strictly_between(0, 1e100),
+          "newton-armijo: it is solved to smoothing_centring mu");
+  });
+  f.when(m.schedule == PredictorCorrector, "smoothing_schedule = newton-armijo", [&] {
+    f.add("smoothing_neighbourhood", &m.neighbourhood, strictly_between(0, 1e100),
+          "predictor-corrector: |Phi_mu| is kept below smoothing_neighbourhood mu; above kappa of the smoothing");
+  });
+  f.check(m.neighbourhood > m.function.kappa, "smoothing_neighbourhood", m.neighbourhood,
+          "greater than the function's kappa");
+  f.add("smoothing_restarts", &m.restarts, at_least(0),
+        "times that mu is raised where the residual has stopped falling");
 }
 
 void smoothing(Run& run, const Smoothing& method, Point point) { Smoother(run, method, std::move(point)).run(); }

@@ -1,6 +1,4 @@
 #pragma once
-#include <optional>
-#include <string>
 
 #include "lcp/sparse_lu.hpp"
 #include "ncp/options.hpp"
@@ -46,7 +44,6 @@ struct Smoothing {
   int rescalings = 2;
   lcp::LuBackend lu = lcp::LuBackend::Umfpack;
 };
-/// Why the options make no sense, if they do not.
-std::optional<std::string> invalid(const Smoothing& method);
+void describe(Smoothing& method, Fields& fields);
 
 }  // namespace perp::ncp

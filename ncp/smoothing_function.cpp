@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "ncp/fields.hpp"
 #include "ncp/wide_arithmetic.hpp"
 
 namespace perp::ncp {
@@ -123,6 +124,12 @@ SmoothingFunction smoothing_function(std::string_view name) {
     known += " " + s.name;
   }
   throw std::invalid_argument("there is no smoothing '" + std::string(name) + "'; known:" + known);
+}
+
+void describe(SmoothingFunction& s, Fields& f) {
+  f.choice("smoothing_function", &s, smoothing_functions(),
+           "the smooth approximation of the reformulation; 'perp cfunctions' explains them");
+  f.check(s.at && s.limit.at, "smoothing_function has no function");
 }
 
 void reformulate(const SmoothingFunction& s, const Box& box, In x, In F, double mu, SmoothReformulation& out) {

@@ -50,6 +50,8 @@ std::span<const SmoothingFunction> smoothing_functions();
 /// Throws std::invalid_argument for an unknown name.
 SmoothingFunction smoothing_function(std::string_view name);
 
+void describe(SmoothingFunction& function, Fields& fields);
+
 /// Phi_mu at (x, F), its Jacobian Da + Db J and its derivative in mu.
 struct SmoothReformulation {
   Vec Phi, Da, Db, Dmu;

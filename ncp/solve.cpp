@@ -160,9 +160,20 @@ Stop& stop(Method& method) {
   return std::visit([](auto& m) -> Stop& { return m.stop; }, method);
 }
 
+void describe(Method& method, Fields& fields) {
+  std::visit(
+      [&](auto& m) {
+        describe(m.stop, fields);
+        describe(m, fields);
+      },
+      method);
+}
+
 std::optional<std::string> invalid(const Method& method) {
-  return std::visit(
-      Overloaded{[](const Affine& m) { return invalid(m.stop); }, [](const auto& m) { return invalid(m); }}, method);
+  Method described = method;
+  Fields fields;
+  describe(described, fields);
+  return fields.invalid();
 }
 
 namespace {

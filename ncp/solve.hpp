@@ -29,10 +29,13 @@ struct Affine {
   Stop stop{.tol = 1e-9};
   lcp::Method method{};
 };
+void describe(Affine& method, Fields& fields);
 
 using Method = std::variant<Auto, SemismoothNewton, MinNewton, Smoothing, InteriorPoint, NewtonJosephy, NewtonRobinson,
                             PathSearch, Multiroot, Affine, Strategy>;
 std::string_view name(const Method& method);  ///< "semismooth", "josephy", "path", ..., or that of lcp/
+/// All options of the method; what depends on another one stands after it.
+void describe(Method& method, Fields& fields);
 /// Why the options make no sense (a tolerance that is not positive, ...), if they do not.
 std::optional<std::string> invalid(const Method& method);
 /// The PathSearch that the method is, or tries (Auto); nullptr otherwise.

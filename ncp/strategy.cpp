@@ -147,12 +147,14 @@ std::string_view name(const Strategy& strategy) {
   return strategy.tree == nullptr ? std::string_view("strategy") : std::string_view(strategy.tree->text);
 }
 
-std::optional<std::string> invalid(const Strategy& strategy) {
-  if (auto why = invalid(strategy.stop)) return why;
-  if (strategy.tree == nullptr) return "the strategy is empty";
+void describe(Strategy& strategy, Fields& f) {
+  if (strategy.tree == nullptr) return f.check(false, "the strategy is empty");
   for (const Method& method : strategy.tree->methods)
-    if (auto why = invalid(method)) return std::string(name(method)) + ": " + *why;
-  return invalid(strategy.tree->escape);
+    if (const auto why = invalid(method)) f.check(false, std::string(name(method)) + ": " + *why);
+  Fields escapes;  // they are the tree's own
+  Escape escape = strategy.tree->escape;
+  describe(escape, escapes);
+  if (const auto why = escapes.invalid()) f.check(false, *why);
 }
 
 std::vector<Attempt> first_list(const StrategyNode& node) {

@@ -5,8 +5,6 @@
 ///
 /// A method keeps its own presolve, restarts and escapes where it has them; limits and tolerance are the strategy's.
 #include <memory>
-#include <optional>
-#include <string>
 #include <string_view>
 #include <vector>
 
@@ -36,7 +34,6 @@ struct Outline {
 
 /// "first(path, scaled(smooth))": what method_of() reads.
 std::string_view name(const Strategy& strategy);
-/// Why it makes no sense, if it does not.
-std::optional<std::string> invalid(const Strategy& strategy);
+void describe(Strategy& strategy, Fields& fields);
 
 }  // namespace perp::ncp

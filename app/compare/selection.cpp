@@ -247,10 +247,9 @@ std::vector<AskedMethod> select_methods(const std::string& list, double tol, std
   for (AskedMethod& method : methods) {
     Applied applied = settings_of(method, tol);
     notes.insert(notes.end(), applied.notes.begin(), applied.notes.end());
-    for (const Option& option : options()) {
-      const std::string value = value_text(option.field(applied.settings));
-      if (value != "-" && option.key != "method") method.in_force.emplace_back(option.key, value);
-    }
+    for (const ncp::Field& field : fields_of(applied.settings).options())
+      if (const std::string value = value_text(field); value != "-" && field.key != "method")
+        method.in_force.emplace_back(field.key, value);
   }
   return methods;
 }

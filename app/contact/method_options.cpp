@@ -12,7 +12,6 @@
 
 #include "app/methods.hpp"
 #include "app/options.hpp"
-#include "app/options_parts.hpp"
 #include "app/program.hpp"
 
 namespace perp::app::contacts {
@@ -128,9 +127,11 @@ ncp::Method with_options(const Variant& variant, std::vector<Assignment> given, 
   const ncp::Stop& now = ncp::stop(settings.method);
   if (now.max_time != usual.max_time) set_by_flag("the time limit", "--time-limit");
   if (variant.law != Variant::Law::Glocker && now.tol != usual.tol) set_by_flag("the tolerance", "--tol");
+  Output any;
+  ncp::Fields output;
+  describe(any, output);
   for (const Assignment& one : given)
-    if (const std::vector<Option> output = output_options();
-        std::ranges::find(output, lower(one.key), &Option::key) != output.end())
+    if (output.find(lower(one.key)) != nullptr)
       applied.notes.push_back(fmt::format("{}: {} has no effect on perp contact", source, one.key));
   result.notes = std::move(applied.notes);
   return settings.method;

@@ -1,14 +1,17 @@
 /// Suggestions, versions, and the agreement of help, man page and completion with the tables.
 #include "app/program.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <array>
 #include <chrono>
+#include <cstdlib>
 #include <regex>
 
 #include "app/cfunctions.hpp"
+#include "app/methods.hpp"
 #include "app/options.hpp"
 #include "app/solve.hpp"
 #include "ncp/cfunction.hpp"
@@ -81,21 +84,48 @@ TEST(Help, CFunctionsCommandNamesEverything) {
   EXPECT_THAT(text, HasSubstr("rho > 0, default 1"));
 }
 
+// Would catch a list that the build does not fill in.
 TEST(Help, ManPageNamesEveryOptionMethodAndLevel) {
-  const std::string page = test::read(PERP_SOURCE_DIR "/app/perp.1");
+  const std::string page = test::read(PERP_MAN_PAGE);
   ASSERT_FALSE(page.empty());
   for (const Option& option : options()) {
     EXPECT_THAT(page, HasSubstr(std::string(option.key)));
-    for (const std::string_view alias : option.aliases) EXPECT_THAT(page, HasSubstr(std::string(alias)));
+    EXPECT_THAT(page, HasSubstr(std::string(option.alias)));
   }
   for (const MethodEntry& entry : methods()) EXPECT_THAT(page, HasSubstr(std::string(entry.name)));
+  EXPECT_THAT(page, testing::Not(HasSubstr("@")));
   for (const std::string_view level : log_level_names()) EXPECT_THAT(page, HasSubstr(std::string(level)));
 }
 
-TEST(Help, CompletionKnowsMethodsAndLevels) {
-  const std::string completion = test::read(PERP_SOURCE_DIR "/app/perp.bash");
-  for (const MethodEntry& entry : methods()) EXPECT_THAT(completion, HasSubstr(std::string(entry.name)));
-  for (const std::string_view level : log_level_names()) EXPECT_THAT(completion, HasSubstr(std::string(level)));
+/// What completion offers for the last of the words.
+std::string offered(const std::string& words) {
+  const test::Folder folder;
+  const std::string out = folder / "out";
+  const std::string script = "source '" PERP_SOURCE_DIR "/app/perp.bash'; COMP_WORDS=('" PERP_PROGRAM "' " + words +
+                             "); COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); _perp 2>/dev/null; echo \" ${COMPREPLY[*]} \"";
+  test::write(folder / "completion.sh", script);
+  EXPECT_EQ(std::system(("bash '" + folder / "completion.sh" + "' > '" + out + "'").c_str()),
+            0);  // NOLINT(cert-env33-c)
+  return test::read(out);
+}
+
+TEST(Help, CompletionKnowsMethodsOptionsAndLevels) {
+  for (const char* words : {"solve --method ''", "methods --show ''"})
+    for (const MethodEntry& entry : methods()) EXPECT_THAT(offered(words), HasSubstr(fmt::format(" {} ", entry.name)));
+  EXPECT_THAT(offered("solve --method ''"), testing::Not(HasSubstr("first")));
+  const std::string keys = offered("solve --option ''");
+  for (const Option& option : options()) EXPECT_THAT(keys, HasSubstr(fmt::format(" {}= ", option.key)));
+  for (const std::string_view level : log_level_names())
+    EXPECT_THAT(offered("solve --log-level ''"), HasSubstr(fmt::format(" {} ", level)));
+}
+
+// Would catch an option of another method, or the default of one that has no effect.
+TEST(Help, OneMethodWithItsOptions) {
+  test::Captured captured;
+  EXPECT_EQ(show_method("semismooth", captured.streams), exit_solved);
+  EXPECT_THAT(captured.out.str(),
+              testing::AllOf(HasSubstr("descent_p\n"), HasSubstr("a number > 2; default 2.1"),
+                             HasSubstr("no effect with escape_rounds = 0"), testing::Not(HasSubstr("crash_method"))));
 }
 
 }  // namespace

@@ -207,7 +207,7 @@ TEST(InteriorPoint, RefusesOptions) {
   EXPECT_THAT(why([](I& m) { m.stop.tol = 0; }), Optional(HasSubstr("tol")));
   EXPECT_THAT(why([](I& m) { m.to_boundary = 1; }), Optional(HasSubstr("to_boundary is 1")));
   EXPECT_THAT(why([](I& m) { m.neighbourhood = nan; }), Optional(HasSubstr("neighbourhood is nan")));
-  EXPECT_THAT(why([](I& m) { m.least_centring = 0; }), Optional(HasSubstr("least_centring is 0")));
+  EXPECT_THAT(why([](I& m) { m.least_centring = 0; }), Optional(HasSubstr("interior_centring is 0")));
   EXPECT_THAT(why([](I& m) { m.growth = 1; }), Optional(HasSubstr("growth is 1")));
   EXPECT_THAT(why([](I& m) { m.margin = -1; }), Optional(HasSubstr("margin is -1")));
   EXPECT_THAT(why([](I& m) { m.restarts = -2; }), Optional(HasSubstr("restarts is -2")));

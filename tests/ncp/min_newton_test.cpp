@@ -231,15 +231,15 @@ TEST(MinNewton, ObeysItsLimits) {
 TEST(MinNewton, RefusesOptionsThatMakeNoSense) {
   const auto why = [](const MinNewton& method) { return invalid(Method(method)).value_or(""); };
   EXPECT_EQ(why({}), "");
-  EXPECT_THAT(why({.search = {.sigma = 2}}), testing::HasSubstr("search.sigma is 2"));
-  EXPECT_THAT(why({.search = {.memory = 0}}), testing::HasSubstr("search.memory is 0"));
-  EXPECT_THAT(why({.stop = {.tol = -1}}), testing::HasSubstr("stop.tol is -1"));
-  EXPECT_THAT(why({.escape = {.shrink = 0}}), testing::HasSubstr("escape.shrink is 0"));
-  EXPECT_THAT(why({.escape = {.grow = 1}}), testing::HasSubstr("escape.grow is 1"));
-  EXPECT_THAT(why({.escape = {.accept = 1}}), testing::HasSubstr("escape.accept is 1"));
-  EXPECT_THAT(why({.escape = {.trial_iterations = -1}}), testing::HasSubstr("escape.trial_iterations is -1"));
-  EXPECT_THAT(why({.escape = {.perturbed_tol = 0}}), testing::HasSubstr("escape.perturbed_tol is 0"));
-  EXPECT_THAT(why({.escape = {.perturbed_iterations = 0}}), testing::HasSubstr("escape.perturbed_iterations is 0"));
+  EXPECT_THAT(why({.search = {.sigma = 2}}), testing::HasSubstr("sigma is 2"));
+  EXPECT_THAT(why({.search = {.memory = 0}}), testing::HasSubstr("nms_memory_size is 0"));
+  EXPECT_THAT(why({.stop = {.tol = -1}}), testing::HasSubstr("convergence_tolerance is -1"));
+  EXPECT_THAT(why({.escape = {.shrink = 0}}), testing::HasSubstr("escape_shrink is 0"));
+  EXPECT_THAT(why({.escape = {.grow = 1}}), testing::HasSubstr("escape_grow is 1"));
+  EXPECT_THAT(why({.escape = {.accept = 1}}), testing::HasSubstr("escape_accept is 1"));
+  EXPECT_THAT(why({.escape = {.trial_iterations = -1}}), testing::HasSubstr("escape_trial_iterations is -1"));
+  EXPECT_THAT(why({.escape = {.perturbed_tol = 0}}), testing::HasSubstr("escape_tolerance is 0"));
+  EXPECT_THAT(why({.escape = {.perturbed_iterations = 0}}), testing::HasSubstr("escape_iteration_limit is 0"));
 }
 
 }  // namespace

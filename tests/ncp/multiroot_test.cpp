@@ -188,8 +188,8 @@ TEST(Multiroot, RefusesBadOptionsByName) {
   EXPECT_THAT(why({.shrink = 1}), HasSubstr("shrink is 1"));
   EXPECT_THAT(why({.mu_end = 2}), HasSubstr("mu_end is 2"));
   EXPECT_THAT(why({.max_size = -1}), HasSubstr("max_size is -1"));
-  EXPECT_THAT(why({.stop = {.tol = -1}}), HasSubstr("stop.tol is -1"));
-  EXPECT_THAT(why({.stop = {.max_iterations = -1}}), HasSubstr("max_iterations is -1"));
+  EXPECT_THAT(why({.stop = {.tol = -1}}), HasSubstr("convergence_tolerance is -1"));
+  EXPECT_THAT(why({.stop = {.max_iterations = -1}}), HasSubstr("major_iteration_limit is -1"));
   EXPECT_FALSE(invalid(Method(Multiroot{})).has_value());
   EXPECT_EQ(name(Method(Multiroot{})), "gsl-hybridsj");
 }

@@ -128,23 +128,23 @@ TEST(PathOptions, InvalidOnesAreNamed) {
   };
   using P = PathSearch;
   EXPECT_EQ(invalid(PathSearch{}), std::nullopt);
-  EXPECT_THAT(why([](P& m) { m.stop.tol = 0; }), names("stop.tol", "0"));
-  EXPECT_THAT(why([](P& m) { m.stop.max_iterations = -1; }), names("stop.max_iterations", "-1"));
+  EXPECT_THAT(why([](P& m) { m.stop.tol = 0; }), names("convergence_tolerance", "0"));
+  EXPECT_THAT(why([](P& m) { m.stop.max_iterations = -1; }), names("major_iteration_limit", "-1"));
   EXPECT_THAT(why([](P& m) { m.sigma = 0; }), names("sigma", "0"));
   EXPECT_THAT(why([](P& m) { m.sigma = 1; }), names("sigma", "1"));
   EXPECT_THAT(why([](P& m) { m.beta = 1; }), names("beta", "1"));
   EXPECT_THAT(why([](P& m) { m.beta = nan; }), names("beta", "nan"));
   EXPECT_THAT(why([](P& m) { m.max_backtracks = -2; }), names("max_backtracks", "-2"));
-  EXPECT_THAT(why([](P& m) { m.crash.iteration_limit = -1; }), names("crash.iteration_limit", "-1"));
-  EXPECT_THAT(why([](P& m) { m.crash.least_step = 0; }), names("crash.least_step", "0"));
-  EXPECT_THAT(why([](P& m) { m.crash.least_step = 1.5; }), names("crash.least_step", "1.5"));
-  EXPECT_THAT(why([](P& m) { m.nms.memory = 0; }), names("nms.memory", "0"));
-  EXPECT_THAT(why([](P& m) { m.nms.mstep_frequency = 0; }), names("nms.mstep_frequency", "0"));
-  EXPECT_THAT(why([](P& m) { m.nms.initial_reference_factor = 0.5; }), names("nms.initial_reference_factor", "0.5"));
+  EXPECT_THAT(why([](P& m) { m.crash.iteration_limit = -1; }), names("crash_iteration_limit", "-1"));
+  EXPECT_THAT(why([](P& m) { m.crash.least_step = 0; }), names("crash_least_step", "0"));
+  EXPECT_THAT(why([](P& m) { m.crash.least_step = 1.5; }), names("crash_least_step", "1.5"));
+  EXPECT_THAT(why([](P& m) { m.nms.memory = 0; }), names("nms_memory_size", "0"));
+  EXPECT_THAT(why([](P& m) { m.nms.mstep_frequency = 0; }), names("nms_mstep_frequency", "0"));
+  EXPECT_THAT(why([](P& m) { m.nms.initial_reference_factor = 0.5; }), names("nms_initial_reference_factor", "0.5"));
   EXPECT_THAT(why([](P& m) { m.nms.initial_reference_factor = infinity; }),
-              names("nms.initial_reference_factor", "inf"));
-  EXPECT_THAT(why([](P& m) { m.nms.maximum_watchdogs = -1; }), names("nms.maximum_watchdogs", "-1"));
-  EXPECT_THAT(why([](P& m) { m.nms.distance_decrease = 2; }), names("nms.distance_decrease", "2"));
+              names("nms_initial_reference_factor", "inf"));
+  EXPECT_THAT(why([](P& m) { m.nms.maximum_watchdogs = -1; }), names("nms_maximum_watchdogs", "-1"));
+  EXPECT_THAT(why([](P& m) { m.nms.distance_decrease = 2; }), names("distance_decrease", "2"));
   EXPECT_THAT(why([](P& m) { m.chord_steps = -1; }), names("chord_steps", "-1"));
   EXPECT_THAT(why([](P& m) { m.proximal_perturbation = -0.1; }), names("proximal_perturbation", "-0.1"));
   EXPECT_THAT(why([](P& m) { m.proximal_perturbation = nan; }), names("proximal_perturbation", "nan"));
@@ -152,7 +152,7 @@ TEST(PathOptions, InvalidOnesAreNamed) {
   EXPECT_THAT(why([](P& m) { m.restart_limit = -1; }), names("restart_limit", "-1"));
   EXPECT_THAT(why([](P& m) { m.cumulative_iteration_limit = 0; }), names("cumulative_iteration_limit", "0"));
   EXPECT_THAT(why([](P& m) { m.patience = 0; }), names("patience", "0"));
-  EXPECT_THAT(why([](P& m) { m.lemke.max_pivots = -1; }), names("lemke.max_pivots", "-1"));
+  EXPECT_THAT(why([](P& m) { m.lemke.max_pivots = -1; }), names("minor_iteration_limit", "-1"));
   const auto mcp = make_mcp(support::kojima_shindo());
   const Counting counted(*mcp);
   EXPECT_THAT([&] { solve(counted, Vec::Zero(4), PathSearch{.beta = 7}); },
