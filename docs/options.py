@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """The options of methods as Markdown tables, from what the program says of itself: options.py PERP [METHOD...].
 
-Which options a method has, and with what defaults, is in the JSON of a run; what they mean is in `perp methods`. Without
-a METHOD: those that all methods share.
+Which options a method has, and with what defaults, is in the JSON of a run; what they mean is in `perp methods`.
+Without a METHOD: those that all methods share.
 """
 
 import functools
@@ -11,7 +11,7 @@ import re
 import subprocess
 import sys
 
-# A problem of three variables for any method, and one for those that take affine problems alone.
+# A small problem for any method, and one for those that take affine problems alone.
 PROBLEMS = ("nash5", "cyclic3-own")
 
 
@@ -29,7 +29,7 @@ def methods(perp):
     return re.findall(r"^  ([a-z][\w-]*)(?:  \(default\))?$", names, flags=re.M)
 
 
-# What values an option takes stands on a line of its own, after the help and before the defaults; words may fill several.
+# What values an option takes stands on a line of its own, after the help and before the defaults; words may fill more.
 DEFAULT = re.compile(r"^-;|; default |; for |; no effect on ")
 WORDS = re.compile(r"[a-z-]+(, [a-z-]+)*,$")
 
@@ -72,7 +72,7 @@ def shared(perp):
 
 
 def cell(text):
-    return re.sub(r"([|<*])", r"\\\1", text)
+    return re.sub(r"([|*_])", r"\\\1", text).replace("<", "&lt;")
 
 
 def table(perp, names):

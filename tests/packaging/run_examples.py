@@ -68,9 +68,8 @@ def run_file(perp, path, folder):
     count = 0
     for command, shown in commands(path.read_text(encoding="utf-8")):
         count += 1
-        run = subprocess.run(
-            ["bash", "-c", command], cwd=folder, env=environment, capture_output=True, text=True, timeout=60, check=False
-        )
+        shell = ["bash", "-c", command]
+        run = subprocess.run(shell, cwd=folder, env=environment, capture_output=True, text=True, timeout=60, check=False)
         line = missing(shown, run.stdout.splitlines())
         if run.returncode not in (0, 1):
             yield f"{path}: exit code {run.returncode}: {command}\n{run.stderr}"
