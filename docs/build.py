@@ -99,8 +99,9 @@ def stage(perp, out):
     folder = out / "pages"
     for source, place in pages.items():
         (folder / place).parent.mkdir(parents=True, exist_ok=True)
-        text = (ROOT / source).read_text(encoding="utf-8")
-        (folder / place).write_text(filled(linked(text, source, pages), perp), encoding="utf-8")
+        text = linked((ROOT / source).read_text(encoding="utf-8"), source, pages)
+        text = filled(text, perp) if source.startswith("docs/") else text
+        (folder / place).write_text(text, encoding="utf-8")
     (folder / "methods/names.md").write_text(names(perp), encoding="utf-8")
     shutil.copytree(ROOT / "docs/pictures", folder / "pictures")
     shutil.copytree(ROOT / "docs/site", folder / "site")
