@@ -90,7 +90,8 @@ Count run_preset(const char* name, bool (*chosen)(const collection::Entry&)) {
 // Shares of the solvable (problem, start) pairs: the least number that was solved of the 134 and the 269 set apart,
 // over reference BLAS and OpenBLAS's kernels PRESCOTT, NEHALEM, SANDYBRIDGE, HASWELL, SKYLAKEX, ZEN, less a margin.
 // Rounding alone makes smooth solve 253 to 258 of the 269, the others up to 2 more or fewer, `path` and `auto` all of
-// them (scripts/test-blas, ncp/README.md). Catches a change that costs a system its problems, and every false "solved".
+// them (scripts/test-blas, bench/results/collection.md). Catches a change that costs a system its problems, and every
+// false "solved".
 TEST(Presets, SolveTheirShareOfTheCollection) {
   constexpr double margin = 0.015;  // 2 of 134, 4 of 269: processors that were not at hand
   struct Share {
