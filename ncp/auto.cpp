@@ -8,10 +8,10 @@
 #include "lcp/krylov.hpp"
 #include "ncp/affine.hpp"
 #include "ncp/attempts.hpp"
-#include "ncp/methods.hpp"
 #include "ncp/normal_map.hpp"
 #include "ncp/presolve.hpp"
 #include "ncp/refusal.hpp"
+#include "ncp/strategies.hpp"
 
 namespace perp::ncp {
 namespace {
