@@ -1,12 +1,12 @@
 #pragma once
-/// Reducible affine MCPs, component by component. Row i of F = M z + q depends on z_j where M_ij != 0; the strongly
-/// connected components of that graph can be ordered so that M is block lower triangular, and component k is the affine
-/// MCP of M_kk with
+/// Solves reducible affine MCPs component by component. Row i of F = M z + q depends on z_j where M_ij != 0. The
+/// strongly connected components of that graph can be ordered so that M is block lower triangular. Component k is then
+/// the affine MCP of M_kk with
 ///     q_k + sum_{j < k} M_kj z_j,   z_j the solutions found before.
-/// Correct for every M in that a point put together from solutions of all components solves the problem. Complete if
-/// every component has one solution at most (P-matrices on the diagonal): otherwise another solution of an earlier
-/// component could make a later one solvable, so that its failure proves nothing. The rows of fixed variables ask for
-/// nothing and are no dependence. Reference: Tarjan, SIAM J. Comput. 1 (1972) 146.
+/// This is correct for every M: a point put together from solutions of all components solves the problem. It is
+/// complete if every component has one solution at most (P-matrices on the diagonal). Otherwise another solution of an
+/// earlier component could make a later one solvable, so that its failure proves nothing. The rows of fixed variables
+/// ask for nothing and are no dependence. Reference: Tarjan, SIAM J. Comput. 1 (1972) 146.
 #include <functional>
 #include <vector>
 

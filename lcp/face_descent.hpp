@@ -1,13 +1,12 @@
 #pragma once
-/// Descent for  min 1/2 z'A z + q'z  over the box [l, u],  A symmetric, positive definite, positive diagonal. Each
-/// step:
+/// Descends on  1/2 z'A z + q'z  over the box [l, u], with A symmetric, positive definite, positive diagonal. A step is
 ///  1. a projected Gauss-Seidel sweep forth and back, z_i <- mid(l_i, z_i - g_i / a_ii, u_i), g = A z + q;
 ///  2. the face: z_i is held where it is at a bound and g_i pushes it there, else free;
 ///  3. d with A_FF d_F = -g_F approximately, by conjugate gradients preconditioned by B, d = 0 where held;
 ///  4. z <- mid(l, z + t d, u) with t = 1, 1/2, ... until the objective falls by a part of what the slope promises.
 /// No step raises the objective. The sweeps alone converge from any start (Luo & Tseng, J. Optim. Theory Appl. 72
-/// (1992) 7) and find the face of a solution where z_i = l_i, u_i only with g_i != 0; what 3 and 4 add is speed, in the
-/// manner of monotone multigrid (Kornhuber, Numer. Math. 69 (1994) 167) and GPCG (More & Toraldo, SIAM J. Optim. 1
+/// (1992) 7). They find the face of a solution where z_i = l_i, u_i only with g_i != 0. What 3 and 4 add is speed, in
+/// the manner of monotone multigrid (Kornhuber, Numer. Math. 69 (1994) 167) and GPCG (More & Toraldo, SIAM J. Optim. 1
 /// (1991) 93). Private to lcp/.
 #include "lcp/face_preconditioner.hpp"
 #include "lcp/result.hpp"

@@ -1,8 +1,9 @@
 #pragma once
-/// Files that are written whole or not at all, whatever ends the program meanwhile: into a draft beside the target,
-/// which is synced and then renamed (Pillai et al., "All file systems are not created equal", OSDI 2014). What was
-/// there is untouched until then, and keeps its permissions; a symbolic link stays one, and what it leads to is
-/// replaced. Standard streams (/dev/stdout, /dev/fd/N), character devices and named pipes are written in place.
+/// Files are written to a draft beside them and then renamed, so that they are whole or not there, whatever ends the
+/// program meanwhile. The draft is synced before it is renamed (Pillai et al., "All file systems are not created
+/// equal", OSDI 2014). What was there is untouched until then, and keeps its permissions. A symbolic link stays one,
+/// and what it leads to is replaced. Standard streams (/dev/stdout, /dev/fd/N), character devices and named pipes are
+/// written in place.
 #include <memory>
 #include <string>
 #include <string_view>

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "ncp/methods.hpp"
+#include "ncp/strategies.hpp"
 
 namespace perp::ncp {
 

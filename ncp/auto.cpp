@@ -8,9 +8,9 @@
 #include "lcp/krylov.hpp"
 #include "ncp/affine.hpp"
 #include "ncp/attempts.hpp"
-#include "ncp/methods.hpp"
 #include "ncp/normal_map.hpp"
 #include "ncp/presolve.hpp"
+#include "ncp/strategies.hpp"
 
 namespace perp::ncp {
 namespace {

@@ -3,7 +3,8 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "ncp/run.hpp"
+#include "ncp/counted_mcp.hpp"
+#include "ncp/words.hpp"
 
 namespace perp::ncp {
 namespace {

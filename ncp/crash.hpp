@@ -1,6 +1,8 @@
 #pragma once
 /// Projected Newton steps that find most of the active set before anything is pivoted; private to ncp/.
 #include "ncp/merit.hpp"
+#include "ncp/path_search.hpp"
+#include "ncp/run.hpp"
 
 namespace perp::ncp {
 

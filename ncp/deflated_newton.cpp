@@ -5,6 +5,7 @@
 
 #include "lcp/blocks.hpp"
 #include "lcp/sparse_lu.hpp"
+#include "ncp/line_search.hpp"
 
 namespace perp::ncp {
 

@@ -9,7 +9,7 @@
 
 #include "ncp/deflated_newton.hpp"
 #include "ncp/merit.hpp"
-#include "ncp/methods.hpp"
+#include "ncp/strategies.hpp"
 #include "ncp/structure_report.hpp"
 
 namespace perp::ncp {

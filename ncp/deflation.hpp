@@ -1,19 +1,19 @@
 #pragma once
-/// Several solutions of one problem, by deflation (Brown & Gearhart, Numer. Math. 16 (1971) 334; Farrell, Birkisson &
-/// Funke, SIAM J. Sci. Comput. 37 (2015) A2026; for semismooth equations and complementarity Farrell, Croci & Surowiec,
-/// Optim. Methods Softw. 35 (2020) 1248).
+/// Finds several solutions of one problem by deflation (Brown & Gearhart, Numer. Math. 16 (1971) 334; Farrell,
+/// Birkisson & Funke, SIAM J. Sci. Comput. 37 (2015) A2026; for semismooth equations and complementarity Farrell, Croci
+/// & Surowiec, Optim. Methods Softw. 35 (2020) 1248).
 ///
-/// With solutions r in R known, semismooth Newton is run again from the same start (and from others near it or near r)
-/// on
+/// With solutions r in R known, semismooth Newton runs again from the same start, and from others near it or near r, on
 ///     M(x; R) Phi(x) = 0,   M(x; R) = product over r of ((D / ||x - r||)^p + sigma),
-/// Phi a reformulation by a C-function (cfunction.hpp). Its zeros are those of Phi but for R: near a regular r, Phi
-/// falls like ||x - r||, and M Phi does not vanish. sigma > 0 keeps M from vanishing far away, where iterates would run
-/// to; D = min(1, ||r||) (1 if r = 0) makes "far" what it is in problems of small numbers. Only the rank-one change m =
-/// grad M / M enters: the deflated Newton step is tau d, d the plain one, tau = 1 / (1 - m'd), for one scalar product
-/// more than the plain step costs.
+/// where Phi is a reformulation by a C-function (cfunction.hpp). Its zeros are those of Phi but for R: near a regular
+/// r, Phi falls like ||x - r||, and M Phi does not vanish. sigma > 0 keeps M from vanishing far away, where iterates
+/// would run to. D = min(1, ||r||), or 1 if r = 0, makes "far" what it is in problems of small numbers.
 ///
-/// Nothing says that all solutions are found, or even a second one: an empty-handed end is no proof of uniqueness. From
-/// a continuum of solutions points of it are found that are as far apart as `distinct` demands.
+/// The deflated Newton step is tau d, with d the plain step, tau = 1 / (1 - m'd) and m = grad M / M. It costs one
+/// scalar product more than the plain step, for the change of the matrix has rank one.
+///
+/// Nothing says that all solutions are found, or even a second one: an empty-handed end is no proof of uniqueness. Of a
+/// continuum of solutions it finds points that are as far apart as `distinct` demands.
 #include <optional>
 #include <string>
 #include <string_view>

@@ -2,6 +2,7 @@
 
 #include "ncp/merit.hpp"
 #include "ncp/structure_report.hpp"
+#include "ncp/words.hpp"
 
 namespace perp::ncp {
 namespace {

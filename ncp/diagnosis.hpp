@@ -2,7 +2,7 @@
 /// What is known about the best point of a run that found no solution; private to ncp/.
 #include <string>
 
-#include "ncp/run.hpp"
+#include "ncp/counted_mcp.hpp"
 
 namespace perp::ncp {
 

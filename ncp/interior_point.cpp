@@ -7,8 +7,9 @@
 #include <vector>
 
 #include "ncp/active_set_step.hpp"
+#include "ncp/kernels.hpp"
+#include "ncp/line_search.hpp"
 #include "ncp/merit.hpp"
-#include "ncp/methods.hpp"
 
 namespace perp::ncp {
 namespace {

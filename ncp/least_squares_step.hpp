@@ -10,6 +10,7 @@
 
 #include "lcp/sparse_lu.hpp"
 #include "ncp/merit.hpp"
+#include "ncp/run.hpp"
 
 namespace perp::ncp {
 

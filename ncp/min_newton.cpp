@@ -6,9 +6,10 @@
 #include <utility>
 #include <vector>
 
+#include "ncp/kernels.hpp"
 #include "ncp/least_squares_step.hpp"
+#include "ncp/line_search.hpp"
 #include "ncp/merit.hpp"
-#include "ncp/methods.hpp"
 
 namespace perp::ncp {
 namespace {

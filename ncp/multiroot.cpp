@@ -13,7 +13,7 @@
 
 #include "lcp/memory.hpp"
 #include "ncp/gsl_errors.hpp"
-#include "ncp/methods.hpp"
+#include "ncp/kernels.hpp"
 #include "ncp/smoothing_function.hpp"
 
 namespace perp::ncp {

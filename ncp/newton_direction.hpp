@@ -7,6 +7,7 @@
 
 #include "lcp/krylov.hpp"
 #include "ncp/merit.hpp"
+#include "ncp/run.hpp"
 #include "ncp/semismooth_newton.hpp"
 
 namespace perp::ncp {

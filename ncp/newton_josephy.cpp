@@ -5,8 +5,10 @@
 
 #include "lcp/bound_qp.hpp"
 #include "lcp/krylov.hpp"
+#include "ncp/kernels.hpp"
+#include "ncp/line_search.hpp"
 #include "ncp/merit.hpp"
-#include "ncp/methods.hpp"
+#include "ncp/newton_josephy.hpp"
 #include "ncp/newton_point.hpp"
 
 namespace perp::ncp {

@@ -5,7 +5,9 @@
 #include <vector>
 
 #include "ncp/normal_map.hpp"
+#include "ncp/path_search.hpp"
 #include "ncp/pivot_limit.hpp"
+#include "ncp/run.hpp"
 
 namespace perp::ncp {
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <utility>
 
-#include "ncp/methods.hpp"
+#include "ncp/kernels.hpp"
 #include "ncp/newton_point.hpp"
 
 namespace perp::ncp {

@@ -3,7 +3,8 @@
 /// z = pi(x) solves the MCP. Its linearised problem, and ways between its points. Private to ncp/.
 #include <vector>
 
-#include "ncp/run.hpp"
+#include "lcp/lemke.hpp"
+#include "ncp/counted_mcp.hpp"
 
 namespace perp::ncp {
 

@@ -5,9 +5,11 @@
 #include <utility>
 
 #include "ncp/crash.hpp"
+#include "ncp/kernels.hpp"
+#include "ncp/line_search.hpp"
 #include "ncp/merit.hpp"
-#include "ncp/methods.hpp"
 #include "ncp/newton_point.hpp"
+#include "ncp/path_search.hpp"
 
 namespace perp::ncp {
 namespace {

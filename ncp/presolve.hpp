@@ -1,25 +1,23 @@
 #pragma once
-/// Presolve and postsolve of an MCP. What its declared linearity (Mcp::linear_entries) settles beforehand is taken out,
-/// and put back, exactly, once the rest is solved. With pairs (F_i, x_i) that stay or go together:
+/// Presolve and postsolve of an MCP. Presolve takes out what declared linearity (Mcp::linear_entries) settles
+/// beforehand. Postsolve puts it back, exactly, once the rest is solved. Pairs (F_i, x_i) stay or go together:
 ///
-///   fixed variable      l_i = u_i: F_i is free, so the pair goes
-///   forced bound        F_i > 0 (or < 0) throughout the box: x_i = l_i (u_i), or infeasible if that bound is infinite;
-///                       a row without variables (F_i constant) is a special case
-///   singleton row       F_i = a x_j + b. i = j: x_i = mid(l_i, -b/a, u_i) where a > 0 or x_i is free. i != j, x_i
-///   free:
-///                       x_j = -b/a, infeasible if that is outside of [l_j, u_j]; if it is strictly inside, F_j has to
-///                       be 0: F_j is paired with the free x_i from then on, as an equation
-///   singleton column    x_i occurs in F_i alone, F_i = a x_i + g(rest): x_i is computed from F_i afterwards, where
-///   that
-///                       has a solution whatever g: a > 0, or two finite bounds, or none. Free x_i in one equation F_s
-///                       of a free x_s alone: it is computed from F_s, and F_i is paired with x_s
-///   empty column        the same with a = 0: two finite bounds, or F_i of a known sign
-///   parallel rows       F_i = t F_e + d, F_e = 0 an equation: F_i = d at every solution: a forced bound where d != 0,
-///                       infeasible between equations
+///  * Fixed variable, l_i = u_i: F_i is free, so the pair goes.
+///  * Forced bound, F_i > 0 (or < 0) throughout the box: x_i = l_i (u_i), or infeasible if that is infinite. A row
+///    without variables (F_i constant) is a special case.
+///  * Singleton row, F_i = a x_j + b. If i = j: x_i = mid(l_i, -b/a, u_i) where a > 0 or x_i is free. If i != j and x_i
+///    is free: x_j = -b/a, and infeasible if that is outside of [l_j, u_j]. If it is strictly inside, F_j has to be 0:
+///    F_j is paired with the free x_i from then on, as an equation.
+///  * Singleton column, x_i occurs in F_i alone, F_i = a x_i + g(rest): x_i is computed from F_i afterwards, where that
+///    has a solution whatever g is: a > 0, or two finite bounds, or none. A free x_i in one equation F_s of a free x_s
+///    alone is computed from F_s, and F_i is paired with x_s.
+///  * Empty column: the same with a = 0, for two finite bounds or an F_i of a known sign.
+///  * Parallel rows, F_i = t F_e + d with F_e = 0 an equation: F_i = d at every solution. That is a forced bound where
+///    d != 0, and infeasible between equations.
 ///
-/// to a fixed point. Rows that are affine once their other variables are fixed count too. Equations also bound the
-/// variables ("implied bounds") for the signs of other rows; the box itself is never changed, for a bound that is not
-/// the problem's would let F_i differ from 0 there.
+/// This is repeated to a fixed point. Rows that are affine once their other variables are fixed count too. Equations
+/// also bound the variables ("implied bounds") for the signs of other rows. The box itself is never changed, for a
+/// bound that is not the problem's would let F_i differ from 0 there.
 ///
 /// Every solution of the problem gives one of the reduced problem, unless x_i is not determined (F_i = 0 and x_i in no
 /// other row, a < 0 with two bounds): then one remains of the many. Every solution of the reduced problem is one of the

@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "ncp/counted_mcp.hpp"
 #include "ncp/presolve.hpp"
-#include "ncp/run.hpp"
 
 namespace perp::ncp {
 

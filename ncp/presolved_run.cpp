@@ -2,8 +2,8 @@
 #include <string>
 #include <utility>
 
-#include "ncp/methods.hpp"
 #include "ncp/presolve_transform.hpp"
+#include "ncp/strategies.hpp"
 
 namespace perp::ncp {
 

@@ -7,11 +7,13 @@
 #include <string>
 #include <utility>
 
+#include "ncp/counted_mcp.hpp"
 #include "ncp/judge.hpp"
 #include "ncp/observe.hpp"
+#include "ncp/options.hpp"
 #include "ncp/result.hpp"
-#include "ncp/solve.hpp"
 #include "ncp/transform.hpp"
+#include "ncp/words.hpp"
 
 namespace perp::ncp {
 
@@ -28,37 +30,8 @@ struct Share {
   bool start_shown = true;
 };
 
-/// Four digits, for messages.
-std::string number(double value);
-
-/// Counts evaluations, turns a NaN or an infinity into "not defined here", and refuses a J that left its pattern.
-class CountedMcp {
- public:
-  explicit CountedMcp(const Mcp& mcp) : mcp_(mcp) {}
-  const Mcp& mcp() const { return mcp_; }
-  bool eval(In x, Vec& F);
-  /// Throws std::invalid_argument, naming equation and variable, if J comes back with other entries than its pattern.
-  bool jacobian(In x, SpMat& J);
-  int F_evals() const { return F_evals_; }
-  int J_evals() const { return J_evals_; }
-
- private:
-  const Mcp& mcp_;
-  int F_evals_ = 0;
-  int J_evals_ = 0;
-};
-
-/// A point with F and J there.
-struct Point {
-  Vec x, F;
-  SpMat J;
-};
-
 /// "solution found: the natural residual is 1.2e-10".
 std::string solution_found(const Residual& residual);
-
-/// "1 iteration", "3 iterations".
-std::string quantity(Index n, std::string_view noun);
 
 class Run {
  public:

@@ -3,8 +3,8 @@
 #include <optional>
 #include <string>
 
-#include "ncp/methods.hpp"
 #include "ncp/scale_transform.hpp"
+#include "ncp/strategies.hpp"
 
 namespace perp::ncp {
 

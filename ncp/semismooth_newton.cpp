@@ -3,9 +3,11 @@
 #include <string>
 #include <utility>
 
+#include "ncp/kernels.hpp"
+#include "ncp/line_search.hpp"
 #include "ncp/merit.hpp"
-#include "ncp/methods.hpp"
 #include "ncp/newton_direction.hpp"
+#include "ncp/semismooth_newton.hpp"
 
 namespace perp::ncp {
 namespace {

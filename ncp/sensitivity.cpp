@@ -11,8 +11,9 @@
 #include "lcp/classify.hpp"
 #include "lcp/enumeration.hpp"
 #include "lcp/solve.hpp"
-#include "ncp/run.hpp"
+#include "ncp/counted_mcp.hpp"
 #include "ncp/structure_report.hpp"
+#include "ncp/words.hpp"
 
 namespace perp::ncp {
 namespace {

@@ -1,15 +1,15 @@
 #pragma once
-/// How a solution x(p) of MCP(l(p), u(p), F(.; p)) moves with parameters p in R^m.
+/// Says how a solution x(p) of MCP(l(p), u(p), F(.; p)) moves with parameters p in R^m.
 ///
 /// With J = F_x(x; p) and the index sets
 ///     A   l_i < x_i < u_i, F_i = 0      inside
 ///     N   x_i = l_i, F_i > 0, or x_i = u_i, F_i < 0, or l_i = u_i      at a bound b_i (l_i or u_i)
 ///     B   x_i = l_i or x_i = u_i, and F_i = 0      degenerate
-/// and B empty (strict complementarity), J_AA regular: x is differentiable and
+/// x is differentiable if B is empty (strict complementarity) and J_AA regular. Then
 ///     dx_N/dp = db_N/dp,   J_AA dx_A/dp = -(dF_A/dp + J_AN db_N/dp)
 ///     dF/dp (total) = dF/dp + J dx/dp,   zero on A; on N the derivative of the multiplier F_i
-/// (implicit function theorem; Fiacco 1976). With degenerate indices there is a derivative in each direction dp only,
-/// the solution d of the affine problem on the critical cone
+/// (implicit function theorem; Fiacco 1976). With degenerate indices there is only a derivative in each direction dp.
+/// It is the solution d of the affine problem on the critical cone
 ///     d_N = db_N,   (J d + dF)_A = 0,   0 <= d_i - dl_i _|_ (J d + dF)_i >= 0  (x_i = l_i),
 ///                                       0 <= du_i - d_i _|_ -(J d + dF)_i >= 0 (x_i = u_i),   i in B
 /// with db, dF for (db/dp) dp, (dF/dp) dp. It is unique for every dp iff J_AA is regular and the Schur complement S =

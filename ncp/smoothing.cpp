@@ -7,8 +7,9 @@
 
 #include "lcp/blocks.hpp"
 #include "ncp/active_set_step.hpp"
+#include "ncp/kernels.hpp"
+#include "ncp/line_search.hpp"
 #include "ncp/merit.hpp"
-#include "ncp/methods.hpp"
 
 namespace perp::ncp {
 namespace {

@@ -5,10 +5,10 @@
 #include <new>
 #include <stdexcept>
 
-#include "ncp/methods.hpp"
 #include "ncp/notes.hpp"
 #include "ncp/proximal.hpp"
 #include "ncp/run.hpp"
+#include "ncp/strategies.hpp"
 #include "ncp/strategy_node.hpp"
 
 namespace perp::ncp {

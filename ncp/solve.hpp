@@ -7,7 +7,7 @@
 #include <variant>
 #include <vector>
 
-#include "lcp/solve.hpp"
+#include "ncp/affine_method.hpp"
 #include "ncp/auto.hpp"
 #include "ncp/interior_point.hpp"
 #include "ncp/min_newton.hpp"
@@ -23,13 +23,6 @@
 #include "ncp/strategy.hpp"
 
 namespace perp::ncp {
-
-/// Affine problems (Mcp::is_affine) only, by a method of lcp/. Stop::max_iterations has no meaning but 0.
-struct Affine {
-  Stop stop{.tol = 1e-9};
-  lcp::Method method{};
-};
-void describe(Affine& method, Fields& fields);
 
 using Method = std::variant<Auto, SemismoothNewton, MinNewton, Smoothing, InteriorPoint, NewtonJosephy, NewtonRobinson,
                             PathSearch, Multiroot, Affine, Strategy>;

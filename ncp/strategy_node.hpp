@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "ncp/run.hpp"
+#include "ncp/solve.hpp"
 
 namespace perp::ncp {
 

@@ -8,7 +8,8 @@
 
 #include "lcp/blocks.hpp"
 #include "lcp/sparse_lu.hpp"
-#include "ncp/run.hpp"
+#include "ncp/counted_mcp.hpp"
+#include "ncp/words.hpp"
 
 namespace perp::ncp {
 namespace {

@@ -29,7 +29,7 @@ Summary summary(const CampaignData& data, const Comparison& comparison);
 
 /// What rounding alone does to the difference of two methods, as a share of the pairs: the same methods on the same
 /// pairs with another BLAS or processor. Of 403 pairs smooth then solves 384 to 390, proxi 384 to 386, semismooth
-/// 351 to 353, others vary by at most 1 (ncp/README.md has the table): 6 and 2 together, 2 %.
+/// 351 to 353, others vary by at most 1 (bench/results/collection.md has the table): 6 and 2 together, 2 %.
 inline constexpr double rounding_share = 0.02;
 
 /// Pairs on which two methods differ.

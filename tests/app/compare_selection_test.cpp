@@ -89,7 +89,9 @@ TEST(Selection, Methods) {
   EXPECT_EQ(methods("all").size(), app::methods().size());
   EXPECT_EQ(methods("cfunctions").size(), ncp::cfunctions().size());
   EXPECT_THAT(methods("none"), IsEmpty());
-  EXPECT_THAT(methods("semismooth-*"), ElementsAre("semismooth-min", "semismooth-penalised"));
+  EXPECT_THAT(methods("semismooth-*"), ElementsAre("semismooth-min", "semismooth-penalised", "semismooth-1997"));
+  EXPECT_EQ(methods("published").size(), ncp::published().size());
+  EXPECT_EQ(methods("*-1997").size(), 8U);
 }
 
 // Options reach the method, the campaign's tolerance only where none is given.

@@ -41,10 +41,10 @@ TEST(Auto, ChoosesByClassAndBasis) {
   EXPECT_THAT(solve(*nonlinear, Vec::Zero(4), Auto{}).message, HasSubstr("auto chose path (nonlinear, 4 variables)"));
   const auto symmetric = collection::find("bratu-own")->make();
   EXPECT_THAT(solve(*symmetric.mcp, symmetric.starts[0], Auto{.large = 100}).message,
-              HasSubstr("a symmetric Jacobian: quadratic programs"));
+              HasSubstr("the Jacobian is symmetric: quadratic programs"));
   const auto spatial = collection::find("spatial-price-own")->make();
   EXPECT_THAT(solve(*spatial.mcp, spatial.starts[0], Auto{.large = 100}).message,
-              HasSubstr("auto chose path with few pivots (105 variables)"));
+              HasSubstr("auto chose path with few pivots (n > 100, the Jacobian is not symmetric)"));
   Auto warm;
   warm.path.basis.assign(2, lcp::Cell::Inside);
   EXPECT_THAT(solve(*affine.mcp, Vec::Zero(2), warm).message, HasSubstr("auto chose path (a warm basis is given)"));

@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
-"""Rules of the source tree, checked: check_tree.py includes|length|format|readme|paths|self-test [ROOT].
+"""Rules of the source tree, checked: check_tree.py CHECK [ROOT].
 
 includes   who may include whom (CONTRIBUTING.md, "The folders")
 length     no source file beyond 500 lines
 format     clang-format (the major version below, else skipped) would change nothing
-readme     the C++ example of README.md is the one the packaging test builds and runs
+readme     the C++ example of docs/cpp.md is the one the packaging test builds and runs
 paths      files that texts and comments name exist, seen from the root or from where they are named
+links      files and headings that texts link to exist
 self-test  each check reports a tree that breaks its rule
 
 Prints one line a violation; exit status 1 if there is one, 77 if the check was skipped.
@@ -98,8 +99,8 @@ def format_(root):
 
 def readme(root):
     example = (Path(root) / "tests/packaging/consumer/example.cpp").read_text(encoding="utf-8")
-    if f"```cpp\n{example}```" not in (Path(root) / "README.md").read_text(encoding="utf-8"):
-        yield "README.md: its example is not tests/packaging/consumer/example.cpp"
+    if f"```cpp\n{example}```" not in (Path(root) / "docs/cpp.md").read_text(encoding="utf-8"):
+        yield "docs/cpp.md: its example is not tests/packaging/consumer/example.cpp"
 
 
 # folder/file.py, and of sources also file.cpp. Names in capitals (ncp/METHOD.cpp) stand for any file, with * for some.
@@ -126,7 +127,31 @@ def paths(root):
                     yield f"{name}:{number}: there is no file {found}"
 
 
-CHECKS = {"includes": includes, "length": length, "format": format_, "readme": readme, "paths": paths}
+LINK = re.compile(r"\[[^\]]+\]\((?!\w+:)([^)#\s]*)(?:#([^)]*))?\)")
+
+
+def anchors(text):
+    """What headings are called in links: GitHub's rule."""
+    text = re.sub(r"^```.*?^```", "", text, flags=re.M | re.S)
+    headings = re.findall(r"^#+ (.*?)\s*$", text, flags=re.M)
+    return {re.sub(r"[^\w -]", "", heading).lower().replace(" ", "-") for heading in headings}
+
+
+def links(root):
+    names = set(tracked(root))
+    for name in sorted(names):
+        if not name.endswith(".md"):
+            continue
+        text = (Path(root) / name).read_text(encoding="utf-8")
+        for target, anchor in LINK.findall(text):
+            there = posixpath.normpath(posixpath.join(posixpath.dirname(name), target)) if target else name
+            if there not in names:
+                yield f"{name}: there is no {target}"
+            elif anchor and anchor not in anchors((Path(root) / there).read_text(encoding="utf-8")):
+                yield f"{name}: {there} has no heading {anchor}"
+
+
+CHECKS = {"includes": includes, "length": length, "format": format_, "readme": readme, "paths": paths, "links": links}
 
 
 # --- self-test -------------------------------------------------------------------------------------------------------
@@ -186,17 +211,22 @@ def self_test(_):
         subprocess.run(["git", "-C", folder, "add", "ncp/a.hpp"], check=True)
         if sources(folder) != ["ncp/a.hpp"]:
             yield "untracked files are looked at"
-        write(folder, {"README.md": "```cpp\nint a;\n```\n", "tests/packaging/consumer/example.cpp": "int a;\n"})
+        write(folder, {"docs/cpp.md": "```cpp\nint a;\n```\n", "tests/packaging/consumer/example.cpp": "int a;\n"})
         yield from readme(folder)
         write(folder, {"tests/packaging/consumer/example.cpp": "int b;\n"})
         if not list(readme(folder)):
-            yield "another example is taken for the README's"
+            yield "another example is taken for that of docs/cpp.md"
     with tempfile.TemporaryDirectory() as folder:
         text = "`lcp/a.cpp`, `a.cpp`, lcp/METHOD.hpp, `x/*.cpp`, in b.hpp\n"
         write(folder, {"README.md": text, "lcp/README.md": text, "lcp/a.cpp": "f();  // as in b.hpp\n", "lcp/b.hpp": "\n"})
         wanted = ["README.md:1: there is no file a.cpp", "README.md:1: there is no file b.hpp"]
         if list(paths(folder)) != wanted:
             yield f"{list(paths(folder))} instead of {wanted}"
+    with tempfile.TemporaryDirectory() as folder:
+        text = "# A heading's words\n[a](a.md#a-headings-words) [b](b.md) [c](#a-heading) [d](https://e.org/b.md)\n"
+        write(folder, {"a.md": text})
+        if list(links(folder)) != ["a.md: there is no b.md", "a.md: a.md has no heading a-heading"]:
+            yield f"{list(links(folder))}: not the two links that lead nowhere"
     if shutil.which("clang-format"):
         with tempfile.TemporaryDirectory() as folder:
             write(folder, {".clang-format": "BasedOnStyle: Google\n", "a.cpp": "int a ;\n", "b.cpp": "int b;\n"})

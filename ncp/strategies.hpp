@@ -1,34 +1,21 @@
 #pragma once
-/// The methods behind solve(), within a run; private to ncp/.
+/// What is made of the loops, within a run; private to ncp/.
 #include <functional>
 #include <optional>
 #include <vector>
 
-#include "ncp/run.hpp"
+#include "ncp/kernels.hpp"
 #include "ncp/scaling.hpp"
 #include "ncp/solve.hpp"
 
 namespace perp::ncp {
 
-// The loops: from `point`, F and J known there, until the run ends.
-void semismooth_newton(Run& run, const SemismoothNewton& method, Point point);
-void min_newton(Run& run, const MinNewton& method, Point point);
-void smoothing(Run& run, const Smoothing& method, Point point);
-void interior_point(Run& run, const InteriorPoint& method, Point point);
-void newton_josephy(Run& run, const NewtonJosephy& method, Point point);
-void newton_robinson(Run& run, const NewtonRobinson& method, Point point);
-void multiroot(Run& run, const Multiroot& method, Point point);
-/// One attempt, from one start with one set of options. Leaves the cells of the last linearised problem that was
-/// solved.
-void path_search(Run& run, const PathSearch& method, Point point);
-
-/// One of these.
+/// One of the loops.
 void run_loop(Run& run, Point point, const Method& method);
 
 /// PathSearch with its restarts.
 void path_attempts(Run& run, In x0, const PathSearch& method);
 void automatic(Run& run, In x0, const Auto& method);
-void affine(Run& run, In x0, const Affine& method);
 
 /// The method's loop from x0: no presolve, restarts, rescalings, escapes.
 void run_once(Run& run, In x0, const Method& method);
