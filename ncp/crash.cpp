@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "lcp/blocks.hpp"
+#include "ncp/line_search.hpp"
 #include "ncp/normal_map.hpp"
 
 namespace perp::ncp {

@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "ncp/affine.hpp"
-#include "ncp/counted_mcp.hpp"
+#include "ncp/kernels.hpp"
 #include "ncp/presets.hpp"
 #include "ncp/solve.hpp"
 
