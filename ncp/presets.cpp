@@ -100,7 +100,7 @@ std::vector<Preset> all_published() {
        "Ferris, Kanzow & Munson, Math. Programming 86 (1999) 475", path_documented(0)},
       {"path-three-restarts", "path-one-attempt with the three restarts that PATH documents",
        "Ferris & Munson, PATH 4.7 (option restart_limit)", path_documented(3)},
-      {"miles-1997", "miles, all linear problems by Lemke's method", "Rutherford, MILES (1993)", miles_published()},
+      {"miles-1997", "miles, every linearised problem by Lemke's method", "Rutherford, MILES (1993)", miles_published()},
       {"nesqp-1997", "nesqp, which is as published", "Pang & Gabriel, Math. Programming 60 (1993) 295", nesqp()},
       {"qpcomp-1997", "qpcomp without rescalings", "Billups & Ferris, Math. Programming 76 (1997) 533",
        escaping_published(nesqp())},
