@@ -47,7 +47,7 @@ void describe(Escape& e, Fields& f) {
 void describe(lcp::LemkeOptions& l, Fields& f) {
   using lcp::Cover;
   describe_lu(l.basis.lu, f);
-  f.add("minor_iteration_limit", &l.max_pivots, at_least(1),
+  f.add("minor_iteration_limit", &l.max_pivots, at_least(0),
         "pivots of one linearised problem, at most 1000 + 20 n of them; or of Lemke's method on an affine one",
         "max_pivots");
   f.choice("lemke_cover", &l.cover, {{"ones", Cover::Ones}, {"generic", Cover::Generic}, {"spread", Cover::Spread}},

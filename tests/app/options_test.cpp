@@ -61,7 +61,7 @@ std::string another_value(const ncp::Field& field) {
             value = *target;
           else
             value = target->count();
-          for (const double other : {value / 2, 2 * value, 0.25, 3.0})
+          for (const double other : {value / 2, 2 * value, 0.25, (field.range.low + field.range.high) / 2})
             if (other != value && std::isfinite(other) && field.range.has(other)) return fmt::format("{}", other);
           return "";
         } else {

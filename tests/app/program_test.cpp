@@ -110,13 +110,15 @@ std::string offered(const std::string& words) {
 }
 
 TEST(Help, CompletionKnowsMethodsOptionsAndLevels) {
-  for (const char* words : {"solve --method ''", "methods --show ''"})
-    for (const MethodEntry& entry : methods()) EXPECT_THAT(offered(words), HasSubstr(fmt::format(" {} ", entry.name)));
-  EXPECT_THAT(offered("solve --method ''"), testing::Not(HasSubstr("first")));
+  for (const char* words : {"solve --method ''", "methods --show ''"}) {
+    const std::string names = offered(words);
+    for (const MethodEntry& entry : methods()) EXPECT_THAT(names, HasSubstr(fmt::format(" {} ", entry.name)));
+    EXPECT_THAT(names, testing::Not(HasSubstr("first")));
+  }
   const std::string keys = offered("solve --option ''");
   for (const Option& option : options()) EXPECT_THAT(keys, HasSubstr(fmt::format(" {}= ", option.key)));
-  for (const std::string_view level : log_level_names())
-    EXPECT_THAT(offered("solve --log-level ''"), HasSubstr(fmt::format(" {} ", level)));
+  const std::string levels = offered("solve --log-level ''");
+  for (const std::string_view level : log_level_names()) EXPECT_THAT(levels, HasSubstr(fmt::format(" {} ", level)));
 }
 
 // Would catch an option of another method, or the default of one that has no effect.
