@@ -4,7 +4,7 @@
 includes   who may include whom (CONTRIBUTING.md, "The folders")
 length     no source file beyond 500 lines
 format     clang-format (the major version below, else skipped) would change nothing
-readme     the C++ example of README.md is the one the packaging test builds and runs
+readme     the C++ examples of README.md and contact/README.md are those the packaging test builds and runs
 paths      files that texts and comments name exist, seen from the root or from where they are named
 self-test  each check reports a tree that breaks its rule
 
@@ -96,10 +96,17 @@ def format_(root):
         yield f"{program}: {run.stderr.strip()}"
 
 
+EXAMPLES = {
+    "README.md": "tests/packaging/consumer/example.cpp",
+    "contact/README.md": "tests/packaging/consumer/contact.cpp",
+}
+
+
 def readme(root):
-    example = (Path(root) / "tests/packaging/consumer/example.cpp").read_text(encoding="utf-8")
-    if f"```cpp\n{example}```" not in (Path(root) / "README.md").read_text(encoding="utf-8"):
-        yield "README.md: its example is not tests/packaging/consumer/example.cpp"
+    for page, source in EXAMPLES.items():
+        example = (Path(root) / source).read_text(encoding="utf-8")
+        if f"```cpp\n{example}```" not in (Path(root) / page).read_text(encoding="utf-8"):
+            yield f"{page}: its example is not {source}"
 
 
 # folder/file.py, and of sources also file.cpp. Names in capitals (ncp/METHOD.cpp) stand for any file, with * for some.
@@ -186,10 +193,10 @@ def self_test(_):
         subprocess.run(["git", "-C", folder, "add", "ncp/a.hpp"], check=True)
         if sources(folder) != ["ncp/a.hpp"]:
             yield "untracked files are looked at"
-        write(folder, {"README.md": "```cpp\nint a;\n```\n", "tests/packaging/consumer/example.cpp": "int a;\n"})
+        write(folder, dict.fromkeys(EXAMPLES, "```cpp\nint a;\n```\n") | dict.fromkeys(EXAMPLES.values(), "int a;\n"))
         yield from readme(folder)
-        write(folder, {"tests/packaging/consumer/example.cpp": "int b;\n"})
-        if not list(readme(folder)):
+        write(folder, dict.fromkeys(EXAMPLES.values(), "int b;\n"))
+        if len(list(readme(folder))) != len(EXAMPLES):
             yield "another example is taken for the README's"
     with tempfile.TemporaryDirectory() as folder:
         text = "`lcp/a.cpp`, `a.cpp`, lcp/METHOD.hpp, `x/*.cpp`, in b.hpp\n"
