@@ -4,11 +4,34 @@ include(CMakePackageConfigHelpers)
 
 # The public headers: these, and what they include. Those left are the folders' own.
 set(perp_public_headers
+  contact/affine_encoding.hpp
+  contact/alart_curnier.hpp
+  contact/ball.hpp
+  contact/bilateral.hpp
   contact/dat_file.hpp
+  contact/existence.hpp
   contact/facts.hpp
   contact/fclib.hpp
+  contact/first_ncp.hpp
+  contact/frictionless.hpp
+  contact/gauss_seidel.hpp
+  contact/generators.hpp
+  contact/glocker.hpp
+  contact/homotopy.hpp
+  contact/infeasible.hpp
+  contact/inner_faceting.hpp
+  contact/moreau_jean.hpp
+  contact/outer_faceting.hpp
+  contact/polygon.hpp
+  contact/problem.hpp
   contact/read.hpp
   contact/residual.hpp
+  contact/rigid_bodies.hpp
+  contact/run.hpp
+  contact/scaling.hpp
+  contact/solve.hpp
+  contact/units.hpp
+  contact/variant.hpp
   lcp/block_triangular.hpp
   lcp/blocks.hpp
   lcp/cholesky.hpp

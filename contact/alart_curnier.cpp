@@ -72,11 +72,8 @@ bool AlartCurnier::step(In r, In centre, double alpha, Vec& to) {
   std::vector<int> owner(at(r.size()));
   for (std::size_t a = 0; a < local.size(); ++a) {
     const Scaled::Block& block = problem_.blocks[a];
-    Eigen::Vector3d r_a = Eigen::Vector3d::Zero();
-    Eigen::Vector3d u_a = Eigen::Vector3d::Zero();
-    r_a.head(block.size) = r.segment(block.first, block.size);
-    u_a.head(block.size) = u.segment(block.first, block.size);
-    local[a] = alart_curnier_rows(block.size, r_a, u_a, rho_N_[static_cast<Index>(a)], rho_T_[static_cast<Index>(a)]);
+    const auto index = static_cast<Index>(a);
+    local[a] = alart_curnier_rows(block.size, block.of(r), block.of(u), rho_N_[index], rho_T_[index]);
     rhs.segment(block.first, block.size) = local[a].c.head(block.size);
     for (int i = 0; i < block.size; ++i) owner[at(block.first + i)] = static_cast<int>(a);
   }

@@ -57,10 +57,8 @@ double GaussSeidel::sweep(Vec& r, Vec& u) const {
   double change = 0;
   for (std::size_t a = 0; a < diagonal_.size(); ++a) {
     const Scaled::Block& block = problem_.blocks[a];
-    Eigen::Vector3d before = Eigen::Vector3d::Zero();
-    Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
-    before.head(block.size) = r.segment(block.first, block.size);
-    velocity.head(block.size) = u.segment(block.first, block.size);
+    const Eigen::Vector3d before = block.of(r);
+    const Eigen::Vector3d velocity = block.of(u);
     const Eigen::Vector3d after =
         local(block.size, diagonal_[a], inverse_[a], velocity - diagonal_[a] * before, before);
     const Eigen::Vector3d d = after - before;

@@ -1,6 +1,7 @@
 #include "contact/homotopy.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -23,18 +24,125 @@ constexpr double diagonal_term = 1e-14;
 constexpr double vanishing_step = 1e-7;
 constexpr int vanishing_steps = 3;
 
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
-
 }  // namespace
+
+/// z >= 0 and w >= 0 whose products tend to zero: r_N and w_N; kappa_i and w_i, the facets' first, the disk's last.
+struct Pairs {
+  std::array<double, 5> z{};
+  std::array<double, 5> w{};
+};
+
+/// A facet, or the disk, i: sigma changes by gradient.dr + s dkappa, and c is kappa's factor in u_T + sum c_i kappa_i.
+struct Side {
+  double sigma = 0;
+  Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
+  double s = 0;
+  Eigen::Vector2d c = Eigen::Vector2d::Zero();
+};
+constexpr std::size_t disk = 3;  // its place among the sides
+
+/// One contact and its part of Newton's step: block() once for each matrix, rhs() and recover() for each direction.
+struct Homotopy::Contact : Scaled::Block {
+  Pairs at{};
+  Eigen::Vector3d r = Eigen::Vector3d::Zero();
+  Eigen::Vector3d u = Eigen::Vector3d::Zero();
+
+  std::size_t sides() const { return size == 3 ? 4 : size == 2 ? 2 : 0; }
+  void evaluate(double delta, double eps);
+  Eigen::Matrix3d block();
+  Eigen::Vector3d rhs(double target, const Pairs* affine);
+  Pairs recover(const Eigen::Vector3d& dr) const;
+  double change(std::size_t i, const Eigen::Vector3d& dr) const;
+
+  std::array<Side, 4> side{};  // of evaluate()
+  SmoothNormal normal{};
+  std::array<double, 4> D{};  // of block(): dsigma_i + D_i dkappa_i = h_i, dsigma_i by dr, w eliminated
+  std::array<double, 4> h{};  // of rhs()
+  std::array<double, 5> p{};  // of rhs(): z dw + w dz = z p
+};
+
+struct Homotopy::Direction {
+  Vec r;
+  std::vector<Pairs> of;
+};
+
+void Homotopy::Contact::evaluate(double delta, double eps) {
+  for (std::size_t i = 0; i < std::min(sides(), disk); ++i) {
+    const auto& e = facet_normal(size, i);
+    side[i] = {.sigma = r[0] - e[0] * r[1] - e[1] * r[2] + eps * at.z[i + 1],
+               .gradient = {1, -e[0], -e[1]},
+               .s = eps,
+               .c = {e[0], e[1]}};
+  }
+  if (size < 3) return;
+  normal = smooth_normal(r[0], delta);
+  const auto [g, slope] = normal;
+  const Eigen::Vector2d r_T = r.tail<2>();
+  const double square = r_T.squaredNorm();
+  side[disk].sigma = g - square / g;
+  side[disk].gradient[0] = slope * (1 + square / (g * g));  // change() has the rest
+  side[disk].c = 2 * r_T / g;
+}
+
+/// B of u_T + sum c_i kappa_i = 0 with dkappa_i = (h_i - dsigma_i) / D_i, and of w_N.
+Eigen::Matrix3d Homotopy::Contact::block() {
+  Eigen::Matrix3d B = Eigen::Matrix3d::Zero();
+  B(0, 0) = at.w[0] / at.z[0];
+  for (std::size_t i = 0; i < sides(); ++i) D[i] = side[i].s + at.w[i + 1] / at.z[i + 1];
+  for (std::size_t i = 0; i < std::min(sides(), disk); ++i)
+    B.bottomRows<2>() -= side[i].c * side[i].gradient.transpose() / D[i];
+  if (size < 3) return B;
+  const double kappa_D = at.z[disk + 1];
+  const double a = side[disk].gradient[0];
+  const Eigen::Vector2d& b = side[disk].c;
+  const auto [g, slope] = normal;
+  B.bottomLeftCorner<2, 1>() -= b * a / D[disk] + b * kappa_D * slope / g;
+  B.bottomRightCorner<2, 2>() += b * 2 * r.tail<2>().transpose() / g / D[disk];
+  B.diagonal().tail<2>().array() += 2 * kappa_D / g;
+  return B;
+}
+
+/// Towards products `target`, with the second-order terms of `affine` if there is one.
+Eigen::Vector3d Homotopy::Contact::rhs(double target, const Pairs* affine) {
+  for (std::size_t i = 0; i <= sides(); ++i) {
+    const double second = affine != nullptr ? affine->z[i] * affine->w[i] : 0;
+    p[i] = (target - at.z[i] * at.w[i] - second) / at.z[i];
+  }
+  Eigen::Vector3d rhs = -u;
+  rhs[0] = -(u[0] - at.w[0]) + p[0];
+  for (std::size_t i = 0; i < sides(); ++i) {
+    h[i] = -(side[i].sigma - at.w[i + 1]) + p[i + 1];
+    rhs.tail<2>() -= side[i].c * (at.z[i + 1] + h[i] / D[i]);
+  }
+  return rhs;
+}
+
+/// gradient_i.dr.
+double Homotopy::Contact::change(std::size_t i, const Eigen::Vector3d& dr) const {
+  const Eigen::Vector3d& a = side[i].gradient;
+  if (i == disk) return a[0] * dr[0] - 2 / normal.g * r.tail<2>().dot(dr.tail<2>());
+  return a[0] * dr[0] + a[1] * dr[1] + a[2] * dr[2];
+}
+
+Pairs Homotopy::Contact::recover(const Eigen::Vector3d& dr) const {
+  Pairs d;
+  d.z[0] = dr[0];
+  for (std::size_t i = 0; i < sides(); ++i) d.z[i + 1] = (h[i] - change(i, dr)) / D[i];
+  for (std::size_t i = 0; i <= sides(); ++i) d.w[i] = p[i] - at.w[i] / at.z[i] * d.z[i];
+  return d;
+}
 
 Homotopy::Homotopy(const Scaled& problem, const HomotopyOptions& options, std::shared_ptr<lcp::SparseLu> lu)
     : problem_(problem),
       options_(options),
       K_(problem.W),
       lu_(lu != nullptr ? std::move(lu) : std::make_shared<lcp::SparseLu>(options.lu)) {
-  of_.resize(problem.blocks.size());
+  r_ = Vec::Zero(problem.size());
   for (const Scaled::Block& block : problem.blocks) {
-    products_ += 1 + multipliers(block.size);
+    Contact& c = contacts_.emplace_back(Contact{block});
+    c.at.z.fill(1);
+    r_[block.first] = 1;
+    products_ += 1 + static_cast<Index>(c.sides());
     for (int j = 0; j < block.size; ++j) {
       const Index col = block.first + j;
       const int* begin = K_.innerIndexPtr() + K_.outerIndexPtr()[col];
@@ -46,19 +154,17 @@ Homotopy::Homotopy(const Scaled& problem, const HomotopyOptions& options, std::s
       }
     }
   }
-  r_ = Vec::Zero(problem.size());
-  for (const Scaled::Block& block : problem.blocks) r_[block.first] = 1;
   tau_ = 1;
   begin();
-  for (std::size_t a = 0; a < of_.size(); ++a) {
-    const Scaled::Block& block = problem_.blocks[a];
-    Multipliers& m = of_[a];
-    m.kappa.fill(1);
-    m.w_N = std::max(u_[block.first], 1.0);
-    for (int i = 0; i < multipliers(block.size); ++i) m.w[at(i)] = std::max(sigma(r_, block, m, i), 1.0);
+  for (Contact& c : contacts_) {
+    c.evaluate(delta_, eps_);
+    c.at.w[0] = std::max(c.u[0], 1.0);
+    for (std::size_t i = 0; i < c.sides(); ++i) c.at.w[i + 1] = std::max(c.side[i].sigma, 1.0);
   }
-  tau_ = gap(r_, of_);
+  tau_ = mean();
 }
+
+Homotopy::~Homotopy() = default;
 
 void Homotopy::start(In r, double tau) {
   r_ = r;
@@ -72,19 +178,7 @@ void Homotopy::begin() {
   last_step_ = 1;
   short_steps_ = 0;
   parameters();
-  u_ = problem_.W * r_ + problem_.q;
-}
-
-double Homotopy::sigma(const Vec& r, const Scaled::Block& block, const Multipliers& m, int i) const {
-  const double N = r[block.first];
-  const double T1 = r[block.first + 1];
-  const double T2 = block.size == 3 ? r[block.first + 2] : 0;
-  if (i < facets(block.size)) {
-    const auto& e = facet_normal(block.size, at(i));
-    return N - e[0] * T1 - e[1] * T2 + eps_ * m.kappa[at(i)];
-  }
-  const double g = smooth_normal(N, delta_).g;
-  return g - (T1 * T1 + T2 * T2) / g;
+  spread();
 }
 
 void Homotopy::parameters() {
@@ -92,174 +186,98 @@ void Homotopy::parameters() {
   eps_ = options_.eps_share * tau_;
 }
 
+/// u = W r + q, and its part of both to every contact.
+void Homotopy::spread() {
+  u_ = problem_.W * r_ + problem_.q;
+  for (Contact& c : contacts_) {
+    c.at.z[0] = r_[c.first];
+    c.r = c.of(r_);
+    c.u = c.of(u_);
+  }
+}
+
 /// Products about tau at r, w >= F: where one factor is far from zero the other is tau over it, both are sqrt(tau)
 /// where neither is. kappa_D begins at |u_T| g / (2 |r_T|), what it is where the contact slips.
 void Homotopy::centre(double tau) {
   const double root = std::sqrt(tau);
-  const auto pair = [&](double& z, double& w, double F) {
-    w = std::max(F, tau / std::max(z, root));
-    z = std::max(z, tau / std::max(w, root));
+  const auto pair = [&](Pairs& at, std::size_t i, double F) {
+    at.w[i] = std::max(F, tau / std::max(at.z[i], root));
+    at.z[i] = std::max(at.z[i], tau / std::max(at.w[i], root));
   };
-  for (std::size_t a = 0; a < of_.size(); ++a) {
-    const Scaled::Block& block = problem_.blocks[a];
-    const Index N = block.first;
-    Multipliers& m = of_[a];
-    pair(r_[N], m.w_N, u_[N]);
-    for (int i = 0; i < multipliers(block.size); ++i) {
-      m.kappa[at(i)] = 0;
-      if (i == facets(block.size)) {
-        const double length = r_.segment(N + 1, 2).norm();
-        if (length > 0) m.kappa[at(i)] = u_.segment(N + 1, 2).norm() * smooth_normal(r_[N], delta_).g / (2 * length);
-      }
-      const double sigma_i = sigma(r_, block, m, i);
-      pair(m.kappa[at(i)], m.w[at(i)], sigma_i);
-    }
+  for (Contact& c : contacts_) {
+    pair(c.at, 0, c.u[0]);
+    c.r[0] = r_[c.first] = c.at.z[0];
+    std::fill(c.at.z.begin() + 1, c.at.z.end(), 0);
+    if (const double length = c.r.tail<2>().norm(); c.size == 3 && length > 0)
+      c.at.z[4] = c.u.tail<2>().norm() * smooth_normal(c.r[0], delta_).g / (2 * length);
+    c.evaluate(delta_, eps_);
+    for (std::size_t i = 0; i < c.sides(); ++i) pair(c.at, i + 1, c.side[i].sigma);
   }
-  u_ = problem_.W * r_ + problem_.q;
-  tau_ = gap(r_, of_);
+  spread();
+  tau_ = mean();
 }
 
-/// The mean product.
-double Homotopy::gap(const Vec& r, const std::vector<Multipliers>& of) const {
+/// Of the products.
+double Homotopy::mean() const {
   double sum = 0;
-  for (std::size_t a = 0; a < of.size(); ++a) {
-    const Scaled::Block& block = problem_.blocks[a];
-    sum += r[block.first] * of[a].w_N;
-    for (int i = 0; i < multipliers(block.size); ++i) sum += of[a].kappa[at(i)] * of[a].w[at(i)];
-  }
+  for (const Contact& c : contacts_)
+    for (std::size_t i = 0; i <= c.sides(); ++i) sum += c.at.z[i] * c.at.w[i];
   return products_ > 0 ? sum / static_cast<double>(products_) : 0;
 }
 
-/// K = W + the diagonal blocks that the eliminated multipliers leave, and its factors.
+/// K = W + the blocks that the eliminated multipliers leave, and its factors.
 bool Homotopy::assemble() {
   std::size_t k = 0;
-  double* values = K_.valuePtr();
-  for (std::size_t a = 0; a < of_.size(); ++a) {
-    const Scaled::Block& block = problem_.blocks[a];
-    const Multipliers& m = of_[a];
-    std::array<std::array<double, 3>, 3> B{};  // B[row][column]
-    B[0][0] = m.w_N / r_[block.first];
-    if (block.size > 1) {
-      const int tangents = block.size - 1;
-      for (int f = 0; f < facets(block.size); ++f) {
-        const auto& e = facet_normal(block.size, at(f));
-        const double D = eps_ + m.w[at(f)] / m.kappa[at(f)];
-        for (int i = 0; i < tangents; ++i) {
-          B[at(i + 1)][0] -= e[at(i)] / D;
-          for (int j = 0; j < tangents; ++j) B[at(i + 1)][at(j + 1)] += e[at(i)] * e[at(j)] / D;
-        }
-      }
-    }
-    if (block.size == 3) {
-      const SmoothNormal d = smooth_normal(r_[block.first], delta_);
-      const double T[2] = {r_[block.first + 1], r_[block.first + 2]};
-      const double D = m.w[3] / m.kappa[3];
-      const double dN = d.slope * (1 + (T[0] * T[0] + T[1] * T[1]) / (d.g * d.g));
-      for (int i = 0; i < 2; ++i) {
-        const double b = 2 * T[i] / d.g;
-        B[at(i + 1)][0] -= b * dN / D + b * m.kappa[3] * d.slope / d.g;
-        for (int j = 0; j < 2; ++j) B[at(i + 1)][at(j + 1)] += b * 2 * T[j] / d.g / D;
-        B[at(i + 1)][at(i + 1)] += 2 * m.kappa[3] / d.g;
-      }
-    }
-    for (int j = 0; j < block.size; ++j)
-      for (int i = 0; i < block.size; ++i, ++k)
-        values[block_entries_[k]] = W_diagonal_[k] + B[at(i)][at(j)] + (i == j ? diagonal_term : 0);
+  for (Contact& c : contacts_) {
+    c.evaluate(delta_, eps_);
+    const Eigen::Matrix3d B = c.block();
+    for (int j = 0; j < c.size; ++j)
+      for (int i = 0; i < c.size; ++i, ++k)
+        K_.valuePtr()[block_entries_[k]] = W_diagonal_[k] + B(i, j) + (i == j ? diagonal_term : 0);
   }
   ++factorizations_;
   return lu_->try_factor(K_);
 }
 
 /// Newton's direction towards products `target`, with the second-order terms of `affine` if there is one.
-Homotopy::Direction Homotopy::direction(double target, const Direction* affine) const {
-  Direction d{.r = Vec(r_.size()), .of = std::vector<Multipliers>(of_.size())};
+Homotopy::Direction Homotopy::direction(double target, const Direction* affine) {
+  Direction d{.r = Vec(r_.size()), .of = std::vector<Pairs>(contacts_.size())};
   Vec rhs(r_.size());
-  std::vector<std::array<double, 4>> local(of_.size());  // right-hand sides of the multipliers' rows
-  const auto product = [&](double z, double w, double dz, double dw) {
-    return (target - z * w - (affine != nullptr ? dz * dw : 0)) / z;
-  };
-  for (std::size_t a = 0; a < of_.size(); ++a) {
-    const Scaled::Block& block = problem_.blocks[a];
-    const Multipliers& m = of_[a];
-    const Index N = block.first;
-    const Multipliers* second = affine != nullptr ? &affine->of[a] : nullptr;
-    rhs[N] = -(u_[N] - m.w_N) + product(r_[N], m.w_N, second ? affine->r[N] : 0, second ? second->w_N : 0);
-    const int tangents = block.size - 1;
-    for (int i = 0; i < tangents; ++i) rhs[N + 1 + i] = -u_[N + 1 + i];
-    for (int i = 0; i < multipliers(block.size); ++i)
-      local[a][at(i)] =
-          -(sigma(r_, block, m, i) - m.w[at(i)]) +
-          product(m.kappa[at(i)], m.w[at(i)], second ? second->kappa[at(i)] : 0, second ? second->w[at(i)] : 0);
-    for (int f = 0; tangents > 0 && f < facets(block.size); ++f) {
-      const double D = eps_ + m.w[at(f)] / m.kappa[at(f)];
-      const auto& e = facet_normal(block.size, at(f));
-      for (int i = 0; i < tangents; ++i) rhs[N + 1 + i] -= e[at(i)] * (m.kappa[at(f)] + local[a][at(f)] / D);
-    }
-    if (block.size == 3) {
-      const double g = smooth_normal(r_[N], delta_).g;
-      const double D = m.w[3] / m.kappa[3];
-      for (int i = 0; i < 2; ++i) rhs[N + 1 + i] -= 2 * r_[N + 1 + i] / g * (m.kappa[3] + local[a][3] / D);
-    }
+  for (std::size_t a = 0; a < contacts_.size(); ++a) {
+    Contact& c = contacts_[a];
+    rhs.segment(c.first, c.size) = c.rhs(target, affine != nullptr ? &affine->of[a] : nullptr).head(c.size);
   }
   lu_->solve(rhs, d.r);
-  for (std::size_t a = 0; a < of_.size(); ++a) {
-    const Scaled::Block& block = problem_.blocks[a];
-    const Multipliers& m = of_[a];
-    const Index N = block.first;
-    const Multipliers* second = affine != nullptr ? &affine->of[a] : nullptr;
-    const auto slack = [&](double z, double w, double dz, double affine_dz, double affine_dw) {
-      return product(z, w, affine_dz, affine_dw) - w / z * dz;
-    };
-    d.of[a].w_N = slack(r_[N], m.w_N, d.r[N], second ? affine->r[N] : 0, second ? second->w_N : 0);
-    for (int i = 0; i < multipliers(block.size); ++i) {
-      double change = 0;  // of sigma_i by dr
-      double D = m.w[at(i)] / m.kappa[at(i)];
-      if (i < facets(block.size)) {
-        const auto& e = facet_normal(block.size, at(i));
-        change = d.r[N] - e[0] * d.r[N + 1] - (block.size == 3 ? e[1] * d.r[N + 2] : 0);
-        D += eps_;
-      } else {
-        const SmoothNormal k = smooth_normal(r_[N], delta_);
-        const double T1 = r_[N + 1], T2 = r_[N + 2];
-        change =
-            k.slope * (1 + (T1 * T1 + T2 * T2) / (k.g * k.g)) * d.r[N] - 2 / k.g * (T1 * d.r[N + 1] + T2 * d.r[N + 2]);
-      }
-      d.of[a].kappa[at(i)] = (local[a][at(i)] - change) / D;
-      d.of[a].w[at(i)] = slack(m.kappa[at(i)], m.w[at(i)], d.of[a].kappa[at(i)], second ? second->kappa[at(i)] : 0,
-                               second ? second->w[at(i)] : 0);
-    }
+  for (std::size_t a = 0; a < contacts_.size(); ++a) {
+    const Contact& c = contacts_[a];
+    d.of[a] = c.recover(c.of(d.r));
   }
   return d;
+}
+
+/// take(z, w, dz, dw) of every product.
+template <class Take>
+void Homotopy::for_pairs(const Direction& d, const Take& take) const {
+  for (std::size_t a = 0; a < contacts_.size(); ++a)
+    for (std::size_t i = 0; i <= contacts_[a].sides(); ++i)
+      take(contacts_[a].at.z[i], contacts_[a].at.w[i], d.of[a].z[i], d.of[a].w[i]);
 }
 
 /// The step to the boundary, at most one.
 double Homotopy::reach(const Direction& d) const {
   double alpha = 1;
-  const auto limit = [&alpha](double value, double change) {
-    if (change < 0) alpha = std::min(alpha, -value / change);
-  };
-  for (std::size_t a = 0; a < of_.size(); ++a) {
-    const Scaled::Block& block = problem_.blocks[a];
-    limit(r_[block.first], d.r[block.first]);
-    limit(of_[a].w_N, d.of[a].w_N);
-    for (int i = 0; i < multipliers(block.size); ++i) {
-      limit(of_[a].kappa[at(i)], d.of[a].kappa[at(i)]);
-      limit(of_[a].w[at(i)], d.of[a].w[at(i)]);
-    }
-  }
+  for_pairs(d, [&alpha](double z, double w, double dz, double dw) {
+    if (dz < 0) alpha = std::min(alpha, -z / dz);
+    if (dw < 0) alpha = std::min(alpha, -w / dw);
+  });
   return alpha;
 }
 
 /// The mean product after a step.
 double Homotopy::mean_after(const Direction& d, double alpha) const {
   double sum = 0;
-  for (std::size_t a = 0; a < of_.size(); ++a) {
-    const Scaled::Block& block = problem_.blocks[a];
-    sum += (r_[block.first] + alpha * d.r[block.first]) * (of_[a].w_N + alpha * d.of[a].w_N);
-    for (int i = 0; i < multipliers(block.size); ++i)
-      sum += (of_[a].kappa[at(i)] + alpha * d.of[a].kappa[at(i)]) * (of_[a].w[at(i)] + alpha * d.of[a].w[at(i)]);
-  }
-  return products_ > 0 ? sum / static_cast<double>(products_) : 0;
+  for_pairs(d, [&](double z, double w, double dz, double dw) { sum += (z + alpha * dz) * (w + alpha * dw); });
+  return sum / static_cast<double>(products_);
 }
 
 /// alpha x 0.8, at most a few times, until the least product is no less than `neighbourhood` times the mean.
@@ -267,16 +285,11 @@ double Homotopy::shortened(const Direction& d, double alpha) const {
   for (int k = 0; k < neighbourhood_cuts; ++k, alpha *= cut) {
     double sum = 0;
     double least = std::numeric_limits<double>::infinity();
-    const auto take = [&](double product) {
+    for_pairs(d, [&](double z, double w, double dz, double dw) {
+      const double product = (z + alpha * dz) * (w + alpha * dw);
       sum += product;
       least = std::min(least, product);
-    };
-    for (std::size_t a = 0; a < of_.size(); ++a) {
-      const Scaled::Block& block = problem_.blocks[a];
-      take((r_[block.first] + alpha * d.r[block.first]) * (of_[a].w_N + alpha * d.of[a].w_N));
-      for (int i = 0; i < multipliers(block.size); ++i)
-        take((of_[a].kappa[at(i)] + alpha * d.of[a].kappa[at(i)]) * (of_[a].w[at(i)] + alpha * d.of[a].w[at(i)]));
-    }
+    });
     if (least >= options_.neighbourhood * sum / static_cast<double>(products_)) break;
   }
   return alpha;
@@ -296,15 +309,13 @@ bool Homotopy::step() {
   if (!d.r.allFinite()) return false;
   const double alpha = shortened(d, std::min(1.0, options_.to_boundary * reach(d)));
   r_ += alpha * d.r;
-  for (std::size_t a = 0; a < of_.size(); ++a) {
-    of_[a].w_N += alpha * d.of[a].w_N;
-    for (std::size_t i = 0; i < 4; ++i) {
-      of_[a].kappa[i] += alpha * d.of[a].kappa[i];
-      of_[a].w[i] += alpha * d.of[a].w[i];
+  for (std::size_t a = 0; a < contacts_.size(); ++a)
+    for (std::size_t i = 0; i <= contacts_[a].sides(); ++i) {
+      contacts_[a].at.z[i] += alpha * d.of[a].z[i];
+      contacts_[a].at.w[i] += alpha * d.of[a].w[i];
     }
-  }
-  u_ = problem_.W * r_ + problem_.q;
-  tau_ = gap(r_, of_);
+  spread();
+  tau_ = mean();
   last_step_ = alpha;
   last_ = {.k = last_.k + 1, .tau = tau_, .step = alpha, .sigma = sigma};
   short_steps_ = alpha < vanishing_step ? short_steps_ + 1 : 0;

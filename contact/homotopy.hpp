@@ -12,7 +12,6 @@
 /// entries of W:
 ///     (W + diag(B_a)) dr = rhs.
 /// Predictor, corrector and step lengths as in ncp/interior_point.hpp, without any search on the residual.
-#include <array>
 #include <memory>
 #include <vector>
 
@@ -44,6 +43,9 @@ class Homotopy {
   /// the options have it.
   explicit Homotopy(const Scaled& problem, const HomotopyOptions& options = {},
                     std::shared_ptr<lcp::SparseLu> lu = nullptr);
+  ~Homotopy();
+  Homotopy(const Homotopy&) = delete;
+  Homotopy& operator=(const Homotopy&) = delete;
   /// From near r, with products about tau: for warm starts.
   void start(In r, double tau);
 
@@ -56,25 +58,17 @@ class Homotopy {
   int factorizations() const { return factorizations_; }
 
  private:
-  /// Multipliers, their slacks, and w_N. Facets first, then the disk.
-  struct Multipliers {
-    double w_N = 0;
-    std::array<double, 4> kappa{};
-    std::array<double, 4> w{};
-  };
-  struct Direction {
-    Vec r;
-    std::vector<Multipliers> of;
-  };
-  static int facets(int size) { return size; }  // of a contact with friction: 2 in 2D, 3 in 3D
-  static int multipliers(int size) { return size == 3 ? 4 : size == 2 ? 2 : 0; }
-  double sigma(const Vec& r, const Scaled::Block& block, const Multipliers& m, int i) const;
+  struct Contact;
+  struct Direction;
   void begin();
   void centre(double tau);
   void parameters();
-  double gap(const Vec& r, const std::vector<Multipliers>& of) const;
+  void spread();
+  double mean() const;
+  template <class Take>
+  void for_pairs(const Direction& d, const Take& take) const;
   bool assemble();
-  Direction direction(double target, const Direction* affine) const;
+  Direction direction(double target, const Direction* affine);
   double reach(const Direction& d) const;
   double mean_after(const Direction& d, double alpha) const;
   double shortened(const Direction& d, double alpha) const;
@@ -83,7 +77,7 @@ class Homotopy {
   HomotopyOptions options_;
   double tau_ = 1, delta_ = 0.1, eps_ = 0.1;
   Vec r_, u_;
-  std::vector<Multipliers> of_;
+  std::vector<Contact> contacts_;
   Index products_ = 0;
   SpMat K_;
   std::vector<Index> block_entries_;  // places of the diagonal blocks in K's values, column by column

@@ -7,6 +7,7 @@
 
 #include "contact/conic_nnls.hpp"
 #include "contact/infeasible.hpp"
+#include "lcp/kernel_clock.hpp"
 #include "lcp/solve.hpp"
 
 namespace perp::contact {
@@ -185,7 +186,7 @@ std::vector<Index> Search::frictionless_ray(const std::vector<Index>& part, cons
   SpMat M(q.size(), q.size());
   M.setFromTriplets(entries.begin(), entries.end());
   lcp::Limits limits;
-  limits.deadline = begin_ + std::chrono::duration_cast<Clock::duration>(limits_.max_time);
+  limits.deadline = lcp::deadline_after(limits_.max_time, begin_);
   if (limits_.interrupt != nullptr) limits.interrupted = [stop = limits_.interrupt] { return stop->load(); };
   const lcp::Result result =
       lcp::solve(lcp::standard_lcp(std::move(M), q / largest), Vec::Zero(q.size()), method, limits);

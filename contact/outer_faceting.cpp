@@ -1,6 +1,7 @@
 #include "contact/outer_faceting.hpp"
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <utility>
 #include <vector>
@@ -33,64 +34,56 @@ Polygon::Matrix inverse(const Polygon::Matrix& C, const std::vector<Index>& basi
   return C1.inverse();
 }
 
-EncodingBuilder mixed(const Problem& problem, const Polygons& polygons, const EncodingOptions& options) {
-  check("outer faceting", problem, polygons);
-  EncodingBuilder b(problem, options);
-  for (Index a = 0; a < problem.contacts(); ++a) {
-    const Index r_N = b.next_contact(a);
-    const double mu = problem.mu[a];
-    if (mu == 0) continue;
-    const auto& C = of_contact(polygons, a).normals();
-    const Index r_T = r_N + 1;
+/// A contact with friction, r_N its first unknown and C its normals, in the mixed form.
+void add_mixed(EncodingBuilder& b, Index r_N, double mu, const Polygon::Matrix& C) {
+  const Index r_T = r_N + 1;
+  for (Index t = 0; t < C.rows(); ++t) {
+    const Index i = b.free();
+    b.velocity_row(i, t + 1, 1);
+    b.impulse_column(i, t + 1, 1);
+  }
+  for (Index i = 0; i < C.cols(); ++i) {
+    const Index kappa = b.nonnegative();
+    b.local(kappa, r_N, mu);
     for (Index t = 0; t < C.rows(); ++t) {
-      const Index i = b.free();
-      b.velocity_row(i, t + 1, 1);
-      b.impulse_column(i, t + 1, 1);
-    }
-    for (Index i = 0; i < C.cols(); ++i) {
-      const Index kappa = b.nonnegative();
-      b.local(kappa, r_N, mu);
-      for (Index t = 0; t < C.rows(); ++t) {
-        b.local(kappa, r_T + t, -C(t, i));
-        b.local(r_T + t, kappa, C(t, i));
-      }
+      b.local(kappa, r_T + t, -C(t, i));
+      b.local(r_T + t, kappa, C(t, i));
     }
   }
-  return b;
 }
 
-EncodingBuilder reduced(const Problem& problem, const Polygons& polygons, const EncodingOptions& options) {
+void add_reduced(EncodingBuilder& b, Index r_N, double mu, const Polygon::Matrix& C) {
+  const std::vector<Index> basis = basis_edges(C);
+  const Index T = C.rows();
+  const Polygon::Matrix C1_inverse = inverse(C, basis);
+  for (Index k = 0; k < T; ++k) {  // kappa_k = -(C_1^-1 u_T)_k - .., r_T = C_1^-T (mu r_N 1 - s)
+    const Index s = b.nonnegative();
+    for (Index t = 0; t < T; ++t) {
+      b.velocity_row(s, t + 1, -C1_inverse(k, t));
+      b.impulse_column(s, t + 1, -C1_inverse(k, t));
+      b.impulse_column(r_N, t + 1, mu * C1_inverse(k, t));
+    }
+  }
+  for (Index i = 0; i < C.cols(); ++i) {
+    if (std::ranges::find(basis, i) != basis.end()) continue;
+    const Index kappa = b.nonnegative();
+    const Eigen::VectorXd m = C1_inverse * C.col(i);  // c_i = C_1 m: c_i'r_T = m'(mu r_N 1 - s)
+    b.local(kappa, r_N, mu * (1 - m.sum()));
+    for (Index k = 0; k < T; ++k) {
+      b.local(kappa, r_N + 1 + k, m[k]);
+      b.local(r_N + 1 + k, kappa, -m[k]);
+    }
+  }
+}
+
+EncodingBuilder build(const Problem& problem, const Polygons& polygons, const EncodingOptions& options) {
   check("outer faceting", problem, polygons);
   EncodingBuilder b(problem, options);
   for (Index a = 0; a < problem.contacts(); ++a) {
     const Index r_N = b.next_contact(a);
-    const double mu = problem.mu[a];
-    if (mu == 0) continue;
-    const auto& C = of_contact(polygons, a).normals();
-    const std::vector<Index> basis = basis_edges(C);
-    const Index T = C.rows();
-    const Polygon::Matrix C1_inverse = inverse(C, basis);
-
-    for (Index k = 0; k < T; ++k) {  // kappa_k = -(C_1^-1 u_T)_k - .., r_T = C_1^-T (mu r_N 1 - s)
-      const Index s = b.nonnegative();
-      for (Index t = 0; t < T; ++t) {
-        b.velocity_row(s, t + 1, -C1_inverse(k, t));
-        b.impulse_column(s, t + 1, -C1_inverse(k, t));
-        b.impulse_column(r_N, t + 1, mu * C1_inverse(k, t));
-      }
-    }
-    for (Index i = 0; i < C.cols(); ++i) {
-      bool in_basis = false;
-      for (const Index j : basis) in_basis = in_basis || i == j;
-      if (in_basis) continue;
-      const Index kappa = b.nonnegative();
-      const Eigen::VectorXd m = C1_inverse * C.col(i);  // c_i = C_1 m: c_i'r_T = m'(mu r_N 1 - s)
-      b.local(kappa, r_N, mu * (1 - m.sum()));
-      for (Index k = 0; k < T; ++k) {
-        b.local(kappa, r_N + 1 + k, m[k]);
-        b.local(r_N + 1 + k, kappa, -m[k]);
-      }
-    }
+    if (problem.mu[a] == 0) continue;
+    const auto add = options.form == Form::Mixed ? add_mixed : add_reduced;
+    add(b, r_N, problem.mu[a], of_contact(polygons, a).normals());
   }
   return b;
 }
@@ -98,8 +91,7 @@ EncodingBuilder reduced(const Problem& problem, const Polygons& polygons, const 
 }  // namespace
 
 OuterFaceting::OuterFaceting(const Problem& problem, const Polygons& polygons, const EncodingOptions& options)
-    : AffineEncoding(problem, options.form == Form::Mixed ? mixed(problem, polygons, options)
-                                                          : reduced(problem, polygons, options)) {
+    : AffineEncoding(problem, build(problem, polygons, options)) {
   if (options.form == Form::Mixed) begin_lemke_at(mixed_start(problem, polygons));
 }
 

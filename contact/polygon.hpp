@@ -45,6 +45,9 @@ class Polygon {
   Matrix normals_;
 };
 
+/// Polygons of more facets are the disk to rounding of a picture, and problems of their own size: the most by name.
+inline constexpr int most_facets = 1000;
+
 /// The polygons of a problem's contacts: one for all of them, or one for each.
 using Polygons = std::vector<Polygon>;
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "contact/natural_map.hpp"
+#include "contact/units.hpp"
 
 namespace perp::contact {
 namespace {
@@ -63,10 +64,7 @@ Scaled scaled(const Problem& problem, bool scale) {
   const Index n = problem.contacts();
   Scaled out;
   out.whole = d * n;
-  const double trace = problem.W.diagonal().sum();
-  const double largest = problem.q.size() > 0 ? problem.q.lpNorm<Eigen::Infinity>() : 0;
-  const double s = scale && trace > 0 ? trace / static_cast<double>(d * n) : 1;
-  const double velocity = scale && largest > 0 ? largest : 1;
+  const Units units = scale ? Units::of(problem.W, problem.q) : Units::none();
 
   std::vector<double> weight;  // of M
   std::vector<int> place(at(d * n), -1);
@@ -83,10 +81,10 @@ Scaled scaled(const Problem& problem, bool scale) {
   out.q = Vec(m);
   out.impulse = Vec(m);
   for (Index k = 0; k < m; ++k) {
-    out.q[k] = weight[at(k)] * problem.q[out.rows[at(k)]] / velocity;
-    out.impulse[k] = velocity / s * weight[at(k)];
+    out.q[k] = weight[at(k)] * problem.q[out.rows[at(k)]] / units.velocity;
+    out.impulse[k] = units.impulse * weight[at(k)];
   }
-  fill(problem.W, place, weight, s, out);
+  fill(problem.W, place, weight, units.W, out);
   return out;
 }
 
@@ -95,14 +93,8 @@ double natural_map(const Scaled& problem, In r) { return natural_map(problem, r,
 double natural_map(const Scaled& problem, In r, In centre, double alpha) {
   const Vec u = problem.W * r + problem.q + alpha * (r - centre);
   double worst = 0;
-  Eigen::Vector3d force = Eigen::Vector3d::Zero();
-  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
   for (const Scaled::Block& block : problem.blocks) {
-    force.tail(2).setZero();
-    velocity.tail(2).setZero();
-    force.head(block.size) = r.segment(block.first, block.size);
-    velocity.head(block.size) = u.segment(block.first, block.size);
-    const double part = natural_map(force, velocity, 1).norm();
+    const double part = natural_map(block.of(r), block.of(u), 1).norm();
     if (!(part <= worst)) worst = part;
   }
   if (std::isnan(worst)) return lcp::infinity;

@@ -3,7 +3,7 @@
 ///     s = tr(W) / (d n),   q_s = |q|_inf,   M = diag(1, mu, mu) contact by contact,
 ///     W~ = M W M / s,   q~ = M q / q_s,   r = (q_s / s) M r~,   u = q_s M^-1 u~,
 /// |r_T| <= mu r_N reads |r~_T| <= r~_N, and u~ = W~ r~ + q~ obeys the same law with mu = 1. Frictionless contacts
-/// (mu = 0) keep their normal rows alone. Where q or the trace is zero, 1 stands in its place.
+/// (mu = 0) keep their normal rows alone. s and q_s are those of units.hpp.
 #include <vector>
 
 #include "contact/problem.hpp"
@@ -15,6 +15,12 @@ struct Scaled {
   struct Block {
     Index first = 0;
     int size = 3;  ///< 1: frictionless; 2, 3: N, T1[, T2]
+    /// The contact's part of r~ or u~, with zeros after it.
+    Eigen::Vector3d of(In r) const {
+      Eigen::Vector3d part = Eigen::Vector3d::Zero();
+      part.head(size) = r.segment(first, size);
+      return part;
+    }
   };
   /// Compressed, square. Where a column has an entry in the rows of a contact it has them all; it has its own
   /// contact's.

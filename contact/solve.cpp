@@ -63,6 +63,29 @@ constexpr std::chrono::duration<double> least_search{0.1};
 
 }  // namespace
 
+std::vector<NamedOption> named_options(GlockerHomotopy& m) {
+  return {{"max_iterations", &m.max_iterations},
+          {"other_settings", &m.other_settings},
+          {"scaling", &m.scaling},
+          {"delta_share", &m.options.delta_share},
+          {"eps_share", &m.options.eps_share},
+          {"least_centring", &m.options.least_centring},
+          {"to_boundary", &m.options.to_boundary},
+          {"neighbourhood", &m.options.neighbourhood},
+          {"lu", &m.options.lu}};
+}
+
+std::vector<NamedOption> named_options(Auto& m) {
+  std::vector<NamedOption> all{
+      {"sweeps", &m.sweeps}, {"polish", &m.polish}, {"polish_at", &m.polish_at}, {"proximal", &m.proximal}};
+  for (const NamedOption& option : named_options(m.homotopy)) all.push_back(option);
+  return all;
+}
+
+std::vector<NamedOption> named_options(GlockerNcp& m) {
+  return {{"delta", &m.formulation.delta}, {"eps", &m.formulation.eps}, {"stages", &m.stages}, {"scaling", &m.scaling}};
+}
+
 std::string_view to_string(Status status) {
   switch (status) {
     case Status::Solved:

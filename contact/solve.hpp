@@ -4,7 +4,7 @@
 ///     solve(problem, {.method = GlockerHomotopy{}})         the interior-point homotopy alone
 ///     solve(problem, {.method = GlockerNcp{.method = ncp::PathSearch{}}})   any method of ncp/
 /// Only contact::accepted (residual.hpp) calls a point solved, and Result::by says what made it. The faceted and
-/// frictionless laws have solvers of their own (affine_encoding.hpp).
+/// frictionless laws have solvers of their own (affine_encoding.hpp); run.hpp takes any law by name.
 #include <atomic>
 #include <chrono>
 #include <functional>
@@ -54,6 +54,15 @@ struct GlockerNcp {
   int stages = 4;
   bool scaling = true;
 };
+
+/// An option of a method by its name, and the field that it sets.
+struct NamedOption {
+  std::string_view key;
+  std::variant<int*, double*, bool*, lcp::LuBackend*> field;
+};
+std::vector<NamedOption> named_options(GlockerHomotopy& method);
+std::vector<NamedOption> named_options(Auto& method);        ///< its own, then those of its homotopy
+std::vector<NamedOption> named_options(GlockerNcp& method);  ///< beside those of its method of ncp/
 
 /// What made a point.
 enum class Origin {

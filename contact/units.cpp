@@ -7,8 +7,8 @@ Units Units::of(const SpMat& W, In q) {
   const double trace = W.diagonal().sum();
   Units units;
   if (largest > 0) units.velocity = largest;
-  const double s = trace > 0 ? trace / static_cast<double>(W.rows()) : 1;
-  units.impulse = units.velocity / s;
+  if (trace > 0) units.W = trace / static_cast<double>(W.rows());
+  units.impulse = units.velocity / units.W;
   return units;
 }
 

@@ -10,6 +10,7 @@ namespace perp::contact {
 struct Units {
   double velocity = 1;  ///< q_s [m/s]
   double impulse = 1;   ///< q_s / s [N s]
+  double W = 1;         ///< s [1/kg]
 
   /// Units in which nothing changes.
   static Units none() { return {}; }

@@ -17,6 +17,7 @@
 #include "app/json_parts.hpp"
 #include "app/problem.hpp"
 #include "app/table.hpp"
+#include "contact/polygon.hpp"
 
 namespace perp::app::contacts {
 
@@ -33,7 +34,7 @@ std::vector<FrictionLaw> laws(const BallRequest& request) {
   const bool all = !request.facets && !request.exact;
   std::vector<FrictionLaw> laws;
   if (request.facets || all)
-    for (const int K : parse_list("--facets", request.facets.value_or("4,6,8,16"), 3, most_facets))
+    for (const int K : parse_list("--facets", request.facets.value_or("4,6,8,16"), 3, contact::most_facets))
       laws.push_back({request.outer ? FrictionLaw::Kind::Outer : FrictionLaw::Kind::Inner, K});
   if (request.exact || all) laws.emplace_back();
   return laws;

@@ -102,7 +102,8 @@ CLI::App* add_command(CLI::App& app, ContactWords& words) {
   contact->add_option("--generate", words.generated, "one more problem that is made; may be repeated")
       ->option_text("NAME:SIZE[:SEED]")
       ->allow_extra_args(false);
-  text("--formulation", words.formulation, fmt::format("one of {}; default glocker", formulation_names), "NAME");
+  text("--formulation", words.formulation, fmt::format("one of {}; default glocker", contact::formulation_names),
+       "NAME");
   text("--method", words.method,
        "of glocker auto (its default: sweeps, homotopy, Newton steps, proximal loop) or homotopy alone; or a method of "
        "'perp methods': for glocker and ncp1 (default path) those for "

@@ -8,9 +8,8 @@
 #include <sstream>
 
 #include "app/contact/forces_svg.hpp"
-#include "app/contact/method_options.hpp"
 #include "app/contact/report.hpp"
-#include "app/contact/run_within.hpp"
+#include "app/contact/run.hpp"
 #include "app/files.hpp"
 #include "app/json.hpp"
 #include "app/problem.hpp"
@@ -97,7 +96,7 @@ class Command {
         if (!is_generated(name)) generate(name);  // says why
     });
     if (why.empty() && shows(LogLevel::Warning))
-      for (const std::string& note : method_options(variant_).notes) streams_.err << "perp: note: " << note << '\n';
+      for (const std::string& note : variant_.notes) streams_.err << "perp: note: " << note << '\n';
     if (!why.empty()) return refuse(problems.empty() ? "" : problems[0], why);
     for (std::size_t k = 0; k < problems.size() && !stopped(); ++k) {
       if (k > 0 && shows(LogLevel::Info)) log_ << '\n';

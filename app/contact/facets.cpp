@@ -14,7 +14,7 @@
 #include "app/contact/facets_svg.hpp"
 #include "app/contact/number_list.hpp"
 #include "app/contact/report.hpp"
-#include "app/contact/run_within.hpp"
+#include "app/contact/run.hpp"
 #include "app/files.hpp"
 #include "app/json.hpp"
 #include "app/json_parts.hpp"
@@ -58,7 +58,7 @@ void check(const FacetsRequest& request) {
 class Study {
  public:
   Study(const FacetsRequest& request, const std::atomic<bool>* interrupt) : request_(request), interrupt_(interrupt) {
-    study_.facets = parse_list("--facets", request.facets, 3, most_facets);
+    study_.facets = parse_list("--facets", request.facets, 3, contact::most_facets);
     std::ranges::sort(study_.facets);
     study_.form = parse_variant({.formulation = "inner:3", .form = request.form}).form;
     study_.tol = request.tol;
@@ -111,11 +111,9 @@ class Study {
 
   void polygon(std::size_t p, bool outer, int K, double rotation, const contact::Solution& exact) {
     const contact::Problem& problem = loaded_[p]->problem;
-    const Variant variant{.law = outer ? Variant::Law::Outer : Variant::Law::Inner,
-                          .facets = K,
-                          .method = "auto",
-                          .form = study_.form,
-                          .rotation = rotation};
+    Variant variant = parse_variant(fmt::format("{}:{}", side(outer), K));
+    variant.form = study_.form;
+    variant.rotation = rotation;
     const Run run = within_limits(p, variant, request_.tol);
     FacetRun& result = study_.runs.emplace_back();
     result = {.problem = p,

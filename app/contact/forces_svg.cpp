@@ -108,8 +108,7 @@ std::vector<Contact> contacts_of(const contact::Problem& problem, const Run& run
 std::vector<Point> outline(const Run& run, int dimension) {
   std::vector<Point> corners;
   if (!run.variant.faceted() || dimension == 2) return corners;
-  const auto polygon = run.variant.law == Variant::Law::Inner ? contact::Polygon::inscribed(run.variant.facets)
-                                                              : contact::Polygon::circumscribed(run.variant.facets);
+  const contact::Polygon polygon = run.variant.polygons(dimension)[0];
   for (Index k = 0; k <= polygon.facets(); ++k)
     corners.push_back({polygon.vertices()(0, k % polygon.facets()), -polygon.vertices()(1, k % polygon.facets())});
   return corners;

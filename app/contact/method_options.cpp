@@ -26,36 +26,11 @@ constexpr std::array<std::pair<std::string_view, lcp::LuBackend>, 5> factorizati
      {"dense", lcp::LuBackend::Dense},
      {"auto", lcp::LuBackend::Auto}}};
 
-using Target = std::variant<int*, double*, bool*, lcp::LuBackend*>;
-struct OwnOption {
-  std::string_view key;
-  Target target;
-};
+using Named = std::vector<contact::NamedOption>;
 
-std::vector<OwnOption> own_options(contact::GlockerHomotopy& m) {
-  return {{"max_iterations", &m.max_iterations},
-          {"other_settings", &m.other_settings},
-          {"scaling", &m.scaling},
-          {"delta_share", &m.options.delta_share},
-          {"eps_share", &m.options.eps_share},
-          {"least_centring", &m.options.least_centring},
-          {"to_boundary", &m.options.to_boundary},
-          {"neighbourhood", &m.options.neighbourhood},
-          {"lu", &m.options.lu}};
-}
-
-/// Of auto, but for the homotopy's.
-std::vector<OwnOption> further_options(contact::Auto& m) {
-  return {{"sweeps", &m.sweeps}, {"polish", &m.polish}, {"polish_at", &m.polish_at}, {"proximal", &m.proximal}};
-}
-
-std::vector<OwnOption> own_options(contact::GlockerNcp& m) {
-  return {{"delta", &m.formulation.delta}, {"eps", &m.formulation.eps}, {"stages", &m.stages}, {"scaling", &m.scaling}};
-}
-
-std::vector<std::string_view> keys(const std::vector<OwnOption>& options) {
+std::vector<std::string_view> keys(const Named& options) {
   std::vector<std::string_view> names(options.size());
-  std::ranges::transform(options, names.begin(), &OwnOption::key);
+  std::ranges::transform(options, names.begin(), &contact::NamedOption::key);
   return names;
 }
 
@@ -101,10 +76,10 @@ void set(const Assignment& given, lcp::LuBackend& target) {
 }
 
 /// Sets the one it names. False: none of them.
-bool set_own(const Assignment& given, const std::vector<OwnOption>& options) {
-  const auto found = std::ranges::find(options, lower(given.key), &OwnOption::key);
+bool set_own(const Assignment& given, const Named& options) {
+  const auto found = std::ranges::find(options, lower(given.key), &contact::NamedOption::key);
   if (found == options.end()) return false;
-  std::visit([&](auto* target) { set(given, *target); }, found->target);
+  std::visit([&](auto* field) { set(given, *field); }, found->field);
   return true;
 }
 
@@ -114,7 +89,7 @@ void check(const contact::Options& options) {
 }
 
 /// The method of `perp methods` with these options; what flags of `perp contact` say is refused.
-ncp::Method with_options(const Variant& variant, std::vector<Assignment> given, MethodOptions& result) {
+ncp::Method with_options(Variant& variant, std::vector<Assignment> given) {
   given.insert(given.begin(), Assignment{"method", variant.method, source});
   Applied applied = apply_options(given);
   Settings& settings = applied.settings;
@@ -126,76 +101,75 @@ ncp::Method with_options(const Variant& variant, std::vector<Assignment> given, 
   const ncp::Stop& usual = ncp::stop(plain);
   const ncp::Stop& now = ncp::stop(settings.method);
   if (now.max_time != usual.max_time) set_by_flag("the time limit", "--time-limit");
-  if (variant.law != Variant::Law::Glocker && now.tol != usual.tol) set_by_flag("the tolerance", "--tol");
+  if (variant.as_ncp() == nullptr && now.tol != usual.tol) set_by_flag("the tolerance", "--tol");
   Output any;
   ncp::Fields output;
   describe(any, output);
   for (const Assignment& one : given)
     if (output.find(lower(one.key)) != nullptr)
       applied.notes.push_back(fmt::format("{}: {} has no effect on perp contact", source, one.key));
-  result.notes = std::move(applied.notes);
+  variant.notes = std::move(applied.notes);
   return settings.method;
+}
+
+/// All of them are the method's own.
+template <class Method>
+void set_all(const std::vector<Assignment>& given, const std::string& name, Method& method) {
+  const Named own = contact::named_options(method);
+  for (const Assignment& one : given)
+    if (!set_own(one, own))
+      throw InputError(fmt::format("{}: method {} has no option '{}'; it has {}.{}", source, name, one.key,
+                                   fmt::join(keys(own), ", "), did_you_mean(lower(one.key), keys(own))));
+  check({.method = method});
+}
+
+/// Those of Glocker's NCP, and of its method.
+void set_all(std::vector<Assignment> given, Variant& variant, contact::GlockerNcp& ncp) {
+  const Named own = contact::named_options(ncp);
+  std::erase_if(given, [&](const Assignment& one) { return set_own(one, own); });
+  try {
+    ncp.method = with_options(variant, std::move(given));
+  } catch (const UnknownOption& error) {
+    throw InputError(fmt::format("{} Of Glocker's NCP there are also {}.", error.what(), glocker_keys()));
+  }
+  check({.method = ncp});
 }
 
 }  // namespace
 
-MethodOptions method_options(const Variant& variant) {
-  MethodOptions result;
-  result.glocker.formulation = {.encoding = variant.encoding, .row = variant.row};
+void set_options(Variant& variant) {
   std::vector<Assignment> given;
   for (const std::string& option : variant.options) given.push_back(parse_assignment(option, source));
-  const auto set_all = [&given, &variant](const std::vector<OwnOption>& own) {
-    for (const Assignment& one : given)
-      if (!set_own(one, own))
-        throw InputError(fmt::format("{}: method {} has no option '{}'; it has {}.{}", source, variant.method, one.key,
-                                     fmt::join(keys(own), ", "), did_you_mean(lower(one.key), keys(own))));
-  };
-  if (variant.automatic()) {
-    std::vector<OwnOption> own = further_options(result.automatic);
-    for (const OwnOption& one : own_options(result.automatic.homotopy)) own.push_back(one);
-    set_all(own);
-    check({.method = result.automatic});
-    return result;
-  }
-  if (variant.homotopy()) {
-    set_all(own_options(result.homotopy));
-    check({.method = result.homotopy});
-    return result;
-  }
-  if (!variant.exact() && variant.method == "auto") {  // Lemke's method first, then lcp::Auto
-    if (!given.empty())
-      throw InputError(fmt::format("{} {}: {} by auto has no options; name a --method, lemke for instance", source,
-                                   variant.options.front(), variant.formulation()));
-    return result;
-  }
-  if (variant.law != Variant::Law::Glocker) {
-    result.method = with_options(variant, std::move(given), result);
-    return result;
-  }
-  const std::vector<OwnOption> own = own_options(result.glocker);
-  std::erase_if(given, [&](const Assignment& one) { return set_own(one, own); });
-  try {
-    result.glocker.method = with_options(variant, std::move(given), result);
-  } catch (const UnknownOption& error) {
-    throw InputError(fmt::format("{} Of Glocker's NCP there are also {}.", error.what(), glocker_keys()));
-  }
-  check({.method = result.glocker});
-  return result;
+  if (auto* automatic = std::get_if<contact::Auto>(&variant.solver))
+    set_all(given, variant.method, *automatic);
+  else if (auto* homotopy = std::get_if<contact::GlockerHomotopy>(&variant.solver))
+    set_all(given, variant.method, *homotopy);
+  else if (auto* ncp = std::get_if<contact::GlockerNcp>(&variant.solver))
+    set_all(std::move(given), variant, *ncp);
+  else if (auto* method = std::get_if<ncp::Method>(&variant.solver))
+    *method = with_options(variant, std::move(given));
+  else if (auto* affine = std::get_if<lcp::Method>(&variant.solver))
+    *affine = std::get<ncp::Affine>(with_options(variant, std::move(given))).method;
+  else if (!given.empty())  // Lemke's method first, then lcp::Auto
+    throw InputError(fmt::format("{} {}: {} by auto has no options; name a --method, lemke for instance", source,
+                                 variant.options.front(), variant.formulation()));
 }
 
 std::string auto_keys() {
   contact::Auto any;
-  return fmt::format("{}", fmt::join(keys(further_options(any)), ", "));
+  std::vector<std::string_view> all = keys(contact::named_options(any));
+  all.resize(all.size() - contact::named_options(any.homotopy).size());
+  return fmt::format("{}", fmt::join(all, ", "));
 }
 
 std::string homotopy_keys() {
   contact::GlockerHomotopy any;
-  return fmt::format("{}", fmt::join(keys(own_options(any)), ", "));
+  return fmt::format("{}", fmt::join(keys(contact::named_options(any)), ", "));
 }
 
 std::string glocker_keys() {
   contact::GlockerNcp any;
-  return fmt::format("{}", fmt::join(keys(own_options(any)), ", "));
+  return fmt::format("{}", fmt::join(keys(contact::named_options(any)), ", "));
 }
 
 }  // namespace perp::app::contacts

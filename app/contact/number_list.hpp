@@ -12,9 +12,6 @@
 
 namespace perp::app::contacts {
 
-/// Polygons of more facets are the disk to rounding of a picture, and problems of their own size.
-inline constexpr int most_facets = 1000;
-
 /// Throws InputError naming flag and word: no number, not in [least, most], there twice.
 template <class Value>
 std::vector<Value> parse_list(const char* flag, const std::string& text, Value least, Value most) {

@@ -8,6 +8,7 @@
 #include <ostream>
 
 #include "app/table.hpp"
+#include "contact/facts.hpp"
 
 namespace perp::app::contacts {
 

@@ -65,9 +65,10 @@ std::string run_json(const Loaded& loaded, const Run& run, ExitCode code) {
   json["formulation"] = variant.formulation();
   json["method"] = variant.method;
   json["variant"] = variant.label();
-  const bool as_ncp = variant.as_ncp();
-  json["encoding"] = as_ncp ? Json(variant.encoding == contact::Encoding::A ? "A" : "B") : Json(nullptr);
-  json["row"] = as_ncp ? Json(variant.row == contact::DiskRow::Original ? "original" : "normalised") : Json(nullptr);
+  const contact::GlockerNcp* ncp = variant.as_ncp();
+  const bool original = ncp != nullptr && ncp->formulation.row == contact::DiskRow::Original;
+  json["encoding"] = ncp ? Json(ncp->formulation.encoding == contact::Encoding::A ? "A" : "B") : Json(nullptr);
+  json["row"] = ncp ? Json(original ? "original" : "normalised") : Json(nullptr);
   json["form"] = variant.faceted() ? Json(variant.form == contact::Form::Mixed ? "mixed" : "reduced") : Json(nullptr);
   json["options"] = variant.options;
   json["exact"] = variant.exact();

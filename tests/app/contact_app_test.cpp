@@ -155,7 +155,8 @@ TEST(Contact, NothingSolvesWhatHasNoSolution) {
                            "ncp1+path", "ncp1+semismooth", "ncp1+interior"}) {
     const Variant variant = parse_variant(std::string(text));
     VariantRequest request{.formulation = variant.formulation(), .method = variant.method};
-    if (variant.as_ncp()) request.encoding = variant.encoding == contact::Encoding::A ? "A" : "B";
+    if (const contact::GlockerNcp* ncp = variant.as_ncp())
+      request.encoding = ncp->formulation.encoding == contact::Encoding::A ? "A" : "B";
     const Answer run = answer({.problems = {folder / "w0.dat"}, .variant = request, .time_limit = 5});
     EXPECT_EQ(run.code, exit_unsolved) << text << run.err;
     EXPECT_TRUE(run.result["solved_by"].is_null()) << text;

@@ -34,15 +34,15 @@ Answer answer(const std::string& problem, const VariantRequest& variant) {
 
 // Every key reaches its own field. Would catch two keys on one field.
 TEST(ContactOptions, OfTheHomotopy) {
-  const MethodOptions plain = method_options(parse_variant(VariantRequest{}));
+  const auto plain = std::get<contact::Auto>(parse_variant(VariantRequest{}).solver);
   const contact::GlockerHomotopy usual;
-  EXPECT_EQ(plain.automatic.sweeps, contact::Auto{}.sweeps);
-  EXPECT_EQ(plain.automatic.homotopy.max_iterations, usual.max_iterations);
-  const MethodOptions all = method_options(
+  EXPECT_EQ(plain.sweeps, contact::Auto{}.sweeps);
+  EXPECT_EQ(plain.homotopy.max_iterations, usual.max_iterations);
+  const Variant all =
       parse_variant({.options = {"max_iterations=7", "sweeps=3", "polish=no", "polish_at=0.25", "other_settings=off",
                                  "proximal=0", "scaling=FALSE", "delta_share=0.2", "eps_share=0.3",
-                                 "least_centring=0.4", "to_boundary=0.5", "neighbourhood=0.6", "LU=klu", "sweeps=5"}}));
-  const contact::Auto& whole = all.automatic;
+                                 "least_centring=0.4", "to_boundary=0.5", "neighbourhood=0.6", "LU=klu", "sweeps=5"}});
+  const auto& whole = std::get<contact::Auto>(all.solver);
   const contact::GlockerHomotopy& m = whole.homotopy;
   EXPECT_EQ(m.max_iterations, 7);
   EXPECT_EQ(whole.sweeps, 5) << "the last one counts";
@@ -57,23 +57,23 @@ TEST(ContactOptions, OfTheHomotopy) {
   EXPECT_EQ(m.options.to_boundary, 0.5);
   EXPECT_EQ(m.options.neighbourhood, 0.6);
   EXPECT_EQ(m.options.lu, lcp::LuBackend::Klu);
-  const MethodOptions alone =
-      method_options(parse_variant({.method = "homotopy", .options = {"max_iterations=9", "eps_share=0.7"}}));
-  EXPECT_EQ(alone.homotopy.max_iterations, 9);
-  EXPECT_EQ(alone.homotopy.options.eps_share, 0.7);
+  const Variant variant = parse_variant({.method = "homotopy", .options = {"max_iterations=9", "eps_share=0.7"}});
+  const auto& alone = std::get<contact::GlockerHomotopy>(variant.solver);
+  EXPECT_EQ(alone.max_iterations, 9);
+  EXPECT_EQ(alone.options.eps_share, 0.7);
 }
 
 TEST(ContactOptions, OfGlockersNcp) {
-  const MethodOptions options =
-      method_options(parse_variant({.method = "semismooth",
-                                    .encoding = "B",
-                                    .options = {"delta=1e-7", "eps=1e-8", "stages=2", "scaling=no", "lu=klu"}}));
-  EXPECT_EQ(options.glocker.formulation.delta, 1e-7);
-  EXPECT_EQ(options.glocker.formulation.eps, 1e-8);
-  EXPECT_EQ(options.glocker.formulation.encoding, contact::Encoding::B);
-  EXPECT_EQ(options.glocker.stages, 2);
-  EXPECT_FALSE(options.glocker.scaling);
-  const auto* newton = std::get_if<ncp::SemismoothNewton>(&options.glocker.method);
+  const Variant variant = parse_variant({.method = "semismooth",
+                                         .encoding = "B",
+                                         .options = {"delta=1e-7", "eps=1e-8", "stages=2", "scaling=no", "lu=klu"}});
+  const auto& ncp = std::get<contact::GlockerNcp>(variant.solver);
+  EXPECT_EQ(ncp.formulation.delta, 1e-7);
+  EXPECT_EQ(ncp.formulation.eps, 1e-8);
+  EXPECT_EQ(ncp.formulation.encoding, contact::Encoding::B);
+  EXPECT_EQ(ncp.stages, 2);
+  EXPECT_FALSE(ncp.scaling);
+  const auto* newton = std::get_if<ncp::SemismoothNewton>(&ncp.method);
   ASSERT_NE(newton, nullptr);
   EXPECT_EQ(newton->lu, lcp::LuBackend::Klu);
 }

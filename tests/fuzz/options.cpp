@@ -9,7 +9,6 @@
 #include <sstream>
 
 #include "app/compare/selection.hpp"
-#include "app/contact/method_options.hpp"
 #include "app/contact/number_list.hpp"
 #include "app/contact/run.hpp"
 #include "app/contact/variant.hpp"
@@ -78,10 +77,8 @@ void read(char kind, const std::string& text) {
       if (few_stars(text) && no_file(text)) app::compare::select_problems(text);
       return;
     case 'v':
-      for (const app::contacts::Variant& variant : app::contacts::parse_variants(text)) {
-        app::contacts::method_options(variant);
+      for (const app::contacts::Variant& variant : app::contacts::parse_variants(text))
         require(app::contacts::parse_variant(variant.label()).label() == variant.label(), "a label names its variant");
-      }
       return;
     case 's':
       if (seldom && small(text) && no_file(text)) app::load_problem(text);
@@ -90,7 +87,7 @@ void read(char kind, const std::string& text) {
       if (seldom && small(text) && no_file(text)) app::contacts::generate(text);
       return;
     case 'n':
-      app::contacts::parse_list<int>("--facets", text, 3, app::contacts::most_facets);
+      app::contacts::parse_list<int>("--facets", text, 3, contact::most_facets);
       app::contacts::parse_list<double>("--angles", text, 0, 1);
       return;
     case 'e':

@@ -4,7 +4,7 @@
 includes   who may include whom (CONTRIBUTING.md, "The folders")
 length     no source file beyond 500 lines
 format     clang-format (the major version below, else skipped) would change nothing
-readme     the C++ example of docs/cpp.md is the one the packaging test builds and runs
+readme     the C++ examples of docs/cpp.md and contact/README.md are those the packaging test builds and runs
 paths      files that texts and comments name exist, seen from the root or from where they are named
 links      files and headings that texts link to exist
 self-test  each check reports a tree that breaks its rule
@@ -97,10 +97,17 @@ def format_(root):
         yield f"{program}: {run.stderr.strip()}"
 
 
+EXAMPLES = {
+    "docs/cpp.md": "tests/packaging/consumer/example.cpp",
+    "contact/README.md": "tests/packaging/consumer/contact.cpp",
+}
+
+
 def readme(root):
-    example = (Path(root) / "tests/packaging/consumer/example.cpp").read_text(encoding="utf-8")
-    if f"```cpp\n{example}```" not in (Path(root) / "docs/cpp.md").read_text(encoding="utf-8"):
-        yield "docs/cpp.md: its example is not tests/packaging/consumer/example.cpp"
+    for page, source in EXAMPLES.items():
+        example = (Path(root) / source).read_text(encoding="utf-8")
+        if f"```cpp\n{example}```" not in (Path(root) / page).read_text(encoding="utf-8"):
+            yield f"{page}: its example is not {source}"
 
 
 # folder/file.py, and of sources also file.cpp. Names in capitals (ncp/METHOD.cpp) stand for any file, with * for some.
@@ -211,11 +218,11 @@ def self_test(_):
         subprocess.run(["git", "-C", folder, "add", "ncp/a.hpp"], check=True)
         if sources(folder) != ["ncp/a.hpp"]:
             yield "untracked files are looked at"
-        write(folder, {"docs/cpp.md": "```cpp\nint a;\n```\n", "tests/packaging/consumer/example.cpp": "int a;\n"})
+        write(folder, dict.fromkeys(EXAMPLES, "```cpp\nint a;\n```\n") | dict.fromkeys(EXAMPLES.values(), "int a;\n"))
         yield from readme(folder)
-        write(folder, {"tests/packaging/consumer/example.cpp": "int b;\n"})
-        if not list(readme(folder)):
-            yield "another example is taken for that of docs/cpp.md"
+        write(folder, dict.fromkeys(EXAMPLES.values(), "int b;\n"))
+        if len(list(readme(folder))) != len(EXAMPLES):
+            yield "another example is taken for the text's"
     with tempfile.TemporaryDirectory() as folder:
         text = "`lcp/a.cpp`, `a.cpp`, lcp/METHOD.hpp, `x/*.cpp`, in b.hpp\n"
         write(folder, {"README.md": text, "lcp/README.md": text, "lcp/a.cpp": "f();  // as in b.hpp\n", "lcp/b.hpp": "\n"})

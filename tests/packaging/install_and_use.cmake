@@ -30,6 +30,10 @@ run("${consumer_build}/parts" ${model})
 if(NOT output MATCHES "output.hydro. 18")
   message(FATAL_ERROR "the model's solution is:\n${output}")
 endif()
+run("${consumer_build}/contact" ${SOURCE_DIR}/data/contact/arch-9.hdf5 glocker+path)
+if(NOT output MATCHES "^Solved [0-9.]+e-(0[89]|1[0-9])\n$")
+  message(FATAL_ERROR "the contact problem's answer is:\n${output}")
+endif()
 
 # The version asked for must be one with the same interface.
 file(WRITE "${WORK_DIR}/next/CMakeLists.txt" "cmake_minimum_required(VERSION 3.25)\nproject(next LANGUAGES CXX)\n"
