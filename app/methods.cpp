@@ -120,9 +120,14 @@ int show_method(const std::string& text, Streams streams) {
   int k = 0;
   for (const ncp::Outline::Line& line : outline.lines)
     table.add({std::to_string(++k), line.what,
-               (line.name == line.what ? "" : line.name) + (line.when.empty() ? "" : ", if " + line.when)});
+               fmt::format("{}{}{}", line.name == line.what ? "" : line.name,
+                           line.name == line.what || line.when.empty() ? "" : ", ",
+                           line.when.empty() ? "" : "if " + line.when)});
   table.print(streams.out);
-  streams.out << (outline.lines.size() > 1 ? "\nThe next one begins where one is stuck. A limit ends them all.\n" : "");
+  streams.out << (outline.lines.size() > 1 ? "\nThe next one begins where one is stuck. A limit ends them all. Left "
+                                             "out are those whose condition does not hold\n"
+                                             "and those whose start was had before.\n"
+                                           : "");
   print_options_of(streams.out, {.method_name = text, .method = *method});
   return exit_solved;
 }

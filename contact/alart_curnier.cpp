@@ -1,8 +1,6 @@
 #include "contact/alart_curnier.hpp"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <utility>
 
 namespace perp::contact {

@@ -24,22 +24,23 @@ constexpr double diagonal_term = 1e-14;
 constexpr double vanishing_step = 1e-7;
 constexpr int vanishing_steps = 3;
 
+constexpr std::size_t disk = 3;  // its place among the sides
+
 }  // namespace
 
 /// z >= 0 and w >= 0 whose products tend to zero: r_N and w_N; kappa_i and w_i, the facets' first, the disk's last.
-struct Pairs {
+struct Homotopy::Pairs {
   std::array<double, 5> z{};
   std::array<double, 5> w{};
 };
 
 /// A facet, or the disk, i: sigma changes by gradient.dr + s dkappa, and c is kappa's factor in u_T + sum c_i kappa_i.
-struct Side {
+struct Homotopy::Side {
   double sigma = 0;
   Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
   double s = 0;
   Eigen::Vector2d c = Eigen::Vector2d::Zero();
 };
-constexpr std::size_t disk = 3;  // its place among the sides
 
 /// One contact and its part of Newton's step: block() once for each matrix, rhs() and recover() for each direction.
 struct Homotopy::Contact : Scaled::Block {
@@ -124,7 +125,7 @@ double Homotopy::Contact::change(std::size_t i, const Eigen::Vector3d& dr) const
   return a[0] * dr[0] + a[1] * dr[1] + a[2] * dr[2];
 }
 
-Pairs Homotopy::Contact::recover(const Eigen::Vector3d& dr) const {
+Homotopy::Pairs Homotopy::Contact::recover(const Eigen::Vector3d& dr) const {
   Pairs d;
   d.z[0] = dr[0];
   for (std::size_t i = 0; i < sides(); ++i) d.z[i + 1] = (h[i] - change(i, dr)) / D[i];

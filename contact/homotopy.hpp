@@ -58,6 +58,8 @@ class Homotopy {
   int factorizations() const { return factorizations_; }
 
  private:
+  struct Pairs;
+  struct Side;
   struct Contact;
   struct Direction;
   void begin();

@@ -3,7 +3,6 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <utility>
 #include <vector>
 
 #include "contact/encoding_builder.hpp"

@@ -1,7 +1,6 @@
 #include "contact/solve.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <sstream>
 #include <stdexcept>
 #include <utility>

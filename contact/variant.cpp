@@ -59,14 +59,15 @@ const lcp::MethodEntry* find_affine(std::string_view name) {
 std::vector<std::string_view> method_names(const Variant& variant) {
   std::vector<std::string_view> names;
   if (variant.exact())
-    for (const ncp::Preset& preset : ncp::presets()) names.push_back(preset.name);
+    for (const auto table : {ncp::presets(), ncp::published()})
+      for (const ncp::Preset& preset : table) names.push_back(preset.name);
   else
     for (const lcp::MethodEntry& entry : lcp::methods()) names.push_back(entry.name);
   if (variant.law == Law::Glocker) names.emplace_back("homotopy");
   return names;
 }
 
-/// What a name means for the variant's law; `by_law` is what "auto" means.
+/// What a name means for the variant's law.
 Variant::Solver solver_named(const Variant& variant, const std::string& name) {
   const bool glocker = variant.law == Law::Glocker;
   if (glocker && name == "auto") return Auto{};

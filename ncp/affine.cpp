@@ -1,7 +1,6 @@
 #include "ncp/affine.hpp"
 
 #include <algorithm>
-#include <limits>
 #include <memory>
 #include <stdexcept>
 #include <utility>

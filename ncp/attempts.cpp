@@ -38,9 +38,10 @@ Tried in_turn(Run& run, const Point& start, const std::vector<Attempt>& list, in
   Tried tried;
   int restarts = 0;
   for (const Attempt& attempt : list) {
+    if (attempt.counted && restarts == restart_limit) break;
     Point point;
     if (!begin(run, attempt.from, start, point) || (attempt.worthwhile && !attempt.worthwhile(run, start))) continue;
-    if (attempt.counted && restarts++ == restart_limit) break;
+    if (attempt.counted) ++restarts;
     if (!tried.attempts.empty()) run.resume(attempt.name);
     tried.attempts.push_back(&attempt);
     run.guard([&] { attempt.go(run, std::move(point)); });

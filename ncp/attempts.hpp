@@ -1,6 +1,7 @@
 #pragma once
 /// Lists of attempts: what is tried, from where and when, until an attempt does not get stuck. Private to ncp/.
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 

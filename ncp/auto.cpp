@@ -91,7 +91,7 @@ std::vector<Attempt> auto_list(const Auto& method) {
       where(choice("the linear methods", Affine{}), "the problem is affine",
             [=](Run& run, const Point&) { return !warm && run.mcp().is_affine(); }),
       where(choice("josephy", NewtonJosephy{.subproblem = Subproblem::Qp}),
-            of_size + "symmetric: quadratic programs by multigrid", large_symmetric),
+            "nonlinear, " + of_size + "symmetric: quadratic programs by multigrid", large_symmetric),
       choice("path", method.path),
       where(choice("smoothing", Smoothing{.function = smoothed_fischer_burmeister(), .restarts = 1}),
             "the problem is nonlinear", nonlinear),

@@ -1,8 +1,6 @@
 #include "ncp/min_newton.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <string>
 #include <utility>
 #include <vector>
 

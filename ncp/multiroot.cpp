@@ -9,7 +9,6 @@
 #include <cmath>
 #include <memory>
 #include <new>
-#include <utility>
 
 #include "lcp/memory.hpp"
 #include "ncp/gsl_errors.hpp"

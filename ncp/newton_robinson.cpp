@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <string>
-#include <utility>
 
 #include "ncp/kernels.hpp"
 #include "ncp/newton_point.hpp"

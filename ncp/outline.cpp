@@ -1,5 +1,4 @@
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "ncp/attempts.hpp"
@@ -12,7 +11,8 @@ std::vector<Outline::Line> lines(const std::vector<Attempt>& list, int restart_l
   std::vector<Outline::Line> out;
   int restarts = 0;
   for (const Attempt& attempt : list) {
-    if (attempt.counted && restarts++ == restart_limit) break;
+    if (attempt.counted && restarts == restart_limit) break;
+    if (attempt.counted && attempt.when.empty()) ++restarts;  // others may be left out
     out.push_back({attempt.name, attempt.what, attempt.when});
   }
   return out;

@@ -2,7 +2,7 @@
 /// The nonlinear methods by name, each a documented combination of ingredients. Eight carry the names of the systems
 /// that Billups, Dirkse & Ferris (1997, Comput. Optim. Appl. 7, 3) compare: miles, path, nesqp, qpcomp, smooth, proxi,
 /// semismooth, semicomp, with the parameters of their papers where those are for what the ingredients do. published()
-/// has them without what was added since: presolve, rescalings, restarts by other methods, Levenberg-Marquardt steps.
+/// has them without later additions (rescalings, other methods as restarts, ...), and PATH 4 with its own restarts.
 #include <span>
 #include <string_view>
 

@@ -1,6 +1,4 @@
 /// Methods on the presolved problem: the way there and back.
-#include <string>
-#include <utility>
 
 #include "ncp/presolve_transform.hpp"
 #include "ncp/strategies.hpp"

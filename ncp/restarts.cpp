@@ -55,8 +55,8 @@ Attempt escape_attempt(std::string name, const Method& base) {
 Attempt linear_attempt() {
   const auto go = [](Run& run, const Point& start) {
     const Affine linear;
-    Result result =
-        run.within(run.mcp(), {.tol = linear.stop.tol}, start.x, [&](Run& inner, In x0) { affine(inner, x0, linear); });
+    Result result = run.within(run.mcp(), {.tol = std::min(linear.stop.tol, run.tol())}, start.x,
+                               [&](Run& inner, In x0) { affine(inner, x0, linear); });
     result.stats.pivots = std::exchange(result.stats.iterations, 1);
     run.take(result);
   };
@@ -147,8 +147,8 @@ Run::Verdict last_words(Run& run, const Run::Verdict& first, const Point& user, 
     }
   }
   if (restarts > 0)
-    verdict.message += "; " + std::to_string(restarts) +
-                       " restarts with other options and other methods have not led to a solution either";
+    verdict.message += "; " + quantity(static_cast<Index>(restarts), "restart") + (restarts == 1 ? " has" : " have") +
+                       " not led to a solution either";
   return verdict;
 }
 
@@ -182,9 +182,7 @@ void path_attempts(Run& run, In x0, const PathSearch& method) {
   const bool at_limit = !tried.verdicts.empty() && run.status() == Status::IterationLimit;
   if (stuck(run.status()) || at_limit) {
     Run::Verdict verdict = last_words(run, tried.verdicts.front(), user, restarted);
-    if (at_limit)
-      verdict.message +=
-          ", the last one ended by the limit of " + quantity(run.iterations() + run.left().max_iterations, "iteration");
+    if (at_limit) verdict.message += ", and in the last one " + run.verdict().message;
     run.replace_verdict(std::move(verdict));
   }
   if (run.status() == Status::Solved && restarted > 0) run.remark("after a restart: " + tried.attempts.back()->name);

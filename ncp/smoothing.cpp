@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <utility>
-#include <vector>
 
 #include "lcp/blocks.hpp"
 #include "ncp/active_set_step.hpp"

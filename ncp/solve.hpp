@@ -46,7 +46,7 @@ Strategy presolved(Method method);
 Strategy scaled(Method method);
 Strategy escaping(Method method, const Escape& escape = {});
 /// One method after the other, from the same start, until one is not stuck; each but the last gets half of the
-/// iterations that are left. Throws std::invalid_argument if there is none.
+/// iterations and evaluations left, at least 100 and 1000. Throws std::invalid_argument if there is none.
 Strategy first_of(std::vector<Method> methods);
 /// The preset of that name, or a strategy in words (ncp/strategy.hpp). Throws std::invalid_argument, naming the place.
 Method method_of(std::string_view text);

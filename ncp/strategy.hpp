@@ -21,7 +21,7 @@ struct Strategy {
   std::shared_ptr<const StrategyNode> tree{};
 };
 
-/// What a method tries in turn, until one does not get stuck.
+/// What a method tries in turn, until one does not get stuck. The run leaves out those whose `when` does not hold.
 struct Outline {
   struct Line {
     std::string name;  ///< as in the first record

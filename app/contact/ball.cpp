@@ -2,12 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <ostream>
-#include <stdexcept>
 #include <utility>
 
 #include "app/contact/ball_svg.hpp"

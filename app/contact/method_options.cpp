@@ -102,6 +102,9 @@ ncp::Method with_options(Variant& variant, std::vector<Assignment> given) {
   const ncp::Stop& now = ncp::stop(settings.method);
   if (now.max_time != usual.max_time) set_by_flag("the time limit", "--time-limit");
   if (variant.as_ncp() == nullptr && now.tol != usual.tol) set_by_flag("the tolerance", "--tol");
+  if (variant.as_ncp() == nullptr && (now.max_F_evals != usual.max_F_evals || now.tol_relative != usual.tol_relative))
+    applied.notes.push_back(
+        fmt::format("{}: evaluation_limit and relative_tolerance have no effect on affine laws", source));
   Output any;
   ncp::Fields output;
   describe(any, output);

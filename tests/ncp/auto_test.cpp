@@ -41,7 +41,7 @@ TEST(Auto, ChoosesByClassAndBasis) {
   EXPECT_THAT(solve(*nonlinear, Vec::Zero(4), Auto{}).message, HasSubstr("auto chose path (nonlinear, 4 variables)"));
   const auto symmetric = collection::find("bratu-own")->make();
   EXPECT_THAT(solve(*symmetric.mcp, symmetric.starts[0], Auto{.large = 100}).message,
-              HasSubstr("the Jacobian is symmetric: quadratic programs"));
+              HasSubstr("nonlinear, n > 100, the Jacobian is symmetric: quadratic programs"));
   const auto spatial = collection::find("spatial-price-own")->make();
   EXPECT_THAT(solve(*spatial.mcp, spatial.starts[0], Auto{.large = 100}).message,
               HasSubstr("auto chose path with few pivots (n > 100, the Jacobian is not symmetric)"));

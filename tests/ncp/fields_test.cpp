@@ -131,8 +131,11 @@ TEST(Fields, ReachEveryMember) {
 // A key means one range, whichever method has it: the program's lists give it once.
 TEST(Fields, KeysOfSeveralMethodsTakeTheSame) {
   std::vector<std::pair<std::string, std::string>> known;
-  for (const Preset& preset : presets()) {
-    Method method = preset.method;
+  std::vector<std::pair<std::string_view, Method>> all;
+  for (const auto table : {presets(), published()})
+    for (const Preset& preset : table) all.emplace_back(preset.name, preset.method);
+  for (const lcp::MethodEntry& entry : lcp::methods()) all.emplace_back(entry.name, Affine{.method = entry.method});
+  for (auto& [name, method] : all) {
     Fields fields;
     describe(method, fields);
     for (const Field& field : fields.options()) {
@@ -141,8 +144,8 @@ TEST(Fields, KeysOfSeveralMethodsTakeTheSame) {
       if (found == known.end())
         known.emplace_back(key, takes(field));
       else
-        EXPECT_EQ(takes(field), found->second) << preset.name << ": " << key;
-      EXPECT_EQ(std::ranges::count(fields.options(), field.key, &Field::key), 1) << preset.name << ": " << key;
+        EXPECT_EQ(takes(field), found->second) << name << ": " << key;
+      EXPECT_EQ(std::ranges::count(fields.options(), field.key, &Field::key), 1) << name << ": " << key;
     }
   }
 }

@@ -231,7 +231,7 @@ TEST(MinNewton, ObeysItsLimits) {
 TEST(MinNewton, RefusesOptionsThatMakeNoSense) {
   const auto why = [](const MinNewton& method) { return invalid(Method(method)).value_or(""); };
   EXPECT_EQ(why({}), "");
-  EXPECT_THAT(why({.search = {.sigma = 2}}), testing::HasSubstr("sigma is 2"));
+  EXPECT_THAT(why({.search = {.sigma = 2}}), testing::StartsWith("sigma is 2"));
   EXPECT_THAT(why({.search = {.memory = 0}}), testing::HasSubstr("nms_memory_size is 0"));
   EXPECT_THAT(why({.stop = {.tol = -1}}), testing::HasSubstr("convergence_tolerance is -1"));
   EXPECT_THAT(why({.escape = {.shrink = 0}}), testing::HasSubstr("escape_shrink is 0"));

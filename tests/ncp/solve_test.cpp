@@ -102,7 +102,7 @@ TEST(Solve, RefusesOptionsAndInputAtTheDoor) {
   const Counting counted(*mcp);
   const NewtonJosephy bad{.search = {.beta = 2}};
   EXPECT_THAT(solving(counted, Vec::Zero(4), bad),
-              ThrowsMessage<std::invalid_argument>(AllOf(HasSubstr("josephy"), HasSubstr("beta is 2"))));
+              ThrowsMessage<std::invalid_argument>(AllOf(HasSubstr("josephy"), HasSubstr(": beta is 2"))));
   for (const auto& [label, method] : methods()) {
     EXPECT_THAT(solving(counted, Vec::Zero(3), method),
                 ThrowsMessage<std::invalid_argument>(HasSubstr("3 entries for 4 variables")));
