@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <charconv>
 #include <stdexcept>
 
@@ -13,13 +12,6 @@
 namespace perp::app {
 
 namespace {
-
-std::string lower(std::string_view text) {
-  std::string result(text);
-  std::ranges::transform(result, result.begin(),
-                         [](char c) { return static_cast<char>(std::tolower(static_cast<unsigned char>(c))); });
-  return result;
-}
 
 /// Those of the program alone.
 void describe(Settings& settings, ncp::Fields& f) {
@@ -104,27 +96,29 @@ bool parse_number(std::string_view text, T& value) {
   return error == std::errc{} && end == text.data() + text.size();
 }
 
-[[noreturn]] void refuse(const Assignment& given, const Option& option, std::span<const std::string_view> words = {}) {
-  const std::string key = lower(given.key) == option.key ? given.key : fmt::format("{} ({})", given.key, option.key);
+[[noreturn]] void refuse(const Assignment& given, std::string_view option, std::string_view takes,
+                         std::span<const std::string_view> words = {}) {
+  const std::string key = lowercase(given.key) == option ? given.key : fmt::format("{} ({})", given.key, option);
   throw InputError(fmt::format("{}: {} = {} is refused; it takes {}{}", given.source, key,
-                               given.value.empty() ? "(nothing)" : given.value, option.takes,
-                               words.empty() ? "" : "." + did_you_mean(lower(given.value), words)));
+                               given.value.empty() ? "(nothing)" : given.value, takes,
+                               words.empty() ? "" : "." + did_you_mean(lowercase(given.value), words)));
 }
 
 template <class T>
-T number_in_range(const Assignment& given, const Option& option, const ncp::Range& range) {
+T number_in_range(const Assignment& given, const ncp::Field& field) {
   T value{};
-  if (!parse_number(given.value, value) || !range.has(static_cast<double>(value))) refuse(given, option);
+  if (!parse_number(given.value, value) || !field.range.has(static_cast<double>(value)))
+    refuse(given, field.key, takes(field));
   return value;
 }
 
-bool yes_or_no(const Assignment& given, const Option& option) {
-  const std::string word = lower(given.value);
+bool yes_or_no(const Assignment& given, const ncp::Field& field) {
+  const std::string word = lowercase(given.value);
   for (const char* yes : {"yes", "true", "on", "1"})
     if (word == yes) return true;
   for (const char* no : {"no", "false", "off", "0"})
     if (word == no) return false;
-  refuse(given, option, std::array<std::string_view, 6>{"yes", "no", "true", "false", "on", "off"});
+  refuse(given, field.key, takes(field), std::array<std::string_view, 6>{"yes", "no", "true", "false", "on", "off"});
 }
 
 /// The first name of the value; "?" if it has none.
@@ -133,52 +127,52 @@ std::string_view word_of(const ncp::Words& words) {
   return found == words.words.end() ? "?" : found->first;
 }
 
-void set_word(const ncp::Words& words, const Assignment& given, const Option& option, Applied& result) {
+void set_word(const ncp::Words& words, const ncp::Field& field, const Assignment& given,
+              std::vector<std::string>& notes) {
   const auto name = [](const auto& word) { return word.first; };
-  const auto chosen = std::ranges::find(words.words, lower(given.value), name);
+  const auto chosen = std::ranges::find(words.words, lowercase(given.value), name);
   if (chosen == words.words.end()) {
     std::vector<std::string_view> names(words.words.size());
     std::ranges::transform(words.words, names.begin(), name);
-    refuse(given, option, names);
+    refuse(given, field.key, takes(field), names);
   }
   words.set(chosen->second);
   if (word_of(words) != chosen->first)
-    result.notes.push_back(
-        fmt::format("{}: {} = {} is taken as {}", given.source, option.key, chosen->first, word_of(words)));
+    notes.push_back(fmt::format("{}: {} = {} is taken as {}", given.source, field.key, chosen->first, word_of(words)));
 }
 
-void set(const ncp::Field& field, const Assignment& given, const Option& option, Applied& result) {
+}  // namespace
+
+void set(const ncp::Field& field, const Assignment& given, std::vector<std::string>& notes) {
   std::visit(
       [&](const auto& target) {
         using T = std::remove_cvref_t<decltype(target)>;
         if constexpr (std::is_same_v<T, std::string*>) {
-          const std::string name = lower(given.value);
-          if (!method_named(name)) refuse(given, option, method_names());
+          const std::string name = lowercase(given.value);
+          if (!method_named(name)) refuse(given, field.key, ncp::alternatives(method_names()), method_names());
           *target = name;
         } else if constexpr (std::is_same_v<T, bool*>) {
-          *target = yes_or_no(given, option);
+          *target = yes_or_no(given, field);
         } else if constexpr (std::is_same_v<T, ncp::Flag>) {
-          target.set(yes_or_no(given, option));
+          target.set(yes_or_no(given, field));
         } else if constexpr (std::is_same_v<T, ncp::Words>) {
-          set_word(target, given, option, result);
+          set_word(target, field, given, notes);
         } else if constexpr (std::is_same_v<T, ncp::Seconds*>) {
-          *target = ncp::Seconds(number_in_range<double>(given, option, field.range));
+          *target = ncp::Seconds(number_in_range<double>(given, field));
         } else if constexpr (std::is_same_v<T, ncp::Parameter>) {
-          const auto value = number_in_range<double>(given, option, {});
+          const auto value = number_in_range<double>(given, field);
           try {
             target.set(value);
           } catch (const std::invalid_argument& error) {
             throw InputError(
-                fmt::format("{}: {} = {} is refused: {}", given.source, option.key, given.value, error.what()));
+                fmt::format("{}: {} = {} is refused: {}", given.source, field.key, given.value, error.what()));
           }
         } else {
-          *target = number_in_range<std::remove_pointer_t<T>>(given, option, field.range);
+          *target = number_in_range<std::remove_pointer_t<T>>(given, field);
         }
       },
       field.target);
 }
-
-}  // namespace
 
 std::string value_text(const ncp::Field& field) {
   if (!field.inert.empty()) return "-";
@@ -227,7 +221,7 @@ bool is_paths(std::string_view name) { return std::ranges::find(path_options(), 
 /// The option a key names: exactly, or abbreviated, where PATH's options go before ours and those of as many words as
 /// the key before longer ones. Throws InputError if the abbreviation is not unique.
 Found find_option(const Assignment& given) {
-  const std::string key = lower(given.key);
+  const std::string key = lowercase(given.key);
   if (key.empty()) return {};
   std::vector<std::pair<std::string_view, const Option*>> fits;
   const auto look = [&](std::string_view name, const Option* option) {
@@ -269,12 +263,12 @@ std::string unknown_key(const Assignment& given) {
 void apply(const Option& option, const Assignment& given, Applied& result) {
   const ncp::Fields fields = fields_of(result.settings);
   const ncp::Field* field = fields.find(option.key);
-  if (field != nullptr && field->inert.empty()) return set(*field, given, option, result);
+  if (field != nullptr && field->inert.empty()) return set(*field, given, result.notes);
   Settings other = result.settings;  // the value is checked all the same
   if (field == nullptr) other.method = option.method;
   const ncp::Fields others = fields_of(other);
   if (const ncp::Field& there = *others.find(option.key); !std::holds_alternative<ncp::Parameter>(there.target))
-    set(there, given, option, result);
+    set(there, given, result.notes);
   result.notes.push_back(fmt::format("{}: {} has no effect on method {}{}", given.source, option.key,
                                      result.settings.method_name,
                                      field == nullptr ? "" : fmt::format(" with {}", field->inert)));

@@ -73,6 +73,9 @@ std::span<const std::string_view> path_options();
 /// Those of them that are accepted without effect.
 std::span<const std::string_view> ignored_options();
 
+/// Sets it to the value of `given`, whose key may be short for the field's. Notes a word that is taken as another one.
+/// Throws InputError naming source, key, value and range for a value that makes no sense.
+void set(const ncp::Field& field, const Assignment& given, std::vector<std::string>& notes);
 /// The value, as it would be written; "-" where there is none to list: another option takes the effect away, or the
 /// number exists with another choice only.
 std::string value_text(const ncp::Field& field);

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cctype>
 #include <filesystem>
 #include <fstream>
 #include <istream>
@@ -118,6 +120,13 @@ std::vector<Assignment> read_options_file(const std::string& path) {
   if (!in || std::filesystem::is_directory(path, ignored))
     throw InputError(fmt::format("options file '{}' cannot be read", path));
   return parse_options_file(in, path);
+}
+
+std::string lowercase(std::string_view text) {
+  std::string result(text);
+  std::ranges::transform(result, result.begin(),
+                         [](char c) { return static_cast<char>(std::tolower(static_cast<unsigned char>(c))); });
+  return result;
 }
 
 }  // namespace perp::app

@@ -29,4 +29,7 @@ std::vector<Assignment> parse_options_file(std::istream& in, const std::string& 
 /// Of a file. Throws InputError also if it cannot be read.
 std::vector<Assignment> read_options_file(const std::string& path);
 
+/// In small letters, as keys and words are compared.
+std::string lowercase(std::string_view text);
+
 }  // namespace perp::app

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <sstream>
 #include <stdexcept>
 #include <utility>
 
@@ -160,15 +159,16 @@ void Glocker::Local::triangle_slacks(const GlockerOptions& law, In z) {
   J.row(4).head(5) = D.sigma_N * dN + D.sigma_T1 * dT1 + D.sigma_T2 * dT2;
 }
 
-std::optional<std::string> invalid(const GlockerOptions& options) {
-  std::ostringstream why;
-  if (!(options.delta > 0) && options.row == DiskRow::Normalised)
-    why << "delta is " << options.delta << "; it must be positive";
-  else if (!(options.eps >= 0) || std::isinf(options.eps))
-    why << "eps is " << options.eps << "; it must be at least 0 and finite";
-  else
-    return std::nullopt;
-  return why.str();
+void describe(GlockerOptions& options, ncp::Fields& f) {
+  f.add("delta", &options.delta, ncp::above(0), "of the normalised disk row");
+  f.add("eps", &options.eps, ncp::at_least(0), "regularises the facets' equations");
+}
+
+std::optional<std::string> invalid(const GlockerOptions& given) {
+  GlockerOptions options = given;
+  ncp::Fields fields;
+  describe(options, fields);
+  return fields.invalid();
 }
 
 Glocker::Glocker(Scaled problem, const GlockerOptions& options) : problem_(std::move(problem)), options_(options) {

@@ -24,6 +24,7 @@
 #include <vector>
 
 #include "contact/scaling.hpp"
+#include "ncp/fields.hpp"
 #include "ncp/mcp.hpp"
 
 namespace perp::contact {
@@ -34,9 +35,10 @@ enum class DiskRow { Original, Normalised };
 struct GlockerOptions {
   Encoding encoding = Encoding::B;
   DiskRow row = DiskRow::Normalised;
-  double delta = 1e-9;  ///< in scaled units; > 0 with the normalised row
+  double delta = 1e-9;  ///< in scaled units; > 0
   double eps = 0;       ///< >= 0
 };
+void describe(GlockerOptions& options, ncp::Fields& fields);
 std::optional<std::string> invalid(const GlockerOptions& options);
 
 class Glocker final : public ncp::Mcp {

@@ -11,36 +11,6 @@
 namespace perp::contact {
 namespace {
 
-template <class Value>
-std::string refusal(const char* option, const Value& value, const char* range) {
-  std::ostringstream why;
-  why << option << " is " << value << "; it must be " << range;
-  return why.str();
-}
-
-std::optional<std::string> invalid_method(const GlockerHomotopy& m) {
-  const HomotopyOptions& o = m.options;
-  if (!(o.delta_share > 0 && o.delta_share < 10)) return refusal("delta_share", o.delta_share, "in (0, 10)");
-  if (!(o.eps_share >= 0 && o.eps_share < 10)) return refusal("eps_share", o.eps_share, "in [0, 10)");
-  if (!(o.least_centring > 0 && o.least_centring < 1)) return refusal("least_centring", o.least_centring, "in (0, 1)");
-  if (!(o.to_boundary > 0 && o.to_boundary < 1)) return refusal("to_boundary", o.to_boundary, "in (0, 1)");
-  if (!(o.neighbourhood > 0 && o.neighbourhood < 1)) return refusal("neighbourhood", o.neighbourhood, "in (0, 1)");
-  if (m.max_iterations < 1) return refusal("max_iterations", m.max_iterations, "at least 1");
-  return std::nullopt;
-}
-
-std::optional<std::string> invalid_method(const Auto& m) {
-  if (m.sweeps < 0) return refusal("sweeps", m.sweeps, "at least 0");
-  if (!(m.polish_at > 0)) return refusal("polish_at", m.polish_at, "positive");
-  return invalid_method(m.homotopy);
-}
-
-std::optional<std::string> invalid_method(const GlockerNcp& m) {
-  if (m.stages < 1) return refusal("stages", m.stages, "at least 1");
-  if (auto why = invalid(m.formulation)) return why;
-  return ncp::invalid(m.method);
-}
-
 bool scales(const Auto& m) { return m.homotopy.scaling; }
 bool scales(const GlockerHomotopy& m) { return m.scaling; }
 bool scales(const GlockerNcp& m) { return m.scaling; }
@@ -62,27 +32,31 @@ constexpr std::chrono::duration<double> least_search{0.1};
 
 }  // namespace
 
-std::vector<NamedOption> named_options(GlockerHomotopy& m) {
-  return {{"max_iterations", &m.max_iterations},
-          {"other_settings", &m.other_settings},
-          {"scaling", &m.scaling},
-          {"delta_share", &m.options.delta_share},
-          {"eps_share", &m.options.eps_share},
-          {"least_centring", &m.options.least_centring},
-          {"to_boundary", &m.options.to_boundary},
-          {"neighbourhood", &m.options.neighbourhood},
-          {"lu", &m.options.lu}};
+void describe(GlockerHomotopy& m, ncp::Fields& f) {
+  HomotopyOptions& o = m.options;
+  f.add("max_iterations", &m.max_iterations, ncp::at_least(1), "iterations of one attempt");
+  f.add("other_settings", &m.other_settings, "attempts with other settings where the first stalls");
+  f.add("scaling", &m.scaling, "in the units of the contacts");
+  f.add("delta_share", &o.delta_share, ncp::strictly_between(0, 10), "delta = delta_share tau");
+  f.add("eps_share", &o.eps_share, {.low = 0, .high = 10, .open_high = true}, "eps = eps_share tau");
+  f.add("least_centring", &o.least_centring, ncp::strictly_between(0, 1), "sigma at least");
+  f.add("to_boundary", &o.to_boundary, ncp::strictly_between(0, 1), "share of the way to the boundary");
+  f.add("neighbourhood", &o.neighbourhood, ncp::strictly_between(0, 1), "least product over the mean");
+  ncp::describe_lu(o.lu, f);
 }
 
-std::vector<NamedOption> named_options(Auto& m) {
-  std::vector<NamedOption> all{
-      {"sweeps", &m.sweeps}, {"polish", &m.polish}, {"polish_at", &m.polish_at}, {"proximal", &m.proximal}};
-  for (const NamedOption& option : named_options(m.homotopy)) all.push_back(option);
-  return all;
+void describe(Auto& m, ncp::Fields& f) {
+  f.add("sweeps", &m.sweeps, ncp::at_least(0), "of Gauss-Seidel, before anything else");
+  f.add("polish", &m.polish, "Newton steps on Alart & Curnier's equation");
+  f.add("polish_at", &m.polish_at, ncp::above(0), "relative natural residual at which they are tried first");
+  f.add("proximal", &m.proximal, "a proximal loop after all attempts");
+  describe(m.homotopy, f);
 }
 
-std::vector<NamedOption> named_options(GlockerNcp& m) {
-  return {{"delta", &m.formulation.delta}, {"eps", &m.formulation.eps}, {"stages", &m.stages}, {"scaling", &m.scaling}};
+void describe(GlockerNcp& m, ncp::Fields& f) {
+  describe(m.formulation, f);
+  f.add("stages", &m.stages, ncp::at_least(1), "in which delta is continued from 0.1");
+  f.add("scaling", &m.scaling, "in the units of the contacts");
 }
 
 std::string_view to_string(Status status) {
@@ -125,10 +99,15 @@ std::string_view to_string(Origin origin) {
   return "?";
 }
 
-std::optional<std::string> invalid(const Options& options) {
-  if (!(options.tol > 0)) return refusal("tol", options.tol, "positive");
-  if (!(options.max_time.count() >= 0)) return refusal("max_time", options.max_time.count(), "at least 0 s");
-  return std::visit([](const auto& m) { return invalid_method(m); }, options.method);
+std::optional<std::string> invalid(const Options& given) {
+  Options options = given;
+  ncp::Fields fields;
+  fields.add("tol", &options.tol, ncp::above(0), "of accepted()");
+  fields.add("max_time", &options.max_time, ncp::at_least(0), "seconds");
+  std::visit([&](auto& method) { describe(method, fields); }, options.method);
+  if (auto why = fields.invalid()) return why;
+  const auto* ncp = std::get_if<GlockerNcp>(&options.method);
+  return ncp == nullptr ? std::nullopt : ncp::invalid(ncp->method);
 }
 
 Referee::Referee(const Problem& problem, const Scaled& scaled, const Options& options)

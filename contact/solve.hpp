@@ -55,14 +55,9 @@ struct GlockerNcp {
   bool scaling = true;
 };
 
-/// An option of a method by its name, and the field that it sets.
-struct NamedOption {
-  std::string_view key;
-  std::variant<int*, double*, bool*, lcp::LuBackend*> field;
-};
-std::vector<NamedOption> named_options(GlockerHomotopy& method);
-std::vector<NamedOption> named_options(Auto& method);        ///< its own, then those of its homotopy
-std::vector<NamedOption> named_options(GlockerNcp& method);  ///< beside those of its method of ncp/
+void describe(GlockerHomotopy& method, ncp::Fields& fields);
+void describe(Auto& method, ncp::Fields& fields);        ///< its own, then those of its homotopy
+void describe(GlockerNcp& method, ncp::Fields& fields);  ///< beside those of its method of ncp/
 
 /// What made a point.
 enum class Origin {

@@ -5,6 +5,7 @@
 #include <charconv>
 #include <utility>
 
+#include "ncp/fields.hpp"
 #include "ncp/presets.hpp"
 
 namespace perp::contact {
@@ -15,12 +16,6 @@ constexpr int least_facets = 3;
 constexpr std::array<std::string_view, 5> laws{"glocker", "ncp1", "inner", "outer", "frictionless"};
 
 [[noreturn]] void refuse(const std::string& why) { throw std::invalid_argument(why); }
-
-std::string joined(const std::vector<std::string_view>& words) {
-  std::string text;
-  for (const std::string_view word : words) text.append(text.empty() ? "" : ", ").append(word);
-  return text;
-}
 
 int facets_of(const std::string& formulation, std::string_view digits) {
   int facets = 0;
@@ -83,10 +78,10 @@ Variant::Solver solver_named(const Variant& variant, const std::string& name) {
   if (affine != nullptr) refuse(method + " is for affine problems; " + variant.formulation() + " is nonlinear");
   const std::vector<std::string_view> known = method_names(variant);
   if (preset != nullptr)
-    refuse(method + ": " + variant.formulation() + " is an affine problem, solved by " + joined(known));
-  throw UnknownWord(
-      "method: there is no method '" + name + "'; " + variant.formulation() + " is solved by " + joined(known) + ".",
-      name, known);
+    refuse(method + ": " + variant.formulation() + " is an affine problem, solved by " + ncp::alternatives(known));
+  throw UnknownWord("method: there is no method '" + name + "'; " + variant.formulation() + " is solved by " +
+                        ncp::alternatives(known) + ".",
+                    name, known);
 }
 
 void set_method(Variant& variant, const VariantWords& words) {

@@ -66,7 +66,15 @@ Method with_pivots_left(const Run& run, Method method) {
   return method;
 }
 
-Attempt loop(std::string name, Method method, From from) {
+Result linear_methods(Run& run, In x0, Share share) {
+  const Affine method;
+  share.tol = std::min(method.stop.tol, run.tol());
+  Result result = run.within(run.mcp(), share, x0, [&](Run& inner, In z0) { affine(inner, z0, method); });
+  result.stats.pivots += std::exchange(result.stats.iterations, std::min(result.stats.iterations, 1));
+  return result;
+}
+
+Attempt loop_attempt(std::string name, Method method, From from) {
   std::string what(ncp::name(method));
   return {.name = std::move(name),
           .what = std::move(what),
@@ -74,8 +82,8 @@ Attempt loop(std::string name, Method method, From from) {
           .from = from};
 }
 
-Attempt scaled_loop(std::string name, Method method, std::string when,
-                    std::function<std::optional<Scaling>(Run&, const Point&)> factors) {
+Attempt scaled_attempt(std::string name, Method method, std::string when,
+                       std::function<std::optional<Scaling>(Run&, const Point&)> factors) {
   const auto found = std::make_shared<std::optional<Scaling>>();
   std::string what = "scaled(" + std::string(ncp::name(method)) + ")";
   const auto go = [method = std::move(method), found](Run& run, const Point& start) {

@@ -43,11 +43,14 @@ Share part_of_left(const Run& run, bool last);
 /// For a run within this one: PathSearch with what this one leaves of the pivots.
 Method with_pivots_left(const Run& run, Method method);
 
+/// The linear methods within the run: one iteration of it, whatever their pivots.
+Result linear_methods(Run& run, In x0, Share share);
+
 /// The method's loop, in the run itself.
-Attempt loop(std::string name, Method method, From from = From::Start);
+Attempt loop_attempt(std::string name, Method method, From from = From::Start);
 /// The same from the start, on the problem scaled by what `factors` gives when it is the attempt's turn.
-Attempt scaled_loop(std::string name, Method method, std::string when,
-                    std::function<std::optional<Scaling>(Run&, const Point&)> factors);
+Attempt scaled_attempt(std::string name, Method method, std::string when,
+                       std::function<std::optional<Scaling>(Run&, const Point&)> factors);
 
 std::vector<Attempt> path_list(const PathSearch& method);
 std::vector<Attempt> auto_list(const Auto& method);

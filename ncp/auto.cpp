@@ -29,20 +29,19 @@ void explain(const Mcp& mcp, In x0, Result& result) {
 Attempt choice(std::string label, Method method, bool last = false) {
   std::string what(std::holds_alternative<Affine>(method) ? label : std::string(ncp::name(method)));
   const auto go = [method = std::move(method), last](Run& run, const Point& start) {
-    const bool affine = std::holds_alternative<Affine>(method);
-    Share share = part_of_left(run, last);
-    if (affine) share.tol = std::min(stop(method).tol, run.tol());
+    const Share share = part_of_left(run, last);
     run.keep_basis({});
-    Result result = run.within(run.mcp(), share, start.x, [&](Run& inner, In z) { run_method(inner, z, method); });
-    if (affine)  // one iteration of this run, whatever its pivots
-      result.stats.pivots += std::exchange(result.stats.iterations, std::min(result.stats.iterations, 1));
+    Result result =
+        std::holds_alternative<Affine>(method)
+            ? linear_methods(run, start.x, share)
+            : run.within(run.mcp(), share, start.x, [&](Run& inner, In z) { run_method(inner, z, method); });
     if (result.status == Status::Infeasible) explain(run.mcp(), start.x, result);
     run.take(result);
   };
   return {.name = std::move(label), .what = std::move(what), .go = go};
 }
 
-Attempt where(Attempt attempt, std::string when, std::function<bool(Run&, const Point&)> worthwhile) {
+Attempt only_if(Attempt attempt, std::string when, std::function<bool(Run&, const Point&)> worthwhile) {
   attempt.when = std::move(when);
   attempt.worthwhile = std::move(worthwhile);
   return attempt;
@@ -86,15 +85,15 @@ std::vector<Attempt> auto_list(const Auto& method) {
   SemismoothNewton escaping = method.semismooth;
   escaping.escape = Escape{};
   return {
-      where(choice("path with few pivots", brief), of_size + "not symmetric", large_unsymmetric),
-      where(choice("interior points", InteriorPoint{}), of_size + "not symmetric", large_unsymmetric),
-      where(choice("the linear methods", Affine{}), "the problem is affine",
-            [=](Run& run, const Point&) { return !warm && run.mcp().is_affine(); }),
-      where(choice("josephy", NewtonJosephy{.subproblem = Subproblem::Qp}),
-            "nonlinear, " + of_size + "symmetric: quadratic programs by multigrid", large_symmetric),
+      only_if(choice("path with few pivots", brief), of_size + "not symmetric", large_unsymmetric),
+      only_if(choice("interior points", InteriorPoint{}), of_size + "not symmetric", large_unsymmetric),
+      only_if(choice("the linear methods", Affine{}), "the problem is affine",
+              [=](Run& run, const Point&) { return !warm && run.mcp().is_affine(); }),
+      only_if(choice("josephy", NewtonJosephy{.subproblem = Subproblem::Qp}),
+              "nonlinear, " + of_size + "symmetric: quadratic programs by multigrid", large_symmetric),
       choice("path", method.path),
-      where(choice("smoothing", Smoothing{.function = smoothed_fischer_burmeister(), .restarts = 1}),
-            "the problem is nonlinear", nonlinear),
+      only_if(choice("smoothing", Smoothing{.function = smoothed_fischer_burmeister(), .restarts = 1}),
+              "the problem is nonlinear", nonlinear),
       choice("semismooth on the penalised function", penalised),
       choice("semismooth with proximal escapes", escaping, true),
   };

@@ -22,8 +22,8 @@ std::vector<Outline::Line> lines(const std::vector<Attempt>& list, int restart_l
 std::vector<Outline::Line> afterwards(const std::string& name, int rescalings, bool escapes) {
   std::vector<Outline::Line> out{{"the options given", name, ""}};
   const std::string base = escapes ? "escape(" + name + ")" : name;
-  if (rescalings > 0) out.push_back({"rows and columns scaled as at the best point", "scaled(" + base + ")", ""});
-  if (rescalings > 1) out.push_back({"rows and columns scaled", "scaled(" + base + ")", ""});
+  if (rescalings > 0) out.push_back({std::string(scaled_at_best), "scaled(" + base + ")", ""});
+  if (rescalings > 1) out.push_back({std::string(scaled_at_start), "scaled(" + base + ")", ""});
   if (escapes) out.push_back({"proximal escape", base, ""});
   return out;
 }

@@ -53,13 +53,7 @@ Attempt escape_attempt(std::string name, const Method& base) {
 }
 
 Attempt linear_attempt() {
-  const auto go = [](Run& run, const Point& start) {
-    const Affine linear;
-    Result result = run.within(run.mcp(), {.tol = std::min(linear.stop.tol, run.tol())}, start.x,
-                               [&](Run& inner, In x0) { affine(inner, x0, linear); });
-    result.stats.pivots = std::exchange(result.stats.iterations, 1);
-    run.take(result);
-  };
+  const auto go = [](Run& run, const Point& start) { run.take(linear_methods(run, start.x, {})); };
   return {.name = "the best of the linear methods",
           .what = "the linear methods",
           .go = go,
@@ -77,31 +71,31 @@ void add_own_restarts(const PathSearch& method, std::vector<Attempt>& list) {
   list.push_back(linear_attempt());
   PathSearch again = once(method);
   again.proximal_perturbation = 1;
-  list.push_back(loop("proximal perturbation 1", again));
+  list.push_back(loop_attempt("proximal perturbation 1", again));
   again.proximal_perturbation = method.proximal_perturbation;
-  list.push_back(loop("from the origin", again, From::Origin));
-  list.push_back(loop("from a point of the unit box", again, From::UnitBox));
-  list.push_back(scaled_loop("rows and columns scaled as at the best point", again, "that helps",
-                             [](Run& run, const Point&) { return factors_at(run, run.best()); }));
+  list.push_back(loop_attempt("from the origin", again, From::Origin));
+  list.push_back(loop_attempt("from a point of the unit box", again, From::UnitBox));
+  list.push_back(scaled_attempt(std::string(scaled_at_best), again, "that helps",
+                                [](Run& run, const Point&) { return factors_at(run, run.best()); }));
   again.start = PathStart::Always;
-  list.push_back(loop("Newton points from rays", again));
+  list.push_back(loop_attempt("Newton points from rays", again));
   again.start = method.start;
   again.merit = method.merit == PathMerit::Fischer ? PathMerit::NormalMap : PathMerit::Fischer;
   again.search = method.search == Searchtype::Line ? Searchtype::Path : Searchtype::Line;
   again.nms.initial_reference_factor = 2;
-  list.push_back(loop("the other merit function, another search", again));
-  list.push_back(loop("semismooth Newton", SemismoothNewton{}));
-  list.push_back(loop("Newton-Josephy", NewtonJosephy{}));
+  list.push_back(loop_attempt("the other merit function, another search", again));
+  list.push_back(loop_attempt("semismooth Newton", SemismoothNewton{}));
+  list.push_back(loop_attempt("Newton-Josephy", NewtonJosephy{}));
   PathSearch trial = once(method);
   trial.patience = std::min(method.patience, trial_patience);
   list.push_back(escape_attempt("proximal escape", trial));
   const Smoothing smoothing{.function = smoothed_fischer_burmeister(), .restarts = 1};
   const auto stuck_at = std::make_shared<Vec>();
   list.push_back(smoothing_attempt(smoothing, stuck_at));
-  list.push_back(scaled_loop("smoothing, rows and columns scaled", smoothing, "that helps",
-                             [stuck_at](Run& run, const Point&) { return factors_at(run, *stuck_at); }));
-  list.push_back(loop("semismooth Newton from the best point", SemismoothNewton{}, From::Best));
-  list.push_back(loop("semismooth Newton on the min function", SemismoothNewton{.cfunction = natural_min()}));
+  list.push_back(scaled_attempt("smoothing, rows and columns scaled", smoothing, "that helps",
+                                [stuck_at](Run& run, const Point&) { return factors_at(run, *stuck_at); }));
+  list.push_back(loop_attempt("semismooth Newton from the best point", SemismoothNewton{}, From::Best));
+  list.push_back(loop_attempt("semismooth Newton on the min function", SemismoothNewton{.cfunction = natural_min()}));
   list.push_back(escape_attempt("proximal escape with semismooth Newton", SemismoothNewton{}));
 }
 
@@ -111,7 +105,7 @@ void add_documented_restarts(const PathSearch& method, std::vector<Attempt>& lis
   first.crash.on = false;
   first.basis.clear();
   first.nms.initial_reference_factor = 2;
-  Attempt perturbed = loop("PATH's first restart: perturbed by 0.01 times the residual", first);
+  Attempt perturbed = loop_attempt("PATH's first restart: perturbed by 0.01 times the residual", first);
   perturbed.go = [first](Run& run, Point start) {
     PathSearch there = first;
     there.proximal_perturbation = 0.01 * residual(run.box(), start.x, start.F).natural / size_of(start.J);
@@ -123,13 +117,13 @@ void add_documented_restarts(const PathSearch& method, std::vector<Attempt>& lis
   second.nms.mstep_frequency = 1;
   second.nms.initial_reference_factor = 10;
   second.nms.memory = 2;
-  list.push_back(loop("PATH's second restart: a test in each iteration", second));
+  list.push_back(loop_attempt("PATH's second restart: a test in each iteration", second));
   PathSearch third = first;
   third.proximal_perturbation = 0;
   third.crash.on = true;
   third.crash.nbchange_limit = 10;
   third.search = Searchtype::Arc;
-  list.push_back(loop("PATH's third restart: searches along arcs", third));
+  list.push_back(loop_attempt("PATH's third restart: searches along arcs", third));
 }
 
 /// The verdict of the first attempt, with what is known about the best point of all.
@@ -157,12 +151,12 @@ Run::Verdict last_words(Run& run, const Run::Verdict& first, const Point& user, 
 std::vector<Attempt> path_list(const PathSearch& method) {
   std::vector<Attempt> list;
   if (method.scaling)
-    list.push_back(uncounted(scaled_loop("rows and columns scaled", method, "that brings the entries of J together",
-                                         [](Run& run, const Point& start) {
-                                           const Scaling factors = scaling(run.mcp(), start.J);
-                                           return factors.helps() ? std::optional(factors) : std::nullopt;
-                                         })));
-  list.push_back(uncounted(loop("the options given", method)));
+    list.push_back(uncounted(scaled_attempt(std::string(scaled_at_start), method,
+                                            "that brings the entries of J together", [](Run& run, const Point& start) {
+                                              const Scaling factors = scaling(run.mcp(), start.J);
+                                              return factors.helps() ? std::optional(factors) : std::nullopt;
+                                            })));
+  list.push_back(uncounted(loop_attempt("the options given", method)));
   if (method.restarts == PathRestarts::Documented)
     add_documented_restarts(method, list);
   else

@@ -17,7 +17,7 @@ std::optional<Scaling> factors_at(Run& run, const Vec& x) {
 
 void retry_scaled(Run& run, In x0, int rescalings, const Body& base) {
   const Vec scaled_at[] = {run.best(), lcp::project(run.box(), x0)};
-  const char* const names[] = {"rows and columns scaled as at the best point", "rows and columns scaled"};
+  constexpr std::string_view names[] = {scaled_at_best, scaled_at_start};
   int tried = 0;
   std::string last;
   for (int k = 0; k < std::min(rescalings, 2) && stuck(run); ++k) {

@@ -38,6 +38,9 @@ bool stuck(const Run& run);
 
 /// Factors of J at x; nothing where J is not defined there or they bring no entries together.
 std::optional<Scaling> factors_at(Run& run, const Vec& x);
+/// What attempts on the scaled problem are called, by where J was taken.
+inline constexpr std::string_view scaled_at_best = "rows and columns scaled as at the best point";
+inline constexpr std::string_view scaled_at_start = "rows and columns scaled";
 /// Of a run that is stuck: `base` again from x0, on the problem scaled by J at the best point and then (rescalings = 2)
 /// by J at x0: what is a local minimum of the merit function depends on the units.
 void retry_scaled(Run& run, In x0, int rescalings, const Body& base);

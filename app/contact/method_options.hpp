@@ -1,6 +1,6 @@
 #pragma once
 /// Options of a variant's method, key=value (`--option`): those of `perp methods` for methods of ncp/ and lcp/, and of
-/// contact/ its own (contact::named_options): of auto, of homotopy, and of glocker by another method.
+/// contact/ its own (contact::describe): of auto, of homotopy, and of glocker by another method.
 #include <string>
 
 #include "app/contact/variant.hpp"

@@ -111,10 +111,10 @@ TEST(ContactOptions, RefusedWithWhatIsKnown) {
   EXPECT_THAT(why({.options = {"sweeps="}}), HasSubstr("(nothing)"));
   EXPECT_THAT(why({.options = {"sweeps=1.5"}}), HasSubstr("it takes an integer"));
   EXPECT_THAT(why({.options = {"sweeps=99999999999"}}), HasSubstr("it takes an integer"));
-  EXPECT_THAT(why({.options = {"sweeps=-1"}}), HasSubstr("sweeps is -1"));
+  EXPECT_THAT(why({.options = {"sweeps=-1"}}), HasSubstr("sweeps = -1 is refused; it takes an integer >= 0"));
   EXPECT_THAT(why({.options = {"polish=maybe"}}), HasSubstr("yes or no"));
   EXPECT_THAT(why({.options = {"lu=mumps"}}), HasSubstr("umfpack, klu"));
-  EXPECT_THAT(why({.options = {"delta_share=nan"}}), HasSubstr("a finite number"));
+  EXPECT_THAT(why({.options = {"delta_share=nan"}}), HasSubstr("a number in (0, 10)"));
   EXPECT_THAT(why({.options = {"to_boundary=1"}}), HasSubstr("in (0, 1)"));
   EXPECT_THAT(why({.options = {"delta=1e-9"}}), HasSubstr("method auto has no option 'delta'"));
   EXPECT_THAT(why({.method = "homotopy", .options = {"sweeps=0"}}),
@@ -126,8 +126,8 @@ TEST(ContactOptions, RefusedWithWhatIsKnown) {
     return why(request);
   };
   EXPECT_THAT(why_path("foo=1"), testing::AllOf(HasSubstr("'foo'"), HasSubstr("delta, eps, stages, scaling")));
-  EXPECT_THAT(why_path("delta=0"), HasSubstr("delta is 0"));
-  EXPECT_THAT(why_path("stages=0"), HasSubstr("stages is 0"));
+  EXPECT_THAT(why_path("delta=0"), HasSubstr("delta = 0 is refused"));
+  EXPECT_THAT(why_path("stages=0"), HasSubstr("stages = 0 is refused"));
   EXPECT_THAT(why_path("lu=mumps"), testing::AllOf(HasSubstr("umfpack"), Not(HasSubstr("stages"))));
   EXPECT_THAT(why_path("method=miles"), HasSubstr("--method"));
   EXPECT_THAT(why_path("time_limit=2"), HasSubstr("--time-limit"));
@@ -146,6 +146,16 @@ TEST(ContactOptions, WithoutEffectIsSaid) {
       exit_solved);
   EXPECT_THAT(captured.err.str(), testing::AllOf(HasSubstr("sigma has no effect on method lemke"),
                                                  HasSubstr("output has no effect on perp contact")));
+  // An affine law has no evaluations to limit, the first NCP has.
+  const auto said = [](const char* formulation, const char* method) {
+    test::Captured again;
+    solve_contact({.problems = {"stack:4"},
+                   .variant = {.formulation = formulation, .method = method, .options = {"evaluation_limit=100000"}}},
+                  again.streams);
+    return again.err.str();
+  };
+  EXPECT_THAT(said("inner:4", "lemke"), HasSubstr("evaluation_limit has no effect on perp contact"));
+  EXPECT_THAT(said("ncp1", "miles"), Not(HasSubstr("no effect")));
 }
 
 // Would catch a key that was added without a word in the man page, the README or to the shell.

@@ -65,14 +65,17 @@ TEST(Variant, UnknownWordsComeWithTheKnownOnes) {
 // The options of a method: every key a field of its own.
 TEST(Variant, OptionsByName) {
   Auto method;
-  const std::vector<NamedOption> all = named_options(method);
+  ncp::Fields fields;
+  describe(method, fields);
+  const std::vector<ncp::Field> all = fields.options();
   for (std::size_t i = 0; i < all.size(); ++i)
-    for (std::size_t j = 0; j < i; ++j) {
-      EXPECT_NE(all[i].key, all[j].key);
-      EXPECT_NE(all[i].field, all[j].field) << all[i].key;
-    }
-  *std::get<int*>(all[0].field) = 7;
+    for (std::size_t j = 0; j < i; ++j) EXPECT_NE(all[i].key, all[j].key);
+  ASSERT_NE(fields.find("sweeps"), nullptr);
+  *std::get<int*>(fields.find("sweeps")->target) = 7;
   EXPECT_EQ(method.sweeps, 7);
+  EXPECT_EQ(fields.invalid(), std::nullopt);
+  *std::get<double*>(fields.find("to_boundary")->target) = 1;
+  EXPECT_EQ(fields.invalid(), "to_boundary is 1; it takes a number in (0, 1)");
 }
 
 }  // namespace
