@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "lcp/basis_factor.hpp"
+#include "lcp/lu/basis_factor.hpp"
 
 namespace {
 

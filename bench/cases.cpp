@@ -8,7 +8,7 @@
 
 #include "ncp/ampl/model.hpp"
 #include "ncp/collection/collection.hpp"
-#include "ncp/presets.hpp"
+#include "ncp/strategy/presets.hpp"
 
 namespace perp::bench {
 

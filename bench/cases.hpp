@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "ncp/solve.hpp"
+#include "ncp/strategy/solve.hpp"
 
 namespace perp::bench {
 

@@ -18,10 +18,10 @@
 #include <string>
 #include <vector>
 
-#include "contact/read.hpp"
-#include "contact/solve.hpp"
+#include "contact/io/read.hpp"
+#include "contact/solvers/solve.hpp"
 #include "contact_peers.hpp"
-#include "ncp/presets.hpp"
+#include "ncp/strategy/presets.hpp"
 
 namespace {
 

@@ -14,8 +14,8 @@
 #include <string>
 #include <vector>
 
-#include "contact/generators.hpp"
-#include "contact/solve.hpp"
+#include "contact/scenes/generators.hpp"
+#include "contact/solvers/solve.hpp"
 
 namespace {
 

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "contact/problem.hpp"
+#include "contact/model/problem.hpp"
 
 namespace perp::bench {
 

@@ -11,11 +11,11 @@
 #include <utility>
 #include <vector>
 
-#include "contact/inner_faceting.hpp"
-#include "contact/outer_faceting.hpp"
-#include "contact/read.hpp"
-#include "contact/residual.hpp"
-#include "contact/solve.hpp"
+#include "contact/io/read.hpp"
+#include "contact/laws/inner_faceting.hpp"
+#include "contact/laws/outer_faceting.hpp"
+#include "contact/model/residual.hpp"
+#include "contact/solvers/solve.hpp"
 
 namespace {
 

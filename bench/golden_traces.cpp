@@ -10,7 +10,7 @@
 #include <type_traits>
 
 #include "ncp/collection/collection.hpp"
-#include "ncp/presets.hpp"
+#include "ncp/strategy/presets.hpp"
 
 namespace {
 

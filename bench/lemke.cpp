@@ -6,8 +6,8 @@
 #include <fstream>
 #include <string>
 
-#include "lcp/solve.hpp"
-#include "ncp/collection/random_lcps.hpp"
+#include "lcp/solve/solve.hpp"
+#include "ncp/collection/random/random_lcps.hpp"
 
 namespace {
 

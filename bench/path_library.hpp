@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "ncp/mcp.hpp"
+#include "ncp/problem/mcp.hpp"
 
 namespace perp::bench {
 

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "cases.hpp"
-#include "ncp/residual.hpp"
+#include "ncp/problem/residual.hpp"
 #include "path_library.hpp"
 
 namespace {

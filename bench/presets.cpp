@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "bench/cases.hpp"
-#include "ncp/presets.hpp"
+#include "ncp/strategy/presets.hpp"
 
 namespace {
 

@@ -4,51 +4,51 @@ include(CMakePackageConfigHelpers)
 
 # The public headers: these, and what they include. Those left are the folders' own.
 set(perp_public_headers
-  contact/affine_encoding.hpp
-  contact/alart_curnier.hpp
-  contact/ball.hpp
-  contact/bilateral.hpp
-  contact/dat_file.hpp
-  contact/existence.hpp
-  contact/facts.hpp
-  contact/fclib.hpp
-  contact/first_ncp.hpp
-  contact/frictionless.hpp
-  contact/gauss_seidel.hpp
-  contact/generators.hpp
-  contact/glocker.hpp
-  contact/homotopy.hpp
-  contact/infeasible.hpp
-  contact/inner_faceting.hpp
-  contact/moreau_jean.hpp
-  contact/outer_faceting.hpp
-  contact/polygon.hpp
-  contact/problem.hpp
-  contact/read.hpp
-  contact/residual.hpp
-  contact/rigid_bodies.hpp
-  contact/run.hpp
-  contact/scaling.hpp
-  contact/solve.hpp
-  contact/units.hpp
-  contact/variant.hpp
-  lcp/block_triangular.hpp
-  lcp/blocks.hpp
-  lcp/cholesky.hpp
-  lcp/classify.hpp
-  lcp/matrix_market.hpp
-  lcp/output_file.hpp
-  lcp/siconos_file.hpp
-  ncp/affine.hpp
+  contact/laws/affine_encoding.hpp
+  contact/solvers/alart_curnier.hpp
+  contact/scenes/ball.hpp
+  contact/model/bilateral.hpp
+  contact/io/dat_file.hpp
+  contact/existence/existence.hpp
+  contact/model/facts.hpp
+  contact/io/fclib.hpp
+  contact/laws/first_ncp.hpp
+  contact/laws/frictionless.hpp
+  contact/solvers/gauss_seidel.hpp
+  contact/scenes/generators.hpp
+  contact/laws/glocker.hpp
+  contact/solvers/homotopy.hpp
+  contact/existence/infeasible.hpp
+  contact/laws/inner_faceting.hpp
+  contact/scenes/moreau_jean.hpp
+  contact/laws/outer_faceting.hpp
+  contact/laws/polygon.hpp
+  contact/model/problem.hpp
+  contact/io/read.hpp
+  contact/model/residual.hpp
+  contact/scenes/rigid_bodies.hpp
+  contact/solvers/run.hpp
+  contact/model/scaling.hpp
+  contact/solvers/solve.hpp
+  contact/model/units.hpp
+  contact/solvers/variant.hpp
+  lcp/linalg/block_triangular.hpp
+  lcp/linalg/blocks.hpp
+  lcp/linalg/cholesky.hpp
+  lcp/classes/classify.hpp
+  lcp/io/matrix_market.hpp
+  lcp/io/output_file.hpp
+  lcp/io/siconos_file.hpp
+  ncp/problem/affine.hpp
   ncp/ampl/model.hpp
-  ncp/collection/generators.hpp
-  ncp/deflation.hpp
-  ncp/pivot_limit.hpp
-  ncp/presets.hpp
-  ncp/presolve.hpp
-  ncp/scaling.hpp
-  ncp/sensitivity.hpp
-  ncp/structure_report.hpp)
+  ncp/collection/scalable/generators.hpp
+  ncp/strategy/deflation.hpp
+  ncp/path/pivot_limit.hpp
+  ncp/strategy/presets.hpp
+  ncp/transforms/presolve.hpp
+  ncp/transforms/scaling.hpp
+  ncp/analysis/sensitivity.hpp
+  ncp/analysis/structure_report.hpp)
 set(perp_unread_headers ${perp_public_headers})
 while(perp_unread_headers)
   list(POP_FRONT perp_unread_headers header)
@@ -58,9 +58,17 @@ while(perp_unread_headers)
   list(APPEND perp_public_headers ${includes})
   list(APPEND perp_unread_headers ${includes})
 endwhile()
+# A header answers to its name without the folder, too: who includes "ncp/solve.hpp" need not know where it lies, nor
+# notice when it moves.
 foreach(header IN LISTS perp_public_headers)
   cmake_path(GET header PARENT_PATH folder)
   install(FILES ${PROJECT_SOURCE_DIR}/${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/perp/${folder})
+  string(REGEX REPLACE "^(lcp|ncp/collection|ncp|contact)/[a-z]+/([a-z_]+[.]hpp)$" "\\1/\\2" name ${header})
+  if(NOT EXISTS ${PROJECT_SOURCE_DIR}/${name})
+    file(CONFIGURE OUTPUT ${perp_short_names}/${name} CONTENT "#pragma once\n#include \"${header}\"\n" @ONLY)
+    cmake_path(GET name PARENT_PATH folder)
+    install(FILES ${perp_short_names}/${name} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/perp/${folder})
+  endif()
 endforeach()
 
 set(perp_package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/perp)

@@ -25,7 +25,7 @@ struct AffineMcp {
 AffineMcp standard_lcp(SpMat M, Vec q);
 
 /// || z - mid(l, z - (M z + q), u) ||_inf: zero exactly at the solutions; +inf where M z + q is not finite. M z + q in
-/// plain sums: what decides is judge() (judge.hpp).
+/// plain sums: what decides is judge() (lcp/judge/judge.hpp).
 double natural_residual(const AffineMcp& problem, In z);
 
 }  // namespace perp::lcp

@@ -7,9 +7,9 @@
 #include <cmath>
 #include <filesystem>
 
-#include "app/compare/external.hpp"
-#include "app/compare/selection.hpp"
-#include "app/compare/worker_files.hpp"
+#include "app/campaign/selection.hpp"
+#include "app/worker/external.hpp"
+#include "app/worker/worker_files.hpp"
 
 namespace perp::app::compare {
 

@@ -3,7 +3,7 @@
 #include <iosfwd>
 #include <vector>
 
-#include "app/compare/campaign.hpp"
+#include "app/campaign/campaign.hpp"
 #include "app/compare/compare.hpp"
 
 namespace perp::app::compare {

@@ -9,10 +9,10 @@
 #include <map>
 #include <ostream>
 
-#include "app/compare/worker_files.hpp"
-#include "app/csv.hpp"
-#include "app/program.hpp"
-#include "app/table.hpp"
+#include "app/program/program.hpp"
+#include "app/text/csv.hpp"
+#include "app/text/table.hpp"
+#include "app/worker/worker_files.hpp"
 
 namespace perp::app::compare {
 

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "app/compare/cell.hpp"
+#include "app/campaign/cell.hpp"
 
 namespace perp::app::compare {
 

@@ -13,18 +13,18 @@
 #include <set>
 #include <thread>
 
-#include "app/bounded_call.hpp"
+#include "app/campaign/settle.hpp"
 #include "app/compare/asked.hpp"
 #include "app/compare/baseline.hpp"
 #include "app/compare/journal.hpp"
 #include "app/compare/outcome_table.hpp"
 #include "app/compare/progress.hpp"
-#include "app/compare/run_cell.hpp"
-#include "app/compare/settle.hpp"
 #include "app/comparison_report/write_report.hpp"
-#include "app/files.hpp"
-#include "app/json.hpp"
-#include "app/table.hpp"
+#include "app/program/bounded_call.hpp"
+#include "app/program/files.hpp"
+#include "app/report/json.hpp"
+#include "app/text/table.hpp"
+#include "app/worker/run_cell.hpp"
 
 namespace perp::app::compare {
 

@@ -5,11 +5,11 @@
 #include <string>
 #include <vector>
 
-#include "app/program.hpp"
+#include "app/program/program.hpp"
 
 namespace perp::app::compare {
 
-/// Beside those of app/program.hpp: stopped by a signal, --resume goes on.
+/// Beside those of app/program/program.hpp: stopped by a signal, --resume goes on.
 inline constexpr int exit_interrupted = 4;
 
 struct CompareRequest {

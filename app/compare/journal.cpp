@@ -11,8 +11,8 @@
 #include <cstring>
 #include <filesystem>
 
-#include "app/compare/worker_files.hpp"
-#include "app/program.hpp"
+#include "app/program/program.hpp"
+#include "app/worker/worker_files.hpp"
 
 namespace perp::app::compare {
 

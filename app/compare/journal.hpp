@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "app/compare/cell.hpp"
+#include "app/campaign/cell.hpp"
 
 namespace perp::app::compare {
 

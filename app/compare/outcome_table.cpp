@@ -7,8 +7,8 @@
 #include <map>
 #include <ostream>
 
-#include "app/compare/run_cell.hpp"
-#include "app/table.hpp"
+#include "app/text/table.hpp"
+#include "app/worker/run_cell.hpp"
 
 namespace perp::app::compare {
 

@@ -3,8 +3,8 @@
 #include <iosfwd>
 #include <span>
 
-#include "app/compare/campaign.hpp"
-#include "app/compare/cell.hpp"
+#include "app/campaign/campaign.hpp"
+#include "app/campaign/cell.hpp"
 
 namespace perp::app::compare {
 

@@ -9,7 +9,7 @@
 #include <span>
 #include <string>
 
-#include "app/compare/cell.hpp"
+#include "app/campaign/cell.hpp"
 
 namespace perp::app::compare {
 

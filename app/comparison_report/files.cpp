@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "app/comparison_report/robustness.hpp"
-#include "app/comparison_report/summary.hpp"
-#include "app/csv.hpp"
-#include "app/json_parts.hpp"
+#include "app/findings/robustness.hpp"
+#include "app/findings/summary.hpp"
+#include "app/text/csv.hpp"
+#include "app/text/json_parts.hpp"
 
 namespace perp::app::comparison {
 

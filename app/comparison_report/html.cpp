@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "app/svg.hpp"
+#include "app/text/svg.hpp"
 
 namespace perp::app::comparison {
 

@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "app/compare/external.hpp"
 #include "app/comparison_report/html.hpp"
-#include "app/comparison_report/words.hpp"
-#include "app/json_parts.hpp"
+#include "app/findings/words.hpp"
+#include "app/text/json_parts.hpp"
+#include "app/worker/external.hpp"
 
 namespace perp::app::comparison {
 

@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "app/comparison_report/comparisons.hpp"
-#include "app/comparison_report/findings.hpp"
+#include "app/findings/comparisons.hpp"
+#include "app/findings/findings.hpp"
 
 namespace perp::app::comparison {
 

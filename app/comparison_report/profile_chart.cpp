@@ -7,8 +7,8 @@
 #include <cmath>
 #include <limits>
 
-#include "app/plot_layout.hpp"
-#include "app/svg.hpp"
+#include "app/text/plot_layout.hpp"
+#include "app/text/svg.hpp"
 
 namespace perp::app::comparison {
 

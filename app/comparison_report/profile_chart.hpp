@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "app/comparison_report/profiles.hpp"
+#include "app/findings/profiles.hpp"
 
 namespace perp::app::comparison {
 

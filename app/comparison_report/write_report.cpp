@@ -5,9 +5,9 @@
 #include <ostream>
 
 #include "app/comparison_report/files.hpp"
-#include "app/comparison_report/findings.hpp"
-#include "app/files.hpp"
-#include "app/json.hpp"
+#include "app/findings/findings.hpp"
+#include "app/program/files.hpp"
+#include "app/report/json.hpp"
 
 namespace perp::app {
 

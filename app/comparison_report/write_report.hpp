@@ -3,7 +3,7 @@
 /// DIR/cells.jsonl.
 #include <string>
 
-#include "app/files.hpp"
+#include "app/program/files.hpp"
 
 namespace perp::app {
 

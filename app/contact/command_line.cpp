@@ -5,11 +5,11 @@
 #include <ostream>
 #include <utility>
 
-#include "app/contact/ball_command_line.hpp"
-#include "app/contact/compare_variants.hpp"
+#include "app/contact/compare/compare_variants.hpp"
 #include "app/contact/contact.hpp"
-#include "app/contact/facets.hpp"
-#include "app/contact/method_options.hpp"
+#include "app/contact/run/method_options.hpp"
+#include "app/contact/studies/ball_command_line.hpp"
+#include "app/contact/studies/facets.hpp"
 
 namespace perp::app::contacts {
 

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "app/contact/ball.hpp"
-#include "app/program.hpp"
+#include "app/contact/studies/ball.hpp"
+#include "app/program/program.hpp"
 
 namespace perp::app::contacts {
 

@@ -8,13 +8,13 @@
 #include <sstream>
 
 #include "app/contact/forces_svg.hpp"
-#include "app/contact/report.hpp"
-#include "app/contact/run.hpp"
-#include "app/files.hpp"
-#include "app/json.hpp"
-#include "app/problem.hpp"
-#include "contact/fclib.hpp"
-#include "lcp/sparse_lu.hpp"
+#include "app/contact/run/report.hpp"
+#include "app/contact/run/run.hpp"
+#include "app/problem/problem.hpp"
+#include "app/program/files.hpp"
+#include "app/report/json.hpp"
+#include "contact/io/fclib.hpp"
+#include "lcp/lu/sparse_lu.hpp"
 
 namespace perp::app::contacts {
 

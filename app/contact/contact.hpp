@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "app/contact/variant.hpp"
-#include "app/program.hpp"
-#include "app/solve.hpp"
+#include "app/commands/solve.hpp"
+#include "app/contact/run/variant.hpp"
+#include "app/program/program.hpp"
 
 namespace perp::app::contacts {
 

@@ -10,10 +10,10 @@
 #include <numeric>
 #include <vector>
 
-#include "app/plot_layout.hpp"
-#include "app/svg.hpp"
-#include "app/table.hpp"
-#include "contact/polygon.hpp"
+#include "app/text/plot_layout.hpp"
+#include "app/text/svg.hpp"
+#include "app/text/table.hpp"
+#include "contact/laws/polygon.hpp"
 
 namespace perp::app::contacts {
 

@@ -5,7 +5,7 @@
 /// the rim. In 2D the disk is an interval.
 #include <string>
 
-#include "app/contact/run.hpp"
+#include "app/contact/run/run.hpp"
 
 namespace perp::app::contacts {
 

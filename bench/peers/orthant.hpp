@@ -11,7 +11,7 @@
 /// keeps its size.
 #include <vector>
 
-#include "ncp/mcp.hpp"
+#include "ncp/problem/mcp.hpp"
 
 namespace perp::bench {
 

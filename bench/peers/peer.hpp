@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "ncp/mcp.hpp"
+#include "ncp/problem/mcp.hpp"
 
 namespace perp::bench {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "lcp/output_file.hpp"
+#include "lcp/io/output_file.hpp"
 #include "ncp/ampl/asl_problem.hpp"
 #include "ncp/ampl/linearity.hpp"
 #include "ncp/ampl/names.hpp"

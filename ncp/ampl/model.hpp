@@ -13,7 +13,7 @@
 #include <string>
 #include <string_view>
 
-#include "ncp/mcp.hpp"
+#include "ncp/problem/mcp.hpp"
 
 namespace perp::ncp::ampl {
 

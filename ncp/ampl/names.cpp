@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <fstream>
 
-#include "lcp/file_error.hpp"
+#include "lcp/io/file_error.hpp"
 
 namespace perp::ncp::ampl {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "ncp/ampl/names.hpp"
 #include "ncp/ampl/nl_check.hpp"
-#include "ncp/mcp.hpp"
+#include "ncp/problem/mcp.hpp"
 
 namespace perp::ncp::ampl {
 

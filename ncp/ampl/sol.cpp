@@ -1,6 +1,6 @@
 #include "ncp/ampl/sol.hpp"
 
-#include "lcp/output_file.hpp"
+#include "lcp/io/output_file.hpp"
 #include "ncp/ampl/model.hpp"
 #include "ncp/ampl/nl_tokens.hpp"
 

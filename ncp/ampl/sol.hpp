@@ -18,7 +18,7 @@ struct SolFormat {
 /// The content of the file. `x` is empty or has n_var finite values.
 std::string sol_text(const SolFormat& format, const std::string& message, std::span<const double> x, int code);
 
-/// By lcp/output_file.hpp. Throws ModelError with the path and the reason.
+/// By lcp/io/output_file.hpp. Throws ModelError with the path and the reason.
 void write_whole(const std::string& path, const std::string& content);
 
 }  // namespace perp::ncp::ampl

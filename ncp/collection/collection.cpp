@@ -6,13 +6,13 @@
 #include <numeric>
 #include <utility>
 
-#include "ncp/collection/classic_entries.hpp"
-#include "ncp/collection/equation_entries.hpp"
-#include "ncp/collection/generators.hpp"
-#include "ncp/collection/kkt_entries.hpp"
-#include "ncp/collection/problems.hpp"
-#include "ncp/collection/random_entries.hpp"
-#include "ncp/collection/scalable_entries.hpp"
+#include "ncp/collection/kkt/kkt_entries.hpp"
+#include "ncp/collection/models/classic_entries.hpp"
+#include "ncp/collection/models/equation_entries.hpp"
+#include "ncp/collection/models/problems.hpp"
+#include "ncp/collection/random/random_entries.hpp"
+#include "ncp/collection/scalable/generators.hpp"
+#include "ncp/collection/scalable/scalable_entries.hpp"
 
 namespace perp::ncp::collection {
 
@@ -54,17 +54,17 @@ constexpr std::array first{
           "symmetric positive definite, ill-conditioned; exponential for pivoting methods", [] { return fathi(32); }},
     Entry{"geiger-kanzow", "lcp", 128, "Geiger & Kanzow 1996, Comput. Optim. Appl. 5, 155-173: tridiag(-1, 4, -1)",
           "not hard: a sparse M-matrix, every variable positive", [] { return geiger_kanzow(128); }},
-    Entry{"infeasible-monotone-own", "lcp", 50, "own data: 50 rows, seed 1 (random_lcps.hpp)",
+    Entry{"infeasible-monotone-own", "lcp", 50, "own data: 50 rows, seed 1",
           "no solution, positive semidefinite, sparse", [] { return infeasible_monotone_own(50, 1); }},
-    Entry{"infeasible-monotone-own-500", "lcp", 500, "own data: 500 rows, seed 1 (random_lcps.hpp)",
+    Entry{"infeasible-monotone-own-500", "lcp", 500, "own data: 500 rows, seed 1",
           "no solution, positive semidefinite, sparse", [] { return infeasible_monotone_own(500, 1); }},
     Entry{"infeasible-ncp-own", "lcp", 2, "own data: F = (-exp(-x2), 1 + x1^2)",
           "no solution, not linear: residuals fall on the way to infinity", infeasible_ncp_own},
     Entry{"infeasible-own", "lcp", 2, "own data: M = [1 -1; -1 1], q = (-1, 1/2)",
           "no solution, monotone: it must be proven, not looped on", infeasible_own},
-    Entry{"infeasible-row-own", "lcp", 50, "own data: 50 rows, seed 1 (random_lcps.hpp)",
+    Entry{"infeasible-row-own", "lcp", 50, "own data: 50 rows, seed 1",
           "no solution, not copositive: a ray alone is no proof", [] { return infeasible_row_own(50, 1); }},
-    Entry{"infeasible-row-own-500", "lcp", 500, "own data: 500 rows, seed 1 (random_lcps.hpp)",
+    Entry{"infeasible-row-own-500", "lcp", 500, "own data: 500 rows, seed 1",
           "no solution, not copositive: a ray alone is no proof", [] { return infeasible_row_own(500, 1); }},
     Entry{"murty", "lcp", 16, "Murty 1978, Math. Prog. Study 7; explcp of MCPLIB",
           "a P-matrix; pivoting rules may need 2^n pivots", [] { return murty(16); }},
@@ -78,39 +78,39 @@ constexpr std::array first{
           "a P-matrix; pivoting rules may need 2^n pivots", [] { return murty_lower(16); }},
     Entry{"obstacle-bump-own", "lcp", 900, "own data: a membrane over a bump, 30 x 30",
           "the contact set must be found; F is 1e-9 around it", [] { return obstacle_bump_own(30); }},
-    Entry{"random-bimatrix-own", "lcp", 40, "own data: 20 x 20 strategies, seed 1 (random_lcps.hpp)",
+    Entry{"random-bimatrix-own", "lcp", 40, "own data: 20 x 20 strategies, seed 1",
           "no solution is planted; one exists (Nash 1951)", [] { return random_bimatrix_own(20, 20, 1); }},
-    Entry{"random-copositive-own", "lcp", 50, "own data: 50 rows, seed 1 (random_lcps.hpp)",
+    Entry{"random-copositive-own", "lcp", 50, "own data: 50 rows, seed 1",
           "copositive only: a ray of Lemke's method proves nothing", [] { return random_copositive_own(50, 1); }},
-    Entry{"random-copositive-plus-own", "lcp", 50, "own data: 50 rows, seed 1 (random_lcps.hpp)",
+    Entry{"random-copositive-plus-own", "lcp", 50, "own data: 50 rows, seed 1",
           "neither semidefinite nor strictly copositive, yet Lemke's method must solve it",
           [] { return random_copositive_plus_own(50, 1); }},
-    Entry{"random-copositive-plus-own-500", "lcp", 500, "own data: 500 rows, seed 1 (random_lcps.hpp)",
+    Entry{"random-copositive-plus-own-500", "lcp", 500, "own data: 500 rows, seed 1",
           "neither semidefinite nor strictly copositive, yet Lemke's method must solve it",
           [] { return random_copositive_plus_own(500, 1); }},
-    Entry{"random-degenerate-own", "lcp", 50, "own data: 50 rows, seed 1 (random_lcps.hpp)",
+    Entry{"random-degenerate-own", "lcp", 50, "own data: 50 rows, seed 1",
           "half of the indices have z = F = 0; M + M' singular", [] { return random_degenerate_own(50, 1); }},
-    Entry{"random-degenerate-own-1000", "lcp", 1000, "own data: 1000 rows, seed 1 (random_lcps.hpp)",
+    Entry{"random-degenerate-own-1000", "lcp", 1000, "own data: 1000 rows, seed 1",
           "half of the indices have z = F = 0; M + M' singular", [] { return random_degenerate_own(1000, 1); }},
-    Entry{"random-p-own", "lcp", 50, "own data: 50 rows, seed 1 (random_lcps.hpp)",
+    Entry{"random-p-own", "lcp", 50, "own data: 50 rows, seed 1",
           "a P-matrix, indefinite, columns over two orders of magnitude", [] { return random_p_own(50, 1); }},
-    Entry{"random-p-own-1000", "lcp", 1000, "own data: 1000 rows, seed 1 (random_lcps.hpp)",
+    Entry{"random-p-own-1000", "lcp", 1000, "own data: 1000 rows, seed 1",
           "a P-matrix, indefinite, columns over two orders of magnitude", [] { return random_p_own(1000, 1); }},
-    Entry{"random-pd-own", "lcp", 50, "own data: 50 rows, seed 1 (random_lcps.hpp)",
-          "not hard: positive definite, sparse, not symmetric", [] { return random_pd_own(50, 1); }},
-    Entry{"random-pd-own-1000", "lcp", 1000, "own data: 1000 rows, seed 1 (random_lcps.hpp)",
+    Entry{"random-pd-own", "lcp", 50, "own data: 50 rows, seed 1", "not hard: positive definite, sparse, not symmetric",
+          [] { return random_pd_own(50, 1); }},
+    Entry{"random-pd-own-1000", "lcp", 1000, "own data: 1000 rows, seed 1",
           "not hard: positive definite, sparse, not symmetric", [] { return random_pd_own(1000, 1); }},
-    Entry{"random-psd-own", "lcp", 50, "own data: 50 rows, seed 1 (random_lcps.hpp)",
-          "monotone, M + M' of half the rank", [] { return random_psd_own(50, 1); }},
-    Entry{"random-psd-own-1000", "lcp", 1000, "own data: 1000 rows, seed 1 (random_lcps.hpp)",
-          "monotone, M + M' of half the rank", [] { return random_psd_own(1000, 1); }},
-    Entry{"random-strictly-copositive-own", "lcp", 50, "own data: 50 rows, seed 1 (random_lcps.hpp)",
+    Entry{"random-psd-own", "lcp", 50, "own data: 50 rows, seed 1", "monotone, M + M' of half the rank",
+          [] { return random_psd_own(50, 1); }},
+    Entry{"random-psd-own-1000", "lcp", 1000, "own data: 1000 rows, seed 1", "monotone, M + M' of half the rank",
+          [] { return random_psd_own(1000, 1); }},
+    Entry{"random-strictly-copositive-own", "lcp", 50, "own data: 50 rows, seed 1",
           "nonnegative and indefinite: several solutions", [] { return random_strictly_copositive_own(50, 1); }},
-    Entry{"random-strictly-copositive-own-500", "lcp", 500, "own data: 500 rows, seed 1 (random_lcps.hpp)",
+    Entry{"random-strictly-copositive-own-500", "lcp", 500, "own data: 500 rows, seed 1",
           "nonnegative and indefinite: several solutions", [] { return random_strictly_copositive_own(500, 1); }},
-    Entry{"random-z-own", "lcp", 50, "own data: 50 rows, seed 1 (random_lcps.hpp)",
+    Entry{"random-z-own", "lcp", 50, "own data: 50 rows, seed 1",
           "Z, not P: several solutions, the least feasible point is one", [] { return random_z_own(50, 1); }},
-    Entry{"random-z-own-500", "lcp", 500, "own data: 500 rows, seed 1 (random_lcps.hpp)",
+    Entry{"random-z-own-500", "lcp", 500, "own data: 500 rows, seed 1",
           "Z, not P: several solutions, the least feasible point is one", [] { return random_z_own(500, 1); }},
     Entry{"tinloi42", "mechanics", 42, "Tin-Loi & Tseng 2003, Comput. Methods Appl. Mech. Engrg. 192, 1377-1388",
           "an LCP with an indefinite matrix and two solutions; dense Lemke codes lose accuracy", tinloi42},

@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "lcp/memory.hpp"
-#include "ncp/collection/build.hpp"
-#include "ncp/collection/generators.hpp"
-#include "ncp/collection/random_ncps.hpp"
+#include "ncp/collection/base/build.hpp"
+#include "ncp/collection/random/random_ncps.hpp"
+#include "ncp/collection/scalable/generators.hpp"
 
 namespace perp::ncp::collection {
 

@@ -8,7 +8,7 @@
 #include <sstream>
 #include <string>
 
-#include "app/program.hpp"
+#include "app/program/program.hpp"
 
 namespace perp::app::test {
 

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "contact/read.hpp"
-#include "contact/residual.hpp"
+#include "contact/io/read.hpp"
+#include "contact/model/residual.hpp"
 #include "support/matrices.hpp"
 
 namespace perp::contact {

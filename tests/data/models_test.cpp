@@ -12,7 +12,7 @@
 #include <tuple>
 
 #include "ncp/ampl/model.hpp"
-#include "ncp/solve.hpp"
+#include "ncp/strategy/solve.hpp"
 
 namespace perp::ncp {
 namespace {

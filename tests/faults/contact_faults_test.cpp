@@ -5,15 +5,15 @@
 #include <optional>
 #include <sstream>
 
-#include "contact/existence.hpp"
-#include "contact/frictionless.hpp"
-#include "contact/generators.hpp"
-#include "contact/infeasible.hpp"
-#include "contact/inner_faceting.hpp"
-#include "contact/outer_faceting.hpp"
-#include "contact/solve.hpp"
+#include "contact/existence/existence.hpp"
+#include "contact/existence/infeasible.hpp"
+#include "contact/laws/frictionless.hpp"
+#include "contact/laws/inner_faceting.hpp"
+#include "contact/laws/outer_faceting.hpp"
+#include "contact/scenes/generators.hpp"
+#include "contact/solvers/solve.hpp"
 #include "faults/harness.hpp"
-#include "lcp/judge.hpp"
+#include "lcp/judge/judge.hpp"
 #include "support/matrices.hpp"
 
 namespace perp::faults {

@@ -7,13 +7,13 @@
 #include <fstream>
 #include <sstream>
 
-#include "contact/fclib.hpp"
-#include "contact/generators.hpp"
-#include "contact/read.hpp"
+#include "contact/io/fclib.hpp"
+#include "contact/io/read.hpp"
+#include "contact/scenes/generators.hpp"
 #include "faults/harness.hpp"
-#include "lcp/matrix_market.hpp"
-#include "lcp/output_file.hpp"
-#include "lcp/siconos_file.hpp"
+#include "lcp/io/matrix_market.hpp"
+#include "lcp/io/output_file.hpp"
+#include "lcp/io/siconos_file.hpp"
 #include "ncp/ampl/model.hpp"
 #include "support/matrices.hpp"
 

@@ -7,10 +7,10 @@
 #include <sstream>
 
 #include "faults/harness.hpp"
-#include "lcp/cholesky.hpp"
-#include "lcp/judge.hpp"
-#include "lcp/lemke_howson.hpp"
-#include "lcp/solve.hpp"
+#include "lcp/judge/judge.hpp"
+#include "lcp/linalg/cholesky.hpp"
+#include "lcp/pivoting/lemke_howson.hpp"
+#include "lcp/solve/solve.hpp"
 #include "support/matrices.hpp"
 #include "support/problems.hpp"
 

@@ -7,8 +7,8 @@
 
 #include "faults/harness.hpp"
 #include "ncp/collection/collection.hpp"
-#include "ncp/presets.hpp"
-#include "ncp/residual.hpp"
+#include "ncp/problem/residual.hpp"
+#include "ncp/strategy/presets.hpp"
 
 namespace perp::faults {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <sstream>
 
-#include "app/program.hpp"
+#include "app/program/program.hpp"
 #include "fuzz/support.hpp"
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -1,10 +1,10 @@
 /// campaign.json of `perp compare` and `perp contact --compare`: what is read writes a text that reads back the same,
 /// and the report's tables can be made of it.
-#include "app/compare/campaign.hpp"
+#include "app/campaign/campaign.hpp"
 
-#include "app/comparison_report/campaign_data.hpp"
-#include "app/contact/campaign.hpp"
-#include "app/program.hpp"
+#include "app/contact/compare/campaign.hpp"
+#include "app/findings/campaign_data.hpp"
+#include "app/program/program.hpp"
 #include "fuzz/support.hpp"
 
 namespace {

@@ -1,9 +1,9 @@
-/// Siconos' friction problems, local and global (contact/dat_file.hpp): what is read passes contact::check and the
+/// Siconos' friction problems, local and global (contact/io/dat_file.hpp): what is read passes contact::check and the
 /// judge.
-#include "contact/dat_file.hpp"
-#include "contact/residual.hpp"
+#include "contact/io/dat_file.hpp"
+#include "contact/model/residual.hpp"
 #include "fuzz/support.hpp"
-#include "lcp/file_error.hpp"
+#include "lcp/io/file_error.hpp"
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string_view text = perp::fuzz::view(data, size);

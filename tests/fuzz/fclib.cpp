@@ -1,12 +1,12 @@
-/// FCLIB files from their bytes (contact/fclib.hpp): what is read passes contact::check and the judge, and what is
+/// FCLIB files from their bytes (contact/io/fclib.hpp): what is read passes contact::check and the judge, and what is
 /// written of it reads back the same.
-#include "contact/fclib.hpp"
+#include "contact/io/fclib.hpp"
 
 #include <hdf5.h>
 
-#include "contact/residual.hpp"
+#include "contact/model/residual.hpp"
 #include "fuzz/support.hpp"
-#include "lcp/file_error.hpp"
+#include "lcp/io/file_error.hpp"
 
 namespace {
 

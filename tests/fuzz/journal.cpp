@@ -1,10 +1,11 @@
-/// cells.jsonl of `perp compare` and `perp contact --compare` (app/compare/cell.hpp, app/contact/cell.hpp). The fuzzer
-/// cannot guess a CRC: a text without "crc" is made lines whose CRC is right. One with "variant" is of contact, one
-/// with "residual" what a run of contact leaves behind. What is read writes lines and tables that read back the same.
-#include "app/compare/cell.hpp"
-#include "app/contact/cell.hpp"
-#include "app/csv.hpp"
-#include "app/program.hpp"
+/// cells.jsonl of `perp compare` and `perp contact --compare` (app/campaign/cell.hpp, app/contact/compare/cell.hpp).
+/// The fuzzer cannot guess a CRC: a text without "crc" is made lines whose CRC is right. One with "variant" is of
+/// contact, one with "residual" what a run of contact leaves behind. What is read writes lines and tables that read
+/// back the same.
+#include "app/campaign/cell.hpp"
+#include "app/contact/compare/cell.hpp"
+#include "app/program/program.hpp"
+#include "app/text/csv.hpp"
 #include "fuzz/support.hpp"
 
 namespace {

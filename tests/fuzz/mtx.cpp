@@ -1,10 +1,10 @@
-/// Matrix Market matrices and vectors (lcp/matrix_market.hpp): what is read is compressed, in order and finite, the
+/// Matrix Market matrices and vectors (lcp/io/matrix_market.hpp): what is read is compressed, in order and finite, the
 /// judge takes it, and what is written of it reads back the same.
 #include <sstream>
 
 #include "fuzz/support.hpp"
-#include "lcp/judge.hpp"
-#include "lcp/matrix_market.hpp"
+#include "lcp/io/matrix_market.hpp"
+#include "lcp/judge/judge.hpp"
 
 namespace {
 

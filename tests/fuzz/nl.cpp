@@ -4,11 +4,11 @@
 #include <cstring>
 #include <vector>
 
-#include "app/compare/start.hpp"
+#include "app/campaign/start.hpp"
 #include "fuzz/support.hpp"
 #include "ncp/ampl/model.hpp"
 #include "ncp/ampl/nl_check.hpp"
-#include "ncp/residual.hpp"
+#include "ncp/problem/residual.hpp"
 
 namespace {
 

@@ -3,16 +3,16 @@
 ///     v  variants of contact        s  NAME:SIZE of the collection, small                 c  of a contact scene, small
 ///     n  lists of numbers           e  NAME=COMMAND
 /// Options in force, written as key=value, set what they say.
-#include "app/options.hpp"
+#include "app/options/options.hpp"
 
 #include <algorithm>
 #include <sstream>
 
-#include "app/compare/selection.hpp"
-#include "app/contact/number_list.hpp"
-#include "app/contact/run.hpp"
-#include "app/contact/variant.hpp"
-#include "app/problem.hpp"
+#include "app/campaign/selection.hpp"
+#include "app/contact/run/number_list.hpp"
+#include "app/contact/run/run.hpp"
+#include "app/contact/run/variant.hpp"
+#include "app/problem/problem.hpp"
 #include "fuzz/support.hpp"
 
 namespace {

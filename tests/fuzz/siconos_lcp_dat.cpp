@@ -1,8 +1,8 @@
-/// Siconos' LCPs and MLCPs (lcp/siconos_file.hpp): every input goes to both readers; what is read is a sound problem,
-/// the judge takes it with its known solution, and both forms of an MLCP can be made of it.
+/// Siconos' LCPs and MLCPs (lcp/io/siconos_file.hpp): every input goes to both readers; what is read is a sound
+/// problem, the judge takes it with its known solution, and both forms of an MLCP can be made of it.
 #include "fuzz/support.hpp"
-#include "lcp/judge.hpp"
-#include "lcp/siconos_file.hpp"
+#include "lcp/io/siconos_file.hpp"
+#include "lcp/judge/judge.hpp"
 
 namespace {
 

@@ -1,8 +1,8 @@
-/// .sol files of other programs, text and binary (app/compare/sol_file.hpp). The first byte says how many variables the
+/// .sol files of other programs, text and binary (app/worker/sol_file.hpp). The first byte says how many variables the
 /// model has. What is read, written by the writer of our own, reads back the same.
 #include "ncp/ampl/sol.hpp"
-#include "app/compare/sol_file.hpp"
-#include "app/program.hpp"
+#include "app/program/program.hpp"
+#include "app/worker/sol_file.hpp"
 #include "fuzz/support.hpp"
 
 namespace {

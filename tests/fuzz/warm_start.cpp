@@ -1,11 +1,11 @@
-/// The JSON of an earlier run as a start (app/warm_start.hpp), of a problem with a variable of each kind of bounds:
-/// what is read is finite, and the path search takes the basis.
-#include "app/warm_start.hpp"
+/// The JSON of an earlier run as a start (app/problem/warm_start.hpp), of a problem with a variable of each kind of
+/// bounds: what is read is finite, and the path search takes the basis.
+#include "app/problem/warm_start.hpp"
 #include "fuzz/support.hpp"
-#include "lcp/file_error.hpp"
-#include "ncp/affine.hpp"
-#include "ncp/residual.hpp"
-#include "ncp/solve.hpp"
+#include "lcp/io/file_error.hpp"
+#include "ncp/problem/affine.hpp"
+#include "ncp/problem/residual.hpp"
+#include "ncp/strategy/solve.hpp"
 
 namespace {
 

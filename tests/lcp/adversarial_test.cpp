@@ -16,7 +16,7 @@
 #include <string_view>
 
 #include "lcp/exact_judge.hpp"
-#include "lcp/solve.hpp"
+#include "lcp/solve/solve.hpp"
 
 namespace perp::lcp {
 namespace {

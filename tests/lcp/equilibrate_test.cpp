@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "lcp/lemke_support.hpp"
+#include "lcp/pivoting/lemke_support.hpp"
 
 namespace perp::lcp {
 namespace {

@@ -4,10 +4,10 @@
 
 #include <thread>
 
-#include "lcp/cholesky.hpp"
+#include "lcp/linalg/cholesky.hpp"
+#include "lcp/lu/sparse_lu.hpp"
 #include "lcp/memory.hpp"
-#include "lcp/solve.hpp"
-#include "lcp/sparse_lu.hpp"
+#include "lcp/solve/solve.hpp"
 
 namespace perp::lcp {
 namespace {

@@ -15,8 +15,8 @@
 
 #include "lcp/adversarial_support.hpp"
 #include "lcp/exact_judge.hpp"
-#include "ncp/affine.hpp"
-#include "ncp/presets.hpp"
+#include "ncp/problem/affine.hpp"
+#include "ncp/strategy/presets.hpp"
 
 namespace perp::ncp {
 namespace {

@@ -22,7 +22,7 @@ inline Quad root(Quad x) {
 inline Quad magnitude(Quad x) { return x < 0 ? -x : x; }
 
 /// |value - exact| / |exact|; denormals are spaced by 4.9e-324 whatever their size, and what lies beyond the range
-/// comes out as its end (cfunction.hpp).
+/// comes out as its end (ncp/reformulation/cfunction.hpp).
 inline double relative_error(double value, Quad exact) {
   const Quad end = std::numeric_limits<double>::max();
   if (exact > end) exact = end;

@@ -1,7 +1,9 @@
 #!/usr/bin/env python3
 """Rules of the source tree, checked: check_tree.py CHECK [ROOT].
 
-includes   who may include whom (CONTRIBUTING.md, "The folders")
+includes   who may include which library (CONTRIBUTING.md, "The folders")
+floors     includes go down: a file includes what is in its own folder and in those below it
+crowd      no folder of sources with more than 25 files
 length     no source file beyond 500 lines
 format     clang-format (the major version below, else skipped) would change nothing
 readme     the C++ examples of docs/cpp.md and contact/README.md are those the packaging test builds and runs
@@ -12,6 +14,7 @@ self-test  each check reports a tree that breaks its rule
 Prints one line a violation; exit status 1 if there is one, 77 if the check was skipped.
 """
 
+import collections
 import posixpath
 import re
 import shutil
@@ -22,6 +25,7 @@ from pathlib import Path
 
 CLANG_FORMAT_VERSION = "14"
 LONGEST = 500
+MOST_FILES = 25
 SKIPPED = 77
 SOURCES = (".cpp", ".hpp", ".h", ".cc")
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]')
@@ -39,12 +43,23 @@ RULES = [
         "SuiteSparse stays behind the linear-algebra seam in lcp",
     ),
     (r"(.*/)?(asl|asl_pfg|asl_pfgh|nlp|nlp2|getstub|jacpdim)\.h$", ("ncp/ampl/",), "AMPL's library stays in ncp/ampl"),
-    (r"(.*/)?(hdf5|H5\w*)\.h(pp)?$", ("contact/fclib.cpp",), "HDF5 stays in contact/fclib.cpp"),
-    (r"gsl/", ("ncp/multiroot.cpp", "ncp/gsl_errors.cpp", "ncp/collection/"), "GSL stays behind multiroot and in the collection"),
+    (r"(.*/)?(hdf5|H5\w*)\.h(pp)?$", ("contact/io/fclib.cpp",), "HDF5 stays in contact/io/fclib.cpp"),
+    (r"gsl/", ("ncp/methods/multiroot.cpp", "ncp/methods/gsl_errors.cpp", "ncp/collection/"), "GSL stays behind multiroot and in the collection"),
     (r"(CLI/|nlohmann/)", ("app/",), "command line and JSON stay in app"),
     (r"(.*/)?\.\./", (), "includes are written from the root of the tree"),
 ]
 UNRULED = ("tests/", "bench/", "data/")
+
+# The folders from the ground up.
+FLOORS = """
+lcp lcp/lu lcp/judge lcp/linalg lcp/pivoting lcp/qp lcp/iterative lcp/classes lcp/solve lcp/io
+ncp/problem ncp/ampl ncp/run ncp/reformulation ncp/transforms ncp/analysis ncp/path ncp/methods ncp/strategy
+ncp/collection/base ncp/collection/random ncp/collection/models ncp/collection/scalable ncp/collection/kkt ncp/collection
+contact/model contact/existence contact/io contact/laws contact/solvers contact/scenes
+app/program app/text app/options app/problem app/report app/campaign app/worker app/findings app/comparison_report
+app/compare app/commands app/contact/run app/contact/compare app/contact/studies app/contact app
+""".split()
+OURS = re.compile(r"(lcp|ncp|contact|app)/")
 
 
 def tracked(root):
@@ -72,6 +87,32 @@ def includes(root):
             for pattern, allowed, reason in RULES if found else ():
                 if re.match(pattern, found[1]) and not name.startswith(allowed):
                     yield f"{name}:{number}: includes {found[1]}: {reason}"
+
+
+def floors(root):
+    names = set(tracked(root))
+    rank = {folder: number for number, folder in enumerate(FLOORS)}
+    for name in sources(root):
+        folder = posixpath.dirname(name)
+        if not OURS.match(name):
+            continue
+        if folder not in rank:
+            yield f"{name}: {folder} is not among the floors (tests/packaging/check_tree.py)"
+            continue
+        for number, line in enumerate((Path(root) / name).read_text(encoding="utf-8").splitlines(), 1):
+            found = INCLUDE.match(line)
+            if not found or not OURS.match(found[1]):
+                continue
+            if found[1] not in names:
+                yield f"{name}:{number}: there is no {found[1]}"
+            elif rank.get(posixpath.dirname(found[1]), 0) > rank[folder]:
+                yield f"{name}:{number}: includes {found[1]}, which stands above {folder}"
+
+
+def crowd(root):
+    sourced = {posixpath.dirname(name) for name in sources(root)}
+    count = collections.Counter(posixpath.dirname(name) for name in tracked(root))
+    yield from (f"{folder}: {count[folder]} files, more than {MOST_FILES}" for folder in sorted(sourced) if count[folder] > MOST_FILES)
 
 
 def length(root):
@@ -158,7 +199,16 @@ def links(root):
                 yield f"{name}: {there} has no heading {anchor}"
 
 
-CHECKS = {"includes": includes, "length": length, "format": format_, "readme": readme, "paths": paths, "links": links}
+CHECKS = {
+    "includes": includes,
+    "floors": floors,
+    "crowd": crowd,
+    "length": length,
+    "format": format_,
+    "readme": readme,
+    "paths": paths,
+    "links": links,
+}
 
 
 # --- self-test -------------------------------------------------------------------------------------------------------
@@ -168,23 +218,23 @@ GOOD = {
     "lcp/e.cpp": "#include <Eigen/UmfPackSupport>\n",
     "ncp/b.cpp": '#include "lcp/a.hpp"\n// #include "app/main.hpp" in a comment is none\n',
     "ncp/ampl/r.cpp": "#include <asl.h>\n",
-    "contact/fclib.cpp": '#include <hdf5.h>\n\n#include "ncp/b.hpp"\n',
+    "contact/io/fclib.cpp": '#include <hdf5.h>\n\n#include "ncp/b.hpp"\n',
     "app/c.cpp": '#include <CLI/CLI.hpp>\n\n#include "contact/c.hpp"\n',
     "tests/t.cpp": '#include <nlohmann/json.hpp>\n\n#include "app/c.hpp"\n',
 }
 BAD = {  # file -> its line, one violation each
-    "lcp/a.hpp": '#include "ncp/mcp.hpp"',
-    "lcp/b.hpp": "#include <contact/problem.hpp>",
-    "ncp/a.hpp": '  #  include "app/options.hpp"',
-    "ncp/b.hpp": '#include "contact/problem.hpp"',
+    "lcp/a.hpp": '#include "ncp/problem/mcp.hpp"',
+    "lcp/b.hpp": "#include <contact/model/problem.hpp>",
+    "ncp/a.hpp": '  #  include "app/options/options.hpp"',
+    "ncp/b.hpp": '#include "contact/model/problem.hpp"',
     "ncp/c.hpp": "#include <umfpack.h>",
     "ncp/d.hpp": "#include <suitesparse/klu.h>",
     "ncp/e.hpp": "#include <Eigen/UmfPackSupport>",
     "ncp/f.hpp": "#include <asl.h>",
     "ncp/g.hpp": "#include <nlohmann/json.hpp>",
-    "ncp/multiroot.hpp": "#include <gsl/gsl_multiroots.h>",
+    "ncp/methods/multiroot.hpp": "#include <gsl/gsl_multiroots.h>",
     "ncp/ampl/h.hpp": "#include <cholmod.h>",
-    "contact/a.hpp": '#include "app/options.hpp"',
+    "contact/a.hpp": '#include "app/options/options.hpp"',
     "contact/b.hpp": "#include <hdf5.h>",
     "contact/c.hpp": "#include <CLI/App.hpp>",
     "app/a.hpp": '#include "tests/support/a.hpp"',
@@ -234,6 +284,15 @@ def self_test(_):
         write(folder, {"a.md": text})
         if list(links(folder)) != ["a.md: there is no b.md", "a.md: a.md has no heading a-heading"]:
             yield f"{list(links(folder))}: not the two links that lead nowhere"
+    with tempfile.TemporaryDirectory() as folder:
+        write(folder, {"lcp/a.hpp": "\n", "lcp/lu/b.hpp": '#include "lcp/a.hpp"\n#include "lcp/lu/b.hpp"\n', "tests/t.cpp": '#include "lcp/c.hpp"\n'})
+        yield from (f"a good tree is refused: {violation}" for violation in floors(folder))
+        write(folder, {"lcp/c.hpp": '#include "lcp/lu/b.hpp"\n', "lcp/d.hpp": '#include "lcp/b.hpp"\n', "lcp/e/f.hpp": "\n"})
+        if [violation.split(":")[0] for violation in floors(folder)] != ["lcp/c.hpp", "lcp/d.hpp", "lcp/e/f.hpp"]:
+            yield f"{list(floors(folder))}: not the include that goes up, the file that is missing, the folder without a floor"
+        write(folder, {f"lcp/{number}.hpp": "\n" for number in range(MOST_FILES - 2)} | {"docs/a.md": "\n"})
+        if [violation.split(":")[0] for violation in crowd(folder)] != ["lcp"]:
+            yield f"{list(crowd(folder))}: not the crowded folder"
     if shutil.which("clang-format"):
         with tempfile.TemporaryDirectory() as folder:
             write(folder, {".clang-format": "BasedOnStyle: Google\n", "a.cpp": "int a ;\n", "b.cpp": "int b;\n"})

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "ncp/solve.hpp"
+#include "ncp/strategy/solve.hpp"
 #include "support/problems.hpp"
 
 namespace perp::support {

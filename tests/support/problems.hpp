@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "ncp/mcp.hpp"
+#include "ncp/problem/mcp.hpp"
 #include "support/matrices.hpp"
 
 namespace perp::support {

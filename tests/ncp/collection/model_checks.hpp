@@ -5,7 +5,7 @@
 #include <random>
 #include <vector>
 
-#include "ncp/mcp.hpp"
+#include "ncp/problem/mcp.hpp"
 
 namespace perp::ncp::test {
 

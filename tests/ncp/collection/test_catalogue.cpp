@@ -5,7 +5,7 @@
 #include <set>
 
 #include "each_entry.hpp"
-#include "ncp/residual.hpp"
+#include "ncp/problem/residual.hpp"
 
 namespace perp::ncp::collection {
 namespace {

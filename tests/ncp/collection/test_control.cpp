@@ -5,8 +5,8 @@
 #include <random>
 
 #include "model_checks.hpp"
-#include "ncp/collection/generators.hpp"
-#include "ncp/residual.hpp"
+#include "ncp/collection/scalable/generators.hpp"
+#include "ncp/problem/residual.hpp"
 
 namespace {
 

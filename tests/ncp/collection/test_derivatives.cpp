@@ -4,7 +4,7 @@
 #include <random>
 
 #include "each_entry.hpp"
-#include "ncp/collection/dual.hpp"
+#include "ncp/collection/base/dual.hpp"
 
 namespace perp::ncp::collection {
 namespace {

@@ -5,8 +5,8 @@
 #include <numbers>
 
 #include "model_checks.hpp"
-#include "ncp/collection/generators.hpp"
-#include "ncp/solve.hpp"
+#include "ncp/collection/scalable/generators.hpp"
+#include "ncp/strategy/solve.hpp"
 
 namespace {
 

@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "ncp/collection/collection.hpp"
-#include "ncp/residual.hpp"
+#include "ncp/problem/residual.hpp"
 
 namespace perp::ncp::collection {
 namespace {

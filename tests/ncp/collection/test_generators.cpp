@@ -1,10 +1,10 @@
 // Problems of any size: planted solutions for many sizes and seeds, arguments, reproducibility.
-#include "ncp/collection/generators.hpp"
+#include "ncp/collection/scalable/generators.hpp"
 
 #include <gmock/gmock.h>
 
-#include "ncp/collection/random.hpp"
-#include "ncp/residual.hpp"
+#include "ncp/collection/base/random.hpp"
+#include "ncp/problem/residual.hpp"
 
 namespace {
 

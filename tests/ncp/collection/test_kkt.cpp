@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "ncp/collection/collection.hpp"
-#include "ncp/collection/kkt_entries.hpp"
-#include "ncp/residual.hpp"
+#include "ncp/collection/kkt/kkt_entries.hpp"
+#include "ncp/problem/residual.hpp"
 
 namespace perp::ncp::collection {
 namespace {

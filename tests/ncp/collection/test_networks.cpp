@@ -6,9 +6,9 @@
 #include <string>
 
 #include "model_checks.hpp"
-#include "ncp/collection/generators.hpp"
-#include "ncp/residual.hpp"
-#include "ncp/solve.hpp"
+#include "ncp/collection/scalable/generators.hpp"
+#include "ncp/problem/residual.hpp"
+#include "ncp/strategy/solve.hpp"
 
 namespace {
 

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <numbers>
 
-#include "lcp/solve.hpp"
-#include "ncp/affine.hpp"
-#include "ncp/collection/generators.hpp"
-#include "ncp/solve.hpp"
+#include "lcp/solve/solve.hpp"
+#include "ncp/collection/scalable/generators.hpp"
+#include "ncp/problem/affine.hpp"
+#include "ncp/strategy/solve.hpp"
 
 namespace {
 

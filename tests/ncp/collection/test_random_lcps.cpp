@@ -1,5 +1,5 @@
 // Random LCPs: the class each function promises, the planted solution, the certificate, the same numbers everywhere.
-#include "ncp/collection/random_lcps.hpp"
+#include "ncp/collection/random/random_lcps.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "lcp/classify.hpp"
-#include "lcp/interior_point.hpp"
-#include "lcp/lemke.hpp"
-#include "lcp/result.hpp"
+#include "lcp/classes/classify.hpp"
+#include "lcp/iterative/interior_point.hpp"
+#include "lcp/judge/result.hpp"
+#include "lcp/pivoting/lemke.hpp"
 
 namespace perp::ncp::collection {
 namespace {

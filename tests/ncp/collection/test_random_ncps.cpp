@@ -1,5 +1,5 @@
 // Random NCPs: the class each function promises, the planted solution, the same numbers everywhere.
-#include "ncp/collection/random_ncps.hpp"
+#include "ncp/collection/random/random_ncps.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "ncp/residual.hpp"
+#include "ncp/problem/residual.hpp"
 
 namespace perp::ncp::collection {
 namespace {

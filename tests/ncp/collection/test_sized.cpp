@@ -9,7 +9,7 @@
 #include <new>
 #include <sstream>
 
-#include "ncp/residual.hpp"
+#include "ncp/problem/residual.hpp"
 
 namespace {
 

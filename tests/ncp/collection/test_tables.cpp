@@ -12,10 +12,10 @@
 #include <sstream>
 #include <type_traits>
 
-#include "ncp/collection/choi_tables.hpp"
 #include "ncp/collection/collection.hpp"
-#include "ncp/collection/distillation_tables.hpp"
-#include "ncp/collection/pies_tables.hpp"
+#include "ncp/collection/models/choi_tables.hpp"
+#include "ncp/collection/models/distillation_tables.hpp"
+#include "ncp/collection/models/pies_tables.hpp"
 
 namespace {
 

@@ -1,0 +1,42 @@
+#pragma once
+/// What `perp contact --compare` was asked to do, DIR/campaign.json: written before the first cell, never changed.
+#include <string>
+#include <vector>
+
+#include "app/contact/run/variant.hpp"
+
+namespace perp::app::contacts {
+
+struct CampaignProblem {
+  std::string name{};  ///< as it was given
+  std::string file{};  ///< with its whole path; empty of a made one
+  std::string crc{};   ///< CRC-32 of the file's content, 8 hex digits
+  /// As a command line has it.
+  const std::string& argument() const { return file.empty() ? name : file; }
+};
+/// Of a file that there is, or NAME:SIZE[:SEED].
+CampaignProblem campaign_problem(const std::string& argument);
+
+struct Campaign {
+  std::vector<std::string> variants{};  ///< labels
+  std::vector<CampaignProblem> problems{};
+  double tol = 1e-8;
+  double time_limit = 30;      ///< s, wall clock, of a run
+  long long memory_mb = 4096;  ///< resident, of a run
+  std::string version{};       ///< of perp
+
+  std::size_t cells() const { return variants.size() * problems.size(); }
+};
+
+std::string campaign_json(const Campaign& campaign);
+/// Throws InputError saying what is missing or of another type.
+Campaign parse_campaign(const std::string& json);
+/// Is there one in the folder?
+bool holds_campaign(const std::string& dir);
+/// Of DIR/campaign.json. Throws InputError naming the file.
+Campaign read_campaign(const std::string& dir);
+
+/// What cells of `now` would not fit beside those of `before`, one line a difference: "--tol: 1e-08 there, 1e-06 here".
+std::vector<std::string> differences(const Campaign& before, const Campaign& now);
+
+}  // namespace perp::app::contacts

@@ -1,0 +1,269 @@
+#include "app/contact/run/report.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <ostream>
+
+#include "app/text/table.hpp"
+#include "contact/model/facts.hpp"
+
+namespace perp::app::contacts {
+
+namespace {
+
+using contact::Problem;
+using contact::State;
+using lcp::Index;
+using lcp::Vec;
+
+constexpr std::size_t long_table = 60;
+constexpr double symmetric = 1e-13;  // largest |S_ij - S_ji| of rounding
+constexpr Index dense_limit = 400;   // rows whose eigenvalues cost some hundredths of a second
+
+std::string size_text(double value) { return number(value, 4); }
+
+double largest(const Vec& values) { return values.size() > 0 ? values.lpNorm<Eigen::Infinity>() : 0; }
+/// What is rounding of the largest number of its kind is 0.
+constexpr double rounding = 1e-13;
+std::string shown(double value, double zero) { return size_text(std::abs(value) <= zero ? 0 : value); }
+
+std::string range_text(const Vec& values) {
+  if (values.size() == 0) return "none";
+  const double low = values.minCoeff();
+  const double high = values.maxCoeff();
+  return low == high ? number(low, 4) : fmt::format("{} to {}", number(low, 4), number(high, 4));
+}
+
+/// "  what . . . . . . value  remark".
+void line(std::ostream& out, std::string what, const std::string& value, std::string_view remark = "") {
+  constexpr std::size_t width = 34;
+  if (what.size() % 2 == 1) what += ' ';
+  while (what.size() < width) what += " .";
+  out << (remark.empty() ? fmt::format("  {} {}\n", what, value)
+                         : fmt::format("  {} {:<10} {}\n", what, value, remark));
+}
+
+std::string metric(double value) { return number(value, 3); }
+
+/// Of contact a: r_N, |r_T|, u_N, |u_T|.
+struct Parts {
+  double r_N, r_T, u_N, u_T;
+};
+Parts parts(const Problem& problem, const Run& run, Index a) {
+  const int d = problem.dimension;
+  return {run.solution.r[d * a], run.solution.r.segment(d * a + 1, d - 1).norm(), run.solution.u[d * a],
+          run.solution.u.segment(d * a + 1, d - 1).norm()};
+}
+
+std::string counts_text(const Run& run) {
+  std::string text;
+  for (const auto& [what, n] : run.counts) {
+    if (n == 0) continue;
+    std::string noun = what;
+    std::ranges::replace(noun, '_', ' ');
+    if (noun.ends_with('s')) noun.pop_back();
+    if (noun.starts_with("newton")) noun[0] = 'N';
+    text += count(n, noun) + ", ";
+  }
+  return text + seconds_text(run.seconds);
+}
+
+/// Points as near as this are worth a looser tolerance; what is worse is no solution to anybody.
+constexpr double nearly = 1e-6;
+double larger_metric(const contact::Residual& r) { return std::max(r.siconos, r.rr9118); }
+
+/// What to try, or nothing.
+std::string advice(const Run& run) {
+  if (run.verdict.existence == contact::Existence::None) return "";
+  if (run.status == "TimeLimit") return fmt::format(" Try: a longer --time-limit than {:g} s.", run.limits.seconds);
+  if (run.status == "Interrupted") return "";
+  if (run.variant.exact() && !run.variant.automatic()) return " Try: --formulation glocker --method auto.";
+  if (run.variant.exact() && run.status == "NoProgress")
+    return larger_metric(run.residual) <= nearly
+               ? " Try: a looser --tol; --svg and the table show what is not decided yet."
+               : " --svg and the table show what is not decided yet.";
+  return "";
+}
+
+std::string unsolved_text(const Run& run) {
+  const std::string what = fmt::format("Not solved ({})", run.status);
+  return (run.message.empty() ? what : fmt::format("{}: {}", what, run.message)) + "." + advice(run);
+}
+
+/// In words what made the accepted point.
+std::string solved_by_text(const Run& run) {
+  static const std::map<std::string, std::string> words{
+      {"zero", "no impulses at all"},
+      {"sweeps", "sweeps of Gauss-Seidel"},
+      {"homotopy", "the homotopy"},
+      {"newton", "Newton steps on Alart & Curnier's equation"},
+      {"damped-newton", "damped Newton steps on Alart & Curnier's equation"},
+      {"proximal", "the proximal loop"}};
+  const auto found = words.find(run.solved_by);
+  return found == words.end() ? run.solved_by : found->second;
+}
+
+/// Words for a law that is not Coulomb's.
+std::string own_text(const Problem& problem, const Run& run) {
+  const std::string what = run.variant.law == Variant::Law::Frictionless ? "no friction"
+                           : problem.dimension == 2                      ? "an interval, which in 2D is Coulomb's law"
+                           : run.variant.law == Variant::Law::Inner
+                               ? fmt::format("a polygon of {} vertices inside the disk", run.variant.facets)
+                               : fmt::format("a polygon of {} edges around the disk", run.variant.facets);
+  if (!run.solved)
+    return fmt::format("Its own problem, {}, is not solved either: {} has the natural residual {}.", what,
+                       count(run.unknowns, "unknown"), metric(run.own));
+  return fmt::format(
+      "Solves its own problem ({}; {}, natural residual {}). Coulomb's exact law is violated by {} of the size of "
+      "impulses and velocities.",
+      what, count(run.unknowns, "unknown"), metric(run.own), metric(run.residual.siconos));
+}
+
+}  // namespace
+
+std::string seconds_text(double s) {
+  if (s < 1e-3) return fmt::format("{:.0f} us", 1e6 * s);
+  if (s < 1) return fmt::format("{:.3g} ms", 1e3 * s);
+  return fmt::format("{:.4g} s", s);
+}
+
+void print_heading(std::ostream& out, const Loaded& loaded, const Variant& variant, double tol) {
+  const Problem& problem = loaded.problem;
+  const auto rows = static_cast<double>(problem.q.size());
+  out << fmt::format("{}: {} in {} dimensions, mu {}\n", loaded.label, count(problem.contacts(), "contact"),
+                     problem.dimension, range_text(problem.mu));
+  const contact::Facts facts = contact::facts(problem, {.dense_limit = dense_limit});
+  std::string text =
+      fmt::format("W: {} rows, {} nonzeros ({} %)", problem.q.size(), problem.W.nonZeros(),
+                  number(100 * static_cast<double>(problem.W.nonZeros()) / std::max(1.0, rows * rows), 3));
+  text += facts.asymmetry < symmetric ? ", symmetric" : fmt::format(", asymmetric by {}", number(facts.asymmetry, 2));
+  if (facts.known && facts.rank < problem.q.size())
+    text += fmt::format(", rank {}: contacts are redundant, impulses need not be unique", facts.rank);
+  else if (facts.known)
+    text += ", of full rank";
+  if (facts.parts > 1) text += fmt::format("; {} groups of contacts that do not act on each other", facts.parts);
+  out << text << '\n';
+  if (problem.global)
+    out << fmt::format("condensed from {} velocities{}\n", problem.global->M.rows(),
+                       problem.global->b.size() > 0
+                           ? fmt::format(" and {}", count(problem.global->b.size(), "bilateral constraint"))
+                           : "");
+  out << fmt::format("{}: {}; tolerance {:g}\n", variant.label(), variant.words(), tol);
+  if (!variant.options.empty()) out << fmt::format("options: {}\n", fmt::join(variant.options, ", "));
+  if (variant.faceted() && problem.dimension == 2)
+    out << "in 2D the friction polygon is the interval [-mu r_N, mu r_N], whatever K is\n";
+}
+
+namespace {
+std::string made_by(const Run& run, const contact::Record& record) {
+  if (record.by != contact::Origin::Ncp) return std::string(contact::to_string(record.by));
+  return record.letter == ' ' ? run.variant.method : fmt::format("{} {}", run.variant.method, record.letter);
+}
+}  // namespace
+
+void print_history(std::ostream& out, const Run& run) {
+  if (run.history.empty()) return;
+  Table table({{"k", Align::Right},
+               {"made by"},
+               {"tau", Align::Right},
+               {"step", Align::Right},
+               {"alpha", Align::Right},
+               {"siconos", Align::Right},
+               {"rr9118", Align::Right}});
+  for (const contact::Record& r : run.history)
+    table.add({fmt::format("{}", r.k), made_by(run, r), number(r.tau, 3), number(r.step, 3), number(r.alpha, 3),
+               metric(r.siconos), metric(r.rr9118)});
+  out << (run.variant.as_ncp() ? "\nPoints judged, by the method's own letters; C: end of a stage\n"
+                               : "\nPoints judged\n");
+  table.print(out, 2);
+}
+
+void print_contacts(std::ostream& out, const Problem& problem, const Run& run, bool full) {
+  Table table({{"contact", Align::Right},
+               {"state"},
+               {"r_N [N s]", Align::Right},
+               {"|r_T|", Align::Right},
+               {"mu r_N", Align::Right},
+               {"u_N [m/s]", Align::Right},
+               {"|u_T|", Align::Right},
+               {"margin", Align::Right}});
+  const double impulses = rounding * largest(run.solution.r);
+  const double velocities = rounding * std::max(largest(run.solution.u), largest(problem.q));
+  for (Index a = 0; a < problem.contacts(); ++a) {
+    const Parts p = parts(problem, run, a);
+    const contact::ContactState& s = run.states[static_cast<std::size_t>(a)];
+    table.add({fmt::format("{}", a + 1), name(s.state), shown(p.r_N, impulses), shown(p.r_T, impulses),
+               shown(problem.mu[a] * p.r_N, impulses), shown(p.u_N, velocities), shown(p.u_T, velocities),
+               fmt::format("{} {}", number(s.margin, 3), s.state == State::Stick ? "N s" : "m/s")});
+  }
+  table.print(out, 2, full ? 0 : long_table, "--full shows them");
+  out << "  margin: how far from another state: open u_N, stick mu r_N - |r_T|, slip |u_T|\n";
+}
+
+void print_verdict(std::ostream& out, const Problem& problem, const Run& run) {
+  const contact::Residual& r = run.residual;
+  if (run.variant.exact())
+    print_wrapped(out,
+                  run.solved
+                      ? fmt::format("Solved by {}: Coulomb's law holds to {} (Siconos' metric) and {} (RR-9118's).",
+                                    solved_by_text(run), metric(r.siconos), metric(r.rr9118))
+                      : unsolved_text(run),
+                  0);
+  else
+    print_wrapped(out, (run.solved ? "" : unsolved_text(run) + " ") + own_text(problem, run), 0);
+  out << fmt::format("{}: {} open, {} stick, {} slip\n", count(problem.contacts(), "contact"),
+                     run.in_state(State::Open), run.in_state(State::Stick), run.in_state(State::Slip));
+  out << counts_text(run) << '\n';
+}
+
+void print_judge(std::ostream& out, const Problem& problem, const Run& run) {
+  const contact::Residual& r = run.residual;
+  out << (run.variant.exact() ? "Coulomb's law at these impulses (0: exact)\n"
+                              : "Coulomb's exact law, beside it, at these impulses (0: exact)\n");
+  line(out, "natural map |e|", metric(r.natural), "mixed units");
+  line(out, "|e| / max(|q|, |r|, |u|)", metric(r.siconos), "Siconos 4.4");
+  line(out, "|e| / |q|", metric(r.rr9118), "INRIA RR-9118");
+  line(out, "the same free of units", metric(r.scaled));
+  line(out, "outside of the cone", metric(r.cone), "N s, of |r_T| <= mu r_N and r_N >= 0");
+  line(out, "normal complementarity", metric(r.normal), "N s, |min(r_N, rho u_N)|");
+  line(out, "friction against slip", metric(r.slip), "J, |mu r_N |u_T| + r_T.u_T|");
+  line(out, "cone, normal, slip",
+       fmt::format("{}, {}, {}", metric(r.cone_share), metric(r.normal_share), metric(r.slip_share)),
+       "at the worst contact, each relative to what is compared there");
+  if (r.worst < 0 || r.scaled == 0) return;
+  const Parts p = parts(problem, run, r.worst);
+  line(out, "worst contact", fmt::format("{}", r.worst + 1),
+       fmt::format("{}: r_N {}, |r_T| {}, u_N {}, |u_T| {}", name(run.states[static_cast<std::size_t>(r.worst)].state),
+                   size_text(p.r_N), size_text(p.r_T), size_text(p.u_N), size_text(p.u_T)));
+}
+
+void print_summaries(std::ostream& out, std::span<const Summary> all) {
+  Table table({{"problem"},
+               {"contacts", Align::Right},
+               {"open", Align::Right},
+               {"stick", Align::Right},
+               {"slip", Align::Right},
+               {"status"},
+               {"solved by"},
+               {"own law", Align::Right},
+               {"siconos", Align::Right},
+               {"rr9118", Align::Right},
+               {"steps", Align::Right},
+               {"time", Align::Right}});
+  for (const auto& [label, run, refused] : all) {
+    if (!refused.empty()) {
+      table.add({label, "", "", "", "", "refused", "", "", "", "", "", ""});
+      continue;
+    }
+    table.add({label, fmt::format("{}", run.states.size()), fmt::format("{}", run.in_state(State::Open)),
+               fmt::format("{}", run.in_state(State::Stick)), fmt::format("{}", run.in_state(State::Slip)), run.status,
+               run.solved_by, run.variant.exact() ? "" : metric(run.own), metric(run.residual.siconos),
+               metric(run.residual.rr9118), fmt::format("{}", run.steps()), seconds_text(run.seconds)});
+  }
+  table.print(out);
+}
+
+}  // namespace perp::app::contacts

@@ -1,0 +1,69 @@
+#include "app/contact/run/variant.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <string_view>
+
+#include "app/contact/run/method_options.hpp"
+#include "app/program/program.hpp"
+
+namespace perp::app::contacts {
+
+namespace {
+
+/// What contact::variant_of reads; what it refuses is said with a word that is near.
+template <class Words>
+contact::Variant read(const Words& words, std::string_view before) {
+  try {
+    return contact::variant_of(words);
+  } catch (const contact::UnknownWord& error) {
+    throw InputError(fmt::format("{}{}{}", before, error.what(), did_you_mean(error.word(), error.known())));
+  } catch (const std::invalid_argument& error) {
+    throw InputError(fmt::format("{}{}", before, error.what()));
+  }
+}
+
+}  // namespace
+
+std::vector<std::string> Variant::flags() const {
+  std::vector<std::string> flags{"--formulation", formulation(), "--method", method};
+  const auto add = [&](const char* flag, const char* value) { flags.insert(flags.end(), {flag, value}); };
+  if (const contact::GlockerNcp* ncp = as_ncp()) {
+    add("--encoding", ncp->formulation.encoding == contact::Encoding::A ? "A" : "B");
+    if (ncp->formulation.row == contact::DiskRow::Original) add("--row", "original");
+  }
+  if (form == contact::Form::Mixed) add("--form", "mixed");
+  for (const std::string& option : options) add("--option", option.c_str());
+  return flags;
+}
+
+Variant parse_variant(const VariantRequest& request) {
+  // What is refused begins with the field's name, which is the flag's.
+  Variant variant{read(contact::VariantWords{.formulation = request.formulation,
+                                             .method = request.method,
+                                             .encoding = request.encoding,
+                                             .row = request.row,
+                                             .form = request.form},
+                       "--"),
+                  request.options};
+  set_options(variant);
+  return variant;
+}
+
+Variant parse_variant(const std::string& text) { return {read(text, fmt::format("'{}': ", text))}; }
+
+std::vector<Variant> parse_variants(const std::string& list) {
+  std::vector<Variant> variants;
+  for (std::size_t at = 0; at <= list.size();) {
+    const std::size_t end = std::min(list.find(',', at), list.size());
+    Variant variant = parse_variant(list.substr(at, end - at));
+    if (std::ranges::any_of(variants, [&](const Variant& other) { return other.label() == variant.label(); }))
+      throw InputError(fmt::format("--variants: {} is there twice", variant.label()));
+    variants.push_back(std::move(variant));
+    at = end + 1;
+  }
+  return variants;
+}
+
+}  // namespace perp::app::contacts

@@ -1,0 +1,38 @@
+#pragma once
+/// The variants of contact/solvers/variant.hpp as the program asks for them: by flags, with options of their methods.
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "contact/solvers/variant.hpp"
+
+namespace perp::app::contacts {
+
+struct Variant : contact::Variant {
+  std::vector<std::string> options{};  ///< key=value (method_options.hpp), applied to the solver; in no text
+  std::vector<std::string> notes{};    ///< those without effect, and why
+  /// The flags of `perp contact` that ask for it.
+  std::vector<std::string> flags() const;
+};
+
+/// What flags say; what is not given follows from the rest.
+struct VariantRequest {
+  std::string formulation = "glocker";
+  std::optional<std::string> method{};
+  std::optional<std::string> encoding{};
+  std::optional<std::string> row{};
+  std::optional<std::string> form{};
+  std::vector<std::string> options{};
+};
+/// Throws InputError naming flag and value: what contact::variant_of and set_options() refuse.
+Variant parse_variant(const VariantRequest& request);
+/// Of contact::variant_of's text.
+Variant parse_variant(const std::string& text);
+/// Of a comma-separated list; refuses repetitions.
+std::vector<Variant> parse_variants(const std::string& list);
+
+/// What `--compare` runs where nothing else is asked for.
+inline constexpr const char* default_variants =
+    "glocker+auto,glocker+homotopy,glocker+path/B,glocker+semismooth/B,glocker+smooth/B,inner:8,outer:8,frictionless";
+
+}  // namespace perp::app::contacts

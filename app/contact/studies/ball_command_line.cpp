@@ -1,0 +1,65 @@
+#include "app/contact/studies/ball_command_line.hpp"
+
+#include <fmt/format.h>
+
+#include <ostream>
+#include <string>
+
+namespace perp::app::contacts {
+
+namespace {
+
+constexpr const char* footer =
+    "A ball slides on a plane under a load that comes from 60, 180 and -60 degrees in turn (Acary's lecture). With a\n"
+    "polygon of K facets in place of the friction disk its path is bent and drifts, and depends on how the frame of "
+    "the\n"
+    "contact is turned. By Coulomb's law the ball stays while friction can hold the load; else its path closes.\n"
+    "\n"
+    "Examples:\n"
+    "  perp contact ball --svg ball.svg                        4, 6, 8, 16 facets and the exact law\n"
+    "  perp contact ball --facets 8 --exact --load 1.2 --frame 20 --svg turned.svg\n"
+    "  perp contact ball --exact --json - | jq '.loads[].paths[].drift'\n"
+    "\n"
+    "Exit codes: 0 every step solved, 1 not, 2 wrong usage or input, 3 internal error.";
+
+}  // namespace
+
+CLI::App* add_ball_command(CLI::App& contact, BallRequest& request) {
+  CLI::App* ball = contact.add_subcommand(
+      "ball", "Time stepping: a ball under a cyclic load, by friction polygons and by Coulomb's law, drawn");
+  ball->footer(footer);
+  const auto option = [&](const char* flag, auto& value, const std::string& help, const char* shown) {
+    ball->add_option(flag, value, help)->option_text(shown);
+  };
+  option("--facets", request.facets, "friction polygons of K facets (4,6,8,16, with --exact, if neither is given)",
+         "K[,K]...");
+  ball->add_flag("--exact", request.exact, "Coulomb's law; distances are measured from its path");
+  ball->add_flag("--outer", request.outer, "polygons about the friction disk, not inscribed in it");
+  option("--load", request.loads, "size of the load over mu m g, one path and one panel for each (1,1.5)", "L[,L]...");
+  option("--frame", request.frame, "turn the tangents (T1, T2) of the contact (0)", "DEGREES");
+  option("--mu", request.ball.mu, "coefficient of friction (0.3)", "MU");
+  option("--phase", request.ball.phase, "how long the load keeps a direction (5)", "SECONDS");
+  option("--cycles", request.ball.cycles, "of three phases (4)", "N");
+  option("--step", request.ball.h, "time step h (0.01)", "SECONDS");
+  option("--theta", request.ball.theta, "of the scheme, from 1/2 to 1 (0.5)", "THETA");
+  ball->add_flag("--rolling", request.ball.rolls, "the ball may turn: then it rolls, with 2/7 of the load as friction");
+  option("--svg", request.svg, "draw the paths, seen from above", "FILE");
+  option("--json", request.json, "write the result as JSON; - is standard output, the text then goes to standard error",
+         "FILE");
+  return ball;
+}
+
+int run_ball_command(const CLI::App& contact, const BallRequest& request, Streams streams,
+                     const std::atomic<bool>* interrupt) {
+  for (const CLI::Option* option : contact.get_options())
+    if (option->count() > 0) {
+      streams.err << fmt::format(
+          "perp contact: {} stands before 'ball', which is a command of its own; see 'perp "
+          "contact ball --help' (./ball is a file)\n",
+          option->get_name());
+      return exit_input;
+    }
+  return ball(request, streams, interrupt);
+}
+
+}  // namespace perp::app::contacts

@@ -1,0 +1,173 @@
+#include "app/options/methods.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <functional>
+#include <ostream>
+#include <stdexcept>
+
+#include "app/options/options.hpp"
+#include "app/text/table.hpp"
+#include "ncp/strategy/presets.hpp"
+
+namespace perp::app {
+
+namespace {
+
+std::vector<MethodEntry> all_methods() {
+  std::vector<MethodEntry> table;
+  for (const ncp::Preset& preset : ncp::presets())
+    table.push_back({preset.name, preset.what, preset.reference, preset.method});
+  for (const ncp::Preset& preset : ncp::published())
+    table.push_back({preset.name, preset.what, preset.reference, preset.method, true});
+  for (const lcp::MethodEntry& entry : lcp::methods())
+    if (!std::holds_alternative<lcp::Auto>(entry.method))  // auto calls it
+      table.push_back({entry.name, entry.what, entry.reference, ncp::Affine{.method = entry.method}, false});
+  return table;
+}
+
+/// "umfpack; klu with x, y; no effect on z": the default of an option, method by method.
+std::string defaults(const Option& option) {
+  struct Group {
+    std::string value;
+    std::vector<std::string_view> methods{};
+  };
+  std::vector<Group> groups;
+  std::vector<std::string_view> with, without;
+  for (const MethodEntry& entry : methods()) {
+    Settings settings{.method_name = std::string(entry.name), .method = entry.method};
+    const ncp::Fields fields = fields_of(settings);
+    const ncp::Field* field = fields.find(option.key);
+    const std::string value = field == nullptr ? "-" : value_text(*field);
+    (value == "-" ? without : with).push_back(entry.name);
+    if (value == "-") continue;
+    auto group = std::ranges::find(groups, value, &Group::value);
+    if (group == groups.end()) group = groups.insert(groups.end(), {.value = value});
+    group->methods.push_back(entry.name);
+  }
+  std::ranges::stable_sort(groups, std::greater{}, [](const Group& group) { return group.methods.size(); });
+  std::string text = groups.empty() ? "" : "default " + groups[0].value;
+  for (std::size_t k = 1; k < groups.size(); ++k)
+    text += fmt::format("; {} with {}", groups[k].value, fmt::join(groups[k].methods, ", "));
+  if (without.empty() || with.empty()) return text;
+  return text + (with.size() <= without.size() ? fmt::format("; for {}", fmt::join(with, ", "))
+                                               : fmt::format("; no effect on {}", fmt::join(without, ", ")));
+}
+
+void print_entries(std::ostream& out, bool affine, bool published) {
+  for (const MethodEntry& entry : methods())
+    if (entry.affine() == affine && entry.published == published)
+      out << fmt::format("\n  {}{}\n      {}\n      {}\n", entry.name,
+                         entry.name == default_method ? "  (default)" : "", entry.what, entry.reference);
+}
+
+}  // namespace
+
+std::span<const MethodEntry> methods() {
+  static const std::vector<MethodEntry> table = all_methods();
+  return table;
+}
+
+const MethodEntry* find_method(std::string_view name) {
+  const auto entry = std::ranges::find(methods(), name, &MethodEntry::name);
+  return entry == methods().end() ? nullptr : &*entry;
+}
+
+std::vector<std::string_view> method_names() {
+  std::vector<std::string_view> names;
+  for (const MethodEntry& entry : methods()) names.push_back(entry.name);
+  return names;
+}
+
+std::optional<ncp::Method> method_named(const std::string& text) {
+  if (const MethodEntry* entry = find_method(text)) return entry->method;
+  if (text.find('(') == std::string::npos) return std::nullopt;
+  try {
+    return ncp::method_of(text);
+  } catch (const std::invalid_argument& error) {
+    throw InputError(error.what());
+  }
+}
+
+namespace {
+
+void print_options_of(std::ostream& out, Settings settings) {
+  out << "\nIts options:\n";
+  for (const ncp::Field& field : fields_of(settings).options()) {
+    if (field.key == "method") continue;
+    out << fmt::format("\n  {}{}\n", field.key, field.alias.empty() ? "" : fmt::format(" ({})", field.alias));
+    print_wrapped(out, std::string(field.help), 6);
+    const std::string value = value_text(field);
+    print_wrapped(out,
+                  takes(field) + (!field.inert.empty() ? fmt::format("; no effect with {}", field.inert)
+                                  : value == "-"       ? "; the function has none"
+                                                       : "; default " + value),
+                  6);
+  }
+}
+
+}  // namespace
+
+int show_method(const std::string& text, Streams streams) {
+  const std::optional<ncp::Method> method = method_named(text);
+  if (!method)
+    throw InputError(fmt::format("--show: there is no method '{}'.{} 'perp methods' lists them.", text,
+                                 did_you_mean(text, method_names())));
+  const ncp::Outline outline = ncp::outline(*method);
+  streams.out << fmt::format("{}{}:\n", text, outline.presolved ? ", on the presolved problem" : "");
+  Table table({{"", Align::Right}, {"method", Align::Left}, {"attempt", Align::Left}});
+  int k = 0;
+  for (const ncp::Outline::Line& line : outline.lines)
+    table.add({std::to_string(++k), line.what,
+               fmt::format("{}{}{}", line.name == line.what ? "" : line.name,
+                           line.name == line.what || line.when.empty() ? "" : ", ",
+                           line.when.empty() ? "" : "if " + line.when)});
+  table.print(streams.out);
+  streams.out << (outline.lines.size() > 1 ? "\nThe next one begins where one is stuck. A limit ends them all. Left "
+                                             "out are those whose condition does not hold\n"
+                                             "and those whose start was had before.\n"
+                                           : "");
+  print_options_of(streams.out, {.method_name = text, .method = *method});
+  return exit_solved;
+}
+
+int print_methods(Streams streams) {
+  std::ostream& out = streams.out;
+  out << "Methods: --method NAME\n";
+  print_entries(out, false, false);
+  out << "\nThe systems of 1997 as published, for comparisons:\n";
+  print_entries(out, false, true);
+  out << "\nFor affine problems, F(x) = M x + q, where auto chooses among them:\n";
+  print_entries(out, true, false);
+  out << "\nStrategies, put together from those for nonlinear problems: --method 'first(path, scaled(smooth), "
+         "escape(semismooth))'\n";
+  print_wrapped(
+      out,
+      "first(...): one after the other, until one is not stuck; presolved(M) and scaled(M): M on the presolved "
+      "and on the scaled problem; escape(M): M with proximal escapes where it is stuck.",
+      2);
+
+  out << '\n';
+  print_wrapped(out,
+                "Options: --option key=value, a line of an options file, or an AMPL option. A key may be shortened as "
+                "long as it is unique.",
+                0);
+  for (const Option& option : options()) {
+    out << "\n  " << option.key;
+    if (!option.alias.empty()) out << fmt::format(" ({})", option.alias);
+    out << '\n';
+    print_wrapped(out, option.help, 6);
+    print_wrapped(out,
+                  option.key == "method" ? fmt::format("one of those above; default {}", default_method)
+                                         : option.takes + "; " + defaults(option),
+                  6);
+  }
+
+  out << "\nOptions of PATH that are accepted, so that its option files can be read, but have no effect in this "
+         "version:\n";
+  print_wrapped(out, fmt::format("{}", fmt::join(ignored_options(), ", ")), 2);
+  return exit_solved;
+}
+
+}  // namespace perp::app

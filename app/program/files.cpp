@@ -1,0 +1,187 @@
+#include "app/program/files.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace perp::app {
+
+namespace {
+
+/// Of the character that the text begins with; 0 if it is none, and `whole` false if the text ends within it.
+std::size_t character(std::string_view text, bool& whole) {
+  whole = true;
+  const auto byte = [&](std::size_t k) { return static_cast<unsigned char>(text[k]); };
+  const unsigned first = byte(0);
+  if (first < 0x80) return 1;
+  const std::size_t length = first >= 0xC2 && first < 0xE0   ? 2
+                             : first >= 0xE0 && first < 0xF0 ? 3
+                             : first >= 0xF0 && first < 0xF5 ? 4
+                                                             : 0;
+  for (std::size_t k = 1; k < length; ++k) {
+    if (k == text.size()) {
+      whole = false;
+      return 0;
+    }
+    // Not the longer forms of shorter ones, no halves of pairs, nothing beyond the last character.
+    const unsigned least = k == 1 && first == 0xE0 ? 0xA0 : k == 1 && first == 0xF0 ? 0x90 : 0x80;
+    const unsigned most = k == 1 && first == 0xED ? 0x9F : k == 1 && first == 0xF4 ? 0x8F : 0xBF;
+    if (byte(k) < least || byte(k) > most) return 0;
+  }
+  return length;
+}
+
+bool steers(std::string_view letter) {
+  const auto first = static_cast<unsigned char>(letter[0]);
+  if (letter.size() == 1) return (first < 0x20 && first != '\n' && first != '\t') || first == 0x7F;
+  return letter.size() == 2 && first == 0xC2 && static_cast<unsigned char>(letter[1]) < 0xA0;  // C1
+}
+
+void append_bytes(std::string& text, std::string_view bytes) {
+  for (const char c : bytes) text += fmt::format("\\x{:02x}", static_cast<unsigned char>(c));
+}
+
+/// What is before a character that is not whole yet, which stays in `text`.
+std::string take_printable(std::string_view& text) {
+  std::string shown;
+  shown.reserve(text.size());
+  while (!text.empty()) {
+    bool whole = true;
+    const std::size_t length = character(text, whole);
+    if (!whole) break;
+    const std::string_view letter = text.substr(0, std::max<std::size_t>(length, 1));
+    if (length == 0 || steers(letter))
+      append_bytes(shown, letter);
+    else
+      shown += letter;
+    text.remove_prefix(letter.size());
+  }
+  return shown;
+}
+
+std::string named(const FileUse& use) {
+  return use.flag.empty() ? fmt::format("'{}'", use.path) : fmt::format("{} '{}'", use.flag, use.path);
+}
+
+bool is_file(const FileUse& use) { return !use.path.empty() && use.path != "-"; }
+
+}  // namespace
+
+void write_file(const std::string& path, std::string_view content, lcp::Sync sync) {
+  try {
+    lcp::write_file(path, content, sync);
+  } catch (const lcp::FileError& error) {
+    throw InputError(error.what());
+  }
+}
+
+void check_writable(const std::string& path) {
+  try {
+    lcp::check_writable(path);
+  } catch (const lcp::FileError& error) {
+    throw InputError(error.what());
+  }
+}
+
+void write_files(std::span<const std::pair<std::string, std::string>> files) {
+  try {
+    std::vector<lcp::OutputFile> drafts;
+    drafts.reserve(files.size());
+    for (const auto& [path, content] : files) drafts.emplace_back(path, content);
+    for (lcp::OutputFile& draft : drafts) draft.replace();
+  } catch (const lcp::FileError& error) {
+    throw InputError(error.what());
+  }
+}
+
+void check_apart(std::span<const FileUse> outputs, std::span<const FileUse> inputs) {
+  for (std::size_t k = 0; k < outputs.size(); ++k) {
+    const FileUse& output = outputs[k];
+    if (!is_file(output) || !lcp::replaces(output.path)) continue;
+    const auto same = [&](const FileUse& other) { return is_file(other) && lcp::same_file(output.path, other.path); };
+    if (const auto input = std::ranges::find_if(inputs, same); input != inputs.end())
+      throw InputError(fmt::format("{}: that is the input {}, which would be lost", named(output), named(*input)));
+    const auto others = outputs.first(k);
+    if (const auto other = std::ranges::find_if(others, same); other != others.end())
+      throw InputError(fmt::format("{}: that is the output {}, too", named(output), named(*other)));
+  }
+}
+
+void check_outputs(std::span<const FileUse> outputs, std::span<const FileUse> inputs) {
+  check_apart(outputs, inputs);
+  for (const FileUse& output : outputs)
+    if (is_file(output)) check_writable(output.path);
+}
+
+bool outputs_fit(std::span<const FileUse> outputs, std::span<const FileUse> inputs, Streams streams) {
+  try {
+    check_outputs(outputs, inputs);
+    return true;
+  } catch (const InputError& error) {
+    streams.err << "perp: " << error.what() << '\n';
+    return false;
+  }
+}
+
+bool is_utf8(std::string_view text) {
+  while (!text.empty()) {
+    bool whole = true;
+    const std::size_t length = character(text, whole);
+    if (length == 0) return false;
+    text.remove_prefix(length);
+  }
+  return true;
+}
+
+void check_utf8(const std::string& path) {
+  if (!is_utf8(path))
+    throw InputError(
+        fmt::format("'{}': the name is not UTF-8, and a campaign's files cannot hold it: rename it", path));
+}
+
+std::string printable(std::string_view text) {
+  std::string shown = take_printable(text);
+  append_bytes(shown, text);
+  return shown;
+}
+
+PrintableStream::PrintableStream(std::ostream& stream)
+    : stream_(stream), raw_(stream.rdbuf()), buffer_(stream.rdbuf()) {
+  stream_.rdbuf(&buffer_);
+}
+
+PrintableStream::~PrintableStream() {
+  const std::ios::iostate state = stream_.rdstate();
+  buffer_.end();
+  stream_.rdbuf(raw_.rdbuf());  // which clears the state
+  stream_.setstate(state);
+}
+
+std::streambuf::int_type PrintableStream::Buffer::overflow(int_type c) {
+  if (traits_type::eq_int_type(c, traits_type::eof())) return traits_type::not_eof(c);
+  const char letter = traits_type::to_char_type(c);
+  return put({&letter, 1}) ? c : traits_type::eof();
+}
+
+std::streamsize PrintableStream::Buffer::xsputn(const char* text, std::streamsize size) {
+  return put({text, static_cast<std::size_t>(size)}) ? size : 0;
+}
+
+int PrintableStream::Buffer::sync() { return to_->pubsync(); }
+
+void PrintableStream::Buffer::end() {
+  const std::string shown = printable(begun_);
+  to_->sputn(shown.data(), static_cast<std::streamsize>(shown.size()));
+  begun_.clear();
+}
+
+bool PrintableStream::Buffer::put(std::string_view text) {
+  begun_ += text;
+  std::string_view rest = begun_;
+  const std::string shown = take_printable(rest);
+  begun_ = std::string(rest);
+  const auto size = static_cast<std::streamsize>(shown.size());
+  return to_->sputn(shown.data(), size) == size;
+}
+
+}  // namespace perp::app

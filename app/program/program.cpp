@@ -1,0 +1,81 @@
+#include "app/program/program.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cctype>
+#include <numeric>
+
+// The date of AMPL's solver library as YYYYMMDD: a symbol of the library itself, declared here because its header may
+// be included below ncp/ampl only.
+extern "C" long ASLdate_ASL;  // NOLINT(google-runtime-int)
+
+namespace perp::app {
+
+namespace {
+
+/// Levenshtein's distance, without regard to case.
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+  const auto lower = [](char c) { return std::tolower(static_cast<unsigned char>(c)); };
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i + 1;
+    for (std::size_t j = 0; j < b.size(); ++j) {
+      const std::size_t change = diagonal + (lower(a[i]) == lower(b[j]) ? 0 : 1);
+      diagonal = row[j + 1];
+      row[j + 1] = std::min({change, row[j] + 1, row[j + 1] + 1});
+    }
+  }
+  return row.back();
+}
+
+}  // namespace
+
+std::string did_you_mean(std::string_view word, std::span<const std::string_view> candidates) {
+  const std::size_t near = std::max<std::size_t>(1, word.size() / 3);
+  std::vector<std::pair<std::size_t, std::string_view>> close;
+  for (const std::string_view candidate : candidates) {
+    // The distance is the difference of the lengths at least; a word may be megabytes long.
+    if (word.size() > candidate.size() + near) continue;
+    const bool part = word.size() >= 3 && candidate.find(word) != std::string_view::npos;
+    if (!part && candidate.size() > word.size() + near) continue;
+    const std::size_t distance = edit_distance(word, candidate);
+    if (distance <= near || part) close.emplace_back(distance, candidate);
+  }
+  if (close.empty()) return "";
+  std::ranges::stable_sort(close, {}, [](const auto& entry) { return entry.first; });
+  close.resize(std::min<std::size_t>(close.size(), 3));
+  std::string text = " Did you mean ";
+  for (std::size_t k = 0; k < close.size(); ++k)
+    text += fmt::format("{}'{}'", k == 0 ? "" : (k + 1 == close.size() ? " or " : ", "), close[k].second);
+  return text + "?";
+}
+
+std::string out_of_memory(const std::string& problem) {
+  return fmt::format("'{}': out of memory: the problem is too large for this machine, or for the limit set (ulimit -v)",
+                     problem);
+}
+
+std::string_view version_number() { return PERP_VERSION; }
+
+std::string version_line() { return fmt::format("perp {} (AMPL/MCP) ASL({})", version_number(), ASLdate_ASL); }
+
+std::vector<std::string> library_versions() {
+  return {fmt::format("Eigen {}.{}.{}", EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION),
+          fmt::format("UMFPACK and KLU of SuiteSparse {}", PERP_SUITESPARSE_VERSION),
+          fmt::format("AMPL solver library of {}", ASLdate_ASL)};
+}
+
+std::string version_text() {
+  return fmt::format(
+      "{}\n"
+      "Licence GPL-3.0-or-later: the sources are free software; UMFPACK's licence decides for the program as linked.\n"
+      "There is NO WARRANTY, to the extent permitted by law.\n"
+      "Linked: {}\n",
+      version_line(), fmt::join(library_versions(), ", "));
+}
+
+}  // namespace perp::app

@@ -1,0 +1,281 @@
+#include "app/report/report.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <limits>
+#include <ostream>
+
+#include "app/report/several.hpp"
+#include "app/text/table.hpp"
+#include "ncp/problem/affine.hpp"
+
+namespace perp::app {
+
+namespace {
+
+constexpr std::size_t long_table = 60;
+constexpr double wrong_derivative = 1e-4;  // as ncp::describe
+
+std::string seconds(double s) {
+  if (s < 1e-3) return fmt::format("{:.0f} us", 1e6 * s);
+  if (s < 1) return fmt::format("{:.3g} ms", 1e3 * s);
+  return fmt::format("{:.4g} s", s);
+}
+
+/// "  what . . . . . . value (where)".
+void line(std::ostream& out, std::string what, const std::string& value, const std::string& where = "") {
+  constexpr std::size_t width = 28;
+  if (what.size() % 2 == 1) what += ' ';
+  while (what.size() < width) what += " .";
+  out << fmt::format("  {} {}{}\n", what, value, where.empty() ? "" : fmt::format(" ({})", where));
+}
+
+void print_largest(std::ostream& out, const char* what, ncp::In values, const ncp::Mcp& mcp,
+                   std::string (ncp::Mcp::*name)(ncp::Index) const) {
+  ncp::Index i = 0;
+  if (values.size() == 0) return;
+  const double largest = values.cwiseAbs().maxCoeff(&i);
+  line(out, fmt::format("largest entry of {}", what), fmt::format("{:.4e}", largest), (mcp.*name)(i));
+}
+
+/// The known solution nearest to x.
+std::optional<std::pair<std::size_t, double>> nearest_known(const Report& report) {
+  std::optional<std::pair<std::size_t, double>> nearest;
+  const auto& solutions = report.problem->solutions;
+  for (std::size_t k = 0; k < solutions.size(); ++k) {
+    if (solutions[k].x.size() != report.result.x.size()) continue;
+    const double distance = (solutions[k].x - report.result.x).lpNorm<Eigen::Infinity>();
+    if (!nearest || distance < nearest->second) nearest = {k, distance};
+  }
+  return nearest;
+}
+
+}  // namespace
+
+ncp::Observer live_table(std::ostream& out, const ncp::Mcp& mcp, const Output& output) {
+  const ncp::TableOptions options{.crash = output.shows(output.crash_iterations),
+                                  .major = output.shows(output.major_iterations),
+                                  .restarts = output.shows(output.restart_log),
+                                  .crash_frequency = output.crash_frequency,
+                                  .major_frequency = output.major_frequency};
+  return [&out, print = ncp::print_table(out, mcp, options)](const ncp::Iteration& it) {
+    const ncp::Next next = print(it);
+    out.flush();
+    return next;
+  };
+}
+
+Report run_method(const LoadedProblem& problem, const Settings& settings, std::ostream* log,
+                  const std::atomic<bool>* interrupt, const ncp::Observer& observer) {
+  Report report{.problem = &problem, .settings = settings};
+  if (settings.sideineq == 2 && problem.model != nullptr && problem.model->side_inequalities() > 0)
+    throw ncp::ampl::ModelError(
+        side_inequalities_refused,
+        fmt::format("{}: the model has {}, refused by sideineq = 2", problem.label,
+                    problem.model->side_inequalities() == 1
+                        ? std::string("1 side inequality")
+                        : fmt::format("{} side inequalities", problem.model->side_inequalities())));
+  ncp::Stop& stop = ncp::stop(report.settings.method);
+  stop.interrupt = interrupt;
+  if (stop.check_derivatives) {  // ncp::solve would refuse a wrong Jacobian, but not say how good a right one is
+    ncp::check_input(*problem.mcp, problem.x0);
+    report.derivatives = ncp::check_jacobian(*problem.mcp, lcp::project(problem.mcp->box(), problem.x0));
+    if (const std::string wrong = ncp::describe(*problem.mcp, *report.derivatives, wrong_derivative); !wrong.empty())
+      throw InputError(fmt::format("{}: {}", problem.label, wrong));
+  }
+  ncp::Method method = report.settings.method;
+  ncp::stop(method).check_derivatives = false;
+  std::vector<ncp::Observer> observers{ncp::record(report.iterations)};
+  if (log != nullptr) observers.push_back(live_table(*log, *problem.mcp, settings.output));
+  if (observer) observers.push_back(observer);
+  const ncp::Observer shown = ncp::all(std::move(observers));
+  if (settings.solutions)
+    solve_several(report, method, shown);
+  else
+    report.result = ncp::solve(*problem.mcp, problem.x0, method, shown);
+  if (const auto* affine = std::get_if<ncp::Affine>(&method))
+    if (const auto* enumeration = std::get_if<lcp::Enumeration>(&affine->method);
+        enumeration && report.result.solved()) {
+      lcp::Limits limits{.tol = stop.tol};
+      if (interrupt != nullptr) limits.interrupted = [interrupt] { return interrupt->load(); };
+      report.all_solutions = lcp::enumerate(*ncp::affine_part(*problem.mcp), *enumeration, limits);
+    }
+  return report;
+}
+
+std::string_view state_name(const ncp::Box& box, ncp::Index i, double x, double tol) {
+  if (box.lower[i] == -ncp::infinity && box.upper[i] == ncp::infinity) return "free";
+  switch (lcp::bound_state(box, i, x, tol)) {
+    case lcp::BoundState::AtLower:
+      return "at lower";
+    case lcp::BoundState::AtUpper:
+      return "at upper";
+    case lcp::BoundState::Fixed:
+      return "fixed";
+    case lcp::BoundState::Free:
+      break;
+  }
+  return "basic";
+}
+
+double F_value(const Report& report, ncp::Index i) {
+  return i < report.result.F.size() ? report.result.F[i] : std::numeric_limits<double>::quiet_NaN();
+}
+
+void print_heading(std::ostream& out, const LoadedProblem& problem, const Settings& settings) {
+  out << fmt::format("{}: {}, {} in the Jacobian", problem.label, count(problem.mcp->size(), "variable"),
+                     count(problem.mcp->jacobian_pattern().nonZeros(), "nonzero"));
+  if (problem.model != nullptr) {
+    if (const ncp::Index side = problem.model->side_inequalities(); side > 0)
+      out << fmt::format(", {} of the variables for side inequalities", side);
+    if (problem.model->has_objective()) out << ", an objective that is ignored";
+  } else {
+    out << fmt::format(", start {} of {}", problem.start, problem.starts);
+  }
+  out << "; method " << settings.method_name << '\n';
+}
+
+void print_solution(std::ostream& out, const Report& report, bool full) {
+  const ncp::Box& box = report.mcp().box();
+  Table table({{"variable", Align::Left},
+               {"lower", Align::Right},
+               {"value", Align::Right},
+               {"upper", Align::Right},
+               {"F", Align::Right},
+               {"state", Align::Left}});
+  const double tol = ncp::stop(report.settings.method).tol;
+  for (ncp::Index i = 0; i < box.size(); ++i) {
+    const double x = report.result.x[i];
+    table.add({report.mcp().variable_name(i), number(box.lower[i]), number(x), number(box.upper[i]),
+               number(F_value(report, i), 4), std::string(state_name(box, i, x, tol))});
+  }
+  table.print(out, 0, full ? 0 : long_table, "--full shows them");
+}
+
+void print_all_solutions(std::ostream& out, const Report& report, bool full) {
+  if (!report.all_solutions) return;
+  const auto& [found, complete, nodes, stopped, message] = *report.all_solutions;
+  out << fmt::format("{}{}:\n", count(static_cast<ncp::Index>(found.size()), "solution"),
+                     complete ? ", and there are no others" : "; the search is not complete: " + message);
+  for (std::size_t k = 0; k < found.size(); ++k) {
+    if (!full && k == long_table) {
+      out << "  ... --full shows them\n";
+      break;
+    }
+    out << fmt::format("  {}:", k + 1);
+    if (found[k].dimension > 0) out << fmt::format(" (one of a set of dimension {})", found[k].dimension);
+    for (ncp::Index i = 0; i < found[k].z.size(); ++i)
+      if (found[k].z[i] != 0) out << fmt::format(" {} = {}", report.mcp().variable_name(i), number(found[k].z[i]));
+    out << '\n';
+  }
+}
+
+void print_initial_statistics(std::ostream& out, const LoadedProblem& problem) {
+  const ncp::Mcp& mcp = *problem.mcp;
+  const ncp::Vec x = lcp::project(mcp.box(), problem.x0);
+  ncp::Vec F(x.size());
+  ncp::SpMat J = mcp.jacobian_pattern();
+  out << "Initial statistics\n";
+  print_largest(out, "x", x, mcp, &ncp::Mcp::variable_name);
+  if (mcp.eval(x, F))
+    print_largest(out, "F", F, mcp, &ncp::Mcp::equation_name);
+  else
+    out << "  F is not defined\n";
+  if (!mcp.jacobian(x, J)) {
+    out << "  the Jacobian is not defined\n";
+    return;
+  }
+  ncp::Index row = -1;
+  ncp::Index column = -1;
+  double largest = -1;
+  for (ncp::Index j = 0; j < J.cols(); ++j)
+    for (ncp::SpMat::InnerIterator e(J, j); e; ++e)
+      if (std::abs(e.value()) > largest) largest = std::abs(e.value()), row = e.row(), column = j;
+  if (row >= 0)
+    line(out, "largest entry of J", fmt::format("{:.4e}", largest),
+         fmt::format("{}, {}", mcp.equation_name(row), mcp.variable_name(column)));
+}
+
+void print_verdict(std::ostream& out, const Report& report) {
+  const ncp::Result& result = report.result;
+  out << fmt::format("{}: {}\n", ncp::to_string(result.status), result.message);
+  for (const std::string& note : result.notes) out << fmt::format("Note: {}\n", note);
+  if (!result.advice.empty()) out << fmt::format("Try: {}\n", result.advice);
+}
+
+void print_final_statistics(std::ostream& out, const Report& report) {
+  const ncp::Residual& r = report.result.residual;
+  const ncp::Mcp& mcp = report.mcp();
+  out << "Final statistics\n";
+  line(out, "natural residual", fmt::format("{:.4e}", r.natural), r.worst >= 0 ? mcp.equation_name(r.worst) : "");
+  if (report.result.relative_row >= 0)
+    line(out, "beside the row's terms", fmt::format("{:.4e}", report.result.relative),
+         mcp.equation_name(report.result.relative_row));
+  line(out, "complementarity", fmt::format("{:.4e}", r.complementarity));
+  line(out, "violation of bounds", fmt::format("{:.4e}", r.bounds));
+  print_largest(out, "x", report.result.x, mcp, &ncp::Mcp::variable_name);
+  print_largest(out, "F", report.result.F, mcp, &ncp::Mcp::equation_name);
+}
+
+void print_final_summary(std::ostream& out, const Report& report) {
+  const ncp::Stats& stats = report.result.stats;
+  struct Count {
+    const char* what;
+    int count;
+    bool paths;  // PathSearch alone has it
+  };
+  const bool path = ncp::path_of(report.settings.method) != nullptr;
+  out << "Final summary\n";
+  for (const auto& [what, count, paths] : {Count{"major iterations", stats.iterations, false},
+                                           {"minor iterations (pivots)", stats.pivots, false},
+                                           {"crash iterations", stats.crash_iterations, true},
+                                           {"evaluations of F", stats.F_evals, false},
+                                           {"evaluations of J", stats.J_evals, false},
+                                           {"factorizations", stats.factorizations, false},
+                                           {"variables presolved", stats.presolved, true},
+                                           {"restarts", stats.restarts, true},
+                                           {"gradient steps", stats.gradient_steps, true},
+                                           {"watchdog returns", stats.watchdogs, true},
+                                           {"D-steps (untested)", stats.unchecked_steps, true},
+                                           {"chord steps", stats.chord_steps, true},
+                                           {"points refused by a search", stats.backtracks, true},
+                                           {"starts from a ray", stats.ray_starts, true},
+                                           {"rank-deficient start bases", stats.rank_deficient, true},
+                                           {"steps with proximal term", stats.proximal_steps, true}})
+    if (path || !paths) line(out, what, fmt::format("{}", count));
+  if (path) line(out, "time in linear problems", seconds(stats.linear_time.count()));
+  line(out, "time in all", seconds(stats.time.count()));
+}
+
+void print_short_summary(std::ostream& out, const Report& report) {
+  const ncp::Stats& stats = report.result.stats;
+  out << fmt::format("{}, {}, {}, {}, {}, {}\n", count(stats.iterations, "iteration"),
+                     count(stats.F_evals, "F evaluation"), count(stats.J_evals, "Jacobian"),
+                     count(stats.factorizations, "factorization"), count(stats.pivots, "pivot"),
+                     seconds(stats.time.count()));
+}
+
+void print_remarks(std::ostream& out, const Report& report) {
+  if (report.derivatives)
+    out << fmt::format("Jacobian checked by differences at the start: {}\n",
+                       report.derivatives->defined
+                           ? fmt::format("largest relative deviation {:.1e}", report.derivatives->worst)
+                           : "F or its Jacobian is not defined there");
+  if (const auto nearest = nearest_known(report); nearest && report.result.solved()) {
+    const auto& [k, distance] = *nearest;
+    const auto& known = report.problem->solutions[k];
+    const std::string which = known.label.empty() ? "" : fmt::format(" '{}'", known.label);
+    out << fmt::format("Nearest known solution{}: at a distance of {:.1e}\n", which, distance);
+  }
+}
+
+void print_options(std::ostream& out, const Settings& settings) {
+  Settings copy = settings;
+  out << "options:";
+  for (const ncp::Field& field : fields_of(copy).options())
+    if (const std::string value = value_text(field); value != "-") out << fmt::format(" {}={}", field.key, value);
+  out << '\n';
+}
+
+}  // namespace perp::app

@@ -1,0 +1,72 @@
+#pragma once
+/// One run of a method on a problem, and how it is told to a person. (To programs: json.hpp; to AMPL:
+/// app/commands/ampl_driver.hpp.)
+#include <atomic>
+#include <iosfwd>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "app/options/options.hpp"
+#include "app/problem/problem.hpp"
+#include "ncp/strategy/deflation.hpp"
+#include "ncp/strategy/solve.hpp"
+
+namespace perp::app {
+
+/// AMPL's solve_result_num for a model refused because of its side inequalities.
+inline constexpr int side_inequalities_refused = 505;
+
+struct Report {
+  const LoadedProblem* problem = nullptr;
+  Settings settings{};
+  ncp::Result result{};
+  std::vector<ncp::Iteration> iterations{};
+  std::optional<ncp::JacobianCheck> derivatives{};  ///< at the start, if asked for
+  std::vector<std::string> notes{};
+  std::optional<lcp::Solutions> all_solutions{};  ///< of method enumeration
+  std::optional<ncp::AllSolutions> several{};     ///< where settings.solutions asks for several
+
+  const ncp::Mcp& mcp() const { return *problem->mcp; }
+  ExitCode exit_code() const { return result.solved() ? exit_solved : exit_unsolved; }
+};
+
+/// The tables of iterations, each line at once: someone who watches a pipe or a log file sees the run as it goes. The
+/// stream and the problem outlive the observer.
+ncp::Observer live_table(std::ostream& out, const ncp::Mcp& mcp, const Output& output);
+
+/// Solves; prints the tables of iterations that the settings ask for to `log` (nullptr: none). `interrupt` may be null.
+/// Throws InputError if the Jacobian was to be checked and is wrong or if side inequalities were to be refused; what
+/// ncp::solve throws.
+Report run_method(const LoadedProblem& problem, const Settings& settings, std::ostream* log,
+                  const std::atomic<bool>* interrupt, const ncp::Observer& observer = {});
+
+/// Where variable i is: "basic" (between its bounds), "at lower", "at upper", "fixed", "free" (it has no bounds), with
+/// distances up to `tol` counted as "at".
+std::string_view state_name(const ncp::Box& box, ncp::Index i, double x, double tol);
+
+/// F_i at the result; NaN where it is not known.
+double F_value(const Report& report, ncp::Index i);
+
+/// Name, size, start, method.
+void print_heading(std::ostream& out, const LoadedProblem& problem, const Settings& settings);
+/// Name, lower, value, upper, F, state of each variable; shortened beyond 60 unless `full`.
+void print_solution(std::ostream& out, const Report& report, bool full);
+/// The largest entries of x, F and its Jacobian at the start.
+void print_initial_statistics(std::ostream& out, const LoadedProblem& problem);
+/// What happened; what to try if it did not work.
+void print_verdict(std::ostream& out, const Report& report);
+/// The residuals at the end and the largest entries of x and F.
+void print_final_statistics(std::ostream& out, const Report& report);
+/// How many iterations, evaluations, ... there were: one a line, or the main ones in one line.
+void print_final_summary(std::ostream& out, const Report& report);
+void print_short_summary(std::ostream& out, const Report& report);
+/// The check of the Jacobian, the nearest known solution.
+void print_remarks(std::ostream& out, const Report& report);
+/// All solutions, if the method looked for all: what is not zero in each.
+void print_all_solutions(std::ostream& out, const Report& report, bool full);
+/// Options in force.
+void print_options(std::ostream& out, const Settings& settings);
+
+}  // namespace perp::app

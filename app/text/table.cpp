@@ -1,0 +1,83 @@
+#include "app/text/table.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <ostream>
+
+namespace perp::app {
+
+namespace {
+
+/// Columns on a terminal: UTF-8 continuation bytes take none.
+std::size_t width_of(std::string_view text) {
+  return static_cast<std::size_t>(
+      std::ranges::count_if(text, [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; }));
+}
+
+std::string padded(std::string_view text, std::size_t width, Align align, bool last) {
+  const std::string space(width - std::min(width, width_of(text)), ' ');
+  if (align == Align::Right) return space + std::string(text);
+  return std::string(text) + (last ? "" : space);
+}
+
+}  // namespace
+
+void Table::add(std::vector<std::string> row) {
+  assert(row.size() == columns_.size());
+  rows_.push_back(std::move(row));
+}
+
+void Table::print(std::ostream& out, int indent, std::size_t limit, std::string_view how) const {
+  const std::string margin(static_cast<std::size_t>(indent), ' ');
+  std::vector<std::size_t> width;
+  for (const Column& column : columns_) width.push_back(width_of(column.header));
+  for (const auto& row : rows_)
+    for (std::size_t j = 0; j < row.size(); ++j) width[j] = std::max(width[j], width_of(row[j]));
+
+  const auto line = [&](auto&& cell) {
+    std::string text = margin;
+    for (std::size_t j = 0; j < columns_.size(); ++j)
+      text += (j == 0 ? "" : "  ") + padded(cell(j), width[j], columns_[j].align, j + 1 == columns_.size());
+    out << text << '\n';
+  };
+  line([&](std::size_t j) -> std::string { return columns_[j].header; });
+  line([&](std::size_t j) { return std::string(width[j], '-'); });
+
+  const bool shorten = limit > 0 && rows_.size() > limit;
+  const std::size_t tail = shorten ? limit / 6 : 0;
+  const std::size_t head = shorten ? limit - tail : rows_.size();
+  for (std::size_t i = 0; i < head; ++i) line([&](std::size_t j) -> const std::string& { return rows_[i][j]; });
+  if (!shorten) return;
+  out << margin << fmt::format("... {} rows are not shown{}{}\n", rows_.size() - limit, how.empty() ? "" : "; ", how);
+  for (std::size_t i = rows_.size() - tail; i < rows_.size(); ++i)
+    line([&](std::size_t j) -> const std::string& { return rows_[i][j]; });
+}
+
+std::string number(double value, int digits) {
+  if (std::isnan(value)) return "nan";
+  if (value == 0) return "0";  // also for -0
+  return fmt::format("{:.{}g}", value, digits);
+}
+
+std::string count(long long n, std::string_view noun) { return fmt::format("{} {}{}", n, noun, n == 1 ? "" : "s"); }
+
+void print_wrapped(std::ostream& out, std::string_view text, int indent, std::size_t width) {
+  const std::string margin(static_cast<std::size_t>(indent), ' ');
+  std::string line = margin;
+  while (!text.empty()) {
+    const std::string_view word = text.substr(0, text.find(' '));
+    text.remove_prefix(std::min(text.size(), word.size() + 1));
+    if (line.size() > margin.size() && line.size() + 1 + word.size() > width) {
+      out << line << '\n';
+      line = margin;
+    }
+    if (line.size() > margin.size()) line += ' ';
+    line += word;
+  }
+  out << line << '\n';
+}
+
+}  // namespace perp::app

@@ -1,0 +1,290 @@
+#include "contact/existence/existence.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <sstream>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+#include "contact/model/expansion.hpp"
+#include "contact/model/residual.hpp"
+#include "contact/model/scaling.hpp"
+#include "lcp/linalg/cholesky.hpp"
+
+namespace perp::contact {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr double eps = std::numeric_limits<double>::epsilon();
+constexpr double slack = 1e-14;
+/// ADMM: its penalty in scaled units, iterations a margin, and how often the velocities are looked at.
+constexpr double penalty = 0.3;
+constexpr int iterations = 5000;
+constexpr int look = 10;
+constexpr std::array margins{1.0, 0.1, 0.01, 0.001};
+/// Of the regularised equation W r' = ... that is tried before.
+constexpr std::array regularizations{1e-8, 1e-4, 1e-2};
+/// Contacts that a message names.
+constexpr std::size_t named = 6;
+
+std::size_t at(Index i) { return static_cast<std::size_t>(i); }
+
+bool symmetric(const SpMat& W) {
+  const SpMat transposed = W.transpose();
+  for (Index j = 0; j < W.outerSize(); ++j) {
+    SpMat::InnerIterator a(W, j);
+    SpMat::InnerIterator b(transposed, j);
+    for (;; ++a, ++b) {
+      while (a && a.value() == 0) ++a;
+      while (b && b.value() == 0) ++b;
+      if (!a || !b) break;
+      if (a.row() != b.row() || a.value() != b.value()) return false;
+    }
+    if (a || b) return false;
+  }
+  return true;
+}
+
+/// D^-1/2 W D^-1/2 + (shift / 2) I without the rows that are zero; nothing if a diagonal entry forbids
+/// semidefiniteness.
+std::optional<SpMat> unit_diagonal(const SpMat& W, double shift) {
+  std::vector<int> place(at(W.rows()), -1);
+  Vec root = Vec::Zero(W.rows());
+  int size = 0;
+  for (Index i = 0; i < W.rows(); ++i) {
+    const double value = W.coeff(i, i);
+    if (value < 0) return std::nullopt;
+    root[i] = std::sqrt(value);
+    if (value > 0) place[at(i)] = size++;
+  }
+  std::vector<Eigen::Triplet<double>> entries;
+  for (Index j = 0; j < W.outerSize(); ++j)
+    for (SpMat::InnerIterator it(W, j); it; ++it) {
+      if (it.value() == 0) continue;
+      const int row = place[at(it.row())];
+      const int column = place[at(j)];
+      if (row < 0 || column < 0) return std::nullopt;
+      entries.emplace_back(row, column, row == column ? 1 + shift / 2 : it.value() / root[it.row()] / root[it.col()]);
+    }
+  SpMat S(size, size);
+  S.setFromTriplets(entries.begin(), entries.end());
+  return S;
+}
+
+/// `shift` of existence.hpp, if W is symmetric and semidefinite up to it.
+std::optional<double> semidefinite_up_to(const SpMat& W) {
+  if (!symmetric(W)) return std::nullopt;
+  const auto m = static_cast<double>(W.rows());
+  const double shift = 4 * (m + 8) * eps * m;
+  const std::optional<SpMat> S = unit_diagonal(W, shift);
+  if (!S) return std::nullopt;
+  lcp::Cholesky factor;
+  if (S->rows() > 0 && !factor.try_factor(*S)) return std::nullopt;
+  return shift;
+}
+
+/// Least u_N - mu |u_T| less what the shift changes, rounded down; u exact before it is rounded.
+double margin(const Problem& problem, In r, double shift) {
+  std::vector<Expansion> u(at(problem.q.size()));
+  for (Index i = 0; i < problem.q.size(); ++i) u[at(i)].add(problem.q[i]);
+  for (Index j = 0; j < problem.W.outerSize(); ++j)
+    for (SpMat::InnerIterator it(problem.W, j); it; ++it) u[at(it.row())].add_product(it.value(), r[j]);
+  const int d = problem.dimension;
+  double least = lcp::infinity;
+  for (Index a = 0; a < problem.contacts(); ++a) {
+    const Index N = d * a;
+    double squares = 0;
+    double moved = 0;
+    double lost = u[at(N)].lost();
+    for (int k = 1; k < d; ++k) {
+      squares = std::hypot(squares, u[at(N + k)].value());
+      moved = std::hypot(moved, shift * problem.W.coeff(N + k, N + k) * r[N + k]);
+      lost += u[at(N + k)].lost();
+    }
+    const double mu = problem.mu[a];
+    const double normal = u[at(N)].value();
+    const double changed = shift * problem.W.coeff(N, N) * std::abs(r[N]) + mu * moved;
+    const double room = slack * (std::abs(normal) + mu * squares + changed) + (1 + mu) * (lost + 1e-300);
+    const double here = normal - mu * squares - changed - room;
+    if (!std::isfinite(here)) return -lcp::infinity;
+    least = std::min(least, here);
+  }
+  return least;
+}
+
+class WitnessSearch {
+ public:
+  WitnessSearch(const Problem& problem, const SearchLimits& limits, double shift)
+      : problem_(problem), limits_(limits), shift_(shift), scaled_(scaled(problem)) {}
+
+  std::optional<Witness> run() {
+    if (problem_.contacts() == 0) return std::nullopt;
+    if (shows(Vec::Zero(scaled_.size()))) return found_;
+    for (const double regularization : regularizations)
+      if (over() || by_equation(regularization)) return found_;
+    if (!factor(penalty)) return std::nullopt;
+    for (const double m : margins)
+      if (over() || by_admm(m)) return found_;
+    return found_;
+  }
+
+ private:
+  bool over() const {
+    return Clock::now() - begin_ > limits_.max_time || (limits_.interrupt != nullptr && *limits_.interrupt);
+  }
+
+  bool shows(const Vec& r) {
+    if (!r.allFinite()) return false;
+    const Vec whole = scaled_.expand(r);
+    const double here = margin(problem_, whole, shift_);
+    if (here > 0) found_ = Witness{.r = whole, .margin = here, .shift = shift_};
+    return here > 0;
+  }
+
+  bool factor(double diagonal) {
+    SpMat K = scaled_.W;
+    for (Index i = 0; i < K.rows(); ++i) K.coeffRef(i, i) += diagonal;
+    return factor_.try_factor(K);
+  }
+
+  /// Velocities as near to e_N as W lets them be, by a regularised solve: for regular W this is all.
+  bool by_equation(double regularization) {
+    if (!factor(regularization)) return false;
+    Vec right = -scaled_.q;
+    for (const Scaled::Block& block : scaled_.blocks) right[block.first] += 1;
+    Vec r(right.size());
+    factor_.solve(right, r);
+    return shows(r);
+  }
+
+  bool by_admm(double m) {
+    Vec right = -scaled_.q;
+    for (const Scaled::Block& block : scaled_.blocks) right[block.first] += m;
+    Vec r(right.size());
+    Vec z = Vec::Zero(right.size());
+    Vec dual = z;
+    for (int k = 1; k <= iterations && !over(); ++k) {
+      factor_.solve(right + penalty * (z - dual), r);
+      for (const Scaled::Block& block : scaled_.blocks) {
+        const Index N = block.first;
+        const int size = block.size;
+        const Vec y = r.segment(N, size) + dual.segment(N, size);
+        if (size == 1)
+          z[N] = std::max(0.0, y[0]);
+        else
+          project_onto_cone(y, 1, z.segment(N, size));
+      }
+      dual += r - z;
+      if (k % look == 0 && promising(r) && shows(r)) return true;
+    }
+    return false;
+  }
+
+  /// Whether it is worth an exact look.
+  bool promising(const Vec& r) const {
+    const Vec u = scaled_.W * r + scaled_.q;
+    return std::ranges::all_of(scaled_.blocks, [&](const Scaled::Block& block) {
+      return u[block.first] > (block.size > 1 ? u.segment(block.first + 1, block.size - 1).norm() : 0);
+    });
+  }
+
+  const Problem& problem_;
+  SearchLimits limits_;
+  double shift_;
+  Clock::time_point begin_ = Clock::now();
+  Scaled scaled_;
+  lcp::Cholesky factor_;
+  std::optional<Witness> found_;
+};
+
+/// "contact 3", "contacts 3 and 7", "contacts 1, 2, 3 and 9 more".
+std::string contacts_text(const std::vector<Index>& contacts) {
+  std::ostringstream text;
+  text << (contacts.size() == 1 ? "contact " : "contacts ");
+  const std::size_t shown = contacts.size() <= named ? contacts.size() : named - 1;
+  for (std::size_t k = 0; k < shown; ++k)
+    text << (k == 0 ? "" : k + 1 == contacts.size() ? " and " : ", ") << contacts[k] + 1;
+  if (shown < contacts.size()) text << " and " << contacts.size() - shown << " more";
+  return text.str();
+}
+
+}  // namespace
+
+std::string_view to_string(Existence existence) {
+  switch (existence) {
+    case Existence::Undecided:
+      return "undecided";
+    case Existence::Exists:
+      return "exists";
+    case Existence::None:
+      return "none";
+  }
+  return "?";
+}
+
+std::optional<Witness> examine_witness(const Problem& problem, In r) {
+  check(problem);
+  if (r.size() != problem.q.size())
+    throw std::invalid_argument("contact: the witness has " + std::to_string(r.size()) + " entries, the problem " +
+                                std::to_string(problem.q.size()));
+  const std::optional<double> shift = r.allFinite() ? semidefinite_up_to(problem.W) : std::nullopt;
+  if (!shift) return std::nullopt;
+  const double here = margin(problem, r, *shift);
+  if (!(here > 0)) return std::nullopt;
+  return Witness{.r = r, .margin = here, .shift = *shift};
+}
+
+std::optional<Witness> find_witness(const Problem& problem, const SearchLimits& limits) {
+  check(problem);
+  const std::optional<double> shift = semidefinite_up_to(problem.W);
+  return shift ? WitnessSearch(problem, limits, *shift).run() : std::nullopt;
+}
+
+Verdict verdict_of(const Problem& problem, Infeasible proof) {
+  std::vector<Index> contacts;
+  double approach = 0;
+  const double largest = proof.y.maxCoeff();
+  for (Index a = 0; a < proof.y.size(); ++a) {
+    approach += proof.y[a] / largest * problem.q[problem.dimension * a];
+    if (proof.y[a] > 0) contacts.push_back(a);
+  }
+  std::ostringstream text;
+  text.precision(3);
+  text << "no solution exists: ";
+  if (proof.radius == lcp::infinity)
+    text << "no impulses";
+  else
+    text << "no impulses below " << proof.radius << " N s";
+  text << " keep " << contacts_text(contacts)
+       << (contacts.size() == 1 ? " from approaching, u_N <= " : " from approaching, y.u_N / max y <= ") << approach
+       << " m/s for the certificate y";
+  Verdict verdict{.existence = Existence::None};
+  verdict.certificate = std::move(proof.y);
+  verdict.radius = proof.radius;
+  verdict.message = text.str();
+  return verdict;
+}
+
+Verdict existence(const Problem& problem, const SearchLimits& limits) {
+  if (std::optional<Infeasible> proof = find_infeasibility(problem, limits))
+    return verdict_of(problem, std::move(*proof));
+  return verdict_without_certificate(problem, limits);
+}
+
+Verdict verdict_without_certificate(const Problem& problem, const SearchLimits& limits) {
+  Verdict verdict;
+  if (std::optional<Witness> witness = find_witness(problem, limits)) {
+    verdict.existence = Existence::Exists;
+    verdict.witness = std::move(*witness);
+    verdict.message = "a solution exists (Acary, Cadoux, Lemarechal & Malick 2011), but it was not found";
+  } else {
+    verdict.message = "whether there is a solution is undecided";
+  }
+  return verdict;
+}
+
+}  // namespace perp::contact

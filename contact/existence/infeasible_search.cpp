@@ -1,0 +1,380 @@
+/// find_infeasibility(): single contacts, then part by part nonnegative least squares; simple numbers in the end.
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
+#include <vector>
+
+#include "contact/existence/conic_nnls.hpp"
+#include "contact/existence/infeasible.hpp"
+#include "lcp/kernel_clock.hpp"
+#include "lcp/solve/solve.hpp"
+
+namespace perp::contact {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using Dense = Eigen::MatrixXd;
+
+/// Contacts of a part up to which pivoting is asked, if W is symmetric; beyond, the QP.
+constexpr Index pivoting_to = 60;
+/// Impulses in units of their contacts beyond which the frictionless problem does not count as solved.
+constexpr double largest_impulse = 1e8;
+/// Columns, and rounds, of one least squares problem.
+constexpr std::size_t most_columns = 600;
+constexpr int rounds_a_contact = 40;
+/// Of |rho|: directions that reduce it by less end the search; of the first |rho| = 1: what counts as a candidate.
+constexpr double stationary = 1e-11;
+constexpr double candidate = 1e-7;
+/// y below this part of the largest is left out of the support.
+constexpr double support_tol = 1e-9;
+/// Fractions tried: their largest denominator, and the largest common one.
+constexpr double largest_denominator = 1024;
+constexpr double largest_common = 0x1p40;
+
+std::size_t at(Index i) { return static_cast<std::size_t>(i); }
+
+/// The nearest fraction of a small denominator by continued fractions; 0 if there is none within 1e-9 of v.
+double denominator(double v) {
+  double before = 0;
+  double now = 1;
+  double rest = v;
+  for (int k = 0; k < 20 && now <= largest_denominator; ++k) {
+    if (std::abs(v * now - std::round(v * now)) <= 1e-9 * std::max(v, 1e-3) * now) return now;
+    rest = 1 / (rest - std::floor(rest));
+    if (!std::isfinite(rest)) return 0;
+    before = std::exchange(now, std::floor(rest) * now + before);
+  }
+  return 0;
+}
+
+/// v in whole numbers, if its entries are ratios of small ones; empty if not.
+Vec whole_numbers(const Vec& v) {
+  double common = 1;
+  for (const double value : v) {
+    if (value == 0) continue;
+    const double one = denominator(value);
+    if (one == 0) return {};
+    common *= one / static_cast<double>(std::gcd(static_cast<long long>(common), static_cast<long long>(one)));
+    if (common > largest_common) return {};
+  }
+  return (common * v).array().round().matrix();
+}
+
+class Search {
+ public:
+  Search(const Problem& problem, const SearchLimits& limits)
+      : problem_(problem), limits_(limits), d_(problem.dimension), rows_(problem.W.transpose()) {
+    symmetric_ = true;
+    SpMat difference = SpMat(problem.W.transpose()) - problem.W;
+    for (Index j = 0; j < difference.outerSize() && symmetric_; ++j)
+      for (SpMat::InnerIterator it(difference, j); it && symmetric_; ++it) symmetric_ = it.value() == 0;
+    const Vec q = problem.q.cwiseAbs();
+    velocity_ = q.size() > 0 && q.maxCoeff() > 0 ? q.maxCoeff() : 1;
+  }
+
+  std::optional<Infeasible> run() {
+    for (Index a = 0; a < problem_.contacts() && !over(); ++a)
+      if (problem_.q[d_ * a] < 0 && alone(a)) return best_;
+    for (const std::vector<Index>& part : parts()) {
+      if (over()) break;
+      if (part.size() > 1 && examine(part)) return best_;
+    }
+    return best_;
+  }
+
+ private:
+  bool over() const {
+    return Clock::now() - begin_ > limits_.max_time || (limits_.interrupt != nullptr && *limits_.interrupt);
+  }
+
+  bool alone(Index a);
+  std::vector<std::vector<Index>> parts() const;
+  bool examine(const std::vector<Index>& part);
+  void prepare(const std::vector<Index>& part);
+  double unit(Index a) const { return weight_[d_ * place_[at(a)]]; }
+  std::vector<Index> frictionless_ray(const std::vector<Index>& part, const lcp::Method& method, bool& solved);
+  bool least_squares(const std::vector<Index>& part, bool with_slack);
+  ConicNnls::Column ray(Index a, const Vec& rho, double& slope) const;
+  bool offer(const ConicNnls& method, const std::vector<Index>& part);
+  std::vector<Index> offer(Vec y, const std::vector<char>& slack, const std::vector<Index>& part);
+  void refine(Vec& y, const std::vector<Index>& support, const std::vector<char>& slack) const;
+  bool try_one(const Vec& y);
+
+  const Problem& problem_;
+  SearchLimits limits_;
+  Clock::time_point begin_ = Clock::now();
+  int d_;
+  SpMat rows_;  // column i is row i of W
+  bool symmetric_ = false;
+  double velocity_ = 1;
+  std::optional<Infeasible> best_;
+
+  // Of the part at hand: the contacts it acts on and their places, weights of rows, what columns are divided by.
+  std::vector<Index> all_;
+  std::vector<Index> place_;
+  Vec weight_;
+  Vec norm_;
+};
+
+/// Keeps y if it proves anything and more than what is kept; whether it proves all.
+bool Search::try_one(const Vec& y) {
+  if (y.size() == 0 || !proves_infeasible(problem_, y)) return false;
+  const double radius = infeasibility_radius(problem_, y);
+  if (!best_ || radius > best_->radius) best_ = Infeasible{y, radius};
+  return radius == lcp::infinity;
+}
+
+bool Search::alone(Index a) {
+  for (SpMat::InnerIterator it(rows_, d_ * a); it; ++it)
+    if (it.row() % d_ == 0 && it.value() > 0) return false;
+  Vec y = Vec::Zero(problem_.contacts());
+  y[a] = 1;
+  return try_one(y);
+}
+
+/// Contacts that do not act on each other are apart; of parts with an approaching contact, small ones first.
+std::vector<std::vector<Index>> Search::parts() const {
+  std::vector<Index> root(at(problem_.contacts()));
+  std::iota(root.begin(), root.end(), Index{0});
+  const auto find = [&](Index a) {
+    while (root[at(a)] != a) a = root[at(a)] = root[at(root[at(a)])];
+    return a;
+  };
+  for (Index j = 0; j < problem_.W.outerSize(); ++j)
+    for (SpMat::InnerIterator it(problem_.W, j); it; ++it)
+      if (it.value() != 0) root[at(find(j / d_))] = find(it.row() / d_);
+  std::vector<std::vector<Index>> all(at(problem_.contacts()));
+  for (Index a = 0; a < problem_.contacts(); ++a) all[at(find(a))].push_back(a);
+  std::erase_if(all, [&](const std::vector<Index>& part) {
+    return std::ranges::none_of(part, [&](Index a) { return problem_.q[d_ * a] < 0; });
+  });
+  std::ranges::stable_sort(all, {}, &std::vector<Index>::size);
+  return all;
+}
+
+/// For symmetric semidefinite W there is a certificate if and only if the frictionless problem has none but
+/// certificates for an answer: pivoting, or the QP, which is fast for any size, is asked first. Then least squares,
+/// without slack where W y e_N has to be 0.
+bool Search::examine(const std::vector<Index>& part) {
+  if (!symmetric_) return least_squares(part, true);
+  const bool small = static_cast<Index>(part.size()) < pivoting_to;
+  bool solved = false;
+  const std::vector<Index> support =
+      frictionless_ray(part, small ? lcp::Method(lcp::PrincipalPivoting{}) : lcp::Method(lcp::BoundQp{}), solved);
+  if (best_) return true;
+  if (solved) return false;
+  if (!support.empty() && support.size() < part.size() && least_squares(support, false)) return true;
+  return least_squares(part, false) || (small && least_squares(part, true));
+}
+
+/// Asks a method for the frictionless problem of the part; a certificate of it is offered. The contacts of that.
+std::vector<Index> Search::frictionless_ray(const std::vector<Index>& part, const lcp::Method& method, bool& solved) {
+  prepare(part);
+  std::vector<Index> place(at(problem_.contacts()), -1);
+  for (std::size_t k = 0; k < part.size(); ++k) place[at(part[k])] = static_cast<Index>(k);
+  std::vector<Eigen::Triplet<double>> entries;
+  lcp::Vec q(static_cast<Index>(part.size()));
+  for (const Index a : part) {
+    q[place[at(a)]] = unit(a) * problem_.q[d_ * a];
+    for (SpMat::InnerIterator it(rows_, d_ * a); it; ++it)
+      if (const Index b = it.row() / d_; it.row() % d_ == 0 && place[at(b)] >= 0)
+        entries.emplace_back(static_cast<int>(place[at(a)]), static_cast<int>(place[at(b)]),
+                             unit(a) * it.value() * unit(b));
+  }
+  const double largest = q.lpNorm<Eigen::Infinity>();
+  SpMat M(q.size(), q.size());
+  M.setFromTriplets(entries.begin(), entries.end());
+  lcp::Limits limits;
+  limits.deadline = lcp::deadline_after(limits_.max_time, begin_);
+  if (limits_.interrupt != nullptr) limits.interrupted = [stop = limits_.interrupt] { return stop->load(); };
+  const lcp::Result result =
+      lcp::solve(lcp::standard_lcp(std::move(M), q / largest), Vec::Zero(q.size()), method, limits);
+  solved = result.solved() && result.z.lpNorm<Eigen::Infinity>() <= largest_impulse;
+  if (result.certificate.size() != q.size()) return {};
+  Vec y = Vec::Zero(problem_.contacts());
+  for (const Index a : part) y[a] = std::max(0.0, result.certificate[place[at(a)]]) * unit(a);
+  std::vector<char> slack(at(problem_.contacts()), 0);
+  return offer(y, slack, part);
+}
+
+/// The generator of K* at contact a that reduces |rho| most: -P_K*(-rho_a), in coordinates where mu = 1.
+ConicNnls::Column Search::ray(Index a, const Vec& rho, double& slope) const {
+  const Index first = d_ * place_[at(a)];
+  const double N = rho[first];
+  const double T = problem_.mu[a] > 0 ? rho.segment(first + 1, d_ - 1).norm() : 0;
+  ConicNnls::Column column{.tag = -1 - a, .entries = {}};
+  slope = 0;
+  if (N >= T) return column;
+  Vec z = -rho.segment(first, d_);
+  if (problem_.mu[a] == 0) z.tail(d_ - 1).setZero();
+  if (-N < T) {  // not in the cone: on its boundary
+    const double length = (T - N) / 2;
+    z.tail(d_ - 1) *= length / T;
+    z[0] = length;
+  }
+  slope = -z.norm();
+  z /= z.norm();
+  for (int k = 0; k < d_; ++k)
+    if (z[k] != 0) column.entries.emplace_back(first + k, z[k]);
+  return column;
+}
+
+/// Every contact in units of its own, friction cones with mu = 1; no rows for tangents that do no work.
+void Search::prepare(const std::vector<Index>& part) {
+  all_ = part;
+  for (const Index a : part)
+    for (SpMat::InnerIterator it(rows_, d_ * a); it; ++it) all_.push_back(it.row() / d_);
+  std::ranges::sort(all_);
+  all_.erase(std::unique(all_.begin(), all_.end()), all_.end());
+  place_.assign(at(problem_.contacts()), -1);
+  for (std::size_t k = 0; k < all_.size(); ++k) place_[at(all_[k])] = static_cast<Index>(k);
+  weight_ = Vec::Ones(d_ * static_cast<Index>(all_.size()));
+  for (const Index b : all_) {
+    double largest = 0;
+    for (int k = 0; k < d_; ++k) largest = std::max(largest, std::abs(problem_.W.coeff(d_ * b + k, d_ * b + k)));
+    const double own = largest > 0 ? 1 / std::sqrt(largest) : 1;
+    for (int k = 0; k < d_; ++k) weight_[d_ * place_[at(b)] + k] = k == 0 ? own : problem_.mu[b] * own;
+  }
+  norm_ = Vec::Ones(problem_.contacts());
+}
+
+bool Search::least_squares(const std::vector<Index>& part, bool with_slack) {
+  prepare(part);
+  const Index m = weight_.size();
+  std::vector<ConicNnls::Column> columns;
+  double steepest = 0;  // largest velocity of a column of norm 1
+  for (const Index a : part) {
+    ConicNnls::Column column{.tag = a, .entries = {}};
+    double squares = 0;
+    for (SpMat::InnerIterator it(rows_, d_ * a); it; ++it) {
+      const Index row = d_ * place_[at(it.row() / d_)] + it.row() % d_;
+      const double value = weight_[row] * it.value();
+      if (value != 0) column.entries.emplace_back(row, value);
+      squares += value * value;
+    }
+    norm_[a] = squares > 0 && std::isfinite(squares) ? std::sqrt(squares) : 1;
+    for (auto& [row, value] : column.entries) value /= norm_[a];
+    columns.push_back(std::move(column));
+    steepest = std::max(steepest, std::abs(problem_.q[d_ * a]) / velocity_ / norm_[a]);
+  }
+  if (!(steepest > 0) || !std::isfinite(steepest)) return false;
+  for (ConicNnls::Column& column : columns)
+    if (const double q = problem_.q[d_ * column.tag] / velocity_ / norm_[column.tag] / steepest; q != 0)
+      column.entries.emplace_back(m, q);
+
+  ConicNnls method(Vec::Unit(m + 1, m));
+  std::vector<char> refused(columns.size(), 0);
+  const int rounds = rounds_a_contact * static_cast<int>(all_.size()) + 100;
+  for (int k = 0; k < rounds && method.columns().size() < most_columns && !over(); ++k) {
+    const Vec& rho = method.rho();
+    if (rho.norm() < candidate) break;
+    double steep = -stationary * rho.norm();
+    std::optional<std::size_t> entering;
+    for (std::size_t j = 0; j < columns.size(); ++j)
+      if (const double slope = columns[j].dot(rho); refused[j] == 0 && slope < steep) {
+        steep = slope;
+        entering = j;
+      }
+    std::optional<ConicNnls::Column> slack;
+    for (const Index b : all_) {
+      if (!with_slack) break;
+      double slope = 0;
+      ConicNnls::Column column = ray(b, rho, slope);
+      if (slope >= steep) continue;
+      steep = slope;
+      slack = std::move(column);
+    }
+    if (!slack && !entering) break;
+    if (method.enter(slack ? *slack : columns[*entering])) {
+      std::ranges::fill(refused, 0);
+      continue;
+    }
+    if (slack) break;
+    refused[*entering] = 1;
+  }
+  // An exact certificate has rho = 0; at the end without one r = rho / rho_0 has u_N >= 0.
+  return method.rho().norm() < std::sqrt(candidate) && offer(method, part);
+}
+
+/// y = y - the shortest correction after which W'(y e_N) = 0 in contacts without slack.
+void Search::refine(Vec& y, const std::vector<Index>& support, const std::vector<char>& slack) const {
+  std::vector<std::pair<Index, Index>> entries_at;
+  std::vector<Index> rows;
+  for (const Index a : support)
+    for (SpMat::InnerIterator it(rows_, d_ * a); it; ++it)
+      if (it.value() != 0 && slack[at(it.row() / d_)] == 0 && (it.row() % d_ == 0 || problem_.mu[it.row() / d_] > 0))
+        rows.push_back(it.row());
+  std::ranges::sort(rows);
+  rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
+  if (rows.empty() || support.size() > most_columns) return;
+  Dense G = Dense::Zero(static_cast<Index>(rows.size()), static_cast<Index>(support.size()));
+  Vec x(G.cols());
+  for (std::size_t k = 0; k < support.size(); ++k) {
+    const Index a = support[k];
+    x[static_cast<Index>(k)] = y[a] * norm_[a];
+    for (SpMat::InnerIterator it(rows_, d_ * a); it; ++it)
+      if (const auto found = std::ranges::lower_bound(rows, it.row()); found != rows.end() && *found == it.row())
+        G(found - rows.begin(), static_cast<Index>(k)) =
+            it.value() * weight_[d_ * place_[at(it.row() / d_)] + it.row() % d_] / norm_[a];
+  }
+  Eigen::CompleteOrthogonalDecomposition<Dense> factor;
+  factor.setThreshold(1e-9);
+  factor.compute(G);
+  for (int k = 0; k < 3; ++k) x -= factor.solve(G * x);
+  for (std::size_t k = 0; k < support.size(); ++k) {
+    const Index a = support[k];
+    y[a] = std::max(0.0, x[static_cast<Index>(k)] / norm_[a]);
+  }
+}
+
+bool Search::offer(const ConicNnls& method, const std::vector<Index>& part) {
+  Vec y = Vec::Zero(problem_.contacts());
+  std::vector<char> slack(at(problem_.contacts()), 0);
+  for (Index j = 0; j < method.x().size(); ++j) {
+    const Index tag = method.columns()[at(j)].tag;
+    if (tag < 0)
+      slack[at(-1 - tag)] = 1;
+    else
+      y[tag] = method.x()[j] / norm_[tag];
+  }
+  offer(y, slack, part);
+  return best_.has_value();
+}
+
+/// Tries y, refined, in whole numbers and as it is; the contacts it is made of.
+std::vector<Index> Search::offer(Vec y, const std::vector<char>& slack, const std::vector<Index>& part) {
+  double largest = 0;
+  for (const Index a : part) largest = std::max(largest, y[a] / unit(a));
+  std::vector<Index> support;
+  for (const Index a : part) {
+    if (y[a] / unit(a) > support_tol * largest)
+      support.push_back(a);
+    else
+      y[a] = 0;
+  }
+  if (support.empty()) return support;
+  Vec refined = y;
+  refine(refined, support, slack);
+  for (const Vec& v : {refined, y}) {
+    const double most = v.maxCoeff();
+    if (!(most > 0)) continue;
+    double least = most;
+    for (const Index a : support)
+      if (v[a] > 0) least = std::min(least, v[a]);
+    for (const double one : {most, least, v[support.front()]})
+      if (one > 0 && try_one(whole_numbers(v / one))) return support;
+    // Where all is slack any near numbers do: ten bits.
+    if (try_one((v * (0x1p10 / most)).array().round().matrix()) || try_one(v / most)) return support;
+  }
+  return support;
+}
+
+}  // namespace
+
+std::optional<Infeasible> find_infeasibility(const Problem& problem, const SearchLimits& limits) {
+  check(problem);
+  return Search(problem, limits).run();
+}
+
+}  // namespace perp::contact

@@ -1,0 +1,48 @@
+#include "contact/laws/frictionless.hpp"
+
+#include <cmath>
+#include <sstream>
+#include <stdexcept>
+
+#include "contact/laws/encoding_builder.hpp"
+
+namespace perp::contact {
+namespace {
+
+EncodingBuilder build(const Problem& problem, const EncodingOptions& options) {
+  EncodingBuilder b(problem, options);
+  for (Index a = 0; a < problem.contacts(); ++a) b.next_contact(a);
+  return b;
+}
+
+}  // namespace
+
+Problem with_newton_impact(Problem problem, In e, In before) {
+  check(problem);
+  std::ostringstream why;
+  const Index n = problem.contacts();
+  if (e.size() != n || before.size() != n) {
+    why << "Newton's impact: " << e.size() << " coefficients and " << before.size() << " velocities for " << n
+        << " contacts";
+    throw std::invalid_argument(why.str());
+  }
+  for (Index a = 0; a < n; ++a) {
+    if (!(e[a] >= 0 && e[a] <= 1) || !std::isfinite(before[a])) {
+      why << "Newton's impact: contact " << a << " has the coefficient " << e[a] << " and the velocity " << before[a]
+          << " before the impact";
+      throw std::invalid_argument(why.str());
+    }
+    problem.q[problem.dimension * a] += e[a] * before[a];
+  }
+  return problem;
+}
+
+Problem without_friction(Problem problem) {
+  problem.mu.setZero();
+  return problem;
+}
+
+Frictionless::Frictionless(const Problem& problem, const EncodingOptions& options)
+    : AffineEncoding(problem, build(problem, options)) {}
+
+}  // namespace perp::contact

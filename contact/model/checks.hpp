@@ -1,0 +1,11 @@
+#pragma once
+/// Parts of check(Problem), private to contact/. Each throws std::invalid_argument with what, where and the value.
+#include "contact/model/problem.hpp"
+
+namespace perp::contact {
+
+void check(const Global& global, Index rows);  ///< rows = d n
+void check_friction(const Vec& mu);
+void check_dimension(int dimension);
+
+}  // namespace perp::contact

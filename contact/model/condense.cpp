@@ -1,0 +1,78 @@
+#include <sstream>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+#include "contact/model/checks.hpp"
+#include "lcp/solve/schur.hpp"
+
+namespace perp::contact {
+namespace {
+
+constexpr double drop = 1e-15;
+constexpr double singular = 1e-15;
+
+[[noreturn]] void refuse(const std::string& why) { throw std::invalid_argument("condensation: " + why); }
+
+/// [M G; G' 0], by columns.
+SpMat saddle_point(const SpMat& M, const SpMat& G) {
+  const Index m = M.rows();
+  std::vector<Eigen::Triplet<double>> entries;
+  entries.reserve(static_cast<std::size_t>(M.nonZeros() + 2 * G.nonZeros()));
+  for (Index j = 0; j < m; ++j)
+    for (SpMat::InnerIterator it(M, j); it; ++it)
+      entries.emplace_back(static_cast<int>(it.row()), static_cast<int>(j), it.value());
+  for (Index j = 0; j < G.cols(); ++j)
+    for (SpMat::InnerIterator it(G, j); it; ++it) {
+      entries.emplace_back(static_cast<int>(it.row()), static_cast<int>(m + j), it.value());
+      entries.emplace_back(static_cast<int>(m + j), static_cast<int>(it.row()), it.value());
+    }
+  SpMat K(m + G.cols(), m + G.cols());
+  K.setFromTriplets(entries.begin(), entries.end());
+  return K;
+}
+
+bool regular(const lcp::Schur& s) { return s.status == lcp::LuStatus::Ok && !(s.rcond < singular); }
+
+/// Why K is not regular: M by itself, or else G.
+[[noreturn]] void refuse_singular(const Global& g, const lcp::Schur& of_K) {
+  if (of_K.status == lcp::LuStatus::OutOfMemory) throw std::bad_alloc();
+  std::ostringstream why;
+  const bool alone = g.G.cols() == 0;
+  const lcp::Schur of_M = alone ? of_K : lcp::schur(g.M, SpMat(g.M.rows(), 0), g.f, 0);
+  why << (regular(of_M) ? "the constraints G' v + b = 0 are linearly dependent" : "the inertia M is singular");
+  const lcp::Schur& of = regular(of_M) ? of_K : of_M;
+  why << " (" << lcp::to_string(of.status);
+  if (of.status == lcp::LuStatus::Ok) why << ", reciprocal condition number " << of.rcond;
+  why << ")";
+  refuse(why.str());
+}
+
+}  // namespace
+
+/// With K = [M G; G' 0] and B = [H; 0]:  W = B' K^-1 B,  q = B' K^-1 [f; -b] + w.
+Problem condense(Global global, Vec mu, int dimension, std::string name) {
+  check_dimension(dimension);
+  check_friction(mu);
+  check(global, dimension * mu.size());
+  const Index m = global.M.rows();
+  const Index k = global.G.cols();
+  SpMat B = global.H;
+  B.conservativeResize(m + k, B.cols());
+  Vec f(m + k);
+  f << global.f, -global.b;
+  const SpMat K = saddle_point(global.M, global.G);
+  lcp::Schur s = lcp::schur(K, B, f, drop);
+  if (!regular(s)) refuse_singular(global, s);
+  Problem p{.dimension = dimension, .name = std::move(name)};
+  p.W.swap(s.S);
+  if (SpMat(K.transpose()).isApprox(K, 0)) p.W = 0.5 * (p.W + SpMat(p.W.transpose()));
+  p.W.makeCompressed();
+  p.q = B.transpose() * s.x + global.w;
+  p.mu = std::move(mu);
+  p.global = std::make_shared<const Global>(std::move(global));
+  check(p);
+  return p;
+}
+
+}  // namespace perp::contact

@@ -1,0 +1,88 @@
+#include "contact/model/facts.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <vector>
+
+namespace perp::contact {
+namespace {
+
+using Rows = std::vector<Index>;
+
+SpMat unit_diagonal(const SpMat& W) {
+  Vec D = W.diagonal();
+  for (double& d : D) {
+    const double root = std::sqrt(std::abs(d));
+    d = root > 0 && std::isfinite(1 / root) ? 1 / root : 1;
+  }
+  SpMat S = D.asDiagonal() * W * D.asDiagonal();
+  S.makeCompressed();
+  return S;
+}
+
+/// The rows of each connected part of the graph of S; the rows of a contact are together.
+std::vector<Rows> parts(const SpMat& S, int d) {
+  const Index n = S.rows() / d;
+  std::vector<Index> parent(static_cast<std::size_t>(n));
+  std::iota(parent.begin(), parent.end(), Index{0});
+  const auto root = [&](Index a) {
+    while (parent[static_cast<std::size_t>(a)] != a) {
+      Index& up = parent[static_cast<std::size_t>(a)];
+      up = parent[static_cast<std::size_t>(up)];
+      a = up;
+    }
+    return a;
+  };
+  for (Index j = 0; j < S.cols(); ++j)
+    for (SpMat::InnerIterator it(S, j); it; ++it)
+      if (it.value() != 0) parent[static_cast<std::size_t>(root(it.row() / d))] = root(j / d);
+  std::vector<Rows> of_root(static_cast<std::size_t>(n));
+  for (Index i = 0; i < S.rows(); ++i) of_root[static_cast<std::size_t>(root(i / d))].push_back(i);
+  std::erase_if(of_root, [](const Rows& rows) { return rows.empty(); });
+  return of_root;
+}
+
+/// Of (S + S') / 2 in these rows and columns. `place` is workspace, -1 everywhere.
+Vec eigenvalues(const SpMat& S, const Rows& rows, std::vector<Index>& place) {
+  const auto size = static_cast<Index>(rows.size());
+  for (Index k = 0; k < size; ++k) place[static_cast<std::size_t>(rows[static_cast<std::size_t>(k)])] = k;
+  Eigen::MatrixXd A = Eigen::MatrixXd::Zero(size, size);
+  for (Index j = 0; j < size; ++j)
+    for (SpMat::InnerIterator it(S, rows[static_cast<std::size_t>(j)]); it; ++it) {
+      const Index i = place[static_cast<std::size_t>(it.row())];
+      A(std::max(i, j), std::min(i, j)) += (i == j ? 1 : 0.5) * it.value();
+    }
+  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(A, Eigen::EigenvaluesOnly).eigenvalues();
+}
+
+}  // namespace
+
+Facts facts(const Problem& problem, const FactsOptions& options) {
+  check(problem);
+  const SpMat S = unit_diagonal(problem.W);
+  Facts out;
+  const SpMat skew = S - SpMat(S.transpose());
+  for (Index j = 0; j < skew.cols(); ++j)
+    for (SpMat::InnerIterator it(skew, j); it; ++it) out.asymmetry = std::max(out.asymmetry, std::abs(it.value()));
+  const std::vector<Rows> all = parts(S, problem.dimension);
+  out.parts = static_cast<Index>(all.size());
+  for (const Rows& rows : all) out.largest_part = std::max(out.largest_part, static_cast<Index>(rows.size()));
+  out.known = out.largest_part <= options.dense_limit;
+  if (!out.known || all.empty()) return out;
+  std::vector<Index> place(static_cast<std::size_t>(S.rows()), -1);
+  std::vector<double> values;
+  for (const Rows& rows : all) {
+    const Vec of_part = eigenvalues(S, rows, place);
+    values.insert(values.end(), of_part.begin(), of_part.end());
+  }
+  const auto [least, largest] = std::minmax_element(values.begin(), values.end());
+  out.least = *least;
+  out.largest = *largest;
+  const double none = options.rank_tol * std::max(std::abs(*least), std::abs(*largest));
+  out.rank = std::count_if(values.begin(), values.end(), [&](double value) { return std::abs(value) > none; });
+  return out;
+}
+
+}  // namespace perp::contact

@@ -1,0 +1,92 @@
+#include "contact/model/problem.hpp"
+
+#include <cmath>
+#include <sstream>
+#include <stdexcept>
+
+#include "contact/model/checks.hpp"
+
+namespace perp::contact {
+namespace {
+
+template <class... Parts>
+[[noreturn]] void refuse(const Parts&... parts) {
+  std::ostringstream why;
+  why << "contact problem: ";
+  (why << ... << parts);
+  throw std::invalid_argument(why.str());
+}
+
+/// "contact 3, component T1 (entry 10)": where entry i of a vector over the contacts stands.
+std::string place(Index i, int dimension) {
+  static constexpr const char* components[] = {"N", "T1", "T2"};
+  std::ostringstream text;
+  text << "contact " << i / dimension << ", component " << components[i % dimension] << " (entry " << i << ")";
+  return text.str();
+}
+
+void check_size(const char* what, Index size, Index expected, const char* why) {
+  if (size != expected) refuse(what, " has ", size, " entries, not ", expected, ": ", why);
+}
+
+void check_shape(const char* what, const SpMat& A, Index rows, Index columns, const char* why) {
+  if (A.rows() != rows || A.cols() != columns)
+    refuse(what, " is ", A.rows(), " x ", A.cols(), ", not ", rows, " x ", columns, ": ", why);
+  if (!A.isCompressed()) refuse(what, " is not compressed");
+}
+
+void check_finite(const char* what, const SpMat& A) {
+  for (Index j = 0; j < A.outerSize(); ++j)
+    for (SpMat::InnerIterator it(A, j); it; ++it)
+      if (!std::isfinite(it.value())) refuse(what, "(", it.row(), ", ", j, ") is ", it.value());
+}
+
+void check_finite(const char* what, const Vec& v) {
+  for (Index i = 0; i < v.size(); ++i)
+    if (!std::isfinite(v[i])) refuse(what, "[", i, "] is ", v[i]);
+}
+
+}  // namespace
+
+void check(const Global& g, Index rows) {
+  const Index m = g.M.rows();
+  check_shape("M", g.M, m, m, "M is square");
+  check_shape("H", g.H, m, rows, "a row a velocity of the bodies, a column a velocity of the contacts");
+  check_shape("G", g.G, m, g.G.cols(), "a row a velocity of the bodies");
+  check_size("f", g.f.size(), m, "one a velocity of the bodies");
+  check_size("w", g.w.size(), rows, "one a velocity of the contacts");
+  check_size("b", g.b.size(), g.G.cols(), "one a bilateral constraint");
+  check_finite("M", g.M);
+  check_finite("H", g.H);
+  check_finite("G", g.G);
+  check_finite("f", g.f);
+  check_finite("w", g.w);
+  check_finite("b", g.b);
+}
+
+void check_friction(const Vec& mu) {
+  for (Index a = 0; a < mu.size(); ++a)
+    if (!(std::isfinite(mu[a]) && mu[a] >= 0))
+      refuse("the coefficient of friction of contact ", a, " is ", mu[a], "; it must be finite and not negative");
+}
+
+void check_dimension(int dimension) {
+  if (dimension != 2 && dimension != 3) refuse("the dimension is ", dimension, ", neither 2 nor 3");
+}
+
+void check(const Problem& p) {
+  check_dimension(p.dimension);
+  const Index n = p.dimension * p.contacts();
+  check_shape("W", p.W, n, n, "a row a velocity of the contacts, as many as dimension x coefficients of friction");
+  check_size("q", p.q.size(), n, "one a velocity of the contacts");
+  check_friction(p.mu);
+  for (Index i = 0; i < n; ++i)
+    if (!std::isfinite(p.q[i])) refuse("q is ", p.q[i], " at ", place(i, p.dimension));
+  for (Index j = 0; j < n; ++j)
+    for (SpMat::InnerIterator it(p.W, j); it; ++it)
+      if (!std::isfinite(it.value()))
+        refuse("W(", it.row(), ", ", j, ") is ", it.value(), ", in the column of ", place(j, p.dimension));
+  if (p.global) check(*p.global, n);
+}
+
+}  // namespace perp::contact

@@ -1,0 +1,78 @@
+#pragma once
+/// The judge of contact problems. It knows r and the problem and no formulation:
+///     u = W r + q,   uhat = u + mu |u_T| e_N,   e_rho(r) = r - P_K(r - rho uhat)   contact by contact,
+/// zero exactly at solutions, for every rho > 0 (natural map; Acary & Brogliato 2008, 13.3; INRIA RR-9118, 3).
+#include <string>
+#include <vector>
+
+#include "contact/model/problem.hpp"
+
+namespace perp::contact {
+
+enum class State { Open, Stick, Slip };
+
+struct ContactState {
+  State state = State::Open;
+  /// How far the contact is from another state, in the units of what decides: r_N of an open contact's neighbour is
+  /// u_N [m/s]; of a sticking one mu r_N - |r_T| [N s]; of a slipping one |u_T| [m/s].
+  double margin = 0;
+};
+
+/// Norms are Euclidean over all contacts where nothing else is said, as in the published metrics. The parts of the law
+/// stand twice: in units, and relative to what is compared at each contact. With w_a the mean of W's diagonal there,
+///     V_a = max(|q_a|, |(W r)_a|, min(t_a, Q_a)),   t_a = |(|q| + |W| |r|)_a|,
+///     R_a = max(|r_a|, V_a / w_a),                  Q_a the largest |q_b| of contacts b that W couples with a:
+/// the velocities that cancel in u_a, and the impulses that act or would stop V_a. Neither can be made large by an
+/// r in the kernel of W, nor depends on units.
+struct Residual {
+  double natural = 0;       ///< ||e_1|| [mixed units]
+  double siconos = 0;       ///< ||e_1|| / max(||q||, ||r||, ||u||), the largest not below 1e-300: Siconos 4.4's metric
+  double rr9118 = 0;        ///< ||e_1|| / ||q||: the metric of INRIA RR-9118
+  double scaled = 0;        ///< ||e_rho|| / max(||r||, rho ||u||, rho ||q||) with rho = 1 / mean(diag W): free of units
+  double cone = 0;          ///< max over contacts of (|r_T| - mu r_N)+ and (-r_N)+ [N s]
+  double normal = 0;        ///< max of |min(r_N, rho u_N)| [N s]: normal complementarity
+  double slip = 0;          ///< max of |u_T| mu r_N + r_T.u_T [J], 0 where friction opposes slip and is fully used
+  double cone_share = 0;    ///< max over contacts of dist(r, K) / R_a
+  double normal_share = 0;  ///< max of |min(r_N / R_a, u_N / V_a)|
+  /// max of |r_T / R_a - P(r_T / R_a - u_T / V_a)|, P onto the disc of radius mu r_N / R_a: no slip inside the cone,
+  /// and friction that opposes slip.
+  double slip_share = 0;
+  Index worst = -1;  ///< contact with the largest part of e_rho; -1 if there is no contact
+  /// The largest of what accepted() asks for.
+  double largest() const;
+};
+
+/// Whether r solves the problem to `tol`: both published metrics and, contact by contact, the shares of cone, normal
+/// and slip are at most tol. Nothing else calls a point a solution of Coulomb's law.
+bool accepted(const Residual& residual, double tol);
+
+/// u = W r + q, each entry to a few eps of itself: q is not lost beside a huge W r.
+Vec velocities(const Problem& problem, In r);
+
+/// Judges many points of one problem, which outlives it.
+class Judge {
+ public:
+  explicit Judge(const Problem& problem);
+  /// r has d n finite entries (else std::invalid_argument). O(entries of W).
+  Residual operator()(In r) const;
+
+ private:
+  const Problem& problem_;
+  double rho_ = 1;
+  std::vector<double> coupled_;   // Q_a
+  std::vector<double> diagonal_;  // w_a
+};
+/// One point.
+Residual residual(const Problem& problem, In r);
+
+/// Open: |r| at most `tol` times the largest |r|; Slip: |r_T| >= (1 - tol) mu r_N and |u_T| above tol times the largest
+/// |u| or |q| (where everything sticks u is nothing but the rounding of W r + q); else Stick.
+std::vector<ContactState> states(const Problem& problem, In r, double tol = 1e-6);
+
+/// P_K(y) for K = {|y_T| <= mu y_N}, y with 2 or 3 entries (N, T..), into `out`.
+void project_onto_cone(In y, double mu, lcp::Out out);
+
+/// "open", "stick", "slip".
+const char* name(State state);
+
+}  // namespace perp::contact

@@ -1,0 +1,20 @@
+#pragma once
+/// Units in which a contact problem has entries near one, whatever its own: velocities in q_s = |q|_inf, impulses in
+/// q_s / s with s = tr(W) / (d n), so that
+///     r = (q_s / s) r~,   u = q_s u~,   u~ = (W / s) r~ + q / q_s.
+/// Coulomb's law is the same in both. Where q or the trace is zero, 1 stands in its place.
+#include "contact/model/problem.hpp"
+
+namespace perp::contact {
+
+struct Units {
+  double velocity = 1;  ///< q_s [m/s]
+  double impulse = 1;   ///< q_s / s [N s]
+  double W = 1;         ///< s [1/kg]
+
+  /// Units in which nothing changes.
+  static Units none() { return {}; }
+  static Units of(const SpMat& W, In q);
+};
+
+}  // namespace perp::contact

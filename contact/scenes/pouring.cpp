@@ -1,0 +1,177 @@
+/// Spheres poured into a box.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <sstream>
+#include <stdexcept>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "contact/scenes/generators.hpp"
+#include "contact/scenes/random.hpp"
+
+namespace perp::contact {
+namespace {
+
+/// How far a ball goes, in radii, before its neighbours are looked up again; cells are as much larger than a contact.
+constexpr double stale = 0.2;
+/// A ball rests where it sinks by less than this part of a step down: on slopes of 0.6 degrees.
+constexpr double least_sinking = 1e-4;
+
+struct Ball {
+  Vec3 centre;
+  double radius;
+};
+
+/// The balls at rest, found by their places.
+class Pile {
+ public:
+  Pile(double largest, double width) : cell_((2 + stale) * largest), width_(width) {}
+
+  void add(const Ball& ball) {
+    cells_[key(ball.centre)].push_back(balls_.size());
+    balls_.push_back(ball);
+    top_ = std::max(top_, ball.centre[2] + ball.radius);
+  }
+  const std::vector<Ball>& balls() const { return balls_; }
+  double top() const { return top_; }
+
+  /// All that a ball at x, or stale radii from it, may touch, and some more.
+  void near(const Vec3& x, std::vector<std::size_t>& found) const {
+    found.clear();
+    const auto at = place(x);
+    for (int i = -1; i <= 1; ++i)
+      for (int j = -1; j <= 1; ++j)
+        for (int k = -1; k <= 1; ++k) {
+          const auto cell = cells_.find(hash({at[0] + i, at[1] + j, at[2] + k}));
+          if (cell != cells_.end()) found.insert(found.end(), cell->second.begin(), cell->second.end());
+        }
+  }
+
+  /// Pushes the ball out of the floor, the walls and the balls `close` by, sweep after sweep. False: it still overlaps
+  /// something.
+  bool push_out(Ball& ball, const std::vector<std::size_t>& close) const {
+    for (int sweep = 0; sweep < 60; ++sweep) {
+      double moved = 0;
+      for (const std::size_t i : close) {
+        const Vec3 apart = ball.centre - balls_[i].centre;
+        const double distance = apart.norm();
+        const double overlap = ball.radius + balls_[i].radius - distance;
+        if (overlap <= 0) continue;
+        ball.centre += overlap / distance * apart;
+        moved = std::max(moved, overlap);
+      }
+      const Vec3 inside(std::clamp(ball.centre[0], ball.radius, width_ - ball.radius),
+                        std::clamp(ball.centre[1], ball.radius, width_ - ball.radius),
+                        std::max(ball.centre[2], ball.radius));
+      moved = std::max(moved, (inside - ball.centre).norm());
+      ball.centre = inside;
+      if (moved <= 1e-9 * ball.radius) return true;
+    }
+    return false;
+  }
+
+ private:
+  using Place = std::array<long, 3>;
+  static long hash(const Place& p) { return (p[0] * 2097152 + p[1]) * 2097152 + p[2]; }
+  Place place(const Vec3& x) const {
+    return {std::lround(std::floor(x[0] / cell_)), std::lround(std::floor(x[1] / cell_)),
+            std::lround(std::floor(x[2] / cell_))};
+  }
+  long key(const Vec3& x) const { return hash(place(x)); }
+
+  double cell_;
+  double width_;
+  double top_ = 0;
+  std::vector<Ball> balls_;
+  std::unordered_map<long, std::vector<std::size_t>> cells_;
+};
+
+/// Small steps down, each followed by pushing out of what is in the way: the ball falls, and rolls along what it meets.
+/// Steps are halved when it does not sink any more.
+void settle(const Pile& pile, Ball& ball) {
+  std::vector<std::size_t> close;
+  Vec3 looked_at = ball.centre;
+  pile.near(ball.centre, close);
+  double step = 0.2 * ball.radius;
+  for (int k = 0; k < 20000 && step > 1e-7 * ball.radius; ++k) {
+    if ((ball.centre - looked_at).norm() > stale * ball.radius) {
+      pile.near(ball.centre, close);
+      looked_at = ball.centre;
+    }
+    Ball next = ball;
+    next.centre[2] -= step;
+    const bool fits = pile.push_out(next, close);
+    if (!fits || ball.centre[2] - next.centre[2] < least_sinking * step)
+      step /= 2;
+    else
+      ball = next;
+  }
+}
+
+}  // namespace
+
+Scene make_scene(const Spheres& o) {
+  const auto require = [](bool condition, const char* what, double value) {
+    if (condition) return;
+    std::ostringstream why;
+    why << "spheres: " << what << " is " << value;
+    throw std::invalid_argument(why.str());
+  };
+  require(o.spheres >= 1, "the number of spheres", o.spheres);
+  require(o.radius > 0 && std::isfinite(o.radius), "the radius", o.radius);
+  require(o.width == 0 || o.width >= 2 * o.radius, "the width of the box", o.width);
+  require(o.density > 0 && std::isfinite(o.density), "the density", o.density);
+  require(o.mu >= 0 && std::isfinite(o.mu), "mu", o.mu);
+  const double width = o.width > 0 ? o.width : 2 * o.radius * std::max(1.5, 0.95 * std::cbrt(o.spheres));
+
+  Scene scene{.name = "spheres-" + std::to_string(o.spheres)};
+  Random random(o.seed);
+  Pile pile(o.radius, width);
+  for (int k = 0; k < o.spheres; ++k) {
+    const double radius = o.radius * random.uniform(0.8, 1);
+    const double x = random.uniform(radius, width - radius);
+    const double y = random.uniform(radius, width - radius);
+    Ball ball{Vec3(x, y, pile.top() + radius), radius};
+    settle(pile, ball);
+    pile.add(ball);
+    const double mass = o.density * 4 / 3 * std::numbers::pi * std::pow(radius, 3);
+    scene.bodies.add({.mass = mass, .inertia = RigidBodies::sphere_inertia(mass, radius), .centre = ball.centre});
+  }
+
+  const double gap = 1e-4 * o.radius;  // what counts as touching
+  std::vector<std::size_t> close;
+  for (std::size_t a = 0; a < pile.balls().size(); ++a) {
+    const Ball& ball = pile.balls()[a];
+    const auto index = static_cast<Index>(a);
+    const auto wall = [&](double distance, const Vec3& inward) {
+      if (distance <= ball.radius + gap)
+        scene.bodies.touch(
+            {.a = index, .b = ground, .point = ball.centre - distance * inward, .normal = inward, .mu = o.mu});
+    };
+    wall(ball.centre[2], Vec3::UnitZ());
+    wall(ball.centre[0], Vec3::UnitX());
+    wall(width - ball.centre[0], -Vec3::UnitX());
+    wall(ball.centre[1], Vec3::UnitY());
+    wall(width - ball.centre[1], -Vec3::UnitY());
+    pile.near(ball.centre, close);
+    std::sort(close.begin(), close.end());
+    for (const std::size_t b : close) {
+      if (b >= a) break;
+      const Ball& other = pile.balls()[b];
+      const Vec3 apart = ball.centre - other.centre;
+      if (apart.norm() > ball.radius + other.radius + gap) continue;
+      const Vec3 normal = apart.normalized();
+      scene.bodies.touch({.a = index,
+                          .b = static_cast<Index>(b),
+                          .point = other.centre + other.radius * normal,
+                          .normal = normal,
+                          .mu = o.mu});
+    }
+  }
+  return scene;
+}
+
+}  // namespace perp::contact

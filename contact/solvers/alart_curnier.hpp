@@ -1,0 +1,44 @@
+#pragma once
+/// Newton's method on the equation of Alart & Curnier, in the coordinates of contact/model/scaling.hpp (mu = 1):
+///     r_N = max(0, r_N - rho_N u_N),   r_T = P_disk(r_N+)(r_T - rho_T u_T),   u = W r + q + alpha (r - centre),
+/// contact by contact, rho_N = 1 / W_NN, rho_T = 1 / mean(W_TT), an element of the generalised Jacobian each step and
+/// no line search (Alart & Curnier, Comput. Methods Appl. Mech. Eng. 92 (1991) 353, with the radius r_N+ of Jean &
+/// Moreau). alpha > 0 makes it the proximal problem of `centre`: regular where W is not.
+///
+/// Fast near a solution and without a guarantee elsewhere: the last digits of a homotopy.
+#include <memory>
+
+#include "contact/model/scaling.hpp"
+#include "lcp/lu/sparse_lu.hpp"
+
+namespace perp::contact {
+
+/// The rows of one contact of 1, 2 or 3 entries at (r, u): A dr + B du = c for the step to the equation's zero.
+struct AlartCurnierRows {
+  Eigen::Matrix3d A = Eigen::Matrix3d::Zero();
+  Eigen::Matrix3d B = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d c = Eigen::Vector3d::Zero();
+};
+AlartCurnierRows alart_curnier_rows(int size, const Eigen::Vector3d& r, const Eigen::Vector3d& u, double rho_N,
+                                    double rho_T);
+
+class AlartCurnier {
+ public:
+  /// `lu`: whose factors are overwritten each step; may serve others with the pattern of W, whose symbolic analysis it
+  /// then shares.
+  explicit AlartCurnier(const Scaled& problem, std::shared_ptr<lcp::SparseLu> lu = std::make_shared<lcp::SparseLu>());
+
+  /// r + dr, the full Newton step from r; false if the matrix is singular or dr not finite.
+  bool step(In r, In centre, double alpha, Vec& to);
+
+  int factorizations() const { return factorizations_; }
+
+ private:
+  const Scaled& problem_;
+  Vec rho_N_, rho_T_;
+  SpMat K_;
+  std::shared_ptr<lcp::SparseLu> lu_;
+  int factorizations_ = 0;
+};
+
+}  // namespace perp::contact

@@ -1,0 +1,334 @@
+/// Auto, and GlockerHomotopy as a part of it: sweeps, attempts of the homotopy, Newton steps, the proximal loop.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+#include <optional>
+
+#include "contact/solvers/alart_curnier.hpp"
+#include "contact/solvers/gauss_seidel.hpp"
+#include "contact/solvers/referee.hpp"
+
+namespace perp::contact {
+namespace {
+
+/// KLU up to so many rows of W and entries in each, UMFPACK beyond: factors of large piles are dense, KLU's loops are
+/// for sparse ones.
+constexpr Index klu_rows = 2000;
+constexpr Index klu_entries = 60;
+/// Sweeps are judged so many at a time, and ended unless r changes less by this factor than in the lot before.
+constexpr int sweeps_a_lot = 4;
+constexpr double sweeps_contract = 0.5;
+/// But so many are made where they have come so near (both metrics): the contacts' states settle first.
+constexpr int sweeps_settle = 24;
+constexpr double sweeps_near = 1e-2;
+/// Of W + alpha I, r the centre, where the Newton steps of one polish are taken: nothing where W is regular, then more.
+constexpr std::array polish_alphas{1e-10, 1e-4, 1e-7};
+constexpr int polish_steps = 12;
+/// A polish that does not halve the residual this many times in a row is given up.
+constexpr int polish_failures = 2;
+/// The next polish is tried when the homotopy has come so much closer.
+constexpr double polish_again = 0.1;
+/// Steps this short in a row end an attempt.
+constexpr double short_step = 0.1;
+constexpr int short_steps = 5;
+
+/// Damped Newton steps from the best point of an attempt: alpha of the first, third, .. and of the other attempts; at
+/// most so many steps, and so many in a row without a natural map below `search_decrease` times the least; of the step
+/// lengths 1, 1/2, .. the first that brings it below that part of the last, else the best.
+constexpr std::array search_alphas{1e-5, 1e-4};
+constexpr int search_steps = 100;
+constexpr int search_patience = 40;
+constexpr int search_halvings = 7;
+constexpr double search_decrease = 0.9;
+
+/// The proximal loop.
+constexpr double first_alpha = 1;
+constexpr double least_alpha = 1e-5;
+constexpr double alpha_shrink = 0.7;
+constexpr double alpha_growth = 4;
+/// After a subproblem that was not solved alpha stays above twice its own; that bound falls so fast.
+constexpr double bound_relaxation = 0.9;
+/// Moves without half of the residual after which the loop is given up.
+constexpr int patience = 3000;
+constexpr int inner_newton = 10;
+/// Where Newton's method fails from the last solution, alpha is raised; from here on the homotopy solves the
+/// subproblem.
+constexpr double homotopy_from = 0.3;
+constexpr double largest_alpha = 100;
+constexpr int inner_homotopy = 60;
+constexpr double inner_to_boundary = 0.99;   // these problems are regular
+constexpr double inner_tol = 1e-11;          // of the subproblem's natural map, absolute, in scaled units,
+constexpr double inner_share = 0.1;          // or this part of alpha |r - centre|
+constexpr double inner_accept = 1e-7;        // what the homotopy must come to
+constexpr double parallel = 0.95;            // cosine of successive increments that are extrapolated
+constexpr double longest_extrapolation = 5;  // increments
+
+class Solver {
+ public:
+  Solver(Referee& referee, const Scaled& problem, const Auto& method)
+      : referee_(referee), problem_(problem), method_(method), options_(method.homotopy.options) {
+    if (options_.lu == lcp::LuBackend::Auto)
+      options_.lu = problem.size() <= klu_rows && problem.W.nonZeros() <= klu_entries * problem.size()
+                        ? lcp::LuBackend::Klu
+                        : lcp::LuBackend::Umfpack;
+    lu_ = std::make_shared<lcp::SparseLu>(options_.lu, referee.deadline());
+    newton_.emplace(problem, lu_);
+  }
+  ~Solver() { referee_.stats().factorizations += newton_->factorizations(); }
+  Solver(const Solver&) = delete;
+  Solver& operator=(const Solver&) = delete;
+
+  void run(const Vec& start) {
+    if (start.size() > 0 ? warm(start) : sweep()) return;
+    if (attempt(options_)) return;
+    if ((method_.homotopy.other_settings || method_.proximal) && referee_.no_solution()) return;
+    if (method_.homotopy.other_settings && with_other_settings()) return;
+    if (method_.proximal) proximal_loop();
+  }
+
+ private:
+  /// Each of these answers whether the run is over.
+  bool warm(const Vec& start);
+  bool sweep();
+  bool attempt(const HomotopyOptions& options, const Vec* from = nullptr, double tau = 1);
+  bool polish(Vec r, double alpha);
+  bool search(Vec r, double alpha);
+  bool with_other_settings();
+  bool proximal_loop();
+
+  bool newton_on(In centre, double alpha, Vec& r);
+  bool homotopy_on(In centre, double alpha, Vec& r);
+  Scaled proximal_problem(In centre, double alpha) const;
+
+  Referee& referee_;
+  const Scaled& problem_;
+  const Auto& method_;
+  HomotopyOptions options_;
+  std::shared_ptr<lcp::SparseLu> lu_;  // all have the pattern of W: one analysis, and one set of factors in memory
+  std::optional<AlartCurnier> newton_;
+};
+
+/// Newton steps from the last solution, then the homotopy from near it.
+bool Solver::warm(const Vec& start) {
+  if (referee_.judge(start, {.by = Origin::WarmStart})) return true;
+  if (method_.polish && polish(start, polish_alphas.front())) return true;
+  const double far = natural_map(problem_, start);
+  return attempt(options_, &start, std::clamp(far * far, 1e-6, 1.0));
+}
+
+/// Sweeps while they contract.
+bool Solver::sweep() {
+  const GaussSeidel method(problem_);
+  Vec r = Vec::Zero(problem_.size());
+  Vec u = problem_.q;
+  double before = lcp::infinity;  // change of r in the last lot
+  for (int k = 0; k < method_.sweeps; k += sweeps_a_lot) {
+    const Vec last = r;
+    for (int i = 0; i < sweeps_a_lot; ++i) method.sweep(r, u);
+    referee_.stats().sweeps += sweeps_a_lot;
+    if (referee_.judge(r, {.by = Origin::Sweeps})) return true;
+    const double change = (r - last).norm();
+    const bool settling = k < sweeps_settle && referee_.last() <= sweeps_near;
+    if (!settling && !(change <= sweeps_contract * before)) return false;
+    before = change;
+  }
+  return false;
+}
+
+bool Solver::attempt(const HomotopyOptions& options, const Vec* from, double tau) {
+  ++referee_.stats().attempts;
+  Homotopy homotopy(problem_, options, lu_);
+  if (from != nullptr) homotopy.start(*from, tau);
+  double polish_at = method_.polish_at;
+  std::size_t polished = 0;
+  Vec best = homotopy.r();
+  double least = lcp::infinity;
+  int in_a_row = 0;
+  bool over = false;
+  for (int k = 0; k < method_.homotopy.max_iterations && in_a_row < short_steps && !over; ++k) {
+    const bool going = homotopy.step();
+    ++referee_.stats().iterations;
+    const HomotopyIteration& last = homotopy.last();
+    over = referee_.judge(homotopy.r(), {.by = Origin::Homotopy, .tau = last.tau, .step = last.step});
+    if (over || !going) break;
+    in_a_row = last.step < short_step ? in_a_row + 1 : 0;
+    if (!method_.polish) continue;
+    // In the scaled problem's own measure: what decides here must not depend on the problem's units.
+    const double map = natural_map(problem_, homotopy.r());
+    if (map < least) {
+      least = map;
+      best = homotopy.r();
+    }
+    const double largest = std::max(homotopy.r().lpNorm<Eigen::Infinity>(), homotopy.u().lpNorm<Eigen::Infinity>());
+    if (const double near = map / std::max(largest, 1e-300); near <= polish_at) {
+      polish_at = polish_again * near;
+      over = polish(homotopy.r(), polish_alphas[polished++ % polish_alphas.size()]);
+    }
+  }
+  referee_.stats().factorizations += homotopy.factorizations();
+  if (over || !method_.polish) return over;
+  const auto number = static_cast<std::size_t>(referee_.stats().attempts - 1);
+  return search(std::move(best), search_alphas[number % search_alphas.size()]);
+}
+
+/// Newton steps on the equation of Alart & Curnier with the proximal term of the iterate itself.
+bool Solver::polish(Vec r, double alpha) {
+  double last = natural_map(problem_, r);
+  int failures = 0;
+  for (int k = 0; k < polish_steps && failures < polish_failures; ++k) {
+    Vec to;
+    if (!newton_->step(r, r, alpha, to)) return false;
+    r = std::move(to);
+    ++referee_.stats().newton_steps;
+    if (referee_.judge(r, {.by = Origin::Newton, .alpha = alpha})) return true;
+    const double now = natural_map(problem_, r);
+    if (!(now <= 1e3 * last)) return false;
+    failures = now <= 0.5 * last ? 0 : failures + 1;
+    last = std::min(last, now);
+  }
+  return false;
+}
+
+/// Damped Newton steps on the same equation: where the path turns back, a solution is often not far from it.
+bool Solver::search(Vec r, double alpha) {
+  double last = natural_map(problem_, r);
+  double lowest = last;
+  for (int k = 0, since = 0; k < search_steps && since < search_patience; ++k) {
+    Vec to;
+    if (!newton_->step(r, r, alpha, to)) return false;
+    ++referee_.stats().newton_steps;
+    Vec d = to - r;
+    double least = lcp::infinity;
+    for (int i = 0; i <= search_halvings && !(least <= search_decrease * last); ++i, d *= 0.5) {
+      const double now = natural_map(problem_, r + d);
+      if (now < least) {
+        least = now;
+        to = r + d;
+      }
+    }
+    if (!std::isfinite(least)) return false;
+    r = std::move(to);
+    last = least;
+    if (referee_.judge(r, {.by = Origin::DampedNewton, .alpha = alpha})) return true;
+    ++since;
+    if (last <= search_decrease * lowest) {
+      lowest = last;
+      since = 0;
+    }
+  }
+  return false;
+}
+
+/// From the best point with products like its residual; from the start with shorter steps, which are blocked less often
+/// (0.7 is what poured spheres like best), with more centring, with a stronger gauge.
+bool Solver::with_other_settings() {
+  HomotopyOptions careful = options_;
+  careful.least_centring = std::max(0.1, careful.least_centring);
+  const Vec best = referee_.best_point();
+  const double far = natural_map(problem_, best);
+  if (attempt(careful, &best, std::clamp(far * far, 1e-8, 1.0))) return true;
+  HomotopyOptions shorter = options_;
+  shorter.to_boundary = std::min(0.7, shorter.to_boundary);
+  if (attempt(shorter) || attempt(careful)) return true;
+  HomotopyOptions gauged = options_;
+  gauged.eps_share = 1;
+  return attempt(gauged);
+}
+
+Scaled Solver::proximal_problem(In centre, double alpha) const {
+  Scaled proximal = problem_;
+  for (Index i = 0; i < proximal.size(); ++i) proximal.W.coeffRef(i, i) += alpha;
+  proximal.q -= alpha * centre;
+  return proximal;
+}
+
+/// Newton's method on the proximal problem of `centre`, from r.
+bool Solver::newton_on(In centre, double alpha, Vec& r) {
+  Vec x = r;
+  double least = lcp::infinity;
+  for (int k = 0; k <= inner_newton; ++k) {
+    const double far = natural_map(problem_, x, centre, alpha);
+    if (far < inner_tol || (k > 0 && far < std::min(1e-6, inner_share * alpha * (x - centre).norm()))) {
+      r = x;
+      return true;
+    }
+    if (!(far <= 1e3 * least) || k == inner_newton) return false;
+    least = std::min(least, far);
+    Vec to;
+    ++referee_.stats().newton_steps;
+    if (!newton_->step(x, centre, alpha, to)) return false;
+    x = std::move(to);
+  }
+  return false;
+}
+
+bool Solver::homotopy_on(In centre, double alpha, Vec& r) {
+  const Scaled proximal = proximal_problem(centre, alpha);
+  HomotopyOptions careful = options_;
+  careful.least_centring = std::max(0.1, careful.least_centring);
+  careful.to_boundary = inner_to_boundary;
+  Homotopy homotopy(proximal, careful, lu_);
+  double least = lcp::infinity;
+  for (int k = 0; k < inner_homotopy && least > 1e-9 && !referee_.over(); ++k) {
+    const bool going = homotopy.step();
+    ++referee_.stats().iterations;
+    if (const double far = natural_map(proximal, homotopy.r()); far < least) {
+      least = far;
+      r = homotopy.r();
+    }
+    if (!going || (k > 15 && homotopy.last().step < 0.02)) break;
+  }
+  referee_.stats().factorizations += homotopy.factorizations();
+  return least <= inner_accept;
+}
+
+bool Solver::proximal_loop() {
+  ++referee_.stats().attempts;
+  Vec centre = Vec::Zero(problem_.size());
+  Vec reached = centre;  // the last subproblem's solution
+  Vec r = centre;
+  std::optional<Vec> increment;
+  double alpha = first_alpha;
+  double bound = 0;
+  double milestone = lcp::infinity;
+  int since = 0;  // moves since the best point was half as good
+  while (!referee_.over() && since < patience) {
+    if (!newton_on(centre, alpha, r) && (alpha < homotopy_from || !homotopy_on(centre, alpha, r))) {
+      if (alpha >= largest_alpha) return referee_.over();
+      bound = 2 * alpha;
+      alpha *= alpha_growth;
+      centre = r = reached;
+      increment.reset();
+      continue;
+    }
+    ++referee_.stats().proximal_steps;
+    if (referee_.judge(r, {.by = Origin::Proximal, .alpha = alpha})) return true;
+    ++since;
+    if (referee_.best() <= 0.5 * milestone) {
+      milestone = referee_.best();
+      since = 0;
+    }
+    const Vec moved = r - centre;
+    centre = reached = r;
+    if (increment && moved.dot(*increment) > parallel * moved.norm() * increment->norm()) {
+      // Along a line: to the limit of the geometric series, or far.
+      const double ratio = moved.norm() / increment->norm();
+      centre += std::min(longest_extrapolation, ratio < 1 ? ratio / (1 - ratio) : longest_extrapolation) * moved;
+      increment.reset();
+    } else {
+      increment = moved;
+    }
+    bound *= bound_relaxation;
+    alpha = std::max({least_alpha, alpha_shrink * alpha, bound});
+  }
+  return referee_.over();
+}
+
+}  // namespace
+
+void run_auto(Referee& referee, const Scaled& problem, const Auto& method, const Vec& start) {
+  Solver(referee, problem, method).run(start);
+}
+
+}  // namespace perp::contact

@@ -1,0 +1,59 @@
+#pragma once
+/// What every solver of contact/solvers/solve.hpp shares: the judge, the best point, limits, records. Private to
+/// contact/.
+#include <chrono>
+#include <functional>
+#include <string>
+
+#include "contact/model/scaling.hpp"
+#include "contact/solvers/solve.hpp"
+
+namespace perp::contact {
+
+class Referee {
+ public:
+  Referee(const Problem& problem, const Scaled& scaled, const Options& options);
+
+  /// Judges r~; true if it is the end: solved, or a limit.
+  bool judge(In r, Record record);
+  /// Whether the run is over.
+  bool over();
+  /// The larger metric of the point judged last, and of the best one.
+  double last() const { return last_; }
+  double best() const { return best_metric_; }
+  const Vec& best_point() const { return best_; }  ///< r~
+  Stats& stats() { return result_.stats; }
+  double seconds_left() const;
+  const std::atomic<bool>* interrupt() const { return options_.interrupt; }
+  /// Asks for a proof that there is no solution; true if that ends the run. For solvers that are about to do long work.
+  bool no_solution();
+  /// Runs a part of a method, which may throw: where a factorization would end after the time limit, or memory is
+  /// short, the run is over with that and keeps its best point.
+  void guard(const std::function<void()>& part);
+  /// When the time is over.
+  lcp::Deadline deadline() const;
+  Result result(const std::string& message);
+
+ private:
+  void take(In r, const Vec& impulses, const Residual& residual, Origin by);
+
+  const Problem& problem_;
+  Judge judge_;
+  const Scaled& scaled_;
+  const Options& options_;
+  std::string stopped_by_;  // what a part threw
+  std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
+  Result result_;
+  Vec best_;
+  double best_metric_ = lcp::infinity;
+  double last_ = lcp::infinity;
+  bool searched_ = false;  // for a certificate, to the end
+
+  SearchLimits search_limits() const;
+  void ask_existence();
+};
+
+void run_auto(Referee& referee, const Scaled& problem, const Auto& method, const Vec& start);
+void run_ncp(Referee& referee, const Scaled& problem, const GlockerNcp& method, const Vec& start);
+
+}  // namespace perp::contact

@@ -1,0 +1,55 @@
+#pragma once
+/// Any law of friction by any method:
+///     const Run run = contact::run(problem, contact::variant_of("glocker+path"));
+/// Only contact::accepted calls a point a solution of Coulomb's law; faceted and frictionless laws are judged by the
+/// natural residual of their own affine problem first, in the units of contact/model/units.hpp, and the exact law's
+/// residual stands beside it.
+#include <atomic>
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "contact/existence/existence.hpp"
+#include "contact/model/problem.hpp"
+#include "contact/model/residual.hpp"
+#include "contact/solvers/solve.hpp"
+#include "contact/solvers/variant.hpp"
+
+namespace perp::contact {
+
+struct RunLimits {
+  double tol = 1e-8;
+  double seconds = 30;
+  const std::atomic<bool>* interrupt = nullptr;  ///< may be null; outlives the run
+  /// Called with every r that is better by Coulomb's law than those before, by formulations whose method tells of its
+  /// iterates; on the thread that solves.
+  std::function<void(const Vec& r)> better{};
+};
+
+struct Run {
+  std::string status{};  ///< "Solved", "NoProgress", "TimeLimit", ...
+  std::string message{};
+  Verdict verdict{};        ///< what is known of solutions of the variant's law, where none was found
+  bool solved = false;      ///< exact(): the exact law, else the variant's own problem
+  std::string solved_by{};  ///< the step that made the accepted point (contact::Origin), or the method; "" if unsolved
+  Solution solution{};      ///< the accepted point, or the best one met
+  Residual residual{};      ///< of Coulomb's law
+  double own = 0;           ///< of laws that are not exact: natural residual of the affine problem
+  Index unknowns = 0;       ///< of it, or of the NCP; 0 of auto and homotopy, which have none but r
+  std::vector<ContactState> states{};
+  std::vector<std::pair<std::string, long>> counts{};  ///< iterations first, then what else was counted
+  double seconds = 0;
+  std::vector<Record> history{};
+
+  long steps() const;  ///< iterations, sweeps and Newton steps
+  Index in_state(State state) const;
+};
+
+/// Throws std::invalid_argument for what is no problem (contact::check), or a solver that is none of the law's.
+Run run(const Problem& problem, const Variant& variant, const RunLimits& limits = {});
+
+/// Fills in residual and states of run.solution.r: what the exact law's judge says, whoever made it.
+void judge(Run& run, const Problem& problem, const Variant& variant);
+
+}  // namespace perp::contact

@@ -1,0 +1,248 @@
+#include "contact/solvers/solve.hpp"
+
+#include <algorithm>
+#include <sstream>
+#include <stdexcept>
+#include <utility>
+
+#include "contact/solvers/referee.hpp"
+#include "lcp/judge/result.hpp"
+
+namespace perp::contact {
+namespace {
+
+bool scales(const Auto& m) { return m.homotopy.scaling; }
+bool scales(const GlockerHomotopy& m) { return m.scaling; }
+bool scales(const GlockerNcp& m) { return m.scaling; }
+
+void run(Referee& referee, const Scaled& problem, const Auto& method, const Vec& start) {
+  run_auto(referee, problem, method, start);
+}
+void run(Referee& referee, const Scaled& problem, const GlockerHomotopy& method, const Vec& start) {
+  run_auto(referee, problem, {.homotopy = method, .sweeps = 0, .polish = false, .proximal = false}, start);
+}
+void run(Referee& referee, const Scaled& problem, const GlockerNcp& method, const Vec& start) {
+  run_ncp(referee, problem, method, start);
+}
+
+double larger_metric(const Residual& residual) { return std::max(residual.siconos, residual.rr9118); }
+
+/// Of a search for a certificate or a witness.
+constexpr std::chrono::duration<double> least_search{0.1};
+
+}  // namespace
+
+void describe(GlockerHomotopy& m, ncp::Fields& f) {
+  HomotopyOptions& o = m.options;
+  f.add("max_iterations", &m.max_iterations, ncp::at_least(1), "iterations of one attempt");
+  f.add("other_settings", &m.other_settings, "attempts with other settings where the first stalls");
+  f.add("scaling", &m.scaling, "in the units of the contacts");
+  f.add("delta_share", &o.delta_share, ncp::strictly_between(0, 10), "delta = delta_share tau");
+  f.add("eps_share", &o.eps_share, {.low = 0, .high = 10, .open_high = true}, "eps = eps_share tau");
+  f.add("least_centring", &o.least_centring, ncp::strictly_between(0, 1), "sigma at least");
+  f.add("to_boundary", &o.to_boundary, ncp::strictly_between(0, 1), "share of the way to the boundary");
+  f.add("neighbourhood", &o.neighbourhood, ncp::strictly_between(0, 1), "least product over the mean");
+  ncp::describe_lu(o.lu, f);
+}
+
+void describe(Auto& m, ncp::Fields& f) {
+  f.add("sweeps", &m.sweeps, ncp::at_least(0), "of Gauss-Seidel, before anything else");
+  f.add("polish", &m.polish, "Newton steps on Alart & Curnier's equation");
+  f.add("polish_at", &m.polish_at, ncp::above(0), "relative natural residual at which they are tried first");
+  f.add("proximal", &m.proximal, "a proximal loop after all attempts");
+  describe(m.homotopy, f);
+}
+
+void describe(GlockerNcp& m, ncp::Fields& f) {
+  describe(m.formulation, f);
+  f.add("stages", &m.stages, ncp::at_least(1), "in which delta is continued from 0.1");
+  f.add("scaling", &m.scaling, "in the units of the contacts");
+}
+
+std::string_view to_string(Status status) {
+  switch (status) {
+    case Status::Solved:
+      return "Solved";
+    case Status::NoProgress:
+      return "NoProgress";
+    case Status::TimeLimit:
+      return "TimeLimit";
+    case Status::Interrupted:
+      return "Interrupted";
+    case Status::Infeasible:
+      return "Infeasible";
+    case Status::OutOfMemory:
+      return "OutOfMemory";
+  }
+  return "?";
+}
+
+std::string_view to_string(Origin origin) {
+  switch (origin) {
+    case Origin::Zero:
+      return "zero";
+    case Origin::WarmStart:
+      return "warm-start";
+    case Origin::Sweeps:
+      return "sweeps";
+    case Origin::Homotopy:
+      return "homotopy";
+    case Origin::Newton:
+      return "newton";
+    case Origin::DampedNewton:
+      return "damped-newton";
+    case Origin::Proximal:
+      return "proximal";
+    case Origin::Ncp:
+      return "ncp";
+  }
+  return "?";
+}
+
+std::optional<std::string> invalid(const Options& given) {
+  Options options = given;
+  ncp::Fields fields;
+  fields.add("tol", &options.tol, ncp::above(0), "of accepted()");
+  fields.add("max_time", &options.max_time, ncp::at_least(0), "seconds");
+  std::visit([&](auto& method) { describe(method, fields); }, options.method);
+  if (auto why = fields.invalid()) return why;
+  const auto* ncp = std::get_if<GlockerNcp>(&options.method);
+  return ncp == nullptr ? std::nullopt : ncp::invalid(ncp->method);
+}
+
+Referee::Referee(const Problem& problem, const Scaled& scaled, const Options& options)
+    : problem_(problem), judge_(problem), scaled_(scaled), options_(options) {
+  const Vec zero = Vec::Zero(scaled.whole);
+  take(Vec::Zero(scaled.size()), zero, judge_(zero), Origin::Zero);
+}
+
+/// An accepted point is the end; else the best one is that of the least metrics, which say how near all of it is.
+bool Referee::judge(In r, Record record) {
+  last_ = lcp::infinity;
+  // Impulses that overflow are no solution, and no error of whoever asked.
+  if (const Vec impulses = scaled_.expand(r); impulses.allFinite()) {
+    const Residual now = judge_(impulses);
+    record.k = static_cast<int>(result_.history.size());
+    record.siconos = now.siconos;
+    record.rr9118 = now.rr9118;
+    result_.history.push_back(record);
+    take(r, impulses, now, record.by);
+  }
+  return over();
+}
+
+void Referee::take(In r, const Vec& impulses, const Residual& residual, Origin by) {
+  last_ = larger_metric(residual);
+  const bool solved = accepted(residual, options_.tol);
+  if (result_.solved() || !(solved || last_ < best_metric_ || best_.size() != r.size())) return;
+  Vec best = r;  // what may throw comes first: the point and what is said of it change together
+  Vec solution = impulses;
+  if (solved) result_.status = Status::Solved;
+  best_metric_ = last_;
+  best_ = std::move(best);
+  result_.solution.r = std::move(solution);
+  result_.residual = residual;
+  result_.by = by;
+  if (options_.better) options_.better(result_.solution.r, by);
+}
+
+bool Referee::over() {
+  if (result_.status == Status::NoProgress) {
+    if (options_.interrupt != nullptr && *options_.interrupt)
+      result_.status = Status::Interrupted;
+    else if (seconds_left() <= 0)
+      result_.status = Status::TimeLimit;
+  }
+  return result_.status != Status::NoProgress;
+}
+
+double Referee::seconds_left() const {
+  return std::chrono::duration<double>(options_.max_time - (std::chrono::steady_clock::now() - begin_)).count();
+}
+
+/// As long as the run has taken, of the time that is left, and a tenth of a second at least.
+SearchLimits Referee::search_limits() const {
+  const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - begin_;
+  return {.max_time = std::max(least_search, std::min(spent, options_.max_time - spent)),
+          .interrupt = options_.interrupt};
+}
+
+bool Referee::no_solution() {
+  if (searched_ || result_.status == Status::Solved || result_.status == Status::Interrupted) return over();
+  const auto begin = std::chrono::steady_clock::now();
+  const SearchLimits limits = search_limits();
+  std::optional<Infeasible> proof = find_infeasibility(problem_, limits);
+  searched_ = proof || std::chrono::steady_clock::now() - begin < limits.max_time;
+  if (proof) {
+    result_.status = Status::Infeasible;
+    result_.verdict = verdict_of(problem_, std::move(*proof));
+  }
+  return over();
+}
+
+/// What is known where no solution was found.
+void Referee::ask_existence() {
+  if (result_.status == Status::NoProgress || result_.status == Status::TimeLimit) no_solution();
+  if (result_.status == Status::NoProgress || result_.status == Status::TimeLimit)
+    result_.verdict = verdict_without_certificate(problem_, search_limits());
+}
+
+void Referee::guard(const std::function<void()>& part) {
+  lcp::within_limits(part, [this](lcp::Status status, const std::string& why) {
+    if (result_.status != Status::NoProgress) return;
+    stopped_by_ = why;
+    result_.status = status == lcp::Status::TimeLimit ? Status::TimeLimit : Status::OutOfMemory;
+  });
+}
+
+lcp::Deadline Referee::deadline() const { return lcp::deadline_after(options_.max_time, begin_); }
+
+Result Referee::result(const std::string& message) {
+  guard([this] { ask_existence(); });
+  result_.solution.u = velocities(problem_, result_.solution.r);
+  std::ostringstream text;
+  if (result_.status == Status::Solved)
+    text << "solved: ";
+  else if (!stopped_by_.empty())
+    text << (result_.status == Status::TimeLimit ? "stopped before the time limit: " : "out of memory: ") << stopped_by_
+         << "; ";
+  else if (result_.status == Status::TimeLimit)
+    text << "the time limit of " << options_.max_time.count() << " s was reached: ";
+  else if (result_.status == Status::Interrupted)
+    text << "interrupted: ";
+  else if (result_.status == Status::Infeasible)
+    text << result_.verdict.message << "; at the best point ";
+  else
+    text << message << ": ";
+  text.precision(3);
+  const Residual& e = result_.residual;
+  text << "the natural map is " << e.siconos << " (largest of |q|, |r|, |u|) and " << e.rr9118 << " (|q|), relative";
+  if (result_.status != Status::Solved && larger_metric(e) <= options_.tol)
+    text << "; contact by contact cone, normal and slip hold to " << e.cone_share << ", " << e.normal_share << " and "
+         << e.slip_share << ", relative";
+  if (result_.status != Status::Solved && e.worst >= 0) text << "; worst at contact " << e.worst + 1;
+  if ((result_.status == Status::NoProgress || result_.status == Status::TimeLimit) && !result_.verdict.message.empty())
+    text << "; " << result_.verdict.message;
+  result_.message = text.str();
+  result_.stats.time = std::chrono::steady_clock::now() - begin_;
+  return std::move(result_);
+}
+
+Result solve(const Problem& problem, const Options& options) {
+  check(problem);
+  if (const auto why = invalid(options)) throw std::invalid_argument("contact::solve: " + *why);
+  if (options.start.size() != 0 && (options.start.size() != problem.q.size() || !options.start.allFinite()))
+    throw std::invalid_argument("contact::solve: the start has " + std::to_string(options.start.size()) +
+                                " entries, or some that are not finite; the problem has " +
+                                std::to_string(problem.q.size()));
+  const bool scale = std::visit([](const auto& m) { return scales(m); }, options.method);
+  const Scaled coordinates = scaled(problem, scale);
+  Referee referee(problem, coordinates, options);
+  const Vec start = options.start.size() > 0 ? coordinates.reduce(options.start) : Vec();
+  if (!referee.over())
+    referee.guard(
+        [&] { std::visit([&](const auto& method) { run(referee, coordinates, method, start); }, options.method); });
+  return referee.result("no attempt comes closer");
+}
+
+}  // namespace perp::contact

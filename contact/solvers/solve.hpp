@@ -1,0 +1,134 @@
+#pragma once
+/// Contact problems through Glocker's differentiable NCP, solved to the exact law of Coulomb:
+///     solve(problem)                                        several methods, one after another: Auto
+///     solve(problem, {.method = GlockerHomotopy{}})         the interior-point homotopy alone
+///     solve(problem, {.method = GlockerNcp{.method = ncp::PathSearch{}}})   any method of ncp/
+/// Only contact::accepted (contact/model/residual.hpp) calls a point solved, and Result::by says what made it. The
+/// faceted and frictionless laws have solvers of their own (contact/laws/affine_encoding.hpp); run.hpp takes any law by
+/// name.
+#include <atomic>
+#include <chrono>
+#include <functional>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "contact/existence/existence.hpp"
+#include "contact/laws/glocker.hpp"
+#include "contact/model/problem.hpp"
+#include "contact/model/residual.hpp"
+#include "contact/solvers/homotopy.hpp"
+#include "ncp/strategy/solve.hpp"
+
+namespace perp::contact {
+
+/// The homotopy of homotopy.hpp in scaled units, and no other equation: one attempt from its own start and, where that
+/// stalls, attempts with other settings, from the best point and from the start.
+struct GlockerHomotopy {
+  HomotopyOptions options{};
+  int max_iterations = 60;  ///< of one attempt
+  bool other_settings = true;
+  bool scaling = true;  ///< of contact/model/scaling.hpp
+};
+
+/// Sweeps of Gauss-Seidel; then the homotopy. When its point comes near a solution, Newton steps on the equation of
+/// Alart & Curnier are tried from it for the last digits (`polish`); where that fails the homotopy goes on. Where an
+/// attempt stalls: damped Newton steps from its best point. After all attempts a proximal loop: solve the problem with
+/// (W + alpha I, q - alpha r_k), r_{k+1} its solution, alpha falling as long as the subproblems are solved,
+/// extrapolated where successive increments are parallel. It is what singular W need.
+struct Auto {
+  GlockerHomotopy homotopy{};
+  /// Sweeps of nonsmooth Gauss-Seidel before anything else (gauss_seidel.hpp), ended where they contract slowly: they
+  /// cost little, and weakly coupled contacts need no more. 0: none.
+  int sweeps = 100;
+  bool polish = true;      ///< Newton steps on Alart & Curnier's equation, damped ones too
+  double polish_at = 0.1;  ///< relative natural residual at which they are tried first
+  bool proximal = true;
+};
+
+/// Glocker's NCP (contact/laws/glocker.hpp) as it stands, by any method of ncp/. With `stages` > 1 and the normalised
+/// row, delta is continued: 0.1 first, then in equal factors down to `delta`, each stage from the last one's end.
+struct GlockerNcp {
+  ncp::Method method = ncp::PathSearch{};
+  GlockerOptions formulation{};
+  int stages = 4;
+  bool scaling = true;
+};
+
+void describe(GlockerHomotopy& method, ncp::Fields& fields);
+void describe(Auto& method, ncp::Fields& fields);        ///< its own, then those of its homotopy
+void describe(GlockerNcp& method, ncp::Fields& fields);  ///< beside those of its method of ncp/
+
+/// What made a point.
+enum class Origin {
+  Zero,          ///< no impulses at all
+  WarmStart,     ///< Options::start
+  Sweeps,        ///< of Gauss-Seidel
+  Homotopy,      ///< a step of it
+  Newton,        ///< a step on Alart & Curnier's equation
+  DampedNewton,  ///< a shortened one
+  Proximal,      ///< the solution of a proximal problem
+  Ncp            ///< the method of GlockerNcp
+};
+/// "zero", "warm-start", "sweeps", "homotopy", "newton", "damped-newton", "proximal", "ncp".
+std::string_view to_string(Origin);
+
+struct Options {
+  double tol = 1e-8;  ///< of accepted(): both published metrics, and the law's parts contact by contact
+  std::chrono::duration<double> max_time{30};
+  const std::atomic<bool>* interrupt = nullptr;  ///< may be null; outlives the solve
+  std::variant<Auto, GlockerHomotopy, GlockerNcp> method{};
+  Vec start{};  ///< r to begin near, of the step before; empty: cold
+  /// Called with every r that is better than those before, and what made it; on the thread that solves.
+  std::function<void(const Vec& r, Origin by)> better{};
+};
+
+/// Infeasible: proven to have no solution, by Result::verdict.certificate (contact/existence/infeasible.hpp).
+enum class Status { Solved, NoProgress, TimeLimit, Interrupted, Infeasible, OutOfMemory };
+std::string_view to_string(Status);
+
+/// One point that was judged.
+struct Record {
+  int k = 0;
+  Origin by = Origin::Zero;
+  char letter = ' ';   ///< of Ncp: the method's own (ncp::Iteration::kind); C at the end of a stage
+  double tau = 0;      ///< of a homotopy step
+  double step = 0;     ///< its length
+  double alpha = 0;    ///< of Newton, DampedNewton and Proximal
+  double siconos = 0;  ///< metrics of the point
+  double rr9118 = 0;
+};
+
+struct Stats {
+  int iterations = 0;      ///< homotopy steps, or iterations of the ncp method
+  int sweeps = 0;          ///< of Gauss-Seidel
+  int newton_steps = 0;    ///< on Alart & Curnier's equation
+  int proximal_steps = 0;  ///< moves of the proximal loop's centre
+  int attempts = 0;
+  int factorizations = 0;
+  std::chrono::duration<double> time{0};
+};
+
+struct Result {
+  Status status = Status::NoProgress;
+  std::string message;
+  Solution solution;  ///< the accepted point, or the best one met, whose metrics are `residual`
+  Residual residual;
+  Origin by = Origin::Zero;  ///< what made it
+  Stats stats;
+  std::vector<Record> history;
+  /// Asked for where a solve is given up: after the first attempt of the homotopy and at the end, in as much time as
+  /// was spent before, of what is left, or a tenth of a second. Undecided where it was not asked.
+  Verdict verdict;
+  bool solved() const { return status == Status::Solved; }
+};
+
+/// Why the options make no sense, if they do not.
+std::optional<std::string> invalid(const Options& options);
+
+/// Throws std::invalid_argument for what is no problem (contact::check), options that are invalid(), or a start that
+/// has not d n finite entries.
+Result solve(const Problem& problem, const Options& options = {});
+
+}  // namespace perp::contact

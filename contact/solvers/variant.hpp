@@ -1,0 +1,84 @@
+#pragma once
+/// One way to solve a contact problem: a law of friction, its form, and a method. As text
+///     FORMULATION[+METHOD][/WORD]...
+/// "glocker", "glocker+homotopy", "glocker+path/B/original", "inner:8", "outer:16+lemke/mixed", "frictionless",
+/// "ncp1+semismooth". contact::run (run.hpp) solves a problem by it.
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "contact/laws/affine_encoding.hpp"
+#include "contact/solvers/solve.hpp"
+#include "lcp/solve/solve.hpp"
+#include "ncp/strategy/solve.hpp"
+
+namespace perp::contact {
+
+/// solve(encoding) of contact/laws/affine_encoding.hpp: Lemke's method from the encoding's own start, and more.
+struct EncodingAuto {};
+
+struct Variant {
+  enum class Law { Glocker, Ncp1, Inner, Outer, Frictionless };
+  /// Of Glocker the first three, of Ncp1 a method of ncp/, of the affine laws the last two.
+  using Solver = std::variant<Auto, GlockerHomotopy, GlockerNcp, ncp::Method, EncodingAuto, lcp::Method>;
+
+  Law law = Law::Glocker;
+  int facets = 0;               ///< K of Inner and Outer
+  std::string method = "auto";  ///< the name of `solver`: "auto", "homotopy", or that of a preset of ncp/ or a method
+                                ///< of lcp/
+  Solver solver{};              ///< with its options
+  Form form = Form::Reduced;    ///< of Inner and Outer
+  double rotation = 0;          ///< of their polygons [rad]; in no text
+
+  /// Is it Coulomb's law? The others solve a problem of their own.
+  bool exact() const { return law == Law::Glocker || law == Law::Ncp1; }
+  bool faceted() const { return law == Law::Inner || law == Law::Outer; }
+  bool automatic() const { return std::holds_alternative<Auto>(solver); }
+  bool homotopy() const { return std::holds_alternative<GlockerHomotopy>(solver); }
+  /// Glocker's NCP as it stands, by a method of ncp/; encoding and disk row are of these. Else null.
+  const GlockerNcp* as_ncp() const { return std::get_if<GlockerNcp>(&solver); }
+  /// Of Inner and Outer, for problems of that dimension: one polygon for all contacts.
+  Polygons polygons(int dimension) const;
+
+  std::string formulation() const;  ///< "glocker", "inner:8"
+  /// The text it is read from, with its method, without what is as it would be anyway.
+  std::string label() const;
+  /// In words: "Glocker's NCP (encoding B, normalised disk row) by path".
+  std::string words() const;
+};
+
+/// The words of a variant; what is not given follows from the rest.
+struct VariantWords {
+  std::string formulation = "glocker";
+  std::optional<std::string> method{};
+  std::optional<std::string> encoding{};  ///< "A", "B"
+  std::optional<std::string> row{};       ///< "original", "normalised"
+  std::optional<std::string> form{};      ///< "mixed", "reduced"
+};
+
+/// A word that is none of the known ones. what() names neighbours only by listing all of them.
+class UnknownWord : public std::invalid_argument {
+ public:
+  UnknownWord(const std::string& why, std::string word, std::vector<std::string_view> known)
+      : std::invalid_argument(why), word_(std::move(word)), known_(std::move(known)) {}
+  const std::string& word() const { return word_; }
+  const std::vector<std::string_view>& known() const { return known_; }
+
+ private:
+  std::string word_;
+  std::vector<std::string_view> known_;
+};
+
+/// Throws UnknownWord, or std::invalid_argument, what() beginning with the field's name: no such word, K < 3 or above
+/// most_facets, a word of another formulation or method.
+Variant variant_of(const VariantWords& words);
+/// Of the text above.
+Variant variant_of(std::string_view text);
+
+/// The formulations, as one writes them.
+inline constexpr const char* formulation_names = "glocker, ncp1, inner:K, outer:K, frictionless";
+
+}  // namespace perp::contact

@@ -1,0 +1,493 @@
+#include "lcp/classes/classify.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+#include <stdexcept>
+
+#include "lcp/classes/classify_parts.hpp"
+#include "lcp/linalg/block_triangular.hpp"
+#include "lcp/lu/sparse_lu.hpp"
+
+namespace perp::lcp {
+namespace {
+
+std::size_t at(Index i) { return static_cast<std::size_t>(i); }
+
+Property yes(std::string reason) { return {.answer = Answer::Yes, .reason = std::move(reason)}; }
+Property no(std::string reason, std::vector<Index> indices = {}, Vec vector = {}) {
+  return {
+      .answer = Answer::No, .reason = std::move(reason), .indices = std::move(indices), .vector = std::move(vector)};
+}
+void settle(Property& property, Property found) {
+  if (property.answer == Answer::NotDecided) property = std::move(found);
+}
+std::string place(Index i, Index j) { return "(" + std::to_string(i + 1) + ", " + std::to_string(j + 1) + ")"; }
+
+/// Everything about one matrix, in the order from cheap to costly.
+class Classifier {
+ public:
+  Classifier(const SpMat& M, const ClassifyOptions& options, Diagnosis& d)
+      : M_(M), options_(options), d_(d), n_(M.rows()), Mt_(M.transpose()), S_(M_ + Mt_), diagonal_(M.diagonal()) {}
+
+  void run() {
+    symmetric();
+    z();
+    dominant();
+    components();
+    h_plus();
+    classify_definite(S_, options_, d_);
+    p();
+    m();
+    copositive();
+    p0();
+  }
+
+ private:
+  void symmetric() {
+    const SpMat D = M_ - Mt_;
+    bool exactly = true;
+    for (Index j = 0; j < n_; ++j)
+      for (SpMat::InnerIterator it(D, j); it; ++it) {
+        if (it.value() == 0) continue;
+        exactly = false;
+        const Index i = it.row();
+        const double size = std::max(
+            {std::abs(M_.coeff(i, j)), std::abs(M_.coeff(j, i)), std::sqrt(std::abs(diagonal_[i] * diagonal_[j]))});
+        if (std::abs(it.value()) > options_.tol * size) {
+          d_.symmetric = no("M differs from M' at " + place(i, j), {i, j});
+          return;
+        }
+      }
+    d_.symmetric = yes(exactly ? "exactly" : "to rounding");
+  }
+
+  void z() {
+    for (Index j = 0; j < n_; ++j)
+      for (SpMat::InnerIterator it(M_, j); it; ++it)
+        if (it.row() != j && it.value() > 0) {
+          d_.z = no("M is positive at " + place(it.row(), j), {it.row(), j});
+          return;
+        }
+    d_.z = yes("no positive entry off the diagonal");
+  }
+
+  void dominant() {
+    rows_ = dominance_of_columns(Mt_, options_.tol);
+    columns_ = dominance_of_columns(M_, options_.tol);
+    const auto tell = [](bool in_rows, bool in_columns, const Dominance& rows, Index Dominance::*row) {
+      if (in_rows) return yes("in rows");
+      if (in_columns) return yes("in columns");
+      return no("neither in row " + std::to_string(rows.*row + 1) + " nor in every column", {rows.*row});
+    };
+    d_.dominant = tell(rows_.weak, columns_.weak, rows_, &Dominance::violated);
+    d_.strictly_dominant = tell(rows_.strict, columns_.strict, rows_, &Dominance::not_strict);
+  }
+
+  void components() {
+    parts_ = strong_components({.M = M_, .q = Vec::Zero(n_), .box = Box::free(n_)});
+    component_.assign(at(n_), 0);
+    for (Index k = 0; k < parts_.count(); ++k)
+      for (Index s = parts_.first[at(k)]; s < parts_.first[at(k + 1)]; ++s)
+        component_[at(parts_.order[at(s)])] = static_cast<int>(k);
+  }
+
+  void h_plus() {
+    Index worst = 0;
+    if (n_ > 0 && diagonal_.minCoeff(&worst) <= 0) {
+      d_.h_plus = no("the diagonal entry " + std::to_string(worst + 1) + " is not positive", {worst});
+      return;
+    }
+    if (rows_.strict || columns_.strict) {
+      d_.h_plus = yes("strictly diagonally dominant with positive diagonal");
+    } else if ((rows_.weak && chained(rows_, M_)) || (columns_.weak && chained(columns_, Mt_))) {
+      d_.h_plus = yes("irreducibly (or weakly chained) diagonally dominant with positive diagonal");
+    } else {
+      by_jacobi_radius();
+      if (d_.h_plus.answer == Answer::NotDecided) by_comparison_matrix();
+    }
+  }
+
+  void by_jacobi_radius() {
+    radius_ = jacobi_radius(M_, component_, options_.sweeps, options_.tol);
+    bool all_below = true;
+    for (Index k = 0; k < parts_.count(); ++k) {
+      const double lower = radius_.lower[at(k)];
+      all_below = all_below && radius_.upper[at(k)] < 1 - options_.tol;
+      if (lower != 1 && lower <= 1 + options_.tol) continue;
+      Vec v = Vec::Zero(n_);
+      for (Index s = parts_.first[at(k)]; s < parts_.first[at(k + 1)]; ++s)
+        v[parts_.order[at(s)]] = radius_.x[parts_.order[at(s)]];
+      d_.h_plus = no("M_ii v_i <= sum_j |M_ij| v_j for all i and a v >= 0", {}, v);
+      return;
+    }
+    if (all_below) d_.h_plus = yes("strictly diagonally dominant after column scaling, with positive diagonal");
+  }
+
+  /// C = (M_ii, -|M_ij|) is a nonsingular M-matrix iff C x = e has a solution x > 0.
+  void by_comparison_matrix() {
+    if (n_ > options_.factor_to) {
+      d_.h_plus.reason = "the cheap tests do not decide, and n is beyond factor_to";
+      return;
+    }
+    SpMat C = M_;
+    for (Index j = 0; j < n_; ++j)
+      for (SpMat::InnerIterator it(C, j); it; ++it)
+        it.valueRef() = it.row() == j ? it.value() : -std::abs(it.value()) / diagonal_[it.row()];
+    for (Index i = 0; i < n_; ++i) C.coeffRef(i, i) = 1;
+    SparseLu lu;
+    Vec x = Vec::Zero(n_);
+    if (lu.factor(C) == LuStatus::Ok) lu.solve_refined(Vec::Ones(n_), x);
+    if (x.allFinite() && n_ > 0 && x.minCoeff() > 0 &&
+        (C * x).minCoeff() > options_.tol * static_cast<double>(n_) * x.maxCoeff())
+      d_.h_plus = yes("strictly diagonally dominant after column scaling, with positive diagonal");
+    else if (x.allFinite() && x.minCoeff() < 0 && lu.rcond() > 1e-12)
+      d_.h_plus = no("the comparison matrix has no nonnegative inverse");
+    else
+      d_.h_plus.reason = "the comparison matrix is singular to rounding";
+  }
+
+  void p() {
+    if (!small_minors()) return;
+    if (d_.positive_definite.yes())
+      d_.p = yes("positive definite");
+    else if (d_.h_plus.yes())
+      d_.p = yes("an H-matrix with positive diagonal");
+    else if (d_.z.yes() && d_.h_plus.no())
+      d_.p = no("Z but not a nonsingular M-matrix", {}, d_.h_plus.vector);
+    else
+      by_components();
+  }
+
+  /// Minors of one and two rows. False: one refutes P.
+  bool small_minors() {
+    const auto refute = [&](std::vector<Index> alpha, double minor) {
+      std::ostringstream reason;
+      reason << "a principal minor is " << minor;
+      settle(d_.p, no(reason.str(), alpha));
+      if (minor < 0) settle(d_.p0, no(reason.str(), alpha));
+    };
+    for (Index i = 0; i < n_; ++i)
+      if (diagonal_[i] <= 0) refute({i}, diagonal_[i]);
+    for (Index j = 0; j < n_; ++j)
+      for (SpMat::InnerIterator a(M_, j), b(Mt_, j); a && b;) {  // M_ij and M_ji
+        if (a.row() < b.row()) {
+          ++a;
+        } else if (b.row() < a.row()) {
+          ++b;
+        } else {
+          const double one = diagonal_[j] * diagonal_[a.row()];
+          const double two = a.value() * b.value();
+          const double minor = one - two;
+          if (a.row() < j && (minor == 0 || minor < -options_.tol * (std::abs(one) + std::abs(two))))
+            refute({a.row(), j}, minor);
+          ++a;
+          ++b;
+        }
+      }
+    return d_.p.answer == Answer::NotDecided;
+  }
+
+  /// The principal minors of M are products of those of its strongly connected diagonal blocks.
+  void by_components() {
+    bool hidden = false;
+    for (Index k = 0; k < parts_.count(); ++k) {
+      const std::vector<Index> alpha = members(k);
+      if (alpha.size() == 1) continue;  // a positive diagonal entry
+      if (!radius_.upper.empty() && radius_.upper[at(k)] < 1 - options_.tol) continue;
+      const auto size = static_cast<Index>(alpha.size());
+      if (size > options_.dense_to && size > options_.minors_to) {
+        d_.p.reason = "a strongly connected block of " + std::to_string(size) + " rows is beyond minors_to";
+        return;
+      }
+      const Eigen::MatrixXd A = block(alpha);
+      Property definite;
+      Property semidefinite;
+      dense_definite(SpMat((A + A.transpose()).sparseView()), options_.tol, definite, semidefinite);
+      if (definite.yes()) continue;
+      if (size > options_.minors_to) {
+        d_.p.reason = "a strongly connected block of " + std::to_string(size) + " rows is beyond minors_to";
+        return;
+      }
+      const MinorTest test = p_by_minors(A, options_.tol);
+      if (test.answer == Answer::No) return refute_by(test, alpha);
+      hidden = hidden || test.answer == Answer::NotDecided;
+    }
+    if (hidden)
+      d_.p.reason = "rounding hides the sign of a principal minor";
+    else
+      d_.p = yes("every strongly connected diagonal block is P");
+  }
+
+  void refute_by(const MinorTest& test, const std::vector<Index>& alpha) {
+    std::vector<Index> minor;
+    minor.reserve(test.alpha.size());
+    for (const Index i : test.alpha) minor.push_back(alpha[at(i)]);
+    settle(d_.p, no(test.zero ? "a principal minor is 0" : "a principal minor is negative", minor));
+    if (!test.zero) settle(d_.p0, no("a principal minor is negative", minor));
+  }
+
+  void m() {
+    if (d_.z.no())
+      d_.m = no("not Z", d_.z.indices);
+    else if (d_.p.no())
+      d_.m = no("not P", d_.p.indices, d_.p.vector);
+    else if (d_.p.yes())
+      d_.m = yes("Z and P");
+    else
+      d_.m.reason = d_.p.reason;
+  }
+
+  void p0() {
+    if (d_.p0.no()) return;
+    if (d_.p.yes()) return settle(d_.p0, yes("P"));
+    if (d_.positive_semidefinite.yes()) return settle(d_.p0, yes("positive semidefinite"));
+    if (rows_.weak || columns_.weak) return settle(d_.p0, yes("diagonally dominant with nonnegative diagonal"));
+    const bool singular_m = !radius_.upper.empty() &&
+                            std::all_of(radius_.upper.begin(), radius_.upper.end(), [](double u) { return u <= 1; });
+    if (singular_m) return settle(d_.p0, yes("the comparison matrix is an M-matrix"));
+    for (Index k = 0; k < parts_.count(); ++k) {
+      const std::vector<Index> alpha = members(k);
+      if (static_cast<Index>(alpha.size()) > options_.p0_to) {
+        d_.p0.reason = "a strongly connected block of " + std::to_string(alpha.size()) + " rows is beyond p0_to";
+        return;
+      }
+      const MinorTest test = p0_by_minors(block(alpha), options_.tol);
+      if (test.answer == Answer::No) return refute_by(test, alpha);
+    }
+    d_.p0 = yes("by all principal minors of the strongly connected blocks");
+  }
+
+  void copositive() {
+    const auto refute = [&](const Vec& v) {
+      const Form form = quadratic_form(S_, v, options_.tol);
+      if (form.negative())
+        for (Property* property : {&d_.copositive, &d_.strictly_copositive, &d_.copositive_plus})
+          settle(*property, no("v'Mv < 0 for a v >= 0", {}, v));
+      else if (form.value == 0)
+        settle(d_.strictly_copositive, no("v'Mv = 0 for a v >= 0", {}, v));
+      if (form.value == 0 && !(S_ * v).isZero(0))
+        settle(d_.copositive_plus, no("v'Mv = 0 but (M + M')v != 0 for a v >= 0", {}, v));
+    };
+    if (d_.positive_definite.yes()) settle(d_.strictly_copositive, yes("positive definite"));
+    if (d_.positive_semidefinite.yes()) settle(d_.copositive_plus, yes("positive semidefinite"));
+    for (const Property* property : {&d_.positive_definite, &d_.positive_semidefinite})
+      if (const Vec& v = property->vector; property->no() && v.size() == n_) {
+        if (v.minCoeff() >= 0) refute(v);
+        if (v.maxCoeff() <= 0) refute(-v);
+      }
+    for (Index i = 0; i < n_ && d_.copositive.answer == Answer::NotDecided; ++i) {
+      if (diagonal_[i] <= 0) refute(Vec::Unit(n_, i));
+      if (diagonal_[i] < 0) continue;
+      for (SpMat::InnerIterator it(S_, i); it; ++it) {  // the minimum over v_i e_i + v_j e_j where M_ij + M_ji < 0
+        const Index j = it.row();
+        const double a = 2 * diagonal_[i];
+        const double b = 2 * diagonal_[j];
+        if (j <= i || b < 0 || it.value() >= 0 || it.value() * it.value() < a * b) continue;
+        Vec v = Vec::Zero(n_);
+        v[i] = b > 0 ? b : -it.value();
+        v[j] = b > 0 ? -it.value() : a - it.value();
+        refute(v);
+      }
+    }
+    const bool nonnegative = std::all_of(S_.valuePtr(), S_.valuePtr() + S_.nonZeros(), [](double s) { return s >= 0; });
+    if (nonnegative) settle(d_.copositive, yes("M + M' has no negative entry"));
+    if (nonnegative && n_ > 0 && diagonal_.minCoeff() > 0)
+      settle(d_.strictly_copositive, yes("M + M' has no negative entry and a positive diagonal"));
+    if (d_.strictly_copositive.yes()) settle(d_.copositive_plus, yes("strictly copositive"));
+    if (d_.copositive_plus.yes()) settle(d_.copositive, yes("copositive-plus"));
+    const bool open = d_.copositive.answer == Answer::NotDecided || d_.copositive_plus.answer == Answer::NotDecided ||
+                      d_.strictly_copositive.answer == Answer::NotDecided;
+    if (!open) return;
+    if (n_ <= options_.copositive_to) return copositive_by_submatrices(S_, options_, d_);
+    for (Property* property : {&d_.copositive, &d_.strictly_copositive, &d_.copositive_plus})
+      if (property->answer == Answer::NotDecided)
+        property->reason = "n is beyond copositive_to, and the cheap tests do not decide";
+  }
+
+  std::vector<Index> members(Index k) const {
+    return {parts_.order.begin() + parts_.first[at(k)], parts_.order.begin() + parts_.first[at(k + 1)]};
+  }
+
+  Eigen::MatrixXd block(const std::vector<Index>& alpha) {
+    for (std::size_t k = 0; k < alpha.size(); ++k) number_[at(alpha[k])] = static_cast<Index>(k);
+    Eigen::MatrixXd A = Eigen::MatrixXd::Zero(static_cast<Index>(alpha.size()), static_cast<Index>(alpha.size()));
+    for (const Index j : alpha)
+      for (SpMat::InnerIterator it(M_, j); it; ++it)
+        if (component_[at(it.row())] == component_[at(j)]) A(number_[at(it.row())], number_[at(j)]) = it.value();
+    return A;
+  }
+
+  const SpMat& M_;
+  const ClassifyOptions& options_;
+  Diagnosis& d_;
+  Index n_;
+  SpMat Mt_;
+  SpMat S_;
+  Vec diagonal_;
+  Dominance rows_, columns_;
+  Components parts_;
+  std::vector<int> component_;
+  std::vector<Index> number_ = std::vector<Index>(at(n_));
+  JacobiRadius radius_;
+};
+
+void check(const SpMat& M, const ClassifyOptions& options) {
+  std::ostringstream what;
+  what << "classify: ";
+  if (M.rows() != M.cols()) {
+    what << "M is " << M.rows() << " x " << M.cols() << ", not square";
+    throw std::invalid_argument(what.str());
+  }
+  for (Index j = 0; j < M.cols(); ++j)
+    for (SpMat::InnerIterator it(M, j); it; ++it)
+      if (!std::isfinite(it.value())) {
+        what << "M of row " << it.row() << ", column " << j << " is " << it.value();
+        throw std::invalid_argument(what.str());
+      }
+  if (!(options.tol > 0 && options.tol < 1)) {
+    what << "tol is " << options.tol << ", not in (0, 1)";
+    throw std::invalid_argument(what.str());
+  }
+  for (const auto& [name, value] :
+       {std::pair{"minors_to", options.minors_to}, {"p0_to", options.p0_to}, {"copositive_to", options.copositive_to}})
+    if (value > 30) {
+      what << name << " is " << value << "; 2^n minors are too many beyond 30";
+      throw std::invalid_argument(what.str());
+    }
+}
+
+}  // namespace
+
+Dominance dominance_of_columns(const SpMat& A, double tol) {
+  Dominance d;
+  d.strict_columns.assign(at(A.cols()), 0);
+  for (Index j = 0; j < A.cols(); ++j) {
+    double diagonal = 0;
+    double others = 0;
+    for (SpMat::InnerIterator it(A, j); it; ++it)
+      it.row() == j ? diagonal = it.value() : others += std::abs(it.value());
+    const double zero = tol * (std::abs(diagonal) + others);
+    const bool weak = diagonal >= 0 && diagonal - others >= -zero;
+    const bool strict = diagonal - others > zero;
+    d.strict_columns[at(j)] = strict;
+    if (!weak && d.violated < 0) d.violated = j;
+    if (!strict && d.not_strict < 0) d.not_strict = j;
+    d.weak = d.weak && weak;
+    d.strict = d.strict && strict;
+  }
+  return d;
+}
+
+bool chained(const Dominance& dominance, const SpMat& B) {
+  std::vector<Index> queue;
+  std::vector<char> reached = dominance.strict_columns;
+  for (Index i = 0; i < B.rows(); ++i)
+    if (reached[at(i)]) queue.push_back(i);
+  for (std::size_t next = 0; next < queue.size(); ++next)
+    for (SpMat::InnerIterator it(B, queue[next]); it; ++it)
+      if (it.value() != 0 && !reached[at(it.row())]) {
+        reached[at(it.row())] = 1;
+        queue.push_back(it.row());
+      }
+  return static_cast<Index>(queue.size()) == B.rows();
+}
+
+JacobiRadius jacobi_radius(const SpMat& M, const std::vector<int>& component, int sweeps, double tol) {
+  const Index n = M.rows();
+  const auto parts = static_cast<std::size_t>(n > 0 ? *std::max_element(component.begin(), component.end()) + 1 : 0);
+  const Vec diagonal = M.diagonal();
+  JacobiRadius r{.x = Vec::Ones(n)};
+  Vec y(n);
+  for (int sweep = 0; sweep < std::max(1, sweeps); ++sweep) {
+    y.setZero();
+    for (Index j = 0; j < n; ++j)
+      for (SpMat::InnerIterator it(M, j); it; ++it)
+        if (it.row() != j && component[at(it.row())] == component[at(j)]) y[it.row()] += std::abs(it.value()) * r.x[j];
+    r.lower.assign(parts, infinity);
+    r.upper.assign(parts, 0);
+    std::vector<double> largest(parts, 0);
+    for (Index i = 0; i < n; ++i) {
+      const auto k = static_cast<std::size_t>(component[at(i)]);
+      y[i] /= diagonal[i];
+      r.lower[k] = std::min(r.lower[k], y[i] / r.x[i]);
+      r.upper[k] = std::max(r.upper[k], y[i] / r.x[i]);
+      largest[k] = std::max(largest[k], r.x[i] + y[i]);
+    }
+    bool open = false;
+    bool refuted = false;
+    for (std::size_t k = 0; k < parts; ++k) {
+      open = open || r.upper[k] >= 1 - tol;
+      refuted = refuted || r.lower[k] > 1 + tol || r.lower[k] == 1;
+    }
+    if (!open || refuted || sweep + 1 >= sweeps) break;
+    // (I + J) / 2, which is aperiodic; an x that has underflowed stays positive, and its bounds are then useless.
+    for (Index i = 0; i < n; ++i)
+      r.x[i] = std::max((r.x[i] + y[i]) / largest[static_cast<std::size_t>(component[at(i)])], 1e-300);
+  }
+  return r;
+}
+
+std::string_view to_string(Answer answer) {
+  switch (answer) {
+    case Answer::No:
+      return "no";
+    case Answer::Yes:
+      return "yes";
+    case Answer::NotDecided:
+      return "not decided";
+  }
+  return "?";
+}
+
+Diagnosis classify(const SpMat& M, const ClassifyOptions& options) {
+  check(M, options);
+  SpMat compressed = M;
+  compressed.makeCompressed();
+  Diagnosis d;
+  d.size = M.rows();
+  Classifier(compressed, options, d).run();
+  return d;
+}
+
+Diagnosis classify(const AffineMcp& problem, const ClassifyOptions& options) {
+  if (const auto why = problem.invalid()) throw std::invalid_argument("classify: " + *why);
+  const Box& box = problem.box;
+  std::vector<Index> kept;
+  std::vector<int> number(at(problem.size()), -1);
+  Vec sign = Vec::Ones(problem.size());
+  bool cone = true;
+  bool bounded = true;
+  for (Index i = 0; i < problem.size(); ++i) {
+    if (box.lower[i] == box.upper[i]) continue;
+    number[at(i)] = static_cast<int>(kept.size());
+    kept.push_back(i);
+    const bool below = std::isfinite(box.lower[i]);
+    const bool above = std::isfinite(box.upper[i]);
+    if (above && !below) sign[i] = -1;
+    cone = cone && below != above;
+    bounded = bounded && below && above;
+  }
+  std::vector<Eigen::Triplet<double>> entries;
+  entries.reserve(at(problem.M.nonZeros()));
+  for (const Index j : kept)
+    for (SpMat::InnerIterator it(problem.M, j); it; ++it)
+      if (const int i = number[at(it.row())]; i >= 0)
+        entries.emplace_back(i, number[at(j)], sign[it.row()] * sign[j] * it.value());
+  SpMat M(static_cast<Index>(kept.size()), static_cast<Index>(kept.size()));
+  M.setFromTriplets(entries.begin(), entries.end());
+  Diagnosis d = classify(M, options);
+  d.cone = cone;
+  d.bounded = bounded;
+  for (const auto& [name, view] : d.all()) {
+    auto* property = const_cast<Property*>(view);  // of d, which is not const
+    for (Index& i : property->indices) i = kept[at(i)];
+    if (property->vector.size() != M.rows()) continue;
+    Vec v = Vec::Zero(problem.size());
+    for (std::size_t k = 0; k < kept.size(); ++k) v[kept[k]] = sign[kept[k]] * property->vector[static_cast<Index>(k)];
+    property->vector = std::move(v);
+  }
+  return d;
+}
+
+}  // namespace perp::lcp

@@ -1,0 +1,57 @@
+#pragma once
+/// The tests behind classify(). Private to lcp/.
+#include "lcp/classes/classify.hpp"
+
+namespace perp::lcp {
+
+/// v'Sv / 2, and tol times the terms it is the sum of: within that it counts as zero.
+struct Form {
+  double value = 0;
+  double error = 0;
+  bool negative() const { return value < -error; }
+  bool not_positive() const { return negative() || value == 0; }
+};
+Form quadratic_form(const SpMat& S, const Vec& v, double tol);
+
+/// Sets positive_definite and positive_semidefinite from S = M + M'.
+void classify_definite(const SpMat& S, const ClassifyOptions& options, Diagnosis& d);
+
+/// The dense test of S alone: Yes or No for both, by eigenvalues; NotDecided where rounding decides.
+void dense_definite(const SpMat& S, double tol, Property& definite, Property& semidefinite);
+
+/// Diagonal dominance of the columns of A with nonnegative diagonal.
+struct Dominance {
+  bool weak = true;     ///< in all columns, up to rounding
+  bool strict = true;   ///< in all columns, beyond rounding
+  Index violated = -1;  ///< a column that is not dominant
+  Index not_strict = -1;
+  std::vector<char> strict_columns{};
+};
+Dominance dominance_of_columns(const SpMat& A, double tol);
+/// Whether from every column j of A one comes to a strictly dominant one along entries A_kj != 0 (Shivakumar & Chew
+/// 1974: then a weakly dominant A is an H-matrix). Pre: B = A'.
+bool chained(const Dominance& dominance, const SpMat& B);
+
+/// How the spectral radius rho of D^-1 |M - D| stands to one, D the diagonal (pre: positive), in every strongly
+/// connected component: lower <= rho <= upper from x > 0 (Collatz & Wielandt), after at most `sweeps` steps.
+struct JacobiRadius {
+  std::vector<double> lower{};
+  std::vector<double> upper{};
+  Vec x{};
+};
+JacobiRadius jacobi_radius(const SpMat& M, const std::vector<int>& component, int sweeps, double tol);
+
+/// P by Tsatsomeros & Li for a small dense matrix.
+struct MinorTest {
+  Answer answer = Answer::NotDecided;
+  std::vector<Index> alpha{};  ///< of a minor <= 0
+  bool zero = false;           ///< that minor is exactly 0
+};
+MinorTest p_by_minors(const Eigen::MatrixXd& A, double tol);
+/// P0 by all principal minors.
+MinorTest p0_by_minors(const Eigen::MatrixXd& A, double tol);
+
+/// Sets the three copositive classes from dense S by all principal submatrices.
+void copositive_by_submatrices(const SpMat& S, const ClassifyOptions& options, Diagnosis& d);
+
+}  // namespace perp::lcp

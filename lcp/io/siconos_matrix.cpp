@@ -1,0 +1,88 @@
+#include "lcp/io/siconos_matrix.hpp"
+
+#include <limits>
+#include <utility>
+
+namespace perp::lcp {
+namespace {
+
+constexpr Index most = std::numeric_limits<int>::max();
+
+}  // namespace
+
+SiconosMatrix::SiconosMatrix(Numbers& in, const char* name) : in_(in), name_(name) {
+  storage_ = in.integer("the storage type", 0, 2);
+  if (storage_ == 2) in.refuse("the storage type of ", name, " is 2 (compressed), only 0 and 1 are read");
+  rows_ = in.integer("the number of rows", 0, most);
+  columns_ = in.integer("the number of columns", 0, most);
+}
+
+SpMat SiconosMatrix::entries() {
+  // No matrix of these files has more rows than numbers that follow it (q or f), nor columns (q or w).
+  in_.expect(name_, rows_, 1);
+  in_.expect(name_, columns_, 1);
+  if (storage_ == 0)
+    read_dense();
+  else
+    read_blocks();
+  SpMat A(rows_, columns_);
+  A.setFromTriplets(entries_.begin(), entries_.end());
+  return A;
+}
+
+void SiconosMatrix::read_block(Index row, Index column, Index rows, Index columns) {
+  for (Index j = 0; j < columns; ++j)
+    for (Index i = 0; i < rows; ++i)
+      if (const double a = in_.number(name_); a != 0)
+        entries_.emplace_back(static_cast<int>(row + i), static_cast<int>(column + j), a);
+}
+
+void SiconosMatrix::read_dense() {
+  if (in_.integer("the number of rows, again,", 0, most) != rows_ ||
+      in_.integer("the number of columns, again,", 0, most) != columns_)
+    in_.refuse("the second pair of sizes of ", name_, " differs from the first, ", rows_, " x ", columns_);
+  in_.expect(name_, rows_, columns_);
+  read_block(0, 0, rows_, columns_);
+}
+
+/// The ends of the block rows or columns, with a 0 before them.
+std::vector<Index> SiconosMatrix::ends(const char* what, Index blocks, Index size) {
+  in_.expect(what, blocks, 1);
+  std::vector<Index> end{0};
+  for (Index k = 0; k < blocks; ++k) end.push_back(in_.integer(what, end.back() + 1, size));
+  if (end.back() != size) in_.refuse(what, ": the last is ", end.back(), ", not ", size);
+  return end;
+}
+
+void SiconosMatrix::read_blocks() {
+  const Index count = in_.integer("the number of blocks", 0, most);
+  const Index block_rows = in_.integer("the number of block rows", 0, rows_);
+  const Index block_columns = in_.integer("the number of block columns", 0, columns_);
+  const std::vector<Index> row_end = ends("the end of a block row", block_rows, rows_);
+  const std::vector<Index> column_end = ends("the end of a block column", block_columns, columns_);
+  const Index starts = in_.integer("the number of block rows' starts", 1, block_rows + 1);
+  if (in_.integer("the number of block columns' numbers", 0, most) != count)
+    in_.refuse("the number of block columns' numbers is not that of the blocks, ", count);
+  in_.expect("the list of blocks", count, 1);
+  std::vector<Index> start{in_.integer("the first block of a block row", 0, 0)};
+  while (static_cast<Index>(start.size()) < starts)
+    start.push_back(in_.integer("the first block of a block row", start.back(), count));
+  if (start.back() != count) in_.refuse("the last block row ends at block ", start.back(), ", not at ", count);
+  std::vector<std::size_t> block_column;
+  for (Index k = 0; k < count; ++k)
+    block_column.push_back(static_cast<std::size_t>(in_.integer("the block column of a block", 0, block_columns - 1)));
+  std::vector<std::size_t> last(static_cast<std::size_t>(block_columns), 0);  // block row seen last in it, from 1
+  for (std::size_t i = 0; i + 1 < start.size(); ++i)
+    for (Index k = start[i]; k < start[i + 1]; ++k) {
+      if (in_.integer("the number of a block", 0, most) != k) in_.refuse("the blocks do not follow 0, 1, ..: ", k);
+      const std::size_t j = block_column[static_cast<std::size_t>(k)];
+      if (std::exchange(last[j], i + 1) == i + 1)
+        in_.refuse("block row ", i, " of ", name_, " has two blocks in block column ", j);
+      const Index rows = row_end[i + 1] - row_end[i];
+      const Index columns = column_end[j + 1] - column_end[j];
+      in_.expect(name_, rows, columns);
+      read_block(row_end[i], column_end[j], rows, columns);
+    }
+}
+
+}  // namespace perp::lcp

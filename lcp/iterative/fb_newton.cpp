@@ -1,0 +1,108 @@
+#include "lcp/iterative/fb_newton.hpp"
+
+#include <cmath>
+#include <sstream>
+#include <stdexcept>
+#include <utility>
+
+#include "lcp/iterative/newton_search.hpp"
+
+namespace perp::lcp {
+namespace {
+
+void check_options(const FbNewton& options) {
+  std::ostringstream what;
+  what << "fb_newton: ";
+  if (!(options.armijo > 0 && options.armijo < 0.5))
+    what << "armijo is " << options.armijo << ", not in (0, 1/2)";
+  else if (options.memory < 1)
+    what << "memory is " << options.memory << ", less than 1";
+  else if (!(options.shortest > 0 && options.shortest <= 1))
+    what << "shortest is " << options.shortest << ", not in (0, 1]";
+  else if (!(options.descent_rho > 0) || !(options.descent_p > 2))
+    what << "descent_rho and descent_p are " << options.descent_rho << " and " << options.descent_p
+         << ", not above 0 and 2";
+  else
+    return;
+  throw std::invalid_argument(what.str());
+}
+
+/// Tries the point of a cell once the same cell has been pointed to twice.
+class LastDigits {
+ public:
+  LastDigits(const AffineMcp& problem, LuBackend lu) : problem_(problem), cells_(problem, lu, 1e-13) {}
+  void offer(const Vec& z, Best& best) {
+    const Places places = places_of(problem_, z);
+    const std::uint64_t key = key_of(places);
+    if (key == last_ && key != tried_) {
+      tried_ = key;
+      if (cells_.solve(places) == LuStatus::Ok) best.offer(cells_.z());
+    }
+    last_ = key;
+  }
+  int factorizations() const { return cells_.factorizations(); }
+
+ private:
+  const AffineMcp& problem_;
+  CellSolver cells_;
+  std::uint64_t last_ = 0;
+  std::uint64_t tried_ = 0;
+};
+
+}  // namespace
+
+Result fb_newton(const AffineMcp& problem, In start, const FbNewton& options, const Limits& limits) {
+  check_input("fb_newton", problem, start, limits);
+  check_options(options);
+  NewtonSystem system(problem.M, options.lu, limits.deadline);
+  LastDigits last_digits(problem, options.lu);
+  const SafeStep safe_step{.armijo = options.armijo, .shortest = options.shortest};
+  Best best(problem, start);
+  long k = 0;
+  const auto end = [&](Status status, std::string message) {
+    Result result = judged(problem, best.z(), limits, status, std::move(message));
+    result.iterations = k;
+    result.factorizations = system.factorizations() + last_digits.factorizations();
+    return result;
+  };
+  const auto merit = [&](const Vec& point) { return fb_equations(problem, point).merit(); };
+
+  Vec z = project(problem.box, start);
+  Vec d;
+  Equations at = fb_equations(problem, z);
+  Reference reference(options.memory);
+  reference.push(at.merit());
+  double lowest = at.merit();
+  long lowest_at = 0;
+  const auto iterate = [&] {
+    for (; !solves(problem, best.z(), limits.tol); ++k) {
+      if (const auto stop = limits.reached()) return end(*stop, "stopped between two steps");
+      if (k >= options.max_iterations) return end(Status::IterationLimit, "the limit of Newton steps is reached");
+      double t = 0;
+      if (system.newton(at, d)) {
+        const double slope = system.gradient(at).dot(d);
+        if (slope <= -options.descent_rho * std::pow(d.norm(), options.descent_p))
+          t = backtrack(merit, z, d, reference.value(), -options.armijo * slope, options.shortest);
+        if (t > 0) z += t * d;
+      }
+      if (t == 0 && !safe_step(problem, system, at, reference.value(), z))
+        return end(Status::Stalled,
+                   "a stationary point of ||Phi||^2 (Fischer-Burmeister) that is no solution, or rounding");
+      at = fb_equations(problem, z);
+      if (!std::isfinite(at.merit())) return end(Status::Stalled, "the iterates overflow");
+      reference.push(at.merit());
+      best.offer(z);
+      last_digits.offer(z, best);
+      if (at.merit() < 0.9 * lowest) {
+        lowest = at.merit();
+        lowest_at = k;
+      } else if (k - lowest_at >= 60) {
+        return end(Status::Stalled, "||Phi||^2 (Fischer-Burmeister) has not fallen by a tenth in 60 steps");
+      }
+    }
+    return end(Status::Stalled, "");
+  };
+  return within_limits(iterate, end);
+}
+
+}  // namespace perp::lcp

@@ -1,0 +1,89 @@
+#include "lcp/iterative/min_newton.hpp"
+
+#include <cmath>
+#include <sstream>
+#include <stdexcept>
+#include <utility>
+
+#include "lcp/iterative/newton_search.hpp"
+
+namespace perp::lcp {
+namespace {
+
+void check_options(const MinNewton& options) {
+  std::ostringstream what;
+  what << "min_newton: ";
+  if (!(options.armijo > 0 && options.armijo < 0.5))
+    what << "armijo is " << options.armijo << ", not in (0, 1/2)";
+  else if (options.memory < 1)
+    what << "memory is " << options.memory << ", less than 1";
+  else if (!(options.shortest > 0 && options.shortest <= 1))
+    what << "shortest is " << options.shortest << ", not in (0, 1]";
+  else
+    return;
+  throw std::invalid_argument(what.str());
+}
+
+}  // namespace
+
+Result min_newton(const AffineMcp& problem, In start, const MinNewton& options, const Limits& limits) {
+  check_input("min_newton", problem, start, limits);
+  check_options(options);
+  constexpr double rounding = 1e-13;
+  CellSolver cells(problem, options.lu, rounding, limits.deadline);
+  NewtonSystem system(problem.M, options.lu, limits.deadline);
+  const SafeStep safe_step{.armijo = options.armijo, .shortest = options.shortest};
+  Best best(problem, start);
+  long k = 0;
+  const auto end = [&](Status status, std::string message) {
+    Result result = judged(problem, best.z(), limits, status, std::move(message));
+    result.iterations = k;
+    result.factorizations = cells.factorizations() + system.factorizations();
+    return result;
+  };
+  const auto merit = [&](const Vec& point) { return min_equations(problem, point).merit(); };
+
+  Vec z = project(problem.box, start);
+  Reference reference(options.memory);
+  double psi = merit(z);
+  reference.push(psi);
+  double lowest = psi;
+  long lowest_at = 0;
+  const auto iterate = [&] {
+    for (; !solves(problem, best.z(), limits.tol); ++k) {
+      if (const auto stop = limits.reached()) return end(*stop, "stopped between two steps");
+      if (k >= options.max_iterations) return end(Status::IterationLimit, "the limit of Newton steps is reached");
+      double t = 0;
+      const LuStatus status = cells.solve(places_of(problem, z));
+      if (status == LuStatus::OutOfMemory) return end(Status::OutOfMemory, "no memory for the factors of M_II");
+      if (status == LuStatus::Ok) {
+        const Vec d = cells.z() - z;
+        best.offer(cells.z());
+        t = backtrack(merit, z, d, reference.value(), options.armijo * 2 * psi, options.shortest);
+        if (t > 0) z = t == 1 ? cells.z() : Vec(z + t * d);
+      }
+      if (t == 0) {
+        const Equations at = fb_equations(problem, z);
+        if (!safe_step(problem, system, at, at.merit(), z))
+          return end(Status::Stalled,
+                     "a stationary point of the merit functions of min and Fischer-Burmeister that is "
+                     "no solution, or rounding");
+        reference.restart(merit(z));
+      }
+      best.offer(z);
+      psi = merit(z);
+      reference.push(psi);
+      if (!std::isfinite(psi)) return end(Status::Stalled, "the iterates overflow");
+      if (psi < 0.9 * lowest) {
+        lowest = psi;
+        lowest_at = k;
+      } else if (k - lowest_at >= 60) {
+        return end(Status::Stalled, "||H||^2 has not fallen by a tenth in 60 steps");
+      }
+    }
+    return end(Status::Stalled, "");
+  };
+  return within_limits(iterate, end);
+}
+
+}  // namespace perp::lcp

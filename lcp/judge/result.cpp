@@ -1,0 +1,100 @@
+#include "lcp/judge/result.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+#include <stdexcept>
+#include <utility>
+
+#include "lcp/judge/judge.hpp"
+
+namespace perp::lcp {
+
+std::string_view to_string(Status status) {
+  switch (status) {
+    case Status::Solved:
+      return "solved";
+    case Status::SolvedToRounding:
+      return "solved to rounding";
+    case Status::Infeasible:
+      return "infeasible";
+    case Status::Ray:
+      return "ray";
+    case Status::Singular:
+      return "singular";
+    case Status::NotApplicable:
+      return "not applicable";
+    case Status::Stalled:
+      return "stalled";
+    case Status::IterationLimit:
+      return "iteration limit";
+    case Status::TimeLimit:
+      return "time limit";
+    case Status::Interrupted:
+      return "interrupted";
+    case Status::OutOfMemory:
+      return "out of memory";
+  }
+  return "?";
+}
+
+std::optional<Status> Limits::reached() const {
+  if (interrupted && interrupted()) return Status::Interrupted;
+  if (deadline != std::chrono::steady_clock::time_point::max() && std::chrono::steady_clock::now() >= deadline)
+    return Status::TimeLimit;
+  return std::nullopt;
+}
+
+bool solves(const AffineMcp& problem, In z, double tol) {
+  return natural_residual(problem, z) <= tol && judge(problem, z).natural <= tol;
+}
+
+namespace {
+
+bool to_rounding(const AffineMcp& problem, In z, const Judgement& judgement) {
+  return judgement.accuracy.to_rounding && rounds_a_solution(problem, z, judgement.F, judgement.terms);
+}
+
+}  // namespace
+
+bool accepts(const AffineMcp& problem, In z, double tol) {
+  const Judgement judgement = judge(problem, z);
+  return judgement.natural <= tol || to_rounding(problem, z, judgement);
+}
+
+Result judged(const AffineMcp& problem, In z, const Limits& limits, Status otherwise, std::string message) {
+  Result result{.status = otherwise, .message = std::move(message), .z = project(problem.box, z)};
+  const Judgement judgement = judge(problem, result.z);
+  result.residual = judgement.natural;
+  result.relative = judgement.accuracy.relative;
+  const bool disproved = otherwise == Status::Infeasible;
+  if (judgement.natural <= limits.tol) {
+    result.status = Status::Solved;
+    result.message.clear();
+  } else if (!disproved && to_rounding(problem, result.z, judgement)) {
+    result.status = Status::SolvedToRounding;
+    result.message = "every row's residual is within the rounding of its terms, which is more than the tolerance";
+  }
+  return result;
+}
+
+void check_input(const char* method, const AffineMcp& problem, In start, const Limits& limits) {
+  std::ostringstream what;
+  what << method << ": ";
+  if (const auto why = problem.invalid()) throw std::invalid_argument(what.str() + *why);
+  if (start.size() != problem.size()) {
+    what << "the start has " << start.size() << " entries, the problem " << problem.size();
+    throw std::invalid_argument(what.str());
+  }
+  for (Index i = 0; i < start.size(); ++i)
+    if (!std::isfinite(start[i])) {
+      what << "the start of index " << i << " is " << start[i];
+      throw std::invalid_argument(what.str());
+    }
+  if (!(limits.tol > 0) || std::isinf(limits.tol)) {
+    what << "the tolerance is " << limits.tol << ", not a positive number";
+    throw std::invalid_argument(what.str());
+  }
+}
+
+}  // namespace perp::lcp

@@ -1,0 +1,89 @@
+#pragma once
+/// What every method for the affine MCP answers, and what may stop it. Only the judge (judge.hpp) may call a point
+/// Solved: methods build their Result by judged().
+#include <chrono>
+#include <functional>
+#include <new>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "lcp/affine_mcp.hpp"
+#include "lcp/judge/infeasible.hpp"
+#include "lcp/kernel_clock.hpp"
+#include "lcp/memory.hpp"
+
+namespace perp::lcp {
+
+enum class Status {
+  Solved,            ///< the natural residual is at most tol
+  SolvedToRounding,  ///< it is not, but Accuracy::to_rounding holds, and z rounds_a_solution()
+  Infeasible,        ///< proven to have no solution: by `certificate`, or by the exhaustive search the message names
+  Ray,               ///< a pivoting method's path went off along a ray: no solution found, and no proof of anything
+  Singular,          ///< a matrix the method has to factor is singular
+  NotApplicable,     ///< the problem is outside what the method is defined for; the message says why
+  Stalled,           ///< no progress short of the tolerance: a cycle, a stationary point, rounding
+  IterationLimit,
+  TimeLimit,
+  Interrupted,
+  OutOfMemory,
+};
+std::string_view to_string(Status);
+
+struct Limits {
+  double tol = 1e-9;  ///< on the natural residual, absolute
+  std::chrono::steady_clock::time_point deadline = std::chrono::steady_clock::time_point::max();
+  std::function<bool()> interrupted{};  ///< polled; true ends the run as Interrupted
+
+  std::optional<Status> reached() const;  ///< Interrupted or TimeLimit, if one of them
+};
+
+struct Result {
+  Status status = Status::Stalled;
+  std::string message;     ///< what happened, with indices (from 1) and values
+  Vec z;                   ///< the best point met, in the box
+  double residual = 0;     ///< the natural residual of z, by judge()
+  double relative = 0;     ///< Accuracy::relative of z: the residual beside the terms of its row
+  long iterations = 0;     ///< pivots, sweeps or Newton steps: the method says which
+  int factorizations = 0;  ///< of matrices, however small
+  Vec certificate{};       ///< y with proves_infeasible(problem, y), if status == Infeasible and there is one
+  bool solved() const { return status == Status::Solved; }
+  /// Solved, to the tolerance or to rounding.
+  bool accepted() const { return solved() || status == Status::SolvedToRounding; }
+};
+
+/// Whether the natural residual of z is at most tol.
+bool solves(const AffineMcp& problem, In z, double tol);
+/// The same, or solved to rounding.
+bool accepts(const AffineMcp& problem, In z, double tol);
+
+/// A result for z, projected on the box: Solved if limits.tol says so, SolvedToRounding if doubles
+/// end there and `otherwise` is no proof, else `otherwise` with `message`.
+Result judged(const AffineMcp& problem, In z, const Limits& limits, Status otherwise, std::string message);
+
+/// Runs solve(); where a factorization would end after the deadline, or memory is short, end(status, why) instead.
+template <class Solve, class End>
+auto within_limits(Solve solve, End end) -> decltype(solve()) {
+  try {
+    return solve();
+  } catch (const KernelTooLong& error) {
+    return end(Status::TimeLimit, error.what());
+  } catch (const NotEnoughMemory& error) {
+    return end(Status::OutOfMemory, error.what());
+  } catch (const std::bad_alloc&) {
+    return end(Status::OutOfMemory, "there is no more memory");
+  }
+}
+
+/// An `end` for methods that have nothing better than the start then.
+inline auto at_start(std::string_view method, const AffineMcp& problem, In start, const Limits& limits) {
+  return [method, &problem, start, &limits](Status status, const std::string& why) {
+    return judged(problem, start, limits, status, std::string(method) + ": " + why);
+  };
+}
+
+/// Throws std::invalid_argument with `method`'s name if the problem is malformed, the start has another length or is
+/// not finite, or the tolerance is not a positive number.
+void check_input(const char* method, const AffineMcp& problem, In start, const Limits& limits);
+
+}  // namespace perp::lcp

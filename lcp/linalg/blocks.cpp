@@ -1,0 +1,47 @@
+#include "lcp/linalg/blocks.hpp"
+
+namespace perp::lcp {
+
+SpMat principal_block(const SpMat& M, const std::vector<Index>& I) {
+  std::vector<int> place(static_cast<std::size_t>(M.rows()), -1);
+  for (std::size_t k = 0; k < I.size(); ++k) place[static_cast<std::size_t>(I[k])] = static_cast<int>(k);
+  std::vector<Eigen::Triplet<double>> entries;
+  for (std::size_t k = 0; k < I.size(); ++k)
+    for (SpMat::InnerIterator it(M, I[k]); it; ++it)
+      if (const int row = place[static_cast<std::size_t>(it.row())]; row >= 0)
+        entries.emplace_back(row, static_cast<int>(k), it.value());
+  const auto m = static_cast<Index>(I.size());
+  SpMat block(m, m);
+  block.setFromTriplets(entries.begin(), entries.end());
+  return block;
+}
+
+SpMat least_squares_system(const SpMat& H, double nu) {
+  const auto m = static_cast<int>(H.rows());
+  const auto n = static_cast<int>(H.cols());
+  std::vector<Eigen::Triplet<double>> entries;
+  entries.reserve(static_cast<std::size_t>(2 * H.nonZeros() + m + n));
+  for (int i = 0; i < m; ++i) entries.emplace_back(i, i, 1);
+  for (int j = 0; j < n; ++j) {
+    entries.emplace_back(m + j, m + j, -nu);
+    for (SpMat::InnerIterator it(H, j); it; ++it) {
+      entries.emplace_back(static_cast<int>(it.row()), m + j, it.value());
+      entries.emplace_back(m + j, static_cast<int>(it.row()), it.value());
+    }
+  }
+  SpMat K(m + n, m + n);
+  K.setFromTriplets(entries.begin(), entries.end());
+  return K;
+}
+
+bool damped_least_squares(SparseLu& lu, const SpMat& H, In b, double nu, Vec& d) {
+  if (!lu.try_factor(least_squares_system(H, nu))) return false;
+  Vec rhs = Vec::Zero(H.rows() + H.cols());
+  rhs.head(H.rows()) = b;
+  Vec solution(rhs.size());
+  lu.solve_refined(rhs, solution);
+  d = solution.tail(H.cols());
+  return d.allFinite();
+}
+
+}  // namespace perp::lcp

@@ -1,0 +1,62 @@
+#pragma once
+/// Sparse Cholesky factorization of one symmetric positive definite matrix, P A P' = L L', over CHOLMOD: the only place
+/// where it appears. Ordering by CHOLMOD's defaults (AMD, METIS where AMD's fill is large), supernodal where that pays.
+/// Reference: Chen, Davis, Hager & Rajamanickam, ACM TOMS 35 (2008) 22.
+#include <memory>
+#include <string_view>
+
+#include "lcp/kernel_clock.hpp"
+
+namespace perp::lcp {
+
+enum class CholeskyStatus {
+  Ok,
+  NotPositiveDefinite,  ///< a pivot is not positive: see failed_column(), failed_direction()
+  NotFinite,            ///< A holds a NaN or an infinity
+  OutOfMemory,          ///< the factor does not fit, or has more than 2^31 entries
+};
+std::string_view to_string(CholeskyStatus);
+
+class Cholesky {
+ public:
+  /// No factorization is begun that would not have ended at the deadline (lcp/kernel_clock.hpp).
+  explicit Cholesky(Deadline = no_deadline);
+  ~Cholesky();
+  Cholesky(Cholesky&&) noexcept;
+  Cholesky& operator=(Cholesky&&) noexcept;
+
+  /// Factors the symmetric matrix whose lower triangle is A's; what A holds above its diagonal is not read. A is not
+  /// kept: it may change or die afterwards. Answers OutOfMemory before the factorization if L would have more than
+  /// `entries` entries. Throws std::invalid_argument if A is not square.
+  ///
+  /// Rounding decides about matrices that are nearly singular: Ok says that A is within n eps ||A|| of a positive
+  /// definite matrix, NotPositiveDefinite that it is within that of one that is not (Higham, Accuracy and Stability of
+  /// Numerical Algorithms, 2nd ed. 2002, theorems 10.3, 10.7 and 10.14). rcond() and failed_direction() tell how near.
+  /// Throws KernelTooLong where the factorization would end after the deadline.
+  [[nodiscard]] CholeskyStatus factor(const SpMat& A, double entries = infinity);
+  /// factor(): true if Ok, false if A is not positive definite. Throws std::bad_alloc if OutOfMemory.
+  [[nodiscard]] bool try_factor(const SpMat& A);
+
+  /// A x = b with the last factor(); pre: that was Ok, else std::logic_error. b and x have n entries. Throws
+  /// std::bad_alloc where there is no memory. Solves with one factor may run in two threads.
+  void solve(In b, Out x) const;
+
+  /// If the last factor() was Ok: (min L_jj / max L_jj)^2, not below 1 / cond_2(A) and often near it. Else 0.
+  double rcond() const;
+
+  /// If the last factor() answered NotPositiveDefinite: the column of A, from 0, at whose pivot it stopped. Else -1.
+  Index failed_column() const;
+  /// Then also the direction d with d'A d = that pivot <= 0, d_k = 1 in that column: up to rounding a witness that A is
+  /// not positive definite. Empty otherwise, or where there was no memory for it.
+  const Vec& failed_direction() const;
+
+  Index size() const;
+  /// Entries of L.
+  double nonzeros() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace perp::lcp

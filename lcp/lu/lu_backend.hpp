@@ -1,0 +1,33 @@
+#pragma once
+/// The seam between SparseLu and the libraries that factor; private to lcp/.
+#include <memory>
+
+#include "lcp/kernel_clock.hpp"
+#include "lcp/lu/lu_factors.hpp"
+#include "lcp/lu/sparse_lu.hpp"
+
+namespace perp::lcp {
+
+class LuLibrary {
+ public:
+  LuLibrary() = default;
+  LuLibrary(const LuLibrary&) = delete;
+  LuLibrary& operator=(const LuLibrary&) = delete;
+  virtual ~LuLibrary() = default;
+
+  // Pre of all: A is square, compressed, not empty, finite; analyze() before factor() before the solves.
+  virtual LuStatus analyze(const SpMat& A) = 0;
+  /// Of factor(), after analyze().
+  virtual KernelCost cost() const { return {}; }
+  virtual LuStatus factor(const SpMat& A) = 0;
+  virtual void solve(const SpMat& A, In b, Out x, bool transposed) const = 0;
+  /// Copies the factors of the last factor() that was Ok or Singular; false if the library does not give them.
+  virtual bool factors(LuFactors&) const { return false; }
+};
+
+std::unique_ptr<LuLibrary> make_umfpack();
+std::unique_ptr<LuLibrary> make_klu();
+std::unique_ptr<LuLibrary> make_eigen();
+std::unique_ptr<LuLibrary> make_dense();
+
+}  // namespace perp::lcp

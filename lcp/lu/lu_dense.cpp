@@ -1,0 +1,48 @@
+#include <Eigen/LU>
+#include <cmath>
+
+#include "lcp/lu/lu_backend.hpp"
+
+namespace perp::lcp {
+namespace {
+
+/// Row-scaled dense LU with partial pivoting: for matrices so small that the bookkeeping of the sparse codes is most of
+/// their work.
+class DenseLu final : public LuLibrary {
+ public:
+  LuStatus analyze(const SpMat&) override { return LuStatus::Ok; }
+
+  LuStatus factor(const SpMat& A) override {
+    ::Eigen::MatrixXd dense(A);
+    scale_ = dense.cwiseAbs().rowwise().maxCoeff();
+    if (!(scale_.minCoeff() > 0)) return LuStatus::Singular;
+    scale_ = scale_.cwiseInverse();
+    if (!scale_.allFinite()) return LuStatus::Singular;
+    lu_.compute(scale_.asDiagonal() * dense);
+    const auto pivots = lu_.matrixLU().diagonal().cwiseAbs();
+    const double least = pivots.minCoeff();
+    const double most = pivots.maxCoeff();
+    return least > 0 && std::isfinite(most) && least / most > 0 ? LuStatus::Ok : LuStatus::Singular;
+  }
+
+  void solve(const SpMat& /*A*/, In b, Out x, bool transposed) const override {
+    if (!transposed) {
+      x = lu_.solve(scale_.cwiseProduct(b));
+      return;
+    }
+    Vec y = b;  // (P' L U)' = U' L' P
+    lu_.matrixLU().transpose().triangularView<::Eigen::Lower>().solveInPlace(y);
+    lu_.matrixLU().transpose().triangularView<::Eigen::UnitUpper>().solveInPlace(y);
+    x = scale_.cwiseProduct(lu_.permutationP().transpose() * y);
+  }
+
+ private:
+  Vec scale_;
+  ::Eigen::PartialPivLU<::Eigen::MatrixXd> lu_;
+};
+
+}  // namespace
+
+std::unique_ptr<LuLibrary> make_dense() { return std::make_unique<DenseLu>(); }
+
+}  // namespace perp::lcp

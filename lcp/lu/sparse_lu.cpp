@@ -1,0 +1,201 @@
+#include "lcp/lu/sparse_lu.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <new>
+#include <sstream>
+#include <stdexcept>
+
+#include "lcp/lu/condition.hpp"
+#include "lcp/lu/lu_backend.hpp"
+#include "lcp/memory.hpp"
+
+namespace perp::lcp {
+namespace {
+
+/// Up to this many rows a dense LU is faster than any sparse one; up to that many KLU is, as a rule, for it does not
+/// prepare for large dense blocks.
+constexpr Index dense_rows = 32;
+constexpr Index klu_rows = 300;
+
+std::unique_ptr<LuLibrary> make(LuBackend backend, Index rows) {
+  if (backend == LuBackend::Auto)
+    backend = rows <= dense_rows ? LuBackend::Dense : rows <= klu_rows ? LuBackend::Klu : LuBackend::Umfpack;
+  switch (backend) {
+    case LuBackend::Dense:
+      return make_dense();
+    case LuBackend::Klu:
+      return make_klu();
+    case LuBackend::Eigen:
+      return make_eigen();
+    case LuBackend::Umfpack:
+    case LuBackend::Auto:
+      break;
+  }
+  return make_umfpack();
+}
+
+bool same_pattern(const SpMat& A, const SpMat& B) {
+  return A.rows() == B.rows() && A.nonZeros() == B.nonZeros() &&
+         std::equal(A.outerIndexPtr(), A.outerIndexPtr() + A.cols() + 1, B.outerIndexPtr()) &&
+         std::equal(A.innerIndexPtr(), A.innerIndexPtr() + A.nonZeros(), B.innerIndexPtr());
+}
+
+}  // namespace
+
+std::string_view to_string(LuBackend backend) {
+  switch (backend) {
+    case LuBackend::Auto:
+      return "auto";
+    case LuBackend::Dense:
+      return "dense";
+    case LuBackend::Umfpack:
+      return "umfpack";
+    case LuBackend::Klu:
+      return "klu";
+    case LuBackend::Eigen:
+      return "eigen";
+  }
+  return "?";
+}
+
+std::string_view to_string(LuStatus status) {
+  switch (status) {
+    case LuStatus::Ok:
+      return "ok";
+    case LuStatus::Singular:
+      return "singular";
+    case LuStatus::NotFinite:
+      return "not finite";
+    case LuStatus::OutOfMemory:
+      return "out of memory";
+  }
+  return "?";
+}
+
+struct SparseLu::Impl {
+  explicit Impl(LuBackend b) : backend(b) {}
+  LuBackend backend;
+  std::unique_ptr<LuLibrary> library;  // made for the size
+  SpMat A;
+  Index made_for = 0;
+  bool analyzed = false;
+  int analyses = 0;
+  LuStatus status = LuStatus::Singular;
+  std::shared_ptr<const NotEnoughMemory> short_of{};  // of the last OutOfMemory, if that was an estimate
+  KernelClock clock;
+
+  LuStatus factor(const SpMat& matrix);
+  void solve(In b, Out x, bool transposed) const;
+};
+
+SparseLu::SparseLu(LuBackend backend, Deadline deadline) : impl_(std::make_unique<Impl>(backend)) {
+  impl_->clock = KernelClock(deadline);
+}
+SparseLu::~SparseLu() = default;
+SparseLu::SparseLu(SparseLu&&) noexcept = default;
+SparseLu& SparseLu::operator=(SparseLu&&) noexcept = default;
+
+Index SparseLu::size() const { return impl_->A.rows(); }
+bool SparseLu::factors(LuFactors& out) const { return impl_->analyzed && impl_->library->factors(out); }
+int SparseLu::analyses() const { return impl_->analyses; }
+
+LuStatus SparseLu::factor(const SpMat& A) {
+  if (A.rows() != A.cols()) {
+    std::ostringstream what;
+    what << "SparseLu: the matrix is " << A.rows() << " x " << A.cols() << ", not square";
+    throw std::invalid_argument(what.str());
+  }
+  Impl& s = *impl_;
+  s.status = LuStatus::Singular;
+  s.short_of.reset();
+  try {
+    s.status = s.factor(A);
+  } catch (const NotEnoughMemory& error) {
+    s.status = LuStatus::OutOfMemory;
+    s.short_of = std::make_shared<const NotEnoughMemory>(error);
+  } catch (const std::bad_alloc&) {
+    s.analyzed = false;
+    s.status = LuStatus::OutOfMemory;
+  }
+  return s.status;
+}
+
+bool SparseLu::try_factor(const SpMat& A) {
+  const LuStatus status = factor(A);
+  if (status != LuStatus::OutOfMemory) return status == LuStatus::Ok;
+  if (impl_->short_of) throw NotEnoughMemory(*impl_->short_of);
+  throw std::bad_alloc();
+}
+
+double SparseLu::longest_call() const { return impl_->clock.longest(); }
+
+LuStatus SparseLu::Impl::factor(const SpMat& matrix) {
+  if (!matrix.isCompressed()) {
+    SpMat compressed = matrix;
+    compressed.makeCompressed();
+    return factor(compressed);
+  }
+  const double* values = matrix.valuePtr();
+  if (!std::all_of(values, values + matrix.nonZeros(), [](double v) { return std::isfinite(v); }))
+    return LuStatus::NotFinite;
+  const bool known = analyzed && same_pattern(matrix, A);
+  A = matrix;
+  if (A.rows() == 0) return LuStatus::Ok;
+  if (A.nonZeros() < A.rows()) {  // an empty column; and KLU refuses a matrix without entries as malformed
+    analyzed = false;
+    return LuStatus::Singular;
+  }
+  if (!known) {
+    ++analyses;
+    if (!library || (backend == LuBackend::Auto && made_for != A.rows())) library = make(backend, A.rows());
+    made_for = A.rows();
+    const LuStatus answer = library->analyze(A);
+    analyzed = answer == LuStatus::Ok;
+    if (!analyzed) return answer;
+  }
+  const KernelCost cost = library->cost();
+  clock.before(A.rows(), cost);
+  const LuStatus answer = library->factor(A);
+  clock.after(cost);
+  return answer;
+}
+
+void SparseLu::Impl::solve(In b, Out x, bool transposed) const {
+  if (status != LuStatus::Ok) throw std::logic_error("SparseLu: solve without a successful factor()");
+  if (b.size() != A.rows() || x.size() != A.rows()) {
+    std::ostringstream what;
+    what << "SparseLu: the matrix has " << A.rows() << " rows, b " << b.size() << ", x " << x.size();
+    throw std::invalid_argument(what.str());
+  }
+  if (A.rows() > 0) library->solve(A, b, x, transposed);
+}
+
+void SparseLu::solve(In b, Out x) const { impl_->solve(b, x, false); }
+
+void SparseLu::solve_transposed(In b, Out x) const { impl_->solve(b, x, true); }
+
+void SparseLu::solve_refined(In b, Out x, int steps) const {
+  solve(b, x);
+  Vec r = b - impl_->A * x;
+  double norm = r.lpNorm<::Eigen::Infinity>();
+  Vec dx(b.size());
+  for (int k = 0; k < steps && norm > 0; ++k) {
+    solve(r, dx);
+    const Vec better = x + dx;
+    const Vec r_better = b - impl_->A * better;
+    const double norm_better = r_better.lpNorm<::Eigen::Infinity>();
+    if (!(norm_better < norm)) return;
+    x = better;
+    r = r_better;
+    norm = norm_better;
+  }
+}
+
+double SparseLu::rcond() const {
+  if (impl_->status != LuStatus::Ok) return 0;
+  return reciprocal_condition(
+      norm1(impl_->A), size(), [this](In b, Out x) { solve(b, x); }, [this](In b, Out x) { solve_transposed(b, x); });
+}
+
+}  // namespace perp::lcp

@@ -1,0 +1,72 @@
+#pragma once
+/// Sparse LU of one square matrix, P A Q = L U, over UMFPACK, KLU or Eigen: the only place where the three appear.
+/// The symbolic analysis (ordering, elimination tree) is kept while the sparsity pattern of A is unchanged.
+/// References: Davis, ACM TOMS 30 (2004) 196 (UMFPACK); Davis & Palamadai Natarajan, TOMS 37 (2010) 36 (KLU).
+#include <memory>
+#include <string_view>
+
+#include "lcp/kernel_clock.hpp"
+
+namespace perp::lcp {
+
+struct LuFactors;  // lu_factors.hpp
+
+enum class LuBackend {
+  Umfpack,
+  Klu,
+  Eigen,  ///< its sparse LU
+  Dense,  ///< Eigen's dense LU, rows scaled
+  Auto,   ///< by size: Dense up to 32 rows, Klu up to 300, Umfpack beyond
+};
+enum class LuStatus {
+  Ok,
+  Singular,     ///< structurally, or an exactly zero (or not finite) pivot; near-singularity is told by rcond()
+  NotFinite,    ///< A holds a NaN or an infinity
+  OutOfMemory,  ///< the factors do not fit, or have more than 2^31 entries
+};
+std::string_view to_string(LuBackend);
+std::string_view to_string(LuStatus);
+
+class SparseLu {
+ public:
+  /// No factorization is begun that would not have ended at the deadline (lcp/kernel_clock.hpp).
+  explicit SparseLu(LuBackend = LuBackend::Umfpack, Deadline = no_deadline);
+  ~SparseLu();
+  SparseLu(SparseLu&&) noexcept;
+  SparseLu& operator=(SparseLu&&) noexcept;
+
+  /// Factors A (square; throws std::invalid_argument if it is not). A is copied: it may change or die afterwards.
+  /// OutOfMemory also where the estimate says that the factors do not fit. Throws KernelTooLong where the
+  /// factorization would end after the deadline.
+  [[nodiscard]] LuStatus factor(const SpMat& A);
+  /// factor(): true if Ok, false if there are no factors of this matrix. Throws std::bad_alloc if OutOfMemory.
+  [[nodiscard]] bool try_factor(const SpMat& A);
+  /// The longest factorization so far [s].
+  double longest_call() const;
+
+  // Solves with the last factor(); pre: that was Ok, else std::logic_error. b and x have n rows, may not overlap.
+  void solve(In b, Out x) const;             ///< A  x = b
+  void solve_transposed(In b, Out x) const;  ///< A' x = b
+  /// A x = b with steps of iterative refinement while the residual shrinks (at most `steps`).
+  void solve_refined(In b, Out x, int steps = 3) const;
+
+  /// Estimate of 1 / (||A||_1 ||A^-1||_1), in [0, 1]; 0 if the last factor() was not Ok. Costs about four solves.
+  /// ||A^-1||_1 by Hager's method in Higham's form (ACM TOMS 14 (1988) 381, algorithm 4.1): a lower bound, rarely
+  /// off by more than three.
+  double rcond() const;
+
+  /// Copies L, U and the permutations, for solves with sparse right-hand sides; after a factor() that was Singular the
+  /// zero pivots are in their places. False where the library does not give them (KLU, Eigen) or nothing is factored.
+  /// Throws std::bad_alloc.
+  bool factors(LuFactors& out) const;
+
+  Index size() const;
+  /// Symbolic analyses made since construction: one a pattern.
+  int analyses() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace perp::lcp

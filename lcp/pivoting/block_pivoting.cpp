@@ -1,0 +1,156 @@
+#include "lcp/pivoting/block_pivoting.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <sstream>
+#include <stdexcept>
+#include <unordered_set>
+
+#include "lcp/judge/cell.hpp"
+#include "lcp/linalg/block_triangular.hpp"
+
+namespace perp::lcp {
+namespace {
+
+void check_options(const BlockPivoting& options) {
+  const auto refuse = [](const char* what, auto value) {
+    std::ostringstream out;
+    out << "block_pivoting: " << what << " is " << value;
+    throw std::invalid_argument(out.str());
+  };
+  if (options.p_max < 0) refuse("p_max", options.p_max);
+  if (options.max_iterations < 0) refuse("max_iterations", options.max_iterations);
+  if (!(options.degenerate_tol >= 0 && options.degenerate_tol < 1)) refuse("degenerate_tol", options.degenerate_tol);
+  if (options.singular_tries < 1) refuse("singular_tries", options.singular_tries);
+}
+
+class Run {
+ public:
+  Run(const AffineMcp& problem, In start, const BlockPivoting& options, const Limits& limits)
+      : problem_(problem),
+        options_(options),
+        limits_(limits),
+        cell_(problem, options.lu, options.degenerate_tol, limits.deadline),
+        places_(places_of(problem.box, start)),
+        best_(problem, start) {}
+
+  Result run() {
+    if (const LuStatus status = enter(); status != LuStatus::Ok) return failed(status, "the start's block M_FF");
+    std::size_t fewest = std::numeric_limits<std::size_t>::max();
+    int patience = options_.p_max;
+    for (;; ++rounds_) {
+      const bool better = best_.offer(cell_.z());
+      const std::vector<Index> V = cell_.all_violated(places_);
+      if (V.empty()) return end(Status::Stalled, "no sign is violated, but the residual is above the tolerance");
+      if (rounds_ == options_.max_iterations) return end(Status::IterationLimit, left(V.size()));
+      if (const auto reached = limits_.reached()) return end(*reached, left(V.size()));
+
+      if (V.size() < fewest) {
+        fewest = V.size();
+        patience = options_.p_max;
+        seen_by_least_index_.clear();
+      } else if (better) {
+        patience = options_.p_max;
+      } else if (patience > 0) {
+        --patience;
+      }
+      if (!seen_.insert(key_of(places_)).second) patience = 0;
+      const bool block = patience > 0;
+      if (!block && !seen_by_least_index_.insert(key_of(places_)).second)
+        return end(Status::Stalled, "the least-index rule cycles: M is not a P-matrix, or rounding; " + left(V.size()));
+      if (const LuStatus status = exchange(V, block); status != LuStatus::Ok)
+        return failed(status, "every block M_FF that the exchanges lead to");
+    }
+  }
+
+ private:
+  LuStatus enter() {
+    const LuStatus status = cell_.solve(places_);
+    if (status != LuStatus::Singular) return status;
+    places_ = all_inside(problem_.box);
+    return cell_.solve(places_);
+  }
+
+  /// Exchanges all of V or its least index; where that block is singular, the first of V that gives a regular one.
+  LuStatus exchange(const std::vector<Index>& V, bool block) {
+    const Places before = places_;
+    Places after = before;
+    for (const Index i : V) after[static_cast<std::size_t>(i)] = cell_.exchanged(before, i);
+    if (block && V.size() > 1) {
+      places_ = after;
+      if (const LuStatus status = cell_.solve(places_); status != LuStatus::Singular) return status;
+    }
+    ++least_index_;
+    LuStatus status = LuStatus::Singular;
+    const std::size_t tries = std::min(V.size(), static_cast<std::size_t>(options_.singular_tries));
+    for (std::size_t k = 0; k < tries && status == LuStatus::Singular; ++k) {
+      places_ = before;
+      places_[static_cast<std::size_t>(V[k])] = after[static_cast<std::size_t>(V[k])];
+      status = cell_.solve(places_);
+    }
+    return status;
+  }
+
+  std::string left(std::size_t violated) const {
+    std::ostringstream what;
+    what << violated << " signs are violated";
+    return what.str();
+  }
+
+  Result failed(LuStatus status, const std::string& which) {
+    const bool memory = status == LuStatus::OutOfMemory;
+    return end(memory ? Status::OutOfMemory : Status::Singular,
+               which + (memory ? " does not fit into the memory" : " is singular"));
+  }
+
+  Result end(Status status, const std::string& what) {
+    Result result = judged(problem_, best_.z(), limits_, status, what);
+    result.iterations = rounds_;
+    result.factorizations = cell_.factorizations();
+    std::ostringstream steps;
+    steps << (result.message.empty() ? "" : "; ") << least_index_ << " least-index steps in " << rounds_ << " rounds";
+    result.message += steps.str();
+    return result;
+  }
+
+  const AffineMcp& problem_;
+  const BlockPivoting& options_;
+  const Limits& limits_;
+  CellSolver cell_;
+  Places places_;
+  Best best_;
+  long rounds_ = 0;
+  long least_index_ = 0;
+  std::unordered_set<std::uint64_t> seen_;
+  std::unordered_set<std::uint64_t> seen_by_least_index_;  ///< since |V| was smallest
+};
+
+Result by_components(const AffineMcp& problem, In start, const BlockPivoting& options, const Limits& limits) {
+  Result result = solve_by_components(
+      problem, start,
+      [&](const AffineMcp& part, In at, const Limits& stop) { return Run(part, at, options, stop).run(); }, limits);
+  std::ostringstream rounds;
+  rounds << (result.message.empty() ? "" : "; ") << "by components: " << result.iterations << " rounds";
+  result.message += rounds.str();
+  return result;
+}
+
+}  // namespace
+
+Result block_pivoting(const AffineMcp& problem, In start, const BlockPivoting& options, const Limits& limits) {
+  check_input("block_pivoting", problem, start, limits);
+  check_options(options);
+  const auto solve = [&] {
+    if (!options.components || strong_components(problem).count() <= 1)
+      return Run(problem, start, options, limits).run();
+    Result parts = by_components(problem, start, options, limits);
+    if (parts.accepted() || parts.status == Status::OutOfMemory || limits.reached()) return parts;
+    Result whole = Run(problem, start, options, limits).run();
+    whole.iterations += parts.iterations;
+    whole.factorizations += parts.factorizations;
+    return whole;
+  };
+  return within_limits(solve, at_start("block_pivoting", problem, start, limits));
+}
+
+}  // namespace perp::lcp

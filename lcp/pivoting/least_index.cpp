@@ -1,0 +1,76 @@
+#include "lcp/pivoting/least_index.hpp"
+
+#include <sstream>
+#include <stdexcept>
+#include <unordered_set>
+
+#include "lcp/judge/cell.hpp"
+
+namespace perp::lcp {
+namespace {
+
+void check_options(const LeastIndex& options) {
+  std::ostringstream what;
+  what << "least_index: ";
+  if (options.max_iterations < 0) {
+    what << "max_iterations is " << options.max_iterations;
+    throw std::invalid_argument(what.str());
+  }
+  if (!(options.degenerate_tol >= 0 && options.degenerate_tol < 1)) {
+    what << "degenerate_tol is " << options.degenerate_tol;
+    throw std::invalid_argument(what.str());
+  }
+}
+
+/// The least violated index, or -1.
+Index least_violated(const CellSolver& cell, const Places& places) {
+  for (Index i = 0; i < static_cast<Index>(places.size()); ++i)
+    if (cell.violated(places, i)) return i;
+  return -1;
+}
+
+}  // namespace
+
+Result least_index(const AffineMcp& problem, In start, const LeastIndex& options, const Limits& limits) {
+  check_input("least_index", problem, start, limits);
+  check_options(options);
+  const auto solve = [&] {
+    CellSolver cell(problem, options.lu, options.degenerate_tol, limits.deadline);
+    Places places = places_of(problem.box, start);
+    Best best(problem, start);
+    std::unordered_set<std::uint64_t> seen;
+    long steps = 0;
+    const auto end = [&](Status status, const std::string& what) {
+      Result result = judged(problem, best.z(), limits, status, what);
+      result.iterations = steps;
+      result.factorizations = cell.factorizations();
+      return result;
+    };
+    const auto failed = [&](LuStatus status, Index r) {
+      if (status == LuStatus::OutOfMemory) return end(Status::OutOfMemory, "M_FF does not fit into the memory");
+      std::ostringstream what;
+      what << "M_FF is singular "
+           << (r < 0 ? "at the start, and with all variables inside" : "after the exchange of index ");
+      if (r >= 0) what << r + 1;
+      return end(Status::Singular, what.str());
+    };
+
+    LuStatus status = cell.solve(places);
+    if (status == LuStatus::Singular) status = cell.solve(places = all_inside(problem.box));
+    if (status != LuStatus::Ok) return failed(status, -1);
+    for (;; ++steps) {
+      best.offer(cell.z());
+      const Index r = least_violated(cell, places);
+      if (r < 0) return end(Status::Stalled, "no sign is violated, but the residual is above the tolerance");
+      if (steps == options.max_iterations) return end(Status::IterationLimit, "signs are still violated");
+      if (const auto reached = limits.reached()) return end(*reached, "signs are still violated");
+      if (!seen.insert(key_of(places)).second)
+        return end(Status::Stalled, "a set of places comes again: M is not a P-matrix, or rounding");
+      places[static_cast<std::size_t>(r)] = cell.exchanged(places, r);
+      if (status = cell.solve(places); status != LuStatus::Ok) return failed(status, r);
+    }
+  };
+  return within_limits(solve, at_start("least_index", problem, start, limits));
+}
+
+}  // namespace perp::lcp

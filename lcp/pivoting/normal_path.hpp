@@ -1,0 +1,118 @@
+#pragma once
+/// The path G(x) = (1 - t) r of lemke.hpp and the basis that represents its present segment; private to lcp/.
+///
+/// Unknowns, by number: x_0 .. x_{n-1};  n: tau = s t <= s, s = ||r||_inf, with column r / s;  n + 1 + i: the
+/// artificial of row i, in [0, 0], with column e_i. One of them, the driver, is nonbasic and moves; n others are basic,
+/// head_[p] at position p; the rest wait.
+#include <optional>
+#include <random>
+
+#include "lcp/equilibrate.hpp"
+#include "lcp/pivoting/lemke.hpp"
+
+namespace perp::lcp {
+
+class NormalPath {
+ public:
+  NormalPath(const AffineMcp& problem, In start, const LemkeOptions& options);
+
+  /// Chooses the start cell and factors it. False if that cannot be done.
+  bool begin(PivotResult& result);
+  /// One segment: ratio test, move, pivot. False at the end of the path; result.end says which, if not t = 1.
+  bool advance(PivotResult& result);
+  /// Fills in the point reached and judges it.
+  PivotResult finish(PivotResult result);
+
+  /// At t = 1: the basis is that of all x_i, and there are factors of it.
+  bool whole() const { return driver_ == n_ && !distrusted_; }
+  /// lemke.hpp's; needs nothing of the problem and the options that the path was made with. Pre: whole().
+  Vec chord_step(In r) const;
+
+  double t() const { return tau_ >= scale_ ? 1 : tau_ / scale_; }
+  Vec x() const { return scaling_.to_original(problem_.box, x_); }  ///< in the units of the problem given
+
+ private:
+  static constexpr Index none = -1;
+  struct Block {  // what a ratio test finds
+    Index position = none;
+    double step = infinity;
+  };
+
+  bool inside(Index i) const { return cells_[static_cast<std::size_t>(i)] == Cell::Inside; }
+  Index column(Index i) const { return i >= n_ || inside(i) ? i : n_ + 1 + i; }
+  bool artificial(Index i) const { return i > n_; }
+  double value(Index i) const { return i < n_ ? x_[i] : i == n_ ? tau_ : 0; }
+  void move(Index i, double by);
+  double low(Index i) const { return i < n_ ? low_[i] : i == n_ ? -infinity : 0; }
+  double high(Index i) const { return i < n_ ? high_[i] : i == n_ ? scale_ : 0; }
+  Index& head(Index p) { return head_[static_cast<std::size_t>(p)]; }
+  Index head(Index p) const { return head_[static_cast<std::size_t>(p)]; }
+  double generic() { return std::uniform_real_distribution<double>(0.5, 1.5)(random_); }
+
+  /// Where a path could go on in two directions with equal right.
+  struct Fork {
+    Vec x, low, high;
+    double tau = 0;
+    std::vector<Cell> cells;
+    std::vector<Index> head, waiting;
+    Index driver = 0;
+    double other_direction = 1;
+  };
+
+  Vec covering();
+  void choose_cells();
+  void set_interval(Index i);
+  void perturb();
+  void place_outside();
+  void set_residual_column();
+  Vec constant() const;
+  bool factor_start(PivotResult& result);
+  LuStatus factor_basis();
+  bool refactor();
+  bool drive();
+  bool t_moves(double rate) const;
+  double room(Index i, double rate) const;
+  Block ratio_test();
+  bool doubtful(const Block& block) const;
+  void step(double length);
+  void end_on_ray(PivotResult& result);
+  void enter(Index p);
+  void leave_artificial(Index row);
+  bool take_other_branch();
+  void cross(Index i, double direction);
+  bool back_at_start(PivotResult& result);
+  Vec refined(const Vec& x) const;
+  void polish();
+  double judge(In x) const;
+
+  const AffineMcp& original_;
+  Scaling scaling_;
+  AffineMcp problem_;  // equilibrated: that is what makes the tolerances mean the same for every unknown
+  const LemkeOptions& options_;
+  Index n_;
+  std::mt19937 random_;
+  Vec x_;
+  Vec low_;  // of the present cells
+  Vec high_;
+  double tau_ = 0;
+  double scale_ = 1;  // s
+  std::vector<Cell> cells_;
+  std::vector<Cell> start_;
+  Index away_ = 0;       // how many unknowns are in another cell than at the start
+  double best_tau_ = 0;  // largest met, at best_x_
+  Vec best_x_;
+  Index pivots_at_best_ = 0;
+  SpMat A_;  // [M, r / s]
+  BasisFactor factor_;
+  std::vector<Index> head_;
+  std::vector<Index> waiting_;  // the variable an artificial stands in for, by row; none
+  Index driver_ = 0;
+  double direction_ = 1;
+  SparseVector d_;  // B^-1 a of the driver: the basic unknowns move by -direction d a unit step
+  double d_largest_ = 0;
+  std::vector<Block> candidates_;
+  std::optional<Fork> fork_;
+  bool distrusted_ = false;  // the last update was unstable or refused: factor afresh before the next solve
+};
+
+}  // namespace perp::lcp

@@ -1,0 +1,352 @@
+#include "lcp/solve/enumeration.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <sstream>
+#include <stdexcept>
+
+#include "lcp/equilibrate.hpp"
+#include "lcp/iterative/bounded_rows.hpp"
+#include "lcp/judge/cell.hpp"
+#include "lcp/judge/judge.hpp"
+
+namespace perp::lcp {
+namespace {
+
+using Eigen::MatrixXd;
+using Feasibility = BoundedRows::Feasibility;
+
+std::size_t at(Index i) { return static_cast<std::size_t>(i); }
+bool finite_lower(const Box& box, Index i) { return box.lower[i] > -infinity; }
+bool finite_upper(const Box& box, Index i) { return box.upper[i] < infinity; }
+bool is_fixed(const Box& box, Index i) { return box.lower[i] == box.upper[i]; }
+bool is_free(const Box& box, Index i) { return !finite_lower(box, i) && !finite_upper(box, i); }
+
+void check_options(const Enumeration& options) {
+  const auto refuse = [](const char* what, auto value) {
+    std::ostringstream out;
+    out << "enumeration: " << what << " is " << value;
+    throw std::invalid_argument(out.str());
+  };
+  if (options.max_bounded < 0) refuse("max_bounded", options.max_bounded);
+  if (!(options.degenerate_tol > 0 && options.degenerate_tol < 1)) refuse("degenerate_tol", options.degenerate_tol);
+  if (!(options.singular_tol > 0 && options.singular_tol < 1)) refuse("singular_tol", options.singular_tol);
+}
+
+Index rank(const MatrixXd& A, double tol) {
+  if (A.size() == 0) return 0;
+  Eigen::FullPivLU<MatrixXd> lu(A);
+  lu.setThreshold(tol);
+  return lu.rank();
+}
+
+/// A polyhedron of solutions: its cell, a relative interior point (of the equilibrated data), the dimension.
+struct Piece {
+  Places places;
+  Vec z;
+  Vec w;
+  Vec original;
+  Index dimension;
+};
+
+/// None at all if equilibrating would lose digits: proofs are of the data as they are.
+Scaling exact_scaling(const AffineMcp& problem) {
+  Scaling scaling = equilibrate(problem);
+  if (scaling.loses_nothing(problem)) return scaling;
+  return {Vec::Ones(problem.size()), Vec::Ones(problem.size())};
+}
+
+class Search {
+ public:
+  Search(const AffineMcp& problem, const Enumeration& options, const Limits& limits)
+      : problem_(problem),
+        options_(options),
+        limits_(limits),
+        scaling_(exact_scaling(problem)),
+        scaled_(scaling_.apply(problem)),
+        M_(scaled_.M),
+        places_(all_inside(problem.box)),
+        decided_(at(problem.size()), 0),
+        cell_(problem, LuBackend::Umfpack, options.degenerate_tol) {}
+
+  Solutions run() {
+    search();
+    if (cut_degenerate_ && out_.stopped == Status::Solved && pieces_.empty()) {
+      // "None" must not rest on a w_i that is 0 up to rounding: once more without these cuts.
+      skip_degenerate_ = false;
+      nodes_limit_ = out_.nodes + 100'000;
+      search();
+    }
+    out_.complete = out_.stopped == Status::Solved;
+    for (Piece& piece : pieces_) out_.found.push_back({std::move(piece.original), piece.dimension});
+    return std::move(out_);
+  }
+
+ private:
+  void search() {
+    BoundedRows rows(M_, scaled_.q, scaled_.box, options_.degenerate_tol);
+    for (Index i = 0; i < problem_.size(); ++i) {
+      const Box& box = problem_.box;
+      if (is_fixed(box, i) || is_free(box, i)) decided_[at(i)] = 1;
+      if (is_free(box, i)) rows.set_bounds(rows.w(i), 0, 0);
+      if (finite_lower(box, i) && !finite_upper(box, i)) rows.set_bounds(rows.w(i), 0, infinity);
+      if (!finite_lower(box, i) && finite_upper(box, i)) rows.set_bounds(rows.w(i), -infinity, 0);
+    }
+    visit(std::move(rows));
+  }
+
+  /// The partial cell: decided variables are at their places, the others anywhere between their bounds.
+  void visit(BoundedRows rows) {
+    if (done()) return;
+    if (++out_.nodes > nodes_limit_) {
+      stop(Status::Stalled, "rounding: cells where w is 0 throughout are too many to be examined one by one");
+      return;
+    }
+    if (is_empty(rows) || degenerate_in_whole(rows)) return;
+    const Index i = farthest_from_complementary(rows);
+    if (i < 0) {
+      leaf(rows);
+      return;
+    }
+    decided_[at(i)] = 1;
+    const double l = scaled_.box.lower[i];
+    const double u = scaled_.box.upper[i];
+    const auto branch = [&](Place place, double z_lower, double z_upper, double w_lower, double w_upper) {
+      places_[at(i)] = place;
+      BoundedRows next = rows;
+      next.set_bounds(next.z(i), z_lower, z_upper);
+      next.set_bounds(next.w(i), w_lower, w_upper);
+      visit(std::move(next));
+    };
+    if (finite_lower(problem_.box, i)) branch(Place::Lower, l, l, 0, infinity);
+    branch(Place::Inside, l, u, 0, 0);
+    if (finite_upper(problem_.box, i)) branch(Place::Upper, u, u, -infinity, 0);
+    decided_[at(i)] = 0;
+  }
+
+  /// Whether no point is within the rows' bounds; proved without rounding, or the search is not complete.
+  bool is_empty(BoundedRows& rows) {
+    const Feasibility answer = rows.repair();
+    if (answer == Feasibility::Feasible) return false;
+    const bool proved =
+        answer == Feasibility::Empty &&
+        exact_exclusion(scaled_.M, scaled_.q, rows.z_bounds(), rows.w_bounds(), rows.multipliers()).size() > 0;
+    if (!proved) stop(Status::Stalled, "rounding: a partial cell could not be decided");
+    return true;
+  }
+
+  /// Whether some variable at a bound has w_i = 0 in the whole partial cell, up to rounding: then all of it is in the
+  /// one with i inside.
+  bool degenerate_in_whole(const BoundedRows& rows) {
+    if (!skip_degenerate_) return false;
+    const double rounding = 1e-12;
+    for (Index i = 0; i < problem_.size(); ++i) {
+      if (decided_[at(i)] == 0 || places_[at(i)] == Place::Inside || is_fixed(problem_.box, i)) continue;
+      const double direction = places_[at(i)] == Place::Lower ? 1 : -1;
+      if (direction * rows.value(rows.w(i)) > rounding) continue;
+      BoundedRows pushed = rows;
+      if (pushed.push(rows.w(i), direction, direction * rounding)) continue;
+      cut_degenerate_ = true;
+      return true;
+    }
+    return false;
+  }
+
+  bool done() {
+    if (out_.stopped != Status::Solved && out_.stopped != Status::Stalled) return true;
+    if (const auto reached = limits_.reached()) {
+      out_.stopped = Status::Solved;
+      stop(*reached, "the enumeration was stopped");
+    } else if (pieces_.size() >= options_.max_solutions) {
+      stop(Status::IterationLimit, "as many solutions as asked for");
+    }
+    return out_.stopped != Status::Solved && out_.stopped != Status::Stalled;
+  }
+  void stop(Status status, const char* message) {
+    out_.stopped = status;
+    out_.message = message;
+  }
+
+  Index farthest_from_complementary(const BoundedRows& rows) const {
+    Index found = -1;
+    double worst = -1;
+    for (Index i = 0; i < problem_.size(); ++i) {
+      if (decided_[at(i)] != 0) continue;
+      const double z = rows.value(rows.z(i));
+      const double w = rows.value(rows.w(i));
+      const double gap = w > 0 ? z - scaled_.box.lower[i] : scaled_.box.upper[i] - z;
+      const double product = std::min(std::abs(w), gap);
+      if (product <= worst) continue;
+      worst = product;
+      found = i;
+    }
+    return found;
+  }
+
+  void leaf(const BoundedRows& rows) {
+    std::vector<Index> inside;
+    for (Index i = 0; i < problem_.size(); ++i)
+      if (places_[at(i)] == Place::Inside) inside.push_back(i);
+    if (rank(M_(inside, inside), options_.singular_tol) == static_cast<Index>(inside.size())) {
+      const bool solvable = cell_.solve(places_) == LuStatus::Ok;
+      if (solvable && offer(cell_.z().cwiseQuotient(scaling_.columns), 0)) return;
+      if (offer(values(rows), 0)) return;
+    } else {
+      const Vec z = relative_interior(rows);
+      if (offer(z, dimension(z, inside)) || offer(values(rows), dimension(z, inside))) return;
+    }
+    // The cell's point is no solution: by a sign, though by less than the tolerance of the search, or because it is not
+    // known accurately enough.
+    BoundedRows strict = rows;
+    strict.set_tolerance(0);
+    if (!is_empty(strict))
+      stop(Status::Stalled, "rounding: a cell holds a point that is not accurate enough to be judged");
+  }
+
+  static Vec values(const BoundedRows& rows) {
+    return Vec::NullaryExpr(rows.size(), [&](Index i) { return rows.value(rows.z(i)); });
+  }
+
+  /// The mean of points that have each inequality of the cell strict, where one has.
+  Vec relative_interior(const BoundedRows& rows) const {
+    Vec sum = values(rows);
+    double count = 1;
+    const auto push = [&](Index x, double direction) {
+      BoundedRows pushed = rows;
+      const double start = rows.value(x);
+      if (!pushed.push(x, direction, start + direction * 10 * options_.degenerate_tol * (1 + std::abs(start)))) return;
+      sum += values(pushed);
+      count += 1;
+    };
+    for (Index i = 0; i < problem_.size(); ++i) {
+      const Place place = places_[at(i)];
+      if (is_fixed(problem_.box, i)) continue;
+      if (place != Place::Inside) {
+        push(rows.w(i), place == Place::Lower ? 1 : -1);
+        continue;
+      }
+      if (finite_lower(problem_.box, i)) push(rows.z(i), 1);
+      if (finite_upper(problem_.box, i)) push(rows.z(i), -1);
+    }
+    return sum / count;
+  }
+
+  bool zero(double value, double scale = 0) const {
+    return std::isfinite(value) && std::abs(value) <= 2 * options_.degenerate_tol * (1 + std::abs(scale));
+  }
+
+  /// |F| less the rank of the equations that hold on the whole polyhedron: those of the cell, and the inequalities that
+  /// are equations in its relative interior.
+  Index dimension(const Vec& z, const std::vector<Index>& inside) const {
+    const Vec w = M_ * z + scaled_.q;
+    const auto columns = static_cast<Index>(inside.size());
+    std::vector<Eigen::RowVectorXd> equations;
+    for (Index i = 0; i < problem_.size(); ++i)
+      if (!is_fixed(problem_.box, i) && (places_[at(i)] == Place::Inside || zero(w[i])))
+        equations.emplace_back(M_(i, inside));
+    for (Index k = 0; k < columns; ++k) {
+      const Index i = inside[at(k)];
+      if (zero(z[i] - scaled_.box.lower[i], scaled_.box.lower[i]) ||
+          zero(z[i] - scaled_.box.upper[i], scaled_.box.upper[i]))
+        equations.emplace_back(Eigen::RowVectorXd::Unit(columns, k));
+    }
+    MatrixXd A(static_cast<Index>(equations.size()), columns);
+    for (std::size_t k = 0; k < equations.size(); ++k) A.row(static_cast<Index>(k)) = equations[k];
+    return columns - rank(A, options_.singular_tol);
+  }
+
+  /// Takes the point if it is a solution.
+  bool offer(const Vec& scaled_z, Index dimension) {
+    Piece piece{
+        .places = places_, .z = project(scaled_.box, scaled_z), .w = {}, .original = {}, .dimension = dimension};
+    piece.original = project(problem_.box, piece.z.cwiseProduct(scaling_.columns));
+    if (!piece.original.allFinite()) return false;
+    if (!accepts(problem_, piece.original, limits_.tol)) {
+      piece.original = refined(problem_, piece.original, limits_.tol);
+      if (!accepts(problem_, piece.original, limits_.tol)) return false;
+    }
+    piece.w = M_ * piece.z + scaled_.q;
+    for (const Piece& other : pieces_)
+      if (other.dimension >= dimension && contains(other, piece)) return true;
+    std::erase_if(pieces_, [&](const Piece& other) { return other.dimension <= dimension && contains(piece, other); });
+    pieces_.push_back(std::move(piece));
+    return true;
+  }
+
+  /// Whether the polyhedron of `inner` is part of that of `outer`: its relative interior point fulfils the equations,
+  /// and so do all its points, since for all of them z_i - l_i, u_i - z_i and the signed w_i are not negative.
+  bool contains(const Piece& outer, const Piece& inner) const {
+    const double near = 1e-6;
+    if (outer.dimension == 0)
+      return (outer.z - inner.z).lpNorm<Eigen::Infinity>() <= near * (1 + outer.z.lpNorm<Eigen::Infinity>());
+    for (Index i = 0; i < problem_.size(); ++i) {
+      if (is_fixed(problem_.box, i)) continue;
+      const Place place = outer.places[at(i)];
+      const double bound = place == Place::Upper ? scaled_.box.upper[i] : scaled_.box.lower[i];
+      const double off = place == Place::Inside ? inner.w[i] : inner.z[i] - bound;
+      if (std::abs(off) > near * (1 + std::abs(place == Place::Inside ? 0 : bound))) return false;
+    }
+    return true;
+  }
+
+  const AffineMcp& problem_;
+  const Enumeration& options_;
+  const Limits& limits_;
+  Scaling scaling_;
+  AffineMcp scaled_;
+  MatrixXd M_;
+  Places places_;
+  std::vector<char> decided_;
+  CellSolver cell_;
+  bool skip_degenerate_ = true;
+  bool cut_degenerate_ = false;
+  long nodes_limit_ = std::numeric_limits<long>::max();
+  std::vector<Piece> pieces_;
+  Solutions out_;
+};
+
+}  // namespace
+
+Solutions enumerate(const AffineMcp& problem, const Enumeration& options, const Limits& limits) {
+  check_input("enumerate", problem, Vec::Zero(problem.size()), limits);
+  check_options(options);
+  Index bounded = 0;
+  for (Index i = 0; i < problem.size(); ++i) bounded += is_fixed(problem.box, i) || is_free(problem.box, i) ? 0 : 1;
+  if (bounded > options.max_bounded) {
+    std::ostringstream what;
+    what << bounded << " variables have bounds, more than max_bounded = " << options.max_bounded;
+    return {.found = {}, .complete = false, .nodes = 0, .stopped = Status::NotApplicable, .message = what.str()};
+  }
+  return Search(problem, options, limits).run();
+}
+
+Result enumeration(const AffineMcp& problem, In start, const Enumeration& options, const Limits& limits) {
+  check_input("enumeration", problem, start, limits);
+  const auto solve = [&] {
+    const Solutions all = enumerate(problem, options, limits);
+    int two = 0;
+    int three = 0;
+    for (Index i = 0; i < problem.size(); ++i) {
+      if (is_fixed(problem.box, i) || is_free(problem.box, i)) continue;
+      ++(finite_lower(problem.box, i) && finite_upper(problem.box, i) ? three : two);
+    }
+    std::ostringstream what;
+    if (all.complete)
+      what << "all 2^" << two << (three > 0 ? " 3^" + std::to_string(three) : "") << " cells examined: ";
+    else
+      what << all.message << ": ";
+    what << all.found.size() << " solutions or sets of them";
+    const Vec z = all.found.empty() ? Vec(start) : all.found.front().z;
+    const bool none = all.complete && all.found.empty();
+    const Status otherwise = none ? Status::Infeasible : all.complete ? Status::Stalled : all.stopped;
+    Result result = judged(problem, z, limits, otherwise, what.str());
+    result.message = what.str();
+    result.iterations = all.nodes;
+    return result;
+  };
+  return within_limits(solve, at_start("enumeration", problem, start, limits));
+}
+
+}  // namespace perp::lcp

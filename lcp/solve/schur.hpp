@@ -1,0 +1,22 @@
+#pragma once
+/// S = B' K^-1 B  and  x = K^-1 f  for a sparse square K and a sparse B, column by column through one sparse LU
+/// factorization with sparse right-hand sides: nothing dense of more than one column is held, and blocks of K that a
+/// column of B does not meet cost it nothing (Gilbert & Peierls, SIAM J. Sci. Stat. Comput. 9 (1988) 862).
+#include "lcp/lu/sparse_lu.hpp"
+#include "lcp/types.hpp"
+
+namespace perp::lcp {
+
+struct Schur {
+  LuStatus status = LuStatus::Ok;
+  double rcond =
+      0;    ///< of K with rows and columns scaled by powers of two; that below 1e-15 is singular up to rounding
+  SpMat S;  ///< columns of B squared; empty unless status is Ok
+  Vec x;    ///< rows of K; empty unless status is Ok
+};
+
+/// An entry of S is left out where |S_ij| <= drop sqrt(|S_ii S_jj|): rounding of what is zero by structure.
+/// Throws std::invalid_argument if K is not square or sizes differ.
+Schur schur(const SpMat& K, const SpMat& B, In f, double drop);
+
+}  // namespace perp::lcp

@@ -1,0 +1,146 @@
+#include "lcp/solve/solve.hpp"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "lcp/judge/judge.hpp"
+
+namespace perp::lcp {
+
+std::span<const MethodEntry> methods() {
+  static const std::array table{
+      MethodEntry{"auto", "chooses from the structure of M, says why, and falls back on the others", "perp", Auto{}},
+      MethodEntry{"lemke", "complementary pivoting along a ray, sparse, any box", "Lemke 1965; Dirkse & Ferris 1995",
+                  Lemke{}},
+      MethodEntry{"lemke-howson", "complementary pivoting with a missing label: bimatrix games and their like",
+                  "Lemke & Howson 1964", LemkeHowson{}},
+      MethodEntry{"principal-pivoting", "drives one variable after the other to feasibility; sufficient matrices",
+                  "Cottle & Dantzig 1968; Cottle, Pang & Stone 1992", PrincipalPivoting{}},
+      MethodEntry{"block-pivoting", "exchanges all infeasible variables at once; finite for P-matrices",
+                  "Kostreva 1978; Judice & Pires 1994", BlockPivoting{}},
+      MethodEntry{"least-index", "exchanges the first infeasible variable; finite for P-matrices", "Murty 1974",
+                  LeastIndex{}},
+      MethodEntry{"psor", "projected successive over-relaxation: symmetric positive definite or H-matrices",
+                  "Cryer 1971; Mangasarian 1977", ProjectedSor{}},
+      MethodEntry{"min-newton", "damped Newton on min(z, M z + q)", "Harker & Pang 1990; Fischer & Kanzow 1996",
+                  MinNewton{}},
+      MethodEntry{"fb-newton", "damped Newton on the Fischer-Burmeister equation, safeguarded",
+                  "Fischer 1992; De Luca, Facchinei & Kanzow 1996", FbNewton{}},
+      MethodEntry{"interior-point", "infeasible predictor-corrector primal-dual interior points; monotone problems",
+                  "Mehrotra 1992; Wright 1997", InteriorPoint{}},
+      MethodEntry{"qp", "symmetric positive semidefinite M: active sets, conjugate gradients, multigrid",
+                  "Kornhuber 1994; More & Toraldo 1991", BoundQp{}},
+      MethodEntry{"enumeration",
+                  "all complementary cells, for at most 20 bounded variables: finds a solution or proves "
+                  "there is none",
+                  "Murty 1988", Enumeration{}},
+  };
+  return table;
+}
+
+std::string_view name(const Method& method) {
+  const auto entry =
+      std::ranges::find_if(methods(), [&](const MethodEntry& e) { return e.method.index() == method.index(); });
+  return entry == methods().end() ? "?" : entry->name;
+}
+
+namespace {
+
+Result by_lemke(const AffineMcp& problem, In start, const Lemke& method, const Limits& limits) {
+  LemkeOptions options = method.options;
+  options.residual_tol = limits.tol;
+  options.deadline = std::min(options.deadline, limits.deadline);
+  if (limits.interrupted) options.interrupted = limits.interrupted;
+  const PivotResult path = lemke(problem, start, options);
+  const auto [status, message] = [&]() -> std::pair<Status, std::string> {
+    switch (path.end) {
+      case PivotEnd::Ray:
+        if (path.certificate.size() > 0)
+          return {Status::Infeasible,
+                  "the path ends on a ray whose direction proves that there is no solution (the certificate)"};
+        return {Status::Ray, "the path ends on a ray, which proves nothing for this matrix"};
+      case PivotEnd::Loop:
+        return {Status::Stalled, "the path is closed"};
+      case PivotEnd::SingularBasis:
+        return {Status::Singular, "a basis on the path is singular"};
+      case PivotEnd::PivotLimit:
+        return {Status::IterationLimit, "the limit of " + std::to_string(options.max_pivots) + " pivots was reached"};
+      case PivotEnd::TimeLimit:
+        return {Status::TimeLimit, "the time limit was reached"};
+      case PivotEnd::Interrupted:
+        return {Status::Interrupted, "interrupted"};
+      case PivotEnd::Solved:
+      case PivotEnd::Inaccurate:
+        break;
+    }
+    return {Status::Stalled, "the path's end is not accurate to the tolerance"};
+  }();
+  Result result = judged(problem, path.z, limits, status, message);
+  if (result.status == Status::Infeasible) result.certificate = path.certificate;
+  result.iterations = path.pivots;
+  result.factorizations = path.refactorizations;
+  return result;
+}
+
+}  // namespace
+
+Result lemke_method(const AffineMcp& problem, In start, const Lemke& method, const Limits& limits) {
+  check_input("lemke", problem, start, limits);
+  return within_limits([&] { return by_lemke(problem, start, method, limits); },
+                       at_start("lemke", problem, start, limits));
+}
+
+namespace {
+
+Result run(const AffineMcp& p, In x, const Auto& m, const Limits& limits) { return automatic(p, x, m, limits); }
+Result run(const AffineMcp& p, In x, const Lemke& m, const Limits& limits) { return lemke_method(p, x, m, limits); }
+Result run(const AffineMcp& p, In x, const LemkeHowson& m, const Limits& limits) {
+  return lemke_howson(p, x, m, limits);
+}
+Result run(const AffineMcp& p, In x, const PrincipalPivoting& m, const Limits& limits) {
+  return principal_pivoting(p, x, m, limits);
+}
+Result run(const AffineMcp& p, In x, const BlockPivoting& m, const Limits& limits) {
+  return block_pivoting(p, x, m, limits);
+}
+Result run(const AffineMcp& p, In x, const LeastIndex& m, const Limits& limits) { return least_index(p, x, m, limits); }
+Result run(const AffineMcp& p, In x, const ProjectedSor& m, const Limits& limits) {
+  return projected_sor(p, x, m, limits);
+}
+Result run(const AffineMcp& p, In x, const MinNewton& m, const Limits& limits) { return min_newton(p, x, m, limits); }
+Result run(const AffineMcp& p, In x, const FbNewton& m, const Limits& limits) { return fb_newton(p, x, m, limits); }
+Result run(const AffineMcp& p, In x, const InteriorPoint& m, const Limits& limits) {
+  return interior_point(p, x, m, limits);
+}
+Result run(const AffineMcp& p, In x, const BoundQp& m, const Limits& limits) { return bound_qp(p, x, m, limits); }
+Result run(const AffineMcp& p, In x, const Enumeration& m, const Limits& limits) {
+  return enumeration(p, x, m, limits);
+}
+
+/// At the door of a solution the last digits may be had.
+void refine(const AffineMcp& problem, const Limits& limits, Result& result) {
+  if (result.status != Status::SolvedToRounding && result.status != Status::Stalled) return;
+  if (!worth_refining(judge(problem, result.z), limits.tol)) return;
+  Result better = judged(problem, refined(problem, result.z, limits.tol), limits, result.status, result.message);
+  ++result.factorizations;
+  if (!better.accepted()) return;
+  result.status = better.status;
+  result.message = better.message.empty() ? "after refinement" : better.message;
+  result.z = better.z;
+  result.residual = better.residual;
+  result.relative = better.relative;
+}
+
+}  // namespace
+
+Result solve(const AffineMcp& problem, In start, const Method& method, const Limits& limits) {
+  const auto method_and_refinement = [&] {
+    Result result = std::visit([&](const auto& m) { return run(problem, start, m, limits); }, method);
+    refine(problem, limits, result);
+    return result;
+  };
+  return within_limits(method_and_refinement, at_start(name(method), problem, start, limits));
+}
+
+}  // namespace perp::lcp

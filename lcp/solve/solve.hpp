@@ -1,0 +1,60 @@
+#pragma once
+/// The methods for the affine MCP as values, and solve(), which runs one of them or lets Auto choose.
+#include <span>
+#include <string>
+#include <string_view>
+#include <variant>
+
+#include "lcp/iterative/fb_newton.hpp"
+#include "lcp/iterative/interior_point.hpp"
+#include "lcp/iterative/min_newton.hpp"
+#include "lcp/iterative/projected_sor.hpp"
+#include "lcp/judge/result.hpp"
+#include "lcp/pivoting/block_pivoting.hpp"
+#include "lcp/pivoting/least_index.hpp"
+#include "lcp/pivoting/lemke.hpp"
+#include "lcp/pivoting/lemke_howson.hpp"
+#include "lcp/pivoting/principal_pivoting.hpp"
+#include "lcp/qp/bound_qp.hpp"
+#include "lcp/solve/enumeration.hpp"
+
+namespace perp::lcp {
+
+/// Lemke's method from a ray (lcp/pivoting/lemke.hpp), or from the start given with options.start = Regular. The
+/// covering vector is the textbook's e unless the options say otherwise. A Ray end with a checked certificate is
+/// Infeasible.
+struct Lemke {
+  LemkeOptions options{.start = LemkeStart::Ray, .cover = Cover::Ones};
+};
+
+/// Chooses methods from the structure of M (lcp/classes/classify.hpp) and tries them in turn until one solves the
+/// problem or proves it infeasible; Result::message says which and why. The order:
+///  * symmetric M not known to be indefinite: block pivoting for small n, the QP for large n;
+///  * P-matrices and M-matrices: block pivoting, component by component where M is reducible;
+///  * monotone M: Lemke's method for small n, interior points for large n;
+///  * anything else: Lemke's method with several covering vectors; enumeration of all cells where there are few; the
+///    Newton methods.
+struct Auto {
+  unsigned seed = 1;  ///< of the covering vectors tried after the first
+};
+
+using Method = std::variant<Auto, Lemke, LemkeHowson, PrincipalPivoting, BlockPivoting, LeastIndex, ProjectedSor,
+                            MinNewton, FbNewton, InteriorPoint, BoundQp, Enumeration>;
+
+/// Runs the method from `start` (methods that need none ignore it). Throws std::invalid_argument for malformed input.
+Result solve(const AffineMcp& problem, In start, const Method& method = Auto{}, const Limits& limits = {});
+
+struct MethodEntry {
+  std::string_view name;       ///< "auto", "lemke", ...
+  std::string_view what;       ///< one line
+  std::string_view reference;  ///< author and year
+  Method method;               ///< with its default options
+};
+/// All methods; Auto is the first.
+std::span<const MethodEntry> methods();
+std::string_view name(const Method& method);
+
+Result lemke_method(const AffineMcp& problem, In start, const Lemke& method, const Limits& limits = {});
+Result automatic(const AffineMcp& problem, In start, const Auto& method, const Limits& limits = {});
+
+}  // namespace perp::lcp

@@ -1,0 +1,37 @@
+#pragma once
+/// Why the Jacobian is singular, in sentences with names.
+///
+/// At a point x the block that Newton's method has to solve with is B = J_AA: A are the variables off their bounds, or
+/// at one that F pushes them away from (x_i = l_i with F_i < 0, x_i = u_i with F_i > 0); the others stay where they
+/// are.
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "lcp/linalg/structure.hpp"
+#include "ncp/problem/mcp.hpp"
+
+namespace perp::ncp {
+
+/// "a, b and c"; of more than six names "a, b, c, d, e and 12 more".
+std::string listed(std::size_t count, const std::function<std::string(std::size_t)>& name);
+std::string listed_variables(const Mcp& mcp, const std::vector<Index>& variables);
+std::string listed_equations(const Mcp& mcp, const std::vector<Index>& equations);
+
+/// The parts that do not match (lcp::dulmage_mendelsohn, in the problem's indices): "too many equations: 3 rows (a, b
+/// and c) for 2 variables (x and y)", "too many unknowns: ...". Empty rows (`over` without columns) and empty columns
+/// are not mentioned.
+std::vector<std::string> describe_parts(const Mcp& mcp, const lcp::StructurePart& over,
+                                        const lcp::StructurePart& under);
+
+/// The variables A, ascending; fixed ones never. At a bound: within 1e-10 (1 + |bound|) of it.
+std::vector<Index> active_block(const Box& box, In x, In F);
+
+/// What makes B singular: rows and columns without entries, structurally too many equations or unknowns; else parallel
+/// rows or columns; else, if B is singular to working precision, the equations with a combination that vanishes and the
+/// variables that can move together without changing any equation. Empty if B is none of it, or J, x or F is not
+/// finite. One line, without a full stop. Costs a matching, and a factorization of B if that has full structural rank.
+/// Throws std::invalid_argument if the sizes do not fit.
+std::string explain_singularity(const Mcp& mcp, const SpMat& J, In x, In F);
+
+}  // namespace perp::ncp

@@ -1,0 +1,99 @@
+#include "ncp/methods/affine_method.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <stdexcept>
+#include <type_traits>
+#include <variant>
+
+#include "ncp/problem/affine.hpp"
+#include "ncp/run/kernels.hpp"
+
+namespace perp::ncp {
+namespace {
+
+/// In the words of lcp: a method that does not get there is no progress, a ray or a singular matrix is its reason.
+Status status_of(lcp::Status status) {
+  switch (status) {
+    case lcp::Status::Solved:
+      return Status::Solved;
+    case lcp::Status::SolvedToRounding:
+      return Status::SolvedToRounding;
+    case lcp::Status::Infeasible:
+      return Status::Infeasible;
+    case lcp::Status::NotApplicable:
+      return Status::NotApplicable;
+    case lcp::Status::IterationLimit:
+      return Status::IterationLimit;
+    case lcp::Status::TimeLimit:
+      return Status::TimeLimit;
+    case lcp::Status::Interrupted:
+      return Status::Interrupted;
+    case lcp::Status::OutOfMemory:
+      return Status::OutOfMemory;
+    case lcp::Status::Singular:
+      return Status::LinearAlgebraFailed;
+    case lcp::Status::Ray:
+    case lcp::Status::Stalled:
+      return Status::NoProgress;
+  }
+  return Status::NoProgress;
+}
+
+const char* advice(lcp::Status status, bool automatic) {
+  switch (status) {
+    case lcp::Status::Infeasible:
+      return "look for a mistake in the model";
+    case lcp::Status::TimeLimit:
+      return "raise the time limit";
+    case lcp::Status::OutOfMemory:
+      return "a smaller problem, more memory, or --method psor";
+    default:
+      return automatic ? "the problem may have no solution; a nonlinear method (semismooth) may still find one"
+                       : "try --method auto";
+  }
+}
+
+}  // namespace
+
+void affine(Run& run, In x0, const Affine& method) {
+  const Mcp& mcp = run.mcp();
+  const std::optional<lcp::AffineMcp> problem = affine_part(mcp);
+  if (!problem)
+    throw std::invalid_argument(mcp.name() + ": method " + std::string(lcp::name(method.method)) +
+                                " is for affine problems, and this one does not say it is one");
+  Point point;
+  if (!run.start(x0, point)) return;
+  Iteration it{.k = 0, .kind = 'I'};
+  if (!run.go_on(point, it)) return;
+  lcp::Limits limits{.tol = run.tol(), .deadline = run.deadline()};
+  limits.interrupted = [&run] { return run.interrupted(); };
+  const lcp::Result found = lcp::solve(*problem, point.x, method.method, limits);
+  run.stats().factorizations += found.factorizations;
+  point.x = found.z;
+  it = {.k = 1, .kind = 'A'};
+  if (!run.evaluate(point) || run.go_on(point, it))
+    run.end(found.accepted() ? Status::NoProgress : status_of(found.status), found.message,
+            advice(found.status, std::holds_alternative<lcp::Auto>(method.method)));
+  run.stats().iterations = static_cast<int>(std::min<long>(found.iterations, std::numeric_limits<int>::max()));
+  if (run.status() == Status::Solved) run.remark(found.message);
+}
+
+void describe(Affine& method, Fields& f) {
+  f.hide("major_iteration_limit");  // these count pivots, sweeps, ...
+  std::visit(
+      [&](auto& m) {
+        using M = std::remove_cvref_t<decltype(m)>;
+        if constexpr (std::is_same_v<M, lcp::Lemke>) {
+          describe_start(m.options.start, f);
+          describe(m.options, f);
+        }
+        if constexpr (std::is_same_v<M, lcp::FbNewton>) describe_descent(m.descent_rho, m.descent_p, f);
+        if constexpr (std::is_same_v<M, lcp::ProjectedSor>)
+          f.add("patience", &m.patience, at_least(1), "sweeps in which the residual must fall by 1 %");
+        if constexpr (requires { m.lu; }) describe_lu(m.lu, f);
+      },
+      method.method);
+}
+
+}  // namespace perp::ncp

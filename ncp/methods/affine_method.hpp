@@ -1,0 +1,14 @@
+#pragma once
+#include "lcp/solve/solve.hpp"
+#include "ncp/run/options.hpp"
+
+namespace perp::ncp {
+
+/// Affine problems (Mcp::is_affine) only, by a method of lcp/. Stop::max_iterations has no meaning but 0.
+struct Affine {
+  Stop stop{.tol = 1e-9};
+  lcp::Method method{};
+};
+void describe(Affine& method, Fields& fields);
+
+}  // namespace perp::ncp

@@ -1,0 +1,162 @@
+#include "ncp/path/crash.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "lcp/linalg/blocks.hpp"
+#include "ncp/reformulation/line_search.hpp"
+#include "ncp/reformulation/normal_map.hpp"
+
+namespace perp::ncp {
+namespace {
+
+/// The proximal term of a singular J_II, relative to the size of J; it grows by this factor until J_II + lambda I is
+/// not.
+constexpr double prox_first = 1e-6;
+constexpr double prox_growth = 100;
+constexpr int prox_tries = 4;
+/// A step is worth a factorization if it leaves less than this share of the merit.
+constexpr double worthwhile = 0.9;
+
+using Places = std::vector<bool>;  // inside?
+
+/// The variables that the sign of F does not hold at a bound.
+Places inside(const Box& box, const Point& point) {
+  Places in(static_cast<std::size_t>(point.x.size()));
+  for (Index i = 0; i < point.x.size(); ++i) {
+    const bool held =
+        (point.x[i] == box.lower[i] && point.F[i] >= 0) || (point.x[i] == box.upper[i] && point.F[i] <= 0);
+    in[static_cast<std::size_t>(i)] = !held && box.lower[i] < box.upper[i];
+  }
+  return in;
+}
+
+/// J_II + lambda I.
+SpMat block(const SpMat& J, const std::vector<Index>& I, double lambda) {
+  SpMat B = lcp::principal_block(J, I);
+  if (lambda > 0) {
+    SpMat one(B.rows(), B.cols());
+    one.setIdentity();
+    B += lambda * one;
+  }
+  return B;
+}
+
+/// d with (J_II + lambda I) d_I = -F_I, d = 0 elsewhere; lambda > 0 if J_II is singular. False: no lambda helped.
+bool direction(Run& run, const Point& point, const Places& in, lcp::SparseLu& lu, double& lambda, Vec& d) {
+  std::vector<Index> I;
+  for (std::size_t i = 0; i < in.size(); ++i)
+    if (in[i]) I.push_back(static_cast<Index>(i));
+  if (I.empty()) return false;
+  Vec rhs(static_cast<Index>(I.size()));
+  for (std::size_t k = 0; k < I.size(); ++k) rhs[static_cast<Index>(k)] = -point.F[I[k]];
+  Vec step(rhs.size());
+  for (int tries = 0; tries <= prox_tries; ++tries) {
+    ++run.stats().factorizations;
+    if (lu.try_factor(block(point.J, I, lambda))) {
+      lu.solve(rhs, step);
+      if (step.allFinite()) {
+        d.setZero(point.x.size());
+        for (std::size_t k = 0; k < I.size(); ++k) d[I[k]] = step[static_cast<Index>(k)];
+        return true;
+      }
+    }
+    lambda = lambda > 0 ? prox_growth * lambda : prox_first * size_of(point.J);
+  }
+  return false;
+}
+
+/// So many variables changing their places in one step are worth a try of cheaper changes.
+constexpr Index many_changes = 16;
+constexpr int sweeps = 50;
+
+/// Projected Gauss-Seidel sweeps on the problem linearised at `point`, z_i <- mid(l_i, z_i - F_i / J_ii, u_i), F <- F +
+/// J_.i dz_i: an active set that moves by one layer of variables a factorization moves by many in sweeps that cost as
+/// much as a product with J. False if a diagonal entry is not positive.
+bool relax(const Box& box, const Point& point, Vec& z) {
+  z = point.x;
+  Vec F = point.F;
+  const Vec diagonal = point.J.diagonal();
+  if (!(diagonal.minCoeff() > 0)) return false;
+  for (int k = 0; k < sweeps; ++k) {
+    bool moved = false;
+    for (Index i = 0; i < z.size(); ++i) {
+      const double to = std::clamp(z[i] - F[i] / diagonal[i], box.lower[i], box.upper[i]);
+      const double by = to - z[i];
+      if (by == 0) continue;
+      moved = true;
+      z[i] = to;
+      for (SpMat::InnerIterator e(point.J, i); e; ++e) F[e.row()] += e.value() * by;
+    }
+    if (!moved || !F.allFinite()) break;
+  }
+  return F.allFinite();
+}
+
+/// relax(), if the merit falls by it.
+bool relaxed(Run& run, const CFunction& fb, Point& point, double& psi) {
+  Point trial;
+  if (!relax(run.box(), point, trial.x) || !run.counted().eval(trial.x, trial.F)) return false;
+  const double merit_there = merit(fb, run.box(), trial.x, trial.F);
+  if (!(merit_there < psi) || !run.counted().jacobian(trial.x, trial.J)) return false;
+  std::swap(point, trial);
+  psi = merit_there;
+  return true;
+}
+
+}  // namespace
+
+bool crash(Run& run, const Crash& options, Point& point, Iteration& it) {
+  if (!options.on || run.box().size() < options.minimum_dimension) return true;
+  const CFunction fb = fischer_burmeister();
+  const Armijo rule{.max_backtracks = static_cast<int>(std::ceil(-std::log2(options.least_step)))};
+  lcp::SparseLu lu(lcp::LuBackend::Auto, run.deadline());
+  Places before;
+  bool sweeping = false;  // then full steps may raise the merit for a while: the set they overshoot to is a better one
+  bool sweeps_pay = true;
+  double psi = merit(fb, run.box(), point.x, point.F);
+  double lambda = 0;
+  Memory memory(4);
+  memory.push(psi);
+  Stall stall(2);
+  (void)stall.stalled(psi);
+  for (int c = 0; c < options.iteration_limit; ++c) {
+    Places in = inside(run.box(), point);
+    Index changes = 0;
+    for (std::size_t i = 0; i < before.size(); ++i) changes += in[i] != before[i];
+    if (c > 0 && changes < options.nbchange_limit) return true;
+    if (c > 0 && changes >= many_changes && sweeps_pay) {
+      sweeps_pay = relaxed(run, fb, point, psi);
+      sweeping = sweeping || sweeps_pay;
+      in = inside(run.box(), point);
+    }
+    before = std::move(in);
+    Vec d;
+    if (!direction(run, point, before, lu, lambda, d)) return true;
+    const double reference = sweeping ? memory.reference() : psi;
+    const SearchOutcome found = line_search(run, fb, rule, d, -2 * psi, reference, true, point);
+    if (!found.found) return true;
+    memory.push(found.merit);
+    const bool stalled = stall.stalled(found.merit);
+    const bool pays = sweeping ? !stalled : found.merit < worthwhile * psi;
+    psi = found.merit;
+    it = {.k = it.k,
+          .merit = psi,
+          .step = found.t,
+          .prox = lambda,
+          .backtracks = found.backtracks,
+          .kind = 'C',
+          .crash = true,
+          .changes = changes,
+          .inside = std::count(before.begin(), before.end(), true),
+          .normal_map = true};
+    ++run.stats().crash_iterations;
+    if (!run.go_on(point, it)) return false;
+    if (!pays) return true;
+    lambda /= 10;
+  }
+  return true;
+}
+
+}  // namespace perp::ncp

@@ -1,0 +1,140 @@
+#include "ncp/path/newton_point.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace perp::ncp {
+namespace {
+
+/// Doubles that the kinks of one path may take.
+constexpr Index kink_memory = 4'000'000;
+constexpr Index most_kinks = 4096;
+
+}  // namespace
+
+double subproblem_tol(const lcp::AffineMcp& problem, double relative) {
+  return relative * (1 + (problem.size() > 0 ? problem.q.lpNorm<Eigen::Infinity>() : 0));
+}
+
+int worthwhile_pivots(Index n) { return 1000 + 20 * static_cast<int>(std::min<Index>(n, 1'000'000)); }
+
+bool finite(const lcp::AffineMcp& problem) {
+  const double* values = problem.M.valuePtr();
+  return problem.q.allFinite() &&
+         std::all_of(values, values + problem.M.nonZeros(), [](double value) { return std::isfinite(value); });
+}
+
+lcp::PivotResult follow_path(const lcp::AffineMcp& linearised, const Vec& start, const lcp::LemkeOptions& options) {
+  if (finite(linearised) && start.allFinite()) return lcp::lemke(linearised, start, options);
+  lcp::PivotResult none;
+  none.end = lcp::PivotEnd::Inaccurate;
+  none.x = none.best_x = start;
+  none.z = lcp::project(linearised.box, start);
+  return none;
+}
+
+bool stopped(const lcp::PivotResult& path) {
+  return path.end == lcp::PivotEnd::Interrupted || path.end == lcp::PivotEnd::TimeLimit;
+}
+
+lcp::PivotResult path_or_rays(const lcp::AffineMcp& linearised, const Vec& start, const lcp::LemkeOptions& options) {
+  lcp::PivotResult path = follow_path(linearised, start, options);
+  int pivots = path.pivots;
+  int refactorizations = path.refactorizations;
+  lcp::LemkeOptions ray = options;
+  ray.start = lcp::LemkeStart::Ray;
+  for (std::size_t i = 0; i <= covers.size() && !path.solved() && !stopped(path); ++i) {
+    ray.seed = options.seed + static_cast<unsigned>(i);
+    if (i > 0) ray.cover = covers[i - 1];
+    lcp::PivotResult from_ray = follow_path(linearised, start, ray);
+    pivots += from_ray.pivots;
+    refactorizations += from_ray.refactorizations;
+    if (from_ray.solved() || stopped(from_ray)) path = std::move(from_ray);
+  }
+  path.pivots = pivots;
+  path.refactorizations = refactorizations;
+  return path;
+}
+
+char NewtonPoint::letter() const {
+  switch (path.end) {
+    case lcp::PivotEnd::Solved:
+      return 'S';
+    case lcp::PivotEnd::Ray:
+      return 'R';
+    case lcp::PivotEnd::Loop:
+      return 'C';
+    case lcp::PivotEnd::SingularBasis:
+      return 'N';
+    case lcp::PivotEnd::PivotLimit:
+      return 'I';
+    case lcp::PivotEnd::Inaccurate:
+      return 'T';
+    case lcp::PivotEnd::TimeLimit:
+    case lcp::PivotEnd::Interrupted:
+      return 'E';
+  }
+  return 'E';
+}
+
+NewtonPoints::NewtonPoints(Run& run, const PathSearch& method)
+    : run_(run),
+      method_(method),
+      options_(method.lemke),
+      left_(method.cumulative_iteration_limit - run.stats().pivots) {
+  const Index n = run.box().size();
+  options_.interrupted = [&run] { return run.interrupted(); };
+  options_.deadline = run.deadline();
+  options_.max_pivots = std::min(options_.max_pivots, worthwhile_pivots(n));
+  options_.keep_basis = method.chord_steps > 0;
+  options_.path_limit =
+      static_cast<std::size_t>(std::clamp<Index>(kink_memory / std::max<Index>(n, 1), 16, most_kinks));
+}
+
+lcp::PivotResult NewtonPoints::follow(const lcp::AffineMcp& problem, const Vec& x, const lcp::LemkeOptions& options) {
+  const auto begin = std::chrono::steady_clock::now();
+  lcp::PivotResult path = follow_path(problem, x, options);
+  Stats& stats = run_.stats();
+  stats.linear_time += std::chrono::steady_clock::now() - begin;
+  stats.factorizations += path.refactorizations;
+  if (path.repaired > 0) ++stats.rank_deficient;
+  if (options.start == lcp::LemkeStart::Ray) ++stats.ray_starts;
+  pivots_ += path.pivots;
+  left_ -= path.pivots;
+  return path;
+}
+
+NewtonPoint NewtonPoints::solve(const Point& point, const Vec& x, const std::vector<lcp::Cell>& cells, double lambda) {
+  const lcp::AffineMcp problem = linearised(run_.box(), point, lambda);
+  const bool first = std::exchange(first_, false);
+  NewtonPoint newton{.path = {}, .lambda = lambda};
+  lcp::LemkeOptions options = options_;
+  options.max_pivots = std::min(options.max_pivots, std::max(left_, 1));
+  const bool ray_asked = method_.start == PathStart::Always || (method_.start == PathStart::First && first) ||
+                         options.start == lcp::LemkeStart::Ray;
+  if (!ray_asked) {
+    options.cells = cells;
+    options.keep_path = method_.search == Searchtype::Path;
+    newton.path = follow(problem, x, options);
+    if (newton.solved() || newton.stopped()) return newton;
+  }
+  options.start = lcp::LemkeStart::Ray;
+  options.cells.clear();
+  options.keep_path = false;
+  const std::size_t rays = first || ray_asked ? covers.size() + 1 : 1;
+  for (std::size_t i = 0; i < rays && left_ > 0 && (i == 0 || !newton.usable()); ++i) {
+    if (i > 0) options.cover = covers[i - 1];
+    options.seed = options_.seed + static_cast<unsigned>(i);
+    lcp::PivotResult path = follow(problem, x, options);
+    const bool good = path.solved();
+    if (good || (i == 0 && ray_asked)) {
+      newton.path = std::move(path);
+      newton.from_ray = true;
+    }
+    if (good || newton.stopped()) break;
+  }
+  return newton;
+}
+
+}  // namespace perp::ncp

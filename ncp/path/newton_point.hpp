@@ -1,0 +1,68 @@
+#pragma once
+/// The linearised problems of PathSearch, solved by following the path from x^k; private to ncp/.
+#include <array>
+#include <utility>
+#include <vector>
+
+#include "ncp/path/path_search.hpp"
+#include "ncp/path/pivot_limit.hpp"
+#include "ncp/reformulation/normal_map.hpp"
+#include "ncp/run/run.hpp"
+
+namespace perp::ncp {
+
+/// Covering vectors of rays, in the order they are tried.
+inline constexpr std::array covers{lcp::Cover::Generic, lcp::Cover::Ones, lcp::Cover::Spread};
+
+/// Whether M and q are finite: they may overflow where F and J do not.
+bool finite(const lcp::AffineMcp& problem);
+/// A linearised problem is solved well enough for a step relative to its own size: relative (1 + ||q||_inf).
+double subproblem_tol(const lcp::AffineMcp& problem, double relative = 1e-9);
+
+/// lcp::lemke, for linearised problems: q = F - J x may overflow where F and J do not, and then no path begins
+/// (PivotEnd::Inaccurate, best_x = start).
+lcp::PivotResult follow_path(const lcp::AffineMcp& linearised, const Vec& start, const lcp::LemkeOptions& options);
+
+/// The path from `start`; where that does not solve the problem, rays with the covering vector asked for and then with
+/// `covers`. Not solved: the path from `start`, for the points on a path from a ray say nothing of the way from it.
+/// pivots and refactorizations are those of all.
+lcp::PivotResult path_or_rays(const lcp::AffineMcp& linearised, const Vec& start, const lcp::LemkeOptions& options);
+/// Interrupted, or past the deadline.
+bool stopped(const lcp::PivotResult& path);
+
+struct NewtonPoint {
+  lcp::PivotResult path;
+  double lambda = 0;      ///< of the proximal term, absolute
+  bool from_ray = false;  ///< the kinks of `path` then say nothing of the way from x^k
+  bool solved() const { return path.solved(); }
+  /// Came far enough to be of use: t = 1, or the part of a path from x^k that has this share of it.
+  bool usable() const { return solved() || (!from_ray && path.best_t >= 0.1); }
+  double t() const { return solved() ? 1 : path.best_t; }
+  const Vec& x() const { return solved() ? path.x : path.best_x; }
+  bool stopped() const { return ncp::stopped(path); }
+  char letter() const;  ///< Iteration::linear
+};
+
+class NewtonPoints {
+ public:
+  NewtonPoints(Run& run, const PathSearch& method);
+
+  /// Of the problem linearised at `point` with this lambda, from x (and its cells, if they are known); from rays with
+  /// several covering vectors if it is the first one or the path from x does not get anywhere.
+  NewtonPoint solve(const Point& point, const Vec& x, const std::vector<lcp::Cell>& cells, double lambda);
+
+  int take_pivots() { return std::exchange(pivots_, 0); }
+  bool exhausted() const { return left_ <= 0; }
+
+ private:
+  lcp::PivotResult follow(const lcp::AffineMcp& problem, const Vec& x, const lcp::LemkeOptions& options);
+
+  Run& run_;
+  const PathSearch& method_;
+  lcp::LemkeOptions options_;
+  int pivots_ = 0;
+  int left_;
+  bool first_ = true;
+};
+
+}  // namespace perp::ncp

@@ -1,0 +1,394 @@
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "ncp/path/crash.hpp"
+#include "ncp/path/newton_point.hpp"
+#include "ncp/path/path_search.hpp"
+#include "ncp/reformulation/line_search.hpp"
+#include "ncp/reformulation/merit.hpp"
+#include "ncp/run/kernels.hpp"
+
+namespace perp::ncp {
+namespace {
+
+/// lambda of the proximal terms tried in turn, relative to the size of J; one that helped shrinks from then on.
+constexpr double prox_first = 0.1;
+constexpr double prox_growth = 30;
+constexpr double prox_decay = 0.1;
+constexpr int prox_tries = 3;
+
+/// A term of lambda below this share of the first one tried is dropped.
+constexpr double prox_least = 0.01;
+
+/// A chord step is kept if it leaves at most this share of the merit.
+constexpr double chord_keeps = 0.7;
+
+/// The shortest step a watchdog takes.
+constexpr double watchdog_least = 1e-3;
+
+/// Shorter steps than this along a way are taken only when no proximal term gives a longer one.
+constexpr double least_step = 0.1;
+
+/// The reference values M_1 .. M_m.
+class References {
+ public:
+  References(const Nms& nms, double psi)
+      : values_(static_cast<std::size_t>(nms.on ? nms.memory : 1), (nms.on ? nms.initial_reference_factor : 1) * psi) {}
+  double largest() const { return *std::max_element(values_.begin(), values_.end()); }
+  void replace_largest(double psi) { *std::max_element(values_.begin(), values_.end()) = psi; }
+  void reset(double psi) { std::fill(values_.begin(), values_.end(), psi); }
+
+ private:
+  std::vector<double> values_;
+};
+
+/// One attempt: z^k = point.x with F and J, x^k, and what the non-monotone test remembers.
+class Attempt {
+ public:
+  Attempt(Run& run, const PathSearch& method, Point& point)
+      : run_(run),
+        method_(method),
+        point_(point),
+        x_(normal_point(run.box(), point.x, point.F)),
+        cells_(method.basis),
+        newton_points_(run, method),
+        lambda_(method.proximal_perturbation * size_of(point.J)),
+        psi_(psi(point.x, point.F, x_)),
+        references_(method.nms, psi_),
+        best_z_(point.x),
+        best_psi_(psi_) {}
+
+  /// One major iteration. False: no step was found, and the run has a verdict or was asked to stop.
+  bool iterate(Iteration& it);
+  bool stalled() { return stall_.stalled(best_psi_); }
+  const std::vector<lcp::Cell>& basis() const { return basis_; }
+
+ private:
+  struct Saved {  // the last point that passed the merit test, and the way from it
+    Point point;
+    Way way;
+    double t = 1;
+    double psi = 0;
+  };
+
+  double psi(In z, In F, In x) const {
+    if (method_.merit == PathMerit::Fischer) return ncp::merit(fb_, run_.box(), z, F);
+    return 0.5 * (F + x - z).squaredNorm();
+  }
+  /// O(||Phi||), to keep the local order; `size` is that of J.
+  double first_lambda(double size) const { return prox_first * std::min(1.0, std::sqrt(2 * psi_)) * size; }
+  Way way_to(const NewtonPoint& newton) const;
+  bool newton_step(Iteration& it);
+  /// Of affine problems: among the restarts are the linear methods.
+  bool others_do_better() const {
+    return run_.mcp().is_affine() && method_.restart_limit > 0 && method_.restarts == PathRestarts::Own;
+  }
+  /// Whether steps other than Newton's may still be tried in this iteration.
+  bool may_go_on() const {
+    const bool given_up = others_do_better() && !last_->solved();
+    return !run_.ended() && !last_->stopped() && !newton_points_.exhausted() && !given_up;
+  }
+  bool accept(const NewtonPoint& newton, double least, Iteration& it);
+  void follow_chord(const NewtonPoint& newton, Point& trial, Vec& x, double& merit);
+  bool search(const Way& way, double t, double from, double least, Iteration& it);
+  bool watchdog(Iteration& it);
+  bool gradient_step(Iteration& it);
+  void moved(Point&& to, Vec x, double merit);
+  void explain(const Iteration& it);
+
+  Run& run_;
+  const PathSearch& method_;
+  const CFunction fb_ = fischer_burmeister();
+  Point& point_;
+  Vec x_;
+  std::vector<lcp::Cell> cells_;  // of x^k, if known
+  std::vector<lcp::Cell> basis_;
+  NewtonPoints newton_points_;
+  double lambda_;
+  double psi_;
+  References references_;
+  Stall stall_{method_.patience};
+  Vec best_z_;
+  double best_psi_;
+  double delta_ = 0;   // the distance up to which steps go unchecked; that of the first step accepted
+  int unchecked_ = 0;  // D-steps since the last merit test
+  int watchdogs_ = 0;
+  int gradient_steps_ = 0;
+  std::optional<Saved> saved_;
+  std::optional<NewtonPoint> last_;
+  int undefined_ = 0;  // trial points of this iteration where F or J is not defined
+  WayTaken taken_;
+};
+
+Way Attempt::way_to(const NewtonPoint& newton) const {
+  if (newton.from_ray || method_.search == Searchtype::Line) return Way::line(run_.box(), point_.x, newton.x());
+  if (method_.search == Searchtype::Arc || newton.path.path.size() < 2) return Way::arc(x_, newton.x());
+  return Way::path(x_, newton.path.path, newton.x(), newton.t());
+}
+
+void Attempt::moved(Point&& to, Vec x, double merit) {
+  std::swap(point_, to);
+  x_ = std::move(x);
+  psi_ = merit;
+  cells_.clear();
+  if (psi_ < best_psi_) {
+    best_psi_ = psi_;
+    best_z_ = point_.x;
+  }
+}
+
+/// Backwards from T = `from` along the way of a linearised problem solved up to t:  T = from, beta from, ...
+bool Attempt::search(const Way& way, double t, double from, double least, Iteration& it) {
+  Point trial;
+  double T = from;
+  const double start = psi_;
+  for (int k = 0; k <= method_.max_backtracks && T >= least; ++k, T *= method_.beta) {
+    Vec x = way.at(T);
+    trial.x = lcp::project(run_.box(), x);
+    if (trial.x == point_.x) break;
+    if (!run_.counted().eval(trial.x, trial.F)) {
+      ++undefined_, ++it.backtracks;
+      continue;
+    }
+    const double merit = psi(trial.x, trial.F, x);
+    if (!(merit <= references_.largest() - 2 * method_.sigma * T * t * start)) {
+      ++it.backtracks;
+      continue;
+    }
+    if (!run_.counted().jacobian(trial.x, trial.J)) {
+      ++undefined_, ++it.backtracks;
+      continue;
+    }
+    it.step = taken_.T = T;
+    references_.replace_largest(merit);
+    unchecked_ = 0;
+    saved_.reset();
+    if (method_.merit == PathMerit::Fischer) x = normal_point(run_.box(), trial.x, trial.F);
+    moved(std::move(trial), std::move(x), merit);
+    return true;
+  }
+  return false;
+}
+
+/// From the Newton point x on, with the Jacobian it was made with, as long as that pays.
+void Attempt::follow_chord(const NewtonPoint& newton, Point& trial, Vec& x, double& merit) {
+  if (!newton.path.last_piece || newton.lambda > 0) return;
+  Point next;
+  for (int k = 0; k < method_.chord_steps && merit > 0; ++k) {
+    Vec y = x + lcp::chord_step(newton.path, trial.F + x - trial.x);
+    next.x = lcp::project(run_.box(), y);
+    if (!y.allFinite() || !run_.counted().eval(next.x, next.F)) return;
+    const double fallen = psi(next.x, next.F, y);
+    if (!(fallen <= chord_keeps * merit)) return;
+    std::swap(trial, next);
+    x = std::move(y);
+    merit = fallen;
+    ++run_.stats().chord_steps;
+  }
+}
+
+WayTaken taken(const Way& way) { return {.kinks = way.corners(), .on_path = way.kinks().size() > 1}; }
+
+/// The Newton point by its merit (M), by its distance (D), by both (O), or backtracked to (B).
+bool Attempt::accept(const NewtonPoint& newton, double least, Iteration& it) {
+  const Way way = way_to(newton);
+  taken_ = taken(way);
+  if (!newton.solved()) {
+    it.kind = 'B';
+    return search(way, newton.t(), 1, least, it);
+  }
+  Point trial;
+  trial.x = lcp::project(run_.box(), newton.x());
+  const double distance = (trial.x - point_.x).norm();
+  bool defined = run_.counted().eval(trial.x, trial.F);
+  if (defined) {
+    const double merit = psi(trial.x, trial.F, newton.x());
+    const bool near = method_.nms.on && distance <= delta_ && unchecked_ + 1 < method_.nms.mstep_frequency &&
+                      watchdogs_ <= method_.nms.maximum_watchdogs && std::isfinite(merit);
+    const bool falls = merit <= references_.largest() - 2 * method_.sigma * psi_;
+    Vec x = newton.x();
+    double chord = merit;
+    if (near || falls) {
+      const Vec z = trial.x;
+      const Vec F = trial.F;
+      follow_chord(newton, trial, x, chord);
+      defined = run_.counted().jacobian(trial.x, trial.J);
+      if (!defined && trial.x != z) {  // the Newton point itself may do
+        trial.x = z;
+        trial.F = F;
+        x = newton.x();
+        chord = merit;
+        defined = run_.counted().jacobian(trial.x, trial.J);
+      }
+    }
+    if (defined && (near || falls)) {
+      it.kind = near && falls ? 'O' : falls ? 'M' : 'D';
+      it.step = taken_.T = 1;
+      if (falls) {
+        references_.replace_largest(chord);
+        unchecked_ = 0;
+        saved_.reset();
+      } else {
+        ++run_.stats().unchecked_steps;
+        if (unchecked_++ == 0) saved_ = Saved{.point = point_, .way = way, .t = newton.t(), .psi = psi_};
+      }
+      delta_ = near ? method_.nms.distance_decrease * delta_ : std::max(delta_, distance);
+      moved(std::move(trial), std::move(x), chord);
+      cells_ = newton.path.cells;
+      return true;
+    }
+  }
+  ++it.backtracks;
+  if (!defined) ++undefined_;
+  if (unchecked_ > 0) return false;  // the watchdog's turn
+  it.kind = 'B';
+  return search(way, 1, method_.beta, least, it);
+}
+
+/// Linearised problems with growing lambda until one gives a step.
+bool Attempt::newton_step(Iteration& it) {
+  const double size = size_of(point_.J);
+  double lambda = lambda_;
+  for (int i = 0; i <= prox_tries; ++i) {
+    last_ = newton_points_.solve(point_, x_, cells_, lambda);
+    it.prox = lambda;
+    it.linear = last_->letter();
+    if (last_->solved()) basis_ = last_->path.cells;
+    if (last_->stopped() || newton_points_.exhausted()) return false;
+    if (last_->path.certificate.size() > 0 && lambda == 0 && run_.mcp().is_affine()) {
+      run_.end(Status::Infeasible,
+               "proven to have no solution: the path of Lemke's method runs off along a ray that certifies it",
+               "look for a mistake in the model");
+      return false;
+    }
+    if (!last_->solved() && others_do_better()) return false;
+    const bool last = i == prox_tries || !method_.proximal_adaptive;
+    if (last_->usable() && accept(*last_, last ? 0 : least_step, it)) {
+      if (lambda > 0) ++run_.stats().proximal_steps;
+      lambda_ = lambda * prox_decay > prox_least * first_lambda(size) ? lambda * prox_decay : 0;
+      return true;
+    }
+    if (unchecked_ > 0 || !method_.proximal_adaptive) return false;
+    lambda = lambda > 0 ? prox_growth * lambda : first_lambda(size);
+    cells_.clear();
+  }
+  return false;
+}
+
+/// Back to the last point that passed a merit test, and a search along its way.
+bool Attempt::watchdog(Iteration& it) {
+  if (!saved_) return false;
+  ++run_.stats().watchdogs;
+  ++watchdogs_;
+  Saved saved = std::move(*saved_);
+  saved_.reset();
+  unchecked_ = 0;
+  it.kind = 'W';
+  taken_ = taken(saved.way);
+  Vec x = normal_point(run_.box(), saved.point.x, saved.point.F);
+  moved(std::move(saved.point), std::move(x), saved.psi);
+  return search(saved.way, saved.t, method_.beta, watchdog_least, it);
+}
+
+/// A projected gradient step of the Fischer-Burmeister merit from the best point.
+bool Attempt::gradient_step(Iteration& it) {
+  if (gradient_steps_ >= method_.gradient_step_limit) return false;
+  if (best_psi_ < psi_) {
+    Point best;
+    best.x = best_z_;
+    if (run_.evaluate(best)) moved(std::move(best), normal_point(run_.box(), best_z_, best.F), best_psi_);
+  }
+  Linearisation descent;
+  linearise(fb_, run_.box(), point_, descent);
+  const Vec d = lcp::project(run_.box(), point_.x + descent.cauchy_step()) - point_.x;
+  const SearchOutcome found =
+      line_search(run_, fb_, Armijo{.sigma = method_.sigma}, d, descent.gradient.dot(d), descent.merit, true, point_);
+  it.backtracks += found.backtracks;
+  undefined_ += found.undefined;
+  if (!found.found) return false;
+  it.kind = 'G';
+  it.step = found.t;
+  it.prox = 0;
+  ++gradient_steps_;
+  x_ = normal_point(run_.box(), point_.x, point_.F);
+  cells_.clear();
+  psi_ = psi(point_.x, point_.F, x_);
+  best_psi_ = std::min(best_psi_, psi_);
+  best_z_ = point_.x;
+  references_.reset(psi_);
+  unchecked_ = 0;
+  saved_.reset();
+  return true;
+}
+
+bool Attempt::iterate(Iteration& it) {
+  undefined_ = 0;
+  it = {.k = it.k + 1, .normal_map = true};
+  const bool found = newton_step(it) || (may_go_on() && (watchdog(it) || gradient_step(it)));
+  it.pivots = newton_points_.take_pivots();
+  it.merit = psi_;
+  if (!found || it.kind == 'G') taken_.T = 0;
+  it.way = &taken_;
+  if (!found) explain(it);
+  return found;
+}
+
+/// The verdict when no step was found.
+void Attempt::explain(const Iteration& it) {
+  if (last_->stopped()) return;  // the run says so
+  if (newton_points_.exhausted())
+    run_.end(Status::IterationLimit,
+             "the limit of " + std::to_string(method_.cumulative_iteration_limit) + " pivots in all was reached",
+             "raise cumulative_iteration_limit");
+  else if (undefined_ > 0 && undefined_ == it.backtracks)
+    run_.end(Status::EvaluationFailed, "F or its Jacobian is not defined at any trial point, however short the step",
+             "try another start, or bounds that keep the iterates inside the domain");
+  else if (!last_->usable())
+    run_.end(Status::SubproblemFailed,
+             "the linearised problem could not be solved (" + std::string(lcp::to_string(last_->path.end)) + ")" +
+                 (last_->lambda > 0 ? ", with proximal terms up to " + number(last_->lambda) + " neither" : ""),
+             "try another start");
+  else
+    run_.end(Status::NoProgress, "neither the Newton steps nor the gradient decrease the merit function",
+             "try another start");
+}
+
+/// An iterate beyond this, relative to 1 + |start|, that is no solution has left for infinity.
+constexpr double far_away = 1e15;
+
+bool ran_off(Run& run, const Point& point, double start) {
+  Index i = 0;
+  if (point.x.size() == 0 || point.x.cwiseAbs().maxCoeff(&i) <= far_away * (1 + start)) return false;
+  run.end(Status::Unbounded,
+          "variable " + run.mcp().variable_name(i) + " has run off to " + number(point.x[i]) + " without a solution",
+          "bound it, or look for a mistake in the model: it may have no solution");
+  return true;
+}
+
+}  // namespace
+
+void path_search(Run& run, const PathSearch& method, Point point) {
+  Iteration it{.k = 0, .kind = 'I', .normal_map = true};
+  it.crash = method.crash.on && run.box().size() >= method.crash.minimum_dimension;
+  it.merit = merit(fischer_burmeister(), run.box(), point.x, point.F);
+  if (!run.go_on(point, it) || !crash(run, method.crash, point, it)) return;
+  const double start = point.x.size() > 0 ? point.x.lpNorm<Eigen::Infinity>() : 0;
+  Attempt attempt(run, method, point);
+  do {
+    if (ran_off(run, point, start)) break;
+    if (attempt.stalled()) {
+      run.end(Status::NoProgress, "the merit function has stopped falling", "try another start");
+      break;
+    }
+    if (!attempt.iterate(it)) {
+      run.go_on(point, it);
+      break;
+    }
+  } while (run.go_on(point, it));
+  run.keep_basis(attempt.basis());
+}
+
+}  // namespace perp::ncp

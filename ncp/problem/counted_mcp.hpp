@@ -1,0 +1,30 @@
+#pragma once
+/// Evaluations counted and guarded. Private to ncp/.
+#include "ncp/problem/mcp.hpp"
+
+namespace perp::ncp {
+
+/// Counts evaluations, turns a NaN or an infinity into "not defined here", and refuses a J that left its pattern.
+class CountedMcp {
+ public:
+  explicit CountedMcp(const Mcp& mcp) : mcp_(mcp) {}
+  const Mcp& mcp() const { return mcp_; }
+  bool eval(In x, Vec& F);
+  /// Throws std::invalid_argument, naming equation and variable, if J comes back with other entries than its pattern.
+  bool jacobian(In x, SpMat& J);
+  int F_evals() const { return F_evals_; }
+  int J_evals() const { return J_evals_; }
+
+ private:
+  const Mcp& mcp_;
+  int F_evals_ = 0;
+  int J_evals_ = 0;
+};
+
+/// A point with F and J there.
+struct Point {
+  Vec x, F;
+  SpMat J;
+};
+
+}  // namespace perp::ncp

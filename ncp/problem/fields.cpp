@@ -1,0 +1,117 @@
+#include "ncp/problem/fields.hpp"
+
+#include <algorithm>
+#include <iterator>
+#include <sstream>
+#include <type_traits>
+
+namespace perp::ncp {
+namespace {
+
+template <class... T>
+std::string text(const T&... parts) {
+  std::ostringstream out;
+  (out << ... << parts);
+  return out.str();
+}
+
+/// "a number > 0", "an integer in [1, 2]".
+std::string range_text(const Range& range, bool integer) {
+  const std::string what = integer ? "an integer " : "a number ";
+  if (range.high < (integer ? std::numeric_limits<int>::max() : std::numeric_limits<double>::infinity()))
+    return text(what, "in ", range.open_low ? '(' : '[', range.low, ", ", range.high, range.open_high ? ')' : ']');
+  return text(what, range.open_low ? "> " : ">= ", range.low);
+}
+
+/// Of a number that is out of its range.
+std::optional<double> bad_number(const Field& field) {
+  return std::visit(
+      [&](const auto& target) -> std::optional<double> {
+        using T = std::remove_cvref_t<decltype(target)>;
+        if constexpr (std::is_same_v<T, Seconds*>) {  // a run within another one may have no time left
+          if (!(target->count() >= 0)) return target->count();
+        } else if constexpr (std::is_arithmetic_v<std::remove_pointer_t<T>> && !std::is_same_v<T, bool*>) {
+          if (const auto value = static_cast<double>(*target); !field.range.has(value)) return value;
+        }
+        return std::nullopt;
+      },
+      field.target);
+}
+
+}  // namespace
+
+std::string alternatives(const std::vector<std::string_view>& words) {
+  std::string all;
+  for (std::size_t k = 0; k < words.size(); ++k)
+    all += text(k == 0 ? "" : (k + 1 == words.size() ? " or " : ", "), words[k]);
+  return all;
+}
+
+std::string takes(const Field& field) {
+  return std::visit(
+      [&](const auto& target) -> std::string {
+        using T = std::remove_cvref_t<decltype(target)>;
+        if constexpr (std::is_same_v<T, bool*> || std::is_same_v<T, Flag>) {
+          return "yes or no";
+        } else if constexpr (std::is_same_v<T, Words>) {
+          std::vector<std::string_view> names;
+          for (const auto& word : target.words) names.push_back(word.first);
+          return alternatives(names);
+        } else if constexpr (std::is_same_v<T, Parameter>) {
+          return "a number in the function's range";
+        } else if constexpr (std::is_same_v<T, std::string*>) {
+          return "a name";
+        } else {
+          return range_text(field.range, !std::is_same_v<T, double*> && !std::is_same_v<T, Seconds*>);
+        }
+      },
+      field.target);
+}
+
+void Fields::add(std::string_view key, Target number, const Range& range, std::string_view help,
+                 std::string_view alias) {
+  all_.push_back({key, alias, help, std::move(number), range, inert_});
+}
+
+void Fields::add(std::string_view key, Target target, std::string_view help, std::string_view alias) {
+  add(key, std::move(target), Range{}, help, alias);
+}
+
+void Fields::when(bool effect, std::string_view because, const std::function<void()>& described) {
+  const std::string_view outer = inert_;
+  if (!effect && outer.empty()) inert_ = because;
+  described();
+  inert_ = outer;
+}
+
+void Fields::hide(std::string_view key) {
+  for (Field& field : all_)
+    if (field.key == key) field.help = {};
+}
+
+void Fields::check(bool holds, std::string_view why) {
+  if (!holds && complaint_.empty()) complaint_ = why;
+}
+
+void Fields::check(bool holds, std::string_view key, double value, std::string_view must_be) {
+  if (!holds) check(false, text(key, " is ", value, "; it must be ", must_be));
+}
+
+std::vector<Field> Fields::options() const {
+  std::vector<Field> options;
+  std::ranges::copy_if(all_, std::back_inserter(options), [](const Field& field) { return !field.help.empty(); });
+  return options;
+}
+
+const Field* Fields::find(std::string_view key) const {
+  const auto found = std::ranges::find(all_, key, &Field::key);
+  return found == all_.end() || found->help.empty() ? nullptr : &*found;
+}
+
+std::optional<std::string> Fields::invalid() const {
+  for (const Field& field : all_)
+    if (const auto value = bad_number(field)) return text(field.key, " is ", *value, "; it takes ", takes(field));
+  return complaint_.empty() ? std::nullopt : std::optional(complaint_);
+}
+
+}  // namespace perp::ncp

@@ -1,0 +1,93 @@
+#include "ncp/problem/mcp.hpp"
+
+#include <cmath>
+#include <sstream>
+#include <stdexcept>
+#include <utility>
+
+namespace perp::ncp {
+namespace {
+
+class FunctionMcp final : public Mcp {
+ public:
+  explicit FunctionMcp(Functions f) : f_(std::move(f)) {}
+  const Box& box() const override { return f_.box; }
+  const SpMat& jacobian_pattern() const override { return f_.pattern; }
+  bool eval(In x, Out F) const override { return f_.F(x, F); }
+  bool jacobian(In x, SpMat& J) const override { return f_.J(x, J); }
+  bool is_affine() const override { return f_.affine; }
+  std::vector<bool> linear_entries() const override { return f_.affine ? Mcp::linear_entries() : f_.linear_entries; }
+  std::string name() const override { return f_.name; }
+  std::string variable_name(Index i) const override {
+    return f_.variable_names.empty() ? Mcp::variable_name(i) : f_.variable_names[static_cast<std::size_t>(i)];
+  }
+  std::string equation_name(Index i) const override {
+    return f_.equation_names.empty() ? Mcp::equation_name(i) : f_.equation_names[static_cast<std::size_t>(i)];
+  }
+
+ private:
+  Functions f_;
+};
+
+template <class... Parts>
+[[noreturn]] void refuse(const Parts&... parts) {
+  std::ostringstream what;
+  what.precision(17);
+  (what << ... << parts);
+  throw std::invalid_argument(what.str());
+}
+
+}  // namespace
+
+std::string Mcp::variable_name(Index i) const { return std::string("x[").append(std::to_string(i + 1)).append("]"); }
+std::string Mcp::equation_name(Index i) const { return std::string("F[").append(std::to_string(i + 1)).append("]"); }
+
+std::vector<bool> Mcp::linear_entries() const {
+  return is_affine() ? std::vector<bool>(static_cast<std::size_t>(jacobian_pattern().nonZeros()), true)
+                     : std::vector<bool>{};
+}
+
+std::unique_ptr<Mcp> make_mcp(Functions functions) {
+  const Index n = functions.box.lower.size();
+  const std::string& name = functions.name;
+  if (!functions.F) refuse(name, ": no function F is given");
+  if (!functions.J) refuse(name, ": no Jacobian J is given");
+  if (functions.box.upper.size() != n)
+    refuse(name, ": ", n, " lower bounds and ", functions.box.upper.size(), " upper bounds");
+  if (functions.pattern.rows() != n || functions.pattern.cols() != n)
+    refuse(name, ": the Jacobian pattern is ", functions.pattern.rows(), " x ", functions.pattern.cols(), " for ", n,
+           " variables");
+  for (const auto* names : {&functions.variable_names, &functions.equation_names})
+    if (!names->empty() && static_cast<Index>(names->size()) != n)
+      refuse(name, ": ", names->size(), " names for ", n, " variables");
+  functions.pattern.makeCompressed();
+  if (const auto flags = static_cast<Index>(functions.linear_entries.size());
+      flags != 0 && flags != functions.pattern.nonZeros())
+    refuse(name, ": ", flags, " flags of linear entries for a Jacobian pattern of ", functions.pattern.nonZeros(),
+           " nonzeros");
+  return std::make_unique<FunctionMcp>(std::move(functions));
+}
+
+SpMat dense_pattern(Index n) {
+  SpMat pattern = Eigen::MatrixXd::Ones(n, n).sparseView();
+  pattern.makeCompressed();
+  return pattern;
+}
+
+void check_input(const Mcp& mcp, In x0) {
+  const Box& box = mcp.box();
+  const Index n = box.lower.size();
+  if (box.upper.size() != n) refuse(mcp.name(), ": ", n, " lower bounds and ", box.upper.size(), " upper bounds");
+  if (const auto i = box.first_invalid())
+    refuse(mcp.name(), ": variable ", mcp.variable_name(*i), " has lower bound ", box.lower[*i], " and upper bound ",
+           box.upper[*i], ", between which nothing lies");
+  const SpMat& pattern = mcp.jacobian_pattern();
+  if (pattern.rows() != n || pattern.cols() != n || !pattern.isCompressed())
+    refuse(mcp.name(), ": the Jacobian pattern is ", pattern.rows(), " x ", pattern.cols(),
+           pattern.isCompressed() ? "" : ", not compressed,", " for ", n, " variables");
+  if (x0.size() != n) refuse(mcp.name(), ": the start has ", x0.size(), " entries for ", n, " variables");
+  for (Index i = 0; i < n; ++i)
+    if (!std::isfinite(x0[i])) refuse(mcp.name(), ": the start of variable ", mcp.variable_name(i), " is ", x0[i]);
+}
+
+}  // namespace perp::ncp

@@ -1,0 +1,53 @@
+#include "ncp/reformulation/line_search.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace perp::ncp {
+
+void Memory::push(double merit) {
+  if (last_.size() == size_) last_.erase(last_.begin());
+  last_.push_back(merit);
+}
+
+void Memory::reset(double merit) { last_.assign(1, merit); }
+
+double Memory::reference() const { return *std::max_element(last_.begin(), last_.end()); }
+
+SearchOutcome line_search(Run& run, const CFunction& c, const Armijo& rule, In d, double slope, double reference,
+                          bool projected, Point& point) {
+  SearchOutcome out;
+  Point trial;
+  double t = 1;
+  for (; out.backtracks <= rule.max_backtracks; ++out.backtracks, t *= rule.beta) {
+    trial.x = point.x + t * d;
+    if (projected) trial.x = lcp::project(run.box(), trial.x);
+    if (trial.x == point.x) break;  // t d has vanished in rounding
+    if (!run.counted().eval(trial.x, trial.F)) {
+      ++out.undefined;
+      continue;
+    }
+    out.merit = merit(c, run.box(), trial.x, trial.F);
+    if (!(out.merit <= reference + rule.sigma * t * slope)) continue;
+    if (!run.counted().jacobian(trial.x, trial.J)) {
+      ++out.undefined;
+      continue;
+    }
+    std::swap(point, trial);
+    out.found = true;
+    out.t = t;
+    return out;
+  }
+  return out;
+}
+
+bool Stall::stalled(double merit) {
+  best_ = std::min(best_, merit);
+  if (best_ < factor_ * mark_) {
+    mark_ = best_;
+    since_ = 0;
+  }
+  return ++since_ > window_;
+}
+
+}  // namespace perp::ncp

@@ -1,0 +1,137 @@
+#include "ncp/run/judge.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "ncp/problem/affine.hpp"
+#include "ncp/run/run.hpp"
+
+namespace perp::ncp {
+namespace {
+
+/// Evaluations of F for moving entries to their bounds.
+constexpr int most_moves = 24;
+
+/// The bound that decides row i of a solution, where x_i is not on it.
+std::optional<double> bound_of(const Box& box, Index i, double x, double F) {
+  if (x > box.lower[i] && F > x - box.lower[i]) return box.lower[i];
+  if (x < box.upper[i] && F < x - box.upper[i]) return box.upper[i];
+  return std::nullopt;
+}
+
+}  // namespace
+
+const lcp::AffineMcp* Judge::affine() {
+  if (!std::exchange(affine_known_, true)) affine_ = affine_part(counted_.mcp());
+  return affine_ ? &*affine_ : nullptr;
+}
+
+void Judge::evaluate(Judged& point) {
+  const Box& box = counted_.mcp().box();
+  if (!counted_.eval(point.x, point.F)) {
+    point.residual = Residual{};
+    return;
+  }
+  if (const lcp::AffineMcp* exact = affine()) point.F = lcp::judge(*exact, point.x).F;
+  point.residual = residual(box, point.x, point.F);
+}
+
+bool Judge::solved(Judged& point) { return meets(point) && solved_at(point); }
+
+bool Judge::solved_at(Judged& point) {
+  evaluate(point);
+  if (!meets(point)) return false;
+  Judged moved = point;
+  snap(moved);
+  if (!balanced(moved)) return false;
+  point = std::move(moved);
+  return true;
+}
+
+void Judge::snap(Judged& point) {
+  std::vector<Index> which;
+  for (Index i = 0; i < point.x.size(); ++i)
+    if (bound_of(counted_.mcp().box(), i, point.x[i], point.F[i])) which.push_back(i);
+  int tries = most_moves;
+  moved_to_bounds(point, which, tries);
+}
+
+/// All of them at once, or where that is no solution, each half of them.
+bool Judge::moved_to_bounds(Judged& point, const std::vector<Index>& which, int& tries) {
+  if (which.empty() || tries-- <= 0) return false;
+  Judged moved = point;
+  for (const Index i : which)
+    if (const auto bound = bound_of(counted_.mcp().box(), i, point.x[i], point.F[i])) moved.x[i] = *bound;
+  evaluate(moved);
+  if (meets(moved)) {
+    point = std::move(moved);
+    return true;
+  }
+  if (which.size() == 1) return false;
+  const auto middle = which.begin() + static_cast<std::ptrdiff_t>(which.size() / 2);
+  const bool first = moved_to_bounds(point, {which.begin(), middle}, tries);
+  return moved_to_bounds(point, {middle, which.end()}, tries) || first;
+}
+
+/// |F_i| <= tol_relative t_i in every row whose variable is not at its bound.
+bool Judge::balanced(const Judged& point) {
+  if (stop_.tol_relative == lcp::infinity) return true;
+  const Box& box = counted_.mcp().box();
+  SpMat J = counted_.mcp().jacobian_pattern();
+  if (!counted_.jacobian(point.x, J)) return false;
+  const lcp::RowTerms terms = row_terms(J, point.x, point.F);
+  for (Index i = 0; i < point.x.size(); ++i)
+    if (!at_its_bound(box, i, point.x[i], point.F[i]) && !(std::abs(point.F[i]) <= stop_.tol_relative * terms.size[i]))
+      return false;
+  return true;
+}
+
+bool Judge::to_rounding(const Judged& point) {
+  if (!std::isfinite(point.residual.natural)) return false;
+  if (const lcp::AffineMcp* exact = affine()) {
+    const lcp::Judgement there = lcp::judge(*exact, point.x);
+    return there.accuracy.to_rounding && lcp::rounds_a_solution(*exact, point.x, there.F, there.terms);
+  }
+  SpMat J = counted_.mcp().jacobian_pattern();
+  if (!counted_.jacobian(point.x, J)) return false;
+  const Box& box = counted_.mcp().box();
+  if (!accuracy(box, point.x, point.F, J).to_rounding) return false;
+  const Vec q = point.F - J * point.x;
+  return q.allFinite() && lcp::rounds_a_solution({J, q, box}, point.x, point.F, row_terms(J, point.x, point.F));
+}
+
+void Judge::refine(Judged& point) {
+  const lcp::AffineMcp* exact = affine();
+  if (exact == nullptr || !std::isfinite(point.residual.natural)) return;
+  evaluate(point);  // the method's own sums may hide that it is a solution
+  if (!lcp::worth_refining(lcp::judge(*exact, point.x), stop_.tol)) return;
+  point.x = lcp::refined(*exact, point.x, stop_.tol);
+  evaluate(point);
+}
+
+void judge_here(const Mcp& mcp, const Stop& stop, Result& result) {
+  CountedMcp counted(mcp);
+  Judge judge(counted, stop);
+  Judged point{.x = std::move(result.x), .F = {}, .residual = {}};
+  const bool solved = judge.solved_at(point);
+  if (result.accepted()) {
+    if (solved) {
+      result.status = Status::Solved;
+      result.message = solution_found(point.residual);
+    } else if (judge.to_rounding(point)) {
+      result.status = Status::SolvedToRounding;
+    } else {
+      result.status = Status::NoProgress;
+      result.message = "another form of the problem was solved, but not the problem itself to its tolerance";
+      result.advice = "scale the model, or try a larger tolerance";
+    }
+  }
+  result.x = std::move(point.x);
+  result.F = std::move(point.F);
+  result.residual = point.residual;
+  result.stats.F_evals += counted.F_evals();
+  result.stats.J_evals += counted.J_evals();
+}
+
+}  // namespace perp::ncp

@@ -1,0 +1,59 @@
+#pragma once
+/// What may be called solved, for every method, and in one place: a point of the box whose natural residual, with F
+/// evaluated afresh, is at most the tolerance. F of affine problems is summed without rounding errors for that. Private
+/// to ncp/.
+#include <optional>
+#include <vector>
+
+#include "lcp/judge/judge.hpp"
+#include "ncp/problem/mcp.hpp"
+#include "ncp/problem/residual.hpp"
+#include "ncp/run/options.hpp"
+
+namespace perp::ncp {
+
+class CountedMcp;
+struct Result;
+
+/// A point of the box, F there, and their residual: +inf if F is not defined there.
+struct Judged {
+  Vec x, F;
+  Residual residual;
+};
+
+class Judge {
+ public:
+  /// Both outlive the judge.
+  Judge(CountedMcp& counted, const Stop& stop) : counted_(counted), stop_(stop) {}
+
+  /// Whether the point is a solution to the tolerance. Then F is the fresh one, and entries that are at a bound but for
+  /// the tolerance are moved there, where the point stays a solution.
+  bool solved(Judged& point);
+  /// The same of a point whose F is not known yet.
+  bool solved_at(Judged& point);
+  /// Of points that are none: whether every row's residual is within the rounding of its terms
+  /// (lcp::Accuracy::to_rounding), and the point may be a solution of the linearised problem rounded to doubles
+  /// (lcp::rounds_a_solution). One evaluation of J, none for affine problems, and a factorization.
+  bool to_rounding(const Judged& point);
+  /// Affine problems near a solution: a step to the point of the cell that this one points to, if that is nearer.
+  void refine(Judged& point);
+
+ private:
+  bool meets(const Judged& point) const { return point.residual.natural <= stop_.tol; }
+  void evaluate(Judged& point);
+  void snap(Judged& point);
+  bool moved_to_bounds(Judged& point, const std::vector<Index>& which, int& tries);
+  bool balanced(const Judged& point);
+  const lcp::AffineMcp* affine();
+
+  CountedMcp& counted_;
+  const Stop& stop_;
+  std::optional<lcp::AffineMcp> affine_;
+  bool affine_known_ = false;
+};
+
+/// The result of another form of the problem, its x mapped back, judged on the problem itself: sets F, the residual
+/// and, of what was accepted there, the status: NoProgress where the problem's own residual does not confirm it.
+void judge_here(const Mcp& mcp, const Stop& stop, Result& result);
+
+}  // namespace perp::ncp

@@ -1,0 +1,114 @@
+#include "ncp/run/options.hpp"
+
+namespace perp::ncp {
+
+void describe(Stop& s, Fields& f) {
+  constexpr double years = 1e9;  // of seconds: a limit that no clock overflows with
+  f.add("convergence_tolerance", &s.tol, above(0),
+        "tol: solved when the natural residual max_i |x_i - mid(l_i, x_i - F_i(x), u_i)| is at most tol", "tol");
+  f.add("relative_tolerance", &s.tol_relative, {.low = 0, .open_low = true},
+        "R: asked in addition of equations whose variable is not at a bound: |F_i| <= R t_i, the size of the terms "
+        "that F_i is the rest of; inf: not asked",
+        "tol_relative");
+  f.add("major_iteration_limit", &s.max_iterations, at_least(0),
+        "iterations (a linearisation each) after which to give up", "max_iterations");
+  f.add("evaluation_limit", &s.max_F_evals, at_least(1),
+        "evaluations of F, of all attempts together, after which to give up; looked at after each iteration",
+        "max_F_evals");
+  f.add("time_limit", &s.max_time, strictly_between(0, years), "seconds after which to give up", "max_time");
+  f.add("check_derivatives", &s.check_derivatives,
+        "compare the Jacobian with differences of F at the start, and refuse a problem whose Jacobian is wrong");
+}
+
+void describe(Armijo& a, Fields& f) {
+  describe_memory(a.memory, f);
+  describe_search(a.sigma, a.beta, a.max_backtracks, f);
+}
+
+void describe(Escape& e, Fields& f) {
+  f.add("escape_rounds", &e.rounds, at_least(0),
+        "where the method is stuck: proximal problems  F(x) + lambda (x - xbar)  tried to get away; 0: stay stuck, "
+        "and no effect of the other options escape_*");
+  f.when(e.rounds != 0, "escape_rounds = 0", [&] {
+    f.add("escape_lambda", &e.lambda, above(0), "that lambda, in units of sqrt(|J|_1 |J|_inf)");
+    f.add("escape_grow", &e.grow, strictly_between(1, 1e100),
+          "lambda x escape_grow where a proximal problem has not been solved");
+    f.add("escape_shrink", &e.shrink, above_up_to(0, 1), "lambda x escape_shrink after each move of xbar");
+    f.add("escape_accept", &e.accept, strictly_between(0, 1),
+          "an xbar with this part of the best residual is accepted: the method goes on from it");
+    f.add("escape_trial_iterations", &e.trial_iterations, at_least(0), "iterations tried from other xbar");
+    f.add("escape_tolerance", &e.perturbed_tol, above(0),
+          "natural residual at which a proximal problem is solved well enough");
+    f.add("escape_iteration_limit", &e.perturbed_iterations, at_least(1), "iterations for one proximal problem");
+    describe_rescalings(e.rescalings, f);
+  });
+}
+
+void describe(lcp::LemkeOptions& l, Fields& f) {
+  using lcp::Cover;
+  describe_lu(l.basis.lu, f);
+  f.add("minor_iteration_limit", &l.max_pivots, at_least(0),
+        "pivots of one linearised problem, at most 1000 + 20 n of them; or of Lemke's method on an affine one",
+        "max_pivots");
+  f.choice("lemke_cover", &l.cover, {{"ones", Cover::Ones}, {"generic", Cover::Generic}, {"spread", Cover::Spread}},
+           "Lemke's covering vector: ones (the textbook's e), generic (random about e in equilibrated units) or spread "
+           "(log-uniform over three decades)");
+  f.add("pivot_tolerance", &l.pivot_tol, strictly_between(0, 1),
+        "smallest pivot, relative to the largest entry of its column");
+  f.add("lemke_perturbation", &l.perturbation, between(0, 1e100),
+        "relative perturbation of the path's start, against ties; 0: none");
+  f.add("lemke_seed", &l.seed, between(0, std::numeric_limits<int>::max()), "of that perturbation and of the ray",
+        "seed");
+  f.add("refactor_every", &l.basis.refactor_every, at_least(1), "pivots between fresh factorizations of the basis");
+  // Inner tolerances that no run was seen to depend on.
+  f.add("lemke.residual_tol", &l.residual_tol, above(0), {});
+  f.add("lemke.feasibility_tol", &l.feasibility_tol, Range{}, {});
+  f.add("lemke.singular_rcond", &l.singular_rcond, {.high = 1, .open_high = true}, {});
+  f.add("lemke.basis.fill_limit", &l.basis.fill_limit, {.open_low = true}, {});
+  f.add("lemke.basis.unstable_tol", &l.basis.unstable_tol, {.high = 1, .open_high = true}, {});
+  f.add("lemke.basis.singular_tol", &l.basis.singular_tol, {.high = 1, .open_high = true}, {});
+}
+
+void describe_start(lcp::LemkeStart& start, Fields& f) {
+  using lcp::LemkeStart;
+  f.choice("lemke_start", &start,  // only PathSearch can start from a ray in the first iteration alone
+           {{"automatic", LemkeStart::Regular}, {"first", LemkeStart::Regular}, {"always", LemkeStart::Ray}},
+           lemke_start_help);
+}
+
+void describe_search(double& sigma, double& beta, int& max_backtracks, Fields& f) {
+  f.add("sigma", &sigma, strictly_between(0, 1),
+        "line search: share of the predicted decrease of the merit that is demanded");
+  f.add("beta", &beta, strictly_between(0, 1), "line search: factor of the step length a trial");
+  f.add("max_backtracks", &max_backtracks, between(0, 1000), "line search: trials before the direction is given up");
+}
+
+void describe_memory(int& memory, Fields& f) {
+  f.add("nms_memory_size", &memory, between(1, 1e6),
+        "non-monotone search: merits remembered, the largest of which must be beaten; 1 is monotone", "memory");
+}
+
+void describe_descent(double& rho, double& p, Fields& f) {
+  f.add("descent_rho", &rho, above(0),
+        "a Newton direction d needs  merit'(x; d) <= -descent_rho (|d| / sqrt n)^descent_p");
+  f.add("descent_p", &p, above(2), "see descent_rho");
+}
+
+void describe_rescalings(int& rescalings, Fields& f) {
+  f.add("rescalings", &rescalings, between(0, 2),
+        "where a method with escapes, or smooth, is stuck: runs from the start on the scaled problem, by J at the "
+        "best point, then at the start");
+}
+
+void describe_lu(lcp::LuBackend& lu, Fields& f) {
+  using lcp::LuBackend;
+  f.choice("lu", &lu,
+           {{"umfpack", LuBackend::Umfpack},
+            {"klu", LuBackend::Klu},
+            {"eigen", LuBackend::Eigen},
+            {"dense", LuBackend::Dense},
+            {"auto", LuBackend::Auto}},
+           "the sparse LU factorization used");
+}
+
+}  // namespace perp::ncp

@@ -1,0 +1,75 @@
+#pragma once
+/// What the options of several methods share.
+#include <atomic>
+#include <chrono>
+#include <limits>
+
+#include "lcp/pivoting/lemke.hpp"
+#include "ncp/problem/fields.hpp"
+
+namespace perp::ncp {
+
+struct Stop {
+  double tol = 1e-8;  ///< on the natural residual, inf-norm, absolute
+  /// Asked in addition: |F_i| <= tol_relative t_i in every row whose variable is not at the bound that the sign of F_i
+  /// asks for, with t_i = sum_j |J_ij x_j| + |F_i - sum_j J_ij x_j|. Infinity: not asked.
+  double tol_relative = std::numeric_limits<double>::infinity();
+  int max_iterations = 500;                           ///< major iterations
+  int max_F_evals = std::numeric_limits<int>::max();  ///< evaluations of F, looked at after each iteration
+  std::chrono::duration<double> max_time{3600};
+  /// Set by anybody: ends the solve as Interrupted, also inside a subproblem. May be null; outlives the solve.
+  const std::atomic<bool>* interrupt = nullptr;
+  /// Compare J with differences of F at the start and refuse (std::invalid_argument) a J that is wrong by more than
+  /// 1e-4.
+  bool check_derivatives = false;
+};
+
+/// Non-monotone Armijo test  psi(x + t d) <= max of the last `memory` merits + sigma t psi'(x; d),  t = 1, beta,
+/// beta^2, ... (Grippo, Lampariello & Lucidi 1986).
+struct Armijo {
+  double sigma = 1e-4;
+  double beta = 0.5;
+  int max_backtracks = 25;  ///< shorter Newton steps than beta^25 lead nowhere: the next kind of direction is tried
+  int memory = 5;
+};
+
+/// What to do where a method is stuck (StationaryPoint, NoProgress, SubproblemFailed, EvaluationFailed on the way) at
+/// xbar: solve F(x) + lambda (x - xbar) loosely, move xbar to its solution, and so on, until the method goes on from
+/// there on F itself (Billups 1995; Billups & Ferris 1997). The centres xbar follow xdot = -F(x) in the box by implicit
+/// Euler steps of length 1 / lambda, uphill in the merit function if need be: out of its local minima to a solution
+/// that attracts the flow, as all do where F is monotone.
+struct Escape {
+  int rounds = 50;      ///< moves of the centre; 0: stay stuck
+  double lambda = 2;    ///< first lambda in units of sqrt(||J||_1 ||J||_inf) >= ||J(xbar)||_2: above 1 it is monotone
+  double grow = 10;     ///< lambda x grow where the perturbed problem has not been solved; > 1
+  double shrink = 0.5;  ///< lambda x shrink after a move; in (0, 1]
+  /// A centre whose natural residual is at most this part of the best point's is accepted: the method runs on from it.
+  /// In (0, 1).
+  double accept = 0.5;
+  /// From other centres the method is tried for so many iterations, and accepted likewise. 0: from accepted ones only.
+  int trial_iterations = 25;
+  double perturbed_tol = 1e-6;  ///< natural residual at which a perturbed problem is solved well enough
+  int perturbed_iterations = 60;
+  /// Before that: runs of the method and its escapes from the start on the scaled problem (ncp/transforms/scaling.hpp),
+  /// by J at the best point and by J at the start. 0, 1 or 2.
+  int rescalings = 2;
+};
+
+void describe(Stop& stop, Fields& fields);
+void describe(Armijo& search, Fields& fields);
+void describe(Escape& escape, Fields& fields);
+/// But for where the path starts.
+void describe(lcp::LemkeOptions& lemke, Fields& fields);
+
+// Single options that several methods have.
+inline constexpr std::string_view lemke_start_help =
+    "where pivoting starts: automatic (the cell of the current point), first (a ray in the first iteration) or "
+    "always (a ray, as Lemke's method)";
+void describe_start(lcp::LemkeStart& start, Fields& fields);
+void describe_search(double& sigma, double& beta, int& max_backtracks, Fields& fields);
+void describe_memory(int& memory, Fields& fields);
+void describe_descent(double& rho, double& p, Fields& fields);
+void describe_rescalings(int& rescalings, Fields& fields);
+void describe_lu(lcp::LuBackend& lu, Fields& fields);
+
+}  // namespace perp::ncp

@@ -1,0 +1,344 @@
+#include "ncp/run/run.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "lcp/judge/result.hpp"
+
+namespace perp::ncp {
+std::string solution_found(const Residual& residual) {
+  return "solution found: the natural residual is " + number(residual.natural);
+}
+
+Run::Run(const Mcp& mcp, const Stop& stop, const Observer& observer)
+    : counted_(mcp),
+      stop_(stop),
+      judge_(counted_, stop),
+      observer_(observer),
+      deadline_(lcp::deadline_after(stop.max_time)) {}
+
+void Run::end(Status status, std::string message, std::string advice) {
+  if (status_) return;
+  const bool proven = status == Status::Infeasible || status == Status::NotApplicable;
+  if (!proven && settled()) return;
+  status_ = status == Status::SolvedToRounding ? Status::NoProgress : status;  // that is the judge's to say
+  message_ = std::move(message);
+  advice_ = std::move(advice);
+}
+
+void Run::guard(const std::function<void()>& part) {
+  // Not end(): to settle what is open takes factorizations too.
+  lcp::within_limits(part, [this](lcp::Status status, const std::string& why) {
+    if (status_ && !stuck(*status_)) return;  // one that is stuck was to go on
+    const bool late = status == lcp::Status::TimeLimit;
+    message_ = late ? "stopped before the time limit: " + why : why;
+    advice_ = late ? "raise the time limit, or go on from the point returned"
+                   : "a smaller problem, more memory, or --method semismooth --option linear_solver=krylov";
+    status_ = late ? Status::TimeLimit : Status::OutOfMemory;
+  });
+}
+
+bool Run::settled() {
+  if (best_.x.size() == 0) return false;
+  judge_.refine(best_);
+  if (solved(best_)) return true;
+  if (!judge_.to_rounding(best_)) return false;
+  message_ = "the tolerance is not met, but the residual of every equation is within the rounding of its terms";
+  advice_ = "scale the model, or ask for no more digits than its numbers have (--tol)";
+  status_ = Status::SolvedToRounding;
+  return true;
+}
+
+bool Run::start(In x0, Point& point) {
+  point.x = lcp::project(box(), x0);
+  point.J = mcp().jacobian_pattern();
+  const bool has_F = counted_.eval(point.x, point.F);
+  best_ = {.x = point.x, .F = point.F, .residual = {}};
+  if (!has_F) {
+    end(Status::EvaluationFailed, undefined_at_start(point.x, point.F), "give a start inside the domain of F");
+    return false;
+  }
+  best_.residual = residual(box(), point.x, point.F);
+  if (solved(best_)) return true;  // J is not needed
+  point.F = best_.F;
+  if (!counted_.jacobian(point.x, point.J)) {
+    std::string where;
+    for (Index j = 0; j < point.J.cols() && where.empty(); ++j)
+      for (SpMat::InnerIterator it(point.J, j); it && where.empty(); ++it)
+        if (!std::isfinite(it.value()))
+          where = ": the derivative of equation " + equation(it.row()) + " with respect to variable " +
+                  mcp().variable_name(j) + " is " + number(it.value());
+    end(Status::EvaluationFailed, "the Jacobian is not defined at the start" + where,
+        "give a start inside the domain of the Jacobian, for instance away from the bounds");
+    return false;
+  }
+  return true;
+}
+
+std::string Run::undefined_at_start(In x, In F) const {
+  for (Index i = 0; i < F.size(); ++i)
+    if (!std::isfinite(F[i])) {
+      const char* value = std::isnan(F[i]) ? "NaN" : "infinite (an overflow or a pole)";
+      return "equation " + equation(i) + " is " + value + " at the start, where its variable " +
+             mcp().variable_name(i) + " = " + number(x[i]);
+    }
+  return "F is not defined at the start";
+}
+
+Judged Run::judged(const Point& point) {
+  Judged judged{.x = lcp::project(box(), point.x), .F = point.F, .residual = {}};
+  if (judged.x == point.x || counted_.eval(judged.x, judged.F)) judged.residual = residual(box(), judged.x, judged.F);
+  return judged;
+}
+
+bool Run::solved(Judged& judged) {
+  if (!judge_.solved(judged)) return false;
+  message_ = solution_found(judged.residual);
+  status_ = Status::Solved;
+  return true;
+}
+
+void Run::resume(std::string attempt) {
+  status_.reset();
+  attempt_ = std::move(attempt);
+  offset_ = stats_.iterations;
+}
+
+void Run::end_at(Status limit) {
+  if (limit == Status::Interrupted)
+    end(limit, "interrupted after " + quantity(stats_.iterations, "iteration"), "run on from the point returned");
+  else if (limit == Status::TimeLimit)
+    end(limit, "the time limit of " + number(stop_.max_time.count()) + " s was reached",
+        "raise the time limit, or go on from the point returned");
+  else if (stats_.iterations < stop_.max_iterations)
+    end(Status::IterationLimit, "the limit of " + quantity(stop_.max_F_evals, "evaluation") + " of F was reached",
+        "raise the limit if the residual was still falling; otherwise try another method or start");
+  else
+    end(Status::IterationLimit, "the limit of " + quantity(stop_.max_iterations, "iteration") + " was reached",
+        "raise the limit if the residual was still falling; otherwise try another method or start");
+}
+
+Stop Run::left() const {
+  Stop stop = stop_;
+  stop.max_iterations = std::max(0, stop_.max_iterations - iterations());
+  stop.max_F_evals = std::max(1, stop_.max_F_evals - F_evals());
+  stop.max_time = std::max(Seconds(0), Seconds(deadline_ - std::chrono::steady_clock::now()));
+  return stop;
+}
+
+Observer Run::counting_on(bool start_shown) {
+  if (!observer_) {
+    attempt_.clear();
+    return {};
+  }
+  return [this, start_shown, before = iterations(), F = F_evals(), J = J_evals(),
+          attempt = take_attempt()](const Iteration& it) mutable {
+    if (it.k == 0 && !start_shown) return Next::Continue;
+    Iteration counted = it;
+    counted.k += before;
+    counted.F_evals += F;
+    counted.J_evals += J;
+    if (!attempt.empty()) counted.attempt = std::exchange(attempt, {});
+    if (counted.kind == 'I' && !counted.attempt.empty()) counted.kind = 'R';
+    return observer_(counted);
+  };
+}
+
+namespace {
+
+/// Records of the transformed problem as those of the problem itself.
+Observer brought_back(const Mcp& mcp, const Transform& way, Observer observer) {
+  if (!observer) return {};
+  return [&mcp, &way, observer = std::move(observer)](const Iteration& it) {
+    Iteration shown = it;
+    shown.problem = &mcp;
+    if (it.worst >= 0) shown.worst = way.equation_back(it.worst);
+    Vec x;
+    if (it.x != nullptr) {
+      shown.x = &(x = way.iterate_back(*it.x, it.normal_map));
+      if (!way.keeps_residuals()) {
+        const Vec z = lcp::project(mcp.box(), x);
+        Vec F;
+        CountedMcp guarded(mcp);  // for the observer: what the run itself evaluates is counted
+        const Residual judged = guarded.eval(z, F) ? residual(mcp.box(), z, F) : Residual{};
+        shown.residual = judged.natural;
+        shown.worst = judged.worst;
+      }
+    }
+    WayTaken taken;
+    if (it.way != nullptr) {
+      taken = *it.way;
+      for (lcp::Breakpoint& kink : taken.kinks) kink.x = way.kink_back(kink.x);
+      shown.way = &taken;
+    }
+    return observer(shown);
+  };
+}
+
+Stop shared(Stop left, const Share& share) {
+  left.max_iterations = std::min(left.max_iterations, share.iterations);
+  left.max_F_evals = std::min(left.max_F_evals, share.F_evals);
+  left.tol = share.tol.value_or(left.tol);
+  return left;
+}
+
+}  // namespace
+
+Result Run::within(const Mcp& mcp, const Stop& limits, const Observer& shown, In x0, const Body& body) {
+  Run inner(mcp, limits, shown);
+  inner.guard([&] { body(inner, x0); });
+  return inner.result(x0);
+}
+
+Result Run::within(const Mcp& mcp, const Share& share, In x0, const Body& body) {
+  const Observer shown = share.shown ? counting_on(share.start_shown) : Observer{};
+  return within(mcp, shared(left(), share), shown, x0, body);
+}
+
+Result Run::within(const Transform& way, const Share& share, In x0, const Body& body, bool* accepted_there) {
+  const Stop limits = shared(left(), share);
+  Stop there = limits;
+  there.tol = way.tolerance(limits.tol);
+  const Observer shown = share.shown ? counting_on(share.start_shown) : Observer{};
+  Result result = within(way.problem(), there, brought_back(mcp(), way, shown), way.there(x0), body);
+  if (accepted_there != nullptr) *accepted_there = result.accepted();
+  result.x = way.back(result.x);
+  result.basis = way.back(result.x, std::move(result.basis));
+  judge_here(mcp(), limits, result);
+  return result;
+}
+
+void Run::replace_verdict(Verdict verdict) {
+  status_ = verdict.status;
+  message_ = std::move(verdict.message);
+  advice_ = std::move(verdict.advice);
+}
+
+void Run::remark(const std::string& text) {
+  if (!text.empty()) message_ += "; " + text;
+}
+
+void Run::take(const Result& other) {
+  stats_ += other.stats;
+  if (!other.basis.empty()) basis_ = other.basis;
+  Judged theirs{.x = other.x, .F = other.F, .residual = other.residual};
+  const bool done = other.solved() && solved(theirs);
+  const bool rounded = other.status == Status::SolvedToRounding && judge_.to_rounding(theirs);
+  if (done || rounded || theirs.residual.natural < best_.residual.natural) best_ = std::move(theirs);
+  if (done) {
+    message_ = other.message;
+    return;
+  }
+  if (other.solved()) {
+    end(Status::NoProgress, "an attempt's solution was not confirmed: F has other values there now",
+        "F must be a function of x alone");
+    return;
+  }
+  if (!ended_with(other))  // limits of its own are no reason to stop
+    end(other.status == Status::IterationLimit ? Status::NoProgress : other.status, other.message, other.advice);
+}
+
+void Run::charge(const Result& other) {
+  stats_ += other.stats;
+  ended_with(other);
+}
+
+void Run::take_point(const Result& other) {
+  if (other.residual.natural < best_.residual.natural) best_ = {.x = other.x, .F = other.F, .residual = other.residual};
+}
+
+bool Run::ended_with(const Result& other) {
+  if (other.status == Status::OutOfMemory) {
+    end(other.status, other.message, other.advice);
+    return true;
+  }
+  const bool late = other.status == Status::TimeLimit && std::chrono::steady_clock::now() >= deadline_;
+  const bool at_end = !other.accepted() && at_limit() && other.status == Status::IterationLimit;
+  if (!at_end && other.status != Status::Interrupted && !late) return false;
+  end_at(other.status);
+  return true;
+}
+
+bool Run::show(const Vec& x, Iteration it, Residual& there) {
+  Vec F;
+  there = counted_.eval(x, F) ? residual(box(), x, F) : Residual{};
+  if (!attempt_.empty()) it.attempt = take_attempt();
+  it.k = iterations();
+  it.residual = there.natural;
+  it.worst = there.worst;
+  it.F_evals = F_evals();
+  it.J_evals = J_evals();
+  it.x = &x;
+  it.problem = &mcp();
+  if (observer_ && observer_(it) == Next::Stop) end_at(Status::Interrupted);
+  return !ended();
+}
+
+bool stuck(Status status) {
+  return status == Status::EvaluationFailed || status == Status::StationaryPoint || status == Status::NoProgress ||
+         status == Status::SubproblemFailed || status == Status::Unbounded || status == Status::LinearAlgebraFailed;
+}
+
+bool Run::go_on(const Point& point, Iteration it) {
+  it.k += offset_;
+  it.attempt = take_attempt();
+  if (!it.attempt.empty()) it.kind = 'R';
+  Judged now = judged(point);
+  const Residual of_iterate = now.residual;
+  const bool accepted = status_ == Status::Solved || status_ == Status::SolvedToRounding;
+  // A run that ended unsolved tells of where it ended, rather than of an earlier point that is as good.
+  const bool last = status_ && now.residual.natural <= best_.residual.natural;
+  const bool solution = !status_ && solved(now);
+  if (solution || (!accepted && (last || now.residual.natural < best_.residual.natural))) best_ = std::move(now);
+  const bool done = status_.has_value();
+  stats_.iterations = it.k;
+  stats_.pivots += it.pivots;
+  stats_.backtracks += it.backtracks;
+  if (it.kind == 'G') ++stats_.gradient_steps;
+  it.residual = of_iterate.natural;
+  it.worst = of_iterate.worst;
+  it.F_evals = F_evals();
+  it.J_evals = J_evals();
+  it.x = &point.x;
+  it.problem = &mcp();
+  const bool asked_to_stop = observer_ && observer_(it) == Next::Stop;
+  if (done) return false;
+  if (asked_to_stop || interrupted())
+    end_at(Status::Interrupted);
+  else if (std::chrono::steady_clock::now() >= deadline_)
+    end_at(Status::TimeLimit);
+  else if (at_limit())
+    end_at(Status::IterationLimit);
+  return !status_;
+}
+
+Result Run::result(In x0) {
+  Result out;
+  out.status = status_.value_or(Status::NoProgress);
+  out.message = message_;
+  if (out.status != Status::Solved) out.advice = advice_;
+  out.x = best_.x;
+  out.F = best_.F;
+  out.residual = best_.residual;
+  if (out.x.size() != x0.size()) {
+    out.x = lcp::project(box(), x0);
+    out.F = Vec::Constant(x0.size(), std::numeric_limits<double>::quiet_NaN());
+  }
+  out.basis = basis_;
+  out.stats = stats_;
+  out.stats.F_evals += counted_.F_evals();
+  out.stats.J_evals += counted_.J_evals();
+  out.stats.time = std::chrono::steady_clock::now() - begin_;
+  return out;
+}
+
+std::string words_on_best(const Mcp& mcp, const Result& result) {
+  const Residual& r = result.residual;
+  if (result.status == Status::Solved || r.worst < 0 || !std::isfinite(r.natural)) return {};
+  return "; the best point has natural residual " + number(r.natural) + ", worst in equation " +
+         mcp.equation_name(r.worst) + " of variable " + mcp.variable_name(r.worst);
+}
+
+}  // namespace perp::ncp

@@ -1,0 +1,126 @@
+#include "ncp/strategy/auto.hpp"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "lcp/linalg/krylov.hpp"
+#include "ncp/problem/affine.hpp"
+#include "ncp/reformulation/normal_map.hpp"
+#include "ncp/strategy/attempts.hpp"
+#include "ncp/strategy/strategies.hpp"
+#include "ncp/transforms/presolve.hpp"
+
+namespace perp::ncp {
+namespace {
+
+/// Pivots of the first try of PathSearch on large problems, which needs few of them or very many.
+constexpr int few_pivots = 3000;
+
+/// What presolve can say of a problem without a solution, row by row, is for people; a ray is not.
+void explain(const Mcp& mcp, In x0, Result& result) {
+  const Presolved pre = presolve(mcp, x0);
+  result.stats.F_evals += pre.F_evals();
+  result.stats.J_evals += pre.J_evals();
+  if (!pre.infeasible().empty()) result.message = "proven to have no solution: " + pre.infeasible();
+}
+
+Attempt choice(std::string label, Method method, bool last = false) {
+  std::string what(std::holds_alternative<Affine>(method) ? label : std::string(ncp::name(method)));
+  const auto go = [method = std::move(method), last](Run& run, const Point& start) {
+    const Share share = part_of_left(run, last);
+    run.keep_basis({});
+    Result result =
+        std::holds_alternative<Affine>(method)
+            ? linear_methods(run, start.x, share)
+            : run.within(run.mcp(), share, start.x, [&](Run& inner, In z) { run_method(inner, z, method); });
+    if (result.status == Status::Infeasible) explain(run.mcp(), start.x, result);
+    run.take(result);
+  };
+  return {.name = std::move(label), .what = std::move(what), .go = go};
+}
+
+Attempt only_if(Attempt attempt, std::string when, std::function<bool(Run&, const Point&)> worthwhile) {
+  attempt.when = std::move(when);
+  attempt.worthwhile = std::move(worthwhile);
+  return attempt;
+}
+
+/// "auto chose path (nonlinear, 4 variables), then ..."
+std::string account(const Mcp& mcp, const Auto& method, const Tried& tried) {
+  const Attempt& first = *tried.attempts.front();
+  std::string why = first.when.empty() ? "nonlinear, " + quantity(mcp.size(), "variable") : first.when;
+  if (!method.path.basis.empty()) why = "a warm basis is given";
+  std::string text = "auto chose " + first.name + " (" + why + ")";
+  for (std::size_t i = 1; i < tried.attempts.size(); ++i) text += (i == 1 ? ", then " : ", ") + tried.attempts[i]->name;
+  return text;
+}
+
+/// Of those that got stuck path's, which knows most, else the first.
+const Run::Verdict& telling(const Tried& tried) {
+  for (std::size_t i = tried.verdicts.size(); i-- > 0;)
+    if (tried.attempts[i]->what == "path") return tried.verdicts[i];
+  return tried.verdicts.front();
+}
+
+}  // namespace
+
+std::vector<Attempt> auto_list(const Auto& method) {
+  const bool warm = !method.path.basis.empty();
+  const auto large = [most = method.large](const Run& run) { return run.box().size() > most; };
+  const auto nonlinear = [](Run& run, const Point&) { return !run.mcp().is_affine(); };
+  const auto large_unsymmetric = [=](Run& run, const Point& start) {
+    return !warm && large(run) && !lcp::symmetric(start.J);
+  };
+  const auto large_symmetric = [=](Run& run, const Point& start) {
+    return !warm && !run.mcp().is_affine() && large(run) && lcp::symmetric(start.J);
+  };
+  const std::string of_size = "n > " + std::to_string(method.large) + ", the Jacobian is ";
+  PathSearch brief = method.path;
+  brief.restart_limit = 0;
+  brief.cumulative_iteration_limit = std::min(brief.cumulative_iteration_limit, few_pivots);
+  SemismoothNewton penalised = method.semismooth;
+  penalised.cfunction = penalised_fischer_burmeister();
+  SemismoothNewton escaping = method.semismooth;
+  escaping.escape = Escape{};
+  return {
+      only_if(choice("path with few pivots", brief), of_size + "not symmetric", large_unsymmetric),
+      only_if(choice("interior points", InteriorPoint{}), of_size + "not symmetric", large_unsymmetric),
+      only_if(choice("the linear methods", Affine{}), "the problem is affine",
+              [=](Run& run, const Point&) { return !warm && run.mcp().is_affine(); }),
+      only_if(choice("josephy", NewtonJosephy{.subproblem = Subproblem::Qp}),
+              "nonlinear, " + of_size + "symmetric: quadratic programs by multigrid", large_symmetric),
+      choice("path", method.path),
+      only_if(choice("smoothing", Smoothing{.function = smoothed_fischer_burmeister(), .restarts = 1}),
+              "the problem is nonlinear", nonlinear),
+      choice("semismooth on the penalised function", penalised),
+      choice("semismooth with proximal escapes", escaping, true),
+  };
+}
+
+void automatic(Run& run, In x0, const Auto& method) {
+  Point start;
+  if (!run.start(x0, start)) return;
+  if (run.ended()) {
+    run.go_on(start, {.k = 0, .kind = 'I'});
+    return run.remark("auto had nothing to choose: the start is a solution");
+  }
+  const std::vector<Attempt> list = auto_list(method);
+  const Tried tried = in_turn(run, start, list, static_cast<int>(list.size()));
+  if (run.ended() && stuck(run.status())) run.replace_verdict(telling(tried));
+  run.stats().restarts += static_cast<int>(tried.attempts.size()) - 1;
+  if (run.accepted() && run.basis().empty()) run.keep_basis(cells_at(run.box(), run.best()));
+  run.remark(account(run.mcp(), method, tried));
+}
+
+void describe(Auto& m, Fields& f) {
+  f.add("auto_large", &m.large, at_least(0),
+        "auto: from more variables on it takes iterative linear algebra and interior points first");
+  describe(m.path, f);
+  Fields semismooth;  // its keys would be path's
+  describe(m.semismooth, semismooth);
+  if (const auto why = semismooth.invalid()) f.check(false, "semismooth: " + *why);
+}
+
+}  // namespace perp::ncp

@@ -1,0 +1,210 @@
+#include "ncp/strategy/solve.hpp"
+
+#include <cmath>
+#include <limits>
+#include <new>
+#include <stdexcept>
+
+#include "ncp/run/notes.hpp"
+#include "ncp/run/run.hpp"
+#include "ncp/strategy/proximal.hpp"
+#include "ncp/strategy/strategies.hpp"
+#include "ncp/strategy/strategy_node.hpp"
+
+namespace perp::ncp {
+namespace {
+
+template <class... F>
+struct Overloaded : F... {
+  using F::operator()...;
+};
+template <class... F>
+Overloaded(F...) -> Overloaded<F...>;
+
+/// What only the problem shows to be wrong with a method.
+void check_fit(const Mcp& mcp, const Method& method) {
+  const PathSearch* path = path_of(method);
+  if (path == nullptr || path->basis.empty() || static_cast<Index>(path->basis.size()) == mcp.size()) return;
+  throw std::invalid_argument(mcp.name() + ": path: the warm start's basis has " + std::to_string(path->basis.size()) +
+                              " cells, the problem " + std::to_string(mcp.size()) + " variables");
+}
+
+bool stuck(Status status, const Stats& stats) {
+  return stuck(status) && (status != Status::EvaluationFailed || stats.iterations > 0);
+}
+
+void path(Run& run, In x0, const PathSearch& method) {
+  const auto attempts = [&method](Run& inner, In z0, const std::vector<lcp::Cell>& basis) {
+    PathSearch there = method;
+    there.basis = basis;
+    path_attempts(inner, z0, there);
+  };
+  return method.preprocess ? run_presolved(run, x0, method.basis, attempts) : attempts(run, x0, method.basis);
+}
+
+/// Without rescalings and escapes.
+void run_base(Run& run, In x0, const Method& method) {
+  std::visit(Overloaded{[&](const PathSearch& m) { path(run, x0, m); }, [&](const Auto& m) { automatic(run, x0, m); },
+                        [&](const Affine& m) { affine(run, x0, m); },
+                        [&](const Strategy& m) { run_strategy(run, x0, *m.tree); },
+                        [&](const auto&) { run_once(run, x0, method); }},
+             method);
+}
+
+/// A derivative that does not match is the most frequent reason of a failure, and the hardest to see.
+void blame_derivatives(const Mcp& mcp, Result& result) {
+  constexpr Index columns = 50;
+  const JacobianCheck check = check_jacobian(mcp, result.x, 1e-6, columns);
+  if (!check.defined) return;
+  if (const std::string mismatch = describe(mcp, check, 1e-3); !mismatch.empty()) {
+    result.message += "; at this point " + mismatch;
+    result.advice = "correct the Jacobian first";
+  }
+}
+
+}  // namespace
+
+Escape escape_of(const Method& method) {
+  return std::visit(
+      [](const auto& m) {
+        if constexpr (requires { m.escape; })
+          return m.escape;
+        else
+          return Escape{.rounds = 0};
+      },
+      method);
+}
+
+int rescalings_of(const Method& method) {
+  if (const auto* smoothing = std::get_if<Smoothing>(&method)) return smoothing->rescalings;
+  const Escape escape = escape_of(method);
+  return escape.rounds > 0 ? escape.rescalings : 0;
+}
+
+void escape(Run& run, const Escape& options, int iterations, const Body& base) {
+  if (!stuck(run) || options.rounds == 0) return;
+  const Run::Verdict before = run.verdict();
+  const Vec center = run.best();
+  run.resume({});
+  const int k = proximal_escape(run, center, run.best_residual(), options, iterations, base);
+  const std::string escapes = quantity(k, "proximal escape");
+  if (run.accepted()) return run.remark("after " + escapes + " from a local minimum");
+  if (!run.ended()) run.replace_verdict(before);
+  run.remark(escapes + (k == 1 ? " has" : " have") + " not led to a solution");
+}
+
+bool stuck(const Run& run) { return run.ended() && stuck(run.status(), run.stats()); }
+
+void run_loop(Run& run, Point point, const Method& method) {
+  std::visit(Overloaded{[&](const SemismoothNewton& m) { semismooth_newton(run, m, std::move(point)); },
+                        [&](const MinNewton& m) { min_newton(run, m, std::move(point)); },
+                        [&](const Smoothing& m) { smoothing(run, m, std::move(point)); },
+                        [&](const InteriorPoint& m) { interior_point(run, m, std::move(point)); },
+                        [&](const NewtonJosephy& m) { newton_josephy(run, m, std::move(point)); },
+                        [&](const NewtonRobinson& m) { newton_robinson(run, m, std::move(point)); },
+                        [&](const PathSearch& m) { path_search(run, m, std::move(point)); },
+                        [&](const Multiroot& m) { multiroot(run, m, std::move(point)); },
+                        [](const auto&) { throw std::logic_error("run_loop: the method has no loop of its own"); }},
+             method);
+}
+
+void run_once(Run& run, In x0, const Method& method) {
+  Point point;
+  if (run.start(x0, point)) run_loop(run, std::move(point), method);
+}
+
+void run_method(Run& run, In x0, const Method& method) {
+  const Body base = [&method](Run& inner, In z0) { run_base(inner, z0, method); };
+  const Escape escapes = escape_of(method);
+  const int rescalings = rescalings_of(method);
+  base(run, x0);
+  // The escapes there get a part of the iterations, so that some are left for those on the problem itself.
+  if (stuck(run) && rescalings > 0)
+    retry_scaled(run, x0, rescalings, [&](Run& scaled, In z0) {
+      base(scaled, z0);
+      escape(scaled, escapes, (scaled.iterations() + scaled.left().max_iterations) / 3, base);
+    });
+  escape(run, escapes, std::numeric_limits<int>::max(), base);
+}
+
+std::string_view name(const Method& method) {
+  return std::visit(
+      Overloaded{[](const SemismoothNewton&) { return std::string_view("semismooth"); },
+                 [](const MinNewton& m) {
+                   return m.direction == MinNewton::Direction::Newton ? std::string_view("newton-min")
+                                                                      : std::string_view("nesqp");
+                 },
+                 [](const Smoothing&) { return std::string_view("smooth"); },
+                 [](const InteriorPoint&) { return std::string_view("interior"); },
+                 [](const NewtonJosephy&) { return std::string_view("josephy"); },
+                 [](const NewtonRobinson&) { return std::string_view("robinson"); },
+                 [](const PathSearch&) { return std::string_view("path"); },
+                 [](const Auto&) { return std::string_view("auto"); },
+                 [](const Multiroot& m) { return to_string(m.solver); },
+                 [](const Affine& m) { return lcp::name(m.method); }, [](const Strategy& m) { return name(m); }},
+      method);
+}
+
+const PathSearch* path_of(const Method& method) {
+  const auto* automatic = std::get_if<Auto>(&method);
+  return automatic != nullptr ? &automatic->path : std::get_if<PathSearch>(&method);
+}
+
+PathSearch* path_of(Method& method) { return const_cast<PathSearch*>(path_of(std::as_const(method))); }
+
+const Stop& stop(const Method& method) {
+  return std::visit([](const auto& m) -> const Stop& { return m.stop; }, method);
+}
+
+Stop& stop(Method& method) {
+  return std::visit([](auto& m) -> Stop& { return m.stop; }, method);
+}
+
+void describe(Method& method, Fields& fields) {
+  std::visit(
+      [&](auto& m) {
+        describe(m.stop, fields);
+        describe(m, fields);
+      },
+      method);
+}
+
+std::optional<std::string> invalid(const Method& method) {
+  Method described = method;
+  Fields fields;
+  describe(described, fields);
+  return fields.invalid();
+}
+
+namespace {
+
+void comment(const Mcp& mcp, const Method& method, Result& result) {
+  annotate(mcp, stop(method), result);
+  if (std::holds_alternative<Affine>(method)) return;
+  if (stuck(result.status, result.stats) || result.status == Status::IterationLimit ||
+      result.status == Status::LinearAlgebraFailed)
+    blame_derivatives(mcp, result);
+}
+
+}  // namespace
+
+Result solve(const Mcp& mcp, In x0, const Method& method, const Observer& observer) {
+  if (const auto why = invalid(method)) throw std::invalid_argument(std::string(name(method)) + ": " + *why);
+  check_input(mcp, x0);
+  check_fit(mcp, method);
+  if (stop(method).check_derivatives)
+    if (const JacobianCheck check = check_jacobian(mcp, lcp::project(mcp.box(), x0)); check.defined)
+      if (const std::string mismatch = describe(mcp, check); !mismatch.empty())
+        throw std::invalid_argument(mcp.name() + ": " + mismatch);
+  Run run(mcp, stop(method), observer);
+  run.guard([&] { run_method(run, x0, method); });
+  Result result = run.result(x0);
+  result.message += words_on_best(mcp, result);
+  try {
+    if (result.status != Status::OutOfMemory) comment(mcp, method, result);
+  } catch (const std::bad_alloc&) {  // the result stands without a comment
+  }
+  return result;
+}
+
+}  // namespace perp::ncp

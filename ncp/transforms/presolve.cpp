@@ -1,0 +1,167 @@
+#include "ncp/transforms/presolve.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+#include "ncp/transforms/presolve_reducer.hpp"
+
+namespace perp::ncp {
+namespace {
+
+std::size_t at(Index i) { return static_cast<std::size_t>(i); }
+
+/// The original with some variables held, and their pairs left out. Equation k is row rows[k], variable k column
+/// columns[k].
+class ReducedMcp final : public Mcp {
+ public:
+  ReducedMcp(const Mcp& base, Vec values, std::vector<Index> columns, std::vector<Index> rows)
+      : base_(base),
+        counted_(base),
+        columns_(std::move(columns)),
+        rows_(std::move(rows)),
+        x_(std::move(values)),
+        J_(base.jacobian_pattern()) {
+    const auto n = static_cast<Index>(columns_.size());
+    box_ = Box::free(n);
+    for (Index k = 0; k < n; ++k) {
+      box_.lower[k] = base.box().lower[columns_[at(k)]];
+      box_.upper[k] = base.box().upper[columns_[at(k)]];
+    }
+    find_entries();
+  }
+
+  const Box& box() const override { return box_; }
+  const SpMat& jacobian_pattern() const override { return pattern_; }
+  bool eval(In x, Out F) const override {
+    put(x);
+    const bool defined = counted_.eval(x_, F_);
+    for (Index k = 0; k < size(); ++k) F[k] = F_[rows_[at(k)]];
+    return defined;
+  }
+  bool jacobian(In x, SpMat& J) const override {
+    put(x);
+    const bool defined = counted_.jacobian(x_, J_);
+    for (std::size_t k = 0; k < entries_.size(); ++k) J.valuePtr()[k] = J_.valuePtr()[entries_[k]];
+    return defined;
+  }
+  bool is_affine() const override { return base_.is_affine(); }
+  std::vector<bool> linear_entries() const override {
+    const std::vector<bool> all = base_.linear_entries();
+    std::vector<bool> mine;
+    if (all.empty()) return mine;
+    for (const Index p : entries_) mine.push_back(all[at(p)]);
+    return mine;
+  }
+  std::string name() const override { return base_.name(); }
+  std::string variable_name(Index i) const override { return base_.variable_name(columns_[at(i)]); }
+  std::string equation_name(Index i) const override { return base_.equation_name(rows_[at(i)]); }
+
+ private:
+  void put(In x) const {
+    for (Index k = 0; k < size(); ++k) x_[columns_[at(k)]] = x[k];
+  }
+  void find_entries() {
+    std::vector<Index> place(at(base_.size()), -1);
+    for (Index k = 0; k < size(); ++k) place[at(rows_[at(k)])] = k;
+    pattern_.resize(size(), size());
+    std::vector<std::pair<Index, Index>> column;  // (row, entry of the original)
+    for (Index k = 0; k < size(); ++k) {
+      column.clear();
+      const Index j = columns_[at(k)];
+      for (Index p = J_.outerIndexPtr()[j]; p < J_.outerIndexPtr()[j + 1]; ++p)
+        if (const Index i = place[at(J_.innerIndexPtr()[p])]; i >= 0) column.emplace_back(i, p);
+      std::sort(column.begin(), column.end());
+      pattern_.startVec(k);
+      for (const auto& [i, p] : column) {
+        pattern_.insertBack(i, k) = 1;
+        entries_.push_back(p);
+      }
+    }
+    pattern_.finalize();
+  }
+
+  const Mcp& base_;
+  mutable CountedMcp counted_;  // refuses a J that left its pattern
+  std::vector<Index> columns_, rows_;
+  Box box_;
+  SpMat pattern_;
+  std::vector<Index> entries_;  // of the original's J, in the order of the pattern
+  mutable Vec x_, F_;           // of the original
+  mutable SpMat J_;
+};
+
+/// A solution t of  l <= t <= u  _|_  F + a (t - here); see Presolved for when there is one.
+double scalar_solution(double a, double F, double here, double lower, double upper) {
+  const double root = a != 0 ? here - F / a : here;
+  if (a > 0 || (a < 0 && lower == -infinity && upper == infinity))
+    return std::isfinite(root) ? std::min(std::max(root, lower), upper) : here;
+  return F + a * (lower - here) >= 0 ? lower : upper;  // a <= 0: F is no larger at the upper bound
+}
+
+void expect_size(const Mcp& mcp, const char* what, Index given, Index expected) {
+  if (given != expected)
+    throw std::invalid_argument(mcp.name() + ": " + what + " of a point with " + std::to_string(given) +
+                                " entries for " + std::to_string(expected) + " variables");
+}
+
+}  // namespace
+
+Vec Presolved::reduce(In x) const {
+  expect_size(*original_, "reduction", x.size(), original_->size());
+  return Vec::NullaryExpr(static_cast<Index>(columns_.size()), [&](Index k) { return x[columns_[at(k)]]; });
+}
+
+// A postponed variable is in its own row and in rows that went before: the last one is computed first. Rounding of one
+// pass is taken out by the second.
+Vec Presolved::postsolve(In x) const {
+  expect_size(*original_, "postsolve", x.size(), static_cast<Index>(columns_.size()));
+  Vec full = base_;
+  for (Index k = 0; k < x.size(); ++k) full[columns_[at(k)]] = x[k];
+  if (postponed_.empty()) return full;
+  const Box& box = original_->box();
+  Vec F(original_->size());
+  CountedMcp counted(*original_);
+  for (int pass = 0; pass < 2; ++pass) {
+    if (!counted.eval(full, F)) return full;
+    for (std::size_t k = postponed_.size(); k-- > 0;) {
+      const auto& [row, c, a] = postponed_[k];
+      const double value = scalar_solution(a, F[row], full[c], box.lower[c], box.upper[c]);
+      const double step = value - full[c];
+      full[c] = value;
+      for (SpMat::InnerIterator it(J_, c); it; ++it) F[it.row()] += it.value() * step;
+    }
+  }
+  return full;
+}
+
+Presolved presolve(const Mcp& mcp, In x0) {
+  Presolved p;
+  p.original_ = &mcp;
+  auto reducer = std::make_unique<Reducer>(mcp, x0);
+  reducer->run(true);
+  p.F_evals_ = reducer->F_evals();
+  p.J_evals_ = reducer->J_evals();
+  if (reducer->infeasible.empty() && !reducer->defined()) {
+    // F is defined at x0, but not where presolve would start: x0 is worth more.
+    reducer = std::make_unique<Reducer>(mcp, x0);
+    reducer->run(false);
+  }
+  p.infeasible_ = std::move(reducer->infeasible);
+  p.notes_ = std::move(reducer->notes);
+  p.counts_ = reducer->counts;
+  p.postponed_ = std::move(reducer->postponed);
+  p.base_ = reducer->x();
+  if (!p.postponed_.empty()) p.J_ = reducer->J();
+  for (Index c = 0; c < mcp.size(); ++c) {
+    if (!reducer->kept(c)) continue;
+    p.columns_.push_back(c);
+    p.rows_.push_back(reducer->row_of(c));
+  }
+  p.start_ = p.reduce(p.base_);
+  if (p.counts_.total() > 0) p.reduced_ = std::make_unique<ReducedMcp>(mcp, p.base_, p.columns_, p.rows_);
+  return p;
+}
+
+}  // namespace perp::ncp

@@ -1,0 +1,99 @@
+/// `perp export`: what it writes is read back as the same problem.
+#include "app/commands/export.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "lcp/io/matrix_market.hpp"
+#include "ncp/collection/collection.hpp"
+#include "ncp/problem/affine.hpp"
+#include "support.hpp"
+
+namespace perp::app {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+std::string refused(const ExportRequest& request) {
+  test::Captured captured;
+  EXPECT_EQ(export_problem(request, captured.streams), exit_input);
+  EXPECT_EQ(captured.out.str(), "");
+  return captured.err.str();
+}
+
+lcp::AffineMcp exported(const test::Folder& folder, const std::string& name) {
+  test::Captured captured;
+  EXPECT_EQ(export_problem({.source = {.problem = name}, .file = folder / "F.mtx", .force = true}, captured.streams),
+            exit_solved)
+      << captured.err.str();
+  const LoadedProblem read = load_problem({.problem = folder / "F.mtx",
+                                           .q = folder / "F-q.mtx",
+                                           .lower = folder / "F-lower.mtx",
+                                           .upper = folder / "F-upper.mtx",
+                                           .start_at = folder / "F-start.mtx"});
+  EXPECT_EQ(read.x0, load_problem(name).x0) << name;
+  return ncp::affine_part(*read.mcp).value();
+}
+
+// Every affine problem of the collection that is not large. Would catch digits, bounds, signs of infinities or entries
+// lost on the way.
+TEST(Export, ReadsBackAsTheSameProblem) {
+  const test::Folder folder;
+  int compared = 0;
+  for (const ncp::collection::Entry& entry : ncp::collection::entries()) {
+    const ncp::collection::Problem problem = entry.make();
+    const auto original = ncp::affine_part(*problem.mcp);
+    if (!original || entry.size > 200) continue;
+    const lcp::AffineMcp read = exported(folder, std::string(entry.name));
+    EXPECT_EQ(read.q, original->q) << entry.name;
+    EXPECT_EQ(read.box.lower, original->box.lower) << entry.name;
+    EXPECT_EQ(read.box.upper, original->box.upper) << entry.name;
+    ASSERT_EQ(read.M.nonZeros(), original->M.nonZeros()) << entry.name;
+    EXPECT_EQ(Eigen::MatrixXd(read.M), Eigen::MatrixXd(original->M)) << entry.name;
+    ++compared;
+  }
+  EXPECT_GE(compared, 30);
+}
+
+// Sizes and starts. Would catch an export of the catalogue's size, or of the first start whatever is asked.
+TEST(Export, SizesAndStarts) {
+  const test::Folder folder;
+  EXPECT_EQ(exported(folder, "ahn:7").size(), 7);
+  test::Captured captured;
+  ASSERT_EQ(export_problem({.source = {.problem = "cottle2", .start = 2}, .file = folder / "G.mtx"}, captured.streams),
+            exit_solved);
+  EXPECT_EQ(lcp::read_vector(folder / "G-start.mtx"), Eigen::VectorXd::Ones(2));
+  EXPECT_THAT(captured.out.str(), AllOf(HasSubstr("2 rows"), HasSubstr("perp solve " + folder / "G.mtx")));
+}
+
+// Would catch files of a problem they cannot hold, and files that overwrite others.
+TEST(Export, RefusalsWriteNothing) {
+  const test::Folder folder;
+  EXPECT_THAT(refused({.source = {.problem = "kojshin"}, .file = folder / "F.mtx"}),
+              AllOf(HasSubstr("'kojshin'"), HasSubstr("not affine")));
+  EXPECT_THAT(refused({.source = {.problem = "ahnn"}, .file = folder / "F.mtx"}), HasSubstr("'ahn'"));
+  EXPECT_THAT(refused({.source = {.problem = "cottle2", .start = 9}, .file = folder / "F.mtx"}),
+              HasSubstr("--start 9"));
+  EXPECT_THAT(refused({.source = {.problem = "cottle2"}, .file = folder / "F.txt"}), HasSubstr("F.txt"));
+  EXPECT_THAT(refused({.source = {.problem = "cottle2"}, .file = ".mtx"}), HasSubstr("-o .mtx"));
+  EXPECT_THAT(refused({.source = {.problem = "cottle2"}, .file = folder / "nowhere/F.mtx"}),
+              AllOf(HasSubstr("nowhere/F.mtx"), HasSubstr("no folder")));
+  EXPECT_TRUE(std::filesystem::is_empty(folder / ""));
+
+  test::write(folder / "F-upper.mtx", "mine");
+  EXPECT_THAT(refused({.source = {.problem = "cottle2"}, .file = folder / "F.mtx"}),
+              AllOf(HasSubstr("F-upper.mtx"), HasSubstr("--force")));
+  EXPECT_EQ(test::read(folder / "F-upper.mtx"), "mine");
+  EXPECT_FALSE(std::filesystem::exists(folder / "F.mtx"));
+  test::Captured captured;
+  EXPECT_EQ(
+      export_problem({.source = {.problem = "cottle2"}, .file = folder / "F.mtx", .force = true}, captured.streams),
+      exit_solved);
+  EXPECT_NE(test::read(folder / "F-upper.mtx"), "mine");
+}
+
+}  // namespace
+}  // namespace perp::app

@@ -1,0 +1,307 @@
+/// Outputs that are also inputs, text for terminals, and CSV fields.
+#include "app/program/files.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <random>
+
+#include "app/commands/ampl_driver.hpp"
+#include "app/commands/export.hpp"
+#include "app/commands/inspect.hpp"
+#include "app/commands/solve.hpp"
+#include "app/compare/baseline.hpp"
+#include "app/compare/compare.hpp"
+#include "app/comparison_report/write_report.hpp"
+#include "app/contact/contact.hpp"
+#include "app/contact/studies/ball.hpp"
+#include "app/contact/studies/facets.hpp"
+#include "app/report/json.hpp"
+#include "app/text/csv.hpp"
+#include "app/text/json_parts.hpp"
+#include "app/worker/sol_file.hpp"
+#include "lcp/io/matrix_market.hpp"
+#include "support.hpp"
+
+namespace perp::app {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+// Issue 17: `perp solve model.nl --json model.nl` left no model and exit 0.
+TEST(Outputs, AreNoInputs) {
+  const test::Folder folder;
+  test::write(folder / "m.nl", test::sqrt2_nl());
+  test::write(folder / "m.col", "x\n");
+  test::write(folder / "options", "tol 1e-8\n");
+  test::write(folder / "start.mtx", "1\n");
+  fs::create_symlink("m.nl", folder / "link");
+  fs::create_hard_link(folder / "m.nl", folder / "hard");
+  const auto refused = [&](const SolveRequest& request) {
+    test::Captured captured;
+    EXPECT_EQ(solve(request, captured.streams), exit_input);
+    EXPECT_EQ(captured.out.str(), "");
+    return captured.err.str();
+  };
+  const std::string model = folder / "m.nl";
+  EXPECT_THAT(refused({.problem = model, .json = model}),
+              AllOf(HasSubstr("--json '" + model + "': that is the input '" + model), HasSubstr("lost")));
+  EXPECT_THAT(refused({.problem = folder / "m", .json = folder / "link"}), HasSubstr("that is the input"));
+  EXPECT_THAT(refused({.problem = model, .plot = folder / "hard"}), HasSubstr("--plot"));
+  EXPECT_THAT(refused({.problem = model, .solution = folder / "./m.col"}), HasSubstr("--solution"));
+  EXPECT_THAT(refused({.problem = model, .options_file = folder / "options", .solution = folder / "options"}),
+              HasSubstr("the input --options-file"));
+  EXPECT_THAT(refused({.problem = model, .start_at = folder / "start.mtx", .solution = folder / "start.mtx"}),
+              HasSubstr("the input --start-at"));
+  // A refusal for another reason is not written over the model either.
+  EXPECT_THAT(refused({.problem = model, .options = {"nonsense"}, .json = model}), HasSubstr("that is the input"));
+  EXPECT_EQ(test::read(model), test::sqrt2_nl());
+  test::Captured captured;
+  EXPECT_EQ(inspect({.source = {.problem = model}, .json = folder / "link"}, captured.streams), exit_input);
+  EXPECT_EQ(test::read(model), test::sqrt2_nl());
+}
+
+// Issue 17: `--json a --plot a` lost one of them silently.
+TEST(Outputs, AreApart) {
+  const test::Folder folder;
+  fs::create_symlink("a", folder / "link");
+  test::Captured captured;
+  EXPECT_EQ(solve({.problem = "josephy", .json = folder / "a", .plot = folder / "link"}, captured.streams), exit_input);
+  EXPECT_THAT(captured.err.str(), AllOf(HasSubstr("--plot"), HasSubstr("that is the output --json")));
+  EXPECT_FALSE(fs::exists(folder / "a"));
+  EXPECT_EQ(solve({.problem = "josephy", .json = "/dev/null", .plot = "/dev/null", .solution = "/dev/null"},
+                  captured.streams),
+            exit_solved);
+}
+
+// What cannot be written is refused before the solve: of every output.
+TEST(Outputs, AreWritableBeforeTheSolve) {
+  const test::Folder folder;
+  for (const SolveRequest& request : {SolveRequest{.problem = "josephy", .json = folder / "none/a"},
+                                      SolveRequest{.problem = "josephy", .plot = folder / "none/a"},
+                                      SolveRequest{.problem = "josephy", .solution = folder / "none/a"}}) {
+    test::Captured captured;
+    EXPECT_EQ(solve(request, captured.streams), exit_input);
+    EXPECT_EQ(captured.out.str(), "");
+    EXPECT_THAT(captured.err.str(), HasSubstr("none/a: cannot be written: there is no folder of that name"));
+  }
+}
+
+TEST(Outputs, OfExportAreNoInputs) {
+  const test::Folder folder;
+  test::write(folder / "m.nl", test::sqrt2_nl());
+  fs::create_symlink("m.nl", folder / "F-q.mtx");
+  test::Captured captured;
+  EXPECT_EQ(export_problem({.source = {.problem = folder / "m.nl"}, .file = folder / "F.mtx", .force = true},
+                           captured.streams),
+            exit_input);
+  EXPECT_THAT(captured.err.str(), HasSubstr("F-q.mtx': that is the input"));
+  fs::remove(folder / "F-q.mtx");
+  fs::create_symlink("F-upper.mtx", folder / "F-lower.mtx");
+  EXPECT_EQ(export_problem({.source = {.problem = "ahn"}, .file = folder / "F.mtx", .force = true}, captured.streams),
+            exit_input);
+  EXPECT_THAT(captured.err.str(), HasSubstr("that is the output"));
+  EXPECT_FALSE(fs::exists(folder / "F.mtx"));
+}
+
+TEST(Outputs, OfContactAreNoInputs) {
+  const test::Folder folder;
+  test::write(folder / "c.dat", "no problem");
+  const std::string file = folder / "c.dat";
+  const auto refused = [&](auto call) {
+    test::Captured captured;
+    EXPECT_EQ(call(captured.streams), exit_input);
+    EXPECT_EQ(captured.out.str(), "");
+    EXPECT_EQ(test::read(file), "no problem");
+    return captured.err.str();
+  };
+  for (const contacts::ContactRequest& request : {contacts::ContactRequest{.problems = {file}, .json = file},
+                                                  {.problems = {file}, .fclib_out = file},
+                                                  {.problems = {file}, .svg = file}})
+    EXPECT_THAT(refused([&](Streams streams) { return contacts::solve_contact(request, streams); }),
+                HasSubstr("that is the input"));
+  EXPECT_THAT(refused([&](Streams streams) {
+                return contacts::facets({.problems = {file}, .facets = "4", .svg = file}, streams, nullptr);
+              }),
+              HasSubstr("--svg"));
+  contacts::BallRequest ball;
+  ball.svg = ball.json = folder / "new";
+  EXPECT_THAT(refused([&](Streams streams) { return contacts::ball(ball, streams, nullptr); }),
+              HasSubstr("that is the output --json"));
+}
+
+// AMPL's answer, STUB.sol, as a link to the model: the model must stay, and nothing else may be written in its place.
+TEST(Outputs, OfAmplAreNoInputs) {
+  const test::Folder folder;
+  test::write(folder / "m.nl", test::sqrt2_nl());
+  fs::create_symlink("m.nl", folder / "m.sol");
+  test::Captured captured;
+  const auto call = [&](std::vector<std::string> arguments) {
+    return ampl_driver({.program = "perp",
+                        .arguments = std::move(arguments),
+                        .environment = [](const char*) -> const char* { return nullptr; }},
+                       captured.streams);
+  };
+  EXPECT_EQ(call({folder / "m", "-AMPL"}), exit_input);
+  EXPECT_THAT(captured.err.str(), AllOf(HasSubstr("m.sol"), HasSubstr("that is the input")));
+  EXPECT_EQ(test::read(folder / "m.nl"), test::sqrt2_nl());
+  const auto model = ncp::ampl::read_model(folder / "m.nl");
+  EXPECT_THROW(model->write_sol("", ncp::Vec::Ones(1), 0), ncp::ampl::ModelError);
+  EXPECT_THROW(ncp::ampl::write_failed_sol(folder / "m", "", 500), ncp::ampl::ModelError);
+  fs::remove(folder / "m.sol");
+  test::write(folder / "m.sol", "tol 1e-7\n");
+  EXPECT_EQ(call({folder / "m", "-AMPL", "optfile=" + folder / "m.sol"}), exit_input);
+  EXPECT_EQ(test::read(folder / "m.sol"), "tol 1e-7\n");
+}
+
+TEST(Outputs, OfCampaignsAreNoInputs) {
+  const test::Folder folder;
+  test::write(folder / "base.csv", "method,problem,start,outcome\n");
+  fs::create_symlink("base.csv", folder / "cells.csv");
+  EXPECT_THAT(test::refused([&] {
+                check_campaign_files(folder / ".", std::vector<FileUse>{{"--baseline", folder / "base.csv"}});
+              }),
+              HasSubstr("the input --baseline"));
+  fs::remove(folder / "cells.csv");
+  fs::create_symlink("cells.jsonl", folder / "cells.csv");
+  EXPECT_THAT(test::refused([&] { check_campaign_files(folder / ".", {}); }), HasSubstr("that is the output"));
+}
+
+// The mark that some editors put before a text is no part of it, and no reason for a refusal that names another.
+TEST(ByteOrderMarks, OfTextFiles) {
+  const test::Folder folder;
+  const std::string mark = "\xEF\xBB\xBF";
+  test::write(folder / "options", mark + "tol 1e-9\n");
+  ASSERT_EQ(read_options_file(folder / "options").size(), 1U);
+  EXPECT_EQ(read_options_file(folder / "options")[0].key, "tol");
+  test::write(folder / "wide", "\xFF\xFEt");
+  EXPECT_THAT(test::refused([&] { read_options_file(folder / "wide"); }), HasSubstr("wide:1: it is text in UTF-16"));
+  test::write(folder / "base.csv", mark + "method,problem,start,outcome\n'=a,p,1,solved\n");
+  const auto rows = compare::read_baseline(folder / "base.csv");
+  ASSERT_EQ(rows.size(), 1U);
+  EXPECT_EQ(rows[0].key.method, "=a");
+  test::write(folder / "open.csv", "method,problem,start,outcome\na,\"p,1,solved\n");
+  EXPECT_THAT(test::refused([&] { compare::read_baseline(folder / "open.csv"); }), HasSubstr("open.csv:2: a quote"));
+  const std::string line = compare::cell_line({.method = "a", .problem = "p"});
+  EXPECT_EQ(compare::parse_cells(mark + line).cells.size(), 1U);
+  EXPECT_EQ(compare::parse_sol(mark + "\nOptions\n3\n1\n1\n0\n1\n0\n1\n1\n7\nobjno 0 0\n", 1).x,
+            ncp::Vec::Constant(1, 7));
+  test::write(folder / "m.col", mark + "name\n");
+  test::write(folder / "m.nl", test::sqrt2_nl());
+  EXPECT_EQ(ncp::ampl::read_model(folder / "m.nl")->variable_name(0), "name");
+  test::write(folder / "b.nl", mark + test::sqrt2_nl());
+  try {
+    ncp::ampl::read_model(folder / "b.nl");
+    ADD_FAILURE();
+  } catch (const ncp::ampl::ModelError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("b.nl:1: it begins with a UTF-8 byte order mark"));
+  }
+  test::Captured captured;
+  ASSERT_EQ(solve({.problem = "josephy", .json = folder / "r.json"}, captured.streams), exit_solved);
+  test::write(folder / "r.json", mark + test::read(folder / "r.json"));
+  EXPECT_EQ(solve({.problem = "josephy", .warm_start = folder / "r.json"}, captured.streams), exit_solved)
+      << captured.err.str();
+}
+
+// Issue 17: "left out: there is no file".
+TEST(Utf8, NamesThatCampaignsCannotHold) {
+  const test::Folder folder;
+  test::write(folder / "\xE9.nl", test::sqrt2_nl());
+  test::Captured captured;
+  compare::CompareRequest request;
+  request.problems = folder / "*.nl";
+  request.out = folder / "out";
+  EXPECT_EQ(compare::compare(request, captured.streams), exit_input);
+  EXPECT_THAT(captured.err.str(), HasSubstr("the name is not UTF-8"));
+  request.problems = "josephy";
+  request.out = folder / "\xE9";
+  EXPECT_EQ(compare::compare(request, captured.streams), exit_input);
+  EXPECT_FALSE(fs::exists(folder / "\xE9"));
+}
+
+TEST(Printable, LeavesTextAndShowsControls) {
+  for (const std::string text : {"", "plain\n\ttext", "äöü €", "\U0001F600", "\u00A0"})
+    EXPECT_EQ(printable(text), text);
+  EXPECT_EQ(printable("\033[31mred"), "\\x1b[31mred");
+  EXPECT_EQ(printable(std::string("\0\a\b\r\x7F", 5)), "\\x00\\x07\\x08\\x0d\\x7f");
+  EXPECT_EQ(printable("\xC2\x9B"
+                      "31m"),
+            "\\xc2\\x9b31m");  // CSI as C1
+  EXPECT_EQ(printable("\x9B"
+                      "31m \xE9t\xE9"),
+            "\\x9b31m \\xe9t\\xe9");  // no UTF-8
+  EXPECT_EQ(printable("\xC0\x9B \xED\xA0\x80 \xF4\x90\x80\x80 \xE2\x82"),
+            "\\xc0\\x9b \\xed\\xa0\\x80 \\xf4\\x90\\x80\\x80 \\xe2\\x82");
+  EXPECT_TRUE(is_utf8("€\U0010FFFF"));
+  for (const char* text : {"\xFF", "\xE2\x82", "\xC0\x80", "\xED\xA0\x80"}) EXPECT_FALSE(is_utf8(text)) << text;
+}
+
+// However the text is cut into writes, and the stream's failure is still seen.
+TEST(Printable, Streams) {
+  const std::string text = "a\033[K\r€\xC2\x9B\U0001F600\xFF.\n";
+  std::ostringstream stream;
+  std::streambuf* const before = stream.rdbuf();
+  {
+    PrintableStream through(stream);
+    for (const char c : text) stream << c << std::flush;
+    stream << text;
+    through.raw() << "\r\033[K";
+    stream << "\xE2\x82";
+  }
+  EXPECT_EQ(stream.rdbuf(), before);
+  EXPECT_EQ(stream.str(), printable(text) + printable(text) + "\r\033[K\\xe2\\x82");
+  std::ofstream full("/dev/full");
+  {
+    const PrintableStream through(full);
+    full << "text" << std::flush;
+    EXPECT_FALSE(full);
+  }
+  EXPECT_FALSE(full);
+}
+
+// JSON lets DEL and C1 stand as they are: a terminal that is shown `--json -` would obey them.
+TEST(Printable, Json) {
+  const std::string name = "a\033\x7F\xC2\x9B€";
+  const std::string text = json_text({{"name", name}});
+  EXPECT_EQ(text, printable(text));
+  EXPECT_EQ(nlohmann::json::parse(text)["name"], name);
+}
+
+// OWASP, "CSV Injection": cells that begin with = + - @ tab or carriage return.
+TEST(Csv, ProtectsFormulas) {
+  EXPECT_EQ(csv_field("=HYPERLINK(\"http://x\")"), "\"'=HYPERLINK(\"\"http://x\"\")\"");
+  for (const char* text : {"=1", "+x", "-x", "@x", "-", "--1"}) EXPECT_EQ(csv_field(text), std::string("'") + text);
+  EXPECT_EQ(csv_field("\tx"), "'\tx");
+  for (const char* text : {"-1.5", "+2", "-1e-300", "-inf", "0", "", "a=b", "it's", "'quoted'", "1e999", "-1e999"})
+    EXPECT_EQ(csv_field(text), text);
+}
+
+TEST(Csv, ReadsBack) {
+  std::mt19937 random(1);
+  const std::string letters = "='+-@\t\r\n\",x1.e";
+  std::uniform_int_distribution<std::size_t> letter(0, letters.size() - 1);
+  std::vector<std::vector<std::string>> records;
+  std::string text;
+  for (int k = 0; k < 2000; ++k) {
+    std::vector<std::string> record{"first"};
+    for (std::size_t n = 0; n < 3; ++n) {
+      std::string field;
+      for (std::size_t length = letter(random) / 2; length > 0; --length) field += letters[letter(random)];
+      record.push_back(field);
+    }
+    for (std::size_t n = 0; n < record.size(); ++n) text.append(n > 0 ? "," : "").append(csv_field(record[n]));
+    text += '\n';
+    records.push_back(std::move(record));
+  }
+  EXPECT_EQ(parse_csv(text), records);
+  EXPECT_EQ(parse_csv(std::string("\xEF\xBB\xBF").append(text)), records);
+  EXPECT_EQ(test::refused([] { parse_csv("a,b\n\"c\nd\",e\nf,\"g\nh", "x.csv"); }), "x.csv:4: a quote without its end");
+}
+
+}  // namespace
+}  // namespace perp::app

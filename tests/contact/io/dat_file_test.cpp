@@ -1,0 +1,131 @@
+#include "contact/io/dat_file.hpp"
+
+#include <gmock/gmock.h>
+
+#include <string>
+
+#include "contact/contact_support.hpp"
+#include "lcp/io/file_error.hpp"
+
+namespace perp::contact {
+namespace {
+
+using lcp::FileError;
+using support::Dense;
+using support::vec;
+using testing::HasSubstr;
+
+std::string why_not(const std::string& text) {
+  try {
+    parse_dat(text, "x.dat");
+  } catch (const FileError& error) {
+    return error.what();
+  }
+  return "read";
+}
+
+const std::string local_2d = "2\n1\n0\n2\n2\n2 2\n1 2\n3 4\n-5 6e0\n0.25\n";
+
+/// Block rows of 2 and 2 rows, three blocks.
+const std::string blocks_2d =
+    "2 2 1 4 4 3 2 2\n2 4\n2 4\n3 3\n0 2 3\n0 1 1\n0 1 2 3 4\n1 5 6 7 8\n2 9 10 0 12\n-1 -2 -3 -4\n0.5 0.25\n0\n";
+
+/// m = 2, one contact in 2D: M = diag(2, 4), H = [1 3; 2 4], f = (2, 4), w = (10, 20), mu = 0.5.
+const std::string global_2d = "2 1\n0 2 2\n2 2\n2 0 0 4\n0 2 2\n2 2\n1 2 3 4\n2 4\n10 20\n0.5\n1\n";
+
+// By columns, as the library that writes these files reads them. Catches a transposed W.
+TEST(DatFile, Dense) {
+  const Problem p = parse_dat(local_2d, "x.dat");
+  EXPECT_EQ(p.dimension, 2);
+  EXPECT_EQ(Dense(p.W), (Dense(2, 2) << 1, 3, 2, 4).finished());
+  EXPECT_EQ(p.q, vec({-5, 6}));
+  EXPECT_EQ(p.mu, vec({0.25}));
+  EXPECT_EQ(p.name, "x.dat");
+  EXPECT_FALSE(p.global);
+  EXPECT_EQ(Dense(parse_dat(local_2d + "1", "x").W), Dense(p.W));  // the flag
+  EXPECT_EQ(parse_dat("3 0 0 0 0 0 0", "x").contacts(), 0);
+}
+
+// Blocks by columns at their places; zeros are not stored.
+TEST(DatFile, Blocks) {
+  const Problem p = parse_dat(blocks_2d, "x.dat");
+  Dense W(4, 4);
+  W << 1, 3, 5, 7, 2, 4, 6, 8, 0, 0, 9, 0, 0, 0, 10, 12;
+  EXPECT_EQ(Dense(p.W), W);
+  EXPECT_EQ(p.W.nonZeros(), 11);
+  EXPECT_EQ(p.q, vec({-1, -2, -3, -4}));
+  // Trailing empty block rows may be left out of the list of starts.
+  const Problem q = parse_dat("2 2 1 4 4 1 2 2\n2 4\n2 4\n2 1\n0 1\n1\n0 1 2 3 4\n-1 -2 -3 -4\n0.5 0.25", "x");
+  EXPECT_EQ(Dense(q.W).topRightCorner(2, 2), (Dense(2, 2) << 1, 3, 2, 4).finished());
+  EXPECT_EQ(q.W.nonZeros(), 4);
+}
+
+// W = H' M^-1 H, q = H' M^-1 f + w by hand.
+TEST(DatFile, Global) {
+  const Problem p = parse_dat(global_2d, "x.dat");
+  EXPECT_TRUE(Dense(p.W).isApprox((Dense(2, 2) << 1.5, 3.5, 3.5, 8.5).finished(), 1e-15));
+  EXPECT_TRUE(p.q.isApprox(vec({13, 27}), 1e-15));
+  ASSERT_TRUE(p.global);
+  EXPECT_EQ(p.global->f, vec({2, 4}));
+  EXPECT_EQ(p.global->G.cols(), 0);
+}
+
+// The same problem in both storages.
+TEST(DatFile, RecordedStoragesAgree) {
+  SKIP_WITHOUT_RECORDED_PROBLEMS();
+  const Problem dense = recorded("FC3D_Example1.dat");
+  const Problem blocks = recorded("FC3D_Example1_SBM.dat");
+  EXPECT_EQ(Dense(dense.W), Dense(blocks.W));
+  EXPECT_EQ(dense.q, blocks.q);
+  EXPECT_EQ(dense.mu, blocks.mu);
+}
+
+TEST(DatFile, Refuses) {
+  const auto with = [](std::string text, const std::string& from, const std::string& to) {
+    const std::size_t at = text.find(from);
+    EXPECT_NE(at, std::string::npos);
+    return text.replace(at, from.size(), to);
+  };
+  EXPECT_EQ(why_not(""), "x.dat:1: the file ends where the dimension should be");
+  EXPECT_EQ(why_not("4 1"), "x.dat:1: the dimension is 4, not within 2 and 3");
+  EXPECT_EQ(why_not("3 -1"), "x.dat:1: the number of contacts is -1, not within 0 and 715827882");
+  EXPECT_THAT(why_not("3 700000000 0 3 3"), HasSubstr("more than the rest of the file can hold"));
+  EXPECT_THAT(why_not("3 1 2 3 3"), HasSubstr("is 2 (compressed), only 0 and 1 are read"));
+  EXPECT_THAT(why_not("2 1 0 2000000000 2 2 2"), HasSubstr("more than the rest of the file can hold"));
+  EXPECT_EQ(why_not(with(local_2d, "2 2", "2 3")),
+            "x.dat:6: the second pair of sizes of the first matrix, W or M, differs from the first, 2 x 2");
+  EXPECT_EQ(why_not(with(local_2d, "3 4", "nan 4")), "x.dat:8: the first matrix, W or M, has an entry nan");
+  EXPECT_EQ(why_not(with(local_2d, "3 4", "inf 4")), "x.dat:8: the first matrix, W or M, has an entry inf");
+  EXPECT_EQ(why_not(with(local_2d, "-5", "x")), "x.dat:9: q: 'x' is not a number");
+  EXPECT_EQ(why_not(with(local_2d, "0.25", "-0.25")), "x.dat:10: the coefficient of friction of contact 0 is -0.25");
+  EXPECT_EQ(why_not(with(local_2d, "0.25", "")), "x.dat:11: the file ends where mu should be");
+  EXPECT_EQ(why_not(local_2d + "2"), "x.dat:11: the flag at the end is 2, not within 0 and 1");
+  EXPECT_THAT(why_not("2 1 0 2 1 2 1 1 2 3 4 0.5"), HasSubstr("W is 2 x 1, not 2 x 2"));
+  EXPECT_THAT(why_not(with(global_2d, "0 2 2\n2 2\n1", "0 2 1\n2 1\n1")), HasSubstr("H is 2 x 1, not 2 x 2"));
+  EXPECT_THAT(why_not(with(global_2d, "2 0 0 4", "2 0 0 0")), HasSubstr("the inertia M is singular"));
+  EXPECT_THAT(why_not(global_2d + " 7"), HasSubstr("1 numbers too many"));
+  EXPECT_THAT(why_not(with(blocks_2d, "\n2 4\n", "\n2 3\n")), HasSubstr("the last is 3, not 4"));
+  EXPECT_THAT(why_not(with(blocks_2d, "0 2 3", "0 2 2")), HasSubstr("the last block row ends at block 2, not at 3"));
+  EXPECT_THAT(why_not(with(blocks_2d, "0 2 3", "0 3 2")), HasSubstr("the first block of a block row is 2"));
+  EXPECT_THAT(why_not(with(blocks_2d, "0 1 1", "0 2 1")), HasSubstr("the block column of a block is 2"));
+  EXPECT_THAT(why_not(with(blocks_2d, "0 1 1", "1 1 1")), HasSubstr("two blocks in block column 1"));
+  EXPECT_THAT(why_not(with(blocks_2d, "\n1 5", "\n5 5")), HasSubstr("the blocks do not follow 0, 1, ..: 1"));
+  EXPECT_THAT(why_not(with(blocks_2d, "3 3\n", "3 4\n")), HasSubstr("is not that of the blocks, 3"));
+}
+
+// Cut off anywhere before its last number, with one exception that the format has: "0 2 2" of H, the matrix that makes
+// a problem global, may as well be q and mu of a local one.
+TEST(DatFile, CutShort) {
+  for (const std::string& text : {local_2d, blocks_2d, global_2d}) {
+    const std::size_t last = text.rfind("0.");
+    for (std::size_t size = 0; size < last; ++size) {
+      const std::string why = why_not(text.substr(0, size));
+      const std::string left = text.substr(0, size);
+      const bool exception = left.ends_with("4\n0 2 2") || left.ends_with("4\n0 2 2\n");
+      EXPECT_EQ(why == "read", exception) << left;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace perp::contact

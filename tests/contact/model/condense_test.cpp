@@ -1,0 +1,219 @@
+/// Condensation against dense algebra, and what is told of W.
+#include <gmock/gmock.h>
+
+#include <Eigen/Dense>
+
+#include "contact/contact_support.hpp"
+#include "contact/model/facts.hpp"
+#include "lcp/solve/schur.hpp"
+
+namespace perp::contact {
+namespace {
+
+using support::Dense;
+using support::Random;
+using support::sparse;
+using support::vec;
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+
+/// Bodies of 3 velocities with block-diagonal inertia, each contact between two of them or a body and the ground.
+Global random_global(Random& random, int d, Index bodies, Index contacts, Index constraints) {
+  const Index m = 3 * bodies;
+  Dense M = Dense::Zero(m, m);
+  for (Index k = 0; k < bodies; ++k) {
+    const Dense B = random.normals(3, 3);
+    M.block(3 * k, 3 * k, 3, 3) = B * B.transpose() + Dense::Identity(3, 3);
+  }
+  Dense H = Dense::Zero(m, d * contacts);
+  const auto touch = [&](Index a) {
+    H.block(3 * random.integer(0, static_cast<int>(bodies) - 1), d * a, 3, d) += random.normals(3, d);
+  };
+  for (Index a = 0; a < contacts; ++a) {
+    touch(a);
+    if (random.chance(0.7)) touch(a);
+  }
+  Dense G = Dense::Zero(m, constraints);
+  for (Index j = 0; j < constraints; ++j) G.col(j) = random.normals(m);
+  return {.M = sparse(M),
+          .H = sparse(H),
+          .G = sparse(G),
+          .f = random.normals(m),
+          .w = random.normals(d * contacts),
+          .b = random.normals(constraints)};
+}
+
+// v from the saddle-point system for any r: u = H' v + w must be W r + q, and G' v + b = 0 hold. Catches signs (of b,
+// of lambda) and a constraint that is added instead of eliminated.
+TEST(Condense, IsTheDenseElimination) {
+  Random random(11);
+  for (int k = 0; k < 100; ++k) {
+    const int d = random.chance(0.5) ? 2 : 3;
+    const Index bodies = random.integer(1, 6);
+    const Index contacts = random.integer(0, 6);
+    const Index constraints = random.integer(0, static_cast<int>(bodies));
+    const Global g = random_global(random, d, bodies, contacts, constraints);
+    const Problem p = condense(g, Vec::Constant(contacts, 0.3), d, "name");
+    EXPECT_EQ(p.name, "name");
+    ASSERT_TRUE(p.global);
+    const Index m = g.M.rows();
+    Dense K = Dense::Zero(m + constraints, m + constraints);
+    K.topLeftCorner(m, m) = Dense(g.M);
+    K.topRightCorner(m, constraints) = -Dense(g.G);
+    K.bottomLeftCorner(constraints, m) = Dense(g.G).transpose();
+    const Vec r = random.normals(d * contacts);
+    Vec rhs(m + constraints);
+    rhs << g.H * r + g.f, -g.b;
+    const Vec v = K.fullPivLu().solve(rhs).head(m);
+    const Vec u = g.H.transpose() * v + g.w;
+    EXPECT_LE((p.W * r + p.q - u).norm(), 1e-10 * (1 + u.norm() + v.norm()));
+    EXPECT_LE(Dense(p.W - SpMat(p.W.transpose())).norm(), 0);
+    EXPECT_LE((g.G.transpose() * v + g.b).norm(), 1e-10 * (1 + v.norm()));
+  }
+}
+
+// Contacts without a common body do not act on each other, exactly: that sparsity is what makes large problems
+// possible. 3000 bodies in a row, 2999 contacts: 3 contacts a row of W.
+TEST(Condense, IsSparse) {
+  constexpr int bodies = 3000;
+  support::Triplets M;
+  support::Triplets H;
+  for (int k = 0; k < 3 * bodies; ++k) M.emplace_back(k, k, 1 + k % 7);
+  for (int a = 0; a + 1 < bodies; ++a)
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) {
+        H.emplace_back(3 * a + i, 3 * a + j, 1 + (i + 2 * j) % 3);
+        H.emplace_back(3 * a + 3 + i, 3 * a + j, -1 - (2 * i + j) % 3);
+      }
+  Global g;
+  g.M = support::from(3 * bodies, M);
+  g.H = SpMat(3 * bodies, 3 * (bodies - 1));
+  g.H.setFromTriplets(H.begin(), H.end());
+  g.G = SpMat(3 * bodies, 0);
+  g.f = Vec::Ones(3 * bodies);
+  g.w = Vec::Zero(3 * (bodies - 1));
+  const Problem p = condense(g, Vec::Ones(bodies - 1));
+  EXPECT_LE(p.W.nonZeros(), 9 * 3 * (bodies - 1));
+  const SpMat W = g.H.transpose() * SpMat(Vec(Vec(g.M.diagonal()).cwiseInverse()).asDiagonal() * g.H);
+  EXPECT_LE((p.W - W).norm(), 1e-14 * W.norm());
+}
+
+// Badly scaled inertia (mm and t beside m and kg) is no singular one.
+TEST(Condense, ScalesItself) {
+  Global g;
+  g.M = sparse(vec({1e-12, 1e9, 1e-3}).asDiagonal().toDenseMatrix());
+  g.H = sparse(Dense::Identity(3, 3));
+  g.G = SpMat(3, 0);
+  g.f = vec({1, 1, 1});
+  g.w = vec({0, 0, 0});
+  const Problem p = condense(g, vec({0.5}));
+  EXPECT_TRUE(Vec(p.W.diagonal()).isApprox(vec({1e12, 1e-9, 1e3}), 1e-14));
+}
+
+TEST(Condense, Refuses) {
+  Random random(12);
+  const Global good = random_global(random, 3, 2, 2, 1);
+  const Vec mu = vec({0.3, 0.4});
+  const auto expect = [&](const Global& g, const Vec& friction, const char* why, int d = 3) {
+    EXPECT_THAT([&] { condense(g, friction, d); }, ThrowsMessage<std::invalid_argument>(HasSubstr(why)));
+  };
+  EXPECT_NO_THROW(condense(good, mu));
+  Global g = good;
+  g.M = sparse(Dense::Ones(6, 6));
+  expect(g, mu, "the inertia M is singular");
+  g = good;
+  g.G = sparse(Dense::Ones(6, 2));
+  g.b = vec({1, 1});
+  expect(g, mu, "the constraints G' v + b = 0 are linearly dependent");
+  g = good;
+  g.f = vec({1, 2});
+  expect(g, mu, "f has 2 entries, not 6");
+  g = good;
+  g.H = sparse(Dense::Ones(5, 6));
+  expect(g, mu, "H is 5 x 6, not 6 x 6");
+  g = good;
+  g.M = sparse(Dense::Ones(6, 5));
+  expect(g, mu, "M is 6 x 5, not 6 x 6");
+  g = good;
+  g.b = vec({1, 2});
+  expect(g, mu, "b has 2 entries, not 1");
+  g = good;
+  g.w[3] = NAN;
+  expect(g, mu, "w[3] is nan");
+  expect(good, vec({0.3, -1}), "the coefficient of friction of contact 1 is -1");
+  expect(good, mu, "the dimension is 4", 4);
+}
+
+// Catches rows for columns, and the drop of entries that are small beside a large diagonal, but not beside their own.
+TEST(Schur, DropsRoundingOnly) {
+  const SpMat K = sparse(Dense::Identity(2, 2));
+  const SpMat B = sparse((Dense(2, 2) << 1e8, 1e-9, 0, 1e-8).finished());
+  const lcp::Schur s = lcp::schur(K, B, vec({2, 3}), 1e-15);
+  EXPECT_EQ(s.status, lcp::LuStatus::Ok);
+  EXPECT_NEAR(s.S.coeff(0, 1), 0.1, 1e-16);
+  EXPECT_EQ(s.x, vec({2, 3}));
+  EXPECT_THROW(lcp::schur(K, sparse(Dense::Ones(3, 1)), vec({1, 1}), 0), std::invalid_argument);
+  EXPECT_EQ(lcp::schur(sparse(Dense::Ones(2, 2)), B, vec({1, 1}), 0).status, lcp::LuStatus::Singular);
+}
+
+// --- facts -----------------------------------------------------------------------------------------------------------
+
+// A table on four feet has six velocities and 12 contact velocities; two tables are two parts.
+TEST(Facts, RedundantContacts) {
+  Dense H(6, 12);
+  for (int a = 0; a < 4; ++a) {
+    const Eigen::Vector3d x(a % 2 == 0 ? -1 : 1, a < 2 ? -1 : 1, -1);
+    for (int j = 0; j < 3; ++j) {
+      const Eigen::Vector3d t = Eigen::Vector3d::Unit(j == 0 ? 2 : j - 1);
+      H.col(3 * a + j) << t, x.cross(t);
+    }
+  }
+  Dense two = Dense::Zero(12, 24);
+  two.topLeftCorner(6, 12) = H;
+  two.bottomRightCorner(6, 12) = 3 * H;
+  const Global g{.M = sparse(Dense::Identity(12, 12)),
+                 .H = sparse(two),
+                 .G = SpMat(12, 0),
+                 .f = Vec::Ones(12),
+                 .w = Vec::Zero(24),
+                 .b = Vec(0)};
+  const Facts f = facts(condense(g, Vec::Constant(8, 0.5)));
+  EXPECT_TRUE(f.known);
+  EXPECT_EQ(f.rank, 12);
+  EXPECT_EQ(f.parts, 2);
+  EXPECT_EQ(f.largest_part, 12);
+  EXPECT_EQ(f.asymmetry, 0);
+  EXPECT_NEAR(f.least, 0, 1e-14);
+  EXPECT_GT(f.largest, 1);
+  EXPECT_FALSE(facts(condense(g, Vec::Constant(8, 0.5)), {.dense_limit = 11}).known);
+}
+
+TEST(Facts, AsymmetryAndIndefiniteness) {
+  Problem p;
+  p.dimension = 2;
+  p.W = sparse((Dense(2, 2) << 4, 7, 5, 4).finished());
+  p.q = vec({0, 0});
+  p.mu = vec({0.1});
+  const Facts f = facts(p);
+  EXPECT_NEAR(f.asymmetry, 0.5, 1e-15);
+  EXPECT_NEAR(f.least, -0.5, 1e-15);
+  EXPECT_NEAR(f.largest, 2.5, 1e-15);
+  EXPECT_EQ(f.rank, 2);
+  p.W = SpMat(0, 0);
+  p.q = p.mu = Vec(0);
+  EXPECT_EQ(facts(p).rank, 0);
+}
+
+// Capsules lie on each other with more contacts than they have velocities; catches a rank by pivots that counts
+// rounding (a sparse QR finds 456 to 464).
+TEST(Facts, RecordedRank) {
+  SKIP_WITHOUT_RECORDED_PROBLEMS();
+  const Facts f = facts(recorded("Capsules-i97-269.hdf5"));
+  EXPECT_TRUE(f.known);
+  EXPECT_EQ(f.rank, 451);
+  EXPECT_NEAR(f.asymmetry, 0.0036, 0.0001);
+  EXPECT_GE(f.least, -1e-12);
+}
+
+}  // namespace
+}  // namespace perp::contact

@@ -1,0 +1,108 @@
+/// Dirkse & Ferris 1997: projected Newton steps before anything is pivoted.
+#include <gtest/gtest.h>
+
+#include "ncp/strategy/solve.hpp"
+#include "support/methods.hpp"
+#include "support/problems.hpp"
+
+namespace perp::ncp {
+namespace {
+
+using support::Dense;
+using support::expect_solution;
+using support::expect_solved;
+using support::Random;
+using support::vec;
+
+// The obstacle problem by crash alone, each factorization with many changes of the active set: PATH 4.7 takes 3 for
+// 16 x 16, and 39 pivots without. Catches a crash that changes one variable a step, or stops too early.
+TEST(Crash, SolvesTheObstacleProblemAlone) {
+  for (const int N : {4, 16, 32}) {
+    const auto mcp = make_mcp(support::obstacle(N));
+    const Result result = expect_solved(*mcp, Vec::Zero(N * N), PathSearch{});
+    EXPECT_EQ(result.stats.pivots, 0) << N;
+    EXPECT_EQ(result.stats.iterations, 0) << N;
+    EXPECT_LE(result.stats.crash_iterations, 6) << N;
+    EXPECT_LE(result.stats.J_evals, 20) << N;
+  }
+}
+
+// A P-problem with a cubic term: crash is Newton's method once the active set is found.
+TEST(Crash, NeverLeavesTheBoxAndNeverClimbs) {
+  Random random(1);
+  for (int k = 0; k < 30; ++k) {
+    const auto [functions, solution] = support::planted(10, 0.3, random);
+    const auto mcp = make_mcp(functions);
+    double merit = infinity;
+    expect_solution(*mcp, 10 * random.normals(10), PathSearch{}, solution, 1e-3, "");
+    solve(*mcp, 10 * random.normals(10), PathSearch{}, [&](const Iteration& it) {
+      if (it.kind == 'C') {
+        EXPECT_EQ(lcp::project(mcp->box(), *it.x), *it.x);
+        EXPECT_LT(it.merit, merit);
+      }
+      if (it.k == 0) merit = it.merit;
+      return Next::Continue;
+    });
+  }
+}
+
+// Each limit ends it. Catches options that are not looked at.
+TEST(Crash, EndsAtItsLimits) {
+  const auto mcp = make_mcp(support::obstacle(16));
+  const auto crash_steps = [&](const Crash& crash) {
+    const Result result = expect_solved(*mcp, Vec::Zero(256), PathSearch{.crash = crash});
+    return result.stats.crash_iterations;
+  };
+  const int all = crash_steps({});
+  EXPECT_GT(all, 1);
+  EXPECT_EQ(crash_steps({.iteration_limit = 1}), 1);
+  EXPECT_EQ(crash_steps({.iteration_limit = 0}), 0);
+  EXPECT_EQ(crash_steps({.minimum_dimension = 257}), 0);
+  EXPECT_EQ(crash_steps({.minimum_dimension = 256}), all);
+  EXPECT_EQ(crash_steps({.nbchange_limit = 257}), 1);
+  EXPECT_EQ(crash_steps({.on = false}), 0);
+}
+
+// J_II is singular at the start: x y with a zero row. Catches a step of infinities, and a crash that ends the run.
+TEST(Crash, PassesASingularMatrix) {
+  const auto mcp = make_mcp(support::dense(
+      "singular", Box::nonnegative(2),
+      [](const Vec& x) {
+        return vec({x[0] * x[0] + x[1] * x[1] - 2, x[0] + x[1] - 2});
+      },
+      [](const Vec& x) {
+        Dense J(2, 2);
+        J << 2 * x[0], 2 * x[1], 1, 1;
+        return J;
+      }));
+  expect_solved(*mcp, vec({0.5, 0.5}), PathSearch{});
+  expect_solved(*mcp, vec({0, 0}), PathSearch{});
+}
+
+// The steps of a crash fall under the run's limits. Catches a crash that goes on after ^C.
+TEST(Crash, ObeysTheObserver) {
+  const auto mcp = make_mcp(support::obstacle(16));
+  const Result result = solve(*mcp, Vec::Zero(256), PathSearch{},
+                              [](const Iteration& it) { return it.kind == 'C' ? Next::Stop : Next::Continue; });
+  EXPECT_EQ(result.status, Status::Interrupted) << result;
+  EXPECT_EQ(result.stats.crash_iterations, 1);
+}
+
+// F or J undefined where a step of the crash leads: shorter steps, or the path search from where it came to.
+TEST(Crash, StaysInTheDomain) {
+  Random random(2);
+  for (int k = 0; k < 20; ++k) {
+    auto [functions, solution] = support::planted(6, 0, random);
+    const double radius = 1 + 1.5 * solution.norm();
+    const bool in_J = k % 2 == 0;
+    functions.F = [F = functions.F, radius, in_J](In x, Out out) { return (in_J || x.norm() < radius) && F(x, out); };
+    functions.J = [J = functions.J, radius](In x, SpMat& out) { return x.norm() < radius && J(x, out); };
+    const auto mcp = make_mcp(functions);
+    Vec x0 = lcp::project(mcp->box(), solution + random.normals(6));
+    if (x0.norm() >= radius) x0 = solution;
+    expect_solution(*mcp, x0, PathSearch{}, solution, 1e-6);
+  }
+}
+
+}  // namespace
+}  // namespace perp::ncp

@@ -1,0 +1,172 @@
+/// ncp::Auto: what it chooses, what it says, and its one budget for all attempts.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "ncp/collection/collection.hpp"
+#include "ncp/problem/affine.hpp"
+#include "ncp/strategy/presets.hpp"
+#include "ncp/strategy/solve.hpp"
+#include "support/collection.hpp"
+#include "support/methods.hpp"
+#include "support/problems.hpp"
+
+namespace perp::ncp {
+namespace {
+
+using support::vec;
+using ::testing::HasSubstr;
+
+// Catches a choice that is not said, and false convergence of any member of the family behind it.
+TEST(Auto, SolvesTheCollectionAndSaysHow) {
+  for (const collection::Entry& entry : collection::entries()) {
+    if (!support::quick(entry)) continue;
+    const collection::Problem problem = entry.make();
+    for (std::size_t k = 0; k < problem.starts.size(); ++k) {
+      const std::string what = std::string(entry.name) + " from start " + std::to_string(k + 1);
+      const Result result = solve(*problem.mcp, problem.starts[k], Auto{});
+      if (!result.solved() && support::beyond_all(entry, k)) continue;
+      EXPECT_EQ(result.solved(), problem.no_solution.empty()) << what << ": " << result;
+      EXPECT_TRUE(!result.solved() || support::violation(*problem.mcp, result.x) <= 1e-8) << what;
+      EXPECT_THAT(result.message, testing::AnyOf(HasSubstr("auto had nothing"), HasSubstr("auto chose"))) << what;
+      EXPECT_TRUE(result.solved() || !problem.mcp->is_affine() || result.status == Status::Infeasible) << what;
+    }
+  }
+}
+
+TEST(Auto, ChoosesByClassAndBasis) {
+  const auto affine = collection::find("cottle2")->make();
+  EXPECT_THAT(solve(*affine.mcp, Vec::Zero(2), Auto{}).message,
+              HasSubstr("auto chose the linear methods (the problem is affine)"));
+  const auto nonlinear = make_mcp(support::kojima_shindo());
+  EXPECT_THAT(solve(*nonlinear, Vec::Zero(4), Auto{}).message, HasSubstr("auto chose path (nonlinear, 4 variables)"));
+  const auto symmetric = collection::find("bratu-own")->make();
+  EXPECT_THAT(solve(*symmetric.mcp, symmetric.starts[0], Auto{.large = 100}).message,
+              HasSubstr("nonlinear, n > 100, the Jacobian is symmetric: quadratic programs"));
+  const auto spatial = collection::find("spatial-price-own")->make();
+  EXPECT_THAT(solve(*spatial.mcp, spatial.starts[0], Auto{.large = 100}).message,
+              HasSubstr("auto chose path with few pivots (n > 100, the Jacobian is not symmetric)"));
+  Auto warm;
+  warm.path.basis.assign(2, lcp::Cell::Inside);
+  EXPECT_THAT(solve(*affine.mcp, Vec::Zero(2), warm).message, HasSubstr("auto chose path (a warm basis is given)"));
+  warm.path.basis.assign(3, lcp::Cell::Inside);
+  EXPECT_THROW(solve(*affine.mcp, Vec::Zero(2), warm), std::invalid_argument);
+}
+
+// Where the path is too long for few pivots, interior points take over, as on traffic equilibria. Catches a first try
+// that is not cut off, or whose limit ends the whole run.
+TEST(Auto, InteriorPointsWhereThePathIsLong) {
+  const collection::Problem problem = collection::find("traffic-own-1148")->make();
+  Auto method{.large = 1000};
+  method.path.cumulative_iteration_limit = 50;
+  const Result result = support::expect_solved(*problem.mcp, problem.starts[2], method, "traffic");
+  EXPECT_THAT(result.message, HasSubstr("then interior points"));
+}
+
+// A row without a solution is named, where a ray would tell a person nothing; the best point is told once.
+TEST(Auto, TellsOfAnAffineProblemWithoutSolutionInItsOwnNames) {
+  const collection::Problem problem = collection::find("infeasible-row-own")->make();
+  const Result result = solve(*problem.mcp, problem.starts[0], Auto{});
+  EXPECT_EQ(result.status, Status::Infeasible);
+  EXPECT_THAT(result.message, HasSubstr("equation F[1] is at most"));
+  const std::size_t told = result.message.find("the best point");
+  ASSERT_NE(told, std::string::npos);
+  EXPECT_EQ(result.message.find("the best point", told + 1), std::string::npos) << result.message;
+}
+
+// x^2 + 1 = 0 has no solution: every method gets its turn, within the limits together. Catches attempts that each take
+// the whole budget, and records whose counters begin anew.
+TEST(Auto, OneBudgetForAllAttempts) {
+  const auto mcp = make_mcp(support::scalar(
+      -infinity, infinity, [](double x) { return x * x + 1; }, [](double x) { return 2 * x; }));
+  for (const int limit : {1, 7, 50, 1000}) {
+    std::vector<Iteration> records;
+    const Result result = solve(*mcp, vec({1}), Auto{.stop = {.max_iterations = limit}}, record(records));
+    EXPECT_FALSE(result.solved());
+    EXPECT_LE(result.stats.iterations, limit);
+    EXPECT_FALSE(result.advice.empty());
+    for (std::size_t i = 1; i < records.size(); ++i) {
+      EXPECT_GE(records[i].k, records[i - 1].k) << limit;
+      EXPECT_GE(records[i].F_evals, records[i - 1].F_evals) << limit;
+    }
+  }
+  const auto murty = collection::find("murty-exp")->make();  // pivots are no iterations of auto's
+  const Result affine = solve(*murty.mcp, murty.starts[0], Auto{.stop = {.max_iterations = 3}});
+  EXPECT_TRUE(affine.solved()) << affine;
+  EXPECT_LE(affine.stats.iterations, 3);
+  const Result few = solve(*mcp, vec({1}), Auto{.stop = {.max_F_evals = 40}});
+  EXPECT_FALSE(few.solved());
+  EXPECT_LT(few.stats.F_evals, 40 + 60);  // a search is not interrupted
+  EXPECT_LT(few.stats.F_evals, solve(*mcp, vec({1}), Auto{}).stats.F_evals);
+}
+
+// F that answers otherwise each time: an attempt may believe it has a solution that the judge does not find. Catches a
+// verdict without words.
+TEST(Auto, WhatIsNotConfirmedIsNotSolved) {
+  int calls = 0;
+  const auto mcp = make_mcp(support::scalar(
+      -infinity, infinity, [&calls](double x) { return ++calls % 4 == 0 ? 1e-12 : x - 1 + 1e-3; },
+      [](double) { return 1; }));
+  const Result result = solve(*mcp, vec({5}), Auto{});
+  EXPECT_TRUE(result.solved() || !result.message.starts_with(";")) << result;
+  EXPECT_TRUE(result.solved() || result.message.find("natural residual") > 5) << result;
+}
+
+// F(x) - J x overflows at (700, 1e100) where F and J do not. Catches an exception out of a solve, which would cost auto
+// its other methods.
+TEST(Auto, OverflowOfALinearisedProblemIsAStatus) {
+  const auto mcp = make_mcp(support::dense(
+      "overflow", {Vec::Constant(2, -infinity), Vec::Constant(2, infinity)},
+      [](const Vec& x) {
+        return vec({std::exp(x[0]) + x[1] - 2, x[1] * x[1] * x[1] - x[0]});
+      },
+      [](const Vec& x) {
+        support::Dense J(2, 2);
+        J << std::exp(x[0]), 1, -1, 3 * x[1] * x[1];
+        return J;
+      }));
+  for (const Preset& preset : presets()) {
+    Result result;
+    EXPECT_NO_THROW(result = solve(*mcp, vec({700, 1e100}), preset.method)) << preset.name;
+    EXPECT_FALSE(result.message.empty()) << preset.name;
+  }
+}
+
+// Psi overflows far away; its gradient, infinite, is not zero.
+TEST(Auto, OverflowOfAMeritIsNoStationaryPoint) {
+  const auto mcp = make_mcp(support::scalar(
+      0, infinity, [](double x) { return x - 1; }, [](double) { return 1; }));
+  for (const CFunction& c : cfunctions()) {
+    const Result result = solve(*mcp, vec({1e160}), SemismoothNewton{.cfunction = c});
+    EXPECT_NE(result.status, Status::StationaryPoint) << c.name << ": " << result;
+  }
+}
+
+TEST(Auto, StopsWhenAsked) {
+  const auto mcp = make_mcp(support::billups());
+  for (int last = 0; last < 12; ++last) {
+    int seen = 0;
+    const Result result =
+        solve(*mcp, vec({0}), Auto{}, [&](const Iteration&) { return seen++ == last ? Next::Stop : Next::Continue; });
+    EXPECT_TRUE(result.status == Status::Interrupted || result.solved()) << result;
+    EXPECT_LE(seen, last + 2) << "records after the stop";
+  }
+}
+
+// Rounding leaves 1e-16 of the data: a residual of 1e-8 cannot be had where q is 1e12. That is said, in one attempt.
+TEST(Auto, ToleranceOfBadlyScaledAffineProblems) {
+  lcp::AffineMcp problem{
+      .M = SpMat(3, 3), .q = vec({-1e12, 3e11, -7e11}), .box = {Vec::Zero(3), Vec::Constant(3, infinity)}};
+  problem.M.insert(0, 0) = 3.3;
+  problem.M.insert(0, 1) = 0.7;
+  problem.M.insert(1, 1) = 1.1;
+  problem.M.insert(2, 2) = 2.7;
+  problem.M.insert(2, 0) = 0.1;
+  problem.M.makeCompressed();
+  const Result result = solve(*make_affine_mcp(problem, "large"), Vec::Zero(3), Auto{});
+  EXPECT_EQ(result.status, Status::SolvedToRounding) << result;
+  EXPECT_EQ(result.stats.restarts, 0);
+  EXPECT_LE(result.residual.natural, 1e-3);
+}
+
+}  // namespace
+}  // namespace perp::ncp

@@ -1,0 +1,168 @@
+// Strategies: what is read and written, and laws that hold for whatever is put together: every record is of the problem
+// that was given, numbers of iterations only grow, limits hold in all, only the judge calls a point solved.
+#include "ncp/strategy/strategy.hpp"
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "ncp/collection/collection.hpp"
+#include "ncp/strategy/presets.hpp"
+#include "ncp/strategy/solve.hpp"
+
+namespace perp::ncp {
+namespace {
+
+using testing::HasSubstr;
+
+collection::Problem problem(std::string_view name) { return collection::find(name)->make(); }
+
+std::string refusal(std::string_view text) {
+  try {
+    (void)method_of(text);
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+TEST(Strategy, WordsAreReadAndWritten) {
+  EXPECT_EQ(name(method_of("first( path ,scaled(smooth), escape(semismooth) )")),
+            "first(path, scaled(smooth), escape(semismooth))");
+  EXPECT_EQ(name(method_of("presolved(first(newton-min, proxi))")), "presolved(first(newton-min, proxi))");
+  EXPECT_TRUE(std::holds_alternative<PathSearch>(method_of("path")));
+  EXPECT_EQ(name(first_of({PathSearch{}, scaled(Smoothing{})})), "first(path, scaled(smooth))");
+}
+
+TEST(Strategy, RefusalsNameThePlace) {
+  EXPECT_THAT(refusal("first(path, sooth)"), HasSubstr("character 18: there is no method 'sooth'"));
+  EXPECT_THAT(refusal("first()"), HasSubstr("a method is missing"));
+  EXPECT_THAT(refusal("first(path"), HasSubstr("a ')' is missing"));
+  EXPECT_THAT(refusal("first(path))"), HasSubstr("')' follows the end"));
+  EXPECT_THAT(refusal("first"), HasSubstr("needs methods in parentheses"));
+  EXPECT_THAT(refusal("path(smooth)"), HasSubstr("none of presolved, scaled, escape and first"));
+  EXPECT_THAT(refusal("scaled(path, smooth)"), HasSubstr("takes one method"));
+  EXPECT_THAT(refusal(std::string(30, '(')), HasSubstr("none of presolved, scaled, escape and first"));
+  std::string deep = "path";
+  for (int i = 0; i < 30; ++i) deep.insert(0, "scaled(").append(")");
+  EXPECT_THAT(refusal(deep), HasSubstr("nested"));
+  EXPECT_THROW(first_of({}), std::invalid_argument);
+  const auto any = problem("josephy");
+  EXPECT_THROW(solve(*any.mcp, any.starts[0], Strategy{}), std::invalid_argument);
+}
+
+// Catches an outline that says other than what is done.
+TEST(Strategy, OutlinesSayWhatIsTried) {
+  const auto what = [](const Method& method) {
+    std::string all;
+    for (const Outline::Line& line : outline(method).lines) all += line.what + "; ";
+    return all;
+  };
+  EXPECT_EQ(what(method_of("first(path, scaled(smooth))")), "path; scaled(smooth); ");
+  EXPECT_EQ(what(MinNewton{}), "newton-min; ");
+  EXPECT_EQ(what(find_preset("semicomp")->method),
+            "semismooth; scaled(escape(semismooth)); scaled(escape(semismooth)); escape(semismooth); ");
+  EXPECT_EQ(what(PathSearch{.restart_limit = 0, .scaling = false}), "path; ");
+  const Outline two = outline(PathSearch{.restart_limit = 2});
+  EXPECT_EQ(two.lines.back().name, "from the origin") << "one of the three may be left out";
+  const auto billups = problem("billups");
+  for (const int restarts : {0, 1, 20}) {
+    const PathSearch method{.restart_limit = restarts};
+    std::vector<std::string> tried;
+    (void)solve(*billups.mcp, billups.starts[0], method, [&](const Iteration& it) {
+      if (!it.attempt.empty()) tried.push_back(it.attempt);
+      return Next::Continue;
+    });
+    EXPECT_EQ(tried.empty(), restarts == 0);
+    const std::vector<Outline::Line> lines = outline(method).lines;
+    auto at = lines.begin();
+    for (const std::string& name : tried) {
+      at = std::find_if(at, lines.end(), [&](const Outline::Line& line) { return line.name == name; });
+      ASSERT_NE(at, lines.end()) << name;
+    }
+  }
+}
+
+// Newton on the min function stays in a local minimum of billups, which escapes leave and path solves.
+TEST(Strategy, TheNextOneGoesOnWhereOneIsStuck) {
+  const auto billups = problem("billups");
+  MinNewton bare;
+  const Result alone = solve(*billups.mcp, billups.starts[0], bare);
+  ASSERT_FALSE(alone.solved());
+  const Result result = solve(*billups.mcp, billups.starts[0], first_of({bare, PathSearch{}}));
+  EXPECT_TRUE(result.solved());
+  EXPECT_THAT(result.message, HasSubstr("tried newton-min, then path"));
+  EXPECT_GE(result.stats.iterations, alone.stats.iterations);
+  const Result escaped = solve(*billups.mcp, billups.starts[0], escaping(bare));
+  EXPECT_TRUE(escaped.solved());
+  EXPECT_THAT(escaped.message, HasSubstr("proximal escape"));
+}
+
+// Presolve for a method that has none of its own: a fixed variable goes.
+TEST(Strategy, PresolvedForAnyMethod) {
+  const auto kehoe = problem("kehoe");
+  for (const char* text : {"presolved(semismooth)", "presolved(interior)", "presolved(scaled(josephy))"}) {
+    const Result result = solve(*kehoe.mcp, kehoe.starts[0], method_of(text));
+    EXPECT_TRUE(result.solved()) << text << ": " << result.message;
+    EXPECT_GT(result.stats.presolved, 0) << text;
+    EXPECT_EQ(result.x.size(), kehoe.mcp->size());
+  }
+}
+
+class Laws : public testing::TestWithParam<const char*> {};
+INSTANTIATE_TEST_SUITE_P(Strategies, Laws,
+                         testing::Values("first(semismooth, scaled(smooth), path)", "presolved(escape(newton-min))",
+                                         "scaled(path)", "scaled(josephy)",
+                                         "first(scaled(newton-min), presolved(interior))",
+                                         "escape(first(newton-min, semismooth-min))"));
+
+TEST_P(Laws, RecordsAreOfTheProblemItself) {
+  for (const char* name : {"billups", "kojshin", "nash10", "powell-badly-scaled"}) {
+    const auto given = problem(name);
+    int last = -1;
+    Method method = method_of(GetParam());
+    stop(method).max_iterations = 300;
+    const Result result = solve(*given.mcp, given.starts[0], method, [&](const Iteration& it) {
+      EXPECT_EQ(it.problem, given.mcp.get());
+      EXPECT_GE(it.k, last);
+      last = it.k;
+      EXPECT_EQ(it.x->size(), given.mcp->size());
+      Vec F = Vec::Zero(given.mcp->size());
+      const Vec z = lcp::project(given.mcp->box(), *it.x);
+      if (given.mcp->eval(z, F) && F.allFinite()) {
+        EXPECT_NEAR(it.residual, residual(given.mcp->box(), z, F).natural, 1e-6 * (1 + it.residual)) << name;
+      }
+      return Next::Continue;
+    });
+    EXPECT_LE(result.stats.iterations, 300);
+    EXPECT_LE(last, result.stats.iterations);
+    Vec F = Vec::Zero(given.mcp->size());
+    ASSERT_TRUE(given.mcp->eval(result.x, F));
+    if (result.solved()) {
+      EXPECT_LE(residual(given.mcp->box(), result.x, F).natural, 1e-8) << name;
+    }
+  }
+}
+
+TEST_P(Laws, LimitsHoldInAll) {
+  const auto given = problem("billups");
+  for (const int most : {0, 1, 7, 40}) {
+    Method method = method_of(GetParam());
+    stop(method).max_iterations = most;
+    const Result result = solve(*given.mcp, given.starts[0], method);
+    EXPECT_LE(result.stats.iterations, most);
+    EXPECT_EQ(result.x.size(), given.mcp->size());
+  }
+  Method late = method_of(GetParam());
+  stop(late).max_time = std::chrono::seconds(0);
+  EXPECT_EQ(solve(*given.mcp, given.starts[0], late).status, Status::TimeLimit);
+  int records = 0;
+  const Result stopped = solve(*given.mcp, given.starts[0], method_of(GetParam()),
+                               [&](const Iteration&) { return ++records == 2 ? Next::Stop : Next::Continue; });
+  EXPECT_EQ(stopped.status, Status::Interrupted);
+  EXPECT_EQ(records, 2);
+}
+
+}  // namespace
+}  // namespace perp::ncp
