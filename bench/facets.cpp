@@ -61,8 +61,9 @@ void run(const Problem& p, const Vec& exact, const std::string& encoding, int K,
   const AffineEncoding form = encode(p, encoding, K);
   lcp::Limits limits{.tol = 5e-10};
   limits.deadline = begin + std::chrono::milliseconds(static_cast<long>(1000 * seconds));
-  const lcp::Result result = contact::solve(form, limits);
+  const EncodingResult result = contact::solve(form, limits);
   const double took = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  const bool by_lemke = result.by == std::string_view("lemke");
   const Solution s = form.recover(result.z);
   const Residual e = residual(p, s.r);
   double r_N = 1e-300;
@@ -72,12 +73,12 @@ void run(const Problem& p, const Vec& exact, const std::string& encoding, int K,
   const std::string status(lcp::to_string(result.status));
   std::printf("%s,%ld,%s,%d,%ld,%s,%s,%.1e,%ld,%.4f,%.3e,%.3e,%.3e,%.3e\n", p.name.c_str(),
               static_cast<long>(p.contacts()), encoding.c_str(), K, static_cast<long>(form.affine().size()),
-              status.c_str(), result.message == "lemke" ? "lemke" : "other", result.residual, result.iterations, took,
+              status.c_str(), by_lemke ? "lemke" : "other", result.residual, result.iterations, took,
               errors.natural, errors.cone, errors.slip, errors.velocity);
   std::fflush(stdout);
   ++summary.runs;
   summary.solved += result.residual <= 1e-9;
-  summary.by_lemke += result.message == "lemke";
+  summary.by_lemke += by_lemke;
   summary.slowest = std::max(summary.slowest, took);
   if (result.residual > 1e-9) return;
   summary.residual = std::max(summary.residual, result.residual);

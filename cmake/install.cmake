@@ -41,6 +41,7 @@ set(perp_public_headers
   lcp/io/siconos_file.hpp
   ncp/problem/affine.hpp
   ncp/ampl/model.hpp
+  ncp/collection/collection.hpp
   ncp/collection/scalable/generators.hpp
   ncp/strategy/deflation.hpp
   ncp/path/pivot_limit.hpp

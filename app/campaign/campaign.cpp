@@ -9,10 +9,12 @@
 
 #include <algorithm>
 #include <chrono>
+#include <filesystem>
 #include <fstream>
-#include <sstream>
 
 #include "app/campaign/cell.hpp"
+#include "app/campaign/differences.hpp"
+#include "app/program/files.hpp"
 #include "app/program/program.hpp"
 #include "app/text/json_integer.hpp"
 #include "app/text/json_parts.hpp"
@@ -91,30 +93,6 @@ std::string cpu_model() {
   return "unknown";
 }
 
-/// "a, b and 3 more" of those in `these` and not in `others`.
-std::string missing(const std::vector<std::string>& these, const std::vector<std::string>& others) {
-  constexpr std::size_t most = 5;
-  std::vector<std::string> names;
-  for (const std::string& name : these)
-    if (std::ranges::find(others, name) == others.end()) names.push_back(name);
-  const std::size_t more = names.size() > most ? names.size() - most : 0;
-  names.resize(names.size() - more);
-  return fmt::format("{}{}", fmt::join(names, ", "), more > 0 ? fmt::format(" and {} more", more) : "");
-}
-
-void compare_names(const char* what, const std::vector<std::string>& before, const std::vector<std::string>& now,
-                   std::vector<std::string>& found) {
-  if (const std::string gone = missing(before, now); !gone.empty())
-    found.push_back(fmt::format("{} there but not here: {}", what, gone));
-  if (const std::string added = missing(now, before); !added.empty())
-    found.push_back(fmt::format("{} here but not there: {}", what, added));
-}
-
-template <class T>
-void compare_value(const std::string& what, const T& before, const T& now, std::vector<std::string>& found) {
-  if (before != now) found.push_back(fmt::format("{}: {} there, {} here", what, before, now));
-}
-
 template <class T, class Name>
 std::vector<std::string> names_of(const std::vector<T>& items, Name name) {
   std::vector<std::string> names;
@@ -148,9 +126,7 @@ std::size_t Campaign::cells() const {
 
 void stamp(Campaign& campaign) {
   campaign.version = version_number();
-  std::ostringstream program;
-  program << std::ifstream("/proc/self/exe", std::ios::binary).rdbuf();
-  campaign.build = fmt::format("{:08x}", crc32(program.view()));
+  campaign.build = fmt::format("{:08x}", crc32(read_text("/proc/self/exe")));
   campaign.libraries = library_versions();
   campaign.machine = Machine::here();
   campaign.date = fmt::format("{:%Y-%m-%dT%H:%M:%SZ}",
@@ -219,12 +195,10 @@ Campaign parse_campaign(const std::string& text) {
 
 Campaign read_campaign(const std::string& dir) {
   const std::string path = dir + "/campaign.json";
-  std::ifstream file(path);
-  if (!file) throw InputError(fmt::format("'{}' cannot be read", path));
-  std::ostringstream text;
-  text << file.rdbuf();
+  std::error_code ignored;
+  if (!std::filesystem::exists(path, ignored)) throw InputError(fmt::format("'{}' cannot be read", path));
   try {
-    return parse_campaign(text.str());
+    return parse_campaign(read_text(path));
   } catch (const InputError& error) {
     throw InputError(fmt::format("{}: {}", path, error.what()));
   }

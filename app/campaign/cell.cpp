@@ -6,10 +6,10 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <fstream>
+#include <filesystem>
 #include <map>
-#include <sstream>
 
+#include "app/program/files.hpp"
 #include "app/program/program.hpp"
 #include "app/text/csv.hpp"
 #include "app/text/json_integer.hpp"
@@ -237,13 +237,9 @@ CellsRead parse_cells(std::string_view text) {
 
 CellsRead read_cells(const std::string& dir) {
   const std::string path = dir + "/cells.jsonl";
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  if (!file || !(text << file.rdbuf())) {
-    if (file.is_open() && file.peek() == std::ifstream::traits_type::eof()) return {};  // empty
-    throw InputError(fmt::format("'{}' cannot be read", path));
-  }
-  return parse_cells(text.view());
+  std::error_code ignored;
+  if (!std::filesystem::exists(path, ignored)) throw InputError(fmt::format("'{}' cannot be read", path));
+  return parse_cells(read_text(path));
 }
 
 std::span<const std::string_view> csv_columns() { return columns; }

@@ -230,6 +230,9 @@ int solve_result_num(ncp::Status status) {
       return ncp::ampl::not_applicable;
     case ncp::Status::StationaryPoint:
     case ncp::Status::NoProgress:
+    case ncp::Status::Stalled:
+    case ncp::Status::Ray:
+    case ncp::Status::Singular:
     case ncp::Status::SubproblemFailed:  // no error, but an end of what the method can do from here: another start may
                                          // do
       return 510;

@@ -9,6 +9,7 @@
 #include <map>
 #include <ostream>
 
+#include "app/program/files.hpp"
 #include "app/program/program.hpp"
 #include "app/text/csv.hpp"
 #include "app/text/table.hpp"

@@ -4,16 +4,12 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <chrono>
-#include <exception>
 #include <filesystem>
-#include <functional>
-#include <mutex>
 #include <ostream>
 #include <set>
-#include <thread>
 
 #include "app/campaign/settle.hpp"
+#include "app/campaign/threads.hpp"
 #include "app/compare/asked.hpp"
 #include "app/compare/baseline.hpp"
 #include "app/compare/journal.hpp"
@@ -32,53 +28,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A signal, or a failure in one of the threads, ends all of them.
-class Stopper {
- public:
-  explicit Stopper(const std::atomic<bool>* interrupt) : interrupt_(interrupt) {}
-  bool look() {
-    if (interrupt_ != nullptr && interrupt_->load()) stop_ = true;
-    return stop_;
-  }
-  void stop() { stop_ = true; }
-  const std::atomic<bool>* flag() const { return &stop_; }
-
- private:
-  const std::atomic<bool>* interrupt_;
-  std::atomic<bool> stop_{false};
-};
-
-/// Calls work(k, thread) for k = 0, ..., n - 1 on so many threads, in that order, and meanwhile look() in this one.
-/// Rethrows the first exception, after all threads have ended.
-void in_threads(std::size_t n, int threads, Stopper& stopper, const std::function<void(std::size_t, int)>& work,
-                const std::function<void()>& look) {
-  std::atomic<std::size_t> next{0};
-  std::atomic<int> running{threads};
-  std::exception_ptr failure;
-  std::mutex mutex;
-  std::vector<std::thread> all;
-  all.reserve(static_cast<std::size_t>(threads));
-  for (int t = 0; t < threads; ++t)
-    all.emplace_back([&, t] {
-      try {
-        for (std::size_t k = next++; k < n && !stopper.flag()->load(); k = next++) work(k, t);
-      } catch (...) {
-        const std::scoped_lock lock(mutex);
-        if (!failure) failure = std::current_exception();
-        stopper.stop();
-      }
-      --running;
-    });
-  constexpr std::chrono::milliseconds pause{20};
-  while (running > 0) {
-    stopper.look();
-    look();
-    std::this_thread::sleep_for(pause);
-  }
-  for (std::thread& thread : all) thread.join();
-  if (failure) std::rethrow_exception(failure);
-}
-
 struct Pending {
   const AskedMethod* method;
   const AskedProblem* problem;
@@ -95,14 +44,6 @@ std::vector<Pending> pending_cells(const Campaign& campaign, const std::vector<C
       for (const AskedMethod& method : campaign.methods)
         if (!keys.contains({method.label, problem.name, start})) cells.push_back({&method, &problem, start});
   return cells;
-}
-
-/// For a shell.
-std::string quoted(const std::string& word) {
-  if (!word.empty() && word.find_first_of(" \t'\"$`\\&|;<>()*?[]#~!{}") == std::string::npos) return word;
-  std::string text = "'";
-  for (const char c : word) text += c == '\'' ? "'\\''" : std::string(1, c);
-  return text + "'";
 }
 
 class Comparison {
@@ -269,7 +210,7 @@ class Comparison {
     else
       streams_.err << fmt::format(
           "perp: interrupted; {} of {} cells are done. 'perp compare --out {} --resume' goes on\n", done, total,
-          quoted(request_.out));
+          shell_quoted(request_.out));
     return exit_interrupted;
   }
 

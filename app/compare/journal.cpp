@@ -11,6 +11,7 @@
 #include <cstring>
 #include <filesystem>
 
+#include "app/program/files.hpp"
 #include "app/program/program.hpp"
 #include "app/worker/worker_files.hpp"
 

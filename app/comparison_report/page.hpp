@@ -32,7 +32,7 @@ std::string method_section(const CampaignData& data);  ///< how, when, where it 
 /// problems and outcomes by index, what is not known null, the curve as round(100 log10(natural residual)).
 std::string cells_data(const CampaignData& data, const std::vector<std::size_t>& styles);
 
-/// Static text of the page.
+/// Static text of the page: comparison_report/assets.
 std::string_view page_style();
 std::string_view page_script();
 std::string_view page_script_curves();

@@ -71,8 +71,8 @@ void add_body_velocities(const contact::Global& global, contact::FclibPoint& poi
 void write_solution(const std::string& path, const Loaded& loaded, const Run& run) {
   contact::Fclib file{.problem = loaded.problem,
                       .title = loaded.label,
-                      .description = fmt::format("solution: {}, {}, by perp {}: {}", run.variant.label(), run.status,
-                                                 version_number(), run.message)};
+                      .description = fmt::format("solution: {}, {}, by perp {}: {}", run.variant.label(),
+                                                 to_string(run.status), version_number(), run.message)};
   file.solution = contact::FclibPoint{.u = run.solution.u, .r = run.solution.r};
   if (loaded.problem.global) add_body_velocities(*loaded.problem.global, *file.solution);
   contact::write_fclib(path, file);
@@ -148,7 +148,7 @@ class Command {
     } catch (const OutOfTime& out) {
       streams_.err << "perp: " << out.what() << '\n';
       code_ = std::max(code_, exit_unsolved);
-      summary.run.status = ncp::to_string(out.status());
+      summary.run.status = out.status();
       json_.resize(all_.size());
       json_.push_back(no_point_json(name, out));
     }

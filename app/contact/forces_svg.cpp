@@ -191,7 +191,7 @@ class Drawing {
     if (static_cast<Index>(contacts_.size()) < all)
       text += fmt::format("; the {} with the largest r_N are drawn", contacts_.size());
     svg.text(run_.solved ? "soft" : "bad", {margin, 54},
-             run_.solved ? text : text + fmt::format("; NOT SOLVED ({})", run_.status));
+             run_.solved ? text : text + fmt::format("; NOT SOLVED ({})", to_string(run_.status)));
     Legend legend(svg, {margin, 80}, width - margin);
     legend.marker("stick", Marker::Dot, "stick: inside");
     legend.marker("slip", Marker::Diamond, "slip: on the rim");

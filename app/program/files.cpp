@@ -3,6 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <fstream>
+#include <sstream>
+#include <utility>
 
 namespace perp::app {
 
@@ -81,6 +84,14 @@ void check_writable(const std::string& path) {
   } catch (const lcp::FileError& error) {
     throw InputError(error.what());
   }
+}
+
+std::string read_text(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::ostringstream text;
+  if (file && file.peek() != std::ifstream::traits_type::eof()) text << file.rdbuf();
+  if (file.bad() || !text) throw InputError(fmt::format("'{}' cannot be read", path));
+  return std::move(text).str();
 }
 
 void write_files(std::span<const std::pair<std::string, std::string>> files) {

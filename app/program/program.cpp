@@ -59,6 +59,13 @@ std::string out_of_memory(const std::string& problem) {
                      problem);
 }
 
+std::string shell_quoted(const std::string& word) {
+  if (!word.empty() && word.find_first_of(" \t'\"$`\\&|;<>()*?[]#~!{}") == std::string::npos) return word;
+  std::string text = "'";
+  for (const char c : word) text += c == '\'' ? "'\\''" : std::string(1, c);
+  return text + "'";
+}
+
 std::string_view version_number() { return PERP_VERSION; }
 
 std::string version_line() { return fmt::format("perp {} (AMPL/MCP) ASL({})", version_number(), ASLdate_ASL); }

@@ -35,6 +35,9 @@ std::string out_of_memory(const std::string& problem);
 /// " Did you mean 'x' or 'y'?" for the candidates at a small edit distance from `word`, or "" if there is none.
 std::string did_you_mean(std::string_view word, std::span<const std::string_view> candidates);
 
+/// A word as a shell takes it: in quotes where it needs them.
+std::string shell_quoted(const std::string& word);
+
 /// "0.1.0".
 std::string_view version_number();
 /// One line for `-v`; its first number of the form x.y.z is ours (Pyomo looks for it).

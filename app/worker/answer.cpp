@@ -24,12 +24,6 @@ double real(const Json& value) {
   return value.get<double>();
 }
 
-std::string slurp(const std::string& path) {
-  std::ostringstream text;
-  text << std::ifstream(path, std::ios::binary).rdbuf();
-  return text.str();
-}
-
 }  // namespace
 
 std::string task_json(const Task& task) {
@@ -113,7 +107,7 @@ void write_answer(const std::string& folder, const Answer& answer) {
 
 Answer read_answer(const std::string& folder) {
   Answer answer;
-  const Json json = Json::parse(slurp(folder + "/result.json"), nullptr, false);
+  const Json json = Json::parse(read_text(folder + "/result.json"), nullptr, false);
   if (!json.is_object()) return answer;
   try {
     json.at("refused").get_to(answer.refused);
@@ -161,14 +155,12 @@ void write_point(const std::string& folder, ncp::In x) {
 }
 
 ncp::Vec read_point(const std::string& folder) {
-  const std::string bytes = slurp(folder + "/x.bin");
+  const std::string bytes = read_text(folder + "/x.bin");
   ncp::Vec x(static_cast<ncp::Index>(bytes.size() / sizeof(double)));
   std::copy_n(bytes.data(), static_cast<std::size_t>(x.size()) * sizeof(double), reinterpret_cast<char*>(x.data()));
   return x;
 }
 
-std::string file_crc(const std::string& path) { return fmt::format("{:08x}", crc32(slurp(path))); }
-
-std::string read_text(const std::string& path) { return slurp(path); }
+std::string file_crc(const std::string& path) { return fmt::format("{:08x}", crc32(read_text(path))); }
 
 }  // namespace perp::app::compare

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "app/program/files.hpp"
 #include "app/program/program.hpp"
 #include "app/worker/external.hpp"
 #include "app/worker/worker_files.hpp"

@@ -9,7 +9,6 @@ namespace perp::app::compare {
 void write_answer(const std::string& folder, const Answer& answer);
 void write_point(const std::string& folder, ncp::In x);
 ncp::Vec read_point(const std::string& folder);  ///< empty if there is none
-std::string read_text(const std::string& path);  ///< of a file; empty if it cannot be read
 std::string file_crc(const std::string& path);   ///< 8 hex digits
 
 }  // namespace perp::app::compare

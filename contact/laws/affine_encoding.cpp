@@ -138,7 +138,7 @@ EncodingResult solve(const AffineEncoding& encoding, const lcp::Limits& limits) 
     tried = result.message + "; then ";
     result.iterations += best.iterations;
     result.factorizations += best.factorizations;
-    const bool settled = result.accepted() || result.status == lcp::Status::Infeasible || limits.reached();
+    const bool settled = result.accepted() || result.status == Status::Infeasible || limits.reached();
     if (best.z.size() == 0 || result.accepted() || result.residual < best.residual)
       best = {std::move(result), method};
     else {

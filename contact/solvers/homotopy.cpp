@@ -7,15 +7,11 @@
 #include <utility>
 
 #include "contact/laws/glocker_law.hpp"
+#include "ncp/methods/predictor_corrector.hpp"
 
 namespace perp::contact {
 namespace {
 
-constexpr double most_centring = 0.8;
-/// sigma at least after a step below `short_step`; the second-order term is left out where the predictor comes no
-/// further than that.
-constexpr double safe_centring = 0.5;
-constexpr double short_step = 0.1;
 constexpr int neighbourhood_cuts = 6;
 constexpr double cut = 0.8;
 constexpr double least_delta = 1e-13;
@@ -299,14 +295,7 @@ double Homotopy::shortened(const Direction& d, double alpha) const {
 bool Homotopy::step() {
   parameters();
   if (products_ == 0 || !assemble()) return false;
-  const Direction affine = direction(0, nullptr);
-  if (!affine.r.allFinite()) return false;
-  const double affine_step = reach(affine);
-  const double ratio = std::max(0.0, mean_after(affine, affine_step)) / tau_;
-  double least = options_.least_centring;
-  if (last_step_ < short_step) least = std::max(least, safe_centring);
-  const double sigma = std::clamp(ratio * ratio * ratio, std::min(least, most_centring), most_centring);
-  const Direction d = direction(sigma * tau_, affine_step > short_step ? &affine : nullptr);
+  const auto [d, sigma] = ncp::predictor_corrector(*this, tau_, options_.least_centring, last_step_);
   if (!d.r.allFinite()) return false;
   const double alpha = shortened(d, std::min(1.0, options_.to_boundary * reach(d)));
   r_ += alpha * d.r;

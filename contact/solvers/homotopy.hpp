@@ -11,7 +11,8 @@
 /// are eliminated (Schur complement), and what is left is a system of the size and, but for its diagonal blocks, the
 /// entries of W:
 ///     (W + diag(B_a)) dr = rhs.
-/// Predictor, corrector and step lengths as in ncp/methods/interior_point.hpp, without any search on the residual.
+/// Predictor and corrector are those of ncp/methods/predictor_corrector.hpp, step lengths as in
+/// ncp/methods/interior_point.hpp, without any search on the residual.
 #include <memory>
 #include <vector>
 
@@ -57,11 +58,16 @@ class Homotopy {
   const HomotopyIteration& last() const { return last_; }
   int factorizations() const { return factorizations_; }
 
+  struct Direction;
+  // Of ncp::predictor_corrector().
+  Direction direction(double target, const Direction* affine);
+  double reach(const Direction& d) const;
+  double mean_after(const Direction& d, double alpha) const;
+
  private:
   struct Pairs;
   struct Side;
   struct Contact;
-  struct Direction;
   void begin();
   void centre(double tau);
   void parameters();
@@ -70,9 +76,6 @@ class Homotopy {
   template <class Take>
   void for_pairs(const Direction& d, const Take& take) const;
   bool assemble();
-  Direction direction(double target, const Direction* affine);
-  double reach(const Direction& d) const;
-  double mean_after(const Direction& d, double alpha) const;
   double shortened(const Direction& d, double alpha) const;
 
   const Scaled& problem_;

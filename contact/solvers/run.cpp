@@ -38,7 +38,7 @@ void run_glocker(Run& run, const Problem& problem, const Variant& variant, const
     options.method = solver_of<GlockerNcp>(variant);
   if (ncp != nullptr) run.unknowns = Glocker(scaled(problem), ncp->formulation).size();
   Result result = solve(problem, options);
-  run.status = to_string(result.status);
+  run.status = result.status;
   if (result.solved()) run.solved_by = result.by == Origin::Ncp ? variant.method : std::string(to_string(result.by));
   run.message = std::move(result.message);
   run.verdict = std::move(result.verdict);
@@ -84,18 +84,8 @@ void run_first_ncp(Run& run, const Problem& problem, const Variant& variant, con
   const bool solved = is_accepted(run.solution);
   if (solved) run.solved_by = variant.method;
   run.message = result.message;
-  run.status = solved                                      ? "Solved"
-               : result.solved() || result.message.empty() ? "NoProgress"
-                                                           : std::string(ncp::to_string(result.status));
+  run.status = solved ? Status::Solved : result.solved() || result.message.empty() ? Status::NoProgress : result.status;
   if (!solved && result.solved()) run.message = "the NCP is solved to rounding, Coulomb's law is not: " + run.message;
-}
-
-/// As the other statuses are written.
-std::string_view status_name(lcp::Status status) {
-  constexpr std::array<std::string_view, 11> names{"Solved",    "SolvedToRounding", "Infeasible", "Ray",
-                                                   "Singular",  "NotApplicable",    "Stalled",    "IterationLimit",
-                                                   "TimeLimit", "Interrupted",      "OutOfMemory"};
-  return names.at(static_cast<std::size_t>(status));
 }
 
 void run_affine(Run& run, const AffineEncoding& encoding, const Variant& variant, const RunLimits& limits,
@@ -113,7 +103,7 @@ void run_affine(Run& run, const AffineEncoding& encoding, const Variant& variant
   if (result.solved()) run.solved_by = result.by;
   run.unknowns = problem.size();
   run.own = result.residual;
-  run.status = status_name(result.status);
+  run.status = result.status;
   run.message = result.message;
   run.solution = encoding.recover(result.z);
   run.counts = {{"iterations", result.iterations}, {"factorizations", result.factorizations}};
@@ -135,7 +125,7 @@ Problem enclosing_problem(const Problem& problem, const Variant& variant) {
 /// What contact::solve asks by itself, in as much time as was spent, of what is left. That a solution exists is known
 /// of Coulomb's law alone.
 void ask_existence(Run& run, const Problem& problem, const Variant& variant, const RunLimits& limits, Seconds spent) {
-  // Status "Interrupted" is also that of a method which the judge of its iterates stopped.
+  // Interrupted is also that of a method which the judge of its iterates stopped.
   if (run.solved || (limits.interrupt != nullptr && limits.interrupt->load())) return;
   constexpr Seconds least_search{0.1};
   const SearchLimits search{.max_time = std::max(least_search, std::min(spent, Seconds(limits.seconds) - spent)),
@@ -146,8 +136,8 @@ void ask_existence(Run& run, const Problem& problem, const Variant& variant, con
     const Problem enclosing = enclosing_problem(problem, variant);
     if (auto proof = find_infeasibility(enclosing, search)) run.verdict = verdict_of(enclosing, std::move(*proof));
   }
-  if (run.status == "Infeasible") run.verdict.existence = Existence::None;  // the method's own proof
-  if (run.verdict.existence == Existence::None) run.status = "Infeasible";
+  if (run.status == Status::Infeasible) run.verdict.existence = Existence::None;  // the method's own proof
+  if (run.verdict.existence == Existence::None) run.status = Status::Infeasible;
   if (run.verdict.message.empty()) return;
   run.message += run.message.empty() ? run.verdict.message : "; " + run.verdict.message;
 }
@@ -198,7 +188,7 @@ Run run(const Problem& problem, const Variant& variant, const RunLimits& limits)
       run_affine(run, Frictionless(problem), variant, limits, begin);
       break;
   }
-  run.solved = run.status == "Solved";
+  run.solved = run.status == Status::Solved;
   if (variant.law != Law::Glocker) ask_existence(run, problem, variant, limits, Clock::now() - begin);
   run.seconds = Seconds(Clock::now() - begin).count();
   judge(run, problem, variant);

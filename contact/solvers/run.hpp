@@ -28,7 +28,7 @@ struct RunLimits {
 };
 
 struct Run {
-  std::string status{};  ///< "Solved", "NoProgress", "TimeLimit", ...
+  Status status = Status::NoProgress;
   std::string message{};
   Verdict verdict{};        ///< what is known of solutions of the variant's law, where none was found
   bool solved = false;      ///< exact(): the exact law, else the variant's own problem

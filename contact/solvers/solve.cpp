@@ -59,24 +59,6 @@ void describe(GlockerNcp& m, ncp::Fields& f) {
   f.add("scaling", &m.scaling, "in the units of the contacts");
 }
 
-std::string_view to_string(Status status) {
-  switch (status) {
-    case Status::Solved:
-      return "Solved";
-    case Status::NoProgress:
-      return "NoProgress";
-    case Status::TimeLimit:
-      return "TimeLimit";
-    case Status::Interrupted:
-      return "Interrupted";
-    case Status::Infeasible:
-      return "Infeasible";
-    case Status::OutOfMemory:
-      return "OutOfMemory";
-  }
-  return "?";
-}
-
 std::string_view to_string(Origin origin) {
   switch (origin) {
     case Origin::Zero:
@@ -188,10 +170,10 @@ void Referee::ask_existence() {
 }
 
 void Referee::guard(const std::function<void()>& part) {
-  lcp::within_limits(part, [this](lcp::Status status, const std::string& why) {
+  lcp::within_limits(part, [this](Status status, const std::string& why) {
     if (result_.status != Status::NoProgress) return;
     stopped_by_ = why;
-    result_.status = status == lcp::Status::TimeLimit ? Status::TimeLimit : Status::OutOfMemory;
+    result_.status = status == Status::TimeLimit ? Status::TimeLimit : Status::OutOfMemory;
   });
 }
 

@@ -85,8 +85,8 @@ struct Options {
 };
 
 /// Infeasible: proven to have no solution, by Result::verdict.certificate (contact/existence/infeasible.hpp).
-enum class Status { Solved, NoProgress, TimeLimit, Interrupted, Infeasible, OutOfMemory };
-std::string_view to_string(Status);
+using perp::Status;
+using perp::to_string;
 
 /// One point that was judged.
 struct Record {

@@ -1,48 +1,11 @@
 #include "lcp/iterative/newton_system.hpp"
 
-#include <algorithm>
-#include <cmath>
 #include <vector>
 
+#include "lcp/fischer_burmeister.hpp"
 #include "lcp/linalg/blocks.hpp"
 
 namespace perp::lcp {
-
-FbValue fischer_burmeister(double a, double b, double ha, double hb) {
-  const double scale = std::max(std::abs(a), std::abs(b));
-  if (scale == 0) {
-    const double h = std::hypot(ha, hb);
-    if (!(h > 0) || !std::isfinite(h)) return {.phi = 0, .da = 1 - std::sqrt(0.5), .db = 1 - std::sqrt(0.5)};
-    return {.phi = 0, .da = 1 - ha / h, .db = 1 - hb / h};
-  }
-  const double x = a / scale;
-  const double y = b / scale;
-  const double r = std::sqrt(x * x + y * y);
-  // 1 - x / r = y^2 / (r (r + x)), and x + y - r = 2xy / (x + y + r).
-  const auto partial = [r](double own, double other) {
-    return own > 0 ? other * other / (r * (r + own)) : (r - own) / r;
-  };
-  const double phi = x + y > 0 ? 2 * x * y / (x + y + r) : x + y - r;
-  return {.phi = scale * phi, .da = partial(x, y), .db = partial(y, x)};
-}
-
-namespace {
-
-FbValue row(double l, double u, double z, double F, double hz, double hF) {
-  const bool below = l > -infinity;
-  const bool above = u < infinity;
-  if (!below && !above) return {.phi = F, .da = 0, .db = 1};
-  if (l == u) return {.phi = z - l, .da = 1, .db = 0};
-  if (!above) return fischer_burmeister(z - l, F, hz, hF);
-  // -phi(u - z, -F), whose partials by z and F are those of phi.
-  FbValue upper = fischer_burmeister(u - z, -F, -hz, -hF);
-  upper.phi = -upper.phi;
-  if (!below) return upper;
-  const FbValue both = fischer_burmeister(z - l, upper.phi, hz, upper.da * hz + upper.db * hF);
-  return {.phi = both.phi, .da = both.da + both.db * upper.da, .db = both.db * upper.db};
-}
-
-}  // namespace
 
 Equations fb_equations(const AffineMcp& problem, In z) {
   const Index n = problem.size();
@@ -53,7 +16,8 @@ Equations fb_equations(const AffineMcp& problem, In z) {
   const Vec along = problem.M * degenerate;
   Equations at{.Phi = Vec(n), .Da = Vec(n), .Db = Vec(n)};
   for (Index i = 0; i < n; ++i) {
-    const FbValue value = row(box.lower[i], box.upper[i], z[i], F[i], degenerate[i], along[i]);
+    const auto fb = [](double a, double b, double ha, double hb) { return fischer_burmeister(a, b, ha, hb); };
+    const CValue value = box_row(fb, box.lower[i], box.upper[i], z[i], F[i], degenerate[i], along[i]);
     at.Phi[i] = value.phi;
     at.Da[i] = value.da;
     at.Db[i] = value.db;

@@ -2,11 +2,6 @@
 /// The nonsmooth equations Phi(z) = 0 of an affine MCP and the linear systems of Newton's method for them. Row i
 /// depends on (z_i, F_i), F = M z + q, so that H = Da + Db M, Da and Db diagonal, is an element of the
 /// B-subdifferential.
-///
-/// phi_FB(a, b) = a + b - sqrt(a^2 + b^2) (Fischer 1992; zero iff a >= 0, b >= 0, ab = 0; the sign of the minimum). Row
-/// of the Fischer-Burmeister equation, after Billups 1995:
-///     free: F_i    only l_i: phi(z_i - l_i, F_i)    only u_i: -phi(u_i - z_i, -F_i)
-///     both: phi(z_i - l_i, -phi(u_i - z_i, -F_i))    fixed: z_i - l_i.
 /// Private to lcp/.
 #include "lcp/affine_mcp.hpp"
 #include "lcp/judge/cell.hpp"
@@ -14,20 +9,12 @@
 
 namespace perp::lcp {
 
-struct FbValue {
-  double phi = 0;
-  double da = 0;
-  double db = 0;
-};
-/// phi_FB and its partials without cancellation; at (0, 0) the limit of the partials along (ha, hb).
-FbValue fischer_burmeister(double a, double b, double ha, double hb);
-
 struct Equations {
   Vec Phi, Da, Db;
   double merit() const { return 0.5 * Phi.squaredNorm(); }  ///< Psi
 };
-/// The Fischer-Burmeister equations at z; at kinks, the limit along h with h_i = 1 at the degenerate indices and 0
-/// elsewhere (De Luca, Facchinei & Kanzow 1996, section 7).
+/// The Fischer-Burmeister equations at z (lcp/fischer_burmeister.hpp); at kinks, the limit along h with h_i = 1 at the
+/// degenerate indices and 0 elsewhere (De Luca, Facchinei & Kanzow 1996, section 7).
 Equations fb_equations(const AffineMcp& problem, In z);
 /// Phi_i = mid(z_i - u_i, F_i, z_i - l_i), ties on F's side: Db_i = 1 where the row is F's, else Da_i = 1.
 Equations min_equations(const AffineMcp& problem, In z);

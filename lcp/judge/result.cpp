@@ -10,34 +10,6 @@
 
 namespace perp::lcp {
 
-std::string_view to_string(Status status) {
-  switch (status) {
-    case Status::Solved:
-      return "solved";
-    case Status::SolvedToRounding:
-      return "solved to rounding";
-    case Status::Infeasible:
-      return "infeasible";
-    case Status::Ray:
-      return "ray";
-    case Status::Singular:
-      return "singular";
-    case Status::NotApplicable:
-      return "not applicable";
-    case Status::Stalled:
-      return "stalled";
-    case Status::IterationLimit:
-      return "iteration limit";
-    case Status::TimeLimit:
-      return "time limit";
-    case Status::Interrupted:
-      return "interrupted";
-    case Status::OutOfMemory:
-      return "out of memory";
-  }
-  return "?";
-}
-
 std::optional<Status> Limits::reached() const {
   if (interrupted && interrupted()) return Status::Interrupted;
   if (deadline != std::chrono::steady_clock::time_point::max() && std::chrono::steady_clock::now() >= deadline)

@@ -12,23 +12,12 @@
 #include "lcp/judge/infeasible.hpp"
 #include "lcp/kernel_clock.hpp"
 #include "lcp/memory.hpp"
+#include "lcp/status.hpp"
 
 namespace perp::lcp {
 
-enum class Status {
-  Solved,            ///< the natural residual is at most tol
-  SolvedToRounding,  ///< it is not, but Accuracy::to_rounding holds, and z rounds_a_solution()
-  Infeasible,        ///< proven to have no solution: by `certificate`, or by the exhaustive search the message names
-  Ray,               ///< a pivoting method's path went off along a ray: no solution found, and no proof of anything
-  Singular,          ///< a matrix the method has to factor is singular
-  NotApplicable,     ///< the problem is outside what the method is defined for; the message says why
-  Stalled,           ///< no progress short of the tolerance: a cycle, a stationary point, rounding
-  IterationLimit,
-  TimeLimit,
-  Interrupted,
-  OutOfMemory,
-};
-std::string_view to_string(Status);
+using perp::Status;
+using perp::to_string;
 
 struct Limits {
   double tol = 1e-9;  ///< on the natural residual, absolute

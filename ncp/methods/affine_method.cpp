@@ -12,41 +12,19 @@
 namespace perp::ncp {
 namespace {
 
-/// In the words of lcp: a method that does not get there is no progress, a ray or a singular matrix is its reason.
-Status status_of(lcp::Status status) {
-  switch (status) {
-    case lcp::Status::Solved:
-      return Status::Solved;
-    case lcp::Status::SolvedToRounding:
-      return Status::SolvedToRounding;
-    case lcp::Status::Infeasible:
-      return Status::Infeasible;
-    case lcp::Status::NotApplicable:
-      return Status::NotApplicable;
-    case lcp::Status::IterationLimit:
-      return Status::IterationLimit;
-    case lcp::Status::TimeLimit:
-      return Status::TimeLimit;
-    case lcp::Status::Interrupted:
-      return Status::Interrupted;
-    case lcp::Status::OutOfMemory:
-      return Status::OutOfMemory;
-    case lcp::Status::Singular:
-      return Status::LinearAlgebraFailed;
-    case lcp::Status::Ray:
-    case lcp::Status::Stalled:
-      return Status::NoProgress;
-  }
-  return Status::NoProgress;
+/// A method that does not get there is no progress, a ray or a singular matrix is its reason.
+Status status_of(Status affine) {
+  if (affine == Status::Singular) return Status::LinearAlgebraFailed;
+  return affine == Status::Ray || affine == Status::Stalled ? Status::NoProgress : affine;
 }
 
-const char* advice(lcp::Status status, bool automatic) {
+const char* advice(Status status, bool automatic) {
   switch (status) {
-    case lcp::Status::Infeasible:
+    case Status::Infeasible:
       return "look for a mistake in the model";
-    case lcp::Status::TimeLimit:
+    case Status::TimeLimit:
       return "raise the time limit";
-    case lcp::Status::OutOfMemory:
+    case Status::OutOfMemory:
       return "a smaller problem, more memory, or --method psor";
     default:
       return automatic ? "the problem may have no solution; a nonlinear method (semismooth) may still find one"

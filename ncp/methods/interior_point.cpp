@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "ncp/methods/active_set_step.hpp"
+#include "ncp/methods/predictor_corrector.hpp"
 #include "ncp/reformulation/line_search.hpp"
 #include "ncp/reformulation/merit.hpp"
 #include "ncp/run/kernels.hpp"
@@ -14,13 +15,8 @@
 namespace perp::ncp {
 namespace {
 
-constexpr double most_centring = 0.8;
-/// sigma at least after a step below `short_step`, and in restarts.
-constexpr double safe_centring = 0.5;
+/// sigma at least in restarts.
 constexpr double restart_centring = 0.1;
-constexpr double short_step = 0.1;
-/// The second-order term is left out where the predictor comes no further: it is larger than what it corrects.
-constexpr double least_predictor = 0.1;
 /// Reductions of a step for the neighbourhood, by 0.8 each.
 constexpr int neighbourhood_cuts = 6;
 constexpr double cut = 0.8;
@@ -47,6 +43,11 @@ class InteriorPath {
   InteriorPath(Run& run, const InteriorPoint& method, Point point);
   void run();
 
+  // Of predictor_corrector().
+  Direction direction(double target, const Direction* affine) const;
+  double reach(const Direction& d) const;
+  double mean_after(const Direction& d, double alpha) const { return gap(moved(d, alpha)); }
+
  private:
   bool below(Index i) const { return has_[static_cast<std::size_t>(i)].below; }
   bool above(Index i) const { return has_[static_cast<std::size_t>(i)].above; }
@@ -62,8 +63,6 @@ class InteriorPath {
   double merit() const;
   bool follow();
   bool factor();
-  Direction direction(double target, const Direction* affine) const;
-  double reach(const Direction& d) const;
   Iterate moved(const Direction& d, double alpha) const;
   bool central(const Iterate& at) const;
   bool advance(const Direction& d);
@@ -297,15 +296,8 @@ bool InteriorPath::step() {
   if (singular_) return false;
   if (pairs_ == 0) return advance(direction(0, nullptr));
   const double tau = gap(at_);
-  const Direction affine = direction(0, nullptr);
-  if (!affine.x.allFinite()) return false;
-  const double alpha = reach(affine);
-  double least = raises_ > 0 ? std::max(restart_centring, method_.least_centring) : method_.least_centring;
-  if (last_step_ < short_step) least = safe_centring;
-  const double ratio = std::max(0.0, gap(moved(affine, alpha))) / std::max(tau, 1e-300);
-  const double sigma = std::clamp(ratio * ratio * ratio, std::min(least, most_centring), most_centring);
-  if (advance(direction(sigma * tau, alpha > least_predictor ? &affine : nullptr)) && it_.step > vanishing_step)
-    return true;
+  const double least = raises_ > 0 ? std::max(restart_centring, method_.least_centring) : method_.least_centring;
+  if (advance(predictor_corrector(*this, tau, least, last_step_).direction) && it_.step > vanishing_step) return true;
   return advance(direction(most_centring * tau, nullptr));
 }
 

@@ -75,7 +75,7 @@ LeastSquaresStep LeastSquaresSteps::solve(const Linearisation& lin, const Vec& x
                            }};
   const lcp::Result interior = lcp::interior_point(problem, start, {}, limits);
   run_.stats().factorizations += interior.factorizations;
-  if (interior.status == lcp::Status::Interrupted || interior.status == lcp::Status::TimeLimit)
+  if (interior.status == Status::Interrupted || interior.status == Status::TimeLimit)
     return {.end = LeastSquaresStep::End::Stopped};
   LeastSquaresStep step = step_along(interior.z.tail(n));
   if (!interior.accepted()) step.end = LeastSquaresStep::End::Failed;

@@ -77,8 +77,8 @@ class Subproblems {
     run_.stats().factorizations += found.factorizations;
     pivots_ += static_cast<int>(found.iterations);
     lcp::PivotResult path;
-    if (found.status == lcp::Status::Interrupted) path.end = lcp::PivotEnd::Interrupted;
-    if (found.status == lcp::Status::TimeLimit) path.end = lcp::PivotEnd::TimeLimit;
+    if (found.status == Status::Interrupted) path.end = lcp::PivotEnd::Interrupted;
+    if (found.status == Status::TimeLimit) path.end = lcp::PivotEnd::TimeLimit;
     if (!found.accepted()) return path;
     path.end = lcp::PivotEnd::Solved;
     path.z = found.z;

@@ -25,17 +25,14 @@
 #include <string>
 #include <string_view>
 
+#include "lcp/fischer_burmeister.hpp"
 #include "ncp/problem/mcp.hpp"
 
 namespace perp::ncp {
 
 class Fields;
 
-struct CValue {
-  double phi = 0;
-  double da = 0;  ///< d phi / da; at a kink an element of the B-subdifferential, see CFunction::at
-  double db = 0;
-};
+using lcp::CValue;
 
 /// A number within the formula. Its range is the open interval (low, high).
 struct CParameter {

@@ -4,12 +4,18 @@
 #include <stdexcept>
 #include <vector>
 
+#include "lcp/wide_arithmetic.hpp"
 #include "ncp/problem/fields.hpp"
-#include "ncp/problem/wide_arithmetic.hpp"
 #include "ncp/reformulation/cfunction.hpp"
 
 namespace perp::ncp {
 namespace {
+
+using lcp::product;
+using lcp::saturated;
+using lcp::Wide;
+using lcp::wide_ldexp;
+using lcp::wide_product;
 
 const std::string uniform_p = "uniform P-functions; affine F with an R0-matrix";
 const std::string uniform_p_or_monotone = uniform_p + "; monotone F with a strictly feasible point";
@@ -40,61 +46,11 @@ CValue min_at(double a, double b, double ha, double hb) {
   return {saturated(b), 0, 1};
 }
 
-/// sqrt(1 + q^2) for 0 <= q <= 1, where nothing overflows and hypot's care would cost most of the function's time.
-double unit_root(double q) { return std::sqrt(1 + q * q); }
-
-/// phi_FB(a, b) / min(a, b), as a sum of positive terms of order one: no cancellation, overflow or underflow.
-double fischer_burmeister_factor(double most, double least) {
-  if (least > 0) {  // ab > 0: phi = 2 ab / (a + b + r)
-    const double q = least / most;
-    return 2 / (1 + q + unit_root(q));
-  }
-  if (most <= 0) {
-    const double q = most / least;
-    return 1 + q + unit_root(q);
-  }
-  // most - r = -least^2 / (most + r)
-  if (most >= -least) {
-    const double q = -least / most;
-    return 1 + q / (1 + unit_root(q));
-  }
-  const double q = most / -least;
-  return 1 + 1 / (q + unit_root(q));
-}
-
-/// weight phi_FB with the partials of phi_FB itself.
-CValue fischer_burmeister_at(double weight, double a, double b, double ha, double hb) {
-  if (a == infinity) return {product({weight, saturated(b)}), 0, 1};
-  if (b == infinity) return {product({weight, saturated(a)}), 1, 0};
-  a = saturated(a);
-  b = saturated(b);
-  const double size = std::max(std::abs(a), std::abs(b));
-  if (size == 0) {
-    const double h = std::hypot(ha, hb);
-    if (h == 0) return {0, 1 - std::sqrt(0.5), 1 - std::sqrt(0.5)};  // the limit along a = b > 0
-    return {0, 1 - ha / h, 1 - hb / h};
-  }
-  const double least = std::min(a, b);
-  double phi = least;
-  if (least != 0) {
-    const double factor = fischer_burmeister_factor(std::max(a, b), least);  // at least 0.58
-    phi = weight == 1 ? saturated(least * factor) : product({weight, least, factor});
-  }
-  // The partials 1 - c and 1 - s of c = a / r and s = b / r, with a, b brought where r neither over- nor underflows.
-  const double x = a / size;
-  const double y = b / size;
-  const double r = std::sqrt(x * x + y * y);
-  const double c = x / r;
-  const double s = y / r;
-  const auto one_minus = [](double p, double q) { return p > 0 ? q * q / (1 + p) : 1 - p; };  // p^2 + q^2 = 1
-  return {phi, one_minus(c, s), one_minus(s, c)};
-}
-
 /// On the side of v = 0 that the direction h leads to; with h = 0 not the positive one.
 bool positive(double v, double h) { return v > 0 || (v == 0 && h > 0); }
 
 CValue penalised_at(double lambda, double a, double b, double ha, double hb) {
-  const CValue fb = fischer_burmeister_at(lambda, a, b, ha, hb);
+  const CValue fb = lcp::fischer_burmeister(a, b, ha, hb, lambda);
   CValue v{fb.phi, lambda * fb.da, lambda * fb.db};
   if (!positive(a, ha) || !positive(b, hb)) return v;
   const double weight = 1 - lambda;
@@ -164,7 +120,7 @@ CValue kanzow_kleinmichel_at(double lambda, double a, double b, double ha, doubl
 
 CValue luo_tseng_at(double root_alpha, double a, double b, double ha, double hb) {
   if (ha == 0 && hb == 0) ha = hb = -1;  // the element from outside is the better one
-  const CValue fb = fischer_burmeister_at(1, a, b, ha, hb);
+  const CValue fb = lcp::fischer_burmeister(a, b, ha, hb);
   a = saturated(a);
   b = saturated(b);
   if (positive(a, ha) && positive(b, hb))
@@ -224,7 +180,7 @@ CFunction fischer_burmeister() {
   return {.name = "fischer-burmeister",
           .formula = "a + b - sqrt(a^2 + b^2)",
           .smooth_merit = true,
-          .at = [](double a, double b, double ha, double hb) { return fischer_burmeister_at(1, a, b, ha, hb); },
+          .at = [](double a, double b, double ha, double hb) { return lcp::fischer_burmeister(a, b, ha, hb); },
           .properties = CProperties{.level_sets = uniform_p, .stationary_points = p0},
           .reference = "Fischer, Optimization 24 (1992) 269"};
 }

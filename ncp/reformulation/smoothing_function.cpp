@@ -5,11 +5,14 @@
 #include <stdexcept>
 #include <vector>
 
+#include "lcp/wide_arithmetic.hpp"
 #include "ncp/problem/fields.hpp"
-#include "ncp/problem/wide_arithmetic.hpp"
 
 namespace perp::ncp {
 namespace {
+
+using lcp::largest;
+using lcp::saturated;
 
 SmoothValue neural_at(double a, double b, double mu) {
   a = saturated(a);

@@ -4,40 +4,6 @@
 
 namespace perp::ncp {
 
-std::string_view to_string(Status status) {
-  switch (status) {
-    case Status::Solved:
-      return "Solved";
-    case Status::SolvedToRounding:
-      return "SolvedToRounding";
-    case Status::StationaryPoint:
-      return "StationaryPoint";
-    case Status::NoProgress:
-      return "NoProgress";
-    case Status::IterationLimit:
-      return "IterationLimit";
-    case Status::TimeLimit:
-      return "TimeLimit";
-    case Status::Interrupted:
-      return "Interrupted";
-    case Status::EvaluationFailed:
-      return "EvaluationFailed";
-    case Status::LinearAlgebraFailed:
-      return "LinearAlgebraFailed";
-    case Status::OutOfMemory:
-      return "OutOfMemory";
-    case Status::Infeasible:
-      return "Infeasible";
-    case Status::NotApplicable:
-      return "NotApplicable";
-    case Status::Unbounded:
-      return "Unbounded";
-    case Status::SubproblemFailed:
-      return "SubproblemFailed";
-  }
-  return "?";
-}
-
 Stats& Stats::operator+=(const Stats& other) {
   for (int Stats::*count :
        {&Stats::iterations, &Stats::crash_iterations, &Stats::F_evals, &Stats::J_evals, &Stats::factorizations,

@@ -8,28 +8,14 @@
 #include <vector>
 
 #include "lcp/pivoting/lemke.hpp"
+#include "lcp/status.hpp"
 #include "ncp/problem/mcp.hpp"
 #include "ncp/problem/residual.hpp"
 
 namespace perp::ncp {
 
-enum class Status {
-  Solved,            ///< the natural residual is at most the tolerance
-  SolvedToRounding,  ///< it is not, but in every row it is within the rounding of the row's terms
-  StationaryPoint,   ///< the gradient of the merit function vanished, the residual did not
-  NoProgress,        ///< steps became too short to change x
-  IterationLimit,
-  TimeLimit,
-  Interrupted,          ///< an observer asked to stop
-  EvaluationFailed,     ///< F or J is not defined at the start, or at every point tried
-  LinearAlgebraFailed,  ///< no direction could be computed
-  OutOfMemory,          ///< something did not fit; the message says how much it takes, where that is known
-  Infeasible,           ///< proven to have no solution; the message says how
-  NotApplicable,        ///< the problem is outside what the method is defined for
-  Unbounded,            ///< the iterates ran off to infinity
-  SubproblemFailed,     ///< the linearised problem could not be solved, however regularised
-};
-std::string_view to_string(Status);  ///< "Solved", "StationaryPoint", ...
+using perp::Status;
+using perp::to_string;
 
 /// Of the method and its escapes; what check_jacobian evaluates is not counted, nor the J at x for Result::relative.
 struct Stats {

@@ -30,9 +30,9 @@ void Run::end(Status status, std::string message, std::string advice) {
 
 void Run::guard(const std::function<void()>& part) {
   // Not end(): to settle what is open takes factorizations too.
-  lcp::within_limits(part, [this](lcp::Status status, const std::string& why) {
+  lcp::within_limits(part, [this](Status status, const std::string& why) {
     if (status_ && !stuck(*status_)) return;  // one that is stuck was to go on
-    const bool late = status == lcp::Status::TimeLimit;
+    const bool late = status == Status::TimeLimit;
     message_ = late ? "stopped before the time limit: " + why : why;
     advice_ = late ? "raise the time limit, or go on from the point returned"
                    : "a smaller problem, more memory, or --method semismooth --option linear_solver=krylov";

@@ -30,7 +30,7 @@ void check_fit(const Mcp& mcp, const Method& method) {
 }
 
 bool stuck(Status status, const Stats& stats) {
-  return stuck(status) && (status != Status::EvaluationFailed || stats.iterations > 0);
+  return ncp::stuck(status) && (status != Status::EvaluationFailed || stats.iterations > 0);
 }
 
 void path(Run& run, In x0, const PathSearch& method) {

@@ -73,15 +73,15 @@ std::string judge(const Problem& problem, const Result& result, double tol, Trut
     ++tally.internal;
     return "z is not finite or not in the box";
   }
-  const std::string_view status = to_string(result.status);
-  if (status == "solved") {
+  const Status status = result.status;
+  if (status == Status::Solved) {
     ++tally.solved;
     const mpq_class residual = exact::residual(mcp, result.z);
     if (residual <= mpq_class(tol)) return {};
     ++tally.false_solved;
     return "false Solved, residual " + std::to_string(residual.get_d() / tol) + " tol";
   }
-  if (status == "solved to rounding") {
+  if (status == Status::SolvedToRounding) {
     ++tally.to_rounding;
     if (exact::solved_to_rounding(mcp, result.z)) return {};
     ++tally.false_rounding;

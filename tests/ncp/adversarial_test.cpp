@@ -61,7 +61,7 @@ std::string judge(const Problem& problem, const Result& result, double tol, Tall
     ++tally.false_solved;
     return "false Solved, residual " + std::to_string(residual.get_d() / tol) + " tol";
   }
-  if (to_string(result.status) == "SolvedToRounding") {
+  if (result.status == Status::SolvedToRounding) {
     ++tally.to_rounding;
     if (exact::solved_to_rounding(problem.mcp, result.x)) return {};
     ++tally.false_rounding;

@@ -162,8 +162,10 @@ def named(name, line):
 
 
 def paths(root):
+    """A header has its name without the folder, too (cmake/install.cmake)."""
     names = set(tracked(root))
-    for name in sorted(names - set(UNCHECKED)):
+    names |= {f"{folder[1]}/{posixpath.basename(name)}" for name in names if (folder := OURS.match(name)) and name.endswith(".hpp")}
+    for name in sorted(set(tracked(root)) - set(UNCHECKED)):
         if not name.endswith((".md", *SOURCES)):
             continue
         folder = posixpath.dirname(name)

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "app/campaign/differences.hpp"
 #include "app/contact/run/run.hpp"
 #include "app/program/files.hpp"
 #include "app/program/program.hpp"
@@ -20,23 +21,6 @@ namespace fs = std::filesystem;
 constexpr int format_version = 1;
 
 std::string path_in(const std::string& dir) { return dir + "/campaign.json"; }
-
-template <class T>
-void compare_value(const std::string& what, const T& before, const T& now, std::vector<std::string>& found) {
-  if (before != now) found.push_back(fmt::format("{}: {} there, {} here", what, before, now));
-}
-
-/// Names of one list that are not in the other.
-void compare_names(const char* what, const std::vector<std::string>& before, const std::vector<std::string>& now,
-                   std::vector<std::string>& found) {
-  const auto missing = [&](const std::vector<std::string>& these, const std::vector<std::string>& others,
-                           const char* where) {
-    for (const std::string& name : these)
-      if (std::ranges::find(others, name) == others.end()) found.push_back(fmt::format("{} {}: {}", what, where, name));
-  };
-  missing(before, now, "there but not here");
-  missing(now, before, "here but not there");
-}
 
 std::vector<std::string> arguments(const std::vector<CampaignProblem>& problems) {
   std::vector<std::string> names(problems.size());
@@ -102,7 +86,7 @@ bool holds_campaign(const std::string& dir) {
 Campaign read_campaign(const std::string& dir) {
   const std::string path = path_in(dir);
   try {
-    return parse_campaign(compare::read_text(path));
+    return parse_campaign(read_text(path));
   } catch (const InputError& error) {
     throw InputError(fmt::format("{}: {}", path, error.what()));
   }
@@ -110,16 +94,17 @@ Campaign read_campaign(const std::string& dir) {
 
 std::vector<std::string> differences(const Campaign& before, const Campaign& now) {
   std::vector<std::string> found;
-  compare_names("variant", before.variants, now.variants, found);
-  compare_names("problem", arguments(before.problems), arguments(now.problems), found);
+  compare::compare_names("variants", before.variants, now.variants, found);
+  compare::compare_names("problems", arguments(before.problems), arguments(now.problems), found);
   for (const CampaignProblem& problem : now.problems) {
     const auto same = std::ranges::find(before.problems, problem.argument(), &CampaignProblem::argument);
-    if (same != before.problems.end()) compare_value("content (CRC) of " + problem.name, same->crc, problem.crc, found);
+    if (same != before.problems.end())
+      compare::compare_value("content (CRC) of " + problem.name, same->crc, problem.crc, found);
   }
-  compare_value("--tol", before.tol, now.tol, found);
-  compare_value("--time-limit", before.time_limit, now.time_limit, found);
-  compare_value("--memory-limit", before.memory_mb, now.memory_mb, found);
-  compare_value("version of perp", before.version, now.version, found);
+  compare::compare_value("--tol", before.tol, now.tol, found);
+  compare::compare_value("--time-limit", before.time_limit, now.time_limit, found);
+  compare::compare_value("--memory-limit", before.memory_mb, now.memory_mb, found);
+  compare::compare_value("version of perp", before.version, now.version, found);
   return found;
 }
 

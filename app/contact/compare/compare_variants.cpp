@@ -5,15 +5,12 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <exception>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <mutex>
 #include <ostream>
-#include <sstream>
-#include <thread>
 
+#include "app/campaign/threads.hpp"
 #include "app/compare/compare.hpp"
 #include "app/compare/journal.hpp"
 #include "app/contact/compare/campaign.hpp"
@@ -31,12 +28,6 @@ namespace perp::app::contacts {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string slurp(const std::string& path) {
-  std::ostringstream text;
-  text << std::ifstream(path, std::ios::binary).rdbuf();
-  return text.str();
-}
 
 void check_request(const CompareVariantsRequest& request) {
   if (request.tol && (!(*request.tol > 0) || !std::isfinite(*request.tol)))
@@ -88,7 +79,7 @@ Campaign asked_campaign(const CompareVariantsRequest& request, const Campaign* b
 class Comparing {
  public:
   Comparing(const CompareVariantsRequest& request, Streams streams, const std::atomic<bool>* interrupt)
-      : request_(request), streams_(streams), interrupt_(interrupt) {}
+      : request_(request), streams_(streams), stopper_(interrupt) {}
 
   int run() {
     check_utf8(request_.out);
@@ -105,7 +96,10 @@ class Comparing {
                                 comparison_.cells.empty() ? "" : fmt::format(", {} of them to do", pending_.size()));
     std::error_code ignored;
     fs::remove_all(work_folder(), ignored);  // of a campaign that was killed
-    in_threads(total);
+    // Problem by problem, so that what is seen first is comparable.
+    compare::in_threads(pending_.size(), request_.jobs, stopper_, [&](std::size_t k, int thread) {
+      one(*pending_[k].problem, pending_[k].variant, thread, total);
+    });
     fs::remove_all(work_folder(), ignored);
     std::ranges::sort(comparison_.cells, {}, [&](const Cell& cell) { return order(cell); });
     write_files();
@@ -178,37 +172,15 @@ class Comparing {
     if (!complete)
       streams_.err << fmt::format(
           "perp: interrupted; {} of {} cells are done. 'perp contact --compare --out {} --resume' goes on\n",
-          comparison_.cells.size(), total, request_.out);
+          comparison_.cells.size(), total, shell_quoted(request_.out));
     if (!deliver_json(request_.json, cells_json(comparison_.cells), streams_)) return exit_input;
     return complete ? static_cast<int>(exit_solved) : compare::exit_interrupted;
   }
 
   std::string work_folder() const { return fs::absolute(request_.out) / "work"; }
-  bool stopped() const { return failed_ || (interrupt_ != nullptr && interrupt_->load()); }
   std::pair<std::ptrdiff_t, std::ptrdiff_t> order(const Cell& cell) const {
     return {std::ranges::find(comparison_.problems, cell.problem) - comparison_.problems.begin(),
             std::ranges::find(comparison_.variants, cell.variant) - comparison_.variants.begin()};
-  }
-
-  /// Problem by problem, so that what is seen first is comparable. Rethrows the first failure.
-  void in_threads(std::size_t total) {
-    std::atomic<std::size_t> next{0};
-    std::exception_ptr failure;
-    const auto work = [&](int thread) {
-      try {
-        for (std::size_t k = next++; k < pending_.size() && !stopped(); k = next++)
-          one(*pending_[k].problem, pending_[k].variant, thread, total);
-      } catch (...) {
-        const std::scoped_lock lock(mutex_);
-        if (!failure) failure = std::current_exception();
-        failed_ = true;
-      }
-    };
-    std::vector<std::thread> others;
-    for (int t = 1; t < request_.jobs; ++t) others.emplace_back(work, t);
-    work(0);
-    for (std::thread& other : others) other.join();
-    if (failure) std::rethrow_exception(failure);
   }
 
   void one(const CampaignProblem& problem, const Variant& variant, int thread, std::size_t total) {
@@ -227,16 +199,16 @@ class Comparing {
     const compare::ProcessLimits limits{.seconds = 2 * campaign_.time_limit + request_.reading,
                                         .memory_mb = campaign_.memory_mb};
     const compare::ProcessEnd end =
-        compare::run_process({.arguments = words, .log = folder + "/log", .limits = limits}, interrupt_);
+        compare::run_process({.arguments = words, .log = folder + "/log", .limits = limits}, stopper_.flag());
     if (end.why == compare::ProcessEnd::Why::NotStarted)
       throw InputError(fmt::format("a process for '{}' cannot be started: {}", problem.name, end.error));
     if (end.why == compare::ProcessEnd::Why::Interrupted) return;
-    Cell cell = cell_of(end, slurp(folder + "/result.json"), limits);
+    Cell cell = cell_of(end, read_text(folder + "/result.json"), limits);
     cell.variant = variant.label();
     cell.problem = problem.name;
     cell.exact = variant.exact();
     cell.command = command;
-    if (cell.status == "Interrupted" && stopped()) return;
+    if (cell.status == "Interrupted" && stopper_.look()) return;
     const bool over = cell.seconds > campaign_.time_limit;
     if (over && cell.solved()) cell.message = fmt::format("solved after {:.3g} s, beyond the limit", cell.seconds);
     if (over && (cell.solved() || cell.outcome == Outcome::Failed)) cell.outcome = Outcome::TimeLimit;
@@ -268,7 +240,7 @@ class Comparing {
   };
   const CompareVariantsRequest& request_;
   Streams streams_;
-  const std::atomic<bool>* interrupt_;
+  compare::Stopper stopper_;
   bool resumed_ = false;
   Campaign campaign_;
   std::unique_ptr<compare::DirectoryLock> lock_;
@@ -276,7 +248,6 @@ class Comparing {
   std::vector<Pending> pending_;
   Comparison comparison_;
   std::mutex mutex_;
-  std::atomic<bool> failed_{false};
 };
 
 }  // namespace

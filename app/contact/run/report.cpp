@@ -78,10 +78,11 @@ double larger_metric(const contact::Residual& r) { return std::max(r.siconos, r.
 /// What to try, or nothing.
 std::string advice(const Run& run) {
   if (run.verdict.existence == contact::Existence::None) return "";
-  if (run.status == "TimeLimit") return fmt::format(" Try: a longer --time-limit than {:g} s.", run.limits.seconds);
-  if (run.status == "Interrupted") return "";
+  if (run.status == Status::TimeLimit)
+    return fmt::format(" Try: a longer --time-limit than {:g} s.", run.limits.seconds);
+  if (run.status == Status::Interrupted) return "";
   if (run.variant.exact() && !run.variant.automatic()) return " Try: --formulation glocker --method auto.";
-  if (run.variant.exact() && run.status == "NoProgress")
+  if (run.variant.exact() && run.status == Status::NoProgress)
     return larger_metric(run.residual) <= nearly
                ? " Try: a looser --tol; --svg and the table show what is not decided yet."
                : " --svg and the table show what is not decided yet.";
@@ -89,7 +90,7 @@ std::string advice(const Run& run) {
 }
 
 std::string unsolved_text(const Run& run) {
-  const std::string what = fmt::format("Not solved ({})", run.status);
+  const std::string what = fmt::format("Not solved ({})", to_string(run.status));
   return (run.message.empty() ? what : fmt::format("{}: {}", what, run.message)) + "." + advice(run);
 }
 
@@ -259,9 +260,10 @@ void print_summaries(std::ostream& out, std::span<const Summary> all) {
       continue;
     }
     table.add({label, fmt::format("{}", run.states.size()), fmt::format("{}", run.in_state(State::Open)),
-               fmt::format("{}", run.in_state(State::Stick)), fmt::format("{}", run.in_state(State::Slip)), run.status,
-               run.solved_by, run.variant.exact() ? "" : metric(run.own), metric(run.residual.siconos),
-               metric(run.residual.rr9118), fmt::format("{}", run.steps()), seconds_text(run.seconds)});
+               fmt::format("{}", run.in_state(State::Stick)), fmt::format("{}", run.in_state(State::Slip)),
+               std::string(to_string(run.status)), run.solved_by, run.variant.exact() ? "" : metric(run.own),
+               metric(run.residual.siconos), metric(run.residual.rr9118), fmt::format("{}", run.steps()),
+               seconds_text(run.seconds)});
   }
   table.print(out);
 }

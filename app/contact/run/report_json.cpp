@@ -73,7 +73,7 @@ std::string run_json(const Loaded& loaded, const Run& run, ExitCode code) {
   json["options"] = variant.options;
   json["exact"] = variant.exact();
   json["tol"] = json_number(run.limits.tol);
-  json["status"] = run.status;
+  json["status"] = to_string(run.status);
   json["solved_by"] = run.solved_by.empty() ? Json(nullptr) : Json(run.solved_by);
   json["exit_code"] = static_cast<int>(code);
   json["message"] = run.message;

@@ -201,7 +201,7 @@ void print(std::ostream& out, const FacetStudy& study) {
   for (const FacetRun& run : study.runs)
     if (!run.solved)
       out << fmt::format("{}, {}:{}: {}, natural residual {}\n", study.problems[run.problem].label, side(run.outer),
-                         run.facets, run.status, number(run.own, 2));
+                         run.facets, to_string(run.status), number(run.own, 2));
 }
 
 Json errors_json(const std::array<double, 4>& errors) {
@@ -249,7 +249,7 @@ std::string study_json(const FacetStudy& study, ExitCode code) {
                             {"polygon", side(run.outer)},
                             {"facets", run.facets},
                             {"rotation", json_number(run.rotation)},
-                            {"status", run.status},
+                            {"status", to_string(run.status)},
                             {"own_residual", json_number(run.own)},
                             {"unknowns", run.unknowns},
                             {"time_s", json_number(run.seconds)},

@@ -29,7 +29,7 @@ struct FacetRun {
   bool outer = false;
   int facets = 0;
   double rotation = 0;  ///< of the polygon [rad]
-  std::string status{};
+  Status status = Status::NoProgress;
   bool solved = false;
   double own = 0;  ///< natural residual of the affine problem
   lcp::Index unknowns = 0;

@@ -10,7 +10,7 @@
 #include <map>
 
 #include "app/options/options.hpp"
-#include "support.hpp"
+#include "app/support.hpp"
 
 namespace perp::app {
 namespace {

@@ -6,10 +6,10 @@
 
 #include <filesystem>
 
+#include "app/support.hpp"
 #include "lcp/io/matrix_market.hpp"
 #include "ncp/collection/collection.hpp"
 #include "ncp/problem/affine.hpp"
-#include "support.hpp"
 
 namespace perp::app {
 namespace {

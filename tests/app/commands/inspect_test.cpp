@@ -9,8 +9,8 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "app/support.hpp"
 #include "ncp/problem/affine.hpp"
-#include "support.hpp"
 #include "support/matrices.hpp"
 #include "support/problems.hpp"
 

@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "app/support.hpp"
 #include "ncp/collection/collection.hpp"
-#include "support.hpp"
 
 namespace perp::app {
 namespace {

@@ -6,8 +6,8 @@
 
 #include "app/commands/solve.hpp"
 #include "app/report/report.hpp"
+#include "app/support.hpp"
 #include "lcp/io/matrix_market.hpp"
-#include "support.hpp"
 
 namespace perp::app {
 namespace {

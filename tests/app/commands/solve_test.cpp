@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/report/report.hpp"
-#include "support.hpp"
+#include "app/support.hpp"
 
 namespace perp::app {
 namespace {

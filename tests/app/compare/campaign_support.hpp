@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "app/findings/campaign_data.hpp"
-#include "support.hpp"
+#include "app/support.hpp"
 
 namespace perp::app::test {
 

@@ -8,8 +8,8 @@
 
 #include "app/campaign/cell.hpp"
 
+#include "app/support.hpp"
 #include "app/text/csv.hpp"
-#include "support.hpp"
 
 namespace perp::app::compare {
 namespace {

@@ -20,13 +20,13 @@
 #include "app/compare/outcome_table.hpp"
 #include "app/compare/progress.hpp"
 #include "app/problem/problem.hpp"
+#include "app/support.hpp"
 #include "app/worker/affine_nl.hpp"
 #include "app/worker/run_cell.hpp"
 #include "app/worker/sol_file.hpp"
 #include "ncp/ampl/model.hpp"
 #include "ncp/ampl/sol.hpp"
 #include "ncp/strategy/presets.hpp"
-#include "support.hpp"
 
 namespace perp::app::compare {
 namespace {

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "app/campaign/cell.hpp"
-#include "support.hpp"
+#include "app/support.hpp"
 
 namespace perp::app::compare {
 

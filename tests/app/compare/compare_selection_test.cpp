@@ -4,9 +4,9 @@
 
 #include "app/campaign/campaign.hpp"
 #include "app/campaign/selection.hpp"
+#include "app/support.hpp"
 #include "ncp/collection/collection.hpp"
 #include "ncp/strategy/presets.hpp"
-#include "support.hpp"
 
 namespace perp::app::compare {
 namespace {

@@ -14,7 +14,7 @@
 
 #include "app/commands/solve.hpp"
 #include "app/options/options.hpp"
-#include "support.hpp"
+#include "app/support.hpp"
 
 namespace perp::app {
 namespace {

@@ -6,10 +6,10 @@
 
 #include <algorithm>
 
+#include "app/compare/campaign_support.hpp"
 #include "app/findings/robustness.hpp"
 #include "app/findings/summary.hpp"
 #include "app/findings/words.hpp"
-#include "campaign_support.hpp"
 
 namespace perp::app::comparison {
 namespace {

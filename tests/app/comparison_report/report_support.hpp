@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "app/campaign/cell.hpp"
+#include "app/compare/campaign_support.hpp"
 #include "app/text/csv.hpp"
-#include "campaign_support.hpp"
 
 namespace perp::app::test {
 

@@ -5,7 +5,7 @@
 /// -s on the friction disk of radius mu.
 #include <string>
 
-#include "support.hpp"
+#include "app/support.hpp"
 
 namespace perp::app::test {
 

@@ -12,7 +12,7 @@
 
 #include "app/contact/studies/ball.hpp"
 #include "app/contact/studies/ball_svg.hpp"
-#include "support.hpp"
+#include "app/support.hpp"
 
 namespace perp::app::contacts {
 namespace {

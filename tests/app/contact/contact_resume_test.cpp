@@ -9,10 +9,10 @@
 #include <limits>
 #include <sstream>
 
+#include "app/compare/compare_process_support.hpp"
 #include "app/contact/compare/campaign.hpp"
 #include "app/contact/compare/compare_variants.hpp"
 #include "app/text/csv.hpp"
-#include "compare_process_support.hpp"
 #include "contact_app_support.hpp"
 
 namespace perp::app::contacts {
@@ -119,9 +119,10 @@ TEST(ContactResume, WhatMayNotDiffer) {
   EXPECT_THAT(why({"--tol", "1e-6"}), HasSubstr("--tol: 1e-08 there, 1e-06 here"));
   EXPECT_THAT(why({"--time-limit", "3"}), HasSubstr("--time-limit: 30 there, 3 here"));
   EXPECT_THAT(why({"--memory-limit", "3"}), HasSubstr("--memory-limit: 4096 there, 3 here"));
-  EXPECT_THAT(why({"--variants", "glocker,inner:5"}), testing::AllOf(HasSubstr("variant there but not here: inner:4"),
-                                                                     HasSubstr("variant here but not there: inner:5")));
-  EXPECT_THAT(why({"stack:4"}), HasSubstr("problem here but not there: stack:4"));
+  EXPECT_THAT(why({"--variants", "glocker,inner:5"}),
+              testing::AllOf(HasSubstr("variants there but not here: inner:4"),
+                             HasSubstr("variants here but not there: inner:5")));
+  EXPECT_THAT(why({"stack:4"}), HasSubstr("problems here but not there: stack:4"));
   EXPECT_EQ(contact(folder, {file, "--variants", "glocker,inner:4", "--out", out, "--resume", "--jobs", "2"}).code,
             exit_solved)
       << "the same in full";

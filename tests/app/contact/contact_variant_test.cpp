@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "support.hpp"
+#include "app/support.hpp"
 
 namespace perp::app::contacts {
 namespace {

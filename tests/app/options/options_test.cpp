@@ -12,7 +12,7 @@
 #include <map>
 #include <sstream>
 
-#include "support.hpp"
+#include "app/support.hpp"
 
 namespace perp::app {
 namespace {

@@ -8,9 +8,9 @@
 
 #include "app/commands/solve.hpp"
 #include "app/report/json.hpp"
+#include "app/support.hpp"
 #include "lcp/io/file_error.hpp"
 #include "ncp/problem/affine.hpp"
-#include "support.hpp"
 
 namespace perp::app {
 namespace {

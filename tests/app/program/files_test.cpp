@@ -19,11 +19,11 @@
 #include "app/contact/studies/ball.hpp"
 #include "app/contact/studies/facets.hpp"
 #include "app/report/json.hpp"
+#include "app/support.hpp"
 #include "app/text/csv.hpp"
 #include "app/text/json_parts.hpp"
 #include "app/worker/sol_file.hpp"
 #include "lcp/io/matrix_market.hpp"
-#include "support.hpp"
 
 namespace perp::app {
 namespace {

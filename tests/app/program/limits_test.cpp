@@ -7,7 +7,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "compare_process_support.hpp"
+#include "app/compare/compare_process_support.hpp"
 #include "lcp/io/matrix_market.hpp"
 
 namespace perp::app {

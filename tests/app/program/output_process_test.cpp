@@ -16,9 +16,9 @@
 #include <random>
 #include <thread>
 
+#include "app/support.hpp"
 #include "contact/io/fclib.hpp"
 #include "lcp/io/matrix_market.hpp"
-#include "support.hpp"
 
 namespace perp::app {
 namespace {

@@ -14,10 +14,10 @@
 #include "app/commands/solve.hpp"
 #include "app/options/methods.hpp"
 #include "app/options/options.hpp"
+#include "app/support.hpp"
 #include "ncp/collection/collection.hpp"
 #include "ncp/reformulation/cfunction.hpp"
 #include "ncp/reformulation/smoothing_function.hpp"
-#include "support.hpp"
 
 namespace perp::app {
 namespace {

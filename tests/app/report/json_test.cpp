@@ -9,7 +9,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "support.hpp"
+#include "app/support.hpp"
 
 namespace perp::app {
 namespace {

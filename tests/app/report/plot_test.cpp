@@ -8,8 +8,8 @@
 #include <map>
 
 #include "app/commands/solve.hpp"
+#include "app/support.hpp"
 #include "app/text/svg.hpp"
-#include "support.hpp"
 
 namespace perp::app {
 namespace {

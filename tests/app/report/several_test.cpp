@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/commands/solve.hpp"
-#include "support.hpp"
+#include "app/support.hpp"
 
 namespace perp::app {
 namespace {

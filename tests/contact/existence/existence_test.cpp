@@ -4,10 +4,10 @@
 
 #include <gtest/gtest.h>
 
+#include "contact/laws/glocker_support.hpp"
 #include "contact/scenes/generators.hpp"
 #include "contact/solvers/solve.hpp"
 #include "exact_certificate.hpp"
-#include "glocker_support.hpp"
 #include "unsolvable.hpp"
 
 namespace perp::contact {

@@ -8,11 +8,11 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "contact/contact_support.hpp"
+#include "contact/laws/glocker_support.hpp"
 #include "contact/scenes/generators.hpp"
 #include "contact/solvers/solve.hpp"
-#include "contact_support.hpp"
 #include "exact_certificate.hpp"
-#include "glocker_support.hpp"
 #include "unsolvable.hpp"
 
 namespace perp::contact {

@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include "contact/contact_support.hpp"
 #include "contact/scenes/generators.hpp"
-#include "contact_support.hpp"
 
 namespace perp::contact {
 namespace {
@@ -27,7 +27,7 @@ TEST(Run, EveryLaw) {
     const Variant variant = variant_of(name);
     const auto run = contact::run(problem, variant);
     EXPECT_TRUE(run.solved) << name << ": " << run.message;
-    EXPECT_EQ(run.status, "Solved") << name;
+    EXPECT_EQ(run.status, Status::Solved) << name;
     EXPECT_FALSE(run.solved_by.empty()) << name;
     EXPECT_EQ(run.in_state(State::Open), 1) << name;
     EXPECT_EQ(run.residual.siconos, residual(problem, run.solution.r).siconos) << name;
@@ -48,7 +48,7 @@ TEST(Run, LimitsReachTheSolver) {
     EXPECT_GT(better, 1) << name;
   }
   for (const char* name : {"glocker+homotopy", "ncp1", "inner:8"})
-    EXPECT_EQ(run(problem, variant_of(name), {.seconds = 0}).status, "TimeLimit") << name;
+    EXPECT_EQ(run(problem, variant_of(name), {.seconds = 0}).status, Status::TimeLimit) << name;
 }
 
 // Would catch a variant put together by hand that runs as something else.

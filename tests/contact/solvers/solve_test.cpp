@@ -7,13 +7,13 @@
 #include <cmath>
 #include <numbers>
 
+#include "contact/contact_support.hpp"
+#include "contact/laws/glocker_support.hpp"
 #include "contact/scenes/generators.hpp"
 #include "contact/solvers/alart_curnier.hpp"
 #include "contact/solvers/gauss_seidel.hpp"
 #include "contact/solvers/homotopy.hpp"
 #include "contact/solvers/referee.hpp"
-#include "contact_support.hpp"
-#include "glocker_support.hpp"
 #include "ncp/methods/interior_point.hpp"
 
 namespace perp::contact {

@@ -224,7 +224,7 @@ TEST(SiconosFile, RecordedLcpsInFull) {
   expect_solutions("lcp_exp_murty.dat", {vec({0, 0, 0, 0, 0, 1})}, 0);
   const AffineMcp perturbed = recorded("lcp_Pang_isolated_sol_perturbed.dat");
   const Result none = enumeration(perturbed, Vec::Zero(3));
-  EXPECT_EQ(to_string(none.status), "infeasible");
+  EXPECT_EQ(none.status, Status::Infeasible);
   EXPECT_THAT(none.message, HasSubstr("all 2^3 cells examined"));
   EXPECT_TRUE(proves_infeasible(perturbed, Vec::Unit(3, 0)));
 }

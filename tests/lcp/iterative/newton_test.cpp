@@ -33,23 +33,9 @@ const std::vector<Named>& newtons() {
   return all;
 }
 
-// phi(1e-12, 1e3) = 1e-12 (1 - 5e-16); the plain formula is 2 % wrong. phi(1e-17, 1) = 1e-17, the plain formula 0.
-TEST(FischerBurmeister, NoCancellation) {
-  EXPECT_NEAR(fischer_burmeister(1e-12, 1e3, 0, 0).phi, 1e-12, 1e-26);
-  EXPECT_NEAR(fischer_burmeister(1e-17, 1, 0, 0).phi, 1e-17, 1e-32);
-  EXPECT_NEAR(fischer_burmeister(1e3, 1e-12, 0, 0).db, 1, 1e-14);
-  EXPECT_NEAR(fischer_burmeister(1e8, 1, 0, 0).da, 5e-17, 1e-30);
-  EXPECT_EQ(fischer_burmeister(3, 4, 0, 0).phi, 2);
-  EXPECT_NEAR(fischer_burmeister(1e200, 1e200, 0, 0).phi / 1e200, 2 - std::sqrt(2), 1e-15);
-  EXPECT_EQ(fischer_burmeister(-3, 4, 0, 0).phi, -4);
-  const FbValue kink = fischer_burmeister(0, 0, 3, 4);
-  EXPECT_NEAR(kink.da, 0.4, 1e-15);
-  EXPECT_NEAR(kink.db, 0.2, 1e-15);
-}
-
 // Phi = 0 at solutions and only there, for every kind of interval: a wrong sign in the composition for two bounds
 // accepts (z, F) = (u, +1), for instance. F is the constant q (M = 0).
-TEST(FischerBurmeister, ZeroExactlyAtSolutions) {
+TEST(Equations, ZeroExactlyAtSolutions) {
   for (const double l : {-infinity, -1.0, 0.0})
     for (const double u : {0.0, 2.0, infinity})
       for (const double z : {-2.0, -1.0, 0.0, 1.0, 2.0, 3.0})

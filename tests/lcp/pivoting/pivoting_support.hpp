@@ -16,7 +16,7 @@ inline double norm_inf(const Vec& v) { return v.size() > 0 ? v.lpNorm<Eigen::Inf
 
 /// Solved, and the independent judge agrees: `tol` is absolute.
 inline void expect_solved(const AffineMcp& problem, const Result& result, const std::string& what, double tol = 2e-9) {
-  EXPECT_EQ(to_string(result.status), "solved") << what << ": " << result.message;
+  EXPECT_EQ(result.status, Status::Solved) << what << ": " << result.message;
   if (!result.solved()) return;
   EXPECT_LE(support::violation(problem, result.z), tol) << what;
   EXPECT_EQ(result.residual, judge(problem, result.z).natural) << what;

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "model_checks.hpp"
+#include "ncp/collection/collection.hpp"
 #include "ncp/collection/scalable/generators.hpp"
 #include "ncp/problem/residual.hpp"
 #include "ncp/strategy/solve.hpp"

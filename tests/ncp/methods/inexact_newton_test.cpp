@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "ncp/collection/collection.hpp"
 #include "ncp/collection/scalable/generators.hpp"
 #include "ncp/strategy/solve.hpp"
 #include "support/methods.hpp"

@@ -8,7 +8,7 @@
 #include <stdexcept>
 
 #include "cfunction_cases.hpp"
-#include "quad.hpp"
+#include "ncp/quad.hpp"
 
 namespace perp::ncp {
 namespace {

@@ -1,11 +1,11 @@
 #pragma once
-/// Arithmetic that neither overflows to an infinity nor underflows to zero. Private to ncp/.
+/// Arithmetic that neither overflows to an infinity nor underflows to zero.
 #include <algorithm>
 #include <cmath>
 #include <initializer_list>
 #include <limits>
 
-namespace perp::ncp {
+namespace perp::lcp {
 
 inline constexpr double largest = std::numeric_limits<double>::max();
 inline constexpr double least_positive = std::numeric_limits<double>::denorm_min();
@@ -41,4 +41,4 @@ inline Wide wide_product(std::initializer_list<double> factors) {
 
 inline double product(std::initializer_list<double> factors) { return wide_product(factors).value(); }
 
-}  // namespace perp::ncp
+}  // namespace perp::lcp

@@ -1,10 +1,4 @@
-#include "app/comparison_report/page.hpp"
-
-namespace perp::app::comparison {
-
-/// Sorting, searching, curves brought out. Text reaches the page by textContent only, never as HTML.
-std::string_view page_script() {
-  return R"js(
+// Sorting, searching, curves brought out. Text reaches the page by textContent only, never as HTML.
 const data = JSON.parse(document.getElementById("data").textContent);
 const by_id = (id) => document.getElementById(id);
 const known = (v) => v !== null && v !== undefined;
@@ -156,7 +150,3 @@ data.outcomes.forEach((name, k) => {
 for (const cls of Array.from(new Set(data.problems.map((p) => p[1]))).sort())
   add(by_id("cells-class"), "option", {value: cls}, cls);
 select_cells();
-)js";
-}
-
-}  // namespace perp::app::comparison

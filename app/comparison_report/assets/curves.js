@@ -1,10 +1,4 @@
-#include "app/comparison_report/page.hpp"
-
-namespace perp::app::comparison {
-
-/// The convergence of the chosen methods on the chosen problem, after page_script(), whose names it uses.
-std::string_view page_script_curves() {
-  return R"js(
+// The convergence of the chosen methods on the chosen problem, after page.js, whose names it uses.
 const svg_name = "http://www.w3.org/2000/svg";
 function draw(parent, name, attributes, text) {
   const element = document.createElementNS(svg_name, name);
@@ -158,7 +152,3 @@ if (data.shown) choose(data.shown[0], data.shown[1]);
 else if (data.cells.length > 0) choose(data.cells[0][P], data.cells[0][START]);
 else draw_curves();
 for (const element of document.querySelectorAll(".needs-script")) element.hidden = false;
-)js";
-}
-
-}  // namespace perp::app::comparison
