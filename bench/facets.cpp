@@ -73,8 +73,8 @@ void run(const Problem& p, const Vec& exact, const std::string& encoding, int K,
   const std::string status(lcp::to_string(result.status));
   std::printf("%s,%ld,%s,%d,%ld,%s,%s,%.1e,%ld,%.4f,%.3e,%.3e,%.3e,%.3e\n", p.name.c_str(),
               static_cast<long>(p.contacts()), encoding.c_str(), K, static_cast<long>(form.affine().size()),
-              status.c_str(), by_lemke ? "lemke" : "other", result.residual, result.iterations, took,
-              errors.natural, errors.cone, errors.slip, errors.velocity);
+              status.c_str(), by_lemke ? "lemke" : "other", result.residual, result.iterations, took, errors.natural,
+              errors.cone, errors.slip, errors.velocity);
   std::fflush(stdout);
   ++summary.runs;
   summary.solved += result.residual <= 1e-9;
