@@ -7,7 +7,7 @@
 #include <variant>
 
 #include "ncp/problem/affine.hpp"
-#include "ncp/run/kernels.hpp"
+#include "ncp/run/run.hpp"
 
 namespace perp::ncp {
 namespace {

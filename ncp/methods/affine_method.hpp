@@ -1,5 +1,6 @@
 #pragma once
 #include "lcp/solve/solve.hpp"
+#include "ncp/problem/mcp.hpp"
 #include "ncp/run/options.hpp"
 
 namespace perp::ncp {
@@ -10,5 +11,8 @@ struct Affine {
   lcp::Method method{};
 };
 void describe(Affine& method, Fields& fields);
+inline std::string_view name_of(const Affine& method) { return lcp::name(method.method); }
+/// Its loop is in lcp/: one iteration.
+void affine(Run& run, In x0, const Affine& method);
 
 }  // namespace perp::ncp

@@ -10,7 +10,7 @@
 #include "ncp/methods/predictor_corrector.hpp"
 #include "ncp/reformulation/line_search.hpp"
 #include "ncp/reformulation/merit.hpp"
-#include "ncp/run/kernels.hpp"
+#include "ncp/run/run.hpp"
 
 namespace perp::ncp {
 namespace {
@@ -388,7 +388,7 @@ void describe(InteriorPoint& m, Fields& f) {
         "interior: times that tau is raised where the residual has stopped falling");
 }
 
-void interior_point(Run& run, const InteriorPoint& method, Point point) {
+void iterate(Run& run, const InteriorPoint& method, Point point) {
   if (!run.ended()) InteriorPath(run, method, std::move(point)).run();
 }
 

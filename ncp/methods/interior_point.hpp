@@ -41,5 +41,7 @@ struct InteriorPoint {
   std::function<void(double tau)> follow{};
 };
 void describe(InteriorPoint& method, Fields& fields);
+inline std::string_view name_of(const InteriorPoint&) { return "interior"; }
+void iterate(Run& run, const InteriorPoint& method, Point point);
 
 }  // namespace perp::ncp

@@ -7,7 +7,7 @@
 #include "ncp/methods/least_squares_step.hpp"
 #include "ncp/reformulation/line_search.hpp"
 #include "ncp/reformulation/merit.hpp"
-#include "ncp/run/kernels.hpp"
+#include "ncp/run/run.hpp"
 
 namespace perp::ncp {
 namespace {
@@ -97,7 +97,7 @@ void describe(MinNewton& m, Fields& f) {
   describe_lu(m.lu, f);
 }
 
-void min_newton(Run& run, const MinNewton& method, Point point) {
+void iterate(Run& run, const MinNewton& method, Point point) {
   const CFunction min = natural_min();
   const bool qp_only = method.direction == MinNewton::Direction::ConvexQp;
   Linearisation lin;

@@ -42,5 +42,9 @@ struct MinNewton {
 };
 
 void describe(MinNewton& method, Fields& fields);
+inline std::string_view name_of(const MinNewton& method) {
+  return method.direction == MinNewton::Direction::Newton ? "newton-min" : "nesqp";
+}
+void iterate(Run& run, const MinNewton& method, Point point);
 
 }  // namespace perp::ncp

@@ -13,7 +13,7 @@
 #include "lcp/memory.hpp"
 #include "ncp/methods/gsl_errors.hpp"
 #include "ncp/reformulation/smoothing_function.hpp"
-#include "ncp/run/kernels.hpp"
+#include "ncp/run/run.hpp"
 
 namespace perp::ncp {
 namespace {
@@ -225,7 +225,7 @@ std::string_view to_string(MultirootSolver solver) {
   return names[static_cast<std::size_t>(solver)];
 }
 
-void multiroot(Run& run, const Multiroot& method, Point point) {
+void iterate(Run& run, const Multiroot& method, Point point) {
   const Index n = point.x.size();
   if (!run.ended() && n > method.max_size)
     run.end(Status::NotApplicable,

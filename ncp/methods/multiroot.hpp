@@ -35,5 +35,7 @@ struct Multiroot {
 };
 
 void describe(Multiroot& method, Fields& fields);
+inline std::string_view name_of(const Multiroot& method) { return to_string(method.solver); }
+void iterate(Run& run, const Multiroot& method, Point point);
 
 }  // namespace perp::ncp

@@ -7,7 +7,7 @@
 #include "ncp/methods/semismooth_newton.hpp"
 #include "ncp/reformulation/line_search.hpp"
 #include "ncp/reformulation/merit.hpp"
-#include "ncp/run/kernels.hpp"
+#include "ncp/run/run.hpp"
 
 namespace perp::ncp {
 namespace {
@@ -248,7 +248,7 @@ class Steps {
 
 }  // namespace
 
-void semismooth_newton(Run& run, const SemismoothNewton& method, Point point) {
+void iterate(Run& run, const SemismoothNewton& method, Point point) {
   Steps steps(run, method);
   Iteration it{.k = 0, .kind = 'I'};
   it.merit = merit(method.cfunction, run.box(), point.x, point.F);

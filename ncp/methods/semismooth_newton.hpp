@@ -58,5 +58,7 @@ struct SemismoothNewton {
 };
 void describe(Forcing& forcing, Fields& fields);
 void describe(SemismoothNewton& method, Fields& fields);
+inline std::string_view name_of(const SemismoothNewton&) { return "semismooth"; }
+void iterate(Run& run, const SemismoothNewton& method, Point point);
 
 }  // namespace perp::ncp

@@ -8,7 +8,7 @@
 #include "ncp/methods/active_set_step.hpp"
 #include "ncp/reformulation/line_search.hpp"
 #include "ncp/reformulation/merit.hpp"
-#include "ncp/run/kernels.hpp"
+#include "ncp/run/run.hpp"
 
 namespace perp::ncp {
 namespace {
@@ -297,6 +297,6 @@ void describe(Smoothing& m, Fields& f) {
         "times that mu is raised where the residual has stopped falling");
 }
 
-void smoothing(Run& run, const Smoothing& method, Point point) { Smoother(run, method, std::move(point)).run(); }
+void iterate(Run& run, const Smoothing& method, Point point) { Smoother(run, method, std::move(point)).run(); }
 
 }  // namespace perp::ncp

@@ -45,5 +45,7 @@ struct Smoothing {
   lcp::LuBackend lu = lcp::LuBackend::Umfpack;
 };
 void describe(Smoothing& method, Fields& fields);
+inline std::string_view name_of(const Smoothing&) { return "smooth"; }
+void iterate(Run& run, const Smoothing& method, Point point);
 
 }  // namespace perp::ncp

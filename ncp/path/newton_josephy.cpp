@@ -8,7 +8,7 @@
 #include "ncp/path/newton_point.hpp"
 #include "ncp/reformulation/line_search.hpp"
 #include "ncp/reformulation/merit.hpp"
-#include "ncp/run/kernels.hpp"
+#include "ncp/run/run.hpp"
 
 namespace perp::ncp {
 namespace {
@@ -117,7 +117,7 @@ void chords(Run& run, const NewtonJosephy& method, Subproblems& subproblems, con
 
 }  // namespace
 
-void newton_josephy(Run& run, const NewtonJosephy& method, Point point) {
+void iterate(Run& run, const NewtonJosephy& method, Point point) {
   const CFunction fb = fischer_burmeister();
   Linearisation descent;
   Subproblems subproblems(run, method);

@@ -26,5 +26,7 @@ struct NewtonJosephy {
 };
 
 void describe(NewtonJosephy& method, Fields& fields);
+inline std::string_view name_of(const NewtonJosephy&) { return "josephy"; }
+void iterate(Run& run, const NewtonJosephy& method, Point point);
 
 }  // namespace perp::ncp

@@ -4,10 +4,10 @@
 #include <string>
 
 #include "ncp/path/newton_point.hpp"
-#include "ncp/run/kernels.hpp"
+#include "ncp/run/run.hpp"
 
 namespace perp::ncp {
-void newton_robinson(Run& run, const NewtonRobinson& method, Point point) {
+void iterate(Run& run, const NewtonRobinson& method, Point point) {
   lcp::LemkeOptions options = method.lemke;
   options.interrupted = [&run] { return run.interrupted(); };
   options.deadline = run.deadline();

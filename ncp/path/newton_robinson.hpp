@@ -16,5 +16,7 @@ struct NewtonRobinson {
 };
 
 void describe(NewtonRobinson& method, Fields& fields);
+inline std::string_view name_of(const NewtonRobinson&) { return "robinson"; }
+void iterate(Run& run, const NewtonRobinson& method, Point point);
 
 }  // namespace perp::ncp

@@ -9,7 +9,7 @@
 #include "ncp/path/path_search.hpp"
 #include "ncp/reformulation/line_search.hpp"
 #include "ncp/reformulation/merit.hpp"
-#include "ncp/run/kernels.hpp"
+#include "ncp/run/run.hpp"
 
 namespace perp::ncp {
 namespace {
@@ -370,7 +370,7 @@ bool ran_off(Run& run, const Point& point, double start) {
 
 }  // namespace
 
-void path_search(Run& run, const PathSearch& method, Point point) {
+void iterate(Run& run, const PathSearch& method, Point point) {
   Iteration it{.k = 0, .kind = 'I', .normal_map = true};
   it.crash = method.crash.on && run.box().size() >= method.crash.minimum_dimension;
   it.merit = merit(fischer_burmeister(), run.box(), point.x, point.F);

@@ -94,5 +94,9 @@ struct PathSearch {
 void describe(Crash& crash, Fields& fields);
 void describe(Nms& nms, Fields& fields);
 void describe(PathSearch& method, Fields& fields);
+inline std::string_view name_of(const PathSearch&) { return "path"; }
+/// One attempt, from one start with one set of options. Leaves the cells of the last linearised problem that was
+/// solved.
+void iterate(Run& run, const PathSearch& method, Point point);
 
 }  // namespace perp::ncp

@@ -9,6 +9,11 @@
 
 namespace perp::ncp {
 
+// Beside its options every method has name_of(method), and iterate(run, method, point): its loop, from `point`, F and J
+// known there, until the run ends. Private to ncp/.
+class Run;
+struct Point;
+
 struct Stop {
   double tol = 1e-8;  ///< on the natural residual, inf-norm, absolute
   /// Asked in addition: |F_i| <= tol_relative t_i in every row whose variable is not at the bound that the sign of F_i

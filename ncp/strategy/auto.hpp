@@ -24,5 +24,6 @@ struct Auto {
 };
 
 void describe(Auto& method, Fields& fields);
+inline std::string_view name_of(const Auto&) { return "auto"; }
 
 }  // namespace perp::ncp

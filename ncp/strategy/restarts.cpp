@@ -109,7 +109,7 @@ void add_documented_restarts(const PathSearch& method, std::vector<Attempt>& lis
   perturbed.go = [first](Run& run, Point start) {
     PathSearch there = first;
     there.proximal_perturbation = 0.01 * residual(run.box(), start.x, start.F).natural / size_of(start.J);
-    path_search(run, there, std::move(start));
+    iterate(run, there, std::move(start));
   };
   list.push_back(std::move(perturbed));
   PathSearch second = first;

@@ -96,16 +96,13 @@ void escape(Run& run, const Escape& options, int iterations, const Body& base) {
 bool stuck(const Run& run) { return run.ended() && stuck(run.status(), run.stats()); }
 
 void run_loop(Run& run, Point point, const Method& method) {
-  std::visit(Overloaded{[&](const SemismoothNewton& m) { semismooth_newton(run, m, std::move(point)); },
-                        [&](const MinNewton& m) { min_newton(run, m, std::move(point)); },
-                        [&](const Smoothing& m) { smoothing(run, m, std::move(point)); },
-                        [&](const InteriorPoint& m) { interior_point(run, m, std::move(point)); },
-                        [&](const NewtonJosephy& m) { newton_josephy(run, m, std::move(point)); },
-                        [&](const NewtonRobinson& m) { newton_robinson(run, m, std::move(point)); },
-                        [&](const PathSearch& m) { path_search(run, m, std::move(point)); },
-                        [&](const Multiroot& m) { multiroot(run, m, std::move(point)); },
-                        [](const auto&) { throw std::logic_error("run_loop: the method has no loop of its own"); }},
-             method);
+  const auto iterate_by = [&](const auto& m) {
+    if constexpr (requires { iterate(run, m, std::move(point)); })
+      iterate(run, m, std::move(point));
+    else
+      throw std::logic_error("run_loop: the method has no loop of its own");
+  };
+  std::visit(iterate_by, method);
 }
 
 void run_once(Run& run, In x0, const Method& method) {
@@ -128,21 +125,7 @@ void run_method(Run& run, In x0, const Method& method) {
 }
 
 std::string_view name(const Method& method) {
-  return std::visit(
-      Overloaded{[](const SemismoothNewton&) { return std::string_view("semismooth"); },
-                 [](const MinNewton& m) {
-                   return m.direction == MinNewton::Direction::Newton ? std::string_view("newton-min")
-                                                                      : std::string_view("nesqp");
-                 },
-                 [](const Smoothing&) { return std::string_view("smooth"); },
-                 [](const InteriorPoint&) { return std::string_view("interior"); },
-                 [](const NewtonJosephy&) { return std::string_view("josephy"); },
-                 [](const NewtonRobinson&) { return std::string_view("robinson"); },
-                 [](const PathSearch&) { return std::string_view("path"); },
-                 [](const Auto&) { return std::string_view("auto"); },
-                 [](const Multiroot& m) { return to_string(m.solver); },
-                 [](const Affine& m) { return lcp::name(m.method); }, [](const Strategy& m) { return name(m); }},
-      method);
+  return std::visit([](const auto& m) { return name_of(m); }, method);
 }
 
 const PathSearch* path_of(const Method& method) {

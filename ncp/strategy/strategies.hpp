@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "ncp/run/kernels.hpp"
+#include "ncp/run/run.hpp"
 #include "ncp/strategy/solve.hpp"
 #include "ncp/transforms/scaling.hpp"
 

@@ -144,7 +144,7 @@ Strategy first_of(std::vector<Method> methods) {
 
 Method method_of(std::string_view text) { return Reader(text).whole().method; }
 
-std::string_view name(const Strategy& strategy) {
+std::string_view name_of(const Strategy& strategy) {
   return strategy.tree == nullptr ? std::string_view("strategy") : std::string_view(strategy.tree->text);
 }
 

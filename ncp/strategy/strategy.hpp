@@ -33,7 +33,7 @@ struct Outline {
 };
 
 /// "first(path, scaled(smooth))": what method_of() reads.
-std::string_view name(const Strategy& strategy);
+std::string_view name_of(const Strategy& strategy);
 void describe(Strategy& strategy, Fields& fields);
 
 }  // namespace perp::ncp

@@ -6,8 +6,9 @@
 
 #include <cmath>
 
+#include "ncp/methods/semismooth_newton.hpp"
 #include "ncp/problem/affine.hpp"
-#include "ncp/run/kernels.hpp"
+#include "ncp/run/run.hpp"
 #include "ncp/strategy/presets.hpp"
 #include "ncp/strategy/solve.hpp"
 
@@ -192,7 +193,7 @@ TEST(Judge, TheToleranceIsTheRunsOwn) {
   ncp::Run run(*mcp, stop, watch);
   Point point;
   ASSERT_TRUE(run.start(Vec::Ones(1), point));
-  semismooth_newton(run, SemismoothNewton{.cfunction = natural_min()}, std::move(point));
+  iterate(run, SemismoothNewton{.cfunction = natural_min()}, std::move(point));
   EXPECT_EQ(run.status(), Status::Solved);
 }
 
