@@ -19,23 +19,28 @@ using Clock = std::chrono::steady_clock;
 using Seconds = std::chrono::duration<double>;
 using Law = Variant::Law;
 
+[[noreturn]] void refuse_solver(const Variant& variant) {
+  throw std::invalid_argument("contact::run: the solver is none of formulation " + variant.formulation());
+}
+
 /// The solver of one law; it must be the law's.
 template <class Solver>
 const Solver& solver_of(const Variant& variant) {
   if (const auto* solver = std::get_if<Solver>(&variant.solver)) return *solver;
-  throw std::invalid_argument("contact::run: the solver is none of formulation " + variant.formulation());
+  refuse_solver(variant);
 }
 
 void run_glocker(Run& run, const Problem& problem, const Variant& variant, const RunLimits& limits) {
   Options options{.tol = limits.tol, .max_time = Seconds(limits.seconds), .interrupt = limits.interrupt};
   if (limits.better) options.better = [&limits](const Vec& r, Origin) { limits.better(r); };
   const GlockerNcp* ncp = variant.as_ncp();
-  if (variant.automatic())
-    options.method = solver_of<Auto>(variant);
-  else if (variant.homotopy())
-    options.method = solver_of<GlockerHomotopy>(variant);
-  else
-    options.method = solver_of<GlockerNcp>(variant);
+  const auto take = [&](const auto& solver) {
+    if constexpr (is_method<std::remove_cvref_t<decltype(solver)>>)
+      options.method = solver;
+    else
+      refuse_solver(variant);
+  };
+  std::visit(take, variant.solver);
   if (ncp != nullptr) run.unknowns = Glocker(scaled(problem), ncp->formulation).size();
   Result result = solve(problem, options);
   run.status = result.status;

@@ -1,6 +1,7 @@
 #include "contact/solvers/solve.hpp"
 
 #include <algorithm>
+#include <array>
 #include <sstream>
 #include <stdexcept>
 #include <utility>
@@ -31,6 +32,14 @@ double larger_metric(const Residual& residual) { return std::max(residual.sicono
 constexpr std::chrono::duration<double> least_search{0.1};
 
 }  // namespace
+
+std::span<const MethodEntry> methods() {
+  static const std::array all{
+      MethodEntry{"auto", "Gauss-Seidel, Glocker's homotopy, Newton steps, a proximal loop, until one solves it",
+                  Auto{}},
+      MethodEntry{"homotopy", "Glocker's NCP by the interior-point homotopy", GlockerHomotopy{}}};
+  return all;
+}
 
 void describe(GlockerHomotopy& m, ncp::Fields& f) {
   HomotopyOptions& o = m.options;

@@ -10,7 +10,10 @@
 #include <chrono>
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
+#include <type_traits>
 #include <variant>
 #include <vector>
 
@@ -56,6 +59,17 @@ struct GlockerNcp {
   bool scaling = true;
 };
 
+/// To Coulomb's law.
+using Method = std::variant<Auto, GlockerHomotopy, GlockerNcp>;
+
+struct MethodEntry {
+  std::string_view name;  ///< "auto", "homotopy"
+  std::string_view what;  ///< one line
+  Method method;
+};
+/// Those with a name of their own; GlockerNcp has its method's.
+std::span<const MethodEntry> methods();
+
 void describe(GlockerHomotopy& method, ncp::Fields& fields);
 void describe(Auto& method, ncp::Fields& fields);        ///< its own, then those of its homotopy
 void describe(GlockerNcp& method, ncp::Fields& fields);  ///< beside those of its method of ncp/
@@ -78,7 +92,7 @@ struct Options {
   double tol = 1e-8;  ///< of accepted(): both published metrics, and the law's parts contact by contact
   std::chrono::duration<double> max_time{30};
   const std::atomic<bool>* interrupt = nullptr;  ///< may be null; outlives the solve
-  std::variant<Auto, GlockerHomotopy, GlockerNcp> method{};
+  Method method{};
   Vec start{};  ///< r to begin near, of the step before; empty: cold
   /// Called with every r that is better than those before, and what made it; on the thread that solves.
   std::function<void(const Vec& r, Origin by)> better{};

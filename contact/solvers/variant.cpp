@@ -50,6 +50,11 @@ const lcp::MethodEntry* find_affine(std::string_view name) {
   return found == lcp::methods().end() ? nullptr : &*found;
 }
 
+const MethodEntry* find_own(std::string_view name) {
+  const auto found = std::ranges::find(methods(), name, &MethodEntry::name);
+  return found == methods().end() ? nullptr : &*found;
+}
+
 /// The methods of the variant's law.
 std::vector<std::string_view> method_names(const Variant& variant) {
   std::vector<std::string_view> names;
@@ -58,15 +63,17 @@ std::vector<std::string_view> method_names(const Variant& variant) {
       for (const ncp::Preset& preset : table) names.push_back(preset.name);
   else
     for (const lcp::MethodEntry& entry : lcp::methods()) names.push_back(entry.name);
-  if (variant.law == Law::Glocker) names.emplace_back("homotopy");
+  if (variant.law == Law::Glocker)
+    for (const MethodEntry& entry : methods())
+      if (entry.name != "auto") names.push_back(entry.name);
   return names;
 }
 
 /// What a name means for the variant's law.
 Variant::Solver solver_named(const Variant& variant, const std::string& name) {
   const bool glocker = variant.law == Law::Glocker;
-  if (glocker && name == "auto") return Auto{};
-  if (glocker && name == "homotopy") return GlockerHomotopy{};
+  const MethodEntry* own = find_own(name);
+  if (glocker && own != nullptr) return std::visit([](const auto& m) { return Variant::Solver(m); }, own->method);
   if (!variant.exact() && name == "auto") return EncodingAuto{};
   const ncp::Preset* preset = ncp::find_preset(name);
   const lcp::MethodEntry* affine = find_affine(name);
@@ -74,7 +81,7 @@ Variant::Solver solver_named(const Variant& variant, const std::string& name) {
   if (variant.exact() && preset != nullptr) return preset->method;
   if (!variant.exact() && affine != nullptr) return affine->method;
   const std::string method = "method " + name;
-  if (name == "homotopy") refuse(method + " is of formulation glocker, not of " + variant.formulation());
+  if (own != nullptr && name != "auto") refuse(method + " is of formulation glocker, not of " + variant.formulation());
   if (affine != nullptr) refuse(method + " is for affine problems; " + variant.formulation() + " is nonlinear");
   const std::vector<std::string_view> known = method_names(variant);
   if (preset != nullptr)
@@ -146,8 +153,8 @@ std::string Variant::words() const {
         return std::string("Glocker's ") +
                (ncp->formulation.encoding == Encoding::A ? "MCP (encoding A, " : "NCP (encoding B, ") +
                (ncp->formulation.row == DiskRow::Original ? "original" : "normalised") + " disk row)" + by;
-      if (homotopy()) return "Glocker's NCP by the interior-point homotopy";
-      return "Gauss-Seidel, Glocker's homotopy, Newton steps, a proximal loop, until one solves it";
+      if (const MethodEntry* own = find_own(method)) return std::string(own->what);
+      return "Glocker's NCP" + by;
     case Law::Ncp1:
       return "the first NCP, by norms," + by;
     case Law::Inner:

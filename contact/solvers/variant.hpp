@@ -20,15 +20,27 @@ namespace perp::contact {
 /// solve(encoding) of contact/laws/affine_encoding.hpp: Lemke's method from the encoding's own start, and more.
 struct EncodingAuto {};
 
+namespace detail {
+template <class... Methods>
+std::variant<Methods..., ncp::Method, EncodingAuto, lcp::Method> with_others(const std::variant<Methods...>&);
+template <class T, class... Methods>
+constexpr bool among(const std::variant<Methods...>* /*of*/) {
+  return (std::is_same_v<T, Methods> || ...);
+}
+}  // namespace detail
+/// One of contact::Method?
+template <class T>
+inline constexpr bool is_method = detail::among<T>(static_cast<const Method*>(nullptr));
+
 struct Variant {
   enum class Law { Glocker, Ncp1, Inner, Outer, Frictionless };
-  /// Of Glocker the first three, of Ncp1 a method of ncp/, of the affine laws the last two.
-  using Solver = std::variant<Auto, GlockerHomotopy, GlockerNcp, ncp::Method, EncodingAuto, lcp::Method>;
+  /// Of Glocker a contact::Method, of Ncp1 a method of ncp/, of the affine laws EncodingAuto or a method of lcp/.
+  using Solver = decltype(detail::with_others(Method{}));
 
   Law law = Law::Glocker;
   int facets = 0;               ///< K of Inner and Outer
-  std::string method = "auto";  ///< the name of `solver`: "auto", "homotopy", or that of a preset of ncp/ or a method
-                                ///< of lcp/
+  std::string method = "auto";  ///< the name of `solver`: of contact::methods(), of a preset of ncp/, or of a method of
+                                ///< lcp/
   Solver solver{};              ///< with its options
   Form form = Form::Reduced;    ///< of Inner and Outer
   double rotation = 0;          ///< of their polygons [rad]; in no text
@@ -37,7 +49,6 @@ struct Variant {
   bool exact() const { return law == Law::Glocker || law == Law::Ncp1; }
   bool faceted() const { return law == Law::Inner || law == Law::Outer; }
   bool automatic() const { return std::holds_alternative<Auto>(solver); }
-  bool homotopy() const { return std::holds_alternative<GlockerHomotopy>(solver); }
   /// Glocker's NCP as it stands, by a method of ncp/; encoding and disk row are of these. Else null.
   const GlockerNcp* as_ncp() const { return std::get_if<GlockerNcp>(&solver); }
   /// Of Inner and Outer, for problems of that dimension: one polygon for all contacts.

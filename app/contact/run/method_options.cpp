@@ -106,17 +106,16 @@ void set_all(std::vector<Assignment> given, Variant& variant, contact::GlockerNc
 void set_options(Variant& variant) {
   std::vector<Assignment> given;
   for (const std::string& option : variant.options) given.push_back(parse_assignment(option, source));
-  if (auto* automatic = std::get_if<contact::Auto>(&variant.solver))
-    set_all(given, variant, *automatic);
-  else if (auto* homotopy = std::get_if<contact::GlockerHomotopy>(&variant.solver))
-    set_all(given, variant, *homotopy);
-  else if (auto* ncp = std::get_if<contact::GlockerNcp>(&variant.solver))
-    set_all(std::move(given), variant, *ncp);
-  else if (auto* method = std::get_if<ncp::Method>(&variant.solver))
+  const auto set_own_ones = [&](auto& solver) {
+    if constexpr (contact::is_method<std::remove_cvref_t<decltype(solver)>>) set_all(given, variant, solver);
+  };
+  std::visit(set_own_ones, variant.solver);
+  if (auto* method = std::get_if<ncp::Method>(&variant.solver))
     *method = with_options(variant, std::move(given));
   else if (auto* affine = std::get_if<lcp::Method>(&variant.solver))
     *affine = affine_with_options(variant, std::move(given));
-  else if (!given.empty())  // Lemke's method first, then lcp::Auto
+  else if (std::holds_alternative<contact::EncodingAuto>(variant.solver) &&
+           !given.empty())  // Lemke's method first, then lcp::Auto
     throw InputError(fmt::format("{} {}: {} by auto has no options; name a --method, lemke for instance", source,
                                  variant.options.front(), variant.formulation()));
 }
