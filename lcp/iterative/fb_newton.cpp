@@ -1,31 +1,13 @@
 #include "lcp/iterative/fb_newton.hpp"
 
 #include <cmath>
-#include <sstream>
-#include <stdexcept>
 #include <utility>
 
 #include "lcp/iterative/newton_search.hpp"
+#include "lcp/judge/shared_options.hpp"
 
 namespace perp::lcp {
 namespace {
-
-void check_options(const FbNewton& options) {
-  std::ostringstream what;
-  what << "fb_newton: ";
-  if (!(options.armijo > 0 && options.armijo < 0.5))
-    what << "armijo is " << options.armijo << ", not in (0, 1/2)";
-  else if (options.memory < 1)
-    what << "memory is " << options.memory << ", less than 1";
-  else if (!(options.shortest > 0 && options.shortest <= 1))
-    what << "shortest is " << options.shortest << ", not in (0, 1]";
-  else if (!(options.descent_rho > 0) || !(options.descent_p > 2))
-    what << "descent_rho and descent_p are " << options.descent_rho << " and " << options.descent_p
-         << ", not above 0 and 2";
-  else
-    return;
-  throw std::invalid_argument(what.str());
-}
 
 /// Tries the point of a cell once the same cell has been pointed to twice.
 class LastDigits {
@@ -51,9 +33,17 @@ class LastDigits {
 
 }  // namespace
 
+void describe(FbNewton& m, Fields& f) {
+  describe_iterations(m.max_iterations, f);
+  describe_memory(m.memory, f);
+  describe_steps(m.armijo, m.shortest, f);
+  describe_descent(m.descent_rho, m.descent_p, f);
+  describe_lu(m.lu, f);
+}
+
 Result fb_newton(const AffineMcp& problem, In start, const FbNewton& options, const Limits& limits) {
   check_input("fb_newton", problem, start, limits);
-  check_options(options);
+  refuse_invalid("fb_newton", options);
   NewtonSystem system(problem.M, options.lu, limits.deadline);
   LastDigits last_digits(problem, options.lu);
   const SafeStep safe_step{.armijo = options.armijo, .shortest = options.shortest};

@@ -30,6 +30,7 @@ struct FbNewton {
   double descent_p = 2.1;     ///< p > 2; the same
   LuBackend lu = LuBackend::Umfpack;
 };
+void describe(FbNewton& method, Fields& fields);
 
 /// Result::iterations counts Newton, Levenberg-Marquardt and gradient steps.
 Result fb_newton(const AffineMcp& problem, In start, const FbNewton& options = {}, const Limits& limits = {});

@@ -4,12 +4,12 @@
 #include <cmath>
 #include <optional>
 #include <sstream>
-#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "lcp/judge/cell.hpp"
+#include "lcp/judge/shared_options.hpp"
 
 namespace perp::lcp {
 namespace {
@@ -389,25 +389,20 @@ class Run {
   int factorizations_ = 0;
 };
 
-void check_options(const InteriorPoint& options) {
-  std::ostringstream what;
-  what << "interior_point: ";
-  if (!(options.gamma > 0 && options.gamma < 1))
-    what << "gamma is " << options.gamma << ", not in (0, 1)";
-  else if (!(options.to_boundary > 0 && options.to_boundary < 1))
-    what << "to_boundary is " << options.to_boundary << ", not in (0, 1)";
-  else if (!(options.proximal > 0 && options.proximal < 1))
-    what << "proximal is " << options.proximal << ", not in (0, 1)";
-  else
-    return;
-  throw std::invalid_argument(what.str());
-}
-
 }  // namespace
+
+void describe(InteriorPoint& m, Fields& f) {
+  describe_iterations(m.max_iterations, f);
+  f.add("interior_neighbourhood", &m.gamma, strictly_between(0, 1), "least product over the mean");
+  f.add("interior_to_boundary", &m.to_boundary, strictly_between(0, 1), "share of the way to the boundary at most");
+  f.add("interior_proximal", &m.proximal, strictly_between(0, 1),
+        "weight of the proximal term of free variables, relative to the scaled M");
+  describe_lu(m.lu, f);
+}
 
 Result interior_point(const AffineMcp& problem, In start, const InteriorPoint& options, const Limits& limits) {
   check_input("interior_point", problem, start, limits);
-  check_options(options);
+  refuse_invalid("interior_point", options);
   const bool nothing_free = (problem.box.lower.array() == problem.box.upper.array()).all();
   if (nothing_free) return judged(problem, problem.box.lower, limits, Status::Stalled, "every variable is fixed");
   return Run(problem, start, options, limits).run();

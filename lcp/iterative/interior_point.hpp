@@ -34,6 +34,7 @@ struct InteriorPoint {
   double proximal = 1e-10;     ///< weight of the proximal term of free variables, relative to the scaled M
   LuBackend lu = LuBackend::Umfpack;
 };
+void describe(InteriorPoint& method, Fields& fields);
 
 /// Result::iterations counts predictor-corrector steps.
 Result interior_point(const AffineMcp& problem, In start, const InteriorPoint& options = {}, const Limits& limits = {});

@@ -1,34 +1,24 @@
 #include "lcp/iterative/min_newton.hpp"
 
 #include <cmath>
-#include <sstream>
-#include <stdexcept>
 #include <utility>
 
 #include "lcp/iterative/newton_search.hpp"
+#include "lcp/judge/shared_options.hpp"
 
 namespace perp::lcp {
-namespace {
+namespace {}  // namespace
 
-void check_options(const MinNewton& options) {
-  std::ostringstream what;
-  what << "min_newton: ";
-  if (!(options.armijo > 0 && options.armijo < 0.5))
-    what << "armijo is " << options.armijo << ", not in (0, 1/2)";
-  else if (options.memory < 1)
-    what << "memory is " << options.memory << ", less than 1";
-  else if (!(options.shortest > 0 && options.shortest <= 1))
-    what << "shortest is " << options.shortest << ", not in (0, 1]";
-  else
-    return;
-  throw std::invalid_argument(what.str());
+void describe(MinNewton& m, Fields& f) {
+  describe_iterations(m.max_iterations, f);
+  describe_memory(m.memory, f);
+  describe_steps(m.armijo, m.shortest, f);
+  describe_lu(m.lu, f);
 }
-
-}  // namespace
 
 Result min_newton(const AffineMcp& problem, In start, const MinNewton& options, const Limits& limits) {
   check_input("min_newton", problem, start, limits);
-  check_options(options);
+  refuse_invalid("min_newton", options);
   constexpr double rounding = 1e-13;
   CellSolver cells(problem, options.lu, rounding, limits.deadline);
   NewtonSystem system(problem.M, options.lu, limits.deadline);

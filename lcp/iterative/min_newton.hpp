@@ -27,6 +27,7 @@ struct MinNewton {
   double shortest = 1e-10;  ///< t below which a direction is given up
   LuBackend lu = LuBackend::Umfpack;
 };
+void describe(MinNewton& method, Fields& fields);
 
 /// Result::iterations counts Newton steps.
 Result min_newton(const AffineMcp& problem, In start, const MinNewton& options = {}, const Limits& limits = {});

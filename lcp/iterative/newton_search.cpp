@@ -31,4 +31,9 @@ bool SafeStep::operator()(const AffineMcp& problem, NewtonSystem& system, const 
   return take(-(g.squaredNorm() / std::max(Hg.squaredNorm(), 1e-300)) * g);
 }
 
+void describe_steps(double& armijo, double& shortest, Fields& f) {
+  f.add("newton_armijo", &armijo, strictly_between(0, 0.5), "line search: share of the predicted decrease demanded");
+  f.add("newton_shortest", &shortest, above_up_to(0, 1), "step length below which a direction is given up");
+}
+
 }  // namespace perp::lcp

@@ -6,6 +6,7 @@
 #include <deque>
 #include <functional>
 
+#include "lcp/fields.hpp"
 #include "lcp/iterative/newton_system.hpp"
 
 namespace perp::lcp {
@@ -41,5 +42,7 @@ struct SafeStep {
   double shortest;
   bool operator()(const AffineMcp& problem, NewtonSystem& system, const Equations& at, double reference, Vec& z) const;
 };
+
+void describe_steps(double& armijo, double& shortest, Fields& fields);
 
 }  // namespace perp::lcp

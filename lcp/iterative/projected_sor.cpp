@@ -5,8 +5,9 @@
 #include <array>
 #include <cmath>
 #include <sstream>
-#include <stdexcept>
 #include <vector>
+
+#include "lcp/judge/shared_options.hpp"
 
 namespace perp::lcp {
 namespace {
@@ -226,27 +227,20 @@ class Sor {
   Index failed_ = -1;
 };
 
-void check_options(const ProjectedSor& options) {
-  std::ostringstream what;
-  what << "projected_sor: ";
-  if (!(options.omega > 0 && options.omega < 2))
-    what << "omega is " << options.omega << ", not in (0, 2)";
-  else if (options.block < 1 || options.block > largest_block)
-    what << "block is " << options.block << ", not in 1 .. " << largest_block;
-  else if (options.check_every < 1)
-    what << "check_every is " << options.check_every << ", less than 1";
-  else if (options.patience < 1)
-    what << "patience is " << options.patience << ", less than 1";
-  else
-    return;
-  throw std::invalid_argument(what.str());
-}
-
 }  // namespace
+
+void describe(ProjectedSor& m, Fields& f) {
+  f.add("psor_omega", &m.omega, strictly_between(0, 2), "relaxation; 1: Gauss and Seidel's sweeps");
+  f.add("psor_symmetric", &m.symmetric, "sweep forth and back; counts as two sweeps");
+  f.add("psor_block", &m.block, between(1, largest_block), "variables of a block, solved together");
+  f.add("psor_sweep_limit", &m.max_sweeps, at_least(0), "sweeps after which to give up");
+  f.add("psor_check_every", &m.check_every, at_least(1), "sweeps between two looks at the residual");
+  f.add("patience", &m.patience, at_least(1), "sweeps in which the residual must fall by 1 %");
+}
 
 Result projected_sor(const AffineMcp& problem, In start, const ProjectedSor& options, const Limits& limits) {
   check_input("projected_sor", problem, start, limits);
-  check_options(options);
+  refuse_invalid("projected_sor", options);
   return Sor(problem, start, options, limits).run();
 }
 

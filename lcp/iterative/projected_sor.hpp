@@ -33,6 +33,7 @@ struct ProjectedSor {
   int check_every = 10;  ///< sweeps between two looks at the residual; at least 1
   long patience = 2000;  ///< sweeps within which the residual must fall by a hundredth
 };
+void describe(ProjectedSor& method, Fields& fields);
 
 /// Result::iterations counts sweeps.
 Result projected_sor(const AffineMcp& problem, In start, const ProjectedSor& options = {}, const Limits& limits = {});

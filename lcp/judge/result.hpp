@@ -14,6 +14,10 @@
 #include "lcp/memory.hpp"
 #include "lcp/status.hpp"
 
+namespace perp {
+class Fields;  // lcp/fields.hpp: options of a method, described
+}
+
 namespace perp::lcp {
 
 using perp::Status;

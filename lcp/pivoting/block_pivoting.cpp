@@ -3,26 +3,14 @@
 #include <algorithm>
 #include <limits>
 #include <sstream>
-#include <stdexcept>
 #include <unordered_set>
 
 #include "lcp/judge/cell.hpp"
+#include "lcp/judge/shared_options.hpp"
 #include "lcp/linalg/block_triangular.hpp"
 
 namespace perp::lcp {
 namespace {
-
-void check_options(const BlockPivoting& options) {
-  const auto refuse = [](const char* what, auto value) {
-    std::ostringstream out;
-    out << "block_pivoting: " << what << " is " << value;
-    throw std::invalid_argument(out.str());
-  };
-  if (options.p_max < 0) refuse("p_max", options.p_max);
-  if (options.max_iterations < 0) refuse("max_iterations", options.max_iterations);
-  if (!(options.degenerate_tol >= 0 && options.degenerate_tol < 1)) refuse("degenerate_tol", options.degenerate_tol);
-  if (options.singular_tries < 1) refuse("singular_tries", options.singular_tries);
-}
 
 class Run {
  public:
@@ -137,9 +125,20 @@ Result by_components(const AffineMcp& problem, In start, const BlockPivoting& op
 
 }  // namespace
 
+void describe(BlockPivoting& m, Fields& f) {
+  describe_iterations(m.max_iterations, f);
+  f.add("block_rounds", &m.p_max, at_least(0),
+        "rounds without progress before the least-index rule; 0: that rule at once");
+  describe_degenerate(m.degenerate_tol, f);
+  f.add("block_singular_tries", &m.singular_tries, at_least(1),
+        "indices tried one by one where a block's matrix is singular");
+  f.add("components", &m.components, "solve reducible problems component by component");
+  describe_lu(m.lu, f);
+}
+
 Result block_pivoting(const AffineMcp& problem, In start, const BlockPivoting& options, const Limits& limits) {
   check_input("block_pivoting", problem, start, limits);
-  check_options(options);
+  refuse_invalid("block_pivoting", options);
   const auto solve = [&] {
     if (!options.components || strong_components(problem).count() <= 1)
       return Run(problem, start, options, limits).run();

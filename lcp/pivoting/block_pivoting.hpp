@@ -31,6 +31,7 @@ struct BlockPivoting {
   bool components = true;         ///< use reducibility
   LuBackend lu = LuBackend::Umfpack;
 };
+void describe(BlockPivoting& method, Fields& fields);
 
 /// iterations: rounds; the message says how many of them were least-index steps. Throws std::invalid_argument for bad
 /// input and options.

@@ -1,26 +1,13 @@
 #include "lcp/pivoting/least_index.hpp"
 
 #include <sstream>
-#include <stdexcept>
 #include <unordered_set>
 
 #include "lcp/judge/cell.hpp"
+#include "lcp/judge/shared_options.hpp"
 
 namespace perp::lcp {
 namespace {
-
-void check_options(const LeastIndex& options) {
-  std::ostringstream what;
-  what << "least_index: ";
-  if (options.max_iterations < 0) {
-    what << "max_iterations is " << options.max_iterations;
-    throw std::invalid_argument(what.str());
-  }
-  if (!(options.degenerate_tol >= 0 && options.degenerate_tol < 1)) {
-    what << "degenerate_tol is " << options.degenerate_tol;
-    throw std::invalid_argument(what.str());
-  }
-}
 
 /// The least violated index, or -1.
 Index least_violated(const CellSolver& cell, const Places& places) {
@@ -31,9 +18,15 @@ Index least_violated(const CellSolver& cell, const Places& places) {
 
 }  // namespace
 
+void describe(LeastIndex& m, Fields& f) {
+  describe_iterations(m.max_iterations, f);
+  describe_degenerate(m.degenerate_tol, f);
+  describe_lu(m.lu, f);
+}
+
 Result least_index(const AffineMcp& problem, In start, const LeastIndex& options, const Limits& limits) {
   check_input("least_index", problem, start, limits);
-  check_options(options);
+  refuse_invalid("least_index", options);
   const auto solve = [&] {
     CellSolver cell(problem, options.lu, options.degenerate_tol, limits.deadline);
     Places places = places_of(problem.box, start);

@@ -20,6 +20,7 @@ struct LeastIndex {
   double degenerate_tol = 1e-11;  ///< signs within this x the size of the terms they come from are not violated
   LuBackend lu = LuBackend::Umfpack;
 };
+void describe(LeastIndex& method, Fields& fields);
 
 /// iterations: steps. Throws std::invalid_argument for bad input and options.
 Result least_index(const AffineMcp& problem, In start, const LeastIndex& options = {}, const Limits& limits = {});

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <sstream>
-#include <stdexcept>
 #include <unordered_set>
 #include <utility>
 
 #include "lcp/equilibrate.hpp"
 #include "lcp/judge/cell.hpp"
+#include "lcp/judge/shared_options.hpp"
 #include "lcp/lu/basis_factor.hpp"
 #include "lcp/pivoting/standard_form.hpp"
 
@@ -16,17 +16,6 @@ namespace perp::lcp {
 namespace {
 
 std::size_t at(Index i) { return static_cast<std::size_t>(i); }
-
-void check_options(const PrincipalPivoting& options) {
-  const auto refuse = [](const char* what, auto value) {
-    std::ostringstream out;
-    out << "principal_pivoting: " << what << " is " << value;
-    throw std::invalid_argument(out.str());
-  };
-  if (options.max_iterations < 0) refuse("max_iterations", options.max_iterations);
-  if (!(options.degenerate_tol >= 0 && options.degenerate_tol < 1)) refuse("degenerate_tol", options.degenerate_tol);
-  if (!(options.pivot_tol > 0 && options.pivot_tol < 1)) refuse("pivot_tol", options.pivot_tol);
-}
 
 /// The system w - M z = q with one basic and one nonbasic variable a pair. The basis matrix has the columns e_k of
 /// basic w_k and M_.k of basic z_k, whose unknowns are therefore w_k and -z_k.
@@ -355,9 +344,17 @@ class Run {
 
 }  // namespace
 
+void describe(PrincipalPivoting& m, Fields& f) {
+  describe_iterations(m.max_iterations, f);
+  describe_degenerate(m.degenerate_tol, f);
+  f.add("pivot_tolerance", &m.pivot_tol, strictly_between(0, 1),
+        "smallest pivot, relative to the largest entry of its column");
+  describe_lu(m.lu, f);
+}
+
 Result principal_pivoting(const AffineMcp& problem, In start, const PrincipalPivoting& options, const Limits& limits) {
   check_input("principal_pivoting", problem, start, limits);
-  check_options(options);
+  refuse_invalid("principal_pivoting", options);
   const auto solve = [&] {
     Run run(problem, start, options, limits, false);
     if (run.enter(start)) return run.run();

@@ -35,6 +35,7 @@ struct PrincipalPivoting {
   double pivot_tol = 1e-9;        ///< entries within this x the largest of their column are zero
   LuBackend lu = LuBackend::Umfpack;
 };
+void describe(PrincipalPivoting& method, Fields& fields);
 
 /// iterations: principal pivots, 1 x 1 or 2 x 2. Throws std::invalid_argument for bad input and options.
 Result principal_pivoting(const AffineMcp& problem, In start, const PrincipalPivoting& options = {},

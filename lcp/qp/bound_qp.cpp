@@ -5,9 +5,9 @@
 #include <memory>
 #include <new>
 #include <sstream>
-#include <stdexcept>
 #include <utility>
 
+#include "lcp/judge/shared_options.hpp"
 #include "lcp/linalg/multilevel.hpp"
 #include "lcp/qp/face_descent.hpp"
 
@@ -18,23 +18,6 @@ using Kind = BoundQp::Preconditioner;
 using End = Descent::End;
 
 std::size_t at(Index i) { return static_cast<std::size_t>(i); }
-
-void check_options(const BoundQp& o) {
-  const auto refuse = [](const char* name, auto value, const char* range) {
-    std::ostringstream what;
-    what << "bound_qp: " << name << " is " << value << ", not " << range;
-    throw std::invalid_argument(what.str());
-  };
-  if (!(o.strength > 0 && o.strength <= 1)) refuse("strength", o.strength, "in (0, 1]");
-  if (!(o.positive_share >= 0)) refuse("positive_share", o.positive_share, "at least 0");
-  if (!(o.loose > 0 && o.loose < 1)) refuse("loose", o.loose, "in (0, 1)");
-  if (!(o.proximal > 0 && o.proximal < 1)) refuse("proximal", o.proximal, "in (0, 1)");
-  if (!(o.cholesky_entries >= 0)) refuse("cholesky_entries", o.cholesky_entries, "at least 0");
-  if (o.direct < 1) refuse("direct", o.direct, "at least 1");
-  if (o.cg_limit < 1) refuse("cg_limit", o.cg_limit, "at least 1");
-  if (o.step_limit < 0) refuse("step_limit", o.step_limit, "at least 0");
-  if (o.proximal_limit < 1) refuse("proximal_limit", o.proximal_limit, "at least 1");
-}
 
 /// A: the columns of M, T: its rows. Entries as assembled twice may differ by rounding, of terms as large as those of
 /// the diagonal.
@@ -418,9 +401,27 @@ Result Solver::solve() {
 
 }  // namespace
 
+void describe(BoundQp& m, Fields& f) {
+  using P = BoundQp::Preconditioner;
+  f.choice(
+      "qp_preconditioner", &m.preconditioner,
+      {{"auto", P::Auto}, {"multilevel", P::Multilevel}, {"cholesky", P::Cholesky}, {"gauss-seidel", P::GaussSeidel}},
+      "of the conjugate gradients on a face");
+  f.add("qp_nested", &m.nested, "multilevel: start from the solutions on coarser grids");
+  f.add("qp_strength", &m.strength, above_up_to(0, 1), "multilevel: share of a row's largest entry that is strong");
+  f.add("qp_positive_share", &m.positive_share, at_least(0), "auto: most positive entries of what multilevel takes");
+  f.add("qp_direct", &m.direct, at_least(1), "unknowns up to which auto factors, and of the coarsest grid");
+  f.add("qp_cholesky_entries", &m.cholesky_entries, at_least(0), "entries of the largest Cholesky factor computed");
+  f.add("qp_loose", &m.loose, strictly_between(0, 1), "reduction of the error on a face that may still change");
+  f.add("qp_cg_limit", &m.cg_limit, at_least(1), "conjugate gradients on a face before another preconditioner");
+  f.add("qp_step_limit", &m.step_limit, at_least(0), "steps, a sweep and a face each, after which to give up");
+  f.add("qp_proximal", &m.proximal, strictly_between(0, 1), "eps of the proximal points of a singular M");
+  f.add("qp_proximal_limit", &m.proximal_limit, at_least(1), "proximal points after which to give up");
+}
+
 Result bound_qp(const AffineMcp& problem, In start, const BoundQp& options, const Limits& limits) {
   check_input("bound_qp", problem, start, limits);
-  check_options(options);
+  refuse_invalid("bound_qp", options);
   return within_limits([&] { return Solver(problem, start, options, limits).solve(); },
                        at_start("bound_qp", problem, start, limits));
 }

@@ -70,6 +70,7 @@ struct BoundQp {
   double proximal = 1e-8;
   long proximal_limit = 200;  ///< proximal points
 };
+void describe(BoundQp& method, Fields& fields);
 
 /// Result::iterations counts steps on the finest grid, Result::factorizations those of coarsest grids too.
 Result bound_qp(const AffineMcp& problem, In start, const BoundQp& options = {}, const Limits& limits = {});

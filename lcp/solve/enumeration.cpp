@@ -5,12 +5,12 @@
 #include <cmath>
 #include <limits>
 #include <sstream>
-#include <stdexcept>
 
 #include "lcp/equilibrate.hpp"
 #include "lcp/iterative/bounded_rows.hpp"
 #include "lcp/judge/cell.hpp"
 #include "lcp/judge/judge.hpp"
+#include "lcp/judge/shared_options.hpp"
 
 namespace perp::lcp {
 namespace {
@@ -23,17 +23,6 @@ bool finite_lower(const Box& box, Index i) { return box.lower[i] > -infinity; }
 bool finite_upper(const Box& box, Index i) { return box.upper[i] < infinity; }
 bool is_fixed(const Box& box, Index i) { return box.lower[i] == box.upper[i]; }
 bool is_free(const Box& box, Index i) { return !finite_lower(box, i) && !finite_upper(box, i); }
-
-void check_options(const Enumeration& options) {
-  const auto refuse = [](const char* what, auto value) {
-    std::ostringstream out;
-    out << "enumeration: " << what << " is " << value;
-    throw std::invalid_argument(out.str());
-  };
-  if (options.max_bounded < 0) refuse("max_bounded", options.max_bounded);
-  if (!(options.degenerate_tol > 0 && options.degenerate_tol < 1)) refuse("degenerate_tol", options.degenerate_tol);
-  if (!(options.singular_tol > 0 && options.singular_tol < 1)) refuse("singular_tol", options.singular_tol);
-}
 
 Index rank(const MatrixXd& A, double tol) {
   if (A.size() == 0) return 0;
@@ -309,9 +298,16 @@ class Search {
 
 }  // namespace
 
+void describe(Enumeration& m, Fields& f) {
+  f.add("enumeration_limit", &m.max_bounded, at_least(0), "variables between bounds up to which cells are enumerated");
+  f.add("enumeration_tolerance", &m.degenerate_tol, strictly_between(0, 1),
+        "values of equilibrated data within this of a bound are on it");
+  f.add("enumeration_rank_tolerance", &m.singular_tol, strictly_between(0, 1), "relative threshold of ranks");
+}
+
 Solutions enumerate(const AffineMcp& problem, const Enumeration& options, const Limits& limits) {
   check_input("enumerate", problem, Vec::Zero(problem.size()), limits);
-  check_options(options);
+  refuse_invalid("enumeration", options);
   Index bounded = 0;
   for (Index i = 0; i < problem.size(); ++i) bounded += is_fixed(problem.box, i) || is_free(problem.box, i) ? 0 : 1;
   if (bounded > options.max_bounded) {

@@ -32,6 +32,7 @@ struct Enumeration {
   double singular_tol = 1e-11;       ///< relative threshold of the rank of M_FF and of a cell's equations
   std::size_t max_solutions = 1000;  ///< the enumeration stops there, incomplete
 };
+void describe(Enumeration& method, Fields& fields);
 
 struct Solution {
   Vec z;  ///< accepts() with the limits' tolerance

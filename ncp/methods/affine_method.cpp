@@ -65,11 +65,12 @@ void describe(Affine& method, Fields& f) {
         if constexpr (std::is_same_v<M, lcp::Lemke>) {
           describe_start(m.options.start, f);
           describe(m.options, f);
+        } else if constexpr (std::is_same_v<M, lcp::Auto>) {
+          f.add("lemke_seed", &m.seed, between(0, std::numeric_limits<int>::max()), "of Lemke's covering vectors",
+                "seed");
+        } else if constexpr (requires { lcp::describe(m, f); }) {
+          lcp::describe(m, f);
         }
-        if constexpr (std::is_same_v<M, lcp::FbNewton>) describe_descent(m.descent_rho, m.descent_p, f);
-        if constexpr (std::is_same_v<M, lcp::ProjectedSor>)
-          f.add("patience", &m.patience, at_least(1), "sweeps in which the residual must fall by 1 %");
-        if constexpr (requires { m.lu; }) describe_lu(m.lu, f);
       },
       method.method);
 }

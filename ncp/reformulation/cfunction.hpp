@@ -26,11 +26,10 @@
 #include <string_view>
 
 #include "lcp/fischer_burmeister.hpp"
+#include "ncp/problem/fields.hpp"
 #include "ncp/problem/mcp.hpp"
 
 namespace perp::ncp {
-
-class Fields;
 
 using lcp::CValue;
 

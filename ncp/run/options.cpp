@@ -83,32 +83,10 @@ void describe_search(double& sigma, double& beta, int& max_backtracks, Fields& f
   f.add("max_backtracks", &max_backtracks, between(0, 1000), "line search: trials before the direction is given up");
 }
 
-void describe_memory(int& memory, Fields& f) {
-  f.add("nms_memory_size", &memory, between(1, 1e6),
-        "non-monotone search: merits remembered, the largest of which must be beaten; 1 is monotone", "memory");
-}
-
-void describe_descent(double& rho, double& p, Fields& f) {
-  f.add("descent_rho", &rho, above(0),
-        "a Newton direction d needs  merit'(x; d) <= -descent_rho (|d| / sqrt n)^descent_p");
-  f.add("descent_p", &p, above(2), "see descent_rho");
-}
-
 void describe_rescalings(int& rescalings, Fields& f) {
   f.add("rescalings", &rescalings, between(0, 2),
         "where a method with escapes, or smooth, is stuck: runs from the start on the scaled problem, by J at the "
         "best point, then at the start");
-}
-
-void describe_lu(lcp::LuBackend& lu, Fields& f) {
-  using lcp::LuBackend;
-  f.choice("lu", &lu,
-           {{"umfpack", LuBackend::Umfpack},
-            {"klu", LuBackend::Klu},
-            {"eigen", LuBackend::Eigen},
-            {"dense", LuBackend::Dense},
-            {"auto", LuBackend::Auto}},
-           "the sparse LU factorization used");
 }
 
 }  // namespace perp::ncp

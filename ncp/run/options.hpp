@@ -4,6 +4,7 @@
 #include <chrono>
 #include <limits>
 
+#include "lcp/judge/shared_options.hpp"
 #include "lcp/pivoting/lemke.hpp"
 #include "ncp/problem/fields.hpp"
 
@@ -72,9 +73,9 @@ inline constexpr std::string_view lemke_start_help =
     "always (a ray, as Lemke's method)";
 void describe_start(lcp::LemkeStart& start, Fields& fields);
 void describe_search(double& sigma, double& beta, int& max_backtracks, Fields& fields);
-void describe_memory(int& memory, Fields& fields);
-void describe_descent(double& rho, double& p, Fields& fields);
 void describe_rescalings(int& rescalings, Fields& fields);
-void describe_lu(lcp::LuBackend& lu, Fields& fields);
+using lcp::describe_descent;
+using lcp::describe_lu;
+using lcp::describe_memory;
 
 }  // namespace perp::ncp

@@ -122,6 +122,17 @@ TEST(Fields, ReachEveryMember) {
         // of basis lu and refactor_every; start is described apart; the rest are data, callbacks and inner tolerances
         // that no run was seen to depend on
         Count{"LemkeOptions", members<lcp::LemkeOptions>(), lemke, 1, 2, 12},
+        Count{"lcp::InteriorPoint", members<lcp::InteriorPoint>(), described<lcp::InteriorPoint>(), 0, 0, 0},
+        Count{"lcp::MinNewton", members<lcp::MinNewton>(), described<lcp::MinNewton>(), 0, 0, 0},
+        Count{"lcp::FbNewton", members<lcp::FbNewton>(), described<lcp::FbNewton>(), 0, 0, 0},
+        Count{"lcp::ProjectedSor", members<lcp::ProjectedSor>(), described<lcp::ProjectedSor>(), 0, 0, 0},
+        Count{"lcp::BlockPivoting", members<lcp::BlockPivoting>(), described<lcp::BlockPivoting>(), 0, 0, 0},
+        Count{"lcp::LeastIndex", members<lcp::LeastIndex>(), described<lcp::LeastIndex>(), 0, 0, 0},
+        Count{"lcp::PrincipalPivoting", members<lcp::PrincipalPivoting>(), described<lcp::PrincipalPivoting>(), 0, 0,
+              0},
+        Count{"lcp::BoundQp", members<lcp::BoundQp>(), described<lcp::BoundQp>(), 0, 0, 0},
+        // max_solutions bounds memory
+        Count{"lcp::Enumeration", members<lcp::Enumeration>(), described<lcp::Enumeration>(), 0, 0, 1},
         Count{"Multiroot", members<Multiroot>(), described<Multiroot>(), 1, 0, 0}})
     EXPECT_EQ(c.members, c.parts + (c.described - c.of_them) + c.without)
         << c.name << ": a member has no line in describe(), and no reason here";

@@ -1,11 +1,11 @@
-#include "ncp/problem/fields.hpp"
+#include "lcp/fields.hpp"
 
 #include <algorithm>
 #include <iterator>
 #include <sstream>
 #include <type_traits>
 
-namespace perp::ncp {
+namespace perp {
 namespace {
 
 template <class... T>
@@ -114,4 +114,4 @@ std::optional<std::string> Fields::invalid() const {
   return complaint_.empty() ? std::nullopt : std::optional(complaint_);
 }
 
-}  // namespace perp::ncp
+}  // namespace perp

@@ -1,0 +1,35 @@
+#include "lcp/judge/shared_options.hpp"
+
+namespace perp::lcp {
+
+void describe_lu(LuBackend& lu, Fields& f) {
+  f.choice("lu", &lu,
+           {{"umfpack", LuBackend::Umfpack},
+            {"klu", LuBackend::Klu},
+            {"eigen", LuBackend::Eigen},
+            {"dense", LuBackend::Dense},
+            {"auto", LuBackend::Auto}},
+           "the sparse LU factorization used");
+}
+
+void describe_memory(int& memory, Fields& f) {
+  f.add("nms_memory_size", &memory, between(1, 1e6),
+        "non-monotone search: merits remembered, the largest of which must be beaten; 1 is monotone", "memory");
+}
+
+void describe_descent(double& rho, double& p, Fields& f) {
+  f.add("descent_rho", &rho, above(0),
+        "a Newton direction d needs  merit'(x; d) <= -descent_rho (|d| / sqrt n)^descent_p");
+  f.add("descent_p", &p, above(2), "see descent_rho");
+}
+
+void describe_iterations(long& limit, Fields& f) {
+  f.add("affine_iteration_limit", &limit, at_least(0), "pivots, rounds or steps after which to give up");
+}
+
+void describe_degenerate(double& tol, Fields& f) {
+  f.add("degenerate_tolerance", &tol, {.high = 1, .open_high = true},
+        "signs are those of values beyond this, relative to the terms that the values come from");
+}
+
+}  // namespace perp::lcp

@@ -1,0 +1,15 @@
+#pragma once
+/// Options that several methods have.
+#include "lcp/fields.hpp"
+#include "lcp/lu/sparse_lu.hpp"
+
+namespace perp::lcp {
+
+void describe_lu(LuBackend& lu, Fields& fields);
+void describe_memory(int& memory, Fields& fields);
+void describe_descent(double& rho, double& p, Fields& fields);
+/// Steps of a method for affine problems.
+void describe_iterations(long& limit, Fields& fields);
+void describe_degenerate(double& tol, Fields& fields);
+
+}  // namespace perp::lcp
