@@ -113,7 +113,7 @@ Inspection inspect_problem(const LoadedProblem& problem, const std::atomic<bool>
 Inspection inspect_problem(LoadedProblem&&, const std::atomic<bool>* = nullptr) = delete;
 
 void print_inspection(std::ostream& out, const Inspection& inspection);
-/// The schema is in app/README.md.
+/// docs/schema/inspect.json describes it.
 std::string inspect_json(const Inspection& inspection);
 
 struct InspectRequest {

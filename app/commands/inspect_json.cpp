@@ -1,4 +1,4 @@
-/// An Inspection for programs; the schema is in app/README.md.
+/// An Inspection for programs; docs/schema/inspect.json describes it.
 #include "app/commands/inspect.hpp"
 #include "app/text/json_parts.hpp"
 
@@ -146,7 +146,7 @@ Json classes_json(const Inspection& inspection) {
 
 std::string inspect_json(const Inspection& inspection) {
   const ncp::Mcp& mcp = inspection.mcp();
-  Json json = json_header();
+  Json json = json_header(Document::Inspect);
   json["problem"] = inspection.problem->label;
   json["start"] = inspection.problem->start;
   json["status"] = "Inspected";

@@ -153,7 +153,7 @@ std::vector<std::pair<std::string, std::string>> data_files(const ReportParts& p
                 without = unsolvable_records(parts);
   std::vector<Cell> claims;
   std::ranges::copy_if(parts.data.cells(), std::back_inserter(claims), false_claim);
-  Json whole = json_header();
+  Json whole = json_header(Document::Report);
   whole["date"] = parts.data.campaign().date;
   whole["findings"] = Json::array();
   std::string sentences;

@@ -51,6 +51,17 @@ std::string json_text(const Json& json) {
   return for_terminals(json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 
+Json json_header(Document document) {
+  // A number rises when a key goes or changes its meaning.
+  static constexpr std::array<std::string_view, 11> schemas{
+      "perp/solve/1",          "perp/no-result/1",    "perp/inspect/1",      "perp/list/1",
+      "perp/problem/1",        "perp/report/1",       "perp/contact/1",      "perp/contact-runs/1",
+      "perp/contact-facets/1", "perp/contact-ball/1", "perp/contact-cells/1"};
+  Json json = json_header();
+  json["schema"] = schemas.at(static_cast<std::size_t>(document));
+  return json;
+}
+
 Json json_header() {
   Json json;
   json["program"] = "perp";
@@ -206,7 +217,7 @@ Json entry_json(const collection::Entry& entry, const collection::Problem& probl
 }
 
 Json without_point(const std::string& problem, std::string_view status, ExitCode code, const std::string& message) {
-  Json json = json_header();
+  Json json = json_header(Document::NoResult);
   json["problem"] = problem;
   json["status"] = status;
   json["exit_code"] = static_cast<int>(code);
@@ -235,7 +246,7 @@ void add_several(Json& json, const Report& report) {
 
 std::string solve_json(const Report& report) {
   const ncp::Result& result = report.result;
-  Json json = json_header();
+  Json json = json_header(Document::Solve);
   json["problem"] = report.problem->label;
   json["start"] = report.problem->start;
   json["size"] = report.mcp().size();
@@ -279,7 +290,7 @@ std::string no_point_json(const std::string& problem, const OutOfTime& why) {
 std::string problem_json(const collection::Entry& entry) {
   const collection::Problem problem = entry.make();
   const ncp::Mcp& mcp = *problem.mcp;
-  Json json = json_header();
+  Json json = json_header(Document::Problem);
   json.update(entry_json(entry, problem));
   json["lower"] = json_numbers(mcp.box().lower);
   json["upper"] = json_numbers(mcp.box().upper);
@@ -295,7 +306,7 @@ std::string problem_json(const collection::Entry& entry) {
 }
 
 std::string list_json(std::span<const collection::Entry* const> entries) {
-  Json json = json_header();
+  Json json = json_header(Document::List);
   json["problems"] = Json::array();
   for (const collection::Entry* entry : entries) json["problems"].push_back(entry_json(*entry, entry->make()));
   return json_text(json);

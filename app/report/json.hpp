@@ -1,5 +1,5 @@
 #pragma once
-/// A run as JSON, for programs; the schema is in app/README.md.
+/// A run as JSON, for programs; docs/schema/ describes it.
 #include <iosfwd>
 #include <span>
 #include <string>

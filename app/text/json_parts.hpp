@@ -11,7 +11,22 @@ using Json = nlohmann::ordered_json;
 
 Json json_number(double value);  ///< infinities as "inf" and "-inf", NaN as "nan"
 Json json_numbers(ncp::In values);
-Json json_header();  ///< program and version
+/// The documents for other programs, but for those with a version of their own; docs/schema/ describes them.
+enum class Document {
+  Solve,
+  NoResult,
+  Inspect,
+  List,
+  Problem,
+  Report,
+  Contact,
+  ContactRuns,
+  ContactFacets,
+  ContactBall,
+  ContactCells
+};
+Json json_header(Document document);  ///< program, version and schema
+Json json_header();                   ///< program and version
 Json equation_json(const ncp::Mcp& mcp, ncp::Index i);
 Json index_json(ncp::Index i);  ///< null if negative
 Json residual_json(const ncp::Mcp& mcp, const ncp::Residual& residual);

@@ -186,7 +186,7 @@ std::string cells_csv(std::span<const Cell> cells) {
 }
 
 std::string cells_json(std::span<const Cell> cells) {
-  Json json = json_header();
+  Json json = json_header(Document::ContactCells);
   json["cells"] = Json::array();
   for (const Cell& cell : cells) json["cells"].push_back(row(cell));
   return json_text(json);

@@ -1,5 +1,5 @@
 #pragma once
-/// A run on a contact problem, told to a person (text) and to programs (JSON; the schema is in app/README.md).
+/// A run on a contact problem, told to a person (text) and to programs (JSON; docs/schema/ describes it).
 #include <iosfwd>
 #include <span>
 #include <string>
@@ -30,7 +30,7 @@ void print_summaries(std::ostream& out, std::span<const Summary> all);
 
 /// One run as a JSON object.
 std::string run_json(const Loaded& loaded, const Run& run, ExitCode code);
-/// Several: {"program", "version", "exit_code", "problems": [objects as above, or as of refused input]}.
+/// Several: objects as above, or as of refused input.
 std::string runs_json(std::span<const std::string> objects, ExitCode code);
 
 /// "1.23 ms".

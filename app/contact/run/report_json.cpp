@@ -59,7 +59,7 @@ Json stats_json(const Run& run) {
 
 std::string run_json(const Loaded& loaded, const Run& run, ExitCode code) {
   const Variant& variant = run.variant;
-  Json json = json_header();
+  Json json = json_header(Document::Contact);
   json["problem"] = loaded.label;
   json["dimension"] = loaded.problem.dimension;
   json["formulation"] = variant.formulation();
@@ -90,7 +90,7 @@ std::string run_json(const Loaded& loaded, const Run& run, ExitCode code) {
 }
 
 std::string runs_json(std::span<const std::string> objects, ExitCode code) {
-  Json json = json_header();
+  Json json = json_header(Document::ContactRuns);
   json["exit_code"] = static_cast<int>(code);
   json["problems"] = Json::array();
   for (const std::string& object : objects) json["problems"].push_back(Json::parse(object));

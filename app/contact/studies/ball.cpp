@@ -109,7 +109,7 @@ Json path_json(const BallScene& scene, const BallPath& path) {
 }
 
 std::string ball_json(const std::vector<BallScene>& scenes, ExitCode code) {
-  Json json = json_header();
+  Json json = json_header(Document::ContactBall);
   const CyclicBall& ball = scenes.front().ball;
   json["problem"] = "ball";
   json["exit_code"] = static_cast<int>(code);

@@ -214,7 +214,7 @@ Json errors_json(const std::array<double, 4>& errors) {
 }
 
 std::string study_json(const FacetStudy& study, ExitCode code) {
-  Json json = json_header();
+  Json json = json_header(Document::ContactFacets);
   json["exit_code"] = static_cast<int>(code);
   json["form"] = study.form == contact::Form::Mixed ? "mixed" : "reduced";
   json["tol"] = json_number(study.tol);

@@ -63,7 +63,7 @@ TEST(BallCommand, SaysHowFarFacetsLeadAstray) {
   EXPECT_THAT(output.out, Not(HasSubstr("unsolved")));
 }
 
-// The schema of app/README.md, and that JSON says what contact::run_ball does.
+// The keys of docs/schema/contact-ball.json, and that JSON says what contact::run_ball does.
 TEST(BallCommand, JsonHasPathsAndEnergies) {
   BallRequest request = quick();
   request.facets = "4";

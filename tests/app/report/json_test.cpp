@@ -1,4 +1,4 @@
-/// The JSON schema of app/README.md: parsed back and compared with the result it came from.
+/// The JSON of docs/schema/: parsed back and compared with the result it came from.
 #include "app/report/json.hpp"
 
 #include <gmock/gmock.h>
@@ -26,8 +26,8 @@ TEST(Json, EveryKeyAndEveryDigit) {
   const LoadedProblem problem = load_problem("kojshin", 2);
   const Report report = report_of(problem);
   const json parsed = json::parse(solve_json(report));
-  for (const char* key : {"program", "version", "problem", "start", "size", "method", "status", "exit_code", "message",
-                          "advice", "notes", "residual", "stats", "options", "variables", "iterations"})
+  for (const char* key : {"program", "version", "schema", "problem", "start", "size", "method", "status", "exit_code",
+                          "message", "advice", "notes", "residual", "stats", "options", "variables", "iterations"})
     EXPECT_TRUE(parsed.contains(key)) << key;
   EXPECT_EQ(parsed["problem"], "kojshin");
   EXPECT_EQ(parsed["start"], 2);
