@@ -19,6 +19,10 @@ file(REMOVE_RECURSE "${WORK_DIR}")
 run(${CMAKE_COMMAND} --install ${BUILD_DIR} --prefix "${WORK_DIR}/first")
 file(RENAME "${WORK_DIR}/first" "${prefix}")
 
+if(EXISTS "${prefix}/bin/perp" AND NOT EXISTS "${prefix}/share/perp/schema/solve.json")
+  message(FATAL_ERROR "the schemas are not installed")
+endif()
+
 run(${CMAKE_COMMAND} -S ${consumer} -B "${consumer_build}" -G Ninja -DCMAKE_BUILD_TYPE=Debug
   -DCMAKE_PREFIX_PATH=${prefix} -DCMAKE_CXX_COMPILER=${CXX} -DCMAKE_CXX_FLAGS=${CXX_FLAGS})
 run(${CMAKE_COMMAND} --build "${consumer_build}")
