@@ -31,6 +31,7 @@ double fischer_burmeister_factor(double most, double least) {
 }  // namespace
 
 CValue fischer_burmeister(double a, double b, double ha, double hb, double weight) {
+  if (std::isnan(a) || std::isnan(b)) return {a + b, a + b, a + b};
   if (a == infinity) return {product({weight, saturated(b)}), 0, 1};
   if (b == infinity) return {product({weight, saturated(a)}), 1, 0};
   a = saturated(a);

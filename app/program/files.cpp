@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <fstream>
 #include <sstream>
 #include <utility>
@@ -89,6 +90,8 @@ void check_writable(const std::string& path) {
 std::string read_text(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   std::ostringstream text;
+  std::error_code ignored;
+  if (!file && std::filesystem::exists(path, ignored)) throw InputError(fmt::format("'{}' cannot be read", path));
   if (file && file.peek() != std::ifstream::traits_type::eof()) text << file.rdbuf();
   if (file.bad() || !text) throw InputError(fmt::format("'{}' cannot be read", path));
   return std::move(text).str();

@@ -19,7 +19,7 @@ void check_writable(const std::string& path);
 /// Writes all of them, each path with its content: the drafts first, so that a full disk leaves all as they were.
 void write_files(std::span<const std::pair<std::string, std::string>> files);
 
-/// What is in a file; empty where there is none, or none that may be read. Throws InputError where reading it fails.
+/// What is in a file; empty where there is none. Throws InputError for one that cannot be read.
 std::string read_text(const std::string& path);
 
 /// A file that a command reads or writes; path "" or "-" is none.

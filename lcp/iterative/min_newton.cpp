@@ -7,7 +7,6 @@
 #include "lcp/judge/shared_options.hpp"
 
 namespace perp::lcp {
-namespace {}  // namespace
 
 void describe(MinNewton& m, Fields& f) {
   describe_iterations(m.max_iterations, f);

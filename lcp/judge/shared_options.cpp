@@ -19,7 +19,7 @@ void describe_memory(int& memory, Fields& f) {
 
 void describe_descent(double& rho, double& p, Fields& f) {
   f.add("descent_rho", &rho, above(0),
-        "a Newton direction d needs  merit'(x; d) <= -descent_rho (|d| / sqrt n)^descent_p");
+        "a Newton direction d needs  merit'(x; d) <= -descent_rho (|d| / sqrt n)^descent_p; fb-newton: |d|^descent_p");
   f.add("descent_p", &p, above(2), "see descent_rho");
 }
 

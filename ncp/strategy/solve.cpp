@@ -97,10 +97,11 @@ bool stuck(const Run& run) { return run.ended() && stuck(run.status(), run.stats
 
 void run_loop(Run& run, Point point, const Method& method) {
   const auto iterate_by = [&](const auto& m) {
-    if constexpr (requires { iterate(run, m, std::move(point)); })
-      iterate(run, m, std::move(point));
-    else
+    using M = std::remove_cvref_t<decltype(m)>;
+    if constexpr (std::is_same_v<M, Auto> || std::is_same_v<M, Affine> || std::is_same_v<M, Strategy>)
       throw std::logic_error("run_loop: the method has no loop of its own");
+    else
+      iterate(run, m, std::move(point));
   };
   std::visit(iterate_by, method);
 }

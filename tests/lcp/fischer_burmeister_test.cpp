@@ -16,6 +16,8 @@ TEST(FischerBurmeister, NoCancellation) {
   EXPECT_EQ(fischer_burmeister(3, 4, 0, 0).phi, 2);
   EXPECT_NEAR(fischer_burmeister(1e200, 1e200, 0, 0).phi / 1e200, 2 - std::sqrt(2), 1e-15);
   EXPECT_EQ(fischer_burmeister(-3, 4, 0, 0).phi, -4);
+  EXPECT_TRUE(std::isnan(fischer_burmeister(1, std::nan(""), 0, 0).phi)) << "a search would take the point";
+  EXPECT_TRUE(std::isnan(fischer_burmeister(std::nan(""), 1, 0, 0).phi));
   const CValue kink = fischer_burmeister(0, 0, 3, 4);
   EXPECT_NEAR(kink.da, 0.4, 1e-15);
   EXPECT_NEAR(kink.db, 0.2, 1e-15);
