@@ -219,7 +219,8 @@ def bad_documents(name, document, done):
         for key in path:
             value, container = value[key], value
         # Objects of one place may be of several kinds, which their keys tell.
-        kind = tuple(container) if isinstance(container, dict) and (name, within) not in OPEN else ()
+        around = ((within, container), (where, value))
+        kind = tuple(tuple(of) for at, of in around if isinstance(of, dict) and (name, at) not in OPEN)
         if (where, kind) in done:
             continue
         done.add((where, kind))
