@@ -6,6 +6,7 @@
 /// residual stands beside it.
 #include <atomic>
 #include <functional>
+#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -35,8 +36,9 @@ struct Run {
   std::string solved_by{};  ///< the step that made the accepted point (contact::Origin), or the method; "" if unsolved
   Solution solution{};      ///< the accepted point, or the best one met
   Residual residual{};      ///< of Coulomb's law
-  double own = 0;           ///< of laws that are not exact: natural residual of the affine problem
-  Index unknowns = 0;       ///< of it, or of the NCP; 0 of auto and homotopy, which have none but r
+  /// Of laws that are not exact: natural residual of the affine problem; NaN where nothing is known of it.
+  double own = std::numeric_limits<double>::quiet_NaN();
+  Index unknowns = 0;  ///< of it, or of the NCP; 0 of auto and homotopy, which have none but r
   std::vector<ContactState> states{};
   std::vector<std::pair<std::string, long>> counts{};  ///< iterations first, then what else was counted
   double seconds = 0;

@@ -114,6 +114,7 @@ std::string own_text(const Problem& problem, const Run& run) {
                            : run.variant.law == Variant::Law::Inner
                                ? fmt::format("a polygon of {} vertices inside the disk", run.variant.facets)
                                : fmt::format("a polygon of {} edges around the disk", run.variant.facets);
+  if (std::isnan(run.own)) return fmt::format("Nothing is known of its own problem, {}.", what);
   if (!run.solved)
     return fmt::format("Its own problem, {}, is not solved either: {} has the natural residual {}.", what,
                        count(run.unknowns, "unknown"), metric(run.own));
@@ -261,7 +262,7 @@ void print_summaries(std::ostream& out, std::span<const Summary> all) {
     }
     table.add({label, fmt::format("{}", run.states.size()), fmt::format("{}", run.in_state(State::Open)),
                fmt::format("{}", run.in_state(State::Stick)), fmt::format("{}", run.in_state(State::Slip)),
-               std::string(to_string(run.status)), run.solved_by, run.variant.exact() ? "" : metric(run.own),
+               std::string(to_string(run.status)), run.solved_by, std::isnan(run.own) ? "" : metric(run.own),
                metric(run.residual.siconos), metric(run.residual.rr9118), fmt::format("{}", run.steps()),
                seconds_text(run.seconds)});
   }

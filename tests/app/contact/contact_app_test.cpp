@@ -10,7 +10,9 @@
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
+#include "app/contact/run/report.hpp"
 #include "app/contact/run/run.hpp"
 #include "contact/io/fclib.hpp"
 #include "contact_app_support.hpp"
@@ -358,6 +360,22 @@ TEST(Contact, LongTablesAreShortened) {
     solve_contact({.problems = {"wall:100"}, .full = full}, captured.streams);
     EXPECT_EQ(captured.out.str().find("--full shows them") == std::string::npos, full);
   }
+}
+
+// A run that was left at its limit says nothing of its own problem. It said that the residual there was 0.
+TEST(ContactReport, NothingIsSaidOfAProblemThatWasLeft) {
+  const Loaded loaded = generate("spheres:5");
+  contacts::Run left;
+  left.variant = parse_variant(std::string("inner:8"));
+  left.status = Status::TimeLimit;
+  left.solution.r = lcp::Vec::Zero(loaded.problem.q.size());
+  left.solution.u = loaded.problem.q;  // W 0 + q
+  contact::judge(left, loaded.problem, left.variant);
+  EXPECT_TRUE(json::parse(run_json(loaded, left, exit_unsolved))["own_residual"].is_null());
+  std::ostringstream out;
+  print_verdict(out, loaded.problem, left);
+  EXPECT_THAT(out.str(), HasSubstr("Nothing is known of its own problem"));
+  EXPECT_THAT(out.str(), Not(HasSubstr("natural residual 0")));
 }
 
 }  // namespace
