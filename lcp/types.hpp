@@ -2,6 +2,7 @@
 /// Vectors and sparse matrices of Perp: Eigen's, in the layout UMFPACK and KLU read (column-major, int indices).
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
+#include <cstddef>
 #include <limits>
 
 namespace perp::lcp {
@@ -13,5 +14,7 @@ using In = const Eigen::Ref<const Vec>&;  ///< read-only vector argument
 using Out = Eigen::Ref<Vec>;              ///< written vector argument; the caller sizes it
 
 inline constexpr double infinity = std::numeric_limits<double>::infinity();
+
+constexpr std::size_t at(Index i) { return static_cast<std::size_t>(i); }  ///< i as an index of std::vector
 
 }  // namespace perp::lcp

@@ -20,9 +20,10 @@ namespace perp::app::compare {
 
 namespace {
 
-constexpr std::array<std::string_view, 12> names{"solved",    "solved-to-rounding", "failed",       "false-convergence",
-                                                 "unclaimed", "time-limit",         "memory-limit", "crashed",
-                                                 "garbage",   "not-applicable",     "infeasible",   "false-infeasible"};
+constexpr std::array<std::string_view, 12> outcomes{
+    "solved",    "solved-to-rounding", "failed",       "false-convergence",
+    "unclaimed", "time-limit",         "memory-limit", "crashed",
+    "garbage",   "not-applicable",     "infeasible",   "false-infeasible"};
 
 constexpr std::array<std::string_view, 17> columns{"method",         "problem",
                                                    "start",          "outcome",
@@ -130,14 +131,14 @@ void append_row(std::string& text, const Row& row, std::size_t width) {
 
 }  // namespace
 
-std::span<const std::string_view> outcome_names() { return names; }
+std::span<const std::string_view> outcome_names() { return outcomes; }
 
-std::string_view to_string(Outcome outcome) { return names.at(static_cast<std::size_t>(outcome)); }
+std::string_view to_string(Outcome outcome) { return outcomes.at(static_cast<std::size_t>(outcome)); }
 
 Outcome outcome_of(std::string_view name) {
-  const auto found = std::ranges::find(names, name);
-  if (found == names.end()) throw InputError(fmt::format("'{}' is no outcome", name));
-  return static_cast<Outcome>(found - names.begin());
+  const auto found = std::ranges::find(outcomes, name);
+  if (found == outcomes.end()) throw InputError(fmt::format("'{}' is no outcome", name));
+  return static_cast<Outcome>(found - outcomes.begin());
 }
 
 bool good(Outcome outcome) { return outcome == Outcome::Solved || outcome == Outcome::Infeasible; }

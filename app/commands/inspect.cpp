@@ -16,6 +16,7 @@ namespace perp::app {
 
 namespace {
 
+using lcp::at;
 using ncp::Index;
 using ncp::SpMat;
 using ncp::Vec;
@@ -25,8 +26,6 @@ constexpr Index check_all_columns = 200;   // derivatives: every column up to th
 constexpr Index checked_columns = 50;      // else so many
 constexpr Index factor_to = 50'000;        // condition: beyond, an LU may take minutes and the memory
 constexpr std::size_t extremes_shown = 3;  // of rows, and of columns
-
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
 bool is_fixed(const ncp::Box& box, Index i) { return box.lower[i] == box.upper[i]; }
 bool is_free(const ncp::Box& box, Index i) { return box.lower[i] == -ncp::infinity && box.upper[i] == ncp::infinity; }

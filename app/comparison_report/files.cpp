@@ -49,8 +49,6 @@ Json json(const Records& records) {
 }
 
 const char* yes_no(bool value) { return value ? "yes" : "no"; }
-Json known(double value) { return std::isnan(value) ? Json(nullptr) : json_number(value); }
-
 bool contains(const std::vector<std::size_t>& values, std::size_t value) {
   return std::ranges::find(values, value) != values.end();
 }
@@ -111,8 +109,8 @@ Records summaries(const ReportParts& parts) {
     const Summary all = summary(parts.data, comparison);
     for (const SummaryRow& row : all.rows)
       records.rows.push_back({comparison.id, parts.data.label(row.method), row.solved, all.pairs, row.after,
-                              row.quickest, row.within_two, row.fewest_F, all.common, known(row.iterations),
-                              known(row.F_evals), known(row.factorizations), known(row.seconds)});
+                              row.quickest, row.within_two, row.fewest_F, all.common, json_known(row.iterations),
+                              json_known(row.F_evals), json_known(row.factorizations), json_known(row.seconds)});
   }
   return records;
 }
@@ -142,7 +140,7 @@ Records curves(const ReportParts& parts) {
   Records records{{"method", "problem", "start", "point", "natural"}};
   for (const Cell& cell : parts.data.cells())
     for (std::size_t k = 0; k < cell.curve.size(); ++k)
-      records.rows.push_back({cell.method, cell.problem, cell.start, k, known(cell.curve[k])});
+      records.rows.push_back({cell.method, cell.problem, cell.start, k, json_known(cell.curve[k])});
   return records;
 }
 

@@ -61,8 +61,7 @@ Json curve_data(const Cell& cell) {
   return curve;
 }
 
-Json known(int count) { return count < 0 ? Json(nullptr) : Json(count); }
-Json known(double value) { return std::isnan(value) ? Json(nullptr) : json_number(value); }
+Json json_count(int count) { return count < 0 ? Json(nullptr) : Json(count); }
 
 std::string cells_section() {
   return R"html(<section id="cells"><h2>Every cell</h2>
@@ -206,10 +205,10 @@ std::string cells_data(const CampaignData& data, const std::vector<std::size_t>&
       const Cell* cell = data.at(m, p);
       if (cell == nullptr) continue;
       cells.push_back({m, data.pairs()[p].problem, cell->start, static_cast<int>(cell->outcome),
-                       static_cast<int>(cell->outcome_after_restarts), cell->status, known(cell->natural),
-                       known(cell->iterations), known(cell->F_evals), known(cell->J_evals), known(cell->factorizations),
-                       known(cell->krylov_iterations), cell->restarts, known(cell->seconds), known(cell->peak_mb),
-                       cell->message, curve_data(*cell)});
+                       static_cast<int>(cell->outcome_after_restarts), cell->status, json_known(cell->natural),
+                       json_count(cell->iterations), json_count(cell->F_evals), json_count(cell->J_evals),
+                       json_count(cell->factorizations), json_count(cell->krylov_iterations), cell->restarts,
+                       json_known(cell->seconds), json_known(cell->peak_mb), cell->message, curve_data(*cell)});
     }
   json["cells"] = std::move(cells);
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);

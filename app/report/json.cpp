@@ -20,6 +20,8 @@ Json json_number(double value) {
   return value;
 }
 
+Json json_known(double value) { return std::isnan(value) ? Json(nullptr) : json_number(value); }
+
 Json json_numbers(ncp::In values) {
   Json array = Json::array();
   for (const double value : values) array.push_back(json_number(value));

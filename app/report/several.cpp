@@ -11,7 +11,6 @@ namespace perp::app {
 
 namespace {
 
-constexpr std::size_t long_table = 60;
 constexpr std::size_t side_by_side = 5;  // solutions in one table
 
 /// Shows the records up to the first of deflation.

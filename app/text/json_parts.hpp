@@ -10,6 +10,7 @@ namespace perp::app {
 using Json = nlohmann::ordered_json;
 
 Json json_number(double value);  ///< infinities as "inf" and "-inf", NaN as "nan"
+Json json_known(double value);   ///< as json_number(), but null for NaN
 Json json_numbers(ncp::In values);
 /// The documents for other programs, but for those with a version of their own; docs/schema/ describes them.
 enum class Document {

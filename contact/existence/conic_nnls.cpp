@@ -7,10 +7,9 @@
 namespace perp::contact {
 namespace {
 
+using lcp::at;
 using lcp::Index;
 using lcp::Vec;
-
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
 /// Of the largest entry: less is zero.
 constexpr double negligible = 1e-14;

@@ -19,8 +19,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr double eps = std::numeric_limits<double>::epsilon();
-constexpr double slack = 1e-14;
 /// ADMM: its penalty in scaled units, iterations a margin, and how often the velocities are looked at.
 constexpr double penalty = 0.3;
 constexpr int iterations = 5000;
@@ -30,8 +28,6 @@ constexpr std::array margins{1.0, 0.1, 0.01, 0.001};
 constexpr std::array regularizations{1e-8, 1e-4, 1e-2};
 /// Contacts that a message names.
 constexpr std::size_t named = 6;
-
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
 bool symmetric(const SpMat& W) {
   const SpMat transposed = W.transpose();
@@ -108,7 +104,7 @@ double margin(const Problem& problem, In r, double shift) {
     const double mu = problem.mu[a];
     const double normal = u[at(N)].value();
     const double changed = shift * problem.W.coeff(N, N) * std::abs(r[N]) + mu * moved;
-    const double room = slack * (std::abs(normal) + mu * squares + changed) + (1 + mu) * (lost + 1e-300);
+    const double room = last_roundings * (std::abs(normal) + mu * squares + changed) + (1 + mu) * (lost + 1e-300);
     const double here = normal - mu * squares - changed - room;
     if (!std::isfinite(here)) return -lcp::infinity;
     least = std::min(least, here);

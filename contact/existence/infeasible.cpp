@@ -16,14 +16,8 @@ namespace {
 
 using Block = std::array<Expansion, 3>;
 
-constexpr double eps = std::numeric_limits<double>::epsilon();
-/// More than the rounding of the few operations that follow the exact sums, and less than the smallest normal number
-/// they can lose.
-constexpr double slack = 1e-14;
 constexpr double tiny = 1e-300;
 constexpr double out_of_this_world = 1e12;
-
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
 /// W'(y e_N), contact by contact, exactly. Rows of W are read from the columns of contacts.
 std::vector<Block> product(const Problem& problem, In y) {
@@ -70,12 +64,12 @@ Part part_of(const Block& exact, double mu) {
   const double T = std::hypot(g[1].value(), g[2].value());
   const double friction = mu * T;
   if (!std::isfinite(friction) || !std::isfinite(lost_here)) return {.excess = lcp::infinity, .norm = lcp::infinity};
-  const double room = slack * (std::abs(N) + friction) + tiny + 3 * lost_here * (1 + mu);
+  const double room = last_roundings * (std::abs(N) + friction) + tiny + 3 * lost_here * (1 + mu);
   if (-N - friction >= room) return {.inside = true};
   if (N < 0 && std::abs(N + friction) <= room && inside_exactly(g, mu)) return {.inside = true};
   const double excess = std::max(N + friction, 0.0) + room;
-  const double whole = (std::hypot(N, T) + 3 * lost_here) * (1 + slack) + tiny;
-  const double norm = T <= mu * N ? whole : std::min(whole, excess / std::hypot(1, mu) * (1 + slack) + tiny);
+  const double whole = (std::hypot(N, T) + 3 * lost_here) * (1 + last_roundings) + tiny;
+  const double norm = T <= mu * N ? whole : std::min(whole, excess / std::hypot(1, mu) * (1 + last_roundings) + tiny);
   return {.excess = std::ldexp(excess, -scale), .norm = std::ldexp(norm, -scale)};
 }
 
@@ -92,7 +86,7 @@ Certificate examine(const Problem& problem, In y) {
   if (!y.allFinite() || (y.array() < 0).any()) return out;
   Expansion approach;
   for (Index a = 0; a < y.size(); ++a) approach.add_product(-problem.q[problem.dimension * a], y[a]);
-  const double least = approach.value() * (1 - slack) - approach.lost();
+  const double least = approach.value() * (1 - last_roundings) - approach.lost();
   if (!(least > 0) || !approach.finite()) return out;
   bool inside = true;
   double largest = 0;
@@ -110,7 +104,7 @@ Certificate examine(const Problem& problem, In y) {
   double sum = 0;
   for (const double norm : norms) sum += (norm / largest) * (norm / largest);
   const auto n = static_cast<double>(norms.size());
-  out.radius = least / (largest * std::sqrt(sum) * (1 + slack + n * eps)) * (1 - slack);
+  out.radius = least / (largest * std::sqrt(sum) * (1 + last_roundings + n * eps)) * (1 - last_roundings);
   if (!std::isfinite(out.radius)) out.radius = std::isfinite(largest) ? std::numeric_limits<double>::max() : 0;
   return out;
 }

@@ -32,8 +32,6 @@ constexpr double support_tol = 1e-9;
 constexpr double largest_denominator = 1024;
 constexpr double largest_common = 0x1p40;
 
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
-
 /// The nearest fraction of a small denominator by continued fractions; 0 if there is none within 1e-9 of v.
 double denominator(double v) {
   double before = 0;

@@ -11,7 +11,7 @@ namespace {
 using lcp::Numbers;
 using lcp::SiconosMatrix;
 
-constexpr Index most = std::numeric_limits<int>::max();
+constexpr Index most_rows = std::numeric_limits<int>::max();
 
 Vec friction(Numbers& in, Index n) {
   in.expect("mu", n, 1);
@@ -53,7 +53,7 @@ Problem read_global(Numbers& in, Global g, Index n, int d, const std::string& na
 Problem parse_dat(std::string_view text, const std::string& name) {
   Numbers in(text, name);
   const auto d = static_cast<int>(in.integer("the dimension", 2, 3));
-  const Index n = in.integer("the number of contacts", 0, most / 3);
+  const Index n = in.integer("the number of contacts", 0, most_rows / 3);
   in.expect("mu", n, 1);
   SiconosMatrix first(in, "the first matrix, W or M,");
   SpMat A = first.entries();

@@ -1,7 +1,5 @@
 #include "contact/io/fclib.hpp"
 
-#include <hdf5.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -14,6 +12,7 @@
 
 #include "contact/io/fclib_parts.hpp"
 #include "contact/io/hdf5_check.hpp"
+#include "contact/io/hdf5_lazy.hpp"
 #include "lcp/io/output_file.hpp"
 #include "lcp/solve/schur.hpp"
 
@@ -22,7 +21,7 @@ namespace {
 
 using lcp::FileError;
 
-constexpr long long most = std::numeric_limits<int>::max();
+constexpr long long most_entries = std::numeric_limits<int>::max();
 /// Files in memory have a name as well, and HDF5 looks whether a file has it: none can.
 constexpr const char* no_file = "/dev/null/none";
 constexpr std::size_t longest_text = 1 << 16;
@@ -193,10 +192,10 @@ class Reader {
 
   SpMat matrix(const std::string& path, Index rows, Index columns) const {
     FclibMatrix stored;
-    stored.m = integer(path + "/m", 0, most);
-    stored.n = integer(path + "/n", 0, most);
-    stored.nzmax = integer(path + "/nzmax", 0, most);
-    stored.nz = integer(path + "/nz", -2, most);
+    stored.m = integer(path + "/m", 0, most_entries);
+    stored.n = integer(path + "/n", 0, most_entries);
+    stored.nzmax = integer(path + "/nzmax", 0, most_entries);
+    stored.nz = integer(path + "/nz", -2, most_entries);
     stored.p = integers(path + "/p");
     stored.i = integers(path + "/i");
     stored.x = numbers(path + "/x");
@@ -331,7 +330,7 @@ Fclib read_all(std::string_view content, const std::string& name) {
     sizes.l = p.global->b.size();
   }
   if (in.has("/solution")) out.solution = read_point(in, "/solution", sizes);
-  const long long guesses = in.has("/guesses") ? in.integer("/guesses/number_of_guesses", 0, most) : 0;
+  const long long guesses = in.has("/guesses") ? in.integer("/guesses/number_of_guesses", 0, most_entries) : 0;
   for (long long k = 1; k <= guesses; ++k) {
     const std::string path = "/guesses/" + std::to_string(k);
     if (!in.has(path)) in.refuse(path, "is missing, of ", guesses, " guesses");

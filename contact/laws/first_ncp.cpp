@@ -5,11 +5,7 @@
 #include <stdexcept>
 
 namespace perp::contact {
-namespace {
-
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
-
-}  // namespace
+namespace {}  // namespace
 
 FirstNcp::FirstNcp(const Problem& problem, const FirstNcpOptions& options)
     : dimension_(problem.dimension), mu_(problem.mu), weight_(options.weight) {

@@ -9,7 +9,7 @@
 namespace perp::contact {
 namespace {
 
-EncodingBuilder build(const Problem& problem, const EncodingOptions& options) {
+EncodingBuilder frictionless_rows(const Problem& problem, const EncodingOptions& options) {
   EncodingBuilder b(problem, options);
   for (Index a = 0; a < problem.contacts(); ++a) b.next_contact(a);
   return b;
@@ -43,6 +43,6 @@ Problem without_friction(Problem problem) {
 }
 
 Frictionless::Frictionless(const Problem& problem, const EncodingOptions& options)
-    : AffineEncoding(problem, build(problem, options)) {}
+    : AffineEncoding(problem, frictionless_rows(problem, options)) {}
 
 }  // namespace perp::contact

@@ -11,8 +11,6 @@
 namespace perp::contact {
 namespace {
 
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
-
 const double inv_sqrt3 = 1 / std::sqrt(3.0);
 
 /// Encoding B: with E = (e_1, ..)' of the facets but the last, whose sum is -e_d,

@@ -5,7 +5,7 @@
 namespace perp::contact {
 namespace {
 
-EncodingBuilder build(const Problem& problem, const Polygons& polygons, const EncodingOptions& options) {
+EncodingBuilder inner_rows(const Problem& problem, const Polygons& polygons, const EncodingOptions& options) {
   check("inner faceting", problem, polygons);
   EncodingBuilder b(problem, options);
   const bool mixed = options.form == Form::Mixed;
@@ -48,6 +48,6 @@ EncodingBuilder build(const Problem& problem, const Polygons& polygons, const En
 }  // namespace
 
 InnerFaceting::InnerFaceting(const Problem& problem, const Polygons& polygons, const EncodingOptions& options)
-    : AffineEncoding(problem, build(problem, polygons, options)) {}
+    : AffineEncoding(problem, inner_rows(problem, polygons, options)) {}
 
 }  // namespace perp::contact

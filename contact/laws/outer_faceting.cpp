@@ -75,7 +75,7 @@ void add_reduced(EncodingBuilder& b, Index r_N, double mu, const Polygon::Matrix
   }
 }
 
-EncodingBuilder build(const Problem& problem, const Polygons& polygons, const EncodingOptions& options) {
+EncodingBuilder outer_rows(const Problem& problem, const Polygons& polygons, const EncodingOptions& options) {
   check("outer faceting", problem, polygons);
   EncodingBuilder b(problem, options);
   for (Index a = 0; a < problem.contacts(); ++a) {
@@ -90,7 +90,7 @@ EncodingBuilder build(const Problem& problem, const Polygons& polygons, const En
 }  // namespace
 
 OuterFaceting::OuterFaceting(const Problem& problem, const Polygons& polygons, const EncodingOptions& options)
-    : AffineEncoding(problem, build(problem, polygons, options)) {
+    : AffineEncoding(problem, outer_rows(problem, polygons, options)) {
   if (options.form == Form::Mixed) begin_lemke_at(mixed_start(problem, polygons));
 }
 

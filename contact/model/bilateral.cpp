@@ -12,9 +12,6 @@
 namespace perp::contact {
 namespace {
 
-/// M is singular up to rounding below this reciprocal condition number.
-constexpr double singular = 1e-15;
-
 SpMat normal_columns(const SpMat& H, int dimension) {
   SpMat selection(H.cols(), H.cols() / dimension);
   selection.reserve(selection.cols());

@@ -10,7 +10,6 @@ namespace perp::contact {
 namespace {
 
 constexpr double drop = 1e-15;
-constexpr double singular = 1e-15;
 
 [[noreturn]] void refuse(const std::string& why) { throw std::invalid_argument("condensation: " + why); }
 

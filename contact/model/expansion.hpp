@@ -3,9 +3,15 @@
 /// first (Shewchuk, Discrete Comput. Geom. 18 (1997) 305, theorem 10; Dekker 1971 for the product). What a product may
 /// have lost below the smallest double is counted in lost(); after an overflow finite() is false. Private to contact/.
 #include <cmath>
+#include <limits>
 #include <vector>
 
 namespace perp::contact {
+
+/// More than the rounding of the few operations that follow exact sums, and less than the smallest normal number they
+/// can lose.
+inline constexpr double last_roundings = 1e-14;
+inline constexpr double eps = std::numeric_limits<double>::epsilon();
 
 class Expansion {
  public:

@@ -16,6 +16,7 @@
 
 namespace perp::contact {
 
+using lcp::at;
 using lcp::In;
 using lcp::Index;
 using lcp::SpMat;

@@ -18,8 +18,6 @@ constexpr double least_scale = 1e-300;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
-
 struct Parts {
   double N;  ///< normal
   double T;  ///< size of the tangential part

@@ -9,8 +9,6 @@
 namespace perp::contact {
 namespace {
 
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
-
 /// W~ with whole blocks: where a column has an entry in the rows of a contact it has all of them, and its own
 /// contact's.
 void fill(const SpMat& W, const std::vector<int>& place, const std::vector<double>& weight, double s, Scaled& out) {

@@ -14,8 +14,6 @@ constexpr double eps = std::numeric_limits<double>::epsilon();
 /// What u may be wrong by, of itself, before its row is added up without rounding.
 constexpr double wanted = 1e-14;
 
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
-
 /// Row i of u for those that are asked for.
 void add_exactly(const Problem& problem, In r, const std::vector<char>& asked, Vec& u) {
   std::vector<Index> place(asked.size(), -1);

@@ -4,11 +4,7 @@
 #include <utility>
 
 namespace perp::contact {
-namespace {
-
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
-
-}  // namespace
+namespace {}  // namespace
 
 AlartCurnierRows alart_curnier_rows(int size, const Eigen::Vector3d& r, const Eigen::Vector3d& u, double rho_N,
                                     double rho_T) {

@@ -9,7 +9,7 @@ namespace perp::contact {
 namespace {
 
 constexpr double first_delta = 0.1;
-constexpr double least_delta = 1e-13;
+constexpr double least_stage_delta = 1e-13;
 constexpr double tau_share = 0.1;
 /// The methods' tolerance, in scaled units; what the stages before the last are solved to.
 constexpr double loose_tol = 1e-6;
@@ -42,7 +42,7 @@ void tie(ncp::Method& method, Glocker& mcp, double last_delta) {
   interior->stop.tol = std::min(interior->stop.tol, tightest_tol);
   interior->follow = [&mcp, last_delta](double tau) {
     if (!std::isfinite(tau)) return;  // the method ends; no wrong option of the user's
-    mcp.set_smoothing(std::clamp(tau_share * tau, std::min(least_delta, last_delta), 1.0), tau_share * tau);
+    mcp.set_smoothing(std::clamp(tau_share * tau, std::min(least_stage_delta, last_delta), 1.0), tau_share * tau);
   };
 }
 

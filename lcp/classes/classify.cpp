@@ -12,8 +12,6 @@
 namespace perp::lcp {
 namespace {
 
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
-
 Property yes(std::string reason) { return {.answer = Answer::Yes, .reason = std::move(reason)}; }
 Property no(std::string reason, std::vector<Index> indices = {}, Vec vector = {}) {
   return {

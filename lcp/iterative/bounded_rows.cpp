@@ -6,7 +6,6 @@
 namespace perp::lcp {
 namespace {
 
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 constexpr double zero_pivot = 1e-10;  ///< relative to the largest entry of the row, or to 1
 
 }  // namespace

@@ -14,8 +14,6 @@
 namespace perp::lcp {
 namespace {
 
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
-
 /// The problem without its fixed variables, z_i = D_i x_i, every row times D_i / unit: entries of M up to one, q too.
 class Scaled {
  public:

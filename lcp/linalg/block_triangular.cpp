@@ -10,8 +10,6 @@
 namespace perp::lcp {
 namespace {
 
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
-
 bool is_fixed(const Box& box, Index i) { return box.lower[i] == box.upper[i]; }
 
 /// Tarjan's algorithm along the columns (j -> i where M_ij != 0) with an explicit stack. Components come out with

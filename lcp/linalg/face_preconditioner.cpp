@@ -3,11 +3,7 @@
 #include <cmath>
 
 namespace perp::lcp {
-namespace {
-
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
-
-}  // namespace
+namespace {}  // namespace
 
 SparseRows SparseRows::transposed(int columns) const {
   SparseRows T;

@@ -12,8 +12,6 @@
 namespace perp::lcp {
 namespace {
 
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
-
 /// The unknowns that are left when the known ones have gone.
 struct Block {
   std::vector<int> number;    ///< of an unknown among those left; -1: known

@@ -7,8 +7,6 @@
 namespace perp::lcp {
 namespace {
 
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
 /// Which entries of A are strong for their row.
 Mask strong_entries(const SparseRows& A, double theta) {
   Mask strong(A.value.size(), 0);

@@ -5,8 +5,6 @@
 namespace perp::lcp {
 namespace {
 
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
-
 /// For every node of one side its neighbours on the other.
 struct Graph {
   std::vector<Index> first{0};

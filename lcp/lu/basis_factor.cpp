@@ -28,8 +28,6 @@ void require_below(const char* what, Index i, Index limit) {
   throw std::invalid_argument(message.str());
 }
 
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
-
 /// The etas E_1 ... E_k, in one file. Those with few zeros are kept with them, which needs no row numbers.
 struct EtaFile {
   std::vector<Index> position;

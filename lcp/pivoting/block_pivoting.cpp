@@ -12,9 +12,9 @@
 namespace perp::lcp {
 namespace {
 
-class Run {
+class BlockRun {
  public:
-  Run(const AffineMcp& problem, In start, const BlockPivoting& options, const Limits& limits)
+  BlockRun(const AffineMcp& problem, In start, const BlockPivoting& options, const Limits& limits)
       : problem_(problem),
         options_(options),
         limits_(limits),
@@ -116,7 +116,8 @@ class Run {
 Result by_components(const AffineMcp& problem, In start, const BlockPivoting& options, const Limits& limits) {
   Result result = solve_by_components(
       problem, start,
-      [&](const AffineMcp& part, In at, const Limits& stop) { return Run(part, at, options, stop).run(); }, limits);
+      [&](const AffineMcp& part, In at, const Limits& stop) { return BlockRun(part, at, options, stop).run(); },
+      limits);
   std::ostringstream rounds;
   rounds << (result.message.empty() ? "" : "; ") << "by components: " << result.iterations << " rounds";
   result.message += rounds.str();
@@ -141,10 +142,10 @@ Result block_pivoting(const AffineMcp& problem, In start, const BlockPivoting& o
   refuse_invalid("block_pivoting", options);
   const auto solve = [&] {
     if (!options.components || strong_components(problem).count() <= 1)
-      return Run(problem, start, options, limits).run();
+      return BlockRun(problem, start, options, limits).run();
     Result parts = by_components(problem, start, options, limits);
     if (parts.accepted() || parts.status == Status::OutOfMemory || limits.reached()) return parts;
-    Result whole = Run(problem, start, options, limits).run();
+    Result whole = BlockRun(problem, start, options, limits).run();
     whole.iterations += parts.iterations;
     whole.factorizations += parts.factorizations;
     return whole;

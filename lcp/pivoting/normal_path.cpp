@@ -7,11 +7,7 @@
 #include "lcp/judge/result.hpp"
 
 namespace perp::lcp {
-namespace {
-
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
-
-}  // namespace
+namespace {}  // namespace
 
 void NormalPath::set_interval(Index i) {
   const Cell c = cells_[at(i)];

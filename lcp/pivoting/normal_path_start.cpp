@@ -22,8 +22,6 @@ SpMat with_residual_column(const SpMat& M) {
   return A;
 }
 
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
-
 }  // namespace
 
 NormalPath::NormalPath(const AffineMcp& problem, In start, const LemkeOptions& options)

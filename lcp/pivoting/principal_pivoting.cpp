@@ -15,8 +15,6 @@
 namespace perp::lcp {
 namespace {
 
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
-
 /// The system w - M z = q with one basic and one nonbasic variable a pair. The basis matrix has the columns e_k of
 /// basic w_k and M_.k of basic z_k, whose unknowns are therefore w_k and -z_k.
 class Tableau {
@@ -146,9 +144,10 @@ class Tableau {
   bool broken_ = false;  ///< between the two halves of a 2 x 2 pivot
 };
 
-class Run {
+class PrincipalRun {
  public:
-  Run(const AffineMcp& problem, In start, const PrincipalPivoting& options, const Limits& limits, bool split_free)
+  PrincipalRun(const AffineMcp& problem, In start, const PrincipalPivoting& options, const Limits& limits,
+               bool split_free)
       : problem_(problem),
         options_(options),
         limits_(limits),
@@ -356,9 +355,9 @@ Result principal_pivoting(const AffineMcp& problem, In start, const PrincipalPiv
   check_input("principal_pivoting", problem, start, limits);
   refuse_invalid("principal_pivoting", options);
   const auto solve = [&] {
-    Run run(problem, start, options, limits, false);
+    PrincipalRun run(problem, start, options, limits, false);
     if (run.enter(start)) return run.run();
-    Run split(problem, start, options, limits, true);
+    PrincipalRun split(problem, start, options, limits, true);
     split.enter(start);  // the basis of unit columns at the latest
     return split.run();
   };

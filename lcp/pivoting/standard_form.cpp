@@ -7,7 +7,6 @@
 namespace perp::lcp {
 namespace {
 
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 bool finite_lower(const Box& box, Index i) { return box.lower[i] > -infinity; }
 bool finite_upper(const Box& box, Index i) { return box.upper[i] < infinity; }
 /// z_i = offset_i + sign_i x

@@ -17,8 +17,6 @@ namespace {
 using Kind = BoundQp::Preconditioner;
 using End = Descent::End;
 
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
-
 /// A: the columns of M, T: its rows. Entries as assembled twice may differ by rounding, of terms as large as those of
 /// the diagonal.
 std::string asymmetry(const SparseRows& A, const SparseRows& T, const Vec& d) {

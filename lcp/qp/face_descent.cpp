@@ -13,8 +13,6 @@ constexpr double rounding = 4 * eps;
 // Of p'D p, D the diagonal: below it p'A p is taken for 0. The smoothest mode of a million unknowns in a row has 1e-11.
 constexpr double flat = 1e-13;
 
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
-
 double mid(double l, double z, double u) { return z < l ? l : z > u ? u : z; }
 
 class Run {

@@ -18,7 +18,6 @@ namespace {
 using Eigen::MatrixXd;
 using Feasibility = BoundedRows::Feasibility;
 
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 bool finite_lower(const Box& box, Index i) { return box.lower[i] > -infinity; }
 bool finite_upper(const Box& box, Index i) { return box.upper[i] < infinity; }
 bool is_fixed(const Box& box, Index i) { return box.lower[i] == box.upper[i]; }

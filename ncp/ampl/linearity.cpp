@@ -5,8 +5,6 @@
 namespace perp::ncp::ampl {
 namespace {
 
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
-
 /// The variables that the expression of one row mentions, through any depth of defined variables.
 class Mentioned {
  public:

@@ -17,8 +17,6 @@ namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
-
 /// The path without its ".nl".
 std::string stub_of(const std::string& path) { return path.ends_with(".nl") ? path.substr(0, path.size() - 3) : path; }
 

@@ -8,8 +8,6 @@
 namespace perp::ncp::ampl {
 namespace {
 
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
 /// Reads the segments in the order in which they come.
 class Segments {
  public:

@@ -9,8 +9,6 @@
 namespace perp::ncp::ampl {
 namespace {
 
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
-
 bool is_equation(const NlRange& row) { return row.complement < 0 && row.lower == row.upper; }
 
 std::string interval(const NlRange& r) { return "[" + number(r.lower) + ", " + number(r.upper) + "]"; }

@@ -10,7 +10,7 @@ namespace {
 /// Beyond this, relative to 1 + |start|, a variable is on its way to infinity.
 constexpr double far_away = 1e6;
 /// The gradient of Psi counts as zero below this share of the terms it is the sum of.
-constexpr double stationary_tol = 1e-6;
+constexpr double flat_enough = 1e-6;
 
 }  // namespace
 
@@ -28,7 +28,7 @@ Diagnosis diagnose(const Mcp& mcp, const Point& point, In start) {
   }
   Linearisation at;
   linearise(fischer_burmeister(), mcp.box(), point, at);
-  if (at.stationarity <= stationary_tol) {
+  if (at.stationarity <= flat_enough) {
     out.stationary = true;
     out.message = "the best point is stationary for the Fischer-Burmeister merit 1/2 ||Phi||^2, which is " +
                   number(at.merit) + " there: no step can decrease it";

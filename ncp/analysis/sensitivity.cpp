@@ -20,8 +20,6 @@ namespace {
 using Dense = Eigen::MatrixXd;
 using Indices = std::vector<Index>;
 
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
-
 [[noreturn]] void refuse_input(const Mcp& mcp, const std::string& what) {
   throw std::invalid_argument(mcp.name() + ": sensitivity: " + what);
 }

@@ -24,8 +24,6 @@ constexpr double null = 1e-9;         // || y'B || for || y || = 1, equilibrated
 constexpr double takes_part = 1e-3;   // share of the largest entry of a null vector
 constexpr std::size_t few_pairs = 3;  // parallel pairs told
 
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
-
 /// J_AA without entries that are zero.
 SpMat block_of(const SpMat& J, const Indices& block) {
   SpMat B = lcp::principal_block(J, block);

@@ -21,7 +21,7 @@ constexpr Index sparse = 10'000'000;
 constexpr Index dense = 10'000;
 constexpr Index side = 20'000;  // of a grid
 
-constexpr std::array table{
+constexpr std::array family_table{
     Family{"ahn", {{"n", 1, sparse}}, "1000", ahn},
     Family{"american-put-own", {{"steps", 1, side}, {"N", 1, side}}, "100x400", american_put_own, Growth::Grid},
     Family{"bimatrix-own", {{"m", 1, dense}, {"n", 1, dense}}, "30x20:3", bimatrix_own, Growth::Dense},
@@ -63,7 +63,7 @@ constexpr std::array table{
            "400x300x300:7",
            walras_own},
 };
-static_assert(std::ranges::is_sorted(table, {}, &Family::name));
+static_assert(std::ranges::is_sorted(family_table, {}, &Family::name));
 
 [[noreturn]] void refuse(const Family& family, const std::string& why) {
   throw std::invalid_argument(std::string(family.name).append(": ").append(why).append("; expected ") + syntax(family) +
@@ -124,11 +124,11 @@ std::span<const SizeArgument> Family::arguments() const {
   return {std::begin(sizes), end};
 }
 
-std::span<const Family> families() { return table; }
+std::span<const Family> families() { return family_table; }
 
 const Family* find_family(std::string_view name) {
-  const auto* found = std::ranges::find(table, name, &Family::name);
-  return found == table.end() ? nullptr : found;
+  const auto* found = std::ranges::find(family_table, name, &Family::name);
+  return found == family_table.end() ? nullptr : found;
 }
 
 std::string syntax(const Family& family) {

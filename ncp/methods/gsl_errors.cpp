@@ -14,7 +14,7 @@ namespace {
 thread_local int mine = 0;                     // GslErrors of this thread
 thread_local std::jmp_buf* back_to = nullptr;  // where want of memory leads, if anywhere
 std::mutex lock;
-int all = 0;  // GslErrors of the process
+int holders = 0;  // GslErrors of the process
 std::atomic<gsl_error_handler_t*> before{nullptr};
 
 /// Vectors and matrices are made of a struct and a block: where there is no block they free the struct and say so
@@ -35,13 +35,13 @@ void handle(const char* reason, const char* file, int line, int error) {
 
 GslErrors::GslErrors() {
   const std::lock_guard guard(lock);
-  if (all++ == 0) before = gsl_set_error_handler(handle);
+  if (holders++ == 0) before = gsl_set_error_handler(handle);
   ++mine;
 }
 
 GslErrors::~GslErrors() {
   const std::lock_guard guard(lock);
-  if (--all == 0) gsl_set_error_handler(before);
+  if (--holders == 0) gsl_set_error_handler(before);
   --mine;
 }
 

@@ -34,7 +34,7 @@ struct Iterate {
   Vec w, v;  // 0 where there is no such bound
 };
 
-struct Direction {
+struct InteriorStep {
   Vec x, w, v;
 };
 
@@ -44,9 +44,9 @@ class InteriorPath {
   void run();
 
   // Of predictor_corrector().
-  Direction direction(double target, const Direction* affine) const;
-  double reach(const Direction& d) const;
-  double mean_after(const Direction& d, double alpha) const { return gap(moved(d, alpha)); }
+  InteriorStep direction(double target, const InteriorStep* affine) const;
+  double reach(const InteriorStep& d) const;
+  double mean_after(const InteriorStep& d, double alpha) const { return gap(moved(d, alpha)); }
 
  private:
   bool below(Index i) const { return has_[static_cast<std::size_t>(i)].below; }
@@ -63,9 +63,9 @@ class InteriorPath {
   double merit() const;
   bool follow();
   bool factor();
-  Iterate moved(const Direction& d, double alpha) const;
+  Iterate moved(const InteriorStep& d, double alpha) const;
   bool central(const Iterate& at) const;
-  bool advance(const Direction& d);
+  bool advance(const InteriorStep& d);
   bool step();
   bool finish();
   bool raise_tau();
@@ -207,9 +207,9 @@ bool InteriorPath::factor() {
 }
 
 /// Newton's direction towards products `target`, with the second-order terms of `affine` if there is one.
-Direction InteriorPath::direction(double target, const Direction* affine) const {
+InteriorStep InteriorPath::direction(double target, const InteriorStep* affine) const {
   const Index n = at_.point.x.size();
-  Direction d{.x = Vec(n), .w = Vec::Zero(n), .v = Vec::Zero(n)};
+  InteriorStep d{.x = Vec(n), .w = Vec::Zero(n), .v = Vec::Zero(n)};
   Vec c = Vec::Zero(n);
   Vec e = Vec::Zero(n);
   Vec rhs = -residual(at_);
@@ -232,7 +232,7 @@ Direction InteriorPath::direction(double target, const Direction* affine) const 
 }
 
 /// The step to the boundary, at most one.
-double InteriorPath::reach(const Direction& d) const {
+double InteriorPath::reach(const InteriorStep& d) const {
   double alpha = 1;
   const auto limit = [&alpha](double value, double change) {
     if (change < 0) alpha = std::min(alpha, -value / change);
@@ -244,7 +244,7 @@ double InteriorPath::reach(const Direction& d) const {
   return alpha;
 }
 
-Iterate InteriorPath::moved(const Direction& d, double alpha) const {
+Iterate InteriorPath::moved(const InteriorStep& d, double alpha) const {
   Iterate to;
   to.point.x = at_.point.x + alpha * d.x;
   to.w = at_.w + alpha * d.w;
@@ -262,7 +262,7 @@ bool InteriorPath::central(const Iterate& at) const {
 }
 
 /// The step along d; false if F is defined at no point of it or the residual grows wherever it ends.
-bool InteriorPath::advance(const Direction& d) {
+bool InteriorPath::advance(const InteriorStep& d) {
   if (!d.x.allFinite() || !d.w.allFinite() || !d.v.allFinite()) return false;
   double alpha = std::min(1.0, method_.to_boundary * reach(d));
   for (int k = 0; k < neighbourhood_cuts && !central(moved(d, alpha)); ++k) alpha *= cut;

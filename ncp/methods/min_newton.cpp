@@ -12,12 +12,8 @@
 namespace perp::ncp {
 namespace {
 
-/// nu of the Levenberg-Marquardt steps tried in turn.
-constexpr double lm_growth = 1e3;
-constexpr int lm_tries = 4;
-
 /// A step whose model predicts less than this share of theta to go is none: the point is stationary.
-constexpr double stationary_tol = 1e-10;
+constexpr double stationary_decrease = 1e-10;
 
 /// The search becomes monotone when theta has not been lower for so many iterations: with a memory it can cycle.
 constexpr int patience = 10;
@@ -139,7 +135,7 @@ void iterate(Run& run, const MinNewton& method, Point point) {
     for (int i = 0; i < lm_tries && !done && !stopped; ++i) {
       LeastSquaresStep qp = least_squares.solve(lin, point.x, nu);
       stopped = qp.end == LeastSquaresStep::End::Stopped;
-      stationary = qp.end == LeastSquaresStep::End::Found && -qp.model <= 2 * stationary_tol * lin.merit;
+      stationary = qp.end == LeastSquaresStep::End::Found && -qp.model <= 2 * stationary_decrease * lin.merit;
       if (stationary) break;
       step = {.d = std::move(qp.d), .slope = qp.model, .kind = nu > 0 ? 'L' : 'Q', .nu = nu};
       done = !stopped && step.slope < 0 && search(step);

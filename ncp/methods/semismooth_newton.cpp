@@ -16,13 +16,6 @@ namespace {
 constexpr double progress = 0.99;
 constexpr double progress_before_escapes = 0.8;
 
-/// nu of the Levenberg-Marquardt steps tried in turn.
-constexpr double lm_growth = 1e3;
-constexpr int lm_tries = 4;
-
-/// A gradient smaller than this, relative to the terms it is the sum of, is zero.
-constexpr double stationary_tol = 1e-9;
-
 /// After a full Newton step: x+ = x + d with H d = -Phi(x), H that of the Newton step, with Anderson's acceleration: of
 /// the last steps dX and the changes dD of d between them, the combination that d is nearest to is taken away.
 class ChordSteps {

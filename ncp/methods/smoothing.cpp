@@ -13,12 +13,8 @@
 namespace perp::ncp {
 namespace {
 
-/// nu of the Levenberg-Marquardt steps tried in turn, in units of the size of H'H times ||Phi_mu||.
+/// The first nu of Levenberg-Marquardt steps, in units of the size of H'H times ||Phi_mu||.
 constexpr double lm_first = 1e-6;
-constexpr double lm_growth = 1e3;
-constexpr int lm_tries = 4;
-/// A gradient smaller than this, relative to the terms it is the sum of, is zero.
-constexpr double stationary_tol = 1e-9;
 /// mu stays above this part of the tolerance: Phi_mu is as good as Phi_0 there.
 constexpr double least_mu = 1e-4;
 /// The k-th raise is by 10 x 10^k, from the present mu or the schedule's.

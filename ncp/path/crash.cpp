@@ -13,9 +13,9 @@ namespace {
 
 /// The proximal term of a singular J_II, relative to the size of J; it grows by this factor until J_II + lambda I is
 /// not.
-constexpr double prox_first = 1e-6;
-constexpr double prox_growth = 100;
-constexpr int prox_tries = 4;
+constexpr double crash_prox_first = 1e-6;
+constexpr double crash_prox_growth = 100;
+constexpr int crash_prox_tries = 4;
 /// A step is worth a factorization if it leaves less than this share of the merit.
 constexpr double worthwhile = 0.9;
 
@@ -52,7 +52,7 @@ bool direction(Run& run, const Point& point, const Places& in, lcp::SparseLu& lu
   Vec rhs(static_cast<Index>(I.size()));
   for (std::size_t k = 0; k < I.size(); ++k) rhs[static_cast<Index>(k)] = -point.F[I[k]];
   Vec step(rhs.size());
-  for (int tries = 0; tries <= prox_tries; ++tries) {
+  for (int tries = 0; tries <= crash_prox_tries; ++tries) {
     ++run.stats().factorizations;
     if (lu.try_factor(block(point.J, I, lambda))) {
       lu.solve(rhs, step);
@@ -62,7 +62,7 @@ bool direction(Run& run, const Point& point, const Places& in, lcp::SparseLu& lu
         return true;
       }
     }
-    lambda = lambda > 0 ? prox_growth * lambda : prox_first * size_of(point.J);
+    lambda = lambda > 0 ? crash_prox_growth * lambda : crash_prox_first * size_of(point.J);
   }
   return false;
 }

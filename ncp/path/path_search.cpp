@@ -15,13 +15,13 @@ namespace perp::ncp {
 namespace {
 
 /// lambda of the proximal terms tried in turn, relative to the size of J; one that helped shrinks from then on.
-constexpr double prox_first = 0.1;
-constexpr double prox_growth = 30;
-constexpr double prox_decay = 0.1;
-constexpr int prox_tries = 3;
+constexpr double path_prox_first = 0.1;
+constexpr double path_prox_growth = 30;
+constexpr double path_prox_decay = 0.1;
+constexpr int path_prox_tries = 3;
 
 /// A term of lambda below this share of the first one tried is dropped.
-constexpr double prox_least = 0.01;
+constexpr double path_prox_least = 0.01;
 
 /// A chord step is kept if it leaves at most this share of the merit.
 constexpr double chord_keeps = 0.7;
@@ -79,7 +79,7 @@ class Attempt {
     return 0.5 * (F + x - z).squaredNorm();
   }
   /// O(||Phi||), to keep the local order; `size` is that of J.
-  double first_lambda(double size) const { return prox_first * std::min(1.0, std::sqrt(2 * psi_)) * size; }
+  double first_lambda(double size) const { return path_prox_first * std::min(1.0, std::sqrt(2 * psi_)) * size; }
   Way way_to(const NewtonPoint& newton) const;
   bool newton_step(Iteration& it);
   /// Of affine problems: among the restarts are the linear methods.
@@ -252,7 +252,7 @@ bool Attempt::accept(const NewtonPoint& newton, double least, Iteration& it) {
 bool Attempt::newton_step(Iteration& it) {
   const double size = size_of(point_.J);
   double lambda = lambda_;
-  for (int i = 0; i <= prox_tries; ++i) {
+  for (int i = 0; i <= path_prox_tries; ++i) {
     last_ = newton_points_.solve(point_, x_, cells_, lambda);
     it.prox = lambda;
     it.linear = last_->letter();
@@ -265,14 +265,14 @@ bool Attempt::newton_step(Iteration& it) {
       return false;
     }
     if (!last_->solved() && others_do_better()) return false;
-    const bool last = i == prox_tries || !method_.proximal_adaptive;
+    const bool last = i == path_prox_tries || !method_.proximal_adaptive;
     if (last_->usable() && accept(*last_, last ? 0 : least_step, it)) {
       if (lambda > 0) ++run_.stats().proximal_steps;
-      lambda_ = lambda * prox_decay > prox_least * first_lambda(size) ? lambda * prox_decay : 0;
+      lambda_ = lambda * path_prox_decay > path_prox_least * first_lambda(size) ? lambda * path_prox_decay : 0;
       return true;
     }
     if (unchecked_ > 0 || !method_.proximal_adaptive) return false;
-    lambda = lambda > 0 ? prox_growth * lambda : first_lambda(size);
+    lambda = lambda > 0 ? path_prox_growth * lambda : first_lambda(size);
     cells_.clear();
   }
   return false;

@@ -14,6 +14,7 @@
 
 namespace perp::ncp {
 
+using lcp::at;
 using lcp::Box;
 using lcp::In;
 using lcp::Index;

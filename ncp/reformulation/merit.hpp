@@ -6,6 +6,12 @@
 
 namespace perp::ncp {
 
+/// The factor of the nu that Levenberg-Marquardt steps try in turn, and how many.
+inline constexpr double lm_growth = 1e3;
+inline constexpr int lm_tries = 4;
+/// A stationarity() below this is zero.
+inline constexpr double stationary_tol = 1e-9;
+
 /// Phi, H = Da + Db J and H'Phi at a point.
 struct Linearisation {
   Reformulation at;

@@ -74,8 +74,8 @@ class DeflatedSteps {
 constexpr double sigma = 1e-4;      // Armijo
 constexpr int max_backtracks = 20;  // of a step
 constexpr double longest = 10;      // a full step, relative to 1 + ||x||
-constexpr int lm_tries = 4;
-constexpr double lm_growth = 100;
+constexpr int damping_tries = 4;
+constexpr double damping_growth = 100;
 
 /// log ||M Phi|| and what it is made of.
 struct Merit {
@@ -90,7 +90,7 @@ struct Merit {
 
 /// Takes x + t step, t = 1, 1/2, ..., where F and J are defined and, if searching, log ||M Phi|| is at most `reference`
 /// + log(1 + sigma t slope). `slope` is that of log ||M Phi|| along the step: -1 for a Newton step.
-struct Search {
+struct DeflatedSearch {
   Run& run;
   const Merit& value;
   bool searching;
@@ -139,16 +139,16 @@ void deflated_newton(Run& run, const DeflationTry& attempt, const std::vector<De
     const Vec m = M.log_gradient(point.x);
     // grad log ||M Phi|| = H'Phi / ||Phi||^2 + m
     const Vec gradient = lin.gradient / (2 * lin.merit) + m;
-    const Search search{.run = run,
-                        .value = value,
-                        .searching = attempt.search,
-                        .reference = attempt.search ? memory.reference() : infinity,
-                        .it = it};
+    const DeflatedSearch search{.run = run,
+                                .value = value,
+                                .searching = attempt.search,
+                                .reference = attempt.search ? memory.reference() : infinity,
+                                .it = it};
     Vec step;
     it.kind = 'N';
     bool done = steps.newton(lin, m, step) && search.take(step, -1, point);
     double nu = 1e-6 * std::max(1e-8, lin.H.squaredNorm() / static_cast<double>(m.size()));
-    for (int k = 0; k < lm_tries && !done; ++k, nu *= lm_growth) {
+    for (int k = 0; k < damping_tries && !done; ++k, nu *= damping_growth) {
       it.kind = 'L';
       it.prox = nu;
       done = steps.levenberg_marquardt(lin, m, nu, step) && search.take(step, gradient.dot(step), point);

@@ -10,8 +10,6 @@
 namespace perp::ncp {
 namespace {
 
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
-
 /// The original with some variables held, and their pairs left out. Equation k is row rows[k], variable k column
 /// columns[k].
 class ReducedMcp final : public Mcp {

@@ -11,7 +11,6 @@ namespace {
 
 constexpr std::size_t max_notes = 20;
 constexpr double same = 1e-15;  // relative: coefficients that differ by rounding
-constexpr double trust = 1e-6;  // as in presolve_rows.cpp
 
 void mix(std::uint64_t& hash, std::uint64_t value) {
   hash = (hash ^ value) * 0x9E3779B97F4A7C15U;

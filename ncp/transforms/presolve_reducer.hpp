@@ -14,6 +14,8 @@
 
 namespace perp::ncp {
 
+inline constexpr double trust = 1e-6;  ///< what equations are taken to hold to at a solution that somebody accepted
+
 class Reducer {
  public:
   /// x0 is projected onto the box.
@@ -57,7 +59,6 @@ class Reducer {
     bool implied;
   };
 
-  static std::size_t at(Index i) { return static_cast<std::size_t>(i); }
   const Box& box() const { return mcp_.box(); }
   bool is_free(Index c) const { return box().lower[c] == -infinity && box().upper[c] == infinity; }
   bool is_equation(Index row) const { return is_free(column_of_[at(row)]); }

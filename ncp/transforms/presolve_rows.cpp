@@ -9,7 +9,6 @@
 namespace perp::ncp {
 namespace {
 
-constexpr double trust = 1e-6;         // what equations are taken to hold to at a solution that somebody accepted
 constexpr double noise = 1e-12;        // relative to the terms of a sum
 constexpr double zero = 1e-13;         // relative to the terms of a row: nothing but rounding
 constexpr double inside = 1e-9;        // relative: how far from its bounds a variable is between them

@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 
 #include "support/matrices.hpp"
@@ -13,11 +12,10 @@ namespace perp::lcp {
 namespace {
 
 using support::matrix;
+using support::nan;
 using support::Random;
 using support::vec;
 using testing::HasSubstr;
-
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 /// One unknown with F = slope z + q in [l, u].
 AffineMcp scalar(double slope, double q, double l, double u) {

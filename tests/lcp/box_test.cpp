@@ -4,17 +4,15 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 
 #include "support/matrices.hpp"
 
 namespace perp::lcp {
 namespace {
 
+using support::nan;
 using support::vec;
 using testing::HasSubstr;
-
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 Box interval(double lower, double upper) { return {vec({lower}), vec({upper})}; }
 

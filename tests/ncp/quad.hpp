@@ -21,6 +21,15 @@ inline Quad root(Quad x) {
 }
 inline Quad magnitude(Quad x) { return x < 0 ? -x : x; }
 
+/// A C-function, or a smoothing of one, and its partials.
+struct Exact {
+  Quad phi, da, db, dmu = 0;
+};
+
+/// 1 - x / r,  r^2 = x^2 + rest: a difference that would cancel is multiplied by its conjugate,
+///     x - sqrt(x^2 + y) = -y / (x + sqrt(x^2 + y)),  x > 0.
+inline Quad one_minus_ratio(Quad x, Quad rest, Quad r) { return x > 0 ? rest / (r * (r + x)) : (r - x) / r; }
+
 /// |value - exact| / |exact|; denormals are spaced by 4.9e-324 whatever their size, and what lies beyond the range
 /// comes out as its end (ncp/reformulation/cfunction.hpp).
 inline double relative_error(double value, Quad exact) {

@@ -43,7 +43,7 @@ RULES = [
         "SuiteSparse stays behind the linear-algebra seam in lcp",
     ),
     (r"(.*/)?(asl|asl_pfg|asl_pfgh|nlp|nlp2|getstub|jacpdim)\.h$", ("ncp/ampl/",), "AMPL's library stays in ncp/ampl"),
-    (r"(.*/)?(hdf5|H5\w*)\.h(pp)?$", ("contact/io/fclib.cpp",), "HDF5 stays in contact/io/fclib.cpp"),
+    (r"(.*/)?(hdf5|H5\w*)\.h(pp)?$", ("contact/io/hdf5_lazy.hpp",), "HDF5 stays in contact/io/hdf5_lazy.hpp"),
     (r"gsl/", ("ncp/methods/multiroot.cpp", "ncp/methods/gsl_errors.cpp", "ncp/collection/"), "GSL stays behind multiroot and in the collection"),
     (r"(CLI/|nlohmann/)", ("app/",), "command line and JSON stay in app"),
     (r"(.*/)?\.\./", (), "includes are written from the root of the tree"),
@@ -220,7 +220,7 @@ GOOD = {
     "lcp/e.cpp": "#include <Eigen/UmfPackSupport>\n",
     "ncp/b.cpp": '#include "lcp/a.hpp"\n// #include "app/main.hpp" in a comment is none\n',
     "ncp/ampl/r.cpp": "#include <asl.h>\n",
-    "contact/io/fclib.cpp": '#include <hdf5.h>\n\n#include "ncp/b.hpp"\n',
+    "contact/io/hdf5_lazy.hpp": '#include <hdf5.h>\n\n#include "ncp/b.hpp"\n',
     "app/c.cpp": '#include <CLI/CLI.hpp>\n\n#include "contact/c.hpp"\n',
     "tests/t.cpp": '#include <nlohmann/json.hpp>\n\n#include "app/c.hpp"\n',
 }

@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <random>
 #include <vector>
 
@@ -18,6 +19,8 @@ using lcp::SpMat;
 using lcp::Vec;
 using Dense = Eigen::MatrixXd;
 using Triplets = std::vector<Eigen::Triplet<double>>;
+
+inline constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 inline Vec vec(std::initializer_list<double> values) {
   Vec v(static_cast<Index>(values.size()));

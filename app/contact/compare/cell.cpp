@@ -64,7 +64,6 @@ void read(Cell& cell, const Json& json) {
   cell.own = real(json.at("own_residual"));
 }
 
-Json value(double x) { return std::isnan(x) ? Json(nullptr) : json_number(x); }
 Json natural(long n) { return n < 0 ? Json(nullptr) : Json(n); }
 
 /// Names and values, in the order of both files.
@@ -77,12 +76,12 @@ Json row(const Cell& c) {
           {"solved_by", c.solved_by},
           {"contacts", natural(c.contacts)},
           {"iterations", natural(c.iterations)},
-          {"seconds", value(c.seconds)},
-          {"peak_mb", value(c.peak_mb)},
-          {"siconos", value(c.siconos)},
-          {"rr9118", value(c.rr9118)},
-          {"scaled", value(c.scaled)},
-          {"own_residual", value(c.own)},
+          {"seconds", json_known(c.seconds)},
+          {"peak_mb", json_known(c.peak_mb)},
+          {"siconos", json_known(c.siconos)},
+          {"rr9118", json_known(c.rr9118)},
+          {"scaled", json_known(c.scaled)},
+          {"own_residual", json_known(c.own)},
           {"message", c.message},
           {"command", c.command}};
 }

@@ -1,7 +1,5 @@
 /// Runs as JSON.
 #include "app/contact/run/report.hpp"
-
-#include <cmath>
 #include "app/text/json_parts.hpp"
 
 namespace perp::app::contacts {
@@ -81,7 +79,7 @@ std::string run_json(const Loaded& loaded, const Run& run, ExitCode code) {
   json["message"] = run.message;
   add_verdict(json, run);
   json["residual"] = exact_residual_json(run.residual);
-  json["own_residual"] = std::isnan(run.own) ? Json(nullptr) : json_number(run.own);
+  json["own_residual"] = json_known(run.own);
   json["unknowns"] = run.unknowns > 0 ? Json(run.unknowns) : Json(nullptr);
   json["states"] = {{"open", run.in_state(contact::State::Open)},
                     {"stick", run.in_state(contact::State::Stick)},

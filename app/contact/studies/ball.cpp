@@ -89,7 +89,7 @@ Json path_json(const BallScene& scene, const BallPath& path) {
   const double distance = from_exact(scene, path);
   json["steps"] = path.times.size() - 1;
   json["end"] = vector_json(path.centres.back());
-  json["from_exact"] = std::isnan(distance) ? Json(nullptr) : json_number(distance);
+  json["from_exact"] = json_known(distance);
   json["drift"] = vector_json(path.drift(scene.ball));
   json["exact_residual"] = json_number(path.worst);
   json["energy"] = {{"start", json_number(path.start_energy)},         {"kinetic", json_number(path.energy.kinetic)},

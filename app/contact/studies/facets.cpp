@@ -208,7 +208,7 @@ Json errors_json(const std::array<double, 4>& errors) {
   Json json = Json::object();
   for (const FacetError error : facet_errors) {
     const double value = errors.at(at(error));
-    json[name(error)] = std::isnan(value) ? Json(nullptr) : json_number(value);
+    json[name(error)] = json_known(value);
   }
   return json;
 }

@@ -15,6 +15,8 @@ Names indexed(const std::string& letter, Index n) {
   return names;
 }
 
+Box free_box(Index n) { return {Vec::Constant(n, -infinity), Vec::Constant(n, infinity)}; }
+
 Names joined(std::initializer_list<Names> parts) {
   Names all;
   for (const Names& part : parts) all.insert(all.end(), part.begin(), part.end());

@@ -19,6 +19,7 @@ using Names = std::vector<std::string>;
 std::string element(std::string letter, const std::string& place);
 /// "x[1]", ..., "x[n]"
 Names indexed(const std::string& letter, Index n);
+Box free_box(Index n);  ///< of n free variables
 /// All names of the parts in their order.
 Names joined(std::initializer_list<Names> parts);
 

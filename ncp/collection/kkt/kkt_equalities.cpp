@@ -7,11 +7,7 @@
 
 namespace perp::ncp::collection {
 
-namespace {
-
-Box free_box(Index n) { return {Vec::Constant(n, -infinity), Vec::Constant(n, infinity)}; }
-
-}  // namespace
+namespace {}  // namespace
 
 /// HS6: (1 - x1)^2, 10 (x2 - x1^2) = 0.
 Problem hs6_kkt() {

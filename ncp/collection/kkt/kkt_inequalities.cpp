@@ -7,11 +7,7 @@
 
 namespace perp::ncp::collection {
 
-namespace {
-
-Box free_box(Index n) { return {Vec::Constant(n, -infinity), Vec::Constant(n, infinity)}; }
-
-}  // namespace
+namespace {}  // namespace
 
 /// HS15: 100 (x2 - x1^2)^2 + (1 - x1)^2, x1 x2 >= 1, x1 + x2^2 >= 0, x1 <= 1/2.
 Problem hs15_kkt() {

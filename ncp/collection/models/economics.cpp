@@ -62,9 +62,9 @@ Problem mathiesen_3() {
 
 namespace {
 
-constexpr int goods = 4, sectors = 2, consumers = 4;
-constexpr double endowment[consumers] = {5, 5, 40, 40};  // consumer c owns so much of good c and nothing else
-constexpr double share[goods][consumers] = {
+constexpr int goods = 4, sectors = 2, households = 4;
+constexpr double endowment[households] = {5, 5, 40, 40};  // consumer c owns so much of good c and nothing else
+constexpr double share[goods][households] = {
     {.52, .86, .5, .06}, {.4, .1, .2, .25}, {.04, .02, .2975, .0025}, {.04, .02, .0025, .6875}};
 constexpr double activity[goods][sectors] = {{6, -1}, {-1, 3}, {-4, -1}, {-1, -1}};
 
@@ -79,10 +79,10 @@ Problem kehoe() {
   box.lower.segment(2, 4) = vec({1, 1e-4, 1e-4, 1e-4});
   box.upper[2] = 1;
   box.lower.tail(4).setConstant(-infinity);
-  const Names variables = joined({indexed("y", sectors), indexed("p", goods), indexed("h", consumers)});
-  const Names equations = joined({indexed("loss", sectors), indexed("market", goods), indexed("income", consumers)});
+  const Names variables = joined({indexed("y", sectors), indexed("p", goods), indexed("h", households)});
+  const Names equations = joined({indexed("loss", sectors), indexed("market", goods), indexed("income", households)});
   p.mcp = make_problem({"kehoe", box, variables, equations}, [](const auto& z, const auto& F) {
-    const auto y = z.head(sectors), prices = z.segment(sectors, goods), h = z.tail(consumers);
+    const auto y = z.head(sectors), prices = z.segment(sectors, goods), h = z.tail(households);
     for (int s = 0; s < sectors; ++s) {
       F[s] = 0;
       for (int g = 0; g < goods; ++g) F[s] -= activity[g][s] * prices[g];
@@ -90,11 +90,11 @@ Problem kehoe() {
     for (int g = 0; g < goods; ++g) {
       if (!(value(prices[g]) > 0)) return false;
       Number<decltype(z)> spent = 0;
-      for (int c = 0; c < consumers; ++c) spent += share[g][c] * h[c];
+      for (int c = 0; c < households; ++c) spent += share[g][c] * h[c];
       F[sectors + g] = endowment[g] - spent / prices[g];
       for (int s = 0; s < sectors; ++s) F[sectors + g] += activity[g][s] * y[s];
     }
-    for (int c = 0; c < consumers; ++c) F[sectors + goods + c] = h[c] - prices[c] * endowment[c];
+    for (int c = 0; c < households; ++c) F[sectors + goods + c] = h[c] - prices[c] * endowment[c];
     return true;
   });
   // Prices 1, no production, the incomes that go with them; and all ones.

@@ -11,8 +11,6 @@ namespace perp::ncp::collection {
 
 namespace {
 
-Box free_box(Index n) { return {Vec::Constant(n, -infinity), Vec::Constant(n, infinity)}; }
-
 SpMat banded_pattern(Index n, Index below, Index above) {
   std::vector<Eigen::Triplet<double>> entries;
   for (Index j = 0; j < n; ++j)

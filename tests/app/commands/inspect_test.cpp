@@ -7,8 +7,8 @@
 #include <cmath>
 #include <deque>
 #include <limits>
-#include <nlohmann/json.hpp>
 
+#include "app/json.hpp"
 #include "app/support.hpp"
 #include "ncp/problem/affine.hpp"
 #include "support/matrices.hpp"
@@ -17,9 +17,10 @@
 namespace perp::app {
 namespace {
 
-using nlohmann::json;
 using perp::support::matrix;
 using perp::support::vec;
+using test::Json;
+using test::parse_json;
 using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -269,7 +270,7 @@ TEST_F(Inspect, ClassesOfAnLcp) {
 TEST_F(Inspect, SmallAndLarge) {
   const Inspection nothing = inspect_problem(affine(ncp::SpMat(0, 0), ncp::Vec(0), ncp::Box::free(0)));
   EXPECT_THAT(printed(nothing), AllOf(HasSubstr("0 variables"), HasSubstr("Nothing stands out.")));
-  EXPECT_EQ(json::parse(inspect_json(nothing)).at("size"), 0);
+  EXPECT_EQ(parse_json(inspect_json(nothing)).at("size"), 0);
   const Inspection empty = inspect_problem(affine(ncp::SpMat(1000, 1000), ncp::Vec::Ones(1000), ncp::Box::free(1000)));
   EXPECT_THAT(texts(empty, Concern::Structure)[0], AllOf(HasSubstr("1000 rows"), HasSubstr("and 995 more")));
   EXPECT_LT(printed(empty).size(), 6000U);
@@ -297,13 +298,13 @@ TEST_F(Inspect, Json) {
   test::Captured captured;
   ASSERT_EQ(inspect({.source = {.problem = "murty"}, .json = "-"}, captured.streams), exit_solved);
   EXPECT_THAT(captured.err.str(), HasSubstr("structural rank"));
-  const json parsed = json::parse(captured.out.str());
+  const Json parsed = parse_json(captured.out.str());
   EXPECT_EQ(parsed.at("status"), "Inspected");
   EXPECT_EQ(parsed.at("exit_code"), 0);
   EXPECT_EQ(parsed.at("affine"), true);
-  const json::size_type n = parsed.at("size").get<json::size_type>();
+  const Json::size_type n = parsed.at("size").get<Json::size_type>();
   EXPECT_EQ(parsed.at("variables").at("lower"), n);
-  EXPECT_EQ(parsed.at("variables").at("fixed").at("names"), json::array());
+  EXPECT_EQ(parsed.at("variables").at("fixed").at("names"), Json::array());
   for (const char* key : {"size", "rank", "rank_with_bounds"}) EXPECT_EQ(parsed.at("structure").at(key), n);
   for (const char* key : {"empty_rows", "empty_columns", "overdetermined", "underdetermined"})
     EXPECT_TRUE(parsed.at("structure").at(key).is_object()) << key;
@@ -313,21 +314,21 @@ TEST_F(Inspect, Json) {
   EXPECT_EQ(parsed.at("scaling").at("largest_at").at("row"), 0);
   EXPECT_EQ(parsed.at("derivatives").at("columns"), n);
   EXPECT_GT(parsed.at("condition").at("rcond").get<double>(), 1e-4);
-  EXPECT_EQ(parsed.at("concerns"), json::array());
+  EXPECT_EQ(parsed.at("concerns"), Json::array());
   bool p = false;
-  for (const json& property : parsed.at("classes").at("properties"))
+  for (const Json& property : parsed.at("classes").at("properties"))
     if (property.at("name") == "P") p = property.at("answer") == "yes";
   EXPECT_TRUE(p);
   EXPECT_FALSE(parsed.at("classes").at("guarantees").empty());
 }
 
 TEST_F(Inspect, JsonOfConcernsAndInfinities) {
-  const json parsed = json::parse(inspect_json(
+  const Json parsed = parse_json(inspect_json(
       inspect_problem(loaded(support::scalar(
                                  0, 1, [](double x) { return 1 / x; }, [](double x) { return -1 / (x * x); }),
                              vec({0})))));
   EXPECT_EQ(parsed.at("at_start").at("residual").at("natural"), "inf");
-  EXPECT_EQ(parsed.at("at_start").at("F_undefined").at("indices"), json::array({0}));
+  EXPECT_EQ(parsed.at("at_start").at("F_undefined").at("indices"), Json::array({0}));
   EXPECT_EQ(parsed.at("at_start").at("rank"), nullptr);
   EXPECT_EQ(parsed.at("condition").at("rcond"), nullptr);
   EXPECT_EQ(parsed.at("classes"), nullptr);
@@ -347,7 +348,7 @@ TEST_F(Inspect, RefusesWhatSolveRefuses) {
     EXPECT_EQ(inspect({.source = source, .json = folder / "out.json"}, captured.streams), exit_input);
     EXPECT_THAT(captured.err.str(), HasSubstr("perp: "));
     EXPECT_EQ(captured.out.str(), "");
-    EXPECT_EQ(json::parse(test::read(folder / "out.json")).at("status"), "InputError");
+    EXPECT_EQ(parse_json(test::read(folder / "out.json")).at("status"), "InputError");
   }
   test::Captured captured;
   EXPECT_EQ(inspect({.source = {.problem = "kojshin"}, .json = "/dev/full"}, captured.streams), exit_input);

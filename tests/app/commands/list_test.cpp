@@ -4,18 +4,20 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <nlohmann/json.hpp>
 #include <set>
 #include <sstream>
 #include <string>
 #include <vector>
 
+#include "app/json.hpp"
 #include "app/support.hpp"
 #include "ncp/collection/collection.hpp"
 
 namespace perp::app {
 namespace {
 
+using test::Json;
+using test::parse_json;
 using testing::HasSubstr;
 
 // Would catch a problem left out, and lines that a terminal of 120 columns breaks.
@@ -38,7 +40,7 @@ std::set<std::string> listed(const std::vector<std::string>& classes) {
   test::Captured captured;
   EXPECT_EQ(list({.classes = classes, .json = true}, captured.streams), exit_solved) << captured.err.str();
   std::set<std::string> names;
-  const auto json = nlohmann::json::parse(captured.out.str());
+  const Json json = parse_json(captured.out.str());
   for (const auto& problem : json.at("problems")) names.insert(problem.at("name").get<std::string>());
   return names;
 }
@@ -95,7 +97,7 @@ TEST(List, SaysWhichComeInAnySize) {
   EXPECT_THAT(other.out.str(), testing::Not(HasSubstr("sizes")));
   test::Captured json;
   ASSERT_EQ(list({.name = "obstacle", .json = true}, json.streams), exit_solved);
-  EXPECT_EQ(nlohmann::json::parse(json.out.str()).at("any_size"), "obstacle:MxN");
+  EXPECT_EQ(parse_json(json.out.str()).at("any_size"), "obstacle:MxN");
 }
 
 // Would catch a problem without solution that looks like one whose solutions are merely not known.
@@ -105,7 +107,7 @@ TEST(List, SaysWhereThereIsNoSolution) {
   EXPECT_THAT(one.out.str(), HasSubstr("There is no solution: F_1 + F_2 = -1/2"));
   test::Captured json;
   ASSERT_EQ(list({.name = "infeasible-own", .json = true}, json.streams), exit_solved);
-  EXPECT_NE(nlohmann::json::parse(json.out.str()).at("no_solution"), "");
+  EXPECT_NE(parse_json(json.out.str()).at("no_solution"), "");
   test::Captured all;
   EXPECT_EQ(list({}, all.streams), exit_solved);
   EXPECT_THAT(all.out.str(), HasSubstr("none"));
@@ -115,7 +117,7 @@ TEST(List, SaysWhereThereIsNoSolution) {
 TEST(List, JsonHasAllDigits) {
   test::Captured captured;
   ASSERT_EQ(list({.name = "kojshin", .json = true}, captured.streams), exit_solved);
-  const auto json = nlohmann::json::parse(captured.out.str());
+  const Json json = parse_json(captured.out.str());
   const ncp::collection::Problem problem = ncp::collection::find("kojshin")->make();
   EXPECT_EQ(json.at("upper").at(0), "inf");
   EXPECT_EQ(json.at("lower").at(0), 0.0);
@@ -131,7 +133,7 @@ TEST(List, JsonHasAllDigits) {
 TEST(List, JsonOfAll) {
   test::Captured captured;
   ASSERT_EQ(list({.json = true}, captured.streams), exit_solved);
-  const auto json = nlohmann::json::parse(captured.out.str());
+  const Json json = parse_json(captured.out.str());
   ASSERT_EQ(json.at("problems").size(), ncp::collection::entries().size());
   for (const auto& problem : json.at("problems"))
     for (const char* key :

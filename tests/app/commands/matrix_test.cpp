@@ -2,9 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <nlohmann/json.hpp>
-
 #include "app/commands/solve.hpp"
+#include "app/json.hpp"
 #include "app/report/report.hpp"
 #include "app/support.hpp"
 #include "lcp/io/matrix_market.hpp"
@@ -12,7 +11,8 @@
 namespace perp::app {
 namespace {
 
-using nlohmann::json;
+using test::Json;
+using test::parse_json;
 using testing::AllOf;
 using testing::HasSubstr;
 
@@ -26,10 +26,10 @@ class Matrix : public testing::Test {
   SolveRequest request() const {
     return {.problem = folder / "M.mtx", .json = folder / "out.json", .q = folder / "q.mtx"};
   }
-  json solved(const SolveRequest& what) {
+  Json solved(const SolveRequest& what) {
     test::Captured captured;
     EXPECT_EQ(solve(what, captured.streams), exit_solved) << captured.err.str();
-    return json::parse(test::read(folder / "out.json"));
+    return parse_json(test::read(folder / "out.json"));
   }
   std::string refused(const SolveRequest& what) {
     test::Captured captured;
@@ -40,7 +40,7 @@ class Matrix : public testing::Test {
 };
 
 TEST_F(Matrix, AutoIsTheDefaultAndSaysWhy) {
-  const json result = solved(request());
+  const Json result = solved(request());
   EXPECT_EQ(result["method"], "auto");
   EXPECT_THAT(result["message"].get<std::string>(), HasSubstr("H-matrix"));
   EXPECT_NEAR(result["variables"][0]["value"].get<double>(), 4.0 / 3, 1e-14);
@@ -55,7 +55,7 @@ TEST_F(Matrix, EveryMethodSolvesIt) {
     if (method.name == "lemke-howson") what.flags.push_back({"tol", "1e-6", ""});
     test::Captured captured;
     EXPECT_EQ(solve(what, captured.streams), exit_solved) << method.name << ": " << captured.out.str();
-    EXPECT_EQ(json::parse(test::read(folder / "out.json"))["method"], std::string(method.name));
+    EXPECT_EQ(parse_json(test::read(folder / "out.json"))["method"], std::string(method.name));
   }
 }
 
@@ -66,7 +66,7 @@ TEST_F(Matrix, BoundsAndStart) {
   SolveRequest what = request();
   what.upper = folder / "u.mtx";
   what.solution = folder / "x.mtx";
-  json result = solved(what);
+  Json result = solved(what);
   EXPECT_EQ(result["variables"][0]["value"], 1.0);
   EXPECT_EQ(result["variables"][0]["state"], "at upper");
   EXPECT_EQ(result["variables"][1]["value"], 2.5);
@@ -115,7 +115,7 @@ TEST_F(Matrix, Infeasible) {
   test::write(folder / "q.mtx", "-1\n-1\n");
   test::Captured captured;
   EXPECT_EQ(solve(request(), captured.streams), exit_unsolved);
-  const json result = json::parse(test::read(folder / "out.json"));
+  const Json result = parse_json(test::read(folder / "out.json"));
   EXPECT_EQ(result["status"], "Infeasible");
   EXPECT_THAT(result["message"].get<std::string>(), HasSubstr("proven to have no solution"));
 }
@@ -131,7 +131,7 @@ TEST_F(Matrix, EnumerationShowsAllSolutions) {
   test::Captured captured;
   EXPECT_EQ(solve(what, captured.streams), exit_solved);
   EXPECT_THAT(captured.out.str(), HasSubstr("3 solutions, and there are no others"));
-  const json result = json::parse(test::read(folder / "out.json"));
+  const Json result = parse_json(test::read(folder / "out.json"));
   EXPECT_TRUE(result["solutions_complete"]);
   ASSERT_EQ(result["solutions"].size(), 3U);
   EXPECT_EQ(result["solutions"][0]["dimension"], 0);
@@ -144,10 +144,10 @@ TEST(SiconosFiles, LcpAndMlcp) {
   test::write(folder / "mlcp.dat", "0\n1\n1\n1\n2\n1\n1\n1\n-4\n-5\n");  // 2u + v - 4 = 0, 0 <= v _|_ u + v - 5 >= 0
   test::Captured captured;
   EXPECT_EQ(solve({.problem = folder / "lcp.dat", .json = "-"}, captured.streams), exit_solved) << captured.err.str();
-  EXPECT_NEAR(json::parse(captured.out.str())["variables"][0]["value"].get<double>(), 4.0 / 3, 1e-14);
+  EXPECT_NEAR(parse_json(captured.out.str())["variables"][0]["value"].get<double>(), 4.0 / 3, 1e-14);
   test::Captured mixed;
   EXPECT_EQ(solve({.problem = folder / "mlcp.dat", .json = "-"}, mixed.streams), exit_solved) << mixed.err.str();
-  const json result = json::parse(mixed.out.str());
+  const Json result = parse_json(mixed.out.str());
   EXPECT_EQ(result["variables"][0]["name"], "u[1]");
   EXPECT_NEAR(result["variables"][1]["value"].get<double>(), 6, 1e-13);
   test::write(folder / "bad.dat", "2\n1\n2\n2\n2 2\n2 1\n1 2\n-5 -6\n");

@@ -6,15 +6,17 @@
 
 #include <atomic>
 #include <cmath>
-#include <nlohmann/json.hpp>
 
+#include "app/json.hpp"
 #include "app/report/report.hpp"
 #include "app/support.hpp"
 
 namespace perp::app {
 namespace {
 
-using nlohmann::json;
+using test::is_json;
+using test::Json;
+using test::parse_json;
 using testing::HasSubstr;
 using testing::Not;
 
@@ -38,7 +40,7 @@ TEST(Solve, ModelWithNames) {
     EXPECT_EQ(solve({.problem = folder / name, .json = folder / "out.json"}, captured.streams), exit_solved);
     EXPECT_THAT(captured.out.str(),
                 testing::AllOf(HasSubstr("side_length"), HasSubstr("(area_balance)"), HasSubstr("1.414214")));
-    const json parsed = json::parse(test::read(folder / "out.json"));
+    const Json parsed = parse_json(test::read(folder / "out.json"));
     EXPECT_NEAR(parsed["variables"][0]["value"].get<double>(), std::sqrt(2.0), 1e-8);
     EXPECT_EQ(parsed["residual"]["worst"], "area_balance");
   }
@@ -48,7 +50,7 @@ TEST(Solve, StartsAreCountedFromOne) {
   for (const int start : {1, 8}) {
     test::Captured captured;
     solve({.problem = "kojshin", .start = start, .json = "-"}, captured.streams);
-    EXPECT_EQ(json::parse(captured.out.str())["start"], start);
+    EXPECT_EQ(parse_json(captured.out.str())["start"], start);
   }
   for (const int start : {0, 9, -1}) {
     test::Captured captured;
@@ -74,7 +76,7 @@ TEST(Solve, UnsolvedIsExitOneWithAdvice) {
                                .json = folder / "out.json",
                                .log_level = LogLevel::Summary};
     EXPECT_EQ(solve(request, captured.streams), exit_unsolved) << method.name;
-    const json parsed = json::parse(test::read(folder / "out.json"));
+    const Json parsed = parse_json(test::read(folder / "out.json"));
     EXPECT_NE(parsed["status"], "Solved") << method.name;
     EXPECT_EQ(parsed["exit_code"], 1);
     EXPECT_FALSE(parsed["advice"].get<std::string>().empty()) << method.name;
@@ -101,7 +103,7 @@ TEST(Solve, UndefinedStart) {
   test::write(folder / "m.nl", test::undefined_nl());
   test::Captured captured;
   EXPECT_EQ(solve({.problem = folder / "m.nl", .json = "-"}, captured.streams), exit_unsolved);
-  const json parsed = json::parse(captured.out.str());
+  const Json parsed = parse_json(captured.out.str());
   EXPECT_EQ(parsed["status"], "EvaluationFailed");
   EXPECT_EQ(parsed["residual"]["natural"], "inf");
 }
@@ -113,7 +115,7 @@ TEST(Solve, OverflowAtTheStartIsNotCalledNaN) {
     test::write(folder / "m.nl", nl);
     test::Captured captured;
     EXPECT_EQ(solve({.problem = folder / "m.nl", .json = "-"}, captured.streams), exit_unsolved);
-    return json::parse(captured.out.str())["message"].get<std::string>();
+    return parse_json(captured.out.str())["message"].get<std::string>();
   };
   for (const char* F : {"o44\nv0\n", "o16\no44\nv0\n"})
     EXPECT_THAT(message(test::scalar_nl(F, 800)),
@@ -125,7 +127,7 @@ TEST(Solve, OverflowAtTheStartIsNotCalledNaN) {
 TEST(Solve, JsonOnStandardOutputIsAlone) {
   test::Captured captured;
   EXPECT_EQ(solve({.problem = "kojshin", .json = "-"}, captured.streams), exit_solved);
-  EXPECT_TRUE(json::accept(captured.out.str()));
+  EXPECT_TRUE(is_json(captured.out.str()));
   EXPECT_THAT(captured.err.str(), HasSubstr("Solved:"));
 }
 
@@ -138,7 +140,7 @@ TEST(Solve, RefusedInputIsSaidAndWritten) {
                                      folder / "none.nl", folder / "", std::string("no-such-name")}) {
     test::Captured captured;
     EXPECT_EQ(solve({.problem = problem, .json = "-"}, captured.streams), exit_input) << problem;
-    const json parsed = json::parse(captured.out.str());
+    const Json parsed = parse_json(captured.out.str());
     EXPECT_EQ(parsed["status"], "InputError");
     EXPECT_EQ(parsed["exit_code"], 2);
     EXPECT_THAT(captured.err.str(), HasSubstr(parsed["message"].get<std::string>()));
@@ -167,7 +169,7 @@ TEST(Solve, LaterOptionsWin) {
                              .flags = {{"tol", "1e-5", "--tol"}},
                              .json = "-"};
   EXPECT_EQ(solve(request, captured.streams), exit_solved);
-  const json options = json::parse(captured.out.str())["options"];
+  const Json options = parse_json(captured.out.str())["options"];
   EXPECT_EQ(options["convergence_tolerance"], 1e-5);
   EXPECT_EQ(options["major_iteration_limit"], 66);
   EXPECT_EQ(options["time_limit"], 11.0);
@@ -261,9 +263,9 @@ TEST(Solve, RestartsAreNamed) {
   test::Captured captured;
   EXPECT_EQ(solve({.problem = folder / "m.nl", .options = {"res_lim=2"}, .json = folder / "r.json"}, captured.streams),
             exit_unsolved);
-  const json parsed = json::parse(test::read(folder / "r.json"));
+  const Json parsed = parse_json(test::read(folder / "r.json"));
   int named = 0;
-  for (const json& it : parsed["iterations"]) {
+  for (const Json& it : parsed["iterations"]) {
     if (it["attempt"].is_null()) continue;
     ++named;
     EXPECT_THAT(captured.out.str(), HasSubstr("Restart: " + it["attempt"].get<std::string>() + "\n"));
@@ -308,7 +310,7 @@ TEST(Solve, InterruptedKeepsTheBestPoint) {
   const std::atomic<bool> interrupt{true};
   test::Captured captured;
   EXPECT_EQ(solve({.problem = "kojshin", .json = "-"}, captured.streams, &interrupt), exit_unsolved);
-  const json parsed = json::parse(captured.out.str());
+  const Json parsed = parse_json(captured.out.str());
   EXPECT_EQ(parsed["status"], "Interrupted");
   EXPECT_EQ(parsed["variables"].size(), 4U);
 }
@@ -317,7 +319,7 @@ TEST(Solve, DerivativesAreCheckedOnDemand) {
   test::Captured captured;
   const SolveRequest request{.problem = "kojshin", .start = 2, .options = {"check_derivatives=yes"}, .json = "-"};
   EXPECT_EQ(solve(request, captured.streams), exit_solved);
-  const json parsed = json::parse(captured.out.str());
+  const Json parsed = parse_json(captured.out.str());
   EXPECT_EQ(parsed["derivatives"]["defined"], true);
   EXPECT_LT(parsed["derivatives"]["worst"].get<double>(), 1e-6);
   EXPECT_EQ(parsed["options"]["check_derivatives"], true);

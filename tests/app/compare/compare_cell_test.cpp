@@ -4,20 +4,21 @@
 
 #include <cmath>
 #include <limits>
-#include <nlohmann/json.hpp>
 
 #include "app/campaign/cell.hpp"
-
+#include "app/json.hpp"
 #include "app/support.hpp"
 #include "app/text/csv.hpp"
 
 namespace perp::app::compare {
 namespace {
 
+using test::Json;
+using test::parse_json;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-Cell example() {
+Cell example_cell() {
   return {.method = "semismooth:tol=1e-9",
           .problem = "obstacle:30x30",
           .start = 2,
@@ -47,7 +48,7 @@ TEST(Cell, Crc32) {
 
 // Would catch fields that are lost, doubles that are rounded, and NaN or inf that break JSON.
 TEST(Cell, LineIsReadBackExactly) {
-  Cell cell = example();
+  Cell cell = example_cell();
   for (const double natural : {0.1, 5e-324, std::numeric_limits<double>::infinity(), std::nan("")}) {
     cell.natural = natural;
     const std::string line = cell_line(cell);
@@ -64,7 +65,7 @@ TEST(Cell, LineIsReadBackExactly) {
 // Every way a line can end early, and every byte of it that can be changed: none may pass for a cell. (A CRC finds all
 // changes of a single byte.)
 TEST(Cell, TornAndChangedLinesAreRefused) {
-  const std::string whole = cell_line(example());
+  const std::string whole = cell_line(example_cell());
   const std::string line = whole.substr(0, whole.size() - 1);
   for (std::size_t length = 0; length < line.size(); ++length)
     EXPECT_THROW(parse_line(line.substr(0, length)), InputError) << length;
@@ -77,7 +78,7 @@ TEST(Cell, TornAndChangedLinesAreRefused) {
 
 // Numbers that an int does not hold. Would catch one taken modulo 2^32: a cell that counts as that of another start.
 TEST(Cell, CountsBeyondAnIntAreRefused) {
-  const std::string line = cell_line(example());
+  const std::string line = cell_line(example_cell());
   for (const char* count : {"4294967298", "-9223372036854775808", "18446744073709551615", "2.0"}) {
     std::string object(checked_object(std::string_view(line).substr(0, line.size() - 1)));
     const std::string start = R"("start":2)";
@@ -88,10 +89,10 @@ TEST(Cell, CountsBeyondAnIntAreRefused) {
 
 // After a kill -9 the file ends anywhere; a disk may change bytes in the middle. Both cost the lines they hit alone.
 TEST(Cell, FileWithTornAndCorruptLines) {
-  Cell a = example();
-  Cell b = example();
+  Cell a = example_cell();
+  Cell b = example_cell();
   b.problem = "billups";
-  Cell c = example();
+  Cell c = example_cell();
   c.start = 1;
   std::string corrupt = cell_line(b);
   corrupt[20] = '#';
@@ -115,7 +116,7 @@ TEST(Cell, ReadsADirectory) {
   EXPECT_THROW(read_cells(folder / "absent"), InputError);
   test::write(folder / "cells.jsonl", "");
   EXPECT_TRUE(read_cells(folder / "").cells.empty());
-  test::write(folder / "cells.jsonl", cell_line(example()));
+  test::write(folder / "cells.jsonl", cell_line(example_cell()));
   EXPECT_EQ(read_cells(folder / "").cells.size(), 1U);
 }
 
@@ -127,20 +128,20 @@ TEST(Cell, OutcomesHaveNamesOfTheirOwn) {
 
 // RFC 4180: a message with commas, quotes and line breaks is one field.
 TEST(Cell, CsvIsReadBack) {
-  const std::vector<Cell> cells{example()};
+  const std::vector<Cell> cells{example_cell()};
   const auto records = parse_csv(cells_csv(cells));
   ASSERT_EQ(records.size(), 2U);
   ASSERT_EQ(records[1].size(), csv_columns().size());
   for (std::size_t k = 0; k < csv_columns().size(); ++k) EXPECT_EQ(records[0][k], csv_columns()[k]);
-  EXPECT_EQ(records[1].back(), example().message);
+  EXPECT_EQ(records[1].back(), example_cell().message);
   EXPECT_EQ(records[1][3], "false-convergence");
   EXPECT_THROW(parse_csv("a,\"b"), InputError);
 }
 
 // Times, memory and how far a run came before a limit differ from run to run: none of it may be in outcomes.csv.
 TEST(Cell, OutcomesDoNotDependOnTime) {
-  Cell once = example();
-  Cell again = example();
+  Cell once = example_cell();
+  Cell again = example_cell();
   again.seconds = 77;
   again.peak_mb = 1e4;
   again.message = "after 77 s";
@@ -153,10 +154,10 @@ TEST(Cell, OutcomesDoNotDependOnTime) {
 }
 
 TEST(Cell, JsonOfAll) {
-  const auto parsed = nlohmann::json::parse(cells_json(std::vector<Cell>{example(), example()}));
+  const Json parsed = parse_json(cells_json(std::vector<Cell>{example_cell(), example_cell()}));
   ASSERT_EQ(parsed.size(), 2U);
   EXPECT_EQ(parsed[0]["curve"].size(), 3U);
-  EXPECT_TRUE(nlohmann::json::parse(cells_json({})).empty());
+  EXPECT_TRUE(parse_json(cells_json({})).empty());
 }
 
 }  // namespace

@@ -107,24 +107,24 @@ TEST(Outcomes, LimitsAndCrashesGoBeforeClaims) {
 // .sol files.
 
 // What ASL's write_sol writes for two rows and two variables (Gay 1997).
-std::string sol(const std::string& values = "0.5\n1e-3\n", const std::string& count = "2",
-                const std::string& end = "objno 0 0\n") {
+std::string sol_file(const std::string& values = "0.5\n1e-3\n", const std::string& count = "2",
+                     const std::string& end = "objno 0 0\n") {
   return "A solver: optimal\nsecond line\n\nOptions\n3\n1\n1\n0\n2\n0\n2\n" + count + "\n" + values + end;
 }
 
 TEST(SolFile, Text) {
-  const SolFile read = parse_sol(sol(), 2);
+  const SolFile read = parse_sol(sol_file(), 2);
   EXPECT_EQ(read.message, "A solver: optimal\nsecond line");
   EXPECT_EQ(read.code, 0);
   ASSERT_EQ(read.x.size(), 2);
   EXPECT_EQ(read.x[1], 1e-3);
-  EXPECT_EQ(parse_sol(sol("", "0", "objno 0 500\n"), 2).x.size(), 0);
-  EXPECT_EQ(parse_sol(sol("", "0", "objno 0 500\n"), 2).code, 500);
+  EXPECT_EQ(parse_sol(sol_file("", "0", "objno 0 500\n"), 2).x.size(), 0);
+  EXPECT_EQ(parse_sol(sol_file("", "0", "objno 0 500\n"), 2).code, 500);
   const std::string duals = "m\n\nOptions\n3\n1\n1\n0\n2\n2\n1\n1\n7\n8\n0.25\nobjno 0 100\n";
   EXPECT_EQ(parse_sol(duals, 1).x[0], 0.25);
   const std::string tolerance = "m\n\nOptions\n5\n1\n3\n0\n1\n0\n1\n1\n1e-9\n0.25\nobjno 0 0\nsuffix 0 1 2 0 0\n";
   EXPECT_EQ(parse_sol(tolerance, 1).x[0], 0.25);
-  EXPECT_TRUE(std::isnan(parse_sol(sol("nan\n1\n"), 2).x[0]));
+  EXPECT_TRUE(std::isnan(parse_sol(sol_file("nan\n1\n"), 2).x[0]));
 }
 
 // A program that has given up writes a record of values that is empty. Would catch (under asan-ubsan) a copy to the
@@ -153,25 +153,25 @@ TEST(SolFile, OptionsInTheMessage) {
 // Would catch what stands behind a NUL left out of sight, and codes that an int does not hold.
 TEST(SolFile, WholeLinesAreNumbers) {
   using namespace std::string_literals;
-  EXPECT_THROW(parse_sol(sol("1\n2\0junk\n"s), 2), InputError);
-  EXPECT_THROW(parse_sol(sol("1\n2\n", "2\0junk"s), 2), InputError);
+  EXPECT_THROW(parse_sol(sol_file("1\n2\0junk\n"s), 2), InputError);
+  EXPECT_THROW(parse_sol(sol_file("1\n2\n", "2\0junk"s), 2), InputError);
   for (const char* end : {"objno 0 4294967296\n", "objno 0 1e3\n", "objno 0 \n", "objno 0\n", "objno 0 0x10\n"})
-    EXPECT_THROW(parse_sol(sol("1\n2\n", "2", end), 2), InputError) << end;
-  EXPECT_EQ(parse_sol(sol("1\n2\n", "2", "objno -1 402 \n"), 2).code, 402);
+    EXPECT_THROW(parse_sol(sol_file("1\n2\n", "2", end), 2), InputError) << end;
+  EXPECT_EQ(parse_sol(sol_file("1\n2\n", "2", "objno -1 402 \n"), 2).code, 402);
 }
 
 // Every proper prefix of a file is one that was cut off.
 TEST(SolFile, TruncatedTextIsRefused) {
-  const std::string text = sol();
+  const std::string text = sol_file();
   for (std::size_t length = 0; length < text.size(); ++length)
     EXPECT_THROW(parse_sol(text.substr(0, length), 2), InputError) << length;
 }
 
 TEST(SolFile, GarbageIsRefused) {
-  EXPECT_THAT(refused([] { parse_sol(sol(), 3); }), HasSubstr("for 2 variables, the model has 3"));
-  EXPECT_THAT(refused([] { parse_sol(sol("1\n", "1"), 2); }), HasSubstr("1 values instead of 2"));
-  EXPECT_THAT(refused([] { parse_sol(sol("1\nx\n"), 2); }), HasSubstr("'x' is no value"));
-  EXPECT_THAT(refused([] { parse_sol(sol("1\n2\n3\n"), 2); }), HasSubstr("where objno belongs"));
+  EXPECT_THAT(refused([] { parse_sol(sol_file(), 3); }), HasSubstr("for 2 variables, the model has 3"));
+  EXPECT_THAT(refused([] { parse_sol(sol_file("1\n", "1"), 2); }), HasSubstr("1 values instead of 2"));
+  EXPECT_THAT(refused([] { parse_sol(sol_file("1\nx\n"), 2); }), HasSubstr("'x' is no value"));
+  EXPECT_THAT(refused([] { parse_sol(sol_file("1\n2\n3\n"), 2); }), HasSubstr("where objno belongs"));
   EXPECT_THAT(refused([] { parse_sol("\nOptions\n999999999\n", 2); }), HasSubstr("options"));
   EXPECT_THAT(refused([] { parse_sol("\nOptions\n0\n1\n0\n2\n99999999999\n", 2); }), HasSubstr("instead of 2"));
   EXPECT_THAT(refused([] { parse_sol(std::string(5000, '\xff'), 2); }), HasSubstr("cut off"));

@@ -2,17 +2,18 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <nlohmann/json.hpp>
 #include <set>
 #include <sstream>
 
+#include "app/json.hpp"
 #include "app/worker/external.hpp"
 #include "compare_process_support.hpp"
 
 namespace perp::app::compare {
 namespace {
 
-using nlohmann::json;
+using test::Json;
+using test::parse_json;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
@@ -179,7 +180,7 @@ TEST(CompareRun, PeersAreToldTheTolerance) {
   const Finished tight = compare(folder, with(arguments, {"--out", folder / "tight", "--tol", "2.5e-11"}));
   EXPECT_EQ(tight.code, 0) << tight.err;
   EXPECT_EQ(test::read(folder / "told"), "tol=0.001\ntol=2.5e-11\n");
-  const json campaign = json::parse(test::read(out + "/campaign.json"));
+  const Json campaign = parse_json(test::read(out + "/campaign.json"));
   EXPECT_THAT(campaign["methods"][0]["command"].get<std::string>(), HasSubstr(" tol={tol} {Tol}"));
   EXPECT_THAT(test::read(out + "/report.html"), HasSubstr(" tol=0.001 {Tol}")) << "what was run";
   std::filesystem::remove(out + "/cells.jsonl");

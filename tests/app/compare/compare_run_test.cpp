@@ -6,17 +6,18 @@
 #include <chrono>
 #include <csignal>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <thread>
 
 #include "app/campaign/process.hpp"
+#include "app/json.hpp"
 #include "app/options/methods.hpp"
 #include "compare_process_support.hpp"
 
 namespace perp::app::compare {
 namespace {
 
-using nlohmann::json;
+using test::Json;
+using test::parse_json;
 using testing::HasSubstr;
 
 // Our own methods: one that has no end is stopped by its own limit, one whose problem does not fit by memory's, those
@@ -242,7 +243,7 @@ TEST(CompareRun, CampaignJson) {
                              "--starts", "3", "--tol", "1e-5", "--out", folder / "out"})
                 .code,
             0);
-  const json campaign = json::parse(test::read(folder / "out/campaign.json"));
+  const Json campaign = parse_json(test::read(folder / "out/campaign.json"));
   EXPECT_EQ(campaign["tol"], 1e-5);
   EXPECT_EQ(campaign["methods"][0]["in_force"]["cfunction"], "kanzow-kleinmichel");
   EXPECT_EQ(campaign["methods"][0]["in_force"]["convergence_tolerance"], "1e-09");

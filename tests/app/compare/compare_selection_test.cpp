@@ -24,7 +24,7 @@ std::vector<std::string> problems(const std::string& list) {
   return names;
 }
 
-std::vector<std::string> methods(const std::string& list) {
+std::vector<std::string> methods_of(const std::string& list) {
   std::vector<std::string> labels, notes;
   for (const AskedMethod& method : select_methods(list, 1e-6, notes)) labels.push_back(method.label);
   return labels;
@@ -34,7 +34,7 @@ std::string problems_refusal(const std::string& list) {
   return refused([&] { select_problems(list); });
 }
 std::string methods_refusal(const std::string& list) {
-  return refused([&] { methods(list); });
+  return refused([&] { methods_of(list); });
 }
 
 TEST(Selection, ProblemsByNameClassPatternAndSize) {
@@ -54,8 +54,8 @@ TEST(Selection, ExclusionsCountWhereverTheyStand) {
   const std::vector<std::string> rest = problems("-class:lcp");
   EXPECT_THAT(rest, Contains("kojshin"));
   EXPECT_THAT(rest, Not(Contains("cottle2")));
-  EXPECT_THAT(methods("presets,-gsl*,-path"), Not(Contains("path")));
-  EXPECT_THAT(methods("presets,-gsl*"), Contains("path"));
+  EXPECT_THAT(methods_of("presets,-gsl*,-path"), Not(Contains("path")));
+  EXPECT_THAT(methods_of("presets,-gsl*"), Contains("path"));
 }
 
 TEST(Selection, UnknownProblemsAreRefusedWithSuggestions) {
@@ -85,13 +85,13 @@ TEST(Selection, FilesAreKnownByTheirNames) {
 }
 
 TEST(Selection, Methods) {
-  EXPECT_EQ(methods("presets").size(), ncp::presets().size());
-  EXPECT_EQ(methods("all").size(), app::methods().size());
-  EXPECT_EQ(methods("cfunctions").size(), ncp::cfunctions().size());
-  EXPECT_THAT(methods("none"), IsEmpty());
-  EXPECT_THAT(methods("semismooth-*"), ElementsAre("semismooth-min", "semismooth-penalised", "semismooth-1997"));
-  EXPECT_EQ(methods("published").size(), ncp::published().size());
-  EXPECT_EQ(methods("*-1997").size(), 8U);
+  EXPECT_EQ(methods_of("presets").size(), ncp::presets().size());
+  EXPECT_EQ(methods_of("all").size(), app::methods().size());
+  EXPECT_EQ(methods_of("cfunctions").size(), ncp::cfunctions().size());
+  EXPECT_THAT(methods_of("none"), IsEmpty());
+  EXPECT_THAT(methods_of("semismooth-*"), ElementsAre("semismooth-min", "semismooth-penalised", "semismooth-1997"));
+  EXPECT_EQ(methods_of("published").size(), ncp::published().size());
+  EXPECT_EQ(methods_of("*-1997").size(), 8U);
 }
 
 // Options reach the method, the campaign's tolerance only where none is given.
@@ -132,7 +132,7 @@ TEST(Selection, Externals) {
     EXPECT_THAT(refused([&] { parse_external(wrong); }), testing::StartsWith("--external")) << wrong;
 }
 
-Campaign example() {
+Campaign example_campaign() {
   std::vector<std::string> notes;
   Campaign campaign{.methods = select_methods("path,semismooth:tol=1e-9", 1e-6, notes),
                     .problems = select_problems("kojshin,billups")};
@@ -144,7 +144,7 @@ Campaign example() {
 }
 
 TEST(CampaignFile, IsReadBack) {
-  const Campaign campaign = example();
+  const Campaign campaign = example_campaign();
   EXPECT_EQ(campaign.cells(), 2U * 13U);
   EXPECT_GT(campaign.machine.cores, 0);
   EXPECT_GT(campaign.machine.memory_mb, 0);
@@ -154,7 +154,7 @@ TEST(CampaignFile, IsReadBack) {
 }
 
 TEST(CampaignFile, DamagedOnesAreRefused) {
-  const std::string text = campaign_json(example());
+  const std::string text = campaign_json(example_campaign());
   EXPECT_THROW(parse_campaign(text.substr(0, text.size() / 2)), InputError);
   EXPECT_THROW(parse_campaign("{}"), InputError);
   EXPECT_THROW(parse_campaign("[]"), InputError);
@@ -202,7 +202,7 @@ TEST(CampaignFile, MoreCellsThanAnybodyRunsAreRefused) {
 
 // Each thing that cells depend on is named when it differs, and nothing else is.
 TEST(CampaignFile, DifferencesAreNamed) {
-  const Campaign before = example();
+  const Campaign before = example_campaign();
   const auto changed = [&](auto change) {
     Campaign now = before;
     change(now);

@@ -9,17 +9,18 @@
 #include <array>
 #include <chrono>
 #include <csignal>
-#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "app/commands/solve.hpp"
+#include "app/json.hpp"
 #include "app/options/options.hpp"
 #include "app/support.hpp"
 
 namespace perp::app {
 namespace {
 
-using nlohmann::json;
+using test::Json;
+using test::parse_json;
 using testing::HasSubstr;
 
 /// A running child whose standard output and error are read through pipes.
@@ -156,7 +157,7 @@ TEST(Process, OutOfMemoryNamesTheProblem) {
                                   {"OPENBLAS_NUM_THREADS=1"}, "/bin/sh");
     EXPECT_EQ(finished.code, 2) << command;
     EXPECT_THAT(finished.err, testing::StartsWith("perp: 'obstacle:20000x20000': out of memory")) << command;
-    const json refused = json::parse(test::read(file));
+    const Json refused = parse_json(test::read(file));
     EXPECT_EQ(refused["status"], "InputError");
     EXPECT_EQ(refused["problem"], "obstacle:20000x20000");
   }
@@ -177,8 +178,8 @@ TEST(Process, FlagsSetOptions) {
       run({"solve", "kojshin", "--start=3", "--method", "josephy", "--tol", "1e-5", "--max-iterations", "44",
            "--time-limit", "5", "--check-derivatives", "-o", "lu=klu", "--option", "sigma=0.01", "--json", "-"});
   ASSERT_EQ(finished.code, 0) << finished.err;
-  const json parsed = json::parse(finished.out);
-  const json& options = parsed["options"];
+  const Json parsed = parse_json(finished.out);
+  const Json& options = parsed["options"];
   EXPECT_EQ(parsed["start"], 3);
   EXPECT_EQ(parsed["method"], "josephy");
   EXPECT_EQ(options["convergence_tolerance"], 1e-5);
@@ -258,7 +259,7 @@ TEST(Process, ClosedPipeIsNoCrash) {
   Child child({"solve", "kojshin", "--json", folder / "out.json"});
   child.close_output();
   EXPECT_EQ(child.wait(), 0) << child.err;
-  EXPECT_EQ(json::parse(test::read(folder / "out.json"))["status"], "Solved") << "files are still written";
+  EXPECT_EQ(parse_json(test::read(folder / "out.json"))["status"], "Solved") << "files are still written";
   EXPECT_EQ(child.err, "");
 }
 
@@ -283,7 +284,7 @@ TEST(Process, FirstSignalEndsTheRunWithItsBestPoint) {
     child.signal(number);
     EXPECT_EQ(child.wait(), 1);
     EXPECT_THAT(child.out, HasSubstr("Interrupted:"));
-    const json parsed = json::parse(test::read(folder / "out.json"));
+    const Json parsed = parse_json(test::read(folder / "out.json"));
     EXPECT_EQ(parsed["status"], "Interrupted");
     EXPECT_EQ(parsed["variables"].size(), 20'000U);
     // exp(-x) fell from 1 at x = 0, so the best point is not the start.
@@ -322,7 +323,7 @@ TEST(Process, SharedSamples) {
   if (!std::filesystem::exists(samples)) GTEST_SKIP() << "no samples at " << samples;
   for (const auto& entry : std::filesystem::directory_iterator(samples)) {
     const Finished finished = run({"solve", entry.path(), "--json", "-", "--log-level", "quiet"});
-    const json parsed = json::parse(finished.out);
+    const Json parsed = parse_json(finished.out);
     EXPECT_EQ(parsed["exit_code"], finished.code) << entry.path();
     const bool malformed = entry.path().filename().string().starts_with("malformed");
     if (malformed) {

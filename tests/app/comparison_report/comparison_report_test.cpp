@@ -8,11 +8,11 @@
 #include <cmath>
 #include <cstdlib>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <regex>
 
 #include "app/comparison_report/html.hpp"
 #include "app/comparison_report/write_report.hpp"
+#include "app/json.hpp"
 #include "report_support.hpp"
 
 namespace perp::app {
@@ -20,11 +20,13 @@ namespace {
 
 using compare::Cell;
 using compare::Outcome;
-using nlohmann::json;
 using test::csv;
 using test::Folder;
+using test::is_json;
+using test::Json;
 using test::MadeUp;
 using test::nasty;
+using test::parse_json;
 using test::Records;
 using test::small_campaign;
 using testing::AllOf;
@@ -127,17 +129,17 @@ TEST_F(ComparisonReport, IsWellFormedAndSelfContained) {
 
 /// The page's data and cells.csv say the same of every cell.
 TEST_F(ComparisonReport, EmbeddedCellsAreThoseOfTheCsv) {
-  const json data = json::parse(Html(page_).scripts.at("application/json"));
+  const Json data = parse_json(Html(page_).scripts.at("application/json"));
   const Records records = csv(folder_, "cells.csv");
   ASSERT_EQ(data["cells"].size(), made_up_.cells.size());
   ASSERT_EQ(records.size(), made_up_.cells.size() + 1);
   std::map<std::string, std::vector<std::string>> by_key;
   for (const auto& record : records) by_key[record[0] + '\n' + record[1] + '\n' + record[2]] = record;
-  const auto same = [](const json& value, const std::string& field) {
+  const auto same = [](const Json& value, const std::string& field) {
     return value.is_null() ? field.empty()
                            : !field.empty() && value.get<double>() == std::strtod(field.c_str(), nullptr);
   };
-  for (const json& cell : data["cells"]) {
+  for (const Json& cell : data["cells"]) {
     const auto& record = by_key.at(data["methods"][cell[0].get<std::size_t>()].get<std::string>() + '\n' +
                                    data["problems"][cell[1].get<std::size_t>()][0].get<std::string>() + '\n' +
                                    std::to_string(cell[2].get<int>()));
@@ -147,9 +149,9 @@ TEST_F(ComparisonReport, EmbeddedCellsAreThoseOfTheCsv) {
     for (std::size_t k = 7; k <= 12; ++k) EXPECT_TRUE(same(cell[k], record[k])) << k;
     EXPECT_TRUE(same(cell[13], record[14])) << cell[13] << " " << record[14];
   }
-  const json& curve = data["cells"][3][16];
-  EXPECT_EQ(curve, json::parse("[30000, null, -30000]"));
-  EXPECT_EQ(data["cells"][0][16], json::parse("[0, -100, -900]"));
+  const Json& curve = data["cells"][3][16];
+  EXPECT_EQ(curve, parse_json("[30000, null, -30000]"));
+  EXPECT_EQ(data["cells"][0][16], parse_json("[0, -100, -900]"));
 }
 
 /// Every row of the robustness table on the page against robustness.csv.
@@ -257,11 +259,11 @@ TEST(ComparisonReportEdges, LittleToReport) {
     const std::string page = test::read(folder / "report.html");
     EXPECT_NO_THROW({
       const Html html(page);
-      EXPECT_TRUE(json::parse(html.scripts.at("application/json")).is_object());
+      EXPECT_TRUE(parse_json(html.scripts.at("application/json")).is_object());
     }) << what;
     EXPECT_EQ(page.find(">nan<"), std::string::npos) << what;
     EXPECT_FALSE(std::regex_search(page, std::regex(" (points|d|x|y|cx|cy)=\"[^\"]*(nan|inf)"))) << what;
-    EXPECT_TRUE(json::accept(test::read(folder / "report.json"))) << what;
+    EXPECT_TRUE(is_json(test::read(folder / "report.json"))) << what;
     for (const char* name : {"methods.csv", "pairs.csv", "profiles.csv", "summary.csv", "curves.csv"}) {
       const Records records = csv(folder, name);
       for (const auto& record : records) EXPECT_EQ(record.size(), records[0].size()) << what << ' ' << name;

@@ -6,21 +6,22 @@
 #include <cmath>
 #include <cstdlib>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <set>
 #include <sstream>
 
 #include "app/comparison_report/write_report.hpp"
+#include "app/json.hpp"
 #include "report_support.hpp"
 
 namespace perp::app {
 namespace {
 
 using compare::Outcome;
-using nlohmann::json;
 using test::csv;
 using test::Folder;
+using test::Json;
 using test::MadeUp;
+using test::parse_json;
 using test::Records;
 
 /// The k-th script of the section.
@@ -145,9 +146,9 @@ TEST_F(ScriptsOfTheReadme, Means) {
 TEST_F(ScriptsOfTheReadme, Curves) {
   const std::string page = test::read(folder_ / "report.html");
   const std::size_t begin = page.find('>', page.find("<script type=\"application/json\"")) + 1;
-  const json data = json::parse(page.substr(begin, page.find("</script>", begin) - begin));
-  std::map<std::pair<std::string, int>, std::map<std::string, json>> drawn;
-  for (const json& cell : data["cells"])
+  const Json data = parse_json(page.substr(begin, page.find("</script>", begin) - begin));
+  std::map<std::pair<std::string, int>, std::map<std::string, Json>> drawn;
+  for (const Json& cell : data["cells"])
     drawn[{data["problems"][cell[1].get<std::size_t>()][0], cell[2]}][data["methods"][cell[0].get<std::size_t>()]] =
         cell;
   std::size_t points = 0;
@@ -156,7 +157,7 @@ TEST_F(ScriptsOfTheReadme, Curves) {
     for (const auto& record : run(Curves, {pair.first, std::to_string(pair.second)}))
       printed[record[0]].emplace_back(std::strtod(record[1].c_str(), nullptr), record[2]);
     for (const auto& [method, cell] : curves) {
-      const json& curve = cell[16];
+      const Json& curve = cell[16];
       const auto& way = printed[method];
       ASSERT_EQ(way.size(), curve.size()) << method;
       const double steps = static_cast<double>(curve.size()) - 1;

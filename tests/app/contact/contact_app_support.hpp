@@ -1,10 +1,12 @@
 #pragma once
-/// Contact problems with solutions by hand, as Siconos' text files.
+/// Contact problems with solutions by hand, as Siconos' text files, and what is read of answers and pictures.
 ///
 /// W = I, so that contacts do not act on each other and, with q = (-1, s) at each, r_N = 1 and r_T is the projection of
 /// -s on the friction disk of radius mu.
 #include <string>
 
+#include "app/contact/contact.hpp"
+#include "app/json.hpp"
 #include "app/support.hpp"
 
 namespace perp::app::test {
@@ -24,5 +26,30 @@ inline std::string three_contacts() { return identity_dat(3, 3, "1 0 0  -1 0.3 0
 
 /// In the plane: slipping with r = (1, -0.5), u_T = 1.5; sticking with r = (1, 0.2).
 inline std::string two_plane_contacts() { return identity_dat(2, 2, "-1 2  -1 -0.2", "0.5 0.5"); }
+
+/// What `perp contact` says of a request: the exit code, its JSON and the messages.
+struct Answer {
+  int code;
+  Json result;
+  std::string err;
+};
+inline Answer answer(contacts::ContactRequest request) {
+  Captured captured;
+  request.json = "-";
+  const int code = solve_contact(request, captured.streams);
+  return {code, parse_json(captured.out.str()), captured.err.str()};
+}
+
+inline std::size_t occurrences(const std::string& text, const std::string& part) {
+  std::size_t n = 0;
+  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + part.size())) ++n;
+  return n;
+}
+
+/// Elements that are opened and not closed again: 0 in XML.
+inline long unclosed(const std::string& svg) {
+  const auto number = [&](const char* part) { return static_cast<long>(occurrences(svg, part)); };
+  return number("<") - 2 * number("</") - number("<?") - number("/>");
+}
 
 }  // namespace perp::app::test

@@ -9,38 +9,27 @@
 #include <atomic>
 #include <cmath>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "app/contact/run/report.hpp"
 #include "app/contact/run/run.hpp"
+#include "app/json.hpp"
 #include "contact/io/fclib.hpp"
 #include "contact_app_support.hpp"
 
 namespace perp::app::contacts {
 namespace {
 
-using nlohmann::json;
+using test::Answer;
+using test::answer;
+using test::Json;
+using test::parse_json;
 using testing::HasSubstr;
 using testing::Not;
 
-void expect_near(const json& values, const std::vector<double>& expected, double tol) {
+void expect_near(const Json& values, const std::vector<double>& expected, double tol) {
   ASSERT_EQ(values.size(), expected.size());
   for (std::size_t k = 0; k < expected.size(); ++k) EXPECT_NEAR(values[k].get<double>(), expected[k], tol) << k;
-}
-
-/// The JSON of a run on that file, and its exit code.
-struct Answer {
-  int code;
-  json result;
-  std::string err;
-};
-Answer answer(const ContactRequest& request) {
-  test::Captured captured;
-  ContactRequest with_json = request;
-  with_json.json = "-";
-  const int code = solve_contact(with_json, captured.streams);
-  return {code, json::parse(captured.out.str()), captured.err.str()};
 }
 
 // W = 2^30 v v' of rank 1: the linearised problems of the NCP by norms end on bases that are singular afresh, and a
@@ -89,7 +78,7 @@ TEST(Contact, ThreeContactsByHand) {
     EXPECT_EQ(run.code, exit_solved) << run.err;
     EXPECT_EQ(run.result["solved_by"],
               variant.encoding ? variant.method.value_or("path") : variant.method.value_or("sweeps"));
-    const json& contacts = run.result["contacts"];
+    const Json& contacts = run.result["contacts"];
     ASSERT_EQ(contacts.size(), 3U);
     EXPECT_EQ(contacts[0]["state"], "open");
     EXPECT_EQ(contacts[1]["state"], "stick");
@@ -371,7 +360,7 @@ TEST(ContactReport, NothingIsSaidOfAProblemThatWasLeft) {
   left.solution.r = lcp::Vec::Zero(loaded.problem.q.size());
   left.solution.u = loaded.problem.q;  // W 0 + q
   contact::judge(left, loaded.problem, left.variant);
-  EXPECT_TRUE(json::parse(run_json(loaded, left, exit_unsolved))["own_residual"].is_null());
+  EXPECT_TRUE(parse_json(run_json(loaded, left, exit_unsolved))["own_residual"].is_null());
   std::ostringstream out;
   print_verdict(out, loaded.problem, left);
   EXPECT_THAT(out.str(), HasSubstr("Nothing is known of its own problem"));

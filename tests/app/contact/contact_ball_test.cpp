@@ -6,18 +6,21 @@
 #include <cmath>
 #include <cstdlib>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <regex>
 #include <set>
 
 #include "app/contact/studies/ball.hpp"
 #include "app/contact/studies/ball_svg.hpp"
-#include "app/support.hpp"
+#include "app/json.hpp"
+#include "contact_app_support.hpp"
 
 namespace perp::app::contacts {
 namespace {
 
-using nlohmann::json;
+using test::Json;
+using test::occurrences;
+using test::parse_json;
+using test::unclosed;
 using testing::HasSubstr;
 using testing::Not;
 
@@ -47,12 +50,6 @@ BallScene scene_of(double load, std::initializer_list<int> facets) {
   return scene;
 }
 
-std::size_t occurrences(const std::string& text, const std::string& part) {
-  std::size_t n = 0;
-  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + part.size())) ++n;
-  return n;
-}
-
 // Without a word: the lecture's load and a larger one, four polygons and the exact law, which alone is 0 from itself.
 TEST(BallCommand, SaysHowFarFacetsLeadAstray) {
   const Output output = run(quick());
@@ -73,10 +70,10 @@ TEST(BallCommand, JsonHasPathsAndEnergies) {
   const Output output = run(request);
   ASSERT_EQ(output.code, exit_solved) << output.err;
   EXPECT_THAT(output.err, HasSubstr("inner:4"));
-  const json root = json::parse(output.out);
+  const Json root = parse_json(output.out);
   EXPECT_EQ(root["problem"], "ball");
   EXPECT_EQ(root["exit_code"], 0);
-  const json& paths = root["loads"][0]["paths"];
+  const Json& paths = root["loads"][0]["paths"];
   ASSERT_EQ(paths.size(), 2U);
   EXPECT_EQ(paths[0]["law"], "inner:4");
   EXPECT_EQ(paths[1]["law"], "exact");
@@ -99,7 +96,7 @@ TEST(BallCommand, LongPathsAreThinned) {
   request.loads = "1.5";
   request.json = "-";
   request.ball.h = 0.025;
-  const json path = json::parse(run(request).out)["loads"][0]["paths"][0];
+  const Json path = parse_json(run(request).out)["loads"][0]["paths"][0];
   EXPECT_EQ(path["steps"], 1200);
   EXPECT_EQ(path["path"].size(), 601U);
   EXPECT_EQ(path["path"].back()[0], 30.0);
@@ -195,7 +192,7 @@ TEST(BallPicture, EveryLawHasItsLook) {
   const std::string svg = ball_svg(scenes);
   for (const char* css : {"path c0", "path c1", "path c2", "path exact"})
     EXPECT_GE(occurrences(svg, std::string("<polyline class=\"") + css + "\""), 1U) << css;
-  EXPECT_EQ(occurrences(svg, "<"), 2 * occurrences(svg, "</") + occurrences(svg, "<?") + occurrences(svg, "/>"));
+  EXPECT_EQ(unclosed(svg), 0);
   for (const char* words : {"4 facets", "16 facets", "exact law", "Load = 1.5 mu m g", " m/s<", "bend the path"})
     EXPECT_THAT(svg, HasSubstr(words));
   EXPECT_THAT(svg, Not(HasSubstr("nan")));

@@ -7,18 +7,19 @@
 #include <sys/wait.h>
 
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <regex>
 #include <set>
 
 #include "app/compare/compare.hpp"
 #include "app/contact/compare/variants_report.hpp"
+#include "app/json.hpp"
 #include "contact_app_support.hpp"
 
 namespace perp::app::contacts {
 namespace {
 
-using nlohmann::json;
+using test::Json;
+using test::parse_json;
 using testing::HasSubstr;
 
 struct Ended {
@@ -32,7 +33,7 @@ Ended perp(const test::Folder& folder, std::vector<std::string> arguments) {
   return {WIFEXITED(end.status) ? WEXITSTATUS(end.status) : -WTERMSIG(end.status), test::read(folder / "log")};
 }
 
-json cells_of(const std::string& dir) { return json::parse(test::read(dir + "/cells.json"))["cells"]; }
+Json cells_of(const std::string& dir) { return parse_json(test::read(dir + "/cells.json"))["cells"]; }
 
 // Three problems with solutions by hand: exact variants are judged by Coulomb's law, the square by its own, its error
 // beside it.
@@ -48,9 +49,9 @@ TEST(ContactCompare, TableFilesAndLaws) {
                               .program = PERP_PROGRAM},
                              captured.streams),
             exit_solved);
-  const json cells = cells_of(folder / "out");
+  const Json cells = cells_of(folder / "out");
   ASSERT_EQ(cells.size(), 12U);
-  for (const json& cell : cells) {
+  for (const Json& cell : cells) {
     EXPECT_EQ(cell["outcome"], "solved") << cell;
     const bool exact = cell["variant"].get<std::string>().starts_with("glocker");
     EXPECT_EQ(cell["exact"], exact);
@@ -96,7 +97,7 @@ TEST(ContactCompare, CrashAndHangLoseOneCellOnly) {
                               .program = program},
                              captured.streams),
             exit_solved);
-  const json cells = cells_of(folder / "out");
+  const Json cells = cells_of(folder / "out");
   ASSERT_EQ(cells.size(), 4U);
   EXPECT_EQ(cells[0]["outcome"], "crashed");
   EXPECT_THAT(cells[0]["message"].get<std::string>(), HasSubstr("Segmentation"));
@@ -189,7 +190,7 @@ TEST(ContactProcess, FlagsAndExitCodes) {
                 .code,
             exit_solved);
   for (const char* made : {"r.json", "f.svg", "o.hdf5"}) EXPECT_TRUE(std::filesystem::exists(folder / made)) << made;
-  EXPECT_EQ(json::parse(test::read(folder / "r.json"))["variant"], "glocker+path/B");
+  EXPECT_EQ(parse_json(test::read(folder / "r.json"))["variant"], "glocker+path/B");
   EXPECT_EQ(perp(folder, {file, "--formulation", "inner:5", "--form", "mixed"}).code, exit_solved);
   EXPECT_EQ(perp(folder, {"--generate", "stack:4", "--log-level", "quiet"}).output, "");
   EXPECT_EQ(perp(folder, {"--generate", "spheres:20", "--tol", "1e-30", "--time-limit", "0.2"}).code, exit_unsolved);

@@ -9,30 +9,29 @@
 #include <cmath>
 #include <cstdlib>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <numbers>
 #include <regex>
 
 #include "app/contact/studies/facets_svg.hpp"
+#include "app/json.hpp"
 #include "contact_app_support.hpp"
 
 namespace perp::app::contacts {
 namespace {
 
-using nlohmann::json;
+using test::Answer;
+using test::Json;
+using test::occurrences;
+using test::parse_json;
+using test::unclosed;
 using testing::HasSubstr;
 using testing::Not;
 
-struct Answer {
-  int code;
-  json result;
-  std::string text;
-};
-Answer answer(FacetsRequest request) {
+Answer facets_answer(FacetsRequest request) {
   test::Captured captured;
   request.json = "-";
   const int code = facets(request, captured.streams);
-  return {code, json::parse(captured.out.str()), captured.err.str()};
+  return {code, parse_json(captured.out.str()), captured.err.str()};
 }
 
 struct Point {
@@ -62,10 +61,10 @@ Point nearest(const std::vector<Point>& corners, Point p) {
 TEST(Facets, ErrorsByHand) {
   const test::Folder folder;
   test::write(folder / "slip.dat", test::identity_dat(3, 1, "-1 1.2 1.6", "0.5"));
-  const Answer run = answer({.problems = {folder / "slip.dat"}, .facets = "7,4"});
-  EXPECT_EQ(run.code, exit_solved) << run.text;
+  const Answer run = facets_answer({.problems = {folder / "slip.dat"}, .facets = "7,4"});
+  EXPECT_EQ(run.code, exit_solved) << run.err;
   ASSERT_EQ(run.result["runs"].size(), 12U);
-  for (const json& one : run.result["runs"]) {
+  for (const Json& one : run.result["runs"]) {
     const int K = one["facets"];
     const bool outer = one["polygon"] == "outer";
     std::vector<Point> corners;
@@ -76,7 +75,7 @@ TEST(Facets, ErrorsByHand) {
     }
     const Point r = nearest(corners, {-1.2, -1.6});
     const Point u{1.2 + r.x, 1.6 + r.y};
-    const json& errors = one["errors"];
+    const Json& errors = one["errors"];
     EXPECT_NEAR(errors["velocity"].get<double>(), distance(r, {-0.3, -0.4}) / std::sqrt(5.0), 1e-9) << one;
     EXPECT_NEAR(errors["cone"].get<double>(), std::max(0.0, std::hypot(r.x, r.y) - 0.5), 1e-9) << one;
     EXPECT_NEAR(errors["slip"].get<double>(), std::abs(0.5 * std::hypot(u.x, u.y) + r.x * u.x + r.y * u.y) / 1.6, 1e-9)
@@ -87,7 +86,7 @@ TEST(Facets, ErrorsByHand) {
   EXPECT_EQ(run.result["lines"][0]["facets"], 4);  // ascending
   EXPECT_EQ(run.result["lines"][0]["solved"], 3);
   std::vector<double> middle;  // of the three positions
-  for (const json& one : run.result["runs"])
+  for (const Json& one : run.result["runs"])
     if (one["polygon"] == "outer" && one["facets"] == 7) middle.push_back(one["errors"]["velocity"]);
   std::ranges::sort(middle);
   EXPECT_DOUBLE_EQ(run.result["lines"][3]["medians"]["velocity"].get<double>(), middle.at(1));
@@ -106,10 +105,10 @@ TEST(Facets, ErrorsFallAsTheyShould) {
     mu << "0.5 ";
   }
   test::write(folder / "circle.dat", test::identity_dat(3, n, q.str(), mu.str()));
-  const Answer run = answer({.problems = {folder / "circle.dat"}, .facets = "4,8,16,32,64"});
-  EXPECT_EQ(run.code, exit_solved) << run.text;
+  const Answer run = facets_answer({.problems = {folder / "circle.dat"}, .facets = "4,8,16,32,64"});
+  EXPECT_EQ(run.code, exit_solved) << run.err;
   for (const char* side : {"inner", "outer"}) {
-    const json& powers = run.result["powers"][side];
+    const Json& powers = run.result["powers"][side];
     for (const char* linear : {"natural", "velocity"}) {
       EXPECT_LT(powers[linear].get<double>(), -0.8) << side << linear;
       EXPECT_GT(powers[linear].get<double>(), -1.2) << side << linear;
@@ -119,7 +118,7 @@ TEST(Facets, ErrorsFallAsTheyShould) {
   }
   EXPECT_NEAR(run.result["powers"]["outer"]["cone"].get<double>(), -2, 0.3);
   EXPECT_TRUE(run.result["powers"]["inner"]["cone"].is_null());  // inside of the cone
-  for (const json& line : run.result["lines"]) EXPECT_LE(line["own_residual"].get<double>(), 1e-9);
+  for (const Json& line : run.result["lines"]) EXPECT_LE(line["own_residual"].get<double>(), 1e-9);
 }
 
 // Medians are over what slips in space: the others' zeros would make every polygon look exact.
@@ -127,13 +126,13 @@ TEST(Facets, WhereNothingSlipsDoesNotCount) {
   const test::Folder folder;
   test::write(folder / "plane.dat", test::two_plane_contacts());
   test::write(folder / "slip.dat", test::identity_dat(3, 1, "-1 1.2 1.6", "0.5"));
-  const Answer mixed = answer({.problems = {folder / "plane.dat", "stack:4", folder / "slip.dat"}, .facets = "5"});
-  EXPECT_EQ(mixed.code, exit_solved) << mixed.text;
-  const Answer alone = answer({.problems = {folder / "slip.dat"}, .facets = "5"});
+  const Answer mixed =
+      facets_answer({.problems = {folder / "plane.dat", "stack:4", folder / "slip.dat"}, .facets = "5"});
+  EXPECT_EQ(mixed.code, exit_solved) << mixed.err;
+  const Answer alone = facets_answer({.problems = {folder / "slip.dat"}, .facets = "5"});
   EXPECT_EQ(mixed.result["lines"][0]["runs"], 9);
   EXPECT_EQ(mixed.result["lines"][0]["medians"], alone.result["lines"][0]["medians"]);
-  EXPECT_THAT(mixed.text,
-              HasSubstr("3 problems of 1 to 4 contacts, 3 of them solved by the exact law; in 1 something"));
+  EXPECT_THAT(mixed.err, HasSubstr("3 problems of 1 to 4 contacts, 3 of them solved by the exact law; in 1 something"));
   test::Captured captured;
   EXPECT_EQ(facets({.problems = {"stack:4"}, .facets = "5", .svg = folder / "none.svg"}, captured.streams),
             exit_solved);
@@ -192,13 +191,8 @@ TEST(FacetsPicture, SlopesAreWhatTheySay) {
 
 TEST(FacetsPicture, IsWellFormed) {
   const std::string svg = facets_svg(made_study());
-  const auto occurrences = [&](const std::string& part) {
-    std::size_t n = 0;
-    for (std::size_t at = svg.find(part); at != std::string::npos; at = svg.find(part, at + part.size())) ++n;
-    return n;
-  };
-  EXPECT_EQ(occurrences("<"), 2 * occurrences("</") + occurrences("<?") + occurrences("/>"));
-  EXPECT_EQ(occurrences("panel-title\" x="), 4U);
+  EXPECT_EQ(unclosed(svg), 0);
+  EXPECT_EQ(occurrences(svg, "panel-title\" x="), 4U);
   EXPECT_THAT(svg, Not(HasSubstr("href")));  // nothing from elsewhere
 }
 
@@ -231,7 +225,7 @@ TEST(Facets, RefusesBeforeAnythingRuns) {
   test::Captured captured;
   EXPECT_EQ(facets({.problems = {good, folder / "none.dat"}, .facets = "4", .json = "-"}, captured.streams),
             exit_input);
-  EXPECT_EQ(json::parse(captured.out.str())["status"], "InputError");
+  EXPECT_EQ(parse_json(captured.out.str())["status"], "InputError");
 }
 
 TEST(Facets, InterruptedIsNotSolved) {
@@ -263,7 +257,7 @@ TEST(Facets, FlagsOfTheProgram) {
             0);
   EXPECT_THAT(text(), HasSubstr("MLCPs"));
   EXPECT_THAT(test::read(folder / "f.svg"), HasSubstr("Missing dissipation"));
-  EXPECT_EQ(json::parse(test::read(folder / "f.json"))["form"], "mixed");
+  EXPECT_EQ(parse_json(test::read(folder / "f.json"))["form"], "mixed");
   for (const char* flag : {"--method lemke", "--formulation inner:4", "--encoding A", "--row original", "--full",
                            "--fclib-out o.hdf5", "--log-level quiet", "--compare", "--jobs 2"}) {
     EXPECT_EQ(program("incline:4 --facets 4,8 " + std::string(flag)), exit_input) << flag;

@@ -13,21 +13,10 @@
 namespace perp::app::contacts {
 namespace {
 
+using test::occurrences;
+using test::unclosed;
 using testing::HasSubstr;
 using testing::Not;
-
-std::size_t occurrences(const std::string& text, const std::string& part) {
-  std::size_t n = 0;
-  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + part.size())) ++n;
-  return n;
-}
-
-/// Elements that are opened and not closed again: 0 in XML.
-long unclosed(const std::string& svg) {
-  const auto opened = static_cast<long>(occurrences(svg, "<")) - 2 * static_cast<long>(occurrences(svg, "</")) -
-                      static_cast<long>(occurrences(svg, "<?")) - static_cast<long>(occurrences(svg, "/>"));
-  return opened;
-}
 
 std::string picture(const Loaded& loaded, const std::string& variant = "glocker") {
   return forces_svg(loaded, run(loaded.problem, parse_variant(variant), {}));

@@ -3,33 +3,24 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <nlohmann/json.hpp>
 #include <regex>
 
 #include "app/contact/contact.hpp"
 #include "app/contact/run/method_options.hpp"
+#include "app/json.hpp"
 #include "contact_app_support.hpp"
 
 namespace perp::app::contacts {
 namespace {
 
-using nlohmann::json;
+using test::Answer;
+using test::answer;
+using test::Json;
 using testing::HasSubstr;
 using testing::Not;
 
 std::string why(const VariantRequest& request) {
   return test::refused([&] { parse_variant(request); });
-}
-
-struct Answer {
-  int code;
-  json result;
-  std::string err;
-};
-Answer answer(const std::string& problem, const VariantRequest& variant) {
-  test::Captured captured;
-  const int code = solve_contact({.problems = {problem}, .variant = variant, .json = "-"}, captured.streams);
-  return {code, json::parse(captured.out.str()), captured.err.str()};
 }
 
 // Every key reaches its own field. Would catch two keys on one field.
@@ -80,26 +71,28 @@ TEST(ContactOptions, OfGlockersNcp) {
 
 // What is set is what runs: no sweeps, no Newton steps; one iteration is not enough.
 TEST(ContactOptions, ReachTheRun) {
-  const Answer bare = answer("spheres:20", {.options = {"sweeps=0", "polish=no"}});
+  const Answer bare = answer({.problems = {"spheres:20"}, .variant = {.options = {"sweeps=0", "polish=no"}}});
   EXPECT_EQ(bare.code, exit_solved) << bare.err;
   EXPECT_EQ(bare.result["stats"]["sweeps"], 0);
   EXPECT_EQ(bare.result["stats"]["newton_steps"], 0);
   EXPECT_GT(bare.result["stats"]["iterations"].get<int>(), 3);
-  EXPECT_EQ(bare.result["options"], json::array({"sweeps=0", "polish=no"}));
+  EXPECT_EQ(bare.result["options"], Json::array({"sweeps=0", "polish=no"}));
   EXPECT_THAT(bare.err, HasSubstr("options: sweeps=0, polish=no"));
   const Answer cut = answer(
-      "spheres:20", {.options = {"sweeps=0", "polish=no", "max_iterations=1", "other_settings=no", "proximal=no"}});
+      {.problems = {"spheres:20"},
+       .variant = {.options = {"sweeps=0", "polish=no", "max_iterations=1", "other_settings=no", "proximal=no"}}});
   EXPECT_EQ(cut.code, exit_unsolved);
   EXPECT_EQ(cut.result["stats"]["iterations"], 1);
   for (const VariantRequest& variant :
        {VariantRequest{.method = "miles", .options = {"major_iteration_limit=1", "stages=1"}},
         VariantRequest{.formulation = "ncp1", .method = "miles", .options = {"major_iteration_limit=1"}}}) {
-    const Answer one = answer("spheres:20", variant);
+    const Answer one = answer({.problems = {"spheres:20"}, .variant = variant});
     EXPECT_EQ(one.code, exit_unsolved) << one.result["variant"];
     EXPECT_LE(one.result["stats"]["iterations"].get<int>(), 1);
   }
   const Answer pivots =
-      answer("spheres:20", {.formulation = "inner:8", .method = "lemke", .options = {"minor_iteration_limit=2"}});
+      answer({.problems = {"spheres:20"},
+              .variant = {.formulation = "inner:8", .method = "lemke", .options = {"minor_iteration_limit=2"}}});
   EXPECT_EQ(pivots.code, exit_unsolved);
   EXPECT_LE(pivots.result["stats"]["iterations"].get<int>(), 2);
 }

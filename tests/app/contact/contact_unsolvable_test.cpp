@@ -7,11 +7,11 @@
 #include <algorithm>
 #include <cstdlib>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <numbers>
 
 #include "app/contact/run/report.hpp"
 #include "app/contact/run/run.hpp"
+#include "app/json.hpp"
 #include "app/options/methods.hpp"
 #include "contact/existence/exact_certificate.hpp"
 #include "contact/existence/unsolvable.hpp"
@@ -20,9 +20,11 @@ namespace perp::app::contacts {
 namespace {
 
 using contact::Problem;
-using contact::support::make_unsolvable;
-using contact::support::Random;
-using perp::support::vec;
+using contact::test::make_unsolvable;
+using support::Random;
+using support::vec;
+using test::Json;
+using test::parse_json;
 using testing::HasSubstr;
 
 int asked(int by_default) {
@@ -59,7 +61,7 @@ Problem enclosing(Problem problem, const Variant& variant) {
 void check_claims(const Problem& problem, const contact::Vec& planted, const Run& run) {
   const std::string what = problem.name + " by " + run.variant.label() + ": " + run.message;
   const Problem own = enclosing(problem, run.variant);
-  if (contact::support::exactly_infeasible(own, planted)) {
+  if (contact::test::exactly_infeasible(own, planted)) {
     EXPECT_FALSE(run.solved) << what << ", largest impulse " << run.solution.r.lpNorm<Eigen::Infinity>();
   }
   EXPECT_NE(run.verdict.existence, contact::Existence::Exists) << what;
@@ -69,7 +71,7 @@ void check_claims(const Problem& problem, const contact::Vec& planted, const Run
     EXPECT_FALSE(run.variant.exact()) << what;
     return;
   }
-  const double radius = contact::support::exact_radius(own, run.verdict.certificate);
+  const double radius = contact::test::exact_radius(own, run.verdict.certificate);
   EXPECT_GE(radius, run.verdict.radius) << what;
 }
 
@@ -99,7 +101,7 @@ TEST(ContactUnsolvable, ByEveryVariant) {
 // JSON.
 TEST(ContactUnsolvable, TextAndJson) {
   Problem problem{.dimension = 2, .W = {}, .q = vec({-1, 0, 0.5, 0}), .mu = vec({0.3, 0.3})};
-  problem.W = perp::support::matrix({{1, 0, -1, 0}, {0, 1, 0, 1}, {-1, 0, 1, 0}, {0, 1, 0, 1}});
+  problem.W = support::matrix({{1, 0, -1, 0}, {0, 1, 0, 1}, {-1, 0, 1, 0}, {0, 1, 0, 1}});
   const Loaded loaded{"squeezed", problem};
   for (const char* label : {"glocker", "glocker+path/B", "ncp1", "inner:8", "outer:8", "frictionless"}) {
     const contacts::Run run = contacts::run(problem, parse_variant(std::string(label)), {.seconds = 5});
@@ -109,16 +111,16 @@ TEST(ContactUnsolvable, TextAndJson) {
     EXPECT_THAT(text.str(), HasSubstr("no solution exists")) << label;
     EXPECT_THAT(text.str(), HasSubstr("contacts 1 and 2")) << label;
     EXPECT_THAT(text.str(), testing::Not(HasSubstr("--tol"))) << label;
-    const auto json = nlohmann::json::parse(run_json(loaded, run, exit_unsolved));
+    const Json json = parse_json(run_json(loaded, run, exit_unsolved));
     EXPECT_EQ(json["status"], "Infeasible");
     EXPECT_EQ(json["existence"], "none");
-    EXPECT_EQ(json["certificate"], nlohmann::json({1, 1}));
+    EXPECT_EQ(json["certificate"], Json({1, 1}));
     EXPECT_EQ(json["radius"], "inf");
     EXPECT_TRUE(json["witness"].is_null());
   }
   problem.q[2] = 2;
   const contacts::Run solved = contacts::run(problem, parse_variant(std::string("glocker")), {});
-  const auto json = nlohmann::json::parse(run_json(loaded, solved, exit_solved));
+  const Json json = parse_json(run_json(loaded, solved, exit_solved));
   for (const char* key : {"existence", "certificate", "radius", "witness"}) EXPECT_TRUE(json.at(key).is_null()) << key;
 }
 

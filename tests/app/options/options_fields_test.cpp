@@ -6,17 +6,14 @@
 
 #include "app/options/options.hpp"
 #include "app/report/report.hpp"
+#include "options_support.hpp"
 
 namespace perp::app {
 namespace {
 
+using test::applied;
 using testing::HasSubstr;
 using testing::IsEmpty;
-
-Applied applied(std::vector<Assignment> assignments) {
-  for (Assignment& given : assignments) given.source = "test";
-  return apply_options(assignments);
-}
 
 // Options that another one makes inert are neither listed nor silently taken, and the order of the two does not matter.
 // Would catch `rescalings=2` among the options of a method without escapes.

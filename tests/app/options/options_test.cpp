@@ -13,18 +13,14 @@
 #include <sstream>
 
 #include "app/support.hpp"
+#include "options_support.hpp"
 
 namespace perp::app {
 namespace {
 
+using test::applied;
 using testing::HasSubstr;
 using testing::IsEmpty;
-
-Applied applied(std::vector<Assignment> assignments, Unknown unknown = Unknown::Refuse) {
-  for (Assignment& given : assignments)
-    if (given.source.empty()) given.source = "test";
-  return apply_options(assignments, unknown);
-}
 
 std::string refusal(const std::vector<Assignment>& assignments) {
   try {

@@ -4,9 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <nlohmann/json.hpp>
-
 #include "app/commands/solve.hpp"
+#include "app/json.hpp"
 #include "app/report/json.hpp"
 #include "app/support.hpp"
 #include "lcp/io/file_error.hpp"
@@ -15,7 +14,8 @@
 namespace perp::app {
 namespace {
 
-using nlohmann::json;
+using test::Json;
+using test::parse_json;
 using testing::HasSubstr;
 
 /// An obstacle problem on n points, pushed down by `load`: M tridiagonal (-1, 2, -1), an M-matrix, q = load h^2 - ...
@@ -38,8 +38,8 @@ const std::vector<Assignment> by_pivots{
     {"method", "path", "test"}, {"crash_method", "none", "test"}, {"preprocess", "no", "test"}};
 
 /// A result with a basis, as JSON.
-json result_with_basis(const LoadedProblem& problem) {
-  return json::parse(solve_json(run_method(problem, apply_options(by_pivots).settings, nullptr, nullptr)));
+Json result_with_basis(const LoadedProblem& problem) {
+  return parse_json(solve_json(run_method(problem, apply_options(by_pivots).settings, nullptr, nullptr)));
 }
 
 std::string refusal(const std::string& path, const ncp::Mcp& mcp) {
@@ -62,7 +62,7 @@ TEST(WarmStart, ReadsWhatWasWritten) {
   const WarmStart warm = read_warm_start(folder / "r.json", *problem.mcp);
   EXPECT_EQ(warm.x, report.result.x);
   EXPECT_EQ(warm.basis, report.result.basis);
-  const json parsed = json::parse(test::read(folder / "r.json"));
+  const Json parsed = parse_json(test::read(folder / "r.json"));
   for (std::size_t i = 0; i < 20; ++i)
     EXPECT_EQ(parsed["variables"][i]["basis"], report.result.x[static_cast<ncp::Index>(i)] > 0 ? "inside" : "below");
 }
@@ -96,24 +96,24 @@ TEST(WarmStart, DeepJsonIsRefused) {
 TEST(WarmStart, WhatIsNoResultOfThisProblemIsRefused) {
   const test::Folder folder;
   const LoadedProblem problem = obstacle(6, 1);
-  const json good = result_with_basis(problem);
-  const auto refused = [&](const json& content) {
+  const Json good = result_with_basis(problem);
+  const auto refused = [&](const Json& content) {
     test::write(folder / "r.json", content.dump());
     return refusal(folder / "r.json", *problem.mcp);
   };
   ASSERT_EQ(refused(good), "");
-  json bad = good;
+  Json bad = good;
   bad["variables"].erase(5);
   EXPECT_THAT(refused(bad), testing::AllOf(HasSubstr("r.json"), HasSubstr("5 variables"), HasSubstr("6")));
   bad = good;
   bad["variables"][2]["name"] = "price";
   EXPECT_THAT(refused(bad), testing::AllOf(HasSubstr("price"), HasSubstr(problem.mcp->variable_name(2))));
-  for (const json& value : {json("inf"), json(nullptr), json("1")}) {
+  for (const Json& value : {Json("inf"), Json(nullptr), Json("1")}) {
     bad = good;
     bad["variables"][3]["value"] = value;
     EXPECT_THAT(refused(bad), testing::AllOf(HasSubstr(problem.mcp->variable_name(3)), HasSubstr("finite number")));
   }
-  for (const json& cell : {json("between"), json(3)}) {
+  for (const Json& cell : {Json("between"), Json(3)}) {
     bad = good;
     bad["variables"][4]["basis"] = cell;
     EXPECT_THAT(refused(bad), testing::AllOf(HasSubstr(problem.mcp->variable_name(4)), HasSubstr("inside")));
@@ -124,10 +124,10 @@ TEST(WarmStart, WhatIsNoResultOfThisProblemIsRefused) {
     EXPECT_THAT(refused(bad), HasSubstr("others have none"));
   }
   bad = good;
-  for (json& variable : bad["variables"]) variable.erase("basis");
+  for (Json& variable : bad["variables"]) variable.erase("basis");
   EXPECT_EQ(refused(bad), "") << "a run without a basis gives its point";
-  EXPECT_THAT(refused(json::parse(refused_json("x.nl", "why"))), HasSubstr("no result"));
-  EXPECT_THAT(refused(json::array()), HasSubstr("no result"));
+  EXPECT_THAT(refused(parse_json(refused_json("x.nl", "why"))), HasSubstr("no result"));
+  EXPECT_THAT(refused(Json::array()), HasSubstr("no result"));
   test::write(folder / "r.json", "{ not JSON");
   EXPECT_THAT(refusal(folder / "r.json", *problem.mcp), HasSubstr("no result"));
   EXPECT_THROW(read_warm_start(folder / "none.json", *problem.mcp), lcp::FileError);
@@ -165,7 +165,7 @@ TEST(WarmStart, OnTheCommand) {
   ASSERT_EQ(solve({.problem = "josephy", .json = folder / "r.json"}, first.streams), exit_solved);
   test::Captured second;
   ASSERT_EQ(solve({.problem = "josephy", .json = "-", .warm_start = folder / "r.json"}, second.streams), exit_solved);
-  EXPECT_EQ(json::parse(second.out.str())["stats"]["iterations"], 0);
+  EXPECT_EQ(parse_json(second.out.str())["stats"]["iterations"], 0);
   for (const SolveRequest& request :
        {SolveRequest{.problem = "josephy", .start = 2, .warm_start = folder / "r.json"},
         SolveRequest{.problem = "josephy", .start_at = "x.mtx", .warm_start = folder / "r.json"},

@@ -5,7 +5,6 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <random>
 
 #include "app/commands/ampl_driver.hpp"
@@ -18,6 +17,7 @@
 #include "app/contact/contact.hpp"
 #include "app/contact/studies/ball.hpp"
 #include "app/contact/studies/facets.hpp"
+#include "app/json.hpp"
 #include "app/report/json.hpp"
 #include "app/support.hpp"
 #include "app/text/csv.hpp"
@@ -29,6 +29,7 @@ namespace perp::app {
 namespace {
 
 namespace fs = std::filesystem;
+using test::parse_json;
 using testing::AllOf;
 using testing::HasSubstr;
 using testing::IsEmpty;
@@ -269,7 +270,7 @@ TEST(Printable, Json) {
   const std::string name = "a\033\x7F\xC2\x9B€";
   const std::string text = json_text({{"name", name}});
   EXPECT_EQ(text, printable(text));
-  EXPECT_EQ(nlohmann::json::parse(text)["name"], name);
+  EXPECT_EQ(parse_json(text)["name"], name);
 }
 
 // OWASP, "CSV Injection": cells that begin with = + - @ tab or carriage return.

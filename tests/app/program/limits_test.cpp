@@ -5,19 +5,20 @@
 #include <csignal>
 #include <filesystem>
 #include <fstream>
-#include <nlohmann/json.hpp>
 
 #include "app/compare/compare_process_support.hpp"
+#include "app/json.hpp"
 #include "lcp/io/matrix_market.hpp"
 
 namespace perp::app {
 namespace {
 
 using compare::Child;
-using nlohmann::json;
 using test::Folder;
 using testing::HasSubstr;
 using Seconds = std::chrono::duration<double>;
+using test::Json;
+using test::parse_json;
 
 /// The program's own figure is 1 s; the rest is for machines that are slow or have other things to do. What these
 /// tests would catch takes from half a minute to for ever.
@@ -39,7 +40,7 @@ Ended ended(const Folder& folder, std::vector<std::string> arguments, int signal
   return {code, std::chrono::steady_clock::now() - begin, child.err()};
 }
 
-json written(const std::string& path) { return json::parse(test::read(path), nullptr, false); }
+Json written(const std::string& path) { return parse_json(test::read(path)); }
 
 /// One iteration of path on it is a pivotal method on 8,000 rows: half a minute without a look at the clock.
 const std::string deaf_problem = "random-degenerate-own:8000";
@@ -52,7 +53,7 @@ TEST(ProgramLimits, TimeLimitWithinLinearAlgebra) {
                                    folder / "o.json", "--solution", folder / "x.mtx", "--log-level", "quiet"});
   EXPECT_EQ(end.code, exit_unsolved) << end.err;
   EXPECT_LE(end.took, Seconds(0.3) + slack);
-  const json result = written(folder / "o.json");
+  const Json result = written(folder / "o.json");
   ASSERT_TRUE(result.is_object());
   EXPECT_EQ(result["status"], "TimeLimit");
   EXPECT_EQ(result["variables"].size(), 8000U);
@@ -170,7 +171,7 @@ TEST(ProgramLimits, Contact) {
             Seconds(3));
   EXPECT_EQ(encoding.code, exit_unsolved) << encoding.err;
   EXPECT_LE(encoding.took, slack);
-  const json result = written(folder / "o.json");
+  const Json result = written(folder / "o.json");
   EXPECT_EQ(result.value("status", ""), "Interrupted");
   EXPECT_GT(result["contacts"].size(), 100U);
 }

@@ -12,10 +12,10 @@
 #include <chrono>
 #include <csignal>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <random>
 #include <thread>
 
+#include "app/json.hpp"
 #include "app/support.hpp"
 #include "contact/io/fclib.hpp"
 #include "lcp/io/matrix_market.hpp"
@@ -24,10 +24,10 @@ namespace perp::app {
 namespace {
 
 namespace fs = std::filesystem;
-using nlohmann::json;
 using std::chrono::duration;
 using testing::HasSubstr;
 using Clock = std::chrono::steady_clock;
+using test::is_json;
 
 /// The program with its output in `log`, and files of `room` bytes at most.
 pid_t start(std::vector<std::string> arguments, const std::string& log, rlim_t room = RLIM_INFINITY) {
@@ -57,7 +57,7 @@ int end(pid_t child) {
 /// Does the file hold all that its kind ends with?
 bool whole(const std::string& path) {
   const std::string text = test::read(path);
-  if (path.ends_with(".json")) return json::accept(text);
+  if (path.ends_with(".json")) return is_json(text);
   if (path.ends_with(".svg")) return text.ends_with("</svg>\n") && text.starts_with("<");
   if (path.ends_with(".sol")) return text.rfind("\nobjno 0 ") != std::string::npos && text.ends_with("\n");
   try {

@@ -7,14 +7,15 @@
 
 #include <cmath>
 #include <limits>
-#include <nlohmann/json.hpp>
 
+#include "app/json.hpp"
 #include "app/support.hpp"
 
 namespace perp::app {
 namespace {
 
-using nlohmann::json;
+using test::Json;
+using test::parse_json;
 using testing::HasSubstr;
 
 Report report_of(const LoadedProblem& problem, const std::vector<Assignment>& options = {}) {
@@ -25,7 +26,7 @@ Report report_of(const LoadedProblem& problem, const std::vector<Assignment>& op
 TEST(Json, EveryKeyAndEveryDigit) {
   const LoadedProblem problem = load_problem("kojshin", 2);
   const Report report = report_of(problem);
-  const json parsed = json::parse(solve_json(report));
+  const Json parsed = parse_json(solve_json(report));
   for (const char* key : {"program", "version", "schema", "problem", "start", "size", "method", "status", "exit_code",
                           "message", "advice", "notes", "residual", "stats", "options", "variables", "iterations"})
     EXPECT_TRUE(parsed.contains(key)) << key;
@@ -37,7 +38,7 @@ TEST(Json, EveryKeyAndEveryDigit) {
   for (const char* key : {"worst", "worst_index", "bounds", "complementarity"})
     EXPECT_TRUE(parsed["residual"].contains(key)) << key;
 
-  const json& variables = parsed["variables"];
+  const Json& variables = parsed["variables"];
   ASSERT_EQ(variables.size(), 4U);
   for (std::size_t i = 0; i < 4; ++i) {
     const auto index = static_cast<ncp::Index>(i);
@@ -53,13 +54,13 @@ TEST(Json, EveryKeyAndEveryDigit) {
 TEST(Json, IterationsAreTheRecords) {
   const LoadedProblem problem = load_problem("kojshin");
   const Report report = report_of(problem, {{"method", "josephy", "test"}});
-  const json parsed = json::parse(solve_json(report));
+  const Json parsed = parse_json(solve_json(report));
   ASSERT_GT(report.iterations.size(), 1U);
   ASSERT_EQ(parsed["iterations"].size(), report.iterations.size());
   int pivots = 0;
   for (std::size_t k = 0; k < report.iterations.size(); ++k) {
     const ncp::Iteration& it = report.iterations[k];
-    const json& written = parsed["iterations"][k];
+    const Json& written = parsed["iterations"][k];
     EXPECT_EQ(written["k"], it.k);
     EXPECT_EQ(written["residual"].get<double>(), it.residual);
     EXPECT_EQ(written["merit"].get<double>(), it.merit);
@@ -86,7 +87,7 @@ TEST(Json, MuOfSmoothing) {
   const LoadedProblem problem = load_problem("kojshin");
   for (const char* method : {"smooth", "gsl-hybridsj", "josephy"}) {
     const Report report = report_of(problem, {{"method", method, "test"}});
-    const json parsed = json::parse(solve_json(report));
+    const Json parsed = parse_json(solve_json(report));
     ASSERT_GT(report.iterations.size(), 1U);
     double largest = 0;
     for (std::size_t k = 0; k < report.iterations.size(); ++k) {
@@ -123,7 +124,7 @@ TEST(Json, StatsAreComplete) {
            .time = std::chrono::duration<double>(17)};
   stats.presolved = 18;
   stats.krylov_iterations = 19;
-  const json written = json::parse(solve_json(report))["stats"];
+  const Json written = parse_json(solve_json(report))["stats"];
   const std::vector<const char*> keys{"iterations",     "crash_iterations", "F_evals",          "J_evals",
                                       "factorizations", "pivots",           "restarts",         "gradient_steps",
                                       "watchdogs",      "unchecked_steps",  "chord_steps",      "backtracks",
@@ -142,7 +143,7 @@ TEST(Json, IterationsOfPathSearch) {
                        {.k = 0, .kind = 'C', .crash = true, .changes = 3, .inside = 2},
                        {.k = 1, .kind = 'D', .linear = 'S'},
                        {.k = 1, .kind = 'R', .attempt = "no crash"}};
-  const json written = json::parse(solve_json(report))["iterations"];
+  const Json written = parse_json(solve_json(report))["iterations"];
   EXPECT_EQ(written[1]["changes"], 3);
   EXPECT_EQ(written[1]["inside"], 2);
   EXPECT_EQ(written[1]["crash"], true);
@@ -160,7 +161,7 @@ TEST(Json, InfinitiesAndNaN) {
   report.result.F = ncp::Vec::Constant(4, std::numeric_limits<double>::quiet_NaN());
   report.result.F[1] = -ncp::infinity;
   report.result.residual = {.natural = ncp::infinity, .worst = -1};
-  const json parsed = json::parse(solve_json(report));
+  const Json parsed = parse_json(solve_json(report));
   EXPECT_EQ(parsed["residual"]["natural"], "inf");
   EXPECT_TRUE(parsed["residual"]["worst"].is_null());
   EXPECT_TRUE(parsed["residual"]["worst_index"].is_null());
@@ -174,7 +175,7 @@ TEST(Json, BrokenResultsAreWritten) {
   Report report{.problem = &problem};
   report.result.x = ncp::Vec::Zero(4);
   report.result.message = "bad byte \xFF";
-  const json parsed = json::parse(solve_json(report));
+  const Json parsed = parse_json(solve_json(report));
   EXPECT_EQ(parsed["variables"][3]["F"], "nan");
   EXPECT_THAT(parsed["message"].get<std::string>(), HasSubstr("bad byte"));
   EXPECT_EQ(parsed["exit_code"], 1);
@@ -193,7 +194,7 @@ TEST(Json, StatesOfVariables) {
 }
 
 TEST(Json, RefusedInput) {
-  const json parsed = json::parse(refused_json("x.nl", "x.nl:3: \"why\""));
+  const Json parsed = parse_json(refused_json("x.nl", "x.nl:3: \"why\""));
   EXPECT_EQ(parsed["status"], "InputError");
   EXPECT_EQ(parsed["exit_code"], 2);
   EXPECT_EQ(parsed["message"], "x.nl:3: \"why\"");

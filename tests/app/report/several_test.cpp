@@ -5,15 +5,16 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "app/commands/solve.hpp"
+#include "app/json.hpp"
 #include "app/support.hpp"
 
 namespace perp::app {
 namespace {
 
-using nlohmann::json;
+using test::Json;
+using test::parse_json;
 using testing::HasSubstr;
 using testing::Not;
 
@@ -45,14 +46,14 @@ TEST(Several, JsonHoldsEverySolution) {
   test::Captured captured;
   const SolveRequest request{.problem = "kehoe", .flags = {{"method", "path", "--method"}}, .json = "-", .all = 10};
   EXPECT_EQ(solve(request, captured.streams), exit_solved);
-  const json parsed = json::parse(captured.out.str());
+  const Json parsed = parse_json(captured.out.str());
   ASSERT_EQ(parsed["solutions"].size(), 3U);
   EXPECT_EQ(parsed["solutions_complete"], false);
   EXPECT_EQ(parsed["exit_code"], 0);
   EXPECT_GT(parsed["deflation"]["attempts"], 0);
   EXPECT_EQ(parsed["deflation"]["asked"], 10);
   std::vector<double> h;
-  for (const json& solution : parsed["solutions"]) {
+  for (const Json& solution : parsed["solutions"]) {
     EXPECT_LE(solution["residual"]["natural"].get<double>(), 1e-6);
     EXPECT_EQ(solution["x"].size(), 10U);
     EXPECT_EQ(solution["F"].size(), 10U);
@@ -76,7 +77,7 @@ TEST(Several, FoundByTheMethodAskedFor) {
     const SolveRequest request{
         .problem = "kojshin", .start = 2, .flags = {{"method", method, "--method"}}, .json = "-", .all = 1};
     EXPECT_EQ(solve(request, captured.streams), exit_solved) << method;
-    EXPECT_EQ(json::parse(captured.out.str())["solutions"][0]["found_by"], method);
+    EXPECT_EQ(parse_json(captured.out.str())["solutions"][0]["found_by"], method);
   }
 }
 
@@ -85,7 +86,7 @@ TEST(Several, StopsAtTheNumberAskedFor) {
   for (const int asked : {1, 2}) {
     test::Captured captured;
     EXPECT_EQ(solve({.problem = "kehoe", .json = "-", .all = asked}, captured.streams), exit_solved);
-    EXPECT_EQ(json::parse(captured.out.str())["solutions"].size(), static_cast<std::size_t>(asked));
+    EXPECT_EQ(parse_json(captured.out.str())["solutions"].size(), static_cast<std::size_t>(asked));
   }
 }
 
@@ -96,14 +97,14 @@ TEST(Several, WithoutASolutionNothingIsDeflated) {
   EXPECT_EQ(solve({.problem = folder / "m.nl", .json = folder / "out.json", .all = 5}, captured.streams),
             exit_unsolved);
   EXPECT_THAT(captured.out.str(), HasSubstr("0 solutions after 0 attempts of deflation"));
-  EXPECT_TRUE(json::parse(test::read(folder / "out.json"))["solutions"].empty());
+  EXPECT_TRUE(parse_json(test::read(folder / "out.json"))["solutions"].empty());
 }
 
 // Without --all there are no such keys and lines.
 TEST(Several, OnlyWhereAskedFor) {
   test::Captured captured;
   EXPECT_EQ(solve({.problem = "kojshin", .json = "-"}, captured.streams), exit_solved);
-  EXPECT_FALSE(json::parse(captured.out.str()).contains("solutions"));
+  EXPECT_FALSE(parse_json(captured.out.str()).contains("solutions"));
   EXPECT_THAT(captured.err.str(), Not(HasSubstr("deflation")));
 }
 

@@ -7,7 +7,7 @@
 
 #include "contact/model/problem.hpp"
 
-namespace perp::contact::support {
+namespace perp::contact::test {
 
 /// W'(y e_N) and q_N.y.
 struct ExactProduct {
@@ -109,4 +109,4 @@ inline bool exactly_semidefinite(const Problem& problem, double shift) {
   return true;
 }
 
-}  // namespace perp::contact::support
+}  // namespace perp::contact::test

@@ -13,12 +13,12 @@
 namespace perp::contact {
 namespace {
 
-using perp::support::matrix;
-using perp::support::vec;
-using support::exactly_inside;
-using support::exactly_semidefinite;
+using support::matrix;
 using support::Random;
-using support::random_problem;
+using support::vec;
+using test::exactly_inside;
+using test::exactly_semidefinite;
+using test::solvable_problem;
 
 // Random problems with v inside the dual cones by construction, W of any rank: found in nearly all, and what is found
 // holds in rationals, W as well. Catches a witness on the border, a W that is called semidefinite and is not.
@@ -29,7 +29,7 @@ TEST(Existence, WitnessesHoldExactly) {
   for (int k = 0; k < problems; ++k) {
     const int d = random.integer(2, 3);
     const Index n = random.integer(1, 5);
-    const Problem problem = random_problem(d, n, random.integer(1, static_cast<int>(d * n)), random, 0.2);
+    const Problem problem = solvable_problem(d, n, random.integer(1, static_cast<int>(d * n)), random, 0.2);
     const std::optional<Witness> witness = find_witness(problem);
     if (!witness) continue;
     ++found;
@@ -73,7 +73,7 @@ TEST(Existence, OnlyWhereTheTheoremHolds) {
 TEST(Existence, NeverOfUnsolvableProblems) {
   Random random(11);
   for (int k = 0; k < 105; ++k) {
-    const Problem problem = support::make_unsolvable(k, random).problem;
+    const Problem problem = test::make_unsolvable(k, random).problem;
     EXPECT_FALSE(find_witness(problem).has_value()) << problem.name;
   }
 }

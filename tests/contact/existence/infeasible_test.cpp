@@ -18,15 +18,15 @@
 namespace perp::contact {
 namespace {
 
-using perp::support::matrix;
-using perp::support::vec;
-using support::exact_radius;
-using support::exactly_infeasible;
-using support::make_unsolvable;
-using support::one_contact;
+using support::matrix;
 using support::Random;
-using support::random_problem;
-using support::Unsolvable;
+using support::vec;
+using test::exact_radius;
+using test::exactly_infeasible;
+using test::make_unsolvable;
+using test::one_contact;
+using test::solvable_problem;
+using test::Unsolvable;
 using testing::HasSubstr;
 
 /// PERP_UNSOLVABLE=2000: all of them; fewer where nothing is said.
@@ -88,7 +88,7 @@ TEST(Infeasible, RadiusIsALowerBound) {
   int finite = 0;
   for (int k = 0; k < 4000; ++k) {
     const int d = random.integer(2, 3);
-    Problem problem = random_problem(d, random.integer(1, 4), random.integer(1, 8), random, 0.2);
+    Problem problem = solvable_problem(d, random.integer(1, 4), random.integer(1, 8), random, 0.2);
     problem.W *= std::ldexp(1.0, random.integer(-300, 300));
     problem.q *= std::ldexp(1.0, random.integer(-300, 300));
     for (double& mu : problem.mu) mu *= std::pow(10.0, random.integer(-8, 8));
@@ -158,7 +158,7 @@ TEST(Infeasible, NeverOfSolvableProblems) {
   for (int k = 0; k < 3000; ++k) {
     const int d = random.integer(2, 3);
     const Index n = random.integer(1, 8);
-    Problem problem = random_problem(d, n, random.integer(1, static_cast<int>(d * n)), random, 0.3);
+    Problem problem = solvable_problem(d, n, random.integer(1, static_cast<int>(d * n)), random, 0.3);
     if (random.chance(0.5)) {  // r sticks or is zero, u = 0 or inside: a solution for any W
       for (Index j = 0; j < problem.W.outerSize(); ++j)
         for (SpMat::InnerIterator it(problem.W, j); it; ++it) it.valueRef() *= random.uniform(0.5, 2);
@@ -203,7 +203,7 @@ TEST(Infeasible, TurnedWallsToRounding) {
   Random random(14);
   int proven = 0;
   for (int k = 0; k < 50; ++k) {
-    support::Dense H = support::unsolvable::between_walls(3, 4, random);
+    support::Dense H = test::unsolvable::between_walls(3, 4, random);
     Eigen::Matrix3d Q =
         Eigen::Quaterniond(random.normal(), random.normal(), random.normal(), random.normal()).normalized().matrix();
     H.topRows(3) = Q * H.topRows(3);
@@ -212,7 +212,7 @@ TEST(Infeasible, TurnedWallsToRounding) {
     support::Dense W = H.transpose() * H / random.uniform(0.1, 10);
     problem.W = W.sparseView();
     problem.W.makeCompressed();
-    support::unsolvable::set_velocities(problem, vec({1, 1, 0, 0}), random);
+    test::unsolvable::set_velocities(problem, vec({1, 1, 0, 0}), random);
     const std::optional<Infeasible> found = find_infeasibility(problem);
     proven += found ? 1 : 0;
     if (found && found->radius < lcp::infinity) {

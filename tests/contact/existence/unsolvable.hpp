@@ -9,10 +9,10 @@
 #include "contact/model/problem.hpp"
 #include "support/matrices.hpp"
 
-namespace perp::contact::support {
+namespace perp::contact::test {
 
-using perp::support::Dense;
-using perp::support::Random;
+using support::Dense;
+using support::Random;
 
 struct Unsolvable {
   Problem problem{};
@@ -234,4 +234,4 @@ inline Unsolvable make_unsolvable(int k, Random& random) {
   return out;
 }
 
-}  // namespace perp::contact::support
+}  // namespace perp::contact::test

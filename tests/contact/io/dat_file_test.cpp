@@ -15,7 +15,7 @@ using support::Dense;
 using support::vec;
 using testing::HasSubstr;
 
-std::string why_not(const std::string& text) {
+std::string dat_error(const std::string& text) {
   try {
     parse_dat(text, "x.dat");
   } catch (const FileError& error) {
@@ -86,31 +86,31 @@ TEST(DatFile, Refuses) {
     EXPECT_NE(at, std::string::npos);
     return text.replace(at, from.size(), to);
   };
-  EXPECT_EQ(why_not(""), "x.dat:1: the file ends where the dimension should be");
-  EXPECT_EQ(why_not("4 1"), "x.dat:1: the dimension is 4, not within 2 and 3");
-  EXPECT_EQ(why_not("3 -1"), "x.dat:1: the number of contacts is -1, not within 0 and 715827882");
-  EXPECT_THAT(why_not("3 700000000 0 3 3"), HasSubstr("more than the rest of the file can hold"));
-  EXPECT_THAT(why_not("3 1 2 3 3"), HasSubstr("is 2 (compressed), only 0 and 1 are read"));
-  EXPECT_THAT(why_not("2 1 0 2000000000 2 2 2"), HasSubstr("more than the rest of the file can hold"));
-  EXPECT_EQ(why_not(with(local_2d, "2 2", "2 3")),
+  EXPECT_EQ(dat_error(""), "x.dat:1: the file ends where the dimension should be");
+  EXPECT_EQ(dat_error("4 1"), "x.dat:1: the dimension is 4, not within 2 and 3");
+  EXPECT_EQ(dat_error("3 -1"), "x.dat:1: the number of contacts is -1, not within 0 and 715827882");
+  EXPECT_THAT(dat_error("3 700000000 0 3 3"), HasSubstr("more than the rest of the file can hold"));
+  EXPECT_THAT(dat_error("3 1 2 3 3"), HasSubstr("is 2 (compressed), only 0 and 1 are read"));
+  EXPECT_THAT(dat_error("2 1 0 2000000000 2 2 2"), HasSubstr("more than the rest of the file can hold"));
+  EXPECT_EQ(dat_error(with(local_2d, "2 2", "2 3")),
             "x.dat:6: the second pair of sizes of the first matrix, W or M, differs from the first, 2 x 2");
-  EXPECT_EQ(why_not(with(local_2d, "3 4", "nan 4")), "x.dat:8: the first matrix, W or M, has an entry nan");
-  EXPECT_EQ(why_not(with(local_2d, "3 4", "inf 4")), "x.dat:8: the first matrix, W or M, has an entry inf");
-  EXPECT_EQ(why_not(with(local_2d, "-5", "x")), "x.dat:9: q: 'x' is not a number");
-  EXPECT_EQ(why_not(with(local_2d, "0.25", "-0.25")), "x.dat:10: the coefficient of friction of contact 0 is -0.25");
-  EXPECT_EQ(why_not(with(local_2d, "0.25", "")), "x.dat:11: the file ends where mu should be");
-  EXPECT_EQ(why_not(local_2d + "2"), "x.dat:11: the flag at the end is 2, not within 0 and 1");
-  EXPECT_THAT(why_not("2 1 0 2 1 2 1 1 2 3 4 0.5"), HasSubstr("W is 2 x 1, not 2 x 2"));
-  EXPECT_THAT(why_not(with(global_2d, "0 2 2\n2 2\n1", "0 2 1\n2 1\n1")), HasSubstr("H is 2 x 1, not 2 x 2"));
-  EXPECT_THAT(why_not(with(global_2d, "2 0 0 4", "2 0 0 0")), HasSubstr("the inertia M is singular"));
-  EXPECT_THAT(why_not(global_2d + " 7"), HasSubstr("1 numbers too many"));
-  EXPECT_THAT(why_not(with(blocks_2d, "\n2 4\n", "\n2 3\n")), HasSubstr("the last is 3, not 4"));
-  EXPECT_THAT(why_not(with(blocks_2d, "0 2 3", "0 2 2")), HasSubstr("the last block row ends at block 2, not at 3"));
-  EXPECT_THAT(why_not(with(blocks_2d, "0 2 3", "0 3 2")), HasSubstr("the first block of a block row is 2"));
-  EXPECT_THAT(why_not(with(blocks_2d, "0 1 1", "0 2 1")), HasSubstr("the block column of a block is 2"));
-  EXPECT_THAT(why_not(with(blocks_2d, "0 1 1", "1 1 1")), HasSubstr("two blocks in block column 1"));
-  EXPECT_THAT(why_not(with(blocks_2d, "\n1 5", "\n5 5")), HasSubstr("the blocks do not follow 0, 1, ..: 1"));
-  EXPECT_THAT(why_not(with(blocks_2d, "3 3\n", "3 4\n")), HasSubstr("is not that of the blocks, 3"));
+  EXPECT_EQ(dat_error(with(local_2d, "3 4", "nan 4")), "x.dat:8: the first matrix, W or M, has an entry nan");
+  EXPECT_EQ(dat_error(with(local_2d, "3 4", "inf 4")), "x.dat:8: the first matrix, W or M, has an entry inf");
+  EXPECT_EQ(dat_error(with(local_2d, "-5", "x")), "x.dat:9: q: 'x' is not a number");
+  EXPECT_EQ(dat_error(with(local_2d, "0.25", "-0.25")), "x.dat:10: the coefficient of friction of contact 0 is -0.25");
+  EXPECT_EQ(dat_error(with(local_2d, "0.25", "")), "x.dat:11: the file ends where mu should be");
+  EXPECT_EQ(dat_error(local_2d + "2"), "x.dat:11: the flag at the end is 2, not within 0 and 1");
+  EXPECT_THAT(dat_error("2 1 0 2 1 2 1 1 2 3 4 0.5"), HasSubstr("W is 2 x 1, not 2 x 2"));
+  EXPECT_THAT(dat_error(with(global_2d, "0 2 2\n2 2\n1", "0 2 1\n2 1\n1")), HasSubstr("H is 2 x 1, not 2 x 2"));
+  EXPECT_THAT(dat_error(with(global_2d, "2 0 0 4", "2 0 0 0")), HasSubstr("the inertia M is singular"));
+  EXPECT_THAT(dat_error(global_2d + " 7"), HasSubstr("1 numbers too many"));
+  EXPECT_THAT(dat_error(with(blocks_2d, "\n2 4\n", "\n2 3\n")), HasSubstr("the last is 3, not 4"));
+  EXPECT_THAT(dat_error(with(blocks_2d, "0 2 3", "0 2 2")), HasSubstr("the last block row ends at block 2, not at 3"));
+  EXPECT_THAT(dat_error(with(blocks_2d, "0 2 3", "0 3 2")), HasSubstr("the first block of a block row is 2"));
+  EXPECT_THAT(dat_error(with(blocks_2d, "0 1 1", "0 2 1")), HasSubstr("the block column of a block is 2"));
+  EXPECT_THAT(dat_error(with(blocks_2d, "0 1 1", "1 1 1")), HasSubstr("two blocks in block column 1"));
+  EXPECT_THAT(dat_error(with(blocks_2d, "\n1 5", "\n5 5")), HasSubstr("the blocks do not follow 0, 1, ..: 1"));
+  EXPECT_THAT(dat_error(with(blocks_2d, "3 3\n", "3 4\n")), HasSubstr("is not that of the blocks, 3"));
 }
 
 // Cut off anywhere before its last number, with one exception that the format has: "0 2 2" of H, the matrix that makes
@@ -119,7 +119,7 @@ TEST(DatFile, CutShort) {
   for (const std::string& text : {local_2d, blocks_2d, global_2d}) {
     const std::size_t last = text.rfind("0.");
     for (std::size_t size = 0; size < last; ++size) {
-      const std::string why = why_not(text.substr(0, size));
+      const std::string why = dat_error(text.substr(0, size));
       const std::string left = text.substr(0, size);
       const bool exception = left.ends_with("4\n0 2 2") || left.ends_with("4\n0 2 2\n");
       EXPECT_EQ(why == "read", exception) << left;

@@ -18,7 +18,7 @@ using support::vec;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
 
-const char* const text = "2\n1\n0\n2\n2\n2 2\n1 2\n3 4\n-5 6\n0.25\n";
+const char* const small_dat = "2\n1\n0\n2\n2\n2 2\n1 2\n3 4\n-5 6\n0.25\n";
 
 void write(const std::filesystem::path& path, const std::string& content) {
   std::ofstream(path, std::ios::binary) << content;
@@ -27,9 +27,9 @@ void write(const std::filesystem::path& path, const std::string& content) {
 // By content, whatever the name, unless the name says the contrary.
 TEST(ReadProblem, GoesByContent) {
   const Folder folder;
-  write(folder / "a.dat", text);
+  write(folder / "a.dat", small_dat);
   EXPECT_EQ(read_problem(folder / "a.dat").q, vec({-5, 6}));
-  write(folder / "problem", text);
+  write(folder / "problem", small_dat);
   EXPECT_EQ(read_problem(folder / "problem").mu, vec({0.25}));
   write_fclib(folder / "b.hdf5", {.problem = read_problem(folder / "a.dat")});
   EXPECT_EQ(read_problem(folder / "b.hdf5").q, vec({-5, 6}));
@@ -39,7 +39,7 @@ TEST(ReadProblem, GoesByContent) {
 
 TEST(ReadProblem, RefusesWrongNames) {
   const Folder folder;
-  write(folder / "text.hdf5", text);
+  write(folder / "text.hdf5", small_dat);
   EXPECT_THAT([&] { read_problem(folder / "text.hdf5"); },
               ThrowsMessage<FileError>(HasSubstr("text.hdf5: not an HDF5 file: it has no HDF5 signature")));
   write_fclib(folder / "b.hdf5", {.problem = parse_small()});

@@ -5,20 +5,20 @@
 #include "contact/model/problem.hpp"
 #include "support/matrices.hpp"
 
-namespace perp::contact::support {
+namespace perp::contact::test {
 
-using perp::support::Random;
+using support::Random;
 
 /// W = H'H of m rows (rank at most m), q = H'v + w with w inside the dual cone, so that a solution exists (Acary &
 /// Cadoux 2013); `frictionless` of the contacts have mu = 0.
-inline Problem random_problem(int dimension, Index contacts, Index m, Random& random, double frictionless = 0) {
+inline Problem solvable_problem(int dimension, Index contacts, Index m, Random& random, double frictionless = 0) {
   const Index n = dimension * contacts;
-  perp::support::Dense H = perp::support::Dense::Zero(m, n);
+  support::Dense H = support::Dense::Zero(m, n);
   for (Index i = 0; i < m; ++i)
     for (Index j = 0; j < n; ++j)
       if (random.chance(0.5)) H(i, j) = random.normal();
   Problem problem{.dimension = dimension, .W = {}, .q = H.transpose() * random.normals(m), .mu = Vec(contacts)};
-  problem.W = perp::support::Dense(H.transpose() * H).sparseView();
+  problem.W = support::Dense(H.transpose() * H).sparseView();
   problem.W.makeCompressed();
   for (Index a = 0; a < contacts; ++a) {
     problem.mu[a] = random.chance(frictionless) ? 0 : random.uniform(0.1, 1);
@@ -45,4 +45,4 @@ inline Vec one_contact_solution(const Vec& q, double mu) {
   return r;
 }
 
-}  // namespace perp::contact::support
+}  // namespace perp::contact::test

@@ -14,11 +14,11 @@
 namespace perp::contact {
 namespace {
 
-using perp::support::vec;
-using support::one_contact;
-using support::one_contact_solution;
 using support::Random;
-using support::random_problem;
+using support::vec;
+using test::one_contact;
+using test::one_contact_solution;
+using test::solvable_problem;
 using testing::HasSubstr;
 
 std::vector<GlockerOptions> variants(double delta = 0.1, double eps = 0.05) {
@@ -38,7 +38,7 @@ TEST(Glocker, JacobiansMatchDifferences) {
   Random random(1);
   for (const int dimension : {2, 3})
     for (int k = 0; k < 10; ++k) {
-      const Problem problem = random_problem(dimension, 4, 6, random, 0.3);
+      const Problem problem = solvable_problem(dimension, 4, 6, random, 0.3);
       for (const GlockerOptions& options : variants()) {
         const Glocker mcp(scaled(problem), options);
         const Index n = mcp.size();
@@ -81,7 +81,7 @@ TEST(Glocker, SolutionsObeyTheLaw) {
   int solved = 0;
   for (const int dimension : {2, 3})
     for (int k = 0; k < 10; ++k) {
-      const Problem problem = random_problem(dimension, 3, 12, random, 0.2);
+      const Problem problem = solvable_problem(dimension, 3, 12, random, 0.2);
       for (const Encoding encoding : {Encoding::A, Encoding::B}) {
         const Glocker mcp(scaled(problem), {.encoding = encoding, .delta = 1e-10});
         EXPECT_EQ(mcp.is_affine(), dimension == 2 || problem.mu.maxCoeff() == 0);
@@ -99,7 +99,7 @@ TEST(Glocker, SolutionsObeyTheLaw) {
 TEST(Glocker, EncodingsAgree) {
   Random random(3);
   for (int k = 0; k < 20; ++k) {
-    const Problem problem = random_problem(3, 2, 5, random);
+    const Problem problem = solvable_problem(3, 2, 5, random);
     for (const DiskRow row : {DiskRow::Original, DiskRow::Normalised}) {
       const Glocker A(scaled(problem), {.encoding = Encoding::A, .row = row, .delta = 0.1});
       const Glocker B(scaled(problem), {.encoding = Encoding::B, .row = row, .delta = 0.1});
@@ -130,7 +130,7 @@ TEST(Glocker, EncodingsAgree) {
 // delta; and g sigma_D of the normalised row tends to the original one as delta -> 0, linearly where r_N > 0.
 TEST(Glocker, TheOriginalRowVanishesAtOpenContacts) {
   Random random(4);
-  const Problem problem = random_problem(3, 3, 9, random);
+  const Problem problem = solvable_problem(3, 3, 9, random);
   for (const Encoding encoding : {Encoding::A, Encoding::B})
     for (const DiskRow row : {DiskRow::Original, DiskRow::Normalised}) {
       const Glocker mcp(scaled(problem), {.encoding = encoding, .row = row, .delta = 1e-6});
@@ -180,7 +180,7 @@ TEST(Scaling, KeepsTheLaw) {
   Random random(5);
   for (const int dimension : {2, 3})
     for (int k = 0; k < 10; ++k) {
-      Problem problem = random_problem(dimension, 5, 8, random, 0.3);
+      Problem problem = solvable_problem(dimension, 5, 8, random, 0.3);
       problem.q *= 1e3;
       const Scaled coordinates = scaled(problem);
       const Vec back = random.normals(coordinates.size());

@@ -63,7 +63,7 @@ TEST(Bilateral, BeadOnARail) {
     }
 }
 
-Global random_global(std::mt19937& random, Index m, Index k, Index n, int dimension) {
+Global dense_global(std::mt19937& random, Index m, Index k, Index n, int dimension) {
   std::normal_distribution<double> normal;
   const auto dense = [&](Index rows, Index columns) {
     support::Dense X(rows, columns);
@@ -88,7 +88,7 @@ TEST(Bilateral, AllWaysLeadToOneMotion) {
   std::mt19937 random(31);
   for (int k = 0; k < 20; ++k) {
     const int dimension = 2 + k % 2;
-    const Global g = random_global(random, 12, 3, 5, dimension);
+    const Global g = dense_global(random, 12, 3, 5, dimension);
     const Problem condensed = condense(g, Vec::Zero(5), dimension);
     const Frictionless lcp_form(condensed, {.scaled = false});
     const Solution expected = lcp_form.recover(solved(lcp_form).z);

@@ -11,11 +11,10 @@
 
 #include "contact/contact_support.hpp"
 #include "contact/laws/faceting_support.hpp"
+#include "contact/scenes/scenes_support.hpp"
 
 namespace perp::contact {
 namespace {
-
-constexpr double g = 9.81;
 
 /// Friction by the square with corners on T1 and T2: exact where contacts stick, or slip along T1 or T2.
 Solution by_square(const Problem& p) {

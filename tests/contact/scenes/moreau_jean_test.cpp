@@ -9,15 +9,10 @@
 #include <random>
 #include <stdexcept>
 
+#include "contact/scenes/scenes_support.hpp"
+
 namespace perp::contact {
 namespace {
-
-constexpr double g = 9.81;
-
-Vec3 random_vector(std::mt19937& random) {
-  std::normal_distribution<double> normal;
-  return {normal(random), normal(random), normal(random)};
-}
 
 double uniform(std::mt19937& random, double low, double high) {
   return std::uniform_real_distribution<double>(low, high)(random);

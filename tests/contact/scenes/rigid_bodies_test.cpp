@@ -6,14 +6,10 @@
 #include <stdexcept>
 
 #include "contact/contact_support.hpp"
+#include "contact/scenes/scenes_support.hpp"
 
 namespace perp::contact {
 namespace {
-
-Vec3 random_vector(std::mt19937& random) {
-  std::normal_distribution<double> normal;
-  return {normal(random), normal(random), normal(random)};
-}
 
 RigidBodies random_bodies(std::mt19937& random, int bodies, int contacts) {
   RigidBodies scene;
@@ -51,10 +47,10 @@ TEST(RigidBodies, FramesAreRotations) {
 TEST(RigidBodies, HIsTheKinematics) {
   std::mt19937 random(2);
   const RigidBodies scene = random_bodies(random, 4, 7);
-  const Global g = scene.global(0.1, Vec3::Zero());
+  const Global global = scene.global(0.1, Vec3::Zero());
   Vec v(24);
   for (Index i = 0; i < 24; i += 3) v.segment<3>(i) = random_vector(random);
-  const Vec u = g.H.transpose() * v + g.w;
+  const Vec u = global.H.transpose() * v + global.w;
   for (Index a = 0; a < 7; ++a) {
     const auto& c = scene.contacts()[static_cast<std::size_t>(a)];
     const auto point_velocity = [&](Index body) {
@@ -72,10 +68,10 @@ TEST(RigidBodies, HIsTheKinematics) {
 TEST(RigidBodies, InnerImpulsesKeepMomentum) {
   std::mt19937 random(3);
   const RigidBodies scene = random_bodies(random, 5, 12);
-  const Global g = scene.global(0.1, Vec3::Zero());
+  const Global global = scene.global(0.1, Vec3::Zero());
   Vec r(36);
   for (Index i = 0; i < 36; i += 3) r.segment<3>(i) = random_vector(random);
-  const Vec p = g.H * r;
+  const Vec p = global.H * r;
   Vec3 momentum = Vec3::Zero();
   Vec3 angular = Vec3::Zero();
   for (Index b = 0; b < 5; ++b) {
@@ -91,13 +87,13 @@ TEST(RigidBodies, InnerImpulsesKeepMomentum) {
 TEST(RigidBodies, FreeFlight) {
   std::mt19937 random(4);
   const RigidBodies scene = random_bodies(random, 2, 0);
-  const Vec3 down(0, 0, -9.81);
-  const Global g = scene.global(0.01, down);
+  const Vec3 down(0, 0, -g);
+  const Global global = scene.global(0.01, down);
   for (Index b = 0; b < 2; ++b) {
     const auto& body = scene.bodies()[static_cast<std::size_t>(b)];
-    EXPECT_LE((g.f.segment<3>(6 * b) / body.mass - (body.velocity + 0.01 * down)).norm(), 1e-14);
+    EXPECT_LE((global.f.segment<3>(6 * b) / body.mass - (body.velocity + 0.01 * down)).norm(), 1e-14);
     const Vec3 L = body.inertia * body.spin;
-    EXPECT_LE((g.f.segment<3>(6 * b + 3) - (L - 0.01 * body.spin.cross(L))).norm(), 1e-13);
+    EXPECT_LE((global.f.segment<3>(6 * b + 3) - (L - 0.01 * body.spin.cross(L))).norm(), 1e-13);
   }
 }
 

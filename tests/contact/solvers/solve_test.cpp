@@ -19,11 +19,11 @@
 namespace perp::contact {
 namespace {
 
-using perp::support::vec;
-using support::one_contact;
-using support::one_contact_solution;
 using support::Random;
-using support::random_problem;
+using support::vec;
+using test::one_contact;
+using test::one_contact_solution;
+using test::solvable_problem;
 using testing::HasSubstr;
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
@@ -48,7 +48,7 @@ TEST(Homotopy, IsTheUnreducedInteriorPoint) {
   Random random(1);
   for (const int dimension : {2, 3})
     for (int k = 0; k < 6; ++k) {
-      const Problem problem = random_problem(dimension, 4, 14, random, 0.25);
+      const Problem problem = solvable_problem(dimension, 4, 14, random, 0.25);
       const Scaled coordinates = scaled(problem);
       const ncp::InteriorPoint defaults;
       Homotopy reduced(coordinates, {.to_boundary = defaults.to_boundary});
@@ -78,7 +78,7 @@ TEST(Homotopy, AloneReachesTheTolerance) {
   Random random(2);
   int solved = 0;
   for (int k = 0; k < 20; ++k) {
-    const Problem problem = random_problem(3, 8, 30, random, 0.1);
+    const Problem problem = solvable_problem(3, 8, 30, random, 0.1);
     const Options alone{.method = GlockerHomotopy{.other_settings = false}};
     const Result result = solve(problem, alone);
     solved += result.solved() ? 1 : 0;
@@ -113,7 +113,7 @@ TEST(Solve, RandomProblems) {
     for (int k = 0; k < 40; ++k) {
       const Index contacts = random.integer(1, 12);
       const Index m = random.integer(3, static_cast<int>(dimension * contacts + 4));
-      expect_solved(random_problem(dimension, contacts, m, random, 0.2), {.method = Auto{.sweeps = 0}},
+      expect_solved(solvable_problem(dimension, contacts, m, random, 0.2), {.method = Auto{.sweeps = 0}},
                     std::to_string(k));
     }
 }
@@ -121,7 +121,7 @@ TEST(Solve, RandomProblems) {
 // Every contact open, nothing to push, no contact at all: r = 0, without a step.
 TEST(Solve, NothingToDo) {
   Random random(4);
-  Problem open = random_problem(3, 4, 6, random);
+  Problem open = solvable_problem(3, 4, 6, random);
   for (Index a = 0; a < 4; ++a) open.q.segment(3 * a, 3) << 1, random.normal(), random.normal();
   EXPECT_EQ(expect_solved(open).solution.r.norm(), 0);
   Problem rest = open;
@@ -187,7 +187,7 @@ TEST(Solve, OverflowIsNoWrongInput) {
 // Who made the accepted point: each part of Auto in turn, alone as far as it can be.
 TEST(Solve, SaysWhoSolvedIt) {
   Random random(11);
-  const Problem problem = random_problem(3, 8, 30, random, 0.1);
+  const Problem problem = solvable_problem(3, 8, 30, random, 0.1);
   Problem open = problem;
   for (Index a = 0; a < open.contacts(); ++a) open.q[3 * a] = 1e3;
   EXPECT_EQ(expect_solved(open).by, Origin::Zero);
@@ -206,7 +206,7 @@ TEST(Solve, SaysWhoSolvedIt) {
 TEST(Solve, WarmStarts) {
   Random random(5);
   for (int k = 0; k < 10; ++k) {
-    Problem problem = random_problem(3, 10, 40, random);
+    Problem problem = solvable_problem(3, 10, 40, random);
     const Result first = expect_solved(problem);
     problem.q += 1e-3 * random.normals(problem.q.size());
     const Result next = expect_solved(problem, {.start = first.solution.r}, "warm");
@@ -220,7 +220,7 @@ TEST(Solve, WarmStarts) {
 // contacts went on for minutes.
 TEST(Solve, SecondsLeftAreSeconds) {
   Random random(6);
-  const Problem problem = random_problem(3, 6, 20, random);
+  const Problem problem = solvable_problem(3, 6, 20, random);
   const Scaled coordinates = scaled(problem, true);
   const Options options{.max_time = std::chrono::duration<double>(7)};
   const Referee referee(problem, coordinates, options);
@@ -231,7 +231,7 @@ TEST(Solve, SecondsLeftAreSeconds) {
 // Limits and refusals.
 TEST(Solve, LimitsAndRefusals) {
   Random random(6);
-  const Problem problem = random_problem(3, 6, 20, random);
+  const Problem problem = solvable_problem(3, 6, 20, random);
   EXPECT_EQ(solve(problem, {.max_time = std::chrono::duration<double>(0)}).status, Status::TimeLimit);
   const std::atomic<bool> now{true};
   EXPECT_EQ(solve(problem, {.interrupt = &now}).status, Status::Interrupted);
@@ -255,7 +255,7 @@ TEST(AlartCurnier, ConvergesQuadratically) {
   Random random(7);
   int measured = 0;
   for (int k = 0; k < 10; ++k) {
-    const Problem problem = random_problem(3, 6, 30, random);
+    const Problem problem = solvable_problem(3, 6, 30, random);
     const Scaled coordinates = scaled(problem);
     const Result result = expect_solved(problem, {.tol = 1e-12});
     AlartCurnier newton(coordinates);
@@ -305,7 +305,7 @@ TEST(GaussSeidel, SolvesUncoupledContactsInOneSweep) {
 TEST(Solve, MethodsOfNcp) {
   Random random(8);
   std::vector<Problem> problems;
-  for (int k = 0; k < 5; ++k) problems.push_back(random_problem(3, 2, 9, random));
+  for (int k = 0; k < 5; ++k) problems.push_back(solvable_problem(3, 2, 9, random));
   for (const Encoding encoding : {Encoding::A, Encoding::B})
     for (const ncp::Method& method :
          {ncp::Method(ncp::PathSearch{}), ncp::Method(ncp::NewtonJosephy{}), ncp::Method(ncp::SemismoothNewton{}),

@@ -54,7 +54,7 @@ Dense read(const std::string& text) { return Dense(read_matrix(Temporary(text).p
 Vec vector(const std::string& text, bool bounds = false) { return read_vector(Temporary(text).path(), bounds); }
 
 /// The error without the file's name: ":line: reason".
-std::string why_not(const std::string& text, bool of_vector = false) {
+std::string mtx_error(const std::string& text, bool of_vector = false) {
   const Temporary file(text);
   try {
     if (of_vector)
@@ -93,27 +93,27 @@ TEST(MatrixMarket, EveryKind) {
 
 TEST(MatrixMarket, RefusesWhatIsNotAsAnnounced) {
   const std::string header = "%%MatrixMarket matrix coordinate real general\n";
-  EXPECT_EQ(why_not(""), ":1: a Matrix Market file begins with %%MatrixMarket");
-  EXPECT_EQ(why_not("2 2 1\n1 1 1\n"), ":1: a Matrix Market file begins with %%MatrixMarket");
-  EXPECT_THAT(why_not("%%MatrixMarket matrix coordinate real\n1 1 0\n"), HasSubstr(":1: the header has 4 words"));
-  EXPECT_THAT(why_not("%%MatrixMarket matrix coordinate complex general\n1 1 0\n"), HasSubstr("'complex'"));
-  EXPECT_THAT(why_not("%%MatrixMarket matrix coordinate real hermitian\n1 1 0\n"), HasSubstr("'hermitian'"));
-  EXPECT_THAT(why_not("%%MatrixMarket vector coordinate real general\n1 1 0\n"), HasSubstr("'vector'"));
-  EXPECT_THAT(why_not("%%MatrixMarket matrix array pattern general\n1 1\n"), HasSubstr("pattern"));
-  EXPECT_THAT(why_not("%%MatrixMarket matrix coordinate real symmetric\n1 2 0\n"), HasSubstr(":2: "));
-  EXPECT_THAT(why_not(header + "-1 2 0\n"), HasSubstr(":2: the size -1 x 2"));
-  EXPECT_THAT(why_not(header + "99999999999 2 0\n"), HasSubstr("out of range"));
-  EXPECT_THAT(why_not(header + "2 2 1.5\n"), HasSubstr("the number of entries is '1.5'"));
-  EXPECT_EQ(why_not(header + "%\n2 2 1\n3 1 1\n"), ":4: the place (3, 1) is not in a matrix of 2 x 2");
-  EXPECT_EQ(why_not(header + "2 2 1\n1 0 1\n"), ":3: the place (1, 0) is not in a matrix of 2 x 2");
-  EXPECT_THAT(why_not(header + "2 2 2\n1 1 1\n"), HasSubstr("the file ends after 1 of 2 entries"));
-  EXPECT_THAT(why_not(header + "2 2 2000000000\n1 1 1\n"), HasSubstr("the file ends after 1 of 2000000000"));
-  EXPECT_THAT(why_not(header + "2 2 1\n1 1 1\n2 2 1\n"), HasSubstr(":4: there is more text"));
-  EXPECT_THAT(why_not(header + "2 2 1\n1 1 nan\n"), HasSubstr(":3: the value is nan"));
-  EXPECT_THAT(why_not(header + "2 2 1\n1 1 1e999\n"), HasSubstr(":3: the value is inf"));
-  EXPECT_THAT(why_not(header + "2 2 1\n1 1 1x\n"), HasSubstr(":3: '1x' is not a number"));
-  EXPECT_THAT(why_not(header + "2 2 1\n1 1"), HasSubstr("ends before its last value"));
-  EXPECT_THAT(why_not("%%MatrixMarket matrix coordinate real skew-symmetric\n2 2 1\n1 1 1\n"), HasSubstr("diagonal"));
+  EXPECT_EQ(mtx_error(""), ":1: a Matrix Market file begins with %%MatrixMarket");
+  EXPECT_EQ(mtx_error("2 2 1\n1 1 1\n"), ":1: a Matrix Market file begins with %%MatrixMarket");
+  EXPECT_THAT(mtx_error("%%MatrixMarket matrix coordinate real\n1 1 0\n"), HasSubstr(":1: the header has 4 words"));
+  EXPECT_THAT(mtx_error("%%MatrixMarket matrix coordinate complex general\n1 1 0\n"), HasSubstr("'complex'"));
+  EXPECT_THAT(mtx_error("%%MatrixMarket matrix coordinate real hermitian\n1 1 0\n"), HasSubstr("'hermitian'"));
+  EXPECT_THAT(mtx_error("%%MatrixMarket vector coordinate real general\n1 1 0\n"), HasSubstr("'vector'"));
+  EXPECT_THAT(mtx_error("%%MatrixMarket matrix array pattern general\n1 1\n"), HasSubstr("pattern"));
+  EXPECT_THAT(mtx_error("%%MatrixMarket matrix coordinate real symmetric\n1 2 0\n"), HasSubstr(":2: "));
+  EXPECT_THAT(mtx_error(header + "-1 2 0\n"), HasSubstr(":2: the size -1 x 2"));
+  EXPECT_THAT(mtx_error(header + "99999999999 2 0\n"), HasSubstr("out of range"));
+  EXPECT_THAT(mtx_error(header + "2 2 1.5\n"), HasSubstr("the number of entries is '1.5'"));
+  EXPECT_EQ(mtx_error(header + "%\n2 2 1\n3 1 1\n"), ":4: the place (3, 1) is not in a matrix of 2 x 2");
+  EXPECT_EQ(mtx_error(header + "2 2 1\n1 0 1\n"), ":3: the place (1, 0) is not in a matrix of 2 x 2");
+  EXPECT_THAT(mtx_error(header + "2 2 2\n1 1 1\n"), HasSubstr("the file ends after 1 of 2 entries"));
+  EXPECT_THAT(mtx_error(header + "2 2 2000000000\n1 1 1\n"), HasSubstr("the file ends after 1 of 2000000000"));
+  EXPECT_THAT(mtx_error(header + "2 2 1\n1 1 1\n2 2 1\n"), HasSubstr(":4: there is more text"));
+  EXPECT_THAT(mtx_error(header + "2 2 1\n1 1 nan\n"), HasSubstr(":3: the value is nan"));
+  EXPECT_THAT(mtx_error(header + "2 2 1\n1 1 1e999\n"), HasSubstr(":3: the value is inf"));
+  EXPECT_THAT(mtx_error(header + "2 2 1\n1 1 1x\n"), HasSubstr(":3: '1x' is not a number"));
+  EXPECT_THAT(mtx_error(header + "2 2 1\n1 1"), HasSubstr("ends before its last value"));
+  EXPECT_THAT(mtx_error("%%MatrixMarket matrix coordinate real skew-symmetric\n2 2 1\n1 1 1\n"), HasSubstr("diagonal"));
   EXPECT_THROW(read_matrix("/nonexistent/x.mtx"), FileError);
   EXPECT_THROW(read_matrix(testing::TempDir()), FileError);
 }
@@ -123,9 +123,9 @@ TEST(MatrixMarket, Vectors) {
   EXPECT_EQ(vector("%%MatrixMarket matrix array real general\n1 3\n1\n2\n3\n"), vec({1, 2, 3}));
   EXPECT_EQ(vector("%%MatrixMarket matrix coordinate real general\n3 1 1\n2 1 5\n"), vec({0, 5, 0}));
   EXPECT_EQ(vector("1\n2.5\n% a comment\n-3e1\n"), vec({1, 2.5, -30}));
-  EXPECT_THAT(why_not("%%MatrixMarket matrix array real general\n2 2\n1\n2\n3\n4\n", true), HasSubstr("2 x 2"));
-  EXPECT_THAT(why_not("1\ninf\n", true), HasSubstr(":2: "));
-  EXPECT_THAT(why_not("1\nnan\n", true), HasSubstr(":2: "));
+  EXPECT_THAT(mtx_error("%%MatrixMarket matrix array real general\n2 2\n1\n2\n3\n4\n", true), HasSubstr("2 x 2"));
+  EXPECT_THAT(mtx_error("1\ninf\n", true), HasSubstr(":2: "));
+  EXPECT_THAT(mtx_error("1\nnan\n", true), HasSubstr(":2: "));
   // Bounds: infinite in every spelling, and from 1e20 on.
   EXPECT_EQ(vector("inf\n-inf\nInfinity\n-INF\n1e30\n-1e20\n1e19\n0\n", true),
             vec({infinity, -infinity, infinity, -infinity, infinity, -infinity, 1e19, 0}));

@@ -25,7 +25,7 @@ AffineMcp recorded(const char* name) { return read_siconos_lcp((shared / "lcp" /
 #define SKIP_WITHOUT_DATA(folder) \
   if (!std::filesystem::exists(shared / (folder))) GTEST_SKIP() << "there is no " << (shared / (folder)).string()
 
-std::string why_not(const std::string& text, bool mlcp = false) {
+std::string dat_error(const std::string& text, bool mlcp = false) {
   try {
     if (mlcp)
       parse_siconos_mlcp(text, "x.dat");
@@ -63,28 +63,29 @@ TEST(SiconosFile, BlockSparseLcp) {
   EXPECT_EQ(lcp.problem.M.nonZeros(), 6);
   EXPECT_EQ(lcp.problem.q, vec({-1, -2, -3}));
   EXPECT_EQ(parse_siconos_lcp(text + "0 0 1 2 3 4", "x").w, vec({2, 3, 4}));
-  EXPECT_EQ(why_not("2\n1\n2 3"), "x.dat:3: M is 2 x 3, not 2 x 2");
-  EXPECT_THAT(why_not("3\n1\n3 3\n1\n1 1\n2\n3\n2 1\n0 1\n0\n0 1 2 3\n1 2 3"), HasSubstr("the last is 2, not 3"));
+  EXPECT_EQ(dat_error("2\n1\n2 3"), "x.dat:3: M is 2 x 3, not 2 x 2");
+  EXPECT_THAT(dat_error("3\n1\n3 3\n1\n1 1\n2\n3\n2 1\n0 1\n0\n0 1 2 3\n1 2 3"), HasSubstr("the last is 2, not 3"));
 }
 
 TEST(SiconosFile, RefusesBadLcps) {
-  EXPECT_EQ(why_not(""), "x.dat:1: the file ends where n should be");
-  EXPECT_EQ(why_not("-1 0"), "x.dat:1: n is -1, not within 0 and 2147483647");
-  EXPECT_EQ(why_not("1.5"), "x.dat:1: n is '1.5', not an integer");
-  EXPECT_EQ(why_not("99999999999999999999"), "x.dat:1: n is '99999999999999999999', not an integer");
-  EXPECT_THAT(why_not("2\n2\n2 2"), HasSubstr("the storage type of M is 2 (compressed), only 0 and 1 are read"));
-  EXPECT_EQ(why_not("2\n0\n2 3 2 3"), "x.dat:3: M is 2 x 3, not 2 x 2");
-  EXPECT_THAT(why_not("2 0 2 2 2 1"), HasSubstr("differs from the first, 2 x 2"));
-  EXPECT_THAT(why_not("2000000000 0 2000000000 2000000000 2000000000 2000000000 1 2"), HasSubstr("more than the rest"));
-  EXPECT_EQ(why_not("1\n0\n1 1\n1 1\nnan\n1"), "x.dat:5: M has an entry nan");
-  EXPECT_EQ(why_not("1\n0\n1 1\n1 1\n1e999\n1"), "x.dat:5: M has an entry 1e999");
-  EXPECT_EQ(why_not("1\n0\n1 1\n1 1\n1\n-inf"), "x.dat:6: q has an entry -inf");
-  EXPECT_EQ(why_not("1\n0\n1 1\n1 1\n1x\n1"), "x.dat:5: M: '1x' is not a number");
-  EXPECT_THAT(why_not("1\n0\n1 1\n1 1\n1\n"), HasSubstr("x.dat:6: the file ends where q should be"));
-  EXPECT_EQ(why_not("2 0 2 2 2 2 1 2 3 4\n5 \n       "), "x.dat:3: the file ends where q should be");
-  EXPECT_EQ(why_not("1 0 1 1 1 1 2 -1\n7"), "x.dat:2: 1 numbers after the problem, neither none nor a solution of 2");
-  EXPECT_EQ(why_not("1 0 1 1 1 1 2 -1 text"), "x.dat:1: 'text' after the last number on its line");
-  EXPECT_EQ(why_not("1 0 1 1 1 1 2 -1\ntext"), "read");
+  EXPECT_EQ(dat_error(""), "x.dat:1: the file ends where n should be");
+  EXPECT_EQ(dat_error("-1 0"), "x.dat:1: n is -1, not within 0 and 2147483647");
+  EXPECT_EQ(dat_error("1.5"), "x.dat:1: n is '1.5', not an integer");
+  EXPECT_EQ(dat_error("99999999999999999999"), "x.dat:1: n is '99999999999999999999', not an integer");
+  EXPECT_THAT(dat_error("2\n2\n2 2"), HasSubstr("the storage type of M is 2 (compressed), only 0 and 1 are read"));
+  EXPECT_EQ(dat_error("2\n0\n2 3 2 3"), "x.dat:3: M is 2 x 3, not 2 x 2");
+  EXPECT_THAT(dat_error("2 0 2 2 2 1"), HasSubstr("differs from the first, 2 x 2"));
+  EXPECT_THAT(dat_error("2000000000 0 2000000000 2000000000 2000000000 2000000000 1 2"),
+              HasSubstr("more than the rest"));
+  EXPECT_EQ(dat_error("1\n0\n1 1\n1 1\nnan\n1"), "x.dat:5: M has an entry nan");
+  EXPECT_EQ(dat_error("1\n0\n1 1\n1 1\n1e999\n1"), "x.dat:5: M has an entry 1e999");
+  EXPECT_EQ(dat_error("1\n0\n1 1\n1 1\n1\n-inf"), "x.dat:6: q has an entry -inf");
+  EXPECT_EQ(dat_error("1\n0\n1 1\n1 1\n1x\n1"), "x.dat:5: M: '1x' is not a number");
+  EXPECT_THAT(dat_error("1\n0\n1 1\n1 1\n1\n"), HasSubstr("x.dat:6: the file ends where q should be"));
+  EXPECT_EQ(dat_error("2 0 2 2 2 2 1 2 3 4\n5 \n       "), "x.dat:3: the file ends where q should be");
+  EXPECT_EQ(dat_error("1 0 1 1 1 1 2 -1\n7"), "x.dat:2: 1 numbers after the problem, neither none nor a solution of 2");
+  EXPECT_EQ(dat_error("1 0 1 1 1 1 2 -1 text"), "x.dat:1: 'text' after the last number on its line");
+  EXPECT_EQ(dat_error("1 0 1 1 1 1 2 -1\ntext"), "read");
 }
 
 // n = 1, m = 2, every entry different: M by columns, A .. D by rows.
@@ -150,12 +151,12 @@ TEST(SiconosFile, RefusesBadMlcps) {
   const auto with = [](const std::string& old, const std::string& text) {
     std::string changed = both;
     changed.replace(changed.find(old), old.size(), text);
-    return why_not(changed, true);
+    return dat_error(changed, true);
   };
   EXPECT_EQ(with("1", "1"), "read");
-  EXPECT_EQ(why_not("0 0 1 1", true), "x.dat:1: both storage flags are 0: there is no problem");
-  EXPECT_EQ(why_not("2 0", true), "x.dat:1: the first storage flag is 2, not within 0 and 1");
-  EXPECT_THAT(why_not("1 1 1000000000 1000000000", true), HasSubstr("more than the rest of the file can hold"));
+  EXPECT_EQ(dat_error("0 0 1 1", true), "x.dat:1: both storage flags are 0: there is no problem");
+  EXPECT_EQ(dat_error("2 0", true), "x.dat:1: the first storage flag is 2, not within 0 and 1");
+  EXPECT_THAT(dat_error("1 1 1000000000 1000000000", true), HasSubstr("more than the rest of the file can hold"));
   EXPECT_EQ(with("0 1 3\n", "0 2 3\n"), "x.dat:6: the blocks have 2 equations for 1 free unknowns");
   EXPECT_EQ(with("0 1 3\n", "1 3\n"), "x.dat:5: the first block's first row is 1, not within 0 and 0");
   EXPECT_EQ(with("0 1 3\n", "0 1 1 3\n"), "x.dat:5: a block's first row is 1, not within 2 and 3");
@@ -171,7 +172,7 @@ TEST(SiconosFile, RefusesBadMlcps) {
 // Without u no number of it can be missing: the one after the problem cannot be the end of (v, w), which was read from
 // before the beginning of the list.
 TEST(SiconosFile, KnownSolutionWithoutFreeUnknowns) {
-  EXPECT_EQ(why_not("0 1 0 1 1 7 0", true), "x.dat:1: 1 numbers after the problem, neither none nor a solution of 2");
+  EXPECT_EQ(dat_error("0 1 0 1 1 7 0", true), "x.dat:1: 1 numbers after the problem, neither none nor a solution of 2");
   EXPECT_EQ(parse_siconos_mlcp("0 1 0 1 1 -7 7 0", "x").v, vec({7}));
 }
 

@@ -12,6 +12,7 @@ namespace perp::lcp {
 namespace {
 
 using support::Dense;
+using support::five_point;
 using support::from;
 using support::matrix;
 using support::Random;
@@ -19,8 +20,6 @@ using support::sparse;
 using support::tridiagonal;
 using support::Triplets;
 using support::vec;
-
-SpMat laplacian(int N) { return support::five_point(N, 4); }
 
 void expect_solves(const SpMat& A, const Cholesky& cholesky, Random& random) {
   const Vec solution = random.normals(A.rows());
@@ -33,7 +32,7 @@ void expect_solves(const SpMat& A, const Cholesky& cholesky, Random& random) {
 // Catches a wrong triangle, a permutation the wrong way round: small matrices are simplicial, large ones supernodal.
 TEST(Cholesky, SolvesSimplicialAndSupernodal) {
   Random random(1);
-  for (const SpMat& A : {tridiagonal(7, -1, 2, -1), laplacian(60), sparse([&] {
+  for (const SpMat& A : {tridiagonal(7, -1, 2, -1), five_point(60, 4), sparse([&] {
                            const Dense B = random.normals(50, 50);
                            return Dense(B * B.transpose() + Dense::Identity(50, 50));
                          }())}) {
@@ -78,7 +77,7 @@ TEST(Cholesky, TellsNegativeCurvature) {
 
 // The same where the factor is supernodal and sparse.
 TEST(Cholesky, TellsNegativeCurvatureOfALargeMatrix) {
-  SpMat A = laplacian(60);
+  SpMat A = five_point(60, 4);
   for (Index k = 0; k < A.rows(); ++k) A.coeffRef(k, k) -= 1;
   Cholesky cholesky;
   ASSERT_EQ(cholesky.factor(A), CholeskyStatus::NotPositiveDefinite);
@@ -116,7 +115,7 @@ TEST(Cholesky, IsUsedAgain) {
   EXPECT_EQ(cholesky.factor(matrix({{1e308, 0}, {1e308, 1e-308}})), CholeskyStatus::NotPositiveDefinite);
   ASSERT_EQ(cholesky.factor(SpMat(0, 0)), CholeskyStatus::Ok);
   cholesky.solve(Vec(0), Out(x.head(0)));
-  const SpMat A = laplacian(5);
+  const SpMat A = five_point(5, 4);
   ASSERT_EQ(cholesky.factor(A), CholeskyStatus::Ok);
   expect_solves(A, cholesky, random);
   EXPECT_THROW(cholesky.solve(vec({1}), x), std::invalid_argument);
@@ -139,7 +138,7 @@ TEST(Cholesky, FactorsUncompressed) {
 
 // Under ThreadSanitizer: solves with one factor share nothing they write.
 TEST(Cholesky, SolvesInTwoThreads) {
-  const SpMat A = laplacian(30);
+  const SpMat A = five_point(30, 4);
   Cholesky cholesky;
   ASSERT_EQ(cholesky.factor(A), CholeskyStatus::Ok);
   const auto work = [&](unsigned seed) {

@@ -5,7 +5,6 @@
 
 #include <atomic>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 #include <thread>
 #include <utility>
@@ -19,11 +18,10 @@ namespace {
 
 using support::Dense;
 using support::matrix;
+using support::nan;
 using support::Random;
 using support::sparse;
 using support::vec;
-
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 class Lu : public testing::TestWithParam<LuBackend> {
  protected:

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
-#include <limits>
 #include <stdexcept>
 #include <string>
 #include <thread>
@@ -17,12 +16,11 @@ namespace {
 
 using support::Dense;
 using support::matrix;
+using support::nan;
 using support::Random;
 using support::sparse;
 using support::vec;
 using testing::HasSubstr;
-
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 /// Needs many pivots: Murty's upper triangular matrix from the interior.
 AffineMcp long_problem() { return standard_lcp(support::murty(30), Vec::Constant(30, -1)); }

@@ -7,7 +7,7 @@ namespace perp::ncp::ampl {
 namespace {
 
 const std::string header = text({.cc = 1});
-const std::string body = "C0\no43\nv0\nr\n5 1 1\nb\n2 0\nk0\nJ0 1\n0 0\n";
+const std::string logarithm = "C0\no43\nv0\nr\n5 1 1\nb\n2 0\nk0\nJ0 1\n0 0\n";
 constexpr AslProblem::Sizes sizes{.n_var = 1, .n_con = 1, .n_obj = 0, .n_cc = 1, .nonzeros = 1};
 
 std::string refusal(const std::string& file, const std::string& segments, AslProblem::Sizes expected = sizes) {
@@ -24,7 +24,7 @@ std::string refusal(const std::string& file, const std::string& segments, AslPro
 TEST(Library, ReadsTheSegmentsFromMemory) {
   const TempFolder folder;
   folder.write("m.nl", header + "not looked at\n");
-  const AslProblem problem(folder.path() + "/m", body, sizes);
+  const AslProblem problem(folder.path() + "/m", logarithm, sizes);
   double x = 1, c = 7, J = 7;
   EXPECT_TRUE(problem.values(&x, &c));
   EXPECT_TRUE(problem.jacobian(&x, &J));
@@ -42,13 +42,13 @@ TEST(Library, ItsErrorsAreExceptions) {
   EXPECT_THAT(refusal(header, "C5\no43\n"), testing::HasSubstr("bad line 11"));
   EXPECT_THAT(refusal(header, "r\n9\n"), testing::HasSubstr("bad line 12"));
   EXPECT_THAT(refusal(header, "b\n2 "), testing::HasSubstr("Premature end of file"));
-  EXPECT_THAT(refusal("g3 1 1 0\n 1 1 0\n", body), testing::HasSubstr("header"));
+  EXPECT_THAT(refusal("g3 1 1 0\n 1 1 0\n", logarithm), testing::HasSubstr("header"));
 }
 
 TEST(Library, AFileThatChangedIsRefused) {
   AslProblem::Sizes other = sizes;
   other.n_var = 2;
-  EXPECT_THAT(refusal(header, body, other), testing::HasSubstr("changed while it was being read"));
+  EXPECT_THAT(refusal(header, logarithm, other), testing::HasSubstr("changed while it was being read"));
 }
 
 }  // namespace

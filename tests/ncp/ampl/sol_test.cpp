@@ -134,7 +134,7 @@ class Library {
   ASL* asl_;
 };
 
-const std::string model =
+const std::string three_rows =
     text({.vars = 2, .cons = 3, .cc = 2, .nonzeros = 3}) +
     "C0\nn0\nC1\nn0\nC2\nn0\nr\n5 1 1\n5 1 2\n2 0\nb\n2 0\n2 0\nk1\n1\nJ0 1\n0 1\nJ1 1\n1 1\nJ2 1\n1 1\n";
 
@@ -142,7 +142,7 @@ class SolFile : public testing::TestWithParam<bool> {
  protected:
   std::string path() const { return folder_.path() + "/m.sol"; }
   TempFolder folder_;
-  std::string nl_ = folder_.write("m.nl", GetParam() ? binary_twin(model) : model);
+  std::string nl_ = folder_.write("m.nl", GetParam() ? binary_twin(three_rows) : three_rows);
   Sol parse() const { return GetParam() ? parse_binary(read_bytes(path())) : parse_text(read_bytes(path())); }
 };
 
@@ -216,7 +216,7 @@ TEST(Sol, NoOptions) {
 TEST(Sol, Tolerance) {
   EXPECT_EQ(sol_text({.options = {3, 1, 3, 0}, .tolerance = 1e-6, .n_con = 1, .n_var = 1}, "", {}, 0),
             "\nOptions\n5\n1\n3\n0\n1\n0\n1\n0\n1e-06\nobjno 0 0\n");
-  std::string s = model;
+  std::string s = three_rows;
   s.replace(0, 8, "g3 1 3 0 1e-06");
   const TempFolder folder;
   const auto m = read_model(folder.write("m.nl", s));
@@ -225,14 +225,14 @@ TEST(Sol, Tolerance) {
 }
 
 TEST(Sol, RefusesWhatNobodyCanRead) {
-  const auto m = read_text(model);
+  const auto m = read_text(three_rows);
   EXPECT_THROW(m->write_sol("", Vec{{1, NAN}}, 0), ModelError);
   EXPECT_THROW(m->write_sol("", Vec::Zero(3), 0), ModelError);
 }
 
 TEST(Sol, CannotBeWritten) {
   const TempFolder folder;
-  const auto m = read_model(folder.write("m.nl", model));
+  const auto m = read_model(folder.write("m.nl", three_rows));
   // The place is taken by a folder: the rename fails, and the temporary file goes.
   ASSERT_EQ(mkdir((folder.path() + "/m.sol").c_str(), 0755), 0);
   try {
@@ -251,7 +251,7 @@ TEST(Sol, CannotBeWritten) {
 TEST(Sol, ReadOnlyFolder) {
   if (geteuid() == 0) GTEST_SKIP() << "root may write anywhere";
   const TempFolder folder;
-  const auto m = read_model(folder.write("m.nl", model));
+  const auto m = read_model(folder.write("m.nl", three_rows));
   ASSERT_EQ(chmod(folder.path().c_str(), 0555), 0);
   EXPECT_THROW(m->write_sol("x", Vec{{1, 2}}, 0), ModelError);
   chmod(folder.path().c_str(), 0755);

@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 #include <utility>
 
@@ -13,12 +12,11 @@ namespace perp::ncp {
 namespace {
 
 using support::Dense;
+using support::nan;
 using support::Random;
 using support::vec;
 using testing::AllOf;
 using testing::HasSubstr;
-
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 /// J of a problem of support::dense with one entry changed.
 Functions with_entry(Functions functions, Index i, Index j, std::function<double(double)> change) {

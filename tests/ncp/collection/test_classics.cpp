@@ -6,17 +6,12 @@
 #include <array>
 #include <cmath>
 
+#include "model_checks.hpp"
 #include "ncp/collection/collection.hpp"
 #include "ncp/problem/residual.hpp"
 
 namespace perp::ncp::collection {
 namespace {
-
-Vec F_of(const Problem& problem, const Vec& x) {
-  Vec F(x.size());
-  EXPECT_TRUE(problem.mcp->eval(x, F));
-  return F;
-}
 
 // As printed by Murphy, Sherali & Soyster 1982 (and by Harker 1984); F at q = 5, where (q / 5)^(1 / beta) = 1 and Q
 // = 25.
@@ -25,7 +20,7 @@ TEST(Classics, Nash5) {
   const double printed[] = {36.9325, 41.8181, 43.7066, 42.6592, 39.1790};
   for (Index i = 0; i < 5; ++i) EXPECT_NEAR(problem.solutions.at(0).x[i], printed[i], 1e-4);
   const double price = std::pow(200, 1 / 1.1);
-  const Vec F = F_of(problem, Vec::Constant(5, 5));
+  const Vec F = test::values(*problem.mcp, Vec::Constant(5, 5));
   for (Index i = 0; i < 5; ++i) EXPECT_NEAR(F[i], 11 - 2 * static_cast<double>(i) - price * (1 - 0.2 / 1.1), 1e-11);
   Vec value(5);
   EXPECT_FALSE(problem.mcp->eval(Vec::Zero(5), value));
@@ -38,8 +33,8 @@ TEST(Classics, MathiesensFurtherEconomies) {
     EXPECT_LT(residual(*find("mathiesen-2-own")->make().mcp, Vec({{0.5, 3 * s, s, 2 * s}})).natural, 1e-13);
     EXPECT_LT(residual(*find("mathiesen-3-own")->make().mcp, Vec({{0.75, s, s, 0}})).natural, 1e-13);
   }
-  EXPECT_EQ(F_of(find("mathiesen-2-own")->make(), Vec::Ones(4)), Vec({{1, -0.125, -0.375, -0.5}}));
-  EXPECT_EQ(F_of(find("mathiesen-3-own")->make(), Vec::Ones(4)), Vec({{1, -1.25, -0.75, 1}}));
+  EXPECT_EQ(test::values(*find("mathiesen-2-own")->make().mcp, Vec::Ones(4)), Vec({{1, -0.125, -0.375, -0.5}}));
+  EXPECT_EQ(test::values(*find("mathiesen-3-own")->make().mcp, Vec::Ones(4)), Vec({{1, -1.25, -0.75, 1}}));
 }
 
 // Newton's steps on min(z, M z + q): z_i = 0 outside of the set, F_i = 0 in it, the next set where z_i > F_i. Catches:
@@ -62,7 +57,7 @@ TEST(Classics, NewtonStepsCycle) {
         b[static_cast<Index>(i)] = 1;
       }
     const Vec z = A.inverse() * b;
-    const Vec F = F_of(problem, z);
+    const Vec F = test::values(*problem.mcp, z);
     for (std::size_t i = 0; i < 3; ++i) set[i] = z[static_cast<Index>(i)] > F[static_cast<Index>(i)];
     EXPECT_EQ(set, expected[step]);
   }
@@ -83,7 +78,7 @@ TEST(Classics, EveryPointOfTheSimplex) {
 // Feasible, and yet every residual is at least 1/2. Catches: a data set with a certificate of infeasibility.
 TEST(Classics, FeasibleWithoutSolution) {
   const Problem problem = find("feasible-unsolvable-own")->make();
-  EXPECT_GE(F_of(problem, Vec({{0, 1}})).minCoeff(), 0);
+  EXPECT_GE(test::values(*problem.mcp, Vec({{0, 1}})).minCoeff(), 0);
   for (const double a : {0.0, 0.3, 2.0})
     for (const double b : {0.0, 0.25, 0.5, 0.75, 1.0, 3.0})
       EXPECT_GE(residual(*problem.mcp, Vec({{a, b}})).natural, 0.5) << a << ' ' << b;

@@ -21,7 +21,7 @@ using lcp::Diagnosis;
 using lcp::Property;
 using lcp::Vec;
 
-struct Family {
+struct LcpFamily {
   std::string name;
   RandomLcp (*make)(lcp::Index, unsigned);
   lcp::Index least;
@@ -30,9 +30,9 @@ struct Family {
   std::vector<Property Diagnosis::*> no;
 };
 
-const std::vector<Family>& families() {
+const std::vector<LcpFamily>& lcp_families() {
   using D = Diagnosis;
-  static const std::vector<Family> all{
+  static const std::vector<LcpFamily> all{
       {"pd", random_positive_definite, 1, true, {&D::positive_definite, &D::p}, {}},
       {"psd", random_semidefinite, 2, true, {&D::positive_semidefinite, &D::copositive_plus}, {}},
       {"p", random_p_matrix, 2, true, {&D::p}, {&D::positive_semidefinite}},
@@ -53,7 +53,7 @@ const std::vector<Family>& families() {
 
 // Catches: a construction that does not keep its class. classify() knows nothing of how the matrices are made.
 TEST(RandomLcps, AreOfTheirClass) {
-  for (const Family& family : families())
+  for (const LcpFamily& family : lcp_families())
     for (unsigned seed = 1; seed <= 15; ++seed) {
       const lcp::Index n = family.least + seed % 10;
       const Diagnosis d = lcp::classify(family.make(n, seed).problem.M);
@@ -66,7 +66,7 @@ TEST(RandomLcps, AreOfTheirClass) {
 
 // Catches: a planted point that is no solution, a certificate that proves nothing, matrices that fill up.
 TEST(RandomLcps, SolutionsAndCertificates) {
-  for (const Family& family : families())
+  for (const LcpFamily& family : lcp_families())
     for (const lcp::Index n : {family.least, lcp::Index{7}, lcp::Index{60}, lcp::Index{5000}}) {
       const RandomLcp made = family.make(n, 3);
       ASSERT_FALSE(made.problem.invalid()) << family.name;
@@ -117,7 +117,7 @@ TEST(RandomLcps, AreReproducible) {
   EXPECT_NEAR(psd.problem.M.coeff(0, 0), 0.73593583326608425, 1e-15);
   EXPECT_NEAR(psd.problem.q.sum(), 0.66668832417702817, 1e-14);
   EXPECT_EQ(random_z_matrix(3, 7).problem.M.coeff(2, 2), 1.8381644673179836);
-  for (const Family& family : families()) {
+  for (const LcpFamily& family : lcp_families()) {
     const RandomLcp one = family.make(30, 5);
     const RandomLcp two = family.make(30, 5);
     const RandomLcp other = family.make(30, 6);
@@ -128,7 +128,7 @@ TEST(RandomLcps, AreReproducible) {
 }
 
 TEST(RandomLcps, RefuseSizesWithoutAProblem) {
-  for (const Family& family : families())
+  for (const LcpFamily& family : lcp_families())
     EXPECT_THROW(family.make(family.least - 1, 1), std::invalid_argument) << family.name;
   EXPECT_THROW(random_bimatrix(0, 1, 1), std::invalid_argument);
   EXPECT_THROW(random_bimatrix(1, 0, 1), std::invalid_argument);

@@ -15,15 +15,15 @@
 namespace perp::ncp::collection {
 namespace {
 
-struct Family {
+struct NcpFamily {
   std::string name;
   Problem (*make)(Index, unsigned);
   Index least;
   bool monotone;
 };
 
-const std::vector<Family>& families() {
-  static const std::vector<Family> all{
+const std::vector<NcpFamily>& ncp_families() {
+  static const std::vector<NcpFamily> all{
       {"monotone", random_monotone_ncp_own, 2, true},     {"P0", random_p0_ncp_own, 4, false},
       {"degenerate", random_degenerate_ncp_own, 2, true}, {"ill-conditioned", random_ill_conditioned_ncp_own, 2, true},
       {"boxed", random_boxed_ncp_own, 2, true},           {"exponential", random_exponential_ncp_own, 2, true}};
@@ -51,7 +51,7 @@ Eigen::MatrixXd jacobian(const Mcp& mcp, const Vec& x) {
 
 // The smallest eigenvalue of J + J' where x is sampled. Catches: a family that is not strictly monotone.
 TEST(RandomNcps, MonotoneOnesAreStrictlyMonotone) {
-  for (const Family& family : families())
+  for (const NcpFamily& family : ncp_families())
     for (unsigned seed = 1; family.monotone && seed <= 8; ++seed) {
       const Problem problem = family.make(family.least + 7, seed);
       const Eigen::MatrixXd J = jacobian(*problem.mcp, random_point(problem.mcp->size(), seed, -2, 2));
@@ -83,7 +83,7 @@ TEST(RandomNcps, P0OnesAreP0AndNotMonotone) {
 
 // Catches: a planted point that is no solution, matrices that fill up, starts where F is not defined.
 TEST(RandomNcps, PlantedSolutions) {
-  for (const Family& family : families())
+  for (const NcpFamily& family : ncp_families())
     for (const Index n : {family.least, Index{7}, Index{60}, Index{5000}}) {
       const Problem problem = family.make(n, 3);
       EXPECT_EQ(problem.mcp->size(), n);
@@ -96,7 +96,7 @@ TEST(RandomNcps, PlantedSolutions) {
 
 // Catches: flags of linear entries that stand for curved ones.
 TEST(RandomNcps, LinearEntriesAreConstant) {
-  for (const Family& family : families()) {
+  for (const NcpFamily& family : ncp_families()) {
     const Problem problem = family.make(20, 2);
     const std::vector<bool> linear = problem.mcp->linear_entries();
     SpMat one = problem.mcp->jacobian_pattern(), two = one;
@@ -158,7 +158,7 @@ TEST(RandomNcps, ExponentialIsNotDefinedFarAway) {
 
 // Catches: other numbers on another platform or version.
 TEST(RandomNcps, AreReproducible) {
-  for (const Family& family : families()) {
+  for (const NcpFamily& family : ncp_families()) {
     const Problem one = family.make(30, 5), two = family.make(30, 5), other = family.make(30, 6);
     Vec F1(30), F2(30), F3(30);
     one.mcp->eval(Vec::Ones(30), F1);
@@ -171,7 +171,7 @@ TEST(RandomNcps, AreReproducible) {
 }
 
 TEST(RandomNcps, RefuseSizesWithoutAProblem) {
-  for (const Family& family : families())
+  for (const NcpFamily& family : ncp_families())
     EXPECT_THROW(family.make(family.least - 1, 1), std::invalid_argument) << family.name;
 }
 

@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <limits>
 
 #include "ncp/strategy/solve.hpp"
 #include "support/methods.hpp"
@@ -19,12 +18,11 @@ namespace {
 
 using support::expect_solution;
 using support::expect_solved;
+using support::nan;
 using support::Random;
 using support::vec;
 using testing::HasSubstr;
 using testing::Optional;
-
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 // Josephy 1979; Kojima & Shindo 1986, whose first solution is degenerate. From (100, 100, 100, 100) both, though J is
 // no P0-matrix on the way. Catches a wrong corrector, and restarts that lose the best point.

@@ -15,7 +15,7 @@ using support::Random;
 using support::vec;
 
 /// With both C-functions and the linear algebra of each library.
-std::vector<support::NamedMethod> variants() {
+std::vector<support::NamedMethod> semismooth_variants() {
   return {{"Fischer-Burmeister", SemismoothNewton{}},
           {"min, escapes", SemismoothNewton{.cfunction = natural_min(), .escape = Escape{}}},
           {"Fischer-Burmeister, KLU", SemismoothNewton{.lu = lcp::LuBackend::Klu}},
@@ -26,7 +26,7 @@ std::vector<support::NamedMethod> variants() {
 TEST(SemismoothNewton, KojimaShindoAndJosephyFromEightStarts) {
   for (const bool josephy : {false, true}) {
     const auto mcp = make_mcp(support::kojima_shindo(josephy));
-    for (const auto& [label, method] : variants())
+    for (const auto& [label, method] : semismooth_variants())
       for (const Vec& x0 : support::kojima_shindo_starts()) {
         const Result result = expect_solved(*mcp, x0, method, label);
         // At the degenerate solution the residual tells half the digits only.
@@ -43,7 +43,7 @@ TEST(SemismoothNewton, FindsPlantedSolutionsInMixedBoxes) {
     const double degenerate = k % 3 == 0 ? 0.8 : 0;
     const auto [functions, solution] = support::planted(1 + k, degenerate, random);
     const auto mcp = make_mcp(functions);
-    for (const auto& [label, method] : variants())
+    for (const auto& [label, method] : semismooth_variants())
       expect_solution(*mcp, 3 * random.normals(1 + k), method, solution, degenerate > 0 ? 1e-3 : 1e-6, label);
   }
 }
@@ -51,7 +51,7 @@ TEST(SemismoothNewton, FindsPlantedSolutionsInMixedBoxes) {
 // x_3 = 10 at its upper bound (Hock & Schittkowski 1981, problem 34).
 TEST(SemismoothNewton, ActiveUpperBoundOfHs34) {
   const auto mcp = make_mcp(support::hs34());
-  for (const auto& [label, method] : variants())
+  for (const auto& [label, method] : semismooth_variants())
     expect_solution(*mcp, vec({0, 1.05, 2.9, 0, 0}), method, support::hs34_solution(), 1e-6, label);
 }
 
@@ -86,7 +86,7 @@ TEST(SemismoothNewton, MinTakesFullStepsThatHalvePhi) {
 // F undefined below 0, F' infinite at 0, where the bounds are (Harker 1988). From 100 the first steps leave the domain.
 TEST(SemismoothNewton, Nash10) {
   const auto mcp = make_mcp(support::nash10());
-  for (const auto& [label, method] : variants())
+  for (const auto& [label, method] : semismooth_variants())
     for (const double x0 : {1.0, 10.0, 100.0})
       expect_solution(*mcp, Vec::Constant(10, x0), method, support::nash10_solution(), 1e-6, label);
 }
@@ -103,7 +103,7 @@ std::vector<Functions> with_domains() {
 TEST(SemismoothNewton, ShortensStepsThatLeaveTheDomain) {
   for (const Functions& functions : with_domains()) {
     const auto mcp = make_mcp(functions);
-    for (const auto& [label, method] : variants()) {
+    for (const auto& [label, method] : semismooth_variants()) {
       std::vector<Iteration> records;
       expect_solved(*mcp, vec({20}), method, label, record(records));
       ASSERT_GE(records.size(), 2U) << label;
@@ -119,7 +119,7 @@ TEST(SemismoothNewton, ShortensStepsThatLeaveTheDomain) {
 // convergence.
 TEST(SemismoothNewton, ConvergesQuadratically) {
   Random random(2);
-  for (const auto& [label, method] : variants()) {
+  for (const auto& [label, method] : semismooth_variants()) {
     int measured = 0;
     for (int k = 0; k < 10; ++k) {
       const auto [functions, solution] = support::planted(20, k % 2 == 0 ? 0.5 : 0, random);
@@ -138,7 +138,7 @@ TEST(SemismoothNewton, NoVariablesAndOne) {
   const auto none = make_mcp(support::affine({.M = SpMat(0, 0), .q = Vec(0), .box = Box::free(0)}));
   const auto one = make_mcp(support::scalar(
       -1, 2, [](double x) { return x - 5; }, [](double) { return 1; }));
-  for (const auto& [label, method] : variants()) {
+  for (const auto& [label, method] : semismooth_variants()) {
     EXPECT_EQ(expect_solved(*none, Vec(0), method, label).stats.iterations, 0);
     expect_solution(*one, vec({-7}), method, vec({2}), 1e-8, label);
   }
@@ -157,7 +157,7 @@ TEST(SemismoothNewton, ObstacleProblemStaysSparse) {
 TEST(SemismoothNewton, TakesLevenbergMarquardtStepsWhereHIsSingular) {
   const SpMat M = support::matrix({{1, 1}, {1, 1}});
   const auto mcp = make_mcp(support::affine({.M = M, .q = vec({-2, -2}), .box = Box::free(2)}));
-  for (const auto& [label, method] : variants()) {
+  for (const auto& [label, method] : semismooth_variants()) {
     std::vector<Iteration> records;
     const Result result = expect_solved(*mcp, vec({10, -30}), method, label, record(records));
     EXPECT_NEAR(result.x.sum(), 2, 1e-8) << label;

@@ -22,7 +22,7 @@ using support::Random;
 using support::vec;
 using testing::HasSubstr;
 
-std::vector<support::NamedMethod> variants(bool finish = true) {
+std::vector<support::NamedMethod> smoothing_variants(bool finish = true) {
   std::vector<support::NamedMethod> all;
   for (const SmoothingFunction& function : smoothing_functions())
     for (const auto schedule : {SmoothingSchedule::NewtonArmijo, SmoothingSchedule::PredictorCorrector})
@@ -44,7 +44,7 @@ TEST(Smoothing, KojimaShindoAndJosephy) {
       const Result result = expect_solved(*mcp, x0, Smoothing{}, "smooth");
       EXPECT_TRUE(support::is_kojima_shindo_solution(result.x, josephy, 1e-4)) << result.x.transpose();
     }
-    for (const auto& [label, method] : variants())
+    for (const auto& [label, method] : smoothing_variants())
       expect_solved(*mcp, support::kojima_shindo_starts()[0], method, label);
   }
 }
@@ -58,7 +58,7 @@ TEST(Smoothing, FindsPlantedSolutionsInMixedBoxes) {
     const auto [functions, solution] = support::planted(1 + k, degenerate, random);
     const auto mcp = make_mcp(functions);
     for (const bool finish : {true, false})
-      for (const auto& [label, method] : variants(finish))
+      for (const auto& [label, method] : smoothing_variants(finish))
         expect_solution(*mcp, 3 * random.normals(1 + k), method, solution, degenerate > 0 ? 1e-3 : 1e-6,
                         label + (finish ? "" : ", no finish"));
   }
@@ -68,7 +68,7 @@ TEST(Smoothing, FindsPlantedSolutionsInMixedBoxes) {
 TEST(Smoothing, Hs34AndNash10) {
   const auto hs34 = make_mcp(support::hs34());
   const auto nash = make_mcp(support::nash10());
-  for (const auto& [label, method] : variants()) {
+  for (const auto& [label, method] : smoothing_variants()) {
     expect_solution(*hs34, vec({0, 1.05, 2.9, 0, 0}), method, support::hs34_solution(), 1e-6, label);
     for (const double x0 : {1.0, 10.0, 100.0})
       expect_solution(*nash, Vec::Constant(10, x0), method, support::nash10_solution(), 1e-6, label);
@@ -80,7 +80,7 @@ TEST(Smoothing, Hs34AndNash10) {
 // d_A, and a Jacobian of Phi_mu that is a little wrong.
 TEST(Smoothing, ConvergesQuadratically) {
   Random random(2);
-  for (const auto& [label, method] : variants()) {
+  for (const auto& [label, method] : smoothing_variants()) {
     int measured = 0;
     for (int k = 0; k < 12; ++k) {
       const auto [functions, solution] = support::planted(20, 0, random);
@@ -151,7 +151,7 @@ TEST(Smoothing, ShortensStepsThatLeaveTheDomain) {
       0, infinity, [](double x) { return std::log(x); }, [](double x) { return 1 / x; }));
   const auto root = make_mcp(support::scalar(
       0, infinity, [](double x) { return std::sqrt(x) - 0.5; }, [](double x) { return 0.5 / std::sqrt(x); }));
-  for (const auto& [label, method] : variants()) {
+  for (const auto& [label, method] : smoothing_variants()) {
     expect_solution(*log, vec({20}), method, vec({1}), 1e-6, label);
     expect_solution(*root, vec({20}), method, vec({0.25}), 1e-6, label);
   }
@@ -161,7 +161,7 @@ TEST(Smoothing, ShortensStepsThatLeaveTheDomain) {
 TEST(Smoothing, SaysWhereNothingIsDefined) {
   const auto mcp = make_mcp(support::scalar(
       0, infinity, [](double x) { return x == 2 ? 1.0 : NAN; }, [](double) { return 1.0; }));
-  for (const auto& [label, method] : variants()) {
+  for (const auto& [label, method] : smoothing_variants()) {
     const Result result = solve(*mcp, vec({2}), method);
     EXPECT_EQ(result.status, Status::EvaluationFailed) << label << ": " << result;
   }
@@ -171,7 +171,7 @@ TEST(Smoothing, SaysWhereNothingIsDefined) {
 TEST(Smoothing, TakesLevenbergMarquardtStepsWhereHIsSingular) {
   const SpMat M = support::matrix({{1, 1}, {1, 1}});
   const auto mcp = make_mcp(support::affine({.M = M, .q = vec({-2, -2}), .box = Box::free(2)}));
-  for (const auto& [label, method] : variants()) {
+  for (const auto& [label, method] : smoothing_variants()) {
     std::vector<Iteration> records;
     const Result result = expect_solved(*mcp, vec({10, -30}), method, label, record(records));
     EXPECT_NEAR(result.x.sum(), 2, 1e-8) << label;
@@ -186,7 +186,7 @@ TEST(Smoothing, TakesLevenbergMarquardtStepsWhereHIsSingular) {
 TEST(Smoothing, SaysThatItIsStuck) {
   const auto mcp = make_mcp(support::scalar(
       -infinity, infinity, [](double x) { return x * x + 1; }, [](double x) { return 2 * x; }));
-  for (const auto& [label, method] : variants()) {
+  for (const auto& [label, method] : smoothing_variants()) {
     const Result result = solve(*mcp, vec({0.3}), method);
     EXPECT_TRUE(result.status == Status::StationaryPoint || result.status == Status::NoProgress) << label << result;
     EXPECT_THAT(result.message, HasSubstr("mu was raised 6 times")) << label;
@@ -239,7 +239,7 @@ TEST(Smoothing, RaisesMuWhereItIsStuck) {
 TEST(Smoothing, KeepsLimits) {
   const auto mcp = make_mcp(support::hs34());
   const Vec x0 = vec({0, 1.05, 2.9, 0, 0});
-  for (const auto& [label, base] : variants()) {
+  for (const auto& [label, base] : smoothing_variants()) {
     auto method = std::get<Smoothing>(base);
     method.stop.max_iterations = 1;
     EXPECT_EQ(solve(*mcp, x0, method).status, Status::IterationLimit) << label;
@@ -275,7 +275,7 @@ TEST(Smoothing, NoVariablesAndOne) {
   const auto none = make_mcp(support::affine({.M = SpMat(0, 0), .q = Vec(0), .box = Box::free(0)}));
   const auto one = make_mcp(support::scalar(
       -1, 2, [](double x) { return x - 5; }, [](double) { return 1; }));
-  for (const auto& [label, method] : variants()) {
+  for (const auto& [label, method] : smoothing_variants()) {
     EXPECT_EQ(expect_solved(*none, Vec(0), method, label).stats.iterations, 0);
     expect_solution(*one, vec({-7}), method, vec({2}), 1e-8, label);
   }

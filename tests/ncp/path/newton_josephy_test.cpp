@@ -14,7 +14,7 @@ using support::expect_solved;
 using support::Random;
 using support::vec;
 
-std::vector<support::NamedMethod> variants() {
+std::vector<support::NamedMethod> josephy_variants() {
   return {{"regular start", NewtonJosephy{}},
           {"ray start", NewtonJosephy{.lemke = {.start = lcp::LemkeStart::Ray}}},
           {"KLU", NewtonJosephy{.lemke = {.basis = {.lu = lcp::LuBackend::Klu}}}},
@@ -26,7 +26,7 @@ std::vector<support::NamedMethod> variants() {
 TEST(NewtonJosephy, KojimaShindoAndJosephyFromEightStarts) {
   for (const bool josephy : {false, true}) {
     const auto mcp = make_mcp(support::kojima_shindo(josephy));
-    for (const auto& [label, method] : variants())
+    for (const auto& [label, method] : josephy_variants())
       for (const Vec& x0 : support::kojima_shindo_starts()) {
         const Result result = expect_solved(*mcp, x0, method, label);
         EXPECT_TRUE(support::is_kojima_shindo_solution(result.x, josephy, 1e-4)) << label << result.x.transpose();
@@ -41,7 +41,7 @@ TEST(NewtonJosephy, FindsPlantedSolutionsInMixedBoxes) {
     const double degenerate = k % 3 == 0 ? 0.8 : 0;
     const auto [functions, solution] = support::planted(1 + k, degenerate, random);
     const auto mcp = make_mcp(functions);
-    for (const auto& [label, method] : variants())
+    for (const auto& [label, method] : josephy_variants())
       expect_solution(*mcp, 3 * random.normals(1 + k), method, solution, degenerate > 0 ? 1e-3 : 1e-6, label);
   }
 }
@@ -49,14 +49,14 @@ TEST(NewtonJosephy, FindsPlantedSolutionsInMixedBoxes) {
 // x_3 = 10 at its upper bound (Hock & Schittkowski 1981, problem 34).
 TEST(NewtonJosephy, ActiveUpperBoundOfHs34) {
   const auto mcp = make_mcp(support::hs34());
-  for (const auto& [label, method] : variants())
+  for (const auto& [label, method] : josephy_variants())
     expect_solution(*mcp, vec({0, 1.05, 2.9, 0, 0}), method, support::hs34_solution(), 1e-6, label);
 }
 
 // F' infinite at the bounds, where subproblems put variables (Harker 1988).
 TEST(NewtonJosephy, Nash10) {
   const auto mcp = make_mcp(support::nash10());
-  for (const auto& [label, method] : variants())
+  for (const auto& [label, method] : josephy_variants())
     for (const double x0 : {1.0, 10.0, 100.0})
       expect_solution(*mcp, Vec::Constant(10, x0), method, support::nash10_solution(), 1e-6, label);
 }
@@ -67,7 +67,7 @@ TEST(NewtonJosephy, ShortensStepsThatLeaveTheDomain) {
       0, infinity, [](double x) { return std::log(x); }, [](double x) { return 1 / x; }));
   const auto root = make_mcp(support::scalar(
       0, infinity, [](double x) { return std::sqrt(x) - 0.5; }, [](double x) { return 0.5 / std::sqrt(x); }));
-  for (const auto& [label, method] : variants())
+  for (const auto& [label, method] : josephy_variants())
     for (const Mcp* mcp : {logarithm.get(), root.get()}) {
       std::vector<Iteration> records;
       expect_solved(*mcp, vec({20}), method, label, record(records));
@@ -87,7 +87,7 @@ TEST(NewtonJosephy, SolvesAffineProblemsInOneStep) {
         make_mcp(support::affine({.M = k % 2 == 0 ? support::p_matrix(n, 2, random) : support::h_plus(n, 3, random),
                                   .q = 5 * random.normals(n),
                                   .box = support::mixed_box(n, random)}));
-    for (const auto& [label, method] : variants()) {
+    for (const auto& [label, method] : josephy_variants()) {
       const Result result = expect_solved(*mcp, random.normals(n), method, label);
       EXPECT_LE(result.stats.iterations, 1) << label << ", n = " << n;
     }
@@ -98,7 +98,7 @@ TEST(NewtonJosephy, SolvesAffineProblemsInOneStep) {
 // proximal term that stays.
 TEST(NewtonJosephy, ConvergesQuadratically) {
   Random random(3);
-  for (const auto& [label, method] : variants()) {
+  for (const auto& [label, method] : josephy_variants()) {
     int measured = 0;
     for (int k = 0; k < 10; ++k) {
       const auto [functions, solution] = support::planted(20, k % 2 == 0 ? 0.5 : 0, random);
@@ -117,7 +117,7 @@ TEST(NewtonJosephy, NoVariablesAndOne) {
   const auto none = make_mcp(support::affine({.M = SpMat(0, 0), .q = Vec(0), .box = Box::free(0)}));
   const auto one = make_mcp(support::scalar(
       -1, 2, [](double x) { return x - 5; }, [](double) { return 1; }));
-  for (const auto& [label, method] : variants()) {
+  for (const auto& [label, method] : josephy_variants()) {
     EXPECT_EQ(expect_solved(*none, Vec(0), method, label).stats.iterations, 0);
     expect_solution(*one, vec({-7}), method, vec({2}), 0, label);
   }

@@ -2,8 +2,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <limits>
-
 #include "ncp/collection/collection.hpp"
 #include "ncp/strategy/solve.hpp"
 #include "support/methods.hpp"
@@ -14,14 +12,13 @@ namespace {
 
 using support::Counting;
 using support::NamedMethod;
+using support::nan;
 using support::Random;
 using support::vec;
 using testing::AllOf;
 using testing::HasSubstr;
 using testing::Optional;
 using testing::ThrowsMessage;
-
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 template <class Change>
 PathSearch changed(Change change) {

@@ -19,7 +19,7 @@ using support::vec;
 
 PathSearch without_crash() { return {.crash = {.on = false}}; }
 
-std::vector<NamedMethod> variants() {
+std::vector<NamedMethod> path_variants() {
   return {{"path", PathSearch{}},
           {"no crash", without_crash()},
           {"line", PathSearch{.search = Searchtype::Line}},
@@ -56,7 +56,7 @@ TEST(PathSearch, TakesNoMoreMajorIterationsThanPath) {
 TEST(PathSearch, KojimaShindoAndJosephyFromEightStarts) {
   for (const bool josephy : {false, true}) {
     const auto mcp = make_mcp(support::kojima_shindo(josephy));
-    for (const auto& [label, method] : variants())
+    for (const auto& [label, method] : path_variants())
       for (const Vec& x0 : support::kojima_shindo_starts()) {
         const Result result = expect_solved(*mcp, x0, method, label);
         EXPECT_TRUE(support::is_kojima_shindo_solution(result.x, josephy, 1e-4)) << label << result.x.transpose();
@@ -96,7 +96,7 @@ TEST(PathSearch, FindsPlantedSolutionsInMixedBoxes) {
     const auto [functions, solution] = support::planted(1 + k % 30, degenerate, random);
     const auto mcp = make_mcp(functions);
     const Vec x0 = 3 * random.normals(1 + k % 30);
-    for (const auto& [label, method] : variants())
+    for (const auto& [label, method] : path_variants())
       expect_solution(*mcp, x0, method, solution, degenerate > 0 ? 1e-3 : 1e-6, label);
   }
 }
@@ -162,7 +162,7 @@ TEST(PathSearch, SolvesAffineProblemsInOneIteration) {
         make_mcp(support::affine({.M = k % 2 == 0 ? support::p_matrix(n, 2, random) : support::h_plus(n, 3, random),
                                   .q = 5 * random.normals(n),
                                   .box = support::mixed_box(n, random)}));
-    for (const auto& [label, method] : variants()) {
+    for (const auto& [label, method] : path_variants()) {
       const Result result = expect_solved(*mcp, random.normals(n), method, label);
       EXPECT_LE(result.stats.iterations, 1) << label << ", n = " << n;
     }
@@ -216,14 +216,14 @@ TEST(PathSearch, NonMonotoneStabilisationLetsMeritsRise) {
 // x_3 = 10 at its upper bound (Hock & Schittkowski 1981, problem 34).
 TEST(PathSearch, ActiveUpperBoundOfHs34) {
   const auto mcp = make_mcp(support::hs34());
-  for (const auto& [label, method] : variants())
+  for (const auto& [label, method] : path_variants())
     expect_solution(*mcp, vec({0, 1.05, 2.9, 0, 0}), method, support::hs34_solution(), 1e-6, label);
 }
 
 // F' is infinite at the bounds, where linearised problems put variables, and PATH 4.7 fails from 100 (Harker 1988).
 TEST(PathSearch, Nash10) {
   const auto mcp = make_mcp(support::nash10());
-  for (const auto& [label, method] : variants())
+  for (const auto& [label, method] : path_variants())
     for (const double x0 : {1.0, 10.0, 100.0})
       expect_solution(*mcp, Vec::Constant(10, x0), method, support::nash10_solution(), 1e-6, label);
 }
@@ -231,7 +231,7 @@ TEST(PathSearch, Nash10) {
 // Near 0 every merit function has a local minimum that is no solution; PATH 4.7 fails (Billups 1995).
 TEST(PathSearch, BillupsFromZero) {
   const auto mcp = make_mcp(support::billups());
-  for (const auto& [label, method] : variants())
+  for (const auto& [label, method] : path_variants())
     expect_solution(*mcp, vec({0}), method, vec({1 + std::sqrt(1.01)}), 1e-7, label);
 }
 
@@ -241,7 +241,7 @@ TEST(PathSearch, NoVariablesAndOne) {
       -1, 2, [](double x) { return x - 5; }, [](double) { return 1; }));
   const auto fixed = make_mcp(support::scalar(
       3, 3, [](double x) { return std::log(x) - 5; }, [](double x) { return 1 / x; }));
-  for (const auto& [label, method] : variants()) {
+  for (const auto& [label, method] : path_variants()) {
     EXPECT_EQ(expect_solved(*none, Vec(0), method, label).stats.iterations, 0);
     expect_solution(*one, vec({-7}), method, vec({2}), 0, label);
     expect_solution(*fixed, vec({1}), method, vec({3}), 0, label);
@@ -259,7 +259,7 @@ TEST(PathSearch, StaysInTheBox) {
     };
     const auto mcp = make_mcp(functions);
     const Vec x0 = 5 * random.normals(15);
-    for (const auto& [label, method] : variants()) expect_solution(*mcp, x0, method, solution, 1e-3, label);
+    for (const auto& [label, method] : path_variants()) expect_solution(*mcp, x0, method, solution, 1e-3, label);
   }
 }
 

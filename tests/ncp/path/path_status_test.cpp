@@ -4,7 +4,6 @@
 
 #include <atomic>
 #include <chrono>
-#include <limits>
 #include <thread>
 
 #include "ncp/strategy/solve.hpp"
@@ -17,6 +16,7 @@ namespace {
 using support::Dense;
 using support::expect_solution;
 using support::expect_solved;
+using support::nan;
 using support::Random;
 using support::scalar;
 using support::vec;
@@ -24,8 +24,6 @@ using testing::AllOf;
 using testing::AnyOf;
 using testing::HasSubstr;
 using namespace std::chrono_literals;
-
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 /// Not solved, soon, with a message and an advice; the best point is no worse than the start.
 Result expect_ended(const Mcp& mcp, const Vec& x0, const PathSearch& method = {}) {

@@ -3,7 +3,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <limits>
 #include <stdexcept>
 #include <utility>
 
@@ -12,12 +11,11 @@
 namespace perp::ncp {
 namespace {
 
+using support::nan;
 using support::vec;
 using testing::AllOf;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
-
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 Functions named() {
   Functions functions = support::kojima_shindo();

@@ -3,7 +3,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <limits>
 #include <stdexcept>
 
 #include "support/problems.hpp"
@@ -11,10 +10,9 @@
 namespace perp::ncp {
 namespace {
 
+using support::nan;
 using support::Random;
 using support::vec;
-
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 double natural(double l, double u, double x, double F) {
   return residual(Box{vec({l}), vec({u})}, vec({x}), vec({F})).natural;

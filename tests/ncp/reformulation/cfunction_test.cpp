@@ -15,9 +15,11 @@ namespace {
 
 using cases::direction;
 using cases::eps;
+using cases::Exact;
 using cases::functions;
 using cases::has_quad;
 using cases::huge;
+using cases::one_minus_ratio;
 using cases::places;
 using cases::Quad;
 using cases::Random;
@@ -26,14 +28,6 @@ using cases::root;
 using testing::HasSubstr;
 
 double parameter(const CFunction& c) { return c.parameter ? c.parameter->value : 1; }
-
-struct Exact {
-  Quad phi, da, db;
-};
-
-/// The textbook formulas, but for differences that would cancel: those are multiplied by their conjugates,
-///     x - sqrt(x^2 + y) = -y / (x + sqrt(x^2 + y)),  x > 0.
-Quad one_minus_ratio(Quad x, Quad rest, Quad r) { return x > 0 ? rest / (r * (r + x)) : (r - x) / r; }  // 1 - x / r
 
 /// a + b - r,  r^2 = (a - b)^2 + lambda ab.
 Exact exact_root(Quad lambda, Quad a, Quad b) {
@@ -44,7 +38,7 @@ Exact exact_root(Quad lambda, Quad a, Quad b) {
           one_minus_ratio(b - c * a, rest * a * a, r)};
 }
 
-/// Pre: (a, b) is no kink.
+/// The textbook formulas, but for differences that would cancel. Pre: (a, b) is no kink.
 Exact exact(const CFunction& c, double x, double y) {
   const Quad a = x;
   const Quad b = y;

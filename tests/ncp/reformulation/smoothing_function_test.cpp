@@ -13,7 +13,9 @@ namespace perp::ncp {
 namespace {
 
 using cases::eps;
+using cases::Exact;
 using cases::has_quad;
+using cases::one_minus_ratio;
 using cases::Quad;
 using cases::Random;
 using cases::relative_error;
@@ -30,7 +32,7 @@ std::ostream& operator<<(std::ostream& out, const Place& p) {
 
 /// 1e5 places: all signs and sizes within 1e-140 .. 1e140 of each other, a = b, a = -b, close to ab = mu^2, mu far
 /// below and above.
-std::vector<Place> places() {
+std::vector<Place> smoothing_places() {
   Random random(1);
   std::vector<Place> all;
   for (int k = 0; k < 100000; ++k) {
@@ -48,12 +50,6 @@ std::vector<Place> places() {
   return all;
 }
 
-struct Exact {
-  Quad phi, da, db, dmu;
-};
-/// 1 - x / R, R^2 = x^2 + rest.
-Quad one_minus(Quad x, Quad rest, Quad R) { return x > 0 ? rest / (R * (R + x)) : (R - x) / R; }
-
 Exact exact(const SmoothingFunction& s, const Place& p) {
   const Quad a = p.a;
   const Quad b = p.b;
@@ -61,18 +57,18 @@ Exact exact(const SmoothingFunction& s, const Place& p) {
   if (s.name == "chks") {
     const Quad R = root((a - b) * (a - b) + 4 * mu * mu);
     const Quad phi = a + b > 0 ? 2 * (a * b - mu * mu) / (a + b + R) : (a + b - R) / 2;
-    return {phi, one_minus(a - b, 4 * mu * mu, R) / 2, one_minus(b - a, 4 * mu * mu, R) / 2, -2 * mu / R};
+    return {phi, one_minus_ratio(a - b, 4 * mu * mu, R) / 2, one_minus_ratio(b - a, 4 * mu * mu, R) / 2, -2 * mu / R};
   }
   const Quad R = root(a * a + b * b + 2 * mu * mu);
   const Quad phi = a + b > 0 ? 2 * (a * b - mu * mu) / (a + b + R) : a + b - R;
-  return {phi, one_minus(a, b * b + 2 * mu * mu, R), one_minus(b, a * a + 2 * mu * mu, R), -2 * mu / R};
+  return {phi, one_minus_ratio(a, b * b + 2 * mu * mu, R), one_minus_ratio(b, a * a + 2 * mu * mu, R), -2 * mu / R};
 }
 
 // Against 113 bits, to the last digits. Catches the plain formulas, which for mu << a, b have no correct digit, and
 // squares that under- or overflow.
 TEST(SmoothingFunction, ValuesAndPartialsHaveFullPrecision) {
   if (!has_quad) GTEST_SKIP() << "no type with 113 bits";
-  const std::vector<Place> all = places();
+  const std::vector<Place> all = smoothing_places();
   ASSERT_GT(all.size(), 90000U);
   for (const SmoothingFunction& s : {chks(), smoothed_fischer_burmeister()})
     for (const Place& p : all) {
@@ -115,7 +111,7 @@ TEST(Neural, AgreesWithTheLogarithmOfTheSumOfExponentials) {
 // a = b = 0 the bound is met: kappa is the least. Catches a wrong kappa or sign of dmu.
 TEST(SmoothingFunction, IsWithinKappaMuOfItsLimit) {
   for (const SmoothingFunction& s : smoothing_functions()) {
-    for (const Place& p : places()) {
+    for (const Place& p : smoothing_places()) {
       const SmoothValue v = s.at(p.a, p.b, p.mu);
       const double limit = s.limit.at(p.a, p.b, 1, 1).phi;
       const double room = 8 * eps * (std::abs(limit) + p.mu);
@@ -150,7 +146,7 @@ TEST(SmoothingFunction, VanishOnTheCentralPath) {
 // of min, the disc of Fischer-Burmeister). Catches 0 / 0 and limits that are not those of the function.
 TEST(SmoothingFunction, LimitIsExactAndConsistent) {
   for (const SmoothingFunction& s : smoothing_functions()) {
-    for (const Place& p : places()) {
+    for (const Place& p : smoothing_places()) {
       const SmoothValue v = s.at(p.a, p.b, 0);
       const CValue limit = s.limit.at(p.a, p.b, 1, 1);
       ASSERT_LE(std::abs(v.phi - limit.phi), 8 * eps * std::abs(limit.phi)) << s.name << " at " << p;

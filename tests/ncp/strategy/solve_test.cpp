@@ -3,7 +3,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <limits>
 #include <sstream>
 #include <stdexcept>
 #include <utility>
@@ -18,14 +17,13 @@ using support::Counting;
 using support::Dense;
 using support::methods;
 using support::methods_without_escape;
+using support::nan;
 using support::Random;
 using support::vec;
 using testing::AllOf;
 using testing::HasSubstr;
 using testing::Optional;
 using testing::ThrowsMessage;
-
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 TEST(Methods, HaveNamesAndOneStop) {
   EXPECT_EQ(name(SemismoothNewton{}), "semismooth");

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
-#include <limits>
 #include <thread>
 #include <utility>
 
@@ -16,6 +15,7 @@ namespace {
 
 using support::methods;
 using support::methods_without_escape;
+using support::nan;
 using support::vec;
 using testing::AllOf;
 using testing::AnyOf;
@@ -23,8 +23,6 @@ using testing::Eq;
 using testing::HasSubstr;
 using testing::Not;
 using namespace std::chrono_literals;
-
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 Functions market(Functions functions) {
   functions.variable_names = {"price[1]", "price[2]", "price[3]", "price[4]"};
