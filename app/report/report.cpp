@@ -14,7 +14,6 @@ namespace perp::app {
 
 namespace {
 
-constexpr std::size_t long_table = 60;
 constexpr double wrong_derivative = 1e-4;  // as ncp::describe
 
 std::string seconds(double s) {

@@ -1,10 +1,13 @@
 #pragma once
 /// `perp solve --all`: several solutions, by deflation (ncp/strategy/deflation.hpp).
+#include <cstddef>
 #include <iosfwd>
 
 #include "app/report/report.hpp"
 
 namespace perp::app {
+
+inline constexpr std::size_t long_table = 60;  ///< rows from which on tables are shortened
 
 inline constexpr int default_solutions = 10;
 
