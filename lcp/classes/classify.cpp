@@ -275,7 +275,9 @@ class Classifier {
         if (v.maxCoeff() <= 0) refute(-v);
       }
     for (Index i = 0; i < n_ && d_.copositive.answer == Answer::NotDecided; ++i) {
-      if (diagonal_[i] <= 0) refute(Vec::Unit(n_, i));
+      const bool known = diagonal_[i] == 0 && d_.strictly_copositive.no() &&  // e_i'M e_i = 0 is news once
+                         (d_.copositive_plus.answer != Answer::NotDecided || S_.col(i).squaredNorm() == 0);
+      if (diagonal_[i] <= 0 && !known) refute(Vec::Unit(n_, i));
       if (diagonal_[i] < 0) continue;
       for (SpMat::InnerIterator it(S_, i); it; ++it) {  // the minimum over v_i e_i + v_j e_j where M_ij + M_ji < 0
         const Index j = it.row();
@@ -436,6 +438,13 @@ std::string_view to_string(Answer answer) {
       return "not decided";
   }
   return "?";
+}
+
+Property positive_semidefinite(const SpMat& M, const ClassifyOptions& options) {
+  check(M, options);
+  Diagnosis d;
+  classify_definite(SpMat(M + SpMat(M.transpose())), options, d);
+  return d.positive_semidefinite;
 }
 
 Diagnosis classify(const SpMat& M, const ClassifyOptions& options) {

@@ -79,6 +79,8 @@ struct Diagnosis {
 /// Throws std::invalid_argument if M is not square, holds a value that is not finite, or an option is out of range.
 /// Where the cheap tests decide, time and memory are a small multiple of M's entries.
 Diagnosis classify(const SpMat& M, const ClassifyOptions& options = {});
+/// Diagnosis::positive_semidefinite of M alone, whose tests cost less than all.
+Property positive_semidefinite(const SpMat& M, const ClassifyOptions& options = {});
 
 /// The classes of the matrix that counts: rows and columns of fixed variables left out (indices and vectors of the
 /// witnesses are still those of the problem, with zeros there), those of variables with only an upper bound reflected

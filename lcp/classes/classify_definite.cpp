@@ -47,7 +47,8 @@ bool diagonal_refutes(const SpMat& S, double tol, Diagnosis& d) {
   const Index n = S.rows();
   for (Index i = 0; i < n; ++i) {
     if (diagonal[i] > 0) continue;
-    if (try_direction(S, Vec::Unit(n, i), tol, d)) return true;
+    const bool known = diagonal[i] == 0 && d.positive_definite.no();  // many rows: the vectors would cost n^2
+    if (!known && try_direction(S, Vec::Unit(n, i), tol, d)) return true;
     for (SpMat::InnerIterator it(S, i); it; ++it) {
       if (it.row() == i || it.value() == 0) continue;
       // S_ii = 0: (a e_i + e_j)'S(a e_i + e_j) = 2 a S_ij + S_jj.
@@ -127,13 +128,15 @@ void by_cholesky(const SpMat& S, const ClassifyOptions& options, Diagnosis& d) {
 Form quadratic_form(const SpMat& S, const Vec& v, double tol) {
   long double value = 0;
   long double terms = 0;
-  for (Index j = 0; j < S.cols(); ++j)
+  for (Index j = 0; j < S.cols(); ++j) {
+    if (v[j] == 0) continue;
     for (SpMat::InnerIterator it(S, j); it; ++it) {
       const long double term =
           static_cast<long double>(it.value()) * static_cast<long double>(v[it.row()]) * static_cast<long double>(v[j]);
       value += term;
       terms += std::abs(term);
     }
+  }
   return {static_cast<double>(value / 2), tol * static_cast<double>(terms / 2)};
 }
 

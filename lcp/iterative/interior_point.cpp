@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <sstream>
 #include <string>
@@ -10,9 +11,13 @@
 
 #include "lcp/judge/cell.hpp"
 #include "lcp/judge/shared_options.hpp"
+#include "lcp/linalg/quasi_definite.hpp"
 
 namespace perp::lcp {
 namespace {
+
+/// Residual, relative to the right-hand side, to which the symmetric form has to solve.
+constexpr double symmetric_accuracy = 1e-8;
 
 /// The problem without its fixed variables, z_i = D_i x_i, every row times D_i / unit: entries of M up to one, q too.
 class Scaled {
@@ -115,6 +120,7 @@ class Run {
         limits_(limits),
         p_(problem),
         best_(problem, start),
+        ldlt_(limits.deadline),
         lu_(options.lu, limits.deadline),
         polish_lu_(options.lu, limits.deadline),
         K_(p_.M),
@@ -135,8 +141,9 @@ class Run {
       finish();
       if (solves(problem_, best_.z(), limits_.tol)) return end(Status::Stalled, "");
       if (const auto stop = limits_.reached()) return end(*stop, "stopped between two steps");
-      if (k_ >= options_.max_iterations) return end(Status::IterationLimit, "the limit of iterations is reached");
-      if (k_ % 5 == 4 && x_.z.cwiseAbs().maxCoeff() > 1e3 && infeasible()) return proven();
+      const bool over = k_ >= options_.max_iterations;
+      if ((over || (k_ % 5 == 4 && diverges())) && infeasible()) return proven();
+      if (over) return end(Status::IterationLimit, "the limit of iterations is reached");
 
       const LuStatus status = factor();
       if (status == LuStatus::OutOfMemory) return end(Status::OutOfMemory, "no memory for the factors of M + diag");
@@ -167,6 +174,12 @@ class Run {
         return end(Status::Stalled, why.str());
       }
     }
+  }
+
+  /// Whether z is long, and the residual no smaller than half of what it was when this was asked before.
+  bool diverges() {
+    const double before = std::exchange(residual_, residual(x_).norm());
+    return residual_ > before / 2 && x_.z.cwiseAbs().maxCoeff() > 1e3;
   }
 
   bool below(Index i) const { return p_.l[i] > -infinity; }
@@ -203,7 +216,20 @@ class Run {
       K_.coeffRef(i, i) += theta;
     }
     ++factorizations_;
+    if (symmetric_ && ldlt_.factor(K_)) return LuStatus::Ok;
+    symmetric_ = false;
     return lu_.factor(K_);
+  }
+
+  /// K z = rhs. Where the factors of the symmetric form are too poor, from here on by LU.
+  void solve(const Vec& rhs, Vec& z) {
+    if (symmetric_ && ldlt_.solve(K_, rhs, z, symmetric_accuracy)) return;
+    if (symmetric_) {
+      symmetric_ = false;
+      ++factorizations_;
+      if (!lu_.try_factor(K_)) return void(z.setConstant(std::numeric_limits<double>::quiet_NaN()));
+    }
+    lu_.solve_refined(rhs, z, 2);
   }
 
   /// Newton's direction towards s w = t v = target, with the second-order terms of `affine` if there is one.
@@ -216,7 +242,7 @@ class Run {
     }
     const Vec rhs = -residual(x_) + c.cwiseQuotient(x_.s) - e.cwiseQuotient(x_.t);
     Direction d{.z = Vec(n_), .w = Vec::Zero(n_), .v = Vec::Zero(n_)};
-    lu_.solve_refined(rhs, d.z, 2);
+    solve(rhs, d.z);
     for (Index i = 0; i < n_; ++i) {
       if (below(i)) d.w[i] = (c[i] - x_.w[i] * d.z[i]) / x_.s[i];
       if (above(i)) d.v[i] = (e[i] + x_.v[i] * d.z[i]) / x_.t[i];
@@ -374,12 +400,15 @@ class Run {
   const Limits& limits_;
   Scaled p_;
   Best best_;
+  QuasiDefinite ldlt_;
   SparseLu lu_, polish_lu_;
   SpMat K_;
   Index n_;
+  bool symmetric_ = ldlt_.analyze(p_.M);  ///< K is factored as L D L'
   Iterate x_;
   Index pairs_ = 0;  ///< finite bounds
   double first_ratio_ = 0;
+  double residual_ = infinity;  ///< when it was last looked at
   std::uint64_t last_key_ = 0, polished_key_ = 0;
   Vec last_step_ = Vec::Zero(n_);
   Vec certificate_;

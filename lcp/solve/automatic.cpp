@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "lcp/classes/classify.hpp"
+#include "lcp/linalg/krylov.hpp"
 #include "lcp/solve/solve.hpp"
 
 namespace perp::lcp {
@@ -74,13 +75,14 @@ Index cells(const Box& box) {  // variables that have more than one place
   return count;
 }
 
-ClassifyOptions cheap(Index n) {
+/// Large symmetric M are the QP's, whatever their factors would say.
+ClassifyOptions cheap(const SpMat& M) {
   ClassifyOptions options;
   options.minors_to = 12;
   options.p0_to = 0;
   options.copositive_to = 8;
   options.dense_to = 100;
-  options.factor_to = n > factored_qp_to ? 0 : options.factor_to;
+  if (M.rows() > factored_qp_to && symmetric(M)) options.factor_to = 0;
   return options;
 }
 
@@ -111,12 +113,17 @@ bool try_by_class(Attempts& attempts, const AffineMcp& problem, const Diagnosis&
   const std::string why = psd.yes()                 ? "M is positive semidefinite: " + psd.reason
                           : d.copositive_plus.yes() ? "M is copositive-plus: " + d.copositive_plus.reason
                                                     : "M is a P-matrix: " + d.p.reason;
-  if (n > pivoting_to && psd.yes() && attempts.run(InteriorPoint{}, "interior-point", why)) return true;
+  if (n <= pivoting_to && psd.yes()) {  // few pivots are quicker than interior points, and many are not
+    Lemke brief = covered(Cover::Ones, seed, n);
+    brief.options.max_pivots = 200 + static_cast<int>(n);
+    if (attempts.run(brief, "lemke with few pivots", why)) return true;
+  }
+  if (psd.yes() && attempts.run(InteriorPoint{}, "interior-point", why)) return true;
   if (n > pivoting_to) return false;
   for (const auto& [cover, label] :
        {std::pair{Cover::Ones, "lemke"}, {Cover::Generic, "lemke with a generic covering vector"}})
     if (attempts.run(covered(cover, seed, n), label, why)) return true;
-  return psd.yes() && attempts.run(InteriorPoint{}, "interior-point", why);
+  return false;
 }
 
 /// What may help where nothing is known.
@@ -153,7 +160,7 @@ Result automatic(const AffineMcp& problem, In start, const Auto& method, const L
   const Result at_start = judged(problem, start, limits, Status::Stalled, {});
   if (at_start.solved()) return at_start;
   Attempts attempts(problem, start, limits);
-  const Diagnosis diagnosis = classify(problem, cheap(problem.size()));
+  const Diagnosis diagnosis = classify(problem, cheap(problem.M));
   if (!try_by_class(attempts, problem, diagnosis, method.seed)) try_everything(attempts, problem, method.seed);
   return attempts.end();
 }

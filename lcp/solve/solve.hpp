@@ -31,7 +31,7 @@ struct Lemke {
 /// problem or proves it infeasible; Result::message says which and why. The order:
 ///  * symmetric M not known to be indefinite: block pivoting for small n, the QP for large n;
 ///  * P-matrices and M-matrices: block pivoting, component by component where M is reducible;
-///  * monotone M: Lemke's method for small n, interior points for large n;
+///  * monotone M: Lemke's method with about n pivots at most, interior points, Lemke's method to its end;
 ///  * anything else: Lemke's method with several covering vectors; enumeration of all cells where there are few; the
 ///    Newton methods.
 struct Auto {

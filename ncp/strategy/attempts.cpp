@@ -66,9 +66,8 @@ Method with_pivots_left(const Run& run, Method method) {
   return method;
 }
 
-Result linear_methods(Run& run, In x0, Share share) {
+Result linear_methods(Run& run, In x0, const Share& share) {
   const Affine method;
-  share.tol = std::min(method.stop.tol, run.tol());
   Result result = run.within(run.mcp(), share, x0, [&](Run& inner, In z0) { affine(inner, z0, method); });
   result.stats.pivots += std::exchange(result.stats.iterations, std::min(result.stats.iterations, 1));
   return result;

@@ -44,7 +44,7 @@ Share part_of_left(const Run& run, bool last);
 Method with_pivots_left(const Run& run, Method method);
 
 /// The linear methods within the run: one iteration of it, whatever their pivots.
-Result linear_methods(Run& run, In x0, Share share);
+Result linear_methods(Run& run, In x0, const Share& share);
 
 /// The method's loop, in the run itself.
 Attempt loop_attempt(std::string name, Method method, From from = From::Start);

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "lcp/classes/classify.hpp"
 #include "lcp/linalg/krylov.hpp"
 #include "ncp/problem/affine.hpp"
 #include "ncp/reformulation/normal_map.hpp"
@@ -68,6 +69,9 @@ const Run::Verdict& telling(const Tried& tried) {
 
 std::vector<Attempt> auto_list(const Auto& method) {
   const bool warm = !method.path.basis.empty();
+  const auto monotone = [=](Run& run, const Point& start) {
+    return !warm && run.mcp().is_affine() && lcp::positive_semidefinite(start.J).yes();
+  };
   const auto large = [most = method.large](const Run& run) { return run.box().size() > most; };
   const auto nonlinear = [](Run& run, const Point&) { return !run.mcp().is_affine(); };
   const auto large_unsymmetric = [=](Run& run, const Point& start) {
@@ -85,15 +89,17 @@ std::vector<Attempt> auto_list(const Auto& method) {
   SemismoothNewton escaping = method.semismooth;
   escaping.escape = Escape{};
   return {
+      only_if(choice("the linear methods", Affine{}), "the problem is affine and monotone", monotone),
       only_if(choice("path with few pivots", brief), of_size + "not symmetric", large_unsymmetric),
       only_if(choice("interior points", InteriorPoint{}), of_size + "not symmetric", large_unsymmetric),
       only_if(choice("the linear methods", Affine{}), "the problem is affine",
-              [=](Run& run, const Point&) { return !warm && run.mcp().is_affine(); }),
+              [=](Run& run, const Point& start) { return !warm && run.mcp().is_affine() && !monotone(run, start); }),
       only_if(choice("josephy", NewtonJosephy{.subproblem = Subproblem::Qp}),
               "nonlinear, " + of_size + "symmetric: quadratic programs by multigrid", large_symmetric),
       choice("path", method.path),
       only_if(choice("smoothing", Smoothing{.function = smoothed_fischer_burmeister(), .restarts = 1}),
               "the problem is nonlinear", nonlinear),
+      only_if(choice("interior points", InteriorPoint{.restarts = 0}), "the problem is nonlinear", nonlinear),
       choice("semismooth on the penalised function", penalised),
       choice("semismooth with proximal escapes", escaping, true),
   };

@@ -8,14 +8,15 @@ namespace perp::ncp {
 /// Chooses the method by size, structure and class of the problem, says in the message which and why, and goes on to
 /// others of the family where it is stuck, all within one budget of iterations, evaluations and time (Stop):
 ///
-///     affine                          the linear methods (lcp::Auto, which chooses by the class of the matrix)
-///     n > large, J symmetric          NewtonJosephy, its linearised problems as quadratic programs by multigrid
+///     affine, J pos. semidefinite     the linear methods (lcp::Auto, which chooses by the class of the matrix)
 ///     n > large, J not symmetric      PathSearch with few pivots, then InteriorPoint, before what follows
+///     affine                          the linear methods
+///     n > large, J symmetric          NewtonJosephy, its linearised problems as quadratic programs by multigrid
 ///     else, or with a warm basis      PathSearch
 ///
-/// then PathSearch if it was not the last, Smoothing (not for affine problems), SemismoothNewton on the penalised
-/// function and with proximal escapes. Every attempt but the last may use half of the iterations and evaluations that
-/// are left, or 100 and 1000 if that is more: tighter limits are for the first method alone.
+/// then PathSearch if it was not the last, Smoothing and InteriorPoint (not for affine problems), SemismoothNewton on
+/// the penalised function and with proximal escapes. Every attempt but the last may use half of the iterations and
+/// evaluations that are left, or 100 and 1000 if that is more: tighter limits are for the first method alone.
 struct Auto {
   Stop stop{};
   Index large = 2000;

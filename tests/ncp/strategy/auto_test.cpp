@@ -36,6 +36,9 @@ TEST(Auto, SolvesTheCollectionAndSaysHow) {
 TEST(Auto, ChoosesByClassAndBasis) {
   const auto affine = collection::find("cottle2")->make();
   EXPECT_THAT(solve(*affine.mcp, Vec::Zero(2), Auto{}).message,
+              HasSubstr("auto chose the linear methods (the problem is affine and monotone)"));
+  const auto indefinite = collection::find("tinloi42")->make();
+  EXPECT_THAT(solve(*indefinite.mcp, indefinite.starts[0], Auto{}).message,
               HasSubstr("auto chose the linear methods (the problem is affine)"));
   const auto nonlinear = make_mcp(support::kojima_shindo());
   EXPECT_THAT(solve(*nonlinear, Vec::Zero(4), Auto{}).message, HasSubstr("auto chose path (nonlinear, 4 variables)"));
