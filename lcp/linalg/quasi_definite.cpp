@@ -2,13 +2,14 @@
 
 #include <Eigen/SparseCholesky>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <vector>
 
 namespace perp::lcp {
 namespace {
 
+/// Operations from which on what works column by column loses to dense blocks: some tenths of a second.
+constexpr double most_flops = 3e8;
 /// Steps of refinement; each costs a solve.
 constexpr int refinements = 4;
 
@@ -77,7 +78,7 @@ bool QuasiDefinite::analyze(const SpMat& M) {
   impl_->sigma = *sigma;
   impl_->signed_K = M;
   impl_->ldlt.analyzePattern(impl_->signed_K);
-  return impl_->ldlt.cost().bytes < (sizeof(double) + sizeof(int)) * double{std::numeric_limits<int>::max()};
+  return impl_->ldlt.cost().flops <= most_flops;
 }
 
 bool QuasiDefinite::factor(const SpMat& K) {

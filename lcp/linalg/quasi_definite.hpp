@@ -18,7 +18,8 @@ class QuasiDefinite {
   ~QuasiDefinite();
 
   /// Looks for signs with which the square M is symmetric to the last bit, and analyses its pattern, which holds the
-  /// diagonal. False if there are none, or L would have more than 2^31 entries. Throws std::bad_alloc.
+  /// diagonal. False if there are none, or L has so many entries that a multifrontal LU is quicker. Throws
+  /// std::bad_alloc.
   bool analyze(const SpMat& M);
   /// K = M but for the diagonal. False where a pivot is zero or not finite. Throws KernelTooLong, std::bad_alloc.
   bool factor(const SpMat& K);
