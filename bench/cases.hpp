@@ -1,5 +1,5 @@
 #pragma once
-/// What bench_collection and bench_path_peer run on, and with: (problem, start) pairs, and methods by name.
+/// What bench_path_peer and others run on, and with: (problem, start) pairs, and methods by name.
 #include <cstdint>
 #include <memory>
 #include <string>
