@@ -29,6 +29,7 @@
 #include "app/contact/command_line.hpp"
 #include "app/options/methods.hpp"
 #include "app/program/bounded_call.hpp"
+#include "app/program/command_option.hpp"
 #include "app/program/files.hpp"
 #include "app/program/signals.hpp"
 #include "app/report/several.hpp"
@@ -210,110 +211,85 @@ struct CommandLine {
     add_inspect();
     list = app.add_subcommand("list", "The collection of named test problems, or one of them");
     list->footer(list_footer);
-    list->add_option("NAME", list_request.name, "show everything about this one")->option_text(" ");
-    list->add_option("--class", list_request.classes, "only problems of these classes")
-        ->option_text("CLASS[,CLASS]")
+    option(list, "NAME", list_request.name, "show everything about this one", " ");
+    option(list, "--class", list_request.classes, "only problems of these classes", "CLASS[,CLASS]")
         ->allow_extra_args(false);
     list->add_flag("--json", list_request.json, "as JSON");
     add_export();
     methods = app.add_subcommand("methods", "The methods, their references, and all options with their defaults");
     methods->footer(methods_footer);
-    methods->add_option("--show", shown_method, "what METHOD tries in turn, and its options")->option_text("METHOD");
+    option(methods, "--show", shown_method, "what METHOD tries in turn, and its options", "METHOD");
     cfunctions = app.add_subcommand("cfunctions", "The C-functions and smoothings: formulas, properties, references");
     cfunctions->footer(cfunctions_footer);
     compare = compare::add_command(app, compare_request);
     report = app.add_subcommand("report", "The report of a comparison: report.html and its numbers as CSV and JSON");
     report->footer(report_footer);
-    report->add_option("DIR", campaign, "folder of the campaign")->required()->option_text(" ");
+    option(report, "DIR", campaign, "folder of the campaign", " ")->required();
     contact = contacts::add_command(app, contact_words);
   }
 
   void add_export() {
     export_command = app.add_subcommand("export", "Write an affine problem of the collection as Matrix Market files");
     export_command->footer(export_footer);
-    export_command->add_option("PROBLEM", export_request.source.problem, "a NAME that 'perp list' shows, or FILE.nl")
-        ->required()
-        ->option_text(" ");
-    export_command->add_option("-o,--output", export_request.file, "the matrix; its name is that of the vectors' files")
-        ->required()
-        ->option_text("F.mtx");
-    export_command->add_option("--start", export_request.source.start, "which start F-start.mtx is, from 1")
-        ->option_text("K");
+    option(export_command, "PROBLEM", export_request.source.problem, "a NAME that 'perp list' shows, or FILE.nl", " ")
+        ->required();
+    option(export_command, "-o,--output", export_request.file, "the matrix; its name is that of the vectors' files",
+           "F.mtx")
+        ->required();
+    option(export_command, "--start", export_request.source.start, "which start F-start.mtx is, from 1", "K");
     export_command->add_flag("--force", export_request.force, "overwrite files");
+  }
+
+  template <class Source>
+  static void add_problem(CLI::App* command, Source& source, const char* start_at) {
+    option(command, "PROBLEM", source.problem,
+           "FILE.nl, a NAME that 'perp list' shows, M.mtx (Matrix Market) or FILE.dat (Siconos)", " ")
+        ->required();
+    option(command, "VECTOR", source.q, "q.mtx: with M.mtx the affine problem F(x) = M x + q", " ");
+    option(command, "--lower", source.lower, "of M.mtx: the lower bounds, of all or one by one (default 0)",
+           "NUMBER|FILE");
+    option(command, "--upper", source.upper, "of M.mtx: the upper bounds (default inf)", "NUMBER|FILE");
+    option(command, "--start", source.start, "which start of a collection problem, from 1", "K");
+    option(command, "--start-at", source.start_at, start_at, "FILE");
   }
 
   void add_solve() {
     solve = app.add_subcommand("solve", "Solve an AMPL model or a problem of the collection");
     solve->footer(solve_footer);
     SolveRequest& request = solve_request;
-    solve
-        ->add_option("PROBLEM", request.problem,
-                     "FILE.nl, a NAME that 'perp list' shows, M.mtx (Matrix Market) or FILE.dat (Siconos)")
-        ->required()
-        ->option_text(" ");
-    solve->add_option("VECTOR", request.q, "q.mtx: with M.mtx the affine problem F(x) = M x + q")->option_text(" ");
-    solve->add_option("--lower", request.lower, "of M.mtx: the lower bounds, of all or one by one (default 0)")
-        ->option_text("NUMBER|FILE");
-    solve->add_option("--upper", request.upper, "of M.mtx: the upper bounds (default inf)")->option_text("NUMBER|FILE");
-    solve->add_option("--start", request.start, "which start of a collection problem, from 1")->option_text("K");
-    solve->add_option("--start-at", request.start_at, "start from the point in this file")->option_text("FILE");
-    solve->add_option("--warm-start", request.warm_start, "start from point and basis of an earlier run's --json FILE")
-        ->option_text("FILE");
+    add_problem(solve, request, "start from the point in this file");
+    option(solve, "--warm-start", request.warm_start, "start from point and basis of an earlier run's --json FILE",
+           "FILE");
     for (std::size_t k = 0; k < shortcuts.size(); ++k)
-      solve
-          ->add_option(shortcuts[k].flag, shortcut_values[k],
-                       shortcuts[k].help != std::string_view("one of")
-                           ? shortcuts[k].help
-                           : fmt::format("one of {}: 'perp methods' explains them", fmt::join(method_names(), ", ")))
-          ->option_text(shortcuts[k].value);
+      option(solve, shortcuts[k].flag, shortcut_values[k],
+             shortcuts[k].help != std::string_view("one of")
+                 ? shortcuts[k].help
+                 : fmt::format("one of {}: 'perp methods' explains them", fmt::join(method_names(), ", ")),
+             shortcuts[k].value);
     solve->add_flag("--check-derivatives", check_derivatives,
                     "compare the Jacobian with differences at the start; refuse a wrong one");
-    solve->add_option("-o,--option", request.options, "an option of 'perp methods'; may be repeated")
-        ->option_text("KEY=VALUE")
+    option(solve, "-o,--option", request.options, "an option of 'perp methods'; may be repeated", "KEY=VALUE")
         ->allow_extra_args(false);
-    solve
-        ->add_option("--all", all,
-                     fmt::format("look for several solutions, K at most (default {}), by deflation", default_solutions))
-        ->option_text("[K]")
+    option(solve, "--all", all,
+           fmt::format("look for several solutions, K at most (default {}), by deflation", default_solutions), "[K]")
         ->expected(0, 1);
-    solve->add_option("--options-file", request.options_file, "options, one a line: key value")->option_text("FILE");
-    solve->add_option("--solution", request.solution, "write x as a Matrix Market vector")->option_text("FILE");
-    solve
-        ->add_option("--json", request.json,
-                     "write the result as JSON; - is standard output, the log then goes to "
-                     "standard error")
-        ->option_text("FILE");
-    solve
-        ->add_option("--log-level", level,
-                     fmt::format("one of {}; each shows more than the one before", fmt::join(log_level_names(), ", ")))
-        ->option_text("LEVEL");
-    solve->add_option("--plot", request.plot, "draw merit and residual, and the path of one iteration, as SVG")
-        ->option_text("FILE");
-    solve->add_option("--plot-iteration", request.plot_iteration, "that iteration (default: the one with most kinks)")
-        ->option_text("K");
+    option(solve, "--options-file", request.options_file, "options, one a line: key value", "FILE");
+    option(solve, "--solution", request.solution, "write x as a Matrix Market vector", "FILE");
+    option(solve, "--json", request.json,
+           "write the result as JSON; - is standard output, the log then goes to standard error", "FILE");
+    option(solve, "--log-level", level,
+           fmt::format("one of {}; each shows more than the one before", fmt::join(log_level_names(), ", ")), "LEVEL");
+    option(solve, "--plot", request.plot, "draw merit and residual, and the path of one iteration, as SVG", "FILE");
+    option(solve, "--plot-iteration", request.plot_iteration, "that iteration (default: the one with most kinks)", "K");
     solve->add_flag("--full", request.full, "print every row of a long solution");
   }
 
   void add_inspect() {
     inspect = app.add_subcommand("inspect", "What can be said of a problem without solving it");
     inspect->footer(inspect_footer);
-    ProblemSource& source = inspect_request.source;
-    inspect
-        ->add_option("PROBLEM", source.problem,
-                     "FILE.nl, a NAME that 'perp list' shows, M.mtx (Matrix Market) or FILE.dat (Siconos)")
-        ->required()
-        ->option_text(" ");
-    inspect->add_option("VECTOR", source.q, "q.mtx: with M.mtx the affine problem F(x) = M x + q")->option_text(" ");
-    inspect->add_option("--lower", source.lower, "of M.mtx: the lower bounds, of all or one by one (default 0)")
-        ->option_text("NUMBER|FILE");
-    inspect->add_option("--upper", source.upper, "of M.mtx: the upper bounds (default inf)")
-        ->option_text("NUMBER|FILE");
-    inspect->add_option("--start", source.start, "which start of a collection problem, from 1")->option_text("K");
-    inspect->add_option("--start-at", source.start_at, "look at the point in this file")->option_text("FILE");
-    inspect
-        ->add_option("--json", inspect_request.json,
-                     "write what was found as JSON; - is standard output, the text then goes to standard error")
-        ->option_text("FILE");
+    add_problem(inspect, inspect_request.source, "look at the point in this file");
+    option(inspect, "--json", inspect_request.json,
+           "write what was found as JSON; - is standard output, the text then goes to standard error", "FILE");
   }
 
   void finish_solve_request() {

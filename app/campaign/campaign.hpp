@@ -4,6 +4,8 @@
 #include <utility>
 #include <vector>
 
+#include "app/campaign/campaign_file.hpp"
+
 namespace perp::app::compare {
 
 struct AskedMethod {
@@ -13,6 +15,15 @@ struct AskedMethod {
   std::string command{};               ///< of an external program, {tol} not filled in; empty for ours
   std::vector<std::pair<std::string, std::string>> in_force{};  ///< every option that applies, with its value
   bool external() const { return !command.empty(); }
+
+  static void fields(auto& f, auto& method) {
+    f("label", method.label);
+    f("name", method.name);
+    f("options", method.options);
+    f.derived("external", method.external());
+    f.pairs("in_force", method.in_force);
+    f.optional("command", method.command);
+  }
 };
 
 struct AskedProblem {
@@ -32,6 +43,21 @@ struct AskedProblem {
   /// Is it taken to have a solution, so that a program that says otherwise without a proof is wrong? (Of a file nobody
   /// knows.)
   bool known_solvable() const { return solvable() && file.empty(); }
+
+  static constexpr int most_starts = 10'000;  ///< what nobody runs, and a damaged file may ask for
+  static void fields(auto& f, auto& problem) {
+    f("name", problem.name);
+    f("class", problem.cls);
+    f("n", problem.n);
+    f("nonzeros", problem.nonzeros);
+    f("affine", problem.affine);
+    f("starts", problem.starts, 1, most_starts);
+    f("known_solutions", problem.known_solutions);
+    f.derived("solvable", problem.solvable());
+    f("no_solution", problem.no_solution);
+    f.optional("file", problem.file);
+    f.optional("crc", problem.crc);
+  }
 };
 
 struct Machine {
@@ -41,6 +67,13 @@ struct Machine {
   std::string system{};  ///< kernel and its release
 
   static Machine here();
+
+  static void fields(auto& f, auto& machine) {
+    f("cpu", machine.cpu);
+    f("cores", machine.cores);
+    f("memory_mb", machine.memory_mb);
+    f("system", machine.system);
+  }
 };
 
 struct Campaign {
@@ -60,14 +93,34 @@ struct Campaign {
   std::vector<std::string> command_line{};
   std::string date{};  ///< UTC, ISO 8601
 
-  std::size_t cells() const;  ///< methods x (problem, start)
+  std::size_t pairs() const;  ///< of a problem and a start
+  std::size_t cells() const { return methods.size() * pairs(); }
+
+  static constexpr const char* format = "campaign";
+  static constexpr const char* command = "perp compare";
+  static void fields(auto& f, auto& campaign) {
+    f("version", campaign.version);
+    f("build", campaign.build);
+    f("libraries", campaign.libraries);
+    f("date", campaign.date);
+    f("command_line", campaign.command_line);
+    f("machine", campaign.machine);
+    f("tol", campaign.tol);
+    f("time_limit", campaign.time_limit);
+    f("memory_limit_mb", campaign.memory_mb);
+    f("restarts", campaign.restarts, 0);
+    f("seed", campaign.seed);
+    f.or_zero("starts", campaign.starts, "all");
+    f("jobs", campaign.jobs);
+    f("methods", campaign.methods);
+    f("problems", campaign.problems);
+  }
 };
 
 /// Sets version, build, libraries, machine and date.
 void stamp(Campaign& campaign);
 
-std::string campaign_json(const Campaign& campaign);
-/// Throws InputError saying what is missing or of another type.
+/// Throws InputError saying what is missing, of another type or more than anybody runs.
 Campaign parse_campaign(const std::string& json);
 /// Of DIR/campaign.json. Throws InputError naming the file.
 Campaign read_campaign(const std::string& dir);

@@ -9,10 +9,14 @@
 #include <cstdint>
 #include <functional>
 #include <limits>
+#include <map>
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
+
+#include "app/text/json_fields.hpp"
 
 namespace perp::app::compare {
 
@@ -61,6 +65,28 @@ struct Cell {
   Outcome outcome_after_restarts = Outcome::Failed;  ///< of the last run; `outcome` where there was no other
   std::string message{};
   std::vector<double> curve{};  ///< natural residual from the start on, thinned evenly to at most longest_curve points
+
+  /// The keys of cells.jsonl and cells.json (app/text/json_fields.hpp).
+  static void fields(auto& f, auto& cell) {
+    f("method", cell.method);
+    f("problem", cell.problem);
+    f("start", cell.start);
+    f.word("outcome", cell.outcome, outcome_names());
+    f("status", cell.status);
+    f("claimed", cell.claimed);
+    f("natural", cell.natural);
+    f.count("iterations", cell.iterations);
+    f.count("F_evals", cell.F_evals);
+    f.count("J_evals", cell.J_evals);
+    f.count("factorizations", cell.factorizations);
+    f.count("krylov_iterations", cell.krylov_iterations);
+    f("seconds", cell.seconds);
+    f("peak_mb", cell.peak_mb);
+    f("restarts", cell.restarts);
+    f.word("outcome_after_restarts", cell.outcome_after_restarts, outcome_names());
+    f("message", cell.message);
+    f("curve", cell.curve);
+  }
 };
 
 /// Is this end what one wants of the problem: solved, or rightly found infeasible?
@@ -77,11 +103,8 @@ CellKey key(const Cell& cell);
 
 /// The CRC-32 of zlib: crc32("123456789") = 0xcbf43926.
 std::uint32_t crc32(std::string_view text);
-
-/// The cell object, in one line without spaces; infinities as "inf", NaN as "nan", -1 for counts not known as null.
-std::string cell_json(const Cell& cell);
-/// Throws InputError saying what is wrong: no JSON, a key that is missing, a value of another type.
-Cell cell_of_json(std::string_view json);
+/// Of what is in a file, as 8 hex digits.
+std::string file_crc(const std::string& path);
 
 /// {"cell":OBJECT,"crc":"8 hex digits"}, with its newline: how a JSON object without line breaks stands in a file of
 /// cells.
@@ -96,17 +119,30 @@ struct LinesRead {
 /// Calls take(object) line by line. Lines that are torn or corrupt, and those where it throws InputError, are dropped.
 LinesRead read_checked_lines(std::string_view text, const std::function<void(std::string_view)>& take);
 
-/// A line of cells.jsonl, with its newline.
-std::string cell_line(const Cell& cell);
-/// Of a line without its newline. Throws InputError: torn, CRC wrong, not a cell.
-Cell parse_line(std::string_view line);
+/// A line of cells.jsonl, with its newline: infinities as "inf", NaN as "nan", -1 for counts not known as null.
+template <class AnyCell>
+std::string cell_line(const AnyCell& cell) {
+  return checked_line(line_of(json_of(cell)));
+}
 
-/// What cells.jsonl holds.
-struct CellsRead {
-  std::vector<Cell> cells;           ///< sorted by key; of two with one key the later
-  std::vector<std::string> dropped;  ///< lines that do not count, with number and reason
-  bool torn = false;                 ///< the last line has no newline: it was being written
+/// What a cells.jsonl holds: sorted by key(); of two cells with one key the later.
+template <class AnyCell>
+struct CellsOf : LinesRead {
+  std::vector<AnyCell> cells;
 };
+template <class AnyCell>
+CellsOf<AnyCell> cells_of_lines(std::string_view text) {
+  std::map<decltype(key(AnyCell{})), AnyCell> cells;
+  CellsOf<AnyCell> read;
+  static_cast<LinesRead&>(read) = read_checked_lines(text, [&](std::string_view object) {
+    AnyCell cell = row_of<AnyCell>(json_object(object));
+    cells.insert_or_assign(key(cell), std::move(cell));
+  });
+  for (auto& [identity, cell] : cells) read.cells.push_back(std::move(cell));
+  return read;
+}
+
+using CellsRead = CellsOf<Cell>;
 /// Of the text of a cells.jsonl.
 CellsRead parse_cells(std::string_view text);
 /// Of DIR/cells.jsonl. Throws InputError if it cannot be read.

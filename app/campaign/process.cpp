@@ -251,6 +251,19 @@ std::string signal_name(int signal) {
   return fmt::format("signal {} ({})", signal, name != nullptr ? name : "unknown");
 }
 
+std::string sudden_end(const ProcessEnd& end) {
+  if (WIFSIGNALED(end.status)) return signal_name(WTERMSIG(end.status));
+  return fmt::format("exit code {}, no result", WEXITSTATUS(end.status));
+}
+
+std::string in_one_line(const std::string& text) {
+  constexpr std::size_t longest = 600;
+  std::string line = text.substr(0, longest);
+  std::ranges::replace_if(
+      line, [](char c) { return static_cast<unsigned char>(c) < ' '; }, ' ');
+  return line;
+}
+
 ProcessEnd run_process(const ProcessRequest& request, const std::atomic<bool>* interrupt) {
   ProcessEnd end;
   const Prepared prepared(request);

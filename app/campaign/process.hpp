@@ -40,5 +40,9 @@ void kill_descendants(pid_t root);
 
 /// "signal 11 (Segmentation fault)".
 std::string signal_name(int signal);
+/// How a process ended that was to leave a result and has not: the signal, or "exit code 3, no result".
+std::string sudden_end(const ProcessEnd& end);
+/// The beginning of what a program says, in one line that a terminal can show.
+std::string in_one_line(const std::string& text);
 
 }  // namespace perp::app::compare

@@ -17,6 +17,13 @@ struct Perturbation {
   std::string problem{};
   int start = 1;
   int run = 0;  ///< k; 0: x0 itself
+
+  static void fields(auto& f, auto& rule) {
+    f("seed", rule.seed);
+    f("problem", rule.problem);
+    f("start", rule.start);
+    f("run", rule.run);
+  }
 };
 
 ncp::Vec perturbed(const ncp::Box& box, ncp::In x0, const Perturbation& rule);

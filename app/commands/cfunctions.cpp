@@ -34,8 +34,7 @@ int print_cfunctions(Streams streams) {
          "Psi = 1/2 sum_i phi(x_i - l_i, F_i)^2 (bounded boxes by composition) zero.\n";
   for (const ncp::CFunction& c : ncp::cfunctions()) print(out, c);
   out << '\n';
-  Table table(
-      {{"name"}, {"strongly semismooth"}, {"Psi continuously differentiable"}, {"singular where x_i = F_i = 0"}});
+  Table table({"name", "strongly semismooth", "Psi continuously differentiable", "singular where x_i = F_i = 0"});
   const auto yes = [](bool b) { return std::string(b ? "yes" : "no"); };
   for (const ncp::CFunction& c : ncp::cfunctions())
     table.add(

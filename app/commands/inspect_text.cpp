@@ -210,7 +210,7 @@ void print_classes(Printout& print, const Inspection& inspection) {
                                                                   : "a mixed LCP"));
   std::ostream& out = print.raw();
   out << '\n';
-  Table table({{"M is", Align::Left}, {"", Align::Left}, {"why", Align::Left}});
+  Table table({"M is", "", "why"});
   for (const auto& [name, property] : classes->all())
     table.add({std::string(name), std::string(lcp::to_string(property->answer)),
                property->reason + (property->no() ? witness(inspection.mcp(), name, *property) : "")});

@@ -61,9 +61,7 @@ std::string shortened(std::string_view text, std::size_t width) {
 }
 
 void print_table(std::ostream& out, const Entries& entries) {
-  const std::vector<Column> columns{{"name", Align::Left},          {"n", Align::Right},      {"sizes", Align::Left},
-                                    {"class", Align::Left},         {"starts", Align::Right}, {"known", Align::Right},
-                                    {"why it is hard", Align::Left}};
+  const std::vector<Column> columns{"name", ">n", "sizes", "class", ">starts", ">known", "why it is hard"};
   std::vector<std::vector<std::string>> rows;
   std::vector<std::size_t> width;
   width.reserve(columns.size());
@@ -99,7 +97,7 @@ void print_values(std::ostream& out, const collection::Problem& problem) {
   const ncp::Mcp& mcp = *problem.mcp;
   constexpr std::size_t most_columns = 8;  // what a terminal takes
   constexpr std::size_t most_rows = 60;
-  std::vector<Column> columns{{"variable", Align::Left}, {"lower", Align::Right}, {"upper", Align::Right}};
+  std::vector<Column> columns{"variable", ">lower", ">upper"};
   std::vector<const ncp::Vec*> values;
   for (std::size_t k = 0; k < problem.starts.size() && values.size() < most_columns; ++k) {
     columns.push_back({fmt::format("start {}", k + 1), Align::Right});

@@ -7,9 +7,9 @@
 #include <cmath>
 #include <filesystem>
 
+#include "app/campaign/cell.hpp"
 #include "app/campaign/selection.hpp"
 #include "app/worker/external.hpp"
-#include "app/worker/worker_files.hpp"
 
 namespace perp::app::compare {
 

@@ -13,7 +13,6 @@
 #include "app/program/program.hpp"
 #include "app/text/csv.hpp"
 #include "app/text/table.hpp"
-#include "app/worker/worker_files.hpp"
 
 namespace perp::app::compare {
 
@@ -77,12 +76,7 @@ void print_comparison(std::ostream& out, const std::string& path, const Baseline
                      comparison.gained.size());
   if (comparison.regressions.empty()) return;
   out << '\n';
-  Table table({{"regression", Align::Left},
-               {"problem", Align::Left},
-               {"start", Align::Right},
-               {"was", Align::Left},
-               {"is", Align::Left},
-               {"because", Align::Left}});
+  Table table({"regression", "problem", ">start", "was", "is", "because"});
   for (const Regression& regression : comparison.regressions) {
     const Cell& cell = regression.now;
     table.add({cell.method, cell.problem, fmt::format("{}", cell.start),

@@ -1,5 +1,7 @@
 #include "app/compare/command_line.hpp"
 
+#include "app/program/command_option.hpp"
+
 namespace perp::app::compare {
 
 namespace {
@@ -30,31 +32,26 @@ constexpr const char* footer =
 CLI::App* add_command(CLI::App& app, CompareRequest& request) {
   CLI::App* compare = app.add_subcommand("compare", "Compare methods on many problems: a campaign and its report");
   compare->footer(footer);
-  compare->add_option("--problems", request.problems, "which problems; default all of the collection")
-      ->option_text("PROBLEMS");
-  compare->add_option("--methods", request.methods, "which methods; default presets")->option_text("METHODS");
-  compare->add_option("--starts", request.starts, "all starts of each problem (default), or at most so many")
-      ->option_text("all|K");
-  compare->add_option("--tol", request.tol, "the judge's tolerance, and the methods' where they are given none (1e-6)")
-      ->option_text("TOL");
-  compare->add_option("--time-limit", request.time_limit, "wall clock of a run (60)")->option_text("SECONDS");
-  compare->add_option("--memory-limit", request.memory_mb, "resident memory of a run (4096)")->option_text("MB");
-  compare->add_option("--jobs", request.jobs, "runs at a time (one a core)")->option_text("N");
-  compare->add_option("--restarts", request.restarts, "after a failure, so many further runs from perturbed starts (0)")
-      ->option_text("R");
-  compare->add_option("--seed", request.seed, "of those starts (1)")->option_text("N");
-  compare
-      ->add_option("--external", request.externals,
-                   "a program that AMPL could call, 'COMMAND stub -AMPL', on .nl problems; {tol} in COMMAND is the "
-                   "campaign's tolerance; may be repeated")
-      ->option_text("NAME=COMMAND")
+  option(compare, "--problems", request.problems, "which problems; default all of the collection", "PROBLEMS");
+  option(compare, "--methods", request.methods, "which methods; default presets", "METHODS");
+  option(compare, "--starts", request.starts, "all starts of each problem (default), or at most so many", "all|K");
+  option(compare, "--tol", request.tol, "the judge's tolerance, and the methods' where they are given none (1e-6)",
+         "TOL");
+  option(compare, "--time-limit", request.time_limit, "wall clock of a run (60)", "SECONDS");
+  option(compare, "--memory-limit", request.memory_mb, "resident memory of a run (4096)", "MB");
+  option(compare, "--jobs", request.jobs, "runs at a time (one a core)", "N");
+  option(compare, "--restarts", request.restarts, "after a failure, so many further runs from perturbed starts (0)",
+         "R");
+  option(compare, "--seed", request.seed, "of those starts (1)", "N");
+  option(compare, "--external", request.externals,
+         "a program that AMPL could call, 'COMMAND stub -AMPL', on .nl problems; {tol} in COMMAND is the "
+         "campaign's tolerance; may be repeated",
+         "NAME=COMMAND")
       ->allow_extra_args(false);
-  compare->add_option("--out", request.out, "where all is kept (comparison)")->option_text("DIR");
+  option(compare, "--out", request.out, "where all is kept (comparison)", "DIR");
   compare->add_flag("--resume", request.resume, "go on with the campaign in DIR; what is not given is as it was");
-  compare
-      ->add_option("--baseline", request.baseline,
-                   "cells.csv or outcomes.csv of an earlier campaign: list what it solved and this one has not")
-      ->option_text("FILE.csv");
+  option(compare, "--baseline", request.baseline,
+         "cells.csv or outcomes.csv of an earlier campaign: list what it solved and this one has not", "FILE.csv");
   return compare;
 }
 

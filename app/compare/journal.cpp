@@ -13,7 +13,6 @@
 
 #include "app/program/files.hpp"
 #include "app/program/program.hpp"
-#include "app/worker/worker_files.hpp"
 
 namespace perp::app::compare {
 

@@ -44,19 +44,21 @@ class LineJournal {
 };
 
 /// The same of a campaign's cells.
-class Journal {
+template <class AnyCell>
+class JournalOf {
  public:
   /// Throws InputError.
-  explicit Journal(const std::string& dir) : lines_(dir), before_(parse_cells(lines_.before())) {}
+  explicit JournalOf(const std::string& dir) : lines_(dir), before_(cells_of_lines<AnyCell>(lines_.before())) {}
 
-  const CellsRead& before() const { return before_; }  ///< what it held
+  const CellsOf<AnyCell>& before() const { return before_; }  ///< what it held
   /// Throws InputError.
-  void add(const Cell& cell) { lines_.add(cell_line(cell)); }
+  void add(const AnyCell& cell) { lines_.add(cell_line(cell)); }
 
  private:
   LineJournal lines_;
-  CellsRead before_;
+  CellsOf<AnyCell> before_;
 };
+using Journal = JournalOf<Cell>;
 
 /// Makes the directory (and those above it). `fresh`: it is to be new or empty. Throws InputError.
 void make_directory(const std::string& dir, bool fresh);

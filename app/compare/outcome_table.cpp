@@ -48,7 +48,7 @@ void print_outcomes(std::ostream& out, const Campaign& campaign, std::span<const
   };
   const bool honest = std::ranges::any_of(rows, [](const Row& row) { return row.honest > 0; });
   const bool restarts = campaign.restarts > 0;
-  std::vector<Column> columns{{"method", Align::Left}};
+  std::vector<Column> columns{"method"};
   for (std::size_t k = 0; k < outcomes; ++k)
     if (occurs(k)) columns.push_back({std::string(outcome_names()[k]), Align::Right});
   if (honest) columns.push_back({"honest", Align::Right});
@@ -74,12 +74,7 @@ void print_outcomes(std::ostream& out, const Campaign& campaign, std::span<const
 
 void print_false_claims(std::ostream& out, std::span<const Cell> cells) {
   constexpr std::size_t most = 20;
-  Table table({{"false claim of", Align::Left},
-               {"problem", Align::Left},
-               {"start", Align::Right},
-               {"outcome", Align::Left},
-               {"residual", Align::Right},
-               {"message", Align::Left}});
+  Table table({"false claim of", "problem", ">start", "outcome", ">residual", "message"});
   for (const Cell& cell : cells)
     if (cell.outcome == Outcome::FalseConvergence || cell.outcome == Outcome::FalseInfeasible)
       table.add({cell.method, cell.problem, fmt::format("{}", cell.start), std::string(to_string(cell.outcome)),

@@ -8,7 +8,7 @@
 #include "app/findings/robustness.hpp"
 #include "app/findings/summary.hpp"
 #include "app/text/csv.hpp"
-#include "app/text/json_parts.hpp"
+#include "app/text/json_fields.hpp"
 
 namespace perp::app::comparison {
 
@@ -20,21 +20,9 @@ struct Records {
   std::vector<std::vector<Json>> rows{};
 };
 
-std::string field(const Json& value) {
-  if (value.is_null()) return "";
-  if (!value.is_string()) return value.dump();
-  return csv_field(value.get_ref<const std::string&>());
-}
-
 std::string csv(const Records& records) {
-  std::string text = fmt::format("{}\n", fmt::join(records.columns, ","));
-  for (const auto& row : records.rows) {
-    for (std::size_t k = 0; k < row.size(); ++k) {
-      if (k > 0) text += ',';
-      text += field(row[k]);
-    }
-    text += '\n';
-  }
+  std::string text = csv_row(records.columns);
+  for (const auto& row : records.rows) text += csv_row(row, field_text);
   return text;
 }
 

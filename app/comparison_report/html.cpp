@@ -2,31 +2,12 @@
 
 #include <fmt/format.h>
 
+#include "app/program/files.hpp"
 #include "app/text/svg.hpp"
 
 namespace perp::app::comparison {
 
 namespace {
-
-/// Bytes of the UTF-8 character that text begins with; 0 if it is none (overlong forms and surrogates included).
-std::size_t utf8_length(std::string_view text) {
-  const auto byte = [&](std::size_t k) { return static_cast<unsigned char>(text[k]); };
-  const unsigned char lead = byte(0);
-  const std::size_t length = lead < 0x80   ? 1
-                             : lead < 0xC2 ? 0
-                             : lead < 0xE0 ? 2
-                             : lead < 0xF0 ? 3
-                             : lead < 0xF5 ? 4
-                                           : 0;
-  if (length == 0 || text.size() < length) return 0;
-  for (std::size_t k = 1; k < length; ++k)
-    if ((byte(k) & 0xC0U) != 0x80U) return 0;
-  if (lead == 0xE0 && byte(1) < 0xA0) return 0;
-  if (lead == 0xED && byte(1) > 0x9F) return 0;
-  if (lead == 0xF0 && byte(1) < 0x90) return 0;
-  if (lead == 0xF4 && byte(1) > 0x8F) return 0;
-  return length;
-}
 
 std::string attribute(std::string_view name, std::string_view value) {
   return value.empty() ? "" : fmt::format(" {}=\"{}\"", name, html_text(value));
@@ -37,7 +18,8 @@ std::string attribute(std::string_view name, std::string_view value) {
 std::string html_text(std::string_view text) {
   std::string result;
   while (!text.empty()) {
-    const std::size_t length = utf8_length(text);
+    bool whole = true;
+    const std::size_t length = utf8_character(text, whole);
     const char c = text.front();
     if (const std::string_view other = entity(c); !other.empty())
       result += other;

@@ -10,6 +10,7 @@
 #include "app/contact/run/method_options.hpp"
 #include "app/contact/studies/ball_command_line.hpp"
 #include "app/contact/studies/facets.hpp"
+#include "app/program/command_option.hpp"
 
 namespace perp::app::contacts {
 
@@ -94,54 +95,51 @@ ExitCode run_facets(const ContactWords& words, Streams streams, const std::atomi
 CLI::App* add_command(CLI::App& app, ContactWords& words) {
   CLI::App* contact = app.add_subcommand("contact", "Unilateral contact with Coulomb friction: solve, judge, compare");
   contact->footer(footer);
-  contact->add_option("PROBLEM", words.problems, "files, or problems that are made: NAME:SIZE[:SEED]")
-      ->option_text("...");
-  const auto text = [&](const char* flag, auto& value, const std::string& help, const char* shown) {
-    contact->add_option(flag, value, help)->option_text(shown);
-  };
-  contact->add_option("--generate", words.generated, "one more problem that is made; may be repeated")
-      ->option_text("NAME:SIZE[:SEED]")
+  option(contact, "PROBLEM", words.problems, "files, or problems that are made: NAME:SIZE[:SEED]", "...");
+  option(contact, "--generate", words.generated, "one more problem that is made; may be repeated", "NAME:SIZE[:SEED]")
       ->allow_extra_args(false);
-  text("--formulation", words.formulation, fmt::format("one of {}; default glocker", contact::formulation_names),
-       "NAME");
-  text("--method", words.method,
-       "of glocker auto (its default: sweeps, homotopy, Newton steps, proximal loop) or homotopy alone; or a method of "
-       "'perp methods': for glocker and ncp1 (default path) those for "
-       "nonlinear problems, for the others (default auto: Lemke's first) those for affine ones",
-       "NAME");
-  text("--encoding", words.encoding, "of glocker by a method of 'perp methods': A, an MCP, or B, an NCP (B)", "A|B");
-  text("--row", words.row, "of glocker by a method of 'perp methods': the disk's equation (normalised)",
-       "normalised|original");
-  text("--form", words.form, "of inner and outer: an LCP, or an MLCP with r_T free (reduced)", "reduced|mixed");
-  contact
-      ->add_option(
-          "-o,--option", words.options,
-          fmt::format("of the method; may be repeated: of homotopy {}; of auto these and {}; of others what 'perp "
-                      "methods' lists, and for glocker {}",
-                      homotopy_keys(), auto_keys(), glocker_keys()))
-      ->option_text("KEY=VALUE")
+  option(contact, "--formulation", words.formulation,
+         fmt::format("one of {}; default glocker", contact::formulation_names), "NAME");
+  option(
+      contact, "--method", words.method,
+      "of glocker auto (its default: sweeps, homotopy, Newton steps, proximal loop) or homotopy alone; or a method of "
+      "'perp methods': for glocker and ncp1 (default path) those for "
+      "nonlinear problems, for the others (default auto: Lemke's first) those for affine ones",
+      "NAME");
+  option(contact, "--encoding", words.encoding, "of glocker by a method of 'perp methods': A, an MCP, or B, an NCP (B)",
+         "A|B");
+  option(contact, "--row", words.row, "of glocker by a method of 'perp methods': the disk's equation (normalised)",
+         "normalised|original");
+  option(contact, "--form", words.form, "of inner and outer: an LCP, or an MLCP with r_T free (reduced)",
+         "reduced|mixed");
+  option(contact, "-o,--option", words.options,
+         fmt::format("of the method; may be repeated: of homotopy {}; of auto these and {}; of others what 'perp "
+                     "methods' lists, and for glocker {}",
+                     homotopy_keys(), auto_keys(), glocker_keys()),
+         "KEY=VALUE")
       ->allow_extra_args(false);
-  text("--tol", words.tol, "tolerance (1e-8; of --facets 1e-9)", "TOL");
-  text("--time-limit", words.time_limit, "give up after that time; of --compare and --facets: each run (30)",
-       "SECONDS");
-  text("--json", words.json, "write the result as JSON; - is standard output, the text then goes to standard error",
-       "FILE");
-  text("--fclib-out", words.fclib_out, "write problem and solution as an FCLIB file", "FILE");
-  text("--svg", words.svg, "draw the forces in their friction disks; of --facets: the errors over K", "FILE");
-  text("--log-level", words.level,
-       fmt::format("one of {}; each shows more than the one before", fmt::join(log_level_names(), ", ")), "LEVEL");
+  option(contact, "--tol", words.tol, "tolerance (1e-8; of --facets 1e-9)", "TOL");
+  option(contact, "--time-limit", words.time_limit, "give up after that time; of --compare and --facets: each run (30)",
+         "SECONDS");
+  option(contact, "--json", words.json,
+         "write the result as JSON; - is standard output, the text then goes to standard error", "FILE");
+  option(contact, "--fclib-out", words.fclib_out, "write problem and solution as an FCLIB file", "FILE");
+  option(contact, "--svg", words.svg, "draw the forces in their friction disks; of --facets: the errors over K",
+         "FILE");
+  option(contact, "--log-level", words.level,
+         fmt::format("one of {}; each shows more than the one before", fmt::join(log_level_names(), ", ")), "LEVEL");
   contact->add_flag("--full", words.full, "print every contact of a long table");
   contact->add_flag("--compare", words.compare, "run variants on all problems, each in a process of its own");
-  text("--variants", words.variants,
-       fmt::format("of a comparison: FORMULATION[+METHOD][/WORD]..., default {}", default_variants), "LIST");
-  text("--out", words.out, "of a comparison: where its files go (contact-comparison)", "DIR");
+  option(contact, "--variants", words.variants,
+         fmt::format("of a comparison: FORMULATION[+METHOD][/WORD]..., default {}", default_variants), "LIST");
+  option(contact, "--out", words.out, "of a comparison: where its files go (contact-comparison)", "DIR");
   contact->add_flag("--resume", words.resume,
                     "of a comparison: go on with the one in DIR; what is not given is as it was");
-  text("--memory-limit", words.memory_mb, "of a comparison: resident memory of a run (4096)", "MB");
-  text("--jobs", words.jobs, "of a comparison: runs at a time (1, so that times compare)", "N");
-  text("--facets", words.facets,
-       "by polygons of each K of the list, in the disk and about it: the errors by the exact law, and how they fall",
-       "K,K,...");
+  option(contact, "--memory-limit", words.memory_mb, "of a comparison: resident memory of a run (4096)", "MB");
+  option(contact, "--jobs", words.jobs, "of a comparison: runs at a time (1, so that times compare)", "N");
+  option(contact, "--facets", words.facets,
+         "by polygons of each K of the list, in the disk and about it: the errors by the exact law, and how they fall",
+         "K,K,...");
   add_ball_command(*contact, words.ball);
   return contact;
 }

@@ -116,7 +116,7 @@ int show_method(const std::string& text, Streams streams) {
                                  did_you_mean(text, method_names())));
   const ncp::Outline outline = ncp::outline(*method);
   streams.out << fmt::format("{}{}:\n", text, outline.presolved ? ", on the presolved problem" : "");
-  Table table({{"", Align::Right}, {"method", Align::Left}, {"attempt", Align::Left}});
+  Table table({">", "method", "attempt"});
   int k = 0;
   for (const ncp::Outline::Line& line : outline.lines)
     table.add({std::to_string(++k), line.what,

@@ -5,35 +5,13 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <sstream>
 #include <utility>
 
 namespace perp::app {
 
 namespace {
-
-/// Of the character that the text begins with; 0 if it is none, and `whole` false if the text ends within it.
-std::size_t character(std::string_view text, bool& whole) {
-  whole = true;
-  const auto byte = [&](std::size_t k) { return static_cast<unsigned char>(text[k]); };
-  const unsigned first = byte(0);
-  if (first < 0x80) return 1;
-  const std::size_t length = first >= 0xC2 && first < 0xE0   ? 2
-                             : first >= 0xE0 && first < 0xF0 ? 3
-                             : first >= 0xF0 && first < 0xF5 ? 4
-                                                             : 0;
-  for (std::size_t k = 1; k < length; ++k) {
-    if (k == text.size()) {
-      whole = false;
-      return 0;
-    }
-    // Not the longer forms of shorter ones, no halves of pairs, nothing beyond the last character.
-    const unsigned least = k == 1 && first == 0xE0 ? 0xA0 : k == 1 && first == 0xF0 ? 0x90 : 0x80;
-    const unsigned most = k == 1 && first == 0xED ? 0x9F : k == 1 && first == 0xF4 ? 0x8F : 0xBF;
-    if (byte(k) < least || byte(k) > most) return 0;
-  }
-  return length;
-}
 
 bool steers(std::string_view letter) {
   const auto first = static_cast<unsigned char>(letter[0]);
@@ -51,7 +29,7 @@ std::string take_printable(std::string_view& text) {
   shown.reserve(text.size());
   while (!text.empty()) {
     bool whole = true;
-    const std::size_t length = character(text, whole);
+    const std::size_t length = utf8_character(text, whole);
     if (!whole) break;
     const std::string_view letter = text.substr(0, std::max<std::size_t>(length, 1));
     if (length == 0 || steers(letter))
@@ -67,24 +45,24 @@ std::string named(const FileUse& use) {
   return use.flag.empty() ? fmt::format("'{}'", use.path) : fmt::format("{} '{}'", use.flag, use.path);
 }
 
-bool is_file(const FileUse& use) { return !use.path.empty() && use.path != "-"; }
-
-}  // namespace
-
-void write_file(const std::string& path, std::string_view content, lcp::Sync sync) {
+void as_input_error(const std::function<void()>& work) {
   try {
-    lcp::write_file(path, content, sync);
+    work();
   } catch (const lcp::FileError& error) {
     throw InputError(error.what());
   }
 }
 
+bool is_file(const FileUse& use) { return !use.path.empty() && use.path != "-"; }
+
+}  // namespace
+
+void write_file(const std::string& path, std::string_view content, lcp::Sync sync) {
+  as_input_error([&] { lcp::write_file(path, content, sync); });
+}
+
 void check_writable(const std::string& path) {
-  try {
-    lcp::check_writable(path);
-  } catch (const lcp::FileError& error) {
-    throw InputError(error.what());
-  }
+  as_input_error([&] { lcp::check_writable(path); });
 }
 
 std::string read_text(const std::string& path) {
@@ -98,14 +76,12 @@ std::string read_text(const std::string& path) {
 }
 
 void write_files(std::span<const std::pair<std::string, std::string>> files) {
-  try {
+  as_input_error([&] {
     std::vector<lcp::OutputFile> drafts;
     drafts.reserve(files.size());
     for (const auto& [path, content] : files) drafts.emplace_back(path, content);
     for (lcp::OutputFile& draft : drafts) draft.replace();
-  } catch (const lcp::FileError& error) {
-    throw InputError(error.what());
-  }
+  });
 }
 
 void check_apart(std::span<const FileUse> outputs, std::span<const FileUse> inputs) {
@@ -137,10 +113,32 @@ bool outputs_fit(std::span<const FileUse> outputs, std::span<const FileUse> inpu
   }
 }
 
+std::size_t utf8_character(std::string_view text, bool& whole) {
+  whole = true;
+  const auto byte = [&](std::size_t k) { return static_cast<unsigned char>(text[k]); };
+  const unsigned first = byte(0);
+  if (first < 0x80) return 1;
+  const std::size_t length = first >= 0xC2 && first < 0xE0   ? 2
+                             : first >= 0xE0 && first < 0xF0 ? 3
+                             : first >= 0xF0 && first < 0xF5 ? 4
+                                                             : 0;
+  for (std::size_t k = 1; k < length; ++k) {
+    if (k == text.size()) {
+      whole = false;
+      return 0;
+    }
+    // Not the longer forms of shorter ones, no halves of pairs, nothing beyond the last character.
+    const unsigned least = k == 1 && first == 0xE0 ? 0xA0 : k == 1 && first == 0xF0 ? 0x90 : 0x80;
+    const unsigned most = k == 1 && first == 0xED ? 0x9F : k == 1 && first == 0xF4 ? 0x8F : 0xBF;
+    if (byte(k) < least || byte(k) > most) return 0;
+  }
+  return length;
+}
+
 bool is_utf8(std::string_view text) {
   while (!text.empty()) {
     bool whole = true;
-    const std::size_t length = character(text, whole);
+    const std::size_t length = utf8_character(text, whole);
     if (length == 0) return false;
     text.remove_prefix(length);
   }

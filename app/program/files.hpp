@@ -36,6 +36,9 @@ void check_outputs(std::span<const FileUse> outputs, std::span<const FileUse> in
 /// The same as that; false: `err` says why not. To be asked before a refusal is written as JSON, too.
 bool outputs_fit(std::span<const FileUse> outputs, std::span<const FileUse> inputs, Streams streams);
 
+/// Bytes of the UTF-8 character that the text, which is not empty, begins with; 0 if it is none, and `whole` false if
+/// the text ends within it.
+std::size_t utf8_character(std::string_view text, bool& whole);
 bool is_utf8(std::string_view text);
 /// Throws InputError if the path is none, which texts such as campaign.json cannot hold.
 void check_utf8(const std::string& path);

@@ -4,35 +4,14 @@
 
 #include <Eigen/Core>
 #include <algorithm>
-#include <cctype>
-#include <numeric>
+
+#include "ncp/problem/words.hpp"
 
 // The date of AMPL's solver library as YYYYMMDD: a symbol of the library itself, declared here because its header may
 // be included below ncp/ampl only.
 extern "C" long ASLdate_ASL;  // NOLINT(google-runtime-int)
 
 namespace perp::app {
-
-namespace {
-
-/// Levenshtein's distance, without regard to case.
-std::size_t edit_distance(std::string_view a, std::string_view b) {
-  const auto lower = [](char c) { return std::tolower(static_cast<unsigned char>(c)); };
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t{0});
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    std::size_t diagonal = row[0];
-    row[0] = i + 1;
-    for (std::size_t j = 0; j < b.size(); ++j) {
-      const std::size_t change = diagonal + (lower(a[i]) == lower(b[j]) ? 0 : 1);
-      diagonal = row[j + 1];
-      row[j + 1] = std::min({change, row[j] + 1, row[j + 1] + 1});
-    }
-  }
-  return row.back();
-}
-
-}  // namespace
 
 std::string did_you_mean(std::string_view word, std::span<const std::string_view> candidates) {
   const std::size_t near = std::max<std::size_t>(1, word.size() / 3);
@@ -42,7 +21,7 @@ std::string did_you_mean(std::string_view word, std::span<const std::string_view
     if (word.size() > candidate.size() + near) continue;
     const bool part = word.size() >= 3 && candidate.find(word) != std::string_view::npos;
     if (!part && candidate.size() > word.size() + near) continue;
-    const std::size_t distance = edit_distance(word, candidate);
+    const std::size_t distance = ncp::edit_distance(word, candidate);
     if (distance <= near || part) close.emplace_back(distance, candidate);
   }
   if (close.empty()) return "";

@@ -137,12 +137,7 @@ void print_heading(std::ostream& out, const LoadedProblem& problem, const Settin
 
 void print_solution(std::ostream& out, const Report& report, bool full) {
   const ncp::Box& box = report.mcp().box();
-  Table table({{"variable", Align::Left},
-               {"lower", Align::Right},
-               {"value", Align::Right},
-               {"upper", Align::Right},
-               {"F", Align::Right},
-               {"state", Align::Left}});
+  Table table({"variable", ">lower", ">value", ">upper", ">F", "state"});
   const double tol = ncp::stop(report.settings.method).tol;
   for (ncp::Index i = 0; i < box.size(); ++i) {
     const double x = report.result.x[i];

@@ -22,7 +22,7 @@ ncp::Observer first_solve_only(const ncp::Observer& observer) {
 }
 
 void print_side_by_side(std::ostream& out, const Report& report, std::size_t begin, std::size_t end, bool full) {
-  std::vector<Column> columns{{"variable", Align::Left}};
+  std::vector<Column> columns{"variable"};
   for (std::size_t k = begin; k < end; ++k) columns.push_back({fmt::format("{}", k + 1), Align::Right});
   Table table(std::move(columns));
   for (ncp::Index i = 0; i < report.mcp().size(); ++i) {

@@ -14,7 +14,7 @@ void y_axis(Svg& svg, const Panel& panel, const Scale& scale, std::string_view n
     svg.line("tick", {panel.left - 5, y}, {panel.left, y});
     svg.text("small", {panel.left - 9, y + 4}, tick.label, Svg::Anchor::End);
   }
-  svg.text("", {28, (panel.top + panel.bottom) / 2}, name, Svg::Anchor::Middle, -90);
+  if (!name.empty()) svg.text("", {28, (panel.top + panel.bottom) / 2}, name, Svg::Anchor::Middle, -90);
 }
 
 Pixel Legend::place(double symbol, std::string_view words) {

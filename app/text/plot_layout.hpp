@@ -1,5 +1,5 @@
 #pragma once
-/// Panels, axes and legends of app/report/plot.cpp. Private to app/.
+/// Panels, axes and legends of drawings. Private to app/.
 #include <string>
 #include <string_view>
 
@@ -14,7 +14,7 @@ struct Panel {
   constexpr double middle() const { return (left + right) / 2; }
 };
 
-/// Ticks and grid lines on the left, and its name.
+/// Ticks and grid lines on the left, and its name if it has one.
 void y_axis(Svg& svg, const Panel& panel, const Scale& scale, std::string_view name);
 
 /// Entries in rows from `at` on, no further than `right`.

@@ -4,6 +4,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace perp::app {
@@ -11,8 +12,13 @@ namespace perp::app {
 enum class Align { Left, Right };
 
 struct Column {
+  Column(std::string name, Align side) : header(std::move(name)), align(side) {}
+  /// "method" is aligned left, ">seconds" right.
+  Column(const char* text)  // NOLINT(google-explicit-constructor): lists of columns are lists of texts
+      : Column(*text == '>' ? text + 1 : text, *text == '>' ? Align::Right : Align::Left) {}
+
   std::string header;
-  Align align = Align::Left;
+  Align align;
 };
 
 class Table {

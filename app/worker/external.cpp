@@ -24,7 +24,6 @@
 #include "app/report/json.hpp"
 #include "app/worker/affine_nl.hpp"
 #include "app/worker/sol_file.hpp"
-#include "app/worker/worker_files.hpp"
 
 namespace perp::app::compare {
 
@@ -113,8 +112,7 @@ class Running {
   }
   /// The end of what it printed, in one line.
   std::string tail() const {
-    std::string text;
-    for (const char c : tail_) text += static_cast<unsigned char>(c) < ' ' ? ' ' : c;
+    const std::string text = in_one_line(tail_);
     const std::size_t first = text.find_first_not_of(' ');
     return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(' ') + 1 - first);
   }
@@ -196,11 +194,11 @@ Answer run_external(const Task& task) {
   const sigset_t notice = death_notice();
   sigprocmask(SIG_BLOCK, &notice, nullptr);
   prctl(PR_SET_CHILD_SUBREAPER, 1);  // orphans of the program come to this process, which finds and ends them
-  const LoadedProblem problem = load_problem(ProblemSource{.problem = task.problem, .start = task.start});
+  const LoadedProblem problem = load_problem(ProblemSource{.problem = task.problem, .start = task.rule.start});
   const std::string stub = copy_model(task, problem);
   Answer answer;
   const Clock::time_point begin = Clock::now();
-  Running program(task.command, stub);
+  Running program(task.method.command, stub);
   const int status = program.wait();
   answer.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
   answer.peak_mb = program.peak_mb();

@@ -1,7 +1,6 @@
 #include "app/worker/run_cell.hpp"
 
 #include <fmt/format.h>
-#include <sys/wait.h>
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +9,6 @@
 #include "app/program/files.hpp"
 #include "app/program/program.hpp"
 #include "app/worker/external.hpp"
-#include "app/worker/worker_files.hpp"
 
 namespace perp::app::compare {
 
@@ -18,14 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t longest_message = 600;
 constexpr double least_for_others = 60;  // s: for the judge and for a problem's description
-
-/// How a process ended that was to leave an answer and has not.
-std::string sudden_end(const ProcessEnd& process) {
-  if (WIFSIGNALED(process.status)) return signal_name(WTERMSIG(process.status));
-  return fmt::format("exit code {}, no result", WEXITSTATUS(process.status));
-}
 
 bool too_large(const RunEnd& end, const Campaign& campaign) {
   return end.process.why == ProcessEnd::Why::MemoryLimit || end.answer.out_of_memory ||
@@ -58,13 +49,6 @@ std::string message_of(const RunEnd& end, Outcome outcome, const AskedProblem& p
       break;
   }
   return answer.refused.empty() ? answer.message : fmt::format("refused: {}", answer.refused);
-}
-
-/// In one line that a terminal can show.
-std::string cleaned(const std::string& text) {
-  std::string line;
-  for (const char c : text.substr(0, longest_message)) line += static_cast<unsigned char>(c) < ' ' ? ' ' : c;
-  return line;
 }
 
 }  // namespace
@@ -126,14 +110,11 @@ std::optional<RunEnd> CellRunner::attempt(const AskedMethod& method, const Asked
   fs::create_directories(folder_);
   Task task{.role = method.external() ? Task::Role::External : Task::Role::Solve,
             .problem = problem.file.empty() ? problem.name : problem.file,
-            .start = start,
-            .method = method.label,
-            .name = method.name,
-            .options = method.options,
-            .command = with_tolerance(method.command, campaign_.tol),
+            .method = method,
             .tol = campaign_.tol,
             .time_limit = campaign_.time_limit,
             .rule = {.seed = campaign_.seed, .problem = problem.name, .start = start, .run = run}};
+  task.method.command = with_tolerance(method.command, campaign_.tol);
   const double grace = std::clamp(0.1 * campaign_.time_limit, 0.5, 2.0);
   end.process = run_task(task, {campaign_.time_limit, grace, campaign_.memory_mb});
   if (end.process.why == ProcessEnd::Why::Interrupted) return std::nullopt;
@@ -169,7 +150,7 @@ std::optional<Cell> CellRunner::run(const AskedMethod& method, const AskedProble
   cell.krylov_iterations = answer.krylov_iterations;
   cell.seconds = answer.complete ? answer.seconds : first->process.seconds;
   cell.peak_mb = method.external() && answer.complete ? answer.peak_mb : first->process.peak_mb;
-  cell.message = cleaned(message_of(*first, cell.outcome, problem, campaign_));
+  cell.message = in_one_line(message_of(*first, cell.outcome, problem, campaign_));
   cell.curve = answer.curve;
   cell.outcome_after_restarts = cell.outcome;
   while (problem.solvable() && cell.restarts < campaign_.restarts && is_failure(cell.outcome_after_restarts)) {
@@ -195,7 +176,7 @@ std::optional<AskedProblem> CellRunner::describe(const AskedProblem& problem) {
     throw InputError(fmt::format(
         "'{}' cannot be built: {}; {}", source,
         end.why == ProcessEnd::Why::TimeLimit ? fmt::format("not done after {:.3g} s", end.seconds) : sudden_end(end),
-        cleaned(log_tail())));
+        in_one_line(log_tail())));
   AskedProblem described = answer.described;
   described.name = problem.name;
   described.file = problem.file;

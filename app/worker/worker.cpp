@@ -11,7 +11,6 @@
 #include "app/campaign/selection.hpp"
 #include "app/problem/problem.hpp"
 #include "app/worker/external.hpp"
-#include "app/worker/worker_files.hpp"
 #include "lcp/io/file_error.hpp"
 
 namespace perp::app::compare {
@@ -37,10 +36,9 @@ Answer describe(const Task& task) {
 }
 
 Answer solve(const Task& task, Clock::time_point begin, const std::atomic<bool>* interrupt) {
-  const LoadedProblem problem = load_problem(ProblemSource{.problem = task.problem, .start = task.start});
+  const LoadedProblem problem = load_problem(ProblemSource{.problem = task.problem, .start = task.rule.start});
   const ncp::Mcp& mcp = *problem.mcp;
-  ncp::Method method =
-      settings_of({.label = task.method, .name = task.name, .options = task.options}, task.tol).settings.method;
+  ncp::Method method = settings_of(task.method, task.tol).settings.method;
   Answer answer;
   if (std::holds_alternative<ncp::Affine>(method) && !mcp.is_affine()) {
     answer.not_applicable = true;

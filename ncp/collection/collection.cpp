@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
-#include <numeric>
 #include <utility>
 
 #include "ncp/collection/kkt/kkt_entries.hpp"
@@ -13,6 +11,7 @@
 #include "ncp/collection/random/random_entries.hpp"
 #include "ncp/collection/scalable/generators.hpp"
 #include "ncp/collection/scalable/scalable_entries.hpp"
+#include "ncp/problem/words.hpp"
 
 namespace perp::ncp::collection {
 
@@ -158,22 +157,6 @@ constexpr auto sorted(const std::array<Entry, sizes>&... parts) {
 }
 
 constexpr auto table = sorted(first, classic_entries, equation_entries, kkt_entries, random_entries, scalable);
-
-/// Levenshtein's distance, case ignored.
-std::size_t edit_distance(std::string_view a, std::string_view b) {
-  const auto lower = [](char letter) { return std::tolower(static_cast<unsigned char>(letter)); };
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t{0});
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    std::size_t diagonal = std::exchange(row[0], i + 1);
-    for (std::size_t j = 0; j < b.size(); ++j) {
-      const std::size_t replaced = diagonal + (lower(a[i]) == lower(b[j]) ? 0 : 1);
-      diagonal = row[j + 1];
-      row[j + 1] = std::min({replaced, diagonal + 1, row[j] + 1});
-    }
-  }
-  return row.back();
-}
 
 }  // namespace
 

@@ -1,6 +1,11 @@
 #include "ncp/problem/words.hpp"
 
+#include <algorithm>
+#include <cctype>
+#include <numeric>
 #include <sstream>
+#include <utility>
+#include <vector>
 
 namespace perp::ncp {
 
@@ -13,6 +18,21 @@ std::string number(double value) {
 
 std::string quantity(Index n, std::string_view noun) {
   return std::to_string(n).append(" ").append(noun).append(n == 1 ? "" : "s");
+}
+
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+  const auto lower = [](char letter) { return std::tolower(static_cast<unsigned char>(letter)); };
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    std::size_t diagonal = std::exchange(row[0], i + 1);
+    for (std::size_t j = 0; j < b.size(); ++j) {
+      const std::size_t replaced = diagonal + (lower(a[i]) == lower(b[j]) ? 0 : 1);
+      diagonal = row[j + 1];
+      row[j + 1] = std::min({replaced, diagonal + 1, row[j] + 1});
+    }
+  }
+  return row.back();
 }
 
 }  // namespace perp::ncp

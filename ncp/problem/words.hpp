@@ -1,5 +1,5 @@
 #pragma once
-/// Numbers in messages. Private to ncp/.
+/// Numbers and words in messages. Private to ncp/ and app/.
 #include <string>
 #include <string_view>
 
@@ -12,5 +12,8 @@ std::string number(double value);
 
 /// "1 iteration", "3 iterations".
 std::string quantity(Index n, std::string_view noun);
+
+/// Levenshtein's distance, without regard to case.
+std::size_t edit_distance(std::string_view a, std::string_view b);
 
 }  // namespace perp::ncp

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "app/campaign/campaign_file.hpp"
 #include "app/contact/run/variant.hpp"
 
 namespace perp::app::contacts {
@@ -13,6 +14,12 @@ struct CampaignProblem {
   std::string crc{};   ///< CRC-32 of the file's content, 8 hex digits
   /// As a command line has it.
   const std::string& argument() const { return file.empty() ? name : file; }
+
+  static void fields(auto& f, auto& problem) {
+    f("name", problem.name);
+    f.optional("file", problem.file);
+    f.optional("crc", problem.crc);
+  }
 };
 /// Of a file that there is, or NAME:SIZE[:SEED].
 CampaignProblem campaign_problem(const std::string& argument);
@@ -26,15 +33,18 @@ struct Campaign {
   std::string version{};       ///< of perp
 
   std::size_t cells() const { return variants.size() * problems.size(); }
-};
 
-std::string campaign_json(const Campaign& campaign);
-/// Throws InputError saying what is missing or of another type.
-Campaign parse_campaign(const std::string& json);
-/// Is there one in the folder?
-bool holds_campaign(const std::string& dir);
-/// Of DIR/campaign.json. Throws InputError naming the file.
-Campaign read_campaign(const std::string& dir);
+  static constexpr const char* format = "contact_campaign";
+  static constexpr const char* command = "perp contact --compare";
+  static void fields(auto& f, auto& campaign) {
+    f("version", campaign.version);
+    f("tol", campaign.tol);
+    f("time_limit", campaign.time_limit);
+    f("memory_limit_mb", campaign.memory_mb);
+    f("variants", campaign.variants);
+    f("problems", campaign.problems);
+  }
+};
 
 /// What cells of `now` would not fit beside those of `before`, one line a difference: "--tol: 1e-08 there, 1e-06 here".
 std::vector<std::string> differences(const Campaign& before, const Campaign& now);

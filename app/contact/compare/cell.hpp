@@ -3,7 +3,8 @@
 #include <limits>
 #include <span>
 #include <string>
-#include <vector>
+#include <string_view>
+#include <utility>
 
 #include "app/campaign/cell.hpp"
 #include "app/campaign/process.hpp"
@@ -31,20 +32,37 @@ struct Cell {
   std::string command{};  ///< that repeats it
 
   bool solved() const { return outcome == Outcome::Solved; }
+
+  static void fields(auto& f, auto& cell) {
+    f("variant", cell.variant);
+    f("problem", cell.problem);
+    f("exact", cell.exact);
+    f.word("outcome", cell.outcome, compare::outcome_names());
+    f("status", cell.status);
+    f("solved_by", cell.solved_by);
+    f.count("contacts", cell.contacts);
+    f.count("iterations", cell.iterations);
+    f.known("seconds", cell.seconds);
+    f.known("peak_mb", cell.peak_mb);
+    f.known("siconos", cell.siconos);
+    f.known("rr9118", cell.rr9118);
+    f.known("scaled", cell.scaled);
+    f.known("own_residual", cell.own);
+    f("message", cell.message);
+    f("command", cell.command);
+  }
 };
+/// A cell's identity: the problem, and the variant.
+inline std::pair<std::string, std::string> key(const Cell& cell) { return {cell.problem, cell.variant}; }
 
 /// The cell of a process that has ended and of the JSON it left ("" or torn: none). Outcomes: Solved, Infeasible,
 /// Failed, NotApplicable, TimeLimit, MemoryLimit, Crashed.
 Cell cell_of(const compare::ProcessEnd& end, const std::string& json, const compare::ProcessLimits& limits);
 
-/// A line of cells.jsonl, with its newline (app/campaign/cell.hpp).
-std::string cell_line(const Cell& cell);
-/// The cells of such a file, of two with the same variant and problem the later; and what does not count of it.
-struct CellsRead {
-  std::vector<Cell> cells;
-  std::vector<std::string> dropped;  ///< lines, with number and reason
-};
-CellsRead parse_cells(const std::string& text);
+using compare::cell_line;
+using CellsRead = compare::CellsOf<Cell>;
+/// Of the text of a cells.jsonl.
+inline CellsRead parse_cells(std::string_view text) { return compare::cells_of_lines<Cell>(text); }
 
 /// RFC 4180: header, then one line a cell. Empty: not known.
 std::string cells_csv(std::span<const Cell> cells);

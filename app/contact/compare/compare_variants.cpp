@@ -86,8 +86,8 @@ class Comparing {
     if (!begin()) return exit_input;
     check_files();
     lock_ = std::make_unique<compare::DirectoryLock>(request_.out);
-    if (!resumed_) write_file(request_.out + "/campaign.json", campaign_json(campaign_));
-    journal_ = std::make_unique<compare::LineJournal>(request_.out);
+    if (!resumed_) write_file(request_.out + "/campaign.json", compare::campaign_json(campaign_));
+    journal_ = std::make_unique<compare::JournalOf<Cell>>(request_.out);
     const std::size_t total = take_up();
     streams_.err << fmt::format("perp: {} x {}: {}{}\n",
                                 count(static_cast<long long>(campaign_.variants.size()), "variant"),
@@ -111,7 +111,7 @@ class Comparing {
 
   /// A new campaign, or the one in the folder. False: problems were refused, each with its reason.
   bool begin() {
-    resumed_ = request_.resume && holds_campaign(request_.out);
+    resumed_ = request_.resume && compare::holds_campaign(request_.out);
     if (request_.problems.empty() && !resumed_)
       throw InputError(request_.resume
                            ? fmt::format("--resume: there is no campaign in '{}'", request_.out)
@@ -124,7 +124,7 @@ class Comparing {
       compare::make_directory(request_.out, true);
       return true;
     }
-    const Campaign before = read_campaign(request_.out);
+    const Campaign before = compare::campaign_in(request_.out, compare::campaign_of<Campaign>);
     std::vector<std::string> problems = request_.problems;
     for (const CampaignProblem& problem : before.problems)
       if (request_.problems.empty()) problems.push_back(problem.argument());
@@ -153,10 +153,9 @@ class Comparing {
     comparison_ = {.tol = campaign_.tol, .time_limit = campaign_.time_limit, .memory_mb = campaign_.memory_mb};
     comparison_.variants = campaign_.variants;
     for (const CampaignProblem& problem : campaign_.problems) comparison_.problems.push_back(problem.name);
-    CellsRead read = parse_cells(journal_->before());
-    for (const std::string& dropped : read.dropped)
+    for (const std::string& dropped : journal_->before().dropped)
       note(fmt::format("{}/cells.jsonl, {}: left out, its cell runs again", request_.out, dropped));
-    comparison_.cells = std::move(read.cells);
+    comparison_.cells = journal_->before().cells;
     for (const CampaignProblem& problem : campaign_.problems)
       for (const std::string& variant : campaign_.variants)
         if (comparison_.find(variant, problem.name) == nullptr) pending_.push_back({&problem, parse_variant(variant)});
@@ -217,7 +216,7 @@ class Comparing {
 
   /// Finished cells are on the disk, whatever comes.
   void add(Cell cell, std::size_t total) {
-    journal_->add(cell_line(cell));
+    journal_->add(cell);
     const std::scoped_lock lock(mutex_);
     comparison_.cells.push_back(std::move(cell));
     const Cell& added = comparison_.cells.back();
@@ -244,7 +243,7 @@ class Comparing {
   bool resumed_ = false;
   Campaign campaign_;
   std::unique_ptr<compare::DirectoryLock> lock_;
-  std::unique_ptr<compare::LineJournal> journal_;
+  std::unique_ptr<compare::JournalOf<Cell>> journal_;
   std::vector<Pending> pending_;
   Comparison comparison_;
   std::mutex mutex_;

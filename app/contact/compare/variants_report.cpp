@@ -261,7 +261,7 @@ void print_comparison(std::ostream& out, const Comparison& comparison) {
   for (const Line& line : lines(comparison)) summary.add(cells_of(line));
   summary.print(out);
   out << "\nTimes; [1], [2], ... are the variants in the order above\n";
-  heads = {{"problem"}, {"contacts", Align::Right}};
+  heads = {"problem", ">contacts"};
   for (std::size_t k = 0; k < comparison.variants.size(); ++k)
     heads.push_back({fmt::format("[{}]", k + 1), Align::Right});
   Table table(std::move(heads));

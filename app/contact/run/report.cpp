@@ -168,13 +168,7 @@ std::string made_by(const Run& run, const contact::Record& record) {
 
 void print_history(std::ostream& out, const Run& run) {
   if (run.history.empty()) return;
-  Table table({{"k", Align::Right},
-               {"made by"},
-               {"tau", Align::Right},
-               {"step", Align::Right},
-               {"alpha", Align::Right},
-               {"siconos", Align::Right},
-               {"rr9118", Align::Right}});
+  Table table({">k", "made by", ">tau", ">step", ">alpha", ">siconos", ">rr9118"});
   for (const contact::Record& r : run.history)
     table.add({fmt::format("{}", r.k), made_by(run, r), number(r.tau, 3), number(r.step, 3), number(r.alpha, 3),
                metric(r.siconos), metric(r.rr9118)});
@@ -184,14 +178,7 @@ void print_history(std::ostream& out, const Run& run) {
 }
 
 void print_contacts(std::ostream& out, const Problem& problem, const Run& run, bool full) {
-  Table table({{"contact", Align::Right},
-               {"state"},
-               {"r_N [N s]", Align::Right},
-               {"|r_T|", Align::Right},
-               {"mu r_N", Align::Right},
-               {"u_N [m/s]", Align::Right},
-               {"|u_T|", Align::Right},
-               {"margin", Align::Right}});
+  Table table({">contact", "state", ">r_N [N s]", ">|r_T|", ">mu r_N", ">u_N [m/s]", ">|u_T|", ">margin"});
   const double impulses = rounding * largest(run.solution.r);
   const double velocities = rounding * std::max(largest(run.solution.u), largest(problem.q));
   for (Index a = 0; a < problem.contacts(); ++a) {
@@ -243,18 +230,8 @@ void print_judge(std::ostream& out, const Problem& problem, const Run& run) {
 }
 
 void print_summaries(std::ostream& out, std::span<const Summary> all) {
-  Table table({{"problem"},
-               {"contacts", Align::Right},
-               {"open", Align::Right},
-               {"stick", Align::Right},
-               {"slip", Align::Right},
-               {"status"},
-               {"solved by"},
-               {"own law", Align::Right},
-               {"siconos", Align::Right},
-               {"rr9118", Align::Right},
-               {"steps", Align::Right},
-               {"time", Align::Right}});
+  Table table({"problem", ">contacts", ">open", ">stick", ">slip", "status", "solved by", ">own law", ">siconos",
+               ">rr9118", ">steps", ">time"});
   for (const auto& [label, run, refused] : all) {
     if (!refused.empty()) {
       table.add({label, "", "", "", "", "refused", "", "", "", "", "", ""});

@@ -56,15 +56,8 @@ std::string heading(const CyclicBall& ball) {
 
 void print(std::ostream& out, const BallScene& scene) {
   out << fmt::format("\nLoad {:g} mu m g\n", scene.ball.load);
-  Table table({{"law"},
-               {"end x [m]", Align::Right},
-               {"y [m]", Align::Right},
-               {"from exact [m]", Align::Right},
-               {"drift [m/s]", Align::Right},
-               {"towards", Align::Right},
-               {"work [J]", Align::Right},
-               {"friction [J]", Align::Right},
-               {"time [s]", Align::Right}});
+  Table table({"law", ">end x [m]", ">y [m]", ">from exact [m]", ">drift [m/s]", ">towards", ">work [J]",
+               ">friction [J]", ">time [s]"});
   for (const BallPath& path : scene.paths) {
     const contact::Vec3 drift = path.drift(scene.ball);
     const contact::Vec3 end = path.centres.back();

@@ -5,6 +5,8 @@
 #include <ostream>
 #include <string>
 
+#include "app/program/command_option.hpp"
+
 namespace perp::app::contacts {
 
 namespace {
@@ -28,24 +30,22 @@ CLI::App* add_ball_command(CLI::App& contact, BallRequest& request) {
   CLI::App* ball = contact.add_subcommand(
       "ball", "Time stepping: a ball under a cyclic load, by friction polygons and by Coulomb's law, drawn");
   ball->footer(footer);
-  const auto option = [&](const char* flag, auto& value, const std::string& help, const char* shown) {
-    ball->add_option(flag, value, help)->option_text(shown);
-  };
-  option("--facets", request.facets, "friction polygons of K facets (4,6,8,16, with --exact, if neither is given)",
-         "K[,K]...");
+  option(ball, "--facets", request.facets,
+         "friction polygons of K facets (4,6,8,16, with --exact, if neither is given)", "K[,K]...");
   ball->add_flag("--exact", request.exact, "Coulomb's law; distances are measured from its path");
   ball->add_flag("--outer", request.outer, "polygons about the friction disk, not inscribed in it");
-  option("--load", request.loads, "size of the load over mu m g, one path and one panel for each (1,1.5)", "L[,L]...");
-  option("--frame", request.frame, "turn the tangents (T1, T2) of the contact (0)", "DEGREES");
-  option("--mu", request.ball.mu, "coefficient of friction (0.3)", "MU");
-  option("--phase", request.ball.phase, "how long the load keeps a direction (5)", "SECONDS");
-  option("--cycles", request.ball.cycles, "of three phases (4)", "N");
-  option("--step", request.ball.h, "time step h (0.01)", "SECONDS");
-  option("--theta", request.ball.theta, "of the scheme, from 1/2 to 1 (0.5)", "THETA");
+  option(ball, "--load", request.loads, "size of the load over mu m g, one path and one panel for each (1,1.5)",
+         "L[,L]...");
+  option(ball, "--frame", request.frame, "turn the tangents (T1, T2) of the contact (0)", "DEGREES");
+  option(ball, "--mu", request.ball.mu, "coefficient of friction (0.3)", "MU");
+  option(ball, "--phase", request.ball.phase, "how long the load keeps a direction (5)", "SECONDS");
+  option(ball, "--cycles", request.ball.cycles, "of three phases (4)", "N");
+  option(ball, "--step", request.ball.h, "time step h (0.01)", "SECONDS");
+  option(ball, "--theta", request.ball.theta, "of the scheme, from 1/2 to 1 (0.5)", "THETA");
   ball->add_flag("--rolling", request.ball.rolls, "the ball may turn: then it rolls, with 2/7 of the load as friction");
-  option("--svg", request.svg, "draw the paths, seen from above", "FILE");
-  option("--json", request.json, "write the result as JSON; - is standard output, the text then goes to standard error",
-         "FILE");
+  option(ball, "--svg", request.svg, "draw the paths, seen from above", "FILE");
+  option(ball, "--json", request.json,
+         "write the result as JSON; - is standard output, the text then goes to standard error", "FILE");
   return ball;
 }
 

@@ -164,15 +164,7 @@ void print(std::ostream& out, const FacetStudy& study) {
       count(static_cast<long long>(study.problems.size()), "problem"),
       least == most ? fmt::format("{}", most) : fmt::format("{} to {}", least, most), exact, study.counting(),
       study.form == contact::Form::Mixed ? "MLCPs" : "LCPs", positions.size());
-  Table table({{"polygon"},
-               {"K", Align::Right},
-               {"solved", Align::Right},
-               {"own residual", Align::Right},
-               {"natural", Align::Right},
-               {"velocity", Align::Right},
-               {"cone", Align::Right},
-               {"slip", Align::Right},
-               {"slowest", Align::Right}});
+  Table table({"polygon", ">K", ">solved", ">own residual", ">natural", ">velocity", ">cone", ">slip", ">slowest"});
   const std::vector<FacetLine> lines = study.lines();
   for (const FacetLine& line : lines) {
     std::vector<std::string> row{side(line.outer), fmt::format("{}", line.facets),

@@ -92,12 +92,7 @@ View view_at(const FacetStudy& study, const std::vector<double>& errors, double 
 
 void axes(Svg& svg, const View& view, const FacetStudy& study) {
   const Panel& p = view.panel;
-  for (const Scale::Tick& tick : view.axes.error.ticks(9)) {
-    const double y = view.axes.error(tick.value);
-    svg.line("grid", {p.left, y}, {p.right, y});
-    svg.line("tick", {p.left - 5, y}, {p.left, y});
-    svg.text("small", {p.left - 9, y + 4}, tick.label, Anchor::End);
-  }
+  y_axis(svg, p, view.axes.error, "");
   double last = -1e9;
   for (const int K : study.facets) {
     const double x = view.axes.K(K);

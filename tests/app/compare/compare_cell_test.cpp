@@ -39,6 +39,8 @@ Cell example_cell() {
           .curve = {1, 1.0 / 3.0, std::numeric_limits<double>::infinity()}};
 }
 
+Cell parse_line(std::string_view line) { return row_of<Cell>(json_object(checked_object(line))); }
+
 // The check value of the CRC catalogues for CRC-32/ISO-HDLC, the one of zlib: a reader in another language can check
 // lines only if it is this one.
 TEST(Cell, Crc32) {

@@ -175,7 +175,7 @@ TEST(ContactResume, CellsComeBack) {
 // Damaged files. Would catch a double or a long turned into an integer that does not hold it (undefined, or modulo
 // 2^32).
 TEST(ContactResume, NumbersOutOfRangeAreRefused) {
-  const std::string line = cell_line({.variant = "v", .problem = "p", .contacts = 7, .iterations = 12});
+  const std::string line = cell_line(Cell{.variant = "v", .problem = "p", .contacts = 7, .iterations = 12});
   const std::string whole(compare::checked_object(std::string_view(line).substr(0, line.size() - 1)));
   for (const auto& [was, is] : {std::pair{R"("contacts":7)", R"("contacts":4294967303)"},
                                 {R"("contacts":7)", R"("contacts":1e300)"},
@@ -185,10 +185,10 @@ TEST(ContactResume, NumbersOutOfRangeAreRefused) {
     EXPECT_THAT(parse_cells(compare::checked_line(object)).dropped, testing::SizeIs(1)) << is;
   }
   const std::string limit = R"("memory_limit_mb": 4096)";
-  std::string campaign = campaign_json({});
-  EXPECT_EQ(parse_campaign(campaign).memory_mb, 4096);
+  std::string campaign = compare::campaign_json(Campaign{});
+  EXPECT_EQ(compare::campaign_of<Campaign>(campaign).memory_mb, 4096);
   campaign.replace(campaign.find(limit), limit.size(), R"("memory_limit_mb": 1e300)");
-  EXPECT_THROW(parse_campaign(campaign), InputError);
+  EXPECT_THROW(compare::campaign_of<Campaign>(campaign), InputError);
 }
 
 // What a run that was killed left behind may be anything that is JSON.

@@ -188,7 +188,7 @@ TEST(ByteOrderMarks, OfTextFiles) {
   EXPECT_EQ(rows[0].key.method, "=a");
   test::write(folder / "open.csv", "method,problem,start,outcome\na,\"p,1,solved\n");
   EXPECT_THAT(test::refused([&] { compare::read_baseline(folder / "open.csv"); }), HasSubstr("open.csv:2: a quote"));
-  const std::string line = compare::cell_line({.method = "a", .problem = "p"});
+  const std::string line = compare::cell_line(compare::Cell{.method = "a", .problem = "p"});
   EXPECT_EQ(compare::parse_cells(mark + line).cells.size(), 1U);
   EXPECT_EQ(compare::parse_sol(mark + "\nOptions\n3\n1\n1\n0\n1\n0\n1\n1\n7\nobjno 0 0\n", 1).x,
             ncp::Vec::Constant(1, 7));

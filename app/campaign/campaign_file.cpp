@@ -1,8 +1,9 @@
-#include "app/campaign/differences.hpp"
+#include "app/campaign/campaign_file.hpp"
 
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <filesystem>
 
 namespace perp::app::compare {
 
@@ -20,6 +21,11 @@ std::string missing(const std::vector<std::string>& these, const std::vector<std
 }
 
 }  // namespace
+
+bool holds_campaign(const std::string& dir) {
+  std::error_code ignored;
+  return std::filesystem::exists(dir + "/campaign.json", ignored);
+}
 
 void compare_names(const char* what, const std::vector<std::string>& before, const std::vector<std::string>& now,
                    std::vector<std::string>& found) {
