@@ -120,7 +120,7 @@ class Run {
         limits_(limits),
         p_(problem),
         best_(problem, start),
-        ldlt_(limits.deadline),
+        ldlt_(KernelClock(limits.deadline)),
         lu_(options.lu, limits.deadline),
         polish_lu_(options.lu, limits.deadline),
         K_(p_.M),

@@ -67,9 +67,7 @@ struct QuasiDefinite::Impl {
   KernelClock clock;
 };
 
-QuasiDefinite::QuasiDefinite(Deadline deadline) : impl_(std::make_unique<Impl>()) {
-  impl_->clock = KernelClock(deadline);
-}
+QuasiDefinite::QuasiDefinite(KernelClock clock) : impl_(std::make_unique<Impl>()) { impl_->clock = clock; }
 QuasiDefinite::~QuasiDefinite() = default;
 
 bool QuasiDefinite::analyze(const SpMat& M) {

@@ -13,8 +13,8 @@ namespace perp::lcp {
 
 class QuasiDefinite {
  public:
-  /// No factorization is begun that would not have ended at the deadline (lcp/kernel_clock.hpp).
-  explicit QuasiDefinite(Deadline = no_deadline);
+  /// No factorization is begun that would not have ended at the clock's deadline (lcp/kernel_clock.hpp).
+  explicit QuasiDefinite(KernelClock = KernelClock());
   ~QuasiDefinite();
 
   /// Looks for signs with which the square M is symmetric to the last bit, and analyses its pattern, which holds the

@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <random>
+#include <thread>
 
 #include "support/matrices.hpp"
 
@@ -85,13 +87,17 @@ TEST(QuasiDefinite, SaysWhereItIsNoGood) {
 
 // No factorization that would end after the deadline is begun. The lower left of 800 rows is full: 10^8 operations.
 TEST(QuasiDefinite, KeepsTheDeadline) {
+  KernelClock clock(std::chrono::steady_clock::now());
+  const KernelCost one{.flops = 1};
+  clock.before(1, one);  // of a machine that takes 2 ms for one operation: fast ones would begin what is short
+  std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  clock.after(one);
   constexpr Index n = 400;
-  const Eigen::MatrixXd A = Eigen::MatrixXd::Constant(n, n, 0.5);
   Eigen::MatrixXd K = Eigen::MatrixXd::Identity(2 * n, 2 * n);
-  K.bottomLeftCorner(n, n) = A;
-  K.topRightCorner(n, n) = -A.transpose();
+  K.bottomLeftCorner(n, n).setConstant(0.5);
+  K.topRightCorner(n, n).setConstant(-0.5);
   const SpMat M = K.sparseView();
-  QuasiDefinite ldlt(std::chrono::steady_clock::now() - std::chrono::seconds(1));
+  QuasiDefinite ldlt(clock);
   ASSERT_TRUE(ldlt.analyze(M));
   EXPECT_THROW((void)ldlt.factor(M), KernelTooLong);
 }
