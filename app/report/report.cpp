@@ -53,12 +53,7 @@ std::optional<std::pair<std::size_t, double>> nearest_known(const Report& report
 }  // namespace
 
 ncp::Observer live_table(std::ostream& out, const ncp::Mcp& mcp, const Output& output) {
-  const ncp::TableOptions options{.crash = output.shows(output.crash_iterations),
-                                  .major = output.shows(output.major_iterations),
-                                  .restarts = output.shows(output.restart_log),
-                                  .crash_frequency = output.crash_frequency,
-                                  .major_frequency = output.major_frequency};
-  return [&out, print = ncp::print_table(out, mcp, options)](const ncp::Iteration& it) {
+  return [&out, print = ncp::print_table(out, mcp, settings::table_options(output))](const ncp::Iteration& it) {
     const ncp::Next next = print(it);
     out.flush();
     return next;

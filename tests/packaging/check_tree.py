@@ -27,14 +27,15 @@ CLANG_FORMAT_VERSION = "14"
 LONGEST = 500
 MOST_FILES = 25
 SKIPPED = 77
-SOURCES = (".cpp", ".hpp", ".h", ".cc")
+SOURCES = (".cpp", ".hpp", ".h", ".cc", ".c")
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]')
 
 # Below: (headers, folders or files that may include them). tests/ and bench/ may include everything.
 RULES = [
     (r"(app)/", ("app/",), "only app sees app"),
-    (r"(contact)/", ("contact/", "app/"), "only contact and app see contact"),
-    (r"(ncp)/", ("ncp/", "contact/", "app/"), "lcp sees nothing above it"),
+    (r"(capi)/", ("capi/",), "only capi sees capi"),
+    (r"(contact)/", ("contact/", "capi/", "app/"), "only contact, capi and app see contact"),
+    (r"(ncp)/", ("ncp/", "contact/", "capi/", "app/"), "lcp sees nothing above it"),
     (r"(tests|bench)/", (), "nobody includes tests or bench"),
     (
         r"(suitesparse/)?(umfpack|klu|btf|cholmod|spqr|cs|amd|colamd|SuiteSparse)\w*\.(h|hpp)$"
@@ -54,12 +55,14 @@ UNRULED = ("tests/", "bench/", "data/")
 FLOORS = """
 lcp lcp/lu lcp/judge lcp/linalg lcp/pivoting lcp/qp lcp/iterative lcp/classes lcp/solve lcp/io
 ncp/problem ncp/ampl ncp/run ncp/reformulation ncp/transforms ncp/analysis ncp/path ncp/methods ncp/strategy
+ncp/settings
 ncp/collection/base ncp/collection/random ncp/collection/models ncp/collection/scalable ncp/collection/kkt ncp/collection
 contact/model contact/existence contact/io contact/laws contact/solvers contact/scenes
+capi capi/path
 app/program app/text app/options app/problem app/report app/campaign app/worker app/findings app/comparison_report
 app/compare app/commands app/contact/run app/contact/compare app/contact/studies app/contact app
 """.split()
-OURS = re.compile(r"(lcp|ncp|contact|app)/")
+OURS = re.compile(r"(lcp|ncp|contact|capi|app)/")
 
 
 def tracked(root):
