@@ -6,7 +6,7 @@ floors     includes go down: a file includes what is in its own folder and in th
 crowd      no folder of sources with more than 25 files
 length     no source file beyond 500 lines
 format     clang-format (the major version below, else skipped) would change nothing
-readme     the C++ examples of docs/cpp.md and contact/README.md are those the packaging test builds and runs
+readme     the examples of docs/cpp.md, docs/c.md and contact/README.md are those the packaging test builds and runs
 paths      files that texts and comments name exist, seen from the root or from where they are named
 links      files and headings that texts link to exist
 self-test  each check reports a tree that breaks its rule
@@ -144,13 +144,14 @@ def format_(root):
 EXAMPLES = {
     "docs/cpp.md": "tests/packaging/consumer/example.cpp",
     "contact/README.md": "tests/packaging/consumer/contact.cpp",
+    "docs/c.md": "tests/packaging/consumer/from_c.c",
 }
 
 
 def readme(root):
     for page, source in EXAMPLES.items():
         example = (Path(root) / source).read_text(encoding="utf-8")
-        if f"```cpp\n{example}```" not in (Path(root) / page).read_text(encoding="utf-8"):
+        if f"```{source.rpartition('.')[2]}\n{example}```" not in (Path(root) / page).read_text(encoding="utf-8"):
             yield f"{page}: its example is not {source}"
 
 
@@ -273,7 +274,7 @@ def self_test(_):
         subprocess.run(["git", "-C", folder, "add", "ncp/a.hpp"], check=True)
         if sources(folder) != ["ncp/a.hpp"]:
             yield "untracked files are looked at"
-        write(folder, dict.fromkeys(EXAMPLES, "```cpp\nint a;\n```\n") | dict.fromkeys(EXAMPLES.values(), "int a;\n"))
+        write(folder, dict.fromkeys(EXAMPLES, "```cpp\nint a;\n```\n```c\nint a;\n```\n") | dict.fromkeys(EXAMPLES.values(), "int a;\n"))
         yield from readme(folder)
         write(folder, dict.fromkeys(EXAMPLES.values(), "int b;\n"))
         if len(list(readme(folder))) != len(EXAMPLES):
