@@ -1,9 +1,11 @@
 # What a library exports is what its version script lists, and that is what its header declares.
-#   cmake -DNM= -DLIBRARY= -DMAP= -DNODE= [-DHEADER=] [-DPATTERN=] -P exports.cmake
+#   cmake -DNM= -DLIBRARY= -DMAP= [-DNODE=] -DHEADER= -DPATTERN= -P exports.cmake
 execute_process(COMMAND ${NM} -D --defined-only ${LIBRARY} OUTPUT_VARIABLE text COMMAND_ERROR_IS_FATAL ANY)
 string(REGEX MATCHALL " [A-Za-z] [^\n]+" lines "${text}")
 list(TRANSFORM lines REPLACE "^ [A-Za-z] ([^@]+).*" "\\1" OUTPUT_VARIABLE exported)
-list(REMOVE_ITEM exported ${NODE})
+if(NODE)
+  list(REMOVE_ITEM exported ${NODE})
+endif()
 list(SORT exported)
 file(STRINGS ${MAP} listed REGEX "^    [A-Za-z_0-9]+;$")
 list(TRANSFORM listed REPLACE "[ ;]" "")
