@@ -56,7 +56,7 @@ void CallbackMcp::end(std::string& why, const std::string& text) const {
 
 /// Of the callback's own k-th value.
 std::string CallbackMcp::place(const char* name, Index k) const {
-  const std::string entry = "entry " + std::to_string(k + 1);
+  std::string entry = "entry " + std::to_string(k + 1);
   if (*name == 'F') return entry;
   Index column = 0;
   while (pattern_.entries.outerIndexPtr()[column + 1] <= k) ++column;

@@ -20,6 +20,12 @@ static_assert(static_cast<int>(contact::State::Open) == PERP_OPEN &&
               static_cast<int>(contact::State::Stick) == PERP_STICK &&
               static_cast<int>(contact::State::Slip) == PERP_SLIP);
 
+std::unique_ptr<perp_contact> handle(contact::Problem problem) {
+  auto made = std::make_unique<perp_contact>();
+  made->problem = std::move(problem);
+  return made;
+}
+
 /// d n.
 Index size_of(std::int32_t dimension, std::int64_t contacts) {
   if (dimension != 2 && dimension != 3) refuse("dimension", std::to_string(dimension) + " is neither 2 nor 3");
@@ -48,7 +54,7 @@ std::unique_ptr<perp_contact> local(std::int32_t interface, std::int32_t dimensi
   problem.q = vector_of(q, size, "q");
   problem.mu = friction(mu, contacts);
   contact::check(problem);
-  return std::unique_ptr<perp_contact>(new perp_contact{std::move(problem)});
+  return handle(std::move(problem));
 }
 
 template <class Integer>
@@ -86,8 +92,7 @@ std::unique_ptr<perp_contact> condensed(std::int32_t interface, std::int32_t dim
   global.G.resize(m, 0);
   global.f = vector_of(f, m, "f");
   global.w = vector_of(w, size, "w");
-  return std::unique_ptr<perp_contact>(
-      new perp_contact{contact::condense(std::move(global), friction(mu, contacts), dimension)});
+  return handle(contact::condense(std::move(global), friction(mu, contacts), dimension));
 }
 
 std::unique_ptr<perp_contact_result> solved(perp_solver& solver, const contact::Problem& problem, const char* words) {
@@ -167,7 +172,7 @@ int32_t perp_contact_read(int32_t interface_, const char* path, perp_contact** c
   return guarded_make(contact, "contact", error, [&] {
     require_interface(interface_);
     require(path, "path");
-    return std::unique_ptr<perp_contact>(new perp_contact{perp::contact::read_problem(path)});
+    return handle(perp::contact::read_problem(path));
   });
 }
 

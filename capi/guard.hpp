@@ -48,11 +48,9 @@ std::int32_t guarded(perp_error* error, Body body) {
 /// The same of a function that makes something for *made, which is null where it fails.
 template <class Handle, class Make>
 std::int32_t guarded_make(Handle** made, const char* argument, perp_error* error, Make make) {
-  if (made != nullptr) *made = nullptr;
-  return guarded(error, [&] {
-    require(made, argument);
-    *made = make().release();
-  });
+  if (made == nullptr) return guarded(error, [&] { require(made, argument); });
+  *made = nullptr;
+  return guarded(error, [&] { *made = make().release(); });
 }
 
 /// Copies as much as fits, with a NUL. Throws if there is no place.

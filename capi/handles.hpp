@@ -50,6 +50,8 @@ class NamedMcp final : public ncp::Mcp {
 }  // namespace perp::capi
 
 struct perp_problem {
+  explicit perp_problem(std::unique_ptr<perp::ncp::Mcp> problem) : mcp(std::move(problem)) {}
+
   perp::capi::NamedMcp mcp;
   /// Of a problem of functions, else null.
   perp::capi::CallbackMcp* callbacks = nullptr;

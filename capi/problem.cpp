@@ -26,7 +26,9 @@ std::unique_ptr<perp_problem> functions(std::int32_t interface, std::int64_t n, 
   auto callbacks = std::make_unique<CallbackMcp>(box_of(lower, upper, n),
                                                  matrix_of(square<Integer>(n, start, row, nullptr)), F, J, user);
   CallbackMcp* known = callbacks.get();
-  return std::unique_ptr<perp_problem>(new perp_problem{.mcp = NamedMcp(std::move(callbacks)), .callbacks = known});
+  auto problem = std::make_unique<perp_problem>(std::move(callbacks));
+  problem->callbacks = known;
+  return problem;
 }
 
 void check_x(const perp_problem* problem, const double* x) {
@@ -34,9 +36,7 @@ void check_x(const perp_problem* problem, const double* x) {
   if (problem->mcp.size() > 0) require(x, "x");
 }
 
-Eigen::Map<const Vec> point(const perp_problem* problem, const double* x) {
-  return Eigen::Map<const Vec>(x, problem->mcp.size());
-}
+Eigen::Map<const Vec> point(const perp_problem* problem, const double* x) { return {x, problem->mcp.size()}; }
 
 void copy_name(const perp_problem* problem, std::int64_t i, char* name, std::int64_t size,
                std::string (ncp::Mcp::*named)(Index) const) {
@@ -67,8 +67,7 @@ std::unique_ptr<perp_problem> affine_problem(std::int32_t interface, std::int64_
   Columns<Integer> M = square(n, start, row, value);
   M.pattern = false;
   lcp::AffineMcp affine{.M = matrix_of(M).entries, .q = vector_of(q, n, "q"), .box = box_of(lower, upper, n)};
-  return std::unique_ptr<perp_problem>(
-      new perp_problem{.mcp = NamedMcp(ncp::make_affine_mcp(std::move(affine), "affine"))});
+  return std::make_unique<perp_problem>(ncp::make_affine_mcp(std::move(affine), "affine"));
 }
 template std::unique_ptr<perp_problem> affine_problem(std::int32_t, std::int64_t, const std::int32_t*,
                                                       const std::int32_t*, const double*, const double*, const double*,
@@ -121,7 +120,9 @@ int32_t perp_problem_read_nl(int32_t interface_, const char* path, perp_problem*
     require(path, "path");
     std::unique_ptr<perp::ncp::ampl::Model> model = perp::ncp::ampl::read_model(path);
     const perp::ncp::ampl::Model* known = model.get();
-    return std::unique_ptr<perp_problem>(new perp_problem{.mcp = NamedMcp(std::move(model)), .model = known});
+    auto made = std::make_unique<perp_problem>(std::move(model));
+    made->model = known;
+    return made;
   });
 }
 
