@@ -5,12 +5,12 @@
 #include <string>
 #include <utility>
 
-#include "capi/contact_options.hpp"
 #include "capi/guard.hpp"
 #include "capi/handles.hpp"
 #include "capi/solve.hpp"
 #include "contact/io/read.hpp"
 #include "contact/model/residual.hpp"
+#include "contact/solvers/named_options.hpp"
 
 namespace perp::capi {
 
@@ -98,7 +98,7 @@ std::unique_ptr<perp_contact> condensed(std::int32_t interface, std::int32_t dim
 std::unique_ptr<perp_contact_result> solved(perp_solver& solver, const contact::Problem& problem, const char* words) {
   const StopsHeard heard(solver.stop);
   contact::Variant variant = contact::variant_of(words == nullptr ? "glocker" : words);
-  contact::RunLimits limits = contact_options(variant, solver.given);
+  contact::RunLimits limits = contact::apply_options(variant, solver.given);
   limits.interrupt = &solver.stop;
   auto made = std::make_unique<perp_contact_result>();
   made->run = contact::run(problem, variant, limits);

@@ -1,4 +1,4 @@
-#include "capi/contact_options.hpp"
+#include "contact/solvers/named_options.hpp"
 
 #include <fmt/format.h>
 
@@ -9,7 +9,7 @@
 
 #include "ncp/settings/settings.hpp"
 
-namespace perp::capi {
+namespace perp::contact {
 
 namespace {
 
@@ -27,9 +27,9 @@ void set_own(Method& method, std::vector<Assignment>& given) {
     if (field != nullptr) settings::set(*field, one, notes);
     return field != nullptr;
   });
-  contact::Options options;
+  Options options;
   options.method = method;
-  if (const auto why = contact::invalid(options)) throw InputError(*why);
+  if (const auto why = invalid(options)) throw InputError(*why);
 }
 
 /// Is it one of the limits, or of what is logged? Other options would be for the methods of ncp/.
@@ -50,7 +50,7 @@ bool only_a_limit(const Assignment& one) {
 }
 
 /// Throws if one is given that this method of contact/ has not.
-void refuse_others(const std::vector<Assignment>& given, const contact::Variant& variant) {
+void refuse_others(const std::vector<Assignment>& given, const Variant& variant) {
   for (const Assignment& one : given)
     if (!only_a_limit(one))
       throw InputError(
@@ -59,13 +59,13 @@ void refuse_others(const std::vector<Assignment>& given, const contact::Variant&
 
 }  // namespace
 
-contact::RunLimits contact_options(contact::Variant& variant, std::vector<Assignment> given) {
-  contact::RunLimits limits;
+RunLimits apply_options(Variant& variant, std::vector<Assignment> given) {
+  RunLimits limits;
   const auto own = [&](auto& solver) {
-    if constexpr (contact::is_method<std::remove_cvref_t<decltype(solver)>>) set_own(solver, given);
+    if constexpr (is_method<std::remove_cvref_t<decltype(solver)>>) set_own(solver, given);
   };
   std::visit(own, variant.solver);
-  auto* of_glocker = std::get_if<contact::GlockerNcp>(&variant.solver);
+  auto* of_glocker = std::get_if<GlockerNcp>(&variant.solver);
   auto* of_ncp = std::get_if<ncp::Method>(&variant.solver);
   auto* affine = std::get_if<lcp::Method>(&variant.solver);
   const bool of_another = of_glocker != nullptr || of_ncp != nullptr || affine != nullptr;
@@ -86,4 +86,4 @@ contact::RunLimits contact_options(contact::Variant& variant, std::vector<Assign
   return limits;
 }
 
-}  // namespace perp::capi
+}  // namespace perp::contact
