@@ -39,8 +39,8 @@ TEST_P(Operators, ValueAndDerivative) {
   }
 }
 
-// Over boxes about the point: every value and derivative lies in its range. Would catch an operator that the ranges take
-// for another one, and a derivative of ranges that is not the library's.
+// Over boxes about the point: every value and derivative lies in its range. Would catch an operator that the ranges
+// take for another one, and a derivative of ranges that is not the library's.
 TEST_P(Operators, RangesHoldValuesAndDerivatives) {
   const Case& c = GetParam();
   const auto m = read_text(model_of(c.expression));
