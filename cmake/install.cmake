@@ -44,6 +44,10 @@ set(perp_public_headers
   ncp/collection/collection.hpp
   ncp/collection/scalable/generators.hpp
   ncp/strategy/deflation.hpp
+  ncp/interval/enclosure.hpp
+  ncp/analysis/function_classes.hpp
+  ncp/analysis/no_solution.hpp
+  ncp/analysis/verify.hpp
   ncp/path/pivot_limit.hpp
   ncp/strategy/presets.hpp
   ncp/transforms/presolve.hpp

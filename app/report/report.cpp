@@ -65,6 +65,28 @@ ncp::Observer live_table(std::ostream& out, const ncp::Mcp& mcp, const Output& o
   };
 }
 
+namespace {
+
+/// The verified point has had Newton steps: it becomes the answer unless the judge likes the other one better.
+void verify(Report& report) {
+  report.verified = ncp::verify(report.mcp(), report.result.x);
+  if (!report.verified->unique) return;
+  ncp::Result& result = report.result;
+  const ncp::Residual residual = ncp::residual(report.mcp(), report.verified->x);
+  ncp::Vec F(report.verified->x.size());
+  if (!(residual.natural <= std::max(result.residual.natural, ncp::stop(report.settings.method).tol)) ||
+      !report.mcp().eval(report.verified->x, F)) {
+    report.verified->unique = false;
+    report.verified->why_not = "a solution is enclosed, and the middle of its box does not meet the tolerance";
+    return;
+  }
+  result.x = report.verified->x;
+  result.F = F;
+  result.residual = residual;
+}
+
+}  // namespace
+
 Report run_method(const LoadedProblem& problem, const Settings& settings, std::ostream* log,
                   const std::atomic<bool>* interrupt, const ncp::Observer& observer) {
   Report report{.problem = &problem, .settings = settings};
@@ -100,6 +122,7 @@ Report run_method(const LoadedProblem& problem, const Settings& settings, std::o
       if (interrupt != nullptr) limits.interrupted = [interrupt] { return interrupt->load(); };
       report.all_solutions = lcp::enumerate(*ncp::affine_part(*problem.mcp), *enumeration, limits);
     }
+  if (settings.verify && report.result.accepted()) verify(report);
   return report;
 }
 
@@ -251,6 +274,7 @@ void print_short_summary(std::ostream& out, const Report& report) {
 }
 
 void print_remarks(std::ostream& out, const Report& report) {
+  if (report.verified) out << verified_text(*report.verified) << '\n';
   if (report.derivatives)
     out << fmt::format("Jacobian checked by differences at the start: {}\n",
                        report.derivatives->defined
@@ -262,6 +286,14 @@ void print_remarks(std::ostream& out, const Report& report) {
     const std::string which = known.label.empty() ? "" : fmt::format(" '{}'", known.label);
     out << fmt::format("Nearest known solution{}: at a distance of {:.1e}\n", which, distance);
   }
+}
+
+std::string verified_text(const ncp::Verified& verified) {
+  if (!verified.unique) return fmt::format("not verified: {}", verified.why_not);
+  return fmt::format(
+      "verified: exactly one solution in the box of half-widths up to {:.1e} about this point; {} of its variables are "
+      "at a bound",
+      verified.largest_radius(), verified.active);
 }
 
 void print_options(std::ostream& out, const Settings& settings) {
