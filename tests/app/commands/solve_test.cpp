@@ -108,7 +108,8 @@ TEST(Solve, UndefinedStart) {
   EXPECT_EQ(parsed["residual"]["natural"], "inf");
 }
 
-// exp(800) is too large for a double, and 1000 - exp(800) as well; log(0) has no value. Would catch an overflow called NaN.
+// exp(800) is too large for a double, and 1000 - exp(800) as well; log(0) has no value. Would catch an overflow called
+// NaN.
 TEST(Solve, OverflowAtTheStartIsNotCalledNaN) {
   const auto message = [](const std::string& nl) {
     const test::Folder folder;
