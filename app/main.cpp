@@ -200,7 +200,7 @@ struct CommandLine {
   std::string level = "info";
   std::string all;
   std::string campaign;
-  bool check_derivatives = false;
+  bool check_derivatives = false, verify = false;
   bool version = false;
 
   CommandLine() {
@@ -268,6 +268,8 @@ struct CommandLine {
              shortcuts[k].value);
     solve->add_flag("--check-derivatives", check_derivatives,
                     "compare the Jacobian with differences at the start; refuse a wrong one");
+    solve->add_flag("--verify", verify,
+                    "prove by interval arithmetic that exactly one solution is near the point found, and how near");
     option(solve, "-o,--option", request.options, "an option of 'perp methods'; may be repeated", "KEY=VALUE")
         ->allow_extra_args(false);
     option(solve, "--all", all,
@@ -298,6 +300,7 @@ struct CommandLine {
     for (std::size_t k = 0; k < shortcuts.size(); ++k)
       if (solve->count(shortcuts[k].flag) > 0)
         solve_request.flags.push_back({shortcuts[k].key, shortcut_values[k], shortcuts[k].flag});
+    if (verify) solve_request.flags.push_back({"verify", "yes", "--verify"});
     if (check_derivatives) solve_request.flags.push_back({"check_derivatives", "yes", "--check-derivatives"});
   }
 };

@@ -91,7 +91,7 @@ _perp() {
   case $command in
     solve)
       if [ "${cur:0:1}" = - ]; then
-        mapfile -t COMPREPLY < <(compgen -W '--start --start-at --warm-start --lower --upper --solution --method --all --tol --tol-relative --max-iterations --time-limit --check-derivatives
+        mapfile -t COMPREPLY < <(compgen -W '--start --start-at --warm-start --lower --upper --solution --method --all --tol --tol-relative --max-iterations --time-limit --check-derivatives --verify
           --option --options-file --json --plot --plot-iteration --log-level --full --help' -- "$cur")
       else
         mapfile -t COMPREPLY < <(compgen -W "$(_perp_problems "${COMP_WORDS[0]}")" -- "$cur"

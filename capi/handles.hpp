@@ -2,6 +2,7 @@
 /// What the opaque handles of perp.h are.
 #include <atomic>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include "contact/model/problem.hpp"
 #include "contact/solvers/run.hpp"
 #include "ncp/ampl/model.hpp"
+#include "ncp/analysis/verify.hpp"
 #include "ncp/run/result.hpp"
 #include "ncp/settings/settings.hpp"
 
@@ -25,6 +27,7 @@ class NamedMcp final : public ncp::Mcp {
   bool jacobian(ncp::In x, SpMat& J) const override { return mcp_->jacobian(x, J); }
   bool is_affine() const override { return mcp_->is_affine(); }
   std::vector<bool> linear_entries() const override { return mcp_->linear_entries(); }
+  const ncp::Enclosure* enclosure() const override { return mcp_->enclosure(); }
   std::string name() const override { return name_.empty() ? mcp_->name() : name_; }
   std::string variable_name(Index i) const override {
     return variables_.empty() ? mcp_->variable_name(i) : variables_[lcp::at(i)];
@@ -74,6 +77,8 @@ struct perp_solver {
 struct perp_result {
   perp::ncp::Result result{};
   std::vector<std::int8_t> basis{};
+  /// Of option verify.
+  std::optional<perp::ncp::Verified> verified{};
 };
 
 struct perp_contact {

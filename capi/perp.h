@@ -257,6 +257,9 @@ double perp_result_relative(const perp_result* result);
 int64_t perp_result_relative_row(const perp_result* result);
 /** What a solution to the tolerance leaves to be said, a sentence each; NULL: there are no more. */
 const char* perp_result_note(const perp_result* result, int64_t i);
+/** With option verify: the largest r such that exactly one solution y has |y_i - x_i| <= r_i, r_i <= r, by a proof in
+ *  interval arithmetic. NaN where nothing was proven; a note says why. For files and affine problems. */
+double perp_result_verified_radius(const perp_result* result);
 /** n perp_cells of the last linearised problem solved; NULL where the method has none. */
 const int8_t* perp_result_basis(const perp_result* result);
 /** "iterations", "F_evals", "pivots", ..., "time_s" (seconds). */

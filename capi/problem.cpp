@@ -66,7 +66,9 @@ std::unique_ptr<perp_problem> affine_problem(std::int32_t interface, std::int64_
   check_size(n, "n");
   Columns<Integer> M = square(n, start, row, value);
   M.pattern = false;
-  lcp::AffineMcp affine{.M = matrix_of(M).entries, .q = vector_of(q, n, "q"), .box = box_of(lower, upper, n)};
+  lcp::AffineMcp affine{.M = {}, .q = vector_of(q, n, "q"), .box = box_of(lower, upper, n)};
+  matrix_of(M).entries.swap(affine.M);
+  affine.M.markAsRValue();  // not copied
   return std::make_unique<perp_problem>(ncp::make_affine_mcp(std::move(affine), "affine"));
 }
 template std::unique_ptr<perp_problem> affine_problem(std::int32_t, std::int64_t, const std::int32_t*,

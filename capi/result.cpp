@@ -79,6 +79,10 @@ const char* perp_result_note(const perp_result* result, int64_t i) {
   if (result == nullptr || i < 0 || i >= static_cast<int64_t>(result->result.notes.size())) return nullptr;
   return result->result.notes[static_cast<std::size_t>(i)].c_str();
 }
+double perp_result_verified_radius(const perp_result* result) {
+  if (result == nullptr || !result->verified || !result->verified->unique) return unknown;
+  return result->verified->largest_radius();
+}
 const int8_t* perp_result_basis(const perp_result* result) {
   return result == nullptr || result->basis.empty() ? nullptr : result->basis.data();
 }

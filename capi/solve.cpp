@@ -133,6 +133,11 @@ std::unique_ptr<perp_result> solved(perp_solver& solver, const perp_problem& pro
     result.message = who + ", asked to stop";
     result.advice = "run on from the point returned";
   }
+  if (options.settings.verify && result.accepted()) {
+    made->verified = ncp::verify(mcp, ncp::stop(method).tol, result);
+    watch.check();
+    if (!made->verified->unique) result.notes.push_back("not verified: " + made->verified->why_not);
+  }
   for (const lcp::Cell cell : result.basis) made->basis.push_back(static_cast<std::int8_t>(cell));
   if (solver.options.settings.output.all) listeners.tell(std::string(to_string(result.status)) + ": " + result.message);
   return made;

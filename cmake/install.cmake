@@ -44,6 +44,10 @@ set(perp_public_headers
   ncp/collection/collection.hpp
   ncp/collection/scalable/generators.hpp
   ncp/strategy/deflation.hpp
+  ncp/interval/enclosure.hpp
+  ncp/analysis/function_classes.hpp
+  ncp/analysis/no_solution.hpp
+  ncp/analysis/verify.hpp
   ncp/path/pivot_limit.hpp
   ncp/strategy/presets.hpp
   ncp/transforms/presolve.hpp
@@ -88,6 +92,7 @@ endif()
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/perpConfigVersion.cmake COMPATIBILITY ${perp_compatibility})
 install(FILES ${PROJECT_BINARY_DIR}/perpConfig.cmake ${PROJECT_BINARY_DIR}/perpConfigVersion.cmake
   ${CMAKE_CURRENT_LIST_DIR}/FindSuiteSparse.cmake ${CMAKE_CURRENT_LIST_DIR}/FindASL.cmake
+  ${CMAKE_CURRENT_LIST_DIR}/FindMPFI.cmake
   DESTINATION ${perp_package_dir})
 
 # pkg-config. Whoever links static libraries links what they use as well, hence Libs and not Libs.private.
@@ -106,7 +111,8 @@ function(perp_link_flags out)
   set(${out} ${flags} PARENT_SCOPE)
 endfunction()
 perp_link_flags(perp_pc_dependencies ${ASL_LIBRARY} ${SuiteSparse_UMFPACK_LIBRARY} ${SuiteSparse_KLU_LIBRARY}
-  ${SuiteSparse_CHOLMOD_LIBRARY} ${GSL_LIBRARY} ${GSL_CBLAS_LIBRARY})
+  ${SuiteSparse_CHOLMOD_LIBRARY} ${GSL_LIBRARY} ${GSL_CBLAS_LIBRARY} ${MPFI_LIBRARY} ${MPFI_MPFR_LIBRARY}
+  ${MPFI_GMP_LIBRARY})
 if(CMAKE_DL_LIBS)
   string(APPEND perp_pc_dependencies " -l${CMAKE_DL_LIBS}")
 endif()

@@ -10,7 +10,7 @@ export CCACHE_SLOPPINESS=${CCACHE_SLOPPINESS:-pch_defines,time_macros}  # else i
 
 # The one list of Debian packages: to build the program, to test it as well, to fuzz it.
 build_packages=(g++ cmake ninja-build libeigen3-dev libsuitesparse-dev libgsl-dev libamplsolver-dev
-  libhdf5-dev libcli11-dev nlohmann-json3-dev libfmt-dev)
+  libhdf5-dev libmpfi-dev libcli11-dev nlohmann-json3-dev libfmt-dev)
 test_packages=("${build_packages[@]}" libgtest-dev libgmock-dev libgmp-dev libmpfr-dev pkg-config python3
   python3-jsonschema gjh-asl-json)
 fuzz_packages=("${build_packages[@]}" clang llvm libclang-rt-14-dev)

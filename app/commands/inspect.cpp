@@ -21,10 +21,11 @@ using ncp::Index;
 using ncp::SpMat;
 using ncp::Vec;
 
-constexpr double at_bound = 1e-8;          // the default tolerance of the methods
-constexpr Index check_all_columns = 200;   // derivatives: every column up to this n,
-constexpr Index checked_columns = 50;      // else so many
-constexpr Index factor_to = 50'000;        // condition: beyond, an LU may take minutes and the memory
+constexpr double at_bound = 1e-8;         // the default tolerance of the methods
+constexpr Index check_all_columns = 200;  // derivatives: every column up to this n,
+constexpr Index checked_columns = 50;     // else so many
+constexpr Index factor_to = 50'000;       // condition: beyond, an LU may take minutes and the memory
+constexpr Index classify_functions_to = 20'000;
 constexpr std::size_t extremes_shown = 3;  // of rows, and of columns
 
 bool is_fixed(const ncp::Box& box, Index i) { return box.lower[i] == box.upper[i]; }
@@ -257,6 +258,8 @@ Inspection inspect_problem(const LoadedProblem& problem, const std::atomic<bool>
   inspection.scaling = scaling_of(principal(inspection.start.J, kept), kept);
   if (!stop(inspection, "condition")) inspection.condition = condition_of(box, inspection.start, kept);
   if (affine && !affine->invalid() && !stop(inspection, "matrix classes")) inspection.classes = lcp::classify(*affine);
+  if (!affine && n <= classify_functions_to && !stop(inspection, "classes of F"))
+    inspection.function_classes = ncp::function_classes(mcp, lcp::project(box, problem.x0));
   return inspection;
 }
 

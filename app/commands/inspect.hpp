@@ -12,6 +12,7 @@
 #include "app/program/program.hpp"
 #include "lcp/classes/classify.hpp"
 #include "lcp/linalg/structure.hpp"
+#include "ncp/analysis/function_classes.hpp"
 #include "ncp/problem/residual.hpp"
 
 namespace perp::app {
@@ -94,8 +95,9 @@ struct Inspection {
   ScalingFindings scaling{};
   std::optional<ncp::JacobianCheck> derivatives{};
   ConditionFindings condition{};
-  std::optional<lcp::Diagnosis> classes{};  ///< of affine problems
-  std::string interrupted{};                ///< what was left out when somebody asked to stop; empty: nothing
+  std::optional<lcp::Diagnosis> classes{};                 ///< of affine problems
+  std::optional<ncp::FunctionClasses> function_classes{};  ///< of the others
+  std::string interrupted{};  ///< what was left out when somebody asked to stop; empty: nothing
 
   const ncp::Mcp& mcp() const { return *problem->mcp; }
 };

@@ -142,6 +142,18 @@ Json classes_json(const Inspection& inspection) {
           {"guarantees", std::move(guarantees)}};
 }
 
+Json function_classes_json(const Inspection& inspection) {
+  if (!inspection.function_classes) return nullptr;
+  Json properties = Json::array();
+  for (const auto& [name, property] : inspection.function_classes->all())
+    properties.push_back({{"name", name},
+                          {"answer", lcp::to_string(property->answer)},
+                          {"reason", property->reason},
+                          {"x", json_numbers(property->x)},
+                          {"y", json_numbers(property->y)}});
+  return {{"modulus", json_number(inspection.function_classes->modulus)}, {"properties", std::move(properties)}};
+}
+
 }  // namespace
 
 std::string inspect_json(const Inspection& inspection) {
@@ -164,6 +176,7 @@ std::string inspect_json(const Inspection& inspection) {
   json["derivatives"] = derivatives_json(inspection);
   json["condition"] = condition_json(inspection.condition);
   json["classes"] = classes_json(inspection);
+  json["function_classes"] = function_classes_json(inspection);
   return json_text(json);
 }
 

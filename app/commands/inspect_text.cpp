@@ -222,6 +222,16 @@ void print_classes(Printout& print, const Inspection& inspection) {
     print.item(fmt::format("{} ({})", guarantee.statement, guarantee.source));
 }
 
+void print_function_classes(Printout& print, const Inspection& inspection) {
+  if (!inspection.function_classes) return;
+  print.part("F on the box");
+  std::ostream& out = print.raw();
+  Table table({"F is", "", "why"});
+  for (const auto& [name, property] : inspection.function_classes->all())
+    table.add({std::string(name), std::string(lcp::to_string(property->answer)), property->reason});
+  table.print(out);
+}
+
 }  // namespace
 
 std::vector<Concern> concerns(const Inspection& inspection) {
@@ -305,6 +315,7 @@ void print_inspection(std::ostream& out, const Inspection& inspection) {
   print_condition(print, inspection);
   print_concerns(Concern::Condition);
   print_classes(print, inspection);
+  print_function_classes(print, inspection);
   out << '\n';
   if (!inspection.interrupted.empty()) out << fmt::format("Interrupted: {} left out.\n", inspection.interrupted);
   if (all.empty())

@@ -216,6 +216,14 @@ Json without_point(const std::string& problem, std::string_view status, ExitCode
   return json;
 }
 
+Json verified_json(const ncp::Verified& verified) {
+  return {{"unique", verified.unique},
+          {"radius", verified.unique ? json_number(verified.largest_radius()) : Json(nullptr)},
+          {"at_bounds", verified.active},
+          {"radii", verified.unique ? json_numbers(verified.radius) : Json::array()},
+          {"why_not", verified.why_not}};
+}
+
 void add_several(Json& json, const Report& report) {
   const ncp::AllSolutions& all = *report.several;
   json["solutions_complete"] = false;
@@ -254,6 +262,7 @@ std::string solve_json(const Report& report) {
   json["stats"] = stats_json(result.stats);
   if (report.derivatives)
     json["derivatives"] = {{"defined", report.derivatives->defined}, {"worst", json_number(report.derivatives->worst)}};
+  if (report.verified) json["verified"] = verified_json(*report.verified);
   json["options"] = options_json(report.settings);
   json["variables"] = "";
   json["iterations"] = iterations_json(report);

@@ -95,6 +95,8 @@ Report run_method(const LoadedProblem& problem, const Settings& settings, std::o
       if (interrupt != nullptr) limits.interrupted = [interrupt] { return interrupt->load(); };
       report.all_solutions = lcp::enumerate(*ncp::affine_part(*problem.mcp), *enumeration, limits);
     }
+  if (settings.verify && report.result.accepted())
+    report.verified = ncp::verify(*problem.mcp, ncp::stop(settings.method).tol, report.result);
   return report;
 }
 
@@ -246,6 +248,7 @@ void print_short_summary(std::ostream& out, const Report& report) {
 }
 
 void print_remarks(std::ostream& out, const Report& report) {
+  if (report.verified) out << verified_text(*report.verified) << '\n';
   if (report.derivatives)
     out << fmt::format("Jacobian checked by differences at the start: {}\n",
                        report.derivatives->defined
@@ -257,6 +260,14 @@ void print_remarks(std::ostream& out, const Report& report) {
     const std::string which = known.label.empty() ? "" : fmt::format(" '{}'", known.label);
     out << fmt::format("Nearest known solution{}: at a distance of {:.1e}\n", which, distance);
   }
+}
+
+std::string verified_text(const ncp::Verified& verified) {
+  if (!verified.unique) return fmt::format("not verified: {}", verified.why_not);
+  return fmt::format(
+      "verified: exactly one solution in the box of half-widths up to {:.1e} about this point; {} of its variables are "
+      "at a bound",
+      verified.largest_radius(), verified.active);
 }
 
 void print_options(std::ostream& out, const Settings& settings) {

@@ -10,6 +10,7 @@
 
 #include "app/options/options.hpp"
 #include "app/problem/problem.hpp"
+#include "ncp/analysis/verify.hpp"
 #include "ncp/strategy/deflation.hpp"
 #include "ncp/strategy/solve.hpp"
 
@@ -26,6 +27,7 @@ struct Report {
   std::optional<ncp::JacobianCheck> derivatives{};  ///< at the start, if asked for
   std::vector<std::string> notes{};
   std::optional<lcp::Solutions> all_solutions{};  ///< of method enumeration
+  std::optional<ncp::Verified> verified{};        ///< if asked for, of an accepted point
   std::optional<ncp::AllSolutions> several{};     ///< where settings.solutions asks for several
 
   const ncp::Mcp& mcp() const { return *problem->mcp; }
@@ -37,8 +39,8 @@ struct Report {
 ncp::Observer live_table(std::ostream& out, const ncp::Mcp& mcp, const Output& output);
 
 /// Solves; prints the tables of iterations that the settings ask for to `log` (nullptr: none). `interrupt` may be null.
-/// Throws InputError if the Jacobian was to be checked and is wrong or if side inequalities were to be refused; what
-/// ncp::solve throws.
+/// Where a verified point is as good, it takes the place of the one found. Throws InputError if the Jacobian was to be
+/// checked and is wrong or if side inequalities were to be refused; what ncp::solve throws.
 Report run_method(const LoadedProblem& problem, const Settings& settings, std::ostream* log,
                   const std::atomic<bool>* interrupt, const ncp::Observer& observer = {});
 
@@ -62,10 +64,12 @@ void print_final_statistics(std::ostream& out, const Report& report);
 /// How many iterations, evaluations, ... there were: one a line, or the main ones in one line.
 void print_final_summary(std::ostream& out, const Report& report);
 void print_short_summary(std::ostream& out, const Report& report);
-/// The check of the Jacobian, the nearest known solution.
+/// What verification and the check of the Jacobian found, the nearest known solution.
 void print_remarks(std::ostream& out, const Report& report);
 /// All solutions, if the method looked for all: what is not zero in each.
 void print_all_solutions(std::ostream& out, const Report& report, bool full);
+/// "verified: exactly one solution in this box, 2.1e-13 about the point", or why that cannot be said.
+std::string verified_text(const ncp::Verified& verified);
 /// Options in force.
 void print_options(std::ostream& out, const Settings& settings);
 

@@ -36,8 +36,8 @@ std::vector<std::string> names(Namer namer, void* id, int n) {
 }
 
 std::vector<const char*> pointers(const std::vector<std::string>& names) {
-  std::vector<const char*> all;
-  for (const std::string& name : names) all.push_back(name.c_str());
+  std::vector<const char*> all(names.size());
+  std::transform(names.begin(), names.end(), all.begin(), [](const std::string& name) { return name.c_str(); });
   return all;
 }
 
@@ -45,11 +45,10 @@ std::vector<const char*> pointers(const std::vector<std::string>& names) {
 
 void ClientProblem::ask() {
   const MCP_Interface& client = m_.client;
-  for (const auto& [there, callback] : {std::pair{client.problem_size != nullptr, "problem_size"},
-                                        {client.bounds != nullptr, "bounds"},
-                                        {client.function_evaluation != nullptr, "function_evaluation"},
-                                        {client.jacobian_evaluation != nullptr, "jacobian_evaluation"}})
-    if (!there) throw End{MCP_Error, std::string(callback) + " is NULL"};
+  if (client.problem_size == nullptr) throw End{MCP_Error, "problem_size is NULL"};
+  if (client.bounds == nullptr) throw End{MCP_Error, "bounds is NULL"};
+  if (client.function_evaluation == nullptr) throw End{MCP_Error, "function_evaluation is NULL"};
+  if (client.jacobian_evaluation == nullptr) throw End{MCP_Error, "jacobian_evaluation is NULL"};
   int nonzeros = 0;
   client.problem_size(client.interface_data, &n_, &nonzeros);
   if (n_ < 0 || nonzeros < 0)

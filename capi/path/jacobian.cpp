@@ -41,7 +41,7 @@ std::string ClientJacobian::invalid() const {
       return column + " has " + std::to_string(len_[j]) + " entries from " + std::to_string(col_[j]) +
              " on, which are not within the " + std::to_string(promised_) + " nonzeros that problem_size has promised";
     for (int k = 0; k < len_[j]; ++k) {
-      const int row = client_row_[static_cast<std::size_t>(col_[j] - 1 + k)];
+      const int row = client_row_[static_cast<std::size_t>(col_[j]) - 1 + static_cast<std::size_t>(k)];
       if (row < 1 || row > n_)
         return column + " has an entry in row " + std::to_string(row == untouched ? 0 : row) + " of " +
                std::to_string(n_);
@@ -55,7 +55,7 @@ template <class Each>
 void ClientJacobian::each_entry(Each each) const {
   for (std::size_t j = 0; j < col_.size(); ++j)
     for (int k = 0; k < len_[j]; ++k) {
-      const auto index = static_cast<std::size_t>(col_[j] - 1 + k);
+      const auto index = static_cast<std::size_t>(col_[j]) - 1 + static_cast<std::size_t>(k);
       each(j, client_row_[index] - 1, index);
     }
 }

@@ -7,6 +7,7 @@
 #include "lcp/io/output_file.hpp"
 #include "ncp/ampl/asl_problem.hpp"
 #include "ncp/ampl/linearity.hpp"
+#include "ncp/ampl/model_enclosure.hpp"
 #include "ncp/ampl/names.hpp"
 #include "ncp/ampl/nl_check.hpp"
 #include "ncp/ampl/pairing.hpp"
@@ -47,6 +48,7 @@ class AslModel final : public Model {
         names_(stub, nl_.header.n_var, nl_.header.n_con),
         pairing_(pair(nl_, names_)),
         jacobian_(map_jacobian(nl_, pairing_)),
+        enclosure_(model_enclosure(nl_, pairing_, jacobian_)),
         asl_(stub, nl_.segments(bytes), sizes_of(nl_.header)),
         start_(Vec::Zero(pairing_.box.size())),
         rows_(nl_.rows.size(), 0.0),
@@ -65,6 +67,7 @@ class AslModel final : public Model {
     return std::ranges::all_of(nl_.mentions, [](const auto& row) { return row.empty(); });
   }
   std::vector<bool> linear_entries() const override { return ampl::linear_entries(nl_, pairing_, jacobian_); }
+  const Enclosure* enclosure() const override { return enclosure_.get(); }
   std::string name() const override { return file_name(stub_); }
   std::string variable_name(Index i) const override { return unknown_name(pairing_, names_, nl_.header.n_var, i); }
   std::string equation_name(Index i) const override {
@@ -87,6 +90,7 @@ class AslModel final : public Model {
   Names names_;
   Pairing pairing_;
   JacobianMap jacobian_;
+  std::unique_ptr<Enclosure> enclosure_;
   AslProblem asl_;
   Vec start_;
   bool all_used_ = true;                  // every row takes part in F

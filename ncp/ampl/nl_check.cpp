@@ -117,7 +117,9 @@ void Segments::constraint() {
   tokens_.close();
   const std::size_t begin = tokens_.offset();
   std::vector<Mention>& mentions = model_.mentions[at(row)];
-  const ExpressionKind kind = check_expression(tokens_, header_, defined_, Reader::Constraint, -1, mentions);
+  const ExpressionKind kind =
+      check_expression(tokens_, header_, defined_, Reader::Constraint, -1, mentions, model_.expressions);
+  model_.expressions.rows[at(row)] = kind.root;
   // The library starts the derivative of a row at the last thing it read that has one: not that of a lone variable,
   // and that of a definition before a row without derivative.
   if (kind.branches || (kind.nodes == 1 && !mentions.empty()) || (owner_ != 0 && !kind.derivative))
@@ -135,7 +137,7 @@ void Segments::objective() {
   tokens_.close();
   const std::size_t begin = tokens_.offset();
   std::vector<Mention> mentions;
-  if (check_expression(tokens_, header_, defined_, Reader::Objective, -1, mentions).branches)
+  if (check_expression(tokens_, header_, defined_, Reader::Objective, -1, mentions, model_.expressions).branches)
     model_.anchors.push_back({begin, 0});
   defined_.end_row();
   owner_ = 0;
@@ -159,14 +161,21 @@ void Segments::defined_variable() {
   if (owner == 0 && expressions_) tokens_.fail(name + " is for several rows, but comes after the first C or O segment");
   owner_ = owner;
   std::vector<Mention>& mentions = model_.definitions[at(self)];
+  ExpressionGraph& graph = model_.expressions.graph;
+  std::vector<ExpressionGraph::Node> sum;
   for (int i = 0; i < terms; ++i) {
     tokens_.item();
     mentions.push_back({tokens_.integer("variable", 0, header_.n_var - 1), true});
-    tokens_.real("coefficient");
+    const double coefficient = tokens_.real("coefficient");
+    sum.push_back(
+        graph.binary(Operation::Multiply, graph.constant(coefficient), graph.variable(mentions.back().index)));
     tokens_.close();
   }
   const std::size_t begin = tokens_.offset();
-  const ExpressionKind kind = check_expression(tokens_, header_, defined_, defined_.group(self), self, mentions);
+  const ExpressionKind kind =
+      check_expression(tokens_, header_, defined_, defined_.group(self), self, mentions, model_.expressions);
+  sum.push_back(kind.root);
+  model_.expressions.definitions[at(self)] = graph.sum(sum);
   if (kind.branches) model_.anchors.push_back({begin, 0});
   defined_.define(self, terms > 0 || kind.derivative);
 }
@@ -304,13 +313,14 @@ void Segments::jacobian() {
   for (int i = 0; i < n; ++i) {
     tokens_.item();
     const int j = tokens_.integer("variable", 0, header_.n_var - 1);
-    tokens_.real("coefficient");
+    const double coefficient = tokens_.real("coefficient");
     tokens_.close();
     if (last_row_[at(j)] == row)
       tokens_.fail("variable " + std::to_string(j) + " occurs twice in segment J" + std::to_string(row));
     last_row_[at(j)] = row;
     ++column_count_[at(j)];
     variables.push_back(j);
+    model_.coefficients[at(row)].push_back(coefficient);
   }
 }
 
@@ -448,7 +458,10 @@ NlModel check_nl(const std::string& file, std::string_view bytes) {
   model.start.assign(at(h.n_var), 0.0);
   model.row_variables.resize(at(h.n_con));
   model.mentions.resize(at(h.n_con));
+  model.coefficients.resize(at(h.n_con));
   model.definitions.resize(at(h.defined()));
+  model.expressions.rows.resize(at(h.n_con));
+  model.expressions.definitions.resize(at(h.defined()));
   Segments(tokens, model).run();
   return model;
 }

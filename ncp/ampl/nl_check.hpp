@@ -32,10 +32,12 @@ struct NlModel {
   std::vector<NlRange> rows;
   std::vector<double> start;                      ///< n_var
   std::vector<std::vector<int>> row_variables;    ///< of each row, those with a Jacobian entry
+  std::vector<std::vector<double>> coefficients;  ///< of each of them in the row's linear part
   std::vector<int> column_start;                  ///< n_var + 1: of the Jacobian by columns, rows ascending
   std::vector<std::vector<Mention>> mentions;     ///< of each row's expression
   std::vector<std::vector<Mention>> definitions;  ///< of each defined variable
 
+  NlGraph expressions;
   std::vector<NlAnchor> anchors;  ///< ascending; see segments()
 
   std::string at(Place place) const;

@@ -70,6 +70,7 @@ constexpr int max_precision = 17;
 constexpr int max_digits = 60;
 
 struct Open {  // an operator whose operands are being read
+  int op;
   Shape shape;
   int operand;          // the next one
   int left;             // still to come
@@ -77,19 +78,73 @@ struct Open {  // an operator whose operands are being read
   bool varies = false;  // has an operand one that counts?
 };
 
+/// The operator with that opcode in the graph.
+ExpressionGraph::Node value_of(ExpressionGraph& graph, int op, const std::vector<ExpressionGraph::Node>& nodes) {
+  using enum Operation;
+  static constexpr auto unary = [] {
+    std::array<Operation, 54> t{};
+    t.fill(Unknown);
+    t[13] = Floor, t[14] = Ceil, t[15] = Absolute, t[16] = Negate, t[37] = Tanh, t[38] = Tan, t[39] = Sqrt;
+    t[40] = Sinh, t[41] = Sin, t[42] = Log10, t[43] = Log, t[44] = Exp, t[45] = Cosh, t[46] = Cos, t[47] = Atanh;
+    t[49] = Atan, t[50] = Asinh, t[51] = Asin, t[52] = Acosh, t[53] = Acos;
+    return t;
+  }();
+  switch (op) {
+    case 0:
+      return graph.binary(Add, nodes[0], nodes[1]);
+    case 1:
+      return graph.binary(Subtract, nodes[0], nodes[1]);
+    case 2:
+      return graph.binary(Multiply, nodes[0], nodes[1]);
+    case 3:
+      return graph.binary(Divide, nodes[0], nodes[1]);
+    case 5:
+      return graph.binary(Power, nodes[0], nodes[1]);
+    case 6:  // less: max(a - b, 0)
+      return graph.binary(Maximum, graph.binary(Subtract, nodes[0], nodes[1]), graph.constant(0));
+    case 11:
+    case 12: {
+      ExpressionGraph::Node extreme = nodes[0];
+      for (std::size_t k = 1; k < nodes.size(); ++k)
+        extreme = graph.binary(op == 11 ? Minimum : Maximum, extreme, nodes[k]);
+      return extreme;
+    }
+    case 35:
+      return graph.binary(Either, nodes[1], nodes[2]);
+    case 48:
+      return graph.binary(Atan2, nodes[0], nodes[1]);
+    case 54:
+      return graph.sum(nodes);
+    default:
+      return nodes.size() == 1 && op < static_cast<int>(unary.size()) && unary[static_cast<std::size_t>(op)] != Unknown
+                 ? graph.unary(unary[static_cast<std::size_t>(op)], nodes[0])
+                 : graph.unknown();
+  }
+}
+
 class Walk {
  public:
   Walk(NlTokens& tokens, const NlHeader& header, const DefinedVariables& defined, Reader reader, int self,
-       std::vector<Mention>& mentions)
-      : tokens_(tokens), header_(header), defined_(defined), reader_(reader), self_(self), mentions_(mentions) {}
+       std::vector<Mention>& mentions, NlGraph& graph)
+      : tokens_(tokens),
+        header_(header),
+        defined_(defined),
+        reader_(reader),
+        self_(self),
+        mentions_(mentions),
+        graph_(graph) {}
 
   ExpressionKind run() {
     ExpressionKind kind;
     do {
       node();
       ++kind.nodes;
-      for (; !open_.empty() && open_.back().left == 0; open_.pop_back()) found(open_.back());
+      for (; !open_.empty() && open_.back().left == 0; open_.pop_back()) {
+        found(open_.back());
+        join(open_.back());
+      }
     } while (!open_.empty());
+    kind.root = operands_.back();
     kind.derivative = derivative_;
     kind.branches = branches_;
     return kind;
@@ -106,6 +161,8 @@ class Walk {
   void found(const Open& operation);
   void leaf(bool derivative);
   int operands(Shape shape);
+  /// Its operands in the graph become its value.
+  void join(const Open& operation);
 
   NlTokens& tokens_;
   const NlHeader& header_;
@@ -113,6 +170,8 @@ class Walk {
   Reader reader_;
   int self_;
   std::vector<Mention>& mentions_;
+  NlGraph& graph_;
+  std::vector<ExpressionGraph::Node> operands_;  // in the graph, of the operators that are open
   std::vector<Open> open_;
   bool derivative_ = false;  // of the outermost node
   bool branches_ = false;
@@ -188,6 +247,7 @@ void Walk::node() {
       const int digits = want == Want::Precision ? max_precision : max_digits;
       if ((want == Want::Precision || want == Want::Digits) && !(value >= 0 && value <= digits))
         tokens_.fail("number of digits is " + number(value) + ", not in 0.." + std::to_string(digits));
+      operands_.push_back(graph_.graph.constant(value));
       return;
     }
     case 'v':
@@ -250,7 +310,7 @@ void Walk::operation(Want want, bool derivative) {
     tokens_.fail("the expression is nested deeper than " + std::to_string(max_depth) +
                  " levels (write long sums as o54)");
   branches_ |= shape == Shape::If || shape == Shape::MinMax;
-  open_.push_back({shape, 0, operands(shape), derivative});
+  open_.push_back({op, shape, 0, operands(shape), derivative});
 }
 
 void Walk::piecewise_linear(bool derivative) {
@@ -273,6 +333,7 @@ void Walk::piecewise_linear(bool derivative) {
   }
   if (tokens_.kind() != 'v') tokens_.fail("the argument of a piecewise-linear term (o64) has to be a variable");
   variable(derivative);
+  operands_.back() = graph_.graph.unknown();
 }
 
 void Walk::variable(bool derivative) {
@@ -283,7 +344,16 @@ void Walk::variable(bool derivative) {
       tokens_.fail("defined variable v" + std::to_string(index) + why);
   }
   mentions_.push_back({index, derivative});
+  operands_.push_back(index < header_.n_var ? graph_.graph.variable(index)
+                                            : graph_.definitions[static_cast<std::size_t>(index - header_.n_var)]);
   leaf(derivative && (index < header_.n_var || defined_.has_derivative(index - header_.n_var)));
+}
+
+void Walk::join(const Open& operation) {
+  const auto n = static_cast<std::size_t>(operation.operand);
+  const std::vector<ExpressionGraph::Node> nodes(operands_.end() - operation.operand, operands_.end());
+  operands_.resize(operands_.size() - n);
+  operands_.push_back(value_of(graph_.graph, operation.op, nodes));
 }
 
 }  // namespace
@@ -306,8 +376,8 @@ const char* DefinedVariables::objection(int number, Reader reader, int self) con
 }
 
 ExpressionKind check_expression(NlTokens& tokens, const NlHeader& header, const DefinedVariables& defined,
-                                Reader reader, int self, std::vector<Mention>& mentions) {
-  return Walk(tokens, header, defined, reader, self, mentions).run();
+                                Reader reader, int self, std::vector<Mention>& mentions, NlGraph& graph) {
+  return Walk(tokens, header, defined, reader, self, mentions, graph).run();
 }
 
 }  // namespace perp::ncp::ampl

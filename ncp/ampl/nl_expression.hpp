@@ -6,6 +6,7 @@
 
 #include "ncp/ampl/nl_header.hpp"
 #include "ncp/ampl/nl_tokens.hpp"
+#include "ncp/interval/expression_graph.hpp"
 
 namespace perp::ncp::ampl {
 
@@ -51,14 +52,23 @@ class DefinedVariables {
   int row_ = 2;
 };
 
+/// The expressions of a model for ranges. What has no derivative in AMPL's library, and what depends on a condition, is
+/// kept as unknown.
+struct NlGraph {
+  ExpressionGraph graph;
+  std::vector<ExpressionGraph::Node> definitions;  ///< of each defined variable
+  std::vector<ExpressionGraph::Node> rows;         ///< of each row, without its linear part
+};
+
 struct ExpressionKind {
   int nodes = 0;
+  ExpressionGraph::Node root = -1;
   bool derivative = false;  ///< is there one with respect to any variable? (not of numbers, counts, round(), ...)
   bool branches = false;    ///< has it min, max or if?
 };
 
-/// Passes over one expression and appends what it mentions.
+/// Passes over one expression, appends what it mentions, and puts it into the graph.
 ExpressionKind check_expression(NlTokens& tokens, const NlHeader& header, const DefinedVariables& defined,
-                                Reader reader, int self, std::vector<Mention>& mentions);
+                                Reader reader, int self, std::vector<Mention>& mentions, NlGraph& graph);
 
 }  // namespace perp::ncp::ampl

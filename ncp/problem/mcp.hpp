@@ -23,6 +23,8 @@ using lcp::Out;
 using lcp::SpMat;
 using lcp::Vec;
 
+class Enclosure;
+
 /// A problem. One object may be used by one thread at a time; different objects by different threads.
 class Mcp {
  public:
@@ -43,6 +45,10 @@ class Mcp {
   /// promises that F_i(x) - J_ij x_j does not depend on x_j, with one number J_ij wherever F_i is defined; a row with
   /// nothing but such entries (or with none) is affine on all of R^n. Empty: nothing is known. All, where is_affine().
   virtual std::vector<bool> linear_entries() const;
+
+  /// Ranges of F and J over boxes (ncp/interval/enclosure.hpp), for proofs; they live as long as the problem. Null: the
+  /// problem has none.
+  virtual const Enclosure* enclosure() const { return nullptr; }
 
   virtual std::string name() const { return "mcp"; }
   /// Names for people, counted from 1 as the papers do: "x[1]" and "F[1]" unless the problem knows better.

@@ -15,6 +15,8 @@ namespace {
 
 /// Those of the program alone.
 void describe(Settings& settings, ncp::Fields& f) {
+  f.add("verify", &settings.verify,
+        "prove by interval arithmetic that exactly one solution is near the point found, and how near");
   f.add("sideineq", &settings.sideineq, ncp::between(1, 2),
         "a model's side inequalities: 1 accepts them, with an extra variable each; 2 refuses the model");
   f.add("wantsol", &settings.wantsol, ncp::between(0, 15),

@@ -53,8 +53,9 @@ struct Settings {
   ncp::Method method = find_method(default_method)->method;  ///< methods()' entry of that name, the options applied
   std::optional<int> solutions{};                            ///< several, by deflation: at most so many
   Output output{};
-  int sideineq = 1;  ///< 1 accept side inequalities of a model, 2 refuse it for them
-  int wantsol = 1;   ///< AMPL's bits; of them 8 (do not print the message) means something
+  int sideineq = 1;     ///< 1 accept side inequalities of a model, 2 refuse it for them
+  bool verify = false;  ///< encloses what was found: ncp::verify
+  int wantsol = 1;      ///< AMPL's bits; of them 8 (do not print the message) means something
 };
 
 /// The options that these settings have: of the method, each after what it depends on, and of the program.

@@ -5,6 +5,7 @@
 #include <new>
 #include <stdexcept>
 
+#include "ncp/analysis/no_solution.hpp"
 #include "ncp/run/notes.hpp"
 #include "ncp/run/run.hpp"
 #include "ncp/strategy/proximal.hpp"
@@ -49,6 +50,19 @@ void run_base(Run& run, In x0, const Method& method) {
                         [&](const Strategy& m) { run_strategy(run, x0, *m.tree); },
                         [&](const auto&) { run_once(run, x0, method); }},
              method);
+}
+
+/// Ends the run if the ranges of F over the box leave no solution.
+bool refuted(Run& run, In x0) {
+  const auto proof = no_solution(run.mcp());
+  if (!proof) return false;
+  const std::string message = "proven to have no solution: " + describe(run.mcp(), *proof);
+  const std::string advice = "look for a mistake in the model";
+  if (Point point; run.start(x0, point))
+    run.end(Status::Infeasible, message, advice);
+  else if (!run.accepted())
+    run.replace_verdict({Status::Infeasible, message, advice});
+  return true;
 }
 
 /// A derivative that does not match is the most frequent reason of a failure, and the hardest to see.
@@ -181,7 +195,9 @@ Result solve(const Mcp& mcp, In x0, const Method& method, const Observer& observ
       if (const std::string mismatch = describe(mcp, check); !mismatch.empty())
         throw std::invalid_argument(mcp.name() + ": " + mismatch);
   Run run(mcp, stop(method), observer);
-  run.guard([&] { run_method(run, x0, method); });
+  run.guard([&] {
+    if (!refuted(run, x0)) run_method(run, x0, method);
+  });
   Result result = run.result(x0);
   result.message += words_on_best(mcp, result);
   try {

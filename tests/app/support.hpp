@@ -77,8 +77,8 @@ inline std::string scalar_nl(const std::string& F, double start, const std::stri
 
 /// 0 <= x _|_ x^2 - 2 >= 0, solved by sqrt(2).
 inline std::string sqrt2_nl() { return scalar_nl("o1\no5\nv0\nn2\nn2\n", 1); }
-/// 0 <= x _|_ -1 - x^2 >= 0 has no solution.
-inline std::string infeasible_nl() { return scalar_nl("o1\nn-1\no5\nv0\nn2\n", 1); }
+/// 0 <= x _|_ x - x - (1 + x^2) >= 0 has no solution, and the range of F does not show it.
+inline std::string infeasible_nl() { return scalar_nl("o1\no1\nv0\nv0\no0\nn1\no5\nv0\nn2\n", 1); }
 /// 0 <= x _|_ (x - 1)^2 - 1.01 >= 0 from 0, close to a local minimum of the merit functions (Billups 1995).
 inline std::string billups_nl() { return scalar_nl("o1\no5\no1\nv0\nn1\nn2\nn1.01\n", 0); }
 /// 0 <= x _|_ log(x) >= 0, from 0, where it is not defined.

@@ -42,6 +42,28 @@ static void small(void) {
   CHECK(result == NULL);
 }
 
+/* The solution (1, 0) is nondegenerate and M nonsingular there: it is the only one nearby, which verify proves. */
+static void verified(void) {
+  const int32_t start[] = {0, 2, 4};
+  const int32_t row[] = {0, 1, 0, 1};
+  const double value[] = {2, -1, 5, 1};
+  const double q[] = {-2, 3};
+  perp_problem* problem = NULL;
+  perp_solver* solver = NULL;
+  perp_result* result = NULL;
+  OK(perp_problem_affine_int32(PERP_INTERFACE, 2, start, row, value, q, NULL, NULL, &problem, &error));
+  OK(perp_solver_create(PERP_INTERFACE, &solver, &error));
+  OK(perp_solve(solver, problem, NULL, &result, &error));
+  CHECK(isnan(perp_result_verified_radius(result)));
+  perp_result_free(result);
+  OK(perp_solver_set(solver, "verify", "yes", &error));
+  OK(perp_solve(solver, problem, NULL, &result, &error));
+  CHECK(perp_result_verified_radius(result) >= 0 && perp_result_verified_radius(result) < 1e-6);
+  perp_result_free(result);
+  perp_solver_free(solver);
+  perp_problem_free(problem);
+}
+
 /* 0 <= x _|_ -1 + x1 - ... : a linear complementarity problem without a solution, proven so: x1 + 1 cannot be, for
    M = [0 0; 0 0], q = (1, -1). */
 static void infeasible(void) {
@@ -87,6 +109,7 @@ static void large(void) {
 
 int main(void) {
   small();
+  verified();
   infeasible();
   large();
   return failed_checks == 0 ? EXIT_SUCCESS : EXIT_FAILURE;

@@ -37,7 +37,7 @@ RUNS = [
     ("solve", 0, "solve murty:3 --method enumeration"),
     ("solve", 0, "solve kojshin --check-derivatives --start 2 --method josephy"),
     ("solve", 0, "solve data/models/cournot.nl --warm-start cournot.json"),
-    ("solve", 0, "solve data/models/harberger.nl"),
+    ("solve", 0, "solve data/models/harberger.nl --verify"),
     ("solve", None, "solve billups --method path"),
     ("solve", 0, "solve M.mtx q.mtx"),
     ("solve", 1, "solve kojshin --max-iterations 1"),
@@ -118,7 +118,7 @@ FILES = {
 }
 
 # Keys that a document may lack, "*" for an item of a list, and tables of any keys.
-OPTIONAL = {("solve", "derivatives"), ("solve", "deflation"), ("solve", "variables.*.basis")}
+OPTIONAL = {("solve", "derivatives"), ("solve", "verified"), ("solve", "deflation"), ("solve", "variables.*.basis")}
 OPEN = {("solve", "options"), ("campaign", "methods.*.in_force")}
 # Where a document says its version; the cells of a comparison have that of its campaign.
 VERSIONS = ("schema", "campaign", "contact_campaign")

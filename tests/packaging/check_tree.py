@@ -46,6 +46,7 @@ RULES = [
     (r"(.*/)?(asl|asl_pfg|asl_pfgh|nlp|nlp2|getstub|jacpdim)\.h$", ("ncp/ampl/",), "AMPL's library stays in ncp/ampl"),
     (r"(.*/)?(hdf5|H5\w*)\.h(pp)?$", ("contact/io/hdf5_lazy.hpp",), "HDF5 stays in contact/io/hdf5_lazy.hpp"),
     (r"gsl/", ("ncp/methods/multiroot.cpp", "ncp/methods/gsl_errors.cpp", "ncp/collection/"), "GSL stays behind multiroot and in the collection"),
+    (r"mpfi|mpfr|gmp", ("ncp/interval/interval.cpp",), "MPFI stays behind the intervals"),
     (r"(CLI/|nlohmann/)", ("app/",), "command line and JSON stay in app"),
     (r"(.*/)?\.\./", (), "includes are written from the root of the tree"),
 ]
@@ -54,7 +55,7 @@ UNRULED = ("tests/", "bench/", "data/")
 # The folders from the ground up.
 FLOORS = """
 lcp lcp/lu lcp/judge lcp/linalg lcp/pivoting lcp/qp lcp/iterative lcp/classes lcp/solve lcp/io
-ncp/problem ncp/ampl ncp/run ncp/reformulation ncp/transforms ncp/analysis ncp/path ncp/methods ncp/strategy
+ncp/interval ncp/problem ncp/ampl ncp/run ncp/reformulation ncp/transforms ncp/analysis ncp/path ncp/methods ncp/strategy
 ncp/settings
 ncp/collection/base ncp/collection/random ncp/collection/models ncp/collection/scalable ncp/collection/kkt ncp/collection
 contact/model contact/existence contact/io contact/laws contact/solvers contact/scenes

@@ -369,6 +369,19 @@ TEST_F(Inspect, JacobianThatLeavesItsPattern) {
   EXPECT_THROW(inspect_problem(loaded(functions, vec({0}))), std::invalid_argument);
 }
 
+// x^2 - 2 on the model's box. Catches a table that is left out, or one of M for a nonlinear F.
+TEST_F(Inspect, SaysTheClassOfNonlinearF) {
+  const test::Folder folder;
+  test::write(folder / "m.nl", test::sqrt2_nl());
+  const LoadedProblem problem = load_problem(ProblemSource{.problem = folder / "m.nl"});
+  const Inspection inspection = inspect_problem(problem);
+  ASSERT_TRUE(inspection.function_classes);
+  EXPECT_THAT(printed(inspection), AllOf(HasSubstr("uniform P-function"), Not(HasSubstr("M is"))));
+  const Json parsed = parse_json(inspect_json(inspection));
+  EXPECT_EQ(parsed.at("function_classes").at("properties").size(), 6);
+  EXPECT_EQ(parsed.at("classes"), nullptr);
+}
+
 TEST_F(Inspect, InterruptedSaysWhatIsMissing) {
   const std::atomic<bool> interrupt{true};
   const LoadedProblem& problem = affine(matrix({{1}}), vec({1}), ncp::Box::free(1));

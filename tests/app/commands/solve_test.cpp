@@ -108,7 +108,8 @@ TEST(Solve, UndefinedStart) {
   EXPECT_EQ(parsed["residual"]["natural"], "inf");
 }
 
-// exp(800) is too large for a double, and -exp(800) as well; log(0) has no value. Would catch an overflow called NaN.
+// exp(800) is too large for a double, and 1000 - exp(800) as well; log(0) has no value. Would catch an overflow called
+// NaN.
 TEST(Solve, OverflowAtTheStartIsNotCalledNaN) {
   const auto message = [](const std::string& nl) {
     const test::Folder folder;
@@ -117,7 +118,7 @@ TEST(Solve, OverflowAtTheStartIsNotCalledNaN) {
     EXPECT_EQ(solve({.problem = folder / "m.nl", .json = "-"}, captured.streams), exit_unsolved);
     return parse_json(captured.out.str())["message"].get<std::string>();
   };
-  for (const char* F : {"o44\nv0\n", "o16\no44\nv0\n"})
+  for (const char* F : {"o44\nv0\n", "o1\nn1000\no44\nv0\n"})
     EXPECT_THAT(message(test::scalar_nl(F, 800)),
                 testing::AllOf(HasSubstr("is infinite (an overflow"), HasSubstr("= 800")));
   EXPECT_THAT(message(test::undefined_nl()), HasSubstr("is NaN"));
@@ -324,6 +325,25 @@ TEST(Solve, DerivativesAreCheckedOnDemand) {
   EXPECT_LT(parsed["derivatives"]["worst"].get<double>(), 1e-6);
   EXPECT_EQ(parsed["options"]["check_derivatives"], true);
   EXPECT_THAT(captured.err.str(), HasSubstr("Jacobian checked"));
+}
+
+// sqrt(2) again, whose box has to hold it; the problem of functions says why there is no proof. Catches a proof about
+// another point than the one that is written.
+TEST(Solve, VerifiesOnDemand) {
+  const test::Folder folder;
+  test::write(folder / "m.nl", test::sqrt2_nl());
+  test::Captured captured;
+  EXPECT_EQ(solve({.problem = folder / "m.nl", .options = {"verify=yes"}, .json = "-"}, captured.streams), exit_solved);
+  const Json parsed = parse_json(captured.out.str());
+  EXPECT_EQ(parsed["verified"]["unique"], true);
+  EXPECT_LE(std::abs(parsed["variables"][0]["value"].get<double>() - std::sqrt(2.0)),
+            parsed["verified"]["radius"].get<double>() + 1e-15);
+  EXPECT_LE(parsed["verified"]["radius"].get<double>(), 1e-12);
+  EXPECT_THAT(captured.err.str(), HasSubstr("verified: exactly one solution in the box of half-widths up to"));
+
+  test::Captured functions;
+  solve({.problem = "josephy", .options = {"verify=yes"}}, functions.streams);
+  EXPECT_THAT(functions.out.str(), HasSubstr("not verified: the problem gives no ranges"));
 }
 
 // A Jacobian with a wrong sign must be refused with the names of its row and column.

@@ -2,7 +2,10 @@
 // "Writing .nl files", table 6). Would catch a wrong arity or opcode in the checker and misused operands.
 #include <cmath>
 #include <functional>
+#include <random>
+#include <vector>
 
+#include "ncp/interval/enclosure.hpp"
 #include "nl_text.hpp"
 
 namespace perp::ncp::ampl {
@@ -33,6 +36,35 @@ TEST_P(Operators, ValueAndDerivative) {
     const double expected = c.f(c.x, c.y);
     EXPECT_NEAR(values(*m, x)[0], expected, 1e-14 * std::max(1.0, std::abs(expected)));
     EXPECT_EQ(describe(*m, check_jacobian(*m, x), 1e-7), "");
+  }
+}
+
+// Over boxes about the point: every value and derivative lies in its range. Would catch an operator that the ranges
+// take for another one, and a derivative of ranges that is not the library's.
+TEST_P(Operators, RangesHoldValuesAndDerivatives) {
+  const Case& c = GetParam();
+  const auto m = read_text(model_of(c.expression));
+  ASSERT_NE(m->enclosure(), nullptr);
+  std::mt19937_64 random(3);
+  std::uniform_real_distribution<double> part(-1, 1);
+  for (const double width : {0.0, 1e-6, 0.01, 0.2}) {
+    const std::vector<Interval> X{{c.x - width, c.x + width}, {c.y - width, c.y + width}};
+    std::vector<Interval> F(2), J(at(m->jacobian_pattern().nonZeros()));
+    std::vector<char> known(2);
+    m->enclosure()->values(X, F);
+    m->enclosure()->jacobian(X, J, known);
+    for (int k = 0; k < 20; ++k) {
+      const Vec x{{c.x + width * part(random), c.y + width * part(random)}};
+      const double f = values(*m, x)[0], slack = 1e-14 * std::max(1.0, std::abs(f));  // of the library's own rounding
+      EXPECT_TRUE(Interval(F[0].lower - slack, F[0].upper + slack).contains(f)) << f;
+      if (known[0] == 0) continue;
+      SpMat there = m->jacobian_pattern();
+      ASSERT_TRUE(m->jacobian(x, there));
+      for (std::size_t e = 0; e < J.size(); ++e) {
+        const double d = there.valuePtr()[e], near = 1e-13 * std::max(1.0, std::abs(d));
+        EXPECT_TRUE(Interval(J[e].lower - near, J[e].upper + near).contains(d)) << d << " entry " << e;
+      }
+    }
   }
 }
 

@@ -1,0 +1,89 @@
+#include "ncp/ampl/model_enclosure.hpp"
+
+#include <algorithm>
+#include <vector>
+
+#include "ncp/problem/mcp.hpp"
+
+namespace perp::ncp::ampl {
+namespace {
+
+/// The elementary functions come from a C library that ends the process where memory is short: so much is asked for
+/// beforehand, by somebody who can say no.
+void require_some_memory() {
+  constexpr std::size_t enough = 1 << 16;
+  const std::vector<char> some(enough);
+}
+
+class ModelEnclosure final : public Enclosure {
+ public:
+  ModelEnclosure(const NlModel& model, const Pairing& pairing, const JacobianMap& map)
+      : model_(model), pairing_(pairing), map_(map) {}
+
+  void values(std::span<const Interval> X, std::span<Interval> F) const override;
+  void jacobian(std::span<const Interval> X, std::span<Interval> J, std::span<char> known) const override;
+
+ private:
+  ExpressionGraph::Node root(int row) const { return model_.expressions.rows[at(row)]; }
+  Interval row(int row, std::span<const Interval> X, const ExpressionGraph::Ranges& ranges) const;
+
+  const NlModel& model_;
+  const Pairing& pairing_;
+  const JacobianMap& map_;
+};
+
+Interval ModelEnclosure::row(int row, std::span<const Interval> X, const ExpressionGraph::Ranges& ranges) const {
+  Interval value = ranges.values[at(root(row))];
+  const std::vector<int>& variables = model_.row_variables[at(row)];
+  for (std::size_t k = 0; k < variables.size(); ++k)
+    if (const double c = model_.coefficients[at(row)][k]; c != 0) value += c * X[at(variables[k])];
+  return value;
+}
+
+void ModelEnclosure::values(std::span<const Interval> X, std::span<Interval> F) const {
+  require_some_memory();
+  const ExpressionGraph::Ranges ranges = model_.expressions.graph.ranges(X);
+  for (std::size_t u = 0; u < F.size(); ++u) {
+    const Equation& e = pairing_.equations[u];
+    const Interval v = e.of_row ? row(e.index, X, ranges) : X[at(e.index)];
+    F[u] = e.sign * (v - e.bound);
+    if (e.side) F[u] = F[u] - X[u];
+  }
+}
+
+void ModelEnclosure::jacobian(std::span<const Interval> X, std::span<Interval> J, std::span<char> known) const {
+  require_some_memory();
+  const ExpressionGraph& graph = model_.expressions.graph;
+  const ExpressionGraph::Ranges ranges = graph.ranges(X);
+  for (std::size_t u = 0; u < known.size(); ++u) {
+    const Equation& e = pairing_.equations[u];
+    known[u] = e.of_row ? ranges.smooth[at(root(e.index))] : 1;
+  }
+  // Of each row the entries that the model's own Jacobian has, in its order: by columns, rows ascending.
+  std::vector<int> next(model_.column_start.begin(), model_.column_start.end() - 1);
+  std::vector<Interval> nonzeros(static_cast<std::size_t>(model_.header.jacobian_nonzeros));
+  std::vector<Interval> derivatives(at(model_.header.n_var));
+  std::vector<char> visited(graph.size(), 0);
+  for (int i = 0; i < model_.header.n_con; ++i) {
+    const bool smooth = ranges.smooth[at(root(i))] != 0;
+    if (smooth) graph.add_derivatives(root(i), ranges, derivatives, visited);
+    const std::vector<int>& variables = model_.row_variables[at(i)];
+    for (std::size_t k = 0; k < variables.size(); ++k) {
+      const auto j = at(variables[k]);
+      nonzeros[at(next[j]++)] = smooth ? model_.coefficients[at(i)][k] + derivatives[j] : Interval::all();
+      derivatives[j] = 0;
+    }
+  }
+  for (std::size_t k = 0; k < map_.entries.size(); ++k) {
+    const JacobianMap::Entry& entry = map_.entries[k];
+    J[k] = entry.nonzero < 0 ? Interval(entry.factor) : entry.factor * nonzeros[at(entry.nonzero)];
+  }
+}
+
+}  // namespace
+
+std::unique_ptr<Enclosure> model_enclosure(const NlModel& model, const Pairing& pairing, const JacobianMap& map) {
+  return std::make_unique<ModelEnclosure>(model, pairing, map);
+}
+
+}  // namespace perp::ncp::ampl

@@ -1,0 +1,22 @@
+#pragma once
+/// Ranges of a problem's F and J over boxes, from the expressions behind them.
+#include <span>
+#include <vector>
+
+#include "ncp/interval/interval.hpp"
+
+namespace perp::ncp {
+
+class Enclosure {
+ public:
+  virtual ~Enclosure() = default;
+  /// F(x) lies in F for every x of the box X where F is defined. A row that is defined nowhere there is empty.
+  /// X and F: one interval a variable. Throws std::bad_alloc.
+  virtual void values(std::span<const Interval> X, std::span<Interval> F) const = 0;
+  /// J(x) lies in J for every x of the box X, one interval a nonzero of the problem's pattern, in its order; where F is
+  /// only Lipschitz continuous, Clarke's Jacobian. `known`, one flag a row: F_i is defined and Lipschitz continuous on
+  /// all of X, so that its entries mean something. Throws std::bad_alloc.
+  virtual void jacobian(std::span<const Interval> X, std::span<Interval> J, std::span<char> known) const = 0;
+};
+
+}  // namespace perp::ncp

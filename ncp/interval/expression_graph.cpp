@@ -1,0 +1,322 @@
+#include "ncp/interval/expression_graph.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <stdexcept>
+#include <utility>
+
+namespace perp::ncp {
+namespace {
+
+using Slopes = std::pair<Interval, Interval>;  // with respect to the first operand and to the second
+
+bool is_binary(Operation operation) { return operation <= Operation::Atan2; }
+
+Interval elementary(Operation operation, const Interval& a) {
+  switch (operation) {
+    case Operation::Negate:
+      return -a;
+    case Operation::Absolute:
+      return absolute(a);
+    case Operation::Floor:
+      return floor(a);
+    case Operation::Ceil:
+      return ceil(a);
+    case Operation::Sqrt:
+      return sqrt(a);
+    case Operation::Exp:
+      return exp(a);
+    case Operation::Log:
+      return log(a);
+    case Operation::Log10:
+      return log10(a);
+    case Operation::Sin:
+      return sin(a);
+    case Operation::Cos:
+      return cos(a);
+    case Operation::Tan:
+      return tan(a);
+    case Operation::Asin:
+      return asin(a);
+    case Operation::Acos:
+      return acos(a);
+    case Operation::Atan:
+      return atan(a);
+    case Operation::Sinh:
+      return sinh(a);
+    case Operation::Cosh:
+      return cosh(a);
+    case Operation::Tanh:
+      return tanh(a);
+    case Operation::Asinh:
+      return asinh(a);
+    case Operation::Acosh:
+      return acosh(a);
+    case Operation::Atanh:
+      return atanh(a);
+    default:
+      return Interval::all();
+  }
+}
+
+Interval combined(Operation operation, const Interval& a, const Interval& b) {
+  switch (operation) {
+    case Operation::Add:
+      return a + b;
+    case Operation::Subtract:
+      return a - b;
+    case Operation::Multiply:
+      return a * b;
+    case Operation::Divide:
+      return a / b;
+    case Operation::Power:
+      return power(a, b);
+    case Operation::Minimum:
+      return minimum(a, b);
+    case Operation::Maximum:
+      return maximum(a, b);
+    case Operation::Either:
+      return hull(a, b);
+    case Operation::Atan2:
+      return atan2(a, b);
+    default:
+      return Interval::all();
+  }
+}
+
+/// f'(A), where f(A) = y.
+Interval slope(Operation operation, const Interval& a, const Interval& y) {
+  const Interval one(1);
+  switch (operation) {
+    case Operation::Negate:
+      return -1;
+    case Operation::Absolute:
+      return {a.lower > 0 ? 1.0 : -1.0, a.upper < 0 ? -1.0 : 1.0};
+    case Operation::Sqrt:
+      return one / (Interval(2) * y);
+    case Operation::Exp:
+      return y;
+    case Operation::Log:
+      return one / a;
+    case Operation::Log10:
+      return one / (a * log(Interval(10)));
+    case Operation::Sin:
+      return cos(a);
+    case Operation::Cos:
+      return -sin(a);
+    case Operation::Tan:
+      return one + square(y);
+    case Operation::Asin:
+      return one / sqrt(one - square(a));
+    case Operation::Acos:
+      return -(one / sqrt(one - square(a)));
+    case Operation::Atan:
+      return one / (one + square(a));
+    case Operation::Sinh:
+      return cosh(a);
+    case Operation::Cosh:
+      return sinh(a);
+    case Operation::Tanh:
+      return one - square(y);
+    case Operation::Asinh:
+      return one / sqrt(square(a) + one);
+    case Operation::Acosh:
+      return one / sqrt(square(a) - one);
+    case Operation::Atanh:
+      return one / (one - square(a));
+    default:
+      return Interval::all();
+  }
+}
+
+/// b = a constant: b a^(b - 1). Else also a^b log(a) with respect to b.
+Slopes slopes_of_power(const Interval& a, const Interval& b, const Interval& y) {
+  return {b * power(a, b - Interval(1)), y * log(a)};
+}
+
+/// Of min (sign 1) and max (sign -1) with respect to the first operand: 1 where it is surely the smaller one.
+Slopes slopes_of_minimum(const Interval& a, const Interval& b, bool maximum) {
+  const bool first = maximum ? a.lower > b.upper : a.upper < b.lower;
+  const bool second = maximum ? b.lower > a.upper : b.upper < a.lower;
+  return {first    ? Interval(1)
+          : second ? Interval(0)
+                   : Interval(0, 1),
+          second  ? Interval(1)
+          : first ? Interval(0)
+                  : Interval(0, 1)};
+}
+
+Slopes slopes(Operation operation, const Interval& a, const Interval& b, const Interval& y) {
+  switch (operation) {
+    case Operation::Add:
+      return {1, 1};
+    case Operation::Subtract:
+      return {1, -1};
+    case Operation::Multiply:
+      return {b, a};
+    case Operation::Divide:
+      return {Interval(1) / b, -(y / b)};
+    case Operation::Power:
+      return slopes_of_power(a, b, y);
+    case Operation::Minimum:
+      return slopes_of_minimum(a, b, false);
+    case Operation::Maximum:
+      return slopes_of_minimum(a, b, true);
+    case Operation::Atan2: {
+      const Interval r2 = square(a) + square(b);
+      return {b / r2, -(a / r2)};
+    }
+    default:
+      return {Interval::all(), Interval::all()};
+  }
+}
+
+/// Is f defined on all of A, and Lipschitz continuous there?
+bool smooth_on(Operation operation, const Interval& a) {
+  switch (operation) {
+    case Operation::Floor:
+    case Operation::Ceil:
+      return false;
+    case Operation::Sqrt:
+    case Operation::Log:
+    case Operation::Log10:
+      return a.lower > 0;
+    case Operation::Asin:
+    case Operation::Acos:
+    case Operation::Atanh:
+      return a.lower > -1 && a.upper < 1;
+    case Operation::Acosh:
+      return a.lower > 1;
+    case Operation::Tan:
+      return tan(a).bounded();
+    default:
+      return true;
+  }
+}
+
+bool smooth_on(Operation operation, const Interval& a, const Interval& b) {
+  switch (operation) {
+    case Operation::Divide:
+      return !b.contains(0);
+    case Operation::Power:
+      return a.lower > 0 || (b.is_point() && b.lower >= 1 && (a.lower >= 0 || b.lower == std::floor(b.lower)));
+    case Operation::Either:
+      return false;
+    case Operation::Atan2:
+      return b.lower > 0;
+    default:
+      return true;
+  }
+}
+
+}  // namespace
+
+ExpressionGraph::Node ExpressionGraph::add(Entry entry) {
+  nodes_.push_back(entry);
+  return static_cast<Node>(nodes_.size() - 1);
+}
+
+ExpressionGraph::Node ExpressionGraph::constant(double value) {
+  return add({.operation = Operation::Constant, .value = value});
+}
+ExpressionGraph::Node ExpressionGraph::variable(int index) {
+  return add({.operation = Operation::Variable, .a = index});
+}
+ExpressionGraph::Node ExpressionGraph::unknown() { return add({}); }
+ExpressionGraph::Node ExpressionGraph::unary(Operation operation, Node a) {
+  if (is_binary(operation) || operation >= Operation::Constant)
+    throw std::invalid_argument("ExpressionGraph: an operation of one operand is asked for");
+  return add({.operation = operation, .a = a});
+}
+ExpressionGraph::Node ExpressionGraph::binary(Operation operation, Node a, Node b) {
+  if (!is_binary(operation)) throw std::invalid_argument("ExpressionGraph: an operation of two operands is asked for");
+  return add({.operation = operation, .a = a, .b = b});
+}
+ExpressionGraph::Node ExpressionGraph::sum(std::span<const Node> terms) {
+  if (terms.empty()) return constant(0);
+  Node total = terms.front();
+  for (const Node term : terms.subspan(1)) total = binary(Operation::Add, total, term);
+  return total;
+}
+
+Interval ExpressionGraph::value(const Entry& entry, std::span<const Interval> values,
+                                std::span<const Interval> X) const {
+  switch (entry.operation) {
+    case Operation::Constant:
+      return entry.value;
+    case Operation::Variable:
+      return X[static_cast<std::size_t>(entry.a)];
+    case Operation::Unknown:
+      return Interval::all();
+    default:
+      break;
+  }
+  const Interval& a = values[static_cast<std::size_t>(entry.a)];
+  if (!is_binary(entry.operation)) return elementary(entry.operation, a);
+  const Entry& first = nodes_[static_cast<std::size_t>(entry.a)];
+  const Entry& second = nodes_[static_cast<std::size_t>(entry.b)];
+  const bool same = entry.a == entry.b || (first.operation == Operation::Variable &&
+                                           second.operation == Operation::Variable && first.a == second.a);
+  if (same && entry.operation == Operation::Multiply) return square(a);
+  return combined(entry.operation, a, values[static_cast<std::size_t>(entry.b)]);
+}
+
+bool ExpressionGraph::smooth(const Entry& entry, const Ranges& ranges) const {
+  if (entry.operation == Operation::Constant || entry.operation == Operation::Variable) return true;
+  if (entry.operation == Operation::Unknown) return false;
+  const auto a = static_cast<std::size_t>(entry.a);
+  if (!is_binary(entry.operation)) return ranges.smooth[a] != 0 && smooth_on(entry.operation, ranges.values[a]);
+  const auto b = static_cast<std::size_t>(entry.b);
+  return ranges.smooth[a] != 0 && ranges.smooth[b] != 0 &&
+         smooth_on(entry.operation, ranges.values[a], ranges.values[b]);
+}
+
+ExpressionGraph::Ranges ExpressionGraph::ranges(std::span<const Interval> X) const {
+  Ranges ranges{std::vector<Interval>(nodes_.size()), std::vector<char>(nodes_.size(), 0)};
+  for (std::size_t k = 0; k < nodes_.size(); ++k) {
+    ranges.values[k] = value(nodes_[k], ranges.values, X);
+    ranges.smooth[k] = smooth(nodes_[k], ranges) ? 1 : 0;
+  }
+  return ranges;
+}
+
+void ExpressionGraph::add_derivatives(Node root, const Ranges& ranges, std::span<Interval> derivatives,
+                                      std::vector<char>& visited) const {
+  std::vector<Node> below{root};
+  visited[static_cast<std::size_t>(root)] = 1;
+  const auto visit = [&](Node node) {
+    if (std::exchange(visited[static_cast<std::size_t>(node)], 1) == 0) below.push_back(node);
+  };
+  for (std::size_t k = 0; k < below.size(); ++k) {
+    const Entry& entry = nodes_[static_cast<std::size_t>(below[k])];
+    if (entry.operation >= Operation::Constant) continue;
+    visit(entry.a);
+    if (is_binary(entry.operation)) visit(entry.b);
+  }
+  std::ranges::sort(below, std::greater{});  // a node after all that it is an operand of
+  std::vector<Interval> adjoint(below.size());
+  const auto place = [&](Node node) {
+    return static_cast<std::size_t>(std::ranges::lower_bound(below, node, std::greater{}) - below.begin());
+  };
+  adjoint.front() = 1;
+  for (std::size_t k = 0; k < below.size(); ++k) {
+    const auto node = static_cast<std::size_t>(below[k]);
+    visited[node] = 0;
+    const Entry& entry = nodes_[node];
+    if (entry.operation == Operation::Variable) derivatives[static_cast<std::size_t>(entry.a)] += adjoint[k];
+    if (entry.operation >= Operation::Constant) continue;
+    const Interval& y = ranges.values[node];
+    const Interval& a = ranges.values[static_cast<std::size_t>(entry.a)];
+    if (!is_binary(entry.operation)) {
+      adjoint[place(entry.a)] += adjoint[k] * slope(entry.operation, a, y);
+      continue;
+    }
+    const auto [first, second] = slopes(entry.operation, a, ranges.values[static_cast<std::size_t>(entry.b)], y);
+    adjoint[place(entry.a)] += adjoint[k] * first;
+    if (nodes_[static_cast<std::size_t>(entry.b)].operation != Operation::Constant)
+      adjoint[place(entry.b)] += adjoint[k] * second;
+  }
+}
+
+}  // namespace perp::ncp

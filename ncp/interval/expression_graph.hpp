@@ -1,0 +1,89 @@
+#pragma once
+/// Expressions of n variables as an acyclic graph, of which subexpressions that are used several times are part once;
+/// their ranges over a box, and those of their derivatives.
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "ncp/interval/interval.hpp"
+
+namespace perp::ncp {
+
+/// Operations; those of two operands stand first.
+enum class Operation : std::uint8_t {
+  Add,
+  Subtract,
+  Multiply,
+  Divide,
+  Power,
+  Minimum,
+  Maximum,
+  Either,  ///< one of two values, nobody knows which: conditions are not looked at
+  Atan2,
+  Negate,
+  Absolute,
+  Floor,
+  Ceil,
+  Sqrt,
+  Exp,
+  Log,
+  Log10,
+  Sin,
+  Cos,
+  Tan,
+  Asin,
+  Acos,
+  Atan,
+  Sinh,
+  Cosh,
+  Tanh,
+  Asinh,
+  Acosh,
+  Atanh,
+  Constant,
+  Variable,
+  Unknown,  ///< any number
+};
+
+class ExpressionGraph {
+ public:
+  using Node = int;
+
+  Node constant(double value);
+  Node variable(int index);
+  Node unknown();
+  Node unary(Operation operation, Node a);
+  Node binary(Operation operation, Node a, Node b);
+  /// The sum of all; 0 if there are none.
+  Node sum(std::span<const Node> terms);
+
+  std::size_t size() const { return nodes_.size(); }
+
+  /// The range of every node over the box X, one interval a variable; or a larger one. Empty: defined nowhere there.
+  struct Ranges {
+    std::vector<Interval> values;
+    /// Is the node defined throughout, and Lipschitz continuous near every point? (What it depends on included.)
+    std::vector<char> smooth;
+  };
+  Ranges ranges(std::span<const Interval> X) const;
+
+  /// Adds the range of the derivatives of `root` with respect to variable j to derivatives[j], for all j: where the
+  /// node has none, as |x| at 0, of Clarke's. By the chain rule from the root down. Pre: the root is smooth.
+  /// `visited`: one 0 a node, which it is again afterwards.
+  void add_derivatives(Node root, const Ranges& ranges, std::span<Interval> derivatives,
+                       std::vector<char>& visited) const;
+
+ private:
+  struct Entry {
+    Operation operation = Operation::Unknown;
+    Node a = -1, b = -1;  ///< operands; of a variable, a is its index
+    double value = 0;     ///< of a constant
+  };
+  Node add(Entry entry);
+  Interval value(const Entry& entry, std::span<const Interval> values, std::span<const Interval> X) const;
+  bool smooth(const Entry& entry, const Ranges& ranges) const;
+
+  std::vector<Entry> nodes_;  ///< operands before what they are operands of
+};
+
+}  // namespace perp::ncp

@@ -1,0 +1,135 @@
+#include "ncp/analysis/function_classes.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "ncp/graph_problem.hpp"
+#include "ncp/problem/affine.hpp"
+#include "support/matrices.hpp"
+
+namespace perp::ncp {
+namespace {
+
+using lcp::Answer;
+using support::matrix;
+
+std::string answers(const FunctionClasses& classes) {
+  std::string text;
+  for (const auto& [name, property] : classes.all())
+    text += property->answer == Answer::Yes ? '+' : property->answer == Answer::No ? '-' : '?';
+  return text;
+}
+
+std::string of_matrix(const SpMat& M, Box box) {
+  const Vec zero = Vec::Zero(M.rows());
+  return answers(function_classes(*make_affine_mcp({M, zero, std::move(box)}, "M"), zero));
+}
+
+// Affine functions, whose classes are those of the matrix (Cottle, Pang & Stone 1992, chapter 3). In order: monotone,
+// strictly, strongly, P0, P, uniform P. Catches an implication that goes the wrong way.
+TEST(FunctionClasses, OfMatrices) {
+  const Box plane = Box::free(2);
+  EXPECT_EQ(of_matrix(matrix({{2, -1}, {0, 2}}), plane), "++++++");
+  EXPECT_EQ(of_matrix(matrix({{0, -1}, {1, 0}}), plane), "+--+--");  // a rotation: (1, 0) has d'D = 0
+  EXPECT_EQ(of_matrix(matrix({{1, 4}, {0, 1}}), plane), "---+++");   // P, and not monotone along (1, -1)
+  EXPECT_EQ(of_matrix(matrix({{1, -1}, {-1, 1}}), plane), "+--+--");
+  EXPECT_EQ(of_matrix(matrix({{-1, 0}, {0, 1}}), plane), "------");
+  EXPECT_EQ(of_matrix(matrix({{1, 2}, {2, 1}}), plane), "------");  // its determinant is negative
+}
+
+// A variable that is fixed takes part in nothing. Catches a witness that moves it.
+TEST(FunctionClasses, LeaveFixedVariablesOut) {
+  EXPECT_EQ(of_matrix(matrix({{-1, 5}, {5, 2}}), Box{Vec{{0, 0}}, Vec{{0, 1}}}), "++++++");
+}
+
+struct Scalar {
+  ExpressionGraph g;
+  ExpressionGraph::Node x = g.variable(0);
+  FunctionClasses classes(ExpressionGraph::Node row, double lower, double upper) {
+    return function_classes(GraphProblem(g, {row}, Box{Vec{{lower}}, Vec{{upper}}}), Vec{{std::max(lower, 0.5)}});
+  }
+};
+
+// x + x^3 has F' >= 1; exp x has F' > 0 and no more on R, and F' >= 1 on x >= 0; x^2 is monotone for x >= 0 alone.
+// Catches a box that is not looked at.
+TEST(FunctionClasses, OfFunctionsDependOnTheBox) {
+  Scalar s;
+  const auto cube = s.g.binary(Operation::Power, s.x, s.g.constant(3));
+  const FunctionClasses strong = s.classes(s.g.binary(Operation::Add, s.x, cube), -infinity, infinity);
+  EXPECT_EQ(answers(strong), "++++++");
+  EXPECT_NEAR(strong.modulus, 1, 1e-12);
+  EXPECT_LE(strong.modulus, 1);
+
+  const auto exponential = s.g.unary(Operation::Exp, s.x);
+  EXPECT_EQ(answers(s.classes(exponential, -infinity, infinity)), "+??+??");
+  EXPECT_EQ(answers(s.classes(exponential, 0, infinity)), "++++++");
+
+  const auto square = s.g.binary(Operation::Multiply, s.x, s.x);
+  EXPECT_EQ(answers(s.classes(square, -infinity, infinity)), "------");
+  EXPECT_EQ(answers(s.classes(square, 1, infinity)), "++++++");
+}
+
+// log x is not known to be smooth at 0: nothing is proven, and nothing refuted.
+TEST(FunctionClasses, AskForSmoothness) {
+  Scalar s;
+  const FunctionClasses c = s.classes(s.g.unary(Operation::Log, s.x), 0, infinity);
+  EXPECT_EQ(answers(c), "??????");
+  EXPECT_NE(c.monotone.reason.find("not known to be smooth"), std::string::npos);
+}
+
+// F_i = a_i x_i + sum of b_ij sin(x_j): what is proven holds at random pairs, and two points refute what they say
+// they do. Would catch a proof by the wrong end of a range.
+TEST(FunctionClasses, AreRight) {
+  std::mt19937 random(2);
+  std::uniform_real_distribution<double> entry(-1, 1);
+  int proven = 0, refuted = 0;
+  for (int k = 0; k < 300; ++k) {
+    const Index n = 1 + k % 4;
+    ExpressionGraph g;
+    std::vector<ExpressionGraph::Node> rows;
+    for (Index i = 0; i < n; ++i) {
+      std::vector<ExpressionGraph::Node> terms{
+          g.binary(Operation::Multiply, g.constant(2 * entry(random) + 1), g.variable(static_cast<int>(i)))};
+      for (Index j = 0; j < n; ++j)
+        terms.push_back(g.binary(Operation::Multiply, g.constant(entry(random)),
+                                 g.unary(Operation::Sin, g.variable(static_cast<int>(j)))));
+      rows.push_back(g.sum(terms));
+    }
+    const GraphProblem problem(std::move(g), rows, Box{Vec::Constant(n, -2), Vec::Constant(n, 2)});
+    const FunctionClasses c = function_classes(problem, Vec::Zero(n), {.samples = 5});
+    const auto products = [&](const Vec& x, const Vec& y) {
+      Vec Fx(n), Fy(n);
+      EXPECT_TRUE(problem.eval(x, Fx) && problem.eval(y, Fy));
+      return Vec((x - y).cwiseProduct(Fx - Fy));
+    };
+    for (int pair = 0; pair < 30; ++pair) {
+      const Vec x = Vec::NullaryExpr(n, [&](Index) { return 2 * entry(random); });
+      const Vec y = Vec::NullaryExpr(n, [&](Index) { return 2 * entry(random); });
+      const Vec p = products(x, y);
+      if (c.monotone.answer == Answer::Yes) {
+        EXPECT_GE(p.sum(), -1e-12) << k;
+      }
+      if (c.strongly_monotone.answer == Answer::Yes) {
+        EXPECT_GE(p.sum(), c.modulus * (x - y).squaredNorm() - 1e-12) << k;
+      }
+      if (c.p.answer == Answer::Yes) {
+        EXPECT_GT(p.maxCoeff(), 0) << k;
+      }
+    }
+    if (c.monotone.answer == Answer::No) {
+      EXPECT_LT(products(c.monotone.x, c.monotone.y).sum(), 1e-12) << k;
+    }
+    if (c.p.answer == Answer::No) {
+      EXPECT_LE(products(c.p.x, c.p.y).maxCoeff(), 1e-12) << k;
+    }
+    proven += c.p.answer == Answer::Yes ? 1 : 0;
+    refuted += c.p.answer == Answer::No ? 1 : 0;
+  }
+  EXPECT_GT(proven, 50);
+  EXPECT_GT(refuted, 50);
+}
+
+}  // namespace
+}  // namespace perp::ncp

@@ -1,0 +1,100 @@
+#include "ncp/analysis/no_solution.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "ncp/graph_problem.hpp"
+#include "ncp/strategy/presets.hpp"
+#include "ncp/strategy/solve.hpp"
+
+namespace perp::ncp {
+namespace {
+
+using testing::HasSubstr;
+
+/// exp(x) + c in the box.
+GraphProblem exponential(double c, Box box) {
+  ExpressionGraph g;
+  const auto row = g.binary(Operation::Add, g.unary(Operation::Exp, g.variable(0)), g.constant(c));
+  return {std::move(g), {row}, std::move(box)};
+}
+
+// exp(x) + 0.1 = 0, in real numbers. Catches a proof that is not looked for: every method went through all its
+// iterations and restarts.
+TEST(NoSolution, EndsEveryMethodAtOnce) {
+  const GraphProblem problem = exponential(0.1, Box::free(1));
+  for (const Preset& preset : presets()) {
+    const Result result = solve(problem, Vec::Zero(1), preset.method);
+    EXPECT_EQ(result.status, Status::Infeasible) << preset.name;
+    EXPECT_EQ(result.stats.iterations, 0) << preset.name;
+    EXPECT_THAT(result.message, HasSubstr("equation F[1] lies in [0.1, inf] wherever the variables are within their "
+                                          "bounds, and x[1] is free"));
+  }
+}
+
+// The same F with a finite lower bound has the solution there, and exp(x) - 0.1 has one inside. Catches a proof of what
+// is false.
+TEST(NoSolution, IsNotClaimedWhereThereIsOne) {
+  EXPECT_FALSE(no_solution(exponential(0.1, Box::nonnegative(1))));
+  EXPECT_FALSE(no_solution(exponential(-0.1, Box::free(1))));
+  const GraphProblem at_bound = exponential(0.1, Box::nonnegative(1));
+  EXPECT_TRUE(solve(at_bound, Vec::Ones(1), Method{}).solved());
+}
+
+// F < 0 needs an upper bound: exp(x) - 100 on x <= 2, from which x may run to its bound, and on [0, 2].
+TEST(NoSolution, LooksAtTheBoundTheSignAsksFor) {
+  ExpressionGraph g;
+  const auto row =
+      g.binary(Operation::Subtract, g.unary(Operation::Negate, g.unary(Operation::Exp, g.variable(0))), g.constant(1));
+  const GraphProblem none(g, {row}, Box::nonnegative(1));
+  const auto proof = no_solution(none);
+  ASSERT_TRUE(proof);
+  EXPECT_EQ(proof->range, Interval(-infinity, -2));
+  EXPECT_THAT(describe(none, *proof), HasSubstr("x[1] has no upper bound"));
+  EXPECT_FALSE(no_solution(GraphProblem(g, {row}, Box{Vec{{0}}, Vec{{2}}})));
+}
+
+// x_1 has to be at its bound 0, for F_1 = exp(x_2) > 0, and then F_2 = x_1 - log(2 + x_1) is negative: two steps of
+// reasoning. Catches a box that is not narrowed, and a variable that is fixed at the wrong bound.
+TEST(NoSolution, GoesOnFromWhatASignForces) {
+  ExpressionGraph g;
+  const auto x1 = g.variable(0), x2 = g.variable(1);
+  const auto F1 = g.unary(Operation::Exp, x2);
+  const auto F2 =
+      g.binary(Operation::Subtract, x1, g.unary(Operation::Log, g.binary(Operation::Add, g.constant(2), x1)));
+  const GraphProblem problem(std::move(g), {F1, F2}, Box::nonnegative(2));
+  const auto proof = no_solution(problem);
+  ASSERT_TRUE(proof);
+  EXPECT_EQ(proof->row, 1);
+  EXPECT_NEAR(proof->range.upper, -std::log(2), 1e-15);
+}
+
+// log(x - 3) on x <= 2. Catches an empty range that passes for one without a sign.
+TEST(NoSolution, SeesARowThatIsDefinedNowhere) {
+  ExpressionGraph g;
+  const auto row = g.unary(Operation::Log, g.binary(Operation::Subtract, g.variable(0), g.constant(3)));
+  const GraphProblem problem(std::move(g), {row}, Box{Vec{{0}}, Vec{{2}}});
+  const Result result = solve(problem, Vec::Ones(1), Method{});
+  EXPECT_EQ(result.status, Status::Infeasible);
+  EXPECT_THAT(result.message, HasSubstr("is defined nowhere within the bounds"));
+}
+
+// What nobody knows the ranges of is solved as ever.
+TEST(NoSolution, SaysNothingWithoutRanges) {
+  const auto problem = make_mcp({.box = Box::free(1),
+                                 .pattern = dense_pattern(1),
+                                 .F =
+                                     [](In x, Out F) {
+                                       F[0] = std::exp(x[0]) + 0.1;
+                                       return true;
+                                     },
+                                 .J =
+                                     [](In x, SpMat& J) {
+                                       J.coeffRef(0, 0) = std::exp(x[0]);
+                                       return true;
+                                     }});
+  EXPECT_FALSE(no_solution(*problem));
+}
+
+}  // namespace
+}  // namespace perp::ncp
