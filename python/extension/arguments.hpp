@@ -23,7 +23,8 @@ using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
 [[noreturn]] void refuse(const std::string& name, const std::string& why);
 [[noreturn]] void refuse_type(const std::string& name, const std::string& why);
 
-/// Real numbers in one block, of any shape. Numbers that are no doubles are converted, text and complex numbers refused.
+/// Real numbers in one block, of any shape. Numbers that are no doubles are converted, text and complex numbers
+/// refused.
 Doubles doubles_of(py::handle given, const std::string& name);
 /// n finite numbers; any number of them, but at least one, if n < 0.
 Vec vector_of(py::handle given, Index n, const std::string& name);

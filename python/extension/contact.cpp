@@ -19,7 +19,8 @@ contact::Problem problem_of(py::handle W, py::handle q, py::handle mu) {
   problem.mu = vector_of(mu, -1, "mu");
   const Index n = problem.mu.size();
   if (problem.q.size() != 2 * n && problem.q.size() != 3 * n)
-    refuse("q", fmt::format("has {} entries, and must have 2 or 3 for each of the {} contacts of mu", problem.q.size(), n));
+    refuse("q",
+           fmt::format("has {} entries, and must have 2 or 3 for each of the {} contacts of mu", problem.q.size(), n));
   for (Index a = 0; a < n; ++a)
     if (problem.mu[a] < 0) refuse("mu", fmt::format("entry [{}] is {}, negative", a, problem.mu[a]));
   problem.dimension = static_cast<int>(problem.q.size() / n);
@@ -56,7 +57,7 @@ py::tuple solve(const contact::Problem& problem, const std::string& text, const 
   contact::Run run;
   {
     const StopOnInterrupt on_interrupt(&stop);
-    const py::gil_scoped_release release;
+    const Released released(&stop);
     run = contact::run(problem, variant, limits);
   }
   py::object interrupt = py::none();
@@ -91,7 +92,7 @@ void define_contact(py::module_& module) {
         return py::make_tuple(contact::accepted(run.residual, tolerance), measures_of(run));
       });
   module.def("read_contact", [](const std::string& path) {
-    const py::gil_scoped_release release;
+    const Released released;
     return contact::read_problem(path);
   });
 }

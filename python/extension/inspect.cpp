@@ -1,6 +1,7 @@
 /// Problem.inspect(): what is known of a problem before it is solved.
 #include <fmt/format.h>
 
+#include "extension/interrupt.hpp"
 #include "extension/problem.hpp"
 #include "lcp/classes/classify.hpp"
 #include "lcp/linalg/structure.hpp"
@@ -45,7 +46,7 @@ py::dict Problem::inspect(py::handle x0) const {
   const Use use(*this);
   Findings found;
   {
-    const py::gil_scoped_release release;
+    const Released released;
     found = findings_of(*mcp_, x);
   }
   use.check();
@@ -63,8 +64,9 @@ py::dict Problem::inspect(py::handle x0) const {
   py::list guarantees;
   if (found.classes) {
     for (const auto& [name, property] : found.classes->all())
-      classes[py::str(std::string(name))] =
-          property->yes() ? py::object(py::bool_(true)) : property->no() ? py::object(py::bool_(false)) : py::none();
+      classes[py::str(std::string(name))] = property->yes()  ? py::object(py::bool_(true))
+                                            : property->no() ? py::object(py::bool_(false))
+                                                             : py::none();
     for (const lcp::Guarantee& one : found.classes->guarantees()) guarantees.append(one.statement);
   }
   facts["classes"] = classes;

@@ -1,8 +1,12 @@
-#include <pybind11/pybind11.h>
-
 #include "extension/interrupt.hpp"
 
+#include <algorithm>
+#include <chrono>
+#include <condition_variable>
 #include <csignal>
+#include <mutex>
+#include <stdexcept>
+#include <vector>
 
 namespace perp::python {
 
@@ -51,6 +55,49 @@ StopOnInterrupt::~StopOnInterrupt() {
       sigaction(SIGINT, &before, nullptr);
   }
   if (set_) running = outer_;
+}
+
+namespace {
+
+/// Of all threads.
+struct Everything {
+  std::mutex lock{};
+  std::condition_variable ended{};
+  std::vector<std::atomic<bool>*> running{};
+  bool over = false;
+};
+
+Everything& everything() {
+  static auto* all = new Everything;  // threads may outlive static objects
+  return *all;
+}
+
+void stop_everything() {
+  const pybind11::gil_scoped_release release;
+  Everything& all = everything();
+  std::unique_lock lock(all.lock);
+  all.over = true;
+  for (std::atomic<bool>* stop : all.running)
+    if (stop != nullptr) *stop = true;
+  all.ended.wait_for(lock, std::chrono::seconds(10), [&] { return all.running.empty(); });
+}
+
+}  // namespace
+
+void stop_at_exit() { pybind11::module_::import("atexit").attr("register")(pybind11::cpp_function(&stop_everything)); }
+
+Released::Running::Running(std::atomic<bool>* stop) : stop_(stop) {
+  Everything& all = everything();
+  const std::scoped_lock lock(all.lock);
+  if (all.over) throw std::runtime_error("the interpreter is at its end");
+  all.running.push_back(stop);
+}
+
+Released::Running::~Running() {
+  Everything& all = everything();
+  const std::scoped_lock lock(all.lock);
+  all.running.erase(std::ranges::find(all.running, stop_));
+  all.ended.notify_all();
 }
 
 }  // namespace perp::python

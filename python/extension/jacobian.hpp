@@ -35,8 +35,8 @@ class JacobianReader {
   Index count_ = -1;
 };
 
-/// The pattern that a matrix has: all of a dense one, the stored entries of a sparse one; of a mask (`stored` false) the
-/// entries that are not zero.
+/// The pattern that a matrix has: all of a dense one, the stored entries of a sparse one; of a mask (`stored` false)
+/// the entries that are not zero.
 SpMat pattern_of(py::handle J, Index n, const std::string& name, bool stored);
 
 }  // namespace perp::python

@@ -27,8 +27,8 @@ using Integers = py::array_t<Integer, py::array::c_style>;
 void check_shape(const py::object& matrix, const std::string& name, Index rows, Index columns) {
   const auto shape = py::cast<std::pair<Index, Index>>(matrix.attr("shape"));
   if (shape != std::pair(rows, columns))
-    refuse(name, fmt::format("has shape ({}, {}), and must have shape ({}, {})", shape.first, shape.second, rows,
-                             columns));
+    refuse(name,
+           fmt::format("has shape ({}, {}), and must have shape ({}, {})", shape.first, shape.second, rows, columns));
 }
 
 py::object index_array(const py::object& csc, const char* part, const std::string& name) {
@@ -158,7 +158,8 @@ bool MatrixArgument::take(const py::object& csc, const std::string& name, Index 
     own_->resizeNonZeros(count);
     std::transform(start.data(), start.data() + columns + 1, own_->outerIndexPtr(),
                    [](Integer k) { return static_cast<int>(k); });
-    std::transform(row.data(), row.data() + count, own_->innerIndexPtr(), [](Integer i) { return static_cast<int>(i); });
+    std::transform(row.data(), row.data() + count, own_->innerIndexPtr(),
+                   [](Integer i) { return static_cast<int>(i); });
     std::copy_n(value.data(), count, own_->valuePtr());
   }
   return true;

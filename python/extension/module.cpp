@@ -25,15 +25,14 @@ std::unique_ptr<AffineView> affine_of(py::handle M, py::handle q, py::handle low
 Vec affine_start(py::handle x0, Index n) { return x0.is_none() ? Vec(Vec::Zero(n)) : vector_of(x0, n, "x0"); }
 
 /// What perp.lcp and perp.mcp_affine do.
-py::tuple solve_affine(py::handle M, py::handle q, py::handle lower, py::handle upper, py::handle x0,
-                       py::dict options, py::object basis, py::object callback, py::object log) {
+py::tuple solve_affine(py::handle M, py::handle q, py::handle lower, py::handle upper, py::handle x0, py::dict options,
+                       py::object basis, py::object callback, py::object log) {
   const std::unique_ptr<AffineView> mcp = affine_of(M, q, lower, upper);
   return solved(*mcp, nullptr, affine_start(x0, mcp->size()),
                 wishes_of(std::move(options), std::move(basis), std::move(callback), std::move(log)));
 }
 
-std::unique_ptr<Problem> affine_problem(py::handle M, py::handle q, py::handle lower, py::handle upper,
-                                        py::handle x0) {
+std::unique_ptr<Problem> affine_problem(py::handle M, py::handle q, py::handle lower, py::handle upper, py::handle x0) {
   std::unique_ptr<AffineView> mcp = affine_of(M, q, lower, upper);
   Vec start = affine_start(x0, mcp->size());
   return std::make_unique<Problem>(std::move(mcp), std::move(start));
@@ -102,11 +101,13 @@ void define_problem(py::module_& module) {
       .def("residual", &Problem::residual)
       .def("check_jacobian", &Problem::check_jacobian)
       .def("inspect", &Problem::inspect)
+      .def("verify", &Problem::verify)
       .def("sensitivity", &Problem::sensitivity)
-      .def("solve",
-           [](const Problem& p, py::handle x0, py::dict options, py::object basis, py::object callback, py::object log) {
-             return p.solve(x0, wishes_of(std::move(options), std::move(basis), std::move(callback), std::move(log)));
-           })
+      .def(
+          "solve",
+          [](const Problem& p, py::handle x0, py::dict options, py::object basis, py::object callback, py::object log) {
+            return p.solve(x0, wishes_of(std::move(options), std::move(basis), std::move(callback), std::move(log)));
+          })
       .def("solve_all", [](const Problem& p, py::handle x0, int solutions, py::dict options, py::object log) {
         return p.solve_all(x0, solutions, wishes_of(std::move(options), py::none(), py::none(), std::move(log)));
       });
@@ -137,8 +138,8 @@ void define_exceptions(py::module_& module) {
 PYBIND11_MODULE(_core, module) {
   using namespace perp::python;  // NOLINT(google-build-using-namespace): the module is what this namespace is for
   module.attr("__version__") = PERP_VERSION;
-  remember_main_thread(py::cast<unsigned long>(
-      py::module_::import("threading").attr("main_thread")().attr("ident")));
+  remember_main_thread(py::cast<unsigned long>(py::module_::import("threading").attr("main_thread")().attr("ident")));
+  stop_at_exit();
   register_log_dtype();
   define_exceptions(module);
   define_problem(module);

@@ -1,4 +1,5 @@
 #include "extension/problem.hpp"
+#include "extension/interrupt.hpp"
 
 #include <algorithm>
 #include <utility>
@@ -28,8 +29,9 @@ bool AffineView::jacobian(ncp::In /*x*/, SpMat& J) const {
 
 Use::Use(const Problem& problem) : problem_(problem) {
   if (problem.in_use_.exchange(true))
-    throw std::runtime_error("this problem is in use: one thread at a time uses a problem, and a problem's functions "
-                             "do not use the problem");
+    throw std::runtime_error(
+        "this problem is in use: one thread at a time uses a problem, and a problem's functions "
+        "do not use the problem");
   if (FunctionMcp* functions = problem.functions()) functions->begin(nullptr);
 }
 
@@ -135,7 +137,7 @@ py::tuple Problem::sensitivity(py::handle x, py::handle dF, py::handle dlower, p
   const Use use(*this);
   ncp::Sensitivity found;
   {
-    const py::gil_scoped_release release;
+    const Released released;
     found = direction.is_none() ? ncp::sensitivity(*mcp_, point, parameters)
                                 : ncp::sensitivity(*mcp_, point, parameters, dp);
   }
@@ -143,7 +145,8 @@ py::tuple Problem::sensitivity(py::handle x, py::handle dF, py::handle dlower, p
   py::list states;
   for (const ncp::Activity state : found.states) states.append(std::string(to_string(state)));
   return py::make_tuple(std::string(to_string(found.status)), found.known(), found.message, matrix_array(found.dx),
-                        matrix_array(found.dF), states, py::array_t<Index>(static_cast<py::ssize_t>(found.degenerate.size()), found.degenerate.data()),
+                        matrix_array(found.dF), states,
+                        py::array_t<Index>(static_cast<py::ssize_t>(found.degenerate.size()), found.degenerate.data()),
                         found.rcond, found.strongly_regular, found.residual.natural);
 }
 
@@ -152,7 +155,7 @@ py::tuple Problem::check_jacobian(py::handle x) const {
   const Use use(*this);
   ncp::JacobianCheck check;
   {
-    const py::gil_scoped_release release;
+    const Released released;
     check = ncp::check_jacobian(*mcp_, point);
   }
   use.check();
@@ -161,10 +164,22 @@ py::tuple Problem::check_jacobian(py::handle x) const {
                         ncp::describe(*mcp_, check));
 }
 
+py::tuple Problem::verify(py::handle x) const {
+  const Vec point = vector_of(x, mcp_->size(), "x");
+  const Use use(*this);
+  ncp::Verified found;
+  {
+    const Released released;
+    found = ncp::verify(*mcp_, point);
+  }
+  use.check();
+  return verified_of(found);
+}
+
 std::unique_ptr<Problem> read_nl(const std::string& path) {
   std::unique_ptr<ncp::ampl::Model> model;
   {
-    const py::gil_scoped_release release;
+    const Released released;
     model = ncp::ampl::read_model(path);
   }
   Vec start = model->start();

@@ -47,6 +47,7 @@ class Problem {
   py::tuple sensitivity(py::handle x, py::handle dF, py::handle dlower, py::handle dupper, py::handle direction) const;
   py::tuple check_jacobian(py::handle x) const;
   py::dict inspect(py::handle x0) const;
+  py::tuple verify(py::handle x) const;
 
   std::string made_by{};  ///< where it is from, in words
 

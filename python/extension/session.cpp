@@ -28,7 +28,8 @@ std::vector<lcp::Cell> basis_of(py::handle given, Index n) {
   for (Index i = 0; i < n; ++i) {
     const int cell = cells.data()[i];
     if (cell < 0 || cell > static_cast<int>(lcp::Cell::Fixed))
-      refuse("basis", fmt::format("entry [{}] is {}, and must be 0 (below), 1 (inside), 2 (above) or 3 (fixed)", i, cell));
+      refuse("basis",
+             fmt::format("entry [{}] is {}, and must be 0 (below), 1 (inside), 2 (above) or 3 (fixed)", i, cell));
     basis.push_back(static_cast<lcp::Cell>(cell));
   }
   return basis;
@@ -83,8 +84,10 @@ PyObject*& known_dtype() {
 }
 
 py::array log_array(const std::vector<LogRow>& rows) {
-  return {py::reinterpret_borrow<py::dtype>(known_dtype()), {static_cast<py::ssize_t>(rows.size())},
-          {static_cast<py::ssize_t>(sizeof(LogRow))}, rows.data()};
+  return {py::reinterpret_borrow<py::dtype>(known_dtype()),
+          {static_cast<py::ssize_t>(rows.size())},
+          {static_cast<py::ssize_t>(sizeof(LogRow))},
+          rows.data()};
 }
 
 py::object basis_array(const std::vector<lcp::Cell>& basis) {
@@ -167,7 +170,7 @@ py::object Session::run(const std::function<void()>& work) {
   if (functions_ != nullptr) functions_->begin(&stop_);
   {
     const StopOnInterrupt on_interrupt(&stop_);
-    const py::gil_scoped_release release;
+    const Released released(&stop_);
     work();
   }
   std::exception_ptr failure = std::exchange(failure_, nullptr);
@@ -205,15 +208,26 @@ py::tuple result_of(ncp::Result result, const FunctionMcp* functions, const std:
                         rows == nullptr ? py::object(py::none()) : py::object(log_array(*rows)));
 }
 
+py::tuple verified_of(const ncp::Verified& found) {
+  return py::make_tuple(found.unique, array_of(found.x), array_of(found.radius), found.active, found.why_not);
+}
+
 py::tuple solved(const ncp::Mcp& mcp, FunctionMcp* functions, const Vec& x0, const Wishes& wishes) {
   Session session(mcp, functions, wishes);
   session.prepare(x0);
   ncp::Result result;
-  const py::object interrupt =
-      session.run([&] { result = ncp::solve(mcp, x0, session.options().settings.method, session.observer()); });
-  if (interrupt.is_none() && session.options().settings.output.all)
+  std::optional<ncp::Verified> verified;
+  const settings::Settings& settings = session.options().settings;
+  const py::object interrupt = session.run([&] {
+    result = ncp::solve(mcp, x0, settings.method, session.observer());
+    if (!settings.verify || !result.accepted()) return;
+    verified = ncp::verify(mcp, ncp::stop(settings.method).tol, result);
+    if (!verified->unique) result.notes.push_back("not verified: " + verified->why_not);
+  });
+  if (interrupt.is_none() && settings.output.all)
     session.tell(std::string(to_string(result.status)) + ": " + result.message);
-  return py::make_tuple(result_of(std::move(result), functions, &session.rows()), interrupt);
+  const py::object proof = verified ? py::object(verified_of(*verified)) : py::object(py::none());
+  return py::make_tuple(result_of(std::move(result), functions, &session.rows()) + py::make_tuple(proof), interrupt);
 }
 
 }  // namespace perp::python

@@ -10,6 +10,7 @@
 
 #include "extension/arguments.hpp"
 #include "extension/function_mcp.hpp"
+#include "ncp/analysis/verify.hpp"
 #include "ncp/settings/settings.hpp"
 
 namespace perp::python {
@@ -66,9 +67,11 @@ class Session {
 void register_log_dtype();
 
 /// (x, F, status, success, message, advice, residual, worst, relative, relative_row, notes, basis, stats, log,
-/// interrupt), what perp.Result is made of.
+/// verified), what perp.Result is made of, and interrupt.
 py::tuple solved(const ncp::Mcp& mcp, FunctionMcp* functions, const Vec& x0, const Wishes& wishes);
 py::tuple result_of(ncp::Result result, const FunctionMcp* functions, const std::vector<LogRow>* rows);
+/// (unique, x, radius, active, why_not)
+py::tuple verified_of(const ncp::Verified& found);
 py::dict stats_of(const ncp::Stats& stats, const FunctionMcp* functions);
 
 }  // namespace perp::python

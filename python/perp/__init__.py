@@ -29,8 +29,8 @@ from perp._problem import (
     problem,
     read_nl,
 )
-from perp._result import AllSolutions, FoundSolution, Inspection, Interrupted, JacobianCheck, Log, Result, Sensitivity
-from perp._solve import lcp, mcp_affine, sensitivity, solve, solve_all
+from perp._result import AllSolutions, FoundSolution, Inspection, Interrupted, JacobianCheck, Log, Result, Sensitivity, Verified
+from perp._solve import lcp, mcp_affine, sensitivity, solve, solve_all, verify
 
 __all__ = [
     "AllSolutions",
@@ -47,6 +47,7 @@ __all__ = [
     "Problem",
     "Result",
     "Sensitivity",
+    "Verified",
     "__version__",
     "affine_problem",
     "collection",
@@ -62,4 +63,5 @@ __all__ = [
     "sensitivity",
     "solve",
     "solve_all",
+    "verify",
 ]

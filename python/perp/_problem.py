@@ -19,6 +19,7 @@ from perp._result import (
     JacobianCheck,
     Result,
     Sensitivity,
+    Verified,
     finished,
 )
 from perp._types import Array, Bound, Callback, Function, Jacobian, LogTo, Matrix, Options, Path
@@ -183,6 +184,10 @@ class Problem:
     def check_jacobian(self, x: npt.ArrayLike | None = None) -> JacobianCheck:
         """Compares jac with differences of F at x, shape (n,), or at the start: at least 2 n evaluations of F."""
         return JacobianCheck(*self._core.check_jacobian(x))
+
+    def verify(self, x: npt.ArrayLike) -> Verified:
+        """Proves that exactly one solution is near x, shape (n,), if it can, as `perp.verify`."""
+        return Verified(*self._core.verify(x))
 
     def inspect(self, x0: npt.ArrayLike | None = None) -> Inspection:
         """What is known of the problem before it is solved; x0, shape (n,), as in `solve`."""

@@ -96,6 +96,8 @@ class Result:
     stats: dict[str, float]
     """iterations, F_evals, J_evals, pivots, time_s, ...; F_calls counts those for differences, too."""
     _rows: npt.NDArray[np.void] | None
+    verified: Verified | None = None
+    """With the option verify: the proof that a solution is near, or why there is none."""
 
     @property
     def log(self) -> Log:
@@ -135,7 +137,10 @@ class Interrupted(KeyboardInterrupt):
 
 def finished(answer: tuple[tuple[Any, ...], BaseException | None]) -> Result:
     """The result of what _core returns; raises Interrupted with it if Ctrl-C came."""
-    result = Result(*answer[0])
+    parts, verified = answer[0][:-1], answer[0][-1]
+    result = Result(*parts)
+    if verified is not None:
+        result.verified = Verified(*verified)
     if answer[1] is not None:
         raise Interrupted(result) from answer[1]
     return result
@@ -199,6 +204,22 @@ class Sensitivity:
     rcond: float
     strongly_regular: bool
     residual: float
+
+
+@dataclass
+class Verified:
+    """A proof that a solution is near."""
+
+    unique: bool
+    """Whether exactly one solution y is within the bounds and |y_i - x_i| <= radius_i."""
+    x: Array
+    """Shape (n,): the point given, after Newton steps."""
+    radius: Array
+    """Shape (n,); empty if there is no proof."""
+    active: int
+    """Variables at a bound."""
+    why_not: str
+    """Why there is no proof; empty if there is one."""
 
 
 @dataclass

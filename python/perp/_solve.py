@@ -7,7 +7,7 @@ import numpy.typing as npt
 
 from perp import _core
 from perp._problem import Problem, asked, listener, listener_of_iterations, problem
-from perp._result import AllSolutions, Result, Sensitivity, finished
+from perp._result import AllSolutions, Result, Sensitivity, Verified, finished
 from perp._types import Bound, Callback, Function, Jacobian, LogTo, Matrix, Options
 
 
@@ -118,11 +118,11 @@ def solve_all(
     that all solutions are found.
     """
     if isinstance(F, Problem):
-        return F.solve_all(x0, solutions=solutions, method=method, options=options, log=log, **more)
+        return F.solve_all(x0, solutions=solutions, method=method, options={**(options or {}), **more}, log=log)
     if x0 is None:
         raise TypeError("x0: is None, and must be an array of numbers")
     of_functions = problem(F, x0, lower, upper, jac, pattern=pattern)
-    return of_functions.solve_all(solutions=solutions, method=method, options=options, log=log, **more)
+    return of_functions.solve_all(solutions=solutions, method=method, options={**(options or {}), **more}, log=log)
 
 
 def sensitivity(
@@ -150,3 +150,12 @@ def sensitivity(
     """
     of_functions = F if isinstance(F, Problem) else problem(F, x, lower, upper, jac, pattern=pattern)
     return of_functions.sensitivity(x, dF, dlower=dlower, dupper=dupper, direction=direction)
+
+
+def verify(problem: Problem, x: npt.ArrayLike) -> Verified:
+    """Proves that exactly one solution of the problem is near x, shape (n,), and how near, with every rounding accounted
+    for (Krawczyk's operator). For affine problems and models of .nl files; of Python's functions nothing is known
+    between the points where they are evaluated."""
+    if not isinstance(problem, Problem):
+        raise TypeError(f"problem: is of type {type(problem).__name__}, and must be a perp.Problem")
+    return problem.verify(x)

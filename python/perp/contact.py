@@ -19,7 +19,7 @@ from perp._problem import asked
 from perp._result import Interrupted
 from perp._types import Array, Matrix, Options, Path
 
-__all__ = ["Problem", "Result", "read", "solve"]
+__all__ = ["Problem", "Result", "problem", "read", "solve"]
 
 
 @dataclass
@@ -96,11 +96,16 @@ class Problem:
         return self._core.judge(r, tolerance)
 
 
+def problem(W: Matrix, q: npt.ArrayLike, mu: npt.ArrayLike) -> Problem:
+    """The problem of W, q and mu, for solving it more than once; arguments as of `solve`."""
+    return Problem(_core.ContactProblem(W, q, mu))
+
+
 def solve(
     W: Matrix, q: npt.ArrayLike, mu: npt.ArrayLike, variant: str = "glocker", *, options: Options | None = None, **more: Any
 ) -> Result:
     """Solves the contact problem of W, shape (d k, d k), dense or scipy.sparse, q, shape (d k,), and mu, shape (k,)."""
-    return Problem(_core.ContactProblem(W, q, mu)).solve(variant, options=options, **more)
+    return problem(W, q, mu).solve(variant, options=options, **more)
 
 
 def read(path: Path) -> Problem:

@@ -34,8 +34,9 @@ INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]')
 RULES = [
     (r"(app)/", ("app/",), "only app sees app"),
     (r"(capi)/", ("capi/",), "only capi sees capi"),
-    (r"(contact)/", ("contact/", "capi/", "app/"), "only contact, capi and app see contact"),
-    (r"(ncp)/", ("ncp/", "contact/", "capi/", "app/"), "lcp sees nothing above it"),
+    (r"(extension)/", ("python/",), "only python sees python"),
+    (r"(contact)/", ("contact/", "capi/", "python/", "app/"), "only contact, capi, python and app see contact"),
+    (r"(ncp)/", ("ncp/", "contact/", "capi/", "python/", "app/"), "lcp sees nothing above it"),
     (r"(tests|bench)/", (), "nobody includes tests or bench"),
     (
         r"(suitesparse/)?(umfpack|klu|btf|cholmod|spqr|cs|amd|colamd|SuiteSparse)\w*\.(h|hpp)$"
@@ -48,6 +49,7 @@ RULES = [
     (r"gsl/", ("ncp/methods/multiroot.cpp", "ncp/methods/gsl_errors.cpp", "ncp/collection/"), "GSL stays behind multiroot and in the collection"),
     (r"mpfi|mpfr|gmp", ("ncp/interval/interval.cpp",), "MPFI stays behind the intervals"),
     (r"(CLI/|nlohmann/)", ("app/",), "command line and JSON stay in app"),
+    (r"(pybind11/|Python\.h$)", ("python/",), "Python stays in python"),
     (r"(.*/)?\.\./", (), "includes are written from the root of the tree"),
 ]
 UNRULED = ("tests/", "bench/", "data/")
@@ -226,6 +228,7 @@ GOOD = {
     "ncp/b.cpp": '#include "lcp/a.hpp"\n// #include "app/main.hpp" in a comment is none\n',
     "ncp/ampl/r.cpp": "#include <asl.h>\n",
     "contact/io/hdf5_lazy.hpp": '#include <hdf5.h>\n\n#include "ncp/b.hpp"\n',
+    "python/extension/p.cpp": '#include <pybind11/stl.h>\n\n#include "contact/c.hpp"\n#include "extension/q.hpp"\n',
     "app/c.cpp": '#include <CLI/CLI.hpp>\n\n#include "contact/c.hpp"\n',
     "tests/t.cpp": '#include <nlohmann/json.hpp>\n\n#include "app/c.hpp"\n',
 }
@@ -247,6 +250,9 @@ BAD = {  # file -> its line, one violation each
     "app/a.hpp": '#include "tests/support/a.hpp"',
     "app/b.hpp": "#include <asl_pfgh.h>",
     "app/c.hpp": '#include "../lcp/a.hpp"',
+    "capi/p.cpp": "#include <pybind11/pybind11.h>",
+    "contact/d.hpp": '#include "extension/problem.hpp"',
+    "python/extension/a.cpp": '#include "capi/guard.hpp"',
 }
 
 

@@ -1,0 +1,47 @@
+"""perp.contact: a block on a plane, by its closed form, and files."""
+
+from pathlib import Path
+
+import numpy as np
+import perp
+import pytest
+import scipy.sparse as sp
+
+FILES = Path(__file__).resolve().parents[2] / "data" / "contact"
+
+
+@pytest.mark.parametrize("wrap", [np.asarray, sp.csc_matrix, sp.csr_matrix])
+@pytest.mark.parametrize("push, state", [(0.3, "stick"), (0.9, "slip")])
+def test_a_block_sticks_or_slips(wrap, push, state):
+    """W = I, pressed on by 1 and pushed along: it sticks while |push| <= mu r_N = 0.5."""
+    r = perp.contact.solve(wrap(np.eye(3)), [-1.0, push, 0.0], [0.5])
+    assert r.success and r.status == "Solved" and r.states == [state]
+    friction = min(push, 0.5)
+    np.testing.assert_allclose(r.r, [1, -friction, 0], atol=1e-7)
+    np.testing.assert_allclose(r.u, [0, push - friction, 0], atol=1e-7)
+    assert r.residual["siconos"] <= 1e-8 and r.stats["time_s"] >= 0
+
+
+def test_two_dimensions_and_an_open_contact():
+    r = perp.contact.solve(np.eye(2), [1.0, 0.2], [0.5])
+    assert r.states == ["open"] and np.abs(r.r).max() <= 1e-8
+
+
+def test_variants_and_the_judge():
+    problem = perp.contact.problem(np.eye(3), [-1.0, 0.9, 0.0], [0.5])
+    assert (problem.dimension, problem.contacts) == (3, 1)
+    for variant in ("glocker+path", "inner:8+lemke"):
+        assert problem.solve(variant).success, variant
+    assert problem.judge([1.0, -0.5, 0.0])[0] and not problem.judge([1.0, 0.5, 0.0])[0]
+    # Eight facets touch the disc where the push points: the same forces as Coulomb's law.
+    np.testing.assert_allclose(problem.solve("inner:8").r, [1, -0.5, 0], atol=1e-7)
+
+
+def test_files():
+    paths = sorted(path for path in FILES.rglob("*") if path.suffix in (".hdf5", ".dat"))
+    if not paths:
+        pytest.skip("there are no contact problems in data/contact")
+    problem = perp.contact.read(paths[0])
+    assert problem.q.shape == (problem.dimension * problem.contacts,) and problem.W.shape[0] == problem.q.size
+    r = problem.solve(time_limit=20)
+    assert problem.judge(r.r)[0] == r.success

@@ -1,0 +1,44 @@
+"""The examples of docs/python.md, run in turn as a reader would; and what the package says of its types."""
+
+import inspect
+import re
+import warnings
+from pathlib import Path
+
+import perp
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+def test_examples():
+    blocks = re.findall(r"^```python\n(.*?)^```", (ROOT / "docs" / "python.md").read_text(encoding="utf-8"), re.M | re.S)
+    assert len(blocks) >= 6
+    scope = {}
+    for block in blocks:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", RuntimeWarning)  # of numpy's, at points where F overflows
+            exec(compile(block, "docs/python.md", "exec"), scope)
+
+
+@pytest.mark.parametrize("name", perp.__all__)
+def test_everything_says_what_it_is(name):
+    what = getattr(perp, name)
+    assert name == "__version__" or inspect.getdoc(what), name
+
+
+def test_arguments_have_shapes_in_words():
+    for function in (perp.solve, perp.lcp, perp.sensitivity, perp.contact.solve, perp.Problem.F):
+        assert re.search(r"shape \(", inspect.getdoc(function)), function
+
+
+def test_types_are_told():
+    assert (ROOT / "python" / "perp" / "py.typed").exists()
+    for name in perp.__all__:
+        what = getattr(perp, name)
+        if inspect.isfunction(what):
+            assert set(inspect.signature(what).parameters) <= set(what.__annotations__), name
+
+
+def test_the_version_is_that_of_cmake():
+    assert f"project(perp VERSION {perp.__version__}" in (ROOT / "CMakeLists.txt").read_text(encoding="utf-8")
