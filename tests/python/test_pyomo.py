@@ -89,9 +89,12 @@ def munson1():
 
 
 def bounded_above():
-    M = model(x2=0)
-    M.cc = Complementarity(expr=complements(pyo.inequality(0, M.x1 + M.x2, 1), M.x1 - 2))
-    return M, {"x1": 1}
+    """0 <= x1 <= 1 with a multiplier, for Pyomo 6.10 writes inequality(0, x1, 1) without its bounds."""
+    M = pyo.ConcreteModel()
+    M.x1, M.w = pyo.Var(initialize=0.5), pyo.Var(initialize=0)
+    M.low = Complementarity(expr=complements(M.x1 >= 0, M.x1 - 2 + M.w >= 0))
+    M.high = Complementarity(expr=complements(M.w >= 0, 1 - M.x1 >= 0))
+    return M, {"x1": 1, "w": 1}
 
 
 def cournot():
