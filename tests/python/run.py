@@ -13,4 +13,5 @@ if missing:
 
 import pytest  # noqa: E402  (after the check that it is there)
 
-sys.exit(pytest.main(["-q", "-p", "no:cacheprovider", str(Path(__file__).parent / sys.argv[1])]))
+status = pytest.main(["-q", "-rs", "-p", "no:cacheprovider", str(Path(__file__).parent / sys.argv[1])])
+sys.exit(77 if status == pytest.ExitCode.NO_TESTS_COLLECTED else status)  # all of the file is skipped
