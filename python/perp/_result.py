@@ -65,7 +65,7 @@ class Log:
         return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
 
 
-@dataclass(repr=False)
+@dataclass(repr=False, eq=False)
 class Result:
     """How a solve ended, and the best point it met."""
 
@@ -146,7 +146,7 @@ def finished(answer: tuple[tuple[Any, ...], BaseException | None]) -> Result:
     return result
 
 
-@dataclass
+@dataclass(eq=False)
 class FoundSolution:
     """One of several solutions."""
 
@@ -162,7 +162,7 @@ class FoundSolution:
         return self.result.x
 
 
-@dataclass
+@dataclass(repr=False, eq=False)
 class AllSolutions:
     """What `solve_all` found: iterates over the solutions. An empty-handed end is no proof that there are no others."""
 
@@ -174,6 +174,10 @@ class AllSolutions:
     message: str
     stats: dict[str, float]
 
+    def __repr__(self) -> str:
+        lines = [f"{len(self.found)} solutions, {self.attempts} attempts: {self.message}"]
+        return "\n".join(lines + [f"  x = {np.array2string(one.x, threshold=10)}  by {one.how}" for one in self.found])
+
     def __len__(self) -> int:
         return len(self.found)
 
@@ -184,7 +188,7 @@ class AllSolutions:
         return iter(self.found)
 
 
-@dataclass
+@dataclass(eq=False)
 class Sensitivity:
     """How a solution moves with m parameters."""
 
@@ -206,7 +210,7 @@ class Sensitivity:
     residual: float
 
 
-@dataclass
+@dataclass(eq=False)
 class Verified:
     """A proof that a solution is near."""
 

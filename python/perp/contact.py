@@ -22,7 +22,7 @@ from perp._types import Array, Matrix, Options, Path
 __all__ = ["Problem", "Result", "problem", "read", "solve"]
 
 
-@dataclass
+@dataclass(eq=False)
 class Result:
     """How a solve ended; r and u are those of the accepted point, or of the best one met."""
 
