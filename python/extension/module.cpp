@@ -1,6 +1,8 @@
 /// The module perp._core, which perp's own Python stands on. Nobody else calls it.
 #include <pybind11/stl.h>
 
+#include <string>
+
 #include "extension/interrupt.hpp"
 #include "extension/problem.hpp"
 #include "lcp/io/file_error.hpp"
@@ -122,13 +124,25 @@ void define_exceptions(py::module_& module) {
     try {
       if (thrown) std::rethrow_exception(thrown);
     } catch (const settings::InputError& error) {
-      option_error(error.what());
+      PyErr_SetString(option_error.ptr(), error.what());
     } catch (const lcp::FileError& error) {
-      file_error(error.what());
+      PyErr_SetString(file_error.ptr(), error.what());
     } catch (const ncp::ampl::ModelError& error) {
-      file_error(error.what());
+      PyErr_SetString(file_error.ptr(), error.what());
     }
   });
+}
+
+/// Before 2.12 pybind11 misreads the types of numpy 2, without a word.
+void check_numpy() {
+#if PYBIND11_VERSION_HEX < 0x020C0000
+  const auto version = py::cast<std::string>(py::module_::import("numpy").attr("__version__"));
+  if (std::stoi(version) >= 2)
+    throw py::import_error(
+        "perp was built with pybind11 " PYBIND11_TOSTRING(PYBIND11_VERSION_MAJOR) "." PYBIND11_TOSTRING(
+            PYBIND11_VERSION_MINOR) " for numpy 1, and this is numpy " +
+        version + ": pip install perp again, or numpy<2");
+#endif
 }
 
 }  // namespace
@@ -137,6 +151,7 @@ void define_exceptions(py::module_& module) {
 
 PYBIND11_MODULE(_core, module) {
   using namespace perp::python;  // NOLINT(google-build-using-namespace): the module is what this namespace is for
+  check_numpy();
   module.attr("__version__") = PERP_VERSION;
   remember_main_thread(py::cast<unsigned long>(py::module_::import("threading").attr("main_thread")().attr("ident")));
   stop_at_exit();
