@@ -306,9 +306,10 @@ struct CommandLine {
 };
 
 /// A first word that is no command: what was meant?
-void check_command(const std::string& word, const Streams& streams, bool& known) {
-  constexpr std::array<std::string_view, 10> commands{"solve",      "inspect", "list",   "export",  "methods",
-                                                      "cfunctions", "compare", "report", "contact", "help"};
+void check_command(const CLI::App& app, const std::string& word, const Streams& streams, bool& known) {
+  std::vector<std::string> names{"help"};
+  for (const CLI::App* command : app.get_subcommands(nullptr)) names.push_back(command->get_name());
+  const std::vector<std::string_view> commands(names.begin(), names.end());
   known = word.starts_with('-') || std::ranges::find(commands, word) != commands.end();
   if (known) return;
   std::string hint = did_you_mean(word, commands);
@@ -337,11 +338,11 @@ int run_command(std::vector<std::string> arguments, Streams streams) {
     arguments.erase(arguments.begin());
     arguments.emplace_back("--help");
   }
+  CommandLine line;
   bool known = true;
-  if (!arguments.empty()) check_command(arguments[0], streams, known);
+  if (!arguments.empty()) check_command(line.app, arguments[0], streams, known);
   if (!known) return exit_input;
 
-  CommandLine line;
   try {
     line.app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
   } catch (const CLI::CallForHelp&) {
