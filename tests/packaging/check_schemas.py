@@ -120,7 +120,7 @@ FILES = {
 }
 
 # Keys that a document may lack, "*" for an item of a list, and tables of any keys.
-OPTIONAL = {("solve", "derivatives"), ("solve", "verified"), ("solve", "deflation"), ("solve", "variables.*.basis")}
+OPTIONAL = {("solve", "derivatives"), ("solve", "verified"), ("solve", "deflation"), ("campaign", "shard"), ("solve", "variables.*.basis")}
 OPEN = {("solve", "options"), ("campaign", "methods.*.in_force")}
 # Where a document says its version; the cells of a comparison have that of its campaign.
 VERSIONS = ("schema", "campaign", "contact_campaign")
