@@ -13,8 +13,9 @@
 /// W counts as symmetric only if it is so bit by bit. Rounding would decide whether a singular matrix of doubles is
 /// semidefinite. The proof therefore shows that S = D W D, D = diag(W_ii^-1/2), has no eigenvalue below -shift:
 ///  * W_ii >= 0, and rows with W_ii = 0 are zero.
-///  * The Cholesky factorization of S + shift / 2 I in doubles succeeds. It fails if this matrix has an eigenvalue below
-///    -gamma, gamma = (m + 8) eps m for m rows (Higham 2002, theorem 10.3; Rump, BIT 46 (2006) 433). shift = 4 gamma.
+///  * The Cholesky factorization of S + shift / 2 I in doubles succeeds. It fails if this matrix has an eigenvalue
+///    below -gamma, gamma = (m + 8) eps m for m rows (Higham 2002, theorem 10.3; Rump, BIT 46 (2006) 433). shift is
+///    4 gamma.
 ///  * The margin of (*) is larger than the change of it by shift D^-2 r'. (*) then holds for W + shift D^-2, too, which
 ///    is certainly semidefinite.
 /// The statement is exact for W + shift D^-2. Its solutions solve the given problem up to shift D^-2 r in u.
