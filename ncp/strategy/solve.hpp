@@ -9,6 +9,7 @@
 
 #include "ncp/methods/affine_method.hpp"
 #include "ncp/methods/interior_point.hpp"
+#include "ncp/methods/lmmcp.hpp"
 #include "ncp/methods/min_newton.hpp"
 #include "ncp/methods/multiroot.hpp"
 #include "ncp/methods/semismooth_newton.hpp"
@@ -25,7 +26,7 @@
 namespace perp::ncp {
 
 using Method = std::variant<Auto, SemismoothNewton, MinNewton, Smoothing, InteriorPoint, NewtonJosephy, NewtonRobinson,
-                            PathSearch, Multiroot, Affine, Strategy>;
+                            PathSearch, Lmmcp, Multiroot, Affine, Strategy>;
 std::string_view name(const Method& method);  ///< "semismooth", "josephy", "path", ..., or that of lcp/
 /// Describes all options of the method. An option that depends on another one comes after it.
 void describe(Method& method, Fields& fields);
