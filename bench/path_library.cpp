@@ -137,6 +137,11 @@ void find(void* library, const char* name, Function*& function) {
 
 }  // namespace
 
+std::string library_to_load(const char* built_with) {
+  const char* own = std::getenv("PATH_LIBRARY");
+  return own != nullptr ? own : built_with;
+}
+
 struct PathLibrary::Functions {
   void* stub = nullptr;
   void* library = nullptr;

@@ -11,6 +11,9 @@
 
 namespace perp::bench {
 
+/// What PATH_LIBRARY of the environment names, else `built_with`: another version, or a stand-in.
+std::string library_to_load(const char* built_with);
+
 struct PathAnswer {
   bool claimed = false;  ///< PATH says that it has solved the problem
   std::string status;    ///< "Solved", "NoProgress", ... of PATH's MCP_Termination

@@ -191,7 +191,7 @@ std::string group(const bench::Case& c) {
 }
 
 int run(const Options& o) {
-  const bench::PathLibrary path(PERP_PATH_LIBRARY, PERP_PATH_STUB);
+  const bench::PathLibrary path(bench::library_to_load(PERP_PATH_LIBRARY), PERP_PATH_STUB);
   const Contest contest(o, path);
   std::printf("%s beside Perp's %s; + solved (natural residual <= %g), - not, ! claimed but not; times in us\n",
               path.version().c_str(), o.method.c_str(), o.tolerance);

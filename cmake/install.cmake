@@ -131,6 +131,10 @@ else()
 endif()
 configure_file(${CMAKE_CURRENT_LIST_DIR}/perp.pc.in ${PROJECT_BINARY_DIR}/perp.pc @ONLY)
 install(FILES ${PROJECT_BINARY_DIR}/perp.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+if(TARGET perp_c)
+  configure_file(${CMAKE_CURRENT_LIST_DIR}/perp-c.pc.in ${PROJECT_BINARY_DIR}/perp-c.pc @ONLY)
+  install(FILES ${PROJECT_BINARY_DIR}/perp-c.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+endif()
 
 # Shared libraries find each other, and the program finds them, wherever the prefix is.
 if(BUILD_SHARED_LIBS)

@@ -1,34 +1,18 @@
 #pragma once
-/// The methods by name, and `perp methods`.
-#include <optional>
-#include <span>
+/// `perp methods`, and the methods by the names of app/.
 #include <string>
-#include <string_view>
 
 #include "app/program/program.hpp"
-#include "ncp/strategy/solve.hpp"
+#include "ncp/settings/method_table.hpp"
 
 namespace perp::app {
 
-/// The method that runs when none is named.
-inline constexpr std::string_view default_method = "auto";
-
-struct MethodEntry {
-  std::string_view name;
-  std::string_view what;  ///< one line
-  std::string_view reference;
-  ncp::Method method;      ///< with its default options
-  bool published = false;  ///< as in its paper, for comparisons
-  /// Of lcp/: for affine problems only.
-  bool affine() const { return std::holds_alternative<ncp::Affine>(method); }
-};
-
-std::span<const MethodEntry> methods();
-const MethodEntry* find_method(std::string_view name);  ///< nullptr if there is none
-std::vector<std::string_view> method_names();
-/// Of a name, or of a strategy in words, "first(path, scaled(smooth))"; nothing if the name has no parenthesis and is
-/// none. Throws InputError that says what is wrong with a strategy.
-std::optional<ncp::Method> method_named(const std::string& text);
+using settings::default_method;
+using settings::find_method;
+using settings::method_named;
+using settings::method_names;
+using settings::MethodEntry;
+using settings::methods;
 
 /// Prints the methods, their options with types and defaults, and the PATH options that have no effect.
 int print_methods(Streams streams);

@@ -11,6 +11,7 @@
 #include "app/text/json_parts.hpp"
 #include "app/text/table.hpp"
 #include "lcp/io/file_error.hpp"
+#include "ncp/path/warm_basis.hpp"
 
 namespace perp::app {
 
@@ -25,29 +26,6 @@ std::optional<lcp::Cell> cell_of(std::string_view name) {
   const auto* found = std::ranges::find(cell_names, name, &decltype(cell_names)::value_type::second);
   if (found == cell_names.end()) return std::nullopt;
   return found->first;
-}
-
-/// Does the box have the bound that the cell is beyond?
-bool allowed(const ncp::Box& box, ncp::Index i, lcp::Cell cell) {
-  const bool fixed = box.lower[i] == box.upper[i];
-  switch (cell) {
-    case lcp::Cell::Below:
-      return !fixed && std::isfinite(box.lower[i]);
-    case lcp::Cell::Inside:
-      return !fixed;
-    case lcp::Cell::Above:
-      return !fixed && std::isfinite(box.upper[i]);
-    case lcp::Cell::Fixed:
-      return fixed;
-  }
-  return false;
-}
-
-/// That of the value.
-lcp::Cell cell_at(const ncp::Box& box, ncp::Index i, double x) {
-  if (box.lower[i] == box.upper[i]) return lcp::Cell::Fixed;
-  if (x <= box.lower[i]) return lcp::Cell::Below;
-  return x >= box.upper[i] ? lcp::Cell::Above : lcp::Cell::Inside;
 }
 
 }  // namespace
@@ -104,13 +82,7 @@ void set_warm_start(WarmStart warm, LoadedProblem& problem, Applied& options) {
                                         options.settings.method_name));
     return;
   }
-  ncp::Index adapted = 0;
-  const ncp::Box& box = problem.mcp->box();
-  for (ncp::Index i = 0; i < box.size(); ++i)
-    if (lcp::Cell& cell = warm.basis[static_cast<std::size_t>(i)]; !allowed(box, i, cell)) {
-      cell = cell_at(box, i, problem.x0[i]);
-      ++adapted;
-    }
+  const ncp::Index adapted = ncp::fit_basis(problem.mcp->box(), problem.x0, warm.basis);
   if (adapted > 0)
     options.notes.push_back(
         fmt::format("--warm-start: {} with bounds of another kind than then took the cell of the value",

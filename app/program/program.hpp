@@ -1,11 +1,11 @@
 #pragma once
 /// What every part of the program `perp` shares: where text goes, exit codes, errors a user can mend, and versions.
 #include <iosfwd>
-#include <span>
-#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "ncp/settings/input_error.hpp"
 
 namespace perp::app {
 
@@ -23,17 +23,12 @@ enum ExitCode : int {
   exit_internal = 3,  ///< an exception nobody expected
 };
 
-/// Input that is refused; what() names the file, key or value and says why.
-class InputError : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
+using settings::InputError;
 
 /// Of a problem that does not fit: "'obstacle:20000x20000': out of memory: ...".
 std::string out_of_memory(const std::string& problem);
 
-/// " Did you mean 'x' or 'y'?" for the candidates at a small edit distance from `word`, or "" if there is none.
-std::string did_you_mean(std::string_view word, std::span<const std::string_view> candidates);
+using settings::did_you_mean;
 
 /// A word as a shell takes it: in quotes where it needs them.
 std::string shell_quoted(const std::string& word);

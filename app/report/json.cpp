@@ -159,25 +159,14 @@ Json iterations_json(const Report& report) {
 }
 
 Json stats_json(const ncp::Stats& stats) {
-  return {{"iterations", stats.iterations},
-          {"crash_iterations", stats.crash_iterations},
-          {"F_evals", stats.F_evals},
-          {"J_evals", stats.J_evals},
-          {"factorizations", stats.factorizations},
-          {"krylov_iterations", stats.krylov_iterations},
-          {"pivots", stats.pivots},
-          {"presolved", stats.presolved},
-          {"restarts", stats.restarts},
-          {"gradient_steps", stats.gradient_steps},
-          {"watchdogs", stats.watchdogs},
-          {"unchecked_steps", stats.unchecked_steps},
-          {"chord_steps", stats.chord_steps},
-          {"backtracks", stats.backtracks},
-          {"ray_starts", stats.ray_starts},
-          {"rank_deficient", stats.rank_deficient},
-          {"proximal_steps", stats.proximal_steps},
-          {"linear_time_s", json_number(stats.linear_time.count())},
-          {"time_s", json_number(stats.time.count())}};
+  Json json = Json::object();
+  ncp::each(stats, [&json](const char* name, auto value) {
+    if constexpr (std::is_floating_point_v<decltype(value)>)
+      json[name] = json_number(value);
+    else
+      json[name] = value;
+  });
+  return json;
 }
 
 Json options_json(const Settings& settings) {

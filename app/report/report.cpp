@@ -53,39 +53,12 @@ std::optional<std::pair<std::size_t, double>> nearest_known(const Report& report
 }  // namespace
 
 ncp::Observer live_table(std::ostream& out, const ncp::Mcp& mcp, const Output& output) {
-  const ncp::TableOptions options{.crash = output.shows(output.crash_iterations),
-                                  .major = output.shows(output.major_iterations),
-                                  .restarts = output.shows(output.restart_log),
-                                  .crash_frequency = output.crash_frequency,
-                                  .major_frequency = output.major_frequency};
-  return [&out, print = ncp::print_table(out, mcp, options)](const ncp::Iteration& it) {
+  return [&out, print = ncp::print_table(out, mcp, settings::table_options(output))](const ncp::Iteration& it) {
     const ncp::Next next = print(it);
     out.flush();
     return next;
   };
 }
-
-namespace {
-
-/// The verified point has had Newton steps: it becomes the answer unless the judge likes the other one better.
-void verify(Report& report) {
-  report.verified = ncp::verify(report.mcp(), report.result.x);
-  if (!report.verified->unique) return;
-  ncp::Result& result = report.result;
-  const ncp::Residual residual = ncp::residual(report.mcp(), report.verified->x);
-  ncp::Vec F(report.verified->x.size());
-  if (!(residual.natural <= std::max(result.residual.natural, ncp::stop(report.settings.method).tol)) ||
-      !report.mcp().eval(report.verified->x, F)) {
-    report.verified->unique = false;
-    report.verified->why_not = "a solution is enclosed, and the middle of its box does not meet the tolerance";
-    return;
-  }
-  result.x = report.verified->x;
-  result.F = F;
-  result.residual = residual;
-}
-
-}  // namespace
 
 Report run_method(const LoadedProblem& problem, const Settings& settings, std::ostream* log,
                   const std::atomic<bool>* interrupt, const ncp::Observer& observer) {
@@ -122,7 +95,8 @@ Report run_method(const LoadedProblem& problem, const Settings& settings, std::o
       if (interrupt != nullptr) limits.interrupted = [interrupt] { return interrupt->load(); };
       report.all_solutions = lcp::enumerate(*ncp::affine_part(*problem.mcp), *enumeration, limits);
     }
-  if (settings.verify && report.result.accepted()) verify(report);
+  if (settings.verify && report.result.accepted())
+    report.verified = ncp::verify(*problem.mcp, ncp::stop(settings.method).tol, report.result);
   return report;
 }
 

@@ -1,6 +1,5 @@
 /// PATH for `perp compare --external`: the user's own library, loaded at run time.
 #include <algorithm>
-#include <cstdlib>
 #include <stdexcept>
 
 #include "bench/path_library.hpp"
@@ -8,11 +7,6 @@
 
 namespace perp::bench {
 namespace {
-
-std::string library_path() {
-  const char* own = std::getenv("PATH_LIBRARY");
-  return own != nullptr ? own : PERP_PATH_LIBRARY;
-}
 
 End end_of(const PathAnswer& answer) {
   if (answer.claimed) return End::Claimed;
@@ -25,7 +19,7 @@ End end_of(const PathAnswer& answer) {
 }
 
 PeerAnswer solve(const ncp::Mcp& mcp, ncp::In x0, const PeerOptions& options) {
-  const PathLibrary path(library_path(), PERP_PATH_STUB);
+  const PathLibrary path(library_to_load(PERP_PATH_LIBRARY), PERP_PATH_STUB);
   const ncp::Index nonzeros = mcp.jacobian_pattern().nonZeros();
   if (!path.takes(mcp.size(), nonzeros))
     return {.end = End::NotTaken,

@@ -283,4 +283,20 @@ Verified verify(const Mcp& mcp, In x) {
   return Proof(mcp, *enclosure, lcp::project(mcp.box(), x)).run();
 }
 
+Verified verify(const Mcp& mcp, double tol, Result& result) {
+  Verified verified = verify(mcp, result.x);
+  if (!verified.unique) return verified;
+  const Residual there = residual(mcp, verified.x);
+  Vec F(verified.x.size());
+  if (!(there.natural <= std::max(result.residual.natural, tol)) || !mcp.eval(verified.x, F)) {
+    verified.unique = false;
+    verified.why_not = "a solution is enclosed, and the middle of its box does not meet the tolerance";
+    return verified;
+  }
+  result.x = verified.x;
+  result.F = F;
+  result.residual = there;
+  return verified;
+}
+
 }  // namespace perp::ncp

@@ -14,6 +14,7 @@
 #include <string>
 
 #include "ncp/problem/mcp.hpp"
+#include "ncp/run/result.hpp"
 
 namespace perp::ncp {
 
@@ -33,5 +34,8 @@ inline constexpr Index most_verified = 4000;
 /// For problems with ranges: affine ones (as their data M and q are evaluated), and models of .nl files. Throws
 /// std::invalid_argument if x has not as many finite entries as the problem, std::bad_alloc.
 Verified verify(const Mcp& mcp, In x);
+/// The same of a result, whose point then is the middle of the box: it has had Newton steps. Not unique where the judge
+/// likes the point before better, and the middle does not meet `tol`.
+Verified verify(const Mcp& mcp, double tol, Result& result);
 
 }  // namespace perp::ncp

@@ -6,6 +6,49 @@
 #include <utility>
 
 namespace perp::ncp {
+namespace {
+
+/// M is its own pattern: the matrix is there once.
+class AffineProblem final : public Mcp {
+ public:
+  /// Takes the problem's contents.
+  AffineProblem(lcp::AffineMcp& problem, std::string name, std::vector<std::string> variable_names,
+                std::vector<std::string> equation_names)
+      : name_(std::move(name)), variable_names_(std::move(variable_names)), equation_names_(std::move(equation_names)) {
+    problem_.M.swap(problem.M);
+    problem_.q.swap(problem.q);
+    problem_.box = std::move(problem.box);
+  }
+
+  const Box& box() const override { return problem_.box; }
+  const SpMat& jacobian_pattern() const override { return problem_.M; }
+  bool eval(In x, Out F) const override {
+    F = problem_.q;
+    F.noalias() += problem_.M * x;
+    return F.allFinite();
+  }
+  bool jacobian(In, SpMat& J) const override {
+    std::copy_n(problem_.M.valuePtr(), problem_.M.nonZeros(), J.valuePtr());
+    return true;
+  }
+  bool is_affine() const override { return true; }
+  std::string name() const override { return name_; }
+  std::string variable_name(Index i) const override {
+    return variable_names_.empty() ? Mcp::variable_name(i) : variable_names_[lcp::at(i)];
+  }
+  std::string equation_name(Index i) const override {
+    return equation_names_.empty() ? Mcp::equation_name(i) : equation_names_[lcp::at(i)];
+  }
+
+ private:
+  lcp::AffineMcp problem_{};
+  std::string name_;
+  std::vector<std::string> variable_names_;
+  std::vector<std::string> equation_names_;
+};
+
+}  // namespace
+
 std::optional<lcp::AffineMcp> affine_part(const Mcp& mcp) {
   if (!mcp.is_affine()) return std::nullopt;
   const Vec zero = Vec::Zero(mcp.size());
@@ -18,21 +61,12 @@ std::unique_ptr<Mcp> make_affine_mcp(lcp::AffineMcp problem, std::string name, s
                                      std::vector<std::string> equation_names) {
   if (const auto why = problem.invalid()) throw std::invalid_argument(name + ": " + *why);
   problem.M.makeCompressed();
-  const auto shared = std::make_shared<const lcp::AffineMcp>(std::move(problem));
-  Functions made{.name = std::move(name), .box = shared->box, .pattern = shared->M, .F = {}, .J = {}};
-  made.variable_names = std::move(variable_names);
-  made.equation_names = std::move(equation_names);
-  made.affine = true;
-  made.F = [shared](In x, Out F) {
-    F = shared->q;
-    F.noalias() += shared->M * x;
-    return F.allFinite();
-  };
-  made.J = [shared](In, SpMat& J) {
-    std::copy_n(shared->M.valuePtr(), shared->M.nonZeros(), J.valuePtr());
-    return true;
-  };
-  return make_mcp(std::move(made));
+  for (const auto* names : {&variable_names, &equation_names})
+    if (!names->empty() && static_cast<Index>(names->size()) != problem.size())
+      throw std::invalid_argument(name + ": " + std::to_string(names->size()) + " names for " +
+                                  std::to_string(problem.size()) + " variables");
+  return std::make_unique<AffineProblem>(problem, std::move(name), std::move(variable_names),
+                                         std::move(equation_names));
 }
 
 }  // namespace perp::ncp

@@ -43,6 +43,29 @@ struct Stats {
 
   Stats& operator+=(const Stats& other);
 };
+/// Calls visit(name, value) for each of them: counts are ints; times are in seconds, and their names end in "_s".
+template <class Visit>
+void each(const Stats& stats, Visit visit) {
+  visit("iterations", stats.iterations);
+  visit("crash_iterations", stats.crash_iterations);
+  visit("F_evals", stats.F_evals);
+  visit("J_evals", stats.J_evals);
+  visit("factorizations", stats.factorizations);
+  visit("krylov_iterations", stats.krylov_iterations);
+  visit("pivots", stats.pivots);
+  visit("presolved", stats.presolved);
+  visit("restarts", stats.restarts);
+  visit("gradient_steps", stats.gradient_steps);
+  visit("watchdogs", stats.watchdogs);
+  visit("unchecked_steps", stats.unchecked_steps);
+  visit("chord_steps", stats.chord_steps);
+  visit("backtracks", stats.backtracks);
+  visit("ray_starts", stats.ray_starts);
+  visit("rank_deficient", stats.rank_deficient);
+  visit("proximal_steps", stats.proximal_steps);
+  visit("linear_time_s", stats.linear_time.count());
+  visit("time_s", stats.time.count());
+}
 
 struct Result {
   Status status = Status::IterationLimit;

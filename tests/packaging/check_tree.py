@@ -6,7 +6,7 @@ floors     includes go down: a file includes what is in its own folder and in th
 crowd      no folder of sources with more than 25 files
 length     no source file beyond 500 lines
 format     clang-format (the major version below, else skipped) would change nothing
-readme     the C++ examples of docs/cpp.md and contact/README.md are those the packaging test builds and runs
+readme     the examples of docs/cpp.md, docs/c.md and contact/README.md are those the packaging test builds and runs
 paths      files that texts and comments name exist, seen from the root or from where they are named
 links      files and headings that texts link to exist
 self-test  each check reports a tree that breaks its rule
@@ -27,14 +27,15 @@ CLANG_FORMAT_VERSION = "14"
 LONGEST = 500
 MOST_FILES = 25
 SKIPPED = 77
-SOURCES = (".cpp", ".hpp", ".h", ".cc")
+SOURCES = (".cpp", ".hpp", ".h", ".cc", ".c")
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]')
 
 # Below: (headers, folders or files that may include them). tests/ and bench/ may include everything.
 RULES = [
     (r"(app)/", ("app/",), "only app sees app"),
-    (r"(contact)/", ("contact/", "app/"), "only contact and app see contact"),
-    (r"(ncp)/", ("ncp/", "contact/", "app/"), "lcp sees nothing above it"),
+    (r"(capi)/", ("capi/",), "only capi sees capi"),
+    (r"(contact)/", ("contact/", "capi/", "app/"), "only contact, capi and app see contact"),
+    (r"(ncp)/", ("ncp/", "contact/", "capi/", "app/"), "lcp sees nothing above it"),
     (r"(tests|bench)/", (), "nobody includes tests or bench"),
     (
         r"(suitesparse/)?(umfpack|klu|btf|cholmod|spqr|cs|amd|colamd|SuiteSparse)\w*\.(h|hpp)$"
@@ -55,12 +56,14 @@ UNRULED = ("tests/", "bench/", "data/")
 FLOORS = """
 lcp lcp/lu lcp/judge lcp/linalg lcp/pivoting lcp/qp lcp/iterative lcp/classes lcp/solve lcp/io
 ncp/interval ncp/problem ncp/ampl ncp/run ncp/reformulation ncp/transforms ncp/analysis ncp/path ncp/methods ncp/strategy
+ncp/settings
 ncp/collection/base ncp/collection/random ncp/collection/models ncp/collection/scalable ncp/collection/kkt ncp/collection
 contact/model contact/existence contact/io contact/laws contact/solvers contact/scenes
+capi capi/path
 app/program app/text app/options app/problem app/report app/campaign app/worker app/findings app/comparison_report
 app/compare app/commands app/contact/run app/contact/compare app/contact/studies app/contact app
 """.split()
-OURS = re.compile(r"(lcp|ncp|contact|app)/")
+OURS = re.compile(r"(lcp|ncp|contact|capi|app)/")
 
 
 def tracked(root):
@@ -142,13 +145,14 @@ def format_(root):
 EXAMPLES = {
     "docs/cpp.md": "tests/packaging/consumer/example.cpp",
     "contact/README.md": "tests/packaging/consumer/contact.cpp",
+    "docs/c.md": "tests/packaging/consumer/from_c.c",
 }
 
 
 def readme(root):
     for page, source in EXAMPLES.items():
         example = (Path(root) / source).read_text(encoding="utf-8")
-        if f"```cpp\n{example}```" not in (Path(root) / page).read_text(encoding="utf-8"):
+        if f"```{source.rpartition('.')[2]}\n{example}```" not in (Path(root) / page).read_text(encoding="utf-8"):
             yield f"{page}: its example is not {source}"
 
 
@@ -271,7 +275,7 @@ def self_test(_):
         subprocess.run(["git", "-C", folder, "add", "ncp/a.hpp"], check=True)
         if sources(folder) != ["ncp/a.hpp"]:
             yield "untracked files are looked at"
-        write(folder, dict.fromkeys(EXAMPLES, "```cpp\nint a;\n```\n") | dict.fromkeys(EXAMPLES.values(), "int a;\n"))
+        write(folder, dict.fromkeys(EXAMPLES, "```cpp\nint a;\n```\n```c\nint a;\n```\n") | dict.fromkeys(EXAMPLES.values(), "int a;\n"))
         yield from readme(folder)
         write(folder, dict.fromkeys(EXAMPLES.values(), "int b;\n"))
         if len(list(readme(folder))) != len(EXAMPLES):

@@ -1,5 +1,5 @@
-/// The options table and the ways to write options. Expectations come from the contract in app/options/options.hpp and,
-/// for PATH's names, from AMPL's list "PATH Directives for AMPL".
+/// The options table and the ways to write options. Expectations come from the contract in ncp/settings/settings.hpp
+/// and, for PATH's names, from AMPL's list "PATH Directives for AMPL".
 #include "app/options/options.hpp"
 
 #include <fmt/format.h>

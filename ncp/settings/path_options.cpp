@@ -1,8 +1,8 @@
 #include <algorithm>
 
-#include "app/options/options.hpp"
+#include "ncp/settings/settings.hpp"
 
-namespace perp::app {
+namespace perp::settings {
 
 void describe(Output& output, ncp::Fields& f) {
   const auto add = [&](std::string_view key, Switch& part, std::string_view help, std::string_view alias = {}) {
@@ -24,6 +24,14 @@ void describe(Output& output, ncp::Fields& f) {
       "output_final_point_statistics");
   add("output_final_summary", output.final_summary, "print how many iterations, evaluations, ... there were");
   add("output_options", output.options, "print the options in force");
+}
+
+ncp::TableOptions table_options(const Output& output) {
+  return {.crash = output.shows(output.crash_iterations),
+          .major = output.shows(output.major_iterations),
+          .restarts = output.shows(output.restart_log),
+          .crash_frequency = output.crash_frequency,
+          .major_frequency = output.major_frequency};
 }
 
 std::span<const std::string_view> path_options() {
@@ -101,4 +109,4 @@ std::span<const std::string_view> ignored_options() {
   return names;
 }
 
-}  // namespace perp::app
+}  // namespace perp::settings

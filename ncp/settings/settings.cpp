@@ -1,4 +1,4 @@
-#include "app/options/options.hpp"
+#include "ncp/settings/settings.hpp"
 
 #include <fmt/format.h>
 
@@ -9,7 +9,7 @@
 
 #include "ncp/path/pivot_limit.hpp"
 
-namespace perp::app {
+namespace perp::settings {
 
 namespace {
 
@@ -323,4 +323,4 @@ void note_limits_of_size(ncp::Index n, Applied& options) {
       "minor_iteration_limit = {} is taken as {}, which is 1000 + 20 n: a longer path leads nowhere", *given, most));
 }
 
-}  // namespace perp::app
+}  // namespace perp::settings

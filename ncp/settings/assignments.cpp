@@ -1,4 +1,4 @@
-#include "app/options/options_text.hpp"
+#include "ncp/settings/assignments.hpp"
 
 #include <fmt/format.h>
 
@@ -8,10 +8,10 @@
 #include <fstream>
 #include <istream>
 
-#include "app/program/program.hpp"
 #include "lcp/io/file_error.hpp"
+#include "ncp/settings/input_error.hpp"
 
-namespace perp::app {
+namespace perp::settings {
 
 namespace {
 
@@ -129,4 +129,4 @@ std::string lowercase(std::string_view text) {
   return result;
 }
 
-}  // namespace perp::app
+}  // namespace perp::settings

@@ -1,0 +1,79 @@
+#pragma once
+/// A problem of the caller's functions, and what goes wrong in them.
+#include <atomic>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "capi/matrix.hpp"
+#include "capi/perp.h"
+#include "ncp/problem/mcp.hpp"
+
+namespace perp::capi {
+
+class CallbackMcp final : public ncp::Mcp {
+ public:
+  CallbackMcp(lcp::Box box, Matrix pattern, perp_F F, perp_J J, void* user)
+      : box_(std::move(box)), pattern_(std::move(pattern)), F_(F), J_(J), user_(user) {}
+
+  const lcp::Box& box() const override { return box_; }
+  const SpMat& jacobian_pattern() const override { return pattern_.entries; }
+  bool eval(ncp::In x, ncp::Out F) const override;
+  bool jacobian(ncp::In x, SpMat& J) const override;
+  bool is_affine() const override { return affine_; }
+  std::vector<bool> linear_entries() const override { return linear_; }
+
+  /// In the order of the pattern as the caller gave it; null: none.
+  void set_linear(const std::int8_t* linear);
+
+  /// From now on *stop is set where a callback asks to stop or fails, and no callback is called any more.
+  void begin(std::atomic<bool>* stop) const;
+  /// Who asked to stop, and when: "F, in its evaluation 3"; empty: nobody.
+  const std::string& stopped() const { return stopped_; }
+  /// What a callback did wrong; empty: nothing.
+  const std::string& failure() const { return failure_; }
+
+ private:
+  template <class Call>
+  bool called(const char* name, int evaluation, double* values, Index count, Call call) const;
+  bool ended() const { return !stopped_.empty() || !failure_.empty(); }
+  void end(std::string& why, const std::string& text) const;
+  std::string place(const char* name, Index k) const;
+
+  lcp::Box box_;
+  Matrix pattern_;
+  perp_F F_;
+  perp_J J_;
+  void* user_;
+  std::vector<bool> linear_{};
+  bool affine_ = false;
+
+  // Of the solve that runs.
+  mutable std::atomic<bool>* stop_ = nullptr;
+  mutable int F_evals_ = 0;
+  mutable int J_evals_ = 0;
+  mutable std::string stopped_{};
+  mutable std::string failure_{};
+  mutable std::vector<double> values_{};  // of J in the caller's order, where that is another
+};
+
+/// Watches the callbacks of a problem (null: it has none) while an object of this lives.
+class Watch {
+ public:
+  Watch(const CallbackMcp* callbacks, std::atomic<bool>* stop) : callbacks_(callbacks) {
+    if (callbacks_ != nullptr) callbacks_->begin(stop);
+  }
+  ~Watch() {
+    if (callbacks_ != nullptr) callbacks_->begin(nullptr);
+  }
+  Watch(const Watch&) = delete;
+  Watch& operator=(const Watch&) = delete;
+  /// Throws PERP_BAD_CALLBACK if one failed.
+  void check() const;
+  std::string stopped() const { return callbacks_ == nullptr ? "" : callbacks_->stopped(); }
+
+ private:
+  const CallbackMcp* callbacks_;
+};
+
+}  // namespace perp::capi
