@@ -38,7 +38,7 @@ _perp_value() {  # of the flag before the cursor, whose line is $1: "  --flag TA
     --method | --show)
       _perp_words "$(_perp_methods) $([ "$command" = contact ] && echo homotopy)" ;;
     --methods)
-      _perp_words 'presets published all cfunctions none' ;;
+      _perp_words 'presets published all cfunctions cfunction-grid none' ;;
     --problems)
       _perp_words "all $(_perp_problems)" ;;
     --class)

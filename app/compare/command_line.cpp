@@ -8,7 +8,8 @@ namespace {
 
 constexpr const char* footer =
     "PROBLEMS is a comma-separated list of NAME, NAME:SIZE, class:CLASS, FILE.nl, all; METHODS of NAME,\n"
-    "NAME:key=value:key=value, presets, published, all, cfunctions (semismooth over every C-function), none.\n"
+    "NAME:key=value:key=value, presets, published, all, cfunctions (semismooth over every C-function),\n"
+    "cfunction-grid (the same at several values of their parameters), none.\n"
     "Names may have * and ?; what begins with - is taken away.\n"
     "\n"
     "Examples:\n"
