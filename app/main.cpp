@@ -160,6 +160,7 @@ constexpr const char* report_footer =
     "\n"
     "Examples:\n"
     "  perp report campaign\n"
+    "  perp report part1 part2 part3 --out campaign      shards of 'perp compare --shard K/3', joined\n"
     "  column -s, -t campaign/robustness.csv";
 
 /// Options with a flag of their own on `perp solve`.
@@ -199,7 +200,7 @@ struct CommandLine {
   std::array<std::string, shortcuts.size()> shortcut_values;
   std::string level = "info";
   std::string all;
-  std::string campaign;
+  ReportRequest report_request;
   bool check_derivatives = false, verify = false;
   bool version = false;
 
@@ -224,7 +225,8 @@ struct CommandLine {
     compare = compare::add_command(app, compare_request);
     report = app.add_subcommand("report", "The report of a comparison: report.html and its numbers as CSV and JSON");
     report->footer(report_footer);
-    option(report, "DIR", campaign, "folder of the campaign", " ")->required();
+    option(report, "DIR", report_request.dirs, "folder of the campaign, or those of its shards", " ")->required();
+    option(report, "--out", report_request.out, "where shards are joined to one campaign; new or empty", "DIR");
     contact = contacts::add_command(app, contact_words);
   }
 
@@ -306,9 +308,10 @@ struct CommandLine {
 };
 
 /// A first word that is no command: what was meant?
-void check_command(const std::string& word, const Streams& streams, bool& known) {
-  constexpr std::array<std::string_view, 10> commands{"solve",      "inspect", "list",   "export",  "methods",
-                                                      "cfunctions", "compare", "report", "contact", "help"};
+void check_command(const CLI::App& app, const std::string& word, const Streams& streams, bool& known) {
+  std::vector<std::string> names{"help"};
+  for (const CLI::App* command : app.get_subcommands(nullptr)) names.push_back(command->get_name());
+  const std::vector<std::string_view> commands(names.begin(), names.end());
   known = word.starts_with('-') || std::ranges::find(commands, word) != commands.end();
   if (known) return;
   std::string hint = did_you_mean(word, commands);
@@ -337,11 +340,11 @@ int run_command(std::vector<std::string> arguments, Streams streams) {
     arguments.erase(arguments.begin());
     arguments.emplace_back("--help");
   }
+  CommandLine line;
   bool known = true;
-  if (!arguments.empty()) check_command(arguments[0], streams, known);
+  if (!arguments.empty()) check_command(line.app, arguments[0], streams, known);
   if (!known) return exit_input;
 
-  CommandLine line;
   try {
     line.app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
   } catch (const CLI::CallForHelp&) {
@@ -374,7 +377,7 @@ int run_command(std::vector<std::string> arguments, Streams streams) {
                                              arguments.end());
     return compare::compare(line.compare_request, streams, &interrupted);
   }
-  if (line.report->parsed()) return report_campaign(line.campaign, streams);
+  if (line.report->parsed()) return report_campaign(line.report_request, streams);
   if (line.contact->parsed()) return contacts::run_command(*line.contact, line.contact_words, streams, &interrupted);
   if (line.solve->parsed()) {
     try {

@@ -1,140 +1,93 @@
-# bash completion for perp; installed as share/bash-completion/completions/perp.
+# bash completion for perp; installed as share/bash-completion/completions/perp. Commands, flags and words are those of
+# the program's own help.
 
-_perp_keys() {  # the option keys, from the program itself
-  "$1" -AMPL -= 2>/dev/null | awk '/^[a-z]/ { print $1 "=" }'
+_perp_help() {  # of the command on the line: --help, without its lists of commands and examples
+  local words=()
+  [ "$command" = help ] || words=("$command")
+  [ "$command" = contact ] && [ "$COMP_CWORD" -gt 2 ] && [ "${COMP_WORDS[2]}" = ball ] && words+=(ball)
+  "${COMP_WORDS[0]}" "${words[@]}" --help 2>/dev/null
+}
+
+_perp_commands() {
+  "${COMP_WORDS[0]}" --help 2>/dev/null | awk '/^Subcommands:/ { on = 1; next } !NF { on = 0 } on { print $1 }'
+}
+
+_perp_flags() { awk '/^  -/ { sub(/^-.,/, "", $1); print $1 }' <<<"$help"; }
+
+_perp_line() { awk -v flag="$1" '/^  -/ && ("," $1 ",") ~ ("," flag ",")' <<<"$help"; }  # that explains a flag
+
+_perp_problems() {  # names of the collection
+  "${COMP_WORDS[0]}" list 2>/dev/null | awk 'NR > 2 && NF == 0 { exit } NR > 2 { print $1 }'
 }
 
 _perp_methods() {
-  "$1" methods 2>/dev/null | awk '/^Options:/ { exit } /^  [a-z]/ && !/[(]/ || /[(]default[)]/ { print $1 }'
+  "${COMP_WORDS[0]}" methods 2>/dev/null | awk '/^Options:/ { exit } /^  [a-z]/ && !/[(]/ || /[(]default[)]/ { print $1 }'
 }
 
-_perp_problems() {  # names of the collection
-  "$1" list 2>/dev/null | awk 'NR > 2 && NF == 0 { exit } NR > 2 { print $1 }'
+_perp_keys() {  # of options
+  "${COMP_WORDS[0]}" -AMPL -= 2>/dev/null | awk '/^[a-z]/ { print $1 "=" }'
+  [ "$command" = contact ] && _perp_line --option | grep -oE '[a-z_]+(,|;|$)' | sed -E 's/[,;]?$/=/'
+}
+
+_perp_words() { compgen -W "$1" -- "$cur"; }
+
+_perp_value() {  # of the flag before the cursor, whose line is $1: "  --flag TAKES  what it means"
+  local takes=${1#*--} text=${1#*  }
+  takes=${takes#* } takes=${takes%%  *} text=${text#*  }
+  case $prev in
+    --method | --show)
+      _perp_words "$(_perp_methods) $([ "$command" = contact ] && echo homotopy)" ;;
+    --methods)
+      _perp_words 'presets published all cfunctions cfunction-grid none' ;;
+    --problems)
+      _perp_words "all $(_perp_problems)" ;;
+    --class)
+      _perp_words "$("${COMP_WORDS[0]}" list --json 2>/dev/null | sed -n 's/^ *"class": "\(.*\)",$/\1/p' | sort -u)" ;;
+    *)
+      case $takes in
+        KEY=VALUE*)
+          _perp_words "$(_perp_keys)"
+          compopt -o nospace 2>/dev/null ;;
+        *FILE* | F.mtx*) compgen -f -- "$cur" ;;
+        DIR*) compgen -d -- "$cur" ;;
+        *'|'*) _perp_words "$(tr '|' ' ' <<<"${takes%% *}")" ;;
+        *)
+          [[ $text =~ one\ of\ ([^\;.]*) ]] && _perp_words "$(tr -d ',' <<<"${BASH_REMATCH[1]%%: *}")" ;;
+      esac ;;
+  esac
+}
+
+_perp_positional() {
+  case $command in
+    help) _perp_words "$(_perp_commands)" ;;
+    report) compgen -d -- "$cur" ;;
+    contact)
+      _perp_words "ball $(sed -n 's/^contacts: \(.*\)\.$/\1/p' <<<"$help" | sed 's/,\|$/:/g')"
+      compgen -f -X '!*.@(dat|hdf5|h5)' -- "$cur"
+      compgen -d -- "$cur" ;;
+    *)
+      _perp_words "$(_perp_problems)"
+      compgen -f -X '!*.@(nl|mtx|dat)' -- "$cur"
+      compgen -d -- "$cur" ;;
+  esac
 }
 
 _perp() {
-  local cur=${COMP_WORDS[COMP_CWORD]} prev=${COMP_WORDS[COMP_CWORD-1]} command=${COMP_WORDS[1]}
+  local cur=${COMP_WORDS[COMP_CWORD]} prev=${COMP_WORDS[COMP_CWORD-1]} command=${COMP_WORDS[1]} help line
   COMPREPLY=()
   if [ "$COMP_CWORD" -eq 1 ]; then
-    mapfile -t COMPREPLY < <(compgen -W 'solve inspect list export methods cfunctions compare report contact help --help --version -v' -- "$cur")
+    mapfile -t COMPREPLY < <(_perp_words "$(_perp_commands) help --help --version -v")
     return
   fi
-  case $prev in
-    --formulation)
-      mapfile -t COMPREPLY < <(compgen -W 'glocker ncp1 inner:8 outer:8 frictionless' -- "$cur")
-      return ;;
-    --encoding)
-      mapfile -t COMPREPLY < <(compgen -W 'A B' -- "$cur")
-      return ;;
-    --row)
-      mapfile -t COMPREPLY < <(compgen -W 'normalised original' -- "$cur")
-      return ;;
-    --form)
-      mapfile -t COMPREPLY < <(compgen -W 'reduced mixed' -- "$cur")
-      return ;;
-    --fclib-out | --svg)
-      mapfile -t COMPREPLY < <(compgen -f -- "$cur")
-      return ;;
-    --method | --show)
-      local more=
-      [ "$command" = contact ] && more=homotopy
-      mapfile -t COMPREPLY < <(compgen -W "$(_perp_methods "${COMP_WORDS[0]}") $more" -- "$cur")
-      return ;;
-    --log-level)
-      mapfile -t COMPREPLY < <(compgen -W 'quiet warning summary info debug' -- "$cur")
-      return ;;
-    --class)
-      mapfile -t COMPREPLY < <(compgen -W "$("${COMP_WORDS[0]}" list --json 2>/dev/null |
-        sed -n 's/^ *"class": "\(.*\)",$/\1/p' | sort -u)" -- "$cur")
-      return ;;
-    -o | --output)
-      if [ "$command" = export ]; then
-        mapfile -t COMPREPLY < <(compgen -f -- "$cur")
-        return
-      fi ;;&
-    -o | --option)
-      if [ "$command" = contact ]; then
-        mapfile -t COMPREPLY < <(compgen -W "$(_perp_keys "${COMP_WORDS[0]}") sweeps= polish= polish_at= other_settings= proximal= scaling=
-          delta_share= eps_share= least_centring= to_boundary= neighbourhood= delta= eps= stages=" -- "$cur")
-        compopt -o nospace
-        return
-      fi
-      mapfile -t COMPREPLY < <(compgen -W "$(_perp_keys "${COMP_WORDS[0]}")" -- "$cur")
-      compopt -o nospace
-      return ;;
-    --options-file)
-      mapfile -t COMPREPLY < <(compgen -f -- "$cur")
-      return ;;
-    --json)
-      if [ "$command" = solve ] || [ "$command" = inspect ] || [ "$command" = contact ]; then
-        mapfile -t COMPREPLY < <(compgen -f -- "$cur")
-        return
-      fi ;;
-    --lower | --upper | --start-at | --solution | --warm-start | --plot)
-      mapfile -t COMPREPLY < <(compgen -f -- "$cur")
-      return ;;
-    --out)
-      mapfile -t COMPREPLY < <(compgen -d -- "$cur")
-      return ;;
-    --baseline)
-      mapfile -t COMPREPLY < <(compgen -f -X '!*.csv' -- "$cur"; compgen -d -- "$cur")
-      return ;;
-    --problems)
-      mapfile -t COMPREPLY < <(compgen -W "all $(_perp_problems "${COMP_WORDS[0]}")" -- "$cur")
-      return ;;
-    --methods)
-      mapfile -t COMPREPLY < <(compgen -W 'presets published all cfunctions none' -- "$cur")
-      return ;;
-    --start | --plot-iteration | --tol | --tol-relative | --max-iterations | --time-limit)
-      return ;;
-  esac
-  case $command in
-    solve)
-      if [ "${cur:0:1}" = - ]; then
-        mapfile -t COMPREPLY < <(compgen -W '--start --start-at --warm-start --lower --upper --solution --method --all --tol --tol-relative --max-iterations --time-limit --check-derivatives --verify
-          --option --options-file --json --plot --plot-iteration --log-level --full --help' -- "$cur")
-      else
-        mapfile -t COMPREPLY < <(compgen -W "$(_perp_problems "${COMP_WORDS[0]}")" -- "$cur"
-          compgen -f -X '!*.@(nl|mtx|dat)' -- "$cur"; compgen -d -- "$cur")
-      fi ;;
-    inspect)
-      if [ "${cur:0:1}" = - ]; then
-        mapfile -t COMPREPLY < <(compgen -W '--start --start-at --lower --upper --json --help' -- "$cur")
-      else
-        mapfile -t COMPREPLY < <(compgen -W "$(_perp_problems "${COMP_WORDS[0]}")" -- "$cur"
-          compgen -f -X '!*.@(nl|mtx|dat)' -- "$cur"; compgen -d -- "$cur")
-      fi ;;
-    list)
-      if [ "${cur:0:1}" = - ]; then
-        mapfile -t COMPREPLY < <(compgen -W '--class --json --help' -- "$cur")
-      else
-        mapfile -t COMPREPLY < <(compgen -W "$(_perp_problems "${COMP_WORDS[0]}")" -- "$cur")
-      fi ;;
-    compare)
-      mapfile -t COMPREPLY < <(compgen -W '--problems --methods --starts --tol --time-limit --memory-limit --jobs --restarts --seed --external
-        --out --resume --baseline --help' -- "$cur") ;;
-    contact)
-      if [ "${COMP_WORDS[2]}" = ball ] && [ "$COMP_CWORD" -gt 2 ]; then
-        mapfile -t COMPREPLY < <(compgen -W '--facets --exact --outer --load --frame --mu --phase --cycles --step --theta --rolling --svg
-          --json --help' -- "$cur")
-      elif [ "${cur:0:1}" = - ]; then
-        mapfile -t COMPREPLY < <(compgen -W '--generate --formulation --method --option --encoding --row --form --tol --time-limit --json --fclib-out --svg
-          --log-level --full --compare --variants --out --resume --memory-limit --jobs --facets --help' -- "$cur")
-      else
-        mapfile -t COMPREPLY < <(compgen -W 'ball stack: spheres: arch: chain: wall: incline:' -- "$cur"
-          compgen -f -X '!*.@(dat|hdf5|h5)' -- "$cur"; compgen -d -- "$cur")
-      fi ;;
-    report) mapfile -t COMPREPLY < <(compgen -d -- "$cur") ;;
-    export)
-      if [ "${cur:0:1}" = - ]; then
-        mapfile -t COMPREPLY < <(compgen -W '--output --start --force --help' -- "$cur")
-      else
-        mapfile -t COMPREPLY < <(compgen -W "$(_perp_problems "${COMP_WORDS[0]}")" -- "$cur")
-      fi ;;
-    methods) mapfile -t COMPREPLY < <(compgen -W '--show --help' -- "$cur") ;;
-    cfunctions) mapfile -t COMPREPLY < <(compgen -W '--help' -- "$cur") ;;
-    help) mapfile -t COMPREPLY < <(compgen -W 'solve inspect list export methods cfunctions compare report contact' -- "$cur") ;;
-  esac
+  help=$(_perp_help)
+  line=$(_perp_line "$prev")
+  if [[ $line =~ ^\ +-[^\ ]+\ [^\ ] ]]; then  # it takes a value
+    mapfile -t COMPREPLY < <(_perp_value "$line")
+  elif [ "${cur:0:1}" = - ]; then
+    mapfile -t COMPREPLY < <(_perp_words "$(_perp_flags)")
+  else
+    mapfile -t COMPREPLY < <(_perp_positional)
+  fi
 }
 
 complete -F _perp perp

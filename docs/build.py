@@ -4,8 +4,9 @@
 Needs mkdocs and, for the formulas, KaTeX: Debian's packages mkdocs and libjs-katex. The site uses no network.
 
 Formulas are written as GitHub renders them, in ```math blocks and between $` and `$. Marks in the texts:
-  <!-- options: NAME... -->   the options of these methods (options.py); of no name, those that all share
-  <!-- contact-options -->    what `perp contact --help` says of --option
+  <!-- options: NAME... KEY... -->   the options of these methods with these keys (options.py); of no name, those that
+                                     all share
+  <!-- contact-options -->           what `perp contact --help` says of --option
 """
 
 import posixpath
@@ -59,7 +60,7 @@ def linked(text, source, pages):
 
 
 def filled(text, perp):
-    text = re.sub(r"<!-- options: ?([\w -]*?) ?-->", lambda found: options.table(perp, found[1].split()), text)
+    text = re.sub(r"<!-- options: ?([\w* -]*?) ?-->", lambda found: options.table(perp, found[1].split()), text)
     if "<!-- contact-options -->" in text:
         told = options.said(perp, "contact", "--help")
         said = re.search(r"--option KEY=VALUE +of the method; may be repeated: (.*)", told)

@@ -1,10 +1,12 @@
 #!/usr/bin/env python3
-"""The options of methods as Markdown tables, from what the program says of itself: options.py PERP [METHOD...].
+"""Prints the options of methods as a Markdown table: options.py PERP [METHOD...] [KEY...].
 
-Which options a method has, and with what defaults, is in the JSON of a run; what they mean is in `perp methods`.
-Without a METHOD: those that all methods share.
+The table follows from what the program says: the JSON of a run has the options of a method and their defaults, and
+`perp methods` has their meaning. Without a METHOD: the options that all methods share. A KEY may have `*`; the table
+then has the options that fit one of the keys, and no others.
 """
 
+import fnmatch
 import functools
 import json
 import re
@@ -75,12 +77,20 @@ def cell(text):
     return re.sub(r"([|*_])", r"\\\1", text).replace("<", "&lt;")
 
 
-def table(perp, names):
-    """The options of these methods that not all others share; with no method, those that all share."""
+def table(perp, words):
+    """Makes the table for these methods and keys: of the options that not all methods share or, with no method, of those
+    that all share."""
     what = meanings(perp)
+    names = [word for word in words if word in methods(perp)]
+    wanted = [word for word in words if word not in names]
     of = {name: defaults(perp, name) for name in names} or {"default": shared(perp)}
     common = shared(perp) if names else {}
     keys = dict.fromkeys(key for options in of.values() for key in options if key not in common)
+    if wanted:
+        keys = [key for key in keys if any(fnmatch.fnmatchcase(key, pattern) for pattern in wanted)]
+        unused = [pattern for pattern in wanted if not fnmatch.filter(keys, pattern)]
+        if unused:
+            sys.exit(f"{perp}: no method and no option of {', '.join(of)}: {', '.join(unused)}")
     if not keys:
         return "It has no options of its own.\n"
     heads = ["default"] if len(of) == 1 else list(of)

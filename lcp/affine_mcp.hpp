@@ -17,15 +17,15 @@ struct AffineMcp {
   Box box;
 
   Index size() const { return q.size(); }
-  /// Why the parts do not make a problem (shapes, bounds, a value of M or q that is not finite), if they do not.
+  /// Says why the parts are not a problem (shapes, bounds, a value of M or q that is not finite). Empty if they are.
   std::optional<std::string> invalid() const;
 };
 
-/// LCP(q, M):  0 <= z  _|_  M z + q >= 0.
+/// Makes LCP(q, M): 0 <= z _|_ M z + q >= 0.
 AffineMcp standard_lcp(SpMat M, Vec q);
 
-/// || z - mid(l, z - (M z + q), u) ||_inf: zero exactly at the solutions; +inf where M z + q is not finite. M z + q in
-/// plain sums: what decides is judge() (lcp/judge/judge.hpp).
+/// Computes || z - mid(l, z - (M z + q), u) ||_inf, which is zero exactly at the solutions, and +inf where M z + q is
+/// not finite. It computes M z + q by plain sums. The function that decides is judge() (lcp/judge/judge.hpp).
 double natural_residual(const AffineMcp& problem, In z);
 
 }  // namespace perp::lcp

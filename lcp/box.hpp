@@ -16,20 +16,21 @@ struct Box {
   static Box nonnegative(Index n);  ///< R^n_+
   Index size() const { return lower.size(); }
 
-  /// The first index that is not a nonempty interval: lower > upper, NaN, lower = +inf or upper = -inf.
-  /// Empty if every interval is one. Pre: both vectors have one length.
+  /// Returns the first index with an invalid interval: lower > upper, NaN, lower = +inf or upper = -inf. Empty if all
+  /// intervals are valid. Pre: both vectors have the same length.
   std::optional<Index> first_invalid() const;
-  /// Why this is not a box (lengths differ, or the first invalid interval with its values), if it is not.
+  /// Says why this is not a box: the lengths differ, or the first invalid interval with its values. Empty if it is a
+  /// box.
   std::optional<std::string> invalid() const;
 };
 
-/// The projection onto the box, componentwise mid(lower, z, upper).
+/// Projects onto the box: mid(lower, z, upper) in each component.
 Vec project(const Box& box, In z);
 double project(const Box& box, Index i, double z);
 
 /// Where z_i lies in [l_i, u_i]; a fixed variable counts as Fixed.
 enum class BoundState { Free, AtLower, AtUpper, Fixed };
-/// State of z_i with distances up to `tol` counted as "at the bound".
+/// Returns the state of z_i. A distance of at most `tol` counts as "at the bound".
 BoundState bound_state(const Box& box, Index i, double z, double tol = 0);
 
 }  // namespace perp::lcp

@@ -8,6 +8,7 @@
 #include <sys/utsname.h>
 
 #include <algorithm>
+#include <charconv>
 #include <chrono>
 #include <fstream>
 
@@ -79,6 +80,20 @@ Campaign parse_campaign(const std::string& text) {
 Campaign read_campaign(const std::string& dir) {
   if (!holds_campaign(dir)) throw InputError(fmt::format("'{}/campaign.json' cannot be read", dir));
   return campaign_in(dir, parse_campaign);
+}
+
+Shard parse_shard(const std::string& text) {
+  constexpr int most = 100'000;
+  if (text.empty()) return {};
+  Shard shard;
+  const char* const end = text.data() + text.size();
+  const auto number = std::from_chars(text.data(), end, shard.number);
+  const bool slash = number.ec == std::errc{} && number.ptr != end && *number.ptr == '/';
+  const auto of = slash ? std::from_chars(number.ptr + 1, end, shard.of) : number;
+  if (!slash || of.ec != std::errc{} || of.ptr != end || shard.of < 1 || shard.of > most || shard.number < 1 ||
+      shard.number > shard.of)
+    throw InputError(fmt::format("--shard: '{}' is no K/N with 1 <= K <= N <= {}, such as 3/7", text, most));
+  return shard;
 }
 
 std::vector<std::string> differences(const Campaign& before, const Campaign& now) {

@@ -76,6 +76,17 @@ struct Machine {
   }
 };
 
+/// A part of a campaign's cells: those with numbers number, number + of, number + 2 of, ... from 1.
+struct Shard {
+  int number = 1;
+  int of = 1;
+  bool has(std::size_t cell) const {
+    return cell % static_cast<std::size_t>(of) + 1 == static_cast<std::size_t>(number);
+  }
+};
+/// "3/7"; "" is the whole. Throws InputError.
+Shard parse_shard(const std::string& text);
+
 struct Campaign {
   std::vector<AskedMethod> methods{};
   std::vector<AskedProblem> problems{};
@@ -86,6 +97,7 @@ struct Campaign {
   int restarts = 0;            ///< at most so many after a failure
   unsigned seed = 1;           ///< of their starts
   int jobs = 1;
+  std::string shard{};                   ///< of all cells, those that are run here: "3/7"; empty: all
   std::string version{};                 ///< of perp
   std::string build{};                   ///< CRC-32 of the program's file
   std::vector<std::string> libraries{};  ///< linked, with their versions
@@ -112,6 +124,7 @@ struct Campaign {
     f("seed", campaign.seed);
     f.or_zero("starts", campaign.starts, "all");
     f("jobs", campaign.jobs);
+    f.optional("shard", campaign.shard);
     f("methods", campaign.methods);
     f("problems", campaign.problems);
   }

@@ -196,6 +196,11 @@ std::vector<AskedMethod> methods_of(const Item& item) {
     for (const ncp::CFunction& c : ncp::cfunctions()) names.push_back("semismooth:cfunction=" + c.name);
     return of_names(names);
   }
+  if (text == "cfunction-grid") {
+    for (const ncp::CFunction& c : ncp::cfunction_grid())
+      names.push_back(fmt::format("semismooth:cfunction={}:cfunction_parameter={:g}", c.name, c.parameter->value));
+    return of_names(names);
+  }
   const std::string name = text.substr(0, text.find(':'));
   const std::string rest = text.substr(name.size());
   for (const std::string_view method : method_names())
@@ -204,7 +209,7 @@ std::vector<AskedMethod> methods_of(const Item& item) {
   if (const auto strategy = method_named(name)) return {of_method(std::string(ncp::name(*strategy)) + rest)};
   if (is_pattern(name)) throw InputError(fmt::format("{}: no method fits '{}'", methods_flag, name));
   std::vector<std::string_view> candidates = method_names();
-  candidates.insert(candidates.end(), {"presets", "published", "all", "cfunctions", "none"});
+  candidates.insert(candidates.end(), {"presets", "published", "all", "cfunctions", "cfunction-grid", "none"});
   throw InputError(fmt::format("{}: there is no method '{}'.{} 'perp methods' lists them.", methods_flag, name,
                                did_you_mean(name, candidates)));
 }

@@ -6,9 +6,10 @@
 /// suggestions.
 ///
 ///     problems   all   NAME   NAME:SIZE   class:CLASS   FILE.nl   FILE.dat
-///     methods    all   presets   cfunctions   none   NAME   NAME:key=value:key=value
+///     methods    all   presets   cfunctions   cfunction-grid   none   NAME   NAME:key=value:key=value
 ///
-/// NAME, CLASS and FILE may have * ? and [...]. `cfunctions` is semismooth over every C-function.
+/// NAME, CLASS and FILE may have * ? and [...]. `cfunctions` is semismooth over every C-function,
+/// `cfunction-grid` over those with a parameter, at several values of it.
 #include <string>
 #include <vector>
 

@@ -98,6 +98,8 @@ Campaign asked_campaign(const CompareRequest& request, const Campaign* before, s
   campaign.starts = request.starts ? parse_starts(*request.starts) : otherwise.starts;
   campaign.methods = asked_methods(request, before, campaign.tol, notes);
   campaign.problems = asked_problems(request, before);
+  campaign.shard = request.shard.value_or(otherwise.shard);
+  (void)parse_shard(campaign.shard);
   campaign.command_line = request.command_line;
   return campaign;
 }
@@ -108,6 +110,8 @@ void check_resumable(const std::string& dir, const Campaign& before, const Campa
     const auto text = [](int starts) { return starts == 0 ? std::string("all") : fmt::format("{}", starts); };
     found.push_back(fmt::format("--starts: {} there, {} here", text(before.starts), text(now.starts)));
   }
+  if (before.shard != now.shard)
+    found.push_back(fmt::format("--shard: {} there, {} here", before.shard.empty() ? "all" : before.shard, now.shard));
   if (found.empty()) return;
   throw InputError(fmt::format(
       "--resume: '{0}' holds a campaign that asks for something else:\n  {1}\n'--out {0} --resume' alone goes on as "

@@ -8,7 +8,8 @@ namespace {
 
 constexpr const char* footer =
     "PROBLEMS is a comma-separated list of NAME, NAME:SIZE, class:CLASS, FILE.nl, all; METHODS of NAME,\n"
-    "NAME:key=value:key=value, presets, published, all, cfunctions (semismooth over every C-function), none.\n"
+    "NAME:key=value:key=value, presets, published, all, cfunctions (semismooth over every C-function),\n"
+    "cfunction-grid (the same at several values of their parameters), none.\n"
     "Names may have * and ?; what begins with - is taken away.\n"
     "\n"
     "Examples:\n"
@@ -18,6 +19,7 @@ constexpr const char* footer =
     "  perp compare --methods cfunctions --problems class:tiny,class:economics --out functions\n"
     "  perp compare --problems 'models/*.nl' --external 'peer=./peer tol={tol}' --out peers\n"
     "  perp compare --out tiny --resume                      after Ctrl-C, kill -9 or a power cut\n"
+    "  perp compare --problems all --shard 3/7 --out part3   the third of seven parts\n"
     "  perp compare --problems class:tiny --baseline tiny/outcomes.csv --out again\n"
     "\n"
     "Every run is a process of its own with limits of time and memory, its point is judged by the natural residual of\n"
@@ -48,6 +50,10 @@ CLI::App* add_command(CLI::App& app, CompareRequest& request) {
          "campaign's tolerance; may be repeated",
          "NAME=COMMAND")
       ->allow_extra_args(false);
+  option(compare, "--shard", request.shard,
+         "runs part K of N of the cells, for N machines or processes, each with a DIR of its own; 'perp report' joins "
+         "them",
+         "K/N");
   option(compare, "--out", request.out, "where all is kept (comparison)", "DIR");
   compare->add_flag("--resume", request.resume, "go on with the campaign in DIR; what is not given is as it was");
   option(compare, "--baseline", request.baseline,

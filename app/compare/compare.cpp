@@ -34,15 +34,21 @@ struct Pending {
   int start;
 };
 
-/// Problem by problem, so that what is seen first is comparable.
-std::vector<Pending> pending_cells(const Campaign& campaign, const std::vector<Cell>& done) {
+/// Problem by problem, so that what is seen first is comparable. `total`: of the campaign's shard, done or not.
+std::vector<Pending> pending_cells(const Campaign& campaign, const std::vector<Cell>& done, std::size_t& total) {
   std::set<CellKey> keys;
   for (const Cell& cell : done) keys.insert(key(cell));
+  const Shard shard = parse_shard(campaign.shard);
   std::vector<Pending> cells;
+  std::size_t number = 0;
+  total = 0;
   for (const AskedProblem& problem : campaign.problems)
     for (int start = 1; start <= problem.starts; ++start)
-      for (const AskedMethod& method : campaign.methods)
+      for (const AskedMethod& method : campaign.methods) {
+        if (!shard.has(number++)) continue;
+        ++total;
         if (!keys.contains({method.label, problem.name, start})) cells.push_back({&method, &problem, start});
+      }
   return cells;
 }
 
@@ -53,6 +59,8 @@ class Comparison {
 
   int run() {
     check_utf8(request_.out);
+    if (!request_.baseline.empty() && request_.shard)
+      throw InputError("--baseline: compares all cells, --shard runs some of them");
     if (!request_.baseline.empty()) baseline_ = read_baseline(request_.baseline);
     std::error_code ignored;
     const bool resume = request_.resume && fs::exists(request_.out + "/campaign.json", ignored);
@@ -171,8 +179,8 @@ class Comparison {
     for (const std::string& dropped : journal.before().dropped)
       note(fmt::format("{}/cells.jsonl, {}: left out, its cell runs again", request_.out, dropped));
     const std::vector<Cell>& before = journal.before().cells;
-    const std::vector<Pending> cells = pending_cells(campaign_, before);
-    const std::size_t total = campaign_.cells();
+    std::size_t total = 0;
+    const std::vector<Pending> cells = pending_cells(campaign_, before, total);
     std::set<std::string> without_solution;
     for (const AskedProblem& problem : campaign_.problems)
       if (!problem.solvable()) without_solution.insert(problem.name);
@@ -216,6 +224,11 @@ class Comparison {
 
   int finish() {
     write_report(request_.out);
+    if (!campaign_.shard.empty()) {
+      streams_.out << fmt::format("Shard {} is complete. 'perp report DIR... --out JOINED' joins the folders of all.\n",
+                                  campaign_.shard);
+      return exit_solved;
+    }
     std::vector<Cell> cells = read_cells(request_.out).cells;
     settle(campaign_, cells);
     print_outcomes(streams_.out, campaign_, cells);

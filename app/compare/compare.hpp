@@ -23,6 +23,7 @@ struct CompareRequest {
   std::optional<int> restarts{};          ///< 0
   std::optional<unsigned> seed{};         ///< 1
   std::vector<std::string> externals{};   ///< NAME=COMMAND
+  std::optional<std::string> shard{};     ///< K/N: one of N parts of the cells; all
   std::string out = "comparison";         ///< the directory
   bool resume = false;                    ///< go on with what is there; what is not given is as it was
   std::string baseline{};                 ///< cells.csv or outcomes.csv of another campaign; "" for none

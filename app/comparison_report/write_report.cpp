@@ -51,8 +51,13 @@ std::vector<std::string> write_report(const std::string& dir) {
   return findings;
 }
 
-int report_campaign(const std::string& dir, Streams streams) {
+int report_campaign(const ReportRequest& request, Streams streams) {
   try {
+    if (request.dirs.size() > 1 && request.out.empty()) throw InputError("--out DIR says where the shards are joined");
+    if (!request.out.empty())
+      for (const std::string& note : join_shards(request.dirs, request.out))
+        streams.err << "perp: note: " << note << '\n';
+    const std::string& dir = request.out.empty() ? request.dirs.front() : request.out;
     for (const std::string& sentence : write_report(dir)) streams.out << sentence << '\n';
     streams.out << fmt::format("{}/report.html\n", dir);
     return exit_solved;

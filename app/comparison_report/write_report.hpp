@@ -16,7 +16,16 @@ void check_campaign_files(const std::string& dir, std::span<const FileUse> input
 /// each. Throws InputError naming what cannot be read or written.
 std::vector<std::string> write_report(const std::string& dir);
 
-/// `perp report DIR`: an exit code.
-int report_campaign(const std::string& dir, Streams streams);
+/// Makes OUT a campaign of the shards in these folders. Throws InputError if they are not of one campaign, one of them
+/// is there twice, OUT is not empty, or a file cannot be read or written. Sentences about shards that are missing come
+/// back.
+std::vector<std::string> join_shards(const std::vector<std::string>& dirs, const std::string& out);
+
+struct ReportRequest {
+  std::vector<std::string> dirs{};  ///< a campaign, or the shards of one
+  std::string out{};                ///< where shards are joined; "" for one campaign
+};
+/// `perp report DIR...`: an exit code.
+int report_campaign(const ReportRequest& request, Streams streams);
 
 }  // namespace perp::app

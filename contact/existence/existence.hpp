@@ -1,5 +1,5 @@
 #pragma once
-/// What is known of the existence of solutions, asked before a solve is given up.
+/// Decides, before a solve is given up, whether a solution exists, as far as this can be proven.
 ///
 /// *None*: infeasible.hpp, for any W.
 ///
@@ -10,16 +10,15 @@
 /// range). The proof turns convex problems min 1/2 r'W r + (q + mu s e_N).r over K into a continuous map of s = |u_T|
 /// with bounded range. For unsymmetric W nothing is said.
 ///
-/// W is symmetric if it is as given, bit by bit. Whether a singular matrix of doubles is semidefinite rounding would
-/// decide; what is shown instead is that S = D W D, D = diag(W_ii^-1/2), has no eigenvalue below -shift:
-///  * W_ii >= 0, and rows with W_ii = 0 are zero;
-///  * the Cholesky factorization of S + shift / 2 I in doubles runs to its end, which it does not if an eigenvalue of
-///  it
-///    is below -gamma, gamma = (m + 8) eps m for m rows (Higham 2002, theorem 10.3; Rump, BIT 46 (2006) 433), and
-///    shift = 4 gamma;
-///  * the margin of (*) is larger than what shift D^-2 r' changes in it, so that it holds for W + shift D^-2 as well,
-///    which is semidefinite beyond doubt.
-/// The statement then is exact for W + shift D^-2, whose solutions solve the given problem up to shift D^-2 r in u.
+/// W counts as symmetric only if it is so bit by bit. Rounding would decide whether a singular matrix of doubles is
+/// semidefinite. The proof therefore shows that S = D W D, D = diag(W_ii^-1/2), has no eigenvalue below -shift:
+///  * W_ii >= 0, and rows with W_ii = 0 are zero.
+///  * The Cholesky factorization of S + shift / 2 I in doubles succeeds. It fails if this matrix has an eigenvalue
+///    below -gamma, gamma = (m + 8) eps m for m rows (Higham 2002, theorem 10.3; Rump, BIT 46 (2006) 433). shift is
+///    4 gamma.
+///  * The margin of (*) is larger than the change of it by shift D^-2 r'. (*) then holds for W + shift D^-2, too, which
+///    is certainly semidefinite.
+/// The statement is exact for W + shift D^-2. Its solutions solve the given problem up to shift D^-2 r in u.
 #include <string>
 
 #include "contact/existence/infeasible.hpp"
@@ -35,8 +34,8 @@ struct Witness {
   double shift = 0;   ///< relative to the diagonal of W
 };
 
-/// The least margin that r' shows, rounded down, if W passes the test above and the margin is positive. Throws
-/// std::invalid_argument if r' has not d n entries.
+/// Computes the margin that r' proves, rounded down. Returns it if W passes the test above and the margin is positive.
+/// Throws std::invalid_argument if r' has not d n entries.
 std::optional<Witness> examine_witness(const Problem& problem, In r);
 
 /// Searches for r': on the line to the velocities nearest to e_N, then by ADMM for min 1/2 r'W r + (q - m e_N).r over
@@ -51,11 +50,11 @@ struct Verdict {
   std::string message{};  ///< one clause, of what there is to say
 };
 
-/// Asks for a certificate, then for a witness, each with `limits`.
+/// Looks for a certificate, and then for a witness, each with `limits`.
 Verdict existence(const Problem& problem, const SearchLimits& limits = {});
-/// The second question alone: Exists or Undecided.
+/// Looks for a witness only. The answer is Exists or Undecided.
 Verdict verdict_without_certificate(const Problem& problem, const SearchLimits& limits = {});
-/// What a certificate says, in words: which contacts, y.u_N, the radius.
+/// Describes a certificate in words: the contacts, y.u_N, the radius.
 Verdict verdict_of(const Problem& problem, Infeasible proof);
 
 }  // namespace perp::contact

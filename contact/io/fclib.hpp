@@ -12,15 +12,15 @@
 /// Matrices. m, n, nzmax, nz are integers, p, i integer arrays, x doubles:
 ///     nz = -1    compressed columns: column j is p[j] .. p[j+1] - 1 of i (rows) and x
 ///     nz = -2    compressed rows: row i is p[i] .. p[i+1] - 1 of i (columns) and x
-///     nz >= 0    nz triplets: x[k] in row i[k] and COLUMN p[k], as the files and the library's code have it; its
-///     header
-///                says the reverse
-/// nzmax, and the arrays, may be longer than what is used: p[last] or nz entries. Entries of one place add up.
+///     nz >= 0    nz triplets: x[k] in row i[k] and COLUMN p[k]. The files and the code of the library agree on
+///                this; the comment in its header says the reverse
+/// nzmax and the arrays may be longer than their used part: p[last] or nz entries. Entries of one place add up.
 ///
-/// Nothing is trusted: HDF5 is given the file's bytes after a look at all of its metadata, and never opens another
-/// file. External storage and links, virtual datasets are refused; so are compressed ones and HDF5's newer layouts,
-/// which h5repack rewrites. No count is believed before there are as many bytes. Values that are not finite, indices
-/// out of range, sizes that contradict each other are refused, by lcp::FileError with file, dataset and reason.
+/// Files are not trusted. HDF5 gets the bytes of the file after all of its metadata has been checked, and it never
+/// opens another file. External storage, external links and virtual datasets are refused. So are compressed datasets
+/// and HDF5's newer layouts; h5repack can rewrite these. A count is accepted only if the file has as many bytes. Values
+/// that are not finite, indices out of range and contradictory sizes are refused, by lcp::FileError with file, dataset
+/// and reason.
 ///
 /// HDF5 is not made for threads (Debian's is built without the lock): calls of these functions wait for each other. A
 /// program that calls HDF5 itself has to keep its calls apart from these.
@@ -33,8 +33,8 @@
 
 namespace perp::contact {
 
-/// A solution or a guess as a file has it, finite and of the right sizes, but unjudged: many recorded ones are no
-/// solutions. Parts that are not given, or announced and never written, are empty.
+/// A solution or a guess from a file, finite and of the right sizes, but not judged: many recorded ones are no
+/// solutions. Parts that the file does not have, or announces but lacks, are empty.
 struct FclibPoint {
   Vec v{};  ///< velocities of the bodies; of global problems
   Vec u{};  ///< d n
@@ -53,9 +53,9 @@ struct Fclib {
   std::vector<FclibPoint> guesses{};
 };
 
-/// Throws lcp::FileError. The problem's name is the file's.
+/// Reads a file. Throws lcp::FileError. The name of the problem is that of the file.
 Fclib read_fclib(const std::string& path);
-/// The same from the bytes of a file; `name` is for the errors.
+/// Reads the bytes of a file; `name` is for the errors.
 Fclib parse_fclib(std::string_view content, const std::string& name);
 
 enum class FclibForm {
@@ -63,10 +63,9 @@ enum class FclibForm {
   Local,  ///< W and q
 };
 
-/// Writes one problem, its solution and guesses; what is written reads back bit for bit, and the same problem gives the
-/// same bytes. The file appears at once: what was there before is either kept or replaced. Throws std::invalid_argument
-/// if the problem is none (check()) or a point's sizes are not the problem's, lcp::FileError if the file cannot be
-/// written.
+/// Writes a problem, its solution and guesses. The file reads back bit for bit, and the same problem gives the same
+/// bytes. An existing file is replaced only when the new one is complete. Throws std::invalid_argument if check()
+/// refuses the problem or the sizes of a point do not fit, and lcp::FileError if the file cannot be written.
 void write_fclib(const std::string& path, const Fclib& file, FclibForm form = FclibForm::Given);
 
 }  // namespace perp::contact

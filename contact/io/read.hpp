@@ -7,8 +7,8 @@
 
 namespace perp::contact {
 
-/// Throws lcp::FileError with file, place and reason. A file whose content contradicts its ending, text in .hdf5 or
-/// .h5 or HDF5 in .dat, is refused as well: somebody has mistaken it for another.
+/// Reads the problem. Throws lcp::FileError with file, place and reason. A file whose content contradicts its ending
+/// (text in .hdf5 or .h5, HDF5 in .dat) is refused, too, because it is probably the wrong file.
 Problem read_problem(const std::string& path);
 
 }  // namespace perp::contact

@@ -45,7 +45,7 @@ struct Problem {
   Index contacts() const { return mu.size(); }
 };
 
-/// What a reader or a solver hands on: impulses and velocities of the contacts. Nobody has judged it.
+/// Impulses and velocities of the contacts, as a reader or a solver returns them, before they are judged.
 struct Solution {
   Vec r{};  ///< d n
   Vec u{};  ///< d n

@@ -1,5 +1,5 @@
 #pragma once
-/// The judge of contact problems. It knows r and the problem and no formulation:
+/// The judge of contact problems. It uses r and the problem only, and does not depend on the formulation:
 ///     u = W r + q,   uhat = u + mu |u_T| e_N,   e_rho(r) = r - P_K(r - rho uhat)   contact by contact,
 /// zero exactly at solutions, for every rho > 0 (natural map; Acary & Brogliato 2008, 13.3; INRIA RR-9118, 3).
 #include <string>
@@ -13,8 +13,8 @@ enum class State { Open, Stick, Slip };
 
 struct ContactState {
   State state = State::Open;
-  /// How far the contact is from another state, in the units of what decides: r_N of an open contact's neighbour is
-  /// u_N [m/s]; of a sticking one mu r_N - |r_T| [N s]; of a slipping one |u_T| [m/s].
+  /// The distance to another state: u_N [m/s] of an open contact, mu r_N - |r_T| [N s] of a sticking one, |u_T| [m/s]
+  /// of a slipping one.
   double margin = 0;
 };
 
@@ -38,15 +38,15 @@ struct Residual {
   /// and friction that opposes slip.
   double slip_share = 0;
   Index worst = -1;  ///< contact with the largest part of e_rho; -1 if there is no contact
-  /// The largest of what accepted() asks for.
+  /// Returns the largest of the values that accepted() compares with the tolerance.
   double largest() const;
 };
 
-/// Whether r solves the problem to `tol`: both published metrics and, contact by contact, the shares of cone, normal
-/// and slip are at most tol. Nothing else calls a point a solution of Coulomb's law.
+/// Returns whether r solves the problem to `tol`: both published metrics and the shares of cone, normal and slip at
+/// each contact are at most tol. No other function calls a point a solution of Coulomb's law.
 bool accepted(const Residual& residual, double tol);
 
-/// u = W r + q, each entry to a few eps of itself: q is not lost beside a huge W r.
+/// Computes u = W r + q. Each entry has a relative error of a few eps, even if a huge W r cancels.
 Vec velocities(const Problem& problem, In r);
 
 /// Judges many points of one problem, which outlives it.
@@ -65,11 +65,12 @@ class Judge {
 /// One point.
 Residual residual(const Problem& problem, In r);
 
-/// Open: |r| at most `tol` times the largest |r|; Slip: |r_T| >= (1 - tol) mu r_N and |u_T| above tol times the largest
-/// |u| or |q| (where everything sticks u is nothing but the rounding of W r + q); else Stick.
+/// Returns the state of each contact. It is Open if |r| is at most `tol` times the largest |r|. It is Slip if |r_T| >=
+/// (1 - tol) mu r_N and |u_T| exceeds tol times the largest |u| or |q|; |q| counts because u is mere rounding where all
+/// contacts stick. It is Stick otherwise.
 std::vector<ContactState> states(const Problem& problem, In r, double tol = 1e-6);
 
-/// P_K(y) for K = {|y_T| <= mu y_N}, y with 2 or 3 entries (N, T..), into `out`.
+/// Writes P_K(y) for K = {|y_T| <= mu y_N} into `out`. y has 2 or 3 entries (N, T..).
 void project_onto_cone(In y, double mu, lcp::Out out);
 
 /// "open", "stick", "slip".

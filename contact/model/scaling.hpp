@@ -38,9 +38,10 @@ struct Scaled {
 /// `scale` = false: s = q_s = 1, so that only mu is taken out.
 Scaled scaled(const Problem& problem, bool scale = true);
 
-/// The scaled problem's own natural map, max over contacts of |r~ - P_K(r~ - u~ - |u~_T| e_N)| with u~ = W~ r~ + q~.
+/// Computes the natural map of the scaled problem, the largest |r~ - P_K(r~ - u~ - |u~_T| e_N)| of a contact, with u~ =
+/// W~ r~ + q~.
 double natural_map(const Scaled& problem, In r);
-/// The same of the proximal problem with u~ = W~ r~ + q~ + alpha (r~ - centre).
+/// Computes the natural map of the proximal problem, where u~ = W~ r~ + q~ + alpha (r~ - centre).
 double natural_map(const Scaled& problem, In r, In centre, double alpha);
 
 }  // namespace perp::contact

@@ -37,10 +37,10 @@ struct BoxStack {
 };
 Scene make_scene(const BoxStack& options);
 
-/// Spheres poured one after another into a box with a floor and four walls: each falls at a random place and rolls down
-/// until it rests on what lies there. Radii are uniform in [0.8, 1] `radius`. About three contacts a sphere. What lies
-/// later on top of a sphere was not there when it found its rest: with mu = 0.9 nearly nothing moves, with mu = 0.2
-/// half of the contacts slip, and near 0.4 piles of 800 contacts and more are at the edge of standing, hard problems.
+/// Spheres poured one after another into a box with a floor and four walls. Each falls at a random place and rolls down
+/// until it rests. Radii are uniform in [0.8, 1] `radius`. A sphere has about three contacts. The weight of later
+/// spheres may move it again. With mu = 0.9 nearly nothing moves, and with mu = 0.2 half of the contacts slip. Near mu
+/// = 0.4, piles of 800 contacts and more are about to collapse, and are hard problems.
 struct Spheres {
   int spheres = 50;
   double radius = 0.05;  ///< [m]
@@ -103,9 +103,11 @@ struct GeneratorEntry {
   std::string_view what;  ///< one line
   Scene (*make)(Index contacts, unsigned seed);
 };
-/// With about as many contacts as asked for: up to the bodies' granularity, spheres within some per cent.
+/// Returns all generators. They make about as many contacts as asked for: up to the contacts of one body, and for
+/// spheres within some per cent.
 std::span<const GeneratorEntry> generators();
-/// Throws std::invalid_argument, with the known names, if there is none of this name, or contacts < 1.
+/// Makes the scene of this name. Throws std::invalid_argument if the name is unknown, and then lists the known ones, or
+/// if contacts < 1.
 Scene make_scene(std::string_view name, Index contacts, unsigned seed = 1);
 
 }  // namespace perp::contact

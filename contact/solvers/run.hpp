@@ -23,8 +23,8 @@ struct RunLimits {
   double tol = 1e-8;
   double seconds = 30;
   const std::atomic<bool>* interrupt = nullptr;  ///< may be null; outlives the run
-  /// Called with every r that is better by Coulomb's law than those before, by formulations whose method tells of its
-  /// iterates; on the thread that solves.
+  /// Called, on the thread that solves, with every r that is better by Coulomb's law than those before. Formulations
+  /// whose method does not report its iterates never call it.
   std::function<void(const Vec& r)> better{};
 };
 
@@ -36,7 +36,7 @@ struct Run {
   std::string solved_by{};  ///< the step that made the accepted point (contact::Origin), or the method; "" if unsolved
   Solution solution{};      ///< the accepted point, or the best one met
   Residual residual{};      ///< of Coulomb's law
-  /// Of laws that are not exact: natural residual of the affine problem; NaN where nothing is known of it.
+  /// The natural residual of the affine problem, for laws that are not exact; NaN if it is not known.
   double own = std::numeric_limits<double>::quiet_NaN();
   Index unknowns = 0;  ///< of it, or of the NCP; 0 of auto and homotopy, which have none but r
   std::vector<ContactState> states{};
@@ -48,10 +48,11 @@ struct Run {
   Index in_state(State state) const;
 };
 
-/// Throws std::invalid_argument for what is no problem (contact::check), or a solver that is none of the law's.
+/// Solves the problem by the variant. Throws std::invalid_argument if contact::check refuses the problem, or if the
+/// solver is not one for the law.
 Run run(const Problem& problem, const Variant& variant, const RunLimits& limits = {});
 
-/// Fills in residual and states of run.solution.r: what the exact law's judge says, whoever made it.
+/// Fills in the residual and the states of run.solution.r by the judge of the exact law.
 void judge(Run& run, const Problem& problem, const Variant& variant);
 
 }  // namespace perp::contact

@@ -45,23 +45,24 @@ struct Variant {
   Form form = Form::Reduced;    ///< of Inner and Outer
   double rotation = 0;          ///< of their polygons [rad]; in no text
 
-  /// Is it Coulomb's law? The others solve a problem of their own.
+  /// Returns whether the law is Coulomb's. The other laws have problems of their own.
   bool exact() const { return law == Law::Glocker || law == Law::Ncp1; }
   bool faceted() const { return law == Law::Inner || law == Law::Outer; }
   bool automatic() const { return std::holds_alternative<Auto>(solver); }
-  /// Glocker's NCP as it stands, by a method of ncp/; encoding and disk row are of these. Else null.
+  /// Returns the solver if it is a method of ncp/ on Glocker's NCP, which has an encoding and a disk row; otherwise
+  /// null.
   const GlockerNcp* as_ncp() const { return std::get_if<GlockerNcp>(&solver); }
-  /// Of Inner and Outer, for problems of that dimension: one polygon for all contacts.
+  /// Returns the polygon of Inner and Outer for problems of that dimension, one for all contacts.
   Polygons polygons(int dimension) const;
 
   std::string formulation() const;  ///< "glocker", "inner:8"
-  /// The text it is read from, with its method, without what is as it would be anyway.
+  /// Returns the text that variant_of() reads, with the method and without words that are defaults.
   std::string label() const;
-  /// In words: "Glocker's NCP (encoding B, normalised disk row) by path".
+  /// Describes it in words: "Glocker's NCP (encoding B, normalised disk row) by path".
   std::string words() const;
 };
 
-/// The words of a variant; what is not given follows from the rest.
+/// The words of a variant. Words that are not given have their defaults.
 struct VariantWords {
   std::string formulation = "glocker";
   std::optional<std::string> method{};
@@ -70,7 +71,7 @@ struct VariantWords {
   std::optional<std::string> form{};      ///< "mixed", "reduced"
 };
 
-/// A word that is none of the known ones. what() names neighbours only by listing all of them.
+/// Thrown for an unknown word. known() has the words that were possible.
 class UnknownWord : public std::invalid_argument {
  public:
   UnknownWord(const std::string& why, std::string word, std::vector<std::string_view> known)
@@ -83,10 +84,10 @@ class UnknownWord : public std::invalid_argument {
   std::vector<std::string_view> known_;
 };
 
-/// Throws UnknownWord, or std::invalid_argument, what() beginning with the field's name: no such word, K < 3 or above
-/// most_facets, a word of another formulation or method.
+/// Makes a variant of the words. Throws UnknownWord, or std::invalid_argument with the name of the field at the
+/// beginning of what(), for K < 3 or above most_facets and for a word of another formulation or method.
 Variant variant_of(const VariantWords& words);
-/// Of the text above.
+/// Makes a variant of the text described above.
 Variant variant_of(std::string_view text);
 
 /// The formulations, as one writes them.

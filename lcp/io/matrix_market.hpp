@@ -17,20 +17,21 @@ namespace perp::lcp {
 /// Throws FileError.
 SpMat read_matrix(const std::string& path);
 
-/// An n x 1 or 1 x n matrix, coordinate (absent entries are 0) or array; or plain text, a number a line, without
-/// header. Bounds may be infinite: inf, -inf, infinity, or 1e20 and beyond in size, are taken as infinite if `bounds`,
-/// refused if not. Throws FileError.
+/// Reads an n x 1 or 1 x n matrix, coordinate (absent entries are 0) or array, or plain text without a header, with a
+/// number in each line. If `bounds`, inf, -inf, infinity and numbers of size 1e20 or more are infinite; if not, they
+/// are refused. Throws FileError.
 Vec read_vector(const std::string& path, bool bounds = false);
 
 // The same from the text of a file; `name` is for the errors.
 SpMat parse_matrix(std::string_view text, const std::string& name);
 Vec parse_vector(std::string_view text, const std::string& name, bool bounds = false);
 
-/// What a file of it holds: coordinate, general, the shortest text that reads back exactly; of a vector array, n x 1.
+/// Return the text of a file: a matrix as coordinate, general, a vector as array, n x 1. Numbers have the shortest text
+/// that reads back exactly.
 std::string matrix_text(const SpMat& A, const std::string& comment = {});
 std::string vector_text(In v, const std::string& comment = {});
 
-/// By lcp/io/output_file.hpp. Throws FileError if the file cannot be written.
+/// Write a file by lcp/io/output_file.hpp. Throw FileError if the file cannot be written.
 void write_matrix(const std::string& path, const SpMat& A, const std::string& comment = {});
 void write_vector(const std::string& path, In v, const std::string& comment = {});
 

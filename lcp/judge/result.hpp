@@ -1,6 +1,6 @@
 #pragma once
-/// What every method for the affine MCP answers, and what may stop it. Only the judge (judge.hpp) may call a point
-/// Solved: methods build their Result by judged().
+/// The answer of every method for the affine MCP, and the limits that may stop it. Only the judge (judge.hpp) may call
+/// a point Solved, so methods make their Result by judged().
 #include <chrono>
 #include <functional>
 #include <new>
@@ -45,16 +45,17 @@ struct Result {
   bool accepted() const { return solved() || status == Status::SolvedToRounding; }
 };
 
-/// Whether the natural residual of z is at most tol.
+/// Returns whether the natural residual of z is at most tol.
 bool solves(const AffineMcp& problem, In z, double tol);
-/// The same, or solved to rounding.
+/// Returns whether it is, or z is solved to rounding.
 bool accepts(const AffineMcp& problem, In z, double tol);
 
-/// A result for z, projected on the box: Solved if limits.tol says so, SolvedToRounding if doubles
-/// end there and `otherwise` is no proof, else `otherwise` with `message`.
+/// Makes the result for z, projected on the box. Its status is Solved if the residual is at most limits.tol. It is
+/// SolvedToRounding if z is as good as doubles allow and `otherwise` is not a proof. In all other cases it is
+/// `otherwise`, with `message`.
 Result judged(const AffineMcp& problem, In z, const Limits& limits, Status otherwise, std::string message);
 
-/// Runs solve(); where a factorization would end after the deadline, or memory is short, end(status, why) instead.
+/// Runs solve(), or end(status, why) if a factorization would end after the deadline or memory is short.
 template <class Solve, class End>
 auto within_limits(Solve solve, End end) -> decltype(solve()) {
   try {
@@ -68,7 +69,7 @@ auto within_limits(Solve solve, End end) -> decltype(solve()) {
   }
 }
 
-/// An `end` for methods that have nothing better than the start then.
+/// Makes an `end` for methods that have no better point than the start.
 inline auto at_start(std::string_view method, const AffineMcp& problem, In start, const Limits& limits) {
   return [method, &problem, start, &limits](Status status, const std::string& why) {
     return judged(problem, start, limits, status, std::string(method) + ": " + why);

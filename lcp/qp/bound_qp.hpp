@@ -8,14 +8,13 @@
 /// iteration).
 ///
 /// Three preconditioners:
-///  * Multilevel: an algebraic multigrid V-cycle, truncated to the face (lcp/linalg/multilevel.hpp). Before that the
-///  same problem is
-///    solved on the coarse unknowns, from the coarsest grid to the finest, which brings the free boundary of an
-///    obstacle problem to its place within a cell or two at a cost that is a part of the finest grid's. For M with
-///    mostly negative entries off the diagonal (discretized second-order elliptic operators).
-///  * Cholesky of M_FF.
-///  * GaussSeidel: a symmetric sweep; needs no memory but M's and converges for every M, slowly if it is
-///  ill-conditioned.
+///  * Multilevel: an algebraic multigrid V-cycle, truncated to the face (lcp/linalg/multilevel.hpp), for M with mostly
+///    negative entries off the diagonal (discretized second-order elliptic operators). The problem is first solved on
+///    the coarse unknowns, from the coarsest grid to the finest. This places the free boundary of an obstacle problem
+///    within a cell or two, at a small part of the cost on the finest grid.
+///  * Cholesky: a factor of M_FF.
+///  * GaussSeidel: a symmetric sweep. It needs no memory but that of M, and converges for every M, slowly if M is
+///    ill-conditioned.
 ///
 /// Terminates at a solution, with the residual at the level of rounding, for every positive definite M whose condition
 /// leaves it digits, by the sweeps alone if need be (Luo & Tseng 1992, theorem 2.1). If M is singular the method of

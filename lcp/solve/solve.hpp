@@ -20,9 +20,9 @@
 
 namespace perp::lcp {
 
-/// Lemke's method from a ray (lcp/pivoting/lemke.hpp), or from the start given with options.start = Regular. The
-/// covering vector is the textbook's e unless the options say otherwise. A Ray end with a checked certificate is
-/// Infeasible.
+/// Lemke's method (lcp/pivoting/lemke.hpp) from a ray or, with options.start = Regular, from the given start. By
+/// default the covering vector is e, as in textbooks. If the path ends in a ray with a checked certificate, the status
+/// is Infeasible.
 struct Lemke {
   LemkeOptions options{.start = LemkeStart::Ray, .cover = Cover::Ones};
 };
@@ -50,7 +50,7 @@ struct MethodEntry {
   std::string_view reference;  ///< author and year
   Method method;               ///< with its default options
 };
-/// All methods; Auto is the first.
+/// Returns all methods. Auto is the first.
 std::span<const MethodEntry> methods();
 std::string_view name(const Method& method);
 

@@ -73,15 +73,17 @@ struct Sensitivity {
   bool known() const { return status == SensitivityStatus::Differentiable || status == SensitivityStatus::Directional; }
 };
 
-/// dx/dp and dF/dp for all p_j: one factorization, m solves. Degenerate indices are refused (Degenerate): ask for a
-/// direction. Throws std::invalid_argument for wrong sizes, values that are not finite, and options out of range.
+/// Computes dx/dp and dF/dp for all p_j, by one factorization and m solves. A solution with degenerate indices is
+/// refused (Degenerate); ask for the derivative in a direction instead. Throws std::invalid_argument for wrong sizes,
+/// values that are not finite, and options out of range.
 Sensitivity sensitivity(const Mcp& mcp, In x, const ParameterDerivatives& parameters,
                         const SensitivityOptions& options = {});
 
-/// lim (x(p + s dp) - x(p)) / s, s -> 0+, and the same of F. With degenerate indices one more solve for each, and an
-/// LCP of their number; its solution is the derivative of every path of solutions from x in that direction if it is
-/// unique: always where S is a P-matrix; else enumeration of its cells decides (up to 20 degenerate indices). Several
-/// solutions (paths may branch) or none (the solution may vanish or jump) are refused as Degenerate.
+/// Computes lim (x(p + s dp) - x(p)) / s for s -> 0+, and the same for F. Each degenerate index costs one more solve,
+/// and all of them together an LCP of their number. If the LCP has one solution, this is the derivative of every path
+/// of solutions from x in that direction. It has one if S is a P-matrix; otherwise an enumeration of its cells decides
+/// (up to 20 degenerate indices). If it has several solutions (paths may branch) or none (the solution may vanish or
+/// jump), the answer is Degenerate.
 Sensitivity sensitivity(const Mcp& mcp, In x, const ParameterDerivatives& parameters, In dp,
                         const SensitivityOptions& options = {});
 

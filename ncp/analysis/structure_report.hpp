@@ -13,25 +13,27 @@
 
 namespace perp::ncp {
 
-/// "a, b and c"; of more than six names "a, b, c, d, e and 12 more".
+/// Returns "a, b and c" or, for more than six names, "a, b, c, d, e and 12 more".
 std::string listed(std::size_t count, const std::function<std::string(std::size_t)>& name);
 std::string listed_variables(const Mcp& mcp, const std::vector<Index>& variables);
 std::string listed_equations(const Mcp& mcp, const std::vector<Index>& equations);
 
-/// The parts that do not match (lcp::dulmage_mendelsohn, in the problem's indices): "too many equations: 3 rows (a, b
-/// and c) for 2 variables (x and y)", "too many unknowns: ...". Empty rows (`over` without columns) and empty columns
-/// are not mentioned.
+/// Describes the parts without a matching (lcp::dulmage_mendelsohn, in the indices of the problem): "too many
+/// equations: 3 rows (a, b and c) for 2 variables (x and y)", "too many unknowns: ...". Empty rows (`over` without
+/// columns) and empty columns are not mentioned.
 std::vector<std::string> describe_parts(const Mcp& mcp, const lcp::StructurePart& over,
                                         const lcp::StructurePart& under);
 
-/// The variables A, ascending; fixed ones never. At a bound: within 1e-10 (1 + |bound|) of it.
+/// Returns the variables A in ascending order, without fixed ones. A variable is at a bound if it is within 1e-10 (1 +
+/// |bound|) of it.
 std::vector<Index> active_block(const Box& box, In x, In F);
 
-/// What makes B singular: rows and columns without entries, structurally too many equations or unknowns; else parallel
-/// rows or columns; else, if B is singular to working precision, the equations with a combination that vanishes and the
-/// variables that can move together without changing any equation. Empty if B is none of it, or J, x or F is not
-/// finite. One line, without a full stop. Costs a matching, and a factorization of B if that has full structural rank.
-/// Throws std::invalid_argument if the sizes do not fit.
+/// Says in one line, without a full stop, what makes B singular. First it looks for rows and columns without entries,
+/// and for structurally too many equations or unknowns; then for parallel rows or columns. If there are none but B is
+/// singular to working precision, it names the equations of which a combination vanishes, and the variables that can
+/// move together without changing any equation. Returns an empty string if B is not singular, or if J, x or F is not
+/// finite. Costs a matching, and a factorization of B if its structural rank is full. Throws std::invalid_argument if
+/// the sizes do not fit.
 std::string explain_singularity(const Mcp& mcp, const SpMat& J, In x, In F);
 
 }  // namespace perp::ncp

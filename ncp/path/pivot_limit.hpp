@@ -6,8 +6,8 @@ namespace perp::ncp {
 
 using lcp::Index;
 
-/// 1000 + 20 n: more pivots than a linearised problem of n variables is worth, since a regular path takes a small
-/// multiple of n. LemkeOptions::max_pivots of the nonlinear methods has no effect above it.
+/// Returns 1000 + 20 n, the most pivots that a linearised problem of n variables may take; a regular path takes a small
+/// multiple of n. In the nonlinear methods LemkeOptions::max_pivots has no effect above this limit.
 int worthwhile_pivots(Index n);
 
 }  // namespace perp::ncp

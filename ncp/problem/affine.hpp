@@ -9,10 +9,10 @@
 
 namespace perp::ncp {
 
-/// M and q of a problem that says it is affine; nothing if it does not, or if F or J is not defined at 0.
+/// Returns M and q if the problem says that it is affine, and F and J are defined at 0; otherwise nothing.
 std::optional<lcp::AffineMcp> affine_part(const Mcp& mcp);
 
-/// The affine MCP as an Mcp. Names as in Functions. Throws std::invalid_argument if the problem is malformed.
+/// Makes an Mcp of the affine MCP. Names are as in Functions. Throws std::invalid_argument if the problem is malformed.
 std::unique_ptr<Mcp> make_affine_mcp(lcp::AffineMcp problem, std::string name,
                                      std::vector<std::string> variable_names = {},
                                      std::vector<std::string> equation_names = {});

@@ -31,19 +31,21 @@ class Mcp {
   virtual ~Mcp() = default;
 
   virtual const Box& box() const = 0;
-  /// n x n, compressed; fixed for the whole life of the object. Its values mean nothing.
+  /// Returns the pattern of J, n x n and compressed. It stays the same for the whole life of the object; its values
+  /// have no meaning.
   virtual const SpMat& jacobian_pattern() const = 0;
-  /// F := F(x), n rows. false: F is not defined at x (rows known to be undefined may be set to NaN: messages name
-  /// them).
+  /// Computes F(x), with n rows. Returns false if F is not defined at x. Rows that are known to be undefined may be set
+  /// to NaN; messages then name them.
   virtual bool eval(In x, Out F) const = 0;
-  /// Fills the values of J, which comes in with jacobian_pattern(); J_ij = dF_i/dx_j. false: not defined at x.
+  /// Fills in the values J_ij = dF_i/dx_j. J comes in with jacobian_pattern(). Returns false if J is not defined at x.
   virtual bool jacobian(In x, SpMat& J) const = 0;
 
-  /// Whether F(x) = F(0) + J x for all of R^n, with J the same everywhere: the problem's own promise.
+  /// Promises, if true, that F(x) = F(0) + J x on all of R^n, with one matrix J.
   virtual bool is_affine() const { return false; }
-  /// Which entries of J are constant: one flag for each nonzero of jacobian_pattern(), in its order. A flag at (i, j)
-  /// promises that F_i(x) - J_ij x_j does not depend on x_j, with one number J_ij wherever F_i is defined; a row with
-  /// nothing but such entries (or with none) is affine on all of R^n. Empty: nothing is known. All, where is_affine().
+  /// Tells which entries of J are constant, with one flag for each nonzero of jacobian_pattern(), in its order. A flag
+  /// at (i, j) promises that there is one number J_ij such that F_i(x) - J_ij x_j does not depend on x_j, wherever F_i
+  /// is defined. A row is affine on all of R^n if all of its entries have the flag, or if it has no entries. An empty
+  /// vector promises nothing. If is_affine(), all entries are constant.
   virtual std::vector<bool> linear_entries() const;
 
   /// Ranges of F and J over boxes (ncp/interval/enclosure.hpp), for proofs; they live as long as the problem. Null: the
@@ -51,7 +53,7 @@ class Mcp {
   virtual const Enclosure* enclosure() const { return nullptr; }
 
   virtual std::string name() const { return "mcp"; }
-  /// Names for people, counted from 1 as the papers do: "x[1]" and "F[1]" unless the problem knows better.
+  /// Return names for messages: "x[1]" and "F[1]", counted from 1, unless the problem has names of its own.
   virtual std::string variable_name(Index i) const;
   virtual std::string equation_name(Index i) const;
 
@@ -73,7 +75,7 @@ struct Functions {
 /// Throws std::invalid_argument if a function is missing or the sizes of box, pattern, names and flags differ.
 std::unique_ptr<Mcp> make_mcp(Functions functions);
 
-/// The full n x n pattern, for small dense problems.
+/// Returns the full n x n pattern, for small dense problems.
 SpMat dense_pattern(Index n);
 
 /// Throws std::invalid_argument, naming variables and values, if the box is none (lower > upper, NaN, an infinity on
@@ -91,13 +93,14 @@ struct JacobianCheck {
   bool defined = true;           ///< false: F or J is not defined at x, or at no point near it
   Index columns = 0;             ///< compared
 };
-/// D_.j = (F(x + h e_j) - F(x - h e_j)) / 2h with h = step * max(1, |x_j|); one-sided where F is not defined on one
-/// side. Where an entry does not match, 100 h, h / 100 and h / 10^4 are tried as well and the closest quotient counts,
-/// for rounding and curvature are no mismatch. Dense in the rows, so that entries missing from the pattern are seen:
-/// 2 evaluations a column, 8 where it does not match. With `max_columns` < n that many columns, spread evenly, are
-/// compared. Throws std::invalid_argument if x has not n entries or J does not keep its pattern.
+/// Compares J with D_.j = (F(x + h e_j) - F(x - h e_j)) / 2h, h = step * max(1, |x_j|). The difference is one-sided if
+/// F is not defined on one side. If an entry does not match, 100 h, h / 100 and h / 10^4 are tried too, and the closest
+/// quotient counts, because rounding and curvature are no mismatch. All rows are compared, so entries that the pattern
+/// lacks are found. A column costs 2 evaluations, or 8 if it does not match. With `max_columns` < n only so many
+/// columns are compared, spread evenly. Throws std::invalid_argument if x has not n entries or J does not keep its
+/// pattern.
 JacobianCheck check_jacobian(const Mcp& mcp, In x, double step = 1e-6, Index max_columns = -1);
-/// One sentence naming the equation and the variable, empty if check.worst <= tol.
+/// Returns a sentence that names the equation and the variable; empty if check.worst <= tol.
 std::string describe(const Mcp& mcp, const JacobianCheck& check, double tol = 1e-4);
 
 }  // namespace perp::ncp

@@ -97,6 +97,10 @@ std::span<const CFunction> cfunctions();
 /// parameter where there is none; all functions above throw the second.
 CFunction cfunction(std::string_view name, std::optional<double> parameter = std::nullopt);
 
+/// Each function that has a parameter, at values that span its use: rho and alpha in {0.01, 0.1, 1, 10, 100}, the
+/// penalised function's lambda in {0.5, 0.8, 0.95, 0.99}, Kanzow & Kleinmichel's in {0.1, 0.5, 1, 2, 3}.
+std::span<const CFunction> cfunction_grid();
+
 void describe(CFunction& function, Fields& fields);
 
 /// Phi at (x, F), with diagonals Da, Db of an element H = Da + Db J of the B-subdifferential of Phi.

@@ -239,6 +239,19 @@ std::span<const CFunction> cfunctions() {
   return all;
 }
 
+std::span<const CFunction> cfunction_grid() {
+  static const std::vector<CFunction> all = [] {
+    std::vector<CFunction> list;
+    for (const double rho : {0.01, 0.1, 1.0, 10.0, 100.0}) list.push_back(min_rho_b(rho));
+    for (const double rho : {0.01, 0.1, 1.0, 10.0, 100.0}) list.push_back(min_rho_a(rho));
+    for (const double lambda : {0.5, 0.8, 0.95, 0.99}) list.push_back(penalised_fischer_burmeister(lambda));
+    for (const double lambda : {0.1, 0.5, 1.0, 2.0, 3.0}) list.push_back(kanzow_kleinmichel(lambda));
+    for (const double alpha : {0.01, 0.1, 1.0, 10.0, 100.0}) list.push_back(luo_tseng(alpha));
+    return list;
+  }();
+  return all;
+}
+
 CFunction cfunction(std::string_view name, std::optional<double> parameter) {
   static constexpr std::array<std::pair<std::string_view, CFunction (*)(double)>, 5> families{
       std::pair{std::string_view("min-rho-b"), &min_rho_b},

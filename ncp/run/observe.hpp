@@ -34,8 +34,8 @@ struct Iteration {
   int J_evals = 0;      ///< so far
   /// Of the step: I start, N Newton, Q convex QP, L Levenberg-Marquardt, G gradient, P proximal, R partial path
   /// (NewtonJosephy), E proximal escape, A a linear method. Smoothing: H predictor, S Newton on the active set, U mu
-  /// raised; InteriorPoint: S, U likewise. PathSearch: C crash; a Newton point accepted by O distance and merit, M
-  /// merit, D distance; B backtracked, W watchdog, G gradient, R restart.
+  /// raised; InteriorPoint: S, U likewise; Lmmcp: P of the preprocessor. PathSearch: C crash; a Newton point accepted
+  /// by O distance and merit, M merit, D distance; B backtracked, W watchdog, G gradient, R restart.
   char kind = ' ';
   /// PathSearch, the linear problem: S solved, R ray, C cycle, N singular, I pivot limit, T inaccurate, E other.
   /// SemismoothNewton: K solved by the Krylov method, D by LU where that had failed. NewtonJosephy: Q solved as a

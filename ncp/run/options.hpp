@@ -17,13 +17,14 @@ struct Point;
 
 struct Stop {
   double tol = 1e-8;  ///< on the natural residual, inf-norm, absolute
-  /// Asked in addition: |F_i| <= tol_relative t_i in every row whose variable is not at the bound that the sign of F_i
-  /// asks for, with t_i = sum_j |J_ij x_j| + |F_i - sum_j J_ij x_j|. Infinity: not asked.
+  /// A further condition for a solution: |F_i| <= tol_relative t_i in every row whose variable is not at the bound that
+  /// the sign of F_i requires, with t_i = sum_j |J_ij x_j| + |F_i - sum_j J_ij x_j|. Infinity turns it off.
   double tol_relative = std::numeric_limits<double>::infinity();
   int max_iterations = 500;                           ///< major iterations
   int max_F_evals = std::numeric_limits<int>::max();  ///< evaluations of F, looked at after each iteration
   std::chrono::duration<double> max_time{3600};
-  /// Set by anybody: ends the solve as Interrupted, also inside a subproblem. May be null; outlives the solve.
+  /// If another thread sets it, the solve ends as Interrupted, even inside a subproblem. May be null; outlives the
+  /// solve.
   const std::atomic<bool>* interrupt = nullptr;
   /// Compare J with differences of F at the start and refuse (std::invalid_argument) a J that is wrong by more than
   /// 1e-4.
@@ -39,32 +40,33 @@ struct Armijo {
   int memory = 5;
 };
 
-/// What to do where a method is stuck (StationaryPoint, NoProgress, SubproblemFailed, EvaluationFailed on the way) at
-/// xbar: solve F(x) + lambda (x - xbar) loosely, move xbar to its solution, and so on, until the method goes on from
-/// there on F itself (Billups 1995; Billups & Ferris 1997). The centres xbar follow xdot = -F(x) in the box by implicit
-/// Euler steps of length 1 / lambda, uphill in the merit function if need be: out of its local minima to a solution
-/// that attracts the flow, as all do where F is monotone.
+/// Proximal escapes, for a method that is stuck at xbar (ncp::stuck(), but EvaluationFailed only after an iteration).
+/// They solve F(x) + lambda (x - xbar) loosely, move xbar to the solution, and repeat this until the method makes
+/// progress from xbar on F itself (Billups 1995; Billups & Ferris 1997). The centres xbar follow the flow xdot = -F(x)
+/// in the box by implicit Euler steps of length 1 / lambda. They need not decrease the merit function, so they can
+/// leave its local minima. They lead to a solution that attracts the flow; if F is monotone, to some solution.
 struct Escape {
   int rounds = 50;      ///< moves of the centre; 0: stay stuck
   double lambda = 2;    ///< first lambda in units of sqrt(||J||_1 ||J||_inf) >= ||J(xbar)||_2: above 1 it is monotone
   double grow = 10;     ///< lambda x grow where the perturbed problem has not been solved; > 1
   double shrink = 0.5;  ///< lambda x shrink after a move; in (0, 1]
-  /// A centre whose natural residual is at most this part of the best point's is accepted: the method runs on from it.
-  /// In (0, 1).
+  /// A centre is accepted, and the method continues from it, if its natural residual is at most this share of the best
+  /// point's. In (0, 1).
   double accept = 0.5;
-  /// From other centres the method is tried for so many iterations, and accepted likewise. 0: from accepted ones only.
+  /// Iterations that the method may take from a centre that was not accepted; its result is accepted by the same test.
+  /// 0: it runs from accepted centres only.
   int trial_iterations = 25;
   double perturbed_tol = 1e-6;  ///< natural residual at which a perturbed problem is solved well enough
   int perturbed_iterations = 60;
-  /// Before that: runs of the method and its escapes from the start on the scaled problem (ncp/transforms/scaling.hpp),
-  /// by J at the best point and by J at the start. 0, 1 or 2.
+  /// Runs before the escapes: the method, with escapes, from the start on the problem scaled
+  /// (ncp/transforms/scaling.hpp) by J at the best point and by J at the start. 0, 1 or 2.
   int rescalings = 2;
 };
 
 void describe(Stop& stop, Fields& fields);
 void describe(Armijo& search, Fields& fields);
 void describe(Escape& escape, Fields& fields);
-/// But for where the path starts.
+/// Describes all options but the start of the path.
 void describe(lcp::LemkeOptions& lemke, Fields& fields);
 
 // Single options that several methods have.

@@ -1,5 +1,6 @@
 #pragma once
-/// What a solve answers: a status, a message a person can act on, the best point, its judgement, and statistics.
+/// The answer of a solve: a status, a message and advice for the user, the best point, the verdict of the judge, and
+/// statistics.
 #include <chrono>
 #include <iosfwd>
 #include <limits>
@@ -17,7 +18,8 @@ namespace perp::ncp {
 using perp::Status;
 using perp::to_string;
 
-/// Of the method and its escapes; what check_jacobian evaluates is not counted, nor the J at x for Result::relative.
+/// Counts for the method and its escapes. Evaluations by check_jacobian and of the J for Result::relative are not
+/// counted.
 struct Stats {
   int iterations = 0;        ///< major: a linearised problem each
   int crash_iterations = 0;  ///< PathSearch: projected Newton steps, which are no major iterations
@@ -72,18 +74,18 @@ struct Result {
   Vec x;                ///< the best point met, in the box; the start if nothing better was met
   Vec F;                ///< F(x)
   Residual residual;    ///< of x, by the judge
-  /// max_i r_i / t_i, the residual of a row beside the terms it is the rest of (lcp/judge/judge.hpp), and that row; NaN
-  /// and -1 where J is not defined.
+  /// The largest r_i / t_i, and its row i: the residual of a row relative to the size of its terms
+  /// (lcp/judge/judge.hpp). NaN and -1 if J is not defined.
   double relative = std::numeric_limits<double>::quiet_NaN();
   Index relative_row = -1;
   std::vector<std::string> notes{};  ///< what a solution to the tolerance leaves to be said; with names and values
   std::vector<lcp::Cell> basis{};    ///< PathSearch: of the last linearised problem solved; empty if there was none
   Stats stats;
   bool solved() const { return status == Status::Solved; }
-  /// Solved, to the tolerance or to rounding.
+  /// Returns whether the problem is solved, to the tolerance or to rounding.
   bool accepted() const { return solved() || status == Status::SolvedToRounding; }
 };
-/// One line: status, residual with the worst equation's index, iterations, message.
+/// Writes one line: status, residual with the index of the worst equation, iterations, message.
 std::ostream& operator<<(std::ostream&, const Result&);
 
 }  // namespace perp::ncp

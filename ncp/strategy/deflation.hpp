@@ -12,8 +12,8 @@
 /// The deflated Newton step is tau d, with d the plain step, tau = 1 / (1 - m'd) and m = grad M / M. It costs one
 /// scalar product more than the plain step, for the change of the matrix has rank one.
 ///
-/// Nothing says that all solutions are found, or even a second one: an empty-handed end is no proof of uniqueness. Of a
-/// continuum of solutions it finds points that are as far apart as `distinct` demands.
+/// There is no guarantee that all solutions are found, or even a second one. If none is found, this does not prove
+/// uniqueness. In a continuum of solutions the search finds points that are as far apart as `distinct` demands.
 #include <optional>
 #include <string>
 #include <string_view>
@@ -74,12 +74,12 @@ struct AllSolutions {
   std::string message;               ///< why the search ended
 };
 
-/// The first solution by solve(mcp, x0, method), the others by deflation from x0; each is polished by plain semismooth
-/// Newton steps, which stay if the residual falls. stop(method): the tolerance is that of all; time limit, limit of
-/// evaluations and interrupt are those of the whole, shared by first solve, attempts and polishing; iteration limits
-/// are those of the method and of each attempt. If the first solve fails there is nothing to deflate and the list is
-/// empty. `label` is what found the first solution, for FoundSolution::how (a preset's name, say); name(method) if
-/// empty. Throws std::invalid_argument as solve() does.
+/// Finds the first solution by solve(mcp, x0, method), and the others by deflation from x0. Plain semismooth Newton
+/// steps polish each of them, and are kept if the residual falls. The tolerance in stop(method) applies to all
+/// solutions. The limits of time and evaluations and the interrupt apply to the whole search; limits of iterations
+/// apply to the method and to each attempt. If the first solve fails, there is nothing to deflate and the list is
+/// empty. `label` is FoundSolution::how of the first solution, for instance the name of a preset; if it is empty,
+/// name(method) is used. Throws std::invalid_argument as solve() does.
 AllSolutions solve_all(const Mcp& mcp, In x0, const Method& method = {}, const Deflation& deflation = {},
                        const Observer& observer = {}, std::string_view label = {});
 

@@ -113,6 +113,9 @@ std::vector<Preset> all_published() {
        "De Luca, Facchinei & Kanzow, Math. Programming 75 (1996) 407", semismooth_published()},
       {"semicomp-1997", "semismooth-1997 that leaves local minima by proximal escapes, without rescalings",
        "Billups, PhD thesis, Wisconsin (1995)", escaping_published(semismooth_published())},
+      {"lmmcp",
+       "Levenberg-Marquardt on 2 n equations: Fischer-Burmeister beside products, with a projected preprocessor",
+       "Kanzow & Petra, Optim. Methods Softw. 19 (2004) 507", Lmmcp{}},
   };
 }
 

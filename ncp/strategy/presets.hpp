@@ -1,8 +1,8 @@
 #pragma once
-/// The nonlinear methods by name, each a documented combination of ingredients. Eight carry the names of the systems
-/// that Billups, Dirkse & Ferris (1997, Comput. Optim. Appl. 7, 3) compare: miles, path, nesqp, qpcomp, smooth, proxi,
-/// semismooth, semicomp, with the parameters of their papers where those are for what the ingredients do. published()
-/// has them without later additions (rescalings, other methods as restarts, ...), and PATH 4 with its own restarts.
+/// The nonlinear methods by name. Eight have the names of the systems that Billups, Dirkse & Ferris (1997, Comput.
+/// Optim. Appl. 7, 3) compare: miles, path, nesqp, qpcomp, smooth, proxi, semismooth, semicomp. Their parameters are
+/// those of the papers, as far as these apply. published() has these systems without later additions (rescalings, other
+/// methods as restarts, ...), and PATH 4 with its own restarts.
 #include <span>
 #include <string_view>
 

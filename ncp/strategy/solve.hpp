@@ -9,6 +9,7 @@
 
 #include "ncp/methods/affine_method.hpp"
 #include "ncp/methods/interior_point.hpp"
+#include "ncp/methods/lmmcp.hpp"
 #include "ncp/methods/min_newton.hpp"
 #include "ncp/methods/multiroot.hpp"
 #include "ncp/methods/semismooth_newton.hpp"
@@ -25,36 +26,37 @@
 namespace perp::ncp {
 
 using Method = std::variant<Auto, SemismoothNewton, MinNewton, Smoothing, InteriorPoint, NewtonJosephy, NewtonRobinson,
-                            PathSearch, Multiroot, Affine, Strategy>;
+                            PathSearch, Lmmcp, Multiroot, Affine, Strategy>;
 std::string_view name(const Method& method);  ///< "semismooth", "josephy", "path", ..., or that of lcp/
-/// All options of the method; what depends on another one stands after it.
+/// Describes all options of the method. An option that depends on another one comes after it.
 void describe(Method& method, Fields& fields);
-/// Why the options make no sense (a tolerance that is not positive, ...), if they do not.
+/// Returns what is wrong with the options (a tolerance that is not positive, ...), or nothing.
 std::optional<std::string> invalid(const Method& method);
-/// The PathSearch that the method is, or tries (Auto); nullptr otherwise.
+/// Returns the PathSearch that the method is, or that it tries (Auto); nullptr otherwise.
 const PathSearch* path_of(const Method& method);
 PathSearch* path_of(Method& method);
 const Stop& stop(const Method& method);
 Stop& stop(Method& method);
 
-/// What it tries, and in what order.
+/// Returns what the method tries, and in which order.
 Outline outline(const Method& method);
 
-/// The method on the presolved problem; on the problem scaled by J at the start, if that brings the entries of J
-/// together; with proximal escapes where it is stuck.
+/// Make a strategy that runs the method on the presolved problem; on the problem scaled by J at the start, if that
+/// brings the sizes of the entries of J closer together; or with proximal escapes where the method is stuck.
 Strategy presolved(Method method);
 Strategy scaled(Method method);
 Strategy escaping(Method method, const Escape& escape = {});
-/// One method after the other, from the same start, until one is not stuck; each but the last gets half of the
-/// iterations and evaluations left, at least 100 and 1000. Throws std::invalid_argument if there is none.
+/// Makes a strategy that runs one method after the other, from the same start, until one is not stuck. Each but the
+/// last may use half of the iterations and evaluations that are left, but always 100 and 1000 if so many are left.
+/// Throws std::invalid_argument if `methods` is empty.
 Strategy first_of(std::vector<Method> methods);
-/// The preset of that name, or a strategy in words (ncp/strategy/strategy.hpp). Throws std::invalid_argument, naming
-/// the place.
+/// Returns the preset of that name, or the strategy that the text describes (ncp/strategy/strategy.hpp). Throws
+/// std::invalid_argument, naming the place of the error.
 Method method_of(std::string_view text);
 
-/// Solves the MCP from x0 (projected onto the box first). Throws std::invalid_argument for input that is no problem:
-/// see check_input(), a J that does not keep its pattern, a basis of another size, and invalid(method). Everything else
-/// is a Status with a message.
+/// Solves the MCP from the projection of x0 on the box. Throws std::invalid_argument for wrong input: what
+/// check_input() and invalid(method) refuse, a J that does not keep its pattern, a basis of another size. Every other
+/// outcome is a Status with a message.
 Result solve(const Mcp& mcp, In x0, const Method& method, const Observer& observer = {});
 
 }  // namespace perp::ncp

@@ -14,14 +14,14 @@ namespace perp::ncp {
 
 struct StrategyNode;
 
-/// A copy shares the tree, which nobody changes. Made by presolved(), scaled(), escaping(), first_of()
-/// (ncp/strategy/solve.hpp) or method_of(); solve() refuses an empty one.
+/// A tree of methods. presolved(), scaled(), escaping(), first_of() (ncp/strategy/solve.hpp) and method_of() make it.
+/// Copies share the tree, which is never changed. solve() refuses a strategy without a tree.
 struct Strategy {
   Stop stop{};
   std::shared_ptr<const StrategyNode> tree{};
 };
 
-/// What a method tries in turn, until one does not get stuck. The run leaves out those whose `when` does not hold.
+/// The attempts that a method makes in turn, until one is not stuck. A run skips attempts whose `when` does not hold.
 struct Outline {
   struct Line {
     std::string name;  ///< as in the first record
@@ -32,7 +32,7 @@ struct Outline {
   bool presolved = false;  ///< all of it, on the presolved problem
 };
 
-/// "first(path, scaled(smooth))": what method_of() reads.
+/// Returns the text that method_of() reads, such as "first(path, scaled(smooth))".
 std::string_view name_of(const Strategy& strategy);
 void describe(Strategy& strategy, Fields& fields);
 

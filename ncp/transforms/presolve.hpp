@@ -15,9 +15,9 @@
 ///  * Parallel rows, F_i = t F_e + d with F_e = 0 an equation: F_i = d at every solution. That is a forced bound where
 ///    d != 0, and infeasible between equations.
 ///
-/// This is repeated to a fixed point. Rows that are affine once their other variables are fixed count too. Equations
-/// also bound the variables ("implied bounds") for the signs of other rows. The box itself is never changed, for a
-/// bound that is not the problem's would let F_i differ from 0 there.
+/// Presolve repeats these reductions until none applies. They apply to rows, too, that become affine when their other
+/// variables are fixed. Bounds that equations imply ("implied bounds") help to find the signs of other rows. The box
+/// itself is never changed, because F_i could then differ from 0 at a bound that is not one of the problem.
 ///
 /// Every solution of the problem gives one of the reduced problem, unless x_i is not determined (F_i = 0 and x_i in no
 /// other row, a < 0 with two bounds): then one remains of the many. Every solution of the reduced problem is one of the
@@ -52,23 +52,26 @@ struct PresolveCounts {
 
 class Presolved {
  public:
-  /// Why there is no solution, with names and numbers; empty if that is not known. What follows then means nothing.
+  /// Says why there is no solution, with names and numbers; empty if that is not known. If it is not empty, the other
+  /// members have no meaning.
   const std::string& infeasible() const { return infeasible_; }
-  /// The reduced problem; the original itself where nothing could be taken out; possibly of size 0. Its variable k is
-  /// columns()[k] of the original, its equation k is rows()[k]; both keep their names. Lives as long as this object and
-  /// evaluates the original.
+  /// Returns the reduced problem, or the original if nothing could be removed. Its size may be 0. Its variable k is
+  /// columns()[k] of the original, and its equation k is rows()[k]; both keep their names. It lives as long as this
+  /// object, and evaluates the original.
   const Mcp& problem() const { return reduced_ ? *reduced_ : *original_; }
-  /// Its start: x0 projected onto the box, without what went.
+  /// Returns its start: x0 projected on the box, without the removed variables.
   const Vec& start() const { return start_; }
-  /// Throws std::invalid_argument if x has not as many entries as the reduced problem.
+  /// Returns the point of the original problem that belongs to x. Throws std::invalid_argument if x has not as many
+  /// entries as the reduced problem.
   Vec postsolve(In x) const;
-  /// Of a full point: the entries that stayed. Throws std::invalid_argument if x has not size() entries.
+  /// Returns the entries of a full point that were not removed. Throws std::invalid_argument if x has not size()
+  /// entries.
   Vec reduce(In x) const;
 
   const std::vector<Index>& columns() const { return columns_; }
   const std::vector<Index>& rows() const { return rows_; }
   const PresolveCounts& counts() const { return counts_; }
-  /// Sentences about what was found but could not be taken out: equations that say the same.
+  /// Returns sentences about equations that say the same but could not be removed.
   const std::vector<std::string>& notes() const { return notes_; }
   int F_evals() const { return F_evals_; }  ///< made by presolve()
   int J_evals() const { return J_evals_; }
@@ -90,9 +93,10 @@ class Presolved {
   int F_evals_ = 0, J_evals_ = 0;
 };
 
-/// Pre: check_input(mcp, x0) passes. The problem outlives the answer. At most one evaluation of J and a few of F; none
-/// if the problem declares no linearity, when only fixed variables go. Throws std::invalid_argument for flags that are
-/// not as many as the nonzeros, a J that leaves its pattern, and a declared linearity that F contradicts.
+/// Presolves the problem. Pre: check_input(mcp, x0) passes. The problem outlives the answer. Evaluates J at most once
+/// and F a few times. If the problem declares no linearity, it evaluates neither and only removes fixed variables.
+/// Throws std::invalid_argument if the number of flags is not that of the nonzeros, if J leaves its pattern, or if F
+/// contradicts the declared linearity.
 Presolved presolve(const Mcp& mcp, In x0);
 Presolved presolve(Mcp&&, In) = delete;
 

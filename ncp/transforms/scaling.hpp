@@ -3,10 +3,10 @@
 /// x = C x',  J' = R J C. Bounds and signs correspond one to one, and so do the solutions. All factors are powers of
 /// two: nothing is rounded, neither in a point nor in a bound nor in J.
 ///
-/// R and C make the entries of J at one point (the start) as equal as they get: in turn, every row and every column is
-/// divided by the geometric mean of its largest and its smallest |J_ij| (Fulkerson & Wolfe 1962; Curtis & Reid 1972
-/// for the least squares of log |J_ij|, which this approximates). C has the geometric mean 1, so that lengths keep
-/// their meaning on the whole.
+/// R and C bring the sizes of the entries of J at one point (the start) close together. In turn, every row and every
+/// column is divided by the geometric mean of its largest and its smallest |J_ij| (Fulkerson & Wolfe 1962). This
+/// approximates the least squares of log |J_ij| (Curtis & Reid 1972). The geometric mean of C is 1, so lengths stay of
+/// the same order on average.
 #include "ncp/problem/mcp.hpp"
 
 namespace perp::ncp {
@@ -17,15 +17,16 @@ struct Scaling {
   double before = 1;  ///< largest over smallest |J_ij|, see scaling()
   double after = 1;   ///< the same of R J C
 
-  /// Is it worth it: does it bring entries together that are far apart? Measured on the collection in units spoilt at
-  /// random: spreads of 1e4 do no harm, and changing them helps as often as not; from 1e6 on it pays.
+  /// Returns whether the scaling brings entries together that are far apart. Measured on the collection in random
+  /// units: at spreads of 1e4 scaling helps as often as it harms; from 1e6 on it helps.
   bool helps(double far = 1e6, double factor = 1e3) const { return before >= far && before >= factor * after; }
 };
 
-/// Of J at some point, with the pattern of the problem. Entries that are 0 there do not count, nor do those below 1e-8
-/// of the largest in their row and of the largest in their column, which say little about units; neither do rows and
-/// columns of fixed variables, whose factors are 1. All factors are 1 too if a finite bound would overflow, underflow
-/// or meet another one. Throws std::invalid_argument if J is not n x n or not finite.
+/// Computes the factors from J at some point, with the pattern of the problem. Entries that are 0 there are ignored,
+/// and so are entries below 1e-8 of the largest in their row and of the largest in their column, which say little about
+/// units. Rows and columns of fixed variables are ignored, too; their factors are 1. All factors are 1 if a finite
+/// bound would overflow, underflow or coincide with another one. Throws std::invalid_argument if J is not n x n or not
+/// finite.
 Scaling scaling(const Mcp& mcp, const SpMat& J);
 
 /// The scaled problem. `base` outlives it.
@@ -37,9 +38,8 @@ class ScaledMcp final : public Mcp {
 
   Vec to_scaled(In x) const { return x.cwiseQuotient(C_); }
   Vec to_original(In x) const { return x.cwiseProduct(C_); }
-  /// A residual of the scaled problem that is small enough for one of `tol` of the original:
-  /// tol / max_i max(C_i, 1 / R_i), because |mid(a, b, c)| <= max(C, 1/R) |mid(a / C, R b, c / C)| for a <= 0 <= c: of
-  /// points in the box.
+  /// Returns the tolerance of the scaled problem that guarantees `tol` for the original, at points in the box: tol /
+  /// max_i max(C_i, 1 / R_i), because |mid(a, b, c)| <= max(C, 1/R) |mid(a / C, R b, c / C)| for a <= 0 <= c.
   double tolerance(double tol) const;
 
   const Box& box() const override { return box_; }

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -50,6 +51,18 @@ std::string refused(const Call& call) {
     return error.what();
   }
   return "(accepted)";
+}
+
+/// What completion offers for the last of the words.
+inline std::string offered(const std::string& words) {
+  const Folder folder;
+  const std::string out = folder / "out";
+  const std::string script = "source '" PERP_SOURCE_DIR "/app/perp.bash'; COMP_WORDS=('" PERP_PROGRAM "' " + words +
+                             "); COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); _perp 2>/dev/null; echo \" ${COMPREPLY[*]} \"";
+  write(folder / "completion.sh", script);
+  EXPECT_EQ(std::system(("bash '" + folder / "completion.sh" + "' > '" + out + "'").c_str()),
+            0);  // NOLINT(cert-env33-c)
+  return read(out);
 }
 
 /// Output and errors of a call in process.

@@ -78,6 +78,7 @@ RUNS = [
     ("contact-ball", 0, "contact ball --facets 4 --exact --load 1,1.5 --cycles 1 --phase 0.1"),
     ("contact-ball", 1, "contact ball --exact --load 1.5 --cycles 5000"),
     (None, 0, "compare --problems kojshin --methods path --out all"),
+    (None, 0, "compare --problems kojshin --methods path --shard 1/2 --out shard"),
     (
         None,
         0,
@@ -99,6 +100,7 @@ LEFT = [
     ("solve", "cournot.json"),
     ("campaign", "all/campaign.json"),
     ("campaign", "some/campaign.json"),
+    ("campaign", "shard/campaign.json"),
     ("cells-line", "some/cells.jsonl"),
     ("cells", "some/cells.json"),
     ("report", "all/report.json"),
@@ -118,7 +120,7 @@ FILES = {
 }
 
 # Keys that a document may lack, "*" for an item of a list, and tables of any keys.
-OPTIONAL = {("solve", "derivatives"), ("solve", "verified"), ("solve", "deflation"), ("solve", "variables.*.basis")}
+OPTIONAL = {("solve", "derivatives"), ("solve", "verified"), ("solve", "deflation"), ("campaign", "shard"), ("solve", "variables.*.basis")}
 OPEN = {("solve", "options"), ("campaign", "methods.*.in_force")}
 # Where a document says its version; the cells of a comparison have that of its campaign.
 VERSIONS = ("schema", "campaign", "contact_campaign")

@@ -116,6 +116,46 @@ TEST(CompareRun, KilledAndResumed) {
   EXPECT_THAT(once.out, HasSubstr("failures after restarts"));
 }
 
+// Seven shards, of which one is killed with -9 and resumed, joined: the outcomes are those of the whole, byte by byte.
+// Catches a cell that no shard or two shards run, and one whose outcome depends on the others of its campaign.
+TEST(CompareRun, ShardsAreTheWhole) {
+  const test::Folder folder;
+  ASSERT_EQ(compare(folder, with(campaign_of_tiny, {"--out", folder / "whole"})).code, 0);
+  std::vector<std::string> report{"report"};
+  for (int k = 1; k <= 7; ++k) {
+    const std::string out = folder / fmt::format("part{}", k), shard = fmt::format("{}/7", k);
+    if (k == 3) {
+      Child child(folder, with({"compare"}, with(campaign_of_tiny, {"--out", out, "--shard", shard, "--jobs", "1"})));
+      ASSERT_TRUE(eventually([&] { return test::read(out + "/cells.jsonl").find('\n') != std::string::npos; }));
+      child.signal(SIGKILL);
+      EXPECT_EQ(child.wait(), -SIGKILL);
+      EXPECT_EQ(compare(folder, {"--out", out, "--resume", "--shard", "4/7"}).code, exit_input) << "another shard";
+      EXPECT_EQ(compare(folder, {"--out", out, "--resume"}).code, 0);
+    } else {
+      EXPECT_EQ(compare(folder, with(campaign_of_tiny, {"--out", out, "--shard", shard})).code, 0);
+    }
+    report.push_back(out);
+  }
+  const auto joined = [&](const std::vector<std::string>& arguments) {
+    Child child(folder, arguments);
+    return child.wait();
+  };
+  EXPECT_EQ(joined(with(report, {"--out", folder / "joined"})), 0);
+  EXPECT_EQ(test::read(folder / "joined/outcomes.csv"), test::read(folder / "whole/outcomes.csv"));
+  EXPECT_EQ(compare(folder, {"--out", folder / "joined", "--resume"}).code, 0) << "a campaign like others";
+  EXPECT_EQ(joined(with(report, {})), 2) << "nobody says where to";
+  EXPECT_EQ(joined(with(report, {folder / "part2", "--out", folder / "twice"})), 2) << "a shard is there twice";
+  EXPECT_EQ(joined(with(report, {folder / "whole", "--out", folder / "mixed"})), 2) << "not of these shards";
+  EXPECT_EQ(joined({"report", folder / "part1", folder / "part2", "--out", folder / "some"}), 0);
+}
+
+TEST(CompareRun, ShardsThatAreNone) {
+  const test::Folder folder;
+  for (const char* shard : {"0/7", "8/7", "3", "3/", "/7", "3/7x", "a/b", "-1/7", "1/1000000"})
+    EXPECT_EQ(compare(folder, with(campaign_of_tiny, {"--out", folder / "none", "--shard", shard})).code, exit_input)
+        << shard;
+}
+
 // Killed while runs that never end are under way: they, and what they run, die with the campaign.
 TEST(CompareRun, OrphansDie) {
   const test::Folder folder;

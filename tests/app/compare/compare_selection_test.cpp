@@ -88,6 +88,8 @@ TEST(Selection, Methods) {
   EXPECT_EQ(methods_of("presets").size(), ncp::presets().size());
   EXPECT_EQ(methods_of("all").size(), app::methods().size());
   EXPECT_EQ(methods_of("cfunctions").size(), ncp::cfunctions().size());
+  EXPECT_EQ(methods_of("cfunction-grid").size(), ncp::cfunction_grid().size());
+  EXPECT_THAT(methods_of("cfunction-grid"), Contains("semismooth:cfunction=min-rho-b:cfunction_parameter=0.01"));
   EXPECT_THAT(methods_of("none"), IsEmpty());
   EXPECT_THAT(methods_of("semismooth-*"), ElementsAre("semismooth-min", "semismooth-penalised", "semismooth-1997"));
   EXPECT_EQ(methods_of("published").size(), ncp::published().size());

@@ -204,19 +204,19 @@ std::vector<std::string> flags_in(const std::string& help) {
 
 // Help, man page and completion must know the same flags.
 TEST(Process, HelpManPageAndCompletionAgree) {
-  const std::string completion = test::read(PERP_SOURCE_DIR "/app/perp.bash");
-  const std::string page = test::read(PERP_SOURCE_DIR "/app/perp.1");
+  const std::string page = test::read(PERP_MAN_PAGE);
   for (const char* command : {"solve", "list", "methods", "cfunctions", "compare"}) {
     const Finished finished = run({command, "--help"});
     EXPECT_EQ(finished.code, 0);
     EXPECT_EQ(run({"help", command}).out, finished.out);
     EXPECT_THAT(finished.out, HasSubstr("Examples:"));
     EXPECT_THAT(run({"--help"}).out, HasSubstr(std::string("\n  ") + command));
-    EXPECT_THAT(completion, HasSubstr(command));
+    EXPECT_THAT(test::offered("''"), HasSubstr(fmt::format(" {} ", command)));
+    const std::string completion = test::offered(fmt::format("{} --", command));
     const std::vector<std::string> flags = flags_in(finished.out);
     EXPECT_THAT(flags, testing::Contains("--help"));
     for (const std::string& flag : flags) {
-      EXPECT_THAT(completion, HasSubstr(flag));
+      EXPECT_THAT(completion, HasSubstr(fmt::format(" {} ", flag)));
       if (flag != "--help") {
         EXPECT_THAT(page, HasSubstr("Fl -" + flag.substr(2)));
       }

@@ -292,14 +292,14 @@ TEST(ComparisonReportEdges, LittleToReport) {
 TEST(ComparisonReportEdges, WhatCannotBeRead) {
   const Folder folder;
   test::Captured captured;
-  EXPECT_EQ(report_campaign(folder / "nowhere", captured.streams), exit_input);
+  EXPECT_EQ(report_campaign({.dirs = {folder / "nowhere"}}, captured.streams), exit_input);
   EXPECT_THAT(captured.err.str(), HasSubstr("nowhere/campaign.json"));
   MadeUp made_up;
   made_up.method("a").problem("p", "tiny").run("a", "p", Outcome::Solved);
   made_up.run("stranger", "p", Outcome::Solved);
   made_up.write(folder);
   std::ofstream(folder / "cells.jsonl", std::ios::app) << R"({"cell":{"method")";
-  EXPECT_EQ(report_campaign(folder / "", captured.streams), exit_solved);
+  EXPECT_EQ(report_campaign({.dirs = {folder / ""}}, captured.streams), exit_solved);
   const std::string page = test::read(folder / "report.html");
   EXPECT_THAT(page, AllOf(HasSubstr("stranger on p from start 1"), HasSubstr("line 3: torn")));
   EXPECT_EQ(csv(folder, "cells.csv").size(), 2U);

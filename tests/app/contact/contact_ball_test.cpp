@@ -169,12 +169,10 @@ TEST(BallCommand, ManPageAndCompletionKnowEveryFlag) {
   const std::string text = folder / "help";
   ASSERT_EQ(std::system((std::string("'") + PERP_PROGRAM + "' contact ball --help > '" + text + "'").c_str()), 0);
   const std::string help = test::read(text);
-  std::string page = test::read(PERP_SOURCE_DIR "/app/perp.1");
+  std::string page = test::read(PERP_MAN_PAGE);
   page = page.substr(page.find(".Ss perp contact ball"));
   page = page.substr(0, page.find("\n.Ss ", 1));
-  const std::string shell = test::read(PERP_SOURCE_DIR "/app/perp.bash");
-  const std::size_t from = shell.find("= ball ]");
-  const std::string completion = shell.substr(from, shell.find("elif", from) - from);
+  const std::string completion = test::offered("contact ball --");
   const std::regex flag("--([a-z]+)");
   int flags = 0;
   for (std::sregex_iterator it(help.begin(), help.end(), flag), end; it != end; ++it, ++flags) {

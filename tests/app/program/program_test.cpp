@@ -97,27 +97,15 @@ TEST(Help, ManPageNamesEveryOptionMethodAndLevel) {
   for (const std::string_view level : log_level_names()) EXPECT_THAT(page, HasSubstr(std::string(level)));
 }
 
-/// What completion offers for the last of the words.
-std::string offered(const std::string& words) {
-  const test::Folder folder;
-  const std::string out = folder / "out";
-  const std::string script = "source '" PERP_SOURCE_DIR "/app/perp.bash'; COMP_WORDS=('" PERP_PROGRAM "' " + words +
-                             "); COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); _perp 2>/dev/null; echo \" ${COMPREPLY[*]} \"";
-  test::write(folder / "completion.sh", script);
-  EXPECT_EQ(std::system(("bash '" + folder / "completion.sh" + "' > '" + out + "'").c_str()),
-            0);  // NOLINT(cert-env33-c)
-  return test::read(out);
-}
-
 TEST(Help, CompletionKnowsMethodsOptionsAndLevels) {
   for (const char* words : {"solve --method ''", "methods --show ''"}) {
-    const std::string names = offered(words);
+    const std::string names = test::offered(words);
     for (const MethodEntry& entry : methods()) EXPECT_THAT(names, HasSubstr(fmt::format(" {} ", entry.name)));
     EXPECT_THAT(names, testing::Not(HasSubstr("first")));
   }
-  const std::string keys = offered("solve --option ''");
+  const std::string keys = test::offered("solve --option ''");
   for (const Option& option : options()) EXPECT_THAT(keys, HasSubstr(fmt::format(" {}= ", option.key)));
-  const std::string levels = offered("solve --log-level ''");
+  const std::string levels = test::offered("solve --log-level ''");
   for (const std::string_view level : log_level_names()) EXPECT_THAT(levels, HasSubstr(fmt::format(" {} ", level)));
 }
 

@@ -133,6 +133,7 @@ TEST(Fields, ReachEveryMember) {
         Count{"lcp::BoundQp", members<lcp::BoundQp>(), described<lcp::BoundQp>(), 0, 0, 0},
         // max_solutions bounds memory
         Count{"lcp::Enumeration", members<lcp::Enumeration>(), described<lcp::Enumeration>(), 0, 0, 1},
+        Count{"Lmmcp", members<Lmmcp>(), described<Lmmcp>(), 1, 0, 0},
         Count{"Multiroot", members<Multiroot>(), described<Multiroot>(), 1, 0, 0}})
     EXPECT_EQ(c.members, c.parts + (c.described - c.of_them) + c.without)
         << c.name << ": a member has no line in describe(), and no reason here";
