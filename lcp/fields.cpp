@@ -1,6 +1,5 @@
 #include "lcp/fields.hpp"
 
-#include <algorithm>
 #include <iterator>
 #include <sstream>
 #include <type_traits>

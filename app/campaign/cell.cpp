@@ -10,7 +10,6 @@
 #include "app/program/files.hpp"
 #include "app/program/program.hpp"
 #include "app/text/csv.hpp"
-#include "app/text/json_fields.hpp"
 #include "lcp/io/file_error.hpp"
 
 namespace perp::app::compare {

@@ -6,12 +6,9 @@
 #include <filesystem>
 #include <optional>
 #include <ostream>
-#include <stdexcept>
 #include <string_view>
 
 #include "app/program/files.hpp"
-#include "app/report/json.hpp"
-#include "lcp/io/file_error.hpp"
 #include "lcp/io/matrix_market.hpp"
 #include "ncp/ampl/model.hpp"
 #include "ncp/problem/affine.hpp"

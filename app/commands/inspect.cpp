@@ -8,7 +8,6 @@
 
 #include "app/program/files.hpp"
 #include "app/report/json.hpp"
-#include "lcp/io/file_error.hpp"
 #include "lcp/lu/sparse_lu.hpp"
 #include "ncp/problem/affine.hpp"
 

@@ -7,7 +7,6 @@
 #include <numeric>
 #include <ostream>
 #include <sstream>
-#include <vector>
 
 #include "app/problem/problem.hpp"
 #include "app/report/json.hpp"

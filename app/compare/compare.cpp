@@ -18,7 +18,6 @@
 #include "app/comparison_report/write_report.hpp"
 #include "app/program/bounded_call.hpp"
 #include "app/program/files.hpp"
-#include "app/report/json.hpp"
 #include "app/text/table.hpp"
 #include "app/worker/run_cell.hpp"
 

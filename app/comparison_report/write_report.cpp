@@ -6,8 +6,6 @@
 
 #include "app/comparison_report/files.hpp"
 #include "app/findings/findings.hpp"
-#include "app/program/files.hpp"
-#include "app/report/json.hpp"
 
 namespace perp::app {
 

@@ -1,4 +1,3 @@
-#include <algorithm>
 
 #include "app/options/options.hpp"
 

@@ -4,9 +4,7 @@
 
 #include <cstdlib>
 #include <filesystem>
-#include <functional>
 #include <new>
-#include <optional>
 #include <sstream>
 #include <stdexcept>
 #include <utility>

@@ -1,6 +1,5 @@
 #pragma once
 /// A run as JSON, for programs; docs/schema/ describes it.
-#include <iosfwd>
 #include <span>
 #include <string>
 

@@ -1,7 +1,5 @@
 #include "app/text/json_fields.hpp"
 
-#include <limits>
-
 namespace perp::app {
 
 double json_real(const Json& value, std::string_view key) {

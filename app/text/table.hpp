@@ -1,7 +1,6 @@
 #pragma once
 /// Plain-text tables with aligned columns, and numbers for people.
 #include <iosfwd>
-#include <span>
 #include <string>
 #include <string_view>
 #include <utility>

@@ -21,7 +21,6 @@
 #include "app/problem/problem.hpp"
 #include "app/program/files.hpp"
 #include "app/program/program.hpp"
-#include "app/report/json.hpp"
 #include "app/worker/affine_nl.hpp"
 #include "app/worker/sol_file.hpp"
 

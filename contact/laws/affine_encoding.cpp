@@ -4,7 +4,6 @@
 #include <sstream>
 #include <stdexcept>
 #include <string>
-#include <utility>
 
 #include "contact/laws/encoding_builder.hpp"
 #include "lcp/memory.hpp"

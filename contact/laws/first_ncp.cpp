@@ -5,8 +5,6 @@
 #include <stdexcept>
 
 namespace perp::contact {
-namespace {}  // namespace
-
 FirstNcp::FirstNcp(const Problem& problem, const FirstNcpOptions& options)
     : dimension_(problem.dimension), mu_(problem.mu), weight_(options.weight) {
   check(problem);

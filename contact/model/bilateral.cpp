@@ -3,7 +3,6 @@
 #include <new>
 #include <sstream>
 #include <stdexcept>
-#include <utility>
 #include <vector>
 
 #include "contact/model/checks.hpp"

@@ -6,7 +6,6 @@
 #include <sstream>
 #include <stdexcept>
 #include <unordered_map>
-#include <utility>
 #include <vector>
 
 #include "contact/scenes/generators.hpp"

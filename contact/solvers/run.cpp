@@ -1,7 +1,6 @@
 #include "contact/solvers/run.hpp"
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <optional>
 #include <stdexcept>

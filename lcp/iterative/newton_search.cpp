@@ -1,7 +1,5 @@
 #include "lcp/iterative/newton_search.hpp"
 
-#include <cmath>
-
 namespace perp::lcp {
 
 bool SafeStep::operator()(const AffineMcp& problem, NewtonSystem& system, const Equations& at, double reference,

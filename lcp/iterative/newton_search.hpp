@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <deque>
-#include <functional>
 
 #include "lcp/fields.hpp"
 #include "lcp/iterative/newton_system.hpp"

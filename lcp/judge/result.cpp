@@ -1,6 +1,5 @@
 #include "lcp/judge/result.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <sstream>
 #include <stdexcept>

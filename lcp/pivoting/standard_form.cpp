@@ -1,7 +1,6 @@
 #include "lcp/pivoting/standard_form.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <vector>
 
 namespace perp::lcp {

@@ -1,7 +1,6 @@
 #pragma once
 /// The methods for the affine MCP as values, and solve(), which runs one of them or lets Auto choose.
 #include <span>
-#include <string>
 #include <string_view>
 #include <variant>
 

@@ -5,7 +5,6 @@
 #include <charconv>
 #include <limits>
 #include <stdexcept>
-#include <utility>
 #include <vector>
 
 #include "lcp/memory.hpp"

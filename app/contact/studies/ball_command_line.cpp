@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <ostream>
-#include <string>
 
 #include "app/program/command_option.hpp"
 

@@ -13,7 +13,6 @@
 
 #include "app/contact/run/number_list.hpp"
 #include "app/contact/run/report.hpp"
-#include "app/contact/run/run.hpp"
 #include "app/contact/studies/facets_svg.hpp"
 #include "app/problem/problem.hpp"
 #include "app/program/files.hpp"

@@ -7,8 +7,6 @@
 
 namespace perp::ncp::collection {
 
-namespace {}  // namespace
-
 /// HS6: (1 - x1)^2, 10 (x2 - x1^2) = 0.
 Problem hs6_kkt() {
   Problem p =

@@ -7,8 +7,6 @@
 
 namespace perp::ncp::collection {
 
-namespace {}  // namespace
-
 /// HS15: 100 (x2 - x1^2)^2 + (1 - x1)^2, x1 x2 >= 1, x1 + x2^2 >= 0, x1 <= 1/2.
 Problem hs15_kkt() {
   const Box X{Vec::Constant(2, -infinity), vec({0.5, infinity})};
