@@ -12,6 +12,7 @@
 #include "contact/model/residual.hpp"
 #include "contact/model/scaling.hpp"
 #include "lcp/linalg/cholesky.hpp"
+#include "lcp/words.hpp"
 
 namespace perp::contact {
 namespace {
@@ -210,15 +211,10 @@ std::string contacts_text(const std::vector<Index>& contacts) {
 }  // namespace
 
 std::string_view to_string(Existence existence) {
-  switch (existence) {
-    case Existence::Undecided:
-      return "undecided";
-    case Existence::Exists:
-      return "exists";
-    case Existence::None:
-      return "none";
-  }
-  return "?";
+  using enum Existence;
+  static constexpr std::pair<Existence, std::string_view> words[] = {
+      {Undecided, "undecided"}, {Exists, "exists"}, {None, "none"}};
+  return word_of(existence, words);
 }
 
 std::optional<Witness> examine_witness(const Problem& problem, In r) {

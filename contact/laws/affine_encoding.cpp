@@ -8,22 +8,20 @@
 #include "contact/laws/encoding_builder.hpp"
 #include "lcp/memory.hpp"
 #include "lcp/solve/solve.hpp"
+#include "lcp/words.hpp"
 
 namespace perp::contact {
 
 void check(const char* who, const Problem& problem, const Polygons& polygons) {
-  std::ostringstream why;
   const auto n = static_cast<std::size_t>(problem.contacts());
   if (polygons.size() != 1 && polygons.size() != n) {
-    why << who << ": " << polygons.size() << " polygons for " << n << " contacts; give one, or one for each";
-    throw std::invalid_argument(why.str());
+    throw std::invalid_argument(
+        text_of(who, ": ", polygons.size(), " polygons for ", n, " contacts; give one, or one for each"));
   }
   for (std::size_t a = 0; a < polygons.size(); ++a)
-    if (polygons[a].dimension() != problem.dimension - 1) {
-      why << who << ": polygon " << a + 1 << " has the dimension " << polygons[a].dimension()
-          << ", the tangent plane of the problem " << problem.dimension - 1;
-      throw std::invalid_argument(why.str());
-    }
+    if (polygons[a].dimension() != problem.dimension - 1)
+      throw std::invalid_argument(text_of(who, ": polygon ", a + 1, " has the dimension ", polygons[a].dimension(),
+                                          ", the tangent plane of the problem ", problem.dimension - 1));
 }
 
 EncodingBuilder::EncodingBuilder(const Problem& problem, const EncodingOptions& options)
@@ -99,9 +97,8 @@ AffineEncoding::AffineEncoding(const Problem& problem, EncodingBuilder&& builder
 
 Solution AffineEncoding::recover(In z) const {
   if (z.size() != affine_.size()) {
-    std::ostringstream why;
-    why << "contact: the point has " << z.size() << " entries, the encoding " << affine_.size();
-    throw std::invalid_argument(why.str());
+    throw std::invalid_argument(
+        text_of("contact: the point has ", z.size(), " entries, the encoding ", affine_.size()));
   }
   Solution solution;
   solution.r = units_.impulse * (B_ * z);

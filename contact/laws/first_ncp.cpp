@@ -4,6 +4,8 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "lcp/words.hpp"
+
 namespace perp::contact {
 FirstNcp::FirstNcp(const Problem& problem, const FirstNcpOptions& options)
     : dimension_(problem.dimension), mu_(problem.mu), weight_(options.weight) {
@@ -143,9 +145,7 @@ Vec FirstNcp::start() const {
 
 Solution FirstNcp::recover(In x) const {
   if (x.size() != size()) {
-    std::ostringstream why;
-    why << name_ << ": the point has " << x.size() << " entries, the problem " << size();
-    throw std::invalid_argument(why.str());
+    throw std::invalid_argument(text_of(name_, ": the point has ", x.size(), " entries, the problem ", size()));
   }
   const Vec r = impulses(x);
   return {units_.impulse * r, units_.velocity * (W_ * r + q_)};

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <sstream>
 #include <stdexcept>
 
 #include "contact/model/natural_map.hpp"
 #include "contact/model/velocities.hpp"
+#include "lcp/words.hpp"
 
 namespace perp::contact {
 namespace {
@@ -49,16 +49,10 @@ double unit(const SpMat& W) {
 }
 
 void check_impulses(const Problem& problem, In r) {
-  std::ostringstream why;
-  if (r.size() != problem.q.size()) {
-    why << "r has " << r.size() << " entries, not " << problem.q.size();
-    throw std::invalid_argument(why.str());
-  }
+  if (r.size() != problem.q.size())
+    throw std::invalid_argument(text_of("r has ", r.size(), " entries, not ", problem.q.size()));
   for (Index i = 0; i < r.size(); ++i)
-    if (!std::isfinite(r[i])) {
-      why << "r[" << i << "] is " << r[i];
-      throw std::invalid_argument(why.str());
-    }
+    if (!std::isfinite(r[i])) throw std::invalid_argument(text_of("r[", i, "] is ", r[i]));
 }
 
 /// x in units of what it is compared with.

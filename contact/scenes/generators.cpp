@@ -10,15 +10,14 @@
 
 #include "contact/scenes/random.hpp"
 #include "lcp/memory.hpp"
+#include "lcp/words.hpp"
 
 namespace perp::contact {
 namespace {
 
 void require(bool condition, const char* scene, const char* what, double value) {
   if (condition) return;
-  std::ostringstream why;
-  why << scene << ": " << what << " is " << value;
-  throw std::invalid_argument(why.str());
+  throw std::invalid_argument(text_of(scene, ": ", what, " is ", value));
 }
 void require_count(const char* scene, const char* what, int value, int least = 1) {
   require(value >= least, scene, what, value);

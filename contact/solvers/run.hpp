@@ -51,6 +51,9 @@ struct Run {
 /// Throws std::invalid_argument for what is no problem (contact::check), or a solver that is none of the law's.
 Run run(const Problem& problem, const Variant& variant, const RunLimits& limits = {});
 
+/// The affine problem of a law that is not exact. Throws std::invalid_argument for the others.
+AffineEncoding encoding_of(const Problem& problem, const Variant& variant);
+
 /// Fills in residual and states of run.solution.r: what the exact law's judge says, whoever made it.
 void judge(Run& run, const Problem& problem, const Variant& variant);
 

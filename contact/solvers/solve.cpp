@@ -8,6 +8,7 @@
 
 #include "contact/solvers/referee.hpp"
 #include "lcp/judge/result.hpp"
+#include "lcp/words.hpp"
 
 namespace perp::contact {
 namespace {
@@ -69,25 +70,11 @@ void describe(GlockerNcp& m, ncp::Fields& f) {
 }
 
 std::string_view to_string(Origin origin) {
-  switch (origin) {
-    case Origin::Zero:
-      return "zero";
-    case Origin::WarmStart:
-      return "warm-start";
-    case Origin::Sweeps:
-      return "sweeps";
-    case Origin::Homotopy:
-      return "homotopy";
-    case Origin::Newton:
-      return "newton";
-    case Origin::DampedNewton:
-      return "damped-newton";
-    case Origin::Proximal:
-      return "proximal";
-    case Origin::Ncp:
-      return "ncp";
-  }
-  return "?";
+  using enum Origin;
+  static constexpr std::pair<Origin, std::string_view> words[] = {
+      {Zero, "zero"},     {WarmStart, "warm-start"},       {Sweeps, "sweeps"},     {Homotopy, "homotopy"},
+      {Newton, "newton"}, {DampedNewton, "damped-newton"}, {Proximal, "proximal"}, {Ncp, "ncp"}};
+  return word_of(origin, words);
 }
 
 std::optional<std::string> invalid(const Options& given) {

@@ -1,5 +1,7 @@
 #include "lcp/iterative/newton_search.hpp"
 
+#include <algorithm>
+
 namespace perp::lcp {
 
 bool SafeStep::operator()(const AffineMcp& problem, NewtonSystem& system, const Equations& at, double reference,

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "lcp/judge/judge.hpp"
+#include "lcp/words.hpp"
 
 namespace perp::lcp {
 
@@ -49,7 +50,7 @@ Result judged(const AffineMcp& problem, In z, const Limits& limits, Status other
   return result;
 }
 
-void check_input(const char* method, const AffineMcp& problem, In start, const Limits& limits) {
+void check_input(const char* method, const AffineMcp& problem, In start) {
   std::ostringstream what;
   what << method << ": ";
   if (const auto why = problem.invalid()) throw std::invalid_argument(what.str() + *why);
@@ -62,10 +63,12 @@ void check_input(const char* method, const AffineMcp& problem, In start, const L
       what << "the start of index " << i << " is " << start[i];
       throw std::invalid_argument(what.str());
     }
-  if (!(limits.tol > 0) || std::isinf(limits.tol)) {
-    what << "the tolerance is " << limits.tol << ", not a positive number";
-    throw std::invalid_argument(what.str());
-  }
+}
+
+void check_input(const char* method, const AffineMcp& problem, In start, const Limits& limits) {
+  check_input(method, problem, start);
+  if (limits.tol > 0 && !std::isinf(limits.tol)) return;
+  throw std::invalid_argument(text_of(method, ": the tolerance is ", limits.tol, ", not a positive number"));
 }
 
 }  // namespace perp::lcp

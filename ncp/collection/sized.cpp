@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "lcp/memory.hpp"
+#include "lcp/words.hpp"
 #include "ncp/collection/base/build.hpp"
 #include "ncp/collection/random/random_ncps.hpp"
 #include "ncp/collection/scalable/generators.hpp"
@@ -169,16 +170,12 @@ Problem make(const Family& family, std::string_view sizes) {
   }
   lcp::require_memory(least_memory(family, n), "vectors and matrix");
   const unsigned seed = parts.size() == 2 ? seed_of(family, parts[1]) : 1;
-  struct Call {
-    const Index* n;
-    unsigned seed;
-    Problem operator()(Problem (*made)(Index)) const { return made(n[0]); }
-    Problem operator()(Problem (*made)(Index, Index)) const { return made(n[0], n[1]); }
-    Problem operator()(Problem (*made)(Index, unsigned)) const { return made(n[0], seed); }
-    Problem operator()(Problem (*made)(Index, Index, unsigned)) const { return made(n[0], n[1], seed); }
-    Problem operator()(Problem (*made)(Index, Index, Index, unsigned)) const { return made(n[0], n[1], n[2], seed); }
-  };
-  return std::visit(Call{n, seed}, family.maker);
+  const Overloaded call{[&](Problem (*made)(Index)) { return made(n[0]); },
+                        [&](Problem (*made)(Index, Index)) { return made(n[0], n[1]); },
+                        [&](Problem (*made)(Index, unsigned)) { return made(n[0], seed); },
+                        [&](Problem (*made)(Index, Index, unsigned)) { return made(n[0], n[1], seed); },
+                        [&](Problem (*made)(Index, Index, Index, unsigned)) { return made(n[0], n[1], n[2], seed); }};
+  return std::visit(call, family.maker);
 }
 
 }  // namespace perp::ncp::collection

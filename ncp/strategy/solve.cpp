@@ -5,6 +5,7 @@
 #include <new>
 #include <stdexcept>
 
+#include "lcp/words.hpp"
 #include "ncp/run/notes.hpp"
 #include "ncp/run/run.hpp"
 #include "ncp/strategy/proximal.hpp"
@@ -13,13 +14,6 @@
 
 namespace perp::ncp {
 namespace {
-
-template <class... F>
-struct Overloaded : F... {
-  using F::operator()...;
-};
-template <class... F>
-Overloaded(F...) -> Overloaded<F...>;
 
 /// What only the problem shows to be wrong with a method.
 void check_fit(const Mcp& mcp, const Method& method) {

@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 #include <stdexcept>
+
+#include "lcp/words.hpp"
 
 namespace perp::ncp {
 namespace {
@@ -169,10 +170,9 @@ bool Reducer::reevaluate(bool at_the_end) {
   if (blocked_) return false;
   for (Index i = 0; i < mcp_.size(); ++i) {
     if (stale_[at(i)] != 0 || std::abs(F[i] - F_[i]) <= broken * (1 + size_[i])) continue;
-    std::ostringstream what;
-    what << mcp_.name() << ": equation " << mcp_.equation_name(i) << " is not as linear as the problem declares: it is "
-         << F[i] << " where its linear entries make it " << F_[i];
-    throw std::invalid_argument(what.str());
+    throw std::invalid_argument(text_of(mcp_.name(), ": equation ", mcp_.equation_name(i),
+                                        " is not as linear as the problem declares: it is ", F[i],
+                                        " where its linear entries make it ", F_[i]));
   }
   F_ = F;
   size_ = size_.cwiseMax(F_.cwiseAbs());

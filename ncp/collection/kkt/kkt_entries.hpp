@@ -7,48 +7,11 @@
 
 namespace perp::ncp::collection {
 
-Problem hs1_kkt();
-Problem hs2_kkt();
-Problem hs3_kkt();
-Problem hs5_kkt();
-Problem hs6_kkt();
-Problem hs7_kkt();
-Problem hs15_kkt();
-Problem hs17_kkt();
-Problem hs19_kkt();
-Problem hs23_kkt();
-Problem hs24_kkt();
-Problem hs26_kkt();
-Problem hs29_kkt();
-Problem hs30_kkt();
-Problem hs32_kkt();
-Problem hs33_kkt();
-Problem hs36_kkt();
-Problem hs38_kkt();
-Problem hs41_kkt();
-Problem hs43_kkt();
-Problem hs44_kkt();
-Problem hs45_kkt();
-Problem hs53_kkt();
-Problem hs56_kkt();
-Problem hs61_kkt();
-Problem hs62_kkt();
-Problem hs64_kkt();
-Problem hs65_kkt();
-Problem hs66_kkt();
-Problem hs71_kkt();
-Problem hs72_kkt();
-Problem hs73_kkt();
-Problem hs74_kkt();
-Problem hs78_kkt();
-Problem hs83_kkt();
-Problem hs93_kkt();
-Problem hs100_kkt();
-Problem hs106_kkt();
-Problem hs110_kkt();
-Problem hs112_kkt();
-Problem hs113_kkt();
-Problem hs118_kkt();
+Problem hs1_kkt(), hs2_kkt(), hs3_kkt(), hs5_kkt(), hs6_kkt(), hs7_kkt(), hs15_kkt(), hs17_kkt(), hs19_kkt(),
+    hs23_kkt(), hs24_kkt(), hs26_kkt(), hs29_kkt(), hs30_kkt(), hs32_kkt(), hs33_kkt(), hs36_kkt(), hs38_kkt(),
+    hs41_kkt(), hs43_kkt(), hs44_kkt(), hs45_kkt(), hs53_kkt(), hs56_kkt(), hs61_kkt(), hs62_kkt(), hs64_kkt(),
+    hs65_kkt(), hs66_kkt(), hs71_kkt(), hs72_kkt(), hs73_kkt(), hs74_kkt(), hs78_kkt(), hs83_kkt(), hs93_kkt(),
+    hs100_kkt(), hs106_kkt(), hs110_kkt(), hs112_kkt(), hs113_kkt(), hs118_kkt();
 
 inline constexpr std::array kkt_entries{
     Entry{"hs1-kkt", "kkt", 2, "Hock & Schittkowski 1981, problem 1; KKT system",

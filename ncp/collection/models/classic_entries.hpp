@@ -7,12 +7,7 @@
 namespace perp::ncp::collection {
 
 // classics.cpp
-Problem nash5();
-Problem cyclic3_own();
-Problem cube_vertices_own();
-Problem simplex_own();
-Problem feasible_unsolvable_own();
-Problem hilbert_own();
+Problem nash5(), cyclic3_own(), cube_vertices_own(), simplex_own(), feasible_unsolvable_own(), hilbert_own();
 // economics.cpp
 Problem mathiesen_2();
 Problem mathiesen_3();

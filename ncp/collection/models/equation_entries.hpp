@@ -7,22 +7,10 @@
 namespace perp::ncp::collection {
 
 Problem chandrasekhar(std::string name, double c);
-Problem boundary_value_obstacle_own();
-Problem broyden_banded();
-Problem broyden_ncp_own();
-Problem broyden_tridiagonal();
-Problem brown_almost_linear();
-Problem chebyquad();
-Problem discrete_boundary_value();
-Problem discrete_integral_equation();
-Problem helical_valley();
-Problem powell_badly_scaled();
-Problem powell_singular();
-Problem rosenbrock();
-Problem trigonometric();
-Problem trigonometric_ncp_own();
-Problem variably_dimensioned();
-Problem wood();
+Problem boundary_value_obstacle_own(), broyden_banded(), broyden_ncp_own(), broyden_tridiagonal(),
+    brown_almost_linear(), chebyquad(), discrete_boundary_value(), discrete_integral_equation(), helical_valley(),
+    powell_badly_scaled(), powell_singular(), rosenbrock(), trigonometric(), trigonometric_ncp_own(),
+    variably_dimensioned(), wood();
 
 inline constexpr std::array equation_entries{
     Entry{"boundary-value-obstacle-own", "equations", 50,

@@ -6,35 +6,12 @@
 namespace perp::ncp::collection {
 
 // tiny.cpp
-Problem kojshin();
-Problem josephy();
-Problem munson1();
-Problem billups();
-Problem watson4();
+Problem kojshin(), josephy(), munson1(), billups(), watson4();
 // ncp/collection/kkt/kkt.cpp
-Problem hs34_kkt();
-Problem hs35_kkt();
-Problem hs76_kkt();
-Problem colvnlp();
-Problem colvdual();
-// economics.cpp
-Problem mathiesen();
-Problem kehoe();
-// ncp/collection/scalable/games.cpp
-Problem nash10();
-// choi.cpp
-Problem choi();
-// distillation.cpp
-Problem hydroc06();
-Problem methan08();
-// tinloi.cpp
-Problem tinloi42();
-// pies.cpp
-Problem pies();
-// ncp/collection/scalable/lcps.cpp
-Problem cottle2();
-Problem cottle4();
-Problem infeasible_own();
-Problem infeasible_ncp_own();
+Problem hs34_kkt(), hs35_kkt(), hs76_kkt(), colvnlp(), colvdual();
+// economics.cpp, choi.cpp, distillation.cpp, tinloi.cpp, pies.cpp
+Problem mathiesen(), kehoe(), choi(), hydroc06(), methan08(), tinloi42(), pies();
+// ncp/collection/scalable/games.cpp, ncp/collection/scalable/lcps.cpp
+Problem nash10(), cottle2(), cottle4(), infeasible_own(), infeasible_ncp_own();
 
 }  // namespace perp::ncp::collection
