@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 #include <utility>
 
 #include "lcp/words.hpp"
@@ -29,8 +28,7 @@ AffineMcp standard_lcp(SpMat M, Vec q) {
 
 double natural_residual(const AffineMcp& problem, In z) {
   if (z.size() != problem.size()) {
-    throw std::invalid_argument(
-        text_of("natural_residual: z has ", z.size(), " entries, the problem ", problem.size()));
+    refuse_input("natural_residual: z has ", z.size(), " entries, the problem ", problem.size());
   }
   const Vec F = problem.M * z + problem.q;
   if (!F.allFinite() || !z.allFinite()) return infinity;  // an infinity may project onto a bound

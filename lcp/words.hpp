@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <sstream>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -22,6 +23,12 @@ std::string text_of(const Parts&... parts) {
   std::ostringstream text;
   (text << ... << parts);
   return text.str();
+}
+
+/// Throws std::invalid_argument saying that.
+template <class... Parts>
+[[noreturn]] void refuse_input(const Parts&... parts) {
+  throw std::invalid_argument(text_of(parts...));
 }
 
 /// Functions of several types as one, for std::visit.

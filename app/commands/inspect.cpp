@@ -268,10 +268,7 @@ ExitCode inspect(const InspectRequest& request, Streams streams, const std::atom
     log.flush();
     if (!request.json.empty() && !deliver_json(request.json, inspect_json(inspection), streams)) code = exit_input;
   });
-  if (why.empty()) return code;
-  streams.err << "perp: " << why << '\n';
-  deliver_json(request.json, refused_json(request.source.problem, why), streams);
-  return exit_input;
+  return why.empty() ? code : deliver_refusal(request.json, request.source.problem, why, streams);
 }
 
 }  // namespace perp::app

@@ -56,7 +56,7 @@ class Comparison {
     std::error_code ignored;
     const bool resume = request_.resume && fs::exists(request_.out + "/campaign.json", ignored);
     if (request_.resume && !resume && !request_.problems && !request_.methods && request_.externals.empty())
-      throw InputError(fmt::format("--resume: there is no campaign in '{}'", request_.out));
+      throw input_error("--resume: there is no campaign in '{}'", request_.out);
     if (request_.resume && !resume) note(fmt::format("there is no campaign in '{}' yet: one begins", request_.out));
     if (!(resume ? take_up() : begin())) return interrupted(0, 0);
     return work();
@@ -243,8 +243,7 @@ int compare(const CompareRequest& request, Streams streams, const std::atomic<bo
   try {
     return Comparison(request, streams, interrupt).run();
   } catch (const InputError& error) {
-    streams.err << "perp: " << error.what() << '\n';
-    return exit_input;
+    return say_refused(streams, error.what());
   }
 }
 

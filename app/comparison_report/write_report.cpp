@@ -55,8 +55,7 @@ int report_campaign(const std::string& dir, Streams streams) {
     streams.out << fmt::format("{}/report.html\n", dir);
     return exit_solved;
   } catch (const InputError& error) {
-    streams.err << "perp: " << error.what() << '\n';
-    return exit_input;
+    return say_refused(streams, error.what());
   }
 }
 

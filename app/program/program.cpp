@@ -1,9 +1,8 @@
 #include "app/program/program.hpp"
 
-#include <fmt/format.h>
-
 #include <Eigen/Core>
 #include <algorithm>
+#include <ostream>
 
 #include "ncp/problem/words.hpp"
 
@@ -33,13 +32,18 @@ std::string did_you_mean(std::string_view word, std::span<const std::string_view
   return text + "?";
 }
 
+ExitCode say_refused(const Streams& streams, std::string_view why) {
+  streams.err << "perp: " << why << '\n';
+  return exit_input;
+}
+
 std::string out_of_memory(const std::string& problem) {
   return fmt::format("'{}': out of memory: the problem is too large for this machine, or for the limit set (ulimit -v)",
                      problem);
 }
 
 std::string shell_quoted(const std::string& word) {
-  if (!word.empty() && word.find_first_of(" \t'\"$`\\&|;<>()*?[]#~!{}") == std::string::npos) return word;
+  if (!word.empty() && word.find_first_of(" \t\n^'\"$`\\&|;<>()*?[]#~!{}") == std::string::npos) return word;
   std::string text = "'";
   for (const char c : word) text += c == '\'' ? "'\\''" : std::string(1, c);
   return text + "'";

@@ -1,5 +1,7 @@
 #pragma once
 /// What every part of the program `perp` shares: where text goes, exit codes, errors a user can mend, and versions.
+#include <fmt/format.h>
+
 #include <iosfwd>
 #include <span>
 #include <stdexcept>
@@ -28,6 +30,15 @@ class InputError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
+
+/// The same in fmt's words.
+template <class... T>
+InputError input_error(fmt::format_string<T...> text, T&&... parts) {
+  return InputError(fmt::format(text, std::forward<T>(parts)...));
+}
+
+/// Says on `err` why not; exit_input.
+ExitCode say_refused(const Streams& streams, std::string_view why);
 
 /// Of a problem that does not fit: "'obstacle:20000x20000': out of memory: ...".
 std::string out_of_memory(const std::string& problem);

@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <sstream>
-#include <stdexcept>
 #include <utility>
 #include <vector>
 
@@ -220,8 +219,7 @@ std::string_view to_string(Existence existence) {
 std::optional<Witness> examine_witness(const Problem& problem, In r) {
   check(problem);
   if (r.size() != problem.q.size())
-    throw std::invalid_argument("contact: the witness has " + std::to_string(r.size()) + " entries, the problem " +
-                                std::to_string(problem.q.size()));
+    refuse_input("contact: the witness has ", r.size(), " entries, the problem ", problem.q.size());
   const std::optional<double> shift = r.allFinite() ? semidefinite_up_to(problem.W) : std::nullopt;
   if (!shift) return std::nullopt;
   const double here = margin(problem, r, *shift);

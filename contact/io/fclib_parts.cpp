@@ -1,7 +1,6 @@
 #include "contact/io/fclib_parts.hpp"
 
 #include <cmath>
-#include <stdexcept>
 
 #include "lcp/words.hpp"
 
@@ -13,7 +12,7 @@ using lcp::SpMat;
 
 template <class... Parts>
 [[noreturn]] void refuse(const Parts&... parts) {
-  throw std::invalid_argument(text_of(parts...));
+  refuse_input(parts...);
 }
 
 void check_length(const char* name, std::size_t length, long long needed, const char* why) {

@@ -38,7 +38,7 @@ enum DatatypeClass : std::uint64_t { Integer = 0, Float = 1, Text = 3, VariableL
 
 template <class... Parts>
 [[noreturn]] void refuse(const char* what, Address at, const Parts&... parts) {
-  throw std::invalid_argument(text_of(what, " at byte ", at, ": ", parts...));
+  refuse_input(what, " at byte ", at, ": ", parts...);
 }
 
 /// Part of the file by which a part of it is described.

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <sstream>
-#include <stdexcept>
 
 #include "lcp/words.hpp"
 
@@ -145,7 +144,7 @@ Vec FirstNcp::start() const {
 
 Solution FirstNcp::recover(In x) const {
   if (x.size() != size()) {
-    throw std::invalid_argument(text_of(name_, ": the point has ", x.size(), " entries, the problem ", size()));
+    refuse_input(name_, ": the point has ", x.size(), " entries, the problem ", size());
   }
   const Vec r = impulses(x);
   return {units_.impulse * r, units_.velocity * (W_ * r + q_)};

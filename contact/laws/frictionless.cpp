@@ -1,7 +1,6 @@
 #include "contact/laws/frictionless.hpp"
 
 #include <cmath>
-#include <stdexcept>
 
 #include "contact/laws/encoding_builder.hpp"
 #include "lcp/words.hpp"
@@ -21,12 +20,12 @@ Problem with_newton_impact(Problem problem, In e, In before) {
   check(problem);
   const Index n = problem.contacts();
   if (e.size() != n || before.size() != n)
-    throw std::invalid_argument(text_of("Newton's impact: ", e.size(), " coefficients and ", before.size(),
-                                        " velocities for ", n, " contacts"));
+    refuse_input("Newton's impact: ", e.size(), " coefficients and ", before.size(), " velocities for ", n,
+                 " contacts");
   for (Index a = 0; a < n; ++a) {
     if (!(e[a] >= 0 && e[a] <= 1) || !std::isfinite(before[a]))
-      throw std::invalid_argument(text_of("Newton's impact: contact ", a, " has the coefficient ", e[a],
-                                          " and the velocity ", before[a], " before the impact"));
+      refuse_input("Newton's impact: contact ", a, " has the coefficient ", e[a], " and the velocity ", before[a],
+                   " before the impact");
     problem.q[problem.dimension * a] += e[a] * before[a];
   }
   return problem;

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
-#include <stdexcept>
 #include <utility>
 
 #include "lcp/words.hpp"
@@ -15,7 +14,7 @@ namespace {
 using Index = lcp::Index;
 using Matrix = Polygon::Matrix;
 
-void refuse(const std::string& why) { throw std::invalid_argument("polygon: " + why); }
+void refuse(const std::string& why) { refuse_input("polygon: ", why); }
 
 /// K points at equal angles on the circle of this radius.
 Matrix on_circle(int K, double first, double radius) {

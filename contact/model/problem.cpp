@@ -1,7 +1,6 @@
 #include "contact/model/problem.hpp"
 
 #include <cmath>
-#include <stdexcept>
 
 #include "contact/model/checks.hpp"
 #include "lcp/words.hpp"
@@ -11,7 +10,7 @@ namespace {
 
 template <class... Parts>
 [[noreturn]] void refuse(const Parts&... parts) {
-  throw std::invalid_argument(text_of("contact problem: ", parts...));
+  refuse_input("contact problem: ", parts...);
 }
 
 /// "contact 3, component T1 (entry 10)": where entry i of a vector over the contacts stands.

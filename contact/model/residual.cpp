@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <stdexcept>
 
 #include "contact/model/natural_map.hpp"
 #include "contact/model/velocities.hpp"
@@ -49,10 +48,9 @@ double unit(const SpMat& W) {
 }
 
 void check_impulses(const Problem& problem, In r) {
-  if (r.size() != problem.q.size())
-    throw std::invalid_argument(text_of("r has ", r.size(), " entries, not ", problem.q.size()));
+  if (r.size() != problem.q.size()) refuse_input("r has ", r.size(), " entries, not ", problem.q.size());
   for (Index i = 0; i < r.size(); ++i)
-    if (!std::isfinite(r[i])) throw std::invalid_argument(text_of("r[", i, "] is ", r[i]));
+    if (!std::isfinite(r[i])) refuse_input("r[", i, "] is ", r[i]);
 }
 
 /// x in units of what it is compared with.

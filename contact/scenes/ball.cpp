@@ -4,7 +4,6 @@
 #include <chrono>
 #include <cmath>
 #include <numbers>
-#include <stdexcept>
 
 #include "lcp/words.hpp"
 
@@ -13,7 +12,7 @@ namespace {
 
 void check(const char* option, double value, bool valid, const char* range) {
   if (valid && std::isfinite(value)) return;
-  throw std::invalid_argument(text_of("ball: ", option, " is ", value, "; it must be ", range));
+  refuse_input("ball: ", option, " is ", value, "; it must be ", range);
 }
 
 constexpr double most_steps = 1e7;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 #include <utility>
 
 #include "contact/solvers/run.hpp"
@@ -11,7 +10,7 @@
 namespace perp::contact {
 namespace {
 
-[[noreturn]] void refuse(const std::string& why) { throw std::invalid_argument("time stepping: " + why); }
+[[noreturn]] void refuse(const std::string& why) { refuse_input("time stepping: ", why); }
 
 void check(const MovingBody& body, std::size_t i) {
   const bool finite = body.inertia.allFinite() && body.centre.allFinite() && body.velocity.allFinite() &&

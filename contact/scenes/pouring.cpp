@@ -3,7 +3,6 @@
 #include <array>
 #include <cmath>
 #include <numbers>
-#include <stdexcept>
 #include <unordered_map>
 #include <vector>
 
@@ -115,7 +114,7 @@ void settle(const Pile& pile, Ball& ball) {
 Scene make_scene(const Spheres& o) {
   const auto require = [](bool condition, const char* what, double value) {
     if (condition) return;
-    throw std::invalid_argument(text_of("spheres: ", what, " is ", value));
+    refuse_input("spheres: ", what, " is ", value);
   };
   require(o.spheres >= 1, "the number of spheres", o.spheres);
   require(o.radius > 0 && std::isfinite(o.radius), "the radius", o.radius);

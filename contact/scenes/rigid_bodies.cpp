@@ -1,7 +1,6 @@
 #include "contact/scenes/rigid_bodies.hpp"
 
 #include <cmath>
-#include <stdexcept>
 
 #include "lcp/words.hpp"
 
@@ -10,7 +9,7 @@ namespace {
 
 template <class... Parts>
 [[noreturn]] void refuse(const Parts&... parts) {
-  throw std::invalid_argument(text_of("rigid bodies: ", parts...));
+  refuse_input("rigid bodies: ", parts...);
 }
 
 using Triplets = std::vector<Eigen::Triplet<double, int>>;

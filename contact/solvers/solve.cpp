@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <sstream>
-#include <stdexcept>
 #include <utility>
 
 #include "contact/solvers/referee.hpp"
@@ -208,11 +207,10 @@ Result Referee::result(const std::string& message) {
 
 Result solve(const Problem& problem, const Options& options) {
   check(problem);
-  if (const auto why = invalid(options)) throw std::invalid_argument("contact::solve: " + *why);
+  if (const auto why = invalid(options)) refuse_input("contact::solve: ", *why);
   if (options.start.size() != 0 && (options.start.size() != problem.q.size() || !options.start.allFinite()))
-    throw std::invalid_argument("contact::solve: the start has " + std::to_string(options.start.size()) +
-                                " entries, or some that are not finite; the problem has " +
-                                std::to_string(problem.q.size()));
+    refuse_input("contact::solve: the start has ", options.start.size(),
+                 " entries, or some that are not finite; the problem has ", problem.q.size());
   const bool scale = std::visit([](const auto& m) { return scales(m); }, options.method);
   const Scaled coordinates = scaled(problem, scale);
   Referee referee(problem, coordinates, options);

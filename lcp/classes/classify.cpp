@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <sstream>
-#include <stdexcept>
 
 #include "lcp/classes/classify_parts.hpp"
 #include "lcp/linalg/block_triangular.hpp"
@@ -334,18 +333,15 @@ class Classifier {
 };
 
 void check(const SpMat& M, const ClassifyOptions& options) {
-  if (M.rows() != M.cols())
-    throw std::invalid_argument(text_of("classify: M is ", M.rows(), " x ", M.cols(), ", not square"));
+  if (M.rows() != M.cols()) refuse_input("classify: M is ", M.rows(), " x ", M.cols(), ", not square");
   for (Index j = 0; j < M.cols(); ++j)
     for (SpMat::InnerIterator it(M, j); it; ++it)
-      if (!std::isfinite(it.value()))
-        throw std::invalid_argument(text_of("classify: M of row ", it.row(), ", column ", j, " is ", it.value()));
-  if (!(options.tol > 0 && options.tol < 1))
-    throw std::invalid_argument(text_of("classify: tol is ", options.tol, ", not in (0, 1)"));
+      if (!std::isfinite(it.value())) refuse_input("classify: M of row ", it.row(), ", column ", j, " is ", it.value());
+  if (!(options.tol > 0 && options.tol < 1)) refuse_input("classify: tol is ", options.tol, ", not in (0, 1)");
   for (const auto& [name, value] :
        {std::pair{"minors_to", options.minors_to}, {"p0_to", options.p0_to}, {"copositive_to", options.copositive_to}})
     if (value > 30) {
-      throw std::invalid_argument(text_of("classify: ", name, " is ", value, "; 2^n minors are too many beyond 30"));
+      refuse_input("classify: ", name, " is ", value, "; 2^n minors are too many beyond 30");
     }
 }
 
@@ -445,7 +441,7 @@ Diagnosis classify(const SpMat& M, const ClassifyOptions& options) {
 }
 
 Diagnosis classify(const AffineMcp& problem, const ClassifyOptions& options) {
-  if (const auto why = problem.invalid()) throw std::invalid_argument("classify: " + *why);
+  if (const auto why = problem.invalid()) refuse_input("classify: ", *why);
   const Box& box = problem.box;
   std::vector<Index> kept;
   std::vector<int> number(at(problem.size()), -1);

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <stdexcept>
 #include <utility>
 
 #include "lcp/exact_sum.hpp"
@@ -35,7 +34,7 @@ Accuracy accuracy(In row_residuals, const RowTerms& terms) {
 Judgement judge(const AffineMcp& problem, In z) {
   const Index n = problem.size();
   if (z.size() != n) {
-    throw std::invalid_argument(text_of("judge: z has ", z.size(), " entries, the problem ", n));
+    refuse_input("judge: z has ", z.size(), " entries, the problem ", n);
   }
   Judgement out;
   if (!z.allFinite()) return out;

@@ -53,7 +53,7 @@ Result judged(const AffineMcp& problem, In z, const Limits& limits, Status other
 void check_input(const char* method, const AffineMcp& problem, In start) {
   std::ostringstream what;
   what << method << ": ";
-  if (const auto why = problem.invalid()) throw std::invalid_argument(what.str() + *why);
+  if (const auto why = problem.invalid()) refuse_input(what.str(), *why);
   if (start.size() != problem.size()) {
     what << "the start has " << start.size() << " entries, the problem " << problem.size();
     throw std::invalid_argument(what.str());
@@ -68,7 +68,7 @@ void check_input(const char* method, const AffineMcp& problem, In start) {
 void check_input(const char* method, const AffineMcp& problem, In start, const Limits& limits) {
   check_input(method, problem, start);
   if (limits.tol > 0 && !std::isinf(limits.tol)) return;
-  throw std::invalid_argument(text_of(method, ": the tolerance is ", limits.tol, ", not a positive number"));
+  refuse_input(method, ": the tolerance is ", limits.tol, ", not a positive number");
 }
 
 }  // namespace perp::lcp

@@ -11,12 +11,12 @@ namespace perp::lcp {
 namespace {
 
 void check(const char* who, const Mlcp& mlcp) {
-  if (const auto why = mlcp.invalid()) throw std::invalid_argument(std::string(who) + ": " + *why);
+  if (const auto why = mlcp.invalid()) refuse_input(who, ": ", *why);
 }
 
 void check_length(const char* who, const char* what, Index length, Index wanted) {
   if (length == wanted) return;
-  throw std::invalid_argument(text_of(who, ": ", what, " has ", length, " entries, not ", wanted));
+  refuse_input(who, ": ", what, " has ", length, " entries, not ", wanted);
 }
 
 double norm_inf(const Vec& v) { return v.size() > 0 ? v.lpNorm<Eigen::Infinity>() : 0; }

@@ -45,8 +45,8 @@ void add_column(const SpMat& B_transposed, const SparseVector& z, int j, SparseV
 
 Schur schur(const SpMat& K, const SpMat& B, In f, double drop) {
   if (K.rows() != K.cols() || B.rows() != K.rows() || f.size() != K.rows()) {
-    throw std::invalid_argument(text_of("schur: K is ", K.rows(), " x ", K.cols(), ", B ", B.rows(), " x ", B.cols(),
-                                        ", f has ", f.size(), " entries"));
+    refuse_input("schur: K is ", K.rows(), " x ", K.cols(), ", B ", B.rows(), " x ", B.cols(), ", f has ", f.size(),
+                 " entries");
   }
   Schur out;
   const Index n = B.cols();

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstdint>
 #include <sstream>
-#include <stdexcept>
 
 #include "lcp/linalg/blocks.hpp"
 #include "lcp/lu/sparse_lu.hpp"
@@ -186,8 +185,8 @@ std::vector<std::string> numerical(const Mcp& mcp, const SpMat& B, const Indices
 void expect_sizes(const Mcp& mcp, const SpMat& J, In x, In F) {
   const Index n = mcp.size();
   if (J.rows() == n && J.cols() == n && x.size() == n && F.size() == n) return;
-  throw std::invalid_argument(text_of(mcp.name(), ": explain_singularity: J is ", J.rows(), " x ", J.cols(), ", x has ",
-                                      x.size(), " entries, F ", F.size(), ", for ", n, " variables"));
+  refuse_input(mcp.name(), ": explain_singularity: J is ", J.rows(), " x ", J.cols(), ", x has ", x.size(),
+               " entries, F ", F.size(), ", for ", n, " variables");
 }
 
 }  // namespace

@@ -4,7 +4,6 @@
 #include <array>
 #include <charconv>
 #include <limits>
-#include <stdexcept>
 #include <vector>
 
 #include "lcp/memory.hpp"
@@ -66,8 +65,7 @@ constexpr std::array family_table{
 static_assert(std::ranges::is_sorted(family_table, {}, &Family::name));
 
 [[noreturn]] void refuse(const Family& family, const std::string& why) {
-  throw std::invalid_argument(std::string(family.name).append(": ").append(why).append("; expected ") + syntax(family) +
-                              ", as in " + std::string(family.name).append(":").append(family.example));
+  refuse_input(family.name, ": ", why, "; expected ", syntax(family), ", as in ", family.name, ":", family.example);
 }
 
 std::string quoted(std::string_view text) { return std::string("'").append(text).append("'"); }

@@ -1,4 +1,4 @@
-#include "app/contact/studies/ball_command_line.hpp"
+#include "app/contact/studies/ball.hpp"
 
 #include <fmt/format.h>
 
