@@ -39,9 +39,9 @@ std::vector<Vec> kkt_starts(const Nlp& nlp, std::initializer_list<Vec> points);
 
 /// `fn(x, g)` answers f(x) and writes g_1, .., g_m, h_1, .., h_p to g; x and g are Rows of some Partial, or of double.
 template <int n, class Fn>
-Problem kkt_problem(const Nlp& nlp, std::initializer_list<Vec> points, Fn fn) {
+Problem kkt_problem(const Nlp& nlp, std::initializer_list<Vec> points, std::vector<KnownSolution> solutions, Fn fn) {
   const int m = nlp.inequalities + nlp.equalities;
-  Problem p;
+  Problem p{.mcp = {}, .starts = kkt_starts(nlp, points), .solutions = std::move(solutions)};
   p.mcp = make_problem(kkt_shape(nlp), [fn, m](const auto& z, const auto& F) {
     using T = Number<decltype(F)>;
     Partial<T, n> x[n];
@@ -57,14 +57,12 @@ Problem kkt_problem(const Nlp& nlp, std::initializer_list<Vec> points, Fn fn) {
       for (int k = 0; k < m; ++k) F[j] -= z[n + k] * g[k].d[j];
     }
     for (int k = 0; k < m; ++k) F[n + k] = g[k].v;
-    return true;
   });
   if (nlp.quadratic) p.mcp = as_affine(*p.mcp, kkt_shape(nlp));
   p.objective = [fn, m](In z) {
     std::vector<double> g(static_cast<std::size_t>(m));
     return fn(Row<const double>(z.data(), n), Row<double>(g.data(), m));
   };
-  p.starts = kkt_starts(nlp, points);
   return p;
 }
 
