@@ -19,12 +19,10 @@
 #include <new>
 
 #include "app/commands/ampl_driver.hpp"
-#include "app/commands/cfunctions.hpp"
-#include "app/commands/export.hpp"
+#include "app/commands/commands.hpp"
 #include "app/commands/inspect.hpp"
-#include "app/commands/list.hpp"
 #include "app/commands/solve.hpp"
-#include "app/compare/command_line.hpp"
+#include "app/compare/compare.hpp"
 #include "app/comparison_report/write_report.hpp"
 #include "app/contact/command_line.hpp"
 #include "app/options/methods.hpp"
@@ -32,7 +30,7 @@
 #include "app/program/command_option.hpp"
 #include "app/program/files.hpp"
 #include "app/program/signals.hpp"
-#include "app/report/several.hpp"
+#include "app/report/report.hpp"
 #include "app/worker/worker.hpp"
 #include "lcp/memory.hpp"
 #include "ncp/collection/collection.hpp"
@@ -383,8 +381,7 @@ int run_command(std::vector<std::string> arguments, Streams streams) {
     try {
       line.finish_solve_request();
     } catch (const InputError& error) {
-      streams.err << "perp: " << error.what() << '\n';
-      return exit_input;
+      return say_refused(streams, error.what());
     }
     return solve(line.solve_request, streams, &interrupted);
   }

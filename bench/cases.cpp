@@ -1,6 +1,5 @@
 #include "cases.hpp"
 
-#include <algorithm>
 #include <filesystem>
 #include <random>
 #include <stdexcept>

@@ -1,10 +1,16 @@
-/// Siconos' solvers of frictional contact, W in blocks of 3 x 3 as Siconos' own simulations have it.
+/// bench_contact_siconos SOLVER FILE [TOL]: one of Siconos' solvers of frictional contact on a recorded problem, W in
+/// blocks of 3 x 3 as Siconos' own simulations have it. README.md says how to read it.
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <cstdio>
+#include <cstdlib>
 #include <cstring>
+#include <exception>
 #include <limits>
 #include <stdexcept>
+#include <string_view>
+#include <vector>
 
 #include "CSparseMatrix_internal.h"
 #include "FrictionContactProblem.h"
@@ -13,10 +19,12 @@
 #include "NumericsMatrix.h"
 #include "SolverOptions.h"
 #include "SparseBlockMatrix.h"
-#include "contact_peers.hpp"
+#include "contact/io/read.hpp"
+#include "contact/model/residual.hpp"
 
-namespace perp::bench {
 namespace {
+
+using namespace perp;
 
 struct Solver {
   const char* name;
@@ -32,8 +40,7 @@ constexpr std::array solvers{
     Solver{"NSN_FB", SICONOS_FRICTION_3D_NSN_FB, false, 2000}, Solver{"ADMM", SICONOS_FRICTION_3D_ADMM, false, sweeps}};
 
 /// Whole blocks; Siconos leaves out zeros, so those within a block are given as the smallest number.
-NumericsMatrix* blocks_of(const contact::SpMat& W) {
-  const contact::SpMat& A = W;
+NumericsMatrix* blocks_of(const contact::SpMat& A) {
   std::vector<CS_INT> p{0};
   std::vector<CS_INT> i;
   std::vector<double> x;
@@ -70,42 +77,47 @@ NumericsMatrix* blocks_of(const contact::SpMat& W) {
   return M;
 }
 
+void run(const Solver& solver, const char* file, double tol) {
+  const contact::Problem problem = contact::read_problem(file);
+  if (problem.dimension != 3) throw std::invalid_argument("Siconos' solvers are for contacts in 3D");
+  contact::Vec q = problem.q;
+  contact::Vec mu = problem.mu;
+  FrictionContactProblem fc;
+  std::memset(&fc, 0, sizeof fc);
+  fc.dimension = 3;
+  fc.numberOfContacts = static_cast<int>(problem.contacts());
+  fc.M = blocks_of(problem.W);
+  fc.q = q.data();
+  fc.mu = mu.data();
+  SolverOptions* options = solver_options_create(solver.id);
+  options->dparam[SICONOS_DPARAM_TOL] = tol;
+  options->iparam[SICONOS_IPARAM_MAX_ITER] = solver.iterations;
+  if (solver.hybrid)
+    options->iparam[SICONOS_FRICTION_3D_NSN_HYBRID_STRATEGY] = SICONOS_FRICTION_3D_NSN_HYBRID_STRATEGY_VI_EG_NSN;
+  contact::Vec r = contact::Vec::Zero(q.size());
+  contact::Vec u = contact::Vec::Zero(q.size());
+  const auto begin = std::chrono::steady_clock::now();
+  fc3d_driver(&fc, r.data(), u.data(), options);
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  if (!r.allFinite()) r.setZero();
+  const contact::Residual residual = contact::residual(problem, r);
+  std::printf("%s,%s,%ld,%s,%.4f,%d,%.1e,%.1e\n", file, solver.name, static_cast<long>(problem.contacts()),
+              residual.siconos <= tol * (1 + 1e-6) ? "solved" : "failed", seconds,
+              options->iparam[SICONOS_IPARAM_ITER_DONE], residual.siconos, residual.rr9118);
+}
+
 }  // namespace
 
-std::vector<std::string> contact_peers() {
-  std::vector<std::string> names;
-  for (const Solver& solver : solvers) names.emplace_back(solver.name);
-  return names;
-}
-
-PeerRun run_contact_peer(const std::string& name, const contact::Problem& problem, double tol) {
-  if (problem.dimension != 3) throw std::invalid_argument(name + " is for contacts in 3D");
-  for (const Solver& solver : solvers) {
-    if (name != solver.name) continue;
-    contact::Vec q = problem.q;
-    contact::Vec mu = problem.mu;
-    FrictionContactProblem fc;
-    std::memset(&fc, 0, sizeof fc);
-    fc.dimension = 3;
-    fc.numberOfContacts = static_cast<int>(problem.contacts());
-    fc.M = blocks_of(problem.W);
-    fc.q = q.data();
-    fc.mu = mu.data();
-    SolverOptions* options = solver_options_create(solver.id);
-    options->dparam[SICONOS_DPARAM_TOL] = tol;
-    options->iparam[SICONOS_IPARAM_MAX_ITER] = solver.iterations;
-    if (solver.hybrid)
-      options->iparam[SICONOS_FRICTION_3D_NSN_HYBRID_STRATEGY] = SICONOS_FRICTION_3D_NSN_HYBRID_STRATEGY_VI_EG_NSN;
-    PeerRun run;
-    run.r = contact::Vec::Zero(q.size());
-    contact::Vec u = contact::Vec::Zero(q.size());
-    const auto begin = std::chrono::steady_clock::now();
-    fc3d_driver(&fc, run.r.data(), u.data(), options);
-    run.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-    run.iterations = options->iparam[SICONOS_IPARAM_ITER_DONE];
-    return run;
+int main(int argc, char** argv) try {
+  const std::string_view name = argc > 2 ? argv[1] : "";
+  const auto* solver = std::find_if(solvers.begin(), solvers.end(), [&](const Solver& s) { return name == s.name; });
+  if (solver == solvers.end()) {
+    std::fputs("usage: bench_contact_siconos NSGS|NSN_AC|NSN_AC_HYBRID|NSN_FB|ADMM FILE [TOL]\n", stderr);
+    return 2;
   }
-  throw std::invalid_argument("no solver is called " + name);
+  run(*solver, argv[2], argc > 3 ? std::atof(argv[3]) : 1e-8);
+  return 0;
+} catch (const std::exception& error) {
+  std::fprintf(stderr, "bench_contact_siconos: %s\n", error.what());
+  return 1;
 }
-
-}  // namespace perp::bench

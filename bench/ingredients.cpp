@@ -3,7 +3,6 @@
 #include <cstdio>
 #include <exception>
 #include <functional>
-#include <string>
 #include <vector>
 
 #include "bench/cases.hpp"

@@ -6,7 +6,6 @@
 #include <cstdlib>
 #include <exception>
 #include <map>
-#include <optional>
 #include <string>
 #include <vector>
 

@@ -2,31 +2,22 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
-#include <stdexcept>
 #include <utility>
+
+#include "lcp/words.hpp"
 
 namespace perp::lcp {
 
 std::optional<std::string> AffineMcp::invalid() const {
-  std::ostringstream why;
   const Index n = q.size();
-  if (M.rows() != n || M.cols() != n || box.lower.size() != n) {
-    why << "M is " << M.rows() << " x " << M.cols() << ", q has " << n << " entries, the box has " << box.lower.size();
-    return why.str();
-  }
+  if (M.rows() != n || M.cols() != n || box.lower.size() != n)
+    return text_of("M is ", M.rows(), " x ", M.cols(), ", q has ", n, " entries, the box has ", box.lower.size());
   if (auto bad = box.invalid()) return bad;
   for (Index i = 0; i < n; ++i)
-    if (!std::isfinite(q[i])) {
-      why << "q of index " << i << " is " << q[i];
-      return why.str();
-    }
+    if (!std::isfinite(q[i])) return text_of("q of index ", i, " is ", q[i]);
   for (Index j = 0; j < n; ++j)
     for (SpMat::InnerIterator it(M, j); it; ++it)
-      if (!std::isfinite(it.value())) {
-        why << "M of row " << it.row() << ", column " << j << " is " << it.value();
-        return why.str();
-      }
+      if (!std::isfinite(it.value())) return text_of("M of row ", it.row(), ", column ", j, " is ", it.value());
   return std::nullopt;
 }
 
@@ -37,9 +28,7 @@ AffineMcp standard_lcp(SpMat M, Vec q) {
 
 double natural_residual(const AffineMcp& problem, In z) {
   if (z.size() != problem.size()) {
-    std::ostringstream what;
-    what << "natural_residual: z has " << z.size() << " entries, the problem " << problem.size();
-    throw std::invalid_argument(what.str());
+    refuse_input("natural_residual: z has ", z.size(), " entries, the problem ", problem.size());
   }
   const Vec F = problem.M * z + problem.q;
   if (!F.allFinite() || !z.allFinite()) return infinity;  // an infinity may project onto a bound

@@ -15,6 +15,10 @@ struct Box {
   static Box free(Index n);         ///< R^n
   static Box nonnegative(Index n);  ///< R^n_+
   Index size() const { return lower.size(); }
+  bool has_lower(Index i) const { return lower[i] > -infinity; }  ///< a finite one
+  bool has_upper(Index i) const { return upper[i] < infinity; }
+  bool is_fixed(Index i) const { return lower[i] == upper[i]; }
+  bool is_free(Index i) const { return !has_lower(i) && !has_upper(i); }
 
   /// Returns the first index with an invalid interval: lower > upper, NaN, lower = +inf or upper = -inf. Empty if all
   /// intervals are valid. Pre: both vectors have the same length.

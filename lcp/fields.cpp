@@ -1,26 +1,19 @@
 #include "lcp/fields.hpp"
 
-#include <algorithm>
 #include <iterator>
-#include <sstream>
 #include <type_traits>
+
+#include "lcp/words.hpp"
 
 namespace perp {
 namespace {
-
-template <class... T>
-std::string text(const T&... parts) {
-  std::ostringstream out;
-  (out << ... << parts);
-  return out.str();
-}
 
 /// "a number > 0", "an integer in [1, 2]".
 std::string range_text(const Range& range, bool integer) {
   const std::string what = integer ? "an integer " : "a number ";
   if (range.high < (integer ? std::numeric_limits<int>::max() : std::numeric_limits<double>::infinity()))
-    return text(what, "in ", range.open_low ? '(' : '[', range.low, ", ", range.high, range.open_high ? ')' : ']');
-  return text(what, range.open_low ? "> " : ">= ", range.low);
+    return text_of(what, "in ", range.open_low ? '(' : '[', range.low, ", ", range.high, range.open_high ? ')' : ']');
+  return text_of(what, range.open_low ? "> " : ">= ", range.low);
 }
 
 /// Of a number that is out of its range.
@@ -43,7 +36,7 @@ std::optional<double> bad_number(const Field& field) {
 std::string alternatives(const std::vector<std::string_view>& words) {
   std::string all;
   for (std::size_t k = 0; k < words.size(); ++k)
-    all += text(k == 0 ? "" : (k + 1 == words.size() ? " or " : ", "), words[k]);
+    all += text_of(k == 0 ? "" : (k + 1 == words.size() ? " or " : ", "), words[k]);
   return all;
 }
 
@@ -94,7 +87,7 @@ void Fields::check(bool holds, std::string_view why) {
 }
 
 void Fields::check(bool holds, std::string_view key, double value, std::string_view must_be) {
-  if (!holds) check(false, text(key, " is ", value, "; it must be ", must_be));
+  if (!holds) check(false, text_of(key, " is ", value, "; it must be ", must_be));
 }
 
 std::vector<Field> Fields::options() const {
@@ -110,7 +103,7 @@ const Field* Fields::find(std::string_view key) const {
 
 std::optional<std::string> Fields::invalid() const {
   for (const Field& field : all_)
-    if (const auto value = bad_number(field)) return text(field.key, " is ", *value, "; it takes ", takes(field));
+    if (const auto value = bad_number(field)) return text_of(field.key, " is ", *value, "; it takes ", takes(field));
   return complaint_.empty() ? std::nullopt : std::optional(complaint_);
 }
 

@@ -7,8 +7,6 @@
 #include <array>
 #include <cstdio>
 #include <fstream>
-#include <limits>
-#include <sstream>
 
 namespace perp::lcp {
 namespace {

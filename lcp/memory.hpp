@@ -1,7 +1,6 @@
 #pragma once
 /// How much memory there is, and the refusal to take more: asked before anything large is built, because Linux gives
 /// address space it does not have and ends the program later.
-#include <cstddef>
 #include <memory>
 #include <new>
 #include <string>

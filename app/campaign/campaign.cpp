@@ -73,12 +73,12 @@ void stamp(Campaign& campaign) {
 Campaign parse_campaign(const std::string& text) {
   Campaign campaign = campaign_of<Campaign>(text);
   if (campaign.pairs() > most_cells || campaign.cells() > most_cells)
-    throw InputError(fmt::format("more than {} cells", most_cells));
+    throw input_error("more than {} cells", most_cells);
   return campaign;
 }
 
 Campaign read_campaign(const std::string& dir) {
-  if (!holds_campaign(dir)) throw InputError(fmt::format("'{}/campaign.json' cannot be read", dir));
+  if (!holds_campaign(dir)) throw input_error("'{}/campaign.json' cannot be read", dir);
   return campaign_in(dir, parse_campaign);
 }
 

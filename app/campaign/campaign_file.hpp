@@ -23,9 +23,9 @@ std::string campaign_json(const AnyCampaign& campaign) {
 template <class AnyCampaign>
 AnyCampaign campaign_of(const std::string& text) {
   const Json json = json_object(text);
-  if (!json.contains(AnyCampaign::format)) throw InputError(fmt::format("no campaign of {}", AnyCampaign::command));
+  if (!json.contains(AnyCampaign::format)) throw input_error("no campaign of {}", AnyCampaign::command);
   if (const int format = json_integer<int>(json[AnyCampaign::format], AnyCampaign::format); format != campaign_format)
-    throw InputError(fmt::format("written in format {}, of another version", format));
+    throw input_error("written in format {}, of another version", format);
   AnyCampaign campaign = row_of<AnyCampaign>(json);
   if (!std::isfinite(campaign.tol) || !std::isfinite(campaign.time_limit))
     throw InputError("'tol' or 'time_limit' is no number");
@@ -40,7 +40,7 @@ auto campaign_in(const std::string& dir, Parse parse) {
   try {
     return parse(read_text(dir + "/campaign.json"));
   } catch (const InputError& error) {
-    throw InputError(fmt::format("{}/campaign.json: {}", dir, error.what()));
+    throw input_error("{}/campaign.json: {}", dir, error.what());
   }
 }
 

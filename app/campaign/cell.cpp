@@ -10,7 +10,6 @@
 #include "app/program/files.hpp"
 #include "app/program/program.hpp"
 #include "app/text/csv.hpp"
-#include "app/text/json_fields.hpp"
 #include "lcp/io/file_error.hpp"
 
 namespace perp::app::compare {
@@ -66,7 +65,7 @@ std::string_view to_string(Outcome outcome) { return outcomes.at(static_cast<std
 
 Outcome outcome_of(std::string_view name) {
   const auto found = std::ranges::find(outcomes, name);
-  if (found == outcomes.end()) throw InputError(fmt::format("'{}' is no outcome", name));
+  if (found == outcomes.end()) throw input_error("'{}' is no outcome", name);
   return static_cast<Outcome>(found - outcomes.begin());
 }
 
@@ -100,7 +99,7 @@ std::string_view checked_object(std::string_view line) {
   const char* first = rest.data() + middle.size();
   const auto [end, error] = std::from_chars(first, first + digits, crc, 16);
   if (!rest.starts_with(middle) || error != std::errc{} || end != first + digits) throw InputError("torn");
-  if (crc != crc32(text)) throw InputError(fmt::format("its CRC is {:08x}, not {:08x}", crc32(text), crc));
+  if (crc != crc32(text)) throw input_error("its CRC is {:08x}, not {:08x}", crc32(text), crc);
   return text;
 }
 
@@ -126,7 +125,7 @@ CellsRead parse_cells(std::string_view text) { return cells_of_lines<Cell>(text)
 CellsRead read_cells(const std::string& dir) {
   const std::string path = dir + "/cells.jsonl";
   std::error_code ignored;
-  if (!std::filesystem::exists(path, ignored)) throw InputError(fmt::format("'{}' cannot be read", path));
+  if (!std::filesystem::exists(path, ignored)) throw input_error("'{}' cannot be read", path);
   return parse_cells(read_text(path));
 }
 

@@ -48,7 +48,7 @@ std::vector<Item> items_of(const std::string& list, const char* flag) {
   for (std::size_t begin = 0; begin <= list.size();) {
     const std::size_t end = end_of_item(list, begin);
     const std::string text = trimmed(list.substr(begin, end - begin));
-    if (text.empty() || text == "-") throw InputError(fmt::format("{} '{}': an item is empty", flag, list));
+    if (text.empty() || text == "-") throw input_error("{} '{}': an item is empty", flag, list);
     items.push_back(text.starts_with('-') ? Item{text.substr(1), false} : Item{text});
     begin = end + 1;
   }
@@ -102,8 +102,7 @@ std::vector<AskedProblem> of_class(const std::string& cls) {
   if (!found.empty()) return found;
   std::set<std::string_view> classes;
   for (const collection::Entry& entry : collection::entries()) classes.insert(entry.problem_class);
-  throw InputError(
-      fmt::format("{}: there is no class '{}'; the collection has {}", problems_flag, cls, fmt::join(classes, ", ")));
+  throw input_error("{}: there is no class '{}'; the collection has {}", problems_flag, cls, fmt::join(classes, ", "));
 }
 
 bool is_file(const std::string& text) {
@@ -113,9 +112,8 @@ bool is_file(const std::string& text) {
 AskedProblem of_file(const std::string& path) {
   std::error_code ignored;
   if (!path.ends_with(".nl") && !path.ends_with(".dat"))
-    throw InputError(fmt::format("{}: '{}' is neither an .nl nor a .dat file", problems_flag, path));
-  if (!fs::is_regular_file(path, ignored))
-    throw InputError(fmt::format("{}: there is no file '{}'", problems_flag, path));
+    throw input_error("{}: '{}' is neither an .nl nor a .dat file", problems_flag, path);
+  if (!fs::is_regular_file(path, ignored)) throw input_error("{}: there is no file '{}'", problems_flag, path);
   check_utf8(fs::canonical(path));
   return {.name = fs::path(path).filename(), .file = fs::canonical(path), .cls = path.ends_with(".nl") ? "nl" : "dat"};
 }
@@ -134,7 +132,7 @@ std::vector<AskedProblem> of_files(const std::string& pattern) {
       found.push_back(of_file(paths.gl_pathv[k]));
       found.back().by_pattern = true;
     }
-  if (found.empty()) throw InputError(fmt::format("{}: no file fits '{}'", problems_flag, pattern));
+  if (found.empty()) throw input_error("{}: no file fits '{}'", problems_flag, pattern);
   return found;
 }
 
@@ -147,7 +145,7 @@ std::vector<AskedProblem> problems_of(const Item& item) {
   if (is_pattern(text)) {
     std::vector<AskedProblem> found =
         entries_where([&](const collection::Entry& entry) { return matches(text, entry.name); });
-    if (found.empty()) throw InputError(fmt::format("{}: no problem of the collection fits '{}'", problems_flag, text));
+    if (found.empty()) throw input_error("{}: no problem of the collection fits '{}'", problems_flag, text);
     return found;
   }
   const std::string name = text.substr(0, text.find(':'));
@@ -207,11 +205,11 @@ std::vector<AskedMethod> methods_of(const Item& item) {
     if (method == name || (is_pattern(name) && matches(name, method))) names.push_back(std::string(method) + rest);
   if (!names.empty()) return of_names(names);
   if (const auto strategy = method_named(name)) return {of_method(std::string(ncp::name(*strategy)) + rest)};
-  if (is_pattern(name)) throw InputError(fmt::format("{}: no method fits '{}'", methods_flag, name));
+  if (is_pattern(name)) throw input_error("{}: no method fits '{}'", methods_flag, name);
   std::vector<std::string_view> candidates = method_names();
   candidates.insert(candidates.end(), {"presets", "published", "all", "cfunctions", "cfunction-grid", "none"});
-  throw InputError(fmt::format("{}: there is no method '{}'.{} 'perp methods' lists them.", methods_flag, name,
-                               did_you_mean(name, candidates)));
+  throw input_error("{}: there is no method '{}'.{} 'perp methods' lists them.", methods_flag, name,
+                    did_you_mean(name, candidates));
 }
 
 bool is_program(const std::string& word) {
@@ -238,12 +236,12 @@ std::vector<AskedProblem> select_problems(const std::string& list) {
     std::vector<AskedProblem> found = problems_of(item);
     for (const AskedProblem& problem : found)
       if (const std::string& known = files.try_emplace(problem.name, problem.file).first->second; known != problem.file)
-        throw InputError(fmt::format("{}: '{}' is the name of two files, {} and {}", problems_flag, problem.name, known,
-                                     problem.file));
+        throw input_error("{}: '{}' is the name of two files, {} and {}", problems_flag, problem.name, known,
+                          problem.file);
     return found;
   };
   std::vector<AskedProblem> problems = select(items_of(list, problems_flag), &AskedProblem::name, expand);
-  if (problems.empty()) throw InputError(fmt::format("{} '{}': nothing is left", problems_flag, list));
+  if (problems.empty()) throw input_error("{} '{}': nothing is left", problems_flag, list);
   return problems;
 }
 
@@ -265,8 +263,7 @@ Applied settings_of(const AskedMethod& method, double tol) {
                                       {"convergence_tolerance", fmt::format("{}", tol), source}};
   for (const std::string& option : method.options) {
     assignments.push_back(parse_assignment(option, source));
-    if (assignments.back().key == "method")
-      throw InputError(fmt::format("{}: the method is named before the first ':'", source));
+    if (assignments.back().key == "method") throw input_error("{}: the method is named before the first ':'", source);
   }
   return apply_options(assignments);
 }
@@ -276,13 +273,13 @@ AskedMethod parse_external(const std::string& text) {
   const std::string name = trimmed(text.substr(0, equals));
   const std::string command = equals == std::string::npos ? "" : trimmed(text.substr(equals + 1));
   if (name.empty() || command.empty())
-    throw InputError(fmt::format("--external '{}': NAME=COMMAND is asked for, as in path=./path_peer", text));
+    throw input_error("--external '{}': NAME=COMMAND is asked for, as in path=./path_peer", text);
   if (name.find_first_of(",:/*?[ ") != std::string::npos || name.starts_with('-'))
-    throw InputError(fmt::format("--external: '{}' is no NAME: letters, digits, _ and - make one", name));
-  if (find_method(name) != nullptr) throw InputError(fmt::format("--external: '{}' is a method of perp's own", name));
+    throw input_error("--external: '{}' is no NAME: letters, digits, _ and - make one", name);
+  if (find_method(name) != nullptr) throw input_error("--external: '{}' is a method of perp's own", name);
   const std::string word = command.substr(0, command.find_first_of(" \t"));
   if (word.find_first_of("'\"$`\\(") == std::string::npos && !is_program(word))
-    throw InputError(fmt::format("--external {}: '{}' is no program that can be run", name, word));
+    throw input_error("--external {}: '{}' is no program that can be run", name, word);
   return {.label = name, .name = name, .command = command};
 }
 

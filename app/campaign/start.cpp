@@ -43,7 +43,7 @@ std::string nl_with_start(std::string_view text, ncp::In x) {
       continue;
     }
     if (number > header_lines && line.starts_with('r')) {
-      if (variables > x.size()) throw InputError(fmt::format("{} values for {} variables", x.size(), variables));
+      if (variables > x.size()) throw input_error("{} values for {} variables", x.size(), variables);
       result += fmt::format("x{}\n", variables);
       for (int i = 0; i < variables; ++i) result += fmt::format("{} {}\n", i, x[i]);
     }

@@ -1,4 +1,4 @@
-#include "app/commands/cfunctions.hpp"
+#include "app/commands/commands.hpp"
 
 #include <fmt/format.h>
 

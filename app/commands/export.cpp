@@ -1,4 +1,4 @@
-#include "app/commands/export.hpp"
+#include "app/commands/commands.hpp"
 
 #include <fmt/format.h>
 
@@ -6,12 +6,9 @@
 #include <filesystem>
 #include <optional>
 #include <ostream>
-#include <stdexcept>
 #include <string_view>
 
 #include "app/program/files.hpp"
-#include "app/report/json.hpp"
-#include "lcp/io/file_error.hpp"
 #include "lcp/io/matrix_market.hpp"
 #include "ncp/ampl/model.hpp"
 #include "ncp/problem/affine.hpp"
@@ -28,7 +25,7 @@ struct Files {
 Files files_of(const std::string& file) {
   constexpr std::string_view ending = ".mtx";
   if (!file.ends_with(ending) || file.size() == ending.size() || file.ends_with("/.mtx"))
-    throw InputError(fmt::format("-o {}: a Matrix Market file is needed, as in -o F.mtx", file));
+    throw input_error("-o {}: a Matrix Market file is needed, as in -o F.mtx", file);
   const std::string stem = file.substr(0, file.size() - ending.size());
   return {file, stem + "-q.mtx", stem + "-lower.mtx", stem + "-upper.mtx", stem + "-start.mtx"};
 }
@@ -40,18 +37,8 @@ void check(const Files& files, const ProblemSource& source, bool force) {
   check_outputs(outputs, files_of(source));
   for (const std::string& path : files.all()) {
     std::error_code ignored;
-    if (!force && std::filesystem::exists(path, ignored))
-      throw InputError(fmt::format("'{}' exists; --force overwrites it", path));
+    if (!force && std::filesystem::exists(path, ignored)) throw input_error("'{}' exists; --force overwrites it", path);
   }
-}
-
-/// The word for a shell.
-std::string quoted(const std::string& path) {
-  constexpr std::string_view plain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_./-+:,@%=";
-  if (path.find_first_not_of(plain) == std::string::npos) return path;
-  std::string text = "'";
-  for (const char letter : path) text += letter == '\'' ? std::string("'\\''") : std::string(1, letter);
-  return text + "'";
 }
 
 void write_and_tell(const ExportRequest& request, Streams streams) {
@@ -60,9 +47,9 @@ void write_and_tell(const ExportRequest& request, Streams streams) {
   const LoadedProblem problem = load_problem(request.source);
   const std::optional<lcp::AffineMcp> affine = ncp::affine_part(*problem.mcp);
   if (!affine)
-    throw InputError(fmt::format(
+    throw input_error(
         "'{}' is not affine, F(x) = M x + q: Matrix Market files cannot hold it. 'perp list --json' tells which are",
-        problem.label));
+        problem.label);
   const std::string comment = fmt::format("{}, written by perp {}", problem.label, version_number());
   // Drafts of all, so that a full disk leaves all as they were.
   std::vector<lcp::OutputFile> drafts;
@@ -75,8 +62,9 @@ void write_and_tell(const ExportRequest& request, Streams streams) {
         lcp::vector_text(problem.x0, fmt::format("{}: start {} of {}", comment, problem.start, problem.starts)));
   for (lcp::OutputFile& file : drafts) file.replace();
   streams.out << fmt::format("{}: {} rows, {} entries\n  perp solve {} {} --lower {} --upper {} --start-at {}\n",
-                             problem.label, affine->size(), affine->M.nonZeros(), quoted(files.M), quoted(files.q),
-                             quoted(files.lower), quoted(files.upper), quoted(files.start));
+                             problem.label, affine->size(), affine->M.nonZeros(), shell_quoted(files.M),
+                             shell_quoted(files.q), shell_quoted(files.lower), shell_quoted(files.upper),
+                             shell_quoted(files.start));
 }
 
 }  // namespace
@@ -84,8 +72,7 @@ void write_and_tell(const ExportRequest& request, Streams streams) {
 ExitCode export_problem(const ExportRequest& request, Streams streams) {
   const std::string why = refusal(request.source.problem, [&] { write_and_tell(request, streams); });
   if (why.empty()) return exit_solved;
-  streams.err << "perp: " << why << '\n';
-  return exit_input;
+  return say_refused(streams, why);
 }
 
 }  // namespace perp::app

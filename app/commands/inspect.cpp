@@ -8,7 +8,6 @@
 
 #include "app/program/files.hpp"
 #include "app/report/json.hpp"
-#include "lcp/io/file_error.hpp"
 #include "lcp/lu/sparse_lu.hpp"
 #include "ncp/problem/affine.hpp"
 
@@ -28,15 +27,12 @@ constexpr Index factor_to = 50'000;       // condition: beyond, an LU may take m
 constexpr Index classify_functions_to = 20'000;
 constexpr std::size_t extremes_shown = 3;  // of rows, and of columns
 
-bool is_fixed(const ncp::Box& box, Index i) { return box.lower[i] == box.upper[i]; }
-bool is_free(const ncp::Box& box, Index i) { return box.lower[i] == -ncp::infinity && box.upper[i] == ncp::infinity; }
-
 VariableKinds kinds_of(const ncp::Box& box) {
   VariableKinds kinds;
   for (Index i = 0; i < box.size(); ++i) {
     const bool below = std::isfinite(box.lower[i]);
     const bool above = std::isfinite(box.upper[i]);
-    if (is_fixed(box, i))
+    if (box.is_fixed(i))
       kinds.fixed.push_back(i);
     else
       ++(below && above ? kinds.boxed : below ? kinds.lower : above ? kinds.upper : kinds.free);
@@ -60,7 +56,7 @@ SpMat principal(const SpMat& A, const Indices& kept) {
 Indices not_fixed(const ncp::Box& box) {
   Indices kept;
   for (Index i = 0; i < box.size(); ++i)
-    if (!is_fixed(box, i)) kept.push_back(i);
+    if (!box.is_fixed(i)) kept.push_back(i);
   return kept;
 }
 
@@ -92,7 +88,7 @@ StructureFindings structure_of(const SpMat& J, const ncp::Box& box, const Indice
   if (found.full()) return found;
   std::vector<Eigen::Triplet<double>> entries;
   for (Index j = 0; j < J.cols(); ++j) {
-    if (!is_free(box, kept[at(j)])) entries.emplace_back(static_cast<int>(j), static_cast<int>(j), 1);
+    if (!box.is_free(kept[at(j)])) entries.emplace_back(static_cast<int>(j), static_cast<int>(j), 1);
     for (SpMat::InnerIterator it(J, j); it; ++it)
       if (count == lcp::Entries::Stored || it.value() != 0) entries.emplace_back(it.row(), it.col(), 1);
   }
@@ -113,7 +109,7 @@ void judge_values(const ncp::Box& box, StartFindings& start) {
       start.F_undefined.push_back(i);
       start.F_defined = false;
     }
-    if (is_fixed(box, i) || !std::isfinite(F)) continue;
+    if (box.is_fixed(i) || !std::isfinite(F)) continue;
     if (F == 0) {
       ++start.zeros_in_F;
     } else {
@@ -275,10 +271,7 @@ ExitCode inspect(const InspectRequest& request, Streams streams, const std::atom
     log.flush();
     if (!request.json.empty() && !deliver_json(request.json, inspect_json(inspection), streams)) code = exit_input;
   });
-  if (why.empty()) return code;
-  streams.err << "perp: " << why << '\n';
-  deliver_json(request.json, refused_json(request.source.problem, why), streams);
-  return exit_input;
+  return why.empty() ? code : deliver_refusal(request.json, request.source.problem, why, streams);
 }
 
 }  // namespace perp::app

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <numeric>
 #include <ostream>
-#include <sstream>
 
 #include "app/commands/inspect.hpp"
+#include "app/report/report.hpp"
 #include "app/text/table.hpp"
 #include "ncp/analysis/structure_report.hpp"
 
@@ -50,20 +50,8 @@ class Printout {
   void item(const std::string& text) { broken(text, "- ", 0); }
 
  private:
-  void broken(const std::string& text, const std::string& mark, std::size_t indent = label_width) {
-    std::istringstream words(text);
-    std::string line = fmt::format("{:<{}}{}", std::exchange(label_, ""), indent, mark);
-    const std::size_t margin = indent + mark.size();
-    std::size_t used = margin;
-    for (std::string word; words >> word; used += word.size() + 1) {
-      if (used > margin && used + word.size() > line_width) {
-        out_ << line << '\n';
-        line = std::string(margin, ' ');
-        used = margin;
-      }
-      line += (used > margin ? " " : "") + word;
-    }
-    out_ << line << '\n';
+  void broken(const std::string& text, const char* mark, std::size_t indent = label_width) {
+    print_wrapped(out_, text, fmt::format("{:<{}}{}", std::exchange(label_, ""), indent, mark), line_width);
   }
 
   std::ostream& out_;
@@ -287,13 +275,7 @@ std::vector<Concern> concerns(const Inspection& inspection) {
 
 void print_inspection(std::ostream& out, const Inspection& inspection) {
   const LoadedProblem& problem = *inspection.problem;
-  out << fmt::format("{}: {}, {} in the Jacobian", problem.label, count(problem.mcp->size(), "variable"),
-                     count(problem.mcp->jacobian_pattern().nonZeros(), "nonzero"));
-  if (problem.model != nullptr) {
-    if (const Index side = problem.model->side_inequalities(); side > 0)
-      out << fmt::format(", {} of the variables for side inequalities", problem.mcp->size() - problem.model->n_var());
-    if (problem.model->has_objective()) out << ", an objective that is ignored";
-  }
+  print_size(out, problem);
   if (problem.starts > 1) out << fmt::format(", start {} of {}", problem.start, problem.starts);
   out << "\n\n";
 

@@ -1,4 +1,4 @@
-#include "app/commands/list.hpp"
+#include "app/commands/commands.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -7,7 +7,6 @@
 #include <numeric>
 #include <ostream>
 #include <sstream>
-#include <vector>
 
 #include "app/problem/problem.hpp"
 #include "app/report/json.hpp"
@@ -40,8 +39,8 @@ Entries entries_of(const std::vector<std::string>& classes) {
     std::istringstream parts(given);
     for (std::string name; std::getline(parts, name, ',');) {
       if (std::ranges::find(known, name) == known.end())
-        throw InputError(fmt::format("the collection has no class '{}'.{} It has {}.", name, did_you_mean(name, known),
-                                     fmt::join(known, ", ")));
+        throw input_error("the collection has no class '{}'.{} It has {}.", name, did_you_mean(name, known),
+                          fmt::join(known, ", "));
       wanted.push_back(name);
     }
   }
@@ -168,8 +167,7 @@ ExitCode list(const ListRequest& request, Streams streams) {
     }
     return exit_solved;
   } catch (const InputError& error) {
-    streams.err << "perp: " << error.what() << '\n';
-    return exit_input;
+    return say_refused(streams, error.what());
   }
 }
 

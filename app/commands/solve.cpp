@@ -14,7 +14,6 @@
 #include "app/report/json.hpp"
 #include "app/report/plot.hpp"
 #include "app/report/report.hpp"
-#include "app/report/several.hpp"
 #include "lcp/io/matrix_market.hpp"
 
 namespace perp::app {
@@ -32,13 +31,12 @@ std::vector<Assignment> assignments(const SolveRequest& request) {
 /// Flags that contradict each other.
 void check_request(const SolveRequest& request) {
   if (!request.warm_start.empty() && (!request.start_at.empty() || request.start))
-    throw InputError(
-        fmt::format("--warm-start and {} both say where to start", request.start ? "--start" : "--start-at"));
+    throw input_error("--warm-start and {} both say where to start", request.start ? "--start" : "--start-at");
   if (request.plot_iteration && request.plot.empty())
-    throw InputError(fmt::format("--plot-iteration {} says which iteration --plot FILE draws, which is not given",
-                                 *request.plot_iteration));
+    throw input_error("--plot-iteration {} says which iteration --plot FILE draws, which is not given",
+                      *request.plot_iteration);
   if (request.plot_iteration && *request.plot_iteration < 1)
-    throw InputError(fmt::format("--plot-iteration {}: iterations are counted from 1", *request.plot_iteration));
+    throw input_error("--plot-iteration {}: iterations are counted from 1", *request.plot_iteration);
 }
 
 ProblemSource source_of(const SolveRequest& request) {
@@ -68,12 +66,6 @@ void draw(const SolveRequest& request, const Report& report, const WayKeeper& wa
         "without\n",
         *request.plot_iteration);
   write_file(request.plot, plot_svg(report, ways.kept()));
-}
-
-ExitCode refuse(const SolveRequest& request, Streams streams, const std::string& why) {
-  streams.err << "perp: " << why << '\n';
-  deliver_json(request.json, refused_json(request.problem, why), streams);
-  return exit_input;
 }
 
 /// Everything between reading the input and writing JSON. Throws what run_method() does.
@@ -159,8 +151,7 @@ std::span<const std::string_view> log_level_names() {
 LogLevel log_level(std::string_view name) {
   const auto names = log_level_names();
   const auto found = std::ranges::find(names, name);
-  if (found == names.end())
-    throw InputError(fmt::format("--log-level: '{}' is none of {}", name, fmt::join(names, ", ")));
+  if (found == names.end()) throw input_error("--log-level: '{}' is none of {}", name, fmt::join(names, ", "));
   return static_cast<LogLevel>(found - names.begin());
 }
 
@@ -171,11 +162,11 @@ ExitCode solve(const SolveRequest& request, Streams streams, const std::atomic<b
   try {
     why = refusal(request.problem, [&] { code = solve_within_limits(request, streams, interrupt); });
   } catch (const OutOfTime& out) {
-    streams.err << "perp: " << out.what() << '\n';
+    say_refused(streams, out.what());
     const bool delivered = deliver_json(request.json, no_point_json(request.problem, out), streams);
     return delivered ? exit_unsolved : exit_input;
   }
-  return why.empty() ? code : refuse(request, streams, why);
+  return why.empty() ? code : deliver_refusal(request.json, request.problem, why, streams);
 }
 
 }  // namespace perp::app

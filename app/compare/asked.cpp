@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <charconv>
-#include <cmath>
 #include <filesystem>
 
 #include "app/campaign/cell.hpp"
@@ -18,7 +17,7 @@ namespace {
 template <class T>
 T checked(const char* flag, T value, T least, T most) {
   if (value >= least && value <= most) return value;
-  throw InputError(fmt::format("{} {}: a number from {} to {} is asked for", flag, value, least, most));
+  throw input_error("{} {}: a number from {} to {} is asked for", flag, value, least, most);
 }
 
 int parse_starts(const std::string& text) {
@@ -26,7 +25,7 @@ int parse_starts(const std::string& text) {
   if (text == "all") return 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), starts);
   if (error != std::errc{} || end != text.data() + text.size() || starts < 1)
-    throw InputError(fmt::format("--starts '{}': 'all', or how many of each problem at most, from 1", text));
+    throw input_error("--starts '{}': 'all', or how many of each problem at most, from 1", text);
   return starts;
 }
 
@@ -45,7 +44,7 @@ std::vector<AskedMethod> asked_methods(const CompareRequest& request, const Camp
   for (const std::string& external : request.externals) {
     methods.push_back(parse_external(external));
     const auto same = std::ranges::count(methods, methods.back().label, &AskedMethod::label);
-    if (same > 1) throw InputError(fmt::format("--external: '{}' is given twice", methods.back().label));
+    if (same > 1) throw input_error("--external: '{}' is given twice", methods.back().label);
     for (const std::string& word : unfilled_words(methods.back().command))
       notes.push_back(fmt::format("--external {}: {} is left to the shell as it is; only {{tol}} is filled in",
                                   methods.back().label, word));
@@ -69,7 +68,7 @@ std::vector<AskedProblem> asked_problems(const CompareRequest& request, const Ca
     std::error_code ignored;
     if (problem.file.empty()) continue;
     if (!std::filesystem::is_regular_file(problem.file, ignored))
-      throw InputError(fmt::format("there is no file '{}' any more", problem.file));
+      throw input_error("there is no file '{}' any more", problem.file);
     problem.crc = file_crc(problem.file);
   }
   return problems;
@@ -113,10 +112,10 @@ void check_resumable(const std::string& dir, const Campaign& before, const Campa
   if (before.shard != now.shard)
     found.push_back(fmt::format("--shard: {} there, {} here", before.shard.empty() ? "all" : before.shard, now.shard));
   if (found.empty()) return;
-  throw InputError(fmt::format(
+  throw input_error(
       "--resume: '{0}' holds a campaign that asks for something else:\n  {1}\n'--out {0} --resume' alone goes on as "
       "it was begun, another --out begins anew",
-      dir, fmt::join(found, "\n  ")));
+      dir, fmt::join(found, "\n  "));
 }
 
 }  // namespace perp::app::compare

@@ -1,6 +1,5 @@
 #pragma once
 /// From a request to a campaign. Private to app/compare.
-#include <iosfwd>
 #include <vector>
 
 #include "app/campaign/campaign.hpp"

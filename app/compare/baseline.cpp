@@ -18,36 +18,35 @@ namespace perp::app::compare {
 
 std::vector<BaselineRow> read_baseline(const std::string& path) {
   std::error_code ignored;
-  if (!std::filesystem::is_regular_file(path, ignored))
-    throw InputError(fmt::format("--baseline: there is no file '{}'", path));
+  if (!std::filesystem::is_regular_file(path, ignored)) throw input_error("--baseline: there is no file '{}'", path);
   return parse_baseline(read_text(path), path);
 }
 
 std::vector<BaselineRow> parse_baseline(std::string_view text, const std::string& path) {
   const auto records = parse_csv(text, path);
-  if (records.empty()) throw InputError(fmt::format("{}: no header", path));
+  if (records.empty()) throw input_error("{}: no header", path);
   constexpr std::array<std::string_view, 4> wanted{"method", "problem", "start", "outcome"};
   std::array<std::size_t, wanted.size()> at{};
   for (std::size_t k = 0; k < wanted.size(); ++k) {
     const auto found = std::ranges::find(records.front(), wanted.at(k));
-    if (found == records.front().end()) throw InputError(fmt::format("{}: no column '{}'", path, wanted.at(k)));
+    if (found == records.front().end()) throw input_error("{}: no column '{}'", path, wanted.at(k));
     at.at(k) = static_cast<std::size_t>(found - records.front().begin());
   }
   std::vector<BaselineRow> rows;
   for (std::size_t line = 1; line < records.size(); ++line) {
     const std::vector<std::string>& record = records[line];
     if (record.size() != records.front().size())
-      throw InputError(fmt::format("{}: record {} has {} fields, the header {}", path, line + 1, record.size(),
-                                   records.front().size()));
+      throw input_error("{}: record {} has {} fields, the header {}", path, line + 1, record.size(),
+                        records.front().size());
     const std::string& start = record[at[2]];
     BaselineRow row{.key = {.method = record[at[0]], .problem = record[at[1]]}};
     const auto [end, error] = std::from_chars(start.data(), start.data() + start.size(), row.key.start);
     if (error != std::errc{} || end != start.data() + start.size())
-      throw InputError(fmt::format("{}: record {}: '{}' is no start", path, line + 1, start));
+      throw input_error("{}: record {}: '{}' is no start", path, line + 1, start);
     try {
       row.outcome = outcome_of(record[at[3]]);
     } catch (const InputError& wrong) {
-      throw InputError(fmt::format("{}: record {}: {}", path, line + 1, wrong.what()));
+      throw input_error("{}: record {}: {}", path, line + 1, wrong.what());
     }
     rows.push_back(std::move(row));
   }

@@ -1,4 +1,4 @@
-#include "app/compare/command_line.hpp"
+#include "app/compare/compare.hpp"
 
 #include "app/program/command_option.hpp"
 

@@ -18,7 +18,6 @@
 #include "app/comparison_report/write_report.hpp"
 #include "app/program/bounded_call.hpp"
 #include "app/program/files.hpp"
-#include "app/report/json.hpp"
 #include "app/text/table.hpp"
 #include "app/worker/run_cell.hpp"
 
@@ -65,7 +64,7 @@ class Comparison {
     std::error_code ignored;
     const bool resume = request_.resume && fs::exists(request_.out + "/campaign.json", ignored);
     if (request_.resume && !resume && !request_.problems && !request_.methods && request_.externals.empty())
-      throw InputError(fmt::format("--resume: there is no campaign in '{}'", request_.out));
+      throw input_error("--resume: there is no campaign in '{}'", request_.out);
     if (request_.resume && !resume) note(fmt::format("there is no campaign in '{}' yet: one begins", request_.out));
     if (!(resume ? take_up() : begin())) return interrupted(0, 0);
     return work();
@@ -257,8 +256,7 @@ int compare(const CompareRequest& request, Streams streams, const std::atomic<bo
   try {
     return Comparison(request, streams, interrupt).run();
   } catch (const InputError& error) {
-    streams.err << "perp: " << error.what() << '\n';
-    return exit_input;
+    return say_refused(streams, error.what());
   }
 }
 

@@ -7,6 +7,10 @@
 
 #include "app/program/program.hpp"
 
+namespace CLI {
+class App;
+}
+
 namespace perp::app::compare {
 
 /// Beside those of app/program/program.hpp: stopped by a signal, --resume goes on.
@@ -34,5 +38,10 @@ struct CompareRequest {
 /// exit_solved: complete; exit_unsolved: complete, with regressions; exit_input; exit_interrupted. Errors in the
 /// request are printed, not thrown. `interrupt` may be null.
 int compare(const CompareRequest& request, Streams streams, const std::atomic<bool>* interrupt = nullptr);
+
+// The command line of `perp compare`.
+
+/// Adds the command; what it is called with goes to `request`, which must outlive `app`.
+CLI::App* add_command(CLI::App& app, CompareRequest& request);
 
 }  // namespace perp::app::compare

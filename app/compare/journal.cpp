@@ -21,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 
 [[noreturn]] void refuse(const std::string& path, int error) {
-  throw InputError(fmt::format("'{}': {}", path, std::strerror(error)));  // NOLINT(concurrency-mt-unsafe): glibc's is
+  throw input_error("'{}': {}", path, std::strerror(error));  // NOLINT(concurrency-mt-unsafe): glibc's is
 }
 
 /// So that a new file's name is on the disk, too.
@@ -44,8 +44,8 @@ DirectoryLock::DirectoryLock(const std::string& dir) {
     if (error != EWOULDBLOCK) refuse(path, error);
     std::string who = read_text(path);
     while (who.ends_with('\n')) who.pop_back();
-    throw InputError(fmt::format("'{}': another campaign is at work there{}", dir,
-                                 who.empty() ? "" : fmt::format(" (process {})", who)));
+    throw input_error("'{}': another campaign is at work there{}", dir,
+                      who.empty() ? "" : fmt::format(" (process {})", who));
   }
   const std::string pid = fmt::format("{}\n", getpid());
   if (ftruncate(file_, 0) != 0 || write(file_, pid.data(), pid.size()) < 0) {
@@ -95,15 +95,15 @@ void LineJournal::add(const std::string& line) {
 
 void make_directory(const std::string& dir, bool fresh) {
   std::error_code error;
-  if (fs::exists(dir, error) && !fs::is_directory(dir, error)) throw InputError(fmt::format("'{}' is a file", dir));
+  if (fs::exists(dir, error) && !fs::is_directory(dir, error)) throw input_error("'{}' is a file", dir);
   fs::create_directories(dir, error);
-  if (error) throw InputError(fmt::format("'{}' cannot be made: {}", dir, error.message()));
+  if (error) throw input_error("'{}' cannot be made: {}", dir, error.message());
   const auto others = [](const fs::directory_entry& entry) { return entry.path().filename() != "lock"; };
   if (fresh && std::any_of(fs::directory_iterator(dir, error), fs::directory_iterator{}, others)) {
     const bool campaign = fs::exists(dir + "/campaign.json", error);
-    throw InputError(fmt::format("'{}' {}", dir,
-                                 campaign ? "holds a campaign: --resume goes on with it, --out DIR begins another"
-                                          : "is not empty: --out DIR names another"));
+    throw input_error("'{}' {}", dir,
+                      campaign ? "holds a campaign: --resume goes on with it, --out DIR begins another"
+                               : "is not empty: --out DIR names another");
   }
 }
 

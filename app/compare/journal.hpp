@@ -1,9 +1,7 @@
 #pragma once
 /// The directory of a campaign while it is at work: the lock, and cells.jsonl, which only grows.
-#include <memory>
 #include <mutex>
 #include <string>
-#include <vector>
 
 #include "app/campaign/cell.hpp"
 

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "app/findings/robustness.hpp"
 #include "app/findings/summary.hpp"

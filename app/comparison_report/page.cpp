@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "app/comparison_report/html.hpp"
-#include "app/findings/words.hpp"
+#include "app/findings/findings.hpp"
 #include "app/text/json_parts.hpp"
 #include "app/worker/external.hpp"
 

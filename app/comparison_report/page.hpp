@@ -34,6 +34,7 @@ std::string cells_data(const CampaignData& data, const std::vector<std::size_t>&
 
 /// Static text of the page: comparison_report/assets.
 std::string_view page_style();
+std::string_view chart_style();  ///< the part of it for charts that stand alone
 std::string_view page_script();
 std::string_view page_script_curves();
 

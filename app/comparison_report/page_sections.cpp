@@ -7,9 +7,9 @@
 #include "app/comparison_report/html.hpp"
 #include "app/comparison_report/page.hpp"
 #include "app/comparison_report/profile_chart.hpp"
+#include "app/findings/findings.hpp"
 #include "app/findings/robustness.hpp"
 #include "app/findings/summary.hpp"
-#include "app/findings/words.hpp"
 
 namespace perp::app::comparison {
 

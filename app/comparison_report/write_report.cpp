@@ -6,8 +6,6 @@
 
 #include "app/comparison_report/files.hpp"
 #include "app/findings/findings.hpp"
-#include "app/program/files.hpp"
-#include "app/report/json.hpp"
 
 namespace perp::app {
 
@@ -62,8 +60,7 @@ int report_campaign(const ReportRequest& request, Streams streams) {
     streams.out << fmt::format("{}/report.html\n", dir);
     return exit_solved;
   } catch (const InputError& error) {
-    streams.err << "perp: " << error.what() << '\n';
-    return exit_input;
+    return say_refused(streams, error.what());
   }
 }
 

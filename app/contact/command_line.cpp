@@ -7,8 +7,8 @@
 
 #include "app/contact/compare/compare_variants.hpp"
 #include "app/contact/contact.hpp"
-#include "app/contact/run/method_options.hpp"
-#include "app/contact/studies/ball_command_line.hpp"
+#include "app/contact/run/variant.hpp"
+#include "app/contact/studies/ball.hpp"
 #include "app/contact/studies/facets.hpp"
 #include "app/program/command_option.hpp"
 
@@ -180,8 +180,7 @@ int run_command(const CLI::App& command, const ContactWords& words, Streams stre
   try {
     request.log_level = log_level(words.level);
   } catch (const InputError& error) {
-    streams.err << "perp: " << error.what() << '\n';
-    return exit_input;
+    return say_refused(streams, error.what());
   }
   return solve_contact(request, streams, interrupt);
 }

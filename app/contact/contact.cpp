@@ -24,13 +24,12 @@ namespace {
 void check_request(const ContactRequest& request, std::size_t problems) {
   if (problems == 0) throw InputError("which problem? FILE, or NAME:SIZE[:SEED] of a generator, as in spheres:100");
   if (!(request.tol > 0) || !std::isfinite(request.tol))
-    throw InputError(fmt::format("--tol {:g}: a tolerance is positive", request.tol));
-  if (!(request.time_limit > 0))
-    throw InputError(fmt::format("--time-limit {:g}: a limit is positive", request.time_limit));
+    throw input_error("--tol {:g}: a tolerance is positive", request.tol);
+  if (!(request.time_limit > 0)) throw input_error("--time-limit {:g}: a limit is positive", request.time_limit);
   for (const auto& [flag, file] : {std::pair{"--svg", request.svg}, std::pair{"--fclib-out", request.fclib_out}}) {
     if (file.empty()) continue;
-    if (file == "-") throw InputError(fmt::format("{} -: that goes to a file", flag));
-    if (problems > 1) throw InputError(fmt::format("{} {}: goes with one problem, not with {}", flag, file, problems));
+    if (file == "-") throw input_error("{} -: that goes to a file", flag);
+    if (problems > 1) throw input_error("{} {}: goes with one problem, not with {}", flag, file, problems);
   }
 }
 

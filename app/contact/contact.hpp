@@ -1,7 +1,6 @@
 #pragma once
 /// `perp contact`: unilateral contact with Coulomb friction, by any formulation of contact/, judged by the exact law.
 #include <atomic>
-#include <optional>
 #include <string>
 #include <vector>
 

@@ -6,7 +6,6 @@
 #include <functional>
 
 #include "app/findings/summary.hpp"
-#include "app/findings/words.hpp"
 
 namespace perp::app::comparison {
 

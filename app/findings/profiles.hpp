@@ -10,7 +10,6 @@
 /// P: no curve reaches 1 then.
 #include <cstddef>
 #include <span>
-#include <string>
 #include <vector>
 
 namespace perp::app::comparison {

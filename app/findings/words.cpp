@@ -1,4 +1,4 @@
-#include "app/findings/words.hpp"
+#include "app/findings/findings.hpp"
 
 #include <fmt/format.h>
 

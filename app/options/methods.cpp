@@ -68,8 +68,8 @@ void print_options_of(std::ostream& out, Settings settings) {
 int show_method(const std::string& text, Streams streams) {
   const std::optional<ncp::Method> method = method_named(text);
   if (!method)
-    throw InputError(fmt::format("--show: there is no method '{}'.{} 'perp methods' lists them.", text,
-                                 did_you_mean(text, method_names())));
+    throw input_error("--show: there is no method '{}'.{} 'perp methods' lists them.", text,
+                      did_you_mean(text, method_names()));
   const ncp::Outline outline = ncp::outline(*method);
   streams.out << fmt::format("{}{}:\n", text, outline.presolved ? ", on the presolved problem" : "");
   Table table({">", "method", "attempt"});

@@ -4,9 +4,7 @@
 
 #include <cstdlib>
 #include <filesystem>
-#include <functional>
 #include <new>
-#include <optional>
 #include <sstream>
 #include <stdexcept>
 #include <utility>
@@ -41,9 +39,8 @@ std::string suggestion(const std::string& name) {
 
 LoadedProblem from_file(const std::string& path, std::optional<int> start) {
   const std::string file = path.ends_with(".nl") ? path : path + ".nl";
-  if (!exists(file)) throw InputError(fmt::format("there is no file '{}'", file));
-  if (start.value_or(1) != 1)
-    throw InputError(fmt::format("--start {}: '{}' has one start, the model's own", *start, file));
+  if (!exists(file)) throw input_error("there is no file '{}'", file);
+  if (start.value_or(1) != 1) throw input_error("--start {}: '{}' has one start, the model's own", *start, file);
   std::unique_ptr<ncp::ampl::Model> model = ncp::ampl::read_model(path);
   LoadedProblem problem{.label = file, .mcp = nullptr, .x0 = model->start()};
   problem.model = model.get();
@@ -54,7 +51,7 @@ LoadedProblem from_file(const std::string& path, std::optional<int> start) {
 LoadedProblem from_collection(const std::string& label, collection::Problem made, std::optional<int> start) {
   const int k = start.value_or(1);
   const int starts = static_cast<int>(made.starts.size());
-  if (k < 1 || k > starts) throw InputError(fmt::format("--start {}: '{}' has the starts 1 to {}", k, label, starts));
+  if (k < 1 || k > starts) throw input_error("--start {}: '{}' has the starts 1 to {}", k, label, starts);
   return {.label = label,
           .mcp = std::move(made.mcp),
           .x0 = made.starts[static_cast<std::size_t>(k - 1)],
@@ -72,8 +69,7 @@ std::optional<collection::Problem> of_size(const std::string& argument) {
   const std::string name = argument.substr(0, colon);
   const collection::Family* family = collection::find_family(name);
   if (family == nullptr) {
-    if (collection::find(name) != nullptr)
-      throw InputError(fmt::format("'{}': '{}' comes in one size", argument, name));
+    if (collection::find(name) != nullptr) throw input_error("'{}': '{}' comes in one size", argument, name);
     return std::nullopt;
   }
   try {
@@ -81,7 +77,7 @@ std::optional<collection::Problem> of_size(const std::string& argument) {
   } catch (const std::invalid_argument& refused) {
     throw InputError(refused.what());
   } catch (const lcp::NotEnoughMemory& error) {
-    throw InputError(fmt::format("'{}': out of memory: {}", argument, error.what()));
+    throw input_error("'{}': out of memory: {}", argument, error.what());
   } catch (const std::bad_alloc&) {
     throw InputError(out_of_memory(std::string(argument)));
   }
@@ -98,8 +94,7 @@ lcp::Vec bound(const char* flag, const std::string& given, double otherwise, lcp
   if (given.empty()) return lcp::Vec::Constant(n, otherwise);
   lcp::Vec bounds =
       is_number(given) ? lcp::Vec::Constant(n, std::strtod(given.c_str(), nullptr)) : lcp::read_vector(given, true);
-  if (bounds.size() != n)
-    throw InputError(fmt::format("{} {}: {} numbers for {} variables", flag, given, bounds.size(), n));
+  if (bounds.size() != n) throw input_error("{} {}: {} numbers for {} variables", flag, given, bounds.size(), n);
   return bounds;
 }
 
@@ -108,21 +103,19 @@ void require_vectors(const std::string& file, int vectors, lcp::Index n) {
   try {
     lcp::require_memory(static_cast<double>(sizeof(double)) * vectors * static_cast<double>(n), "bounds and start");
   } catch (const lcp::NotEnoughMemory& error) {
-    throw InputError(fmt::format("{}: {}", file, error.what()));
+    throw input_error("{}: {}", file, error.what());
   }
 }
 
 LoadedProblem from_matrix(const ProblemSource& source) {
   if (source.q.empty())
-    throw InputError(
-        fmt::format("'{}' is a matrix: its vector is missing, as in 'perp solve M.mtx q.mtx'", source.problem));
+    throw input_error("'{}' is a matrix: its vector is missing, as in 'perp solve M.mtx q.mtx'", source.problem);
   lcp::AffineMcp problem{.M = lcp::read_matrix(source.problem), .q = lcp::read_vector(source.q), .box = {}};
   if (problem.M.rows() != problem.M.cols())
-    throw InputError(
-        fmt::format("{}: the matrix is {} x {}, not square", source.problem, problem.M.rows(), problem.M.cols()));
+    throw input_error("{}: the matrix is {} x {}, not square", source.problem, problem.M.rows(), problem.M.cols());
   if (problem.M.rows() != problem.q.size())
-    throw InputError(fmt::format("{}: {} numbers for the {} rows of {}", source.q, problem.q.size(), problem.M.rows(),
-                                 source.problem));
+    throw input_error("{}: {} numbers for the {} rows of {}", source.q, problem.q.size(), problem.M.rows(),
+                      source.problem);
   const lcp::Index n = problem.q.size();
   require_vectors(source.problem, 3, n);
   problem.box = {bound("--lower", source.lower, 0, n), bound("--upper", source.upper, lcp::infinity, n)};
@@ -177,35 +170,34 @@ LoadedProblem load_problem(const ProblemSource& source) {
     for (const auto& [flag, given] :
          {std::pair{"a second file", source.q}, {"--lower", source.lower}, {"--upper", source.upper}})
       if (!given.empty())
-        throw InputError(fmt::format("{} ('{}') goes with a matrix file, not with '{}'", flag, given, source.problem));
+        throw input_error("{} ('{}') goes with a matrix file, not with '{}'", flag, given, source.problem);
   if (is_matrix_file(source.problem) && source.start.value_or(1) != 1)
-    throw InputError(
-        fmt::format("--start {}: a matrix file has one start; --start-at FILE gives another", *source.start));
+    throw input_error("--start {}: a matrix file has one start; --start-at FILE gives another", *source.start);
   LoadedProblem problem = matrix                             ? from_matrix(source)
                           : source.problem.ends_with(".dat") ? from_siconos(source.problem)
                                                              : load_problem(source.problem, source.start);
   if (!source.start_at.empty()) {
     problem.x0 = lcp::read_vector(source.start_at);
     if (problem.x0.size() != problem.mcp->size())
-      throw InputError(fmt::format("--start-at {}: {} numbers for {} variables", source.start_at, problem.x0.size(),
-                                   problem.mcp->size()));
+      throw input_error("--start-at {}: {} numbers for {} variables", source.start_at, problem.x0.size(),
+                        problem.mcp->size());
   }
   return problem;
 }
 
 LoadedProblem load_problem(const std::string& argument, std::optional<int> start) {
   std::error_code ignored;
-  if (fs::is_directory(argument, ignored)) throw InputError(fmt::format("'{}' is a directory, not a model", argument));
+  if (fs::is_directory(argument, ignored)) throw input_error("'{}' is a directory, not a model", argument);
   if (argument.ends_with(".nl") || argument.find('/') != std::string::npos) return from_file(argument, start);
   if (const collection::Entry* entry = collection::find(argument))
     return from_collection(argument, entry->make(), start);
   if (std::optional<collection::Problem> made = of_size(argument))
     return from_collection(argument, std::move(*made), start);
   if (exists(argument + ".nl")) return from_file(argument, start);
-  throw InputError(
-      fmt::format("'{}' is neither a file (no '{}.nl' here) nor a problem of the collection.{} "
-                  "'perp list' shows the collection.",
-                  argument, argument, suggestion(argument)));
+  throw input_error(
+      "'{}' is neither a file (no '{}.nl' here) nor a problem of the collection.{} "
+      "'perp list' shows the collection.",
+      argument, argument, suggestion(argument));
 }
 
 std::vector<FileUse> files_of(const ProblemSource& source) {
@@ -227,7 +219,7 @@ std::vector<FileUse> files_of(const ProblemSource& source) {
 
 const collection::Entry& find_entry(const std::string& name) {
   if (const collection::Entry* entry = collection::find(name)) return *entry;
-  throw InputError(fmt::format("the collection has no problem '{}'.{}", name, suggestion(name)));
+  throw input_error("the collection has no problem '{}'.{}", name, suggestion(name));
 }
 
 std::string refusal(const std::string& problem, const std::function<void()>& work) {

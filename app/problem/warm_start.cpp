@@ -39,7 +39,7 @@ WarmStart read_warm_start(const std::string& path, const ncp::Mcp& mcp) {
 }
 
 WarmStart parse_warm_start(std::string_view text, const std::string& path, const ncp::Mcp& mcp) {
-  const auto fail = [&](const std::string& why) { throw InputError(fmt::format("--warm-start {}: {}", path, why)); };
+  const auto fail = [&](const std::string& why) { throw input_error("--warm-start {}: {}", path, why); };
   const Json json = Json::parse(lcp::without_mark(text, path), nullptr, false);
   if (!json.is_object() || !json.contains("variables") || !json["variables"].is_array())
     fail("this is no result that 'perp solve --json' wrote");

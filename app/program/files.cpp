@@ -69,9 +69,9 @@ std::string read_text(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   std::ostringstream text;
   std::error_code ignored;
-  if (!file && std::filesystem::exists(path, ignored)) throw InputError(fmt::format("'{}' cannot be read", path));
+  if (!file && std::filesystem::exists(path, ignored)) throw input_error("'{}' cannot be read", path);
   if (file && file.peek() != std::ifstream::traits_type::eof()) text << file.rdbuf();
-  if (file.bad() || !text) throw InputError(fmt::format("'{}' cannot be read", path));
+  if (file.bad() || !text) throw input_error("'{}' cannot be read", path);
   return std::move(text).str();
 }
 
@@ -90,10 +90,10 @@ void check_apart(std::span<const FileUse> outputs, std::span<const FileUse> inpu
     if (!is_file(output) || !lcp::replaces(output.path)) continue;
     const auto same = [&](const FileUse& other) { return is_file(other) && lcp::same_file(output.path, other.path); };
     if (const auto input = std::ranges::find_if(inputs, same); input != inputs.end())
-      throw InputError(fmt::format("{}: that is the input {}, which would be lost", named(output), named(*input)));
+      throw input_error("{}: that is the input {}, which would be lost", named(output), named(*input));
     const auto others = outputs.first(k);
     if (const auto other = std::ranges::find_if(others, same); other != others.end())
-      throw InputError(fmt::format("{}: that is the output {}, too", named(output), named(*other)));
+      throw input_error("{}: that is the output {}, too", named(output), named(*other));
   }
 }
 
@@ -147,8 +147,7 @@ bool is_utf8(std::string_view text) {
 
 void check_utf8(const std::string& path) {
   if (!is_utf8(path))
-    throw InputError(
-        fmt::format("'{}': the name is not UTF-8, and a campaign's files cannot hold it: rename it", path));
+    throw input_error("'{}': the name is not UTF-8, and a campaign's files cannot hold it: rename it", path);
 }
 
 std::string printable(std::string_view text) {

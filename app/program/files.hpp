@@ -5,7 +5,6 @@
 #include <streambuf>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "app/program/program.hpp"
 #include "lcp/io/output_file.hpp"

@@ -1,8 +1,7 @@
 #include "app/program/program.hpp"
 
-#include <fmt/format.h>
-
 #include <Eigen/Core>
+#include <ostream>
 
 // The date of AMPL's solver library as YYYYMMDD: a symbol of the library itself, declared here because its header may
 // be included below ncp/ampl only.
@@ -10,13 +9,18 @@ extern "C" long ASLdate_ASL;  // NOLINT(google-runtime-int)
 
 namespace perp::app {
 
+ExitCode say_refused(const Streams& streams, std::string_view why) {
+  streams.err << "perp: " << why << '\n';
+  return exit_input;
+}
+
 std::string out_of_memory(const std::string& problem) {
   return fmt::format("'{}': out of memory: the problem is too large for this machine, or for the limit set (ulimit -v)",
                      problem);
 }
 
 std::string shell_quoted(const std::string& word) {
-  if (!word.empty() && word.find_first_of(" \t'\"$`\\&|;<>()*?[]#~!{}") == std::string::npos) return word;
+  if (!word.empty() && word.find_first_of(" \t\n^'\"$`\\&|;<>()*?[]#~!{}") == std::string::npos) return word;
   std::string text = "'";
   for (const char c : word) text += c == '\'' ? "'\\''" : std::string(1, c);
   return text + "'";

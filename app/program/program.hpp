@@ -1,5 +1,7 @@
 #pragma once
 /// What every part of the program `perp` shares: where text goes, exit codes, errors a user can mend, and versions.
+#include <fmt/format.h>
+
 #include <iosfwd>
 #include <string>
 #include <string_view>
@@ -23,7 +25,11 @@ enum ExitCode : int {
   exit_internal = 3,  ///< an exception nobody expected
 };
 
+using settings::input_error;
 using settings::InputError;
+
+/// Says on `err` why not; exit_input.
+ExitCode say_refused(const Streams& streams, std::string_view why);
 
 /// Of a problem that does not fit: "'obstacle:20000x20000': out of memory: ...".
 std::string out_of_memory(const std::string& problem);

@@ -322,9 +322,15 @@ bool deliver_json(const std::string& path, const std::string& content, Streams s
     write_file(path, content);
     return true;
   } catch (const InputError& error) {
-    streams.err << "perp: " << error.what() << '\n';
+    say_refused(streams, error.what());
     return false;
   }
+}
+
+ExitCode deliver_refusal(const std::string& path, const std::string& problem, const std::string& why, Streams streams) {
+  say_refused(streams, why);
+  deliver_json(path, refused_json(problem, why), streams);
+  return exit_input;
 }
 
 }  // namespace perp::app

@@ -1,6 +1,5 @@
 #pragma once
 /// A run as JSON, for programs; docs/schema/ describes it.
-#include <iosfwd>
 #include <span>
 #include <string>
 
@@ -24,5 +23,7 @@ std::string list_json(std::span<const ncp::collection::Entry* const> entries);
 /// Writes what --json PATH asks for: "" is nothing, "-" standard output. False: it could not be written, and `err` says
 /// so.
 bool deliver_json(const std::string& path, const std::string& content, Streams streams);
+/// Says on `err` why `problem` was refused, and as JSON what --json PATH asks for; exit_input.
+ExitCode deliver_refusal(const std::string& path, const std::string& problem, const std::string& why, Streams streams);
 
 }  // namespace perp::app

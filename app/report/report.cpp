@@ -6,7 +6,6 @@
 #include <limits>
 #include <ostream>
 
-#include "app/report/several.hpp"
 #include "app/text/table.hpp"
 #include "ncp/problem/affine.hpp"
 
@@ -16,18 +15,9 @@ namespace {
 
 constexpr double wrong_derivative = 1e-4;  // as ncp::describe
 
-std::string seconds(double s) {
-  if (s < 1e-3) return fmt::format("{:.0f} us", 1e6 * s);
-  if (s < 1) return fmt::format("{:.3g} ms", 1e3 * s);
-  return fmt::format("{:.4g} s", s);
-}
-
 /// "  what . . . . . . value (where)".
-void line(std::ostream& out, std::string what, const std::string& value, const std::string& where = "") {
-  constexpr std::size_t width = 28;
-  if (what.size() % 2 == 1) what += ' ';
-  while (what.size() < width) what += " .";
-  out << fmt::format("  {} {}{}\n", what, value, where.empty() ? "" : fmt::format(" ({})", where));
+void line(std::ostream& out, const std::string& what, const std::string& value, const std::string& where = "") {
+  out << fmt::format("  {} {}{}\n", dotted(what, 28), value, where.empty() ? "" : fmt::format(" ({})", where));
 }
 
 void print_largest(std::ostream& out, const char* what, ncp::In values, const ncp::Mcp& mcp,
@@ -76,7 +66,7 @@ Report run_method(const LoadedProblem& problem, const Settings& settings, std::o
     ncp::check_input(*problem.mcp, problem.x0);
     report.derivatives = ncp::check_jacobian(*problem.mcp, lcp::project(problem.mcp->box(), problem.x0));
     if (const std::string wrong = ncp::describe(*problem.mcp, *report.derivatives, wrong_derivative); !wrong.empty())
-      throw InputError(fmt::format("{}: {}", problem.label, wrong));
+      throw input_error("{}: {}", problem.label, wrong);
   }
   ncp::Method method = report.settings.method;
   ncp::stop(method).check_derivatives = false;
@@ -119,16 +109,18 @@ double F_value(const Report& report, ncp::Index i) {
   return i < report.result.F.size() ? report.result.F[i] : std::numeric_limits<double>::quiet_NaN();
 }
 
-void print_heading(std::ostream& out, const LoadedProblem& problem, const Settings& settings) {
+void print_size(std::ostream& out, const LoadedProblem& problem) {
   out << fmt::format("{}: {}, {} in the Jacobian", problem.label, count(problem.mcp->size(), "variable"),
                      count(problem.mcp->jacobian_pattern().nonZeros(), "nonzero"));
-  if (problem.model != nullptr) {
-    if (const ncp::Index side = problem.model->side_inequalities(); side > 0)
-      out << fmt::format(", {} of the variables for side inequalities", side);
-    if (problem.model->has_objective()) out << ", an objective that is ignored";
-  } else {
-    out << fmt::format(", start {} of {}", problem.start, problem.starts);
-  }
+  if (problem.model == nullptr) return;
+  if (const ncp::Index side = problem.model->side_inequalities(); side > 0)
+    out << fmt::format(", {} of the variables for side inequalities", side);
+  if (problem.model->has_objective()) out << ", an objective that is ignored";
+}
+
+void print_heading(std::ostream& out, const LoadedProblem& problem, const Settings& settings) {
+  print_size(out, problem);
+  if (problem.model == nullptr) out << fmt::format(", start {} of {}", problem.start, problem.starts);
   out << "; method " << settings.method_name << '\n';
 }
 
@@ -235,8 +227,8 @@ void print_final_summary(std::ostream& out, const Report& report) {
                                            {"rank-deficient start bases", stats.rank_deficient, true},
                                            {"steps with proximal term", stats.proximal_steps, true}})
     if (path || !paths) line(out, what, fmt::format("{}", count));
-  if (path) line(out, "time in linear problems", seconds(stats.linear_time.count()));
-  line(out, "time in all", seconds(stats.time.count()));
+  if (path) line(out, "time in linear problems", seconds_text(stats.linear_time.count()));
+  line(out, "time in all", seconds_text(stats.time.count()));
 }
 
 void print_short_summary(std::ostream& out, const Report& report) {
@@ -244,7 +236,7 @@ void print_short_summary(std::ostream& out, const Report& report) {
   out << fmt::format("{}, {}, {}, {}, {}, {}\n", count(stats.iterations, "iteration"),
                      count(stats.F_evals, "F evaluation"), count(stats.J_evals, "Jacobian"),
                      count(stats.factorizations, "factorization"), count(stats.pivots, "pivot"),
-                     seconds(stats.time.count()));
+                     seconds_text(stats.time.count()));
 }
 
 void print_remarks(std::ostream& out, const Report& report) {

@@ -2,6 +2,7 @@
 /// One run of a method on a problem, and how it is told to a person. (To programs: json.hpp; to AMPL:
 /// app/commands/ampl_driver.hpp.)
 #include <atomic>
+#include <cstddef>
 #include <iosfwd>
 #include <optional>
 #include <string>
@@ -51,6 +52,8 @@ std::string_view state_name(const ncp::Box& box, ncp::Index i, double x, double 
 /// F_i at the result; NaN where it is not known.
 double F_value(const Report& report, ncp::Index i);
 
+/// Without a newline: how large it is, and what is not solved of a model.
+void print_size(std::ostream& out, const LoadedProblem& problem);
 /// Name, size, start, method.
 void print_heading(std::ostream& out, const LoadedProblem& problem, const Settings& settings);
 /// Name, lower, value, upper, F, state of each variable; shortened beyond 60 unless `full`.
@@ -72,5 +75,23 @@ void print_all_solutions(std::ostream& out, const Report& report, bool full);
 std::string verified_text(const ncp::Verified& verified);
 /// Options in force.
 void print_options(std::ostream& out, const Settings& settings);
+
+// `perp solve --all`: several solutions, by deflation (ncp/strategy/deflation.hpp).
+
+inline constexpr std::size_t long_table = 60;  ///< rows from which on tables are shortened
+
+inline constexpr int default_solutions = 10;
+
+/// How many solutions `--all K` asks for: default_solutions where K is empty. Throws InputError.
+int parse_solutions(const std::string& text);
+
+/// The first solution by `method`, which alone the observer sees, the others by deflation; fills report.several and
+/// report.result, the first. Throws InputError if the method has its own way to all solutions; what ncp::solve_all
+/// throws.
+void solve_several(Report& report, const ncp::Method& method, const ncp::Observer& observer);
+
+/// The solutions numbered, each with its residual and how it was found, and side by side; nothing if only one was asked
+/// for.
+void print_several(std::ostream& out, const Report& report, bool full);
 
 }  // namespace perp::app

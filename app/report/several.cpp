@@ -1,4 +1,4 @@
-#include "app/report/several.hpp"
+#include "app/report/report.hpp"
 
 #include <fmt/format.h>
 
@@ -40,9 +40,9 @@ int parse_solutions(const std::string& text) {
   int count = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), count);
   if (error != std::errc{} || end != text.data() + text.size())
-    throw InputError(fmt::format("--all: '{}' is no number of solutions; give --all after the problem, or --all={}",
-                                 text, default_solutions));
-  if (count < 1) throw InputError(fmt::format("--all {}: at least 1 solution must be asked for", count));
+    throw input_error("--all: '{}' is no number of solutions; give --all after the problem, or --all={}", text,
+                      default_solutions);
+  if (count < 1) throw input_error("--all {}: at least 1 solution must be asked for", count);
   return count;
 }
 

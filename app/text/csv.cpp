@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <charconv>
 #include <utility>
 
@@ -67,7 +66,7 @@ std::vector<std::vector<std::string>> parse_csv(std::string_view text, const std
     }
     if (c == '\n') ++line;
   }
-  if (quote) throw InputError(fmt::format("{}:{}: a quote without its end", name, begin));
+  if (quote) throw input_error("{}:{}: a quote without its end", name, begin);
   unprotect(record.back());
   if (record.size() > 1 || !record.front().empty()) records.push_back(std::move(record));
   return records;

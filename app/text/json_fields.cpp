@@ -1,14 +1,12 @@
 #include "app/text/json_fields.hpp"
 
-#include <limits>
-
 namespace perp::app {
 
 double json_real(const Json& value, std::string_view key) {
   if (value.is_null() || value == "nan") return std::numeric_limits<double>::quiet_NaN();
   if (value == "inf") return std::numeric_limits<double>::infinity();
   if (value == "-inf") return -std::numeric_limits<double>::infinity();
-  if (!value.is_number()) throw InputError(fmt::format("'{}' is no number", key));
+  if (!value.is_number()) throw input_error("'{}' is no number", key);
   return value.get<double>();
 }
 
@@ -24,7 +22,7 @@ Json json_object(std::string_view text) {
 
 const Json& json_member(const Json& object, const char* key) {
   const auto found = object.find(key);
-  if (found == object.end()) throw InputError(fmt::format("'{}' is missing", key));
+  if (found == object.end()) throw input_error("'{}' is missing", key);
   return *found;
 }
 

@@ -33,12 +33,12 @@ namespace perp::app {
 template <class Int>
 Int json_integer(const Json& value, std::string_view key, Int least = std::numeric_limits<Int>::min(),
                  Int most = std::numeric_limits<Int>::max()) {
-  if (!value.is_number_integer()) throw InputError(fmt::format("'{}' is no integer", key));
+  if (!value.is_number_integer()) throw input_error("'{}' is no integer", key);
   const auto within = [&](auto number) {
     return std::cmp_less_equal(least, number) && std::cmp_less_equal(number, most);
   };
   if (value.is_number_unsigned() ? !within(value.get<std::uint64_t>()) : !within(value.get<std::int64_t>()))
-    throw InputError(fmt::format("'{}' is not within {} and {}", key, least, most));
+    throw input_error("'{}' is not within {} and {}", key, least, most);
   return value.get<Int>();
 }
 
@@ -129,7 +129,7 @@ class JsonReader {
     std::string name;
     (*this)(key, name);
     const auto found = std::ranges::find(names, name);
-    if (found == names.end()) throw InputError(fmt::format("'{}' is no {}", name, key));
+    if (found == names.end()) throw input_error("'{}' is no {}", name, key);
     value = static_cast<Enum>(found - names.begin());
   }
   void pairs(const char* key, std::vector<std::pair<std::string, std::string>>& all) {
@@ -161,7 +161,7 @@ Json json_of(const T& value) {
 template <class T>
 void read_json(const Json& value, std::string_view key, T& target) {
   const auto check = [key](bool fits, const char* otherwise) {
-    if (!fits) throw InputError(fmt::format("'{}' is {}", key, otherwise));
+    if (!fits) throw input_error("'{}' is {}", key, otherwise);
   };
   if constexpr (std::is_same_v<T, bool>) {
     check(value.is_boolean(), "neither true nor false");

@@ -64,9 +64,25 @@ std::string number(double value, int digits) {
 
 std::string count(long long n, std::string_view noun) { return fmt::format("{} {}{}", n, noun, n == 1 ? "" : "s"); }
 
+std::string seconds_text(double seconds) {
+  if (seconds < 1e-3) return fmt::format("{:.0f} us", 1e6 * seconds);
+  if (seconds < 1) return fmt::format("{:.3g} ms", 1e3 * seconds);
+  return fmt::format("{:.4g} s", seconds);
+}
+
+std::string dotted(std::string what, std::size_t width) {
+  if (what.size() % 2 == 1) what += ' ';
+  while (what.size() < width) what += " .";
+  return what;
+}
+
 void print_wrapped(std::ostream& out, std::string_view text, int indent, std::size_t width) {
-  const std::string margin(static_cast<std::size_t>(indent), ' ');
-  std::string line = margin;
+  print_wrapped(out, text, std::string(static_cast<std::size_t>(indent), ' '), width);
+}
+
+void print_wrapped(std::ostream& out, std::string_view text, std::string begin, std::size_t width) {
+  const std::string margin(begin.size(), ' ');
+  std::string line = std::move(begin);
   while (!text.empty()) {
     const std::string_view word = text.substr(0, text.find(' '));
     text.remove_prefix(std::min(text.size(), word.size() + 1));

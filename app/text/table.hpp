@@ -1,7 +1,6 @@
 #pragma once
 /// Plain-text tables with aligned columns, and numbers for people.
 #include <iosfwd>
-#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -39,7 +38,13 @@ class Table {
 std::string number(double value, int digits = 7);
 /// "1 iteration", "3 iterations".
 std::string count(long long n, std::string_view noun);
+/// With its unit: "12 us", "3.4 ms", "5.678 s".
+std::string seconds_text(double seconds);
+/// "what . . . .", so wide.
+std::string dotted(std::string what, std::size_t width);
 /// The text, broken at spaces into lines of at most `width` columns.
 void print_wrapped(std::ostream& out, std::string_view text, int indent, std::size_t width = 100);
+/// The same after `begin`, which the other lines keep free.
+void print_wrapped(std::ostream& out, std::string_view text, std::string begin, std::size_t width);
 
 }  // namespace perp::app

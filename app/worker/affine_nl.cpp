@@ -1,9 +1,8 @@
-#include "app/worker/affine_nl.hpp"
+#include "app/worker/external.hpp"
 
 #include <fmt/format.h>
 
 #include <cmath>
-#include <iterator>
 
 #include "app/program/program.hpp"
 #include "ncp/problem/affine.hpp"
@@ -40,7 +39,7 @@ void write_bounds(Text text, double lower, double upper) {
 
 std::string affine_nl(const ncp::Mcp& mcp, ncp::In x0) {
   const std::optional<lcp::AffineMcp> affine = ncp::affine_part(mcp);
-  if (!affine) throw InputError(fmt::format("'{}' is not affine", mcp.name()));
+  if (!affine) throw input_error("'{}' is not affine", mcp.name());
   const ncp::Box& box = affine->box;
   const ncp::Index n = mcp.size();
   const Eigen::SparseMatrix<double, Eigen::RowMajor> rows(affine->M);

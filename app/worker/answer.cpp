@@ -16,7 +16,7 @@ Task parse_task(const std::string& text) {
   try {
     return row_of<Task>(json_object(text));
   } catch (const InputError& error) {
-    throw InputError(fmt::format("compare-worker: {}", error.what()));
+    throw input_error("compare-worker: {}", error.what());
   }
 }
 

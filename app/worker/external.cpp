@@ -21,8 +21,6 @@
 #include "app/problem/problem.hpp"
 #include "app/program/files.hpp"
 #include "app/program/program.hpp"
-#include "app/report/json.hpp"
-#include "app/worker/affine_nl.hpp"
 #include "app/worker/sol_file.hpp"
 
 namespace perp::app::compare {
@@ -65,7 +63,7 @@ class Running {
   Running(const std::string& command, const std::string& stub) {
     const std::string script = "exec " + command + " \"$0\" -AMPL";
     std::array<int, 2> ends{};
-    if (pipe2(ends.data(), O_CLOEXEC) != 0) throw InputError(fmt::format("pipe: {}", std::strerror(errno)));
+    if (pipe2(ends.data(), O_CLOEXEC) != 0) throw input_error("pipe: {}", std::strerror(errno));
     const pid_t parent = getpid();
     pid_ = fork();
     if (pid_ == 0) {
@@ -82,7 +80,7 @@ class Running {
     }
     close(ends[1]);
     output_ = ends[0];
-    if (pid_ < 0) throw InputError(fmt::format("fork: {}", std::strerror(errno)));
+    if (pid_ < 0) throw input_error("fork: {}", std::strerror(errno));
   }
   Running(const Running&) = delete;
   Running& operator=(const Running&) = delete;

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 
 #include "app/program/files.hpp"
@@ -89,7 +88,7 @@ ProcessEnd CellRunner::run_task(Task task, const ProcessLimits& limits) {
                                 .runs_others = task.role == Task::Role::External},
                                interrupt_);
   if (end.why == ProcessEnd::Why::NotStarted)
-    throw InputError(fmt::format("a process for '{}' cannot be started: {}", task.problem, end.error));
+    throw input_error("a process for '{}' cannot be started: {}", task.problem, end.error);
   return end;
 }
 
@@ -173,10 +172,10 @@ std::optional<AskedProblem> CellRunner::describe(const AskedProblem& problem) {
   if (answer.out_of_memory || end.why == ProcessEnd::Why::MemoryLimit) throw InputError(out_of_memory(source));
   if (!answer.refused.empty()) throw InputError(answer.refused);
   if (!answer.complete)
-    throw InputError(fmt::format(
+    throw input_error(
         "'{}' cannot be built: {}; {}", source,
         end.why == ProcessEnd::Why::TimeLimit ? fmt::format("not done after {:.3g} s", end.seconds) : sudden_end(end),
-        in_one_line(log_tail())));
+        in_one_line(log_tail()));
   AskedProblem described = answer.described;
   described.name = problem.name;
   described.file = problem.file;

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <bit>
 #include <cstdio>
 #include <cstdlib>
@@ -27,11 +26,10 @@ struct Sizes {
 
 void check_sizes(const Sizes& sizes, ncp::Index variables) {
   const auto check = [](const char* what, long long is, long long should) {
-    if (is != should && is != 0) throw InputError(fmt::format("{} {} instead of {}", is, what, should));
+    if (is != should && is != 0) throw input_error("{} {} instead of {}", is, what, should);
   };
-  if (sizes.variables != variables)
-    throw InputError(fmt::format("for {} variables, the model has {}", sizes.variables, variables));
-  if (sizes.rows < 0) throw InputError(fmt::format("for {} rows", sizes.rows));
+  if (sizes.variables != variables) throw input_error("for {} variables, the model has {}", sizes.variables, variables);
+  if (sizes.rows < 0) throw input_error("for {} rows", sizes.rows);
   check("dual values", sizes.duals, sizes.rows);
   check("values", sizes.values, sizes.variables);
 }
@@ -60,14 +58,14 @@ class Lines {
     const std::string line(next());
     char* end = nullptr;
     const double value = std::strtod(line.c_str(), &end);
-    if (end == line.c_str() || !blank(line, end)) throw InputError(fmt::format("'{:.40}' is no {}", line, what));
+    if (end == line.c_str() || !blank(line, end)) throw input_error("'{:.40}' is no {}", line, what);
     return value;
   }
   long long integer(std::string_view what) {
     const std::string line(next());
     char* end = nullptr;
     const long long value = std::strtoll(line.c_str(), &end, 10);
-    if (end == line.c_str() || !blank(line, end)) throw InputError(fmt::format("'{:.40}' is no {}", line, what));
+    if (end == line.c_str() || !blank(line, end)) throw input_error("'{:.40}' is no {}", line, what);
     return value;
   }
 
@@ -88,8 +86,7 @@ SolFile parse_text(std::string_view text, ncp::Index variables) {
     ended = line.empty();
   }
   const long long announced = lines.integer("number of options");
-  if (announced < 0 || announced > static_cast<long long>(most_options))
-    throw InputError(fmt::format("{} options", announced));
+  if (announced < 0 || announced > static_cast<long long>(most_options)) throw input_error("{} options", announced);
   std::vector<long long> options;
   while (static_cast<long long>(options.size()) < announced - (has_tolerance(announced, options) ? 2 : 0))
     options.push_back(lines.integer("option"));
@@ -105,7 +102,7 @@ SolFile parse_text(std::string_view text, ncp::Index variables) {
   int length = 0;  // of what is read; nine digits are within an int
   if (std::sscanf(objno.c_str(), "objno %9d %9d %n", &objective, &sol.code, &length) != 2 ||
       static_cast<std::size_t>(length) != objno.size())
-    throw InputError(fmt::format("'{:.40}' where objno belongs", objno));
+    throw input_error("'{:.40}' where objno belongs", objno);
   return sol;
 }
 
@@ -153,8 +150,7 @@ SolFile parse_binary(std::string_view bytes, ncp::Index variables) {
   if (!record.starts_with(head)) throw InputError("no record of options");
   std::vector<long long> numbers = integers(record.substr(head.size()));
   const long long announced = numbers.empty() ? -1 : numbers.front();
-  if (announced < 0 || announced > static_cast<long long>(most_options))
-    throw InputError(fmt::format("{} options", announced));
+  if (announced < 0 || announced > static_cast<long long>(most_options)) throw input_error("{} options", announced);
   numbers.erase(numbers.begin());
   const auto count = static_cast<std::size_t>(announced) - (has_tolerance(announced, numbers) ? 2U : 0U);
   if (numbers.size() < count + 4) throw InputError("its record of options is short");

@@ -95,8 +95,7 @@ Answer judge(const Task& task) {
     x.conservativeResize(problem.mcp->size());
     x.tail(problem.mcp->size() - problem.own_variables()).setZero();
   }
-  if (x.size() != problem.mcp->size())
-    throw InputError(fmt::format("{} values for {} variables", x.size(), problem.mcp->size()));
+  if (x.size() != problem.mcp->size()) throw input_error("{} values for {} variables", x.size(), problem.mcp->size());
   answer.natural = natural_residual(*problem.mcp, x, task.tol);
   answer.to_rounding = x.allFinite() && ncp::accuracy(*problem.mcp, lcp::project(problem.mcp->box(), x)).to_rounding;
   return answer;

@@ -8,7 +8,6 @@
 ///     judge      the natural residual at FOLDER/x.bin, of the problem built anew
 #include <array>
 #include <atomic>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>

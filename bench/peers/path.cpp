@@ -1,5 +1,6 @@
 /// PATH for `perp compare --external`: the user's own library, loaded at run time.
 #include <algorithm>
+#include <cstdlib>
 #include <stdexcept>
 
 #include "bench/path_library.hpp"

@@ -1,7 +1,5 @@
 #include "contact/existence/conic_nnls.hpp"
 
-#include <algorithm>
-#include <limits>
 #include <utility>
 
 namespace perp::contact {

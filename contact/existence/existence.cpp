@@ -3,9 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <sstream>
-#include <stdexcept>
 #include <utility>
 #include <vector>
 
@@ -13,6 +11,7 @@
 #include "contact/model/residual.hpp"
 #include "contact/model/scaling.hpp"
 #include "lcp/linalg/cholesky.hpp"
+#include "lcp/words.hpp"
 
 namespace perp::contact {
 namespace {
@@ -211,22 +210,16 @@ std::string contacts_text(const std::vector<Index>& contacts) {
 }  // namespace
 
 std::string_view to_string(Existence existence) {
-  switch (existence) {
-    case Existence::Undecided:
-      return "undecided";
-    case Existence::Exists:
-      return "exists";
-    case Existence::None:
-      return "none";
-  }
-  return "?";
+  using enum Existence;
+  static constexpr std::pair<Existence, std::string_view> words[] = {
+      {Undecided, "undecided"}, {Exists, "exists"}, {None, "none"}};
+  return word_of(existence, words);
 }
 
 std::optional<Witness> examine_witness(const Problem& problem, In r) {
   check(problem);
   if (r.size() != problem.q.size())
-    throw std::invalid_argument("contact: the witness has " + std::to_string(r.size()) + " entries, the problem " +
-                                std::to_string(problem.q.size()));
+    refuse_input("contact: the witness has ", r.size(), " entries, the problem ", problem.q.size());
   const std::optional<double> shift = r.allFinite() ? semidefinite_up_to(problem.W) : std::nullopt;
   if (!shift) return std::nullopt;
   const double here = margin(problem, r, *shift);

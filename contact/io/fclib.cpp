@@ -6,7 +6,6 @@
 #include <limits>
 #include <mutex>
 #include <new>
-#include <sstream>
 #include <stdexcept>
 #include <utility>
 
@@ -15,6 +14,7 @@
 #include "contact/io/hdf5_lazy.hpp"
 #include "lcp/io/output_file.hpp"
 #include "lcp/solve/schur.hpp"
+#include "lcp/words.hpp"
 
 namespace perp::contact {
 namespace {
@@ -114,10 +114,7 @@ class Reader {
 
   template <class... Parts>
   [[noreturn]] void refuse(const std::string& path, const Parts&... parts) const {
-    std::ostringstream why;
-    why << path << ": ";
-    (why << ... << parts);
-    throw FileError(name_, 0, why.str());
+    throw FileError(name_, 0, text_of(path, ": ", parts...));
   }
 
   /// Whether there is a group or dataset. Links out of the file are refused.

@@ -1,8 +1,8 @@
 #include "contact/io/fclib_parts.hpp"
 
 #include <cmath>
-#include <sstream>
-#include <stdexcept>
+
+#include "lcp/words.hpp"
 
 namespace perp::contact {
 namespace {
@@ -12,9 +12,7 @@ using lcp::SpMat;
 
 template <class... Parts>
 [[noreturn]] void refuse(const Parts&... parts) {
-  std::ostringstream why;
-  (why << ... << parts);
-  throw std::invalid_argument(why.str());
+  refuse_input(parts...);
 }
 
 void check_length(const char* name, std::size_t length, long long needed, const char* why) {

@@ -3,9 +3,10 @@
 #include <cstdint>
 #include <optional>
 #include <set>
-#include <sstream>
 #include <stdexcept>
 #include <vector>
+
+#include "lcp/words.hpp"
 
 namespace perp::contact {
 namespace {
@@ -37,10 +38,7 @@ enum DatatypeClass : std::uint64_t { Integer = 0, Float = 1, Text = 3, VariableL
 
 template <class... Parts>
 [[noreturn]] void refuse(const char* what, Address at, const Parts&... parts) {
-  std::ostringstream why;
-  why << what << " at byte " << at << ": ";
-  (why << ... << parts);
-  throw std::invalid_argument(why.str());
+  refuse_input(what, " at byte ", at, ": ", parts...);
 }
 
 /// Part of the file by which a part of it is described.

@@ -2,29 +2,24 @@
 
 #include <limits>
 #include <sstream>
-#include <stdexcept>
 #include <string>
-#include <utility>
 
 #include "contact/laws/encoding_builder.hpp"
 #include "lcp/memory.hpp"
 #include "lcp/solve/solve.hpp"
+#include "lcp/words.hpp"
 
 namespace perp::contact {
 
 void check(const char* who, const Problem& problem, const Polygons& polygons) {
-  std::ostringstream why;
   const auto n = static_cast<std::size_t>(problem.contacts());
   if (polygons.size() != 1 && polygons.size() != n) {
-    why << who << ": " << polygons.size() << " polygons for " << n << " contacts; give one, or one for each";
-    throw std::invalid_argument(why.str());
+    refuse_input(who, ": ", polygons.size(), " polygons for ", n, " contacts; give one, or one for each");
   }
   for (std::size_t a = 0; a < polygons.size(); ++a)
-    if (polygons[a].dimension() != problem.dimension - 1) {
-      why << who << ": polygon " << a + 1 << " has the dimension " << polygons[a].dimension()
-          << ", the tangent plane of the problem " << problem.dimension - 1;
-      throw std::invalid_argument(why.str());
-    }
+    if (polygons[a].dimension() != problem.dimension - 1)
+      refuse_input(who, ": polygon ", a + 1, " has the dimension ", polygons[a].dimension(),
+                   ", the tangent plane of the problem ", problem.dimension - 1);
 }
 
 EncodingBuilder::EncodingBuilder(const Problem& problem, const EncodingOptions& options)
@@ -78,7 +73,7 @@ void EncodingBuilder::check_size() const {
   what.precision(3);
   what << "contact: the encoding's " << entries << " entries";
   constexpr double most = std::numeric_limits<int>::max();
-  if (entries > most) throw std::invalid_argument(what.str() + " are more than 2^31; use fewer facets, or form mixed");
+  if (entries > most) refuse_input(what.str(), " are more than 2^31; use fewer facets, or form mixed");
   constexpr double bytes = 3 * (sizeof(double) + sizeof(int));  // the product, its sum with L, and what sorts them
   lcp::require_memory(bytes * entries, what.str());
 }
@@ -100,9 +95,7 @@ AffineEncoding::AffineEncoding(const Problem& problem, EncodingBuilder&& builder
 
 Solution AffineEncoding::recover(In z) const {
   if (z.size() != affine_.size()) {
-    std::ostringstream why;
-    why << "contact: the point has " << z.size() << " entries, the encoding " << affine_.size();
-    throw std::invalid_argument(why.str());
+    refuse_input("contact: the point has ", z.size(), " entries, the encoding ", affine_.size());
   }
   Solution solution;
   solution.r = units_.impulse * (B_ * z);

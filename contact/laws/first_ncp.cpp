@@ -2,11 +2,10 @@
 
 #include <algorithm>
 #include <sstream>
-#include <stdexcept>
+
+#include "lcp/words.hpp"
 
 namespace perp::contact {
-namespace {}  // namespace
-
 FirstNcp::FirstNcp(const Problem& problem, const FirstNcpOptions& options)
     : dimension_(problem.dimension), mu_(problem.mu), weight_(options.weight) {
   check(problem);
@@ -145,9 +144,7 @@ Vec FirstNcp::start() const {
 
 Solution FirstNcp::recover(In x) const {
   if (x.size() != size()) {
-    std::ostringstream why;
-    why << name_ << ": the point has " << x.size() << " entries, the problem " << size();
-    throw std::invalid_argument(why.str());
+    refuse_input(name_, ": the point has ", x.size(), " entries, the problem ", size());
   }
   const Vec r = impulses(x);
   return {units_.impulse * r, units_.velocity * (W_ * r + q_)};

@@ -1,10 +1,9 @@
 #include "contact/laws/frictionless.hpp"
 
 #include <cmath>
-#include <sstream>
-#include <stdexcept>
 
 #include "contact/laws/encoding_builder.hpp"
+#include "lcp/words.hpp"
 
 namespace perp::contact {
 namespace {
@@ -19,19 +18,14 @@ EncodingBuilder frictionless_rows(const Problem& problem, const EncodingOptions&
 
 Problem with_newton_impact(Problem problem, In e, In before) {
   check(problem);
-  std::ostringstream why;
   const Index n = problem.contacts();
-  if (e.size() != n || before.size() != n) {
-    why << "Newton's impact: " << e.size() << " coefficients and " << before.size() << " velocities for " << n
-        << " contacts";
-    throw std::invalid_argument(why.str());
-  }
+  if (e.size() != n || before.size() != n)
+    refuse_input("Newton's impact: ", e.size(), " coefficients and ", before.size(), " velocities for ", n,
+                 " contacts");
   for (Index a = 0; a < n; ++a) {
-    if (!(e[a] >= 0 && e[a] <= 1) || !std::isfinite(before[a])) {
-      why << "Newton's impact: contact " << a << " has the coefficient " << e[a] << " and the velocity " << before[a]
-          << " before the impact";
-      throw std::invalid_argument(why.str());
-    }
+    if (!(e[a] >= 0 && e[a] <= 1) || !std::isfinite(before[a]))
+      refuse_input("Newton's impact: contact ", a, " has the coefficient ", e[a], " and the velocity ", before[a],
+                   " before the impact");
     problem.q[problem.dimension * a] += e[a] * before[a];
   }
   return problem;

@@ -19,7 +19,6 @@
 ///     kappa_1 = kappa_3 + w_2 + w_1 / sqrt 3,   kappa_2 = kappa_3 + w_2 - w_1 / sqrt 3,   w = -u_T - c r_T kappa_D.
 /// In 2D the disk is an interval and two facets are exact: (r_N, r_T, kappa_1, kappa_2) and (r_N, s_1, kappa_2),
 /// affine. Frictionless contacts have r_N alone.
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
-#include <sstream>
-#include <stdexcept>
 #include <utility>
+
+#include "lcp/words.hpp"
 
 namespace perp::contact {
 namespace {
@@ -14,15 +14,13 @@ namespace {
 using Index = lcp::Index;
 using Matrix = Polygon::Matrix;
 
-void refuse(const std::string& why) { throw std::invalid_argument("polygon: " + why); }
+void refuse(const std::string& why) { refuse_input("polygon: ", why); }
 
 /// K points at equal angles on the circle of this radius.
 Matrix on_circle(int K, double first, double radius) {
   if (K < 3) refuse(std::to_string(K) + " facets; a polygon has at least 3");
   if (!std::isfinite(first)) {
-    std::ostringstream why;
-    why << "the rotation is " << first;
-    refuse(why.str());
+    refuse(text_of("the rotation is ", first));
   }
   Matrix points(2, K);
   for (int j = 0; j < K; ++j) {
@@ -59,11 +57,8 @@ Polygon Polygon::interval() {
 }
 
 Polygon Polygon::of_vertices(const Matrix& vertices) {
-  std::ostringstream why;
-  if (vertices.rows() != 2 || vertices.cols() < 3) {
-    why << "the matrix of vertices is " << vertices.rows() << " x " << vertices.cols() << ", not 2 x K with K >= 3";
-    refuse(why.str());
-  }
+  if (vertices.rows() != 2 || vertices.cols() < 3)
+    refuse(text_of("the matrix of vertices is ", vertices.rows(), " x ", vertices.cols(), ", not 2 x K with K >= 3"));
   const Index K = vertices.cols();
   for (Index j = 0; j < K; ++j)
     if (!vertices.col(j).allFinite()) refuse("vertex " + std::to_string(j + 1) + " is not finite");
@@ -92,12 +87,8 @@ Polygon Polygon::of_vertices(const Matrix& vertices) {
 }
 
 Polygon Polygon::transformed(const Matrix& A) const {
-  std::ostringstream why;
   const Index d = vertices_.rows();
-  if (A.rows() != d || A.cols() != d) {
-    why << "the map is " << A.rows() << " x " << A.cols() << ", not " << d << " x " << d;
-    refuse(why.str());
-  }
+  if (A.rows() != d || A.cols() != d) refuse(text_of("the map is ", A.rows(), " x ", A.cols(), ", not ", d, " x ", d));
   const double determinant = d == 1 ? A(0, 0) : A(0, 0) * A(1, 1) - A(0, 1) * A(1, 0);
   if (!A.allFinite() || !(std::abs(determinant) > 0)) refuse("the map is singular or not finite");
   if (d == 1) return {A * vertices_, normals_ / determinant};

@@ -1,13 +1,12 @@
 #include "contact/model/bilateral.hpp"
 
 #include <new>
-#include <sstream>
 #include <stdexcept>
-#include <utility>
 #include <vector>
 
 #include "contact/model/checks.hpp"
 #include "lcp/solve/schur.hpp"
+#include "lcp/words.hpp"
 
 namespace perp::contact {
 namespace {
@@ -52,9 +51,7 @@ BilateralContact::BilateralContact(const Global& global, int dimension, Unknowns
     : global_(global), dimension_(dimension), unknowns_(unknowns) {
   check_dimension(dimension);
   if (global.H.cols() % dimension != 0) {
-    std::ostringstream why;
-    why << "bilateral contact: H has " << global.H.cols() << " columns, no multiple of the dimension " << dimension;
-    throw std::invalid_argument(why.str());
+    refuse_input("bilateral contact: H has ", global.H.cols(), " columns, no multiple of the dimension ", dimension);
   }
   check(global, global.H.cols());
   H_N_ = normal_columns(global.H, dimension);
@@ -87,10 +84,8 @@ void BilateralContact::in_multipliers() {
   if (schur.status == lcp::LuStatus::OutOfMemory || lu_.factor(global_.M) == lcp::LuStatus::OutOfMemory)
     throw std::bad_alloc();
   if (schur.status != lcp::LuStatus::Ok || schur.rcond < singular) {
-    std::ostringstream why;
-    why << "bilateral contact: the inertia M is singular (" << lcp::to_string(schur.status)
-        << ", reciprocal condition number " << schur.rcond << ")";
-    throw std::invalid_argument(why.str());
+    refuse_input("bilateral contact: the inertia M is singular (", lcp::to_string(schur.status),
+                 ", reciprocal condition number ", schur.rcond, ")");
   }
   mlcp_.A = part(schur.S, 0, k, 0, k);
   mlcp_.C = part(schur.S, 0, k, k, n);
@@ -102,10 +97,8 @@ void BilateralContact::in_multipliers() {
 
 BilateralContact::Point BilateralContact::recover(const lcp::MlcpPoint& point) const {
   if (point.u.size() != mlcp_.a.size() || point.v.size() != mlcp_.b.size()) {
-    std::ostringstream why;
-    why << "bilateral contact: the point has " << point.u.size() << " + " << point.v.size() << " entries, not "
-        << mlcp_.a.size() << " + " << mlcp_.b.size();
-    throw std::invalid_argument(why.str());
+    refuse_input("bilateral contact: the point has ", point.u.size(), " + ", point.v.size(), " entries, not ",
+                 mlcp_.a.size(), " + ", mlcp_.b.size());
   }
   Point result;
   result.lambda = point.u.tail(global_.G.cols());

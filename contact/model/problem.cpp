@@ -1,28 +1,22 @@
 #include "contact/model/problem.hpp"
 
 #include <cmath>
-#include <sstream>
-#include <stdexcept>
 
 #include "contact/model/checks.hpp"
+#include "lcp/words.hpp"
 
 namespace perp::contact {
 namespace {
 
 template <class... Parts>
 [[noreturn]] void refuse(const Parts&... parts) {
-  std::ostringstream why;
-  why << "contact problem: ";
-  (why << ... << parts);
-  throw std::invalid_argument(why.str());
+  refuse_input("contact problem: ", parts...);
 }
 
 /// "contact 3, component T1 (entry 10)": where entry i of a vector over the contacts stands.
 std::string place(Index i, int dimension) {
   static constexpr const char* components[] = {"N", "T1", "T2"};
-  std::ostringstream text;
-  text << "contact " << i / dimension << ", component " << components[i % dimension] << " (entry " << i << ")";
-  return text.str();
+  return text_of("contact ", i / dimension, ", component ", components[i % dimension], " (entry ", i, ")");
 }
 
 void check_size(const char* what, Index size, Index expected, const char* why) {

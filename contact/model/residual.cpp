@@ -3,11 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <sstream>
-#include <stdexcept>
 
 #include "contact/model/natural_map.hpp"
 #include "contact/model/velocities.hpp"
+#include "lcp/words.hpp"
 
 namespace perp::contact {
 namespace {
@@ -49,16 +48,9 @@ double unit(const SpMat& W) {
 }
 
 void check_impulses(const Problem& problem, In r) {
-  std::ostringstream why;
-  if (r.size() != problem.q.size()) {
-    why << "r has " << r.size() << " entries, not " << problem.q.size();
-    throw std::invalid_argument(why.str());
-  }
+  if (r.size() != problem.q.size()) refuse_input("r has ", r.size(), " entries, not ", problem.q.size());
   for (Index i = 0; i < r.size(); ++i)
-    if (!std::isfinite(r[i])) {
-      why << "r[" << i << "] is " << r[i];
-      throw std::invalid_argument(why.str());
-    }
+    if (!std::isfinite(r[i])) refuse_input("r[", i, "] is ", r[i]);
 }
 
 /// x in units of what it is compared with.

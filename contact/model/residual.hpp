@@ -2,7 +2,6 @@
 /// The judge of contact problems. It uses r and the problem only, and does not depend on the formulation:
 ///     u = W r + q,   uhat = u + mu |u_T| e_N,   e_rho(r) = r - P_K(r - rho uhat)   contact by contact,
 /// zero exactly at solutions, for every rho > 0 (natural map; Acary & Brogliato 2008, 13.3; INRIA RR-9118, 3).
-#include <string>
 #include <vector>
 
 #include "contact/model/problem.hpp"

@@ -4,17 +4,15 @@
 #include <chrono>
 #include <cmath>
 #include <numbers>
-#include <sstream>
-#include <stdexcept>
+
+#include "lcp/words.hpp"
 
 namespace perp::contact {
 namespace {
 
 void check(const char* option, double value, bool valid, const char* range) {
   if (valid && std::isfinite(value)) return;
-  std::ostringstream why;
-  why << "ball: " << option << " is " << value << "; it must be " << range;
-  throw std::invalid_argument(why.str());
+  refuse_input("ball: ", option, " is ", value, "; it must be ", range);
 }
 
 constexpr double most_steps = 1e7;

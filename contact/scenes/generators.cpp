@@ -5,20 +5,18 @@
 #include <cmath>
 #include <numbers>
 #include <sstream>
-#include <stdexcept>
 #include <vector>
 
 #include "contact/scenes/random.hpp"
 #include "lcp/memory.hpp"
+#include "lcp/words.hpp"
 
 namespace perp::contact {
 namespace {
 
 void require(bool condition, const char* scene, const char* what, double value) {
   if (condition) return;
-  std::ostringstream why;
-  why << scene << ": " << what << " is " << value;
-  throw std::invalid_argument(why.str());
+  refuse_input(scene, ": ", what, " is ", value);
 }
 void require_count(const char* scene, const char* what, int value, int least = 1) {
   require(value >= least, scene, what, value);
@@ -287,7 +285,7 @@ Scene make_scene(std::string_view name, Index contacts, unsigned seed) {
     if (entry.name == name) return entry.make(contacts, seed);
     known << (known.tellp() > 0 ? ", " : "") << entry.name;
   }
-  throw std::invalid_argument("generators: there is no " + std::string(name) + "; there are " + known.str());
+  refuse_input("generators: there is no ", name, "; there are ", known.str());
 }
 
 }  // namespace perp::contact

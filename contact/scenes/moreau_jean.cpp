@@ -2,46 +2,37 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
-#include <stdexcept>
 #include <utility>
 
-#include "contact/laws/inner_faceting.hpp"
-#include "contact/laws/outer_faceting.hpp"
-#include "contact/solvers/solve.hpp"
+#include "contact/solvers/run.hpp"
+#include "lcp/words.hpp"
 
 namespace perp::contact {
 namespace {
 
-template <class... Parts>
-std::string words(const Parts&... parts) {
-  std::ostringstream text;
-  (text << ... << parts);
-  return text.str();
-}
-
-[[noreturn]] void refuse(const std::string& why) { throw std::invalid_argument("time stepping: " + why); }
+[[noreturn]] void refuse(const std::string& why) { refuse_input("time stepping: ", why); }
 
 void check(const MovingBody& body, std::size_t i) {
   const bool finite = body.inertia.allFinite() && body.centre.allFinite() && body.velocity.allFinite() &&
                       body.spin.allFinite() && std::isfinite(body.mass) && body.attitude.allFinite();
-  if (!finite || !(body.mass > 0)) refuse(words("body ", i, " has the mass ", body.mass, ", or a part is not finite"));
+  if (!finite || !(body.mass > 0))
+    refuse(text_of("body ", i, " has the mass ", body.mass, ", or a part is not finite"));
   if (Eigen::LLT<Mat3>(body.inertia).info() != Eigen::Success)
-    refuse(words("the inertia of body ", i, " is not positive definite"));
+    refuse(text_of("the inertia of body ", i, " is not positive definite"));
   const Mat3 deviation = body.attitude.transpose() * body.attitude - Mat3::Identity();
   if (!(deviation.norm() < 1e-8 && body.attitude.determinant() > 0))
-    refuse(words("the attitude of body ", i, " is no rotation: its determinant is ", body.attitude.determinant()));
-  if (!body.turns && body.spin != Vec3::Zero()) refuse(words("body ", i, " cannot turn, but spins"));
+    refuse(text_of("the attitude of body ", i, " is no rotation: its determinant is ", body.attitude.determinant()));
+  if (!body.turns && body.spin != Vec3::Zero()) refuse(text_of("body ", i, " cannot turn, but spins"));
   for (const MovingBody::Knob& knob : body.knobs)
     if (!knob.at.allFinite() || !(knob.radius >= 0) || !std::isfinite(knob.radius))
-      refuse(words("a knob of body ", i, " has the radius ", knob.radius, ", or its place is not finite"));
+      refuse(text_of("a knob of body ", i, " has the radius ", knob.radius, ", or its place is not finite"));
 }
 
 void check(const Plane& plane, std::size_t i) {
   if (!(std::abs(plane.normal.norm() - 1) < 1e-12) || !plane.point.allFinite() || !std::isfinite(plane.frame))
-    refuse(words("the normal of plane ", i, " has the length ", plane.normal.norm(), ", or a part is not finite"));
-  if (!(plane.mu >= 0) || !std::isfinite(plane.mu)) refuse(words("mu of plane ", i, " is ", plane.mu, ", not >= 0"));
-  if (!(plane.e >= 0 && plane.e <= 1)) refuse(words("e of plane ", i, " is ", plane.e, ", not in [0, 1]"));
+    refuse(text_of("the normal of plane ", i, " has the length ", plane.normal.norm(), ", or a part is not finite"));
+  if (!(plane.mu >= 0) || !std::isfinite(plane.mu)) refuse(text_of("mu of plane ", i, " is ", plane.mu, ", not >= 0"));
+  if (!(plane.e >= 0 && plane.e <= 1)) refuse(text_of("e of plane ", i, " is ", plane.e, ", not in [0, 1]"));
 }
 
 Mat3 rotation(const Vec3& turn) {
@@ -94,26 +85,19 @@ MovingBody MovingBody::box(double mass, const Vec3& edges) {
 }
 
 std::string name(const FrictionLaw& law) {
-  switch (law.kind) {
-    case FrictionLaw::Kind::Inner:
-      return words("inner:", law.facets);
-    case FrictionLaw::Kind::Outer:
-      return words("outer:", law.facets);
-    case FrictionLaw::Kind::Coulomb:
-      break;
-  }
-  return "exact";
+  if (law.kind == FrictionLaw::Kind::Coulomb) return "exact";
+  return text_of(law.kind == FrictionLaw::Kind::Inner ? "inner:" : "outer:", law.facets);
 }
 
 std::optional<std::string> invalid(const SteppingOptions& options) {
-  if (!(options.h > 0) || !std::isfinite(options.h)) return words("h is ", options.h, " s; it must be positive");
+  if (!(options.h > 0) || !std::isfinite(options.h)) return text_of("h is ", options.h, " s; it must be positive");
   if (!(options.theta >= 0.5 && options.theta <= 1))
-    return words("theta is ", options.theta, "; it must be in [1/2, 1]");
-  if (!(options.gamma >= 0 && options.gamma <= 1)) return words("gamma is ", options.gamma, "; it must be in [0, 1]");
+    return text_of("theta is ", options.theta, "; it must be in [1/2, 1]");
+  if (!(options.gamma >= 0 && options.gamma <= 1)) return text_of("gamma is ", options.gamma, "; it must be in [0, 1]");
   if (!options.gravity.allFinite()) return "gravity is not finite";
-  if (!(options.tol > 0)) return words("tol is ", options.tol, "; it must be positive");
+  if (!(options.tol > 0)) return text_of("tol is ", options.tol, "; it must be positive");
   if (options.law.kind != FrictionLaw::Kind::Coulomb && options.law.facets < 3)
-    return words("a polygon of ", options.law.facets, " facets; it must have at least 3");
+    return text_of("a polygon of ", options.law.facets, " facets; it must have at least 3");
   return std::nullopt;
 }
 
@@ -156,7 +140,7 @@ Vec MoreauJean::loads() const {
   const double t = time_ + 0.5 * options_.h;
   for (std::size_t i = 0; options_.load && i < bodies_.size(); ++i)
     load.segment<3>(6 * static_cast<Index>(i)) = options_.h * options_.load(i, t);
-  if (!load.allFinite()) refuse(words("the load at t = ", t, " s is not finite"));
+  if (!load.allFinite()) refuse(text_of("the load at t = ", t, " s is not finite"));
   return load;
 }
 
@@ -230,17 +214,13 @@ bool MoreauJean::solve(const Problem& problem, Step& step) {
     step.residual = result.residual;
     return result.solved();
   }
-  const int K = options_.law.facets;
-  const auto run = [&](const AffineEncoding& encoding) {
-    lcp::Result result = contact::solve(encoding, {.tol = options_.tol});
-    step.message = std::move(result.message);
-    step.iterations = result.iterations;
-    step.solution = encoding.recover(result.z);
-    step.residual = residual(problem, step.solution.r);
-    return result.solved();
-  };
-  return options_.law.kind == FrictionLaw::Kind::Inner ? run(InnerFaceting(problem, {Polygon::inscribed(K)}))
-                                                       : run(OuterFaceting(problem, {Polygon::circumscribed(K)}));
+  const AffineEncoding encoding = encoding_of(problem, variant_of(name(options_.law)));
+  lcp::Result result = contact::solve(encoding, {.tol = options_.tol});
+  step.message = std::move(result.message);
+  step.iterations = result.iterations;
+  step.solution = encoding.recover(result.z);
+  step.residual = residual(problem, step.solution.r);
+  return result.solved();
 }
 
 /// Poses from v_theta, velocities from v.

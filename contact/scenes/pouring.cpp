@@ -3,14 +3,12 @@
 #include <array>
 #include <cmath>
 #include <numbers>
-#include <sstream>
-#include <stdexcept>
 #include <unordered_map>
-#include <utility>
 #include <vector>
 
 #include "contact/scenes/generators.hpp"
 #include "contact/scenes/random.hpp"
+#include "lcp/words.hpp"
 
 namespace perp::contact {
 namespace {
@@ -116,9 +114,7 @@ void settle(const Pile& pile, Ball& ball) {
 Scene make_scene(const Spheres& o) {
   const auto require = [](bool condition, const char* what, double value) {
     if (condition) return;
-    std::ostringstream why;
-    why << "spheres: " << what << " is " << value;
-    throw std::invalid_argument(why.str());
+    refuse_input("spheres: ", what, " is ", value);
   };
   require(o.spheres >= 1, "the number of spheres", o.spheres);
   require(o.radius > 0 && std::isfinite(o.radius), "the radius", o.radius);

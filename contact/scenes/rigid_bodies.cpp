@@ -1,18 +1,15 @@
 #include "contact/scenes/rigid_bodies.hpp"
 
 #include <cmath>
-#include <sstream>
-#include <stdexcept>
+
+#include "lcp/words.hpp"
 
 namespace perp::contact {
 namespace {
 
 template <class... Parts>
 [[noreturn]] void refuse(const Parts&... parts) {
-  std::ostringstream why;
-  why << "rigid bodies: ";
-  (why << ... << parts);
-  throw std::invalid_argument(why.str());
+  refuse_input("rigid bodies: ", parts...);
 }
 
 using Triplets = std::vector<Eigen::Triplet<double, int>>;

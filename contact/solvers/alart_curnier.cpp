@@ -4,8 +4,6 @@
 #include <utility>
 
 namespace perp::contact {
-namespace {}  // namespace
-
 AlartCurnierRows alart_curnier_rows(int size, const Eigen::Vector3d& r, const Eigen::Vector3d& u, double rho_N,
                                     double rho_T) {
   AlartCurnierRows out;

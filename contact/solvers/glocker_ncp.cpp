@@ -1,7 +1,6 @@
 /// GlockerNcp: any method of ncp/ on Glocker's NCP, with delta continued where the disk row has one.
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "contact/solvers/referee.hpp"
 

@@ -1,7 +1,6 @@
 #include "contact/solvers/run.hpp"
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <optional>
 #include <stdexcept>
@@ -149,6 +148,14 @@ void ask_existence(Run& run, const Problem& problem, const Variant& variant, con
 
 }  // namespace
 
+AffineEncoding encoding_of(const Problem& problem, const Variant& variant) {
+  const EncodingOptions form{.form = variant.form};
+  if (variant.law == Law::Inner) return InnerFaceting(problem, variant.polygons(problem.dimension), form);
+  if (variant.law == Law::Outer) return OuterFaceting(problem, variant.polygons(problem.dimension), form);
+  if (variant.law == Law::Frictionless) return Frictionless(problem);
+  throw std::invalid_argument("contact: formulation " + variant.formulation() + " is no affine problem");
+}
+
 long Run::steps() const {
   long sum = 0;
   for (const auto& [what, n] : counts)
@@ -175,24 +182,12 @@ void judge(Run& run, const Problem& problem, const Variant& variant) {
 Run run(const Problem& problem, const Variant& variant, const RunLimits& limits) {
   const Clock::time_point begin = Clock::now();
   Run run;
-  const EncodingOptions form{.form = variant.form};
-  switch (variant.law) {
-    case Law::Glocker:
-      run_glocker(run, problem, variant, limits);
-      break;
-    case Law::Ncp1:
-      run_first_ncp(run, problem, variant, limits);
-      break;
-    case Law::Inner:
-      run_affine(run, InnerFaceting(problem, variant.polygons(problem.dimension), form), variant, limits, begin);
-      break;
-    case Law::Outer:
-      run_affine(run, OuterFaceting(problem, variant.polygons(problem.dimension), form), variant, limits, begin);
-      break;
-    case Law::Frictionless:
-      run_affine(run, Frictionless(problem), variant, limits, begin);
-      break;
-  }
+  if (variant.law == Law::Glocker)
+    run_glocker(run, problem, variant, limits);
+  else if (variant.law == Law::Ncp1)
+    run_first_ncp(run, problem, variant, limits);
+  else
+    run_affine(run, encoding_of(problem, variant), variant, limits, begin);
   run.solved = run.status == Status::Solved;
   if (variant.law != Law::Glocker) ask_existence(run, problem, variant, limits, Clock::now() - begin);
   run.seconds = Seconds(Clock::now() - begin).count();

@@ -52,6 +52,9 @@ struct Run {
 /// solver is not one for the law.
 Run run(const Problem& problem, const Variant& variant, const RunLimits& limits = {});
 
+/// The affine problem of a law that is not exact. Throws std::invalid_argument for the others.
+AffineEncoding encoding_of(const Problem& problem, const Variant& variant);
+
 /// Fills in the residual and the states of run.solution.r by the judge of the exact law.
 void judge(Run& run, const Problem& problem, const Variant& variant);
 

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <sstream>
-#include <stdexcept>
 #include <utility>
 
 #include "contact/solvers/referee.hpp"
 #include "lcp/judge/result.hpp"
+#include "lcp/words.hpp"
 
 namespace perp::contact {
 namespace {
@@ -69,25 +69,11 @@ void describe(GlockerNcp& m, ncp::Fields& f) {
 }
 
 std::string_view to_string(Origin origin) {
-  switch (origin) {
-    case Origin::Zero:
-      return "zero";
-    case Origin::WarmStart:
-      return "warm-start";
-    case Origin::Sweeps:
-      return "sweeps";
-    case Origin::Homotopy:
-      return "homotopy";
-    case Origin::Newton:
-      return "newton";
-    case Origin::DampedNewton:
-      return "damped-newton";
-    case Origin::Proximal:
-      return "proximal";
-    case Origin::Ncp:
-      return "ncp";
-  }
-  return "?";
+  using enum Origin;
+  static constexpr std::pair<Origin, std::string_view> words[] = {
+      {Zero, "zero"},     {WarmStart, "warm-start"},       {Sweeps, "sweeps"},     {Homotopy, "homotopy"},
+      {Newton, "newton"}, {DampedNewton, "damped-newton"}, {Proximal, "proximal"}, {Ncp, "ncp"}};
+  return word_of(origin, words);
 }
 
 std::optional<std::string> invalid(const Options& given) {
@@ -221,11 +207,10 @@ Result Referee::result(const std::string& message) {
 
 Result solve(const Problem& problem, const Options& options) {
   check(problem);
-  if (const auto why = invalid(options)) throw std::invalid_argument("contact::solve: " + *why);
+  if (const auto why = invalid(options)) refuse_input("contact::solve: ", *why);
   if (options.start.size() != 0 && (options.start.size() != problem.q.size() || !options.start.allFinite()))
-    throw std::invalid_argument("contact::solve: the start has " + std::to_string(options.start.size()) +
-                                " entries, or some that are not finite; the problem has " +
-                                std::to_string(problem.q.size()));
+    refuse_input("contact::solve: the start has ", options.start.size(),
+                 " entries, or some that are not finite; the problem has ", problem.q.size());
   const bool scale = std::visit([](const auto& m) { return scales(m); }, options.method);
   const Scaled coordinates = scaled(problem, scale);
   Referee referee(problem, coordinates, options);

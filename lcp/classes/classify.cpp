@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <sstream>
-#include <stdexcept>
 
 #include "lcp/classes/classify_parts.hpp"
 #include "lcp/linalg/block_triangular.hpp"
 #include "lcp/lu/sparse_lu.hpp"
+#include "lcp/words.hpp"
 
 namespace perp::lcp {
 namespace {
@@ -333,27 +333,15 @@ class Classifier {
 };
 
 void check(const SpMat& M, const ClassifyOptions& options) {
-  std::ostringstream what;
-  what << "classify: ";
-  if (M.rows() != M.cols()) {
-    what << "M is " << M.rows() << " x " << M.cols() << ", not square";
-    throw std::invalid_argument(what.str());
-  }
+  if (M.rows() != M.cols()) refuse_input("classify: M is ", M.rows(), " x ", M.cols(), ", not square");
   for (Index j = 0; j < M.cols(); ++j)
     for (SpMat::InnerIterator it(M, j); it; ++it)
-      if (!std::isfinite(it.value())) {
-        what << "M of row " << it.row() << ", column " << j << " is " << it.value();
-        throw std::invalid_argument(what.str());
-      }
-  if (!(options.tol > 0 && options.tol < 1)) {
-    what << "tol is " << options.tol << ", not in (0, 1)";
-    throw std::invalid_argument(what.str());
-  }
+      if (!std::isfinite(it.value())) refuse_input("classify: M of row ", it.row(), ", column ", j, " is ", it.value());
+  if (!(options.tol > 0 && options.tol < 1)) refuse_input("classify: tol is ", options.tol, ", not in (0, 1)");
   for (const auto& [name, value] :
        {std::pair{"minors_to", options.minors_to}, {"p0_to", options.p0_to}, {"copositive_to", options.copositive_to}})
     if (value > 30) {
-      what << name << " is " << value << "; 2^n minors are too many beyond 30";
-      throw std::invalid_argument(what.str());
+      refuse_input("classify: ", name, " is ", value, "; 2^n minors are too many beyond 30");
     }
 }
 
@@ -429,15 +417,10 @@ JacobiRadius jacobi_radius(const SpMat& M, const std::vector<int>& component, in
 }
 
 std::string_view to_string(Answer answer) {
-  switch (answer) {
-    case Answer::No:
-      return "no";
-    case Answer::Yes:
-      return "yes";
-    case Answer::NotDecided:
-      return "not decided";
-  }
-  return "?";
+  using enum Answer;
+  static constexpr std::pair<Answer, std::string_view> words[] = {
+      {No, "no"}, {Yes, "yes"}, {NotDecided, "not decided"}};
+  return word_of(answer, words);
 }
 
 Property positive_semidefinite(const SpMat& M, const ClassifyOptions& options) {
@@ -458,7 +441,7 @@ Diagnosis classify(const SpMat& M, const ClassifyOptions& options) {
 }
 
 Diagnosis classify(const AffineMcp& problem, const ClassifyOptions& options) {
-  if (const auto why = problem.invalid()) throw std::invalid_argument("classify: " + *why);
+  if (const auto why = problem.invalid()) refuse_input("classify: ", *why);
   const Box& box = problem.box;
   std::vector<Index> kept;
   std::vector<int> number(at(problem.size()), -1);

@@ -4,15 +4,12 @@
 
 #include "lcp/classes/classify_parts.hpp"
 #include "lcp/linalg/cholesky.hpp"
+#include "lcp/words.hpp"
 
 namespace perp::lcp {
 namespace {
 
-std::string form_reason(double value, const char* relation) {
-  std::ostringstream out;
-  out << "v'Mv = " << value << relation;
-  return out.str();
-}
+std::string form_reason(double value, const char* relation) { return text_of("v'Mv = ", value, relation); }
 
 void refute(Property& property, const Vec& v, double value) {
   property = {.answer = Answer::No, .reason = form_reason(value, value < 0 ? " < 0" : ""), .vector = v};

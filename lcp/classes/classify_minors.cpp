@@ -1,8 +1,6 @@
 #include <Eigen/Dense>
-#include <bit>
 #include <cmath>
 #include <cstdint>
-#include <sstream>
 
 #include "lcp/classes/classify_parts.hpp"
 

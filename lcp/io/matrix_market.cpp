@@ -13,9 +13,6 @@
 #include <limits>
 #include <memory>
 #include <new>
-#include <optional>
-#include <string_view>
-#include <utility>
 #include <vector>
 
 #include "lcp/io/output_file.hpp"

@@ -1,13 +1,13 @@
 #pragma once
 /// Text files of numbers separated by blanks and line ends, read one after the other; what does not fit is refused by
 /// FileError with line and reason. Private to the readers of the project.
-#include <sstream>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "lcp/io/file_error.hpp"
 #include "lcp/types.hpp"
+#include "lcp/words.hpp"
 
 namespace perp::lcp {
 
@@ -18,9 +18,7 @@ class Numbers {
 
   template <class... Parts>
   [[noreturn]] void refuse(const Parts&... parts) const {
-    std::ostringstream why;
-    (why << ... << parts);
-    throw FileError(name_, line_, why.str());
+    throw FileError(name_, line_, text_of(parts...));
   }
 
   Index integer(const char* what, Index least, Index most);

@@ -60,10 +60,9 @@ Result fb_newton(const AffineMcp& problem, In start, const FbNewton& options, co
   Vec z = project(problem.box, start);
   Vec d;
   Equations at = fb_equations(problem, z);
-  Reference reference(options.memory);
-  reference.push(at.merit());
-  double lowest = at.merit();
-  long lowest_at = 0;
+  Memory memory(options.memory);
+  memory.push(at.merit());
+  Stall stall(60, 0.9, at.merit());
   const auto iterate = [&] {
     for (; !solves(problem, best.z(), limits.tol); ++k) {
       if (const auto stop = limits.reached()) return end(*stop, "stopped between two steps");
@@ -72,23 +71,19 @@ Result fb_newton(const AffineMcp& problem, In start, const FbNewton& options, co
       if (system.newton(at, d)) {
         const double slope = system.gradient(at).dot(d);
         if (slope <= -options.descent_rho * std::pow(d.norm(), options.descent_p))
-          t = backtrack(merit, z, d, reference.value(), -options.armijo * slope, options.shortest);
+          t = backtrack(merit, z, d, memory.reference(), -options.armijo * slope, options.shortest);
         if (t > 0) z += t * d;
       }
-      if (t == 0 && !safe_step(problem, system, at, reference.value(), z))
+      if (t == 0 && !safe_step(problem, system, at, memory.reference(), z))
         return end(Status::Stalled,
                    "a stationary point of ||Phi||^2 (Fischer-Burmeister) that is no solution, or rounding");
       at = fb_equations(problem, z);
       if (!std::isfinite(at.merit())) return end(Status::Stalled, "the iterates overflow");
-      reference.push(at.merit());
+      memory.push(at.merit());
       best.offer(z);
       last_digits.offer(z, best);
-      if (at.merit() < 0.9 * lowest) {
-        lowest = at.merit();
-        lowest_at = k;
-      } else if (k - lowest_at >= 60) {
+      if (stall.stalled(at.merit()))
         return end(Status::Stalled, "||Phi||^2 (Fischer-Burmeister) has not fallen by a tenth in 60 steps");
-      }
     }
     return end(Status::Stalled, "");
   };

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <optional>
-#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -12,6 +10,7 @@
 #include "lcp/judge/cell.hpp"
 #include "lcp/judge/shared_options.hpp"
 #include "lcp/linalg/quasi_definite.hpp"
+#include "lcp/words.hpp"
 
 namespace perp::lcp {
 namespace {
@@ -167,11 +166,9 @@ class Run {
       if (short_steps >= 3 || (pairs_ > 0 && gap(x_) < 1e-28)) {
         finish(true);
         if (infeasible()) return proven();
-        std::ostringstream why;
-        why << "the steps have become short (" << alpha << ") at mu = " << gap(x_)
-            << ", |M z + q - w + v| = " << residual(x_).cwiseAbs().maxCoeff()
-            << ", |z| = " << x_.z.cwiseAbs().maxCoeff() << " (scaled)";
-        return end(Status::Stalled, why.str());
+        return end(Status::Stalled, text_of("the steps have become short (", alpha, ") at mu = ", gap(x_),
+                                            ", |M z + q - w + v| = ", residual(x_).cwiseAbs().maxCoeff(),
+                                            ", |z| = ", x_.z.cwiseAbs().maxCoeff(), " (scaled)"));
       }
     }
   }

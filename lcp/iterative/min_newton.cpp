@@ -33,11 +33,10 @@ Result min_newton(const AffineMcp& problem, In start, const MinNewton& options, 
   const auto merit = [&](const Vec& point) { return min_equations(problem, point).merit(); };
 
   Vec z = project(problem.box, start);
-  Reference reference(options.memory);
+  Memory memory(options.memory);
   double psi = merit(z);
-  reference.push(psi);
-  double lowest = psi;
-  long lowest_at = 0;
+  memory.push(psi);
+  Stall stall(60, 0.9, psi);
   const auto iterate = [&] {
     for (; !solves(problem, best.z(), limits.tol); ++k) {
       if (const auto stop = limits.reached()) return end(*stop, "stopped between two steps");
@@ -48,7 +47,7 @@ Result min_newton(const AffineMcp& problem, In start, const MinNewton& options, 
       if (status == LuStatus::Ok) {
         const Vec d = cells.z() - z;
         best.offer(cells.z());
-        t = backtrack(merit, z, d, reference.value(), options.armijo * 2 * psi, options.shortest);
+        t = backtrack(merit, z, d, memory.reference(), options.armijo * 2 * psi, options.shortest);
         if (t > 0) z = t == 1 ? cells.z() : Vec(z + t * d);
       }
       if (t == 0) {
@@ -57,18 +56,13 @@ Result min_newton(const AffineMcp& problem, In start, const MinNewton& options, 
           return end(Status::Stalled,
                      "a stationary point of the merit functions of min and Fischer-Burmeister that is "
                      "no solution, or rounding");
-        reference.restart(merit(z));
+        memory.reset(merit(z));
       }
       best.offer(z);
       psi = merit(z);
-      reference.push(psi);
+      memory.push(psi);
       if (!std::isfinite(psi)) return end(Status::Stalled, "the iterates overflow");
-      if (psi < 0.9 * lowest) {
-        lowest = psi;
-        lowest_at = k;
-      } else if (k - lowest_at >= 60) {
-        return end(Status::Stalled, "||H||^2 has not fallen by a tenth in 60 steps");
-      }
+      if (stall.stalled(psi)) return end(Status::Stalled, "||H||^2 has not fallen by a tenth in 60 steps");
     }
     return end(Status::Stalled, "");
   };

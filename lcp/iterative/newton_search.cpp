@@ -1,6 +1,6 @@
 #include "lcp/iterative/newton_search.hpp"
 
-#include <cmath>
+#include <algorithm>
 
 namespace perp::lcp {
 

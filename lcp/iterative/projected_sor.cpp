@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <sstream>
 #include <vector>
 
 #include "lcp/judge/shared_options.hpp"
+#include "lcp/words.hpp"
 
 namespace perp::lcp {
 namespace {
@@ -90,9 +90,7 @@ class Sor {
 
   Result run() {
     if (const Index i = unfit(); i >= 0) {
-      std::ostringstream why;
-      why << "M has the diagonal entry " << diagonal_[i] << " at index " << i + 1;
-      return end(Status::NotApplicable, why.str());
+      return end(Status::NotApplicable, text_of("M has the diagonal entry ", diagonal_[i], " at index ", i + 1));
     }
     best_ = z_;
     best_residual_ = natural_residual(problem_, z_);
@@ -125,20 +123,13 @@ class Sor {
   }
 
  private:
-  static std::string text(double value) {
-    std::ostringstream out;
-    out << value;
-    return out.str();
-  }
-
-  bool fixed(Index i) const { return problem_.box.lower[i] == problem_.box.upper[i]; }
+  static std::string text(double value) { return text_of(value); }
 
   /// A variable whose one-variable problem is not uniquely solvable; -1 if there is none.
   Index unfit() const {
     if (options_.block > 1) return -1;  // the blocks' own problems tell
     for (Index i = 0; i < problem_.size(); ++i) {
-      const bool free = problem_.box.lower[i] == -infinity && problem_.box.upper[i] == infinity;
-      if (!fixed(i) && !(diagonal_[i] > 0 || (free && diagonal_[i] < 0))) return i;
+      if (!problem_.box.is_fixed(i) && !(diagonal_[i] > 0 || (problem_.box.is_free(i) && diagonal_[i] < 0))) return i;
     }
     return -1;
   }
@@ -172,7 +163,7 @@ class Sor {
   }
 
   void relax(Index i) {
-    if (!fixed(i)) move(i, z_[i] - options_.omega * F(i) / diagonal_[i]);
+    if (!problem_.box.is_fixed(i)) move(i, z_[i] - options_.omega * F(i) / diagonal_[i]);
   }
 
   bool relax_block(Index first, Index b, long& cell) {

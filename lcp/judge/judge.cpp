@@ -3,12 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <sstream>
-#include <stdexcept>
 #include <utility>
 
 #include "lcp/exact_sum.hpp"
 #include "lcp/judge/cell.hpp"
+#include "lcp/words.hpp"
 
 namespace perp::lcp {
 
@@ -35,9 +34,7 @@ Accuracy accuracy(In row_residuals, const RowTerms& terms) {
 Judgement judge(const AffineMcp& problem, In z) {
   const Index n = problem.size();
   if (z.size() != n) {
-    std::ostringstream what;
-    what << "judge: z has " << z.size() << " entries, the problem " << n;
-    throw std::invalid_argument(what.str());
+    refuse_input("judge: z has ", z.size(), " entries, the problem ", n);
   }
   Judgement out;
   if (!z.allFinite()) return out;

@@ -1,12 +1,12 @@
 #include "lcp/judge/result.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <sstream>
 #include <stdexcept>
 #include <utility>
 
 #include "lcp/judge/judge.hpp"
+#include "lcp/words.hpp"
 
 namespace perp::lcp {
 
@@ -50,10 +50,10 @@ Result judged(const AffineMcp& problem, In z, const Limits& limits, Status other
   return result;
 }
 
-void check_input(const char* method, const AffineMcp& problem, In start, const Limits& limits) {
+void check_input(const char* method, const AffineMcp& problem, In start) {
   std::ostringstream what;
   what << method << ": ";
-  if (const auto why = problem.invalid()) throw std::invalid_argument(what.str() + *why);
+  if (const auto why = problem.invalid()) refuse_input(what.str(), *why);
   if (start.size() != problem.size()) {
     what << "the start has " << start.size() << " entries, the problem " << problem.size();
     throw std::invalid_argument(what.str());
@@ -63,10 +63,12 @@ void check_input(const char* method, const AffineMcp& problem, In start, const L
       what << "the start of index " << i << " is " << start[i];
       throw std::invalid_argument(what.str());
     }
-  if (!(limits.tol > 0) || std::isinf(limits.tol)) {
-    what << "the tolerance is " << limits.tol << ", not a positive number";
-    throw std::invalid_argument(what.str());
-  }
+}
+
+void check_input(const char* method, const AffineMcp& problem, In start, const Limits& limits) {
+  check_input(method, problem, start);
+  if (limits.tol > 0 && !std::isinf(limits.tol)) return;
+  refuse_input(method, ": the tolerance is ", limits.tol, ", not a positive number");
 }
 
 }  // namespace perp::lcp

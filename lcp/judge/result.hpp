@@ -79,5 +79,6 @@ inline auto at_start(std::string_view method, const AffineMcp& problem, In start
 /// Throws std::invalid_argument with `method`'s name if the problem is malformed, the start has another length or is
 /// not finite, or the tolerance is not a positive number.
 void check_input(const char* method, const AffineMcp& problem, In start, const Limits& limits);
+void check_input(const char* method, const AffineMcp& problem, In start);  ///< the same without limits
 
 }  // namespace perp::lcp

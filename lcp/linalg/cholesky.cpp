@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <new>
-#include <sstream>
 #include <stdexcept>
 #include <vector>
 
 #include "lcp/lu/metis_lock.hpp"
+#include "lcp/words.hpp"
 
 namespace perp::lcp {
 namespace {
@@ -210,9 +210,7 @@ Cholesky& Cholesky::operator=(Cholesky&&) noexcept = default;
 
 CholeskyStatus Cholesky::factor(const SpMat& A, double entries) {
   if (A.rows() != A.cols()) {
-    std::ostringstream what;
-    what << "Cholesky: the matrix is " << A.rows() << " x " << A.cols() << ", not square";
-    throw std::invalid_argument(what.str());
+    throw std::invalid_argument(text_of("Cholesky: the matrix is ", A.rows(), " x ", A.cols(), ", not square"));
   }
   if (!A.isCompressed()) {
     SpMat compressed = A;
@@ -237,9 +235,7 @@ void Cholesky::solve(In b, Out x) const {
   if (impl_->status != CholeskyStatus::Ok) throw std::logic_error("Cholesky: solve without a successful factor()");
   const Index n = impl_->n;
   if (b.size() != n || x.size() != n) {
-    std::ostringstream what;
-    what << "Cholesky: the matrix has " << n << " rows, b " << b.size() << ", x " << x.size();
-    throw std::invalid_argument(what.str());
+    throw std::invalid_argument(text_of("Cholesky: the matrix has ", n, " rows, b ", b.size(), ", x ", x.size()));
   }
   if (n == 0) return;
   Common common;  // its own: solves may run in two threads

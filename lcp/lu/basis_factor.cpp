@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 #include <stdexcept>
 #include <utility>
 
 #include "lcp/lu/condition.hpp"
 #include "lcp/lu/lu_factors.hpp"
+#include "lcp/words.hpp"
 
 namespace perp::lcp {
 namespace {
@@ -16,16 +16,13 @@ constexpr int none = -1;
 
 void require_size(const char* what, Index size, Index rows) {
   if (size == rows) return;
-  std::ostringstream message;
-  message << "BasisFactor: " << what << " has " << size << " entries, not one for each of " << rows << " rows";
-  throw std::invalid_argument(message.str());
+  throw std::invalid_argument(
+      text_of("BasisFactor: ", what, " has ", size, " entries, not one for each of ", rows, " rows"));
 }
 
 void require_below(const char* what, Index i, Index limit) {
   if (i >= 0 && i < limit) return;
-  std::ostringstream message;
-  message << "BasisFactor: " << what << ' ' << i << " is none of the " << limit << " there are";
-  throw std::invalid_argument(message.str());
+  throw std::invalid_argument(text_of("BasisFactor: ", what, ' ', i, " is none of the ", limit, " there are"));
 }
 
 /// The etas E_1 ... E_k, in one file. Those with few zeros are kept with them, which needs no row numbers.

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <new>
-#include <sstream>
 #include <stdexcept>
 
 #include "lcp/lu/condition.hpp"
 #include "lcp/lu/lu_backend.hpp"
 #include "lcp/memory.hpp"
+#include "lcp/words.hpp"
 
 namespace perp::lcp {
 namespace {
@@ -102,9 +102,7 @@ int SparseLu::analyses() const { return impl_->analyses; }
 
 LuStatus SparseLu::factor(const SpMat& A) {
   if (A.rows() != A.cols()) {
-    std::ostringstream what;
-    what << "SparseLu: the matrix is " << A.rows() << " x " << A.cols() << ", not square";
-    throw std::invalid_argument(what.str());
+    throw std::invalid_argument(text_of("SparseLu: the matrix is ", A.rows(), " x ", A.cols(), ", not square"));
   }
   Impl& s = *impl_;
   s.status = LuStatus::Singular;
@@ -164,9 +162,8 @@ LuStatus SparseLu::Impl::factor(const SpMat& matrix) {
 void SparseLu::Impl::solve(In b, Out x, bool transposed) const {
   if (status != LuStatus::Ok) throw std::logic_error("SparseLu: solve without a successful factor()");
   if (b.size() != A.rows() || x.size() != A.rows()) {
-    std::ostringstream what;
-    what << "SparseLu: the matrix has " << A.rows() << " rows, b " << b.size() << ", x " << x.size();
-    throw std::invalid_argument(what.str());
+    throw std::invalid_argument(
+        text_of("SparseLu: the matrix has ", A.rows(), " rows, b ", b.size(), ", x ", x.size()));
   }
   if (A.rows() > 0) library->solve(A, b, x, transposed);
 }

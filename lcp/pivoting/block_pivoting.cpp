@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <limits>
-#include <sstream>
 #include <unordered_set>
 
 #include "lcp/judge/cell.hpp"
 #include "lcp/judge/shared_options.hpp"
 #include "lcp/linalg/block_triangular.hpp"
+#include "lcp/words.hpp"
 
 namespace perp::lcp {
 namespace {
@@ -79,11 +79,7 @@ class BlockRun {
     return status;
   }
 
-  std::string left(std::size_t violated) const {
-    std::ostringstream what;
-    what << violated << " signs are violated";
-    return what.str();
-  }
+  std::string left(std::size_t violated) const { return text_of(violated, " signs are violated"); }
 
   Result failed(LuStatus status, const std::string& which) {
     const bool memory = status == LuStatus::OutOfMemory;
@@ -95,9 +91,8 @@ class BlockRun {
     Result result = judged(problem_, best_.z(), limits_, status, what);
     result.iterations = rounds_;
     result.factorizations = cell_.factorizations();
-    std::ostringstream steps;
-    steps << (result.message.empty() ? "" : "; ") << least_index_ << " least-index steps in " << rounds_ << " rounds";
-    result.message += steps.str();
+    result.message +=
+        text_of((result.message.empty() ? "" : "; "), least_index_, " least-index steps in ", rounds_, " rounds");
     return result;
   }
 
@@ -118,9 +113,7 @@ Result by_components(const AffineMcp& problem, In start, const BlockPivoting& op
       problem, start,
       [&](const AffineMcp& part, In at, const Limits& stop) { return BlockRun(part, at, options, stop).run(); },
       limits);
-  std::ostringstream rounds;
-  rounds << (result.message.empty() ? "" : "; ") << "by components: " << result.iterations << " rounds";
-  result.message += rounds.str();
+  result.message += text_of((result.message.empty() ? "" : "; "), "by components: ", result.iterations, " rounds");
   return result;
 }
 

@@ -1,10 +1,10 @@
 #include "lcp/pivoting/least_index.hpp"
 
-#include <sstream>
 #include <unordered_set>
 
 #include "lcp/judge/cell.hpp"
 #include "lcp/judge/shared_options.hpp"
+#include "lcp/words.hpp"
 
 namespace perp::lcp {
 namespace {
@@ -41,11 +41,8 @@ Result least_index(const AffineMcp& problem, In start, const LeastIndex& options
     };
     const auto failed = [&](LuStatus status, Index r) {
       if (status == LuStatus::OutOfMemory) return end(Status::OutOfMemory, "M_FF does not fit into the memory");
-      std::ostringstream what;
-      what << "M_FF is singular "
-           << (r < 0 ? "at the start, and with all variables inside" : "after the exchange of index ");
-      if (r >= 0) what << r + 1;
-      return end(Status::Singular, what.str());
+      if (r < 0) return end(Status::Singular, "M_FF is singular at the start, and with all variables inside");
+      return end(Status::Singular, text_of("M_FF is singular after the exchange of index ", r + 1));
     };
 
     LuStatus status = cell.solve(places);

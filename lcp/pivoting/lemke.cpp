@@ -7,7 +7,9 @@
 #include <stdexcept>
 #include <utility>
 
+#include "lcp/judge/shared_options.hpp"
 #include "lcp/pivoting/normal_path.hpp"
+#include "lcp/words.hpp"
 
 namespace perp::lcp {
 namespace {
@@ -19,32 +21,17 @@ std::optional<PivotEnd> limit(const LemkeOptions& options, const PivotResult& re
   return std::nullopt;
 }
 
-void check_options(const LemkeOptions& options, Index n) {
+/// What depends on the problem.
+void check_lengths(const LemkeOptions& options, Index n) {
   std::ostringstream what;
   what << "lemke: ";
-  for (const auto& [name, value] : {std::pair{"residual_tol", options.residual_tol},
-                                    {"pivot_tol", options.pivot_tol},
-                                    {"doubtful_pivot", options.doubtful_pivot},
-                                    {"feasibility_tol", options.feasibility_tol},
-                                    {"perturbation", options.perturbation}})
-    if (!(value >= 0) || std::isinf(value)) {
-      what << "the option " << name << " is " << value << ", not a finite number >= 0";
-      throw std::invalid_argument(what.str());
-    }
-  if (!options.cells.empty() && static_cast<Index>(options.cells.size()) != n) {
+  if (!options.cells.empty() && static_cast<Index>(options.cells.size()) != n)
     what << "the warm basis has " << options.cells.size() << " cells, the problem " << n << " variables";
-    throw std::invalid_argument(what.str());
-  }
-  if (options.cover != Cover::Given) return;
-  if (options.covering.size() != n) {
+  else if (options.cover == Cover::Given && options.covering.size() != n)
     what << "the covering vector has " << options.covering.size() << " entries, the problem " << n;
-    throw std::invalid_argument(what.str());
-  }
-  for (Index i = 0; i < n; ++i)
-    if (!(options.covering[i] > 0) || std::isinf(options.covering[i])) {
-      what << "the covering vector's entry of index " << i << " is " << options.covering[i] << ", not positive";
-      throw std::invalid_argument(what.str());
-    }
+  else
+    return;
+  throw std::invalid_argument(what.str());
 }
 
 /// The kinks of a path, thinned out where they are too many.
@@ -100,42 +87,57 @@ constexpr int restarts = 3;
 }  // namespace
 
 std::string_view to_string(PivotEnd end) {
-  switch (end) {
-    case PivotEnd::Solved:
-      return "solved";
-    case PivotEnd::Ray:
-      return "ray";
-    case PivotEnd::Loop:
-      return "loop";
-    case PivotEnd::SingularBasis:
-      return "singular basis";
-    case PivotEnd::PivotLimit:
-      return "pivot limit";
-    case PivotEnd::TimeLimit:
-      return "time limit";
-    case PivotEnd::Interrupted:
-      return "interrupted";
-    case PivotEnd::Inaccurate:
-      return "inaccurate";
-  }
-  return "?";
+  using enum PivotEnd;
+  static constexpr std::pair<PivotEnd, std::string_view> words[] = {{Solved, "solved"},
+                                                                    {Ray, "ray"},
+                                                                    {Loop, "loop"},
+                                                                    {SingularBasis, "singular basis"},
+                                                                    {PivotLimit, "pivot limit"},
+                                                                    {TimeLimit, "time limit"},
+                                                                    {Interrupted, "interrupted"},
+                                                                    {Inaccurate, "inaccurate"}};
+  return word_of(end, words);
+}
+
+void describe(LemkeOptions& l, Fields& f) {
+  describe_lu(l.basis.lu, f);
+  f.add("minor_iteration_limit", &l.max_pivots, at_least(0),
+        "pivots of one linearised problem, at most 1000 + 20 n of them; or of Lemke's method on an affine one",
+        "max_pivots");
+  f.choice("lemke_cover", &l.cover, {{"ones", Cover::Ones}, {"generic", Cover::Generic}, {"spread", Cover::Spread}},
+           "Lemke's covering vector: ones (the textbook's e), generic (random about e in equilibrated units) or spread "
+           "(log-uniform over three decades)");
+  f.add("pivot_tolerance", &l.pivot_tol, strictly_between(0, 1),
+        "smallest pivot, relative to the largest entry of its column");
+  f.add("lemke_perturbation", &l.perturbation, between(0, 1e100),
+        "relative perturbation of the path's start, against ties; 0: none");
+  f.add("lemke_seed", &l.seed, between(0, std::numeric_limits<int>::max()), "of that perturbation and of the ray",
+        "seed");
+  f.add("refactor_every", &l.basis.refactor_every, at_least(1), "pivots between fresh factorizations of the basis");
+  // Inner tolerances that no run was seen to depend on.
+  f.add("lemke.residual_tol", &l.residual_tol, above(0), {});
+  f.add("lemke.feasibility_tol", &l.feasibility_tol, at_least(0), {});
+  f.add("lemke.singular_rcond", &l.singular_rcond, {.high = 1, .open_high = true}, {});
+  f.add("lemke.basis.fill_limit", &l.basis.fill_limit, {.open_low = true}, {});
+  f.add("lemke.basis.unstable_tol", &l.basis.unstable_tol, {.high = 1, .open_high = true}, {});
+  f.add("lemke.basis.singular_tol", &l.basis.singular_tol, {.high = 1, .open_high = true}, {});
+  f.add("lemke.doubtful_pivot", &l.doubtful_pivot, at_least(0), {});
+  for (Index i = 0; l.cover == Cover::Given && i < l.covering.size(); ++i)
+    f.check(above(0).has(l.covering[i]), "lemke.covering", l.covering[i], "positive");
+}
+
+void describe_start(LemkeStart& start, Fields& f) {
+  f.choice("lemke_start", &start,  // only PathSearch can start from a ray in the first iteration alone
+           {{"automatic", LemkeStart::Regular}, {"first", LemkeStart::Regular}, {"always", LemkeStart::Ray}},
+           lemke_start_help);
 }
 
 Vec chord_step(const PivotResult& result, In r) { return result.last_piece->chord_step(r); }
 
 PivotResult lemke(const AffineMcp& problem, In start, const LemkeOptions& options) {
-  if (const auto why = problem.invalid()) throw std::invalid_argument("lemke: " + *why);
-  std::ostringstream what;
-  if (start.size() != problem.size()) {
-    what << "lemke: the start has " << start.size() << " entries, the problem " << problem.size();
-    throw std::invalid_argument(what.str());
-  }
-  for (Index i = 0; i < start.size(); ++i)
-    if (!std::isfinite(start[i])) {
-      what << "lemke: the start of index " << i << " is " << start[i];
-      throw std::invalid_argument(what.str());
-    }
-  check_options(options, problem.size());
+  check_input("lemke", problem, start);
+  refuse_invalid("lemke", options);
+  check_lengths(options, problem.size());
 
   PivotResult result = follow(problem, start, options);
   // A path that lost its digits on the way has mostly gone astray by a cell or two: a new one from its end gets there.

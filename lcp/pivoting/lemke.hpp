@@ -28,6 +28,10 @@
 #include "lcp/affine_mcp.hpp"
 #include "lcp/lu/basis_factor.hpp"
 
+namespace perp {
+class Fields;  // lcp/fields.hpp: options of a method, described
+}
+
 namespace perp::lcp {
 
 enum class PivotEnd {
@@ -87,6 +91,12 @@ struct LemkeOptions {
   std::function<bool()> interrupted{};
   std::chrono::steady_clock::time_point deadline = std::chrono::steady_clock::time_point::max();
 };
+
+void describe(LemkeOptions& options, Fields& fields);  ///< but for where the path starts
+inline constexpr std::string_view lemke_start_help =
+    "where pivoting starts: automatic (the cell of the current point), first (a ray in the first iteration) or "
+    "always (a ray, as Lemke's method)";
+void describe_start(LemkeStart& start, Fields& fields);
 
 struct Breakpoint {
   double t = 0;

@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
-#include <utility>
+
+#include "lcp/judge/shared_options.hpp"
 
 namespace perp::lcp {
 
@@ -28,8 +29,15 @@ Vec howson_start(const AffineMcp& problem, Index k) {
   return x;
 }
 
+void describe(LemkeHowson& m, Fields& f) {
+  f.add("lemke_howson_labels", &m.labels, at_least(0), "labels tried in turn, spread evenly over all");
+  describe(m.options, f);
+  f.hide("lemke_cover");  // no path begins on a ray of its own
+}
+
 Result lemke_howson(const AffineMcp& problem, In start, const LemkeHowson& options, const Limits& limits) {
   check_input("lemke-howson", problem, start, limits);
+  refuse_invalid("lemke-howson", options);
   const auto solve = [&] {
     const Index n = problem.size();
     for (Index i = 0; i < n; ++i)

@@ -18,6 +18,7 @@ struct LemkeHowson {
   int labels = 20;  ///< labels tried in turn, spread evenly over all
   LemkeOptions options{.max_pivots = 10'000, .perturbation = 1e-9};
 };
+void describe(LemkeHowson& method, Fields& fields);
 
 /// iterations: pivots of all labels. Stalled if no label's path ends in a solution. NotApplicable unless all lower
 /// bounds are finite and all upper ones infinite.

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 #include <unordered_set>
 #include <utility>
 
@@ -11,6 +10,7 @@
 #include "lcp/judge/shared_options.hpp"
 #include "lcp/lu/basis_factor.hpp"
 #include "lcp/pivoting/standard_form.hpp"
+#include "lcp/words.hpp"
 
 namespace perp::lcp {
 namespace {
@@ -294,10 +294,9 @@ class PrincipalRun {
   }
 
   Result not_sufficient(Index k) {
-    std::ostringstream what;
-    what << "M is not sufficient (so neither P nor positive semidefinite): the pivots of pair " << k + 1
-         << " of the standard form have the wrong sign";
-    return end(Status::NotApplicable, what.str());
+    return end(Status::NotApplicable,
+               text_of("M is not sufficient (so neither P nor positive semidefinite): the pivots of pair ", k + 1,
+                       " of the standard form have the wrong sign"));
   }
 
   Result failed(LuStatus status) {

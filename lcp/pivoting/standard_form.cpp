@@ -1,19 +1,16 @@
 #include "lcp/pivoting/standard_form.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <vector>
 
 namespace perp::lcp {
 namespace {
 
-bool finite_lower(const Box& box, Index i) { return box.lower[i] > -infinity; }
-bool finite_upper(const Box& box, Index i) { return box.upper[i] < infinity; }
 /// z_i = offset_i + sign_i x
-double sign(const Box& box, Index i) { return !finite_lower(box, i) && finite_upper(box, i) ? -1 : 1; }
+double sign(const Box& box, Index i) { return !box.has_lower(i) && box.has_upper(i) ? -1 : 1; }
 double offset(const Box& box, Index i) {
-  if (finite_lower(box, i)) return box.lower[i];
-  return finite_upper(box, i) ? box.upper[i] : 0;
+  if (box.has_lower(i)) return box.lower[i];
+  return box.has_upper(i) ? box.upper[i] : 0;
 }
 
 }  // namespace
@@ -31,8 +28,8 @@ StandardForm::StandardForm(const AffineMcp& problem, bool split_free)
   const Index single = count;
   for (Index i = 0; i < n; ++i) {
     if (pair_[at(i)] < 0) continue;
-    const bool bounded = finite_lower(box_, i) || finite_upper(box_, i);
-    if (finite_lower(box_, i) == finite_upper(box_, i) && (bounded || split_free)) opposite_[at(i)] = count++;
+    const bool bounded = box_.has_lower(i) || box_.has_upper(i);
+    if (box_.has_lower(i) == box_.has_upper(i) && (bounded || split_free)) opposite_[at(i)] = count++;
     if (!bounded && !split_free) free[at(pair_[at(i)])] = 1;
   }
   free.resize(at(count), 0);
@@ -47,7 +44,7 @@ StandardForm::StandardForm(const AffineMcp& problem, bool split_free)
     if (k < 0) continue;
     q[k] = sign(box_, i) * F[i];
     if (second < 0) continue;
-    if (finite_lower(box_, i)) {
+    if (box_.has_lower(i)) {
       q[second] = box_.upper[i] - box_.lower[i];
       entries.emplace_back(static_cast<int>(k), static_cast<int>(second), 1);
       entries.emplace_back(static_cast<int>(second), static_cast<int>(k), -1);
@@ -55,7 +52,7 @@ StandardForm::StandardForm(const AffineMcp& problem, bool split_free)
       q[second] = -F[i];
     }
   }
-  const auto is_split = [&](Index i) { return opposite_[at(i)] >= 0 && !finite_lower(box_, i); };
+  const auto is_split = [&](Index i) { return opposite_[at(i)] >= 0 && !box_.has_lower(i); };
   const auto add = [&](Index row, Index column, double value) {
     entries.emplace_back(static_cast<int>(row), static_cast<int>(column), value);
   };
@@ -78,7 +75,7 @@ Vec StandardForm::to_x(In z) const {
   for (Index i = 0; i < z.size(); ++i) {
     if (pair_[at(i)] < 0) continue;
     const double value = sign(box_, i) * (z[i] - offset(box_, i));
-    const bool split = opposite_[at(i)] >= 0 && !finite_lower(box_, i);
+    const bool split = opposite_[at(i)] >= 0 && !box_.has_lower(i);
     x[pair_[at(i)]] = split ? std::max(value, 0.0) : value;
     if (split) x[opposite_[at(i)]] = std::max(-value, 0.0);
   }
@@ -91,7 +88,7 @@ Vec StandardForm::to_z(In x) const {
     z[i] = offset(box_, i);
     if (pair_[at(i)] < 0) continue;
     z[i] += sign(box_, i) * x[pair_[at(i)]];
-    if (opposite_[at(i)] >= 0 && !finite_lower(box_, i)) z[i] -= x[opposite_[at(i)]];
+    if (opposite_[at(i)] >= 0 && !box_.has_lower(i)) z[i] -= x[opposite_[at(i)]];
   }
   return z;
 }
@@ -99,7 +96,7 @@ Vec StandardForm::to_z(In x) const {
 Vec StandardForm::to_certificate(In y) const {
   Vec out = Vec::Zero(box_.size());
   for (Index i = 0; i < out.size(); ++i) {
-    const bool two_bounds = finite_lower(box_, i) && finite_upper(box_, i);  // M'y <= 0 in x' forces y_i = 0
+    const bool two_bounds = box_.has_lower(i) && box_.has_upper(i);  // M'y <= 0 in x' forces y_i = 0
     if (pair_[at(i)] < 0 || two_bounds) continue;
     out[i] = sign(box_, i) * y[pair_[at(i)]];
     if (opposite_[at(i)] >= 0) out[i] -= y[opposite_[at(i)]];

@@ -3,13 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <new>
-#include <sstream>
 #include <utility>
 
 #include "lcp/judge/shared_options.hpp"
 #include "lcp/linalg/multilevel.hpp"
 #include "lcp/qp/face_descent.hpp"
+#include "lcp/words.hpp"
 
 namespace perp::lcp {
 namespace {
@@ -24,10 +23,8 @@ std::string asymmetry(const SparseRows& A, const SparseRows& T, const Vec& d) {
   const auto compare = [&](Index i, int j, double a, double b) -> std::string {
     const double scale = std::max({std::abs(a), std::abs(b), std::sqrt(std::abs(d[i] * d[j]))});
     if (std::abs(a - b) <= rounding * scale) return {};
-    std::ostringstream what;
-    what << "M is not symmetric: its entry (" << i + 1 << ", " << j + 1 << ") is " << b << ", the entry (" << j + 1
-         << ", " << i + 1 << ") is " << a;
-    return what.str();
+    return text_of("M is not symmetric: its entry (", i + 1, ", ", j + 1, ") is ", b, ", the entry (", j + 1, ", ",
+                   i + 1, ") is ", a);
   };
   for (int i = 0; i < A.rows(); ++i) {
     int s = A.start[at(i)];
@@ -128,17 +125,11 @@ bool Solver::take_matrix() {
     for (std::size_t s = 0; s < A_.value.size(); ++s) A_.value[s] = 0.5 * (A_.value[s] + T.value[s]);
   for (int i = 0; i < A_.rows(); ++i) {
     if (d_[i] > 0) continue;
-    std::ostringstream what;
-    what << "M is not positive semidefinite: ";
-    if (d_[i] < 0) {
-      what << "its diagonal entry " << i + 1 << " is " << d_[i];
-      return refuse(what.str());
-    }
+    if (d_[i] < 0) return refuse(text_of("M is not positive semidefinite: its diagonal entry ", i + 1, " is ", d_[i]));
     for (int s = A_.start[at(i)]; s < A_.start[at(i) + 1]; ++s) {
       if (A_.value[at(s)] == 0) continue;
-      what << "its diagonal entry " << i + 1 << " is 0, but not its entry (" << i + 1 << ", " << A_.column[at(s)] + 1
-           << "), " << A_.value[at(s)];
-      return refuse(what.str());
+      return refuse(text_of("M is not positive semidefinite: its diagonal entry ", i + 1, " is 0, but not its entry (",
+                            i + 1, ", ", A_.column[at(s)] + 1, "), ", A_.value[at(s)]));
     }
   }
   return true;
@@ -155,9 +146,8 @@ bool Solver::fix_zero_rows() {
     if (q != 0) z_[i] = q > 0 ? qp_.lower[i] : qp_.upper[i];
     if (!std::isfinite(z_[i])) {
       z_[i] = start_[i];
-      std::ostringstream what;
-      what << "row " << i + 1 << " of M is 0, q is " << q << " and nothing bounds the variable on that side";
-      early_ = finish(Status::Stalled, what.str());
+      early_ = finish(Status::Stalled,
+                      text_of("row ", i + 1, " of M is 0, q is ", q, " and nothing bounds the variable on that side"));
       certify(Vec::Unit(d_.size(), i) * (q > 0 ? -1 : 1));
       if (certificate_.size() > 0 && !early_.solved()) {
         early_.status = Status::Infeasible;
@@ -356,7 +346,6 @@ Result Solver::solve() {
     const End end = shift_ == 0 ? descend(z_) : proximal_points();
     const bool fell = z_.allFinite() && objective(z_) <= objective(before);
     if (!fell && shift_ == 0) z_ = before;
-    std::ostringstream what;
     switch (end) {
       case End::Solved:
       case End::Settled:
@@ -366,10 +355,9 @@ Result Solver::solve() {
         prepare(kind_, options_.proximal);
         break;
       case End::NegativeCurvature:
-        if (const Curvature c = curvature(A_, descent_.direction / descent_.direction.norm()); c.negative()) {
-          what << "M is not positive semidefinite: d'M d = " << c.value << " with a direction d of length 1";
-          return finish(Status::NotApplicable, what.str());
-        }
+        if (const Curvature c = curvature(A_, descent_.direction / descent_.direction.norm()); c.negative())
+          return finish(Status::NotApplicable, text_of("M is not positive semidefinite: d'M d = ", c.value,
+                                                       " with a direction d of length 1"));
         [[fallthrough]];
       case End::Flat:
         if (certificate_.size() > 0) {
@@ -389,8 +377,8 @@ Result Solver::solve() {
         prepare(kind_ == Kind::Multilevel ? Kind::Cholesky : Kind::GaussSeidel, shift_);
         break;
       case End::Limit:
-        what << "after " << steps_ << " steps the residual is " << natural_residual(problem_, z_);
-        return finish(steps_ >= options_.step_limit ? Status::IterationLimit : Status::Stalled, what.str());
+        return finish(steps_ >= options_.step_limit ? Status::IterationLimit : Status::Stalled,
+                      text_of("after ", steps_, " steps the residual is ", natural_residual(problem_, z_)));
       case End::Stopped:
         return finish(limits_.reached().value_or(Status::Interrupted), "stopped");
     }

@@ -11,17 +11,13 @@
 #include "lcp/judge/cell.hpp"
 #include "lcp/judge/judge.hpp"
 #include "lcp/judge/shared_options.hpp"
+#include "lcp/words.hpp"
 
 namespace perp::lcp {
 namespace {
 
 using Eigen::MatrixXd;
 using Feasibility = BoundedRows::Feasibility;
-
-bool finite_lower(const Box& box, Index i) { return box.lower[i] > -infinity; }
-bool finite_upper(const Box& box, Index i) { return box.upper[i] < infinity; }
-bool is_fixed(const Box& box, Index i) { return box.lower[i] == box.upper[i]; }
-bool is_free(const Box& box, Index i) { return !finite_lower(box, i) && !finite_upper(box, i); }
 
 Index rank(const MatrixXd& A, double tol) {
   if (A.size() == 0) return 0;
@@ -77,10 +73,10 @@ class Search {
     BoundedRows rows(M_, scaled_.q, scaled_.box, options_.degenerate_tol);
     for (Index i = 0; i < problem_.size(); ++i) {
       const Box& box = problem_.box;
-      if (is_fixed(box, i) || is_free(box, i)) decided_[at(i)] = 1;
-      if (is_free(box, i)) rows.set_bounds(rows.w(i), 0, 0);
-      if (finite_lower(box, i) && !finite_upper(box, i)) rows.set_bounds(rows.w(i), 0, infinity);
-      if (!finite_lower(box, i) && finite_upper(box, i)) rows.set_bounds(rows.w(i), -infinity, 0);
+      if (box.is_fixed(i) || box.is_free(i)) decided_[at(i)] = 1;
+      if (box.is_free(i)) rows.set_bounds(rows.w(i), 0, 0);
+      if (box.has_lower(i) && !box.has_upper(i)) rows.set_bounds(rows.w(i), 0, infinity);
+      if (!box.has_lower(i) && box.has_upper(i)) rows.set_bounds(rows.w(i), -infinity, 0);
     }
     visit(std::move(rows));
   }
@@ -108,9 +104,9 @@ class Search {
       next.set_bounds(next.w(i), w_lower, w_upper);
       visit(std::move(next));
     };
-    if (finite_lower(problem_.box, i)) branch(Place::Lower, l, l, 0, infinity);
+    if (problem_.box.has_lower(i)) branch(Place::Lower, l, l, 0, infinity);
     branch(Place::Inside, l, u, 0, 0);
-    if (finite_upper(problem_.box, i)) branch(Place::Upper, u, u, -infinity, 0);
+    if (problem_.box.has_upper(i)) branch(Place::Upper, u, u, -infinity, 0);
     decided_[at(i)] = 0;
   }
 
@@ -131,7 +127,7 @@ class Search {
     if (!skip_degenerate_) return false;
     const double rounding = 1e-12;
     for (Index i = 0; i < problem_.size(); ++i) {
-      if (decided_[at(i)] == 0 || places_[at(i)] == Place::Inside || is_fixed(problem_.box, i)) continue;
+      if (decided_[at(i)] == 0 || places_[at(i)] == Place::Inside || problem_.box.is_fixed(i)) continue;
       const double direction = places_[at(i)] == Place::Lower ? 1 : -1;
       if (direction * rows.value(rows.w(i)) > rounding) continue;
       BoundedRows pushed = rows;
@@ -210,13 +206,13 @@ class Search {
     };
     for (Index i = 0; i < problem_.size(); ++i) {
       const Place place = places_[at(i)];
-      if (is_fixed(problem_.box, i)) continue;
+      if (problem_.box.is_fixed(i)) continue;
       if (place != Place::Inside) {
         push(rows.w(i), place == Place::Lower ? 1 : -1);
         continue;
       }
-      if (finite_lower(problem_.box, i)) push(rows.z(i), 1);
-      if (finite_upper(problem_.box, i)) push(rows.z(i), -1);
+      if (problem_.box.has_lower(i)) push(rows.z(i), 1);
+      if (problem_.box.has_upper(i)) push(rows.z(i), -1);
     }
     return sum / count;
   }
@@ -232,7 +228,7 @@ class Search {
     const auto columns = static_cast<Index>(inside.size());
     std::vector<Eigen::RowVectorXd> equations;
     for (Index i = 0; i < problem_.size(); ++i)
-      if (!is_fixed(problem_.box, i) && (places_[at(i)] == Place::Inside || zero(w[i])))
+      if (!problem_.box.is_fixed(i) && (places_[at(i)] == Place::Inside || zero(w[i])))
         equations.emplace_back(M_(i, inside));
     for (Index k = 0; k < columns; ++k) {
       const Index i = inside[at(k)];
@@ -270,7 +266,7 @@ class Search {
     if (outer.dimension == 0)
       return (outer.z - inner.z).lpNorm<Eigen::Infinity>() <= near * (1 + outer.z.lpNorm<Eigen::Infinity>());
     for (Index i = 0; i < problem_.size(); ++i) {
-      if (is_fixed(problem_.box, i)) continue;
+      if (problem_.box.is_fixed(i)) continue;
       const Place place = outer.places[at(i)];
       const double bound = place == Place::Upper ? scaled_.box.upper[i] : scaled_.box.lower[i];
       const double off = place == Place::Inside ? inner.w[i] : inner.z[i] - bound;
@@ -308,11 +304,13 @@ Solutions enumerate(const AffineMcp& problem, const Enumeration& options, const 
   check_input("enumerate", problem, Vec::Zero(problem.size()), limits);
   refuse_invalid("enumeration", options);
   Index bounded = 0;
-  for (Index i = 0; i < problem.size(); ++i) bounded += is_fixed(problem.box, i) || is_free(problem.box, i) ? 0 : 1;
+  for (Index i = 0; i < problem.size(); ++i) bounded += problem.box.is_fixed(i) || problem.box.is_free(i) ? 0 : 1;
   if (bounded > options.max_bounded) {
-    std::ostringstream what;
-    what << bounded << " variables have bounds, more than max_bounded = " << options.max_bounded;
-    return {.found = {}, .complete = false, .nodes = 0, .stopped = Status::NotApplicable, .message = what.str()};
+    return {.found = {},
+            .complete = false,
+            .nodes = 0,
+            .stopped = Status::NotApplicable,
+            .message = text_of(bounded, " variables have bounds, more than max_bounded = ", options.max_bounded)};
   }
   return Search(problem, options, limits).run();
 }
@@ -324,8 +322,8 @@ Result enumeration(const AffineMcp& problem, In start, const Enumeration& option
     int two = 0;
     int three = 0;
     for (Index i = 0; i < problem.size(); ++i) {
-      if (is_fixed(problem.box, i) || is_free(problem.box, i)) continue;
-      ++(finite_lower(problem.box, i) && finite_upper(problem.box, i) ? three : two);
+      if (problem.box.is_fixed(i) || problem.box.is_free(i)) continue;
+      ++(problem.box.has_lower(i) && problem.box.has_upper(i) ? three : two);
     }
     std::ostringstream what;
     if (all.complete)

@@ -2,23 +2,21 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 #include <stdexcept>
 #include <utility>
-#include <vector>
+
+#include "lcp/words.hpp"
 
 namespace perp::lcp {
 namespace {
 
 void check(const char* who, const Mlcp& mlcp) {
-  if (const auto why = mlcp.invalid()) throw std::invalid_argument(std::string(who) + ": " + *why);
+  if (const auto why = mlcp.invalid()) refuse_input(who, ": ", *why);
 }
 
 void check_length(const char* who, const char* what, Index length, Index wanted) {
   if (length == wanted) return;
-  std::ostringstream out;
-  out << who << ": " << what << " has " << length << " entries, not " << wanted;
-  throw std::invalid_argument(out.str());
+  refuse_input(who, ": ", what, " has ", length, " entries, not ", wanted);
 }
 
 double norm_inf(const Vec& v) { return v.size() > 0 ? v.lpNorm<Eigen::Infinity>() : 0; }
@@ -34,26 +32,17 @@ std::optional<std::string> Mlcp::invalid() const {
     Index rows;
     Index cols;
   } blocks[] = {{"A", A, n, n}, {"B", B, m, m}, {"C", C, n, m}, {"D", D, m, n}};
-  std::ostringstream why;
   for (const auto& block : blocks) {
-    if (block.matrix.rows() != block.rows || block.matrix.cols() != block.cols) {
-      why << block.name << " is " << block.matrix.rows() << " x " << block.matrix.cols() << ", not " << block.rows
-          << " x " << block.cols << " (a has " << n << " entries, b " << m << ")";
-      return why.str();
-    }
+    if (block.matrix.rows() != block.rows || block.matrix.cols() != block.cols)
+      return text_of(block.name, " is ", block.matrix.rows(), " x ", block.matrix.cols(), ", not ", block.rows, " x ",
+                     block.cols, " (a has ", n, " entries, b ", m, ")");
     for (Index j = 0; j < block.matrix.cols(); ++j)
       for (SpMat::InnerIterator it(block.matrix, j); it; ++it)
-        if (!std::isfinite(it.value())) {
-          why << block.name << "(" << it.row() + 1 << ", " << j + 1 << ") is " << it.value();
-          return why.str();
-        }
+        if (!std::isfinite(it.value())) return text_of(block.name, "(", it.row() + 1, ", ", j + 1, ") is ", it.value());
   }
   for (const auto& [name, vector] : {std::pair<const char*, const Vec&>{"a", a}, {"b", b}})
     for (Index i = 0; i < vector.size(); ++i)
-      if (!std::isfinite(vector[i])) {
-        why << name << "(" << i + 1 << ") is " << vector[i];
-        return why.str();
-      }
+      if (!std::isfinite(vector[i])) return text_of(name, "(", i + 1, ") is ", vector[i]);
   return std::nullopt;
 }
 

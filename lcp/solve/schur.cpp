@@ -1,12 +1,12 @@
 #include "lcp/solve/schur.hpp"
 
 #include <cmath>
-#include <sstream>
 #include <stdexcept>
 #include <utility>
 #include <vector>
 
 #include "lcp/lu/lu_factors.hpp"
+#include "lcp/words.hpp"
 
 namespace perp::lcp {
 namespace {
@@ -45,10 +45,8 @@ void add_column(const SpMat& B_transposed, const SparseVector& z, int j, SparseV
 
 Schur schur(const SpMat& K, const SpMat& B, In f, double drop) {
   if (K.rows() != K.cols() || B.rows() != K.rows() || f.size() != K.rows()) {
-    std::ostringstream why;
-    why << "schur: K is " << K.rows() << " x " << K.cols() << ", B " << B.rows() << " x " << B.cols() << ", f has "
-        << f.size() << " entries";
-    throw std::invalid_argument(why.str());
+    refuse_input("schur: K is ", K.rows(), " x ", K.cols(), ", B ", B.rows(), " x ", B.cols(), ", f has ", f.size(),
+                 " entries");
   }
   Schur out;
   const Index n = B.cols();

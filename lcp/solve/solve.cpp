@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <utility>
 
 #include "lcp/judge/judge.hpp"
+#include "lcp/judge/shared_options.hpp"
+#include "lcp/words.hpp"
 
 namespace perp::lcp {
 
@@ -43,6 +46,15 @@ std::string_view name(const Method& method) {
   const auto entry =
       std::ranges::find_if(methods(), [&](const MethodEntry& e) { return e.method.index() == method.index(); });
   return entry == methods().end() ? "?" : entry->name;
+}
+
+void describe(Lemke& m, Fields& f) {
+  describe_start(m.options.start, f);
+  describe(m.options, f);
+}
+
+void describe(Auto& m, Fields& f) {
+  f.add("lemke_seed", &m.seed, between(0, std::numeric_limits<int>::max()), "of Lemke's covering vectors", "seed");
 }
 
 namespace {
@@ -93,31 +105,6 @@ Result lemke_method(const AffineMcp& problem, In start, const Lemke& method, con
 
 namespace {
 
-Result run(const AffineMcp& p, In x, const Auto& m, const Limits& limits) { return automatic(p, x, m, limits); }
-Result run(const AffineMcp& p, In x, const Lemke& m, const Limits& limits) { return lemke_method(p, x, m, limits); }
-Result run(const AffineMcp& p, In x, const LemkeHowson& m, const Limits& limits) {
-  return lemke_howson(p, x, m, limits);
-}
-Result run(const AffineMcp& p, In x, const PrincipalPivoting& m, const Limits& limits) {
-  return principal_pivoting(p, x, m, limits);
-}
-Result run(const AffineMcp& p, In x, const BlockPivoting& m, const Limits& limits) {
-  return block_pivoting(p, x, m, limits);
-}
-Result run(const AffineMcp& p, In x, const LeastIndex& m, const Limits& limits) { return least_index(p, x, m, limits); }
-Result run(const AffineMcp& p, In x, const ProjectedSor& m, const Limits& limits) {
-  return projected_sor(p, x, m, limits);
-}
-Result run(const AffineMcp& p, In x, const MinNewton& m, const Limits& limits) { return min_newton(p, x, m, limits); }
-Result run(const AffineMcp& p, In x, const FbNewton& m, const Limits& limits) { return fb_newton(p, x, m, limits); }
-Result run(const AffineMcp& p, In x, const InteriorPoint& m, const Limits& limits) {
-  return interior_point(p, x, m, limits);
-}
-Result run(const AffineMcp& p, In x, const BoundQp& m, const Limits& limits) { return bound_qp(p, x, m, limits); }
-Result run(const AffineMcp& p, In x, const Enumeration& m, const Limits& limits) {
-  return enumeration(p, x, m, limits);
-}
-
 /// At the door of a solution the last digits may be had.
 void refine(const AffineMcp& problem, const Limits& limits, Result& result) {
   if (result.status != Status::SolvedToRounding && result.status != Status::Stalled) return;
@@ -135,8 +122,20 @@ void refine(const AffineMcp& problem, const Limits& limits, Result& result) {
 }  // namespace
 
 Result solve(const AffineMcp& problem, In start, const Method& method, const Limits& limits) {
+  const Overloaded run{[&](const Auto& m) { return automatic(problem, start, m, limits); },
+                       [&](const Lemke& m) { return lemke_method(problem, start, m, limits); },
+                       [&](const LemkeHowson& m) { return lemke_howson(problem, start, m, limits); },
+                       [&](const PrincipalPivoting& m) { return principal_pivoting(problem, start, m, limits); },
+                       [&](const BlockPivoting& m) { return block_pivoting(problem, start, m, limits); },
+                       [&](const LeastIndex& m) { return least_index(problem, start, m, limits); },
+                       [&](const ProjectedSor& m) { return projected_sor(problem, start, m, limits); },
+                       [&](const MinNewton& m) { return min_newton(problem, start, m, limits); },
+                       [&](const FbNewton& m) { return fb_newton(problem, start, m, limits); },
+                       [&](const InteriorPoint& m) { return interior_point(problem, start, m, limits); },
+                       [&](const BoundQp& m) { return bound_qp(problem, start, m, limits); },
+                       [&](const Enumeration& m) { return enumeration(problem, start, m, limits); }};
   const auto method_and_refinement = [&] {
-    Result result = std::visit([&](const auto& m) { return run(problem, start, m, limits); }, method);
+    Result result = std::visit(run, method);
     refine(problem, limits, result);
     return result;
   };

@@ -1,7 +1,6 @@
 #pragma once
 /// The methods for the affine MCP as values, and solve(), which runs one of them or lets Auto choose.
 #include <span>
-#include <string>
 #include <string_view>
 #include <variant>
 
@@ -26,6 +25,7 @@ namespace perp::lcp {
 struct Lemke {
   LemkeOptions options{.start = LemkeStart::Ray, .cover = Cover::Ones};
 };
+void describe(Lemke& method, Fields& fields);
 
 /// Chooses methods from the structure of M (lcp/classes/classify.hpp) and tries them in turn until one solves the
 /// problem or proves it infeasible; Result::message says which and why. The order:
@@ -37,6 +37,7 @@ struct Lemke {
 struct Auto {
   unsigned seed = 1;  ///< of the covering vectors tried after the first
 };
+void describe(Auto& method, Fields& fields);
 
 using Method = std::variant<Auto, Lemke, LemkeHowson, PrincipalPivoting, BlockPivoting, LeastIndex, ProjectedSor,
                             MinNewton, FbNewton, InteriorPoint, BoundQp, Enumeration>;

@@ -2,7 +2,6 @@
 
 #include <array>
 #include <climits>
-#include <cmath>
 #include <limits>
 
 namespace perp::ncp::ampl {

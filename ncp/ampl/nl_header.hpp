@@ -1,6 +1,5 @@
 #pragma once
 /// The ten header lines of an .nl file, in its words (Gay, "Writing .nl files", table 2).
-#include <string>
 #include <vector>
 
 #include "ncp/ampl/nl_tokens.hpp"

@@ -4,7 +4,6 @@
 #include <stdexcept>
 
 #include "ncp/problem/counted_mcp.hpp"
-#include "ncp/problem/words.hpp"
 
 namespace perp::ncp {
 namespace {

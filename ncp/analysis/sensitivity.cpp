@@ -20,34 +20,34 @@ namespace {
 using Dense = Eigen::MatrixXd;
 using Indices = std::vector<Index>;
 
-[[noreturn]] void refuse_input(const Mcp& mcp, const std::string& what) {
+[[noreturn]] void refuse_point(const Mcp& mcp, const std::string& what) {
   throw std::invalid_argument(mcp.name() + ": sensitivity: " + what);
 }
 
 void check_options(const Mcp& mcp, const SensitivityOptions& o) {
   const auto positive = [&](const char* name, double value) {
     if (!(value > 0) || std::isinf(value))
-      refuse_input(mcp, std::string(name) + " is " + number(value) + "; it must be positive and finite");
+      refuse_point(mcp, std::string(name) + " is " + number(value) + "; it must be positive and finite");
   };
   positive("residual_tol", o.residual_tol);
   positive("degenerate_tol", o.degenerate_tol);
   if (!(o.singular_rcond >= 0 && o.singular_rcond < 1))
-    refuse_input(mcp, "singular_rcond is " + number(o.singular_rcond) + "; it must be in [0, 1)");
+    refuse_point(mcp, "singular_rcond is " + number(o.singular_rcond) + "; it must be in [0, 1)");
   if (o.max_degenerate < 0)
-    refuse_input(mcp, "max_degenerate is " + std::to_string(o.max_degenerate) + "; it must be at least 0");
+    refuse_point(mcp, "max_degenerate is " + std::to_string(o.max_degenerate) + "; it must be at least 0");
 }
 
 void check_derivatives(const Mcp& mcp, const ParameterDerivatives& p) {
   const Index n = mcp.size();
   const auto check = [&](const char* name, const SpMat& D) {
     if (D.rows() != n || D.cols() != p.dF.cols())
-      refuse_input(mcp, std::string(name) + " is " + std::to_string(D.rows()) + " x " + std::to_string(D.cols()) +
+      refuse_point(mcp, std::string(name) + " is " + std::to_string(D.rows()) + " x " + std::to_string(D.cols()) +
                             ", for " + std::to_string(n) + " variables and " + std::to_string(p.dF.cols()) +
                             " parameters");
     for (Index j = 0; j < D.cols(); ++j)
       for (SpMat::InnerIterator it(D, j); it; ++it)
         if (!std::isfinite(it.value()))
-          refuse_input(mcp, std::string(name) + " is " + number(it.value()) + " for variable " +
+          refuse_point(mcp, std::string(name) + " is " + number(it.value()) + " for variable " +
                                 mcp.variable_name(it.row()) + " and parameter " + std::to_string(j + 1));
   };
   const auto check_bounds = [&](const char* name, const SpMat& D, const Vec& bound) {
@@ -56,7 +56,7 @@ void check_derivatives(const Mcp& mcp, const ParameterDerivatives& p) {
     for (Index j = 0; j < D.cols(); ++j)
       for (SpMat::InnerIterator it(D, j); it; ++it)
         if (std::isinf(bound[it.row()]) && it.value() != 0)
-          refuse_input(mcp, std::string(name) + " is " + number(it.value()) + " for the infinite bound of variable " +
+          refuse_point(mcp, std::string(name) + " is " + number(it.value()) + " for the infinite bound of variable " +
                                 mcp.variable_name(it.row()));
   };
   check("dF", p.dF);
@@ -66,7 +66,7 @@ void check_derivatives(const Mcp& mcp, const ParameterDerivatives& p) {
     if (mcp.box().lower[i] == mcp.box().upper[i] && p.dl.size() + p.du.size() > 0)
       for (Index j = 0; j < p.dF.cols(); ++j)
         if ((p.dl.size() > 0 ? p.dl.coeff(i, j) : 0) != (p.du.size() > 0 ? p.du.coeff(i, j) : 0))
-          refuse_input(mcp, "dl and du differ for the fixed variable " + mcp.variable_name(i));
+          refuse_point(mcp, "dl and du differ for the fixed variable " + mcp.variable_name(i));
 }
 
 Activity activity(const Box& box, Index i, double x, double F, double row_size, double tol) {
@@ -142,7 +142,7 @@ class Analysis {
     check_options(mcp, options);
     check_derivatives(mcp, parameters);
     if (x.size() != mcp.size())
-      refuse_input(mcp,
+      refuse_point(mcp,
                    "x has " + std::to_string(x.size()) + " entries for " + std::to_string(mcp.size()) + " variables");
   }
 
@@ -391,7 +391,7 @@ Sensitivity sensitivity(const Mcp& mcp, In x, const ParameterDerivatives& parame
                         const SensitivityOptions& options) {
   Analysis analysis(mcp, x, parameters, options);
   if (dp.size() != parameters.dF.cols() || !dp.allFinite())
-    refuse_input(mcp, "the direction has " + std::to_string(dp.size()) + " entries, all of which must be finite, for " +
+    refuse_point(mcp, "the direction has " + std::to_string(dp.size()) + " entries, all of which must be finite, for " +
                           std::to_string(parameters.dF.cols()) + " parameters");
   if (analysis.prepare()) {
     if (analysis.degenerate() > options.max_degenerate)

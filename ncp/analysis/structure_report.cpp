@@ -4,10 +4,10 @@
 #include <cmath>
 #include <cstdint>
 #include <sstream>
-#include <stdexcept>
 
 #include "lcp/linalg/blocks.hpp"
 #include "lcp/lu/sparse_lu.hpp"
+#include "lcp/words.hpp"
 #include "ncp/problem/counted_mcp.hpp"
 #include "ncp/problem/words.hpp"
 
@@ -185,10 +185,8 @@ std::vector<std::string> numerical(const Mcp& mcp, const SpMat& B, const Indices
 void expect_sizes(const Mcp& mcp, const SpMat& J, In x, In F) {
   const Index n = mcp.size();
   if (J.rows() == n && J.cols() == n && x.size() == n && F.size() == n) return;
-  std::ostringstream what;
-  what << mcp.name() << ": explain_singularity: J is " << J.rows() << " x " << J.cols() << ", x has " << x.size()
-       << " entries, F " << F.size() << ", for " << n << " variables";
-  throw std::invalid_argument(what.str());
+  refuse_input(mcp.name(), ": explain_singularity: J is ", J.rows(), " x ", J.cols(), ", x has ", x.size(),
+               " entries, F ", F.size(), ", for ", n, " variables");
 }
 
 }  // namespace

@@ -4,11 +4,10 @@
 #include <array>
 #include <charconv>
 #include <limits>
-#include <stdexcept>
-#include <utility>
 #include <vector>
 
 #include "lcp/memory.hpp"
+#include "lcp/words.hpp"
 #include "ncp/collection/base/build.hpp"
 #include "ncp/collection/random/random_ncps.hpp"
 #include "ncp/collection/scalable/generators.hpp"
@@ -66,8 +65,7 @@ constexpr std::array family_table{
 static_assert(std::ranges::is_sorted(family_table, {}, &Family::name));
 
 [[noreturn]] void refuse(const Family& family, const std::string& why) {
-  throw std::invalid_argument(std::string(family.name).append(": ").append(why).append("; expected ") + syntax(family) +
-                              ", as in " + std::string(family.name).append(":").append(family.example));
+  refuse_input(family.name, ": ", why, "; expected ", syntax(family), ", as in ", family.name, ":", family.example);
 }
 
 std::string quoted(std::string_view text) { return std::string("'").append(text).append("'"); }
@@ -170,16 +168,12 @@ Problem make(const Family& family, std::string_view sizes) {
   }
   lcp::require_memory(least_memory(family, n), "vectors and matrix");
   const unsigned seed = parts.size() == 2 ? seed_of(family, parts[1]) : 1;
-  struct Call {
-    const Index* n;
-    unsigned seed;
-    Problem operator()(Problem (*made)(Index)) const { return made(n[0]); }
-    Problem operator()(Problem (*made)(Index, Index)) const { return made(n[0], n[1]); }
-    Problem operator()(Problem (*made)(Index, unsigned)) const { return made(n[0], seed); }
-    Problem operator()(Problem (*made)(Index, Index, unsigned)) const { return made(n[0], n[1], seed); }
-    Problem operator()(Problem (*made)(Index, Index, Index, unsigned)) const { return made(n[0], n[1], n[2], seed); }
-  };
-  return std::visit(Call{n, seed}, family.maker);
+  const Overloaded call{[&](Problem (*made)(Index)) { return made(n[0]); },
+                        [&](Problem (*made)(Index, Index)) { return made(n[0], n[1]); },
+                        [&](Problem (*made)(Index, unsigned)) { return made(n[0], seed); },
+                        [&](Problem (*made)(Index, Index, unsigned)) { return made(n[0], n[1], seed); },
+                        [&](Problem (*made)(Index, Index, Index, unsigned)) { return made(n[0], n[1], n[2], seed); }};
+  return std::visit(call, family.maker);
 }
 
 }  // namespace perp::ncp::collection

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <limits>
 #include <stdexcept>
-#include <type_traits>
 #include <variant>
 
 #include "ncp/problem/affine.hpp"
@@ -19,17 +18,11 @@ Status status_of(Status affine) {
 }
 
 const char* advice(Status status, bool automatic) {
-  switch (status) {
-    case Status::Infeasible:
-      return "look for a mistake in the model";
-    case Status::TimeLimit:
-      return "raise the time limit";
-    case Status::OutOfMemory:
-      return "a smaller problem, more memory, or --method psor";
-    default:
-      return automatic ? "the problem may have no solution; a nonlinear method (semismooth) may still find one"
-                       : "try --method auto";
-  }
+  if (status == Status::Infeasible) return "look for a mistake in the model";
+  if (status == Status::TimeLimit) return "raise the time limit";
+  if (status == Status::OutOfMemory) return "a smaller problem, more memory, or --method psor";
+  return automatic ? "the problem may have no solution; a nonlinear method (semismooth) may still find one"
+                   : "try --method auto";
 }
 
 }  // namespace
@@ -59,20 +52,7 @@ void affine(Run& run, In x0, const Affine& method) {
 
 void describe(Affine& method, Fields& f) {
   f.hide("major_iteration_limit");  // these count pivots, sweeps, ...
-  std::visit(
-      [&](auto& m) {
-        using M = std::remove_cvref_t<decltype(m)>;
-        if constexpr (std::is_same_v<M, lcp::Lemke>) {
-          describe_start(m.options.start, f);
-          describe(m.options, f);
-        } else if constexpr (std::is_same_v<M, lcp::Auto>) {
-          f.add("lemke_seed", &m.seed, between(0, std::numeric_limits<int>::max()), "of Lemke's covering vectors",
-                "seed");
-        } else if constexpr (requires { lcp::describe(m, f); }) {
-          lcp::describe(m, f);
-        }
-      },
-      method.method);
+  std::visit([&](auto& m) { describe(m, f); }, method.method);
 }
 
 }  // namespace perp::ncp

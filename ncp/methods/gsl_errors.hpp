@@ -1,7 +1,6 @@
 #pragma once
 /// GSL where memory ends. Its allocators call an error handler, which is global and by default ends the process; where
 /// that returns, some of its functions (the LU factorization) use the null pointer. Private to ncp/.
-#include <memory>
 #include <new>
 
 namespace perp::ncp {

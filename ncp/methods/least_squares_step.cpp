@@ -1,7 +1,6 @@
 #include "ncp/methods/least_squares_step.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "lcp/iterative/interior_point.hpp"
 #include "lcp/pivoting/lemke.hpp"

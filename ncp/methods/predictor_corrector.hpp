@@ -3,7 +3,6 @@
 /// the mean tau. The predictor leads towards products 0; as far as it comes within the bounds they would have the mean
 /// tau_aff. The corrector leads towards sigma tau, sigma = (tau_aff / tau)^3, with the predictor's second-order terms.
 #include <algorithm>
-#include <utility>
 
 namespace perp::ncp {
 

@@ -1,7 +1,5 @@
 #include "ncp/reformulation/cfunction.hpp"
 
-#include "lcp/fischer_burmeister.hpp"
-
 namespace perp::ncp {
 void reformulate(const CFunction& c, const Box& box, In x, In F, In h, In Jh, Reformulation& out) {
   const Index n = x.size();

@@ -1,18 +1,8 @@
 #include "ncp/reformulation/line_search.hpp"
 
-#include <algorithm>
 #include <utility>
 
 namespace perp::ncp {
-
-void Memory::push(double merit) {
-  if (last_.size() == size_) last_.erase(last_.begin());
-  last_.push_back(merit);
-}
-
-void Memory::reset(double merit) { last_.assign(1, merit); }
-
-double Memory::reference() const { return *std::max_element(last_.begin(), last_.end()); }
 
 SearchOutcome line_search(Run& run, const CFunction& c, const Armijo& rule, In d, double slope, double reference,
                           bool projected, Point& point) {
@@ -39,15 +29,6 @@ SearchOutcome line_search(Run& run, const CFunction& c, const Armijo& rule, In d
     return out;
   }
   return out;
-}
-
-bool Stall::stalled(double merit) {
-  best_ = std::min(best_, merit);
-  if (best_ < factor_ * mark_) {
-    mark_ = best_;
-    since_ = 0;
-  }
-  return ++since_ > window_;
 }
 
 }  // namespace perp::ncp

@@ -1,6 +1,5 @@
 #include "ncp/run/judge.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <utility>
 

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstdio>
 #include <ostream>
-#include <string>
 #include <utility>
 
 namespace perp::ncp {

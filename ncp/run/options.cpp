@@ -44,38 +44,6 @@ void describe(Escape& e, Fields& f) {
   });
 }
 
-void describe(lcp::LemkeOptions& l, Fields& f) {
-  using lcp::Cover;
-  describe_lu(l.basis.lu, f);
-  f.add("minor_iteration_limit", &l.max_pivots, at_least(0),
-        "pivots of one linearised problem, at most 1000 + 20 n of them; or of Lemke's method on an affine one",
-        "max_pivots");
-  f.choice("lemke_cover", &l.cover, {{"ones", Cover::Ones}, {"generic", Cover::Generic}, {"spread", Cover::Spread}},
-           "Lemke's covering vector: ones (the textbook's e), generic (random about e in equilibrated units) or spread "
-           "(log-uniform over three decades)");
-  f.add("pivot_tolerance", &l.pivot_tol, strictly_between(0, 1),
-        "smallest pivot, relative to the largest entry of its column");
-  f.add("lemke_perturbation", &l.perturbation, between(0, 1e100),
-        "relative perturbation of the path's start, against ties; 0: none");
-  f.add("lemke_seed", &l.seed, between(0, std::numeric_limits<int>::max()), "of that perturbation and of the ray",
-        "seed");
-  f.add("refactor_every", &l.basis.refactor_every, at_least(1), "pivots between fresh factorizations of the basis");
-  // Inner tolerances that no run was seen to depend on.
-  f.add("lemke.residual_tol", &l.residual_tol, above(0), {});
-  f.add("lemke.feasibility_tol", &l.feasibility_tol, Range{}, {});
-  f.add("lemke.singular_rcond", &l.singular_rcond, {.high = 1, .open_high = true}, {});
-  f.add("lemke.basis.fill_limit", &l.basis.fill_limit, {.open_low = true}, {});
-  f.add("lemke.basis.unstable_tol", &l.basis.unstable_tol, {.high = 1, .open_high = true}, {});
-  f.add("lemke.basis.singular_tol", &l.basis.singular_tol, {.high = 1, .open_high = true}, {});
-}
-
-void describe_start(lcp::LemkeStart& start, Fields& f) {
-  using lcp::LemkeStart;
-  f.choice("lemke_start", &start,  // only PathSearch can start from a ray in the first iteration alone
-           {{"automatic", LemkeStart::Regular}, {"first", LemkeStart::Regular}, {"always", LemkeStart::Ray}},
-           lemke_start_help);
-}
-
 void describe_search(double& sigma, double& beta, int& max_backtracks, Fields& f) {
   f.add("sigma", &sigma, strictly_between(0, 1),
         "line search: share of the predicted decrease of the merit that is demanded");

@@ -66,18 +66,14 @@ struct Escape {
 void describe(Stop& stop, Fields& fields);
 void describe(Armijo& search, Fields& fields);
 void describe(Escape& escape, Fields& fields);
-/// Describes all options but the start of the path.
-void describe(lcp::LemkeOptions& lemke, Fields& fields);
 
 // Single options that several methods have.
-inline constexpr std::string_view lemke_start_help =
-    "where pivoting starts: automatic (the cell of the current point), first (a ray in the first iteration) or "
-    "always (a ray, as Lemke's method)";
-void describe_start(lcp::LemkeStart& start, Fields& fields);
 void describe_search(double& sigma, double& beta, int& max_backtracks, Fields& fields);
 void describe_rescalings(int& rescalings, Fields& fields);
 using lcp::describe_descent;
 using lcp::describe_lu;
 using lcp::describe_memory;
+using lcp::describe_start;
+using lcp::lemke_start_help;
 
 }  // namespace perp::ncp

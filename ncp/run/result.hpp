@@ -5,7 +5,6 @@
 #include <iosfwd>
 #include <limits>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "lcp/pivoting/lemke.hpp"

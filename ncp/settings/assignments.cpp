@@ -72,7 +72,7 @@ Assignment parse_assignment(std::string_view text, std::string source) {
   const std::size_t equals = text.find('=');
   const std::string_view key = trimmed(text.substr(0, equals));
   if (equals == std::string_view::npos || key.empty())
-    throw InputError(fmt::format("{}: '{}' is not of the form key=value", source, text));
+    throw input_error("{}: '{}' is not of the form key=value", source, text);
   return {std::string(key), std::string(trimmed(text.substr(equals + 1))), std::move(source)};
 }
 
@@ -107,8 +107,7 @@ std::vector<Assignment> parse_options_file(std::istream& in, const std::string& 
     const std::string source = fmt::format("{}:{}", name, number);
     const std::vector<Assignment> given = parse_words(text, source);
     if (given.size() != 1 || given[0].key.empty() || given[0].value.empty())
-      throw InputError(
-          fmt::format("{}: '{}' is not one option of the form 'key value' or 'key = value'", source, text));
+      throw input_error("{}: '{}' is not one option of the form 'key value' or 'key = value'", source, text);
     result.push_back(given[0]);
   }
   return result;
@@ -117,8 +116,7 @@ std::vector<Assignment> parse_options_file(std::istream& in, const std::string& 
 std::vector<Assignment> read_options_file(const std::string& path) {
   std::ifstream in(path);
   std::error_code ignored;
-  if (!in || std::filesystem::is_directory(path, ignored))
-    throw InputError(fmt::format("options file '{}' cannot be read", path));
+  if (!in || std::filesystem::is_directory(path, ignored)) throw input_error("options file '{}' cannot be read", path);
   return parse_options_file(in, path);
 }
 

@@ -101,9 +101,9 @@ bool parse_number(std::string_view text, T& value) {
 [[noreturn]] void refuse(const Assignment& given, std::string_view option, std::string_view takes,
                          std::span<const std::string_view> words = {}) {
   const std::string key = lowercase(given.key) == option ? given.key : fmt::format("{} ({})", given.key, option);
-  throw InputError(fmt::format("{}: {} = {} is refused; it takes {}{}", given.source, key,
-                               given.value.empty() ? "(nothing)" : given.value, takes,
-                               words.empty() ? "" : "." + did_you_mean(lowercase(given.value), words)));
+  throw input_error("{}: {} = {} is refused; it takes {}{}", given.source, key,
+                    given.value.empty() ? "(nothing)" : given.value, takes,
+                    words.empty() ? "" : "." + did_you_mean(lowercase(given.value), words));
 }
 
 template <class T>
@@ -166,8 +166,7 @@ void set(const ncp::Field& field, const Assignment& given, std::vector<std::stri
           try {
             target.set(value);
           } catch (const std::invalid_argument& error) {
-            throw InputError(
-                fmt::format("{}: {} = {} is refused: {}", given.source, field.key, given.value, error.what()));
+            throw input_error("{}: {} = {} is refused: {}", given.source, field.key, given.value, error.what());
           }
         } else {
           *target = number_in_range<std::remove_pointer_t<T>>(given, field);
@@ -249,7 +248,7 @@ Found find_option(const Assignment& given) {
     return {option, option == nullptr ? name : std::string_view{}};
   std::vector<std::string_view> names(fits.size());
   std::ranges::transform(fits, names.begin(), [](const auto& fit) { return fit.first; });
-  throw InputError(fmt::format("{}: '{}' is ambiguous: {}", given.source, given.key, ncp::alternatives(names)));
+  throw input_error("{}: '{}' is ambiguous: {}", given.source, given.key, ncp::alternatives(names));
 }
 
 std::string unknown_key(const Assignment& given) {

@@ -7,7 +7,6 @@
 
 #include "lcp/classes/classify.hpp"
 #include "lcp/linalg/krylov.hpp"
-#include "ncp/problem/affine.hpp"
 #include "ncp/reformulation/normal_map.hpp"
 #include "ncp/strategy/attempts.hpp"
 #include "ncp/strategy/strategies.hpp"

@@ -1,6 +1,5 @@
 #pragma once
 /// One attempt of deflation (deflation.hpp): semismooth Newton on M(x; R) Phi(x) = 0. Private to ncp/.
-#include "ncp/reformulation/merit.hpp"
 #include "ncp/run/run.hpp"
 #include "ncp/strategy/deflation.hpp"
 

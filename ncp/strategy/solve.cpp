@@ -5,6 +5,7 @@
 #include <new>
 #include <stdexcept>
 
+#include "lcp/words.hpp"
 #include "ncp/analysis/no_solution.hpp"
 #include "ncp/run/notes.hpp"
 #include "ncp/run/run.hpp"
@@ -15,19 +16,12 @@
 namespace perp::ncp {
 namespace {
 
-template <class... F>
-struct Overloaded : F... {
-  using F::operator()...;
-};
-template <class... F>
-Overloaded(F...) -> Overloaded<F...>;
-
 /// What only the problem shows to be wrong with a method.
 void check_fit(const Mcp& mcp, const Method& method) {
   const PathSearch* path = path_of(method);
   if (path == nullptr || path->basis.empty() || static_cast<Index>(path->basis.size()) == mcp.size()) return;
-  throw std::invalid_argument(mcp.name() + ": path: the warm start's basis has " + std::to_string(path->basis.size()) +
-                              " cells, the problem " + std::to_string(mcp.size()) + " variables");
+  refuse_input(mcp.name(), ": path: the warm start's basis has ", path->basis.size(), " cells, the problem ",
+               mcp.size(), " variables");
 }
 
 bool stuck(Status status, const Stats& stats) {
@@ -187,13 +181,13 @@ void comment(const Mcp& mcp, const Method& method, Result& result) {
 }  // namespace
 
 Result solve(const Mcp& mcp, In x0, const Method& method, const Observer& observer) {
-  if (const auto why = invalid(method)) throw std::invalid_argument(std::string(name(method)) + ": " + *why);
+  if (const auto why = invalid(method)) refuse_input(name(method), ": ", *why);
   check_input(mcp, x0);
   check_fit(mcp, method);
   if (stop(method).check_derivatives)
     if (const JacobianCheck check = check_jacobian(mcp, lcp::project(mcp.box(), x0)); check.defined)
       if (const std::string mismatch = describe(mcp, check); !mismatch.empty())
-        throw std::invalid_argument(mcp.name() + ": " + mismatch);
+        refuse_input(mcp.name(), ": ", mismatch);
   Run run(mcp, stop(method), observer);
   run.guard([&] {
     if (!refuted(run, x0)) run_method(run, x0, method);

@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <sstream>
 
+#include "lcp/words.hpp"
 #include "ncp/transforms/presolve_reducer.hpp"
 
 namespace perp::ncp {
@@ -67,16 +67,12 @@ void Reducer::compare(Index equation_row, Index row) {
   if (std::abs(d) > margin) {
     if (!is_equation(row)) return force(row, d, d, {.implied = true});
     if (std::abs(d) <= verdict(row) + std::abs(t) * verdict(equation_row)) return;
-    std::ostringstream what;
-    what << "equations " << mcp_.equation_name(equation_row) << " and " << mcp_.equation_name(row)
-         << " contradict each other: both have to be 0, but the second is " << t << " times the first "
-         << (d > 0 ? "plus " : "minus ") << std::abs(d);
-    infeasible = what.str();
+    infeasible = text_of("equations ", mcp_.equation_name(equation_row), " and ", mcp_.equation_name(row),
+                         " contradict each other: both have to be 0, but the second is ", t, " times the first ",
+                         (d > 0 ? "plus " : "minus "), std::abs(d));
   } else if (is_equation(row) && notes.size() < max_notes) {
-    std::ostringstream what;
-    what << "equations " << mcp_.equation_name(equation_row) << " and " << mcp_.equation_name(row)
-         << " say the same: the second is " << t << " times the first";
-    notes.push_back(what.str());
+    notes.push_back(text_of("equations ", mcp_.equation_name(equation_row), " and ", mcp_.equation_name(row),
+                            " say the same: the second is ", t, " times the first"));
   }
 }
 

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
-#include <stdexcept>
+
+#include "lcp/words.hpp"
 
 namespace perp::ncp {
 namespace {
@@ -54,9 +54,8 @@ bool Reducer::know_values() {
   if (linear.empty()) return false;
   const SpMat& pattern = mcp_.jacobian_pattern();
   if (static_cast<Index>(linear.size()) != pattern.nonZeros())
-    throw std::invalid_argument(mcp_.name() + ": " + std::to_string(linear.size()) +
-                                " flags of linear entries for a Jacobian pattern of " +
-                                std::to_string(pattern.nonZeros()) + " nonzeros");
+    refuse_input(mcp_.name(), ": ", linear.size(), " flags of linear entries for a Jacobian pattern of ",
+                 pattern.nonZeros(), " nonzeros");
   J_ = pattern;
   if (!counted_.eval(x_, F_) || !counted_.jacobian(x_, J_)) return false;
   rows_.resize(at(mcp_.size()));
@@ -169,10 +168,8 @@ bool Reducer::reevaluate(bool at_the_end) {
   if (blocked_) return false;
   for (Index i = 0; i < mcp_.size(); ++i) {
     if (stale_[at(i)] != 0 || std::abs(F[i] - F_[i]) <= broken * (1 + size_[i])) continue;
-    std::ostringstream what;
-    what << mcp_.name() << ": equation " << mcp_.equation_name(i) << " is not as linear as the problem declares: it is "
-         << F[i] << " where its linear entries make it " << F_[i];
-    throw std::invalid_argument(what.str());
+    refuse_input(mcp_.name(), ": equation ", mcp_.equation_name(i), " is not as linear as the problem declares: it is ",
+                 F[i], " where its linear entries make it ", F_[i]);
   }
   F_ = F;
   size_ = size_.cwiseMax(F_.cwiseAbs());

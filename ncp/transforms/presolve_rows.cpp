@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <sstream>
 
+#include "lcp/words.hpp"
 #include "ncp/transforms/presolve_reducer.hpp"
 
 namespace perp::ncp {
@@ -17,11 +17,7 @@ constexpr int max_looks = 20;          // at the range of one row
 constexpr double useless_bound = 1e8;  // implied bounds beyond say nothing
 constexpr double progress = 1e-3;      // relative: what an implied bound has to improve by
 
-std::string text(double value) {
-  std::ostringstream out;
-  out << value;
-  return out.str();
-}
+std::string text(double value) { return text_of(value); }
 
 }  // namespace
 

@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 #include <string>
+
+#include "lcp/words.hpp"
 
 namespace perp::ncp {
 namespace {
@@ -38,9 +39,8 @@ std::vector<Entry> entries_of(const Mcp& mcp, const SpMat& J) {
     for (SpMat::InnerIterator it(J, j); it; ++it) {
       const double a = std::abs(it.value());
       if (!std::isfinite(a))
-        throw std::invalid_argument(mcp.name() + ": scaling: the derivative of equation " +
-                                    mcp.equation_name(it.row()) + " with respect to variable " + mcp.variable_name(j) +
-                                    " is " + std::to_string(it.value()));
+        refuse_input(mcp.name(), ": scaling: the derivative of equation ", mcp.equation_name(it.row()),
+                     " with respect to variable ", mcp.variable_name(j), " is ", it.value());
       if (a == 0 || fixed(it.row()) || fixed(j)) continue;
       all.push_back({it.row(), j, a});
       row_max[it.row()] = std::max(row_max[it.row()], a);
@@ -89,8 +89,7 @@ bool keeps_bounds(const Box& box, const Vec& columns) {
 Scaling scaling(const Mcp& mcp, const SpMat& J) {
   const Index n = mcp.size();
   if (J.rows() != n || J.cols() != n)
-    throw std::invalid_argument(mcp.name() + ": scaling: the Jacobian is " + std::to_string(J.rows()) + " x " +
-                                std::to_string(J.cols()) + " for " + std::to_string(n) + " variables");
+    refuse_input(mcp.name(), ": scaling: the Jacobian is ", J.rows(), " x ", J.cols(), " for ", n, " variables");
   const std::vector<Entry> entries = entries_of(mcp, J);
   Vec rows = Vec::Zero(n), columns = Vec::Zero(n);  // log2 of the factors
   Scaling result{.rows = Vec::Ones(n), .columns = Vec::Ones(n)};
@@ -121,12 +120,10 @@ ScaledMcp::ScaledMcp(const Mcp& base, const Scaling& scaling)
   for (const Vec* factors : {&R_, &C_}) {
     const char* which = factors == &R_ ? "row" : "column";
     if (factors->size() != base.size())
-      throw std::invalid_argument(base.name() + ": scaling: " + std::to_string(factors->size()) + ' ' + which +
-                                  " factors for " + std::to_string(base.size()) + " variables");
+      refuse_input(base.name(), ": scaling: ", factors->size(), ' ', which, " factors for ", base.size(), " variables");
     for (Index i = 0; i < factors->size(); ++i)
       if (!((*factors)[i] > 0 && std::isfinite((*factors)[i])))
-        throw std::invalid_argument(base.name() + ": scaling: " + which + " factor " + std::to_string(i + 1) + " is " +
-                                    std::to_string((*factors)[i]));
+        refuse_input(base.name(), ": scaling: ", which, " factor ", i + 1, " is ", (*factors)[i]);
   }
   box_ = {to_scaled(base.box().lower), to_scaled(base.box().upper)};
 }

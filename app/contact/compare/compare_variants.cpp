@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <filesystem>
 #include <memory>
@@ -31,16 +30,16 @@ namespace fs = std::filesystem;
 
 void check_request(const CompareVariantsRequest& request) {
   if (request.tol && (!(*request.tol > 0) || !std::isfinite(*request.tol)))
-    throw InputError(fmt::format("--tol {:g}: a tolerance is positive", *request.tol));
+    throw input_error("--tol {:g}: a tolerance is positive", *request.tol);
   if (request.time_limit && (!(*request.time_limit > 0) || !std::isfinite(*request.time_limit)))
-    throw InputError(fmt::format("--time-limit {:g}: a limit is positive", *request.time_limit));
+    throw input_error("--time-limit {:g}: a limit is positive", *request.time_limit);
   if (request.memory_mb && *request.memory_mb < 1)
-    throw InputError(fmt::format("--memory-limit {}: at least 1 MB", *request.memory_mb));
-  if (request.jobs < 1) throw InputError(fmt::format("--jobs {}: at least 1", request.jobs));
+    throw input_error("--memory-limit {}: at least 1 MB", *request.memory_mb);
+  if (request.jobs < 1) throw input_error("--jobs {}: at least 1", request.jobs);
   check_outputs(std::vector<FileUse>{{"--json", request.json}}, files_of(request.problems));
   for (std::size_t k = 0; k < request.problems.size(); ++k)
     if (std::ranges::count(request.problems, request.problems[k]) > 1)
-      throw InputError(fmt::format("'{}' is there twice", request.problems[k]));
+      throw input_error("'{}' is there twice", request.problems[k]);
 }
 
 /// All files are read once before anything runs: a misspelt name is no result. Generated problems are not made.
@@ -131,8 +130,7 @@ class Comparing {
     if (any_refused(problems, streams_.err)) return false;
     const std::vector<std::string> found = differences(before, asked_campaign(request_, &before));
     if (!found.empty())
-      throw InputError(
-          fmt::format("--resume: '{}' holds another campaign:\n  {}", request_.out, fmt::join(found, "\n  ")));
+      throw input_error("--resume: '{}' holds another campaign:\n  {}", request_.out, fmt::join(found, "\n  "));
     campaign_ = before;
     return true;
   }
@@ -200,7 +198,7 @@ class Comparing {
     const compare::ProcessEnd end =
         compare::run_process({.arguments = words, .log = folder + "/log", .limits = limits}, stopper_.flag());
     if (end.why == compare::ProcessEnd::Why::NotStarted)
-      throw InputError(fmt::format("a process for '{}' cannot be started: {}", problem.name, end.error));
+      throw input_error("a process for '{}' cannot be started: {}", problem.name, end.error);
     if (end.why == compare::ProcessEnd::Why::Interrupted) return;
     Cell cell = cell_of(end, read_text(folder + "/result.json"), limits);
     cell.variant = variant.label();

@@ -8,8 +8,6 @@
 #include <string>
 #include <vector>
 
-#include "app/contact/compare/cell.hpp"
-#include "app/contact/run/variant.hpp"
 #include "app/program/program.hpp"
 
 namespace perp::app::contacts {

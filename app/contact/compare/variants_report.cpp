@@ -12,6 +12,7 @@
 
 #include "app/campaign/campaign.hpp"
 #include "app/comparison_report/html.hpp"
+#include "app/comparison_report/page.hpp"
 #include "app/comparison_report/profile_chart.hpp"
 #include "app/contact/run/report.hpp"
 #include "app/text/plot_layout.hpp"
@@ -25,31 +26,6 @@ using comparison::HtmlCell;
 using comparison::HtmlTable;
 
 constexpr double least_time = 1e-6;  // s; below it times are noise
-
-constexpr std::string_view style = R"css(
-body { font: 16px/1.5 system-ui, "DejaVu Sans", "Liberation Sans", Arial, sans-serif; color: #222; max-width: 1400px;
-  margin: 0 auto; padding: 8px 20px 40px; }
-h1 { font-size: 24px; } h2 { font-size: 18px; margin: 28px 0 6px; }
-table { border-collapse: collapse; font-size: 13.5px; font-variant-numeric: tabular-nums; margin: 8px 0; }
-caption { text-align: left; padding: 4px 0; color: #555; }
-th, td { padding: 3px 9px; border-bottom: 1px solid #e3e3e3; text-align: left; vertical-align: top; }
-thead th { border-bottom: 1.5px solid #222; vertical-align: bottom; overflow-wrap: anywhere; } tbody th { font-weight: 500; }
-thead th button { font: inherit; color: inherit; background: none; border: 0; padding: 0; text-align: inherit; }
-.n { text-align: right; white-space: nowrap; } .bad { color: #b00020; } .best { font-weight: 700; } .soft { color: #666; }
-.scroll { overflow-x: auto; } .charts { display: grid; grid-template-columns: 1fr 1fr; gap: 4px 16px; }
-.charts svg { width: 100%; height: auto; } @media (max-width: 900px) { .charts { grid-template-columns: 1fr; } }
-)css";
-constexpr std::string_view chart_style = R"css(
-svg text { font: 12px system-ui, "DejaVu Sans", "Liberation Sans", Arial, sans-serif; fill: #222; }
-svg .title { font-weight: 600; font-size: 13.5px; } svg .grid { stroke: #e2e2e2; } svg .axis { stroke: #333; stroke-width: 1.2; }
-svg .line { fill: none; stroke-width: 2; stroke-linejoin: round; } svg .leader { fill: none; stroke-width: .8; }
-svg .hollow { fill: #fff; stroke-width: 1.8; } svg .stroke { stroke-width: 2; }
-.c0 { stroke: #0072B2; } .c1 { stroke: #D55E00; } .c2 { stroke: #000000; } .c3 { stroke: #009E73; } .c4 { stroke: #CC79A7; }
-.c5 { stroke: #E69F00; } .c6 { stroke: #56B4E9; } .f0 { fill: #0072B2; stroke: #0072B2; } .f1 { fill: #D55E00; stroke: #D55E00; }
-.f2 { fill: #000000; stroke: #000000; } .f3 { fill: #009E73; stroke: #009E73; } .f4 { fill: #CC79A7; stroke: #CC79A7; }
-.f5 { fill: #E69F00; stroke: #E69F00; } .f6 { fill: #56B4E9; stroke: #56B4E9; }
-.d1 { stroke-dasharray: 9 4; } .d2 { stroke-dasharray: 2.5 3; } .d3 { stroke-dasharray: 12 3 2.5 3; }
-)css";
 
 double median(std::vector<double> values) {
   if (values.empty()) return std::nan("");
@@ -284,7 +260,7 @@ void print_comparison(std::ostream& out, const Comparison& comparison) {
 std::string profile_svg(const Comparison& comparison) {
   std::string svg = chart(comparison, "Problems solved within tau times the best time (* by a law of its own)", false);
   const std::size_t at = svg.find("<style>");
-  svg.insert(at + 7, chart_style);
+  svg.insert(at + 7, comparison::chart_style());
   return "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n" + svg;
 }
 
@@ -292,10 +268,10 @@ std::string report_html(const Comparison& comparison) {
   const compare::Machine machine = compare::Machine::here();
   std::string page = fmt::format(
       "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" "
-      "content=\"width=device-width\"><title>Contact problems compared</title><style>{}{}</style></head><body>\n"
+      "content=\"width=device-width\"><title>Contact problems compared</title><style>{}</style></head><body>\n"
       "<h1>Contact problems: formulations and methods</h1>\n"
       "<p>{} on {}, each run in a process of its own; tolerance {:g}, {:g} s and {} MB a run; perp {}, {}.</p>\n",
-      style, chart_style, count(static_cast<long long>(comparison.variants.size()), "variant"),
+      comparison::page_style(), count(static_cast<long long>(comparison.variants.size()), "variant"),
       count(static_cast<long long>(comparison.problems.size()), "problem"), comparison.tol, comparison.time_limit,
       comparison.memory_mb, version_number(), comparison::html_text(machine.cpu));
   page +=

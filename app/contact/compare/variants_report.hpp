@@ -1,7 +1,6 @@
 #pragma once
 /// What `perp contact --compare` says: tables for a terminal, a page and a chart.
 #include <iosfwd>
-#include <span>
 #include <string>
 #include <vector>
 

@@ -1,4 +1,4 @@
-#include "app/contact/run/method_options.hpp"
+#include "app/contact/run/variant.hpp"
 
 #include <fmt/format.h>
 
@@ -38,7 +38,7 @@ bool set_own(const Assignment& given, const ncp::Fields& options, std::vector<st
 
 /// What the library says of them.
 void check(const contact::Options& options) {
-  if (const auto why = contact::invalid(options)) throw InputError(fmt::format("{}: {}", source, *why));
+  if (const auto why = contact::invalid(options)) throw input_error("{}: {}", source, *why);
 }
 
 void note_without_effect(Variant& variant, std::string_view key) {
@@ -51,7 +51,7 @@ ncp::Method with_options(Variant& variant, std::vector<Assignment> given) {
   Applied applied = apply_options(given);
   Settings& settings = applied.settings;
   const auto set_by_flag = [](const char* what, const char* flag) {
-    throw InputError(fmt::format("{}: {} is what {} says", source, what, flag));
+    throw input_error("{}: {} is what {} says", source, what, flag);
   };
   if (settings.method_name != variant.method) set_by_flag("the method", "--method");
   const ncp::Method plain = find_method(variant.method)->method;
@@ -84,8 +84,8 @@ void set_all(const std::vector<Assignment>& given, Variant& variant, Method& met
   const ncp::Fields own = own_options(method);
   for (const Assignment& one : given)
     if (!set_own(one, own, variant.notes))
-      throw InputError(fmt::format("{}: method {} has no option '{}'; it has {}.{}", source, variant.method, one.key,
-                                   fmt::join(keys(own), ", "), did_you_mean(lowercase(one.key), keys(own))));
+      throw input_error("{}: method {} has no option '{}'; it has {}.{}", source, variant.method, one.key,
+                        fmt::join(keys(own), ", "), did_you_mean(lowercase(one.key), keys(own)));
   check({.method = method});
 }
 
@@ -96,7 +96,7 @@ void set_all(std::vector<Assignment> given, Variant& variant, contact::GlockerNc
   try {
     ncp.method = with_options(variant, std::move(given));
   } catch (const UnknownOption& error) {
-    throw InputError(fmt::format("{} Of Glocker's NCP there are also {}.", error.what(), glocker_keys()));
+    throw input_error("{} Of Glocker's NCP there are also {}.", error.what(), glocker_keys());
   }
   check({.method = ncp});
 }
@@ -116,8 +116,8 @@ void set_options(Variant& variant) {
     *affine = affine_with_options(variant, std::move(given));
   else if (std::holds_alternative<contact::EncodingAuto>(variant.solver) &&
            !given.empty())  // Lemke's method first, then lcp::Auto
-    throw InputError(fmt::format("{} {}: {} by auto has no options; name a --method, lemke for instance", source,
-                                 variant.options.front(), variant.formulation()));
+    throw input_error("{} {}: {} by auto has no options; name a --method, lemke for instance", source,
+                      variant.options.front(), variant.formulation());
 }
 
 std::string auto_keys() {

@@ -24,10 +24,10 @@ std::vector<Value> parse_list(const char* flag, const std::string& text, Value l
     const auto [stop, error] = std::from_chars(word.data(), word.data() + word.size(), value);
     const bool whole = stop == word.data() + word.size();
     if (word.empty() || (error != std::errc{} && error != std::errc::result_out_of_range) || !whole)
-      throw InputError(fmt::format("{} {}: '{}' is no number; a list is like 4,6,8", flag, text, word));
+      throw input_error("{} {}: '{}' is no number; a list is like 4,6,8", flag, text, word);
     if (error != std::errc{} || !(value >= least && value <= most))
-      throw InputError(fmt::format("{} {}: {} is not in [{}, {}]", flag, text, word, least, most));
-    if (!seen.insert(value).second) throw InputError(fmt::format("{} {}: {} stands there twice", flag, text, word));
+      throw input_error("{} {}: {} is not in [{}, {}]", flag, text, word, least, most);
+    if (!seen.insert(value).second) throw input_error("{} {}: {} stands there twice", flag, text, word);
     values.push_back(value);
     begin = end + 1;
   }

@@ -38,12 +38,9 @@ std::string range_text(const Vec& values) {
 }
 
 /// "  what . . . . . . value  remark".
-void line(std::ostream& out, std::string what, const std::string& value, std::string_view remark = "") {
-  constexpr std::size_t width = 34;
-  if (what.size() % 2 == 1) what += ' ';
-  while (what.size() < width) what += " .";
-  out << (remark.empty() ? fmt::format("  {} {}\n", what, value)
-                         : fmt::format("  {} {:<10} {}\n", what, value, remark));
+void line(std::ostream& out, const std::string& what, const std::string& value, std::string_view remark = "") {
+  out << fmt::format("  {} ", dotted(what, 34))
+      << (remark.empty() ? value + '\n' : fmt::format("{:<10} {}\n", value, remark));
 }
 
 std::string metric(double value) { return number(value, 3); }
@@ -125,12 +122,6 @@ std::string own_text(const Problem& problem, const Run& run) {
 }
 
 }  // namespace
-
-std::string seconds_text(double s) {
-  if (s < 1e-3) return fmt::format("{:.0f} us", 1e6 * s);
-  if (s < 1) return fmt::format("{:.3g} ms", 1e3 * s);
-  return fmt::format("{:.4g} s", s);
-}
 
 void print_heading(std::ostream& out, const Loaded& loaded, const Variant& variant, double tol) {
   const Problem& problem = loaded.problem;

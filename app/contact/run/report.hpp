@@ -33,7 +33,4 @@ std::string run_json(const Loaded& loaded, const Run& run, ExitCode code);
 /// Several: objects as above, or as of refused input.
 std::string runs_json(std::span<const std::string> objects, ExitCode code);
 
-/// "1.23 ms".
-std::string seconds_text(double seconds);
-
 }  // namespace perp::app::contacts

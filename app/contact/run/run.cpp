@@ -41,8 +41,7 @@ Number parse_count(const std::string& argument, std::string_view digits, const c
   Number value = 0;
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
   if (error != std::errc{} || end != digits.data() + digits.size() || digits.empty())
-    throw InputError(
-        fmt::format("'{}': '{}' is no {}; NAME:SIZE[:SEED] is meant, as in spheres:100:7", argument, digits, what));
+    throw input_error("'{}': '{}' is no {}; NAME:SIZE[:SEED] is meant, as in spheres:100:7", argument, digits, what);
   return value;
 }
 
@@ -72,12 +71,12 @@ std::vector<FileUse> files_of(const std::vector<std::string>& arguments) {
 Loaded generate(const std::string& argument) {
   const std::string_view name = name_of(argument);
   if (!known_generator(name))
-    throw InputError(fmt::format("'{}': '{}' is none of {}.{}", argument, name, generator_names(), similar(name)));
-  if (name.size() == argument.size()) throw InputError(fmt::format("'{0}': how many contacts? {0}:100, say", argument));
+    throw input_error("'{}': '{}' is none of {}.{}", argument, name, generator_names(), similar(name));
+  if (name.size() == argument.size()) throw input_error("'{0}': how many contacts? {0}:100, say", argument);
   const std::string_view rest = std::string_view(argument).substr(name.size() + 1);
   const std::size_t colon = rest.find(':');
   const auto size = parse_count<lcp::Index>(argument, rest.substr(0, colon), "number of contacts");
-  if (size < 1) throw InputError(fmt::format("'{}': at least 1 contact is needed", argument));
+  if (size < 1) throw input_error("'{}': at least 1 contact is needed", argument);
   const unsigned seed =
       colon == std::string_view::npos ? 1U : parse_count<unsigned>(argument, rest.substr(colon + 1), "seed");
   return {argument, contact::make_scene(name, size, seed).problem()};
@@ -86,11 +85,10 @@ Loaded generate(const std::string& argument) {
 Loaded load(const std::string& argument) {
   std::error_code ignored;
   if (is_generated(argument)) return generate(argument);
-  if (std::filesystem::is_directory(argument, ignored))
-    throw InputError(fmt::format("'{}' is a directory, not a file", argument));
+  if (std::filesystem::is_directory(argument, ignored)) throw input_error("'{}' is a directory, not a file", argument);
   if (!std::filesystem::exists(argument, ignored))
-    throw InputError(fmt::format("there is no file '{}'; problems that can be made, as NAME:SIZE[:SEED]: {}.{}",
-                                 argument, generator_names(), similar(name_of(argument))));
+    throw input_error("there is no file '{}'; problems that can be made, as NAME:SIZE[:SEED]: {}.{}", argument,
+                      generator_names(), similar(name_of(argument)));
   return {argument, contact::read_problem(argument)};
 }
 

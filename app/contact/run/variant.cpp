@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <string_view>
 
-#include "app/contact/run/method_options.hpp"
 #include "app/program/program.hpp"
 
 namespace perp::app::contacts {
@@ -18,9 +17,9 @@ contact::Variant read(const Words& words, std::string_view before) {
   try {
     return contact::variant_of(words);
   } catch (const contact::UnknownWord& error) {
-    throw InputError(fmt::format("{}{}{}", before, error.what(), did_you_mean(error.word(), error.known())));
+    throw input_error("{}{}{}", before, error.what(), did_you_mean(error.word(), error.known()));
   } catch (const std::invalid_argument& error) {
-    throw InputError(fmt::format("{}{}", before, error.what()));
+    throw input_error("{}{}", before, error.what());
   }
 }
 
@@ -59,7 +58,7 @@ std::vector<Variant> parse_variants(const std::string& list) {
     const std::size_t end = std::min(list.find(',', at), list.size());
     Variant variant = parse_variant(list.substr(at, end - at));
     if (std::ranges::any_of(variants, [&](const Variant& other) { return other.label() == variant.label(); }))
-      throw InputError(fmt::format("--variants: {} is there twice", variant.label()));
+      throw input_error("--variants: {} is there twice", variant.label());
     variants.push_back(std::move(variant));
     at = end + 1;
   }

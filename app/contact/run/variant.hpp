@@ -9,7 +9,7 @@
 namespace perp::app::contacts {
 
 struct Variant : contact::Variant {
-  std::vector<std::string> options{};  ///< key=value (method_options.hpp), applied to the solver; in no text
+  std::vector<std::string> options{};  ///< key=value (method_options.cpp), applied to the solver; in no text
   std::vector<std::string> notes{};    ///< those without effect, and why
   /// The flags of `perp contact` that ask for it.
   std::vector<std::string> flags() const;
@@ -34,5 +34,18 @@ std::vector<Variant> parse_variants(const std::string& list);
 /// What `--compare` runs where nothing else is asked for.
 inline constexpr const char* default_variants =
     "glocker+auto,glocker+homotopy,glocker+path/B,glocker+semismooth/B,glocker+smooth/B,inner:8,outer:8,frictionless";
+
+// Options of a variant's method, key=value (`--option`): those of `perp methods` for methods of ncp/ and lcp/, and of
+// contact/ its own (contact::describe): of auto, of homotopy, and of glocker by another method.
+
+/// Sets what the variant's options say in its solver, and the notes. Throws InputError naming key, value and what is
+/// known: no such key, a value that makes no sense, an option that a flag sets (--method, --tol, --time-limit), a
+/// variant whose method has none.
+void set_options(Variant& variant);
+
+/// The keys of auto beside the homotopy's, of the homotopy, and of Glocker's NCP, as --help writes them.
+std::string auto_keys();
+std::string homotopy_keys();
+std::string glocker_keys();
 
 }  // namespace perp::app::contacts

@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "app/contact/run/number_list.hpp"
-#include "app/contact/studies/ball_svg.hpp"
 #include "app/problem/problem.hpp"
 #include "app/program/files.hpp"
 #include "app/report/json.hpp"
@@ -125,12 +124,12 @@ std::string ball_json(const std::vector<BallScene>& scenes, ExitCode code) {
 }
 
 std::vector<BallScene> run(const BallRequest& request, const std::atomic<bool>* interrupt) {
-  if (!std::isfinite(request.frame)) throw InputError(fmt::format("--frame {}: an angle is finite", request.frame));
+  if (!std::isfinite(request.frame)) throw input_error("--frame {}: an angle is finite", request.frame);
   if (request.svg == "-") throw InputError("--svg -: a picture goes to a file");
   const std::vector<FrictionLaw> all = laws(request);
   const std::vector<double> loads = parse_list("--load", request.loads, 0.0, 1e6);
   if (loads.size() > most_loads)
-    throw InputError(fmt::format("--load {}: {} loads, at most {}", request.loads, loads.size(), most_loads));
+    throw input_error("--load {}: {} loads, at most {}", request.loads, loads.size(), most_loads);
   const auto stop = [interrupt] { return interrupt != nullptr && interrupt->load(); };
   std::vector<BallScene> scenes;
   for (const double load : loads) {
@@ -176,11 +175,7 @@ ExitCode ball(const BallRequest& request, Streams streams, const std::atomic<boo
     json = request.json.empty() ? "" : ball_json(scenes, code);
   });
   log.flush();
-  if (!why.empty()) {
-    streams.err << "perp: " << why << '\n';
-    deliver_json(request.json, refused_json("ball", why), streams);
-    return exit_input;
-  }
+  if (!why.empty()) return deliver_refusal(request.json, "ball", why, streams);
   return deliver_json(request.json, json, streams) ? code : exit_input;
 }
 

@@ -3,11 +3,16 @@
 /// disk and by Coulomb's law, side by side.
 #include <atomic>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "app/program/program.hpp"
 #include "contact/scenes/ball.hpp"
+
+namespace CLI {
+class App;
+}
 
 namespace perp::app::contacts {
 
@@ -36,5 +41,20 @@ double from_exact(const BallScene& scene, const contact::BallPath& path);
 /// exit_solved: every step of every path; exit_unsolved; exit_input. Errors are printed, not thrown. `interrupt` may be
 /// null.
 ExitCode ball(const BallRequest& request, Streams streams, const std::atomic<bool>* interrupt = nullptr);
+
+/// The paths of the ball under the cyclic load, seen from above, over each other: a panel for each load, and a closer
+/// view where some paths are so long that others would be small. Laws differ in colour (Okabe & Ito's, which
+/// colour-blind people can tell apart), in dashes and in the mark at the end of each cycle; Coulomb's law is black and
+/// wide.
+std::string ball_svg(std::span<const BallScene> scenes);
+
+// The command line of `perp contact ball`.
+
+/// Adds it to `perp contact`; what it is called with goes to `request`, which must outlive `contact`.
+CLI::App* add_ball_command(CLI::App& contact, BallRequest& request);
+
+/// Runs it if it was called; its exit code. What stands before `ball` is refused.
+int run_ball_command(const CLI::App& contact, const BallRequest& request, Streams streams,
+                     const std::atomic<bool>* interrupt);
 
 }  // namespace perp::app::contacts

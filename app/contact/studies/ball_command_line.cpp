@@ -1,9 +1,8 @@
-#include "app/contact/studies/ball_command_line.hpp"
+#include "app/contact/studies/ball.hpp"
 
 #include <fmt/format.h>
 
 #include <ostream>
-#include <string>
 
 #include "app/program/command_option.hpp"
 

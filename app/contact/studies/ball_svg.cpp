@@ -1,4 +1,4 @@
-#include "app/contact/studies/ball_svg.hpp"
+#include "app/contact/studies/ball.hpp"
 
 #include <fmt/format.h>
 

@@ -13,8 +13,6 @@
 
 #include "app/contact/run/number_list.hpp"
 #include "app/contact/run/report.hpp"
-#include "app/contact/run/run.hpp"
-#include "app/contact/studies/facets_svg.hpp"
 #include "app/problem/problem.hpp"
 #include "app/program/files.hpp"
 #include "app/report/json.hpp"
@@ -47,11 +45,10 @@ void check(const FacetsRequest& request) {
   if (request.problems.empty()) throw InputError("--facets: on which problems? FILE..., or NAME:SIZE[:SEED]");
   std::set<std::string> seen;
   for (const std::string& problem : request.problems)
-    if (!seen.insert(problem).second) throw InputError(fmt::format("'{}' is there twice", problem));
+    if (!seen.insert(problem).second) throw input_error("'{}' is there twice", problem);
   if (!(request.tol > 0) || !std::isfinite(request.tol))
-    throw InputError(fmt::format("--tol {:g}: a tolerance is positive", request.tol));
-  if (!(request.time_limit > 0))
-    throw InputError(fmt::format("--time-limit {:g}: a limit is positive", request.time_limit));
+    throw input_error("--tol {:g}: a tolerance is positive", request.tol);
+  if (!(request.time_limit > 0)) throw input_error("--time-limit {:g}: a limit is positive", request.time_limit);
   if (request.svg == "-") throw InputError("--svg -: a picture goes to a file");
 }
 

@@ -1,4 +1,4 @@
-#include "app/contact/studies/facets_svg.hpp"
+#include "app/contact/studies/facets.hpp"
 
 #include <fmt/format.h>
 

@@ -76,10 +76,16 @@ template <class R>
 using Number = std::remove_cvref_t<decltype(std::declval<R>()[0])>;
 
 /// The problem with F = f, where `bool f(const auto& x, const auto& F)` reads x[0..n-1], writes F[0..n-1] (Rows of
-/// double or Dual) and answers whether F is defined there. J comes by forward differentiation; values that are not
-/// finite count as "not defined here" in F and in J.
+/// double or Dual) and answers whether F is defined there; a void f says that it is. J comes by forward
+/// differentiation; values that are not finite count as "not defined here" in F and in J.
 template <class Fn>
-std::unique_ptr<Mcp> make_problem(Shape shape, Fn f) {
+std::unique_ptr<Mcp> make_problem(Shape shape, Fn fn) {
+  const auto f = [fn](const auto& x, const auto& F) {
+    if constexpr (std::is_void_v<decltype(fn(x, F))>)
+      return fn(x, F), true;
+    else
+      return fn(x, F);
+  };
   Functions made = functions_of(std::move(shape));
   made.F = [f](In x, Out F) {
     return f(Row<const double>(x.data(), x.size()), Row<double>(F.data(), F.size())) && all_finite(F);

@@ -1,71 +1,102 @@
 #pragma once
-/// Forward-mode automatic differentiation: a Dual is v + sum_k d_k eps_k with eps_j eps_k = 0, so that arithmetic on
+/// Forward-mode automatic differentiation: a Partial is v + sum_k d_k eps_k with eps_j eps_k = 0, so that arithmetic on
 /// it carries `width` directional derivatives along with the value. A Jacobian with n columns takes ceil(n / width)
 /// sweeps. Private to the collection. Reference: Griewank & Walther 2008, section 3.1 (vector forward mode).
 #include <cmath>
 
 namespace perp::ncp::collection {
 
-struct Dual {
-  static constexpr int width = 8;
-  double v = 0;
-  double d[width] = {};
+/// v with n directional derivatives, all of type T: double, or Dual for derivatives of derivatives.
+template <class T, int n>
+struct Partial {
+  static constexpr int width = n;
+  T v = 0;
+  T d[n] = {};
 
-  Dual() = default;
-  // NOLINTNEXTLINE(google-explicit-constructor): a number is a Dual with zero derivatives
-  Dual(double value) : v(value) {}
+  Partial() = default;
+  // NOLINTNEXTLINE(google-explicit-constructor): a number is a Partial with zero derivatives
+  Partial(double number) : v(number) {}
 
   /// f(u): value f and derivative df * du.
-  static Dual chain(double f, double df, const Dual& u) {
-    Dual w(f);
-    for (int k = 0; k < width; ++k) w.d[k] = df * u.d[k];
+  static Partial chain(const T& f, const T& df, const Partial& u) {
+    Partial w;
+    w.v = f;
+    for (int k = 0; k < n; ++k) w.d[k] = df * u.d[k];
     return w;
   }
-  Dual& operator+=(const Dual& b) {
+
+  Partial& operator+=(const Partial& b) {
     v += b.v;
-    for (int k = 0; k < width; ++k) d[k] += b.d[k];
+    for (int k = 0; k < n; ++k) d[k] += b.d[k];
     return *this;
   }
-  Dual& operator-=(const Dual& b) {
+  Partial& operator-=(const Partial& b) {
     v -= b.v;
-    for (int k = 0; k < width; ++k) d[k] -= b.d[k];
+    for (int k = 0; k < n; ++k) d[k] -= b.d[k];
     return *this;
   }
-  Dual& operator*=(const Dual& b) {
-    for (int k = 0; k < width; ++k) d[k] = d[k] * b.v + v * b.d[k];
+  Partial& operator*=(const Partial& b) {
+    for (int k = 0; k < n; ++k) d[k] = d[k] * b.v + v * b.d[k];
     v *= b.v;
     return *this;
   }
-  Dual& operator/=(const Dual& b) {
+  Partial& operator/=(const Partial& b) {
     v /= b.v;
-    for (int k = 0; k < width; ++k) d[k] = (d[k] - v * b.d[k]) / b.v;
+    for (int k = 0; k < n; ++k) d[k] = (d[k] - v * b.d[k]) / b.v;
     return *this;
   }
-  Dual& operator*=(double s) { return *this = chain(v * s, s, *this); }
-  Dual& operator/=(double s) { return *this = chain(v / s, 1 / s, *this); }
+  Partial& operator*=(double s) { return *this = chain(v * s, T(s), *this); }
+  Partial& operator/=(double s) { return *this = chain(v / s, T(1 / s), *this); }
 
-  friend Dual operator-(const Dual& a) { return chain(-a.v, -1, a); }
-  friend Dual operator+(Dual a, const Dual& b) { return a += b; }
-  friend Dual operator-(Dual a, const Dual& b) { return a -= b; }
-  friend Dual operator*(Dual a, const Dual& b) { return a *= b; }
-  friend Dual operator/(Dual a, const Dual& b) { return a /= b; }
-  friend Dual operator+(Dual a, double b) { return a.v += b, a; }
-  friend Dual operator+(double a, Dual b) { return b.v += a, b; }
-  friend Dual operator-(Dual a, double b) { return a.v -= b, a; }
-  friend Dual operator-(double a, const Dual& b) { return chain(a - b.v, -1, b); }
-  friend Dual operator*(Dual a, double b) { return a *= b; }
-  friend Dual operator*(double a, Dual b) { return b *= a; }
-  friend Dual operator/(Dual a, double b) { return a /= b; }
-  friend Dual operator/(double a, const Dual& b) { return chain(a / b.v, -a / (b.v * b.v), b); }
-  friend Dual exp(const Dual& u) { return chain(std::exp(u.v), std::exp(u.v), u); }
-  friend Dual log(const Dual& u) { return chain(std::log(u.v), 1 / u.v, u); }
-  friend Dual sqrt(const Dual& u) { return chain(std::sqrt(u.v), 0.5 / std::sqrt(u.v), u); }
-  friend Dual sin(const Dual& u) { return chain(std::sin(u.v), std::cos(u.v), u); }
-  friend Dual cos(const Dual& u) { return chain(std::cos(u.v), -std::sin(u.v), u); }
-  friend Dual atan(const Dual& u) { return chain(std::atan(u.v), 1 / (1 + u.v * u.v), u); }
+  friend Partial operator-(const Partial& a) { return chain(-a.v, T(-1), a); }
+  friend Partial operator+(Partial a, const Partial& b) { return a += b; }
+  friend Partial operator-(Partial a, const Partial& b) { return a -= b; }
+  friend Partial operator*(Partial a, const Partial& b) { return a *= b; }
+  friend Partial operator/(Partial a, const Partial& b) { return a /= b; }
+  friend Partial operator+(Partial a, double b) { return a.v += b, a; }
+  friend Partial operator+(double a, Partial b) { return b.v += a, b; }
+  friend Partial operator-(Partial a, double b) { return a.v -= b, a; }
+  friend Partial operator-(double a, const Partial& b) { return chain(a - b.v, T(-1), b); }
+  friend Partial operator*(const Partial& a, double b) { return chain(a.v * b, T(b), a); }
+  friend Partial operator*(double a, const Partial& b) { return chain(b.v * a, T(a), b); }
+  friend Partial operator/(const Partial& a, double b) { return chain(a.v / b, T(1 / b), a); }
+  friend Partial operator/(double a, const Partial& b) { return chain(a / b.v, -a / (b.v * b.v), b); }
+
+  // The functions of a T are found by the using declarations (double) and by its own friends (Dual).
+  friend Partial exp(const Partial& u) {
+    using std::exp;
+    const T e = exp(u.v);
+    return chain(e, e, u);
+  }
+  friend Partial log(const Partial& u) {
+    using std::log;
+    return chain(log(u.v), 1 / u.v, u);
+  }
+  friend Partial sqrt(const Partial& u) {
+    using std::sqrt;
+    const T root = sqrt(u.v);
+    return chain(root, 0.5 / root, u);
+  }
+  friend Partial sin(const Partial& u) {
+    using std::cos, std::sin;
+    return chain(sin(u.v), cos(u.v), u);
+  }
+  friend Partial cos(const Partial& u) {
+    using std::cos, std::sin;
+    return chain(cos(u.v), -sin(u.v), u);
+  }
+  friend Partial atan(const Partial& u) {
+    using std::atan;
+    return chain(atan(u.v), 1 / (1 + u.v * u.v), u);
+  }
   /// u > 0, or p an integer.
-  friend Dual pow(const Dual& u, double p) { return chain(std::pow(u.v, p), p * std::pow(u.v, p - 1), u); }
+  friend Partial pow(const Partial& u, double p) {
+    using std::pow;
+    return chain(pow(u.v, p), p * pow(u.v, p - 1), u);
+  }
 };
+
+using Dual = Partial<double, 8>;
 
 /// The value alone, for domain tests and scalings that must not be differentiated.
 inline double value(double u) { return u; }

@@ -2,7 +2,6 @@
 /// A test problem of the collection: its starts, its known solutions, its source and one line on why it is hard.
 #include <functional>
 #include <memory>
-#include <span>
 #include <string>
 #include <string_view>
 #include <vector>

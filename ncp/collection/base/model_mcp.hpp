@@ -2,7 +2,6 @@
 /// Sparse problems of any size from a model that walks over its Jacobian. Private to the collection.
 #include <algorithm>
 #include <memory>
-#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>

@@ -12,85 +12,6 @@
 
 namespace perp::ncp::collection {
 
-/// v with its n partial derivatives, all of type T (double or Dual).
-template <class T, int n>
-struct Partial {
-  T v = 0;
-  T d[n] = {};
-
-  Partial() = default;
-  // NOLINTNEXTLINE(google-explicit-constructor): a number is a Partial with zero derivatives
-  Partial(double number) : v(number) {}
-  static Partial chain(const T& f, const T& df, const Partial& u) {
-    Partial w;
-    w.v = f;
-    for (int k = 0; k < n; ++k) w.d[k] = df * u.d[k];
-    return w;
-  }
-
-  Partial& operator+=(const Partial& b) {
-    v += b.v;
-    for (int k = 0; k < n; ++k) d[k] += b.d[k];
-    return *this;
-  }
-  Partial& operator-=(const Partial& b) {
-    v -= b.v;
-    for (int k = 0; k < n; ++k) d[k] -= b.d[k];
-    return *this;
-  }
-  Partial& operator*=(const Partial& b) {
-    for (int k = 0; k < n; ++k) d[k] = d[k] * b.v + v * b.d[k];
-    v *= b.v;
-    return *this;
-  }
-  Partial& operator/=(const Partial& b) {
-    v /= b.v;
-    for (int k = 0; k < n; ++k) d[k] = (d[k] - v * b.d[k]) / b.v;
-    return *this;
-  }
-  friend Partial operator-(const Partial& a) { return chain(-a.v, T(-1), a); }
-  friend Partial operator+(Partial a, const Partial& b) { return a += b; }
-  friend Partial operator-(Partial a, const Partial& b) { return a -= b; }
-  friend Partial operator*(Partial a, const Partial& b) { return a *= b; }
-  friend Partial operator/(Partial a, const Partial& b) { return a /= b; }
-  friend Partial operator+(Partial a, double b) { return a.v += b, a; }
-  friend Partial operator+(double a, Partial b) { return b.v += a, b; }
-  friend Partial operator-(Partial a, double b) { return a.v -= b, a; }
-  friend Partial operator-(double a, const Partial& b) { return chain(a - b.v, T(-1), b); }
-  friend Partial operator*(const Partial& a, double b) { return chain(a.v * b, T(b), a); }
-  friend Partial operator*(double a, const Partial& b) { return chain(b.v * a, T(a), b); }
-  friend Partial operator/(const Partial& a, double b) { return chain(a.v / b, T(1 / b), a); }
-  friend Partial operator/(double a, const Partial& b) { return chain(a / b.v, -a / (b.v * b.v), b); }
-
-  // The functions of a T are found by the using declarations (double) and by its own friends (Dual).
-  friend Partial exp(const Partial& u) {
-    using std::exp;
-    const T e = exp(u.v);
-    return chain(e, e, u);
-  }
-  friend Partial log(const Partial& u) {
-    using std::log;
-    return chain(log(u.v), 1 / u.v, u);
-  }
-  friend Partial sqrt(const Partial& u) {
-    using std::sqrt;
-    const T root = sqrt(u.v);
-    return chain(root, 0.5 / root, u);
-  }
-  friend Partial sin(const Partial& u) {
-    using std::cos, std::sin;
-    return chain(sin(u.v), cos(u.v), u);
-  }
-  friend Partial cos(const Partial& u) {
-    using std::cos, std::sin;
-    return chain(cos(u.v), -sin(u.v), u);
-  }
-  friend Partial pow(const Partial& u, double p) {
-    using std::pow;
-    return chain(pow(u.v, p), p * pow(u.v, p - 1), u);
-  }
-};
-
 /// u^2, u^3
 template <class U>
 U sq(const U& u) {
@@ -118,9 +39,9 @@ std::vector<Vec> kkt_starts(const Nlp& nlp, std::initializer_list<Vec> points);
 
 /// `fn(x, g)` answers f(x) and writes g_1, .., g_m, h_1, .., h_p to g; x and g are Rows of some Partial, or of double.
 template <int n, class Fn>
-Problem kkt_problem(const Nlp& nlp, std::initializer_list<Vec> points, Fn fn) {
+Problem kkt_problem(const Nlp& nlp, std::initializer_list<Vec> points, std::vector<KnownSolution> solutions, Fn fn) {
   const int m = nlp.inequalities + nlp.equalities;
-  Problem p;
+  Problem p{.mcp = {}, .starts = kkt_starts(nlp, points), .solutions = std::move(solutions)};
   p.mcp = make_problem(kkt_shape(nlp), [fn, m](const auto& z, const auto& F) {
     using T = Number<decltype(F)>;
     Partial<T, n> x[n];
@@ -136,14 +57,12 @@ Problem kkt_problem(const Nlp& nlp, std::initializer_list<Vec> points, Fn fn) {
       for (int k = 0; k < m; ++k) F[j] -= z[n + k] * g[k].d[j];
     }
     for (int k = 0; k < m; ++k) F[n + k] = g[k].v;
-    return true;
   });
   if (nlp.quadratic) p.mcp = as_affine(*p.mcp, kkt_shape(nlp));
   p.objective = [fn, m](In z) {
     std::vector<double> g(static_cast<std::size_t>(m));
     return fn(Row<const double>(z.data(), n), Row<double>(g.data(), m));
   };
-  p.starts = kkt_starts(nlp, points);
   return p;
 }
 

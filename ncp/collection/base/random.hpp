@@ -2,7 +2,6 @@
 /// Random numbers that are the same on every platform (the distributions of <random> are not). Private to the
 /// collection.
 #include <random>
-#include <utility>
 #include <vector>
 
 #include "ncp/problem/mcp.hpp"

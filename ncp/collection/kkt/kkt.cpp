@@ -62,7 +62,6 @@ Problem hs34_kkt() {
     F[2] = -z[4];
     F[3] = z[1] - e1;
     F[4] = z[2] - e2;
-    return true;
   });
   p.starts = {vec({0, 1.05, 2.9, 0, 0}), vec({1, 1, 5, 0.1, 0.1}), vec({0, 1.05, 2.9, 1, 1}), Vec::Zero(5)};
   const double ln10 = std::log(10.0);
@@ -80,7 +79,6 @@ Problem hs35_kkt() {
     F[1] = -6 + 2 * x1 + 4 * x2 + lambda;
     F[2] = -4 + 2 * x1 + 2 * x3 + 2 * lambda;
     F[3] = 3 - x1 - x2 - 2 * x3;
-    return true;
   });
   p.starts = {Vec::Zero(4), Vec::Ones(4), vec({0.5, 0.5, 0.5, 0}), Vec::Constant(4, 10)};
   p.solutions = {{"unique", vec({4. / 3, 7. / 9, 4. / 9, 2. / 9}), 1e-15}};
@@ -101,7 +99,6 @@ Problem hs76_kkt() {
     F[4] = 5 - x1 - 2 * x2 - x3 - x4;
     F[5] = 4 - 3 * x1 - x2 - 2 * x3 + x4;
     F[6] = x2 + 4 * x3 - 1.5;
-    return true;
   });
   p.starts = {Vec::Zero(7), Vec::Ones(7), vec({0.5, 0.5, 0.5, 0.5, 0, 0, 0}), Vec::Constant(7, 10)};
   p.solutions = {{"unique", vec({3. / 11, 23. / 11, 0, 6. / 11, 5. / 11, 0, 0}), 1e-15}};
@@ -128,7 +125,6 @@ Problem colvnlp() {
     const auto x = z.head(columns), lambda = z.tail(rows);
     for (int j = 0; j < columns; ++j) F[j] = colville_gradient(j, x, lambda);
     for (int i = 0; i < rows; ++i) F[columns + i] = colville_constraint(i, x);
-    return true;
   });
   Vec feasible = Vec::Zero(15);
   feasible[4] = 1;
@@ -153,7 +149,6 @@ Problem colvdual() {
       for (int k = 0; k < columns; ++k) F[rows + j] += 2 * C[j][k] * (x[k] - w[k]);
       F[rows + columns + j] = colville_gradient(j, x, y);
     }
-    return true;
   });
   Vec hs117 = Vec::Constant(20, 0.001);
   hs117[6] = 60;

@@ -57,7 +57,6 @@ Problem choi() {
                              F[j] -= s * (1 + (z[j] - c[j]) * w * (1 - s)) / consumers;
                            }
                          }
-                         return true;
                        });
   Vec start = cost.array() + 0.01;
   start[fixed_brand] = fixed_price;

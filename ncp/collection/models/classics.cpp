@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "ncp/collection/base/build.hpp"
-#include "ncp/collection/models/classic_entries.hpp"
+#include "ncp/collection/models/problems.hpp"
 
 namespace perp::ncp::collection {
 

@@ -1,6 +1,7 @@
 /// Fletcher's distillation columns, in More 1990, "A collection of nonlinear model problems": nonlinear equations as
 /// MCPs with free variables.
 #include <cmath>
+#include <span>
 #include <vector>
 
 #include "ncp/collection/base/build.hpp"

@@ -2,7 +2,6 @@
 #include <utility>
 
 #include "ncp/collection/base/build.hpp"
-#include "ncp/collection/models/classic_entries.hpp"
 #include "ncp/collection/models/problems.hpp"
 
 namespace perp::ncp::collection {

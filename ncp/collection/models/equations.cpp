@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "ncp/collection/base/build.hpp"
-#include "ncp/collection/models/equation_entries.hpp"
+#include "ncp/collection/models/problems.hpp"
 
 namespace perp::ncp::collection {
 
@@ -64,7 +64,6 @@ constexpr auto boundary_value = [](const auto& x, const auto& F) {
     if (i > 0) F[i] -= x[i - 1];
     if (i + 1 < n) F[i] -= x[i + 1];
   }
-  return true;
 };
 
 /// (3 - 2 x_i) x_i - x_{i-1} - 2 x_{i+1} + 1
@@ -75,7 +74,6 @@ constexpr auto broyden = [](const auto& x, const auto& F) {
     if (i > 0) F[i] -= x[i - 1];
     if (i + 1 < n) F[i] -= 2 * x[i + 1];
   }
-  return true;
 };
 
 /// n - sum_j cos x_j + i (1 - cos x_i) - sin x_i
@@ -86,7 +84,6 @@ constexpr auto trigonometric_sums = [](const auto& x, const auto& F) {
   for (Index i = 1; i < n; ++i) sum += cos(x[i]);
   for (Index i = 0; i < n; ++i)
     F[i] = static_cast<double>(n) - sum + static_cast<double>(i + 1) * (1 - cos(x[i])) - sin(x[i]);
-  return true;
 };
 
 /// 0 <= x _|_ f(x) - f(x*) + s >= 0 with x* = (1, 0, 1, 0, ...), and s = 1 in every other of the rows where x* = 0: in
@@ -102,7 +99,6 @@ Problem planted_ncp(std::string name, Index n, Fn f, SpMat pattern = {}) {
                        [f, shift](const auto& at, const auto& F) {
                          f(at, F);
                          for (Index i = 0; i < at.size(); ++i) F[i] -= shift[i];
-                         return true;
                        });
   p.starts = {Vec::Zero(n), Vec::Ones(n), Vec::Constant(n, 10)};
   p.solutions = {{"planted", x, 0}};
@@ -116,7 +112,6 @@ Problem rosenbrock() {
   Problem p = system("rosenbrock", vec({-1.2, 1}), [](const auto& x, const auto& F) {
     F[0] = 10 * (x[1] - x[0] * x[0]);
     F[1] = 1 - x[0];
-    return true;
   });
   p.solutions = {{"unique", vec({1, 1}), 0}};
   p.solutions_complete = true;
@@ -130,7 +125,6 @@ Problem powell_singular() {
     F[1] = std::sqrt(5.0) * (x[2] - x[3]);
     F[2] = square(x[1] - 2 * x[2]);
     F[3] = std::sqrt(10.0) * square(x[0] - x[3]);
-    return true;
   });
   p.solutions = {{"unique", Vec::Zero(4), 0}};
   p.solutions_complete = true;
@@ -144,7 +138,6 @@ Problem powell_badly_scaled() {
     using std::exp;
     F[0] = 1e4 * x[0] * x[1] - 1;
     F[1] = exp(-x[0]) + exp(-x[1]) - 1.0001;
-    return true;
   });
   p.solutions = {{"x1 small", vec({1.0981593296998153e-05, 9.106146739866542}), 1e-13},
                  {"x2 small", vec({9.106146739866542, 1.0981593296998153e-05}), 1e-13}};
@@ -159,7 +152,6 @@ Problem helical_valley() {
     F[0] = 10 * (x[2] - 10 * turn(x[0], x[1]));
     F[1] = 10 * (sqrt(x[0] * x[0] + x[1] * x[1]) - 1);
     F[2] = x[2];
-    return true;
   });
   p.solutions = {{"unique", vec({1, 0, 0}), 0}};
   p.solutions_complete = true;
@@ -174,7 +166,6 @@ Problem wood() {
     F[1] = 100 * t1 + 10.1 * (x[1] - 1) + 9.9 * (x[3] - 1);
     F[2] = -180 * x[2] * t2 - (1 - x[2]);
     F[3] = 90 * t2 + 10.1 * (x[3] - 1) + 9.9 * (x[1] - 1);
-    return true;
   });
   p.solutions = {{"minimum", Vec::Ones(4), 0}};
   return p;
@@ -198,7 +189,6 @@ Problem chebyquad() {
         now = next;
       }
     }
-    return true;
   });
   p.solutions = {{"the nodes",
                   vec({0.058069149620975494, 0.3380440947400462, 0.2351716123574216, 0.5, 0.7648283876425784,
@@ -219,7 +209,6 @@ Problem brown_almost_linear() {
     }
     for (Index i = 0; i + 1 < n; ++i) F[i] = x[i] + sum - (n + 1);
     F[n - 1] = product - 1;
-    return true;
   });
   Vec other = Vec::Constant(n, 0.97943030334986245);
   other[n - 1] = n + 1 - n * other[0];
@@ -254,7 +243,6 @@ Problem discrete_integral_equation() {
         F[i] += 0.5 * h * (j <= i ? (1 - ti) * tj : ti * (1 - tj)) * s * s * s;
       }
     }
-    return true;
   });
   p.solutions = {{"that of the boundary value problem",
                   vec({-0.043164982518764876, -0.08157715653538689, -0.11448571438052926, -0.14097357686259668,
@@ -283,7 +271,6 @@ Problem variably_dimensioned() {
     for (Index j = 1; j < n; ++j) s += static_cast<double>(j + 1) * (x[j] - 1);
     const auto slope = s * (1 + 2 * s * s);
     for (Index i = 0; i < n; ++i) F[i] = x[i] - 1 + static_cast<double>(i + 1) * slope;
-    return true;
   });
   p.solutions = {{"unique", Vec::Ones(n), 0}};
   p.solutions_complete = true;
@@ -312,7 +299,6 @@ Problem broyden_banded() {
           for (Index j = std::max<Index>(0, i - 5); j <= std::min(n - 1, i + 1); ++j)
             if (j != i) F[i] -= x[j] * (1 + x[j]);
         }
-        return true;
       },
       banded_pattern(n, 5, 1));
   p.solutions = {
@@ -335,7 +321,6 @@ Problem chandrasekhar(std::string name, double c) {
       for (Index j = 0; j < n; ++j) sum += (static_cast<double>(i) + 0.5) / static_cast<double>(i + j + 1) * x[j];
       F[i] = x[i] - 1 / (1 - 0.5 * c / n * sum);
     }
-    return true;
   });
   p.starts = {Vec::Ones(n), Vec::Zero(n), Vec::Constant(n, 10)};
   return p;

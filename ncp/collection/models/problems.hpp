@@ -6,35 +6,20 @@
 namespace perp::ncp::collection {
 
 // tiny.cpp
-Problem kojshin();
-Problem josephy();
-Problem munson1();
-Problem billups();
-Problem watson4();
+Problem kojshin(), josephy(), munson1(), billups(), watson4();
 // ncp/collection/kkt/kkt.cpp
-Problem hs34_kkt();
-Problem hs35_kkt();
-Problem hs76_kkt();
-Problem colvnlp();
-Problem colvdual();
-// economics.cpp
-Problem mathiesen();
-Problem kehoe();
-// ncp/collection/scalable/games.cpp
-Problem nash10();
-// choi.cpp
-Problem choi();
-// distillation.cpp
-Problem hydroc06();
-Problem methan08();
-// tinloi.cpp
-Problem tinloi42();
-// pies.cpp
-Problem pies();
-// ncp/collection/scalable/lcps.cpp
-Problem cottle2();
-Problem cottle4();
-Problem infeasible_own();
-Problem infeasible_ncp_own();
+Problem hs34_kkt(), hs35_kkt(), hs76_kkt(), colvnlp(), colvdual();
+// economics.cpp, choi.cpp, distillation.cpp, tinloi.cpp, pies.cpp
+Problem mathiesen(), mathiesen_2(), mathiesen_3(), kehoe(), choi(), hydroc06(), methan08(), tinloi42(), pies();
+// classics.cpp
+Problem nash5(), cyclic3_own(), cube_vertices_own(), simplex_own(), feasible_unsolvable_own(), hilbert_own();
+// equations.cpp
+Problem chandrasekhar(std::string name, double c);
+Problem boundary_value_obstacle_own(), broyden_banded(), broyden_ncp_own(), broyden_tridiagonal(),
+    brown_almost_linear(), chebyquad(), discrete_boundary_value(), discrete_integral_equation(), helical_valley(),
+    powell_badly_scaled(), powell_singular(), rosenbrock(), trigonometric(), trigonometric_ncp_own(),
+    variably_dimensioned(), wood();
+// ncp/collection/scalable/games.cpp, ncp/collection/scalable/lcps.cpp
+Problem nash10(), cottle2(), cottle4(), infeasible_own(), infeasible_ncp_own();
 
 }  // namespace perp::ncp::collection

@@ -25,7 +25,6 @@ Problem kojshin() {
     F[1] = 2 * z1 * z1 + z1 + z2 * z2 + 10 * z3 + 2 * z4 - 2;
     F[2] = 3 * z1 * z1 + z1 * z2 + 2 * z2 * z2 + 2 * z3 + 9 * z4 - 9;
     F[3] = z1 * z1 + 3 * z2 * z2 + 2 * z3 + 3 * z4 - 3;
-    return true;
   });
   p.starts = eight_starts();
   p.solutions = {{"degenerate", vec({root, 0, 0, 0.5}), 1e-15}, {"nondegenerate", vec({1, 0, 3, 0}), 0}};
@@ -42,7 +41,6 @@ Problem josephy() {
     F[1] = 2 * z1 * z1 + z1 + z2 * z2 + 3 * z3 + 2 * z4 - 2;
     F[2] = 3 * z1 * z1 + z1 * z2 + 2 * z2 * z2 + 2 * z3 + 3 * z4 - 1;
     F[3] = z1 * z1 + 3 * z2 * z2 + 2 * z3 + 3 * z4 - 3;
-    return true;
   });
   p.starts = eight_starts();
   p.solutions = {{"Josephy", vec({root, 0, 0, 0.5}), 1e-15}};
@@ -58,7 +56,6 @@ Problem munson1() {
     F[0] = z[0] + 2 * z[1] + 3 * z[2] - 1;
     F[1] = z[1] - z[2] + 1;
     F[2] = z[1] + z[2] + 1;
-    return true;
   });
   p.starts = {Vec::Zero(3), Vec::Ones(3), Vec::Constant(3, 10)};
   p.solutions = {{"unique", vec({1, 0, 0}), 0}};
@@ -69,10 +66,8 @@ Problem munson1() {
 /// F = (z - 1)^2 - 1.01. F(0) = -0.01 < 0, so z = 0 is no solution, but merit functions have a local minimum there.
 Problem billups() {
   Problem p;
-  p.mcp = make_problem(ncp_shape("billups", 1), [](const auto& z, const auto& F) {
-    F[0] = (z[0] - 1) * (z[0] - 1) - 1.01;
-    return true;
-  });
+  p.mcp = make_problem(ncp_shape("billups", 1),
+                       [](const auto& z, const auto& F) { F[0] = (z[0] - 1) * (z[0] - 1) - 1.01; });
   for (const double start : {0.0, 1.5, 2.0, 3.0, 5.0}) p.starts.emplace_back(Vec::Constant(1, start));
   p.solutions = {{"unique", vec({1 + std::sqrt(1.01)}), 1e-15}};
   p.solutions_complete = true;
@@ -89,7 +84,6 @@ Problem watson4() {
     for (int k = 0; k < 5; ++k) square += (z[k] - (k - 1)) * (z[k] - (k - 1));
     const auto factor = 2 * exp(square);
     for (int i = 0; i < 5; ++i) F[i] = factor * (z[i] - (i - 1));
-    return true;
   });
   p.starts = {Vec::Zero(5), vec({0, 0, 1, 2, 3}), vec({0.5, 0.5, 1, 1.5, 2.5})};
   p.solutions = {{"unique", vec({0, 0, 1, 2, 3}), 0}};

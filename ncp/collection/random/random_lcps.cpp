@@ -2,10 +2,8 @@
 
 #include <gsl/gsl_rng.h>
 
-#include <algorithm>
 #include <cstddef>
 #include <functional>
-#include <memory>
 #include <utility>
 #include <vector>
 

@@ -161,7 +161,6 @@ Problem infeasible_ncp_own() {
     using std::exp;
     F[0] = -exp(-x[1]);
     F[1] = 1 + x[0] * x[0];
-    return true;
   });
   p.starts = {Vec::Zero(2), Vec::Ones(2)};
   p.solutions_complete = true;

@@ -1,5 +1,5 @@
 /// `perp export`: what it writes is read back as the same problem.
-#include "app/commands/export.hpp"
+#include "app/commands/commands.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

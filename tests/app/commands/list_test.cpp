@@ -1,5 +1,5 @@
 /// `perp list`, against the collection itself.
-#include "app/commands/list.hpp"
+#include "app/commands/commands.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

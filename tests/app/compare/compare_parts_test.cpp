@@ -21,7 +21,7 @@
 #include "app/compare/progress.hpp"
 #include "app/problem/problem.hpp"
 #include "app/support.hpp"
-#include "app/worker/affine_nl.hpp"
+#include "app/worker/external.hpp"
 #include "app/worker/run_cell.hpp"
 #include "app/worker/sol_file.hpp"
 #include "ncp/ampl/model.hpp"

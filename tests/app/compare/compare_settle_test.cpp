@@ -8,7 +8,7 @@
 #include "app/comparison_report/write_report.hpp"
 #include "app/findings/robustness.hpp"
 #include "app/problem/problem.hpp"
-#include "app/worker/affine_nl.hpp"
+#include "app/worker/external.hpp"
 #include "app/worker/run_cell.hpp"
 #include "campaign_support.hpp"
 #include "compare_process_support.hpp"

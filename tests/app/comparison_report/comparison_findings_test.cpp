@@ -9,7 +9,6 @@
 #include "app/compare/campaign_support.hpp"
 #include "app/findings/robustness.hpp"
 #include "app/findings/summary.hpp"
-#include "app/findings/words.hpp"
 
 namespace perp::app::comparison {
 namespace {

@@ -10,7 +10,6 @@
 #include <set>
 
 #include "app/contact/studies/ball.hpp"
-#include "app/contact/studies/ball_svg.hpp"
 #include "app/json.hpp"
 #include "contact_app_support.hpp"
 

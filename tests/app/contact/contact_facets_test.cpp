@@ -12,7 +12,6 @@
 #include <numbers>
 #include <regex>
 
-#include "app/contact/studies/facets_svg.hpp"
 #include "app/json.hpp"
 #include "contact_app_support.hpp"
 

@@ -6,7 +6,7 @@
 #include <regex>
 
 #include "app/contact/contact.hpp"
-#include "app/contact/run/method_options.hpp"
+#include "app/contact/run/variant.hpp"
 #include "app/json.hpp"
 #include "contact_app_support.hpp"
 

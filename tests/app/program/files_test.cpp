@@ -8,7 +8,7 @@
 #include <random>
 
 #include "app/commands/ampl_driver.hpp"
-#include "app/commands/export.hpp"
+#include "app/commands/commands.hpp"
 #include "app/commands/inspect.hpp"
 #include "app/commands/solve.hpp"
 #include "app/compare/baseline.hpp"

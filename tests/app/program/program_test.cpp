@@ -10,7 +10,7 @@
 #include <cstdlib>
 #include <regex>
 
-#include "app/commands/cfunctions.hpp"
+#include "app/commands/commands.hpp"
 #include "app/commands/solve.hpp"
 #include "app/options/methods.hpp"
 #include "app/options/options.hpp"

@@ -1,5 +1,5 @@
 /// `perp solve --all`: what it prints, answers and writes.
-#include "app/report/several.hpp"
+#include "app/report/report.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

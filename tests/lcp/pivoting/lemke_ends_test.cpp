@@ -115,11 +115,11 @@ TEST(LemkeEnds, Interrupted) {
   }
 }
 
-// t = 1 is reached, but nobody can be that accurate: with residual_tol = 0 rounding is too much.
+// t = 1 is reached, but nobody can be that accurate: with this residual_tol rounding is too much.
 TEST(LemkeEnds, Inaccurate) {
   Random random(1);
   LemkeOptions options = from_ray();
-  options.residual_tol = 0;
+  options.residual_tol = 1e-300;
   const PivotResult result =
       lemke(standard_lcp(support::h_plus(50, 3, random), random.normals(50)), Vec::Zero(50), options);
   EXPECT_EQ(result.end, PivotEnd::Inaccurate);
@@ -182,7 +182,7 @@ TEST(LemkeRefuses, OptionsThatMeanNothing) {
       return refusal(good, zero, options);
     };
     EXPECT_THAT(with(&LemkeOptions::residual_tol), HasSubstr("residual_tol is"));
-    EXPECT_THAT(with(&LemkeOptions::pivot_tol), HasSubstr("pivot_tol is"));
+    EXPECT_THAT(with(&LemkeOptions::pivot_tol), HasSubstr("pivot_tolerance is"));
     EXPECT_THAT(with(&LemkeOptions::feasibility_tol), HasSubstr("feasibility_tol is"));
     EXPECT_THAT(with(&LemkeOptions::perturbation), HasSubstr("perturbation is"));
   }

@@ -122,6 +122,7 @@ TEST(Fields, ReachEveryMember) {
         // of basis lu and refactor_every; start is described apart; the rest are data, callbacks and inner tolerances
         // that no run was seen to depend on
         Count{"LemkeOptions", members<lcp::LemkeOptions>(), lemke, 1, 2, 12},
+        Count{"lcp::LemkeHowson", members<lcp::LemkeHowson>(), described<lcp::LemkeHowson>(), 1, lemke - 1, 0},
         Count{"lcp::InteriorPoint", members<lcp::InteriorPoint>(), described<lcp::InteriorPoint>(), 0, 0, 0},
         Count{"lcp::MinNewton", members<lcp::MinNewton>(), described<lcp::MinNewton>(), 0, 0, 0},
         Count{"lcp::FbNewton", members<lcp::FbNewton>(), described<lcp::FbNewton>(), 0, 0, 0},

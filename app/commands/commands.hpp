@@ -1,0 +1,37 @@
+#pragma once
+/// `perp list`, `perp export` and `perp cfunctions`: the collection and the C-functions.
+#include <string>
+#include <vector>
+
+#include "app/problem/problem.hpp"
+#include "app/program/program.hpp"
+
+namespace perp::app {
+
+struct ListRequest {
+  std::string name{};                  ///< "" for the table of all
+  std::vector<std::string> classes{};  ///< of these alone; each may be several, comma-separated; empty: of all
+  bool json = false;
+};
+
+/// Exit code 2 with a suggestion for a name or class that does not exist.
+ExitCode list(const ListRequest& request, Streams streams);
+
+// `perp export`: an affine problem as Matrix Market files that `perp solve M.mtx q.mtx` reads back, digit for digit.
+
+struct ExportRequest {
+  ProblemSource source{};
+  std::string file{};  ///< "F.mtx"; the vectors are F-q.mtx, F-lower.mtx, F-upper.mtx and, of the start, F-start.mtx
+  bool force = false;  ///< overwrite files
+};
+
+/// Writes M, q, the bounds and the start, and says how they are solved. Exit code 2, and no file, for a problem that is
+/// not affine, paths that cannot be written and, without force, files that exist.
+ExitCode export_problem(const ExportRequest& request, Streams streams);
+
+// `perp cfunctions`: the catalogue of C-functions and smoothings.
+
+/// Prints formula, parameter with range, properties and reference of each.
+int print_cfunctions(Streams streams);
+
+}  // namespace perp::app
