@@ -70,7 +70,8 @@ struct LemkeOptions {
   int max_pivots = 100'000;
   double residual_tol = 1e-9;  ///< on the natural residual, relative to 1 + ||q||_inf
   double pivot_tol = 1e-9;     ///< smallest pivot, relative to the largest entry of the pivot column
-  /// A pivot smaller than this x the largest entry of its column is taken from a fresh factorization only.
+  /// A pivot smaller than this x the largest entry of its column is taken only where a step of refinement confirms its
+  /// column, or from a fresh factorization.
   double doubtful_pivot = 1e-5;
   /// Harris: how far, relative to 1 + |bound|, a variable may overstep its bound in a ratio test. Far below the
   /// perturbation, or a path that begins near a corner is not followed but cut, and may cycle.
