@@ -254,9 +254,11 @@ bool NormalPath::take_other_branch() {
   return true;
 }
 
-/// A path from a rank-deficient start need not be in general position: there, t that has not grown for long counts too.
+/// A path from a rank-deficient start need not be in general position: there, t that has not grown for long always
+/// counts too.
 bool NormalPath::back_at_start(PivotResult& result) {
-  const bool wanders = result.repaired > 0 && result.pivots - pivots_at_best_ > 50 + 2 * n_;
+  const Index patience = result.repaired > 0 ? std::min<Index>(options_.patience, 50 + 2 * n_) : options_.patience;
+  const bool wanders = result.pivots - pivots_at_best_ > patience;
   if (away_ > 0 && !wanders) return false;
   result.end = PivotEnd::Loop;
   return true;
