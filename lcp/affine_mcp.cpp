@@ -9,21 +9,23 @@
 namespace perp::lcp {
 
 std::optional<std::string> AffineMcp::invalid() const {
-  std::ostringstream why;
   const Index n = q.size();
   if (M.rows() != n || M.cols() != n || box.lower.size() != n) {
+    std::ostringstream why;
     why << "M is " << M.rows() << " x " << M.cols() << ", q has " << n << " entries, the box has " << box.lower.size();
     return why.str();
   }
   if (auto bad = box.invalid()) return bad;
   for (Index i = 0; i < n; ++i)
     if (!std::isfinite(q[i])) {
+      std::ostringstream why;
       why << "q of index " << i << " is " << q[i];
       return why.str();
     }
   for (Index j = 0; j < n; ++j)
     for (SpMat::InnerIterator it(M, j); it; ++it)
       if (!std::isfinite(it.value())) {
+        std::ostringstream why;
         why << "M of row " << it.row() << ", column " << j << " is " << it.value();
         return why.str();
       }

@@ -19,32 +19,29 @@ std::optional<PivotEnd> limit(const LemkeOptions& options, const PivotResult& re
   return std::nullopt;
 }
 
-void check_options(const LemkeOptions& options, Index n) {
+template <class... Part>
+[[noreturn]] void refuse(const Part&... part) {
   std::ostringstream what;
   what << "lemke: ";
+  (what << ... << part);
+  throw std::invalid_argument(what.str());
+}
+
+void check_options(const LemkeOptions& options, Index n) {
   for (const auto& [name, value] : {std::pair{"residual_tol", options.residual_tol},
                                     {"pivot_tol", options.pivot_tol},
                                     {"doubtful_pivot", options.doubtful_pivot},
                                     {"feasibility_tol", options.feasibility_tol},
                                     {"perturbation", options.perturbation}})
-    if (!(value >= 0) || std::isinf(value)) {
-      what << "the option " << name << " is " << value << ", not a finite number >= 0";
-      throw std::invalid_argument(what.str());
-    }
-  if (!options.cells.empty() && static_cast<Index>(options.cells.size()) != n) {
-    what << "the warm basis has " << options.cells.size() << " cells, the problem " << n << " variables";
-    throw std::invalid_argument(what.str());
-  }
+    if (!(value >= 0) || std::isinf(value)) refuse("the option ", name, " is ", value, ", not a finite number >= 0");
+  if (!options.cells.empty() && static_cast<Index>(options.cells.size()) != n)
+    refuse("the warm basis has ", options.cells.size(), " cells, the problem ", n, " variables");
   if (options.cover != Cover::Given) return;
-  if (options.covering.size() != n) {
-    what << "the covering vector has " << options.covering.size() << " entries, the problem " << n;
-    throw std::invalid_argument(what.str());
-  }
+  if (options.covering.size() != n)
+    refuse("the covering vector has ", options.covering.size(), " entries, the problem ", n);
   for (Index i = 0; i < n; ++i)
-    if (!(options.covering[i] > 0) || std::isinf(options.covering[i])) {
-      what << "the covering vector's entry of index " << i << " is " << options.covering[i] << ", not positive";
-      throw std::invalid_argument(what.str());
-    }
+    if (!(options.covering[i] > 0) || std::isinf(options.covering[i]))
+      refuse("the covering vector's entry of index ", i, " is ", options.covering[i], ", not positive");
 }
 
 /// The kinks of a path, thinned out where they are too many.
@@ -124,17 +121,10 @@ std::string_view to_string(PivotEnd end) {
 Vec chord_step(const PivotResult& result, In r) { return result.last_piece->chord_step(r); }
 
 PivotResult lemke(const AffineMcp& problem, In start, const LemkeOptions& options) {
-  if (const auto why = problem.invalid()) throw std::invalid_argument("lemke: " + *why);
-  std::ostringstream what;
-  if (start.size() != problem.size()) {
-    what << "lemke: the start has " << start.size() << " entries, the problem " << problem.size();
-    throw std::invalid_argument(what.str());
-  }
+  if (const auto why = problem.invalid()) refuse(*why);
+  if (start.size() != problem.size()) refuse("the start has ", start.size(), " entries, the problem ", problem.size());
   for (Index i = 0; i < start.size(); ++i)
-    if (!std::isfinite(start[i])) {
-      what << "lemke: the start of index " << i << " is " << start[i];
-      throw std::invalid_argument(what.str());
-    }
+    if (!std::isfinite(start[i])) refuse("the start of index ", i, " is ", start[i]);
   check_options(options, problem.size());
 
   PivotResult result = follow(problem, start, options);

@@ -306,11 +306,16 @@ Vec NormalPath::refined(const Vec& x) const {
 void NormalPath::polish() {
   if (driver_ != n_) return;
   const double enough = 1e-13 * (1 + original_.q.lpNorm<::Eigen::Infinity>());
-  const auto take_better = [this](const Vec& x) {
-    if (x.allFinite() && judge(x) < judge(x_)) x_ = x;
+  double judged = judge(x_);
+  const auto take_better = [&](const Vec& x) {
+    if (!x.allFinite()) return;
+    const double there = judge(x);
+    if (!(there < judged)) return;
+    x_ = x;
+    judged = there;
   };
   if (!distrusted_) take_better(refined(x_));
-  if (!distrusted_ && judge(x_) <= enough) return;
+  if (!distrusted_ && judged <= enough) return;
   const Vec carried = x_;
   if (!refactor()) return;
   const Vec fresh = x_;

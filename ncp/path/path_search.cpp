@@ -199,11 +199,10 @@ WayTaken taken(const Way& way) { return {.kinks = way.corners(), .on_path = way.
 
 /// The Newton point by its merit (M), by its distance (D), by both (O), or backtracked to (B).
 bool Attempt::accept(const NewtonPoint& newton, double least, Iteration& it) {
-  const Way way = way_to(newton);
-  taken_ = taken(way);
+  taken_ = run_.observed() ? taken(way_to(newton)) : WayTaken{};
   if (!newton.solved()) {
     it.kind = 'B';
-    return search(way, newton.t(), 1, least, it);
+    return search(way_to(newton), newton.t(), 1, least, it);
   }
   Point trial;
   trial.x = lcp::project(run_.box(), newton.x());
@@ -238,7 +237,7 @@ bool Attempt::accept(const NewtonPoint& newton, double least, Iteration& it) {
         saved_.reset();
       } else {
         ++run_.stats().unchecked_steps;
-        if (unchecked_++ == 0) saved_ = Saved{.point = point_, .way = way, .t = newton.t(), .psi = psi_};
+        if (unchecked_++ == 0) saved_ = Saved{.point = point_, .way = way_to(newton), .t = newton.t(), .psi = psi_};
       }
       delta_ = near ? method_.nms.distance_decrease * delta_ : std::max(delta_, distance);
       moved(std::move(trial), std::move(x), chord);
@@ -250,7 +249,7 @@ bool Attempt::accept(const NewtonPoint& newton, double least, Iteration& it) {
   if (!defined) ++undefined_;
   if (unchecked_ > 0) return false;  // the watchdog's turn
   it.kind = 'B';
-  return search(way, 1, method_.beta, least, it);
+  return search(way_to(newton), 1, method_.beta, least, it);
 }
 
 /// To begin with after a step by this one. Where J has been singular more than once it may be so at the solution, too:

@@ -7,6 +7,8 @@
 /// divided by the geometric mean of its largest and its smallest |J_ij| (Fulkerson & Wolfe 1962; Curtis & Reid 1972
 /// for the least squares of log |J_ij|, which this approximates). C has the geometric mean 1, so that lengths keep
 /// their meaning on the whole.
+#include <optional>
+
 #include "ncp/problem/mcp.hpp"
 
 namespace perp::ncp {
@@ -19,7 +21,8 @@ struct Scaling {
 
   /// Is it worth it: does it bring entries together that are far apart? Measured on the collection in units spoilt at
   /// random: spreads of 1e4 do no harm, and changing them helps as often as not; from 1e6 on it pays.
-  bool helps(double far = 1e6, double factor = 1e3) const { return before >= far && before >= factor * after; }
+  bool helps() const { return far_apart(before) && before >= 1e3 * after; }
+  static bool far_apart(double spread) { return spread >= 1e6; }
 };
 
 /// Of J at some point, with the pattern of the problem. Entries that are 0 there do not count, nor do those below 1e-8
@@ -27,6 +30,9 @@ struct Scaling {
 /// columns of fixed variables, whose factors are 1. All factors are 1 too if a finite bound would overflow, underflow
 /// or meet another one. Throws std::invalid_argument if J is not n x n or not finite.
 Scaling scaling(const Mcp& mcp, const SpMat& J);
+
+/// scaling(), if it helps(): no factors are computed where the entries are near each other as they are.
+std::optional<Scaling> helpful_scaling(const Mcp& mcp, const SpMat& J);
 
 /// The scaled problem. `base` outlives it.
 class ScaledMcp final : public Mcp {
