@@ -16,12 +16,13 @@ std::optional<Index> Box::first_invalid() const {
 }
 
 std::optional<std::string> Box::invalid() const {
-  std::ostringstream why;
   if (lower.size() != upper.size()) {
+    std::ostringstream why;
     why << "the box has " << lower.size() << " lower bounds and " << upper.size() << " upper bounds";
     return why.str();
   }
   if (const auto i = first_invalid()) {
+    std::ostringstream why;
     why.precision(17);
     why << "[lower, upper] of index " << *i << " is [" << lower[*i] << ", " << upper[*i]
         << "], which is not an interval";

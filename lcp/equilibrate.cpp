@@ -43,9 +43,12 @@ Scaling ones(Index n) { return {Vec::Ones(n), Vec::Ones(n)}; }
 }  // namespace
 
 AffineMcp Scaling::apply(const AffineMcp& problem) const {
-  return {rows.asDiagonal() * problem.M * columns.asDiagonal(),
-          rows.cwiseProduct(problem.q),
-          {problem.box.lower.cwiseQuotient(columns), problem.box.upper.cwiseQuotient(columns)}};
+  AffineMcp scaled{problem.M,
+                   rows.cwiseProduct(problem.q),
+                   {problem.box.lower.cwiseQuotient(columns), problem.box.upper.cwiseQuotient(columns)}};
+  for (Index j = 0; j < scaled.M.cols(); ++j)
+    for (SpMat::InnerIterator it(scaled.M, j); it; ++it) it.valueRef() = rows[it.row()] * it.value() * columns[j];
+  return scaled;
 }
 
 bool Scaling::loses_nothing(const AffineMcp& problem) const {
@@ -62,13 +65,21 @@ bool Scaling::loses_nothing(const AffineMcp& problem) const {
 }
 
 Vec Scaling::to_scaled(const Box& box, In x) const {
-  const Vec z = project(box, x);
-  return z.cwiseQuotient(columns) + rows.cwiseProduct(x - z);
+  Vec scaled(x.size());
+  for (Index i = 0; i < x.size(); ++i) {
+    const double z = project(box, i, x[i]);
+    scaled[i] = z / columns[i] + rows[i] * (x[i] - z);
+  }
+  return scaled;
 }
 
 Vec Scaling::to_original(const Box& scaled_box, In x) const {
-  const Vec z = project(scaled_box, x);
-  return columns.cwiseProduct(z) + (x - z).cwiseQuotient(rows);
+  Vec original(x.size());
+  for (Index i = 0; i < x.size(); ++i) {
+    const double z = project(scaled_box, i, x[i]);
+    original[i] = columns[i] * z + (x[i] - z) / rows[i];
+  }
+  return original;
 }
 
 Scaling equilibrate(const AffineMcp& problem) {

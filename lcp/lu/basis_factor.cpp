@@ -102,7 +102,14 @@ struct EtaFile {
 
 struct BasisFactor::Impl {
   Impl(const SpMat& matrix, BasisOptions o, Deadline until)
-      : A(&matrix), options(o), deadline(until), lu(o.lu, until), rhs(matrix.rows()), b_(matrix.rows()) {}
+      : A(&matrix),
+        options(o),
+        deadline(until),
+        lu(o.lu, until),
+        rhs(matrix.rows()),
+        b_(matrix.rows()),
+        given_(matrix.rows()),
+        found_(matrix.rows()) {}
 
   const SpMat* A;
   BasisOptions options;
@@ -119,9 +126,10 @@ struct BasisFactor::Impl {
   std::vector<int> active_position;  // columns of C
   std::vector<int> block_of_row;     // their inverses
   std::vector<int> block_of_position;
-  Vec slack;     // D by rows
-  SpMat S;       // n x active, entries in rows of slacks only
-  SpMat S_rows;  // its transpose
+  Vec slack;             // D by rows
+  SpMat S;               // n x active, entries in rows of slacks only
+  mutable SpMat S_rows;  // its transpose, from the first btran on
+  mutable bool has_S_rows = false;
   SpMat C;
   Index B_nonzeros = 0;
   bool sparse_solves = false;
@@ -134,8 +142,10 @@ struct BasisFactor::Impl {
 
   mutable LuSolver solver;
   mutable SparseVector block_b, block_x;  // of the order of C
+  mutable Vec block_;                     // the same
   mutable SparseVector rhs;               // by rows
   mutable SparseVector b_;                // by positions
+  mutable SparseVector given_, found_;    // of the solves with dense right-hand sides
 
   Index rows() const { return A->rows(); }
   template <class F>
@@ -148,6 +158,10 @@ struct BasisFactor::Impl {
   }
   void partition();
   LuStatus factor(std::span<const Index> columns);
+  /// Whether the last factor() was of these columns, and none has been replaced since.
+  bool factored(std::span<const Index> columns) const {
+    return factorizations > 0 && etas.size() == 0 && std::ranges::equal(basis, columns);
+  }
   std::vector<Dependency> dependencies(double tol) const;
   void ftran(const SparseVector& b, SparseVector& x) const;
   void btran(const SparseVector& b, SparseVector& x) const;
@@ -221,7 +235,7 @@ LuStatus BasisFactor::Impl::factor(std::span<const Index> columns) {
   }
   S.finalize();
   C.finalize();
-  S_rows = S.transpose();
+  has_S_rows = false;
   status = lu.factor(C);
   if (status != LuStatus::Ok) return status;
   LuFactors factors;
@@ -269,12 +283,12 @@ void BasisFactor::Impl::solve_block(bool transposed) const {
       solver.solve(block_b, block_x);
     return;
   }
-  Vec x(block_b.size());
+  block_.resize(block_b.size());
   if (transposed)
-    lu.solve_transposed(block_b.values(), x);
+    lu.solve_transposed(block_b.values(), block_);
   else
-    lu.solve(block_b.values(), x);
-  block_x.assign(x);
+    lu.solve(block_b.values(), block_);
+  block_x.assign(block_);
 }
 
 void BasisFactor::Impl::ftran(const SparseVector& b, SparseVector& x) const {
@@ -297,6 +311,8 @@ void BasisFactor::Impl::ftran(const SparseVector& b, SparseVector& x) const {
 }
 
 void BasisFactor::Impl::btran(const SparseVector& b, SparseVector& x) const {
+  if (!has_S_rows) S_rows = S.transpose();
+  has_S_rows = true;
   b_.clear();
   b.for_each([&](Index p, double v) { b_.set(p, v); });
   etas.apply_transposed(b_);
@@ -365,7 +381,7 @@ LuStatus BasisFactor::factor(std::span<const Index> basis) {
 LuStatus BasisFactor::factor_repaired(std::span<const Index> basis, std::vector<Dependency>& replaced) {
   replaced.clear();
   std::vector<Index> columns(basis.begin(), basis.end());
-  LuStatus status = factor(columns);
+  LuStatus status = impl_->factored(columns) ? impl_->status : factor(columns);
   double tol = impl_->options.dependent_tol;
   // The pivots need not reveal every dependency at once.
   for (int round = 0; round < 4; ++round, tol *= 100) {
@@ -390,11 +406,9 @@ LuStatus BasisFactor::factor_repaired(std::span<const Index> basis, std::vector<
 void BasisFactor::ftran(In b, Out x) const {
   require_size("b", b.size(), impl_->rows());
   require_size("x", x.size(), impl_->rows());
-  SparseVector sparse_b(b.size());
-  SparseVector sparse_x(b.size());
-  sparse_b.assign(b);
-  ftran(sparse_b, sparse_x);
-  x = sparse_x.values();
+  impl_->given_.assign(b);
+  ftran(impl_->given_, impl_->found_);
+  x = impl_->found_.values();
 }
 
 void BasisFactor::ftran(const SparseVector& b, SparseVector& x) const {
@@ -414,11 +428,9 @@ void BasisFactor::ftran_column(Index q, SparseVector& x) const {
 void BasisFactor::btran(In b, Out x) const {
   require_size("b", b.size(), impl_->rows());
   require_size("x", x.size(), impl_->rows());
-  SparseVector sparse_b(b.size());
-  SparseVector sparse_x(b.size());
-  sparse_b.assign(b);
-  btran(sparse_b, sparse_x);
-  x = sparse_x.values();
+  impl_->given_.assign(b);
+  btran(impl_->given_, impl_->found_);
+  x = impl_->found_.values();
 }
 
 void BasisFactor::btran(const SparseVector& b, SparseVector& x) const {

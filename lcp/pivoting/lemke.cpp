@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <sstream>
-#include <stdexcept>
 #include <utility>
 
 #include "lcp/judge/shared_options.hpp"
@@ -23,15 +21,10 @@ std::optional<PivotEnd> limit(const LemkeOptions& options, const PivotResult& re
 
 /// What depends on the problem.
 void check_lengths(const LemkeOptions& options, Index n) {
-  std::ostringstream what;
-  what << "lemke: ";
   if (!options.cells.empty() && static_cast<Index>(options.cells.size()) != n)
-    what << "the warm basis has " << options.cells.size() << " cells, the problem " << n << " variables";
-  else if (options.cover == Cover::Given && options.covering.size() != n)
-    what << "the covering vector has " << options.covering.size() << " entries, the problem " << n;
-  else
-    return;
-  throw std::invalid_argument(what.str());
+    refuse_input("lemke: the warm basis has ", options.cells.size(), " cells, the problem ", n, " variables");
+  if (options.cover == Cover::Given && options.covering.size() != n)
+    refuse_input("lemke: the covering vector has ", options.covering.size(), " entries, the problem ", n);
 }
 
 /// The kinks of a path, thinned out where they are too many.

@@ -37,8 +37,8 @@ namespace perp::lcp {
 enum class PivotEnd {
   Solved,  ///< natural residual <= residual_tol (1 + ||q||_inf)
   Ray,     ///< the path is unbounded: x + s `ray` stays on it for all s >= 0
-  /// The path came back to the start: the component through it is closed and holds no solution. From a rank-deficient
-  /// start also: t has not grown for 50 + 2 n pivots.
+  /// The path came back to the start: the component through it is closed and holds no solution. Or t has not grown for
+  /// too long: LemkeOptions::patience; from a rank-deficient start 50 + 2 n pivots.
   Loop,
   SingularBasis,  ///< a basis on the way is numerically singular
   PivotLimit,
@@ -72,9 +72,12 @@ struct LemkeOptions {
   /// the cell of the start.
   std::vector<Cell> cells{};
   int max_pivots = 100'000;
+  /// Pivots in which t must come to a new largest value; else the path ends as a Loop.
+  int patience = std::numeric_limits<int>::max();
   double residual_tol = 1e-9;  ///< on the natural residual, relative to 1 + ||q||_inf
   double pivot_tol = 1e-9;     ///< smallest pivot, relative to the largest entry of the pivot column
-  /// A pivot smaller than this x the largest entry of its column is taken from a fresh factorization only.
+  /// A pivot smaller than this x the largest entry of its column is taken only where a step of refinement confirms its
+  /// column, or from a fresh factorization.
   double doubtful_pivot = 1e-5;
   /// Harris: how far, relative to 1 + |bound|, a variable may overstep its bound in a ratio test. Far below the
   /// perturbation, or a path that begins near a corner is not followed but cut, and may cycle.

@@ -110,6 +110,20 @@ bool NormalPath::doubtful(const Block& block) const {
          std::abs(d_[block.position]) < options_.doubtful_pivot * d_largest_;
 }
 
+/// Whether the digits of d do carry this pivot: a step of refinement changes d by a small part of it. That takes a
+/// solve, where a factorization and a second ratio test take ten.
+bool NormalPath::accurate(const Block& block) const {
+  constexpr double small_part = 1e-3;
+  Vec a = Vec::Zero(n_);
+  if (const Index j = column(driver_); j > n_)
+    a[j - n_ - 1] = 1;
+  else
+    a = A_.col(j);
+  Vec correction(n_);
+  factor_.ftran(factor_.residual(a, d_.values()), correction);
+  return correction.lpNorm<::Eigen::Infinity>() <= small_part * std::abs(d_[block.position]);
+}
+
 void NormalPath::move(Index i, double by) {
   if (i < n_)
     x_[i] += by;
@@ -146,7 +160,7 @@ bool NormalPath::advance(PivotResult& result) {
     return false;
   }
   Block block = ratio_test();
-  if (doubtful(block)) {
+  if (doubtful(block) && !accurate(block)) {
     if (!refactor() || !drive()) {
       result.end = PivotEnd::SingularBasis;
       return false;
@@ -240,9 +254,11 @@ bool NormalPath::take_other_branch() {
   return true;
 }
 
-/// A path from a rank-deficient start need not be in general position: there, t that has not grown for long counts too.
+/// A path from a rank-deficient start need not be in general position: there, t that has not grown for long always
+/// counts too.
 bool NormalPath::back_at_start(PivotResult& result) {
-  const bool wanders = result.repaired > 0 && result.pivots - pivots_at_best_ > 50 + 2 * n_;
+  const Index patience = result.repaired > 0 ? std::min<Index>(options_.patience, 50 + 2 * n_) : options_.patience;
+  const bool wanders = result.pivots - pivots_at_best_ > patience;
   if (away_ > 0 && !wanders) return false;
   result.end = PivotEnd::Loop;
   return true;
@@ -290,11 +306,16 @@ Vec NormalPath::refined(const Vec& x) const {
 void NormalPath::polish() {
   if (driver_ != n_) return;
   const double enough = 1e-13 * (1 + original_.q.lpNorm<::Eigen::Infinity>());
-  const auto take_better = [this](const Vec& x) {
-    if (x.allFinite() && judge(x) < judge(x_)) x_ = x;
+  double judged = judge(x_);
+  const auto take_better = [&](const Vec& x) {
+    if (!x.allFinite()) return;
+    const double there = judge(x);
+    if (!(there < judged)) return;
+    x_ = x;
+    judged = there;
   };
   if (!distrusted_) take_better(refined(x_));
-  if (!distrusted_ && judge(x_) <= enough) return;
+  if (!distrusted_ && judged <= enough) return;
   const Vec carried = x_;
   if (!refactor()) return;
   const Vec fresh = x_;

@@ -74,6 +74,7 @@ class NormalPath {
   double room(Index i, double rate) const;
   Block ratio_test();
   bool doubtful(const Block& block) const;
+  bool accurate(const Block& block) const;
   void step(double length);
   void end_on_ray(PivotResult& result);
   void enter(Index p);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace perp::ncp {
@@ -10,6 +11,12 @@ namespace {
 /// Doubles that the kinks of one path may take.
 constexpr Index kink_memory = 4'000'000;
 constexpr Index most_kinks = 4096;
+
+/// Pivots in which t must grow. A path that turns back for longer seldom comes to t = 1 before thousands of pivots, and
+/// from its best point the next linearised problem is another one. What is affine has no next one.
+int patience_on_paths(const Mcp& mcp) {
+  return mcp.is_affine() ? std::numeric_limits<int>::max() : 30 + static_cast<int>(mcp.size() / 10);
+}
 
 }  // namespace
 
@@ -87,6 +94,7 @@ NewtonPoints::NewtonPoints(Run& run, const PathSearch& method)
   options_.interrupted = [&run] { return run.interrupted(); };
   options_.deadline = run.deadline();
   options_.max_pivots = std::min(options_.max_pivots, worthwhile_pivots(n));
+  if (method.proximal_adaptive) options_.patience = std::min(options_.patience, patience_on_paths(run.mcp()));
   options_.keep_basis = method.chord_steps > 0;
   options_.path_limit =
       static_cast<std::size_t>(std::clamp<Index>(kink_memory / std::max<Index>(n, 1), 16, most_kinks));
@@ -117,6 +125,7 @@ NewtonPoint NewtonPoints::solve(const Point& point, const Vec& x, const std::vec
     options.cells = cells;
     options.keep_path = method_.search == Searchtype::Path;
     newton.path = follow(problem, x, options);
+    newton.singular = newton.path.repaired > 0 && !newton.solved() && !run_.mcp().is_affine();
     if (newton.solved() || newton.stopped()) return newton;
   }
   options.start = lcp::LemkeStart::Ray;

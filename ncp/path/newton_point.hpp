@@ -34,6 +34,7 @@ struct NewtonPoint {
   lcp::PivotResult path;
   double lambda = 0;      ///< of the proximal term, absolute
   bool from_ray = false;  ///< the kinks of `path` then say nothing of the way from x^k
+  bool singular = false;  ///< the path began in a singular basis and led nowhere
   bool solved() const { return path.solved(); }
   /// Came far enough to be of use: t = 1, or the part of a path from x^k that has this share of it.
   bool usable() const { return solved() || (!from_ray && path.best_t >= 0.1); }

@@ -20,6 +20,9 @@ constexpr double path_prox_growth = 30;
 constexpr double path_prox_decay = 0.1;
 constexpr int path_prox_tries = 3;
 
+/// Of a J that stays singular: at most this, relative to its size and to ||Phi||.
+constexpr double path_prox_singular = 1e-4;
+
 /// A term of lambda below this share of the first one tried is dropped.
 constexpr double path_prox_least = 0.01;
 
@@ -80,6 +83,7 @@ class Attempt {
   }
   /// O(||Phi||), to keep the local order; `size` is that of J.
   double first_lambda(double size) const { return path_prox_first * std::min(1.0, std::sqrt(2 * psi_)) * size; }
+  double lambda_after(double lambda, double size) const;
   Way way_to(const NewtonPoint& newton) const;
   bool newton_step(Iteration& it);
   /// Of affine problems: among the restarts are the linear methods.
@@ -108,6 +112,7 @@ class Attempt {
   std::vector<lcp::Cell> basis_;
   NewtonPoints newton_points_;
   double lambda_;
+  int singular_ = 0;  // iterations in which a path from a singular basis led nowhere
   double psi_;
   References references_;
   Stall stall_{method_.patience};
@@ -194,11 +199,10 @@ WayTaken taken(const Way& way) { return {.kinks = way.corners(), .on_path = way.
 
 /// The Newton point by its merit (M), by its distance (D), by both (O), or backtracked to (B).
 bool Attempt::accept(const NewtonPoint& newton, double least, Iteration& it) {
-  const Way way = way_to(newton);
-  taken_ = taken(way);
+  taken_ = run_.observed() ? taken(way_to(newton)) : WayTaken{};
   if (!newton.solved()) {
     it.kind = 'B';
-    return search(way, newton.t(), 1, least, it);
+    return search(way_to(newton), newton.t(), 1, least, it);
   }
   Point trial;
   trial.x = lcp::project(run_.box(), newton.x());
@@ -233,7 +237,7 @@ bool Attempt::accept(const NewtonPoint& newton, double least, Iteration& it) {
         saved_.reset();
       } else {
         ++run_.stats().unchecked_steps;
-        if (unchecked_++ == 0) saved_ = Saved{.point = point_, .way = way, .t = newton.t(), .psi = psi_};
+        if (unchecked_++ == 0) saved_ = Saved{.point = point_, .way = way_to(newton), .t = newton.t(), .psi = psi_};
       }
       delta_ = near ? method_.nms.distance_decrease * delta_ : std::max(delta_, distance);
       moved(std::move(trial), std::move(x), chord);
@@ -245,7 +249,16 @@ bool Attempt::accept(const NewtonPoint& newton, double least, Iteration& it) {
   if (!defined) ++undefined_;
   if (unchecked_ > 0) return false;  // the watchdog's turn
   it.kind = 'B';
-  return search(way, 1, method_.beta, least, it);
+  return search(way_to(newton), 1, method_.beta, least, it);
+}
+
+/// To begin with after a step by this one. Where J has been singular more than once it may be so at the solution, too:
+/// lambda then stays O(||Phi||) to the end, which keeps the order of Newton's method where ||Phi|| bounds the distance
+/// to the solutions (Fan & Yuan 2005).
+double Attempt::lambda_after(double lambda, double size) const {
+  if (singular_ > 1)
+    return std::min(path_prox_decay * lambda, path_prox_singular / path_prox_first * first_lambda(size));
+  return lambda * path_prox_decay > path_prox_least * first_lambda(size) ? lambda * path_prox_decay : 0;
 }
 
 /// Linearised problems with growing lambda until one gives a step.
@@ -268,10 +281,11 @@ bool Attempt::newton_step(Iteration& it) {
     const bool last = i == path_prox_tries || !method_.proximal_adaptive;
     if (last_->usable() && accept(*last_, last ? 0 : least_step, it)) {
       if (lambda > 0) ++run_.stats().proximal_steps;
-      lambda_ = lambda * path_prox_decay > path_prox_least * first_lambda(size) ? lambda * path_prox_decay : 0;
+      lambda_ = lambda_after(lambda, size);
       return true;
     }
     if (unchecked_ > 0 || !method_.proximal_adaptive) return false;
+    singular_ += last_->singular && lambda == 0;
     lambda = lambda > 0 ? path_prox_growth * lambda : first_lambda(size);
     cells_.clear();
   }

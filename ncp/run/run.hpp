@@ -58,6 +58,8 @@ class Run {
   double tol() const { return stop_.tol; }
   /// What is left of the limits.
   Stop left() const;
+  /// Whether records are shown to anybody.
+  bool observed() const { return static_cast<bool>(observer_); }
   /// For subproblems: has somebody asked to stop?
   bool interrupted() const { return stop_.interrupt != nullptr && *stop_.interrupt; }
   std::chrono::steady_clock::time_point deadline() const { return deadline_; }

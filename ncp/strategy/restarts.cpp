@@ -151,11 +151,9 @@ Run::Verdict last_words(Run& run, const Run::Verdict& first, const Point& user, 
 std::vector<Attempt> path_list(const PathSearch& method) {
   std::vector<Attempt> list;
   if (method.scaling)
-    list.push_back(uncounted(scaled_attempt(std::string(scaled_at_start), method,
-                                            "that brings the entries of J together", [](Run& run, const Point& start) {
-                                              const Scaling factors = scaling(run.mcp(), start.J);
-                                              return factors.helps() ? std::optional(factors) : std::nullopt;
-                                            })));
+    list.push_back(
+        uncounted(scaled_attempt(std::string(scaled_at_start), method, "that brings the entries of J together",
+                                 [](Run& run, const Point& start) { return helpful_scaling(run.mcp(), start.J); })));
   list.push_back(uncounted(loop_attempt("the options given", method)));
   if (method.restarts == PathRestarts::Documented)
     add_documented_restarts(method, list);

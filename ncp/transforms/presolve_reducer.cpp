@@ -60,6 +60,12 @@ bool Reducer::know_values() {
   if (!counted_.eval(x_, F_) || !counted_.jacobian(x_, J_)) return false;
   rows_.resize(at(mcp_.size()));
   columns_.resize(at(mcp_.size()));
+  std::vector<std::size_t> in_row(at(mcp_.size()), 0);
+  for (Index p = 0; p < J_.nonZeros(); ++p) ++in_row[at(J_.innerIndexPtr()[p])];
+  for (Index i = 0; i < mcp_.size(); ++i) {
+    rows_[at(i)].reserve(in_row[at(i)]);
+    columns_[at(i)].reserve(at(J_.outerIndexPtr()[i + 1] - J_.outerIndexPtr()[i]));
+  }
   for (Index j = 0; j < J_.cols(); ++j)
     for (Index p = J_.outerIndexPtr()[j]; p < J_.outerIndexPtr()[j + 1]; ++p) {
       const Index i = J_.innerIndexPtr()[p];

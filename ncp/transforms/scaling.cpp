@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "lcp/words.hpp"
 
@@ -32,6 +33,9 @@ struct Range {
 };
 
 std::vector<Entry> entries_of(const Mcp& mcp, const SpMat& J) {
+  const Index n = mcp.size();
+  if (J.rows() != n || J.cols() != n)
+    refuse_input(mcp.name(), ": scaling: the Jacobian is ", J.rows(), " x ", J.cols(), " for ", n, " variables");
   const auto fixed = [&](Index i) { return mcp.box().lower[i] == mcp.box().upper[i]; };
   Vec row_max = Vec::Zero(J.rows()), column_max = Vec::Zero(J.cols());
   std::vector<Entry> all;
@@ -52,10 +56,14 @@ std::vector<Entry> entries_of(const Mcp& mcp, const SpMat& J) {
   return all;
 }
 
-double spread(const std::vector<Entry>& entries, const Vec& rows, const Vec& columns) {
+template <class Log>
+double spread(const std::vector<Entry>& entries, Log log) {
   Range all;
-  for (const Entry& e : entries) all.add(e.log + rows[e.row] + columns[e.column]);
+  for (const Entry& e : entries) all.add(log(e));
   return all.empty() ? 1 : std::exp2(all.high - all.low);
+}
+double spread(const std::vector<Entry>& entries) {
+  return spread(entries, [](const Entry& e) { return e.log; });
 }
 
 /// Centres the entries of all rows (or columns) on 0; how much the factors changed.
@@ -84,16 +92,11 @@ bool keeps_bounds(const Box& box, const Vec& columns) {
   return true;
 }
 
-}  // namespace
-
-Scaling scaling(const Mcp& mcp, const SpMat& J) {
+/// Of entries with this spread.
+Scaling scaling_of(const Mcp& mcp, const std::vector<Entry>& entries, double before) {
   const Index n = mcp.size();
-  if (J.rows() != n || J.cols() != n)
-    refuse_input(mcp.name(), ": scaling: the Jacobian is ", J.rows(), " x ", J.cols(), " for ", n, " variables");
-  const std::vector<Entry> entries = entries_of(mcp, J);
   Vec rows = Vec::Zero(n), columns = Vec::Zero(n);  // log2 of the factors
-  Scaling result{.rows = Vec::Ones(n), .columns = Vec::Ones(n)};
-  result.before = result.after = spread(entries, rows, columns);
+  Scaling result{.rows = Vec::Ones(n), .columns = Vec::Ones(n), .before = before, .after = before};
   double change = infinity;
   for (int k = 0; k < max_sweeps && change > settled; ++k)
     change = std::max(centre(entries, rows, columns, true), centre(entries, rows, columns, false));
@@ -111,8 +114,23 @@ Scaling scaling(const Mcp& mcp, const SpMat& J) {
   if (!keeps_bounds(mcp.box(), C)) return result;
   result.rows = rows.unaryExpr([](double log) { return std::exp2(log); });
   result.columns = C;
-  result.after = spread(entries, rows, columns);
+  result.after = spread(entries, [&](const Entry& e) { return e.log + rows[e.row] + columns[e.column]; });
   return result;
+}
+
+}  // namespace
+
+Scaling scaling(const Mcp& mcp, const SpMat& J) {
+  const std::vector<Entry> entries = entries_of(mcp, J);
+  return scaling_of(mcp, entries, spread(entries));
+}
+
+std::optional<Scaling> helpful_scaling(const Mcp& mcp, const SpMat& J) {
+  const std::vector<Entry> entries = entries_of(mcp, J);
+  const double before = spread(entries);
+  if (!Scaling::far_apart(before)) return std::nullopt;
+  Scaling factors = scaling_of(mcp, entries, before);
+  return factors.helps() ? std::optional(std::move(factors)) : std::nullopt;
 }
 
 ScaledMcp::ScaledMcp(const Mcp& base, const Scaling& scaling)

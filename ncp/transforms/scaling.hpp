@@ -7,6 +7,8 @@
 /// column is divided by the geometric mean of its largest and its smallest |J_ij| (Fulkerson & Wolfe 1962). This
 /// approximates the least squares of log |J_ij| (Curtis & Reid 1972). The geometric mean of C is 1, so lengths stay of
 /// the same order on average.
+#include <optional>
+
 #include "ncp/problem/mcp.hpp"
 
 namespace perp::ncp {
@@ -19,7 +21,8 @@ struct Scaling {
 
   /// Returns whether the scaling brings entries together that are far apart. Measured on the collection in random
   /// units: at spreads of 1e4 scaling helps as often as it harms; from 1e6 on it helps.
-  bool helps(double far = 1e6, double factor = 1e3) const { return before >= far && before >= factor * after; }
+  bool helps() const { return far_apart(before) && before >= 1e3 * after; }
+  static bool far_apart(double spread) { return spread >= 1e6; }
 };
 
 /// Computes the factors from J at some point, with the pattern of the problem. Entries that are 0 there are ignored,
@@ -28,6 +31,9 @@ struct Scaling {
 /// bound would overflow, underflow or coincide with another one. Throws std::invalid_argument if J is not n x n or not
 /// finite.
 Scaling scaling(const Mcp& mcp, const SpMat& J);
+
+/// scaling(), if it helps(): no factors are computed where the entries are near each other as they are.
+std::optional<Scaling> helpful_scaling(const Mcp& mcp, const SpMat& J);
 
 /// The scaled problem. `base` outlives it.
 class ScaledMcp final : public Mcp {

@@ -343,6 +343,17 @@ TEST_P(Basis, DependentColumnsAreReplaced) {
   }
 }
 
+// A basis that was just found singular is not factored a second time before it is repaired.
+TEST_P(Basis, RepairsWhatWasFoundSingular) {
+  const SpMat A = matrix({{1, 0, 0}, {0, 0, 1}, {0, 0, 3}});
+  BasisFactor factor(A, options());
+  std::vector<BasisFactor::Dependency> replaced;
+  ASSERT_EQ(factor.factor(first_columns(3)), LuStatus::Singular);
+  ASSERT_EQ(factor.factor_repaired(first_columns(3), replaced), LuStatus::Ok);
+  EXPECT_EQ(replaced.size(), 1U);
+  EXPECT_EQ(factor.factorizations(), 2);
+}
+
 // A singular basis leaves no factors, not those of the basis before; and the next basis is factored anew.
 TEST_P(Basis, SaysWhenTheBasisIsSingular) {
   const SpMat A = matrix({{1, 0, 2}, {0, 1, 0}});
