@@ -1,4 +1,5 @@
 #include <Eigen/Dense>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 

@@ -5,6 +5,7 @@
 #include <optional>
 #include <utility>
 
+#include "lcp/judge/result.hpp"
 #include "lcp/judge/shared_options.hpp"
 #include "lcp/pivoting/normal_path.hpp"
 #include "lcp/words.hpp"

@@ -11,6 +11,7 @@
 
 #include "app/compare/compare_process_support.hpp"
 #include "app/contact/compare/campaign.hpp"
+#include "app/contact/compare/cell.hpp"
 #include "app/contact/compare/compare_variants.hpp"
 #include "app/text/csv.hpp"
 #include "contact_app_support.hpp"
