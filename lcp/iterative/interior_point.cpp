@@ -215,7 +215,9 @@ class Run {
     ++factorizations_;
     if (symmetric_ && ldlt_.factor(K_)) return LuStatus::Ok;
     symmetric_ = false;
-    return lu_.factor(K_);
+    const LuStatus status = lu_.factor(K_);
+    usable_ = status == LuStatus::Ok;
+    return status;
   }
 
   /// K z = rhs. Where the factors of the symmetric form are too poor, from here on by LU.
@@ -224,9 +226,12 @@ class Run {
     if (symmetric_) {
       symmetric_ = false;
       ++factorizations_;
-      if (!lu_.try_factor(K_)) return void(z.setConstant(std::numeric_limits<double>::quiet_NaN()));
+      usable_ = lu_.try_factor(K_);
     }
-    lu_.solve_refined(rhs, z, 2);
+    if (usable_)
+      lu_.solve_refined(rhs, z, 2);
+    else  // every direction of this step
+      z.setConstant(std::numeric_limits<double>::quiet_NaN());
   }
 
   /// Newton's direction towards s w = t v = target, with the second-order terms of `affine` if there is one.
@@ -402,6 +407,7 @@ class Run {
   SpMat K_;
   Index n_;
   bool symmetric_ = ldlt_.analyze(p_.M);  ///< K is factored as L D L'
+  bool usable_ = false;                   ///< lu_ has the factors of a K
   Iterate x_;
   Index pairs_ = 0;  ///< finite bounds
   double first_ratio_ = 0;
