@@ -11,10 +11,13 @@
 namespace perp::ncp {
 namespace {
 
-/// The proximal term of a singular J_II, relative to the size of J; it grows by this factor until J_II + lambda I is
-/// not.
-constexpr double crash_prox_first = 1e-6;
+/// The proximal term of a singular J_II, relative to the size of J, and in nonlinear problems to ||F_I|| where that is
+/// below 1; it grows by this factor until J_II + lambda I is not singular, and shrinks after each step.
+constexpr double crash_prox_affine = 1e-6;
+constexpr double crash_prox_nonlinear = 0.01;
 constexpr double crash_prox_growth = 100;
+constexpr double crash_prox_decay_affine = 0.1;
+constexpr double crash_prox_decay_nonlinear = 0.9;
 constexpr int crash_prox_tries = 4;
 /// A step is worth a factorization if it leaves less than this share of the merit.
 constexpr double worthwhile = 0.9;
@@ -32,6 +35,13 @@ Places inside(const Box& box, const Point& point) {
   return in;
 }
 
+std::vector<Index> members(const Places& in) {
+  std::vector<Index> I;
+  for (std::size_t i = 0; i < in.size(); ++i)
+    if (in[i]) I.push_back(static_cast<Index>(i));
+  return I;
+}
+
 /// J_II + lambda I.
 SpMat block(const SpMat& J, const std::vector<Index>& I, double lambda) {
   SpMat B = lcp::principal_block(J, I);
@@ -43,11 +53,14 @@ SpMat block(const SpMat& J, const std::vector<Index>& I, double lambda) {
   return B;
 }
 
+/// Of an affine problem the exact Newton step is worth more, and the path needs no term.
+double first_lambda(const Run& run, const Vec& F) {
+  return run.mcp().is_affine() ? crash_prox_affine : crash_prox_nonlinear * std::min(1.0, F.norm());
+}
+
 /// d with (J_II + lambda I) d_I = -F_I, d = 0 elsewhere; lambda > 0 if J_II is singular. False: no lambda helped.
 bool direction(Run& run, const Point& point, const Places& in, lcp::SparseLu& lu, double& lambda, Vec& d) {
-  std::vector<Index> I;
-  for (std::size_t i = 0; i < in.size(); ++i)
-    if (in[i]) I.push_back(static_cast<Index>(i));
+  const std::vector<Index> I = members(in);
   if (I.empty()) return false;
   Vec rhs(static_cast<Index>(I.size()));
   for (std::size_t k = 0; k < I.size(); ++k) rhs[static_cast<Index>(k)] = -point.F[I[k]];
@@ -62,7 +75,7 @@ bool direction(Run& run, const Point& point, const Places& in, lcp::SparseLu& lu
         return true;
       }
     }
-    lambda = lambda > 0 ? crash_prox_growth * lambda : crash_prox_first * size_of(point.J);
+    lambda = lambda > 0 ? crash_prox_growth * lambda : first_lambda(run, rhs) * size_of(point.J);
   }
   return false;
 }
@@ -105,10 +118,16 @@ bool relaxed(Run& run, const CFunction& fb, Point& point, double& psi) {
   return true;
 }
 
-}  // namespace
+/// Whether J_II is, at the point the crash has led to.
+bool singular(Run& run, const Point& point) {
+  const std::vector<Index> I = members(inside(run.box(), point));
+  if (I.empty()) return false;
+  ++run.stats().factorizations;
+  return !lcp::SparseLu(lcp::LuBackend::Auto, run.deadline()).try_factor(block(point.J, I, 0));
+}
 
-bool crash(Run& run, const Crash& options, Point& point, Iteration& it) {
-  if (!options.on || run.box().size() < options.minimum_dimension) return true;
+/// The steps. `lambda` is above 0 in the end if one of them met a singular J_II. False: the run is over.
+bool descend(Run& run, const Crash& options, Point& point, Iteration& it, double& lambda) {
   const CFunction fb = fischer_burmeister();
   const Armijo rule{.max_backtracks = static_cast<int>(std::ceil(-std::log2(options.least_step)))};
   lcp::SparseLu lu(lcp::LuBackend::Auto, run.deadline());
@@ -116,7 +135,7 @@ bool crash(Run& run, const Crash& options, Point& point, Iteration& it) {
   bool sweeping = false;  // then full steps may raise the merit for a while: the set they overshoot to is a better one
   bool sweeps_pay = true;
   double psi = merit(fb, run.box(), point.x, point.F);
-  double lambda = 0;
+  const double decay = run.mcp().is_affine() ? crash_prox_decay_affine : crash_prox_decay_nonlinear;
   Memory memory(4);
   memory.push(psi);
   Stall stall(2);
@@ -154,9 +173,18 @@ bool crash(Run& run, const Crash& options, Point& point, Iteration& it) {
     ++run.stats().crash_iterations;
     if (!run.go_on(point, it)) return false;
     if (!pays) return true;
-    lambda /= 10;
+    lambda *= decay;
   }
   return true;
+}
+
+}  // namespace
+
+CrashEnd crash(Run& run, const Crash& options, Point& point, Iteration& it) {
+  if (!options.on || run.box().size() < options.minimum_dimension) return CrashEnd::Regular;
+  double lambda = 0;
+  if (!descend(run, options, point, it, lambda)) return CrashEnd::Over;
+  return lambda > 0 && !run.mcp().is_affine() && singular(run, point) ? CrashEnd::Singular : CrashEnd::Regular;
 }
 
 }  // namespace perp::ncp

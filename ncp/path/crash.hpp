@@ -6,8 +6,14 @@
 
 namespace perp::ncp {
 
+enum class CrashEnd {
+  Over,      ///< the run is: solved, or at one of its limits
+  Regular,   ///< or nothing said that J_II is singular
+  Singular,  ///< J_II at the last point, of a nonlinear problem
+};
+
 /// Moves `point` down the Fischer-Burmeister merit while it pays (struct Crash in ncp/path/path_search.hpp). `it` is
-/// the record of the last iteration. False if the run is over: solved, or at one of its limits.
-bool crash(Run& run, const Crash& options, Point& point, Iteration& it);
+/// the record of the last iteration.
+CrashEnd crash(Run& run, const Crash& options, Point& point, Iteration& it);
 
 }  // namespace perp::ncp

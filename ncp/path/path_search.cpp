@@ -20,8 +20,12 @@ constexpr double path_prox_growth = 30;
 constexpr double path_prox_decay = 0.1;
 constexpr int path_prox_tries = 3;
 
-/// Of a J that stays singular: at most this, relative to its size and to ||Phi||.
-constexpr double path_prox_singular = 1e-4;
+/// Of a J that stays singular, relative to its size and to ||Phi||: the first after a crash that met it, the share left
+/// after an iteration, and the largest left then.
+constexpr double path_prox_after_crash = 0.01;
+constexpr double path_prox_singular_decay = 0.3;
+constexpr double path_prox_singular = 1e-3;
+constexpr int often_singular = 2;  // iterations
 
 /// A term of lambda below this share of the first one tried is dropped.
 constexpr double path_prox_least = 0.01;
@@ -51,7 +55,7 @@ class References {
 /// One attempt: z^k = point.x with F and J, x^k, and what the non-monotone test remembers.
 class Attempt {
  public:
-  Attempt(Run& run, const PathSearch& method, Point& point)
+  Attempt(Run& run, const PathSearch& method, Point& point, bool singular)
       : run_(run),
         method_(method),
         point_(point),
@@ -62,7 +66,11 @@ class Attempt {
         psi_(psi(point.x, point.F, x_)),
         references_(method.nms, psi_),
         best_z_(point.x),
-        best_psi_(psi_) {}
+        best_psi_(psi_) {
+    if (!singular || lambda_ > 0 || !method.proximal_adaptive) return;
+    singular_ = often_singular;
+    lambda_ = lambda_of(path_prox_after_crash, size_of(point.J));
+  }
 
   /// One major iteration. False: no step was found, and the run has a verdict or was asked to stop.
   bool iterate(Iteration& it);
@@ -82,7 +90,7 @@ class Attempt {
     return 0.5 * (F + x - z).squaredNorm();
   }
   /// O(||Phi||), to keep the local order; `size` is that of J.
-  double first_lambda(double size) const { return path_prox_first * std::min(1.0, std::sqrt(2 * psi_)) * size; }
+  double lambda_of(double share, double size) const { return share * std::min(1.0, std::sqrt(2 * psi_)) * size; }
   double lambda_after(double lambda, double size) const;
   Way way_to(const NewtonPoint& newton) const;
   bool newton_step(Iteration& it);
@@ -256,9 +264,10 @@ bool Attempt::accept(const NewtonPoint& newton, double least, Iteration& it) {
 /// lambda then stays O(||Phi||) to the end, which keeps the order of Newton's method where ||Phi|| bounds the distance
 /// to the solutions (Fan & Yuan 2005).
 double Attempt::lambda_after(double lambda, double size) const {
-  if (singular_ > 1)
-    return std::min(path_prox_decay * lambda, path_prox_singular / path_prox_first * first_lambda(size));
-  return lambda * path_prox_decay > path_prox_least * first_lambda(size) ? lambda * path_prox_decay : 0;
+  if (singular_ >= often_singular)
+    return std::min(path_prox_singular_decay * lambda, lambda_of(path_prox_singular, size));
+  const double smaller = path_prox_decay * lambda;
+  return smaller > path_prox_least * lambda_of(path_prox_first, size) ? smaller : 0;
 }
 
 /// Linearised problems with growing lambda until one gives a step.
@@ -286,7 +295,7 @@ bool Attempt::newton_step(Iteration& it) {
     }
     if (unchecked_ > 0 || !method_.proximal_adaptive) return false;
     singular_ += last_->singular && lambda == 0;
-    lambda = lambda > 0 ? path_prox_growth * lambda : first_lambda(size);
+    lambda = lambda > 0 ? path_prox_growth * lambda : lambda_of(path_prox_first, size);
     cells_.clear();
   }
   return false;
@@ -388,9 +397,11 @@ void iterate(Run& run, const PathSearch& method, Point point) {
   Iteration it{.k = 0, .kind = 'I', .normal_map = true};
   it.crash = method.crash.on && run.box().size() >= method.crash.minimum_dimension;
   it.merit = merit(fischer_burmeister(), run.box(), point.x, point.F);
-  if (!run.go_on(point, it) || !crash(run, method.crash, point, it)) return;
+  if (!run.go_on(point, it)) return;
+  const CrashEnd crashed = crash(run, method.crash, point, it);
+  if (crashed == CrashEnd::Over) return;
   const double start = point.x.size() > 0 ? point.x.lpNorm<Eigen::Infinity>() : 0;
-  Attempt attempt(run, method, point);
+  Attempt attempt(run, method, point, crashed == CrashEnd::Singular);
   do {
     if (ran_off(run, point, start)) break;
     if (attempt.stalled()) {

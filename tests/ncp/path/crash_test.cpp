@@ -79,6 +79,48 @@ TEST(Crash, PassesASingularMatrix) {
   expect_solved(*mcp, vec({0, 0}), PathSearch{});
 }
 
+// First-order conditions of min c'x with A log x >= b, 0.1 <= x <= 10: where the multipliers are 0, so is the Hessian,
+// and J_II has rank 12 of 26. Munson (2000) keeps a proximal term from there on. Catches a path search that begins
+// without one, and follows long paths from singular bases.
+TEST(Crash, LeavesAProximalTermWhereJStaysSingular) {
+  constexpr Index n = 20;
+  constexpr Index m = 6;
+  Dense A(m, n);
+  for (Index k = 0; k < m; ++k)
+    for (Index i = 0; i < n; ++i) A(k, i) = static_cast<double>((i * (k + 2)) % 11);
+  const Vec c = Vec::LinSpaced(n, 1, 3);
+  const Vec b = Vec::LinSpaced(m, 5, 30);
+  Box box = Box::nonnegative(n + m);
+  box.lower.head(n).setConstant(0.1);
+  box.upper.head(n).setConstant(10);
+  const auto mcp = make_mcp(support::dense(
+      "logarithms", box,
+      [=](const Vec& z) {
+        const Vec x = z.head(n);
+        Vec F(n + m);
+        F.head(n) = c - (A.transpose() * z.tail(m)).cwiseQuotient(x);
+        F.tail(m) = A * x.array().log().matrix() - b;
+        return F;
+      },
+      [=](const Vec& z) {
+        const Vec x = z.head(n);
+        Dense J = Dense::Zero(n + m, n + m);
+        J.diagonal().head(n) = (A.transpose() * z.tail(m)).cwiseQuotient(x.cwiseProduct(x));
+        J.topRightCorner(n, m) = -(x.cwiseInverse().asDiagonal() * A.transpose());
+        J.bottomLeftCorner(m, n) = A * x.cwiseInverse().asDiagonal();
+        return J;
+      }));
+  Index pivots = 0;  // 129 where the terms came last
+  for (const double start : {0.5, 1.0}) {
+    Vec z0 = Vec::Zero(n + m);
+    z0.head(n).setConstant(start);
+    const Result result = expect_solved(*mcp, z0, PathSearch{});
+    EXPECT_GE(result.stats.proximal_steps, 3) << start;
+    pivots += result.stats.pivots;
+  }
+  EXPECT_LE(pivots, 80);
+}
+
 // The steps of a crash fall under the run's limits. Catches a crash that goes on after ^C.
 TEST(Crash, ObeysTheObserver) {
   const auto mcp = make_mcp(support::obstacle(16));
