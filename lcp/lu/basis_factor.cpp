@@ -105,7 +105,8 @@ struct BasisFactor::Impl {
       : A(&matrix),
         options(o),
         deadline(until),
-        lu(o.lu, until),
+        own{SparseLu(o.lu, until)},
+        shared(o.shared ? o.shared : &own),
         rhs(matrix.rows()),
         b_(matrix.rows()),
         given_(matrix.rows()),
@@ -114,7 +115,8 @@ struct BasisFactor::Impl {
   const SpMat* A;
   BasisOptions options;
   Deadline deadline;
-  SparseLu lu;
+  SharedLu own;
+  SharedLu* shared;
   LuStatus status = LuStatus::Singular;
   std::vector<Index> basis;
   int factorizations = 0;
@@ -236,10 +238,11 @@ LuStatus BasisFactor::Impl::factor(std::span<const Index> columns) {
   S.finalize();
   C.finalize();
   has_S_rows = false;
-  status = lu.factor(C);
+  shared->user = this;
+  status = shared->lu.factor(C);
   if (status != LuStatus::Ok) return status;
   LuFactors factors;
-  sparse_solves = order > 0 && lu.factors(factors);
+  sparse_solves = order > 0 && shared->lu.factors(factors);
   factor_entries = sparse_solves ? factors.nonzeros() : 4 * C.nonZeros();
   if (sparse_solves) solver = LuSolver(std::move(factors));
   block_b = SparseVector(order);
@@ -283,11 +286,12 @@ void BasisFactor::Impl::solve_block(bool transposed) const {
       solver.solve(block_b, block_x);
     return;
   }
+  if (std::exchange(shared->user, this) != this) (void)shared->lu.try_factor(C);
   block_.resize(block_b.size());
   if (transposed)
-    lu.solve_transposed(block_b.values(), block_);
+    shared->lu.solve_transposed(block_b.values(), block_);
   else
-    lu.solve(block_b.values(), block_);
+    shared->lu.solve(block_b.values(), block_);
   block_x.assign(block_);
 }
 

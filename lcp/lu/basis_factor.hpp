@@ -34,6 +34,7 @@ struct BasisOptions {
   double singular_tol = 1e-13;  ///< replace(): Singular if |pivot| < this x the largest entry of its column
   /// factor_repaired(): a column is dependent if its pivot is below this x its largest entry on the way.
   double dependent_tol = 1e-11;
+  SharedLu* shared = nullptr;  ///< with other bases, which outlives them; null: an own factorization
 };
 
 class BasisFactor {

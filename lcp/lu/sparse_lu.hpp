@@ -69,4 +69,11 @@ class SparseLu {
   std::unique_ptr<Impl> impl_;
 };
 
+/// A factorization that several use in turn, for its analysis: matrices of one pattern are analysed once. Not for two
+/// threads at once.
+struct SharedLu {
+  SparseLu lu;
+  const void* user = nullptr;  ///< whose matrix `lu` has the factors of
+};
+
 }  // namespace perp::lcp

@@ -89,12 +89,14 @@ NewtonPoints::NewtonPoints(Run& run, const PathSearch& method)
     : run_(run),
       method_(method),
       options_(method.lemke),
+      lu_{lcp::SparseLu(method.lemke.basis.lu, run.deadline())},
       left_(method.cumulative_iteration_limit - run.stats().pivots) {
   const Index n = run.box().size();
   options_.interrupted = [&run] { return run.interrupted(); };
   options_.deadline = run.deadline();
   options_.max_pivots = std::min(options_.max_pivots, worthwhile_pivots(n));
   if (method.proximal_adaptive) options_.patience = std::min(options_.patience, patience_on_paths(run.mcp()));
+  options_.basis.shared = &lu_;
   options_.keep_basis = method.chord_steps > 0;
   options_.path_limit =
       static_cast<std::size_t>(std::clamp<Index>(kink_memory / std::max<Index>(n, 1), 16, most_kinks));

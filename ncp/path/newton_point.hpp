@@ -47,6 +47,8 @@ struct NewtonPoint {
 class NewtonPoints {
  public:
   NewtonPoints(Run& run, const PathSearch& method);
+  NewtonPoints(const NewtonPoints&) = delete;
+  NewtonPoints& operator=(const NewtonPoints&) = delete;
 
   /// Of the problem linearised at `point` with this lambda, from x (and its cells, if they are known); from rays with
   /// several covering vectors if it is the first one or the path from x does not get anywhere.
@@ -61,6 +63,7 @@ class NewtonPoints {
   Run& run_;
   const PathSearch& method_;
   lcp::LemkeOptions options_;
+  lcp::SharedLu lu_;  ///< of all paths: their bases have few patterns
   int pivots_ = 0;
   int left_;
   bool first_ = true;

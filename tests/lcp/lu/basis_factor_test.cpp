@@ -430,5 +430,25 @@ TEST_P(Basis, MovesWithItsFactors) {
   EXPECT_EQ(moved.updates(), 1);
 }
 
+// Bases that take turns with one factorization: each still solves with its own matrix, and a pattern is analysed once.
+// Catches a basis that solves with the factors of another one.
+TEST_P(Basis, TakesTurnsWithOthers) {
+  Random random(9);
+  const SpMat A = wide(60, random);
+  const SpMat B = 2 * A;
+  BasisOptions shared = options();
+  SharedLu one{SparseLu(shared.lu)};
+  shared.shared = &one;
+  BasisFactor first(A, shared);
+  BasisFactor second(B, shared);
+  ASSERT_EQ(first.factor(first_columns(60)), LuStatus::Ok);
+  ASSERT_EQ(second.factor(first_columns(60)), LuStatus::Ok);
+  EXPECT_EQ(one.lu.analyses(), 1);
+  for (int k = 0; k < 3; ++k) {
+    expect_represents(first, A, random, 1e-9);
+    expect_represents(second, B, random, 1e-9);
+  }
+}
+
 }  // namespace
 }  // namespace perp::lcp
