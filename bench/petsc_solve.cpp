@@ -21,6 +21,7 @@ struct Context {
   ncp::SpMat J;
   Rows zeros{};  ///< of the diagonal where J's pattern lacks some of it: methods add to it, and ILU wants to see it
   Rows rows{};   ///< J with a full diagonal, as PETSc stores it
+  ncp::Vec q{};  ///< F(0) of a gradient
   Clock::time_point deadline{};
   bool late = false;
 };
@@ -85,6 +86,19 @@ PetscErrorCode snes_function(SNES, Vec x, Vec F, void* data) { return evaluate(c
 PetscErrorCode snes_jacobian(SNES, Vec x, Mat J, Mat, void* data) { return fill(context(data), x, J); }
 PetscErrorCode tao_function(Tao, Vec x, Vec F, void* data) { return evaluate(context(data), x, F); }
 PetscErrorCode tao_jacobian(Tao, Vec x, Mat J, Mat, void* data) { return fill(context(data), x, J); }
+
+/// x'(F(x) + F(0)) / 2 and its gradient F(x); the Hessian is constant.
+PetscErrorCode tao_objective(Tao, Vec x, PetscReal* value, Vec F, void* data) {
+  Context& c = context(data);
+  evaluate(c, x, F);
+  return with(x, [&](const auto& point) {
+    return with(F, [&](const auto& gradient) {
+      *value = 0.5 * point.dot(gradient + c.q);
+      return PetscErrorCode{0};
+    });
+  });
+}
+PetscErrorCode tao_hessian(Tao, Vec, Mat, Mat, void*) { return 0; }
 
 PetscErrorCode snes_test(SNES snes, PetscInt it, PetscReal xnorm, PetscReal step, PetscReal norm,
                          SNESConvergedReason* reason, void* data) {
@@ -172,8 +186,13 @@ PetscAnswer solve_tao(Context& c, const Data& d) {
   Tao tao = nullptr;
   TaoCreate(PETSC_COMM_SELF, &tao);
   TaoSetSolution(tao, d.x);
-  TaoSetConstraintsRoutine(tao, d.F, tao_function, &c);
-  TaoSetJacobianRoutine(tao, d.J, d.J, tao_jacobian, &c);
+  if (c.task.gradient) {
+    TaoSetObjectiveAndGradient(tao, nullptr, tao_objective, &c);
+    TaoSetHessian(tao, d.J, d.J, tao_hessian, &c);
+  } else {
+    TaoSetConstraintsRoutine(tao, d.F, tao_function, &c);
+    TaoSetJacobianRoutine(tao, d.J, d.J, tao_jacobian, &c);
+  }
   TaoSetVariableBounds(tao, d.lower, d.upper);
   TaoSetTolerances(tao, c.task.natural ? 0 : c.task.tol, 0, 0);
   TaoSetConstraintTolerances(tao, c.task.natural ? 0 : c.task.tol, 0);
@@ -243,6 +262,12 @@ PetscAnswer petsc_solve(const ncp::Mcp& mcp, ncp::In x0, const PetscTask& task) 
   const auto n = static_cast<PetscInt>(mcp.size());
   MatCreateSeqAIJWithArrays(PETSC_COMM_SELF, n, n, stored.outerIndexPtr(), stored.innerIndexPtr(), stored.valuePtr(),
                             &d.J);
+  if (task.gradient) {
+    c.q = ncp::Vec::Zero(mcp.size());
+    mcp.eval(ncp::Vec(c.q), c.q);
+    MatSetOption(d.J, MAT_SYMMETRIC, PETSC_TRUE);
+    MatSetOption(d.J, MAT_SPD, PETSC_TRUE);
+  }
   const auto begin = Clock::now();
   c.deadline = begin + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(task.seconds));
   PetscAnswer answer = task.tao ? solve_tao(c, d) : solve_snes(c, d);

@@ -1,5 +1,5 @@
 #pragma once
-/// PETSc's methods for complementarity problems, SNESVI and TAO: what petsc_peer and bench_pde share.
+/// PETSc's methods for complementarity problems, SNESVI and TAO: what petsc_peer, bench_pde and bench_obstacle share.
 #include "bench/peers/peer.hpp"
 #include "ncp/problem/mcp.hpp"
 
@@ -9,6 +9,8 @@ namespace perp::bench {
 struct PetscTask {
   bool tao = false;     ///< TAO, else SNESVI
   bool natural = true;  ///< until the natural residual is at most tol, else by PETSc's own tests with tol
+  /// F is affine with a symmetric positive definite matrix: TAO minimises the quadratic function whose gradient F is.
+  bool gradient = false;
   double tol = 1e-8;
   int iterations = 500;  ///< at most so many
   double seconds = 1e8;  ///< looked at once an iteration
