@@ -11,12 +11,8 @@
 
 namespace perp::bench {
 
-namespace {
-
 using ncp::Index;
 using ncp::Vec;
-
-}  // namespace
 
 std::vector<Case> collection_cases(std::string_view only) {
   std::vector<Case> cases;
