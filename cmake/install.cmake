@@ -40,6 +40,7 @@ set(perp_public_headers
   lcp/io/output_file.hpp
   lcp/io/siconos_file.hpp
   ncp/problem/affine.hpp
+  ncp/problem/autodiff.hpp
   ncp/ampl/model.hpp
   ncp/collection/collection.hpp
   ncp/collection/scalable/generators.hpp

@@ -227,6 +227,10 @@ void print_final_summary(std::ostream& out, const Report& report) {
                                            {"rank-deficient start bases", stats.rank_deficient, true},
                                            {"steps with proximal term", stats.proximal_steps, true}})
     if (path || !paths) line(out, what, fmt::format("{}", count));
+  if (stats.J_colours > 0) {
+    line(out, "groups of columns of J", fmt::format("{}", stats.J_colours));
+    line(out, "evaluations of F for J", fmt::format("{}", stats.J_F_evals));
+  }
   if (path) line(out, "time in linear problems", seconds_text(stats.linear_time.count()));
   line(out, "time in all", seconds_text(stats.time.count()));
 }

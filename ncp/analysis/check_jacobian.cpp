@@ -120,13 +120,17 @@ std::string describe(const Mcp& mcp, const JacobianCheck& check, double tol) {
   if (!check.defined) return "F or its Jacobian is not defined at the point of the derivative check";
   if (check.worst <= tol) return "";
   text.precision(8);
-  text << "the Jacobian does not match F: the derivative of equation " << mcp.equation_name(check.row)
-       << " with respect to variable " << mcp.variable_name(check.col) << " is ";
+  const bool differences = mcp.jacobian_work().by == JacobianWork::By::Differences;
+  text << (differences ? "the Jacobian, taken by differences, does not match F: the derivative"
+                       : "the Jacobian does not match F: the derivative")
+       << " of equation " << mcp.equation_name(check.row) << " with respect to variable "
+       << mcp.variable_name(check.col) << " is ";
   if (check.outside_pattern)
     text << "missing from the pattern";
   else
-    text << "given as " << check.given;
+    text << (differences ? "found as " : "given as ") << check.given;
   text << ", differences of F say " << check.difference;
+  if (differences && !check.outside_pattern) text << "; see whether F is noisy or steps over a kink, or give J";
   return text.str();
 }
 

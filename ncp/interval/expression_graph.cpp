@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <ranges>
 #include <stdexcept>
 #include <utility>
 
@@ -281,8 +282,7 @@ ExpressionGraph::Ranges ExpressionGraph::ranges(std::span<const Interval> X) con
   return ranges;
 }
 
-void ExpressionGraph::add_derivatives(Node root, const Ranges& ranges, std::span<Interval> derivatives,
-                                      std::vector<char>& visited) const {
+std::vector<ExpressionGraph::Node> ExpressionGraph::below(Node root, std::vector<char>& visited) const {
   std::vector<Node> below{root};
   visited[static_cast<std::size_t>(root)] = 1;
   const auto visit = [&](Node node) {
@@ -294,14 +294,54 @@ void ExpressionGraph::add_derivatives(Node root, const Ranges& ranges, std::span
     visit(entry.a);
     if (is_binary(entry.operation)) visit(entry.b);
   }
-  std::ranges::sort(below, std::greater{});  // a node after all that it is an operand of
-  std::vector<Interval> adjoint(below.size());
+  std::ranges::sort(below, std::greater{});
+  return below;
+}
+
+std::vector<ExpressionGraph::Mention> ExpressionGraph::mentions(Node root, std::vector<char>& visited) const {
+  constexpr char constant = 1, linear = 2, nonlinear = 4;  // flags: what the node is, and how the root depends on it
+  const std::vector<Node> nodes = below(root, visited);
+  const auto flags = [&](Node node) -> char& { return visited[static_cast<std::size_t>(node)]; };
+  const auto is_constant = [&](Node node) { return (flags(node) & constant) != 0; };
+  for (const Node node : nodes | std::views::reverse) {
+    const Entry& entry = nodes_[static_cast<std::size_t>(node)];
+    const bool leaf = entry.operation >= Operation::Constant;
+    const bool same = leaf ? entry.operation == Operation::Constant
+                           : is_constant(entry.a) && (!is_binary(entry.operation) || is_constant(entry.b));
+    flags(node) = same ? constant : 0;
+  }
+  flags(root) = static_cast<char>(flags(root) | linear);
+  std::vector<Mention> mentions;
+  for (const Node node : nodes) {
+    const Entry& entry = nodes_[static_cast<std::size_t>(node)];
+    const char how = static_cast<char>(std::exchange(flags(node), 0) & (linear | nonlinear));
+    if (entry.operation == Operation::Variable) mentions.push_back({.variable = entry.a, .linear = how == linear});
+    if (entry.operation >= Operation::Constant) continue;
+    const bool binary = is_binary(entry.operation);
+    const bool keeps = entry.operation == Operation::Add || entry.operation == Operation::Subtract ||
+                       entry.operation == Operation::Negate ||
+                       (entry.operation == Operation::Multiply && (is_constant(entry.a) || is_constant(entry.b))) ||
+                       (entry.operation == Operation::Divide && is_constant(entry.b));
+    for (const Node operand : {entry.a, binary ? entry.b : entry.a})
+      flags(operand) = static_cast<char>(flags(operand) | (keeps ? how : nonlinear));
+  }
+  // A variable may have several nodes.
+  std::ranges::sort(mentions, {}, [](const Mention& m) { return std::pair(m.variable, m.linear); });
+  const auto repeated = std::ranges::unique(mentions, {}, &Mention::variable);  // the first one: not linear if any is
+  mentions.erase(repeated.begin(), repeated.end());
+  return mentions;
+}
+
+void ExpressionGraph::add_derivatives(Node root, const Ranges& ranges, std::span<Interval> derivatives,
+                                      std::vector<char>& visited) const {
+  const std::vector<Node> nodes = below(root, visited);
+  std::vector<Interval> adjoint(nodes.size());
   const auto place = [&](Node node) {
-    return static_cast<std::size_t>(std::ranges::lower_bound(below, node, std::greater{}) - below.begin());
+    return static_cast<std::size_t>(std::ranges::lower_bound(nodes, node, std::greater{}) - nodes.begin());
   };
   adjoint.front() = 1;
-  for (std::size_t k = 0; k < below.size(); ++k) {
-    const auto node = static_cast<std::size_t>(below[k]);
+  for (std::size_t k = 0; k < nodes.size(); ++k) {
+    const auto node = static_cast<std::size_t>(nodes[k]);
     visited[node] = 0;
     const Entry& entry = nodes_[node];
     if (entry.operation == Operation::Variable) derivatives[static_cast<std::size_t>(entry.a)] += adjoint[k];

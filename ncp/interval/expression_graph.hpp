@@ -59,6 +59,15 @@ class ExpressionGraph {
 
   std::size_t size() const { return nodes_.size(); }
 
+  /// A variable that a node's expression has.
+  struct Mention {
+    int variable = 0;
+    bool linear = false;  ///< the node is c x_j + terms without x_j, with one number c
+  };
+  /// Of the root, by ascending variables. A variable that cancels is mentioned, too. `visited`: one 0 a node, which it
+  /// is again afterwards. Pre: nothing below is unknown.
+  std::vector<Mention> mentions(Node root, std::vector<char>& visited) const;
+
   /// The range of every node over the box X, one interval a variable; or a larger one. Empty: defined nowhere there.
   struct Ranges {
     std::vector<Interval> values;
@@ -80,6 +89,8 @@ class ExpressionGraph {
     double value = 0;     ///< of a constant
   };
   Node add(Entry entry);
+  /// The root and all that it depends on, from the root down: a node after all that it is an operand of.
+  std::vector<Node> below(Node root, std::vector<char>& visited) const;
   Interval value(const Entry& entry, std::span<const Interval> values, std::span<const Interval> X) const;
   bool smooth(const Entry& entry, const Ranges& ranges) const;
 

@@ -1,6 +1,7 @@
 #include "ncp/problem/mcp.hpp"
 
 #include <cmath>
+#include <optional>
 #include <sstream>
 #include <stdexcept>
 #include <utility>
@@ -10,11 +11,25 @@ namespace {
 
 class FunctionMcp final : public Mcp {
  public:
-  explicit FunctionMcp(Functions f) : f_(std::move(f)) {}
+  explicit FunctionMcp(Functions f) : f_(std::move(f)) {
+    if (!f_.J) differences_.emplace(f_.pattern, f_.differences);
+  }
+  FunctionMcp(const FunctionMcp&) = delete;
+  FunctionMcp& operator=(const FunctionMcp&) = delete;
   const Box& box() const override { return f_.box; }
   const SpMat& jacobian_pattern() const override { return f_.pattern; }
-  bool eval(In x, Out F) const override { return f_.F(x, F); }
-  bool jacobian(In x, SpMat& J) const override { return f_.J(x, J); }
+  bool eval(In x, Out F) const override {
+    const bool defined = f_.F(x, F);
+    if (defined && differences_) differences_->keep(x, F);
+    return defined;
+  }
+  bool jacobian(In x, SpMat& J) const override {
+    return differences_ ? differences_->jacobian(f_.F, f_.box, x, J.valuePtr()) : f_.J(x, J);
+  }
+  JacobianWork jacobian_work() const override {
+    if (!differences_) return {};
+    return {JacobianWork::By::Differences, differences_->colours(), differences_->F_evals()};
+  }
   bool is_affine() const override { return f_.affine; }
   std::vector<bool> linear_entries() const override { return f_.affine ? Mcp::linear_entries() : f_.linear_entries; }
   std::string name() const override { return f_.name; }
@@ -27,6 +42,7 @@ class FunctionMcp final : public Mcp {
 
  private:
   Functions f_;
+  mutable std::optional<ColouredDifferences> differences_{};
 };
 
 template <class... Parts>
@@ -51,7 +67,9 @@ std::unique_ptr<Mcp> make_mcp(Functions functions) {
   const Index n = functions.box.lower.size();
   const std::string& name = functions.name;
   if (!functions.F) refuse(name, ": no function F is given");
-  if (!functions.J) refuse(name, ": no Jacobian J is given");
+  if (!functions.J && (functions.affine || !functions.linear_entries.empty()))
+    refuse(name, ": no Jacobian J is given, and differences cannot keep the promise that entries are constant");
+  if (!functions.J && functions.pattern.size() == 0) functions.pattern = dense_pattern(n);
   if (functions.box.upper.size() != n)
     refuse(name, ": ", n, " lower bounds and ", functions.box.upper.size(), " upper bounds");
   if (functions.pattern.rows() != n || functions.pattern.cols() != n)

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "lcp/box.hpp"
+#include "ncp/problem/differences.hpp"
 
 namespace perp::ncp {
 
@@ -24,6 +25,14 @@ using lcp::SpMat;
 using lcp::Vec;
 
 class Enclosure;
+
+/// How J is computed, and at which cost.
+struct JacobianWork {
+  enum class By { Function, Differences, DualNumbers };
+  By by = By::Function;  ///< of the problem's own
+  Index colours = 0;     ///< groups of columns that share no row (ncp/problem/colouring.hpp)
+  long F_evals = 0;      ///< for J, since the problem was made: at points beside x, or on dual numbers
+};
 
 /// A problem. One object may be used by one thread at a time; different objects by different threads.
 class Mcp {
@@ -52,6 +61,9 @@ class Mcp {
   /// problem has none.
   virtual const Enclosure* enclosure() const { return nullptr; }
 
+  /// Tells who computes J.
+  virtual JacobianWork jacobian_work() const { return {}; }
+
   virtual std::string name() const { return "mcp"; }
   /// Return names for messages: "x[1]" and "F[1]", counted from 1, unless the problem has names of its own.
   virtual std::string variable_name(Index i) const;
@@ -64,15 +76,17 @@ class Mcp {
 struct Functions {
   std::string name = "mcp";
   Box box;
-  SpMat pattern;                              ///< n x n; every entry that can be nonzero
+  SpMat pattern{};                            ///< n x n; every entry that can be nonzero. None, without J: all
   std::function<bool(In x, Out F)> F;         ///< as Mcp::eval
-  std::function<bool(In x, SpMat& J)> J;      ///< as Mcp::jacobian
+  std::function<bool(In x, SpMat& J)> J{};    ///< as Mcp::jacobian; none: by differences of F
   std::vector<std::string> variable_names{};  ///< empty, or n names
   std::vector<std::string> equation_names{};  ///< empty, or n names
   bool affine = false;                        ///< as Mcp::is_affine
   std::vector<bool> linear_entries{};         ///< as Mcp::linear_entries: empty, or one flag a nonzero of the pattern
+  DifferenceFormula differences{};            ///< without J: one evaluation of F a colour of the pattern, or two
 };
-/// Throws std::invalid_argument if a function is missing or the sizes of box, pattern, names and flags differ.
+/// Throws std::invalid_argument if F is missing, the sizes of box, pattern, names and flags differ, or J is missing
+/// where entries are promised to be constant: differences are not exact.
 std::unique_ptr<Mcp> make_mcp(Functions functions);
 
 /// Returns the full n x n pattern, for small dense problems.

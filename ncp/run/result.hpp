@@ -24,6 +24,8 @@ struct Stats {
   int crash_iterations = 0;  ///< PathSearch: projected Newton steps, which are no major iterations
   int F_evals = 0;
   int J_evals = 0;
+  int J_colours = 0;  ///< groups of columns of J that share no row; 0: J is the problem's own
+  int J_F_evals = 0;  ///< of F for J, not among F_evals: by differences, or on dual numbers
   int factorizations = 0;
   int krylov_iterations = 0;  ///< of inexactly solved systems
   int pivots = 0;             ///< minor iterations
@@ -49,6 +51,8 @@ void each(const Stats& stats, Visit visit) {
   visit("crash_iterations", stats.crash_iterations);
   visit("F_evals", stats.F_evals);
   visit("J_evals", stats.J_evals);
+  visit("J_colours", stats.J_colours);
+  visit("J_F_evals", stats.J_F_evals);
   visit("factorizations", stats.factorizations);
   visit("krylov_iterations", stats.krylov_iterations);
   visit("pivots", stats.pivots);

@@ -188,11 +188,14 @@ Result solve(const Mcp& mcp, In x0, const Method& method, const Observer& observ
     if (const JacobianCheck check = check_jacobian(mcp, lcp::project(mcp.box(), x0)); check.defined)
       if (const std::string mismatch = describe(mcp, check); !mismatch.empty())
         refuse_input(mcp.name(), ": ", mismatch);
+  const JacobianWork before = mcp.jacobian_work();
   Run run(mcp, stop(method), observer);
   run.guard([&] {
     if (!refuted(run, x0)) run_method(run, x0, method);
   });
   Result result = run.result(x0);
+  result.stats.J_colours = static_cast<int>(before.colours);
+  result.stats.J_F_evals = static_cast<int>(mcp.jacobian_work().F_evals - before.F_evals);
   result.message += words_on_best(mcp, result);
   try {
     if (result.status != Status::OutOfMemory) comment(mcp, method, result);

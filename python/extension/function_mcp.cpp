@@ -101,13 +101,20 @@ void FunctionMcp::call_jac(ncp::In x, double* value) const {
 }
 
 bool FunctionMcp::eval(ncp::In x, ncp::Out F) const {
-  return guarded([&] { call_F(x, F.data()); });
+  const bool defined = guarded([&] { call_F(x, F.data()); });
+  if (defined && differences_) differences_->keep(x, F);
+  return defined;
 }
 
 bool FunctionMcp::jacobian(ncp::In x, SpMat& J) const {
   if (!differences_) return guarded([&] { call_jac(x, J.valuePtr()); });
-  const auto F = [this](ncp::In z, Vec& value) { return eval(z, value); };
+  const auto F = [this](ncp::In z, ncp::Out value) { return guarded([&] { call_F(z, value.data()); }); };
   return differences_->jacobian(F, box_, x, J.valuePtr());
+}
+
+ncp::JacobianWork FunctionMcp::jacobian_work() const {
+  if (!differences_) return {};
+  return {ncp::JacobianWork::By::Differences, differences_->colours(), differences_->F_evals()};
 }
 
 }  // namespace perp::python

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "extension/differences.hpp"
 #include "extension/jacobian.hpp"
+#include "ncp/problem/differences.hpp"
 #include "ncp/problem/mcp.hpp"
 
 namespace perp::python {
@@ -33,6 +33,7 @@ class FunctionMcp final : public ncp::Mcp {
   const SpMat& jacobian_pattern() const override { return pattern_; }
   bool eval(ncp::In x, ncp::Out F) const override;
   bool jacobian(ncp::In x, SpMat& J) const override;
+  ncp::JacobianWork jacobian_work() const override;
   std::string name() const override { return parts_.name; }
   std::string variable_name(Index i) const override;
   std::string equation_name(Index i) const override;
@@ -45,7 +46,7 @@ class FunctionMcp final : public ncp::Mcp {
   std::exception_ptr failure() const { return failure_; }
   long F_calls() const { return F_calls_; }
   long J_calls() const { return J_calls_; }
-  Index groups() const { return differences_ ? differences_->groups() : 0; }
+  Index groups() const { return differences_ ? differences_->colours() : 0; }
 
  private:
   template <class Call>
@@ -57,7 +58,7 @@ class FunctionMcp final : public ncp::Mcp {
   lcp::Box box_;
   SpMat pattern_;
   mutable std::optional<JacobianReader> reader_{};
-  std::optional<Differences> differences_{};
+  mutable std::optional<ncp::ColouredDifferences> differences_{};
   // jac at the start, which told the pattern, so that it is not called there twice.
   mutable Vec first_x_{};
   mutable py::object first_J_{};

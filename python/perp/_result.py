@@ -94,7 +94,7 @@ class Result:
     basis: npt.NDArray[np.int8] | None
     """Shape (n,): 0 at the lower bound, 1 between, 2 at the upper bound, 3 fixed; for `basis` of a nearby problem."""
     stats: dict[str, float]
-    """iterations, F_evals, J_evals, pivots, time_s, ...; F_calls counts those for differences, too."""
+    """iterations, F_evals, J_evals, J_F_evals (for differences), pivots, time_s, ...; F_calls counts them all."""
     _rows: npt.NDArray[np.void] | None
     verified: Verified | None = None
     """With the option verify: the proof that a solution is near, or why there is none."""

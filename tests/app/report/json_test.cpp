@@ -124,12 +124,14 @@ TEST(Json, StatsAreComplete) {
            .time = std::chrono::duration<double>(17)};
   stats.presolved = 18;
   stats.krylov_iterations = 19;
+  stats.J_colours = 20;
+  stats.J_F_evals = 21;
   const Json written = parse_json(solve_json(report))["stats"];
-  const std::vector<const char*> keys{"iterations",     "crash_iterations", "F_evals",          "J_evals",
-                                      "factorizations", "pivots",           "restarts",         "gradient_steps",
-                                      "watchdogs",      "unchecked_steps",  "chord_steps",      "backtracks",
-                                      "ray_starts",     "rank_deficient",   "proximal_steps",   "linear_time_s",
-                                      "time_s",         "presolved",        "krylov_iterations"};
+  const std::vector<const char*> keys{
+      "iterations",        "crash_iterations", "F_evals",        "J_evals",         "factorizations", "pivots",
+      "restarts",          "gradient_steps",   "watchdogs",      "unchecked_steps", "chord_steps",    "backtracks",
+      "ray_starts",        "rank_deficient",   "proximal_steps", "linear_time_s",   "time_s",         "presolved",
+      "krylov_iterations", "J_colours",        "J_F_evals"};
   EXPECT_EQ(written.size(), keys.size());
   for (std::size_t k = 0; k < keys.size(); ++k) EXPECT_EQ(written.at(keys[k]), static_cast<int>(k + 1)) << keys[k];
 }

@@ -61,8 +61,16 @@ TEST(MakeMcp, RefusesPartsThatDoNotFit) {
   };
   EXPECT_THAT(refusal([](Functions& f) { f.F = nullptr; }),
               ThrowsMessage<std::invalid_argument>(AllOf(HasSubstr("market"), HasSubstr("no function F"))));
-  EXPECT_THAT(refusal([](Functions& f) { f.J = nullptr; }),
+  EXPECT_THAT(refusal([](Functions& f) {
+                f.J = nullptr;
+                f.affine = true;
+              }),
               ThrowsMessage<std::invalid_argument>(HasSubstr("no Jacobian J")));
+  EXPECT_THAT(refusal([](Functions& f) {
+                f.J = nullptr;
+                f.differences.noise = 0;
+              }),
+              ThrowsMessage<std::invalid_argument>(HasSubstr("noise")));
   EXPECT_THAT(refusal([](Functions& f) { f.box.upper = Vec::Zero(3); }),
               ThrowsMessage<std::invalid_argument>(HasSubstr("4 lower bounds and 3 upper bounds")));
   EXPECT_THAT(refusal([](Functions& f) { f.pattern = SpMat(4, 3); }),

@@ -8,17 +8,8 @@ bool F(In x, Out F) {
   return true;
 }
 
-bool J(In x, SpMat& J) {
-  J.coeffRef(0, 0) = 2 * x[0];
-  J.coeffRef(0, 1) = 1;
-  J.coeffRef(1, 0) = 1;
-  J.coeffRef(1, 1) = -1;
-  return true;
-}
-
 int main() {  // 0 <= x _|_ F(x) >= 0
-  const auto mcp =
-      make_mcp({.name = "example", .box = Box::nonnegative(2), .pattern = dense_pattern(2), .F = F, .J = J});
+  const auto mcp = make_mcp({.name = "example", .box = Box::nonnegative(2), .F = F});
   const Result result = solve(*mcp, Vec::Ones(2), NewtonJosephy{});
   std::cout << result << "\nx = " << result.x.transpose() << '\n';
   return result.solved() ? 0 : 1;
