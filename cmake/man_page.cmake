@@ -1,4 +1,4 @@
-# The man page with the program's own lists of methods, options and flags:
+# The man page with the program's own lists of methods, options and flags, and beside it, in man1, one page a command:
 #   cmake -DPERP=PROGRAM -DSOURCE=perp.1 -DRESULT=FILE -P man_page.cmake
 cmake_policy(VERSION 3.25)
 
@@ -45,3 +45,42 @@ foreach(place IN LISTS places)
 endforeach()
 file(WRITE ${RESULT}.in "${page}")
 configure_file(${RESULT}.in ${RESULT} @ONLY)
+
+# between(BEGIN END RESULT): the text of the page from BEGIN, which is left out, to the END after it.
+function(between begin end result)
+  string(LENGTH "${begin}" length)
+  string(FIND "${page}" "${begin}" at)
+  math(EXPR at "${at} + ${length}")
+  string(SUBSTRING "${page}" ${at} -1 text)
+  string(FIND "${text}" "${end}" at)
+  string(SUBSTRING "${text}" 0 ${at} text)
+  set(${result} "${text}" PARENT_SCOPE)
+endfunction()
+
+# perp-solve(1) is the section "perp solve" of perp(1), with the line of its synopsis.
+cmake_path(GET RESULT PARENT_PATH folder)
+file(READ ${RESULT} page)
+string(REGEX MATCH "\n?[.]Dd [^\n]*\n" date "${page}")
+string(REGEX MATCHALL "\n[.]Ss perp [a-z][a-z ]*\n" sections "${page}")
+foreach(section IN LISTS sections)
+  string(REGEX REPLACE "\n[.]Ss perp ([a-z ]+)\n" "\\1" command "${section}")
+  separate_arguments(words UNIX_COMMAND "${command} --help")
+  execute_process(COMMAND ${PERP} ${words} OUTPUT_VARIABLE help COMMAND_ERROR_IS_FATAL ANY)
+  string(REGEX MATCH "^[^\n]*" what "${help}")
+  between(".Cm ${command}\n" ".Nm perp\n" synopsis)
+  between("${section}" "\n.Ss " text)  # that of AMPL is the last
+  string(REGEX REPLACE "(^|\n)[.]Nm *\n" "\\1.Nm perp\n" text "${text}")
+  string(REPLACE ".Sx OPTIONS" ".Xr perp 1" text "${text}")
+  string(REPLACE " " "-" name "perp ${command}")
+  string(TOUPPER ${name} title)
+  file(WRITE ${folder}/man1/${name}.1 "${date}.Dt ${title} 1\n.Os\n.Sh NAME\n.Nm ${name}\n.Nd ${what}\n"
+    ".Sh SYNOPSIS\n.Nm perp\n.Cm ${command}\n${synopsis}.Sh DESCRIPTION\n${text}\n"
+    ".Sh SEE ALSO\n.Xr perp 1\nhas the keys of the options, the environment and the exit status.\n")
+endforeach()
+file(WRITE ${folder}/man1/pathampl.1 ".so man1/perp.1\n")
+file(COPY ${RESULT} DESTINATION ${folder}/man1)
+find_program(GZIP gzip)
+if(GZIP)  # as Debian asks for; man reads both
+  file(GLOB pages ${folder}/man1/*.1)
+  execute_process(COMMAND ${GZIP} -9nf ${pages} COMMAND_ERROR_IS_FATAL ANY)
+endif()
