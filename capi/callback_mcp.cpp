@@ -30,7 +30,19 @@ std::string exception_text() {
 
 }  // namespace
 
+CallbackMcp::CallbackMcp(lcp::Box box, Matrix pattern, perp_F F, perp_J J, void* user)
+    : box_(std::move(box)), pattern_(std::move(pattern)), F_(F), J_(J), user_(user) {
+  if (J_ == nullptr) differences_.emplace(pattern_.entries);
+}
+
+ncp::JacobianWork CallbackMcp::jacobian_work() const {
+  if (!differences_) return {};
+  return {ncp::JacobianWork::By::Differences, differences_->colours(), differences_->F_evals()};
+}
+
 void CallbackMcp::set_linear(const std::int8_t* linear) {
+  if (linear != nullptr && differences_)
+    refuse("linear", "J of the problem is NULL, and differences cannot keep the promise that entries are constant");
   linear_.clear();
   affine_ = false;
   if (linear == nullptr) return;
@@ -99,14 +111,22 @@ bool CallbackMcp::called(const char* name, int evaluation, double* values, Index
   return false;
 }
 
-bool CallbackMcp::eval(ncp::In x, ncp::Out F) const {
+bool CallbackMcp::call_F(ncp::In x, ncp::Out F) const {
   if (ended()) return false;
   return called("F", ++F_evals_, F.data(), F.size(),
                 [&](double* values) { return F_(x.size(), x.data(), values, user_); });
 }
 
+bool CallbackMcp::eval(ncp::In x, ncp::Out F) const {
+  const bool defined = call_F(x, F);
+  if (defined && differences_) differences_->keep(x, F);
+  return defined;
+}
+
 bool CallbackMcp::jacobian(ncp::In x, SpMat& J) const {
   if (ended()) return false;
+  if (differences_)
+    return differences_->jacobian([this](ncp::In y, ncp::Out F) { return call_F(y, F); }, box_, x, J.valuePtr());
   const Index count = pattern_.entries.nonZeros();
   const auto call = [&](double* values) { return J_(x.size(), count, x.data(), values, user_); };
   ++J_evals_;

@@ -2,19 +2,21 @@
 /// A problem of the caller's functions, and what goes wrong in them.
 #include <atomic>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "capi/matrix.hpp"
 #include "capi/perp.h"
+#include "ncp/problem/differences.hpp"
 #include "ncp/problem/mcp.hpp"
 
 namespace perp::capi {
 
 class CallbackMcp final : public ncp::Mcp {
  public:
-  CallbackMcp(lcp::Box box, Matrix pattern, perp_F F, perp_J J, void* user)
-      : box_(std::move(box)), pattern_(std::move(pattern)), F_(F), J_(J), user_(user) {}
+  /// J null: by differences of F.
+  CallbackMcp(lcp::Box box, Matrix pattern, perp_F F, perp_J J, void* user);
 
   const lcp::Box& box() const override { return box_; }
   const SpMat& jacobian_pattern() const override { return pattern_.entries; }
@@ -22,8 +24,9 @@ class CallbackMcp final : public ncp::Mcp {
   bool jacobian(ncp::In x, SpMat& J) const override;
   bool is_affine() const override { return affine_; }
   std::vector<bool> linear_entries() const override { return linear_; }
+  ncp::JacobianWork jacobian_work() const override;
 
-  /// In the order of the pattern as the caller gave it; null: none.
+  /// In the order of the pattern as the caller gave it; null: none. Refused without J: differences are not exact.
   void set_linear(const std::int8_t* linear);
 
   /// From now on *stop is set where a callback asks to stop or fails, and no callback is called any more.
@@ -36,6 +39,7 @@ class CallbackMcp final : public ncp::Mcp {
  private:
   template <class Call>
   bool called(const char* name, int evaluation, double* values, Index count, Call call) const;
+  bool call_F(ncp::In x, ncp::Out F) const;
   bool ended() const { return !stopped_.empty() || !failure_.empty(); }
   void end(std::string& why, const std::string& text) const;
   std::string place(const char* name, Index k) const;
@@ -48,6 +52,7 @@ class CallbackMcp final : public ncp::Mcp {
   std::vector<bool> linear_{};
   bool affine_ = false;
 
+  mutable std::optional<ncp::ColouredDifferences> differences_{};  // where there is no J
   // Of the solve that runs.
   mutable std::atomic<bool>* stop_ = nullptr;
   mutable int F_evals_ = 0;

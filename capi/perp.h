@@ -102,7 +102,8 @@ typedef int32_t (*perp_F)(int64_t n, const double* x, double* F, void* user);
 typedef int32_t (*perp_J)(int64_t n, int64_t nonzeros, const double* x, double* value, void* user);
 
 /** The problem of functions F and J = F'. `start` and `row` are the pattern of J, n x n: every entry that can be
- * nonzero. lower NULL is 0 everywhere, upper NULL is +infinity. */
+ * nonzero. lower NULL is 0 everywhere, upper NULL is +infinity. J NULL: by differences of F, one evaluation for each
+ * group of columns that share no row (Curtis, Powell & Reid 1974); the statistics J_colours and J_F_evals count them. */
 int32_t perp_problem_create_int32(int32_t interface_, int64_t n, const double* lower, const double* upper,
                                   const int32_t* start, const int32_t* row, perp_F F, perp_J J, void* user,
                                   perp_problem** problem, perp_error* error);
@@ -143,7 +144,7 @@ int32_t perp_problem_variable_name(const perp_problem* problem, int64_t i, char*
 int32_t perp_problem_equation_name(const perp_problem* problem, int64_t i, char* name, int64_t size, perp_error* error);
 /** Which entries of J are constant, a flag for each, in the order of the pattern as given: presolve uses them. The flag
  *  of (i, j) promises that F_i(x) - J_ij x_j does not depend on x_j. If all are set F is taken as affine, and the
- *  methods for affine problems apply. NULL: none. Only for problems of functions. */
+ *  methods for affine problems apply. NULL: none. Only for problems of functions, with J. */
 int32_t perp_problem_set_linear(perp_problem* problem, const int8_t* linear, perp_error* error);
 
 /** The judge's word on x: natural = || x - mid(l, x - F(x), u) ||_inf, which is zero exactly at solutions, and the row

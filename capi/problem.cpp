@@ -22,7 +22,6 @@ std::unique_ptr<perp_problem> functions(std::int32_t interface, std::int64_t n, 
   require_interface(interface);
   check_size(n, "n");
   if (F == nullptr) refuse("F", "is NULL");
-  if (J == nullptr) refuse("J", "is NULL");
   auto callbacks = std::make_unique<CallbackMcp>(box_of(lower, upper, n),
                                                  matrix_of(square<Integer>(n, start, row, nullptr)), F, J, user);
   CallbackMcp* known = callbacks.get();

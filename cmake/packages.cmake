@@ -4,7 +4,7 @@
 #   libperp-dev  perp.h, the headers and static libraries of C++, for CMake and pkg-config
 #   libperp-path libperp_path.so, in place of PATH's library
 #   python3-perp the module for Debian's python3, where it is built
-if(NOT PROJECT_IS_TOP_LEVEL)
+if(NOT PROJECT_IS_TOP_LEVEL OR SKBUILD)
   return()
 endif()
 set(perp_packages program library development path)

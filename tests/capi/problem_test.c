@@ -59,6 +59,30 @@ static int32_t shuffled_J(int64_t n, int64_t nonzeros, const double* x, double* 
   return PERP_DEFINED;
 }
 
+/* Without J: by differences, in any order of the pattern, one evaluation of F for each of its four columns that are full
+   (Curtis, Powell & Reid 1974). Would catch an order or a count of groups that is lost. */
+static void without_J(void) {
+  const int32_t row[] = {3, 1, 2, 0, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
+  const double x0[] = {1, 1, 1, 1};
+  const int8_t linear[16] = {0};
+  double colours = 0, F_evals = 0, J_evals = 0, worst = 1;
+  perp_problem* problem = NULL;
+  perp_result* result = NULL;
+  OK(perp_problem_create_int32(PERP_INTERFACE, 4, NULL, NULL, kojima_start, row, kojima_F, NULL, NULL, &problem,
+                               &error));
+  OK(perp_problem_check_jacobian(problem, x0, &worst, NULL, NULL, &error));
+  CHECK(worst < 1e-4);
+  OK(perp_solve(NULL, problem, x0, &result, &error));
+  CHECK_SAYING(perp_result_solved(result) && kojima_solved(perp_result_x(result)), perp_result_message(result));
+  OK(perp_result_statistic(result, "J_colours", &colours, &error));
+  OK(perp_result_statistic(result, "J_F_evals", &F_evals, &error));
+  OK(perp_result_statistic(result, "J_evals", &J_evals, &error));
+  CHECK(colours == 4 && J_evals >= 1 && F_evals >= 4 * J_evals);
+  REFUSED(perp_problem_set_linear(problem, linear, &error), PERP_BAD_ARGUMENT, "linear: J of the problem is NULL");
+  perp_result_free(result);
+  perp_problem_free(problem);
+}
+
 static void rows_in_any_order(void) {
   const int64_t start[] = {0, 4, 8, 12, 16};
   const int64_t row[] = {3, 1, 2, 0, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
@@ -267,6 +291,7 @@ static void versions(void) {
 
 int main(void) {
   every_method_solves();
+  without_J();
   rows_in_any_order();
   options();
   listening_and_stopping();

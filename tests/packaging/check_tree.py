@@ -9,6 +9,7 @@ format     clang-format (the major version below, else skipped) would change not
 readme     the examples of docs/cpp.md, docs/c.md and contact/README.md are those the packaging test builds and runs
 paths      files that texts and comments name exist, seen from the root or from where they are named
 links      files and headings that texts link to exist
+licence    sources and scripts name their licence in the first lines; pyproject.toml, CITATION.cff and LICENSE name the same
 self-test  each check reports a tree that breaks its rule
 
 Prints one line a violation; exit status 1 if there is one, 77 if the check was skipped.
@@ -123,7 +124,7 @@ def crowd(root):
 
 def length(root):
     for name in sources(root):
-        lines = len((Path(root) / name).read_text(encoding="utf-8").splitlines())
+        lines = sum(LICENCE not in line for line in (Path(root) / name).read_text(encoding="utf-8").splitlines())
         if lines > LONGEST:
             yield f"{name}: {lines} lines, more than {LONGEST}"
 
@@ -153,7 +154,7 @@ EXAMPLES = {
 
 def readme(root):
     for page, source in EXAMPLES.items():
-        example = (Path(root) / source).read_text(encoding="utf-8")
+        example = (Path(root) / source).read_text(encoding="utf-8").removeprefix(f"// {LICENCE}\n")
         if f"```{source.rpartition('.')[2]}\n{example}```" not in (Path(root) / page).read_text(encoding="utf-8"):
             yield f"{page}: its example is not {source}"
 
@@ -208,6 +209,30 @@ def links(root):
                 yield f"{name}: {there} has no heading {anchor}"
 
 
+LICENCE = "SPDX-License-Identifier: Apache-2.0"
+LICENSED = (*SOURCES, ".py", ".pyi", ".cmake", ".sh", ".bash", ".js", ".css", ".map", ".yml", ".toml", ".1", ".in", "CMakeLists.txt")
+GRANTS = {  # other files that say what the licence is, and how
+    "LICENSE": "Apache License\n                           Version 2.0",
+    "NOTICE": "Apache License, Version 2.0",
+    "README.md": "Apache License 2.0",
+    "CITATION.cff": "license: Apache-2.0",
+    "pyproject.toml": "Apache-2.0",
+    "cmake/debian/copyright.in": "License: Apache-2.0",
+}
+
+
+def licence(root):
+    for name in tracked(root):
+        path = Path(root) / name
+        with path.open("rb") as file:
+            script = file.read(2) == b"#!"
+        if script or name.endswith(LICENSED) and not name.startswith("cmake/debian/"):
+            if LICENCE not in "".join(path.read_text(encoding="utf-8").splitlines(keepends=True)[:2]):
+                yield f"{name}: its first two lines have no {LICENCE}"
+        if name in GRANTS and GRANTS[name] not in path.read_text(encoding="utf-8"):
+            yield f"{name}: does not say {GRANTS[name]!r}"
+
+
 CHECKS = {
     "includes": includes,
     "floors": floors,
@@ -217,6 +242,7 @@ CHECKS = {
     "readme": readme,
     "paths": paths,
     "links": links,
+    "licence": licence,
 }
 
 
@@ -306,6 +332,12 @@ def self_test(_):
         write(folder, {f"lcp/{number}.hpp": "\n" for number in range(MOST_FILES - 2)} | {"docs/a.md": "\n"})
         if [violation.split(":")[0] for violation in crowd(folder)] != ["lcp"]:
             yield f"{list(crowd(folder))}: not the crowded folder"
+    with tempfile.TemporaryDirectory() as folder:
+        write(folder, {"a.cpp": f"// {LICENCE}\n", "b.py": f"#!/usr/bin/env python3\n# {LICENCE}\n", "c.txt": "\n"})
+        yield from (f"a good tree is refused: {violation}" for violation in licence(folder))
+        write(folder, {"d.cpp": f"\n\n// {LICENCE}\n", "scripts/e": "#!/bin/sh\n", "LICENSE": "MIT\n"})
+        if [violation.split(":")[0] for violation in licence(folder)] != ["LICENSE", "d.cpp", "scripts/e"]:
+            yield f"{list(licence(folder))}: not the two files without a licence and the one with another"
     if shutil.which("clang-format"):
         with tempfile.TemporaryDirectory() as folder:
             write(folder, {".clang-format": "BasedOnStyle: Google\n", "a.cpp": "int a ;\n", "b.cpp": "int b;\n"})
