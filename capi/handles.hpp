@@ -27,6 +27,7 @@ class NamedMcp final : public ncp::Mcp {
   bool jacobian(ncp::In x, SpMat& J) const override { return mcp_->jacobian(x, J); }
   bool is_affine() const override { return mcp_->is_affine(); }
   std::vector<bool> linear_entries() const override { return mcp_->linear_entries(); }
+  ncp::JacobianWork jacobian_work() const override { return mcp_->jacobian_work(); }
   const ncp::Enclosure* enclosure() const override { return mcp_->enclosure(); }
   std::string name() const override { return name_.empty() ? mcp_->name() : name_; }
   std::string variable_name(Index i) const override {

@@ -103,7 +103,7 @@ typedef int32_t (*perp_J)(int64_t n, int64_t nonzeros, const double* x, double* 
 
 /** The problem of functions F and J = F'. `start` and `row` are the pattern of J, n x n: every entry that can be
  * nonzero. lower NULL is 0 everywhere, upper NULL is +infinity. J NULL: by differences of F, one evaluation for each
- * group of columns that share no row (Curtis, Powell & Reid 1974); the statistics J_colours and J_F_evals count them. */
+ * group of columns that share no row (Curtis, Powell & Reid 1974); see the statistics J_colours and J_F_evals. */
 int32_t perp_problem_create_int32(int32_t interface_, int64_t n, const double* lower, const double* upper,
                                   const int32_t* start, const int32_t* row, perp_F F, perp_J J, void* user,
                                   perp_problem** problem, perp_error* error);

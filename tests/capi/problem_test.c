@@ -59,8 +59,8 @@ static int32_t shuffled_J(int64_t n, int64_t nonzeros, const double* x, double* 
   return PERP_DEFINED;
 }
 
-/* Without J: by differences, in any order of the pattern, one evaluation of F for each of its four columns that are full
-   (Curtis, Powell & Reid 1974). Would catch an order or a count of groups that is lost. */
+/* Without J: by differences, in any order of the pattern, one evaluation of F for each of its four columns that are
+   full (Curtis, Powell & Reid 1974). Would catch an order or a count of groups that is lost. */
 static void without_J(void) {
   const int32_t row[] = {3, 1, 2, 0, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
   const double x0[] = {1, 1, 1, 1};
