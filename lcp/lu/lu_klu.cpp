@@ -3,8 +3,14 @@
 #include <algorithm>
 #include <functional>
 #include <new>
+#include <utility>
 
 namespace perp::lcp {
+namespace {
+
+constexpr double entry_bytes = sizeof(double) + sizeof(int);
+
+}  // namespace
 
 Klu::Klu() {
   klu_defaults(&common_);
@@ -24,9 +30,14 @@ LuStatus Klu::analyze(const SpMat& A) {
 }
 
 KernelCost Klu::cost() const {
-  constexpr double bytes_of_entry = sizeof(double) + sizeof(int);
   return {.flops = std::max(0.0, symbolic_->est_flops),
-          .bytes = bytes_of_entry * std::max(0.0, symbolic_->lnz + symbolic_->unz)};
+          .bytes = entry_bytes * std::max(0.0, symbolic_->lnz + symbolic_->unz)};
+}
+
+KernelCost Klu::spent() const {
+  klu_common common = common_;
+  klu_flops(symbolic_, numeric_, &common);
+  return {.flops = common.flops, .bytes = entry_bytes * static_cast<double>(numeric_->lnz + numeric_->unz)};
 }
 
 LuStatus Klu::factor(const SpMat& A) {

@@ -24,6 +24,8 @@ class Klu final : public LuLibrary {
   /// The factors of the whole matrix, from those of its diagonal blocks; pre: the last factor() was Ok. Not factors():
   /// for the few hundred rows that KLU is asked for by its name, its own solves are faster.
   void extract(LuFactors& out) const;
+  /// What the last factor() came to, not estimated; pre: it was Ok.
+  KernelCost spent() const;
 
  private:
   LuStatus status() const { return common_.status == KLU_SINGULAR ? LuStatus::Singular : LuStatus::OutOfMemory; }

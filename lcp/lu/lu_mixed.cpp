@@ -265,13 +265,8 @@ class Mixed final : public LuLibrary {
     supernodal_.reset();
     const LuStatus status = klu_.analyze(A);
     if (status != LuStatus::Ok) return status;
-    constexpr double bytes_of_entry = sizeof(double) + sizeof(int);
-    const KernelCost cost = klu_.cost();
-    const double entries = cost.bytes / (2 * bytes_of_entry);
-    if (cost.flops > supernodal_flops * entries) {
-      supernodal_ = std::make_unique<Supernodal>();
-      supernodal_->analyze(A, klu_.rows_in_order(), klu_.columns_in_order());
-    }
+    estimate_ = flops_of_entry(klu_.cost());
+    if (estimate_ * excess_ > supernodal_flops) make_supernodal(A);
     return LuStatus::Ok;
   }
 
@@ -279,7 +274,10 @@ class Mixed final : public LuLibrary {
 
   LuStatus factor(const SpMat& A) override {
     status_ = LuStatus::OutOfMemory;  // if it throws
+    if (!supernodal_ && estimate_ * excess_ > supernodal_flops) make_supernodal(A);
     status_ = supernodal_ ? supernodal_->factor(A) : klu_.factor(A);
+    if (!supernodal_ && status_ == LuStatus::Ok && estimate_ > 0)
+      excess_ = std::max(1.0, flops_of_entry(klu_.spent()) / estimate_);
     if (status_ == LuStatus::Singular) A_ = A;
     return status_;
   }
@@ -304,7 +302,21 @@ class Mixed final : public LuLibrary {
   }
 
  private:
+  static double flops_of_entry(const KernelCost& cost) {
+    constexpr double bytes_of_entry = sizeof(double) + sizeof(int);
+    return cost.bytes > 0 ? cost.flops * 2 * bytes_of_entry / cost.bytes : 0;
+  }
+  void make_supernodal(const SpMat& A) {
+    auto supernodal = std::make_unique<Supernodal>();
+    supernodal->analyze(A, klu_.rows_in_order(), klu_.columns_in_order());
+    supernodal_ = std::move(supernodal);
+  }
+
   Klu klu_;
+  double estimate_ = 0;  // operations for each entry of the factors
+  // What KLU's last factorization came to beside its estimate, which is of pivots on the diagonal: other matrices here
+  // are like the last one.
+  double excess_ = 1;
   std::unique_ptr<Supernodal> supernodal_;
   LuStatus status_ = LuStatus::OutOfMemory;  // of the last factor()
   SpMat A_;                                  // if that was Singular
