@@ -1,11 +1,12 @@
 # Finds SuiteSparse's libraries, for which Debian 12 ships no CMake package.
-#   find_package(SuiteSparse COMPONENTS UMFPACK KLU CHOLMOD SPQR)
+#   find_package(SuiteSparse COMPONENTS UMFPACK KLU AMD CHOLMOD SPQR)
 # gives a target SuiteSparse::NAME for each component found.
 include(FindPackageHandleStandardArgs)
 
 find_path(SuiteSparse_INCLUDE_DIR SuiteSparse_config.h PATH_SUFFIXES suitesparse)
 set(_suitesparse_header_UMFPACK umfpack.h)
 set(_suitesparse_header_KLU klu.h)
+set(_suitesparse_header_AMD amd.h)
 set(_suitesparse_header_CHOLMOD cholmod.h)
 set(_suitesparse_header_SPQR SuiteSparseQR.hpp)
 if(SuiteSparse_INCLUDE_DIR AND EXISTS ${SuiteSparse_INCLUDE_DIR}/SuiteSparse_config.h)

@@ -111,8 +111,15 @@ function(perp_link_flags out)
   list(JOIN flags " " flags)
   set(${out} ${flags} PARENT_SCOPE)
 endfunction()
-perp_link_flags(perp_pc_dependencies ${ASL_LIBRARY} ${SuiteSparse_UMFPACK_LIBRARY} ${SuiteSparse_KLU_LIBRARY}
-  ${SuiteSparse_CHOLMOD_LIBRARY} ${GSL_LIBRARY} ${GSL_CBLAS_LIBRARY} ${MPFI_LIBRARY} ${MPFI_MPFR_LIBRARY}
+list(TRANSFORM perp_suitesparse REPLACE "(.+)" "SuiteSparse_\\1_LIBRARY" OUTPUT_VARIABLE perp_pc_libraries)
+if(PERP_GPL)
+  list(APPEND perp_pc_libraries GSL_LIBRARY GSL_CBLAS_LIBRARY)
+endif()
+set(perp_pc_paths)
+foreach(library IN LISTS perp_pc_libraries)
+  list(APPEND perp_pc_paths ${${library}})
+endforeach()
+perp_link_flags(perp_pc_dependencies ${ASL_LIBRARY} ${perp_pc_paths} ${MPFI_LIBRARY} ${MPFI_MPFR_LIBRARY}
   ${MPFI_GMP_LIBRARY})
 if(CMAKE_DL_LIBS)
   string(APPEND perp_pc_dependencies " -l${CMAKE_DL_LIBS}")

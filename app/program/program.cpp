@@ -3,6 +3,8 @@
 #include <Eigen/Core>
 #include <ostream>
 
+#include "lcp/gpl.hpp"
+
 // The date of AMPL's solver library as YYYYMMDD: a symbol of the library itself, declared here because its header may
 // be included below ncp/ampl only.
 extern "C" long ASLdate_ASL;  // NOLINT(google-runtime-int)
@@ -32,17 +34,24 @@ std::string version_line() { return fmt::format("perp {} (AMPL/MCP) ASL({})", ve
 
 std::vector<std::string> library_versions() {
   return {fmt::format("Eigen {}.{}.{}", EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION),
-          fmt::format("UMFPACK and KLU of SuiteSparse {}", PERP_SUITESPARSE_VERSION),
+          fmt::format("{} of SuiteSparse {}", lcp::gpl_linked() ? "UMFPACK and KLU" : "KLU", PERP_SUITESPARSE_VERSION),
           fmt::format("AMPL solver library of {}", ASLdate_ASL)};
+}
+
+std::string licence_line() {
+  return lcp::gpl_linked() ? "Perp is under the Apache License 2.0; with UMFPACK, CHOLMOD and GSL linked, the whole is "
+                             "under the GNU GPL, version 3 or later."
+                           : "Perp is under the Apache License 2.0; KLU and BTF, which are linked, are under the GNU "
+                             "LGPL, AMD and COLAMD under the BSD licence.";
 }
 
 std::string version_text() {
   return fmt::format(
       "{}\n"
-      "Licence GPL-3.0-or-later: the sources are free software; UMFPACK's licence decides for the program as linked.\n"
+      "{}\n"
       "There is NO WARRANTY, to the extent permitted by law.\n"
       "Linked: {}\n",
-      version_line(), fmt::join(library_versions(), ", "));
+      version_line(), licence_line(), fmt::join(library_versions(), ", "));
 }
 
 }  // namespace perp::app

@@ -45,6 +45,8 @@ std::string_view version_number();
 std::string version_line();
 /// "Eigen 3.4.0", ...: what the program links.
 std::vector<std::string> library_versions();
+/// Under which licence the program is as it is linked (lcp/gpl.hpp).
+std::string licence_line();
 /// Version, effective licence, and the versions of the libraries linked.
 std::string version_text();
 

@@ -12,8 +12,8 @@
 namespace perp::contact {
 namespace {
 
-/// KLU up to so many rows of W and entries in each, UMFPACK beyond: factors of large piles are dense, KLU's loops are
-/// for sparse ones.
+/// KLU up to so many rows of W and entries in each, the general LU beyond: factors of large piles are dense, KLU's
+/// loops are for sparse ones.
 constexpr Index klu_rows = 2000;
 constexpr Index klu_entries = 60;
 /// Sweeps are judged so many at a time, and ended unless r changes less by this factor than in the lot before.
@@ -71,7 +71,7 @@ class Solver {
     if (options_.lu == lcp::LuBackend::Auto)
       options_.lu = problem.size() <= klu_rows && problem.W.nonZeros() <= klu_entries * problem.size()
                         ? lcp::LuBackend::Klu
-                        : lcp::LuBackend::Umfpack;
+                        : lcp::LuBackend::General;
     lu_ = std::make_shared<lcp::SparseLu>(options_.lu, referee.deadline());
     newton_.emplace(problem, lu_);
   }

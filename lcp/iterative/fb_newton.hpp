@@ -28,7 +28,7 @@ struct FbNewton {
   double shortest = 1e-10;    ///< t below which a direction is given up
   double descent_rho = 1e-8;  ///< rho; De Luca, Facchinei & Kanzow 1996, section 8
   double descent_p = 2.1;     ///< p > 2; the same
-  LuBackend lu = LuBackend::Umfpack;
+  LuBackend lu = LuBackend::General;
 };
 void describe(FbNewton& method, Fields& fields);
 

@@ -32,7 +32,7 @@ struct InteriorPoint {
   double gamma = 1e-4;         ///< of the neighbourhood, in (0, 1); Wright 1997, chapter 8
   double to_boundary = 0.995;  ///< share of the way to the boundary at most, in (0, 1)
   double proximal = 1e-10;     ///< weight of the proximal term of free variables, relative to the scaled M
-  LuBackend lu = LuBackend::Umfpack;
+  LuBackend lu = LuBackend::General;
 };
 void describe(InteriorPoint& method, Fields& fields);
 

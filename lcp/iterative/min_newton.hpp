@@ -25,7 +25,7 @@ struct MinNewton {
   int memory = 8;           ///< merits of the last steps that the search compares with; 1: monotone
   double armijo = 1e-4;     ///< sigma: Psi(z + t d) <= max - sigma t 2 Psi(z); in (0, 1/2)
   double shortest = 1e-10;  ///< t below which a direction is given up
-  LuBackend lu = LuBackend::Umfpack;
+  LuBackend lu = LuBackend::General;
 };
 void describe(MinNewton& method, Fields& fields);
 

@@ -24,7 +24,7 @@ Places places_of(const AffineMcp& problem, In z);
 
 class NewtonSystem {
  public:
-  explicit NewtonSystem(const SpMat& M, LuBackend lu = LuBackend::Umfpack, Deadline deadline = no_deadline);
+  explicit NewtonSystem(const SpMat& M, LuBackend lu = LuBackend::General, Deadline deadline = no_deadline);
   /// H d = -Phi. False if H is singular to working precision.
   bool newton(const Equations& at, Vec& d);
   /// (H'H + nu I) d = -H'Phi through the quasi-definite [I H; H' -nu I], which does not square H's condition.

@@ -4,7 +4,7 @@ namespace perp::lcp {
 
 void describe_lu(LuBackend& lu, Fields& f) {
   f.choice("lu", &lu,
-           {{"umfpack", LuBackend::Umfpack},
+           {{to_string(LuBackend::General), LuBackend::General},
             {"klu", LuBackend::Klu},
             {"eigen", LuBackend::Eigen},
             {"dense", LuBackend::Dense},

@@ -1,6 +1,7 @@
 #pragma once
 /// Sparse Cholesky factorization of one symmetric positive definite matrix, P A P' = L L', over CHOLMOD: the only place
 /// where it appears. Ordering by CHOLMOD's defaults (AMD, METIS where AMD's fill is large), supernodal where that pays.
+/// A build with PERP_GPL=OFF (lcp/gpl.hpp) orders by AMD and computes L itself, row by row.
 /// Reference: Chen, Davis, Hager & Rajamanickam, ACM TOMS 35 (2008) 22.
 #include <memory>
 #include <string_view>

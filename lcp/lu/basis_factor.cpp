@@ -252,11 +252,11 @@ LuStatus BasisFactor::Impl::factor(std::span<const Index> columns) {
 
 /// The columns of the present basis that depend on others, each with a row that none of the others can pivot on.
 std::vector<BasisFactor::Dependency> BasisFactor::Impl::dependencies(double tol) const {
-  // UMFPACK goes on past zero pivots, and shows its factors. It wants no row or column without an entry.
+  // The library goes on past zero pivots, and shows its factors. UMFPACK wants no row or column without an entry.
   SpMat zeros(C.rows(), C.cols());
   zeros.setIdentity();
   zeros *= 0;
-  SparseLu revealing(LuBackend::Umfpack, deadline);
+  SparseLu revealing(LuBackend::General, deadline);
   (void)revealing.try_factor(C + zeros);
   LuFactors f;
   std::vector<Dependency> found;

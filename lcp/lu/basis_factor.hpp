@@ -10,7 +10,7 @@
 /// Later columns are in product form:  B_k = B_0 E_1 ... E_k,  E_j the identity with column p_j replaced by
 /// B_{j-1}^-1 a_q (Dantzig & Orchard-Hays 1954; measured within 1.5x of the best Forrest-Tomlin codes). Solves with
 /// sparse right-hand sides take time proportional to the entries they touch where the library gives its factors
-/// (UMFPACK).
+/// (LuBackend::General).
 #include <memory>
 #include <span>
 #include <vector>

@@ -1,6 +1,7 @@
 #pragma once
 /// The seam between SparseLu and the libraries that factor; private to lcp/.
 #include <memory>
+#include <string_view>
 
 #include "lcp/kernel_clock.hpp"
 #include "lcp/lu/lu_factors.hpp"
@@ -25,7 +26,10 @@ class LuLibrary {
   virtual bool factors(LuFactors&) const { return false; }
 };
 
-std::unique_ptr<LuLibrary> make_umfpack();
+// One of two files: lu_umfpack.cpp, or lu_mixed.cpp where PERP_GPL=OFF.
+std::unique_ptr<LuLibrary> make_general();
+std::string_view general_lu();  ///< its name
+
 std::unique_ptr<LuLibrary> make_klu();
 std::unique_ptr<LuLibrary> make_eigen();
 std::unique_ptr<LuLibrary> make_dense();

@@ -17,6 +17,12 @@ struct Triangle {
 
   Index size() const { return static_cast<Index>(start.size()) - 1; }
   Triangle transpose() const;
+  // To fill it, column by column.
+  void push(int i, double v) {
+    row.push_back(i);
+    value.push_back(v);
+  }
+  void end_column() { start.push_back(static_cast<int>(row.size())); }
 };
 
 struct LuFactors {

@@ -5,6 +5,7 @@
 #include <new>
 #include <utility>
 
+#include "lcp/gpl.hpp"
 #include "lcp/lu/lu_backend.hpp"
 #include "lcp/lu/metis_lock.hpp"
 
@@ -163,6 +164,8 @@ class Umfpack final : public LuLibrary {
 
 }  // namespace
 
-std::unique_ptr<LuLibrary> make_umfpack() { return std::make_unique<Umfpack>(); }
+std::unique_ptr<LuLibrary> make_general() { return std::make_unique<Umfpack>(); }
+std::string_view general_lu() { return "umfpack"; }
+bool gpl_linked() { return true; }
 
 }  // namespace perp::lcp

@@ -20,7 +20,7 @@ constexpr Index klu_rows = 300;
 
 std::unique_ptr<LuLibrary> make(LuBackend backend, Index rows) {
   if (backend == LuBackend::Auto)
-    backend = rows <= dense_rows ? LuBackend::Dense : rows <= klu_rows ? LuBackend::Klu : LuBackend::Umfpack;
+    backend = rows <= dense_rows ? LuBackend::Dense : rows <= klu_rows ? LuBackend::Klu : LuBackend::General;
   switch (backend) {
     case LuBackend::Dense:
       return make_dense();
@@ -28,11 +28,11 @@ std::unique_ptr<LuLibrary> make(LuBackend backend, Index rows) {
       return make_klu();
     case LuBackend::Eigen:
       return make_eigen();
-    case LuBackend::Umfpack:
+    case LuBackend::General:
     case LuBackend::Auto:
       break;
   }
-  return make_umfpack();
+  return make_general();
 }
 
 bool same_pattern(const SpMat& A, const SpMat& B) {
@@ -49,8 +49,8 @@ std::string_view to_string(LuBackend backend) {
       return "auto";
     case LuBackend::Dense:
       return "dense";
-    case LuBackend::Umfpack:
-      return "umfpack";
+    case LuBackend::General:
+      return general_lu();
     case LuBackend::Klu:
       return "klu";
     case LuBackend::Eigen:

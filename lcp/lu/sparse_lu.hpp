@@ -1,5 +1,6 @@
 #pragma once
-/// Sparse LU of one square matrix, P A Q = L U, over UMFPACK, KLU or Eigen: the only place where the three appear.
+/// Sparse LU of one square matrix, P A Q = L U, over UMFPACK, KLU or Eigen: the only place where the three appear. A
+/// build with PERP_GPL=OFF has no UMFPACK (lcp/gpl.hpp).
 /// The symbolic analysis (ordering, elimination tree) is kept while the sparsity pattern of A is unchanged.
 /// References: Davis, ACM TOMS 30 (2004) 196 (UMFPACK); Davis & Palamadai Natarajan, TOMS 37 (2010) 36 (KLU).
 #include <memory>
@@ -12,11 +13,11 @@ namespace perp::lcp {
 struct LuFactors;  // lu_factors.hpp
 
 enum class LuBackend {
-  Umfpack,
+  General,  ///< for any size: UMFPACK; without it "mixed", which is KLU or, where that has much to do, Eigen's
   Klu,
   Eigen,  ///< its sparse LU
   Dense,  ///< Eigen's dense LU, rows scaled
-  Auto,   ///< by size: Dense up to 32 rows, Klu up to 300, Umfpack beyond
+  Auto,   ///< by size: Dense up to 32 rows, Klu up to 300, General beyond
 };
 enum class LuStatus {
   Ok,
@@ -24,13 +25,13 @@ enum class LuStatus {
   NotFinite,    ///< A holds a NaN or an infinity
   OutOfMemory,  ///< the factors do not fit, or have more than 2^31 entries
 };
-std::string_view to_string(LuBackend);
+std::string_view to_string(LuBackend);  ///< as the options name it
 std::string_view to_string(LuStatus);
 
 class SparseLu {
  public:
   /// No factorization is begun that would not have ended at the deadline (lcp/kernel_clock.hpp).
-  explicit SparseLu(LuBackend = LuBackend::Umfpack, Deadline = no_deadline);
+  explicit SparseLu(LuBackend = LuBackend::General, Deadline = no_deadline);
   ~SparseLu();
   SparseLu(SparseLu&&) noexcept;
   SparseLu& operator=(SparseLu&&) noexcept;
@@ -56,7 +57,7 @@ class SparseLu {
   double rcond() const;
 
   /// Copies L, U and the permutations, for solves with sparse right-hand sides; after a factor() that was Singular the
-  /// zero pivots are in their places. False where the library does not give them (KLU, Eigen) or nothing is factored.
+  /// zero pivots are in their places. False where the library does not give them (Klu, Eigen) or nothing is factored.
   /// Throws std::bad_alloc.
   bool factors(LuFactors& out) const;
 

@@ -29,7 +29,7 @@ struct BlockPivoting {
   double degenerate_tol = 1e-11;  ///< signs within this x the size of the terms they come from are not violated
   int singular_tries = 20;        ///< indices tried one by one where a block's matrix is singular
   bool components = true;         ///< use reducibility
-  LuBackend lu = LuBackend::Umfpack;
+  LuBackend lu = LuBackend::General;
 };
 void describe(BlockPivoting& method, Fields& fields);
 

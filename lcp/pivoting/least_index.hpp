@@ -18,7 +18,7 @@ namespace perp::lcp {
 struct LeastIndex {
   long max_iterations = 100000;   ///< steps
   double degenerate_tol = 1e-11;  ///< signs within this x the size of the terms they come from are not violated
-  LuBackend lu = LuBackend::Umfpack;
+  LuBackend lu = LuBackend::General;
 };
 void describe(LeastIndex& method, Fields& fields);
 

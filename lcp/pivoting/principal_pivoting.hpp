@@ -33,7 +33,7 @@ struct PrincipalPivoting {
   long max_iterations = 100000;   ///< pivots
   double degenerate_tol = 1e-11;  ///< values above minus this (of equilibrated data) are not negative
   double pivot_tol = 1e-9;        ///< entries within this x the largest of their column are zero
-  LuBackend lu = LuBackend::Umfpack;
+  LuBackend lu = LuBackend::General;
 };
 void describe(PrincipalPivoting& method, Fields& fields);
 

@@ -53,7 +53,7 @@ class Search {
         M_(scaled_.M),
         places_(all_inside(problem.box)),
         decided_(at(problem.size()), 0),
-        cell_(problem, LuBackend::Umfpack, options.degenerate_tol) {}
+        cell_(problem, LuBackend::General, options.degenerate_tol) {}
 
   Solutions run() {
     search();

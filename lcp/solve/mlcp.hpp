@@ -47,7 +47,7 @@ MlcpPoint from_affine(const Mlcp& mlcp, In z);
 class SchurReduction {
  public:
   /// Throws std::invalid_argument if the problem is invalid. It must outlive *this.
-  explicit SchurReduction(const Mlcp& mlcp, LuBackend lu = LuBackend::Umfpack);
+  explicit SchurReduction(const Mlcp& mlcp, LuBackend lu = LuBackend::General);
 
   /// Whether there is a reduced problem: Singular if A is (also where rcond(A) < 1e-14), OutOfMemory; NotFinite if A^-1
   /// overflows.

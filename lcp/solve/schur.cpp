@@ -54,7 +54,7 @@ Schur schur(const SpMat& K, const SpMat& B, In f, double drop) {
   out.x = Vec::Zero(K.rows());
   if (K.rows() == 0) return out;
   const Vec D = symmetric_scale(K);
-  SparseLu lu(LuBackend::Umfpack);
+  SparseLu lu(LuBackend::General);
   LuFactors factors;
   out.status = lu.factor(D.asDiagonal() * K * D.asDiagonal());
   if (out.status != LuStatus::Ok) return out;
@@ -62,7 +62,7 @@ Schur schur(const SpMat& K, const SpMat& B, In f, double drop) {
   Vec y(K.rows());
   lu.solve_refined(D.cwiseProduct(f), y);
   out.x = D.cwiseProduct(y);
-  if (!lu.factors(factors)) throw std::logic_error("UMFPACK gives no factors");
+  if (!lu.factors(factors)) throw std::logic_error("the LU library gives no factors");
   LuSolver solver(std::move(factors));
 
   const SpMat scaled = D.asDiagonal() * B;

@@ -43,7 +43,7 @@ struct SensitivityOptions {
   /// J_AA, equilibrated by its rows' and columns' largest entries, counts as singular below this reciprocal condition.
   double singular_rcond = 1e-13;
   Index max_degenerate = 1000;  ///< more are refused: S is dense
-  lcp::LuBackend lu = lcp::LuBackend::Umfpack;
+  lcp::LuBackend lu = lcp::LuBackend::General;
 };
 
 enum class SensitivityStatus {

@@ -31,7 +31,7 @@ struct Lmmcp {
   double beta = 0.55;
   int max_backtracks = 46;  ///< t > 1e-12
   int memory = 10;
-  lcp::LuBackend lu = lcp::LuBackend::Umfpack;
+  lcp::LuBackend lu = lcp::LuBackend::General;
 };
 void describe(Lmmcp& method, Fields& fields);
 inline std::string_view name_of(const Lmmcp&) { return "lmmcp"; }

@@ -38,7 +38,7 @@ struct MinNewton {
   Direction direction = Direction::Newton;
   Armijo search{};
   Escape escape{.rounds = 0};
-  lcp::LuBackend lu = lcp::LuBackend::Umfpack;  ///< of the Newton steps
+  lcp::LuBackend lu = lcp::LuBackend::General;  ///< of the Newton steps
 };
 
 void describe(MinNewton& method, Fields& fields);

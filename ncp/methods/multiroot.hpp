@@ -25,6 +25,8 @@ std::string_view to_string(MultirootSolver);  ///< "gsl-hybridsj", ...
 /// GSL's error handler is global and ends the process by default. It is neither called nor touched: errors are seen
 /// before GSL does (Newton and Gnewton: an LU factorization of each matrix to look for zero pivots), so two solves may
 /// run in two threads. Memory of n^2 doubles is tried before GSL asks for it.
+///
+/// Not where perp is built with PERP_GPL=OFF (lcp/gpl.hpp): there it answers NotApplicable, and is no preset.
 struct Multiroot {
   Stop stop{};  ///< an iteration is one of GSL's
   MultirootSolver solver = MultirootSolver::Hybridsj;

@@ -54,7 +54,7 @@ struct SemismoothNewton {
   Escape escape{.rounds = 0};
   LinearSolver linear = LinearSolver::Auto;
   Forcing forcing{};
-  lcp::LuBackend lu = lcp::LuBackend::Umfpack;
+  lcp::LuBackend lu = lcp::LuBackend::General;
 };
 void describe(Forcing& forcing, Fields& fields);
 void describe(SemismoothNewton& method, Fields& fields);

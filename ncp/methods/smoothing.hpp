@@ -42,7 +42,7 @@ struct Smoothing {
   /// Where it is stuck at last: runs from the start on the scaled problem (ncp/transforms/scaling.hpp), by J at the
   /// best point and by J at the start. 0, 1 or 2.
   int rescalings = 2;
-  lcp::LuBackend lu = lcp::LuBackend::Umfpack;
+  lcp::LuBackend lu = lcp::LuBackend::General;
 };
 void describe(Smoothing& method, Fields& fields);
 inline std::string_view name_of(const Smoothing&) { return "smooth"; }

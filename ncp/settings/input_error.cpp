@@ -6,11 +6,13 @@
 #include <utility>
 #include <vector>
 
+#include "lcp/gpl.hpp"
 #include "ncp/problem/words.hpp"
 
 namespace perp::settings {
 
 std::string did_you_mean(std::string_view word, std::span<const std::string_view> candidates) {
+  if (lcp::left_out(word)) return fmt::format(" {}.", lcp::not_in_this_build(word));
   const std::size_t near = std::max<std::size_t>(1, word.size() / 3);
   std::vector<std::pair<std::size_t, std::string_view>> close;
   for (const std::string_view candidate : candidates) {

@@ -32,7 +32,7 @@ namespace {
 class DeflatedSteps {
  public:
   explicit DeflatedSteps(Run& run)
-      : run_(run), lu_(lcp::LuBackend::Umfpack, run.deadline()), lm_(lcp::LuBackend::Umfpack, run.deadline()) {}
+      : run_(run), lu_(lcp::LuBackend::General, run.deadline()), lm_(lcp::LuBackend::General, run.deadline()) {}
 
   /// tau d.
   bool newton(const Linearisation& lin, const Vec& m, Vec& step) {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <vector>
 
+#include "lcp/gpl.hpp"
+
 namespace perp::ncp {
 namespace {
 
@@ -122,7 +124,11 @@ std::vector<Preset> all_published() {
 }  // namespace
 
 std::span<const Preset> presets() {
-  static const std::vector<Preset> table = all_presets();
+  static const std::vector<Preset> table = [] {
+    std::vector<Preset> all = all_presets();
+    std::erase_if(all, [](const Preset& preset) { return lcp::left_out(preset.name); });
+    return all;
+  }();
   return table;
 }
 

@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "lcp/gpl.hpp"
 #include "ncp/strategy/attempts.hpp"
 #include "ncp/strategy/presets.hpp"
 #include "ncp/strategy/strategy_node.hpp"
@@ -67,6 +68,7 @@ class Reader {
     if (!take('(')) {
       if (found != std::end(words)) refuse("'" + word + "' needs methods in parentheses");
       const Preset* preset = find_preset(word);
+      if (lcp::left_out(word)) refuse(lcp::not_in_this_build(word));
       if (preset == nullptr) refuse(word.empty() ? "a method is missing" : "there is no method '" + word + "'");
       return {word, preset->method};
     }

@@ -47,7 +47,7 @@ RULES = [
     ),
     (r"(.*/)?(asl|asl_pfg|asl_pfgh|nlp|nlp2|getstub|jacpdim)\.h$", ("ncp/ampl/",), "AMPL's library stays in ncp/ampl"),
     (r"(.*/)?(hdf5|H5\w*)\.h(pp)?$", ("contact/io/hdf5_lazy.hpp",), "HDF5 stays in contact/io/hdf5_lazy.hpp"),
-    (r"gsl/", ("ncp/methods/multiroot.cpp", "ncp/methods/gsl_errors.cpp", "ncp/collection/"), "GSL stays behind multiroot and in the collection"),
+    (r"gsl/", ("ncp/methods/multiroot_gsl.cpp", "ncp/methods/gsl_errors.cpp"), "GSL stays behind multiroot"),
     (r"mpfi|mpfr|gmp", ("ncp/interval/interval.cpp",), "MPFI stays behind the intervals"),
     (r"(CLI/|nlohmann/)", ("app/",), "command line and JSON stay in app"),
     (r"(pybind11/|Python\.h$)", ("python/",), "Python stays in python"),

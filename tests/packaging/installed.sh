@@ -16,7 +16,7 @@ expect() {
 
 use() {
   local page
-  expect 'Licen' perp --version
+  expect 'Apache License' perp --version
   expect '^Solved' perp solve $examples/energy.nl
   expect '^Solved' perp contact $examples/arch-9.hdf5
   for page in perp pathampl $(perp --help | awk '/^Subcommands:/ { on = 1; next } !NF { on = 0 } on { print "perp-" $1 }'); do

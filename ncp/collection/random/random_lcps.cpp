@@ -1,9 +1,8 @@
 #include "ncp/collection/random/random_lcps.hpp"
 
-#include <gsl/gsl_rng.h>
-
 #include <cstddef>
 #include <functional>
+#include <random>
 #include <utility>
 #include <vector>
 
@@ -14,25 +13,22 @@ namespace {
 
 using Entries = std::vector<Eigen::Triplet<double>>;
 
-/// GSL's generator in memory of our own: gsl_rng_alloc() aborts the program where there is none.
+/// The Mersenne twister's numbers over 2^32. Not std::uniform_real_distribution, whose numbers are the library's
+/// choice.
 class Rng {
  public:
-  explicit Rng(unsigned seed)
-      : state_((gsl_rng_mt19937->size + sizeof(std::max_align_t) - 1) / sizeof(std::max_align_t)),
-        rng_{gsl_rng_mt19937, state_.data()} {
-    gsl_rng_set(&rng_, seed + 1UL);  // 0 means GSL's default seed
-  }
+  explicit Rng(unsigned seed) : twister_(seed + 1U) {}
   Rng(const Rng&) = delete;
   Rng& operator=(const Rng&) = delete;
 
-  double uniform(double low, double high) { return low + (high - low) * gsl_rng_uniform(&rng_); }
-  bool chance(double p) { return gsl_rng_uniform(&rng_) < p; }
+  double uniform(double low, double high) { return low + (high - low) * unit(); }
+  bool chance(double p) { return unit() < p; }
   /// In 0, ..., n - 1.
-  Index below(Index n) { return static_cast<Index>(gsl_rng_uniform(&rng_) * static_cast<double>(n)); }
+  Index below(Index n) { return static_cast<Index>(unit() * static_cast<double>(n)); }
 
  private:
-  std::vector<std::max_align_t> state_;
-  gsl_rng rng_;
+  double unit() { return static_cast<double>(twister_()) / 4294967296.0; }
+  std::mt19937 twister_;
 };
 
 SpMat matrix(Index rows, Index columns, const Entries& entries) {

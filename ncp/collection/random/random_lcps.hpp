@@ -1,6 +1,6 @@
 #pragma once
 /// Random sparse LCPs of known class, of any size, with a planted solution or a certificate that there is none. Made
-/// with GSL's Mersenne twister (gsl_rng_mt19937) and uniform numbers only, whose bits are the same on every platform.
+/// with the Mersenne twister (std::mt19937) and uniform numbers only, whose bits are the same on every platform.
 /// The class is certain by construction, not by a test; the arguments stand with the functions. Notation: B sparse,
 /// about two entries a row, uniform in [-1, 1]; W = C - C' skew, about one entry a row of C; v >= 0 vectors.
 ///

@@ -24,6 +24,7 @@
 #include "app/worker/external.hpp"
 #include "app/worker/run_cell.hpp"
 #include "app/worker/sol_file.hpp"
+#include "lcp/gpl.hpp"
 #include "ncp/ampl/model.hpp"
 #include "ncp/ampl/sol.hpp"
 #include "ncp/strategy/presets.hpp"
@@ -301,6 +302,7 @@ TEST(Baseline, ListsWhatWasLost) {
 // The committed one is of every preset, on the same problems. Catches a preset that was added and is not held to
 // anything.
 TEST(Baseline, CommittedOneIsOfEveryPreset) {
+  if (!lcp::gpl_linked()) GTEST_SKIP() << lcp::not_in_this_build("gsl-hybridsj");
   std::map<std::string, std::set<std::string>> problems;
   for (const BaselineRow& row : read_baseline(PERP_SOURCE_DIR "/data/baseline/baseline.csv"))
     problems[row.key.method].insert(row.key.problem);

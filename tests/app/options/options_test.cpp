@@ -270,7 +270,7 @@ TEST(Options, BadValuesAreRefusedByName) {
                                                     {"time_limit", "inf", "1e+09"},
                                                     {"lemke_seed", "-3", ">= 0"},
                                                     {"output", "maybe", "yes or no"},
-                                                    {"lu", "lapack", "umfpack, klu, eigen"},
+                                                    {"lu", "lapack", ", klu, eigen"},
                                                     {"method", "newton", "auto, path, miles, nesqp, qpcomp"},
                                                     {"method", "semismoth", "Did you mean 'semismooth'"},
                                                     {"cfunction", "fisher-burmeister", "'fischer-burmeister'"},

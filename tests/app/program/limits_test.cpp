@@ -8,6 +8,7 @@
 
 #include "app/compare/compare_process_support.hpp"
 #include "app/json.hpp"
+#include "lcp/gpl.hpp"
 #include "lcp/io/matrix_market.hpp"
 
 namespace perp::app {
@@ -102,6 +103,7 @@ bool catches(pid_t pid, int signal) {
 // While METIS works, SIGABRT and SIGTERM are caught by METIS, for the whole process, with a jump to where only its own
 // thread may go. Catches a program that crashes then.
 TEST(ProgramLimits, WithinMetis) {
+  if (!lcp::gpl_linked()) GTEST_SKIP() << lcp::not_in_this_build("METIS");
   const Folder folder;
   const lcp::SpMat M = neighbours(30);
   lcp::write_matrix(folder / "M.mtx", M, "");

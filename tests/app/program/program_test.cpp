@@ -15,6 +15,7 @@
 #include "app/options/methods.hpp"
 #include "app/options/options.hpp"
 #include "app/support.hpp"
+#include "lcp/gpl.hpp"
 #include "ncp/collection/collection.hpp"
 #include "ncp/reformulation/cfunction.hpp"
 #include "ncp/reformulation/smoothing_function.hpp"
@@ -22,7 +23,9 @@
 namespace perp::app {
 namespace {
 
+using testing::AllOf;
 using testing::HasSubstr;
+using testing::Not;
 
 TEST(DidYouMean, NearNamesOnly) {
   constexpr std::array<std::string_view, 3> names{"josephy", "semismooth", "semismooth-min"};
@@ -49,8 +52,21 @@ TEST(Version, FirstNumberIsOurs) {
   ASSERT_TRUE(std::regex_search(line, match, std::regex(R"([0-9]+(\.[0-9]+){1,3})")));
   EXPECT_EQ(match[0], std::string(version_number()));
   EXPECT_EQ(line.find('\n'), std::string::npos);
-  for (const char* part : {"GPL-3.0-or-later", "Eigen 3.", "SuiteSparse 5.", "AMPL solver library of 20"})
+  for (const char* part : {"Eigen 3.", "KLU of SuiteSparse 5.", "AMPL solver library of 20"})
     EXPECT_THAT(version_text(), HasSubstr(part));
+}
+
+// Who hands the program on must know under which licence. Catches a build that names the other's.
+TEST(Version, SaysTheLicenceOfThisBuild) {
+  EXPECT_THAT(version_text(), HasSubstr(licence_line()));
+  EXPECT_THAT(licence_line(), HasSubstr("Apache License 2.0"));
+  if (lcp::gpl_linked()) {
+    EXPECT_THAT(licence_line(), HasSubstr("GNU GPL, version 3"));
+    EXPECT_THAT(version_text(), HasSubstr("UMFPACK and KLU of"));
+  } else {
+    EXPECT_THAT(licence_line(), AllOf(HasSubstr("LGPL"), HasSubstr("BSD"), Not(HasSubstr("UMFPACK"))));
+    EXPECT_THAT(version_text(), Not(HasSubstr("UMFPACK")));
+  }
 }
 
 // Would catch a method or an option that was added without a word to the user.
@@ -93,7 +109,7 @@ TEST(Help, ManPageNamesEveryOptionMethodAndLevel) {
     EXPECT_THAT(page, HasSubstr(std::string(option.alias)));
   }
   for (const MethodEntry& entry : methods()) EXPECT_THAT(page, HasSubstr(std::string(entry.name)));
-  EXPECT_THAT(page, testing::Not(HasSubstr("@")));
+  EXPECT_THAT(page, Not(HasSubstr("@")));
   for (const std::string_view level : log_level_names()) EXPECT_THAT(page, HasSubstr(std::string(level)));
 }
 
@@ -101,7 +117,7 @@ TEST(Help, CompletionKnowsMethodsOptionsAndLevels) {
   for (const char* words : {"solve --method ''", "methods --show ''"}) {
     const std::string names = test::offered(words);
     for (const MethodEntry& entry : methods()) EXPECT_THAT(names, HasSubstr(fmt::format(" {} ", entry.name)));
-    EXPECT_THAT(names, testing::Not(HasSubstr("first")));
+    EXPECT_THAT(names, Not(HasSubstr("first")));
   }
   const std::string keys = test::offered("solve --option ''");
   for (const Option& option : options()) EXPECT_THAT(keys, HasSubstr(fmt::format(" {}= ", option.key)));
@@ -113,9 +129,8 @@ TEST(Help, CompletionKnowsMethodsOptionsAndLevels) {
 TEST(Help, OneMethodWithItsOptions) {
   test::Captured captured;
   EXPECT_EQ(show_method("semismooth", captured.streams), exit_solved);
-  EXPECT_THAT(captured.out.str(),
-              testing::AllOf(HasSubstr("descent_p\n"), HasSubstr("a number > 2; default 2.1"),
-                             HasSubstr("no effect with escape_rounds = 0"), testing::Not(HasSubstr("crash_method"))));
+  EXPECT_THAT(captured.out.str(), AllOf(HasSubstr("descent_p\n"), HasSubstr("a number > 2; default 2.1"),
+                                        HasSubstr("no effect with escape_rounds = 0"), Not(HasSubstr("crash_method"))));
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 
 #include "app/json.hpp"
 #include "app/support.hpp"
+#include "lcp/gpl.hpp"
 
 namespace perp::app {
 namespace {
@@ -86,6 +87,7 @@ TEST(Json, IterationsAreTheRecords) {
 TEST(Json, MuOfSmoothing) {
   const LoadedProblem problem = load_problem("kojshin");
   for (const char* method : {"smooth", "gsl-hybridsj", "josephy"}) {
+    if (lcp::left_out(method)) continue;
     const Report report = report_of(problem, {{"method", method, "test"}});
     const Json parsed = parse_json(solve_json(report));
     ASSERT_GT(report.iterations.size(), 1U);

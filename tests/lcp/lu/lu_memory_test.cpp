@@ -73,7 +73,7 @@ class FailingAllocator {
 
 class LuMemory : public testing::TestWithParam<LuBackend> {};
 
-INSTANTIATE_TEST_SUITE_P(Backends, LuMemory, testing::Values(LuBackend::Umfpack, LuBackend::Klu),
+INSTANTIATE_TEST_SUITE_P(Backends, LuMemory, testing::Values(LuBackend::General, LuBackend::Klu),
                          [](const auto& backend) { return std::string(to_string(backend.param)); });
 
 // Every request of memory fails once, alone or with all that follow. Catches a failure taken for singularity, a null
@@ -176,14 +176,14 @@ std::size_t address_space() {
 
 class AddressSpace : public testing::TestWithParam<LuBackend> {};
 
-INSTANTIATE_TEST_SUITE_P(Backends, AddressSpace, testing::Values(LuBackend::Umfpack, LuBackend::Klu, LuBackend::Eigen),
+INSTANTIATE_TEST_SUITE_P(Backends, AddressSpace, testing::Values(LuBackend::General, LuBackend::Klu, LuBackend::Eigen),
                          [](const auto& backend) { return std::string(to_string(backend.param)); });
 
 // The real thing, in a process of its own. Eigen's SparseLU answers a refused allocation with the status of a singular
 // matrix, with that of the factorization before, with std::bad_alloc, or by freeing a vector twice.
 TEST_P(AddressSpace, FactorSurvivesItsEnd) {
   if (sanitized) GTEST_SKIP() << "a sanitizer's shadow memory is larger than any limit";
-  if (GetParam() == LuBackend::Umfpack && dlsym(RTLD_DEFAULT, "openblas_get_config") != nullptr)
+  if (GetParam() == LuBackend::General && dlsym(RTLD_DEFAULT, "openblas_get_config") != nullptr)
     GTEST_SKIP() << "OpenBLAS, which UMFPACK calls here, ends the process itself when it gets no memory";
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   EXPECT_EXIT(factor_under_limits(GetParam()), testing::ExitedWithCode(0), "ok");

@@ -1,0 +1,182 @@
+/// The library of Cholesky in a build with GPL libraries: CHOLMOD.
+#include <cholmod.h>
+
+#include <algorithm>
+#include <cmath>
+#include <new>
+#include <vector>
+
+#include "lcp/linalg/cholesky_library.hpp"
+#include "lcp/lu/metis_lock.hpp"
+
+namespace perp::lcp {
+namespace {
+
+/// CHOLMOD's settings and workspace; silent.
+class Common {
+ public:
+  Common() {
+    cholmod_start(&common_);
+    common_.print = 0;
+    common_.error_handler = nullptr;
+    // Also where CHOLMOD finds the simplicial method faster, which would be L D L' otherwise and accept any D.
+    common_.final_ll = 1;
+  }
+  ~Common() { cholmod_finish(&common_); }
+  Common(const Common&) = delete;
+  Common& operator=(const Common&) = delete;
+  cholmod_common* get() { return &common_; }
+  int status() const { return common_.status; }
+  double entries() const { return common_.lnz; }  // of the last analysis
+  double flops() const { return common_.fl; }
+
+ private:
+  cholmod_common common_{};
+};
+
+/// A's lower triangle as CHOLMOD reads it, without a copy.
+cholmod_sparse lower_triangle(const SpMat& A) {
+  cholmod_sparse view{};
+  view.nrow = view.ncol = static_cast<std::size_t>(A.rows());
+  view.nzmax = static_cast<std::size_t>(A.nonZeros());
+  // CHOLMOD has no const; it only reads these.
+  view.p = const_cast<int*>(A.outerIndexPtr());
+  view.i = const_cast<int*>(A.innerIndexPtr());
+  view.x = const_cast<double*>(A.valuePtr());
+  view.stype = -1;
+  view.itype = CHOLMOD_INT;
+  view.xtype = CHOLMOD_REAL;
+  view.dtype = CHOLMOD_DOUBLE;
+  view.sorted = 1;
+  view.packed = 1;
+  return view;
+}
+
+cholmod_dense column(const double* values, Index n) {
+  cholmod_dense view{};
+  view.nrow = view.nzmax = view.d = static_cast<std::size_t>(n);
+  view.ncol = 1;
+  view.x = const_cast<double*>(values);
+  view.xtype = CHOLMOD_REAL;
+  view.dtype = CHOLMOD_DOUBLE;
+  return view;
+}
+
+struct Dense {
+  Dense(Common& of, Index rows, std::size_t columns)
+      : common(of),
+        is(cholmod_allocate_dense(static_cast<std::size_t>(rows), columns, static_cast<std::size_t>(rows), CHOLMOD_REAL,
+                                  of.get())) {
+    if (is == nullptr) throw std::bad_alloc();
+  }
+  ~Dense() { cholmod_free_dense(&is, common.get()); }
+  Dense(const Dense&) = delete;
+  Dense& operator=(const Dense&) = delete;
+
+  Common& common;
+  cholmod_dense* is;
+};
+
+CholeskyStatus failure_of(int code) {
+  return code == CHOLMOD_NOT_POSDEF ? CholeskyStatus::NotPositiveDefinite : CholeskyStatus::OutOfMemory;
+}
+
+class Cholmod final : public CholeskyLibrary {
+ public:
+  Cholmod() = default;
+  ~Cholmod() override { clear(); }
+
+  CholeskyStatus analyze(const SpMat& A) override {
+    clear();
+    cholmod_sparse lower = lower_triangle(A);
+    {
+      const std::lock_guard alone(metis_lock());
+      L_ = cholmod_analyze(&lower, common_.get());
+    }
+    return L_ && common_.status() >= CHOLMOD_OK ? CholeskyStatus::Ok : failure_of(common_.status());
+  }
+  double entries() const override { return common_.entries(); }
+  double flops() const override { return common_.flops(); }
+
+  CholeskyStatus factor(const SpMat& A) override {
+    cholmod_sparse lower = lower_triangle(A);
+    cholmod_factorize(&lower, L_, common_.get());
+    if (common_.status() < CHOLMOD_OK) return failure_of(common_.status());
+    return common_.status() == CHOLMOD_NOT_POSDEF || L_->minor < L_->n ? CholeskyStatus::NotPositiveDefinite
+                                                                       : CholeskyStatus::Ok;
+  }
+
+  Index failed_column() const override { return static_cast<const int*>(L_->Perm)[L_->minor]; }
+  Vec witness(const SpMat& A) override;
+  double rcond() override { return cholmod_rcond(L_, common_.get()); }
+
+  void solve(In b, Out x) const override {
+    const Index n = b.size();
+    Common common;  // its own: solves may run in two threads
+    cholmod_dense right = column(b.data(), n);
+    // Made here: of its own requests cholmod_solve2 looks at the last one only, and then uses those that were refused.
+    Dense solution(common, n, 1);
+    Dense permuted(common, n, 1);
+    Dense rows(common, 1, std::max<std::size_t>(1, L_->maxesize));
+    if (!cholmod_solve2(CHOLMOD_A, L_, &right, nullptr, &solution.is, nullptr, &permuted.is, &rows.is, common.get()))
+      throw std::bad_alloc();
+    std::copy_n(static_cast<const double*>(solution.is->x), n, x.data());
+  }
+
+ private:
+  void clear() {
+    if (L_) cholmod_free_factor(&L_, common_.get());
+    L_ = nullptr;
+  }
+
+  Common common_;
+  cholmod_factor* L_ = nullptr;
+};
+
+/// With k the failed pivot and B the leading k x k block of P A P' = (B b; b' beta): d = P'(-B^-1 b, 1, 0) has
+/// d'A d = beta - b'B^-1 b, the pivot.
+Vec Cholmod::witness(const SpMat& A) {
+  const Index n = A.rows();
+  const auto k = static_cast<Index>(L_->minor);
+  const Index failed = failed_column();
+  const auto* permutation = static_cast<const int*>(L_->Perm);
+  std::vector<int> place(static_cast<std::size_t>(n));
+  for (Index i = 0; i < n; ++i) place[static_cast<std::size_t>(permutation[i])] = static_cast<int>(i);
+  Vec x = Vec::Zero(n);
+  const auto put = [&](Index i, double value) {
+    const int at = place[static_cast<std::size_t>(i)];
+    if (at < k) x[at] = -value;
+  };
+  for (Index j = 0; j < n; ++j)  // the failed column of the symmetric matrix, of which the lower triangle is stored
+    for (SpMat::InnerIterator it(A, j); it; ++it) {
+      if (it.row() < j) continue;
+      if (it.row() == failed) put(j, it.value());
+      if (j == failed) put(it.row(), it.value());
+    }
+  cholmod_sparse* columns = cholmod_factor_to_sparse(L_, common_.get());
+  if (!columns) return {};
+  const auto* p = static_cast<const int*>(columns->p);
+  const auto* row = static_cast<const int*>(columns->i);
+  const auto* value = static_cast<const double*>(columns->x);
+  for (Index j = 0; j < k; ++j) {  // L y = -b; the diagonal comes first in a column
+    x[j] /= value[p[j]];
+    for (int s = p[j] + 1; s < p[j + 1]; ++s)
+      if (row[s] < k) x[row[s]] -= value[s] * x[j];
+  }
+  for (Index j = k - 1; j >= 0; --j) {  // L'x = y
+    for (int s = p[j] + 1; s < p[j + 1]; ++s)
+      if (row[s] < k) x[j] -= value[s] * x[row[s]];
+    x[j] /= value[p[j]];
+  }
+  cholmod_free_sparse(&columns, common_.get());
+  x[k] = 1;
+  Vec d = Vec::Zero(n);
+  for (Index i = 0; i <= k; ++i) d[permutation[i]] = x[i];
+  return d.allFinite() ? d : Vec();
+}
+
+}  // namespace
+
+std::unique_ptr<CholeskyLibrary> make_cholesky() { return std::make_unique<Cholmod>(); }
+
+}  // namespace perp::lcp

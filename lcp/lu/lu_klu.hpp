@@ -1,0 +1,39 @@
+#pragma once
+/// KLU as a library of SparseLu. Private to lcp/lu/.
+#include <klu.h>
+
+#include "lcp/lu/lu_backend.hpp"
+
+namespace perp::lcp {
+
+class Klu final : public LuLibrary {
+ public:
+  Klu();
+  Klu(const Klu&) = delete;
+  Klu& operator=(const Klu&) = delete;
+  ~Klu() override;
+
+  LuStatus analyze(const SpMat& A) override;
+  KernelCost cost() const override;
+  LuStatus factor(const SpMat& A) override;
+  void solve(const SpMat& A, In b, Out x, bool transposed) const override;
+
+  /// The order of rows and columns that analyze() found, block triangular and AMD within the blocks. Pre: it was Ok.
+  const int* rows_in_order() const { return symbolic_->P; }
+  const int* columns_in_order() const { return symbolic_->Q; }
+  /// The factors of the whole matrix, from those of its diagonal blocks; pre: the last factor() was Ok. Not factors():
+  /// for the few hundred rows that KLU is asked for by its name, its own solves are faster.
+  void extract(LuFactors& out) const;
+  /// What the last factor() came to, not estimated; pre: it was Ok.
+  KernelCost spent() const;
+
+ private:
+  LuStatus status() const { return common_.status == KLU_SINGULAR ? LuStatus::Singular : LuStatus::OutOfMemory; }
+
+  klu_common common_{};
+  klu_symbolic* symbolic_ = nullptr;
+  klu_numeric* numeric_ = nullptr;
+  SpMat pattern_;
+};
+
+}  // namespace perp::lcp
