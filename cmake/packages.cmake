@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # Debian packages, by `cpack` in a build folder whose prefix is /usr: scripts/package does it all.
 #   perp         the program, its man pages and completion, small models
 #   libperp      libperp.so, for programs in C

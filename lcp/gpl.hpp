@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// CMake's option PERP_GPL decides which files are compiled: those over UMFPACK, CHOLMOD and GSL, whose licence is the
 /// GPL, or others of the same interface.

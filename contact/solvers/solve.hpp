@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Contact problems through Glocker's differentiable NCP, solved to the exact law of Coulomb:
 ///     solve(problem)                                        several methods, one after another: Auto

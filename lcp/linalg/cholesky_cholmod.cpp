@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// The library of Cholesky in a build with GPL libraries: CHOLMOD.
 #include <cholmod.h>
 

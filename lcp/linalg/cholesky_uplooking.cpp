@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// The library of Cholesky in a build without CHOLMOD (PERP_GPL=OFF): AMD's ordering, then L row by row, each by a
 /// triangular solve along the elimination tree (Liu, SIAM J. Matrix Anal. Appl. 11 (1990) 134).
 #include <amd.h>

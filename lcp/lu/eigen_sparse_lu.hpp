@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Eigen's sparse LU, made safe where memory ends: the only place that may include it. Private to lcp/lu/.
 #include <Eigen/OrderingMethods>

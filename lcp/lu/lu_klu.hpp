@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// KLU as a library of SparseLu. Private to lcp/lu/.
 #include <klu.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// The general library of a build without UMFPACK (PERP_GPL=OFF): KLU's analysis, and its factorization where that is
 /// short; else Eigen's, whose dense blocks make up for what it moves, with KLU's order of rows and columns.
 #include <algorithm>

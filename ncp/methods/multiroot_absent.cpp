@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// GSL's solvers in a build without GSL.
 #include "lcp/gpl.hpp"
 #include "ncp/methods/multiroot.hpp"

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # Tries the installed packages as their users would: installed.sh use | develop. scripts/package runs it in a fresh Debian.
 set -euo pipefail
 examples=/usr/share/perp/examples

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # Makes the Debian packages of a build tree and looks into them: packages.sh BUILD WORK CPACK. Catches files that are in no
 # package, a program that needs the build tree, and, where lintian is installed, what breaks Debian's policy. Exit status 77:
 # dpkg's tools are not installed. scripts/package --try installs them in a fresh system.

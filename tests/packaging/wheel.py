@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Tries the package perp where nothing but numpy and scipy is installed; scripts/wheel runs it in a fresh Debian."""
 
 import numpy as np

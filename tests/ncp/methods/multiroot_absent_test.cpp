@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// A build without GSL (PERP_GPL=OFF) says that it has none of its solvers, wherever they are asked for.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
