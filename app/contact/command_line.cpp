@@ -18,7 +18,8 @@ namespace perp::app::contacts {
 namespace {
 
 constexpr const char* footer =
-    "PROBLEM is a file of FCLIB (HDF5) or Siconos (.dat), or NAME:SIZE[:SEED], a problem that is made with about SIZE\n"
+    "PROBLEM is a file of FCLIB (HDF5) or Siconos (.dat), or NAME:SIZE[:SEED[:MU]], a problem that is made with about "
+    "SIZE\n"
     "contacts: stack, spheres, arch, chain, wall, incline.\n"
     "\n"
     "Examples:\n"
@@ -83,6 +84,17 @@ std::vector<std::string> all_problems(const ContactWords& words) {
   return all;
 }
 
+/// Gives all problems the coefficient of friction; why that cannot be.
+std::string refusal_of_friction(ContactWords& words) {
+  try {
+    for (auto* problems : {&words.problems, &words.generated})
+      for (std::string& problem : *problems) problem = with_friction(problem, *words.mu);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
 ExitCode run_facets(const ContactWords& words, Streams streams, const std::atomic<bool>* interrupt) {
   FacetsRequest request{.problems = all_problems(words), .facets = words.facets, .svg = words.svg, .json = words.json};
   if (!words.form.empty()) request.form = words.form;
@@ -96,9 +108,12 @@ ExitCode run_facets(const ContactWords& words, Streams streams, const std::atomi
 CLI::App* add_command(CLI::App& app, ContactWords& words) {
   CLI::App* contact = app.add_subcommand("contact", "Unilateral contact with Coulomb friction: solve, judge, compare");
   contact->footer(footer);
-  option(contact, "PROBLEM", words.problems, "files, or problems that are made: NAME:SIZE[:SEED]", "...");
-  option(contact, "--generate", words.generated, "one more problem that is made; may be repeated", "NAME:SIZE[:SEED]")
+  option(contact, "PROBLEM", words.problems, "files, or problems that are made: NAME:SIZE[:SEED[:MU]]", "...");
+  option(contact, "--generate", words.generated, "one more problem that is made; may be repeated",
+         "NAME:SIZE[:SEED[:MU]]")
       ->allow_extra_args(false);
+  option(contact, "--mu", words.mu, "coefficient of friction of all problems that are made, in place of the scene's",
+         "MU");
   option(contact, "--formulation", words.formulation,
          fmt::format("one of {}; default glocker", contact::formulation_names), "NAME");
   option(
@@ -132,7 +147,10 @@ CLI::App* add_command(CLI::App& app, ContactWords& words) {
   contact->add_flag("--full", words.full, "print every contact of a long table");
   contact->add_flag("--compare", words.compare, "run variants on all problems, each in a process of its own");
   option(contact, "--variants", words.variants,
-         fmt::format("of a comparison: FORMULATION[+METHOD][/WORD]..., default {}", default_variants), "LIST");
+         fmt::format(
+             "of a comparison: FORMULATION[+METHOD][/WORD]...; a method * is each one, a word * each form; default {}",
+             default_variants),
+         "LIST");
   option(contact, "--out", words.out, "of a comparison: where its files go (contact-comparison)", "DIR");
   contact->add_flag("--resume", words.resume,
                     "of a comparison: go on with the one in DIR; what is not given is as it was");
@@ -145,10 +163,13 @@ CLI::App* add_command(CLI::App& app, ContactWords& words) {
   return contact;
 }
 
-int run_command(const CLI::App& command, const ContactWords& words, Streams streams,
+int run_command(const CLI::App& command, const ContactWords& given, Streams streams,
                 const std::atomic<bool>* interrupt) {
-  if (command.got_subcommand("ball")) return run_ball_command(command, words.ball, streams, interrupt);
-  if (const std::string why = misplaced(command, words); !why.empty()) {
+  if (command.got_subcommand("ball")) return run_ball_command(command, given.ball, streams, interrupt);
+  ContactWords words = given;
+  std::string why = misplaced(command, words);
+  if (why.empty() && words.mu) why = refusal_of_friction(words);
+  if (!why.empty()) {
     streams.err << "perp contact: " << why << '\n';
     return exit_input;
   }

@@ -23,7 +23,8 @@ namespace {
 
 /// Flags that make no sense.
 void check_request(const ContactRequest& request, std::size_t problems) {
-  if (problems == 0) throw InputError("which problem? FILE, or NAME:SIZE[:SEED] of a generator, as in spheres:100");
+  if (problems == 0)
+    throw InputError("which problem? FILE, or NAME:SIZE[:SEED[:MU]] of a generator, as in spheres:100");
   if (!(request.tol > 0) || !std::isfinite(request.tol))
     throw input_error("--tol {:g}: a tolerance is positive", request.tol);
   if (!(request.time_limit > 0)) throw input_error("--time-limit {:g}: a limit is positive", request.time_limit);

@@ -12,8 +12,8 @@
 namespace perp::app::contacts {
 
 struct ContactRequest {
-  std::vector<std::string> problems{};   ///< files, or NAME:SIZE[:SEED]
-  std::vector<std::string> generated{};  ///< --generate: NAME:SIZE[:SEED] alone; after those
+  std::vector<std::string> problems{};   ///< files, or NAME:SIZE[:SEED[:MU]]
+  std::vector<std::string> generated{};  ///< --generate: NAME:SIZE[:SEED[:MU]] alone; after those
   VariantRequest variant{};
   double tol = 1e-8;        ///< exact laws: both published metrics; others: the natural residual of their own problem
   double time_limit = 30;   ///< s

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <iterator>
 #include <utility>
 
 #include "ncp/problem/fields.hpp"
@@ -176,7 +177,9 @@ Variant variant_of(const VariantWords& words) {
   return variant;
 }
 
-Variant variant_of(std::string_view text) {
+namespace {
+
+VariantWords words_of(std::string_view text) {
   VariantWords words;
   const std::string_view head = text.substr(0, text.find('/'));
   const std::size_t plus = head.find('+');
@@ -195,7 +198,54 @@ Variant variant_of(std::string_view text) {
       refuse("'" + word + "' is none of A, B, original, normalised, mixed, reduced");
     at = end;
   }
-  return variant_of(words);
+  return words;
+}
+
+/// The variant in each of its forms.
+std::vector<Variant> forms_of(const VariantWords& words) {
+  std::vector<Variant> forms;
+  const auto add = [&](const VariantWords& form) { forms.push_back(variant_of(form)); };
+  const Variant one = variant_of(words);
+  VariantWords form = words;
+  if (one.as_ncp() != nullptr) {
+    for (const char* encoding : {"B", "A"})
+      for (const char* row : {"normalised", "original"}) {
+        form.encoding = encoding;
+        form.row = row;
+        add(form);
+      }
+  } else if (one.faceted()) {
+    for (const char* shape : {"reduced", "mixed"}) {
+      form.form = shape;
+      add(form);
+    }
+  } else {
+    add(form);
+  }
+  return forms;
+}
+
+}  // namespace
+
+Variant variant_of(std::string_view text) { return variant_of(words_of(text)); }
+
+std::vector<Variant> variants_of(std::string_view pattern) {
+  const bool every_form = pattern.ends_with("/*");
+  if (every_form) pattern.remove_suffix(2);
+  VariantWords words = words_of(pattern);
+  std::vector<std::string> names{words.method.value_or("")};
+  if (words.method == "*") {
+    Variant variant;
+    set_law(variant, words.formulation);
+    const std::vector<std::string_view> known = method_names(variant);
+    names.assign(known.begin(), known.end());
+  }
+  std::vector<Variant> variants;
+  for (const std::string& name : names) {
+    if (words.method) words.method = name;
+    std::ranges::move(every_form ? forms_of(words) : std::vector{variant_of(words)}, std::back_inserter(variants));
+  }
+  return variants;
 }
 
 }  // namespace perp::contact

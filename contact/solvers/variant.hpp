@@ -90,6 +90,10 @@ class UnknownWord : public std::invalid_argument {
 Variant variant_of(const VariantWords& words);
 /// Makes a variant of the text described above.
 Variant variant_of(std::string_view text);
+/// Makes the variants that a text with stars stands for: METHOD * is each method of the formulation but auto, and a
+/// last word /* each form: encodings and rows of Glocker's NCP, LCP and MLCP of polygons. "glocker+*/*" is all of ncp/
+/// on Glocker's NCP, four times, and the homotopy; "inner:8+lemke/*" is two variants.
+std::vector<Variant> variants_of(std::string_view pattern);
 
 /// The formulations, as one writes them.
 inline constexpr const char* formulation_names = "glocker, ncp1, inner:K, outer:K, frictionless";

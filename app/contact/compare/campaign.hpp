@@ -22,7 +22,7 @@ struct CampaignProblem {
     f.optional("crc", problem.crc);
   }
 };
-/// Of a file that there is, or NAME:SIZE[:SEED].
+/// Of a file that there is, or NAME:SIZE[:SEED[:MU]].
 CampaignProblem campaign_problem(const std::string& argument);
 
 struct Campaign {

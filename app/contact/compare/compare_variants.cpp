@@ -113,9 +113,9 @@ class Comparing {
   bool begin() {
     resumed_ = request_.resume && compare::holds_campaign(request_.out);
     if (request_.problems.empty() && !resumed_)
-      throw InputError(request_.resume
-                           ? fmt::format("--resume: there is no campaign in '{}'", request_.out)
-                           : std::string("--compare: which problems? FILE..., or NAME:SIZE[:SEED] of a generator"));
+      throw InputError(
+          request_.resume ? fmt::format("--resume: there is no campaign in '{}'", request_.out)
+                          : std::string("--compare: which problems? FILE..., or NAME:SIZE[:SEED[:MU]] of a generator"));
     if (request_.resume && !resumed_) note(fmt::format("there is no campaign in '{}' yet: one begins", request_.out));
     if (!resumed_) {
       if (request_.variants) parse_variants(*request_.variants);  // before files are read

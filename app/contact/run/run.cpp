@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <filesystem>
 #include <mutex>
 #include <utility>
@@ -38,11 +39,12 @@ std::string similar(std::string_view name) {
 }
 
 template <class Number>
-Number parse_count(const std::string& argument, std::string_view digits, const char* what) {
+Number parse_number(const std::string& argument, std::string_view digits, const char* what) {
   Number value = 0;
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
   if (error != std::errc{} || end != digits.data() + digits.size() || digits.empty())
-    throw input_error("'{}': '{}' is no {}; NAME:SIZE[:SEED] is meant, as in spheres:100:7", argument, digits, what);
+    throw input_error("'{}': '{}' is no {}; NAME:SIZE[:SEED[:MU]] is meant, as in spheres:100:7", argument, digits,
+                      what);
   return value;
 }
 
@@ -74,13 +76,32 @@ Loaded generate(const std::string& argument) {
   if (!known_generator(name))
     throw input_error("'{}': '{}' is none of {}.{}", argument, name, generator_names(), similar(name));
   if (name.size() == argument.size()) throw input_error("'{0}': how many contacts? {0}:100, say", argument);
-  const std::string_view rest = std::string_view(argument).substr(name.size() + 1);
-  const std::size_t colon = rest.find(':');
-  const auto size = parse_count<lcp::Index>(argument, rest.substr(0, colon), "number of contacts");
+  std::string_view rest = std::string_view(argument).substr(name.size() + 1);
+  const auto next = [&rest] {  // what is before the next colon, or nothing
+    const std::size_t colon = std::min(rest.find(':'), rest.size());
+    const std::string_view part = rest.substr(0, colon);
+    rest.remove_prefix(std::min(colon + 1, rest.size()));
+    return part;
+  };
+  const bool seeded = rest.find(':') != std::string_view::npos;
+  const auto size = parse_number<lcp::Index>(argument, next(), "number of contacts");
   if (size < 1) throw input_error("'{}': at least 1 contact is needed", argument);
-  const unsigned seed =
-      colon == std::string_view::npos ? 1U : parse_count<unsigned>(argument, rest.substr(colon + 1), "seed");
-  return {argument, contact::make_scene(name, size, seed).problem()};
+  const bool rubbed = rest.find(':') != std::string_view::npos;
+  const unsigned seed = seeded ? parse_number<unsigned>(argument, next(), "seed") : 1U;
+  Loaded loaded{argument, contact::make_scene(name, size, seed).problem()};
+  if (rubbed) {
+    const auto mu = parse_number<double>(argument, rest, "coefficient of friction");
+    if (!(mu >= 0) || !std::isfinite(mu)) throw input_error("'{}': mu is {} and must be >= 0", argument, mu);
+    loaded.problem.mu.setConstant(mu);
+  }
+  return loaded;
+}
+
+std::string with_friction(const std::string& argument, double mu) {
+  const auto colons = std::ranges::count(argument, ':');
+  if (!is_generated(argument)) throw input_error("--mu: '{}' is not a problem that is made", argument);
+  if (colons > 2) throw input_error("--mu: '{}' has a coefficient of friction", argument);
+  return fmt::format("{}{}:{}", argument, colons == 1 ? ":1" : "", mu);
 }
 
 Loaded load(const std::string& argument) {
@@ -88,7 +109,7 @@ Loaded load(const std::string& argument) {
   if (is_generated(argument)) return generate(argument);
   if (std::filesystem::is_directory(argument, ignored)) throw input_error("'{}' is a directory, not a file", argument);
   if (!std::filesystem::exists(argument, ignored))
-    throw input_error("there is no file '{}'; problems that can be made, as NAME:SIZE[:SEED]: {}.{}", argument,
+    throw input_error("there is no file '{}'; problems that can be made, as NAME:SIZE[:SEED[:MU]]: {}.{}", argument,
                       generator_names(), similar(name_of(argument)));
   return {argument, contact::read_problem(argument)};
 }

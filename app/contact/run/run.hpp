@@ -17,13 +17,16 @@ struct Loaded {
   std::string label;  ///< as it was given
   contact::Problem problem;
 };
-/// A file of FCLIB or Siconos, or NAME:SIZE[:SEED] of contact/scenes/generators.hpp, SIZE contacts, where there is no
-/// such file. Throws InputError, lcp::FileError, std::invalid_argument, std::bad_alloc.
+/// A file of FCLIB or Siconos, or NAME:SIZE[:SEED[:MU]] of contact/scenes/generators.hpp, SIZE contacts with this
+/// coefficient of friction in place of the scene's, where there is no such file. Throws InputError, lcp::FileError,
+/// std::invalid_argument, std::bad_alloc.
 Loaded load(const std::string& argument);
-/// The same where the argument has to be NAME:SIZE[:SEED].
+/// The same where the argument has to be NAME:SIZE[:SEED[:MU]].
 Loaded generate(const std::string& argument);
 /// Is it NAME:... of a generator and no file?
 bool is_generated(const std::string& argument);
+/// NAME:SIZE:SEED:MU of NAME:SIZE or NAME:SIZE:SEED. Throws InputError if that is none of a generator, or has a MU.
+std::string with_friction(const std::string& argument, double mu);
 /// Those of the arguments that are files: for check_outputs().
 std::vector<FileUse> files_of(const std::vector<std::string>& arguments);
 

@@ -12,11 +12,11 @@ namespace perp::app::contacts {
 
 namespace {
 
-/// What contact::variant_of reads; what it refuses is said with a word that is near.
-template <class Words>
-contact::Variant read(const Words& words, std::string_view before) {
+/// What `make` reads; what it refuses is said with a word that is near.
+template <class Make>
+auto read(std::string_view before, const Make& make) {
   try {
-    return contact::variant_of(words);
+    return make();
   } catch (const contact::UnknownWord& error) {
     throw input_error("{}{}{}", before, error.what(), did_you_mean(error.word(), error.known()));
   } catch (const std::invalid_argument& error) {
@@ -40,27 +40,30 @@ std::vector<std::string> Variant::flags() const {
 
 Variant parse_variant(const VariantRequest& request) {
   // What is refused begins with the field's name, which is the flag's.
-  Variant variant{read(contact::VariantWords{.formulation = request.formulation,
-                                             .method = request.method,
-                                             .encoding = request.encoding,
-                                             .row = request.row,
-                                             .form = request.form},
-                       "--"),
-                  request.options};
+  const contact::VariantWords words{.formulation = request.formulation,
+                                    .method = request.method,
+                                    .encoding = request.encoding,
+                                    .row = request.row,
+                                    .form = request.form};
+  Variant variant{read("--", [&] { return contact::variant_of(words); }), request.options};
   set_options(variant);
   return variant;
 }
 
-Variant parse_variant(const std::string& text) { return {read(text, fmt::format("'{}': ", text))}; }
+Variant parse_variant(const std::string& text) {
+  return {read(fmt::format("'{}': ", text), [&] { return contact::variant_of(text); })};
+}
 
 std::vector<Variant> parse_variants(const std::string& list) {
   std::vector<Variant> variants;
   for (std::size_t at = 0; at <= list.size();) {
     const std::size_t end = std::min(list.find(',', at), list.size());
-    Variant variant = parse_variant(list.substr(at, end - at));
-    if (std::ranges::any_of(variants, [&](const Variant& other) { return other.label() == variant.label(); }))
-      throw input_error("--variants: {} is there twice", variant.label());
-    variants.push_back(std::move(variant));
+    const std::string text = list.substr(at, end - at);
+    for (contact::Variant& variant : read(fmt::format("'{}': ", text), [&] { return contact::variants_of(text); })) {
+      if (std::ranges::any_of(variants, [&](const Variant& other) { return other.label() == variant.label(); }))
+        throw input_error("--variants: {} is there twice", variant.label());
+      variants.push_back({std::move(variant)});
+    }
     at = end + 1;
   }
   return variants;

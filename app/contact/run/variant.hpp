@@ -29,7 +29,7 @@ struct VariantRequest {
 Variant parse_variant(const VariantRequest& request);
 /// Of contact::variant_of's text.
 Variant parse_variant(const std::string& text);
-/// Of a comma-separated list; refuses repetitions.
+/// Of a comma-separated list, with the stars of contact::variants_of; refuses repetitions.
 std::vector<Variant> parse_variants(const std::string& list);
 
 /// What `--compare` runs where nothing else is asked for.

@@ -43,7 +43,7 @@ double median(std::vector<double> values) {
 }
 
 void check(const FacetsRequest& request) {
-  if (request.problems.empty()) throw InputError("--facets: on which problems? FILE..., or NAME:SIZE[:SEED]");
+  if (request.problems.empty()) throw InputError("--facets: on which problems? FILE..., or NAME:SIZE[:SEED[:MU]]");
   std::set<std::string> seen;
   for (const std::string& problem : request.problems)
     if (!seen.insert(problem).second) throw input_error("'{}' is there twice", problem);

@@ -232,6 +232,13 @@ TEST(Contact, GeneratedProblems) {
   const Loaded b = generate("spheres:20:3");
   EXPECT_EQ(a.problem.q, b.problem.q);
   EXPECT_NE(generate("spheres:20:4").problem.q, a.problem.q);
+  const Loaded smooth = generate("spheres:20:3:0.25");
+  EXPECT_EQ(smooth.problem.q, a.problem.q);
+  EXPECT_TRUE((smooth.problem.mu.array() == 0.25).all());
+  EXPECT_EQ(with_friction("spheres:20", 0.4), "spheres:20:1:0.4");
+  EXPECT_EQ(with_friction("spheres:20:3", 0.4), "spheres:20:3:0.4");
+  EXPECT_THROW(with_friction("spheres:20:3:0.2", 0.4), InputError);
+  EXPECT_THROW(with_friction("arch.hdf5", 0.4), InputError);
   for (const char* name : {"stack:8", "spheres:12", "arch:12", "chain:6", "wall:16", "incline:12"}) {
     const Answer run = answer({.problems = {name}});
     EXPECT_EQ(run.code, exit_solved) << name << ": " << run.err;
@@ -261,7 +268,8 @@ TEST(Contact, BadInputIsRefused) {
     EXPECT_THAT(run.err, testing::AllOf(HasSubstr(folder / name), HasSubstr(run.result["message"].get<std::string>())));
   }
   for (const char* name : {"cubes:10", "spheres", "spheres:", "spheres:0", "spheres:-3", "spheres:x", "spheres:10:y",
-                           "spheres:99999999999999999999", "spheres:10:1:2"}) {
+                           "spheres:99999999999999999999", "spheres:10:1:x", "spheres:10:1:-1", "spheres:10:1:nan",
+                           "spheres:10:1:0.4:5", "spheres:10::0.4"}) {
     const Answer run = answer({.generated = {name}});
     EXPECT_EQ(run.code, exit_input) << name;
     EXPECT_THAT(run.err, HasSubstr(name));

@@ -5,6 +5,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "ncp/strategy/presets.hpp"
+
 namespace perp::contact {
 namespace {
 
@@ -23,6 +25,28 @@ TEST(Variant, TextThereAndBack) {
   EXPECT_EQ(variant_of("ncp1").label(), "ncp1+path");
   EXPECT_EQ(variant_of("inner:8+auto/reduced").label(), "inner:8");
   EXPECT_EQ(Variant{}.label(), "glocker+auto");
+}
+
+// Would catch a method that a comparison of all leaves out, and a form.
+TEST(Variant, StarsStandForAll) {
+  const auto labels = [](const char* pattern) {
+    std::vector<std::string> all;
+    for (const Variant& variant : variants_of(pattern)) all.push_back(variant.label());
+    return all;
+  };
+  EXPECT_THAT(labels("glocker+path"), testing::ElementsAre("glocker+path/B"));
+  EXPECT_THAT(labels("inner:8+lemke/*"), testing::ElementsAre("inner:8+lemke", "inner:8+lemke/mixed"));
+  EXPECT_THAT(labels("frictionless/*"), testing::ElementsAre("frictionless"));
+  EXPECT_THAT(labels("outer:4+*"), testing::SizeIs(lcp::methods().size()));
+  const std::vector<std::string> grid = labels("glocker+*/*");
+  for (const ncp::Preset& preset : ncp::presets()) {
+    if (preset.name == "auto") continue;
+    for (const char* form : {"/B", "/B/original", "/A", "/A/original"})
+      EXPECT_THAT(grid, Contains("glocker+" + std::string(preset.name) + form));
+  }
+  EXPECT_THAT(grid, Contains("glocker+homotopy"));
+  EXPECT_THROW(variants_of("glocker/*/B"), std::invalid_argument);
+  EXPECT_THROW(variants_of("*"), UnknownWord);
 }
 
 TEST(Variant, ExactLaws) {
