@@ -239,6 +239,7 @@ std::vector<Variant> variants_of(std::string_view pattern) {
     set_law(variant, words.formulation);
     const std::vector<std::string_view> known = method_names(variant);
     names.assign(known.begin(), known.end());
+    std::erase(names, "auto");  // which chooses among the others
   }
   std::vector<Variant> variants;
   for (const std::string& name : names) {
