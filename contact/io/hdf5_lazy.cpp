@@ -14,7 +14,8 @@ namespace {
 [[noreturn]] void refuse() {
   if (errno == ENOMEM) throw std::bad_alloc();
   const char* why = dlerror();
-  throw std::runtime_error("HDF5 files cannot be read or written: " + std::string(why != nullptr ? why : PERP_HDF5));
+  throw std::runtime_error("HDF5 files need HDF5's library " PERP_HDF5 " (Debian: libhdf5-103-1): " +
+                           std::string(why != nullptr ? why : "it cannot be loaded"));
 }
 
 /// Stays loaded: its own clean-up runs when the process ends.
