@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// The program `perp`: its command line, signals and exit codes. The work is done by app/'s other files.
 #include <dlfcn.h>
 #include <fmt/format.h>

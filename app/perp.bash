@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # bash completion for perp; installed as share/bash-completion/completions/perp. Commands, flags and words are those of
 # the program's own help.
 

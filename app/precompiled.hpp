@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // cmake/precompiled.hpp for the program.
 #include "cmake/precompiled.hpp"
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// The cost of a replacement in lcp::BasisFactor, refactorizations included, in units of one fresh UMFPACK
 /// factorization of the same basis. Bases of a five-point Laplacian on a square grid and unit columns; the positions
 /// exchanged are random.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// What bench_path_peer and others run on, and with: (problem, start) pairs, and methods by name.
 #include <cstdint>

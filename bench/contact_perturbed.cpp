@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// bench_contact_perturbed FOLDER ROUNDS FILES...: variants of recorded contact problems as FCLIB files in FOLDER, for
 /// `perp contact --compare`. README.md says how to read it.
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// bench_contact_siconos SOLVER FILE [TOL]: one of Siconos' solvers of frictional contact on a recorded problem, W in
 /// blocks of 3 x 3 as Siconos' own simulations have it. README.md says how to read it.
 #include <algorithm>

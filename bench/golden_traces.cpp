@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// A hash of every record of every preset on every problem and start of the collection, under limits of iterations
 /// alone. What is to change nothing leaves this list as it was, on one machine and one BLAS; `diff` tells what it
 /// changed.

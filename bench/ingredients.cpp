@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Does each ingredient of PathSearch earn its place? The collection, random starts and models with the default options
 /// and with one ingredient at a time turned off, with the restarts and without. See bench/README.md.
 #include <cstdio>

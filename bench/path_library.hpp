@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// PATH's C library, loaded at run time: libpath47.so of a checkout of ampl/pathlib, up to 300 variables and 2000
 /// nonzeros unless the environment variable PATH_LICENSE_STRING has a licence. For measurements only; nothing of it is

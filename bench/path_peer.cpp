@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// A method of Perp beside PATH 4.7 in one process, on everything PATH's unlicensed library takes. See README.md.
 #include <CLI/CLI.hpp>
 #include <algorithm>

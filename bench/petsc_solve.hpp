@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// PETSc's methods for complementarity problems, SNESVI and TAO: what petsc_peer, bench_pde and bench_obstacle share.
 #include "bench/peers/peer.hpp"

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """What Python costs beside C++: python_costs.py [MICROSECONDS OF C++ FOR AN AFFINE SOLVE].
 
 Prints microseconds of processor time: of an evaluation of F and of a sparse J beyond what the functions themselves take,

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "capi/callback_mcp.hpp"
 
 #include <cxxabi.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// A problem of the caller's functions, and what goes wrong in them.
 #include <atomic>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// The wall between C and C++: nothing is thrown across it.
 #include <cxxabi.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Matrices and vectors of the caller's, checked and copied.
 #include <cstdint>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /** Perp from C: mixed complementarity problems, affine ones, and contact with friction.
  *
  *  MCP(l, u, F): find x in [l, u], n entries, such that for every i

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// The problems of perp.h.
 #include <algorithm>
 #include <memory>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Results of perp.h, and the names of what they say.
 #include <array>
 #include <cstring>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// perp_solve().
 #include "capi/solve.hpp"
 

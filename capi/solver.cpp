@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Solvers of perp.h: options by name, and what goes with them.
 #include <algorithm>
 #include <array>

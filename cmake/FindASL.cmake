@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # Finds AMPL's solver library (Debian: libamplsolver-dev; not libasl-dev, which is something else). Target: ASL::ASL.
 include(FindPackageHandleStandardArgs)
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # Finds HDF5's C library, the one without MPI (Debian: libhdf5-dev), whose places CMake's own FindHDF5 asks of a C
 # compiler. Target: HDF5Serial::HDF5Serial. HDF5Serial_SONAME is the name by which programs load the library.
 include(FindPackageHandleStandardArgs)

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # Finds MPFI, intervals with outward rounding (Debian: libmpfi-dev), with MPFR and GMP below it. Target: MPFI::MPFI.
 include(FindPackageHandleStandardArgs)
 

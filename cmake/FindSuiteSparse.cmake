@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # Finds SuiteSparse's libraries, for which Debian 12 ships no CMake package.
 #   find_package(SuiteSparse COMPONENTS UMFPACK KLU CHOLMOD SPQR)
 # gives a target SuiteSparse::NAME for each component found.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # What `cmake --install` puts into the prefix: the public headers, the libraries (perp_library), the package for
 # find_package(perp CONFIG) and perp.pc for pkg-config. The program installs itself (app/).
 include(CMakePackageConfigHelpers)

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # The man page with the program's own lists of methods, options and flags:
 #   cmake -DPERP=PROGRAM -DSOURCE=perp.1 -DRESULT=FILE -P man_page.cmake
 cmake_policy(VERSION 3.25)

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What nearly every file includes, compiled once (CMakeLists.txt). Every file still names what it uses.
 #include "lcp/eigen_memory.hpp"
 //

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Writes complementarity models as AMPL .nl files, text or binary, with .col and .row name files.
 
     m = Model("example")

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Makes the site: build.py PERP OUT. From the texts of the repository, and from what the program says of its methods.
 
 Needs mkdocs and, for the formulas, KaTeX: Debian's packages mkdocs and libjs-katex. The site uses no network.

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Prints the options of methods as a Markdown table: options.py PERP [METHOD...] [KEY...].
 
 The table follows from what the program says: the JSON of a run has the options of a method and their defaults, and

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// The affine mixed complementarity problem MCP(l, u, M z + q): find z in [l, u] such that for every i
 ///     l_i < z_i < u_i  =>  (M z + q)_i  = 0

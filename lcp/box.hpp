@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// The box  B = {x in R^n : lower <= x <= upper}  of a mixed complementarity problem.
 /// Entries may be -inf / +inf; lower_i = upper_i fixes x_i.

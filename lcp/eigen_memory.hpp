@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Eigen 3.4, kept whole where memory ends. Its dense storage and its sparse matrices free what they hold before they
 /// ask for another size and keep the pointer; where nothing is given the destructor frees it again. The constructors of

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Diagonal scaling of an affine MCP, private to lcp/:  M' = E M D,  q' = E q,  box' = D^-1 box,  z = D z',
 /// with positive diagonals E (rows) and D (columns). Since F' = E F, solutions correspond one to one.

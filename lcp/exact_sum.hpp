@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Sums of doubles and of products of two doubles without rounding: the value to the nearest double, and the sign.
 ///     a + b = s + e,  s = fl(a + b)      (two_sum; Knuth, TAOCP 2, 4.2.2)

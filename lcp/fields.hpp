@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Options described once. Beside each struct of options stands an ordinary function describe(Options&, Fields&), which
 /// gives every option its key, range and meaning. The rest follows from that at run time: whether a method makes sense

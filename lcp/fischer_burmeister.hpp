@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// phi_FB(a, b) = a + b - sqrt(a^2 + b^2), zero iff a >= 0, b >= 0, ab = 0 (Fischer 1992; the sign of the minimum), and
 /// the row of a box [l, u] by Billups' composition (1995, section 3.2), for it and other C-functions:

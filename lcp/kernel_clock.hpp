@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// One call into a library that factors looks at no clock. It is begun only if it fits what is left of the time, by its
 /// own estimate of the arithmetic and the rate at which the calls before came to theirs.

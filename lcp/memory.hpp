@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// How much memory there is, and the refusal to take more: asked before anything large is built, because Linux gives
 /// address space it does not have and ends the program later.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// How a solve ended: one vocabulary for affine problems, nonlinear ones and contact.
 #include <iosfwd>

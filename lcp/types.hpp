@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Vectors and sparse matrices of Perp: Eigen's, in the layout UMFPACK and KLU read (column-major, int indices).
 #include <Eigen/Core>

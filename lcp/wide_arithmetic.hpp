@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Arithmetic that neither overflows to an infinity nor underflows to zero.
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Small things that several folders write tables and visits with. Private to Perp.
 #include <algorithm>

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # shellcheck shell=bash
 # What quickstart and test share; sourced by them. Needs bash, and Debian's apt where packages are missing.
 # shellcheck disable=SC2034  # the scripts that source this use them

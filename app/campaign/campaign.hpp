@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// What a campaign was asked to do, DIR/campaign.json: written before the first cell, never changed.
 #include <string>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "app/campaign/campaign_file.hpp"
 
 #include <fmt/ranges.h>

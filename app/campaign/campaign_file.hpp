@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// DIR/campaign.json of `perp compare` and of `perp contact --compare`: a campaign's fields() after the number of their
 /// format, whose key is AnyCampaign::format.

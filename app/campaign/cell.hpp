@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// One cell of a comparison, (method, problem, start), and the files of a campaign that hold them.
 ///

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// A process under limits of wall clock and memory, with everything it starts.
 #include <sys/types.h>

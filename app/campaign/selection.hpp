@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// The LISTs of `perp compare`: which problems, which methods.
 ///

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// What the cells of a campaign say of each other's problems.
 #include <vector>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// The cells of a comparison, in several threads.
 #include <atomic>

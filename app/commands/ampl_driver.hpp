@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Perp as a solver of AMPL:  perp stub -AMPL [key=value]...  reads stub.nl and writes stub.sol. The executable is also
 /// installed as `pathampl`, the name under which Pyomo and others call PATH; by that name it needs no -AMPL.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// `perp list`, `perp export` and `perp cfunctions`: the collection and the C-functions.
 #include <string>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// `perp inspect`: what can be said of a problem without solving it. What is found is data here, told to a person by
 /// inspect_text.cpp and to a program by inspect_json.cpp. Rows and columns of fixed variables are left out of

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// An Inspection for programs; docs/schema/inspect.json describes it.
 #include "app/commands/inspect.hpp"
 #include "app/text/json_parts.hpp"

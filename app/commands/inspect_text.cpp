@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// How an Inspection is told to a person.
 #include <fmt/format.h>
 

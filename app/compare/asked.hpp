@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// From a request to a campaign. Private to app/compare.
 #include <vector>

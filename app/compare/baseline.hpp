@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Comparison with an earlier campaign's cells.csv or outcomes.csv: nothing that was solved may become unsolved.
 #include <cstddef>

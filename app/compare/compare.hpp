@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// `perp compare`: a campaign of methods x problems x starts, each run in a process of its own.
 #include <atomic>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "app/compare/journal.hpp"
 
 #include <fcntl.h>

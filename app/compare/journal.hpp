@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// The directory of a campaign while it is at work: the lock, and cells.jsonl, which only grows.
 #include <mutex>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// How far a campaign is, on a terminal as one line that is rewritten, elsewhere as a line now and then.
 #include <array>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// The numbers of a report as CSV (RFC 4180, header, one record a line) and JSON.
 #include <string>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// The few pieces of HTML a report needs: escaped text, tables that the page's script can sort.
 #include <string>

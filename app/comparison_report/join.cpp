@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Shards of a campaign, each in a folder of its own, as one campaign.
 #include <fmt/format.h>
 #include <fmt/ranges.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// The report as one HTML page that needs nothing else: no network, no library. Private to comparison_report/.
 #include <string>

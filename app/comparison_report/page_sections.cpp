@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// The report's sections that are tables and charts.
 #include <fmt/format.h>
 

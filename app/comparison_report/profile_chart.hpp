@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Profiles as inline SVG: steps over a logarithmic axis, told apart by colour (Okabe & Ito's palette without yellow),
 /// dashes, markers and a label at the end of each.

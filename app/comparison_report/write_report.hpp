@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// The report of a campaign: DIR/report.html and the numbers beside it, made from DIR/campaign.json and
 /// DIR/cells.jsonl.

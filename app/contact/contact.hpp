@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// `perp contact`: unilateral contact with Coulomb friction, by any formulation of contact/, judged by the exact law.
 #include <atomic>

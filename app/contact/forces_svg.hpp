@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// The impulses of a run in their friction cones, seen from above: contact by contact the disk |r_T| <= mu r_N, all
 /// drawn of one size, with r_T in it and r_N as a bar beside it; and all of them in one disk. What sticks, slips or is

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// What a report is made of: the methods, problems and cells of a campaign directory, by index.
 #include <cstddef>

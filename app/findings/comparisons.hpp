@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Which methods are compared with which, on which pairs, by which costs.
 ///

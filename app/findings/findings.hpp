@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// What a campaign shows, in plain words, by rules:
 ///   * who solves most: ties are named as ties, and a lead counts as one only if the pairs on which two methods differ

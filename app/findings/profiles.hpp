@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Performance and data profiles of methods s on problems p, from costs t_{p,s} > 0 (infinite: not solved).
 ///

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Failures by method and class of problems, as Billups, Dirkse & Ferris, Comput. Optim. Appl. 7 (1997) 3, print them:
 /// those of the runs from the published starts and, in parentheses, those that are left after restarts.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// A comparison in one line a method, and when a difference between two methods deserves to be called one.
 #include "app/findings/comparisons.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// `perp methods`, and the methods by the names of app/.
 #include <string>

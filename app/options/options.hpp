@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Options by their names (ncp/settings/settings.hpp), by the names of app/.
 #include "app/options/methods.hpp"

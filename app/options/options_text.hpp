@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// How options are written (ncp/settings/assignments.hpp), by the names of app/.
 #include "ncp/settings/assignments.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// The way of one iteration of PathSearch with the merit along it, kept while a run goes on.
 #include <optional>

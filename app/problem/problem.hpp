@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// The problem a command is about: a name of the collection, an .nl file, or files of an affine problem.
 #include <functional>

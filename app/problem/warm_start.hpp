@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Warm starts: point and basis of an earlier run, from the JSON that `perp solve --json` wrote of it.
 #include <string>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Calls that are not waited for for ever. Factorizations, readers and devices look at no clock and at no flag: they
 /// run on a thread of their own, which is left behind where it does not come back.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Files of the program: what it writes and reads, checked before anything runs, and text that a terminal may be shown.
 #include <ostream>

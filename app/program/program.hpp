@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// What every part of the program `perp` shares: where text goes, exit codes, errors a user can mend, and versions.
 #include <fmt/format.h>

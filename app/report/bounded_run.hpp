@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// run_method() within its limits, whatever it is doing when they are reached.
 #include <functional>

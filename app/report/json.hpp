@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// A run as JSON, for programs; docs/schema/ describes it.
 #include <span>

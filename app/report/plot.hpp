@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// A picture of a run: merit and residual against the iterations; and of one iteration of PathSearch, the merit along
 /// the way of its linearised problem, with every kink (pivot) and the point that was accepted.

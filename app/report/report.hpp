@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// One run of a method on a problem, and how it is told to a person. (To programs: json.hpp; to AMPL:
 /// app/commands/ampl_driver.hpp.)

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Fields of CSV files (RFC 4180). A text that a spreadsheet would take for a formula, beginning with = + - @, a tab or
 /// a carriage return, gets an apostrophe before it (OWASP, "CSV Injection"); numbers stay as they are, and reading

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Structs as JSON objects, by one list of keys that serves writing and reading:
 ///

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// What JSON is made of, for the files that write it. Private to app/.
 #include <nlohmann/json.hpp>

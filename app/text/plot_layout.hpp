@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Panels, axes and legends of drawings. Private to app/.
 #include <string>

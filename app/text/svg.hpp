@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Drawings as SVG text: shapes with classes, escaped words, axes with ticks. Units are pixels, y grows downwards.
 #include <string>

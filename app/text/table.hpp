@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Plain-text tables with aligned columns, and numbers for people.
 #include <iosfwd>

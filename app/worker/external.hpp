@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Somebody else's program, by AMPL's convention: `COMMAND STUB -AMPL` reads STUB.nl and writes STUB.sol.
 #include <string>

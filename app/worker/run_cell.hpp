@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// One cell, made by processes: a run of the method, the judge, and further runs after a failure.
 #include <atomic>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// .sol files read back, text and binary, from programs one cannot trust (Gay, "Hooking your solver to AMPL", 1997,
 /// and what ASL's write_sol writes). Text:

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// What a campaign's processes do: `perp compare-worker TASK`, a hidden command with a JSON object as its argument.
 /// Each writes its answer to FOLDER/result.json, as a whole or not at all, and x as raw doubles to FOLDER/x.bin.

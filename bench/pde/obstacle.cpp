@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Obstacle problem: bound_qp beside one CHOLMOD factorization of the same matrix and, where PETSc is there, beside its
 /// solvers of the same problem. README.md tells how to read it.
 ///     obstacle [REPETITIONS [N ...]]

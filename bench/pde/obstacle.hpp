@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// The obstacle problem that obstacle.cpp measures, and what a solver of it reports.
 #include <string>

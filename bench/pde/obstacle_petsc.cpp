@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// PETSc on the obstacle problem: SNESVI (reduced-space and semismooth Newton) and TAO's bound-constrained methods.
 #include <petsc.h>
 

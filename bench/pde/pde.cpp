@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Obstacle-type problems on fine grids: the methods of Perp beside PETSc's, all until the natural residual is at most
 /// 1e-8, in one process. README.md tells how to read it.
 ///     pde [LIMIT [PROBLEM:MxN ...]]       LIMIT: seconds that a solver gets

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// The problems that pde.cpp measures, and what a solver of one reports.
 #include <string>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// PETSc on complementarity problems: TAO's semismooth methods and SNESVI, each with several linear solvers.
 #include <petsc.h>
 

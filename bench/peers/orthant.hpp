@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// An Mcp as equations and complementarity on the orthant, for solvers that know no boxes:
 ///     G_e(z) = 0, z_e free (n1 of them),    0 <= z_c _|_ G_c(z) >= 0 (n2).

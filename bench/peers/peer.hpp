@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// What the drivers of peers share: somebody else's solver as a program that AMPL, and `perp compare --external`, can
 /// call. `DRIVER [key=value]... STUB -AMPL` reads STUB.nl as an Mcp and writes STUB.sol.

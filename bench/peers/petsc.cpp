@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// PETSc for `perp compare --external`: SNESVI (reduced space, semismooth) and TAO's semismooth methods.
 #include <petsc.h>
 

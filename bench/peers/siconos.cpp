@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Siconos for `perp compare --external`: its solvers for NCPs, MCPs (equations and the orthant) and LCPs.
 #include <algorithm>
 #include <array>

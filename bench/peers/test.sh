@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
 # One driver on small models through `perp compare`: the judge has to call every answer solved, and a wrong option has to
 # come back as a failure with its reason; with OPTION_NOT_TAKEN no model is for the driver.
 # usage: [OPTION_NOT_TAKEN=key=value] test.sh PERP DRIVER FOLDER MODEL.nl...

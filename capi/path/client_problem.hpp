@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// A client's problem as one of perp.h: what its callbacks say, asked and checked.
 #include <memory>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// A client's Jacobian: its own arrays, and the pattern that Perp solves with.
 #include <cstdint>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Licences, of which none is needed; and the workspace, of which there is none.
 #include <climits>
 #include <cstring>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Options by PATH's names and ours.
 #include <array>
 #include <cstdio>

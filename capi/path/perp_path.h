@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /** The interface that clients of the PATH solver call, with Perp behind it: libperp_path.so. Programs written and
  * compiled for PATH's own headers run against it as they are; this header is for those who have none.
  * docs/path-library.md says in what it behaves otherwise.

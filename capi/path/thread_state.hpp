@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// What a client of PATH's library sets once for all of its calls. It belongs to the thread here.
 #include <memory>

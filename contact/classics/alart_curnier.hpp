@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Newton's method on the equation of Alart & Curnier, in the coordinates of contact/model/scaling.hpp (mu = 1):
 ///     r_N = max(0, r_N - rho_N u_N),   r_T = P_disk(r_N+)(r_T - rho_T u_T),   u = W r + q + alpha (r - centre),

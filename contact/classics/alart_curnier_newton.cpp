@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Alart & Curnier's equation and its kin, by Newton's method with a line search.
 #include <algorithm>
 #include <cmath>

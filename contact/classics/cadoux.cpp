@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Cadoux' fixed point F(s) = s. The convex problem of each s by ADMM (Boyd et al., Found. Trends Mach. Learn. 3 (2011)
 /// 1), which is Douglas & Rachford's splitting of W r + q + s e_N and the normal cone of K: W may be singular, and
 /// unsymmetric as long as it is monotone.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Methods of the literature for Coulomb's exact law, on r alone: the lecture's (51)-(81). One file a method. Each
 /// works in the coordinates of contact/model/scaling.hpp, where mu = 1, makes iterates until the judge accepts one or a

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// The unit cone K = {|r_T| <= r_N} in R^3, of the coordinates of contact/model/scaling.hpp; entries that a smaller
 /// contact has not are zero. K is its own dual. Private to contact/.

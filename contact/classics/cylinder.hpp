@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Contacts whose friction disks have given radii theta: r_N >= 0, |r_T| <= theta, with
 ///     0 <= u_N _|_ r_N >= 0,   -u_T in the normal cone of the disk at r_T,

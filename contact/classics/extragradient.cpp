@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Korpelevich's extragradient method with Khobotov's step length.
 #include "contact/classics/classics.hpp"
 #include "contact/classics/trial.hpp"

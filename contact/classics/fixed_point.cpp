@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// De Saxce & Feng's projection, with a step length of its own.
 #include "contact/classics/classics.hpp"
 #include "contact/classics/trial.hpp"

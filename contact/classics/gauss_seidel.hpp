@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Sweeps of nonsmooth Gauss-Seidel, in the coordinates of contact/model/scaling.hpp: contact by contact the local
 /// problem

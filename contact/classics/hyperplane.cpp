@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Solodov & Svaiter's projection onto a separating hyperplane.
 #include <algorithm>
 #include <cmath>

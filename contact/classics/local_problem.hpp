@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// The problem of one contact in the coordinates of contact/model/scaling.hpp (mu = 1), W = W_aa of 1 to 3 rows:
 ///     u = W r + b,   K* > u + |u_T| e_N  _|_  r in K

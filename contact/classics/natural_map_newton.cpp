@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// The natural map r - P_K(r - rho uhat) by Newton's method with a line search.
 #include <cmath>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Newton's method for nonsmooth equations Phi(r, W r + q) = 0 that are written contact by contact, in the coordinates
 /// of contact/model/scaling.hpp (lecture, (51), (55), (59)-(60), (74)):

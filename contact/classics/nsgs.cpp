@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Nonsmooth Gauss-Seidel to the end.
 #include "contact/classics/classics.hpp"
 #include "contact/classics/gauss_seidel.hpp"

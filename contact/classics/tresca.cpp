@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Tresca's friction: a fixed point on the threshold, and Panagiotopoulos' alternation, whose inner problems are parts
 /// of the same.
 #include "contact/classics/classics.hpp"

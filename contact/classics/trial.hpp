@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// What a method of this folder is given beside the problem: the judge of its iterates, and its limits. A method never
 /// says that a point is solved. Private to contact/.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Coulomb's law as a variational inequality over the cones, in the coordinates of contact/model/scaling.hpp (lecture,
 /// (64)-(68)): r in K with

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Nonnegative least squares over a cone that is given by its generators, finitely or infinitely many:
 ///     min |rho|^2,   rho = sum_j x_j c_j + e,   x >= 0,

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Decides, before a solve is given up, whether a solution exists, as far as this can be proven.
 ///

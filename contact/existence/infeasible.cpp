@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// The radius of a certificate, and what it proves. The search is in infeasible_search.cpp.
 #include "contact/existence/infeasible.hpp"
 

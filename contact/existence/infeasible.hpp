@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Contact problems without a solution, and the proof. Let y >= 0 have one number a contact, y e_N = y_a in the normal
 /// place of contact a, and g = W'(y e_N). For impulses r in K

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// find_infeasibility(): single contacts, then part by part nonnegative least squares; simple numbers in the end.
 #include <algorithm>
 #include <cmath>

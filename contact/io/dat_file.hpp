@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Reader of the `.dat` files of Siconos' friction tests: numbers separated by blanks or line ends.
 ///     local                          global (GFC3D)

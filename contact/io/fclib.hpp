@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Files of the Frictional Contact Library, FCLIB (Acary, Bremond, Koziara & Perignon, 2014; HDF5). Of the two problems
 ///     /fclib_local     u = W r + V lambda + q,   0 = V' r + R lambda + s         (V, R, s may be absent)

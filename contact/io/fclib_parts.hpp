@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// What of FCLIB files (fclib.hpp) needs no HDF5: the storage of matrices, the sizes of points. Private to contact/.
 #include <vector>

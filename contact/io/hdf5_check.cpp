@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "contact/io/hdf5_check.hpp"
 
 #include <cstdint>

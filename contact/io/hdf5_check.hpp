@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// A damaged file can make HDF5's library (1.10.8) read and write outside of its memory: of 200,000 small files with up
 /// to three random bytes or words changed, eleven ended the process. Hence this look beforehand, which follows

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// HDF5's functions and types under their own names, from a library that is loaded with the first use of one: it needs
 /// sixty others, which is most of a program's start, and problems in HDF5 files are few. Each throws std::runtime_error

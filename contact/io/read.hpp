@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// A contact problem from a file of either format: FCLIB's HDF5 (fclib.hpp), recognised by its signature, or Siconos'
 /// text (dat_file.hpp).

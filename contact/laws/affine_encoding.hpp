@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// What the affine encodings of a contact problem share (frictionless.hpp, inner_faceting.hpp, outer_faceting.hpp):
 /// each is, in the units of contact/model/units.hpp, an affine MCP in unknowns z that determine the impulses,

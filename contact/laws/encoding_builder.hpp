@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Private to the affine encodings: collects A, B, L and the box of affine_encoding.hpp contact by contact.
 #include <vector>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// The first NCP for Coulomb friction, by norms (Acary's lecture 3, (42)-(44)), for comparison with Glocker's. Contact
 /// by contact, u = W r + q,

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Contact without friction: the tangential rows of u = W r + q have r_T = 0, and what is left is
 ///     LCP(W_NN, q_N):   0 <= r_N  _|_  u_N = W_NN r_N + q_N >= 0.

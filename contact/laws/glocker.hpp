@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Glocker's law of friction as a differentiable MCP (Glocker 1999; Acary & Brogliato 2008, 13.4.3; lecture,
 /// (45)-(50)), in the coordinates of contact/model/scaling.hpp (mu = 1). The disk |r_T| <= r_N is the intersection of

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// What both forms of Glocker's law (glocker.hpp, contact/solvers/homotopy.hpp) share, with mu = 1. Private to
 /// contact/.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "contact/laws/inner_faceting.hpp"
 
 #include "contact/laws/encoding_builder.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Friction by the vertices of a polygon (Al-Fahed, Stavroulakis & Panagiotopoulos 1991; Stewart & Trinkle 1996):
 /// P = conv{d_1, .., d_K}, r_T = D beta with D = [d_1 .. d_K], beta in R^K, and

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Friction by the edges of a polygon (Klarbring 1986; Klarbring & Bjorkman 1988): P = {x : c_i'x <= 1}, and the
 /// multipliers kappa_i of its K edges span the normal cone,

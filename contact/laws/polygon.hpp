@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Friction polygons. A contact with the polygon P, a convex polygon about the origin of the plane (T1, T2), has the
 /// law

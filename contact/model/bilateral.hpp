@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Frictionless contact of bodies under bilateral constraints, as a mixed LCP of the problem before its condensation.
 /// With H_N the normal columns of H, w_N the normal entries of w (Newton's impact law folded in),

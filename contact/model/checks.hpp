@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Parts of check(Problem), private to contact/. Each throws std::invalid_argument with what, where and the value.
 #include "contact/model/problem.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Sums and products of doubles without rounding: the number is the sum of a few doubles that do not overlap, smallest
 /// first (Shewchuk, Discrete Comput. Geom. 18 (1997) 305, theorem 10; Dekker 1971 for the product). What a product may

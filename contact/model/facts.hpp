@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// What is known of a problem's Delassus operator before it is solved. In exact mechanics W is symmetric, positive
 /// semidefinite, and of rank d n unless contacts are redundant (four feet on a floor). All is measured on

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// The natural map of one contact (Acary & Brogliato 2008, 13.3),
 ///     e = r - P_K(r - rho uhat),   uhat = u + mu |u_T| e_N,   K = {|r_T| <= mu r_N},

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Units and coordinates in which every cone of friction is that of mu = 1 and the entries are near one: with
 ///     s = tr(W) / (d n),   q_s = |q|_inf,   M = diag(1, mu, mu) contact by contact,

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Units in which a contact problem has entries near one, whatever its own: velocities in q_s = |q|_inf, impulses in
 /// q_s / s with s = tr(W) / (d n), so that

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// u = W r + q and the sizes of what is added up in it, for the judge: in twice the working precision, and
 /// without rounding in rows where that is not enough, so that q is not lost beside a huge W r. O(entries of W).

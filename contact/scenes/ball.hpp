@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// A ball on a horizontal plane under a load of constant size that comes from three directions in turn (Acary, lecture
 /// 3, Aussois 2010, (26)), with P = 5 s, L = 1:

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Contact problems from mechanics, one time step each, of any size and the same for the same seed on every machine up
 /// to rounding. Bodies rest, or fall, under gravity g = 9.81 m/s^2 along -z; a step of h seconds; densities of stone or

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Moreau and Jean's time stepping for rigid bodies on fixed planes: impulses instead of forces, contact and impact
 /// laws on velocities, events not located but stepped over. A step of h seconds, with v = (velocity of the centre of

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Spheres poured into a box.
 #include <algorithm>
 #include <array>

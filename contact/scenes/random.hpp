@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Random numbers that are the same everywhere: the standard fixes the engine std::mt19937, but not its distributions.
 #include <random>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Rigid bodies in contact, and the frictional contact problem of one time step of theirs: with v = (velocity of the
 /// centre of mass, angular velocity) of body after body in world axes, inertia M = diag(m I, J) and impulses of the

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Auto, and GlockerHomotopy as a part of it: sweeps, attempts of the homotopy, Newton steps, the proximal loop.
 #include <algorithm>
 #include <array>

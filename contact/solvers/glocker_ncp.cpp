@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// GlockerNcp: any method of ncp/ on Glocker's NCP, with delta continued where the disk row has one.
 #include <algorithm>
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Interior-point homotopy on Glocker's NCP (contact/laws/glocker.hpp, encoding A, the normalised disk row), reduced to
 /// the impulses.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// What every solver of contact/solvers/solve.hpp shares: the judge, the best point, limits, records. Private to
 /// contact/.

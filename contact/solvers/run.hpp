@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Any law of friction by any method:
 ///     const Run run = contact::run(problem, contact::variant_of("glocker+path"));

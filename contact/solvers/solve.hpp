@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Contact problems, solved to the exact law of Coulomb: through Glocker's differentiable NCP, or by the methods of
 /// contact/classics, on r alone:

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// One way to solve a contact problem: a law of friction, its form, and a method. As text
 ///     FORMULATION[+METHOD][/WORD]...

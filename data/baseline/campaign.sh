@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
 # The campaign of the baseline: campaign.sh PERP DIR [PROBLEMS [options of perp compare]]. DIR is made anew.
 set -eu
 perp=$1 dir=$2

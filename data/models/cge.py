@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """General equilibria of a small open economy in Mathiesen's format, calibrated to a random balanced social accounting
 matrix: nested CES production, Armington imports, CET exports, households with CES or linear expenditure systems, taxes
 and, on request, rationing. See ../README.md."""

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Electricity: Cournot firms on a linearised network (affine), and investment in plants under uncertain demand. See
 ../README.md."""
 

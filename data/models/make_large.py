@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Writes the large models of this folder's generators: make_large.py FOLDER [PART_OF_NAME]. See ../README.md.
 
 They take some hundred megabytes and a minute; nothing of them is kept in the repository."""

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Writes the models of this folder: make_models.py [FOLDER], by default beside this file. See ../README.md."""
 
 import sys

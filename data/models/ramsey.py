@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Ramsey growth with an exhaustible resource, a backstop and an emission cap, in Mathiesen's format over time. See
 ../README.md."""
 

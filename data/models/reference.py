@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Solves the models of this folder without Perp and writes *.sol.json: reference.py [FOLDER]. See ../README.md.
 
 Damped Newton steps on Fischer-Burmeister's equations with dense elimination, derivatives by complex steps,

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Spatial price equilibria with exact ties: regions on a grid, the cost of a route its Manhattan distance. See
 ../README.md."""
 

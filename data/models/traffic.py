@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Traffic equilibria (Wardrop): flows by destination on a grid of streets, travel times of the Bureau of Public Roads.
 See ../README.md."""
 

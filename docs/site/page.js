@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Renders ```math blocks and $`...`$ by KaTeX, which katex.min.js has made global; narrow cells of tables.
 document.addEventListener("DOMContentLoaded", () => {
   const shown = (tex, displayMode) => {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Which of the matrix classes of complementarity theory M (n x n, any) belongs to, with a reason or a witness, and
 /// what follows from it. With S = M + M' and for all v != 0 or all index sets alpha:

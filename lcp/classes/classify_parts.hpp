@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// The tests behind classify(). Private to lcp/.
 #include "lcp/classes/classify.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "lcp/io/matrix_market.hpp"
 
 #include <sys/stat.h>

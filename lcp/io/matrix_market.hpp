@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Matrix Market files (Boisvert, Pozo & Remington, NIST IR 5935, 1996): a header line
 ///     %%MatrixMarket matrix coordinate|array real|integer|double|pattern general|symmetric|skew-symmetric

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Text files of numbers separated by blanks and line ends, read one after the other; what does not fit is refused by
 /// FileError with line and reason. Private to the readers of the project.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Files are written to a draft beside them and then renamed, so that they are whole or not there, whatever ends the
 /// program meanwhile. The draft is synced before it is renamed (Pillai et al., "All file systems are not created

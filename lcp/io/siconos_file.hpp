@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Readers of the `.dat` files with which Siconos tests its LCP and MLCP solvers. All numbers are separated by blanks
 /// or line ends.

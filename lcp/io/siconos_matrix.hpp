@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// The matrices in Siconos' `.dat` files: MATRIX of lcp/io/siconos_file.hpp, storage 0 (dense) and 1 (sparse by
 /// blocks). Private to the readers of the project.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Points of { (z, w) : w = M z + q, bounds on every z_i and w_i }, dense, for small systems whose bounds change a few
 /// at a time. Some n of the 2n variables are basic, x_B = T x_N + const; the nonbasic ones keep their bounds, and

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Semismooth Newton for the Fischer-Burmeister equation Phi(z) = 0 of the affine MCP (De Luca, Facchinei & Kanzow
 /// 1996; boxes after Billups 1995). With phi(a, b) = a + b - sqrt(a^2 + b^2), the rows of Phi are

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Infeasible primal-dual interior points with Mehrotra's predictor and corrector for monotone affine MCPs (M positive
 /// semidefinite, not necessarily symmetric). With slacks s = z - l > 0, t = u - z > 0 of the finite bounds and their

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Damped Newton for the equation  H(z) = mid(z - u, M z + q, z - l) = 0  (min(z, M z + q) for the LCP), piecewise
 /// linear (Harker & Pang 1990; Fischer & Kanzow 1996; as a primal-dual active set method Hintermueller, Ito & Kunisch

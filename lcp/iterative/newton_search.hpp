@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// What the Newton methods share beside their linear systems: the search, and the steps that are safe where Newton's is
 /// not. Private to lcp/.

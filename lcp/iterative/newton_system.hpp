@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// The nonsmooth equations Phi(z) = 0 of an affine MCP and the linear systems of Newton's method for them. Row i
 /// depends on (z_i, F_i), F = M z + q, so that H = Da + Db M, Da and Db diagonal, is an element of the

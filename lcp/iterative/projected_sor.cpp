@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "lcp/iterative/projected_sor.hpp"
 
 #include <Eigen/LU>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Projected successive overrelaxation for the affine MCP(l, u, M z + q): sweeps over the variables, forward or forth
 /// and back,

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// What searches remember of the merits they have met. Private to Perp.
 #include <algorithm>

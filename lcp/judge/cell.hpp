@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// The complementary cells of an affine MCP: every variable has a place, and a cell is
 ///     Lower: z_i = l_i     Upper: z_i = u_i     Inside: (M z + q)_i = 0.

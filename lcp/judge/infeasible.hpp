@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Proofs, exact in the doubles given, that an affine MCP has no solution. Included by result.hpp.
 ///

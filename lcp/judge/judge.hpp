@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// The judge of affine problems: the natural residual of F = M z + q summed without rounding errors, so that huge terms
 /// that cancel cannot hide an F_i; and what a residual is worth beside the terms it is the rest of,

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// The answer of every method for the affine MCP, and the limits that may stop it. Only the judge (judge.hpp) may call
 /// a point Solved, so methods make their Result by judged().

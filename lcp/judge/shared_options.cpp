@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "lcp/judge/shared_options.hpp"
 
 namespace perp::lcp {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Solves reducible affine MCPs component by component. Row i of F = M z + q depends on z_j where M_ij != 0. The
 /// strongly connected components of that graph can be ordered so that M is block lower triangular. Component k is then

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Matrices made of others: principal blocks, and the system of a damped least-squares problem.
 #include <vector>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Sparse Cholesky factorization of one symmetric positive definite matrix, P A P' = L L', over CHOLMOD: the only place
 /// where it appears. Ordering by CHOLMOD's defaults (AMD, METIS where AMD's fill is large), supernodal where that pays.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Symmetric matrices by rows, and what conjugate gradients on a face of the box are preconditioned with. Private to
 /// lcp/.

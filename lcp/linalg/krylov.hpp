@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Inexact solution of  H d = b,  H = Da + Db J  (Da, Db diagonal, J sparse, n x n): the systems of semismooth Newton
 /// methods, in memory that is a small multiple of J's.

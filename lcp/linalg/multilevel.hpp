@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Algebraic multigrid for symmetric positive definite matrices with mostly negative entries off the diagonal, and its
 /// V-cycle on a face: on the unknowns that an active set leaves free. Private to lcp/.

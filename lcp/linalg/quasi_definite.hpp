@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// L D L' of S K for the matrices K of interior points in linear and quadratic programs: with signs S = diag(+-1),
 ///     S K = (Q + Theta_1   -A'      )        Q, R positive semidefinite, Theta positive diagonal,

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// What the pattern of a sparse matrix A (m x n) alone says: maximum matchings, the structural rank, and the coarse
 /// Dulmage-Mendelsohn decomposition. Rows and columns are the two sides of a bipartite graph with an edge where A has

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Invertible representation of a basis B = A(:, basis), updated one column at a time:
 ///     B <- B + (a_q - B e_p) e_p'.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// The condition of a matrix that is known by its solves. Private to lcp/.
 #include <functional>

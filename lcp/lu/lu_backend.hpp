@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// The seam between SparseLu and the libraries that factor; private to lcp/.
 #include <memory>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// The factors of one square matrix,  L U = (R A)(P, Q),  R diagonal, in a form that solves with sparse right-hand
 /// sides in time proportional to the arithmetic (Gilbert & Peierls, SIAM J. Sci. Stat. Comput. 9 (1988) 862). Private

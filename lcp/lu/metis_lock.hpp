@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// METIS works for one thread at a time: it draws from rand(), which is the process', so that two could get other
 /// orderings than each alone, and it exchanges the process' handlers of SIGABRT and SIGTERM. Private to lcp/.

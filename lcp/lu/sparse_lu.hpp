@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Sparse LU of one square matrix, P A Q = L U, over UMFPACK, KLU or Eigen: the only place where the three appear.
 /// The symbolic analysis (ordering, elimination tree) is kept while the sparsity pattern of A is unchanged.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// A vector of R^n with the list of its nonzeros, for results that have few of them. Past n/5 of them the list is given
 /// up: then any entry may be nonzero, and full() is true.

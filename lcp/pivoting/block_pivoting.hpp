@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Block principal pivoting for the affine MCP(l, u, M z + q), any box. Every bounded variable has a place (at lower,
 /// at upper, inside); free variables are always inside, fixed ones never. The places give a point by

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Murty's least-index principal pivoting (a Bard-type method) for the affine MCP(l, u, M z + q), any box. Places and
 /// their point as in block_pivoting.hpp; every step changes the place of one variable,

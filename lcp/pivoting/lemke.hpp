@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Lemke-type pivoting for the affine MCP, seen as following a piecewise-linear path.
 ///

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Paths of Lemke & Howson's kind for LCP-like problems (every variable bounded below only): all complementarity
 /// conditions hold on the path but that of one label k,

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// The path G(x) = (1 - t) r of lemke.hpp and the basis that represents its present segment; private to lcp/.
 ///

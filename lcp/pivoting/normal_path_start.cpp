@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Where paths begin: the cells and the basis of the start.
 #include <algorithm>
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// The principal pivoting method of Cottle and Dantzig, in its asymmetric form with 1 x 1 and 2 x 2 principal pivots,
 /// for the affine MCP(l, u, M z + q), any box: first brought to pairs (z_k, w_k) >= 0, w = M z + q (two bounds make two

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// An affine MCP as an LCP with free variables: pairs (x_k, w_k), w = M' x + q', with x_k, w_k >= 0 and x_k w_k = 0, or
 /// x_k free and w_k = 0. Private to lcp/.

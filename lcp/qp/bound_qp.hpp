@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// The affine MCP with symmetric positive semidefinite M as the quadratic program that it is the optimality condition
 /// of,

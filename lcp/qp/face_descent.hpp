@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Descends on  1/2 z'A z + q'z  over the box [l, u], with A symmetric, positive definite, positive diagonal. A step is
 ///  1. a projected Gauss-Seidel sweep forth and back, z_i <- mid(l_i, z_i - g_i / a_ii, u_i), g = A z + q;

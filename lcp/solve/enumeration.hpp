@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// All solutions of a small affine MCP(l, u, M z + q), any box, by enumeration of its complementary cells: every
 /// bounded variable is at its lower bound (w_i >= 0), at its upper bound (w_i <= 0) or inside (w_i = 0), free variables

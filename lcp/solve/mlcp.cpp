@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "lcp/solve/mlcp.hpp"
 
 #include <algorithm>

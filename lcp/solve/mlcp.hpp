@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// The mixed LCP in block form, MLCP(A, B, C, D, a, b): find u in R^n (free) and v in R^m with
 ///     A u + C v + a = 0

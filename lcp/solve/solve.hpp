@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// The methods for the affine MCP as values, and solve(), which runs one of them or lets Auto choose.
 #include <span>

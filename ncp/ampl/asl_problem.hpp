@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// A model inside AMPL's solver library: the values and first derivatives of its rows. The library keeps global state
 /// and ends the process over errors; nothing of either is seen here: one lock guards every call of it, its error jumps

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Which derivatives of an AMPL model are constants.
 #include <vector>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// AMPL models: an .nl file (text or binary) as an Mcp, and the .sol file that answers it, through AMPL's own library.
 ///

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Ranges of a model's F and J over boxes, from the expressions of its .nl file.
 #include <memory>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Names from the .col and .row files beside an .nl file: one a line, in the order of the model.
 #include <string>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// A complete check of an .nl file, because AMPL's library trusts what it reads: a file that passes can be handed to
 /// it. On the way everything is kept that the pairing needs.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// The expression trees of an .nl file, checked while they are passed over. The grammar is that of the operators'
 /// opcodes (Gay, "Writing .nl files", table 6) with numeric and logical expressions kept apart; beyond it, only what

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "ncp/ampl/nl_header.hpp"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// The ten header lines of an .nl file, in its words (Gay, "Writing .nl files", table 2).
 #include <vector>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// The tokens of an .nl file. Text ("g"): an item is one line, an optional kind character and fields separated by
 /// blanks, then perhaps a comment that begins with #. Binary ("b"): ten text lines of header, then kind characters,

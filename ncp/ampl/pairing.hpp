@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Which row gives which variable's F: the AMPL/PATH convention (see README.md). Every unknown u of the MCP gets
 ///     F_u(x, y) = sign_u (v_u(x) - bound_u) - [u is a side inequality] y_u,

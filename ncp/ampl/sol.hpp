@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// .sol files, as AMPL reads them (Gay, "Hooking your solver to AMPL", 1997): the message, an "Options" block with the
 /// header's options and the sizes, no dual values, x, and "objno 0 CODE". Text for text models, binary for binary ones.

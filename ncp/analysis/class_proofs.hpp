@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// What the ranges of J over the box prove of all its values. Private to ncp/analysis.
 #include <string>

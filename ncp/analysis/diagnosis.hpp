@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// What is known about the best point of a run that found no solution; private to ncp/.
 #include <string>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "ncp/analysis/function_classes.hpp"
 
 #include <Eigen/Eigenvalues>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Which classes of functions F belongs to on the box X = [l, u], with fixed variables at their values. For all x != y
 /// of X, d = x - y and D = F(x) - F(y):

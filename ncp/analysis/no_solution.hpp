@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// A proof that a problem has no solution, from the ranges of F (ncp/interval/enclosure.hpp).
 #include <optional>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Says how a solution x(p) of MCP(l(p), u(p), F(.; p)) moves with parameters p in R^m.
 ///

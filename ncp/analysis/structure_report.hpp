@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Why the Jacobian is singular, in sentences with names.
 ///

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Encloses a solution by a proof: Krawczyk's operator on the equations of the variables between their bounds, and the
 /// signs of the other F_i.

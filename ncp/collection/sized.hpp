@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// The families of problems in any size, by name: NAME:SIZE[xSIZE...][:SEED], as in walras-own:400x300x300:7. The names
 /// are those of entries(), which has them at some sizes.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Ranges of a problem's F and J over boxes, from the expressions behind them.
 #include <span>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// A scalar whose arithmetic is written down as an expression graph: a function templated on its scalar type, run once
 /// on these, tells which variables each result depends on, where it is linear, and its ranges over boxes.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Expressions of n variables as an acyclic graph, of which subexpressions that are used several times are part once;
 /// their ranges over a box, and those of their derivatives.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "ncp/interval/interval.hpp"
 
 #include <mpfi.h>

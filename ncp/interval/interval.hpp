@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Intervals of real numbers, with ends that are rounded outward: for every operation f and all a in A, b in B where f
 /// is defined, f(a, b) lies in f(A, B). Sums and products are rounded by their exact errors (Knuth's two-sum, and the

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Newton's method on the equation that an active set leaves; private to ncp/.
 #include <vector>

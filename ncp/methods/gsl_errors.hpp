@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// GSL where memory ends. Its allocators call an error handler, which is global and by default ends the process; where
 /// that returns, some of its functions (the LU factorization) use the null pointer. Private to ncp/.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Feasible steps of least residual,
 ///     min_d  1/2 ||Phi + H d||^2 + nu/2 ||d||^2   over   l <= x + d <= u,

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// The directions of one iteration of SemismoothNewton, from the fastest to the safest: Newton, Levenberg-Marquardt
 /// with growing nu, gradient. Private to ncp/.

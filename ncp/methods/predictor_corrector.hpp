@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// The predictor and corrector of the interior-point methods (Mehrotra, SIAM J. Optim. 2 (1992) 575), of products with
 /// the mean tau. The predictor leads towards products 0; as far as it comes within the bounds they would have the mean

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Projected Newton steps that find most of the active set before anything is pivoted; private to ncp/.
 #include "ncp/path/path_search.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// The linearised problems of PathSearch, solved by following the path from x^k; private to ncp/.
 #include <array>

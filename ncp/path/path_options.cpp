@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "ncp/path/path_search.hpp"
 
 namespace perp::ncp {

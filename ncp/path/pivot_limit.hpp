@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// How long paths of linearised problems may become.
 #include "lcp/types.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// A basis of an earlier run, for a box that may have changed since.
 #include <vector>

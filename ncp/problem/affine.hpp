@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Affine problems: F(x) = M x + q, as lcp::AffineMcp and back.
 #include <optional>

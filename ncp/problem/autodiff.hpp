@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Problems of one function, templated on its scalar type, with exact derivatives:
 ///     const auto F = []<class T>(std::span<const T> x, std::span<T> F) { using std::exp; F[0] = exp(x[0]) - x[1]; };

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Columns of a sparse matrix in groups of which no two columns have an entry in the same row ("structurally
 /// orthogonal"; a colouring of the graph of the columns that share rows). One difference of F, or one lane of dual

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Evaluations counted and guarded. Private to ncp/.
 #include "ncp/problem/mcp.hpp"

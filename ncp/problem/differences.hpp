@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Jacobians by differences of F, one step for each group of columns that share no row (ncp/problem/colouring.hpp).
 ///   Forward:  J_ij = (F_i(x + a_j e_j) - F_i(x)) / a_j,        |a_j| = sqrt(noise) max(1, |x_j|),  error O(a)

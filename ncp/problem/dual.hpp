@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Forward-mode automatic differentiation: a Partial is v + sum_k d_k eps_k with eps_j eps_k = 0, so that arithmetic on
 /// it carries `width` directional derivatives along with the value. A Jacobian with n columns takes ceil(n / width)

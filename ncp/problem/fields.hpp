@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// lcp/fields.hpp, by the names of ncp/.
 #include "lcp/fields.hpp"

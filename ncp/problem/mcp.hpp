@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// The mixed complementarity problem MCP(l, u, F): find x in [l, u] such that for every i
 ///     l_i < x_i < u_i  =>  F_i(x)  = 0

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// The one judge. r(x) = || x - mid(l, x - F(x), u) ||_inf is zero exactly at the solutions of MCP(l, u, F); it knows
 /// no method, no merit function and no scaling, and nothing else may call a point solved.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Numbers and words in messages. Private to ncp/ and app/.
 #include <string>

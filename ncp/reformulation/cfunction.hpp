@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// C-functions (complementarity functions) and the reformulation of an MCP as a nonsmooth equation Phi(x) = 0.
 ///

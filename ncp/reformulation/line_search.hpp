@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// What the Newton methods search with. Private to ncp/.
 #include "lcp/iterative/search_memory.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Psi(x) = 1/2 ||Phi(x)||^2 of a reformulation, an element H of the B-subdifferential of Phi, and grad Psi = H' Phi.
 /// Private to ncp/.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// The normal map F_+(x) = F(pi(x)) + x - pi(x), pi the projection onto the box (Robinson 1992): F_+(x) = 0 iff
 /// z = pi(x) solves the MCP. Its linearised problem, and ways between its points. Private to ncp/.

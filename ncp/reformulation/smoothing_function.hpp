@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Smoothings phi_mu(a, b) of C-functions: infinitely often differentiable for mu > 0, with
 ///     |phi_mu(a, b) - phi_0(a, b)| <= kappa mu,

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// What may be called solved, for every method, and in one place: a point of the box whose natural residual, with F
 /// evaluated afresh, is at most the tolerance. F of affine problems is summed without rounding errors for that. Private

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// What is told of the point that a solve returns, beside its residual. Private to ncp/.
 #include "ncp/run/options.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Observers: the only way a solve shows itself. Each gets every Iteration record and may ask to stop.
 #include <atomic>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// The answer of a solve: a status, a message and advice for the user, the best point, the verdict of the judge, and
 /// statistics.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// What every method's loop shares: counted and guarded evaluation, limits, observers, the best point, the verdict.
 /// Private to ncp/.

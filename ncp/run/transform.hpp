@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// A problem made from a problem, and the way there and back: presolved, scaled. Private to ncp/.
 #include <vector>

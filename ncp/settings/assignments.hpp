@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// How options are written: key=value on the command line, AMPL's words, option files.
 #include <iosfwd>

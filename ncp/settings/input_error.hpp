@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Input that somebody can mend, and words that may have been meant.
 #include <fmt/format.h>

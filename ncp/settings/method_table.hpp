@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// The methods by name: of ncp/, as published, and of lcp/.
 #include <optional>

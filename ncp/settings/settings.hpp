@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Options as people, option files and AMPL write them: key=value, with PATH's names where PATH has them. What each key
 /// sets is described where the options of a method are (ncp/problem/fields.hpp).

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Lists of attempts: what is tried, from where and when, until an attempt does not get stuck. Private to ncp/.
 #include <functional>

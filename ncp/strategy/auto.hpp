@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include "ncp/methods/semismooth_newton.hpp"
 #include "ncp/path/path_search.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// One attempt of deflation (deflation.hpp): semismooth Newton on M(x; R) Phi(x) = 0. Private to ncp/.
 #include "ncp/run/run.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Finds several solutions of one problem by deflation (Brown & Gearhart, Numer. Math. 16 (1971) 334; Farrell,
 /// Birkisson & Funke, SIAM J. Sci. Comput. 37 (2015) A2026; for semismooth equations and complementarity Farrell, Croci

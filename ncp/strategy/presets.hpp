@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// The nonlinear methods by name. Eight have the names of the systems that Billups, Dirkse & Ferris (1997, Comput.
 /// Optim. Appl. 7, 3) compare: miles, path, nesqp, qpcomp, smooth, proxi, semismooth, semicomp. Their parameters are

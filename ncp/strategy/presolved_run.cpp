@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Methods on the presolved problem: the way there and back.
 
 #include "ncp/strategy/strategies.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// The proximal perturbation of an MCP and the escape from local minima built on it; private to ncp/.
 #include "ncp/run/run.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// PathSearch as a user gets it: the attempts in their order, until one solves the problem or the list is at its end.
 #include <algorithm>
 #include <limits>

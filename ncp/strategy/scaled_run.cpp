@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// The retries on the scaled problem that methods are given.
 #include <algorithm>
 #include <optional>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Methods as values, and solve(). A method's fields are its options; solve(mcp, x0, method) runs it, and only the
 /// judge (ncp/problem/residual.hpp) may call the outcome Solved.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// What is made of the loops, within a run; private to ncp/.
 #include <functional>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Strategies: methods put together as values, for solve() like any method. In text, with the names of presets:
 ///

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Presolve and postsolve of an MCP. Presolve takes out what declared linearity (Mcp::linear_entries) settles
 /// beforehand. Postsolve puts it back, exactly, once the rest is solved. Pairs (F_i, x_i) stay or go together:

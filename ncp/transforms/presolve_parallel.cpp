@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Rows that are multiples of equations.
 #include <algorithm>
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// The reductions of presolve.hpp on rows and columns. Private to ncp/.
 ///

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The reductions that look at one row or one column.
 #include <algorithm>
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "ncp/transforms/presolve_transform.hpp"
 
 #include "ncp/reformulation/normal_map.hpp"

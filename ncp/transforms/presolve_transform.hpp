@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Presolve as a transform. Private to ncp/.
 #include "ncp/run/transform.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Scaling by rows and columns as a transform. Private to ncp/.
 #include <algorithm>

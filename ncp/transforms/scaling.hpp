@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Row and column scaling of an MCP by positive diagonals:  F'(x') = R F(C x'),  l' = C^-1 l,  u' = C^-1 u,
 /// x = C x',  J' = R J C. Bounds and signs correspond one to one, and so do the solutions. All factors are powers of

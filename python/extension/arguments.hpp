@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Arguments from Python, checked. A refusal is an exception of Python's that begins with the argument's name:
 /// ValueError for values and shapes, TypeError for what is no array of numbers at all.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// perp.contact: contact with Coulomb friction.
 #include <utility>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Problem.inspect(): what is known of a problem before it is solved.
 #include <fmt/format.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Work without the GIL, and what ends it: Ctrl-C, and the end of the interpreter.
 #include <pybind11/pybind11.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// What J of Python's returns, put into the places of a pattern.
 #include <optional>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Matrices from Python: scipy.sparse of any format, or dense arrays.
 #include <optional>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// The module perp._core, which perp's own Python stands on. Nobody else calls it.
 #include <pybind11/stl.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "extension/problem.hpp"
 #include "extension/interrupt.hpp"
 

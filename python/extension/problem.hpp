@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// perp.Problem's other half: a problem from functions, data, a file or the collection, and what can be done with it.
 #include <atomic>

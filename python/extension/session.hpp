@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// A solve asked for by Python: options, listeners, signals; and the GIL, which is released while the library works.
 #include <atomic>

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Mixed, nonlinear and affine complementarity problems, and contact with friction.
 
 A mixed complementarity problem MCP(l, u, F) asks for x in [l, u], n entries, such that for every i

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Problems: of functions, of matrices, of files, of the collection."""
 
 from __future__ import annotations

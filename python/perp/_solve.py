@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The functions that solve at once."""
 
 from __future__ import annotations

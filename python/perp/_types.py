@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Names for what arguments are."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Unilateral contact with Coulomb friction at k contacts.
 
     u = W r + q,   K*_mu > u + mu |u_T| e_N  _|_  r in K_mu,   K_mu = {r : |r_T| <= mu r_N}

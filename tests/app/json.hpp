@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// JSON as other programs read it: the parser is compiled once.
 #include <nlohmann/json.hpp>

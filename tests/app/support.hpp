@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// What the tests of app/ share: a folder of their own, files, and small AMPL models.
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// bench/peers/orthant: an Mcp on the orthant has the same solutions, and its Jacobian is that of its function. Every
 /// kind of bound has its own sign, shift or multiplier; one of them wrong and a peer would be judged on another
 /// problem.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Affine problems through capi/perp.h, up to n = 100,000: would catch a matrix read by rows, bounds that do not arrive,
    refused or believed nonsense, and copies of the matrix beyond those that a solve needs. The obstacle-like problems
    have solutions in closed form. */

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Malformed callbacks and arguments (capi/perp.h): each ends in a code or a status with words that name it, and in no
    crash. Would catch a null pointer that is followed, an answer that is believed, values that were never set. */
 #include <stdlib.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Checks of the C tests: a failed one is printed with its place, and ends the test with status 1 at its end. */
 #ifndef PERP_TESTS_CHECK_H
 #define PERP_TESTS_CHECK_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Contact problems through capi/perp.h: would catch blocks in another order, M and H mixed up, options that do not
    arrive, a judge that is not contact's. The first problem's solution is by hand. */
 #include <stdlib.h>

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # What a library exports is what its version script lists, and that is what its header declares.
 #   cmake -DNM= -DLIBRARY= -DMAP= [-DNODE=] -DHEADER= -DPATTERN= -P exports.cmake
 execute_process(COMMAND ${NM} -D --defined-only ${LIBRARY} OUTPUT_VARIABLE text COMMAND_ERROR_IS_FATAL ANY)

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* The problem of Kojima & Shindo (1986), n = 4, with its two solutions (sqrt(6)/2, 0, 0, 1/2) and (1, 0, 3, 0), and the
    counts of its evaluations. */
 #ifndef PERP_TESTS_KOJIMA_H

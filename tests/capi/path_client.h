@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* A client of PATH's library in C, with the structures of PATHSolver.jl: its Information ends at byte 96, seven bytes
    of one each where C has ints, and its MCP_Interface, Output_Interface and Presolve_Interface are pointers. The
    library is loaded as Julia loads it. Layouts from PATHSolver.jl's src/C_API.jl, numbers from PATH's public headers.

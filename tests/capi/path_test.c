@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* libperp_path.so as PATHSolver.jl calls it (path_client.h), in the order of its solve_mcp: would catch a structure of
    another layout, bytes written behind PATHSolver.jl's Information, options or output that do not arrive, a limit on
    the size, callbacks that are believed. Problems and answers are those of PATHSolver.jl's tests (test/C_API.jl) where

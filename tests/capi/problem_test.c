@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Problems of functions and of files through capi/perp.h: would catch a wrong order of J's values, options that do not
    arrive, results that are not those of the solve, a log or a progress callback that is not called, a basis that is not
    used, an interruption that is lost. Expected numbers are from the papers' solutions (kojima.h) and, of the model,

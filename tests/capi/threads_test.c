@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* 8 threads, 200 solves each (capi/perp.h): would catch state that threads share, and results that depend on what ran
    before. Every thread's k-th result must be the first thread's to the bit but for times. */
 #define _POSIX_C_SOURCE 200809L

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// The recorded contact problems and their reference solutions, where they are at hand.
 #include <gtest/gtest.h>

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Tests of data/: the writer of .nl files, the models made with it, and their reference solutions.
 
 The economics are checked against formulas written here a second time, from the tables of make_models.py and not from

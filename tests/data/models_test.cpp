@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// The models of data/models, from file to solution: each method must find what data/models/reference.py, which shares
 /// no line with the library, wrote to MODEL.sol.json. Catches a row paired with the wrong variable, a lost constant, a
 /// bound read on the wrong side, a wrong derivative - everything between the .nl file and the answer.

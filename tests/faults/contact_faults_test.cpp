@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The solvers of contact problems and what the encodings are made by, where a request for memory fails.
 #include <gtest/gtest.h>
 

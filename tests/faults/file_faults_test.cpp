@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What reads and writes files, where a request for memory fails. Catches what was read in part and passed for whole,
 // a target that is neither the old file nor the new one, and drafts left behind.
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Runs a call again and again; each time another of its requests for memory fails.
 #include <functional>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Makes one call of malloc, calloc, realloc, the aligned ones or operator new fail. The program's own definitions of
 /// these (injector.cpp) stand before the C library's, and before a sanitizer's, and hand on to them.

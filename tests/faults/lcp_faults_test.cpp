@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The methods for affine problems, where a request for memory fails. Catches crashes, factors of another matrix used,
 // and "stalled" or "singular" said of what was want of memory.
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The methods for nonlinear problems, by preset, where a request for memory fails.
 #include <gtest/gtest.h>
 

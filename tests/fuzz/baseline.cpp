@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// The CSV of --baseline (app/compare/baseline.hpp): what is read is compared with cells and printed.
 #include "app/compare/baseline.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// campaign.json of `perp compare` and `perp contact --compare`: what is read writes a text that reads back the same,
 /// and the report's tables can be made of it.
 #include "app/campaign/campaign.hpp"

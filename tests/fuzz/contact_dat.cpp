@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Siconos' friction problems, local and global (contact/io/dat_file.hpp): what is read passes contact::check and the
 /// judge.
 #include "contact/io/dat_file.hpp"

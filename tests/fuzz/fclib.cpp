@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// FCLIB files from their bytes (contact/io/fclib.hpp): what is read passes contact::check and the judge, and what is
 /// written of it reads back the same.
 #include "contact/io/fclib.hpp"

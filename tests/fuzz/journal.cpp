@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// cells.jsonl of `perp compare` and `perp contact --compare` (app/campaign/cell.hpp, app/contact/compare/cell.hpp).
 /// The fuzzer cannot guess a CRC: a text without "crc" is made lines whose CRC is right. One with "variant" is of
 /// contact, one with "residual" what a run of contact leaves behind. What is read writes lines and tables that read

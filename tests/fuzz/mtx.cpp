@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Matrix Market matrices and vectors (lcp/io/matrix_market.hpp): what is read is compressed, in order and finite, the
 /// judge takes it, and what is written of it reads back the same.
 #include <sstream>

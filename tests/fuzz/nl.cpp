@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// .nl files, text and binary (ncp/ampl/model.hpp). nl_check sees every input in memory, as it is the first to see a
 /// file; what it lets pass goes through a file to read_model() and AMPL's library. F and J have the same values however
 /// often and in whatever order they are asked for, and J the entries that linear_entries() calls constant.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// What people, AMPL and files of options write. The first letter says what the rest is:
 ///     f  a file of options          w  AMPL's words            m  a LIST of methods       p  a LIST of problems
 ///     v  variants of contact        s  NAME:SIZE of the collection, small                 c  of a contact scene, small

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// What the sanitizers, where there are any, are told of every target. An allocation beyond 32 MB fails as if memory
 /// had run out: inputs are of a few kB, so that only sizes they announce and nobody checked can ask for more; and
 /// zeroing large vectors would take the time of thousands of inputs. Stacks of allocations are short, which is a sixth

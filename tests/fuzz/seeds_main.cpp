@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// A fuzz target without a fuzzer: runs it over every file of the folders given (seeds, old findings). A finding ends
 /// the process.
 #include <iterator>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Siconos' LCPs and MLCPs (lcp/io/siconos_file.hpp): every input goes to both readers; what is read is a sound
 /// problem, the judge takes it with its known solution, and both forms of an MLCP can be made of it.
 #include "fuzz/support.hpp"

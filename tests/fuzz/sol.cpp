@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// .sol files of other programs, text and binary (app/worker/sol_file.hpp). The first byte says how many variables the
 /// model has. What is read, written by the writer of our own, reads back the same.
 #include "ncp/ampl/sol.hpp"

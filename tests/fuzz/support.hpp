@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// What the fuzz targets share. A target is LLVMFuzzerTestOneInput(): it gives the input to a reader, uses what was
 /// read a little, and dies where a promise does not hold. tests/fuzz/README.md says how they are run.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// The JSON of an earlier run as a start (app/problem/warm_start.hpp), of a problem with a variable of each kind of
 /// bounds: what is read is finite, and the path search takes the basis.
 #include "app/problem/warm_start.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Affine MCPs made to fool: every class of matrices, kind of bound, degeneracy and scale, most of them with a solution
 /// or a certificate that is exact in the doubles given. The numbers are dyadic with few digits, so that q = w - M z has

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Every method on problems made to fool it, judged in rational numbers: what is called Solved is, what is called
 /// Infeasible has no solution, and nothing is thrown, not finite or outside the box. PERP_ADVERSARIAL=20000 takes so
 /// many problems and prints a table by method.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// The judge that cannot be fooled: what a method says of an affine MCP, checked in GMP's rationals for exactly the
 /// doubles given. It shares no line with the solvers.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// The affine problems of tests/lcp/adversarial_support.hpp as nonlinear ones, by every preset, judged in rational
 /// numbers. PERP_ADVERSARIAL=2000 takes so many problems and prints a table by preset.
 #include <gtest/gtest.h>

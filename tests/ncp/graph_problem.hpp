@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Problems made of expressions, with their ranges: F is evaluated as the middle of its range at a point.
 #include <memory>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// 113 bits and 15 bits of exponent for references: squares of doubles are exact and neither over- nor underflow.
 #include <cmath>

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """What perp writes for other programs, validated by docs/schema: check_schemas.py PERP.
 
 Runs the commands below and validates each document. Then each schema has to refuse the documents it has accepted, with

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Rules of the source tree, checked: check_tree.py CHECK [ROOT].
 
 includes   who may include which library (CONTRIBUTING.md, "The folders")

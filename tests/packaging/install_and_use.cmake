@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # Installs the build tree to a temporary prefix, moves it, and builds and runs a project against it: by find_package and
 # by pkg-config. Catches headers that are not installed, exports with paths of the build tree, missing link libraries.
 #   cmake -DBUILD_DIR= -DSOURCE_DIR= -DWORK_DIR= -DLIBDIR= -DCXX= -DCXX_FLAGS= -P install_and_use.cmake

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """The commands that texts show, run: run_examples.py PERP FILE.md...; also: run_examples.py PERP --pages.
 
 A block ```console holds commands after "$ " and what they print. The lines shown have to come in the output in their

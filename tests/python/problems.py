@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Problems with known solutions, shared by the tests."""
 
 import numpy as np

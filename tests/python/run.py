@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Runs pytest on a file of this folder; 77 where a package of Debian's is not installed."""
 
 import importlib.util

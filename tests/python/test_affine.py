@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """perp.lcp and perp.mcp_affine: forms of M, and that it stays where it is."""
 
 import subprocess

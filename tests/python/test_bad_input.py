@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Input that makes no sense is an exception that names the argument; none of it ends the process."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """perp.contact: a block on a plane, by its closed form, and files."""
 
 from pathlib import Path

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The examples of docs/python.md, run in turn as a reader would; and what the package says of its types."""
 
 import inspect

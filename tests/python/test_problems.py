@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Problems from files and from the collection, several solutions, derivatives of solutions."""
 
 from pathlib import Path

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Pyomo's models with complementarity, through SolverFactory('perp') and ('path'): the program perp, under its own name
 and as pathampl, gets an .nl file and its .sol file is loaded back. Skipped where Pyomo is not installed (it is on PyPI).
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Linear complementarity problems of QuantEcon.py's tests of lcp_lemke (quantecon/optimize/tests/test_lcp_lemke.py,
 MIT), as data: examples of Murty (1988) and Kostreva (1979), and a game."""
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """perp.solve: what a user's functions may return, and what becomes of options."""
 
 import pickle

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Small random problems of many classes - degenerate, infeasible, of integers, badly scaled - for campaigns over
 /// methods.

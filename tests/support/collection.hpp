@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// The collection as tests use it.
 #include "ncp/collection/collection.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Matrices and affine MCPs for the tests, and a judge of solutions that shares nothing with the library's.
 #include <Eigen/Dense>

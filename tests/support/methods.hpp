@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// The methods, each with the name tests report.
 #include <gtest/gtest.h>

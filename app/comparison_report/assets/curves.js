@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The convergence of the chosen methods on the chosen problem, after page.js, whose names it uses.
 const svg_name = "http://www.w3.org/2000/svg";
 function draw(parent, name, attributes, text) {

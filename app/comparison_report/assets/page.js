@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Sorting, searching, curves brought out. Text reaches the page by textContent only, never as HTML.
 const data = JSON.parse(document.getElementById("data").textContent);
 const by_id = (id) => document.getElementById(id);

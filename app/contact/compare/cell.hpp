@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// One cell of `perp contact --compare`, (variant, problem), and the files that hold them.
 #include <limits>

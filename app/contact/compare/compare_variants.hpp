@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// `perp contact --compare`: variants x problems, each cell a `perp contact` in a process of its own, with limits of
 /// time and memory, so that a crash or a hang loses that cell alone. A cell counts as solved by its variant's own law:

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// What `perp contact --compare` says: tables for a terminal, a page and a chart.
 #include <iosfwd>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Comma-separated numbers on the command line. Private to app/contact.
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// A run on a contact problem, told to a person (text) and to programs (JSON; docs/schema/ describes it).
 #include <iosfwd>

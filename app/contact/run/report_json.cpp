@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Runs as JSON.
 #include "app/contact/run/report.hpp"
 #include "app/text/json_parts.hpp"

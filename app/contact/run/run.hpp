@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// A problem by its name, and a run of a variant on it (contact/solvers/run.hpp).
 #include <memory>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// The variants of contact/solvers/variant.hpp as the program asks for them: by flags, with options of their methods.
 #include <optional>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// `perp contact ball`: the ball under the cyclic load (contact/scenes/ball.hpp) by polygons in place of the friction
 /// disk and by Coulomb's law, side by side.

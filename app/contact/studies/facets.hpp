@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// `perp contact FILE... --facets K,K,...`: what friction by polygons of K facets costs, measured by Coulomb's exact
 /// law and its solution, and the power of K by which the errors fall.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// How the collection makes its problems: one generic function F for values and derivatives, names, tables of numbers.
 /// Private to the collection.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Dual numbers (ncp/problem/dual.hpp), with what the collection's functions need beside them. Private to the
 /// collection.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// A test problem of the collection: its starts, its known solutions, its source and one line on why it is hard.
 #include <functional>

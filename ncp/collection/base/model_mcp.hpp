@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Sparse problems of any size from a model that walks over its Jacobian. Private to the collection.
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Karush-Kuhn-Tucker systems from the functions of a nonlinear program,
 ///     min f(x)  subject to  g_k(x) >= 0, k = 1..m,   h_k(x) = 0, k = 1..p,   x in the box X:

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Karush-Kuhn-Tucker systems of test problems of Hock & Schittkowski 1981 (HS) and of Colville 1968.
 ///     min f(x), g(x) >= 0, x in X:    X    contains x       _|_  grad f(x) - g'(x)' lambda
 ///                                     R_+  contains lambda  _|_  g(x).

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Karush-Kuhn-Tucker systems of test problems of Hock & Schittkowski 1981 with bounds only (see
 /// ncp/collection/base/nlp.hpp): l <= x <= u  _|_  grad f(x). The first start is the book's.
 #include <cmath>

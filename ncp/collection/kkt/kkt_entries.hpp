@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// The catalogue's lines for the KKT systems of kkt_bounds.cpp, kkt_inequalities.cpp and kkt_equalities.cpp. Private to
 /// the collection.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Karush-Kuhn-Tucker systems of test problems of Hock & Schittkowski 1981 with inequalities (see
 /// ncp/collection/base/nlp.hpp). The first starts are the book's point with multipliers 0 and 1.
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Choi, DeSarbo & Harker 1990: prices of competing brands under logit demand.
 #include <algorithm>
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// The analgesics market of Choi, DeSarbo & Harker 1990 (Management Science 36, 175-199): 14 brands described by their
 /// amounts of four ingredients (aspirin, aspirin substitute, caffeine, additional ingredients), 30 consumers. Private

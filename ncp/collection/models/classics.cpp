@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Further problems of the literature, and the LCPs of textbooks in the smallest form that shows each phenomenon.
 #include <cmath>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Fletcher's distillation columns, in More 1990, "A collection of nonlinear model problems": nonlinear equations as
 /// MCPs with free variables.
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Fletcher's distillation columns as printed in More 1990 (see distillation.cpp); the solutions are recomputed to full
 /// precision. Private to the collection.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// General economic equilibria: activity levels y _|_ losses, prices p _|_ excess supplies, incomes.
 #include <utility>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Systems of equations F(x) = 0, x free, of More, Garbow & Hillstrom 1981, ACM Trans. Math. Software 7, 17-41,
 /// numbered as there, each from the standard start x0, from 10 x0 and from 100 x0; and complementarity problems of our
 /// own made of them.

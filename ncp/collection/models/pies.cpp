@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// The Project Independence Evaluation System in small: an energy market as MCPLIB has it.
 #include <array>
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// The numbers of pies (see pies.cpp): an energy market after Hogan 1975 and Josephy 1979, with two regions r that
 /// produce coal and crude oil at three and two costs t, two refineries f and two regions u of users. Fuels g: coal (C),

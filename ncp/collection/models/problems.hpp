@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// The makers behind entries(), one a problem; formulas and sources stand with their definitions. Private to the
 /// collection.

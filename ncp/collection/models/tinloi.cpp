@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// A quasibrittle fracture problem of Tin-Loi and co-workers as an LCP with two solutions.
 #include "ncp/collection/base/build.hpp"
 #include "ncp/collection/models/problems.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// The numbers of tinloi42 (see tinloi.cpp). Private to the collection.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Nonlinear complementarity problems with a handful of unknowns.
 #include <cmath>
 

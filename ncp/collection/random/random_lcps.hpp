@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Random sparse LCPs of known class, of any size, with a planted solution or a certificate that there is none. Made
 /// with GSL's Mersenne twister (gsl_rng_mt19937) and uniform numbers only, whose bits are the same on every platform.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Random sparse nonlinear complementarity problems of known class, of any size, with a planted solution, the same on
 /// every platform but for the last digits of exp and atan. All are

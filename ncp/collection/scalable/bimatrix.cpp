@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Bimatrix games as linear complementarity problems.
 #include "ncp/collection/base/build.hpp"
 #include "ncp/collection/base/random.hpp"

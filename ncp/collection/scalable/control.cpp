@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Discrete-time optimal control: two states, one control in a box.
 #include <Eigen/Core>
 #include <algorithm>

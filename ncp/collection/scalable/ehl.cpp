@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Elastohydrodynamic lubrication of a line contact: pressure and gap between a roller and a plane.
 #include <algorithm>
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Nash-Cournot equilibria: n firms sell one good at the price that the total output Q fetches.
 #include <cmath>
 #include <utility>

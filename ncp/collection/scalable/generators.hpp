@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Families of test problems of any size. Those with a seed are made of our own random data around a planted solution,
 /// reproducible on every platform. All throw std::invalid_argument, naming the argument, for sizes below the stated

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Linear complementarity problems 0 <= z _|_ M z + q >= 0 of the literature.
 #include <cmath>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Spatial price equilibrium: one good, regions on a grid, trade with the neighbours.
 #include <algorithm>
 #include <cmath>

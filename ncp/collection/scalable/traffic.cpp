@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Wardrop's user equilibrium of traffic on a grid of streets, by destinations.
 #include <algorithm>
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// A sparse general equilibrium of any size around a planted equilibrium.
 #include <algorithm>
 #include <memory>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// The AMPL driver in process. The conventions are those of Gay, "Hooking Your Solver to AMPL" (1997), and AMPL's list
 /// of solve_result ranges (0-99 solved, 200-299 infeasible, 400-499 limit, 500-599 failure).
 #include "app/commands/ampl_driver.hpp"

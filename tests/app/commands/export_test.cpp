@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// `perp export`: what it writes is read back as the same problem.
 #include "app/commands/commands.hpp"
 

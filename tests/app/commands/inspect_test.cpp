@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// `perp inspect`: what it finds in small problems that are wrong in one way each, what it prints and writes.
 #include "app/commands/inspect.hpp"
 

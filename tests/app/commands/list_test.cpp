@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// `perp list`, against the collection itself.
 #include "app/commands/commands.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// `perp solve` on affine problems in files: Matrix Market, and Siconos' test data.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// `perp solve` in process: what it prints, answers and writes.
 #include "app/commands/solve.hpp"
 

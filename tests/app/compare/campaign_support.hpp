@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Made-up campaigns: what was asked, and cells with the outcomes a test wants.
 #include <fstream>

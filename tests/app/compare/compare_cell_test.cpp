@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// The lines of cells.jsonl and the files made from them.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// The parts of perp compare in process: outcomes, .sol files, starts, baselines, the journal, progress.
 #include <fcntl.h>
 #include <gmock/gmock.h>

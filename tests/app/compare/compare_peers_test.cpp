@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Peers of perp compare: what they are given, and how they are shown when they misbehave.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

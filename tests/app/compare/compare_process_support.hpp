@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// perp compare as a process, and shell scripts as its peers.
 #include <fcntl.h>

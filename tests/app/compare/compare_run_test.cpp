@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// perp compare as a process: limits, kill -9 and --resume, refusals.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// The LISTs of perp compare and campaign.json.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Proofs that a problem has no solution, of which nobody knew before.
 #include "app/campaign/settle.hpp"
 

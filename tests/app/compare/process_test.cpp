@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// The program as a process: exit codes, streams, names it is called by, signals, closed pipes.
 #include <fcntl.h>
 #include <gmock/gmock.h>

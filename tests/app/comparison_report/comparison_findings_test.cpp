@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// What a report says in words, its robustness table and its sign test, on made-up campaigns.
 #include "app/findings/findings.hpp"
 

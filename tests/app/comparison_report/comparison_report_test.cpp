@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// The report of a made-up campaign: a page that is well-formed, complete in itself, and says what the CSV files say.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

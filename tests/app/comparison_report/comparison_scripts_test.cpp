@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// The scripts that bench/README.md shows, as they stand there: every figure of a report follows from its CSV.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Performance and data profiles against an example worked out by hand.
 #include "app/findings/profiles.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// A made-up campaign in which everything happens, and the files of its report read back.
 #include <array>

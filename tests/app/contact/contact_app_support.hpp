@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Contact problems with solutions by hand, as Siconos' text files, and what is read of answers and pictures.
 ///

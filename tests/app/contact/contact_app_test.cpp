@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// `perp contact` in process: what it prints, answers and writes.
 #include "app/contact/contact.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// `perp contact ball`: what it prints, writes and draws, and what it refuses.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// `perp contact --compare`, and the command line of `perp contact` as a process.
 #include "app/contact/compare/compare_variants.hpp"
 #include "app/text/csv.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// `perp contact FILE... --facets K,K,...`: the errors of polygons by the exact law, their fits and their picture.
 #include "app/contact/studies/facets.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// The picture of `perp contact --svg`.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

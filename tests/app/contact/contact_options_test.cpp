@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// `perp contact --option key=value`: options of the homotopy, of Glocker's NCP and of the methods of ncp and lcp.
 #include <fmt/format.h>
 #include <gmock/gmock.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// `perp contact --compare --resume`: kill -9, files that were damaged, what may not differ.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Contact problems without a solution through every formulation, encoding and method of `perp contact`: nothing is
 /// solved, what is refused is refused with a certificate that holds in rationals. Source: issue 16; the problems are
 /// those of tests/contact/existence/unsolvable.hpp. PERP_UNSOLVABLE=2000 runs so many.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// The formulations and methods of `perp contact` as flags.
 #include "app/contact/run/variant.hpp"
 

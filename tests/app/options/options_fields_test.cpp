@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// What has no effect is neither shown nor silently taken.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

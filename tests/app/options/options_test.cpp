@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// The options table and the ways to write options. Expectations come from the contract in ncp/settings/settings.hpp
 /// and, for PATH's names, from AMPL's list "PATH Directives for AMPL".
 #include "app/options/options.hpp"

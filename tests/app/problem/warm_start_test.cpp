@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Warm starts from the JSON of an earlier run: what is read, what is refused, and that it saves pivots.
 #include "app/problem/warm_start.hpp"
 

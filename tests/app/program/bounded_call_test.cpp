@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "app/program/bounded_call.hpp"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Outputs that are also inputs, text for terminals, and CSV fields.
 #include "app/program/files.hpp"
 

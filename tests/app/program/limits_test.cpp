@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// The program ends at its limits and when it is asked to, whatever it is doing, and writes the best point.
 #include <gmock/gmock.h>
 #include <sys/stat.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Every command that writes, as a process that is killed at random moments or whose disk fills up: each file is as it
 /// was, or whole.
 #include <fcntl.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Suggestions, versions, and the agreement of help, man page and completion with the tables.
 #include "app/program/program.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// The JSON of docs/schema/: parsed back and compared with the result it came from.
 #include "app/report/json.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Pictures of runs: well-formed, complete, and true to the run they are of.
 #include "app/report/plot.hpp"
 

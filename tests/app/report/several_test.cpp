@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// `perp solve --all`: what it prints, answers and writes.
 #include "app/report/report.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Aligned tables and numbers for people.
 #include "app/text/table.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// The methods of contact/classics: closed forms, derivatives, limits, and what no method may do.
 #include "contact/classics/classics.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Certificates checked in rational arithmetic, of exactly the doubles given, by nothing of contact/ but the problem.
 #include <gmpxx.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// What is said of the existence of solutions. Source: Acary, Cadoux, Lemarechal & Malick, ZAMM 91 (2011) 155;
 /// contact/existence/existence.hpp.
 #include "contact/existence/existence.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Certificates of contact problems without a solution. Source: contact/existence/infeasible.hpp, and its argument,
 /// y.u_N = r.W'(y e_N) + q_N.y < 0 for every r in K.
 #include "contact/existence/infeasible.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Contact problems without a solution, by construction: a certificate y >= 0 with -W'(y e_N) in K* and q_N.y < 0
 /// (contact/existence/infeasible.hpp) is planted first, and all numbers are dyadic with few bits, so that products and

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Damaged files: cut short anywhere, bytes changed anywhere. They are read or refused by FileError; nothing else may
 /// come out, least of all the end of the process (under AddressSanitizer: any access out of bounds).
 #include <gmock/gmock.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// FCLIB files of any content, also bad, made with HDF5 itself and not with the library's writer.
 #include <hdf5.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Random contact problems, and a judge of the polygon's law that knows no encoding of it.
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Laws that hold for all four faceted encodings.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "contact/laws/frictionless.hpp"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Random contact problems for the tests of Glocker's law.
 #include <utility>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Glocker's NCP: derivatives, closed forms, both encodings, and what the normalised row changes.
 #include "contact/laws/glocker.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Condensation against dense algebra, and what is told of W.
 #include <gmock/gmock.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// The natural map of one contact beside MPFR at 6,000 bits, where the subtraction r - P_K(r - rho uhat) loses nothing:
 /// the exponents of doubles span some 2,100 bits, their squares twice as many.
 #include "contact/model/natural_map.hpp"

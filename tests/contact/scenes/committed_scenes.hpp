@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// The generated problems kept in data/contact, NAME.hdf5 each: what make_scenes writes and committed_scenes_test
 /// reads.

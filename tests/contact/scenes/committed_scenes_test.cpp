@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// data/contact is what the generators make, and its solutions are solutions.
 #include "contact/scenes/committed_scenes.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// The generated scenes against mechanics: weights, the angle of friction, the catenary, the least thickness of arches.
 #include "contact/scenes/generators.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// make_scenes FOLDER: writes the problems of committed_scenes.hpp, each with the best solution that solve() finds, and
 /// prints their sizes and residuals: the table of data/contact/README.md.
 #include <cstdio>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// The judge on the recorded problems: it must see in the reference solutions what the solver that made them saw.
 #include <gmock/gmock.h>
 

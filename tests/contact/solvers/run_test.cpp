@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Every law of friction by name, on contacts that do not act on each other: W = I, so that with q = (-1, s) r_N = 1
 /// and r_T is the projection of -s on the law's friction set.
 #include "contact/solvers/run.hpp"

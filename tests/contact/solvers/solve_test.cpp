@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// contact::solve: the homotopy and what follows it, on random, adversarial and recorded problems.
 #include "contact/solvers/solve.hpp"
 

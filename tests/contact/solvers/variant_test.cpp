@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Laws, forms and methods by name.
 #include "contact/solvers/variant.hpp"
 

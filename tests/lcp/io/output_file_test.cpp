@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Files written whole or not at all: what POSIX says of rename (IEEE 1003.1, "shall remain visible") and open with
 /// O_EXCL, tried with disks that fill up (RLIMIT_FSIZE, /dev/full), links, pipes and names of the greatest length.
 #include "lcp/io/output_file.hpp"

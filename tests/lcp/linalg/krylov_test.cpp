@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Krylov solves of Newton systems H = Da + Db J against sparse LU.
 #include "lcp/linalg/krylov.hpp"
 

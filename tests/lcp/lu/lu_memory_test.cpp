@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Running out of memory: SparseLu must say so, keep no half factors, and work when there is memory again.
 #include <SuiteSparse_config.h>
 #include <dlfcn.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Lemke's path on small problems with every kind of box, against enumeration; and a campaign over many classes.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How a run of Lemke's method can end, what it refuses, and that it is a function of its input.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The piecewise-linear path itself: its breakpoints, its rays, and what a ray proves.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// What the suites of Lemke's method share.
 #include <gtest/gtest.h>

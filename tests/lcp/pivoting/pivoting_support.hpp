@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// What the suites of the pivoting methods share: problems with known solutions.
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Symmetric problems for the tests of bound_qp, which are all solved by every preconditioner.
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The methods as values, and Auto's choices.
 #include "lcp/solve/solve.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Damaged files: cut at every byte, and with bytes, lines and numbers changed at random. Each is refused with a
 // ModelError or loads and evaluates; nothing crashes or ends the process (run it under the sanitizers).
 #include <array>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Values, derivatives and points where there are none. Would catch a process that ends over log(-1), stale values
 // after an error, and two models that disturb each other.
 #include <atomic>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The checker of .nl files: every rule of the format that a damaged file can break, with the line and the values in
 // the message. Whatever would get past it reaches a library that crashes or ends the process.
 #include "ncp/ampl/nl_expression.hpp"

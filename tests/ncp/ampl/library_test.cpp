@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The seam to AMPL's library, past the checker: what it says when it fails becomes a ModelError, and the process goes
 // on. Would catch an error jump that is not set.
 #include "ncp/ampl/asl_problem.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Which derivatives a model declares constant. Would catch a presolve that trusts a row which is not affine.
 #include "nl_text.hpp"
 #include "support/matrices.hpp"

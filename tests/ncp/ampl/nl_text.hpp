@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// .nl texts for the tests, their binary twins, and a folder to put them into.
 #include <gmock/gmock.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Every operator of the format, its value against the C++ library and its derivative against differences (Gay,
 // "Writing .nl files", table 6). Would catch a wrong arity or opcode in the checker and misused operands.
 #include <cmath>

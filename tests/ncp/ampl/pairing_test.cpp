@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Which row gives which variable's F (Ferris, Fourer & Gay 1999, section 4; the AMPL/PATH driver's conventions), with
 // values worked out by hand. Would catch a wrong partner, sign, right-hand side, bound or constant.
 #include "nl_text.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Random models with defined variables of every kind, read as text and as binary: F against an evaluation of the same
 // trees here, J against differences of F. Would catch a file that the checker lets through but AMPL's library
 // differentiates wrongly (see NlModel::segments), and mistakes in the layout of J.

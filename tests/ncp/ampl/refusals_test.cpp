@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What is no complementarity problem is refused with AMPL's codes and a message a person can act on.
 #include <sys/stat.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The samples: hand-written, by AMPL, by Pyomo, text and binary. Would catch a reader that refuses what real writers
 // write, or that reads the binary form differently.
 #include <set>

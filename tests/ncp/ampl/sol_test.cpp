@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // .sol files, read back by a reader of this file's own and by AMPL's (fread_sol). Would catch anything that makes AMPL
 // or Pyomo misread an answer, and half-written files.
 #include <sys/resource.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "ncp/analysis/no_solution.hpp"
 
 #include <gmock/gmock.h>

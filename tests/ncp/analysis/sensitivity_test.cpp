@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Derivatives of solutions: closed forms, and differences of solutions that solve() finds.
 #include "ncp/analysis/sensitivity.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Which equations and variables a singular Jacobian is blamed on: small matrices whose defects are known by
 // construction.
 #include "ncp/analysis/structure_report.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Tests over all entries of the collection.
 #include <gtest/gtest.h>

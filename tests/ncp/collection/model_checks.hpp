@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Checks of a problem's structure that several families share.
 #include <gtest/gtest.h>

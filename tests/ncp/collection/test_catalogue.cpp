@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The catalogue as a whole: what every entry promises.
 #include <gmock/gmock.h>
 

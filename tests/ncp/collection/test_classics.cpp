@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Further problems of the literature and small LCPs: published solutions, and the phenomenon each is there for.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Optimal control: closed forms, the optimization problems behind the complementarity problems, structure.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // J against central differences, at every start, near it and near every solution.
 #include <gtest/gtest.h>
 

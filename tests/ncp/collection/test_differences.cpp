@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The collection without its Jacobians: J by coloured differences on its patterns.
 #include <gtest/gtest.h>
 

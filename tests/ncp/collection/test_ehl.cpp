@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Elastohydrodynamic lubrication: F against its formula as printed, what physics says of the solution.
 #include <gtest/gtest.h>
 

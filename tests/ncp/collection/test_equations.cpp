@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // More, Garbow & Hillstrom's systems: F at simple points by hand, starts, and what is known of the solutions. The
 // complementarity problems made of them: the planted points.
 #include <gtest/gtest.h>

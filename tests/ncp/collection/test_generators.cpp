@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Problems of any size: planted solutions for many sizes and seeds, arguments, reproducibility.
 #include "ncp/collection/scalable/generators.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The KKT systems of Hock & Schittkowski's problems against what the book prints: minimum and its value. Catches: a
 // wrong coefficient that moves the solution; the objective's derivatives are then those of another problem.
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Equilibria on networks: values by hand, laws of conservation, monotony, what is unique and what is not.
 #include <gtest/gtest.h>
 

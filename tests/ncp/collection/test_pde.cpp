@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Discretized obstacle-type problems: values by hand, objectives and prices from the literature, what follows from the
 // maximum principle.
 #include <gmock/gmock.h>

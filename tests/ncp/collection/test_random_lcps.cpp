@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Random LCPs: the class each function promises, the planted solution, the certificate, the same numbers everywhere.
 #include "ncp/collection/random/random_lcps.hpp"
 

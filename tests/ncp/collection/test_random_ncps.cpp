@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Random NCPs: the class each function promises, the planted solution, the same numbers everywhere.
 #include "ncp/collection/random/random_ncps.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Families by name and size, as the command line gives them.
 #include "ncp/collection/sized.hpp"
 

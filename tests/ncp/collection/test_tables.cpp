@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The tables in the sources against the recorded ones, number by number, and choi's F against its formula as printed.
 // Catches: a digit, row or column lost in the tables.
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // F at simple points, evaluated by hand from the formulas of the sources, and where F is not defined. Catches: wrong
 // coefficients, which a solution at which many terms vanish does not show.
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Large problems: inexact semismooth Newton (Dembo, Eisenstat & Steihaug 1982; Eisenstat & Walker 1996; Facchinei &
 /// Kanzow 1997) beside the direct one, and Newton-Josephy by quadratic programs.
 #include <gmock/gmock.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// InteriorPoint by its behaviour: book examples, boxes of every kind, domains, statuses, the order at the end, the
 /// hook.
 #include "ncp/methods/interior_point.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Newton on the min equations (Pang 1990) and NE/SQP (Pang & Gabriel 1993): their directions on examples solved by
 /// hand, their behaviour on problems with known solutions, and where they are known to get stuck.
 #include "ncp/methods/min_newton.hpp"

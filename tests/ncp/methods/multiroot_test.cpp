@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// GSL's solvers as a baseline: what they solve, how they fail, and that GSL's error handler is left alone.
 #include <gmock/gmock.h>
 #include <gsl/gsl_errno.h>

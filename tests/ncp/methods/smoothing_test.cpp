@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Smoothing by its behaviour: both schedules, the three smoothings, mu and the active set in the records.
 #include "ncp/methods/smoothing.hpp"
 

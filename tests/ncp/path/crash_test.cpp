@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Dirkse & Ferris 1997: projected Newton steps before anything is pivoted.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Josephy 1979; Robinson 1992: the method by its behaviour on problems with known solutions.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Robinson 1992; Acary, lecture 3, equations (34) to (36).
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

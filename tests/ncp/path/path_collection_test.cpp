@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// PathSearch with its default options on every (problem, start) of the collection, and from random starts of the two
 /// problems that a plain Newton method fails on.
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// The options of PathSearch: each ingredient turned off, values that make no sense.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

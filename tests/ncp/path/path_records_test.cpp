@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// What PathSearch shows while it runs: the ways of its iterations, crash and restarts, in the user's problem.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

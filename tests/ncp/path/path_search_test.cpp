@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Ralph 1994; Dirkse & Ferris 1995; Ferris, Kanzow & Munson 1999: the method by its behaviour on problems with known
 /// solutions.
 #include <gmock/gmock.h>

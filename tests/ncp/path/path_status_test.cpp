@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// PathSearch where there is no solution, at borders of the domain, and at its limits: what it says, and how soon.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

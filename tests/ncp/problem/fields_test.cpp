@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Options are described once: what a description says, and that it leaves nothing out.
 #include "ncp/problem/fields.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// The C-functions with several parameters each, and the pairs (a, b) they are tested at.
 #include <cmath>

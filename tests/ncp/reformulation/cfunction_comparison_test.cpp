@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// The C-functions against each other, on problems on which they differ for a known reason: what a table of their
 /// properties says, measured. All functions, and those with a parameter at several values of it.
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The table CFunction::properties, by examples and counterexamples of each claim.
 #include <gtest/gtest.h>
 

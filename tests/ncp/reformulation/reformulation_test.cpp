@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Billups' composition of C-functions over boxes.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "ncp/reformulation/smoothing_function.hpp"
 
 #include <gmock/gmock.h>

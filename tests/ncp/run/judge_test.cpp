@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// What a solve says of its point: Solved, SolvedToRounding, the moves to bounds, the notes and the relative tolerance.
 #include "ncp/run/judge.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// ncp::Auto: what it chooses, what it says, and its one budget for all attempts.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Several solutions by deflation: problems of which all solutions are known.
 #include "ncp/strategy/deflation.hpp"
 

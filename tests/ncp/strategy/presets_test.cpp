@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// The systems that Billups, Dirkse & Ferris (1997) compare, by name, on the collection.
 #include <gtest/gtest.h>
 

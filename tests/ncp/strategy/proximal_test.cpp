@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Proximal escapes (Billups 1995; Billups & Ferris 1997): QPCOMP, PROXI and SEMICOMP solve what their bases do not.
 #include "ncp/strategy/proximal.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// The attempts of PathSearch after its first: ncp/strategy/restarts.cpp.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

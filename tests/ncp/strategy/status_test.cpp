@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Every Status of ncp/run/result.hpp, by a problem made for it; LinearAlgebraFailed is not given by any method today.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

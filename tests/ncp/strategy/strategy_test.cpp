@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Strategies: what is read and written, and laws that hold for whatever is put together: every record is of the problem
 // that was given, numbers of iterations only grow, limits hold in all, only the judge calls a point solved.
 #include "ncp/strategy/strategy.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Two solves may run in two threads (CONTRIBUTING.md). Under PERP_SANITIZE=thread this finds data races; here it finds
 /// state that one solve leaves to another.
 #include <gtest/gtest.h>

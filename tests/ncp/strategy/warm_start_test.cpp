@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// Result::basis and PathSearch::basis: a sequence of nearby problems.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Presolve against closed forms and, at random, against problems whose solutions are all known. Would catch a reduction
 // that loses the solutions, one whose postsolve gives none, and a verdict of infeasibility over a solvable problem.
 #include "ncp/transforms/presolve.hpp"

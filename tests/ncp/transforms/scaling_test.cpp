@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Scaling: one to one, exact, undoes bad units, and keeps off where units are fine.
 #include "ncp/transforms/scaling.hpp"
 

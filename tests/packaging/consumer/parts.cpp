@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Links what the example does not: the reader of .nl files (AMPL's library), the collection, an LCP by Lemke's method
 // (UMFPACK), contact problems (HDF5). Prints the solution of the model named on the command line.
 #include <iostream>
