@@ -37,7 +37,7 @@ _perp_value() {  # of the flag before the cursor, whose line is $1: "  --flag TA
   takes=${takes#* } takes=${takes%%  *} text=${text#*  }
   case $prev in
     --method | --show)
-      _perp_words "$(_perp_methods) $([ "$command" = contact ] && echo homotopy)" ;;
+      _perp_words "$(_perp_methods) $([ "$command" = contact ] && echo homotopy nsgs fixed-point extragradient hyperplane alart-curnier fischer-burmeister natural-map tresca panagiotopoulos cadoux)" ;;
     --methods)
       _perp_words 'presets published all cfunctions cfunction-grid none' ;;
     --problems)

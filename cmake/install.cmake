@@ -6,7 +6,7 @@ include(CMakePackageConfigHelpers)
 # The public headers: these, and what they include. Those left are the folders' own.
 set(perp_public_headers
   contact/laws/affine_encoding.hpp
-  contact/solvers/alart_curnier.hpp
+  contact/classics/alart_curnier.hpp
   contact/scenes/ball.hpp
   contact/model/bilateral.hpp
   contact/io/dat_file.hpp
@@ -15,7 +15,7 @@ set(perp_public_headers
   contact/io/fclib.hpp
   contact/laws/first_ncp.hpp
   contact/laws/frictionless.hpp
-  contact/solvers/gauss_seidel.hpp
+  contact/classics/gauss_seidel.hpp
   contact/scenes/generators.hpp
   contact/laws/glocker.hpp
   contact/solvers/homotopy.hpp

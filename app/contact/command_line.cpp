@@ -36,7 +36,8 @@ constexpr const char* footer =
     "  perp contact ball --svg ball.svg                        time stepping: what facets do to a path\n"
     "  perp contact wall:40 arch:40 --compare --variants glocker,glocker+path/B,inner:4,inner:16,ncp1\n"
     "\n"
-    "glocker and ncp1 are solved when Coulomb's law holds at r: the natural map relative to max(|q|, |r|, |u|) and to\n"
+    "glocker, coulomb and ncp1 are solved when Coulomb's law holds at r: the natural map relative to max(|q|, |r|, "
+    "|u|) and to\n"
     "|q| is at most the tolerance, and so are, contact by contact, the violations of cone, normal and slip relative "
     "to\n"
     "the impulses and velocities there. inner:K, outer:K and frictionless are solved when their own affine problem is; "
@@ -118,9 +119,11 @@ CLI::App* add_command(CLI::App& app, ContactWords& words) {
          fmt::format("one of {}; default glocker", contact::formulation_names), "NAME");
   option(
       contact, "--method", words.method,
-      "of glocker auto (its default: sweeps, homotopy, Newton steps, proximal loop) or homotopy alone; or a method of "
-      "'perp methods': for glocker and ncp1 (default path) those for "
-      "nonlinear problems, for the others (default auto: Lemke's first) those for affine ones",
+      fmt::format(
+          "of glocker auto (its default: sweeps, homotopy, Newton steps, proximal loop) or homotopy alone; of coulomb "
+          "(which follows from the name) {}; or a method of 'perp methods': for glocker and ncp1 (default path) those "
+          "for nonlinear problems, for the others (default auto: Lemke's first) those for affine ones",
+          classic_names()),
       "NAME");
   option(contact, "--encoding", words.encoding, "of glocker by a method of 'perp methods': A, an MCP, or B, an NCP (B)",
          "A|B");
@@ -129,9 +132,9 @@ CLI::App* add_command(CLI::App& app, ContactWords& words) {
   option(contact, "--form", words.form, "of inner and outer: an LCP, or an MLCP with r_T free (reduced)",
          "reduced|mixed");
   option(contact, "-o,--option", words.options,
-         fmt::format("of the method; may be repeated: of homotopy {}; of auto these and {}; of others what 'perp "
+         fmt::format("of the method; may be repeated: of homotopy {}; of auto these and {}; {}; of others what 'perp "
                      "methods' lists, and for glocker {}",
-                     homotopy_keys(), auto_keys(), glocker_keys()),
+                     homotopy_keys(), auto_keys(), classic_keys(), glocker_keys()),
          "KEY=VALUE")
       ->allow_extra_args(false);
   option(contact, "--tol", words.tol, "tolerance (1e-8; of --facets 1e-9)", "TOL");

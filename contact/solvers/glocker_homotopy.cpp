@@ -6,8 +6,8 @@
 #include <memory>
 #include <optional>
 
-#include "contact/solvers/alart_curnier.hpp"
-#include "contact/solvers/gauss_seidel.hpp"
+#include "contact/classics/alart_curnier.hpp"
+#include "contact/classics/gauss_seidel.hpp"
 #include "contact/solvers/referee.hpp"
 
 namespace perp::contact {

@@ -6,19 +6,21 @@
 #include <functional>
 #include <string>
 
+#include "contact/classics/trial.hpp"
 #include "contact/model/scaling.hpp"
 #include "contact/solvers/solve.hpp"
 
 namespace perp::contact {
 
-class Referee {
+class Referee : public Trial {
  public:
   Referee(const Problem& problem, const Scaled& scaled, const Options& options);
 
   /// Judges r~; true if it is the end: solved, or a limit.
   bool judge(In r, Record record);
   /// Whether the run is over.
-  bool over();
+  bool over() override;
+  bool judge_iterate(In r, const TrialStep& step) override;
   /// The larger metric of the point judged last, and of the best one.
   double last() const { return last_; }
   double best() const { return best_metric_; }
@@ -27,12 +29,12 @@ class Referee {
   double seconds_left() const;
   const std::atomic<bool>* interrupt() const { return options_.interrupt; }
   /// Asks for a proof that there is no solution; true if that ends the run. For solvers that are about to do long work.
-  bool no_solution();
+  bool no_solution() override;
   /// Runs a part of a method, which may throw: where a factorization would end after the time limit, or memory is
   /// short, the run is over with that and keeps its best point.
   void guard(const std::function<void()>& part);
   /// When the time is over.
-  lcp::Deadline deadline() const;
+  lcp::Deadline deadline() const override;
   Result result(const std::string& message);
 
  private:

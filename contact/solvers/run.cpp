@@ -30,7 +30,10 @@ const Solver& solver_of(const Variant& variant) {
   refuse_solver(variant);
 }
 
-void run_glocker(Run& run, const Problem& problem, const Variant& variant, const RunLimits& limits) {
+/// Has the method itself made the point?
+bool of_method(Origin by) { return by == Origin::Ncp || by == Origin::Iterate; }
+
+void run_exact(Run& run, const Problem& problem, const Variant& variant, const RunLimits& limits) {
   Options options{.tol = limits.tol, .max_time = Seconds(limits.seconds), .interrupt = limits.interrupt};
   if (limits.better) options.better = [&limits](const Vec& r, Origin) { limits.better(r); };
   const GlockerNcp* ncp = variant.as_ncp();
@@ -44,7 +47,7 @@ void run_glocker(Run& run, const Problem& problem, const Variant& variant, const
   if (ncp != nullptr) run.unknowns = Glocker(scaled(problem), ncp->formulation).size();
   Result result = solve(problem, options);
   run.status = result.status;
-  if (result.solved()) run.solved_by = result.by == Origin::Ncp ? variant.method : std::string(to_string(result.by));
+  if (result.solved()) run.solved_by = of_method(result.by) ? variant.method : std::string(to_string(result.by));
   run.message = std::move(result.message);
   run.verdict = std::move(result.verdict);
   run.solution = std::move(result.solution);
@@ -53,6 +56,7 @@ void run_glocker(Run& run, const Problem& problem, const Variant& variant, const
                 {"newton_steps", result.stats.newton_steps}, {"proximal_steps", result.stats.proximal_steps},
                 {"attempts", result.stats.attempts},         {"factorizations", result.stats.factorizations}};
   if (ncp != nullptr) run.counts = {run.counts.front(), run.counts.back()};
+  if (variant.law == Law::Coulomb) run.counts = {run.counts[0], run.counts[1], run.counts.back()};
 }
 
 /// The NCP's own residual says little of the law's: every iterate is judged, and the method goes on while it can.
@@ -183,14 +187,15 @@ void judge(Run& run, const Problem& problem, const Variant& variant) {
 Run run(const Problem& problem, const Variant& variant, const RunLimits& limits) {
   const Clock::time_point begin = Clock::now();
   Run run;
-  if (variant.law == Law::Glocker)
-    run_glocker(run, problem, variant, limits);
+  if (variant.law == Law::Glocker || variant.law == Law::Coulomb)
+    run_exact(run, problem, variant, limits);
   else if (variant.law == Law::Ncp1)
     run_first_ncp(run, problem, variant, limits);
   else
     run_affine(run, encoding_of(problem, variant), variant, limits, begin);
   run.solved = run.status == Status::Solved;
-  if (variant.law != Law::Glocker) ask_existence(run, problem, variant, limits, Clock::now() - begin);
+  if (variant.law != Law::Glocker && variant.law != Law::Coulomb)
+    ask_existence(run, problem, variant, limits, Clock::now() - begin);
   run.seconds = Seconds(Clock::now() - begin).count();
   judge(run, problem, variant);
   return run;

@@ -39,7 +39,7 @@ struct Run {
   Residual residual{};      ///< of Coulomb's law
   /// The natural residual of the affine problem, for laws that are not exact; NaN if it is not known.
   double own = std::numeric_limits<double>::quiet_NaN();
-  Index unknowns = 0;  ///< of it, or of the NCP; 0 of auto and homotopy, which have none but r
+  Index unknowns = 0;  ///< of it, or of the NCP; 0 of methods that have none but r
   std::vector<ContactState> states{};
   std::vector<std::pair<std::string, long>> counts{};  ///< iterations first, then what else was counted
   double seconds = 0;

@@ -16,6 +16,13 @@ namespace {
 bool scales(const Auto& m) { return m.homotopy.scaling; }
 bool scales(const GlockerHomotopy& m) { return m.scaling; }
 bool scales(const GlockerNcp& m) { return m.scaling; }
+template <Classic M>
+bool scales(const M& m) {
+  if constexpr (requires { m.newton; })
+    return m.newton.scaling;
+  else
+    return m.scaling;
+}
 
 void run(Referee& referee, const Scaled& problem, const Auto& method, const Vec& start) {
   run_auto(referee, problem, method, start);
@@ -25,6 +32,10 @@ void run(Referee& referee, const Scaled& problem, const GlockerHomotopy& method,
 }
 void run(Referee& referee, const Scaled& problem, const GlockerNcp& method, const Vec& start) {
   run_ncp(referee, problem, method, start);
+}
+template <Classic M>
+void run(Referee& referee, const Scaled& problem, const M& method, const Vec& start) {
+  iterate(referee, problem, method, start);
 }
 
 double larger_metric(const Residual& residual) { return std::max(residual.siconos, residual.rr9118); }
@@ -37,8 +48,20 @@ constexpr std::chrono::duration<double> least_search{0.1};
 std::span<const MethodEntry> methods() {
   static const std::array all{
       MethodEntry{"auto", "Gauss-Seidel, Glocker's homotopy, Newton steps, a proximal loop, until one solves it",
-                  Auto{}},
-      MethodEntry{"homotopy", "Glocker's NCP by the interior-point homotopy", GlockerHomotopy{}}};
+                  Auto{}, true},
+      MethodEntry{"homotopy", "Glocker's NCP by the interior-point homotopy", GlockerHomotopy{}, true},
+      MethodEntry{"nsgs", "nonsmooth Gauss-Seidel: contact by contact, to the end", Nsgs{}},
+      MethodEntry{"fixed-point", "De Saxce & Feng's projection onto the cones", FixedPoint{}},
+      MethodEntry{"extragradient", "Korpelevich's extragradient method on the variational inequality", Extragradient{}},
+      MethodEntry{"hyperplane", "Solodov & Svaiter's projection onto hyperplanes", Hyperplane{}},
+      MethodEntry{"alart-curnier", "Newton's method with a line search on Alart & Curnier's equation",
+                  AlartCurnierNewton{}},
+      MethodEntry{"fischer-burmeister", "Newton's method with a line search on the cone's Fischer-Burmeister function",
+                  FischerBurmeisterNewton{}},
+      MethodEntry{"natural-map", "Newton's method with a line search on the natural map", NaturalMapNewton{}},
+      MethodEntry{"tresca", "a fixed point on Tresca's threshold", Tresca{}},
+      MethodEntry{"panagiotopoulos", "normal and tangential problems in turn", Panagiotopoulos{}},
+      MethodEntry{"cadoux", "Cadoux' fixed point on s = |u_T|, convex problems over the cones", Cadoux{}}};
   return all;
 }
 
@@ -72,8 +95,9 @@ void describe(GlockerNcp& m, ncp::Fields& f) {
 std::string_view to_string(Origin origin) {
   using enum Origin;
   static constexpr std::pair<Origin, std::string_view> words[] = {
-      {Zero, "zero"},     {WarmStart, "warm-start"},       {Sweeps, "sweeps"},     {Homotopy, "homotopy"},
-      {Newton, "newton"}, {DampedNewton, "damped-newton"}, {Proximal, "proximal"}, {Ncp, "ncp"}};
+      {Zero, "zero"},      {WarmStart, "warm-start"},       {Sweeps, "sweeps"},     {Homotopy, "homotopy"},
+      {Newton, "newton"},  {DampedNewton, "damped-newton"}, {Proximal, "proximal"}, {Ncp, "ncp"},
+      {Iterate, "iterate"}};
   return word_of(origin, words);
 }
 
@@ -122,6 +146,10 @@ void Referee::take(In r, const Vec& impulses, const Residual& residual, Origin b
   result_.residual = residual;
   result_.by = by;
   if (options_.better) options_.better(result_.solution.r, by);
+}
+
+bool Referee::judge_iterate(In r, const TrialStep& step) {
+  return judge(r, {.by = Origin::Iterate, .step = step.step, .alpha = step.alpha});
 }
 
 bool Referee::over() {
@@ -177,6 +205,9 @@ lcp::Deadline Referee::deadline() const { return lcp::deadline_after(options_.ma
 
 Result Referee::result(const std::string& message) {
   guard([this] { ask_existence(); });
+  result_.stats.iterations += effort.iterations;
+  result_.stats.sweeps += effort.sweeps;
+  result_.stats.factorizations += effort.factorizations;
   result_.solution.u = velocities(problem_, result_.solution.r);
   std::ostringstream text;
   if (result_.status == Status::Solved)

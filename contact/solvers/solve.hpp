@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-/// Contact problems through Glocker's differentiable NCP, solved to the exact law of Coulomb:
+/// Contact problems, solved to the exact law of Coulomb: through Glocker's differentiable NCP, or by the methods of
+/// contact/classics, on r alone:
 ///     solve(problem)                                        several methods, one after another: Auto
 ///     solve(problem, {.method = GlockerHomotopy{}})         the interior-point homotopy alone
 ///     solve(problem, {.method = GlockerNcp{.method = ncp::PathSearch{}}})   any method of ncp/
+///     solve(problem, {.method = Nsgs{}})                    a classic
 /// Only contact::accepted (contact/model/residual.hpp) calls a point solved, and Result::by says what made it. The
 /// faceted and frictionless laws have solvers of their own (contact/laws/affine_encoding.hpp); run.hpp takes any law by
 /// name.
@@ -17,6 +19,7 @@
 #include <variant>
 #include <vector>
 
+#include "contact/classics/classics.hpp"
 #include "contact/existence/existence.hpp"
 #include "contact/laws/glocker.hpp"
 #include "contact/model/problem.hpp"
@@ -42,8 +45,8 @@ struct GlockerHomotopy {
 /// extrapolated where successive increments are parallel. It is what singular W need.
 struct Auto {
   GlockerHomotopy homotopy{};
-  /// Sweeps of nonsmooth Gauss-Seidel before anything else (gauss_seidel.hpp), ended where they contract slowly: they
-  /// cost little, and weakly coupled contacts need no more. 0: none.
+  /// Sweeps of nonsmooth Gauss-Seidel before anything else (contact/classics/gauss_seidel.hpp), ended where they
+  /// contract slowly: they cost little, and weakly coupled contacts need no more. 0: none.
   int sweeps = 100;
   bool polish = true;      ///< Newton steps on Alart & Curnier's equation, damped ones too
   double polish_at = 0.1;  ///< relative natural residual at which they are tried first
@@ -60,12 +63,20 @@ struct GlockerNcp {
 };
 
 /// To Coulomb's law.
-using Method = std::variant<Auto, GlockerHomotopy, GlockerNcp>;
+using Method =
+    std::variant<Auto, GlockerHomotopy, GlockerNcp, Nsgs, FixedPoint, Extragradient, Hyperplane, AlartCurnierNewton,
+                 FischerBurmeisterNewton, NaturalMapNewton, Tresca, Panagiotopoulos, Cadoux>;
+/// One of contact/classics?
+template <class T>
+concept Classic = requires(Trial& trial, const Scaled& problem, const T& method, const Vec& start) {
+  iterate(trial, problem, method, start);
+};
 
 struct MethodEntry {
   std::string_view name;  ///< "auto", "homotopy"
   std::string_view what;  ///< one line
   Method method;
+  bool glocker = false;  ///< uses Glocker's NCP
 };
 /// Those with a name of their own; GlockerNcp has its method's.
 std::span<const MethodEntry> methods();
@@ -83,9 +94,10 @@ enum class Origin {
   Newton,        ///< a step on Alart & Curnier's equation
   DampedNewton,  ///< a shortened one
   Proximal,      ///< the solution of a proximal problem
-  Ncp            ///< the method of GlockerNcp
+  Ncp,           ///< the method of GlockerNcp
+  Iterate        ///< an iteration of a method of contact/classics
 };
-/// "zero", "warm-start", "sweeps", "homotopy", "newton", "damped-newton", "proximal", "ncp".
+/// "zero", "warm-start", "sweeps", "homotopy", "newton", "damped-newton", "proximal", "ncp", "iterate".
 std::string_view to_string(Origin);
 
 struct Options {
@@ -108,15 +120,15 @@ struct Record {
   Origin by = Origin::Zero;
   char letter = ' ';   ///< of Ncp: the method's own (ncp::Iteration::kind); C at the end of a stage
   double tau = 0;      ///< of a homotopy step
-  double step = 0;     ///< its length
-  double alpha = 0;    ///< of Newton, DampedNewton and Proximal
+  double step = 0;     ///< its length; of a projection rho
+  double alpha = 0;    ///< of Newton, DampedNewton, Proximal and Iterate
   double siconos = 0;  ///< metrics of the point
   double rr9118 = 0;
 };
 
 struct Stats {
-  int iterations = 0;      ///< homotopy steps, or iterations of the ncp method
-  int sweeps = 0;          ///< of Gauss-Seidel
+  int iterations = 0;      ///< homotopy steps, or iterations of the ncp method or of a classic
+  int sweeps = 0;          ///< over all contacts; of Cadoux iterations of ADMM
   int newton_steps = 0;    ///< on Alart & Curnier's equation
   int proximal_steps = 0;  ///< moves of the proximal loop's centre
   int attempts = 0;

@@ -15,7 +15,7 @@ namespace {
 
 using Law = Variant::Law;
 constexpr int least_facets = 3;
-constexpr std::array<std::string_view, 5> laws{"glocker", "ncp1", "inner", "outer", "frictionless"};
+constexpr std::array<std::string_view, 6> laws{"glocker", "ncp1", "inner", "outer", "frictionless", "coulomb"};
 
 [[noreturn]] void refuse(const std::string& why) { throw std::invalid_argument(why); }
 
@@ -60,6 +60,10 @@ const MethodEntry* find_own(std::string_view name) {
 /// The methods of the variant's law.
 std::vector<std::string_view> method_names(const Variant& variant) {
   std::vector<std::string_view> names;
+  if (variant.law == Law::Coulomb) {
+    for (const MethodEntry& entry : methods()) names.push_back(entry.name);
+    return names;
+  }
   if (variant.exact())
     for (const auto table : {ncp::presets(), ncp::published()})
       for (const ncp::Preset& preset : table) names.push_back(preset.name);
@@ -75,17 +79,22 @@ std::vector<std::string_view> method_names(const Variant& variant) {
 Variant::Solver solver_named(const Variant& variant, const std::string& name) {
   const bool glocker = variant.law == Law::Glocker;
   const MethodEntry* own = find_own(name);
-  if (glocker && own != nullptr) return std::visit([](const auto& m) { return Variant::Solver(m); }, own->method);
+  if ((glocker || variant.law == Law::Coulomb) && own != nullptr)
+    return std::visit([](const auto& m) { return Variant::Solver(m); }, own->method);
   if (!variant.exact() && name == "auto") return EncodingAuto{};
   const ncp::Preset* preset = ncp::find_preset(name);
   const lcp::MethodEntry* affine = find_affine(name);
   if (glocker && preset != nullptr) return GlockerNcp{.method = preset->method};
-  if (variant.exact() && preset != nullptr) return preset->method;
+  if (variant.law == Law::Ncp1 && preset != nullptr) return preset->method;
   if (!variant.exact() && affine != nullptr) return affine->method;
   const std::string method = "method " + name;
-  if (own != nullptr && name != "auto") refuse(method + " is of formulation glocker, not of " + variant.formulation());
+  if (own != nullptr && name != "auto")
+    refuse(method + " is of formulation " + (own->glocker ? "glocker" : "coulomb") + ", not of " +
+           variant.formulation());
   if (affine != nullptr) refuse(method + " is for affine problems; " + variant.formulation() + " is nonlinear");
   const std::vector<std::string_view> known = method_names(variant);
+  if (preset != nullptr && variant.law == Law::Coulomb)
+    refuse(method + " is for NCPs: of glocker and ncp1, not of coulomb");
   if (preset != nullptr)
     refuse(method + ": " + variant.formulation() + " is an affine problem, solved by " + ncp::alternatives(known));
   throw UnknownWord("method: there is no method '" + name + "'; " + variant.formulation() + " is solved by " +
@@ -96,8 +105,11 @@ Variant::Solver solver_named(const Variant& variant, const std::string& name) {
 void set_method(Variant& variant, const VariantWords& words) {
   const bool as_ncp = words.encoding.has_value() || words.row.has_value();
   const bool by_path = variant.law == Law::Ncp1 || (variant.law == Law::Glocker && as_ncp);
-  variant.method = words.method.value_or(by_path ? "path" : "auto");
+  const bool coulomb = variant.law == Law::Coulomb;
+  variant.method = words.method.value_or(coulomb ? "nsgs" : by_path ? "path" : "auto");
   variant.solver = solver_named(variant, variant.method);
+  if (const MethodEntry* own = find_own(variant.method); own != nullptr && (coulomb || variant.law == Law::Glocker))
+    variant.law = own->glocker ? Law::Glocker : Law::Coulomb;
 }
 
 /// 0 if it is the first of the two, 1 if the second.
@@ -157,6 +169,8 @@ std::string Variant::words() const {
                (ncp->formulation.row == DiskRow::Original ? "original" : "normalised") + " disk row)" + by;
       if (const MethodEntry* own = find_own(method)) return std::string(own->what);
       return "Glocker's NCP" + by;
+    case Law::Coulomb:
+      return "Coulomb's law: " + std::string(find_own(method)->what);
     case Law::Ncp1:
       return "the first NCP, by norms," + by;
     case Law::Inner:

@@ -3,7 +3,8 @@
 /// One way to solve a contact problem: a law of friction, its form, and a method. As text
 ///     FORMULATION[+METHOD][/WORD]...
 /// "glocker", "glocker+homotopy", "glocker+path/B/original", "inner:8", "outer:16+lemke/mixed", "frictionless",
-/// "ncp1+semismooth". contact::run (run.hpp) solves a problem by it.
+/// "ncp1+semismooth", "coulomb+nsgs". Of a method with a name of its own the formulation follows: "glocker+nsgs" is
+/// "coulomb+nsgs", and "coulomb+homotopy" is "glocker+homotopy". contact::run (run.hpp) solves a problem by it.
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -34,8 +35,10 @@ template <class T>
 inline constexpr bool is_method = detail::among<T>(static_cast<const Method*>(nullptr));
 
 struct Variant {
-  enum class Law { Glocker, Ncp1, Inner, Outer, Frictionless };
-  /// Of Glocker a contact::Method, of Ncp1 a method of ncp/, of the affine laws EncodingAuto or a method of lcp/.
+  /// Coulomb: his exact law on r alone, by a method of contact/classics. Glocker and Ncp1 are NCPs of the same law.
+  enum class Law { Glocker, Ncp1, Inner, Outer, Frictionless, Coulomb };
+  /// Of Glocker and Coulomb a contact::Method, of Ncp1 a method of ncp/, of the affine laws EncodingAuto or a method of
+  /// lcp/.
   using Solver = decltype(detail::with_others(Method{}));
 
   Law law = Law::Glocker;
@@ -47,7 +50,7 @@ struct Variant {
   double rotation = 0;          ///< of their polygons [rad]; in no text
 
   /// Returns whether the law is Coulomb's. The other laws have problems of their own.
-  bool exact() const { return law == Law::Glocker || law == Law::Ncp1; }
+  bool exact() const { return law == Law::Glocker || law == Law::Ncp1 || law == Law::Coulomb; }
   bool faceted() const { return law == Law::Inner || law == Law::Outer; }
   bool automatic() const { return std::holds_alternative<Auto>(solver); }
   /// Returns the solver if it is a method of ncp/ on Glocker's NCP, which has an encoding and a disk row; otherwise
@@ -56,7 +59,7 @@ struct Variant {
   /// Returns the polygon of Inner and Outer for problems of that dimension, one for all contacts.
   Polygons polygons(int dimension) const;
 
-  std::string formulation() const;  ///< "glocker", "inner:8"
+  std::string formulation() const;  ///< "glocker", "coulomb", "inner:8"
   /// Returns the text that variant_of() reads, with the method and without words that are defaults.
   std::string label() const;
   /// Describes it in words: "Glocker's NCP (encoding B, normalised disk row) by path".
@@ -96,6 +99,6 @@ Variant variant_of(std::string_view text);
 std::vector<Variant> variants_of(std::string_view pattern);
 
 /// The formulations, as one writes them.
-inline constexpr const char* formulation_names = "glocker, ncp1, inner:K, outer:K, frictionless";
+inline constexpr const char* formulation_names = "glocker, coulomb, ncp1, inner:K, outer:K, frictionless";
 
 }  // namespace perp::contact

@@ -138,4 +138,22 @@ std::string glocker_keys() {
   return fmt::format("{}", fmt::join(keys(own_options(any)), ", "));
 }
 
+std::string classic_names() {
+  std::vector<std::string_view> names;
+  for (const contact::MethodEntry& entry : contact::methods())
+    if (!entry.glocker) names.push_back(entry.name);
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+std::string classic_keys() {
+  std::vector<std::string> kinds;
+  for (const contact::MethodEntry& entry : contact::methods()) {
+    if (entry.glocker) continue;
+    contact::Method any = entry.method;
+    const auto of = [&](auto& method) { return fmt::format("{}", fmt::join(keys(own_options(method)), ", ")); };
+    kinds.push_back(fmt::format("of {} {}", entry.name, std::visit(of, any)));
+  }
+  return fmt::format("{}", fmt::join(kinds, "; "));
+}
+
 }  // namespace perp::app::contacts

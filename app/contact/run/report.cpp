@@ -153,7 +153,8 @@ void print_heading(std::ostream& out, const Loaded& loaded, const Variant& varia
 
 namespace {
 std::string made_by(const Run& run, const contact::Record& record) {
-  if (record.by != contact::Origin::Ncp) return std::string(contact::to_string(record.by));
+  if (record.by != contact::Origin::Ncp && record.by != contact::Origin::Iterate)
+    return std::string(contact::to_string(record.by));
   return record.letter == ' ' ? run.variant.method : fmt::format("{} {}", run.variant.method, record.letter);
 }
 }  // namespace

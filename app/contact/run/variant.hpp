@@ -48,5 +48,8 @@ void set_options(Variant& variant);
 std::string auto_keys();
 std::string homotopy_keys();
 std::string glocker_keys();
+/// The methods of formulation coulomb, and "of NAME KEYS" of each.
+std::string classic_names();
+std::string classic_keys();
 
 }  // namespace perp::app::contacts

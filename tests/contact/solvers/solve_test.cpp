@@ -8,11 +8,11 @@
 #include <cmath>
 #include <numbers>
 
+#include "contact/classics/alart_curnier.hpp"
+#include "contact/classics/gauss_seidel.hpp"
 #include "contact/contact_support.hpp"
 #include "contact/laws/glocker_support.hpp"
 #include "contact/scenes/generators.hpp"
-#include "contact/solvers/alart_curnier.hpp"
-#include "contact/solvers/gauss_seidel.hpp"
 #include "contact/solvers/homotopy.hpp"
 #include "contact/solvers/referee.hpp"
 #include "ncp/methods/interior_point.hpp"

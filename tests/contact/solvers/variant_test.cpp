@@ -15,9 +15,10 @@ using testing::HasSubstr;
 
 // Would catch a default that changes, and a word that is dropped between text and variant.
 TEST(Variant, TextThereAndBack) {
-  for (const char* label : {"glocker+auto", "glocker+homotopy", "glocker+path/B", "glocker+semismooth/A",
-                            "glocker+path/B/original", "ncp1+path", "ncp1+semismooth", "inner:8", "outer:64/mixed",
-                            "inner:4+lemke/mixed", "frictionless", "frictionless+block-pivoting"})
+  for (const char* label :
+       {"glocker+auto", "glocker+homotopy", "glocker+path/B", "glocker+semismooth/A", "glocker+path/B/original",
+        "ncp1+path", "ncp1+semismooth", "inner:8", "outer:64/mixed", "inner:4+lemke/mixed", "frictionless",
+        "frictionless+block-pivoting", "coulomb+nsgs", "coulomb+fixed-point", "coulomb+cadoux"})
     EXPECT_EQ(variant_of(label).label(), label);
   EXPECT_EQ(variant_of("glocker").label(), "glocker+auto");
   EXPECT_EQ(variant_of("glocker/B").label(), "glocker+path/B");
@@ -25,6 +26,22 @@ TEST(Variant, TextThereAndBack) {
   EXPECT_EQ(variant_of("ncp1").label(), "ncp1+path");
   EXPECT_EQ(variant_of("inner:8+auto/reduced").label(), "inner:8");
   EXPECT_EQ(Variant{}.label(), "glocker+auto");
+  EXPECT_EQ(variant_of("coulomb").label(), "coulomb+nsgs");
+}
+
+// Methods on r alone have not Glocker's law: the formulation follows from the name. Catches a label that says of
+// Gauss-Seidel that it solves Glocker's NCP.
+TEST(Variant, FormulationFollowsFromTheName) {
+  EXPECT_EQ(variant_of("glocker+nsgs").label(), "coulomb+nsgs");
+  EXPECT_EQ(variant_of(VariantWords{.method = "tresca"}).label(), "coulomb+tresca");
+  EXPECT_EQ(variant_of("coulomb+homotopy").label(), "glocker+homotopy");
+  EXPECT_EQ(variant_of("coulomb+auto").label(), "glocker+auto");
+  EXPECT_TRUE(std::holds_alternative<Nsgs>(variant_of("coulomb").solver));
+  EXPECT_THROW(variant_of("coulomb+path"), std::invalid_argument);
+  EXPECT_THROW(variant_of("ncp1+nsgs"), std::invalid_argument);
+  EXPECT_THROW(variant_of("inner:8+nsgs"), std::invalid_argument);
+  EXPECT_THROW(variant_of("coulomb+nsgs/B"), std::invalid_argument);
+  EXPECT_THROW(variant_of("coulomb+nsgz"), UnknownWord);
 }
 
 // Would catch a method that a comparison of all leaves out, and a form.
@@ -51,7 +68,7 @@ TEST(Variant, StarsStandForAll) {
 }
 
 TEST(Variant, ExactLaws) {
-  for (const char* label : {"glocker", "ncp1"}) EXPECT_TRUE(variant_of(label).exact());
+  for (const char* label : {"glocker", "coulomb", "ncp1"}) EXPECT_TRUE(variant_of(label).exact());
   for (const char* label : {"inner:3", "outer:3", "frictionless"}) EXPECT_FALSE(variant_of(label).exact());
 }
 

@@ -9,19 +9,21 @@
 /// Fast near a solution and without a guarantee elsewhere: the last digits of a homotopy.
 #include <memory>
 
+#include "contact/classics/newton.hpp"
 #include "contact/model/scaling.hpp"
 #include "lcp/lu/sparse_lu.hpp"
 
 namespace perp::contact {
 
-/// The rows of one contact of 1, 2 or 3 entries at (r, u): A dr + B du = c for the step to the equation's zero.
-struct AlartCurnierRows {
-  Eigen::Matrix3d A = Eigen::Matrix3d::Zero();
-  Eigen::Matrix3d B = Eigen::Matrix3d::Zero();
-  Eigen::Vector3d c = Eigen::Vector3d::Zero();
+/// The radius of the friction disk.
+enum class FrictionDisk {
+  JeanMoreau,  ///< r_N+
+  Augmented    ///< (r_N - rho_N u_N)+, Alart & Curnier's own: lecture, (53)
 };
-AlartCurnierRows alart_curnier_rows(int size, const Eigen::Vector3d& r, const Eigen::Vector3d& u, double rho_N,
-                                    double rho_T);
+
+/// Phi / rho of one contact; lecture, (57)-(58).
+NewtonRows alart_curnier_rows(int size, const Eigen::Vector3d& r, const Eigen::Vector3d& u, double rho_N, double rho_T,
+                              FrictionDisk disk = FrictionDisk::JeanMoreau);
 
 class AlartCurnier {
  public:
@@ -36,7 +38,7 @@ class AlartCurnier {
 
  private:
   const Scaled& problem_;
-  Vec rho_N_, rho_T_;
+  NewtonWeights rho_;
   SpMat K_;
   std::shared_ptr<lcp::SparseLu> lu_;
   int factorizations_ = 0;

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "contact/classics/newton.hpp"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <utility>
+
+#include "contact/classics/trial.hpp"
+#include "lcp/lu/sparse_lu.hpp"
+
+namespace perp::contact {
+namespace {
+
+/// Of W + alpha I, one after another until the matrix can be factored.
+constexpr std::array newton_alphas{0.0, 1e-10, 1e-8, 1e-6, 1e-4, 1e-2};
+
+class NewtonRun {
+ public:
+  NewtonRun(Trial& trial, const Scaled& problem, const NewtonOptions& options, const RowsOf& rows_of)
+      : trial_(trial),
+        problem_(problem),
+        options_(options),
+        rows_of_(rows_of),
+        K_(problem.W),
+        lu_(lcp::LuBackend::Umfpack, trial.deadline()) {}
+
+  void run(Vec r) {
+    Vec u = problem_.W * r + problem_.q;
+    for (int k = 0; k < options_.max_iterations; ++k) {
+      const NewtonSystem system = newton_system(problem_, rows_of_, r, u);
+      if (!std::isfinite(system.merit()) || system.merit() == 0 || !direction(system)) return;
+      const Vec Wd = problem_.W * d_;
+      const double t = length(system, r, u, Wd);
+      r += t * d_;
+      u = problem_.W * r + problem_.q;
+      if (trial_.step(r, {.step = t, .alpha = alpha_})) return;
+    }
+  }
+
+ private:
+  bool direction(const NewtonSystem& system) {
+    d_.resize(system.c.size());
+    for (const double alpha : newton_alphas) {
+      newton_matrix(problem_, system.rows, alpha, K_);
+      ++trial_.effort.factorizations;
+      alpha_ = alpha;
+      if (trial_.over()) return false;
+      if (!lu_.try_factor(K_)) continue;
+      lu_.solve(system.c, d_);
+      if (d_.allFinite()) return true;
+    }
+    return false;
+  }
+
+  double merit_at(In r, In u) const { return newton_system(problem_, rows_of_, r, u).merit(); }
+
+  /// The slope of psi along a Newton step is -2 psi.
+  double length(const NewtonSystem& system, const Vec& r, const Vec& u, const Vec& Wd) const {
+    if (options_.line_search == ContactLineSearch::None) return 1;
+    const double psi = system.merit();
+    const bool both = options_.line_search == ContactLineSearch::GoldsteinPrice;
+    double low = 0;
+    double high = std::numeric_limits<double>::infinity();
+    double t = 1;
+    for (int k = 0; k <= options_.max_halvings; ++k) {
+      const double decrease = psi - merit_at(r + t * d_, u + t * Wd);
+      if (!(decrease >= 2 * options_.sigma * t * psi))
+        high = t;
+      else if (both && decrease > 2 * (1 - options_.sigma) * t * psi)
+        low = t;
+      else
+        return t;
+      t = std::isinf(high) ? 2 * t : (low + high) / 2;
+    }
+    return low > 0 ? low : 1;
+  }
+
+  Trial& trial_;
+  const Scaled& problem_;
+  const NewtonOptions& options_;
+  const RowsOf& rows_of_;
+  SpMat K_;
+  lcp::SparseLu lu_;
+  Vec d_;
+  double alpha_ = 0;
+};
+
+}  // namespace
+
+void describe(NewtonOptions& o, Fields& f) {
+  using enum ContactLineSearch;
+  f.choice("line_search", &o.line_search, {{"none", None}, {"armijo", Armijo}, {"goldstein-price", GoldsteinPrice}},
+           "on |Phi|^2 / 2");
+  f.add("sigma", &o.sigma, {.low = 0, .high = 0.5, .open_low = true, .open_high = true}, "of the line search");
+  f.add("max_halvings", &o.max_halvings, at_least(0), "of a step");
+  f.add("max_iterations", &o.max_iterations, at_least(1), "Newton steps");
+  f.add("scaling", &o.scaling, "in the units of the contacts");
+}
+
+NewtonWeights::NewtonWeights(const Scaled& problem)
+    : N(static_cast<Index>(problem.blocks.size())), T(static_cast<Index>(problem.blocks.size())) {
+  const Vec diagonal = problem.W.diagonal();
+  const auto inverse = [](double w) { return w > 1e-12 ? 1 / w : 1; };
+  for (std::size_t a = 0; a < problem.blocks.size(); ++a) {
+    const Scaled::Block& block = problem.blocks[a];
+    const auto i = static_cast<Index>(a);
+    N[i] = inverse(diagonal[block.first]);
+    T[i] = block.size > 1 ? inverse(diagonal.segment(block.first + 1, block.size - 1).mean()) : 1;
+  }
+}
+
+NewtonSystem newton_system(const Scaled& problem, const RowsOf& rows_of, In r, In u) {
+  NewtonSystem system{.rows = std::vector<NewtonRows>(problem.blocks.size()), .c = Vec(r.size())};
+  for (std::size_t a = 0; a < system.rows.size(); ++a) {
+    const Scaled::Block& block = problem.blocks[a];
+    system.rows[a] = rows_of(a, block.of(r), block.of(u));
+    system.c.segment(block.first, block.size) = system.rows[a].c.head(block.size);
+  }
+  return system;
+}
+
+/// W has whole blocks only on the diagonal: elsewhere the rows of a contact may be in a column in part, which couples
+/// through B's off-diagonal entries.
+void newton_matrix(const Scaled& problem, const std::vector<NewtonRows>& rows, double alpha, SpMat& K) {
+  std::vector<int> owner;
+  for (std::size_t a = 0; a < problem.blocks.size(); ++a)
+    owner.insert(owner.end(), at(problem.blocks[a].size), static_cast<int>(a));
+  for (Index j = 0; j < K.cols(); ++j) {
+    SpMat::InnerIterator w(problem.W, j);
+    SpMat::InnerIterator k(K, j);
+    while (w) {
+      const int a = owner[at(w.row())];
+      const Scaled::Block& block = problem.blocks[at(a)];
+      Eigen::Vector3d column = Eigen::Vector3d::Zero();
+      for (; w && owner[at(w.row())] == a; ++w) column[w.row() - block.first] = w.value();
+      const bool own = owner[at(j)] == a;
+      if (own) column[j - block.first] += alpha;
+      Eigen::Vector3d value = rows[at(a)].B * column;
+      if (own) value += rows[at(a)].A.col(j - block.first);
+      for (; k && owner[at(k.row())] == a; ++k) k.valueRef() = value[k.row() - block.first];
+    }
+  }
+}
+
+void newton(Trial& trial, const Scaled& problem, const NewtonOptions& options, const RowsOf& rows_of, Vec r) {
+  NewtonRun(trial, problem, options, rows_of).run(std::move(r));
+}
+
+}  // namespace perp::contact

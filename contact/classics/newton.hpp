@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+/// Newton's method for nonsmooth equations Phi(r, W r + q) = 0 that are written contact by contact, in the coordinates
+/// of contact/model/scaling.hpp (lecture, (51), (55), (59)-(60), (74)):
+///     (A + B W) d = -Phi(r),   A, B an element of the generalised Jacobian,   r + t d,   psi = |Phi|^2 / 2.
+#include <cmath>
+#include <functional>
+#include <vector>
+
+#include "contact/model/scaling.hpp"
+#include "lcp/fields.hpp"
+
+namespace perp::contact {
+
+class Trial;
+
+/// The rows of one contact of 1, 2 or 3 entries at (r, u): A dr + B du = c for the step to the equation's zero, c =
+/// -Phi.
+struct NewtonRows {
+  Eigen::Matrix3d A = Eigen::Matrix3d::Zero();
+  Eigen::Matrix3d B = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d c = Eigen::Vector3d::Zero();
+};
+/// The rows of contact a.
+using RowsOf = std::function<NewtonRows(std::size_t a, const Eigen::Vector3d& r, const Eigen::Vector3d& u)>;
+
+/// The equation at r, with u = W r + q.
+struct NewtonSystem {
+  std::vector<NewtonRows> rows;
+  Vec c;  ///< of all contacts: -Phi
+  double merit() const { return c.squaredNorm() / 2; }
+};
+NewtonSystem newton_system(const Scaled& problem, const RowsOf& rows_of, In r, In u);
+
+/// K = A + B (W + alpha I), whose pattern is that of W.
+void newton_matrix(const Scaled& problem, const std::vector<NewtonRows>& rows, double alpha, SpMat& K);
+
+/// 1 / W_NN and 1 / mean(W_TT), one a contact.
+struct NewtonWeights {
+  Vec N;
+  Vec T;
+  explicit NewtonWeights(const Scaled& problem);
+};
+
+enum class ContactLineSearch {
+  None,            ///< full steps
+  Armijo,          ///< the first t of 1, 1/2, .. with psi(t) <= (1 - 2 sigma t) psi(0): (60)
+  GoldsteinPrice,  ///< that, and psi(t) >= psi(0) - 2 (1 - sigma) t psi(0): Siconos' search of NSN_AC
+};
+
+/// Options of the Newton methods.
+struct NewtonOptions {
+  ContactLineSearch line_search = ContactLineSearch::GoldsteinPrice;
+  double sigma = 0.01;       ///< of the line search; Siconos' 0.01
+  int max_halvings = 40;     ///< of a step. Where they find none the full step is taken, as in Siconos
+  int max_iterations = 200;  ///< Siconos' limit
+  bool scaling = true;       ///< of contact/model/scaling.hpp
+};
+void describe(NewtonOptions& options, Fields& fields);
+
+/// Newton's method from r, judged after each step. Where the matrix is singular W + alpha I takes the place of W in it,
+/// alpha = 1e-10, 1e-8, .., 1e-2. Ends where no alpha gives a finite step.
+void newton(Trial& trial, const Scaled& problem, const NewtonOptions& options, const RowsOf& rows_of, Vec r);
+
+}  // namespace perp::contact

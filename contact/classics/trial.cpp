@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "contact/classics/trial.hpp"
+
+namespace perp::contact {
+namespace {
+
+constexpr int judged_first = 10;
+constexpr int judged_every = 10;
+constexpr int proof_after = 1000;
+
+}  // namespace
+
+bool Trial::step(In r, const TrialStep& step) {
+  ++effort.iterations;
+  return over() || judge_iterate(r, step);
+}
+
+bool Trial::cheap_step(In r, const TrialStep& step) {
+  const int k = ++effort.iterations;
+  if (over()) return true;
+  if ((k <= judged_first || k % judged_every == 0) && judge_iterate(r, step)) return true;
+  return k == proof_after && no_solution();
+}
+
+}  // namespace perp::contact
