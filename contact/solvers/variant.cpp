@@ -248,10 +248,11 @@ std::vector<Variant> variants_of(std::string_view pattern) {
   if (every_form) pattern.remove_suffix(2);
   VariantWords words = words_of(pattern);
   std::vector<std::string> names{words.method.value_or("")};
-  if (words.method == "*") {
-    Variant variant;
-    set_law(variant, words.formulation);
-    const std::vector<std::string_view> known = method_names(variant);
+  Variant every;
+  const bool every_method = words.method == "*";
+  if (every_method) {
+    set_law(every, words.formulation);
+    const std::vector<std::string_view> known = method_names(every);
     names.assign(known.begin(), known.end());
     std::erase(names, "auto");  // which chooses among the others
   }
@@ -260,6 +261,8 @@ std::vector<Variant> variants_of(std::string_view pattern) {
     if (words.method) words.method = name;
     std::ranges::move(every_form ? forms_of(words) : std::vector{variant_of(words)}, std::back_inserter(variants));
   }
+  // A method's name can lead to its own formulation.
+  if (every_method) std::erase_if(variants, [&](const Variant& variant) { return variant.law != every.law; });
   return variants;
 }
 

@@ -62,7 +62,10 @@ TEST(Variant, StarsStandForAll) {
       EXPECT_THAT(grid, Contains("glocker+" + std::string(preset.name) + form));
   }
   EXPECT_THAT(grid, Contains("glocker+homotopy"));
+  EXPECT_THAT(grid, testing::Each(testing::StartsWith("glocker+")));
   EXPECT_THAT(grid, testing::Not(Contains("glocker+auto")));
+  EXPECT_THAT(labels("coulomb+*"), testing::Each(testing::StartsWith("coulomb+")));
+  EXPECT_THAT(labels("coulomb+*"), testing::IsSupersetOf({"coulomb+nsgs", "coulomb+tresca", "coulomb+natural-map"}));
   EXPECT_THROW(variants_of("glocker/*/B"), std::invalid_argument);
   EXPECT_THROW(variants_of("*"), UnknownWord);
 }
