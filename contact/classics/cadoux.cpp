@@ -29,7 +29,7 @@ class ConvexContact {
         problem_(problem),
         method_(method),
         vi_(problem),
-        lu_(lcp::LuBackend::Umfpack, trial.deadline()),
+        lu_(lcp::LuBackend::General, trial.deadline()),
         rho_(method.penalty) {}
 
   /// Towards the solution for q_s, from z, until both residuals are at most `tol`; false if it cannot go on.

@@ -23,7 +23,7 @@ class NewtonRun {
         options_(options),
         rows_of_(rows_of),
         K_(problem.W),
-        lu_(lcp::LuBackend::Umfpack, trial.deadline()) {}
+        lu_(lcp::LuBackend::General, trial.deadline()) {}
 
   void run(Vec r) {
     Vec u = problem_.W * r + problem_.q;
