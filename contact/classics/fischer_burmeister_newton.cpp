@@ -2,6 +2,7 @@
 /// The Fischer-Burmeister function of the second-order cone (Fukushima, Luo & Tseng, SIAM J. Optim. 12 (2001) 436):
 ///     Phi = x + y - (x o x + y o y)^(1/2),   x = r,   y = uhat = u + |u_T| e_N,
 /// with the Jordan product x o y = (x.y, x_N y_T + y_N x_T); K is its own dual where mu = 1.
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
