@@ -22,11 +22,14 @@ set(perp_public_headers
   contact/existence/infeasible.hpp
   contact/laws/inner_faceting.hpp
   contact/scenes/moreau_jean.hpp
+  contact/solvers/nonlinear.hpp
   contact/laws/outer_faceting.hpp
+  contact/scenes/pendulum_chain.hpp
   contact/laws/polygon.hpp
   contact/model/problem.hpp
   contact/io/read.hpp
   contact/model/residual.hpp
+  contact/scenes/elastic_rod.hpp
   contact/scenes/rigid_bodies.hpp
   contact/solvers/run.hpp
   contact/model/scaling.hpp

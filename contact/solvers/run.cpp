@@ -35,6 +35,7 @@ bool of_method(Origin by) { return by == Origin::Ncp || by == Origin::Iterate; }
 
 void run_exact(Run& run, const Problem& problem, const Variant& variant, const RunLimits& limits) {
   Options options{.tol = limits.tol, .max_time = Seconds(limits.seconds), .interrupt = limits.interrupt};
+  options.start = limits.start;
   if (limits.better) options.better = [&limits](const Vec& r, Origin) { limits.better(r); };
   const GlockerNcp* ncp = variant.as_ncp();
   const auto take = [&](const auto& solver) {

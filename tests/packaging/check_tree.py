@@ -7,7 +7,7 @@ floors     includes go down: a file includes what is in its own folder and in th
 crowd      no folder of sources with more than 25 files
 length     no source file beyond 500 lines
 format     clang-format (the major version below, else skipped) would change nothing
-readme     the examples of docs/cpp.md, docs/c.md and contact/README.md are those the packaging test builds and runs
+readme     the examples of docs/cpp.md, docs/c.md, docs/contact/nonlinear.md and contact/README.md are those the packaging test builds and runs
 paths      files that texts and comments name exist, seen from the root or from where they are named
 links      files and headings that texts link to exist
 licence    sources and scripts name their licence in the first lines; pyproject.toml, CITATION.cff and LICENSE name the same
@@ -149,6 +149,7 @@ def format_(root):
 EXAMPLES = {
     "docs/cpp.md": "tests/packaging/consumer/example.cpp",
     "contact/README.md": "tests/packaging/consumer/contact.cpp",
+    "docs/contact/nonlinear.md": "tests/packaging/consumer/nonlinear.cpp",
     "docs/c.md": "tests/packaging/consumer/from_c.c",
 }
 

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+/// What the scenes of nonlinear dynamics have in common (contact/solvers/nonlinear.hpp).
+#include <memory>
+#include <utility>
+
+#include "contact/solvers/nonlinear.hpp"
+#include "ncp/problem/autodiff.hpp"
+
+namespace perp::contact {
+
+/// Coordinates [m, rad] and velocities [m/s, 1/s] at one time.
+struct Motion {
+  Vec x{};
+  Vec v{};
+};
+
+/// How R' is computed: by dual numbers, exact to rounding, or by differences of R, one for each colour of the pattern.
+enum class Derivative { Dual, Differences };
+
+/// R of n velocities from one function template (ncp/problem/autodiff.hpp), with either derivative.
+template <class Function>
+std::shared_ptr<const ncp::Mcp> make_dynamics(Function function, Index n, Derivative derivative, const char* name) {
+  std::shared_ptr<const ncp::Mcp> exact =
+      ncp::make_autodiff_mcp(std::move(function), {.name = name, .box = ncp::Box::free(n)});
+  if (derivative == Derivative::Dual) return exact;
+  return ncp::make_mcp(
+      {.name = name, .box = ncp::Box::free(n), .pattern = exact->jacobian_pattern(), .F = [exact](In v, ncp::Out R) {
+         return exact->eval(v, R);
+       }});
+}
+
+}  // namespace perp::contact
