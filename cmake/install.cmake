@@ -30,6 +30,8 @@ set(perp_public_headers
   contact/io/read.hpp
   contact/model/residual.hpp
   contact/scenes/elastic_rod.hpp
+  contact/solvers/sequence.hpp
+  contact/scenes/shaken_scene.hpp
   contact/scenes/rigid_bodies.hpp
   contact/solvers/run.hpp
   contact/model/scaling.hpp

@@ -204,15 +204,26 @@ MoreauJean::Scene MoreauJean::scene(const std::vector<Touch>& touches, const Vec
   return scene;
 }
 
+/// The number of body, knob and plane.
+std::vector<ContactKey> MoreauJean::keys_of(const std::vector<Touch>& touches) const {
+  std::size_t knobs = 1;
+  for (const MovingBody& body : bodies_) knobs = std::max(knobs, body.knobs.size());
+  std::vector<ContactKey> keys;
+  for (const Touch& touch : touches) keys.push_back((touch.body * knobs + touch.knob) * planes_.size() + touch.plane);
+  return keys;
+}
+
 bool MoreauJean::solve(const Problem& problem, Step& step) {
   if (options_.law.kind == FrictionLaw::Kind::Coulomb) {
     Options options{.tol = options_.tol};
-    if (options_.warm_start && step.touches == last_touches_) options.start = last_r_;
+    const std::vector<ContactKey> keys = keys_of(step.touches);
+    if (options_.warm_start) options.start = kept_.start(problem.dimension, keys);
     Result result = contact::solve(problem, options);
     step.message = std::move(result.message);
     step.iterations = result.stats.iterations + result.stats.newton_steps;
     step.solution = std::move(result.solution);
     step.residual = result.residual;
+    if (result.solved()) kept_.keep(problem.dimension, keys, step.solution.r);
     return result.solved();
   }
   const AffineEncoding encoding = encoding_of(problem, variant_of(name(options_.law)));
@@ -275,8 +286,6 @@ Step MoreauJean::step() {
   energy.kinetic = kinetic();
   energy.potential = potential();
   energy.scheme = before + energy.work - energy.friction - energy.impacts - energy.kinetic - energy.potential;
-  last_touches_ = step.touches;
-  last_r_ = step.solution.r;
   return step;
 }
 

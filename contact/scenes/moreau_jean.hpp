@@ -33,6 +33,7 @@
 #include "contact/model/problem.hpp"
 #include "contact/model/residual.hpp"
 #include "contact/scenes/rigid_bodies.hpp"
+#include "contact/solvers/sequence.hpp"
 
 namespace perp::contact {
 
@@ -81,7 +82,7 @@ struct SteppingOptions {
   Vec3 gravity = Vec3(0, 0, -9.81);  ///< [m/s^2]
   FrictionLaw law{};
   double tol = 1e-10;      ///< of each contact problem: contact::Options::tol; lcp::Limits::tol of polygons
-  bool warm_start = true;  ///< from the last step's impulses while the contacts are the same; Coulomb's law alone
+  bool warm_start = true;  ///< from the last step's impulses, new contacts from 0; Coulomb's law alone
   /// Force at the centre of body i at the time t [N]; none if empty.
   std::function<Vec3(std::size_t i, double t)> load{};
 };
@@ -134,6 +135,7 @@ class MoreauJean {
   Vec loads() const;
   std::vector<Touch> forecast(const Vec& load) const;
   Scene scene(const std::vector<Touch>& touches, const Vec& load) const;
+  std::vector<ContactKey> keys_of(const std::vector<Touch>& touches) const;
   bool solve(const Problem& problem, Step& step);
   void move(const Vec& v);
   Vec velocities() const;
@@ -143,8 +145,7 @@ class MoreauJean {
   SteppingOptions options_;
   double time_ = 0;
   long steps_ = 0;
-  std::vector<Touch> last_touches_;
-  Vec last_r_;
+  KeptImpulses kept_{};
 };
 
 }  // namespace perp::contact

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "contact/solvers/sequence.hpp"
+
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "contact/scenes/shaken_scene.hpp"
+
+namespace perp::contact {
+namespace {
+
+std::string refusal_in(const std::function<void()>& act) {
+  try {
+    act();
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+// Impulses go with their keys, whatever the order; new contacts begin with zero, and those that are gone are forgotten.
+TEST(KeptImpulses, GoWithTheirKeys) {
+  KeptImpulses kept;
+  const std::vector<ContactKey> first{7, 3};
+  EXPECT_EQ(kept.start(3, first).size(), 0);
+  Vec r(6);
+  r << 1, 2, 3, 4, 5, 6;
+  kept.keep(3, first, r);
+  const std::vector<ContactKey> second{9, 3, 7};
+  Vec expected(9);
+  expected << 0, 0, 0, 4, 5, 6, 1, 2, 3;
+  EXPECT_EQ(kept.start(3, second), expected);
+  kept.keep(3, std::vector<ContactKey>{9}, r.head(3));
+  EXPECT_EQ(kept.start(3, first).size(), 0);
+  const std::vector<ContactKey> twice{1, 1};
+  EXPECT_NE(refusal_in([&] { kept.start(3, twice); }).find("key 1 of contact 1"), std::string::npos);
+}
+
+// A shaken arch: each step is accepted by the judge of its own problem, by every method, and the velocities are those
+// of the cold solve. A step that was called solved because the one before it was would differ.
+TEST(Sequence, StepsAreTheColdOnes) {
+  for (const char* text : {"glocker", "coulomb+nsgs", "inner:8"}) {
+    const Variant variant = variant_of(text);
+    ShakenScene scene(make_scene(Arch{.voussoirs = 5}), {.amplitude = 1});
+    Sequence warm({.variant = variant});
+    Sequence cold({.variant = variant, .warm = false});
+    for (int k = 0; k < 25; ++k) {
+      const Problem problem = scene.problem();
+      const contact::Run w = warm.step(problem);
+      const contact::Run c = cold.step(problem);
+      ASSERT_TRUE(w.solved && c.solved) << text << " step " << k << ": " << w.message;
+      EXPECT_TRUE(!variant.exact() || accepted(residual(problem, w.solution.r), 1e-8)) << text << " step " << k;
+      EXPECT_LE((w.solution.u - c.solution.u).norm(), 1e-5 * problem.q.norm()) << text << " step " << k;
+      scene.advance(w.solution.r);
+    }
+    EXPECT_EQ(warm.stats().steps, 25);
+    EXPECT_EQ(warm.stats().solved, 25);
+    EXPECT_EQ(cold.stats().warm, 0);
+    EXPECT_EQ(warm.stats().warm + warm.stats().cold_again, 24) << text;
+  }
+}
+
+// What it is for: at most 30 % of the factorizations of cold steps, on an arch that is shaken by 0.05 g. Without a
+// start, with impulses at the wrong contacts, or with a new analysis of the same matrix each step it is far more.
+TEST(Sequence, TakesAThirdOfTheFactorizations) {
+  ShakenScene scene(make_scene("arch", 60), {.amplitude = 0.5});
+  Sequence warm;
+  Sequence cold({.warm = false});
+  for (int k = 0; k < 100; ++k) {
+    const Problem problem = scene.problem();
+    cold.step(problem);
+    scene.advance(warm.step(problem).solution.r);
+  }
+  EXPECT_EQ(warm.stats().solved, 100);
+  EXPECT_EQ(cold.stats().solved, 100);
+  EXPECT_LE(warm.stats().factorizations, 0.3 * static_cast<double>(cold.stats().factorizations));
+}
+
+// The same problem again is accepted as it is, without a factorization; with other keys all contacts are new.
+TEST(Sequence, KnowsTheStepBeforeByItsKeys) {
+  const Problem problem = make_scene("stack", 20).problem();
+  std::vector<ContactKey> keys;
+  for (Index a = 0; a < problem.contacts(); ++a) keys.push_back(static_cast<ContactKey>(100 + a));
+  Sequence sequence;
+  ASSERT_TRUE(sequence.step(problem, keys).solved);
+  const contact::Run again = sequence.step(problem, keys);
+  EXPECT_EQ(again.solved_by, "warm-start");
+  EXPECT_EQ(again.steps(), 0);
+  for (ContactKey& key : keys) key += 1000;
+  EXPECT_NE(sequence.step(problem, keys).solved_by, "warm-start");
+  sequence.forget();
+  EXPECT_NE(sequence.step(problem, keys).solved_by, "warm-start");
+  keys.pop_back();
+  EXPECT_NE(refusal_in([&] { sequence.step(problem, keys); }).find("keys"), std::string::npos);
+}
+
+// Contacts come and go: the second step has one contact less and is no continuation by order, but by keys.
+TEST(Sequence, TakesOtherNumbersOfContacts) {
+  Sequence sequence;
+  for (const Index contacts : {24, 12, 36, 1}) {
+    const Problem problem = make_scene("wall", contacts).problem();
+    const contact::Run run = sequence.step(problem);
+    EXPECT_TRUE(run.solved) << contacts << ": " << run.message;
+    EXPECT_TRUE(accepted(residual(problem, run.solution.r), 1e-8));
+  }
+}
+
+// At A = 0 nothing shakes: a scene at rest stays, gaps stay closed. Its q is that of the scene's own problem.
+TEST(ShakenScene, RestsWithoutShaking) {
+  const Scene made = make_scene("wall", 30);
+  ShakenScene scene(made, {.amplitude = 0});
+  EXPECT_LE((scene.problem().q - made.problem().q).norm(), 1e-12 * made.problem().q.norm());
+  Sequence sequence;
+  for (int k = 0; k < 5; ++k) {
+    const contact::Run run = sequence.step(scene.problem());
+    ASSERT_TRUE(run.solved) << run.message;
+    scene.advance(run.solution.r);
+  }
+  EXPECT_LE(scene.velocities().norm(), 1e-6);
+  EXPECT_LE(scene.gaps().maxCoeff(), 1e-8);
+  EXPECT_NE(refusal_in([&] { ShakenScene(made, {.direction = Vec3(1, 1, 0)}); }).find("direction"), std::string::npos);
+}
+
+// A single box on the ground with mu = 0.5 follows 2 m/s^2 of the table, and not 8: then it slides by the difference.
+TEST(ShakenScene, BoxesSlideWhereTheTableIsTooFast) {
+  for (const double amplitude : {2.0, 8.0}) {
+    ShakenScene scene(make_scene(BoxStack{.boxes = 1, .shift = 0}), {.amplitude = amplitude, .frequency = 0.5});
+    Sequence sequence;
+    for (int k = 0; k < 50; ++k) {
+      const contact::Run run = sequence.step(scene.problem());
+      ASSERT_TRUE(run.solved) << run.message;
+      scene.advance(run.solution.r);
+    }
+    EXPECT_EQ(scene.velocities().head(2).norm() > 1e-3, amplitude > 5) << amplitude;
+  }
+}
+
+}  // namespace
+}  // namespace perp::contact
