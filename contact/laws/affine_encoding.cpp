@@ -110,8 +110,7 @@ namespace {
 /// are redundant by the hundred far less.
 constexpr Index pivoting_to = 200;
 
-lcp::Result by_lemke(const AffineEncoding& encoding, const lcp::Limits& limits) {
-  lcp::Lemke lemke;
+lcp::Result by_lemke(const AffineEncoding& encoding, lcp::Lemke lemke, const lcp::Limits& limits) {
   Vec start = encoding.lemke_start();
   if (start.size() > 0)
     lemke.options.start = lcp::LemkeStart::Regular;
@@ -147,10 +146,15 @@ EncodingResult solve(const AffineEncoding& encoding, const lcp::Limits& limits) 
   };
   const bool pivoting_first = encoding.contacts() <= pivoting_to;
   if (!pivoting_first && interior()) return best;
-  if (keep("lemke", by_lemke(encoding, limits))) return best;
+  if (keep("lemke", by_lemke(encoding, {}, limits))) return best;
   if (pivoting_first && interior()) return best;
   keep("auto", lcp::solve(problem, best.z, lcp::Auto{}, limits));
   return best;
+}
+
+lcp::Result solve(const AffineEncoding& encoding, const lcp::Method& method, const lcp::Limits& limits) {
+  if (const auto* lemke = std::get_if<lcp::Lemke>(&method)) return by_lemke(encoding, *lemke, limits);
+  return lcp::solve(encoding.affine(), Vec::Zero(encoding.affine().size()), method, limits);
 }
 
 }  // namespace perp::contact

@@ -13,6 +13,7 @@
 #include "contact/model/units.hpp"
 #include "lcp/affine_mcp.hpp"
 #include "lcp/judge/result.hpp"
+#include "lcp/solve/solve.hpp"
 
 namespace perp::contact {
 
@@ -62,5 +63,7 @@ struct EncodingResult : lcp::Result {
 /// promised of (M is copositive, not monotone) and which solve nearly everything; with more than 200 contacts in the
 /// other order; lcp::Auto at last. Result::message says what was tried, the last one successful. Throws as lcp::solve.
 EncodingResult solve(const AffineEncoding& encoding, const lcp::Limits& limits = {});
+/// By one method alone. Lemke's method begins at the encoding's start, where it has one.
+lcp::Result solve(const AffineEncoding& encoding, const lcp::Method& method, const lcp::Limits& limits);
 
 }  // namespace perp::contact

@@ -10,7 +10,9 @@
 #include "contact/laws/frictionless.hpp"
 #include "contact/laws/inner_faceting.hpp"
 #include "contact/laws/outer_faceting.hpp"
+#include "contact/model/facts.hpp"
 #include "lcp/kernel_clock.hpp"
+#include "ncp/problem/affine.hpp"
 
 namespace perp::contact {
 namespace {
@@ -98,8 +100,40 @@ void run_first_ncp(Run& run, const Problem& problem, const Variant& variant, con
   if (!solved && result.solved()) run.message = "the NCP is solved to rounding, Coulomb's law is not: " + run.message;
 }
 
-void run_affine(Run& run, const AffineEncoding& encoding, const Variant& variant, const RunLimits& limits,
-                Clock::time_point begin) {
+/// The affine problem as an MCP, by a method of ncp/ from zero; judged as all affine problems are.
+lcp::Result by_ncp(const lcp::AffineMcp& problem, ncp::Method method, const RunLimits& limits,
+                   const lcp::Limits& within) {
+  ncp::Stop& stop = ncp::stop(method);
+  stop.tol = limits.tol;
+  stop.max_time = Seconds(limits.seconds);
+  stop.interrupt = limits.interrupt;
+  const auto mcp = ncp::make_affine_mcp(problem, "polygons");
+  ncp::Result ended = ncp::solve(*mcp, Vec::Zero(problem.size()), method);
+  const Vec z = ended.x.allFinite() ? ended.x : Vec(Vec::Zero(problem.size()));
+  const Status otherwise = ended.solved() ? Status::NoProgress : ended.status;
+  lcp::Result result = lcp::judged(problem, z, within, otherwise, std::move(ended.message));
+  result.iterations = ended.stats.iterations;
+  result.factorizations = static_cast<int>(ended.stats.factorizations);
+  return result;
+}
+
+/// Why the theory of the polygons' problems promises nothing here.
+std::string no_promise(const Problem& problem) {
+  constexpr double symmetric = 1e-12;
+  const Facts W = facts(problem);
+  if (!W.known) return "of W, which has parts of more than 1,000 rows, it is not known whether it is positive definite";
+  std::string why;
+  if (W.rank < problem.q.size())
+    why = "W has the rank " + std::to_string(W.rank) + " of " + std::to_string(problem.q.size());
+  else if (!(W.least > 0))
+    why = "the symmetric part of W has a negative eigenvalue";
+  if (W.asymmetry > symmetric) why += why.empty() ? "W is not symmetric" : ", and is not symmetric";
+  return why.empty() ? "W is positive definite: Lemke's method must end in a solution but for rounding"
+                     : why + ": that Lemke's method ends in a solution is proven for positive definite W alone";
+}
+
+void run_affine(Run& run, const Problem& source, const AffineEncoding& encoding, const Variant& variant,
+                const RunLimits& limits, Clock::time_point begin) {
   const lcp::AffineMcp& problem = encoding.affine();
   lcp::Limits within{.tol = limits.tol};
   within.deadline = lcp::deadline_after(Seconds(limits.seconds), begin);
@@ -107,14 +141,17 @@ void run_affine(Run& run, const AffineEncoding& encoding, const Variant& variant
   EncodingResult result;
   if (std::holds_alternative<EncodingAuto>(variant.solver))
     result = solve(encoding, within);
+  else if (const auto* as_mcp = std::get_if<ncp::Method>(&variant.solver))
+    result = {by_ncp(problem, *as_mcp, limits, within), variant.method.c_str()};
   else
-    result = {lcp::solve(problem, Vec::Zero(problem.size()), solver_of<lcp::Method>(variant), within),
-              variant.method.c_str()};
+    result = {solve(encoding, solver_of<lcp::Method>(variant), within), variant.method.c_str()};
   if (result.solved()) run.solved_by = result.by;
   run.unknowns = problem.size();
   run.own = result.residual;
   run.status = result.status;
   run.message = result.message;
+  if (!result.accepted() && run.status != Status::TimeLimit && run.status != Status::Interrupted && variant.faceted())
+    run.message += (run.message.empty() ? "" : "; ") + no_promise(source);
   run.solution = encoding.recover(result.z);
   run.counts = {{"iterations", result.iterations}, {"factorizations", result.factorizations}};
 }
@@ -193,7 +230,7 @@ Run run(const Problem& problem, const Variant& variant, const RunLimits& limits)
   else if (variant.law == Law::Ncp1)
     run_first_ncp(run, problem, variant, limits);
   else
-    run_affine(run, encoding_of(problem, variant), variant, limits, begin);
+    run_affine(run, problem, encoding_of(problem, variant), variant, limits, begin);
   run.solved = run.status == Status::Solved;
   if (variant.law != Law::Glocker && variant.law != Law::Coulomb)
     ask_existence(run, problem, variant, limits, Clock::now() - begin);

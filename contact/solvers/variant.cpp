@@ -87,6 +87,7 @@ Variant::Solver solver_named(const Variant& variant, const std::string& name) {
   if (glocker && preset != nullptr) return GlockerNcp{.method = preset->method};
   if (variant.law == Law::Ncp1 && preset != nullptr) return preset->method;
   if (!variant.exact() && affine != nullptr) return affine->method;
+  if (!variant.exact() && preset != nullptr) return preset->method;  // an affine problem is an MCP, too
   const std::string method = "method " + name;
   if (own != nullptr && name != "auto")
     refuse(method + " is of formulation " + (own->glocker ? "glocker" : "coulomb") + ", not of " +
@@ -95,8 +96,6 @@ Variant::Solver solver_named(const Variant& variant, const std::string& name) {
   const std::vector<std::string_view> known = method_names(variant);
   if (preset != nullptr && variant.law == Law::Coulomb)
     refuse(method + " is for NCPs: of glocker and ncp1, not of coulomb");
-  if (preset != nullptr)
-    refuse(method + ": " + variant.formulation() + " is an affine problem, solved by " + ncp::alternatives(known));
   throw UnknownWord("method: there is no method '" + name + "'; " + variant.formulation() + " is solved by " +
                         ncp::alternatives(known) + ".",
                     name, known);

@@ -37,8 +37,8 @@ inline constexpr bool is_method = detail::among<T>(static_cast<const Method*>(nu
 struct Variant {
   /// Coulomb: his exact law on r alone, by a method of contact/classics. Glocker and Ncp1 are NCPs of the same law.
   enum class Law { Glocker, Ncp1, Inner, Outer, Frictionless, Coulomb };
-  /// Of Glocker and Coulomb a contact::Method, of Ncp1 a method of ncp/, of the affine laws EncodingAuto or a method of
-  /// lcp/.
+  /// Of Glocker and Coulomb a contact::Method, of Ncp1 a method of ncp/, of the affine laws EncodingAuto, a method of
+  /// lcp/, or one of ncp/ on the affine problem as an MCP.
   using Solver = decltype(detail::with_others(Method{}));
 
   Law law = Law::Glocker;

@@ -50,7 +50,6 @@ TEST(ContactVariant, RefusesWithFlagAndValue) {
   EXPECT_THAT(why({.method = "auto", .encoding = "A"}), HasSubstr("method auto has its own form"));
   EXPECT_THAT(why({.method = "pth"}), HasSubstr("'path'"));
   EXPECT_THAT(why({.method = "lemke"}), HasSubstr("affine"));
-  EXPECT_THAT(why({.formulation = "inner:8", .method = "path"}), HasSubstr("affine"));
   EXPECT_THAT(why({.formulation = "inner:8", .method = "homotopy"}), HasSubstr("glocker"));
   EXPECT_THAT(test::refused([] { parse_variant(std::string("glocker+path/C")); }), HasSubstr("'C'"));
   EXPECT_THAT(test::refused([] { parse_variants("inner:8,glocker,inner:8"); }), HasSubstr("twice"));

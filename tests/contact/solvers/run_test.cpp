@@ -5,6 +5,10 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <numbers>
+#include <string>
+
 #include "contact/contact_support.hpp"
 #include "contact/scenes/generators.hpp"
 
@@ -23,8 +27,9 @@ Problem three_contacts() {
 // Would catch a law that is solved by another's solver, and a run that calls a polygon's solution Coulomb's.
 TEST(Run, EveryLaw) {
   const Problem problem = three_contacts();
-  for (const char* name : {"glocker", "glocker+homotopy", "glocker+path", "glocker+interior/A", "ncp1",
-                           "ncp1+semismooth", "inner:8", "inner:8+lemke/mixed", "outer:8", "frictionless"}) {
+  for (const char* name :
+       {"glocker", "glocker+homotopy", "glocker+path", "glocker+interior/A", "ncp1", "ncp1+semismooth", "inner:8",
+        "inner:8+lemke/mixed", "outer:8", "outer:8+path", "frictionless"}) {
     const Variant variant = variant_of(name);
     const auto run = contact::run(problem, variant);
     EXPECT_TRUE(run.solved) << name << ": " << run.message;
@@ -50,6 +55,50 @@ TEST(Run, LimitsReachTheSolver) {
   }
   for (const char* name : {"glocker+homotopy", "ncp1", "inner:8"})
     EXPECT_EQ(run(problem, variant_of(name), {.seconds = 0}).status, Status::TimeLimit) << name;
+}
+
+// Friction of a slipping contact in units of mu r_N, against its velocity: 1 by Coulomb's law. A polygon's share is the
+// width of the polygon in that direction: within [cos(pi / K), 1] inside of the disk and [1, 1 / cos(pi / K)] about it,
+// so that the two bracket the law, and both ends tend to 1. Would catch a polygon of another size or on the wrong side.
+TEST(Run, PolygonsBracketTheExactLaw) {
+  int slipping = 0;
+  for (const char* scene : {"incline:12", "spheres:20", "arch:20"}) {
+    const std::string name(scene);
+    const auto colon = name.find(':');
+    Problem problem = make_scene(name.substr(0, colon), std::stol(name.substr(colon + 1))).problem();
+    problem.mu *= 0.4;  // something slips
+    for (const int K : {4, 8, 16})
+      for (const char* side : {"inner:", "outer:"})
+        for (const char* method : {"+lemke/mixed", "+path"}) {
+          const std::string text = side + std::to_string(K) + method;
+          const auto run = contact::run(problem, variant_of(text));
+          ASSERT_TRUE(run.solved) << scene << ' ' << text << ": " << run.message;
+          const double least = std::cos(std::numbers::pi / K);
+          const double fastest = problem.q.lpNorm<Eigen::Infinity>();
+          const double hardest = run.solution.r.lpNorm<Eigen::Infinity>();
+          for (Index a = 0; a < problem.contacts(); ++a) {
+            const auto r = run.solution.r.segment<3>(3 * a);
+            const auto u_T = run.solution.u.segment<2>(3 * a + 1);
+            if (u_T.norm() < 1e-3 * fastest || r[0] < 1e-3 * hardest) continue;
+            const double share = -r.tail(2).dot(u_T) / (problem.mu[a] * r[0] * u_T.norm());
+            EXPECT_GE(share, (text[0] == 'i' ? least : 1) - 1e-5) << scene << ' ' << text << " contact " << a;
+            EXPECT_LE(share, (text[0] == 'i' ? 1 : 1 / least) + 1e-5) << scene << ' ' << text << " contact " << a;
+            ++slipping;
+          }
+        }
+  }
+  EXPECT_GE(slipping, 100);
+}
+
+// A method that gives up says what theory promises of it here: W of the arch is singular.
+TEST(Run, SaysWhyTheoryDoesNotApply) {
+  const Problem problem = make_scene("arch", 20).problem();
+  Variant variant = variant_of("inner:8+lemke");
+  std::get<lcp::Lemke>(std::get<lcp::Method>(variant.solver)).options.max_pivots = 1;
+  const auto run = contact::run(problem, variant);
+  EXPECT_FALSE(run.solved);
+  EXPECT_NE(run.message.find("W has the rank"), std::string::npos) << run.message;
+  EXPECT_NE(run.message.find("positive definite W alone"), std::string::npos) << run.message;
 }
 
 // Would catch a variant put together by hand that runs as something else.
