@@ -10,21 +10,21 @@
 namespace perp::contact {
 namespace {
 
-void check(const char* field, double value, bool valid, const char* range) {
+void check_field(const char* field, double value, bool valid, const char* range) {
   if (valid && std::isfinite(value)) return;
   refuse_input("pendulum chain: ", field, " is ", value, "; it must be ", range);
 }
 
 void check(const PendulumChain& chain, const Motion& at) {
-  check("links", static_cast<double>(chain.links), chain.links >= 1, "at least 1");
-  check("length", chain.length, chain.length > 0, "positive");
-  check("mass", chain.mass, chain.mass > 0, "positive");
-  check("floor", chain.floor, true, "finite");
-  check("mu", chain.mu, chain.mu >= 0, "at least 0");
-  check("e", chain.e, chain.e >= 0 && chain.e <= 1, "in [0, 1]");
-  check("gravity", chain.gravity, true, "finite");
-  check("h", chain.h, chain.h > 0, "positive");
-  check("theta", chain.theta, chain.theta >= 0.5 && chain.theta <= 1, "in [1/2, 1]");
+  check_field("links", static_cast<double>(chain.links), chain.links >= 1, "at least 1");
+  check_field("length", chain.length, chain.length > 0, "positive");
+  check_field("mass", chain.mass, chain.mass > 0, "positive");
+  check_field("floor", chain.floor, true, "finite");
+  check_field("mu", chain.mu, chain.mu >= 0, "at least 0");
+  check_field("e", chain.e, chain.e >= 0 && chain.e <= 1, "in [0, 1]");
+  check_field("gravity", chain.gravity, true, "finite");
+  check_field("h", chain.h, chain.h > 0, "positive");
+  check_field("theta", chain.theta, chain.theta >= 0.5 && chain.theta <= 1, "in [1/2, 1]");
   for (const Vec* part : {&at.x, &at.v})
     if (part->size() != chain.links || !part->allFinite())
       refuse_input("pendulum chain: the motion has ", part->size(), " entries, or some that are not finite; there are ",
