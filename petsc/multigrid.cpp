@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "petsc/multigrid.hpp"
+
+#include <petscdmda.h>
+
+#include <algorithm>
+#include <string>
+
+namespace perp::petsc {
+namespace {
+
+/// Whether the grid has every other point of this one, and every rank keeps some.
+PetscErrorCode can_be_coarsened(DM dm, bool* can) {
+  PetscBool is_da = PETSC_FALSE;
+  PetscCall(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(dm), DMDA, &is_da));
+  *can = false;
+  if (!is_da) return ok;
+  PetscInt dim = 0;
+  PetscInt points[3];
+  PetscInt ranks[3];
+  PetscInt width = 0;
+  DMBoundaryType boundary[3];
+  PetscCall(DMDAGetInfo(dm, &dim, &points[0], &points[1], &points[2], &ranks[0], &ranks[1], &ranks[2], nullptr, &width,
+                        &boundary[0], &boundary[1], &boundary[2], nullptr));
+  *can = true;
+  for (PetscInt i = 0; i < dim; ++i) {
+    const bool periodic = boundary[i] == DM_BOUNDARY_PERIODIC;
+    const PetscInt coarse = periodic ? points[i] / 2 : (points[i] - 1) / 2 + 1;
+    *can = *can && (points[i] - (periodic ? 0 : 1)) % 2 == 0 && coarse >= 3 &&
+           coarse >= 2 * ranks[i] * std::max<PetscInt>(width, 1);
+  }
+  return ok;
+}
+
+/// Interpolation of several unknowns a point is of a type that products do not truncate.
+PetscErrorCode as_rows(OwnMat& P) {
+  PetscBool rows = PETSC_FALSE;
+  PetscCall(PetscObjectTypeCompareAny(reinterpret_cast<PetscObject>(static_cast<Mat>(P)), &rows, MATSEQAIJ, MATMPIAIJ, ""));
+  if (rows) return ok;
+  OwnMat converted;
+  PetscCall(MatConvert(P, MATAIJ, MAT_INITIAL_MATRIX, converted.out()));
+  P = std::move(converted);
+  return ok;
+}
+
+/// 1 where a coarse function has something left of it, and is not closed.
+PetscErrorCode mask_of(Mat T, Vec open, Vec diagonal, Vec mask) {
+  PetscCall(MatGetDiagonal(T, mask));
+  const Reading d(diagonal);
+  const Reading o(open);
+  Values m(mask);
+  for (PetscInt i = 0; i < d.size(); ++i) m[i] = o[i] != 0 && PetscAbsScalar(m[i]) > 1e-10 * PetscAbsScalar(d[i]) ? 1 : 0;
+  return ok;
+}
+
+PetscErrorCode apply_grids(PC pc, Vec b, Vec x) {
+  Multigrid* grids = nullptr;
+  PetscCall(PCShellGetContext(pc, static_cast<void*>(&grids)));
+  return grids->apply(b, x);
+}
+
+}  // namespace
+
+PetscErrorCode Multigrid::become(PC pc) {
+  PetscCall(PCSetType(pc, PCSHELL));
+  PetscCall(PCShellSetContext(pc, this));
+  PetscCall(PCShellSetApply(pc, apply_grids));
+  return PCShellSetName(pc, "perp: truncated multigrid");
+}
+
+PetscErrorCode Multigrid::take_hierarchy(DM dm, PetscInt most, bool* usable) {
+  levels_.clear();
+  levels_.emplace_back();
+  PetscCall(PetscObjectReference(reinterpret_cast<PetscObject>(dm)));
+  *levels_[0].dm.out() = dm;
+  while (static_cast<PetscInt>(levels_.size()) < most) {
+    bool can = false;
+    PetscCall(can_be_coarsened(levels_.back().dm, &can));
+    if (!can) break;
+    Level coarse;
+    Level& fine = levels_.back();
+    PetscCall(DMCoarsen(fine.dm, PetscObjectComm(reinterpret_cast<PetscObject>(dm)), coarse.dm.out()));
+    PetscCall(DMCreateInterpolation(coarse.dm, fine.dm, fine.P.out(), nullptr));
+    PetscCall(as_rows(fine.P));
+    PetscCall(MatDuplicate(fine.P, MAT_COPY_VALUES, fine.PT.out()));
+    PetscCall(DMCreateInjection(coarse.dm, fine.dm, fine.inject.out()));
+    levels_.push_back(std::move(coarse));
+  }
+  for (Level& level : levels_) {
+    PetscCall(DMCreateGlobalVector(level.dm, level.b.out()));
+    for (OwnVec* v : {&level.mask, &level.diagonal, &level.open, &level.x, &level.r})
+      PetscCall(VecDuplicate(level.b, v->out()));
+  }
+  *usable = levels_.size() > 1;
+  return ok;
+}
+
+PetscErrorCode Multigrid::take_matrix(Mat A, Vec open) {
+  PetscCall(PetscObjectReference(reinterpret_cast<PetscObject>(A)));
+  *levels_[0].A.out() = A;
+  PetscCall(VecCopy(open, levels_[0].open));
+  const bool again = levels_[0].T != nullptr;
+  if (!again) PetscCall(MatDuplicate(A, MAT_COPY_VALUES, levels_[0].T.out()));
+  PetscCall(MatGetDiagonal(A, levels_[0].diagonal));
+  for (std::size_t k = 0; k + 1 < levels_.size(); ++k) {
+    Level& fine = levels_[k];
+    Level& coarse = levels_[k + 1];
+    const MatReuse reuse = again ? MAT_REUSE_MATRIX : MAT_INITIAL_MATRIX;
+    PetscCall(MatPtAP(fine.A, fine.P, reuse, 2.0, coarse.A.reuse()));
+    if (!again) PetscCall(MatPtAP(fine.T, fine.PT, reuse, 2.0, coarse.T.reuse()));
+    PetscCall(MatGetDiagonal(coarse.A, coarse.diagonal));
+    PetscCall(MatRestrict(fine.inject, fine.open, coarse.open));
+  }
+  return ok;
+}
+
+PetscErrorCode Multigrid::take_face(std::size_t first, Vec mask) {
+  first_ = first;
+  Level& top = levels_[first];
+  if (static_cast<Vec>(top.mask) != mask) PetscCall(VecCopy(mask, top.mask));
+  PetscCall(MatCopy(top.A, top.T, SAME_NONZERO_PATTERN));
+  PetscCall(cut_off(top.T, top.mask, top.diagonal));
+  for (std::size_t k = first; k + 1 < levels_.size(); ++k) {
+    Level& fine = levels_[k];
+    Level& coarse = levels_[k + 1];
+    PetscCall(MatCopy(fine.P, fine.PT, SAME_NONZERO_PATTERN));
+    PetscCall(MatDiagonalScale(fine.PT, fine.mask, nullptr));
+    PetscCall(MatPtAP(fine.T, fine.PT, MAT_REUSE_MATRIX, 2.0, coarse.T.reuse()));
+    PetscCall(mask_of(coarse.T, coarse.open, coarse.diagonal, coarse.mask));
+    PetscCall(cut_off(coarse.T, coarse.mask, coarse.diagonal));
+  }
+  const char* prefix = nullptr;
+  PetscCall(DMGetOptionsPrefix(levels_[0].dm, &prefix));
+  return take_coarsest(std::string(prefix == nullptr ? "" : prefix) + "perp_coarse_");
+}
+
+/// LU where one rank has it all; else GMRES to rounding, so that the V-cycle stays a fixed linear map.
+PetscErrorCode Multigrid::take_coarsest(const std::string& prefix) {
+  const Mat T = levels_.back().T;
+  if (coarsest_ == nullptr) {
+    const MPI_Comm comm = PetscObjectComm(reinterpret_cast<PetscObject>(T));
+    int ranks = 0;
+    PetscCallMPI(MPI_Comm_size(comm, &ranks));
+    PC pc = nullptr;
+    PetscCall(KSPCreate(comm, coarsest_.out()));
+    PetscCall(KSPSetOptionsPrefix(coarsest_, prefix.c_str()));
+    PetscCall(KSPGetPC(coarsest_, &pc));
+    PetscCall(KSPSetType(coarsest_, ranks == 1 ? KSPPREONLY : KSPGMRES));
+    PetscCall(PCSetType(pc, ranks == 1 ? PCLU : PCBJACOBI));
+    PetscCall(KSPSetTolerances(coarsest_, 1e-12, PETSC_DEFAULT, PETSC_DEFAULT, 200));
+    PetscCall(KSPSetErrorIfNotConverged(coarsest_, PETSC_FALSE));
+    PetscCall(KSPSetFromOptions(coarsest_));
+  }
+  PetscCall(KSPSetOperators(coarsest_, T, T));
+  return KSPSetUp(coarsest_);
+}
+
+PetscErrorCode Multigrid::apply(Vec b, Vec x) {
+  if (first_ == 0) ++cycles;
+  return cycle(first_, b, x);
+}
+
+PetscErrorCode Multigrid::cycle(std::size_t k, Vec b, Vec x) {
+  if (k + 1 == levels_.size()) return KSPSolve(coarsest_, b, x);
+  const Level& fine = levels_[k];
+  Level& coarse = levels_[k + 1];
+  constexpr auto down = static_cast<MatSORType>(SOR_LOCAL_FORWARD_SWEEP | SOR_ZERO_INITIAL_GUESS);
+  PetscCall(MatSOR(fine.T, b, 1, down, 0, 1, 1, x));
+  PetscCall(MatMult(fine.T, x, fine.r));
+  PetscCall(VecAYPX(fine.r, -1, b));
+  PetscCall(MatMultTranspose(fine.PT, fine.r, coarse.b));
+  PetscCall(cycle(k + 1, coarse.b, coarse.x));
+  PetscCall(MatMultAdd(fine.PT, coarse.x, x, x));
+  return MatSOR(fine.T, b, 1, SOR_LOCAL_BACKWARD_SWEEP, 0, 1, 1, x);
+}
+
+}  // namespace perp::petsc

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+/// A start from coarse grids: the linearised problem is solved for coarse unknowns c, z = P c, with the bounds at the
+/// coarse points, from the coarsest grid to the finest but one. That places the free boundary within a cell or two, so
+/// that the steps on the finest grid do not grow with the grid.
+#include "petsc/active_set.hpp"
+#include "petsc/multigrid.hpp"
+
+namespace perp::petsc {
+
+/// problem: that of the finest level of the grids, which have its matrix. z and g change to the point found if phi is
+/// lower there, or, where A is not symmetric, the natural residual.
+PetscErrorCode nested_start(const BoxProblem& problem, const Face& face, Multigrid& grids, bool* taken);
+
+}  // namespace perp::petsc

@@ -1,0 +1,237 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "petsc/solver.hpp"
+
+#include <petsc/private/snesimpl.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "petsc/nested_start.hpp"
+
+namespace perp::petsc {
+namespace {
+
+constexpr int halvings = 30;       ///< of a step to a point where F is not defined
+constexpr double accurate = 1e-2;  ///< the model of F counts as right up to this share of the residual
+constexpr double growth = 1e6;     ///< a residual so many times the best one is the end of patience
+constexpr double eps = PETSC_MACHINE_EPSILON;
+
+}  // namespace
+
+PetscErrorCode Solver::solve(SNES snes) {
+  snes_ = snes;
+  const InterruptWatch watch(options_.interrupt == PETSC_TRUE);
+  PetscCall(start());
+  for (PetscInt it = 0; snes->reason == SNES_CONVERGED_ITERATING; ++it) {
+    int signal = 0;
+    bool stop = false;
+    PetscCall(report(it));
+    if (snes->reason != SNES_CONVERGED_ITERATING) break;
+    PetscCall(watch.signal(PetscObjectComm(reinterpret_cast<PetscObject>(snes)), &signal));
+    if (signal != 0) {
+      counts_.interrupted = PETSC_TRUE;
+      snes->reason = SNES_DIVERGED_INNER;
+      PetscCall(go_back());
+      PetscCall(PetscPrintf(PetscObjectComm(reinterpret_cast<PetscObject>(snes)),
+                            "perp: signal %d: the best point so far is returned\n", signal));
+      break;
+    }
+    if (it >= snes->max_its) {
+      snes->reason = SNES_DIVERGED_MAX_IT;
+      PetscCall(go_back());
+      break;
+    }
+    PetscCall(linearise());
+    if (snes->reason != SNES_CONVERGED_ITERATING) break;
+    PetscCall(semismooth_ > 0 ? semismooth_step(&stop) : step(&stop));
+    if (!stop) PetscCall(accept());
+  }
+  counts_.worst = residual_.worst;
+  counts_.row = residual_.row;
+  counts_.cycles = grids_.cycles;
+  return ok;
+}
+
+/// The projected start, its F and residual.
+PetscErrorCode Solver::start() {
+  counts_ = {};
+  grids_.cycles = 0;
+  idle_ = semismooth_ = rounds_ = 0;
+  moved_ = 0;
+  stale_ = affine_ = true;
+  indefinite_ = plain_ = false;
+  x_ = snes_->vec_sol;
+  F_ = snes_->vec_func;
+  box_ = {snes_->xl, snes_->xu};
+  snes_->reason = SNES_CONVERGED_ITERATING;
+  snes_->numFailures = snes_->numLinearSolveFailures = 0;
+  PetscCall(check_box(box_));
+  PetscCall(project(box_, x_));
+  if (best_x_ == nullptr)
+    for (OwnVec* v : {&best_x_, &best_F_, &z_, &g_, &diagonal_}) PetscCall(VecDuplicate(x_, v->out()));
+  if (face_.mask == nullptr) PetscCall(face_.create(x_));
+  PetscCall(evaluate(x_, F_, &residual_));
+  best_ = residual_;
+  PetscCall(VecCopy(x_, best_x_));
+  return VecCopy(F_, best_F_);
+}
+
+/// An error of one rank's function is an error on every rank: the others would wait for it forever.
+PetscErrorCode Solver::evaluate(Vec x, Vec F, Residual* residual) {
+  const MPI_Comm comm = PetscObjectComm(reinterpret_cast<PetscObject>(snes_));
+  int failed = static_cast<int>(SNESComputeFunction(snes_, x, F));
+  const int own = failed;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &failed, 1, MPI_INT, MPI_MAX, comm));
+  PetscCall(static_cast<PetscErrorCode>(own));
+  PetscCheck(failed == 0, PETSC_COMM_SELF, static_cast<PetscErrorCode>(failed), "perp: F failed on another rank");
+  return natural_residual(box_, x, F, residual);
+}
+
+/// SNES's own bookkeeping of an iteration, and its test.
+PetscErrorCode Solver::report(PetscInt it) {
+  PetscReal length = 0;
+  PetscCall(VecNorm(x_, NORM_2, &length));
+  PetscCall(PetscObjectSAWsTakeAccess(reinterpret_cast<PetscObject>(snes_)));
+  snes_->iter = it;
+  snes_->norm = residual_.norm;
+  snes_->xnorm = length;
+  snes_->ynorm = moved_;
+  PetscCall(PetscObjectSAWsGrantAccess(reinterpret_cast<PetscObject>(snes_)));
+  counts_.worst = residual_.worst;
+  counts_.row = residual_.row;
+  counts_.cycles = grids_.cycles;
+  if (!std::isfinite(residual_.norm)) {
+    int outside = snes_->domainerror == PETSC_TRUE ? 1 : 0;
+    PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &outside, 1, MPI_INT, MPI_MAX,
+                               PetscObjectComm(reinterpret_cast<PetscObject>(snes_))));
+    snes_->domainerror = PETSC_FALSE;
+    snes_->reason = outside != 0 ? SNES_DIVERGED_FUNCTION_DOMAIN : SNES_DIVERGED_FNORM_NAN;
+    return ok;
+  }
+  PetscCall(SNESLogConvergenceHistory(snes_, residual_.norm, snes_->linear_its));
+  PetscCall(SNESMonitor(snes_, it, residual_.norm));
+  PetscUseTypeMethod(snes_, converged, it, length, moved_, residual_.norm, &snes_->reason, snes_->cnvP);
+  bool rounded = false;
+  if (it > 0) PetscCall(stop_at_rounding(&rounded));
+  // A short step proves nothing.
+  if (snes_->reason == SNES_CONVERGED_SNORM_RELATIVE && snes_->ops->converged == SNESConvergedDefault && !rounded)
+    snes_->reason = SNES_CONVERGED_ITERATING;
+  if (snes_->reason == SNES_CONVERGED_ITERATING && rounded) snes_->reason = SNES_CONVERGED_SNORM_RELATIVE;
+  return ok;
+}
+
+/// Whether the residual is what rounding leaves, and has stopped falling.
+PetscErrorCode Solver::stop_at_rounding(bool* rounded) {
+  *rounded = !stale_ && idle_ >= 1 && best_.norm <= noise_;
+  if (*rounded) PetscCall(go_back());
+  return ok;
+}
+
+PetscErrorCode Solver::go_back() {
+  if (!(best_.norm < residual_.norm)) return ok;
+  PetscCall(VecCopy(best_x_, x_));
+  PetscCall(VecCopy(best_F_, F_));
+  residual_ = best_;
+  snes_->norm = best_.norm;
+  return ok;
+}
+
+/// An active-set step from x, on the model g = F + J (z - x).
+PetscErrorCode Solver::step(bool* stop) {
+  const bool first = counts_.steps == 0;
+  bool failed = false;
+  ++counts_.steps;
+  PetscCall(VecCopy(x_, z_));
+  PetscCall(VecCopy(F_, g_));
+  if (first && multigrid_ && options_.nested == PETSC_TRUE) {
+    bool taken = false;
+    PetscCall(nested_start(model(), face_, grids_, &taken));
+    PetscCall(PetscInfo(snes_, "start from the coarse grids %s\n", taken ? "taken" : "no better"));
+    face_.fresh = true;
+  }
+  const PetscInt before = snes_->numLinearSolveFailures;
+  PetscCall(active_set_step(model(), face_, *this, &failed));
+  counts_.face = face_.size;
+  *stop = snes_->reason != SNES_CONVERGED_ITERATING;
+  if (failed && !*stop && snes_->numLinearSolveFailures > before) semismooth_ = std::max<PetscInt>(semismooth_, 1);
+  return ok;
+}
+
+/// F at the point z of the step; a shorter step where F is not defined there. Then what the model was worth.
+PetscErrorCode Solver::accept() {
+  if (counts_.semismooth > 0 && semismooth_ > 0) return ok;  // that step has evaluated its points itself
+  Residual there;
+  OwnVec& F = face_.b;  // the step is done with it
+  PetscCall(evaluate(z_, F, &there));
+  for (int k = 0; k < halvings && !std::isfinite(there.norm); ++k) {
+    PetscCall(VecAXPBY(z_, 0.5, 0.5, x_));
+    PetscCall(evaluate(z_, F, &there));
+    stale_ = true;
+  }
+  if (std::isfinite(there.norm)) snes_->domainerror = PETSC_FALSE;
+  PetscReal missed = 0;
+  PetscCall(VecAXPY(g_, -1, F));
+  PetscCall(VecNorm(g_, NORM_2, &missed));
+  if (!(missed <= accurate * there.norm || missed <= noise_)) {
+    stale_ = true;
+    affine_ = false;
+  }
+  PetscCall(VecAXPY(x_, -1, z_));
+  PetscCall(VecNorm(x_, NORM_2, &moved_));
+  PetscCall(VecCopy(z_, x_));
+  PetscCall(VecCopy(F, F_));
+  residual_ = there;
+  if (residual_.norm < best_.norm) {
+    idle_ = 0;
+    best_ = residual_;
+    PetscCall(VecCopy(x_, best_x_));
+    return VecCopy(F_, best_F_);
+  }
+  if (++idle_ < options_.patience && residual_.norm <= growth * best_.norm) return ok;
+  PetscCall(go_back());
+  PetscCall(PetscInfo(snes_, "no better point in %" PetscInt_FMT " steps: semismooth steps\n", idle_));
+  semismooth_ = 5 << std::min<PetscInt>(rounds_++, 6);
+  idle_ = 0;
+  stale_ = true;
+  return ok;
+}
+
+PetscErrorCode Solver::semismooth_step(bool* stop) {
+  bool moved = false;
+  *stop = true;
+  ++counts_.semismooth;
+  --semismooth_;
+  PetscCall(VecCopy(x_, z_));
+  PetscCall(semismooth_method_.step(snes_, box_, J_, x_, F_, &moved));
+  stale_ = true;
+  if (!moved) {
+    snes_->reason = best_.norm <= noise_ ? SNES_CONVERGED_SNORM_RELATIVE : SNES_DIVERGED_LINE_SEARCH;
+    return go_back();
+  }
+  PetscCall(VecAXPY(z_, -1, x_));
+  PetscCall(VecNorm(z_, NORM_2, &moved_));
+  PetscCall(natural_residual(box_, x_, F_, &residual_));
+  face_.fresh = true;
+  if (!(residual_.norm < best_.norm)) return ok;
+  best_ = residual_;
+  PetscCall(VecCopy(x_, best_x_));
+  return VecCopy(F_, best_F_);
+}
+
+/// J at x, where the model has been wrong; its size tells what rounding leaves of the residual.
+PetscErrorCode Solver::linearise() {
+  if (!stale_) return ok;
+  PetscCall(SNESComputeJacobian(snes_, x_, snes_->jacobian, snes_->jacobian_pre));
+  SNESCheckJacobianDomainerror(snes_);
+  ++counts_.jacobians;
+  PetscCall(take_matrix(snes_->jacobian_pre));
+  stale_ = false;
+  OwnVec& size = face_.b;
+  PetscReal terms = 0;
+  PetscCall(VecPointwiseMult(size, diagonal_, x_));
+  PetscCall(VecNorm(size, NORM_2, &terms));
+  noise_ = 32 * eps * terms;
+  return ok;
+}
+
+}  // namespace perp::petsc

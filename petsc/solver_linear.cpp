@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The linear algebra of a solver: its matrix, its KSP and PC, the equations on a face.
+#include <petsc/private/snesimpl.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <string>
+
+#include "petsc/solver.hpp"
+
+namespace perp::petsc {
+namespace {
+
+constexpr double amg_loose = 1e-2;  // where the PC is costly to build a few iterations more cost little
+constexpr double tightest = 1e-10;
+constexpr double tightest_nonlinear = 1e-4;  // beyond this J, not the equations, limits the step
+
+PetscErrorCode is_set(KSP ksp, const char* key, bool* set) {
+  const char* prefix = nullptr;
+  PetscBool found = PETSC_FALSE;
+  PetscOptions options = nullptr;
+  PetscCall(KSPGetOptionsPrefix(ksp, &prefix));
+  PetscCall(PetscObjectGetOptions(reinterpret_cast<PetscObject>(ksp), &options));
+  PetscCall(PetscOptionsHasName(options, prefix, key, &found));
+  *set = found == PETSC_TRUE;
+  return ok;
+}
+
+bool any_of(const char* name, std::initializer_list<const char*> names) {
+  return std::any_of(names.begin(), names.end(), [&](const char* n) { return std::strcmp(n, name) == 0; });
+}
+
+}  // namespace
+
+/// Whose choice the KSP and the PC are: PETSc's defaults count as nobody's.
+PetscErrorCode Solver::set_up(SNES snes) {
+  snes_ = snes;
+  KSP ksp = nullptr;
+  PC pc = nullptr;
+  KSPType ksp_type = nullptr;
+  PCType pc_type = nullptr;
+  bool set[3];
+  PetscReal rtol = 0;
+  PetscCall(SNESGetKSP(snes, &ksp));
+  PetscCall(KSPGetPC(ksp, &pc));
+  PetscCall(KSPGetType(ksp, &ksp_type));
+  PetscCall(PCGetType(pc, &pc_type));
+  PetscCall(is_set(ksp, "-ksp_type", &set[0]));
+  PetscCall(is_set(ksp, "-pc_type", &set[1]));
+  PetscCall(is_set(ksp, "-ksp_rtol", &set[2]));
+  PetscCall(KSPGetTolerances(ksp, &rtol, nullptr, nullptr, nullptr));
+  chosen_ksp_ = ksp_type == nullptr || (!set[0] && std::strcmp(ksp_type, KSPGMRES) == 0);
+  chosen_pc_ = pc_type == nullptr || (!set[1] && any_of(pc_type, {PCILU, PCICC, PCBJACOBI}));
+  chosen_rtol_ = !set[2] && rtol == 1e-5 && snes->ksp_ewconv == PETSC_FALSE;
+  const bool mg = pc_type != nullptr && std::strcmp(pc_type, PCMG) == 0;
+  multigrid_ = false;
+  if (options_.multigrid == PETSC_TRUE && (chosen_pc_ || mg) && snes->dm != nullptr)
+    PetscCall(grids_.take_hierarchy(snes->dm, options_.levels, &multigrid_));
+  return ok;
+}
+
+PetscErrorCode Solver::take_matrix(Mat J) {
+  PetscBool rows = PETSC_FALSE;
+  PetscBool gap = PETSC_FALSE;
+  PetscObjectState pattern = 0;
+  PetscCall(PetscObjectBaseTypeCompareAny(reinterpret_cast<PetscObject>(J), &rows, MATSEQAIJ, MATMPIAIJ, ""));
+  PetscCheck(rows, PetscObjectComm(reinterpret_cast<PetscObject>(J)), PETSC_ERR_SUP,
+             "perp: the matrix is of type %s; type perp needs aij (-mat_type aij, or SNESSetJacobian with an aij matrix "
+             "as the second)",
+             reinterpret_cast<PetscObject>(J)->type_name);
+  PetscCall(MatMissingDiagonal(J, &gap, nullptr));
+  int gaps = gap == PETSC_TRUE ? 1 : 0;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &gaps, 1, MPI_INT, MPI_MAX, PetscObjectComm(reinterpret_cast<PetscObject>(J))));
+  PetscCheck(gaps == 0, PetscObjectComm(reinterpret_cast<PetscObject>(J)), PETSC_ERR_ARG_WRONGSTATE,
+             "perp: the pattern of the Jacobian lacks a diagonal entry: store it, if only as 0");
+  PetscCall(MatGetNonzeroState(J, &pattern));
+  const bool other = J != J_ || pattern != pattern_;
+  J_ = J;
+  pattern_ = pattern;
+  PetscCall(MatGetDiagonal(J, diagonal_));
+  PetscCall(lonely_rows(J, box_, face_.lonely));
+  PetscCall(VecSet(face_.open, 1));
+  PetscCall(VecAXPY(face_.open, -1, face_.lonely));
+  PetscCall(looks_symmetric(J, face_.open, &symmetric_));
+  symmetric_ = symmetric_ && !indefinite_;
+  face_.fresh = true;
+  if (multigrid_) {
+    if (other && counts_.jacobians > 1) PetscCall(grids_.take_hierarchy(snes_->dm, options_.levels, &multigrid_));
+    PetscCall(grids_.take_matrix(J, face_.open));
+  } else if (other || T_ == nullptr) {
+    PetscCall(MatDuplicate(J, MAT_COPY_VALUES, T_.out()));
+  }
+  return choose_linear_solver();
+}
+
+PetscErrorCode Solver::choose_linear_solver() {
+  PC pc = nullptr;
+  PetscCall(KSPGetPC(snes_->ksp, &pc));
+  if (chosen_ksp_) PetscCall(KSPSetType(snes_->ksp, symmetric_ && !plain_ ? KSPCG : KSPGMRES));
+  if (multigrid_) return grids_.become(pc);
+  if (!chosen_pc_) return ok;
+  if (plain_) return PCSetType(pc, PCBJACOBI);
+#if defined(PETSC_HAVE_HYPRE)
+  PetscCall(PCSetType(pc, PCHYPRE));
+  PetscCall(PCHYPRESetType(pc, "boomeramg"));
+#else
+  PetscCall(PCSetType(pc, PCGAMG));
+#endif
+  return PCSetFromOptions(pc);
+}
+
+/// Loose while the face changes; on a settled one as exact as the rest of the run needs.
+PetscErrorCode Solver::face_tolerance(Vec b, bool changed) {
+  if (!chosen_rtol_) return ok;
+  PetscReal length = 0;
+  PetscCall(VecNorm(b, NORM_2, &length));
+  const PetscReal loose = multigrid_ ? options_.loose : std::min(options_.loose, amg_loose);
+  const PetscReal wanted = 0.1 * std::max(snes_->abstol, snes_->ttol);
+  const bool settled = !changed || (affine_ && face_.changes == 0);
+  const PetscReal share = length > 0 ? wanted / length : loose;
+  const PetscReal least = affine_ ? tightest : tightest_nonlinear;
+  const PetscReal rtol = settled || !affine_ ? std::clamp(share, least, loose) : loose;
+  return KSPSetTolerances(snes_->ksp, rtol, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT);
+}
+
+/// The face's equations by SNES's KSP, on J with what is held cut off.
+PetscErrorCode Solver::solve(Vec mask, bool changed, Vec b, Vec d, bool* failed) {
+  *failed = false;
+  if (changed) {
+    ++counts_.faces;
+    if (multigrid_) {
+      PetscCall(grids_.take_face(0, mask));
+    } else {
+      PetscCall(MatCopy(J_, T_, SAME_NONZERO_PATTERN));
+      PetscCall(cut_off(T_, mask, diagonal_));
+    }
+    const Mat T = multigrid_ ? static_cast<Mat>(grids_.levels()[0].T) : static_cast<Mat>(T_);
+    PetscCall(KSPSetOperators(snes_->ksp, T, T));
+  }
+  PetscCall(face_tolerance(b, changed));
+  for (bool retry = true; retry;) {
+    KSPConvergedReason why = KSP_CONVERGED_ITERATING;
+    PetscInt iterations = 0;
+    PetscCall(KSPSolve(snes_->ksp, b, d));
+    PetscCall(KSPGetConvergedReason(snes_->ksp, &why));
+    PetscCall(KSPGetIterationNumber(snes_->ksp, &iterations));
+    snes_->linear_its += iterations;
+    if (why >= 0) return ok;
+    PetscCall(give_up_on_linear_solver(why, &retry));
+  }
+  *failed = true;
+  return ok;
+}
+
+/// Another solver where the choice is ours; else what SNES does with a failure.
+PetscErrorCode Solver::give_up_on_linear_solver(KSPConvergedReason why, bool* retry) {
+  PetscCall(PetscInfo(snes_, "the equations on a face were not solved: %s\n", KSPConvergedReasons[why]));
+  const bool curved = why == KSP_DIVERGED_INDEFINITE_MAT || why == KSP_DIVERGED_INDEFINITE_PC;
+  *retry = false;
+  if (chosen_ksp_ && symmetric_ && (curved || why == KSP_DIVERGED_BREAKDOWN)) {
+    // phi has no minimum on the face, but the equations may have a solution.
+    indefinite_ = true;
+    symmetric_ = false;
+    *retry = true;
+    return KSPSetType(snes_->ksp, KSPGMRES);
+  }
+  if (chosen_pc_ && chosen_ksp_ && !plain_) {
+    plain_ = *retry = true;
+    multigrid_ = multigrid_ && false;
+    if (T_ == nullptr) {
+      PetscCall(MatDuplicate(J_, MAT_COPY_VALUES, T_.out()));
+      PetscCall(cut_off(T_, face_.mask, diagonal_));
+    }
+    PetscCall(KSPSetOperators(snes_->ksp, T_, T_));
+    return choose_linear_solver();
+  }
+  if (++snes_->numLinearSolveFailures >= snes_->maxLinearSolveFailures) snes_->reason = SNES_DIVERGED_LINEAR_SOLVE;
+  return ok;
+}
+
+}  // namespace perp::petsc
