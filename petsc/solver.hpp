@@ -26,6 +26,7 @@ class Solver : FaceSolver {
   PetscErrorCode linearise();
   PetscErrorCode take_matrix(Mat J);
   PetscErrorCode choose_linear_solver();
+  PetscErrorCode take_krylov_method();
   PetscErrorCode step(bool* stop);
   PetscErrorCode accept();
   PetscErrorCode go_back();

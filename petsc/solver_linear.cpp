@@ -94,10 +94,21 @@ PetscErrorCode Solver::take_matrix(Mat J) {
   return choose_linear_solver();
 }
 
+/// Conjugate gradients or GMRES, until the residual itself is small: preconditioned it can be small where it is not.
+PetscErrorCode Solver::take_krylov_method() {
+  bool norm = false;
+  const bool conjugate = symmetric_ && !plain_;
+  PetscCall(KSPSetType(snes_->ksp, conjugate ? KSPCG : KSPGMRES));
+  PetscCall(is_set(snes_->ksp, "-ksp_norm_type", &norm));
+  if (norm) return ok;
+  PetscCall(KSPSetPCSide(snes_->ksp, conjugate ? PC_LEFT : PC_RIGHT));
+  return KSPSetNormType(snes_->ksp, KSP_NORM_UNPRECONDITIONED);
+}
+
 PetscErrorCode Solver::choose_linear_solver() {
   PC pc = nullptr;
   PetscCall(KSPGetPC(snes_->ksp, &pc));
-  if (chosen_ksp_) PetscCall(KSPSetType(snes_->ksp, symmetric_ && !plain_ ? KSPCG : KSPGMRES));
+  if (chosen_ksp_) PetscCall(take_krylov_method());
   if (multigrid_) return grids_.become(pc);
   if (!chosen_pc_) return ok;
   if (plain_) return PCSetType(pc, PCBJACOBI);
@@ -163,11 +174,11 @@ PetscErrorCode Solver::give_up_on_linear_solver(KSPConvergedReason why, bool* re
     indefinite_ = true;
     symmetric_ = false;
     *retry = true;
-    return KSPSetType(snes_->ksp, KSPGMRES);
+    return take_krylov_method();
   }
   if (chosen_pc_ && chosen_ksp_ && !plain_) {
     plain_ = *retry = true;
-    multigrid_ = multigrid_ && false;
+    multigrid_ = false;
     if (T_ == nullptr) {
       PetscCall(MatDuplicate(J_, MAT_COPY_VALUES, T_.out()));
       PetscCall(cut_off(T_, face_.mask, diagonal_));

@@ -1,0 +1,315 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Tests of SNES type perp, to be run by mpiexec on any number of ranks: petsc_tests CASE [PETSC OPTIONS], with
+/// -dll_append libperp_petsc.so -snes_type perp. Exit status 0 if the case holds on this rank, 1 if not.
+#include <cmath>
+#include <csignal>
+#include <cstdio>
+#include <cstring>
+#include <limits>
+#include <string>
+
+#include "petsc/problems.hpp"
+
+namespace perp::petsc_tests {
+namespace {
+
+constexpr PetscReal tight = 1e-10;  // of h^2 times the equations, whose terms are of order one
+
+#define EXPECT(condition, ...)                                                            \
+  do {                                                                                    \
+    if (!(condition)) {                                                                   \
+      std::fprintf(stderr, "%s:%d: not so: %s; ", __FILE__, __LINE__, #condition);        \
+      std::fprintf(stderr, __VA_ARGS__);                                                  \
+      std::fprintf(stderr, "\n");                                                         \
+      return PETSC_ERR_PLIB;                                                              \
+    }                                                                                     \
+  } while (false)
+
+struct Solved {
+  SNESConvergedReason reason = SNES_CONVERGED_ITERATING;
+  PetscInt steps = 0;
+  PetscReal residual = 0;
+  PetscReal active = 0;  ///< share of the variables at a bound
+  PetscErrorCode code = 0;
+};
+
+/// Writes x where -write FILE says, in the natural order of the grid, for the comparison between numbers of ranks.
+PetscErrorCode write_if_asked(Vec x) {
+  char file[PETSC_MAX_PATH_LEN];
+  PetscBool wanted = PETSC_FALSE;
+  PetscCall(PetscOptionsGetString(nullptr, nullptr, "-write", file, sizeof(file), &wanted));
+  if (!wanted) return 0;
+  PetscViewer viewer = nullptr;
+  PetscCall(PetscViewerBinaryOpen(PETSC_COMM_WORLD, file, FILE_MODE_WRITE, &viewer));
+  PetscCall(PetscViewerBinarySetSkipInfo(viewer, PETSC_TRUE));
+  PetscCall(VecView(x, viewer));
+  return PetscViewerDestroy(&viewer);
+}
+
+PetscErrorCode judge(SNES snes, Vec x, Vec lower, Vec upper, Solved* solved) {
+  Vec at = nullptr;
+  PetscReal count = 0;
+  PetscInt n = 0;
+  PetscCall(SNESGetConvergedReason(snes, &solved->reason));
+  PetscCall(SNESGetIterationNumber(snes, &solved->steps));
+  PetscCall(independent_residual(snes, x, lower, upper, &solved->residual));
+  PetscCall(VecDuplicate(x, &at));
+  for (Vec bound : {lower, upper}) {
+    PetscScalar* p = nullptr;
+    PetscInt m = 0;
+    PetscCall(VecWAXPY(at, -1, bound, x));
+    PetscCall(VecGetLocalSize(at, &m));
+    PetscCall(VecGetArray(at, &p));
+    for (PetscInt i = 0; i < m; ++i) count += p[i] == 0 ? 1 : 0;
+    PetscCall(VecRestoreArray(at, &p));
+  }
+  PetscCall(VecGetSize(x, &n));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &count, 1, MPIU_REAL, MPIU_SUM, PETSC_COMM_WORLD));
+  solved->active = count / static_cast<PetscReal>(n);
+  return VecDestroy(&at);
+}
+
+PetscErrorCode solve(PetscInt n, Bounds bounds, Membrane m, Solved* solved) {
+  DM dm = nullptr;
+  SNES snes = nullptr;
+  Vec x = nullptr;
+  Vec lower = nullptr;
+  Vec upper = nullptr;
+  PetscCall(make_membrane(n, bounds, &m, &dm, &snes));
+  PetscCall(DMCreateGlobalVector(dm, &x));
+  PetscCall(VecDuplicate(x, &lower));
+  PetscCall(VecDuplicate(x, &upper));
+  PetscCall(fill_bounds(dm, m, lower, upper));
+  PetscCall(SNESSetTolerances(snes, 1e-12, 0, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT));
+  solved->code = SNESSolve(snes, nullptr, x);
+  m.nan_from = m.error_from = m.signal = 0;
+  PetscCall(judge(snes, x, lower, upper, solved));
+  PetscCall(write_if_asked(x));
+  for (Vec* v : {&x, &lower, &upper}) PetscCall(VecDestroy(v));
+  PetscCall(SNESDestroy(&snes));
+  return DMDestroy(&dm);
+}
+
+/// Solved, with part of the variables at bounds, so that it was no linear problem; in so many steps.
+PetscErrorCode expect_solved(const Solved& s, PetscInt steps) {
+  EXPECT(s.code == 0, "error %d", static_cast<int>(s.code));
+  EXPECT(s.reason > 0, "reason %d", static_cast<int>(s.reason));
+  EXPECT(s.residual <= tight, "residual %g", s.residual);
+  EXPECT(s.active > 0.01 && s.active < 0.99, "%g of the variables are at bounds", s.active);
+  EXPECT(s.steps <= steps, "%d steps", static_cast<int>(s.steps));
+  return 0;
+}
+
+/// The same by every way that bounds reach SNES.
+PetscErrorCode obstacle() {
+  for (Bounds bounds : {Bounds::Function, Bounds::Dm, Bounds::Vectors}) {
+    Solved s;
+    PetscCall(solve(65, bounds, {.load = -4, .obstacle = true}, &s));
+    PetscCall(expect_solved(s, 8));
+  }
+  return 0;
+}
+
+PetscErrorCode torsion() {
+  Solved s;
+  PetscCall(solve(65, Bounds::Function, {.load = 10, .slope = 1}, &s));
+  return expect_solved(s, 8);
+}
+
+/// No DM hierarchy: an even number of points.
+PetscErrorCode uncoarsened() {
+  Solved s;
+  PetscCall(solve(50, Bounds::Function, {.load = -4, .obstacle = true}, &s));
+  return expect_solved(s, 20);
+}
+
+/// Nonlinear: J changes.
+PetscErrorCode bratu() {
+  Solved s;
+  PetscCall(solve(65, Bounds::Function, {.bratu = 6, .ceiling = 0.6}, &s));
+  return expect_solved(s, 10);
+}
+
+/// J is not symmetric.
+PetscErrorCode wind() {
+  Solved s;
+  PetscCall(solve(65, Bounds::Dm, {.load = -4, .wind = 40, .obstacle = true}, &s));
+  return expect_solved(s, 25);
+}
+
+/// Twice as fine thrice: the steps stay what they are.
+PetscErrorCode steps_do_not_grow() {
+  PetscInt least = 1000;
+  PetscInt most = 0;
+  for (PetscInt n : {33, 65, 129, 257}) {
+    Solved s;
+    PetscCall(solve(n, Bounds::Function, {.load = -4, .obstacle = true}, &s));
+    PetscCall(expect_solved(s, 8));
+    least = std::min(least, s.steps);
+    most = std::max(most, s.steps);
+  }
+  EXPECT(most <= least + 2, "from %d to %d steps", static_cast<int>(least), static_cast<int>(most));
+  return 0;
+}
+
+// --- affine problems of a few rows, without a DM ---------------------------------------------------------------------
+
+PetscErrorCode affine_function(SNES snes, Vec x, Vec F, void* q) {
+  Mat M = nullptr;
+  PetscCall(SNESGetJacobian(snes, nullptr, &M, nullptr, nullptr));
+  return MatMultAdd(M, x, static_cast<Vec>(q), F);
+}
+PetscErrorCode affine_jacobian(SNES, Vec, Mat, Mat, void*) { return 0; }
+
+/// F = M x + q with M_ij = entry(i, j), x >= 0.
+template <class Entry>
+PetscErrorCode solve_affine(PetscInt n, Entry entry, PetscReal load, PetscReal lower, PetscReal upper, Solved* solved,
+                            PetscReal* x0) {
+  Mat M = nullptr;
+  Vec x = nullptr;
+  Vec F = nullptr;
+  Vec q = nullptr;
+  Vec l = nullptr;
+  Vec u = nullptr;
+  SNES snes = nullptr;
+  PetscInt begin = 0;
+  PetscInt end = 0;
+  PetscCall(MatCreateAIJ(PETSC_COMM_WORLD, PETSC_DECIDE, PETSC_DECIDE, n, n, n, nullptr, n, nullptr, &M));
+  PetscCall(MatGetOwnershipRange(M, &begin, &end));
+  for (PetscInt i = begin; i < end; ++i)
+    for (PetscInt j = 0; j < n; ++j) PetscCall(MatSetValue(M, i, j, entry(i, j), INSERT_VALUES));
+  PetscCall(MatAssemblyBegin(M, MAT_FINAL_ASSEMBLY));
+  PetscCall(MatAssemblyEnd(M, MAT_FINAL_ASSEMBLY));
+  PetscCall(MatCreateVecs(M, &x, &F));
+  for (Vec* v : {&q, &l, &u}) PetscCall(VecDuplicate(x, v));
+  PetscCall(VecSet(q, load));
+  PetscCall(VecSet(l, lower));
+  PetscCall(VecSet(u, upper));
+  PetscCall(VecSet(x, *x0));
+  PetscCall(SNESCreate(PETSC_COMM_WORLD, &snes));
+  PetscCall(SNESSetFunction(snes, F, affine_function, q));
+  PetscCall(SNESSetJacobian(snes, M, M, affine_jacobian, nullptr));
+  PetscCall(SNESVISetVariableBounds(snes, l, u));
+  PetscCall(SNESSetFromOptions(snes));
+  solved->code = SNESSolve(snes, nullptr, x);
+  if (solved->code == 0) PetscCall(judge(snes, x, l, u, solved));
+  PetscCall(VecNorm(x, NORM_INFINITY, x0));
+  PetscCall(SNESDestroy(&snes));
+  for (Vec* v : {&x, &F, &q, &l, &u}) PetscCall(VecDestroy(v));
+  return MatDestroy(&M);
+}
+
+/// Murty's matrix of order 3, upside down: a P-matrix on which active-set steps cycle (Kanzow 1996 has such ones), so
+/// that only the semismooth steps get through. The solution is 1/3 everywhere.
+PetscErrorCode cycling() {
+  Solved s;
+  PetscReal x = 0;
+  const auto entry = [](PetscInt i, PetscInt j) { return i == j ? 1.0 : (i + 1) % 3 == j ? 2.0 : 0.0; };
+  PetscCall(solve_affine(3, entry, -1, 0, PETSC_INFINITY, &s, &x));
+  EXPECT(s.code == 0 && s.reason > 0, "error %d, reason %d", static_cast<int>(s.code), static_cast<int>(s.reason));
+  EXPECT(s.residual <= 1e-7, "residual %g", s.residual);
+  EXPECT(std::abs(x - 1.0 / 3) <= 1e-7, "x is %g", x);
+  return 0;
+}
+
+/// Fewer rows than ranks: two variables, 2 x - 1 on the diagonal, 1 beside it. x = 1/3 both.
+PetscErrorCode empty_rank() {
+  Solved s;
+  PetscReal x = 5;
+  PetscCall(solve_affine(2, [](PetscInt i, PetscInt j) { return i == j ? 2.0 : 1.0; }, -1, 0, 10, &s, &x));
+  EXPECT(s.code == 0 && s.reason > 0, "error %d, reason %d", static_cast<int>(s.code), static_cast<int>(s.reason));
+  EXPECT(std::abs(x - 1.0 / 3) <= 1e-7, "x is %g", x);
+  return 0;
+}
+
+/// An error on every rank, not on the one alone that has the variable.
+PetscErrorCode crossing_bounds() {
+  Solved s;
+  PetscReal x = 0;
+  PetscCall(solve_affine(7, [](PetscInt i, PetscInt j) { return i == j ? 2.0 : 0.0; }, -1, 1, 0, &s, &x));
+  EXPECT(s.code == PETSC_ERR_ARG_OUTOFRANGE, "error %d", static_cast<int>(s.code));
+  const PetscReal nan = std::numeric_limits<double>::quiet_NaN();
+  PetscCall(solve_affine(7, [](PetscInt i, PetscInt j) { return i == j ? 2.0 : 0.0; }, -1, 0, nan, &s, &x));
+  EXPECT(s.code == PETSC_ERR_ARG_OUTOFRANGE, "error %d", static_cast<int>(s.code));
+  return 0;
+}
+
+/// From the start, and where the first step goes.
+PetscErrorCode nan_on_one_rank() {
+  for (PetscReal from : {1.0, 2.0}) {
+    Solved s;
+    PetscCall(solve(33, Bounds::Function, {.load = -4, .obstacle = true, .nan_from = from}, &s));
+    EXPECT(s.code == 0, "error %d", static_cast<int>(s.code));
+    EXPECT(s.reason == SNES_DIVERGED_FNORM_NAN, "reason %d", static_cast<int>(s.reason));
+  }
+  return 0;
+}
+
+PetscErrorCode error_on_one_rank() {
+  Solved s;
+  PetscCall(solve(33, Bounds::Function, {.load = -4, .obstacle = true, .error_from = 2}, &s));
+  EXPECT(s.code == PETSC_ERR_USER, "error %d", static_cast<int>(s.code));
+  return 0;
+}
+
+/// To be run with a KSP that cannot converge.
+PetscErrorCode diverging_ksp() {
+  Solved s;
+  PetscCall(solve(33, Bounds::Function, {.load = -4, .obstacle = true}, &s));
+  EXPECT(s.code == 0, "error %d", static_cast<int>(s.code));
+  EXPECT(s.reason == SNES_DIVERGED_LINEAR_SOLVE, "reason %d", static_cast<int>(s.reason));
+  return 0;
+}
+
+PetscErrorCode interrupted() {
+  for (int signal : {SIGINT, SIGTERM}) {
+    Solved s;
+    PetscCall(solve(33, Bounds::Function, {.bratu = 6, .ceiling = 0.6, .signal = signal}, &s));
+    EXPECT(s.code == 0, "error %d", static_cast<int>(s.code));
+    EXPECT(s.reason == SNES_DIVERGED_INNER, "reason %d", static_cast<int>(s.reason));
+  }
+  return 0;
+}
+
+struct Case {
+  const char* name;
+  PetscErrorCode (*run)();
+};
+constexpr Case cases[] = {{"obstacle", obstacle},
+                          {"torsion", torsion},
+                          {"uncoarsened", uncoarsened},
+                          {"bratu", bratu},
+                          {"wind", wind},
+                          {"steps_do_not_grow", steps_do_not_grow},
+                          {"cycling", cycling},
+                          {"empty_rank", empty_rank},
+                          {"crossing_bounds", crossing_bounds},
+                          {"nan_on_one_rank", nan_on_one_rank},
+                          {"error_on_one_rank", error_on_one_rank},
+                          {"diverging_ksp", diverging_ksp},
+                          {"interrupted", interrupted}};
+
+/// Errors come back as codes, silently: some cases ask for them.
+PetscErrorCode quiet(MPI_Comm, int, const char*, const char*, PetscErrorCode code, PetscErrorType, const char* text,
+                     void*) {
+  if (text != nullptr && std::strlen(text) > 0) std::fprintf(stderr, "PETSc: %s\n", text);
+  return code;
+}
+
+}  // namespace
+}  // namespace perp::petsc_tests
+
+int main(int argc, char** argv) {
+  using namespace perp::petsc_tests;
+  if (argc < 2) return 2;
+  const std::string name = argv[1];
+  if (PetscInitialize(&argc, &argv, nullptr, nullptr) != 0) return 2;
+  PetscPushErrorHandler(quiet, nullptr);
+  int failed = 1;
+  for (const Case& c : cases)
+    if (c.name == name) failed = c.run() == 0 ? 0 : 1;
+  // Waits for the others: a rank that has hung is found by ctest's time limit.
+  MPI_Allreduce(MPI_IN_PLACE, &failed, 1, MPI_INT, MPI_MAX, PETSC_COMM_WORLD);
+  PetscFinalize();
+  return failed;
+}
