@@ -17,8 +17,10 @@ PetscErrorCode advance(const BoxProblem& p, Vec step, Vec image, bool* fell = nu
     PetscCall(VecDotBegin(step, image, &curvature));
     PetscCall(VecDotEnd(p.g, step, &slope));
     PetscCall(VecDotEnd(step, image, &curvature));
-    if (curvature > 0) t = std::min<PetscScalar>(1, std::max<PetscScalar>(0, -slope / curvature));
-    else if (slope >= 0) t = 0;
+    if (curvature > 0)
+      t = std::min<PetscScalar>(1, std::max<PetscScalar>(0, -slope / curvature));
+    else if (slope >= 0)
+      t = 0;
   }
   if (fell != nullptr) *fell = t > 0;
   if (t == 0) return ok;
@@ -50,7 +52,8 @@ PetscErrorCode find_face(const BoxProblem& p, Face& face) {
       mask[i] = free ? 1 : 0;
     }
   }
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, count, 2, MPIU_INT64, MPI_SUM, PetscObjectComm(reinterpret_cast<PetscObject>(p.z))));
+  PetscCallMPI(
+      MPI_Allreduce(MPI_IN_PLACE, count, 2, MPIU_INT64, MPI_SUM, PetscObjectComm(reinterpret_cast<PetscObject>(p.z))));
   face.size = count[0];
   face.changes = count[1];
   return ok;
@@ -80,7 +83,8 @@ PetscErrorCode shortened(const BoxProblem& p, Vec d, Vec step) {
       if (direction[i] > 0) t = std::min(t, (u[i] - z[i]) / direction[i]);
     }
   }
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &t, 1, MPIU_REAL, MPIU_MIN, PetscObjectComm(reinterpret_cast<PetscObject>(d))));
+  PetscCallMPI(
+      MPI_Allreduce(MPI_IN_PLACE, &t, 1, MPIU_REAL, MPIU_MIN, PetscObjectComm(reinterpret_cast<PetscObject>(d))));
   PetscCall(VecCopy(d, step));
   return VecScale(step, t);
 }
@@ -112,6 +116,7 @@ PetscErrorCode active_set_step(const BoxProblem& p, Face& face, FaceSolver& solv
   PetscCall(solver.solve(face.mask, face.fresh || face.changes > 0, face.b, face.d, failed));
   face.fresh = false;
   if (*failed) return ok;
+  PetscCall(VecPointwiseMult(face.d, face.mask, face.d));  // a preconditioner may mix in rounding where b is 0
   bool fell = true;
   PetscCall(projected(p, face.d, face.step));
   PetscCall(advance(p, face.step, face.image, &fell));

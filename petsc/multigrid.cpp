@@ -35,7 +35,8 @@ PetscErrorCode can_be_coarsened(DM dm, bool* can) {
 /// Interpolation of several unknowns a point is of a type that products do not truncate.
 PetscErrorCode as_rows(OwnMat& P) {
   PetscBool rows = PETSC_FALSE;
-  PetscCall(PetscObjectTypeCompareAny(reinterpret_cast<PetscObject>(static_cast<Mat>(P)), &rows, MATSEQAIJ, MATMPIAIJ, ""));
+  PetscCall(
+      PetscObjectTypeCompareAny(reinterpret_cast<PetscObject>(static_cast<Mat>(P)), &rows, MATSEQAIJ, MATMPIAIJ, ""));
   if (rows) return ok;
   OwnMat converted;
   PetscCall(MatConvert(P, MATAIJ, MAT_INITIAL_MATRIX, converted.out()));
@@ -49,7 +50,8 @@ PetscErrorCode mask_of(Mat T, Vec open, Vec diagonal, Vec mask) {
   const Reading d(diagonal);
   const Reading o(open);
   Values m(mask);
-  for (PetscInt i = 0; i < d.size(); ++i) m[i] = o[i] != 0 && PetscAbsScalar(m[i]) > 1e-10 * PetscAbsScalar(d[i]) ? 1 : 0;
+  for (PetscInt i = 0; i < d.size(); ++i)
+    m[i] = o[i] != 0 && PetscAbsScalar(m[i]) > 1e-10 * PetscAbsScalar(d[i]) ? 1 : 0;
   return ok;
 }
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Truncated monotone multigrid (Kornhuber 1994) on the hierarchy of a DM: a V-cycle for the equations on a face of the
-/// box, A_FF d_F = b_F. Coarse functions are truncated to the face: with m the face's indicator and P the interpolation,
+/// box, A_FF d_F = b_F. Coarse functions are truncated to the face: with m the face's indicator and P the
+/// interpolation,
 ///     T_0 = m A m + (1 - m),    T_(k+1) = (m_k P_k)' T_k (m_k P_k),
 /// so that no coarse correction moves a variable that is held. A Gauss-Seidel sweep of each rank's own rows smooths,
 /// forth on the way down and back on the way up; the coarsest equations are solved.

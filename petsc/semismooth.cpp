@@ -48,7 +48,8 @@ PetscErrorCode Semismooth::create(SNES snes, Mat J, Vec like) {
   if (rows_ == nullptr || pattern != pattern_) PetscCall(MatDuplicate(J, MAT_COPY_VALUES, rows_.out()));
   pattern_ = pattern;
   if (ksp_ != nullptr) return ok;
-  for (OwnVec* v : {&phi_, &a_, &b_, &gradient_, &d_, &trial_, &value_, &step_}) PetscCall(VecDuplicate(like, v->out()));
+  for (OwnVec* v : {&phi_, &a_, &b_, &gradient_, &d_, &trial_, &value_, &step_})
+    PetscCall(VecDuplicate(like, v->out()));
   const char* prefix = nullptr;
   PetscCall(SNESGetOptionsPrefix(snes, &prefix));
   PetscCall(KSPCreate(PetscObjectComm(reinterpret_cast<PetscObject>(snes)), ksp_.out()));

@@ -45,7 +45,8 @@ PetscErrorCode set_up(SNES snes) {
   PetscCall(VecGetLocalSize(snes->xl, &sizes[1]));
   PetscCall(VecGetLocalSize(snes->xu, &sizes[2]));
   PetscCheck(sizes[0] == sizes[1] && sizes[0] == sizes[2], PETSC_COMM_SELF, PETSC_ERR_ARG_SIZ,
-             "perp: this rank has %" PetscInt_FMT " variables, %" PetscInt_FMT " lower and %" PetscInt_FMT " upper bounds",
+             "perp: this rank has %" PetscInt_FMT " variables, %" PetscInt_FMT " lower and %" PetscInt_FMT
+             " upper bounds",
              sizes[0], sizes[1], sizes[2]);
   Data& data = data_of(snes);
   data.solver = std::make_unique<Solver>(data.options);
@@ -72,18 +73,19 @@ PetscErrorCode destroy(SNES snes) {
 PetscErrorCode set_from_options(SNES snes, PetscOptionItems* PetscOptionsObject) {
   Options& o = data_of(snes).options;
   PetscOptionsHeadBegin(PetscOptionsObject, "SNES perp options");
-  PetscCall(PetscOptionsBool("-snes_perp_multigrid", "Truncated multigrid where the DM can be coarsened", "", o.multigrid,
-                             &o.multigrid, nullptr));
+  PetscCall(PetscOptionsBool("-snes_perp_multigrid", "Truncated multigrid where the DM can be coarsened", "",
+                             o.multigrid, &o.multigrid, nullptr));
   PetscCall(PetscOptionsBool("-snes_perp_nested", "Start from its coarse grids", "", o.nested, &o.nested, nullptr));
   PetscCall(PetscOptionsRangeInt("-snes_perp_levels", "Levels at most", "", o.levels, &o.levels, nullptr, 1, 100));
   PetscCall(PetscOptionsRangeInt("-snes_perp_patience", "Steps without a new best point", "", o.patience, &o.patience,
                                  nullptr, 1, 1000000));
-  PetscCall(PetscOptionsReal("-snes_perp_loose", "KSP's rtol where the face may change", "", o.loose, &o.loose, nullptr));
+  PetscCall(
+      PetscOptionsReal("-snes_perp_loose", "KSP's rtol where the face may change", "", o.loose, &o.loose, nullptr));
   PetscCall(PetscOptionsBool("-snes_perp_interrupt", "SIGINT and SIGTERM end the solve on all ranks", "", o.interrupt,
                              &o.interrupt, nullptr));
   PetscOptionsHeadEnd();
-  PetscCheck(o.loose > 0 && o.loose < 1, PetscObjectComm(reinterpret_cast<PetscObject>(snes)),
-             PETSC_ERR_ARG_OUTOFRANGE, "perp: -snes_perp_loose is %g, not between 0 and 1", static_cast<double>(o.loose));
+  PetscCheck(o.loose > 0 && o.loose < 1, PetscObjectComm(reinterpret_cast<PetscObject>(snes)), PETSC_ERR_ARG_OUTOFRANGE,
+             "perp: -snes_perp_loose is %g, not between 0 and 1", static_cast<double>(o.loose));
   return ok;
 }
 

@@ -11,10 +11,10 @@
 ///
 /// An iteration is an active-set step (active_set.hpp). J is computed again only where its linear model has missed F.
 /// The equations on the face are solved by SNES's KSP, on J with the held rows and columns cut off. Where no PC was
-/// chosen, or "mg", and the DM can be coarsened, the PC is a truncated multigrid (multigrid.hpp), and a first step comes
-/// from the coarse grids (nested_start.hpp); otherwise it is BoomerAMG where PETSc has it, else GAMG.
-/// Where the residual has had no new minimum for `patience` steps, the run goes back to the best point and makes
-/// semismooth steps (semismooth.hpp), 5 at first, then twice as many.
+/// chosen, or "mg", and the DM can be coarsened, the PC is a truncated multigrid (multigrid.hpp), and a first step
+/// comes from the coarse grids (nested_start.hpp); otherwise it is BoomerAMG where PETSc has it, else GAMG. Where the
+/// residual has had no new minimum for `patience` steps, the run goes back to the best point and makes semismooth steps
+/// (semismooth.hpp), 5 at first, then twice as many.
 #include <petscsnes.h>
 
 namespace perp::petsc {
@@ -28,8 +28,8 @@ struct Options {
   PetscInt levels = 20;              ///< -snes_perp_levels: of the hierarchy, at most
   PetscInt patience = 10;            ///< -snes_perp_patience: steps without a new best point, at least 1
   PetscReal loose = 0.1;             ///< -snes_perp_loose: KSP's rtol where the face may still change, unless -ksp_rtol
-  /// -snes_perp_interrupt: SIGINT and SIGTERM on any rank end the solve on all ranks at the next iteration, with the best
-  /// point and SNES_DIVERGED_INNER; a second signal does what it did before the solve.
+  /// -snes_perp_interrupt: SIGINT and SIGTERM on any rank end the solve on all ranks at the next iteration, with the
+  /// best point and SNES_DIVERGED_INNER; a second signal does what it did before the solve.
   PetscBool interrupt = PETSC_TRUE;
 };
 

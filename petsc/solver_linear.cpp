@@ -65,13 +65,15 @@ PetscErrorCode Solver::take_matrix(Mat J) {
   PetscBool gap = PETSC_FALSE;
   PetscObjectState pattern = 0;
   PetscCall(PetscObjectBaseTypeCompareAny(reinterpret_cast<PetscObject>(J), &rows, MATSEQAIJ, MATMPIAIJ, ""));
-  PetscCheck(rows, PetscObjectComm(reinterpret_cast<PetscObject>(J)), PETSC_ERR_SUP,
-             "perp: the matrix is of type %s; type perp needs aij (-mat_type aij, or SNESSetJacobian with an aij matrix "
-             "as the second)",
-             reinterpret_cast<PetscObject>(J)->type_name);
+  PetscCheck(
+      rows, PetscObjectComm(reinterpret_cast<PetscObject>(J)), PETSC_ERR_SUP,
+      "perp: the matrix is of type %s; type perp needs aij (-mat_type aij, or SNESSetJacobian with an aij matrix "
+      "as the second)",
+      reinterpret_cast<PetscObject>(J)->type_name);
   PetscCall(MatMissingDiagonal(J, &gap, nullptr));
   int gaps = gap == PETSC_TRUE ? 1 : 0;
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &gaps, 1, MPI_INT, MPI_MAX, PetscObjectComm(reinterpret_cast<PetscObject>(J))));
+  PetscCallMPI(
+      MPI_Allreduce(MPI_IN_PLACE, &gaps, 1, MPI_INT, MPI_MAX, PetscObjectComm(reinterpret_cast<PetscObject>(J))));
   PetscCheck(gaps == 0, PetscObjectComm(reinterpret_cast<PetscObject>(J)), PETSC_ERR_ARG_WRONGSTATE,
              "perp: the pattern of the Jacobian lacks a diagonal entry: store it, if only as 0");
   PetscCall(MatGetNonzeroState(J, &pattern));

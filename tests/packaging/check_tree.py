@@ -39,6 +39,8 @@ RULES = [
     (r"(extension)/", ("python/",), "only python sees python"),
     (r"(contact)/", ("contact/", "capi/", "python/", "app/"), "only contact, capi, python and app see contact"),
     (r"(ncp)/", ("ncp/", "contact/", "capi/", "python/", "app/"), "lcp sees nothing above it"),
+    (r"(petsc)/\w+\.hpp$", ("petsc/",), "only petsc sees petsc"),
+    (r"(.*/)?(petsc\w*|mpi)\.h$", ("petsc/",), "PETSc and MPI stay in petsc"),
     (r"(tests|bench)/", (), "nobody includes tests or bench"),
     (
         r"(suitesparse/)?(umfpack|klu|btf|cholmod|spqr|cs|amd|colamd|SuiteSparse)\w*\.(h|hpp)$"
@@ -50,7 +52,7 @@ RULES = [
     (r"(.*/)?(hdf5|H5\w*)\.h(pp)?$", ("contact/io/hdf5_lazy.hpp",), "HDF5 stays in contact/io/hdf5_lazy.hpp"),
     (r"gsl/", ("ncp/methods/multiroot_gsl.cpp", "ncp/methods/gsl_errors.cpp"), "GSL stays behind multiroot"),
     (r"mpfi|mpfr|gmp", ("ncp/interval/interval.cpp",), "MPFI stays behind the intervals"),
-    (r"(CLI/|nlohmann/)", ("app/",), "command line and JSON stay in app"),
+    (r"(CLI/|nlohmann/)", ("app/", "petsc/mpi/"), "command line and JSON stay in the programs"),
     (r"(pybind11/|Python\.h$)", ("python/",), "Python stays in python"),
     (r"(.*/)?\.\./", (), "includes are written from the root of the tree"),
 ]
@@ -64,10 +66,11 @@ ncp/settings
 ncp/collection/base ncp/collection/random ncp/collection/models ncp/collection/scalable ncp/collection/kkt ncp/collection
 contact/model contact/existence contact/io contact/laws contact/classics contact/solvers contact/scenes
 capi capi/path
+petsc petsc/mpi
 app/program app/text app/options app/problem app/report app/campaign app/worker app/findings app/comparison_report
 app/compare app/commands app/contact/run app/contact/compare app/contact/studies app/contact app
 """.split()
-OURS = re.compile(r"(lcp|ncp|contact|capi|app)/")
+OURS = re.compile(r"(lcp|ncp|contact|capi|petsc|app)/(?!private/)")  # petsc/private is PETSc's own
 
 
 def tracked(root):
@@ -256,6 +259,7 @@ GOOD = {
     "ncp/b.cpp": '#include "lcp/a.hpp"\n// #include "app/main.hpp" in a comment is none\n',
     "ncp/ampl/r.cpp": "#include <asl.h>\n",
     "contact/io/hdf5_lazy.hpp": '#include <hdf5.h>\n\n#include "ncp/b.hpp"\n',
+    "petsc/s.cpp": '#include <petscsnes.h>\n\n#include "lcp/a.hpp"\n#include "petsc/s.hpp"\n',
     "python/extension/p.cpp": '#include <pybind11/stl.h>\n\n#include "contact/c.hpp"\n#include "extension/q.hpp"\n',
     "app/c.cpp": '#include <CLI/CLI.hpp>\n\n#include "contact/c.hpp"\n',
     "tests/t.cpp": '#include <nlohmann/json.hpp>\n\n#include "app/c.hpp"\n',
@@ -281,6 +285,9 @@ BAD = {  # file -> its line, one violation each
     "capi/p.cpp": "#include <pybind11/pybind11.h>",
     "contact/d.hpp": '#include "extension/problem.hpp"',
     "python/extension/a.cpp": '#include "capi/guard.hpp"',
+    "ncp/i.hpp": "#include <petscksp.h>",
+    "app/d.hpp": '#include "petsc/box.hpp"',
+    "petsc/a.hpp": "#include <nlohmann/json.hpp>",
 }
 
 

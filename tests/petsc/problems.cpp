@@ -132,7 +132,7 @@ PetscErrorCode independent_residual(SNES snes, Vec x, Vec lower, Vec upper, Pets
   PetscCall(VecDuplicate(x, &F));
   PetscCall(VecDuplicate(x, &point));
   PetscCall(SNESComputeFunction(snes, x, F));
-  PetscCall(VecWAXPY(point, -1, F, x));            // x - F
+  PetscCall(VecWAXPY(point, -1, F, x));             // x - F
   PetscCall(VecPointwiseMax(point, point, lower));  // on the box
   PetscCall(VecPointwiseMin(point, point, upper));
   PetscCall(VecAXPY(point, -1, x));

@@ -15,14 +15,14 @@ namespace {
 
 constexpr PetscReal tight = 1e-10;  // of h^2 times the equations, whose terms are of order one
 
-#define EXPECT(condition, ...)                                                            \
-  do {                                                                                    \
-    if (!(condition)) {                                                                   \
-      std::fprintf(stderr, "%s:%d: not so: %s; ", __FILE__, __LINE__, #condition);        \
-      std::fprintf(stderr, __VA_ARGS__);                                                  \
-      std::fprintf(stderr, "\n");                                                         \
-      return PETSC_ERR_PLIB;                                                              \
-    }                                                                                     \
+#define EXPECT(condition, ...)                                                     \
+  do {                                                                             \
+    if (!(condition)) {                                                            \
+      std::fprintf(stderr, "%s:%d: not so: %s; ", __FILE__, __LINE__, #condition); \
+      std::fprintf(stderr, __VA_ARGS__);                                           \
+      std::fprintf(stderr, "\n");                                                  \
+      return PETSC_ERR_PLIB;                                                       \
+    }                                                                              \
   } while (false)
 
 struct Solved {
@@ -216,7 +216,8 @@ PetscErrorCode cycling() {
 PetscErrorCode empty_rank() {
   Solved s;
   PetscReal x = 5;
-  PetscCall(solve_affine(2, [](PetscInt i, PetscInt j) { return i == j ? 2.0 : 1.0; }, -1, 0, 10, &s, &x));
+  PetscCall(solve_affine(
+      2, [](PetscInt i, PetscInt j) { return i == j ? 2.0 : 1.0; }, -1, 0, 10, &s, &x));
   EXPECT(s.code == 0 && s.reason > 0, "error %d, reason %d", static_cast<int>(s.code), static_cast<int>(s.reason));
   EXPECT(std::abs(x - 1.0 / 3) <= 1e-7, "x is %g", x);
   return 0;
@@ -226,10 +227,12 @@ PetscErrorCode empty_rank() {
 PetscErrorCode crossing_bounds() {
   Solved s;
   PetscReal x = 0;
-  PetscCall(solve_affine(7, [](PetscInt i, PetscInt j) { return i == j ? 2.0 : 0.0; }, -1, 1, 0, &s, &x));
+  PetscCall(solve_affine(
+      7, [](PetscInt i, PetscInt j) { return i == j ? 2.0 : 0.0; }, -1, 1, 0, &s, &x));
   EXPECT(s.code == PETSC_ERR_ARG_OUTOFRANGE, "error %d", static_cast<int>(s.code));
   const PetscReal nan = std::numeric_limits<double>::quiet_NaN();
-  PetscCall(solve_affine(7, [](PetscInt i, PetscInt j) { return i == j ? 2.0 : 0.0; }, -1, 0, nan, &s, &x));
+  PetscCall(solve_affine(
+      7, [](PetscInt i, PetscInt j) { return i == j ? 2.0 : 0.0; }, -1, 0, nan, &s, &x));
   EXPECT(s.code == PETSC_ERR_ARG_OUTOFRANGE, "error %d", static_cast<int>(s.code));
   return 0;
 }
