@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""What perp writes for other programs, validated by docs/schema: check_schemas.py PERP.
+"""What perp writes for other programs, validated by docs/schema: check_schemas.py PERP [PERP_MPI].
 
 Runs the commands below and validates each document. Then each schema has to refuse the documents it has accepted, with
 a key removed, with an unknown key, with a value of another type, and of another version. The schemas themselves are
@@ -92,6 +92,10 @@ RUNS = [
         "contact data/contact/incline-4.hdf5 none.dat stack:3 --compare --variants glocker,outer:4+psor --out contact",
     ),
 ]
+
+# (exit code, arguments of perp-mpi), where it has been built
+MPI_RUNS = [(0, "solve M.mtx q.mtx"), (1, "solve M.mtx q.mtx --max-iterations 0 --lower=-1")]
+MPI = "solve-mpi"
 
 # Those that get SIGINT as soon as they listen to it.
 INTERRUPTED = ("solve kojshin --start-at pipe", "contact ball --exact --load 1.5 --cycles 5000")
@@ -244,7 +248,7 @@ def listens(pid):
     return int(caught, 16) >> (signal.SIGINT - 1) & 1 == 1
 
 
-def documents(perp, folder):
+def documents(perp, perp_mpi, folder):
     """(schema, where from, text) of all that perp writes; None and a complaint where it ends otherwise."""
     (Path(folder) / "data").symlink_to(ROOT / "data")
     os.mkfifo(Path(folder) / "pipe")
@@ -263,17 +267,20 @@ def documents(perp, folder):
             yield None, f"perp {words}", f"exit code {run.returncode}, not {code}\n{err}"
         elif schema is not None:
             yield schema, f"perp {words}", out
+    for code, words in MPI_RUNS if perp_mpi else ():
+        run = subprocess.run([perp_mpi, *words.split(" "), "--json", "-"], cwd=folder, capture_output=True, text=True, timeout=120)
+        yield (MPI, f"perp-mpi {words}", run.stdout) if run.returncode == code else (None, f"perp-mpi {words}", run.stderr)
     for schema, name in LEFT:
         text = (Path(folder) / name).read_text(encoding="utf-8")
         for line in text.splitlines() if name.endswith(".jsonl") else [text]:
             yield schema, name, line
 
 
-def check_documents(perp, schemas, seen):
+def check_documents(perp, perp_mpi, schemas, seen):
     """Validates all documents, and what is made of them; `seen` gets the paths of each schema's keys."""
     done = {}
     with tempfile.TemporaryDirectory() as folder:
-        for name, source, text in documents(perp, folder):
+        for name, source, text in documents(perp, perp_mpi, folder):
             if name is None:
                 yield f"{source}: {text}"
                 continue
@@ -321,10 +328,13 @@ def check_schemas(schemas, seen):
 
 
 def main():
-    if len(sys.argv) != 2:
+    if len(sys.argv) not in (2, 3):
         sys.exit(__doc__)
     schemas, seen = Schemas(), {}
-    wrong = [*check_documents(Path(sys.argv[1]).resolve(), schemas, seen), *check_schemas(schemas, seen)]
+    perp, *perp_mpi = (Path(program).resolve() for program in sys.argv[1:])
+    if not perp_mpi:
+        del schemas.parts[MPI]
+    wrong = [*check_documents(perp, perp_mpi[0] if perp_mpi else None, schemas, seen), *check_schemas(schemas, seen)]
     print("\n".join(wrong), end="\n" if wrong else "")
     return 1 if wrong else 0
 
