@@ -7,8 +7,8 @@ namespace perp::petsc {
 namespace {
 
 constexpr int coarsest_steps = 60;
-constexpr int steps = 4;
-constexpr double loose = 0.1;  // the error on a face falls by this: the face may change yet
+constexpr int steps = 8;
+constexpr double loose = 0.03;  // the error on a face falls by this: the face may change yet
 
 /// The problem on a coarse level, and what its equations are solved with.
 struct Coarse : FaceSolver {
@@ -131,6 +131,22 @@ PetscErrorCode nested_start(const BoxProblem& p, const Face& face, Multigrid& gr
                           last ? static_cast<Vec>(z) : static_cast<Vec>(coarse[k - 1].z)));
   }
   return take_if_better(p, face, z, taken);
+}
+
+PetscErrorCode nested_correction(const BoxProblem& p, const Face& face, Multigrid& grids, bool* taken) {
+  OwnVec lower;
+  OwnVec upper;
+  OwnVec correction;
+  for (OwnVec* v : {&lower, &upper, &correction}) PetscCall(VecDuplicate(p.z, v->out()));
+  PetscCall(VecWAXPY(lower, -1, p.z, p.box.lower));
+  PetscCall(VecWAXPY(upper, -1, p.z, p.box.upper));
+  PetscCall(VecSet(correction, 0));
+  BoxProblem shifted = p;
+  shifted.box = {lower, upper};
+  shifted.z = correction;
+  PetscCall(nested_start(shifted, face, grids, taken));
+  PetscCall(VecAXPY(p.z, 1, correction));
+  return project(p.box, p.z);
 }
 
 }  // namespace perp::petsc

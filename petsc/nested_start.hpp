@@ -12,4 +12,8 @@ namespace perp::petsc {
 /// lower there, or, where A is not symmetric, the natural residual.
 PetscErrorCode nested_start(const BoxProblem& problem, const Face& face, Multigrid& grids, bool* taken);
 
+/// The same for z = z0 + P c, with the bounds at the coarse points less z0: where a Newton step moves the free boundary
+/// by many cells, but z0 has details that coarse grids have not.
+PetscErrorCode nested_correction(const BoxProblem& problem, const Face& face, Multigrid& grids, bool* taken);
+
 }  // namespace perp::petsc

@@ -27,7 +27,7 @@ struct Options {
   PetscBool nested = PETSC_TRUE;     ///< -snes_perp_nested: with it, a first step from the coarse grids
   PetscInt levels = 20;              ///< -snes_perp_levels: of the hierarchy, at most
   PetscInt patience = 10;            ///< -snes_perp_patience: steps without a new best point, at least 1
-  PetscReal loose = 0.1;             ///< -snes_perp_loose: KSP's rtol where the face may still change, unless -ksp_rtol
+  PetscReal loose = 0.03;            ///< -snes_perp_loose: KSP's rtol where the face may still change, unless -ksp_rtol
   /// -snes_perp_interrupt: SIGINT and SIGTERM on any rank end the solve on all ranks at the next iteration, with the
   /// best point and SNES_DIVERGED_INNER; a second signal does what it did before the solve.
   PetscBool interrupt = PETSC_TRUE;

@@ -143,11 +143,10 @@ PetscErrorCode Solver::step(bool* stop) {
   ++counts_.steps;
   PetscCall(VecCopy(x_, z_));
   PetscCall(VecCopy(F_, g_));
-  if (first && multigrid_ && options_.nested == PETSC_TRUE) {
+  if (multigrid_ && options_.nested == PETSC_TRUE && face_.fresh) {
     bool taken = false;
-    PetscCall(nested_start(model(), face_, grids_, &taken));
-    PetscCall(PetscInfo(snes_, "start from the coarse grids %s\n", taken ? "taken" : "no better"));
-    face_.fresh = true;
+    PetscCall(first ? nested_start(model(), face_, grids_, &taken) : nested_correction(model(), face_, grids_, &taken));
+    PetscCall(PetscInfo(snes_, "point from the coarse grids %s\n", taken ? "taken" : "no better"));
   }
   const PetscInt before = snes_->numLinearSolveFailures;
   PetscCall(active_set_step(model(), face_, *this, &failed));

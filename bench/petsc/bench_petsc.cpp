@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// One solve of one variational inequality by SNES type perp, PETSc's SNESVI or TAO, or one linear solve, on the ranks of
-/// mpiexec; prints a line of JSON. bench/petsc/table.py runs it and makes the table.
+/// One solve of one variational inequality by SNES type perp, PETSc's SNESVI or TAO, or one linear solve, on the ranks
+/// of mpiexec; prints a line of JSON. bench/petsc/table.py runs it and makes the table.
 ///     bench_petsc PROBLEM POINTS SECONDS perp|snesvi|tao|ksp [PETSC OPTIONS]
 /// Every run goes on until the largest entry of the natural residual is 1e-12.
 #include <petscdmda.h>
@@ -52,7 +52,8 @@ PetscErrorCode look(Run& r, Vec x, bool* done) {
   return 0;
 }
 
-PetscErrorCode snes_test(SNES snes, PetscInt, PetscReal, PetscReal, PetscReal, SNESConvergedReason* reason, void* data) {
+PetscErrorCode snes_test(SNES snes, PetscInt, PetscReal, PetscReal, PetscReal, SNESConvergedReason* reason,
+                         void* data) {
   Run& r = run_of(data);
   Vec x = nullptr;
   bool done = false;
@@ -68,9 +69,7 @@ PetscErrorCode tao_test(Tao tao, void* data) {
   bool done = false;
   PetscCall(TaoGetSolution(tao, &x));
   PetscCall(look(r, x, &done));
-  return TaoSetConvergedReason(tao, done     ? TAO_CONVERGED_USER
-                                    : r.late ? TAO_DIVERGED_MAXITS
-                                             : TAO_CONTINUE_ITERATING);
+  return TaoSetConvergedReason(tao, done ? TAO_CONVERGED_USER : r.late ? TAO_DIVERGED_MAXITS : TAO_CONTINUE_ITERATING);
 }
 
 PetscErrorCode snes_function(SNES, Vec x, Vec F, void* data) {
@@ -176,14 +175,14 @@ PetscErrorCode measure(const std::string& problem, PetscInt points, double limit
   long kilobytes = usage.ru_maxrss;
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &kilobytes, 1, MPI_LONG, MPI_MAX, PETSC_COMM_WORLD));
   PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
-  PetscCall(PetscPrintf(PETSC_COMM_WORLD,
-                        "{\"problem\": \"%s\", \"unknowns\": %d, \"ranks\": %d, \"solved\": %s, \"residual\": %g, \"steps\": "
-                        "%d, \"krylov\": %d, \"cycles\": %d, \"F\": %d, \"seconds\": %.4f, \"megabytes\": %ld, \"reason\": "
-                        "\"%s\"}\n",
-                        problem.c_str(), static_cast<int>(size), ranks, done || solver == "ksp" ? "true" : "false",
-                        static_cast<double>(r.residual), static_cast<int>(r.steps), static_cast<int>(r.krylov),
-                        static_cast<int>(r.cycles), static_cast<int>(r.evaluations), seconds, kilobytes / 1024,
-                        r.reason.c_str()));
+  PetscCall(PetscPrintf(
+      PETSC_COMM_WORLD,
+      "{\"problem\": \"%s\", \"unknowns\": %d, \"ranks\": %d, \"solved\": %s, \"residual\": %g, \"steps\": "
+      "%d, \"krylov\": %d, \"cycles\": %d, \"F\": %d, \"seconds\": %.4f, \"megabytes\": %ld, \"reason\": "
+      "\"%s\"}\n",
+      problem.c_str(), static_cast<int>(size), ranks, done || solver == "ksp" ? "true" : "false",
+      static_cast<double>(r.residual), static_cast<int>(r.steps), static_cast<int>(r.krylov),
+      static_cast<int>(r.cycles), static_cast<int>(r.evaluations), seconds, kilobytes / 1024, r.reason.c_str()));
   for (Vec* v : {&r.x, &r.F, &r.projected, &r.lower, &r.upper}) PetscCall(VecDestroy(v));
   PetscCall(MatDestroy(&r.J));
   return destroy(&r.problem);

@@ -131,6 +131,7 @@ PetscErrorCode make_body(GridProblem* p, Vec lower) {
   }
   PetscCall(DMDAVecRestoreArrayDOF(p->dm, lower, &l));
   PetscCall(DMDAVecRestoreArrayDOF(p->dm, p->load, &f));
+  PetscCall(MatSetOption(p->stiffness, MAT_KEEP_NONZERO_PATTERN, PETSC_TRUE));
   return MatZeroRowsStencil(p->stiffness, static_cast<PetscInt>(top.size()), top.data(), 1, nullptr, nullptr);
 }
 
