@@ -1,0 +1,122 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""SNES type perp beside PETSc's own solvers: table.py BENCH_PETSC RESULTS.jsonl [LIMIT], then table.py RESULTS.jsonl.
+
+The first makes the runs, each in processes of its own, and adds a line of JSON each to RESULTS.jsonl; runs that are
+there already are not made again. LIMIT: seconds for a run of PETSc's solvers (default 60). A solver that has not met
+it on the grid before, or took a quarter of it there, is not run on the next grid. The second writes the tables.
+"""
+
+import json
+import os
+import subprocess
+import sys
+
+PROBLEMS = {name: (257, 513, 1025, 2049) for name in ("obstacle", "torsion", "journal-bearing", "bratu")}
+PROBLEMS["signorini"] = (177, 353, 705, 1409)  # two unknowns a point
+MUMPS = "-ksp_type preonly -pc_type lu -pc_factor_mat_solver_type mumps"
+PEERS = {
+    "SNESVI rsls, MUMPS": f"snesvi -snes_type vinewtonrsls {MUMPS}",
+    "SNESVI rsls, CG + BoomerAMG": "snesvi -snes_type vinewtonrsls -ksp_type cg -pc_type hypre -ksp_rtol 1e-3",
+    "SNESVI rsls, CG + GAMG": "snesvi -snes_type vinewtonrsls -ksp_type cg -pc_type gamg -ksp_rtol 1e-3",
+    "SNESVI ssls, MUMPS": f"snesvi -snes_type vinewtonssls {MUMPS}",
+    "SNESVI ssls, GMRES + BoomerAMG": "snesvi -snes_type vinewtonssls -ksp_type gmres -pc_type hypre -ksp_rtol 1e-5",
+    "TAO gpcg, BoomerAMG": "tao -tao_type gpcg -pc_type hypre",
+    "TAO tron, BoomerAMG": "tao -tao_type tron -pc_type hypre",
+}
+OWN = "perp"
+KSP = {"CG + BoomerAMG": "ksp -ksp_type cg -pc_type hypre", "CG + GAMG": "ksp -ksp_type cg -pc_type gamg"}
+
+
+def run(program, results, solver, problem, points, ranks, limit, words):
+    key = [solver, problem, points, ranks]
+    for line in results:
+        if line["key"] == key:
+            return line
+    command = [program, problem, str(points), str(limit), *words.split()]
+    if ranks > 1:
+        command = ["mpiexec", "--allow-run-as-root", "--oversubscribe", "-n", str(ranks), *command]
+    environment = dict(os.environ, OMP_NUM_THREADS="1", OPENBLAS_NUM_THREADS="1")
+    line = {"key": key, "solved": False, "seconds": None, "reason": "stopped"}
+    try:
+        done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=1.5 * limit + 30)
+        last = done.stdout.strip().splitlines()[-1:] or [""]
+        line.update(json.loads(last[0]) if last[0].startswith("{") else {"reason": "error"})
+    except subprocess.TimeoutExpired:
+        pass
+    print(json.dumps(line), flush=True)
+    results.append(line)
+    return line
+
+
+def load(path):
+    if not os.path.exists(path):
+        return []
+    with open(path, encoding="utf-8") as file:
+        return [json.loads(line) for line in file]
+
+
+def measure(program, path, limit):
+    results = load(path)
+
+    def one(*arguments):
+        known = len(results)
+        line = run(program, results, *arguments)
+        if len(results) > known:
+            with open(path, "a", encoding="utf-8") as file:
+                file.write(json.dumps(line) + "\n")
+        return line
+
+    for problem, grids in PROBLEMS.items():
+        for points in grids:
+            one(OWN, problem, points, 1, 600, "perp")
+    for problem in ("obstacle", "torsion"):
+        for ranks in (1, 2):
+            one(OWN, problem, 1025, ranks, 600, "perp")
+            for name, words in KSP.items():
+                one(name, problem, 1025, ranks, 600, words)
+    for problem, grids in PROBLEMS.items():
+        for name, words in PEERS.items():
+            for points in grids[:3]:
+                line = one(name, problem, points, 1, limit, words)
+                if not line["solved"] or line["seconds"] > limit / 4:
+                    break
+
+
+def cell(line):
+    if line is None:
+        return ""
+    if not line["solved"]:
+        return "error" if line["reason"] in ("error", "stopped") else "not solved"
+    return f"{line['seconds']:.2f} s, {line['steps']}"
+
+
+def tables(path):
+    results = {tuple(line["key"]): line for line in load(path)}
+    print("| problem | unknowns | steps | V-cycles | seconds | residual | MB |\n|---|---|---|---|---|---|---|")
+    for problem, grids in PROBLEMS.items():
+        for points in grids:
+            line = results.get((OWN, problem, points, 1))
+            if line and line["solved"]:
+                print(f"| {problem} | {line['unknowns']} | {line['steps']} | {line['cycles']} | {line['seconds']:.2f} | "
+                      f"{line['residual']:.0e} | {line['megabytes']} |")
+    for problem, grids in PROBLEMS.items():
+        print(f"\n| {problem}: seconds, steps | " + " | ".join(f"{p} x {p}" for p in grids[:3]) + " |\n|---|---|---|---|")
+        for name in (OWN, *PEERS):
+            lines = [results.get((name, problem, points, 1)) for points in grids[:3]]
+            print(f"| {name} | " + " | ".join(map(cell, lines)) + " |")
+    print("\n| 1025 x 1025 | 1 rank | 2 ranks | speed-up | MB a rank |\n|---|---|---|---|---|")
+    for problem in ("obstacle", "torsion"):
+        for name in (OWN, *KSP):
+            one, two = (results.get((name, problem, 1025, ranks)) for ranks in (1, 2))
+            if one and two:
+                print(f"| {problem}, {name} | {one['seconds']:.2f} s | {two['seconds']:.2f} s | {one['seconds'] / two['seconds']:.2f} | {two['megabytes']} |")
+
+
+if __name__ == "__main__":
+    if len(sys.argv) == 2:
+        tables(sys.argv[1])
+    elif len(sys.argv) in (3, 4):
+        measure(sys.argv[1], sys.argv[2], float(sys.argv[3]) if len(sys.argv) == 4 else 60)
+    else:
+        sys.exit(__doc__)
