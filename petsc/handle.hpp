@@ -6,6 +6,10 @@
 
 #include <utility>
 
+#if defined(PETSC_USE_COMPLEX) || !defined(PETSC_USE_REAL_DOUBLE)
+#error "Complementarity is of real numbers, here doubles: build with a PETSc of those (Debian: petsc-real)"
+#endif
+
 namespace perp::petsc {
 
 constexpr PetscErrorCode ok{};  ///< what a function returns that did not fail

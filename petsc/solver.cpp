@@ -13,7 +13,9 @@ namespace {
 
 constexpr int halvings = 30;       ///< of a step to a point where F is not defined
 constexpr double accurate = 1e-2;  ///< the model of F counts as right up to this share of the residual
-constexpr double growth = 1e6;     ///< a residual so many times the best one is the end of patience
+constexpr double wrong = 0.5;      ///< ... and as wrong from this share on
+constexpr int shortenings = 8;
+constexpr double growth = 1e6;  ///< a residual so many times the best one is the end of patience
 constexpr double eps = PETSC_MACHINE_EPSILON;
 
 }  // namespace
@@ -171,6 +173,7 @@ PetscErrorCode Solver::accept() {
   PetscReal missed = 0;
   PetscCall(VecAXPY(g_, -1, F));
   PetscCall(VecNorm(g_, NORM_2, &missed));
+  if (there.norm > residual_.norm && missed > wrong * there.norm) PetscCall(shorten(F, &there));
   if (!(missed <= accurate * there.norm || missed <= noise_)) {
     stale_ = true;
     affine_ = false;
@@ -192,6 +195,24 @@ PetscErrorCode Solver::accept() {
   semismooth_ = 5 << std::min<PetscInt>(rounds_++, 6);
   idle_ = 0;
   stale_ = true;
+  return ok;
+}
+
+/// The residual grew because the model is wrong at z: half of the step, a quarter, ..., if one of them lowers it. Steps
+/// of a right model are not shortened: on the way of the active set to its place residuals may grow.
+PetscErrorCode Solver::shorten(Vec F, Residual* there) {
+  OwnVec& z = face_.step;
+  OwnVec& value = face_.d;
+  Residual now;
+  PetscCall(VecCopy(z_, z));
+  for (int k = 0; k < shortenings; ++k) {
+    PetscCall(VecAXPBY(z, 0.5, 0.5, x_));
+    PetscCall(evaluate(z, value, &now));
+    if (!(now.norm < residual_.norm)) continue;
+    *there = now;
+    PetscCall(VecCopy(z, z_));
+    return VecCopy(value, F);
+  }
   return ok;
 }
 

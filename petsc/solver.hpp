@@ -29,6 +29,7 @@ class Solver : FaceSolver {
   PetscErrorCode take_krylov_method();
   PetscErrorCode step(bool* stop);
   PetscErrorCode accept();
+  PetscErrorCode shorten(Vec F, Residual* there);
   PetscErrorCode go_back();
   PetscErrorCode semismooth_step(bool* stop);
   PetscErrorCode solve(Vec mask, bool changed, Vec b, Vec d, bool* failed) override;

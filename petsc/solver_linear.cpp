@@ -13,7 +13,7 @@ namespace perp::petsc {
 namespace {
 
 constexpr double amg_loose = 1e-2;  // where the PC is costly to build a few iterations more cost little
-constexpr double few = 1e-4;        // changes, beside the size of the face, after which it is most likely the last one
+constexpr double few = 1e-4;        // changes, beside what is held, after which the face is most likely the last one
 constexpr double tightest = 1e-10;
 constexpr double tightest_nonlinear = 1e-4;  // beyond this J, not the equations, limits the step
 
@@ -131,8 +131,10 @@ PetscErrorCode Solver::face_tolerance(Vec b, bool changed) {
   PetscCall(VecNorm(b, NORM_2, &length));
   const PetscReal loose = multigrid_ ? options_.loose : std::min(options_.loose, amg_loose);
   const PetscReal wanted = 0.1 * std::max(snes_->abstol, snes_->ttol);
-  const bool settled =
-      !changed || (affine_ && static_cast<double>(face_.changes) <= few * static_cast<double>(face_.size));
+  PetscInt all = 0;
+  PetscCall(VecGetSize(b, &all));
+  const double held = static_cast<double>(all - face_.size);
+  const bool settled = !changed || (affine_ && static_cast<double>(face_.changes) <= few * held);
   const PetscReal share = length > 0 ? wanted / length : loose;
   const PetscReal least = affine_ ? tightest : tightest_nonlinear;
   const PetscReal rtol = settled || !affine_ ? std::clamp(share, least, loose) : loose;

@@ -175,14 +175,15 @@ PetscErrorCode measure(const std::string& problem, PetscInt points, double limit
   long kilobytes = usage.ru_maxrss;
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &kilobytes, 1, MPI_LONG, MPI_MAX, PETSC_COMM_WORLD));
   PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
-  PetscCall(PetscPrintf(
-      PETSC_COMM_WORLD,
-      "{\"problem\": \"%s\", \"unknowns\": %d, \"ranks\": %d, \"solved\": %s, \"residual\": %g, \"steps\": "
-      "%d, \"krylov\": %d, \"cycles\": %d, \"F\": %d, \"seconds\": %.4f, \"megabytes\": %ld, \"reason\": "
-      "\"%s\"}\n",
-      problem.c_str(), static_cast<int>(size), ranks, done || solver == "ksp" ? "true" : "false",
-      static_cast<double>(r.residual), static_cast<int>(r.steps), static_cast<int>(r.krylov),
-      static_cast<int>(r.cycles), static_cast<int>(r.evaluations), seconds, kilobytes / 1024, r.reason.c_str()));
+  int rank = 0;
+  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
+  if (rank == 0)
+    std::printf(
+        "{\"problem\": \"%s\", \"unknowns\": %d, \"ranks\": %d, \"solved\": %s, \"residual\": %g, \"steps\": %d, "
+        "\"krylov\": %d, \"cycles\": %d, \"F\": %d, \"seconds\": %.4f, \"megabytes\": %ld, \"reason\": \"%s\"}\n",
+        problem.c_str(), static_cast<int>(size), ranks, done || solver == "ksp" ? "true" : "false",
+        static_cast<double>(r.residual), static_cast<int>(r.steps), static_cast<int>(r.krylov),
+        static_cast<int>(r.cycles), static_cast<int>(r.evaluations), seconds, kilobytes / 1024, r.reason.c_str());
   for (Vec* v : {&r.x, &r.F, &r.projected, &r.lower, &r.upper}) PetscCall(VecDestroy(v));
   PetscCall(MatDestroy(&r.J));
   return destroy(&r.problem);

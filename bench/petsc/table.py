@@ -41,7 +41,8 @@ def run(program, results, solver, problem, points, ranks, limit, words):
     try:
         done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=1.5 * limit + 30)
         last = done.stdout.strip().splitlines()[-1:] or [""]
-        line.update(json.loads(last[0]) if last[0].startswith("{") else {"reason": "error"})
+        text = last[0].replace("nan,", "NaN,").replace("-NaN", "NaN").replace("inf,", "Infinity,")
+        line.update(json.loads(text) if text.startswith("{") else {"reason": "error"})
     except subprocess.TimeoutExpired:
         pass
     print(json.dumps(line), flush=True)
@@ -70,11 +71,11 @@ def measure(program, path, limit):
     for problem, grids in PROBLEMS.items():
         for points in grids:
             one(OWN, problem, points, 1, 600, "perp")
-    for problem in ("obstacle", "torsion"):
-        for ranks in (1, 2):
-            one(OWN, problem, 1025, ranks, 600, "perp")
-            for name, words in KSP.items():
-                one(name, problem, 1025, ranks, 600, words)
+    for problem in ("obstacle", "torsion"):  # three times in turn, of which the quickest counts
+        for turn in range(3):
+            for name, words in {OWN: "perp", **KSP}.items():
+                for ranks in (1, 2):
+                    one(f"{name}, {turn}", problem, 1025, ranks, 600, words)
     for problem, grids in PROBLEMS.items():
         for name, words in PEERS.items():
             for points in grids[:3]:
@@ -108,9 +109,10 @@ def tables(path):
     print("\n| 1025 x 1025 | 1 rank | 2 ranks | speed-up | MB a rank |\n|---|---|---|---|---|")
     for problem in ("obstacle", "torsion"):
         for name in (OWN, *KSP):
-            one, two = (results.get((name, problem, 1025, ranks)) for ranks in (1, 2))
-            if one and two:
-                print(f"| {problem}, {name} | {one['seconds']:.2f} s | {two['seconds']:.2f} s | {one['seconds'] / two['seconds']:.2f} | {two['megabytes']} |")
+            times = [[results.get((f"{name}, {turn}", problem, 1025, ranks)) for turn in range(3)] for ranks in (1, 2)]
+            if all(map(all, times)):
+                one, two = (min(run["seconds"] for run in runs) for runs in times)
+                print(f"| {problem}, {name} | {one:.2f} s | {two:.2f} s | {one / two:.2f} | {times[1][0]['megabytes']} |")
 
 
 if __name__ == "__main__":
