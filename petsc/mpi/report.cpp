@@ -76,10 +76,14 @@ std::string report_json(const Task& task, const Outcome& o) {
                       {"worst_index", index(c.row)},
                       {"bounds", number(o.bounds)},
                       {"complementarity", number(o.complementarity)}};
-  json["stats"] = {{"iterations", o.iterations},       {"semismooth_steps", c.semismooth},
-                   {"krylov_iterations", o.krylov},    {"F_evals", o.F_evals},
-                   {"J_evals", c.jacobians},           {"preconditioners", c.faces},
-                   {"memory_bytes", static_cast<std::int64_t>(o.memory)}, {"read_time_s", number(o.read_seconds)},
+  json["stats"] = {{"iterations", o.iterations},
+                   {"semismooth_steps", c.semismooth},
+                   {"krylov_iterations", o.krylov},
+                   {"F_evals", o.F_evals},
+                   {"J_evals", c.jacobians},
+                   {"preconditioners", c.faces},
+                   {"memory_bytes", static_cast<std::int64_t>(o.memory)},
+                   {"read_time_s", number(o.read_seconds)},
                    {"time_s", number(o.seconds)}};
   json["options"] = {{"convergence_tolerance", number(task.tol)},
                      {"major_iteration_limit", task.max_iterations},
