@@ -56,6 +56,7 @@ PetscErrorCode set_up(SNES snes) {
 PetscErrorCode solve(SNES snes) { return data_of(snes).solver->solve(snes); }
 
 PetscErrorCode reset(SNES snes) {
+  if (data_of(snes).solver != nullptr) PetscCall(data_of(snes).solver->release());
   data_of(snes).solver.reset();
   PetscCall(VecDestroy(&snes->xl));
   PetscCall(VecDestroy(&snes->xu));

@@ -160,7 +160,6 @@ PetscErrorCode Solver::step(bool* stop) {
 
 /// F at the point z of the step; a shorter step where F is not defined there. Then what the model was worth.
 PetscErrorCode Solver::accept() {
-  if (counts_.semismooth > 0 && semismooth_ > 0) return ok;  // that step has evaluated its points itself
   Residual there;
   OwnVec& F = face_.b;  // the step is done with it
   PetscCall(evaluate(z_, F, &there));
@@ -189,7 +188,9 @@ PetscErrorCode Solver::accept() {
     PetscCall(VecCopy(x_, best_x_));
     return VecCopy(F_, best_F_);
   }
-  if (++idle_ < options_.patience && residual_.norm <= growth * best_.norm) return ok;
+  // Every step on a symmetric affine problem lowers phi, whatever the residual does on the way.
+  const PetscInt patience = affine_ && symmetric_ ? 10 * options_.patience : options_.patience;
+  if (++idle_ < patience && residual_.norm <= growth * best_.norm) return ok;
   PetscCall(go_back());
   PetscCall(PetscInfo(snes_, "no better point in %" PetscInt_FMT " steps: semismooth steps\n", idle_));
   semismooth_ = 5 << std::min<PetscInt>(rounds_++, 6);
@@ -243,6 +244,12 @@ PetscErrorCode Solver::linearise() {
   if (!stale_) return ok;
   PetscCall(SNESComputeJacobian(snes_, x_, snes_->jacobian, snes_->jacobian_pre));
   SNESCheckJacobianDomainerror(snes_);
+  PetscReal size_of_J = 0;
+  PetscCall(MatNorm(snes_->jacobian_pre, NORM_FROBENIUS, &size_of_J));
+  if (!std::isfinite(size_of_J)) {
+    snes_->reason = SNES_DIVERGED_JACOBIAN_DOMAIN;
+    return go_back();
+  }
   ++counts_.jacobians;
   PetscCall(take_matrix(snes_->jacobian_pre));
   stale_ = false;

@@ -13,6 +13,8 @@ class Solver : FaceSolver {
  public:
   explicit Solver(const Options& options) : options_(options) {}
   PetscErrorCode set_up(SNES snes);
+  /// Gives the SNES its KSP back as set_up found it.
+  PetscErrorCode release();
   PetscErrorCode solve(SNES snes);
   const Counts& counts() const { return counts_; }
   bool uses_multigrid() const { return multigrid_; }
@@ -69,8 +71,10 @@ class Solver : FaceSolver {
   Multigrid grids_;
   bool multigrid_ = false;
   bool chosen_pc_ = false;   ///< the PC is this solver's own choice
+  bool took_mg_ = false;     ///< the PC was "mg", whose place the truncated multigrid takes
   bool chosen_ksp_ = false;  ///< so is the type of the KSP
   bool chosen_rtol_ = false;
+  bool chosen_limit_ = false;
   bool plain_ = false;  ///< AMG has failed: ILU
   Semismooth semismooth_method_;
 };

@@ -12,8 +12,11 @@
 namespace perp::petsc {
 namespace {
 
-constexpr double amg_loose = 1e-2;  // where the PC is costly to build a few iterations more cost little
-constexpr double few = 1e-4;        // changes, beside what is held, after which the face is most likely the last one
+constexpr double amg_loose = 1e-2;     // where the PC is costly to build a few iterations more cost little
+constexpr double few = 1e-4;           // changes, beside what is held, after which the face is most likely the last one
+constexpr double default_rtol = 1e-5;  // of PETSc's KSP
+constexpr PetscInt default_limit = 10000;  // likewise
+constexpr PetscInt amg_limit = 500;        // iterations after which multigrid has failed
 constexpr double tightest = 1e-10;
 constexpr double tightest_nonlinear = 1e-4;  // beyond this J, not the equations, limits the step
 
@@ -43,6 +46,7 @@ PetscErrorCode Solver::set_up(SNES snes) {
   PCType pc_type = nullptr;
   bool set[3];
   PetscReal rtol = 0;
+  PetscInt limit = 0;
   PetscCall(SNESGetKSP(snes, &ksp));
   PetscCall(KSPGetPC(ksp, &pc));
   PetscCall(KSPGetType(ksp, &ksp_type));
@@ -50,15 +54,46 @@ PetscErrorCode Solver::set_up(SNES snes) {
   PetscCall(is_set(ksp, "-ksp_type", &set[0]));
   PetscCall(is_set(ksp, "-pc_type", &set[1]));
   PetscCall(is_set(ksp, "-ksp_rtol", &set[2]));
-  PetscCall(KSPGetTolerances(ksp, &rtol, nullptr, nullptr, nullptr));
+  PetscCall(KSPGetTolerances(ksp, &rtol, nullptr, nullptr, &limit));
   chosen_ksp_ = ksp_type == nullptr || (!set[0] && std::strcmp(ksp_type, KSPGMRES) == 0);
   chosen_pc_ = pc_type == nullptr || (!set[1] && any_of(pc_type, {PCILU, PCICC, PCBJACOBI}));
-  chosen_rtol_ = !set[2] && rtol == 1e-5 && snes->ksp_ewconv == PETSC_FALSE;
+  chosen_rtol_ = !set[2] && rtol == default_rtol && snes->ksp_ewconv == PETSC_FALSE;
+  chosen_limit_ = limit == default_limit;
   const bool mg = pc_type != nullptr && std::strcmp(pc_type, PCMG) == 0;
+  took_mg_ = mg;
   multigrid_ = false;
   if (options_.multigrid == PETSC_TRUE && (chosen_pc_ || mg) && snes->dm != nullptr)
     PetscCall(grids_.take_hierarchy(snes->dm, options_.levels, &multigrid_));
+  if (!multigrid_) return ok;
+  PetscInt sizes[2];  // the DM need not be that of the unknowns
+  PetscCall(VecGetLocalSize(grids_.levels()[0].b, &sizes[0]));
+  PetscCall(VecGetLocalSize(snes->vec_sol, &sizes[1]));
+  int fits = sizes[0] == sizes[1] ? 1 : 0;
+  PetscCallMPI(
+      MPI_Allreduce(MPI_IN_PLACE, &fits, 1, MPI_INT, MPI_MIN, PetscObjectComm(reinterpret_cast<PetscObject>(snes))));
+  multigrid_ = fits != 0;
   return ok;
+}
+
+/// PETSc's defaults where the choice was ours, which the next set_up then knows for nobody's. The PC must not keep the
+/// grids, which go with this object.
+PetscErrorCode Solver::release() {
+  if (snes_ == nullptr || snes_->ksp == nullptr) return ok;
+  const KSP ksp = snes_->ksp;
+  PC pc = nullptr;
+  PetscBool shell = PETSC_FALSE;
+  PetscCall(KSPGetPC(ksp, &pc));
+  PetscCall(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(pc), PCSHELL, &shell));
+  PetscCall(KSPReset(ksp));
+  if (shell && !chosen_pc_ && took_mg_) PetscCall(PCSetType(pc, PCMG));
+  if (chosen_pc_) PetscCall(PCSetType(pc, PCBJACOBI));
+  if (chosen_ksp_) {
+    PetscCall(KSPSetType(ksp, KSPGMRES));
+    PetscCall(KSPSetPCSide(ksp, PC_SIDE_DEFAULT));
+    PetscCall(KSPSetNormType(ksp, KSP_NORM_DEFAULT));
+  }
+  return KSPSetTolerances(ksp, chosen_rtol_ ? default_rtol : static_cast<PetscReal>(PETSC_DEFAULT), PETSC_DEFAULT,
+                          PETSC_DEFAULT, chosen_limit_ ? default_limit : PETSC_DEFAULT);
 }
 
 PetscErrorCode Solver::take_matrix(Mat J) {
@@ -89,7 +124,8 @@ PetscErrorCode Solver::take_matrix(Mat J) {
   symmetric_ = symmetric_ && !indefinite_;
   face_.fresh = true;
   if (multigrid_) {
-    if (other && counts_.jacobians > 1) PetscCall(grids_.take_hierarchy(snes_->dm, options_.levels, &multigrid_));
+    if (other && grids_.levels()[0].T != nullptr)
+      PetscCall(grids_.take_hierarchy(snes_->dm, options_.levels, &multigrid_));
     PetscCall(grids_.take_matrix(J, face_.open));
   } else if (other || T_ == nullptr) {
     PetscCall(MatDuplicate(J, MAT_COPY_VALUES, T_.out()));
@@ -138,7 +174,10 @@ PetscErrorCode Solver::face_tolerance(Vec b, bool changed) {
   const PetscReal share = length > 0 ? wanted / length : loose;
   const PetscReal least = affine_ ? tightest : tightest_nonlinear;
   const PetscReal rtol = settled || !affine_ ? std::clamp(share, least, loose) : loose;
-  return KSPSetTolerances(snes_->ksp, rtol, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT);
+  const PetscInt limit = chosen_limit_ && chosen_pc_ && !plain_ ? amg_limit
+                         : chosen_limit_                        ? default_limit
+                                                                : PETSC_DEFAULT;
+  return KSPSetTolerances(snes_->ksp, rtol, PETSC_DEFAULT, PETSC_DEFAULT, limit);
 }
 
 /// The face's equations by SNES's KSP, on J with what is held cut off.

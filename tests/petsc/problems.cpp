@@ -55,6 +55,14 @@ PetscErrorCode jacobian(DMDALocalInfo* grid, PetscScalar** u, Mat, Mat J, void* 
       const PetscScalar values[] = {4 + h * m.wind - h * h * m.bratu * std::exp(u[j][i]), -1 - h * m.wind, -1, -1, -1};
       PetscCall(MatSetValuesStencil(J, 1, &row, 5, columns, values, INSERT_VALUES));
     }
+  int rank = 0;
+  int ranks = 0;
+  MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
+  MPI_Comm_size(PETSC_COMM_WORLD, &ranks);
+  const MatStencil corner{.k = 0, .j = grid->ys, .i = grid->xs, .c = 0};
+  const PetscScalar nan = std::numeric_limits<double>::quiet_NaN();
+  if (m.nan_in_jacobian && rank == ranks - 1)
+    PetscCall(MatSetValuesStencil(J, 1, &corner, 1, &corner, &nan, INSERT_VALUES));
   PetscCall(MatAssemblyBegin(J, MAT_FINAL_ASSEMBLY));
   return MatAssemblyEnd(J, MAT_FINAL_ASSEMBLY);
 }

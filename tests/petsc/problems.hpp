@@ -18,7 +18,8 @@ struct Membrane {
   PetscReal ceiling = 0;   ///< u <= ceiling where that is positive
   PetscReal nan_from = 0;  ///< F is not a number on the last rank from this evaluation on, where positive
   PetscReal error_from = 0;
-  int signal = 0;  ///< the last rank sends itself this signal in the second evaluation
+  bool nan_in_jacobian = false;  ///< on the last rank
+  int signal = 0;                ///< the last rank sends itself this signal in the second evaluation
   int evaluations = 0;
 };
 

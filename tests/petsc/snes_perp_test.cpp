@@ -248,6 +248,55 @@ PetscErrorCode nan_on_one_rank() {
   return 0;
 }
 
+PetscErrorCode nan_in_jacobian() {
+  Solved s;
+  PetscCall(solve(33, Bounds::Function, {.load = -4, .obstacle = true, .nan_in_jacobian = true}, &s));
+  EXPECT(s.code == 0, "error %d", static_cast<int>(s.code));
+  EXPECT(s.reason == SNES_DIVERGED_JACOBIAN_DOMAIN, "reason %d", static_cast<int>(s.reason));
+  return 0;
+}
+
+/// A SNES solves again, from another start, and with grid sequencing, which resets it on each grid and so must not
+/// leave its KSP with what belonged to the grid before.
+PetscErrorCode solved_again() {
+  DM dm = nullptr;
+  DM fine = nullptr;
+  SNES snes = nullptr;
+  Vec x = nullptr;
+  Membrane m{.load = -4, .obstacle = true};
+  PetscCall(make_membrane(33, Bounds::Function, &m, &dm, &snes));
+  PetscCall(DMCreateGlobalVector(dm, &x));
+  PetscCall(SNESSetTolerances(snes, 1e-12, 0, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT));
+  for (PetscInt grids : {0, 0, 3}) {
+    SNESConvergedReason reason = SNES_CONVERGED_ITERATING;
+    PetscInt steps = 0;
+    PetscCall(VecSet(x, 1));
+    PetscCall(SNESSetGridSequence(snes, grids));
+    PetscCall(SNESSolve(snes, nullptr, x));
+    PetscCall(SNESGetConvergedReason(snes, &reason));
+    PetscCall(SNESGetIterationNumber(snes, &steps));
+    EXPECT(reason > 0 && steps <= 6, "reason %d, %d steps", static_cast<int>(reason), static_cast<int>(steps));
+  }
+  PetscInt points = 0;
+  Vec solution = nullptr;
+  Vec lower = nullptr;
+  Vec upper = nullptr;
+  PetscReal residual = 0;
+  PetscCall(SNESGetDM(snes, &fine));
+  PetscCall(DMDAGetInfo(fine, nullptr, &points, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr,
+                        nullptr, nullptr, nullptr));
+  EXPECT(points == 257, "%d points", static_cast<int>(points));
+  PetscCall(SNESGetSolution(snes, &solution));
+  PetscCall(VecDuplicate(solution, &lower));
+  PetscCall(VecDuplicate(solution, &upper));
+  PetscCall(fill_bounds(fine, m, lower, upper));
+  PetscCall(independent_residual(snes, solution, lower, upper, &residual));
+  EXPECT(residual <= tight, "residual %g", residual);
+  for (Vec* v : {&x, &lower, &upper}) PetscCall(VecDestroy(v));
+  PetscCall(SNESDestroy(&snes));
+  return DMDestroy(&dm);
+}
+
 PetscErrorCode error_on_one_rank() {
   Solved s;
   PetscCall(solve(33, Bounds::Function, {.load = -4, .obstacle = true, .error_from = 2}, &s));
@@ -288,6 +337,8 @@ constexpr Case cases[] = {{"obstacle", obstacle},
                           {"empty_rank", empty_rank},
                           {"crossing_bounds", crossing_bounds},
                           {"nan_on_one_rank", nan_on_one_rank},
+                          {"nan_in_jacobian", nan_in_jacobian},
+                          {"solved_again", solved_again},
                           {"error_on_one_rank", error_on_one_rank},
                           {"diverging_ksp", diverging_ksp},
                           {"interrupted", interrupted}};
