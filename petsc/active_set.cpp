@@ -98,14 +98,18 @@ PetscErrorCode Face::create(Vec like) {
   return VecSet(mask, 1);
 }
 
-PetscErrorCode active_set_step(const BoxProblem& p, Face& face, FaceSolver& solver, bool* failed) {
-  *failed = false;
+PetscErrorCode solve_lonely_rows(const BoxProblem& p, Face& face) {
   PetscCall(lonely_step(p, face.lonely, face.step));
   PetscCall(MatMult(p.A, face.step, face.image));
   PetscCall(VecAXPY(p.z, 1, face.step));
-  PetscCall(VecAXPY(p.g, 1, face.image));
+  return VecAXPY(p.g, 1, face.image);
+}
+
+PetscErrorCode active_set_step(const BoxProblem& p, Face& face, FaceSolver& solver, bool* failed) {
+  *failed = false;
+  PetscCall(solve_lonely_rows(p, face));
   if (p.symmetric) {
-    PetscCall(sweep_step(p, face.step));
+    PetscCall(sweep_step(p, face.open, face.step));
     PetscCall(advance(p, face.step, face.image));
   }
   PetscCall(find_face(p, face));

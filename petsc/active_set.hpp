@@ -40,6 +40,9 @@ struct Face {
   PetscErrorCode create(Vec like);
 };
 
+/// Step 1 alone.
+PetscErrorCode solve_lonely_rows(const BoxProblem& problem, Face& face);
+
 /// Changes problem.z and problem.g. *failed: the face's equations were not solved; the rest of the step was made.
 PetscErrorCode active_set_step(const BoxProblem& problem, Face& face, FaceSolver& solver, bool* failed);
 

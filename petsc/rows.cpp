@@ -85,7 +85,7 @@ PetscErrorCode lonely_step(const BoxProblem& p, Vec lonely, Vec step) {
   return ok;
 }
 
-PetscErrorCode sweep_step(const BoxProblem& p, Vec step) {
+PetscErrorCode sweep_step(const BoxProblem& p, Vec open, Vec step) {
   OwnBlock A;
   PetscCall(A.open(p.A));
   {
@@ -94,10 +94,11 @@ PetscErrorCode sweep_step(const BoxProblem& p, Vec step) {
     const Reading u(p.box.upper);
     const Reading z(p.z);
     const Reading g(p.g);
+    const Reading o(open);
     Values s(step);
     for (PetscInt i = 0; i < A.rows; ++i) s[i] = 0;
     const auto relax = [&](PetscInt i) {
-      if (!(d[i] > 0)) return;
+      if (!(d[i] > 0) || o[i] == 0) return;
       PetscScalar residual = g[i];
       for (PetscInt k = A.start[i]; k < A.start[i + 1]; ++k) residual += A.value[k] * s[A.column[k]];
       s[i] = std::min(std::max(s[i] - residual / d[i], l[i] - z[i]), u[i] - z[i]);

@@ -23,8 +23,8 @@ PetscErrorCode lonely_rows(Mat A, const Box& box, Vec lonely);
 PetscErrorCode lonely_step(const BoxProblem& problem, Vec lonely, Vec step);
 
 /// The step of a projected Gauss-Seidel sweep, forth and back, on each rank's own block (other ranks' variables stay
-/// as they are). Rows whose diagonal entry is not positive are left out.
-PetscErrorCode sweep_step(const BoxProblem& problem, Vec step);
+/// as they are). Rows whose diagonal entry is not positive are left out, and those with open[i] = 0.
+PetscErrorCode sweep_step(const BoxProblem& problem, Vec open, Vec step);
 
 /// Whether u'A v = v'A u for two made-up vectors, up to rounding, on the variables with free[i] = 1.
 PetscErrorCode looks_symmetric(Mat A, Vec free, bool* symmetric);

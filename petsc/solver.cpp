@@ -147,6 +147,7 @@ PetscErrorCode Solver::step(bool* stop) {
   PetscCall(VecCopy(F_, g_));
   if (multigrid_ && options_.nested == PETSC_TRUE && face_.fresh) {
     bool taken = false;
+    PetscCall(solve_lonely_rows(model(), face_));  // what coarse grids take as given: displacements of a boundary
     PetscCall(first ? nested_start(model(), face_, grids_, &taken) : nested_correction(model(), face_, grids_, &taken));
     PetscCall(PetscInfo(snes_, "point from the coarse grids %s\n", taken ? "taken" : "no better"));
   }
