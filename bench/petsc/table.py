@@ -3,7 +3,7 @@
 """SNES type perp beside PETSc's own solvers: table.py BENCH_PETSC RESULTS.jsonl [LIMIT], then table.py RESULTS.jsonl.
 
 The first makes the runs, each in processes of its own, and adds a line of JSON each to RESULTS.jsonl; runs that are
-there already are not made again. LIMIT: seconds for a run of PETSc's solvers (default 60). A solver that has not met
+there already are not made again. LIMIT: CPU seconds for a run of PETSc's solvers (default 60). A solver that has not met
 it on the grid before, or took a quarter of it there, is not run on the next grid. The second writes the tables.
 """
 
@@ -39,7 +39,7 @@ def run(program, results, solver, problem, points, ranks, limit, words):
     environment = dict(os.environ, OMP_NUM_THREADS="1", OPENBLAS_NUM_THREADS="1")
     line = {"key": key, "solved": False, "seconds": None, "cpu": None, "reason": "stopped"}
     try:
-        done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=1.5 * limit + 30)
+        done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=6 * limit + 60)
         last = done.stdout.strip().splitlines()[-1:] or [""]
         text = last[0].replace("nan,", "NaN,").replace("-NaN", "NaN").replace("inf,", "Infinity,")
         line.update(json.loads(text) if text.startswith("{") else {"reason": "error"})
