@@ -88,7 +88,8 @@ def cell(line):
     if line is None:
         return ""
     if not line["solved"]:
-        return "error" if line["reason"] in ("error", "stopped") else "not solved"
+        limit = line["reason"] in ("DIVERGED_MAX_IT", "DIVERGED_MAXITS")
+        return f"> {line['cpu']:.0f} s, {line['steps']}" if limit else "error" if line["reason"] == "error" else line["reason"]
     return f"{line['cpu']:.2f} s, {line['steps']}"
 
 
