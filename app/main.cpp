@@ -42,6 +42,10 @@ using namespace perp::app;
 
 std::atomic<bool> interrupted{false};
 
+/// Before the libraries are initialized: a thread that one of them makes then, as OpenBLAS does, would take a signal for
+/// which wait_for_signals() waits.
+[[gnu::section(".preinit_array"), gnu::used]] void (*const before_libraries)() = block_signals;
+
 void set_up_signals() {
   wait_for_signals(interrupted);
   std::signal(SIGPIPE, SIG_IGN);  // `perp list | head`: the reader has had enough; files are still written

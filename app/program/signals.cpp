@@ -41,14 +41,21 @@ void wait_for_signals(std::atomic<bool>& interrupted) {
   sigfillset(&all);
   pthread_sigmask(SIG_SETMASK, &all, &before);  // the thread's: other signals are not for it
   const sigset_t set = both();
+  int how = SIG_BLOCK;
   try {
     std::thread([set] {
       for (int signal = 0; sigwait(&set, &signal) == 0;) on_signal(signal);
     }).detach();
-    for (const int signal : {SIGINT, SIGTERM}) sigaddset(&before, signal);
   } catch (const std::system_error&) {  // no thread to be had: they are handled after all
+    how = SIG_UNBLOCK;
   }
   pthread_sigmask(SIG_SETMASK, &before, nullptr);
+  pthread_sigmask(how, &set, nullptr);
+}
+
+void block_signals() {
+  const sigset_t set = both();
+  pthread_sigmask(SIG_BLOCK, &set, nullptr);
 }
 
 }  // namespace perp::app

@@ -12,4 +12,7 @@ namespace perp::app {
 /// place of SIGTERM's while it works; that jumps into the stack of a thread that is not there.
 void wait_for_signals(std::atomic<bool>& interrupted);
 
+/// Blocks both in this thread and those that it makes.
+void block_signals();
+
 }  // namespace perp::app
