@@ -95,6 +95,20 @@ def page_of(name):
     return None
 
 
+def navigation(text, pages):
+    """mkdocs.yml with each line FOLDER/* replaced by the folder's pages, in the order of the links in its first page."""
+
+    def listed(found):
+        indent, folder = found[1], found[2]
+        index = next(source for source, place in pages.items() if place == f"{folder}/index.md")
+        linked = re.findall(r"\]\(([\w-]+\.md)", (ROOT / index).read_text(encoding="utf-8"))
+        there = sorted(place.removeprefix(f"{folder}/") for place in pages.values() if place.startswith(f"{folder}/"))
+        names = dict.fromkeys([name for name in linked if name in there] + there)
+        return "".join(f"{indent}{folder}/{name}\n" for name in names if name != "index.md")
+
+    return re.sub(r"^( *- )(\w+)/\*\n", listed, text, flags=re.M)
+
+
 def stage(perp, out):
     """The pages, with generated parts and links, and what they need, in OUT/pages."""
     pages = texts()
@@ -123,7 +137,8 @@ def main():
         sys.exit(f"the site needs {' and '.join(lacking)}: apt-get install {' '.join(lacking)}")
     shutil.rmtree(out, ignore_errors=True)
     stage(perp, out)
-    shutil.copy(ROOT / "docs/mkdocs.yml", out)
+    config = (ROOT / "docs/mkdocs.yml").read_text(encoding="utf-8")
+    (out / "mkdocs.yml").write_text(navigation(config, texts()), encoding="utf-8")
     subprocess.run([mkdocs, "build", "--quiet", "--strict", "--config-file", out / "mkdocs.yml"], check=True)
     print(f"the site is {out / 'site' / 'index.html'}")
 

@@ -25,6 +25,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "lcp/fischer_burmeister.hpp"
 #include "ncp/problem/fields.hpp"
@@ -40,6 +41,7 @@ struct CParameter {
   double value = 0;
   double low = 0;
   double high = infinity;
+  std::vector<double> grid{};  ///< values that span its use, for comparisons
 };
 
 /// What is known of Phi and Psi = 1/2 ||Phi||^2 for the NCP(F). The references are CFunction::reference and, for all,
@@ -63,6 +65,7 @@ struct CFunction {
   /// B-subdifferential.
   std::function<CValue(double a, double b, double ha, double hb)> at;
   std::optional<CParameter> parameter{};
+  CFunction (*with_parameter)(double) = nullptr;  ///< the function at another value; there if `parameter` is
   CProperties properties{};
   std::string reference{};
 };
@@ -98,7 +101,7 @@ std::span<const CFunction> cfunctions();
 /// parameter where there is none; all functions above throw the second.
 CFunction cfunction(std::string_view name, std::optional<double> parameter = std::nullopt);
 
-/// Each function that has a parameter, at values that span its use: rho and alpha in {0.01, 0.1, 1, 10, 100}, the
+/// Each function that has a parameter, at the values of its grid: rho and alpha in {0.01, 0.1, 1, 10, 100}, the
 /// penalised function's lambda in {0.5, 0.8, 0.95, 0.99}, Kanzow & Kleinmichel's in {0.1, 0.5, 1, 2, 3}.
 std::span<const CFunction> cfunction_grid();
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // The catalogue of C-functions.
-#include <array>
 #include <sstream>
 #include <stdexcept>
 #include <vector>
@@ -21,6 +20,7 @@ using lcp::wide_product;
 const std::string uniform_p = "uniform P-functions; affine F with an R0-matrix";
 const std::string uniform_p_or_monotone = uniform_p + "; monotone F with a strictly feasible point";
 const std::string p0 = "P0-functions";
+const std::vector<double> decades{0.01, 0.1, 1, 10, 100};
 
 /// Throws unless the value lies in the parameter's range.
 CParameter checked(std::string_view function, CParameter p) {
@@ -162,7 +162,8 @@ CFunction min_rho_b(double rho) {
           .formula = "a - max(0, a - rho b)",
           .smooth_merit = false,
           .at = [rho](double a, double b, double ha, double hb) { return weighted_min(1, rho, a, b, ha, hb); },
-          .parameter = checked("min-rho-b", {.name = "rho", .value = rho}),
+          .parameter = checked("min-rho-b", {.name = "rho", .value = rho, .grid = decades}),
+          .with_parameter = min_rho_b,
           .properties = piecewise_linear(),
           .reference = "Acary & Brogliato, Numerical Methods for Nonsmooth Dynamical Systems (Springer 2008)"};
 }
@@ -172,7 +173,8 @@ CFunction min_rho_a(double rho) {
           .formula = "b - max(0, b - rho a)",
           .smooth_merit = false,
           .at = [rho](double a, double b, double ha, double hb) { return weighted_min(rho, 1, a, b, ha, hb); },
-          .parameter = checked("min-rho-a", {.name = "rho", .value = rho}),
+          .parameter = checked("min-rho-a", {.name = "rho", .value = rho, .grid = decades}),
+          .with_parameter = min_rho_a,
           .properties = piecewise_linear(),
           .reference = "Acary & Brogliato, Numerical Methods for Nonsmooth Dynamical Systems (Springer 2008)"};
 }
@@ -187,14 +189,15 @@ CFunction fischer_burmeister() {
 }
 
 CFunction penalised_fischer_burmeister(double lambda) {
-  return {
-      .name = "penalised-fischer-burmeister",
-      .formula = "lambda (a + b - sqrt(a^2 + b^2)) + (1 - lambda) max(0, a) max(0, b)",
-      .smooth_merit = true,
-      .at = [lambda](double a, double b, double ha, double hb) { return penalised_at(lambda, a, b, ha, hb); },
-      .parameter = checked("penalised-fischer-burmeister", {.name = "lambda", .value = lambda, .low = 0, .high = 1}),
-      .properties = CProperties{.level_sets = uniform_p_or_monotone, .stationary_points = p0},
-      .reference = "Chen, Chen & Kanzow, Math. Programming 88 (2000) 211"};
+  return {.name = "penalised-fischer-burmeister",
+          .formula = "lambda (a + b - sqrt(a^2 + b^2)) + (1 - lambda) max(0, a) max(0, b)",
+          .smooth_merit = true,
+          .at = [lambda](double a, double b, double ha, double hb) { return penalised_at(lambda, a, b, ha, hb); },
+          .parameter = checked("penalised-fischer-burmeister",
+                               {.name = "lambda", .value = lambda, .high = 1, .grid = {0.5, 0.8, 0.95, 0.99}}),
+          .with_parameter = penalised_fischer_burmeister,
+          .properties = CProperties{.level_sets = uniform_p_or_monotone, .stationary_points = p0},
+          .reference = "Chen, Chen & Kanzow, Math. Programming 88 (2000) 211"};
 }
 
 CFunction evtushenko_purtov() {
@@ -214,7 +217,9 @@ CFunction kanzow_kleinmichel(double lambda) {
       .formula = "a + b - sqrt((a - b)^2 + lambda ab)",
       .smooth_merit = true,
       .at = [lambda](double a, double b, double ha, double hb) { return kanzow_kleinmichel_at(lambda, a, b, ha, hb); },
-      .parameter = checked("kanzow-kleinmichel", {.name = "lambda", .value = lambda, .low = 0, .high = 4}),
+      .parameter = checked("kanzow-kleinmichel",
+                           {.name = "lambda", .value = lambda, .high = 4, .grid = {0.1, 0.5, 1.0, 2.0, 3.0}}),
+      .with_parameter = kanzow_kleinmichel,
       .properties = CProperties{.level_sets = uniform_p, .stationary_points = p0},
       .reference = "Kanzow & Kleinmichel, Comput. Optim. Appl. 11 (1998) 227"};
 }
@@ -225,7 +230,8 @@ CFunction luo_tseng(double alpha) {
           .smooth_merit = true,
           .at = [root = std::sqrt(alpha)](double a, double b, double ha,
                                           double hb) { return luo_tseng_at(root, a, b, ha, hb); },
-          .parameter = checked("luo-tseng", {.name = "alpha", .value = alpha}),
+          .parameter = checked("luo-tseng", {.name = "alpha", .value = alpha, .grid = decades}),
+          .with_parameter = luo_tseng,
           .properties =
               CProperties{.singular_at_degenerate = true, .level_sets = uniform_p_or_monotone, .stationary_points = p0},
           .reference =
@@ -243,30 +249,20 @@ std::span<const CFunction> cfunctions() {
 std::span<const CFunction> cfunction_grid() {
   static const std::vector<CFunction> all = [] {
     std::vector<CFunction> list;
-    for (const double rho : {0.01, 0.1, 1.0, 10.0, 100.0}) list.push_back(min_rho_b(rho));
-    for (const double rho : {0.01, 0.1, 1.0, 10.0, 100.0}) list.push_back(min_rho_a(rho));
-    for (const double lambda : {0.5, 0.8, 0.95, 0.99}) list.push_back(penalised_fischer_burmeister(lambda));
-    for (const double lambda : {0.1, 0.5, 1.0, 2.0, 3.0}) list.push_back(kanzow_kleinmichel(lambda));
-    for (const double alpha : {0.01, 0.1, 1.0, 10.0, 100.0}) list.push_back(luo_tseng(alpha));
+    for (const CFunction& c : cfunctions())
+      if (c.parameter)
+        for (const double value : c.parameter->grid) list.push_back(c.with_parameter(value));
     return list;
   }();
   return all;
 }
 
 CFunction cfunction(std::string_view name, std::optional<double> parameter) {
-  static constexpr std::array<std::pair<std::string_view, CFunction (*)(double)>, 5> families{
-      std::pair{std::string_view("min-rho-b"), &min_rho_b},
-      {"min-rho-a", &min_rho_a},
-      {"penalised-fischer-burmeister", &penalised_fischer_burmeister},
-      {"kanzow-kleinmichel", &kanzow_kleinmichel},
-      {"luo-tseng", &luo_tseng}};
-  if (parameter)
-    for (const auto& [family, make] : families)
-      if (family == name) return make(*parameter);
   std::string known;
   for (const CFunction& c : cfunctions()) {
     if (c.name == name) {
       if (!parameter) return c;
+      if (c.parameter) return c.with_parameter(*parameter);
       throw std::invalid_argument(c.name + " has no parameter; " + std::to_string(*parameter) + " was given");
     }
     known += " " + c.name;
