@@ -42,8 +42,8 @@ using namespace perp::app;
 
 std::atomic<bool> interrupted{false};
 
-/// Before the libraries are initialized: a thread that one of them makes then, as OpenBLAS does, would take a signal for
-/// which wait_for_signals() waits.
+/// Before the libraries are initialized: a thread that one of them makes then, as OpenBLAS does, would take a signal
+/// for which wait_for_signals() waits.
 [[gnu::section(".preinit_array"), gnu::used]] void (*const before_libraries)() = block_signals;
 
 void set_up_signals() {
