@@ -96,9 +96,17 @@ std::unique_ptr<perp_contact> condensed(std::int32_t interface, std::int32_t dim
   return handle(contact::condense(std::move(global), friction(mu, contacts), dimension));
 }
 
+contact::Variant variant_of(const char* words) {
+  try {
+    return contact::variant_of(words == nullptr ? "glocker" : words);
+  } catch (const std::invalid_argument& wrong) {
+    refuse("variant", wrong.what());
+  }
+}
+
 std::unique_ptr<perp_contact_result> solved(perp_solver& solver, const contact::Problem& problem, const char* words) {
   const StopsHeard heard(solver.stop);
-  contact::Variant variant = contact::variant_of(words == nullptr ? "glocker" : words);
+  contact::Variant variant = variant_of(words);
   contact::RunLimits limits = contact::apply_options(variant, solver.given);
   limits.interrupt = &solver.stop;
   auto made = std::make_unique<perp_contact_result>();

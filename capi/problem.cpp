@@ -206,8 +206,9 @@ int32_t perp_problem_check_jacobian(const perp_problem* problem, const double* x
   return guarded(error, [&] {
     check_x(problem, x);
     const Watch watch(problem->callbacks, nullptr);
-    perp::ncp::check_input(problem->mcp, point(problem, x));
-    const perp::ncp::JacobianCheck check = perp::ncp::check_jacobian(problem->mcp, point(problem, x));
+    const perp::ncp::Vec at = vector_of(x, problem->mcp.size(), "x");
+    perp::ncp::check_input(problem->mcp, at);
+    const perp::ncp::JacobianCheck check = perp::ncp::check_jacobian(problem->mcp, at);
     watch.check();
     if (!check.defined) refuse("x", "F or J is not defined there, or nowhere near");
     if (worst != nullptr) *worst = check.worst;

@@ -6,8 +6,6 @@
 #include <cmath>
 #include <limits>
 
-#include "capi/path/thread_state.hpp"
-
 namespace perp::path {
 
 namespace {
@@ -135,8 +133,6 @@ std::int32_t ClientProblem::call_J(std::int64_t /*n*/, std::int64_t /*nonzeros*/
 }
 
 std::int32_t ClientProblem::evaluate_F(const double* x, double* F) {
-  const Interrupt_Interface& interrupt = this_thread().interrupt;
-  if (interrupt.check != nullptr && interrupt.check(interrupt.interrupt_data) != 0) return PERP_STOP;
   ++F_evaluations_;
   x_.assign(x, x + n_);
   std::fill_n(F, n_, std::numeric_limits<double>::quiet_NaN());  // what is not set is not defined

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Output, errors, interruptions.
+/// Output and errors.
 #include <array>
 #include <cstdarg>
 #include <cstdio>
@@ -83,9 +83,6 @@ void Output_Flush(int mode) {
 }
 
 void Error_SetInterface(Error_Interface* i) { this_thread().error = i == nullptr ? Error_Interface{} : *i; }
-void Interrupt_SetInterface(Interrupt_Interface* i) {
-  this_thread().interrupt = i == nullptr ? Interrupt_Interface{} : *i;
-}
 
 void* Memory_Allocate(unsigned long bytes) { return std::malloc(bytes); }
 void Memory_Free(void* memory) { std::free(memory); }

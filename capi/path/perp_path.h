@@ -6,8 +6,8 @@
  *  The problem: l <= x <= u, F_i(x) >= 0 where x_i = l_i, <= 0 where x_i = u_i, = 0 between. 1e20 and beyond is
  * infinity.
  *
- *  Options, output, errors and interruptions belong to the thread that set them, an MCP to whoever uses it, one thread
- *  at a time. Different threads solve different problems at once. Null pointers are refused, not followed.
+ *  Options, output and errors belong to the thread that set them, an MCP to whoever uses it, one thread at a time.
+ *  Different threads solve different problems at once. Null pointers are refused, not followed.
  */
 #ifndef PERP_PATH_H
 #define PERP_PATH_H
@@ -176,7 +176,7 @@ void Output_SetListing(FILE* file);
 void Output_Printf(int mode, const char* format, ...);
 void Output_Flush(int mode);
 
-/* Errors, interruptions, memory. */
+/* Errors, memory. */
 
 typedef struct {
   void* error_data;
@@ -184,14 +184,6 @@ typedef struct {
   void (*warning)(void* data, char* text);
 } Error_Interface;
 void Error_SetInterface(Error_Interface* i);
-
-typedef struct {
-  void* interrupt_data;
-  void (*set)(void* data);     /**< before a solve */
-  void (*restore)(void* data); /**< after it */
-  int (*check)(void* data);    /**< at every evaluation of F; not 0 ends the solve */
-} Interrupt_Interface;
-void Interrupt_SetInterface(Interrupt_Interface* i);
 
 void* Memory_Allocate(unsigned long bytes);
 void Memory_Free(void* memory);

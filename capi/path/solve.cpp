@@ -70,15 +70,11 @@ class Listening {
       perp_solver_set_log(
           solver_, [](const char* line, void*) { tell(Output_Log, std::string(line) + "\n"); }, nullptr, nullptr);
     perp_solver_set_progress(solver_, progress, this, nullptr);
-    const Interrupt_Interface& interrupt = this_thread().interrupt;
-    if (interrupt.set != nullptr) interrupt.set(interrupt.interrupt_data);
   }
   ~Listening() {
     perp_solver_set_log(solver_, nullptr, nullptr, nullptr);
     perp_solver_set_progress(solver_, nullptr, nullptr, nullptr);
     perp_solver_set_basis(solver_, 0, nullptr, nullptr);
-    const Interrupt_Interface& interrupt = this_thread().interrupt;
-    if (interrupt.restore != nullptr) interrupt.restore(interrupt.interrupt_data);
   }
   Listening(const Listening&) = delete;
   Listening& operator=(const Listening&) = delete;

@@ -33,7 +33,6 @@ struct ThreadState {
   FILE* status = nullptr;
   FILE* listing = nullptr;
   Error_Interface error{};
-  Interrupt_Interface interrupt{};
   /// Those touched last, until they are destroyed, which another thread may do.
   std::weak_ptr<OptionSet> options{};
 

@@ -20,11 +20,43 @@ std::string shape_text(const py::array& array) {
   return text + (array.ndim() == 1 ? ",)" : ")");
 }
 
+void refuse_as(py::error_already_set& error, const std::string& name) {
+  const auto is = [&](PyObject* type) { return error.matches(type); };
+  const std::string why = py::str(error.value());
+  if (is(PyExc_AttributeError) || is(PyExc_TypeError)) refuse_type(name, why);
+  if (is(PyExc_ValueError) || is(PyExc_LookupError) || is(PyExc_OverflowError)) refuse(name, why);
+  throw;
+}
+
+namespace {
+
+/// numpy.ma's arrays have places without a number. Other classes of arrays have none.
+void refuse_masked(py::handle array, const std::string& name) {
+  const auto* plain = reinterpret_cast<PyTypeObject*>(py::detail::npy_api::get().PyArray_Type_);
+  if (Py_TYPE(array.ptr()) == plain || !py::isinstance<py::array>(array)) return;
+  if (py::cast<bool>(py::module_::import("numpy.ma").attr("is_masked")(array)))
+    refuse(name, "has masked entries, which are no numbers");
+}
+
+/// Says what numpy says.
+[[noreturn]] void refuse_as_array(py::handle given, const std::string& name) {
+  std::string why;
+  try {
+    py::module_::import("numpy").attr("asarray")(given);
+  } catch (py::error_already_set& error) {
+    why = ": " + std::string(py::str(error.value()));
+  }
+  refuse_type(name, "is of type " + type_text(given) + ", which makes no array of numbers" + why);
+}
+
+}  // namespace
+
 Doubles doubles_of(py::handle given, const std::string& name) {
+  refuse_masked(given, name);
   if (py::isinstance<Doubles>(given)) return py::reinterpret_borrow<Doubles>(given);
   if (given.is_none()) refuse_type(name, "is None, and must be an array of numbers");
   const auto array = py::array::ensure(given);
-  if (!array) refuse_type(name, "is of type " + type_text(given) + ", which makes no array of numbers");
+  if (!array) refuse_as_array(given, name);
   const char kind = array.dtype().kind();
   if (kind != 'f' && kind != 'i' && kind != 'u' && kind != 'b')
     refuse_type(name, "has dtype " + dtype_text(array) + ", and must have real numbers");
@@ -85,8 +117,16 @@ std::string option_text(const std::string& key, py::handle value) {
   if (PyBool_Check(value.ptr()) || type == "bool_" || type == "bool")
     return PyObject_IsTrue(value.ptr()) == 1 ? "yes" : "no";
   if (PyFloat_Check(value.ptr())) return fmt::format("{}", PyFloat_AS_DOUBLE(value.ptr()));
-  if (PyIndex_Check(value.ptr()) != 0) return py::str(py::reinterpret_steal<py::object>(PyNumber_Index(value.ptr())));
-  if (py::hasattr(value, "__float__")) return fmt::format("{}", py::cast<double>(value));
+  if (PyIndex_Check(value.ptr()) != 0) {
+    const auto integer = py::reinterpret_steal<py::object>(PyNumber_Index(value.ptr()));
+    if (integer) return py::str(integer);
+    PyErr_Clear();  // an array of numpy's, which is one if it is of one integer
+  }
+  if (py::hasattr(value, "__float__")) {
+    const double number = PyFloat_AsDouble(value.ptr());
+    if (PyErr_Occurred() == nullptr) return fmt::format("{}", number);
+    PyErr_Clear();
+  }
   refuse_type("options", key + " is of type " + type + ", and must be text, a number, or True or False");
 }
 

@@ -23,9 +23,11 @@ using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
 /// Throws "NAME: WHY".
 [[noreturn]] void refuse(const std::string& name, const std::string& why);
 [[noreturn]] void refuse_type(const std::string& name, const std::string& why);
+/// Within a handler: what the error says of the argument, as ValueError or TypeError; other errors as they are.
+[[noreturn]] void refuse_as(py::error_already_set& error, const std::string& name);
 
-/// Real numbers in one block, of any shape. Numbers that are no doubles are converted, text and complex numbers
-/// refused.
+/// Real numbers in one block, of any shape. Numbers that are no doubles are converted; text, complex numbers and masked
+/// entries are refused.
 Doubles doubles_of(py::handle given, const std::string& name);
 /// n finite numbers; any number of them, but at least one, if n < 0.
 Vec vector_of(py::handle given, Index n, const std::string& name);

@@ -26,27 +26,25 @@ Index integer(const py::array& array, Index k) {
                                : static_cast<Index>(static_cast<const std::int64_t*>(array.data())[k]);
 }
 
-py::array integers(const py::object& J, const char* part) {
-  const auto array = py::array::ensure(J.attr(part), py::array::c_style);
-  if (!array || array.ndim() != 1 || array.dtype().kind() != 'i' || (array.itemsize() != 4 && array.itemsize() != 8))
-    refuse("jac", std::string("its result's ") + part + " is no array of integers");
-  return array;
-}
-
-void check_square(py::handle J, Index n) {
-  const auto shape = py::cast<py::tuple>(J.attr("shape"));
-  if (shape.size() != 2 || py::cast<Index>(shape[0]) != n || py::cast<Index>(shape[1]) != n)
-    refuse("jac", fmt::format("returned shape {}, and must return shape ({}, {})",
-                              std::string(py::str(py::handle(shape))), n, n));
+void check_square(py::handle J, Index n, const std::string& name, const std::string& has) {
+  const auto shape = shape_of(J, name);
+  if (shape != std::pair(n, n))
+    refuse(name, fmt::format("{} shape ({}, {}), and must {} shape ({}, {})", has, shape.first, shape.second,
+                             has == "has" ? "have" : "return", n, n));
 }
 
 }  // namespace
 
 void JacobianReader::read(py::handle J, double* value) {
-  if (is_sparse(J))
-    read_sparse(py::reinterpret_borrow<py::object>(J), value);
-  else
+  if (!is_sparse(J)) {
     read_dense(J, value);
+    return;
+  }
+  try {
+    read_sparse(py::reinterpret_borrow<py::object>(J), value);
+  } catch (py::error_already_set& error) {
+    refuse_as(error, "jac");
+  }
 }
 
 void JacobianReader::read_dense(py::handle J, double* value) const {
@@ -109,17 +107,13 @@ void JacobianReader::learn(const py::array& start, const py::array& index, bool 
 }
 
 void JacobianReader::read_sparse(const py::object& given, double* value) {
-  py::object J = given;
-  check_square(J, pattern_.rows());
-  const auto format = py::cast<std::string>(J.attr("format"));
-  if (format != "csc" && format != "csr") {
-    if (format == "bsr") J.attr("check_format")(true);
-    J = J.attr("tocsc")();
-  }
-  const bool by_columns = format != "csr";
-  const py::array start = integers(J, "indptr");
-  const py::array index = integers(J, "indices");
+  check_square(given, pattern_.rows(), "jac", "returned");
+  const bool by_columns = std::string(py::str(given.attr("format"))) != "csr";
+  const py::object J = by_columns ? columns_of(given, "jac") : given;
+  const py::array start = index_array(J, "indptr", "jac");
+  const py::array index = index_array(J, "indices", "jac");
   const Doubles data = doubles_of(J.attr("data"), "jac");
+  if (data.ndim() != 1) refuse("jac", "its result's data has shape " + shape_text(data));
   if (!known(start, index, by_columns)) learn(start, index, by_columns);
   if (data.size() < count_) refuse("jac", fmt::format("returned {} values for {} entries", data.size(), count_));
   if (place_.empty() && count_ == pattern_.nonZeros()) {
@@ -135,14 +129,15 @@ SpMat pattern_of(py::handle J, Index n, const std::string& name, bool stored) {
     if (stored) return ncp::dense_pattern(n);
     return MatrixArgument(J, name, n, n).entries();
   }
-  auto matrix = py::reinterpret_borrow<py::object>(J);
-  check_square(matrix, n);
-  const auto format = py::cast<std::string>(matrix.attr("format"));
-  if (format == "csr" || format == "bsr") matrix.attr("check_format")(true);
-  // Ones in place of the values: their sums do not vanish, and may be anything where J is not defined.
-  py::object columns = matrix.attr("tocsc")().attr("copy")();
-  columns.attr("data") = py::module_::import("numpy").attr("ones")(py::array(columns.attr("data")).size());
-  return MatrixArgument(columns, name, n, n).entries();
+  try {
+    check_square(J, n, name, stored ? "returned" : "has");
+    // Ones in place of the values: their sums do not vanish, and may be anything where J is not defined.
+    const py::object columns = columns_of(py::reinterpret_borrow<py::object>(J), name).attr("copy")();
+    columns.attr("data") = py::module_::import("numpy").attr("ones")(py::array(columns.attr("data")).size());
+    return MatrixArgument(columns, name, n, n).entries();
+  } catch (py::error_already_set& error) {
+    refuse_as(error, name);
+  }
 }
 
 }  // namespace perp::python

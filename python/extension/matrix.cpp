@@ -25,18 +25,17 @@ struct Reach : SpMat::Storage {
 template <class Integer>
 using Integers = py::array_t<Integer, py::array::c_style>;
 
-void check_shape(const py::object& matrix, const std::string& name, Index rows, Index columns) {
-  const auto shape = py::cast<std::pair<Index, Index>>(matrix.attr("shape"));
-  if (shape != std::pair(rows, columns))
+/// One index of a matrix in coordinate format.
+void check_coordinates(const py::object& coo, const char* part, Index below, const std::string& name) {
+  const py::array index = index_array(coo, part, name);
+  if (index.size() != py::cast<py::array>(coo.attr("data")).size())
+    refuse(name, fmt::format("{} has {} entries, another number than data", part, index.size()));
+  if (index.size() == 0) return;
+  const auto least = py::cast<Index>(index.attr("min")());
+  const auto most = py::cast<Index>(index.attr("max")());
+  if (least < 0 || most >= below)
     refuse(name,
-           fmt::format("has shape ({}, {}), and must have shape ({}, {})", shape.first, shape.second, rows, columns));
-}
-
-py::object index_array(const py::object& csc, const char* part, const std::string& name) {
-  const auto array = py::array::ensure(csc.attr(part));
-  if (!array || array.ndim() != 1 || array.dtype().kind() != 'i')
-    refuse(name, std::string(part) + " is no array of integers");
-  return array;
+           fmt::format("{} has the index {}, and must be within 0 and {}", part, least < 0 ? least : most, below - 1));
 }
 
 /// Starts within the arrays, and ascending.
@@ -95,8 +94,39 @@ void BorrowedMatrix::lend(Index rows, Index columns, int* start, int* row, doubl
   m_data.*Reach::allocated = count;
 }
 
+py::array index_array(const py::object& matrix, const char* part, const std::string& name) {
+  const auto array = py::array::ensure(matrix.attr(part), py::array::c_style);
+  const char kind = array ? array.dtype().kind() : '?';
+  if (!array || array.ndim() != 1 || (kind != 'i' && kind != 'u'))
+    refuse(name, std::string(part) + " is no array of integers");
+  if (kind == 'i' && (array.itemsize() == 4 || array.itemsize() == 8)) return array;
+  return array.attr("astype")("int64");
+}
+
+std::pair<Index, Index> shape_of(py::handle matrix, const std::string& name) {
+  try {
+    return py::cast<std::pair<Index, Index>>(matrix.attr("shape"));
+  } catch (const py::cast_error&) {
+    refuse(name, "has shape " + std::string(py::str(matrix.attr("shape"))) + ", and must have two dimensions");
+  }
+}
+
+py::object columns_of(const py::object& matrix, const std::string& name) {
+  const std::string format = py::str(matrix.attr("format"));
+  if (format == "csc") return matrix;
+  if (format == "csr" || format == "bsr") {
+    matrix.attr("check_format")(true);
+    return matrix.attr("tocsc")();
+  }
+  const py::object coo = format == "coo" ? matrix : matrix.attr("tocoo")();
+  const auto [rows, columns] = shape_of(coo, name);
+  check_coordinates(coo, "row", rows, name);
+  check_coordinates(coo, "col", columns, name);
+  return coo.attr("tocsc")();
+}
+
 bool is_sparse(py::handle object) {
-  return !py::isinstance<py::array>(object) && py::hasattr(object, "tocsc") && py::hasattr(object, "nnz");
+  return !py::isinstance<py::array>(object) && py::hasattr(object, "tocsc") && py::hasattr(object, "format");
 }
 
 MatrixArgument::MatrixArgument(py::handle given, const std::string& name, Index rows, Index columns) {
@@ -104,18 +134,15 @@ MatrixArgument::MatrixArgument(py::handle given, const std::string& name, Index 
     take_dense(given, name, rows, columns);
     return;
   }
-  auto matrix = py::reinterpret_borrow<py::object>(given);
-  const auto format = py::cast<std::string>(matrix.attr("format"));
-  check_shape(matrix, name, rows, columns);
-  if (format == "csr" || format == "bsr") {
-    // The conversion would read wherever wrong indices point.
-    try {
-      matrix.attr("check_format")(true);
-    } catch (py::error_already_set& error) {
-      refuse(name, py::str(error.value()));
-    }
+  try {
+    const auto shape = shape_of(given, name);
+    if (shape != std::pair(rows, columns))
+      refuse(name,
+             fmt::format("has shape ({}, {}), and must have shape ({}, {})", shape.first, shape.second, rows, columns));
+    take_columns(columns_of(py::reinterpret_borrow<py::object>(given), name), name, rows, columns, false);
+  } catch (py::error_already_set& error) {
+    refuse_as(error, name);
   }
-  take_columns(format == "csc" ? matrix : matrix.attr("tocsc")(), name, rows, columns, false);
 }
 
 void MatrixArgument::take_dense(py::handle given, const std::string& name, Index rows, Index columns) {
@@ -144,6 +171,7 @@ bool MatrixArgument::take(const py::object& csc, const std::string& name, Index 
   const auto start = Integers<Integer>::ensure(index_array(csc, "indptr", name));
   const auto row = Integers<Integer>::ensure(index_array(csc, "indices", name));
   const Doubles value = doubles_of(csc.attr("data"), name);
+  if (value.ndim() != 1) refuse(name, "data has shape " + shape_text(value) + ", and must have one dimension");
   check_starts(start, columns, std::min<Index>(row.size(), value.size()), name);
   const bool ascending = check_rows(start.data(), row.data(), rows, columns, name);
   check_values(start.data(), row.data(), value.data(), columns, name);
@@ -168,9 +196,7 @@ bool MatrixArgument::take(const py::object& csc, const std::string& name, Index 
 
 void MatrixArgument::take_columns(const py::object& csc, const std::string& name, Index rows, Index columns,
                                   bool again) {
-  const auto is = [&](const char* part, py::ssize_t bytes) {
-    return py::cast<py::array>(index_array(csc, part, name)).itemsize() == bytes;
-  };
+  const auto is = [&](const char* part, py::ssize_t bytes) { return index_array(csc, part, name).itemsize() == bytes; };
   const bool narrow = is("indptr", 4) && is("indices", 4);
   if (narrow ? take<std::int32_t>(csc, name, rows, columns) : take<std::int64_t>(csc, name, rows, columns)) return;
   if (again) refuse(name, "its rows do not ascend after sum_duplicates()");

@@ -3,6 +3,7 @@
 /// Matrices from Python: scipy.sparse of any format, or dense arrays.
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "extension/arguments.hpp"
 
@@ -10,6 +11,13 @@ namespace perp::python {
 
 /// Looks like one of scipy.sparse?
 bool is_sparse(py::handle object);
+/// Rows and columns.
+std::pair<Index, Index> shape_of(py::handle matrix, const std::string& name);
+/// The matrix by columns: itself if it is in CSC. Checks indices of other formats, which scipy would follow wherever
+/// they point; those of CSC are for the caller to check.
+py::object columns_of(const py::object& matrix, const std::string& name);
+/// An array of indices of 4 or 8 bytes: "indptr", "indices", ...
+py::array index_array(const py::object& matrix, const char* part, const std::string& name);
 
 /// An Eigen matrix over arrays that are not its own.
 class BorrowedMatrix final : public SpMat {

@@ -110,10 +110,14 @@ SpMat derivative_of(py::handle given, Index n, Index m, const std::string& name)
   if (!is_sparse(given)) {
     const Doubles numbers = doubles_of(given, name);
     if (numbers.ndim() == 1) return MatrixArgument(numbers.attr("reshape")(-1, 1), name, n, 1).entries();
-    if (numbers.ndim() == 2 && m < 0) m = numbers.shape(1);
+    if (m < 0) {
+      if (numbers.ndim() != 2)
+        refuse(name, fmt::format("has shape {}, and must have shape ({}, m)", shape_text(numbers), n));
+      m = numbers.shape(1);
+    }
     return MatrixArgument(numbers, name, n, m).entries();
   }
-  if (m < 0) m = py::cast<std::pair<Index, Index>>(given.attr("shape")).second;
+  if (m < 0) m = shape_of(given, name).second;
   return MatrixArgument(given, name, n, m).entries();
 }
 

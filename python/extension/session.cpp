@@ -22,13 +22,13 @@ std::vector<lcp::Cell> basis_of(py::handle given, Index n) {
   const auto array = py::array::ensure(given);
   const char kind = array ? array.dtype().kind() : '?';
   if (kind != 'i' && kind != 'u') refuse_type("basis", "must be an array of integers, as Result.basis is");
-  const auto cells = py::array_t<int, py::array::c_style | py::array::forcecast>::ensure(array);
+  const auto cells = py::array_t<std::int64_t, py::array::c_style | py::array::forcecast>::ensure(array);
   if (cells.ndim() != 1 || cells.size() != n)
     refuse("basis", fmt::format("has shape {}, and must have shape ({},)", shape_text(cells), n));
   std::vector<lcp::Cell> basis;
   for (Index i = 0; i < n; ++i) {
-    const int cell = cells.data()[i];
-    if (cell < 0 || cell > static_cast<int>(lcp::Cell::Fixed))
+    const std::int64_t cell = cells.data()[i];
+    if (cell < 0 || cell > static_cast<std::int64_t>(lcp::Cell::Fixed))
       refuse("basis",
              fmt::format("entry [{}] is {}, and must be 0 (below), 1 (inside), 2 (above) or 3 (fixed)", i, cell));
     basis.push_back(static_cast<lcp::Cell>(cell));

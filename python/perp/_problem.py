@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import operator
 import os
 import sys
 from collections.abc import Sequence
@@ -56,6 +57,35 @@ def listener_of_iterations(callback: Callback | None) -> Any:
     if callback is not None and not callable(callback):
         raise TypeError(f"callback: is of type {type(callback).__name__}, and must be a function")
     return callback
+
+
+def text(given: str, name: str) -> str:
+    if not isinstance(given, str):
+        raise TypeError(f"{name}: is of type {type(given).__name__}, and must be text")
+    return given
+
+
+def path_text(path: Path) -> str:
+    try:
+        return os.fsdecode(path)
+    except TypeError:
+        raise TypeError(f"path: is of type {type(path).__name__}, and must be str or os.PathLike") from None
+
+
+def _names(given: Sequence[str], name: str) -> list[str]:
+    if isinstance(given, str) or not hasattr(given, "__iter__"):
+        raise TypeError(f"{name}: is of type {type(given).__name__}, and must be a sequence of text")
+    return [text(one, name) for one in given]
+
+
+def _count(given: int, name: str) -> int:
+    try:
+        count = operator.index(given)
+    except TypeError:
+        raise TypeError(f"{name}: is of type {type(given).__name__}, and must be an integer") from None
+    if not 1 <= count < 2**31:
+        raise ValueError(f"{name}: is {count}, and must be at least 1 and below 2**31")
+    return count
 
 
 class Problem:
@@ -162,7 +192,7 @@ class Problem:
         """Several solutions, up to so many, by deflation from x0. The rest is as in `perp.solve_all`."""
         together = asked(method, options, more)
         found, first, attempts, duplicates, message, stats, interrupt = self._core.solve_all(
-            x0, solutions, together, listener(log)
+            x0, _count(solutions, "solutions"), together, listener(log)
         )
         each = [FoundSolution(Result(*result), how, singular) for result, how, singular in found]
         every = AllSolutions(each, Result(*first), attempts, duplicates, message, stats)
@@ -211,8 +241,8 @@ def problem(
 
     The names, n of each, are used in messages and the log.
     """
-    names = (list(variable_names), list(equation_names))
-    return Problem(_core.function_problem(F, x0, lower, upper, jac, pattern, name, *names))
+    names = (_names(variable_names, "variable_names"), _names(equation_names, "equation_names"))
+    return Problem(_core.function_problem(F, x0, lower, upper, jac, pattern, text(name, "name"), *names))
 
 
 def affine_problem(
@@ -231,15 +261,15 @@ def read_nl(path: Path) -> Problem:
     Models with side inequalities have a variable more for each, after their own. FileError says what is wrong with a
     file and where.
     """
-    text = os.fspath(path)
-    if not any(os.path.exists(text + ending) for ending in ("", ".nl")):
-        raise FileNotFoundError(f"path: there is no file {text}, nor {text}.nl")
-    return Problem(_core.read_nl(text))
+    file = path_text(path)
+    if not any(os.path.exists(file + ending) for ending in ("", ".nl")):
+        raise FileNotFoundError(f"path: there is no file {file}, nor {file}.nl")
+    return Problem(_core.read_nl(file))
 
 
 def collection(name: str) -> Problem:
     """A test problem by its name; `collection_entries` lists them."""
-    return Problem(_core.collection(name))
+    return Problem(_core.collection(text(name, "name")))
 
 
 class CollectionEntry(NamedTuple):

@@ -9,6 +9,7 @@ u [m/s], W [1/kg].
 
 from __future__ import annotations
 
+import numbers
 import os
 from dataclasses import dataclass
 from typing import Any
@@ -16,7 +17,7 @@ from typing import Any
 import numpy.typing as npt
 
 from perp import _core
-from perp._problem import asked
+from perp._problem import asked, path_text, text
 from perp._result import Interrupted
 from perp._types import Array, Matrix, Options, Path
 
@@ -86,7 +87,7 @@ class Problem:
     def solve(self, variant: str = "glocker", *, options: Options | None = None, **more: object) -> Result:
         """Solves by a law and a method in words, as `perp contact` has them: "glocker", "glocker+path", "inner:8+lemke",
         "frictionless". Options: convergence_tolerance, time_limit, and those of the method."""
-        *parts, interrupt = self._core.solve(variant, asked(None, options, more))
+        *parts, interrupt = self._core.solve(text(variant, "variant"), asked(None, options, more))
         result = Result(*parts)
         if interrupt is not None:
             raise Interrupted(result) from interrupt
@@ -94,7 +95,11 @@ class Problem:
 
     def judge(self, r: npt.ArrayLike, tolerance: float = 1e-8) -> tuple[bool, dict[str, float]]:
         """Whether impulses r, shape (d k,), solve Coulomb's law to the tolerance, and the measures."""
-        return self._core.judge(r, tolerance)
+        if not isinstance(tolerance, numbers.Real):
+            raise TypeError(f"tolerance: is of type {type(tolerance).__name__}, and must be a number")
+        if not tolerance > 0:
+            raise ValueError(f"tolerance: is {tolerance}, and must be positive")
+        return self._core.judge(r, float(tolerance))
 
 
 def problem(W: Matrix, q: npt.ArrayLike, mu: npt.ArrayLike) -> Problem:
@@ -111,7 +116,7 @@ def solve(
 
 def read(path: Path) -> Problem:
     """A problem from a file: FCLIB's HDF5, or Siconos' text."""
-    text = os.fspath(path)
-    if not os.path.exists(text):
-        raise FileNotFoundError(f"path: there is no file {text}")
-    return Problem(_core.read_contact(text))
+    file = path_text(path)
+    if not os.path.exists(file):
+        raise FileNotFoundError(f"path: there is no file {file}")
+    return Problem(_core.read_contact(file))

@@ -168,6 +168,8 @@ static void null_pointers(void) {
   bad_x0[3] = nan("");
   REFUSED(perp_solve(NULL, problem, bad_x0, &result, &error), PERP_BAD_ARGUMENT, "x0: entry 4 is nan");
   REFUSED(perp_problem_residual(problem, NULL, &number, NULL, &error), PERP_BAD_ARGUMENT, "x: is NULL");
+  REFUSED(perp_problem_check_jacobian(problem, bad_x0, NULL, NULL, NULL, &error), PERP_BAD_ARGUMENT,
+          "x: entry 4 is nan");
   REFUSED(perp_problem_variable_name(problem, 0, NULL, 5, &error), PERP_BAD_ARGUMENT, "name: is NULL");
   REFUSED(perp_problem_variable_name(problem, 0, text, 0, &error), PERP_BAD_ARGUMENT, "size: 0");
   REFUSED(perp_solver_set(NULL, "method", "path", &error), PERP_BAD_ARGUMENT, "solver: is NULL");

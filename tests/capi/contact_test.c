@@ -92,7 +92,7 @@ static void from_a_file(void) {
     CHECK_SAYING(perp_contact_result_solved(result), perp_contact_result_message(result));
     perp_contact_result_free(result);
   }
-  REFUSED(perp_contact_solve(solver, contact, "glocker+nonsense", &result, &error), PERP_BAD_ARGUMENT, "nonsense");
+  REFUSED(perp_contact_solve(solver, contact, "glocker+nonsense", &result, &error), PERP_BAD_ARGUMENT, "variant: ");
   /* A limit that is reached: without time nothing is solved. */
   OK(perp_solver_set(solver, "convergence_tolerance", "1e-11", &error));
   OK(perp_solver_set(solver, "time_limit", "1e-9", &error));
