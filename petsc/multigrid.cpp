@@ -9,6 +9,10 @@
 namespace perp::petsc {
 namespace {
 
+constexpr PetscInt small = 1500;   ///< rows that need no coarser grid: every rank has them all, for LU
+constexpr PetscInt direct = 5000;  ///< ... and the most for LU, where the grid cannot be made coarser and has one
+                                   ///< unknown a point: algebraic multigrid is poor at several
+
 /// Whether the grid has every other point of this one, and every rank keeps some.
 PetscErrorCode can_be_coarsened(DM dm, bool* can) {
   PetscBool is_da = PETSC_FALSE;
@@ -63,6 +67,15 @@ PetscErrorCode apply_grids(PC pc, Vec b, Vec x) {
 
 }  // namespace
 
+PetscErrorCode set_algebraic_multigrid(PC pc) {
+#if defined(PETSC_HAVE_HYPRE)
+  PetscCall(PCSetType(pc, PCHYPRE));
+  return PCHYPRESetType(pc, "boomeramg");
+#else
+  return PCSetType(pc, PCGAMG);
+#endif
+}
+
 PetscErrorCode Multigrid::become(PC pc) {
   PetscCall(PCSetType(pc, PCSHELL));
   PetscCall(PCShellSetContext(pc, this));
@@ -72,27 +85,29 @@ PetscErrorCode Multigrid::become(PC pc) {
 
 PetscErrorCode Multigrid::take_hierarchy(DM dm, PetscInt most, bool* usable) {
   levels_.clear();
+  coarsest_.reset();
   levels_.emplace_back();
   PetscCall(PetscObjectReference(reinterpret_cast<PetscObject>(dm)));
   *levels_[0].dm.out() = dm;
+  PetscCall(DMCreateGlobalVector(dm, levels_[0].b.out()));
   while (static_cast<PetscInt>(levels_.size()) < most) {
     bool can = false;
+    PetscInt rows = 0;
+    PetscCall(VecGetSize(levels_.back().b, &rows));
     PetscCall(can_be_coarsened(levels_.back().dm, &can));
-    if (!can) break;
+    if (!can || (rows <= small && levels_.size() > 1)) break;
     Level coarse;
     Level& fine = levels_.back();
     PetscCall(DMCoarsen(fine.dm, PetscObjectComm(reinterpret_cast<PetscObject>(dm)), coarse.dm.out()));
+    PetscCall(DMCreateGlobalVector(coarse.dm, coarse.b.out()));
     PetscCall(DMCreateInterpolation(coarse.dm, fine.dm, fine.P.out(), nullptr));
     PetscCall(as_rows(fine.P));
-    PetscCall(MatDuplicate(fine.P, MAT_COPY_VALUES, fine.PT.out()));
     PetscCall(DMCreateInjection(coarse.dm, fine.dm, fine.inject.out()));
     levels_.push_back(std::move(coarse));
   }
-  for (Level& level : levels_) {
-    PetscCall(DMCreateGlobalVector(level.dm, level.b.out()));
+  for (Level& level : levels_)
     for (OwnVec* v : {&level.mask, &level.diagonal, &level.open, &level.x, &level.r})
       PetscCall(VecDuplicate(level.b, v->out()));
-  }
   *usable = levels_.size() > 1;
   return ok;
 }
@@ -102,14 +117,15 @@ PetscErrorCode Multigrid::take_matrix(Mat A, Vec open) {
   *levels_[0].A.out() = A;
   PetscCall(VecCopy(open, levels_[0].open));
   const bool again = levels_[0].T != nullptr;
-  if (!again) PetscCall(MatDuplicate(A, MAT_COPY_VALUES, levels_[0].T.out()));
+  PetscCall(again ? MatCopy(A, levels_[0].T, SAME_NONZERO_PATTERN)
+                  : MatDuplicate(A, MAT_COPY_VALUES, levels_[0].T.out()));
   PetscCall(MatGetDiagonal(A, levels_[0].diagonal));
   for (std::size_t k = 0; k + 1 < levels_.size(); ++k) {
-    Level& fine = levels_[k];
+    const Level& fine = levels_[k];
     Level& coarse = levels_[k + 1];
-    const MatReuse reuse = again ? MAT_REUSE_MATRIX : MAT_INITIAL_MATRIX;
-    PetscCall(MatPtAP(fine.A, fine.P, reuse, 2.0, coarse.A.reuse()));
-    if (!again) PetscCall(MatPtAP(fine.T, fine.PT, reuse, 2.0, coarse.T.reuse()));
+    PetscCall(MatPtAP(fine.T, fine.P, again ? MAT_REUSE_MATRIX : MAT_INITIAL_MATRIX, 2.0, coarse.T.reuse()));
+    PetscCall(again ? MatCopy(coarse.T, coarse.A, SAME_NONZERO_PATTERN)
+                    : MatDuplicate(coarse.T, MAT_COPY_VALUES, coarse.A.out()));
     PetscCall(MatGetDiagonal(coarse.A, coarse.diagonal));
     PetscCall(MatRestrict(fine.inject, fine.open, coarse.open));
   }
@@ -121,40 +137,45 @@ PetscErrorCode Multigrid::take_face(std::size_t first, Vec mask) {
   Level& top = levels_[first];
   if (static_cast<Vec>(top.mask) != mask) PetscCall(VecCopy(mask, top.mask));
   PetscCall(MatCopy(top.A, top.T, SAME_NONZERO_PATTERN));
-  PetscCall(cut_off(top.T, top.mask, top.diagonal));
-  for (std::size_t k = first; k + 1 < levels_.size(); ++k) {
-    Level& fine = levels_[k];
-    Level& coarse = levels_[k + 1];
-    PetscCall(MatCopy(fine.P, fine.PT, SAME_NONZERO_PATTERN));
-    PetscCall(MatDiagonalScale(fine.PT, fine.mask, nullptr));
-    PetscCall(MatPtAP(fine.T, fine.PT, MAT_REUSE_MATRIX, 2.0, coarse.T.reuse()));
-    PetscCall(mask_of(coarse.T, coarse.open, coarse.diagonal, coarse.mask));
-    PetscCall(cut_off(coarse.T, coarse.mask, coarse.diagonal));
+  for (std::size_t k = first; k < levels_.size(); ++k) {
+    const Level& fine = levels_[k];
+    PetscCall(MatDiagonalScale(fine.T, fine.mask, fine.mask));
+    if (k + 1 < levels_.size()) {
+      Level& coarse = levels_[k + 1];
+      PetscCall(MatPtAP(fine.T, fine.P, MAT_REUSE_MATRIX, 2.0, coarse.T.reuse()));
+      PetscCall(mask_of(coarse.T, coarse.open, coarse.diagonal, coarse.mask));
+    }
+    PetscCall(set_cut_off_diagonal(fine.T, fine.mask, fine.diagonal));
   }
-  const char* prefix = nullptr;
-  PetscCall(DMGetOptionsPrefix(levels_[0].dm, &prefix));
-  return take_coarsest(std::string(prefix == nullptr ? "" : prefix) + "perp_coarse_");
+  return take_coarsest();
 }
 
-/// LU where one rank has it all; else GMRES to rounding, so that the V-cycle stays a fixed linear map.
-PetscErrorCode Multigrid::take_coarsest(const std::string& prefix) {
+PetscErrorCode Multigrid::take_coarsest() {
   const Mat T = levels_.back().T;
-  if (coarsest_ == nullptr) {
-    const MPI_Comm comm = PetscObjectComm(reinterpret_cast<PetscObject>(T));
-    int ranks = 0;
-    PetscCallMPI(MPI_Comm_size(comm, &ranks));
-    PC pc = nullptr;
-    PetscCall(KSPCreate(comm, coarsest_.out()));
-    PetscCall(KSPSetOptionsPrefix(coarsest_, prefix.c_str()));
-    PetscCall(KSPGetPC(coarsest_, &pc));
-    PetscCall(KSPSetType(coarsest_, ranks == 1 ? KSPPREONLY : KSPGMRES));
-    PetscCall(PCSetType(pc, ranks == 1 ? PCLU : PCBJACOBI));
-    PetscCall(KSPSetTolerances(coarsest_, 1e-12, PETSC_DEFAULT, PETSC_DEFAULT, 200));
-    PetscCall(KSPSetErrorIfNotConverged(coarsest_, PETSC_FALSE));
-    PetscCall(KSPSetFromOptions(coarsest_));
-  }
+  if (coarsest_ == nullptr) PetscCall(make_coarsest());
   PetscCall(KSPSetOperators(coarsest_, T, T));
   return KSPSetUp(coarsest_);
+}
+
+/// A fixed linear map: LU, on every rank alike, or one V-cycle of algebraic multigrid.
+PetscErrorCode Multigrid::make_coarsest() {
+  const MPI_Comm comm = PetscObjectComm(reinterpret_cast<PetscObject>(static_cast<Mat>(levels_.back().T)));
+  const char* prefix = nullptr;
+  int ranks = 0;
+  PetscInt rows = 0;
+  PetscInt width = 0;
+  PC pc = nullptr;
+  PetscCallMPI(MPI_Comm_size(comm, &ranks));
+  PetscCall(VecGetSize(levels_.back().b, &rows));
+  PetscCall(VecGetBlockSize(levels_.back().b, &width));
+  PetscCall(DMGetOptionsPrefix(levels_[0].dm, &prefix));
+  PetscCall(KSPCreate(comm, coarsest_.out()));
+  PetscCall(KSPSetOptionsPrefix(coarsest_, (std::string(prefix == nullptr ? "" : prefix) + "perp_coarse_").c_str()));
+  PetscCall(KSPSetType(coarsest_, KSPPREONLY));
+  PetscCall(KSPGetPC(coarsest_, &pc));
+  PetscCall(rows > direct && width == 1 ? set_algebraic_multigrid(pc) : PCSetType(pc, ranks == 1 ? PCLU : PCREDUNDANT));
+  PetscCall(KSPSetErrorIfNotConverged(coarsest_, PETSC_FALSE));
+  return KSPSetFromOptions(coarsest_);
 }
 
 PetscErrorCode Multigrid::apply(Vec b, Vec x) {
@@ -170,9 +191,10 @@ PetscErrorCode Multigrid::cycle(std::size_t k, Vec b, Vec x) {
   PetscCall(MatSOR(fine.T, b, 1, down, 0, 1, 1, x));
   PetscCall(MatMult(fine.T, x, fine.r));
   PetscCall(VecAYPX(fine.r, -1, b));
-  PetscCall(MatMultTranspose(fine.PT, fine.r, coarse.b));
+  PetscCall(MatMultTranspose(fine.P, fine.r, coarse.b));
+  PetscCall(VecPointwiseMult(coarse.b, coarse.b, coarse.mask));
   PetscCall(cycle(k + 1, coarse.b, coarse.x));
-  PetscCall(MatMultAdd(fine.PT, coarse.x, x, x));
+  PetscCall(MatMultAdd(fine.P, coarse.x, x, x));  // what this moves of what is held the sweep sets back
   return MatSOR(fine.T, b, 1, SOR_LOCAL_BACKWARD_SWEEP, 0, 1, 1, x);
 }
 

@@ -3,28 +3,29 @@
 /// Truncated monotone multigrid (Kornhuber 1994) on the hierarchy of a DM: a V-cycle for the equations on a face of the
 /// box, A_FF d_F = b_F. Coarse functions are truncated to the face: with m the face's indicator and P the
 /// interpolation,
-///     T_0 = m A m + (1 - m),    T_(k+1) = (m_k P_k)' T_k (m_k P_k),
-/// so that no coarse correction moves a variable that is held. A Gauss-Seidel sweep of each rank's own rows smooths,
-/// forth on the way down and back on the way up; the coarsest equations are solved.
+///     S_0 = m A m,    S_(k+1) = m_(k+1) P_k' S_k P_k m_(k+1),    T_k = S_k + (1 - m_k) diag(A_k),
+/// so that no coarse correction moves a variable that is held. A Gauss-Seidel sweep of each rank's own rows with T_k
+/// smooths, forth on the way down and back on the way up; the coarsest equations are solved.
 /// Symmetric positive definite for such an A: a preconditioner of conjugate gradients.
 ///
-/// Galerkin's products alone make the coarse matrices: nothing of the user's is called on coarse grids. Nor is anything
-/// gathered on one rank; where the coarsest grid is on several, GMRES solves it.
-#include <string>
+/// Galerkin's products alone make the coarse matrices: nothing of the user's is called on coarse grids. No rank has
+/// more than its part of any but a small coarsest level.
 #include <vector>
 
 #include "petsc/rows.hpp"
 
 namespace perp::petsc {
 
+/// BoomerAMG, or GAMG where PETSc has no hypre.
+PetscErrorCode set_algebraic_multigrid(PC pc);
+
 class Multigrid {
  public:
   struct Level {
     OwnDm dm;
     OwnMat A;       ///< Galerkin's product of the untruncated ones; level 0: the matrix given
-    OwnMat T;       ///< truncated to the face
+    OwnMat T;       ///< truncated to the face; on coarse levels it keeps what PETSc's product needs to be made again
     OwnMat P;       ///< from the next coarser level to this one; none on the coarsest
-    OwnMat PT;      ///< truncated
     OwnMat inject;  ///< values at the points of the next coarser level
     OwnVec mask;
     OwnVec diagonal;  ///< of A
@@ -50,7 +51,8 @@ class Multigrid {
 
  private:
   PetscErrorCode cycle(std::size_t k, Vec b, Vec x);
-  PetscErrorCode take_coarsest(const std::string& prefix);
+  PetscErrorCode take_coarsest();
+  PetscErrorCode make_coarsest();
 
   std::vector<Level> levels_;
   OwnKsp coarsest_;

@@ -135,6 +135,11 @@ PetscErrorCode looks_symmetric(Mat A, Vec free, bool* symmetric) {
 }
 
 PetscErrorCode cut_off(Mat A, Vec mask, Vec diagonal) {
+  PetscCall(MatDiagonalScale(A, mask, mask));
+  return set_cut_off_diagonal(A, mask, diagonal);
+}
+
+PetscErrorCode set_cut_off_diagonal(Mat A, Vec mask, Vec diagonal) {
   OwnVec rest;
   PetscCall(VecDuplicate(mask, rest.out()));
   {
@@ -143,9 +148,7 @@ PetscErrorCode cut_off(Mat A, Vec mask, Vec diagonal) {
     Values r(rest);
     for (PetscInt i = 0; i < m.size(); ++i) r[i] = m[i] != 0 ? 0 : d[i] > 0 ? d[i] : 1;
   }
-  PetscCall(MatDiagonalScale(A, mask, mask));
-  PetscCall(MatDiagonalSet(A, rest, ADD_VALUES));
-  return ok;
+  return MatDiagonalSet(A, rest, ADD_VALUES);
 }
 
 }  // namespace perp::petsc

@@ -32,4 +32,7 @@ PetscErrorCode looks_symmetric(Mat A, Vec free, bool* symmetric);
 /// A := diag(m) A diag(m) + diag((1 - m) d), d the diagonal given: the rows with m[i] = 0 are cut off.
 PetscErrorCode cut_off(Mat A, Vec mask, Vec diagonal);
 
+/// The second half of it: A := A + diag((1 - m) d).
+PetscErrorCode set_cut_off_diagonal(Mat A, Vec mask, Vec diagonal);
+
 }  // namespace perp::petsc

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "lcp/fischer_burmeister.hpp"
+#include "petsc/users_functions.hpp"
 
 namespace perp::petsc {
 namespace {
@@ -87,7 +88,7 @@ PetscErrorCode Semismooth::search(SNES snes, const Box& box, Vec x, Vec F, bool*
     PetscCall(VecWAXPY(step_, -1, x, trial_));
     PetscCall(VecDot(gradient_, step_, &slope));
     if (slope >= 0) continue;
-    PetscCall(SNESComputeFunction(snes, trial_, value_));
+    PetscCall(compute_function(snes, trial_, value_));
     PetscCall(evaluate(box, trial_, value_, phi_, a_, b_, &theta));
     *moved = theta <= theta_ + sigma * slope;  // false where theta is not a number
   }

@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "petsc/solver.hpp"
+#include "petsc/users_functions.hpp"
 
 namespace perp::petsc {
 namespace {
@@ -37,10 +38,9 @@ PetscErrorCode take_bounds(SNES snes) {
   return ok;
 }
 
-PetscErrorCode set_up(SNES snes) {
+/// On this rank.
+PetscErrorCode check_sizes(SNES snes) {
   PetscInt sizes[3];
-  PetscCall(SNESSetUpMatrices(snes));
-  PetscCall(take_bounds(snes));
   PetscCall(VecGetLocalSize(snes->vec_sol, &sizes[0]));
   PetscCall(VecGetLocalSize(snes->xl, &sizes[1]));
   PetscCall(VecGetLocalSize(snes->xu, &sizes[2]));
@@ -48,6 +48,14 @@ PetscErrorCode set_up(SNES snes) {
              "perp: this rank has %" PetscInt_FMT " variables, %" PetscInt_FMT " lower and %" PetscInt_FMT
              " upper bounds",
              sizes[0], sizes[1], sizes[2]);
+  return ok;
+}
+
+PetscErrorCode set_up(SNES snes) {
+  const MPI_Comm comm = PetscObjectComm(reinterpret_cast<PetscObject>(snes));
+  PetscCall(SNESSetUpMatrices(snes));
+  PetscCall(on_every_rank(comm, take_bounds(snes), "the function of the bounds"));
+  PetscCall(on_every_rank(comm, check_sizes(snes), "the check of the bounds' sizes"));
   Data& data = data_of(snes);
   data.solver = std::make_unique<Solver>(data.options);
   return data.solver->set_up(snes);

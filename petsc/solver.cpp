@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "petsc/nested_start.hpp"
+#include "petsc/users_functions.hpp"
 
 namespace perp::petsc {
 namespace {
@@ -78,14 +79,8 @@ PetscErrorCode Solver::start() {
   return VecCopy(F_, best_F_);
 }
 
-/// An error of one rank's function is an error on every rank: the others would wait for it forever.
 PetscErrorCode Solver::evaluate(Vec x, Vec F, Residual* residual) {
-  const MPI_Comm comm = PetscObjectComm(reinterpret_cast<PetscObject>(snes_));
-  int failed = static_cast<int>(SNESComputeFunction(snes_, x, F));
-  const int own = failed;
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &failed, 1, MPI_INT, MPI_MAX, comm));
-  PetscCall(static_cast<PetscErrorCode>(own));
-  PetscCheck(failed == 0, PETSC_COMM_SELF, static_cast<PetscErrorCode>(failed), "perp: F failed on another rank");
+  PetscCall(compute_function(snes_, x, F));
   return natural_residual(box_, x, F, residual);
 }
 
@@ -103,11 +98,7 @@ PetscErrorCode Solver::report(PetscInt it) {
   counts_.row = residual_.row;
   counts_.cycles = grids_.cycles;
   if (!std::isfinite(residual_.norm)) {
-    int outside = snes_->domainerror == PETSC_TRUE ? 1 : 0;
-    PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &outside, 1, MPI_INT, MPI_MAX,
-                               PetscObjectComm(reinterpret_cast<PetscObject>(snes_))));
-    snes_->domainerror = PETSC_FALSE;
-    snes_->reason = outside != 0 ? SNES_DIVERGED_FUNCTION_DOMAIN : SNES_DIVERGED_FNORM_NAN;
+    snes_->reason = snes_->domainerror == PETSC_TRUE ? SNES_DIVERGED_FUNCTION_DOMAIN : SNES_DIVERGED_FNORM_NAN;
     return ok;
   }
   PetscCall(SNESLogConvergenceHistory(snes_, residual_.norm, snes_->linear_its));
@@ -169,7 +160,6 @@ PetscErrorCode Solver::accept() {
     PetscCall(evaluate(z_, F, &there));
     stale_ = true;
   }
-  if (std::isfinite(there.norm)) snes_->domainerror = PETSC_FALSE;
   PetscReal missed = 0;
   PetscCall(VecAXPY(g_, -1, F));
   PetscCall(VecNorm(g_, NORM_2, &missed));
@@ -243,11 +233,11 @@ PetscErrorCode Solver::semismooth_step(bool* stop) {
 /// J at x, where the model has been wrong; its size tells what rounding leaves of the residual.
 PetscErrorCode Solver::linearise() {
   if (!stale_) return ok;
-  PetscCall(SNESComputeJacobian(snes_, x_, snes_->jacobian, snes_->jacobian_pre));
-  SNESCheckJacobianDomainerror(snes_);
+  bool defined = false;
   PetscReal size_of_J = 0;
+  PetscCall(compute_jacobian(snes_, x_, &defined));
   PetscCall(MatNorm(snes_->jacobian_pre, NORM_FROBENIUS, &size_of_J));
-  if (!std::isfinite(size_of_J)) {
+  if (!defined || !std::isfinite(size_of_J)) {
     snes_->reason = SNES_DIVERGED_JACOBIAN_DOMAIN;
     return go_back();
   }

@@ -151,12 +151,7 @@ PetscErrorCode Solver::choose_linear_solver() {
   if (multigrid_) return grids_.become(pc);
   if (!chosen_pc_) return ok;
   if (plain_) return PCSetType(pc, PCBJACOBI);
-#if defined(PETSC_HAVE_HYPRE)
-  PetscCall(PCSetType(pc, PCHYPRE));
-  PetscCall(PCHYPRESetType(pc, "boomeramg"));
-#else
-  PetscCall(PCSetType(pc, PCGAMG));
-#endif
+  PetscCall(set_algebraic_multigrid(pc));
   return PCSetFromOptions(pc);
 }
 

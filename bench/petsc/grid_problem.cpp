@@ -97,8 +97,21 @@ std::array<std::array<double, 8>, 8> element() {
   return K;
 }
 
-/// The stiffness matrix with u given on top, the load that says so, and the gap under the bottom.
-PetscErrorCode make_body(GridProblem* p, Vec lower) {
+/// The gap under the bottom.
+PetscErrorCode bounds_of_body(const GridProblem& p, Vec lower) {
+  const Grid grid(p);
+  PetscScalar*** l = nullptr;
+  PetscCall(DMDAVecGetArrayDOF(p.dm, lower, &l));
+  for (PetscInt i = grid.info.xs; i < grid.info.xs + grid.info.xm && grid.info.ys == 0; ++i) {
+    const double x = grid.x(static_cast<double>(i));
+    l[0][i][1] = -0.02 - 0.2 * (x - 0.4) * (x - 0.4);
+  }
+  return DMDAVecRestoreArrayDOF(p.dm, lower, &l);
+}
+
+/// The stiffness matrix with u given on top, and the load that says so. The columns of what is given are left out too,
+/// so that it is symmetric.
+PetscErrorCode make_body(GridProblem* p) {
   const Grid grid(*p);
   const auto K = element();
   PetscInt xs = 0;
@@ -117,45 +130,51 @@ PetscErrorCode make_body(GridProblem* p, Vec lower) {
   PetscCall(MatAssemblyBegin(p->stiffness, MAT_FINAL_ASSEMBLY));
   PetscCall(MatAssemblyEnd(p->stiffness, MAT_FINAL_ASSEMBLY));
   std::vector<MatStencil> top;
-  PetscScalar*** l = nullptr;
-  PetscScalar*** f = nullptr;
+  Vec given = nullptr;
+  PetscScalar*** u = nullptr;
   PetscCall(DMCreateGlobalVector(p->dm, &p->load));
-  PetscCall(DMDAVecGetArrayDOF(p->dm, lower, &l));
-  PetscCall(DMDAVecGetArrayDOF(p->dm, p->load, &f));
-  for (PetscInt i = xs; i < xs + xm; ++i) {
-    const double x = grid.x(static_cast<double>(i));
-    if (ys == 0) l[0][i][1] = -0.02 - 0.2 * (x - 0.4) * (x - 0.4);
-    if (ys + ym < grid.info.my) continue;
+  PetscCall(VecDuplicate(p->load, &given));
+  PetscCall(DMDAVecGetArrayDOF(p->dm, given, &u));
+  for (PetscInt i = xs; i < xs + xm && ys + ym == grid.info.my; ++i) {
     for (PetscInt c = 0; c < 2; ++c) top.push_back({.k = 0, .j = grid.info.my - 1, .i = i, .c = c});
-    f[grid.info.my - 1][i][1] = -0.1;
+    u[grid.info.my - 1][i][1] = -0.1;
   }
-  PetscCall(DMDAVecRestoreArrayDOF(p->dm, lower, &l));
-  PetscCall(DMDAVecRestoreArrayDOF(p->dm, p->load, &f));
+  PetscCall(DMDAVecRestoreArrayDOF(p->dm, given, &u));
   PetscCall(MatSetOption(p->stiffness, MAT_KEEP_NONZERO_PATTERN, PETSC_TRUE));
-  return MatZeroRowsStencil(p->stiffness, static_cast<PetscInt>(top.size()), top.data(), 1, nullptr, nullptr);
+  PetscCall(MatZeroRowsColumnsStencil(p->stiffness, static_cast<PetscInt>(top.size()), top.data(), 1, given, p->load));
+  return VecDestroy(&given);
 }
 
 }  // namespace
 
-PetscErrorCode make_problem(const std::string& name, PetscInt points, GridProblem* p, Vec* lower, Vec* upper, Mat* J) {
+PetscErrorCode make_problem(const std::string& name, PetscInt points, GridProblem* p) {
   const bool body = name == "signorini";
+  DM dm = nullptr;
   if (!body && name != "obstacle" && name != "torsion" && name != "journal-bearing" && name != "bratu")
     SETERRQ(PETSC_COMM_WORLD, PETSC_ERR_ARG_OUTOFRANGE, "there is no problem %s", name.c_str());
+  PetscCall(DMDACreate2d(PETSC_COMM_WORLD, DM_BOUNDARY_NONE, DM_BOUNDARY_NONE,
+                         body ? DMDA_STENCIL_BOX : DMDA_STENCIL_STAR, points, points, PETSC_DECIDE, PETSC_DECIDE,
+                         body ? 2 : 1, 1, nullptr, nullptr, &dm));
+  PetscCall(DMSetFromOptions(dm));
+  PetscCall(DMSetUp(dm));
+  PetscCall(on_grid(name, dm, p));
+  return DMDestroy(&dm);
+}
+
+PetscErrorCode on_grid(const std::string& name, DM dm, GridProblem* p) {
   p->name = name;
+  PetscCall(PetscObjectReference(reinterpret_cast<PetscObject>(dm)));
+  p->dm = dm;
   if (name == "journal-bearing") p->width = 2 * std::numbers::pi;
   if (name == "journal-bearing") p->height = 20;
   if (name == "bratu") p->exponential = 6;
-  PetscCall(DMDACreate2d(PETSC_COMM_WORLD, DM_BOUNDARY_NONE, DM_BOUNDARY_NONE,
-                         body ? DMDA_STENCIL_BOX : DMDA_STENCIL_STAR, points, points, PETSC_DECIDE, PETSC_DECIDE,
-                         body ? 2 : 1, 1, nullptr, nullptr, &p->dm));
-  PetscCall(DMSetFromOptions(p->dm));
-  PetscCall(DMSetUp(p->dm));
-  PetscCall(DMCreateGlobalVector(p->dm, lower));
-  PetscCall(VecDuplicate(*lower, upper));
-  PetscCall(VecSet(*lower, PETSC_NINFINITY));
-  PetscCall(VecSet(*upper, PETSC_INFINITY));
-  PetscCall(body ? make_body(p, *lower) : bounds_of_membrane(*p, *lower, *upper));
-  return DMCreateMatrix(p->dm, J);
+  return name == "signorini" ? make_body(p) : 0;
+}
+
+PetscErrorCode bounds(const GridProblem& p, Vec lower, Vec upper) {
+  PetscCall(VecSet(lower, PETSC_NINFINITY));
+  PetscCall(VecSet(upper, PETSC_INFINITY));
+  return p.stiffness != nullptr ? bounds_of_body(p, lower) : bounds_of_membrane(p, lower, upper);
 }
 
 PetscErrorCode evaluate(const GridProblem& p, Vec x, Vec F) {

@@ -3,8 +3,9 @@
 """SNES type perp beside PETSc's own solvers: table.py BENCH_PETSC RESULTS.jsonl [LIMIT], then table.py RESULTS.jsonl.
 
 The first makes the runs, each in processes of its own, and adds a line of JSON each to RESULTS.jsonl; runs that are
-there already are not made again. LIMIT: CPU seconds for a run of PETSc's solvers (default 60). A solver that has not met
-it on the grid before, or took a quarter of it there, is not run on the next grid. The second writes the tables.
+there already are not made again. LIMIT: CPU seconds for a run of PETSc's solvers on the finest grid they are run on
+(default 600); a quarter of that on the grid before, and so on. A solver is left out on the next grid if it has not met
+the limit, or took more than 8 times what the quickest of PETSc's took. The second writes the tables.
 """
 
 import json
@@ -15,12 +16,16 @@ import sys
 PROBLEMS = {name: (257, 513, 1025, 2049) for name in ("obstacle", "torsion", "journal-bearing", "bratu")}
 PROBLEMS["signorini"] = (177, 353, 705, 1409)  # two unknowns a point
 MUMPS = "-ksp_type preonly -pc_type lu -pc_factor_mat_solver_type mumps"
-PEERS = {
-    "SNESVI rsls, MUMPS": f"snesvi -snes_type vinewtonrsls {MUMPS}",
-    "SNESVI rsls, CG + BoomerAMG": "snesvi -snes_type vinewtonrsls -ksp_type cg -pc_type hypre -ksp_rtol 1e-3",
-    "SNESVI rsls, CG + GAMG": "snesvi -snes_type vinewtonrsls -ksp_type cg -pc_type gamg -ksp_rtol 1e-3",
-    "SNESVI ssls, MUMPS": f"snesvi -snes_type vinewtonssls {MUMPS}",
-    "SNESVI ssls, GMRES + BoomerAMG": "snesvi -snes_type vinewtonssls -ksp_type gmres -pc_type hypre -ksp_rtol 1e-5",
+RSLS = "snesvi -snes_type vinewtonrsls"
+SSLS = "snesvi -snes_type vinewtonssls"
+PEERS = {  # SEQUENCE: through grids of 33 points (signorini: 23) and twice as many, four times, ...
+    "SNESVI rsls, MUMPS": f"{RSLS} {MUMPS}",
+    "SNESVI rsls, CG + BoomerAMG": f"{RSLS} -ksp_type cg -pc_type hypre -ksp_rtol 1e-3",
+    "SNESVI rsls, CG + GAMG": f"{RSLS} -ksp_type cg -pc_type gamg -ksp_rtol 1e-3",
+    "SNESVI rsls, grid sequence, CG + BoomerAMG": f"{RSLS} SEQUENCE -ksp_type cg -pc_type hypre -ksp_rtol 1e-3",
+    "SNESVI rsls, grid sequence, multigrid": f"{RSLS} SEQUENCE -pc_type mg",
+    "SNESVI ssls, MUMPS": f"{SSLS} {MUMPS}",
+    "SNESVI ssls, GMRES + BoomerAMG": f"{SSLS} -ksp_type gmres -pc_type hypre -ksp_rtol 1e-5",
     "TAO gpcg, BoomerAMG": "tao -tao_type gpcg -pc_type hypre",
     "TAO tron, BoomerAMG": "tao -tao_type tron -pc_type hypre",
 }
@@ -77,11 +82,15 @@ def measure(program, path, limit):
                 for ranks in (1, 2):
                     one(f"{name}, {turn}", problem, 1025, ranks, 600, words)
     for problem, grids in PROBLEMS.items():
-        for name, words in PEERS.items():
-            for points in grids[:3]:
-                line = one(name, problem, points, 1, limit, words)
-                if not line["solved"] or line["cpu"] > limit / 4:
-                    break
+        names = list(PEERS)
+        for k, points in enumerate(grids[:3]):
+            allowed = limit / 4 ** (2 - k)
+            lines = {}
+            for name in names:
+                words = PEERS[name].replace("SEQUENCE", f"-snes_grid_sequence {k + 3}")
+                lines[name] = one(name, problem, points, 1, allowed, words)
+            took = {name: line["cpu"] for name, line in lines.items() if line["solved"]}
+            names = [name for name in took if took[name] <= 8 * min(took.values())]
 
 
 def cell(line):
@@ -120,6 +129,6 @@ if __name__ == "__main__":
     if len(sys.argv) == 2:
         tables(sys.argv[1])
     elif len(sys.argv) in (3, 4):
-        measure(sys.argv[1], sys.argv[2], float(sys.argv[3]) if len(sys.argv) == 4 else 60)
+        measure(sys.argv[1], sys.argv[2], float(sys.argv[3]) if len(sys.argv) == 4 else 600)
     else:
         sys.exit(__doc__)

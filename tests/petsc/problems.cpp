@@ -9,6 +9,14 @@
 namespace perp::petsc_tests {
 namespace {
 
+bool last_rank() {
+  int rank = 0;
+  int ranks = 0;
+  MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
+  MPI_Comm_size(PETSC_COMM_WORLD, &ranks);
+  return rank == ranks - 1;
+}
+
 bool on_boundary(const DMDALocalInfo& grid, PetscInt i, PetscInt j) {
   return i == 0 || j == 0 || i == grid.mx - 1 || j == grid.my - 1;
 }
@@ -16,14 +24,11 @@ bool on_boundary(const DMDALocalInfo& grid, PetscInt i, PetscInt j) {
 PetscErrorCode function(DMDALocalInfo* grid, PetscScalar** u, PetscScalar** F, void* data) {
   auto& m = *static_cast<Membrane*>(data);
   const PetscReal h = 1.0 / static_cast<PetscReal>(grid->mx - 1);
-  int rank = 0;
-  int ranks = 0;
-  MPI_Comm_rank(PetscObjectComm(reinterpret_cast<PetscObject>(grid->da)), &rank);
-  MPI_Comm_size(PetscObjectComm(reinterpret_cast<PetscObject>(grid->da)), &ranks);
-  const bool last = rank == ranks - 1;
+  const bool last = last_rank();
   ++m.evaluations;
   if (last && m.signal != 0 && m.evaluations == 2) std::raise(m.signal);
   if (last && m.error_from > 0 && m.evaluations >= m.error_from) return PETSC_ERR_USER;
+  if (last && m.outside_from > 0 && m.evaluations >= m.outside_from) PetscCall(SNESSetFunctionDomainError(m.snes));
   for (PetscInt j = grid->ys; j < grid->ys + grid->ym; ++j)
     for (PetscInt i = grid->xs; i < grid->xs + grid->xm; ++i) {
       F[j][i] = u[j][i];
@@ -55,16 +60,14 @@ PetscErrorCode jacobian(DMDALocalInfo* grid, PetscScalar** u, Mat, Mat J, void* 
       const PetscScalar values[] = {4 + h * m.wind - h * h * m.bratu * std::exp(u[j][i]), -1 - h * m.wind, -1, -1, -1};
       PetscCall(MatSetValuesStencil(J, 1, &row, 5, columns, values, INSERT_VALUES));
     }
-  int rank = 0;
-  int ranks = 0;
-  MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
-  MPI_Comm_size(PETSC_COMM_WORLD, &ranks);
+  const bool last = last_rank();
   const MatStencil corner{.k = 0, .j = grid->ys, .i = grid->xs, .c = 0};
   const PetscScalar nan = std::numeric_limits<double>::quiet_NaN();
-  if (m.nan_in_jacobian && rank == ranks - 1)
-    PetscCall(MatSetValuesStencil(J, 1, &corner, 1, &corner, &nan, INSERT_VALUES));
+  if (m.nan_in_jacobian && last) PetscCall(MatSetValuesStencil(J, 1, &corner, 1, &corner, &nan, INSERT_VALUES));
   PetscCall(MatAssemblyBegin(J, MAT_FINAL_ASSEMBLY));
-  return MatAssemblyEnd(J, MAT_FINAL_ASSEMBLY);
+  PetscCall(MatAssemblyEnd(J, MAT_FINAL_ASSEMBLY));
+  if (m.outside_in_jacobian && last) PetscCall(SNESSetJacobianDomainError(m.snes));
+  return m.error_in_jacobian && last ? PETSC_ERR_USER : 0;
 }
 
 PetscErrorCode bounds_of_snes(SNES snes, Vec lower, Vec upper) {
@@ -72,7 +75,8 @@ PetscErrorCode bounds_of_snes(SNES snes, Vec lower, Vec upper) {
   void* data = nullptr;
   PetscCall(SNESGetDM(snes, &dm));
   PetscCall(DMGetApplicationContext(dm, static_cast<void*>(&data)));
-  return fill_bounds(dm, *static_cast<Membrane*>(data), lower, upper);
+  const auto& m = *static_cast<Membrane*>(data);
+  return m.error_in_bounds && last_rank() ? PETSC_ERR_USER : fill_bounds(dm, m, lower, upper);
 }
 
 PetscErrorCode bounds_of_dm(DM dm, Vec lower, Vec upper) {
@@ -114,6 +118,7 @@ PetscErrorCode make_membrane(PetscInt n, Bounds bounds, Membrane* membrane, DM* 
   PetscCall(DMSetUp(*dm));
   PetscCall(DMSetApplicationContext(*dm, membrane));
   PetscCall(SNESCreate(PETSC_COMM_WORLD, snes));
+  membrane->snes = *snes;
   PetscCall(SNESSetDM(*snes, *dm));
   PetscCall(DMDASNESSetFunctionLocal(*dm, INSERT_VALUES, reinterpret_cast<DMDASNESFunction>(function), membrane));
   PetscCall(DMDASNESSetJacobianLocal(*dm, reinterpret_cast<DMDASNESJacobian>(jacobian), membrane));

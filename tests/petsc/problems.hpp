@@ -18,9 +18,14 @@ struct Membrane {
   PetscReal ceiling = 0;   ///< u <= ceiling where that is positive
   PetscReal nan_from = 0;  ///< F is not a number on the last rank from this evaluation on, where positive
   PetscReal error_from = 0;
-  bool nan_in_jacobian = false;  ///< on the last rank
-  int signal = 0;                ///< the last rank sends itself this signal in the second evaluation
+  PetscReal outside_from = 0;        ///< the last rank says SNESSetFunctionDomainError
+  bool nan_in_jacobian = false;      ///< on the last rank
+  bool error_in_jacobian = false;    ///< likewise, after the assembly
+  bool outside_in_jacobian = false;  ///< likewise: SNESSetJacobianDomainError
+  bool error_in_bounds = false;      ///< likewise
+  int signal = 0;                    ///< the last rank sends itself this signal in the second evaluation
   int evaluations = 0;
+  SNES snes = nullptr;
 };
 
 /// How the bounds reach SNES.

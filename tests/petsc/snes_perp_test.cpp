@@ -8,6 +8,7 @@
 #include <limits>
 #include <string>
 
+#include "petsc/elastic_body.hpp"
 #include "petsc/problems.hpp"
 
 namespace perp::petsc_tests {
@@ -82,7 +83,7 @@ PetscErrorCode solve(PetscInt n, Bounds bounds, Membrane m, Solved* solved) {
   PetscCall(fill_bounds(dm, m, lower, upper));
   PetscCall(SNESSetTolerances(snes, 1e-12, 0, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT));
   solved->code = SNESSolve(snes, nullptr, x);
-  m.nan_from = m.error_from = m.signal = 0;
+  m.nan_from = m.error_from = m.outside_from = m.signal = 0;
   PetscCall(judge(snes, x, lower, upper, solved));
   PetscCall(write_if_asked(x));
   for (Vec* v : {&x, &lower, &upper}) PetscCall(VecDestroy(v));
@@ -152,23 +153,79 @@ PetscErrorCode steps_do_not_grow() {
   return 0;
 }
 
+/// A grid that can be made coarser once only, to 74 x 74 points.
+PetscErrorCode coarsened_once() {
+  Solved s;
+  PetscCall(solve(147, Bounds::Function, {.load = -4, .obstacle = true}, &s));
+  return expect_solved(s, 8);
+}
+
+/// Two displacements a point, given ones in rows whose columns are kept: neither the steps nor the V-cycles grow. Once
+/// they did, because coarse grids changed what was given.
+PetscErrorCode elastic_body() {
+  PetscInt first = 0;
+  for (PetscInt n : {23, 45, 89}) {
+    ElasticBody body;
+    SNES snes = nullptr;
+    Vec x = nullptr;
+    Solved s;
+    PetscInt cycles = 0;
+    PetscCall(make_elastic_body(n, &body));
+    PetscCall(make_snes(&body, &snes));
+    PetscCall(DMCreateGlobalVector(body.dm, &x));
+    PetscCall(SNESSetTolerances(snes, 1e-12, 0, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT));
+    PetscCall(SNESSolve(snes, nullptr, x));
+    PetscCall(SNESGetLinearSolveIterations(snes, &cycles));
+    PetscCall(judge(snes, x, body.lower, body.upper, &s));
+    EXPECT(s.reason > 0 && s.residual <= tight, "reason %d, residual %g", static_cast<int>(s.reason), s.residual);
+    EXPECT(s.active > 0 && s.steps <= 4, "%d steps", static_cast<int>(s.steps));
+    if (first == 0) first = cycles;
+    EXPECT(cycles <= 1.3 * first + 2, "%d V-cycles, %d at first", static_cast<int>(cycles), static_cast<int>(first));
+    PetscCall(VecDestroy(&x));
+    PetscCall(SNESDestroy(&snes));
+    PetscCall(destroy(&body));
+  }
+  return 0;
+}
+
 // --- affine problems of a few rows, without a DM ---------------------------------------------------------------------
 
-PetscErrorCode affine_function(SNES snes, Vec x, Vec F, void* q) {
+struct Setting {
+  bool corner = false;   ///< the start is (1, 0, 0, ...)
+  int error_from = 0;    ///< F fails on the last rank from this evaluation on, where positive
+  int outside_from = 0;  ///< likewise: SNESSetFunctionDomainError
+};
+struct Affine {
+  Vec q = nullptr;
+  Setting setting;
+  int evaluations = 0;
+};
+
+PetscErrorCode affine_function(SNES snes, Vec x, Vec F, void* data) {
   Mat M = nullptr;
+  int rank = 0;
+  int ranks = 0;
+  auto& a = *static_cast<Affine*>(data);
+  MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
+  MPI_Comm_size(PETSC_COMM_WORLD, &ranks);
+  const auto due = [&](int from) { return rank == ranks - 1 && from > 0 && a.evaluations >= from; };
+  ++a.evaluations;
+  if (due(a.setting.outside_from)) PetscCall(SNESSetFunctionDomainError(snes));
   PetscCall(SNESGetJacobian(snes, nullptr, &M, nullptr, nullptr));
-  return MatMultAdd(M, x, static_cast<Vec>(q), F);
+  PetscCall(MatMultAdd(M, x, a.q, F));
+  return due(a.setting.error_from) ? PETSC_ERR_USER : 0;
 }
 PetscErrorCode affine_jacobian(SNES, Vec, Mat, Mat, void*) { return 0; }
 
 /// F = M x + q with M_ij = entry(i, j), x >= 0.
 template <class Entry>
 PetscErrorCode solve_affine(PetscInt n, Entry entry, PetscReal load, PetscReal lower, PetscReal upper, Solved* solved,
-                            PetscReal* x0) {
+                            PetscReal* x0, Setting setting = {}) {
   Mat M = nullptr;
   Vec x = nullptr;
   Vec F = nullptr;
-  Vec q = nullptr;
+  Affine a{.setting = setting};
+  Vec& q = a.q;
   Vec l = nullptr;
   Vec u = nullptr;
   SNES snes = nullptr;
@@ -186,12 +243,16 @@ PetscErrorCode solve_affine(PetscInt n, Entry entry, PetscReal load, PetscReal l
   PetscCall(VecSet(l, lower));
   PetscCall(VecSet(u, upper));
   PetscCall(VecSet(x, *x0));
+  if (setting.corner && begin == 0 && end > 0) PetscCall(VecSetValue(x, 0, 1, INSERT_VALUES));
+  PetscCall(VecAssemblyBegin(x));
+  PetscCall(VecAssemblyEnd(x));
   PetscCall(SNESCreate(PETSC_COMM_WORLD, &snes));
-  PetscCall(SNESSetFunction(snes, F, affine_function, q));
+  PetscCall(SNESSetFunction(snes, F, affine_function, &a));
   PetscCall(SNESSetJacobian(snes, M, M, affine_jacobian, nullptr));
   PetscCall(SNESVISetVariableBounds(snes, l, u));
   PetscCall(SNESSetFromOptions(snes));
   solved->code = SNESSolve(snes, nullptr, x);
+  a.setting = {};
   if (solved->code == 0) PetscCall(judge(snes, x, l, u, solved));
   PetscCall(VecNorm(x, NORM_INFINITY, x0));
   PetscCall(SNESDestroy(&snes));
@@ -199,15 +260,18 @@ PetscErrorCode solve_affine(PetscInt n, Entry entry, PetscReal load, PetscReal l
   return MatDestroy(&M);
 }
 
-/// Murty's matrix of order 3, upside down: a P-matrix on which active-set steps cycle (Kanzow 1996 has such ones), so
-/// that only the semismooth steps get through. The solution is 1/3 everywhere.
+PetscReal cyclic(PetscInt i, PetscInt j) { return i == j ? 1.0 : (i + 1) % 3 == j ? 2.0 : 0.0; }
+
+/// Murty's matrix of order 3, upside down: a P-matrix on which active-set steps from (1, 0, 0) go to (0, 1, 0), (0, 0,
+/// 1) and back (Kanzow 1996 has such ones), so that only the semismooth steps get through. The solution is 1/3
+/// everywhere.
 PetscErrorCode cycling() {
   Solved s;
   PetscReal x = 0;
-  const auto entry = [](PetscInt i, PetscInt j) { return i == j ? 1.0 : (i + 1) % 3 == j ? 2.0 : 0.0; };
-  PetscCall(solve_affine(3, entry, -1, 0, PETSC_INFINITY, &s, &x));
+  PetscCall(solve_affine(3, cyclic, -1, 0, PETSC_INFINITY, &s, &x, {.corner = true}));
   EXPECT(s.code == 0 && s.reason > 0, "error %d, reason %d", static_cast<int>(s.code), static_cast<int>(s.reason));
   EXPECT(s.residual <= 1e-7, "residual %g", s.residual);
+  EXPECT(s.steps > 10, "%d steps: no cycle", static_cast<int>(s.steps));
   EXPECT(std::abs(x - 1.0 / 3) <= 1e-7, "x is %g", x);
   return 0;
 }
@@ -237,23 +301,30 @@ PetscErrorCode crossing_bounds() {
   return 0;
 }
 
+PetscErrorCode expect_error(const Membrane& m) {
+  Solved s;
+  PetscCall(solve(33, Bounds::Function, m, &s));
+  EXPECT(s.code == PETSC_ERR_USER, "error %d", static_cast<int>(s.code));
+  return 0;
+}
+
+PetscErrorCode expect_reason(const Membrane& m, SNESConvergedReason reason) {
+  Solved s;
+  PetscCall(solve(33, Bounds::Function, m, &s));
+  EXPECT(s.code == 0, "error %d", static_cast<int>(s.code));
+  EXPECT(s.reason == reason, "reason %d, not %d", static_cast<int>(s.reason), static_cast<int>(reason));
+  return 0;
+}
+
 /// From the start, and where the first step goes.
 PetscErrorCode nan_on_one_rank() {
-  for (PetscReal from : {1.0, 2.0}) {
-    Solved s;
-    PetscCall(solve(33, Bounds::Function, {.load = -4, .obstacle = true, .nan_from = from}, &s));
-    EXPECT(s.code == 0, "error %d", static_cast<int>(s.code));
-    EXPECT(s.reason == SNES_DIVERGED_FNORM_NAN, "reason %d", static_cast<int>(s.reason));
-  }
+  for (PetscReal from : {1.0, 2.0})
+    PetscCall(expect_reason({.load = -4, .obstacle = true, .nan_from = from}, SNES_DIVERGED_FNORM_NAN));
   return 0;
 }
 
 PetscErrorCode nan_in_jacobian() {
-  Solved s;
-  PetscCall(solve(33, Bounds::Function, {.load = -4, .obstacle = true, .nan_in_jacobian = true}, &s));
-  EXPECT(s.code == 0, "error %d", static_cast<int>(s.code));
-  EXPECT(s.reason == SNES_DIVERGED_JACOBIAN_DOMAIN, "reason %d", static_cast<int>(s.reason));
-  return 0;
+  return expect_reason({.load = -4, .obstacle = true, .nan_in_jacobian = true}, SNES_DIVERGED_JACOBIAN_DOMAIN);
 }
 
 /// A SNES solves again, from another start, and with grid sequencing, which resets it on each grid and so must not
@@ -297,29 +368,64 @@ PetscErrorCode solved_again() {
   return DMDestroy(&dm);
 }
 
-PetscErrorCode error_on_one_rank() {
+// Errors on one rank once left the others waiting. One a run: after an error PETSc's ranks may not agree on much.
+
+PetscErrorCode error_on_one_rank() { return expect_error({.load = -4, .obstacle = true, .error_from = 2}); }
+PetscErrorCode error_in_bounds() { return expect_error({.load = -4, .obstacle = true, .error_in_bounds = true}); }
+PetscErrorCode error_in_jacobian() { return expect_error({.load = -4, .obstacle = true, .error_in_jacobian = true}); }
+
+/// In the search of a semismooth step: the first twelve evaluations are the start and the active-set steps.
+PetscErrorCode error_in_semismooth_step() {
   Solved s;
-  PetscCall(solve(33, Bounds::Function, {.load = -4, .obstacle = true, .error_from = 2}, &s));
+  PetscReal x = 0;
+  PetscCall(solve_affine(3, cyclic, -1, 0, PETSC_INFINITY, &s, &x, {.corner = true, .error_from = 13}));
   EXPECT(s.code == PETSC_ERR_USER, "error %d", static_cast<int>(s.code));
   return 0;
 }
 
-/// To be run with a KSP that cannot converge.
-PetscErrorCode diverging_ksp() {
-  Solved s;
-  PetscCall(solve(33, Bounds::Function, {.load = -4, .obstacle = true}, &s));
-  EXPECT(s.code == 0, "error %d", static_cast<int>(s.code));
-  EXPECT(s.reason == SNES_DIVERGED_LINEAR_SOLVE, "reason %d", static_cast<int>(s.reason));
+/// The start, and where the first step goes; also on a rank that has no row to show it.
+PetscErrorCode domain_error_on_one_rank() {
+  for (int from : {1, 2}) {
+    Solved s;
+    PetscReal x = 5;
+    PetscCall(expect_reason({.load = -4, .obstacle = true, .outside_from = static_cast<PetscReal>(from)},
+                            SNES_DIVERGED_FUNCTION_DOMAIN));
+    PetscCall(solve_affine(2, [](PetscInt i, PetscInt j) { return i == j ? 2.0 : 1.0; }, -1, 0, 10, &s, &x,
+                           {.outside_from = from}));
+    EXPECT(s.code == 0, "error %d", static_cast<int>(s.code));
+    EXPECT(s.reason == SNES_DIVERGED_FUNCTION_DOMAIN, "reason %d", static_cast<int>(s.reason));
+  }
   return 0;
 }
 
+PetscErrorCode domain_error_in_jacobian() {
+  return expect_reason({.load = -4, .obstacle = true, .outside_in_jacobian = true}, SNES_DIVERGED_JACOBIAN_DOMAIN);
+}
+
+PetscErrorCode no_variables() {
+  Solved s;
+  PetscReal x = 0;
+  PetscCall(solve_affine(
+      0, [](PetscInt, PetscInt) { return 0.0; }, -1, 0, 1, &s, &x));
+  EXPECT(s.code == 0 && s.reason > 0, "error %d, reason %d", static_cast<int>(s.code), static_cast<int>(s.reason));
+  return 0;
+}
+
+/// To be run with a KSP that cannot converge, and leave to fail: an end, and no false one.
+PetscErrorCode stubborn_ksp() {
+  Solved s;
+  PetscCall(solve(33, Bounds::Function, {.load = -4, .obstacle = true}, &s));
+  EXPECT(s.code == 0, "error %d", static_cast<int>(s.code));
+  EXPECT(s.reason < 0 || s.residual <= tight, "reason %d, residual %g", static_cast<int>(s.reason), s.residual);
+  return 0;
+}
+
+/// To be run with a KSP that cannot converge.
+PetscErrorCode diverging_ksp() { return expect_reason({.load = -4, .obstacle = true}, SNES_DIVERGED_LINEAR_SOLVE); }
+
 PetscErrorCode interrupted() {
-  for (int signal : {SIGINT, SIGTERM}) {
-    Solved s;
-    PetscCall(solve(33, Bounds::Function, {.bratu = 6, .ceiling = 0.6, .signal = signal}, &s));
-    EXPECT(s.code == 0, "error %d", static_cast<int>(s.code));
-    EXPECT(s.reason == SNES_DIVERGED_INNER, "reason %d", static_cast<int>(s.reason));
-  }
+  for (int signal : {SIGINT, SIGTERM})
+    PetscCall(expect_reason({.bratu = 6, .ceiling = 0.6, .signal = signal}, SNES_DIVERGED_INNER));
   return 0;
 }
 
@@ -333,6 +439,8 @@ constexpr Case cases[] = {{"obstacle", obstacle},
                           {"bratu", bratu},
                           {"wind", wind},
                           {"steps_do_not_grow", steps_do_not_grow},
+                          {"coarsened_once", coarsened_once},
+                          {"elastic_body", elastic_body},
                           {"cycling", cycling},
                           {"empty_rank", empty_rank},
                           {"crossing_bounds", crossing_bounds},
@@ -340,6 +448,13 @@ constexpr Case cases[] = {{"obstacle", obstacle},
                           {"nan_in_jacobian", nan_in_jacobian},
                           {"solved_again", solved_again},
                           {"error_on_one_rank", error_on_one_rank},
+                          {"error_in_bounds", error_in_bounds},
+                          {"error_in_jacobian", error_in_jacobian},
+                          {"error_in_semismooth_step", error_in_semismooth_step},
+                          {"domain_error_on_one_rank", domain_error_on_one_rank},
+                          {"domain_error_in_jacobian", domain_error_in_jacobian},
+                          {"no_variables", no_variables},
+                          {"stubborn_ksp", stubborn_ksp},
                           {"diverging_ksp", diverging_ksp},
                           {"interrupted", interrupted}};
 
