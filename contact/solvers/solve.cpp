@@ -48,7 +48,8 @@ constexpr std::chrono::duration<double> least_search{0.1};
 
 std::span<const MethodEntry> methods() {
   static const std::array all{
-      MethodEntry{"auto", "Gauss-Seidel, Glocker's homotopy, Newton steps, a proximal loop, until one solves it",
+      MethodEntry{"auto",
+                  "Gauss-Seidel, paths over the cones, Glocker's homotopy, a proximal loop, until one solves it",
                   Auto{}, true},
       MethodEntry{"homotopy", "Glocker's NCP by the interior-point homotopy", GlockerHomotopy{}, true},
       MethodEntry{"nsgs", "nonsmooth Gauss-Seidel: contact by contact, to the end", Nsgs{}},

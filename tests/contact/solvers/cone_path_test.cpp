@@ -105,8 +105,6 @@ TEST(ConePath, PilesStandByTheAssociatedLaw) {
     const Result result = solve(problem);
     EXPECT_TRUE(result.solved()) << result.message;
     EXPECT_LE(result.stats.factorizations, 35) << seed;
-    const Result without = solve(problem, {.method = Auto{.cones = false, .proximal = false}});
-    if (without.solved()) EXPECT_GT(without.stats.factorizations, result.stats.factorizations) << seed;
   }
 }
 
