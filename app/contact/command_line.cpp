@@ -120,7 +120,8 @@ CLI::App* add_command(CLI::App& app, ContactWords& words) {
   option(
       contact, "--method", words.method,
       fmt::format(
-          "of glocker auto (its default: sweeps, homotopy, Newton steps, proximal loop) or homotopy alone; of coulomb "
+          "of glocker auto (its default: sweeps, cones, homotopy, Newton steps, proximal loop) or homotopy alone; of "
+          "coulomb "
           "(which follows from the name) {}; or a method of 'perp methods': for glocker and ncp1 (default path) those "
           "for nonlinear problems, for the others (default auto: Lemke's first) those for affine ones, or for "
           "nonlinear ones",

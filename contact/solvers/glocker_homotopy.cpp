@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Auto, and GlockerHomotopy as a part of it: sweeps, attempts of the homotopy, Newton steps, the proximal loop.
+/// Auto, and GlockerHomotopy as a part of it: sweeps, the cones' paths, attempts of the homotopy, Newton steps, the
+/// proximal loop.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,6 +9,7 @@
 
 #include "contact/classics/alart_curnier.hpp"
 #include "contact/classics/gauss_seidel.hpp"
+#include "contact/solvers/cone_homotopy.hpp"
 #include "contact/solvers/referee.hpp"
 
 namespace perp::contact {
@@ -42,6 +44,9 @@ constexpr int search_steps = 100;
 constexpr int search_patience = 40;
 constexpr int search_halvings = 7;
 constexpr double search_decrease = 0.9;
+
+/// Of Glocker's homotopy, before the cones' paths: easy problems need no more.
+constexpr int first_steps_of_homotopy = 3;
 
 /// The proximal loop.
 constexpr double first_alpha = 1;
@@ -82,6 +87,8 @@ class Solver {
 
   void run(const Vec& start) {
     if (start.size() > 0 ? warm(start) : sweep()) return;
+    if (method_.cones && attempt(options_, nullptr, 1, first_steps_of_homotopy)) return;
+    if (method_.cones && ConeHomotopy(referee_, problem_, *newton_, lu_).run()) return;
     if (attempt(options_)) return;
     if ((method_.homotopy.other_settings || method_.proximal) && referee_.no_solution()) return;
     if (method_.homotopy.other_settings && with_other_settings()) return;
@@ -92,7 +99,7 @@ class Solver {
   /// Each of these answers whether the run is over.
   bool warm(const Vec& start);
   bool sweep();
-  bool attempt(const HomotopyOptions& options, const Vec* from = nullptr, double tau = 1);
+  bool attempt(const HomotopyOptions& options, const Vec* from = nullptr, double tau = 1, int most = 0);
   bool polish(Vec r, double alpha);
   bool search(Vec r, double alpha);
   bool with_other_settings();
@@ -137,8 +144,10 @@ bool Solver::sweep() {
   return false;
 }
 
-bool Solver::attempt(const HomotopyOptions& options, const Vec* from, double tau) {
-  ++referee_.stats().attempts;
+/// At most so many steps, and then it counts as no attempt and has no damped Newton steps; 0: as many as the method
+/// has.
+bool Solver::attempt(const HomotopyOptions& options, const Vec* from, double tau, int most) {
+  if (most == 0) ++referee_.stats().attempts;
   Homotopy homotopy(problem_, options, lu_);
   if (from != nullptr) homotopy.start(*from, tau);
   double polish_at = method_.polish_at;
@@ -147,7 +156,7 @@ bool Solver::attempt(const HomotopyOptions& options, const Vec* from, double tau
   double least = lcp::infinity;
   int in_a_row = 0;
   bool over = false;
-  for (int k = 0; k < method_.homotopy.max_iterations && in_a_row < short_steps && !over; ++k) {
+  for (int k = 0; k < (most > 0 ? most : method_.homotopy.max_iterations) && in_a_row < short_steps && !over; ++k) {
     const bool going = homotopy.step();
     ++referee_.stats().iterations;
     const HomotopyIteration& last = homotopy.last();
@@ -168,7 +177,7 @@ bool Solver::attempt(const HomotopyOptions& options, const Vec* from, double tau
     }
   }
   referee_.stats().factorizations += homotopy.factorizations();
-  if (over || !method_.polish) return over;
+  if (over || !method_.polish || most > 0) return over;
   const auto number = static_cast<std::size_t>(referee_.stats().attempts - 1);
   return search(std::move(best), search_alphas[number % search_alphas.size()]);
 }

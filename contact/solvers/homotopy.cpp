@@ -133,7 +133,7 @@ Homotopy::Pairs Homotopy::Contact::recover(const Eigen::Vector3d& dr) const {
 Homotopy::Homotopy(const Scaled& problem, const HomotopyOptions& options, std::shared_ptr<lcp::SparseLu> lu)
     : problem_(problem),
       options_(options),
-      K_(problem.W),
+      K_(problem),
       lu_(lu != nullptr ? std::move(lu) : std::make_shared<lcp::SparseLu>(options.lu)) {
   r_ = Vec::Zero(problem.size());
   for (const Scaled::Block& block : problem.blocks) {
@@ -141,16 +141,6 @@ Homotopy::Homotopy(const Scaled& problem, const HomotopyOptions& options, std::s
     c.at.z.fill(1);
     r_[block.first] = 1;
     products_ += 1 + static_cast<Index>(c.sides());
-    for (int j = 0; j < block.size; ++j) {
-      const Index col = block.first + j;
-      const int* begin = K_.innerIndexPtr() + K_.outerIndexPtr()[col];
-      const int* end = K_.innerIndexPtr() + K_.outerIndexPtr()[col + 1];
-      const auto place = std::lower_bound(begin, end, static_cast<int>(block.first)) - K_.innerIndexPtr();
-      for (int i = 0; i < block.size; ++i) {
-        block_entries_.push_back(place + i);
-        W_diagonal_.push_back(K_.valuePtr()[place + i]);
-      }
-    }
   }
   tau_ = 1;
   begin();
@@ -225,16 +215,9 @@ double Homotopy::mean() const {
 
 /// K = W + the blocks that the eliminated multipliers leave, and its factors.
 bool Homotopy::assemble() {
-  std::size_t k = 0;
-  for (Contact& c : contacts_) {
-    c.evaluate(delta_, eps_);
-    const Eigen::Matrix3d B = c.block();
-    for (int j = 0; j < c.size; ++j)
-      for (int i = 0; i < c.size; ++i, ++k)
-        K_.valuePtr()[block_entries_[k]] = W_diagonal_[k] + B(i, j) + (i == j ? diagonal_term : 0);
-  }
+  for (Contact& c : contacts_) c.evaluate(delta_, eps_);
   ++factorizations_;
-  return lu_->try_factor(K_);
+  return lu_->try_factor(K_.with(diagonal_term, [this](std::size_t a) { return contacts_[a].block(); }));
 }
 
 /// Newton's direction towards products `target`, with the second-order terms of `affine` if there is one.

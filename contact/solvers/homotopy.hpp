@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "contact/model/scaling.hpp"
+#include "contact/solvers/diagonal_blocks.hpp"
 #include "lcp/lu/sparse_lu.hpp"
 
 namespace perp::contact {
@@ -85,9 +86,7 @@ class Homotopy {
   Vec r_, u_;
   std::vector<Contact> contacts_;
   Index products_ = 0;
-  SpMat K_;
-  std::vector<Index> block_entries_;  // places of the diagonal blocks in K's values, column by column
-  std::vector<double> W_diagonal_;    // their values in W
+  DiagonalBlocks K_;
   std::shared_ptr<lcp::SparseLu> lu_;
   HomotopyIteration last_;
   double last_step_ = 1;

@@ -28,7 +28,8 @@ void run(Referee& referee, const Scaled& problem, const Auto& method, const Vec&
   run_auto(referee, problem, method, start);
 }
 void run(Referee& referee, const Scaled& problem, const GlockerHomotopy& method, const Vec& start) {
-  run_auto(referee, problem, {.homotopy = method, .sweeps = 0, .polish = false, .proximal = false}, start);
+  run_auto(referee, problem, {.homotopy = method, .sweeps = 0, .cones = false, .polish = false, .proximal = false},
+           start);
 }
 void run(Referee& referee, const Scaled& problem, const GlockerNcp& method, const Vec& start) {
   run_ncp(referee, problem, method, start);
@@ -47,7 +48,8 @@ constexpr std::chrono::duration<double> least_search{0.1};
 
 std::span<const MethodEntry> methods() {
   static const std::array all{
-      MethodEntry{"auto", "Gauss-Seidel, Glocker's homotopy, Newton steps, a proximal loop, until one solves it",
+      MethodEntry{"auto",
+                  "Gauss-Seidel, paths over the cones, Glocker's homotopy, a proximal loop, until one solves it",
                   Auto{}, true},
       MethodEntry{"homotopy", "Glocker's NCP by the interior-point homotopy", GlockerHomotopy{}, true},
       MethodEntry{"nsgs", "nonsmooth Gauss-Seidel: contact by contact, to the end", Nsgs{}},
@@ -80,6 +82,7 @@ void describe(GlockerHomotopy& m, ncp::Fields& f) {
 
 void describe(Auto& m, ncp::Fields& f) {
   f.add("sweeps", &m.sweeps, ncp::at_least(0), "of Gauss-Seidel, before anything else");
+  f.add("cones", &m.cones, "interior points over the cones, from the associated law, before the homotopy");
   f.add("polish", &m.polish, "Newton steps on Alart & Curnier's equation");
   f.add("polish_at", &m.polish_at, ncp::above(0), "relative natural residual at which they are tried first");
   f.add("proximal", &m.proximal, "a proximal loop after all attempts");
@@ -94,10 +97,16 @@ void describe(GlockerNcp& m, ncp::Fields& f) {
 
 std::string_view to_string(Origin origin) {
   using enum Origin;
-  static constexpr std::pair<Origin, std::string_view> words[] = {
-      {Zero, "zero"},      {WarmStart, "warm-start"},       {Sweeps, "sweeps"},     {Homotopy, "homotopy"},
-      {Newton, "newton"},  {DampedNewton, "damped-newton"}, {Proximal, "proximal"}, {Ncp, "ncp"},
-      {Iterate, "iterate"}};
+  static constexpr std::pair<Origin, std::string_view> words[] = {{Zero, "zero"},
+                                                                  {WarmStart, "warm-start"},
+                                                                  {Sweeps, "sweeps"},
+                                                                  {Cones, "cones"},
+                                                                  {Homotopy, "homotopy"},
+                                                                  {Newton, "newton"},
+                                                                  {DampedNewton, "damped-newton"},
+                                                                  {Proximal, "proximal"},
+                                                                  {Ncp, "ncp"},
+                                                                  {Iterate, "iterate"}};
   return word_of(origin, words);
 }
 

@@ -38,7 +38,8 @@ struct GlockerHomotopy {
   bool scaling = true;  ///< of contact/model/scaling.hpp
 };
 
-/// Sweeps of Gauss-Seidel; then the homotopy. When its point comes near a solution, Newton steps on the equation of
+/// Sweeps of Gauss-Seidel; then the cones' paths, from the associated law (contact/solvers/cone_homotopy.hpp); then the
+/// homotopy. When its point comes near a solution, Newton steps on the equation of
 /// Alart & Curnier are tried from it for the last digits (`polish`); where that fails the homotopy goes on. Where an
 /// attempt stalls: damped Newton steps from its best point. After all attempts a proximal loop: solve the problem with
 /// (W + alpha I, q - alpha r_k), r_{k+1} its solution, alpha falling as long as the subproblems are solved,
@@ -48,6 +49,7 @@ struct Auto {
   /// Sweeps of nonsmooth Gauss-Seidel before anything else (contact/classics/gauss_seidel.hpp), ended where they
   /// contract slowly: they cost little, and weakly coupled contacts need no more. 0: none.
   int sweeps = 100;
+  bool cones = true;       ///< interior points over the cones, from the associated law
   bool polish = true;      ///< Newton steps on Alart & Curnier's equation, damped ones too
   double polish_at = 0.1;  ///< relative natural residual at which they are tried first
   bool proximal = true;
@@ -90,6 +92,7 @@ enum class Origin {
   Zero,          ///< no impulses at all
   WarmStart,     ///< Options::start
   Sweeps,        ///< of Gauss-Seidel
+  Cones,         ///< an interior point of the cones
   Homotopy,      ///< a step of it
   Newton,        ///< a step on Alart & Curnier's equation
   DampedNewton,  ///< a shortened one
@@ -97,7 +100,7 @@ enum class Origin {
   Ncp,           ///< the method of GlockerNcp
   Iterate        ///< an iteration of a method of contact/classics
 };
-/// "zero", "warm-start", "sweeps", "homotopy", "newton", "damped-newton", "proximal", "ncp", "iterate".
+/// "zero", "warm-start", "sweeps", "cones", "homotopy", "newton", "damped-newton", "proximal", "ncp", "iterate".
 std::string_view to_string(Origin);
 
 struct Options {

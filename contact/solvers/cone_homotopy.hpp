@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+/// Coulomb's law from the associated one. The path of the associated law (contact/solvers/cone_path.hpp, s = 0) cannot
+/// turn back, and where all contacts stick its end obeys Coulomb's law as well. Where some slip, their openings follow:
+/// coupled from an early point of the path on, or by Cadoux' fixed point s = |u_T(s)|, each s a path from the last
+/// one's points, with Anderson's mixing of two. Newton steps on Alart & Curnier's equation are tried from the points
+/// for the last digits. Cadoux, Acary & Lemarechal (contact/classics/classics.hpp); Anderson, J. ACM 12 (1965) 547.
+/// Private to contact/.
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "contact/classics/alart_curnier.hpp"
+#include "contact/solvers/cone_path.hpp"
+#include "contact/solvers/referee.hpp"
+
+namespace perp::contact {
+
+class ConeHomotopy {
+ public:
+  /// All outlive *this; `lu` is that of `newton`.
+  ConeHomotopy(Referee& referee, const Scaled& problem, AlartCurnier& newton, std::shared_ptr<lcp::SparseLu> lu);
+  ~ConeHomotopy();
+  ConeHomotopy(const ConeHomotopy&) = delete;
+  ConeHomotopy& operator=(const ConeHomotopy&) = delete;
+
+  /// Whether the run is over.
+  bool run();
+
+ private:
+  bool associated();
+  bool coupled();
+  bool fixed_point();
+  bool follow(double until);
+  bool step();
+  bool try_newton(Vec r, int most, int halvings);
+  bool moves() const;
+  double gap() const { return (path_.slip() - path_.openings()).lpNorm<Eigen::Infinity>(); }
+
+  Referee& referee_;
+  const Scaled& problem_;
+  AlartCurnier& newton_;
+  ConePath path_;
+  ConePath::Point early_;                                   // of the associated path
+  std::vector<std::pair<double, ConePath::Point>> points_;  // tau and where to come back to, tau falling
+};
+
+}  // namespace perp::contact

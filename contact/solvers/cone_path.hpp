@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+/// Central paths of Coulomb's law over the cones, in the coordinates of contact/model/scaling.hpp (mu = 1, K its own
+/// dual): with r, y in the interior of K,
+///     y = W r + q + s e_N,   r o y = tau e,   tau -> 0,
+/// o the product of the cone's Jordan algebra, (r.y, r_N y_T + y_N r_T), and e = e_N. De Saxce's opening s > 0 of a
+/// contact is what slip would lift it by; at tau = 0 Coulomb's law has s = |u_T|.
+///
+/// *s given*, one number a contact: a second-order cone problem. Where W is monotone its path is unique and cannot turn
+/// back. s = 0 is the associated law, whose slip lifts off: u_N = |u_T|.
+/// *s coupled*: s = -r_T.y_T / r_N besides, which makes r_N u_N = tau, Signorini's own path. This one may turn back:
+/// docs/contact/piles.md.
+///
+/// Nesterov & Todd's scaling, a matrix T of each contact with T y = T^-1 r, leaves
+///     (W + diag(C T^-2 + G)) dr = rhs,   C = 1 - e_N (ds/dy)',   G = e_N (ds/dr)',
+/// on the pattern of W; C = 1 and G = 0 where s is given. Predictor and corrector are those of
+/// ncp/methods/predictor_corrector.hpp.
+/// Acary, Armand, Nguyen & Shpakovych, Second-order cone programming for frictional contact mechanics using interior
+/// point algorithm, Optim. Methods Softw. 39 (2024) 634; Alizadeh & Goldfarb, Math. Program. 95 (2003) 3. Private to
+/// contact/.
+#include <memory>
+#include <vector>
+
+#include "contact/model/scaling.hpp"
+#include "contact/solvers/diagonal_blocks.hpp"
+#include "lcp/lu/sparse_lu.hpp"
+
+namespace perp::contact {
+
+class ConePath {
+ public:
+  /// From r = y = 10 e, nothing opened. `problem` outlives *this; `lu` as for AlartCurnier.
+  ConePath(const Scaled& problem, std::shared_ptr<lcp::SparseLu> lu);
+  ~ConePath();
+  ConePath(const ConePath&) = delete;
+  ConePath& operator=(const ConePath&) = delete;
+
+  struct Point {
+    Vec r;
+    Vec y;
+  };
+  const Point& point() const { return at_; }
+  /// Goes on from `point` with these openings, one a contact.
+  void open(Point point, Vec openings);
+  /// Goes on from `point` with s coupled.
+  void couple(Point point);
+
+  /// One predictor-corrector step. False: the matrix is singular, or nothing is finite.
+  bool step();
+
+  const Vec& r() const { return at_.r; }
+  double tau() const { return tau_; }  ///< mean r.y of the contacts
+  double last_step() const { return last_step_; }
+  const Vec& openings() const { return openings_; }
+  Vec slip() const;  ///< |y_T|, one a contact
+  int factorizations() const { return factorizations_; }
+
+  struct Direction {
+    Vec r;
+    Vec y;
+  };
+  // Of ncp::predictor_corrector().
+  Direction direction(double target, const Direction* affine);
+  double reach(const Direction& d) const;
+  double mean_after(const Direction& d, double alpha) const;
+
+ private:
+  struct Contact;
+  void go_on(Point point);
+  bool assemble();
+
+  const Scaled& problem_;
+  std::vector<Contact> contacts_;
+  Point at_{};
+  Vec openings_;
+  bool coupled_ = false;
+  DiagonalBlocks K_;
+  std::shared_ptr<lcp::SparseLu> lu_;
+  double tau_ = 0;
+  double last_step_ = 1;
+  int factorizations_ = 0;
+};
+
+}  // namespace perp::contact

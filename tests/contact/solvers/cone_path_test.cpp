@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The paths over the cones, and the piles they are for (docs/contact/piles.md).
+#include "contact/solvers/cone_path.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "contact/contact_support.hpp"
+#include "contact/laws/glocker_support.hpp"
+#include "contact/scenes/generators.hpp"
+#include "contact/solvers/solve.hpp"
+
+namespace perp::contact {
+namespace {
+
+using support::Random;
+using test::solvable_problem;
+
+/// |x_T| - x_N at the worst contact: how far x is outside of the cones.
+double outside(const Scaled& problem, In x) {
+  double worst = -lcp::infinity;
+  for (const Scaled::Block& block : problem.blocks) {
+    const Eigen::Vector3d part = block.of(x);
+    worst = std::max(worst, part.tail<2>().norm() - part[0]);
+  }
+  return worst;
+}
+
+void follow(ConePath& path, double until) {
+  for (int k = 0; k < 100 && path.tau() > until; ++k) ASSERT_TRUE(path.step());
+  ASSERT_LE(path.tau(), until);
+}
+
+// With given openings the end of the path solves the second-order cone problem: y = W r + q + s e_N, r and y in the
+// cones, r.y = 0 contact by contact (Alizadeh & Goldfarb 2003). In 2D, in 3D and with frictionless contacts. Catches
+// errors in the scaling, the elimination and the step to the boundary.
+TEST(ConePath, SolvesTheConeProblem) {
+  Random random(3);
+  for (const int dimension : {2, 3})
+    for (int k = 0; k < 5; ++k) {
+      Problem problem = solvable_problem(dimension, 6, 24, random, 0.2);
+      if (k == 0) problem.mu.head(2).setZero();
+      const Scaled coordinates = scaled(problem);
+      ConePath path(coordinates, std::make_shared<lcp::SparseLu>());
+      Vec openings(problem.contacts());
+      for (Index a = 0; a < openings.size(); ++a) openings[a] = 0.1 * static_cast<double>((a + k) % 3);
+      path.open(ConePath::Point(path.point()), openings);
+      follow(path, 1e-10);
+      const Vec& r = path.r();
+      const Vec& y = path.point().y;
+      EXPECT_LE(outside(coordinates, r), 0);
+      EXPECT_LE(outside(coordinates, y), 0);
+      EXPECT_LE(r.dot(y), 1e-10 * 1.01 * static_cast<double>(openings.size()));
+      Vec error = coordinates.W * r + coordinates.q - y;
+      for (std::size_t a = 0; a < coordinates.blocks.size(); ++a)
+        error[coordinates.blocks[a].first] += openings[static_cast<Index>(a)];
+      EXPECT_LE(error.norm(), 1e-6 * (1 + coordinates.q.norm()));
+    }
+}
+
+// With s coupled the end obeys Coulomb's law, by its judge: one contact that slips, W = 1, q = (-1, 2, 0), mu = 0.4.
+// Catches errors in the coupling's derivatives only as lost convergence, and in the coupling as a wrong law.
+TEST(ConePath, CoupledIsCoulombsLaw) {
+  const Problem problem = test::one_contact(support::vec({-1, 2, 0}), 0.4);
+  const Scaled coordinates = scaled(problem);
+  ConePath path(coordinates, std::make_shared<lcp::SparseLu>());
+  path.couple(ConePath::Point(path.point()));
+  follow(path, 1e-13);
+  EXPECT_LE(residual(problem, coordinates.expand(path.r())).largest(), 1e-8);
+}
+
+// Newton's step on the coupled equations is theirs: a small step along it changes y - W r - q - s e_N, which includes
+// the coupling, by its own share. Catches a wrong derivative of s.
+TEST(ConePath, CoupledResidualFallsWithTheStep) {
+  Random random(8);
+  const Problem problem = solvable_problem(3, 5, 12, random, 0.2);
+  const Scaled coordinates = scaled(problem);
+  ConePath path(coordinates, std::make_shared<lcp::SparseLu>());
+  for (int k = 0; k < 3; ++k) ASSERT_TRUE(path.step());
+  const auto error = [&](const ConePath::Point& at) {
+    Vec e = at.y - coordinates.W * at.r - coordinates.q;
+    for (const Scaled::Block& block : coordinates.blocks) {
+      const Eigen::Vector3d r = block.of(at.r);
+      const Eigen::Vector3d y = block.of(at.y);
+      e[block.first] += r.tail<2>().dot(y.tail<2>()) / r[0];
+    }
+    return e;
+  };
+  const ConePath::Point from = path.point();
+  path.couple(ConePath::Point(from));
+  ASSERT_TRUE(path.step());
+  const double share = 1e-4;
+  const ConePath::Point near{from.r + share * (path.point().r - from.r), from.y + share * (path.point().y - from.y)};
+  const Vec change = (error(near) - error(from)) / (share * path.last_step());
+  EXPECT_LE((change + error(from)).norm(), 1e-2 * error(from).norm());
+}
+
+// Piles of spheres poured for mu = 0.6 that stick at 0.4, and that Glocker's homotopy alone does not solve or only
+// after many attempts (89 factorizations and more): the associated path ends where they stand.
+TEST(ConePath, PilesStandByTheAssociatedLaw) {
+  for (const auto [seed, mu] : {std::pair{1U, 0.4}, {2U, 0.4}, {15U, 0.4}, {2U, 0.6}}) {
+    Problem problem = make_scene("spheres", 300, seed).problem();
+    problem.mu.setConstant(mu);
+    const Result result = solve(problem);
+    EXPECT_TRUE(result.solved()) << result.message;
+    EXPECT_LE(result.stats.factorizations, 35) << seed;
+  }
+}
+
+}  // namespace
+}  // namespace perp::contact
