@@ -94,6 +94,7 @@ constexpr const char* main_footer =
     "  perp solve kojshin --start 2     solve a problem of the collection\n"
     "  perp inspect market.nl           size, structure, scaling, the start, derivatives: without solving\n"
     "  perp list                        what the collection has\n"
+    "  perp export kojshin --nl         a problem as AMPL model, for other solvers\n"
     "  perp export ahn -o F.mtx         an affine problem as Matrix Market files\n"
     "  perp contact spheres:200         contact with Coulomb friction: Siconos' and FCLIB's files, or made ones\n"
     "  perp methods                     the methods and their options\n"
@@ -140,6 +141,7 @@ constexpr const char* list_footer =
 
 constexpr const char* export_footer =
     "Examples:\n"
+    "  perp export kojshin -o F.nl      writes F.nl, F.col, F.row, for any solver that reads AMPL's models\n"
     "  perp export cottle4 -o F.mtx     writes F.mtx, F-q.mtx, F-lower.mtx, F-upper.mtx, F-start.mtx\n"
     "  perp export lq-control-own:1000 --start 2 -o F.mtx\n"
     "\n"
@@ -234,14 +236,15 @@ struct CommandLine {
   }
 
   void add_export() {
-    export_command = app.add_subcommand("export", "Write an affine problem of the collection as Matrix Market files");
+    export_command = app.add_subcommand(
+        "export", "Write a problem of the collection as AMPL model, or an affine one as Matrix Market files");
     export_command->footer(export_footer);
     option(export_command, "PROBLEM", export_request.source.problem, "a NAME that 'perp list' shows, or FILE.nl", " ")
         ->required();
-    option(export_command, "-o,--output", export_request.file, "the matrix; its name is that of the vectors' files",
-           "F.mtx")
-        ->required();
-    option(export_command, "--start", export_request.source.start, "which start F-start.mtx is, from 1", "K");
+    option(export_command, "-o,--output", export_request.file,
+           "F.nl, with F.col and F.row; or F.mtx, the matrix, whose name is that of the vectors' files", "FILE");
+    export_command->add_flag("--nl", export_request.nl, "an .nl file; without -o it is PROBLEM.nl");
+    option(export_command, "--start", export_request.source.start, "which start is written, from 1", "K");
     export_command->add_flag("--force", export_request.force, "overwrite files");
   }
 

@@ -48,6 +48,7 @@ set(perp_public_headers
   ncp/problem/affine.hpp
   ncp/problem/autodiff.hpp
   ncp/ampl/model.hpp
+  ncp/ampl/nl_writer.hpp
   ncp/collection/collection.hpp
   ncp/collection/scalable/generators.hpp
   ncp/strategy/deflation.hpp

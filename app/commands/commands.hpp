@@ -18,16 +18,20 @@ struct ListRequest {
 /// Exit code 2 with a suggestion for a name or class that does not exist.
 ExitCode list(const ListRequest& request, Streams streams);
 
-// `perp export`: an affine problem as Matrix Market files that `perp solve M.mtx q.mtx` reads back, digit for digit.
+// `perp export`: a problem as AMPL model that `perp solve F.nl` and other solvers read, or, if affine, as Matrix Market
+// files that `perp solve M.mtx q.mtx` reads back; digit for digit.
 
 struct ExportRequest {
   ProblemSource source{};
-  std::string file{};  ///< "F.mtx"; the vectors are F-q.mtx, F-lower.mtx, F-upper.mtx and, of the start, F-start.mtx
+  /// "F.nl", beside which F.col and F.row have the names; or "F.mtx": the vectors are F-q.mtx, F-lower.mtx, F-upper.mtx
+  /// and, of the start, F-start.mtx.
+  std::string file{};
+  bool nl = false;     ///< an .nl file, whatever `file` is; "" for NAME.nl
   bool force = false;  ///< overwrite files
 };
 
-/// Writes M, q, the bounds and the start, and says how they are solved. Exit code 2, and no file, for a problem that is
-/// not affine, paths that cannot be written and, without force, files that exist.
+/// Writes the files, and says how they are solved. Exit code 2, and no file, for a problem that the format cannot hold,
+/// paths that cannot be written and, without force, files that exist.
 ExitCode export_problem(const ExportRequest& request, Streams streams);
 
 // `perp cfunctions`: the catalogue of C-functions and smoothings.

@@ -12,6 +12,7 @@
 #include "app/program/files.hpp"
 #include "lcp/io/matrix_market.hpp"
 #include "ncp/ampl/model.hpp"
+#include "ncp/ampl/nl_writer.hpp"
 #include "ncp/problem/affine.hpp"
 
 namespace perp::app {
@@ -26,17 +27,18 @@ struct Files {
 Files files_of(const std::string& file) {
   constexpr std::string_view ending = ".mtx";
   if (!file.ends_with(ending) || file.size() == ending.size() || file.ends_with("/.mtx"))
-    throw input_error("-o {}: a Matrix Market file is needed, as in -o F.mtx", file);
+    throw input_error("-o {}: a Matrix Market or .nl file is needed, as in -o F.mtx or -o F.nl", file);
   const std::string stem = file.substr(0, file.size() - ending.size());
   return {file, stem + "-q.mtx", stem + "-lower.mtx", stem + "-upper.mtx", stem + "-start.mtx"};
 }
 
 /// Before anything is read: all of the paths are fit.
-void check(const Files& files, const ProblemSource& source, bool force) {
+template <class Paths>
+void check(const Paths& paths, const ProblemSource& source, bool force) {
   std::vector<FileUse> outputs;
-  for (const std::string& path : files.all()) outputs.push_back({"-o", path});
+  for (const std::string& path : paths) outputs.push_back({"-o", path});
   check_outputs(outputs, files_of(source));
-  for (const std::string& path : files.all()) {
+  for (const std::string& path : paths) {
     std::error_code ignored;
     if (!force && std::filesystem::exists(path, ignored)) throw input_error("'{}' exists; --force overwrites it", path);
   }
@@ -44,12 +46,13 @@ void check(const Files& files, const ProblemSource& source, bool force) {
 
 void write_and_tell(const ExportRequest& request, Streams streams) {
   const Files files = files_of(request.file);
-  check(files, request.source, request.force);
+  check(files.all(), request.source, request.force);
   const LoadedProblem problem = load_problem(request.source);
   const std::optional<lcp::AffineMcp> affine = ncp::affine_part(*problem.mcp);
   if (!affine)
     throw input_error(
-        "'{}' is not affine, F(x) = M x + q: Matrix Market files cannot hold it. 'perp list --json' tells which are",
+        "'{}' is not affine, F(x) = M x + q: Matrix Market files cannot hold it, an .nl file can: -o F.nl. 'perp list "
+        "--json' tells which are",
         problem.label);
   const std::string comment = fmt::format("{}, written by perp {}", problem.label, version_number());
   // Drafts of all, so that a full disk leaves all as they were.
@@ -68,10 +71,43 @@ void write_and_tell(const ExportRequest& request, Streams streams) {
                              shell_quoted(files.start));
 }
 
+/// The start that the source says, and the names.
+void write_nl(const ExportRequest& request, const std::string& file, Streams streams) {
+  const std::string stem = file.substr(0, file.size() - 3);
+  const std::array<std::string, 3> paths{file, stem + ".col", stem + ".row"};
+  check(paths, request.source, request.force);
+  const LoadedProblem problem = load_problem(request.source);
+  if (problem.model != nullptr) throw input_error("'{}' is an .nl file already: copy it", problem.label);
+  const std::optional<std::string> text = ncp::ampl::nl_text(*problem.mcp, problem.x0);
+  if (!text) throw input_error("'{}' cannot be written as .nl file: its F is known as a program only", problem.label);
+  std::string columns, rows;
+  for (ncp::Index i = 0; i < problem.mcp->size(); ++i) {
+    columns += problem.mcp->variable_name(i) + '\n';
+    rows += problem.mcp->equation_name(i) + '\n';
+  }
+  std::vector<lcp::OutputFile> drafts;
+  drafts.emplace_back(paths[0], *text);
+  drafts.emplace_back(paths[1], columns);
+  drafts.emplace_back(paths[2], rows);
+  for (lcp::OutputFile& draft : drafts) draft.replace();
+  streams.out << fmt::format("{}: {} variables, start {} of {}\n  perp solve {}\n", problem.label, problem.mcp->size(),
+                             problem.start, problem.starts, shell_quoted(file));
+}
+
+void write_as_asked(const ExportRequest& request, Streams streams) {
+  std::string file = request.file;
+  if (request.nl && file.empty()) file = request.source.problem + ".nl";
+  if (file.empty()) throw input_error("-o FILE is missing: F.nl, or F.mtx for an affine problem");
+  if (!request.nl && !file.ends_with(".nl")) return write_and_tell(request, streams);
+  if (!file.ends_with(".nl") || file.size() == 3 || file.ends_with("/.nl"))
+    throw input_error("-o {}: an .nl file is needed, as in -o F.nl", file);
+  write_nl(request, file, streams);
+}
+
 }  // namespace
 
 ExitCode export_problem(const ExportRequest& request, Streams streams) {
-  const std::string why = refusal(request.source.problem, [&] { write_and_tell(request, streams); });
+  const std::string why = refusal(request.source.problem, [&] { write_as_asked(request, streams); });
   if (why.empty()) return exit_solved;
   return say_refused(streams, why);
 }

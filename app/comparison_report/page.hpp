@@ -25,6 +25,9 @@ std::string unsolvable_section(const CampaignData& data);
 /// `styles`: of the curves, one a method.
 std::string comparison_section(const CampaignData& data, const Comparison& comparison,
                                const std::vector<std::size_t>& styles);
+/// Of a comparison of C-functions with their parameters: the share of pairs solved over the values, as SVG; "" where no
+/// function has two.
+std::string parameter_chart(const CampaignData& data, const Comparison& comparison);
 std::string method_section(const CampaignData& data);  ///< how, when, where it ran
 
 /// The cells for the page's script: {"tol", "methods": [label...], "styles", "problems": [[name, class, n]...],

@@ -268,8 +268,9 @@ std::string comparison_section(const CampaignData& data, const Comparison& compa
     html += fmt::format(
         "<p class=\"note screen\">In colour {}; press a name to change that, rest on it to bring it out.</p>\n",
         comparison.subject.empty() ? "the eight that solve most" : "those of either kind that solve most");
-  return html + legend(data, comparison, styles) + panes(data, comparison, styles) + summary_table(data, comparison) +
-         "</section>\n";
+  return html + legend(data, comparison, styles) + panes(data, comparison, styles) +
+         (comparison.id.starts_with("cfunctions") ? parameter_chart(data, comparison) : "") +
+         summary_table(data, comparison) + "</section>\n";
 }
 
 }  // namespace perp::app::comparison

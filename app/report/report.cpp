@@ -9,6 +9,7 @@
 
 #include "app/text/table.hpp"
 #include "ncp/problem/affine.hpp"
+#include "ncp/problem/words.hpp"
 
 namespace perp::app {
 
@@ -262,9 +263,10 @@ void print_remarks(std::ostream& out, const Report& report) {
 std::string verified_text(const ncp::Verified& verified) {
   if (!verified.unique) return fmt::format("not verified: {}", verified.why_not);
   return fmt::format(
-      "verified: exactly one solution in the box of half-widths up to {:.1e} about this point; {} of its variables are "
-      "at a bound",
-      verified.largest_radius(), verified.active);
+      "verified: exactly one solution in the box of half-widths up to {} about this point; {} of its variables are at "
+      "a "
+      "bound",
+      ncp::number_above(verified.largest_radius()), verified.active);
 }
 
 void print_options(std::ostream& out, const Settings& settings) {

@@ -15,6 +15,7 @@
 #include <csignal>
 #include <cstring>
 #include <filesystem>
+#include <optional>
 #include <regex>
 #include <string_view>
 
@@ -23,6 +24,7 @@
 #include "app/program/files.hpp"
 #include "app/program/program.hpp"
 #include "app/worker/sol_file.hpp"
+#include "ncp/ampl/nl_writer.hpp"
 
 namespace perp::app::compare {
 
@@ -40,13 +42,15 @@ sigset_t death_notice() {
   return set;
 }
 
-/// A private copy of the model with the start of the rule, written anew where it is no file; its stub.
-std::string copy_model(const Task& task, const LoadedProblem& problem) {
+/// A private copy of the model with the start of the rule, written anew where it is no file; its stub, or nothing.
+std::optional<std::string> copy_model(const Task& task, const LoadedProblem& problem) {
   const fs::path stub = fs::path(task.folder) / "model";
   const ncp::Vec x0 = perturbed(problem.mcp->box(), problem.x0, task.rule);
   if (problem.model == nullptr) {
-    app::write_file(stub.string() + ".nl", affine_nl(*problem.mcp, x0), lcp::Sync::No);
-    return stub;
+    const std::optional<std::string> text = ncp::ampl::nl_text(*problem.mcp, x0);
+    if (!text) return std::nullopt;
+    app::write_file(stub.string() + ".nl", *text, lcp::Sync::No);
+    return stub.string();
   }
   const std::string text = read_text(task.problem);
   app::write_file(stub.string() + ".nl", task.rule.run > 0 ? nl_with_start(text, x0) : text, lcp::Sync::No);
@@ -55,7 +59,7 @@ std::string copy_model(const Task& task, const LoadedProblem& problem) {
     const fs::path source = fs::path(task.problem).replace_extension(names);
     if (fs::is_regular_file(source, ignored)) fs::copy_file(source, stub.string() + names, ignored);
   }
-  return stub;
+  return stub.string();
 }
 
 /// The program while it runs.
@@ -194,8 +198,14 @@ Answer run_external(const Task& task) {
   sigprocmask(SIG_BLOCK, &notice, nullptr);
   prctl(PR_SET_CHILD_SUBREAPER, 1);  // orphans of the program come to this process, which finds and ends them
   const LoadedProblem problem = load_problem(ProblemSource{.problem = task.problem, .start = task.rule.start});
-  const std::string stub = copy_model(task, problem);
   Answer answer;
+  const std::optional<std::string> model = copy_model(task, problem);
+  if (!model) {
+    answer.not_applicable = true;
+    answer.message = "neither an .nl file nor written as one";
+    return answer;
+  }
+  const std::string& stub = *model;
   const Clock::time_point begin = Clock::now();
   Running program(task.method.command, stub);
   const int status = program.wait();

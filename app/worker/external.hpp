@@ -16,16 +16,10 @@ std::string with_tolerance(const std::string& command, double tol);
 /// a {tol} that is written wrongly. Not ${word}, not {a,b}, {1..3}, {}.
 std::vector<std::string> unfilled_words(const std::string& command);
 
-/// One run, on a copy of the model (and of its .col and .row) in task.folder, with the start of task.rule; affine
-/// problems that are no .nl files are written as such. Whatever the program leaves running is killed. The calling
-/// process is to be one of run_process() with `runs_others`: where the campaign dies, SIGUSR1 ends it and all it runs.
+/// One run, on a copy of the model (and of its .col and .row) in task.folder, with the start of task.rule;
+/// problems that are no .nl files are written as such, and not applicable where they cannot be. Whatever the program
+/// leaves running is killed. The calling process is to be one of run_process() with `runs_others`: where the campaign
+/// dies, SIGUSR1 ends it and all it runs.
 Answer run_external(const Task& task);
-
-// Affine problems as .nl files, for programs that know nothing else.
-
-/// F(x) = M x + q over a box as a text .nl file with the initial guess x0: row i complements variable i, or is the
-/// equation (M x)_i = -q_i where that variable is free (Gay, "Writing .nl files", 2005). Throws InputError if the
-/// problem is not affine.
-std::string affine_nl(const ncp::Mcp& mcp, ncp::In x0);
 
 }  // namespace perp::app::compare

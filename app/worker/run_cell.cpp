@@ -101,11 +101,6 @@ std::string CellRunner::log_tail() const {
 
 std::optional<RunEnd> CellRunner::attempt(const AskedMethod& method, const AskedProblem& problem, int start, int run) {
   RunEnd end;
-  if (method.external() && !problem.file.ends_with(".nl") && !problem.affine) {
-    end.answer.complete = end.answer.not_applicable = true;
-    end.answer.message = "neither an .nl file nor affine";
-    return end;
-  }
   fs::remove_all(folder_);
   fs::create_directories(folder_);
   Task task{.role = method.external() ? Task::Role::External : Task::Role::Solve,

@@ -36,7 +36,7 @@ void prove_all(const Mcp& mcp, const Enclosure& enclosure, const FunctionClassOp
   const Definiteness definite = definiteness(range, options.dense_to);
   if (definite.modulus > 0) {
     out.modulus = definite.modulus;
-    const std::string reason = "J + J' has no eigenvalue below " + number(2 * definite.modulus) + " on the box";
+    const std::string reason = "J + J' has no eigenvalue below " + number_below(2 * definite.modulus) + " on the box";
     for (FunctionProperty* property :
          {&out.strongly_monotone, &out.strictly_monotone, &out.monotone, &out.uniform_p, &out.p, &out.p0})
       prove(*property, reason);
@@ -60,6 +60,7 @@ class Values {
  public:
   Values(const Mcp& mcp, const Enclosure* enclosure) : mcp_(mcp), enclosure_(enclosure) {}
 
+  bool proven() const { return enclosure_ != nullptr; }
   bool at_point(In x, std::vector<Interval>& F) const {
     F.resize(at(x.size()));
     if (enclosure_ != nullptr) {
@@ -81,6 +82,7 @@ class Values {
 
 /// Two points, and what they refute.
 void refute(const Values& values, const Vec& x, const Vec& y, FunctionClasses& out) {
+  const std::string computed = values.proven() ? "" : ", with F as its function computes it";
   std::vector<Interval> Fx, Fy;
   if (x == y || !values.at_point(x, Fx) || !values.at_point(y, Fy)) return;
   Interval form = 0;
@@ -94,11 +96,12 @@ void refute(const Values& values, const Vec& x, const Vec& y, FunctionClasses& o
   const auto no = [&](FunctionProperty& property, bool holds, const std::string& reason) {
     if (holds && property.answer == Answer::NotDecided) property = {Answer::No, reason, x, y};
   };
-  const std::string sum = "two points have (x - y)'(F(x) - F(y)) = " + number(form.upper);
+  const std::string sum = "two points have (x - y)'(F(x) - F(y)) <= " + number_above(form.upper) + computed;
   no(out.monotone, form.upper < 0, sum);
   no(out.strictly_monotone, form.upper <= 0, sum);
   no(out.strongly_monotone, form.upper <= 0, sum);
-  const std::string most = "two points have (x_i - y_i) (F_i(x) - F_i(y)) <= " + number(largest) + " for every i";
+  const std::string most =
+      "two points have (x_i - y_i) (F_i(x) - F_i(y)) <= " + number_above(largest) + " for every i" + computed;
   no(out.p0, largest < 0, most);
   no(out.p, largest <= 0, most);
   no(out.uniform_p, largest <= 0, most);

@@ -14,7 +14,7 @@ constexpr int most_rounds = 20;
 
 }  // namespace
 
-std::optional<NoSolution> no_solution(const Mcp& mcp) {
+std::optional<NoSolution> no_solution(const Mcp& mcp, double tol) {
   const Enclosure* enclosure = mcp.enclosure();
   if (enclosure == nullptr) return std::nullopt;
   const Box& box = mcp.box();
@@ -27,12 +27,14 @@ std::optional<NoSolution> no_solution(const Mcp& mcp) {
       const Interval range = F[at(i)];
       const bool nowhere = range.is_empty();
       if (box.lower[i] == box.upper[i] && !nowhere) continue;
-      const bool at_lower = range.lower > 0, at_upper = range.upper < 0;
+      const bool at_lower = range.lower > tol, at_upper = range.upper < -tol;
       if (!nowhere && !at_lower && !at_upper) continue;
       const double bound = at_lower ? box.lower[i] : box.upper[i];
       if (nowhere || bound == -infinity || bound == infinity) return NoSolution{i, range};
-      if (X[at(i)] != Interval(bound)) narrowed = true;
-      X[at(i)] = bound;
+      const Interval near = intersection(X[at(i)], Interval(bound) + (at_lower ? Interval(0, tol) : Interval(-tol, 0)));
+      if (near.is_empty() || near == X[at(i)]) continue;
+      narrowed = true;
+      X[at(i)] = near;
     }
     if (!narrowed) return std::nullopt;
   }
@@ -45,7 +47,7 @@ std::string describe(const Mcp& mcp, const NoSolution& proof) {
   if (proof.range.is_empty()) return equation + " is defined nowhere within the bounds";
   const bool positive = proof.range.lower > 0;
   const bool free = mcp.box().lower[i] == -infinity && mcp.box().upper[i] == infinity;
-  return equation + " lies in [" + number(proof.range.lower) + ", " + number(proof.range.upper) +
+  return equation + " lies in [" + number_below(proof.range.lower) + ", " + number_above(proof.range.upper) +
          "] wherever the variables are within their bounds, and " + variable +
          (free       ? " is free"
           : positive ? " has no lower bound"

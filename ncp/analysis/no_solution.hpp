@@ -15,10 +15,10 @@ struct NoSolution {
   Interval range{};  ///< holds F_row(x) for every x that could be a solution; empty: F_row is defined nowhere there
 };
 
-/// Solutions lie in the box X. Where F_i > 0 on all of X, x_i = l_i, which is X_i from then on, and there is no
-/// solution if l_i is infinite; F_i < 0 likewise. Repeated until X stays as it is. Nothing: no proof was found that
-/// way, or the problem has no ranges.
-std::optional<NoSolution> no_solution(const Mcp& mcp);
+/// That no point has a natural residual of at most tol; with tol = 0, that there is no solution. Such points lie in the
+/// box X. Where F_i > tol on all of X, x_i <= l_i + tol, which narrows X_i, and there is none if l_i is infinite; F_i <
+/// -tol likewise. Repeated until X stays as it is. Nothing: no proof was found that way, or the problem has no ranges.
+std::optional<NoSolution> no_solution(const Mcp& mcp, double tol = 0);
 
 /// "equation "F[1]" lies in [0.1, inf] wherever its variables are within their bounds, and x[1] is free".
 std::string describe(const Mcp& mcp, const NoSolution& proof);

@@ -99,11 +99,12 @@ bool Proof::choose_sets() {
   for (Index i = 0; i < x_.size(); ++i) {
     const double F = midpoint(F_[at(i)]);
     Set& set = set_[at(i)];
+    // An infinite bound is no place to be, even where F overflows.
     if (box.lower[i] == box.upper[i])
       set = Set::Fixed;
-    else if (x_[i] - box.lower[i] <= F)
+    else if (box.lower[i] > -infinity && x_[i] - box.lower[i] <= F)
       set = Set::Lower;
-    else if (box.upper[i] - x_[i] <= -F)
+    else if (box.upper[i] < infinity && box.upper[i] - x_[i] <= -F)
       set = Set::Upper;
     if (set == Set::Lower || set == Set::Fixed) x_[i] = box.lower[i];
     if (set == Set::Upper) x_[i] = box.upper[i];
@@ -246,7 +247,7 @@ bool Proof::signs() {
     const bool holds = set_[at(i)] == Set::Lower ? range.lower > 0 : set_[at(i)] == Set::Upper ? range.upper < 0 : true;
     if (!holds)
       return fail("variable " + mcp_.variable_name(i) + " is at its bound, and the sign of " + mcp_.equation_name(i) +
-                  ", in [" + number(range.lower) + ", " + number(range.upper) + "], is not sure");
+                  ", in [" + number_below(range.lower) + ", " + number_above(range.upper) + "], is not sure");
   }
   return true;
 }

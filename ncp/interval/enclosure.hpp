@@ -11,6 +11,8 @@ namespace perp::ncp {
 class Enclosure {
  public:
   virtual ~Enclosure() = default;
+  /// What values() costs, in additions, roughly; 0: little.
+  virtual double work() const { return 0; }
   /// F(x) lies in F for every x of the box X where F is defined. A row that is defined nowhere there is empty.
   /// X and F: one interval a variable. Throws std::bad_alloc.
   virtual void values(std::span<const Interval> X, std::span<Interval> F) const = 0;

@@ -113,4 +113,19 @@ Expression Expression::binary(Operation operation, const Expression& a, const Ex
   return y;
 }
 
+std::optional<Expressions> written_down(
+    const std::function<bool(std::span<const Expression> x, std::span<Expression> F)>& f, int n) {
+  Expressions written;
+  std::vector<Expression> x;
+  for (int j = 0; j < n; ++j) x.push_back(Expression::variable(written.graph, j));
+  std::vector<Expression> F(static_cast<std::size_t>(n));
+  try {
+    if (!f(x, F)) return std::nullopt;
+  } catch (const Expression::Compared&) {
+    return std::nullopt;
+  }
+  for (const Expression& row : F) written.rows.push_back(row.node(written.graph));
+  return written;
+}
+
 }  // namespace perp::ncp

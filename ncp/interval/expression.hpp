@@ -2,6 +2,11 @@
 #pragma once
 /// A scalar whose arithmetic is written down as an expression graph: a function templated on its scalar type, run once
 /// on these, tells which variables each result depends on, where it is linear, and its ranges over boxes.
+#include <functional>
+#include <optional>
+#include <span>
+#include <vector>
+
 #include "ncp/interval/expression_graph.hpp"
 
 namespace perp::ncp {
@@ -73,5 +78,15 @@ class Expression {
   ExpressionGraph::Node node_ = -1;
   double number_ = 0;
 };
+
+/// A function R^n -> R^n, written down.
+struct Expressions {
+  ExpressionGraph graph{};
+  std::vector<ExpressionGraph::Node> rows{};
+};
+
+/// f, run once on variables; F comes in with zeros. Nothing, if f compares, or answers that it is not defined.
+std::optional<Expressions> written_down(
+    const std::function<bool(std::span<const Expression> x, std::span<Expression> F)>& f, int n);
 
 }  // namespace perp::ncp

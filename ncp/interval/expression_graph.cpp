@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <ranges>
 #include <stdexcept>
 #include <utility>
 
@@ -12,8 +11,6 @@ namespace perp::ncp {
 namespace {
 
 using Slopes = std::pair<Interval, Interval>;  // with respect to the first operand and to the second
-
-bool is_binary(Operation operation) { return operation <= Operation::Atan2; }
 
 Interval elementary(Operation operation, const Interval& a) {
   switch (operation) {
@@ -132,9 +129,10 @@ Interval slope(Operation operation, const Interval& a, const Interval& y) {
   }
 }
 
-/// b = a constant: b a^(b - 1). Else also a^b log(a) with respect to b.
+/// b = a constant: b a^(b - 1). Else also a^b log(a) with respect to b, of which nothing is known for a <= 0: there b
+/// is an integer that does not vary.
 Slopes slopes_of_power(const Interval& a, const Interval& b, const Interval& y) {
-  return {b * power(a, b - Interval(1)), y * log(a)};
+  return {b * power(a, b - Interval(1)), a.upper > 0 ? y * log(a) : Interval::all()};
 }
 
 /// Of min (sign 1) and max (sign -1) with respect to the first operand: 1 where it is surely the smaller one.
@@ -245,8 +243,8 @@ ExpressionGraph::Node ExpressionGraph::sum(std::span<const Node> terms) {
 Interval ExpressionGraph::value(const Entry& entry, std::span<const Interval> values,
                                 std::span<const Interval> X) const {
   switch (entry.operation) {
-    case Operation::Constant:
-      return entry.value;
+    case Operation::Constant:  // an infinity is no number, and x / inf is 0 for the function itself
+      return std::isfinite(entry.value) ? entry.value : Interval::all();
     case Operation::Variable:
       return X[static_cast<std::size_t>(entry.a)];
     case Operation::Unknown:
@@ -265,7 +263,8 @@ Interval ExpressionGraph::value(const Entry& entry, std::span<const Interval> va
 }
 
 bool ExpressionGraph::smooth(const Entry& entry, const Ranges& ranges) const {
-  if (entry.operation == Operation::Constant || entry.operation == Operation::Variable) return true;
+  if (entry.operation == Operation::Constant) return std::isfinite(entry.value);
+  if (entry.operation == Operation::Variable) return true;
   if (entry.operation == Operation::Unknown) return false;
   const auto a = static_cast<std::size_t>(entry.a);
   if (!is_binary(entry.operation)) return ranges.smooth[a] != 0 && smooth_on(entry.operation, ranges.values[a]);
@@ -304,7 +303,8 @@ std::vector<ExpressionGraph::Mention> ExpressionGraph::mentions(Node root, std::
   const std::vector<Node> nodes = below(root, visited);
   const auto flags = [&](Node node) -> char& { return visited[static_cast<std::size_t>(node)]; };
   const auto is_constant = [&](Node node) { return (flags(node) & constant) != 0; };
-  for (const Node node : nodes | std::views::reverse) {
+  for (auto it = nodes.rbegin(); it != nodes.rend(); ++it) {
+    const Node node = *it;
     const Entry& entry = nodes_[static_cast<std::size_t>(node)];
     const bool leaf = entry.operation >= Operation::Constant;
     const bool same = leaf ? entry.operation == Operation::Constant

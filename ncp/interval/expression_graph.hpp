@@ -59,6 +59,14 @@ class ExpressionGraph {
   Node sum(std::span<const Node> terms);
 
   std::size_t size() const { return nodes_.size(); }
+  /// Operands come before what they are operands of: a, b < node.
+  struct Entry {
+    Operation operation = Operation::Unknown;
+    Node a = -1, b = -1;  ///< operands; of a variable, a is its index
+    double value = 0;     ///< of a constant
+  };
+  const Entry& entry(Node node) const { return nodes_[static_cast<std::size_t>(node)]; }
+  static bool is_binary(Operation operation) { return operation <= Operation::Atan2; }
 
   /// A variable that a node's expression has.
   struct Mention {
@@ -84,11 +92,6 @@ class ExpressionGraph {
                        std::vector<char>& visited) const;
 
  private:
-  struct Entry {
-    Operation operation = Operation::Unknown;
-    Node a = -1, b = -1;  ///< operands; of a variable, a is its index
-    double value = 0;     ///< of a constant
-  };
   Node add(Entry entry);
   /// The root and all that it depends on, from the root down: a node after all that it is an operand of.
   std::vector<Node> below(Node root, std::vector<char>& visited) const;

@@ -53,7 +53,11 @@ struct Scratch {
   ~Scratch() { mpfi_clear(a), mpfi_clear(b), mpfi_clear(result); }
   Scratch(const Scratch&) = delete;
   Scratch& operator=(const Scratch&) = delete;
-  Interval value() const { return {mpfr_get_d(&result->left, MPFR_RNDD), mpfr_get_d(&result->right, MPFR_RNDU)}; }
+  /// Empty where all there is of it is an infinity, as of atanh at 1.
+  Interval value() const {
+    const Interval range(mpfr_get_d(&result->left, MPFR_RNDD), mpfr_get_d(&result->right, MPFR_RNDU));
+    return range.lower == inf || range.upper == -inf ? Interval::empty() : range;
+  }
   mpfi_t a, b, result;
 };
 
@@ -161,8 +165,9 @@ Interval power(const Interval& a, const Interval& b) {
   if (a.lower < 0 && !never_an_integer) return Interval::all();
   const Interval base = intersection(a, {0, inf});
   if (base.is_empty()) return base;
-  const Interval positive = base.upper > 0 ? exp(b * log(base)) : Interval::empty();
-  return base.lower == 0 && b.upper > 0 ? hull(Interval(0), positive) : positive;
+  Interval all = base.upper > 0 ? exp(b * log(base)) : Interval::empty();
+  if (base.lower == 0 && b.upper > 0) all = hull(Interval(0), all);
+  return base.lower == 0 && b.contains(0) ? hull(Interval(1), all) : all;
 }
 
 Interval minimum(const Interval& a, const Interval& b) {
@@ -196,6 +201,11 @@ Interval tanh(const Interval& a) { return by_mpfi(mpfi_tanh, a); }
 Interval asinh(const Interval& a) { return by_mpfi(mpfi_asinh, a); }
 Interval acosh(const Interval& a) { return by_mpfi(mpfi_acosh, intersection(a, {1, inf})); }
 Interval atanh(const Interval& a) { return by_mpfi(mpfi_atanh, intersection(a, {-1, 1})); }
-Interval atan2(const Interval& y, const Interval& x) { return by_mpfi(mpfi_atan2, y, x); }
+Interval atan2(const Interval& y, const Interval& x) {
+  // MPFI leaves out pi, the value at y = 0 > x, where y ends at 0.
+  constexpr double pi_up = 3.1415926535897936;
+  if (y.contains(0) && x.lower <= 0 && !x.is_empty()) return {-pi_up, pi_up};
+  return by_mpfi(mpfi_atan2, y, x);
+}
 
 }  // namespace perp::ncp

@@ -48,7 +48,7 @@ Interval operator/(const Interval& a, const Interval& b);
 inline Interval& operator+=(Interval& a, const Interval& b) { return a = a + b; }
 
 Interval square(const Interval& a);
-/// a^b, for a > 0, and for a = 0 < b; for every a where b is an integer.
+/// a^b, for a > 0, and for a = 0 <= b, with 0^0 = 1; for every a where b is an integer.
 Interval power(const Interval& a, const Interval& b);
 Interval minimum(const Interval& a, const Interval& b);
 Interval maximum(const Interval& a, const Interval& b);
@@ -73,6 +73,7 @@ Interval tanh(const Interval& a);
 Interval asinh(const Interval& a);
 Interval acosh(const Interval& a);
 Interval atanh(const Interval& a);
+/// [-pi, pi] where the half line y = 0 >= x is met: whichever sign 0 has, it is held.
 Interval atan2(const Interval& y, const Interval& x);
 
 }  // namespace perp::ncp

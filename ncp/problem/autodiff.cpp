@@ -5,42 +5,26 @@
 #include <optional>
 #include <stdexcept>
 
-#include "ncp/interval/enclosure.hpp"
+#include "ncp/interval/graph_enclosure.hpp"
 #include "ncp/problem/colouring.hpp"
 
 namespace perp::ncp {
 namespace {
 
-/// What one run on expressions told of a function.
-struct Recorded {
-  ExpressionGraph graph{};
-  std::vector<ExpressionGraph::Node> roots{};
-  std::vector<std::vector<ExpressionGraph::Mention>> rows{};
-};
+using Rows = std::vector<std::vector<ExpressionGraph::Mention>>;
 
-/// Nothing, if the function compares.
-std::optional<Recorded> record(const FunctionOf<Expression>& function, Index n) {
-  Recorded recorded;
-  std::vector<Expression> x;
-  for (int j = 0; j < static_cast<int>(n); ++j) x.push_back(Expression::variable(recorded.graph, j));
-  std::vector<Expression> F(at(n));
-  try {
-    if (!function(x, F)) return std::nullopt;
-  } catch (const Expression::Compared&) {
-    return std::nullopt;
-  }
-  for (const Expression& row : F) recorded.roots.push_back(row.node(recorded.graph));
-  std::vector<char> visited(recorded.graph.size(), 0);
-  for (const ExpressionGraph::Node root : recorded.roots)
-    recorded.rows.push_back(recorded.graph.mentions(root, visited));
-  return recorded;
+Rows mentions_of(const Expressions& written) {
+  Rows rows;
+  std::vector<char> visited(written.graph.size(), 0);
+  for (const ExpressionGraph::Node root : written.rows) rows.push_back(written.graph.mentions(root, visited));
+  return rows;
 }
 
-SpMat pattern_of(const Recorded& recorded) {
-  const auto n = static_cast<Index>(recorded.rows.size());
+SpMat pattern_of(const Rows& rows) {
+  const auto n = static_cast<Index>(rows.size());
   std::vector<Eigen::Triplet<double>> entries;
-  for (std::size_t i = 0; i < recorded.rows.size(); ++i)
-    for (const auto& mention : recorded.rows[i]) entries.emplace_back(static_cast<int>(i), mention.variable, 1.0);
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    for (const auto& mention : rows[i]) entries.emplace_back(static_cast<int>(i), mention.variable, 1.0);
   SpMat pattern(n, n);
   pattern.setFromTriplets(entries.begin(), entries.end());
   pattern.makeCompressed();
@@ -48,23 +32,23 @@ SpMat pattern_of(const Recorded& recorded) {
 }
 
 /// One flag an entry, by columns, rows ascending.
-std::vector<bool> linear_flags(const Recorded& recorded, const SpMat& pattern) {
+std::vector<bool> linear_flags(const Rows& rows, const SpMat& pattern) {
   std::vector<int> next(pattern.outerIndexPtr(), pattern.outerIndexPtr() + pattern.cols());
   std::vector<bool> linear(at(pattern.nonZeros()));
-  for (const auto& row : recorded.rows)
+  for (const auto& row : rows)
     for (const auto& mention : row) linear[at(next[at(mention.variable)]++)] = mention.linear;
   return linear;
 }
 
-class AutodiffMcp final : public Mcp, private Enclosure {
+class AutodiffMcp final : public Mcp {
  public:
   AutodiffMcp(FunctionInstances function, AutodiffParts parts)
-      : function_(std::move(function)),
-        parts_(std::move(parts)),
-        recorded_(record(function_.expression, parts_.box.size())) {
-    if (recorded_) {
-      parts_.pattern = pattern_of(*recorded_);
-      linear_ = linear_flags(*recorded_, parts_.pattern);
+      : function_(std::move(function)), parts_(std::move(parts)) {
+    if (auto written = written_down(function_.expression, static_cast<int>(parts_.box.size()))) {
+      const Rows rows = mentions_of(*written);
+      parts_.pattern = pattern_of(rows);
+      linear_ = linear_flags(rows, parts_.pattern);
+      enclosure_.emplace(*std::move(written), parts_.pattern);
     } else if (parts_.pattern.size() == 0) {
       parts_.pattern = dense_pattern(parts_.box.size());
     }
@@ -75,9 +59,12 @@ class AutodiffMcp final : public Mcp, private Enclosure {
 
   const Box& box() const override { return parts_.box; }
   const SpMat& jacobian_pattern() const override { return parts_.pattern; }
-  bool is_affine() const override { return recorded_ && std::ranges::find(linear_, false) == linear_.end(); }
+  bool is_affine() const override { return enclosure_ && std::ranges::find(linear_, false) == linear_.end(); }
   std::vector<bool> linear_entries() const override { return linear_; }
-  const Enclosure* enclosure() const override { return recorded_ ? this : nullptr; }
+  const Enclosure* enclosure() const override { return enclosure_ ? &*enclosure_ : nullptr; }
+  std::optional<Expressions> expressions() const override {
+    return enclosure_ ? std::optional(enclosure_->written()) : std::nullopt;
+  }
   JacobianWork jacobian_work() const override {
     return {JacobianWork::By::DualNumbers, static_cast<Index>(groups_.size()), sweeps_};
   }
@@ -96,12 +83,9 @@ class AutodiffMcp final : public Mcp, private Enclosure {
   bool jacobian(In x, SpMat& J) const override;
 
  private:
-  void values(std::span<const Interval> X, std::span<Interval> F) const override;
-  void jacobian(std::span<const Interval> X, std::span<Interval> J, std::span<char> known) const override;
-
   FunctionInstances function_;
   AutodiffParts parts_;
-  std::optional<Recorded> recorded_;
+  std::optional<GraphEnclosure> enclosure_{};
   std::vector<bool> linear_{};
   std::vector<std::vector<int>> groups_{};
   mutable std::vector<Dual> seeded_{}, row_{};  // x and F on dual numbers
@@ -124,28 +108,6 @@ bool AutodiffMcp::jacobian(In x, SpMat& J) const {
           J.valuePtr()[k] = row_[at(pattern.innerIndexPtr()[k])].d[lane];
   }
   return true;
-}
-
-void AutodiffMcp::values(std::span<const Interval> X, std::span<Interval> F) const {
-  const auto ranges = recorded_->graph.ranges(X);
-  for (std::size_t i = 0; i < F.size(); ++i) F[i] = ranges.values[at(recorded_->roots[i])];
-}
-
-void AutodiffMcp::jacobian(std::span<const Interval> X, std::span<Interval> J, std::span<char> known) const {
-  const ExpressionGraph& graph = recorded_->graph;
-  const auto ranges = graph.ranges(X);
-  std::vector<int> next(parts_.pattern.outerIndexPtr(), parts_.pattern.outerIndexPtr() + size());
-  std::vector<Interval> derivatives(at(size()));
-  std::vector<char> visited(graph.size(), 0);
-  for (std::size_t i = 0; i < known.size(); ++i) {
-    known[i] = ranges.smooth[at(recorded_->roots[i])];
-    if (known[i] != 0) graph.add_derivatives(recorded_->roots[i], ranges, derivatives, visited);
-    for (const auto& mention : recorded_->rows[i]) {
-      const std::size_t j = at(mention.variable);
-      J[at(next[j]++)] = known[i] != 0 ? derivatives[j] : Interval::all();
-      derivatives[j] = 0;
-    }
-  }
 }
 
 void check_parts(const FunctionInstances& instances, const AutodiffParts& parts) {

@@ -7,6 +7,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "ncp/interval/graph_enclosure.hpp"
+
 namespace perp::ncp {
 namespace {
 
@@ -32,6 +34,14 @@ class FunctionMcp final : public Mcp {
     return {JacobianWork::By::Differences, differences_->colours(), differences_->F_evals()};
   }
   bool is_affine() const override { return f_.affine; }
+  const Enclosure* enclosure() const override {
+    if (!enclosure_ && !std::exchange(asked_, true) && f_.box.size() <= most_enclosed)
+      if (auto written = expressions()) enclosure_.emplace(*std::move(written), f_.pattern);
+    return enclosure_ ? &*enclosure_ : nullptr;
+  }
+  std::optional<Expressions> expressions() const override {
+    return f_.expression ? written_down(f_.expression, static_cast<int>(f_.box.size())) : std::nullopt;
+  }
   std::vector<bool> linear_entries() const override { return f_.affine ? Mcp::linear_entries() : f_.linear_entries; }
   std::string name() const override { return f_.name; }
   std::string variable_name(Index i) const override {
@@ -44,6 +54,8 @@ class FunctionMcp final : public Mcp {
  private:
   Functions f_;
   mutable std::optional<ColouredDifferences> differences_{};
+  mutable std::optional<GraphEnclosure> enclosure_{};
+  mutable bool asked_ = false;
 };
 
 template <class... Parts>
@@ -58,6 +70,8 @@ template <class... Parts>
 
 std::string Mcp::variable_name(Index i) const { return std::string("x[").append(std::to_string(i + 1)).append("]"); }
 std::string Mcp::equation_name(Index i) const { return std::string("F[").append(std::to_string(i + 1)).append("]"); }
+
+std::optional<Expressions> Mcp::expressions() const { return std::nullopt; }
 
 std::vector<bool> Mcp::linear_entries() const {
   return is_affine() ? std::vector<bool>(static_cast<std::size_t>(jacobian_pattern().nonZeros()), true)

@@ -8,6 +8,8 @@
 /// F: R^n -> R^n, J = F' with a fixed sparsity pattern.
 #include <functional>
 #include <memory>
+#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -26,6 +28,8 @@ using lcp::SpMat;
 using lcp::Vec;
 
 class Enclosure;
+class Expression;
+struct Expressions;
 
 /// How J is computed, and at which cost.
 struct JacobianWork {
@@ -61,6 +65,8 @@ class Mcp {
   /// Ranges of F and J over boxes (ncp/interval/enclosure.hpp), for proofs; they live as long as the problem. Null: the
   /// problem has none.
   virtual const Enclosure* enclosure() const { return nullptr; }
+  /// F written down (ncp/interval/expression.hpp), for .nl files. Nothing: the problem cannot.
+  virtual std::optional<Expressions> expressions() const;
 
   /// Tells who computes J.
   virtual JacobianWork jacobian_work() const { return {}; }
@@ -85,7 +91,12 @@ struct Functions {
   bool affine = false;                        ///< as Mcp::is_affine
   std::vector<bool> linear_entries{};         ///< as Mcp::linear_entries: empty, or one flag a nonzero of the pattern
   DifferenceFormula differences{};            ///< without J: one evaluation of F a colour of the pattern, or two
+  /// F on expressions (ncp/interval/expression.hpp), of which the pattern has every variable a row mentions; with it
+  /// the problem has ranges, up to `most_enclosed` variables, and can be written as .nl file. Or none.
+  std::function<bool(std::span<const Expression> x, std::span<Expression> F)> expression{};
 };
+/// Variables up to which problems of functions have ranges: writing them down costs memory, a node an operation.
+inline constexpr Index most_enclosed = 5000;
 /// Throws std::invalid_argument if F is missing, the sizes of box, pattern, names and flags differ, or J is missing
 /// where entries are promised to be constant: differences are not exact.
 std::unique_ptr<Mcp> make_mcp(Functions functions);

@@ -3,6 +3,9 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
+#include <cstdlib>
+#include <limits>
 #include <numeric>
 #include <sstream>
 #include <utility>
@@ -15,6 +18,24 @@ std::string number(double value) {
   text.precision(4);
   text << value;
   return text.str();
+}
+
+std::string number_below(double value) {
+  const std::string nearest = number(value);
+  if (!std::isfinite(value) || std::strtod(nearest.c_str(), nullptr) <= value) return nearest;
+  // One unit of the fourth digit less; where that is nothing, all digits.
+  const double unit = std::pow(10, std::floor(std::log10(std::abs(value))) - 3);
+  const std::string lower = number(value - unit);
+  if (std::strtod(lower.c_str(), nullptr) <= value) return lower;
+  std::ostringstream all;
+  all.precision(std::numeric_limits<double>::max_digits10);
+  all << value;
+  return all.str();
+}
+
+std::string number_above(double value) {
+  const std::string text = number_below(-value);
+  return text.front() == '-' ? text.substr(1) : value == 0 ? text : "-" + text;
 }
 
 std::string quantity(Index n, std::string_view noun) {

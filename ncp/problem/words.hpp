@@ -10,6 +10,9 @@ namespace perp::ncp {
 
 /// Four digits, for messages.
 std::string number(double value);
+/// The same rounded down or up, of what is proven to be at least, or at most, the value.
+std::string number_below(double value);
+std::string number_above(double value);
 
 /// "1 iteration", "3 iterations".
 std::string quantity(Index n, std::string_view noun);

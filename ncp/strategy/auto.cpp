@@ -8,6 +8,7 @@
 
 #include "lcp/classes/classify.hpp"
 #include "lcp/linalg/krylov.hpp"
+#include "ncp/analysis/function_classes.hpp"
 #include "ncp/reformulation/normal_map.hpp"
 #include "ncp/strategy/attempts.hpp"
 #include "ncp/strategy/strategies.hpp"
@@ -25,6 +26,22 @@ void explain(const Mcp& mcp, In x0, Result& result) {
   result.stats.F_evals += pre.F_evals();
   result.stats.J_evals += pre.J_evals();
   if (!pre.infeasible().empty()) result.message = "proven to have no solution: " + pre.infeasible();
+}
+
+/// What the ranges of F prove of it, where that costs less than a few iterations.
+FunctionClasses proven_classes(const Mcp& mcp, In x) {
+  constexpr Index most_variables = 300;
+  if (mcp.is_affine() || mcp.size() > most_variables || mcp.enclosure() == nullptr) return {};
+  return function_classes(mcp, x, {.minors_to = 10, .samples = 0});
+}
+
+/// Of a run without a solution, whether there is one.
+void tell_existence(Run& run) {
+  const FunctionClasses classes = proven_classes(run.mcp(), run.best());
+  if (classes.strongly_monotone.answer == lcp::Answer::Yes)
+    run.remark("there is exactly one solution, as F is proven to be strongly monotone");
+  else if (classes.uniform_p.answer == lcp::Answer::Yes)
+    run.remark("there is exactly one solution, as F is proven to be a uniform P-function");
 }
 
 Attempt choice(std::string label, Method method, bool last = false) {
@@ -97,6 +114,10 @@ std::vector<Attempt> auto_list(const Auto& method) {
       only_if(choice("josephy", NewtonJosephy{.subproblem = Subproblem::Qp}),
               "nonlinear, " + of_size + "symmetric: quadratic programs by multigrid", large_symmetric),
       choice("path", method.path),
+      only_if(choice("semismooth", method.semismooth), "F is proven to be a uniform P-function",
+              [](Run& run, const Point& start) {
+                return proven_classes(run.mcp(), start.x).uniform_p.answer == lcp::Answer::Yes;
+              }),
       only_if(choice("smoothing", Smoothing{.function = smoothed_fischer_burmeister(), .restarts = 1}),
               "the problem is nonlinear", nonlinear),
       only_if(choice("interior points", InteriorPoint{.restarts = 0}), "the problem is nonlinear", nonlinear),
@@ -118,6 +139,7 @@ void automatic(Run& run, In x0, const Auto& method) {
   run.stats().restarts += static_cast<int>(tried.attempts.size()) - 1;
   if (run.accepted() && run.basis().empty()) run.keep_basis(cells_at(run.box(), run.best()));
   run.remark(account(run.mcp(), method, tried));
+  if (!run.accepted() && run.ended() && run.status() != Status::Infeasible) tell_existence(run);
 }
 
 void describe(Auto& m, Fields& f) {

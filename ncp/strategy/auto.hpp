@@ -15,8 +15,10 @@ namespace perp::ncp {
 ///     n > large, J symmetric          NewtonJosephy, its linearised problems as quadratic programs by multigrid
 ///     else, or with a warm basis      PathSearch
 ///
-/// then PathSearch if it was not the last, Smoothing and InteriorPoint (not for affine problems), SemismoothNewton on
-/// the penalised function and with proximal escapes. Every attempt but the last may use half of the iterations and
+/// then PathSearch if it was not the last, SemismoothNewton where F is proven to be a uniform P-function (every
+/// stationary point of its merit is the solution, and its level sets are bounded: Facchinei & Pang (2003), section
+/// 9.1), Smoothing and InteriorPoint (not for affine problems), SemismoothNewton on the penalised function and with
+/// proximal escapes. Every attempt but the last may use half of the iterations and
 /// evaluations that are left, or 100 and 1000 if that is more: tighter limits are for the first method alone.
 struct Auto {
   Stop stop{};

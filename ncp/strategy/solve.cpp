@@ -8,6 +8,7 @@
 
 #include "lcp/words.hpp"
 #include "ncp/analysis/no_solution.hpp"
+#include "ncp/interval/enclosure.hpp"
 #include "ncp/run/notes.hpp"
 #include "ncp/run/run.hpp"
 #include "ncp/strategy/proximal.hpp"
@@ -47,17 +48,32 @@ void run_base(Run& run, In x0, const Method& method) {
              method);
 }
 
-/// Ends the run if the ranges of F over the box leave no solution.
-bool refuted(Run& run, In x0) {
-  const auto proof = no_solution(run.mcp());
-  if (!proof) return false;
-  const std::string message = "proven to have no solution: " + describe(run.mcp(), *proof);
-  const std::string advice = "look for a mistake in the model";
-  if (Point point; run.start(x0, point))
-    run.end(Status::Infeasible, message, advice);
-  else if (!run.accepted())
-    run.replace_verdict({Status::Infeasible, message, advice});
-  return true;
+/// That the ranges of F over the box leave no point that the judge could accept.
+std::optional<Run::Verdict> refutation(const Mcp& mcp, double tol) {
+  const auto proof = no_solution(mcp, tol);
+  if (!proof) return std::nullopt;
+  return Run::Verdict{Status::Infeasible, "proven to have no solution: " + describe(mcp, *proof),
+                      "look for a mistake in the model"};
+}
+
+/// Before the method, where that costs about a millisecond at most; else of runs that have found nothing.
+void solve_or_refute(Run& run, In x0, const Method& method) {
+  constexpr double little_work = 30'000;
+  const Mcp& mcp = run.mcp();
+  const Enclosure* enclosure = mcp.enclosure();
+  const bool first = enclosure != nullptr && enclosure->work() <= little_work;
+  const double tol = stop(method).tol;
+  if (const auto verdict = first ? refutation(mcp, tol) : std::nullopt) {
+    if (Point point; run.start(x0, point))
+      run.end(verdict->status, verdict->message, verdict->advice);
+    else if (!run.accepted())
+      run.replace_verdict(*verdict);
+    return;
+  }
+  run_method(run, x0, method);
+  const bool lost = run.ended() && (ncp::stuck(run.status()) || run.status() == Status::IterationLimit);
+  if (first || enclosure == nullptr || !lost) return;
+  if (const auto verdict = refutation(mcp, tol)) run.replace_verdict(*verdict);
 }
 
 /// A derivative that does not match is the most frequent reason of a failure, and the hardest to see.
@@ -191,9 +207,7 @@ Result solve(const Mcp& mcp, In x0, const Method& method, const Observer& observ
         refuse_input(mcp.name(), ": ", mismatch);
   const JacobianWork before = mcp.jacobian_work();
   Run run(mcp, stop(method), observer);
-  run.guard([&] {
-    if (!refuted(run, x0)) run_method(run, x0, method);
-  });
+  run.guard([&] { solve_or_refute(run, x0, method); });
   Result result = run.result(x0);
   result.stats.J_colours = static_cast<int>(before.colours);
   result.stats.J_F_evals = static_cast<int>(mcp.jacobian_work().F_evals - before.F_evals);

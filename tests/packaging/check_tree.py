@@ -51,7 +51,7 @@ RULES = [
     (r"(.*/)?(asl|asl_pfg|asl_pfgh|nlp|nlp2|getstub|jacpdim)\.h$", ("ncp/ampl/",), "AMPL's library stays in ncp/ampl"),
     (r"(.*/)?(hdf5|H5\w*)\.h(pp)?$", ("contact/io/hdf5_lazy.hpp",), "HDF5 stays in contact/io/hdf5_lazy.hpp"),
     (r"gsl/", ("ncp/methods/multiroot_gsl.cpp", "ncp/methods/gsl_errors.cpp"), "GSL stays behind multiroot"),
-    (r"mpfi|mpfr|gmp", ("ncp/interval/interval.cpp",), "MPFI stays behind the intervals"),
+    (r"mpfi|mpfr|gmp", ("ncp/interval/",), "MPFI and GMP stay behind the intervals"),
     (r"(CLI/|nlohmann/)", ("app/", "petsc/mpi/"), "command line and JSON stay in the programs"),
     (r"(pybind11/|Python\.h$)", ("python/",), "Python stays in python"),
     (r"(.*/)?\.\./", (), "includes are written from the root of the tree"),

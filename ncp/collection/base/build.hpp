@@ -3,7 +3,9 @@
 /// How the collection makes its problems: one generic function F for values and derivatives, names, tables of numbers.
 /// Private to the collection.
 #include <algorithm>
+#include <functional>
 #include <initializer_list>
+#include <span>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -72,12 +74,34 @@ class Row {
   Index size_;
 };
 
-/// The number type of a Row: double or Dual.
+/// The number type of a Row: double, Dual or Expression.
 template <class R>
 using Number = std::remove_cvref_t<decltype(std::declval<R>()[0])>;
 
+/// f on expressions, as Functions::expression; `void f(const auto& x, auto& F)` is handed vectors as Eigen's.
+template <class Fn>
+std::function<bool(std::span<const Expression>, std::span<Expression>)> on_vectors(Index n, Fn f) {
+  return [n, f](std::span<const Expression> x, std::span<Expression> F) {
+    using Vector = Eigen::Matrix<Expression, Eigen::Dynamic, 1>;
+    const Vector from = Eigen::Map<const Vector>(x.data(), n);
+    Vector to = Vector::Constant(n, Expression(0));
+    f(from, to);
+    std::copy(to.data(), to.data() + n, F.begin());
+    return true;
+  };
+}
+/// A x, for x of any numbers.
+template <class V>
+Eigen::Matrix<typename V::Scalar, Eigen::Dynamic, 1> product(const SpMat& A, const V& x) {
+  using T = typename V::Scalar;
+  Eigen::Matrix<T, Eigen::Dynamic, 1> y = Eigen::Matrix<T, Eigen::Dynamic, 1>::Constant(A.rows(), T(0));
+  for (Index j = 0; j < A.cols(); ++j)
+    for (SpMat::InnerIterator entry(A, j); entry; ++entry) y[entry.row()] += entry.value() * x[j];
+  return y;
+}
+
 /// The problem with F = f, where `bool f(const auto& x, const auto& F)` reads x[0..n-1], writes F[0..n-1] (Rows of
-/// double or Dual) and answers whether F is defined there; a void f says that it is. J comes by forward
+/// double, Dual or Expression) and answers whether F is defined there; a void f says that it is. J comes by forward
 /// differentiation; values that are not finite count as "not defined here" in F and in J.
 template <class Fn>
 std::unique_ptr<Mcp> make_problem(Shape shape, Fn fn) {
@@ -88,6 +112,10 @@ std::unique_ptr<Mcp> make_problem(Shape shape, Fn fn) {
       return fn(x, F);
   };
   Functions made = functions_of(std::move(shape));
+  made.expression = [f](std::span<const Expression> x, std::span<Expression> F) {
+    const auto n = static_cast<Index>(x.size());
+    return f(Row<const Expression>(x.data(), n), Row<Expression>(F.data(), n));
+  };
   made.F = [f](In x, Out F) {
     return f(Row<const double>(x.data(), x.size()), Row<double>(F.data(), F.size())) && all_finite(F);
   };

@@ -12,7 +12,9 @@
 namespace perp::ncp::collection {
 
 /// The problem of a model, which has
-///     void excess(In z, Out F) const                            F := F(z)
+///     template <class Z, class Y> void excess(const Z& z, Y&& F) const   F := F(z), on vectors of double and
+///     Expression;
+///                                                               of affine models on those of double alone
 ///     template <class Visit> void slopes(In z, Visit) const     visit(i, j, dF_i/dz_j, constant) for every entry that
 ///                                                               can be nonzero, column by column and downwards in
 ///                                                               each; constant: see Mcp::linear_entries
@@ -33,6 +35,13 @@ class ModelMcp final : public Mcp {
   std::string variable_name(Index i) const override { return model_.variable(i); }
   std::string equation_name(Index i) const override { return model_.equation(i); }
 
+  std::optional<Expressions> expressions() const override {
+    if constexpr (Model::affine)
+      return std::nullopt;
+    else
+      return written_down(on_vectors(size(), [&](const auto& z, auto& F) { model_.excess(z, F); }),
+                          static_cast<int>(size()));
+  }
   bool eval(In z, Out F) const override {
     model_.excess(z, F);
     return all_finite(F);

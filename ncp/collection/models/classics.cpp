@@ -36,10 +36,10 @@ Problem nash5() {
                          constexpr double c[firms] = {10, 8, 6, 4, 2}, beta[firms] = {1.2, 1.1, 1, 0.9, 0.8};
                          auto Q = q[0];
                          for (int i = 0; i < firms; ++i) {
-                           if (!(value(q[i]) >= 0)) return false;
+                           if (!not_below(q[i], 0)) return false;
                            if (i > 0) Q += q[i];
                          }
-                         if (!(value(Q) > 0)) return false;
+                         if (!above(Q, 0)) return false;
                          const auto price = pow(5000 / Q, 1 / gamma);
                          for (int i = 0; i < firms; ++i)
                            F[i] = c[i] + pow(q[i] / 5, 1 / beta[i]) - price + q[i] * price / (gamma * Q);

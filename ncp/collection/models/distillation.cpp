@@ -141,7 +141,7 @@ Problem distillation(const Column& column, std::span<const double> start, std::s
   p.mcp = make_problem(shape(column), [&column](const auto& z, const auto& F) {
     for (int i = 0; i < column.n; ++i)
       for (int j = 0; j < column.m; ++j)
-        if (!(value(z[at_t(column, i)]) > -column.c[j])) return false;  // the pole of Antoine's equation
+        if (!above(z[at_t(column, i)], -column.c[j])) return false;  // the pole of Antoine's equation
     column_equations(column, z, F);
     return true;
   });

@@ -19,7 +19,7 @@ std::unique_ptr<Mcp> exchange(std::string name, double alpha, double b2, double 
   return make_problem({std::move(name), box, joined({{"y"}, indexed("p", 3)})},
                       [alpha, b2, b3](const auto& z, const auto& F) {
                         const auto &y = z[0], &p1 = z[1], &p2 = z[2], &p3 = z[3];
-                        if (!(value(p1) > 0 && value(p2) > 0)) return false;
+                        if (!above(p1, 0) || !above(p2, 0)) return false;
                         const auto income = b2 * p2 + b3 * p3;
                         F[0] = -p1 + p2 + p3;
                         F[1] = y - alpha * income / p1;
@@ -88,7 +88,7 @@ Problem kehoe() {
       for (int g = 0; g < goods; ++g) F[s] -= activity[g][s] * prices[g];
     }
     for (int g = 0; g < goods; ++g) {
-      if (!(value(prices[g]) > 0)) return false;
+      if (!above(prices[g], 0)) return false;
       Number<decltype(z)> spent = 0;
       for (int c = 0; c < households; ++c) spent += share[g][c] * h[c];
       F[sectors + g] = endowment[g] - spent / prices[g];

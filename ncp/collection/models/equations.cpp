@@ -36,15 +36,12 @@ T square(const T& u) {
   return u * u;
 }
 
-/// arctan(x2 / x1) / (2 pi), and 1/2 more where x1 < 0: the book's branch, in (-1/4, 3/4]. By the quotient that is at
-/// most 1, so that x1 = 0 is no pole.
+/// arctan(x2 / x1) / (2 pi), and 1/2 more where x1 < 0: the book's branch, in (-1/4, 3/4]. By the angle from the second
+/// axis, so that x1 = 0 < x2 is no pole, and the cut is at x1 = 0 > x2.
 template <class T>
 T turn(const T& x1, const T& x2) {
-  using std::abs, std::atan;
-  constexpr double whole = 2 * std::numbers::pi;
-  if (abs(value(x1)) >= abs(value(x2))) return atan(x2 / x1) / whole + (value(x1) < 0 ? 0.5 : 0.0);
-  const double right_angle = value(x2) > 0 ? 0.25 : value(x1) < 0 ? 0.75 : -0.25;
-  return right_angle - atan(x1 / x2) / whole;
+  using std::atan2;
+  return 0.25 - atan2(x1, x2) / (2 * std::numbers::pi);
 }
 
 /// (t_i) = i h, h = 1 / (n + 1), and the start x_i = t_i (t_i - 1) of the two-point problems 28 and 29.

@@ -13,9 +13,6 @@ namespace {
 
 using namespace pies_tables;
 
-double power(double u, double e) { return std::pow(u, e); }
-Dual power(const Dual& u, double e) { return Dual::chain(std::pow(u.v, e), e * std::pow(u.v, e - 1), u); }
-
 /// Where the blocks of unknowns begin, each by its two indices, the second one fastest.
 struct Block {
   int first, columns;
@@ -65,10 +62,11 @@ void shipments(const X& z, const F& loss) {
 /// Arrivals less demands.
 template <class X, class F>
 void markets(const X& z, const F& excess) {
+  using std::pow;
   for (int u = 0; u < users; ++u)
     for (int g = 0; g < fuels; ++g) {
       Number<F> demand = q0[g];
-      for (int h = 0; h < fuels; ++h) demand *= power(z[p(h, u)] / p0[h], esub[g][h]);
+      for (int h = 0; h < fuels; ++h) demand *= pow(z[p(h, u)] / p0[h], esub[g][h]);
       constexpr std::array arrivals{ct, lt, ht};
       excess[p(g, u)] =
           z[arrivals[static_cast<std::size_t>(g)](0, u)] + z[arrivals[static_cast<std::size_t>(g)](1, u)] - demand;
@@ -162,7 +160,7 @@ Names complements() {
 Problem pies() {
   const auto F = [](const auto& z, const auto& excess) {
     for (Index k = p.first; k < cv.first; ++k)
-      if (!(value(z[k]) > 0)) return false;
+      if (!above(z[k], 0)) return false;
     production(z, excess);
     shipments(z, excess);
     markets(z, excess);

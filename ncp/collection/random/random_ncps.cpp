@@ -20,8 +20,10 @@ struct Term {
   Curve curve = Curve::Linear;
   double scale = 1;
 
-  double value(double x) const {
-    const double y = scale * x;
+  template <class T>
+  T value(const T& x) const {
+    using std::atan, std::exp;
+    const T y = scale * x;
     switch (curve) {
       case Curve::Linear:
         return y;
@@ -30,9 +32,9 @@ struct Term {
       case Curve::LinearCube:
         return y + y * y * y;
       case Curve::Arctan:
-        return std::atan(y);
+        return atan(y);
       case Curve::Exp:
-        return std::exp(y);
+        return exp(y);
     }
     return 0;
   }
@@ -82,13 +84,11 @@ class SeparableMcp final : public Mcp {
   std::string name() const override { return name_; }
 
   bool eval(In x, Out F) const override {
-    F = q_;
-    for (Index j = 0; j < x.size(); ++j) {
-      const double g = term(j).value(x[j]);
-      for (Index at = first(j); at < first(j + 1); ++at)
-        F[pattern_.innerIndexPtr()[at]] += m_[at] * x[j] + (a_[at] != 0 ? a_[at] * g : 0);
-    }
+    add_up(x, F);
     return all_finite(F);
+  }
+  std::optional<Expressions> expressions() const override {
+    return written_down(on_vectors(size(), [&](const auto& x, auto& F) { add_up(x, F); }), static_cast<int>(size()));
   }
   bool jacobian(In x, SpMat& J) const override {
     for (Index j = 0; j < x.size(); ++j) {
@@ -105,6 +105,16 @@ class SeparableMcp final : public Mcp {
   }
 
  private:
+  template <class Z, class Y>
+  void add_up(const Z& x, Y& F) const {
+    using T = typename Z::Scalar;
+    for (Index i = 0; i < q_.size(); ++i) F[i] = q_[i];
+    for (Index j = 0; j < x.size(); ++j) {
+      const T g = term(j).value(T(x[j]));
+      for (Index at = first(j); at < first(j + 1); ++at)
+        F[pattern_.innerIndexPtr()[at]] += m_[at] * x[j] + (a_[at] != 0 ? a_[at] * g : T(0));
+    }
+  }
   const Term& term(Index j) const { return g_[static_cast<std::size_t>(j)]; }
   Index first(Index j) const { return pattern_.outerIndexPtr()[j]; }
   Vec spread(const SpMat& part) const {

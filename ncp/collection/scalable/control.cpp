@@ -48,16 +48,23 @@ struct Control {
   static auto l(Z& z, Index t) {
     return z.template segment<2>(width * t + 3);
   }
-  Vector2d next(const Vector2d& from, double control) const { return system.g(from) + Vector2d(0, b * control); }
+  template <class T>
+  Eigen::Matrix<T, 2, 1> next(const Eigen::Matrix<T, 2, 1>& from, const T& control) const {
+    return system.g(from) + Eigen::Matrix<T, 2, 1>(T(0), b * control);
+  }
 
-  void excess(In z, Out F) const {
-    Vector2d before = x0;
+  template <class Z, class Y>
+  void excess(const Z& z, Y&& F) const {
+    using T = typename Z::Scalar;
+    using Pair = Eigen::Matrix<T, 2, 1>;
+    const T scale(s);
+    Pair before = x0.cast<T>();
     for (Index t = 0; t < stages(); ++t) {
-      const Vector2d now = x(z, t);
-      const Vector2d later = t + 1 < stages() ? Vector2d(l(z, t + 1)) : Vector2d(0, 0);
-      x(F, t) = now - r.col(t) - s * (l(z, t) - system.slope(now).transpose() * later);
+      const Pair now = x(z, t);
+      const Pair later = t + 1 < stages() ? Pair(l(z, t + 1)) : Pair(T(0), T(0));
+      x(F, t) = now - r.col(t).template cast<T>() - scale * (l(z, t) - system.slope(now).transpose() * later);
       F[width * t + 2] = R * z[width * t + 2] + s * b * l(z, t)[1];
-      l(F, t) = s * (now - next(before, z[width * t + 2]));
+      l(F, t) = scale * (now - next(before, T(z[width * t + 2])));
       before = now;
     }
   }
@@ -128,9 +135,15 @@ struct VanDerPol {
   static constexpr bool affine = false;
   static constexpr bool linear(Index i) { return i == 0; }
   double h;
-  Vector2d g(const Vector2d& x) const { return {x[0] + h * x[1], x[1] + h * ((1 - x[0] * x[0]) * x[1] - x[0])}; }
-  Matrix2d slope(const Vector2d& x) const {
-    return (Matrix2d() << 1, h, -h * (1 + 2 * x[0] * x[1]), 1 + h * (1 - x[0] * x[0])).finished();
+  template <class T>
+  Eigen::Matrix<T, 2, 1> g(const Eigen::Matrix<T, 2, 1>& x) const {
+    return {x[0] + h * x[1], x[1] + h * ((1 - x[0] * x[0]) * x[1] - x[0])};
+  }
+  template <class T>
+  Eigen::Matrix<T, 2, 2> slope(const Eigen::Matrix<T, 2, 1>& x) const {
+    Eigen::Matrix<T, 2, 2> made;
+    made << T(1), T(h), -h * (1 + 2 * x[0] * x[1]), 1 + h * (1 - x[0] * x[0]);
+    return made;
   }
   Matrix2d curvature(const Vector2d& x, const Vector2d& l) const {
     return -2 * h * l[1] * (Matrix2d() << x[1], x[0], x[0], 0).finished();

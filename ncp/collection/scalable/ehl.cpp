@@ -37,34 +37,49 @@ struct Contact {
     }
   }
   double end_weight(Index i) const { return i == 0 || i == N ? 0.5 : 1; }
-  Vec gap(In z) const { return g.array() + z[0] + (G * z.tail(N)).array(); }
+  Vec gap(const Vec& z) const { return g.array() + z[0] + (G * z.tail(N)).array(); }
+  /// On other numbers.
+  template <class Z>
+  Z gap(const Z& z) const {
+    Z h = Z::Constant(N + 1, z[0]);
+    for (Index j = 0; j <= N; ++j) {
+      h[j] += g[j];
+      for (Index i = 0; i < N; ++i) h[j] += G(j, i) * z[i + 1];
+    }
+    return h;
+  }
 
   /// The flow h_j^3 (p_{j+1} - p_j) / exp(alpha (p_{j+1} + p_j) / 2) through gap j without its factor h_j^3, and its
   /// derivatives by p_j and p_{j+1}.
+  template <class T>
   struct Flow {
-    double value, by_left, by_right;
+    T value, by_left, by_right;
   };
-  Flow flow(In z, Index j) const {
-    const double left = j > 0 ? z[j] : 0, right = j < N ? z[j + 1] : 0;
-    const double thin = std::exp(-alpha * (left + right) / 2);
-    const double drop = right - left;
+  template <class Z, class T = typename Z::Scalar>
+  Flow<T> flow(const Z& z, Index j) const {
+    using std::exp;
+    const T left = j > 0 ? T(z[j]) : T(0), right = j < N ? T(z[j + 1]) : T(0);
+    const T thin = exp(-alpha * (left + right) / 2);
+    const T drop = right - left;
     return {thin * drop, thin * (-1 - alpha / 2 * drop), thin * (1 - alpha / 2 * drop)};
   }
 
-  bool excess(In z, Out& F) const {
-    const Vec h = gap(z);
+  template <class Z, class Y>
+  void excess(const Z& z, Y& F) const {
+    using std::pow;
+    using T = typename Z::Scalar;
+    const Z h = gap(z);
     F[0] = 1;
     for (Index i = 1; i <= N; ++i) F[0] -= 2 * dx / std::numbers::pi * end_weight(i) * z[i];
-    double before = std::pow(h[0], 3) * flow(z, 0).value;
+    T before = pow(h[0], 3) * flow(z, 0).value;
     for (Index i = 1; i <= N; ++i) {
-      const double after = std::pow(h[i], 3) * flow(z, i).value;
+      const T after = pow(h[i], 3) * flow(z, i).value;
       F[i] = lambda / dx * (h[i] - h[i - 1]) - (after - before) / (dx * dx);
       before = after;
     }
-    return all_finite(F);
   }
 
-  bool slopes(In z, SpMat& J) const {
+  bool slopes(const Vec& z, SpMat& J) const {
     const Vec h = gap(z);
     Eigen::Map<Eigen::MatrixXd> dense(J.valuePtr(), N + 1, N + 1);
     dense.setZero();
@@ -97,7 +112,11 @@ Problem ehl_kost(Index N) {
   for (const auto& [names, letter] : {std::pair(&variables, "p"), {&equations, "reynolds"}})
     for (const std::string& name : indexed(letter, N)) names->push_back(name);
   Functions made = functions_of({"ehl-kost", std::move(box), std::move(variables), std::move(equations)});
-  made.F = [contact](In z, Out F) { return contact->excess(z, F); };
+  made.F = [contact](In z, Out F) {
+    contact->excess(Vec(z), F);
+    return all_finite(F);
+  };
+  made.expression = on_vectors(N + 1, [contact](const auto& x, auto& F) { contact->excess(x, F); });
   made.J = [contact](In z, SpMat& J) { return contact->slopes(z, J); };
 
   Problem p;

@@ -20,14 +20,19 @@ struct Oligopoly {
   double demand = 5000;
 
   bool defined(In q) const { return q.minCoeff() >= 0 && q.sum() > 0; }
-  double price(double Q) const { return std::pow(demand / Q, 1 / gamma); }
+  template <class T>
+  T price(const T& Q) const {
+    using std::pow;
+    return pow(demand / Q, 1 / gamma);
+  }
 
   /// F_i = c_i + (L q_i)^(1/beta_i) - p + q_i p / (gamma Q), as p' = -p / (gamma Q). Not defined for q_i < 0, Q = 0.
-  bool marginal_loss(In q, Out& F) const {
-    if (!defined(q)) return false;
-    const double Q = q.sum(), p = price(Q);
-    F = c.array() + (L * q.array()).pow(1 / beta.array()) - p + q.array() * p / (gamma * Q);
-    return F.allFinite();
+  template <class Z, class Y>
+  void marginal_loss(const Z& q, Y& F) const {
+    using std::pow;
+    using T = typename Z::Scalar;
+    const T Q = q.sum(), p = price(Q), per_unit = p / (gamma * Q);
+    for (Index i = 0; i < q.size(); ++i) F[i] = c[i] + pow(L * q[i], 1 / beta[i]) - p + q[i] * per_unit;
   }
   /// dF_i/dq_j = p / (gamma Q) (1 - (1 + 1/gamma) q_i / Q) + [i = j] ((L / beta_i) (L q_i)^(1/beta_i - 1) + p / (gamma
   /// Q)). Infinite at q_i = 0 where beta_i > 1.
@@ -45,7 +50,8 @@ struct Oligopoly {
 std::unique_ptr<Mcp> make_oligopoly(std::string name, const Oligopoly& market) {
   const Index n = market.c.size();
   Functions made = functions_of({std::move(name), Box::nonnegative(n), indexed("q", n), indexed("marginal_loss", n)});
-  made.F = [market](In q, Out F) { return market.marginal_loss(q, F); };
+  made.F = [market](In q, Out F) { return market.defined(q) && (market.marginal_loss(q, F), F.allFinite()); };
+  made.expression = on_vectors(n, [market](const auto& q, auto& F) { market.marginal_loss(q, F); });
   made.J = [market](In q, SpMat& J) { return market.jacobian(q, J); };
   return make_mcp(std::move(made));
 }

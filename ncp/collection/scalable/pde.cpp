@@ -32,6 +32,13 @@ class GridMcp final : public Mcp {
   std::string variable_name(Index k) const override { return element("v", place(k)); }
   std::string equation_name(Index k) const override { return element("F", place(k)); }
 
+  std::optional<Expressions> expressions() const override {
+    const auto f = [&](const auto& v, auto& F) {
+      F = product(A_, v);
+      for (Index k = 0; k < v.size(); ++k) F[k] = F[k] + q_[k] - s_ * exp(v[k]);
+    };
+    return s_ == 0 ? std::nullopt : written_down(on_vectors(size(), f), static_cast<int>(size()));
+  }
   bool eval(In v, Out F) const override {
     F = q_;
     F.noalias() += A_ * v;

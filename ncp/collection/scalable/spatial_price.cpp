@@ -31,9 +31,14 @@ struct Trade {
   Index regions() const { return s.size(); }
   Index count() const { return static_cast<Index>(arcs.size()); }
   const Arc& arc(Index a) const { return arcs[static_cast<std::size_t>(a)]; }
-  double demand(Index i, double p) const { return d[i] * std::exp(-p / fade); }
+  template <class T>
+  T demand(Index i, const T& p) const {
+    using std::exp;
+    return d[i] * exp(-p / fade);
+  }
 
-  void excess(In z, Out F) const {
+  template <class Z, class Y>
+  void excess(const Z& z, Y&& F) const {
     const auto p = z.tail(regions());
     auto market = F.tail(regions());
     for (Index i = 0; i < regions(); ++i) market[i] = s[i] * p[i] - demand(i, p[i]);

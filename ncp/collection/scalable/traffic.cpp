@@ -43,20 +43,26 @@ struct Traffic {
     return K * count() + k * (nodes() - 1) + node - (node > destination(k) ? 1 : 0);
   }
 
-  double time(Index a, double v) const { return arc(a).t * (1 + 0.15 * std::pow(v / arc(a).capacity, 4)); }
+  template <class T>
+  T time(Index a, const T& v) const {
+    using std::pow;
+    return arc(a).t * (1 + 0.15 * pow(v / arc(a).capacity, 4));
+  }
   double slope(Index a, double v) const { return arc(a).t * 0.6 * std::pow(v / arc(a).capacity, 3) / arc(a).capacity; }
 
-  void excess(In z, Out F) const {
+  template <class Z, class Y>
+  void excess(const Z& z, Y&& F) const {
+    using T = typename Z::Scalar;
     const auto pi = [&](Index node, Index k) {
       const Index at = potential(node, k);
-      return at < 0 ? 0 : z[at];
+      return at < 0 ? T(0) : T(z[at]);
     };
     for (Index i = 0; i < nodes(); ++i)
       for (Index k = 0; k < K; ++k)
         if (const Index row = potential(i, k); row >= 0) F[row] = -demand[static_cast<std::size_t>(i * K + k)];
     for (Index a = 0; a < count(); ++a) {
       const auto flows = z.segment(K * a, K);
-      const double now = time(a, flows.sum());
+      const T now = time(a, T(flows.sum()));
       for (Index k = 0; k < K; ++k) {
         F[K * a + k] = now + pi(arc(a).to, k) - pi(arc(a).from, k);
         if (const Index row = potential(arc(a).from, k); row >= 0) F[row] += flows[k];

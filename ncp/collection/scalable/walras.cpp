@@ -137,16 +137,16 @@ SpMat jacobian_frame(const Economy& economy) {
   return sparse(economy.size(), economy.size(), entries);
 }
 
-bool excess(const Economy& economy, In z, Out& F) {
+template <class Z, class Y>
+void excess(const Economy& economy, const Z& z, Y& F) {
   const auto y = z.head(economy.sectors()), p = z.segment(economy.sectors(), economy.goods());
   const auto h = z.tail(economy.households());
-  if (!(p.minCoeff() > 0)) return false;
-  F.head(economy.sectors()) = -(economy.a.transpose() * p);
-  auto markets = F.segment(economy.sectors(), economy.goods());
-  markets = economy.e * Vec::Ones(economy.households()) + economy.a * y;
-  markets -= Vec(economy.alpha * h).cwiseQuotient(p);
-  F.tail(economy.households()) = h - economy.e.transpose() * p;
-  return all_finite(F);
+  const Vec supply = economy.e * Vec::Ones(economy.households());
+  const auto made = product(economy.a, y), spent = product(economy.alpha, h);
+  const auto revenue = product(economy.a.transpose(), p), earned = product(economy.e.transpose(), p);
+  for (Index s = 0; s < economy.sectors(); ++s) F[s] = -revenue[s];
+  for (Index g = 0; g < economy.goods(); ++g) F[economy.sectors() + g] = supply[g] + made[g] - spent[g] / p[g];
+  for (Index c = 0; c < economy.households(); ++c) F[economy.sectors() + economy.goods() + c] = h[c] - earned[c];
 }
 
 bool slopes(const Economy& economy, const SpMat& frame, In z, SpMat& J) {
@@ -186,7 +186,12 @@ Problem walras_own(Index goods, Index sectors, Index households, unsigned seed) 
     return joined({indexed(y, sectors), indexed(p, goods), indexed(h, households)});
   };
   Functions made = functions_of({"walras-own", box, names("y", "p", "h"), names("loss", "market", "income"), *frame});
-  made.F = [shared](In z, Out F) { return excess(*shared, z, F); };
+  made.F = [shared](In z, Out F) {
+    if (!(z.segment(shared->sectors(), shared->goods()).minCoeff() > 0)) return false;
+    excess(*shared, z, F);
+    return all_finite(F);
+  };
+  made.expression = on_vectors(economy.size(), [shared](const auto& z, auto& F) { excess(*shared, z, F); });
   made.J = [shared, frame](In z, SpMat& J) { return slopes(*shared, *frame, z, J); };
 
   Problem p;

@@ -70,6 +70,28 @@ TEST(Export, SizesAndStarts) {
   EXPECT_THAT(captured.out.str(), AllOf(HasSubstr("2 rows"), HasSubstr("perp solve " + folder / "G.mtx")));
 }
 
+// As .nl file with its names, from the start asked for; --nl without a file names it after the problem. Would catch a
+// start that is not written, names of other rows, and a problem that cannot be taken to other solvers. (All of the
+// collection: tests/ncp/collection/test_nl_files.cpp.)
+TEST(Export, WritesAmplModels) {
+  const test::Folder folder;
+  test::Captured captured;
+  ASSERT_EQ(export_problem({.source = {.problem = "kehoe", .start = 3}, .file = folder / "F.nl"}, captured.streams),
+            exit_solved)
+      << captured.err.str();
+  EXPECT_THAT(captured.out.str(), AllOf(HasSubstr("start 3 of 4"), HasSubstr("perp solve " + folder / "F.nl")));
+  const LoadedProblem read = load_problem(folder / "F.nl"),
+                      original = load_problem(ProblemSource{.problem = "kehoe", .start = 3});
+  EXPECT_EQ(read.x0, original.x0);
+  EXPECT_EQ(read.mcp->variable_name(3), "p[2]");
+  EXPECT_EQ(read.mcp->equation_name(3), "market[2]");
+  EXPECT_EQ(read.mcp->box().lower, original.mcp->box().lower);
+  EXPECT_THAT(refused({.source = {.problem = "kehoe"}, .file = folder / "F.nl"}), HasSubstr("--force"));
+  EXPECT_THAT(refused({.source = {.problem = folder / "F.nl"}, .file = folder / "G.nl"}), HasSubstr("already"));
+  EXPECT_THAT(refused({.source = {.problem = "kehoe"}, .file = folder / "F.mtx", .nl = true}), HasSubstr(".nl file"));
+  EXPECT_THAT(refused({.source = {.problem = "kehoe"}}), HasSubstr("-o FILE is missing"));
+}
+
 // Would catch files of a problem they cannot hold, and files that overwrite others.
 TEST(Export, RefusalsWriteNothing) {
   const test::Folder folder;

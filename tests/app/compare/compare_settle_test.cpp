@@ -13,6 +13,7 @@
 #include "app/worker/run_cell.hpp"
 #include "campaign_support.hpp"
 #include "compare_process_support.hpp"
+#include "ncp/ampl/nl_writer.hpp"
 
 namespace perp::app::compare {
 namespace {
@@ -121,7 +122,7 @@ TEST(Settle, OutcomeOfAProof) {
 TEST(CompareRun, OurProofsOfFiles) {
   const test::Folder folder;
   const LoadedProblem problem = load_problem("infeasible-own");
-  test::write(folder / "m.nl", affine_nl(*problem.mcp, problem.x0));
+  test::write(folder / "m.nl", ncp::ampl::nl_text(*problem.mcp, problem.x0).value());
   const auto peer = [&](const char* name, const char* code) {
     const std::string sol = R"(printf 'p\n\nOptions\n3\n1\n1\n0\n%d\n0\n%d\n0\nobjno 0 )";
     return script(folder, name, "n=$(sed -n 2p $1.nl | cut -d' ' -f3); " + sol + code + "\n' $n $n > $1.sol");

@@ -5,6 +5,8 @@
 
 #include <cmath>
 #include <random>
+#include <tuple>
+#include <vector>
 
 #include "ncp/graph_problem.hpp"
 #include "ncp/problem/affine.hpp"
@@ -38,6 +40,28 @@ TEST(FunctionClasses, OfMatrices) {
   EXPECT_EQ(of_matrix(matrix({{1, -1}, {-1, 1}}), plane), "+--+--");
   EXPECT_EQ(of_matrix(matrix({{-1, 0}, {0, 1}}), plane), "------");
   EXPECT_EQ(of_matrix(matrix({{1, 2}, {2, 1}}), plane), "------");  // its determinant is negative
+}
+
+// Least eigenvalues of M + M' that rounding hides: -2^-51 is no reason to say "monotone", and a singular matrix that is
+// semidefinite is proven to be so, exactly. Catches "to rounding" that passes for a proof.
+TEST(FunctionClasses, AreNotProvenByRounding) {
+  const Box plane = Box::free(2);
+  const double more = std::nextafter(1.0, 2);
+  EXPECT_NE(of_matrix(matrix({{1, more}, {more, 1}}), plane).front(), '+');
+  EXPECT_EQ(of_matrix(matrix({{1, -2}, {-2, 4}}), plane), "+--+--");
+  // aa' with a = (1, 1/3, 3) in doubles, whose products round: its form at some v is negative.
+  const Vec a{{1, 1. / 3, 3}};
+  SpMat rounded = (a * a.transpose()).sparseView();
+  rounded.coeffRef(1, 1) = std::nextafter(rounded.coeff(1, 1), 0);
+  EXPECT_NE(of_matrix(rounded, Box::free(3)).front(), '+');
+  // 40 blocks of (1, 2; 2, 4): semidefinite, though not dominant, and too large for the exact test as one.
+  std::vector<Eigen::Triplet<double>> entries;
+  for (int k = 0; k < 80; k += 2)
+    for (const auto& [i, j, value] : {std::tuple(0, 0, 1.0), {0, 1, 2.0}, {1, 0, 2.0}, {1, 1, 4.0}})
+      entries.emplace_back(k + i, k + j, value);
+  SpMat blocks(80, 80);
+  blocks.setFromTriplets(entries.begin(), entries.end());
+  EXPECT_EQ(of_matrix(blocks, Box::free(80)).front(), '+');
 }
 
 // A variable that is fixed takes part in nothing. Catches a witness that moves it.

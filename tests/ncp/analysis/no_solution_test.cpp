@@ -80,6 +80,54 @@ TEST(NoSolution, SeesARowThatIsDefinedNowhere) {
   EXPECT_THAT(result.message, HasSubstr("is defined nowhere within the bounds"));
 }
 
+// The judge accepts a natural residual of 1e-6. exp(x) + 1e-9 = 0 has no solution, and x = -20 is good enough; x =
+// 0.1, fixed, and x = 0.1000000001 is so as well. Catches "infeasible" of what is solved to the tolerance.
+TEST(NoSolution, IsAskedForToTheTolerance) {
+  const GraphProblem smoothed = exponential(1e-9, Box::free(1));
+  EXPECT_TRUE(no_solution(smoothed));
+  EXPECT_FALSE(no_solution(smoothed, 1e-6));
+  EXPECT_TRUE(solve(smoothed, Vec::Zero(1), Method{}).solved());
+  EXPECT_TRUE(no_solution(exponential(1e-5, Box::free(1)), 1e-6));
+
+  ExpressionGraph g;
+  const auto difference = g.binary(Operation::Subtract, g.variable(0), g.constant(0.1000000001));
+  Box box{Vec{{0.1, -infinity}}, Vec{{0.1, infinity}}};
+  const GraphProblem share(std::move(g), {difference, difference}, box);
+  EXPECT_TRUE(no_solution(share));
+  EXPECT_FALSE(no_solution(share, 1e-6));
+  EXPECT_TRUE(solve(share, Vec{{0.1, 0}}, Method{}).solved());
+}
+
+// With a tolerance, F_1 > tol says x_1 <= tol, and no more: F_2 = 1 - 1e7 x_1 is 0 at x_1 = 1e-7. Catches the exact
+// conclusion, x_1 = 0, where points near it may be accepted.
+TEST(NoSolution, LeavesTheToleranceBesideABound) {
+  ExpressionGraph g;
+  const auto F1 = g.constant(1);
+  const auto F2 =
+      g.binary(Operation::Subtract, g.constant(1), g.binary(Operation::Multiply, g.constant(1e7), g.variable(0)));
+  const GraphProblem problem(std::move(g), {F1, F2}, Box{Vec{{0, -infinity}}, Vec{{infinity, infinity}}});
+  EXPECT_TRUE(no_solution(problem));
+  EXPECT_FALSE(no_solution(problem, 1e-6));
+  EXPECT_TRUE(no_solution(problem, 1e-8));
+}
+
+// atan2(y, -1) = pi at y = 0 and -pi just below. Catches a range that ends on one side of the cut.
+TEST(NoSolution, LooksAtBothSidesOfTheCutOfAtan2) {
+  ExpressionGraph g;
+  const auto row = g.binary(Operation::Subtract, g.binary(Operation::Atan2, g.variable(0), g.constant(-1)),
+                            g.constant(3.141592653589793));
+  const GraphProblem problem(std::move(g), {row, row}, Box{Vec{{-1, -infinity}}, Vec{{0, infinity}}});
+  EXPECT_FALSE(no_solution(problem));
+}
+
+// x / infinity is 0 for a function of doubles, and no real number. Catches "defined nowhere" of what every method
+// evaluates.
+TEST(NoSolution, KnowsNothingOfInfiniteConstants) {
+  ExpressionGraph g;
+  const auto row = g.binary(Operation::Divide, g.variable(0), g.constant(infinity));
+  EXPECT_FALSE(no_solution(GraphProblem(std::move(g), {row}, Box::free(1))));
+}
+
 // What nobody knows the ranges of is solved as ever.
 TEST(NoSolution, SaysNothingWithoutRanges) {
   const auto problem = make_mcp({.box = Box::free(1),

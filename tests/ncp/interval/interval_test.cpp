@@ -126,6 +126,36 @@ TEST(Interval, LeavesOutWhereAFunctionIsNotDefined) {
   EXPECT_TRUE(power(Interval(0, 4), 0.5).contains(2));
 }
 
+// 0^0 = 1, as C and AMPL evaluate it. Catches a proof that x^y = 1 has no solution at x = 0, of which y = 0 is one.
+TEST(Interval, TakesZeroToTheZerothForOne) {
+  EXPECT_EQ(power(Interval(0), Interval(0, 1)), Interval(0, 1));
+  EXPECT_EQ(power(Interval(0), Interval(-2, 0)), Interval(1));
+  EXPECT_TRUE(power(Interval(0, 0.5), Interval(0, 2)).contains(1));
+  EXPECT_EQ(power(Interval(0), Interval(0.5, 1)), Interval(0));
+}
+
+// On the half line y = 0 >= x atan2 jumps from pi to -pi. MPFI has -pi to -pi/2 for y in [-1, 0] at x = -1. Catches a
+// range without the value at the end y = 0, from which "no solution" was concluded where there is one.
+TEST(Interval, HoldsBothSidesOfTheCutOfAtan2) {
+  for (const double x : {-1.0, -0.0, 0.0})
+    for (const Interval& y : {Interval(-1, 0), Interval(0, 1), Interval(0), Interval(-1, 1)})
+      for (const double end : {-0.0, 0.0, y.lower, y.upper})
+        EXPECT_TRUE(atan2(y, x).contains(std::atan2(end, x))) << end << ", " << x;
+  EXPECT_LT(atan2(Interval(-1, 0), Interval(1, 2)).upper, 1e-300);
+  std::mt19937_64 random(3);
+  mpfr_t y, x;
+  mpfr_inits2(200, y, x, nullptr);
+  for (int k = 0; k < 20000; ++k) {
+    const Interval Y = random_interval(random), X = random_interval(random);
+    const double b = member(random, Y), a = member(random, X);
+    mpfr_set_d(y, b, MPFR_RNDN), mpfr_set_d(x, a, MPFR_RNDN);
+    mpfr_atan2(y, y, x, MPFR_RNDN);
+    const Interval range = atan2(Y, X);
+    ASSERT_TRUE(mpfr_cmp_d(y, range.lower) >= 0 && mpfr_cmp_d(y, range.upper) <= 0) << b << ", " << a;
+  }
+  mpfr_clears(y, x, nullptr);
+}
+
 struct Function {
   const char* name;
   Interval (*range)(const Interval&);

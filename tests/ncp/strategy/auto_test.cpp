@@ -3,8 +3,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <vector>
+
 #include "ncp/collection/collection.hpp"
+#include "ncp/graph_problem.hpp"
 #include "ncp/problem/affine.hpp"
+#include "ncp/run/run.hpp"
+#include "ncp/strategy/attempts.hpp"
 #include "ncp/strategy/presets.hpp"
 #include "ncp/strategy/solve.hpp"
 #include "support/collection.hpp"
@@ -28,7 +34,9 @@ TEST(Auto, SolvesTheCollectionAndSaysHow) {
       if (!result.solved() && support::beyond_all(entry, k)) continue;
       EXPECT_EQ(result.solved(), problem.no_solution.empty()) << what << ": " << result;
       EXPECT_TRUE(!result.solved() || support::violation(*problem.mcp, result.x) <= 1e-8) << what;
-      EXPECT_THAT(result.message, testing::AnyOf(HasSubstr("auto had nothing"), HasSubstr("auto chose"))) << what;
+      EXPECT_THAT(result.message, testing::AnyOf(HasSubstr("auto had nothing"), HasSubstr("auto chose"),
+                                                 HasSubstr("proven to have no solution: equation F[1]")))
+          << what;
       EXPECT_TRUE(result.solved() || !problem.mcp->is_affine() || result.status == Status::Infeasible) << what;
     }
   }
@@ -54,6 +62,34 @@ TEST(Auto, ChoosesByClassAndBasis) {
   EXPECT_THAT(solve(*affine.mcp, Vec::Zero(2), warm).message, HasSubstr("auto chose path (a warm basis is given)"));
   warm.path.basis.assign(3, lcp::Cell::Inside);
   EXPECT_THROW(solve(*affine.mcp, Vec::Zero(2), warm), std::invalid_argument);
+}
+
+/// a x + x^3 - 1 at x >= 0: F' >= a.
+GraphProblem cubic(double a) {
+  ExpressionGraph g;
+  const auto x = g.variable(0);
+  const auto row = g.sum(std::vector{g.binary(Operation::Multiply, g.constant(a), x),
+                                     g.binary(Operation::Power, x, g.constant(3)), g.constant(-1)});
+  return {std::move(g), {row}, Box::nonnegative(1)};
+}
+
+// Proven classes decide about an attempt, and tell of a solution that was not reached. Catches a class that is claimed
+// without a proof, and one that nobody uses.
+TEST(Auto, UsesProvenClasses) {
+  for (const double a : {1.0, -1.0}) {
+    const GraphProblem problem = cubic(a);
+    const Stop stop;
+    ncp::Run run(problem, stop, {});
+    Point start;
+    ASSERT_TRUE(run.start(Vec::Zero(1), start));
+    const auto list = auto_list(Auto{});
+    const auto attempt = std::ranges::find(list, "semismooth", &Attempt::name);
+    ASSERT_NE(attempt, list.end());
+    EXPECT_EQ(attempt->worthwhile(run, start), a > 0);
+    const Result cut = solve(problem, vec({100}), Auto{.stop = {.max_iterations = 1}});
+    ASSERT_FALSE(cut.solved());
+    EXPECT_EQ(cut.message.find("exactly one solution") != std::string::npos, a > 0) << cut.message;
+  }
 }
 
 // Where the path is too long for few pivots, interior points take over, as on traffic equilibria. Catches a first try
