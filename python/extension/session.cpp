@@ -152,7 +152,9 @@ bool Session::go_on(const ncp::Iteration& it) {
     if (it.x != nullptr && it.problem == &mcp_) x = array_of(lcp::project(mcp_.box(), *it.x));
     const py::array row = log_array({row_of(it)});
     const py::object answer = wishes_.callback(row[py::int_(0)], x);
-    return answer.is_none() || PyObject_IsTrue(answer.ptr()) == 0;
+    const int truth = answer.is_none() ? 0 : PyObject_IsTrue(answer.ptr());
+    if (truth < 0) throw py::error_already_set();  // an array of several numbers is neither
+    return truth == 0;
   } catch (py::error_already_set& error) {
     if (error.matches(PyExc_StopIteration)) return false;
     failure_ = std::current_exception();

@@ -62,6 +62,10 @@ def listener_of_iterations(callback: Callback | None) -> Any:
 def text(given: str, name: str) -> str:
     if not isinstance(given, str):
         raise TypeError(f"{name}: is of type {type(given).__name__}, and must be text")
+    try:
+        given.encode()
+    except UnicodeEncodeError as error:
+        raise ValueError(f"{name}: {error}") from None
     return given
 
 

@@ -230,6 +230,8 @@ def test_names():
         for wrong in ([1, 2, 3, 4], "abcd", 3, [b"a", b"b", b"c", b"d"]):
             with pytest.raises(TypeError, match=rf"^{name}: "):
                 perp.problem(kojima, np.ones(4), **{name: wrong})
+    with pytest.raises(ValueError, match=r"^name: .*surrogates"):
+        perp.problem(kojima, np.ones(4), name="\ud800")
     with pytest.raises(TypeError, match=r"^name: is of type int"):
         perp.problem(kojima, np.ones(4), name=3)
     with pytest.raises(TypeError, match=r"^name: is of type int"):
@@ -260,6 +262,12 @@ def test_numbers_of_options_and_other_arguments():
     for wrong in (1.0, np.ones((1, 1, 1))):
         with pytest.raises(ValueError, match=r"^dF: .*and must have shape \(1, m\)"):
             perp.sensitivity(lambda x: x - 2.0, [2.0], dF=wrong)
+
+
+def test_a_callback_whose_answer_is_neither_true_nor_false():
+    """Would catch numpy's error taken for a wish to stop."""
+    with pytest.raises(ValueError, match="truth value of an array"):
+        perp.solve(kojima, np.ones(4), callback=lambda row, x: np.array([1, 2]))
 
 
 def test_unsigned_indices_are_indices():
