@@ -26,9 +26,12 @@ constexpr double least_slip = 1e-3;
 constexpr double turning_step = 0.15;
 constexpr int turning_steps = 2;
 constexpr int most_coupled_steps = 25;
-/// Cadoux' fixed point: at most so many openings. A path begins at the last point with tau above `restart_share` times
-/// their change, and ends at this share of the gap.
+/// Cadoux' fixed point: at most so many openings, and so many in a row that leave more than `opening_share` of the
+/// least gap. A path begins at the last point with tau above `restart_share` times their change, and ends at this share
+/// of the gap.
 constexpr int most_openings = 8;
+constexpr int opening_patience = 2;
+constexpr double opening_share = 0.8;
 constexpr double restart_share = 0.1;
 constexpr double end_share = 1e-2;
 constexpr double largest_end = 1e-5;
@@ -135,7 +138,8 @@ bool ConeHomotopy::coupled() {
 bool ConeHomotopy::fixed_point() {
   Vec last_image;  // |u_T| of the openings before
   Vec last_gap;
-  for (int k = 0; k < most_openings; ++k) {
+  double least = gap();
+  for (int k = 0, since = 0; k < most_openings && since < opening_patience; ++k) {
     const Vec s = path_.openings();
     const Vec image = path_.slip();
     const Vec g = image - s;
@@ -155,6 +159,9 @@ bool ConeHomotopy::fixed_point() {
     if (follow(std::clamp(end_share * g.lpNorm<Eigen::Infinity>(), least_end, largest_end)) ||
         try_newton(path_.r(), last_newton, newton_halvings))
       return true;
+    const double now = gap();
+    since = now <= opening_share * least ? 0 : since + 1;
+    least = std::min(least, now);
   }
   return referee_.over();
 }

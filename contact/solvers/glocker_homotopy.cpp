@@ -87,8 +87,10 @@ class Solver {
 
   void run(const Vec& start) {
     if (start.size() > 0 ? warm(start) : sweep()) return;
-    if (method_.cones && attempt(options_, nullptr, 1, first_steps_of_homotopy)) return;
-    if (method_.cones && ConeHomotopy(referee_, problem_, *newton_, lu_).run()) return;
+    if (method_.cones && method_.polish) {
+      if (attempt(options_, nullptr, 1, first_steps_of_homotopy)) return;
+      if (ConeHomotopy(referee_, problem_, *newton_, lu_).run()) return;
+    }
     if (attempt(options_)) return;
     if ((method_.homotopy.other_settings || method_.proximal) && referee_.no_solution()) return;
     if (method_.homotopy.other_settings && with_other_settings()) return;

@@ -49,7 +49,7 @@ struct Auto {
   /// Sweeps of nonsmooth Gauss-Seidel before anything else (contact/classics/gauss_seidel.hpp), ended where they
   /// contract slowly: they cost little, and weakly coupled contacts need no more. 0: none.
   int sweeps = 100;
-  bool cones = true;       ///< interior points over the cones, from the associated law
+  bool cones = true;       ///< interior points over the cones, from the associated law; not without `polish`
   bool polish = true;      ///< Newton steps on Alart & Curnier's equation, damped ones too
   double polish_at = 0.1;  ///< relative natural residual at which they are tried first
   bool proximal = true;

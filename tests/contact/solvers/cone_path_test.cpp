@@ -99,7 +99,7 @@ TEST(ConePath, CoupledResidualFallsWithTheStep) {
 // Piles of spheres poured for mu = 0.6 that stick at 0.4, and that Glocker's homotopy alone does not solve or only
 // after many attempts (89 factorizations and more): the associated path ends where they stand.
 TEST(ConePath, PilesStandByTheAssociatedLaw) {
-  for (const auto [seed, mu] : {std::pair{1U, 0.4}, {2U, 0.4}, {15U, 0.4}, {2U, 0.6}}) {
+  for (const auto& [seed, mu] : {std::pair{1U, 0.4}, {2U, 0.4}, {15U, 0.4}, {2U, 0.6}}) {
     Problem problem = make_scene("spheres", 300, seed).problem();
     problem.mu.setConstant(mu);
     const Result result = solve(problem);
