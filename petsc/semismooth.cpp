@@ -12,7 +12,7 @@ namespace perp::petsc {
 namespace {
 
 constexpr double sigma = 1e-4;
-constexpr int halvings = 40;
+constexpr int backtracks = 40;
 
 double as_infinite(double bound) {
   return std::abs(bound) < PETSC_MAX_REAL / 8 ? bound : std::copysign(lcp::infinity, bound);
@@ -80,7 +80,7 @@ PetscErrorCode Semismooth::newton_direction(Mat J, bool* found) {
 PetscErrorCode Semismooth::search(SNES snes, const Box& box, Vec x, Vec F, bool* moved) {
   *moved = false;
   PetscReal t = 1;
-  for (int k = 0; k < halvings && !*moved; ++k, t /= 2) {
+  for (int k = 0; k < backtracks && !*moved; ++k, t /= 2) {
     PetscReal theta = 0;
     PetscScalar slope = 0;
     PetscCall(VecWAXPY(trial_, t, d_, x));

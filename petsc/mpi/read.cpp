@@ -2,10 +2,12 @@
 #include "petsc/mpi/read.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cctype>
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
+#include <cstring>
 #include <fstream>
 #include <sstream>
 #include <vector>
@@ -41,7 +43,49 @@ std::int64_t big_endian(std::ifstream& file) {
                                    static_cast<std::uint32_t>(bytes[2]) << 8 | static_cast<std::uint32_t>(bytes[3]));
 }
 
-/// What is wrong with the head or the length of the file: PETSc itself would stop on one rank and leave the others.
+/// Calls wrong(k, number) for `count` numbers until it says something.
+template <class Number, class Wrong>
+std::string scan(std::ifstream& file, std::int64_t count, Wrong wrong) {
+  constexpr std::int64_t at_once = 65536;
+  std::vector<char> bytes(static_cast<std::size_t>(at_once) * sizeof(Number));
+  std::string said;
+  for (std::int64_t k = 0; k < count && said.empty();) {
+    const std::int64_t some = std::min(at_once, count - k);
+    file.read(bytes.data(), some * static_cast<std::int64_t>(sizeof(Number)));
+    for (std::int64_t i = 0; i < some && said.empty(); ++i, ++k) {
+      Number number{};
+      char* at = bytes.data() + i * static_cast<std::int64_t>(sizeof(Number));
+      if constexpr (std::endian::native == std::endian::little) std::reverse(at, at + sizeof(Number));
+      std::memcpy(&number, at, sizeof(Number));
+      said = wrong(k, number);
+    }
+  }
+  return said;
+}
+
+/// PETSc trusts the lengths of the rows and the columns, and ends or hangs where they are wrong.
+std::string matrix_fault(const std::string& path, std::ifstream& file, std::int64_t n, std::int64_t entries) {
+  std::int64_t sum = 0;
+  std::string wrong = scan<std::int32_t>(file, n, [&](std::int64_t k, std::int32_t length) {
+    sum += length;
+    return length >= 0 ? std::string()
+                       : path + ": row " + std::to_string(k + 1) + " has " + std::to_string(length) + " entries";
+  });
+  if (wrong.empty() && sum != entries)
+    wrong = path + ": its rows have " + std::to_string(sum) + " entries, its head announces " + std::to_string(entries);
+  if (!wrong.empty()) return wrong;
+  wrong = scan<std::int32_t>(file, entries, [&](std::int64_t k, std::int32_t column) {
+    return column >= 0 && column < n ? std::string()
+                                     : path + ": entry " + std::to_string(k + 1) + " is in column " +
+                                           std::to_string(column + 1) + " of " + std::to_string(n);
+  });
+  if (!wrong.empty()) return wrong;
+  return scan<double>(file, entries, [&](std::int64_t k, double value) {
+    return std::isfinite(value) ? std::string() : path + ": entry " + std::to_string(k + 1) + " is not finite";
+  });
+}
+
+/// What is wrong with the file: PETSc itself would stop on one rank and leave the others.
 std::string binary_fault(const std::string& path, bool matrix, std::int64_t rows) {
   std::ifstream file(path, std::ios::binary);
   if (!file) return path + ": cannot be read";
@@ -60,9 +104,9 @@ std::string binary_fault(const std::string& path, bool matrix, std::int64_t rows
   if (!matrix && m != rows)
     return path + ": has " + std::to_string(m) + " entries, the matrix " + std::to_string(rows) + " rows";
   const std::int64_t expected = matrix ? 16 + 4 * m + 12 * entries : 8 + 8 * m;
-  if (!file || m < 0 || length < expected)
+  if (!file || m < 0 || entries < 0 || length < expected)
     return path + ": has " + std::to_string(length) + " bytes, its head announces " + std::to_string(expected);
-  return {};
+  return matrix ? matrix_fault(path, file, n, entries) : std::string();
 }
 
 PetscErrorCode check_binary(const std::string& path, bool matrix, std::int64_t rows, std::string& wrong) {

@@ -46,6 +46,15 @@ def write(rows, q, lower):
     with open("M.petsc", "wb") as file:
         file.write(binary("i", [1211216, n, n, len(entries)]) + binary("i", [len(row) for row in rows]))
         file.write(binary("i", [j for j, _ in entries]) + binary("d", [value for _, value in entries]))
+    for name, place, number in (("column", -1, n), ("before", -1, -7), ("length", 0, -3)):  # PETSc would hang or crash
+        lengths, columns = [len(row) for row in rows], [j for j, _ in entries]
+        (lengths if name == "length" else columns)[place] = number
+        with open(f"{name}.petsc", "wb") as file:
+            file.write(binary("i", [1211216, n, n, len(entries)]) + binary("i", lengths) + binary("i", columns))
+            file.write(binary("d", [value for _, value in entries]))
+    with open("nan.petsc", "wb") as file:
+        file.write(binary("i", [1211216, n, n, len(entries)]) + binary("i", [len(row) for row in rows]))
+        file.write(binary("i", [j for j, _ in entries]) + binary("d", [float("nan")] * len(entries)))
     with open("M.mtx", "w", encoding="utf-8") as file:  # the lower triangle
         below = [f"{i + 1} {j + 1} {value!r}\n" for i, row in enumerate(rows) for j, value in row if j <= i]
         file.write(f"%%MatrixMarket matrix coordinate real symmetric\n% a comment\n{n} {n} {len(below)}\n{''.join(below)}")
@@ -103,6 +112,10 @@ def check(program, mpiexec):
         for words, said in (
             (("nowhere.petsc", "q.petsc"), "nowhere.petsc: cannot be read"),
             (("q.petsc", "q.petsc"), "q.petsc: is no matrix"),
+            (("column.petsc", "q.petsc"), "is in column 401 of 400"),
+            (("before.petsc", "q.petsc"), "is in column -6 of 400"),
+            (("length.petsc", "q.petsc"), "row 1 has -3 entries"),
+            (("nan.petsc", "q.petsc"), "entry 1 is not finite"),
             (("M.petsc", "short.petsc"), "its head announces"),
             (("M.petsc", "two_q.mtx"), "the matrix has 400 rows"),
             (("wrong.mtx", "q.petsc"), "wrong.mtx, line 4: there is no such place"),
