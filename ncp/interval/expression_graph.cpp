@@ -328,8 +328,9 @@ std::vector<ExpressionGraph::Mention> ExpressionGraph::mentions(Node root, std::
   }
   // A variable may have several nodes.
   std::ranges::sort(mentions, {}, [](const Mention& m) { return std::pair(m.variable, m.linear); });
-  const auto repeated = std::ranges::unique(mentions, {}, &Mention::variable);  // the first one: not linear if any is
-  mentions.erase(repeated.begin(), repeated.end());
+  // The first one stays: it is not linear if any is.
+  const auto same = [](const Mention& a, const Mention& b) { return a.variable == b.variable; };
+  mentions.erase(std::unique(mentions.begin(), mentions.end(), same), mentions.end());
   return mentions;
 }
 
