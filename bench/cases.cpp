@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cases.hpp"
 
+#include <algorithm>
+#include <array>
 #include <filesystem>
 #include <random>
 #include <stdexcept>
@@ -8,6 +10,7 @@
 
 #include "ncp/ampl/model.hpp"
 #include "ncp/collection/collection.hpp"
+#include "ncp/problem/affine.hpp"
 #include "ncp/strategy/presets.hpp"
 
 namespace perp::bench {
@@ -51,6 +54,72 @@ std::vector<Case> random_cases(std::string_view name, int count, std::uint64_t s
       x[i] = low[i] + (high[i] - low[i]) * static_cast<double>(engine() >> 11U) * 0x1p-53;
     cases.push_back({std::string(name), std::string("random ").append(std::to_string(k)), mcp, std::move(x),
                      problem.no_solution.empty(), true});
+  }
+  return cases;
+}
+
+namespace {
+
+/// Not <random>'s distributions, which differ between libraries.
+class Numbers {
+ public:
+  explicit Numbers(std::uint64_t seed) : engine_(seed) {}
+  double uniform(double low, double high) {
+    return low + (high - low) * static_cast<double>(engine_() >> 11U) * 0x1p-53;
+  }
+  Index below(Index n) { return static_cast<Index>(uniform(0, static_cast<double>(n))); }
+
+ private:
+  std::mt19937_64 engine_;
+};
+
+lcp::AffineMcp random_program(Numbers& random) {
+  const Index n = 20 + random.below(180);
+  const Index m = 5 + random.below(std::min<Index>(95, n / 2));
+  std::vector<::Eigen::Triplet<double>> entries;
+  const auto put = [&](Index i, Index j, double v) {
+    entries.emplace_back(static_cast<int>(i), static_cast<int>(j), v);
+  };
+  for (Index i = 0; i < n; ++i) put(i, i, random.uniform(0, 1));
+  for (Index k = 0; k < n / 10; ++k) {  // V V', four entries a column
+    std::array<std::pair<Index, double>, 4> v;
+    for (auto& [i, value] : v) i = random.below(n), value = random.uniform(-1, 1);
+    for (const auto& [i, a] : v)
+      for (const auto& [j, b] : v) put(i, j, a * b);
+  }
+  Vec b = Vec::Zero(m);
+  for (Index j = 0; j < n; ++j) {
+    const double inside = random.uniform(0.1, 0.9);
+    for (int k = 0; k < 3; ++k) {
+      const Index i = random.below(m);
+      const double a = random.uniform(-1, 1);
+      put(n + i, j, a);
+      put(j, n + i, -a);
+      b[i] += a * inside;
+    }
+  }
+  lcp::AffineMcp problem{ncp::SpMat(n + m, n + m), Vec(n + m), lcp::Box::free(n + m)};
+  problem.M.setFromTriplets(entries.begin(), entries.end());
+  problem.box.lower.head(n).setZero();
+  problem.box.upper.head(n).setOnes();
+  for (Index i = 0; i < m; ++i)
+    if (random.uniform(0, 1) < 0.5) problem.box.lower[n + i] = 0;
+  for (Index j = 0; j < n; ++j) problem.q[j] = random.uniform(-2, 2);
+  problem.q.tail(m) = -b;
+  return problem;
+}
+
+}  // namespace
+
+std::vector<Case> random_programs(int count, std::uint64_t seed) {
+  Numbers random(seed);
+  std::vector<Case> cases;
+  while (static_cast<int>(cases.size()) < count) {
+    lcp::AffineMcp problem = random_program(random);
+    if (problem.M.nonZeros() > 2000) continue;  // PATH's limit
+    const Index n = problem.size();
+    cases.push_back({"program", "random " + std::to_string(cases.size() + 1),
+                     ncp::make_affine_mcp(std::move(problem), "program"), Vec::Zero(n), true, true});
   }
   return cases;
 }

@@ -26,6 +26,10 @@ std::vector<Case> collection_cases(std::string_view only);
 /// are the least and greatest published start and r_i = max(1, b_i - a_i). Throws std::invalid_argument if there is no
 /// such problem.
 std::vector<Case> random_cases(std::string_view problem, int count, std::uint64_t seed = 1);
+/// KKT systems of random sparse quadratic programs  min 1/2 x'Hx + c'x, 0 <= x <= 1, A x = b or A x >= b,  with n + m
+/// variables, at most 300 of them: H = D + V V' with a tenth of its rank in V, three entries of A a column, b from a
+/// point inside the box. From x = 0.
+std::vector<Case> random_programs(int count, std::uint64_t seed = 1);
 /// An .nl file at its own start.
 Case model_case(const std::string& path);
 

@@ -25,6 +25,7 @@ struct Options {
   std::vector<std::string> models;
   std::vector<std::string> random_problems{"kehoe", "colvdual"};
   int random = 200;
+  int programs = 0;
   std::uint64_t seed = 1;
   double tolerance = 1e-6;
   double seconds = 60;
@@ -173,6 +174,7 @@ std::vector<bench::Case> cases_of(const Options& o) {
   for (const std::string& name : o.random_problems)
     if (name.find(o.only) != std::string::npos)
       for (bench::Case& c : bench::random_cases(name, o.random, o.seed)) cases.push_back(std::move(c));
+  for (bench::Case& c : bench::random_programs(o.programs, o.seed)) cases.push_back(std::move(c));
   for (const std::string& path : o.models) cases.push_back(bench::model_case(path));
   return cases;
 }
@@ -226,6 +228,7 @@ int main_or_throw(int argc, char** argv) {
   app.add_option("--method", o.method, "semismooth, josephy, path")->capture_default_str();
   app.add_option("--only", o.only, "problems whose name contains this");
   app.add_option("--random", o.random, "so many random starts of each of --random-problems")->capture_default_str();
+  app.add_option("--programs", o.programs, "so many random sparse quadratic programs")->capture_default_str();
   app.add_option("--random-problems", o.random_problems)->delimiter(',')->capture_default_str();
   app.add_option("--seed", o.seed, "of the random starts")->capture_default_str();
   app.add_option("--tolerance", o.tolerance, "of both, and of the judge")->capture_default_str();

@@ -52,6 +52,7 @@ set(perp_public_headers
   ncp/collection/collection.hpp
   ncp/collection/scalable/generators.hpp
   ncp/strategy/deflation.hpp
+  ncp/strategy/kept.hpp
   ncp/interval/enclosure.hpp
   ncp/analysis/function_classes.hpp
   ncp/analysis/no_solution.hpp

@@ -370,11 +370,23 @@ class Run {
         }
         if (y.isZero(0)) continue;
         if (accept(y)) return true;
+        if (!nearly_certifies(places, y)) continue;
         const Vec none = Vec::Zero(n_);
         descend(places, y, none);
         if (accept(y)) return true;
       }
     return false;
+  }
+
+  /// Whether q'y < 0 and (M y)_i is small where y_i is not held at 0: else a correction of y, which takes
+  /// factorizations, leads to no certificate.
+  bool nearly_certifies(const Places& places, const Vec& y) const {
+    constexpr double small = 0.01;  // M is equilibrated, and |y| = 1
+    if (!(p_.q.dot(y) < 0)) return false;
+    const Vec r = p_.M * y;
+    for (Index i = 0; i < n_; ++i)
+      if (places[at(i)] == Place::Inside && std::abs(r[i]) > small) return false;
+    return true;
   }
 
   bool accept(const Vec& y) {

@@ -9,6 +9,7 @@
 #include "lcp/judge/result.hpp"
 #include "lcp/judge/shared_options.hpp"
 #include "lcp/pivoting/normal_path.hpp"
+#include "lcp/pivoting/split_free.hpp"
 #include "lcp/words.hpp"
 
 namespace perp::lcp {
@@ -56,12 +57,23 @@ class Kinks {
   std::vector<Breakpoint>& path_;
 };
 
-PivotResult follow(const AffineMcp& problem, In start, const LemkeOptions& options) {
+bool has_free(const Box& box) {
+  for (Index i = 0; i < box.size(); ++i)
+    if (box.lower[i] == -infinity && box.upper[i] == infinity) return true;
+  return false;
+}
+
+/// A path from a ray is not followed where free variables have dependent columns; they are in `dependent` then.
+PivotResult follow(const AffineMcp& problem, In start, const LemkeOptions& options, std::vector<Index>& dependent) {
   PivotResult result;
   const auto owner = std::make_shared<NormalPath>(problem, start, options);
   NormalPath& path = *owner;
   Kinks kinks(options, result.path);
   bool on_the_way = path.begin(result);
+  // The factors of a split problem are not those of its last piece.
+  const bool may_split = options.start == LemkeStart::Ray && !options.keep_basis && has_free(problem.box);
+  if (on_the_way && may_split && result.repaired > 0) dependent = path.waiting();
+  on_the_way = on_the_way && dependent.empty();
   while (on_the_way) {
     kinks.add(path);
     if (const auto end = limit(options, result)) {
@@ -134,7 +146,12 @@ PivotResult lemke(const AffineMcp& problem, In start, const LemkeOptions& option
   refuse_invalid("lemke", options);
   check_lengths(options, problem.size());
 
-  PivotResult result = follow(problem, start, options);
+  std::vector<Index> dependent;
+  PivotResult result = follow(problem, start, options, dependent);
+  if (!dependent.empty()) {
+    const SplitFree split(problem, std::move(dependent), options);
+    return split.back(lemke(split.problem(), split.there(start), split.there(options)));
+  }
   // A path that lost its digits on the way has mostly gone astray by a cell or two: a new one from its end gets there.
   for (int k = 0; k < restarts && result.end == PivotEnd::Inaccurate; ++k) {
     LemkeOptions again = options;
@@ -142,7 +159,7 @@ PivotResult lemke(const AffineMcp& problem, In start, const LemkeOptions& option
     again.cells = result.cells;
     again.seed += static_cast<unsigned>(k);
     again.max_pivots = options.max_pivots - result.pivots;
-    PivotResult next = follow(problem, result.x, again);
+    PivotResult next = follow(problem, result.x, again, dependent);
     next.pivots += result.pivots;
     next.refactorizations += result.refactorizations;
     next.path.insert(next.path.begin(), result.path.begin(), result.path.end());

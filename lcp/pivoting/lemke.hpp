@@ -14,7 +14,8 @@
 ///
 /// Where the start cell's matrix is rank deficient, unit columns of artificial variables, which stay at 0, stand in for
 /// the dependent columns, whose variables wait at their values; an artificial that would move is exchanged for the
-/// variable it stands for, in the direction in which t grows (Munson 2000, section 2.2).
+/// variable it stands for, in the direction in which t grows (Munson 2000, section 2.2). From a ray, dependent free
+/// variables are split into differences of nonnegative ones instead, which keeps what Lemke's method promises.
 ///
 /// A path from a start in general position meets no corner where two bounds are hit at once before t = 1, hence cannot
 /// cycle; the start is moved into general position by a relative perturbation (`perturbation`), which changes the path
@@ -124,8 +125,8 @@ struct PivotResult {
   double residual = 0;  ///< natural residual of z
   int pivots = 0;
   int refactorizations = 0;
-  int repaired = 0;              ///< dependent columns of the start basis that artificials stood in for
-  std::vector<Breakpoint> path;  ///< the kinks from the start on, if keep_path
+  int repaired = 0;  ///< dependent columns of the start basis that artificials stood in for, or that were split
+  std::vector<Breakpoint> path;                    ///< the kinks from the start on, if keep_path
   std::shared_ptr<const NormalPath> last_piece{};  ///< for chord_step(), if LemkeOptions::keep_basis and solved
   bool solved() const { return end == PivotEnd::Solved; }
 };

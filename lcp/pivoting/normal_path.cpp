@@ -5,11 +5,10 @@
 #include <cmath>
 #include <utility>
 
+#include "lcp/judge/judge.hpp"
 #include "lcp/judge/result.hpp"
 
 namespace perp::lcp {
-namespace {}  // namespace
-
 void NormalPath::set_interval(Index i) {
   const Cell c = cells_[at(i)];
   low_[i] = c == Cell::Inside ? problem_.box.lower[i] : c == Cell::Above ? problem_.box.upper[i] : -infinity;
@@ -302,6 +301,21 @@ Vec NormalPath::refined(const Vec& x) const {
   return better;
 }
 
+/// refined(), of the residual of the problem itself without rounding errors: where large terms cancel, the last digits
+/// are beyond what G in doubles knows.
+Vec NormalPath::refined_exactly(const Vec& x) const {
+  const Vec z = project(original_.box, scaling_.to_original(problem_.box, x));
+  const Vec F = lcp::judge(original_, z).F;
+  if (F.size() != n_ || !F.allFinite()) return x;  // z overflows in the units of the problem
+  const Vec G = scaling_.rows.cwiseProduct(F) + x - project(problem_.box, x);
+  Vec correction(n_);
+  factor_.ftran(G, correction);
+  Vec better = x;
+  for (Index p = 0; p < n_; ++p)
+    if (const Index i = head(p); i < n_) better[i] -= correction[p];
+  return better;
+}
+
 /// At t = 1: the zero of the last linear piece, by refinement with the factors at hand, or from a fresh factorization
 /// where that is not accurate.
 void NormalPath::polish() {
@@ -323,6 +337,8 @@ void NormalPath::polish() {
   x_ = carried;
   take_better(fresh);
   take_better(refined(fresh));
+  constexpr int exact_steps = 3;
+  for (int k = 0; k < exact_steps && judged > options_.residual_tol; ++k) take_better(refined_exactly(x_));
 }
 
 Vec NormalPath::chord_step(In r) const {

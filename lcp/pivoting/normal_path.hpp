@@ -24,6 +24,9 @@ class NormalPath {
   /// Fills in the point reached and judges it.
   PivotResult finish(PivotResult result);
 
+  /// The variables that artificials stand in for, in ascending order.
+  std::vector<Index> waiting() const;
+
   /// At t = 1: the basis is that of all x_i, and there are factors of it.
   bool whole() const { return driver_ == n_ && !distrusted_; }
   /// lemke.hpp's; needs nothing of the problem and the options that the path was made with. Pre: whole().
@@ -84,6 +87,7 @@ class NormalPath {
   void cross(Index i, double direction);
   bool back_at_start(PivotResult& result);
   Vec refined(const Vec& x) const;
+  Vec refined_exactly(const Vec& x) const;
   void polish();
   double judge(In x) const;
 

@@ -2,6 +2,7 @@
 /// Where paths begin: the cells and the basis of the start.
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <new>
 
 #include "lcp/pivoting/normal_path.hpp"
@@ -164,6 +165,13 @@ bool NormalPath::factor_start(PivotResult& result) {
   }
   result.repaired = static_cast<int>(replaced.size());
   return true;
+}
+
+std::vector<Index> NormalPath::waiting() const {
+  std::vector<Index> variables;
+  std::copy_if(waiting_.begin(), waiting_.end(), std::back_inserter(variables), [](Index i) { return i != none; });
+  std::sort(variables.begin(), variables.end());
+  return variables;
 }
 
 bool NormalPath::begin(PivotResult& result) {

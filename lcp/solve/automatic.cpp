@@ -69,6 +69,12 @@ Lemke covered(Cover cover, unsigned seed, Index n) {
   return lemke;
 }
 
+/// Linear programs with hundreds of rows seldom need more than 3 n pivots, which take less time than interior points.
+int worthwhile_pivots_before_interior_points(Index n) {
+  constexpr Index many = 8000;
+  return 200 + static_cast<int>(std::min(3 * n, std::max(n, many)));
+}
+
 Index cells(const Box& box) {  // variables that have more than one place
   Index count = 0;
   for (Index i = 0; i < box.size(); ++i)
@@ -116,7 +122,7 @@ bool try_by_class(Attempts& attempts, const AffineMcp& problem, const Diagnosis&
                                                     : "M is a P-matrix: " + d.p.reason;
   if (n <= pivoting_to && psd.yes()) {  // few pivots are quicker than interior points, and many are not
     Lemke brief = covered(Cover::Ones, seed, n);
-    brief.options.max_pivots = 200 + static_cast<int>(n);
+    brief.options.max_pivots = worthwhile_pivots_before_interior_points(n);
     if (attempts.run(brief, "lemke with few pivots", why)) return true;
   }
   if (psd.yes() && attempts.run(InteriorPoint{}, "interior-point", why)) return true;

@@ -60,12 +60,34 @@ void describe(Auto& m, Fields& f) {
 
 namespace {
 
+/// A path ends within the tolerance relative to q. Where that is more than the one asked for, new ones from its end:
+/// they take a few pivots, through cells that rounding had confused.
+PivotResult to_tolerance(const AffineMcp& problem, LemkeOptions options, double tol, PivotResult path) {
+  constexpr int tries = 2;
+  options.start = LemkeStart::Regular;
+  for (int k = 0; k < tries && path.solved() && path.residual > tol && path.pivots < options.max_pivots; ++k) {
+    options.cells = path.cells;
+    options.max_pivots -= path.pivots;
+    PivotResult again = lemke(problem, path.x, options);
+    again.pivots += path.pivots;
+    again.refactorizations += path.refactorizations;
+    if (!again.solved() || again.residual >= path.residual) {
+      path.pivots = again.pivots;
+      path.refactorizations = again.refactorizations;
+    } else {
+      path = std::move(again);
+    }
+    options.seed += 1;
+  }
+  return path;
+}
+
 Result by_lemke(const AffineMcp& problem, In start, const Lemke& method, const Limits& limits) {
   LemkeOptions options = method.options;
   options.residual_tol = limits.tol;
   options.deadline = std::min(options.deadline, limits.deadline);
   if (limits.interrupted) options.interrupted = limits.interrupted;
-  const PivotResult path = lemke(problem, start, options);
+  const PivotResult path = to_tolerance(problem, options, limits.tol, lemke(problem, start, options));
   const auto [status, message] = [&]() -> std::pair<Status, std::string> {
     switch (path.end) {
       case PivotEnd::Ray:

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "lcp/kernel_clock.hpp"
 #include "ncp/interval/interval.hpp"
 #include "ncp/problem/mcp.hpp"
 
@@ -22,5 +23,11 @@ std::optional<NoSolution> no_solution(const Mcp& mcp, double tol = 0);
 
 /// "equation "F[1]" lies in [0.1, inf] wherever its variables are within their bounds, and x[1] is free".
 std::string describe(const Mcp& mcp, const NoSolution& proof);
+
+/// The same by branch and prune: the box is halved until in every part the signs of F, or an equation  0 in F_i(m) +
+/// [-tol, tol] + J_i(X) (X - m), leave nothing. Each point with a residual of at most tol lies in one of the parts.
+/// Returns how many parts were refuted, all of the box; 0: no proof was found within about a second or the deadline, or
+/// the problem has no ranges. Reference: Neumaier, Acta Numerica 13 (2004) 271.
+int no_solution_in_parts(const Mcp& mcp, double tol = 0, lcp::Deadline deadline = lcp::no_deadline);
 
 }  // namespace perp::ncp

@@ -20,8 +20,11 @@ constexpr double crash_prox_growth = 100;
 constexpr double crash_prox_decay_affine = 0.1;
 constexpr double crash_prox_decay_nonlinear = 0.9;
 constexpr int crash_prox_tries = 4;
-/// A step is worth a factorization if it leaves less than this share of the merit.
+/// A step is worth a factorization if it leaves less than this share of the merit, or moves so many variables from or
+/// to a bound, which a path would do by as many pivots.
 constexpr double worthwhile = 0.9;
+constexpr Index many_pivots = 200;
+constexpr int most_unpaid = 5;  ///< steps in turn that pay by the pivots they save alone
 
 using Places = std::vector<bool>;  // inside?
 
@@ -34,6 +37,12 @@ Places inside(const Box& box, const Point& point) {
     in[static_cast<std::size_t>(i)] = !held && box.lower[i] < box.upper[i];
   }
   return in;
+}
+
+Index differences(const Places& a, const Places& b) {
+  Index count = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) count += a[i] != b[i];
+  return count;
 }
 
 std::vector<Index> members(const Places& in) {
@@ -141,10 +150,10 @@ bool descend(Run& run, const Crash& options, Point& point, Iteration& it, double
   memory.push(psi);
   Stall stall(2);
   (void)stall.stalled(psi);
+  int unpaid = 0;
   for (int c = 0; c < options.iteration_limit; ++c) {
     Places in = inside(run.box(), point);
-    Index changes = 0;
-    for (std::size_t i = 0; i < before.size(); ++i) changes += in[i] != before[i];
+    const Index changes = before.empty() ? 0 : differences(in, before);
     if (c > 0 && changes < options.nbchange_limit) return true;
     if (c > 0 && changes >= many_changes && sweeps_pay) {
       sweeps_pay = relaxed(run, fb, point, psi);
@@ -156,10 +165,18 @@ bool descend(Run& run, const Crash& options, Point& point, Iteration& it, double
     if (!direction(run, point, before, lu, lambda, d)) return true;
     const double reference = sweeping ? memory.reference() : psi;
     const SearchOutcome found = line_search(run, fb, rule, d, -2 * psi, reference, true, point);
-    if (!found.found) return true;
+    if (!found.found) {  // sweeps may lead to a set from which a step is longer
+      if (sweeping || !sweeps_pay || run.box().size() < many_pivots || !relaxed(run, fb, point, psi)) return true;
+      sweeping = true;
+      memory.push(psi);
+      continue;
+    }
     memory.push(found.merit);
     const bool stalled = stall.stalled(found.merit);
-    const bool pays = sweeping ? !stalled : found.merit < worthwhile * psi;
+    const bool falls = sweeping ? !stalled : found.merit < worthwhile * psi;
+    unpaid = falls ? 0 : unpaid + 1;
+    const bool pays =
+        falls || (lambda == 0 && unpaid <= most_unpaid && differences(before, inside(run.box(), point)) >= many_pivots);
     psi = found.merit;
     it = {.k = it.k,
           .merit = psi,

@@ -6,6 +6,8 @@
 #include <limits>
 #include <utility>
 
+#include "lcp/classes/classify.hpp"
+
 namespace perp::ncp {
 namespace {
 
@@ -18,6 +20,9 @@ constexpr Index most_kinks = 4096;
 int patience_on_paths(const Mcp& mcp) {
   return mcp.is_affine() ? std::numeric_limits<int>::max() : 30 + static_cast<int>(mcp.size() / 10);
 }
+
+/// The same where a path from a ray is promised to lead on.
+int patience_before_rays(Index n) { return 20 + static_cast<int>(n / 5); }
 
 }  // namespace
 
@@ -116,6 +121,22 @@ lcp::PivotResult NewtonPoints::follow(const lcp::AffineMcp& problem, const Vec& 
   return path;
 }
 
+/// Whether a path from the cell of the start would begin with artificials, and one from a ray leads to a solution if
+/// there is one: monotone affine problems with free variables that occur in no equation of a free one, as multipliers
+/// in linear programs.
+bool NewtonPoints::ray_is_promised(const lcp::AffineMcp& problem) const {
+  if (!run_.mcp().is_affine()) return false;
+  const auto is_free = [&box = problem.box](Index i) { return box.lower[i] == -infinity && box.upper[i] == infinity; };
+  const auto alone = [&](Index j) {
+    for (SpMat::InnerIterator it(problem.M, j); it; ++it)
+      if (it.value() != 0 && is_free(it.row())) return false;
+    return is_free(j);
+  };
+  for (Index j = 0; j < problem.size(); ++j)
+    if (alone(j)) return lcp::positive_semidefinite(problem.M).yes();
+  return false;
+}
+
 NewtonPoint NewtonPoints::solve(const Point& point, const Vec& x, const std::vector<lcp::Cell>& cells, double lambda) {
   const lcp::AffineMcp problem = linearised(run_.box(), point, lambda);
   const bool first = std::exchange(first_, false);
@@ -124,7 +145,10 @@ NewtonPoint NewtonPoints::solve(const Point& point, const Vec& x, const std::vec
   options.max_pivots = std::min(options.max_pivots, std::max(left_, 1));
   const bool ray_asked = method_.start == PathStart::Always || (method_.start == PathStart::First && first) ||
                          options.start == lcp::LemkeStart::Ray;
+  bool promised = false;
   if (!ray_asked) {
+    promised = lambda == 0 && cells.empty() && ray_is_promised(problem);
+    if (promised) options.patience = std::min(options.patience, patience_before_rays(problem.size()));
     options.cells = cells;
     options.keep_path = method_.search == Searchtype::Path;
     newton.path = follow(problem, x, options);
@@ -134,6 +158,7 @@ NewtonPoint NewtonPoints::solve(const Point& point, const Vec& x, const std::vec
   options.start = lcp::LemkeStart::Ray;
   options.cells.clear();
   options.keep_path = false;
+  if (promised) options.keep_basis = false;  // dependent free variables may be split
   const std::size_t rays = first || ray_asked ? covers.size() + 1 : 1;
   for (std::size_t i = 0; i < rays && left_ > 0 && (i == 0 || !newton.usable()); ++i) {
     if (i > 0) options.cover = covers[i - 1];

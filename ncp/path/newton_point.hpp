@@ -60,6 +60,7 @@ class NewtonPoints {
 
  private:
   lcp::PivotResult follow(const lcp::AffineMcp& problem, const Vec& x, const lcp::LemkeOptions& options);
+  bool ray_is_promised(const lcp::AffineMcp& problem) const;
 
   Run& run_;
   const PathSearch& method_;

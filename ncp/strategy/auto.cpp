@@ -17,8 +17,10 @@
 namespace perp::ncp {
 namespace {
 
-/// Pivots of the first try of PathSearch on large problems, which needs few of them or very many.
-constexpr int few_pivots = 3000;
+/// Pivots of the first try of PathSearch on large problems, which needs few of them or very many. On nonlinear ones
+/// interior points, which come next, take some ten factorizations, each as much as some tens of pivots.
+constexpr int few_pivots_affine = 3000;
+constexpr int few_pivots_nonlinear = 100;
 
 /// What presolve can say of a problem without a solution, row by row, is for people; a ray is not.
 void explain(const Mcp& mcp, In x0, Result& result) {
@@ -98,16 +100,22 @@ std::vector<Attempt> auto_list(const Auto& method) {
     return !warm && !run.mcp().is_affine() && large(run) && lcp::symmetric(start.J);
   };
   const std::string of_size = "n > " + std::to_string(method.large) + ", the Jacobian is ";
-  PathSearch brief = method.path;
-  brief.restart_limit = 0;
-  brief.cumulative_iteration_limit = std::min(brief.cumulative_iteration_limit, few_pivots);
+  const auto brief = [path = method.path](int few_pivots) {
+    PathSearch limited = path;
+    limited.restart_limit = 0;
+    limited.cumulative_iteration_limit = std::min(limited.cumulative_iteration_limit, few_pivots);
+    return limited;
+  };
   SemismoothNewton penalised = method.semismooth;
   penalised.cfunction = penalised_fischer_burmeister();
   SemismoothNewton escaping = method.semismooth;
   escaping.escape = Escape{};
   return {
       only_if(choice("the linear methods", Affine{}), "the problem is affine and monotone", monotone),
-      only_if(choice("path with few pivots", brief), of_size + "not symmetric", large_unsymmetric),
+      only_if(choice("path with few pivots", brief(few_pivots_affine)), of_size + "not symmetric",
+              [=](Run& run, const Point& start) { return run.mcp().is_affine() && large_unsymmetric(run, start); }),
+      only_if(choice("path with few pivots", brief(few_pivots_nonlinear)), of_size + "not symmetric",
+              [=](Run& run, const Point& start) { return !run.mcp().is_affine() && large_unsymmetric(run, start); }),
       only_if(choice("interior points", InteriorPoint{}), of_size + "not symmetric", large_unsymmetric),
       only_if(choice("the linear methods", Affine{}), "the problem is affine",
               [=](Run& run, const Point& start) { return !warm && run.mcp().is_affine() && !monotone(run, start); }),

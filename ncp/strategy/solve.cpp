@@ -56,6 +56,15 @@ std::optional<Run::Verdict> refutation(const Mcp& mcp, double tol) {
                       "look for a mistake in the model"};
 }
 
+/// Where methods are stuck, there may be no solution.
+void refute_in_parts(Run& run, double tol) {
+  if (const int parts = no_solution_in_parts(run.mcp(), tol, run.deadline()); parts > 0)
+    run.replace_verdict({Status::Infeasible,
+                         "proven to have no solution: in each of " + quantity(parts, "part") +
+                             " of the box the ranges of F and J leave none",
+                         "look for a mistake in the model"});
+}
+
 /// Before the method, where that costs about a millisecond at most; else of runs that have found nothing.
 void solve_or_refute(Run& run, In x0, const Method& method) {
   constexpr double little_work = 30'000;
@@ -72,8 +81,11 @@ void solve_or_refute(Run& run, In x0, const Method& method) {
   }
   run_method(run, x0, method);
   const bool lost = run.ended() && (ncp::stuck(run.status()) || run.status() == Status::IterationLimit);
-  if (first || enclosure == nullptr || !lost) return;
-  if (const auto verdict = refutation(mcp, tol)) run.replace_verdict(*verdict);
+  if (enclosure == nullptr || !lost) return;
+  if (const auto verdict = first ? std::nullopt : refutation(mcp, tol))
+    run.replace_verdict(*verdict);
+  else if (!mcp.is_affine())
+    refute_in_parts(run, tol);
 }
 
 /// A derivative that does not match is the most frequent reason of a failure, and the hardest to see.

@@ -145,5 +145,50 @@ TEST(NoSolution, SaysNothingWithoutRanges) {
   EXPECT_FALSE(no_solution(*problem));
 }
 
+/// x_1 + x_2 + x_3 = 1, 2 x_1^2 + 3 x_2^2 + 4 x_3^2 = c on [0, 1]^3 and two free multipliers that occur in no equation:
+/// the least value is 12/13.
+GraphProblem portfolio(double c) {
+  ExpressionGraph g;
+  const auto square = [&](int i, double by) {
+    const auto x = g.variable(i);
+    return g.binary(Operation::Multiply, g.constant(by), g.binary(Operation::Multiply, x, x));
+  };
+  const auto add = [&](auto a, auto b) { return g.binary(Operation::Add, a, b); };
+  const auto budget = add(add(add(g.variable(0), g.variable(1)), g.variable(2)), g.constant(-1));
+  const auto risk = add(add(add(square(0, 2), square(1, 3)), square(2, 4)), g.constant(-c));
+  const std::vector<ExpressionGraph::Node> rows{add(g.variable(3), g.variable(4)), g.variable(3), g.variable(4), budget,
+                                                risk};
+  Box box = Box::free(5);
+  box.lower.head(3).setZero();
+  box.upper.head(3).setOnes();
+  return {std::move(g), rows, std::move(box)};
+}
+
+// No row alone shows that there is none, and no method ends: the two equations meet in no part of the box. Catches a
+// proof that is given up at the first part that needs halves.
+TEST(NoSolution, InPartsWhereEquationsDoNotMeet) {
+  EXPECT_FALSE(no_solution(portfolio(0.9)));
+  EXPECT_GT(no_solution_in_parts(portfolio(0.9)), 1);
+  EXPECT_GT(no_solution_in_parts(portfolio(4.1)), 0);
+  const Result result = solve(portfolio(0.9), Vec::Constant(5, 0.3), PathSearch{});
+  EXPECT_EQ(result.status, Status::Infeasible);
+  EXPECT_THAT(result.message, HasSubstr("parts of the box"));
+}
+
+// Between 12/13 and 4 there are solutions. Catches a proof of what is false.
+TEST(NoSolution, InPartsIsNotClaimedWhereThereIsOne) {
+  for (const double c : {0.9231, 1.0, 2.0, 4.0}) EXPECT_EQ(no_solution_in_parts(portfolio(c)), 0) << c;
+  EXPECT_EQ(no_solution_in_parts(exponential(0.1, Box::nonnegative(1))), 0);
+}
+
+// 1e-4 below 12/13 no point is a solution, and points with residuals of 1e-4 are what the judge takes for one at tol =
+// 1e-3. Catches a proof that contradicts the judge.
+TEST(NoSolution, InPartsIsAboutTheTolerance) {
+  const double c = 12.0 / 13 - 1e-4;
+  EXPECT_GT(no_solution_in_parts(portfolio(c)), 0);
+  EXPECT_GT(no_solution_in_parts(portfolio(c), 1e-8), 0);
+  EXPECT_EQ(no_solution_in_parts(portfolio(c), 1e-3), 0);
+}
+
 }  // namespace
 }  // namespace perp::ncp
