@@ -58,7 +58,7 @@ TEST(Kept, SolvesASequenceAsIfEachWereTheFirst) {
 }
 
 /// x_i (1 + x_i^2) - s - i/10 on [0, 1]: a strictly monotone problem with parameter s.
-std::unique_ptr<Mcp> cubic(double s) {
+std::unique_ptr<Mcp> shifted_cubic(double s) {
   SpMat identity(10, 10);
   identity.setIdentity();
   return make_mcp({.name = "cubic",
@@ -82,13 +82,13 @@ std::unique_ptr<Mcp> cubic(double s) {
 TEST(Kept, NewtonStepsOnTheLastActiveSet) {
   KeptSolver kept(PathSearch{});
   for (const double s : {0.3, 0.32, 0.34, 0.9, 1.2, -0.5, -0.5001, 0.3}) {
-    const auto mcp = cubic(s);
+    const auto mcp = shifted_cubic(s);
     const Result& result = kept.solve(*mcp, Vec::Zero(10));
     ASSERT_TRUE(result.solved()) << s;
     ASSERT_LE(residual(*mcp, result.x).natural, 1e-8) << s;
     EXPECT_LE(result.stats.iterations, 14) << s;
   }
-  (void)kept.solve(*cubic(0.3001), Vec::Zero(10));
+  (void)kept.solve(*shifted_cubic(0.3001), Vec::Zero(10));
   EXPECT_EQ(kept.by(), By::Kept);
 }
 
@@ -99,7 +99,7 @@ TEST(Kept, TakesWhatComes) {
   Random random(5);
   const auto program = make_affine_mcp(quadratic_program(12, 3, random.normals(12), random), "program");
   EXPECT_TRUE(kept.solve(*program, Vec::Zero(15)).solved());
-  EXPECT_TRUE(kept.solve(*cubic(0.3), Vec::Zero(10)).solved());
+  EXPECT_TRUE(kept.solve(*shifted_cubic(0.3), Vec::Zero(10)).solved());
   EXPECT_EQ(kept.by(), By::Anew);
   SpMat one(1, 1);
   one.insert(0, 0) = 1;
