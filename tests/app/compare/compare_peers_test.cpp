@@ -74,7 +74,7 @@ TEST(CompareRun, PeersAreShownAsWhatTheyAre) {
   EXPECT_THAT(finished.out, HasSubstr("false claim"));
 }
 
-// A peer on the collection: affine problems with all their starts, others not; restarts change its start.
+// A peer on the collection: affine problems and others with all their starts; restarts change its start.
 TEST(CompareRun, PeersOnTheCollection) {
   const test::Folder folder;
   const std::string peer =
@@ -89,9 +89,7 @@ TEST(CompareRun, PeersOnTheCollection) {
   EXPECT_EQ(finished.code, 0) << finished.err;
   for (const Cell& cell : read_cells(folder / "out").cells) {
     if (cell.method == "perp-itself") {
-      const Outcome right = cell.problem == "kojshin"          ? Outcome::NotApplicable
-                            : cell.problem == "infeasible-own" ? Outcome::Infeasible
-                                                               : Outcome::Solved;
+      const Outcome right = cell.problem == "infeasible-own" ? Outcome::Infeasible : Outcome::Solved;
       EXPECT_EQ(to_string(cell.outcome), to_string(right)) << cell.problem << ": " << cell.message;
     }
     if (cell.method == "gives-up" && cell.problem == "m.nl") {
