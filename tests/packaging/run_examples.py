@@ -42,8 +42,8 @@ def same_line(shown, printed):
     """Word by word; "..." is a pattern for any text."""
     if "..." in shown:
         head, *rest = (re.escape(piece.strip()) for piece in shown.split("..."))
-        words = len(shown.split("...")[0].split())
-        begins = all(map(same_word, shown.split()[:words], printed.split()))
+        words = shown.split("...")[0].split()
+        begins = len(words) <= len(printed.split()) and all(map(same_word, words, printed.split()))
         return begins and re.search(".*".join(["", *rest]), printed) is not None
     a, b = shown.split(), printed.split()
     return len(a) == len(b) and all(map(same_word, a, b))
