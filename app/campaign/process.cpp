@@ -43,8 +43,6 @@ constexpr bool limits_address_space = true;
 constexpr bool limits_address_space = true;
 #endif
 
-double seconds_since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
-
 /// The environment with one thread for every BLAS.
 std::vector<std::string> pinned_environment() {
   std::vector<std::string> variables;
@@ -246,6 +244,8 @@ void kill_descendants(pid_t root) {
     if (std::ranges::all_of(found, [](pid_t pid) { return resident_mb(pid) == 0; })) return;
   }
 }
+
+double seconds_since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
 
 std::string signal_name(int signal) {
   const char* name = sigdescr_np(signal);

@@ -3,6 +3,7 @@
 /// A process under limits of wall clock and memory, with everything it starts.
 #include <sys/types.h>
 #include <atomic>
+#include <chrono>
 #include <string>
 #include <vector>
 
@@ -39,6 +40,7 @@ ProcessEnd run_process(const ProcessRequest& request, const std::atomic<bool>* i
 /// Kills all that `root` started, directly or not, group and session regardless; not `root` itself.
 void kill_descendants(pid_t root);
 
+double seconds_since(std::chrono::steady_clock::time_point begin);
 /// "signal 11 (Segmentation fault)".
 std::string signal_name(int signal);
 /// How a process ended that was to leave a result and has not: the signal, or "exit code 3, no result".

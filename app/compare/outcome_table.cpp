@@ -15,10 +15,10 @@ namespace perp::app::compare {
 
 namespace {
 
-constexpr std::size_t outcomes = static_cast<std::size_t>(Outcome::FalseInfeasible) + 1;
+constexpr std::size_t outcome_count = static_cast<std::size_t>(Outcome::FalseInfeasible) + 1;
 
 struct Row {
-  std::array<std::size_t, outcomes> of{};
+  std::array<std::size_t, outcome_count> of{};
   std::size_t honest = 0;  // where there is no solution
   std::size_t left = 0;    // failures after restarts
   double seconds = 0;
@@ -50,7 +50,7 @@ void print_outcomes(std::ostream& out, const Campaign& campaign, std::span<const
   const bool honest = std::ranges::any_of(rows, [](const Row& row) { return row.honest > 0; });
   const bool restarts = campaign.restarts > 0;
   std::vector<Column> columns{"method"};
-  for (std::size_t k = 0; k < outcomes; ++k)
+  for (std::size_t k = 0; k < outcome_count; ++k)
     if (occurs(k)) columns.push_back({std::string(outcome_names()[k]), Align::Right});
   if (honest) columns.push_back({"honest", Align::Right});
   if (restarts) columns.push_back({"failures after restarts", Align::Right});
@@ -59,7 +59,7 @@ void print_outcomes(std::ostream& out, const Campaign& campaign, std::span<const
   for (std::size_t m = 0; m < rows.size(); ++m) {
     std::vector<std::string> line{campaign.methods[m].label};
     const auto cell = [&](std::size_t n) { line.push_back(n == 0 ? "." : fmt::format("{}", n)); };
-    for (std::size_t k = 0; k < outcomes; ++k)
+    for (std::size_t k = 0; k < outcome_count; ++k)
       if (occurs(k)) cell(rows[m].of.at(k));
     if (honest) cell(rows[m].honest);
     if (restarts) cell(rows[m].left);

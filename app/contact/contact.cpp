@@ -126,7 +126,8 @@ class Command {
 
   /// One problem, from its file to its lines; its JSON is kept.
   void take(const std::string& name) {
-    Summary summary{.label = name, .run = {}};
+    Summary summary;
+    summary.label = name;
     const auto take_it = [&] {
       const Patience limits = patience(std::chrono::duration<double>(request_.time_limit), interrupt_);
       end_by(limits.deadline);

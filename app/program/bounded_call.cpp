@@ -34,7 +34,7 @@ std::atomic<int> leave_code{exit_unsolved};
 std::atomic<Clock::rep> end_time{Clock::time_point::max().time_since_epoch().count()};
 std::atomic<Clock::rep> written_by{Clock::time_point::min().time_since_epoch().count()};
 
-struct Call {
+struct BoundedCall {
   std::function<void()> work;
   std::exception_ptr thrown;
   std::mutex mutex;
@@ -55,7 +55,7 @@ struct Call {
 };
 
 void* run_call(void* call) {
-  const std::unique_ptr<std::shared_ptr<Call>> own(static_cast<std::shared_ptr<Call>*>(call));
+  const std::unique_ptr<std::shared_ptr<BoundedCall>> own(static_cast<std::shared_ptr<BoundedCall>*>(call));
   (*own)->run();
   return nullptr;
 }
@@ -87,13 +87,13 @@ class WithoutSignals {
   sigset_t before_{};
 };
 
-bool started(const std::shared_ptr<Call>& call) {
+bool started(const std::shared_ptr<BoundedCall>& call) {
   const WithoutSignals silent;
   pthread_attr_t attributes;
   if (pthread_attr_init(&attributes) != 0) return false;
   pthread_attr_setstacksize(&attributes, stack_size());
   pthread_attr_setdetachstate(&attributes, PTHREAD_CREATE_DETACHED);
-  auto own = std::make_unique<std::shared_ptr<Call>>(call);
+  auto own = std::make_unique<std::shared_ptr<BoundedCall>>(call);
   pthread_t thread{};
   const bool made = pthread_create(&thread, &attributes, run_call, own.get()) == 0;
   if (made) static_cast<void>(own.release());
@@ -102,7 +102,7 @@ bool started(const std::shared_ptr<Call>& call) {
 }
 
 /// The first of: ended (nothing), too late, interrupted and then too late.
-std::optional<GivenUp> wait(Call& call, const Patience& patience) {
+std::optional<GivenUp> wait(BoundedCall& call, const Patience& patience) {
   const auto add = [](Clock::time_point time, milliseconds more) {
     return time > Clock::time_point::max() - more ? Clock::time_point::max() : time + more;
   };
@@ -149,7 +149,7 @@ Patience patience(std::chrono::duration<double> limit, const std::atomic<bool>* 
 }
 
 std::optional<GivenUp> bounded_call(std::function<void()> work, const Patience& patience) {
-  const auto call = std::make_shared<Call>();
+  const auto call = std::make_shared<BoundedCall>();
   call->work = std::move(work);
   if (!started(call)) call->run();
   if (const auto given_up = wait(*call, patience)) {

@@ -209,7 +209,7 @@ Answer run_external(const Task& task) {
   const Clock::time_point begin = Clock::now();
   Running program(task.method.command, stub);
   const int status = program.wait();
-  answer.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
+  answer.seconds = seconds_since(begin);
   answer.peak_mb = program.peak_mb();
   while (waitpid(-1, nullptr, WNOHANG) > 0) {
   }

@@ -9,6 +9,7 @@
 #include <new>
 
 #include "app/campaign/cell.hpp"
+#include "app/campaign/process.hpp"
 #include "app/campaign/selection.hpp"
 #include "app/problem/problem.hpp"
 #include "app/worker/external.hpp"
@@ -19,8 +20,6 @@ namespace perp::app::compare {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
 
 Answer describe(const Task& task) {
   const LoadedProblem problem = load_problem(ProblemSource{.problem = task.problem});

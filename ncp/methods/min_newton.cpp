@@ -66,13 +66,6 @@ class NewtonSteps {
   std::vector<int> place_;  // of an index among those of I; -1 outside
 };
 
-struct Step {
-  Vec d;
-  double slope = 0;  ///< Phi'H d
-  char kind = ' ';
-  double nu = 0;
-};
-
 /// Up to rounding: the search projects.
 bool in_box(const Box& box, const Vec& x) {
   const Vec outside = (x - lcp::project(box, x)).cwiseAbs();
@@ -84,6 +77,38 @@ bool in_box(const Box& box, const Vec& x) {
 double first_nu(const Linearisation& lin) {
   return std::min(1.0, lin.at.Phi.norm()) *
          std::max(1e-8, 1e-6 * lin.H.squaredNorm() / static_cast<double>(lin.at.Phi.size()));
+}
+
+void give_up(Run& run, bool stationary, const Searches& searches) {
+  if (stationary)
+    run.end(Status::StationaryPoint, "no feasible step reduces the linearised equations: a point that is not regular",
+            "try --method proxi, which leaves local minima, or another start");
+  else
+    run.end(searches.nowhere_defined() ? Status::EvaluationFailed : Status::NoProgress,
+            searches.nowhere_defined() ? "F or its Jacobian is not defined at any trial point, however short the step"
+                                       : "no direction decreases the merit function theta = 1/2 ||min||^2",
+            "try --method proxi, another start or method; check the derivatives (--check-derivatives)");
+}
+
+/// How the Levenberg-Marquardt steps of a major iteration ended.
+enum class LeastSquaresEnd { Found, NoDescent, Stationary, Stopped };
+
+/// Least-squares steps with nu, and with growing terms after it, until one is searched with success.
+LeastSquaresEnd least_squares_step(LeastSquaresSteps& steps, const Linearisation& lin, double nu, Searches& searches,
+                                   Iteration& it, Point& point) {
+  for (int i = 0; i < lm_tries; ++i) {
+    const LeastSquaresStep qp = steps.solve(lin, point.x, nu);
+    if (qp.end == LeastSquaresStep::End::Stopped) return LeastSquaresEnd::Stopped;
+    if (qp.end == LeastSquaresStep::End::Found && -qp.model <= 2 * stationary_decrease * lin.merit)
+      return LeastSquaresEnd::Stationary;
+    if (qp.model < 0) {
+      it.kind = nu > 0 ? 'L' : 'Q';
+      it.prox = nu;
+      if (searches.along(qp.d, qp.model, point)) return LeastSquaresEnd::Found;
+    }
+    nu = nu > 0 ? lm_growth * nu : first_nu(lin);
+  }
+  return LeastSquaresEnd::NoDescent;
 }
 
 }  // namespace
@@ -107,6 +132,7 @@ void iterate(Run& run, const MinNewton& method, Point point) {
   memory.push(it.merit);
   double best = it.merit;
   int since_best = 0;
+  Vec d(point.x.size());
 
   while (run.go_on(point, it)) {
     linearise(min, run.box(), point, lin);
@@ -116,48 +142,23 @@ void iterate(Run& run, const MinNewton& method, Point point) {
       break;
     }
     it = {.k = it.k + 1};
-    SearchOutcome found;
-    int undefined = 0;
-    const auto search = [&](const Step& step) {
-      found = line_search(run, min, method.search, step.d, step.slope, memory.reference(), true, point);
-      it.backtracks += found.backtracks;
-      undefined += found.undefined;
-      it.kind = step.kind;
-      it.prox = step.nu;
-      return found.found;
-    };
-
-    Step step{.d = Vec(point.x.size()), .slope = -2 * lin.merit, .kind = 'N', .nu = 0};
-    const bool regular = newton.solve(lin, point.J, step.d);
-    bool done = regular && (!qp_only || in_box(run.box(), point.x + step.d)) && search(step);
-    bool stopped = false;
-    bool stationary = false;
-    double nu = qp_only && regular ? 0 : first_nu(lin);
-    for (int i = 0; i < lm_tries && !done && !stopped; ++i) {
-      LeastSquaresStep qp = least_squares.solve(lin, point.x, nu);
-      stopped = qp.end == LeastSquaresStep::End::Stopped;
-      stationary = qp.end == LeastSquaresStep::End::Found && -qp.model <= 2 * stationary_decrease * lin.merit;
-      if (stationary) break;
-      step = {.d = std::move(qp.d), .slope = qp.model, .kind = nu > 0 ? 'L' : 'Q', .nu = nu};
-      done = !stopped && step.slope < 0 && search(step);
-      nu = nu > 0 ? lm_growth * nu : first_nu(lin);
+    Searches searches(run, min, method.search, memory.reference(), it);
+    const bool regular = newton.solve(lin, point.J, d);
+    if (regular && (!qp_only || in_box(run.box(), point.x + d))) {
+      it.kind = 'N';
+      searches.along(d, -2 * lin.merit, point);
     }
-    it.pivots = least_squares.take_pivots();
-    if (!done && !stopped) {
-      const bool nowhere = undefined > 0 && undefined == it.backtracks;
-      if (stationary)
-        run.end(Status::StationaryPoint,
-                "no feasible step reduces the linearised equations: a point that is not regular",
-                "try --method proxi, which leaves local minima, or another start");
-      else
-        run.end(nowhere ? Status::EvaluationFailed : Status::NoProgress,
-                nowhere ? "F or its Jacobian is not defined at any trial point, however short the step"
-                        : "no direction decreases the merit function theta = 1/2 ||min||^2",
-                "try --method proxi, another start or method; check the derivatives (--check-derivatives)");
-      break;
+    if (!searches.found()) {
+      const double nu = qp_only && regular ? 0 : first_nu(lin);
+      const LeastSquaresEnd end = least_squares_step(least_squares, lin, nu, searches, it, point);
+      it.pivots = least_squares.take_pivots();
+      if (end == LeastSquaresEnd::NoDescent || end == LeastSquaresEnd::Stationary) {
+        give_up(run, end == LeastSquaresEnd::Stationary, searches);
+        break;
+      }
     }
-    it.merit = done ? found.merit : lin.merit;
-    it.step = done ? found.t : 0;
+    it.merit = searches.found() ? searches.merit() : lin.merit;
+    it.step = searches.found() ? searches.t() : 0;
     if (it.merit < best) {
       best = it.merit;
       since_best = 0;

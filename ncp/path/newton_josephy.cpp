@@ -116,6 +116,42 @@ void chords(Run& run, const NewtonJosephy& method, Subproblems& subproblems, con
   }
 }
 
+/// Newton steps with growing proximal terms until one is searched with success. The step that ended the attempts.
+Step newton_step(Subproblems& subproblems, const Box& box, const Vec& start, double merit, Searches& searches,
+                 Iteration& it, Point& point) {
+  Step step;
+  double lambda = 0;
+  for (int i = 0; i <= prox_tries && !searches.found(); ++i) {
+    step = subproblems.solve(point, start, lambda);
+    if (stopped(step.path)) break;
+    const bool solved = step.path.solved();
+    if (solved || step.path.best_t >= partial_path) {
+      const Vec end = solved ? step.path.z : lcp::project(box, step.path.best_x);
+      // Armijo's slope of a Newton step on Psi = 1/2 ||Phi||^2 is -2 Psi, of the part t of the way -2 t Psi.
+      searches.along(end - point.x, -2 * merit * (solved ? 1 : step.path.best_t), point);
+      it.linear = step.qp ? 'Q' : ' ';
+      it.kind = solved ? (lambda > 0 ? 'P' : 'N') : 'R';
+    }
+    it.prox = lambda;
+    lambda = lambda > 0 ? prox_growth * lambda : prox_first * size_of(point.J);
+  }
+  return step;
+}
+
+void give_up(Run& run, const Step& step, const Searches& searches) {
+  if (searches.nowhere_defined())
+    run.end(Status::EvaluationFailed, "F or its Jacobian is not defined at any trial point, however short the step",
+            "try another start or method");
+  else if (!step.path.solved())
+    run.end(Status::SubproblemFailed,
+            "the linearised problem could not be solved (" + std::string(lcp::to_string(step.path.end)) +
+                "), with proximal terms up to " + std::to_string(step.lambda) + " neither",
+            "try the semismooth method or another start");
+  else
+    run.end(Status::NoProgress, "neither the Newton steps nor the gradient decrease the merit function",
+            "try the semismooth method or another start");
+}
+
 }  // namespace
 
 void iterate(Run& run, const NewtonJosephy& method, Point point) {
@@ -137,59 +173,26 @@ void iterate(Run& run, const NewtonJosephy& method, Point point) {
       break;
     }
     it = {.k = it.k + 1};
-    int undefined = 0;
-    SearchOutcome found;
-    Step step;
+    Searches searches(run, fb, method.search, memory.reference(), it);
     const SpMat before = method.chord_steps > 0 && subproblems.by_qp() ? point.J : SpMat();
-    double lambda = 0;
-    for (int i = 0; i <= prox_tries && !found.found; ++i) {
-      step = subproblems.solve(point, start, lambda);
-      if (stopped(step.path)) break;
-      const bool solved = step.path.solved();
-      const Vec end = solved ? step.path.z : lcp::project(run.box(), step.path.best_x);
-      const Vec d = end - point.x;
-      if (solved || step.path.best_t >= partial_path) {
-        // Armijo's slope of a Newton step on Psi = 1/2 ||Phi||^2 is -2 Psi, of the part t of the way -2 t Psi.
-        const double slope = -2 * descent.merit * (solved ? 1 : step.path.best_t);
-        found = line_search(run, fb, method.search, d, slope, memory.reference(), true, point);
-        it.backtracks += found.backtracks;
-        undefined += found.undefined;
-        it.linear = step.qp ? 'Q' : ' ';
-        it.kind = solved ? (lambda > 0 ? 'P' : 'N') : 'R';
-      }
-      it.prox = lambda;
-      lambda = lambda > 0 ? prox_growth * lambda : prox_first * size_of(point.J);
-    }
-    if (found.found && found.t == 1 && step.qp) chords(run, method, subproblems, before, point, found.merit);
+    const Step step = newton_step(subproblems, run.box(), start, descent.merit, searches, it, point);
+    const bool full_step = searches.full_step();
+    if (full_step && step.qp) chords(run, method, subproblems, before, point, searches.merit());
     it.pivots = subproblems.take_pivots();
-    const bool cut = stopped(step.path);
-    bool full_step = found.found && found.t == 1 && step.path.solved();
-    if (!found.found && !cut) {
+    if (!searches.found() && !stopped(step.path)) {
       const Vec d = lcp::project(run.box(), point.x + descent.cauchy_step()) - point.x;
-      found = line_search(run, fb, method.search, d, descent.gradient.dot(d), memory.reference(), true, point);
       it.kind = 'G';
       it.prox = 0;
-      it.backtracks += found.backtracks;
-      undefined += found.undefined;
+      if (!searches.along(d, descent.gradient.dot(d), point)) {
+        give_up(run, step, searches);
+        break;
+      }
     }
-    if (!found.found && !cut) {
-      if (undefined > 0 && undefined == it.backtracks)
-        run.end(Status::EvaluationFailed, "F or its Jacobian is not defined at any trial point, however short the step",
-                "try another start or method");
-      else if (!step.path.solved())
-        run.end(Status::SubproblemFailed,
-                "the linearised problem could not be solved (" + std::string(lcp::to_string(step.path.end)) +
-                    "), with proximal terms up to " + std::to_string(step.lambda) + " neither",
-                "try the semismooth method or another start");
-      else
-        run.end(Status::NoProgress, "neither the Newton steps nor the gradient decrease the merit function",
-                "try the semismooth method or another start");
-      break;
-    }
-    it.merit = found.found ? found.merit : descent.merit;
-    it.step = found.t;
+    it.merit = searches.found() ? searches.merit() : descent.merit;
+    it.step = searches.t();
     memory.push(it.merit);
-    start = full_step && !step.qp ? step.path.x : normal_point(run.box(), point.x, point.F);
+    const bool cells_known = full_step && step.path.solved() && !step.qp;
+    start = cells_known ? step.path.x : normal_point(run.box(), point.x, point.F);
   }
 }
 

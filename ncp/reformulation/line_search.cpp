@@ -32,4 +32,11 @@ SearchOutcome line_search(Run& run, const CFunction& c, const Armijo& rule, In d
   return out;
 }
 
+bool Searches::along(In d, double slope, Point& point) {
+  last_ = line_search(run_, c_, rule_, d, slope, reference_, true, point);
+  it_.backtracks += last_.backtracks;
+  undefined_ += last_.undefined;
+  return last_.found;
+}
+
 }  // namespace perp::ncp

@@ -22,4 +22,29 @@ struct SearchOutcome {
 SearchOutcome line_search(Run& run, const CFunction& c, const Armijo& rule, In d, double slope, double reference,
                           bool projected, Point& point);
 
+/// The projected searches of one major iteration, which its record counts together.
+class Searches {
+ public:
+  Searches(Run& run, const CFunction& c, const Armijo& rule, double reference, Iteration& it)
+      : run_(run), c_(c), rule_(rule), reference_(reference), it_(it) {}
+
+  /// line_search() along d. True: `point` is the one found.
+  bool along(In d, double slope, Point& point);
+  bool found() const { return last_.found; }
+  bool full_step() const { return last_.found && last_.t == 1; }
+  double t() const { return last_.t; }
+  double& merit() { return last_.merit; }
+  /// Whether F or J was undefined at every trial point.
+  bool nowhere_defined() const { return undefined_ > 0 && undefined_ == it_.backtracks; }
+
+ private:
+  Run& run_;
+  const CFunction& c_;
+  const Armijo& rule_;
+  double reference_;
+  Iteration& it_;
+  SearchOutcome last_;
+  int undefined_ = 0;
+};
+
 }  // namespace perp::ncp

@@ -28,7 +28,7 @@ using comparison::HtmlTable;
 
 constexpr double least_time = 1e-6;  // s; below it times are noise
 
-double median(std::vector<double> values) {
+double geometric_median(std::vector<double> values) {
   if (values.empty()) return std::nan("");
   std::ranges::sort(values);
   const std::size_t middle = values.size() / 2;
@@ -84,8 +84,8 @@ std::vector<Line> lines(const Comparison& comparison) {
           ++line.failed;
       }
     }
-    line.iterations = median(iterations);
-    line.error = median(errors);
+    line.iterations = geometric_median(iterations);
+    line.error = geometric_median(errors);
     if (!errors.empty()) line.worst = std::ranges::max(errors);
     all.push_back(line);
   }

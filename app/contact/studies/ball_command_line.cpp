@@ -11,7 +11,7 @@ namespace perp::app::contacts {
 
 namespace {
 
-constexpr const char* footer =
+constexpr const char* ball_footer =
     "A ball slides on a plane under a load that comes from 60, 180 and -60 degrees in turn (Acary's lecture). With a\n"
     "polygon of K facets in place of the friction disk its path is bent and drifts, and depends on how the frame of "
     "the\n"
@@ -29,7 +29,7 @@ constexpr const char* footer =
 CLI::App* add_ball_command(CLI::App& contact, BallRequest& request) {
   CLI::App* ball = contact.add_subcommand(
       "ball", "Time stepping: a ball under a cyclic load, by friction polygons and by Coulomb's law, drawn");
-  ball->footer(footer);
+  ball->footer(ball_footer);
   option(ball, "--facets", request.facets,
          "friction polygons of K facets (4,6,8,16, with --exact, if neither is given)", "K[,K]...");
   ball->add_flag("--exact", request.exact, "Coulomb's law; distances are measured from its path");
