@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cstdlib>
 #include <filesystem>
 #include <map>
@@ -178,6 +179,42 @@ std::vector<AskedMethod> of_names(const Names& names) {
   return found;
 }
 
+/// Is the value in the range of the function's parameter of that name?
+bool takes(const ncp::CFunction& c, const Assignment& given) {
+  if (!c.parameter || c.parameter->name != given.key) return false;
+  double value = 0;
+  const char* last = given.value.data() + given.value.size();
+  const auto [end, error] = std::from_chars(given.value.data(), last, value);
+  return error == std::errc() && end == last && value > c.parameter->low && value < c.parameter->high;
+}
+
+/// Of cfunctions:rho=0.01:rho=100:lu=klu: semismooth over all functions, those with a rho at the given ones; what is
+/// the name of no parameter is an option of all.
+std::vector<std::string> with_each_cfunction(const std::string& text) {
+  const std::string source = fmt::format("{} {}", methods_flag, text);
+  const auto functions = ncp::cfunctions();
+  std::vector<Assignment> values;
+  std::string options;
+  for (const std::string& option : of_method(text).options) {
+    const Assignment given = parse_assignment(option, source);
+    if (std::ranges::none_of(functions, [&](const auto& c) { return c.parameter && c.parameter->name == given.key; }))
+      options += ":" + option;
+    else if (std::ranges::none_of(functions, [&](const auto& c) { return takes(c, given); }))
+      throw input_error("{}: no C-function takes {}; 'perp cfunctions' has the ranges", source, option);
+    else
+      values.push_back(given);
+  }
+  std::vector<std::string> names;
+  for (const ncp::CFunction& c : functions) {
+    const std::string name = "semismooth:cfunction=" + c.name;
+    const std::size_t before = names.size();
+    for (const Assignment& given : values)
+      if (takes(c, given)) names.push_back(fmt::format("{}:cfunction_parameter={}{}", name, given.value, options));
+    if (names.size() == before) names.push_back(name + options);
+  }
+  return names;
+}
+
 std::vector<AskedMethod> methods_of(const Item& item) {
   const std::string& text = item.text;
   std::vector<std::string> names;
@@ -191,10 +228,7 @@ std::vector<AskedMethod> methods_of(const Item& item) {
     for (const ncp::Preset& preset : ncp::published()) names.emplace_back(preset.name);
     return of_names(names);
   }
-  if (text == "cfunctions") {
-    for (const ncp::CFunction& c : ncp::cfunctions()) names.push_back("semismooth:cfunction=" + c.name);
-    return of_names(names);
-  }
+  if (text == "cfunctions" || text.starts_with("cfunctions:")) return of_names(with_each_cfunction(text));
   if (text == "cfunction-grid") {
     for (const ncp::CFunction& c : ncp::cfunction_grid())
       names.push_back(fmt::format("semismooth:cfunction={}:cfunction_parameter={:g}", c.name, c.parameter->value));

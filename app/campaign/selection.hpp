@@ -10,7 +10,8 @@
 ///     methods    all   presets   cfunctions   cfunction-grid   none   NAME   NAME:key=value:key=value
 ///
 /// NAME, CLASS and FILE may have * ? and [...]. `cfunctions` is semismooth over every C-function,
-/// `cfunction-grid` over those with a parameter, at several values of it.
+/// `cfunctions:rho=0.01:rho=100` over the same, those with a parameter rho at these values; `cfunction-grid` over those
+/// with a parameter, at several values of it.
 #include <string>
 #include <vector>
 

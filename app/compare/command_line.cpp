@@ -9,8 +9,9 @@ namespace {
 
 constexpr const char* footer =
     "PROBLEMS is a comma-separated list of NAME, NAME:SIZE, class:CLASS, FILE.nl, all; METHODS of NAME,\n"
-    "NAME:key=value:key=value, presets, published, all, cfunctions (semismooth over every C-function),\n"
-    "cfunction-grid (the same at several values of their parameters), none.\n"
+    "NAME:key=value:key=value, presets, published, all, cfunctions (semismooth over every C-function;\n"
+    "cfunctions:rho=0.01:rho=100 takes those values of their parameters rho, lambda or alpha),\n"
+    "cfunction-grid (those with a parameter at 4 or 5 values of it), none.\n"
     "Names may have * and ?; what begins with - is taken away.\n"
     "\n"
     "Examples:\n"

@@ -70,7 +70,7 @@ std::string parameter_chart(const CampaignData& data, const Comparison& comparis
   const Panel panel{.left = 48, .right = 434, .top = 34, .bottom = 300};
   const Scale x = Scale::linear(low - 0.1, high + 0.1, panel.left, panel.right);
   const Scale y = Scale::linear(least, 1, panel.bottom, panel.top);
-  Svg svg(620, 344, "Solved pairs by the parameter of the C-function", "");
+  Svg svg(680, 344, "Solved pairs by the parameter of the C-function", "");
   draw_frame(svg, panel, x, y, low, high, least);
   std::size_t style = 0;
   for (const auto& [name, points] : curves) {

@@ -41,9 +41,12 @@ double least_eigenvalue(const Dense& B) {
 }
 
 /// Of the symmetric B: the tests in floating point say so of B less 1e-7 of its diagonal, far beyond what they may err
-/// by, which they call "to rounding": 1e-13 n on a diagonal near 1, n up to 50,000.
+/// by, which they call "to rounding": 1e-13 n on a diagonal near 1, n up to 50,000. No: one of their steps might
+/// overflow or underflow.
 bool semidefinite_by_a_margin(SpMat B) {
-  constexpr double margin = 1e-7;
+  constexpr double margin = 1e-7, tiny = 1e-100, huge = 1e100;
+  const auto usual = [](double entry) { return entry == 0 || (std::abs(entry) > tiny && std::abs(entry) < huge); };
+  if (!std::all_of(B.valuePtr(), B.valuePtr() + B.nonZeros(), usual)) return false;
   for (Index i = 0; i < B.rows(); ++i) B.coeffRef(i, i) *= 1 - margin;
   return lcp::positive_semidefinite(B).yes();
 }

@@ -30,7 +30,7 @@ std::optional<NoSolution> no_solution(const Mcp& mcp, double tol) {
       const bool at_lower = range.lower > tol, at_upper = range.upper < -tol;
       if (!nowhere && !at_lower && !at_upper) continue;
       const double bound = at_lower ? box.lower[i] : box.upper[i];
-      if (nowhere || bound == -infinity || bound == infinity) return NoSolution{i, range};
+      if (nowhere || bound == -infinity || bound == infinity) return NoSolution{i, range, round > 0};
       const Interval near = intersection(X[at(i)], Interval(bound) + (at_lower ? Interval(0, tol) : Interval(-tol, 0)));
       if (near.is_empty() || near == X[at(i)]) continue;
       narrowed = true;
@@ -44,11 +44,16 @@ std::optional<NoSolution> no_solution(const Mcp& mcp, double tol) {
 std::string describe(const Mcp& mcp, const NoSolution& proof) {
   const Index i = proof.row;
   const std::string equation = "equation " + mcp.equation_name(i), variable = mcp.variable_name(i);
-  if (proof.range.is_empty()) return equation + " is defined nowhere within the bounds";
+  if (proof.range.is_empty())
+    return equation + " is defined nowhere " +
+           (proof.narrowed ? "that the signs of the other equations leave room for a solution" : "within the bounds");
   const bool positive = proof.range.lower > 0;
   const bool free = mcp.box().lower[i] == -infinity && mcp.box().upper[i] == infinity;
   return equation + " lies in [" + number_below(proof.range.lower) + ", " + number_above(proof.range.upper) +
-         "] wherever the variables are within their bounds, and " + variable +
+         "] wherever " +
+         (proof.narrowed ? "the signs of the other equations leave room for a solution"
+                         : "the variables are within their bounds") +
+         ", and " + variable +
          (free       ? " is free"
           : positive ? " has no lower bound"
                      : " has no upper bound");

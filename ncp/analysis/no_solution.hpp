@@ -14,6 +14,7 @@ namespace perp::ncp {
 struct NoSolution {
   Index row = -1;
   Interval range{};  ///< holds F_row(x) for every x that could be a solution; empty: F_row is defined nowhere there
+  bool narrowed = false;  ///< of the box, signs of F had left a part, over which the range is
 };
 
 /// That no point has a natural residual of at most tol; with tol = 0, that there is no solution. Such points lie in the

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -21,7 +22,7 @@ constexpr double narrow = 1e-5;
 
 using Part = std::vector<Interval>;
 
-double middle(const Interval& a) { return a.lower + (a.upper - a.lower) / 2; }
+double middle(const Interval& a) { return std::midpoint(a.lower, a.upper); }
 double width(const Interval& a) { return a.upper - a.lower; }
 
 class Parts {

@@ -15,13 +15,13 @@ constexpr double least_exact_product = 0x1p-960;
 
 double below(double x) { return std::nextafter(x, -inf); }
 
-/// x + error rounded downward, where x is its nearest double.
-double downward(double x, double error) { return error < 0 ? below(x) : x; }
+/// x + error rounded downward, where x is its nearest double. Near the largest double the error may be no number.
+double downward(double x, double error) { return error >= 0 && error < inf ? x : below(x); }
 
 /// Of an overflow: the largest double, unless a term was infinite itself.
 double down_from_overflow(double x, bool exact) { return x > 0 && !exact ? std::numeric_limits<double>::max() : x; }
 
-/// a + b - fl(a + b), exactly (Knuth).
+/// a + b - fl(a + b), exactly (Knuth); no finite number where a step overflows.
 double error_of_sum(double a, double b, double sum) {
   const double b_there = sum - a;
   const double a_there = sum - b_there;

@@ -97,6 +97,26 @@ TEST(Selection, Methods) {
   EXPECT_EQ(methods_of("*-1997").size(), 8U);
 }
 
+// The word takes values of parameters, by their names, and options for all. Two functions have a lambda, and 2 lies in
+// the range of one of them. Catches a parameter that replaces those of other functions, and a value nobody takes.
+TEST(Selection, ParametersOfCFunctions) {
+  EXPECT_THAT(
+      methods_of("cfunctions:rho=0.01:rho=1e2:lambda=2:lu=klu"),
+      ElementsAre("semismooth:cfunction=min:lu=klu", "semismooth:cfunction=min-rho-b:cfunction_parameter=0.01:lu=klu",
+                  "semismooth:cfunction=min-rho-b:cfunction_parameter=1e2:lu=klu",
+                  "semismooth:cfunction=min-rho-a:cfunction_parameter=0.01:lu=klu",
+                  "semismooth:cfunction=min-rho-a:cfunction_parameter=1e2:lu=klu",
+                  "semismooth:cfunction=fischer-burmeister:lu=klu",
+                  "semismooth:cfunction=penalised-fischer-burmeister:lu=klu",
+                  "semismooth:cfunction=evtushenko-purtov:lu=klu",
+                  "semismooth:cfunction=kanzow-kleinmichel:cfunction_parameter=2:lu=klu",
+                  "semismooth:cfunction=luo-tseng:lu=klu"));
+  for (const char* wrong : {"cfunctions:rho=0", "cfunctions:lambda=4", "cfunctions:alpha=x", "cfunctions:rho="})
+    EXPECT_THAT(methods_refusal(wrong), HasSubstr("no C-function takes")) << wrong;
+  EXPECT_THAT(methods_refusal("cfunctions:roh=1"), HasSubstr("roh"));
+  EXPECT_THAT(methods_refusal("cfunctions:rho"), HasSubstr("="));
+}
+
 // Options reach the method, the campaign's tolerance only where none is given.
 TEST(Selection, OptionsOfMethods) {
   std::vector<std::string> notes;

@@ -64,6 +64,15 @@ TEST(FunctionClasses, AreNotProvenByRounding) {
   EXPECT_EQ(of_matrix(blocks, Box::free(80)).front(), '+');
 }
 
+// The form of (1, 0; c, 0) is negative at (1, -2 / c). Catches c + c that overflows, and a test in floating point that
+// takes what comes of infinity for a yes.
+TEST(FunctionClasses, OfTheLargestAndTheSmallestEntries) {
+  for (const double c : {1e-320, 1e-300, 1e-160, 1e160, 1e300, 1e308}) {
+    EXPECT_NE(of_matrix(matrix({{1, 0}, {c, 0}}), Box::free(2)).front(), '+') << c;
+    EXPECT_NE(of_matrix(matrix({{c / 4, 0}, {c, c / 4}}), Box::free(2)).front(), '+') << c;
+  }
+}
+
 // A variable that is fixed takes part in nothing. Catches a witness that moves it.
 TEST(FunctionClasses, LeaveFixedVariablesOut) {
   EXPECT_EQ(of_matrix(matrix({{-1, 5}, {5, 2}}), Box{Vec{{0, 0}}, Vec{{0, 1}}}), "++++++");

@@ -70,6 +70,22 @@ TEST(NoSolution, GoesOnFromWhatASignForces) {
   EXPECT_NEAR(proof->range.upper, -std::log(2), 1e-15);
 }
 
+// F_1 = x_1 + 1 > 0 forces x_1 = 0, and then F_2 = exp(x_2) + 0.1 - x_1 >= 0.1. Over the bounds alone F_2 takes every
+// value. Catches a message that gives the range of a smaller box for that of the bounds.
+TEST(NoSolution, SaysWhereARangeHolds) {
+  ExpressionGraph g;
+  const auto x1 = g.variable(0), x2 = g.variable(1);
+  const auto F1 = g.binary(Operation::Add, x1, g.constant(1));
+  const auto F2 =
+      g.binary(Operation::Add, g.unary(Operation::Exp, x2), g.binary(Operation::Subtract, g.constant(0.1), x1));
+  const GraphProblem problem(std::move(g), {F1, F2}, Box{Vec{{0, -infinity}}, Vec{{infinity, infinity}}});
+  const auto proof = no_solution(problem);
+  ASSERT_TRUE(proof);
+  EXPECT_EQ(describe(problem, *proof),
+            "equation F[2] lies in [0.1, inf] wherever the signs of the other equations leave room for a solution, and "
+            "x[2] is free");
+}
+
 // log(x - 3) on x <= 2. Catches an empty range that passes for one without a sign.
 TEST(NoSolution, SeesARowThatIsDefinedNowhere) {
   ExpressionGraph g;
@@ -179,6 +195,18 @@ TEST(NoSolution, InPartsWhereEquationsDoNotMeet) {
 TEST(NoSolution, InPartsIsNotClaimedWhereThereIsOne) {
   for (const double c : {0.9231, 1.0, 2.0, 4.0}) EXPECT_EQ(no_solution_in_parts(portfolio(c)), 0) << c;
   EXPECT_EQ(no_solution_in_parts(exponential(0.1, Box::nonnegative(1))), 0);
+}
+
+// z = 0 and x - 1 = 0 for -1.7e308 <= x <= 1.7e308, solved by x = 1. Catches a middle that overflows, and the proof of
+// what is false that followed: infinity less infinity does not hold 0.
+TEST(NoSolution, InPartsOfTheLongestBoxes) {
+  for (const double far : {1e300, 1e308, 1.7e308}) {
+    ExpressionGraph g;
+    const auto z = g.variable(1), F2 = g.binary(Operation::Subtract, g.variable(0), g.constant(1));
+    const GraphProblem problem(std::move(g), {z, F2}, Box{Vec{{-far, -infinity}}, Vec{{far, infinity}}});
+    EXPECT_EQ(no_solution_in_parts(problem), 0) << far;
+    EXPECT_FALSE(no_solution(problem));
+  }
 }
 
 // 0.9 is 0.02 below the least value: there are points with a residual below 0.05, which the judge would accept for that

@@ -80,6 +80,17 @@ TEST(Interval, ContainsWhatItsMembersGive) {
   }
 }
 
+// Near the largest double, where the steps of Knuth's two-sum overflow although the sum does not, and its error is no
+// number. Catches a sum that passes for exact there.
+TEST(Interval, AddsNumbersNearTheLargest) {
+  const double largest = std::numeric_limits<double>::max();
+  for (const double a : {0x1.8p+971, 0x1.88f8f467b65b8p+1019, 0x1.76a6be5a6fc07p+1022, 0x1p970, 0x1.8p969, 1e292})
+    for (const double b : {largest, std::nextafter(largest, 0), largest / 2}) {
+      EXPECT_TRUE(holds(Interval(a) - Interval(b), mpq_class(a) - mpq_class(b))) << a << " - " << b;
+      EXPECT_TRUE(holds(Interval(b) - Interval(a), mpq_class(b) - mpq_class(a))) << b << " - " << a;
+    }
+}
+
 // No wider than one rounding a side. Catches ranges that are right and of no use: proofs of classes need 1 - 1 = 0.
 TEST(Interval, IsTight) {
   EXPECT_EQ(Interval(0.5) + Interval(0.25), Interval(0.75));
