@@ -87,9 +87,11 @@ class NormalPath {
   void cross(Index i, double direction);
   bool back_at_start(PivotResult& result);
   Vec refined(const Vec& x) const;
+  Vec piece(In x) const;
   Vec refined_exactly(const Vec& x) const;
   void polish();
   double judge(In x) const;
+  double judge_exactly(In x) const;
 
   const AffineMcp& original_;
   Scaling scaling_;

@@ -61,10 +61,12 @@ void describe(Auto& m, Fields& f) {
 namespace {
 
 /// A path ends within the tolerance relative to q. Where that is more than the one asked for, new ones from its end:
-/// they take a few pivots, through cells that rounding had confused.
+/// they take a few pivots, through cells that rounding had confused. What Harris' tolerance lets a variable overstep in
+/// the equilibrated units may be more than the tolerance in the problem's own, so there is none.
 PivotResult to_tolerance(const AffineMcp& problem, LemkeOptions options, double tol, PivotResult path) {
   constexpr int tries = 2;
   options.start = LemkeStart::Regular;
+  options.feasibility_tol = 0;
   for (int k = 0; k < tries && path.solved() && path.residual > tol && path.pivots < options.max_pivots; ++k) {
     options.cells = path.cells;
     options.max_pivots -= path.pivots;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "lcp/linalg/blocks.hpp"
@@ -25,6 +26,9 @@ constexpr int crash_prox_tries = 4;
 constexpr double worthwhile = 0.9;
 constexpr Index many_pivots = 200;
 constexpr int most_unpaid = 5;  ///< steps in turn that pay by the pivots they save alone
+/// A step with a proximal term, in nonlinear problems, must leave less than `worthwhile` and reach this share of the
+/// fall that the linearised problem promises, or it is taken back: the path then starts better from where it led away.
+constexpr double promised = 0.25;
 
 using Places = std::vector<bool>;  // inside?
 
@@ -136,8 +140,13 @@ bool singular(Run& run, const Point& point) {
   return !lcp::SparseLu(lcp::LuBackend::Auto, run.deadline()).try_factor(block(point.J, I, 0));
 }
 
-/// The steps. `lambda` is above 0 in the end if one of them met a singular J_II. False: the run is over.
-bool descend(Run& run, const Crash& options, Point& point, Iteration& it, double& lambda) {
+/// Of a step of length t along a direction that would solve the linearised problem.
+bool keeps_promise(const SearchOutcome& found, double psi) {
+  return found.merit < worthwhile * psi && psi - found.merit >= promised * found.t * (2 - found.t) * psi;
+}
+
+/// The steps. `proximal`: one of those kept met a singular J_II. False: the run is over.
+bool descend(Run& run, const Crash& options, Point& point, Iteration& it, bool& proximal) {
   const CFunction fb = fischer_burmeister();
   const Armijo rule{.max_backtracks = static_cast<int>(std::ceil(-std::log2(options.least_step)))};
   lcp::SparseLu lu(lcp::LuBackend::Auto, run.deadline());
@@ -145,6 +154,7 @@ bool descend(Run& run, const Crash& options, Point& point, Iteration& it, double
   bool sweeping = false;  // then full steps may raise the merit for a while: the set they overshoot to is a better one
   bool sweeps_pay = true;
   double psi = merit(fb, run.box(), point.x, point.F);
+  double lambda = 0;
   const double decay = run.mcp().is_affine() ? crash_prox_decay_affine : crash_prox_decay_nonlinear;
   Memory memory(4);
   memory.push(psi);
@@ -164,6 +174,8 @@ bool descend(Run& run, const Crash& options, Point& point, Iteration& it, double
     Vec d;
     if (!direction(run, point, before, lu, lambda, d)) return true;
     const double reference = sweeping ? memory.reference() : psi;
+    const bool on_trial = lambda > 0 && !run.mcp().is_affine();
+    const std::optional<Point> from = on_trial ? std::optional(point) : std::nullopt;
     const SearchOutcome found = line_search(run, fb, rule, d, -2 * psi, reference, true, point);
     if (!found.found) {  // sweeps may lead to a set from which a step is longer
       if (sweeping || !sweeps_pay || run.box().size() < many_pivots || !relaxed(run, fb, point, psi)) return true;
@@ -171,6 +183,11 @@ bool descend(Run& run, const Crash& options, Point& point, Iteration& it, double
       memory.push(psi);
       continue;
     }
+    if (from && !keeps_promise(found, psi)) {
+      point = *from;
+      return true;
+    }
+    proximal = proximal || lambda > 0;
     memory.push(found.merit);
     const bool stalled = stall.stalled(found.merit);
     const bool falls = sweeping ? !stalled : found.merit < worthwhile * psi;
@@ -200,9 +217,9 @@ bool descend(Run& run, const Crash& options, Point& point, Iteration& it, double
 
 CrashEnd crash(Run& run, const Crash& options, Point& point, Iteration& it) {
   if (!options.on || run.box().size() < options.minimum_dimension) return CrashEnd::Regular;
-  double lambda = 0;
-  if (!descend(run, options, point, it, lambda)) return CrashEnd::Over;
-  return lambda > 0 && !run.mcp().is_affine() && singular(run, point) ? CrashEnd::Singular : CrashEnd::Regular;
+  bool proximal = false;
+  if (!descend(run, options, point, it, proximal)) return CrashEnd::Over;
+  return proximal && !run.mcp().is_affine() && singular(run, point) ? CrashEnd::Singular : CrashEnd::Regular;
 }
 
 }  // namespace perp::ncp

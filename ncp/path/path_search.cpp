@@ -263,8 +263,9 @@ bool Attempt::accept(const NewtonPoint& newton, double least, Iteration& it) {
 
 /// To begin with after a step by this one. Where J has been singular more than once it may be so at the solution, too:
 /// lambda then stays O(||Phi||) to the end, which keeps the order of Newton's method where ||Phi|| bounds the distance
-/// to the solutions (Fan & Yuan 2005).
+/// to the solutions (Fan & Yuan 2005). A lambda that had to be raised is needed by more than the singular J.
 double Attempt::lambda_after(double lambda, double size) const {
+  if (singular_ >= often_singular && lambda > lambda_) return path_prox_decay * lambda;
   if (singular_ >= often_singular)
     return std::min(path_prox_singular_decay * lambda, lambda_of(path_prox_singular, size));
   const double smaller = path_prox_decay * lambda;

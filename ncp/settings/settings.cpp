@@ -202,9 +202,19 @@ std::string value_text(const ncp::Field& field) {
 namespace {
 
 struct Found {
-  const Option* option = nullptr;
-  std::string_view ignored;  // a key of ignored_options()
+  std::string_view key{};               ///< of the option; empty: there is none
+  const ncp::Method* method = nullptr;  ///< one that has it
+  std::string_view ignored{};           ///< a key of ignored_options()
 };
+
+/// An option of the program or of its default method, by its whole name: most are, and the table of all options takes
+/// as long as a small problem.
+Found find_at_once(std::string_view key) {
+  Settings settings;
+  const ncp::Fields fields = fields_of(settings);
+  const ncp::Field* field = fields.find(key);
+  return field == nullptr ? Found{} : Found{.key = field->key, .method = &find_method(default_method)->method};
+}
 
 /// "maj_iter" of "major_iteration_limit": every word of the key begins the word in its place.
 bool abbreviates(std::string_view key, std::string_view name) {
@@ -225,17 +235,19 @@ bool is_paths(std::string_view name) { return std::ranges::find(path_options(), 
 Found find_option(const Assignment& given) {
   const std::string key = lowercase(given.key);
   if (key.empty()) return {};
+  if (const Found found = find_at_once(key); !found.key.empty()) return found;
+  const auto found = [](const Option& option) { return Found{.key = option.key, .method = &option.method}; };
   std::vector<std::pair<std::string_view, const Option*>> fits;
   const auto look = [&](std::string_view name, const Option* option) {
     if (abbreviates(key, name)) fits.emplace_back(name, option);
     return name == key;
   };
   for (const Option& option : options()) {
-    if (look(option.key, &option)) return {&option, {}};
-    if (!option.alias.empty() && look(option.alias, &option)) return {&option, {}};
+    if (look(option.key, &option)) return found(option);
+    if (!option.alias.empty() && look(option.alias, &option)) return found(option);
   }
   for (const std::string_view name : ignored_options())
-    if (look(name, nullptr)) return {nullptr, name};
+    if (look(name, nullptr)) return {.ignored = name};
   if (std::ranges::any_of(fits, [](const auto& fit) { return is_paths(fit.first); }))
     std::erase_if(fits, [](const auto& fit) { return !is_paths(fit.first); });
   const auto words = [](std::string_view text) { return std::ranges::count(text, '_'); };
@@ -246,7 +258,7 @@ Found find_option(const Assignment& given) {
   if (std::ranges::all_of(fits, [&](const auto& fit) {
         return fit.first == fits.front().first || (fit.second != nullptr && fit.second == fits.front().second);
       }))
-    return {option, option == nullptr ? name : std::string_view{}};
+    return option == nullptr ? Found{.ignored = name} : found(*option);
   std::vector<std::string_view> names(fits.size());
   std::ranges::transform(fits, names.begin(), [](const auto& fit) { return fit.first; });
   throw input_error("{}: '{}' is ambiguous: {}", given.source, given.key, ncp::alternatives(names));
@@ -262,12 +274,12 @@ std::string unknown_key(const Assignment& given) {
 }
 
 /// Sets it; where the settings have it not, or another option takes its effect away, that is noted.
-void apply(const Option& option, const Assignment& given, Applied& result) {
+void apply(const Found& option, const Assignment& given, Applied& result) {
   const ncp::Fields fields = fields_of(result.settings);
   const ncp::Field* field = fields.find(option.key);
   if (field != nullptr && field->inert.empty()) return set(*field, given, result.notes);
   Settings other = result.settings;  // the value is checked all the same
-  if (field == nullptr) other.method = option.method;
+  if (field == nullptr) other.method = *option.method;
   const ncp::Fields others = fields_of(other);
   if (const ncp::Field& there = *others.find(option.key); !std::holds_alternative<ncp::Parameter>(there.target))
     set(there, given, result.notes);
@@ -281,14 +293,14 @@ void apply(const Option& option, const Assignment& given, Applied& result) {
 Applied apply_options(std::span<const Assignment> assignments, Unknown unknown) {
   Applied result;
   Settings& settings = result.settings;
-  std::vector<std::pair<const Option*, const Assignment*>> given_options;
+  std::vector<std::pair<Found, const Assignment*>> given_options;
   std::vector<std::string_view> ignored;
   for (const Assignment& given : assignments) {
     const Found found = find_option(given);
-    if (found.option != nullptr && found.option->key == "method")
-      apply(*found.option, given, result);
-    else if (found.option != nullptr)
-      given_options.emplace_back(found.option, &given);
+    if (found.key == "method")
+      apply(found, given, result);
+    else if (!found.key.empty())
+      given_options.emplace_back(found, &given);
     else if (!found.ignored.empty())
       ignored.push_back(found.ignored);
     else if (unknown == Unknown::Refuse)
@@ -298,10 +310,10 @@ Applied apply_options(std::span<const Assignment> assignments, Unknown unknown) 
   }
   settings.method = *method_named(settings.method_name);
   const auto place = [fields = fields_of(settings).options()](const auto& one) {
-    return std::ranges::find(fields, one.first->key, &ncp::Field::key) - fields.begin();
+    return std::ranges::find(fields, one.first.key, &ncp::Field::key) - fields.begin();
   };
   std::ranges::stable_sort(given_options, {}, place);
-  for (const auto& [option, given] : given_options) apply(*option, *given, result);
+  for (const auto& [option, given] : given_options) apply(option, *given, result);
   if (!ignored.empty())
     result.notes.push_back(fmt::format("accepted, but without effect in this version: {}", fmt::join(ignored, ", ")));
   if (const auto why = ncp::invalid(settings.method)) throw InputError(*why);

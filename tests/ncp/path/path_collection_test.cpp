@@ -85,8 +85,19 @@ TEST(PathCollection, KehoeAndColvdualFromRandomStarts) {
   }
 }
 
-// The same without what tries other methods: what the path search does alone. Catches restarts that hide a path search
-// that does not work: most are solved by the first attempt.
+// Colville 2, dual, from its infeasible start: J_II is singular, and a step of the crash with a proximal term leaves
+// 0.9 of the merit where it promises 0.25. Catches a crash that keeps such a step and has the path begin with a term of
+// its own (115 iterations, 5500 pivots and 3 restarts, beside 7 to 8 iterations from the start itself).
+TEST(PathCollection, ColvdualBeginsWhereTheCrashLedNowhere) {
+  const Problem problem = collection::find("colvdual")->make();
+  const Result result = support::expect_solved(*problem.mcp, problem.starts[0], PathSearch{});
+  EXPECT_LE(result.stats.iterations, 20);
+  EXPECT_LE(result.stats.pivots, 500);
+  EXPECT_EQ(result.stats.restarts, 0);
+}
+
+// The collection without what tries other methods: what the path search does alone. Catches restarts that hide a path
+// search that does not work: most are solved by the first attempt.
 TEST(PathCollection, TheFirstAttemptSolvesMost) {
   int starts = 0;
   int solved = 0;
