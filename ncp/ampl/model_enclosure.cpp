@@ -21,6 +21,7 @@ class ModelEnclosure final : public Enclosure {
   ModelEnclosure(const NlModel& model, const Pairing& pairing, const JacobianMap& map)
       : model_(model), pairing_(pairing), map_(map) {}
 
+  double work() const override { return model_.expressions.graph.work(); }
   void values(std::span<const Interval> X, std::span<Interval> F) const override;
   void jacobian(std::span<const Interval> X, std::span<Interval> J, std::span<char> known) const override;
 

@@ -282,6 +282,18 @@ ExpressionGraph::Ranges ExpressionGraph::ranges(std::span<const Interval> X) con
   return ranges;
 }
 
+double ExpressionGraph::work() const {
+  constexpr double elementary = 300;  // a function by MPFI
+  double sum = 0;
+  for (const auto& [operation, a, b, value] : nodes_) {
+    const bool cheap = operation <= Operation::Multiply || operation == Operation::Minimum ||
+                       operation == Operation::Maximum || operation == Operation::Negate ||
+                       operation >= Operation::Constant;
+    sum += cheap ? 1 : elementary;
+  }
+  return sum;
+}
+
 std::vector<ExpressionGraph::Node> ExpressionGraph::below(Node root, std::vector<char>& visited) const {
   std::vector<Node> below{root};
   visited[static_cast<std::size_t>(root)] = 1;

@@ -84,6 +84,8 @@ class ExpressionGraph {
     std::vector<char> smooth;
   };
   Ranges ranges(std::span<const Interval> X) const;
+  /// What ranges() costs, in additions, roughly.
+  double work() const;
 
   /// Adds the range of the derivatives of `root` with respect to variable j to derivatives[j], for all j: where the
   /// node has none, as |x| at 0, of Clarke's. By the chain rule from the root down. Pre: the root is smooth.

@@ -19,19 +19,6 @@ GraphEnclosure::GraphEnclosure(Expressions f, const lcp::SpMat& pattern) : f_(st
                             : 0);
 }
 
-double GraphEnclosure::work() const {
-  constexpr double elementary = 300;  // a function by MPFI, in additions
-  double sum = 0;
-  for (ExpressionGraph::Node k = 0; k < static_cast<ExpressionGraph::Node>(f_.graph.size()); ++k) {
-    const Operation operation = f_.graph.entry(k).operation;
-    const bool cheap = operation <= Operation::Multiply || operation == Operation::Minimum ||
-                       operation == Operation::Maximum || operation == Operation::Negate ||
-                       operation >= Operation::Constant;
-    sum += cheap ? 1 : elementary;
-  }
-  return sum;
-}
-
 void GraphEnclosure::values(std::span<const Interval> X, std::span<Interval> F) const {
   const auto ranges = f_.graph.ranges(X);
   for (std::size_t i = 0; i < F.size(); ++i) F[i] = ranges.values[static_cast<std::size_t>(f_.rows[i])];

@@ -14,7 +14,7 @@ class GraphEnclosure final : public Enclosure {
   /// The ranges of J come in the order of a compressed pattern. A row that mentions a variable beside it is not known.
   GraphEnclosure(Expressions f, const lcp::SpMat& pattern);
   const Expressions& written() const { return f_; }
-  double work() const override;
+  double work() const override { return f_.graph.work(); }
   void values(std::span<const Interval> X, std::span<Interval> F) const override;
   void jacobian(std::span<const Interval> X, std::span<Interval> J, std::span<char> known) const override;
 

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <optional>
 #include <random>
 #include <vector>
 
@@ -131,6 +133,54 @@ TEST(RandomProofs, SayNothingFalse) {
   EXPECT_GT(verified, 200);
   EXPECT_GT(refuted, 100);
   EXPECT_GT(monotone, 100);
+}
+
+/// F of three variables from random operations, shifted so that x is a solution; nothing where F(x) is not known well.
+std::optional<GraphProblem> with_solution(std::mt19937& random, Vec& x) {
+  using enum Operation;
+  constexpr double numbers[] = {0, 1, -1, 2, 3, .5, -.5, 1.5, .1, -3, 1e-8, 1e8, 1e300, 1e-308};
+  constexpr Operation binary[] = {Add, Subtract, Multiply, Divide, Power, Minimum, Maximum, Atan2, Either, Add};
+  constexpr Operation unary[] = {Negate, Absolute, Floor, Ceil, Sqrt, Exp, Log, Sin, Tan, Asin, Acosh, Atanh, Tanh};
+  const auto one_of = [&](const auto& list) { return list[random() % std::size(list)]; };
+  const auto value = [&] { return std::uniform_real_distribution<double>(-3, 3)(random); };
+  ExpressionGraph g;
+  std::vector<ExpressionGraph::Node> nodes{g.variable(0), g.variable(1), g.variable(2)}, rows;
+  const auto operand = [&] { return random() % 4 == 0 ? g.constant(one_of(numbers)) : one_of(nodes); };
+  for (int k = 0; k < 10; ++k) {
+    const auto a = operand();
+    nodes.push_back(random() % 3 == 0 ? g.unary(one_of(unary), a) : g.binary(one_of(binary), a, operand()));
+  }
+  Box box = Box::free(3);
+  for (Index i = 0; i < 3; ++i) {
+    x[i] = random() % 3 == 0 ? static_cast<double>(random() % 3) : value();
+    if (random() % 2 == 0) box.lower[i] = random() % 4 == 0 ? -1.7e308 : x[i] - std::max(0.0, value());
+    if (random() % 2 == 0) box.upper[i] = random() % 4 == 0 ? 1.7e308 : x[i] + std::max(0.0, value());
+  }
+  const auto at_x = g.ranges(std::vector<Interval>(x.begin(), x.end()));
+  for (Index i = 0; i < 3; ++i) {
+    const auto row = nodes[nodes.size() - 1 - random() % 5];
+    const Interval F = at_x.values[at(row)];
+    if (!(F.magnitude() < 1e6 && F.upper - F.lower < 1e-9)) return std::nullopt;
+    const double sign = (x[i] == box.lower[i] ? 1 : 0) - (x[i] == box.upper[i] ? 1 : 0);
+    rows.push_back(g.binary(Subtract, row, g.constant(F.lower - sign * std::abs(value()))));
+  }
+  return GraphProblem(std::move(g), rows, std::move(box));
+}
+
+// Catches a proof of "no solution" of what has one: by a sign, or in parts, over boxes that end nowhere or near the
+// largest double.
+TEST(RandomProofs, DoNotRefuteWhatHasASolution) {
+  std::mt19937 random(23);
+  int problems = 0;
+  for (int k = 0; k < 5000; ++k) {
+    Vec x(3);
+    const auto problem = with_solution(random, x);
+    if (!problem) continue;
+    ++problems;
+    ASSERT_FALSE(no_solution(*problem, 1e-6)) << k;
+    ASSERT_EQ(no_solution_in_parts(*problem, 1e-6), 0) << k;
+  }
+  EXPECT_GT(problems, 2000);
 }
 
 }  // namespace
