@@ -15,10 +15,10 @@ namespace {
 
 /// The proximal term of a singular J_II, relative to the size of J, and in nonlinear problems to ||F_I|| where that is
 /// below 1; it grows by this factor until J_II + lambda I is not singular, and shrinks after each step.
-constexpr double crash_prox_affine = 1e-6;
+constexpr double crash_prox_affine = 0.3;
 constexpr double crash_prox_nonlinear = 0.01;
 constexpr double crash_prox_growth = 100;
-constexpr double crash_prox_decay_affine = 0.1;
+constexpr double crash_prox_decay_affine = 0.5;
 constexpr double crash_prox_decay_nonlinear = 0.9;
 constexpr int crash_prox_tries = 4;
 /// A step is worth a factorization if it leaves less than this share of the merit, or moves so many variables from or

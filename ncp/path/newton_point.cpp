@@ -133,7 +133,7 @@ bool NewtonPoints::ray_is_promised(const lcp::AffineMcp& problem) const {
     return is_free(j);
   };
   for (Index j = 0; j < problem.size(); ++j)
-    if (alone(j)) return lcp::positive_semidefinite(problem.M).yes();
+    if (alone(j)) return lcp::positive_semidefinite(problem.M, {.dense_to = 0}).yes();
   return false;
 }
 

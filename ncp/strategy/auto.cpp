@@ -89,7 +89,7 @@ const Run::Verdict& telling(const Tried& tried) {
 std::vector<Attempt> auto_list(const Auto& method) {
   const bool warm = !method.path.basis.empty();
   const auto monotone = [=](Run& run, const Point& start) {
-    return !warm && run.mcp().is_affine() && lcp::positive_semidefinite(start.J).yes();
+    return !warm && run.mcp().is_affine() && lcp::positive_semidefinite(start.J, {.dense_to = 0}).yes();
   };
   const auto large = [most = method.large](const Run& run) { return run.box().size() > most; };
   const auto nonlinear = [](Run& run, const Point&) { return !run.mcp().is_affine(); };

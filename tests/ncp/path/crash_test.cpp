@@ -2,6 +2,7 @@
 /// Dirkse & Ferris 1997: projected Newton steps before anything is pivoted.
 #include <gtest/gtest.h>
 
+#include "ncp/problem/affine.hpp"
 #include "ncp/strategy/solve.hpp"
 #include "support/methods.hpp"
 #include "support/problems.hpp"
@@ -122,6 +123,33 @@ TEST(Crash, LeavesAProximalTermWhereJStaysSingular) {
   }
   EXPECT_LE(pivots, 80);
   EXPECT_GE(proximal, 1);
+}
+
+// min x'D x / 2 + c'x, A x = b, 0 <= x <= 1: where more x are at bounds than A has columns to spare, J_II is singular.
+// Catches a term so small that the step leads nowhere, and all of the active set is pivoted for: 2615 pivots then, 1143
+// now.
+TEST(Crash, GoesOnWhereMultipliersMakeTheMatrixSingular) {
+  Random random(4);
+  Index pivots = 0;
+  for (int k = 0; k < 20; ++k) {
+    constexpr Index n = 60;
+    constexpr Index m = 25;
+    Dense A = Dense::Zero(m, n);
+    for (Index j = 0; j < n; ++j)
+      for (int e = 0; e < 3; ++e) A(random.integer(0, m - 1), j) += random.normals(1)[0];
+    Dense J = Dense::Zero(n + m, n + m);
+    J.diagonal().head(n) = random.normals(n).cwiseAbs();
+    J.topRightCorner(n, m) = -A.transpose();
+    J.bottomLeftCorner(m, n) = A;
+    Vec q(n + m);
+    q << 2 * random.normals(n), -A * Vec::Constant(n, 0.4);
+    Box box = Box::free(n + m);
+    box.lower.head(n).setZero();
+    box.upper.head(n).setOnes();
+    const auto mcp = make_affine_mcp({J.sparseView(), q, box}, "program");
+    pivots += expect_solved(*mcp, Vec::Zero(n + m), PathSearch{}).stats.pivots;
+  }
+  EXPECT_LE(pivots, 1800);
 }
 
 // The steps of a crash fall under the run's limits. Catches a crash that goes on after ^C.
