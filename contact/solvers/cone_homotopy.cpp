@@ -42,7 +42,7 @@ constexpr double late_tau = 1e-4;
 /// `newton_tau_again`, unless the gap is above `real_gap` times tau, which says that contacts slip in the end; of a
 /// coupled one, where tau says less, by the natural map.
 constexpr double newton_tau = 1e-4;
-constexpr double real_gap = 100;
+constexpr double real_gap = 200;
 constexpr double newton_tau_again = 1e-2;
 constexpr double newton_map = 0.03;
 constexpr double newton_map_again = 0.3;
