@@ -22,36 +22,33 @@ constexpr int settled_steps = 3;
 constexpr double most_moving = 0.1;
 constexpr double least_slip = 1e-3;
 
-/// The coupled path: two steps below this length in a row say that it turns back.
+/// A coupled path: two steps below this length in a row say that it turns back.
 constexpr double turning_step = 0.15;
 constexpr int turning_steps = 2;
-constexpr int most_coupled_steps = 25;
+constexpr int most_coupled_steps = 15;
 /// Cadoux' fixed point: at most so many openings, and so many in a row that leave more than `opening_share` of the
 /// least gap. A path begins at the last point with tau above `restart_share` times their change, and ends at this share
-/// of the gap.
-constexpr int most_openings = 8;
-constexpr int opening_patience = 2;
+/// of the gap. The coupled path from it begins at the last point with tau above `late_tau`.
+constexpr int most_openings = 10;
+constexpr int opening_patience = 4;
 constexpr double opening_share = 0.8;
 constexpr double restart_share = 0.1;
 constexpr double end_share = 1e-2;
 constexpr double largest_end = 1e-5;
 constexpr double least_end = 1e-7;
+constexpr double late_tau = 1e-4;
 
-/// Newton steps on Alart & Curnier's equation. Full ones on the way: of the associated path first at `newton_tau` and
-/// again when tau has fallen by `newton_tau_again`, of the coupled one, where tau says less, by the natural map.
-/// Shortened ones at the end of a path. So many in a row that leave more than `newton_decrease` of the natural map end
-/// them.
+/// Newton steps. On the way: of the associated path first at `newton_tau` and again when tau has fallen by
+/// `newton_tau_again`, unless the gap is above `real_gap` times tau, which says that contacts slip in the end; of a
+/// coupled one, where tau says less, by the natural map.
 constexpr double newton_tau = 1e-4;
+constexpr double real_gap = 200;
 constexpr double newton_tau_again = 1e-2;
-constexpr int quick_newton = 2;
 constexpr double newton_map = 0.03;
 constexpr double newton_map_again = 0.3;
-constexpr int coupled_newton = 6;
-constexpr int last_newton = 12;
-constexpr double newton_alpha = 1e-10;
-constexpr int newton_halvings = 7;
-constexpr int newton_patience = 2;
-constexpr double newton_decrease = 0.7;
+constexpr NewtonSteps quick_newton{.most = 2, .halvings = 0};
+constexpr NewtonSteps coupled_newton{.most = 6, .halvings = 0};
+constexpr NewtonSteps last_newton{};
 
 }  // namespace
 
@@ -64,7 +61,7 @@ ConeHomotopy::~ConeHomotopy() { referee_.stats().factorizations += path_.factori
 bool ConeHomotopy::run() {
   if (associated()) return true;
   if (moves()) return false;
-  return coupled() || fixed_point();
+  return coupled(early_) || fixed_point();
 }
 
 /// One step of the path; true if it went on, and the run is not over.
@@ -103,11 +100,11 @@ bool ConeHomotopy::associated() {
     const double now = gap();
     settled = path_.tau() < settled_tau && now > settled_share * before ? settled + 1 : 0;
     before = now;
-    if (path_.tau() > at) continue;
+    if (path_.tau() > at || now > real_gap * path_.tau()) continue;
     at = newton_tau_again * path_.tau();
-    if (try_newton(path_.r(), quick_newton, 0)) return true;
+    if (try_newton(quick_newton)) return true;
   }
-  return referee_.over() || try_newton(path_.r(), last_newton, newton_halvings);
+  return referee_.over() || try_newton(last_newton);
 }
 
 /// Whether many contacts slip at the end of the associated path.
@@ -116,9 +113,11 @@ bool ConeHomotopy::moves() const {
   return static_cast<double>(slipping) > most_moving * static_cast<double>(problem_.blocks.size());
 }
 
-bool ConeHomotopy::coupled() {
-  const ConePath::Point associated = path_.point();
-  path_.couple(early_);
+/// The coupled path from this point; back to where it was if the run is not over.
+bool ConeHomotopy::coupled(const ConePath::Point& from) {
+  const ConePath::Point back = path_.point();
+  const Vec openings = path_.openings();
+  path_.couple(from);
   double at = newton_map;
   int turning = 0;
   for (int k = 0; k < most_coupled_steps && path_.tau() > cone_end && turning < turning_steps; ++k) {
@@ -127,17 +126,25 @@ bool ConeHomotopy::coupled() {
     const double map = natural_map(problem_, path_.r());
     if (map > at) continue;
     at = newton_map_again * map;
-    if (try_newton(path_.r(), coupled_newton, 0)) return true;
+    if (try_newton(coupled_newton)) return true;
   }
-  if (referee_.over() || try_newton(path_.r(), last_newton, newton_halvings)) return true;
-  path_.open(associated, Vec::Zero(path_.openings().size()));
+  if (referee_.over() || try_newton(last_newton)) return true;
+  path_.open(back, openings);
   return false;
+}
+
+/// The last point with tau above this.
+std::size_t ConeHomotopy::last_above(double tau) const {
+  std::size_t i = points_.size() - 1;
+  while (i > 0 && points_[i].first < tau) --i;
+  return i;
 }
 
 /// s = |u_T(s)|.
 bool ConeHomotopy::fixed_point() {
   Vec last_image;  // |u_T| of the openings before
   Vec last_gap;
+  if (points_.empty()) return false;
   double least = gap();
   for (int k = 0, since = 0; k < most_openings && since < opening_patience; ++k) {
     const Vec s = path_.openings();
@@ -152,46 +159,16 @@ bool ConeHomotopy::fixed_point() {
     }
     last_image = image;
     last_gap = g;
-    while (points_.size() > 1 && points_.back().first < restart_share * (next - s).lpNorm<Eigen::Infinity>())
-      points_.pop_back();
-    if (points_.empty()) return false;
+    points_.resize(last_above(restart_share * (next - s).lpNorm<Eigen::Infinity>()) + 1);
     path_.open(points_.back().second, next);
-    if (follow(std::clamp(end_share * g.lpNorm<Eigen::Infinity>(), least_end, largest_end)) ||
-        try_newton(path_.r(), last_newton, newton_halvings))
+    if (follow(std::clamp(end_share * g.lpNorm<Eigen::Infinity>(), least_end, largest_end)) || try_newton(last_newton))
       return true;
     const double now = gap();
     since = now <= opening_share * least ? 0 : since + 1;
     least = std::min(least, now);
+    if (coupled(points_[last_above(late_tau)].second)) return true;
   }
   return referee_.over();
-}
-
-/// Newton steps from r; whether the run is over.
-bool ConeHomotopy::try_newton(Vec r, int most, int halvings) {
-  double last = natural_map(problem_, r);
-  double lowest = last;
-  for (int k = 0, since = 0; k < most && since < newton_patience; ++k) {
-    Vec to;
-    if (!newton_.step(r, r, newton_alpha, to)) return false;
-    ++referee_.stats().newton_steps;
-    Vec d = to - r;
-    double least = lcp::infinity;
-    bool full = true;
-    for (int i = 0; i <= halvings && !(least <= newton_decrease * last); ++i, d *= 0.5) {
-      const double now = natural_map(problem_, r + d);
-      if (!(now < least)) continue;
-      least = now;
-      full = i == 0;
-      to = r + d;
-    }
-    if (!std::isfinite(least)) return false;
-    r = std::move(to);
-    last = least;
-    if (referee_.judge(r, {.by = full ? Origin::Newton : Origin::DampedNewton, .alpha = newton_alpha})) return true;
-    since = last <= newton_decrease * lowest ? 0 : since + 1;
-    lowest = std::min(lowest, last);
-  }
-  return false;
 }
 
 }  // namespace perp::contact

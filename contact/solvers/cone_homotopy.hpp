@@ -3,15 +3,16 @@
 /// Coulomb's law from the associated one. The path of the associated law (contact/solvers/cone_path.hpp, s = 0) cannot
 /// turn back, and where all contacts stick its end obeys Coulomb's law as well. Where some slip, their openings follow:
 /// coupled from an early point of the path on, or by Cadoux' fixed point s = |u_T(s)|, each s a path from the last
-/// one's points, with Anderson's mixing of two. Newton steps on Alart & Curnier's equation are tried from the points
-/// for the last digits. Cadoux, Acary & Lemarechal (contact/classics/classics.hpp); Anderson, J. ACM 12 (1965) 547.
-/// Private to contact/.
+/// one's points, with Anderson's mixing of two, and coupled from a late point of each. Newton steps on Alart &
+/// Curnier's equation are tried from the points for the last digits. Cadoux, Acary & Lemarechal
+/// (contact/classics/classics.hpp); Anderson, J. ACM 12 (1965) 547. Private to contact/.
 #include <memory>
 #include <utility>
 #include <vector>
 
 #include "contact/classics/alart_curnier.hpp"
 #include "contact/solvers/cone_path.hpp"
+#include "contact/solvers/newton_steps.hpp"
 #include "contact/solvers/referee.hpp"
 
 namespace perp::contact {
@@ -29,11 +30,12 @@ class ConeHomotopy {
 
  private:
   bool associated();
-  bool coupled();
+  bool coupled(const ConePath::Point& from);
   bool fixed_point();
   bool follow(double until);
   bool step();
-  bool try_newton(Vec r, int most, int halvings);
+  bool try_newton(const NewtonSteps& steps) { return newton_steps(referee_, problem_, newton_, path_.r(), steps); }
+  std::size_t last_above(double tau) const;
   bool moves() const;
   double gap() const { return (path_.slip() - path_.openings()).lpNorm<Eigen::Infinity>(); }
 

@@ -21,8 +21,8 @@
 #include <memory>
 #include <vector>
 
+#include "contact/model/diagonal_blocks.hpp"
 #include "contact/model/scaling.hpp"
-#include "contact/solvers/diagonal_blocks.hpp"
 #include "lcp/lu/sparse_lu.hpp"
 
 namespace perp::contact {

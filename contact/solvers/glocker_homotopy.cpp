@@ -10,6 +10,7 @@
 #include "contact/classics/alart_curnier.hpp"
 #include "contact/classics/gauss_seidel.hpp"
 #include "contact/solvers/cone_homotopy.hpp"
+#include "contact/solvers/newton_steps.hpp"
 #include "contact/solvers/referee.hpp"
 
 namespace perp::contact {
@@ -36,17 +37,14 @@ constexpr double polish_again = 0.1;
 constexpr double short_step = 0.1;
 constexpr int short_steps = 5;
 
-/// Damped Newton steps from the best point of an attempt: alpha of the first, third, .. and of the other attempts; at
-/// most so many steps, and so many in a row without a natural map below `search_decrease` times the least; of the step
-/// lengths 1, 1/2, .. the first that brings it below that part of the last, else the best.
+/// Damped Newton steps from the best point of an attempt, of the first, third, .. and of the other attempts.
+constexpr NewtonSteps search_with(double alpha) {
+  return {.most = 100, .alpha = alpha, .decrease = 0.9, .full = Origin::DampedNewton, .patience = 40};
+}
 constexpr std::array search_alphas{1e-5, 1e-4};
-constexpr int search_steps = 100;
-constexpr int search_patience = 40;
-constexpr int search_halvings = 7;
-constexpr double search_decrease = 0.9;
 
 /// Of Glocker's homotopy, before the cones' paths: easy problems need no more.
-constexpr int first_steps_of_homotopy = 3;
+constexpr int first_steps_of_homotopy = 2;
 
 /// The proximal loop.
 constexpr double first_alpha = 1;
@@ -103,7 +101,6 @@ class Solver {
   bool sweep();
   bool attempt(const HomotopyOptions& options, const Vec* from = nullptr, double tau = 1, int most = 0);
   bool polish(Vec r, double alpha);
-  bool search(Vec r, double alpha);
   bool with_other_settings();
   bool proximal_loop();
 
@@ -181,7 +178,8 @@ bool Solver::attempt(const HomotopyOptions& options, const Vec* from, double tau
   referee_.stats().factorizations += homotopy.factorizations();
   if (over || !method_.polish || most > 0) return over;
   const auto number = static_cast<std::size_t>(referee_.stats().attempts - 1);
-  return search(std::move(best), search_alphas[number % search_alphas.size()]);
+  const NewtonSteps search = search_with(search_alphas[number % search_alphas.size()]);
+  return newton_steps(referee_, problem_, *newton_, std::move(best), search);
 }
 
 /// Newton steps on the equation of Alart & Curnier with the proximal term of the iterate itself.
@@ -198,36 +196,6 @@ bool Solver::polish(Vec r, double alpha) {
     if (!(now <= 1e3 * last)) return false;
     failures = now <= 0.5 * last ? 0 : failures + 1;
     last = std::min(last, now);
-  }
-  return false;
-}
-
-/// Damped Newton steps on the same equation: where the path turns back, a solution is often not far from it.
-bool Solver::search(Vec r, double alpha) {
-  double last = natural_map(problem_, r);
-  double lowest = last;
-  for (int k = 0, since = 0; k < search_steps && since < search_patience; ++k) {
-    Vec to;
-    if (!newton_->step(r, r, alpha, to)) return false;
-    ++referee_.stats().newton_steps;
-    Vec d = to - r;
-    double least = lcp::infinity;
-    for (int i = 0; i <= search_halvings && !(least <= search_decrease * last); ++i, d *= 0.5) {
-      const double now = natural_map(problem_, r + d);
-      if (now < least) {
-        least = now;
-        to = r + d;
-      }
-    }
-    if (!std::isfinite(least)) return false;
-    r = std::move(to);
-    last = least;
-    if (referee_.judge(r, {.by = Origin::DampedNewton, .alpha = alpha})) return true;
-    ++since;
-    if (last <= search_decrease * lowest) {
-      lowest = last;
-      since = 0;
-    }
   }
   return false;
 }

@@ -95,7 +95,7 @@ enum class Origin {
   Cones,         ///< an interior point of the cones
   Homotopy,      ///< a step of it
   Newton,        ///< a step on Alart & Curnier's equation
-  DampedNewton,  ///< a shortened one
+  DampedNewton,  ///< a shortened one, or any of a search from the best point of an attempt
   Proximal,      ///< the solution of a proximal problem
   Ncp,           ///< the method of GlockerNcp
   Iterate        ///< an iteration of a method of contact/classics

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "contact/contact_support.hpp"
@@ -105,6 +106,20 @@ TEST(ConePath, PilesStandByTheAssociatedLaw) {
     const Result result = solve(problem);
     EXPECT_TRUE(result.solved()) << result.message;
     EXPECT_LE(result.stats.factorizations, 35) << seed;
+  }
+}
+
+// Piles in which two contacts slip in the end: the coupled path turns back, and Newton steps from the end of the
+// associated path do not lead there. Openings, each with a coupled path from it, find the slips before any attempt of
+// Glocker's homotopy is made. Catches openings that are lost between paths, and a coupled path from the wrong point.
+TEST(ConePath, OpeningsFindTheFewThatSlip) {
+  for (const unsigned seed : {4U, 7U, 8U}) {
+    const Problem problem = make_scene("spheres", 100, seed).problem();
+    const Result result = solve(problem);
+    EXPECT_TRUE(result.solved()) << result.message;
+    EXPECT_EQ(result.stats.attempts, 0) << seed;
+    const std::vector<ContactState> all = states(problem, result.solution.r);
+    EXPECT_GT(std::ranges::count(all, State::Slip, &ContactState::state), 0) << seed;
   }
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "contact/solvers/diagonal_blocks.hpp"
+#include "contact/model/diagonal_blocks.hpp"
 
 #include <algorithm>
 
