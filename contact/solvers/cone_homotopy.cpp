@@ -28,9 +28,11 @@ constexpr int turning_steps = 2;
 constexpr int most_coupled_steps = 15;
 /// Cadoux' fixed point: at most so many openings, and so many in a row that leave more than `opening_share` of the
 /// least gap. A path begins at the last point with tau above `restart_share` times their change, and ends at this share
-/// of the gap. The coupled path from it begins at the last point with tau above `late_tau`.
+/// of the gap. From the first `coupled_openings` of them a coupled path begins at the last point with tau above
+/// `late_tau`.
 constexpr int most_openings = 10;
-constexpr int opening_patience = 4;
+constexpr int opening_patience = 2;
+constexpr int coupled_openings = 2;
 constexpr double opening_share = 0.8;
 constexpr double restart_share = 0.1;
 constexpr double end_share = 1e-2;
@@ -166,7 +168,7 @@ bool ConeHomotopy::fixed_point() {
     const double now = gap();
     since = now <= opening_share * least ? 0 : since + 1;
     least = std::min(least, now);
-    if (coupled(points_[last_above(late_tau)].second)) return true;
+    if (k < coupled_openings && coupled(points_[last_above(late_tau)].second)) return true;
   }
   return referee_.over();
 }

@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "lcp/classes/classify.hpp"
 #include "lcp/linalg/blocks.hpp"
 #include "ncp/reformulation/line_search.hpp"
 #include "ncp/reformulation/normal_map.hpp"
@@ -13,13 +14,9 @@
 namespace perp::ncp {
 namespace {
 
-/// The proximal term of a singular J_II, relative to the size of J, and in nonlinear problems to ||F_I|| where that is
-/// below 1; it grows by this factor until J_II + lambda I is not singular, and shrinks after each step.
-constexpr double crash_prox_affine = 0.3;
-constexpr double crash_prox_nonlinear = 0.01;
+/// The proximal term of a singular J_II, relative to the size of J; it grows by this factor until J_II + lambda I is
+/// not singular.
 constexpr double crash_prox_growth = 100;
-constexpr double crash_prox_decay_affine = 0.5;
-constexpr double crash_prox_decay_nonlinear = 0.9;
 constexpr int crash_prox_tries = 4;
 /// A step is worth a factorization if it leaves less than this share of the merit, or moves so many variables from or
 /// to a bound, which a path would do by as many pivots.
@@ -67,13 +64,39 @@ SpMat block(const SpMat& J, const std::vector<Index>& I, double lambda) {
   return B;
 }
 
-/// Of an affine problem the exact Newton step is worth more, and the path needs no term.
-double first_lambda(const Run& run, const Vec& F) {
-  return run.mcp().is_affine() ? crash_prox_affine : crash_prox_nonlinear * std::min(1.0, F.norm());
-}
+class ProximalTerm {
+ public:
+  double lambda() const { return lambda_; }
+
+  /// With J and F_I of the point.
+  void raise(const Run& run, const SpMat& J, const Vec& F) {
+    if (lambda_ > 0) {
+      lambda_ *= crash_prox_growth;
+      return;
+    }
+    double first = 0;
+    if (!run.mcp().is_affine()) {
+      first = 0.01 * std::min(1.0, F.norm());
+      decay_ = 0.9;
+    } else if (lcp::positive_semidefinite(J, {.dense_to = 0}).yes()) {
+      first = 0.3;  // steps with less are too long for a search
+      decay_ = 0.5;
+    } else {
+      first = 1e-6;
+      decay_ = 0.1;
+    }
+    lambda_ = first * size_of(J);
+  }
+  /// After a step.
+  void shrink() { lambda_ *= decay_; }
+
+ private:
+  double lambda_ = 0;
+  double decay_ = 1;
+};
 
 /// d with (J_II + lambda I) d_I = -F_I, d = 0 elsewhere; lambda > 0 if J_II is singular. False: no lambda helped.
-bool direction(Run& run, const Point& point, const Places& in, lcp::SparseLu& lu, double& lambda, Vec& d) {
+bool direction(Run& run, const Point& point, const Places& in, lcp::SparseLu& lu, ProximalTerm& term, Vec& d) {
   const std::vector<Index> I = members(in);
   if (I.empty()) return false;
   Vec rhs(static_cast<Index>(I.size()));
@@ -81,7 +104,7 @@ bool direction(Run& run, const Point& point, const Places& in, lcp::SparseLu& lu
   Vec step(rhs.size());
   for (int tries = 0; tries <= crash_prox_tries; ++tries) {
     ++run.stats().factorizations;
-    if (lu.try_factor(block(point.J, I, lambda))) {
+    if (lu.try_factor(block(point.J, I, term.lambda()))) {
       lu.solve(rhs, step);
       if (step.allFinite()) {
         d.setZero(point.x.size());
@@ -89,7 +112,7 @@ bool direction(Run& run, const Point& point, const Places& in, lcp::SparseLu& lu
         return true;
       }
     }
-    lambda = lambda > 0 ? crash_prox_growth * lambda : first_lambda(run, rhs) * size_of(point.J);
+    term.raise(run, point.J, rhs);
   }
   return false;
 }
@@ -154,8 +177,7 @@ bool descend(Run& run, const Crash& options, Point& point, Iteration& it, bool& 
   bool sweeping = false;  // then full steps may raise the merit for a while: the set they overshoot to is a better one
   bool sweeps_pay = true;
   double psi = merit(fb, run.box(), point.x, point.F);
-  double lambda = 0;
-  const double decay = run.mcp().is_affine() ? crash_prox_decay_affine : crash_prox_decay_nonlinear;
+  ProximalTerm term;
   Memory memory(4);
   memory.push(psi);
   Stall stall(2);
@@ -172,7 +194,8 @@ bool descend(Run& run, const Crash& options, Point& point, Iteration& it, bool& 
     }
     before = std::move(in);
     Vec d;
-    if (!direction(run, point, before, lu, lambda, d)) return true;
+    if (!direction(run, point, before, lu, term, d)) return true;
+    const double lambda = term.lambda();
     const double reference = sweeping ? memory.reference() : psi;
     const bool on_trial = lambda > 0 && !run.mcp().is_affine();
     const std::optional<Point> from = on_trial ? std::optional(point) : std::nullopt;
@@ -208,7 +231,7 @@ bool descend(Run& run, const Crash& options, Point& point, Iteration& it, bool& 
     ++run.stats().crash_iterations;
     if (!run.go_on(point, it)) return false;
     if (!pays) return true;
-    lambda *= decay;
+    term.shrink();
   }
   return true;
 }
