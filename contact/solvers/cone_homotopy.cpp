@@ -52,6 +52,20 @@ constexpr NewtonSteps quick_newton{.most = 2, .halvings = 0};
 constexpr NewtonSteps coupled_newton{.most = 6, .halvings = 0};
 constexpr NewtonSteps last_newton{};
 
+/// Whether the gap falls no more.
+class Settling {
+ public:
+  void see(double tau, double gap) {
+    steps_ = tau < settled_tau && gap > settled_share * before_ ? steps_ + 1 : 0;
+    before_ = gap;
+  }
+  bool done() const { return steps_ >= settled_steps; }
+
+ private:
+  double before_ = std::numeric_limits<double>::infinity();
+  int steps_ = 0;
+};
+
 }  // namespace
 
 ConeHomotopy::ConeHomotopy(Referee& referee, const Scaled& problem, AlartCurnier& newton,
@@ -75,24 +89,20 @@ bool ConeHomotopy::step() {
 
 /// The path of the openings, to `until`; whether the run is over.
 bool ConeHomotopy::follow(double until) {
-  double before = std::numeric_limits<double>::infinity();
-  int settled = 0;
-  for (int k = 0; k < most_cone_steps && path_.tau() > until && settled < settled_steps; ++k) {
+  Settling settling;
+  for (int k = 0; k < most_cone_steps && path_.tau() > until && !settling.done(); ++k) {
     if (!step()) return referee_.over();
     points_.emplace_back(path_.tau(), path_.point());
-    const double now = gap();
-    settled = path_.tau() < settled_tau && now > settled_share * before ? settled + 1 : 0;
-    before = now;
+    settling.see(path_.tau(), gap());
   }
   return false;
 }
 
 bool ConeHomotopy::associated() {
-  double before = std::numeric_limits<double>::infinity();
+  Settling settling;
   double at = newton_tau;
-  int settled = 0;
   bool early = false;
-  for (int k = 0; k < most_cone_steps && path_.tau() > cone_end && settled < settled_steps; ++k) {
+  for (int k = 0; k < most_cone_steps && path_.tau() > cone_end && !settling.done(); ++k) {
     if (!step()) break;
     points_.emplace_back(path_.tau(), path_.point());
     if (!early && path_.tau() < early_tau) {
@@ -100,8 +110,7 @@ bool ConeHomotopy::associated() {
       early_ = path_.point();
     }
     const double now = gap();
-    settled = path_.tau() < settled_tau && now > settled_share * before ? settled + 1 : 0;
-    before = now;
+    settling.see(path_.tau(), now);
     if (path_.tau() > at || now > real_gap * path_.tau()) continue;
     at = newton_tau_again * path_.tau();
     if (try_newton(quick_newton)) return true;

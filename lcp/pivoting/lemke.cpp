@@ -59,7 +59,7 @@ class Kinks {
 
 bool has_free(const Box& box) {
   for (Index i = 0; i < box.size(); ++i)
-    if (box.lower[i] == -infinity && box.upper[i] == infinity) return true;
+    if (box.is_free(i)) return true;
   return false;
 }
 

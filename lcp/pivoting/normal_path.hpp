@@ -86,6 +86,7 @@ class NormalPath {
   bool take_other_branch();
   void cross(Index i, double direction);
   bool back_at_start(PivotResult& result);
+  Vec corrected(const Vec& x, In G) const;
   Vec refined(const Vec& x) const;
   Vec piece(In x) const;
   Vec refined_exactly(const Vec& x) const;

@@ -13,15 +13,20 @@ double NormalPath::judge(In x) const {
   return natural_residual(original_, project(original_.box, scaling_.to_original(problem_.box, x)));
 }
 
-/// x - B^-1 G(x) with the present factors.
-Vec NormalPath::refined(const Vec& x) const {
-  const Vec z = project(problem_.box, x);
+/// x - B^-1 G with the present factors.
+Vec NormalPath::corrected(const Vec& x, In G) const {
   Vec correction(n_);
-  factor_.ftran(problem_.M * z + problem_.q + x - z, correction);
+  factor_.ftran(G, correction);
   Vec better = x;
   for (Index p = 0; p < n_; ++p)
     if (const Index i = head(p); i < n_) better[i] -= correction[p];
   return better;
+}
+
+/// The Newton step on the normal map.
+Vec NormalPath::refined(const Vec& x) const {
+  const Vec z = project(problem_.box, x);
+  return corrected(x, problem_.M * z + problem_.q + x - z);
 }
 
 /// The natural residual with F summed without rounding errors, which is what the judge will say.
@@ -47,12 +52,7 @@ Vec NormalPath::refined_exactly(const Vec& x) const {
   Vec G = scaling_.rows.cwiseProduct(F);
   for (Index i = 0; i < n_; ++i)
     if (!inside(i)) G[i] += x[i] - (cells_[at(i)] == Cell::Above ? problem_.box.upper[i] : problem_.box.lower[i]);
-  Vec correction(n_);
-  factor_.ftran(G, correction);
-  Vec better = x;
-  for (Index p = 0; p < n_; ++p)
-    if (const Index i = head(p); i < n_) better[i] -= correction[p];
-  return better;
+  return corrected(x, G);
 }
 
 /// At t = 1: the zero of the last linear piece, by refinement with the factors at hand, or from a fresh factorization

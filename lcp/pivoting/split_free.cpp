@@ -37,7 +37,7 @@ SplitFree::SplitFree(const AffineMcp& problem, std::vector<Index> dependent, con
     : problem_(problem),
       split_(std::move(dependent)),
       tolerance_(options.residual_tol * (1 + problem.q.lpNorm<::Eigen::Infinity>())) {
-  const auto is_free = [&](Index i) { return problem.box.lower[i] == -infinity && problem.box.upper[i] == infinity; };
+  const auto is_free = [&](Index i) { return problem.box.is_free(i); };
   if (!std::ranges::all_of(split_, is_free)) {
     split_.clear();
     for (Index i = 0; i < problem.size(); ++i)

@@ -193,7 +193,7 @@ class Writer {
   std::string text();
 
  private:
-  bool free(Index i) const { return mcp_.box().lower[i] == -infinity && mcp_.box().upper[i] == infinity; }
+  bool free(Index i) const { return mcp_.box().is_free(i); }
   void split(NlRow& row, Node root);
   void define_what_is_shared();
   void header();

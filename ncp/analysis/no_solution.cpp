@@ -48,7 +48,7 @@ std::string describe(const Mcp& mcp, const NoSolution& proof) {
     return equation + " is defined nowhere " +
            (proof.narrowed ? "that the signs of the other equations leave room for a solution" : "within the bounds");
   const bool positive = proof.range.lower > 0;
-  const bool free = mcp.box().lower[i] == -infinity && mcp.box().upper[i] == infinity;
+  const bool free = mcp.box().is_free(i);
   return equation + " lies in [" + number_below(proof.range.lower) + ", " + number_above(proof.range.upper) +
          "] wherever " +
          (proof.narrowed ? "the signs of the other equations leave room for a solution"

@@ -64,6 +64,7 @@ SpMat block(const SpMat& J, const std::vector<Index>& I, double lambda) {
   return B;
 }
 
+/// lambda, 0 until a J_II is singular.
 class ProximalTerm {
  public:
   double lambda() const { return lambda_; }
@@ -82,7 +83,7 @@ class ProximalTerm {
       first = 0.3;  // steps with less are too long for a search
       decay_ = 0.5;
     } else {
-      first = 1e-6;
+      first = 1e-6;  // the exact step is worth more, and the path needs no term
       decay_ = 0.1;
     }
     lambda_ = first * size_of(J);

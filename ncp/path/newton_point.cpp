@@ -126,7 +126,7 @@ lcp::PivotResult NewtonPoints::follow(const lcp::AffineMcp& problem, const Vec& 
 /// in linear programs.
 bool NewtonPoints::ray_is_promised(const lcp::AffineMcp& problem) const {
   if (!run_.mcp().is_affine()) return false;
-  const auto is_free = [&box = problem.box](Index i) { return box.lower[i] == -infinity && box.upper[i] == infinity; };
+  const auto is_free = [&box = problem.box](Index i) { return box.is_free(i); };
   const auto alone = [&](Index j) {
     for (SpMat::InnerIterator it(problem.M, j); it; ++it)
       if (it.value() != 0 && is_free(it.row())) return false;

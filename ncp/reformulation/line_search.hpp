@@ -33,7 +33,7 @@ class Searches {
   bool found() const { return last_.found; }
   bool full_step() const { return last_.found && last_.t == 1; }
   double t() const { return last_.t; }
-  double& merit() { return last_.merit; }
+  double& merit() { return last_.merit; }  ///< whoever moves the point found on brings it down
   /// Whether F or J was undefined at every trial point.
   bool nowhere_defined() const { return undefined_ > 0 && undefined_ == it_.backtracks; }
 

@@ -61,7 +61,7 @@ class Reducer {
   };
 
   const Box& box() const { return mcp_.box(); }
-  bool is_free(Index c) const { return box().lower[c] == -infinity && box().upper[c] == infinity; }
+  bool is_free(Index c) const { return box().is_free(c); }
   bool is_equation(Index row) const { return is_free(column_of_[at(row)]); }
   /// Kept, affine in what is not fixed, with F_ at x_.
   bool is_affine(Index row) const {
