@@ -4,24 +4,32 @@
 #include <algorithm>
 #include <limits>
 #include <unordered_set>
+#include <utility>
 
 #include "lcp/judge/cell.hpp"
 #include "lcp/judge/shared_options.hpp"
 #include "lcp/linalg/block_triangular.hpp"
+#include "lcp/pivoting/coarse_problem.hpp"
 #include "lcp/words.hpp"
 
 namespace perp::lcp {
 namespace {
 
+// A problem of at least so many unknowns that is not solved in so many rounds asks the coarser problem for places.
+constexpr Index coarse_from = 2000;
+constexpr int rounds_before_coarse = 5;
+
 class BlockRun {
  public:
-  BlockRun(const AffineMcp& problem, In start, const BlockPivoting& options, const Limits& limits)
+  BlockRun(const AffineMcp& problem, In start, const BlockPivoting& options, const Limits& limits,
+           int rounds_alone = rounds_before_coarse)
       : problem_(problem),
         options_(options),
         limits_(limits),
         cell_(problem, options.lu, options.degenerate_tol, limits.deadline),
         places_(places_of(problem.box, start)),
-        best_(problem, start) {}
+        best_(problem, start),
+        rounds_alone_(rounds_alone) {}
 
   Result run() {
     if (const LuStatus status = enter(); status != LuStatus::Ok) return failed(status, "the start's block M_FF");
@@ -33,6 +41,7 @@ class BlockRun {
       if (V.empty()) return end(Status::Stalled, "no sign is violated, but the residual is above the tolerance");
       if (rounds_ == options_.max_iterations) return end(Status::IterationLimit, left(V.size()));
       if (const auto reached = limits_.reached()) return end(*reached, left(V.size()));
+      if (rounds_ == rounds_alone_ && from_coarser()) continue;
 
       if (V.size() < fewest) {
         fewest = V.size();
@@ -80,6 +89,21 @@ class BlockRun {
     return status;
   }
 
+  /// Takes the places of the coarser problem's solution, if there are such.
+  bool from_coarser() {
+    if (problem_.size() < coarse_from) return false;
+    const auto coarse = coarser(problem_);
+    if (!coarse) return false;
+    BlockRun run(coarse->problem, lcp::project(coarse->problem.box, best_.z()(coarse->fine_of)), options_, limits_, 0);
+    const Result result = run.run();
+    coarse_factorizations_ += result.factorizations;
+    if (!result.accepted()) return false;
+    const Places before = std::exchange(places_, coarse->finer(run.places_));
+    if (cell_.solve(places_) == LuStatus::Ok) return true;
+    places_ = before;
+    return false;
+  }
+
   std::string left(std::size_t violated) const { return text_of(violated, " signs are violated"); }
 
   Result failed(LuStatus status, const std::string& which) {
@@ -91,7 +115,7 @@ class BlockRun {
   Result end(Status status, const std::string& what) {
     Result result = judged(problem_, best_.z(), limits_, status, what);
     result.iterations = rounds_;
-    result.factorizations = cell_.factorizations();
+    result.factorizations = cell_.factorizations() + coarse_factorizations_;
     result.message +=
         text_of((result.message.empty() ? "" : "; "), least_index_, " least-index steps in ", rounds_, " rounds");
     return result;
@@ -105,6 +129,8 @@ class BlockRun {
   Best best_;
   long rounds_ = 0;
   long least_index_ = 0;
+  int rounds_alone_;
+  int coarse_factorizations_ = 0;
   std::unordered_set<std::uint64_t> seen_;
   std::unordered_set<std::uint64_t> seen_by_least_index_;  ///< since |V| was smallest
 };

@@ -10,11 +10,13 @@
 /// them does fall (Judice & Pires 1994; Portugal, Judice & Vicente 1994, who look at |V| alone). V empty is a solution.
 ///
 /// Finite for P-matrices: every M_FF is nonsingular, Murty's rule ends, and both least values can fall only finitely
-/// often. Usually a few rounds; on meshes a coincidence set may move by one mesh width a round. For other matrices it
-/// may cycle, which is noticed (Stalled), or meet a singular M_FF: then the round is repeated with one index of V after
-/// the other in place of the block, and Singular is the answer if none of the first `singular_tries` gives a
-/// nonsingular matrix. A singular M_FF of the start's places is replaced by the one with all variables inside. Failures
-/// leave the best point met (natural residual).
+/// often. Usually a few rounds. On meshes a coincidence set may move by one mesh width a round: a problem of 2000
+/// unknowns or more that takes over five rounds goes on from the places of a coarser problem's solution, which is found
+/// in the same way (lcp/pivoting/coarse_problem.hpp). For other matrices it may cycle, which is noticed (Stalled), or
+/// meet a singular M_FF: then the round is repeated with one index of V after the other in place of the block, and
+/// Singular is the answer if none of the first `singular_tries` gives a nonsingular matrix. A singular M_FF of the
+/// start's places is replaced by the one with all variables inside. Failures leave the best point met (natural
+/// residual).
 ///
 /// Reducible problems are solved component by component first (lcp/linalg/block_triangular.hpp); if that fails, as a
 /// whole. References: Kostreva, Lin. Algebra Appl. 21 (1978) 199. Murty, Lin. Algebra Appl. 9 (1974) 65. Judice &

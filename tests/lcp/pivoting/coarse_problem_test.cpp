@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lcp/pivoting/coarse_problem.hpp"
+
+#include <gtest/gtest.h>
+
+#include "lcp/pivoting/pivoting_support.hpp"
+
+namespace perp::lcp {
+namespace {
+
+using support::Random;
+
+// The five-point stars on N x N points with random bounds: coarse unknowns are fine ones with their bounds, their rows
+// of P are unit rows, and M_C = P'M P by dense products. Catches a permutation or a transposed product.
+TEST(CoarseProblem, HasTheUnknownsOfTheFineOne) {
+  Random random(1);
+  const int N = 12;
+  AffineMcp problem = standard_lcp(support::five_point(N, 4), random.normals(N * N));
+  for (Index i = 0; i < N * N; ++i) problem.M.coeffRef(i, i) += random.uniform(0, 1);
+  problem.box.lower = random.normals(N * N);
+  problem.box.upper = problem.box.lower + Vec::Ones(N * N);
+  const auto coarse = coarser(problem);
+  ASSERT_TRUE(coarse);
+  const support::Dense P(coarse->P);
+  EXPECT_LT(P.cols(), N * N);
+  EXPECT_GE(P.minCoeff(), 0);
+  for (Index c = 0; c < P.cols(); ++c) {
+    const int fine = coarse->fine_of[static_cast<std::size_t>(c)];
+    EXPECT_EQ(P.row(fine), Vec(Vec::Unit(P.cols(), c)).transpose());
+    EXPECT_EQ(coarse->problem.box.lower[c], problem.box.lower[fine]);
+    EXPECT_EQ(coarse->problem.box.upper[c], problem.box.upper[fine]);
+  }
+  EXPECT_LT((support::Dense(coarse->problem.M) - P.transpose() * support::Dense(problem.M) * P).cwiseAbs().maxCoeff(),
+            1e-13);
+  EXPECT_LT((coarse->problem.q - P.transpose() * problem.q).cwiseAbs().maxCoeff(), 1e-13);
+}
+
+// Unknowns of C keep their places, and between neighbours of one place there is no other.
+TEST(CoarseProblem, GivesPlaces) {
+  const int N = 12;
+  const auto coarse = coarser(standard_lcp(support::five_point(N, 4), Vec::Zero(N * N)));
+  ASSERT_TRUE(coarse);
+  Random random(2);
+  Places places(coarse->fine_of.size());
+  for (Place& place : places) place = static_cast<Place>(random.integer(0, 2));
+  const Places fine = coarse->finer(places);
+  for (std::size_t c = 0; c < places.size(); ++c)
+    EXPECT_EQ(fine[static_cast<std::size_t>(coarse->fine_of[c])], places[c]);
+  for (const Place place : {Place::Lower, Place::Upper, Place::Inside})
+    EXPECT_EQ(coarse->finer(Places(places.size(), place)), Places(static_cast<std::size_t>(N * N), place));
+}
+
+// What has no mesh is refused: entries that are mostly positive, a diagonal, a graph whose coarse problem fills in.
+TEST(CoarseProblem, RefusesWhatIsNoMesh) {
+  Random random(3);
+  const auto refused = [](const SpMat& M) { return !coarser(standard_lcp(M, Vec::Zero(M.rows()))); };
+  EXPECT_TRUE(refused(SpMat(-support::five_point(8, -4))));
+  SpMat identity(50, 50);
+  identity.setIdentity();
+  EXPECT_TRUE(refused(identity));
+  EXPECT_TRUE(refused(support::m_matrix(400, 8, random)));
+}
+
+}  // namespace
+}  // namespace perp::lcp
