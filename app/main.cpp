@@ -86,25 +86,25 @@ bool factors(const std::vector<std::string>& arguments) {
 
 constexpr const char* about =
     "Perp solves mixed complementarity problems: find x between l and u with\n"
-    "  F_i(x) >= 0 where x_i = l_i,   F_i(x) <= 0 where x_i = u_i,   F_i(x) = 0 between.";
+    "  F_i(x) >= 0 where x_i = l_i,   F_i(x) <= 0 where x_i = u_i,   F_i(x) = 0 between them.";
 
 constexpr const char* main_footer =
     "Examples:\n"
     "  perp solve market.nl             solve an AMPL model\n"
     "  perp solve kojshin --start 2     solve a problem of the collection\n"
-    "  perp inspect market.nl           size, structure, scaling, the start, derivatives: without solving\n"
-    "  perp list                        what the collection has\n"
-    "  perp export kojshin --nl         a problem as AMPL model, for other solvers\n"
-    "  perp export ahn -o F.mtx         an affine problem as Matrix Market files\n"
-    "  perp contact spheres:200         contact with Coulomb friction: Siconos' and FCLIB's files, or made ones\n"
+    "  perp inspect market.nl           its size, structure, scaling, start and derivatives, before it is solved\n"
+    "  perp list                        the problems of the collection\n"
+    "  perp export kojshin --nl         write a problem as an AMPL model, for other solvers\n"
+    "  perp export ahn -o F.mtx         write an affine problem as Matrix Market files\n"
+    "  perp contact spheres:200         contact with friction: a generated problem, or a file of Siconos or FCLIB\n"
     "  perp methods                     the methods and their options\n"
-    "  perp cfunctions                  the complementarity functions and smoothings they are built on\n"
-    "  perp compare --problems class:tiny  methods x problems, each run in a process of its own, and a report\n"
-    "  perp report DIR                  the report of a comparison, again\n"
+    "  perp cfunctions                  the complementarity functions and smoothings that methods use\n"
+    "  perp compare --problems class:tiny  run every method on every problem, and make a report\n"
+    "  perp report DIR                  make the report of a comparison again\n"
     "  perp market -AMPL tol=1e-10      as AMPL calls a solver: reads market.nl, writes market.sol\n"
     "\n"
     "Exit codes: 0 solved, 1 not solved, 2 wrong usage or input, 3 internal error.\n"
-    "'perp COMMAND --help' explains a command, 'man perp' everything.";
+    "'perp COMMAND --help' explains a command, and 'man perp' explains everything.";
 
 constexpr const char* solve_footer =
     "Examples:\n"
@@ -118,9 +118,9 @@ constexpr const char* solve_footer =
     "  perp solve kehoe --all\n"
     "  perp solve market.nl --json - | jq .residual.natural\n"
     "\n"
-    "Ctrl-C ends the run with the best point so far, which is printed and written; a second one ends the program.\n"
+    "Ctrl-C ends the run. The best point so far is printed and written. A second Ctrl-C ends the program.\n"
     "A problem counts as solved when its natural residual max_i |x_i - mid(l_i, x_i - F_i(x), u_i)| is at most the\n"
-    "tolerance, whatever the method says of itself. 'perp methods' explains the options.";
+    "tolerance. The method has no say in this. 'perp methods' explains the options.";
 
 constexpr const char* inspect_footer =
     "Examples:\n"
@@ -129,14 +129,14 @@ constexpr const char* inspect_footer =
     "  perp inspect M.mtx q.mtx                        also the classes of M and what they guarantee\n"
     "  perp inspect market.nl --json - | jq .concerns\n"
     "\n"
-    "What deserves a second look is marked with !; the exit code is 0 whatever was found, 2 for bad input.";
+    "A line with ! deserves a second look. The exit code is 0 whatever was found, and 2 for bad input.";
 
 constexpr const char* list_footer =
     "Examples:\n"
     "  perp list\n"
     "  perp list --class kkt,games --json\n"
     "  perp list kojshin           starts, bounds, known solutions and their residuals\n"
-    "  perp list walras-own        the same; it comes in any size, as 'perp solve walras-own:400x300x300:7'\n"
+    "  perp list walras-own        a problem of any size: 'perp solve walras-own:400x300x300:7'\n"
     "  perp list kojshin --json    the same for programs, with all digits";
 
 constexpr const char* export_footer =
@@ -145,7 +145,7 @@ constexpr const char* export_footer =
     "  perp export cottle4 -o F.mtx     writes F.mtx, F-q.mtx, F-lower.mtx, F-upper.mtx, F-start.mtx\n"
     "  perp export lq-control-own:1000 --start 2 -o F.mtx\n"
     "\n"
-    "Reading the files back gives the same problem, digit for digit; the command that does is printed.";
+    "The command that solves the files is printed. They hold the same problem, digit for digit.";
 
 constexpr const char* methods_footer =
     "Examples:\n"
@@ -160,8 +160,9 @@ constexpr const char* cfunctions_footer =
     "  perp solve kojshin --method smooth --option smoothing_function=chks";
 
 constexpr const char* report_footer =
-    "Makes DIR/report.html, one page that needs nothing else, and its numbers as CSV and JSON, from the campaign.json\n"
-    "and cells.jsonl that 'perp compare' has left in DIR; also while it runs, or after it was killed.\n"
+    "Makes DIR/report.html, one page that needs nothing else, and its numbers as CSV and JSON. It reads the files\n"
+    "campaign.json and cells.jsonl that 'perp compare' has left in DIR. It also works while 'perp compare' runs, and\n"
+    "after it was killed.\n"
     "\n"
     "Examples:\n"
     "  perp report campaign\n"
@@ -179,9 +180,9 @@ constexpr std::array shortcuts{
     Shortcut{"--method", "NAME", "method", "one of"},  // and their names
     Shortcut{"--tol", "TOL", "convergence_tolerance", "tolerance on the natural residual"},
     Shortcut{"--tol-relative", "R", "relative_tolerance",
-             "asks also for |F_i| <= R (size of its terms) off the bounds"},
+             "ask also for |F_i| <= R (size of its terms) where x_i is off its bounds"},
     Shortcut{"--max-iterations", "N", "major_iteration_limit", "give up after N iterations"},
-    Shortcut{"--time-limit", "SECONDS", "time_limit", "give up after that time"},
+    Shortcut{"--time-limit", "SECONDS", "time_limit", "give up after this time"},
 };
 
 struct CommandLine {
@@ -215,36 +216,41 @@ struct CommandLine {
     app.add_flag("-V,--version", version, "version, licence and linked libraries (-v alone: one line)");
     add_solve();
     add_inspect();
-    list = app.add_subcommand("list", "The collection of named test problems, or one of them");
+    list = app.add_subcommand("list", "List the collection of test problems, or describe one of them");
     list->footer(list_footer);
     option(list, "NAME", list_request.name, "show everything about this one", " ");
-    option(list, "--class", list_request.classes, "only problems of these classes", "CLASS[,CLASS]")
+    option(list, "--class", list_request.classes, "list only problems of these classes", "CLASS[,CLASS]")
         ->allow_extra_args(false);
     list->add_flag("--json", list_request.json, "as JSON");
     add_export();
-    methods = app.add_subcommand("methods", "The methods, their references, and all options with their defaults");
+    methods =
+        app.add_subcommand("methods", "List the methods with their references, and all options with their defaults");
     methods->footer(methods_footer);
-    option(methods, "--show", shown_method, "what METHOD tries in turn, and its options", "METHOD");
-    cfunctions = app.add_subcommand("cfunctions", "The C-functions and smoothings: formulas, properties, references");
+    option(methods, "--show", shown_method, "show what METHOD tries in turn, and its options", "METHOD");
+    cfunctions = app.add_subcommand("cfunctions",
+                                    "List the C-functions and smoothings with formulas, properties and references");
     cfunctions->footer(cfunctions_footer);
     compare = compare::add_command(app, compare_request);
-    report = app.add_subcommand("report", "The report of a comparison: report.html and its numbers as CSV and JSON");
+    report =
+        app.add_subcommand("report", "Make the report of a comparison: report.html and its numbers as CSV and JSON");
     report->footer(report_footer);
     option(report, "DIR", report_request.dirs, "folder of the campaign, or those of its shards", " ")->required();
-    option(report, "--out", report_request.out, "where shards are joined to one campaign; new or empty", "DIR");
+    option(report, "--out", report_request.out, "folder for the joined campaign of the shards; new or empty", "DIR");
     contact = contacts::add_command(app, contact_words);
   }
 
   void add_export() {
     export_command = app.add_subcommand(
-        "export", "Write a problem of the collection as AMPL model, or an affine one as Matrix Market files");
+        "export", "Write a problem of the collection as an AMPL model, or an affine one as Matrix Market files");
     export_command->footer(export_footer);
     option(export_command, "PROBLEM", export_request.source.problem, "a NAME that 'perp list' shows, or FILE.nl", " ")
         ->required();
     option(export_command, "-o,--output", export_request.file,
-           "F.nl, with F.col and F.row; or F.mtx, the matrix, whose name is that of the vectors' files", "FILE");
-    export_command->add_flag("--nl", export_request.nl, "an .nl file; without -o it is PROBLEM.nl");
-    option(export_command, "--start", export_request.source.start, "which start is written, from 1", "K");
+           "F.nl, with F.col and F.row beside it; or F.mtx, the matrix, with F-q.mtx and other vectors beside it",
+           "FILE");
+    export_command->add_flag("--nl", export_request.nl,
+                             "write an .nl file; its name is PROBLEM.nl unless -o gives one");
+    option(export_command, "--start", export_request.source.start, "which start is written, counted from 1", "K");
     export_command->add_flag("--force", export_request.force, "overwrite files");
   }
 
@@ -253,11 +259,12 @@ struct CommandLine {
     option(command, "PROBLEM", source.problem,
            "FILE.nl, a NAME that 'perp list' shows, M.mtx (Matrix Market) or FILE.dat (Siconos)", " ")
         ->required();
-    option(command, "VECTOR", source.q, "q.mtx: with M.mtx the affine problem F(x) = M x + q", " ");
-    option(command, "--lower", source.lower, "of M.mtx: the lower bounds, of all or one by one (default 0)",
+    option(command, "VECTOR", source.q, "q.mtx, beside M.mtx: the problem is affine, F(x) = M x + q", " ");
+    option(command, "--lower", source.lower, "with M.mtx: the lower bounds, a number for all or a file (default 0)",
            "NUMBER|FILE");
-    option(command, "--upper", source.upper, "of M.mtx: the upper bounds (default inf)", "NUMBER|FILE");
-    option(command, "--start", source.start, "which start of a collection problem, from 1", "K");
+    option(command, "--upper", source.upper, "with M.mtx: the upper bounds, a number for all or a file (default inf)",
+           "NUMBER|FILE");
+    option(command, "--start", source.start, "which start of a problem of the collection, counted from 1", "K");
     option(command, "--start-at", source.start_at, start_at, "FILE");
   }
 
@@ -266,8 +273,8 @@ struct CommandLine {
     solve->footer(solve_footer);
     SolveRequest& request = solve_request;
     add_problem(solve, request, "start from the point in this file");
-    option(solve, "--warm-start", request.warm_start, "start from point and basis of an earlier run's --json FILE",
-           "FILE");
+    option(solve, "--warm-start", request.warm_start,
+           "start from the point and basis in the --json FILE of an earlier run", "FILE");
     for (std::size_t k = 0; k < shortcuts.size(); ++k)
       option(solve, shortcuts[k].flag, shortcut_values[k],
              shortcuts[k].help != std::string_view("one of")
@@ -277,29 +284,31 @@ struct CommandLine {
     solve->add_flag("--check-derivatives", check_derivatives,
                     "compare the Jacobian with differences at the start; refuse a wrong one");
     solve->add_flag("--verify", verify,
-                    "prove by interval arithmetic that exactly one solution is near the point found, and how near");
+                    "prove by interval arithmetic that exactly one solution is near the point found, and say how near");
     option(solve, "-o,--option", request.options, "an option of 'perp methods'; may be repeated", "KEY=VALUE")
         ->allow_extra_args(false);
-    option(solve, "--all", all,
-           fmt::format("look for several solutions, K at most (default {}), by deflation", default_solutions), "[K]")
+    option(solve, "--all", all, fmt::format("look for up to K solutions (default {}), by deflation", default_solutions),
+           "[K]")
         ->expected(0, 1);
-    option(solve, "--options-file", request.options_file, "options, one a line: key value", "FILE");
+    option(solve, "--options-file", request.options_file, "read options from FILE, one on each line: key value",
+           "FILE");
     option(solve, "--solution", request.solution, "write x as a Matrix Market vector", "FILE");
     option(solve, "--json", request.json,
            "write the result as JSON; - is standard output, the log then goes to standard error", "FILE");
     option(solve, "--log-level", level,
            fmt::format("one of {}; each shows more than the one before", fmt::join(log_level_names(), ", ")), "LEVEL");
     option(solve, "--plot", request.plot, "draw merit and residual, and the path of one iteration, as SVG", "FILE");
-    option(solve, "--plot-iteration", request.plot_iteration, "that iteration (default: the one with most kinks)", "K");
+    option(solve, "--plot-iteration", request.plot_iteration,
+           "which iteration --plot draws (default: the one with most kinks)", "K");
     solve->add_flag("--full", request.full, "print every row of a long solution");
   }
 
   void add_inspect() {
-    inspect = app.add_subcommand("inspect", "What can be said of a problem without solving it");
+    inspect = app.add_subcommand("inspect", "Tell what is known about a problem before it is solved");
     inspect->footer(inspect_footer);
     add_problem(inspect, inspect_request.source, "look at the point in this file");
     option(inspect, "--json", inspect_request.json,
-           "write what was found as JSON; - is standard output, the text then goes to standard error", "FILE");
+           "write the findings as JSON; - is standard output, the text then goes to standard error", "FILE");
   }
 
   void finish_solve_request() {

@@ -8,11 +8,12 @@ namespace perp::app::compare {
 namespace {
 
 constexpr const char* footer =
-    "PROBLEMS is a comma-separated list of NAME, NAME:SIZE, class:CLASS, FILE.nl, all; METHODS of NAME,\n"
-    "NAME:key=value:key=value, presets, published, all, cfunctions (semismooth over every C-function;\n"
-    "cfunctions:rho=0.01:rho=100 takes those values of their parameters rho, lambda or alpha),\n"
-    "cfunction-grid (those with a parameter at 4 or 5 values of it), none.\n"
-    "Names may have * and ?; what begins with - is taken away.\n"
+    "PROBLEMS is a comma-separated list of NAME, NAME:SIZE, class:CLASS, FILE.nl and all.\n"
+    "METHODS is a comma-separated list of NAME, NAME:key=value:key=value, presets, published, all, none and:\n"
+    "  cfunctions                    semismooth with every C-function\n"
+    "  cfunctions:rho=0.01:rho=100   the same, with these values of the parameters rho, lambda or alpha\n"
+    "  cfunction-grid                the C-functions that have a parameter, each at 4 or 5 values of it\n"
+    "Names may contain * and ?. An item that begins with - is taken out of the list.\n"
     "\n"
     "Examples:\n"
     "  perp compare --problems class:tiny --out tiny\n"
@@ -24,11 +25,13 @@ constexpr const char* footer =
     "  perp compare --problems all --shard 3/7 --out part3   the third of seven parts\n"
     "  perp compare --problems class:tiny --baseline tiny/outcomes.csv --out again\n"
     "\n"
-    "Every run is a process of its own with limits of time and memory, its point is judged by the natural residual of\n"
-    "the problem built anew, and every finished cell is on the disk at once. DIR then has report.html, cells.csv and\n"
-    "cells.json; outcomes.csv is without times, so that two campaigns can be compared with cmp.\n"
+    "A cell is one method on one problem from one start. It runs in a process of its own, with limits of time and\n"
+    "memory. The judge builds the problem anew and evaluates the natural residual at the point found. Every finished\n"
+    "cell is on the disk at once. In the end DIR has report.html, cells.csv and cells.json. outcomes.csv has no "
+    "times,\n"
+    "so two campaigns can be compared with cmp.\n"
     "\n"
-    "Exit codes: 0 complete, 1 complete but something that the baseline has solved is not solved, 2 wrong usage or\n"
+    "Exit codes: 0 complete, 1 complete but something that the baseline solved is not solved, 2 wrong usage or\n"
     "input, 3 internal error, 4 interrupted (--resume goes on).";
 
 }  // namespace
@@ -36,30 +39,30 @@ constexpr const char* footer =
 CLI::App* add_command(CLI::App& app, CompareRequest& request) {
   CLI::App* compare = app.add_subcommand("compare", "Compare methods on many problems: a campaign and its report");
   compare->footer(footer);
-  option(compare, "--problems", request.problems, "which problems; default all of the collection", "PROBLEMS");
-  option(compare, "--methods", request.methods, "which methods; default presets", "METHODS");
-  option(compare, "--starts", request.starts, "all starts of each problem (default), or at most so many", "all|K");
-  option(compare, "--tol", request.tol, "the judge's tolerance, and the methods' where they are given none (1e-6)",
-         "TOL");
-  option(compare, "--time-limit", request.time_limit, "wall clock of a run (60)", "SECONDS");
-  option(compare, "--memory-limit", request.memory_mb, "resident memory of a run (4096)", "MB");
-  option(compare, "--jobs", request.jobs, "runs at a time (one a core)", "N");
-  option(compare, "--restarts", request.restarts, "after a failure, so many further runs from perturbed starts (0)",
-         "R");
-  option(compare, "--seed", request.seed, "of those starts (1)", "N");
+  option(compare, "--problems", request.problems, "which problems (all of the collection)", "PROBLEMS");
+  option(compare, "--methods", request.methods, "which methods (presets)", "METHODS");
+  option(compare, "--starts", request.starts, "all starts of each problem, or at most K (all)", "all|K");
+  option(compare, "--tol", request.tol,
+         "tolerance of the judge, and of the methods unless their options set one (1e-6)", "TOL");
+  option(compare, "--time-limit", request.time_limit, "wall-clock limit of a run (60)", "SECONDS");
+  option(compare, "--memory-limit", request.memory_mb, "limit of the resident memory of a run (4096)", "MB");
+  option(compare, "--jobs", request.jobs, "number of runs at a time (one for each core)", "N");
+  option(compare, "--restarts", request.restarts,
+         "after a failure, make up to R further runs from perturbed starts (0)", "R");
+  option(compare, "--seed", request.seed, "seed of the perturbed starts (1)", "N");
   option(compare, "--external", request.externals,
-         "a program that AMPL could call, 'COMMAND stub -AMPL', on .nl problems; {tol} in COMMAND is the "
-         "campaign's tolerance; may be repeated",
+         "add a program that AMPL could call, as 'COMMAND stub -AMPL'; {tol} in COMMAND is the tolerance of "
+         "--tol; may be repeated",
          "NAME=COMMAND")
       ->allow_extra_args(false);
   option(compare, "--shard", request.shard,
-         "runs part K of N of the cells, for N machines or processes, each with a DIR of its own; 'perp report' joins "
-         "them",
+         "run part K of N of the cells, for N machines or processes, each with a DIR of its own; 'perp report' joins "
+         "the parts",
          "K/N");
-  option(compare, "--out", request.out, "where all is kept (comparison)", "DIR");
-  compare->add_flag("--resume", request.resume, "go on with the campaign in DIR; what is not given is as it was");
+  option(compare, "--out", request.out, "folder of the campaign (comparison)", "DIR");
+  compare->add_flag("--resume", request.resume, "go on with the campaign in DIR, with its options");
   option(compare, "--baseline", request.baseline,
-         "cells.csv or outcomes.csv of an earlier campaign: list what it solved and this one has not", "FILE.csv");
+         "cells.csv or outcomes.csv of an earlier campaign; list what it solved and this one did not", "FILE.csv");
   return compare;
 }
 

@@ -18,35 +18,33 @@ namespace perp::app::contacts {
 namespace {
 
 constexpr const char* footer =
-    "PROBLEM is a file of FCLIB (HDF5) or Siconos (.dat), or NAME:SIZE[:SEED[:MU]], a problem that is made with about "
+    "PROBLEM is a file of FCLIB (HDF5) or Siconos (.dat), or NAME:SIZE[:SEED[:MU]]. This makes a problem of about "
     "SIZE\n"
     "contacts: stack, spheres, arch, chain, wall, incline.\n"
     "\n"
     "Examples:\n"
-    "  perp contact Capsules.hdf5                              Coulomb's law, by several methods until one solves it\n"
+    "  perp contact Capsules.hdf5                              Coulomb's law, by several methods in turn\n"
     "  perp contact spheres:200:7 --svg forces.svg             the forces in their friction disks\n"
-    "  perp contact wall:100 --formulation inner:8             friction by octagons, and what that costs\n"
+    "  perp contact wall:100 --formulation inner:8             octagons as friction disks, and the error this makes\n"
     "  perp contact Rover.dat --method path --encoding B --row original\n"
     "  perp contact arch:40 --json - | jq '.contacts[] | select(.state == \"slip\")'\n"
-    "  perp contact Rover.dat --method homotopy                Glocker's NCP by interior points, and nothing else\n"
+    "  perp contact Rover.dat --method homotopy                only Glocker's NCP by interior points\n"
     "  perp contact --generate stack:60 --fclib-out stack.hdf5\n"
     "  perp contact data/*.dat --compare --out contact-comparison\n"
-    "  perp contact data/*.dat --facets 4,8,16,32 --svg facets.svg   what facets cost by the exact law, over K\n"
+    "  perp contact data/*.dat --facets 4,8,16,32 --svg facets.svg   the errors of polygons, drawn over K\n"
     "  perp contact --compare --out contact-comparison --resume    after Ctrl-C, kill -9 or a power cut\n"
-    "  perp contact ball --svg ball.svg                        time stepping: what facets do to a path\n"
+    "  perp contact ball --svg ball.svg                        how polygons change the path of a ball\n"
     "  perp contact wall:40 arch:40 --compare --variants glocker,glocker+path/B,inner:4,inner:16,ncp1\n"
     "\n"
-    "glocker, coulomb and ncp1 are solved when Coulomb's law holds at r: the natural map relative to max(|q|, |r|, "
-    "|u|) and to\n"
-    "|q| is at most the tolerance, and so are, contact by contact, the violations of cone, normal and slip relative "
-    "to\n"
-    "the impulses and velocities there. inner:K, outer:K and frictionless are solved when their own affine problem is; "
-    "what\n"
-    "Coulomb's law says of them stands beside it.\n"
+    "glocker, coulomb and ncp1 have Coulomb's law. They are solved when two conditions hold. The natural map, "
+    "relative\n"
+    "to max(|q|, |r|, |u|) and to |q|, is at most the tolerance. So are, at each contact, the violations of cone, "
+    "normal\n"
+    "and slip, relative to the impulses and velocities there. inner:K, outer:K and frictionless are solved when their\n"
+    "own affine problem is solved. By how much they violate Coulomb's law is printed beside it.\n"
     "\n"
-    "Exit codes: 0 solved (--compare: complete), 1 not solved, 2 wrong usage or input, 3 internal error, 4 a "
-    "comparison\n"
-    "that was interrupted (--resume goes on).";
+    "Exit codes: 0 solved (--compare: complete), 1 not solved, 2 wrong usage or input, 3 internal error,\n"
+    "4 a comparison was interrupted (--resume goes on).";
 
 /// Flags of another mode: one run, --compare, --facets.
 std::string misplaced(const CLI::App& command, const ContactWords& words) {
@@ -107,31 +105,27 @@ ExitCode run_facets(const ContactWords& words, Streams streams, const std::atomi
 }  // namespace
 
 CLI::App* add_command(CLI::App& app, ContactWords& words) {
-  CLI::App* contact = app.add_subcommand("contact", "Unilateral contact with Coulomb friction: solve, judge, compare");
+  CLI::App* contact =
+      app.add_subcommand("contact", "Solve, judge and compare problems of contact with Coulomb friction");
   contact->footer(footer);
-  option(contact, "PROBLEM", words.problems, "files, or problems that are made: NAME:SIZE[:SEED[:MU]]", "...");
-  option(contact, "--generate", words.generated, "one more problem that is made; may be repeated",
-         "NAME:SIZE[:SEED[:MU]]")
+  option(contact, "PROBLEM", words.problems, "files, or problems to make: NAME:SIZE[:SEED[:MU]]", "...");
+  option(contact, "--generate", words.generated, "one more problem to make; may be repeated", "NAME:SIZE[:SEED[:MU]]")
       ->allow_extra_args(false);
-  option(contact, "--mu", words.mu, "coefficient of friction of all problems that are made, in place of the scene's",
-         "MU");
+  option(contact, "--mu", words.mu, "coefficient of friction of all problems that are made", "MU");
   option(contact, "--formulation", words.formulation,
          fmt::format("one of {}; default glocker", contact::formulation_names), "NAME");
-  option(
-      contact, "--method", words.method,
-      fmt::format(
-          "of glocker auto (its default: sweeps, cones, homotopy, Newton steps, proximal loop) or homotopy alone; of "
-          "coulomb "
-          "(which follows from the name) {}; or a method of 'perp methods': for glocker and ncp1 (default path) those "
-          "for nonlinear problems, for the others (default auto: Lemke's first) those for affine ones, or for "
-          "nonlinear ones",
-          classic_names()),
-      "NAME");
-  option(contact, "--encoding", words.encoding, "of glocker by a method of 'perp methods': A, an MCP, or B, an NCP (B)",
-         "A|B");
-  option(contact, "--row", words.row, "of glocker by a method of 'perp methods': the disk's equation (normalised)",
+  option(contact, "--method", words.method,
+         fmt::format(
+             "with glocker: auto (the default: several methods in turn), homotopy, or a nonlinear method of 'perp "
+             "methods'; with coulomb, which follows from the name: {}; with ncp1: a nonlinear method of 'perp methods' "
+             "(path); with the others: auto (the default: Lemke's first), or any method of 'perp methods'",
+             classic_names()),
+         "NAME");
+  option(contact, "--encoding", words.encoding,
+         "with glocker and a method of 'perp methods': A, an MCP, or B, an NCP (B)", "A|B");
+  option(contact, "--row", words.row, "with glocker and a method of 'perp methods': the row of the disk (normalised)",
          "normalised|original");
-  option(contact, "--form", words.form, "of inner and outer: an LCP, or an MLCP with r_T free (reduced)",
+  option(contact, "--form", words.form, "with inner and outer: an LCP, or an MLCP with r_T free (reduced)",
          "reduced|mixed");
   option(contact, "-o,--option", words.options,
          fmt::format("of the method; may be repeated: of homotopy {}; of auto these and {}; {}; of others what 'perp "
@@ -139,30 +133,31 @@ CLI::App* add_command(CLI::App& app, ContactWords& words) {
                      homotopy_keys(), auto_keys(), classic_keys(), glocker_keys()),
          "KEY=VALUE")
       ->allow_extra_args(false);
-  option(contact, "--tol", words.tol, "tolerance (1e-8; of --facets 1e-9)", "TOL");
-  option(contact, "--time-limit", words.time_limit, "give up after that time; of --compare and --facets: each run (30)",
-         "SECONDS");
+  option(contact, "--tol", words.tol, "tolerance (1e-8; with --facets 1e-9)", "TOL");
+  option(contact, "--time-limit", words.time_limit,
+         "give up after this time; with --compare and --facets: each run (30)", "SECONDS");
   option(contact, "--json", words.json,
          "write the result as JSON; - is standard output, the text then goes to standard error", "FILE");
   option(contact, "--fclib-out", words.fclib_out, "write problem and solution as an FCLIB file", "FILE");
-  option(contact, "--svg", words.svg, "draw the forces in their friction disks; of --facets: the errors over K",
+  option(contact, "--svg", words.svg, "draw the forces in their friction disks; with --facets: draw the errors over K",
          "FILE");
   option(contact, "--log-level", words.level,
          fmt::format("one of {}; each shows more than the one before", fmt::join(log_level_names(), ", ")), "LEVEL");
   contact->add_flag("--full", words.full, "print every contact of a long table");
   contact->add_flag("--compare", words.compare, "run variants on all problems, each in a process of its own");
   option(contact, "--variants", words.variants,
-         fmt::format(
-             "of a comparison: FORMULATION[+METHOD][/WORD]...; a method * is each one, a word * each form; default {}",
-             default_variants),
+         fmt::format("with --compare: FORMULATION[+METHOD][/WORD]...; * as METHOD is every method, * as WORD every "
+                     "form; default {}",
+                     default_variants),
          "LIST");
-  option(contact, "--out", words.out, "of a comparison: where its files go (contact-comparison)", "DIR");
-  contact->add_flag("--resume", words.resume,
-                    "of a comparison: go on with the one in DIR; what is not given is as it was");
-  option(contact, "--memory-limit", words.memory_mb, "of a comparison: resident memory of a run (4096)", "MB");
-  option(contact, "--jobs", words.jobs, "of a comparison: runs at a time (1, so that times compare)", "N");
+  option(contact, "--out", words.out, "with --compare: folder for its files (contact-comparison)", "DIR");
+  contact->add_flag("--resume", words.resume, "with --compare: go on with the comparison in DIR, with its options");
+  option(contact, "--memory-limit", words.memory_mb, "with --compare: limit of the resident memory of a run (4096)",
+         "MB");
+  option(contact, "--jobs", words.jobs, "with --compare: number of runs at a time (1, so that times can be compared)",
+         "N");
   option(contact, "--facets", words.facets,
-         "by polygons of each K of the list, in the disk and about it: the errors by the exact law, and how they fall",
+         "solve with polygons of K facets, inside the disk and around it, and measure their errors by the exact law",
          "K,K,...");
   add_ball_command(*contact, words.ball);
   return contact;

@@ -436,8 +436,10 @@ class Run {
 
 void describe(InteriorPoint& m, Fields& f) {
   describe_iterations(m.max_iterations, f);
-  f.add("interior_neighbourhood", &m.gamma, strictly_between(0, 1), "least product over the mean");
-  f.add("interior_to_boundary", &m.to_boundary, strictly_between(0, 1), "share of the way to the boundary at most");
+  f.add("interior_neighbourhood", &m.gamma, strictly_between(0, 1),
+        "the least product is kept above this share of the mean");
+  f.add("interior_to_boundary", &m.to_boundary, strictly_between(0, 1),
+        "largest step, as a share of the way to the boundary");
   f.add("interior_proximal", &m.proximal, strictly_between(0, 1),
         "weight of the proximal term of free variables, relative to the scaled M");
   describe_lu(m.lu, f);

@@ -33,7 +33,7 @@ bool SafeStep::operator()(const AffineMcp& problem, NewtonSystem& system, const 
 }
 
 void describe_steps(double& armijo, double& shortest, Fields& f) {
-  f.add("newton_armijo", &armijo, strictly_between(0, 0.5), "line search: share of the predicted decrease demanded");
+  f.add("newton_armijo", &armijo, strictly_between(0, 0.5), "line search: required share of the predicted decrease");
   f.add("newton_shortest", &shortest, above_up_to(0, 1), "step length below which a direction is given up");
 }
 

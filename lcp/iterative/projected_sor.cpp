@@ -222,7 +222,7 @@ class Sor {
 }  // namespace
 
 void describe(ProjectedSor& m, Fields& f) {
-  f.add("psor_omega", &m.omega, strictly_between(0, 2), "relaxation; 1: Gauss and Seidel's sweeps");
+  f.add("psor_omega", &m.omega, strictly_between(0, 2), "relaxation factor; 1: Gauss-Seidel sweeps");
   f.add("psor_symmetric", &m.symmetric, "sweep forth and back; counts as two sweeps");
   f.add("psor_block", &m.block, between(1, largest_block), "variables of a block, solved together");
   f.add("psor_sweep_limit", &m.max_sweeps, at_least(0), "sweeps after which to give up");

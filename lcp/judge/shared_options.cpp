@@ -30,7 +30,7 @@ void describe_iterations(long& limit, Fields& f) {
 
 void describe_degenerate(double& tol, Fields& f) {
   f.add("degenerate_tolerance", &tol, {.high = 1, .open_high = true},
-        "signs are those of values beyond this, relative to the terms that the values come from");
+        "smaller values count as 0; relative to the terms that the values come from");
 }
 
 }  // namespace perp::lcp

@@ -109,7 +109,7 @@ std::string_view to_string(PivotEnd end) {
 void describe(LemkeOptions& l, Fields& f) {
   describe_lu(l.basis.lu, f);
   f.add("minor_iteration_limit", &l.max_pivots, at_least(0),
-        "pivots of one linearised problem, at most 1000 + 20 n of them; or of Lemke's method on an affine one",
+        "limit of pivots for one linearised problem, and never more than 1000 + 20 n; or for Lemke's method alone",
         "max_pivots");
   f.choice("lemke_cover", &l.cover, {{"ones", Cover::Ones}, {"generic", Cover::Generic}, {"spread", Cover::Spread}},
            "Lemke's covering vector: ones (the textbook's e), generic (random about e in equilibrated units) or spread "
@@ -118,7 +118,7 @@ void describe(LemkeOptions& l, Fields& f) {
         "smallest pivot, relative to the largest entry of its column");
   f.add("lemke_perturbation", &l.perturbation, between(0, 1e100),
         "relative perturbation of the path's start, against ties; 0: none");
-  f.add("lemke_seed", &l.seed, between(0, std::numeric_limits<int>::max()), "of that perturbation and of the ray",
+  f.add("lemke_seed", &l.seed, between(0, std::numeric_limits<int>::max()), "seed of the perturbation and of the ray",
         "seed");
   f.add("refactor_every", &l.basis.refactor_every, at_least(1), "pivots between fresh factorizations of the basis");
   // Inner tolerances that no run was seen to depend on.

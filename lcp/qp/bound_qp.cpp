@@ -393,14 +393,15 @@ void describe(BoundQp& m, Fields& f) {
   f.choice(
       "qp_preconditioner", &m.preconditioner,
       {{"auto", P::Auto}, {"multilevel", P::Multilevel}, {"cholesky", P::Cholesky}, {"gauss-seidel", P::GaussSeidel}},
-      "of the conjugate gradients on a face");
+      "preconditioner of the conjugate gradients on a face");
   f.add("qp_nested", &m.nested, "multilevel: start from the solutions on coarser grids");
   f.add("qp_strength", &m.strength, above_up_to(0, 1), "multilevel: share of a row's largest entry that is strong");
-  f.add("qp_positive_share", &m.positive_share, at_least(0), "auto: most positive entries of what multilevel takes");
-  f.add("qp_direct", &m.direct, at_least(1), "unknowns up to which auto factors, and of the coarsest grid");
+  f.add("qp_positive_share", &m.positive_share, at_least(0),
+        "auto: largest share of positive entries off the diagonal for multilevel");
+  f.add("qp_direct", &m.direct, at_least(1), "number of unknowns up to which auto factors, and of the coarsest grid");
   f.add("qp_cholesky_entries", &m.cholesky_entries, at_least(0), "entries of the largest Cholesky factor computed");
   f.add("qp_loose", &m.loose, strictly_between(0, 1), "reduction of the error on a face that may still change");
-  f.add("qp_cg_limit", &m.cg_limit, at_least(1), "conjugate gradients on a face before another preconditioner");
+  f.add("qp_cg_limit", &m.cg_limit, at_least(1), "iterations on a face before another preconditioner is taken");
   f.add("qp_step_limit", &m.step_limit, at_least(0), "steps, a sweep and a face each, after which to give up");
   f.add("qp_proximal", &m.proximal, strictly_between(0, 1), "eps of the proximal points of a singular M");
   f.add("qp_proximal_limit", &m.proximal_limit, at_least(1), "proximal points after which to give up");

@@ -375,18 +375,18 @@ void describe(InteriorPoint& m, Fields& f) {
   f.add("patience", &m.patience, at_least(1),
         "iterations in which the natural residual must fall by 1 %, or the parameter is raised");
   f.add("interior_centring", &m.least_centring, strictly_between(0, 1),
-        "interior: sigma at least, the share of the mean product tau that a step aims at");
+        "interior: least sigma, the share of the mean product tau that a step aims at");
   f.add("interior_to_boundary", &m.to_boundary, strictly_between(0, 1),
-        "interior: share of the way to the boundary that a step goes at most");
+        "largest step, as a share of the way to the boundary");
   f.add("interior_finish", &m.finish, "interior: Newton steps on the active set at the end");
   f.add("interior_neighbourhood", &m.neighbourhood, strictly_between(0, 1),
-        "interior: the least product is kept above this share of the mean");
+        "the least product is kept above this share of the mean");
   f.add("interior_growth", &m.growth, strictly_between(1, 1e100),
         "interior: factor by which |F - w + v| may grow in one step");
   f.add("interior_margin", &m.margin, strictly_between(0, 1e100),
-        "interior: the start is moved so far inside finite bounds, or to the middle");
+        "interior: the start is moved inside finite bounds by this much, or to the middle");
   f.add("interior_restarts", &m.restarts, at_least(0),
-        "interior: times that tau is raised where the residual has stopped falling");
+        "interior: number of times that tau is raised when the residual no longer falls");
 }
 
 void iterate(Run& run, const InteriorPoint& method, Point point) {

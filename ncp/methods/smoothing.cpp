@@ -275,23 +275,23 @@ void describe(Smoothing& m, Fields& f) {
   describe(m.function, f);
   f.choice("smoothing_schedule", &m.schedule,
            {{"newton-armijo", NewtonArmijo}, {"predictor-corrector", PredictorCorrector}},
-           "how its parameter mu shrinks: newton-armijo (with the residual) or predictor-corrector (along the path "
+           "how the parameter mu shrinks: newton-armijo (with the residual) or predictor-corrector (along the path "
            "Phi_mu(x) = 0)");
   f.add("smoothing_finish", &m.finish, "Newton steps on the active set at the end");
   f.when(m.schedule == NewtonArmijo, "smoothing_schedule = predictor-corrector", [&] {
     f.add("smoothing_shrink", &m.shrink, strictly_between(0, 1),
-          "newton-armijo: mu x smoothing_shrink where the smooth system is solved");
+          "newton-armijo: factor of mu when the smooth system is solved");
     f.add("smoothing_centring", &m.centring, strictly_between(0, 1e100),
-          "newton-armijo: it is solved to smoothing_centring mu");
+          "newton-armijo: the smooth system is solved to this multiple of mu");
   });
   f.when(m.schedule == PredictorCorrector, "smoothing_schedule = newton-armijo", [&] {
     f.add("smoothing_neighbourhood", &m.neighbourhood, strictly_between(0, 1e100),
-          "predictor-corrector: |Phi_mu| is kept below smoothing_neighbourhood mu; above kappa of the smoothing");
+          "predictor-corrector: |Phi_mu| is kept below this multiple of mu, which exceeds kappa of the smoothing");
   });
   f.check(m.neighbourhood > m.function.kappa, "smoothing_neighbourhood", m.neighbourhood,
           "greater than the function's kappa");
   f.add("smoothing_restarts", &m.restarts, at_least(0),
-        "times that mu is raised where the residual has stopped falling");
+        "number of times that mu is raised when the residual no longer falls");
 }
 
 void iterate(Run& run, const Smoothing& method, Point point) { Smoother(run, method, std::move(point)).run(); }

@@ -7,7 +7,7 @@ void describe(Crash& c, Fields& f) {
   f.choice("crash_method", &c.on, {{"pnewton", true}, {"none", false}},
            "projected Newton steps before the first linearised problem: pnewton or none");
   f.when(c.on, "crash_method = none", [&] {
-    f.add("crash_iteration_limit", &c.iteration_limit, at_least(0), "of the crash");
+    f.add("crash_iteration_limit", &c.iteration_limit, at_least(0), "limit of iterations of the crash");
     f.add("crash_minimum_dimension", &c.minimum_dimension, at_least(0), "smaller problems go without a crash");
     f.add("crash_nbchange_limit", &c.nbchange_limit, at_least(0),
           "the crash ends where fewer variables than this come to a bound or leave it");
@@ -25,7 +25,7 @@ void describe(Nms& n, Fields& f) {
     f.add("nms_maximum_watchdogs", &n.maximum_watchdogs, at_least(0),
           "returns to a checkpoint after which D-steps are no longer taken");
     f.add("distance_decrease", &n.distance_decrease, above_up_to(0, 1),
-          "factor a D-step of the distance up to which Newton points go untested");
+          "factor, for each D-step, of the distance within which Newton points are not tested");
   });
 }
 
@@ -50,16 +50,16 @@ void describe(PathSearch& m, Fields& f) {
   f.add("proximal_perturbation", &m.proximal_perturbation, between(0, 1e100),
         "lambda of the proximal term lambda (z - z^k) to begin with, relative to the size of the Jacobian");
   f.add("proximal_adaptive", &m.proximal_adaptive,
-        "lambda > 0 also where a basis is singular or the path leads nowhere");
+        "take a proximal term also if a basis is singular or the path leads nowhere");
   f.add("gradient_step_limit", &m.gradient_step_limit, at_least(0),
         "projected gradient steps, taken where nothing else descends");
   f.add("restart_limit", &m.restart_limit, at_least(0),
-        "attempts after the first, so many of them: 'perp methods --show path'");
+        "number of attempts after the first; 'perp methods --show path' lists them");
   f.choice("restarts", &m.restarts, {{"own", PathRestarts::Own}, {"documented", PathRestarts::Documented}},
-           "of these attempts: our own, other options and then other methods, or the three that PATH documents");
-  f.add("cumulative_iteration_limit", &m.cumulative_iteration_limit, at_least(1), "pivots in all");
-  f.add("preprocess", &m.preprocess, "presolve: take out what constant rows and columns decide");
-  f.add("scaling", &m.scaling, "of rows and columns, where it helps; a solution is judged unscaled all the same");
+           "the attempts after the first: own (other options, then other methods), or the three that PATH documents");
+  f.add("cumulative_iteration_limit", &m.cumulative_iteration_limit, at_least(1), "limit of pivots in all attempts");
+  f.add("preprocess", &m.preprocess, "presolve: remove what constant rows and columns decide");
+  f.add("scaling", &m.scaling, "scale rows and columns if that helps; the judge looks at the problem as it is given");
 }
 
 }  // namespace perp::ncp

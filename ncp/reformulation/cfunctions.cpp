@@ -275,7 +275,7 @@ void describe(CFunction& c, Fields& f) {
   f.add("cfunction_parameter",
         Parameter{[&c] { return c.parameter ? std::optional(c.parameter->value) : std::nullopt; },
                   [&c](double value) { c = cfunction(c.name, value); }},
-        "its parameter: lambda, rho or alpha");
+        "parameter of the C-function: lambda, rho or alpha");
   f.check(static_cast<bool>(c.at), "cfunction has no function");
 }
 

@@ -7,10 +7,11 @@ void describe(Stop& s, Fields& f) {
   constexpr double years = 1e9;  // of seconds: a limit that no clock overflows with
   f.add("convergence_tolerance", &s.tol, above(0),
         "tol: solved when the natural residual max_i |x_i - mid(l_i, x_i - F_i(x), u_i)| is at most tol", "tol");
-  f.add("relative_tolerance", &s.tol_relative, {.low = 0, .open_low = true},
-        "R: asked in addition of equations whose variable is not at a bound: |F_i| <= R t_i, the size of the terms "
-        "that F_i is the rest of; inf: not asked",
-        "tol_relative");
+  f.add(
+      "relative_tolerance", &s.tol_relative, {.low = 0, .open_low = true},
+      "R: solved only if also |F_i| <= R t_i in each equation whose variable is not at a bound, where t_i is the size "
+      "of the terms of F_i; inf: no such condition",
+      "tol_relative");
   f.add("major_iteration_limit", &s.max_iterations, at_least(0),
         "iterations (a linearisation each) after which to give up", "max_iterations");
   f.add("evaluation_limit", &s.max_F_evals, at_least(1),
@@ -27,17 +28,18 @@ void describe(Armijo& a, Fields& f) {
 }
 
 void describe(Escape& e, Fields& f) {
-  f.add("escape_rounds", &e.rounds, at_least(0),
-        "where the method is stuck: proximal problems  F(x) + lambda (x - xbar)  tried to get away; 0: stay stuck, "
-        "and no effect of the other options escape_*");
+  f.add(
+      "escape_rounds", &e.rounds, at_least(0),
+      "proximal problems  F(x) + lambda (x - xbar)  that are tried when the method is stuck; with 0 the other options "
+      "escape_* have no effect");
   f.when(e.rounds != 0, "escape_rounds = 0", [&] {
-    f.add("escape_lambda", &e.lambda, above(0), "that lambda, in units of sqrt(|J|_1 |J|_inf)");
+    f.add("escape_lambda", &e.lambda, above(0), "first lambda of an escape, in units of sqrt(|J|_1 |J|_inf)");
     f.add("escape_grow", &e.grow, strictly_between(1, 1e100),
-          "lambda x escape_grow where a proximal problem has not been solved");
-    f.add("escape_shrink", &e.shrink, above_up_to(0, 1), "lambda x escape_shrink after each move of xbar");
+          "factor of lambda after a proximal problem that was not solved");
+    f.add("escape_shrink", &e.shrink, above_up_to(0, 1), "factor of lambda after each move of xbar");
     f.add("escape_accept", &e.accept, strictly_between(0, 1),
-          "an xbar with this part of the best residual is accepted: the method goes on from it");
-    f.add("escape_trial_iterations", &e.trial_iterations, at_least(0), "iterations tried from other xbar");
+          "the method goes on from an xbar whose residual is at most this share of the best one");
+    f.add("escape_trial_iterations", &e.trial_iterations, at_least(0), "iterations that are tried from any other xbar");
     f.add("escape_tolerance", &e.perturbed_tol, above(0),
           "natural residual at which a proximal problem is solved well enough");
     f.add("escape_iteration_limit", &e.perturbed_iterations, at_least(1), "iterations for one proximal problem");
@@ -46,16 +48,15 @@ void describe(Escape& e, Fields& f) {
 }
 
 void describe_search(double& sigma, double& beta, int& max_backtracks, Fields& f) {
-  f.add("sigma", &sigma, strictly_between(0, 1),
-        "line search: share of the predicted decrease of the merit that is demanded");
-  f.add("beta", &beta, strictly_between(0, 1), "line search: factor of the step length a trial");
+  f.add("sigma", &sigma, strictly_between(0, 1), "line search: required share of the predicted decrease of the merit");
+  f.add("beta", &beta, strictly_between(0, 1), "line search: factor of the step length from trial to trial");
   f.add("max_backtracks", &max_backtracks, between(0, 1000), "line search: trials before the direction is given up");
 }
 
 void describe_rescalings(int& rescalings, Fields& f) {
   f.add("rescalings", &rescalings, between(0, 2),
-        "where a method with escapes, or smooth, is stuck: runs from the start on the scaled problem, by J at the "
-        "best point, then at the start");
+        "runs from the start on the scaled problem, when smooth or a method with escapes is stuck: scaled by J at the "
+        "best point, then by J at the start");
 }
 
 }  // namespace perp::ncp

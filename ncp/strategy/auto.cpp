@@ -152,7 +152,7 @@ void automatic(Run& run, In x0, const Auto& method) {
 
 void describe(Auto& m, Fields& f) {
   f.add("auto_large", &m.large, at_least(0),
-        "auto: from more variables on it takes iterative linear algebra and interior points first");
+        "auto: with more variables than this, it takes iterative linear algebra and interior points early");
   describe(m.path, f);
   Fields semismooth;  // its keys would be path's
   describe(m.semismooth, semismooth);
