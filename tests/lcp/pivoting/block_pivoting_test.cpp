@@ -77,8 +77,8 @@ TEST(BlockPivoting, ObstacleProblem) {
 }
 
 // -Laplace u + (100, 50) . grad u on N x N points by upwind differences, times h^2, with a source that changes its sign
-// four times: M is an M-matrix and not symmetric. The coincidence set alone moves by some mesh widths a round (26 rounds
-// at N = 100, 74 at N = 316). With places from coarser problems the rounds do not grow with N, whatever the box.
+// four times: M is an M-matrix and not symmetric. The coincidence set alone moves by some mesh widths a round (26
+// rounds at N = 100, 74 at N = 316). With places from coarser problems the rounds do not grow with N, whatever the box.
 TEST(BlockPivoting, RoundsDoNotGrowWithTheMesh) {
   for (const int N : {60, 150}) {
     const double h = 1.0 / (N + 1);
