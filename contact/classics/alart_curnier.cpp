@@ -44,8 +44,8 @@ NewtonRows alart_curnier_rows(int size, const Eigen::Vector3d& r, const Eigen::V
   return out;
 }
 
-AlartCurnier::AlartCurnier(const Scaled& problem, std::shared_ptr<lcp::SparseLu> lu)
-    : problem_(problem), rho_(problem), K_(problem.W), lu_(std::move(lu)) {}
+AlartCurnier::AlartCurnier(const Scaled& problem, ContactSystem& system)
+    : problem_(problem), rho_(problem), system_(system) {}
 
 bool AlartCurnier::step(In r, In centre, double alpha, Vec& to) {
   const Vec u = problem_.W * r + problem_.q + alpha * (r - centre);
@@ -53,12 +53,11 @@ bool AlartCurnier::step(In r, In centre, double alpha, Vec& to) {
     const auto i = static_cast<Index>(a);
     return alart_curnier_rows(problem_.blocks[a].size, r_a, u_a, rho_.N[i], rho_.T[i]);
   };
-  const NewtonSystem system = newton_system(problem_, rows_of, r, u);
-  newton_matrix(problem_, system.rows, alpha, K_);
-  ++factorizations_;
-  if (!lu_->try_factor(K_)) return false;
-  Vec d(r.size());
-  lu_->solve(system.c, d);
+  NewtonSystem newton = newton_system(problem_, rows_of, r, u);
+  for (ContactRows& rows : newton.rows) rows.A += alpha * rows.B;
+  if (!system_.factor(newton.rows)) return false;
+  Vec d;
+  system_.solve(newton.c, d);
   if (!d.allFinite()) return false;
   to = r + d;
   return true;

@@ -7,11 +7,9 @@
 /// Moreau). alpha > 0 makes it the proximal problem of `centre`: regular where W is not.
 ///
 /// Fast near a solution and without a guarantee elsewhere: the last digits of a homotopy.
-#include <memory>
-
 #include "contact/classics/newton.hpp"
+#include "contact/model/contact_system.hpp"
 #include "contact/model/scaling.hpp"
-#include "lcp/lu/sparse_lu.hpp"
 
 namespace perp::contact {
 
@@ -27,21 +25,16 @@ NewtonRows alart_curnier_rows(int size, const Eigen::Vector3d& r, const Eigen::V
 
 class AlartCurnier {
  public:
-  /// `lu`: whose factors are overwritten each step; may serve others with the pattern of W, whose symbolic analysis it
-  /// then shares.
-  explicit AlartCurnier(const Scaled& problem, std::shared_ptr<lcp::SparseLu> lu = std::make_shared<lcp::SparseLu>());
+  /// Both outlive *this. The factors of `system`, which is the problem's, are overwritten each step.
+  AlartCurnier(const Scaled& problem, ContactSystem& system);
 
   /// r + dr, the full Newton step from r; false if the matrix is singular or dr not finite.
   bool step(In r, In centre, double alpha, Vec& to);
 
-  int factorizations() const { return factorizations_; }
-
  private:
   const Scaled& problem_;
   NewtonWeights rho_;
-  SpMat K_;
-  std::shared_ptr<lcp::SparseLu> lu_;
-  int factorizations_ = 0;
+  ContactSystem& system_;
 };
 
 }  // namespace perp::contact

@@ -42,7 +42,7 @@ class NewtonRun {
   bool direction(const NewtonSystem& system) {
     d_.resize(system.c.size());
     for (const double alpha : newton_alphas) {
-      newton_matrix(problem_, system.rows, alpha, K_);
+      contact_matrix(problem_, system.rows, alpha, K_);
       ++trial_.effort.factorizations;
       alpha_ = alpha;
       if (trial_.over()) return false;
@@ -111,36 +111,14 @@ NewtonWeights::NewtonWeights(const Scaled& problem)
 }
 
 NewtonSystem newton_system(const Scaled& problem, const RowsOf& rows_of, In r, In u) {
-  NewtonSystem system{.rows = std::vector<NewtonRows>(problem.blocks.size()), .c = Vec(r.size())};
+  NewtonSystem system{.rows = std::vector<ContactRows>(problem.blocks.size()), .c = Vec(r.size())};
   for (std::size_t a = 0; a < system.rows.size(); ++a) {
     const Scaled::Block& block = problem.blocks[a];
-    system.rows[a] = rows_of(a, block.of(r), block.of(u));
-    system.c.segment(block.first, block.size) = system.rows[a].c.head(block.size);
+    const NewtonRows rows = rows_of(a, block.of(r), block.of(u));
+    system.rows[a] = rows;
+    system.c.segment(block.first, block.size) = rows.c.head(block.size);
   }
   return system;
-}
-
-/// W has whole blocks only on the diagonal: elsewhere the rows of a contact may be in a column in part, which couples
-/// through B's off-diagonal entries.
-void newton_matrix(const Scaled& problem, const std::vector<NewtonRows>& rows, double alpha, SpMat& K) {
-  std::vector<int> owner;
-  for (std::size_t a = 0; a < problem.blocks.size(); ++a)
-    owner.insert(owner.end(), at(problem.blocks[a].size), static_cast<int>(a));
-  for (Index j = 0; j < K.cols(); ++j) {
-    SpMat::InnerIterator w(problem.W, j);
-    SpMat::InnerIterator k(K, j);
-    while (w) {
-      const int a = owner[at(w.row())];
-      const Scaled::Block& block = problem.blocks[at(a)];
-      Eigen::Vector3d column = Eigen::Vector3d::Zero();
-      for (; w && owner[at(w.row())] == a; ++w) column[w.row() - block.first] = w.value();
-      const bool own = owner[at(j)] == a;
-      if (own) column[j - block.first] += alpha;
-      Eigen::Vector3d value = rows[at(a)].B * column;
-      if (own) value += rows[at(a)].A.col(j - block.first);
-      for (; k && owner[at(k.row())] == a; ++k) k.valueRef() = value[k.row() - block.first];
-    }
-  }
 }
 
 void newton(Trial& trial, const Scaled& problem, const NewtonOptions& options, const RowsOf& rows_of, Vec r) {

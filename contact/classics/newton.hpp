@@ -7,6 +7,7 @@
 #include <functional>
 #include <vector>
 
+#include "contact/model/contact_system.hpp"
 #include "contact/model/scaling.hpp"
 #include "lcp/fields.hpp"
 
@@ -16,9 +17,7 @@ class Trial;
 
 /// The rows of one contact of 1, 2 or 3 entries at (r, u): A dr + B du = c for the step to the equation's zero, c =
 /// -Phi.
-struct NewtonRows {
-  Eigen::Matrix3d A = Eigen::Matrix3d::Zero();
-  Eigen::Matrix3d B = Eigen::Matrix3d::Zero();
+struct NewtonRows : ContactRows {
   Eigen::Vector3d c = Eigen::Vector3d::Zero();
 };
 /// The rows of contact a.
@@ -26,14 +25,11 @@ using RowsOf = std::function<NewtonRows(std::size_t a, const Eigen::Vector3d& r,
 
 /// The equation at r, with u = W r + q.
 struct NewtonSystem {
-  std::vector<NewtonRows> rows;
+  std::vector<ContactRows> rows;
   Vec c;  ///< of all contacts: -Phi
   double merit() const { return c.squaredNorm() / 2; }
 };
 NewtonSystem newton_system(const Scaled& problem, const RowsOf& rows_of, In r, In u);
-
-/// K = A + B (W + alpha I), whose pattern is that of W.
-void newton_matrix(const Scaled& problem, const std::vector<NewtonRows>& rows, double alpha, SpMat& K);
 
 /// 1 / W_NN and 1 / mean(W_TT), one a contact.
 struct NewtonWeights {

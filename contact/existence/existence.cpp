@@ -11,6 +11,7 @@
 #include "contact/model/expansion.hpp"
 #include "contact/model/residual.hpp"
 #include "contact/model/scaling.hpp"
+#include "lcp/kernel_clock.hpp"
 #include "lcp/linalg/cholesky.hpp"
 #include "lcp/words.hpp"
 
@@ -71,14 +72,15 @@ std::optional<SpMat> unit_diagonal(const SpMat& W, double shift) {
   return S;
 }
 
-/// `shift` of existence.hpp, if W is symmetric and semidefinite up to it.
-std::optional<double> semidefinite_up_to(const SpMat& W) {
+/// `shift` of existence.hpp, if W is symmetric and semidefinite up to it. Throws lcp::KernelTooLong where the
+/// factorization would end after the deadline.
+std::optional<double> semidefinite_up_to(const SpMat& W, lcp::Deadline deadline = lcp::no_deadline) {
   if (!symmetric(W)) return std::nullopt;
   const auto m = static_cast<double>(W.rows());
   const double shift = 4 * (m + 8) * eps * m;
   const std::optional<SpMat> S = unit_diagonal(W, shift);
   if (!S) return std::nullopt;
-  lcp::Cholesky factor;
+  lcp::Cholesky factor(deadline);
   if (S->rows() > 0 && !factor.try_factor(*S)) return std::nullopt;
   return shift;
 }
@@ -114,8 +116,13 @@ double margin(const Problem& problem, In r, double shift) {
 
 class WitnessSearch {
  public:
-  WitnessSearch(const Problem& problem, const SearchLimits& limits, double shift)
-      : problem_(problem), limits_(limits), shift_(shift), scaled_(scaled(problem)) {}
+  WitnessSearch(const Problem& problem, const SearchLimits& limits, lcp::Deadline deadline, double shift)
+      : problem_(problem),
+        limits_(limits),
+        deadline_(deadline),
+        shift_(shift),
+        scaled_(scaled(problem)),
+        factor_(deadline) {}
 
   std::optional<Witness> run() {
     if (problem_.contacts() == 0) return std::nullopt;
@@ -129,9 +136,7 @@ class WitnessSearch {
   }
 
  private:
-  bool over() const {
-    return Clock::now() - begin_ > limits_.max_time || (limits_.interrupt != nullptr && *limits_.interrupt);
-  }
+  bool over() const { return Clock::now() > deadline_ || (limits_.interrupt != nullptr && *limits_.interrupt); }
 
   bool shows(const Vec& r) {
     if (!r.allFinite()) return false;
@@ -190,8 +195,8 @@ class WitnessSearch {
 
   const Problem& problem_;
   SearchLimits limits_;
+  lcp::Deadline deadline_;
   double shift_;
-  Clock::time_point begin_ = Clock::now();
   Scaled scaled_;
   lcp::Cholesky factor_;
   std::optional<Witness> found_;
@@ -230,8 +235,13 @@ std::optional<Witness> examine_witness(const Problem& problem, In r) {
 
 std::optional<Witness> find_witness(const Problem& problem, const SearchLimits& limits) {
   check(problem);
-  const std::optional<double> shift = semidefinite_up_to(problem.W);
-  return shift ? WitnessSearch(problem, limits, *shift).run() : std::nullopt;
+  const lcp::Deadline deadline = lcp::deadline_after(limits.max_time);
+  try {
+    const std::optional<double> shift = semidefinite_up_to(problem.W, deadline);
+    return shift ? WitnessSearch(problem, limits, deadline, *shift).run() : std::nullopt;
+  } catch (const lcp::KernelTooLong&) {
+    return std::nullopt;
+  }
 }
 
 Verdict verdict_of(const Problem& problem, Infeasible proof) {

@@ -46,6 +46,21 @@ void fill(const SpMat& W, const std::vector<int>& place, const std::vector<doubl
   out.W.finalize();
 }
 
+/// W~ = (H diag(weight))' (s M)^-1 H diag(weight), in these columns of H.
+std::shared_ptr<const Scaled::Bodies> bodies_of(const Global& global, const std::vector<Index>& columns,
+                                                const std::vector<double>& weight, double s) {
+  auto bodies = std::make_shared<Scaled::Bodies>(Scaled::Bodies{.M = s * global.M, .H = {}});
+  bodies->M.makeCompressed();
+  std::vector<Eigen::Triplet<double>> entries;
+  entries.reserve(at(global.H.nonZeros()));
+  for (std::size_t k = 0; k < columns.size(); ++k)
+    for (SpMat::InnerIterator it(global.H, columns[k]); it; ++it)
+      entries.emplace_back(static_cast<int>(it.row()), static_cast<int>(k), weight[k] * it.value());
+  bodies->H.resize(global.H.rows(), static_cast<Index>(columns.size()));
+  bodies->H.setFromTriplets(entries.begin(), entries.end());
+  return bodies;
+}
+
 }  // namespace
 
 Vec Scaled::expand(In r) const {
@@ -84,6 +99,8 @@ Scaled scaled(const Problem& problem, bool scale) {
     out.impulse[k] = units.impulse * weight[at(k)];
   }
   fill(problem.W, place, weight, units.W, out);
+  if (problem.global && problem.global->G.cols() == 0 && problem.global->H.cols() == d * n)
+    out.bodies = bodies_of(*problem.global, out.rows, weight, units.W);
   return out;
 }
 

@@ -68,11 +68,8 @@ class Settling {
 
 }  // namespace
 
-ConeHomotopy::ConeHomotopy(Referee& referee, const Scaled& problem, AlartCurnier& newton,
-                           std::shared_ptr<lcp::SparseLu> lu)
-    : referee_(referee), problem_(problem), newton_(newton), path_(problem, std::move(lu)), early_(path_.point()) {}
-
-ConeHomotopy::~ConeHomotopy() { referee_.stats().factorizations += path_.factorizations(); }
+ConeHomotopy::ConeHomotopy(Referee& referee, const Scaled& problem, AlartCurnier& newton, ContactSystem& system)
+    : referee_(referee), problem_(problem), newton_(newton), path_(problem, system), early_(path_.point()) {}
 
 bool ConeHomotopy::run() {
   if (associated()) return true;

@@ -6,7 +6,6 @@
 /// one's points, with Anderson's mixing of two, and coupled from a late point of each. Newton steps on Alart &
 /// Curnier's equation are tried from the points for the last digits. Cadoux, Acary & Lemarechal
 /// (contact/classics/classics.hpp); Anderson, J. ACM 12 (1965) 547. Private to contact/.
-#include <memory>
 #include <utility>
 #include <vector>
 
@@ -19,11 +18,8 @@ namespace perp::contact {
 
 class ConeHomotopy {
  public:
-  /// All outlive *this; `lu` is that of `newton`.
-  ConeHomotopy(Referee& referee, const Scaled& problem, AlartCurnier& newton, std::shared_ptr<lcp::SparseLu> lu);
-  ~ConeHomotopy();
-  ConeHomotopy(const ConeHomotopy&) = delete;
-  ConeHomotopy& operator=(const ConeHomotopy&) = delete;
+  /// All outlive *this; `system` is that of `newton`.
+  ConeHomotopy(Referee& referee, const Scaled& problem, AlartCurnier& newton, ContactSystem& system);
 
   /// Whether the run is over.
   bool run();

@@ -17,7 +17,6 @@ using Vector = Eigen::Vector3d;
 constexpr double cone_start = 10;
 constexpr double cone_to_boundary = 0.99;
 constexpr double cone_least_centring = 1e-6;
-constexpr double cone_diagonal_term = 1e-14;
 
 /// x_N^2 - |x_T|^2: positive in the interior of K.
 double cone_det(const Vector& x) {
@@ -114,8 +113,7 @@ Vector ConePath::Contact::towards(double target, const Vector& dr, const Vector&
   return T_inverse * cone_quotient(lambda, right);
 }
 
-ConePath::ConePath(const Scaled& problem, std::shared_ptr<lcp::SparseLu> lu)
-    : problem_(problem), K_(problem), lu_(std::move(lu)) {
+ConePath::ConePath(const Scaled& problem, ContactSystem& system) : problem_(problem), system_(system) {
   Vec e = Vec::Zero(problem.size());
   for (const Scaled::Block& block : problem.blocks) {
     contacts_.emplace_back(Contact{block});
@@ -159,11 +157,21 @@ bool ConePath::assemble() {
     else
       c.uncouple();
   }
-  ++factorizations_;
-  return lu_->try_factor(K_.with(cone_diagonal_term, [this](std::size_t a) -> Eigen::Matrix3d {
-    const Contact& c = contacts_[a];
-    return c.C * (c.T_inverse * c.T_inverse) + c.G;
-  }));
+  if (coupled_) {
+    std::vector<ContactRows> rows(contacts_.size());
+    for (std::size_t a = 0; a < rows.size(); ++a) {
+      const Contact& c = contacts_[a];
+      rows[a] = {.A = c.C * (c.T_inverse * c.T_inverse) + c.G, .B = Eigen::Matrix3d::Identity()};
+    }
+    return system_.factor(rows);
+  }
+  std::vector<Eigen::Matrix3d> A(contacts_.size());
+  std::vector<Eigen::Matrix3d> inverse(contacts_.size());
+  for (std::size_t a = 0; a < A.size(); ++a) {
+    A[a] = contacts_[a].T_inverse * contacts_[a].T_inverse;
+    inverse[a] = contacts_[a].T * contacts_[a].T;
+  }
+  return system_.factor(A, inverse);
 }
 
 /// Newton's direction towards r o y = target e, with the second-order terms of `affine` if there is one.
@@ -179,7 +187,7 @@ ConePath::Direction ConePath::direction(double target, const Direction* affine) 
     rhs.segment(c.first, c.size) += (c.C * towards).head(c.size);
     rhs[c.first] -= openings_[static_cast<Index>(a)] + c.s;
   }
-  lu_->solve(rhs, d.r);
+  system_.solve(rhs, d.r);
   for (const Contact& c : contacts_)
     d.y.segment(c.first, c.size) -= (c.T_inverse * (c.T_inverse * c.of(d.r))).head(c.size);
   return d;

@@ -13,24 +13,21 @@
 ///
 /// Nesterov & Todd's scaling, a matrix T of each contact with T y = T^-1 r, leaves
 ///     (W + diag(C T^-2 + G)) dr = rhs,   C = 1 - e_N (ds/dy)',   G = e_N (ds/dr)',
-/// on the pattern of W; C = 1 and G = 0 where s is given. Predictor and corrector are those of
-/// ncp/methods/predictor_corrector.hpp.
-/// Acary, Armand, Nguyen & Shpakovych, Second-order cone programming for frictional contact mechanics using interior
-/// point algorithm, Optim. Methods Softw. 39 (2024) 634; Alizadeh & Goldfarb, Math. Program. 95 (2003) 3. Private to
-/// contact/.
-#include <memory>
+/// (contact/model/contact_system.hpp); C = 1 and G = 0 where s is given, symmetric and positive definite. Predictor and
+/// corrector are those of ncp/methods/predictor_corrector.hpp. Acary, Armand, Nguyen & Shpakovych, Second-order cone
+/// programming for frictional contact mechanics using interior point algorithm, Optim. Methods Softw. 39 (2024) 634;
+/// Alizadeh & Goldfarb, Math. Program. 95 (2003) 3. Private to contact/.
 #include <vector>
 
-#include "contact/model/diagonal_blocks.hpp"
+#include "contact/model/contact_system.hpp"
 #include "contact/model/scaling.hpp"
-#include "lcp/lu/sparse_lu.hpp"
 
 namespace perp::contact {
 
 class ConePath {
  public:
-  /// From r = y = 10 e, nothing opened. `problem` outlives *this; `lu` as for AlartCurnier.
-  ConePath(const Scaled& problem, std::shared_ptr<lcp::SparseLu> lu);
+  /// From r = y = 10 e, nothing opened. `problem` and `system` as for AlartCurnier.
+  ConePath(const Scaled& problem, ContactSystem& system);
   ~ConePath();
   ConePath(const ConePath&) = delete;
   ConePath& operator=(const ConePath&) = delete;
@@ -53,7 +50,6 @@ class ConePath {
   double last_step() const { return last_step_; }
   const Vec& openings() const { return openings_; }
   Vec slip() const;  ///< |y_T|, one a contact
-  int factorizations() const { return factorizations_; }
 
   struct Direction {
     Vec r;
@@ -74,11 +70,9 @@ class ConePath {
   Point at_{};
   Vec openings_;
   bool coupled_ = false;
-  DiagonalBlocks K_;
-  std::shared_ptr<lcp::SparseLu> lu_;
+  ContactSystem& system_;
   double tau_ = 0;
   double last_step_ = 1;
-  int factorizations_ = 0;
 };
 
 }  // namespace perp::contact

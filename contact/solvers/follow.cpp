@@ -72,7 +72,7 @@ bool Follower::direction(const Scaled& problem, const NewtonWeights& rho, In r, 
   };
   const NewtonSystem system = newton_system(problem, rows_of, r, u);
   SpMat K = problem.W;
-  newton_matrix(problem, system.rows, alpha, K);
+  contact_matrix(problem, system.rows, alpha, K);
   if (!factor(K)) return false;
   d.resize(r.size());
   lu_.solve(system.c, d);

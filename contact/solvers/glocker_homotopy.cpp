@@ -16,10 +16,6 @@
 namespace perp::contact {
 namespace {
 
-/// KLU up to so many rows of W and entries in each, the general LU beyond: factors of large piles are dense, KLU's
-/// loops are for sparse ones.
-constexpr Index klu_rows = 2000;
-constexpr Index klu_entries = 60;
 /// Sweeps are judged so many at a time, and ended unless r changes less by this factor than in the lot before.
 constexpr int sweeps_a_lot = 4;
 constexpr double sweeps_contract = 0.5;
@@ -71,15 +67,13 @@ constexpr double longest_extrapolation = 5;  // increments
 class Solver {
  public:
   Solver(Referee& referee, const Scaled& problem, const Auto& method)
-      : referee_(referee), problem_(problem), method_(method), options_(method.homotopy.options) {
-    if (options_.lu == lcp::LuBackend::Auto)
-      options_.lu = problem.size() <= klu_rows && problem.W.nonZeros() <= klu_entries * problem.size()
-                        ? lcp::LuBackend::Klu
-                        : lcp::LuBackend::General;
-    lu_ = std::make_shared<lcp::SparseLu>(options_.lu, referee.deadline());
-    newton_.emplace(problem, lu_);
-  }
-  ~Solver() { referee_.stats().factorizations += newton_->factorizations(); }
+      : referee_(referee),
+        problem_(problem),
+        method_(method),
+        options_(method.homotopy.options),
+        system_(problem, options_.lu, referee.deadline()),
+        newton_(problem, system_) {}
+  ~Solver() { referee_.stats().factorizations += system_.factorizations(); }
   Solver(const Solver&) = delete;
   Solver& operator=(const Solver&) = delete;
 
@@ -87,7 +81,7 @@ class Solver {
     if (start.size() > 0 ? warm(start) : sweep()) return;
     if (method_.cones && method_.polish) {
       if (attempt(options_, nullptr, 1, first_steps_of_homotopy)) return;
-      if (ConeHomotopy(referee_, problem_, *newton_, lu_).run()) return;
+      if (ConeHomotopy(referee_, problem_, newton_, system_).run()) return;
     }
     if (attempt(options_)) return;
     if ((method_.homotopy.other_settings || method_.proximal) && referee_.no_solution()) return;
@@ -112,8 +106,8 @@ class Solver {
   const Scaled& problem_;
   const Auto& method_;
   HomotopyOptions options_;
-  std::shared_ptr<lcp::SparseLu> lu_;  // all have the pattern of W: one analysis, and one set of factors in memory
-  std::optional<AlartCurnier> newton_;
+  ContactSystem system_;  // of all: one analysis, and one set of factors in memory
+  AlartCurnier newton_;
 };
 
 /// Newton steps from the last solution, then the homotopy from near it.
@@ -147,7 +141,7 @@ bool Solver::sweep() {
 /// has.
 bool Solver::attempt(const HomotopyOptions& options, const Vec* from, double tau, int most) {
   if (most == 0) ++referee_.stats().attempts;
-  Homotopy homotopy(problem_, options, lu_);
+  Homotopy homotopy(problem_, system_, options);
   if (from != nullptr) homotopy.start(*from, tau);
   double polish_at = method_.polish_at;
   std::size_t polished = 0;
@@ -175,11 +169,10 @@ bool Solver::attempt(const HomotopyOptions& options, const Vec* from, double tau
       over = polish(homotopy.r(), polish_alphas[polished++ % polish_alphas.size()]);
     }
   }
-  referee_.stats().factorizations += homotopy.factorizations();
   if (over || !method_.polish || most > 0) return over;
   const auto number = static_cast<std::size_t>(referee_.stats().attempts - 1);
   const NewtonSteps search = search_with(search_alphas[number % search_alphas.size()]);
-  return newton_steps(referee_, problem_, *newton_, std::move(best), search);
+  return newton_steps(referee_, problem_, newton_, std::move(best), search);
 }
 
 /// Newton steps on the equation of Alart & Curnier with the proximal term of the iterate itself.
@@ -188,7 +181,7 @@ bool Solver::polish(Vec r, double alpha) {
   int failures = 0;
   for (int k = 0; k < polish_steps && failures < polish_failures; ++k) {
     Vec to;
-    if (!newton_->step(r, r, alpha, to)) return false;
+    if (!newton_.step(r, r, alpha, to)) return false;
     r = std::move(to);
     ++referee_.stats().newton_steps;
     if (referee_.judge(r, {.by = Origin::Newton, .alpha = alpha})) return true;
@@ -237,7 +230,7 @@ bool Solver::newton_on(In centre, double alpha, Vec& r) {
     least = std::min(least, far);
     Vec to;
     ++referee_.stats().newton_steps;
-    if (!newton_->step(x, centre, alpha, to)) return false;
+    if (!newton_.step(x, centre, alpha, to)) return false;
     x = std::move(to);
   }
   return false;
@@ -248,7 +241,8 @@ bool Solver::homotopy_on(In centre, double alpha, Vec& r) {
   HomotopyOptions careful = options_;
   careful.least_centring = std::max(0.1, careful.least_centring);
   careful.to_boundary = inner_to_boundary;
-  Homotopy homotopy(proximal, careful, lu_);
+  ContactSystem system(proximal, system_);
+  Homotopy homotopy(proximal, system, careful);
   double least = lcp::infinity;
   for (int k = 0; k < inner_homotopy && least > 1e-9 && !referee_.over(); ++k) {
     const bool going = homotopy.step();
@@ -259,7 +253,7 @@ bool Solver::homotopy_on(In centre, double alpha, Vec& r) {
     }
     if (!going || (k > 15 && homotopy.last().step < 0.02)) break;
   }
-  referee_.stats().factorizations += homotopy.factorizations();
+  referee_.stats().factorizations += system.factorizations();
   return least <= inner_accept;
 }
 

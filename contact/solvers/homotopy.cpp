@@ -16,7 +16,6 @@ namespace {
 constexpr int neighbourhood_cuts = 6;
 constexpr double cut = 0.8;
 constexpr double least_delta = 1e-13;
-constexpr double diagonal_term = 1e-14;
 /// Steps below this are none; so many of them end the run.
 constexpr double vanishing_step = 1e-7;
 constexpr int vanishing_steps = 3;
@@ -130,11 +129,8 @@ Homotopy::Pairs Homotopy::Contact::recover(const Eigen::Vector3d& dr) const {
   return d;
 }
 
-Homotopy::Homotopy(const Scaled& problem, const HomotopyOptions& options, std::shared_ptr<lcp::SparseLu> lu)
-    : problem_(problem),
-      options_(options),
-      K_(problem),
-      lu_(lu != nullptr ? std::move(lu) : std::make_shared<lcp::SparseLu>(options.lu)) {
+Homotopy::Homotopy(const Scaled& problem, ContactSystem& system, const HomotopyOptions& options)
+    : problem_(problem), options_(options), system_(system) {
   r_ = Vec::Zero(problem.size());
   for (const Scaled::Block& block : problem.blocks) {
     Contact& c = contacts_.emplace_back(Contact{block});
@@ -216,8 +212,9 @@ double Homotopy::mean() const {
 /// K = W + the blocks that the eliminated multipliers leave, and its factors.
 bool Homotopy::assemble() {
   for (Contact& c : contacts_) c.evaluate(delta_, eps_);
-  ++factorizations_;
-  return lu_->try_factor(K_.with(diagonal_term, [this](std::size_t a) { return contacts_[a].block(); }));
+  std::vector<ContactRows> rows(contacts_.size());
+  for (std::size_t a = 0; a < rows.size(); ++a) rows[a] = {.A = contacts_[a].block(), .B = Eigen::Matrix3d::Identity()};
+  return system_.factor(rows);
 }
 
 /// Newton's direction towards products `target`, with the second-order terms of `affine` if there is one.
@@ -228,7 +225,7 @@ Homotopy::Direction Homotopy::direction(double target, const Direction* affine) 
     Contact& c = contacts_[a];
     rhs.segment(c.first, c.size) = c.rhs(target, affine != nullptr ? &affine->of[a] : nullptr).head(c.size);
   }
-  lu_->solve(rhs, d.r);
+  system_.solve(rhs, d.r);
   for (std::size_t a = 0; a < contacts_.size(); ++a) {
     const Contact& c = contacts_[a];
     d.of[a] = c.recover(c.of(d.r));

@@ -9,15 +9,13 @@
 ///     sigma_i = r_N - e_i.r_T + eps kappa_i = w_i,   sigma_D = g - |r_T|^2 / g = w_D,
 ///     r_N w_N = kappa_i w_i = kappa_D w_D = tau -> 0,   g = (r_N + sqrt(r_N^2 + 4 delta^2)) / 2,
 /// delta = delta_share tau and eps = eps_share tau. In a Newton step kappa and w belong to their contact alone; they
-/// are eliminated (Schur complement), and what is left is a system of the size and, but for its diagonal blocks, the
-/// entries of W:
+/// are eliminated (Schur complement), and what is left is a system of contact/model/contact_system.hpp:
 ///     (W + diag(B_a)) dr = rhs.
 /// Predictor and corrector are those of ncp/methods/predictor_corrector.hpp, step lengths as in
 /// ncp/methods/interior_point.hpp, without any search on the residual.
-#include <memory>
 #include <vector>
 
-#include "contact/model/diagonal_blocks.hpp"
+#include "contact/model/contact_system.hpp"
 #include "contact/model/scaling.hpp"
 #include "lcp/lu/sparse_lu.hpp"
 
@@ -29,7 +27,7 @@ struct HomotopyOptions {
   double least_centring = 1e-4;              ///< sigma at least
   double to_boundary = 0.9;                  ///< share of the way to the boundary
   double neighbourhood = 1e-4;               ///< least product over the mean
-  lcp::LuBackend lu = lcp::LuBackend::Auto;  ///< contact::solve: by the entries of W
+  lcp::LuBackend lu = lcp::LuBackend::Auto;  ///< by the entries of the matrix
 };
 
 struct HomotopyIteration {
@@ -42,10 +40,8 @@ struct HomotopyIteration {
 /// The run, step by step: the caller judges r after each.
 class Homotopy {
  public:
-  /// From r_N = 1, r_T = 0, kappa = 1. `problem` outlives *this. `lu` as for AlartCurnier; none: one of its own, as
-  /// the options have it.
-  explicit Homotopy(const Scaled& problem, const HomotopyOptions& options = {},
-                    std::shared_ptr<lcp::SparseLu> lu = nullptr);
+  /// From r_N = 1, r_T = 0, kappa = 1. `problem` and `system` as for AlartCurnier.
+  Homotopy(const Scaled& problem, ContactSystem& system, const HomotopyOptions& options = {});
   ~Homotopy();
   Homotopy(const Homotopy&) = delete;
   Homotopy& operator=(const Homotopy&) = delete;
@@ -58,7 +54,6 @@ class Homotopy {
   const Vec& r() const { return r_; }
   const Vec& u() const { return u_; }  ///< W~ r~ + q~
   const HomotopyIteration& last() const { return last_; }
-  int factorizations() const { return factorizations_; }
 
   struct Direction;
   // Of ncp::predictor_corrector().
@@ -86,11 +81,9 @@ class Homotopy {
   Vec r_, u_;
   std::vector<Contact> contacts_;
   Index products_ = 0;
-  DiagonalBlocks K_;
-  std::shared_ptr<lcp::SparseLu> lu_;
+  ContactSystem& system_;
   HomotopyIteration last_;
   double last_step_ = 1;
-  int factorizations_ = 0;
   int short_steps_ = 0;
 };
 

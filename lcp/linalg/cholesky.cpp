@@ -6,6 +6,7 @@
 #include <memory>
 #include <new>
 #include <stdexcept>
+#include <vector>
 
 #include "lcp/linalg/cholesky_library.hpp"
 #include "lcp/words.hpp"
@@ -34,8 +35,11 @@ struct Cholesky::Impl {
   double rcond = 0;
   double nonzeros = 0;
   KernelClock clock;
+  std::vector<int> columns, rows;  // the pattern that `library` has analysed; empty: none
+  int analyses = 0;
 
   void clear();
+  CholeskyStatus analyze(const SpMat& A);
   CholeskyStatus factor(const SpMat& A, double entries);
 };
 
@@ -43,6 +47,23 @@ void Cholesky::Impl::clear() {
   failed_column = -1;
   direction.resize(0);
   rcond = nonzeros = 0;
+}
+
+/// Pre: not empty, with an entry.
+CholeskyStatus Cholesky::Impl::analyze(const SpMat& A) {
+  const int* starts = A.outerIndexPtr();
+  const int* indices = A.innerIndexPtr();
+  const auto entries = static_cast<std::size_t>(A.nonZeros());
+  if (columns.size() == static_cast<std::size_t>(A.cols()) + 1 && rows.size() == entries &&
+      std::equal(columns.begin(), columns.end(), starts) && std::equal(rows.begin(), rows.end(), indices))
+    return CholeskyStatus::Ok;
+  columns.clear();
+  ++analyses;
+  const CholeskyStatus answer = library->analyze(A);
+  if (answer != CholeskyStatus::Ok) return answer;
+  rows.assign(indices, indices + entries);
+  columns.assign(starts, starts + A.cols() + 1);
+  return answer;
 }
 
 CholeskyStatus Cholesky::Impl::factor(const SpMat& A, double entries) {
@@ -60,7 +81,7 @@ CholeskyStatus Cholesky::Impl::factor(const SpMat& A, double entries) {
     direction = Vec::Unit(n, 0);
     return CholeskyStatus::NotPositiveDefinite;
   }
-  const CholeskyStatus analysed = library->analyze(A);
+  const CholeskyStatus analysed = analyze(A);
   if (analysed != CholeskyStatus::Ok) return analysed;
   nonzeros = library->entries();
   if (nonzeros > entries) return CholeskyStatus::OutOfMemory;
@@ -71,6 +92,7 @@ CholeskyStatus Cholesky::Impl::factor(const SpMat& A, double entries) {
   if (answer == CholeskyStatus::NotPositiveDefinite) {
     failed_column = library->failed_column();
     direction = library->witness(A);
+    columns.clear();  // witness() leaves nothing to go on with
   }
   if (answer != CholeskyStatus::Ok) return answer;
   rcond = library->rcond();
@@ -100,6 +122,21 @@ CholeskyStatus Cholesky::factor(const SpMat& A, double entries) {
   }
   return impl_->status;
 }
+
+CholeskyStatus Cholesky::analyze(const SpMat& A) {
+  if (A.rows() != A.cols() || !A.isCompressed())
+    throw std::invalid_argument(text_of("Cholesky: the matrix is ", A.rows(), " x ", A.cols(),
+                                        A.isCompressed() ? ", not square" : ", and not compressed"));
+  impl_->status = CholeskyStatus::NotPositiveDefinite;
+  try {
+    return A.nonZeros() == 0 ? CholeskyStatus::Ok : impl_->analyze(A);
+  } catch (const std::bad_alloc&) {
+    return CholeskyStatus::OutOfMemory;
+  }
+}
+
+double Cholesky::flops() const { return impl_->columns.empty() ? 0 : impl_->library->flops(); }
+int Cholesky::analyses() const { return impl_->analyses; }
 
 bool Cholesky::try_factor(const SpMat& A) {
   if (factor(A) == CholeskyStatus::OutOfMemory) throw std::bad_alloc();

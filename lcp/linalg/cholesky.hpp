@@ -3,6 +3,7 @@
 /// Sparse Cholesky factorization of one symmetric positive definite matrix, P A P' = L L', over CHOLMOD: the only place
 /// where it appears. Ordering by CHOLMOD's defaults (AMD, METIS where AMD's fill is large), supernodal where that pays.
 /// A build with PERP_GPL=OFF (lcp/gpl.hpp) orders by AMD and computes L itself, row by row.
+/// The symbolic analysis and the memory of L are kept while the pattern of A, above the diagonal too, is unchanged.
 /// Reference: Chen, Davis, Hager & Rajamanickam, ACM TOMS 35 (2008) 22.
 #include <memory>
 #include <string_view>
@@ -28,8 +29,8 @@ class Cholesky {
   Cholesky& operator=(Cholesky&&) noexcept;
 
   /// Factors the symmetric matrix whose lower triangle is A's; what A holds above its diagonal is not read. A is not
-  /// kept: it may change or die afterwards. Answers OutOfMemory before the factorization if L would have more than
-  /// `entries` entries. Throws std::invalid_argument if A is not square.
+  /// kept but for its pattern: it may change or die afterwards. Answers OutOfMemory before the factorization if L would
+  /// have more than `entries` entries. Throws std::invalid_argument if A is not square.
   ///
   /// Rounding decides about matrices that are nearly singular: Ok says that A is within n eps ||A|| of a positive
   /// definite matrix, NotPositiveDefinite that it is within that of one that is not (Higham, Accuracy and Stability of
@@ -38,6 +39,11 @@ class Cholesky {
   [[nodiscard]] CholeskyStatus factor(const SpMat& A, double entries = infinity);
   /// factor(): true if Ok, false if A is not positive definite. Throws std::bad_alloc if OutOfMemory.
   [[nodiscard]] bool try_factor(const SpMat& A);
+
+  /// The analysis alone: what factor() of a matrix with this pattern will take. Throws as factor() does.
+  [[nodiscard]] CholeskyStatus analyze(const SpMat& A);
+  double flops() const;  ///< of the last analysis: the sum of squares of the entries in each column of L
+  int analyses() const;  ///< made since construction: one a pattern
 
   /// A x = b with the last factor(); pre: that was Ok, else std::logic_error. b and x have n entries. Throws
   /// std::bad_alloc where there is no memory. Solves with one factor may run in two threads.

@@ -94,10 +94,12 @@ class Cholmod final : public CholeskyLibrary {
       const std::lock_guard alone(metis_lock());
       L_ = cholmod_analyze(&lower, common_.get());
     }
+    entries_ = common_.entries();
+    flops_ = common_.flops();
     return L_ && common_.status() >= CHOLMOD_OK ? CholeskyStatus::Ok : failure_of(common_.status());
   }
-  double entries() const override { return common_.entries(); }
-  double flops() const override { return common_.flops(); }
+  double entries() const override { return entries_; }
+  double flops() const override { return flops_; }
 
   CholeskyStatus factor(const SpMat& A) override {
     cholmod_sparse lower = lower_triangle(A);
@@ -132,6 +134,8 @@ class Cholmod final : public CholeskyLibrary {
 
   Common common_;
   cholmod_factor* L_ = nullptr;
+  double entries_ = 0;
+  double flops_ = 0;
 };
 
 /// With k the failed pivot and B the leading k x k block of P A P' = (B b; b' beta): d = P'(-B^-1 b, 1, 0) has

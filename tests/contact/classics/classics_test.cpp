@@ -80,7 +80,7 @@ TEST(Classics, NewtonRowsAreDerivatives) {
       };
       for (const auto& [name, rows] : equations) {
         SpMat K = s.W;
-        newton_matrix(s, newton_system(s, rows, r, s.W * r + s.q).rows, 0, K);
+        contact_matrix(s, newton_system(s, rows, r, s.W * r + s.q).rows, 0, K);
         constexpr double h = 1e-7;
         const Vec slope = (phi(rows, h) - phi(rows, -h)) / (2 * h);
         EXPECT_LE((K * d - slope).norm(), 1e-5 * (1 + slope.norm())) << name << ' ' << dimension << "D, " << k;

@@ -43,7 +43,8 @@ TEST(ConePath, SolvesTheConeProblem) {
       Problem problem = solvable_problem(dimension, 6, 24, random, 0.2);
       if (k == 0) problem.mu.head(2).setZero();
       const Scaled coordinates = scaled(problem);
-      ConePath path(coordinates, std::make_shared<lcp::SparseLu>());
+      ContactSystem system(coordinates);
+      ConePath path(coordinates, system);
       Vec openings(problem.contacts());
       for (Index a = 0; a < openings.size(); ++a) openings[a] = 0.1 * static_cast<double>((a + k) % 3);
       path.open(ConePath::Point(path.point()), openings);
@@ -65,7 +66,8 @@ TEST(ConePath, SolvesTheConeProblem) {
 TEST(ConePath, CoupledIsCoulombsLaw) {
   const Problem problem = test::one_contact(support::vec({-1, 2, 0}), 0.4);
   const Scaled coordinates = scaled(problem);
-  ConePath path(coordinates, std::make_shared<lcp::SparseLu>());
+  ContactSystem system(coordinates);
+  ConePath path(coordinates, system);
   path.couple(ConePath::Point(path.point()));
   follow(path, 1e-13);
   EXPECT_LE(residual(problem, coordinates.expand(path.r())).largest(), 1e-8);
@@ -77,7 +79,8 @@ TEST(ConePath, CoupledResidualFallsWithTheStep) {
   Random random(8);
   const Problem problem = solvable_problem(3, 5, 12, random, 0.2);
   const Scaled coordinates = scaled(problem);
-  ConePath path(coordinates, std::make_shared<lcp::SparseLu>());
+  ContactSystem system(coordinates);
+  ConePath path(coordinates, system);
   for (int k = 0; k < 3; ++k) ASSERT_TRUE(path.step());
   const auto error = [&](const ConePath::Point& at) {
     Vec e = at.y - coordinates.W * at.r - coordinates.q;

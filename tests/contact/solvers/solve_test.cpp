@@ -52,7 +52,8 @@ TEST(Homotopy, IsTheUnreducedInteriorPoint) {
       const Problem problem = solvable_problem(dimension, 4, 14, random, 0.25);
       const Scaled coordinates = scaled(problem);
       const ncp::InteriorPoint defaults;
-      Homotopy reduced(coordinates, {.to_boundary = defaults.to_boundary});
+      ContactSystem system(coordinates);
+      Homotopy reduced(coordinates, system, {.to_boundary = defaults.to_boundary});
       std::vector<Vec> iterates;
       for (int step = 0; step < 5; ++step) {
         ASSERT_TRUE(reduced.step());
@@ -259,7 +260,8 @@ TEST(AlartCurnier, ConvergesQuadratically) {
     const Problem problem = solvable_problem(3, 6, 30, random);
     const Scaled coordinates = scaled(problem);
     const Result result = expect_solved(problem, {.tol = 1e-12});
-    AlartCurnier newton(coordinates);
+    ContactSystem system(coordinates);
+    AlartCurnier newton(coordinates, system);
     Vec r = coordinates.reduce(result.solution.r);
     r += 1e-3 * r.norm() * random.normals(r.size());
     double before = natural_map(coordinates, r);

@@ -125,6 +125,36 @@ TEST(Cholesky, IsUsedAgain) {
   EXPECT_THROW((void)moved.factor(SpMat(2, 3)), std::invalid_argument);
 }
 
+// One analysis serves all matrices of a pattern, also after one of them was not positive definite, simplicial and
+// supernodal; another pattern has its own. Catches factors computed in the place of an older analysis.
+TEST(Cholesky, KeepsTheAnalysisOfAPattern) {
+  for (const int m : {5, 60}) {
+    const SpMat A = five_point(m, 4);
+    const Vec b = Vec::LinSpaced(A.rows(), -1, 2);
+    Vec x(b.size());
+    Cholesky factor;
+    ASSERT_EQ(factor.analyze(A), CholeskyStatus::Ok);
+    EXPECT_GT(factor.flops(), static_cast<double>(A.rows()));
+    for (const double scale : {1.0, 3.0, 0.5}) {
+      ASSERT_EQ(factor.factor(SpMat(scale * A)), CholeskyStatus::Ok);
+      factor.solve(b, x);
+      EXPECT_LE((scale * (A * x) - b).norm(), 1e-10 * b.norm());
+    }
+    EXPECT_EQ(factor.analyses(), 1);
+    EXPECT_EQ(factor.factor(SpMat(-A)), CholeskyStatus::NotPositiveDefinite);
+    ASSERT_EQ(factor.factor(A), CholeskyStatus::Ok);
+    factor.solve(b, x);
+    EXPECT_LE((A * x - b).norm(), 1e-10 * b.norm());
+    SpMat I(A.rows(), A.rows());
+    I.setIdentity();
+    const int before = factor.analyses();
+    ASSERT_EQ(factor.factor(I), CholeskyStatus::Ok);
+    EXPECT_EQ(factor.analyses(), before + 1);
+    factor.solve(b, x);
+    EXPECT_LE((x - b).norm(), 1e-14 * b.norm());
+  }
+}
+
 // A matrix that is not compressed has gaps in its arrays.
 TEST(Cholesky, FactorsUncompressed) {
   SpMat A(3, 3);

@@ -1,0 +1,291 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "contact/model/contact_system.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace perp::contact {
+namespace {
+
+using Block = Eigen::Matrix3d;
+
+/// By bodies only where that takes less than this part of the operations.
+constexpr double worth_it = 0.95;
+/// KLU up to so many rows and entries in each, the general LU beyond: factors of large piles are dense, KLU's loops are
+/// for sparse ones.
+constexpr Index system_klu_rows = 2000;
+constexpr Index system_klu_entries = 60;
+constexpr double system_diagonal_term = 1e-14;
+/// Refinement: at most so many steps, while a residual above `refined` (relative) falls by `refinement_gain`.
+constexpr int most_refinements = 4;
+constexpr double refined = 1e-13;
+constexpr double refinement_gain = 0.25;
+constexpr double symmetric_tol = 1e-13;
+
+bool is_symmetric(const SpMat& A) {
+  const SpMat transposed = A.transpose();
+  return transposed.nonZeros() == A.nonZeros() &&
+         std::equal(A.outerIndexPtr(), A.outerIndexPtr() + A.cols() + 1, transposed.outerIndexPtr()) &&
+         std::equal(A.innerIndexPtr(), A.innerIndexPtr() + A.nonZeros(), transposed.innerIndexPtr()) &&
+         std::equal(A.valuePtr(), A.valuePtr() + A.nonZeros(), transposed.valuePtr());
+}
+
+/// The place of (i, j) among the values of A.
+Index place_of(const SpMat& A, int i, int j) {
+  const int* begin = A.innerIndexPtr() + A.outerIndexPtr()[j];
+  const int* end = A.innerIndexPtr() + A.outerIndexPtr()[j + 1];
+  return std::lower_bound(begin, end, i) - A.innerIndexPtr();
+}
+
+/// Of a block whose rows may differ by many powers of ten.
+Block inverse_of(const Block& A, int size) {
+  Block whole = Block::Identity();
+  whole.topLeftCorner(size, size) = A.topLeftCorner(size, size);
+  Eigen::Vector3d scale = whole.cwiseAbs().rowwise().maxCoeff();
+  Block inverse = (scale.cwiseInverse().asDiagonal() * whole).partialPivLu().inverse();
+  return inverse * scale.cwiseInverse().asDiagonal();
+}
+
+}  // namespace
+
+/// W has whole blocks only on the diagonal: elsewhere the rows of a contact may be in a column in part, which couples
+/// through B's off-diagonal entries.
+void contact_matrix(const Scaled& problem, const std::vector<ContactRows>& rows, double alpha, SpMat& K) {
+  std::vector<int> owner;
+  for (std::size_t a = 0; a < problem.blocks.size(); ++a)
+    owner.insert(owner.end(), at(problem.blocks[a].size), static_cast<int>(a));
+  for (Index j = 0; j < K.cols(); ++j) {
+    SpMat::InnerIterator w(problem.W, j);
+    SpMat::InnerIterator k(K, j);
+    while (w) {
+      const int a = owner[at(w.row())];
+      const Scaled::Block& block = problem.blocks[at(a)];
+      Eigen::Vector3d column = Eigen::Vector3d::Zero();
+      for (; w && owner[at(w.row())] == a; ++w) column[w.row() - block.first] = w.value();
+      const bool own = owner[at(j)] == a;
+      if (own) column[j - block.first] += alpha;
+      Eigen::Vector3d value = rows[at(a)].B * column;
+      if (own) value += rows[at(a)].A.col(j - block.first);
+      for (; k && owner[at(k.row())] == a; ++k) k.valueRef() = value[k.row() - block.first];
+    }
+  }
+}
+
+/// M + H E H' on a pattern that is made once: where each contact's rows of H, k of them, meet each other in it.
+struct ContactSystem::Bodies {
+  struct Part {
+    int size = 3;
+    std::vector<int> rows;      // of H that the contact has entries in
+    Eigen::MatrixXd H;          // those rows, its columns
+    std::vector<Index> places;  // of the k x k entries among K's values, by columns
+  };
+  const SpMat& M;
+  std::vector<Part> parts;
+  SpMat K;
+  std::vector<double> inertia;  // M on the pattern of K
+
+  explicit Bodies(const Scaled& problem);
+  void assemble(const std::vector<Block>& E);
+};
+
+ContactSystem::Bodies::Bodies(const Scaled& problem) : M(problem.bodies->M) {
+  const SpMat& H = problem.bodies->H;
+  std::vector<Eigen::Triplet<double>> touched;  // rows of the contacts
+  for (const Scaled::Block& block : problem.blocks) {
+    Part& part = parts.emplace_back();
+    part.size = block.size;
+    for (int c = 0; c < block.size; ++c)
+      for (SpMat::InnerIterator it(H, block.first + c); it; ++it) part.rows.push_back(static_cast<int>(it.row()));
+    std::sort(part.rows.begin(), part.rows.end());
+    part.rows.erase(std::unique(part.rows.begin(), part.rows.end()), part.rows.end());
+    const auto k = static_cast<Index>(part.rows.size());
+    part.H = Eigen::MatrixXd::Zero(k, block.size);
+    for (int c = 0; c < block.size; ++c)
+      for (SpMat::InnerIterator it(H, block.first + c); it; ++it)
+        part.H(std::lower_bound(part.rows.begin(), part.rows.end(), it.row()) - part.rows.begin(), c) = it.value();
+    for (const int i : part.rows) touched.emplace_back(i, static_cast<int>(parts.size()) - 1, 1.0);
+  }
+  SpMat incidence(M.rows(), static_cast<Index>(parts.size()));
+  incidence.setFromTriplets(touched.begin(), touched.end());
+  SpMat pattern = M;
+  pattern.coeffs().setOnes();
+  K = pattern + SpMat(incidence * SpMat(incidence.transpose()));
+  K.makeCompressed();
+  for (Part& part : parts)
+    for (const int j : part.rows)
+      for (const int i : part.rows) part.places.push_back(place_of(K, i, j));
+  inertia.assign(at(K.nonZeros()), 0.0);
+  for (Index j = 0; j < M.cols(); ++j)
+    for (SpMat::InnerIterator it(M, j); it; ++it)
+      inertia[at(place_of(K, static_cast<int>(it.row()), static_cast<int>(j)))] = it.value();
+}
+
+void ContactSystem::Bodies::assemble(const std::vector<Block>& E) {
+  std::copy(inertia.begin(), inertia.end(), K.valuePtr());
+  Eigen::MatrixXd HE;
+  for (std::size_t a = 0; a < parts.size(); ++a) {
+    const Part& part = parts[a];
+    HE.noalias() = part.H * E[a].topLeftCorner(part.size, part.size);
+    const Index* place = part.places.data();
+    for (Index j = 0; j < HE.rows(); ++j)
+      for (Index i = 0; i < HE.rows(); ++i) K.valuePtr()[*place++] += HE.row(i).dot(part.H.row(j));
+  }
+}
+
+ContactSystem::ContactSystem(const Scaled& problem, lcp::LuBackend lu, lcp::Deadline deadline)
+    : problem_(problem),
+      cholesky_(std::make_shared<lcp::Cholesky>(deadline)),
+      backend_(lu),
+      deadline_(deadline),
+      symmetric_W_(is_symmetric(problem.W)) {}
+
+ContactSystem::ContactSystem(const Scaled& problem, const ContactSystem& shared)
+    : problem_(problem),
+      backend_(shared.backend_),
+      deadline_(shared.deadline_),
+      symmetric_W_(shared.symmetric_W_),
+      chosen_(true),
+      K_(problem.W) {
+  if (!shared.bodies_) {
+    lu_ = shared.lu_;
+    cholesky_ = shared.cholesky_;
+  }
+  if (!lu_) make_lu();
+  if (!cholesky_) cholesky_ = std::make_shared<lcp::Cholesky>(deadline_);
+}
+
+ContactSystem::~ContactSystem() = default;
+
+ContactSystem::Form ContactSystem::form() {
+  choose();
+  return bodies_ ? Form::Bodies : Form::Contacts;
+}
+
+/// Both patterns are analysed only where there are two.
+void ContactSystem::choose() {
+  if (std::exchange(chosen_, true)) return;
+  K_ = problem_.W;
+  if (symmetric_W_ && problem_.bodies && is_symmetric(problem_.bodies->M)) {
+    auto bodies = std::make_unique<Bodies>(problem_);
+    lcp::Cholesky of_bodies(deadline_);
+    if (of_bodies.analyze(bodies->K) == lcp::CholeskyStatus::Ok &&
+        (cholesky_->analyze(K_) != lcp::CholeskyStatus::Ok || of_bodies.flops() < worth_it * cholesky_->flops())) {
+      bodies_ = std::move(bodies);
+      *cholesky_ = std::move(of_bodies);
+      K_ = SpMat();
+    }
+  }
+  make_lu();
+}
+
+void ContactSystem::make_lu() {
+  const SpMat& K = bodies_ ? bodies_->K : K_;
+  lcp::LuBackend backend = backend_;
+  if (backend == lcp::LuBackend::Auto)
+    backend = K.rows() <= system_klu_rows && K.nonZeros() <= system_klu_entries * K.rows() ? lcp::LuBackend::Klu
+                                                                                           : lcp::LuBackend::General;
+  lu_ = std::make_shared<lcp::SparseLu>(backend, deadline_);
+}
+
+/// The factors of K.
+bool ContactSystem::take(const SpMat& K, bool definite) {
+  ++factorizations_;
+  by_cholesky_ = definite && cholesky_->try_factor(K);
+  return by_cholesky_ || lu_->try_factor(K);
+}
+
+bool ContactSystem::factor(const std::vector<ContactRows>& rows) {
+  choose();
+  rows_ = rows;
+  if (!bodies_) {
+    contact_matrix(problem_, rows_, system_diagonal_term, K_);
+    return take(K_, false);
+  }
+  A_inverse_.resize(rows_.size());
+  E_.resize(rows_.size());
+  bool symmetric = true;
+  for (std::size_t a = 0; a < rows_.size(); ++a) {
+    const int size = problem_.blocks[a].size;
+    A_inverse_[a] = inverse_of(rows_[a].A, size);
+    E_[a] = A_inverse_[a].topLeftCorner(3, size) * rows_[a].B.topLeftCorner(size, 3);
+    symmetric = symmetric && (E_[a] - E_[a].transpose()).cwiseAbs().maxCoeff() <=
+                                 symmetric_tol * E_[a].diagonal().cwiseAbs().maxCoeff();
+  }
+  bodies_->assemble(E_);
+  return take(bodies_->K, symmetric);
+}
+
+bool ContactSystem::factor(const std::vector<Block>& A, const std::vector<Block>& inverse) {
+  choose();
+  rows_.resize(A.size());
+  for (std::size_t a = 0; a < A.size(); ++a) rows_[a] = {.A = A[a], .B = Block::Identity()};
+  if (!bodies_) {
+    contact_matrix(problem_, rows_, system_diagonal_term, K_);
+    return take(K_, symmetric_W_);
+  }
+  A_inverse_ = inverse;
+  bodies_->assemble(inverse);
+  return take(bodies_->K, true);
+}
+
+void ContactSystem::back_solve(const Vec& b, Vec& x) const {
+  x.resize(b.size());
+  if (by_cholesky_)
+    cholesky_->solve(b, x);
+  else
+    lu_->solve(b, x);
+}
+
+/// out_a += blocks_a in_a.
+template <class Blocks>
+void ContactSystem::add_product(const Blocks& block, const Vec& in, Vec& out) const {
+  for (std::size_t a = 0; a < problem_.blocks.size(); ++a) {
+    const Scaled::Block& b = problem_.blocks[a];
+    out.segment(b.first, b.size) += block(a).topLeftCorner(b.size, b.size) * in.segment(b.first, b.size);
+  }
+}
+
+/// x = A^-1 (c - B H' v).
+void ContactSystem::solve_by_bodies(const Vec& c, Vec& x) const {
+  const SpMat& H = problem_.bodies->H;
+  const auto A_inverse = [this](std::size_t a) -> const Block& { return A_inverse_[a]; };
+  const auto minus_B = [this](std::size_t a) -> Block { return -rows_[a].B; };
+  Vec y = Vec::Zero(c.size());
+  add_product(A_inverse, c, y);
+  Vec v;
+  back_solve(H * y, v);
+  Vec rest = c;
+  add_product(minus_B, H.transpose() * v, rest);
+  x = Vec::Zero(c.size());
+  add_product(A_inverse, rest, x);
+}
+
+void ContactSystem::solve(In c, Vec& x) const {
+  if (!bodies_) return back_solve(c, x);
+  solve_by_bodies(c, x);
+  const auto A = [this](std::size_t a) -> const Block& { return rows_[a].A; };
+  const auto B = [this](std::size_t a) -> const Block& { return rows_[a].B; };
+  const auto residual = [&](const Vec& point) {
+    Vec product = Vec::Zero(c.size());
+    add_product(A, point, product);
+    add_product(B, problem_.W * point, product);
+    return Vec(c - product);
+  };
+  const double small = refined * c.lpNorm<Eigen::Infinity>();
+  Vec rest = residual(x);
+  double size = rest.lpNorm<Eigen::Infinity>();
+  Vec dx;
+  for (int k = 0; k < most_refinements && size > small; ++k) {
+    solve_by_bodies(rest, dx);
+    const Vec better = x + dx;
+    rest = residual(better);
+    const double now = rest.lpNorm<Eigen::Infinity>();
+    if (!(now < size)) return;
+    x = better;
+    if (now > refinement_gain * std::exchange(size, now)) return;
+  }
+}
+
+}  // namespace perp::contact

@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The systems of Newton steps, by contacts and by bodies.
+#include "contact/model/contact_system.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <vector>
+
+#include "contact/scenes/generators.hpp"
+#include "support/matrices.hpp"
+
+namespace perp::contact {
+namespace {
+
+using support::Dense;
+using support::Random;
+using Block = Eigen::Matrix3d;
+
+Block random_block(Random& random) { return Dense(random.normals(3, 3)); }
+
+/// Definite ones, and what is added to W for them to stay so.
+std::vector<Block> definite_blocks(const Scaled& problem, double scale, Random& random) {
+  std::vector<Block> blocks;
+  for (std::size_t a = 0; a < problem.blocks.size(); ++a) {
+    const Block X = random_block(random);
+    blocks.emplace_back(scale * (X * X.transpose() + 0.1 * Block::Identity()));
+  }
+  return blocks;
+}
+
+/// (A + B W) x - c.
+Vec residual_of(const Scaled& problem, const std::vector<ContactRows>& rows, const Vec& x, const Vec& c) {
+  const Vec Wx = problem.W * x;
+  Vec out = -c;
+  for (std::size_t a = 0; a < rows.size(); ++a) {
+    const Scaled::Block& b = problem.blocks[a];
+    out.segment(b.first, b.size) += rows[a].A.topLeftCorner(b.size, b.size) * x.segment(b.first, b.size) +
+                                    rows[a].B.topLeftCorner(b.size, b.size) * Wx.segment(b.first, b.size);
+  }
+  return out;
+}
+
+/// The same problem of which no parts are known.
+Scaled without_bodies(Scaled problem) {
+  problem.bodies = nullptr;
+  return problem;
+}
+
+std::vector<Scaled> scenes() {
+  std::vector<Scaled> all;
+  for (const char* name : {"wall", "spheres", "stack", "incline"}) {
+    Problem problem = make_scene(name, 60).problem();
+    problem.mu[0] = 0;  // one contact of one row
+    all.push_back(scaled(problem));
+  }
+  return all;
+}
+
+// W~ = H~' M~^-1 H~ entry by entry: catches a weight or a unit that only one of them has.
+TEST(ContactSystem, PartsMakeW) {
+  for (const Scaled& problem : scenes()) {
+    ASSERT_TRUE(problem.bodies);
+    const Dense H(problem.bodies->H);
+    const Dense W = H.transpose() * Dense(problem.bodies->M).ldlt().solve(H);
+    EXPECT_LE((W - Dense(problem.W)).cwiseAbs().maxCoeff(), 1e-12);
+  }
+}
+
+// Both forms give the x of (A + W) x = c for definite A of many sizes and for unsymmetric A, the first by Cholesky in
+// both. Dense LU is the judge. Catches entries of H E H' that miss their place, and lost digits where A is small.
+TEST(ContactSystem, BothFormsSolveTheSameSystem) {
+  Random random(1);
+  for (const Scaled& problem : scenes()) {
+    const Scaled alone = without_bodies(problem);
+    ContactSystem bodies(problem);
+    ContactSystem contacts(alone);
+    ASSERT_EQ(bodies.form(), ContactSystem::Form::Bodies);
+    ASSERT_EQ(contacts.form(), ContactSystem::Form::Contacts);
+    const Vec c = random.normals(problem.size());
+    Vec x;
+    for (const double scale : {1e3, 1.0, 1e-3, 1e-6}) {
+      const std::vector<Block> A = definite_blocks(problem, scale, random);
+      std::vector<Block> inverse;
+      std::vector<ContactRows> rows;
+      for (std::size_t a = 0; a < A.size(); ++a) {
+        const int size = problem.blocks[a].size;
+        Block& of = inverse.emplace_back(Block::Zero());
+        of.topLeftCorner(size, size) = Dense(A[a].topLeftCorner(size, size)).inverse();
+        rows.push_back({.A = A[a], .B = Block::Identity()});
+      }
+      for (ContactSystem* system : {&bodies, &contacts}) {
+        ASSERT_TRUE(system->factor(A, inverse));
+        EXPECT_TRUE(system->by_cholesky());
+        system->solve(c, x);
+        EXPECT_LE(residual_of(problem, rows, x, c).norm(), 1e-9 * (1 + x.norm()));
+      }
+      for (ContactRows& of : rows) of.A += 0.3 * scale * (random_block(random) - random_block(random));
+      for (ContactSystem* system : {&bodies, &contacts}) {
+        ASSERT_TRUE(system->factor(rows));
+        EXPECT_FALSE(system->by_cholesky());
+        system->solve(c, x);
+        EXPECT_LE(residual_of(problem, rows, x, c).norm(), 1e-8 * (1 + x.norm()));
+      }
+    }
+    EXPECT_EQ(bodies.factorizations(), 8);
+  }
+}
+
+// Newton's rows on Alart & Curnier's equation: contacts that stick (A = 1e-10, B = 1) and open ones (A = 1, B = 0), in
+// which neither A nor B has an inverse of its own size, then a slipping one besides. By bodies the first is symmetric.
+// Catches a division by B, and solutions that are not refined: E is 1e10.
+TEST(ContactSystem, RowsOfNewtonSteps) {
+  Random random(2);
+  for (const Scaled& problem : scenes()) {
+    ContactSystem bodies(problem);
+    std::vector<ContactRows> rows(problem.blocks.size());
+    for (std::size_t a = 0; a < rows.size(); ++a)
+      if (a % 7 == 3)
+        rows[a].A.setIdentity();
+      else
+        rows[a] = {.A = 1e-10 * Block::Identity(), .B = Block::Identity()};
+    const Vec v = random.normals(problem.bodies->M.rows());  // velocities that bodies can have
+    Vec c = problem.bodies->H.transpose() * v;
+    Vec x;
+    ASSERT_TRUE(bodies.factor(rows));
+    EXPECT_TRUE(bodies.by_cholesky());
+    bodies.solve(c, x);
+    EXPECT_LE(residual_of(problem, rows, x, c).lpNorm<Eigen::Infinity>(), 1e-9 * (1 + c.lpNorm<Eigen::Infinity>()));
+    ContactRows& slips = rows[1];
+    slips.A << 1e-10, 0, 0, -0.6, 0.36 + 0.1, 0.48, -0.8, 0.48, 0.64 + 0.1;
+    slips.B << 1, 0, 0, 0, 0.32, -0.24, 0, -0.24, 0.18;
+    ASSERT_TRUE(bodies.factor(rows));
+    EXPECT_FALSE(bodies.by_cholesky());
+    bodies.solve(c, x);
+    EXPECT_LE(residual_of(problem, rows, x, c).lpNorm<Eigen::Infinity>(), 1e-7 * (1 + c.lpNorm<Eigen::Infinity>()));
+  }
+}
+
+// The form is the one of fewer operations, whichever that is: walls have ten contacts a brick; links that hang on one
+// point each have six velocities for three impulses. Catches a choice the wrong way round.
+TEST(ContactSystem, TheFormIsChosenByOperations) {
+  int by_bodies = 0;
+  for (const Scene& scene : {make_scene(Wall{.courses = 4, .bricks = 5}), make_scene(Chain{.links = 60})}) {
+    const Scaled problem = scaled(scene.problem());
+    lcp::Cholesky contacts;
+    lcp::Cholesky bodies;
+    ASSERT_EQ(contacts.analyze(problem.W), lcp::CholeskyStatus::Ok);
+    SpMat touching(problem.bodies->M.rows(), static_cast<Index>(problem.blocks.size()));
+    for (std::size_t a = 0; a < problem.blocks.size(); ++a)
+      for (Index j = problem.blocks[a].first; j < problem.blocks[a].first + problem.blocks[a].size; ++j)
+        for (SpMat::InnerIterator it(problem.bodies->H, j); it; ++it)
+          touching.coeffRef(it.row(), static_cast<Index>(a)) = 1;
+    SpMat K = problem.bodies->M + SpMat(touching * SpMat(touching.transpose()));
+    K.makeCompressed();
+    ASSERT_EQ(bodies.analyze(K), lcp::CholeskyStatus::Ok);
+    ContactSystem system(problem);
+    EXPECT_EQ(system.form() == ContactSystem::Form::Bodies, bodies.flops() < contacts.flops()) << scene.name;
+    by_bodies += system.form() == ContactSystem::Form::Bodies ? 1 : 0;
+  }
+  EXPECT_EQ(by_bodies, 1);
+}
+
+// Where A is not definite, Cholesky's factorization fails and LU's takes its place.
+TEST(ContactSystem, IndefiniteBlocksAreFactoredByLu) {
+  for (const Scaled& problem : scenes()) {
+    const Scaled alone = without_bodies(problem);
+    const std::vector<Block> A(problem.blocks.size(), Block(-50 * Block::Identity()));
+    const std::vector<Block> inverse(problem.blocks.size(), Block(-0.02 * Block::Identity()));
+    const std::vector<ContactRows> rows(problem.blocks.size(), {.A = A[0], .B = Block::Identity()});
+    const Vec c = Vec::LinSpaced(problem.size(), -1, 1);
+    for (const Scaled* of : {&problem, &alone}) {
+      ContactSystem system(*of);
+      ASSERT_TRUE(system.factor(A, inverse));
+      Vec x;
+      system.solve(c, x);
+      EXPECT_LE(residual_of(problem, rows, x, c).norm(), 1e-10);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace perp::contact
