@@ -3,40 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <vector>
+
+#include "petsc/blocks.hpp"
 
 namespace perp::petsc {
 namespace {
-
-/// This rank's diagonal block by rows.
-class OwnBlock {
- public:
-  PetscErrorCode open(Mat A) {
-    PetscBool parallel = PETSC_FALSE;
-    PetscCall(PetscObjectBaseTypeCompare(reinterpret_cast<PetscObject>(A), MATMPIAIJ, &parallel));
-    block_ = A;
-    if (parallel) PetscCall(MatMPIAIJGetSeqAIJ(A, &block_, nullptr, nullptr));
-    PetscBool done = PETSC_FALSE;
-    PetscCall(MatGetRowIJ(block_, 0, PETSC_FALSE, PETSC_FALSE, &rows, &start, &column, &done));
-    PetscCheck(done, PETSC_COMM_SELF, PETSC_ERR_SUP, "perp: the rows of this type of matrix cannot be read");
-    PetscCall(MatSeqAIJGetArrayRead(block_, &value));
-    return ok;
-  }
-  PetscErrorCode close() {
-    PetscBool done = PETSC_FALSE;
-    PetscCall(MatSeqAIJRestoreArrayRead(block_, &value));
-    PetscCall(MatRestoreRowIJ(block_, 0, PETSC_FALSE, PETSC_FALSE, &rows, &start, &column, &done));
-    return ok;
-  }
-
-  PetscInt rows = 0;
-  const PetscInt* start = nullptr;
-  const PetscInt* column = nullptr;
-  const PetscScalar* value = nullptr;
-
- private:
-  Mat block_ = nullptr;
-};
 
 /// Values that look random, the same on any number of ranks: those of the rows' numbers, mixed.
 PetscErrorCode made_up(Vec v, std::uint64_t seed) {
@@ -70,7 +41,7 @@ PetscErrorCode lonely_rows(Mat A, const Box& box, Vec lonely) {
     bool other = false;
     for (PetscInt s = 0; s < n; ++s) (column[s] == i ? diagonal : other) |= value[s] != 0;
     PetscCall(MatRestoreRow(A, i, &n, &column, &value));
-    const bool free = l[i - begin] <= -PETSC_MAX_REAL / 8 && u[i - begin] >= PETSC_MAX_REAL / 8;
+    const bool free = l[i - begin] <= -infinite && u[i - begin] >= infinite;
     marks[i - begin] = diagonal && !other && free ? 1 : 0;
   }
   return ok;
@@ -86,8 +57,9 @@ PetscErrorCode lonely_step(const BoxProblem& p, Vec lonely, Vec step) {
 }
 
 PetscErrorCode sweep_step(const BoxProblem& p, Vec open, Vec step) {
-  OwnBlock A;
-  PetscCall(A.open(p.A));
+  Blocks blocks;
+  PetscCall(blocks.open(p.A, Blocks::For::Reading));
+  const Entries& A = blocks.own;
   {
     const Reading d(p.diagonal);
     const Reading l(p.box.lower);
@@ -106,7 +78,7 @@ PetscErrorCode sweep_step(const BoxProblem& p, Vec open, Vec step) {
     for (PetscInt i = 0; i < A.rows; ++i) relax(i);
     for (PetscInt i = A.rows; i-- > 0;) relax(i);
   }
-  return A.close();
+  return blocks.close();
 }
 
 PetscErrorCode looks_symmetric(Mat A, Vec free, bool* symmetric) {
