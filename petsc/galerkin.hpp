@@ -9,7 +9,7 @@
 /// what it does on one rank.
 #include <vector>
 
-#include "petsc/blocks.hpp"
+#include "petsc/rows.hpp"
 
 namespace perp::petsc {
 
@@ -17,8 +17,8 @@ inline PetscErrorCode destroy_copies(Mat** matrix) { return MatDestroySubMatrice
 
 class Galerkin {
  public:
-  /// Once, for matrices with the pattern of T. Makes the coarse matrix, of zeros; `like` is a coarse vector. Collective, as
-  /// are all functions here.
+  /// Once, for matrices with the pattern of T. Makes the coarse matrix, of zeros; `like` is a coarse vector.
+  /// Collective, as are all functions here.
   PetscErrorCode set_up(Mat T, Mat P, Vec like, OwnMat& coarse);
   Mat restriction() const { return restriction_; }
 
