@@ -17,7 +17,7 @@ PetscErrorCode check_box(const Box& box) {
     const Reading l(box.lower);
     const Reading u(box.upper);
     for (PetscInt i = l.size(); i-- > 0;)
-      if (!(l[i] <= u[i])) first = begin + i;
+      if (!(l[i] <= u[i]) || l[i] >= infinite || u[i] <= -infinite) first = begin + i;
     if (first >= begin && first < begin + l.size()) {
       bounds[0] = l[first - begin];
       bounds[1] = u[first - begin];
@@ -33,6 +33,9 @@ PetscErrorCode check_box(const Box& box) {
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, bounds, 2, MPIU_REAL, MPIU_MAX, comm));
   PetscCheck(nan == 0, comm, PETSC_ERR_ARG_OUTOFRANGE, "perp: a bound of variable %" PetscInt_FMT " is not a number",
              first);
+  PetscCheck(bounds[0] > bounds[1], comm, PETSC_ERR_ARG_OUTOFRANGE,
+             "perp: the bounds of variable %" PetscInt_FMT " admit no number: the lower is %g, the upper %g", first,
+             static_cast<double>(bounds[0]), static_cast<double>(bounds[1]));
   SETERRQ(comm, PETSC_ERR_ARG_OUTOFRANGE,
           "perp: the bounds of variable %" PetscInt_FMT " cross: the lower is %g, the upper %g", first,
           static_cast<double>(bounds[0]), static_cast<double>(bounds[1]));

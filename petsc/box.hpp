@@ -8,12 +8,16 @@
 
 namespace perp::petsc {
 
+/// Bounds of this size are none.
+inline constexpr PetscReal infinite = 1e20;
+
 struct Box {
   Vec lower = nullptr;
   Vec upper = nullptr;
 };
 
-/// An error on every rank where l_i > u_i or a bound is not a number; it names the first such i and both values.
+/// An error on every rank where l_i > u_i, l_i is infinity, u_i is minus infinity, or a bound is not a number; it names
+/// the first such i and both values.
 PetscErrorCode check_box(const Box& box);
 
 /// x_i = mid(l_i, x_i, u_i).

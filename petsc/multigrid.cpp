@@ -48,14 +48,24 @@ PetscErrorCode as_rows(OwnMat& P) {
   return ok;
 }
 
-/// 1 where a coarse function has something left of it, and is not closed.
-PetscErrorCode mask_of(Mat T, Vec open, Vec diagonal, Vec mask) {
-  PetscCall(MatGetDiagonal(T, mask));
-  const Reading d(diagonal);
-  const Reading o(open);
-  Values m(mask);
+/// 1 where a coarse function is not closed and something is left of it, after all of its rows were made.
+PetscErrorCode untruncated_mask(const Multigrid::Level& coarse) {
+  const Reading open(coarse.open);
+  Values m(coarse.mask);
+  for (PetscInt i = 0; i < open.size(); ++i) m[i] = open[i] != 0 ? 1 : 0;
+  return ok;
+}
+
+/// The same where a row is new; r is overwritten.
+PetscErrorCode take_new_masks(const Multigrid::Level& coarse) {
+  PetscCall(MatGetDiagonal(coarse.T, coarse.r));
+  const Reading d(coarse.diagonal);
+  const Reading left(coarse.r);
+  const Reading open(coarse.open);
+  Values m(coarse.mask);
   for (PetscInt i = 0; i < d.size(); ++i)
-    m[i] = o[i] != 0 && PetscAbsScalar(m[i]) > 1e-10 * PetscAbsScalar(d[i]) ? 1 : 0;
+    if (coarse.changed[static_cast<std::size_t>(i)] != 0)
+      m[i] = open[i] != 0 && PetscAbsScalar(left[i]) > 1e-10 * PetscAbsScalar(d[i]) ? 1 : 0;
   return ok;
 }
 
@@ -120,33 +130,48 @@ PetscErrorCode Multigrid::take_matrix(Mat A, Vec open) {
   PetscCall(again ? MatCopy(A, levels_[0].T, SAME_NONZERO_PATTERN)
                   : MatDuplicate(A, MAT_COPY_VALUES, levels_[0].T.out()));
   PetscCall(MatGetDiagonal(A, levels_[0].diagonal));
+  first_ = 0;
   for (std::size_t k = 0; k + 1 < levels_.size(); ++k) {
-    const Level& fine = levels_[k];
+    Level& fine = levels_[k];
     Level& coarse = levels_[k + 1];
-    PetscCall(MatPtAP(fine.T, fine.P, again ? MAT_REUSE_MATRIX : MAT_INITIAL_MATRIX, 2.0, coarse.T.reuse()));
+    PetscCall(again ? fine.product.forget() : fine.product.set_up(fine.T, fine.P, coarse.b, coarse.T));
+    PetscCall(fine.product.multiply(fine.T, fine.changed, coarse.T, coarse.changed));
     PetscCall(again ? MatCopy(coarse.T, coarse.A, SAME_NONZERO_PATTERN)
                     : MatDuplicate(coarse.T, MAT_COPY_VALUES, coarse.A.out()));
     PetscCall(MatGetDiagonal(coarse.A, coarse.diagonal));
     PetscCall(MatRestrict(fine.inject, fine.open, coarse.open));
+    PetscCall(untruncated_mask(coarse));
+  }
+  return ok;
+}
+
+/// The levels from `first` on as take_matrix left them: products are made again where a face then truncates something.
+PetscErrorCode Multigrid::untruncate(std::size_t first) {
+  first_ = first;
+  for (std::size_t k = first; k < levels_.size(); ++k) {
+    PetscCall(MatCopy(levels_[k].A, levels_[k].T, SAME_NONZERO_PATTERN));
+    if (k + 1 == levels_.size()) break;
+    PetscCall(levels_[k].product.untruncate());
+    PetscCall(untruncated_mask(levels_[k + 1]));
   }
   return ok;
 }
 
 PetscErrorCode Multigrid::take_face(std::size_t first, Vec mask) {
-  first_ = first;
+  if (first != first_) PetscCall(untruncate(first));
   Level& top = levels_[first];
   if (static_cast<Vec>(top.mask) != mask) PetscCall(VecCopy(mask, top.mask));
-  PetscCall(MatCopy(top.A, top.T, SAME_NONZERO_PATTERN));
-  for (std::size_t k = first; k < levels_.size(); ++k) {
-    const Level& fine = levels_[k];
-    PetscCall(MatDiagonalScale(fine.T, fine.mask, fine.mask));
-    if (k + 1 < levels_.size()) {
-      Level& coarse = levels_[k + 1];
-      PetscCall(MatPtAP(fine.T, fine.P, MAT_REUSE_MATRIX, 2.0, coarse.T.reuse()));
-      PetscCall(mask_of(coarse.T, coarse.open, coarse.diagonal, coarse.mask));
-    }
-    PetscCall(set_cut_off_diagonal(fine.T, fine.mask, fine.diagonal));
+  for (std::size_t k = first; k + 1 < levels_.size(); ++k) {
+    Level& fine = levels_[k];
+    Level& coarse = levels_[k + 1];
+    const Mat A = k == first ? static_cast<Mat>(fine.A) : nullptr;
+    PetscCall(fine.product.truncate(A, fine.mask, fine.diagonal, fine.T, fine.changed));
+    PetscCall(fine.product.multiply(fine.T, fine.changed, coarse.T, coarse.changed));
+    PetscCall(take_new_masks(coarse));
   }
+  const Level& last = levels_.back();
+  if (first + 1 == levels_.size()) PetscCall(MatCopy(last.A, last.T, SAME_NONZERO_PATTERN));
+  PetscCall(cut_off(last.T, last.mask, last.diagonal));
   return take_coarsest();
 }
 
@@ -191,7 +216,7 @@ PetscErrorCode Multigrid::cycle(std::size_t k, Vec b, Vec x) {
   PetscCall(MatSOR(fine.T, b, 1, down, 0, 1, 1, x));
   PetscCall(MatMult(fine.T, x, fine.r));
   PetscCall(VecAYPX(fine.r, -1, b));
-  PetscCall(MatMultTranspose(fine.P, fine.r, coarse.b));
+  PetscCall(MatMult(fine.product.restriction(), fine.r, coarse.b));
   PetscCall(VecPointwiseMult(coarse.b, coarse.b, coarse.mask));
   PetscCall(cycle(k + 1, coarse.b, coarse.x));
   PetscCall(MatMultAdd(fine.P, coarse.x, x, x));  // what this moves of what is held the sweep sets back

@@ -12,6 +12,7 @@
 /// more than its part of any but a small coarsest level.
 #include <vector>
 
+#include "petsc/galerkin.hpp"
 #include "petsc/rows.hpp"
 
 namespace perp::petsc {
@@ -23,10 +24,12 @@ class Multigrid {
  public:
   struct Level {
     OwnDm dm;
-    OwnMat A;       ///< Galerkin's product of the untruncated ones; level 0: the matrix given
-    OwnMat T;       ///< truncated to the face; on coarse levels it keeps what PETSc's product needs to be made again
-    OwnMat P;       ///< from the next coarser level to this one; none on the coarsest
-    OwnMat inject;  ///< values at the points of the next coarser level
+    OwnMat A;                   ///< Galerkin's product of the untruncated ones; level 0: the matrix given
+    OwnMat T;                   ///< truncated to the face
+    OwnMat P;                   ///< from the next coarser level to this one; none on the coarsest
+    OwnMat inject;              ///< values at the points of the next coarser level
+    Galerkin product;           ///< of the next coarser level's T
+    std::vector<char> changed;  ///< this rank's rows of T that the last face has changed
     OwnVec mask;
     OwnVec diagonal;  ///< of A
     OwnVec open;      ///< 0 at the variables that are never part of a face: lonely rows
@@ -50,6 +53,7 @@ class Multigrid {
   PetscInt cycles = 0;  ///< V-cycles that began on level 0
 
  private:
+  PetscErrorCode untruncate(std::size_t first);
   PetscErrorCode cycle(std::size_t k, Vec b, Vec x);
   PetscErrorCode take_coarsest();
   PetscErrorCode make_coarsest();

@@ -1,42 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "petsc/rows.hpp"
 
+#include <petsc/private/petscimpl.h>
+
 #include <algorithm>
 #include <cmath>
-#include <vector>
 
 namespace perp::petsc {
 namespace {
-
-/// This rank's diagonal block by rows.
-class OwnBlock {
- public:
-  PetscErrorCode open(Mat A) {
-    PetscBool parallel = PETSC_FALSE;
-    PetscCall(PetscObjectBaseTypeCompare(reinterpret_cast<PetscObject>(A), MATMPIAIJ, &parallel));
-    block_ = A;
-    if (parallel) PetscCall(MatMPIAIJGetSeqAIJ(A, &block_, nullptr, nullptr));
-    PetscBool done = PETSC_FALSE;
-    PetscCall(MatGetRowIJ(block_, 0, PETSC_FALSE, PETSC_FALSE, &rows, &start, &column, &done));
-    PetscCheck(done, PETSC_COMM_SELF, PETSC_ERR_SUP, "perp: the rows of this type of matrix cannot be read");
-    PetscCall(MatSeqAIJGetArrayRead(block_, &value));
-    return ok;
-  }
-  PetscErrorCode close() {
-    PetscBool done = PETSC_FALSE;
-    PetscCall(MatSeqAIJRestoreArrayRead(block_, &value));
-    PetscCall(MatRestoreRowIJ(block_, 0, PETSC_FALSE, PETSC_FALSE, &rows, &start, &column, &done));
-    return ok;
-  }
-
-  PetscInt rows = 0;
-  const PetscInt* start = nullptr;
-  const PetscInt* column = nullptr;
-  const PetscScalar* value = nullptr;
-
- private:
-  Mat block_ = nullptr;
-};
 
 /// Values that look random, the same on any number of ranks: those of the rows' numbers, mixed.
 PetscErrorCode made_up(Vec v, std::uint64_t seed) {
@@ -54,6 +25,55 @@ PetscErrorCode made_up(Vec v, std::uint64_t seed) {
 
 }  // namespace
 
+PetscErrorCode Blocks::take(Mat block, Entries& entries) const {
+  if (block == nullptr) return ok;
+  PetscBool done = PETSC_FALSE;
+  PetscCall(MatGetRowIJ(block, 0, PETSC_FALSE, PETSC_FALSE, &entries.rows, &entries.start, &entries.column, &done));
+  PetscCheck(done, PETSC_COMM_SELF, PETSC_ERR_SUP, "perp: the rows of this type of matrix cannot be read");
+  if (writing_) return MatSeqAIJGetArray(block, &entries.value);
+  const PetscScalar* value = nullptr;
+  PetscCall(MatSeqAIJGetArrayRead(block, &value));
+  entries.value = const_cast<PetscScalar*>(value);  // NOLINT: nobody writes there
+  return ok;
+}
+
+PetscErrorCode Blocks::give_back(Mat block, Entries& entries) const {
+  if (block == nullptr || entries.start == nullptr) return ok;
+  PetscBool done = PETSC_FALSE;
+  const PetscScalar* value = entries.value;
+  PetscCall(writing_ ? MatSeqAIJRestoreArray(block, &entries.value) : MatSeqAIJRestoreArrayRead(block, &value));
+  PetscCall(MatRestoreRowIJ(block, 0, PETSC_FALSE, PETSC_FALSE, &entries.rows, &entries.start, &entries.column, &done));
+  entries = {};
+  return ok;
+}
+
+PetscErrorCode Blocks::open(Mat A, For use) {
+  PetscBool parallel = PETSC_FALSE;
+  PetscCall(close());
+  PetscCall(PetscObjectBaseTypeCompare(reinterpret_cast<PetscObject>(A), MATMPIAIJ, &parallel));
+  A_ = A;
+  writing_ = use == For::Writing;
+  blocks_[0] = A;
+  blocks_[1] = nullptr;
+  if (parallel) {
+    PetscCall(MatMPIAIJGetSeqAIJ(A, &blocks_[0], &blocks_[1], &ghosts));
+    PetscCall(MatGetSize(blocks_[1], nullptr, &ghost_count));
+  }
+  PetscCall(take(blocks_[0], own));
+  return take(blocks_[1], far);
+}
+
+PetscErrorCode Blocks::close() {
+  if (A_ == nullptr) return ok;
+  PetscCall(give_back(blocks_[0], own));
+  PetscCall(give_back(blocks_[1], far));
+  if (writing_) PetscCall(PetscObjectStateIncrease(reinterpret_cast<PetscObject>(A_)));
+  A_ = nullptr;
+  ghosts = nullptr;
+  ghost_count = 0;
+  return ok;
+}
+
 PetscErrorCode lonely_rows(Mat A, const Box& box, Vec lonely) {
   PetscInt begin = 0;
   PetscInt end = 0;
@@ -70,7 +90,7 @@ PetscErrorCode lonely_rows(Mat A, const Box& box, Vec lonely) {
     bool other = false;
     for (PetscInt s = 0; s < n; ++s) (column[s] == i ? diagonal : other) |= value[s] != 0;
     PetscCall(MatRestoreRow(A, i, &n, &column, &value));
-    const bool free = l[i - begin] <= -PETSC_MAX_REAL / 8 && u[i - begin] >= PETSC_MAX_REAL / 8;
+    const bool free = l[i - begin] <= -infinite && u[i - begin] >= infinite;
     marks[i - begin] = diagonal && !other && free ? 1 : 0;
   }
   return ok;
@@ -86,8 +106,9 @@ PetscErrorCode lonely_step(const BoxProblem& p, Vec lonely, Vec step) {
 }
 
 PetscErrorCode sweep_step(const BoxProblem& p, Vec open, Vec step) {
-  OwnBlock A;
-  PetscCall(A.open(p.A));
+  Blocks blocks;
+  PetscCall(blocks.open(p.A, Blocks::For::Reading));
+  const Entries& A = blocks.own;
   {
     const Reading d(p.diagonal);
     const Reading l(p.box.lower);
@@ -106,7 +127,7 @@ PetscErrorCode sweep_step(const BoxProblem& p, Vec open, Vec step) {
     for (PetscInt i = 0; i < A.rows; ++i) relax(i);
     for (PetscInt i = A.rows; i-- > 0;) relax(i);
   }
-  return A.close();
+  return blocks.close();
 }
 
 PetscErrorCode looks_symmetric(Mat A, Vec free, bool* symmetric) {

@@ -14,9 +14,7 @@ namespace {
 constexpr double sigma = 1e-4;
 constexpr int backtracks = 40;
 
-double as_infinite(double bound) {
-  return std::abs(bound) < PETSC_MAX_REAL / 8 ? bound : std::copysign(lcp::infinity, bound);
-}
+double as_infinite(double bound) { return std::abs(bound) < infinite ? bound : std::copysign(lcp::infinity, bound); }
 
 /// Phi and, where wanted, the diagonals of its generalised Jacobian; theta is not finite where F is not.
 PetscErrorCode evaluate(const Box& box, Vec x, Vec F, Vec phi, Vec a, Vec b, PetscReal* theta) {
@@ -65,7 +63,11 @@ PetscErrorCode Semismooth::newton_direction(Mat J, bool* found) {
   PetscCall(MatDiagonalScale(rows_, b_, nullptr));
   PetscCall(MatDiagonalSet(rows_, a_, ADD_VALUES));
   PetscCall(MatMultTranspose(rows_, phi_, gradient_));
+  bool unbuilt = false;
+  *found = false;
   PetscCall(KSPSetOperators(ksp_, rows_, rows_));
+  PetscCall(set_up_solver(ksp_, &unbuilt));
+  if (unbuilt) return ok;
   PetscCall(KSPSolve(ksp_, phi_, d_));
   PetscCall(VecScale(d_, -1));
   PetscReal length = 0;

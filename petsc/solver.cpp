@@ -16,7 +16,8 @@ constexpr int halvings = 30;       ///< of a step to a point where F is not defi
 constexpr double accurate = 1e-2;  ///< the model of F counts as right up to this share of the residual
 constexpr double wrong = 0.5;      ///< ... and as wrong from this share on
 constexpr int shortenings = 8;
-constexpr double growth = 1e6;  ///< a residual so many times the best one is the end of patience
+constexpr double growth = 1e6;   ///< a residual so many times the best one is the end of patience
+constexpr double hidden = 1e-4;  ///< rounding of more than this share of the load hides the problem: x is far too large
 constexpr double eps = PETSC_MACHINE_EPSILON;
 
 }  // namespace
@@ -102,8 +103,7 @@ PetscErrorCode Solver::report(PetscInt it) {
     return ok;
   }
   PetscCall(SNESLogConvergenceHistory(snes_, residual_.norm, snes_->linear_its));
-  PetscCall(SNESMonitor(snes_, it, residual_.norm));
-  PetscUseTypeMethod(snes_, converged, it, length, moved_, residual_.norm, &snes_->reason, snes_->cnvP);
+  PetscCall(monitor_and_test(snes_, it, length, moved_, residual_.norm, &snes_->reason));
   bool rounded = false;
   if (it > 0) PetscCall(stop_at_rounding(&rounded));
   // A short step proves nothing.
@@ -115,10 +115,12 @@ PetscErrorCode Solver::report(PetscInt it) {
 
 /// Whether the residual is what rounding leaves, and has stopped falling.
 PetscErrorCode Solver::stop_at_rounding(bool* rounded) {
-  *rounded = !stale_ && idle_ >= 1 && best_.norm <= noise_;
+  *rounded = !stale_ && idle_ >= 1 && is_rounding(best_);
   if (*rounded) PetscCall(go_back());
   return ok;
 }
+
+bool Solver::is_rounding(const Residual& residual) const { return residual.norm <= noise_ && noise_ <= hidden * load_; }
 
 PetscErrorCode Solver::go_back() {
   if (!(best_.norm < residual_.norm)) return ok;
@@ -217,7 +219,7 @@ PetscErrorCode Solver::semismooth_step(bool* stop) {
   PetscCall(semismooth_method_.step(snes_, box_, J_, x_, F_, &moved));
   stale_ = true;
   if (!moved) {
-    snes_->reason = best_.norm <= noise_ ? SNES_CONVERGED_SNORM_RELATIVE : SNES_DIVERGED_LINE_SEARCH;
+    snes_->reason = is_rounding(best_) ? SNES_CONVERGED_SNORM_RELATIVE : SNES_DIVERGED_LINE_SEARCH;
     return go_back();
   }
   PetscCall(VecAXPY(z_, -1, x_));
@@ -249,6 +251,11 @@ PetscErrorCode Solver::linearise() {
   PetscCall(VecPointwiseMult(size, diagonal_, x_));
   PetscCall(VecNorm(size, NORM_2, &terms));
   noise_ = 32 * eps * terms;
+  if (counts_.jacobians > 1) return ok;
+  PetscCall(MatMult(J_, x_, size));
+  PetscCall(VecAYPX(size, -1, F_));
+  PetscCall(VecNorm(size, NORM_2, &load_));
+  load_ = std::max(load_, residual_.norm);
   return ok;
 }
 

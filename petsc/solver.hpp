@@ -25,6 +25,7 @@ class Solver : FaceSolver {
   PetscErrorCode evaluate(Vec x, Vec F, Residual* residual);
   PetscErrorCode report(PetscInt it);
   PetscErrorCode stop_at_rounding(bool* rounded);
+  bool is_rounding(const Residual& residual) const;
   PetscErrorCode linearise();
   PetscErrorCode take_matrix(Mat J);
   PetscErrorCode choose_linear_solver();
@@ -56,6 +57,7 @@ class Solver : FaceSolver {
   PetscInt rounds_ = 0;      ///< returns to the best point
   PetscReal moved_ = 0;      ///< length of the last step
   PetscReal noise_ = 0;      ///< what rounding leaves of the natural residual, about
+  PetscReal load_ = 0;       ///< F - J x at the start, or the natural residual there if that is larger
 
   // The linear model at the point where J was computed.
   Mat J_ = nullptr;

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "petsc/solver.hpp"
+#include "petsc/users_functions.hpp"
 
 namespace perp::petsc {
 namespace {
@@ -193,9 +194,14 @@ PetscErrorCode Solver::solve(Vec mask, bool changed, Vec b, Vec d, bool* failed)
   for (bool retry = true; retry;) {
     KSPConvergedReason why = KSP_CONVERGED_ITERATING;
     PetscInt iterations = 0;
-    PetscCall(KSPSolve(snes_->ksp, b, d));
-    PetscCall(KSPGetConvergedReason(snes_->ksp, &why));
-    PetscCall(KSPGetIterationNumber(snes_->ksp, &iterations));
+    bool unbuilt = false;
+    PetscCall(set_up_solver(snes_->ksp, &unbuilt));
+    if (!unbuilt) {
+      PetscCall(KSPSolve(snes_->ksp, b, d));
+      PetscCall(KSPGetConvergedReason(snes_->ksp, &why));
+      PetscCall(KSPGetIterationNumber(snes_->ksp, &iterations));
+    }
+    if (unbuilt) why = KSP_DIVERGED_PC_FAILED;
     snes_->linear_its += iterations;
     if (why >= 0) return ok;
     PetscCall(give_up_on_linear_solver(why, &retry));

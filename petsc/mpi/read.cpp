@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "petsc/mpi/read.hpp"
 
+#include "petsc/box.hpp"
+
 #include <algorithm>
 #include <bit>
 #include <cctype>
@@ -14,8 +16,6 @@
 
 namespace perp::petsc {
 namespace {
-
-constexpr double infinite = 1e20;  // what files write for no bound
 
 /// The text of the first rank that has one becomes everybody's.
 PetscErrorCode share(std::string& text) {

@@ -72,7 +72,7 @@ PetscErrorCode read_bound(const std::string& text, Mat M, OwnVec& v, std::string
   if (error != std::errc() || end != text.data() + text.size()) return read_vector(text, M, true, v, wrong);
   PetscCall(MatCreateVecs(M, nullptr, v.out()));
   if (std::isnan(value)) wrong = "a bound is not a number";
-  return VecSet(v, std::abs(value) < 1e20 ? value : value > 0 ? PETSC_INFINITY : PETSC_NINFINITY);
+  return VecSet(v, std::abs(value) < infinite ? value : value > 0 ? PETSC_INFINITY : PETSC_NINFINITY);
 }
 
 PetscErrorCode read_problem(const Task& task, Problem& p, std::string& wrong) {

@@ -8,44 +8,11 @@
 #include <limits>
 #include <string>
 
+#include "petsc/cases.hpp"
 #include "petsc/elastic_body.hpp"
 #include "petsc/problems.hpp"
 
 namespace perp::petsc_tests {
-namespace {
-
-constexpr PetscReal tight = 1e-10;  // of h^2 times the equations, whose terms are of order one
-
-#define EXPECT(condition, ...)                                                     \
-  do {                                                                             \
-    if (!(condition)) {                                                            \
-      std::fprintf(stderr, "%s:%d: not so: %s; ", __FILE__, __LINE__, #condition); \
-      std::fprintf(stderr, __VA_ARGS__);                                           \
-      std::fprintf(stderr, "\n");                                                  \
-      return PETSC_ERR_PLIB;                                                       \
-    }                                                                              \
-  } while (false)
-
-struct Solved {
-  SNESConvergedReason reason = SNES_CONVERGED_ITERATING;
-  PetscInt steps = 0;
-  PetscReal residual = 0;
-  PetscReal active = 0;  ///< share of the variables at a bound
-  PetscErrorCode code = 0;
-};
-
-/// Writes x where -write FILE says, in the natural order of the grid, for the comparison between numbers of ranks.
-PetscErrorCode write_if_asked(Vec x) {
-  char file[PETSC_MAX_PATH_LEN];
-  PetscBool wanted = PETSC_FALSE;
-  PetscCall(PetscOptionsGetString(nullptr, nullptr, "-write", file, sizeof(file), &wanted));
-  if (!wanted) return 0;
-  PetscViewer viewer = nullptr;
-  PetscCall(PetscViewerBinaryOpen(PETSC_COMM_WORLD, file, FILE_MODE_WRITE, &viewer));
-  PetscCall(PetscViewerBinarySetSkipInfo(viewer, PETSC_TRUE));
-  PetscCall(VecView(x, viewer));
-  return PetscViewerDestroy(&viewer);
-}
 
 PetscErrorCode judge(SNES snes, Vec x, Vec lower, Vec upper, Solved* solved) {
   Vec at = nullptr;
@@ -68,6 +35,23 @@ PetscErrorCode judge(SNES snes, Vec x, Vec lower, Vec upper, Solved* solved) {
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &count, 1, MPIU_REAL, MPIU_SUM, PETSC_COMM_WORLD));
   solved->active = count / static_cast<PetscReal>(n);
   return VecDestroy(&at);
+}
+
+namespace {
+
+constexpr PetscReal tight = 1e-10;  // of h^2 times the equations, whose terms are of order one
+
+/// Writes x where -write FILE says, in the natural order of the grid, for the comparison between numbers of ranks.
+PetscErrorCode write_if_asked(Vec x) {
+  char file[PETSC_MAX_PATH_LEN];
+  PetscBool wanted = PETSC_FALSE;
+  PetscCall(PetscOptionsGetString(nullptr, nullptr, "-write", file, sizeof(file), &wanted));
+  if (!wanted) return 0;
+  PetscViewer viewer = nullptr;
+  PetscCall(PetscViewerBinaryOpen(PETSC_COMM_WORLD, file, FILE_MODE_WRITE, &viewer));
+  PetscCall(PetscViewerBinarySetSkipInfo(viewer, PETSC_TRUE));
+  PetscCall(VecView(x, viewer));
+  return PetscViewerDestroy(&viewer);
 }
 
 PetscErrorCode solve(PetscInt n, Bounds bounds, Membrane m, Solved* solved) {
@@ -188,119 +172,6 @@ PetscErrorCode elastic_body() {
   return 0;
 }
 
-// --- affine problems of a few rows, without a DM ---------------------------------------------------------------------
-
-struct Setting {
-  bool corner = false;   ///< the start is (1, 0, 0, ...)
-  int error_from = 0;    ///< F fails on the last rank from this evaluation on, where positive
-  int outside_from = 0;  ///< likewise: SNESSetFunctionDomainError
-};
-struct Affine {
-  Vec q = nullptr;
-  Setting setting;
-  int evaluations = 0;
-};
-
-PetscErrorCode affine_function(SNES snes, Vec x, Vec F, void* data) {
-  Mat M = nullptr;
-  int rank = 0;
-  int ranks = 0;
-  auto& a = *static_cast<Affine*>(data);
-  MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
-  MPI_Comm_size(PETSC_COMM_WORLD, &ranks);
-  const auto due = [&](int from) { return rank == ranks - 1 && from > 0 && a.evaluations >= from; };
-  ++a.evaluations;
-  if (due(a.setting.outside_from)) PetscCall(SNESSetFunctionDomainError(snes));
-  PetscCall(SNESGetJacobian(snes, nullptr, &M, nullptr, nullptr));
-  PetscCall(MatMultAdd(M, x, a.q, F));
-  return due(a.setting.error_from) ? PETSC_ERR_USER : 0;
-}
-PetscErrorCode affine_jacobian(SNES, Vec, Mat, Mat, void*) { return 0; }
-
-/// F = M x + q with M_ij = entry(i, j), x >= 0.
-template <class Entry>
-PetscErrorCode solve_affine(PetscInt n, Entry entry, PetscReal load, PetscReal lower, PetscReal upper, Solved* solved,
-                            PetscReal* x0, Setting setting = {}) {
-  Mat M = nullptr;
-  Vec x = nullptr;
-  Vec F = nullptr;
-  Affine a{.setting = setting};
-  Vec& q = a.q;
-  Vec l = nullptr;
-  Vec u = nullptr;
-  SNES snes = nullptr;
-  PetscInt begin = 0;
-  PetscInt end = 0;
-  PetscCall(MatCreateAIJ(PETSC_COMM_WORLD, PETSC_DECIDE, PETSC_DECIDE, n, n, n, nullptr, n, nullptr, &M));
-  PetscCall(MatGetOwnershipRange(M, &begin, &end));
-  for (PetscInt i = begin; i < end; ++i)
-    for (PetscInt j = 0; j < n; ++j) PetscCall(MatSetValue(M, i, j, entry(i, j), INSERT_VALUES));
-  PetscCall(MatAssemblyBegin(M, MAT_FINAL_ASSEMBLY));
-  PetscCall(MatAssemblyEnd(M, MAT_FINAL_ASSEMBLY));
-  PetscCall(MatCreateVecs(M, &x, &F));
-  for (Vec* v : {&q, &l, &u}) PetscCall(VecDuplicate(x, v));
-  PetscCall(VecSet(q, load));
-  PetscCall(VecSet(l, lower));
-  PetscCall(VecSet(u, upper));
-  PetscCall(VecSet(x, *x0));
-  if (setting.corner && begin == 0 && end > 0) PetscCall(VecSetValue(x, 0, 1, INSERT_VALUES));
-  PetscCall(VecAssemblyBegin(x));
-  PetscCall(VecAssemblyEnd(x));
-  PetscCall(SNESCreate(PETSC_COMM_WORLD, &snes));
-  PetscCall(SNESSetFunction(snes, F, affine_function, &a));
-  PetscCall(SNESSetJacobian(snes, M, M, affine_jacobian, nullptr));
-  PetscCall(SNESVISetVariableBounds(snes, l, u));
-  PetscCall(SNESSetFromOptions(snes));
-  solved->code = SNESSolve(snes, nullptr, x);
-  a.setting = {};
-  if (solved->code == 0) PetscCall(judge(snes, x, l, u, solved));
-  PetscCall(VecNorm(x, NORM_INFINITY, x0));
-  PetscCall(SNESDestroy(&snes));
-  for (Vec* v : {&x, &F, &q, &l, &u}) PetscCall(VecDestroy(v));
-  return MatDestroy(&M);
-}
-
-PetscReal cyclic(PetscInt i, PetscInt j) { return i == j ? 1.0 : (i + 1) % 3 == j ? 2.0 : 0.0; }
-
-/// Murty's matrix of order 3, upside down: a P-matrix on which active-set steps from (1, 0, 0) go to (0, 1, 0), (0, 0,
-/// 1) and back (Kanzow 1996 has such ones), so that only the semismooth steps get through. The solution is 1/3
-/// everywhere.
-PetscErrorCode cycling() {
-  Solved s;
-  PetscReal x = 0;
-  PetscCall(solve_affine(3, cyclic, -1, 0, PETSC_INFINITY, &s, &x, {.corner = true}));
-  EXPECT(s.code == 0 && s.reason > 0, "error %d, reason %d", static_cast<int>(s.code), static_cast<int>(s.reason));
-  EXPECT(s.residual <= 1e-7, "residual %g", s.residual);
-  EXPECT(s.steps > 10, "%d steps: no cycle", static_cast<int>(s.steps));
-  EXPECT(std::abs(x - 1.0 / 3) <= 1e-7, "x is %g", x);
-  return 0;
-}
-
-/// Fewer rows than ranks: two variables, 2 x - 1 on the diagonal, 1 beside it. x = 1/3 both.
-PetscErrorCode empty_rank() {
-  Solved s;
-  PetscReal x = 5;
-  PetscCall(solve_affine(
-      2, [](PetscInt i, PetscInt j) { return i == j ? 2.0 : 1.0; }, -1, 0, 10, &s, &x));
-  EXPECT(s.code == 0 && s.reason > 0, "error %d, reason %d", static_cast<int>(s.code), static_cast<int>(s.reason));
-  EXPECT(std::abs(x - 1.0 / 3) <= 1e-7, "x is %g", x);
-  return 0;
-}
-
-/// An error on every rank, not on the one alone that has the variable.
-PetscErrorCode crossing_bounds() {
-  Solved s;
-  PetscReal x = 0;
-  PetscCall(solve_affine(
-      7, [](PetscInt i, PetscInt j) { return i == j ? 2.0 : 0.0; }, -1, 1, 0, &s, &x));
-  EXPECT(s.code == PETSC_ERR_ARG_OUTOFRANGE, "error %d", static_cast<int>(s.code));
-  const PetscReal nan = std::numeric_limits<double>::quiet_NaN();
-  PetscCall(solve_affine(
-      7, [](PetscInt i, PetscInt j) { return i == j ? 2.0 : 0.0; }, -1, 0, nan, &s, &x));
-  EXPECT(s.code == PETSC_ERR_ARG_OUTOFRANGE, "error %d", static_cast<int>(s.code));
-  return 0;
-}
-
 PetscErrorCode expect_error(const Membrane& m) {
   Solved s;
   PetscCall(solve(33, Bounds::Function, m, &s));
@@ -374,41 +245,16 @@ PetscErrorCode error_on_one_rank() { return expect_error({.load = -4, .obstacle 
 PetscErrorCode error_in_bounds() { return expect_error({.load = -4, .obstacle = true, .error_in_bounds = true}); }
 PetscErrorCode error_in_jacobian() { return expect_error({.load = -4, .obstacle = true, .error_in_jacobian = true}); }
 
-/// In the search of a semismooth step: the first twelve evaluations are the start and the active-set steps.
-PetscErrorCode error_in_semismooth_step() {
-  Solved s;
-  PetscReal x = 0;
-  PetscCall(solve_affine(3, cyclic, -1, 0, PETSC_INFINITY, &s, &x, {.corner = true, .error_from = 13}));
-  EXPECT(s.code == PETSC_ERR_USER, "error %d", static_cast<int>(s.code));
-  return 0;
-}
-
-/// The start, and where the first step goes; also on a rank that has no row to show it.
+/// From the start, and where the first step goes.
 PetscErrorCode domain_error_on_one_rank() {
-  for (int from : {1, 2}) {
-    Solved s;
-    PetscReal x = 5;
+  for (int from : {1, 2})
     PetscCall(expect_reason({.load = -4, .obstacle = true, .outside_from = static_cast<PetscReal>(from)},
                             SNES_DIVERGED_FUNCTION_DOMAIN));
-    PetscCall(solve_affine(2, [](PetscInt i, PetscInt j) { return i == j ? 2.0 : 1.0; }, -1, 0, 10, &s, &x,
-                           {.outside_from = from}));
-    EXPECT(s.code == 0, "error %d", static_cast<int>(s.code));
-    EXPECT(s.reason == SNES_DIVERGED_FUNCTION_DOMAIN, "reason %d", static_cast<int>(s.reason));
-  }
   return 0;
 }
 
 PetscErrorCode domain_error_in_jacobian() {
   return expect_reason({.load = -4, .obstacle = true, .outside_in_jacobian = true}, SNES_DIVERGED_JACOBIAN_DOMAIN);
-}
-
-PetscErrorCode no_variables() {
-  Solved s;
-  PetscReal x = 0;
-  PetscCall(solve_affine(
-      0, [](PetscInt, PetscInt) { return 0.0; }, -1, 0, 1, &s, &x));
-  EXPECT(s.code == 0 && s.reason > 0, "error %d, reason %d", static_cast<int>(s.code), static_cast<int>(s.reason));
-  return 0;
 }
 
 /// To be run with a KSP that cannot converge, and leave to fail: an end, and no false one.
@@ -441,6 +287,7 @@ constexpr Case cases[] = {{"obstacle", obstacle},
                           {"steps_do_not_grow", steps_do_not_grow},
                           {"coarsened_once", coarsened_once},
                           {"elastic_body", elastic_body},
+                          {"truncated_products", truncated_products},
                           {"cycling", cycling},
                           {"empty_rank", empty_rank},
                           {"crossing_bounds", crossing_bounds},
@@ -452,7 +299,13 @@ constexpr Case cases[] = {{"obstacle", obstacle},
                           {"error_in_jacobian", error_in_jacobian},
                           {"error_in_semismooth_step", error_in_semismooth_step},
                           {"domain_error_on_one_rank", domain_error_on_one_rank},
+                          {"domain_error_without_rows", domain_error_without_rows},
                           {"domain_error_in_jacobian", domain_error_in_jacobian},
+                          {"error_of_python", error_of_python},
+                          {"unsolvable", unsolvable},
+                          {"zero_pivot_on_one_rank", zero_pivot_on_one_rank},
+                          {"error_in_monitor", error_in_monitor},
+                          {"test_on_one_rank", test_on_one_rank},
                           {"no_variables", no_variables},
                           {"stubborn_ksp", stubborn_ksp},
                           {"diverging_ksp", diverging_ksp},
