@@ -95,7 +95,7 @@ class ExactSum {
     size_ = kept;
   }
 
-  std::array<double, 64> parts_{};  ///< increasing, not overlapping, none 0
+  std::array<double, 64> parts_;  ///< the first size_: increasing, not overlapping, none 0
   std::size_t size_ = 0;
   bool exact_ = true;
 };

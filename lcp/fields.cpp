@@ -32,6 +32,12 @@ std::optional<double> bad_number(const Field& field) {
       field.target);
 }
 
+/// "tol is -1; it takes a number > 0"; empty where there is nothing to complain of.
+std::string complaint_of(const Field& field) {
+  const auto value = bad_number(field);
+  return value ? text_of(field.key, " is ", *value, "; it takes ", takes(field)) : std::string();
+}
+
 }  // namespace
 
 std::string alternatives(const std::vector<std::string_view>& words) {
@@ -64,6 +70,10 @@ std::string takes(const Field& field) {
 
 void Fields::add(std::string_view key, Target number, const Range& range, std::string_view help,
                  std::string_view alias) {
+  if (checking_) {
+    if (bad_number_.empty()) bad_number_ = complaint_of({key, alias, help, std::move(number), range, inert_});
+    return;
+  }
   all_.push_back({key, alias, help, std::move(number), range, inert_});
 }
 
@@ -104,7 +114,8 @@ const Field* Fields::find(std::string_view key) const {
 
 std::optional<std::string> Fields::invalid() const {
   for (const Field& field : all_)
-    if (const auto value = bad_number(field)) return text_of(field.key, " is ", *value, "; it takes ", takes(field));
+    if (std::string why = complaint_of(field); !why.empty()) return why;
+  if (!bad_number_.empty()) return bad_number_;
   return complaint_.empty() ? std::nullopt : std::optional(complaint_);
 }
 

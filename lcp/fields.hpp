@@ -74,12 +74,17 @@ std::string alternatives(const std::vector<std::string_view>& words);
 
 class Fields {
  public:
+  enum class Purpose { Describe, Check };
+  /// Check: invalid() is all that is asked, and nothing is kept for the rest.
+  explicit Fields(Purpose purpose = Purpose::Describe) : checking_(purpose == Purpose::Check) {}
+
   void add(std::string_view key, Target number, const Range& range, std::string_view help, std::string_view alias = {});
   void add(std::string_view key, Target target, std::string_view help, std::string_view alias = {});
   /// An enumeration. What depends on the choice is described after it.
   template <class E>
   void choice(std::string_view key, E* choice, std::initializer_list<std::pair<std::string_view, E>> names,
               std::string_view help) {
+    if (checking_) return;  // every enumerator makes sense
     Words words{
         {}, [choice] { return static_cast<int>(*choice); }, [choice](int value) { *choice = static_cast<E>(value); }};
     for (const auto& [name, value] : names) words.words.emplace_back(name, static_cast<int>(value));
@@ -88,6 +93,7 @@ class Fields {
   /// One of a catalogue by its name.
   template <class T>
   void choice(std::string_view key, T* chosen, std::span<const T> all, std::string_view help) {
+    if (checking_) return;
     Words words{
         {},
         [chosen, all] { return static_cast<int>(std::ranges::find(all, chosen->name, &T::name) - all.begin()); },
@@ -113,14 +119,16 @@ class Fields {
 
  private:
   std::vector<Field> all_;
+  bool checking_;
   std::string_view inert_;
+  std::string bad_number_;  // where checking
   std::string complaint_;
 };
 
 /// Throws std::invalid_argument, beginning with `who`, for options that make no sense.
 template <class Options>
 void refuse_invalid(const std::string& who, Options options) {
-  Fields fields;
+  Fields fields(Fields::Purpose::Check);
   describe(options, fields);
   if (const auto why = fields.invalid()) throw std::invalid_argument(who + ": " + *why);
 }

@@ -2,7 +2,9 @@
 #include "ncp/problem/words.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
+#include <charconv>
 #include <cmath>
 #include <cstdlib>
 #include <limits>
@@ -14,10 +16,9 @@
 namespace perp::ncp {
 
 std::string number(double value) {
-  std::ostringstream text;
-  text.precision(4);
-  text << value;
-  return text.str();
+  std::array<char, 32> text{};  // as "%.4g", whatever the locale
+  const auto end = std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::general, 4).ptr;
+  return {text.data(), end};
 }
 
 std::string number_below(double value) {

@@ -35,8 +35,7 @@ bool begin(Run& run, From from, const Point& user, Point& point) {
 
 }  // namespace
 
-Tried in_turn(Run& run, const Point& start, const std::vector<Attempt>& list, int restart_limit) {
-  Tried tried;
+void in_turn(Run& run, const Point& start, const std::vector<Attempt>& list, int restart_limit, Tried& tried) {
   int restarts = 0;
   for (const Attempt& attempt : list) {
     if (attempt.counted && restarts == restart_limit) break;
@@ -49,7 +48,6 @@ Tried in_turn(Run& run, const Point& start, const std::vector<Attempt>& list, in
     if (!run.ended() || !stuck(run.status())) break;
     tried.verdicts.push_back(run.verdict());
   }
-  return tried;
 }
 
 Share part_of_left(const Run& run, bool last) {

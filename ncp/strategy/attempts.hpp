@@ -35,8 +35,9 @@ struct Tried {
   std::vector<Run::Verdict> verdicts;  ///< of those that got stuck
 };
 
-/// The attempts in their order, until one does not get stuck or the limit of restarts is met.
-Tried in_turn(Run& run, const Point& start, const std::vector<Attempt>& list, int restart_limit);
+/// The attempts in their order, after those tried already, until one does not get stuck or the limit of restarts is met.
+/// The list outlives `tried`.
+void in_turn(Run& run, const Point& start, const std::vector<Attempt>& list, int restart_limit, Tried& tried);
 
 /// Of the iterations and evaluations left: half, or all where that is few or nothing follows.
 Share part_of_left(const Run& run, bool last);
@@ -53,7 +54,8 @@ Attempt loop_attempt(std::string name, Method method, From from = From::Start);
 Attempt scaled_attempt(std::string name, Method method, std::string when,
                        std::function<std::optional<Scaling>(Run&, const Point&)> factors);
 
-std::vector<Attempt> path_list(const PathSearch& method);
+std::vector<Attempt> path_list(const PathSearch& method);      ///< before restarts
+std::vector<Attempt> path_restarts(const PathSearch& method);  ///< after those, if all are stuck
 std::vector<Attempt> auto_list(const Auto& method);
 std::vector<Attempt> first_list(const StrategyNode& node);
 

@@ -142,7 +142,8 @@ void automatic(Run& run, In x0, const Auto& method) {
     return run.remark("auto had nothing to choose: the start is a solution");
   }
   const std::vector<Attempt> list = auto_list(method);
-  const Tried tried = in_turn(run, start, list, static_cast<int>(list.size()));
+  Tried tried;
+  in_turn(run, start, list, static_cast<int>(list.size()), tried);
   if (run.ended() && stuck(run.status())) run.replace_verdict(telling(tried));
   run.stats().restarts += static_cast<int>(tried.attempts.size()) - 1;
   if (run.accepted() && run.basis().empty()) run.keep_basis(cells_at(run.box(), run.best()));

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <iterator>
 #include <string>
 #include <vector>
 
@@ -32,8 +34,11 @@ std::vector<Outline::Line> afterwards(const std::string& name, int rescalings, b
 }  // namespace
 
 Outline outline(const Method& method) {
-  if (const auto* path = std::get_if<PathSearch>(&method))
-    return {.lines = lines(path_list(*path), path->restart_limit), .presolved = path->preprocess};
+  if (const auto* path = std::get_if<PathSearch>(&method)) {
+    std::vector<Attempt> list = path_list(*path);
+    std::ranges::move(path_restarts(*path), std::back_inserter(list));
+    return {.lines = lines(list, path->restart_limit), .presolved = path->preprocess};
+  }
   if (const auto* choosing = std::get_if<Auto>(&method)) {
     const std::vector<Attempt> list = auto_list(*choosing);
     return {.lines = lines(list, static_cast<int>(list.size()))};

@@ -156,6 +156,11 @@ std::vector<Attempt> path_list(const PathSearch& method) {
         uncounted(scaled_attempt(std::string(scaled_at_start), method, "that brings the entries of J together",
                                  [](Run& run, const Point& start) { return helpful_scaling(run.mcp(), start.J); })));
   list.push_back(uncounted(loop_attempt("the options given", method)));
+  return list;
+}
+
+std::vector<Attempt> path_restarts(const PathSearch& method) {
+  std::vector<Attempt> list;
   if (method.restarts == PathRestarts::Documented)
     add_documented_restarts(method, list);
   else
@@ -167,8 +172,14 @@ void path_attempts(Run& run, In x0, const PathSearch& method) {
   Point user;
   if (!run.start(x0, user)) return;
   const int restarts = run.stats().restarts;
+  Tried tried;
   const std::vector<Attempt> list = path_list(method);
-  const Tried tried = in_turn(run, user, list, method.restart_limit);
+  in_turn(run, user, list, method.restart_limit, tried);
+  std::vector<Attempt> restarts_there;  // most runs need none
+  if (run.ended() && stuck(run.status()) && method.restart_limit > 0) {
+    restarts_there = path_restarts(method);
+    in_turn(run, user, restarts_there, method.restart_limit, tried);
+  }
   const std::size_t restarted = tried.attempts.size() - 1;
   run.stats().restarts = restarts + static_cast<int>(restarted);
   if (!run.ended()) return;

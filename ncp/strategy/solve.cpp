@@ -192,7 +192,7 @@ void describe(Method& method, Fields& fields) {
 
 std::optional<std::string> invalid(const Method& method) {
   Method described = method;
-  Fields fields;
+  Fields fields(Fields::Purpose::Check);
   describe(described, fields);
   return fields.invalid();
 }

@@ -123,7 +123,8 @@ void run_first_of(Run& run, In x0, const StrategyNode& node) {
   Point start;
   if (!run.start(x0, start)) return;
   const std::vector<Attempt> list = first_list(node);
-  const Tried tried = in_turn(run, start, list, static_cast<int>(list.size()));
+  Tried tried;
+  in_turn(run, start, list, static_cast<int>(list.size()), tried);
   if (stuck(run)) run.replace_verdict(tried.verdicts.front());
   run.stats().restarts += static_cast<int>(tried.attempts.size()) - 1;
   std::string all = "tried " + tried.attempts.front()->name;
