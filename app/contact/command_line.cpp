@@ -27,7 +27,7 @@ constexpr const char* footer =
     "  perp contact spheres:200:7 --svg forces.svg             the forces in their friction disks\n"
     "  perp contact wall:100 --formulation inner:8             octagons as friction disks, and the error this makes\n"
     "  perp contact Rover.dat --method path --encoding B --row original\n"
-    "  perp contact arch:40 --json - | jq '.contacts[] | select(.state == \"slip\")'\n"
+    "  perp contact incline:40:1:0.3 --json - | jq '.contacts[] | select(.state == \"slip\")'\n"
     "  perp contact Rover.dat --method homotopy                only Glocker's NCP by interior points\n"
     "  perp contact --generate stack:60 --fclib-out stack.hdf5\n"
     "  perp contact data/*.dat --compare --out contact-comparison\n"

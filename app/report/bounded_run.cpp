@@ -82,7 +82,7 @@ Report report_of_best(Shared& shared, GivenUp why) {
   const bool interrupted = why == GivenUp::Interrupted;
   result.status = interrupted ? ncp::Status::Interrupted : ncp::Status::TimeLimit;
   result.message = fmt::format(
-      "{} {}, in the middle of a phase that looks at no clock; this is the best point met until then, the counts are "
+      "{} {}, in a phase that did not end within 0.2 s; this is the best point met until then, the counts are "
       "those of the last iteration",
       interrupted ? "interrupted after" : "the time limit was reached in iteration",
       interrupted ? count(result.stats.iterations, "iteration") : std::to_string(result.stats.iterations + 1));

@@ -150,7 +150,7 @@ Run run_within(const Patience& patience, std::shared_ptr<const Loaded> loaded, c
   run.limits = limits;
   const bool interrupted = *given_up == GivenUp::Interrupted;
   run.status = interrupted ? Status::Interrupted : Status::TimeLimit;
-  run.message = fmt::format("{} in the middle of a phase that looks at no clock; this is the best point met until then",
+  run.message = fmt::format("{} in a phase that did not end within 0.2 s; this is the best point met until then",
                             interrupted ? "interrupted" : "the time limit was reached");
   {
     const std::lock_guard lock(shared->mutex);
