@@ -35,8 +35,8 @@ struct Tried {
   std::vector<Run::Verdict> verdicts;  ///< of those that got stuck
 };
 
-/// The attempts in their order, after those tried already, until one does not get stuck or the limit of restarts is met.
-/// The list outlives `tried`.
+/// The attempts in their order, after those tried already, until one does not get stuck or the limit of restarts is
+/// met. The list outlives `tried`.
 void in_turn(Run& run, const Point& start, const std::vector<Attempt>& list, int restart_limit, Tried& tried);
 
 /// Of the iterations and evaluations left: half, or all where that is few or nothing follows.
