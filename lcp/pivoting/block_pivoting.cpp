@@ -18,6 +18,7 @@ namespace {
 // A problem of at least so many unknowns that is not solved in so many rounds asks the coarser problem for places.
 constexpr Index coarse_from = 2000;
 constexpr int rounds_before_coarse = 5;
+constexpr long coarse_rounds = 50;
 
 class BlockRun {
  public:
@@ -94,14 +95,16 @@ class BlockRun {
     if (problem_.size() < coarse_from) return false;
     const auto coarse = coarser(problem_);
     if (!coarse) return false;
-    BlockRun run(coarse->problem, lcp::project(coarse->problem.box, best_.z()(coarse->fine_of)), options_, limits_, 0);
+    BlockPivoting brief = options_;  // P'MP need not be a P-matrix, where rounds might go on
+    brief.max_iterations = std::min(brief.max_iterations, coarse_rounds);
+    BlockRun run(coarse->problem, lcp::project(coarse->problem.box, best_.z()(coarse->fine_of)), brief, limits_, 0);
     const Result result = run.run();
     coarse_factorizations_ += result.factorizations;
     if (!result.accepted()) return false;
-    const Places before = std::exchange(places_, coarse->finer(run.places_));
+    const Places before = std::exchange(places_, coarse->finer(run.places_, problem_.box));
     if (cell_.solve(places_) == LuStatus::Ok) return true;
     places_ = before;
-    return false;
+    return cell_.solve(places_) == LuStatus::Ok;  // as it was
   }
 
   std::string left(std::size_t violated) const { return text_of(violated, " signs are violated"); }

@@ -98,6 +98,10 @@ TEST(BlockPivoting, RoundsDoNotGrowWithTheMesh) {
       expect_solved(problem, result, "N = " + std::to_string(N));
       EXPECT_LE(result.iterations, 15) << result.message;
     }
+    AffineMcp mixed = standard_lcp(M, q);  // free and fixed unknowns between the others
+    for (int k = 0; k < N * N; k += 5) mixed.box.lower[k] = -infinity;
+    for (int k = 2; k < N * N; k += 11) mixed.box.lower[k] = mixed.box.upper[k] = 0.01;
+    expect_solved(mixed, block_pivoting(mixed, Vec::Zero(N * N)), "mixed, N = " + std::to_string(N));
   }
 }
 

@@ -40,14 +40,34 @@ TEST(CoarseProblem, GivesPlaces) {
   const int N = 12;
   const auto coarse = coarser(standard_lcp(support::five_point(N, 4), Vec::Zero(N * N)));
   ASSERT_TRUE(coarse);
+  const Box box{Vec::Zero(N * N), Vec::Ones(N * N)};
   Random random(2);
   Places places(coarse->fine_of.size());
   for (Place& place : places) place = static_cast<Place>(random.integer(0, 2));
-  const Places fine = coarse->finer(places);
+  const Places fine = coarse->finer(places, box);
   for (std::size_t c = 0; c < places.size(); ++c)
     EXPECT_EQ(fine[static_cast<std::size_t>(coarse->fine_of[c])], places[c]);
   for (const Place place : {Place::Lower, Place::Upper, Place::Inside})
-    EXPECT_EQ(coarse->finer(Places(places.size(), place)), Places(static_cast<std::size_t>(N * N), place));
+    EXPECT_EQ(coarse->finer(Places(places.size(), place), box), Places(static_cast<std::size_t>(N * N), place));
+}
+
+// Free unknowns beside bounded ones at a bound stay inside, fixed ones never go there. Catches z = -infinity.
+TEST(CoarseProblem, PutsNothingAtAnInfiniteBound) {
+  const int N = 12;
+  AffineMcp problem = standard_lcp(support::five_point(N, 4), Vec::Zero(N * N));
+  for (int i = 0; i < N * N; i += 3) problem.box.lower[i] = -infinity;
+  for (int i = 1; i < N * N; i += 7) problem.box.lower[i] = problem.box.upper[i] = 1;
+  const auto coarse = coarser(problem);
+  ASSERT_TRUE(coarse);
+  for (const Place place : {Place::Lower, Place::Upper, Place::Inside}) {
+    const Places fine = coarse->finer(Places(coarse->fine_of.size(), place), problem.box);
+    for (Index i = 0; i < N * N; ++i) {
+      const Place at = fine[static_cast<std::size_t>(i)];
+      EXPECT_TRUE(problem.box.lower[i] != problem.box.upper[i] || at == Place::Lower) << i;
+      EXPECT_FALSE(problem.box.lower[i] == -infinity && at == Place::Lower) << i;
+      EXPECT_FALSE(problem.box.upper[i] == infinity && at == Place::Upper) << i;
+    }
+  }
 }
 
 // What has no mesh is refused: entries that are mostly positive, a diagonal, a graph whose coarse problem fills in.
