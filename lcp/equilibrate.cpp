@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace perp::lcp {
 namespace {
@@ -14,15 +15,17 @@ double power_of_two(double a) { return std::exp2(std::clamp(std::round(std::log2
 double inverse_root(double largest) { return largest > 0 ? 1 / std::sqrt(largest) : 1; }
 
 /// One step of Ruiz' iteration: rows and columns are divided by the root of their largest entry.
-void sweep(const SpMat& M, Scaling& scaling) {
-  Vec row_max = Vec::Zero(M.rows());
-  Vec column_max = Vec::Zero(M.cols());
-  for (Index j = 0; j < M.cols(); ++j)
+void sweep(const SpMat& M, Scaling& scaling, Vec& row_max, Vec& column_max) {
+  row_max.setZero();
+  for (Index j = 0; j < M.cols(); ++j) {
+    double largest = 0;
     for (SpMat::InnerIterator it(M, j); it; ++it) {
       const double a = std::abs(it.value()) * scaling.rows[it.row()] * scaling.columns[j];
       row_max[it.row()] = std::max(row_max[it.row()], a);
-      column_max[j] = std::max(column_max[j], a);
+      largest = std::max(largest, a);
     }
+    column_max[j] = largest;
+  }
   for (Index i = 0; i < M.rows(); ++i) {
     scaling.rows[i] *= inverse_root(row_max[i]);
     scaling.columns[i] *= inverse_root(column_max[i]);
@@ -83,18 +86,23 @@ Vec Scaling::to_original(const Box& scaled_box, In x) const {
   return original;
 }
 
-Scaling equilibrate(const AffineMcp& problem) {
+Scaling equilibrate(const AffineMcp& problem) { return equilibrated(problem).scaling; }
+
+Equilibrated equilibrated(const AffineMcp& problem) {
   const Index n = problem.size();
   Scaling scaling = ones(n);
-  for (int k = 0; k < sweeps; ++k) sweep(problem.M, scaling);
+  Vec row_max(n);
+  Vec column_max(n);
+  for (int k = 0; k < sweeps; ++k) sweep(problem.M, scaling, row_max, column_max);
   const double q = n > 0 ? scaling.rows.cwiseProduct(problem.q).lpNorm<::Eigen::Infinity>() : 0;
   if (q > 0 && std::isfinite(q)) {
     scaling.rows /= q;
     scaling.columns *= q;
   }
   for (Vec* factors : {&scaling.rows, &scaling.columns}) *factors = factors->unaryExpr(&power_of_two);
-  const AffineMcp scaled = scaling.apply(problem);
-  return keeps_bounds(problem.box, scaled.box) && !scaled.invalid() ? scaling : ones(n);
+  AffineMcp scaled = scaling.apply(problem);
+  if (keeps_bounds(problem.box, scaled.box) && !scaled.invalid()) return {std::move(scaling), std::move(scaled)};
+  return {ones(n), problem};
 }
 
 }  // namespace perp::lcp

@@ -24,4 +24,10 @@ struct Scaling {
 /// ones if a finite bound would overflow.
 Scaling equilibrate(const AffineMcp& problem);
 
+struct Equilibrated {
+  Scaling scaling;
+  AffineMcp problem;  ///< scaling.apply() to the one given
+};
+Equilibrated equilibrated(const AffineMcp& problem);
+
 }  // namespace perp::lcp

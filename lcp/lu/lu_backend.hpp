@@ -23,6 +23,8 @@ class LuLibrary {
   virtual KernelCost cost() const { return {}; }
   virtual LuStatus factor(const SpMat& A) = 0;
   virtual void solve(const SpMat& A, In b, Out x, bool transposed) const = 0;
+  /// Of the last factor() that was Ok: min |U_ii| / max |U_ii|; 0 where the library does not tell.
+  virtual double pivot_ratio() const { return 0; }
   /// Copies the factors of the last factor() that was Ok or Singular; false if the library does not give them.
   virtual bool factors(LuFactors&) const { return false; }
 };

@@ -23,7 +23,8 @@ class DenseLu final : public LuLibrary {
     const auto pivots = lu_.matrixLU().diagonal().cwiseAbs();
     const double least = pivots.minCoeff();
     const double most = pivots.maxCoeff();
-    return least > 0 && std::isfinite(most) && least / most > 0 ? LuStatus::Ok : LuStatus::Singular;
+    pivot_ratio_ = std::isfinite(most) && most > 0 ? least / most : 0;
+    return pivot_ratio_ > 0 ? LuStatus::Ok : LuStatus::Singular;
   }
 
   void solve(const SpMat& /*A*/, In b, Out x, bool transposed) const override {
@@ -37,7 +38,10 @@ class DenseLu final : public LuLibrary {
     x = scale_.cwiseProduct(lu_.permutationP().transpose() * y);
   }
 
+  double pivot_ratio() const override { return pivot_ratio_; }
+
  private:
+  double pivot_ratio_ = 0;
   Vec scale_;
   ::Eigen::PartialPivLU<::Eigen::MatrixXd> lu_;
 };

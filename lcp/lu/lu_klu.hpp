@@ -18,6 +18,7 @@ class Klu final : public LuLibrary {
   KernelCost cost() const override;
   LuStatus factor(const SpMat& A) override;
   void solve(const SpMat& A, In b, Out x, bool transposed) const override;
+  double pivot_ratio() const override { return common_.rcond; }
 
   /// The order of rows and columns that analyze() found, block triangular and AMD within the blocks. Pre: it was Ok.
   const int* rows_in_order() const { return symbolic_->P; }

@@ -91,6 +91,8 @@ class Umfpack final : public LuLibrary {
                       b.data(), numeric_.get(), control_.data(), info.data(), integers.data(), numbers.data());
   }
 
+  double pivot_ratio() const override { return info_[UMFPACK_RCOND]; }
+
   bool factors(LuFactors& out) const override {
     if (!numeric_) return false;
     int l_entries = 0;

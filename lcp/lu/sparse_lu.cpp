@@ -81,6 +81,7 @@ struct SparseLu::Impl {
   SpMat A;
   Index made_for = 0;
   bool analyzed = false;
+  bool has_factors = false;  // of A
   int analyses = 0;
   LuStatus status = LuStatus::Singular;
   std::shared_ptr<const NotEnoughMemory> short_of{};  // of the last OutOfMemory, if that was an estimate
@@ -139,6 +140,8 @@ LuStatus SparseLu::Impl::factor(const SpMat& matrix) {
   if (!std::all_of(values, values + matrix.nonZeros(), [](double v) { return std::isfinite(v); }))
     return LuStatus::NotFinite;
   const bool known = analyzed && same_pattern(matrix, A);
+  if (known && has_factors && std::equal(values, values + matrix.nonZeros(), A.valuePtr())) return LuStatus::Ok;
+  has_factors = false;
   A = matrix;
   if (A.rows() == 0) return LuStatus::Ok;
   if (A.nonZeros() < A.rows()) {  // an empty column; and KLU refuses a matrix without entries as malformed
@@ -157,6 +160,7 @@ LuStatus SparseLu::Impl::factor(const SpMat& matrix) {
   clock.before(A.rows(), cost);
   const LuStatus answer = library->factor(A);
   clock.after(cost);
+  has_factors = answer == LuStatus::Ok;
   return answer;
 }
 
@@ -188,6 +192,11 @@ void SparseLu::solve_refined(In b, Out x, int steps) const {
     r = r_better;
     norm = norm_better;
   }
+}
+
+double SparseLu::pivot_ratio() const {
+  if (impl_->status != LuStatus::Ok) return 0;
+  return size() > 0 ? impl_->library->pivot_ratio() : 1;
 }
 
 double SparseLu::rcond() const {

@@ -38,7 +38,8 @@ class SparseLu {
   SparseLu& operator=(SparseLu&&) noexcept;
 
   /// Factors A (square; throws std::invalid_argument if it is not). A is copied: it may change or die afterwards.
-  /// OutOfMemory also where the estimate says that the factors do not fit. Throws KernelTooLong where the
+  /// The matrix
+  /// that was factored last is not factored again. OutOfMemory also where the estimate says that the factors do not fit. Throws KernelTooLong where the
   /// factorization would end after the deadline.
   [[nodiscard]] LuStatus factor(const SpMat& A);
   /// factor(): true if Ok, false if there are no factors of this matrix. Throws std::bad_alloc if OutOfMemory.
@@ -56,6 +57,10 @@ class SparseLu {
   /// ||A^-1||_1 by Hager's method in Higham's form (ACM TOMS 14 (1988) 381, algorithm 4.1): a lower bound, rarely
   /// off by more than three.
   double rcond() const;
+
+  /// min |U_ii| / max |U_ii| of the last factor(), which costs nothing: a large one shows that the matrix is regular, a
+  /// small one nothing. 0 if that was not Ok or the library does not tell (Eigen).
+  double pivot_ratio() const;
 
   /// Copies L, U and the permutations, for solves with sparse right-hand sides; after a factor() that was Singular the
   /// zero pivots are in their places. False where the library does not give them (Klu, Eigen) or nothing is factored.

@@ -43,10 +43,12 @@ class Kinks {
       stride_ *= 2;
       if ((count_ - 1) % stride_ != 0) return;
     }
-    path_.push_back({at.t(), at.x()});
+    path_.push_back({at.t(), at.equilibrated_x()});
   }
   void finish(const NormalPath& at) {
-    if (on_) path_.push_back({at.t(), at.x()});
+    if (!on_) return;
+    path_.push_back({at.t(), at.equilibrated_x()});
+    for (Breakpoint& kink : path_) kink.x = at.to_original(kink.x);
   }
 
  private:

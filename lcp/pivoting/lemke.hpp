@@ -108,7 +108,7 @@ struct Breakpoint {
   Vec x;  ///< the point of the normal map; z = project(box, x)
 };
 
-class NormalPath;
+class LastPiece;  // last_piece.hpp
 
 struct PivotResult {
   PivotEnd end = PivotEnd::PivotLimit;
@@ -127,7 +127,7 @@ struct PivotResult {
   int refactorizations = 0;
   int repaired = 0;  ///< dependent columns of the start basis that artificials stood in for, or that were split
   std::vector<Breakpoint> path;                    ///< the kinks from the start on, if keep_path
-  std::shared_ptr<const NormalPath> last_piece{};  ///< for chord_step(), if LemkeOptions::keep_basis and solved
+  std::shared_ptr<const LastPiece> last_piece{};  ///< for chord_step(), if LemkeOptions::keep_basis and solved
   bool solved() const { return end == PivotEnd::Solved; }
 };
 

@@ -9,11 +9,12 @@
 #include <random>
 
 #include "lcp/equilibrate.hpp"
+#include "lcp/pivoting/last_piece.hpp"
 #include "lcp/pivoting/lemke.hpp"
 
 namespace perp::lcp {
 
-class NormalPath {
+class NormalPath final : public LastPiece {
  public:
   NormalPath(const AffineMcp& problem, In start, const LemkeOptions& options);
 
@@ -30,12 +31,16 @@ class NormalPath {
   /// At t = 1: the basis is that of all x_i, and there are factors of it.
   bool whole() const { return driver_ == n_ && !distrusted_; }
   /// lemke.hpp's; needs nothing of the problem and the options that the path was made with. Pre: whole().
-  Vec chord_step(In r) const;
+  Vec chord_step(In r) const override;
 
   double t() const { return tau_ >= scale_ ? 1 : tau_ / scale_; }
-  Vec x() const { return scaling_.to_original(problem_.box, x_); }  ///< in the units of the problem given
+  Vec x() const { return to_original(x_); }  ///< in the units of the problem given
+  const Vec& equilibrated_x() const { return x_; }
+  Vec to_original(const Vec& x) const { return scaling_.to_original(problem_.box, x); }  ///< an equilibrated x
 
  private:
+  NormalPath(const AffineMcp& problem, Equilibrated&& scaled, In start, const LemkeOptions& options);
+
   static constexpr Index none = -1;
   struct Block {  // what a ratio test finds
     Index position = none;

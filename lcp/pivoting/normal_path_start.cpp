@@ -4,6 +4,7 @@
 #include <cmath>
 #include <iterator>
 #include <new>
+#include <utility>
 
 #include "lcp/pivoting/normal_path.hpp"
 
@@ -27,9 +28,12 @@ SpMat with_residual_column(const SpMat& M) {
 }  // namespace
 
 NormalPath::NormalPath(const AffineMcp& problem, In start, const LemkeOptions& options)
+    : NormalPath(problem, equilibrated(problem), start, options) {}
+
+NormalPath::NormalPath(const AffineMcp& problem, Equilibrated&& scaled, In start, const LemkeOptions& options)
     : original_(problem),
-      scaling_(equilibrate(problem)),
-      problem_(scaling_.apply(problem)),
+      scaling_(std::move(scaled.scaling)),
+      problem_(std::move(scaled.problem)),
       options_(options),
       n_(problem.size()),
       random_(options.seed),

@@ -13,7 +13,7 @@ namespace {
 /// beforehand, by somebody who can say no.
 void require_some_memory() {
   constexpr std::size_t enough = 1 << 16;
-  const std::vector<char> some(enough);
+  ::operator delete(::operator new(enough));
 }
 
 class ModelEnclosure final : public Enclosure {
@@ -37,7 +37,7 @@ class ModelEnclosure final : public Enclosure {
 Interval ModelEnclosure::row(int row, std::span<const Interval> X, const ExpressionGraph::Ranges& ranges) const {
   Interval value = ranges.values[at(root(row))];
   const std::vector<int>& variables = model_.row_variables[at(row)];
-  for (std::size_t k = 0; k < variables.size(); ++k)
+  for (std::size_t k = 0; k < variables.size() && value != Interval::all(); ++k)
     if (const double c = model_.coefficients[at(row)][k]; c != 0) value += c * X[at(variables[k])];
   return value;
 }

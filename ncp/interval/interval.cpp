@@ -137,6 +137,9 @@ Interval operator-(const Interval& a, const Interval& b) {
 
 Interval operator*(const Interval& a, const Interval& b) {
   if (a.is_empty() || b.is_empty()) return Interval::empty();
+  if (b.is_point() && !a.is_point()) return b * a;
+  if (a.is_point() && a.lower >= 0) return {product_down(a.lower, b.lower), product_up(a.lower, b.upper)};
+  if (a.is_point()) return {product_down(a.lower, b.upper), product_up(a.lower, b.lower)};
   return {std::min({product_down(a.lower, b.lower), product_down(a.lower, b.upper), product_down(a.upper, b.lower),
                     product_down(a.upper, b.upper)}),
           std::max({product_up(a.lower, b.lower), product_up(a.lower, b.upper), product_up(a.upper, b.lower),

@@ -157,11 +157,11 @@ bool relaxed(Run& run, const CFunction& fb, Point& point, double& psi) {
 }
 
 /// Whether J_II is, at the point the crash has led to.
-bool singular(Run& run, const Point& point) {
+bool singular(Run& run, const Point& point, lcp::SparseLu& lu) {
   const std::vector<Index> I = members(inside(run.box(), point));
   if (I.empty()) return false;
   ++run.stats().factorizations;
-  return !lcp::SparseLu(lcp::LuBackend::Auto, run.deadline()).try_factor(block(point.J, I, 0));
+  return !lu.try_factor(block(point.J, I, 0));
 }
 
 /// Of a step of length t along a direction that would solve the linearised problem.
@@ -170,10 +170,9 @@ bool keeps_promise(const SearchOutcome& found, double psi) {
 }
 
 /// The steps. `proximal`: one of those kept met a singular J_II. False: the run is over.
-bool descend(Run& run, const Crash& options, Point& point, Iteration& it, bool& proximal) {
+bool descend(Run& run, const Crash& options, Point& point, Iteration& it, lcp::SparseLu& lu, bool& proximal) {
   const CFunction fb = fischer_burmeister();
   const Armijo rule{.max_backtracks = static_cast<int>(std::ceil(-std::log2(options.least_step)))};
-  lcp::SparseLu lu(lcp::LuBackend::Auto, run.deadline());
   Places before;
   bool sweeping = false;  // then full steps may raise the merit for a while: the set they overshoot to is a better one
   bool sweeps_pay = true;
@@ -239,11 +238,11 @@ bool descend(Run& run, const Crash& options, Point& point, Iteration& it, bool& 
 
 }  // namespace
 
-CrashEnd crash(Run& run, const Crash& options, Point& point, Iteration& it) {
+CrashEnd crash(Run& run, const Crash& options, Point& point, Iteration& it, lcp::SparseLu& lu) {
   if (!options.on || run.box().size() < options.minimum_dimension) return CrashEnd::Regular;
   bool proximal = false;
-  if (!descend(run, options, point, it, proximal)) return CrashEnd::Over;
-  return proximal && !run.mcp().is_affine() && singular(run, point) ? CrashEnd::Singular : CrashEnd::Regular;
+  if (!descend(run, options, point, it, lu, proximal)) return CrashEnd::Over;
+  return proximal && !run.mcp().is_affine() && singular(run, point, lu) ? CrashEnd::Singular : CrashEnd::Regular;
 }
 
 }  // namespace perp::ncp

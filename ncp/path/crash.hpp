@@ -14,7 +14,7 @@ enum class CrashEnd {
 };
 
 /// Moves `point` down the Fischer-Burmeister merit while it pays (struct Crash in ncp/path/path_search.hpp). `it` is
-/// the record of the last iteration.
-CrashEnd crash(Run& run, const Crash& options, Point& point, Iteration& it);
+/// the record of the last iteration. `lu` is left with the factors of the last J_II.
+CrashEnd crash(Run& run, const Crash& options, Point& point, Iteration& it, lcp::SparseLu& lu);
 
 }  // namespace perp::ncp

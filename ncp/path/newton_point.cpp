@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "lcp/classes/classify.hpp"
+#include "lcp/pivoting/straight_path.hpp"
 
 namespace perp::ncp {
 namespace {
@@ -14,6 +15,9 @@ namespace {
 /// Doubles that the kinks of one path may take.
 constexpr Index kink_memory = 4'000'000;
 constexpr Index most_kinks = 4096;
+
+/// A path with so few pivots may be followed by one without.
+constexpr int few_pivots = 3;
 
 /// Pivots in which t must grow. A path that turns back for longer seldom comes to t = 1 before thousands of pivots, and
 /// from its best point the next linearised problem is another one. What is affine has no next one.
@@ -91,11 +95,12 @@ char NewtonPoint::letter() const {
   return 'E';
 }
 
-NewtonPoints::NewtonPoints(Run& run, const PathSearch& method)
+NewtonPoints::NewtonPoints(Run& run, const PathSearch& method, lcp::SharedLu& straight_lu)
     : run_(run),
       method_(method),
       options_(method.lemke),
       lu_{lcp::SparseLu(method.lemke.basis.lu, run.deadline())},
+      straight_lu_(straight_lu),
       left_(method.cumulative_iteration_limit - run.stats().pivots) {
   const Index n = run.box().size();
   options_.interrupted = [&run] { return run.interrupted(); };
@@ -118,6 +123,18 @@ lcp::PivotResult NewtonPoints::follow(const lcp::AffineMcp& problem, const Vec& 
   if (options.start == lcp::LemkeStart::Ray) ++stats.ray_starts;
   pivots_ += path.pivots;
   left_ -= path.pivots;
+  return path;
+}
+
+/// The path where it has no pivots, if the last one had few.
+std::optional<lcp::PivotResult> NewtonPoints::straight(const lcp::AffineMcp& problem, const Vec& x,
+                                                       const lcp::LemkeOptions& options) {
+  if (run_.mcp().is_affine() || last_pivots_ > few_pivots || !finite(problem) || !x.allFinite()) return std::nullopt;
+  const auto begin = std::chrono::steady_clock::now();
+  std::optional<lcp::PivotResult> path = lcp::straight_path(problem, x, options, straight_lu_);
+  Stats& stats = run_.stats();
+  stats.linear_time += std::chrono::steady_clock::now() - begin;
+  ++stats.factorizations;
   return path;
 }
 
@@ -151,7 +168,12 @@ NewtonPoint NewtonPoints::solve(const Point& point, const Vec& x, const std::vec
     if (promised) options.patience = std::min(options.patience, patience_before_rays(problem.size()));
     options.cells = cells;
     options.keep_path = method_.search == Searchtype::Path;
+    if (std::optional<lcp::PivotResult> path = straight(problem, x, options)) {
+      newton.path = *std::move(path);
+      return newton;
+    }
     newton.path = follow(problem, x, options);
+    last_pivots_ = newton.path.pivots;
     newton.singular = newton.path.repaired > 0 && !newton.solved() && !run_.mcp().is_affine();
     if (newton.solved() || newton.stopped()) return newton;
   }

@@ -2,6 +2,7 @@
 #pragma once
 /// The linearised problems of PathSearch, solved by following the path from x^k; private to ncp/.
 #include <array>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -47,7 +48,8 @@ struct NewtonPoint {
 
 class NewtonPoints {
  public:
-  NewtonPoints(Run& run, const PathSearch& method);
+  /// `straight_lu` serves the paths without pivots.
+  NewtonPoints(Run& run, const PathSearch& method, lcp::SharedLu& straight_lu);
   NewtonPoints(const NewtonPoints&) = delete;
   NewtonPoints& operator=(const NewtonPoints&) = delete;
 
@@ -60,12 +62,16 @@ class NewtonPoints {
 
  private:
   lcp::PivotResult follow(const lcp::AffineMcp& problem, const Vec& x, const lcp::LemkeOptions& options);
+  std::optional<lcp::PivotResult> straight(const lcp::AffineMcp& problem, const Vec& x,
+                                           const lcp::LemkeOptions& options);
   bool ray_is_promised(const lcp::AffineMcp& problem) const;
 
   Run& run_;
   const PathSearch& method_;
   lcp::LemkeOptions options_;
   lcp::SharedLu lu_;  ///< of all paths: their bases have few patterns
+  lcp::SharedLu& straight_lu_;
+  int last_pivots_ = 0;  ///< of the last path
   int pivots_ = 0;
   int left_;
   bool first_ = true;

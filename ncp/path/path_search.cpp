@@ -56,13 +56,13 @@ class References {
 /// One attempt: z^k = point.x with F and J, x^k, and what the non-monotone test remembers.
 class Attempt {
  public:
-  Attempt(Run& run, const PathSearch& method, Point& point, bool singular)
+  Attempt(Run& run, const PathSearch& method, Point& point, bool singular, lcp::SharedLu& lu)
       : run_(run),
         method_(method),
         point_(point),
         x_(normal_point(run.box(), point.x, point.F)),
         cells_(method.basis),
-        newton_points_(run, method),
+        newton_points_(run, method, lu),
         lambda_(method.proximal_perturbation * size_of(point.J)),
         psi_(psi(point.x, point.F, x_)),
         references_(method.nms, psi_),
@@ -400,10 +400,11 @@ void iterate(Run& run, const PathSearch& method, Point point) {
   it.crash = method.crash.on && run.box().size() >= method.crash.minimum_dimension;
   it.merit = merit(fischer_burmeister(), run.box(), point.x, point.F);
   if (!run.go_on(point, it)) return;
-  const CrashEnd crashed = crash(run, method.crash, point, it);
+  lcp::SharedLu lu{lcp::SparseLu(lcp::LuBackend::Auto, run.deadline())};  // of J_II
+  const CrashEnd crashed = crash(run, method.crash, point, it, lu.lu);
   if (crashed == CrashEnd::Over) return;
   const double start = point.x.size() > 0 ? point.x.lpNorm<Eigen::Infinity>() : 0;
-  Attempt attempt(run, method, point, crashed == CrashEnd::Singular);
+  Attempt attempt(run, method, point, crashed == CrashEnd::Singular, lu);
   do {
     if (ran_off(run, point, start)) break;
     if (attempt.stalled()) {
