@@ -39,8 +39,8 @@ class SparseLu {
 
   /// Factors A (square; throws std::invalid_argument if it is not). A is copied: it may change or die afterwards.
   /// The matrix
-  /// that was factored last is not factored again. OutOfMemory also where the estimate says that the factors do not fit. Throws KernelTooLong where the
-  /// factorization would end after the deadline.
+  /// that was factored last is not factored again. OutOfMemory also where the estimate says that the factors do not
+  /// fit. Throws KernelTooLong where the factorization would end after the deadline.
   [[nodiscard]] LuStatus factor(const SpMat& A);
   /// factor(): true if Ok, false if there are no factors of this matrix. Throws std::bad_alloc if OutOfMemory.
   [[nodiscard]] bool try_factor(const SpMat& A);

@@ -126,7 +126,7 @@ struct PivotResult {
   int pivots = 0;
   int refactorizations = 0;
   int repaired = 0;  ///< dependent columns of the start basis that artificials stood in for, or that were split
-  std::vector<Breakpoint> path;                    ///< the kinks from the start on, if keep_path
+  std::vector<Breakpoint> path;                   ///< the kinks from the start on, if keep_path
   std::shared_ptr<const LastPiece> last_piece{};  ///< for chord_step(), if LemkeOptions::keep_basis and solved
   bool solved() const { return end == PivotEnd::Solved; }
 };

@@ -20,7 +20,7 @@ std::vector<Cell> cells_of(const Box& box, In x, const std::vector<Cell>& warm) 
   std::vector<Cell> cells(at(box.size()));
   for (Index i = 0; i < box.size(); ++i) {
     Cell& cell = cells[at(i)];
-    cell = !warm.empty()          ? warm[at(i)]
+    cell = !warm.empty()         ? warm[at(i)]
            : x[i] < box.lower[i] ? Cell::Below
            : x[i] > box.upper[i] ? Cell::Above
                                  : Cell::Inside;
@@ -105,6 +105,11 @@ double largest_of(const Vec& F, const std::vector<Index>& I) {
   return largest;
 }
 
+/// Row by row, where natural residuals are compared with the largest of q: rows of other sizes are lost beside that.
+bool solves(const Vec& F, const Vec& q, const std::vector<Index>& I, double tol) {
+  return std::ranges::all_of(I, [&](Index i) { return std::abs(F[i]) <= tol * (1 + std::abs(q[i])); });
+}
+
 /// Whether x is in its cell, but for as much as a ratio test would overlook.
 bool stays(const AffineMcp& problem, const std::vector<Cell>& cells, const Vec& z, const Vec& F, double tol) {
   const double scale = 1 + problem.q.lpNorm<::Eigen::Infinity>();
@@ -148,8 +153,7 @@ std::optional<PivotResult> straight_path(const AffineMcp& problem, In start, con
   for (int k = 0; k < most_steps && (k == 0 || left > rounding); ++k) {
     const Vec step = piece->solve(F);
     Vec next = z;
-    for (std::size_t j = 0; j < piece->inside().size(); ++j)
-      next[piece->inside()[j]] -= step[static_cast<Index>(j)];
+    for (std::size_t j = 0; j < piece->inside().size(); ++j) next[piece->inside()[j]] -= step[static_cast<Index>(j)];
     if (!next.allFinite()) return std::nullopt;
     Vec F_there = problem.M * next + problem.q;
     const double left_there = largest_of(F_there, piece->inside());
@@ -159,7 +163,9 @@ std::optional<PivotResult> straight_path(const AffineMcp& problem, In start, con
     left = left_there;
     if (k == 0 && !stays(problem, result.cells, z, F, 1e3 * options.feasibility_tol)) return std::nullopt;
   }
-  if (!stays(problem, result.cells, z, F, options.feasibility_tol)) return std::nullopt;
+  if (!stays(problem, result.cells, z, F, options.feasibility_tol) ||
+      !solves(F, problem.q, piece->inside(), options.residual_tol))
+    return std::nullopt;
 
   result.x = z;
   for (Index i = 0; i < z.size(); ++i)

@@ -249,8 +249,9 @@ bool Attempt::accept(const NewtonPoint& newton, double least, Iteration& it) {
         if (unchecked_++ == 0) saved_ = Saved{.point = point_, .way = way_to(newton), .t = newton.t(), .psi = psi_};
       }
       delta_ = near ? method_.nms.distance_decrease * delta_ : std::max(delta_, distance);
+      const bool by_chord = chord != merit;  // into another cell, perhaps
       moved(std::move(trial), std::move(x), chord);
-      cells_ = newton.path.cells;
+      if (!by_chord) cells_ = newton.path.cells;
       return true;
     }
   }

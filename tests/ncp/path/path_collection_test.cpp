@@ -96,6 +96,15 @@ TEST(PathCollection, ColvdualBeginsWhereTheCrashLedNowhere) {
   EXPECT_EQ(result.stats.restarts, 0);
 }
 
+// Hock & Schittkowski 62 (1981) without a crash. After chord steps the path began in the cell of the Newton point
+// before them: from there Newton and chord steps went to and fro between two points.
+TEST(PathCollection, CellsAreForgottenAfterAChordStep) {
+  const Problem problem = collection::find("hs62-kkt")->make();
+  PathSearch method{.restart_limit = 0};
+  method.crash.on = false;
+  for (const Vec& x0 : problem.starts) support::expect_solved(*problem.mcp, x0, method);
+}
+
 // The collection without what tries other methods: what the path search does alone. Catches restarts that hide a path
 // search that does not work: most are solved by the first attempt.
 TEST(PathCollection, TheFirstAttemptSolvesMost) {
