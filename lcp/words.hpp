@@ -26,6 +26,9 @@ std::string text_of(const Parts&... parts) {
   return text.str();
 }
 
+/// "1 iteration", "3 iterations".
+inline std::string quantity(long long n, std::string_view noun) { return text_of(n, ' ', noun, n == 1 ? "" : "s"); }
+
 /// Throws std::invalid_argument saying that.
 template <class... Parts>
 [[noreturn]] void refuse_input(const Parts&... parts) {

@@ -6,8 +6,8 @@
 ///   3. the face: held is i at a bound that the sign of g_i = (A z + q)_i presses it to, or, where A is not symmetric,
 ///      i that z_i - g_i / a_ii lies beyond a bound of (the primal-dual active set; it is moved to that bound);
 ///   4. A_FF d_F = -g_F, inexactly, by the solver of the level;
-///   5. the step P(z + d) - z, as long as phi says where A is symmetric (phi never rises), else in full.
-/// Reference: Hintermueller, Ito & Kunisch, SIAM J. Optim. 13 (2003) 865; Graeser & Kornhuber, J. Comput. Math. 27
+///   5. the step P(z + d) - z: where A is symmetric phi decides how long it is, and never rises; else in full.
+/// Reference: Hintermueller, Ito & Kunisch, SIAM J. Optim. 13 (2002) 865; Graeser & Kornhuber, J. Comput. Math. 27
 /// (2009) 1.
 #include "petsc/rows.hpp"
 

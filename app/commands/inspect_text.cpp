@@ -81,7 +81,10 @@ void print_structure(Printout& print, const Inspection& inspection) {
   print.line(fmt::format("structural rank {} of {}{}", found.rank, found.size,
                          inspection.kinds.fixed.empty() ? "" : ", fixed variables and their rows left out"));
   if (found.full() || found.singular()) return;
-  print.line("The Jacobian is singular wherever all variables are between their bounds:");
+  print.line(
+      fmt::format("With variables at their bounds it is {}: no concern. With all of them between their bounds the "
+                  "Jacobian is singular:",
+                  found.rank_with_bounds));
   for (const std::string& text : blame(inspection.mcp(), found)) print.line(text);
 }
 

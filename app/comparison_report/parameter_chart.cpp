@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 /// What the parameter of a C-function does: the share of pairs that are solved, over its values.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <optional>
 
@@ -13,13 +15,19 @@
 #include "app/findings/summary.hpp"
 #include "app/text/plot_layout.hpp"
 #include "app/text/svg.hpp"
+#include "ncp/reformulation/cfunction.hpp"
 
 namespace perp::app::comparison {
 
 namespace {
 
 using Anchor = Svg::Anchor;
-using Curves = std::map<std::string, std::map<double, double>>;  // of a function, by its parameter: the share solved
+
+/// Of a function, by its parameter: the share of the pairs that is solved.
+struct Curves {
+  std::map<std::string, std::map<double, double>> of{};
+  std::size_t pairs = 0;
+};
 
 /// "min-rho-b 0.01": the name and the value.
 std::optional<std::pair<std::string, double>> parametrised(const std::string& given) {
@@ -35,15 +43,28 @@ Curves curves_of(const CampaignData& data, const Comparison& comparison) {
   Curves curves;
   const Summary all = summary(data, comparison);
   if (all.pairs == 0) return curves;
+  curves.pairs = static_cast<std::size_t>(all.pairs);
   for (const SummaryRow& row : all.rows)
     if (const auto which = parametrised(given_cfunction(data.methods()[row.method])))
-      curves[which->first][which->second] = static_cast<double>(row.solved) / static_cast<double>(all.pairs);
-  std::erase_if(curves, [](const auto& curve) { return curve.second.size() < 2; });
+      curves.of[which->first][which->second] = static_cast<double>(row.solved) / static_cast<double>(all.pairs);
+  std::erase_if(curves.of, [](const auto& curve) { return curve.second.size() < 2; });
   return curves;
 }
 
-void draw_frame(Svg& svg, const Panel& panel, const Scale& x, const Scale& y, double low, double high, double least) {
-  svg.text("title", {8, 17}, "Solved pairs by the parameter of the C-function");
+/// "rho or lambda": what the curves are drawn over.
+std::string parameters_of(const Curves& curves) {
+  std::vector<std::string> names;
+  for (const auto& [name, points] : curves.of) {
+    const std::string parameter = ncp::cfunction(name).parameter->name;
+    if (std::ranges::find(names, parameter) == names.end()) names.push_back(parameter);
+  }
+  std::ranges::sort(names, std::greater{});  // rho, lambda, alpha, as the methods' page has them
+  return fmt::format("{}", fmt::join(names, " or "));
+}
+
+void draw_frame(Svg& svg, const Panel& panel, const Scale& x, const Scale& y, double low, double high, double least,
+                const Curves& curves) {
+  svg.text("title", {8, 17}, fmt::format("Solved of {} pairs, by the parameter of the C-function", curves.pairs));
   for (double share = least; share < 1.001; share += 0.1) {
     svg.line(share == least ? "axis" : "grid", {panel.left, y(share)}, {panel.right, y(share)});
     svg.text("tick", {panel.left - 6, y(share) + 4}, fmt::format("{:.0f} %", 100 * share), Anchor::End);
@@ -52,16 +73,16 @@ void draw_frame(Svg& svg, const Panel& panel, const Scale& x, const Scale& y, do
     svg.line("grid", {x(power), panel.top}, {x(power), panel.bottom});
     svg.text("tick", {x(power), panel.bottom + 16}, fmt::format("{:g}", std::pow(10, power)), Anchor::Middle);
   }
-  svg.text("axis-name", {panel.middle(), panel.bottom + 34}, "rho, lambda or alpha", Anchor::Middle);
+  svg.text("axis-name", {panel.middle(), panel.bottom + 34}, parameters_of(curves), Anchor::Middle);
 }
 
 }  // namespace
 
 std::string parameter_chart(const CampaignData& data, const Comparison& comparison) {
   const Curves curves = curves_of(data, comparison);
-  if (curves.empty()) return "";
+  if (curves.of.empty()) return "";
   double low = 300, high = -300, least = 1;
-  for (const auto& [name, points] : curves) {
+  for (const auto& [name, points] : curves.of) {
     low = std::min(low, std::log10(points.begin()->first));
     high = std::max(high, std::log10(points.rbegin()->first));
     for (const auto& [value, share] : points) least = std::min(least, share);
@@ -71,9 +92,9 @@ std::string parameter_chart(const CampaignData& data, const Comparison& comparis
   const Scale x = Scale::linear(low - 0.1, high + 0.1, panel.left, panel.right);
   const Scale y = Scale::linear(least, 1, panel.bottom, panel.top);
   Svg svg(680, 344, "Solved pairs by the parameter of the C-function", "");
-  draw_frame(svg, panel, x, y, low, high, least);
+  draw_frame(svg, panel, x, y, low, high, least, curves);
   std::size_t style = 0;
-  for (const auto& [name, points] : curves) {
+  for (const auto& [name, points] : curves.of) {
     std::vector<Pixel> line;
     for (const auto& [value, share] : points) line.push_back({x(std::log10(value)), y(share)});
     svg.begin_group(fmt::format("{}-parameter-{}", comparison.id, style), "curve");

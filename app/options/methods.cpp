@@ -22,24 +22,33 @@ std::string defaults(const Option& option) {
   };
   std::vector<Group> groups;
   std::vector<std::string_view> with, without;
+  std::string inert;  // why no method has a default where none does
   for (const MethodEntry& entry : methods()) {
     Settings settings{.method_name = std::string(entry.name), .method = entry.method};
     const ncp::Fields fields = fields_of(settings);
     const ncp::Field* field = fields.find(option.key);
     const std::string value = field == nullptr ? "-" : value_text(*field);
     (value == "-" ? without : with).push_back(entry.name);
+    if (field != nullptr && !field->inert.empty()) inert = field->inert;
     if (value == "-") continue;
     auto group = std::ranges::find(groups, value, &Group::value);
     if (group == groups.end()) group = groups.insert(groups.end(), {.value = value});
     group->methods.push_back(entry.name);
   }
   std::ranges::stable_sort(groups, std::greater{}, [](const Group& group) { return group.methods.size(); });
-  std::string text = groups.empty() ? "" : "default " + groups[0].value;
+  if (groups.empty()) return inert.empty() ? "" : fmt::format("no effect with {}, the default", inert);
+  std::string text = "default " + groups[0].value;
   for (std::size_t k = 1; k < groups.size(); ++k)
     text += fmt::format("; {} with {}", groups[k].value, fmt::join(groups[k].methods, ", "));
   if (without.empty() || with.empty()) return text;
   return text + (with.size() <= without.size() ? fmt::format("; for {}", fmt::join(with, ", "))
                                                : fmt::format("; no effect on {}", fmt::join(without, ", ")));
+}
+
+/// Those of the parts that are not empty.
+std::vector<std::string> known(std::vector<std::string> parts) {
+  std::erase(parts, "");
+  return parts;
 }
 
 void print_entries(std::ostream& out, bool affine, bool published) {
@@ -117,7 +126,7 @@ int print_methods(Streams streams) {
     print_wrapped(out, option.help, 6);
     print_wrapped(out,
                   option.key == "method" ? fmt::format("one of those above; default {}", default_method)
-                                         : option.takes + "; " + defaults(option),
+                                         : fmt::format("{}", fmt::join(known({option.takes, defaults(option)}), "; ")),
                   6);
   }
 

@@ -23,11 +23,20 @@ void settle(Property& property, Property found) {
 }
 std::string place(Index i, Index j) { return "(" + std::to_string(i + 1) + ", " + std::to_string(j + 1) + ")"; }
 
+constexpr const char* magnitudes = "the entries of M are of too many magnitudes";
+
 /// Everything about one matrix, in the order from cheap to costly.
 class Classifier {
  public:
-  Classifier(const SpMat& M, const ClassifyOptions& options, Diagnosis& d)
-      : M_(M), options_(options), d_(d), n_(M.rows()), Mt_(M.transpose()), S_(M_ + Mt_), diagonal_(M.diagonal()) {}
+  Classifier(const SpMat& M, const ClassifyOptions& options, bool wide, Diagnosis& d)
+      : M_(M),
+        options_(options),
+        d_(d),
+        n_(M.rows()),
+        Mt_(M.transpose()),
+        S_(M_ + Mt_),
+        diagonal_(M.diagonal()),
+        wide_(wide) {}
 
   void run() {
     symmetric();
@@ -51,8 +60,8 @@ class Classifier {
         if (it.value() == 0) continue;
         exactly = false;
         const Index i = it.row();
-        const double size = std::max(
-            {std::abs(M_.coeff(i, j)), std::abs(M_.coeff(j, i)), std::sqrt(std::abs(diagonal_[i] * diagonal_[j]))});
+        const double size = std::max({std::abs(M_.coeff(i, j)), std::abs(M_.coeff(j, i)),
+                                      std::sqrt(std::abs(diagonal_[i])) * std::sqrt(std::abs(diagonal_[j]))});
         if (std::abs(it.value()) > options_.tol * size) {
           d_.symmetric = no("M differs from M' at " + place(i, j), {i, j});
           return;
@@ -101,6 +110,8 @@ class Classifier {
       d_.h_plus = yes("strictly diagonally dominant with positive diagonal");
     } else if ((rows_.weak && chained(rows_, M_)) || (columns_.weak && chained(columns_, Mt_))) {
       d_.h_plus = yes("irreducibly (or weakly chained) diagonally dominant with positive diagonal");
+    } else if (wide_) {
+      d_.h_plus.reason = magnitudes;
     } else {
       by_jacobi_radius();
       if (d_.h_plus.answer == Answer::NotDecided) by_comparison_matrix();
@@ -160,7 +171,7 @@ class Classifier {
 
   /// Minors of one and two rows. False: one refutes P.
   bool small_minors() {
-    const auto refute = [&](std::vector<Index> alpha, double minor) {
+    const auto refute = [&](std::vector<Index> alpha, long double minor) {
       std::ostringstream reason;
       reason << "a principal minor is " << minor;
       settle(d_.p, no(reason.str(), alpha));
@@ -175,9 +186,8 @@ class Classifier {
         } else if (b.row() < a.row()) {
           ++b;
         } else {
-          const double one = diagonal_[j] * diagonal_[a.row()];
-          const double two = a.value() * b.value();
-          const double minor = one - two;
+          const auto [one, two] = products(diagonal_[j], diagonal_[a.row()], a.value(), b.value());
+          const long double minor = one - two;
           if (a.row() < j && (minor == 0 || minor < -options_.tol * (std::abs(one) + std::abs(two))))
             refute({a.row(), j}, minor);
           ++a;
@@ -185,6 +195,12 @@ class Classifier {
         }
       }
     return d_.p.answer == Answer::NotDecided;
+  }
+
+  /// a b and c d, in extended precision only where they may leave the range of numbers, or vanish.
+  std::pair<long double, long double> products(double a, double b, double c, double d) const {
+    if (wide_) return {static_cast<long double>(a) * b, static_cast<long double>(c) * d};
+    return {a * b, c * d};
   }
 
   /// The principal minors of M are products of those of its strongly connected diagonal blocks.
@@ -253,6 +269,10 @@ class Classifier {
       }
       const MinorTest test = p0_by_minors(block(alpha), options_.tol);
       if (test.answer == Answer::No) return refute_by(test, alpha);
+      if (test.answer == Answer::NotDecided) {
+        d_.p0.reason = magnitudes;
+        return;
+      }
     }
     d_.p0 = yes("by all principal minors of the strongly connected blocks");
   }
@@ -284,7 +304,8 @@ class Classifier {
         const Index j = it.row();
         const double a = 2 * diagonal_[i];
         const double b = 2 * diagonal_[j];
-        if (j <= i || b < 0 || it.value() >= 0 || it.value() * it.value() < a * b) continue;
+        if (j <= i || b < 0 || it.value() >= 0) continue;
+        if (const auto [square, both] = products(it.value(), it.value(), a, b); square < both) continue;
         Vec v = Vec::Zero(n_);
         v[i] = b > 0 ? b : -it.value();
         v[j] = b > 0 ? -it.value() : a - it.value();
@@ -300,10 +321,10 @@ class Classifier {
     const bool open = d_.copositive.answer == Answer::NotDecided || d_.copositive_plus.answer == Answer::NotDecided ||
                       d_.strictly_copositive.answer == Answer::NotDecided;
     if (!open) return;
-    if (n_ <= options_.copositive_to) return copositive_by_submatrices(S_, options_, d_);
+    if (n_ <= options_.copositive_to && !wide_) return copositive_by_submatrices(S_, options_, d_);
     for (Property* property : {&d_.copositive, &d_.strictly_copositive, &d_.copositive_plus})
       if (property->answer == Answer::NotDecided)
-        property->reason = "n is beyond copositive_to, and the cheap tests do not decide";
+        property->reason = wide_ ? magnitudes : "n is beyond copositive_to, and the cheap tests do not decide";
   }
 
   std::vector<Index> members(Index k) const {
@@ -326,6 +347,7 @@ class Classifier {
   SpMat Mt_;
   SpMat S_;
   Vec diagonal_;
+  bool wide_;  ///< products of entries may overflow, or vanish
   Dominance rows_, columns_;
   Components parts_;
   std::vector<int> component_;
@@ -348,75 +370,6 @@ void check(const SpMat& M, const ClassifyOptions& options) {
 
 }  // namespace
 
-Dominance dominance_of_columns(const SpMat& A, double tol) {
-  Dominance d;
-  d.strict_columns.assign(at(A.cols()), 0);
-  for (Index j = 0; j < A.cols(); ++j) {
-    double diagonal = 0;
-    double others = 0;
-    for (SpMat::InnerIterator it(A, j); it; ++it)
-      it.row() == j ? diagonal = it.value() : others += std::abs(it.value());
-    const double zero = tol * (std::abs(diagonal) + others);
-    const bool weak = diagonal >= 0 && diagonal - others >= -zero;
-    const bool strict = diagonal - others > zero;
-    d.strict_columns[at(j)] = strict;
-    if (!weak && d.violated < 0) d.violated = j;
-    if (!strict && d.not_strict < 0) d.not_strict = j;
-    d.weak = d.weak && weak;
-    d.strict = d.strict && strict;
-  }
-  return d;
-}
-
-bool chained(const Dominance& dominance, const SpMat& B) {
-  std::vector<Index> queue;
-  std::vector<char> reached = dominance.strict_columns;
-  for (Index i = 0; i < B.rows(); ++i)
-    if (reached[at(i)]) queue.push_back(i);
-  for (std::size_t next = 0; next < queue.size(); ++next)
-    for (SpMat::InnerIterator it(B, queue[next]); it; ++it)
-      if (it.value() != 0 && !reached[at(it.row())]) {
-        reached[at(it.row())] = 1;
-        queue.push_back(it.row());
-      }
-  return static_cast<Index>(queue.size()) == B.rows();
-}
-
-JacobiRadius jacobi_radius(const SpMat& M, const std::vector<int>& component, int sweeps, double tol) {
-  const Index n = M.rows();
-  const auto parts = static_cast<std::size_t>(n > 0 ? *std::max_element(component.begin(), component.end()) + 1 : 0);
-  const Vec diagonal = M.diagonal();
-  JacobiRadius r{.x = Vec::Ones(n)};
-  Vec y(n);
-  for (int sweep = 0; sweep < std::max(1, sweeps); ++sweep) {
-    y.setZero();
-    for (Index j = 0; j < n; ++j)
-      for (SpMat::InnerIterator it(M, j); it; ++it)
-        if (it.row() != j && component[at(it.row())] == component[at(j)]) y[it.row()] += std::abs(it.value()) * r.x[j];
-    r.lower.assign(parts, infinity);
-    r.upper.assign(parts, 0);
-    std::vector<double> largest(parts, 0);
-    for (Index i = 0; i < n; ++i) {
-      const auto k = static_cast<std::size_t>(component[at(i)]);
-      y[i] /= diagonal[i];
-      r.lower[k] = std::min(r.lower[k], y[i] / r.x[i]);
-      r.upper[k] = std::max(r.upper[k], y[i] / r.x[i]);
-      largest[k] = std::max(largest[k], r.x[i] + y[i]);
-    }
-    bool open = false;
-    bool refuted = false;
-    for (std::size_t k = 0; k < parts; ++k) {
-      open = open || r.upper[k] >= 1 - tol;
-      refuted = refuted || r.lower[k] > 1 + tol || r.lower[k] == 1;
-    }
-    if (!open || refuted || sweep + 1 >= sweeps) break;
-    // (I + J) / 2, which is aperiodic; an x that has underflowed stays positive, and its bounds are then useless.
-    for (Index i = 0; i < n; ++i)
-      r.x[i] = std::max((r.x[i] + y[i]) / largest[static_cast<std::size_t>(component[at(i)])], 1e-300);
-  }
-  return r;
-}
-
 std::string_view to_string(Answer answer) {
   using enum Answer;
   static constexpr std::pair<Answer, std::string_view> words[] = {
@@ -426,18 +379,24 @@ std::string_view to_string(Answer answer) {
 
 Property positive_semidefinite(const SpMat& M, const ClassifyOptions& options) {
   check(M, options);
+  const Exponents e = exponents(M);
+  const SpMat A = e.extreme() ? centred(M, e) : M;
   Diagnosis d;
-  classify_definite(SpMat(M + SpMat(M.transpose())), options, d);
+  classify_definite(SpMat(A + SpMat(A.transpose())), options, d);
   return d.positive_semidefinite;
 }
 
 Diagnosis classify(const SpMat& M, const ClassifyOptions& options) {
   check(M, options);
-  SpMat compressed = M;
+  const Exponents e = exponents(M);
+  SpMat compressed = e.extreme() ? centred(M, e) : M;
   compressed.makeCompressed();
   Diagnosis d;
   d.size = M.rows();
-  Classifier(compressed, options, d).run();
+  Classifier(compressed, options, e.wide(), d).run();
+  if (e.extreme())  // which of the reasons have numbers in them is not known here
+    for (const auto& [name, view] : d.all())
+      if (view->no()) const_cast<Property*>(view)->reason += text_of(" (in M 2^", centring(e), ")");
   return d;
 }
 

@@ -10,9 +10,9 @@
 namespace perp::lcp {
 namespace {
 
-std::string form_reason(double value, const char* relation) { return text_of("v'Mv = ", value, relation); }
+std::string form_reason(long double value, const char* relation) { return text_of("v'Mv = ", value, relation); }
 
-void refute(Property& property, const Vec& v, double value) {
+void refute(Property& property, const Vec& v, long double value) {
   property = {.answer = Answer::No, .reason = form_reason(value, value < 0 ? " < 0" : ""), .vector = v};
 }
 
@@ -135,7 +135,7 @@ Form quadratic_form(const SpMat& S, const Vec& v, double tol) {
       terms += std::abs(term);
     }
   }
-  return {static_cast<double>(value / 2), tol * static_cast<double>(terms / 2)};
+  return {value / 2, static_cast<long double>(tol) * terms / 2};
 }
 
 void dense_definite(const SpMat& S, double tol, Property& definite, Property& semidefinite) {

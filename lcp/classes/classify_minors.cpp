@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <Eigen/Dense>
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstdint>
@@ -21,6 +22,10 @@ class PTest {
   bool run(const Dense& A, const Dense& E, Index first) {
     const Index n = A.rows();
     const double pivot = A(0, 0);
+    if (!std::isfinite(pivot) || !std::isfinite(E(0, 0))) {
+      hidden_ = true;
+      return true;
+    }
     if (pivot <= tol_ * E(0, 0)) {
       if (pivot != 0 && pivot >= -tol_ * E(0, 0)) {
         hidden_ = true;
@@ -48,7 +53,7 @@ class PTest {
  private:
   double tol_;
   std::vector<char> taken_;
-  bool hidden_ = false;  ///< a pivot whose sign rounding hides
+  bool hidden_ = false;  ///< a pivot whose sign rounding hides, or that overflowed
 };
 
 /// Rows and columns scaled by powers of two (one and the same: the minors keep their signs) to a diagonal near one.
@@ -84,6 +89,8 @@ MinorTest p0_by_minors(const Dense& A, double tol) {
     // The determinant against Hadamard's bound, whose rounding it may carry.
     double hadamard = 1;
     for (const Index i : alpha) hadamard *= B.row(i)(alpha).norm();
+    const bool zero_row = std::ranges::any_of(alpha, [&](Index i) { return B.row(i)(alpha).isZero(0); });
+    if (!std::isfinite(hadamard) || (hadamard < 1e-290 && !zero_row)) return {};
     if (lu.determinant() < -tol * hadamard) return {.answer = Answer::No, .alpha = alpha};
   }
   return {.answer = Answer::Yes};

@@ -5,10 +5,24 @@
 
 namespace perp::lcp {
 
+/// The exponents of the entries that are not zero: 2^least <= |M_ij| < 2^(most + 1).
+struct Exponents {
+  int least = 0;
+  int most = 0;
+  /// Products of a few entries may overflow, or vanish.
+  bool extreme() const { return most > 80 || least < -80; }
+  /// They may do so for every multiple of M.
+  bool wide() const { return most - least > 800; }
+};
+Exponents exponents(const SpMat& M);
+/// M 2^k, with the exponents about zero: in the same classes.
+int centring(const Exponents& e);  ///< k
+SpMat centred(const SpMat& M, const Exponents& e);
+
 /// v'Sv / 2, and tol times the terms it is the sum of: within that it counts as zero.
 struct Form {
-  double value = 0;
-  double error = 0;
+  long double value = 0;  // no product of three entries leaves its range, or vanishes in it
+  long double error = 0;
   bool negative() const { return value < -error; }
   bool not_positive() const { return negative() || value == 0; }
 };

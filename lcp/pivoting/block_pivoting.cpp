@@ -107,7 +107,9 @@ class BlockRun {
     return cell_.solve(places_) == LuStatus::Ok;  // as it was
   }
 
-  std::string left(std::size_t violated) const { return text_of(violated, " signs are violated"); }
+  std::string left(std::size_t violated) const {
+    return text_of(violated, violated == 1 ? " sign is" : " signs are", " violated");
+  }
 
   Result failed(LuStatus status, const std::string& which) {
     const bool memory = status == LuStatus::OutOfMemory;
@@ -119,8 +121,8 @@ class BlockRun {
     Result result = judged(problem_, best_.z(), limits_, status, what);
     result.iterations = rounds_;
     result.factorizations = cell_.factorizations() + coarse_factorizations_;
-    result.message +=
-        text_of((result.message.empty() ? "" : "; "), least_index_, " least-index steps in ", rounds_, " rounds");
+    result.message += text_of((result.message.empty() ? "" : "; "), quantity(least_index_, "least-index step"), " in ",
+                              quantity(rounds_, "round"));
     return result;
   }
 
@@ -143,7 +145,8 @@ Result by_components(const AffineMcp& problem, In start, const BlockPivoting& op
       problem, start,
       [&](const AffineMcp& part, In at, const Limits& stop) { return BlockRun(part, at, options, stop).run(); },
       limits);
-  result.message += text_of((result.message.empty() ? "" : "; "), "by components: ", result.iterations, " rounds");
+  result.message +=
+      text_of((result.message.empty() ? "" : "; "), "by components: ", quantity(result.iterations, "round"));
   return result;
 }
 

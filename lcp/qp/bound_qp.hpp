@@ -20,8 +20,8 @@
 /// Terminates at a solution, with the residual at the level of rounding, for every positive definite M whose condition
 /// leaves it digits, by the sweeps alone if need be (Luo & Tseng 1992, theorem 2.1). If M is singular the method of
 /// proximal points (Rockafellar 1976) takes over: z+ solves the problem with eps D added to M, D its diagonal, and
-/// -eps D z to q. It stops at a solution after finitely many steps if there is one; else z+ - z tends to a direction d
-/// with M d = 0, q'd < 0 along which the box is unbounded (Pazy 1971; Banjac et al. 2019), and that is the certificate.
+/// -eps D z to q. It converges to a solution if there is one; else z+ - z tends to a direction d with M d = 0, q'd < 0
+/// along which the box is unbounded (Pazy 1971; Banjac et al. 2019), and that is the certificate.
 ///
 /// Answers: Solved (by the judge alone). NotApplicable: M is not symmetric (the message names the entry), or has d'M d
 /// < 0 (the message has the value). A problem that is solved before the negative curvature is met is Solved

@@ -331,7 +331,7 @@ Result enumeration(const AffineMcp& problem, In start, const Enumeration& option
       what << "all 2^" << two << (three > 0 ? " 3^" + std::to_string(three) : "") << " cells examined: ";
     else
       what << all.message << ": ";
-    what << all.found.size() << " solutions or sets of them";
+    what << all.found.size() << (all.found.size() == 1 ? " solution or set of them" : " solutions or sets of them");
     const Vec z = all.found.empty() ? Vec(start) : all.found.front().z;
     const bool none = all.complete && all.found.empty();
     const Status otherwise = none ? Status::Infeasible : all.complete ? Status::Stalled : all.stopped;

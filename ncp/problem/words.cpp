@@ -39,10 +39,6 @@ std::string number_above(double value) {
   return text.front() == '-' ? text.substr(1) : value == 0 ? text : "-" + text;
 }
 
-std::string quantity(Index n, std::string_view noun) {
-  return std::to_string(n).append(" ").append(noun).append(n == 1 ? "" : "s");
-}
-
 std::size_t edit_distance(std::string_view a, std::string_view b) {
   const auto lower = [](char letter) { return std::tolower(static_cast<unsigned char>(letter)); };
   std::vector<std::size_t> row(b.size() + 1);

@@ -4,6 +4,7 @@
 #include <string>
 #include <string_view>
 
+#include "lcp/words.hpp"
 #include "ncp/problem/mcp.hpp"
 
 namespace perp::ncp {
@@ -14,8 +15,7 @@ std::string number(double value);
 std::string number_below(double value);
 std::string number_above(double value);
 
-/// "1 iteration", "3 iterations".
-std::string quantity(Index n, std::string_view noun);
+using perp::quantity;
 
 /// Levenshtein's distance, without regard to case.
 std::size_t edit_distance(std::string_view a, std::string_view b);

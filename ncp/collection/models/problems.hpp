@@ -10,8 +10,9 @@ namespace perp::ncp::collection {
 Problem kojshin(), josephy(), munson1(), billups(), watson4();
 // ncp/collection/kkt/kkt.cpp
 Problem hs34_kkt(), hs35_kkt(), hs76_kkt(), colvnlp(), colvdual();
-// economics.cpp, choi.cpp, distillation.cpp, tinloi.cpp, pies.cpp
-Problem mathiesen(), mathiesen_2(), mathiesen_3(), kehoe(), choi(), hydroc06(), methan08(), tinloi42(), pies();
+// economics.cpp, choi.cpp, distillation.cpp, tinloi.cpp, pies.cpp, ring.cpp
+Problem mathiesen(), mathiesen_2(), mathiesen_3(), kehoe(), choi(), hydroc06(), methan08(), tinloi42(), pies(),
+    bertsekas(), freebert(), gafni();
 // classics.cpp
 Problem nash5(), cyclic3_own(), cube_vertices_own(), simplex_own(), feasible_unsolvable_own(), hilbert_own();
 // equations.cpp

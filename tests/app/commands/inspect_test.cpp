@@ -120,7 +120,9 @@ TEST_F(Inspect, SingularOnlyBetweenTheBounds) {
   EXPECT_THAT(texts(inspection, Concern::Structure), IsEmpty());
   EXPECT_THAT(inspection.structure.over.rows, ElementsAre(0, 1));
   EXPECT_THAT(inspection.structure.under.columns, ElementsAre(0, 1));
-  EXPECT_THAT(printed(inspection), HasSubstr("singular wherever all variables are between their bounds"));
+  EXPECT_THAT(printed(inspection), AllOf(HasSubstr("structural rank 2 of 3"),
+                                         HasSubstr("With variables at their bounds it is 3: no concern."),
+                                         HasSubstr("Nothing stands out.")));
 }
 
 // A row that depends on fixed variables alone is empty; what a fixed variable's row lacks is not missed.

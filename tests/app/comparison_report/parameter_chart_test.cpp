@@ -33,6 +33,7 @@ TEST(ParameterChart, HasTheSharesByValue) {
   made_up.method("semismooth:cfunction=min", "min").runs("semismooth:cfunction=min", "tiny", 20, 15);
   EXPECT_THAT(chart_of(made_up), AllOf(HasSubstr("min-rho-b at 0.01: 90.0 %"), HasSubstr("min-rho-b at 1: 60.0 %"),
                                        HasSubstr("min-rho-b at 100: 100.0 %"), Not(HasSubstr("min at"))));
+  EXPECT_THAT(chart_of(made_up), AllOf(HasSubstr("Solved of 20 pairs"), HasSubstr(">rho<"), Not(HasSubstr("lambda"))));
 }
 
 TEST(ParameterChart, NeedsTwoValues) {

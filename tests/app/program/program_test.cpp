@@ -84,6 +84,8 @@ TEST(Help, MethodsCommandNamesEverything) {
     EXPECT_THAT(text, HasSubstr(std::string(option.help)));
   }
   EXPECT_THAT(text, HasSubstr("crash_method"));
+  // Neither a sentence that breaks off nor a word said twice, where a part of it is empty or repeats what is before.
+  EXPECT_FALSE(std::regex_search(text, std::regex("; *\n\n|(\\b[a-z]+: )\\1"))) << text;
 }
 
 // Would catch a C-function or a smoothing without its line, and a range that is not printed.

@@ -209,6 +209,56 @@ TEST(Classify, LargeFamilies) {
   expect_witnesses(indefinite, no, "shifted");
 }
 
+/// D M D with D_i = 2^k_i: in the same classes but for dominance.
+SpMat congruent(const Dense& A, const std::vector<int>& k) {
+  return sparse(Dense::NullaryExpr(A.rows(), A.cols(), [&](Index i, Index j) {
+    return std::ldexp(A(i, j), k[static_cast<std::size_t>(i)] + k[static_cast<std::size_t>(j)]);
+  }));
+}
+
+// M 2^k is in the same classes, up to the ends of the numbers; catches sums, products and forms that overflow, where a
+// comparison of infinities or an underflow to zero decides.
+TEST(Classify, AnswersAreThoseOfAnyMultiple) {
+  Random random(7);
+  for (int repeat = 0; repeat < 60; ++repeat) {
+    const Index n = random.integer(1, 5);
+    Dense A = (4 * random.normals(n, n)).array().round();
+    A.diagonal().array() += random.integer(0, 8);
+    if (random.chance(0.3)) A = (A + A.transpose()).eval();
+    if (random.chance(0.3)) A = (A * A.transpose()).eval();
+    const Diagnosis d = classify(sparse(A));
+    for (const int k : {-506, -300, 300, 500}) {
+      const SpMat M = congruent(A, std::vector<int>(static_cast<std::size_t>(n), k));
+      const Diagnosis scaled = classify(M);
+      for (std::size_t c = 0; c < d.all().size(); ++c)
+        EXPECT_EQ(to_string(scaled.all()[c].second->answer), to_string(d.all()[c].second->answer))
+            << d.all()[c].first << " of matrix " << repeat << " 2^" << 2 * k << ": " << scaled.all()[c].second->reason
+            << " / " << d.all()[c].second->reason;
+      EXPECT_EQ(to_string(positive_semidefinite(M).answer), to_string(d.positive_semidefinite.answer)) << repeat;
+    }
+  }
+}
+
+// With entries from 1e-300 to 1e300 in one matrix, what is said may be less, never something else.
+TEST(Classify, SaysNothingFalseOfEntriesOfAllSizes) {
+  Random random(8);
+  for (int repeat = 0; repeat < 200; ++repeat) {
+    const Index n = random.integer(2, 5);
+    Dense A = (4 * random.normals(n, n)).array().round();
+    A.diagonal().array() += random.integer(0, 8);
+    std::vector<int> k;
+    for (Index i = 0; i < n; ++i) k.push_back(random.integer(-500, 500));
+    const Diagnosis d = classify(sparse(A));
+    const Diagnosis scaled = classify(congruent(A, k));
+    for (std::size_t c = 0; c < d.all().size(); ++c) {
+      const auto [name, property] = scaled.all()[c];
+      if (name.find("dominant") != std::string_view::npos || property->answer == Answer::NotDecided) continue;
+      EXPECT_EQ(to_string(property->answer), to_string(d.all()[c].second->answer))
+          << name << " of matrix " << repeat << ": " << property->reason << " / " << d.all()[c].second->reason;
+    }
+  }
+}
+
 // Above the limits the answer is NotDecided and says why; catches a guess.
 TEST(Classify, SaysWhatItDoesNotKnow) {
   Random random(6);
