@@ -147,6 +147,8 @@ PetscErrorCode Solver::step(bool* stop) {
   const PetscInt before = snes_->numLinearSolveFailures;
   PetscCall(active_set_step(model(), face_, *this, &failed));
   counts_.face = face_.size;
+  PetscCall(PetscInfo(snes_, "%lld variables in the face, %lld came or went\n", static_cast<long long>(face_.size),
+                      static_cast<long long>(face_.changes)));
   *stop = snes_->reason != SNES_CONVERGED_ITERATING;
   if (failed && !*stop && snes_->numLinearSolveFailures > before) semismooth_ = std::max<PetscInt>(semismooth_, 1);
   return ok;
@@ -183,7 +185,8 @@ PetscErrorCode Solver::accept() {
   }
   // Every step on a symmetric affine problem lowers phi, whatever the residual does on the way.
   const PetscInt patience = affine_ && symmetric_ ? 10 * options_.patience : options_.patience;
-  if (++idle_ < patience && residual_.norm <= growth * best_.norm) return ok;
+  const bool stuck = moved_ == 0 && face_.changes == 0;  // rows of zeros, for example: every further step is the same
+  if (++idle_ < patience && !stuck && residual_.norm <= growth * best_.norm) return ok;
   PetscCall(go_back());
   PetscCall(PetscInfo(snes_, "no better point in %" PetscInt_FMT " steps: semismooth steps\n", idle_));
   semismooth_ = 5 << std::min<PetscInt>(rounds_++, 6);

@@ -15,6 +15,7 @@ namespace {
 
 constexpr double amg_loose = 1e-2;     // where the PC is costly to build a few iterations more cost little
 constexpr double few = 1e-4;           // changes, beside what is held, after which the face is most likely the last one
+constexpr double ends = 2;             // ... and besides: the free boundary of a line of contact, however many are held
 constexpr double default_rtol = 1e-5;  // of PETSc's KSP
 constexpr PetscInt default_limit = 10000;  // likewise
 constexpr PetscInt amg_limit = 500;        // iterations after which multigrid has failed
@@ -166,7 +167,7 @@ PetscErrorCode Solver::face_tolerance(Vec b, bool changed) {
   PetscInt all = 0;
   PetscCall(VecGetSize(b, &all));
   const double held = static_cast<double>(all - face_.size);
-  const bool settled = !changed || (affine_ && static_cast<double>(face_.changes) <= few * held);
+  const bool settled = !changed || (affine_ && static_cast<double>(face_.changes) <= few * held + ends);
   const PetscReal share = length > 0 ? wanted / length : loose;
   const PetscReal least = affine_ ? tightest : tightest_nonlinear;
   const PetscReal rtol = settled || !affine_ ? std::clamp(share, least, loose) : loose;
