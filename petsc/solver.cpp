@@ -63,7 +63,7 @@ PetscErrorCode Solver::start() {
   idle_ = semismooth_ = rounds_ = 0;
   moved_ = 0;
   stale_ = affine_ = true;
-  indefinite_ = plain_ = false;
+  indefinite_ = plain_ = unheld = false;
   x_ = snes_->vec_sol;
   F_ = snes_->vec_func;
   box_ = {snes_->xl, snes_->xu};
@@ -147,6 +147,7 @@ PetscErrorCode Solver::step(bool* stop) {
   const PetscInt before = snes_->numLinearSolveFailures;
   PetscCall(active_set_step(model(), face_, *this, &failed));
   counts_.face = face_.size;
+  face_.fresh = unheld;  // now that something may hold it, the coarse grids know more
   PetscCall(PetscInfo(snes_, "%lld variables in the face, %lld came or went\n", static_cast<long long>(face_.size),
                       static_cast<long long>(face_.changes)));
   *stop = snes_->reason != SNES_CONVERGED_ITERATING;

@@ -37,6 +37,7 @@ class Solver : FaceSolver {
   PetscErrorCode semismooth_step(bool* stop);
   PetscErrorCode solve(Vec mask, bool changed, Vec b, Vec d, bool* failed) override;
   PetscErrorCode face_tolerance(Vec b, bool changed);
+  PetscErrorCode shift_face();
   PetscErrorCode give_up_on_linear_solver(KSPConvergedReason why, bool* retry);
   BoxProblem model() const {
     return {.A = J_, .diagonal = diagonal_, .box = box_, .z = z_, .g = g_, .symmetric = symmetric_};

@@ -19,6 +19,7 @@ constexpr double ends = 2;             // ... and besides: the free boundary of 
 constexpr double default_rtol = 1e-5;  // of PETSc's KSP
 constexpr PetscInt default_limit = 10000;  // likewise
 constexpr PetscInt amg_limit = 500;        // iterations after which multigrid has failed
+constexpr double shift = 1e-10;            // of the diagonal, where nothing holds the face
 constexpr double tightest = 1e-10;
 constexpr double tightest_nonlinear = 1e-4;  // beyond this J, not the equations, limits the step
 
@@ -180,6 +181,9 @@ PetscErrorCode Solver::face_tolerance(Vec b, bool changed) {
 /// The face's equations by SNES's KSP, on J with what is held cut off.
 PetscErrorCode Solver::solve(Vec mask, bool changed, Vec b, Vec d, bool* failed) {
   *failed = false;
+  if (unheld && multigrid_) PetscCall(grids_.take_matrix(J_, face_.open));
+  changed = changed || unheld;
+  unheld = false;
   if (changed) {
     ++counts_.faces;
     if (multigrid_) {
@@ -211,11 +215,39 @@ PetscErrorCode Solver::solve(Vec mask, bool changed, Vec b, Vec d, bool* failed)
   return ok;
 }
 
-/// Another solver where the choice is ours; else what SNES does with a failure.
+/// The face's matrix with a little of its diagonal: definite where phi has a direction without curvature, in which the
+/// solution is then long. A membrane that nothing holds falls until it touches its obstacle.
+PetscErrorCode Solver::shift_face() {
+  OwnMat A;
+  OwnVec little;
+  unheld = true;
+  PetscCall(MatDuplicate(J_, MAT_COPY_VALUES, A.out()));
+  PetscCall(VecDuplicate(diagonal_, little.out()));
+  PetscCall(VecCopy(diagonal_, little));
+  PetscCall(VecScale(little, shift));
+  PetscCall(MatDiagonalSet(A, little, ADD_VALUES));
+  if (multigrid_) {
+    grids_.renew_coarsest();
+    PetscCall(grids_.take_matrix(A, face_.open));
+    PetscCall(grids_.take_face(0, face_.mask));
+  } else {
+    PetscCall(MatCopy(A, T_, SAME_NONZERO_PATTERN));
+    PetscCall(cut_off(T_, face_.mask, diagonal_));
+  }
+  const Mat T = multigrid_ ? static_cast<Mat>(grids_.levels()[0].T) : static_cast<Mat>(T_);
+  return KSPSetOperators(snes_->ksp, T, T);
+}
+
+/// Another matrix or another solver where the choice is ours; else what SNES does with a failure.
 PetscErrorCode Solver::give_up_on_linear_solver(KSPConvergedReason why, bool* retry) {
   PetscCall(PetscInfo(snes_, "the equations on a face were not solved: %s\n", KSPConvergedReasons[why]));
   const bool curved = why == KSP_DIVERGED_INDEFINITE_MAT || why == KSP_DIVERGED_INDEFINITE_PC;
+  const bool singular = curved || why == KSP_DIVERGED_NANORINF || why == KSP_DIVERGED_PC_FAILED;
   *retry = false;
+  if (chosen_ksp_ && chosen_pc_ && symmetric_ && !plain_ && !unheld && singular) {
+    *retry = true;
+    return shift_face();
+  }
   if (chosen_ksp_ && symmetric_ && (curved || why == KSP_DIVERGED_BREAKDOWN)) {
     // phi has no minimum on the face, but the equations may have a solution.
     indefinite_ = true;

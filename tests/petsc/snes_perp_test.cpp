@@ -145,10 +145,11 @@ PetscErrorCode coarsened_once() {
 }
 
 /// Two displacements a point, given ones in rows whose columns are kept: neither the steps nor the V-cycles grow. Once
-/// they did, because coarse grids changed what was given.
+/// they did, because coarse grids changed what was given. Where an end of the line of contact is one variable off after
+/// the first step, a third one was made (23, 57 and 105 points).
 PetscErrorCode elastic_body() {
   PetscInt first = 0;
-  for (PetscInt n : {23, 45, 89}) {
+  for (PetscInt n : {23, 45, 57, 89, 105}) {
     ElasticBody body;
     SNES snes = nullptr;
     Vec x = nullptr;
@@ -162,7 +163,7 @@ PetscErrorCode elastic_body() {
     PetscCall(SNESGetLinearSolveIterations(snes, &cycles));
     PetscCall(judge(snes, x, body.lower, body.upper, &s));
     EXPECT(s.reason > 0 && s.residual <= tight, "reason %d, residual %g", static_cast<int>(s.reason), s.residual);
-    EXPECT(s.active > 0 && s.steps <= 4, "%d steps", static_cast<int>(s.steps));
+    EXPECT(s.active > 0 && s.steps == 2, "%d steps", static_cast<int>(s.steps));
     if (first == 0) first = cycles;
     EXPECT(cycles <= 1.3 * first + 2, "%d V-cycles, %d at first", static_cast<int>(cycles), static_cast<int>(first));
     PetscCall(VecDestroy(&x));
