@@ -242,6 +242,7 @@ PetscErrorCode Solver::linearise() {
   bool defined = false;
   PetscReal size_of_J = 0;
   PetscCall(compute_jacobian(snes_, x_, &defined));
+  PetscCall(check_is_aij(snes_->jacobian_pre));
   PetscCall(MatNorm(snes_->jacobian_pre, NORM_FROBENIUS, &size_of_J));
   if (!defined || !std::isfinite(size_of_J)) {
     snes_->reason = SNES_DIVERGED_JACOBIAN_DOMAIN;

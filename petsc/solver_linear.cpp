@@ -100,15 +100,8 @@ PetscErrorCode Solver::release() {
 }
 
 PetscErrorCode Solver::take_matrix(Mat J) {
-  PetscBool rows = PETSC_FALSE;
   PetscBool gap = PETSC_FALSE;
   PetscObjectState pattern = 0;
-  PetscCall(PetscObjectBaseTypeCompareAny(reinterpret_cast<PetscObject>(J), &rows, MATSEQAIJ, MATMPIAIJ, ""));
-  PetscCheck(
-      rows, PetscObjectComm(reinterpret_cast<PetscObject>(J)), PETSC_ERR_SUP,
-      "perp: the matrix is of type %s; type perp needs aij (-mat_type aij, or SNESSetJacobian with an aij matrix "
-      "as the second)",
-      reinterpret_cast<PetscObject>(J)->type_name);
   PetscCall(MatMissingDiagonal(J, &gap, nullptr));
   int gaps = gap == PETSC_TRUE ? 1 : 0;
   PetscCallMPI(
