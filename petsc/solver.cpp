@@ -147,7 +147,7 @@ PetscErrorCode Solver::step(bool* stop) {
   const PetscInt before = snes_->numLinearSolveFailures;
   PetscCall(active_set_step(model(), face_, *this, &failed));
   counts_.face = face_.size;
-  face_.fresh = unheld;  // now that something may hold it, the coarse grids know more
+  if (unheld) face_.fresh = true;  // now that something may hold it, the coarse grids know more
   PetscCall(PetscInfo(snes_, "%lld variables in the face, %lld came or went\n", static_cast<long long>(face_.size),
                       static_cast<long long>(face_.changes)));
   *stop = snes_->reason != SNES_CONVERGED_ITERATING;

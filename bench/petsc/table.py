@@ -35,7 +35,7 @@ OWN = "perp"
 QUICKEST = {  # of PETSc's at a million unknowns
     "obstacle": "TAO tron, BoomerAMG",
     "torsion": "SNESVI rsls, grid sequence, multigrid",
-    "journal-bearing": "SNESVI rsls, grid sequence, MUMPS",
+    "journal-bearing": "TAO tron, BoomerAMG",
     "bratu": "TAO tron, BoomerAMG",
     "signorini": "SNESVI rsls, grid sequence, multigrid",
 }

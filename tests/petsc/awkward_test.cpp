@@ -142,6 +142,8 @@ PetscErrorCode hardly_a_problem() {
         .q = all(-1),
         .lower = all(-1e20),
         .upper = all(1e20)},
+        Chain{
+            .name = "indefinite", .n = 50, .diagonal = 1, .beside = -1, .q = all(-1), .lower = all(0), .upper = all(9)},
         Chain{.name = "no matrix",
         .n = 50,
         .diagonal = 0,
