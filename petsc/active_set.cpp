@@ -121,10 +121,12 @@ PetscErrorCode active_set_step(const BoxProblem& p, Face& face, FaceSolver& solv
   face.fresh = false;
   if (*failed) return ok;
   PetscCall(VecPointwiseMult(face.d, face.mask, face.d));  // a preconditioner may mix in rounding where b is 0
-  bool fell = true;
-  PetscCall(projected(p, face.d, face.step));
-  PetscCall(advance(p, face.step, face.image, &fell));
-  if (fell) return ok;
+  if (!solver.unheld) {
+    bool fell = true;
+    PetscCall(projected(p, face.d, face.step));
+    PetscCall(advance(p, face.step, face.image, &fell));
+    if (fell) return ok;
+  }
   PetscCall(shortened(p, face.d, face.step));
   return advance(p, face.step, face.image);
 }

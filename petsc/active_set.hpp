@@ -20,6 +20,8 @@ class FaceSolver {
   /// d = A_FF^-1 b where mask is 1, 0 where it is 0, as b is. `changed`: of A or of the face since the last call.
   /// *failed: nothing came of it, and d does not count.
   virtual PetscErrorCode solve(Vec mask, bool changed, Vec b, Vec d, bool* failed) = 0;
+  /// Nothing holds the face: phi falls along the last d as far as the box allows.
+  bool unheld = false;
 
  protected:
   FaceSolver() = default;

@@ -13,7 +13,7 @@ constexpr PetscInt small = 1500;   ///< rows that need no coarser grid: every ra
 constexpr PetscInt direct = 5000;  ///< ... and the most for LU, where the grid cannot be made coarser and has one
                                    ///< unknown a point: algebraic multigrid is poor at several
 
-/// Whether the grid has every other point of this one, and every rank keeps some.
+/// Whether a grid of every other point would be one, and every rank would keep some.
 PetscErrorCode can_be_coarsened(DM dm, bool* can) {
   PetscBool is_da = PETSC_FALSE;
   PetscCall(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(dm), DMDA, &is_da));
@@ -24,14 +24,34 @@ PetscErrorCode can_be_coarsened(DM dm, bool* can) {
   PetscInt ranks[3];
   PetscInt width = 0;
   DMBoundaryType boundary[3];
+  DMDAInterpolationType interpolation = DMDA_Q1;
+  PetscCall(DMDAGetInterpolationType(dm, &interpolation));
   PetscCall(DMDAGetInfo(dm, &dim, &points[0], &points[1], &points[2], &ranks[0], &ranks[1], &ranks[2], nullptr, &width,
                         &boundary[0], &boundary[1], &boundary[2], nullptr));
-  *can = true;
+  *can = interpolation == DMDA_Q1;  // cells, with constants on them, have no injection
   for (PetscInt i = 0; i < dim; ++i) {
     const bool periodic = boundary[i] == DM_BOUNDARY_PERIODIC;
     const PetscInt coarse = periodic ? points[i] / 2 : (points[i] - 1) / 2 + 1;
     *can = *can && (points[i] - (periodic ? 0 : 1)) % 2 == 0 && coarse >= 3 &&
            coarse >= 2 * ranks[i] * std::max<PetscInt>(width, 1);
+  }
+  return ok;
+}
+
+/// Whether the coarse grid is that one: -da_refine_x and its like change what DMCoarsen does.
+PetscErrorCode has_every_other_point(DM fine, DM coarse, bool* has) {
+  PetscInt dim = 0;
+  PetscInt points[2][3];
+  DMBoundaryType boundary[3];
+  for (int k = 0; k < 2; ++k) {
+    auto& n = points[k];
+    PetscCall(DMDAGetInfo(k == 0 ? fine : coarse, &dim, &n[0], &n[1], &n[2], nullptr, nullptr, nullptr, nullptr,
+                          nullptr, &boundary[0], &boundary[1], &boundary[2], nullptr));
+  }
+  *has = true;
+  for (PetscInt i = 0; i < dim; ++i) {
+    const PetscInt ends = boundary[i] == DM_BOUNDARY_PERIODIC ? 0 : 1;
+    *has = *has && points[0][i] - ends == 2 * (points[1][i] - ends);
   }
   return ok;
 }
@@ -109,6 +129,8 @@ PetscErrorCode Multigrid::take_hierarchy(DM dm, PetscInt most, bool* usable) {
     Level coarse;
     Level& fine = levels_.back();
     PetscCall(DMCoarsen(fine.dm, PetscObjectComm(reinterpret_cast<PetscObject>(dm)), coarse.dm.out()));
+    PetscCall(has_every_other_point(fine.dm, coarse.dm, &can));
+    if (!can) break;
     PetscCall(DMCreateGlobalVector(coarse.dm, coarse.b.out()));
     PetscCall(DMCreateInterpolation(coarse.dm, fine.dm, fine.P.out(), nullptr));
     PetscCall(as_rows(fine.P));

@@ -40,6 +40,8 @@ class Multigrid {
   PetscErrorCode take_hierarchy(DM dm, PetscInt most, bool* usable);
   /// The matrices of all levels. `open` has 0 where the variable is never free.
   PetscErrorCode take_matrix(Mat A, Vec open);
+  /// The solver of the coarsest grid, after it failed: PETSc's does not recover with another matrix.
+  void renew_coarsest() { coarsest_.reset(); }
   /// Truncates the levels from `first` on to the face mask (1 inside, 0 held) of `first`.
   PetscErrorCode take_face(std::size_t first, Vec mask);
   /// x = the V-cycle's answer to b, both on the level of the last take_face.

@@ -74,6 +74,17 @@ PetscErrorCode Blocks::close() {
   return ok;
 }
 
+PetscErrorCode check_is_aij(Mat J) {
+  PetscBool rows = PETSC_FALSE;
+  PetscCall(PetscObjectBaseTypeCompareAny(reinterpret_cast<PetscObject>(J), &rows, MATSEQAIJ, MATMPIAIJ, ""));
+  PetscCheck(
+      rows, PetscObjectComm(reinterpret_cast<PetscObject>(J)), PETSC_ERR_SUP,
+      "perp: the matrix is of type %s; type perp needs aij (-mat_type aij, or SNESSetJacobian with an aij matrix "
+      "as the second)",
+      reinterpret_cast<PetscObject>(J)->type_name);
+  return ok;
+}
+
 PetscErrorCode lonely_rows(Mat A, const Box& box, Vec lonely) {
   PetscInt begin = 0;
   PetscInt end = 0;

@@ -55,6 +55,9 @@ struct BoxProblem {
   bool symmetric = false;  ///< then z minimises phi(z) = 1/2 z'A z + q'z, which no step may raise
 };
 
+/// An error unless the rows of the matrix can be read.
+PetscErrorCode check_is_aij(Mat J);
+
 /// 1 where the row has nothing but its diagonal entry, which is not zero, and the variable has no bound: an equation of
 /// its own, such as a boundary condition; 0 elsewhere.
 PetscErrorCode lonely_rows(Mat A, const Box& box, Vec lonely);

@@ -63,7 +63,7 @@ PetscErrorCode Solver::start() {
   idle_ = semismooth_ = rounds_ = 0;
   moved_ = 0;
   stale_ = affine_ = true;
-  indefinite_ = plain_ = false;
+  indefinite_ = plain_ = unheld = false;
   x_ = snes_->vec_sol;
   F_ = snes_->vec_func;
   box_ = {snes_->xl, snes_->xu};
@@ -147,6 +147,9 @@ PetscErrorCode Solver::step(bool* stop) {
   const PetscInt before = snes_->numLinearSolveFailures;
   PetscCall(active_set_step(model(), face_, *this, &failed));
   counts_.face = face_.size;
+  if (unheld) face_.fresh = true;  // now that something may hold it, the coarse grids know more
+  PetscCall(PetscInfo(snes_, "%lld variables in the face, %lld came or went\n", static_cast<long long>(face_.size),
+                      static_cast<long long>(face_.changes)));
   *stop = snes_->reason != SNES_CONVERGED_ITERATING;
   if (failed && !*stop && snes_->numLinearSolveFailures > before) semismooth_ = std::max<PetscInt>(semismooth_, 1);
   return ok;
@@ -183,7 +186,8 @@ PetscErrorCode Solver::accept() {
   }
   // Every step on a symmetric affine problem lowers phi, whatever the residual does on the way.
   const PetscInt patience = affine_ && symmetric_ ? 10 * options_.patience : options_.patience;
-  if (++idle_ < patience && residual_.norm <= growth * best_.norm) return ok;
+  const bool stuck = moved_ == 0 && face_.changes == 0;  // rows of zeros, for example: every further step is the same
+  if (++idle_ < patience && !stuck && residual_.norm <= growth * best_.norm) return ok;
   PetscCall(go_back());
   PetscCall(PetscInfo(snes_, "no better point in %" PetscInt_FMT " steps: semismooth steps\n", idle_));
   semismooth_ = 5 << std::min<PetscInt>(rounds_++, 6);
@@ -238,6 +242,7 @@ PetscErrorCode Solver::linearise() {
   bool defined = false;
   PetscReal size_of_J = 0;
   PetscCall(compute_jacobian(snes_, x_, &defined));
+  PetscCall(check_is_aij(snes_->jacobian_pre));
   PetscCall(MatNorm(snes_->jacobian_pre, NORM_FROBENIUS, &size_of_J));
   if (!defined || !std::isfinite(size_of_J)) {
     snes_->reason = SNES_DIVERGED_JACOBIAN_DOMAIN;

@@ -37,6 +37,9 @@ class Solver : FaceSolver {
   PetscErrorCode semismooth_step(bool* stop);
   PetscErrorCode solve(Vec mask, bool changed, Vec b, Vec d, bool* failed) override;
   PetscErrorCode face_tolerance(Vec b, bool changed);
+  PetscErrorCode take_face(Mat J, Vec mask);
+  PetscErrorCode shift_face();
+  PetscErrorCode unshift();
   PetscErrorCode give_up_on_linear_solver(KSPConvergedReason why, bool* retry);
   BoxProblem model() const {
     return {.A = J_, .diagonal = diagonal_, .box = box_, .z = z_, .g = g_, .symmetric = symmetric_};
@@ -72,6 +75,7 @@ class Solver : FaceSolver {
 
   Multigrid grids_;
   bool multigrid_ = false;
+  int shifts_ = 0;           ///< of the faces of this J
   bool chosen_pc_ = false;   ///< the PC is this solver's own choice
   bool took_mg_ = false;     ///< the PC was "mg", whose place the truncated multigrid takes
   bool chosen_ksp_ = false;  ///< so is the type of the KSP

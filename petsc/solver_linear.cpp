@@ -15,9 +15,12 @@ namespace {
 
 constexpr double amg_loose = 1e-2;     // where the PC is costly to build a few iterations more cost little
 constexpr double few = 1e-4;           // changes, beside what is held, after which the face is most likely the last one
+constexpr double ends = 2;             // ... and besides: the free boundary of a line of contact, however many are held
 constexpr double default_rtol = 1e-5;  // of PETSc's KSP
 constexpr PetscInt default_limit = 10000;  // likewise
 constexpr PetscInt amg_limit = 500;        // iterations after which multigrid has failed
+constexpr double shift = 1e-10;            // of the diagonal, where nothing holds the face
+constexpr int most_shifts = 3;             // with a J: nothing may ever hold the face of an unsolvable problem
 constexpr double tightest = 1e-10;
 constexpr double tightest_nonlinear = 1e-4;  // beyond this J, not the equations, limits the step
 
@@ -98,15 +101,8 @@ PetscErrorCode Solver::release() {
 }
 
 PetscErrorCode Solver::take_matrix(Mat J) {
-  PetscBool rows = PETSC_FALSE;
   PetscBool gap = PETSC_FALSE;
   PetscObjectState pattern = 0;
-  PetscCall(PetscObjectBaseTypeCompareAny(reinterpret_cast<PetscObject>(J), &rows, MATSEQAIJ, MATMPIAIJ, ""));
-  PetscCheck(
-      rows, PetscObjectComm(reinterpret_cast<PetscObject>(J)), PETSC_ERR_SUP,
-      "perp: the matrix is of type %s; type perp needs aij (-mat_type aij, or SNESSetJacobian with an aij matrix "
-      "as the second)",
-      reinterpret_cast<PetscObject>(J)->type_name);
   PetscCall(MatMissingDiagonal(J, &gap, nullptr));
   int gaps = gap == PETSC_TRUE ? 1 : 0;
   PetscCallMPI(
@@ -124,6 +120,7 @@ PetscErrorCode Solver::take_matrix(Mat J) {
   PetscCall(looks_symmetric(J, face_.open, &symmetric_));
   symmetric_ = symmetric_ && !indefinite_;
   face_.fresh = true;
+  shifts_ = 0;
   if (multigrid_) {
     if (other && grids_.levels()[0].T != nullptr)
       PetscCall(grids_.take_hierarchy(snes_->dm, options_.levels, &multigrid_));
@@ -166,7 +163,7 @@ PetscErrorCode Solver::face_tolerance(Vec b, bool changed) {
   PetscInt all = 0;
   PetscCall(VecGetSize(b, &all));
   const double held = static_cast<double>(all - face_.size);
-  const bool settled = !changed || (affine_ && static_cast<double>(face_.changes) <= few * held);
+  const bool settled = !changed || (affine_ && static_cast<double>(face_.changes) <= few * held + ends);
   const PetscReal share = length > 0 ? wanted / length : loose;
   const PetscReal least = affine_ ? tightest : tightest_nonlinear;
   const PetscReal rtol = settled || !affine_ ? std::clamp(share, least, loose) : loose;
@@ -176,20 +173,27 @@ PetscErrorCode Solver::face_tolerance(Vec b, bool changed) {
   return KSPSetTolerances(snes_->ksp, rtol, PETSC_DEFAULT, PETSC_DEFAULT, limit);
 }
 
-/// The face's equations by SNES's KSP, on J with what is held cut off.
+/// The face's matrix for the KSP: J with what is held cut off.
+PetscErrorCode Solver::take_face(Mat J, Vec mask) {
+  if (multigrid_) {
+    PetscCall(grids_.take_face(0, mask));
+  } else {
+    PetscCall(MatCopy(J, T_, SAME_NONZERO_PATTERN));
+    PetscCall(cut_off(T_, mask, diagonal_));
+  }
+  const Mat T = multigrid_ ? static_cast<Mat>(grids_.levels()[0].T) : static_cast<Mat>(T_);
+  return KSPSetOperators(snes_->ksp, T, T);
+}
+
+/// The face's equations by SNES's KSP.
 PetscErrorCode Solver::solve(Vec mask, bool changed, Vec b, Vec d, bool* failed) {
   *failed = false;
-  if (changed) {
-    ++counts_.faces;
-    if (multigrid_) {
-      PetscCall(grids_.take_face(0, mask));
-    } else {
-      PetscCall(MatCopy(J_, T_, SAME_NONZERO_PATTERN));
-      PetscCall(cut_off(T_, mask, diagonal_));
-    }
-    const Mat T = multigrid_ ? static_cast<Mat>(grids_.levels()[0].T) : static_cast<Mat>(T_);
-    PetscCall(KSPSetOperators(snes_->ksp, T, T));
+  if (unheld) {
+    PetscCall(unshift());
+  } else if (changed) {
+    PetscCall(take_face(J_, mask));
   }
+  counts_.faces += changed ? 1 : 0;
   PetscCall(face_tolerance(b, changed));
   for (bool retry = true; retry;) {
     KSPConvergedReason why = KSP_CONVERGED_ITERATING;
@@ -210,11 +214,42 @@ PetscErrorCode Solver::solve(Vec mask, bool changed, Vec b, Vec d, bool* failed)
   return ok;
 }
 
-/// Another solver where the choice is ours; else what SNES does with a failure.
+/// The face's matrix with a little of its diagonal: definite where phi has a direction without curvature, in which the
+/// solution is then long. A membrane that nothing holds falls until it touches its obstacle.
+PetscErrorCode Solver::shift_face() {
+  OwnMat A;
+  OwnVec little;
+  unheld = true;
+  ++shifts_;
+  PetscCall(MatDuplicate(J_, MAT_COPY_VALUES, A.out()));
+  PetscCall(VecDuplicate(diagonal_, little.out()));
+  PetscCall(VecCopy(diagonal_, little));
+  PetscCall(VecScale(little, shift));
+  PetscCall(MatDiagonalSet(A, little, ADD_VALUES));
+  if (multigrid_) {
+    grids_.renew_coarsest();
+    PetscCall(grids_.take_matrix(A, face_.open));
+  }
+  return take_face(A, face_.mask);
+}
+
+PetscErrorCode Solver::unshift() {
+  unheld = false;
+  if (multigrid_) PetscCall(grids_.take_matrix(J_, face_.open));
+  return take_face(J_, face_.mask);
+}
+
+/// Another matrix or another solver where the choice is ours; else what SNES does with a failure.
 PetscErrorCode Solver::give_up_on_linear_solver(KSPConvergedReason why, bool* retry) {
   PetscCall(PetscInfo(snes_, "the equations on a face were not solved: %s\n", KSPConvergedReasons[why]));
   const bool curved = why == KSP_DIVERGED_INDEFINITE_MAT || why == KSP_DIVERGED_INDEFINITE_PC;
+  const bool singular = curved || why == KSP_DIVERGED_NANORINF || why == KSP_DIVERGED_PC_FAILED;
   *retry = false;
+  if (chosen_ksp_ && chosen_pc_ && symmetric_ && !plain_ && !unheld && singular && shifts_ < most_shifts) {
+    *retry = true;
+    return shift_face();
+  }
+  if (unheld) PetscCall(unshift());
   if (chosen_ksp_ && symmetric_ && (curved || why == KSP_DIVERGED_BREAKDOWN)) {
     // phi has no minimum on the face, but the equations may have a solution.
     indefinite_ = true;

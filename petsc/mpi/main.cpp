@@ -21,15 +21,24 @@ constexpr const char* examples =
     "SIGINT and SIGTERM on any rank end the run with the best point so far. Exit code 0: solved, 1: not, 2: refused.\n"
     "Pivoting (Lemke, path search) stays on one machine: perp solve.";
 
+/// CLI11's own check lets NaN pass.
+const CLI::Validator not_negative(
+    [](const std::string& text) {
+      double value = 0;
+      const bool number = CLI::detail::lexical_cast(text, value);
+      return number && value >= 0 ? std::string() : text + " is no number of zero or more";
+    },
+    "NUMBER >= 0");
+
 void add_options(CLI::App& solve, Task& task) {
   solve.add_option("MATRIX", task.matrix, "M: a file in PETSc's binary format, or Matrix Market (.mtx)")->required();
   solve.add_option("VECTOR", task.vector, "q, likewise")->required();
   solve.add_option("--lower", task.lower, "the lower bounds: a number or a file (default 0)");
   solve.add_option("--upper", task.upper, "the upper bounds (default inf)");
   solve.add_option("--start-at", task.start, "start from the point in this file");
-  solve.add_option("--tol", task.tol, "tolerance on the natural residual")->check(CLI::NonNegativeNumber);
-  solve.add_option("--max-iterations", task.max_iterations, "give up after so many")->check(CLI::NonNegativeNumber);
-  solve.add_option("--time-limit", task.time_limit, "give up after so many seconds")->check(CLI::NonNegativeNumber);
+  solve.add_option("--tol", task.tol, "tolerance on the natural residual")->check(not_negative);
+  solve.add_option("--max-iterations", task.max_iterations, "give up after so many")->check(not_negative);
+  solve.add_option("--time-limit", task.time_limit, "give up after so many seconds")->check(not_negative);
   solve.add_option("--petsc", task.petsc, "options of PETSc's, in one text");
   solve.add_option("--solution", task.solution, "write x, in PETSc's binary format");
   solve.add_option("--json", task.json,

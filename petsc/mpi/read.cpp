@@ -17,20 +17,6 @@
 namespace perp::petsc {
 namespace {
 
-/// The text of the first rank that has one becomes everybody's.
-PetscErrorCode share(std::string& text) {
-  int rank = 0;
-  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
-  int first = text.empty() ? INT32_MAX : rank;
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &first, 1, MPI_INT, MPI_MIN, PETSC_COMM_WORLD));
-  if (first == INT32_MAX) return ok;
-  int length = static_cast<int>(text.size());
-  PetscCallMPI(MPI_Bcast(&length, 1, MPI_INT, first, PETSC_COMM_WORLD));
-  text.resize(static_cast<std::size_t>(length));
-  PetscCallMPI(MPI_Bcast(text.data(), length, MPI_CHAR, first, PETSC_COMM_WORLD));
-  return ok;
-}
-
 bool is_matrix_market(const std::string& path) { return path.ends_with(".mtx"); }
 
 // --- PETSc's binary format -------------------------------------------------------------------------------------------
@@ -165,12 +151,18 @@ std::string open_market(const std::string& path, Market& m) {
   m.entries = m.rows * m.columns;
   if (m.coordinate) sizes >> m.entries;
   if (!sizes || m.rows < 0 || m.columns < 0 || m.entries < 0) return at_line(path, m, "these are no sizes");
+  if (std::max(m.rows, m.columns) > PETSC_MAX_INT) return at_line(path, m, "too large for this PETSc's integers");
   return {};
+}
+
+bool nothing_but_blanks(const char* text) {
+  while (std::isspace(static_cast<unsigned char>(*text)) != 0) ++text;
+  return *text == '\0';
 }
 
 /// Calls use(row, column, value), from 0, for all entries.
 template <class Use>
-std::string each_entry(const std::string& path, Use use) {
+std::string each_entry(const std::string& path, bool infinities, Use use) {
   Market m;
   std::string wrong = open_market(path, m);
   if (!wrong.empty()) return wrong;
@@ -184,7 +176,9 @@ std::string each_entry(const std::string& path, Use use) {
     if (m.coordinate) at = end;
     const double value = m.pattern ? 1 : std::strtod(at, &end);
     if (end == at && !m.pattern) return at_line(path, m, "an entry is missing");
+    if (!nothing_but_blanks(m.pattern ? at : end)) return at_line(path, m, "there is text behind the entry");
     if (std::isnan(value)) return at_line(path, m, "an entry is not a number");
+    if (!infinities && std::isinf(value)) return at_line(path, m, "an entry is not finite");
     if (i < 1 || i > m.rows || j < 1 || j > m.columns) return at_line(path, m, "there is no such place");
     use(i - 1, j - 1, value);
     if (m.mirrored != 0 && i != j) use(j - 1, i - 1, m.mirrored * value);
@@ -214,7 +208,7 @@ PetscErrorCode read_market_matrix(const std::string& path, OwnMat& M, std::strin
   const auto mine = [&](long i) { return i >= begin && i < end; };
   std::vector<PetscInt> own(static_cast<std::size_t>(end - begin), 1);  // the diagonal
   std::vector<PetscInt> others(own.size(), 0);
-  wrong = each_entry(path, [&](long i, long j, double) {
+  wrong = each_entry(path, false, [&](long i, long j, double) {
     if (mine(i) && i != j) ++(mine(j) ? own : others)[static_cast<std::size_t>(i - begin)];
   });
   PetscCall(share(wrong));
@@ -222,7 +216,7 @@ PetscErrorCode read_market_matrix(const std::string& path, OwnMat& M, std::strin
   PetscCall(MatXAIJSetPreallocation(M, 1, own.data(), others.data(), nullptr, nullptr));
   PetscErrorCode code = ok;
   for (PetscInt i = begin; i < end && code == ok; ++i) code = MatSetValue(M, i, i, 0, ADD_VALUES);
-  wrong = each_entry(path, [&](long i, long j, double value) {
+  wrong = each_entry(path, false, [&](long i, long j, double value) {
     if (mine(i) && code == ok)
       code = MatSetValue(M, static_cast<PetscInt>(i), static_cast<PetscInt>(j), value, ADD_VALUES);
   });
@@ -243,7 +237,7 @@ std::string read_market_vector(const std::string& path, std::int64_t rows, Vec v
   PetscInt end = 0;
   VecGetOwnershipRange(v, &begin, &end);
   Values values(v);
-  return each_entry(path, [&](long i, long j, double value) {
+  return each_entry(path, true, [&](long i, long j, double value) {
     const long k = lying ? j : i;
     if (k >= begin && k < end) values[static_cast<PetscInt>(k) - begin] += value;
   });
@@ -263,7 +257,41 @@ std::string settle_infinities(const std::string& path, bool bounds, Vec v) {
   return {};
 }
 
+/// Zeros on the diagonal where the file has no entries: the solver needs their places.
+PetscErrorCode complete_diagonal(Mat M) {
+  PetscBool gap = PETSC_FALSE;
+  PetscInt n = 0;
+  PetscInt begin = 0;
+  PetscInt end = 0;
+  OwnMat zeros;
+  PetscCall(MatMissingDiagonal(M, &gap, nullptr));
+  int gaps = gap == PETSC_TRUE ? 1 : 0;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &gaps, 1, MPI_INT, MPI_MAX, PETSC_COMM_WORLD));
+  if (gaps == 0) return ok;
+  PetscCall(MatGetLocalSize(M, &n, nullptr));
+  PetscCall(MatGetOwnershipRange(M, &begin, &end));
+  PetscCall(
+      MatCreateAIJ(PETSC_COMM_WORLD, n, n, PETSC_DETERMINE, PETSC_DETERMINE, 1, nullptr, 0, nullptr, zeros.out()));
+  for (PetscInt i = begin; i < end; ++i) PetscCall(MatSetValue(zeros, i, i, 0, INSERT_VALUES));
+  PetscCall(MatAssemblyBegin(zeros, MAT_FINAL_ASSEMBLY));
+  PetscCall(MatAssemblyEnd(zeros, MAT_FINAL_ASSEMBLY));
+  return MatAXPY(M, 1, zeros, DIFFERENT_NONZERO_PATTERN);
+}
+
 }  // namespace
+
+PetscErrorCode share(std::string& text) {
+  int rank = 0;
+  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
+  int first = text.empty() ? INT32_MAX : rank;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &first, 1, MPI_INT, MPI_MIN, PETSC_COMM_WORLD));
+  if (first == INT32_MAX) return ok;
+  int length = static_cast<int>(text.size());
+  PetscCallMPI(MPI_Bcast(&length, 1, MPI_INT, first, PETSC_COMM_WORLD));
+  text.resize(static_cast<std::size_t>(length));
+  PetscCallMPI(MPI_Bcast(text.data(), length, MPI_CHAR, first, PETSC_COMM_WORLD));
+  return ok;
+}
 
 PetscErrorCode read_matrix(const std::string& path, OwnMat& M, std::string& wrong) {
   if (is_matrix_market(path)) return read_market_matrix(path, M, wrong);
@@ -274,7 +302,8 @@ PetscErrorCode read_matrix(const std::string& path, OwnMat& M, std::string& wron
   PetscCall(MatCreate(PETSC_COMM_WORLD, M.out()));
   PetscCall(MatSetType(M, MATAIJ));
   PetscCall(MatLoad(M, viewer));
-  return PetscViewerDestroy(&viewer);
+  PetscCall(PetscViewerDestroy(&viewer));
+  return complete_diagonal(M);
 }
 
 PetscErrorCode read_vector(const std::string& path, Mat M, bool bounds, OwnVec& v, std::string& wrong) {

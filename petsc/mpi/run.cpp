@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <fstream>
 
 #include "petsc/box.hpp"
 #include "petsc/mpi/read.hpp"
@@ -75,11 +76,20 @@ PetscErrorCode read_bound(const std::string& text, Mat M, OwnVec& v, std::string
   return VecSet(v, std::abs(value) < infinite ? value : value > 0 ? PETSC_INFINITY : PETSC_NINFINITY);
 }
 
+/// Found out before the solve: PETSc would stop on rank 0 alone, and the others would wait for it.
+PetscErrorCode check_solution_file(const std::string& path, std::string& wrong) {
+  int rank = 0;
+  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
+  if (rank == 0 && !path.empty() && !std::ofstream(path, std::ios::app)) wrong = path + ": cannot be written";
+  return share(wrong);
+}
+
 PetscErrorCode read_problem(const Task& task, Problem& p, std::string& wrong) {
   PetscCall(read_matrix(task.matrix, p.M, wrong));
   if (wrong.empty()) PetscCall(read_vector(task.vector, p.M, false, p.q, wrong));
   if (wrong.empty()) PetscCall(read_bound(task.lower, p.M, p.lower, wrong));
   if (wrong.empty()) PetscCall(read_bound(task.upper, p.M, p.upper, wrong));
+  if (wrong.empty()) PetscCall(check_solution_file(task.solution, wrong));
   if (!wrong.empty()) return ok;
   PetscCall(VecDuplicate(p.q, p.F.out()));
   if (!task.start.empty()) return read_vector(task.start, p.M, false, p.x, wrong);
@@ -143,7 +153,17 @@ PetscErrorCode judge(const Problem& p) {
   return ok;
 }
 
-PetscErrorCode solve(Problem& p) {
+/// F needs M as it is; -snes_fd would overwrite it.
+PetscErrorCode check_jacobian(SNES snes, Mat M, std::string& refused) {
+  Mat matrices[2] = {nullptr, nullptr};
+  PetscErrorCode (*function)(SNES, Vec, Mat, Mat, void*) = nullptr;
+  PetscCall(SNESGetJacobian(snes, &matrices[0], &matrices[1], &function, nullptr));
+  if (matrices[0] != M || matrices[1] != M || function != same_matrix)
+    refused = "the Jacobian is M: -snes_fd, -snes_mf and their like are not taken";
+  return ok;
+}
+
+PetscErrorCode solve(Problem& p, std::string& refused) {
   Handle<SNES, SNESDestroy> snes;
   SNESConvergedReason reason = SNES_CONVERGED_ITERATING;
   const char* words = nullptr;
@@ -155,6 +175,8 @@ PetscErrorCode solve(Problem& p) {
   PetscCall(SNESVISetVariableBounds(snes, p.lower, p.upper));
   PetscCall(SNESSetTolerances(snes, p.task->tol, 0, 0, p.task->max_iterations, PETSC_MAX_INT));
   PetscCall(SNESSetFromOptions(snes));
+  PetscCall(check_jacobian(snes, p.M, refused));
+  if (!refused.empty()) return ok;
   PetscCall(SNESSetConvergenceTest(snes, test, &p, nullptr));
   PetscCall(SNESMonitorSet(snes, monitor, &p, nullptr));
   PetscCall(SNESSolve(snes, nullptr, p.x));
@@ -200,7 +222,8 @@ PetscErrorCode run(const Task& task, std::FILE* log, Outcome& o, std::string& re
   if (log != nullptr)
     std::fprintf(log, "%s: %d variables, %.0f nonzeros in the Jacobian, %d ranks; method snes-perp\n",
                  task.matrix.c_str(), static_cast<int>(o.size), o.nonzeros, o.ranks);
-  PetscCall(solve(p));
+  PetscCall(solve(p, refused));
+  if (!refused.empty()) return ok;
   o.seconds = MPI_Wtime() - p.started;
   return task.solution.empty() ? ok : write_solution(task.solution, p.x);
 }

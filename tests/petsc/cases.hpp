@@ -31,6 +31,17 @@ PetscErrorCode judge(SNES snes, Vec x, Vec lower, Vec upper, Solved* solved);
 // multigrid_test.cpp
 PetscErrorCode truncated_products();
 
+// grids_test.cpp
+PetscErrorCode grids_in_space();
+PetscErrorCode periodic_grids();
+PetscErrorCode free_edges();
+PetscErrorCode odd_coarsenings();
+
+// awkward_test.cpp
+PetscErrorCode hardly_a_problem();
+PetscErrorCode no_numbers();
+PetscErrorCode refused_options();
+
 // affine_test.cpp
 PetscErrorCode cycling();
 PetscErrorCode empty_rank();

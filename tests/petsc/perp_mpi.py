@@ -67,6 +67,13 @@ def write(rows, q, lower):
         file.write(binary("i", [1211214, n]) + binary("d", q[1:]))
     with open("wrong.mtx", "w", encoding="utf-8") as file:
         file.write("%%MatrixMarket matrix coordinate real general\n3 3 2\n1 1 1\n4 1 1\n")
+    head = "%%MatrixMarket matrix coordinate real general\n"
+    for name, text in (("infinite", "2 2 2\n1 1 inf\n2 2 1\n"), ("junk", "2 2 2\n1 1 1\n2 2 1abc\n"),
+                       ("large", "3000000000 3000000000 1\n1 1 1\n")):
+        with open(f"{name}.mtx", "w", encoding="utf-8") as file:
+            file.write(head + text)
+    with open("swap.petsc", "wb") as file:  # nothing on the diagonal
+        file.write(binary("i", [1211216, 2, 2, 2, 1, 1, 1, 0]) + binary("d", [1, -1]))
     with open("two.mtx", "w", encoding="utf-8") as file:
         file.write("%%MatrixMarket matrix coordinate real general\n2 2 4\n1 1 2\n1 2 1\n2 1 1\n2 2 2\n")
     with open("two_q.mtx", "w", encoding="utf-8") as file:
@@ -109,6 +116,9 @@ def check(program, mpiexec):
         done = run(ranks, "two.mtx", "two_q.mtx", "--json", "-", "--quiet")  # a rank of three has no row
         if done.returncode != 0:
             yield f"two rows on {ranks}: exit code {done.returncode}\n{done.stderr}"
+        done = run(ranks, "swap.petsc", "two_q.mtx", "--lower", "-1", "--upper", "1", "--json", "-", "--quiet")
+        if done.returncode != 0:  # x_2 = 1, any x_1
+            yield f"no diagonal on {ranks}: exit code {done.returncode}\n{done.stdout}{done.stderr}"
         for words, said in (
             (("nowhere.petsc", "q.petsc"), "nowhere.petsc: cannot be read"),
             (("q.petsc", "q.petsc"), "q.petsc: is no matrix"),
@@ -121,6 +131,12 @@ def check(program, mpiexec):
             (("wrong.mtx", "q.petsc"), "wrong.mtx, line 4: there is no such place"),
             (("M.petsc", "q.petsc", "--lower", "1", "--upper", "0"), "the bounds of variable 0 cross"),
             (("M.petsc", "q.petsc", "--tol", "nowhere"), "nowhere"),
+            (("M.petsc", "q.petsc", "--time-limit", "nan"), "nan is no number"),
+            (("infinite.mtx", "two_q.mtx"), "infinite.mtx, line 3: an entry is not finite"),
+            (("junk.mtx", "two_q.mtx"), "junk.mtx, line 4: there is text behind the entry"),
+            (("large.mtx", "two_q.mtx"), "large.mtx, line 2: too large"),
+            (("M.petsc", "q.petsc", "--solution", "/nowhere/x"), "/nowhere/x: cannot be written"),
+            (("M.petsc", "q.petsc", "--petsc", "-snes_fd"), "the Jacobian is M"),
         ):
             done = run(ranks, *words)
             if done.returncode != 2 or said not in done.stderr:

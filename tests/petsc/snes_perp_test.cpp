@@ -145,10 +145,11 @@ PetscErrorCode coarsened_once() {
 }
 
 /// Two displacements a point, given ones in rows whose columns are kept: neither the steps nor the V-cycles grow. Once
-/// they did, because coarse grids changed what was given.
+/// they did, because coarse grids changed what was given. Where an end of the line of contact is one variable off after
+/// the first step, a third one was made (23, 57 and 105 points).
 PetscErrorCode elastic_body() {
   PetscInt first = 0;
-  for (PetscInt n : {23, 45, 89}) {
+  for (PetscInt n : {23, 45, 57, 89, 105}) {
     ElasticBody body;
     SNES snes = nullptr;
     Vec x = nullptr;
@@ -162,7 +163,7 @@ PetscErrorCode elastic_body() {
     PetscCall(SNESGetLinearSolveIterations(snes, &cycles));
     PetscCall(judge(snes, x, body.lower, body.upper, &s));
     EXPECT(s.reason > 0 && s.residual <= tight, "reason %d, residual %g", static_cast<int>(s.reason), s.residual);
-    EXPECT(s.active > 0 && s.steps <= 4, "%d steps", static_cast<int>(s.steps));
+    EXPECT(s.active > 0 && s.steps == 2, "%d steps", static_cast<int>(s.steps));
     if (first == 0) first = cycles;
     EXPECT(cycles <= 1.3 * first + 2, "%d V-cycles, %d at first", static_cast<int>(cycles), static_cast<int>(first));
     PetscCall(VecDestroy(&x));
@@ -288,6 +289,13 @@ constexpr Case cases[] = {{"obstacle", obstacle},
                           {"coarsened_once", coarsened_once},
                           {"elastic_body", elastic_body},
                           {"truncated_products", truncated_products},
+                          {"grids_in_space", grids_in_space},
+                          {"periodic_grids", periodic_grids},
+                          {"free_edges", free_edges},
+                          {"odd_coarsenings", odd_coarsenings},
+                          {"hardly_a_problem", hardly_a_problem},
+                          {"no_numbers", no_numbers},
+                          {"refused_options", refused_options},
                           {"cycling", cycling},
                           {"empty_rank", empty_rank},
                           {"crossing_bounds", crossing_bounds},
