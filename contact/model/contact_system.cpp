@@ -163,7 +163,7 @@ void ContactSystem::Bodies::assemble(const std::vector<Block>& E) {
 
 ContactSystem::ContactSystem(const Scaled& problem, lcp::LuBackend lu, lcp::Deadline deadline)
     : problem_(problem),
-      cholesky_(std::make_shared<lcp::Cholesky>(deadline)),
+      cholesky_(std::make_shared<lcp::Cholesky>(deadline, lcp::CholeskyOrdering::Thorough)),
       backend_(lu),
       deadline_(deadline),
       symmetric_W_(is_symmetric(problem.W)) {}
@@ -197,10 +197,10 @@ void ContactSystem::choose() {
   if (symmetric_W_ && problem_.bodies && is_symmetric(problem_.bodies->M)) {
     auto bodies = std::make_unique<Bodies>(problem_);
     lcp::Cholesky of_bodies(deadline_);
+    lcp::Cholesky of_contacts(deadline_);
     if (of_bodies.analyze(bodies->K) == lcp::CholeskyStatus::Ok &&
-        (cholesky_->analyze(K_) != lcp::CholeskyStatus::Ok || of_bodies.flops() < worth_it * cholesky_->flops())) {
+        (of_contacts.analyze(K_) != lcp::CholeskyStatus::Ok || of_bodies.flops() < worth_it * of_contacts.flops())) {
       bodies_ = std::move(bodies);
-      *cholesky_ = std::move(of_bodies);
       K_ = SpMat();
     }
   }
