@@ -4,7 +4,11 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <optional>
 #include <utility>
+
+#include "lcp/linalg/gmres.hpp"
 
 namespace perp::contact {
 namespace {
@@ -23,6 +27,11 @@ constexpr int most_refinements = 4;
 constexpr double refined = 1e-13;
 constexpr double refinement_gain = 0.25;
 constexpr double symmetric_tol = 1e-13;
+/// GMRES: residual and products. More contacts than `most_coupled` are not tried: LU takes less.
+constexpr double coupling_tol = 1e-11;
+constexpr int most_products = 80;
+constexpr double coupled_refined = 1e-9;
+constexpr double most_coupled = 0.5;
 
 bool is_symmetric(const SpMat& A) {
   const SpMat transposed = A.transpose();
@@ -46,6 +55,24 @@ Block inverse_of(const Block& A, int size) {
   Eigen::Vector3d scale = whole.cwiseAbs().rowwise().maxCoeff();
   Block inverse = (scale.cwiseInverse().asDiagonal() * whole).partialPivLu().inverse();
   return inverse * scale.cwiseInverse().asDiagonal();
+}
+
+/// x += solve(c - product(x)) while the residual is above `target`, relative, and falls.
+template <class Product, class Solve>
+void refine(In c, double target, const Product& product, const Solve& solve, Vec& x) {
+  const double small = target * c.lpNorm<Eigen::Infinity>();
+  Vec rest = c - product(x);
+  double size = rest.lpNorm<Eigen::Infinity>();
+  Vec dx;
+  for (int k = 0; k < most_refinements && size > small; ++k) {
+    solve(rest, dx);
+    const Vec better = x + dx;
+    rest = c - product(better);
+    const double now = rest.lpNorm<Eigen::Infinity>();
+    if (!(now < size)) return;
+    x = better;
+    if (now > refinement_gain * std::exchange(size, now)) return;
+  }
 }
 
 }  // namespace
@@ -136,7 +163,7 @@ void ContactSystem::Bodies::assemble(const std::vector<Block>& E) {
 
 ContactSystem::ContactSystem(const Scaled& problem, lcp::LuBackend lu, lcp::Deadline deadline)
     : problem_(problem),
-      cholesky_(std::make_shared<lcp::Cholesky>(deadline)),
+      cholesky_(std::make_shared<lcp::Cholesky>(deadline, lcp::CholeskyOrdering::Thorough)),
       backend_(lu),
       deadline_(deadline),
       symmetric_W_(is_symmetric(problem.W)) {}
@@ -170,10 +197,10 @@ void ContactSystem::choose() {
   if (symmetric_W_ && problem_.bodies && is_symmetric(problem_.bodies->M)) {
     auto bodies = std::make_unique<Bodies>(problem_);
     lcp::Cholesky of_bodies(deadline_);
+    lcp::Cholesky of_contacts(deadline_);
     if (of_bodies.analyze(bodies->K) == lcp::CholeskyStatus::Ok &&
-        (cholesky_->analyze(K_) != lcp::CholeskyStatus::Ok || of_bodies.flops() < worth_it * cholesky_->flops())) {
+        (of_contacts.analyze(K_) != lcp::CholeskyStatus::Ok || of_bodies.flops() < worth_it * of_contacts.flops())) {
       bodies_ = std::move(bodies);
-      *cholesky_ = std::move(of_bodies);
       K_ = SpMat();
     }
   }
@@ -196,38 +223,67 @@ bool ContactSystem::take(const SpMat& K, bool definite) {
   return by_cholesky_ || lu_->try_factor(K);
 }
 
-bool ContactSystem::factor(const std::vector<ContactRows>& rows) {
-  choose();
-  rows_ = rows;
-  if (!bodies_) {
-    contact_matrix(problem_, rows_, system_diagonal_term, K_);
-    return take(K_, false);
-  }
+/// E = A^-1 B of one contact; whether it is symmetric.
+bool ContactSystem::invert(std::size_t a) {
+  const int size = problem_.blocks[a].size;
+  A_inverse_[a] = inverse_of(rows_[a].A, size);
+  E_[a] = A_inverse_[a].topLeftCorner(3, size) * rows_[a].B.topLeftCorner(size, 3);
+  return (E_[a] - E_[a].transpose()).cwiseAbs().maxCoeff() <= symmetric_tol * E_[a].diagonal().cwiseAbs().maxCoeff();
+}
+
+/// By bodies: whether all E are symmetric without what friction takes from the normal impulse, A's first column.
+bool ContactSystem::part_by_bodies() {
   A_inverse_.resize(rows_.size());
   E_.resize(rows_.size());
   bool symmetric = true;
-  for (std::size_t a = 0; a < rows_.size(); ++a) {
-    const int size = problem_.blocks[a].size;
-    A_inverse_[a] = inverse_of(rows_[a].A, size);
-    E_[a] = A_inverse_[a].topLeftCorner(3, size) * rows_[a].B.topLeftCorner(size, 3);
-    symmetric = symmetric && (E_[a] - E_[a].transpose()).cwiseAbs().maxCoeff() <=
-                                 symmetric_tol * E_[a].diagonal().cwiseAbs().maxCoeff();
+  for (std::size_t a = 0; a < rows_.size() && symmetric; ++a) {
+    if (invert(a)) continue;
+    Eigen::Vector3d p = rows_[a].A.col(0);
+    p[0] = 0;
+    rows_[a].A.col(0).tail<2>().setZero();
+    couplings_.push_back({.contact = a, .p = p, .q = Eigen::Vector3d::UnitX()});
+    symmetric = invert(a);
   }
-  bodies_->assemble(E_);
-  return take(bodies_->K, symmetric);
+  return symmetric && static_cast<double>(couplings_.size()) <= most_coupled * static_cast<double>(rows_.size());
 }
 
-bool ContactSystem::factor(const std::vector<Block>& A, const std::vector<Block>& inverse) {
+/// All in one matrix, by LU.
+bool ContactSystem::factor_whole() {
+  for (const ContactCoupling& c : std::exchange(couplings_, {})) rows_[c.contact].A += c.p * c.q.transpose();
+  if (bodies_) {
+    for (std::size_t a = 0; a < rows_.size(); ++a) invert(a);
+    bodies_->assemble(E_);
+    return take(bodies_->K, false);
+  }
+  contact_matrix(problem_, rows_, system_diagonal_term, K_);
+  return take(K_, false);
+}
+
+bool ContactSystem::factor(const std::vector<ContactRows>& rows) {
+  choose();
+  rows_ = rows;
+  couplings_.clear();
+  if (!bodies_ || !part_by_bodies()) return factor_whole();
+  bodies_->assemble(E_);
+  return take(bodies_->K, true);
+}
+
+bool ContactSystem::factor(const std::vector<Block>& A, const std::vector<Block>& inverse,
+                           std::vector<ContactCoupling> couplings) {
   choose();
   rows_.resize(A.size());
   for (std::size_t a = 0; a < A.size(); ++a) rows_[a] = {.A = A[a], .B = Block::Identity()};
-  if (!bodies_) {
-    contact_matrix(problem_, rows_, system_diagonal_term, K_);
-    return take(K_, symmetric_W_);
-  }
+  couplings_ = std::move(couplings);
   A_inverse_ = inverse;
-  bodies_->assemble(inverse);
-  return take(bodies_->K, true);
+  E_ = inverse;
+  if (!symmetric_W_ || static_cast<double>(couplings_.size()) > most_coupled * static_cast<double>(A.size()))
+    return factor_whole();
+  if (bodies_) {
+    bodies_->assemble(E_);
+    return take(bodies_->K, true);
+  }
+  contact_matrix(problem_, rows_, system_diagonal_term, K_);
+  return take(K_, true);
 }
 
 void ContactSystem::back_solve(const Vec& b, Vec& x) const {
@@ -262,29 +318,70 @@ void ContactSystem::solve_by_bodies(const Vec& c, Vec& x) const {
   add_product(A_inverse, rest, x);
 }
 
-void ContactSystem::solve(In c, Vec& x) const {
-  if (!bodies_) return back_solve(c, x);
-  solve_by_bodies(c, x);
+/// (A + B W) x.
+Vec ContactSystem::product(const Vec& x) const {
   const auto A = [this](std::size_t a) -> const Block& { return rows_[a].A; };
   const auto B = [this](std::size_t a) -> const Block& { return rows_[a].B; };
-  const auto residual = [&](const Vec& point) {
-    Vec product = Vec::Zero(c.size());
-    add_product(A, point, product);
-    add_product(B, problem_.W * point, product);
-    return Vec(c - product);
+  Vec out = Vec::Zero(x.size());
+  add_product(A, x, out);
+  add_product(B, problem_.W * x, out);
+  return out;
+}
+
+void ContactSystem::solve_definite(In c, Vec& x) const {
+  if (!bodies_) return back_solve(c, x);
+  solve_by_bodies(c, x);
+  const auto again = [this](const Vec& rest, Vec& dx) { solve_by_bodies(rest, dx); };
+  refine(
+      c, refined, [this](const Vec& at) { return product(at); }, again, x);
+}
+
+/// Q' x.
+Vec ContactSystem::couple(const Vec& x) const {
+  Vec z(static_cast<Index>(couplings_.size()));
+  for (Index k = 0; k < z.size(); ++k) {
+    const ContactCoupling& of = couplings_[at(k)];
+    z[k] = of.q.dot(problem_.blocks[of.contact].of(x));
+  }
+  return z;
+}
+
+/// P z.
+Vec ContactSystem::spread(const Vec& z) const {
+  Vec out = Vec::Zero(problem_.size());
+  for (Index k = 0; k < z.size(); ++k) {
+    const ContactCoupling& of = couplings_[at(k)];
+    const Scaled::Block& block = problem_.blocks[of.contact];
+    out.segment(block.first, block.size) += z[k] * of.p.head(block.size);
+  }
+  return out;
+}
+
+/// False: GMRES does not converge.
+bool ContactSystem::solve_coupled(In c, Vec& x) const {
+  solve_definite(c, x);
+  Vec Kx;
+  const auto reduced = [&](const Vec& z) {
+    solve_definite(spread(z), Kx);
+    return Vec(z + couple(Kx));
   };
-  const double small = refined * c.lpNorm<Eigen::Infinity>();
-  Vec rest = residual(x);
-  double size = rest.lpNorm<Eigen::Infinity>();
-  Vec dx;
-  for (int k = 0; k < most_refinements && size > small; ++k) {
-    solve_by_bodies(rest, dx);
-    const Vec better = x + dx;
-    rest = residual(better);
-    const double now = rest.lpNorm<Eigen::Infinity>();
-    if (!(now < size)) return;
-    x = better;
-    if (now > refinement_gain * std::exchange(size, now)) return;
+  const std::optional<Vec> z = lcp::gmres(reduced, couple(x), coupling_tol, most_products);
+  if (z) solve_definite(c - spread(*z), x);
+  return z.has_value();
+}
+
+void ContactSystem::solve(In c, Vec& x) {
+  if (couplings_.empty()) return solve_definite(c, x);
+  if (solve_coupled(c, x)) {
+    const auto whole = [this](const Vec& at) { return Vec(product(at) + spread(couple(at))); };
+    const auto again = [this](const Vec& rest, Vec& dx) {
+      if (!solve_coupled(rest, dx)) dx.setZero();
+    };
+    refine(c, coupled_refined, whole, again, x);
+  } else if (factor_whole()) {
+    solve_definite(c, x);
+  } else {
+    x.setConstant(std::numeric_limits<double>::quiet_NaN());
   }
 }
 

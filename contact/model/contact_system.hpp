@@ -12,6 +12,11 @@
 /// and A is symmetric and positive definite, and with bodies wherever E is symmetric, the factor is Cholesky's, which
 /// takes half of what LU does; LU otherwise, and where Cholesky's fails.
 ///
+/// Coulomb's law is unsymmetric only where contacts slip, by one product p q' each: its friction follows its normal
+/// impulse, or its opening its slip. These are kept apart from A. With K = A + B W, P = diag(p_a) and Q = diag(q_a),
+///     (K + P Q') x = c:   x = K^-1 (c - P z),   (1 + Q' K^-1 P) z = Q' K^-1 c,
+/// one number z_a = q_a.x_a for each of them, by GMRES; each of its products is a solve with Cholesky's factor.
+///
 /// Solutions by bodies are refined with residuals of the system itself: E is as large as 1e10 where contacts stick.
 /// Private to contact/.
 #include <memory>
@@ -27,6 +32,13 @@ namespace perp::contact {
 struct ContactRows {
   Eigen::Matrix3d A = Eigen::Matrix3d::Zero();
   Eigen::Matrix3d B = Eigen::Matrix3d::Zero();
+};
+
+/// Rows p (q.dr) of one contact besides.
+struct ContactCoupling {
+  std::size_t contact = 0;
+  Eigen::Vector3d p = Eigen::Vector3d::Zero();
+  Eigen::Vector3d q = Eigen::Vector3d::Zero();
 };
 
 /// K = A + B (W + alpha I), whose pattern is that of W.
@@ -47,10 +59,12 @@ class ContactSystem {
 
   // One block or pair of them a contact. False: there are no factors, the matrix is singular or not finite.
   bool factor(const std::vector<ContactRows>& rows);
-  /// A + W with A symmetric positive definite; its inverse is needed to more digits than A has.
-  bool factor(const std::vector<Eigen::Matrix3d>& A, const std::vector<Eigen::Matrix3d>& inverse);
-  /// With the last factors. Pre: there are some.
-  void solve(In c, Vec& x) const;
+  /// A + W with A symmetric positive definite, and these couplings; A's inverse is needed to more digits than A has.
+  bool factor(const std::vector<Eigen::Matrix3d>& A, const std::vector<Eigen::Matrix3d>& inverse,
+              std::vector<ContactCoupling> couplings = {});
+  /// With the last factors; where GMRES does not converge with those, with factors of the whole matrix, and x is NaN
+  /// where that is singular. Pre: there are factors.
+  void solve(In c, Vec& x);
 
   Form form();                                            ///< chosen when it is first needed
   bool by_cholesky() const { return by_cholesky_; }       ///< are the last factors Cholesky's?
@@ -61,6 +75,14 @@ class ContactSystem {
   void choose();
   void make_lu();
   bool take(const SpMat& K, bool definite);
+  bool factor_whole();
+  bool part_by_bodies();
+  bool invert(std::size_t a);
+  void solve_definite(In c, Vec& x) const;
+  bool solve_coupled(In c, Vec& x) const;
+  Vec product(const Vec& x) const;
+  Vec couple(const Vec& x) const;
+  Vec spread(const Vec& z) const;
   void back_solve(const Vec& b, Vec& x) const;
   void solve_by_bodies(const Vec& c, Vec& x) const;
   template <class Blocks>
@@ -78,6 +100,7 @@ class ContactSystem {
   std::unique_ptr<Bodies> bodies_;  // none: by contacts
   // Of the last factors.
   std::vector<ContactRows> rows_;
+  std::vector<ContactCoupling> couplings_;  // none in a matrix factored whole
   std::vector<Eigen::Matrix3d> A_inverse_;
   std::vector<Eigen::Matrix3d> E_;
   int factorizations_ = 0;

@@ -18,6 +18,8 @@ namespace {
 constexpr double stale = 0.2;
 /// A ball rests where it sinks by less than this part of a step down: on slopes of 0.6 degrees.
 constexpr double least_sinking = 1e-4;
+/// Squares of distances beyond those of touching, rounding included.
+constexpr double beyond = 1 + 1e-14;
 
 struct Ball {
   Vec3 centre;
@@ -56,8 +58,11 @@ class Pile {
       double moved = 0;
       for (const std::size_t i : close) {
         const Vec3 apart = ball.centre - balls_[i].centre;
-        const double distance = apart.norm();
-        const double overlap = ball.radius + balls_[i].radius - distance;
+        const double square = apart.squaredNorm();
+        const double touching = ball.radius + balls_[i].radius;
+        if (square > beyond * touching * touching) continue;  // most are, and need no root
+        const double distance = std::sqrt(square);
+        const double overlap = touching - distance;
         if (overlap <= 0) continue;
         ball.centre += overlap / distance * apart;
         moved = std::max(moved, overlap);

@@ -10,9 +10,7 @@ namespace perp::contact {
 namespace {
 
 constexpr int most_cone_steps = 40;  // of one path
-/// The associated path: its end; the coupled one begins at its first point below `early_tau`.
-constexpr double cone_end = 1e-9;
-constexpr double early_tau = 1;
+constexpr double cone_end = 1e-9;    // where one ends
 /// Below `settled_tau` slip does not depend on tau any more where it is real: so many steps in a row that leave more
 /// than `settled_share` of the gap |y_T| - s end a path.
 constexpr double settled_tau = 1e-3;
@@ -22,10 +20,17 @@ constexpr int settled_steps = 3;
 constexpr double most_moving = 0.1;
 constexpr double least_slip = 1e-3;
 
-/// A coupled path: two steps below this length in a row say that it turns back.
+/// Coupled paths: two steps below this length in a row say that one turns back. What slips by the associated law is
+/// coupled from the last point with tau above `slip_tau`, what begins to slip on the way from the last one with tau
+/// above `spread_share` times its speed; `most_coupled_steps` in all. All contacts are coupled from the last point with
+/// tau above `early_tau`.
 constexpr double turning_step = 0.15;
 constexpr int turning_steps = 2;
-constexpr int most_coupled_steps = 15;
+constexpr int most_coupled_steps = 60;
+constexpr int most_all_coupled_steps = 15;
+constexpr double early_tau = 0.3;
+constexpr double slip_tau = 0.1;
+constexpr double spread_share = 0.3;
 /// Cadoux' fixed point: at most so many openings, and so many in a row that leave more than `opening_share` of the
 /// least gap. A path begins at the last point with tau above `restart_share` times their change, and ends at this share
 /// of the gap. From the first `coupled_openings` of them a coupled path begins at the last point with tau above
@@ -46,7 +51,7 @@ constexpr double late_tau = 1e-4;
 constexpr double newton_tau = 1e-4;
 constexpr double real_gap = 200;
 constexpr double newton_tau_again = 1e-2;
-constexpr double newton_map = 0.03;
+constexpr double newton_map = 0.01;
 constexpr double newton_map_again = 0.3;
 constexpr NewtonSteps quick_newton{.most = 2, .halvings = 0};
 constexpr NewtonSteps coupled_newton{.most = 6, .halvings = 0};
@@ -69,12 +74,12 @@ class Settling {
 }  // namespace
 
 ConeHomotopy::ConeHomotopy(Referee& referee, const Scaled& problem, AlartCurnier& newton, ContactSystem& system)
-    : referee_(referee), problem_(problem), newton_(newton), path_(problem, system), early_(path_.point()) {}
+    : referee_(referee), problem_(problem), newton_(newton), path_(problem, system) {}
 
 bool ConeHomotopy::run() {
   if (associated()) return true;
-  if (moves()) return false;
-  return coupled(early_) || fixed_point();
+  if (points_.empty() || moves()) return false;
+  return slips() || all_coupled(points_[last_above(early_tau)].second) || fixed_point();
 }
 
 /// One step of the path; true if it went on, and the run is not over.
@@ -98,14 +103,9 @@ bool ConeHomotopy::follow(double until) {
 bool ConeHomotopy::associated() {
   Settling settling;
   double at = newton_tau;
-  bool early = false;
   for (int k = 0; k < most_cone_steps && path_.tau() > cone_end && !settling.done(); ++k) {
     if (!step()) break;
     points_.emplace_back(path_.tau(), path_.point());
-    if (!early && path_.tau() < early_tau) {
-      early = true;
-      early_ = path_.point();
-    }
     const double now = gap();
     settling.see(path_.tau(), now);
     if (path_.tau() > at || now > real_gap * path_.tau()) continue;
@@ -121,24 +121,67 @@ bool ConeHomotopy::moves() const {
   return static_cast<double>(slipping) > most_moving * static_cast<double>(problem_.blocks.size());
 }
 
-/// The coupled path from this point; back to where it was if the run is not over.
-bool ConeHomotopy::coupled(const ConePath::Point& from) {
-  const ConePath::Point back = path_.point();
-  const Vec openings = path_.openings();
-  path_.couple(from);
+/// The fastest slip of the contacts that are not coupled, where it is one in the end; 0: none.
+double ConeHomotopy::other_slip() const {
+  if (path_.tau() > settled_tau) return 0;
+  const Vec speed = path_.slip();
+  double most = 0;
+  for (std::size_t a = 0; a < coupled_.size(); ++a)
+    if (coupled_[a] == 0) most = std::max(most, speed[static_cast<Index>(a)]);
+  return most > real_gap * path_.tau() ? most : 0;
+}
+
+/// Couples those that slip in the end.
+void ConeHomotopy::couple_slips() {
+  const Vec speed = path_.slip();
+  for (std::size_t a = 0; a < coupled_.size(); ++a)
+    if (speed[static_cast<Index>(a)] > real_gap * path_.tau()) coupled_[a] = 1;
+}
+
+/// The coupled path from this point, until others slip or it turns back; whether the run is over.
+bool ConeHomotopy::follow_coupled(const ConePath::Point& from, int& steps) {
+  path_.couple(from, coupled_);
   double at = newton_map;
-  int turning = 0;
-  for (int k = 0; k < most_coupled_steps && path_.tau() > cone_end && turning < turning_steps; ++k) {
+  for (int turning = 0; steps > 0 && path_.tau() > cone_end && turning < turning_steps; --steps) {
     if (!step()) break;
+    points_.emplace_back(path_.tau(), path_.point());
     turning = path_.last_step() < turning_step ? turning + 1 : 0;
+    if (other_slip() > 0) return false;
     const double map = natural_map(problem_, path_.r());
     if (map > at) continue;
     at = newton_map_again * map;
     if (try_newton(coupled_newton)) return true;
   }
-  if (referee_.over() || try_newton(last_newton)) return true;
+  return referee_.over() || try_newton(last_newton);
+}
+
+/// A path coupled at the contacts of coupled_ from this point, and more of them, each coupled besides at the contacts
+/// that slip at the end of the one before. Back to where the path was if the run is not over.
+bool ConeHomotopy::coupled(ConePath::Point from, int steps) {
+  const ConePath::Point back = path_.point();
+  const Vec openings = path_.openings();
+  const std::size_t kept = points_.size();
+  bool over = follow_coupled(from, steps);
+  while (!over && steps > 0 && other_slip() > 0) {
+    from = points_[last_above(spread_share * other_slip())].second;
+    couple_slips();
+    over = follow_coupled(from, steps);
+  }
+  points_.resize(kept);
   path_.open(back, openings);
-  return false;
+  return over;
+}
+
+/// Coulomb's law where contacts slip at the end of the associated path: the others obey it there.
+bool ConeHomotopy::slips() {
+  coupled_.assign(problem_.blocks.size(), 0);
+  couple_slips();
+  return coupled(points_[last_above(slip_tau)].second, most_coupled_steps);
+}
+
+bool ConeHomotopy::all_coupled(const ConePath::Point& from) {
+  coupled_.assign(problem_.blocks.size(), 1);
+  return coupled(from, most_all_coupled_steps);
 }
 
 /// The last point with tau above this.
@@ -152,7 +195,6 @@ std::size_t ConeHomotopy::last_above(double tau) const {
 bool ConeHomotopy::fixed_point() {
   Vec last_image;  // |u_T| of the openings before
   Vec last_gap;
-  if (points_.empty()) return false;
   double least = gap();
   for (int k = 0, since = 0; k < most_openings && since < opening_patience; ++k) {
     const Vec s = path_.openings();
@@ -174,7 +216,7 @@ bool ConeHomotopy::fixed_point() {
     const double now = gap();
     since = now <= opening_share * least ? 0 : since + 1;
     least = std::min(least, now);
-    if (k < coupled_openings && coupled(points_[last_above(late_tau)].second)) return true;
+    if (k < coupled_openings && all_coupled(points_[last_above(late_tau)].second)) return true;
   }
   return referee_.over();
 }

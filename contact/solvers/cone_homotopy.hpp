@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Coulomb's law from the associated one. The path of the associated law (contact/solvers/cone_path.hpp, s = 0) cannot
-/// turn back, and where all contacts stick its end obeys Coulomb's law as well. Where some slip, their openings follow:
-/// coupled from an early point of the path on, or by Cadoux' fixed point s = |u_T(s)|, each s a path from the last
-/// one's points, with Anderson's mixing of two, and coupled from a late point of each. Newton steps on Alart &
-/// Curnier's equation are tried from the points for the last digits. Cadoux, Acary & Lemarechal
-/// (contact/classics/classics.hpp); Anderson, J. ACM 12 (1965) 547. Private to contact/.
+/// turn back, and where all contacts stick its end obeys Coulomb's law as well. Where some slip, a path with these
+/// contacts coupled leads from an earlier point to Coulomb's law, or to more contacts that slip. Where it turns back: a
+/// path with all contacts coupled, then Cadoux' fixed point s = |u_T(s)|, each s a path from the last one's points,
+/// with Anderson's mixing of two, and all coupled from a late point of the first. Newton steps on Alart & Curnier's
+/// equation are tried from the points for the last digits. Cadoux, Acary & Lemarechal (contact/classics/classics.hpp);
+/// Anderson, J. ACM 12 (1965) 547. Private to contact/.
 #include <utility>
 #include <vector>
 
@@ -26,7 +27,12 @@ class ConeHomotopy {
 
  private:
   bool associated();
-  bool coupled(const ConePath::Point& from);
+  bool slips();
+  bool all_coupled(const ConePath::Point& from);
+  bool coupled(ConePath::Point from, int steps);
+  bool follow_coupled(const ConePath::Point& from, int& steps);
+  double other_slip() const;
+  void couple_slips();
   bool fixed_point();
   bool follow(double until);
   bool step();
@@ -39,7 +45,7 @@ class ConeHomotopy {
   const Scaled& problem_;
   AlartCurnier& newton_;
   ConePath path_;
-  ConePath::Point early_;                                   // of the associated path
+  std::vector<char> coupled_;                               // contacts
   std::vector<std::pair<double, ConePath::Point>> points_;  // tau and where to come back to, tau falling
 };
 

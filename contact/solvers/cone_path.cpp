@@ -59,13 +59,13 @@ struct ConePath::Contact : Scaled::Block {
   Eigen::Matrix3d T = Eigen::Matrix3d::Identity();
   Eigen::Matrix3d T_inverse = Eigen::Matrix3d::Identity();
   Vector lambda = Vector::Zero();  // T y = T^-1 r
-  double s = 0;                    // of the coupling
-  Eigen::Matrix3d C = Eigen::Matrix3d::Identity();
-  Eigen::Matrix3d G = Eigen::Matrix3d::Zero();
+  double s = 0;                    // the opening, given or coupled
+  bool coupled = false;
+  Vector by_r = Vector::Zero();  // ds/dr, ds/dy; zero if s is given
+  Vector by_y = Vector::Zero();
 
   void scale(const Vector& r, const Vector& y);
   void couple(const Vector& r, const Vector& y);
-  void uncouple();
   Vector towards(double target, const Vector& dr, const Vector& dy) const;
 };
 
@@ -94,15 +94,8 @@ void ConePath::Contact::scale(const Vector& r, const Vector& y) {
 
 void ConePath::Contact::couple(const Vector& r, const Vector& y) {
   s = -r.tail<2>().dot(y.tail<2>()) / r[0];
-  C.topRightCorner<1, 2>() = r.tail<2>().transpose() / r[0];
-  G(0, 0) = -s / r[0];
-  G.topRightCorner<1, 2>() = -y.tail<2>().transpose() / r[0];
-}
-
-void ConePath::Contact::uncouple() {
-  s = 0;
-  C.setIdentity();
-  G.setZero();
+  by_r << -s / r[0], -y.tail<2>() / r[0];
+  by_y << 0, -r.tail<2>() / r[0];
 }
 
 /// c of dy = c - T^-2 dr, where lambda o (T^-1 dr + T dy) = target e - lambda o lambda, less the second-order terms of
@@ -124,54 +117,48 @@ ConePath::ConePath(const Scaled& problem, ContactSystem& system) : problem_(prob
 
 ConePath::~ConePath() = default;
 
-void ConePath::go_on(Point point) {
+void ConePath::open(Point point, const Vec& openings) {
   at_ = std::move(point);
   tau_ = at_.r.dot(at_.y) / static_cast<double>(contacts_.size());
   last_step_ = 1;
+  for (std::size_t a = 0; a < contacts_.size(); ++a) {
+    contacts_[a].s = openings[static_cast<Index>(a)];
+    contacts_[a].coupled = false;
+  }
 }
 
-void ConePath::open(Point point, Vec openings) {
-  go_on(std::move(point));
-  openings_ = std::move(openings);
-  coupled_ = false;
+void ConePath::couple(Point point, const std::vector<char>& which) {
+  open(std::move(point), Vec::Zero(static_cast<Index>(contacts_.size())));
+  for (std::size_t a = 0; a < contacts_.size(); ++a) contacts_[a].coupled = which[a] != 0;
 }
 
-void ConePath::couple(Point point) {
-  go_on(std::move(point));
-  openings_.setZero();
-  coupled_ = true;
+Vec ConePath::openings() const {
+  Vec s(static_cast<Index>(contacts_.size()));
+  for (std::size_t a = 0; a < contacts_.size(); ++a) s[static_cast<Index>(a)] = contacts_[a].s;
+  return s;
 }
 
 Vec ConePath::slip() const {
-  Vec speeds(openings_.size());
+  Vec speeds(static_cast<Index>(contacts_.size()));
   for (std::size_t a = 0; a < contacts_.size(); ++a)
     speeds[static_cast<Index>(a)] = contacts_[a].of(at_.y).tail<2>().norm();
   return speeds;
 }
 
 bool ConePath::assemble() {
-  for (Contact& c : contacts_) {
-    c.scale(c.of(at_.r), c.of(at_.y));
-    if (coupled_)
-      c.couple(c.of(at_.r), c.of(at_.y));
-    else
-      c.uncouple();
-  }
-  if (coupled_) {
-    std::vector<ContactRows> rows(contacts_.size());
-    for (std::size_t a = 0; a < rows.size(); ++a) {
-      const Contact& c = contacts_[a];
-      rows[a] = {.A = c.C * (c.T_inverse * c.T_inverse) + c.G, .B = Eigen::Matrix3d::Identity()};
-    }
-    return system_.factor(rows);
-  }
   std::vector<Eigen::Matrix3d> A(contacts_.size());
   std::vector<Eigen::Matrix3d> inverse(contacts_.size());
+  std::vector<ContactCoupling> couplings;
   for (std::size_t a = 0; a < A.size(); ++a) {
-    A[a] = contacts_[a].T_inverse * contacts_[a].T_inverse;
-    inverse[a] = contacts_[a].T * contacts_[a].T;
+    Contact& c = contacts_[a];
+    c.scale(c.of(at_.r), c.of(at_.y));
+    A[a] = c.T_inverse * c.T_inverse;
+    inverse[a] = c.T * c.T;
+    if (!c.coupled) continue;
+    c.couple(c.of(at_.r), c.of(at_.y));
+    couplings.push_back({.contact = a, .p = Vector::UnitX(), .q = c.by_r - A[a] * c.by_y});
   }
-  return system_.factor(A, inverse);
+  return system_.factor(A, inverse, std::move(couplings));
 }
 
 /// Newton's direction towards r o y = target e, with the second-order terms of `affine` if there is one.
@@ -184,8 +171,8 @@ ConePath::Direction ConePath::direction(double target, const Direction* affine) 
     const Vector dy = affine != nullptr ? c.of(affine->y) : Vector::Zero();
     const Vector towards = c.towards(target, dr, dy);
     d.y.segment(c.first, c.size) = towards.head(c.size);
-    rhs.segment(c.first, c.size) += (c.C * towards).head(c.size);
-    rhs[c.first] -= openings_[static_cast<Index>(a)] + c.s;
+    rhs.segment(c.first, c.size) += towards.head(c.size);
+    rhs[c.first] -= c.s + (c.coupled ? c.by_y.dot(towards) : 0);
   }
   system_.solve(rhs, d.r);
   for (const Contact& c : contacts_)

@@ -8,13 +8,13 @@
 ///
 /// *s given*, one number a contact: a second-order cone problem. Where W is monotone its path is unique and cannot turn
 /// back. s = 0 is the associated law, whose slip lifts off: u_N = |u_T|.
-/// *s coupled*: s = -r_T.y_T / r_N besides, which makes r_N u_N = tau, Signorini's own path. This one may turn back:
-/// docs/contact/piles.md.
+/// *s coupled*, at some contacts or all: s = -r_T.y_T / r_N besides, which makes r_N u_N = tau, Signorini's own path.
+/// This one may turn back: docs/contact/piles.md.
 ///
 /// Nesterov & Todd's scaling, a matrix T of each contact with T y = T^-1 r, leaves
-///     (W + diag(C T^-2 + G)) dr = rhs,   C = 1 - e_N (ds/dy)',   G = e_N (ds/dr)',
-/// (contact/model/contact_system.hpp); C = 1 and G = 0 where s is given, symmetric and positive definite. Predictor and
-/// corrector are those of ncp/methods/predictor_corrector.hpp. Acary, Armand, Nguyen & Shpakovych, Second-order cone
+///     (W + diag(T^-2 + e_N g')) dr = rhs,   g = ds/dr - T^-2 ds/dy,
+/// g = 0 where s is given (contact/model/contact_system.hpp). Predictor and corrector are those of
+/// ncp/methods/predictor_corrector.hpp. Acary, Armand, Nguyen & Shpakovych, Second-order cone
 /// programming for frictional contact mechanics using interior point algorithm, Optim. Methods Softw. 39 (2024) 634;
 /// Alizadeh & Goldfarb, Math. Program. 95 (2003) 3. Private to contact/.
 #include <vector>
@@ -38,9 +38,9 @@ class ConePath {
   };
   const Point& point() const { return at_; }
   /// Goes on from `point` with these openings, one a contact.
-  void open(Point point, Vec openings);
-  /// Goes on from `point` with s coupled.
-  void couple(Point point);
+  void open(Point point, const Vec& openings);
+  /// Goes on from `point` with s coupled at these contacts, and nothing opened at the others.
+  void couple(Point point, const std::vector<char>& which);
 
   /// One predictor-corrector step. False: the matrix is singular, or nothing is finite.
   bool step();
@@ -48,8 +48,8 @@ class ConePath {
   const Vec& r() const { return at_.r; }
   double tau() const { return tau_; }  ///< mean r.y of the contacts
   double last_step() const { return last_step_; }
-  const Vec& openings() const { return openings_; }
-  Vec slip() const;  ///< |y_T|, one a contact
+  Vec openings() const;  ///< s, one a contact; where it is coupled, of the last matrix
+  Vec slip() const;      ///< |y_T|, one a contact
 
   struct Direction {
     Vec r;
@@ -62,14 +62,11 @@ class ConePath {
 
  private:
   struct Contact;
-  void go_on(Point point);
   bool assemble();
 
   const Scaled& problem_;
   std::vector<Contact> contacts_;
   Point at_{};
-  Vec openings_;
-  bool coupled_ = false;
   ContactSystem& system_;
   double tau_ = 0;
   double last_step_ = 1;

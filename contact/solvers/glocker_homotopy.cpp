@@ -39,8 +39,10 @@ constexpr NewtonSteps search_with(double alpha) {
 }
 constexpr std::array search_alphas{1e-5, 1e-4};
 
-/// Of Glocker's homotopy, before the cones' paths: easy problems need no more.
+/// Of Glocker's homotopy, before the cones' paths, up to so many rows: easy problems need no more. Beyond them LU takes
+/// as long as half of the associated path, whose matrices are Cholesky's.
 constexpr int first_steps_of_homotopy = 2;
+constexpr Index first_steps_rows = 2000;
 
 /// The proximal loop.
 constexpr double first_alpha = 1;
@@ -80,7 +82,7 @@ class Solver {
   void run(const Vec& start) {
     if (start.size() > 0 ? warm(start) : sweep()) return;
     if (method_.cones && method_.polish) {
-      if (attempt(options_, nullptr, 1, first_steps_of_homotopy)) return;
+      if (problem_.size() <= first_steps_rows && attempt(options_, nullptr, 1, first_steps_of_homotopy)) return;
       if (ConeHomotopy(referee_, problem_, newton_, system_).run()) return;
     }
     if (attempt(options_)) return;

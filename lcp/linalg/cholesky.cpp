@@ -27,7 +27,9 @@ std::string_view to_string(CholeskyStatus status) {
 }
 
 struct Cholesky::Impl {
-  std::unique_ptr<CholeskyLibrary> library = make_cholesky();
+  explicit Impl(CholeskyOrdering ordering) : library(make_cholesky(ordering)) {}
+
+  std::unique_ptr<CholeskyLibrary> library;
   Index n = 0;
   CholeskyStatus status = CholeskyStatus::NotPositiveDefinite;
   Index failed_column = -1;
@@ -100,7 +102,9 @@ CholeskyStatus Cholesky::Impl::factor(const SpMat& A, double entries) {
   return std::isfinite(rcond) && rcond > 0 ? CholeskyStatus::Ok : CholeskyStatus::NotPositiveDefinite;
 }
 
-Cholesky::Cholesky(Deadline deadline) : impl_(std::make_unique<Impl>()) { impl_->clock = KernelClock(deadline); }
+Cholesky::Cholesky(Deadline deadline, CholeskyOrdering ordering) : impl_(std::make_unique<Impl>(ordering)) {
+  impl_->clock = KernelClock(deadline);
+}
 Cholesky::~Cholesky() = default;
 Cholesky::Cholesky(Cholesky&&) noexcept = default;
 Cholesky& Cholesky::operator=(Cholesky&&) noexcept = default;

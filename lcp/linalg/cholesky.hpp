@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Sparse Cholesky factorization of one symmetric positive definite matrix, P A P' = L L', over CHOLMOD: the only place
-/// where it appears. Ordering by CHOLMOD's defaults (AMD, METIS where AMD's fill is large), supernodal where that pays.
+/// where it appears. Ordering by CHOLMOD's defaults (AMD, METIS where AMD's fill is large) or the best of three,
+/// supernodal where that pays.
 /// A build with PERP_GPL=OFF (lcp/gpl.hpp) orders by AMD and computes L itself, row by row.
 /// The symbolic analysis and the memory of L are kept while the pattern of A, above the diagonal too, is unchanged.
 /// Reference: Chen, Davis, Hager & Rajamanickam, ACM TOMS 35 (2008) 22.
@@ -20,10 +21,15 @@ enum class CholeskyStatus {
 };
 std::string_view to_string(CholeskyStatus);
 
+enum class CholeskyOrdering {
+  Quick,    ///< CHOLMOD's defaults
+  Thorough  ///< where those take long, the best of AMD, METIS and CHOLMOD's nested dissection: for many factorizations
+};
+
 class Cholesky {
  public:
   /// No factorization is begun that would not have ended at the deadline (lcp/kernel_clock.hpp).
-  explicit Cholesky(Deadline = no_deadline);
+  explicit Cholesky(Deadline = no_deadline, CholeskyOrdering = CholeskyOrdering::Quick);
   ~Cholesky();
   Cholesky(Cholesky&&) noexcept;
   Cholesky& operator=(Cholesky&&) noexcept;

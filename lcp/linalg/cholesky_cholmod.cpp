@@ -13,6 +13,11 @@
 namespace perp::lcp {
 namespace {
 
+/// Thorough: beyond so many operations a factorization, by the first of CHOLMOD's list: given (none), AMD, METIS,
+/// nested dissection.
+constexpr double worth_ordering = 2e7;
+constexpr int all_orderings = 4;
+
 /// CHOLMOD's settings and workspace; silent.
 class Common {
  public:
@@ -84,18 +89,12 @@ CholeskyStatus failure_of(int code) {
 
 class Cholmod final : public CholeskyLibrary {
  public:
-  Cholmod() = default;
+  explicit Cholmod(CholeskyOrdering ordering) : thorough_(ordering == CholeskyOrdering::Thorough) {}
   ~Cholmod() override { clear(); }
 
   CholeskyStatus analyze(const SpMat& A) override {
-    clear();
-    cholmod_sparse lower = lower_triangle(A);
-    {
-      const std::lock_guard alone(metis_lock());
-      L_ = cholmod_analyze(&lower, common_.get());
-    }
-    entries_ = common_.entries();
-    flops_ = common_.flops();
+    analyze(A, 0);
+    if (thorough_ && L_ && flops_ > worth_ordering) analyze(A, all_orderings);
     return L_ && common_.status() >= CHOLMOD_OK ? CholeskyStatus::Ok : failure_of(common_.status());
   }
   double entries() const override { return entries_; }
@@ -127,11 +126,22 @@ class Cholmod final : public CholeskyLibrary {
   }
 
  private:
+  /// By so many of CHOLMOD's orderings; 0: its defaults.
+  void analyze(const SpMat& A, int orderings) {
+    clear();
+    cholmod_sparse lower = lower_triangle(A);
+    common_.get()->nmethods = orderings;
+    const std::lock_guard alone(metis_lock());
+    L_ = cholmod_analyze(&lower, common_.get());
+    entries_ = common_.entries();
+    flops_ = common_.flops();
+  }
   void clear() {
     if (L_) cholmod_free_factor(&L_, common_.get());
     L_ = nullptr;
   }
 
+  bool thorough_;
   Common common_;
   cholmod_factor* L_ = nullptr;
   double entries_ = 0;
@@ -182,6 +192,8 @@ Vec Cholmod::witness(const SpMat& A) {
 
 }  // namespace
 
-std::unique_ptr<CholeskyLibrary> make_cholesky() { return std::make_unique<Cholmod>(); }
+std::unique_ptr<CholeskyLibrary> make_cholesky(CholeskyOrdering ordering) {
+  return std::make_unique<Cholmod>(ordering);
+}
 
 }  // namespace perp::lcp

@@ -27,6 +27,6 @@ class CholeskyLibrary {
   virtual Vec witness(const SpMat& A) = 0;  ///< Cholesky::failed_direction()
 };
 
-std::unique_ptr<CholeskyLibrary> make_cholesky();
+std::unique_ptr<CholeskyLibrary> make_cholesky(CholeskyOrdering ordering);
 
 }  // namespace perp::lcp

@@ -194,6 +194,6 @@ class UpLooking final : public CholeskyLibrary {
 
 }  // namespace
 
-std::unique_ptr<CholeskyLibrary> make_cholesky() { return std::make_unique<UpLooking>(); }
+std::unique_ptr<CholeskyLibrary> make_cholesky(CholeskyOrdering) { return std::make_unique<UpLooking>(); }
 
 }  // namespace perp::lcp

@@ -131,9 +131,45 @@ TEST(ContactSystem, RowsOfNewtonSteps) {
     slips.A << 1e-10, 0, 0, -0.6, 0.36 + 0.1, 0.48, -0.8, 0.48, 0.64 + 0.1;
     slips.B << 1, 0, 0, 0, 0.32, -0.24, 0, -0.24, 0.18;
     ASSERT_TRUE(bodies.factor(rows));
-    EXPECT_FALSE(bodies.by_cholesky());
+    EXPECT_TRUE(bodies.by_cholesky());
     bodies.solve(c, x);
     EXPECT_LE(residual_of(problem, rows, x, c).lpNorm<Eigen::Infinity>(), 1e-7 * (1 + c.lpNorm<Eigen::Infinity>()));
+  }
+}
+
+// Couplings p q' of some contacts beside a definite A, by Cholesky's factors and GMRES, against the same rows in one
+// matrix; couplings of all contacts are factored with it at once. In both forms. Catches a wrong reduced system.
+TEST(ContactSystem, CouplingsAreSolvedApart) {
+  Random random(5);
+  for (const Scaled& problem : scenes()) {
+    const Scaled alone = without_bodies(problem);
+    const std::vector<Block> A = definite_blocks(problem, 0.1, random);
+    std::vector<Block> inverse;
+    for (std::size_t a = 0; a < A.size(); ++a) {
+      const int size = problem.blocks[a].size;
+      inverse.emplace_back(Block::Zero()).topLeftCorner(size, size) = Dense(A[a].topLeftCorner(size, size)).inverse();
+    }
+    const Vec c = random.normals(problem.size());
+    for (const std::size_t every : {std::size_t{7}, std::size_t{1}}) {
+      std::vector<ContactRows> rows;
+      std::vector<ContactCoupling> couplings;
+      for (std::size_t a = 0; a < A.size(); ++a) {
+        rows.push_back({.A = A[a], .B = Block::Identity()});
+        if (a % every != 0) continue;
+        const Block X = random_block(random);
+        couplings.push_back({.contact = a, .p = X.col(0), .q = 0.1 * X.col(1)});
+        rows.back().A += couplings.back().p * couplings.back().q.transpose();
+      }
+      for (const Scaled* of : {&problem, &alone}) {
+        ContactSystem system(*of);
+        ASSERT_TRUE(system.factor(A, inverse, couplings));
+        EXPECT_EQ(system.by_cholesky(), every > 1);
+        Vec x;
+        system.solve(c, x);
+        EXPECT_LE(residual_of(problem, rows, x, c).norm(), 1e-9 * (1 + x.norm()));
+        EXPECT_EQ(system.factorizations(), 1);
+      }
+    }
   }
 }
 
