@@ -19,6 +19,7 @@ PROBLEMS["signorini"] = (177, 353, 705, 1409)  # two unknowns a point
 MUMPS = "-ksp_type preonly -pc_type lu -pc_factor_mat_solver_type mumps"
 RSLS = "snesvi -snes_type vinewtonrsls"
 SSLS = "snesvi -snes_type vinewtonssls"
+BNK = "-tao_bnk_pc_type hypre -tao_bnk_ksp_rtol 1e-3"
 PEERS = {  # SEQUENCE: through grids of 33 points (signorini: 23) and twice as many, four times, ...
     "SNESVI rsls, MUMPS": f"{RSLS} {MUMPS}",
     "SNESVI rsls, CG + BoomerAMG": f"{RSLS} -ksp_type cg -pc_type hypre -ksp_rtol 1e-3",
@@ -28,8 +29,11 @@ PEERS = {  # SEQUENCE: through grids of 33 points (signorini: 23) and twice as m
     "SNESVI rsls, grid sequence, MUMPS": f"{RSLS} SEQUENCE {MUMPS}",
     "SNESVI ssls, MUMPS": f"{SSLS} {MUMPS}",
     "SNESVI ssls, GMRES + BoomerAMG": f"{SSLS} -ksp_type gmres -pc_type hypre -ksp_rtol 1e-5",
+    "SNESVI ssls, GMRES + GAMG": f"{SSLS} -ksp_type gmres -pc_type gamg -ksp_rtol 1e-5",
     "TAO gpcg, BoomerAMG": "tao -tao_type gpcg -pc_type hypre",
     "TAO tron, BoomerAMG": "tao -tao_type tron -pc_type hypre",
+    "TAO bnls, CG + BoomerAMG": f"tao -tao_type bnls -tao_bnk_ksp_type cg {BNK}",
+    "TAO bntr, STCG + BoomerAMG": f"tao -tao_type bntr -tao_bnk_ksp_type stcg {BNK}",
 }
 OWN = "perp"
 QUICKEST = {  # of PETSc's at a million unknowns
