@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "lcp/classes/classify_parts.hpp"
+#include "lcp/exact_sum.hpp"
 #include "lcp/linalg/block_triangular.hpp"
 #include "lcp/lu/sparse_lu.hpp"
 #include "lcp/words.hpp"
@@ -17,6 +18,11 @@ Property yes(std::string reason) { return {.answer = Answer::Yes, .reason = std:
 Property no(std::string reason, std::vector<Index> indices = {}, Vec vector = {}) {
   return {
       .answer = Answer::No, .reason = std::move(reason), .indices = std::move(indices), .vector = std::move(vector)};
+}
+/// What a class follows from; to rounding if that is.
+Property follows(const Property& from, std::string reason) {
+  const bool rounded = from.reason.starts_with(to_rounding);
+  return yes(rounded ? std::string(to_rounding) + reason : std::move(reason));
 }
 void settle(Property& property, Property found) {
   if (property.answer == Answer::NotDecided) property = std::move(found);
@@ -44,7 +50,7 @@ class Classifier {
     dominant();
     components();
     h_plus();
-    classify_definite(S_, options_, d_);
+    classify_definite(S_, exact_sum(M_, Mt_, S_), options_, d_);
     p();
     m();
     copositive();
@@ -83,14 +89,20 @@ class Classifier {
   void dominant() {
     rows_ = dominance_of_columns(Mt_, options_.tol);
     columns_ = dominance_of_columns(M_, options_.tol);
-    const auto tell = [](bool in_rows, bool in_columns, const Dominance& rows, Index Dominance::*row) {
-      if (in_rows) return yes("in rows");
-      if (in_columns) return yes("in columns");
-      return no("neither in row " + std::to_string(rows.*row + 1) + " nor in every column", {rows.*row});
+    const auto tell = [&](bool Dominance::*holds, Index Dominance::*row) {
+      if (rows_.*holds) return yes("in rows");
+      if (columns_.*holds) return yes("in columns");
+      if (rows_.overflow || columns_.overflow) return Property{.reason = magnitudes};
+      const Index i = rows_.*row;
+      return no("neither in row " + std::to_string(i + 1) + " nor in every column", {i});
     };
-    d_.dominant = tell(rows_.weak, columns_.weak, rows_, &Dominance::violated);
-    d_.strictly_dominant = tell(rows_.strict, columns_.strict, rows_, &Dominance::not_strict);
+    d_.strictly_dominant = tell(&Dominance::exactly_strict, &Dominance::not_strict);
+    d_.dominant = tell(&Dominance::weak, &Dominance::violated);
+    if (d_.dominant.yes() && !rows_.exactly_weak && columns_.exactly_weak) d_.dominant = yes("in columns");
+    if (d_.dominant.yes() && !exactly_dominant()) d_.dominant.reason.insert(0, to_rounding);
   }
+
+  bool exactly_dominant() const { return rows_.exactly_weak || columns_.exactly_weak; }
 
   void components() {
     parts_ = strong_components({.M = M_, .q = Vec::Zero(n_), .box = Box::free(n_)});
@@ -106,9 +118,9 @@ class Classifier {
       d_.h_plus = no("the diagonal entry " + std::to_string(worst + 1) + " is not positive", {worst});
       return;
     }
-    if (rows_.strict || columns_.strict) {
+    if (rows_.exactly_strict || columns_.exactly_strict) {
       d_.h_plus = yes("strictly diagonally dominant with positive diagonal");
-    } else if ((rows_.weak && chained(rows_, M_)) || (columns_.weak && chained(columns_, Mt_))) {
+    } else if ((rows_.exactly_weak && chained(rows_, M_)) || (columns_.exactly_weak && chained(columns_, Mt_))) {
       d_.h_plus = yes("irreducibly (or weakly chained) diagonally dominant with positive diagonal");
     } else if (wide_) {
       d_.h_plus.reason = magnitudes;
@@ -171,14 +183,14 @@ class Classifier {
 
   /// Minors of one and two rows. False: one refutes P.
   bool small_minors() {
-    const auto refute = [&](std::vector<Index> alpha, long double minor) {
+    const auto refute = [&](std::vector<Index> alpha, long double minor, bool negative) {
       std::ostringstream reason;
       reason << "a principal minor is " << minor;
       settle(d_.p, no(reason.str(), alpha));
-      if (minor < 0) settle(d_.p0, no(reason.str(), alpha));
+      if (negative) settle(d_.p0, no(reason.str(), alpha));
     };
     for (Index i = 0; i < n_; ++i)
-      if (diagonal_[i] <= 0) refute({i}, diagonal_[i]);
+      if (diagonal_[i] <= 0) refute({i}, diagonal_[i], diagonal_[i] < 0);
     for (Index j = 0; j < n_; ++j)
       for (SpMat::InnerIterator a(M_, j), b(Mt_, j); a && b;) {  // M_ij and M_ji
         if (a.row() < b.row()) {
@@ -186,10 +198,14 @@ class Classifier {
         } else if (b.row() < a.row()) {
           ++b;
         } else {
-          const auto [one, two] = products(diagonal_[j], diagonal_[a.row()], a.value(), b.value());
-          const long double minor = one - two;
-          if (a.row() < j && (minor == 0 || minor < -options_.tol * (std::abs(one) + std::abs(two))))
-            refute({a.row(), j}, minor);
+          if (a.row() < j) {
+            ExactSum minor;
+            minor.add_product(diagonal_[j], diagonal_[a.row()]);
+            minor.add_product(-a.value(), b.value());
+            const auto [one, two] = products(diagonal_[j], diagonal_[a.row()], a.value(), b.value());
+            const bool beyond = one - two < -options_.tol * (std::abs(one) + std::abs(two));
+            if (beyond || (minor.exact() && minor.sign() <= 0)) refute({a.row(), j}, one - two, beyond);
+          }
           ++a;
           ++b;
         }
@@ -256,11 +272,13 @@ class Classifier {
   void p0() {
     if (d_.p0.no()) return;
     if (d_.p.yes()) return settle(d_.p0, yes("P"));
-    if (d_.positive_semidefinite.yes()) return settle(d_.p0, yes("positive semidefinite"));
-    if (rows_.weak || columns_.weak) return settle(d_.p0, yes("diagonally dominant with nonnegative diagonal"));
+    if (d_.positive_semidefinite.yes())
+      return settle(d_.p0, follows(d_.positive_semidefinite, "positive semidefinite"));
+    if (d_.dominant.yes()) return settle(d_.p0, follows(d_.dominant, "diagonally dominant with nonnegative diagonal"));
     const bool singular_m = !radius_.upper.empty() &&
                             std::all_of(radius_.upper.begin(), radius_.upper.end(), [](double u) { return u <= 1; });
-    if (singular_m) return settle(d_.p0, yes("the comparison matrix is an M-matrix"));
+    if (singular_m) return settle(d_.p0, yes(std::string(to_rounding) + "the comparison matrix is an M-matrix"));
+    bool rounded = false;
     for (Index k = 0; k < parts_.count(); ++k) {
       const std::vector<Index> alpha = members(k);
       if (static_cast<Index>(alpha.size()) > options_.p0_to) {
@@ -273,8 +291,9 @@ class Classifier {
         d_.p0.reason = magnitudes;
         return;
       }
+      rounded = rounded || test.to_rounding;
     }
-    d_.p0 = yes("by all principal minors of the strongly connected blocks");
+    d_.p0 = yes((rounded ? std::string(to_rounding) : "") + "by all principal minors of the strongly connected blocks");
   }
 
   void copositive() {
@@ -289,7 +308,8 @@ class Classifier {
         settle(d_.copositive_plus, no("v'Mv = 0 but (M + M')v != 0 for a v >= 0", {}, v));
     };
     if (d_.positive_definite.yes()) settle(d_.strictly_copositive, yes("positive definite"));
-    if (d_.positive_semidefinite.yes()) settle(d_.copositive_plus, yes("positive semidefinite"));
+    if (d_.positive_semidefinite.yes())
+      settle(d_.copositive_plus, follows(d_.positive_semidefinite, "positive semidefinite"));
     for (const Property* property : {&d_.positive_definite, &d_.positive_semidefinite})
       if (const Vec& v = property->vector; property->no() && v.size() == n_) {
         if (v.minCoeff() >= 0) refute(v);
@@ -317,7 +337,7 @@ class Classifier {
     if (nonnegative && n_ > 0 && diagonal_.minCoeff() > 0)
       settle(d_.strictly_copositive, yes("M + M' has no negative entry and a positive diagonal"));
     if (d_.strictly_copositive.yes()) settle(d_.copositive_plus, yes("strictly copositive"));
-    if (d_.copositive_plus.yes()) settle(d_.copositive, yes("copositive-plus"));
+    if (d_.copositive_plus.yes()) settle(d_.copositive, follows(d_.copositive_plus, "copositive-plus"));
     const bool open = d_.copositive.answer == Answer::NotDecided || d_.copositive_plus.answer == Answer::NotDecided ||
                       d_.strictly_copositive.answer == Answer::NotDecided;
     if (!open) return;
@@ -381,8 +401,10 @@ Property positive_semidefinite(const SpMat& M, const ClassifyOptions& options) {
   check(M, options);
   const Exponents e = exponents(M);
   const SpMat A = e.extreme() ? centred(M, e) : M;
+  const SpMat At = A.transpose();
+  const SpMat S = A + At;
   Diagnosis d;
-  classify_definite(SpMat(A + SpMat(A.transpose())), options, d);
+  classify_definite(S, exact_sum(A, At, S), options, d);
   return d.positive_semidefinite;
 }
 
@@ -394,6 +416,7 @@ Diagnosis classify(const SpMat& M, const ClassifyOptions& options) {
   Diagnosis d;
   d.size = M.rows();
   Classifier(compressed, options, e.wide(), d).run();
+  take_back_rounded_zeros(compressed, d);
   if (e.extreme())  // which of the reasons have numbers in them is not known here
     for (const auto& [name, view] : d.all())
       if (view->no()) const_cast<Property*>(view)->reason += text_of(" (in M 2^", centring(e), ")");

@@ -13,9 +13,10 @@
 ///     copositive-plus          copositive, and v >= 0, v'Mv = 0 => S v = 0
 /// No and Yes are proofs up to rounding: a quantity (a row's dominance, a pivot, a minor) that is within `tol` times
 /// the terms it is computed from of zero counts as "zero to rounding"; such a matrix is semidefinite, P0, copositive
-/// "to rounding" (the reason says so), and whether it is definite, P, strictly copositive is NotDecided unless the
-/// computed value is exactly zero. Of entries near the ends of the numbers a multiple of M is looked at; where entries
-/// are of too many magnitudes (800 powers of two), what their products would decide is NotDecided.
+/// "to rounding" (the reason says so, and that of what follows), and whether it is definite, P, strictly copositive is
+/// NotDecided unless the value is known to be exactly zero. Strict dominance is decided exactly. Of entries near the
+/// ends of the numbers a multiple of M is looked at; where entries are of too many magnitudes (800 powers of two), what
+/// their products would decide is NotDecided.
 ///
 /// References: Cottle, Pang & Stone 1992 (CPS), chapter 3. Tsatsomeros & Li, BIT 40 (2000) 796: P in O(2^n).
 /// Hadeler, Linear Algebra Appl. 49 (1983) 79; Cottle, Habetler & Lemke, same journal 3 (1970) 295: copositivity by

@@ -67,15 +67,17 @@ void accept_definite(Diagnosis& d, const std::string& reason) {
 }
 
 /// Dominance, and whether each component has a strictly dominant row: Gershgorin's theorem, Taussky's corollary.
-bool by_dominance(const SpMat& S, const ClassifyOptions& options, Diagnosis& d) {
+bool by_dominance(const SpMat& S, bool exact, const ClassifyOptions& options, Diagnosis& d) {
   const Dominance dominance = dominance_of_columns(S, options.tol);
   if (!dominance.weak) return false;
   if (dominance.strict) {
     accept_definite(d, "M + M' is strictly diagonally dominant with positive diagonal");
     return true;
   }
-  accept_semidefinite(d, "M + M' is diagonally dominant with nonnegative diagonal");
-  if (chained(dominance, S)) {
+  const std::string reason = "M + M' is diagonally dominant with nonnegative diagonal";
+  const bool surely = exact && dominance.exactly_weak;
+  accept_semidefinite(d, surely ? reason : std::string(to_rounding) + reason);
+  if (surely && chained(dominance, S)) {
     d.positive_definite = {.answer = Answer::Yes,
                            .reason =
                                "M + M' is irreducibly diagonally dominant (strictly in one row of each "
@@ -170,10 +172,10 @@ void dense_definite(const SpMat& S, double tol, Property& definite, Property& se
   if (semidefinite.answer == Answer::NotDecided) semidefinite = d.positive_semidefinite;
 }
 
-void classify_definite(const SpMat& S, const ClassifyOptions& options, Diagnosis& d) {
+void classify_definite(const SpMat& S, bool exact, const ClassifyOptions& options, Diagnosis& d) {
   if (S.rows() == 0) return accept_definite(d, "n = 0");
   if (diagonal_refutes(S, options.tol, d)) return;
-  if (by_dominance(S, options, d)) return;
+  if (by_dominance(S, exact, options, d)) return;
   if (S.diagonal().minCoeff() > 0) {
     const std::vector<int> one(static_cast<std::size_t>(S.rows()), 0);
     const JacobiRadius radius = jacobi_radius(S, one, options.sweeps, options.tol);

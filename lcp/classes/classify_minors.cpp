@@ -83,6 +83,7 @@ MinorTest p_by_minors(const Dense& A, double tol) {
 
 MinorTest p0_by_minors(const Dense& A, double tol) {
   const Dense B = balanced(A);
+  MinorTest found{.answer = Answer::Yes};
   for (std::uint32_t set = 1; set < (1U << static_cast<unsigned>(B.rows())); ++set) {
     const std::vector<Index> alpha = members(set);
     const Eigen::PartialPivLU<Dense> lu(B(alpha, alpha));
@@ -91,9 +92,11 @@ MinorTest p0_by_minors(const Dense& A, double tol) {
     for (const Index i : alpha) hadamard *= B.row(i)(alpha).norm();
     const bool zero_row = std::ranges::any_of(alpha, [&](Index i) { return B.row(i)(alpha).isZero(0); });
     if (!std::isfinite(hadamard) || (hadamard < 1e-290 && !zero_row)) return {};
-    if (lu.determinant() < -tol * hadamard) return {.answer = Answer::No, .alpha = alpha};
+    const double minor = lu.determinant();
+    if (minor < -tol * hadamard) return {.answer = Answer::No, .alpha = alpha};
+    found.to_rounding = found.to_rounding || (minor < tol * hadamard && !zero_row);
   }
-  return {.answer = Answer::Yes};
+  return found;
 }
 
 namespace {

@@ -28,23 +28,33 @@ struct Form {
 };
 Form quadratic_form(const SpMat& S, const Vec& v, double tol);
 
-/// Sets positive_definite and positive_semidefinite from S = M + M'.
-void classify_definite(const SpMat& S, const ClassifyOptions& options, Diagnosis& d);
+/// Begins the reason of a Yes that rounding may have made.
+inline constexpr std::string_view to_rounding = "to rounding: ";
+
+/// Sets positive_definite and positive_semidefinite from S = M + M'. `exact`: no entry of S is rounded.
+void classify_definite(const SpMat& S, bool exact, const ClassifyOptions& options, Diagnosis& d);
+bool exact_sum(const SpMat& M, const SpMat& Mt, const SpMat& S);  ///< S = M + Mt without rounding
+
+/// Takes back what a computed zero claims and exact arithmetic does not: forms v'Mv, minors, M_ii v_i - sum |M_ij| v_j.
+void take_back_rounded_zeros(const SpMat& M, Diagnosis& d);
 
 /// The dense test of S alone: Yes or No for both, by eigenvalues; NotDecided where rounding decides.
 void dense_definite(const SpMat& S, double tol, Property& definite, Property& semidefinite);
 
 /// Diagonal dominance of the columns of A with nonnegative diagonal.
 struct Dominance {
-  bool weak = true;     ///< in all columns, up to rounding
-  bool strict = true;   ///< in all columns, beyond rounding
-  Index violated = -1;  ///< a column that is not dominant
-  Index not_strict = -1;
-  std::vector<char> strict_columns{};
+  bool weak = true;                    ///< in all columns, up to rounding
+  bool strict = true;                  ///< in all columns, beyond rounding
+  bool exactly_weak = true;            ///< in all columns, in exact arithmetic
+  bool exactly_strict = true;          ///< the same
+  bool overflow = false;               ///< of a column's sum: all of this is unknown
+  Index violated = -1;                 ///< a column that is not weakly dominant, beyond rounding
+  Index not_strict = -1;               ///< a column that is not strictly dominant, exactly
+  std::vector<char> strict_columns{};  ///< exactly
 };
 Dominance dominance_of_columns(const SpMat& A, double tol);
 /// Whether from every column j of A one comes to a strictly dominant one along entries A_kj != 0 (Shivakumar & Chew
-/// 1974: then a weakly dominant A is an H-matrix). Pre: B = A'.
+/// 1974: then an exactly weakly dominant A is an H-matrix). Pre: B = A'.
 bool chained(const Dominance& dominance, const SpMat& B);
 
 /// How the spectral radius rho of D^-1 |M - D| stands to one, D the diagonal (pre: positive), in every strongly
@@ -60,7 +70,8 @@ JacobiRadius jacobi_radius(const SpMat& M, const std::vector<int>& component, in
 struct MinorTest {
   Answer answer = Answer::NotDecided;
   std::vector<Index> alpha{};  ///< of a minor <= 0
-  bool zero = false;           ///< that minor is exactly 0
+  bool zero = false;           ///< that minor is computed as 0
+  bool to_rounding = false;    ///< the Yes: a minor may be negative by rounding
 };
 MinorTest p_by_minors(const Eigen::MatrixXd& A, double tol);
 /// P0 by all principal minors.

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "lcp/classes/classify_parts.hpp"
+#include "lcp/exact_sum.hpp"
 
 namespace perp::lcp {
 
@@ -35,17 +36,24 @@ Dominance dominance_of_columns(const SpMat& A, double tol) {
   for (Index j = 0; j < A.cols(); ++j) {
     double diagonal = 0;
     double others = 0;
-    for (SpMat::InnerIterator it(A, j); it; ++it)
+    ExactSum excess;
+    for (SpMat::InnerIterator it(A, j); it; ++it) {
       it.row() == j ? diagonal = it.value() : others += std::abs(it.value());
+      excess.add(it.row() == j ? it.value() : -std::abs(it.value()));
+    }
+    d.overflow = d.overflow || !excess.exact();
     const double zero = tol * (std::abs(diagonal) + others);
     const bool weak = diagonal >= 0 && diagonal - others >= -zero;
-    const bool strict = diagonal - others > zero;
+    const bool strict = excess.sign() > 0;
     d.strict_columns[at(j)] = strict;
     if (!weak && d.violated < 0) d.violated = j;
     if (!strict && d.not_strict < 0) d.not_strict = j;
     d.weak = d.weak && weak;
-    d.strict = d.strict && strict;
+    d.strict = d.strict && diagonal - others > zero;
+    d.exactly_weak = d.exactly_weak && excess.sign() >= 0;
+    d.exactly_strict = d.exactly_strict && strict;
   }
+  if (d.overflow) d.weak = d.strict = d.exactly_weak = d.exactly_strict = false;
   return d;
 }
 

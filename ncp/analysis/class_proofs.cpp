@@ -36,7 +36,9 @@ std::map<std::pair<Index, Index>, Interval> off_diagonal(const JacobianRange& ra
 double least_eigenvalue(const Dense& B) {
   const ::Eigen::SelfAdjointEigenSolver<Dense> eigen(B, ::Eigen::EigenvaluesOnly);
   if (eigen.info() != ::Eigen::Success) return -infinity;
-  const double error = 20 * static_cast<double>(B.rows()) * std::numeric_limits<double>::epsilon() * B.norm();
+  // Squares of small entries vanish: the norm is scaled. What rounds below the normal numbers, the last term covers.
+  const double error = 20 * static_cast<double>(B.rows()) * std::numeric_limits<double>::epsilon() * B.stableNorm() +
+                       10 * std::numeric_limits<double>::denorm_min();
   return eigen.eigenvalues().minCoeff() - error;
 }
 

@@ -259,6 +259,48 @@ TEST(Classify, SaysNothingFalseOfEntriesOfAllSizes) {
   }
 }
 
+// det M = 1 - prod |M_ij| < 0 for this cycle, each of whose rows lacks less than tol of dominance. Catches a theorem on
+// dominant matrices applied to one that is dominant up to rounding.
+TEST(Classify, DominanceUpToRoundingProvesNothing) {
+  const Index n = 10;
+  Dense A = Dense::Identity(n, n);
+  for (Index i = 0; i < n; ++i) A(i, (i + 1) % n) = i + 1 < n ? -1 - 1.9e-13 : -1 + 2.2e-13;
+  const Diagnosis d = classify(sparse(A));
+  for (const Property* property : {&d.h_plus, &d.m, &d.p, &d.positive_definite})
+    EXPECT_FALSE(property->yes()) << property->reason;
+  EXPECT_EQ(d.dominant.reason.find("to rounding: "), 0u) << d.dominant.reason;
+}
+
+// A Yes that rounding may have made says so, and so do those that follow from it.
+TEST(Classify, SaysWhereAYesIsToRounding) {
+  for (const SpMat& M : {matrix({{1, 1 + 4e-15}, {1 + 4e-15, 1}}), matrix({{1, 2 + 4e-15}, {0.5, 1}}),
+                         matrix({{1, -1}, {-1, 1 - 1e-15}})}) {
+    const Diagnosis d = classify(M);
+    for (const Property* property : {&d.p0, &d.positive_semidefinite, &d.dominant})
+      if (property->yes()) {
+        EXPECT_EQ(property->reason.find("to rounding: "), 0u) << property->reason;
+      }
+  }
+  EXPECT_EQ(classify(matrix({{1, -1}, {-1, 1 - 1e-15}})).copositive.reason.find("to rounding: "), 0u);
+}
+
+// a d - b c = 2^-78, -2^-52 and so on, which rounds to 0: catches "no" on the word of a computed zero, and a strict
+// dominance by one bit that is not seen.
+TEST(Classify, ZerosByRoundingRefuteNothing) {
+  const double e = 0x1p-26;
+  const Diagnosis definite = classify(matrix({{1 + e, 1}, {1, 1 - e + 0x1p-52}}));
+  EXPECT_FALSE(definite.p.no()) << definite.p.reason;
+  EXPECT_FALSE(definite.positive_definite.no()) << definite.positive_definite.reason;
+  EXPECT_FALSE(definite.strictly_copositive.no());
+  const Diagnosis z = classify(matrix({{3, -3 - 0x1p-51}, {-3 + 0x1p-51, 3}}));
+  EXPECT_FALSE(z.p.no()) << z.p.reason;
+  EXPECT_FALSE(z.m.no()) << z.m.reason;
+  EXPECT_TRUE(classify(matrix({{0.3, -0.3 + 0x1p-54}, {0.1, 0.7}})).strictly_dominant.yes());
+  // Three rows whose determinant is exactly 0, and what rounds to it.
+  EXPECT_TRUE(classify(matrix({{2, 3, 1}, {1, 2, 1}, {1, 1, 0}})).p.no());
+  EXPECT_TRUE(classify(matrix({{1, 2, 1}, {-2, 4, 2}, {1, 2, 1}})).p.no());
+}
+
 // Above the limits the answer is NotDecided and says why; catches a guess.
 TEST(Classify, SaysWhatItDoesNotKnow) {
   Random random(6);

@@ -73,6 +73,18 @@ TEST(FunctionClasses, OfTheLargestAndTheSmallestEntries) {
   }
 }
 
+// Matrices that are singular but for their rounding, which makes some of them indefinite. Catches a bound of rounding
+// that is made from squares of the entries, and vanishes where they do.
+TEST(FunctionClasses, OfSmallEntriesAreNotProvenByRounding) {
+  for (const double c : {1.0, 1e-160, 1e-165, 1e-171, 1e-200, 1e-300})
+    for (const Vec& a : {Vec{{0.3, 0.7}}, Vec{{1. / 3, 0.7}}, Vec{{0.1, -0.4}}, Vec{{-2. / 3, 0.7}}}) {
+      const SpMat M = (c * a * a.transpose()).sparseView(0, 0);
+      const FunctionClasses classes = function_classes(*make_affine_mcp({M, Vec::Zero(2), Box::free(2)}, "M"), a);
+      EXPECT_NE(classes.strongly_monotone.answer, Answer::Yes) << c << ": " << classes.strongly_monotone.reason;
+      EXPECT_EQ(classes.modulus, 0) << c;
+    }
+}
+
 // A variable that is fixed takes part in nothing. Catches a witness that moves it.
 TEST(FunctionClasses, LeaveFixedVariablesOut) {
   EXPECT_EQ(of_matrix(matrix({{-1, 5}, {5, 2}}), Box{Vec{{0, 0}}, Vec{{0, 1}}}), "++++++");
