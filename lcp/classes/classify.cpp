@@ -14,16 +14,16 @@
 namespace perp::lcp {
 namespace {
 
-Property yes(std::string reason) { return {.answer = Answer::Yes, .reason = std::move(reason)}; }
+Property yes(std::string reason, bool rounded = false) {
+  if (rounded) reason.insert(0, to_rounding);
+  return {.answer = Answer::Yes, .reason = std::move(reason), .to_rounding = rounded};
+}
 Property no(std::string reason, std::vector<Index> indices = {}, Vec vector = {}) {
   return {
       .answer = Answer::No, .reason = std::move(reason), .indices = std::move(indices), .vector = std::move(vector)};
 }
 /// What a class follows from; to rounding if that is.
-Property follows(const Property& from, std::string reason) {
-  const bool rounded = from.reason.starts_with(to_rounding);
-  return yes(rounded ? std::string(to_rounding) + reason : std::move(reason));
-}
+Property follows(const Property& from, std::string reason) { return yes(std::move(reason), from.to_rounding); }
 void settle(Property& property, Property found) {
   if (property.answer == Answer::NotDecided) property = std::move(found);
 }
@@ -99,7 +99,7 @@ class Classifier {
     d_.strictly_dominant = tell(&Dominance::exactly_strict, &Dominance::not_strict);
     d_.dominant = tell(&Dominance::weak, &Dominance::violated);
     if (d_.dominant.yes() && !rows_.exactly_weak && columns_.exactly_weak) d_.dominant = yes("in columns");
-    if (d_.dominant.yes() && !exactly_dominant()) d_.dominant.reason.insert(0, to_rounding);
+    if (d_.dominant.yes() && !exactly_dominant()) d_.dominant = yes(d_.dominant.reason, true);
   }
 
   bool exactly_dominant() const { return rows_.exactly_weak || columns_.exactly_weak; }
@@ -277,7 +277,7 @@ class Classifier {
     if (d_.dominant.yes()) return settle(d_.p0, follows(d_.dominant, "diagonally dominant with nonnegative diagonal"));
     const bool singular_m = !radius_.upper.empty() &&
                             std::all_of(radius_.upper.begin(), radius_.upper.end(), [](double u) { return u <= 1; });
-    if (singular_m) return settle(d_.p0, yes(std::string(to_rounding) + "the comparison matrix is an M-matrix"));
+    if (singular_m) return settle(d_.p0, yes("the comparison matrix is an M-matrix", true));
     bool rounded = false;
     for (Index k = 0; k < parts_.count(); ++k) {
       const std::vector<Index> alpha = members(k);
@@ -293,7 +293,7 @@ class Classifier {
       }
       rounded = rounded || test.to_rounding;
     }
-    d_.p0 = yes((rounded ? std::string(to_rounding) : "") + "by all principal minors of the strongly connected blocks");
+    d_.p0 = yes("by all principal minors of the strongly connected blocks", rounded);
   }
 
   void copositive() {
@@ -416,7 +416,7 @@ Diagnosis classify(const SpMat& M, const ClassifyOptions& options) {
   Diagnosis d;
   d.size = M.rows();
   Classifier(compressed, options, e.wide(), d).run();
-  take_back_rounded_zeros(compressed, d);
+  take_back_rounded_zeros(compressed, options.tol, d);
   if (e.extreme())  // which of the reasons have numbers in them is not known here
     for (const auto& [name, view] : d.all())
       if (view->no()) const_cast<Property*>(view)->reason += text_of(" (in M 2^", centring(e), ")");

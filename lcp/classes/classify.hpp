@@ -43,6 +43,7 @@ struct Property {
   /// Of a No: v with v'Mv < 0 (<= 0 for definiteness and strict copositivity; v >= 0 for the copositive classes; v'Mv =
   /// 0 but S v != 0 for copositive-plus); for P, v != 0 with v_i (Mv)_i <= 0 for all i.
   Vec vector{};
+  bool to_rounding = false;  ///< of a Yes, whose reason begins with these words
   bool yes() const { return answer == Answer::Yes; }
   bool no() const { return answer == Answer::No; }
 };

@@ -58,8 +58,9 @@ bool diagonal_refutes(const SpMat& S, double tol, Diagnosis& d) {
   return false;
 }
 
-void accept_semidefinite(Diagnosis& d, std::string reason) {
-  d.positive_semidefinite = {.answer = Answer::Yes, .reason = std::move(reason)};
+void accept_semidefinite(Diagnosis& d, std::string reason, bool rounded = false) {
+  if (rounded) reason.insert(0, to_rounding);
+  d.positive_semidefinite = {.answer = Answer::Yes, .reason = std::move(reason), .to_rounding = rounded};
 }
 void accept_definite(Diagnosis& d, const std::string& reason) {
   d.positive_definite = {.answer = Answer::Yes, .reason = reason};
@@ -76,7 +77,7 @@ bool by_dominance(const SpMat& S, bool exact, const ClassifyOptions& options, Di
   }
   const std::string reason = "M + M' is diagonally dominant with nonnegative diagonal";
   const bool surely = exact && dominance.exactly_weak;
-  accept_semidefinite(d, surely ? reason : std::string(to_rounding) + reason);
+  accept_semidefinite(d, reason, !surely);
   if (surely && chained(dominance, S)) {
     d.positive_definite = {.answer = Answer::Yes,
                            .reason =
@@ -108,9 +109,9 @@ void by_cholesky(const SpMat& S, const ClassifyOptions& options, Diagnosis& d) {
     status = factor(1);
     if (status == CholeskyStatus::Ok) {
       reason.str("");
-      reason << "to rounding: Cholesky's factorization of M + M' exists with " << shift << " of the diagonal added";
+      reason << "Cholesky's factorization of M + M' exists with " << shift << " of the diagonal added";
       if (!d.positive_definite.no()) d.positive_definite.reason = "M + M' is singular to rounding";
-      return accept_semidefinite(d, reason.str());
+      return accept_semidefinite(d, reason.str(), true);
     }
     if (status == CholeskyStatus::NotPositiveDefinite) {
       const Vec w = cholesky.failed_direction();
@@ -163,7 +164,7 @@ void dense_definite(const SpMat& S, double tol, Property& definite, Property& se
       const double scale = v.cwiseAbs().maxCoeff(&largest);
       for (int k = 1; k <= 4; ++k) try_direction(S, (v * (k / scale)).array().round().matrix(), tol, d);
       if (lambda[0] >= -zero && !d.positive_semidefinite.no())
-        accept_semidefinite(d, "to rounding: " + reason.str());
+        accept_semidefinite(d, reason.str(), true);
       else if (!d.positive_semidefinite.no())
         d.positive_semidefinite.reason = "rounding hides the sign of v'Mv";
     }

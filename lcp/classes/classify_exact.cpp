@@ -124,10 +124,11 @@ bool exact_sum(const SpMat& M, const SpMat& Mt, const SpMat& S) {
   return std::all_of(error.valuePtr(), error.valuePtr() + error.nonZeros(), [](double e) { return e == 0; });
 }
 
-void take_back_rounded_zeros(const SpMat& M, Diagnosis& d) {
+void take_back_rounded_zeros(const SpMat& M, double tol, Diagnosis& d) {
   const SpMat Mt = M.transpose();
+  const SpMat S = M + Mt;
   const auto zero_form = [&](const Property& property) {
-    return property.no() && property.vector.size() == M.rows() && property.reason.find("v'Mv = 0") == 0;
+    return property.no() && property.vector.size() == M.rows() && quadratic_form(S, property.vector, tol).value == 0;
   };
   for (Property* property : {&d.positive_definite, &d.strictly_copositive, &d.copositive_plus}) {
     if (!zero_form(*property)) continue;
@@ -142,9 +143,8 @@ void take_back_rounded_zeros(const SpMat& M, Diagnosis& d) {
     take_back(d.h_plus, "the comparison matrix is singular to rounding");
     p = d.p.no() && d.p.vector.size() == M.rows();
   }
-  if (d.p.no() && d.p.indices.size() > 1 && d.p.reason == "a principal minor is 0" &&
-      !surely_not_positive(block(M, d.p.indices)))
-    p = true;
+  // A negative minor refutes P0 as well.
+  if (d.p.no() && !d.p0.no() && d.p.indices.size() > 1 && !surely_not_positive(block(M, d.p.indices))) p = true;
   if (!p) return;
   take_back(d.p, "rounding hides the sign of a principal minor");
   if (d.z.yes()) take_back(d.m, "rounding hides the sign of a principal minor");

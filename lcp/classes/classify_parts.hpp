@@ -36,7 +36,7 @@ void classify_definite(const SpMat& S, bool exact, const ClassifyOptions& option
 bool exact_sum(const SpMat& M, const SpMat& Mt, const SpMat& S);  ///< S = M + Mt without rounding
 
 /// Takes back what a computed zero claims and exact arithmetic does not: forms v'Mv, minors, M_ii v_i - sum |M_ij| v_j.
-void take_back_rounded_zeros(const SpMat& M, Diagnosis& d);
+void take_back_rounded_zeros(const SpMat& M, double tol, Diagnosis& d);
 
 /// The dense test of S alone: Yes or No for both, by eigenvalues; NotDecided where rounding decides.
 void dense_definite(const SpMat& S, double tol, Property& definite, Property& semidefinite);
