@@ -128,7 +128,7 @@ void take_back_rounded_zeros(const SpMat& M, double tol, Diagnosis& d) {
   const SpMat Mt = M.transpose();
   const SpMat S = M + Mt;
   const auto zero_form = [&](const Property& property) {
-    return property.no() && property.vector.size() == M.rows() && quadratic_form(S, property.vector, tol).value == 0;
+    return property.no() && property.vector.size() == M.rows() && !quadratic_form(S, property.vector, tol).negative();
   };
   for (Property* property : {&d.positive_definite, &d.strictly_copositive, &d.copositive_plus}) {
     if (!zero_form(*property)) continue;

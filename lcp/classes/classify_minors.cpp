@@ -115,9 +115,12 @@ class Copositivity {
     for (std::uint32_t set = 1; set < (1U << static_cast<unsigned>(dense_.rows())); ++set)
       if (!look(members(set))) return;
     const std::string checked = "by all principal submatrices";
-    settle(d_.copositive, Answer::Yes, near_zero_ ? "to rounding: " + checked : checked);
     if (!near_zero_) settle(d_.strictly_copositive, Answer::Yes, checked);
-    if (!hidden_) settle(d_.copositive_plus, Answer::Yes, near_zero_ ? "to rounding: " + checked : checked);
+    for (Property* property : {&d_.copositive, &d_.copositive_plus}) {
+      if (property->answer != Answer::NotDecided || (hidden_ && property == &d_.copositive_plus)) continue;
+      settle(*property, Answer::Yes, near_zero_ ? std::string(to_rounding) + checked : checked);
+      property->to_rounding = near_zero_;
+    }
     for (Property* property : {&d_.strictly_copositive, &d_.copositive_plus})
       if (property->answer == Answer::NotDecided) property->reason = "rounding hides whether v'Mv = 0 for a v >= 0";
   }
