@@ -50,7 +50,7 @@ class Classifier {
     dominant();
     components();
     h_plus();
-    classify_definite(S_, exact_sum(M_, Mt_, S_), options_, d_);
+    classify_definite(M_, Mt_, S_, options_, d_);
     p();
     m();
     copositive();
@@ -404,7 +404,7 @@ Property positive_semidefinite(const SpMat& M, const ClassifyOptions& options) {
   const SpMat At = A.transpose();
   const SpMat S = A + At;
   Diagnosis d;
-  classify_definite(S, exact_sum(A, At, S), options, d);
+  classify_definite(A, At, S, options, d);
   return d.positive_semidefinite;
 }
 

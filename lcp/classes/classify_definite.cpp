@@ -68,7 +68,7 @@ void accept_definite(Diagnosis& d, const std::string& reason) {
 }
 
 /// Dominance, and whether each component has a strictly dominant row: Gershgorin's theorem, Taussky's corollary.
-bool by_dominance(const SpMat& S, bool exact, const ClassifyOptions& options, Diagnosis& d) {
+bool by_dominance(const SpMat& M, const SpMat& Mt, const SpMat& S, const ClassifyOptions& options, Diagnosis& d) {
   const Dominance dominance = dominance_of_columns(S, options.tol);
   if (!dominance.weak) return false;
   if (dominance.strict) {
@@ -76,7 +76,7 @@ bool by_dominance(const SpMat& S, bool exact, const ClassifyOptions& options, Di
     return true;
   }
   const std::string reason = "M + M' is diagonally dominant with nonnegative diagonal";
-  const bool surely = exact && dominance.exactly_weak;
+  const bool surely = dominance.exactly_weak && exact_sum(M, Mt, S);
   accept_semidefinite(d, reason, !surely);
   if (surely && chained(dominance, S)) {
     d.positive_definite = {.answer = Answer::Yes,
@@ -173,10 +173,10 @@ void dense_definite(const SpMat& S, double tol, Property& definite, Property& se
   if (semidefinite.answer == Answer::NotDecided) semidefinite = d.positive_semidefinite;
 }
 
-void classify_definite(const SpMat& S, bool exact, const ClassifyOptions& options, Diagnosis& d) {
+void classify_definite(const SpMat& M, const SpMat& Mt, const SpMat& S, const ClassifyOptions& options, Diagnosis& d) {
   if (S.rows() == 0) return accept_definite(d, "n = 0");
   if (diagonal_refutes(S, options.tol, d)) return;
-  if (by_dominance(S, exact, options, d)) return;
+  if (by_dominance(M, Mt, S, options, d)) return;
   if (S.diagonal().minCoeff() > 0) {
     const std::vector<int> one(static_cast<std::size_t>(S.rows()), 0);
     const JacobiRadius radius = jacobi_radius(S, one, options.sweeps, options.tol);

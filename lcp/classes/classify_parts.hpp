@@ -31,8 +31,8 @@ Form quadratic_form(const SpMat& S, const Vec& v, double tol);
 /// Begins the reason of a Yes that rounding may have made.
 inline constexpr std::string_view to_rounding = "to rounding: ";
 
-/// Sets positive_definite and positive_semidefinite from S = M + M'. `exact`: no entry of S is rounded.
-void classify_definite(const SpMat& S, bool exact, const ClassifyOptions& options, Diagnosis& d);
+/// Sets positive_definite and positive_semidefinite. Pre: S = M + Mt, Mt = M'.
+void classify_definite(const SpMat& M, const SpMat& Mt, const SpMat& S, const ClassifyOptions& options, Diagnosis& d);
 bool exact_sum(const SpMat& M, const SpMat& Mt, const SpMat& S);  ///< S = M + Mt without rounding
 
 /// Takes back what a computed zero claims and exact arithmetic does not: forms v'Mv, minors, M_ii v_i - sum |M_ij| v_j.
