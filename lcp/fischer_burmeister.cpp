@@ -31,6 +31,16 @@ double fischer_burmeister_factor(double most, double least) {
 
 }  // namespace
 
+double fischer_burmeister_value(double a, double b) {
+  if (std::isnan(a) || std::isnan(b)) return a + b;
+  if (a == infinity) return saturated(b);
+  if (b == infinity) return saturated(a);
+  a = saturated(a);
+  b = saturated(b);
+  const double least = std::min(a, b);
+  return least == 0 ? least : saturated(least * fischer_burmeister_factor(std::max(a, b), least));
+}
+
 CValue fischer_burmeister(double a, double b, double ha, double hb, double weight) {
   if (std::isnan(a) || std::isnan(b)) return {a + b, a + b, a + b};
   if (a == infinity) return {product({weight, saturated(b)}), 0, 1};

@@ -19,6 +19,21 @@ struct CValue {
 /// the partials along (ha, hb).
 CValue fischer_burmeister(double a, double b, double ha, double hb, double weight = 1);
 
+/// phi_FB alone, the same double.
+double fischer_burmeister_value(double a, double b);
+
+/// The row's value alone. phi(a, b): a C-function.
+template <class Phi>
+double box_value(const Phi& phi, double l, double u, double x, double F) {
+  if (l == u) return saturated(x - l);
+  const bool has_lower = l > -infinity;
+  const bool has_upper = u < infinity;
+  if (!has_lower && !has_upper) return F;
+  if (!has_upper) return phi(x - l, F);
+  const double upper = -phi(u - x, -F);
+  return has_lower ? phi(x - l, upper) : upper;
+}
+
 /// The row and its partials in x and F, at kinks those along (hx, hF). phi(a, b, ha, hb): a C-function.
 template <class Phi>
 CValue box_row(const Phi& phi, double l, double u, double x, double F, double hx, double hF) {

@@ -6,14 +6,25 @@ namespace perp::lcp {
 SpMat principal_block(const SpMat& M, const std::vector<Index>& I) {
   std::vector<int> place(static_cast<std::size_t>(M.rows()), -1);
   for (std::size_t k = 0; k < I.size(); ++k) place[static_cast<std::size_t>(I[k])] = static_cast<int>(k);
-  std::vector<Eigen::Triplet<double>> entries;
-  for (std::size_t k = 0; k < I.size(); ++k)
-    for (SpMat::InnerIterator it(M, I[k]); it; ++it)
-      if (const int row = place[static_cast<std::size_t>(it.row())]; row >= 0)
-        entries.emplace_back(row, static_cast<int>(k), it.value());
   const auto m = static_cast<Index>(I.size());
   SpMat block(m, m);
-  block.setFromTriplets(entries.begin(), entries.end());
+  Index most = 0;
+  for (const Index j : I) most += M.outerIndexPtr()[j + 1] - M.outerIndexPtr()[j];
+  block.reserve(most);
+  bool sorted = true;
+  for (Index k = 0; k < m; ++k) {
+    block.startVec(k);
+    int last = -1;
+    for (SpMat::InnerIterator it(M, I[static_cast<std::size_t>(k)]); it; ++it) {
+      const int row = place[static_cast<std::size_t>(it.row())];
+      if (row < 0) continue;
+      sorted = sorted && row > last;
+      last = row;
+      block.insertBackByOuterInnerUnordered(k, row) = it.value();
+    }
+  }
+  block.finalize();
+  if (!sorted) block = SpMat(Eigen::SparseMatrix<double, Eigen::RowMajor, int>(block));
   return block;
 }
 

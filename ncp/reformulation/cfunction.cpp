@@ -16,7 +16,13 @@ void reformulate(const CFunction& c, const Box& box, In x, In F, In h, In Jh, Re
 }
 
 void reformulate(const CFunction& c, const Box& box, In x, In F, Out Phi) {
-  for (Index i = 0; i < x.size(); ++i) Phi[i] = lcp::box_row(c.at, box.lower[i], box.upper[i], x[i], F[i], 1, 1).phi;
+  const auto rows = [&](const auto& phi) {
+    for (Index i = 0; i < x.size(); ++i) Phi[i] = lcp::box_value(phi, box.lower[i], box.upper[i], x[i], F[i]);
+  };
+  if (c.value != nullptr)
+    rows(c.value);
+  else
+    rows([&c](double a, double b) { return c.at(a, b, 1, 1).phi; });
 }
 
 }  // namespace perp::ncp

@@ -64,6 +64,8 @@ struct CFunction {
   /// of such limits where that ray runs along the kink itself, which makes (da, db) an element of the
   /// B-subdifferential.
   std::function<CValue(double a, double b, double ha, double hb)> at;
+  /// phi alone, the same double, where that is quicker.
+  double (*value)(double a, double b) = nullptr;
   std::optional<CParameter> parameter{};
   CFunction (*with_parameter)(double) = nullptr;  ///< the function at another value; there if `parameter` is
   CProperties properties{};

@@ -184,6 +184,7 @@ CFunction fischer_burmeister() {
           .formula = "a + b - sqrt(a^2 + b^2)",
           .smooth_merit = true,
           .at = [](double a, double b, double ha, double hb) { return lcp::fischer_burmeister(a, b, ha, hb); },
+          .value = lcp::fischer_burmeister_value,
           .properties = CProperties{.level_sets = uniform_p, .stationary_points = p0},
           .reference = "Fischer, Optimization 24 (1992) 269"};
 }

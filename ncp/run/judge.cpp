@@ -22,9 +22,17 @@ std::optional<double> bound_of(const Box& box, Index i, double x, double F) {
 
 }  // namespace
 
-const lcp::AffineMcp* Judge::affine() {
-  if (!std::exchange(affine_known_, true)) affine_ = affine_part(counted_.mcp());
+const lcp::AffineMcp* ExactValues::problem() {
+  if (!std::exchange(affine_known_, true)) affine_ = affine_part(mcp_);
   return affine_ ? &*affine_ : nullptr;
+}
+
+const Vec& ExactValues::F(const Vec& x) {
+  if (F_.size() == 0 || x_ != x) {
+    F_ = lcp::judge(*affine_, x).F;
+    x_ = x;
+  }
+  return F_;
 }
 
 void Judge::evaluate(Judged& point) {
@@ -33,7 +41,7 @@ void Judge::evaluate(Judged& point) {
     point.residual = Residual{};
     return;
   }
-  if (const lcp::AffineMcp* exact = affine()) point.F = lcp::judge(*exact, point.x).F;
+  if (exact_->problem() != nullptr) point.F = exact_->F(point.x);
   point.residual = residual(box, point.x, point.F);
 }
 
@@ -89,7 +97,7 @@ bool Judge::balanced(const Judged& point) {
 
 bool Judge::to_rounding(const Judged& point) {
   if (!std::isfinite(point.residual.natural)) return false;
-  if (const lcp::AffineMcp* exact = affine()) {
+  if (const lcp::AffineMcp* exact = exact_->problem()) {
     const lcp::Judgement there = lcp::judge(*exact, point.x);
     return there.accuracy.to_rounding && lcp::rounds_a_solution(*exact, point.x, there.F, there.terms);
   }
@@ -102,7 +110,7 @@ bool Judge::to_rounding(const Judged& point) {
 }
 
 void Judge::refine(Judged& point) {
-  const lcp::AffineMcp* exact = affine();
+  const lcp::AffineMcp* exact = exact_->problem();
   if (exact == nullptr || !std::isfinite(point.residual.natural)) return;
   evaluate(point);  // the method's own sums may hide that it is a solution
   if (!lcp::worth_refining(lcp::judge(*exact, point.x), stop_.tol)) return;
@@ -110,9 +118,9 @@ void Judge::refine(Judged& point) {
   evaluate(point);
 }
 
-void judge_here(const Mcp& mcp, const Stop& stop, Result& result) {
+void judge_here(const Mcp& mcp, const Stop& stop, Result& result, std::shared_ptr<ExactValues> exact) {
   CountedMcp counted(mcp);
-  Judge judge(counted, stop);
+  Judge judge(counted, stop, std::move(exact));
   Judged point{.x = std::move(result.x), .F = {}, .residual = {}};
   const bool solved = judge.solved_at(point);
   if (result.accepted()) {

@@ -3,6 +3,7 @@
 /// What may be called solved, for every method, and in one place: a point of the box whose natural residual, with F
 /// evaluated afresh, is at most the tolerance. F of affine problems is summed without rounding errors for that. Private
 /// to ncp/.
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -22,10 +23,29 @@ struct Judged {
   Residual residual;
 };
 
+/// F of an affine problem, summed without rounding errors; that of the last point is remembered.
+class ExactValues {
+ public:
+  /// The problem outlives them.
+  explicit ExactValues(const Mcp& mcp) : mcp_(mcp) {}
+  /// Null if it is not affine.
+  const lcp::AffineMcp* problem();
+  /// Pre: there is a problem.
+  const Vec& F(const Vec& x);
+
+ private:
+  const Mcp& mcp_;
+  std::optional<lcp::AffineMcp> affine_;
+  bool affine_known_ = false;
+  Vec x_, F_;
+};
+
 class Judge {
  public:
-  /// Both outlive the judge.
-  Judge(CountedMcp& counted, const Stop& stop) : counted_(counted), stop_(stop) {}
+  /// Both outlive the judge. `exact`: those of the problem.
+  Judge(CountedMcp& counted, const Stop& stop, std::shared_ptr<ExactValues> exact)
+      : counted_(counted), stop_(stop), exact_(std::move(exact)) {}
+  const std::shared_ptr<ExactValues>& exact() const { return exact_; }
 
   /// Whether the point is a solution to the tolerance. Then F is the fresh one, and entries that are at a bound but for
   /// the tolerance are moved there, where the point stays a solution.
@@ -45,16 +65,14 @@ class Judge {
   void snap(Judged& point);
   bool moved_to_bounds(Judged& point, const std::vector<Index>& which, int& tries);
   bool balanced(const Judged& point);
-  const lcp::AffineMcp* affine();
 
   CountedMcp& counted_;
   const Stop& stop_;
-  std::optional<lcp::AffineMcp> affine_;
-  bool affine_known_ = false;
+  std::shared_ptr<ExactValues> exact_;
 };
 
 /// The result of another form of the problem, its x mapped back, judged on the problem itself: sets F, the residual
 /// and, of what was accepted there, the status: NoProgress where the problem's own residual does not confirm it.
-void judge_here(const Mcp& mcp, const Stop& stop, Result& result);
+void judge_here(const Mcp& mcp, const Stop& stop, Result& result, std::shared_ptr<ExactValues> exact);
 
 }  // namespace perp::ncp

@@ -14,7 +14,7 @@ std::string solution_found(const Residual& residual) {
 Run::Run(const Mcp& mcp, const Stop& stop, const Observer& observer)
     : counted_(mcp),
       stop_(stop),
-      judge_(counted_, stop),
+      judge_(counted_, stop, std::make_shared<ExactValues>(mcp)),
       observer_(observer),
       deadline_(lcp::deadline_after(stop.max_time)) {}
 
@@ -205,7 +205,7 @@ Result Run::within(const Transform& way, const Share& share, In x0, const Body& 
   if (accepted_there != nullptr) *accepted_there = result.accepted();
   result.x = way.back(result.x);
   result.basis = way.back(result.x, std::move(result.basis));
-  judge_here(mcp(), limits, result);
+  judge_here(mcp(), limits, result, judge_.exact());
   return result;
 }
 

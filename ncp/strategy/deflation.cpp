@@ -133,7 +133,7 @@ class Search {
     result.status = Status::Solved;
     result.advice.clear();
     const Stats before = result.stats;
-    judge_here(mcp_, stop_, result);
+    judge_here(mcp_, stop_, result, std::make_shared<ExactValues>(mcp_));
     run_.stats().F_evals += result.stats.F_evals - before.F_evals;
     run_.stats().J_evals += result.stats.J_evals - before.J_evals;
   }

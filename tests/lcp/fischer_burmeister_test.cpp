@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
+#include <utility>
 
 namespace perp::lcp {
 namespace {
@@ -22,6 +24,25 @@ TEST(FischerBurmeister, NoCancellation) {
   const CValue kink = fischer_burmeister(0, 0, 3, 4);
   EXPECT_NEAR(kink.da, 0.4, 1e-15);
   EXPECT_NEAR(kink.db, 0.2, 1e-15);
+}
+
+// The value alone is the same double as the value with its partials, so that a merit that falls by one falls by the
+// other. Catches a branch that only one of the two has.
+TEST(FischerBurmeister, ValueAloneIsTheSame) {
+  const double huge = std::numeric_limits<double>::max();
+  const double tiny = std::numeric_limits<double>::denorm_min();
+  for (const double a : {0.0, -0.0, tiny, 1e-200, 1e-12, 0.3, 1.0, 7e5, huge, infinity})
+    for (const double b : {0.0, -0.0, tiny, 1e-200, 1e-12, 0.3, 1.0, 7e5, huge, infinity})
+      for (const double x : {a, -a})
+        for (const double F : {b, -b}) {
+          const auto phi = [](double p, double q, double hp, double hq) { return fischer_burmeister(p, q, hp, hq); };
+          EXPECT_EQ(fischer_burmeister_value(x, F), fischer_burmeister(x, F, 1, 1).phi) << x << " " << F;
+          if (!std::isfinite(x) || !std::isfinite(F)) continue;
+          for (const auto& [l, u] :
+               {std::pair{0.0, infinity}, {-infinity, 1.0}, {-1.0, 2.0}, {-infinity, infinity}, std::pair{0.5, 0.5}})
+            EXPECT_EQ(box_value(fischer_burmeister_value, l, u, x, F), box_row(phi, l, u, x, F, 1, 1).phi)
+                << l << " " << u << " " << x << " " << F;
+        }
 }
 
 }  // namespace
