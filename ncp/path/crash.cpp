@@ -22,10 +22,17 @@ constexpr int crash_prox_tries = 4;
 /// to a bound, which a path would do by as many pivots.
 constexpr double worthwhile = 0.9;
 constexpr Index many_pivots = 200;
-constexpr int most_unpaid = 5;  ///< steps in turn that pay by the pivots they save alone
+constexpr Index fewer_pivots = 10;  // or n / 20, of quadratic programs: their one path takes what the crash leaves
+constexpr int most_unpaid = 5;      ///< steps in turn that pay by the pivots they save alone
 /// A step with a proximal term, in nonlinear problems, must leave less than `worthwhile` and reach this share of the
 /// fall that the linearised problem promises, or it is taken back: the path then starts better from where it led away.
 constexpr double promised = 0.25;
+
+/// Whether the problem is affine and a quarter of the variables has a diagonal entry in J: a quadratic program. To a
+/// linear one each lambda gives another vertex.
+bool curved(const Mcp& mcp, const SpMat& J) {
+  return mcp.is_affine() && 4 * (J.diagonal().array() > 0).count() >= J.rows();
+}
 
 using Places = std::vector<bool>;  // inside?
 
@@ -68,6 +75,8 @@ SpMat block(const SpMat& J, const std::vector<Index>& I, double lambda) {
 class ProximalTerm {
  public:
   double lambda() const { return lambda_; }
+  /// The problem is affine, and J was found to be positive semidefinite when the first J_II was singular.
+  bool monotone() const { return monotone_; }
 
   /// With J and F_I of the point.
   void raise(const Run& run, const SpMat& J, const Vec& F) {
@@ -79,7 +88,7 @@ class ProximalTerm {
     if (!run.mcp().is_affine()) {
       first = 0.01 * std::min(1.0, F.norm());
       decay_ = 0.9;
-    } else if (lcp::positive_semidefinite(J, {.dense_to = 0}).yes()) {
+    } else if (monotone_ = lcp::positive_semidefinite(J, {.dense_to = 0}).yes(); monotone_) {
       first = 0.3;  // steps with less are too long for a search
       decay_ = 0.5;
     } else {
@@ -94,6 +103,7 @@ class ProximalTerm {
  private:
   double lambda_ = 0;
   double decay_ = 1;
+  bool monotone_ = false;
 };
 
 /// d with (J_II + lambda I) d_I = -F_I, d = 0 elsewhere; lambda > 0 if J_II is singular. False: no lambda helped.
@@ -169,8 +179,13 @@ bool keeps_promise(const SearchOutcome& found, double psi) {
   return found.merit < worthwhile * psi && psi - found.merit >= promised * found.t * (2 - found.t) * psi;
 }
 
-/// The steps. `proximal`: one of those kept met a singular J_II. False: the run is over.
-bool descend(Run& run, const Crash& options, Point& point, Iteration& it, lcp::SparseLu& lu, bool& proximal) {
+struct Met {
+  bool proximal = false;  ///< a singular J_II, in a step that was kept
+  bool monotone = false;  ///< ProximalTerm::monotone
+};
+
+/// The steps. False: the run is over.
+bool descend(Run& run, const Crash& options, Point& point, Iteration& it, lcp::SparseLu& lu, Met& met) {
   const CFunction fb = fischer_burmeister();
   const Armijo rule{.max_backtracks = static_cast<int>(std::ceil(-std::log2(options.least_step)))};
   Places before;
@@ -183,6 +198,9 @@ bool descend(Run& run, const Crash& options, Point& point, Iteration& it, lcp::S
   Stall stall(2);
   (void)stall.stalled(psi);
   int unpaid = 0;
+  const bool quadratic = curved(run.mcp(), point.J);
+  const Index worth_a_step =
+      quadratic ? std::clamp<Index>(run.box().size() / 20, fewer_pivots, many_pivots) : many_pivots;
   for (int c = 0; c < options.iteration_limit; ++c) {
     Places in = inside(run.box(), point);
     const Index changes = before.empty() ? 0 : differences(in, before);
@@ -210,13 +228,14 @@ bool descend(Run& run, const Crash& options, Point& point, Iteration& it, lcp::S
       point = *from;
       return true;
     }
-    proximal = proximal || lambda > 0;
+    met.proximal = met.proximal || lambda > 0;
+    met.monotone = term.monotone();
     memory.push(found.merit);
     const bool stalled = stall.stalled(found.merit);
     const bool falls = sweeping ? !stalled : found.merit < worthwhile * psi;
     unpaid = falls ? 0 : unpaid + 1;
-    const bool pays =
-        falls || (lambda == 0 && unpaid <= most_unpaid && differences(before, inside(run.box(), point)) >= many_pivots);
+    const bool pays = falls || ((lambda == 0 || quadratic) && unpaid <= most_unpaid &&
+                                differences(before, inside(run.box(), point)) >= worth_a_step);
     psi = found.merit;
     it = {.k = it.k,
           .merit = psi,
@@ -240,9 +259,11 @@ bool descend(Run& run, const Crash& options, Point& point, Iteration& it, lcp::S
 
 CrashEnd crash(Run& run, const Crash& options, Point& point, Iteration& it, lcp::SparseLu& lu) {
   if (!options.on || run.box().size() < options.minimum_dimension) return CrashEnd::Regular;
-  bool proximal = false;
-  if (!descend(run, options, point, it, lu, proximal)) return CrashEnd::Over;
-  return proximal && !run.mcp().is_affine() && singular(run, point, lu) ? CrashEnd::Singular : CrashEnd::Regular;
+  Met met;
+  if (!descend(run, options, point, it, lu, met)) return CrashEnd::Over;
+  if (!met.proximal) return CrashEnd::Regular;
+  if (run.mcp().is_affine()) return met.monotone && curved(run.mcp(), point.J) ? CrashEnd::Doubtful : CrashEnd::Regular;
+  return singular(run, point, lu) ? CrashEnd::Singular : CrashEnd::Regular;
 }
 
 }  // namespace perp::ncp

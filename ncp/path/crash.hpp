@@ -11,6 +11,7 @@ enum class CrashEnd {
   Over,      ///< the run is: solved, or at one of its limits
   Regular,   ///< or nothing said that J_II is singular
   Singular,  ///< J_II at the last point, of a nonlinear problem
+  Doubtful,  ///< J_II of a monotone affine problem with curvature was singular on the way
 };
 
 /// Moves `point` down the Fischer-Burmeister merit while it pays (struct Crash in ncp/path/path_search.hpp). `it` is

@@ -139,9 +139,9 @@ std::optional<lcp::PivotResult> NewtonPoints::straight(const lcp::AffineMcp& pro
 }
 
 /// Whether a path from the cell of the start would begin with artificials, and one from a ray leads to a solution if
-/// there is one: monotone affine problems with free variables that occur in no equation of a free one, as multipliers
-/// in linear programs.
-bool NewtonPoints::ray_is_promised(const lcp::AffineMcp& problem) const {
+/// there is one and the problem is monotone: affine problems with free variables that occur in no equation of a free
+/// one, as multipliers in linear programs.
+bool NewtonPoints::ray_if_monotone(const lcp::AffineMcp& problem) const {
   if (!run_.mcp().is_affine()) return false;
   const auto is_free = [&box = problem.box](Index i) { return box.is_free(i); };
   const auto alone = [&](Index j) {
@@ -150,11 +150,12 @@ bool NewtonPoints::ray_is_promised(const lcp::AffineMcp& problem) const {
     return is_free(j);
   };
   for (Index j = 0; j < problem.size(); ++j)
-    if (alone(j)) return lcp::positive_semidefinite(problem.M, {.dense_to = 0}).yes();
+    if (alone(j)) return true;
   return false;
 }
 
-NewtonPoint NewtonPoints::solve(const Point& point, const Vec& x, const std::vector<lcp::Cell>& cells, double lambda) {
+NewtonPoint NewtonPoints::solve(const Point& point, const Vec& x, const std::vector<lcp::Cell>& cells, double lambda,
+                                bool repair) {
   const lcp::AffineMcp problem = linearised(run_.box(), point, lambda);
   const bool first = std::exchange(first_, false);
   NewtonPoint newton{.path = {}, .lambda = lambda};
@@ -164,15 +165,29 @@ NewtonPoint NewtonPoints::solve(const Point& point, const Vec& x, const std::vec
                          options.start == lcp::LemkeStart::Ray;
   bool promised = false;
   if (!ray_asked) {
-    promised = lambda == 0 && cells.empty() && ray_is_promised(problem);
-    if (promised) options.patience = std::min(options.patience, patience_before_rays(problem.size()));
+    const int patience = options.patience;
+    const bool if_monotone = lambda == 0 && cells.empty() && ray_if_monotone(problem);
+    if (if_monotone) options.patience = std::min(patience, patience_before_rays(problem.size()));
     options.cells = cells;
     options.keep_path = method_.search == Searchtype::Path;
     if (std::optional<lcp::PivotResult> path = straight(problem, x, options)) {
       newton.path = *std::move(path);
       return newton;
     }
+    options.repair = repair;
     newton.path = follow(problem, x, options);
+    if (!repair && newton.path.end == lcp::PivotEnd::SingularBasis && newton.path.pivots == 0) {
+      newton.singular = true;
+      return newton;
+    }
+    options.repair = true;
+    // Most paths lead on before it matters whether the problem is monotone.
+    promised = if_monotone && !newton.solved() && !newton.stopped() &&
+               lcp::positive_semidefinite(problem.M, {.dense_to = 0}).yes();
+    if (newton.path.end == lcp::PivotEnd::Loop && !promised && options.patience < patience) {
+      options.patience = patience;
+      newton.path = follow(problem, x, options);
+    }
     last_pivots_ = newton.path.pivots;
     newton.singular = newton.path.repaired > 0 && !newton.solved() && !run_.mcp().is_affine();
     if (newton.solved() || newton.stopped()) return newton;

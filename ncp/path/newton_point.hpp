@@ -36,7 +36,7 @@ struct NewtonPoint {
   lcp::PivotResult path;
   double lambda = 0;      ///< of the proximal term, absolute
   bool from_ray = false;  ///< the kinks of `path` then say nothing of the way from x^k
-  bool singular = false;  ///< the path began in a singular basis and led nowhere
+  bool singular = false;  ///< the path began in a singular basis and led nowhere, or was not to begin there
   bool solved() const { return path.solved(); }
   /// Came far enough to be of use: t = 1, or the part of a path from x^k that has this share of it.
   bool usable() const { return solved() || (!from_ray && path.best_t >= 0.1); }
@@ -54,8 +54,10 @@ class NewtonPoints {
   NewtonPoints& operator=(const NewtonPoints&) = delete;
 
   /// Of the problem linearised at `point` with this lambda, from x (and its cells, if they are known); from rays with
-  /// several covering vectors if it is the first one or the path from x does not get anywhere.
-  NewtonPoint solve(const Point& point, const Vec& x, const std::vector<lcp::Cell>& cells, double lambda);
+  /// several covering vectors if it is the first one or the path from x does not get anywhere. `repair`: follow a path
+  /// whose start basis is singular, too.
+  NewtonPoint solve(const Point& point, const Vec& x, const std::vector<lcp::Cell>& cells, double lambda,
+                    bool repair = true);
 
   int take_pivots() { return std::exchange(pivots_, 0); }
   bool exhausted() const { return left_ <= 0; }
@@ -64,7 +66,7 @@ class NewtonPoints {
   lcp::PivotResult follow(const lcp::AffineMcp& problem, const Vec& x, const lcp::LemkeOptions& options);
   std::optional<lcp::PivotResult> straight(const lcp::AffineMcp& problem, const Vec& x,
                                            const lcp::LemkeOptions& options);
-  bool ray_is_promised(const lcp::AffineMcp& problem) const;
+  bool ray_if_monotone(const lcp::AffineMcp& problem) const;
 
   Run& run_;
   const PathSearch& method_;

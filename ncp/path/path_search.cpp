@@ -28,6 +28,9 @@ constexpr double path_prox_singular_decay = 0.3;
 constexpr double path_prox_singular = 1e-3;
 constexpr int often_singular = 2;  // iterations
 
+/// A proximal term that stands in for a path from a singular basis leaves at most this share of the merit.
+constexpr double doubtful_falls = 0.1;
+
 /// A term of lambda below this share of the first one tried is dropped.
 constexpr double path_prox_least = 0.01;
 
@@ -56,7 +59,7 @@ class References {
 /// One attempt: z^k = point.x with F and J, x^k, and what the non-monotone test remembers.
 class Attempt {
  public:
-  Attempt(Run& run, const PathSearch& method, Point& point, bool singular, lcp::SharedLu& lu)
+  Attempt(Run& run, const PathSearch& method, Point& point, CrashEnd crashed, lcp::SharedLu& lu)
       : run_(run),
         method_(method),
         point_(point),
@@ -68,9 +71,9 @@ class Attempt {
         references_(method.nms, psi_),
         best_z_(point.x),
         best_psi_(psi_) {
-    if (!singular || lambda_ > 0 || !method.proximal_adaptive) return;
-    singular_ = often_singular;
-    lambda_ = lambda_of(path_prox_after_crash, size_of(point.J));
+    if (lambda_ > 0 || !method.proximal_adaptive) return;
+    doubtful_ = crashed == CrashEnd::Doubtful;
+    if (crashed == CrashEnd::Singular) lambda_ = lambda_of_singular();
   }
 
   /// One major iteration. False: no step was found, and the run has a verdict or was asked to stop.
@@ -93,7 +96,13 @@ class Attempt {
   /// O(||Phi||), to keep the local order; `size` is that of J.
   double lambda_of(double share, double size) const { return share * std::min(1.0, std::sqrt(2 * psi_)) * size; }
   double lambda_after(double lambda, double size) const;
+  /// To begin with where J_II is singular.
+  double lambda_of_singular() {
+    singular_ = often_singular;
+    return lambda_of(path_prox_after_crash, size_of(point_.J));
+  }
   Way way_to(const NewtonPoint& newton) const;
+  NewtonPoint doubtful_point(double& lambda);
   bool newton_step(Iteration& it);
   /// Of affine problems: among the restarts are the linear methods.
   bool others_do_better() const {
@@ -121,7 +130,8 @@ class Attempt {
   std::vector<lcp::Cell> basis_;
   NewtonPoints newton_points_;
   double lambda_;
-  int singular_ = 0;  // iterations in which a path from a singular basis led nowhere
+  bool doubtful_ = false;  // CrashEnd::Doubtful, and proximal terms have led on so far
+  int singular_ = 0;       // iterations in which a path from a singular basis led nowhere
   double psi_;
   References references_;
   Stall stall_{method_.patience};
@@ -273,12 +283,31 @@ double Attempt::lambda_after(double lambda, double size) const {
   return smaller > path_prox_least * lambda_of(path_prox_first, size) ? smaller : 0;
 }
 
+/// Of a quadratic program whose J_II may be singular: with a proximal term if it is, for a path from a singular basis
+/// takes more pivots than all the paths of a few such iterations. A program without a solution has no end of them.
+NewtonPoint Attempt::doubtful_point(double& lambda) {
+  NewtonPoint newton = newton_points_.solve(point_, x_, cells_, lambda, false);
+  if (newton.singular) {
+    lambda = lambda_of_singular();
+    newton = newton_points_.solve(point_, x_, cells_, lambda);
+  }
+  if (newton.stopped() || newton_points_.exhausted()) return newton;
+  Vec F;
+  const Vec z = lcp::project(run_.box(), newton.x());
+  const bool falls = newton.solved() && run_.counted().eval(z, F) && psi(z, F, newton.x()) <= doubtful_falls * psi_;
+  if (lambda == 0 || falls) return newton;
+  doubtful_ = false;
+  singular_ = 0;
+  lambda = 0;
+  return newton_points_.solve(point_, x_, cells_, lambda);
+}
+
 /// Linearised problems with growing lambda until one gives a step.
 bool Attempt::newton_step(Iteration& it) {
   const double size = size_of(point_.J);
   double lambda = lambda_;
   for (int i = 0; i <= path_prox_tries; ++i) {
-    last_ = newton_points_.solve(point_, x_, cells_, lambda);
+    last_ = doubtful_ ? doubtful_point(lambda) : newton_points_.solve(point_, x_, cells_, lambda);
     it.prox = lambda;
     it.linear = last_->letter();
     if (last_->solved()) basis_ = last_->path.cells;
@@ -405,7 +434,7 @@ void iterate(Run& run, const PathSearch& method, Point point) {
   const CrashEnd crashed = crash(run, method.crash, point, it, lu.lu);
   if (crashed == CrashEnd::Over) return;
   const double start = point.x.size() > 0 ? point.x.lpNorm<Eigen::Infinity>() : 0;
-  Attempt attempt(run, method, point, crashed == CrashEnd::Singular, lu);
+  Attempt attempt(run, method, point, crashed, lu);
   do {
     if (ran_off(run, point, start)) break;
     if (attempt.stalled()) {

@@ -20,7 +20,9 @@ SearchOutcome line_search(Run& run, const CFunction& c, const Armijo& rule, In d
     }
     out.merit = merit(c, run.box(), trial.x, trial.F);
     if (!(out.merit <= reference + rule.sigma * t * slope)) continue;
-    if (!run.counted().jacobian(trial.x, trial.J)) {
+    if (run.mcp().is_affine()) {
+      trial.J.swap(point.J);  // it is constant
+    } else if (!run.counted().jacobian(trial.x, trial.J)) {
       ++out.undefined;
       continue;
     }

@@ -122,7 +122,7 @@ TEST(Fields, ReachEveryMember) {
         Count{"PathSearch", members<PathSearch>(), path, 4, crash + nms + lemke, 1},
         // of basis lu and refactor_every; start is described apart; the rest are data, callbacks, limits and inner
         // tolerances that no run was seen to depend on
-        Count{"LemkeOptions", members<lcp::LemkeOptions>(), lemke, 1, 2, 13},
+        Count{"LemkeOptions", members<lcp::LemkeOptions>(), lemke, 1, 2, 14},
         Count{"lcp::LemkeHowson", members<lcp::LemkeHowson>(), described<lcp::LemkeHowson>(), 1, lemke - 1, 0},
         Count{"lcp::InteriorPoint", members<lcp::InteriorPoint>(), described<lcp::InteriorPoint>(), 0, 0, 0},
         Count{"lcp::MinNewton", members<lcp::MinNewton>(), described<lcp::MinNewton>(), 0, 0, 0},
