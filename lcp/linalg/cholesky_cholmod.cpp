@@ -116,6 +116,12 @@ class Cholmod final : public CholeskyLibrary {
   double rcond() override { return cholmod_rcond(L_, common_.get()); }
 
   void solve(In b, Out x) const override {
+    if (supernodes_) {
+      Vec columns = b;
+      solve_supernodes(columns);
+      x = columns;
+      return;
+    }
     const Index n = b.size();
     Common common;  // its own: solves may run in two threads
     cholmod_dense right = column(b.data(), n);
@@ -126,6 +132,10 @@ class Cholmod final : public CholeskyLibrary {
     if (!cholmod_solve2(CHOLMOD_A, L_, &right, nullptr, &solution.is, nullptr, &permuted.is, &rows.is, common.get()))
       throw std::bad_alloc();
     std::copy_n(static_cast<const double*>(solution.is->x), n, x.data());
+  }
+  void solve_columns(Eigen::MatrixXd& X) const override {
+    if (supernodes_) return solve_supernodes(X);
+    CholeskyLibrary::solve_columns(X);
   }
 
  private:
@@ -140,6 +150,17 @@ class Cholmod final : public CholeskyLibrary {
     flops_ = common_.flops();
   }
   CholeskyStatus factor_supernodes(const SpMat& A);
+  std::span<double> values() const { return {static_cast<double*>(L_->x), L_->xsize}; }
+  template <class X>
+  void solve_supernodes(X& x) const {
+    const auto* order = static_cast<const int*>(L_->Perm);
+    X permuted(x.rows(), x.cols());
+    for (Index c = 0; c < x.cols(); ++c)
+      for (Index k = 0; k < x.rows(); ++k) permuted(k, c) = x(order[k], c);
+    supernodes_->solve(values(), permuted);
+    for (Index c = 0; c < x.cols(); ++c)
+      for (Index k = 0; k < x.rows(); ++k) x(order[k], c) = permuted(k, c);
+  }
   void clear() {
     supernodes_.reset();
     if (L_) cholmod_free_factor(&L_, common_.get());
@@ -166,7 +187,7 @@ CholeskyStatus Cholmod::factor_supernodes(const SpMat& A) {
   }
   if (L_->xtype == CHOLMOD_PATTERN && !cholmod_change_factor(CHOLMOD_REAL, 1, 1, 1, 1, L_, common_.get()))
     return CholeskyStatus::OutOfMemory;
-  L_->minor = static_cast<std::size_t>(supernodes_->factor(A, {static_cast<double*>(L_->x), L_->xsize}));
+  L_->minor = static_cast<std::size_t>(supernodes_->factor(A, values()));
   return L_->minor < L_->n ? CholeskyStatus::NotPositiveDefinite : CholeskyStatus::Ok;
 }
 

@@ -128,4 +128,36 @@ Index SupernodalFactor::factor(const SpMat& A, std::span<double> values) {
   return static_cast<Index>(owner_.size());
 }
 
+template <class X>
+void SupernodalFactor::solve(std::span<const double> values, X& x) const {
+  X below(static_cast<Index>(relative_.size()), x.cols());
+  const auto with_block = [&](std::size_t s, auto use) {
+    const Index columns = shape_.first[s + 1] - shape_.first[s];
+    const Index rows = shape_.rows_at[s + 1] - shape_.rows_at[s];
+    const Eigen::Map<const Eigen::MatrixXd> L(values.data() + shape_.values_at[s], rows, columns);
+    auto own = x.middleRows(shape_.first[s], columns);
+    auto under = below.topRows(rows - columns);
+    use(L.topRows(columns).template triangularView<Eigen::Lower>(), L.bottomRows(rows - columns), own, under,
+        shape_.rows.data() + shape_.rows_at[s] + columns);
+  };
+  const std::size_t count = shape_.first.size() - 1;
+  for (std::size_t s = 0; s < count; ++s)
+    with_block(s, [&](const auto& diagonal, const auto& L, auto& own, auto& under, const int* row) {
+      diagonal.solveInPlace(own);
+      under.noalias() = L * own;
+      for (Index c = 0; c < x.cols(); ++c)
+        for (Index i = 0; i < L.rows(); ++i) x(row[i], c) -= under(i, c);
+    });
+  for (std::size_t s = count; s-- > 0;)
+    with_block(s, [&](const auto& diagonal, const auto& L, auto& own, auto& under, const int* row) {
+      for (Index c = 0; c < x.cols(); ++c)
+        for (Index i = 0; i < L.rows(); ++i) under(i, c) = x(row[i], c);
+      own.noalias() -= L.transpose() * under;
+      diagonal.transpose().solveInPlace(own);
+    });
+}
+
+template void SupernodalFactor::solve(std::span<const double>, Vec&) const;
+template void SupernodalFactor::solve(std::span<const double>, Eigen::MatrixXd&) const;
+
 }  // namespace perp::lcp

@@ -29,6 +29,10 @@ class SupernodalFactor {
   /// positive, or n: columns before that one are complete in the rows before it.
   Index factor(const SpMat& A, std::span<double> values);
 
+  /// x <- (P A P')^-1 x, columns of a matrix or a vector, with these values of L. From several threads, too.
+  template <class X>
+  void solve(std::span<const double> values, X& x) const;
+
  private:
   Index eliminate(std::size_t s, double* values) const;
   void update_ancestors(std::size_t s, double* values);
