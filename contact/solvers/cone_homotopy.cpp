@@ -56,6 +56,7 @@ constexpr double real_gap = 200;
 constexpr double newton_tau_again = 1e-2;
 constexpr double newton_map = 0.01;
 constexpr double newton_map_again = 0.3;
+constexpr double turned_map = 0.02;
 constexpr NewtonSteps quick_newton{.most = 2, .halvings = 0};
 constexpr NewtonSteps coupled_newton{.most = 6, .halvings = 0};
 constexpr NewtonSteps last_newton{};
@@ -115,7 +116,7 @@ bool ConeHomotopy::associated() {
     at = newton_tau_again * path_.tau();
     if (try_newton(quick_newton)) return true;
   }
-  return referee_.over() || try_newton(last_newton);
+  return referee_.over() || (natural_map(problem_, path_.r()) <= turned_map && try_newton(last_newton));
 }
 
 /// Whether many contacts slip at the end of the associated path.
@@ -155,7 +156,7 @@ bool ConeHomotopy::follow_coupled(const ConePath::Point& from, int& steps) {
     at = newton_map_again * map;
     if (try_newton(coupled_newton)) return true;
   }
-  return referee_.over() || try_newton(last_newton);
+  return referee_.over() || (natural_map(problem_, path_.r()) <= turned_map && try_newton(last_newton));
 }
 
 /// A path coupled at the contacts of coupled_ from this point, and more of them, each coupled besides at the contacts
