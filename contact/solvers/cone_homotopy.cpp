@@ -50,7 +50,7 @@ constexpr std::array slip_late_tau{1e-2, 1e-4};
 
 /// Newton steps. On the way: of the associated path first at `newton_tau` and again when tau has fallen by
 /// `newton_tau_again`, unless the gap is above `real_gap` times tau, which says that contacts slip in the end; of a
-/// coupled one, where tau says less, by the natural map.
+/// coupled one, where tau says less, by the natural map; where one turns back with a map above `turned_map`, none.
 constexpr double newton_tau = 1e-4;
 constexpr double real_gap = 200;
 constexpr double newton_tau_again = 1e-2;
@@ -116,7 +116,7 @@ bool ConeHomotopy::associated() {
     at = newton_tau_again * path_.tau();
     if (try_newton(quick_newton)) return true;
   }
-  return referee_.over() || (natural_map(problem_, path_.r()) <= turned_map && try_newton(last_newton));
+  return referee_.over() || try_newton(last_newton);
 }
 
 /// Whether many contacts slip at the end of the associated path.
