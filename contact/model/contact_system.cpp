@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "contact/model/contact_system.hpp"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <optional>
 #include <utility>
 
 #include "lcp/linalg/gmres.hpp"
@@ -30,6 +28,8 @@ constexpr double symmetric_tol = 1e-13;
 /// GMRES: residual and products. More contacts than `most_coupled` are not tried: LU takes less.
 constexpr double coupling_tol = 1e-11;
 constexpr int most_products = 80;
+constexpr Index most_reduced = 256;  // by LU
+constexpr Index reduced_columns = 32;
 constexpr double coupled_refined = 1e-9;
 constexpr double most_coupled = 0.5;
 
@@ -261,6 +261,7 @@ bool ContactSystem::factor_whole() {
 
 bool ContactSystem::factor(const std::vector<ContactRows>& rows) {
   choose();
+  reduced_.reset();
   rows_ = rows;
   couplings_.clear();
   if (!bodies_ || !part_by_bodies()) return factor_whole();
@@ -271,6 +272,7 @@ bool ContactSystem::factor(const std::vector<ContactRows>& rows) {
 bool ContactSystem::factor(const std::vector<Block>& A, const std::vector<Block>& inverse,
                            std::vector<ContactCoupling> couplings) {
   choose();
+  reduced_.reset();
   rows_.resize(A.size());
   for (std::size_t a = 0; a < A.size(); ++a) rows_[a] = {.A = A[a], .B = Block::Identity()};
   couplings_ = std::move(couplings);
@@ -294,27 +296,34 @@ void ContactSystem::back_solve(const Vec& b, Vec& x) const {
     lu_->solve(b, x);
 }
 
+void ContactSystem::back_solve(const Eigen::MatrixXd& B, Eigen::MatrixXd& X) const {
+  X = B;
+  if (by_cholesky_) return cholesky_->solve_columns(X);
+  for (Index k = 0; k < X.cols(); ++k) lu_->solve(Vec(X.col(k)), X.col(k));
+}
+
 /// out_a += blocks_a in_a.
-template <class Blocks>
-void ContactSystem::add_product(const Blocks& block, const Vec& in, Vec& out) const {
+template <class Blocks, class X>
+void ContactSystem::add_product(const Blocks& block, const X& in, X& out) const {
   for (std::size_t a = 0; a < problem_.blocks.size(); ++a) {
     const Scaled::Block& b = problem_.blocks[a];
-    out.segment(b.first, b.size) += block(a).topLeftCorner(b.size, b.size) * in.segment(b.first, b.size);
+    out.middleRows(b.first, b.size) += block(a).topLeftCorner(b.size, b.size) * in.middleRows(b.first, b.size);
   }
 }
 
-/// x = A^-1 (c - B H' v).
-void ContactSystem::solve_by_bodies(const Vec& c, Vec& x) const {
+/// x = A^-1 (c - B H' v), of columns.
+template <class X>
+void ContactSystem::solve_by_bodies(const X& c, X& x) const {
   const SpMat& H = problem_.bodies->H;
   const auto A_inverse = [this](std::size_t a) -> const Block& { return A_inverse_[a]; };
   const auto minus_B = [this](std::size_t a) -> Block { return -rows_[a].B; };
-  Vec y = Vec::Zero(c.size());
+  X y = X::Zero(c.rows(), c.cols());
   add_product(A_inverse, c, y);
-  Vec v;
-  back_solve(H * y, v);
-  Vec rest = c;
-  add_product(minus_B, H.transpose() * v, rest);
-  x = Vec::Zero(c.size());
+  X v;
+  back_solve(X(H * y), v);
+  X rest = c;
+  add_product(minus_B, X(H.transpose() * v), rest);
+  x = X::Zero(c.rows(), c.cols());
   add_product(A_inverse, rest, x);
 }
 
@@ -324,13 +333,14 @@ Vec ContactSystem::product(const Vec& x) const {
   const auto B = [this](std::size_t a) -> const Block& { return rows_[a].B; };
   Vec out = Vec::Zero(x.size());
   add_product(A, x, out);
-  add_product(B, problem_.W * x, out);
+  add_product(B, Vec(problem_.W * x), out);
   return out;
 }
 
 void ContactSystem::solve_definite(In c, Vec& x) const {
-  if (!bodies_) return back_solve(c, x);
-  solve_by_bodies(c, x);
+  const Vec right = c;
+  if (!bodies_) return back_solve(right, x);
+  solve_by_bodies(right, x);
   const auto again = [this](const Vec& rest, Vec& dx) { solve_by_bodies(rest, dx); };
   refine(
       c, refined, [this](const Vec& at) { return product(at); }, again, x);
@@ -357,17 +367,45 @@ Vec ContactSystem::spread(const Vec& z) const {
   return out;
 }
 
-/// False: GMRES does not converge.
-bool ContactSystem::solve_coupled(In c, Vec& x) const {
-  solve_definite(c, x);
+/// 1 + Q' K^-1 P, some columns at a time, without refinement: that is for the solutions.
+void ContactSystem::reduce() {
+  const auto count = static_cast<Index>(couplings_.size());
+  Eigen::MatrixXd whole = Eigen::MatrixXd::Identity(count, count);
+  for (Index from = 0; from < count; from += reduced_columns) {
+    const Index width = std::min(reduced_columns, count - from);
+    Eigen::MatrixXd right = Eigen::MatrixXd::Zero(problem_.size(), width);
+    for (Index k = 0; k < width; ++k) {
+      const ContactCoupling& of = couplings_[at(from + k)];
+      const Scaled::Block& block = problem_.blocks[of.contact];
+      right.block(block.first, k, block.size, 1) = of.p.head(block.size);
+    }
+    Eigen::MatrixXd x;
+    bodies_ ? solve_by_bodies(right, x) : back_solve(right, x);
+    for (Index k = 0; k < width; ++k) whole.col(from + k) += couple(x.col(k));
+  }
+  reduced_.emplace(whole);
+}
+
+/// Nothing: GMRES does not converge.
+std::optional<Vec> ContactSystem::solve_reduced(const Vec& right) {
+  if (right.size() <= most_reduced) {
+    if (!reduced_) reduce();
+    return Vec(reduced_->solve(right));
+  }
   Vec Kx;
   const auto reduced = [&](const Vec& z) {
     solve_definite(spread(z), Kx);
     return Vec(z + couple(Kx));
   };
-  const std::optional<Vec> z = lcp::gmres(reduced, couple(x), coupling_tol, most_products);
+  return lcp::gmres(reduced, right, coupling_tol, most_products);
+}
+
+/// False: the reduced system is not solved.
+bool ContactSystem::solve_coupled(In c, Vec& x) {
+  solve_definite(c, x);
+  const std::optional<Vec> z = solve_reduced(couple(x));
   if (z) solve_definite(c - spread(*z), x);
-  return z.has_value();
+  return z && x.allFinite();
 }
 
 void ContactSystem::solve(In c, Vec& x) {

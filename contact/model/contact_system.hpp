@@ -15,11 +15,14 @@
 /// Coulomb's law is unsymmetric only where contacts slip, by one product p q' each: its friction follows its normal
 /// impulse, or its opening its slip. These are kept apart from A. With K = A + B W, P = diag(p_a) and Q = diag(q_a),
 ///     (K + P Q') x = c:   x = K^-1 (c - P z),   (1 + Q' K^-1 P) z = Q' K^-1 c,
-/// one number z_a = q_a.x_a for each of them, by GMRES; each of its products is a solve with Cholesky's factor.
+/// one number z_a = q_a.x_a for each of them: by LU where they are few, by GMRES beyond; each of its products is a
+/// solve with Cholesky's factor.
 ///
 /// Solutions by bodies are refined with residuals of the system itself: E is as large as 1e10 where contacts stick.
 /// Private to contact/.
+#include <Eigen/LU>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "contact/model/scaling.hpp"
@@ -62,8 +65,8 @@ class ContactSystem {
   /// A + W with A symmetric positive definite, and these couplings; A's inverse is needed to more digits than A has.
   bool factor(const std::vector<Eigen::Matrix3d>& A, const std::vector<Eigen::Matrix3d>& inverse,
               std::vector<ContactCoupling> couplings = {});
-  /// With the last factors; where GMRES does not converge with those, with factors of the whole matrix, and x is NaN
-  /// where that is singular. Pre: there are factors.
+  /// With the last factors; where the reduced system is not solved with those, with factors of the whole matrix, and x
+  /// is NaN where that is singular. Pre: there are factors.
   void solve(In c, Vec& x);
 
   Form form();                                            ///< chosen when it is first needed
@@ -79,14 +82,18 @@ class ContactSystem {
   bool part_by_bodies();
   bool invert(std::size_t a);
   void solve_definite(In c, Vec& x) const;
-  bool solve_coupled(In c, Vec& x) const;
+  bool solve_coupled(In c, Vec& x);
+  std::optional<Vec> solve_reduced(const Vec& right);
+  void reduce();
   Vec product(const Vec& x) const;
   Vec couple(const Vec& x) const;
   Vec spread(const Vec& z) const;
   void back_solve(const Vec& b, Vec& x) const;
-  void solve_by_bodies(const Vec& c, Vec& x) const;
-  template <class Blocks>
-  void add_product(const Blocks& block, const Vec& in, Vec& out) const;
+  void back_solve(const Eigen::MatrixXd& B, Eigen::MatrixXd& X) const;
+  template <class X>
+  void solve_by_bodies(const X& c, X& x) const;
+  template <class Blocks, class X>
+  void add_product(const Blocks& block, const X& in, X& out) const;
 
   const Scaled& problem_;
   std::shared_ptr<lcp::SparseLu> lu_;
@@ -100,7 +107,8 @@ class ContactSystem {
   std::unique_ptr<Bodies> bodies_;  // none: by contacts
   // Of the last factors.
   std::vector<ContactRows> rows_;
-  std::vector<ContactCoupling> couplings_;  // none in a matrix factored whole
+  std::vector<ContactCoupling> couplings_;                       // none in a matrix factored whole
+  std::optional<Eigen::PartialPivLU<Eigen::MatrixXd>> reduced_;  // 1 + Q' K^-1 P, once it is needed
   std::vector<Eigen::Matrix3d> A_inverse_;
   std::vector<Eigen::Matrix3d> E_;
   int factorizations_ = 0;

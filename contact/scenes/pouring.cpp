@@ -15,7 +15,9 @@ namespace perp::contact {
 namespace {
 
 /// How far a ball goes, in radii, before its neighbours are looked up again; cells are as much larger than a contact.
+/// Then it may be pushed no farther than `pushed` by one step.
 constexpr double stale = 0.2;
+constexpr double pushed = 0.8;
 /// A ball rests where it sinks by less than this part of a step down: on slopes of 0.6 degrees.
 constexpr double least_sinking = 1e-4;
 /// Squares of distances beyond those of touching, rounding included.
@@ -51,15 +53,24 @@ class Pile {
         }
   }
 
+  /// The balls of these that one at x may meet before it looks again, side by side in memory.
+  void reachable(const Vec3& x, std::vector<std::size_t>& found, std::vector<Ball>& close) const {
+    near(x, found);
+    close.clear();
+    const double reach = cell_ + pushed * cell_ / (2 + stale);
+    for (const std::size_t i : found)
+      if ((balls_[i].centre - x).squaredNorm() <= reach * reach) close.push_back(balls_[i]);
+  }
+
   /// Pushes the ball out of the floor, the walls and the balls `close` by, sweep after sweep. False: it still overlaps
   /// something.
-  bool push_out(Ball& ball, const std::vector<std::size_t>& close) const {
+  bool push_out(Ball& ball, const std::vector<Ball>& close) const {
     for (int sweep = 0; sweep < 60; ++sweep) {
       double moved = 0;
-      for (const std::size_t i : close) {
-        const Vec3 apart = ball.centre - balls_[i].centre;
+      for (const Ball& other : close) {
+        const Vec3 apart = ball.centre - other.centre;
         const double square = apart.squaredNorm();
-        const double touching = ball.radius + balls_[i].radius;
+        const double touching = ball.radius + other.radius;
         if (square > beyond * touching * touching) continue;  // most are, and need no root
         const double distance = std::sqrt(square);
         const double overlap = touching - distance;
@@ -96,13 +107,14 @@ class Pile {
 /// Small steps down, each followed by pushing out of what is in the way: the ball falls, and rolls along what it meets.
 /// Steps are halved when it does not sink any more.
 void settle(const Pile& pile, Ball& ball) {
-  std::vector<std::size_t> close;
+  std::vector<std::size_t> found;
+  std::vector<Ball> close;
   Vec3 looked_at = ball.centre;
-  pile.near(ball.centre, close);
+  pile.reachable(ball.centre, found, close);
   double step = 0.2 * ball.radius;
   for (int k = 0; k < 20000 && step > 1e-7 * ball.radius; ++k) {
     if ((ball.centre - looked_at).norm() > stale * ball.radius) {
-      pile.near(ball.centre, close);
+      pile.reachable(ball.centre, found, close);
       looked_at = ball.centre;
     }
     Ball next = ball;

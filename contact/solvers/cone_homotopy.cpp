@@ -2,6 +2,7 @@
 #include "contact/solvers/cone_homotopy.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -23,18 +24,19 @@ constexpr double least_slip = 1e-3;
 /// Coupled paths: two steps below this length in a row say that one turns back. What slips by the associated law is
 /// coupled from the last point with tau above `slip_tau`, what begins to slip on the way from the last one with tau
 /// above `spread_share` times its speed; `most_coupled_steps` in all. All contacts are coupled from the last point with
-/// tau above `early_tau`.
+/// tau above `early_tau`, if W has at most `most_all_coupled_rows`: these paths need LU.
 constexpr double turning_step = 0.15;
 constexpr int turning_steps = 2;
 constexpr int most_coupled_steps = 60;
 constexpr int most_all_coupled_steps = 15;
+constexpr Index most_all_coupled_rows = 6000;
 constexpr double early_tau = 0.3;
 constexpr double slip_tau = 0.1;
 constexpr double spread_share = 0.3;
 /// Cadoux' fixed point: at most so many openings, and so many in a row that leave more than `opening_share` of the
 /// least gap. A path begins at the last point with tau above `restart_share` times their change, and ends at this share
-/// of the gap. From the first `coupled_openings` of them a coupled path begins at the last point with tau above
-/// `late_tau`.
+/// of the gap. From each of them coupled paths begin at the last points with tau above `slip_late_tau`; from the first
+/// `coupled_openings` of them one with all contacts coupled at the last with tau above `late_tau`.
 constexpr int most_openings = 10;
 constexpr int opening_patience = 2;
 constexpr int coupled_openings = 2;
@@ -44,15 +46,17 @@ constexpr double end_share = 1e-2;
 constexpr double largest_end = 1e-5;
 constexpr double least_end = 1e-7;
 constexpr double late_tau = 1e-4;
+constexpr std::array slip_late_tau{1e-2, 1e-4};
 
 /// Newton steps. On the way: of the associated path first at `newton_tau` and again when tau has fallen by
 /// `newton_tau_again`, unless the gap is above `real_gap` times tau, which says that contacts slip in the end; of a
-/// coupled one, where tau says less, by the natural map.
+/// coupled one, where tau says less, by the natural map; where one turns back with a map above `turned_map`, none.
 constexpr double newton_tau = 1e-4;
 constexpr double real_gap = 200;
 constexpr double newton_tau_again = 1e-2;
 constexpr double newton_map = 0.01;
 constexpr double newton_map_again = 0.3;
+constexpr double turned_map = 0.02;
 constexpr NewtonSteps quick_newton{.most = 2, .halvings = 0};
 constexpr NewtonSteps coupled_newton{.most = 6, .halvings = 0};
 constexpr NewtonSteps last_newton{};
@@ -79,7 +83,7 @@ ConeHomotopy::ConeHomotopy(Referee& referee, const Scaled& problem, AlartCurnier
 bool ConeHomotopy::run() {
   if (associated()) return true;
   if (points_.empty() || moves()) return false;
-  return slips() || all_coupled(points_[last_above(early_tau)].second) || fixed_point();
+  return slips(slip_tau) || all_coupled(points_[last_above(early_tau)].second) || fixed_point();
 }
 
 /// One step of the path; true if it went on, and the run is not over.
@@ -152,7 +156,7 @@ bool ConeHomotopy::follow_coupled(const ConePath::Point& from, int& steps) {
     at = newton_map_again * map;
     if (try_newton(coupled_newton)) return true;
   }
-  return referee_.over() || try_newton(last_newton);
+  return referee_.over() || (natural_map(problem_, path_.r()) <= turned_map && try_newton(last_newton));
 }
 
 /// A path coupled at the contacts of coupled_ from this point, and more of them, each coupled besides at the contacts
@@ -172,14 +176,16 @@ bool ConeHomotopy::coupled(ConePath::Point from, int steps) {
   return over;
 }
 
-/// Coulomb's law where contacts slip at the end of the associated path: the others obey it there.
-bool ConeHomotopy::slips() {
+/// Coulomb's law where contacts slip at the end of this path, from its last point with tau above this: the others obey
+/// it there.
+bool ConeHomotopy::slips(double tau) {
   coupled_.assign(problem_.blocks.size(), 0);
   couple_slips();
-  return coupled(points_[last_above(slip_tau)].second, most_coupled_steps);
+  return coupled(points_[last_above(tau)].second, most_coupled_steps);
 }
 
 bool ConeHomotopy::all_coupled(const ConePath::Point& from) {
+  if (problem_.size() > most_all_coupled_rows) return false;
   coupled_.assign(problem_.blocks.size(), 1);
   return coupled(from, most_all_coupled_steps);
 }
@@ -216,6 +222,8 @@ bool ConeHomotopy::fixed_point() {
     const double now = gap();
     since = now <= opening_share * least ? 0 : since + 1;
     least = std::min(least, now);
+    for (const double tau : slip_late_tau)
+      if (slips(tau)) return true;
     if (k < coupled_openings && all_coupled(points_[last_above(late_tau)].second)) return true;
   }
   return referee_.over();

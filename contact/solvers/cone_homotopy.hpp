@@ -4,9 +4,9 @@
 /// turn back, and where all contacts stick its end obeys Coulomb's law as well. Where some slip, a path with these
 /// contacts coupled leads from an earlier point to Coulomb's law, or to more contacts that slip. Where it turns back: a
 /// path with all contacts coupled, then Cadoux' fixed point s = |u_T(s)|, each s a path from the last one's points,
-/// with Anderson's mixing of two, and all coupled from a late point of the first. Newton steps on Alart & Curnier's
-/// equation are tried from the points for the last digits. Cadoux, Acary & Lemarechal (contact/classics/classics.hpp);
-/// Anderson, J. ACM 12 (1965) 547. Private to contact/.
+/// with Anderson's mixing of two, and from points of each a path with the contacts coupled that slip at its end. Newton
+/// steps on Alart & Curnier's equation are tried from the points for the last digits. Cadoux, Acary & Lemarechal
+/// (contact/classics/classics.hpp); Anderson, J. ACM 12 (1965) 547. Private to contact/.
 #include <utility>
 #include <vector>
 
@@ -27,7 +27,7 @@ class ConeHomotopy {
 
  private:
   bool associated();
-  bool slips();
+  bool slips(double tau);
   bool all_coupled(const ConePath::Point& from);
   bool coupled(ConePath::Point from, int steps);
   bool follow_coupled(const ConePath::Point& from, int& steps);

@@ -157,6 +157,13 @@ void Cholesky::solve(In b, Out x) const {
   impl_->library->solve(b, x);
 }
 
+void Cholesky::solve_columns(Eigen::MatrixXd& X) const {
+  if (impl_->status != CholeskyStatus::Ok) throw std::logic_error("Cholesky: solve without a successful factor()");
+  if (X.rows() != impl_->n)
+    throw std::invalid_argument(text_of("Cholesky: the matrix has ", impl_->n, " rows, X ", X.rows()));
+  if (X.size() > 0) impl_->library->solve_columns(X);
+}
+
 double Cholesky::rcond() const { return impl_->status == CholeskyStatus::Ok ? impl_->rcond : 0; }
 Index Cholesky::failed_column() const { return impl_->failed_column; }
 const Vec& Cholesky::failed_direction() const { return impl_->direction; }

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Sparse Cholesky factorization of one symmetric positive definite matrix, P A P' = L L', over CHOLMOD: the only place
-/// where it appears. Ordering by CHOLMOD's defaults (AMD, METIS where AMD's fill is large) or the best of three,
-/// supernodal where that pays.
-/// A build with PERP_GPL=OFF (lcp/gpl.hpp) orders by AMD and computes L itself, row by row.
-/// The symbolic analysis and the memory of L are kept while the pattern of A, above the diagonal too, is unchanged.
-/// Reference: Chen, Davis, Hager & Rajamanickam, ACM TOMS 35 (2008) 22.
+/// where it appears. Its numbers are our own where it is supernodal (lcp/linalg/cholesky_supernodal.hpp). Ordering by
+/// CHOLMOD's defaults (AMD, METIS where AMD's fill is large) or the best of three, supernodal where that pays. A build
+/// with PERP_GPL=OFF (lcp/gpl.hpp) orders by AMD and computes L itself, row by row. The symbolic analysis and the
+/// memory of L are kept while the pattern of A, above the diagonal too, is unchanged. Reference: Chen, Davis, Hager &
+/// Rajamanickam, ACM TOMS 35 (2008) 22.
 #include <memory>
 #include <string_view>
 
@@ -54,6 +54,8 @@ class Cholesky {
   /// A x = b with the last factor(); pre: that was Ok, else std::logic_error. b and x have n entries. Throws
   /// std::bad_alloc where there is no memory. Solves with one factor may run in two threads.
   void solve(In b, Out x) const;
+  /// The same for all columns of X at once, in their place.
+  void solve_columns(Eigen::MatrixXd& X) const;
 
   /// If the last factor() was Ok: (min L_jj / max L_jj)^2, not below 1 / cond_2(A) and often near it. Else 0.
   double rcond() const;

@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The library of Cholesky in a build with GPL libraries: CHOLMOD.
+/// The library of Cholesky in a build with GPL libraries: CHOLMOD, but for the numbers of supernodal factors.
 #include <cholmod.h>
 
 #include <algorithm>
 #include <cmath>
 #include <new>
+#include <optional>
 #include <vector>
 
 #include "lcp/linalg/cholesky_library.hpp"
+#include "lcp/linalg/cholesky_supernodal.hpp"
 #include "lcp/lu/metis_lock.hpp"
 
 namespace perp::lcp {
@@ -101,6 +103,7 @@ class Cholmod final : public CholeskyLibrary {
   double flops() const override { return flops_; }
 
   CholeskyStatus factor(const SpMat& A) override {
+    if (L_->is_super) return factor_supernodes(A);
     cholmod_sparse lower = lower_triangle(A);
     cholmod_factorize(&lower, L_, common_.get());
     if (common_.status() < CHOLMOD_OK) return failure_of(common_.status());
@@ -113,6 +116,12 @@ class Cholmod final : public CholeskyLibrary {
   double rcond() override { return cholmod_rcond(L_, common_.get()); }
 
   void solve(In b, Out x) const override {
+    if (supernodes_) {
+      Vec columns = b;
+      solve_supernodes(columns);
+      x = columns;
+      return;
+    }
     const Index n = b.size();
     Common common;  // its own: solves may run in two threads
     cholmod_dense right = column(b.data(), n);
@@ -123,6 +132,10 @@ class Cholmod final : public CholeskyLibrary {
     if (!cholmod_solve2(CHOLMOD_A, L_, &right, nullptr, &solution.is, nullptr, &permuted.is, &rows.is, common.get()))
       throw std::bad_alloc();
     std::copy_n(static_cast<const double*>(solution.is->x), n, x.data());
+  }
+  void solve_columns(Eigen::MatrixXd& X) const override {
+    if (supernodes_) return solve_supernodes(X);
+    CholeskyLibrary::solve_columns(X);
   }
 
  private:
@@ -136,7 +149,20 @@ class Cholmod final : public CholeskyLibrary {
     entries_ = common_.entries();
     flops_ = common_.flops();
   }
+  CholeskyStatus factor_supernodes(const SpMat& A);
+  std::span<double> values() const { return {static_cast<double*>(L_->x), L_->xsize}; }
+  template <class X>
+  void solve_supernodes(X& x) const {
+    const auto* order = static_cast<const int*>(L_->Perm);
+    X permuted(x.rows(), x.cols());
+    for (Index c = 0; c < x.cols(); ++c)
+      for (Index k = 0; k < x.rows(); ++k) permuted(k, c) = x(order[k], c);
+    supernodes_->solve(values(), permuted);
+    for (Index c = 0; c < x.cols(); ++c)
+      for (Index k = 0; k < x.rows(); ++k) x(order[k], c) = permuted(k, c);
+  }
   void clear() {
+    supernodes_.reset();
     if (L_) cholmod_free_factor(&L_, common_.get());
     L_ = nullptr;
   }
@@ -144,9 +170,26 @@ class Cholmod final : public CholeskyLibrary {
   bool thorough_;
   Common common_;
   cholmod_factor* L_ = nullptr;
+  std::optional<SupernodalFactor> supernodes_;  // of L_, once there was a matrix
   double entries_ = 0;
   double flops_ = 0;
 };
+
+/// The memory of L is CHOLMOD's, which solves with it.
+CholeskyStatus Cholmod::factor_supernodes(const SpMat& A) {
+  if (!supernodes_) {
+    const auto ints = [](const void* of, std::size_t size) { return std::span(static_cast<const int*>(of), size); };
+    supernodes_.emplace(A, ints(L_->Perm, L_->n),
+                        SupernodalShape{.first = ints(L_->super, L_->nsuper + 1),
+                                        .rows_at = ints(L_->pi, L_->nsuper + 1),
+                                        .values_at = ints(L_->px, L_->nsuper + 1),
+                                        .rows = ints(L_->s, L_->ssize)});
+  }
+  if (L_->xtype == CHOLMOD_PATTERN && !cholmod_change_factor(CHOLMOD_REAL, 1, 1, 1, 1, L_, common_.get()))
+    return CholeskyStatus::OutOfMemory;
+  L_->minor = static_cast<std::size_t>(supernodes_->factor(A, values()));
+  return L_->minor < L_->n ? CholeskyStatus::NotPositiveDefinite : CholeskyStatus::Ok;
+}
 
 /// With k the failed pivot and B the leading k x k block of P A P' = (B b; b' beta): d = P'(-B^-1 b, 1, 0) has
 /// d'A d = beta - b'B^-1 b, the pivot.

@@ -22,6 +22,9 @@ class CholeskyLibrary {
   virtual CholeskyStatus factor(const SpMat& A) = 0;
   virtual double rcond() = 0;  ///< not a number, or 0, where a pivot has overflowed
   virtual void solve(In b, Out x) const = 0;
+  virtual void solve_columns(Eigen::MatrixXd& X) const {
+    for (Index j = 0; j < X.cols(); ++j) solve(Vec(X.col(j)), X.col(j));
+  }
   // If factor() answered NotPositiveDefinite.
   virtual Index failed_column() const = 0;
   virtual Vec witness(const SpMat& A) = 0;  ///< Cholesky::failed_direction()

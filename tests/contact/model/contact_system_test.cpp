@@ -137,8 +137,9 @@ TEST(ContactSystem, RowsOfNewtonSteps) {
   }
 }
 
-// Couplings p q' of some contacts beside a definite A, by Cholesky's factors and GMRES, against the same rows in one
-// matrix; couplings of all contacts are factored with it at once. In both forms. Catches a wrong reduced system.
+// Couplings p q' of some contacts beside a definite A, by Cholesky's factors and LU of the reduced system, against the
+// same rows in one matrix; couplings of all contacts are factored with it at once. In both forms. Catches a wrong
+// reduced system.
 TEST(ContactSystem, CouplingsAreSolvedApart) {
   Random random(5);
   for (const Scaled& problem : scenes()) {
@@ -171,6 +172,31 @@ TEST(ContactSystem, CouplingsAreSolvedApart) {
       }
     }
   }
+}
+
+// More couplings than the dense reduced system is for, so by GMRES. Catches one of the two that solves another system.
+TEST(ContactSystem, ManyCouplingsAreSolvedApart) {
+  Random random(5);
+  const Scaled problem = scaled(make_scene("wall", 600).problem());
+  const std::vector<Block> A = definite_blocks(problem, 1, random);
+  std::vector<Block> inverse;
+  std::vector<ContactRows> rows;
+  std::vector<ContactCoupling> couplings;
+  for (std::size_t a = 0; a < A.size(); ++a) {
+    inverse.emplace_back(A[a].inverse());
+    rows.push_back({.A = A[a], .B = Block::Identity()});
+    if (a % 2 == 0) continue;
+    couplings.push_back({.contact = a, .p = Eigen::Vector3d::UnitX(), .q = 0.01 * random_block(random).col(0)});
+    rows.back().A += couplings.back().p * couplings.back().q.transpose();
+  }
+  ASSERT_GT(couplings.size(), 256U);
+  const Vec c = random.normals(problem.size());
+  ContactSystem system(problem);
+  ASSERT_TRUE(system.factor(A, inverse, couplings));
+  Vec x;
+  system.solve(c, x);
+  EXPECT_LE(residual_of(problem, rows, x, c).norm(), 1e-8 * (1 + x.norm()));
+  EXPECT_EQ(system.factorizations(), 1);
 }
 
 // The form is the one of fewer operations, whichever that is: walls have ten contacts a brick; links that hang on one

@@ -130,5 +130,16 @@ TEST(ConePath, CouplingFindsTheFewThatSlip) {
   }
 }
 
+// Cadoux' openings grow without end on this pile, and the path that is coupled where contacts slip by the associated
+// law turns back: nine slip, and the way to them is from one of the first openings. Catches openings from which only
+// the path with all contacts coupled is tried.
+TEST(ConePath, SlipsAreFoundFromAnOpening) {
+  Problem problem = make_scene("spheres", 1000, 4).problem();
+  problem.mu.setConstant(0.4);
+  const Result result = solve(problem);
+  EXPECT_TRUE(result.solved()) << result.message;
+  EXPECT_EQ(result.stats.attempts, 0);
+}
+
 }  // namespace
 }  // namespace perp::contact
