@@ -87,8 +87,10 @@ struct LemkeOptions {
   double perturbation = 1e-5;     ///< of the start, relative to 1 + |x_i|; 0 keeps the start as it is
   unsigned seed = 1;              ///< of the perturbation and of the covering vector
   double singular_rcond = 1e-15;  ///< a start cell whose matrix has a smaller rcond() is repaired as rank deficient
-  bool keep_basis = false;        ///< keep the factors of the last piece: PivotResult::last_piece
-  bool keep_path = false;         ///< fill PivotResult::path (n doubles a kink)
+  /// A rank-deficient start is repaired by artificials; else the path does not begin (SingularBasis).
+  bool repair = true;
+  bool keep_basis = false;  ///< keep the factors of the last piece: PivotResult::last_piece
+  bool keep_path = false;   ///< fill PivotResult::path (n doubles a kink)
   /// Of a longer path, every 2nd, 4th, 8th ... kink is kept, the first and the last among them.
   std::size_t path_limit = std::numeric_limits<std::size_t>::max();
   BasisOptions basis{};

@@ -159,7 +159,7 @@ bool NormalPath::factor_start(PivotResult& result) {
   direction_ = 1;
   LuStatus status = factor_basis();
   if (status == LuStatus::Ok && factor_.rcond() >= options_.singular_rcond) return true;
-  if (status != LuStatus::Ok && status != LuStatus::Singular) return false;
+  if (!options_.repair || (status != LuStatus::Ok && status != LuStatus::Singular)) return false;
   std::vector<BasisFactor::Dependency> replaced;
   const std::vector<Index> columns = factor_.basis();
   if (factor_.factor_repaired(columns, replaced) != LuStatus::Ok) return false;

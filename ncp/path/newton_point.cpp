@@ -154,7 +154,8 @@ bool NewtonPoints::ray_is_promised(const lcp::AffineMcp& problem) const {
   return false;
 }
 
-NewtonPoint NewtonPoints::solve(const Point& point, const Vec& x, const std::vector<lcp::Cell>& cells, double lambda) {
+NewtonPoint NewtonPoints::solve(const Point& point, const Vec& x, const std::vector<lcp::Cell>& cells, double lambda,
+                                Repair repair) {
   const lcp::AffineMcp problem = linearised(run_.box(), point, lambda);
   const bool first = std::exchange(first_, false);
   NewtonPoint newton{.path = {}, .lambda = lambda};
@@ -172,7 +173,13 @@ NewtonPoint NewtonPoints::solve(const Point& point, const Vec& x, const std::vec
       newton.path = *std::move(path);
       return newton;
     }
+    options.repair = repair == Repair::Artificials;
     newton.path = follow(problem, x, options);
+    if (!options.repair && newton.path.end == lcp::PivotEnd::SingularBasis && newton.path.pivots == 0) {
+      newton.singular = true;
+      return newton;
+    }
+    options.repair = true;
     last_pivots_ = newton.path.pivots;
     newton.singular = newton.path.repaired > 0 && !newton.solved() && !run_.mcp().is_affine();
     if (newton.solved() || newton.stopped()) return newton;

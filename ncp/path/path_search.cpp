@@ -278,7 +278,14 @@ bool Attempt::newton_step(Iteration& it) {
   const double size = size_of(point_.J);
   double lambda = lambda_;
   for (int i = 0; i <= path_prox_tries; ++i) {
-    last_ = newton_points_.solve(point_, x_, cells_, lambda);
+    const bool avoid =
+        it.k == 1 && lambda == 0 && method_.crash.on && method_.proximal_adaptive && !run_.mcp().is_affine();
+    last_ = newton_points_.solve(point_, x_, cells_, lambda, avoid ? Repair::Never : Repair::Artificials);
+    if (avoid && last_->not_begun()) {  // artificials would pivot for what a term does at once
+      singular_ = often_singular;
+      lambda = lambda_of(path_prox_after_crash, size);
+      last_ = newton_points_.solve(point_, x_, cells_, lambda);
+    }
     it.prox = lambda;
     it.linear = last_->letter();
     if (last_->solved()) basis_ = last_->path.cells;
