@@ -155,7 +155,7 @@ bool NewtonPoints::ray_if_monotone(const lcp::AffineMcp& problem) const {
 }
 
 NewtonPoint NewtonPoints::solve(const Point& point, const Vec& x, const std::vector<lcp::Cell>& cells, double lambda,
-                                bool repair) {
+                                Repair repair) {
   const lcp::AffineMcp problem = linearised(run_.box(), point, lambda);
   const bool first = std::exchange(first_, false);
   NewtonPoint newton{.path = {}, .lambda = lambda};
@@ -174,9 +174,9 @@ NewtonPoint NewtonPoints::solve(const Point& point, const Vec& x, const std::vec
       newton.path = *std::move(path);
       return newton;
     }
-    options.repair = repair;
+    options.repair = repair == Repair::Artificials;
     newton.path = follow(problem, x, options);
-    if (!repair && newton.path.end == lcp::PivotEnd::SingularBasis && newton.path.pivots == 0) {
+    if (!options.repair && newton.path.end == lcp::PivotEnd::SingularBasis && newton.path.pivots == 0) {
       newton.singular = true;
       return newton;
     }

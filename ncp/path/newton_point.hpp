@@ -32,12 +32,18 @@ lcp::PivotResult path_or_rays(const lcp::AffineMcp& linearised, const Vec& start
 /// Interrupted, or past the deadline.
 bool stopped(const lcp::PivotResult& path);
 
+/// What becomes of a singular start basis: artificials take the places of dependent columns, or the path does not
+/// begin.
+enum class Repair { Artificials, Never };
+
 struct NewtonPoint {
   lcp::PivotResult path;
   double lambda = 0;      ///< of the proximal term, absolute
   bool from_ray = false;  ///< the kinks of `path` then say nothing of the way from x^k
   bool singular = false;  ///< the path began in a singular basis and led nowhere, or was not to begin there
   bool solved() const { return path.solved(); }
+  /// Its start basis is singular, and was not to be repaired.
+  bool not_begun() const { return singular && path.end == lcp::PivotEnd::SingularBasis && path.pivots == 0; }
   /// Came far enough to be of use: t = 1, or the part of a path from x^k that has this share of it.
   bool usable() const { return solved() || (!from_ray && path.best_t >= 0.1); }
   double t() const { return solved() ? 1 : path.best_t; }
@@ -54,10 +60,10 @@ class NewtonPoints {
   NewtonPoints& operator=(const NewtonPoints&) = delete;
 
   /// Of the problem linearised at `point` with this lambda, from x (and its cells, if they are known); from rays with
-  /// several covering vectors if it is the first one or the path from x does not get anywhere. `repair`: follow a path
-  /// whose start basis is singular, too.
+  /// several covering vectors if it is the first one or the path from x does not get anywhere. Repair::Never: no path
+  /// at all where the basis of the cell is singular.
   NewtonPoint solve(const Point& point, const Vec& x, const std::vector<lcp::Cell>& cells, double lambda,
-                    bool repair = true);
+                    Repair repair = Repair::Artificials);
 
   int take_pivots() { return std::exchange(pivots_, 0); }
   bool exhausted() const { return left_ <= 0; }

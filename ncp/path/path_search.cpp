@@ -102,6 +102,7 @@ class Attempt {
     return lambda_of(path_prox_after_crash, size_of(point_.J));
   }
   Way way_to(const NewtonPoint& newton) const;
+  NewtonPoint without_artificials(double& lambda);
   NewtonPoint doubtful_point(double& lambda);
   bool newton_step(Iteration& it);
   /// Of affine problems: among the restarts are the linear methods.
@@ -283,19 +284,21 @@ double Attempt::lambda_after(double lambda, double size) const {
   return smaller > path_prox_least * lambda_of(path_prox_first, size) ? smaller : 0;
 }
 
-/// Of a quadratic program whose J_II may be singular: with a proximal term if it is, for a path from a singular basis
-/// takes more pivots than all the paths of a few such iterations. A program without a solution has no end of them.
+/// Where the basis of the start is singular, with a proximal term: artificials would pivot for what it does at once.
+NewtonPoint Attempt::without_artificials(double& lambda) {
+  NewtonPoint newton = newton_points_.solve(point_, x_, cells_, lambda, Repair::Never);
+  if (!newton.not_begun()) return newton;
+  lambda = lambda_of_singular();
+  return newton_points_.solve(point_, x_, cells_, lambda);
+}
+
+/// The same for a quadratic program while the merit falls by it: a program without a solution has no end of such steps.
 NewtonPoint Attempt::doubtful_point(double& lambda) {
-  NewtonPoint newton = newton_points_.solve(point_, x_, cells_, lambda, false);
-  if (newton.singular) {
-    lambda = lambda_of_singular();
-    newton = newton_points_.solve(point_, x_, cells_, lambda);
-  }
-  if (newton.stopped() || newton_points_.exhausted()) return newton;
+  NewtonPoint newton = without_artificials(lambda);
+  if (lambda == 0 || newton.stopped() || newton_points_.exhausted()) return newton;
   Vec F;
   const Vec z = lcp::project(run_.box(), newton.x());
-  const bool falls = newton.solved() && run_.counted().eval(z, F) && psi(z, F, newton.x()) <= doubtful_falls * psi_;
-  if (lambda == 0 || falls) return newton;
+  if (newton.solved() && run_.counted().eval(z, F) && psi(z, F, newton.x()) <= doubtful_falls * psi_) return newton;
   doubtful_ = false;
   singular_ = 0;
   lambda = 0;
@@ -307,7 +310,10 @@ bool Attempt::newton_step(Iteration& it) {
   const double size = size_of(point_.J);
   double lambda = lambda_;
   for (int i = 0; i <= path_prox_tries; ++i) {
-    last_ = doubtful_ ? doubtful_point(lambda) : newton_points_.solve(point_, x_, cells_, lambda);
+    const bool avoid = it.k == 1 && lambda == 0 && method_.crash.on && method_.proximal_adaptive;
+    last_ = doubtful_                          ? doubtful_point(lambda)
+            : avoid && !run_.mcp().is_affine() ? without_artificials(lambda)
+                                               : newton_points_.solve(point_, x_, cells_, lambda);
     it.prox = lambda;
     it.linear = last_->letter();
     if (last_->solved()) basis_ = last_->path.cells;

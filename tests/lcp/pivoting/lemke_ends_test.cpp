@@ -66,6 +66,20 @@ TEST(LemkeEnds, RankDeficientStartCell) {
   expect_solved(nearly, lemke(nearly, vec({1, 1})));  // (0, 2)
 }
 
+// z_2 = 1 from a cell whose matrix is singular. Without repair no path begins there, and from a regular cell it does.
+// Catches an option that is not asked, or is asked of every start.
+TEST(LemkeEnds, BeginsNowhereWithoutRepair) {
+  const AffineMcp problem = standard_lcp(matrix({{0, 0}, {0, 1}}), vec({1, -1}));
+  LemkeOptions options;
+  EXPECT_TRUE(lemke(problem, vec({1, 1}), options).solved());
+  options.repair = false;
+  const PivotResult result = lemke(problem, vec({1, 1}), options);
+  EXPECT_EQ(result.end, PivotEnd::SingularBasis);
+  EXPECT_EQ(result.pivots, 0);
+  EXPECT_EQ(result.repaired, 0);
+  EXPECT_TRUE(lemke(problem, vec({-1, 1}), options).solved());
+}
+
 // A start that happens to be a solution is one, whatever its cell.
 TEST(LemkeEnds, SolvedFromASingularCellIfTheStartIsASolution) {
   LemkeOptions options;

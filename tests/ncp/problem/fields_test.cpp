@@ -120,8 +120,8 @@ TEST(Fields, ReachEveryMember) {
         Count{"Crash", members<Crash>(), crash, 0, 0, 0}, Count{"Nms", members<Nms>(), nms, 0, 0, 0},
         // basis is a warm start
         Count{"PathSearch", members<PathSearch>(), path, 4, crash + nms + lemke, 1},
-        // of basis lu and refactor_every; start is described apart; the rest are data, callbacks, limits and inner
-        // tolerances that no run was seen to depend on
+        // of basis lu and refactor_every; start is described apart; repair is the path search's own; the rest are data,
+        // callbacks, limits and inner tolerances that no run was seen to depend on
         Count{"LemkeOptions", members<lcp::LemkeOptions>(), lemke, 1, 2, 14},
         Count{"lcp::LemkeHowson", members<lcp::LemkeHowson>(), described<lcp::LemkeHowson>(), 1, lemke - 1, 0},
         Count{"lcp::InteriorPoint", members<lcp::InteriorPoint>(), described<lcp::InteriorPoint>(), 0, 0, 0},
