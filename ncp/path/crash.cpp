@@ -169,9 +169,8 @@ bool keeps_promise(const SearchOutcome& found, double psi) {
   return found.merit < worthwhile * psi && psi - found.merit >= promised * found.t * (2 - found.t) * psi;
 }
 
-/// The steps. `proximal`: one of those kept met a singular J_II. `back`: one was taken back. False: the run is over.
-bool descend(Run& run, const Crash& options, Point& point, Iteration& it, lcp::SparseLu& lu, bool& proximal,
-             bool& back) {
+/// The steps. `proximal`: one of those kept met a singular J_II. False: the run is over.
+bool descend(Run& run, const Crash& options, Point& point, Iteration& it, lcp::SparseLu& lu, bool& proximal) {
   const CFunction fb = fischer_burmeister();
   const Armijo rule{.max_backtracks = static_cast<int>(std::ceil(-std::log2(options.least_step)))};
   Places before;
@@ -209,7 +208,6 @@ bool descend(Run& run, const Crash& options, Point& point, Iteration& it, lcp::S
     }
     if (from && !keeps_promise(found, psi)) {
       point = *from;
-      back = true;
       return true;
     }
     proximal = proximal || lambda > 0;
@@ -243,10 +241,8 @@ bool descend(Run& run, const Crash& options, Point& point, Iteration& it, lcp::S
 CrashEnd crash(Run& run, const Crash& options, Point& point, Iteration& it, lcp::SparseLu& lu) {
   if (!options.on || run.box().size() < options.minimum_dimension) return CrashEnd::Regular;
   bool proximal = false;
-  bool back = false;
-  if (!descend(run, options, point, it, lu, proximal, back)) return CrashEnd::Over;
-  if (proximal && !run.mcp().is_affine() && singular(run, point, lu)) return CrashEnd::Singular;
-  return back && !proximal ? CrashEnd::Misled : CrashEnd::Regular;
+  if (!descend(run, options, point, it, lu, proximal)) return CrashEnd::Over;
+  return proximal && !run.mcp().is_affine() && singular(run, point, lu) ? CrashEnd::Singular : CrashEnd::Regular;
 }
 
 }  // namespace perp::ncp

@@ -11,7 +11,6 @@ enum class CrashEnd {
   Over,      ///< the run is: solved, or at one of its limits
   Regular,   ///< or nothing said that J_II is singular
   Singular,  ///< J_II at the last point, of a nonlinear problem
-  Misled,    ///< the first step with a proximal term was taken back: such terms lead nowhere from here
 };
 
 /// Moves `point` down the Fischer-Burmeister merit while it pays (struct Crash in ncp/path/path_search.hpp). `it` is

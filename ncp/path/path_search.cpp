@@ -56,7 +56,7 @@ class References {
 /// One attempt: z^k = point.x with F and J, x^k, and what the non-monotone test remembers.
 class Attempt {
  public:
-  Attempt(Run& run, const PathSearch& method, Point& point, CrashEnd crashed, lcp::SharedLu& lu)
+  Attempt(Run& run, const PathSearch& method, Point& point, bool singular, lcp::SharedLu& lu)
       : run_(run),
         method_(method),
         point_(point),
@@ -67,10 +67,8 @@ class Attempt {
         psi_(psi(point.x, point.F, x_)),
         references_(method.nms, psi_),
         best_z_(point.x),
-        best_psi_(psi_),
-        regular_start_(method.crash.on && method.proximal_adaptive && crashed != CrashEnd::Misled &&
-                       !run.mcp().is_affine()) {
-    if (crashed != CrashEnd::Singular || lambda_ > 0 || !method.proximal_adaptive) return;
+        best_psi_(psi_) {
+    if (!singular || lambda_ > 0 || !method.proximal_adaptive) return;
     singular_ = often_singular;
     lambda_ = lambda_of(path_prox_after_crash, size_of(point.J));
   }
@@ -129,9 +127,8 @@ class Attempt {
   Stall stall_{method_.patience};
   Vec best_z_;
   double best_psi_;
-  bool regular_start_;  // the first path does not begin in a singular basis
-  double delta_ = 0;    // the distance up to which steps go unchecked; that of the first step accepted
-  int unchecked_ = 0;   // D-steps since the last merit test
+  double delta_ = 0;   // the distance up to which steps go unchecked; that of the first step accepted
+  int unchecked_ = 0;  // D-steps since the last merit test
   int watchdogs_ = 0;
   int gradient_steps_ = 0;
   std::optional<Saved> saved_;
@@ -281,7 +278,8 @@ bool Attempt::newton_step(Iteration& it) {
   const double size = size_of(point_.J);
   double lambda = lambda_;
   for (int i = 0; i <= path_prox_tries; ++i) {
-    const bool avoid = regular_start_ && it.k == 1 && lambda == 0;
+    const bool avoid =
+        it.k == 1 && lambda == 0 && method_.crash.on && method_.proximal_adaptive && !run_.mcp().is_affine();
     last_ = newton_points_.solve(point_, x_, cells_, lambda, avoid ? Repair::Never : Repair::Artificials);
     if (avoid && last_->not_begun()) {  // artificials would pivot for what a term does at once
       singular_ = often_singular;
@@ -414,7 +412,7 @@ void iterate(Run& run, const PathSearch& method, Point point) {
   const CrashEnd crashed = crash(run, method.crash, point, it, lu.lu);
   if (crashed == CrashEnd::Over) return;
   const double start = point.x.size() > 0 ? point.x.lpNorm<Eigen::Infinity>() : 0;
-  Attempt attempt(run, method, point, crashed, lu);
+  Attempt attempt(run, method, point, crashed == CrashEnd::Singular, lu);
   do {
     if (ran_off(run, point, start)) break;
     if (attempt.stalled()) {
