@@ -121,7 +121,8 @@ class Attempt {
   std::vector<lcp::Cell> basis_;
   NewtonPoints newton_points_;
   double lambda_;
-  int singular_ = 0;  // iterations in which a path from a singular basis led nowhere
+  int singular_ = 0;             // iterations in which a path from a singular basis led nowhere
+  bool proximal_start_ = false;  // the first path had a proximal term because its basis was singular without
   double psi_;
   References references_;
   Stall stall_{method_.patience};
@@ -266,9 +267,10 @@ bool Attempt::accept(const NewtonPoint& newton, double least, Iteration& it) {
 /// lambda then stays O(||Phi||) to the end, which keeps the order of Newton's method where ||Phi|| bounds the distance
 /// to the solutions (Fan & Yuan 2005). A lambda that had to be raised is needed by more than the singular J.
 double Attempt::lambda_after(double lambda, double size) const {
-  if (singular_ >= often_singular && lambda > lambda_) return path_prox_decay * lambda;
-  if (singular_ >= often_singular)
-    return std::min(path_prox_singular_decay * lambda, lambda_of(path_prox_singular, size));
+  if (singular_ >= often_singular) {
+    const double smaller = path_prox_singular_decay * lambda;
+    return lambda > lambda_ ? smaller : std::min(smaller, lambda_of(path_prox_singular, size));
+  }
   const double smaller = path_prox_decay * lambda;
   return smaller > path_prox_least * lambda_of(path_prox_first, size) ? smaller : 0;
 }
@@ -280,9 +282,13 @@ bool Attempt::newton_step(Iteration& it) {
   for (int i = 0; i <= path_prox_tries; ++i) {
     const bool avoid =
         it.k == 1 && lambda == 0 && method_.crash.on && method_.proximal_adaptive && !run_.mcp().is_affine();
-    last_ = newton_points_.solve(point_, x_, cells_, lambda, avoid ? Repair::Never : Repair::Artificials);
+    // With a larger lambda a path takes a few pivots, a ray takes them from the other end of the box.
+    const bool larger = proximal_start_ && lambda > 0 && i < path_prox_tries;
+    last_ = newton_points_.solve(point_, x_, cells_, lambda, avoid ? Repair::Never : Repair::Artificials,
+                                 larger ? Fallback::None : Fallback::Rays);
     if (avoid && last_->not_begun()) {  // artificials would pivot for what a term does at once
       singular_ = often_singular;
+      proximal_start_ = true;
       lambda = lambda_of(path_prox_after_crash, size);
       last_ = newton_points_.solve(point_, x_, cells_, lambda);
     }
