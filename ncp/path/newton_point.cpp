@@ -155,7 +155,7 @@ bool NewtonPoints::ray_if_monotone(const lcp::AffineMcp& problem) const {
 }
 
 NewtonPoint NewtonPoints::solve(const Point& point, const Vec& x, const std::vector<lcp::Cell>& cells, double lambda,
-                                Repair repair) {
+                                Repair repair, Fallback fallback) {
   const lcp::AffineMcp problem = linearised(run_.box(), point, lambda);
   const bool first = std::exchange(first_, false);
   NewtonPoint newton{.path = {}, .lambda = lambda};
@@ -190,7 +190,7 @@ NewtonPoint NewtonPoints::solve(const Point& point, const Vec& x, const std::vec
     }
     last_pivots_ = newton.path.pivots;
     newton.singular = newton.path.repaired > 0 && !newton.solved() && !run_.mcp().is_affine();
-    if (newton.solved() || newton.stopped()) return newton;
+    if (newton.solved() || newton.stopped() || fallback == Fallback::None) return newton;
   }
   options.start = lcp::LemkeStart::Ray;
   options.cells.clear();

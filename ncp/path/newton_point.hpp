@@ -36,6 +36,9 @@ bool stopped(const lcp::PivotResult& path);
 /// begin.
 enum class Repair { Artificials, Never };
 
+/// What follows on a path that does not get anywhere.
+enum class Fallback { Rays, None };
+
 struct NewtonPoint {
   lcp::PivotResult path;
   double lambda = 0;      ///< of the proximal term, absolute
@@ -61,9 +64,9 @@ class NewtonPoints {
 
   /// Of the problem linearised at `point` with this lambda, from x (and its cells, if they are known); from rays with
   /// several covering vectors if it is the first one or the path from x does not get anywhere. Repair::Never: no path
-  /// at all where the basis of the cell is singular.
+  /// at all where the basis of the cell is singular. Fallback::None: no rays but where the options ask for one.
   NewtonPoint solve(const Point& point, const Vec& x, const std::vector<lcp::Cell>& cells, double lambda,
-                    Repair repair = Repair::Artificials);
+                    Repair repair = Repair::Artificials, Fallback fallback = Fallback::Rays);
 
   int take_pivots() { return std::exchange(pivots_, 0); }
   bool exhausted() const { return left_ <= 0; }

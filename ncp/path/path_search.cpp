@@ -131,8 +131,9 @@ class Attempt {
   std::vector<lcp::Cell> basis_;
   NewtonPoints newton_points_;
   double lambda_;
-  bool doubtful_ = false;  // CrashEnd::Doubtful, and proximal terms have led on so far
-  int singular_ = 0;       // iterations in which a path from a singular basis led nowhere
+  bool doubtful_ = false;        // CrashEnd::Doubtful, and proximal terms have led on so far
+  int singular_ = 0;             // iterations in which a path from a singular basis led nowhere
+  bool proximal_start_ = false;  // the first path had a proximal term because its basis was singular without
   double psi_;
   References references_;
   Stall stall_{method_.patience};
@@ -277,9 +278,10 @@ bool Attempt::accept(const NewtonPoint& newton, double least, Iteration& it) {
 /// lambda then stays O(||Phi||) to the end, which keeps the order of Newton's method where ||Phi|| bounds the distance
 /// to the solutions (Fan & Yuan 2005). A lambda that had to be raised is needed by more than the singular J.
 double Attempt::lambda_after(double lambda, double size) const {
-  if (singular_ >= often_singular && lambda > lambda_) return path_prox_decay * lambda;
-  if (singular_ >= often_singular)
-    return std::min(path_prox_singular_decay * lambda, lambda_of(path_prox_singular, size));
+  if (singular_ >= often_singular) {
+    const double smaller = path_prox_singular_decay * lambda;
+    return lambda > lambda_ ? smaller : std::min(smaller, lambda_of(path_prox_singular, size));
+  }
   const double smaller = path_prox_decay * lambda;
   return smaller > path_prox_least * lambda_of(path_prox_first, size) ? smaller : 0;
 }
@@ -310,10 +312,14 @@ bool Attempt::newton_step(Iteration& it) {
   const double size = size_of(point_.J);
   double lambda = lambda_;
   for (int i = 0; i <= path_prox_tries; ++i) {
-    const bool avoid = it.k == 1 && lambda == 0 && method_.crash.on && method_.proximal_adaptive;
-    last_ = doubtful_                          ? doubtful_point(lambda)
-            : avoid && !run_.mcp().is_affine() ? without_artificials(lambda)
-                                               : newton_points_.solve(point_, x_, cells_, lambda);
+    const bool avoid =
+        it.k == 1 && lambda == 0 && method_.crash.on && method_.proximal_adaptive && !run_.mcp().is_affine();
+    // With a larger lambda a path takes a few pivots, a ray takes them from the other end of the box.
+    const Fallback fallback = proximal_start_ && lambda > 0 && i < path_prox_tries ? Fallback::None : Fallback::Rays;
+    last_ = doubtful_ ? doubtful_point(lambda)
+            : avoid   ? without_artificials(lambda)
+                      : newton_points_.solve(point_, x_, cells_, lambda, Repair::Artificials, fallback);
+    proximal_start_ = proximal_start_ || (avoid && lambda > 0);
     it.prox = lambda;
     it.linear = last_->letter();
     if (last_->solved()) basis_ = last_->path.cells;

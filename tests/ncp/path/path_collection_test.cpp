@@ -108,6 +108,13 @@ TEST(PathCollection, TheFirstPathBeginsInARegularBasis) {
   EXPECT_LE(support::expect_solved(*larger.mcp, larger.starts[2], PathSearch{}).stats.pivots, 600);
 }
 
+// The dual of Colville's second problem (Colville 1968). The first basis is singular, and paths with small terms lead
+// nowhere. Catches rays between the tries of terms, and a term that is soon too small again: 154 pivots for 52.
+TEST(PathCollection, ALargerTermComesBeforeRays) {
+  const Problem problem = collection::find("colvdual")->make();
+  EXPECT_LE(support::expect_solved(*problem.mcp, problem.starts[0], PathSearch{}).stats.pivots, 100);
+}
+
 // Hock & Schittkowski 62 (1981) without a crash. After chord steps the path began in the cell of the Newton point
 // before them: from there Newton and chord steps went to and fro between two points.
 TEST(PathCollection, CellsAreForgottenAfterAChordStep) {
