@@ -22,17 +22,17 @@ constexpr int crash_prox_tries = 4;
 /// to a bound, which a path would do by as many pivots.
 constexpr double worthwhile = 0.9;
 constexpr Index many_pivots = 200;
-constexpr Index fewer_pivots = 10;  // or n / 20, of quadratic programs: their one path takes what the crash leaves
-constexpr int most_unpaid = 5;      ///< steps in turn that pay by the pivots they save alone
+constexpr Index fewer_pivots = 10;  // or n / 20, of affine problems: their one path takes what the crash leaves
+/// Of Crash::least_step, in affine problems: a step that short changes the active set, and the next one may be long.
+constexpr double shorter_step = 1e-3;
+constexpr int most_unpaid = 5;  ///< steps in turn that pay by the pivots they save alone
 /// A step with a proximal term, in nonlinear problems, must leave less than `worthwhile` and reach this share of the
 /// fall that the linearised problem promises, or it is taken back: the path then starts better from where it led away.
 constexpr double promised = 0.25;
 
-/// Whether the problem is affine and a quarter of the variables has a diagonal entry in J: a quadratic program. To a
-/// linear one each lambda gives another vertex.
-bool curved(const Mcp& mcp, const SpMat& J) {
-  return mcp.is_affine() && 4 * (J.diagonal().array() > 0).count() >= J.rows();
-}
+/// Whether a quarter of the variables has a diagonal entry in J: a quadratic program. To a linear one each lambda gives
+/// another vertex.
+bool curved(const SpMat& J) { return 4 * (J.diagonal().array() > 0).count() >= J.rows(); }
 
 using Places = std::vector<bool>;  // inside?
 
@@ -187,7 +187,9 @@ struct Met {
 /// The steps. False: the run is over.
 bool descend(Run& run, const Crash& options, Point& point, Iteration& it, lcp::SparseLu& lu, Met& met) {
   const CFunction fb = fischer_burmeister();
-  const Armijo rule{.max_backtracks = static_cast<int>(std::ceil(-std::log2(options.least_step)))};
+  const bool affine = run.mcp().is_affine();
+  const double least_step = affine ? shorter_step * options.least_step : options.least_step;
+  const Armijo rule{.max_backtracks = static_cast<int>(std::ceil(-std::log2(least_step)))};
   Places before;
   bool sweeping = false;  // then full steps may raise the merit for a while: the set they overshoot to is a better one
   bool sweeps_pay = true;
@@ -198,9 +200,7 @@ bool descend(Run& run, const Crash& options, Point& point, Iteration& it, lcp::S
   Stall stall(2);
   (void)stall.stalled(psi);
   int unpaid = 0;
-  const bool quadratic = curved(run.mcp(), point.J);
-  const Index worth_a_step =
-      quadratic ? std::clamp<Index>(run.box().size() / 20, fewer_pivots, many_pivots) : many_pivots;
+  const Index worth_a_step = affine ? std::clamp<Index>(run.box().size() / 20, fewer_pivots, many_pivots) : many_pivots;
   for (int c = 0; c < options.iteration_limit; ++c) {
     Places in = inside(run.box(), point);
     const Index changes = before.empty() ? 0 : differences(in, before);
@@ -215,7 +215,7 @@ bool descend(Run& run, const Crash& options, Point& point, Iteration& it, lcp::S
     if (!direction(run, point, before, lu, term, d)) return true;
     const double lambda = term.lambda();
     const double reference = sweeping ? memory.reference() : psi;
-    const bool on_trial = lambda > 0 && !run.mcp().is_affine();
+    const bool on_trial = lambda > 0 && !affine;
     const std::optional<Point> from = on_trial ? std::optional(point) : std::nullopt;
     const SearchOutcome found = line_search(run, fb, rule, d, -2 * psi, reference, true, point);
     if (!found.found) {  // sweeps may lead to a set from which a step is longer
@@ -234,7 +234,7 @@ bool descend(Run& run, const Crash& options, Point& point, Iteration& it, lcp::S
     const bool stalled = stall.stalled(found.merit);
     const bool falls = sweeping ? !stalled : found.merit < worthwhile * psi;
     unpaid = falls ? 0 : unpaid + 1;
-    const bool pays = falls || ((lambda == 0 || quadratic) && unpaid <= most_unpaid &&
+    const bool pays = falls || ((lambda == 0 || affine) && unpaid <= most_unpaid &&
                                 differences(before, inside(run.box(), point)) >= worth_a_step);
     psi = found.merit;
     it = {.k = it.k,
@@ -262,7 +262,7 @@ CrashEnd crash(Run& run, const Crash& options, Point& point, Iteration& it, lcp:
   Met met;
   if (!descend(run, options, point, it, lu, met)) return CrashEnd::Over;
   if (!met.proximal) return CrashEnd::Regular;
-  if (run.mcp().is_affine()) return met.monotone && curved(run.mcp(), point.J) ? CrashEnd::Doubtful : CrashEnd::Regular;
+  if (run.mcp().is_affine()) return met.monotone && curved(point.J) ? CrashEnd::Doubtful : CrashEnd::Regular;
   return singular(run, point, lu) ? CrashEnd::Singular : CrashEnd::Regular;
 }
 

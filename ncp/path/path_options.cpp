@@ -11,7 +11,8 @@ void describe(Crash& c, Fields& f) {
     f.add("crash_minimum_dimension", &c.minimum_dimension, at_least(0), "smaller problems go without a crash");
     f.add("crash_nbchange_limit", &c.nbchange_limit, at_least(0),
           "the crash ends where fewer variables than this come to a bound or leave it");
-    f.add("crash_least_step", &c.least_step, above_up_to(0, 1), "the crash ends where its step would be shorter");
+    f.add("crash_least_step", &c.least_step, above_up_to(0, 1),
+          "the crash ends where its step would be shorter; in affine problems a thousandth of it");
   });
 }
 

@@ -37,7 +37,7 @@ struct Crash {
   int iteration_limit = 50;
   Index minimum_dimension = 1;  ///< smaller problems go without
   Index nbchange_limit = 1;     ///< ends where fewer variables than this change between bound and inside
-  double least_step = 0.1;      ///< ends where alpha would be smaller
+  double least_step = 0.1;      ///< ends where alpha would be smaller; in affine problems a thousandth of it
 };
 
 /// Non-monotone stabilisation (Ferris & Lucidi 1994; Dirkse & Ferris 1995). The references M_1 .. M_m begin at `factor`

@@ -177,16 +177,16 @@ TEST(Crash, StaysInTheDomain) {
   }
 }
 
-/// min 1/2 x' D x + c' x, 0 <= x <= 1, A x >= b or = b, with D > 0 diagonal and half as many rows as variables: where
-/// more rows than variables are off their bounds, J_II is singular.
-lcp::AffineMcp quadratic_program(Index n, Random& random) {
+/// min 1/2 x' D x + c' x, 0 <= x <= 1, A x >= b or = b, with half as many rows as variables, and D > 0 diagonal, or 0
+/// unless `curved`: where more rows than variables are off their bounds, J_II is singular.
+lcp::AffineMcp program(Index n, bool curved, Random& random) {
   const Index m = n / 2;
   Dense M = Dense::Zero(n + m, n + m);
   Vec q = 2 * random.normals(n + m);
   lcp::Box box = lcp::Box::free(n + m);
   box.lower.head(n).setZero();
   box.upper.head(n).setOnes();
-  const Vec d = random.normals(n).cwiseAbs();
+  const Vec d = (curved ? 1 : 0) * random.normals(n).cwiseAbs();
   M.topLeftCorner(n, n) = Dense(d.asDiagonal());
   for (Index i = 0; i < m; ++i) {
     Vec a = Vec::Zero(n);
@@ -207,13 +207,25 @@ TEST(Crash, QuadraticProgramsAreLeftFewPivots) {
   Index pivots = 0;
   Index rows = 0;
   for (int k = 0; k < 30; ++k) {
-    const auto mcp = make_affine_mcp(quadratic_program(40 + 2 * k, random), "program");
+    const auto mcp = make_affine_mcp(program(40 + 2 * k, true, random), "program");
     const Result result = expect_solved(*mcp, Vec::Zero(mcp->size()), PathSearch{});
     EXPECT_LE(result.stats.iterations, 6);
     pivots += result.stats.pivots;
     rows += mcp->size();
   }
   EXPECT_LE(10 * pivots, 3 * rows) << pivots << " pivots, " << rows << " rows";
+}
+
+// Linear programs: a step of 1e-4 changes the active set, and long ones follow it. There are 4,400 pivots in all
+// without such steps. Catches a search that ends before them.
+TEST(Crash, TinyStepsHelpLinearPrograms) {
+  Random random(1);
+  Index pivots = 0;
+  for (int k = 0; k < 30; ++k) {
+    const auto mcp = make_affine_mcp(program(40 + 2 * k, false, random), "program");
+    pivots += expect_solved(*mcp, Vec::Zero(mcp->size()), PathSearch{}).stats.pivots;
+  }
+  EXPECT_LE(pivots, 4050);
 }
 
 }  // namespace
