@@ -29,22 +29,29 @@ double fischer_burmeister_factor(double most, double least) {
   return 1 + 1 / (q + unit_root(q));
 }
 
-}  // namespace
-
-double fischer_burmeister_value(double a, double b) {
+/// weight phi_FB.
+double value_of(double a, double b, double weight) {
   if (std::isnan(a) || std::isnan(b)) return a + b;
-  if (a == infinity) return saturated(b);
-  if (b == infinity) return saturated(a);
+  const auto weighted = [weight](double phi) { return weight == 1 ? phi : product({weight, phi}); };
+  if (a == infinity) return weighted(saturated(b));
+  if (b == infinity) return weighted(saturated(a));
   a = saturated(a);
   b = saturated(b);
   const double least = std::min(a, b);
-  return least == 0 ? least : saturated(least * fischer_burmeister_factor(std::max(a, b), least));
+  if (least == 0) return least;
+  const double factor = fischer_burmeister_factor(std::max(a, b), least);  // at least 0.58
+  return weight == 1 ? saturated(least * factor) : product({weight, least, factor});
 }
 
+}  // namespace
+
+double fischer_burmeister_value(double a, double b) { return value_of(a, b, 1); }
+
 CValue fischer_burmeister(double a, double b, double ha, double hb, double weight) {
-  if (std::isnan(a) || std::isnan(b)) return {a + b, a + b, a + b};
-  if (a == infinity) return {product({weight, saturated(b)}), 0, 1};
-  if (b == infinity) return {product({weight, saturated(a)}), 1, 0};
+  const double phi = value_of(a, b, weight);
+  if (std::isnan(a) || std::isnan(b)) return {phi, phi, phi};
+  if (a == infinity) return {phi, 0, 1};
+  if (b == infinity) return {phi, 1, 0};
   a = saturated(a);
   b = saturated(b);
   const double size = std::max(std::abs(a), std::abs(b));
@@ -52,12 +59,6 @@ CValue fischer_burmeister(double a, double b, double ha, double hb, double weigh
     const double h = std::hypot(ha, hb);
     if (!(h > 0) || !std::isfinite(h)) return {0, 1 - std::sqrt(0.5), 1 - std::sqrt(0.5)};  // the limit along a = b > 0
     return {0, 1 - ha / h, 1 - hb / h};
-  }
-  const double least = std::min(a, b);
-  double phi = least;
-  if (least != 0) {
-    const double factor = fischer_burmeister_factor(std::max(a, b), least);  // at least 0.58
-    phi = weight == 1 ? saturated(least * factor) : product({weight, least, factor});
   }
   // The partials 1 - c and 1 - s of c = a / r and s = b / r, with a, b brought where r neither over- nor underflows.
   const double x = a / size;
