@@ -55,7 +55,7 @@ class ConvexContact {
 
  private:
   bool factor() {
-    SpMat K = problem_.W;
+    SpMat K = problem_.W.matrix();
     for (Index i = 0; i < K.cols(); ++i) K.coeffRef(i, i) += rho_;
     ++trial_.effort.factorizations;
     factored_ = lu_.try_factor(K);

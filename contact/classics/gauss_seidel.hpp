@@ -22,6 +22,9 @@ class GaussSeidel {
   double sweep(Vec& r, Vec& u) const;
 
  private:
+  Eigen::Vector3d solved(std::size_t a, const Eigen::Vector3d& before, const Eigen::Vector3d& u) const;
+  double sweep_by_parts(Vec& r, Vec& u) const;
+
   const Scaled& problem_;
   std::vector<LocalProblem> contacts_;
   LocalSolver local_;

@@ -22,7 +22,7 @@ class NewtonRun {
         problem_(problem),
         options_(options),
         rows_of_(rows_of),
-        K_(problem.W),
+        K_(problem.W.matrix()),
         lu_(lcp::LuBackend::General, trial.deadline()) {}
 
   void run(Vec r) {

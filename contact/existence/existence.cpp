@@ -147,7 +147,7 @@ class WitnessSearch {
   }
 
   bool factor(double diagonal) {
-    SpMat K = scaled_.W;
+    SpMat K = scaled_.W.matrix();
     for (Index i = 0; i < K.rows(); ++i) K.coeffRef(i, i) += diagonal;
     return factor_.try_factor(K);
   }

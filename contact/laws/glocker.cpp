@@ -194,7 +194,7 @@ Glocker::Glocker(Scaled problem, const GlockerOptions& options) : problem_(std::
   L_.setFromTriplets(L.begin(), L.end());
   SpMat whole(n, n);
   whole.setFromTriplets(blocks.begin(), blocks.end());
-  const SpMat WT = problem_.W * T_;
+  const SpMat WT = problem_.W.matrix() * T_;
   constant_ = SpMat(L_ * WT) + whole;
   constant_.makeCompressed();
 

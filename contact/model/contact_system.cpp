@@ -13,8 +13,6 @@ namespace {
 
 using Block = Eigen::Matrix3d;
 
-/// By bodies only where that takes less than this part of the operations.
-constexpr double worth_it = 0.95;
 /// KLU up to so many rows and entries in each, the general LU beyond: factors of large piles are dense, KLU's loops are
 /// for sparse ones.
 constexpr Index system_klu_rows = 2000;
@@ -83,8 +81,9 @@ void contact_matrix(const Scaled& problem, const std::vector<ContactRows>& rows,
   std::vector<int> owner;
   for (std::size_t a = 0; a < problem.blocks.size(); ++a)
     owner.insert(owner.end(), at(problem.blocks[a].size), static_cast<int>(a));
+  const SpMat& W = problem.W.matrix();
   for (Index j = 0; j < K.cols(); ++j) {
-    SpMat::InnerIterator w(problem.W, j);
+    SpMat::InnerIterator w(W, j);
     SpMat::InnerIterator k(K, j);
     while (w) {
       const int a = owner[at(w.row())];
@@ -117,8 +116,8 @@ struct ContactSystem::Bodies {
   void assemble(const std::vector<Block>& E);
 };
 
-ContactSystem::Bodies::Bodies(const Scaled& problem) : M(problem.bodies->M) {
-  const SpMat& H = problem.bodies->H;
+ContactSystem::Bodies::Bodies(const Scaled& problem) : M(problem.W.parts()->M()) {
+  const SpMat& H = problem.W.parts()->H();
   std::vector<Eigen::Triplet<double>> touched;  // rows of the contacts
   for (const Scaled::Block& block : problem.blocks) {
     Part& part = parts.emplace_back();
@@ -166,16 +165,23 @@ ContactSystem::ContactSystem(const Scaled& problem, lcp::LuBackend lu, lcp::Dead
       cholesky_(std::make_shared<lcp::Cholesky>(deadline, lcp::CholeskyOrdering::Thorough)),
       backend_(lu),
       deadline_(deadline),
-      symmetric_W_(is_symmetric(problem.W)) {}
+      symmetric_W_(problem.W.parts() != nullptr || is_symmetric(problem.W.matrix())),
+      W_(problem.W.plus(-problem.W.shift())) {}
 
 ContactSystem::ContactSystem(const Scaled& problem, const ContactSystem& shared)
     : problem_(problem),
       backend_(shared.backend_),
       deadline_(shared.deadline_),
       symmetric_W_(shared.symmetric_W_),
-      chosen_(true),
-      K_(problem.W) {
-  if (!shared.bodies_) {
+      chosen_(true) {
+  if (problem.W.parts() != nullptr) {
+    bodies_ = shared.bodies_ ? shared.bodies_ : std::make_shared<Bodies>(problem);
+    W_ = problem.W.plus(-problem.W.shift());
+  } else {
+    K_ = problem.W.matrix();
+    W_ = problem.W;
+  }
+  if ((bodies_ != nullptr) == (shared.bodies_ != nullptr)) {
     lu_ = shared.lu_;
     cholesky_ = shared.cholesky_;
   }
@@ -190,20 +196,12 @@ ContactSystem::Form ContactSystem::form() {
   return bodies_ ? Form::Bodies : Form::Contacts;
 }
 
-/// Both patterns are analysed only where there are two.
 void ContactSystem::choose() {
   if (std::exchange(chosen_, true)) return;
-  K_ = problem_.W;
-  if (symmetric_W_ && problem_.bodies && is_symmetric(problem_.bodies->M)) {
-    auto bodies = std::make_unique<Bodies>(problem_);
-    lcp::Cholesky of_bodies(deadline_);
-    lcp::Cholesky of_contacts(deadline_);
-    if (of_bodies.analyze(bodies->K) == lcp::CholeskyStatus::Ok &&
-        (of_contacts.analyze(K_) != lcp::CholeskyStatus::Ok || of_bodies.flops() < worth_it * of_contacts.flops())) {
-      bodies_ = std::move(bodies);
-      K_ = SpMat();
-    }
-  }
+  if (problem_.W.parts() != nullptr)
+    bodies_ = std::make_shared<Bodies>(problem_);
+  else
+    K_ = problem_.W.matrix();
   make_lu();
 }
 
@@ -263,6 +261,8 @@ bool ContactSystem::factor(const std::vector<ContactRows>& rows) {
   choose();
   reduced_.reset();
   rows_ = rows;
+  if (const double shift = problem_.W.shift(); shift != 0)
+    for (ContactRows& of : rows_) of.A += shift * of.B;
   couplings_.clear();
   if (!bodies_ || !part_by_bodies()) return factor_whole();
   bodies_->assemble(E_);
@@ -314,7 +314,7 @@ void ContactSystem::add_product(const Blocks& block, const X& in, X& out) const 
 /// x = A^-1 (c - B H' v), of columns.
 template <class X>
 void ContactSystem::solve_by_bodies(const X& c, X& x) const {
-  const SpMat& H = problem_.bodies->H;
+  const SpMat& H = problem_.W.parts()->H();
   const auto A_inverse = [this](std::size_t a) -> const Block& { return A_inverse_[a]; };
   const auto minus_B = [this](std::size_t a) -> Block { return -rows_[a].B; };
   X y = X::Zero(c.rows(), c.cols());
@@ -333,7 +333,7 @@ Vec ContactSystem::product(const Vec& x) const {
   const auto B = [this](std::size_t a) -> const Block& { return rows_[a].B; };
   Vec out = Vec::Zero(x.size());
   add_product(A, x, out);
-  add_product(B, Vec(problem_.W * x), out);
+  add_product(B, Vec(W_ * x), out);
   return out;
 }
 

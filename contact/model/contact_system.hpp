@@ -5,10 +5,10 @@
 /// in the coordinates of contact/model/scaling.hpp; B = 1 where a homotopy has eliminated its multipliers. They are
 /// solved in one of two forms.
 ///  * *Contacts*: the matrix as it stands, on the pattern of W.
-///  * *Bodies*, where W = H' M^-1 H is known by its parts: x = A^-1 (c - B H' v), with
+///  * *Bodies*, where W = H' M^-1 H is known by its parts (delassus.hpp): x = A^-1 (c - B H' v), with
 ///        (M + H E H') v = H A^-1 c,   E = A^-1 B,
 ///    of the size of M, where bodies that touch are neighbours. A wall has 10 contacts a brick, a pile 3 a sphere.
-/// The one whose Cholesky factor takes fewer operations, by analyses of both patterns, serves for good. Where B = 1
+/// W is formed for neither choice nor solution: where it is known by its parts, these serve. Where B = 1
 /// and A is symmetric and positive definite, and with bodies wherever E is symmetric, the factor is Cholesky's, which
 /// takes half of what LU does; LU otherwise, and where Cholesky's fails.
 ///
@@ -54,7 +54,7 @@ class ContactSystem {
   /// `problem` outlives *this. No factorization is begun that would not have ended at the deadline.
   explicit ContactSystem(const Scaled& problem, lcp::LuBackend lu = lcp::LuBackend::Auto,
                          lcp::Deadline deadline = lcp::no_deadline);
-  /// For another W of the same pattern, by contacts, with the analysis and the memory of `shared`.
+  /// For another W of the same pattern, or the same parts with a shift(), with the analysis and memory of `shared`.
   ContactSystem(const Scaled& problem, const ContactSystem& shared);
   ~ContactSystem();
   ContactSystem(const ContactSystem&) = delete;
@@ -100,11 +100,12 @@ class ContactSystem {
   std::shared_ptr<lcp::Cholesky> cholesky_;
   lcp::LuBackend backend_;
   lcp::Deadline deadline_;
-  bool symmetric_W_ = false;
+  bool symmetric_W_ = false;  // of W by its entries
   bool chosen_ = false;
   bool by_cholesky_ = false;
   SpMat K_;                         // by contacts
-  std::unique_ptr<Bodies> bodies_;  // none: by contacts
+  std::shared_ptr<Bodies> bodies_;  // none: by contacts
+  Delassus W_;                      // without its shift, which is in rows_
   // Of the last factors.
   std::vector<ContactRows> rows_;
   std::vector<ContactCoupling> couplings_;                       // none in a matrix factored whole

@@ -5,9 +5,9 @@
 ///     W~ = M W M / s,   q~ = M q / q_s,   r = (q_s / s) M r~,   u = q_s M^-1 u~,
 /// |r_T| <= mu r_N reads |r~_T| <= r~_N, and u~ = W~ r~ + q~ obeys the same law with mu = 1. Frictionless contacts
 /// (mu = 0) keep their normal rows alone. s and q_s are those of units.hpp.
-#include <memory>
 #include <vector>
 
+#include "contact/model/delassus.hpp"
 #include "contact/model/problem.hpp"
 
 namespace perp::contact {
@@ -24,20 +24,15 @@ struct Scaled {
       return part;
     }
   };
-  /// Compressed, square. Where a column has an entry in the rows of a contact it has them all; it has its own
-  /// contact's.
-  SpMat W;
+  /// Square; by its parts, M and H scaled, where the problem came with them, has no bilateral
+  /// constraints, and W is still what they make. Of its
+  /// entries: where a column has one in the rows of a contact it has them all; it has its own contact's.
+  Delassus W;
   Vec q;
   std::vector<Block> blocks;  ///< one a contact
   Vec impulse;                ///< r_i = impulse_i r~_k at i = rows[k]; one a row of W~
   std::vector<Index> rows;    ///< of the problem, one a row of W~
   Index whole = 0;            ///< d n
-  /// W~ = H' M^-1 H by its parts, M and H scaled; none where W was given, or has bilateral constraints eliminated.
-  struct Bodies {
-    SpMat M;
-    SpMat H;
-  };
-  std::shared_ptr<const Bodies> bodies{};
 
   Index size() const { return q.size(); }
   Vec expand(In r) const;  ///< r~ to r [N s]; zeros in the tangential entries of frictionless contacts

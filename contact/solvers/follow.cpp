@@ -71,7 +71,7 @@ bool Follower::direction(const Scaled& problem, const NewtonWeights& rho, In r, 
     return alart_curnier_rows(problem.blocks[a].size, r_a, u_a, rho.N[i], rho.T[i]);
   };
   const NewtonSystem system = newton_system(problem, rows_of, r, u);
-  SpMat K = problem.W;
+  SpMat K = problem.W.matrix();
   contact_matrix(problem, system.rows, alpha, K);
   if (!factor(K)) return false;
   d.resize(r.size());

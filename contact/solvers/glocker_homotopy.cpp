@@ -213,7 +213,7 @@ bool Solver::with_other_settings() {
 
 Scaled Solver::proximal_problem(In centre, double alpha) const {
   Scaled proximal = problem_;
-  for (Index i = 0; i < proximal.size(); ++i) proximal.W.coeffRef(i, i) += alpha;
+  proximal.W = problem_.W.plus(alpha);
   proximal.q -= alpha * centre;
   return proximal;
 }

@@ -79,7 +79,7 @@ TEST(Classics, NewtonRowsAreDerivatives) {
         return -newton_system(s, rows, x, s.W * x + s.q).c;
       };
       for (const auto& [name, rows] : equations) {
-        SpMat K = s.W;
+        SpMat K = s.W.matrix();
         contact_matrix(s, newton_system(s, rows, r, s.W * r + s.q).rows, 0, K);
         constexpr double h = 1e-7;
         const Vec slope = (phi(rows, h) - phi(rows, -h)) / (2 * h);

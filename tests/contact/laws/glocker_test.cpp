@@ -198,7 +198,7 @@ TEST(Scaling, KeepsTheLaw) {
       for (const Scaled::Block& block : coordinates.blocks)
         for (Index j = 0; j < coordinates.size(); ++j) {
           int entries = 0;
-          for (SpMat::InnerIterator it(coordinates.W, j); it; ++it)
+          for (SpMat::InnerIterator it(coordinates.W.matrix(), j); it; ++it)
             entries += it.row() >= block.first && it.row() < block.first + block.size ? 1 : 0;
           const bool own = j >= block.first && j < block.first + block.size;
           EXPECT_TRUE(entries == block.size || (entries == 0 && !own));
@@ -219,7 +219,7 @@ TEST(Scaling, NaturalMap) {
     EXPECT_GE(natural_map(coordinates, off), 1e-3);
     Scaled proximal = coordinates;
     const Vec centre = Vec::Ones(q.size());
-    for (Index i = 0; i < q.size(); ++i) proximal.W.coeffRef(i, i) += 0.3;
+    proximal.W = proximal.W.plus(0.3);
     proximal.q -= 0.3 * centre;
     EXPECT_NEAR(natural_map(proximal, off), natural_map(coordinates, off, centre, 0.3), 1e-14);
   }

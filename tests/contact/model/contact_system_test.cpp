@@ -43,7 +43,7 @@ Vec residual_of(const Scaled& problem, const std::vector<ContactRows>& rows, con
 
 /// The same problem of which no parts are known.
 Scaled without_bodies(Scaled problem) {
-  problem.bodies = nullptr;
+  problem.W = Delassus(problem.W.matrix());
   return problem;
 }
 
@@ -60,10 +60,10 @@ std::vector<Scaled> scenes() {
 // W~ = H~' M~^-1 H~ entry by entry: catches a weight or a unit that only one of them has.
 TEST(ContactSystem, PartsMakeW) {
   for (const Scaled& problem : scenes()) {
-    ASSERT_TRUE(problem.bodies);
-    const Dense H(problem.bodies->H);
-    const Dense W = H.transpose() * Dense(problem.bodies->M).ldlt().solve(H);
-    EXPECT_LE((W - Dense(problem.W)).cwiseAbs().maxCoeff(), 1e-12);
+    ASSERT_TRUE(problem.W.parts());
+    const Dense H(problem.W.parts()->H());
+    const Dense W = H.transpose() * Dense(problem.W.parts()->M()).ldlt().solve(H);
+    EXPECT_LE((W - Dense(problem.W.matrix())).cwiseAbs().maxCoeff(), 1e-12);
   }
 }
 
@@ -120,8 +120,8 @@ TEST(ContactSystem, RowsOfNewtonSteps) {
         rows[a].A.setIdentity();
       else
         rows[a] = {.A = 1e-10 * Block::Identity(), .B = Block::Identity()};
-    const Vec v = random.normals(problem.bodies->M.rows());  // velocities that bodies can have
-    Vec c = problem.bodies->H.transpose() * v;
+    const Vec v = random.normals(problem.W.parts()->M().rows());  // velocities that bodies can have
+    Vec c = problem.W.parts()->H().transpose() * v;
     Vec x;
     ASSERT_TRUE(bodies.factor(rows));
     EXPECT_TRUE(bodies.by_cholesky());
@@ -197,30 +197,6 @@ TEST(ContactSystem, ManyCouplingsAreSolvedApart) {
   system.solve(c, x);
   EXPECT_LE(residual_of(problem, rows, x, c).norm(), 1e-8 * (1 + x.norm()));
   EXPECT_EQ(system.factorizations(), 1);
-}
-
-// The form is the one of fewer operations, whichever that is: walls have ten contacts a brick; links that hang on one
-// point each have six velocities for three impulses. Catches a choice the wrong way round.
-TEST(ContactSystem, TheFormIsChosenByOperations) {
-  int by_bodies = 0;
-  for (const Scene& scene : {make_scene(Wall{.courses = 4, .bricks = 5}), make_scene(Chain{.links = 60})}) {
-    const Scaled problem = scaled(scene.problem());
-    lcp::Cholesky contacts;
-    lcp::Cholesky bodies;
-    ASSERT_EQ(contacts.analyze(problem.W), lcp::CholeskyStatus::Ok);
-    SpMat touching(problem.bodies->M.rows(), static_cast<Index>(problem.blocks.size()));
-    for (std::size_t a = 0; a < problem.blocks.size(); ++a)
-      for (Index j = problem.blocks[a].first; j < problem.blocks[a].first + problem.blocks[a].size; ++j)
-        for (SpMat::InnerIterator it(problem.bodies->H, j); it; ++it)
-          touching.coeffRef(it.row(), static_cast<Index>(a)) = 1;
-    SpMat K = problem.bodies->M + SpMat(touching * SpMat(touching.transpose()));
-    K.makeCompressed();
-    ASSERT_EQ(bodies.analyze(K), lcp::CholeskyStatus::Ok);
-    ContactSystem system(problem);
-    EXPECT_EQ(system.form() == ContactSystem::Form::Bodies, bodies.flops() < contacts.flops()) << scene.name;
-    by_bodies += system.form() == ContactSystem::Form::Bodies ? 1 : 0;
-  }
-  EXPECT_EQ(by_bodies, 1);
 }
 
 // Where A is not definite, Cholesky's factorization fails and LU's takes its place.

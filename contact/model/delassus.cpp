@@ -1,0 +1,254 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "contact/model/delassus.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <mutex>
+#include <numeric>
+#include <stdexcept>
+#include <utility>
+
+namespace perp::contact {
+namespace {
+
+/// Bodies of more velocities are factored together, by sparse factors.
+constexpr std::size_t largest_body = 24;
+/// Entries below this part of sqrt(W_ii W_jj) are zero by structure.
+constexpr double rounding_of_zero = 1e-15;
+
+bool symmetric_bit_by_bit(const SpMat& M) {
+  if (M.rows() != M.cols()) return false;
+  const SpMat transposed = M.transpose();
+  return transposed.nonZeros() == M.nonZeros() &&
+         std::equal(M.outerIndexPtr(), M.outerIndexPtr() + M.cols() + 1, transposed.outerIndexPtr()) &&
+         std::equal(M.innerIndexPtr(), M.innerIndexPtr() + M.nonZeros(), transposed.innerIndexPtr()) &&
+         std::equal(M.valuePtr(), M.valuePtr() + M.nonZeros(), transposed.valuePtr());
+}
+
+/// Which unknowns are coupled by M: a number for each, from 0 in the order of their first rows.
+std::vector<int> coupled_by(const SpMat& M) {
+  std::vector<int> parent(at(M.rows()));
+  std::iota(parent.begin(), parent.end(), 0);
+  const auto root = [&parent](int i) {
+    while (parent[at(i)] != i) i = parent[at(i)] = parent[at(parent[at(i)])];
+    return i;
+  };
+  for (Index j = 0; j < M.cols(); ++j)
+    for (SpMat::InnerIterator it(M, j); it; ++it) {
+      const int a = root(static_cast<int>(it.row()));
+      const int b = root(static_cast<int>(j));
+      parent[at(std::max(a, b))] = std::min(a, b);
+    }
+  std::vector<int> number(parent.size(), -1);
+  int count = 0;
+  for (std::size_t i = 0; i < parent.size(); ++i) {
+    const int r = root(static_cast<int>(i));
+    if (number[at(r)] < 0) number[at(r)] = count++;
+    number[i] = number[at(r)];
+  }
+  return number;
+}
+
+}  // namespace
+
+std::shared_ptr<const Inertia> Inertia::of(SpMat M) {
+  M.makeCompressed();
+  if (!symmetric_bit_by_bit(M)) return nullptr;
+  std::shared_ptr<Inertia> inertia(new Inertia);
+  inertia->M_ = std::move(M);
+  if (!inertia->factor()) return nullptr;
+  return inertia;
+}
+
+bool Inertia::factor() {
+  body_of_ = coupled_by(M_);
+  place_.resize(body_of_.size());
+  for (std::size_t i = 0; i < body_of_.size(); ++i) {
+    const auto body = at(body_of_[i]);
+    if (body >= rows_.size()) rows_.resize(body + 1);
+    place_[i] = static_cast<int>(rows_[body].size());
+    rows_[body].push_back(static_cast<int>(i));
+  }
+  if (std::ranges::any_of(rows_, [](const std::vector<int>& rows) { return rows.size() > largest_body; })) {
+    cholesky_ = std::make_unique<lcp::Cholesky>();
+    return cholesky_->factor(M_) == lcp::CholeskyStatus::Ok;
+  }
+  for (const std::vector<int>& rows : rows_) {
+    const auto size = static_cast<Index>(rows.size());
+    Eigen::MatrixXd block = Eigen::MatrixXd::Zero(size, size);
+    for (Index j = 0; j < size; ++j)
+      for (SpMat::InnerIterator it(M_, rows[at(j)]); it; ++it) block(place_[at(it.row())], j) = it.value();
+    const Eigen::LLT<Eigen::MatrixXd> llt(block);
+    if (llt.info() != Eigen::Success) return false;
+    L_.emplace_back(llt.matrixL());
+    if (!L_.back().allFinite()) return false;
+  }
+  return true;
+}
+
+Vec Inertia::inverse(In p) const {
+  Vec v(p.size());
+  if (cholesky_) {
+    cholesky_->solve(p, v);
+    return v;
+  }
+  Vec part;
+  for (std::size_t b = 0; b < rows_.size(); ++b) {
+    const std::vector<int>& rows = rows_[b];
+    part.resize(static_cast<Index>(rows.size()));
+    for (std::size_t k = 0; k < rows.size(); ++k) part[static_cast<Index>(k)] = p[rows[k]];
+    L_[b].triangularView<Eigen::Lower>().solveInPlace(part);
+    L_[b].triangularView<Eigen::Lower>().transpose().solveInPlace(part);
+    for (std::size_t k = 0; k < rows.size(); ++k) v[rows[k]] = part[static_cast<Index>(k)];
+  }
+  return v;
+}
+
+double Inertia::operations() const {
+  if (cholesky_) return 2 * cholesky_->nonzeros();
+  double sum = 0;
+  for (const std::vector<int>& rows : rows_) sum += static_cast<double>(rows.size() * rows.size());
+  return sum;
+}
+
+std::unique_ptr<const SpMat> Inertia::root(const SpMat& H) const {
+  if (cholesky_) return nullptr;
+  std::vector<Eigen::Triplet<double>> entries;
+  entries.reserve(at(H.nonZeros()));
+  std::vector<int> met;
+  Vec column = Vec::Zero(H.rows());
+  Vec part;
+  for (Index j = 0; j < H.cols(); ++j) {
+    met.clear();
+    for (SpMat::InnerIterator it(H, j); it; ++it) {
+      column[it.row()] = it.value();
+      if (std::ranges::find(met, body_of_[at(it.row())]) == met.end()) met.push_back(body_of_[at(it.row())]);
+    }
+    for (const int body : met) {
+      const std::vector<int>& rows = rows_[at(body)];
+      part.resize(static_cast<Index>(rows.size()));
+      for (std::size_t k = 0; k < rows.size(); ++k) part[static_cast<Index>(k)] = std::exchange(column[rows[k]], 0);
+      L_[at(body)].triangularView<Eigen::Lower>().solveInPlace(part);
+      for (std::size_t k = 0; k < rows.size(); ++k)
+        if (const double value = part[static_cast<Index>(k)]; value != 0)
+          entries.emplace_back(rows[k], static_cast<int>(j), value);
+    }
+  }
+  auto Z = std::make_unique<SpMat>(H.rows(), H.cols());
+  Z->setFromTriplets(entries.begin(), entries.end());
+  return Z;
+}
+
+DelassusParts::DelassusParts(std::shared_ptr<const Inertia> inertia, double s, SpMat H)
+    : inertia_(std::move(inertia)), s_(s), M_(s * inertia_->M()), H_(std::move(H)) {
+  M_.makeCompressed();
+  H_.makeCompressed();
+  if (auto Z = inertia_->root(H_)) root_ = std::make_unique<const SpMat>(*Z / std::sqrt(s_));
+  find_near();
+}
+
+void DelassusParts::find_near() {
+  const Index n = H_.cols();
+  near_.assign(at(n), {});
+  if (root_) {
+    for (Index i = 0; i < n; ++i)
+      for (Index k = 0; k < std::min<Index>(3, n - i); ++k) near_[at(i)][at(k)] = root_->col(i).dot(root_->col(i + k));
+    return;
+  }
+  Vec v(H_.rows());
+  for (Index j = 0; j < n; ++j) {
+    v = inverse(Vec(H_.col(j)));
+    for (Index i = std::max<Index>(0, j - 2); i <= j; ++i) near_[at(i)][at(j - i)] = H_.col(i).dot(v);
+  }
+}
+
+Vec DelassusParts::product(In r) const {
+  if (root_) return root_->transpose() * Vec(*root_ * r);
+  return H_.transpose() * inverse(Vec(H_ * r));
+}
+
+SpMat DelassusParts::form() const {
+  SpMat W = root_ ? SpMat(SpMat(root_->transpose()) * *root_) : form_by_columns();
+  W.prune([this](Index i, Index j, double value) {
+    return !(std::abs(value) <= rounding_of_zero * std::sqrt(near(i, i) * near(j, j)));
+  });
+  return W;
+}
+
+SpMat DelassusParts::form_by_columns() const {
+  std::vector<Eigen::Triplet<double>> entries;
+  for (Index j = 0; j < H_.cols(); ++j) {
+    const Vec column = H_.transpose() * inverse(Vec(H_.col(j)));
+    for (Index i = 0; i < column.size(); ++i)
+      if (column[i] != 0) entries.emplace_back(static_cast<int>(i), static_cast<int>(j), column[i]);
+  }
+  SpMat W(H_.cols(), H_.cols());
+  W.setFromTriplets(entries.begin(), entries.end());
+  return 0.5 * (W + SpMat(W.transpose()));
+}
+
+struct Delassus::Entries {
+  std::once_flag once;
+  std::atomic<bool> formed = false;
+  std::function<SpMat()> form;
+  SpMat W;
+};
+
+Delassus::Delassus(SpMat W) : entries_(std::make_shared<Entries>()) {
+  entries_->W = std::move(W);
+  entries_->formed = true;
+}
+
+Delassus::Delassus(std::shared_ptr<const DelassusParts> parts, std::function<SpMat()> form)
+    : entries_(std::make_shared<Entries>()), parts_(std::move(parts)) {
+  entries_->form = std::move(form);
+}
+
+Index Delassus::rows() const { return parts_ ? parts_->H().cols() : entries_->W.rows(); }
+Index Delassus::cols() const { return parts_ ? parts_->H().cols() : entries_->W.cols(); }
+bool Delassus::formed() const { return entries_->formed; }
+
+const SpMat& Delassus::matrix() const {
+  if (parts_)
+    std::call_once(entries_->once, [this] {
+      entries_->W = entries_->form();
+      entries_->formed = true;
+    });
+  return entries_->W;
+}
+
+SpMat& Delassus::given() {
+  if (parts_ || entries_.use_count() > 1) *this = Delassus(SpMat(matrix()));
+  return entries_->W;
+}
+
+Vec Delassus::diagonal() const {
+  if (!parts_) return entries_->W.diagonal();
+  return Vec::NullaryExpr(rows(), [this](Index i) { return near(i, i); });
+}
+
+double Delassus::near(Index i, Index j) const {
+  if (!parts_) return entries_->W.coeff(i, j);
+  return parts_->near(i, j) + (i == j ? shift_ : 0);
+}
+
+Delassus Delassus::plus(double alpha) const {
+  const auto add_to = [alpha](SpMat W) {
+    for (Index i = 0; i < W.rows(); ++i) W.coeffRef(i, i) += alpha;
+    return W;
+  };
+  if (!parts_) return add_to(entries_->W);
+  Delassus sum(parts_, [of = *this, add_to] { return add_to(of.matrix()); });
+  sum.shift_ = shift_ + alpha;
+  return sum;
+}
+
+Vec Delassus::product(In r) const {
+  if (!parts_) return entries_->W * r;
+  Vec out = parts_->product(r);
+  if (shift_ != 0) out += shift_ * r;
+  return out;
+}
+
+}  // namespace perp::contact

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+/// The Delassus operator W of a contact problem, d n x d n [1/kg]: given by its entries, or by the parts of
+///     W = H' M^-1 H,
+/// where it is a product with vectors. Its entries are then formed where somebody asks for them, once: with many
+/// contacts on a body, or bodies that are no rigid ones, they are the largest thing of all. Copies share them.
+#include <array>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "lcp/linalg/cholesky.hpp"
+#include "lcp/types.hpp"
+
+namespace perp::contact {
+
+using lcp::at;
+using lcp::In;
+using lcp::Index;
+using lcp::SpMat;
+using lcp::Vec;
+
+/// Factors of an inertia M, symmetric bit by bit and positive definite: body by body where M has small blocks, else
+/// Cholesky's of all.
+class Inertia {
+ public:
+  /// Nothing: M is not symmetric, not positive definite, or the factors do not fit.
+  static std::shared_ptr<const Inertia> of(SpMat M);
+
+  const SpMat& M() const { return M_; }
+  Vec inverse(In p) const;  ///< M^-1 p
+  /// Velocities that M couples, however indirectly, have the same number, from 0.
+  const std::vector<int>& body_of() const { return body_of_; }
+  int bodies() const { return static_cast<int>(rows_.size()); }
+  /// L^-1 H, M = L L', which has the entries of H and those of their bodies; nothing where M is factored as a whole.
+  std::unique_ptr<const SpMat> root(const SpMat& H) const;
+  double operations() const;  ///< multiplications in inverse()
+
+ private:
+  Inertia() = default;
+  bool factor();
+
+  SpMat M_;
+  std::vector<int> body_of_;
+  std::vector<std::vector<int>> rows_;  // of each body
+  std::vector<int> place_;              // of a velocity among those of its body
+  std::vector<Eigen::MatrixXd> L_;      // of each body; none: by cholesky_
+  std::unique_ptr<lcp::Cholesky> cholesky_;
+};
+
+/// W = H' (s M)^-1 H.
+class DelassusParts {
+ public:
+  DelassusParts(std::shared_ptr<const Inertia> inertia, double s, SpMat H);
+
+  const Inertia& inertia() const { return *inertia_; }
+  const SpMat& M() const { return M_; }  ///< s M
+  const SpMat& H() const { return H_; }
+  /// Z with W = Z'Z, as sparse as H; null where M has no small blocks.
+  const SpMat* root() const { return root_.get(); }
+  Vec inverse(In p) const { return inertia_->inverse(p) / s_; }  ///< (s M)^-1 p
+  Vec product(In r) const;                                       ///< W r
+  /// W_ij, |i - j| <= 2: what a contact does to itself.
+  double near(Index i, Index j) const { return near_[at(std::min(i, j))][at(std::abs(i - j))]; }
+  /// H' (s M)^-1 H by its entries, all of them.
+  SpMat form() const;
+
+ private:
+  void find_near();
+  SpMat form_by_columns() const;
+
+  std::shared_ptr<const Inertia> inertia_;
+  double s_;
+  SpMat M_;
+  SpMat H_;
+  std::unique_ptr<const SpMat> root_;
+  std::vector<std::array<double, 3>> near_;  // W(i, i), W(i, i + 1), W(i, i + 2)
+};
+
+class Delassus {
+ public:
+  Delassus() : Delassus(SpMat()) {}
+  Delassus(SpMat W);  // NOLINT(google-explicit-constructor)
+  template <class Derived>
+  Delassus(const Eigen::SparseMatrixBase<Derived>& W) : Delassus(SpMat(W)) {}  // NOLINT(google-explicit-constructor)
+  /// By its parts; `form` makes the entries.
+  Delassus(std::shared_ptr<const DelassusParts> parts, std::function<SpMat()> form);
+
+  Index rows() const;
+  Index cols() const;
+  /// The parts; null where W is given by its entries.
+  const DelassusParts* parts() const { return parts_.get(); }
+  /// Whether the entries are there.
+  bool formed() const;
+  /// The entries, which are formed if they are not there.
+  const SpMat& matrix() const;
+  /// The entries, to be changed. W is given by them from now on.
+  SpMat& given();
+
+  Vec diagonal() const;
+  /// W_ij with |i - j| <= 2, without forming anything.
+  double near(Index i, Index j) const;
+  /// W + alpha I. Of parts the diagonal is kept apart, as shift().
+  Delassus plus(double alpha) const;
+  double shift() const { return shift_; }
+  friend Vec operator*(const Delassus& W, In r) { return W.product(r); }
+
+ private:
+  Vec product(In r) const;
+  struct Entries;
+  std::shared_ptr<Entries> entries_;
+  std::shared_ptr<const DelassusParts> parts_;
+  double shift_ = 0;
+};
+
+}  // namespace perp::contact

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Global problems: the default method works on M and H.
+#include <gtest/gtest.h>
+
+#include "contact/scenes/generators.hpp"
+#include "contact/solvers/referee.hpp"
+
+namespace perp::contact {
+namespace {
+
+// Each part of the default method alone, and all of them with attempts too short to end: Gauss-Seidel, the paths over
+// the cones, Glocker's homotopy, Newton steps, other settings, the proximal loop. Catches a part that asks for the
+// entries of W~, which fill up with the contacts of a body.
+TEST(GlobalProblem, TheDefaultMethodDoesNotFormScaledW) {
+  std::vector<Auto> settings(5);
+  settings[1].sweeps = 0;
+  settings[2].cones = false;
+  settings[2].sweeps = 0;
+  settings[3] = {.homotopy = {.max_iterations = 3}, .sweeps = 0, .cones = false};
+  settings[4] = {.homotopy = {.max_iterations = 1}, .sweeps = 0, .cones = false, .polish = false};
+  for (const char* name : {"wall", "spheres", "arch", "chain"}) {
+    const Problem problem = make_scene(name, 60).problem();
+    for (const Auto& method : settings) {
+      const Scaled coordinates = scaled(problem);
+      ASSERT_TRUE(coordinates.W.parts()) << name;
+      const Options options{.max_time = std::chrono::seconds(2)};
+      Referee referee(problem, coordinates, options);
+      referee.guard([&] { run_auto(referee, coordinates, method, Vec()); });
+      EXPECT_FALSE(coordinates.W.formed()) << name;
+      if (&method != &settings.front()) continue;
+      EXPECT_TRUE(referee.result("").solved()) << name;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace perp::contact
