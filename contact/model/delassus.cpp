@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "contact/model/delassus.hpp"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <mutex>
 #include <numeric>
-#include <stdexcept>
 #include <utility>
 
 namespace perp::contact {
