@@ -3,9 +3,14 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <utility>
+
+#include "contact/model/region.hpp"
+#include "contact/solvers/solve.hpp"
 
 namespace perp::contact {
 namespace {
@@ -48,6 +53,16 @@ constexpr double least_end = 1e-7;
 constexpr double late_tau = 1e-4;
 constexpr std::array slip_late_tau{1e-2, 1e-4};
 
+/// Regions of slipping contacts: from the last point of a path and from its last one with tau above `region_tau`. A
+/// region has at most this part of the contacts, so that its own regions end, and at most so many; it grows so often.
+/// Its problem is solved to more digits than ours, in a time that depends on nothing else.
+constexpr double region_tau = 1e-5;
+constexpr double most_of_region = 0.25;
+constexpr std::size_t most_in_region = 250;
+constexpr int most_growths = 12;
+constexpr double region_tol = 1e-9;
+constexpr std::chrono::duration<double> region_time{1};
+
 /// Newton steps. On the way: of the associated path first at `newton_tau` and again when tau has fallen by
 /// `newton_tau_again`, unless the gap is above `real_gap` times tau, which says that contacts slip in the end; of a
 /// coupled one, where tau says less, by the natural map; where one turns back with a map above `turned_map`, none.
@@ -78,7 +93,7 @@ class Settling {
 }  // namespace
 
 ConeHomotopy::ConeHomotopy(Referee& referee, const Scaled& problem, AlartCurnier& newton, ContactSystem& system)
-    : referee_(referee), problem_(problem), newton_(newton), path_(problem, system) {}
+    : referee_(referee), problem_(problem), newton_(newton), system_(system), path_(problem, system) {}
 
 bool ConeHomotopy::run() {
   if (associated()) return true;
@@ -116,7 +131,51 @@ bool ConeHomotopy::associated() {
     at = newton_tau_again * path_.tau();
     if (try_newton(quick_newton)) return true;
   }
-  return referee_.over() || try_newton(last_newton);
+  return referee_.over() || regions() || try_newton(last_newton);
+}
+
+/// Coulomb's law in the region of the contacts that slip at the end of this path.
+bool ConeHomotopy::regions() {
+  const auto late = points_.empty() ? points_.end() : std::prev(points_.end());
+  if (late == points_.end()) return false;
+  if (region(late->second, late->first)) return true;
+  const std::size_t early = last_above(region_tau);
+  return early + 1 < points_.size() && region(points_[early].second, points_[early].first);
+}
+
+/// In the region of those that slip or are opened at this point, which grows by the contacts whose impulses leave the
+/// cone; whether the run is over.
+bool ConeHomotopy::region(const ConePath::Point& point, double tau) {
+  std::vector<std::size_t> inside;
+  const Vec openings = path_.openings();
+  const int size = problem_.blocks.front().size;
+  for (std::size_t a = 0; a < problem_.blocks.size(); ++a) {
+    const Scaled::Block& block = problem_.blocks[a];
+    if (block.size != size || size == 1) return false;
+    const double speed = block.of(point.y).tail<2>().norm();
+    if (speed > real_gap * tau || openings[static_cast<Index>(a)] > real_gap * tau) inside.push_back(a);
+  }
+  const auto most =
+      std::min(most_in_region, static_cast<std::size_t>(most_of_region * static_cast<double>(problem_.blocks.size())));
+  if (inside.empty() || inside.size() > most) return false;
+  std::vector<Eigen::Matrix3d> A;
+  std::vector<Eigen::Matrix3d> inverse;
+  path_.metric(point, A, inverse);
+  Region region(problem_, system_, std::move(A), std::move(inverse), point.r, std::move(inside));
+  if (!region.factor()) return false;
+  for (int k = 0; k < most_growths && region.size() <= most && !referee_.over(); ++k) {
+    Options options{.tol = region_tol, .interrupt = referee_.interrupt()};
+    options.max_time = std::min(region_time, std::chrono::duration<double>(std::max(0.0, referee_.seconds_left())));
+    std::get<Auto>(options.method).proximal = false;
+    const Result found = solve(region.problem(), options);
+    if (!found.solved()) return referee_.over();
+    const Vec r = region.whole(found.solution.r);
+    if (!r.allFinite()) return false;
+    if (region.grow(r) > 0) continue;
+    return referee_.judge(r, {.by = Origin::Cones, .tau = tau}) ||
+           newton_steps(referee_, problem_, newton_, r, coupled_newton);
+  }
+  return referee_.over();
 }
 
 /// Whether many contacts slip at the end of the associated path.
@@ -219,6 +278,7 @@ bool ConeHomotopy::fixed_point() {
     path_.open(points_.back().second, next);
     if (follow(std::clamp(end_share * g.lpNorm<Eigen::Infinity>(), least_end, largest_end)) || try_newton(last_newton))
       return true;
+    if (region(path_.point(), path_.tau())) return true;
     const double now = gap();
     since = now <= opening_share * least ? 0 : since + 1;
     least = std::min(least, now);
