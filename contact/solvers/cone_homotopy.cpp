@@ -57,6 +57,7 @@ constexpr std::array slip_late_tau{1e-2, 1e-4};
 /// region has at most this part of the contacts, so that its own regions end, and at most so many; it grows so often.
 /// Its problem is solved to more digits than ours, in a time that depends on nothing else.
 constexpr double region_tau = 1e-5;
+constexpr int most_late_steps = 10;
 constexpr double most_of_region = 0.25;
 constexpr std::size_t most_in_region = 250;
 constexpr int most_growths = 12;
@@ -79,16 +80,31 @@ constexpr NewtonSteps last_newton{};
 /// Whether the gap falls no more.
 class Settling {
  public:
+  explicit Settling(double below = settled_tau) : below_(below) {}
   void see(double tau, double gap) {
-    steps_ = tau < settled_tau && gap > settled_share * before_ ? steps_ + 1 : 0;
+    steps_ = tau < below_ && gap > settled_share * before_ ? steps_ + 1 : 0;
     before_ = gap;
   }
   bool done() const { return steps_ >= settled_steps; }
 
  private:
+  double below_;
   double before_ = std::numeric_limits<double>::infinity();
   int steps_ = 0;
 };
+
+/// These contacts and all that W couples with them.
+std::vector<std::size_t> around(const Scaled& problem, const std::vector<std::size_t>& contacts) {
+  std::vector<std::size_t> owner;
+  for (std::size_t a = 0; a < problem.blocks.size(); ++a) owner.insert(owner.end(), at(problem.blocks[a].size), a);
+  std::vector<char> near(problem.blocks.size(), 0);
+  for (const std::size_t a : contacts)
+    for (SpMat::InnerIterator it(problem.W, problem.blocks[a].first); it; ++it) near[owner[at(it.row())]] = 1;
+  std::vector<std::size_t> all;
+  for (std::size_t a = 0; a < near.size(); ++a)
+    if (near[a] != 0) all.push_back(a);
+  return all;
+}
 
 }  // namespace
 
@@ -131,7 +147,24 @@ bool ConeHomotopy::associated() {
     at = newton_tau_again * path_.tau();
     if (try_newton(quick_newton)) return true;
   }
-  return referee_.over() || regions() || try_newton(last_newton);
+  return referee_.over() || regions() || late_regions() || try_newton(last_newton);
+}
+
+/// From a later point of the associated path, where slips are told apart from what sticks more clearly; back to where
+/// the path was if the run is not over.
+bool ConeHomotopy::late_regions() {
+  const ConePath::Point back = path_.point();
+  const std::size_t kept = points_.size();
+  Settling settling(region_tau);
+  for (int k = 0; k < most_late_steps && path_.tau() > cone_end && !settling.done(); ++k) {
+    if (!step()) break;
+    points_.emplace_back(path_.tau(), path_.point());
+    settling.see(path_.tau(), gap());
+  }
+  const bool over = referee_.over() || (points_.size() > kept && regions());
+  points_.resize(kept);
+  path_.open(back, path_.openings());
+  return over;
 }
 
 /// Coulomb's law in the region of the contacts that slip at the end of this path.
@@ -140,12 +173,13 @@ bool ConeHomotopy::regions() {
   if (late == points_.end()) return false;
   if (region(late->second, late->first)) return true;
   const std::size_t early = last_above(region_tau);
-  return early + 1 < points_.size() && region(points_[early].second, points_[early].first);
+  return (early + 1 < points_.size() && region(points_[early].second, points_[early].first)) ||
+         region(points_[early].second, points_[early].first, true);
 }
 
 /// In the region of those that slip or are opened at this point, which grows by the contacts whose impulses leave the
-/// cone; whether the run is over.
-bool ConeHomotopy::region(const ConePath::Point& point, double tau) {
+/// cone; whether the run is over. `neighbours`: with those that W couples with them.
+bool ConeHomotopy::region(const ConePath::Point& point, double tau, bool neighbours) {
   std::vector<std::size_t> inside;
   const Vec openings = path_.openings();
   const int size = problem_.blocks.front().size;
@@ -155,6 +189,7 @@ bool ConeHomotopy::region(const ConePath::Point& point, double tau) {
     const double speed = block.of(point.y).tail<2>().norm();
     if (speed > real_gap * tau || openings[static_cast<Index>(a)] > real_gap * tau) inside.push_back(a);
   }
+  if (neighbours) inside = around(problem_, inside);
   const auto most =
       std::min(most_in_region, static_cast<std::size_t>(most_of_region * static_cast<double>(problem_.blocks.size())));
   if (inside.empty() || inside.size() > most) return false;
@@ -166,7 +201,9 @@ bool ConeHomotopy::region(const ConePath::Point& point, double tau) {
   for (int k = 0; k < most_growths && region.size() <= most && !referee_.over(); ++k) {
     Options options{.tol = region_tol, .interrupt = referee_.interrupt()};
     options.max_time = std::min(region_time, std::chrono::duration<double>(std::max(0.0, referee_.seconds_left())));
-    std::get<Auto>(options.method).proximal = false;
+    auto& method = std::get<Auto>(options.method);
+    method.proximal = false;
+    method.homotopy.other_settings = false;
     const Result found = solve(region.problem(), options);
     if (!found.solved()) return referee_.over();
     const Vec r = region.whole(found.solution.r);

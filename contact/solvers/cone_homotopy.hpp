@@ -28,7 +28,8 @@ class ConeHomotopy {
  private:
   bool associated();
   bool regions();
-  bool region(const ConePath::Point& point, double tau);
+  bool late_regions();
+  bool region(const ConePath::Point& point, double tau, bool neighbours = false);
   bool slips(double tau);
   bool all_coupled(const ConePath::Point& from);
   bool coupled(ConePath::Point from, int steps);
