@@ -55,14 +55,16 @@ constexpr std::array slip_late_tau{1e-2, 1e-4};
 
 /// Regions of slipping contacts: from the last point of a path and from its last one with tau above `region_tau`. A
 /// region has at most this part of the contacts, so that its own regions end, and at most so many; it grows so often.
-/// Its problem is solved to more digits than ours, in a time that depends on nothing else.
+/// Its problem is solved to more digits than ours, in so much time; after so many that are not solved no region is
+/// tried any more.
 constexpr double region_tau = 1e-5;
 constexpr int most_late_steps = 10;
 constexpr double most_of_region = 0.25;
 constexpr std::size_t most_in_region = 250;
 constexpr int most_growths = 12;
 constexpr double region_tol = 1e-9;
-constexpr std::chrono::duration<double> region_time{1};
+constexpr std::chrono::duration<double> region_time{0.5};
+constexpr int most_unsolved_regions = 8;
 
 /// Newton steps. On the way: of the associated path first at `newton_tau` and again when tau has fallen by
 /// `newton_tau_again`, unless the gap is above `real_gap` times tau, which says that contacts slip in the end; of a
@@ -192,7 +194,7 @@ bool ConeHomotopy::region(const ConePath::Point& point, double tau, bool neighbo
   if (neighbours) inside = around(problem_, inside);
   const auto most =
       std::min(most_in_region, static_cast<std::size_t>(most_of_region * static_cast<double>(problem_.blocks.size())));
-  if (inside.empty() || inside.size() > most) return false;
+  if (inside.empty() || inside.size() > most || unsolved_regions_ >= most_unsolved_regions) return false;
   std::vector<Eigen::Matrix3d> A;
   std::vector<Eigen::Matrix3d> inverse;
   path_.metric(point, A, inverse);
@@ -205,7 +207,10 @@ bool ConeHomotopy::region(const ConePath::Point& point, double tau, bool neighbo
     method.proximal = false;
     method.homotopy.other_settings = false;
     const Result found = solve(region.problem(), options);
-    if (!found.solved()) return referee_.over();
+    if (!found.solved()) {
+      ++unsolved_regions_;
+      return referee_.over();
+    }
     const Vec r = region.whole(found.solution.r);
     if (!r.allFinite()) return false;
     if (region.grow(r) > 0) continue;

@@ -49,6 +49,7 @@ class ConeHomotopy {
   AlartCurnier& newton_;
   ContactSystem& system_;
   ConePath path_;
+  int unsolved_regions_ = 0;
   std::vector<char> coupled_;                               // contacts
   std::vector<std::pair<double, ConePath::Point>> points_;  // tau and where to come back to, tau falling
 };
