@@ -61,6 +61,7 @@ constexpr double region_tau = 1e-5;
 constexpr int most_late_steps = 10;
 constexpr double most_of_region = 0.25;
 constexpr std::size_t most_in_region = 250;
+constexpr std::size_t most_with_neighbours = 80;
 constexpr int most_growths = 12;
 constexpr double region_tol = 1e-9;
 constexpr std::chrono::duration<double> region_time{0.5};
@@ -192,6 +193,7 @@ bool ConeHomotopy::region(const ConePath::Point& point, double tau, bool neighbo
     if (speed > real_gap * tau || openings[static_cast<Index>(a)] > real_gap * tau) inside.push_back(a);
   }
   if (neighbours) inside = around(problem_, inside);
+  if (neighbours && inside.size() > most_with_neighbours) return false;
   const auto most =
       std::min(most_in_region, static_cast<std::size_t>(most_of_region * static_cast<double>(problem_.blocks.size())));
   if (inside.empty() || inside.size() > most || unsolved_regions_ >= most_unsolved_regions) return false;
