@@ -217,7 +217,7 @@ bool ConeHomotopy::region(const ConePath::Point& point, double tau, bool neighbo
     if (!r.allFinite()) return false;
     if (region.grow(r) > 0) continue;
     return referee_.judge(r, {.by = Origin::Cones, .tau = tau}) ||
-           newton_steps(referee_, problem_, newton_, r, coupled_newton);
+           (natural_map(problem_, r) <= turned_map && newton_steps(referee_, problem_, newton_, r, coupled_newton));
   }
   return referee_.over();
 }
