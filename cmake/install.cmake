@@ -40,7 +40,7 @@ set(perp_public_headers
   contact/solvers/variant.hpp
   lcp/linalg/block_triangular.hpp
   lcp/linalg/blocks.hpp
-  lcp/linalg/cholesky.hpp
+  lcp/cholesky/cholesky.hpp
   lcp/classes/classify.hpp
   lcp/io/matrix_market.hpp
   lcp/io/output_file.hpp

@@ -11,8 +11,8 @@
 #include "contact/model/expansion.hpp"
 #include "contact/model/residual.hpp"
 #include "contact/model/scaling.hpp"
+#include "lcp/cholesky/cholesky.hpp"
 #include "lcp/kernel_clock.hpp"
-#include "lcp/linalg/cholesky.hpp"
 #include "lcp/words.hpp"
 
 namespace perp::contact {

@@ -408,6 +408,27 @@ bool ContactSystem::solve_coupled(In c, Vec& x) {
   return z && x.allFinite();
 }
 
+void ContactSystem::solve_columns(const Eigen::MatrixXd& c, Eigen::MatrixXd& x) const {
+  const auto A = [this](std::size_t a) -> const Block& { return rows_[a].A; };
+  const auto B = [this](std::size_t a) -> const Block& { return rows_[a].B; };
+  const auto solve_once = [this](const Eigen::MatrixXd& right, Eigen::MatrixXd& out) {
+    bodies_ ? solve_by_bodies(right, out) : back_solve(right, out);
+  };
+  x.resize(c.rows(), c.cols());
+  for (Index from = 0; from < c.cols(); from += reduced_columns) {
+    const Index width = std::min(reduced_columns, c.cols() - from);
+    const Eigen::MatrixXd right = c.middleCols(from, width);
+    Eigen::MatrixXd found;
+    solve_once(right, found);
+    Eigen::MatrixXd product = Eigen::MatrixXd::Zero(right.rows(), width);
+    add_product(A, found, product);
+    add_product(B, problem_.W.columns(found), product);
+    Eigen::MatrixXd correction;
+    solve_once(right - product, correction);
+    x.middleCols(from, width) = found + correction;
+  }
+}
+
 void ContactSystem::solve(In c, Vec& x) {
   if (couplings_.empty()) return solve_definite(c, x);
   if (solve_coupled(c, x)) {

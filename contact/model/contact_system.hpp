@@ -26,7 +26,7 @@
 #include <vector>
 
 #include "contact/model/scaling.hpp"
-#include "lcp/linalg/cholesky.hpp"
+#include "lcp/cholesky/cholesky.hpp"
 #include "lcp/lu/sparse_lu.hpp"
 
 namespace perp::contact {
@@ -68,6 +68,8 @@ class ContactSystem {
   /// With the last factors; where the reduced system is not solved with those, with factors of the whole matrix, and x
   /// is NaN where that is singular. Pre: there are factors.
   void solve(In c, Vec& x);
+  /// All columns at once, refined once. Pre: there are factors, and no couplings.
+  void solve_columns(const Eigen::MatrixXd& c, Eigen::MatrixXd& x) const;
 
   Form form();                                            ///< chosen when it is first needed
   bool by_cholesky() const { return by_cholesky_; }       ///< are the last factors Cholesky's?

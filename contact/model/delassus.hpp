@@ -9,7 +9,7 @@
 #include <memory>
 #include <vector>
 
-#include "lcp/linalg/cholesky.hpp"
+#include "lcp/cholesky/cholesky.hpp"
 #include "lcp/types.hpp"
 
 namespace perp::contact {
@@ -104,6 +104,10 @@ class Delassus {
   Delassus plus(double alpha) const;
   double shift() const { return shift_; }
   friend Vec operator*(const Delassus& W, In r) { return W.product(r); }
+  /// For each row whether W may have an entry there in one of these columns; of parts, whether they share a body.
+  std::vector<char> coupled(const std::vector<Index>& columns) const;
+  /// W R, column by column.
+  Eigen::MatrixXd columns(const Eigen::MatrixXd& R) const;
 
  private:
   Vec product(In r) const;

@@ -3,9 +3,14 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <utility>
+
+#include "contact/model/region.hpp"
+#include "contact/solvers/solve.hpp"
 
 namespace perp::contact {
 namespace {
@@ -48,6 +53,20 @@ constexpr double least_end = 1e-7;
 constexpr double late_tau = 1e-4;
 constexpr std::array slip_late_tau{1e-2, 1e-4};
 
+/// Regions of slipping contacts: from the last point of a path and from its last one with tau above `region_tau`. A
+/// region has at most this part of the contacts, so that its own regions end, and at most so many; it grows so often.
+/// Its problem is solved to more digits than ours, in so much time; after so many that are not solved no region is
+/// tried any more.
+constexpr double region_tau = 1e-5;
+constexpr int most_late_steps = 10;
+constexpr double most_of_region = 0.25;
+constexpr std::size_t most_in_region = 250;
+constexpr std::size_t most_with_neighbours = 80;
+constexpr int most_growths = 12;
+constexpr double region_tol = 1e-9;
+constexpr std::chrono::duration<double> region_time{0.5};
+constexpr int most_unsolved_regions = 8;
+
 /// Newton steps. On the way: of the associated path first at `newton_tau` and again when tau has fallen by
 /// `newton_tau_again`, unless the gap is above `real_gap` times tau, which says that contacts slip in the end; of a
 /// coupled one, where tau says less, by the natural map; where one turns back with a map above `turned_map`, none.
@@ -64,21 +83,36 @@ constexpr NewtonSteps last_newton{};
 /// Whether the gap falls no more.
 class Settling {
  public:
+  explicit Settling(double below = settled_tau) : below_(below) {}
   void see(double tau, double gap) {
-    steps_ = tau < settled_tau && gap > settled_share * before_ ? steps_ + 1 : 0;
+    steps_ = tau < below_ && gap > settled_share * before_ ? steps_ + 1 : 0;
     before_ = gap;
   }
   bool done() const { return steps_ >= settled_steps; }
 
  private:
+  double below_;
   double before_ = std::numeric_limits<double>::infinity();
   int steps_ = 0;
 };
 
+/// These contacts and all that W couples with them.
+std::vector<std::size_t> around(const Scaled& problem, const std::vector<std::size_t>& contacts) {
+  std::vector<Index> columns;
+  for (const std::size_t a : contacts) columns.push_back(problem.blocks[a].first);
+  const std::vector<char> coupled = problem.W.coupled(columns);
+  std::vector<std::size_t> all;
+  for (std::size_t a = 0; a < problem.blocks.size(); ++a) {
+    const auto first = coupled.begin() + problem.blocks[a].first;
+    if (std::any_of(first, first + problem.blocks[a].size, [](char row) { return row != 0; })) all.push_back(a);
+  }
+  return all;
+}
+
 }  // namespace
 
 ConeHomotopy::ConeHomotopy(Referee& referee, const Scaled& problem, AlartCurnier& newton, ContactSystem& system)
-    : referee_(referee), problem_(problem), newton_(newton), path_(problem, system) {}
+    : referee_(referee), problem_(problem), newton_(newton), system_(system), path_(problem, system) {}
 
 bool ConeHomotopy::run() {
   if (associated()) return true;
@@ -116,7 +150,76 @@ bool ConeHomotopy::associated() {
     at = newton_tau_again * path_.tau();
     if (try_newton(quick_newton)) return true;
   }
-  return referee_.over() || try_newton(last_newton);
+  return referee_.over() || regions() || late_regions() || try_newton(last_newton);
+}
+
+/// From a later point of the associated path, where slips are told apart from what sticks more clearly; back to where
+/// the path was if the run is not over.
+bool ConeHomotopy::late_regions() {
+  const ConePath::Point back = path_.point();
+  const std::size_t kept = points_.size();
+  Settling settling(region_tau);
+  for (int k = 0; k < most_late_steps && path_.tau() > cone_end && !settling.done(); ++k) {
+    if (!step()) break;
+    points_.emplace_back(path_.tau(), path_.point());
+    settling.see(path_.tau(), gap());
+  }
+  const bool over = referee_.over() || (points_.size() > kept && regions());
+  points_.resize(kept);
+  path_.open(back, path_.openings());
+  return over;
+}
+
+/// Coulomb's law in the region of the contacts that slip at the end of this path.
+bool ConeHomotopy::regions() {
+  const auto late = points_.empty() ? points_.end() : std::prev(points_.end());
+  if (late == points_.end()) return false;
+  if (region(late->second, late->first)) return true;
+  const std::size_t early = last_above(region_tau);
+  return (early + 1 < points_.size() && region(points_[early].second, points_[early].first)) ||
+         region(points_[early].second, points_[early].first, true);
+}
+
+/// In the region of those that slip or are opened at this point, which grows by the contacts whose impulses leave the
+/// cone; whether the run is over. `neighbours`: with those that W couples with them.
+bool ConeHomotopy::region(const ConePath::Point& point, double tau, bool neighbours) {
+  std::vector<std::size_t> inside;
+  const Vec openings = path_.openings();
+  const int size = problem_.blocks.front().size;
+  for (std::size_t a = 0; a < problem_.blocks.size(); ++a) {
+    const Scaled::Block& block = problem_.blocks[a];
+    if (block.size != size || size == 1) return false;
+    const double speed = block.of(point.y).tail<2>().norm();
+    if (speed > real_gap * tau || openings[static_cast<Index>(a)] > real_gap * tau) inside.push_back(a);
+  }
+  if (neighbours) inside = around(problem_, inside);
+  if (neighbours && inside.size() > most_with_neighbours) return false;
+  const auto most =
+      std::min(most_in_region, static_cast<std::size_t>(most_of_region * static_cast<double>(problem_.blocks.size())));
+  if (inside.empty() || inside.size() > most || unsolved_regions_ >= most_unsolved_regions) return false;
+  std::vector<Eigen::Matrix3d> A;
+  std::vector<Eigen::Matrix3d> inverse;
+  path_.metric(point, A, inverse);
+  Region region(problem_, system_, std::move(A), std::move(inverse), point.r, std::move(inside));
+  if (!region.factor()) return false;
+  for (int k = 0; k < most_growths && region.size() <= most && !referee_.over(); ++k) {
+    Options options{.tol = region_tol, .interrupt = referee_.interrupt()};
+    options.max_time = std::min(region_time, std::chrono::duration<double>(std::max(0.0, referee_.seconds_left())));
+    auto& method = std::get<Auto>(options.method);
+    method.proximal = false;
+    method.homotopy.other_settings = false;
+    const Result found = solve(region.problem(), options);
+    if (!found.solved()) {
+      ++unsolved_regions_;
+      return referee_.over();
+    }
+    const Vec r = region.whole(found.solution.r);
+    if (!r.allFinite()) return false;
+    if (region.grow(r) > 0) continue;
+    return referee_.judge(r, {.by = Origin::Cones, .tau = tau}) ||
+           (natural_map(problem_, r) <= turned_map && newton_steps(referee_, problem_, newton_, r, coupled_newton));
+  }
+  return referee_.over();
 }
 
 /// Whether many contacts slip at the end of the associated path.
@@ -219,6 +322,7 @@ bool ConeHomotopy::fixed_point() {
     path_.open(points_.back().second, next);
     if (follow(std::clamp(end_share * g.lpNorm<Eigen::Infinity>(), least_end, largest_end)) || try_newton(last_newton))
       return true;
+    if (region(path_.point(), path_.tau())) return true;
     const double now = gap();
     since = now <= opening_share * least ? 0 : since + 1;
     least = std::min(least, now);

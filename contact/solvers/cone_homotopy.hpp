@@ -27,6 +27,9 @@ class ConeHomotopy {
 
  private:
   bool associated();
+  bool regions();
+  bool late_regions();
+  bool region(const ConePath::Point& point, double tau, bool neighbours = false);
   bool slips(double tau);
   bool all_coupled(const ConePath::Point& from);
   bool coupled(ConePath::Point from, int steps);
@@ -44,7 +47,9 @@ class ConeHomotopy {
   Referee& referee_;
   const Scaled& problem_;
   AlartCurnier& newton_;
+  ContactSystem& system_;
   ConePath path_;
+  int unsolved_regions_ = 0;
   std::vector<char> coupled_;                               // contacts
   std::vector<std::pair<double, ConePath::Point>> points_;  // tau and where to come back to, tau falling
 };

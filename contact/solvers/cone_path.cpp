@@ -145,6 +145,17 @@ Vec ConePath::slip() const {
   return speeds;
 }
 
+void ConePath::metric(const Point& point, std::vector<Eigen::Matrix3d>& A,
+                      std::vector<Eigen::Matrix3d>& inverse) const {
+  A.clear();
+  inverse.clear();
+  for (Contact c : contacts_) {
+    c.scale(c.of(point.r), c.of(point.y));
+    A.emplace_back(c.T_inverse * c.T_inverse);
+    inverse.emplace_back(c.T * c.T);
+  }
+}
+
 bool ConePath::assemble() {
   std::vector<Eigen::Matrix3d> A(contacts_.size());
   std::vector<Eigen::Matrix3d> inverse(contacts_.size());

@@ -42,6 +42,9 @@ class ConePath {
   /// Goes on from `point` with s coupled at these contacts, and nothing opened at the others.
   void couple(Point point, const std::vector<char>& which);
 
+  /// T^-2 at each contact, and its inverse, at this point.
+  void metric(const Point& point, std::vector<Eigen::Matrix3d>& A, std::vector<Eigen::Matrix3d>& inverse) const;
+
   /// One predictor-corrector step. False: the matrix is singular, or nothing is finite.
   bool step();
 

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <sstream>
 
+#include "lcp/cholesky/cholesky.hpp"
 #include "lcp/classes/classify_parts.hpp"
-#include "lcp/linalg/cholesky.hpp"
 #include "lcp/words.hpp"
 
 namespace perp::lcp {

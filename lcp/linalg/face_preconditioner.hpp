@@ -4,7 +4,7 @@
 /// lcp/.
 #include <vector>
 
-#include "lcp/linalg/cholesky.hpp"
+#include "lcp/cholesky/cholesky.hpp"
 #include "lcp/types.hpp"
 
 namespace perp::lcp {

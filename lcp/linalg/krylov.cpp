@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "lcp/cholesky/symmetric.hpp"
 #include "lcp/linalg/multilevel.hpp"
 
 namespace perp::lcp {
@@ -18,8 +19,6 @@ struct Block {
   std::vector<int> number;    ///< of an unknown among those left; -1: known
   std::vector<int> unknowns;  ///< those left
 };
-
-Vec diagonal_of(const SpMat& J) { return J.diagonal(); }
 
 /// max_j |J_ij|: what a row says off its diagonal counts too (the multipliers' rows of a saddle point have only that).
 Vec row_sizes(const SpMat& J) {
@@ -182,7 +181,7 @@ SpMat block_of(const SpMat& J, In Da, In Db, const Block& block) {
 /// ILUT(drop, fill) does not pivot, so it is made of H with diagonal entries of at least sqrt(drop) max_j |H_ij|: in
 /// the multipliers' rows of a saddle point they are zero or next to it. (Eigen does as much for exact zeros.)
 std::unique_ptr<Ilut> incomplete_lu(SpMat& H, double drop, int fill) {
-  const Vec diagonal = diagonal_of(H);
+  const Vec diagonal = H.diagonal();
   const Vec least = std::sqrt(drop) * row_sizes(H);
   const auto enlarged = [&](Index i) { return std::abs(diagonal[i]) < least[i]; };
   for (Index i = 0; i < H.rows(); ++i)
@@ -197,42 +196,6 @@ std::unique_ptr<Ilut> incomplete_lu(SpMat& H, double drop, int fill) {
 }
 
 }  // namespace
-
-bool symmetric(const SpMat& J) {
-  if (J.rows() != J.cols()) return false;
-  if (!J.isCompressed()) {
-    SpMat compressed = J;
-    compressed.makeCompressed();
-    return symmetric(compressed);
-  }
-  const Vec size = diagonal_of(J).cwiseAbs().cwiseSqrt();
-  // Column by column the entries (i, j), i > j, meet their mirror images, which come in the same order in column i if
-  // rows are ascending within columns: next[i] is the first of column i not met.
-  std::vector<int> next(J.outerIndexPtr(), J.outerIndexPtr() + J.cols());
-  const auto close = [&](Index i, Index j, double a, double b) {
-    return std::abs(a - b) <= 1e-13 * std::max({std::abs(a), std::abs(b), size[i] * size[j]});
-  };
-  for (int j = 0; j < J.cols(); ++j) {
-    for (; next[at(j)] < J.outerIndexPtr()[j + 1]; ++next[at(j)]) {
-      const int s = next[at(j)];
-      const int i = J.innerIndexPtr()[s];
-      if (i == j) continue;
-      if (i < j) {  // left over: column i had no (j, i)
-        if (!close(i, j, J.valuePtr()[s], 0)) return false;
-        continue;
-      }
-      int& t = next[at(i)];
-      while (t < J.outerIndexPtr()[i + 1] && J.innerIndexPtr()[t] < j) {
-        if (!close(J.innerIndexPtr()[t], i, J.valuePtr()[t], 0)) return false;
-        ++t;
-      }
-      const bool mirrored = t < J.outerIndexPtr()[i + 1] && J.innerIndexPtr()[t] == j;
-      if (!close(i, j, J.valuePtr()[s], mirrored ? J.valuePtr()[t] : 0)) return false;
-      if (mirrored) ++t;
-    }
-  }
-  return true;
-}
 
 struct KrylovSystem::Parts {
   const SpMat& J;

@@ -19,10 +19,6 @@
 
 namespace perp::lcp {
 
-/// Whether J = J' up to the rounding of assembling each entry twice, 1e-13 sqrt|J_ii J_jj|. Ends at the first entry
-/// that is not; O(entries) time, O(n) memory.
-bool symmetric(const SpMat& J);
-
 struct KrylovOptions {
   int max_iterations = 300;  ///< of one solve with one preconditioner
   double strength = 0.25;    ///< multigrid: as BoundQp::strength

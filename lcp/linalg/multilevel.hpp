@@ -17,7 +17,7 @@
 /// Schueller, Multigrid, 2001, appendix A.
 #include <vector>
 
-#include "lcp/linalg/cholesky.hpp"
+#include "lcp/cholesky/cholesky.hpp"
 #include "lcp/linalg/face_preconditioner.hpp"
 
 namespace perp::lcp {

@@ -22,6 +22,8 @@ class LuLibrary {
   /// Of factor(), after analyze().
   virtual KernelCost cost() const { return {}; }
   virtual LuStatus factor(const SpMat& A) = 0;
+  /// Whether the last factor() only found that it has to be called again, at another cost().
+  virtual bool begins_again() const { return false; }
   virtual void solve(const SpMat& A, In b, Out x, bool transposed) const = 0;
   /// Of the last factor() that was Ok: min |U_ii| / max |U_ii|; 0 where the library does not tell.
   virtual double pivot_ratio() const { return 0; }
@@ -36,5 +38,6 @@ std::string_view general_lu();  ///< its name
 std::unique_ptr<LuLibrary> make_klu();
 std::unique_ptr<LuLibrary> make_eigen();
 std::unique_ptr<LuLibrary> make_dense();
+std::unique_ptr<LuLibrary> make_definite();  // or general where the matrix is not
 
 }  // namespace perp::lcp

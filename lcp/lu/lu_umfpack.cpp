@@ -6,9 +6,9 @@
 #include <new>
 #include <utility>
 
+#include "lcp/cholesky/metis_lock.hpp"
 #include "lcp/gpl.hpp"
 #include "lcp/lu/lu_backend.hpp"
-#include "lcp/lu/metis_lock.hpp"
 
 namespace perp::lcp {
 namespace {

@@ -21,7 +21,7 @@ constexpr Index klu_rows = 300;
 
 std::unique_ptr<LuLibrary> make(LuBackend backend, Index rows) {
   if (backend == LuBackend::Auto)
-    backend = rows <= dense_rows ? LuBackend::Dense : rows <= klu_rows ? LuBackend::Klu : LuBackend::General;
+    backend = rows <= dense_rows ? LuBackend::Dense : rows <= klu_rows ? LuBackend::Klu : LuBackend::Auto;
   switch (backend) {
     case LuBackend::Dense:
       return make_dense();
@@ -29,8 +29,9 @@ std::unique_ptr<LuLibrary> make(LuBackend backend, Index rows) {
       return make_klu();
     case LuBackend::Eigen:
       return make_eigen();
-    case LuBackend::General:
     case LuBackend::Auto:
+      return make_definite();
+    case LuBackend::General:
       break;
   }
   return make_general();
@@ -156,10 +157,13 @@ LuStatus SparseLu::Impl::factor(const SpMat& matrix) {
     analyzed = answer == LuStatus::Ok;
     if (!analyzed) return answer;
   }
-  const KernelCost cost = library->cost();
-  clock.before(A.rows(), cost);
-  const LuStatus answer = library->factor(A);
-  clock.after(cost);
+  clock.before(A.rows(), library->cost());
+  LuStatus answer = library->factor(A);
+  if (library->begins_again()) {
+    clock.before(A.rows(), library->cost());
+    answer = library->factor(A);
+  }
+  clock.after(library->cost());
   has_factors = answer == LuStatus::Ok;
   return answer;
 }

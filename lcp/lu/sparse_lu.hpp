@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Sparse LU of one square matrix, P A Q = L U, over UMFPACK, KLU or Eigen: the only place where the three appear. A
-/// build with PERP_GPL=OFF has no UMFPACK (lcp/gpl.hpp).
+/// build with PERP_GPL=OFF has no UMFPACK (lcp/gpl.hpp). LuBackend::Auto takes L L' of positive definite matrices.
 /// The symbolic analysis (ordering, elimination tree) is kept while the sparsity pattern of A is unchanged.
 /// References: Davis, ACM TOMS 30 (2004) 196 (UMFPACK); Davis & Palamadai Natarajan, TOMS 37 (2010) 36 (KLU).
 #include <memory>
@@ -18,7 +18,8 @@ enum class LuBackend {
   Klu,
   Eigen,  ///< its sparse LU
   Dense,  ///< Eigen's dense LU, rows scaled
-  Auto,   ///< by size: Dense up to 32 rows, Klu up to 300, General beyond
+  Auto,   ///< Dense up to 32 rows, Klu up to 300; beyond, Cholesky (lcp/cholesky) of matrices that are symmetric up to
+          ///< 1e-15 and positive definite beyond doubt, General of others
 };
 enum class LuStatus {
   Ok,

@@ -3,8 +3,8 @@
 #include <string>
 #include <utility>
 
+#include "lcp/cholesky/symmetric.hpp"
 #include "lcp/classes/classify.hpp"
-#include "lcp/linalg/krylov.hpp"
 #include "lcp/solve/solve.hpp"
 
 namespace perp::lcp {

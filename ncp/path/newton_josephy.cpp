@@ -3,7 +3,7 @@
 #include <string>
 #include <utility>
 
-#include "lcp/linalg/krylov.hpp"
+#include "lcp/cholesky/symmetric.hpp"
 #include "lcp/qp/bound_qp.hpp"
 #include "ncp/path/newton_josephy.hpp"
 #include "ncp/path/newton_point.hpp"

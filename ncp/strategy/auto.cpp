@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "lcp/cholesky/symmetric.hpp"
 #include "lcp/classes/classify.hpp"
-#include "lcp/linalg/krylov.hpp"
 #include "ncp/analysis/function_classes.hpp"
 #include "ncp/reformulation/normal_map.hpp"
 #include "ncp/strategy/attempts.hpp"

@@ -8,8 +8,8 @@
 #include <sstream>
 
 #include "faults/harness.hpp"
+#include "lcp/cholesky/cholesky.hpp"
 #include "lcp/judge/judge.hpp"
-#include "lcp/linalg/cholesky.hpp"
 #include "lcp/pivoting/lemke_howson.hpp"
 #include "lcp/solve/solve.hpp"
 #include "support/matrices.hpp"

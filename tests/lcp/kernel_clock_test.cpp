@@ -5,7 +5,7 @@
 
 #include <thread>
 
-#include "lcp/linalg/cholesky.hpp"
+#include "lcp/cholesky/cholesky.hpp"
 #include "lcp/lu/sparse_lu.hpp"
 #include "lcp/memory.hpp"
 #include "lcp/solve/solve.hpp"
@@ -71,6 +71,7 @@ TEST(KernelClock, EveryLibraryEstimates) {
   const SpMat A = grid(500);
   EXPECT_THROW((void)SparseLu(LuBackend::General, in(-1s)).factor(A), KernelTooLong);
   EXPECT_THROW((void)Cholesky(in(-1s)).factor(A), KernelTooLong);
+  EXPECT_THROW((void)SparseLu(LuBackend::Auto, in(-1s)).factor(A), KernelTooLong);
   const SpMat dense = Eigen::MatrixXd(Eigen::MatrixXd::Random(1000, 1000)).sparseView();
   EXPECT_THROW((void)SparseLu(LuBackend::Klu, in(-1s)).factor(dense), KernelTooLong);
   EXPECT_THROW((void)SparseLu(LuBackend::General, in(-1s)).factor(dense), KernelTooLong);

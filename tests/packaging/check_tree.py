@@ -60,7 +60,7 @@ UNRULED = ("tests/", "bench/", "data/")
 
 # The folders from the ground up.
 FLOORS = """
-lcp lcp/lu lcp/judge lcp/linalg lcp/pivoting lcp/qp lcp/iterative lcp/classes lcp/solve lcp/io
+lcp lcp/cholesky lcp/lu lcp/judge lcp/linalg lcp/pivoting lcp/qp lcp/iterative lcp/classes lcp/solve lcp/io
 ncp/interval ncp/problem ncp/ampl ncp/run ncp/reformulation ncp/transforms ncp/analysis ncp/path ncp/methods ncp/strategy
 ncp/settings
 ncp/collection/base ncp/collection/random ncp/collection/models ncp/collection/scalable ncp/collection/kkt ncp/collection

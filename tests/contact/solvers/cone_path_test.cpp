@@ -130,6 +130,20 @@ TEST(ConePath, CouplingFindsTheFewThatSlip) {
   }
 }
 
+// Piles on which every coupled path turns back (38 factorizations and more; the second was not solved at all): the
+// region of the slipping contacts is a problem of its own, of some ten contacts. Catches regions that are not tried
+// from the end of the associated path, and others that are not held by its metric.
+TEST(ConePath, TheRegionOfThoseThatSlipIsSolvedByItself) {
+  for (const auto& [seed, mu] : {std::pair{9U, 0.6}, {23U, 0.4}}) {
+    Problem problem = make_scene("spheres", 1000, seed).problem();
+    problem.mu.setConstant(mu);
+    const Result result = solve(problem);
+    EXPECT_TRUE(result.solved()) << result.message;
+    EXPECT_EQ(result.stats.attempts, 0) << seed;
+    EXPECT_LE(result.stats.factorizations, 25) << seed;
+  }
+}
+
 // Cadoux' openings grow without end on this pile, and the path that is coupled where contacts slip by the associated
 // law turns back: nine slip, and the way to them is from one of the first openings. Catches openings from which only
 // the path with all contacts coupled is tried.

@@ -222,22 +222,6 @@ TEST(Krylov, Extremes) {
   EXPECT_EQ(cut.solved(), (J * cut.d - ones).norm() <= 1.2e-14 * ones.norm());
 }
 
-TEST(Krylov, SymmetryIsSeenInPatternAndValues) {
-  EXPECT_TRUE(symmetric(grid(9, 0)));
-  EXPECT_FALSE(symmetric(grid(9, 1e-6)));
-  SpMat A = grid(9, 0);
-  A.coeffRef(0, 80) = 1e-3;
-  A.makeCompressed();
-  EXPECT_FALSE(symmetric(A));
-  A.coeffRef(0, 80) = 0;  // stored, but nothing
-  EXPECT_TRUE(symmetric(A));
-  A = grid(9, 0);
-  A.coeffRef(80, 0) = 1e-3;
-  A.makeCompressed();
-  EXPECT_FALSE(symmetric(A));
-  EXPECT_FALSE(symmetric(SpMat(3, 4)));
-}
-
 // The normal equations H'H d + nu d = H'b, and descent wherever the iterations stop, for a singular H. Catches: a sign,
 // a scaling that is not undone.
 TEST(Krylov, DampedLeastSquares) {

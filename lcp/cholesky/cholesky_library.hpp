@@ -4,7 +4,7 @@
 /// Private to lcp/linalg/.
 #include <memory>
 
-#include "lcp/linalg/cholesky.hpp"
+#include "lcp/cholesky/cholesky.hpp"
 
 namespace perp::lcp {
 
@@ -25,6 +25,7 @@ class CholeskyLibrary {
   virtual void solve_columns(Eigen::MatrixXd& X) const {
     for (Index j = 0; j < X.cols(); ++j) solve(Vec(X.col(j)), X.col(j));
   }
+  virtual CholeskyColumns columns() const = 0;
   // If factor() answered NotPositiveDefinite.
   virtual Index failed_column() const = 0;
   virtual Vec witness(const SpMat& A) = 0;  ///< Cholesky::failed_direction()

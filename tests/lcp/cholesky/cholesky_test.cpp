@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "lcp/linalg/cholesky.hpp"
+#include "lcp/cholesky/cholesky.hpp"
 
 #include <gtest/gtest.h>
 

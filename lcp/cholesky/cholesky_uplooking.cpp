@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "lcp/linalg/cholesky_library.hpp"
+#include "lcp/cholesky/cholesky_library.hpp"
 
 namespace perp::lcp {
 namespace {
@@ -70,6 +70,14 @@ class UpLooking final : public CholeskyLibrary {
     }
     back_substitute(y, n_);
     for (Index k = 0; k < n_; ++k) x[order_[at(k)]] = y[k];
+  }
+
+  CholeskyColumns columns() const override {
+    CholeskyColumns L{.order = order_};
+    L.start.assign(start_.begin(), start_.end());
+    L.row.assign(row_.begin(), row_.end());
+    L.value.assign(value_.begin(), value_.end());
+    return L;
   }
 
   Index failed_column() const override { return order_[at(failed_)]; }

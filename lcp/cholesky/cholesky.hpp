@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Sparse Cholesky factorization of one symmetric positive definite matrix, P A P' = L L', over CHOLMOD: the only place
-/// where it appears. Its numbers are our own where it is supernodal (lcp/linalg/cholesky_supernodal.hpp). Ordering by
+/// where it appears. Its numbers are our own where it is supernodal (lcp/cholesky/cholesky_supernodal.hpp). Ordering by
 /// CHOLMOD's defaults (AMD, METIS where AMD's fill is large) or the best of three, supernodal where that pays. A build
 /// with PERP_GPL=OFF (lcp/gpl.hpp) orders by AMD and computes L itself, row by row. The symbolic analysis and the
 /// memory of L are kept while the pattern of A, above the diagonal too, is unchanged. Reference: Chen, Davis, Hager &
 /// Rajamanickam, ACM TOMS 35 (2008) 22.
 #include <memory>
 #include <string_view>
+#include <vector>
 
 #include "lcp/kernel_clock.hpp"
 
@@ -24,6 +25,14 @@ std::string_view to_string(CholeskyStatus);
 enum class CholeskyOrdering {
   Quick,    ///< CHOLMOD's defaults
   Thorough  ///< where those take long, the best of AMD, METIS and CHOLMOD's nested dissection: for many factorizations
+};
+
+/// L by columns, the diagonal first in each. Row k of P A P' is row order[k] of A.
+struct CholeskyColumns {
+  std::vector<int> order{};
+  std::vector<int> start{0};
+  std::vector<int> row{};
+  std::vector<double> value{};
 };
 
 class Cholesky {
@@ -66,8 +75,11 @@ class Cholesky {
   /// not positive definite. Empty otherwise, or where there was no memory for it.
   const Vec& failed_direction() const;
 
+  /// A copy of the factor; pre: the last factor() was Ok, else std::logic_error, and nonzeros() fit an int.
+  CholeskyColumns columns() const;
+
   Index size() const;
-  /// Entries of L.
+  /// Entries of L, after an analysis.
   double nonzeros() const;
 
  private:

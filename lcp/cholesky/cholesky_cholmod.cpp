@@ -8,9 +8,9 @@
 #include <optional>
 #include <vector>
 
-#include "lcp/linalg/cholesky_library.hpp"
-#include "lcp/linalg/cholesky_supernodal.hpp"
-#include "lcp/lu/metis_lock.hpp"
+#include "lcp/cholesky/cholesky_library.hpp"
+#include "lcp/cholesky/cholesky_supernodal.hpp"
+#include "lcp/cholesky/metis_lock.hpp"
 
 namespace perp::lcp {
 namespace {
@@ -111,6 +111,7 @@ class Cholmod final : public CholeskyLibrary {
                                                                        : CholeskyStatus::Ok;
   }
 
+  CholeskyColumns columns() const override;
   Index failed_column() const override { return static_cast<const int*>(L_->Perm)[L_->minor]; }
   Vec witness(const SpMat& A) override;
   double rcond() override { return cholmod_rcond(L_, common_.get()); }
@@ -189,6 +190,35 @@ CholeskyStatus Cholmod::factor_supernodes(const SpMat& A) {
     return CholeskyStatus::OutOfMemory;
   L_->minor = static_cast<std::size_t>(supernodes_->factor(A, values()));
   return L_->minor < L_->n ? CholeskyStatus::NotPositiveDefinite : CholeskyStatus::Ok;
+}
+
+CholeskyColumns Cholmod::columns() const {
+  const auto ints = [](const void* of) { return static_cast<const int*>(of); };
+  const auto n = static_cast<int>(L_->n);
+  CholeskyColumns L{.order = std::vector<int>(ints(L_->Perm), ints(L_->Perm) + n)};
+  const auto* values = static_cast<const double*>(L_->x);
+  const auto take = [&](const int* rows, int first, int end, const double* column) {
+    for (int e = first; e < end; ++e) {
+      if (column[e] == 0) continue;  // supernodes hold more than the pattern of L
+      L.row.push_back(rows[e]);
+      L.value.push_back(column[e]);
+    }
+    L.start.push_back(static_cast<int>(L.row.size()));
+  };
+  if (!L_->is_super) {
+    for (int j = 0; j < n; ++j) {
+      const int first = ints(L_->p)[j];
+      take(ints(L_->i) + first, 0, ints(L_->nz)[j], values + first);
+    }
+    return L;
+  }
+  for (std::size_t s = 0; s < L_->nsuper; ++s) {
+    const int columns = ints(L_->super)[s + 1] - ints(L_->super)[s];
+    const int rows = ints(L_->pi)[s + 1] - ints(L_->pi)[s];
+    for (int j = 0; j < columns; ++j)
+      take(ints(L_->s) + ints(L_->pi)[s], j, rows, values + ints(L_->px)[s] + std::ptrdiff_t{j} * rows);
+  }
+  return L;
 }
 
 /// With k the failed pivot and B the leading k x k block of P A P' = (B b; b' beta): d = P'(-B^-1 b, 1, 0) has

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "lcp/linalg/cholesky_supernodal.hpp"
+#include "lcp/cholesky/cholesky_supernodal.hpp"
 
 #include <algorithm>
 #include <cmath>

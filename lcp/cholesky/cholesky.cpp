@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "lcp/linalg/cholesky.hpp"
+#include "lcp/cholesky/cholesky.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "lcp/linalg/cholesky_library.hpp"
+#include "lcp/cholesky/cholesky_library.hpp"
 #include "lcp/words.hpp"
 
 namespace perp::lcp {
@@ -48,7 +48,7 @@ struct Cholesky::Impl {
 void Cholesky::Impl::clear() {
   failed_column = -1;
   direction.resize(0);
-  rcond = nonzeros = 0;
+  rcond = 0;
 }
 
 /// Pre: not empty, with an entry.
@@ -63,6 +63,7 @@ CholeskyStatus Cholesky::Impl::analyze(const SpMat& A) {
   ++analyses;
   const CholeskyStatus answer = library->analyze(A);
   if (answer != CholeskyStatus::Ok) return answer;
+  nonzeros = library->entries();
   rows.assign(indices, indices + entries);
   columns.assign(starts, starts + A.cols() + 1);
   return answer;
@@ -85,7 +86,6 @@ CholeskyStatus Cholesky::Impl::factor(const SpMat& A, double entries) {
   }
   const CholeskyStatus analysed = analyze(A);
   if (analysed != CholeskyStatus::Ok) return analysed;
-  nonzeros = library->entries();
   if (nonzeros > entries) return CholeskyStatus::OutOfMemory;
   const KernelCost cost{.flops = library->flops(), .bytes = (sizeof(double) + sizeof(int)) * nonzeros};
   clock.before(n, cost);
@@ -162,6 +162,11 @@ void Cholesky::solve_columns(Eigen::MatrixXd& X) const {
   if (X.rows() != impl_->n)
     throw std::invalid_argument(text_of("Cholesky: the matrix has ", impl_->n, " rows, X ", X.rows()));
   if (X.size() > 0) impl_->library->solve_columns(X);
+}
+
+CholeskyColumns Cholesky::columns() const {
+  if (impl_->status != CholeskyStatus::Ok) throw std::logic_error("Cholesky: columns without a successful factor()");
+  return impl_->n > 0 ? impl_->library->columns() : CholeskyColumns();
 }
 
 double Cholesky::rcond() const { return impl_->status == CholeskyStatus::Ok ? impl_->rcond : 0; }
