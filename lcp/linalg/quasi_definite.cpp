@@ -3,7 +3,6 @@
 
 #include <Eigen/SparseCholesky>
 #include <cmath>
-#include <optional>
 #include <vector>
 
 namespace perp::lcp {
@@ -14,7 +13,22 @@ constexpr double most_flops = 3e8;
 /// Steps of refinement; each costs a solve.
 constexpr int refinements = 4;
 
-/// sigma_i = +-1 with sigma_i M_ij = sigma_j M_ji, found from row to row along the entries off the diagonal.
+/// Eigen's, which knows the columns of L after the analysis, and tells derived classes.
+class Ldlt : public ::Eigen::SimplicialLDLT<SpMat> {
+ public:
+  KernelCost cost() const {
+    KernelCost sum;
+    for (Index j = 0; j < m_nonZerosPerCol.size(); ++j) {
+      const double entries = m_nonZerosPerCol[j];
+      sum.flops += entries * (entries + 1);
+      sum.bytes += entries * (sizeof(double) + sizeof(int));
+    }
+    return sum;
+  }
+};
+
+}  // namespace
+
 std::optional<Vec> signs_of(const SpMat& M) {
   const SpMat Mt = M.transpose();
   const Index n = M.rows();
@@ -44,22 +58,6 @@ std::optional<Vec> signs_of(const SpMat& M) {
   }
   return sigma;
 }
-
-/// Eigen's, which knows the columns of L after the analysis, and tells derived classes.
-class Ldlt : public ::Eigen::SimplicialLDLT<SpMat> {
- public:
-  KernelCost cost() const {
-    KernelCost sum;
-    for (Index j = 0; j < m_nonZerosPerCol.size(); ++j) {
-      const double entries = m_nonZerosPerCol[j];
-      sum.flops += entries * (entries + 1);
-      sum.bytes += entries * (sizeof(double) + sizeof(int));
-    }
-    return sum;
-  }
-};
-
-}  // namespace
 
 struct QuasiDefinite::Impl {
   Vec sigma;

@@ -7,10 +7,15 @@
 /// (1995) 100, theorem 2.1). Without pivoting it takes a fraction of an LU's time; how good it is depends on Theta, so
 /// solve() looks. Ordering by AMD.
 #include <memory>
+#include <optional>
 
 #include "lcp/kernel_clock.hpp"
 
 namespace perp::lcp {
+
+/// sigma_i = +-1 with sigma_i M_ij = sigma_j M_ji to the last bit, found from row to row along the entries off the
+/// diagonal.
+std::optional<Vec> signs_of(const SpMat& M);
 
 class QuasiDefinite {
  public:
