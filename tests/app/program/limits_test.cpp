@@ -177,7 +177,7 @@ TEST(ProgramLimits, Ampl) {
 TEST(ProgramLimits, Contact) {
   const Folder folder;
   const Ended end = ended(
-      folder, {"contact", "spheres:2000", "--time-limit", "0.5", "--json", folder / "o.json", "--log-level", "quiet"});
+      folder, {"contact", "spheres:10000", "--time-limit", "0.5", "--json", folder / "o.json", "--log-level", "quiet"});
   EXPECT_EQ(end.code, exit_unsolved) << end.err;
   EXPECT_LE(end.took, Seconds(0.5) + slack);
   EXPECT_EQ(written(folder / "o.json").value("status", ""), "TimeLimit");
