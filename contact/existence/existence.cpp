@@ -12,6 +12,7 @@
 #include "contact/model/residual.hpp"
 #include "contact/model/scaling.hpp"
 #include "lcp/cholesky/cholesky.hpp"
+#include "lcp/cholesky/symmetric.hpp"
 #include "lcp/kernel_clock.hpp"
 #include "lcp/words.hpp"
 
@@ -29,22 +30,6 @@ constexpr std::array margins{1.0, 0.1, 0.01, 0.001};
 constexpr std::array regularizations{1e-8, 1e-4, 1e-2};
 /// Contacts that a message names.
 constexpr std::size_t named = 6;
-
-bool symmetric(const SpMat& W) {
-  const SpMat transposed = W.transpose();
-  for (Index j = 0; j < W.outerSize(); ++j) {
-    SpMat::InnerIterator a(W, j);
-    SpMat::InnerIterator b(transposed, j);
-    for (;; ++a, ++b) {
-      while (a && a.value() == 0) ++a;
-      while (b && b.value() == 0) ++b;
-      if (!a || !b) break;
-      if (a.row() != b.row() || a.value() != b.value()) return false;
-    }
-    if (a || b) return false;
-  }
-  return true;
-}
 
 /// D^-1/2 W D^-1/2 + (shift / 2) I without the rows that are zero; nothing if a diagonal entry forbids
 /// semidefiniteness.
@@ -75,7 +60,7 @@ std::optional<SpMat> unit_diagonal(const SpMat& W, double shift) {
 /// `shift` of existence.hpp, if W is symmetric and semidefinite up to it. Throws lcp::KernelTooLong where the
 /// factorization would end after the deadline.
 std::optional<double> semidefinite_up_to(const SpMat& W, lcp::Deadline deadline = lcp::no_deadline) {
-  if (!symmetric(W)) return std::nullopt;
+  if (!lcp::symmetric(W, 0)) return std::nullopt;
   const auto m = static_cast<double>(W.rows());
   const double shift = 4 * (m + 8) * eps * m;
   const std::optional<SpMat> S = unit_diagonal(W, shift);

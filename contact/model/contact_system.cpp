@@ -2,10 +2,12 @@
 #include "contact/model/contact_system.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <limits>
 #include <utility>
 
+#include "lcp/cholesky/symmetric.hpp"
 #include "lcp/linalg/gmres.hpp"
 
 namespace perp::contact {
@@ -30,14 +32,6 @@ constexpr Index most_reduced = 256;  // by LU
 constexpr Index reduced_columns = 32;
 constexpr double coupled_refined = 1e-9;
 constexpr double most_coupled = 0.5;
-
-bool is_symmetric(const SpMat& A) {
-  const SpMat transposed = A.transpose();
-  return transposed.nonZeros() == A.nonZeros() &&
-         std::equal(A.outerIndexPtr(), A.outerIndexPtr() + A.cols() + 1, transposed.outerIndexPtr()) &&
-         std::equal(A.innerIndexPtr(), A.innerIndexPtr() + A.nonZeros(), transposed.innerIndexPtr()) &&
-         std::equal(A.valuePtr(), A.valuePtr() + A.nonZeros(), transposed.valuePtr());
-}
 
 /// The place of (i, j) among the values of A.
 Index place_of(const SpMat& A, int i, int j) {
@@ -165,7 +159,7 @@ ContactSystem::ContactSystem(const Scaled& problem, lcp::LuBackend lu, lcp::Dead
       cholesky_(std::make_shared<lcp::Cholesky>(deadline, lcp::CholeskyOrdering::Thorough)),
       backend_(lu),
       deadline_(deadline),
-      symmetric_W_(problem.W.parts() != nullptr || is_symmetric(problem.W.matrix())),
+      symmetric_W_(problem.W.parts() != nullptr || lcp::symmetric(problem.W.matrix(), 0)),
       W_(problem.W.plus(-problem.W.shift())) {}
 
 ContactSystem::ContactSystem(const Scaled& problem, const ContactSystem& shared)
@@ -173,14 +167,12 @@ ContactSystem::ContactSystem(const Scaled& problem, const ContactSystem& shared)
       backend_(shared.backend_),
       deadline_(shared.deadline_),
       symmetric_W_(shared.symmetric_W_),
-      chosen_(true) {
-  if (problem.W.parts() != nullptr) {
+      chosen_(true),
+      W_(problem.W.plus(-problem.W.shift())) {
+  if (problem.W.parts() != nullptr)
     bodies_ = shared.bodies_ ? shared.bodies_ : std::make_shared<Bodies>(problem);
-    W_ = problem.W.plus(-problem.W.shift());
-  } else {
+  else
     K_ = problem.W.matrix();
-    W_ = problem.W;
-  }
   if ((bodies_ != nullptr) == (shared.bodies_ != nullptr)) {
     lu_ = shared.lu_;
     cholesky_ = shared.cholesky_;
@@ -271,6 +263,7 @@ bool ContactSystem::factor(const std::vector<ContactRows>& rows) {
 
 bool ContactSystem::factor(const std::vector<Block>& A, const std::vector<Block>& inverse,
                            std::vector<ContactCoupling> couplings) {
+  assert(problem_.W.shift() == 0);
   choose();
   reduced_.reset();
   rows_.resize(A.size());
@@ -328,12 +321,13 @@ void ContactSystem::solve_by_bodies(const X& c, X& x) const {
 }
 
 /// (A + B W) x.
-Vec ContactSystem::product(const Vec& x) const {
+template <class X>
+X ContactSystem::product(const X& x) const {
   const auto A = [this](std::size_t a) -> const Block& { return rows_[a].A; };
   const auto B = [this](std::size_t a) -> const Block& { return rows_[a].B; };
-  Vec out = Vec::Zero(x.size());
+  X out = X::Zero(x.rows(), x.cols());
   add_product(A, x, out);
-  add_product(B, Vec(W_ * x), out);
+  add_product(B, X(W_.columns(x)), out);
   return out;
 }
 
@@ -409,8 +403,6 @@ bool ContactSystem::solve_coupled(In c, Vec& x) {
 }
 
 void ContactSystem::solve_columns(const Eigen::MatrixXd& c, Eigen::MatrixXd& x) const {
-  const auto A = [this](std::size_t a) -> const Block& { return rows_[a].A; };
-  const auto B = [this](std::size_t a) -> const Block& { return rows_[a].B; };
   const auto solve_once = [this](const Eigen::MatrixXd& right, Eigen::MatrixXd& out) {
     bodies_ ? solve_by_bodies(right, out) : back_solve(right, out);
   };
@@ -420,11 +412,8 @@ void ContactSystem::solve_columns(const Eigen::MatrixXd& c, Eigen::MatrixXd& x) 
     const Eigen::MatrixXd right = c.middleCols(from, width);
     Eigen::MatrixXd found;
     solve_once(right, found);
-    Eigen::MatrixXd product = Eigen::MatrixXd::Zero(right.rows(), width);
-    add_product(A, found, product);
-    add_product(B, problem_.W.columns(found), product);
     Eigen::MatrixXd correction;
-    solve_once(right - product, correction);
+    solve_once(right - product(found), correction);
     x.middleCols(from, width) = found + correction;
   }
 }

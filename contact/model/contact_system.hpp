@@ -8,9 +8,9 @@
 ///  * *Bodies*, where W = H' M^-1 H is known by its parts (delassus.hpp): x = A^-1 (c - B H' v), with
 ///        (M + H E H') v = H A^-1 c,   E = A^-1 B,
 ///    of the size of M, where bodies that touch are neighbours. A wall has 10 contacts a brick, a pile 3 a sphere.
-/// W is formed for neither choice nor solution: where it is known by its parts, these serve. Where B = 1
-/// and A is symmetric and positive definite, and with bodies wherever E is symmetric, the factor is Cholesky's, which
-/// takes half of what LU does; LU otherwise, and where Cholesky's fails.
+///    Its entries are not formed.
+/// Where B = 1 and A is symmetric and positive definite, and with bodies wherever E is symmetric, the factor is
+/// Cholesky's, which takes half of what LU does; LU otherwise, and where Cholesky's fails.
 ///
 /// Coulomb's law is unsymmetric only where contacts slip, by one product p q' each: its friction follows its normal
 /// impulse, or its opening its slip. These are kept apart from A. With K = A + B W, P = diag(p_a) and Q = diag(q_a),
@@ -63,6 +63,7 @@ class ContactSystem {
   // One block or pair of them a contact. False: there are no factors, the matrix is singular or not finite.
   bool factor(const std::vector<ContactRows>& rows);
   /// A + W with A symmetric positive definite, and these couplings; A's inverse is needed to more digits than A has.
+  /// Pre: W has no shift().
   bool factor(const std::vector<Eigen::Matrix3d>& A, const std::vector<Eigen::Matrix3d>& inverse,
               std::vector<ContactCoupling> couplings = {});
   /// With the last factors; where the reduced system is not solved with those, with factors of the whole matrix, and x
@@ -87,7 +88,8 @@ class ContactSystem {
   bool solve_coupled(In c, Vec& x);
   std::optional<Vec> solve_reduced(const Vec& right);
   void reduce();
-  Vec product(const Vec& x) const;
+  template <class X>
+  X product(const X& x) const;
   Vec couple(const Vec& x) const;
   Vec spread(const Vec& z) const;
   void back_solve(const Vec& b, Vec& x) const;
@@ -102,7 +104,7 @@ class ContactSystem {
   std::shared_ptr<lcp::Cholesky> cholesky_;
   lcp::LuBackend backend_;
   lcp::Deadline deadline_;
-  bool symmetric_W_ = false;  // of W by its entries
+  bool symmetric_W_ = false;
   bool chosen_ = false;
   bool by_cholesky_ = false;
   SpMat K_;                         // by contacts

@@ -9,6 +9,8 @@
 #include <numeric>
 #include <utility>
 
+#include "lcp/cholesky/symmetric.hpp"
+
 namespace perp::contact {
 namespace {
 
@@ -16,15 +18,6 @@ namespace {
 constexpr std::size_t largest_body = 24;
 /// Entries below this part of sqrt(W_ii W_jj) are zero by structure.
 constexpr double rounding_of_zero = 1e-15;
-
-bool symmetric_bit_by_bit(const SpMat& M) {
-  if (M.rows() != M.cols()) return false;
-  const SpMat transposed = M.transpose();
-  return transposed.nonZeros() == M.nonZeros() &&
-         std::equal(M.outerIndexPtr(), M.outerIndexPtr() + M.cols() + 1, transposed.outerIndexPtr()) &&
-         std::equal(M.innerIndexPtr(), M.innerIndexPtr() + M.nonZeros(), transposed.innerIndexPtr()) &&
-         std::equal(M.valuePtr(), M.valuePtr() + M.nonZeros(), transposed.valuePtr());
-}
 
 /// Which unknowns are coupled by M: a number for each, from 0 in the order of their first rows.
 std::vector<int> coupled_by(const SpMat& M) {
@@ -54,7 +47,7 @@ std::vector<int> coupled_by(const SpMat& M) {
 
 std::shared_ptr<const Inertia> Inertia::of(SpMat M) {
   M.makeCompressed();
-  if (!symmetric_bit_by_bit(M)) return nullptr;
+  if (!lcp::symmetric(M, 0)) return nullptr;
   std::shared_ptr<Inertia> inertia(new Inertia);
   inertia->M_ = std::move(M);
   if (!inertia->factor()) return nullptr;
@@ -103,13 +96,6 @@ Vec Inertia::inverse(In p) const {
     for (std::size_t k = 0; k < rows.size(); ++k) v[rows[k]] = part[static_cast<Index>(k)];
   }
   return v;
-}
-
-double Inertia::operations() const {
-  if (cholesky_) return 2 * cholesky_->nonzeros();
-  double sum = 0;
-  for (const std::vector<int>& rows : rows_) sum += static_cast<double>(rows.size() * rows.size());
-  return sum;
 }
 
 std::unique_ptr<const SpMat> Inertia::root(const SpMat& H) const {
@@ -234,6 +220,7 @@ double Delassus::near(Index i, Index j) const {
 }
 
 Delassus Delassus::plus(double alpha) const {
+  if (alpha == 0) return *this;
   const auto add_to = [alpha](SpMat W) {
     for (Index i = 0; i < W.rows(); ++i) W.coeffRef(i, i) += alpha;
     return W;

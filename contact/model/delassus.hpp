@@ -34,7 +34,6 @@ class Inertia {
   int bodies() const { return static_cast<int>(rows_.size()); }
   /// L^-1 H, M = L L', which has the entries of H and those of their bodies; nothing where M is factored as a whole.
   std::unique_ptr<const SpMat> root(const SpMat& H) const;
-  double operations() const;  ///< multiplications in inverse()
 
  private:
   Inertia() = default;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// The seam between Cholesky and what factors: CHOLMOD, or code of our own in a build without it (PERP_GPL=OFF).
-/// Private to lcp/linalg/.
+/// Private to lcp/cholesky/.
 #include <memory>
 
 #include "lcp/cholesky/cholesky.hpp"

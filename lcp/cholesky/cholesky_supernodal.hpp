@@ -3,7 +3,7 @@
 /// The numbers of a supernodal Cholesky factor whose shape is known, over Eigen's kernels: CHOLMOD's own factorization
 /// takes what time BLAS takes, and Debian's reference BLAS takes five times what Eigen does. Right-looking: the update
 /// of a supernode's ancestors is computed a panel of columns at a time, and then subtracted where they are. No threads.
-/// Reference: Ng & Peyton, SIAM J. Sci. Comput. 14 (1993) 1034. Private to lcp/linalg/.
+/// Reference: Ng & Peyton, SIAM J. Sci. Comput. 14 (1993) 1034. Private to lcp/cholesky/.
 #include <span>
 #include <vector>
 

@@ -13,13 +13,13 @@ namespace perp::lcp {
 namespace {
 
 /// Of A and its mirror image, relative to sqrt(A_ii A_jj): what factors are off by anyway.
-constexpr double rounding = 1e-15;
+constexpr double same_to_rounding = 1e-15;
 /// Of Cholesky::rcond(): below, the general library's answer counts.
 constexpr double surely_regular = 1e-8;
 /// Patterns in turn that looked definite and were not; then no more are tried.
 constexpr int most_failures = 2;
 
-bool looks_definite(const SpMat& A) { return A.diagonal().minCoeff() > 0 && symmetric(A, rounding); }
+bool looks_definite(const SpMat& A) { return A.diagonal().minCoeff() > 0 && symmetric(A, same_to_rounding); }
 
 class DefiniteLu final : public LuLibrary {
  public:

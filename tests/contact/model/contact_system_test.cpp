@@ -107,6 +107,29 @@ TEST(ContactSystem, BothFormsSolveTheSameSystem) {
   }
 }
 
+// W + 0.3 I, as proximal problems have it, one vector and some columns. Catches a shift that is left out or counts
+// twice.
+TEST(ContactSystem, SolvesWithAShift) {
+  Random random(4);
+  for (const Scaled& problem : scenes()) {
+    ContactSystem of_all(problem);
+    Scaled shifted = problem;
+    shifted.W = problem.W.plus(0.3);
+    ContactSystem system(shifted, of_all);
+    std::vector<ContactRows> rows;
+    for (const Block& A : definite_blocks(problem, 1, random)) rows.push_back({.A = A, .B = 2 * Block::Identity()});
+    ASSERT_TRUE(system.factor(rows));
+    const Dense c = random.normals(problem.size(), 2);
+    Vec x;
+    system.solve(c.col(0), x);
+    EXPECT_LE(residual_of(shifted, rows, x, c.col(0)).norm(), 1e-9 * (1 + x.norm()));
+    Dense X;
+    system.solve_columns(c, X);
+    for (Index j = 0; j < 2; ++j)
+      EXPECT_LE(residual_of(shifted, rows, X.col(j), c.col(j)).norm(), 1e-9 * (1 + x.norm()));
+  }
+}
+
 // Newton's rows on Alart & Curnier's equation: contacts that stick (A = 1e-10, B = 1) and open ones (A = 1, B = 0), in
 // which neither A nor B has an inverse of its own size, then a slipping one besides. By bodies the first is symmetric.
 // Catches a division by B, and solutions that are not refined: E is 1e10.
