@@ -38,8 +38,9 @@ Problem turned(const Problem& problem, std::mt19937& random) {
   }
   SpMat Q(problem.q.size(), problem.q.size());
   Q.setFromTriplets(entries.begin(), entries.end());
-  out.W = Q * problem.W * SpMat(Q.transpose());
-  out.W.makeCompressed();
+  SpMat W = Q * problem.W.matrix() * SpMat(Q.transpose());
+  W.makeCompressed();
+  out.W = std::move(W);
   out.q = Q * problem.q;
   return out;
 }

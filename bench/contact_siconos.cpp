@@ -87,7 +87,7 @@ void run(const Solver& solver, const char* file, double tol) {
   std::memset(&fc, 0, sizeof fc);
   fc.dimension = 3;
   fc.numberOfContacts = static_cast<int>(problem.contacts());
-  fc.M = blocks_of(problem.W);
+  fc.M = blocks_of(problem.W.matrix());
   fc.q = q.data();
   fc.mu = mu.data();
   SolverOptions* options = solver_options_create(solver.id);

@@ -74,8 +74,9 @@ std::optional<double> semidefinite_up_to(const SpMat& W, lcp::Deadline deadline 
 double margin(const Problem& problem, In r, double shift) {
   std::vector<Expansion> u(at(problem.q.size()));
   for (Index i = 0; i < problem.q.size(); ++i) u[at(i)].add(problem.q[i]);
-  for (Index j = 0; j < problem.W.outerSize(); ++j)
-    for (SpMat::InnerIterator it(problem.W, j); it; ++it) u[at(it.row())].add_product(it.value(), r[j]);
+  const SpMat& W = problem.W.matrix();
+  for (Index j = 0; j < W.outerSize(); ++j)
+    for (SpMat::InnerIterator it(W, j); it; ++it) u[at(it.row())].add_product(it.value(), r[j]);
   const int d = problem.dimension;
   double least = lcp::infinity;
   for (Index a = 0; a < problem.contacts(); ++a) {
@@ -85,12 +86,12 @@ double margin(const Problem& problem, In r, double shift) {
     double lost = u[at(N)].lost();
     for (int k = 1; k < d; ++k) {
       squares = std::hypot(squares, u[at(N + k)].value());
-      moved = std::hypot(moved, shift * problem.W.coeff(N + k, N + k) * r[N + k]);
+      moved = std::hypot(moved, shift * W.coeff(N + k, N + k) * r[N + k]);
       lost += u[at(N + k)].lost();
     }
     const double mu = problem.mu[a];
     const double normal = u[at(N)].value();
-    const double changed = shift * problem.W.coeff(N, N) * std::abs(r[N]) + mu * moved;
+    const double changed = shift * W.coeff(N, N) * std::abs(r[N]) + mu * moved;
     const double room = last_roundings * (std::abs(normal) + mu * squares + changed) + (1 + mu) * (lost + 1e-300);
     const double here = normal - mu * squares - changed - room;
     if (!std::isfinite(here)) return -lcp::infinity;
@@ -211,7 +212,7 @@ std::optional<Witness> examine_witness(const Problem& problem, In r) {
   check(problem);
   if (r.size() != problem.q.size())
     refuse_input("contact: the witness has ", r.size(), " entries, the problem ", problem.q.size());
-  const std::optional<double> shift = r.allFinite() ? semidefinite_up_to(problem.W) : std::nullopt;
+  const std::optional<double> shift = r.allFinite() ? semidefinite_up_to(problem.W.matrix()) : std::nullopt;
   if (!shift) return std::nullopt;
   const double here = margin(problem, r, *shift);
   if (!(here > 0)) return std::nullopt;
@@ -222,7 +223,7 @@ std::optional<Witness> find_witness(const Problem& problem, const SearchLimits& 
   check(problem);
   const lcp::Deadline deadline = lcp::deadline_after(limits.max_time);
   try {
-    const std::optional<double> shift = semidefinite_up_to(problem.W, deadline);
+    const std::optional<double> shift = semidefinite_up_to(problem.W.matrix(), deadline);
     return shift ? WitnessSearch(problem, limits, deadline, *shift).run() : std::nullopt;
   } catch (const lcp::KernelTooLong&) {
     return std::nullopt;

@@ -23,9 +23,10 @@ constexpr double out_of_this_world = 1e12;
 /// W'(y e_N), contact by contact, exactly. Rows of W are read from the columns of contacts.
 std::vector<Block> product(const Problem& problem, In y) {
   const int d = problem.dimension;
+  const SpMat& W = problem.W.matrix();
   std::vector<Block> g(at(problem.contacts()));
-  for (Index j = 0; j < problem.W.outerSize(); ++j)
-    for (SpMat::InnerIterator it(problem.W, j); it; ++it)
+  for (Index j = 0; j < W.outerSize(); ++j)
+    for (SpMat::InnerIterator it(W, j); it; ++it)
       if (it.row() % d == 0) g[at(j / d)][at(j % d)].add_product(it.value(), y[it.row() / d]);
   return g;
 }
@@ -113,14 +114,15 @@ Certificate examine(const Problem& problem, In y) {
 /// Whether what sticks out of -K* is rounding, contact by contact.
 bool to_rounding(const Problem& problem, In y, const std::vector<double>& excess) {
   const int d = problem.dimension;
+  const SpMat& W = problem.W.matrix();
   Vec size = Vec::Zero(problem.contacts());  // sqrt of the contact's largest diagonal entry
-  for (Index j = 0; j < problem.W.outerSize(); ++j)
-    for (SpMat::InnerIterator it(problem.W, j); it; ++it)
+  for (Index j = 0; j < W.outerSize(); ++j)
+    for (SpMat::InnerIterator it(W, j); it; ++it)
       if (it.row() == it.col()) size[j / d] = std::max(size[j / d], std::sqrt(std::abs(it.value())));
   Vec terms = Vec::Zero(problem.contacts());
   Vec met = Vec::Zero(problem.contacts());
-  for (Index j = 0; j < problem.W.outerSize(); ++j)
-    for (SpMat::InnerIterator it(problem.W, j); it; ++it) {
+  for (Index j = 0; j < W.outerSize(); ++j)
+    for (SpMat::InnerIterator it(W, j); it; ++it) {
       if (it.row() % d != 0 || y[it.row() / d] == 0) continue;
       const Index a = j / d;
       const Index i = it.row() / d;
@@ -139,11 +141,10 @@ double infeasibility_radius(const Problem& problem, In y) { return examine(probl
 bool proves_infeasible(const Problem& problem, In y) {
   const Certificate found = examine(problem, y);
   if (!(found.radius < lcp::infinity)) return found.radius == lcp::infinity;
-  double W = 0;
-  for (Index j = 0; j < problem.W.outerSize(); ++j)
-    for (SpMat::InnerIterator it(problem.W, j); it; ++it) W = std::max(W, std::abs(it.value()));
+  const auto W = problem.W.matrix().coeffs();
+  const double largest = W.size() > 0 ? W.abs().maxCoeff() : 0;
   const double q = problem.q.size() > 0 ? problem.q.lpNorm<Eigen::Infinity>() : 0;
-  return found.radius >= out_of_this_world * std::max(1.0, q / W) && to_rounding(problem, y, found.excess);
+  return found.radius >= out_of_this_world * std::max(1.0, q / largest) && to_rounding(problem, y, found.excess);
 }
 
 }  // namespace perp::contact

@@ -8,6 +8,7 @@
 
 #include "contact/existence/conic_nnls.hpp"
 #include "contact/existence/infeasible.hpp"
+#include "lcp/cholesky/symmetric.hpp"
 #include "lcp/kernel_clock.hpp"
 #include "lcp/solve/solve.hpp"
 
@@ -63,11 +64,8 @@ Vec whole_numbers(const Vec& v) {
 class Search {
  public:
   Search(const Problem& problem, const SearchLimits& limits)
-      : problem_(problem), limits_(limits), d_(problem.dimension), rows_(problem.W.transpose()) {
-    symmetric_ = true;
-    SpMat difference = SpMat(problem.W.transpose()) - problem.W;
-    for (Index j = 0; j < difference.outerSize() && symmetric_; ++j)
-      for (SpMat::InnerIterator it(difference, j); it && symmetric_; ++it) symmetric_ = it.value() == 0;
+      : problem_(problem), limits_(limits), d_(problem.dimension), rows_(problem.W.matrix().transpose()) {
+    symmetric_ = lcp::symmetric(problem.W.matrix(), 0);
     const Vec q = problem.q.cwiseAbs();
     velocity_ = q.size() > 0 && q.maxCoeff() > 0 ? q.maxCoeff() : 1;
   }
@@ -134,17 +132,7 @@ bool Search::alone(Index a) {
 
 /// Contacts that do not act on each other are apart; of parts with an approaching contact, small ones first.
 std::vector<std::vector<Index>> Search::parts() const {
-  std::vector<Index> root(at(problem_.contacts()));
-  std::iota(root.begin(), root.end(), Index{0});
-  const auto find = [&](Index a) {
-    while (root[at(a)] != a) a = root[at(a)] = root[at(root[at(a)])];
-    return a;
-  };
-  for (Index j = 0; j < problem_.W.outerSize(); ++j)
-    for (SpMat::InnerIterator it(problem_.W, j); it; ++it)
-      if (it.value() != 0) root[at(find(j / d_))] = find(it.row() / d_);
-  std::vector<std::vector<Index>> all(at(problem_.contacts()));
-  for (Index a = 0; a < problem_.contacts(); ++a) all[at(find(a))].push_back(a);
+  std::vector<std::vector<Index>> all = problem_.W.groups(d_);
   std::erase_if(all, [&](const std::vector<Index>& part) {
     return std::ranges::none_of(part, [&](Index a) { return problem_.q[d_ * a] < 0; });
   });
@@ -231,7 +219,7 @@ void Search::prepare(const std::vector<Index>& part) {
   weight_ = Vec::Ones(d_ * static_cast<Index>(all_.size()));
   for (const Index b : all_) {
     double largest = 0;
-    for (int k = 0; k < d_; ++k) largest = std::max(largest, std::abs(problem_.W.coeff(d_ * b + k, d_ * b + k)));
+    for (int k = 0; k < d_; ++k) largest = std::max(largest, std::abs(problem_.W.near(d_ * b + k, d_ * b + k)));
     const double own = largest > 0 ? 1 / std::sqrt(largest) : 1;
     for (int k = 0; k < d_; ++k) weight_[d_ * place_[at(b)] + k] = k == 0 ? own : problem_.mu[b] * own;
   }

@@ -66,7 +66,7 @@ Problem parse_dat(std::string_view text, const std::string& name) {
   }
   if (first.columns() != d * n) in.refuse("W is ", first.rows(), " x ", first.columns(), ", not ", d * n, " x ", d * n);
   Problem p{.dimension = d, .name = name};
-  p.W.swap(A);
+  p.W = std::move(A);
   p.q = in.vector("q", d * n);
   p.mu = friction(in, n);
   end(in);

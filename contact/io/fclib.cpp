@@ -261,8 +261,9 @@ void eliminate(const Reader& in, Problem& p) {
   const lcp::Schur schur = lcp::schur(R, SpMat(V.transpose()), s, 0);
   if (schur.status == lcp::LuStatus::OutOfMemory) throw std::bad_alloc();
   if (schur.status != lcp::LuStatus::Ok || schur.rcond < 1e-15) in.refuse(root + "/R", "is singular");
-  p.W = SpMat(p.W - schur.S);
-  p.W.makeCompressed();
+  SpMat W = p.W.matrix() - schur.S;
+  W.makeCompressed();
+  p.W = std::move(W);
   p.q -= V * schur.x;
 }
 
@@ -428,7 +429,7 @@ void write_problem(const Writer& out, const Fclib& file, bool global) {
     out.vector(root + "/vectors/f", g.f);
     out.vector(root + "/vectors/w", g.w);
   } else {
-    out.matrix(root + "/W", p.W);
+    out.matrix(root + "/W", p.W.matrix());
     out.vector(root + "/vectors/q", p.q);
   }
   out.group(root + "/info");

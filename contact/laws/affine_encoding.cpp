@@ -62,8 +62,9 @@ double EncodingBuilder::product_entries() const {
   const std::vector<double> A = in_rows(A_);
   const std::vector<double> B = in_rows(B_);
   double sum = 0;
-  for (Index j = 0; j < problem_.W.cols(); ++j)
-    for (SpMat::InnerIterator it(problem_.W, j); it; ++it)
+  const SpMat& W = problem_.W.matrix();
+  for (Index j = 0; j < W.cols(); ++j)
+    for (SpMat::InnerIterator it(W, j); it; ++it)
       sum += A[static_cast<std::size_t>(it.row())] * B[static_cast<std::size_t>(j)];
   return sum;
 }
@@ -80,7 +81,7 @@ void EncodingBuilder::check_size() const {
 }
 
 AffineEncoding::AffineEncoding(const Problem& problem, EncodingBuilder&& builder)
-    : W_(problem.W), q_(problem.q), units_(builder.scaled_ ? Units::of(W_, q_) : Units::none()) {
+    : W_(problem.W.matrix()), q_(problem.q), units_(builder.scaled_ ? Units::of(problem.W, q_) : Units::none()) {
   builder.check_size();
   const auto size = static_cast<Index>(builder.lower_.size());
   const SpMat A = builder.matrix(q_.size(), builder.A_);

@@ -11,7 +11,7 @@ FirstNcp::FirstNcp(const Problem& problem, const FirstNcpOptions& options)
     : dimension_(problem.dimension), mu_(problem.mu), weight_(options.weight) {
   check(problem);
   units_ = options.scaled ? Units::of(problem.W, problem.q) : Units::none();
-  W_ = problem.W * (units_.impulse / units_.velocity);
+  W_ = problem.W.matrix() * (units_.impulse / units_.velocity);
   q_ = problem.q / units_.velocity;
   name_ = "first NCP";
   if (!problem.name.empty()) name_.append(" of ").append(problem.name);

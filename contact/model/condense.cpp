@@ -5,12 +5,15 @@
 #include <vector>
 
 #include "contact/model/checks.hpp"
+#include "contact/model/velocities.hpp"
 #include "lcp/solve/schur.hpp"
 
 namespace perp::contact {
 namespace {
 
 constexpr double drop = 1e-15;
+/// Of M, for velocities of its bodies to be refined to twice the precision.
+constexpr double least_rcond = 1e-11;
 
 [[noreturn]] void refuse(const std::string& why) { throw std::invalid_argument("condensation: " + why); }
 
@@ -48,27 +51,42 @@ bool regular(const lcp::Schur& s) { return s.status == lcp::LuStatus::Ok && !(s.
   refuse(why.str());
 }
 
-}  // namespace
+/// W and q by the parts; false where M has no factors to rely on.
+bool take_parts(const Global& g, Problem& p) {
+  if (g.G.cols() != 0) return false;
+  auto inertia = Inertia::of(g.M);
+  if (!inertia || !(inertia->rcond() >= least_rcond)) return false;
+  const auto parts = std::make_shared<const DelassusParts>(std::move(inertia), 1, g.H);
+  p.W = Delassus(parts);
+  p.q = exact_velocities(*parts, g.f, g.w);
+  return true;
+}
 
 /// With K = [M G; G' 0] and B = [H; 0]:  W = B' K^-1 B,  q = B' K^-1 [f; -b] + w.
+void take_entries(const Global& g, Problem& p) {
+  const Index m = g.M.rows();
+  const Index k = g.G.cols();
+  SpMat B = g.H;
+  B.conservativeResize(m + k, B.cols());
+  Vec f(m + k);
+  f << g.f, -g.b;
+  const SpMat K = saddle_point(g.M, g.G);
+  lcp::Schur s = lcp::schur(K, B, f, drop);
+  if (!regular(s)) refuse_singular(g, s);
+  if (SpMat(K.transpose()).isApprox(K, 0)) s.S = 0.5 * (s.S + SpMat(s.S.transpose()));
+  s.S.makeCompressed();
+  p.q = B.transpose() * s.x + g.w;
+  p.W = std::move(s.S);
+}
+
+}  // namespace
+
 Problem condense(Global global, Vec mu, int dimension, std::string name) {
   check_dimension(dimension);
   check_friction(mu);
   check(global, dimension * mu.size());
-  const Index m = global.M.rows();
-  const Index k = global.G.cols();
-  SpMat B = global.H;
-  B.conservativeResize(m + k, B.cols());
-  Vec f(m + k);
-  f << global.f, -global.b;
-  const SpMat K = saddle_point(global.M, global.G);
-  lcp::Schur s = lcp::schur(K, B, f, drop);
-  if (!regular(s)) refuse_singular(global, s);
   Problem p{.dimension = dimension, .name = std::move(name)};
-  p.W.swap(s.S);
-  if (SpMat(K.transpose()).isApprox(K, 0)) p.W = 0.5 * (p.W + SpMat(p.W.transpose()));
-  p.W.makeCompressed();
-  p.q = B.transpose() * s.x + global.w;
+  if (!take_parts(global, p)) take_entries(global, p);
   p.mu = std::move(mu);
   p.global = std::make_shared<const Global>(std::move(global));
   check(p);

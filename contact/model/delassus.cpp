@@ -19,28 +19,42 @@ constexpr std::size_t largest_body = 24;
 /// Entries below this part of sqrt(W_ii W_jj) are zero by structure.
 constexpr double rounding_of_zero = 1e-15;
 
-/// Which unknowns are coupled by M: a number for each, from 0 in the order of their first rows.
-std::vector<int> coupled_by(const SpMat& M) {
-  std::vector<int> parent(at(M.rows()));
-  std::iota(parent.begin(), parent.end(), 0);
-  const auto root = [&parent](int i) {
-    while (parent[at(i)] != i) i = parent[at(i)] = parent[at(parent[at(i)])];
-    return i;
-  };
-  for (Index j = 0; j < M.cols(); ++j)
-    for (SpMat::InnerIterator it(M, j); it; ++it) {
-      const int a = root(static_cast<int>(it.row()));
-      const int b = root(static_cast<int>(j));
-      parent[at(std::max(a, b))] = std::min(a, b);
-    }
-  std::vector<int> number(parent.size(), -1);
-  int count = 0;
-  for (std::size_t i = 0; i < parent.size(); ++i) {
-    const int r = root(static_cast<int>(i));
-    if (number[at(r)] < 0) number[at(r)] = count++;
-    number[i] = number[at(r)];
+/// Things that are joined two by two, and the sets they come to.
+class Joined {
+ public:
+  explicit Joined(Index things) : parent_(at(things)) { std::iota(parent_.begin(), parent_.end(), 0); }
+
+  void join(Index a, Index b) {
+    const int of_a = root(static_cast<int>(a));
+    const int of_b = root(static_cast<int>(b));
+    parent_[at(std::max(of_a, of_b))] = std::min(of_a, of_b);
   }
-  return number;
+  /// A number for each, that of its set, from 0 in the order of their first members.
+  std::vector<int> numbers() {
+    std::vector<int> number(parent_.size(), -1);
+    int count = 0;
+    for (std::size_t i = 0; i < parent_.size(); ++i) {
+      const int r = root(static_cast<int>(i));
+      if (number[at(r)] < 0) number[at(r)] = count++;
+      number[i] = number[at(r)];
+    }
+    return number;
+  }
+
+ private:
+  int root(int i) {
+    while (parent_[at(i)] != i) i = parent_[at(i)] = parent_[at(parent_[at(i)])];
+    return i;
+  }
+  std::vector<int> parent_;
+};
+
+/// Which unknowns are coupled by M: a number for each.
+std::vector<int> coupled_by(const SpMat& M) {
+  Joined unknowns(M.rows());
+  for (Index j = 0; j < M.cols(); ++j)
+    for (SpMat::InnerIterator it(M, j); it; ++it) unknowns.join(it.row(), j);
+  return unknowns.numbers();
 }
 
 }  // namespace
@@ -65,7 +79,9 @@ bool Inertia::factor() {
   }
   if (std::ranges::any_of(rows_, [](const std::vector<int>& rows) { return rows.size() > largest_body; })) {
     cholesky_ = std::make_unique<lcp::Cholesky>();
-    return cholesky_->factor(M_) == lcp::CholeskyStatus::Ok;
+    if (cholesky_->factor(M_) != lcp::CholeskyStatus::Ok) return false;
+    rcond_ = cholesky_->rcond();
+    return true;
   }
   for (const std::vector<int>& rows : rows_) {
     const auto size = static_cast<Index>(rows.size());
@@ -76,6 +92,9 @@ bool Inertia::factor() {
     if (llt.info() != Eigen::Success) return false;
     L_.emplace_back(llt.matrixL());
     if (!L_.back().allFinite()) return false;
+    const Vec D = block.diagonal().cwiseSqrt().cwiseInverse();
+    const Eigen::MatrixXd unit = D.asDiagonal() * block * D.asDiagonal();
+    rcond_ = std::min(rcond_, unit.llt().rcond());
   }
   return true;
 }
@@ -131,22 +150,39 @@ DelassusParts::DelassusParts(std::shared_ptr<const Inertia> inertia, double s, S
   M_.makeCompressed();
   H_.makeCompressed();
   if (auto Z = inertia_->root(H_)) root_ = std::make_unique<const SpMat>(*Z / std::sqrt(s_));
-  find_near();
+  find_near_and_shares();
 }
 
-void DelassusParts::find_near() {
+void DelassusParts::find_near_and_shares() {
   const Index n = H_.cols();
+  const std::vector<int>& body_of = inertia_->body_of();
   near_.assign(at(n), {});
-  if (root_) {
-    for (Index i = 0; i < n; ++i)
-      for (Index k = 0; k < std::min<Index>(3, n - i); ++k) near_[at(i)][at(k)] = root_->col(i).dot(root_->col(i + k));
-    return;
-  }
-  Vec v(H_.rows());
+  shares_ = SpMat(inertia_->bodies(), n);
+  std::vector<std::pair<int, double>> squares;  // of the column at hand: N_bj^2 and b
+  const auto add_square = [&](Index row, double square) {
+    const int body = body_of[at(row)];
+    const auto found = std::ranges::find(squares, body, &std::pair<int, double>::first);
+    if (found == squares.end())
+      squares.emplace_back(body, square);
+    else
+      found->second += square;
+  };
+  Vec v;
   for (Index j = 0; j < n; ++j) {
-    v = inverse(Vec(H_.col(j)));
-    for (Index i = std::max<Index>(0, j - 2); i <= j; ++i) near_[at(i)][at(j - i)] = H_.col(i).dot(v);
+    squares.clear();
+    if (root_) {
+      for (Index i = std::max<Index>(0, j - 2); i <= j; ++i) near_[at(i)][at(j - i)] = root_->col(i).dot(root_->col(j));
+      for (SpMat::InnerIterator it(*root_, j); it; ++it) add_square(it.row(), it.value() * it.value());
+    } else {
+      v = inverse(Vec(H_.col(j)));
+      for (Index i = std::max<Index>(0, j - 2); i <= j; ++i) near_[at(i)][at(j - i)] = H_.col(i).dot(v);
+      for (SpMat::InnerIterator it(H_, j); it; ++it) add_square(it.row(), it.value() * v[it.row()]);
+    }
+    std::ranges::sort(squares);
+    shares_.startVec(j);
+    for (const auto& [body, square] : squares) shares_.insertBack(body, j) = std::sqrt(std::max(square, 0.0));
   }
+  shares_.finalize();
 }
 
 Vec DelassusParts::product(In r) const {
@@ -188,7 +224,7 @@ Delassus::Delassus(SpMat W) : entries_(std::make_shared<Entries>()) {
 
 Delassus::Delassus(std::shared_ptr<const DelassusParts> parts, std::function<SpMat()> form)
     : entries_(std::make_shared<Entries>()), parts_(std::move(parts)) {
-  entries_->form = std::move(form);
+  entries_->form = form ? std::move(form) : [of = parts_] { return of->form(); };
 }
 
 Index Delassus::rows() const { return parts_ ? parts_->H().cols() : entries_->W.rows(); }
@@ -229,6 +265,23 @@ Delassus Delassus::plus(double alpha) const {
   Delassus sum(parts_, [of = *this, add_to] { return add_to(of.matrix()); });
   sum.shift_ = shift_ + alpha;
   return sum;
+}
+
+std::vector<std::vector<Index>> Delassus::groups(int d) const {
+  const Index n = rows() / d;
+  const SpMat& coupling = parts_ ? parts_->shares() : entries_->W;
+  Joined joined(n + (parts_ ? coupling.rows() : 0));  // contacts, then bodies
+  for (Index j = 0; j < coupling.cols(); ++j)
+    for (SpMat::InnerIterator it(coupling, j); it; ++it)
+      if (it.value() != 0) joined.join(j / d, parts_ ? n + it.row() : it.row() / d);
+  const std::vector<int> number = joined.numbers();
+  std::vector<std::vector<Index>> groups;
+  for (Index a = 0; a < n; ++a) {
+    const std::size_t group = at(number[at(a)]);
+    if (group >= groups.size()) groups.resize(group + 1);
+    groups[group].push_back(a);
+  }
+  return groups;
 }
 
 std::vector<char> Delassus::coupled(const std::vector<Index>& columns) const {

@@ -34,6 +34,8 @@ class Inertia {
   int bodies() const { return static_cast<int>(rows_.size()); }
   /// L^-1 H, M = L L', which has the entries of H and those of their bodies; nothing where M is factored as a whole.
   std::unique_ptr<const SpMat> root(const SpMat& H) const;
+  /// Reciprocal condition number, of D M D with unit diagonal: the least of the bodies'.
+  double rcond() const { return rcond_; }
 
  private:
   Inertia() = default;
@@ -45,6 +47,7 @@ class Inertia {
   std::vector<int> place_;              // of a velocity among those of its body
   std::vector<Eigen::MatrixXd> L_;      // of each body; none: by cholesky_
   std::unique_ptr<lcp::Cholesky> cholesky_;
+  double rcond_ = 1;
 };
 
 /// W = H' (s M)^-1 H.
@@ -53,6 +56,7 @@ class DelassusParts {
   DelassusParts(std::shared_ptr<const Inertia> inertia, double s, SpMat H);
 
   const Inertia& inertia() const { return *inertia_; }
+  const std::shared_ptr<const Inertia>& shared_inertia() const { return inertia_; }
   const SpMat& M() const { return M_; }  ///< s M
   const SpMat& H() const { return H_; }
   /// Z with W = Z'Z, as sparse as H; null where M has no small blocks.
@@ -61,11 +65,14 @@ class DelassusParts {
   Vec product(In r) const;                                       ///< W r
   /// W_ij, |i - j| <= 2: what a contact does to itself.
   double near(Index i, Index j) const { return near_[at(std::min(i, j))][at(std::abs(i - j))]; }
+  /// N, bodies x d n: N_bi = |H_i|_b in the norm of body b's M^-1, the size of the velocity that contact velocity i
+  /// gets through b. |W_ij| <= (N'N)_ij.
+  const SpMat& shares() const { return shares_; }
   /// H' (s M)^-1 H by its entries, all of them.
   SpMat form() const;
 
  private:
-  void find_near();
+  void find_near_and_shares();
   SpMat form_by_columns() const;
 
   std::shared_ptr<const Inertia> inertia_;
@@ -74,6 +81,7 @@ class DelassusParts {
   SpMat H_;
   std::unique_ptr<const SpMat> root_;
   std::vector<std::array<double, 3>> near_;  // W(i, i), W(i, i + 1), W(i, i + 2)
+  SpMat shares_;
 };
 
 class Delassus {
@@ -82,8 +90,8 @@ class Delassus {
   Delassus(SpMat W);  // NOLINT(google-explicit-constructor)
   template <class Derived>
   Delassus(const Eigen::SparseMatrixBase<Derived>& W) : Delassus(SpMat(W)) {}  // NOLINT(google-explicit-constructor)
-  /// By its parts; `form` makes the entries.
-  Delassus(std::shared_ptr<const DelassusParts> parts, std::function<SpMat()> form);
+  /// By its parts; `form` makes the entries, parts->form() if nothing else does.
+  explicit Delassus(std::shared_ptr<const DelassusParts> parts, std::function<SpMat()> form = {});
 
   Index rows() const;
   Index cols() const;
@@ -103,6 +111,9 @@ class Delassus {
   Delassus plus(double alpha) const;
   double shift() const { return shift_; }
   friend Vec operator*(const Delassus& W, In r) { return W.product(r); }
+  /// The contacts, of d rows each, in groups that do not act on each other, however indirectly: coupled by an entry
+  /// that is not 0; of parts, by a body. By their first contacts, which ascend in each.
+  std::vector<std::vector<Index>> groups(int d) const;
   /// For each row whether W may have an entry there in one of these columns; of parts, whether they share a body.
   std::vector<char> coupled(const std::vector<Index>& columns) const;
   /// W R, column by column.

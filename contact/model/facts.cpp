@@ -4,7 +4,6 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <vector>
 
 namespace perp::contact {
@@ -23,26 +22,15 @@ SpMat unit_diagonal(const SpMat& W) {
   return S;
 }
 
-/// The rows of each connected part of the graph of S; the rows of a contact are together.
-std::vector<Rows> parts(const SpMat& S, int d) {
-  const Index n = S.rows() / d;
-  std::vector<Index> parent(static_cast<std::size_t>(n));
-  std::iota(parent.begin(), parent.end(), Index{0});
-  const auto root = [&](Index a) {
-    while (parent[static_cast<std::size_t>(a)] != a) {
-      Index& up = parent[static_cast<std::size_t>(a)];
-      up = parent[static_cast<std::size_t>(up)];
-      a = up;
-    }
-    return a;
-  };
-  for (Index j = 0; j < S.cols(); ++j)
-    for (SpMat::InnerIterator it(S, j); it; ++it)
-      if (it.value() != 0) parent[static_cast<std::size_t>(root(it.row() / d))] = root(j / d);
-  std::vector<Rows> of_root(static_cast<std::size_t>(n));
-  for (Index i = 0; i < S.rows(); ++i) of_root[static_cast<std::size_t>(root(i / d))].push_back(i);
-  std::erase_if(of_root, [](const Rows& rows) { return rows.empty(); });
-  return of_root;
+/// The rows of each group of contacts.
+std::vector<Rows> parts(const Delassus& W, int d) {
+  std::vector<Rows> all;
+  for (const std::vector<Index>& group : W.groups(d)) {
+    Rows& rows = all.emplace_back();
+    for (const Index a : group)
+      for (int k = 0; k < d; ++k) rows.push_back(d * a + k);
+  }
+  return all;
 }
 
 /// Of (S + S') / 2 in these rows and columns. `place` is workspace, -1 everywhere.
@@ -62,15 +50,17 @@ Vec eigenvalues(const SpMat& S, const Rows& rows, std::vector<Index>& place) {
 
 Facts facts(const Problem& problem, const FactsOptions& options) {
   check(problem);
-  const SpMat S = unit_diagonal(problem.W);
   Facts out;
-  const SpMat skew = S - SpMat(S.transpose());
-  for (Index j = 0; j < skew.cols(); ++j)
-    for (SpMat::InnerIterator it(skew, j); it; ++it) out.asymmetry = std::max(out.asymmetry, std::abs(it.value()));
-  const std::vector<Rows> all = parts(S, problem.dimension);
+  const std::vector<Rows> all = parts(problem.W, problem.dimension);
   out.parts = static_cast<Index>(all.size());
   for (const Rows& rows : all) out.largest_part = std::max(out.largest_part, static_cast<Index>(rows.size()));
   out.known = out.largest_part <= options.dense_limit;
+  const bool symmetric = problem.W.parts() != nullptr;
+  if (symmetric && !out.known) return out;  // nobody needs the entries
+  const SpMat S = unit_diagonal(problem.W.matrix());
+  const SpMat skew = S - SpMat(S.transpose());
+  for (Index j = 0; j < skew.cols(); ++j)
+    for (SpMat::InnerIterator it(skew, j); it; ++it) out.asymmetry = std::max(out.asymmetry, std::abs(it.value()));
   if (!out.known || all.empty()) return out;
   std::vector<Index> place(static_cast<std::size_t>(S.rows()), -1);
   std::vector<double> values;

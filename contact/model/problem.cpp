@@ -41,6 +41,13 @@ void check_finite(const char* what, const Vec& v) {
     if (!std::isfinite(v[i])) refuse(what, "[", i, "] is ", v[i]);
 }
 
+/// W_ii of parts: finite M and H may make what is not.
+void check_finite_diagonal(const Problem& p) {
+  const Vec diagonal = p.W.diagonal();
+  for (Index i = 0; i < diagonal.size(); ++i)
+    if (!std::isfinite(diagonal[i])) refuse("W is ", diagonal[i], " on its diagonal, at ", place(i, p.dimension));
+}
+
 }  // namespace
 
 void check(const Global& g, Index rows) {
@@ -72,15 +79,27 @@ void check_dimension(int dimension) {
 void check(const Problem& p) {
   check_dimension(p.dimension);
   const Index n = p.dimension * p.contacts();
-  check_shape("W", p.W, n, n, "a row a velocity of the contacts, as many as dimension x coefficients of friction");
+  static constexpr const char* square =
+      "a row a velocity of the contacts, as many as dimension x coefficients of friction";
+  if (p.W.parts() == nullptr)
+    check_shape("W", p.W.matrix(), n, n, square);
+  else if (p.W.rows() != n)
+    refuse("W is ", p.W.rows(), " x ", p.W.cols(), ", not ", n, " x ", n, ": ", square);
   check_size("q", p.q.size(), n, "one a velocity of the contacts");
   check_friction(p.mu);
   for (Index i = 0; i < n; ++i)
     if (!std::isfinite(p.q[i])) refuse("q is ", p.q[i], " at ", place(i, p.dimension));
-  for (Index j = 0; j < n; ++j)
-    for (SpMat::InnerIterator it(p.W, j); it; ++it)
-      if (!std::isfinite(it.value()))
-        refuse("W(", it.row(), ", ", j, ") is ", it.value(), ", in the column of ", place(j, p.dimension));
+  if (p.W.parts() != nullptr) {
+    check_finite("M", p.W.parts()->M());
+    check_finite("H", p.W.parts()->H());
+    check_finite_diagonal(p);
+  } else {
+    const SpMat& W = p.W.matrix();
+    for (Index j = 0; j < n; ++j)
+      for (SpMat::InnerIterator it(W, j); it; ++it)
+        if (!std::isfinite(it.value()))
+          refuse("W(", it.row(), ", ", j, ") is ", it.value(), ", in the column of ", place(j, p.dimension));
+  }
   if (p.global) check(*p.global, n);
 }
 

@@ -13,15 +13,9 @@
 #include <memory>
 #include <string>
 
-#include "lcp/types.hpp"
+#include "contact/model/delassus.hpp"
 
 namespace perp::contact {
-
-using lcp::at;
-using lcp::In;
-using lcp::Index;
-using lcp::SpMat;
-using lcp::Vec;
 
 /// The problem before its condensation: velocities v of the bodies [m/s], m of them, and multipliers of b.size()
 /// bilateral constraints,
@@ -37,7 +31,7 @@ struct Global {
 
 struct Problem {
   int dimension = 3;  ///< d: 2 or 3
-  SpMat W{};          ///< d n x d n, compressed
+  Delassus W{};       ///< d n x d n: by compressed entries, or by the bodies' M and H, and then formed for nobody yet
   Vec q{};            ///< d n
   Vec mu{};           ///< n
   std::string name{};
@@ -53,14 +47,16 @@ struct Solution {
 };
 
 /// Throws std::invalid_argument naming the contact and the value if the dimension is neither 2 nor 3, sizes differ, W
-/// is not square, an entry is not finite or a mu negative.
+/// is not square, an entry is not finite or a mu negative. Of W by its parts these are looked at.
 void check(const Problem& problem);
 
 /// W = H' M^-1 H, q = H' M^-1 f + w; with bilateral constraints G' v + b = 0 these are eliminated first, all in one:
 ///     W = [H; 0]' K^-1 [H; 0],   q = [H; 0]' K^-1 [f; -b] + w,   K = [M G; G' 0].
-/// Sparse: one LU factorization of K, column by column with sparse right-hand sides; |W_ij| <= 1e-15 sqrt(W_ii W_jj) is
-/// rounding and left out. Symmetric if M is. Throws std::invalid_argument if sizes differ, an entry is not finite, M is
-/// singular or G has dependent columns (K singular up to rounding), std::bad_alloc if the factors do not fit.
+/// Without G, and with M symmetric bit by bit and positive definite, W is the operator of these parts (delassus.hpp).
+/// Otherwise it has entries, by one LU factorization of K, column by column with sparse right-hand sides. |W_ij| <=
+/// 1e-15 sqrt(W_ii W_jj) is rounding and left out. Symmetric if M is. Throws std::invalid_argument if sizes differ, an
+/// entry is not finite, M is singular or G has dependent columns (K singular up to rounding), std::bad_alloc if the
+/// factors do not fit.
 Problem condense(Global global, Vec mu, int dimension = 3, std::string name = {});
 
 }  // namespace perp::contact

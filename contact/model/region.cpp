@@ -98,7 +98,6 @@ const Problem& Region::problem() {
   if (symmetric) inverse = symmetric_part(inverse);
   region_.dimension = size_of_one_;
   region_.W = Eigen::MatrixXd(inverse - D).sparseView(0, 0);
-  region_.W.makeCompressed();
   region_.q = -inverse * a;
   region_.mu = Vec::Ones(count);
   return region_;

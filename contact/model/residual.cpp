@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "contact/model/natural_map.hpp"
 #include "contact/model/velocities.hpp"
@@ -42,7 +41,7 @@ double told(double metric) {
 }
 
 /// 1 / mean(diag W), the unit kg of r / u; 1 where W has no positive trace.
-double unit(const SpMat& W) {
+double unit(const Delassus& W) {
   const double trace = W.diagonal().sum();
   const double rho = static_cast<double>(W.rows()) / trace;
   return trace > 0 && std::isfinite(rho) ? rho : 1;
@@ -58,28 +57,6 @@ void check_impulses(const Problem& problem, In r) {
 double share(double x, double scale) {
   if (x == 0) return 0;
   return scale > 0 ? x / scale : std::copysign(lcp::infinity, x);
-}
-
-/// Of each contact the largest |q_b| of those it acts on, or that act on it, directly or through others.
-std::vector<double> coupled_velocities(const Problem& problem) {
-  const int d = problem.dimension;
-  std::vector<Index> parent(at(problem.contacts()));
-  std::iota(parent.begin(), parent.end(), Index{0});
-  const auto root = [&parent](Index a) {
-    while (parent[at(a)] != a) a = parent[at(a)] = parent[at(parent[at(a)])];
-    return a;
-  };
-  for (Index j = 0; j < problem.W.cols(); ++j)
-    for (SpMat::InnerIterator it(problem.W, j); it; ++it)
-      if (it.value() != 0) parent[at(root(it.row() / d))] = root(j / d);
-  std::vector<double> largest(parent.size(), 0);
-  for (Index a = 0; a < problem.contacts(); ++a) {
-    double& most = largest[at(root(a))];
-    most = std::max(most, problem.q.segment(d * a, d).stableNorm());
-  }
-  std::vector<double> out(parent.size());
-  for (Index a = 0; a < problem.contacts(); ++a) out[at(a)] = largest[at(root(a))];
-  return out;
 }
 
 /// Adds contact a's shares to the largest so far.
@@ -134,7 +111,7 @@ Judge::Judge(const Problem& problem) : problem_(problem), rho_(unit(problem.W)),
 Residual Judge::operator()(In r) const {
   check_impulses(problem_, r);
   const int d = problem_.dimension;
-  const Velocities at_r = exact_velocities(problem_, r);
+  const Velocities at_r = exact_velocities(problem_, r, coupled_);
   const Vec Wr = at_r.u - problem_.q;
   Residual out;
   double worst = -1;

@@ -22,7 +22,8 @@ struct ContactState {
 /// stand twice: in units, and relative to what is compared at each contact. With w_a the mean of W's diagonal there,
 ///     V_a = max(|q_a|, |(W r)_a|, min(t_a, Q_a)),   t_a = |(|q| + |W| |r|)_a|,
 ///     R_a = max(|r_a|, V_a / w_a),                  Q_a the largest |q_b| of contacts b that W couples with a:
-/// the velocities that cancel in u_a, and the impulses that act or would stop V_a. Neither can be made large by an
+/// the velocities that cancel in u_a, and the impulses that act or would stop V_a. Of W by its parts N'N stands for |W|
+/// (DelassusParts::shares), and the contacts of a body are coupled. Neither V_a nor R_a can be made large by an
 /// r in the kernel of W, nor depends on units.
 struct Residual {
   double natural = 0;       ///< ||e_1|| [mixed units]
@@ -53,7 +54,7 @@ Vec velocities(const Problem& problem, In r);
 class Judge {
  public:
   explicit Judge(const Problem& problem);
-  /// r has d n finite entries (else std::invalid_argument). O(entries of W).
+  /// r has d n finite entries (else std::invalid_argument). O(entries of W, or of M, its factors and H).
   Residual operator()(In r) const;
 
  private:

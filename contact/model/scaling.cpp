@@ -57,18 +57,16 @@ SpMat fill(const SpMat& W, const Coordinates& to) {
   return out;
 }
 
-/// W~ = (H diag(weight))' (s M)^-1 H diag(weight), in these columns of H; null where M has no factors.
-std::shared_ptr<const DelassusParts> parts_of(const Global& global, const Coordinates& to) {
-  auto inertia = Inertia::of(global.M);
-  if (!inertia) return nullptr;
+/// W~ = (H diag(weight))' (s M)^-1 H diag(weight), in these columns of H.
+std::shared_ptr<const DelassusParts> scaled_parts(const DelassusParts& parts, const Coordinates& to) {
   std::vector<Eigen::Triplet<double>> entries;
-  entries.reserve(at(global.H.nonZeros()));
+  entries.reserve(at(parts.H().nonZeros()));
   for (std::size_t k = 0; k < to.rows.size(); ++k)
-    for (SpMat::InnerIterator it(global.H, to.rows[k]); it; ++it)
+    for (SpMat::InnerIterator it(parts.H(), to.rows[k]); it; ++it)
       entries.emplace_back(static_cast<int>(it.row()), static_cast<int>(k), to.weight[k] * it.value());
-  SpMat H(global.H.rows(), static_cast<Index>(to.rows.size()));
+  SpMat H(parts.H().rows(), static_cast<Index>(to.rows.size()));
   H.setFromTriplets(entries.begin(), entries.end());
-  return std::make_shared<const DelassusParts>(std::move(inertia), to.s, std::move(H));
+  return std::make_shared<const DelassusParts>(parts.shared_inertia(), to.s, std::move(H));
 }
 
 SpMat with_whole_blocks(const SpMat& W, const std::vector<Scaled::Block>& blocks) {
@@ -79,26 +77,6 @@ SpMat with_whole_blocks(const SpMat& W, const std::vector<Scaled::Block>& blocks
     same.weight.push_back(1);
   }
   return fill(W, same);
-}
-
-/// Whether W is what these parts make, by its product with one vector: who changes W may leave the parts as they were.
-bool made_of(const SpMat& W, const DelassusParts& parts, const Coordinates& to) {
-  constexpr double same = 1e-9;
-  const auto size = static_cast<Index>(to.rows.size());
-  Vec r(size);
-  Vec whole = Vec::Zero(W.cols());
-  double largest = 0;
-  for (Index k = 0; k < size; ++k) {
-    r[k] = std::cos(static_cast<double>(k + 1));
-    whole[to.rows[at(k)]] = to.weight[at(k)] * r[k];
-    largest = std::max(largest, parts.near(k, k));
-  }
-  const Vec u = parts.product(r);
-  const Vec given = W * whole;
-  for (Index k = 0; k < size; ++k)
-    if (!(std::abs(u[k] - to.weight[at(k)] * given[to.rows[at(k)]] / to.s) <= same * (largest + std::abs(u[k]))))
-      return false;
-  return true;
 }
 
 }  // namespace
@@ -141,13 +119,12 @@ Scaled scaled(const Problem& problem, bool scale) {
     out.q[k] = to.weight[at(k)] * problem.q[out.rows[at(k)]] / units.velocity;
     out.impulse[k] = units.impulse * to.weight[at(k)];
   }
-  std::shared_ptr<const DelassusParts> parts;
-  if (problem.global && problem.global->G.cols() == 0 && problem.global->H.cols() == d * n)
-    parts = parts_of(*problem.global, to);
-  if (parts && made_of(problem.W, *parts, to))
+  if (problem.W.parts() != nullptr && problem.W.shift() == 0) {
+    const auto parts = scaled_parts(*problem.W.parts(), to);
     out.W = Delassus(parts, [parts, blocks = out.blocks] { return with_whole_blocks(parts->form(), blocks); });
-  else
-    out.W = fill(problem.W, to);
+  } else {
+    out.W = fill(problem.W.matrix(), to);
+  }
   return out;
 }
 

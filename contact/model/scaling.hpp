@@ -24,9 +24,8 @@ struct Scaled {
       return part;
     }
   };
-  /// Square. By its parts, M and H scaled, where the problem came with them, has no bilateral constraints, and W is
-  /// still what they make. Where a column has an entry in the rows of a contact it has them all; it has its own
-  /// contact's.
+  /// Square. By its parts, M and H scaled, where the problem's W is. Where a column has an entry in the rows of a
+  /// contact it has them all; it has its own contact's.
   Delassus W;
   Vec q;
   std::vector<Block> blocks;  ///< one a contact

@@ -3,7 +3,7 @@
 
 namespace perp::contact {
 
-Units Units::of(const SpMat& W, In q) {
+Units Units::of(const Delassus& W, In q) {
   const double largest = q.size() > 0 ? q.lpNorm<Eigen::Infinity>() : 0;
   const double trace = W.diagonal().sum();
   Units units;

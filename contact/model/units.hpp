@@ -15,7 +15,7 @@ struct Units {
 
   /// Units in which nothing changes.
   static Units none() { return {}; }
-  static Units of(const SpMat& W, In q);
+  static Units of(const Delassus& W, In q);
 };
 
 }  // namespace perp::contact

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "contact/model/velocities.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -14,6 +15,10 @@ namespace {
 constexpr double eps = std::numeric_limits<double>::epsilon();
 /// What u may be wrong by, of itself, before its row is added up without rounding.
 constexpr double wanted = 1e-14;
+/// Of Q_a: what u is compared with where it is less, of parts.
+constexpr double least_share = 1e-6;
+/// Roundings of a sum over the contacts of a body, generously.
+constexpr double roundings = 100;
 
 /// Row i of u for those that are asked for.
 void add_exactly(const Problem& problem, In r, const std::vector<char>& asked, Vec& u) {
@@ -25,8 +30,9 @@ void add_exactly(const Problem& problem, In r, const std::vector<char>& asked, V
       rows.push_back(i);
     }
   std::vector<lcp::ExactSum> sums(rows.size());
+  const SpMat& W = problem.W.matrix();
   for (Index j = 0; j < r.size(); ++j)
-    for (SpMat::InnerIterator it(problem.W, j); it; ++it)
+    for (SpMat::InnerIterator it(W, j); it; ++it)
       if (const Index k = place[at(it.row())]; k >= 0) sums[at(k)].add_product(it.value(), r[j]);
   for (std::size_t k = 0; k < rows.size(); ++k) {
     sums[k].add(problem.q[rows[k]]);
@@ -34,16 +40,15 @@ void add_exactly(const Problem& problem, In r, const std::vector<char>& asked, V
   }
 }
 
-}  // namespace
-
-Velocities exact_velocities(const Problem& problem, In r) {
+Velocities by_entries(const Problem& problem, In r) {
   const Index n = problem.q.size();
   Velocities out{.u = problem.q, .terms = problem.q.cwiseAbs()};
   Vec errors = Vec::Zero(n);
   std::vector<int> entries(at(n), 0);
+  const SpMat& W = problem.W.matrix();
   for (Index j = 0; j < n; ++j) {
     if (r[j] == 0) continue;
-    for (SpMat::InnerIterator it(problem.W, j); it; ++it) {
+    for (SpMat::InnerIterator it(W, j); it; ++it) {
       const Index i = it.row();
       const lcp::TwoParts product = lcp::two_product(it.value(), r[j]);
       const lcp::TwoParts sum = lcp::two_sum(out.u[i], product.value);
@@ -68,6 +73,142 @@ Velocities exact_velocities(const Problem& problem, In r) {
   return out;
 }
 
-Vec velocities(const Problem& problem, In r) { return exact_velocities(problem, r).u; }
+/// A sum in twice the working precision.
+class DoubledSum {
+ public:
+  void add(double a) {
+    const lcp::TwoParts sum = lcp::two_sum(value_, a);
+    value_ = sum.value;
+    rest_ += sum.error;
+  }
+  void add_product(double a, double b) {
+    const lcp::TwoParts product = lcp::two_product(a, b);
+    add(product.value);
+    rest_ += product.error;
+  }
+  double value() const { return value_ + rest_; }
+
+ private:
+  double value_ = 0;
+  double rest_ = 0;
+};
+
+/// A vector value + rest, |rest| <= eps |value| entry by entry.
+struct Doubled {
+  Vec value;
+  Vec rest;
+};
+
+template <class Sum>
+Doubled rounded(std::vector<Sum>& sums) {
+  const auto n = static_cast<Index>(sums.size());
+  Doubled out{.value = Vec(n), .rest = Vec(n)};
+  for (Index i = 0; i < n; ++i) {
+    out.value[i] = sums[at(i)].value();
+    sums[at(i)].add(-out.value[i]);
+    out.rest[i] = sums[at(i)].value();
+  }
+  return out;
+}
+
+/// sums += sign A x
+template <class Sum>
+void add_product(const SpMat& A, In x, double sign, std::vector<Sum>& sums) {
+  for (Index j = 0; j < x.size(); ++j) {
+    if (x[j] == 0) continue;
+    for (SpMat::InnerIterator it(A, j); it; ++it) sums[at(it.row())].add_product(it.value(), sign * x[j]);
+  }
+}
+
+/// v = M^-1 p. A correction reduces the error by eps cond(M), generously.
+template <class Sum>
+Doubled inverse(const DelassusParts& parts, const Doubled& p) {
+  Doubled v{.value = parts.inverse(p.value), .rest = Vec::Zero(p.value.size())};
+  const double contraction = 10 * eps / parts.inertia().rcond();
+  const int corrections = static_cast<int>(std::ceil(2 * std::log(eps) / std::log(std::min(contraction, 0.1)))) - 1;
+  for (int k = 0; k < corrections; ++k) {
+    std::vector<Sum> sums(at(p.value.size()));
+    for (Index i = 0; i < p.value.size(); ++i) {
+      sums[at(i)].add(p.value[i]);
+      sums[at(i)].add(p.rest[i]);
+    }
+    add_product(parts.M(), v.value, -1, sums);
+    add_product(parts.M(), v.rest, -1, sums);
+    const Vec correction = parts.inverse(rounded(sums).value);
+    for (Index i = 0; i < correction.size(); ++i) {
+      const lcp::TwoParts rest = lcp::two_sum(v.rest[i], correction[i]);
+      const lcp::TwoParts sum = lcp::two_sum(v.value[i], rest.value);
+      v.value[i] = sum.value;
+      v.rest[i] = sum.error + rest.error;
+    }
+  }
+  return v;
+}
+
+/// H' M^-1 p + w + shift r
+template <class Sum>
+Vec velocities_of(const DelassusParts& parts, const Doubled& p, In w, double shift, In r) {
+  const Doubled v = inverse<Sum>(parts, p);
+  const SpMat& H = parts.H();
+  Vec u(w.size());
+  for (Index i = 0; i < u.size(); ++i) {
+    Sum sum;
+    for (SpMat::InnerIterator it(H, i); it; ++it) {
+      sum.add_product(it.value(), v.value[it.row()]);
+      sum.add_product(it.value(), v.rest[it.row()]);
+    }
+    if (shift != 0) sum.add_product(shift, r[i]);
+    sum.add(w[i]);
+    u[i] = sum.value();
+  }
+  return u;
+}
+
+template <class Sum>
+Vec by_parts(const Problem& problem, In r) {
+  const DelassusParts& parts = *problem.W.parts();
+  std::vector<Sum> sums(at(parts.H().rows()));
+  add_product(parts.H(), r, 1, sums);
+  return velocities_of<Sum>(parts, rounded(sums), problem.q, problem.W.shift(), r);
+}
+
+Velocities by_parts(const Problem& problem, In r, const std::vector<double>& coupled) {
+  const DelassusParts& parts = *problem.W.parts();
+  Velocities out{.u = by_parts<DoubledSum>(problem, r), .terms = {}};
+  const Vec size = r.cwiseAbs();
+  out.terms = parts.shares().transpose() * Vec(parts.shares() * size) + problem.W.shift() * size + problem.q.cwiseAbs();
+  const double rounding = roundings * eps * eps / parts.inertia().rcond();
+  for (Index i = 0; i < r.size(); ++i) {
+    const double compared = std::max(std::abs(out.u[i]), least_share * coupled[at(i / problem.dimension)]);
+    if (std::isfinite(out.u[i]) && rounding * out.terms[i] > wanted * compared) {
+      out.u = by_parts<lcp::ExactSum>(problem, r);
+      break;
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+std::vector<double> coupled_velocities(const Problem& problem) {
+  const int d = problem.dimension;
+  std::vector<double> out(at(problem.contacts()));
+  for (const std::vector<Index>& group : problem.W.groups(d)) {
+    double largest = 0;
+    for (const Index a : group) largest = std::max(largest, problem.q.segment(d * a, d).stableNorm());
+    for (const Index a : group) out[at(a)] = largest;
+  }
+  return out;
+}
+
+Velocities exact_velocities(const Problem& problem, In r, const std::vector<double>& coupled) {
+  return problem.W.parts() != nullptr ? by_parts(problem, r, coupled) : by_entries(problem, r);
+}
+
+Vec exact_velocities(const DelassusParts& parts, In p, In w) {
+  return velocities_of<lcp::ExactSum>(parts, {.value = p, .rest = Vec::Zero(p.size())}, w, 0, w);
+}
+
+Vec velocities(const Problem& problem, In r) { return exact_velocities(problem, r, coupled_velocities(problem)).u; }
 
 }  // namespace perp::contact

@@ -83,7 +83,7 @@ void define_contact(py::module_& module) {
       .def_property_readonly("dimension", [](const contact::Problem& p) { return p.dimension; })
       .def_property_readonly("contacts", &contact::Problem::contacts)
       .def_property_readonly("name", [](const contact::Problem& p) { return p.name; })
-      .def_property_readonly("W", [](const contact::Problem& p) { return scipy_of(p.W); })
+      .def_property_readonly("W", [](const contact::Problem& p) { return scipy_of(p.W.matrix()); })
       .def_property_readonly("q", [](const contact::Problem& p) { return array_of(p.q); })
       .def_property_readonly("mu", [](const contact::Problem& p) { return array_of(p.mu); })
       .def("solve", &solve, py::arg("variant"), py::arg("options"))

@@ -132,7 +132,7 @@ TEST(ContactFaults, Scenes) {
       Outcome outcome;
       outcome.out_of_memory = !attempt(k, [&] { problem = contact::make_scene(name, 12).problem(); });
       std::ostringstream all;
-      all << std::hexfloat << lcp::SpMat(problem.W) << problem.q.transpose() << problem.mu.transpose();
+      all << std::hexfloat << lcp::SpMat(problem.W.matrix()) << problem.q.transpose() << problem.mu.transpose();
       outcome.all = all.str();
       static std::string usual;
       static std::string of;

@@ -93,7 +93,7 @@ struct Contact {
   contact::Problem problem{};
   void print(std::ostream& out) const {
     out << problem.name;
-    faults::print(out, problem.W);
+    faults::print(out, problem.W.matrix());
     faults::print(out, problem.q);
     faults::print(out, problem.mu);
   }

@@ -122,17 +122,23 @@ std::string own_text(const Problem& problem, const Run& run) {
       what, count(run.unknowns, "unknown"), metric(run.own), metric(run.residual.siconos));
 }
 
+std::string W_text(const contact::Delassus& W) {
+  const auto rows = static_cast<double>(W.rows());
+  if (!W.formed())
+    return fmt::format("W = H' M^-1 H, not formed: {} rows, {} velocities of bodies", W.rows(), W.parts()->H().rows());
+  const Index nonzeros = W.matrix().nonZeros();
+  return fmt::format("W: {} rows, {} nonzeros ({} %)", W.rows(), nonzeros,
+                     number(100 * static_cast<double>(nonzeros) / std::max(1.0, rows * rows), 3));
+}
+
 }  // namespace
 
 void print_heading(std::ostream& out, const Loaded& loaded, const Variant& variant, double tol) {
   const Problem& problem = loaded.problem;
-  const auto rows = static_cast<double>(problem.q.size());
   out << fmt::format("{}: {} in {} dimensions, mu {}\n", loaded.label, count(problem.contacts(), "contact"),
                      problem.dimension, range_text(problem.mu));
   const contact::Facts facts = contact::facts(problem, {.dense_limit = dense_limit});
-  std::string text =
-      fmt::format("W: {} rows, {} nonzeros ({} %)", problem.q.size(), problem.W.nonZeros(),
-                  number(100 * static_cast<double>(problem.W.nonZeros()) / std::max(1.0, rows * rows), 3));
+  std::string text = W_text(problem.W);
   text += facts.asymmetry < symmetric ? ", symmetric" : fmt::format(", asymmetric by {}", number(facts.asymmetry, 2));
   if (facts.known && facts.rank < problem.q.size())
     text += fmt::format(", rank {}: contacts are redundant, impulses need not be unique", facts.rank);
@@ -140,7 +146,7 @@ void print_heading(std::ostream& out, const Loaded& loaded, const Variant& varia
     text += ", of full rank";
   if (facts.parts > 1) text += fmt::format("; {} groups of contacts that do not act on each other", facts.parts);
   out << text << '\n';
-  if (problem.global)
+  if (problem.global && problem.W.formed())
     out << fmt::format("condensed from {} velocities{}\n", problem.global->M.rows(),
                        problem.global->b.size() > 0
                            ? fmt::format(" and {}", count(problem.global->b.size(), "bilateral constraint"))

@@ -93,8 +93,8 @@ TEST(Forces, UnsolvedIsSaidInThePicture) {
 TEST(Forces, ManyContacts) {
   Loaded many{"many", {}};
   const auto n = static_cast<int>(most_drawn) + 5;
-  many.problem.W.resize(3 * n, 3 * n);
-  many.problem.W.setIdentity();
+  many.problem.W.given().resize(3 * n, 3 * n);
+  many.problem.W.given().setIdentity();
   many.problem.q = lcp::Vec::Zero(3 * n);
   for (int a = 0; a < n; ++a) many.problem.q[3 * a] = -1 - 1e-3 * a;
   many.problem.mu = lcp::Vec::Constant(n, 0.5);

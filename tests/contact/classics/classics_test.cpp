@@ -95,11 +95,11 @@ TEST(Classics, LocalSolversObeyTheLaw) {
   for (const int dimension : {2, 3})
     for (int k = 0; k < 300; ++k) {
       Problem problem = solvable_problem(dimension, 1, 6, random);
-      support::Dense W = support::Dense(problem.W);
+      support::Dense W = support::Dense(problem.W.matrix());
       W += 0.02 * W.norm() * support::Dense::Identity(dimension, dimension);
       W(0, dimension - 1) *= 1.03;
       problem.W = W.sparseView();
-      problem.W.makeCompressed();
+      problem.W.given().makeCompressed();
       const Scaled s = scaled(problem);
       for (const LocalSolver local : {LocalSolver::Newton, LocalSolver::Cases}) {
         Vec r = Vec::Zero(s.size());
@@ -214,7 +214,7 @@ TEST(Classics, NothingThatIsNotFiniteGetsOut) {
   large.q *= 1e200;
   Problem none{.dimension = 3, .W = SpMat(0, 0), .q = Vec(0), .mu = Vec(0)};
   Problem still = make_scene("stack", 5).problem();
-  still.W *= 0;
+  still.W.given() *= 0;
   for (const MethodEntry& entry : classics())
     for (const Problem* problem : {&huge, &large, &none, &still}) {
       Result result;

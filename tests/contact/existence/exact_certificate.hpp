@@ -19,8 +19,8 @@ inline ExactProduct exact_product(const Problem& problem, const Vec& y) {
   const int d = problem.dimension;
   ExactProduct out;
   out.g.resize(static_cast<std::size_t>(problem.q.size()));
-  for (Index j = 0; j < problem.W.outerSize(); ++j)
-    for (SpMat::InnerIterator it(problem.W, j); it; ++it)
+  for (Index j = 0; j < problem.W.matrix().outerSize(); ++j)
+    for (SpMat::InnerIterator it(problem.W.matrix(), j); it; ++it)
       if (it.row() % d == 0) out.g[static_cast<std::size_t>(j)] += mpq_class(it.value()) * mpq_class(y[it.row() / d]);
   for (Index a = 0; a < y.size(); ++a) out.approach += mpq_class(problem.q[d * a]) * mpq_class(y[a]);
   return out;
@@ -72,8 +72,8 @@ inline double exact_radius(const Problem& problem, const Vec& y) {
 inline bool exactly_inside(const Problem& problem, const Vec& r) {
   std::vector<mpq_class> u;
   for (const double q : problem.q) u.emplace_back(q);
-  for (Index j = 0; j < problem.W.outerSize(); ++j)
-    for (SpMat::InnerIterator it(problem.W, j); it; ++it)
+  for (Index j = 0; j < problem.W.matrix().outerSize(); ++j)
+    for (SpMat::InnerIterator it(problem.W.matrix(), j); it; ++it)
       u[static_cast<std::size_t>(it.row())] += mpq_class(it.value()) * mpq_class(r[j]);
   const int d = problem.dimension;
   for (Index a = 0; a < problem.contacts(); ++a) {
@@ -90,8 +90,8 @@ inline bool exactly_inside(const Problem& problem, const Vec& r) {
 inline bool exactly_semidefinite(const Problem& problem, double shift) {
   const auto m = static_cast<std::size_t>(problem.q.size());
   std::vector<std::vector<mpq_class>> A(m, std::vector<mpq_class>(m));
-  for (Index j = 0; j < problem.W.outerSize(); ++j)
-    for (SpMat::InnerIterator it(problem.W, j); it; ++it)
+  for (Index j = 0; j < problem.W.matrix().outerSize(); ++j)
+    for (SpMat::InnerIterator it(problem.W.matrix(), j); it; ++it)
       A[static_cast<std::size_t>(it.row())][static_cast<std::size_t>(j)] += mpq_class(it.value());
   for (std::size_t i = 0; i < m; ++i) {
     for (std::size_t j = 0; j < m; ++j)

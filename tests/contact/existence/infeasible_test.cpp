@@ -90,11 +90,11 @@ TEST(Infeasible, RadiusIsALowerBound) {
   for (int k = 0; k < 4000; ++k) {
     const int d = random.integer(2, 3);
     Problem problem = solvable_problem(d, random.integer(1, 4), random.integer(1, 8), random, 0.2);
-    problem.W *= std::ldexp(1.0, random.integer(-300, 300));
+    problem.W.given() *= std::ldexp(1.0, random.integer(-300, 300));
     problem.q *= std::ldexp(1.0, random.integer(-300, 300));
     for (double& mu : problem.mu) mu *= std::pow(10.0, random.integer(-8, 8));
     Vec y = Vec::NullaryExpr(problem.contacts(), [&] { return random.chance(0.3) ? 0 : random.uniform(0, 2); });
-    if (random.chance(0.5)) problem.W = -problem.W;
+    if (random.chance(0.5)) problem.W = SpMat(-problem.W.matrix());
     if (random.chance(0.5)) problem.q = -problem.q.cwiseAbs();
     const double exact = exact_radius(problem, y);
     const double claimed = infeasibility_radius(problem, y);
@@ -118,10 +118,10 @@ TEST(Infeasible, TheBorderIsExact) {
     Problem problem = one_contact(vec({-1, 0, 0}), 0.5);
     problem.W = scale * matrix({{-2.5, 3, 4}, {0, 1, 0}, {0, 0, 1}});
     EXPECT_EQ(infeasibility_radius(problem, vec({1})), lcp::infinity) << scale;
-    problem.W.coeffRef(0, 0) = scale * std::nextafter(-2.5, 0);
+    problem.W.given().coeffRef(0, 0) = scale * std::nextafter(-2.5, 0);
     EXPECT_LT(infeasibility_radius(problem, vec({1})), lcp::infinity) << scale;
     EXPECT_LE(infeasibility_radius(problem, vec({1})), exact_radius(problem, vec({1}))) << scale;
-    problem.W.coeffRef(0, 0) = scale * std::nextafter(-2.5, -3);
+    problem.W.given().coeffRef(0, 0) = scale * std::nextafter(-2.5, -3);
     EXPECT_EQ(infeasibility_radius(problem, vec({1})), lcp::infinity) << scale;
   }
 }
@@ -143,9 +143,9 @@ TEST(Infeasible, WhatProvesNothing) {
   EXPECT_TRUE(solve(solvable_though_column_zero()).solved());
   // A radius beyond 1e12 that is no rounding: r_N = (1, 1e20) solves it.
   Problem far = plane(SpMat(4, 4), vec({-1, 0, -1, 0}), vec({0, 0}));
-  far.W.coeffRef(0, 0) = 1;
-  far.W.coeffRef(2, 2) = 1e-20;
-  far.W.makeCompressed();
+  far.W.given().coeffRef(0, 0) = 1;
+  far.W.given().coeffRef(2, 2) = 1e-20;
+  far.W.given().makeCompressed();
   EXPECT_GT(infeasibility_radius(far, vec({0, 1})), 1e19);
   EXPECT_FALSE(proves_infeasible(far, vec({0, 1})));
   EXPECT_FALSE(find_infeasibility(far).has_value());
@@ -161,8 +161,8 @@ TEST(Infeasible, NeverOfSolvableProblems) {
     const Index n = random.integer(1, 8);
     Problem problem = solvable_problem(d, n, random.integer(1, static_cast<int>(d * n)), random, 0.3);
     if (random.chance(0.5)) {  // r sticks or is zero, u = 0 or inside: a solution for any W
-      for (Index j = 0; j < problem.W.outerSize(); ++j)
-        for (SpMat::InnerIterator it(problem.W, j); it; ++it) it.valueRef() *= random.uniform(0.5, 2);
+      for (Index j = 0; j < problem.W.matrix().outerSize(); ++j)
+        for (SpMat::InnerIterator it(problem.W.given(), j); it; ++it) it.valueRef() *= random.uniform(0.5, 2);
       Vec r = Vec::Zero(d * n);
       Vec u = Vec::Zero(d * n);
       for (Index a = 0; a < n; ++a) {
@@ -173,9 +173,9 @@ TEST(Infeasible, NeverOfSolvableProblems) {
       }
       problem.q = u - problem.W * r;
     }
-    for (Index j = 0; j < problem.W.outerSize(); ++j) {  // units of each contact
+    for (Index j = 0; j < problem.W.matrix().outerSize(); ++j) {  // units of each contact
       const double unit = std::ldexp(1.0, static_cast<int>(j / d) * (k % 5) * 3);
-      for (SpMat::InnerIterator it(problem.W, j); it; ++it)
+      for (SpMat::InnerIterator it(problem.W.given(), j); it; ++it)
         it.valueRef() *= unit * std::ldexp(1.0, static_cast<int>(it.row() / d) * (k % 5) * 3);
     }
     for (Index i = 0; i < problem.q.size(); ++i) problem.q[i] *= std::ldexp(1.0, static_cast<int>(i / d) * (k % 5) * 3);
@@ -212,7 +212,7 @@ TEST(Infeasible, TurnedWallsToRounding) {
     Problem problem{.dimension = 3, .W = {}, .q = Vec::Zero(12), .mu = Vec::Constant(4, 0.3)};
     support::Dense W = H.transpose() * H / random.uniform(0.1, 10);
     problem.W = W.sparseView();
-    problem.W.makeCompressed();
+    problem.W.given().makeCompressed();
     test::unsolvable::set_velocities(problem, vec({1, 1, 0, 0}), random);
     const std::optional<Infeasible> found = find_infeasibility(problem);
     proven += found ? 1 : 0;
@@ -232,13 +232,13 @@ TEST(Infeasible, OneSqueezedBodyAmongThousands) {
   const Index before = scene.q.size();
   std::vector<Eigen::Triplet<double>> entries;
   for (Index j = 0; j < before; ++j)
-    for (SpMat::InnerIterator it(scene.W, j); it; ++it)
+    for (SpMat::InnerIterator it(scene.W.matrix(), j); it; ++it)
       entries.emplace_back(static_cast<int>(it.row()), static_cast<int>(j), it.value());
   const auto N = static_cast<int>(before);
   for (const auto& [i, j, value] : {std::tuple{0, 0, 1.0}, {3, 3, 1.0}, {0, 3, -1.0}, {3, 0, -1.0}})
     entries.emplace_back(N + i, N + j, value);
   problem.W = SpMat(before + 6, before + 6);
-  problem.W.setFromTriplets(entries.begin(), entries.end());
+  problem.W.given().setFromTriplets(entries.begin(), entries.end());
   problem.q.conservativeResize(before + 6);
   problem.q.tail(6) << -1, 0, 0, 0, 0.5, 0;
   problem.mu.conservativeResize(problem.mu.size() + 2);

@@ -109,7 +109,7 @@ inline void append_solvable(Problem& problem, Vec& y, Random& random) {
   const Index before = problem.q.size();
   const Index more = random.integer(1, 3);
   Dense W = Dense::Zero(before + d * more, before + d * more);
-  W.topLeftCorner(before, before) = Dense(problem.W);
+  W.topLeftCorner(before, before) = Dense(problem.W.matrix());
   W.bottomRightCorner(d * more, d * more).diagonal().setConstant(power(random, 3));
   Vec q(before + d * more);
   q.head(before) = problem.q;
@@ -120,7 +120,7 @@ inline void append_solvable(Problem& problem, Vec& y, Random& random) {
   y.conservativeResize(mu.size());
   y.tail(more).setZero();
   problem.W = W.sparseView();
-  problem.W.makeCompressed();
+  problem.W.given().makeCompressed();
   problem.q = q;
   problem.mu = mu;
 }
@@ -163,7 +163,7 @@ inline Unsolvable make_unsolvable(int k, Random& random) {
         for (Index i = 0; i < d * n; ++i)
           if (i / d != still) W(i, i) = power(random, 4);
       problem.W = W.sparseView();
-      problem.W.makeCompressed();
+      problem.W.given().makeCompressed();
       out.y = Vec::Unit(n, still);
       break;
     }
@@ -209,7 +209,7 @@ inline Unsolvable make_unsolvable(int k, Random& random) {
       out.y[used - 1] = 1;
       push_into_cone(W, problem, out.y, used - 1, border, random);
       problem.W = W.sparseView();
-      problem.W.makeCompressed();
+      problem.W.given().makeCompressed();
       break;
     }
     case 7: {  // contact a pushes bodies a - 1 and a apart; the first and the last are walls

@@ -38,12 +38,12 @@ const std::string global_2d = "2 1\n0 2 2\n2 2\n2 0 0 4\n0 2 2\n2 2\n1 2 3 4\n2 
 TEST(DatFile, Dense) {
   const Problem p = parse_dat(local_2d, "x.dat");
   EXPECT_EQ(p.dimension, 2);
-  EXPECT_EQ(Dense(p.W), (Dense(2, 2) << 1, 3, 2, 4).finished());
+  EXPECT_EQ(Dense(p.W.matrix()), (Dense(2, 2) << 1, 3, 2, 4).finished());
   EXPECT_EQ(p.q, vec({-5, 6}));
   EXPECT_EQ(p.mu, vec({0.25}));
   EXPECT_EQ(p.name, "x.dat");
   EXPECT_FALSE(p.global);
-  EXPECT_EQ(Dense(parse_dat(local_2d + "1", "x").W), Dense(p.W));  // the flag
+  EXPECT_EQ(Dense(parse_dat(local_2d + "1", "x").W.matrix()), Dense(p.W.matrix()));  // the flag
   EXPECT_EQ(parse_dat("3 0 0 0 0 0 0", "x").contacts(), 0);
 }
 
@@ -52,19 +52,19 @@ TEST(DatFile, Blocks) {
   const Problem p = parse_dat(blocks_2d, "x.dat");
   Dense W(4, 4);
   W << 1, 3, 5, 7, 2, 4, 6, 8, 0, 0, 9, 0, 0, 0, 10, 12;
-  EXPECT_EQ(Dense(p.W), W);
-  EXPECT_EQ(p.W.nonZeros(), 11);
+  EXPECT_EQ(Dense(p.W.matrix()), W);
+  EXPECT_EQ(p.W.matrix().nonZeros(), 11);
   EXPECT_EQ(p.q, vec({-1, -2, -3, -4}));
   // Trailing empty block rows may be left out of the list of starts.
   const Problem q = parse_dat("2 2 1 4 4 1 2 2\n2 4\n2 4\n2 1\n0 1\n1\n0 1 2 3 4\n-1 -2 -3 -4\n0.5 0.25", "x");
-  EXPECT_EQ(Dense(q.W).topRightCorner(2, 2), (Dense(2, 2) << 1, 3, 2, 4).finished());
-  EXPECT_EQ(q.W.nonZeros(), 4);
+  EXPECT_EQ(Dense(q.W.matrix()).topRightCorner(2, 2), (Dense(2, 2) << 1, 3, 2, 4).finished());
+  EXPECT_EQ(q.W.matrix().nonZeros(), 4);
 }
 
 // W = H' M^-1 H, q = H' M^-1 f + w by hand.
 TEST(DatFile, Global) {
   const Problem p = parse_dat(global_2d, "x.dat");
-  EXPECT_TRUE(Dense(p.W).isApprox((Dense(2, 2) << 1.5, 3.5, 3.5, 8.5).finished(), 1e-15));
+  EXPECT_TRUE(Dense(p.W.matrix()).isApprox((Dense(2, 2) << 1.5, 3.5, 3.5, 8.5).finished(), 1e-15));
   EXPECT_TRUE(p.q.isApprox(vec({13, 27}), 1e-15));
   ASSERT_TRUE(p.global);
   EXPECT_EQ(p.global->f, vec({2, 4}));
@@ -76,7 +76,7 @@ TEST(DatFile, RecordedStoragesAgree) {
   SKIP_WITHOUT_RECORDED_PROBLEMS();
   const Problem dense = recorded("FC3D_Example1.dat");
   const Problem blocks = recorded("FC3D_Example1_SBM.dat");
-  EXPECT_EQ(Dense(dense.W), Dense(blocks.W));
+  EXPECT_EQ(Dense(dense.W.matrix()), Dense(blocks.W.matrix()));
   EXPECT_EQ(dense.q, blocks.q);
   EXPECT_EQ(dense.mu, blocks.mu);
 }

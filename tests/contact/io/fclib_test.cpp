@@ -36,7 +36,7 @@ TEST(Fclib, Local) {
   file["/fclib_local/W/x"] = Doubles{2, 7, 1, 3, 0, 0};
   const Fclib f = parse(file);
   EXPECT_EQ(f.problem.dimension, 2);
-  EXPECT_EQ(Dense(f.problem.W), dense({2, 7, 1, 3}));
+  EXPECT_EQ(Dense(f.problem.W.matrix()), dense({2, 7, 1, 3}));
   EXPECT_EQ(f.problem.q, vec({-1, 4}));
   EXPECT_EQ(f.problem.mu, vec({0.5}));
   EXPECT_EQ(f.problem.name, "x.hdf5");
@@ -54,7 +54,7 @@ TEST(Fclib, CompressedColumns) {
   Datasets file = small_local();
   file["/fclib_local/W/nz"] = Ints{-1};
   file["/fclib_local/W/x"] = Doubles{2, 7, 1, 3, 0, 0};
-  EXPECT_EQ(Dense(parse(file).problem.W), dense({2, 1, 7, 3}));
+  EXPECT_EQ(Dense(parse(file).problem.W.matrix()), dense({2, 1, 7, 3}));
 }
 
 // p is the column, i the row, whatever the library's header says; equal places add up.
@@ -63,7 +63,7 @@ TEST(Fclib, Triplets) {
   ASSERT_TRUE(p.global);
   EXPECT_EQ(Dense(p.global->H), dense({1, 3, 2, 4}));
   EXPECT_EQ(Dense(p.global->M), dense({2, 0, 0, 4}));
-  EXPECT_TRUE(Dense(p.W).isApprox(dense({1.5, 3.5, 3.5, 8.5}), 1e-15));
+  EXPECT_TRUE(Dense(p.W.matrix()).isApprox(dense({1.5, 3.5, 3.5, 8.5}), 1e-15));
   EXPECT_TRUE(p.q.isApprox(vec({13, 27}), 1e-15));
 }
 
@@ -80,7 +80,7 @@ TEST(Fclib, GlobalWithConstraints) {
   file["/fclib_global/vectors/b"] = Doubles{-3};
   file["/solution/l"] = Doubles{7};
   const Fclib f = parse(file);
-  EXPECT_TRUE(Dense(f.problem.W).isApprox(dense({1, 2, 2, 4}), 1e-14));
+  EXPECT_TRUE(Dense(f.problem.W.matrix()).isApprox(dense({1, 2, 2, 4}), 1e-14));
   EXPECT_TRUE(f.problem.q.isApprox(vec({15, 33}), 1e-14));
   EXPECT_EQ(f.solution->l, vec({7}));
 }
@@ -100,7 +100,7 @@ TEST(Fclib, LocalWithConstraints) {
   }
   file["/fclib_local/vectors/s"] = Doubles{6};
   const Problem p = parse(file).problem;
-  EXPECT_TRUE(Dense(p.W).isApprox(dense({2.5, 1, 1, 3}), 1e-15));
+  EXPECT_TRUE(Dense(p.W.matrix()).isApprox(dense({2.5, 1, 1, 3}), 1e-15));
   EXPECT_TRUE(p.q.isApprox(vec({2, 4}), 1e-15));
   file["/fclib_local/R/x"] = Doubles{0};
   EXPECT_THROW(parse(file), FileError);
@@ -119,7 +119,7 @@ TEST(Fclib, OtherTypesAndLayouts) {
     raw.write("/fclib_local/vectors/q", Doubles{-1, 4}, Storage::Compact);
   }
   const Problem p = read_fclib(folder / "a.hdf5").problem;
-  EXPECT_EQ(Dense(p.W), dense({2, 1, 1, 3}));
+  EXPECT_EQ(Dense(p.W.matrix()), dense({2, 1, 1, 3}));
   EXPECT_EQ(p.q, vec({-1, 4}));
   EXPECT_EQ(p.mu, vec({0.5}));
 }
@@ -289,9 +289,9 @@ TEST(Fclib, WritesWhatItReads) {
     const Index n = k / 5;
     const Index rows = f.problem.dimension * n;
     f.problem.W = support::from(rows, support::scatter(rows, 2, random));
-    if (f.problem.W.nonZeros() > 2) {
-      f.problem.W.valuePtr()[0] = -0.0;
-      f.problem.W.valuePtr()[1] = 5e-324;
+    if (f.problem.W.matrix().nonZeros() > 2) {
+      f.problem.W.given().valuePtr()[0] = -0.0;
+      f.problem.W.given().valuePtr()[1] = 5e-324;
     }
     f.problem.q = random.normals(rows);
     f.problem.mu = random.normals(n).cwiseAbs();
@@ -302,7 +302,7 @@ TEST(Fclib, WritesWhatItReads) {
     write_fclib(folder / "a.hdf5", f);
     const Fclib g = read_fclib(folder / "a.hdf5");
     EXPECT_EQ(g.problem.dimension, f.problem.dimension);
-    expect_same(g.problem.W, f.problem.W);
+    expect_same(g.problem.W.matrix(), f.problem.W.matrix());
     expect_same(g.problem.q, f.problem.q);
     expect_same(g.problem.mu, f.problem.mu);
     EXPECT_EQ(g.title, f.title);
@@ -328,7 +328,7 @@ TEST(Fclib, WritesGlobalProblems) {
   expect_same(p.global->H, f.problem.global->H);
   expect_same(p.global->f, f.problem.global->f);
   expect_same(p.global->w, f.problem.global->w);
-  expect_same(p.W, f.problem.W);
+  expect_same(p.W.matrix(), f.problem.W.matrix());
   write_fclib(folder / "a.hdf5", f, FclibForm::Local);
   EXPECT_FALSE(read_fclib(folder / "a.hdf5").problem.global);
 }
@@ -342,7 +342,7 @@ TEST(Fclib, WritesRecordedProblems) {
     const Problem p = recorded(name);
     write_fclib(folder / "a.hdf5", {.problem = p});
     const Problem q = read_fclib(folder / "a.hdf5").problem;
-    expect_same(q.W, p.W);
+    expect_same(q.W.matrix(), p.W.matrix());
     expect_same(q.q, p.q);
     EXPECT_EQ(q.global != nullptr, p.global != nullptr);
   }

@@ -37,7 +37,7 @@ inline Problem random_problem(std::mt19937& random, Index contacts, int dimensio
             .mu = Vec(contacts)};
   for (Index i = 0; i < n; ++i) p.q[i] = normal(random);
   for (Index a = 0; a < contacts; ++a) p.mu[a] = a % 4 == 3 ? 0 : uniform(random);
-  p.W.makeCompressed();
+  p.W.given().makeCompressed();
   return p;
 }
 

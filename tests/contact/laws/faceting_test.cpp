@@ -63,7 +63,7 @@ TEST(Faceting, ImpulsesFollowTheUnits) {
   std::mt19937 random(29);
   const Problem p = random_problem(random, 6, 3, 18, 0.5);
   Problem other = p;
-  other.W = p.W * 1e-3;
+  other.W = p.W.matrix() * 1e-3;
   other.q = p.q * 1e3;
   const Polygons polygons{Polygon::inscribed(6, 0.2)};
   for (const Form form : {Form::Mixed, Form::Reduced}) {

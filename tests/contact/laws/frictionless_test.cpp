@@ -37,7 +37,7 @@ TEST(Frictionless, IsTheLcpOfTheNormalRows) {
   std::mt19937 random(7);
   const Problem p = random_problem(random, 4, 3, 12, 0.1);
   const Frictionless form(p, {.scaled = false});
-  const support::Dense W = p.W;
+  const support::Dense W = p.W.matrix();
   const support::Dense M = form.affine().M;
   for (Index a = 0; a < 4; ++a) {
     EXPECT_EQ(form.affine().q[a], p.q[3 * a]);

@@ -20,7 +20,7 @@ inline Problem solvable_problem(int dimension, Index contacts, Index m, Random& 
       if (random.chance(0.5)) H(i, j) = random.normal();
   Problem problem{.dimension = dimension, .W = {}, .q = H.transpose() * random.normals(m), .mu = Vec(contacts)};
   problem.W = support::Dense(H.transpose() * H).sparseView();
-  problem.W.makeCompressed();
+  problem.W.given().makeCompressed();
   for (Index a = 0; a < contacts; ++a) {
     problem.mu[a] = random.chance(frictionless) ? 0 : random.uniform(0.1, 1);
     problem.q[dimension * a] += random.uniform(0.01, 0.5);
@@ -33,7 +33,7 @@ inline Problem solvable_problem(int dimension, Index contacts, Index m, Random& 
 /// -mu r_N q_T / |q_T|, for u_T is along q_T.
 inline Problem one_contact(const Vec& q, double mu) {
   Problem problem{.dimension = static_cast<int>(q.size()), .W = SpMat(q.size(), q.size()), .q = q, .mu = Vec(1)};
-  problem.W.setIdentity();
+  problem.W.given().setIdentity();
   problem.mu[0] = mu;
   return problem;
 }

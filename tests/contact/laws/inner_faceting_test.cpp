@@ -20,7 +20,7 @@ TEST(InnerFaceting, ReducedFormIsEquation25) {
   const Polygon triangle = Polygon::inscribed(3, 0.4);
   const auto& D = triangle.vertices();
   const InnerFaceting form(p, {triangle}, {.scaled = false});
-  const support::Dense W = p.W;
+  const support::Dense W = p.W.matrix();
   support::Dense expected = support::Dense::Zero(5, 5);
   expected(0, 0) = W(0, 0);
   expected.block(0, 1, 1, 3) = W.block(0, 1, 1, 2) * D;
@@ -94,7 +94,7 @@ TEST(InnerFaceting, MixedFormKeepsW) {
   const Problem p = random_problem(random, 10, 3, 30, 1);
   const InnerFaceting mixed(p, {Polygon::inscribed(32)}, {.form = Form::Mixed});
   const Index frictional = (p.mu.array() > 0).count();
-  EXPECT_LE(mixed.affine().M.nonZeros(), p.W.nonZeros() + frictional * (6 * 32 + 5));
+  EXPECT_LE(mixed.affine().M.nonZeros(), p.W.matrix().nonZeros() + frictional * (6 * 32 + 5));
 }
 
 }  // namespace

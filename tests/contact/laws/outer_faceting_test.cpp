@@ -21,7 +21,7 @@ TEST(OuterFaceting, MixedFormIsEquation20) {
   const OuterFaceting form(p, {square}, {.form = Form::Mixed, .scaled = false});
   ASSERT_EQ(form.affine().size(), 7);
   support::Dense expected = support::Dense::Zero(7, 7);
-  expected.topLeftCorner(3, 3) = p.W;
+  expected.topLeftCorner(3, 3) = p.W.matrix();
   expected.block(1, 3, 2, 4) = square.normals();
   expected.block(3, 1, 4, 2) = -square.normals().transpose();
   expected.block(3, 0, 4, 1).setConstant(0.5);

@@ -68,7 +68,7 @@ TEST(Condense, IsTheDenseElimination) {
     const Vec v = K.fullPivLu().solve(rhs).head(m);
     const Vec u = g.H.transpose() * v + g.w;
     EXPECT_LE((p.W * r + p.q - u).norm(), 1e-10 * (1 + u.norm() + v.norm()));
-    EXPECT_LE(Dense(p.W - SpMat(p.W.transpose())).norm(), 0);
+    EXPECT_LE(Dense(p.W.matrix() - SpMat(p.W.matrix().transpose())).norm(), 0);
     EXPECT_LE((g.G.transpose() * v + g.b).norm(), 1e-10 * (1 + v.norm()));
   }
 }
@@ -94,9 +94,9 @@ TEST(Condense, IsSparse) {
   g.f = Vec::Ones(3 * bodies);
   g.w = Vec::Zero(3 * (bodies - 1));
   const Problem p = condense(g, Vec::Ones(bodies - 1));
-  EXPECT_LE(p.W.nonZeros(), 9 * 3 * (bodies - 1));
+  EXPECT_LE(p.W.matrix().nonZeros(), 9 * 3 * (bodies - 1));
   const SpMat W = g.H.transpose() * SpMat(Vec(Vec(g.M.diagonal()).cwiseInverse()).asDiagonal() * g.H);
-  EXPECT_LE((p.W - W).norm(), 1e-14 * W.norm());
+  EXPECT_LE((p.W.matrix() - W).norm(), 1e-14 * W.norm());
 }
 
 // Badly scaled inertia (mm and t beside m and kg) is no singular one.

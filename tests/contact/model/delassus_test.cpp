@@ -62,6 +62,34 @@ TEST(Delassus, TellsWhatIsCoupled) {
   EXPECT_LT(std::count(by_bodies.begin(), by_bodies.end(), 1), static_cast<std::ptrdiff_t>(by_bodies.size()) / 2);
 }
 
+// Two walls side by side. Catches groups that follow the entries of W alone, or that lose a contact.
+TEST(Delassus, GroupsAreThoseOfTheBodies) {
+  const Problem wall = make_scene("wall", 30).problem();
+  const Index n = wall.contacts();
+  const auto twice = [](const SpMat& A) {
+    Dense out = Dense::Zero(2 * A.rows(), 2 * A.cols());
+    out.topLeftCorner(A.rows(), A.cols()) = out.bottomRightCorner(A.rows(), A.cols()) = Dense(A);
+    return support::sparse(out);
+  };
+  const Global& one = *wall.global;
+  const Index m = one.M.rows();
+  const Problem two = condense({.M = twice(one.M),
+                                .H = twice(one.H),
+                                .G = SpMat(2 * m, 0),
+                                .f = one.f.replicate(2, 1),
+                                .w = one.w.replicate(2, 1),
+                                .b = Vec(0)},
+                               Vec::Constant(2 * n, 0.5));
+  const std::vector<std::vector<Index>> groups = two.W.groups(3);
+  ASSERT_EQ(groups.size(), 2);
+  for (Index a = 0; a < n; ++a) {
+    EXPECT_EQ(groups[0][at(a)], a);
+    EXPECT_EQ(groups[1][at(a)], n + a);
+  }
+  EXPECT_FALSE(two.W.formed());
+  EXPECT_EQ(Delassus(SpMat(two.W.matrix())).groups(3), groups);
+}
+
 // Of an M that is not symmetric, or not positive definite, W has no parts and its entries serve.
 TEST(Delassus, OtherInertiaHasNoFactors) {
   EXPECT_EQ(Inertia::of(support::matrix({{2, 1}, {0, 2}})), nullptr);
@@ -86,7 +114,7 @@ TEST(Delassus, ChangedEntriesAreNotThoseOfTheParts) {
   Q.setIdentity();
   Q.coeffRef(4, 4) = Q.coeffRef(5, 5) = 0;
   Q.coeffRef(4, 5) = Q.coeffRef(5, 4) = 1;
-  problem.W = SpMat(Q * problem.W * Q).pruned();
+  problem.W = SpMat(Q * problem.W.matrix() * Q).pruned();
   const Scaled coordinates = scaled(problem);
   EXPECT_EQ(coordinates.W.parts(), nullptr);
   const Vec r = Vec::Ones(problem.q.size());

@@ -48,7 +48,7 @@ TEST(ContactProblem, Check) {
   EXPECT_THAT(why_not(p), testing::StartsWith("contact problem: W is 4 x 3, not 4 x 4"));
   p = good();
   p.W = SpMat(4, 4);
-  p.W.insert(0, 0) = 1;
+  p.W.given().insert(0, 0) = 1;
   EXPECT_EQ(why_not(p), "contact problem: W is not compressed");
   p = good();
   p.q = vec({1, 2, 3});
@@ -57,7 +57,7 @@ TEST(ContactProblem, Check) {
   p.q[3] = NAN;
   EXPECT_EQ(why_not(p), "contact problem: q is nan at contact 1, component T1 (entry 3)");
   p = good();
-  p.W.coeffRef(2, 2) = INFINITY;
+  p.W.given().coeffRef(2, 2) = INFINITY;
   EXPECT_EQ(why_not(p), "contact problem: W(2, 2) is inf, in the column of contact 1, component N (entry 2)");
   p = good();
   p.mu[1] = -0.1;

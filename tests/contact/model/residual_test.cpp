@@ -188,7 +188,7 @@ TEST(Residual, ScaledIsFreeOfUnits) {
     const double a = std::exp(random.uniform(-20, 20));
     const double b = std::exp(random.uniform(-20, 20));
     Problem other = p;
-    other.W = p.W * (b / a);
+    other.W = p.W.matrix() * (b / a);
     other.q = p.q * b;
     const Residual e = residual(p, r);
     const Residual f = residual(other, a * r);
@@ -294,7 +294,7 @@ TEST(Accepted, DoesNotDependOnUnits) {
   for (const double mass : {1e-12, 1e-6, 1.0, 1e3, 1e6})
     for (const double time : {1e-6, 1.0, 1e6}) {
       const auto verdict = [&](Problem p, const Vec& r) {
-        p.W /= mass;
+        p.W.given() /= mass;
         p.q *= time;
         return accepted(residual(p, mass * time * r), 1e-8);
       };

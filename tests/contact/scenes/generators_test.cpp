@@ -62,7 +62,7 @@ TEST(Generators, StackCarriesItsWeight) {
 // Four feet of one box: 12 impulses for 6 equations. W has rank 6, or "redundant" is an empty word.
 TEST(Generators, FourFeetAreRedundant) {
   const Problem p = make_scene(BoxStack{.boxes = 1}).problem();
-  const Vec eigenvalues = Eigen::SelfAdjointEigenSolver<support::Dense>(support::Dense(p.W)).eigenvalues();
+  const Vec eigenvalues = Eigen::SelfAdjointEigenSolver<support::Dense>(support::Dense(p.W.matrix())).eigenvalues();
   EXPECT_LE(std::abs(eigenvalues[5]), 1e-12 * eigenvalues[11]);
   EXPECT_GE(eigenvalues[6], 1e-3 * eigenvalues[11]);
 }
@@ -178,18 +178,19 @@ TEST(Generators, ByNameAndSize) {
     }
     const Problem p = make_scene(entry.name, 40, 7).problem();
     const Problem again = make_scene(entry.name, 40, 7).problem();
-    EXPECT_EQ((p.W - again.W).norm(), 0);
+    EXPECT_EQ((p.W.matrix() - again.W.matrix()).norm(), 0);
     EXPECT_EQ(p.q, again.q);
-    EXPECT_LE((p.W - SpMat(p.W.transpose())).norm(), 1e-14 * p.W.norm());
+    EXPECT_LE((p.W.matrix() - SpMat(p.W.matrix().transpose())).norm(), 1e-14 * p.W.matrix().norm());
   }
-  EXPECT_GE((make_scene("stack", 40, 7).problem().W - make_scene("stack", 40, 8).problem().W).norm(), 1e-6);
+  EXPECT_GE((make_scene("stack", 40, 7).problem().W.matrix() - make_scene("stack", 40, 8).problem().W.matrix()).norm(),
+            1e-6);
 }
 
 TEST(Generators, TenThousandContacts) {
   const Scene scene = make_scene("wall", 10000);
   const Problem p = scene.problem();
   EXPECT_NEAR(static_cast<double>(p.contacts()), 10000, 1000);
-  EXPECT_LE(p.W.nonZeros(), 400 * p.contacts());
+  EXPECT_LE(p.W.matrix().nonZeros(), 400 * p.contacts());
 }
 
 TEST(Generators, Refusals) {

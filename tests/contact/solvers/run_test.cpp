@@ -20,7 +20,7 @@ using perp::support::vec;
 /// Open; sticking; slipping to r = (1, -0.3, -0.4) with u_T = (0.9, 1.2).
 Problem three_contacts() {
   Problem problem{.W = SpMat(9, 9), .q = vec({1, 0, 0, -1, 0.3, 0, -1, 1.2, 1.6}), .mu = vec({0.5, 0.5, 0.5})};
-  problem.W.setIdentity();
+  problem.W.given().setIdentity();
   return problem;
 }
 

@@ -99,7 +99,7 @@ TEST(Solve, OneContactInAnyUnits) {
     for (const double mass : {1e-6, 1.0, 1e6}) {
       if (q.size() == 1) continue;
       Problem problem = one_contact(q, 0.4);
-      problem.W *= mass;
+      problem.W.given() *= mass;
       problem.q *= mass;  // the same impulses
       const Result result = expect_solved(problem, {.tol = 1e-9});
       EXPECT_LE((result.solution.r - one_contact_solution(q, 0.4)).norm(), 1e-6) << q.transpose();
@@ -153,8 +153,8 @@ TEST(Solve, NeverClaimsWhatHasNoSolution) {
   Problem one = one_contact(vec({-1, 0.5, 0}), 0.3);
   one.W = SpMat(3, 3);
   Problem two{.dimension = 3, .W = SpMat(6, 6), .q = vec({-1, 0.5, 0, -1e12, 0, 0}), .mu = vec({0.3, 0.5})};
-  for (int i = 3; i < 6; ++i) two.W.insert(i, i) = 1;
-  two.W.makeCompressed();
+  for (int i = 3; i < 6; ++i) two.W.given().insert(i, i) = 1;
+  two.W.given().makeCompressed();
   const std::chrono::duration<double> second(0.5);
   for (const Problem& problem : {one, two}) {
     EXPECT_FALSE(solve(problem, {.max_time = second}).solved());
@@ -175,7 +175,7 @@ TEST(Solve, NeverClaimsWhatHasNoSolution) {
 TEST(Solve, OverflowIsNoWrongInput) {
   for (const auto& [W, q] : {std::pair{1e-200, 1e200}, std::pair{1e-310, 1e10}, std::pair{1e300, 1e300}}) {
     Problem problem = one_contact(vec({-q, q / 2, 0}), 0.3);
-    problem.W *= W;
+    problem.W.given() *= W;
     for (const Options& options : {Options{}, Options{.method = GlockerHomotopy{}}, Options{.method = GlockerNcp{}},
                                    Options{.method = GlockerNcp{.method = ncp::InteriorPoint{}}}}) {
       Result result;
@@ -286,7 +286,7 @@ TEST(GaussSeidel, SolvesUncoupledContactsInOneSweep) {
   Random random(10);
   for (const int dimension : {2, 3}) {
     Problem problem{.dimension = dimension, .W = SpMat(dimension * 6, dimension * 6), .q = {}, .mu = Vec::Zero(6)};
-    problem.W.setIdentity();
+    problem.W.given().setIdentity();
     problem.q = 2 * random.normals(dimension * 6);
     for (Index a = 0; a < 5; ++a) problem.mu[a] = random.uniform(0.1, 1);  // the last is frictionless
     const Scaled coordinates = scaled(problem);
@@ -398,7 +398,7 @@ TEST(Solve, TurnedFrames) {
     }
     Q.setFromTriplets(entries.begin(), entries.end());
     Problem turned = problem;
-    turned.W = Q * problem.W * SpMat(Q.transpose());
+    turned.W = Q * problem.W.matrix() * SpMat(Q.transpose());
     turned.q = Q * problem.q;
     const Vec u = expect_solved(problem).solution.u;
     const Vec v = expect_solved(turned).solution.u;

@@ -25,7 +25,7 @@ int main(int, char** argv) {
   contact::Problem wall;
   wall.dimension = 2;
   wall.W = lcp::SpMat(2, 2);
-  wall.W.setIdentity();
+  wall.W.given().setIdentity();
   wall.q = lcp::Vec{{-1, 3}};
   wall.mu = lcp::Vec{{0.5}};
   if (contact::residual(wall, lcp::Vec{{1, -0.5}}).siconos > 1e-15) return 1;
