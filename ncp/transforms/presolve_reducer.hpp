@@ -7,6 +7,7 @@
 /// postsolve can return. All that is concluded from equations is therefore true there. F_ is F at the point x_ as long
 /// as a row is not `stale`.
 #include <deque>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -41,11 +42,17 @@ class Reducer {
  private:
   enum class State : char { Kept, Fixed, Postponed };
   struct Entry {
-    Index index;  ///< of the column, in a row; of the row, in a column
     double a;     ///< the constant derivative
+    int index;    ///< of the column, in a row; of the row, in a column
     bool linear;  ///< is it one?
   };
-  using Entries = std::vector<Entry>;
+  using Entries = std::span<const Entry>;
+  /// The entries of all rows, or of all columns, in one array.
+  struct Lists {
+    std::vector<std::size_t> start{};
+    std::vector<Entry> entry{};
+    Entries operator[](std::size_t i) const { return {entry.data() + start[i], entry.data() + start[i + 1]}; }
+  };
   /// Range of an affine row over the box, implied bounds included.
   struct Activity {
     double low = 0, high = 0;  ///< the finite parts
@@ -70,6 +77,7 @@ class Reducer {
 
   // presolve_reducer.cpp
   bool know_values();
+  void list_entries(const std::vector<bool>& linear);
   void count_entries();
   void fix(Index column, double value);
   void drop(Index row);
@@ -96,6 +104,7 @@ class Reducer {
   bool harmless_at_bound(Index row, Index column, double a);
 
   // presolve_parallel.cpp
+  std::vector<Index> alike() const;
   bool parallel_rows();
   void compare(Index equation, Index row);
 
@@ -109,7 +118,7 @@ class Reducer {
   CountedMcp counted_;
   Vec x_, F_;
   SpMat J_;
-  std::vector<Entries> rows_, columns_;  // constant zeros left out
+  Lists rows_, columns_;  // constant zeros left out
   std::vector<State> column_state_;
   std::vector<char> row_kept_, stale_, linear_column_;
   std::vector<Index> row_of_, column_of_;
