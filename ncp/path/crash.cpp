@@ -56,6 +56,7 @@ Index differences(const Places& a, const Places& b) {
 
 std::vector<Index> members(const Places& in) {
   std::vector<Index> I;
+  I.reserve(in.size());
   for (std::size_t i = 0; i < in.size(); ++i)
     if (in[i]) I.push_back(static_cast<Index>(i));
   return I;
