@@ -65,12 +65,7 @@ std::vector<Index> members(const Places& in) {
 /// J_II + lambda I.
 SpMat block(const SpMat& J, const std::vector<Index>& I, double lambda) {
   SpMat B = lcp::principal_block(J, I);
-  if (lambda > 0) {
-    SpMat one(B.rows(), B.cols());
-    one.setIdentity();
-    B += lambda * one;
-  }
-  return B;
+  return lambda > 0 ? plus_diagonal(B, lambda) : B;
 }
 
 /// Of affine problems with so many variables: fewer have little to save, and more are better factored each for itself.
@@ -127,14 +122,18 @@ class ProximalTerm {
 /// d with (J_II + lambda I) d_I = -F_I, d = 0 elsewhere; lambda > 0 if J_II is singular. False: no lambda helped.
 bool direction(Run& run, const Point& point, const Places& in, lcp::SparseLu& lu,
                std::optional<lcp::SignedBlocks>& blocks, ProximalTerm& term, Vec& d) {
-  const std::vector<Index> I = members(in);
-  if (I.empty()) return false;
-  Vec rhs(static_cast<Index>(I.size()));
-  for (std::size_t k = 0; k < I.size(); ++k) rhs[static_cast<Index>(k)] = -point.F[I[k]];
-  Vec step(rhs.size());
+  if (std::find(in.begin(), in.end(), true) == in.end()) return false;
+  std::vector<Index> I;  // where the blocks do not do
+  Vec rhs;
+  Vec step;
   for (int tries = 0; tries <= crash_prox_tries; ++tries) {
     ++run.stats().factorizations;
     if (blocks && blocks->factor(in, term.lambda()) && blocks->solve(-point.F, signed_accuracy, d)) return true;
+    if (I.empty()) {
+      I = members(in);
+      rhs = -point.F(I);
+      step.resize(rhs.size());
+    }
     if (lu.try_factor(block(point.J, I, term.lambda()))) {
       lu.solve(rhs, step);
       if (step.allFinite()) {

@@ -68,17 +68,18 @@ void Reducer::list_entries(const std::vector<bool>& linear) {
   const auto matters = [&](std::size_t p) { return !linear[p] || J_.valuePtr()[p] != 0; };
   const int* row = J_.innerIndexPtr();
   rows_.start.assign(n + 1, 0);
-  columns_.start.assign(1, 0);
-  columns_.start.reserve(n + 1);
-  columns_.entry.reserve(linear.size());
+  columns_.start.assign(n + 1, 0);
+  columns_.entry.resize(linear.size());
+  std::size_t count = 0;
   for (std::size_t j = 0; j < n; ++j) {
     for (auto p = at(J_.outerIndexPtr()[j]); p < at(J_.outerIndexPtr()[j + 1]); ++p) {
       if (!matters(p)) continue;
-      columns_.entry.push_back({J_.valuePtr()[p], row[p], linear[p]});
+      columns_.entry[count++] = {J_.valuePtr()[p], row[p], linear[p]};
       ++rows_.start[at(row[p]) + 1];
     }
-    columns_.start.push_back(columns_.entry.size());
+    columns_.start[j + 1] = count;
   }
+  columns_.entry.resize(count);
   for (std::size_t i = 0; i < n; ++i) rows_.start[i + 1] += rows_.start[i];
   rows_.entry.resize(columns_.entry.size());
   std::vector<std::size_t> next(rows_.start.begin(), rows_.start.end() - 1);
