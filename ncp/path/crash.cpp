@@ -205,7 +205,7 @@ struct Met {
 
 /// The steps. False: the run is over.
 bool descend(Run& run, const Crash& options, Point& point, Iteration& it, lcp::SparseLu& lu, Met& met) {
-  const CFunction fb = fischer_burmeister();
+  const CFunction& fb = fischer_merit();
   const bool affine = run.mcp().is_affine();
   const double least_step = affine ? shorter_step * options.least_step : options.least_step;
   const Armijo rule{.max_backtracks = static_cast<int>(std::ceil(-std::log2(least_step)))};

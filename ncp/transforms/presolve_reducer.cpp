@@ -164,9 +164,7 @@ void Reducer::push_column(Index column) {
 void Reducer::drain() {
   while (infeasible.empty() && (!row_queue_.empty() || !column_queue_.empty())) {
     const bool row = !row_queue_.empty();  // rows first: what they settle needs no postsolve
-    std::deque<Index>& queue = row ? row_queue_ : column_queue_;
-    const Index index = queue.front();
-    queue.pop_front();
+    const Index index = (row ? row_queue_ : column_queue_).take();
     (row ? row_queued_ : column_queued_)[at(index)] = 0;
     row ? examine_row(index) : examine_column(index);
   }

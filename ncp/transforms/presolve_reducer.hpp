@@ -6,7 +6,7 @@
 /// be; a row paired with a free column is an equation, and stays one until it goes, satisfied at every point that
 /// postsolve can return. All that is concluded from equations is therefore true there. F_ is F at the point x_ as long
 /// as a row is not `stale`.
-#include <deque>
+#include <cstddef>
 #include <span>
 #include <string>
 #include <vector>
@@ -52,6 +52,21 @@ class Reducer {
     std::vector<std::size_t> start{};
     std::vector<Entry> entry{};
     Entries operator[](std::size_t i) const { return {entry.data() + start[i], entry.data() + start[i + 1]}; }
+  };
+  /// First in, first out.
+  class Queue {
+   public:
+    bool empty() const { return next_ == items_.size(); }
+    void push_back(Index i) { items_.push_back(i); }
+    Index take() {
+      const Index i = items_[next_++];
+      if (empty()) items_.clear(), next_ = 0;
+      return i;
+    }
+
+   private:
+    std::vector<Index> items_{};
+    std::size_t next_ = 0;
   };
   /// Range of an affine row over the box, implied bounds included.
   struct Activity {
@@ -130,7 +145,7 @@ class Reducer {
   std::vector<Index> lower_by_, upper_by_;  // the equation that implies the bound, or -1
   std::vector<Postponed> set_;              // variables set by equations of their own
   std::vector<Index> set_by_;               // of a row: the column whose being set made it an equation, or -1
-  std::deque<Index> row_queue_, column_queue_;
+  Queue row_queue_, column_queue_;
   std::vector<char> row_queued_, column_queued_;
   bool moved_ = false;
   bool blocked_ = false;  // F is not defined at x_ any more
