@@ -10,18 +10,30 @@ namespace {
 
 constexpr int sweeps = 10;
 
-double power_of_two(double a) { return std::exp2(std::clamp(std::round(std::log2(a)), -500.0, 500.0)); }
+/// The nearest one, by its logarithm.
+double power_of_two(double a) {
+  constexpr int far = 500;
+  int exponent = 0;
+  const double half_to_one = std::frexp(a, &exponent);
+  if (!(half_to_one > 0 && half_to_one < 1)) return a > 0 ? std::ldexp(1, far) : a == 0 ? std::ldexp(1, -far) : a;
+  constexpr double middle = 0.70710678118654752;
+  return std::ldexp(1, std::clamp(half_to_one < middle ? exponent - 1 : exponent, -far, far));
+}
 
 double inverse_root(double largest) { return largest > 0 ? 1 / std::sqrt(largest) : 1; }
 
 /// One step of Ruiz' iteration: rows and columns are divided by the root of their largest entry.
 void sweep(const SpMat& M, Scaling& scaling, Vec& row_max, Vec& column_max) {
   row_max.setZero();
+  const double* of_row = scaling.rows.data();
+  double* largest_of_row = row_max.data();
   for (Index j = 0; j < M.cols(); ++j) {
+    const double of_column = scaling.columns[j];
     double largest = 0;
     for (SpMat::InnerIterator it(M, j); it; ++it) {
-      const double a = std::abs(it.value()) * scaling.rows[it.row()] * scaling.columns[j];
-      row_max[it.row()] = std::max(row_max[it.row()], a);
+      const Index i = it.row();
+      const double a = std::abs(it.value()) * of_row[i] * of_column;
+      largest_of_row[i] = std::max(largest_of_row[i], a);
       largest = std::max(largest, a);
     }
     column_max[j] = largest;

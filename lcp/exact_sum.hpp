@@ -100,4 +100,45 @@ class ExactSum {
   bool exact_ = true;
 };
 
+/// A sum in three doubles, without a branch a term, that knows what it may be off by: mostly little enough to say which
+/// double is the nearest one, also where the terms cancel to their last digits.
+class TripleSum {
+ public:
+  explicit TripleSum(double first) : sum_(first) {}
+
+  void add_product(double a, double b) {
+    const TwoParts product = two_product(a, b);
+    const TwoParts high = two_sum(sum_, product.value);
+    const TwoParts middle = two_sum(middle_, high.error);
+    const TwoParts low = two_sum(middle.value, product.error);
+    const double errors = middle.error + low.error;
+    sum_ = high.value;
+    middle_ = low.value;
+    low_ += errors;
+    errors_ += std::abs(errors);
+    ++terms_;
+    if (!(std::abs(product.value) >= 0x1p-968) && a != 0 && b != 0) in_range_ = false;
+  }
+
+  /// Whether value() is that of an ExactSum of the same terms. False for sums that are not finite, too.
+  bool settle() {
+    TwoParts low = two_sum(middle_, low_);
+    TwoParts high = two_sum(sum_, low.value);
+    low = two_sum(high.error, low.error);
+    high = two_sum(high.value, low.value);
+    sum_ = high.value + 0.0;  // no -0
+    // Rounding is monotone: the sum is between two numbers that both round to sum_.
+    const double rounded = (terms_ + 1) * errors_;  // the sum of what was rounded to 53 digits, low_ at every step
+    const double off = (std::abs(low.error) + 0x1p-51 * (rounded + std::abs(high.error))) * (1 + 0x1p-50);
+    return in_range_ && sum_ + (high.error + off) == sum_ && sum_ + (high.error - off) == sum_;
+  }
+  double value() const { return sum_; }
+
+ private:
+  double sum_, middle_ = 0, low_ = 0;
+  double errors_ = 0;  // of what low_ is the sum of, the sizes
+  int terms_ = 0;
+  bool in_range_ = true;
+};
+
 }  // namespace perp::lcp

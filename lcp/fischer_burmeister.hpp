@@ -4,6 +4,9 @@
 /// the row of a box [l, u] by Billups' composition (1995, section 3.2), for it and other C-functions:
 ///     free: F    only l: phi(x - l, F)    only u: -phi(u - x, -F)    both: phi(x - l, -phi(u - x, -F))    fixed: x -
 ///     l.
+#include <algorithm>
+#include <cmath>
+
 #include "lcp/types.hpp"
 #include "lcp/wide_arithmetic.hpp"
 
@@ -19,8 +22,40 @@ struct CValue {
 /// the partials along (ha, hb).
 CValue fischer_burmeister(double a, double b, double ha, double hb, double weight = 1);
 
+/// sqrt(1 + q^2) for 0 <= q <= 1, where nothing overflows and hypot's care would cost most of the function's time.
+inline double unit_root(double q) { return std::sqrt(1 + q * q); }
+
+/// phi_FB(a, b) / min(a, b), as a sum of positive terms of order one, at least 0.58: no cancellation, overflow or
+/// underflow.
+inline double fischer_burmeister_factor(double most, double least) {
+  if (least > 0) {  // ab > 0: phi = 2 ab / (a + b + r)
+    const double q = least / most;
+    return 2 / (1 + q + unit_root(q));
+  }
+  if (most <= 0) {
+    const double q = most / least;
+    return 1 + q + unit_root(q);
+  }
+  // most - r = -least^2 / (most + r)
+  if (most >= -least) {
+    const double q = -least / most;
+    return 1 + q / (1 + unit_root(q));
+  }
+  const double q = most / -least;
+  return 1 + 1 / (q + unit_root(q));
+}
+
 /// phi_FB alone, the same double.
-double fischer_burmeister_value(double a, double b);
+inline double fischer_burmeister_value(double a, double b) {
+  if (std::abs(a) < infinity && std::abs(b) < infinity) {
+    const double least = std::min(a, b);
+    return least == 0 ? least : saturated(least * fischer_burmeister_factor(std::max(a, b), least));
+  }
+  if (std::isnan(a) || std::isnan(b)) return a + b;
+  if (a == infinity) return saturated(b);
+  if (b == infinity) return saturated(a);
+  return fischer_burmeister_value(saturated(a), saturated(b));  // at least one is -inf
+}
 
 /// The row's value alone. phi(a, b): a C-function.
 template <class Phi>

@@ -50,7 +50,8 @@ KernelTooLong::KernelTooLong(Index rows, double seconds, double left)
     : std::runtime_error(sentence(rows, seconds, left)) {}
 
 void KernelClock::before(Index rows, const KernelCost& cost) {
-  require_memory(cost.bytes, "the factors of " + std::to_string(rows) + " rows");
+  constexpr double little = 1 << 20;  // far less than require_memory() looks at
+  if (cost.bytes > little) require_memory(cost.bytes, "the factors of " + std::to_string(rows) + " rows");
   begin_ = Clock::now();
   if (deadline_ == no_deadline || cost.flops / fastest < short_call / 100) return;
   if (!(rate_ > 0)) rate_ = rate_of_machine();

@@ -403,6 +403,8 @@ Property positive_semidefinite(const SpMat& M, const ClassifyOptions& options) {
   const SpMat A = e.extreme() ? centred(M, e) : M;
   const SpMat At = A.transpose();
   const SpMat S = A + At;
+  const bool skew = std::all_of(S.valuePtr(), S.valuePtr() + S.nonZeros(), [](double s) { return s == 0; });
+  if (skew && M.rows() > 0) return yes("M + M' is diagonally dominant with nonnegative diagonal");
   Diagnosis d;
   classify_definite(A, At, S, options, d);
   return d.positive_semidefinite;

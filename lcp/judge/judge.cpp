@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <utility>
+#include <vector>
 
 #include "lcp/exact_sum.hpp"
 #include "lcp/judge/cell.hpp"
@@ -14,6 +15,23 @@ namespace perp::lcp {
 
 double row_residual(const Box& box, Index i, double z, double F) {
   return std::abs(std::min(std::max(F, z - box.upper[i]), z - box.lower[i]));
+}
+
+namespace {
+
+double rounding(const RowTerms& terms, Index i) {
+  return 8.0 * (terms.entries[i] + 2) * std::numeric_limits<double>::epsilon() * terms.size[i];
+}
+
+}  // namespace
+
+double largest_rounding(const RowTerms& terms) {
+  double largest = 0;
+  for (Index i = 0; i < terms.size.size(); ++i) {
+    if (!std::isfinite(terms.size[i])) return infinity;
+    largest = std::max(largest, rounding(terms, i));
+  }
+  return largest;
 }
 
 Accuracy accuracy(In row_residuals, const RowTerms& terms) {
@@ -26,11 +44,57 @@ Accuracy accuracy(In row_residuals, const RowTerms& terms) {
       out.relative = relative;
       out.worst = i;
     }
-    const double rounding = 8.0 * (terms.entries[i] + 2) * std::numeric_limits<double>::epsilon() * t;
-    if (!(r <= rounding) || !std::isfinite(t)) out.to_rounding = false;
+    if (!(r <= rounding(terms, i)) || !std::isfinite(t)) out.to_rounding = false;
   }
   return out;
 }
+
+namespace {
+
+/// add(i, M_ij, z_j) for each entry of M that is not 0.
+template <class Add>
+void for_terms(const AffineMcp& problem, In z, Add add) {
+  for (Index j = 0; j < problem.size(); ++j)
+    for (SpMat::InnerIterator it(problem.M, j); it; ++it)
+      if (it.value() != 0) add(it.row(), it.value(), z[j]);
+}
+
+/// The rows that shorter sums have not settled.
+void sum_exactly(const AffineMcp& problem, In z, const std::vector<Index>& rows, Vec& F) {
+  std::vector<int> place(at(problem.size()), -1);
+  std::vector<ExactSum> sums(rows.size());
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    place[at(rows[k])] = static_cast<int>(k);
+    sums[k].add(problem.q[rows[k]]);
+  }
+  for_terms(problem, z, [&](Index i, double a, double zj) {
+    if (const int k = place[at(i)]; k >= 0) sums[at(k)].add_product(a, zj);
+  });
+  for (std::size_t k = 0; k < rows.size(); ++k) F[rows[k]] = sums[k].value();
+}
+
+/// M z + q, each the double nearest to the exact sum; and the terms.
+Vec exact_values(const AffineMcp& problem, In z, RowTerms& terms) {
+  const Index n = problem.size();
+  terms = {.size = problem.q.cwiseAbs(), .entries = Eigen::VectorXi::Zero(n)};
+  std::vector<TripleSum> sums(problem.q.begin(), problem.q.end());
+  for_terms(problem, z, [&](Index i, double a, double zj) {
+    ++terms.entries[i];
+    if (zj == 0) return;
+    sums[at(i)].add_product(a, zj);
+    terms.size[i] += std::abs(a * zj);
+  });
+  Vec F(n);
+  std::vector<Index> open;
+  for (Index i = 0; i < n; ++i) {
+    if (!sums[at(i)].settle()) open.push_back(i);
+    F[i] = sums[at(i)].value();
+  }
+  if (!open.empty()) sum_exactly(problem, z, open, F);
+  return F;
+}
+
+}  // namespace
 
 Judgement judge(const AffineMcp& problem, In z) {
   const Index n = problem.size();
@@ -39,21 +103,10 @@ Judgement judge(const AffineMcp& problem, In z) {
   }
   Judgement out;
   if (!z.allFinite()) return out;
-  const Eigen::SparseMatrix<double, Eigen::RowMajor> rows = problem.M;
-  out.terms = {.size = problem.q.cwiseAbs(), .entries = Eigen::VectorXi::Zero(n)};
+  out.F = exact_values(problem, z, out.terms);
   out.rows.resize(n);
-  out.F.resize(n);
   out.natural = 0;
   for (Index i = 0; i < n; ++i) {
-    ExactSum F;
-    F.add(problem.q[i]);
-    for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(rows, i); it; ++it) {
-      if (it.value() == 0) continue;
-      F.add_product(it.value(), z[it.col()]);
-      out.terms.size[i] += std::abs(it.value() * z[it.col()]);
-      ++out.terms.entries[i];
-    }
-    out.F[i] = F.value();
     out.rows[i] = row_residual(problem.box, i, z[i], out.F[i]);
     if (!std::isfinite(out.F[i])) out.rows[i] = infinity;
     if (out.rows[i] > out.natural || out.worst < 0) {

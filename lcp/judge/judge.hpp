@@ -22,6 +22,8 @@ struct Accuracy {
   bool to_rounding = false;
 };
 Accuracy accuracy(In row_residuals, const RowTerms& terms);
+/// max_i 8 (n_i + 2) eps t_i.
+double largest_rounding(const RowTerms& terms);
 
 struct Judgement {
   Vec F;                      ///< M z + q, each the double nearest to the exact sum; empty where z is not finite

@@ -2,8 +2,6 @@
 #include "lcp/judge/result.hpp"
 
 #include <cmath>
-#include <sstream>
-#include <stdexcept>
 #include <utility>
 
 #include "lcp/judge/judge.hpp"
@@ -52,18 +50,11 @@ Result judged(const AffineMcp& problem, In z, const Limits& limits, Status other
 }
 
 void check_input(const char* method, const AffineMcp& problem, In start) {
-  std::ostringstream what;
-  what << method << ": ";
-  if (const auto why = problem.invalid()) refuse_input(what.str(), *why);
-  if (start.size() != problem.size()) {
-    what << "the start has " << start.size() << " entries, the problem " << problem.size();
-    throw std::invalid_argument(what.str());
-  }
+  if (const auto why = problem.invalid()) refuse_input(method, ": ", *why);
+  if (start.size() != problem.size())
+    refuse_input(method, ": the start has ", start.size(), " entries, the problem ", problem.size());
   for (Index i = 0; i < start.size(); ++i)
-    if (!std::isfinite(start[i])) {
-      what << "the start of index " << i << " is " << start[i];
-      throw std::invalid_argument(what.str());
-    }
+    if (!std::isfinite(start[i])) refuse_input(method, ": the start of index ", i, " is ", start[i]);
 }
 
 void check_input(const char* method, const AffineMcp& problem, In start, const Limits& limits) {

@@ -2,6 +2,7 @@
 #include "lcp/linalg/quasi_definite.hpp"
 
 #include <Eigen/SparseCholesky>
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -29,8 +30,39 @@ class Ldlt : public ::Eigen::SimplicialLDLT<SpMat> {
 
 }  // namespace
 
+namespace {
+
+bool same_pattern(const SpMat& A, const SpMat& B) {
+  return A.isCompressed() && B.isCompressed() && A.nonZeros() == B.nonZeros() &&
+         std::equal(A.outerIndexPtr(), A.outerIndexPtr() + A.cols(), B.outerIndexPtr()) &&
+         std::equal(A.innerIndexPtr(), A.innerIndexPtr() + A.nonZeros(), B.innerIndexPtr());
+}
+
+/// take(i, M_ij, M_ji) for the entries of column j, i != j, until one answers false.
+template <class Take>
+bool both_ways(const SpMat& M, const SpMat& Mt, bool same, Index j, Take take) {
+  if (same) {
+    for (Index p = M.outerIndexPtr()[j]; p < M.outerIndexPtr()[j + 1]; ++p)
+      if (const Index i = M.innerIndexPtr()[p]; i != j && !take(i, M.valuePtr()[p], Mt.valuePtr()[p])) return false;
+    return true;
+  }
+  SpMat::InnerIterator it(M, j), back(Mt, j);
+  while (it || back) {
+    const Index i = !back || (it && it.row() < back.row()) ? it.row() : back.row();
+    const double a = it && it.row() == i ? it.value() : 0;
+    const double b = back && back.row() == i ? back.value() : 0;
+    if (it && it.row() == i) ++it;
+    if (back && back.row() == i) ++back;
+    if (i != j && !take(i, a, b)) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
 std::optional<Vec> signs_of(const SpMat& M) {
   const SpMat Mt = M.transpose();
+  const bool same = same_pattern(M, Mt);
   const Index n = M.rows();
   Vec sigma = Vec::Zero(n);
   std::vector<Index> stack;
@@ -41,19 +73,14 @@ std::optional<Vec> signs_of(const SpMat& M) {
     while (!stack.empty()) {
       const Index j = stack.back();
       stack.pop_back();
-      SpMat::InnerIterator it(M, j), back(Mt, j);  // M_ij and M_ji
-      while (it || back) {
-        const Index i = !back || (it && it.row() < back.row()) ? it.row() : back.row();
-        const double a = it && it.row() == i ? it.value() : 0;
-        const double b = back && back.row() == i ? back.value() : 0;
-        if (it && it.row() == i) ++it;
-        if (back && back.row() == i) ++back;
-        if (i == j || (a == 0 && b == 0)) continue;
-        if (a != b && a != -b) return std::nullopt;
+      const bool fits = both_ways(M, Mt, same, j, [&](Index i, double a, double b) {
+        if (a == 0 && b == 0) return true;
+        if (a != b && a != -b) return false;
         const double sign = a == b ? sigma[j] : -sigma[j];
         if (sigma[i] == 0) stack.push_back(i), sigma[i] = sign;
-        if (sigma[i] != sign) return std::nullopt;
-      }
+        return sigma[i] == sign;
+      });
+      if (!fits) return std::nullopt;
     }
   }
   return sigma;

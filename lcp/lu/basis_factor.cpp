@@ -149,6 +149,7 @@ struct BasisFactor::Impl {
   mutable SparseVector rhs;               // by rows
   mutable SparseVector b_;                // by positions
   mutable SparseVector given_, found_;    // of the solves with dense right-hand sides
+  mutable Vec rows_;                      // what is left of them in the rows of slacks
 
   Index rows() const { return A->rows(); }
   template <class F>
@@ -169,6 +170,7 @@ struct BasisFactor::Impl {
   void ftran(const SparseVector& b, SparseVector& x) const;
   void btran(const SparseVector& b, SparseVector& x) const;
   void solve_block(bool transposed) const;
+  void fill(const SparseVector& b, const Vec& block, SparseVector& x) const;
   double drift_of(Index q, const SparseVector& d) const;
   double norm1() const;
 };
@@ -296,6 +298,22 @@ void BasisFactor::Impl::solve_block(bool transposed) const {
   block_x.assign(block_);
 }
 
+/// x, of which most is nonzero, from its part in C: the sums of ftran() without lists of places.
+void BasisFactor::Impl::fill(const SparseVector& b, const Vec& block, SparseVector& x) const {
+  x.clear();
+  x.set_full();
+  double* to = x.data();
+  rows_ = b.values();
+  for (Index k = 0; k < block.size(); ++k) {
+    const double v = block[k];
+    if (v == 0) continue;
+    to[active_position[at(k)]] = v;
+    for (SpMat::InnerIterator it(S, k); it; ++it) rows_[it.row()] -= it.value() * v;
+  }
+  for (Index i = 0; i < rows(); ++i)
+    if (const int p = slack_of_row[at(i)]; p != none && rows_[i] != 0) to[p] = rows_[i] / slack[i];
+}
+
 void BasisFactor::Impl::ftran(const SparseVector& b, SparseVector& x) const {
   block_b.clear();
   rhs.clear();
@@ -306,12 +324,16 @@ void BasisFactor::Impl::ftran(const SparseVector& b, SparseVector& x) const {
       block_b.set(k, v);
   });
   solve_block(false);
-  x.clear();
-  block_x.for_each([&](Index k, double v) {
-    x.set(active_position[at(k)], v);
-    for (SpMat::InnerIterator it(S, k); it; ++it) rhs.add(it.row(), -it.value() * v);
-  });
-  rhs.for_each([&](Index i, double v) { x.set(slack_of_row[at(i)], v / slack[i]); });
+  if (block_x.full() && 5 * (block_x.values().array() != 0).count() > rows()) {
+    fill(b, block_x.values(), x);
+  } else {
+    x.clear();
+    block_x.for_each([&](Index k, double v) {
+      x.set(active_position[at(k)], v);
+      for (SpMat::InnerIterator it(S, k); it; ++it) rhs.add(it.row(), -it.value() * v);
+    });
+    rhs.for_each([&](Index i, double v) { x.set(slack_of_row[at(i)], v / slack[i]); });
+  }
   eta_work += etas.apply(x);
 }
 
@@ -479,6 +501,20 @@ double BasisFactor::rcond() const {
   if (impl_->status != LuStatus::Ok) return 0;
   return reciprocal_condition(
       impl_->norm1(), impl_->rows(), [this](In b, Out x) { ftran(b, x); }, [this](In b, Out x) { btran(b, x); });
+}
+
+bool BasisFactor::surely_regular() const {
+  constexpr double surely = 1e-8;
+  const Impl& s = *impl_;
+  if (s.status != LuStatus::Ok || s.shared->user != &s) return false;
+  double least = infinity;
+  for (Index i = 0; i < s.rows(); ++i)
+    if (s.slack_of_row[at(i)] != none) least = std::min(least, std::abs(s.slack[i]));
+  if (active() > 0) {
+    const Eigen::Map<const Vec> entries(s.C.valuePtr(), s.C.nonZeros());
+    least = std::min(least, s.shared->lu.pivot_ratio() * entries.lpNorm<::Eigen::Infinity>());
+  }
+  return least >= surely * s.norm1();
 }
 
 int BasisFactor::updates() const { return static_cast<int>(impl_->etas.size()); }

@@ -80,6 +80,9 @@ class BasisFactor {
 
   /// Estimate of 1 / (||B||_1 ||B^-1||_1) of the present basis (SparseLu::rcond()); 0 if the last factor() was not Ok.
   double rcond() const;
+  /// Whether the pivots of the last factor() leave no doubt that rcond() is far above rounding: costs no solve. Pre:
+  /// nothing has been replaced, and nobody else has factored with a shared LU, since then.
+  bool surely_regular() const;
 
   int updates() const;  ///< since the last factor()
   bool stale() const;   ///< refactor now: length, fill, work, growth or drift

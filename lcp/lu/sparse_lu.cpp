@@ -5,6 +5,7 @@
 #include <cmath>
 #include <new>
 #include <stdexcept>
+#include <vector>
 
 #include "lcp/lu/condition.hpp"
 #include "lcp/lu/lu_backend.hpp"
@@ -74,6 +75,20 @@ std::string_view to_string(LuStatus status) {
   }
   return "?";
 }
+
+namespace {
+
+/// Whether a row or a column has no entry, or fewer entries than rows say so.
+bool has_empty_line(const SpMat& A) {
+  if (A.nonZeros() < A.rows()) return true;
+  std::vector<char> met(static_cast<std::size_t>(A.rows()), 0);
+  for (Index p = 0; p < A.nonZeros(); ++p) met[static_cast<std::size_t>(A.innerIndexPtr()[p])] = 1;
+  for (Index j = 0; j < A.cols(); ++j)
+    if (A.outerIndexPtr()[j] == A.outerIndexPtr()[j + 1] || met[static_cast<std::size_t>(j)] == 0) return true;
+  return false;
+}
+
+}  // namespace
 
 struct SparseLu::Impl {
   explicit Impl(LuBackend b) : backend(b) {}
@@ -145,7 +160,7 @@ LuStatus SparseLu::Impl::factor(const SpMat& matrix) {
   has_factors = false;
   A = matrix;
   if (A.rows() == 0) return LuStatus::Ok;
-  if (A.nonZeros() < A.rows()) {  // an empty column; and KLU refuses a matrix without entries as malformed
+  if (!known && has_empty_line(A)) {  // no analysis is needed; and KLU refuses a matrix without entries as malformed
     analyzed = false;
     return LuStatus::Singular;
   }

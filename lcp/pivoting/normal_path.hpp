@@ -11,6 +11,7 @@
 #include "lcp/equilibrate.hpp"
 #include "lcp/pivoting/last_piece.hpp"
 #include "lcp/pivoting/lemke.hpp"
+#include "lcp/pivoting/mersenne.hpp"
 
 namespace perp::lcp {
 
@@ -104,7 +105,7 @@ class NormalPath final : public LastPiece {
   AffineMcp problem_;  // equilibrated: that is what makes the tolerances mean the same for every unknown
   const LemkeOptions& options_;
   Index n_;
-  std::mt19937 random_;
+  Mersenne random_;
   Vec x_;
   Vec low_;  // of the present cells
   Vec high_;

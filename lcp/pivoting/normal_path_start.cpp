@@ -158,7 +158,7 @@ bool NormalPath::factor_start(PivotResult& result) {
   driver_ = n_;
   direction_ = 1;
   LuStatus status = factor_basis();
-  if (status == LuStatus::Ok && factor_.rcond() >= options_.singular_rcond) return true;
+  if (status == LuStatus::Ok && (factor_.surely_regular() || factor_.rcond() >= options_.singular_rcond)) return true;
   if (!options_.repair || (status != LuStatus::Ok && status != LuStatus::Singular)) return false;
   std::vector<BasisFactor::Dependency> replaced;
   const std::vector<Index> columns = factor_.basis();

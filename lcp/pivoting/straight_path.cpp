@@ -37,6 +37,7 @@ std::vector<Cell> cells_of(const Box& box, In x, const std::vector<Cell>& warm) 
 class StraightPiece final : public LastPiece {
  public:
   StraightPiece(const SpMat& M, const std::vector<Cell>& cells, SharedLu& lu) : place_(at(M.rows()), -1), lu_(lu) {
+    inside_.reserve(at(M.rows()));
     for (Index i = 0; i < M.rows(); ++i) {
       if (cells[at(i)] != Cell::Inside) continue;
       place_[at(i)] = static_cast<int>(inside_.size());
@@ -78,7 +79,7 @@ class StraightPiece final : public LastPiece {
     block_.resize(m, m);
     outer_.resize(M.rows(), m);
     block_.reserve(M.nonZeros());
-    outer_.reserve(M.nonZeros());
+    if (m < M.rows()) outer_.reserve(M.nonZeros());
     for (Index k = 0; k < m; ++k) {
       block_.startVec(k);
       outer_.startVec(k);

@@ -43,7 +43,7 @@ Interval ModelEnclosure::row(int row, std::span<const Interval> X, const Express
 }
 
 void ModelEnclosure::values(std::span<const Interval> X, std::span<Interval> F) const {
-  require_some_memory();
+  if (work() > 0) require_some_memory();
   const ExpressionGraph::Ranges ranges = model_.expressions.graph.ranges(X);
   for (std::size_t u = 0; u < F.size(); ++u) {
     const Equation& e = pairing_.equations[u];

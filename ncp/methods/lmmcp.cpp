@@ -155,7 +155,9 @@ double search(Run& run, const Lmmcp& method, LeastSquares& equations, const Vec&
   const double slope = method.sigma * equations.gradient().dot(d);
   double t = 1;
   for (int k = 0; k <= method.max_backtracks; ++k, t *= method.beta) {
-    Point trial{.x = point.x + t * d, .F = Vec(d.size()), .J = point.J};
+    Point trial;
+    trial.x = point.x + t * d;
+    trial.J = point.J;
     if (run.counted().eval(trial.x, trial.F)) {
       it.merit = equations.merit(trial.x, trial.F);
       if (it.merit <= reference + t * slope && run.counted().jacobian(trial.x, trial.J)) {

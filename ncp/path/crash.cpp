@@ -56,6 +56,7 @@ Index differences(const Places& a, const Places& b) {
 
 std::vector<Index> members(const Places& in) {
   std::vector<Index> I;
+  I.reserve(in.size());
   for (std::size_t i = 0; i < in.size(); ++i)
     if (in[i]) I.push_back(static_cast<Index>(i));
   return I;
@@ -64,12 +65,7 @@ std::vector<Index> members(const Places& in) {
 /// J_II + lambda I.
 SpMat block(const SpMat& J, const std::vector<Index>& I, double lambda) {
   SpMat B = lcp::principal_block(J, I);
-  if (lambda > 0) {
-    SpMat one(B.rows(), B.cols());
-    one.setIdentity();
-    B += lambda * one;
-  }
-  return B;
+  return lambda > 0 ? plus_diagonal(B, lambda) : B;
 }
 
 /// Of affine problems with so many variables: fewer have little to save, and more are better factored each for itself.
@@ -126,14 +122,18 @@ class ProximalTerm {
 /// d with (J_II + lambda I) d_I = -F_I, d = 0 elsewhere; lambda > 0 if J_II is singular. False: no lambda helped.
 bool direction(Run& run, const Point& point, const Places& in, lcp::SparseLu& lu,
                std::optional<lcp::SignedBlocks>& blocks, ProximalTerm& term, Vec& d) {
-  const std::vector<Index> I = members(in);
-  if (I.empty()) return false;
-  Vec rhs(static_cast<Index>(I.size()));
-  for (std::size_t k = 0; k < I.size(); ++k) rhs[static_cast<Index>(k)] = -point.F[I[k]];
-  Vec step(rhs.size());
+  if (std::find(in.begin(), in.end(), true) == in.end()) return false;
+  std::vector<Index> I;  // where the blocks do not do
+  Vec rhs;
+  Vec step;
   for (int tries = 0; tries <= crash_prox_tries; ++tries) {
     ++run.stats().factorizations;
     if (blocks && blocks->factor(in, term.lambda()) && blocks->solve(-point.F, signed_accuracy, d)) return true;
+    if (I.empty()) {
+      I = members(in);
+      rhs = -point.F(I);
+      step.resize(rhs.size());
+    }
     if (lu.try_factor(block(point.J, I, term.lambda()))) {
       lu.solve(rhs, step);
       if (step.allFinite()) {
@@ -205,7 +205,7 @@ struct Met {
 
 /// The steps. False: the run is over.
 bool descend(Run& run, const Crash& options, Point& point, Iteration& it, lcp::SparseLu& lu, Met& met) {
-  const CFunction fb = fischer_burmeister();
+  const CFunction& fb = fischer_merit();
   const bool affine = run.mcp().is_affine();
   const double least_step = affine ? shorter_step * options.least_step : options.least_step;
   const Armijo rule{.max_backtracks = static_cast<int>(std::ceil(-std::log2(least_step)))};

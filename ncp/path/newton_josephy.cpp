@@ -100,7 +100,8 @@ void chords(Run& run, const NewtonJosephy& method, Subproblems& subproblems, con
             double& psi) {
   constexpr double keep = 0.25;  // half of the norm
   const CFunction fb = fischer_burmeister();
-  Point trial{.x = {}, .F = {}, .J = point.J};
+  Point trial;
+  trial.J = point.J;
   for (int k = 0; k < method.chord_steps; ++k) {
     // Where the next point is judged solved there is nothing to gain.
     if (residual(run.box(), point.x, point.F).natural <= run.tol()) break;

@@ -124,7 +124,8 @@ class Attempt {
 
   Run& run_;
   const PathSearch& method_;
-  const CFunction fb_ = fischer_burmeister();
+  Point trial_;  // kept for its memory; after a step the last point
+  const CFunction& fb_ = fischer_merit();
   Point& point_;
   Vec x_;
   std::vector<lcp::Cell> cells_;  // of x^k, if known
@@ -168,7 +169,7 @@ void Attempt::moved(Point&& to, Vec x, double merit) {
 
 /// Backwards from T = `from` along the way of a linearised problem solved up to t:  T = from, beta from, ...
 bool Attempt::search(const Way& way, double t, double from, double least, Iteration& it) {
-  Point trial;
+  Point& trial = trial_;
   double T = from;
   const double start = psi_;
   for (int k = 0; k <= method_.max_backtracks && T >= least; ++k, T *= method_.beta) {
@@ -209,7 +210,8 @@ void Attempt::follow_chord(const NewtonPoint& newton, Point& trial, Vec& x, doub
     if (!y.allFinite() || !run_.counted().eval(next.x, next.F)) return;
     const double fallen = psi(next.x, next.F, y);
     if (!(fallen <= chord_keeps * merit)) return;
-    std::swap(trial, next);
+    trial.x.swap(next.x);
+    trial.F.swap(next.F);
     x = std::move(y);
     merit = fallen;
     ++run_.stats().chord_steps;
@@ -225,7 +227,7 @@ bool Attempt::accept(const NewtonPoint& newton, double least, Iteration& it) {
     it.kind = 'B';
     return search(way_to(newton), newton.t(), 1, least, it);
   }
-  Point trial;
+  Point& trial = trial_;
   trial.x = lcp::project(run_.box(), newton.x());
   const double distance = (trial.x - point_.x).norm();
   bool defined = run_.counted().eval(trial.x, trial.F);
@@ -440,7 +442,7 @@ bool ran_off(Run& run, const Point& point, double start) {
 void iterate(Run& run, const PathSearch& method, Point point) {
   Iteration it{.k = 0, .kind = 'I', .normal_map = true};
   it.crash = method.crash.on && run.box().size() >= method.crash.minimum_dimension;
-  it.merit = merit(fischer_burmeister(), run.box(), point.x, point.F);
+  it.merit = merit(fischer_merit(), run.box(), point.x, point.F);
   if (!run.go_on(point, it)) return;
   lcp::SharedLu lu{lcp::SparseLu(lcp::LuBackend::Auto, run.deadline())};  // of J_II
   const CrashEnd crashed = crash(run, method.crash, point, it, lu.lu);

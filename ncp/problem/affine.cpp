@@ -25,7 +25,12 @@ class AffineProblem final : public Mcp {
   const SpMat& jacobian_pattern() const override { return problem_.M; }
   bool eval(In x, Out F) const override {
     F = problem_.q;
-    F.noalias() += problem_.M * x;
+    const SpMat& M = problem_.M;
+    for (Index j = 0; j < M.cols(); ++j) {
+      const double xj = x[j];
+      for (Index p = M.outerIndexPtr()[j]; p < M.outerIndexPtr()[j + 1]; ++p)
+        F[M.innerIndexPtr()[p]] += M.valuePtr()[p] * xj;
+    }
     return F.allFinite();
   }
   bool jacobian(In, SpMat& J) const override {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Evaluations counted and guarded. Private to ncp/.
+#include <utility>
+
 #include "ncp/problem/mcp.hpp"
 
 namespace perp::ncp {
@@ -24,6 +26,19 @@ class CountedMcp {
 
 /// A point with F and J there.
 struct Point {
+  Point() = default;
+  ~Point() = default;
+  Point(const Point&) = default;
+  Point& operator=(const Point&) = default;
+  // Eigen 3.4 copies sparse matrices instead of moving them.
+  Point(Point&& other) : Point() { *this = std::move(other); }
+  Point& operator=(Point&& other) noexcept {
+    x.swap(other.x);
+    F.swap(other.F);
+    J.swap(other.J);
+    return *this;
+  }
+
   Vec x, F;
   SpMat J;
 };

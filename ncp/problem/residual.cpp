@@ -10,26 +10,40 @@
 
 namespace perp::ncp {
 
+namespace {
+
+/// The first row where x or F is not finite, else their number.
+Index defined_rows(In x, In F) {
+  if (((x - x) + (F - F)).sum() == 0) return x.size();  // the usual case, without a test a row
+  Index i = 0;
+  while (i < x.size() && std::isfinite(F[i]) && std::isfinite(x[i])) ++i;
+  return i;
+}
+
+}  // namespace
+
+// Whole arrays at a time: every iteration of every method asks for it.
 Residual residual(const Box& box, In x, In F) {
   if (x.size() != box.size() || F.size() != box.size())
     throw std::invalid_argument("residual: x has " + std::to_string(x.size()) + " entries, F " +
                                 std::to_string(F.size()) + ", the box " + std::to_string(box.size()));
+  const Index n = defined_rows(x, F);
   Residual r;
   r.natural = 0;
-  for (Index i = 0; i < x.size(); ++i) {
-    if (!std::isfinite(F[i]) || !std::isfinite(x[i])) {
-      r.natural = infinity;
-      r.worst = i;
-      return r;
-    }
-    const double natural = lcp::row_residual(box, i, x[i], F[i]);
-    if (natural > r.natural || r.worst < 0) {
-      r.natural = natural;
-      r.worst = i;
-    }
-    r.bounds = std::max(r.bounds, std::abs(x[i] - lcp::project(box, i, x[i])));
-    r.complementarity = std::max({r.complementarity, std::min(std::max(x[i] - box.lower[i], 0.0), std::max(F[i], 0.0)),
-                                  std::min(std::max(box.upper[i] - x[i], 0.0), std::max(-F[i], 0.0))});
+  if (n > 0) {
+    const auto z = x.head(n).array();
+    const auto f = F.head(n).array();
+    const auto above = z - box.lower.head(n).array();
+    const auto below = box.upper.head(n).array() - z;
+    r.natural = f.max(-below).min(above).abs().maxCoeff();
+    r.bounds = std::max(0.0, (-above).max(-below).maxCoeff());
+    r.complementarity = std::max(0.0, above.min(f).max(below.min(-f)).maxCoeff());
+    r.worst = 0;
+    while (r.worst + 1 < n && lcp::row_residual(box, r.worst, x[r.worst], F[r.worst]) != r.natural) ++r.worst;
+  }
+  if (n < x.size()) {
+    r.natural = infinity;
+    r.worst = n;
   }
   return r;
 }

@@ -19,7 +19,9 @@ void reformulate(const CFunction& c, const Box& box, In x, In F, Out Phi) {
   const auto rows = [&](const auto& phi) {
     for (Index i = 0; i < x.size(); ++i) Phi[i] = lcp::box_value(phi, box.lower[i], box.upper[i], x[i], F[i]);
   };
-  if (c.value != nullptr)
+  if (c.value == &lcp::fischer_burmeister_value)
+    rows([](double a, double b) { return lcp::fischer_burmeister_value(a, b); });  // in line
+  else if (c.value != nullptr)
     rows(c.value);
   else
     rows([&c](double a, double b) { return c.at(a, b, 1, 1).phi; });

@@ -63,6 +63,11 @@ Vec Linearisation::cauchy_step() const {
   return -(std::isfinite(length) ? length : 1) * gradient;
 }
 
+const CFunction& fischer_merit() {
+  static const CFunction phi = fischer_burmeister();
+  return phi;
+}
+
 double merit(const CFunction& c, const Box& box, In x, In F) {
   Vec Phi(x.size());
   reformulate(c, box, x, F, Phi);

@@ -38,5 +38,7 @@ void assemble(In Da, In Db, const SpMat& J, SpMat& H);
 double stationarity(const Vec& gradient, const Vec& terms);
 
 double merit(const CFunction& c, const Box& box, In x, In F);
+/// fischer_burmeister(), made once: its names take longer than a small problem's merit.
+const CFunction& fischer_merit();
 
 }  // namespace perp::ncp

@@ -26,15 +26,33 @@ std::vector<lcp::Cell> cells_at(const Box& box, In z) {
   return cells;
 }
 
-lcp::AffineMcp linearised(const Box& box, const Point& point, double lambda) {
-  SpMat M = point.J;
-  if (lambda > 0) {
-    SpMat identity(M.rows(), M.cols());
-    identity.setIdentity();
-    M += lambda * identity;
+SpMat plus_diagonal(const SpMat& A, double lambda) {
+  SpMat B(A.rows(), A.cols());
+  B.reserve(A.nonZeros() + A.rows());
+  for (Index j = 0; j < A.cols(); ++j) {
+    bool on_diagonal = false;
+    const auto put_diagonal = [&](double a) {
+      B.insertBack(j, j) = a + lambda;
+      on_diagonal = true;
+    };
+    B.startVec(j);
+    for (SpMat::InnerIterator it(A, j); it; ++it) {
+      if (it.row() > j && !on_diagonal) put_diagonal(0);
+      if (it.row() == j)
+        put_diagonal(it.value());
+      else
+        B.insertBack(it.row(), j) = it.value();
+    }
+    if (!on_diagonal) put_diagonal(0);
   }
-  Vec q = point.F - M * point.x;
-  return {std::move(M), std::move(q), box};
+  B.finalize();
+  return B;
+}
+
+lcp::AffineMcp linearised(const Box& box, const Point& point, double lambda) {
+  lcp::AffineMcp problem{.M = lambda > 0 ? plus_diagonal(point.J, lambda) : point.J, .q = {}, .box = box};
+  problem.q = point.F - problem.M * point.x;
+  return problem;
 }
 
 double size_of(const SpMat& J) {

@@ -16,6 +16,9 @@ Vec normal_point(const Box& box, In z, In F);
 /// The cells of a point of the box: at a bound it touches, else inside.
 std::vector<lcp::Cell> cells_at(const Box& box, In z);
 
+/// A + lambda I.
+SpMat plus_diagonal(const SpMat& A, double lambda);
+
 /// MCP(l, u, F(z^k) + (J + lambda I)(. - z^k)).
 lcp::AffineMcp linearised(const Box& box, const Point& point, double lambda);
 

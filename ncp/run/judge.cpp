@@ -45,24 +45,36 @@ void Judge::evaluate(Judged& point) {
   point.residual = residual(box, point.x, point.F);
 }
 
-bool Judge::solved(Judged& point) { return meets(point) && solved_at(point); }
+/// Whether F, as it was evaluated, and the rounding of its sums leave the residual below the tolerance.
+bool Judge::meets_without_doubt(const Judged& point, const SpMat* J) const {
+  if (!counted_.mcp().is_affine()) return true;
+  const SpMat& pattern = counted_.mcp().jacobian_pattern();
+  if (J == nullptr || J->rows() != pattern.rows() || J->nonZeros() != pattern.nonZeros()) return false;
+  return point.residual.natural + lcp::largest_rounding(row_terms(*J, point.x, point.F)) <= stop_.tol;
+}
+
+bool Judge::solved(Judged& point, const SpMat* J) {
+  if (!meets(point)) return false;
+  return word_ == Word::Preliminary && meets_without_doubt(point, J) ? snapped(point) : solved_at(point);
+}
 
 bool Judge::solved_at(Judged& point) {
   evaluate(point);
-  if (!meets(point)) return false;
-  Judged moved = point;
-  snap(moved);
-  if (!balanced(moved)) return false;
-  point = std::move(moved);
-  return true;
+  return meets(point) && snapped(point);
 }
 
-void Judge::snap(Judged& point) {
+/// Entries moved to their bounds; what is asked of the rows then.
+bool Judge::snapped(Judged& point) {
   std::vector<Index> which;
   for (Index i = 0; i < point.x.size(); ++i)
     if (bound_of(counted_.mcp().box(), i, point.x[i], point.F[i])) which.push_back(i);
+  if (which.empty()) return balanced(point);
+  Judged moved = point;
   int tries = most_moves;
-  moved_to_bounds(point, which, tries);
+  moved_to_bounds(moved, which, tries);
+  if (!balanced(moved)) return false;
+  point = std::move(moved);
+  return true;
 }
 
 /// All of them at once, or where that is no solution, each half of them.

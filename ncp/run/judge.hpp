@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// What may be called solved, for every method, and in one place: a point of the box whose natural residual, with F
-/// evaluated afresh, is at most the tolerance. F of affine problems is summed without rounding errors for that. Private
-/// to ncp/.
+/// evaluated afresh, is at most the tolerance. F of affine problems is summed without rounding errors for that. A run on
+/// another form of the problem, whose solution will be judged on the problem itself, may take a point for one by the F
+/// it has. Private to ncp/.
 #include <memory>
 #include <optional>
 #include <vector>
@@ -42,14 +43,16 @@ class ExactValues {
 
 class Judge {
  public:
+  enum class Word { Last, Preliminary };  ///< whether what is solved here is judged once more elsewhere
   /// Both outlive the judge. `exact`: those of the problem.
-  Judge(CountedMcp& counted, const Stop& stop, std::shared_ptr<ExactValues> exact)
-      : counted_(counted), stop_(stop), exact_(std::move(exact)) {}
+  Judge(CountedMcp& counted, const Stop& stop, std::shared_ptr<ExactValues> exact, Word word = Word::Last)
+      : counted_(counted), stop_(stop), exact_(std::move(exact)), word_(word) {}
   const std::shared_ptr<ExactValues>& exact() const { return exact_; }
 
   /// Whether the point is a solution to the tolerance. Then F is the fresh one, and entries that are at a bound but for
-  /// the tolerance are moved there, where the point stays a solution.
-  bool solved(Judged& point);
+  /// the tolerance are moved there, where the point stays a solution. With J there, if it is known, a preliminary word
+  /// on affine problems needs no exact sums where rounding could not matter.
+  bool solved(Judged& point, const SpMat* J = nullptr);
   /// The same of a point whose F is not known yet.
   bool solved_at(Judged& point);
   /// Of points that are none: whether every row's residual is within the rounding of its terms
@@ -61,14 +64,16 @@ class Judge {
 
  private:
   bool meets(const Judged& point) const { return point.residual.natural <= stop_.tol; }
+  bool meets_without_doubt(const Judged& point, const SpMat* J) const;
+  bool snapped(Judged& point);
   void evaluate(Judged& point);
-  void snap(Judged& point);
   bool moved_to_bounds(Judged& point, const std::vector<Index>& which, int& tries);
   bool balanced(const Judged& point);
 
   CountedMcp& counted_;
   const Stop& stop_;
   std::shared_ptr<ExactValues> exact_;
+  Word word_;
 };
 
 /// The result of another form of the problem, its x mapped back, judged on the problem itself: sets F, the residual

@@ -11,10 +11,10 @@ std::string solution_found(const Residual& residual) {
   return "solution found: the natural residual is " + number(residual.natural);
 }
 
-Run::Run(const Mcp& mcp, const Stop& stop, const Observer& observer)
+Run::Run(const Mcp& mcp, const Stop& stop, const Observer& observer, Judge::Word word)
     : counted_(mcp),
       stop_(stop),
-      judge_(counted_, stop, std::make_shared<ExactValues>(mcp)),
+      judge_(counted_, stop, std::make_shared<ExactValues>(mcp), word),
       observer_(observer),
       deadline_(lcp::deadline_after(stop.max_time)) {}
 
@@ -92,8 +92,8 @@ Judged Run::judged(const Point& point) {
   return judged;
 }
 
-bool Run::solved(Judged& judged) {
-  if (!judge_.solved(judged)) return false;
+bool Run::solved(Judged& judged, const SpMat* J) {
+  if (!judge_.solved(judged, J)) return false;
   message_ = solution_found(judged.residual);
   status_ = Status::Solved;
   return true;
@@ -185,15 +185,16 @@ Stop shared(Stop left, const Share& share) {
 
 }  // namespace
 
-Result Run::within(const Mcp& mcp, const Stop& limits, const Observer& shown, In x0, const Body& body) {
-  Run inner(mcp, limits, shown);
+Result Run::within(const Mcp& mcp, const Stop& limits, const Observer& shown, In x0, const Body& body,
+                   Judge::Word word) {
+  Run inner(mcp, limits, shown, word);
   inner.guard([&] { body(inner, x0); });
   return inner.result(x0);
 }
 
 Result Run::within(const Mcp& mcp, const Share& share, In x0, const Body& body) {
   const Observer shown = share.shown ? counting_on(share.start_shown) : Observer{};
-  return within(mcp, shared(left(), share), shown, x0, body);
+  return within(mcp, shared(left(), share), shown, x0, body, Judge::Word::Last);
 }
 
 Result Run::within(const Transform& way, const Share& share, In x0, const Body& body, bool* accepted_there) {
@@ -201,7 +202,8 @@ Result Run::within(const Transform& way, const Share& share, In x0, const Body& 
   Stop there = limits;
   there.tol = way.tolerance(limits.tol);
   const Observer shown = share.shown ? counting_on(share.start_shown) : Observer{};
-  Result result = within(way.problem(), there, brought_back(mcp(), way, shown), way.there(x0), body);
+  Result result =
+      within(way.problem(), there, brought_back(mcp(), way, shown), way.there(x0), body, Judge::Word::Preliminary);
   if (accepted_there != nullptr) *accepted_there = result.accepted();
   result.x = way.back(result.x);
   result.basis = way.back(result.x, std::move(result.basis));
@@ -289,7 +291,7 @@ bool Run::go_on(const Point& point, Iteration it) {
   const bool accepted = status_ == Status::Solved || status_ == Status::SolvedToRounding;
   // A run that ended unsolved tells of where it ended, rather than of an earlier point that is as good.
   const bool last = status_ && now.residual.natural <= best_.residual.natural;
-  const bool solution = !status_ && solved(now);
+  const bool solution = !status_ && solved(now, &point.J);
   if (solution || (!accepted && (last || now.residual.natural < best_.residual.natural))) best_ = std::move(now);
   const bool done = status_.has_value();
   stats_.iterations = it.k;

@@ -36,7 +36,8 @@ std::string solution_found(const Residual& residual);
 
 class Run {
  public:
-  Run(const Mcp& mcp, const Stop& stop, const Observer& observer);
+  /// Word::Preliminary: of a run within another one, whose solution that one judges on its own problem.
+  Run(const Mcp& mcp, const Stop& stop, const Observer& observer, Judge::Word word = Judge::Word::Last);
 
   const Mcp& mcp() const { return counted_.mcp(); }
   const Box& box() const { return mcp().box(); }
@@ -120,15 +121,15 @@ class Run {
   /// The observer, for a run within this one: its records count on from here.
   Observer counting_on(bool start_shown);
   std::string take_attempt() { return std::exchange(attempt_, {}); }
-  Result within(const Mcp& mcp, const Stop& limits, const Observer& shown, In x0, const Body& body);
+  Result within(const Mcp& mcp, const Stop& limits, const Observer& shown, In x0, const Body& body, Judge::Word word);
   /// If a limit of this run has ended the other one, this run too.
   bool ended_with(const Result& other);
   /// Of the projection of `point`: an answer lies in the box.
   Judged judged(const Point& point);
   /// Interrupted, TimeLimit or IterationLimit, in this run's numbers.
   void end_at(Status limit);
-  /// Makes the verdict Solved if the point meets the tolerance with F evaluated afresh, which `judged` then holds.
-  bool solved(Judged& judged);
+  /// Makes the verdict Solved if the judge says so (Judge::solved()); J there, if it is known.
+  bool solved(Judged& judged, const SpMat* J = nullptr);
   /// The best point is Solved after all, or SolvedToRounding.
   bool settled();
   std::string undefined_at_start(In x, In F) const;

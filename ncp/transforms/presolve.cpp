@@ -50,7 +50,7 @@ class ReducedMcp final : public Mcp {
     const std::vector<bool> all = base_.linear_entries();
     std::vector<bool> mine;
     if (all.empty()) return mine;
-    for (const Index p : entries_) mine.push_back(all[at(p)]);
+    for (const int p : entries_) mine.push_back(all[at(p)]);
     return mine;
   }
   std::string name() const override { return base_.name(); }
@@ -62,16 +62,18 @@ class ReducedMcp final : public Mcp {
     for (Index k = 0; k < size(); ++k) x_[columns_[at(k)]] = x[k];
   }
   void find_entries() {
-    std::vector<Index> place(at(base_.size()), -1);
-    for (Index k = 0; k < size(); ++k) place[at(rows_[at(k)])] = k;
+    std::vector<int> place(at(base_.size()), -1);
+    for (Index k = 0; k < size(); ++k) place[at(rows_[at(k)])] = static_cast<int>(k);
     pattern_.resize(size(), size());
-    std::vector<std::pair<Index, Index>> column;  // (row, entry of the original)
+    pattern_.reserve(J_.nonZeros());
+    entries_.reserve(at(J_.nonZeros()));
+    std::vector<std::pair<int, int>> column;  // (row, entry of the original)
     for (Index k = 0; k < size(); ++k) {
       column.clear();
       const Index j = columns_[at(k)];
-      for (Index p = J_.outerIndexPtr()[j]; p < J_.outerIndexPtr()[j + 1]; ++p)
-        if (const Index i = place[at(J_.innerIndexPtr()[p])]; i >= 0) column.emplace_back(i, p);
-      std::sort(column.begin(), column.end());
+      for (int p = J_.outerIndexPtr()[j]; p < J_.outerIndexPtr()[j + 1]; ++p)
+        if (const int i = place[at(J_.innerIndexPtr()[p])]; i >= 0) column.emplace_back(i, p);
+      if (!std::is_sorted(column.begin(), column.end())) std::sort(column.begin(), column.end());
       pattern_.startVec(k);
       for (const auto& [i, p] : column) {
         pattern_.insertBack(i, k) = 1;
@@ -86,7 +88,7 @@ class ReducedMcp final : public Mcp {
   std::vector<Index> columns_, rows_;
   Box box_;
   SpMat pattern_;
-  std::vector<Index> entries_;  // of the original's J, in the order of the pattern
+  std::vector<int> entries_;  // of the original's J, in the order of the pattern
   mutable Vec x_, F_;           // of the original
   mutable SpMat J_;
 };

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <tuple>
 
 #include "lcp/words.hpp"
 #include "ncp/transforms/presolve_reducer.hpp"
@@ -20,12 +21,42 @@ void mix(std::uint64_t& hash, std::uint64_t value) {
 
 }  // namespace
 
+// The affine rows that have as many entries in kept columns as another one, and the same first column: one of them an
+// equation. Few rows of most problems do.
+std::vector<Index> Reducer::alike() const {
+  struct Look {
+    int first, entries;
+    Index row;
+    bool operator<(const Look& other) const {
+      return std::tie(first, entries, row) < std::tie(other.first, other.entries, other.row);
+    }
+  };
+  std::vector<Look> looks;
+  for (Index i = 0; i < mcp_.size(); ++i) {
+    if (row_kept_[at(i)] == 0 || !is_affine(i) || unfixed_[at(i)] == 0) continue;
+    const auto entries = rows_[at(i)];
+    const auto first = std::ranges::find_if(entries, [this](const Entry& e) { return kept(e.index); });
+    if (first != entries.end()) looks.push_back({first->index, unfixed_[at(i)], i});
+  }
+  std::sort(looks.begin(), looks.end());
+  std::vector<Index> rows;
+  for (std::size_t begin = 0, end = 0; begin < looks.size(); begin = end) {
+    bool equation = false;
+    for (end = begin; end < looks.size() && looks[end].first == looks[begin].first &&
+                      looks[end].entries == looks[begin].entries;
+         ++end)
+      equation = equation || is_equation(looks[end].row);
+    if (equation && end - begin > 1)
+      for (std::size_t k = begin; k < end; ++k) rows.push_back(looks[k].row);
+  }
+  return rows;
+}
+
 // Looks for affine rows F_i = t F_e + d of equations F_e = 0. True: something was taken out.
 bool Reducer::parallel_rows() {
   notes.clear();
   std::vector<std::pair<std::uint64_t, Index>> keys;
-  for (Index i = 0; i < mcp_.size(); ++i) {
-    if (row_kept_[at(i)] == 0 || !is_affine(i) || unfixed_[at(i)] == 0) continue;
+  for (const Index i : alike()) {
     std::uint64_t key = 1;
     double first = 0;
     for (const Entry& e : rows_[at(i)]) {
@@ -48,11 +79,11 @@ bool Reducer::parallel_rows() {
 }
 
 void Reducer::compare(Index equation_row, Index row) {
-  const auto& a = rows_[at(equation_row)];
-  const auto& b = rows_[at(row)];
+  const Entries a = rows_[at(equation_row)];
+  const Entries b = rows_[at(row)];
   double t = 0;
   std::size_t p = 0;
-  const auto next = [&](const Entries& entries, std::size_t from) {
+  const auto next = [&](Entries entries, std::size_t from) {
     while (from < entries.size() && !kept(entries[from].index)) ++from;
     return from;
   };

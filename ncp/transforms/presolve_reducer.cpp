@@ -59,23 +59,32 @@ bool Reducer::know_values() {
                  pattern.nonZeros(), " nonzeros");
   J_ = pattern;
   if (!counted_.eval(x_, F_) || !counted_.jacobian(x_, J_)) return false;
-  rows_.resize(at(mcp_.size()));
-  columns_.resize(at(mcp_.size()));
-  std::vector<std::size_t> in_row(at(mcp_.size()), 0);
-  for (Index p = 0; p < J_.nonZeros(); ++p) ++in_row[at(J_.innerIndexPtr()[p])];
-  for (Index i = 0; i < mcp_.size(); ++i) {
-    rows_[at(i)].reserve(in_row[at(i)]);
-    columns_[at(i)].reserve(at(J_.outerIndexPtr()[i + 1] - J_.outerIndexPtr()[i]));
-  }
-  for (Index j = 0; j < J_.cols(); ++j)
-    for (Index p = J_.outerIndexPtr()[j]; p < J_.outerIndexPtr()[j + 1]; ++p) {
-      const Index i = J_.innerIndexPtr()[p];
-      const double a = J_.valuePtr()[p];
-      if (linear[at(p)] && a == 0) continue;
-      rows_[at(i)].push_back({j, a, linear[at(p)]});
-      columns_[at(j)].push_back({i, a, linear[at(p)]});
-    }
+  list_entries(linear);
   return true;
+}
+
+void Reducer::list_entries(const std::vector<bool>& linear) {
+  const std::size_t n = at(mcp_.size());
+  const auto matters = [&](std::size_t p) { return !linear[p] || J_.valuePtr()[p] != 0; };
+  const int* row = J_.innerIndexPtr();
+  rows_.start.assign(n + 1, 0);
+  columns_.start.assign(n + 1, 0);
+  columns_.entry.resize(linear.size());
+  std::size_t count = 0;
+  for (std::size_t j = 0; j < n; ++j) {
+    for (auto p = at(J_.outerIndexPtr()[j]); p < at(J_.outerIndexPtr()[j + 1]); ++p) {
+      if (!matters(p)) continue;
+      columns_.entry[count++] = {J_.valuePtr()[p], row[p], linear[p]};
+      ++rows_.start[at(row[p]) + 1];
+    }
+    columns_.start[j + 1] = count;
+  }
+  columns_.entry.resize(count);
+  for (std::size_t i = 0; i < n; ++i) rows_.start[i + 1] += rows_.start[i];
+  rows_.entry.resize(columns_.entry.size());
+  std::vector<std::size_t> next(rows_.start.begin(), rows_.start.end() - 1);
+  for (std::size_t j = 0; j < n; ++j)
+    for (const Entry& e : columns_[j]) rows_.entry[next[at(e.index)]++] = {e.a, static_cast<int>(j), e.linear};
 }
 
 void Reducer::count_entries() {
@@ -155,9 +164,7 @@ void Reducer::push_column(Index column) {
 void Reducer::drain() {
   while (infeasible.empty() && (!row_queue_.empty() || !column_queue_.empty())) {
     const bool row = !row_queue_.empty();  // rows first: what they settle needs no postsolve
-    std::deque<Index>& queue = row ? row_queue_ : column_queue_;
-    const Index index = queue.front();
-    queue.pop_front();
+    const Index index = (row ? row_queue_ : column_queue_).take();
     (row ? row_queued_ : column_queued_)[at(index)] = 0;
     row ? examine_row(index) : examine_column(index);
   }

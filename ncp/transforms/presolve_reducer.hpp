@@ -6,7 +6,8 @@
 /// be; a row paired with a free column is an equation, and stays one until it goes, satisfied at every point that
 /// postsolve can return. All that is concluded from equations is therefore true there. F_ is F at the point x_ as long
 /// as a row is not `stale`.
-#include <deque>
+#include <cstddef>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -41,11 +42,32 @@ class Reducer {
  private:
   enum class State : char { Kept, Fixed, Postponed };
   struct Entry {
-    Index index;  ///< of the column, in a row; of the row, in a column
     double a;     ///< the constant derivative
+    int index;    ///< of the column, in a row; of the row, in a column
     bool linear;  ///< is it one?
   };
-  using Entries = std::vector<Entry>;
+  using Entries = std::span<const Entry>;
+  /// The entries of all rows, or of all columns, in one array.
+  struct Lists {
+    std::vector<std::size_t> start{};
+    std::vector<Entry> entry{};
+    Entries operator[](std::size_t i) const { return {entry.data() + start[i], entry.data() + start[i + 1]}; }
+  };
+  /// First in, first out.
+  class Queue {
+   public:
+    bool empty() const { return next_ == items_.size(); }
+    void push_back(Index i) { items_.push_back(i); }
+    Index take() {
+      const Index i = items_[next_++];
+      if (empty()) items_.clear(), next_ = 0;
+      return i;
+    }
+
+   private:
+    std::vector<Index> items_{};
+    std::size_t next_ = 0;
+  };
   /// Range of an affine row over the box, implied bounds included.
   struct Activity {
     double low = 0, high = 0;  ///< the finite parts
@@ -70,6 +92,7 @@ class Reducer {
 
   // presolve_reducer.cpp
   bool know_values();
+  void list_entries(const std::vector<bool>& linear);
   void count_entries();
   void fix(Index column, double value);
   void drop(Index row);
@@ -96,6 +119,7 @@ class Reducer {
   bool harmless_at_bound(Index row, Index column, double a);
 
   // presolve_parallel.cpp
+  std::vector<Index> alike() const;
   bool parallel_rows();
   void compare(Index equation, Index row);
 
@@ -109,7 +133,7 @@ class Reducer {
   CountedMcp counted_;
   Vec x_, F_;
   SpMat J_;
-  std::vector<Entries> rows_, columns_;  // constant zeros left out
+  Lists rows_, columns_;  // constant zeros left out
   std::vector<State> column_state_;
   std::vector<char> row_kept_, stale_, linear_column_;
   std::vector<Index> row_of_, column_of_;
@@ -121,7 +145,7 @@ class Reducer {
   std::vector<Index> lower_by_, upper_by_;  // the equation that implies the bound, or -1
   std::vector<Postponed> set_;              // variables set by equations of their own
   std::vector<Index> set_by_;               // of a row: the column whose being set made it an equation, or -1
-  std::deque<Index> row_queue_, column_queue_;
+  Queue row_queue_, column_queue_;
   std::vector<char> row_queued_, column_queued_;
   bool moved_ = false;
   bool blocked_ = false;  // F is not defined at x_ any more

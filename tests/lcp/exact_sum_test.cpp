@@ -7,6 +7,7 @@
 #include <cfloat>
 #include <cmath>
 #include <random>
+#include <utility>
 #include <vector>
 
 namespace perp::lcp {
@@ -117,6 +118,54 @@ TEST(ExactSum, SaysWhereItIsNotExact) {
   sum.add(DBL_MAX);
   sum.add(DBL_MAX);
   EXPECT_FALSE(sum.exact());
+}
+
+// Products of one size, of many, and such that cancel to their last digits, against GMP's rationals. Catches a value
+// that is called settled and is not the nearest double, and a bound so wide that nothing is ever settled.
+TEST(TripleSum, IsTheNearestDoubleWhereItIsSettled) {
+  std::mt19937_64 random(3);
+  const auto draw = [&](int exponents) {
+    const double digits = static_cast<double>(static_cast<std::int64_t>(random())) * 0x1p-63;
+    return std::ldexp(digits, static_cast<int>(random() % static_cast<unsigned>(2 * exponents + 1)) - exponents);
+  };
+  constexpr int runs = 3000;
+  int settled = 0;
+  for (int run = 0; run < runs; ++run) {
+    const int exponents = run % 3 == 0 ? 200 : run % 3 == 1 ? 30 : 1;
+    double first = draw(exponents);
+    std::vector<std::pair<double, double>> products;
+    mpq_class expected = 0;
+    for (int k = 0; k < 1 + run % 12; ++k) {
+      products.emplace_back(draw(exponents), draw(exponents));
+      expected += mpq_class(products.back().first) * mpq_class(products.back().second);
+    }
+    if (run % 2 == 0) first = -nearest(expected);
+    expected += mpq_class(first);
+    TripleSum sum(first);
+    for (const auto& [a, b] : products) sum.add_product(a, b);
+    if (!sum.settle()) continue;
+    ++settled;
+    EXPECT_EQ(sum.value(), nearest(expected)) << "run " << run;
+  }
+  EXPECT_GT(settled, 0.9 * runs);
+}
+
+// Catches sums called settled whose products lost digits below the range, overflowed, or ended at a tie.
+TEST(TripleSum, IsNotSettledWhereDigitsAreLost) {
+  TripleSum small(1);
+  small.add_product(0x1p-600, 0x1p-600);
+  EXPECT_FALSE(small.settle());
+  TripleSum large(1);
+  large.add_product(0x1p600, 0x1p600);
+  EXPECT_FALSE(large.settle());
+  TripleSum zeros(-0.0);
+  zeros.add_product(0, 0x1p-600);
+  EXPECT_TRUE(zeros.settle());
+  EXPECT_FALSE(std::signbit(zeros.value()));
+  TripleSum tie(1);  // 1 + 2^-53 + 2^-200, which goes up
+  tie.add_product(0x1p-50, 0x1p-3);
+  tie.add_product(0x1p-100, 0x1p-100);
+  EXPECT_TRUE(!tie.settle() || tie.value() == 1 + 0x1p-52);
 }
 
 }  // namespace

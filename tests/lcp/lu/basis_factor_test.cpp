@@ -373,6 +373,21 @@ TEST_P(Basis, SaysWhenTheBasisIsSingular) {
   EXPECT_EQ(factor.rcond(), 0.5);
 }
 
+// By the pivots alone, without a solve. Catches a small pivot among the columns with one entry, or in the block, that
+// is overlooked, and doubt where there is none.
+TEST_P(Basis, SaysWhereItIsSurelyRegular) {
+  const auto surely = [this](const SpMat& A) {
+    BasisFactor factor(A, options());
+    EXPECT_EQ(factor.factor(first_columns(A.rows())), LuStatus::Ok);
+    return factor.surely_regular();
+  };
+  EXPECT_FALSE(surely(matrix({{1, 0, 0}, {0, 1, 2}, {0, 2, 4.0000000001}})));
+  EXPECT_FALSE(surely(matrix({{1e-12, 1, 1}, {0, 2, 1}, {0, 1, 2}})));
+  EXPECT_FALSE(surely(matrix({{1, 0, 0}, {0, 2e-12, 1e-12}, {0, 1e-12, 2e-12}})));
+  const bool shown = surely(matrix({{1, 0, 0}, {0, 2, 1}, {0, 1, 2}}));
+  EXPECT_TRUE(shown || GetParam() == LuBackend::Eigen) << "Eigen does not tell its pivots";
+}
+
 // Everything of another size or out of range would read beyond an array.
 TEST_P(Basis, RefusesWrongSizes) {
   const SpMat A = matrix({{1, 0, 2}, {0, 1, 1}});
