@@ -2,42 +2,64 @@
 #include "contact/solvers/follow.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
+#include <vector>
 
 #include "contact/classics/alart_curnier.hpp"
 #include "contact/classics/gauss_seidel.hpp"
+#include "contact/model/units.hpp"
+#include "contact/solvers/cone_path.hpp"
 
 namespace perp::contact {
-/// alpha of W + alpha I; Newton steps are ended by so many in a row without a natural map below `decrease` times the
-/// least. Of the lengths 1, 1/2, .. the first that brings it below `follow_decrease` times the last counts, else the
-/// best.
-struct FollowSteps {
-  double alpha;
-  int patience;
-  double decrease;
-};
-
 namespace {
 
-constexpr FollowSteps first_steps{1e-10, 3, 0.9};
-constexpr FollowSteps last_steps{1e-6, 3, 0.9};
-/// After failures in a row so many steps are left to others, one more each time.
-constexpr int most_pauses = 8;
+using Block = Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+/// alpha; D where contacts do not stick, which are held more; the largest |D| and the least distance from the border,
+/// as a part of the largest impulse, of what D is taken at.
+constexpr double follow_alpha = 1e-10;
+constexpr double follow_hold = 1e3;
+constexpr double largest_metric = 1e4;
+constexpr double least_margin = 1e-3;
+/// Solutions with K are refined to those without alpha while the residual falls: so often, to this, by this.
+constexpr int follow_refinements = 3;
+constexpr double follow_refined = 1e-9;
+constexpr double follow_refinement_gain = 0.25;
+/// R; parts of the step to the least barrier.
+constexpr double centring_size = 10;
+constexpr std::array centring_steps{1.0, 0.5, 0.25, 0.1};
+
+/// Newton steps are ended by `follow_patience` in a row without a natural map below `follow_decrease` times the least.
+/// Of the lengths 1, 1/2, .. the first that brings it below `follow_decrease` times the last counts, else the best;
+/// below `follow_near` steps are full: the states of contacts near others decide there, and settle by themselves.
 constexpr int follow_steps = 10;
+constexpr int follow_patience = 3;
 constexpr double follow_decrease = 0.9;
 constexpr int follow_halvings = 5;
-/// Below this natural map rounding decides about lengths: steps are full.
-constexpr double follow_near = 1e-6;
+constexpr double follow_near = 1e-4;
+/// Points above this natural map are not judged.
+constexpr double worth_judging = 1e-5;
 
 /// Sweeps are judged so many at a time, and ended unless r changes less by this factor than in the lot before.
 constexpr int follow_sweeps = 100;
 constexpr int follow_lot = 4;
 constexpr double follow_contraction = 0.5;
 
-/// KLU up to so many rows of W and entries in each, as in the homotopy.
-constexpr Index follow_klu_rows = 2000;
-constexpr Index follow_klu_entries = 60;
+/// The path begins so far inside the cones. Newton steps are tried from points with tau below `path_newton`, and again
+/// when it has fallen by `path_again`. Where contacts slip the associated law leaves a natural map that does not fall
+/// with tau: so many steps of that end it. After failures in a row so many paths are not tried, one more each time.
+constexpr double path_inside = 1e-2;
+constexpr int most_path_steps = 12;
+constexpr double path_end = 1e-9;
+constexpr double path_newton = 1e-4;
+constexpr double path_again = 1e-2;
+constexpr int path_newton_steps = 4;
+constexpr double path_settled = 0.7;
+constexpr int path_patience = 2;
+constexpr int most_pauses = 8;
 
 bool same_matrix(const SpMat& a, const SpMat& b) {
   return a.rows() == b.rows() && a.nonZeros() == b.nonZeros() &&
@@ -46,42 +68,206 @@ bool same_matrix(const SpMat& a, const SpMat& b) {
          std::equal(a.valuePtr(), a.valuePtr() + a.nonZeros(), b.valuePtr());
 }
 
+bool same_rows(const std::vector<ContactRows>& a, const std::vector<ContactRows>& b) {
+  return std::ranges::equal(a, b, [](const ContactRows& x, const ContactRows& y) { return x.A == y.A && x.B == y.B; });
+}
+
+bool sticks(const ContactRows& rows, int size) {
+  return rows.A.topLeftCorner(size, size).isZero(0) && rows.B.topLeftCorner(size, size).isIdentity(0);
+}
+
+/// Negative outside of the cone and on its border.
+double determinant(const Vector3d& x) {
+  const double length = x.tail<2>().norm();
+  return x[0] > 0 ? (x[0] - length) * (x[0] + length) : -1;
+}
+
+Vector3d reflected(const Vector3d& x) { return {x[0], -x[1], -x[2]}; }
+
+/// The gradient of log det(x) / 2.
+Vector3d inward(const Vector3d& x) { return reflected(x) / determinant(x); }
+
+/// The Hessian of -log det(x) / 2.
+Block barrier_metric(const Vector3d& x) {
+  const Vector3d g = inward(x);
+  Block H = 2 * g * g.transpose();
+  H.diagonal() -= Vector3d(1, -1, -1) / determinant(x);
+  return H / std::max(1.0, H.norm() / largest_metric);
+}
+
 }  // namespace
 
-bool Follower::factor(const SpMat& K) {
-  const bool klu = K.rows() <= follow_klu_rows && K.nonZeros() <= follow_klu_entries * K.rows();
-  if (klu != klu_) {
-    klu_ = klu;
-    lu_ = lcp::SparseLu(klu ? lcp::LuBackend::Klu : lcp::LuBackend::General);
-    factored_.resize(0, 0);
+/// What is kept while W and friction are the same, and the factors of the last matrix.
+struct Follower::Kept {
+  Kept(const Problem& of, const Kept* before)
+      : W(of.W),
+        mu(of.mu),
+        problem(scaled(of)),
+        system(system_of(problem, before)),
+        rho(problem),
+        path(problem, system),
+        weight(problem.impulse / Units::of(of.W, of.q).impulse) {}
+
+  /// With the analysis of the last, which is made again where the pattern is another.
+  static ContactSystem system_of(const Scaled& problem, const Kept* before) {
+    const bool shared = before != nullptr && problem.W.parts() == nullptr && before->problem.W.parts() == nullptr;
+    return shared ? ContactSystem(problem, before->system) : ContactSystem(problem);
   }
-  if (factored_.size() > 0 && same_matrix(K, factored_)) return true;
-  factored_.resize(0, 0);
+  bool is_of(const Problem& other) const { return other.mu == mu && same_matrix(other.W, W); }
+  /// The units of q are those of the problem.
+  void take(const Problem& of) {
+    const Units units = Units::of(of.W, of.q);
+    problem.impulse = units.impulse * weight;
+    for (Index k = 0; k < problem.size(); ++k) problem.q[k] = weight[k] * of.q[problem.rows[at(k)]] / units.velocity;
+  }
+  Vector3d inside(In r, std::size_t a) const;
+  void solve(NewtonStep& step);
+  void centre(In r, const NewtonStep& step, Vec& d);
+  Vec linear_part(const std::vector<ContactRows>& of, const Vec& x) const;
+
+  SpMat W;
+  Vec mu;
+  Scaled problem;
+  ContactSystem system;
+  NewtonWeights rho;
+  ConePath path;
+  Vec weight;                       // of the impulses: 1, mu, mu
+  std::vector<ContactRows> rows{};  // A and B of the factors; none: there are none
+  std::vector<Block> metric{};      // D
+  double largest = 1;               // impulse at D
+};
+
+struct Follower::NewtonStep {
+  std::vector<ContactRows> rows{};  // A and B
+  Vec c{};
+  Vec d{};
+};
+
+Follower::Follower() = default;
+Follower::~Follower() = default;
+
+const Scaled& Follower::take(const Problem& problem) {
+  if (kept_ && kept_->is_of(problem))
+    kept_->take(problem);
+  else
+    kept_ = std::make_unique<Kept>(problem, kept_.get());
+  return kept_->problem;
+}
+
+/// The impulse of a contact as a part of the largest, not on the border of the cone.
+Vector3d Follower::Kept::inside(In r, std::size_t a) const {
+  Vector3d x = problem.blocks[a].of(r) / largest;
+  x[0] = std::max(x[0], x.tail<2>().norm() + least_margin);
+  return x;
+}
+
+/// (A + B W) x.
+Vec Follower::Kept::linear_part(const std::vector<ContactRows>& of, const Vec& x) const {
+  const Vec Wx = problem.W * x;
+  Vec out(x.size());
+  for (std::size_t a = 0; a < of.size(); ++a) {
+    const Scaled::Block& block = problem.blocks[a];
+    const Vector3d part = of[a].A * block.of(x) + of[a].B * block.of(Wx);
+    out.segment(block.first, block.size) = part.head(block.size);
+  }
+  return out;
+}
+
+/// (A + B W) d = c, as far as that is in reach with the factors of K.
+void Follower::Kept::solve(NewtonStep& step) {
+  system.solve(step.c, step.d);
+  Vec rest = step.c - linear_part(step.rows, step.d);
+  double size = rest.lpNorm<Eigen::Infinity>();
+  Vec more;
+  for (int k = 0; k < follow_refinements && size > follow_refined; ++k) {
+    system.solve(rest, more);
+    more += step.d;
+    rest = step.c - linear_part(step.rows, more);
+    const double now = rest.lpNorm<Eigen::Infinity>();
+    if (!(now <= follow_refinement_gain * size)) return;
+    size = now;
+    step.d = more;
+  }
+}
+
+/// Adds the step to the least barrier of the contacts that stick, or a part of it that leads there.
+void Follower::Kept::centre(In r, const NewtonStep& step, Vec& d) {
+  std::vector<std::size_t> sticking;
+  Vec inwards = Vec::Zero(r.size());
+  for (std::size_t a = 0; a < step.rows.size(); ++a) {
+    const Scaled::Block& block = problem.blocks[a];
+    if (!sticks(step.rows[a], block.size)) continue;
+    sticking.push_back(a);
+    const Vector3d down = largest / centring_size * Vector3d::UnitX();
+    const Vector3d g = largest * follow_alpha * (inward(inside(r, a)) - down - metric[a] * block.of(d) / largest);
+    inwards.segment(block.first, block.size) = g.head(block.size);
+  }
+  if (sticking.empty()) return;
+  Vec e;
+  Vec seen;
+  system.solve(inwards, e);
+  system.solve(linear_part(step.rows, e), seen);
+  e -= seen;
+  if (!e.allFinite()) return;
+  const Vec to = r + d;
+  const auto barrier = [&](double t) {
+    double sum = 0;
+    for (const std::size_t a : sticking) {
+      const Vector3d x = problem.blocks[a].of(to) + t * problem.blocks[a].of(e);
+      const double det = determinant(x);
+      if (!(det > 0)) return lcp::infinity;
+      sum += x[0] / centring_size - std::log(det) / 2;
+    }
+    return sum;
+  };
+  double least = barrier(0);
+  double length = 0;
+  for (const double t : centring_steps) {
+    const double now = barrier(t);
+    if (!(now < least)) continue;
+    least = now;
+    length = t;
+  }
+  d += length * e;
+}
+
+/// The factors of K.
+bool Follower::factor(In r, const NewtonStep& step) {
+  Kept& kept = *kept_;
+  if (!kept.rows.empty() && same_rows(kept.rows, step.rows)) return true;
+  kept.rows.clear();
+  kept.metric.assign(step.rows.size(), follow_hold * Block::Identity());
+  kept.largest = std::max(r.lpNorm<Eigen::Infinity>(), 1e-300);
+  std::vector<ContactRows> rows = step.rows;
+  for (std::size_t a = 0; a < rows.size(); ++a) {
+    if (sticks(rows[a], kept.problem.blocks[a].size)) kept.metric[a] = barrier_metric(kept.inside(r, a));
+    rows[a].A += follow_alpha * rows[a].B * kept.metric[a];
+  }
   ++factorizations_;
-  if (!lu_.try_factor(K)) return false;
-  factored_ = K;
+  if (!kept.system.factor(rows)) return false;
+  kept.rows = step.rows;
   return true;
 }
 
 /// The full Newton step from r.
-bool Follower::direction(const Scaled& problem, const NewtonWeights& rho, In r, double alpha, Vec& d) {
-  const Vec u = problem.W * r + problem.q;
-  const auto rows_of = [&](std::size_t a, const Eigen::Vector3d& r_a, const Eigen::Vector3d& u_a) {
+bool Follower::direction(In r, NewtonStep& step) {
+  Kept& kept = *kept_;
+  const auto rows_of = [&](std::size_t a, const Vector3d& r_a, const Vector3d& u_a) {
     const auto i = static_cast<Index>(a);
-    return alart_curnier_rows(problem.blocks[a].size, r_a, u_a, rho.N[i], rho.T[i]);
+    return alart_curnier_rows(kept.problem.blocks[a].size, r_a, u_a, kept.rho.N[i], kept.rho.T[i]);
   };
-  const NewtonSystem system = newton_system(problem, rows_of, r, u);
-  SpMat K = problem.W.matrix();
-  contact_matrix(problem, system.rows, alpha, K);
-  if (!factor(K)) return false;
-  d.resize(r.size());
-  lu_.solve(system.c, d);
+  NewtonSystem system = newton_system(kept.problem, rows_of, r, kept.problem.W * r + kept.problem.q);
+  step.rows = std::move(system.rows);
+  step.c = std::move(system.c);
+  if (!factor(r, step)) return false;
+  kept.solve(step);
   ++steps_;
-  return d.allFinite();
+  return step.d.allFinite();
 }
 
 /// Sweeps of Gauss-Seidel while they contract; whether r is accepted then.
-bool Follower::sweep(const Scaled& problem, Vec& r, const Accept& accept) {
+bool Follower::sweep(Vec& r, const Accept& accept) {
+  const Scaled& problem = kept_->problem;
   const GaussSeidel method(problem);
   Vec u = problem.W * r + problem.q;
   double before = lcp::infinity;  // change of r in the last lot
@@ -97,34 +283,35 @@ bool Follower::sweep(const Scaled& problem, Vec& r, const Accept& accept) {
   return false;
 }
 
-/// Newton steps with this alpha from r, which becomes the best point met; whether it is accepted.
-bool Follower::newton(const Scaled& problem, Vec& r, const FollowSteps& steps, const Accept& accept, const Stop& stop) {
-  const NewtonWeights rho(problem);
+/// Newton steps from r, which becomes the best point met; whether it is accepted.
+bool Follower::newton(Vec& r, int most, const Accept& accept, const Stop& stop) {
+  const Scaled& problem = kept_->problem;
   Vec x = r;
   double last = natural_map(problem, x);
   double lowest = last;
-  Vec d;
-  for (int k = 0, since = 0; k < follow_steps && since < steps.patience; ++k) {
-    if (stop() || !direction(problem, rho, x, steps.alpha, d)) return false;
+  NewtonStep step;
+  for (int k = 0, since = 0; k < most && since < follow_patience; ++k) {
+    if (stop() || !direction(x, step)) return false;
+    if (k == 0) kept_->centre(x, step, step.d);
+    const double enough = last <= follow_near ? lcp::infinity : follow_decrease * last;
     double least = lcp::infinity;
     Vec to = x;
-    if (last <= follow_near) least = natural_map(problem, to += d);
-    for (int i = 0; last > follow_near && i <= follow_halvings && !(least <= follow_decrease * last); ++i, d *= 0.5) {
-      const Vec trial = x + d;
+    for (int i = 0; i <= follow_halvings && !(least < enough); ++i, step.d *= 0.5) {
+      const Vec trial = x + step.d;
       const double now = natural_map(problem, trial);
       if (!(now < least)) continue;
       least = now;
       to = trial;
     }
     if (!std::isfinite(least)) return false;
-    x = to;
+    x = std::move(to);
     last = least;
-    if (accept(x)) {
+    if (last <= worth_judging && accept(x)) {
       r = x;
       return true;
     }
     ++since;
-    if (last > steps.decrease * lowest) continue;
+    if (last > follow_decrease * lowest) continue;
     lowest = last;
     r = x;
     since = 0;
@@ -132,33 +319,72 @@ bool Follower::newton(const Scaled& problem, Vec& r, const FollowSteps& steps, c
   return false;
 }
 
-/// What solved the last step comes first.
-bool Follower::attempt(const Scaled& problem, Vec& r, const Accept& accept, const Stop& stop) {
-  const auto by_sweeps = [&] {
-    Vec swept = r;
-    if (!sweep(problem, swept, accept)) return false;
-    r = std::move(swept);
-    return true;
-  };
-  if (sweeps_first_ && by_sweeps()) return true;
-  sweeps_first_ = false;
-  if (newton(problem, r, first_steps, accept, stop)) return true;
-  sweeps_first_ = by_sweeps();
-  return sweeps_first_ || newton(problem, r, last_steps, accept, stop);
+/// The path with the openings of the slip at r, which becomes the point that is accepted.
+bool Follower::path(Vec& r, const Accept& accept, const Stop& stop) {
+  Kept& kept = *kept_;
+  ConePath::Point begin{.r = r, .y = kept.problem.W * r + kept.problem.q};
+  Vec openings(static_cast<Index>(kept.problem.blocks.size()));
+  const double largest = std::max(1.0, r.lpNorm<Eigen::Infinity>());
+  for (std::size_t a = 0; a < kept.problem.blocks.size(); ++a) {
+    const Scaled::Block& block = kept.problem.blocks[a];
+    const auto move_inside = [&block](Vec& x, double by) {
+      x[block.first] = std::max(x[block.first], block.of(x).tail<2>().norm()) + by;
+    };
+    openings[static_cast<Index>(a)] = block.of(begin.y).tail<2>().norm();
+    move_inside(begin.r, path_inside * largest);
+    move_inside(begin.y, path_inside);
+  }
+  kept.rows.clear();
+  kept.path.open(std::move(begin), openings);
+  double newton_at = path_newton;
+  double before = lcp::infinity;  // natural map
+  for (int k = 0, settled = 0; k < most_path_steps && settled < path_patience && kept.path.tau() > path_end; ++k) {
+    if (stop()) return false;
+    ++factorizations_;
+    ++steps_;
+    if (!kept.path.step()) return false;
+    if (kept.path.tau() > path_newton) continue;
+    const double map = natural_map(kept.problem, kept.path.r());
+    if (map <= worth_judging && accept(kept.path.r())) {
+      r = kept.path.r();
+      return true;
+    }
+    settled = map > path_settled * std::exchange(before, map) ? settled + 1 : 0;
+    if (kept.path.tau() > newton_at) continue;
+    newton_at = path_again * kept.path.tau();
+    r = kept.path.r();
+    if (newton(r, path_newton_steps, accept, stop)) return true;
+  }
+  return false;
 }
 
-std::optional<Vec> Follower::from(const Scaled& problem, In start, const Accept& accept, const Stop& stop) {
-  Vec r = start;
-  if (accept(r)) return r;
+/// Sweeps first where they solved the last step.
+bool Follower::attempt(Vec& r, const Accept& accept, const Stop& stop) {
+  const Vec start = r;
+  const auto by_sweeps = [&] {
+    Vec swept = r;
+    sweeps_first_ = sweep(swept, accept);
+    if (sweeps_first_) r = std::move(swept);
+    return sweeps_first_;
+  };
+  if ((sweeps_first_ && by_sweeps()) || newton(r, follow_steps, accept, stop) || by_sweeps()) return true;
   if (pause_ > 0) {
     --pause_;
-    return std::nullopt;
+    return false;
   }
-  if (attempt(problem, r, accept, stop)) {
+  r = start;
+  const bool found = path(r, accept, stop);
+  if (found)
     failures_ = 0;
-    return r;
-  }
-  pause_ = std::min(failures_++, most_pauses);
+  else
+    pause_ = std::min(failures_++, most_pauses);
+  return found;
+}
+
+std::optional<Vec> Follower::from(In start, const Accept& accept, const Stop& stop) {
+  Vec r = start;
+  if (natural_map(kept_->problem, r) <= worth_judging && accept(r)) return r;
+  if (attempt(r, accept, stop)) return r;
   return std::nullopt;
 }
 

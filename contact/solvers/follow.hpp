@@ -1,53 +1,66 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// From the impulses of one step to those of the next: Newton's method on the equation of Alart & Curnier
-/// (contact/classics/alart_curnier.hpp) with the proximal term alpha (r - r_k) of the iterate itself, each step as long
-/// as the natural map asks for. Where contacts keep their states, sticking ones need one step and slipping ones two or
-/// three. alpha is next to nothing first, and larger where contacts are redundant and Newton's steps leave the
-/// neighbourhood. Between the two come sweeps of Gauss-Seidel from the same start, ended where they do not contract;
-/// what solved a step is asked first in the next, and after failures in a row some steps are not tried at all.
+/// (contact/classics/alart_curnier.hpp) with a proximal term of the iterate itself, each step as long as the natural
+/// map asks for; where it fails sweeps of Gauss-Seidel, and then the cones' path of the associated law (cone_path.hpp)
+/// from just inside the cones, whose points Newton's method begins from again.
 ///
-/// The symbolic analysis is kept from step to step while the pattern of W is the same, and the factors while the matrix
-/// is: as long as W stays and contacts only stick or are open, a step costs two triangular solves. Private to contact/.
+/// Where contacts are redundant r is not unique: what W does not see, its kernel, is free. Newton's steps of least norm
+/// carry r, step after step, onto the border of the cones, where the natural map has kinks in all directions. Therefore
+/// the proximal term at contacts that stick is measured by the Hessian of the cones' barrier,
+///     K = A + B (W + alpha D),   D_a the Hessian of -log det(r_a) / 2,   det(x) = x_N^2 - |x_T|^2,
+/// and the first step of each problem has besides, in the kernel, the step to the least barrier
+/// sum r_N / R - log det(r_a) / 2 of these contacts,
+///     e - K^-1 (A + B W) e,   K e = alpha (J r_a / det(r_a) - e_N / R - D_a d_a),   J = diag(1, -1, -1):
+/// r stays in the middle of its cones, and no larger than it needs to be, at the price of two solves.
+///
+/// What depends on W alone is kept while its entries are the same, and the factors of K while contacts keep their
+/// states, as long as none slips: a step costs a few triangular solves then. Private to contact/.
 #include <functional>
+#include <memory>
 #include <optional>
 
-#include "contact/classics/newton.hpp"
+#include "contact/model/problem.hpp"
 #include "contact/model/scaling.hpp"
-#include "lcp/lu/sparse_lu.hpp"
 
 namespace perp::contact {
-
-struct FollowSteps;
 
 class Follower {
  public:
   using Accept = std::function<bool(const Vec&)>;
   using Stop = std::function<bool()>;
-  /// Goes from r~ until `accept` says yes; the point then. `stop` is asked before each factorization. Nothing where
-  /// that, or failure, ends it first.
-  std::optional<Vec> from(const Scaled& problem, In r, const Accept& accept, const Stop& stop);
+  Follower();
+  ~Follower();
+  Follower(const Follower&) = delete;
+  Follower& operator=(const Follower&) = delete;
+
+  /// Makes this the problem, and returns it in its scaled units, where it stays until the next.
+  const Scaled& take(const Problem& problem);
+  /// Goes from r~ until `accept` says yes, which is asked of points with a small natural map; the point then. `stop` is
+  /// asked before each factorization. Nothing where that, or failure, ends it first. Pre: take().
+  std::optional<Vec> from(In r, const Accept& accept, const Stop& stop);
 
   long factorizations() const { return factorizations_; }  ///< since it was made
-  long steps() const { return steps_; }
+  long steps() const { return steps_; }                    ///< Newton's and the path's
   long sweeps() const { return sweeps_; }
 
  private:
-  bool attempt(const Scaled& problem, Vec& r, const Accept& accept, const Stop& stop);
-  bool newton(const Scaled& problem, Vec& r, const FollowSteps& steps, const Accept& accept, const Stop& stop);
-  bool sweep(const Scaled& problem, Vec& r, const Accept& accept);
-  bool direction(const Scaled& problem, const NewtonWeights& rho, In r, double alpha, Vec& d);
-  bool factor(const SpMat& K);
+  struct Kept;
+  struct NewtonStep;
+  bool attempt(Vec& r, const Accept& accept, const Stop& stop);
+  bool newton(Vec& r, int most, const Accept& accept, const Stop& stop);
+  bool sweep(Vec& r, const Accept& accept);
+  bool path(Vec& r, const Accept& accept, const Stop& stop);
+  bool direction(In r, NewtonStep& step);
+  bool factor(In r, const NewtonStep& step);
 
-  lcp::SparseLu lu_{lcp::LuBackend::General};
-  bool klu_ = false;
-  SpMat factored_{};  // the matrix of the factors; empty: there are none
+  std::unique_ptr<Kept> kept_;
   long factorizations_ = 0;
   long steps_ = 0;
   long sweeps_ = 0;
   bool sweeps_first_ = false;
-  int failures_ = 0;  // in a row
-  int pause_ = 0;     // steps that are left to others
+  int failures_ = 0;  // of paths in a row
+  int pause_ = 0;     // paths that are not tried
 };
 
 }  // namespace perp::contact

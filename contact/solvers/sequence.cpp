@@ -74,16 +74,19 @@ Run Sequence::follow(const Problem& problem, const Vec& start) {
   const auto spent = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count(); };
   const RunLimits& limits = options_.limits;
   check(problem);
-  const Scaled coordinates = scaled(problem);
+  const Scaled& coordinates = follower_->take(problem);
   const Judge is_a_solution(problem);
+  Residual last;
   const auto accept = [&](const Vec& r) {
     const Vec impulses = coordinates.expand(r);
-    return impulses.allFinite() && accepted(is_a_solution(impulses), limits.tol);
+    if (!impulses.allFinite()) return false;
+    last = is_a_solution(impulses);
+    return accepted(last, limits.tol);
   };
   const auto stop = [&] { return spent() > limits.seconds || (limits.interrupt != nullptr && *limits.interrupt); };
   const long factorizations = follower_->factorizations();
   const long steps = follower_->steps();
-  const auto found = follower_->from(coordinates, coordinates.reduce(start), accept, stop);
+  const auto found = follower_->from(coordinates.reduce(start), accept, stop);
   Run run;
   run.counts = {{"iterations", 0},
                 {"newton_steps", follower_->steps() - steps},
@@ -95,10 +98,13 @@ Run Sequence::follow(const Problem& problem, const Vec& start) {
     run.message = "solved: followed from the step before";
     run.solution.r = coordinates.expand(*found);
     run.solution.u = velocities(problem, run.solution.r);
-    judge(run, problem, options_.variant);
+    run.residual = last;
+    run.seconds = spent();  // as of contact::run: the states are told afterwards
+    run.states = states(problem, run.solution.r);
     ++stats_.followed;
+  } else {
+    run.seconds = spent();
   }
-  run.seconds = spent();
   count(run);
   return run;
 }
