@@ -57,6 +57,13 @@ std::vector<int> coupled_by(const SpMat& M) {
   return unknowns.numbers();
 }
 
+bool same_matrix(const SpMat& a, const SpMat& b) {
+  return a.rows() == b.rows() && a.cols() == b.cols() && a.nonZeros() == b.nonZeros() &&
+         std::equal(a.outerIndexPtr(), a.outerIndexPtr() + a.outerSize() + 1, b.outerIndexPtr()) &&
+         std::equal(a.innerIndexPtr(), a.innerIndexPtr() + a.nonZeros(), b.innerIndexPtr()) &&
+         std::equal(a.valuePtr(), a.valuePtr() + a.nonZeros(), b.valuePtr());
+}
+
 }  // namespace
 
 std::shared_ptr<const Inertia> Inertia::of(SpMat M) {
@@ -230,6 +237,13 @@ Delassus::Delassus(std::shared_ptr<const DelassusParts> parts, std::function<SpM
 Index Delassus::rows() const { return parts_ ? parts_->H().cols() : entries_->W.rows(); }
 Index Delassus::cols() const { return parts_ ? parts_->H().cols() : entries_->W.cols(); }
 bool Delassus::formed() const { return entries_->formed; }
+
+bool Delassus::same_as(const Delassus& other) const {
+  if (shift_ != other.shift_) return false;
+  if (entries_ == other.entries_) return true;
+  if (!parts_ || !other.parts_) return !parts_ && !other.parts_ && same_matrix(entries_->W, other.entries_->W);
+  return same_matrix(parts_->M(), other.parts_->M()) && same_matrix(parts_->H(), other.parts_->H());
+}
 
 const SpMat& Delassus::matrix() const {
   if (parts_)

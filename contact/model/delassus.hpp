@@ -99,6 +99,8 @@ class Delassus {
   const DelassusParts* parts() const { return parts_.get(); }
   /// Whether the entries are there.
   bool formed() const;
+  /// Whether both have the same entries, or the same M and H, bit by bit.
+  bool same_as(const Delassus& other) const;
   /// The entries, which are formed if they are not there.
   const SpMat& matrix() const;
   /// The entries, to be changed. W is given by them from now on.

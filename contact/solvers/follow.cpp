@@ -61,13 +61,6 @@ constexpr double path_settled = 0.7;
 constexpr int path_patience = 2;
 constexpr int most_pauses = 8;
 
-bool same_matrix(const SpMat& a, const SpMat& b) {
-  return a.rows() == b.rows() && a.nonZeros() == b.nonZeros() &&
-         std::equal(a.outerIndexPtr(), a.outerIndexPtr() + a.outerSize() + 1, b.outerIndexPtr()) &&
-         std::equal(a.innerIndexPtr(), a.innerIndexPtr() + a.nonZeros(), b.innerIndexPtr()) &&
-         std::equal(a.valuePtr(), a.valuePtr() + a.nonZeros(), b.valuePtr());
-}
-
 bool same_rows(const std::vector<ContactRows>& a, const std::vector<ContactRows>& b) {
   return std::ranges::equal(a, b, [](const ContactRows& x, const ContactRows& y) { return x.A == y.A && x.B == y.B; });
 }
@@ -113,7 +106,7 @@ struct Follower::Kept {
     const bool shared = before != nullptr && problem.W.parts() == nullptr && before->problem.W.parts() == nullptr;
     return shared ? ContactSystem(problem, before->system) : ContactSystem(problem);
   }
-  bool is_of(const Problem& other) const { return other.mu == mu && same_matrix(other.W, W); }
+  bool is_of(const Problem& other) const { return other.mu == mu && other.W.same_as(W); }
   /// The units of q are those of the problem.
   void take(const Problem& of) {
     const Units units = Units::of(of.W, of.q);
@@ -125,7 +118,7 @@ struct Follower::Kept {
   void centre(In r, const NewtonStep& step, Vec& d);
   Vec linear_part(const std::vector<ContactRows>& of, const Vec& x) const;
 
-  SpMat W;
+  Delassus W;
   Vec mu;
   Scaled problem;
   ContactSystem system;

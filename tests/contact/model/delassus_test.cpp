@@ -90,6 +90,24 @@ TEST(Delassus, GroupsAreThoseOfTheBodies) {
   EXPECT_EQ(Delassus(SpMat(two.W.matrix())).groups(3), groups);
 }
 
+// Catches a sequence that goes on with the factors of another W.
+TEST(Delassus, IsTheSameOnlyBitByBit) {
+  const Scene scene = make_scene("wall", 30);
+  const Delassus W = scene.problem().W;
+  EXPECT_TRUE(W.same_as(scene.problem().W));  // made again
+  EXPECT_FALSE(W.same_as(W.plus(1e-300)));
+  Delassus given = W;
+  (void)given.given();
+  EXPECT_FALSE(W.same_as(given));
+  Delassus other = given;
+  EXPECT_TRUE(given.same_as(other));
+  other.given().coeffRef(0, 0) *= 1 + 1e-15;
+  EXPECT_FALSE(given.same_as(other));
+  Global global = *scene.problem().global;
+  global.H.valuePtr()[3] *= 1 + 1e-15;
+  EXPECT_FALSE(W.same_as(condense(global, scene.problem().mu).W));
+}
+
 // Of an M that is not symmetric, or not positive definite, W has no parts and its entries serve.
 TEST(Delassus, OtherInertiaHasNoFactors) {
   EXPECT_EQ(Inertia::of(support::matrix({{2, 1}, {0, 2}})), nullptr);
