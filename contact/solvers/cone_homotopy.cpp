@@ -163,13 +163,14 @@ bool ConeHomotopy::associated() {
 }
 
 /// Coulomb's law in the region of the contacts that slip at the end of this path, then the path with the openings that
-/// it has there, whose metric is that of a point nearer to the solution, and so on. Back to where the path was if the
-/// run is not over.
+/// it has there, whose metric is that of a point nearer to the solution, and so on. Where a path comes to its end what
+/// slips by little is about to stick, and Newton steps are to find that. Back to where the path was if the run is not
+/// over.
 bool ConeHomotopy::regions() {
   const ConePath::Point back = path_.point();
   const Vec openings = path_.openings();
   bool over = false;
-  for (int k = 0; k < most_rounds && !over; ++k) {
+  for (int k = 0; k < most_rounds && path_.tau() > cone_end && !over; ++k) {
     const std::optional<Regional> found = late_region();
     if (!found) break;
     const double map = natural_map(problem_, found->r);

@@ -186,6 +186,16 @@ TEST(ConePath, RegionsInRounds) {
   }
 }
 
+// Piles in which a contact neither moves nor carries anything in the end: its slip falls like the root of tau and looks
+// like a real one all the way. Regions make nothing of it (39 factorizations), Newton steps from the path's end do.
+TEST(ConePath, NothingIsMadeOfSlipsThatVanish) {
+  for (const unsigned seed : {24U, 60U}) {
+    const Result result = solve(make_scene("spheres", 100, seed).problem());
+    EXPECT_TRUE(result.solved()) << result.message;
+    EXPECT_LE(result.stats.factorizations, 25) << seed;
+  }
+}
+
 // Cadoux' openings grow without end on this pile, and the path that is coupled where contacts slip by the associated
 // law turns back: nine slip, and the way to them is from one of the first openings. Catches openings from which only
 // the path with all contacts coupled is tried.
