@@ -67,7 +67,8 @@ constexpr int most_late_steps = 10;
 constexpr std::array stiffnesses{1.0, 10.0, 100.0};
 /// A region has at most this part of the contacts, so that its own regions end, and at most so many. It grows so often,
 /// to `most_in_small_region` or so many times its size in all, and at once by no more than `most_growth` or its size.
-/// Its problem is solved to few digits, because Newton steps find the last ones, and with so much work: rows^3 a step.
+/// Its problem is solved to few digits, with so much work: rows^3 a step. More digits are had where a few steps find
+/// them, and spare a Newton step of ours.
 constexpr double most_of_region = 0.25;
 constexpr std::size_t most_in_region = 250;
 constexpr std::size_t most_in_small_region = 100;
@@ -75,6 +76,8 @@ constexpr std::size_t most_times_region = 3;
 constexpr std::size_t most_growth = 60;
 constexpr int most_growths = 12;
 constexpr double region_tol = 1e-6;
+constexpr double region_digits = 1e-9;
+constexpr int region_digit_steps = 6;
 constexpr double region_work = 3e9;
 constexpr double least_region_steps = 60;
 constexpr double most_region_steps = 400;
@@ -163,20 +166,20 @@ bool ConeHomotopy::associated() {
 }
 
 /// Coulomb's law in the region of the contacts that slip at the end of this path, then the path with the openings that
-/// it has there, whose metric is that of a point nearer to the solution, and so on. Where a path comes to its end what
-/// slips by little is about to stick, and Newton steps are to find that. Back to where the path was if the run is not
-/// over.
+/// it has there, whose metric is that of a point nearer to the solution, and so on. At the end of a path there is one
+/// round alone: what it does not solve has slips that vanish. Back to where the path was if the run is not over.
 bool ConeHomotopy::regions() {
   const ConePath::Point back = path_.point();
   const Vec openings = path_.openings();
   bool over = false;
-  for (int k = 0; k < most_rounds && path_.tau() > cone_end && !over; ++k) {
+  for (int k = 0; k < most_rounds && !over; ++k) {
     const std::optional<Regional> found = late_region();
     if (!found) break;
     const double map = natural_map(problem_, found->r);
     over = referee_.judge(found->r, {.by = Origin::Cones, .tau = found->tau}) ||
-           (map <= regional_map && newton_steps(referee_, problem_, newton_, found->r, regional_newton)) ||
-           reopen(*found);
+           (map <= regional_map && newton_steps(referee_, problem_, newton_, found->r, regional_newton));
+    if (over || found->tau <= cone_end) break;
+    over = reopen(*found);
   }
   if (over || referee_.over()) return true;
   path_.open(back, openings);
@@ -251,7 +254,13 @@ std::optional<Solution> ConeHomotopy::solution_of(const Problem& region) {
   options.max_steps = static_cast<int>(std::clamp(steps, least_region_steps, most_region_steps));
   Result result = solve(region, options);
   referee_.stats().region_factorizations += result.stats.factorizations + result.stats.region_factorizations;
-  return result.solved() ? std::optional(std::move(result.solution)) : std::nullopt;
+  if (!result.solved()) return {};
+  options.tol = region_digits;
+  options.start = result.solution.r;
+  options.max_steps = region_digit_steps;
+  Result better = solve(region, options);
+  referee_.stats().region_factorizations += better.stats.factorizations + better.stats.region_factorizations;
+  return std::move((better.solved() ? better : result).solution);
 }
 
 /// Whether many contacts slip at the end of the associated path.
