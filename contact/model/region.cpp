@@ -117,4 +117,12 @@ Vec Region::whole(const Vec& region) const {
   return r;
 }
 
+Vec Region::slips(const Vec& region_u) const {
+  Vec speeds = Vec::Zero(static_cast<Index>(problem_.blocks.size()));
+  for (std::size_t k = 0; k < inside_.size(); ++k)
+    speeds[static_cast<Index>(inside_[k])] =
+        region_u.segment(size_of_one_ * static_cast<Index>(k) + 1, size_of_one_ - 1).norm();
+  return speeds;
+}
+
 }  // namespace perp::contact

@@ -37,6 +37,8 @@ class Region {
   const Problem& problem();
   /// All impulses, of those of the region.
   Vec whole(const Vec& region) const;
+  /// |u_T| of all contacts, of the region's velocities; 0 at the others.
+  Vec slips(const Vec& region_u) const;
 
  private:
   void add_columns(std::size_t from);

@@ -53,31 +53,49 @@ constexpr double least_end = 1e-7;
 constexpr double late_tau = 1e-4;
 constexpr std::array slip_late_tau{1e-2, 1e-4};
 
-/// Regions of slipping contacts: from the last point of a path and from its last one with tau above `region_tau`. A
-/// region has at most this part of the contacts, so that its own regions end, and at most so many; it grows so often.
-/// Its problem is solved to more digits than ours, in so much time; after so many that are not solved no region is
-/// tried any more.
-constexpr double region_tau = 1e-5;
+/// Regions of slipping contacts, in rounds: a region, and a path with its openings. The path begins near the region's
+/// point, at `reopen_share` times its tau, and ends at `round_share` of it, or below it where the gap falls no more:
+/// above it slips would be seen less clearly. Where the others are too soft, impulses far
+/// outside of the cones or a problem that is not solved say so: then they are made stiffer. Where contacts do not slip
+/// yet the path goes on first.
+constexpr int most_rounds = 6;
+constexpr double reopen_share = 100;
+constexpr double latest_reopen = 1e-2;
+constexpr double round_share = 0.1;
+constexpr int most_round_steps = 10;
 constexpr int most_late_steps = 10;
+constexpr std::array stiffnesses{1.0, 10.0, 100.0};
+/// A region has at most this part of the contacts, so that its own regions end, and at most so many. It grows so often,
+/// to `most_in_small_region` or so many times its size in all, and at once by no more than `most_growth` or its size.
+/// Its problem is solved to few digits, with so much work: rows^3 a step. More digits are had where a few steps find
+/// them, and spare a Newton step of ours.
 constexpr double most_of_region = 0.25;
 constexpr std::size_t most_in_region = 250;
-constexpr std::size_t most_with_neighbours = 80;
+constexpr std::size_t most_in_small_region = 100;
+constexpr std::size_t most_times_region = 3;
+constexpr std::size_t most_growth = 60;
 constexpr int most_growths = 12;
-constexpr double region_tol = 1e-9;
-constexpr std::chrono::duration<double> region_time{0.5};
-constexpr int most_unsolved_regions = 8;
+constexpr double region_tol = 1e-6;
+constexpr double region_digits = 1e-9;
+constexpr int region_digit_steps = 6;
+constexpr double region_work = 3e9;
+constexpr double least_region_steps = 60;
+constexpr double most_region_steps = 400;
 
 /// Newton steps. On the way: of the associated path first at `newton_tau` and again when tau has fallen by
 /// `newton_tau_again`, unless the gap is above `real_gap` times tau, which says that contacts slip in the end; of a
-/// coupled one, where tau says less, by the natural map; where one turns back with a map above `turned_map`, none.
+/// coupled one, where tau says less, by the natural map; where one turns back with a map above `turned_map`, none; from
+/// a region's point below `regional_map`, until one goes astray along the kernel of W.
 constexpr double newton_tau = 1e-4;
 constexpr double real_gap = 200;
 constexpr double newton_tau_again = 1e-2;
 constexpr double newton_map = 0.01;
 constexpr double newton_map_again = 0.3;
 constexpr double turned_map = 0.02;
+constexpr double regional_map = 2e-3;
 constexpr NewtonSteps quick_newton{.most = 2, .halvings = 0};
 constexpr NewtonSteps coupled_newton{.most = 6, .halvings = 0};
+constexpr NewtonSteps regional_newton{.most = 6, .halvings = 0, .most_growth = 100};
 constexpr NewtonSteps last_newton{};
 
 /// Whether the gap falls no more.
@@ -96,17 +114,11 @@ class Settling {
   int steps_ = 0;
 };
 
-/// These contacts and all that W couples with them.
-std::vector<std::size_t> around(const Scaled& problem, const std::vector<std::size_t>& contacts) {
-  std::vector<Index> columns;
-  for (const std::size_t a : contacts) columns.push_back(problem.blocks[a].first);
-  const std::vector<char> coupled = problem.W.coupled(columns);
-  std::vector<std::size_t> all;
-  for (std::size_t a = 0; a < problem.blocks.size(); ++a) {
-    const auto first = coupled.begin() + problem.blocks[a].first;
-    if (std::any_of(first, first + problem.blocks[a].size, [](char row) { return row != 0; })) all.push_back(a);
-  }
-  return all;
+/// And have they friction?
+bool blocks_of_one_size(const Scaled& problem) {
+  const int size = problem.blocks.front().size;
+  const auto same = [size](const Scaled::Block& block) { return block.size == size; };
+  return size > 1 && std::ranges::all_of(problem.blocks, same);
 }
 
 }  // namespace
@@ -150,76 +162,105 @@ bool ConeHomotopy::associated() {
     at = newton_tau_again * path_.tau();
     if (try_newton(quick_newton)) return true;
   }
-  return referee_.over() || regions() || late_regions() || try_newton(last_newton);
+  return referee_.over() || regions() || try_newton(last_newton);
 }
 
-/// From a later point of the associated path, where slips are told apart from what sticks more clearly; back to where
-/// the path was if the run is not over.
-bool ConeHomotopy::late_regions() {
+/// Coulomb's law in the region of the contacts that slip at the end of this path, then the path with the openings that
+/// it has there, whose metric is that of a point nearer to the solution, and so on. At the end of a path there is one
+/// round alone: what it does not solve has slips that vanish. Back to where the path was if the run is not over.
+bool ConeHomotopy::regions() {
   const ConePath::Point back = path_.point();
-  const std::size_t kept = points_.size();
-  Settling settling(region_tau);
-  for (int k = 0; k < most_late_steps && path_.tau() > cone_end && !settling.done(); ++k) {
+  const Vec openings = path_.openings();
+  bool over = false;
+  for (int k = 0; k < most_rounds && !over; ++k) {
+    const std::optional<Regional> found = late_region();
+    if (!found) break;
+    const double map = natural_map(problem_, found->r);
+    over = referee_.judge(found->r, {.by = Origin::Cones, .tau = found->tau}) ||
+           (map <= regional_map && newton_steps(referee_, problem_, newton_, found->r, regional_newton));
+    if (over || found->tau <= cone_end) break;
+    over = reopen(*found);
+  }
+  if (over || referee_.over()) return true;
+  path_.open(back, openings);
+  return false;
+}
+
+/// At the first point of the path from here on where contacts slip: with the others as stiff as they are, then stiffer.
+std::optional<ConeHomotopy::Regional> ConeHomotopy::late_region() {
+  for (int k = 0; k < most_late_steps && slipping().empty(); ++k)
+    if (path_.tau() <= cone_end || !step()) return {};
+  for (const double stiffness : stiffnesses)
+    if (auto found = region(stiffness)) return found;
+  return {};
+}
+
+/// The path with these openings from near this point; whether the run is over.
+bool ConeHomotopy::reopen(const Regional& from) {
+  const double tau = std::min(reopen_share * from.tau, latest_reopen);
+  path_.open(path_.near(from.r, from.openings, tau), from.openings);
+  Settling settling(from.tau);
+  for (int k = 0; k < most_round_steps && path_.tau() > round_share * from.tau && !settling.done(); ++k) {
     if (!step()) break;
-    points_.emplace_back(path_.tau(), path_.point());
     settling.see(path_.tau(), gap());
   }
-  const bool over = referee_.over() || (points_.size() > kept && regions());
-  points_.resize(kept);
-  path_.open(back, path_.openings());
-  return over;
+  return referee_.over();
 }
 
-/// Coulomb's law in the region of the contacts that slip at the end of this path.
-bool ConeHomotopy::regions() {
-  const auto late = points_.empty() ? points_.end() : std::prev(points_.end());
-  if (late == points_.end()) return false;
-  if (region(late->second, late->first)) return true;
-  const std::size_t early = last_above(region_tau);
-  return (early + 1 < points_.size() && region(points_[early].second, points_[early].first)) ||
-         region(points_[early].second, points_[early].first, true);
-}
-
-/// In the region of those that slip or are opened at this point, which grows by the contacts whose impulses leave the
-/// cone; whether the run is over. `neighbours`: with those that W couples with them.
-bool ConeHomotopy::region(const ConePath::Point& point, double tau, bool neighbours) {
-  std::vector<std::size_t> inside;
+/// Those that slip or are opened at this point of the path.
+std::vector<std::size_t> ConeHomotopy::slipping() const {
+  std::vector<std::size_t> contacts;
+  const Vec speed = path_.slip();
   const Vec openings = path_.openings();
-  const int size = problem_.blocks.front().size;
-  for (std::size_t a = 0; a < problem_.blocks.size(); ++a) {
-    const Scaled::Block& block = problem_.blocks[a];
-    if (block.size != size || size == 1) return false;
-    const double speed = block.of(point.y).tail<2>().norm();
-    if (speed > real_gap * tau || openings[static_cast<Index>(a)] > real_gap * tau) inside.push_back(a);
-  }
-  if (neighbours) inside = around(problem_, inside);
-  if (neighbours && inside.size() > most_with_neighbours) return false;
-  const auto most =
-      std::min(most_in_region, static_cast<std::size_t>(most_of_region * static_cast<double>(problem_.blocks.size())));
-  if (inside.empty() || inside.size() > most || unsolved_regions_ >= most_unsolved_regions) return false;
+  for (Index a = 0; a < speed.size(); ++a)
+    if (std::max(speed[a], openings[a]) > real_gap * path_.tau()) contacts.push_back(static_cast<std::size_t>(a));
+  return contacts;
+}
+
+/// In the region of those that slip at this point, which grows by the contacts whose impulses leave the cone. The
+/// others are so many times as stiff as the path's metric.
+std::optional<ConeHomotopy::Regional> ConeHomotopy::region(double stiffness) {
+  std::vector<std::size_t> inside = slipping();
+  const auto share = static_cast<std::size_t>(most_of_region * static_cast<double>(problem_.blocks.size()));
+  const std::size_t grown = std::max(most_in_small_region, most_times_region * inside.size());
+  const std::size_t most = std::min({most_in_region, share, grown});
+  if (inside.empty() || inside.size() > most || !blocks_of_one_size(problem_)) return {};
   std::vector<Eigen::Matrix3d> A;
   std::vector<Eigen::Matrix3d> inverse;
-  path_.metric(point, A, inverse);
-  Region region(problem_, system_, std::move(A), std::move(inverse), point.r, std::move(inside));
-  if (!region.factor()) return false;
+  path_.metric(path_.point(), A, inverse);
+  for (Eigen::Matrix3d& of : A) of *= stiffness;
+  for (Eigen::Matrix3d& of : inverse) of /= stiffness;
+  Region region(problem_, system_, std::move(A), std::move(inverse), path_.r(), std::move(inside));
+  if (!region.factor()) return {};
   for (int k = 0; k < most_growths && region.size() <= most && !referee_.over(); ++k) {
-    Options options{.tol = region_tol, .interrupt = referee_.interrupt()};
-    options.max_time = std::min(region_time, std::chrono::duration<double>(std::max(0.0, referee_.seconds_left())));
-    auto& method = std::get<Auto>(options.method);
-    method.proximal = false;
-    method.homotopy.other_settings = false;
-    const Result found = solve(region.problem(), options);
-    if (!found.solved()) {
-      ++unsolved_regions_;
-      return referee_.over();
-    }
-    const Vec r = region.whole(found.solution.r);
-    if (!r.allFinite()) return false;
-    if (region.grow(r) > 0) continue;
-    return referee_.judge(r, {.by = Origin::Cones, .tau = tau}) ||
-           (natural_map(problem_, r) <= turned_map && newton_steps(referee_, problem_, newton_, r, coupled_newton));
+    const std::optional<Solution> solved = solution_of(region.problem());
+    if (!solved) return {};
+    Regional found{.r = region.whole(solved->r), .openings = Vec(), .tau = path_.tau()};
+    if (!found.r.allFinite()) return {};
+    found.openings = region.slips(solved->u);
+    const std::size_t before = region.size();
+    const std::size_t by = region.grow(found.r);
+    if (by == 0) return found;
+    if (by > std::max(before, most_growth)) return {};
   }
-  return referee_.over();
+  return {};
+}
+
+/// Of a region's problem; nothing: it took too much work.
+std::optional<Solution> ConeHomotopy::solution_of(const Problem& region) {
+  Options options{.tol = region_tol, .interrupt = referee_.interrupt()};
+  options.max_time = std::chrono::duration<double>(std::max(0.0, referee_.seconds_left()));
+  const double steps = region_work / std::pow(static_cast<double>(region.q.size()), 3);
+  options.max_steps = static_cast<int>(std::clamp(steps, least_region_steps, most_region_steps));
+  Result result = solve(region, options);
+  referee_.stats().region_factorizations += result.stats.factorizations + result.stats.region_factorizations;
+  if (!result.solved()) return {};
+  options.tol = region_digits;
+  options.start = result.solution.r;
+  options.max_steps = region_digit_steps;
+  Result better = solve(region, options);
+  referee_.stats().region_factorizations += better.stats.factorizations + better.stats.region_factorizations;
+  return std::move((better.solved() ? better : result).solution);
 }
 
 /// Whether many contacts slip at the end of the associated path.
@@ -322,7 +363,6 @@ bool ConeHomotopy::fixed_point() {
     path_.open(points_.back().second, next);
     if (follow(std::clamp(end_share * g.lpNorm<Eigen::Infinity>(), least_end, largest_end)) || try_newton(last_newton))
       return true;
-    if (region(path_.point(), path_.tau())) return true;
     const double now = gap();
     since = now <= opening_share * least ? 0 : since + 1;
     least = std::min(least, now);

@@ -7,6 +7,7 @@
 /// with Anderson's mixing of two, and from points of each a path with the contacts coupled that slip at its end. Newton
 /// steps on Alart & Curnier's equation are tried from the points for the last digits. Cadoux, Acary & Lemarechal
 /// (contact/classics/classics.hpp); Anderson, J. ACM 12 (1965) 547. Private to contact/.
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -27,9 +28,17 @@ class ConeHomotopy {
 
  private:
   bool associated();
+  struct Regional {
+    Vec r;         // of all contacts
+    Vec openings;  // |u_T| in the region
+    double tau = 0;
+  };
   bool regions();
-  bool late_regions();
-  bool region(const ConePath::Point& point, double tau, bool neighbours = false);
+  std::optional<Regional> late_region();
+  std::optional<Regional> region(double stiffness);
+  std::optional<Solution> solution_of(const Problem& region);
+  bool reopen(const Regional& from);
+  std::vector<std::size_t> slipping() const;
   bool slips(double tau);
   bool all_coupled(const ConePath::Point& from);
   bool coupled(ConePath::Point from, int steps);
@@ -49,7 +58,6 @@ class ConeHomotopy {
   AlartCurnier& newton_;
   ContactSystem& system_;
   ConePath path_;
-  int unsolved_regions_ = 0;
   std::vector<char> coupled_;                               // contacts
   std::vector<std::pair<double, ConePath::Point>> points_;  // tau and where to come back to, tau falling
 };

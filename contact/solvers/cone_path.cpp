@@ -52,6 +52,22 @@ double cone_reach(const Vector& x, const Vector& d) {
   return a < 0 ? (b + root) / -a : lcp::infinity;
 }
 
+/// r of x = r - y, r o y = tau e: of each eigenvalue l of x the positive root of r (r - l) = tau.
+Vector cone_part(const Vector& x, double tau) {
+  const double length = x.tail<2>().norm();
+  const auto root = [tau](double l) {
+    const double far = std::hypot(l, 2 * std::sqrt(tau));
+    return l > 0 ? (far + l) / 2 : 2 * tau / (far - l);
+  };
+  const double large = root(x[0] + length);
+  const double small = root(x[0] - length);
+  Vector r;
+  r[0] = (large + small) / 2;
+  r.tail<2>().setZero();
+  if (length > 0) r.tail<2>() = (large - small) / (2 * length) * x.tail<2>();
+  return r;
+}
+
 }  // namespace
 
 /// One contact and its part of Newton's step: scale() and couple() once for each matrix, towards() for each direction.
@@ -125,6 +141,19 @@ void ConePath::open(Point point, const Vec& openings) {
     contacts_[a].s = openings[static_cast<Index>(a)];
     contacts_[a].coupled = false;
   }
+}
+
+ConePath::Point ConePath::near(const Vec& r, const Vec& openings, double tau) const {
+  const Vec u = problem_.W * r + problem_.q;
+  Point point{.r = r, .y = u};
+  for (std::size_t a = 0; a < contacts_.size(); ++a) {
+    const Contact& c = contacts_[a];
+    Vector x = c.of(r) - c.of(u);
+    x[0] -= openings[static_cast<Index>(a)];
+    point.r.segment(c.first, c.size) = cone_part(x, tau).head(c.size);
+    point.y.segment(c.first, c.size) = cone_part(-x, tau).head(c.size);
+  }
+  return point;
 }
 
 void ConePath::couple(Point point, const std::vector<char>& which) {

@@ -39,6 +39,8 @@ class ConePath {
   const Point& point() const { return at_; }
   /// Goes on from `point` with these openings, one a contact.
   void open(Point point, const Vec& openings);
+  /// Near r and u = W r + q, with r_a o y_a = tau e at every contact: r - u - s e_N = r_a - y_a with these openings.
+  Point near(const Vec& r, const Vec& openings, double tau) const;
   /// Goes on from `point` with s coupled at these contacts, and nothing opened at the others.
   void couple(Point point, const std::vector<char>& which);
 

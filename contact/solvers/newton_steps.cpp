@@ -10,7 +10,7 @@ namespace perp::contact {
 bool newton_steps(Referee& referee, const Scaled& problem, AlartCurnier& newton, Vec r, const NewtonSteps& steps) {
   double last = natural_map(problem, r);
   double lowest = last;
-  for (int k = 0, since = 0; k < steps.most && since < steps.patience; ++k) {
+  for (int k = 0, since = 0; k < steps.most && since < steps.patience && last <= steps.most_growth * lowest; ++k) {
     Vec to;
     if (!newton.step(r, r, steps.alpha, to)) return false;
     ++referee.stats().newton_steps;

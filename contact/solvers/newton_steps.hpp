@@ -17,6 +17,7 @@ struct NewtonSteps {
   double decrease = 0.7;
   Origin full = Origin::Newton;  ///< what makes the points of full steps; those of shorter ones DampedNewton
   int patience = 2;              ///< so many in a row that do not bring it below `decrease` times the least end them
+  double most_growth = lcp::infinity;  ///< one that makes it so many times the least ends them
 };
 
 /// Takes the steps from r, and counts and judges them. Returns whether the run is over.

@@ -52,6 +52,7 @@ class Referee : public Trial {
   double last_ = lcp::infinity;
   bool searched_ = false;  // for a certificate, to the end
 
+  bool enough_steps() const;
   SearchLimits search_limits() const;
   void ask_existence();
 };

@@ -168,7 +168,13 @@ bool Referee::over() {
     else if (seconds_left() <= 0)
       result_.status = Status::TimeLimit;
   }
-  return result_.status != Status::NoProgress;
+  return result_.status != Status::NoProgress || enough_steps();
+}
+
+bool Referee::enough_steps() const {
+  return options_.max_steps > 0 &&
+         result_.stats.iterations + result_.stats.newton_steps + result_.stats.region_factorizations >=
+             options_.max_steps;
 }
 
 double Referee::seconds_left() const {
@@ -183,7 +189,8 @@ SearchLimits Referee::search_limits() const {
 }
 
 bool Referee::no_solution() {
-  if (searched_ || result_.status == Status::Solved || result_.status == Status::Interrupted) return over();
+  if (searched_ || options_.max_steps > 0 || result_.status == Status::Solved || result_.status == Status::Interrupted)
+    return over();
   const auto begin = std::chrono::steady_clock::now();
   const SearchLimits limits = search_limits();
   std::optional<Infeasible> proof = find_infeasibility(problem_, limits);
@@ -197,6 +204,7 @@ bool Referee::no_solution() {
 
 /// What is known where no solution was found.
 void Referee::ask_existence() {
+  if (options_.max_steps > 0) return;
   if (result_.status == Status::NoProgress || result_.status == Status::TimeLimit) no_solution();
   if (result_.status == Status::NoProgress || result_.status == Status::TimeLimit)
     result_.verdict = verdict_without_certificate(problem_, search_limits());

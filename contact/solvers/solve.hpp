@@ -111,6 +111,9 @@ struct Options {
   Vec start{};  ///< r to begin near, of the step before; empty: cold
   /// Called with every r that is better than those before, and what made it; on the thread that solves.
   std::function<void(const Vec& r, Origin by)> better{};
+  /// Steps at most, each about a factorization: iterations, Newton steps, factorizations of regions. 0: any number. A
+  /// run that is limited so asks for no proof.
+  int max_steps = 0;
 };
 
 /// Infeasible: proven to have no solution, by Result::verdict.certificate (contact/existence/infeasible.hpp).
@@ -135,7 +138,8 @@ struct Stats {
   int newton_steps = 0;    ///< on Alart & Curnier's equation
   int proximal_steps = 0;  ///< moves of the proximal loop's centre
   int attempts = 0;
-  int factorizations = 0;
+  int factorizations = 0;         ///< of matrices of all contacts
+  int region_factorizations = 0;  ///< of the regions' own problems, of some ten contacts
   std::chrono::duration<double> time{0};
 };
 

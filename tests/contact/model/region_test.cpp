@@ -47,6 +47,9 @@ TEST(Region, TheOthersAreHeldAndItsVelocitiesAreThoseOfAll) {
       const Vec r = region.whole(own);
       const Vec u = problem.W * r + problem.q;
       const Vec own_u = small.W * own + small.q;
+      const Vec slips = region.slips(own_u);
+      EXPECT_EQ((slips.array() > 0).count(), small.contacts());
+      EXPECT_EQ(slips[static_cast<Index>(inside[1])], own_u.segment<2>(4).norm());
       for (std::size_t k = 0; k < inside.size(); ++k) {
         const Scaled::Block& block = problem.blocks[inside[k]];
         const auto i = 3 * static_cast<Index>(k);

@@ -62,6 +62,34 @@ TEST(ConePath, SolvesTheConeProblem) {
     }
 }
 
+// Near any r there is a point of the centre: r_a o y_a = tau e, both in the cone, with r_a - y_a = r - u - s e_N.
+// Catches roots that cancel at small tau, and openings in the wrong row.
+TEST(ConePath, NearAPointIsTheCentre) {
+  Random random(4);
+  for (const double tau : {1e-2, 1e-9}) {
+    const Problem problem = solvable_problem(3, 6, 24, random, 0.2);
+    const Scaled coordinates = scaled(problem);
+    ContactSystem system(coordinates);
+    const ConePath path(coordinates, system);
+    Vec r = random.normals(coordinates.size(), 1);
+    Vec openings = Vec::Zero(problem.contacts());
+    openings[2] = 0.7;
+    const Vec u = coordinates.W * r + coordinates.q;
+    const ConePath::Point point = path.near(r, openings, tau);
+    for (std::size_t a = 0; a < coordinates.blocks.size(); ++a) {
+      const Eigen::Vector3d r_a = coordinates.blocks[a].of(point.r);
+      const Eigen::Vector3d y_a = coordinates.blocks[a].of(point.y);
+      Eigen::Vector3d x = coordinates.blocks[a].of(r) - coordinates.blocks[a].of(u);
+      x[0] -= openings[static_cast<Index>(a)];
+      EXPECT_LE((r_a - y_a - x).norm(), 1e-14 * (1 + x.norm()));
+      EXPECT_NEAR(r_a.dot(y_a), tau, 1e-14 * (1 + x.squaredNorm()));
+      EXPECT_LE((r_a[0] * y_a.tail<2>() + y_a[0] * r_a.tail<2>()).norm(), 1e-14 * (1 + x.squaredNorm()));
+      EXPECT_GT(r_a[0], r_a.tail<2>().norm());
+      EXPECT_GT(y_a[0], y_a.tail<2>().norm());
+    }
+  }
+}
+
 // With s coupled the end obeys Coulomb's law, by its judge: one contact that slips, W = 1, q = (-1, 2, 0), mu = 0.4.
 // Catches errors in the coupling's derivatives only as lost convergence, and in the coupling as a wrong law.
 TEST(ConePath, CoupledIsCoulombsLaw) {
@@ -140,6 +168,30 @@ TEST(ConePath, TheRegionOfThoseThatSlipIsSolvedByItself) {
     const Result result = solve(problem);
     EXPECT_TRUE(result.solved()) << result.message;
     EXPECT_EQ(result.stats.attempts, 0) << seed;
+    EXPECT_LE(result.stats.factorizations, 25) << seed;
+  }
+}
+
+// Piles on which one region is not enough: after it the path with its openings has another metric, and a second or
+// third region ends in Coulomb's law (66 factorizations and more before). Catches rounds that begin too late for long
+// steps, and rounds that end while slips are not told apart from what sticks.
+TEST(ConePath, RegionsInRounds) {
+  for (const auto& [contacts, seed, mu] : {std::tuple{3000, 5U, 0.6}, {1000, 15U, 0.4}, {1000, 28U, 0.4}}) {
+    Problem problem = make_scene("spheres", contacts, seed).problem();
+    problem.mu.setConstant(mu);
+    const Result result = solve(problem);
+    EXPECT_TRUE(result.solved()) << result.message;
+    EXPECT_LE(result.stats.factorizations, 35) << seed;
+    EXPECT_GT(result.stats.region_factorizations, 0) << seed;
+  }
+}
+
+// Piles in which a contact neither moves nor carries anything in the end: its slip falls like the root of tau and looks
+// like a real one all the way. Regions make nothing of it (39 factorizations), Newton steps from the path's end do.
+TEST(ConePath, NothingIsMadeOfSlipsThatVanish) {
+  for (const unsigned seed : {24U, 60U}) {
+    const Result result = solve(make_scene("spheres", 100, seed).problem());
+    EXPECT_TRUE(result.solved()) << result.message;
     EXPECT_LE(result.stats.factorizations, 25) << seed;
   }
 }

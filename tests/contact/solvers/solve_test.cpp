@@ -237,6 +237,10 @@ TEST(Solve, LimitsAndRefusals) {
   EXPECT_EQ(solve(problem, {.max_time = std::chrono::duration<double>(0)}).status, Status::TimeLimit);
   const std::atomic<bool> now{true};
   EXPECT_EQ(solve(problem, {.interrupt = &now}).status, Status::Interrupted);
+  const Result limited = solve(problem, {.method = Auto{.sweeps = 0}, .max_steps = 1});
+  EXPECT_EQ(limited.status, Status::NoProgress);
+  EXPECT_EQ(limited.stats.iterations + limited.stats.newton_steps, 1);
+  EXPECT_TRUE(limited.verdict.message.empty());
   const auto refuses = [&](const Options& options, const char* what) {
     EXPECT_THAT([&] { solve(problem, options); }, testing::ThrowsMessage<std::invalid_argument>(HasSubstr(what)));
   };
