@@ -20,8 +20,6 @@ double power_of_two(double a) {
   return std::ldexp(1, std::clamp(half_to_one < middle ? exponent - 1 : exponent, -far, far));
 }
 
-double inverse_root(double largest) { return largest > 0 ? 1 / std::sqrt(largest) : 1; }
-
 /// One step of Ruiz' iteration: rows and columns are divided by the root of their largest entry.
 void sweep(const SpMat& M, Scaling& scaling, Vec& row_max, Vec& column_max) {
   row_max.setZero();
@@ -38,10 +36,13 @@ void sweep(const SpMat& M, Scaling& scaling, Vec& row_max, Vec& column_max) {
     }
     column_max[j] = largest;
   }
-  for (Index i = 0; i < M.rows(); ++i) {
-    scaling.rows[i] *= inverse_root(row_max[i]);
-    scaling.columns[i] *= inverse_root(column_max[i]);
-  }
+  const auto divide_by_root = [](Vec& factors, Vec& largest) {
+    for (double& a : largest)
+      if (!(a > 0)) a = 1;
+    factors.array() *= largest.array().sqrt().inverse();  // two at a time
+  };
+  divide_by_root(scaling.rows, row_max);
+  divide_by_root(scaling.columns, column_max);
 }
 
 /// Whether every bound is as finite after the scaling as before, and every interval still one.

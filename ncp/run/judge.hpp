@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// What may be called solved, for every method, and in one place: a point of the box whose natural residual, with F
-/// evaluated afresh, is at most the tolerance. F of affine problems is summed without rounding errors for that. A run on
-/// another form of the problem, whose solution will be judged on the problem itself, may take a point for one by the F
-/// it has. Private to ncp/.
+/// evaluated afresh, is at most the tolerance. F of affine problems is summed without rounding errors for that. A run
+/// on another form of the problem, whose solution will be judged on the problem itself, may take a point for one by the
+/// F it has. Private to ncp/.
 #include <memory>
 #include <optional>
 #include <vector>

@@ -89,7 +89,7 @@ class ReducedMcp final : public Mcp {
   Box box_;
   SpMat pattern_;
   std::vector<int> entries_;  // of the original's J, in the order of the pattern
-  mutable Vec x_, F_;           // of the original
+  mutable Vec x_, F_;         // of the original
   mutable SpMat J_;
 };
 

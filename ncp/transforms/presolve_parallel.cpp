@@ -42,8 +42,8 @@ std::vector<Index> Reducer::alike() const {
   std::vector<Index> rows;
   for (std::size_t begin = 0, end = 0; begin < looks.size(); begin = end) {
     bool equation = false;
-    for (end = begin; end < looks.size() && looks[end].first == looks[begin].first &&
-                      looks[end].entries == looks[begin].entries;
+    for (end = begin;
+         end < looks.size() && looks[end].first == looks[begin].first && looks[end].entries == looks[begin].entries;
          ++end)
       equation = equation || is_equation(looks[end].row);
     if (equation && end - begin > 1)
