@@ -9,8 +9,8 @@
 
 #include "contact/classics/alart_curnier.hpp"
 #include "contact/classics/gauss_seidel.hpp"
+#include "contact/model/contact_system.hpp"
 #include "contact/model/units.hpp"
-#include "contact/solvers/cone_path.hpp"
 
 namespace perp::contact {
 namespace {
@@ -32,6 +32,11 @@ constexpr double follow_refinement_gain = 0.25;
 constexpr double centring_size = 10;
 constexpr std::array centring_steps{1.0, 0.5, 0.25, 0.1};
 
+/// A contact that stuck in the last step, below this speed, with its impulse so near the border of its cone, as a part
+/// of the largest, is taken to stick in the first Newton step: the equation does not tell there.
+constexpr double at_rest = 1e-6;
+constexpr double on_border = 1e-6;
+
 /// Newton steps are ended by `follow_patience` in a row without a natural map below `follow_decrease` times the least.
 /// Of the lengths 1, 1/2, .. the first that brings it below `follow_decrease` times the last counts, else the best;
 /// below `follow_near` steps are full: the states of contacts near others decide there, and settle by themselves.
@@ -48,25 +53,19 @@ constexpr int follow_sweeps = 100;
 constexpr int follow_lot = 4;
 constexpr double follow_contraction = 0.5;
 
-/// The path begins so far inside the cones. Newton steps are tried from points with tau below `path_newton`, and again
-/// when it has fallen by `path_again`. Where contacts slip the associated law leaves a natural map that does not fall
-/// with tau: so many steps of that end it. After failures in a row so many paths are not tried, one more each time.
-constexpr double path_inside = 1e-2;
-constexpr int most_path_steps = 12;
-constexpr double path_end = 1e-9;
-constexpr double path_newton = 1e-4;
-constexpr double path_again = 1e-2;
-constexpr int path_newton_steps = 4;
-constexpr double path_settled = 0.7;
-constexpr int path_patience = 2;
-constexpr int most_pauses = 8;
-
 bool same_rows(const std::vector<ContactRows>& a, const std::vector<ContactRows>& b) {
   return std::ranges::equal(a, b, [](const ContactRows& x, const ContactRows& y) { return x.A == y.A && x.B == y.B; });
 }
 
 bool sticks(const ContactRows& rows, int size) {
   return rows.A.topLeftCorner(size, size).isZero(0) && rows.B.topLeftCorner(size, size).isIdentity(0);
+}
+
+NewtonRows sticking_rows(int size, const Vector3d& u) {
+  NewtonRows rows;
+  rows.B.topLeftCorner(size, size).setIdentity();
+  rows.c = -u;
+  return rows;
 }
 
 /// Negative outside of the cone and on its border.
@@ -98,7 +97,6 @@ struct Follower::Kept {
         problem(scaled(of)),
         system(system_of(problem, before)),
         rho(problem),
-        path(problem, system),
         weight(problem.impulse / Units::of(of.W, of.q).impulse) {}
 
   /// With the analysis of the last, which is made again where the pattern is another.
@@ -123,7 +121,6 @@ struct Follower::Kept {
   Scaled problem;
   ContactSystem system;
   NewtonWeights rho;
-  ConePath path;
   Vec weight;                       // of the impulses: 1, mu, mu
   std::vector<ContactRows> rows{};  // A and B of the factors; none: there are none
   std::vector<Block> metric{};      // D
@@ -243,10 +240,13 @@ bool Follower::factor(In r, const NewtonStep& step) {
 }
 
 /// The full Newton step from r.
-bool Follower::direction(In r, NewtonStep& step) {
+bool Follower::direction(In r, NewtonStep& step, bool first) {
   Kept& kept = *kept_;
+  const double largest = r.lpNorm<Eigen::Infinity>();
   const auto rows_of = [&](std::size_t a, const Vector3d& r_a, const Vector3d& u_a) {
     const auto i = static_cast<Index>(a);
+    const bool border = r_a[0] - r_a.tail<2>().norm() <= on_border * largest;
+    if (first && border && a < stuck_.size() && stuck_[a] != 0) return sticking_rows(kept.problem.blocks[a].size, u_a);
     return alart_curnier_rows(kept.problem.blocks[a].size, r_a, u_a, kept.rho.N[i], kept.rho.T[i]);
   };
   NewtonSystem system = newton_system(kept.problem, rows_of, r, kept.problem.W * r + kept.problem.q);
@@ -277,14 +277,14 @@ bool Follower::sweep(Vec& r, const Accept& accept) {
 }
 
 /// Newton steps from r, which becomes the best point met; whether it is accepted.
-bool Follower::newton(Vec& r, int most, const Accept& accept, const Stop& stop) {
+bool Follower::newton(Vec& r, const Accept& accept, const Stop& stop) {
   const Scaled& problem = kept_->problem;
   Vec x = r;
   double last = natural_map(problem, x);
   double lowest = last;
   NewtonStep step;
-  for (int k = 0, since = 0; k < most && since < follow_patience; ++k) {
-    if (stop() || !direction(x, step)) return false;
+  for (int k = 0, since = 0; k < follow_steps && since < follow_patience; ++k) {
+    if (stop() || !direction(x, step, k == 0)) return false;
     if (k == 0) kept_->centre(x, step, step.d);
     const double enough = last <= follow_near ? lcp::infinity : follow_decrease * last;
     double least = lcp::infinity;
@@ -312,73 +312,35 @@ bool Follower::newton(Vec& r, int most, const Accept& accept, const Stop& stop) 
   return false;
 }
 
-/// The path with the openings of the slip at r, which becomes the point that is accepted.
-bool Follower::path(Vec& r, const Accept& accept, const Stop& stop) {
-  Kept& kept = *kept_;
-  ConePath::Point begin{.r = r, .y = kept.problem.W * r + kept.problem.q};
-  Vec openings(static_cast<Index>(kept.problem.blocks.size()));
-  const double largest = std::max(1.0, r.lpNorm<Eigen::Infinity>());
-  for (std::size_t a = 0; a < kept.problem.blocks.size(); ++a) {
-    const Scaled::Block& block = kept.problem.blocks[a];
-    const auto move_inside = [&block](Vec& x, double by) {
-      x[block.first] = std::max(x[block.first], block.of(x).tail<2>().norm()) + by;
-    };
-    openings[static_cast<Index>(a)] = block.of(begin.y).tail<2>().norm();
-    move_inside(begin.r, path_inside * largest);
-    move_inside(begin.y, path_inside);
-  }
-  kept.rows.clear();
-  kept.path.open(std::move(begin), openings);
-  double newton_at = path_newton;
-  double before = lcp::infinity;  // natural map
-  for (int k = 0, settled = 0; k < most_path_steps && settled < path_patience && kept.path.tau() > path_end; ++k) {
-    if (stop()) return false;
-    ++factorizations_;
-    ++steps_;
-    if (!kept.path.step()) return false;
-    if (kept.path.tau() > path_newton) continue;
-    const double map = natural_map(kept.problem, kept.path.r());
-    if (map <= worth_judging && accept(kept.path.r())) {
-      r = kept.path.r();
-      return true;
-    }
-    settled = map > path_settled * std::exchange(before, map) ? settled + 1 : 0;
-    if (kept.path.tau() > newton_at) continue;
-    newton_at = path_again * kept.path.tau();
-    r = kept.path.r();
-    if (newton(r, path_newton_steps, accept, stop)) return true;
-  }
-  return false;
-}
-
 /// Sweeps first where they solved the last step.
 bool Follower::attempt(Vec& r, const Accept& accept, const Stop& stop) {
-  const Vec start = r;
   const auto by_sweeps = [&] {
     Vec swept = r;
     sweeps_first_ = sweep(swept, accept);
     if (sweeps_first_) r = std::move(swept);
     return sweeps_first_;
   };
-  if ((sweeps_first_ && by_sweeps()) || newton(r, follow_steps, accept, stop) || by_sweeps()) return true;
-  if (pause_ > 0) {
-    --pause_;
-    return false;
+  return (sweeps_first_ && by_sweeps()) || newton(r, accept, stop) || by_sweeps();
+}
+
+/// Which contacts stick at r, wherever in their cones.
+void Follower::remember(In r) {
+  const Scaled& problem = kept_->problem;
+  const Vec u = problem.W * r + problem.q;
+  const double largest = r.lpNorm<Eigen::Infinity>();
+  stuck_.assign(problem.blocks.size(), 0);
+  for (std::size_t a = 0; a < stuck_.size(); ++a) {
+    const Scaled::Block& block = problem.blocks[a];
+    stuck_[a] = block.of(u).norm() <= at_rest && r[block.first] > on_border * largest ? 1 : 0;
   }
-  r = start;
-  const bool found = path(r, accept, stop);
-  if (found)
-    failures_ = 0;
-  else
-    pause_ = std::min(failures_++, most_pauses);
-  return found;
 }
 
 std::optional<Vec> Follower::from(In start, const Accept& accept, const Stop& stop) {
   Vec r = start;
   if (natural_map(kept_->problem, r) <= worth_judging && accept(r)) return r;
-  if (attempt(r, accept, stop)) return r;
-  return std::nullopt;
+  if (!attempt(r, accept, stop)) return std::nullopt;
+  remember(r);
+  return r;
 }
 
 }  // namespace perp::contact

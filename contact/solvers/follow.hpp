@@ -2,8 +2,8 @@
 #pragma once
 /// From the impulses of one step to those of the next: Newton's method on the equation of Alart & Curnier
 /// (contact/classics/alart_curnier.hpp) with a proximal term of the iterate itself, each step as long as the natural
-/// map asks for; where it fails sweeps of Gauss-Seidel, and then the cones' path of the associated law (cone_path.hpp)
-/// from just inside the cones, whose points Newton's method begins from again.
+/// map asks for; where it fails sweeps of Gauss-Seidel while they contract, which come first after a step that they
+/// solved.
 ///
 /// Where contacts are redundant r is not unique: what W does not see, its kernel, is free. Newton's steps of least norm
 /// carry r, step after step, onto the border of the cones, where the natural map has kinks in all directions. Therefore
@@ -19,6 +19,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "contact/model/problem.hpp"
 #include "contact/model/scaling.hpp"
@@ -39,28 +40,28 @@ class Follower {
   /// Goes from r~ until `accept` says yes, which is asked of points with a small natural map; the point then. `stop` is
   /// asked before each factorization. Nothing where that, or failure, ends it first. Pre: take().
   std::optional<Vec> from(In r, const Accept& accept, const Stop& stop);
+  /// The next step begins from r~, which solves this problem and which others have found. Pre: take().
+  void remember(In r);
 
   long factorizations() const { return factorizations_; }  ///< since it was made
-  long steps() const { return steps_; }                    ///< Newton's and the path's
+  long steps() const { return steps_; }                    ///< Newton's
   long sweeps() const { return sweeps_; }
 
  private:
   struct Kept;
   struct NewtonStep;
   bool attempt(Vec& r, const Accept& accept, const Stop& stop);
-  bool newton(Vec& r, int most, const Accept& accept, const Stop& stop);
+  bool newton(Vec& r, const Accept& accept, const Stop& stop);
   bool sweep(Vec& r, const Accept& accept);
-  bool path(Vec& r, const Accept& accept, const Stop& stop);
-  bool direction(In r, NewtonStep& step);
+  bool direction(In r, NewtonStep& step, bool first);
   bool factor(In r, const NewtonStep& step);
 
   std::unique_ptr<Kept> kept_;
+  std::vector<char> stuck_{};  // contacts of the last solution; a hint
   long factorizations_ = 0;
   long steps_ = 0;
   long sweeps_ = 0;
   bool sweeps_first_ = false;
-  int failures_ = 0;  // of paths in a row
-  int pause_ = 0;     // paths that are not tried
 };
 
 }  // namespace perp::contact

@@ -133,12 +133,15 @@ Run Sequence::step(const Problem& problem, std::span<const ContactKey> keys) {
   }
   if (static_cast<Index>(keys.size()) != problem.contacts())
     refuse_input("contact sequence: there are ", keys.size(), " keys and ", problem.contacts(), " contacts");
+  const long followed = stats_.followed;
   Vec start = options_.warm ? kept_.start(problem.dimension, keys) : Vec();
   Run run = start.size() > 0 ? warm_step(problem, std::move(start)) : run_once(problem, {}, options_.limits.seconds);
   ++stats_.steps;
   if (run.solved) {
     ++stats_.solved;
     kept_.keep(problem.dimension, keys, run.solution.r);
+    if (options_.warm && options_.variant.automatic() && stats_.followed == followed)
+      follower_->remember(follower_->take(problem).reduce(run.solution.r));
   }
   return run;
 }
