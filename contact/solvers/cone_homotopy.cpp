@@ -65,10 +65,12 @@ constexpr double round_share = 0.1;
 constexpr int most_round_steps = 10;
 constexpr int most_late_steps = 10;
 constexpr std::array stiffnesses{1.0, 10.0, 100.0};
-/// A region has at most this part of the contacts, so that its own regions end, and at most so many. It grows so often,
-/// to `most_in_small_region` or so many times its size in all, and at once by no more than `most_growth` or its size.
-/// Its problem is solved to few digits, with so much work: rows^3 a step. More digits are had where a few steps find
-/// them, and spare a Newton step of ours.
+/// A region begins with at most `most_of_start` of the contacts: more are no mechanism of a few bodies, and the pile is
+/// about to collapse. It has at most `most_of_region` of them, so that its own regions end, and at most so many. It
+/// grows so often, to `most_in_small_region` or so many times its size in all, and at once by no more than
+/// `most_growth` or its size. Its problem is solved to few digits, with so much work: rows^3 a step. More digits are
+/// had where a few steps find them, and spare a Newton step of ours.
+constexpr double most_of_start = 1.0 / 12;
 constexpr double most_of_region = 0.25;
 constexpr std::size_t most_in_region = 250;
 constexpr std::size_t most_in_small_region = 100;
@@ -221,10 +223,13 @@ std::vector<std::size_t> ConeHomotopy::slipping() const {
 /// others are so many times as stiff as the path's metric.
 std::optional<ConeHomotopy::Regional> ConeHomotopy::region(double stiffness) {
   std::vector<std::size_t> inside = slipping();
-  const auto share = static_cast<std::size_t>(most_of_region * static_cast<double>(problem_.blocks.size()));
+  const auto all = static_cast<double>(problem_.blocks.size());
+  const auto share = static_cast<std::size_t>(most_of_region * all);
   const std::size_t grown = std::max(most_in_small_region, most_times_region * inside.size());
   const std::size_t most = std::min({most_in_region, share, grown});
-  if (inside.empty() || inside.size() > most || !blocks_of_one_size(problem_)) return {};
+  if (inside.empty() || static_cast<double>(inside.size()) > most_of_start * all || inside.size() > most ||
+      !blocks_of_one_size(problem_))
+    return {};
   std::vector<Eigen::Matrix3d> A;
   std::vector<Eigen::Matrix3d> inverse;
   path_.metric(path_.point(), A, inverse);

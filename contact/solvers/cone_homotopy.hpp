@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Coulomb's law from the associated one. The path of the associated law (contact/solvers/cone_path.hpp, s = 0) cannot
-/// turn back, and where all contacts stick its end obeys Coulomb's law as well. Where some slip, a path with these
-/// contacts coupled leads from an earlier point to Coulomb's law, or to more contacts that slip. Where it turns back: a
-/// path with all contacts coupled, then Cadoux' fixed point s = |u_T(s)|, each s a path from the last one's points,
-/// with Anderson's mixing of two, and from points of each a path with the contacts coupled that slip at its end. Newton
-/// steps on Alart & Curnier's equation are tried from the points for the last digits. Cadoux, Acary & Lemarechal
-/// (contact/classics/classics.hpp); Anderson, J. ACM 12 (1965) 547. Private to contact/.
+/// turn back, and where all contacts stick its end obeys Coulomb's law as well. Where some slip, Coulomb's law is
+/// solved in their region (contact/model/region.hpp), in rounds: the path with the region's openings, and a region from
+/// there. Where that fails a path with these contacts coupled leads from an earlier point to Coulomb's law, or to more
+/// contacts that slip. Where it turns back: a path with all contacts coupled, then Cadoux' fixed point s = |u_T(s)|,
+/// each s a path from the last one's points, with Anderson's mixing of two, and from points of each a path with the
+/// contacts coupled that slip at its end. Newton steps on Alart & Curnier's equation are tried from the points for the
+/// last digits. Cadoux, Acary & Lemarechal (contact/classics/classics.hpp); Anderson, J. ACM 12 (1965) 547. Private to
+/// contact/.
 #include <optional>
 #include <utility>
 #include <vector>

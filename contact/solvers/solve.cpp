@@ -115,6 +115,7 @@ std::optional<std::string> invalid(const Options& given) {
   ncp::Fields fields;
   fields.add("tol", &options.tol, ncp::above(0), "of accepted()");
   fields.add("max_time", &options.max_time, ncp::at_least(0), "seconds");
+  fields.add("max_steps", &options.max_steps, ncp::at_least(0), "0: any number");
   std::visit([&](auto& method) { describe(method, fields); }, options.method);
   if (auto why = fields.invalid()) return why;
   const auto* ncp = std::get_if<GlockerNcp>(&options.method);

@@ -245,6 +245,7 @@ TEST(Solve, LimitsAndRefusals) {
     EXPECT_THAT([&] { solve(problem, options); }, testing::ThrowsMessage<std::invalid_argument>(HasSubstr(what)));
   };
   refuses({.tol = 0}, "tol is 0");
+  refuses({.max_steps = -1}, "max_steps is -1");
   refuses({.method = GlockerHomotopy{.options = {.to_boundary = 1}}}, "to_boundary is 1");
   refuses({.method = GlockerHomotopy{.options = {.least_centring = 0}}}, "least_centring is 0");
   refuses({.method = GlockerHomotopy{.max_iterations = 0}}, "max_iterations is 0");
