@@ -19,7 +19,7 @@ double row_residual(const Box& box, Index i, double z, double F) {
 
 namespace {
 
-double rounding(const RowTerms& terms, Index i) {
+double row_rounding(const RowTerms& terms, Index i) {
   return 8.0 * (terms.entries[i] + 2) * std::numeric_limits<double>::epsilon() * terms.size[i];
 }
 
@@ -29,7 +29,7 @@ double largest_rounding(const RowTerms& terms) {
   double largest = 0;
   for (Index i = 0; i < terms.size.size(); ++i) {
     if (!std::isfinite(terms.size[i])) return infinity;
-    largest = std::max(largest, rounding(terms, i));
+    largest = std::max(largest, row_rounding(terms, i));
   }
   return largest;
 }
@@ -44,7 +44,7 @@ Accuracy accuracy(In row_residuals, const RowTerms& terms) {
       out.relative = relative;
       out.worst = i;
     }
-    if (!(r <= rounding(terms, i)) || !std::isfinite(t)) out.to_rounding = false;
+    if (!(r <= row_rounding(terms, i)) || !std::isfinite(t)) out.to_rounding = false;
   }
   return out;
 }
