@@ -123,12 +123,12 @@ TEST(Sequence, KeepsPrestressBounded) {
 // Where W or the friction changes nothing of what was kept for the last one is used.
 TEST(Sequence, TakesAnotherProblemOfTheSamePattern) {
   Problem problem = make_scene("stack", 24).problem();
-  problem.global.reset();
+  (void)problem.W.given();
   Sequence sequence;
   ASSERT_TRUE(sequence.step(problem).solved);
   for (const double factor : {2.0, 0.5, 1.0}) {
     Problem other = problem;
-    other.W *= factor;
+    other.W.given() *= factor;
     other.mu *= std::sqrt(factor);
     other.q *= 0.9;
     for (int again = 0; again < 2; ++again) {
