@@ -298,24 +298,6 @@ std::vector<std::vector<Index>> Delassus::groups(int d) const {
   return groups;
 }
 
-std::vector<char> Delassus::coupled(const std::vector<Index>& columns) const {
-  std::vector<char> found(at(rows()), 0);
-  if (!parts_) {
-    for (const Index j : columns)
-      for (SpMat::InnerIterator it(entries_->W, j); it; ++it) found[at(it.row())] = 1;
-    return found;
-  }
-  const SpMat& H = parts_->H();
-  const std::vector<int>& body_of = parts_->inertia().body_of();
-  std::vector<char> touched(at(parts_->inertia().bodies()), 0);
-  for (const Index j : columns)
-    for (SpMat::InnerIterator it(H, j); it; ++it) touched[at(body_of[at(it.row())])] = 1;
-  for (Index i = 0; i < H.cols(); ++i)
-    for (SpMat::InnerIterator it(H, i); it; ++it)
-      if (touched[at(body_of[at(it.row())])] != 0) found[at(i)] = 1;
-  return found;
-}
-
 Eigen::MatrixXd Delassus::columns(const Eigen::MatrixXd& R) const {
   Eigen::MatrixXd products(rows(), R.cols());
   for (Index j = 0; j < R.cols(); ++j) products.col(j) = product(R.col(j));

@@ -116,8 +116,6 @@ class Delassus {
   /// The contacts, of d rows each, in groups that do not act on each other, however indirectly: coupled by an entry
   /// that is not 0; of parts, by a body. By their first contacts, which ascend in each.
   std::vector<std::vector<Index>> groups(int d) const;
-  /// For each row whether W may have an entry there in one of these columns; of parts, whether they share a body.
-  std::vector<char> coupled(const std::vector<Index>& columns) const;
   /// W R, column by column.
   Eigen::MatrixXd columns(const Eigen::MatrixXd& R) const;
 

@@ -47,21 +47,6 @@ TEST(Delassus, PartsMakeTheProductAndTheEntries) {
   }
 }
 
-// By bodies as by the entries. Catches a coupling that is lost, and columns that are taken one by one.
-TEST(Delassus, TellsWhatIsCoupled) {
-  const Scaled coordinates = scaled(make_scene("wall", 60).problem());
-  ASSERT_TRUE(coordinates.W.parts());
-  const std::vector<Index> columns{0, 30, 31};
-  const std::vector<char> by_bodies = coordinates.W.coupled(columns);
-  EXPECT_FALSE(coordinates.W.formed());
-  Delassus given = coordinates.W;
-  (void)given.given();
-  for (const std::size_t i : {0, 30}) EXPECT_EQ(by_bodies[i], 1);
-  const std::vector<char> by_entries = given.coupled(columns);
-  for (std::size_t i = 0; i < by_entries.size(); ++i) EXPECT_LE(by_entries[i], by_bodies[i]) << i;
-  EXPECT_LT(std::count(by_bodies.begin(), by_bodies.end(), 1), static_cast<std::ptrdiff_t>(by_bodies.size()) / 2);
-}
-
 // Two walls side by side. Catches groups that follow the entries of W alone, or that lose a contact.
 TEST(Delassus, GroupsAreThoseOfTheBodies) {
   const Problem wall = make_scene("wall", 30).problem();
