@@ -176,7 +176,7 @@ TEST(ConePath, TheRegionOfThoseThatSlipIsSolvedByItself) {
 // third region ends in Coulomb's law (66 factorizations and more before). Catches rounds that begin too late for long
 // steps, and rounds that end while slips are not told apart from what sticks.
 TEST(ConePath, RegionsInRounds) {
-  for (const auto& [contacts, seed, mu] : {std::tuple{3000, 5U, 0.6}, {1000, 15U, 0.4}, {1000, 28U, 0.4}}) {
+  for (const auto& [contacts, seed, mu] : {std::tuple{3000, 5U, 0.6}, {1000, 15U, 0.4}, {1000, 33U, 0.4}}) {
     Problem problem = make_scene("spheres", contacts, seed).problem();
     problem.mu.setConstant(mu);
     const Result result = solve(problem);
