@@ -104,7 +104,9 @@ struct Follower::Kept {
     const bool shared = before != nullptr && problem.W.parts() == nullptr && before->problem.W.parts() == nullptr;
     return shared ? ContactSystem(problem, before->system) : ContactSystem(problem);
   }
-  bool is_of(const Problem& other) const { return other.mu == mu && other.W.same_as(W); }
+  bool is_of(const Problem& other) const {
+    return other.mu.size() == mu.size() && other.mu == mu && other.W.same_as(W);
+  }
   /// The units of q are those of the problem.
   void take(const Problem& of) {
     const Units units = Units::of(of.W, of.q);
