@@ -11,7 +11,6 @@
 #include "lcp/equilibrate.hpp"
 #include "lcp/pivoting/last_piece.hpp"
 #include "lcp/pivoting/lemke.hpp"
-#include "lcp/pivoting/mersenne.hpp"
 
 namespace perp::lcp {
 
@@ -57,7 +56,10 @@ class NormalPath final : public LastPiece {
   double high(Index i) const { return i < n_ ? high_[i] : i == n_ ? scale_ : 0; }
   Index& head(Index p) { return head_[static_cast<std::size_t>(p)]; }
   Index head(Index p) const { return head_[static_cast<std::size_t>(p)]; }
-  double generic() { return std::uniform_real_distribution<double>(0.5, 1.5)(random_); }
+  double generic() {
+    if (!random_) random_.emplace(options_.seed);
+    return std::uniform_real_distribution<double>(0.5, 1.5)(*random_);
+  }
 
   /// Where a path could go on in two directions with equal right.
   struct Fork {
@@ -105,7 +107,7 @@ class NormalPath final : public LastPiece {
   AffineMcp problem_;  // equilibrated: that is what makes the tolerances mean the same for every unknown
   const LemkeOptions& options_;
   Index n_;
-  Mersenne random_;
+  std::optional<std::mt19937> random_;  // once a number is asked for: its state takes longer than a short path
   Vec x_;
   Vec low_;  // of the present cells
   Vec high_;

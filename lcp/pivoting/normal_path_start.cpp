@@ -36,7 +36,6 @@ NormalPath::NormalPath(const AffineMcp& problem, Equilibrated&& scaled, In start
       problem_(std::move(scaled.problem)),
       options_(options),
       n_(problem.size()),
-      random_(options.seed),
       x_(scaling_.to_scaled(problem.box, start)),
       low_(n_),
       high_(n_),
