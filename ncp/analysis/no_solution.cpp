@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "ncp/interval/enclosure.hpp"
-#include "ncp/interval/rough.hpp"
 #include "ncp/problem/words.hpp"
 
 namespace perp::ncp {
@@ -12,24 +11,6 @@ namespace {
 
 /// Each narrows the box at least once; where that goes on for long, it is not what decides.
 constexpr int most_rounds = 20;
-
-/// From so much work on there is a function among the expressions that plain arithmetic has at a hundredth of its time.
-constexpr double some_function = 300;
-
-/// What decides something: a row that has a sign, or is defined nowhere.
-bool tells(const Box& box, Index i, const Interval& range, double tol) {
-  return range.is_empty() || (box.lower[i] != box.upper[i] && (range.lower > tol || range.upper < -tol));
-}
-
-/// Whether plain arithmetic sees no such row. Ranges rounded outwards then show none either.
-bool nothing_to_see(const Mcp& mcp, double tol, const std::vector<Interval>& X, std::vector<Interval>& F) {
-  if (mcp.enclosure()->work() < some_function) return false;
-  const RoughRanges rough;
-  mcp.enclosure()->values(X, F);
-  for (Index i = 0; i < mcp.size(); ++i)
-    if (tells(mcp.box(), i, F[at(i)], tol)) return false;
-  return true;
-}
 
 }  // namespace
 
@@ -39,15 +20,15 @@ std::optional<NoSolution> no_solution(const Mcp& mcp, double tol) {
   const Box& box = mcp.box();
   std::vector<Interval> X(at(mcp.size())), F(at(mcp.size()));
   for (Index i = 0; i < mcp.size(); ++i) X[at(i)] = {box.lower[i], box.upper[i]};
-  if (nothing_to_see(mcp, tol, X, F)) return std::nullopt;
   for (int round = 0; round < most_rounds; ++round) {
     enclosure->values(X, F);
     bool narrowed = false;
     for (Index i = 0; i < mcp.size(); ++i) {
       const Interval range = F[at(i)];
-      if (!tells(box, i, range, tol)) continue;
       const bool nowhere = range.is_empty();
-      const bool at_lower = range.lower > tol;
+      if (box.lower[i] == box.upper[i] && !nowhere) continue;
+      const bool at_lower = range.lower > tol, at_upper = range.upper < -tol;
+      if (!nowhere && !at_lower && !at_upper) continue;
       const double bound = at_lower ? box.lower[i] : box.upper[i];
       if (nowhere || bound == -infinity || bound == infinity) return NoSolution{i, range, round > 0};
       const Interval near = intersection(X[at(i)], Interval(bound) + (at_lower ? Interval(0, tol) : Interval(-tol, 0)));

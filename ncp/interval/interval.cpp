@@ -5,10 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
-#include <utility>
-
-#include "ncp/interval/rough.hpp"
 
 namespace perp::ncp {
 namespace {
@@ -64,28 +60,6 @@ struct Scratch {
   }
   mpfi_t a, b, result;
 };
-
-thread_local bool roughly = false;  // a RoughRanges lives
-
-/// Of an increasing function.
-Interval by_library(double (*function)(double), const Interval& a) {
-  if (a.is_empty()) return a;
-  const Interval range(std::min(function(a.lower), std::numeric_limits<double>::max()), function(a.upper));
-  return range.upper == -inf ? Interval::empty() : range;
-}
-
-/// Of sine or cosine, which has its largest value at `peak`.
-Interval wave_by_library(double (*function)(double), double peak, const Interval& a) {
-  constexpr double pi = std::numbers::pi;
-  if (a.is_empty()) return a;
-  if (!(a.upper - a.lower < 2 * pi)) return {-1, 1};
-  const auto holds = [&a](double x) { return x + 2 * pi * std::ceil((a.lower - x) / (2 * pi)) <= a.upper; };
-  const auto [low, high] = std::minmax({function(a.lower), function(a.upper)});
-  return {holds(peak + pi) ? -1 : low, holds(peak) ? 1 : high};
-}
-
-/// Larger arguments of sine and cosine are MPFI's.
-bool near_zero(const Interval& a) { return a.magnitude() < 1e6; }
 
 Scratch& scratch() {
   thread_local Scratch numbers;
@@ -211,25 +185,15 @@ Interval floor(const Interval& a) { return {std::floor(a.lower), std::floor(a.up
 Interval ceil(const Interval& a) { return {std::ceil(a.lower), std::ceil(a.upper)}; }
 
 Interval sqrt(const Interval& a) { return by_mpfi(mpfi_sqrt, intersection(a, {0, inf})); }
-Interval exp(const Interval& a) { return roughly ? by_library(std::exp, a) : by_mpfi(mpfi_exp, a); }
+Interval exp(const Interval& a) { return by_mpfi(mpfi_exp, a); }
 Interval log(const Interval& a) {
-  if (!(a.upper > 0)) return Interval::empty();
-  const Interval positive = intersection(a, {0, inf});
-  return roughly ? by_library(std::log, positive) : by_mpfi(mpfi_log, positive);
+  return a.upper > 0 ? by_mpfi(mpfi_log, intersection(a, {0, inf})) : Interval::empty();
 }
 Interval log10(const Interval& a) {
-  if (!(a.upper > 0)) return Interval::empty();
-  const Interval positive = intersection(a, {0, inf});
-  return roughly ? by_library(std::log10, positive) : by_mpfi(mpfi_log10, positive);
+  return a.upper > 0 ? by_mpfi(mpfi_log10, intersection(a, {0, inf})) : Interval::empty();
 }
-Interval sin(const Interval& a) {
-  const bool rough = roughly && near_zero(a);
-  return rough ? wave_by_library(std::sin, std::numbers::pi / 2, a) : by_mpfi(mpfi_sin, a);
-}
-Interval cos(const Interval& a) {
-  const bool rough = roughly && near_zero(a);
-  return rough ? wave_by_library(std::cos, 0, a) : by_mpfi(mpfi_cos, a);
-}
+Interval sin(const Interval& a) { return by_mpfi(mpfi_sin, a); }
+Interval cos(const Interval& a) { return by_mpfi(mpfi_cos, a); }
 Interval tan(const Interval& a) { return by_mpfi(mpfi_tan, a); }
 Interval asin(const Interval& a) { return by_mpfi(mpfi_asin, intersection(a, {-1, 1})); }
 Interval acos(const Interval& a) { return by_mpfi(mpfi_acos, intersection(a, {-1, 1})); }
@@ -246,8 +210,5 @@ Interval atan2(const Interval& y, const Interval& x) {
   if (y.contains(0) && x.lower <= 0 && !x.is_empty()) return {-pi_up, pi_up};
   return by_mpfi(mpfi_atan2, y, x);
 }
-
-RoughRanges::RoughRanges() : before_(std::exchange(roughly, true)) {}
-RoughRanges::~RoughRanges() { roughly = before_; }
 
 }  // namespace perp::ncp

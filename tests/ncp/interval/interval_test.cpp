@@ -11,8 +11,6 @@
 #include <random>
 #include <string>
 
-#include "ncp/interval/rough.hpp"
-
 namespace perp::ncp {
 namespace {
 
@@ -198,39 +196,6 @@ TEST_P(Elementary, ContainsWhatItsMembersGive) {
     }
   }
   mpfr_clear(y);
-}
-
-// Rough ranges are those of MPFI but for a few units in the last place: what they are looked through for cannot hide.
-// Catches a peak of a wave that is missed or seen where there is none, and ranges that stay rough.
-TEST_P(Elementary, RoughRangesAreNearlyTheSame) {
-  const Function& f = GetParam();
-  std::mt19937_64 random(8);
-  std::uniform_real_distribution<double> value(f.from, f.to);
-  for (int k = 0; k < 1000; ++k) {
-    const auto [from, to] = std::minmax({value(random), value(random)});
-    const Interval A(from, to);
-    const Interval range = f.range(A);
-    Interval rough;
-    {
-      const RoughRanges here;
-      rough = f.range(A);
-    }
-    const auto near = [](double a, double b) { return std::abs(a - b) <= 1e-15 * (1 + std::abs(b)); };
-    ASSERT_TRUE(near(rough.lower, range.lower) && near(rough.upper, range.upper))
-        << f.name << " of " << from << ", " << to;
-    ASSERT_EQ(f.range(A), range);
-  }
-}
-
-TEST(RoughRanges, TakeInfiniteEnds) {
-  const RoughRanges here;
-  EXPECT_TRUE(log(Interval(0)).is_empty());
-  EXPECT_TRUE(log(Interval(-1, 0)).is_empty());
-  EXPECT_EQ(log(Interval(-1, inf)), Interval(-inf, inf));
-  EXPECT_EQ(exp(Interval(-inf, 0)), Interval(0, 1));
-  EXPECT_EQ(exp(Interval(1000, inf)), Interval(std::numeric_limits<double>::max(), inf));
-  EXPECT_EQ(sin(Interval(-inf, inf)), Interval(-1, 1));
-  EXPECT_TRUE(exp(Interval::empty()).is_empty());
 }
 
 INSTANTIATE_TEST_SUITE_P(
