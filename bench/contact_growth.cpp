@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+/// bench_contact_growth MU SEEDS CONTACTS...: how the time of piles grows with their size, beside one factorization of
+/// the matrix of their steps. README.md says how to read it.
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <vector>
+
+#include "contact/model/contact_system.hpp"
+#include "contact/scenes/generators.hpp"
+#include "contact/solvers/run.hpp"
+
+namespace {
+
+using namespace perp;
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
+
+/// One factorization of W~ + 1 with its analysis, as a step of the cone path makes it [s], the least of three.
+double factorization(const contact::Problem& problem) {
+  const contact::Scaled scaled = contact::scaled(problem);
+  std::vector<Eigen::Matrix3d> one;
+  for (const auto& block : scaled.blocks) {
+    one.emplace_back(Eigen::Matrix3d::Zero());
+    one.back().topLeftCorner(block.size, block.size).setIdentity();
+  }
+  double least = std::nan("");
+  for (int k = 0; k < 3; ++k) {
+    contact::ContactSystem system(scaled);
+    const auto begin = Clock::now();
+    if (!system.factor(one, one)) return std::nan("");
+    least = std::fmin(least, seconds_since(begin));
+  }
+  return least;
+}
+
+/// y = c n^p through the points (n, y): p, by least squares of the logarithms.
+double exponent(const std::vector<double>& n, const std::vector<double>& y) {
+  double x1 = 0, y1 = 0, xx = 0, xy = 0;
+  for (std::size_t k = 0; k < n.size(); ++k) {
+    const double a = std::log(n[k]), b = std::log(y[k]);
+    x1 += a, y1 += b, xx += a * a, xy += a * b;
+  }
+  const auto points = static_cast<double>(n.size());
+  return (points * xy - x1 * y1) / (points * xx - x1 * x1);
+}
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<long>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) try {
+  if (argc < 5) {
+    std::fprintf(stderr, "usage: bench_contact_growth MU SEEDS CONTACTS CONTACTS...\n");
+    return 2;
+  }
+  const double mu = std::atof(argv[1]);
+  const int seeds = std::atoi(argv[2]);
+  std::printf(
+      "| pile | rows | solved by | natural map | factorizations | solve, s | one factorization, s | ratio |\n"
+      "|---|---|---|---|---|---|---|---|\n");
+  std::vector<double> sizes, solves, factors;
+  for (int k = 3; k < argc; ++k) {
+    std::vector<double> rows, solve, factor;
+    for (int seed = 1; seed <= seeds; ++seed) {
+      contact::Problem problem =
+          contact::make_scene("spheres", std::atol(argv[k]), static_cast<unsigned>(seed)).problem();
+      problem.mu.setConstant(mu);
+      const contact::Run run = contact::run(problem, contact::variant_of("glocker"), {.seconds = 600});
+      rows.push_back(static_cast<double>(problem.q.size()));
+      solve.push_back(run.seconds);
+      factor.push_back(factorization(problem));
+      long factorizations = 0;
+      for (const auto& [what, count] : run.counts)
+        if (what == "factorizations") factorizations = count;
+      std::printf("| %s, %d | %.0f | %s | %.1e | %ld | %.3g | %.3g | %.3g |\n", argv[k], seed, rows.back(),
+                  run.solved ? run.solved_by.c_str() : "not solved", run.residual.siconos, factorizations, solve.back(),
+                  factor.back(), solve.back() / factor.back());
+      std::fflush(stdout);
+    }
+    sizes.push_back(median(rows));
+    solves.push_back(median(solve));
+    factors.push_back(median(factor));
+  }
+  std::printf("Medians grow with the rows to the power %.2f (solve) and %.2f (one factorization).\n",
+              exponent(sizes, solves), exponent(sizes, factors));
+  return 0;
+} catch (const std::exception& error) {
+  std::fprintf(stderr, "bench_contact_growth: %s\n", error.what());
+  return 2;
+}
