@@ -111,31 +111,32 @@ bool solves(const Vec& F, const Vec& q, const std::vector<Index>& I, double tol)
   return std::ranges::all_of(I, [&](Index i) { return std::abs(F[i]) <= tol * (1 + std::abs(q[i])); });
 }
 
-/// Whether x is in its cell, but for as much as a ratio test would overlook.
-bool stays(const AffineMcp& problem, const std::vector<Cell>& cells, const Vec& z, const Vec& F, double tol) {
+/// How many variables leave their cells, by more than a ratio test would overlook.
+Index leaving(const AffineMcp& problem, const std::vector<Cell>& cells, const Vec& z, const Vec& F, double tol) {
   const double scale = 1 + problem.q.lpNorm<::Eigen::Infinity>();
-  for (Index i = 0; i < problem.size(); ++i) switch (cells[at(i)]) {
+  const auto leaves = [&](Index i) {
+    switch (cells[at(i)]) {
       case Cell::Inside:
-        if (z[i] < problem.box.lower[i] - tol * (1 + std::abs(problem.box.lower[i])) ||
-            z[i] > problem.box.upper[i] + tol * (1 + std::abs(problem.box.upper[i])))
-          return false;
-        break;
+        return z[i] < problem.box.lower[i] - tol * (1 + std::abs(problem.box.lower[i])) ||
+               z[i] > problem.box.upper[i] + tol * (1 + std::abs(problem.box.upper[i]));
       case Cell::Below:
-        if (F[i] < -tol * scale) return false;
-        break;
+        return F[i] < -tol * scale;
       case Cell::Above:
-        if (F[i] > tol * scale) return false;
-        break;
+        return F[i] > tol * scale;
       case Cell::Fixed:
         break;
     }
-  return true;
+    return false;
+  };
+  Index count = 0;
+  for (Index i = 0; i < problem.size(); ++i) count += leaves(i) ? 1 : 0;
+  return count;
 }
 
 }  // namespace
 
-std::optional<PivotResult> straight_path(const AffineMcp& problem, In start, const LemkeOptions& options,
-                                         SharedLu& lu) {
+std::optional<PivotResult> straight_path(const AffineMcp& problem, In start, const LemkeOptions& options, SharedLu& lu,
+                                         Index* left_by) {
   const Box& box = problem.box;
   PivotResult result;
   result.cells = cells_of(box, start, options.cells);
@@ -162,9 +163,12 @@ std::optional<PivotResult> straight_path(const AffineMcp& problem, In start, con
     z.swap(next);
     F.swap(F_there);
     left = left_there;
-    if (k == 0 && !stays(problem, result.cells, z, F, 1e3 * options.feasibility_tol)) return std::nullopt;
+    if (k > 0) continue;
+    const Index count = leaving(problem, result.cells, z, F, 1e3 * options.feasibility_tol);
+    if (left_by != nullptr) *left_by = count;
+    if (count > 0) return std::nullopt;
   }
-  if (!stays(problem, result.cells, z, F, options.feasibility_tol) ||
+  if (leaving(problem, result.cells, z, F, options.feasibility_tol) > 0 ||
       !solves(F, problem.q, piece->inside(), options.residual_tol))
     return std::nullopt;
 

@@ -13,6 +13,8 @@ namespace perp::lcp {
 ///     z_I = z_I - M_II^-1 (M z + q)_I,  z_O at its bounds,  x = z - (M z + q) on O.
 /// Nothing where x leaves the cell, by more than rounding, or where M_II is nearly singular: the path has pivots then,
 /// or begins with artificials. `lu` is to live as long as the result's last_piece. Throws as lemke() does.
-std::optional<PivotResult> straight_path(const AffineMcp& problem, In start, const LemkeOptions& options, SharedLu& lu);
+/// *left_by, if it is asked for, becomes the number of variables that leave the cell with x, where M_II is regular.
+std::optional<PivotResult> straight_path(const AffineMcp& problem, In start, const LemkeOptions& options, SharedLu& lu,
+                                         Index* left_by = nullptr);
 
 }  // namespace perp::lcp

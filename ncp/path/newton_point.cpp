@@ -42,13 +42,22 @@ bool finite(const lcp::AffineMcp& problem) {
          std::all_of(values, values + problem.M.nonZeros(), [](double value) { return std::isfinite(value); });
 }
 
+namespace {
+
+/// One that ends where it begins.
+lcp::PivotResult no_path(const lcp::Box& box, const Vec& start, lcp::PivotEnd end) {
+  lcp::PivotResult none;
+  none.end = end;
+  none.x = none.best_x = start;
+  none.z = lcp::project(box, start);
+  return none;
+}
+
+}  // namespace
+
 lcp::PivotResult follow_path(const lcp::AffineMcp& linearised, const Vec& start, const lcp::LemkeOptions& options) {
   if (finite(linearised) && start.allFinite()) return lcp::lemke(linearised, start, options);
-  lcp::PivotResult none;
-  none.end = lcp::PivotEnd::Inaccurate;
-  none.x = none.best_x = start;
-  none.z = lcp::project(linearised.box, start);
-  return none;
+  return no_path(linearised.box, start, lcp::PivotEnd::Inaccurate);
 }
 
 bool stopped(const lcp::PivotResult& path) {
@@ -131,10 +140,16 @@ std::optional<lcp::PivotResult> NewtonPoints::straight(const lcp::AffineMcp& pro
                                                        const lcp::LemkeOptions& options) {
   if (run_.mcp().is_affine() || last_pivots_ > few_pivots || !finite(problem) || !x.allFinite()) return std::nullopt;
   const auto begin = std::chrono::steady_clock::now();
-  std::optional<lcp::PivotResult> path = lcp::straight_path(problem, x, options, straight_lu_);
+  Index left_by = 0;
+  std::optional<lcp::PivotResult> path = lcp::straight_path(problem, x, options, straight_lu_, &left_by);
   Stats& stats = run_.stats();
   stats.linear_time += std::chrono::steady_clock::now() - begin;
   ++stats.factorizations;
+  // Each leaves by a pivot, as a rule.
+  if (left_by > left_) {
+    path = no_path(problem.box, x, lcp::PivotEnd::PivotLimit);
+    left_ = 0;
+  }
   return path;
 }
 

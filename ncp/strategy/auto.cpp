@@ -20,7 +20,7 @@ namespace {
 /// Pivots of the first try of PathSearch on large problems, which needs few of them or very many. On nonlinear ones
 /// interior points, which come next, take some ten factorizations, each as much as some tens of pivots.
 constexpr int few_pivots_affine = 3000;
-constexpr int few_pivots_nonlinear = 100;
+constexpr int few_pivots_nonlinear = 50;
 
 /// What presolve can say of a problem without a solution, row by row, is for people; a ray is not.
 void explain(const Mcp& mcp, In x0, Result& result) {

@@ -68,6 +68,19 @@ TEST(StraightPath, FindsNothingWherePivotsOrArtificialsAreNeeded) {
   EXPECT_FALSE(straight_path(standard_lcp(matrix({{1, 1}, {1, 1}}), vec({-1, -1})), vec({1, 1}), {}, lu));
 }
 
+// The zero of the piece of x > 0 of the first is (16, -17) / 3, of the second (-1, -1); a regular path stays.
+TEST(StraightPath, TellsHowManyVariablesLeaveTheCell) {
+  SharedLu lu{SparseLu(LuBackend::Auto)};
+  const SpMat M = matrix({{2, 1}, {1, 2}});
+  Index leaving = -1;
+  EXPECT_FALSE(straight_path(standard_lcp(M, vec({-5, 6})), vec({1, 1}), {}, lu, &leaving));
+  EXPECT_EQ(leaving, 1);
+  EXPECT_FALSE(straight_path(standard_lcp(M, vec({3, 3})), vec({1, 1}), {}, lu, &leaving));
+  EXPECT_EQ(leaving, 2);
+  EXPECT_TRUE(straight_path(standard_lcp(M, vec({-5, -6})), vec({1, 1}), {}, lu, &leaving));
+  EXPECT_EQ(leaving, 0);
+}
+
 // A chord step is one of the piece it was asked of, also when the factorization has served another since.
 TEST(StraightPath, ChordStepsAfterTheFactorizationServedAnother) {
   SharedLu lu{SparseLu(LuBackend::Auto)};

@@ -207,6 +207,22 @@ TEST(PathStatus, ASolutionNeedsNoJacobian) {
   for (const double x0 : {0.0, 4.0}) expect_solution(*mcp, vec({x0}), PathSearch{}, vec({0}), 1e-8);
 }
 
+// F_i = x_i^3 + 5: the Newton point from 1 leaves every bound. Catches a path, with the factorization of its basis,
+// that is begun where its pivots cannot be enough.
+TEST(PathStatus, NoPathIsBegunThatNeedsMorePivotsThanAreLeft) {
+  const auto mcp = make_mcp(support::dense(
+      "cubes", {Vec::Zero(5), Vec::Constant(5, infinity)}, [](const Vec& x) { return Vec(x.array().cube() + 5); },
+      [](const Vec& x) { return Eigen::MatrixXd(Vec(3 * x.array().square()).asDiagonal()); }));
+  PathSearch method{.crash = {.on = false}};
+  method.cumulative_iteration_limit = 4;
+  const Result few = expect_ended(*mcp, Vec::Ones(5), method);
+  EXPECT_EQ(few.status, Status::IterationLimit) << few;
+  EXPECT_EQ(few.stats.pivots, 0);
+  EXPECT_EQ(few.stats.factorizations, 1);
+  method.cumulative_iteration_limit = 10;
+  expect_solution(*mcp, Vec::Ones(5), method, Vec::Zero(5), 1e-8);
+}
+
 TEST(PathStatus, LimitsAreKept) {
   const auto mcp = make_mcp(support::kojima_shindo(true));
   PathSearch method{.crash = {.on = false}};
