@@ -11,6 +11,7 @@
 #include "contact/classics/gauss_seidel.hpp"
 #include "contact/model/contact_system.hpp"
 #include "contact/model/units.hpp"
+#include "contact/solvers/cone_path.hpp"
 
 namespace perp::contact {
 namespace {
@@ -36,6 +37,9 @@ constexpr std::array centring_steps{1.0, 0.5, 0.25, 0.1};
 /// of the largest, is taken to stick in the first Newton step: the equation does not tell there.
 constexpr double at_rest = 1e-6;
 constexpr double on_border = 1e-6;
+/// Impulses below this part of the largest are what a method has left of an open contact's. They begin with 0: else the
+/// contact is open in one Newton step and closed in the next, and sweeps bring it down slowly.
+constexpr double carries_nothing = 1e-6;
 
 /// Newton steps are ended by `follow_patience` in a row without a natural map below `follow_decrease` times the least.
 /// Of the lengths 1, 1/2, .. the first that brings it below `follow_decrease` times the last counts, else the best;
@@ -48,10 +52,28 @@ constexpr double follow_near = 1e-4;
 /// Points above this natural map are not judged.
 constexpr double worth_judging = 1e-5;
 
-/// Sweeps are judged so many at a time, and ended unless r changes less by this factor than in the lot before.
-constexpr int follow_sweeps = 100;
+/// Sweeps are judged so many at a time, and ended unless r changes less by this factor than in the lot before: by
+/// `settled_contraction` below `settled_map`, where the rest of the way costs less than to begin again. Contacts have
+/// their states where points are judged, and Newton steps, so many, are tried; again when the map has fallen so far.
+constexpr int follow_sweeps = 400;
 constexpr int follow_lot = 4;
 constexpr double follow_contraction = 0.5;
+constexpr double settled_map = 1e-4;
+constexpr double settled_contraction = 0.9;
+constexpr int swept_newton = 3;
+constexpr double newton_again = 0.01;
+
+/// Paths over the cones: their first products, in units of the natural map times the largest impulse; their steps, and
+/// the least product; so many steps below this length in a row say that one turns back. Newton steps, so many, are
+/// tried below this natural map, and again as from sweeps. Of matrices with more rows LU takes too long.
+constexpr std::array path_starts{10.0, 1e3, 1e5, 0.1};
+constexpr int most_path_steps = 25;
+constexpr double path_end = 1e-10;
+constexpr double path_turning_step = 0.1;
+constexpr int path_turning_steps = 2;
+constexpr int path_newton = 3;
+constexpr double path_newton_map = 1e-4;
+constexpr Index most_path_rows = 6000;
 
 bool same_rows(const std::vector<ContactRows>& a, const std::vector<ContactRows>& b) {
   return std::ranges::equal(a, b, [](const ContactRows& x, const ContactRows& y) { return x.A == y.A && x.B == y.B; });
@@ -85,6 +107,12 @@ Block barrier_metric(const Vector3d& x) {
   Block H = 2 * g * g.transpose();
   H.diagonal() -= Vector3d(1, -1, -1) / determinant(x);
   return H / std::max(1.0, H.norm() / largest_metric);
+}
+
+void open_what_carries_nothing(const Scaled& problem, Vec& r) {
+  const double largest = r.lpNorm<Eigen::Infinity>();
+  for (const Scaled::Block& block : problem.blocks)
+    if (block.of(r).norm() <= carries_nothing * largest) r.segment(block.first, block.size).setZero();
 }
 
 }  // namespace
@@ -260,34 +288,49 @@ bool Follower::direction(In r, NewtonStep& step, bool first) {
   return step.d.allFinite();
 }
 
-/// Sweeps of Gauss-Seidel while they contract; whether r is accepted then.
-bool Follower::sweep(Vec& r, const Accept& accept) {
+/// Sweeps of Gauss-Seidel while they contract, and Newton steps where contacts have their states; whether r is accepted
+/// then.
+bool Follower::sweep(Vec& r, const Accept& accept, const Stop& stop) {
   const Scaled& problem = kept_->problem;
   const GaussSeidel method(problem);
   Vec u = problem.W * r + problem.q;
   double before = lcp::infinity;  // change of r in the last lot
+  double newton_below = worth_judging;
   for (int k = 0; k < follow_sweeps; k += follow_lot) {
+    if (stop()) return false;
     const Vec last = r;
     for (int i = 0; i < follow_lot; ++i) method.sweep(r, u);
     sweeps_ += follow_lot;
-    if (accept(r)) return true;
+    const double map = natural_map(problem, r);
+    if (map <= worth_judging && accept(r)) {
+      by_ = Origin::Sweeps;
+      return true;
+    }
+    if (map <= newton_below) {
+      newton_below = newton_again * map;
+      Vec to = r;
+      if (newton(to, swept_newton, false, accept, stop)) {
+        r = std::move(to);
+        return true;
+      }
+    }
     const double change = (r - last).norm();
-    if (!(change <= follow_contraction * before)) return false;
+    if (!(change <= (map <= settled_map ? settled_contraction : follow_contraction) * before)) return false;
     before = change;
   }
   return false;
 }
 
-/// Newton steps from r, which becomes the best point met; whether it is accepted.
-bool Follower::newton(Vec& r, const Accept& accept, const Stop& stop) {
+/// Newton steps from r, which becomes the best point met; whether it is accepted. `first`: r is the last solution.
+bool Follower::newton(Vec& r, int most, bool first, const Accept& accept, const Stop& stop) {
   const Scaled& problem = kept_->problem;
   Vec x = r;
   double last = natural_map(problem, x);
   double lowest = last;
   NewtonStep step;
-  for (int k = 0, since = 0; k < follow_steps && since < follow_patience; ++k) {
-    if (stop() || !direction(x, step, k == 0)) return false;
-    if (k == 0) kept_->centre(x, step, step.d);
+  for (int k = 0, since = 0; k < most && since < follow_patience; ++k) {
+    if (stop() || !direction(x, step, first && k == 0)) return false;
+    if (first && k == 0) kept_->centre(x, step, step.d);
     const double enough = last <= follow_near ? lcp::infinity : follow_decrease * last;
     double least = lcp::infinity;
     Vec to = x;
@@ -303,6 +346,7 @@ bool Follower::newton(Vec& r, const Accept& accept, const Stop& stop) {
     last = least;
     if (last <= worth_judging && accept(x)) {
       r = x;
+      by_ = Origin::Newton;
       return true;
     }
     ++since;
@@ -314,15 +358,62 @@ bool Follower::newton(Vec& r, const Accept& accept, const Stop& stop) {
   return false;
 }
 
-/// Sweeps first where they solved the last step.
+/// The path of Coulomb's law over the cones from near r, with this product; whether r, a point of it, is accepted.
+bool Follower::path(Vec& r, double tau, const Accept& accept, const Stop& stop) {
+  Kept& kept = *kept_;
+  ConePath path(kept.problem, kept.system);
+  const std::size_t contacts = kept.problem.blocks.size();
+  path.couple(path.near(r, Vec::Zero(static_cast<Index>(contacts)), tau), std::vector<char>(contacts, 1));
+  double newton_below = path_newton_map;
+  for (int k = 0, turning = 0; k < most_path_steps && turning < path_turning_steps && path.tau() > path_end; ++k) {
+    if (stop()) return false;
+    kept.rows.clear();  // the factors are the path's
+    ++factorizations_;
+    ++path_steps_;
+    if (!path.step()) return false;
+    turning = path.last_step() < path_turning_step ? turning + 1 : 0;
+    const double map = natural_map(kept.problem, path.r());
+    r = path.r();
+    if (map <= worth_judging && accept(r)) {
+      by_ = Origin::Cones;
+      return true;
+    }
+    if (map > newton_below) continue;
+    newton_below = newton_again * map;
+    if (newton(r, path_newton, false, accept, stop)) return true;
+  }
+  return false;
+}
+
+/// From each of the starts; where none led to a solution in the last step that needed them, from the first alone.
+bool Follower::paths(Vec& r, const Accept& accept, const Stop& stop) {
+  const Scaled& problem = kept_->problem;
+  if (problem.W.shift() != 0 || problem.size() > most_path_rows) return false;
+  const double unit = natural_map(problem, r) * std::max(1.0, r.lpNorm<Eigen::Infinity>());
+  const std::size_t starts = paths_fail_ ? 1 : path_starts.size();
+  for (std::size_t k = 0; k < starts; ++k) {
+    Vec to = r;
+    paths_fail_ = !path(to, path_starts[k] * unit, accept, stop);
+    if (paths_fail_) continue;
+    r = std::move(to);
+    return true;
+  }
+  return false;
+}
+
+/// Sweeps first where they solved the last step, and the paths last.
 bool Follower::attempt(Vec& r, const Accept& accept, const Stop& stop) {
-  const auto by_sweeps = [&] {
-    Vec swept = r;
-    sweeps_first_ = sweep(swept, accept);
-    if (sweeps_first_) r = std::move(swept);
+  const Vec start = r;
+  const auto by_sweeps = [&](const Vec& from) {
+    Vec to = from;
+    sweeps_first_ = sweep(to, accept, stop);
+    if (sweeps_first_) r = std::move(to);
     return sweeps_first_;
   };
-  return (sweeps_first_ && by_sweeps()) || newton(r, accept, stop) || by_sweeps();
+  if (sweeps_first_ && by_sweeps(start)) return true;
+  if (newton(r, follow_steps, true, accept, stop) || by_sweeps(Vec(r))) return true;
+  r = start;
+  return paths(r, accept, stop);
 }
 
 /// Which contacts stick at r, wherever in their cones.
@@ -339,7 +430,9 @@ void Follower::remember(In r) {
 
 std::optional<Vec> Follower::from(In start, const Accept& accept, const Stop& stop) {
   Vec r = start;
+  by_ = Origin::WarmStart;
   if (natural_map(kept_->problem, r) <= worth_judging && accept(r)) return r;
+  open_what_carries_nothing(kept_->problem, r);
   if (!attempt(r, accept, stop)) return std::nullopt;
   remember(r);
   return r;

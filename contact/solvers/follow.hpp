@@ -3,7 +3,9 @@
 /// From the impulses of one step to those of the next: Newton's method on the equation of Alart & Curnier
 /// (contact/classics/alart_curnier.hpp) with a proximal term of the iterate itself, each step as long as the natural
 /// map asks for; where it fails sweeps of Gauss-Seidel while they contract, which come first after a step that they
-/// solved.
+/// solved, and Newton steps from where they come to. Where many contacts change their states both fail. Then a path
+/// of Coulomb's law over the cones (contact/solvers/cone_path.hpp), coupled at all contacts, that begins near the
+/// impulses of the step before: some ten steps. Where it turns back, others, with other products.
 ///
 /// Where contacts are redundant r is not unique: what W does not see, its kernel, is free. Newton's steps of least norm
 /// carry r, step after step, onto the border of the cones, where the natural map has kinks in all directions. Therefore
@@ -23,6 +25,7 @@
 
 #include "contact/model/problem.hpp"
 #include "contact/model/scaling.hpp"
+#include "contact/solvers/solve.hpp"
 
 namespace perp::contact {
 
@@ -38,30 +41,37 @@ class Follower {
   /// Makes this the problem, and returns it in its scaled units, where it stays until the next.
   const Scaled& take(const Problem& problem);
   /// Goes from r~ until `accept` says yes, which is asked of points with a small natural map; the point then. `stop` is
-  /// asked before each factorization. Nothing where that, or failure, ends it first. Pre: take().
+  /// asked before each factorization and some sweeps. Nothing where that, or failure, ends it first. Pre: take().
   std::optional<Vec> from(In r, const Accept& accept, const Stop& stop);
   /// The next step begins from r~, which solves this problem and which others have found. Pre: take().
   void remember(In r);
 
+  Origin by() const { return by_; }                        ///< what made the last point that was accepted
   long factorizations() const { return factorizations_; }  ///< since it was made
   long steps() const { return steps_; }                    ///< Newton's
+  long path_steps() const { return path_steps_; }          ///< of paths over the cones
   long sweeps() const { return sweeps_; }
 
  private:
   struct Kept;
   struct NewtonStep;
   bool attempt(Vec& r, const Accept& accept, const Stop& stop);
-  bool newton(Vec& r, const Accept& accept, const Stop& stop);
-  bool sweep(Vec& r, const Accept& accept);
+  bool newton(Vec& r, int most, bool first, const Accept& accept, const Stop& stop);
+  bool sweep(Vec& r, const Accept& accept, const Stop& stop);
+  bool path(Vec& r, double tau, const Accept& accept, const Stop& stop);
+  bool paths(Vec& r, const Accept& accept, const Stop& stop);
   bool direction(In r, NewtonStep& step, bool first);
   bool factor(In r, const NewtonStep& step);
 
   std::unique_ptr<Kept> kept_;
+  Origin by_ = Origin::WarmStart;
   std::vector<char> stuck_{};  // contacts of the last solution; a hint
   long factorizations_ = 0;
   long steps_ = 0;
+  long path_steps_ = 0;
   long sweeps_ = 0;
   bool sweeps_first_ = false;
+  bool paths_fail_ = false;  // in the last step that needed them
 };
 
 }  // namespace perp::contact

@@ -68,7 +68,7 @@ Run Sequence::run_once(const Problem& problem, Vec start, double seconds) {
   return run;
 }
 
-/// Newton's method from the start; not solved where that fails.
+/// By the follower; not solved where that fails.
 Run Sequence::follow(const Problem& problem, const Vec& start) {
   const auto begin = std::chrono::steady_clock::now();
   const auto spent = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count(); };
@@ -86,15 +86,18 @@ Run Sequence::follow(const Problem& problem, const Vec& start) {
   const auto stop = [&] { return spent() > limits.seconds || (limits.interrupt != nullptr && *limits.interrupt); };
   const long factorizations = follower_->factorizations();
   const long steps = follower_->steps();
+  const long path_steps = follower_->path_steps();
+  const long sweeps = follower_->sweeps();
   const auto found = follower_->from(coordinates.reduce(start), accept, stop);
   Run run;
-  run.counts = {{"iterations", 0},
+  run.counts = {{"iterations", follower_->path_steps() - path_steps},
+                {"sweeps", follower_->sweeps() - sweeps},
                 {"newton_steps", follower_->steps() - steps},
                 {"factorizations", follower_->factorizations() - factorizations}};
   if (found) {
     run.status = Status::Solved;
     run.solved = true;
-    run.solved_by = run.steps() > 0 ? "newton" : "warm-start";
+    run.solved_by = to_string(follower_->by());
     run.message = "solved: followed from the step before";
     run.solution.r = coordinates.expand(*found);
     run.solution.u = velocities(problem, run.solution.r);

@@ -7,9 +7,9 @@
 /// last solved step had begins with its impulse of then, any other with 0. The components are those of the contact's
 /// own frame (N, T1[, T2]): frames should turn with the bodies and not jump. Without keys contact a is the a-th of the
 /// last step.
-/// `auto` follows the solution by Newton's method first (contact/solvers/follow.hpp). Where a method does not get from
-/// there to a solution, it begins again without a start, in the time that is left. The judge is the same as ever:
-/// nothing is solved because the step before was.
+/// `auto` follows the solution first, by Newton's method and more (contact/solvers/follow.hpp). Where a method does not
+/// get from there to a solution, it begins again without a start, in the time that is left. The judge is the same as
+/// ever: nothing is solved because the step before was.
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -46,7 +46,7 @@ struct SequenceStats {
   long steps = 0;
   long solved = 0;
   long warm = 0;        ///< solved from the step before
-  long followed = 0;    ///< of them by Newton's method, of `auto`
+  long followed = 0;    ///< of them by the follower, of `auto`
   long cold_again = 0;  ///< begun again without a start
   double seconds = 0;
   long factorizations = 0;

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "contact/solvers/follow.hpp"
+
+#include <gtest/gtest.h>
+
+#include "contact/model/residual.hpp"
+#include "contact/scenes/shaken_scene.hpp"
+#include "contact/solvers/sequence.hpp"
+
+namespace perp::contact {
+namespace {
+
+/// The next problem of a scene, from the impulses of the last one.
+std::optional<Vec> followed(const Problem& problem, const Vec& start) {
+  Follower follower;
+  const Scaled& coordinates = follower.take(problem);
+  const auto accept = [&](const Vec& r) { return accepted(residual(problem, coordinates.expand(r)), 1e-8); };
+  return follower.from(coordinates.reduce(start), accept, [] { return false; });
+}
+
+// What a method leaves at an open contact is no impulse: sweeps take dozens to bring 1e-8 of the largest down.
+TEST(Follower, BeginsOpenWhereContactsCarryNothing) {
+  ShakenScene scene(make_scene("incline", 100), {.amplitude = 2});
+  Sequence sequence;
+  contact::Run last;
+  for (int k = 0; k < 4; ++k) {
+    last = sequence.step(scene.problem());
+    ASSERT_TRUE(last.solved) << last.message;
+    scene.advance(last.solution.r);
+  }
+  Vec clean = last.solution.r;
+  Vec dirty = clean;
+  for (std::size_t a = 0; a < last.states.size(); ++a) {
+    if (last.states[a].state != State::Open) continue;
+    const auto at = 3 * static_cast<Index>(a);
+    clean.segment<3>(at).setZero();
+    dirty.segment<3>(at) = 1e-8 * clean.lpNorm<Eigen::Infinity>() * Vec3::UnitX();
+  }
+  ASSERT_GT(last.in_state(State::Open), 0);
+  const Problem next = scene.problem();
+  const auto expected = followed(next, clean);
+  const auto found = followed(next, dirty);
+  ASSERT_TRUE(expected && found);
+  EXPECT_EQ(*expected, *found);
+}
+
+// Bricks that rattle: sweeps find the contacts' states, and Newton's method the digits that take them dozens more.
+TEST(Follower, EndsSweepsByNewtonSteps) {
+  ShakenScene scene(make_scene("wall", 40), {.amplitude = 3});
+  Sequence sequence;
+  for (int k = 0; k < 60; ++k) {
+    const contact::Run run = sequence.step(scene.problem());
+    ASSERT_TRUE(run.solved) << run.message;
+    scene.advance(run.solution.r);
+  }
+  EXPECT_LE(sequence.stats().iterations, 60 * 30);
+}
+
+// A chain whose contacts open, close and begin to slip, many in a step: Newton's method and sweeps fail in a quarter of
+// the steps, which the paths solve without a cold start.
+TEST(Follower, TakesPathsWhereContactsChange) {
+  ShakenScene scene(make_scene("chain", 100), {.amplitude = 0.5});
+  Sequence sequence;
+  bool path = false;
+  for (int k = 0; k < 100; ++k) {
+    const long cold = sequence.stats().cold_again;
+    const contact::Run run = sequence.step(scene.problem());
+    ASSERT_TRUE(run.solved) << run.message;
+    path = path || (k > 0 && sequence.stats().cold_again == cold && run.counts.front().second > 0);
+    scene.advance(run.solution.r);
+  }
+  EXPECT_TRUE(path);
+  EXPECT_LE(sequence.stats().cold_again, 4);
+}
+
+// A stop is heeded on the paths, too: nothing is found, and the next problem is followed as ever.
+TEST(Follower, StopsOnItsPaths) {
+  ShakenScene scene(make_scene("chain", 60), {.amplitude = 1});
+  Sequence sequence;
+  Follower follower;
+  for (int k = 0; k < 60; ++k) {
+    const Problem problem = scene.problem();
+    const Vec start = sequence.step(problem).solution.r;
+    scene.advance(start);
+    const Problem next = scene.problem();
+    const Scaled& coordinates = follower.take(next);
+    const long before = follower.path_steps();
+    int asked = 0;
+    const auto stop = [&] { return follower.path_steps() > before + 1 && ++asked > 0; };
+    const auto accept = [&](const Vec& r) { return accepted(residual(next, coordinates.expand(r)), 1e-8); };
+    const auto found = follower.from(coordinates.reduce(start), accept, stop);
+    EXPECT_TRUE(asked == 0 || !found) << k;
+    EXPECT_LE(follower.path_steps() - before, 2) << k;
+  }
+  EXPECT_GT(follower.path_steps(), 0);
+}
+
+}  // namespace
+}  // namespace perp::contact
