@@ -188,6 +188,7 @@ Stop shared(Stop left, const Share& share) {
 Result Run::within(const Mcp& mcp, const Stop& limits, const Observer& shown, In x0, const Body& body,
                    Judge::Word word) {
   Run inner(mcp, limits, shown, word);
+  if (word == Judge::Word::Preliminary || &mcp == &this->mcp()) inner.give_up_where(hopeless_);
   inner.guard([&] { body(inner, x0); });
   return inner.result(x0);
 }

@@ -80,6 +80,9 @@ class Run {
   };
   Verdict verdict() const { return {*status_, message_, advice_}; }  ///< Pre: ended()
   bool accepted() const { return status_ == Status::Solved || status_ == Status::SolvedToRounding; }
+  /// What tells that the problem is proven to have no solution, for where an attempt is stuck and another would begin.
+  void give_up_where(std::function<bool()> hopeless) { hopeless_ = std::move(hopeless); }
+  bool hopeless() const { return hopeless_ && hopeless_(); }
   /// Of several attempts that all got stuck. Pre: not accepted().
   void replace_verdict(Verdict verdict);
   /// A run of its own on `mcp`, within what is left of this one's limits, whose records count on from this one's. Its
@@ -147,6 +150,7 @@ class Run {
   std::string attempt_;  // that begins
   Judged best_;
   std::vector<lcp::Cell> basis_;
+  std::function<bool()> hopeless_;
 };
 
 /// Ends that another method, start or perturbation may better.

@@ -39,6 +39,7 @@ void in_turn(Run& run, const Point& start, const std::vector<Attempt>& list, int
   int restarts = 0;
   for (const Attempt& attempt : list) {
     if (attempt.counted && restarts == restart_limit) break;
+    if (!tried.attempts.empty() && run.hopeless()) break;
     Point point;
     if (!begin(run, attempt.from, start, point) || (attempt.worthwhile && !attempt.worthwhile(run, start))) continue;
     if (attempt.counted) ++restarts;

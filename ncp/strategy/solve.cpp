@@ -3,8 +3,10 @@
 
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <new>
 #include <stdexcept>
+#include <utility>
 
 #include "lcp/words.hpp"
 #include "ncp/analysis/no_solution.hpp"
@@ -48,13 +50,30 @@ void run_base(Run& run, In x0, const Method& method) {
              method);
 }
 
-/// That the ranges of F over the box leave no point that the judge could accept.
-std::optional<Run::Verdict> refutation(const Mcp& mcp, double tol) {
-  const auto proof = no_solution(mcp, tol);
-  if (!proof) return std::nullopt;
-  return Run::Verdict{Status::Infeasible, "proven to have no solution: " + describe(mcp, *proof),
-                      "look for a mistake in the model"};
-}
+/// Whether the ranges of F over the box leave no point that the judge could accept; looked at once, if at all.
+class Refutation {
+ public:
+  Refutation(const Mcp& mcp, double tol) : mcp_(mcp), tol_(tol) {}
+  /// At most about a millisecond.
+  bool cheap() const {
+    constexpr double little_work = 30'000;
+    const Enclosure* enclosure = mcp_.enclosure();
+    return enclosure != nullptr && enclosure->work() <= little_work;
+  }
+  const std::optional<Run::Verdict>& verdict() {
+    if (std::exchange(known_, true)) return verdict_;
+    if (const auto proof = no_solution(mcp_, tol_))
+      verdict_ = Run::Verdict{Status::Infeasible, "proven to have no solution: " + describe(mcp_, *proof),
+                              "look for a mistake in the model"};
+    return verdict_;
+  }
+
+ private:
+  const Mcp& mcp_;
+  double tol_;
+  bool known_ = false;
+  std::optional<Run::Verdict> verdict_;
+};
 
 /// Where methods are stuck, there may be no solution.
 void refute_in_parts(Run& run, double tol) {
@@ -65,26 +84,21 @@ void refute_in_parts(Run& run, double tol) {
                          "look for a mistake in the model"});
 }
 
-/// Before the method, where that costs about a millisecond at most; else of runs that have found nothing.
+/// The method, and of runs that have found nothing whether there is nothing. Most problems have a solution: the first
+/// attempt goes before the proof, and a cheap proof before other attempts.
 void solve_or_refute(Run& run, In x0, const Method& method) {
-  constexpr double little_work = 30'000;
   const Mcp& mcp = run.mcp();
-  const Enclosure* enclosure = mcp.enclosure();
-  const bool first = enclosure != nullptr && enclosure->work() <= little_work;
   const double tol = stop(method).tol;
-  if (const auto verdict = first ? refutation(mcp, tol) : std::nullopt) {
-    if (Point point; run.start(x0, point))
-      run.end(verdict->status, verdict->message, verdict->advice);
-    else if (!run.accepted())
-      run.replace_verdict(*verdict);
-    return;
-  }
+  const auto refutation = std::make_shared<Refutation>(mcp, tol);
+  run.give_up_where([refutation] { return refutation->cheap() && refutation->verdict(); });
   run_method(run, x0, method);
-  const bool lost = run.ended() && (ncp::stuck(run.status()) || run.status() == Status::IterationLimit);
-  if (enclosure == nullptr || !lost) return;
-  if (const auto verdict = first ? std::nullopt : refutation(mcp, tol))
+  if (!run.ended()) return;
+  const bool late = run.status() == Status::TimeLimit;
+  const bool lost = ncp::stuck(run.status()) || run.status() == Status::IterationLimit || (late && refutation->cheap());
+  if (!lost || mcp.enclosure() == nullptr) return;
+  if (const auto& verdict = refutation->verdict())
     run.replace_verdict(*verdict);
-  else if (!mcp.is_affine())
+  else if (!mcp.is_affine() && !late)
     refute_in_parts(run, tol);
 }
 
@@ -153,8 +167,9 @@ void run_method(Run& run, In x0, const Method& method) {
   const Escape escapes = escape_of(method);
   const int rescalings = rescalings_of(method);
   base(run, x0);
+  if (!stuck(run) || run.hopeless()) return;
   // The escapes there get a part of the iterations, so that some are left for those on the problem itself.
-  if (stuck(run) && rescalings > 0)
+  if (rescalings > 0)
     retry_scaled(run, x0, rescalings, [&](Run& scaled, In z0) {
       base(scaled, z0);
       escape(scaled, escapes, (scaled.iterations() + scaled.left().max_iterations) / 3, base);
