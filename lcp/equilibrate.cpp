@@ -8,7 +8,10 @@
 namespace perp::lcp {
 namespace {
 
-constexpr int sweeps = 10;
+constexpr int most_sweeps = 10;
+/// Largest entries this near to one, or to its inverse, need no further sweep: the rounding of the factors to powers of
+/// two moves them by more.
+constexpr double near_one = 1.125;
 
 /// The nearest one, by its logarithm.
 double power_of_two(double a) {
@@ -20,8 +23,9 @@ double power_of_two(double a) {
   return std::ldexp(1, std::clamp(half_to_one < middle ? exponent - 1 : exponent, -far, far));
 }
 
-/// One step of Ruiz' iteration: rows and columns are divided by the root of their largest entry.
-void sweep(const SpMat& M, Scaling& scaling, Vec& row_max, Vec& column_max) {
+/// One step of Ruiz' iteration: rows and columns are divided by the root of their largest entry. False: another one is
+/// not needed.
+bool sweep(const SpMat& M, Scaling& scaling, Vec& row_max, Vec& column_max) {
   row_max.setZero();
   const double* of_row = scaling.rows.data();
   double* largest_of_row = row_max.data();
@@ -36,13 +40,17 @@ void sweep(const SpMat& M, Scaling& scaling, Vec& row_max, Vec& column_max) {
     }
     column_max[j] = largest;
   }
-  const auto divide_by_root = [](Vec& factors, Vec& largest) {
-    for (double& a : largest)
+  bool far = false;
+  const auto divide_by_root = [&far](Vec& factors, Vec& largest) {
+    for (double& a : largest) {
       if (!(a > 0)) a = 1;
+      far = far || a > near_one || a * near_one < 1;
+    }
     factors.array() *= largest.array().sqrt().inverse();  // two at a time
   };
   divide_by_root(scaling.rows, row_max);
   divide_by_root(scaling.columns, column_max);
+  return far;
 }
 
 /// Whether every bound is as finite after the scaling as before, and every interval still one.
@@ -106,7 +114,8 @@ Equilibrated equilibrated(const AffineMcp& problem) {
   Scaling scaling = ones(n);
   Vec row_max(n);
   Vec column_max(n);
-  for (int k = 0; k < sweeps; ++k) sweep(problem.M, scaling, row_max, column_max);
+  for (int k = 0; k < most_sweeps && sweep(problem.M, scaling, row_max, column_max); ++k) {
+  }
   const double q = n > 0 ? scaling.rows.cwiseProduct(problem.q).lpNorm<::Eigen::Infinity>() : 0;
   if (q > 0 && std::isfinite(q)) {
     scaling.rows /= q;

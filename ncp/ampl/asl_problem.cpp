@@ -8,6 +8,9 @@
 #include <cstdlib>
 #include <mutex>
 #include <new>
+#ifdef __SSE2_MATH__
+#include <xmmintrin.h>
+#endif
 
 #include "ncp/ampl/model.hpp"
 
@@ -26,13 +29,43 @@ std::mutex& library_lock() {
   return lock;
 }
 
-/// For the length of a call: the lock, the library's globals, errno and the floating-point environment (no traps
-/// during the call; the library's start also sets the x87 precision).
+/// The floating-point environment of a call: no traps during it, and afterwards what it was (the library's start also
+/// sets the x87 precision).
+class WholeEnvironment {
+ public:
+  WholeEnvironment() { std::feholdexcept(&environment_); }
+  WholeEnvironment(const WholeEnvironment&) = delete;
+  WholeEnvironment& operator=(const WholeEnvironment&) = delete;
+  ~WholeEnvironment() { std::fesetenv(&environment_); }
+
+ private:
+  std::fenv_t environment_{};
+};
+
+/// The same of a call that only computes with doubles. The x87 part of the whole takes longer than a small problem.
+#ifdef __SSE2_MATH__
+class EnvironmentOfDoubles {
+ public:
+  EnvironmentOfDoubles() : control_(_mm_getcsr()) {
+    _mm_setcsr((control_ | _MM_MASK_MASK) & ~static_cast<unsigned>(_MM_EXCEPT_MASK));
+  }
+  EnvironmentOfDoubles(const EnvironmentOfDoubles&) = delete;
+  EnvironmentOfDoubles& operator=(const EnvironmentOfDoubles&) = delete;
+  ~EnvironmentOfDoubles() { _mm_setcsr(control_); }
+
+ private:
+  unsigned control_;
+};
+#else
+using EnvironmentOfDoubles = WholeEnvironment;
+#endif
+
+/// For the length of a call: the lock, the library's globals, errno and the floating-point environment.
+template <class Environment = WholeEnvironment>
 class LibraryCall {
  public:
   LibraryCall(ASL* asl, std::FILE* messages)
       : guard_(library_lock()), errno_(errno), cur_asl_(cur_ASL), stderr_(Stderr) {
-    std::feholdexcept(&environment_);
     if (asl != nullptr) cur_ASL = asl;
     Stderr = messages;
   }
@@ -41,13 +74,12 @@ class LibraryCall {
   ~LibraryCall() {
     cur_ASL = cur_asl_;
     Stderr = stderr_ != nullptr ? stderr_ : stderr;
-    std::fesetenv(&environment_);
     errno = errno_;
   }
 
  private:
   std::lock_guard<std::mutex> guard_;
-  std::fenv_t environment_{};
+  Environment environment_{};
   int errno_;
   ASL* cur_asl_;
   std::FILE* stderr_;
@@ -132,7 +164,7 @@ struct AslProblem::State {
   State(const State&) = delete;
   State& operator=(const State&) = delete;
   ~State() {
-    const LibraryCall call(nullptr, messages.stream());
+    const LibraryCall<> call(nullptr, messages.stream());
     ASL_free(&asl);
   }
   Messages messages;
@@ -146,7 +178,7 @@ AslProblem::AslProblem(const std::string& stub, std::string_view body, const Siz
     const std::string said = state_->messages.text();
     throw ModelError(bad_file, stub + ".nl: " + why + (said.empty() ? "" : ": " + said));
   };
-  const LibraryCall call(nullptr, state_->messages.stream());
+  const LibraryCall<> call(nullptr, state_->messages.stream());
   ASL* asl = ASL_alloc(ASL_read_fg);
   if (asl == nullptr) throw std::bad_alloc();
   state_->asl = asl;
@@ -178,7 +210,7 @@ AslProblem::~AslProblem() = default;
 
 bool AslProblem::values(const double* x, double* c) const {
   ASL* asl = state_->asl;
-  const LibraryCall call(asl, state_->messages.stream());
+  const LibraryCall<EnvironmentOfDoubles> call(asl, state_->messages.stream());
   const bool defined =
       evaluate_guarded(asl, [=](fint* error) { asl->p.Conval(asl, const_cast<double*>(x), c, error); });
   if (!defined) forget_x(asl);
@@ -187,7 +219,7 @@ bool AslProblem::values(const double* x, double* c) const {
 
 bool AslProblem::jacobian(const double* x, double* nonzeros) const {
   ASL* asl = state_->asl;
-  const LibraryCall call(asl, state_->messages.stream());
+  const LibraryCall<EnvironmentOfDoubles> call(asl, state_->messages.stream());
   const bool defined =
       evaluate_guarded(asl, [=](fint* error) { asl->p.Jacval(asl, const_cast<double*>(x), nonzeros, error); });
   if (!defined) forget_x(asl);
@@ -196,7 +228,7 @@ bool AslProblem::jacobian(const double* x, double* nonzeros) const {
 
 AslProblem::RowByRow AslProblem::values_by_row(const double* x, double* c) const {
   ASL* asl = state_->asl;
-  const LibraryCall call(asl, state_->messages.stream());
+  const LibraryCall<> call(asl, state_->messages.stream());
   RowByRow result;
   result.defined.assign(static_cast<std::size_t>(state_->sizes.n_con), 0);
   result.overflow = result.defined;
@@ -226,7 +258,7 @@ AslProblem::RowByRow AslProblem::values_by_row(const double* x, double* c) const
 
 bool AslProblem::jacobian_of(const std::vector<char>& rows, const double* x, double* nonzeros) const {
   ASL* asl = state_->asl;
-  const LibraryCall call(asl, state_->messages.stream());
+  const LibraryCall<> call(asl, state_->messages.stream());
   auto* point = const_cast<double*>(x);
   forget_x(asl);
   bool defined = evaluate_guarded(asl, [=](fint* error) { asl->p.Xknown(asl, point, error); });

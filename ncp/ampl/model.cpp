@@ -49,6 +49,8 @@ class AslModel final : public Model {
         names_(stub, nl_.header.n_var, nl_.header.n_con),
         pairing_(pair(nl_, names_)),
         jacobian_(map_jacobian(nl_, pairing_)),
+        affine_(std::ranges::all_of(nl_.mentions, [](const auto& row) { return row.empty(); })),
+        linear_(ampl::linear_entries(nl_, pairing_, jacobian_)),
         enclosure_(model_enclosure(nl_, pairing_, jacobian_)),
         asl_(stub, nl_.segments(bytes), sizes_of(nl_.header)),
         start_(Vec::Zero(pairing_.box.size())),
@@ -63,11 +65,8 @@ class AslModel final : public Model {
   bool eval(In x, Out F) const override;
   bool jacobian(In x, SpMat& J) const override;
 
-  /// No row's expression mentions a variable: all of them are constants.
-  bool is_affine() const override {
-    return std::ranges::all_of(nl_.mentions, [](const auto& row) { return row.empty(); });
-  }
-  std::vector<bool> linear_entries() const override { return ampl::linear_entries(nl_, pairing_, jacobian_); }
+  bool is_affine() const override { return affine_; }
+  std::vector<bool> linear_entries() const override { return linear_; }
   const Enclosure* enclosure() const override { return enclosure_.get(); }
   std::string name() const override { return file_name(stub_); }
   std::string variable_name(Index i) const override { return unknown_name(pairing_, names_, nl_.header.n_var, i); }
@@ -91,6 +90,8 @@ class AslModel final : public Model {
   Names names_;
   Pairing pairing_;
   JacobianMap jacobian_;
+  bool affine_;  // no row's expression mentions a variable: all of them are constants
+  std::vector<bool> linear_;
   std::unique_ptr<Enclosure> enclosure_;
   AslProblem asl_;
   Vec start_;

@@ -12,7 +12,7 @@ SearchOutcome line_search(Run& run, const CFunction& c, const Armijo& rule, In d
   double t = 1;
   for (; out.backtracks <= rule.max_backtracks; ++out.backtracks, t *= rule.beta) {
     trial.x = point.x + t * d;
-    if (projected) trial.x = lcp::project(run.box(), trial.x);
+    if (projected) trial.x = trial.x.cwiseMax(run.box().lower).cwiseMin(run.box().upper);  // without a copy
     if (trial.x == point.x) break;  // t d has vanished in rounding
     if (!run.counted().eval(trial.x, trial.F)) {
       ++out.undefined;

@@ -155,6 +155,8 @@ Presolved presolve(const Mcp& mcp, In x0) {
   p.postponed_ = std::move(reducer->postponed);
   p.base_ = reducer->x();
   if (!p.postponed_.empty()) p.J_ = reducer->J();
+  p.columns_.reserve(at(mcp.size()));
+  p.rows_.reserve(at(mcp.size()));
   for (Index c = 0; c < mcp.size(); ++c) {
     if (!reducer->kept(c)) continue;
     p.columns_.push_back(c);

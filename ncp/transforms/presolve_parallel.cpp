@@ -32,6 +32,7 @@ std::vector<Index> Reducer::alike() const {
     }
   };
   std::vector<Look> looks;
+  looks.reserve(at(mcp_.size()));
   for (Index i = 0; i < mcp_.size(); ++i) {
     if (row_kept_[at(i)] == 0 || !is_affine(i) || unfixed_[at(i)] == 0) continue;
     const auto entries = rows_[at(i)];

@@ -40,6 +40,8 @@ void Reducer::run(bool everything) {
     }
   }
   if (!known) return;
+  row_queue_.reserve(at(mcp_.size()));
+  column_queue_.reserve(at(mcp_.size()));
   for (Index i = 0; i < mcp_.size(); ++i) {
     push_row(i);
     push_column(i);

@@ -57,6 +57,7 @@ class Reducer {
   class Queue {
    public:
     bool empty() const { return next_ == items_.size(); }
+    void reserve(std::size_t most) { items_.reserve(most); }
     void push_back(Index i) { items_.push_back(i); }
     Index take() {
       const Index i = items_[next_++];
