@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 
 #include "lcp/lu/lu_backend.hpp"
@@ -14,12 +15,17 @@ class DenseLu final : public LuLibrary {
   LuStatus analyze(const SpMat&) override { return LuStatus::Ok; }
 
   LuStatus factor(const SpMat& A) override {
-    ::Eigen::MatrixXd dense(A);
-    scale_ = dense.cwiseAbs().rowwise().maxCoeff();
+    const Index n = A.rows();
+    scale_.setZero(n);
+    for (Index j = 0; j < n; ++j)
+      for (SpMat::InnerIterator it(A, j); it; ++it) scale_[it.row()] = std::max(scale_[it.row()], std::abs(it.value()));
     if (!(scale_.minCoeff() > 0)) return LuStatus::Singular;
     scale_ = scale_.cwiseInverse();
     if (!scale_.allFinite()) return LuStatus::Singular;
-    lu_.compute(scale_.asDiagonal() * dense);
+    scaled_.setZero(n, n);
+    for (Index j = 0; j < n; ++j)
+      for (SpMat::InnerIterator it(A, j); it; ++it) scaled_(it.row(), j) = scale_[it.row()] * it.value();
+    lu_.compute(scaled_);
     const auto pivots = lu_.matrixLU().diagonal().cwiseAbs();
     const double least = pivots.minCoeff();
     const double most = pivots.maxCoeff();
@@ -43,6 +49,7 @@ class DenseLu final : public LuLibrary {
  private:
   double pivot_ratio_ = 0;
   Vec scale_;
+  ::Eigen::MatrixXd scaled_;
   ::Eigen::PartialPivLU<::Eigen::MatrixXd> lu_;
 };
 

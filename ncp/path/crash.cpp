@@ -198,6 +198,34 @@ bool keeps_promise(const SearchOutcome& found, double psi) {
   return found.merit < worthwhile * psi && psi - found.merit >= promised * found.t * (2 - found.t) * psi;
 }
 
+/// The search along d. Where some steps fail and the shortest one that the rule allows, too, d leads nowhere down, and
+/// those between would find nothing, one evaluation a step.
+SearchOutcome search(Run& run, const CFunction& fb, const Armijo& rule, const Vec& d, double psi, double reference,
+                     Point& point) {
+  constexpr int some = 3;
+  if (rule.max_backtracks <= 2 * some) return line_search(run, fb, rule, d, -2 * psi, reference, true, point);
+  Armijo first = rule;
+  first.max_backtracks = some;
+  SearchOutcome found = line_search(run, fb, first, d, -2 * psi, reference, true, point);
+  if (found.found) return found;
+  const double shortest = std::pow(rule.beta, rule.max_backtracks);
+  Point trial;
+  trial.x = (point.x + shortest * d).cwiseMax(run.box().lower).cwiseMin(run.box().upper);
+  if (trial.x == point.x || !run.counted().eval(trial.x, trial.F) ||
+      !(merit(fb, run.box(), trial.x, trial.F) <= reference - 2 * rule.sigma * shortest * psi))
+    return found;
+  Armijo rest = rule;
+  rest.max_backtracks -= found.backtracks;
+  const SearchOutcome later =
+      line_search(run, fb, rest, d, -2 * psi, reference, true, point, std::pow(rule.beta, found.backtracks));
+  found.backtracks += later.backtracks;
+  found.undefined += later.undefined;
+  found.found = later.found;
+  found.t = later.t;
+  found.merit = later.merit;
+  return found;
+}
+
 struct Met {
   bool proximal = false;  ///< a singular J_II, in a step that was kept
   bool monotone = false;  ///< ProximalTerm::monotone
@@ -237,7 +265,7 @@ bool descend(Run& run, const Crash& options, Point& point, Iteration& it, lcp::S
     const double reference = sweeping ? memory.reference() : psi;
     const bool on_trial = lambda > 0 && !affine;
     const std::optional<Point> from = on_trial ? std::optional(point) : std::nullopt;
-    const SearchOutcome found = line_search(run, fb, rule, d, -2 * psi, reference, true, point);
+    const SearchOutcome found = search(run, fb, rule, d, psi, reference, point);
     if (!found.found) {  // sweeps may lead to a set from which a step is longer
       if (sweeping || !sweeps_pay || run.box().size() < many_pivots || !relaxed(run, fb, point, psi)) return true;
       sweeping = true;

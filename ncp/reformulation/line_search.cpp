@@ -6,10 +6,10 @@
 namespace perp::ncp {
 
 SearchOutcome line_search(Run& run, const CFunction& c, const Armijo& rule, In d, double slope, double reference,
-                          bool projected, Point& point) {
+                          bool projected, Point& point, double longest) {
   SearchOutcome out;
   Point trial;
-  double t = 1;
+  double t = longest;
   for (; out.backtracks <= rule.max_backtracks; ++out.backtracks, t *= rule.beta) {
     trial.x = point.x + t * d;
     if (projected) trial.x = trial.x.cwiseMax(run.box().lower).cwiseMin(run.box().upper);  // without a copy

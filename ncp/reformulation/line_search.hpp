@@ -10,8 +10,8 @@ namespace perp::ncp {
 using lcp::Memory;
 using lcp::Stall;
 
-/// t with  psi(x + t d) <= reference + sigma t slope,  F and J defined there, over t = 1, beta, beta^2, ...; the point
-/// found replaces `point`. x + t d is projected onto `box` if `projected`.
+/// t with  psi(x + t d) <= reference + sigma t slope,  F and J defined there, over t = 1, beta, beta^2, ... or those
+/// times `longest`; the point found replaces `point`. x + t d is projected onto `box` if `projected`.
 struct SearchOutcome {
   bool found = false;
   double t = 0;
@@ -20,7 +20,7 @@ struct SearchOutcome {
   int undefined = 0;  ///< trial points at which F or J was not defined
 };
 SearchOutcome line_search(Run& run, const CFunction& c, const Armijo& rule, In d, double slope, double reference,
-                          bool projected, Point& point);
+                          bool projected, Point& point, double longest = 1);
 
 /// The projected searches of one major iteration, which its record counts together.
 class Searches {

@@ -44,7 +44,11 @@ Vec noise(const SpMat& J, In x, const lcp::RowTerms& terms) {
 
 void add_notes(const Mcp& mcp, const Stop& stop, const SpMat& J, const lcp::RowTerms& terms, Result& result) {
   const Box& box = mcp.box();
-  const Vec rounding = noise(J, result.x, terms);
+  Vec rounding;  // once it is asked for
+  const auto beyond_noise = [&](Index i, double F) {
+    if (rounding.size() == 0) rounding = noise(J, result.x, terms);
+    return F > rounding[i];
+  };
   Kind unbalanced;
   Kind near_bound;
   Kind narrow;
@@ -57,7 +61,7 @@ void add_notes(const Mcp& mcp, const Stop& stop, const SpMat& J, const lcp::RowT
       narrow.add(i, F);
     else if (!excused && F > far * stop.tol)
       near_bound.add(i, F);
-    else if (!excused && F > far * stop.tol * terms.size[i] && F > rounding[i])
+    else if (!excused && F > far * stop.tol * terms.size[i] && beyond_noise(i, F))
       unbalanced.add(i, F / terms.size[i]);
   }
   if (unbalanced.count > 0) {

@@ -15,13 +15,20 @@ namespace {
 /// columns[k].
 class ReducedMcp final : public Mcp {
  public:
-  ReducedMcp(const Mcp& base, Vec values, std::vector<Index> columns, std::vector<Index> rows)
+  /// `start`: a point of the original, with F and J there if they are known.
+  ReducedMcp(const Mcp& base, Point start, std::vector<Index> columns, std::vector<Index> rows)
       : base_(base),
         counted_(base),
         columns_(std::move(columns)),
         rows_(std::move(rows)),
-        x_(std::move(values)),
-        J_(base.jacobian_pattern()) {
+        x_(std::move(start.x)),
+        F_(std::move(start.F)),
+        knows_F_(F_.size() > 0),
+        knows_J_(start.J.size() > 0) {
+    if (knows_J_)
+      J_.swap(start.J);
+    else
+      J_ = base.jacobian_pattern();
     const auto n = static_cast<Index>(columns_.size());
     box_ = Box::free(n);
     for (Index k = 0; k < n; ++k) {
@@ -35,13 +42,15 @@ class ReducedMcp final : public Mcp {
   const SpMat& jacobian_pattern() const override { return pattern_; }
   bool eval(In x, Out F) const override {
     put(x);
-    const bool defined = counted_.eval(x_, F_);
+    const bool defined = knows_F_ || counted_.eval(x_, F_);
+    knows_F_ = defined;
     for (Index k = 0; k < size(); ++k) F[k] = F_[rows_[at(k)]];
     return defined;
   }
   bool jacobian(In x, SpMat& J) const override {
     put(x);
-    const bool defined = counted_.jacobian(x_, J_);
+    const bool defined = knows_J_ || counted_.jacobian(x_, J_);
+    knows_J_ = defined;
     for (std::size_t k = 0; k < entries_.size(); ++k) J.valuePtr()[k] = J_.valuePtr()[entries_[k]];
     return defined;
   }
@@ -59,7 +68,13 @@ class ReducedMcp final : public Mcp {
 
  private:
   void put(In x) const {
-    for (Index k = 0; k < size(); ++k) x_[columns_[at(k)]] = x[k];
+    bool same = true;
+    for (Index k = 0; k < size(); ++k) {
+      double& there = x_[columns_[at(k)]];
+      same = same && there == x[k] && std::signbit(there) == std::signbit(x[k]);
+      there = x[k];
+    }
+    if (!same) knows_F_ = knows_J_ = false;
   }
   void find_entries() {
     std::vector<int> place(at(base_.size()), -1);
@@ -91,6 +106,7 @@ class ReducedMcp final : public Mcp {
   std::vector<int> entries_;  // of the original's J, in the order of the pattern
   mutable Vec x_, F_;         // of the original
   mutable SpMat J_;
+  mutable bool knows_F_, knows_J_;  // at x_
 };
 
 /// A solution t of  l <= t <= u  _|_  F + a (t - here); see Presolved for when there is one.
@@ -163,7 +179,7 @@ Presolved presolve(const Mcp& mcp, In x0) {
     p.rows_.push_back(reducer->row_of(c));
   }
   p.start_ = p.reduce(p.base_);
-  if (p.counts_.total() > 0) p.reduced_ = std::make_unique<ReducedMcp>(mcp, p.base_, p.columns_, p.rows_);
+  if (p.counts_.total() > 0) p.reduced_ = std::make_unique<ReducedMcp>(mcp, reducer->evaluated(), p.columns_, p.rows_);
   return p;
 }
 

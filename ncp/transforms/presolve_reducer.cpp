@@ -65,6 +65,15 @@ bool Reducer::know_values() {
   return true;
 }
 
+Point Reducer::evaluated() {
+  Point point;
+  point.x = x_;
+  if (moved_ || rows_.start.empty()) return point;
+  point.F.swap(F_);
+  point.J.swap(J_);
+  return point;
+}
+
 void Reducer::list_entries(const std::vector<bool>& linear) {
   const std::size_t n = at(mcp_.size());
   const auto matters = [&](std::size_t p) { return !linear[p] || J_.valuePtr()[p] != 0; };

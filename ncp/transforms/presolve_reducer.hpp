@@ -34,6 +34,8 @@ class Reducer {
   std::vector<Postponed> postponed{};
   const Vec& x() const { return x_; }
   const SpMat& J() const { return J_; }
+  /// x(), and F and J there if they were evaluated there and are no use here any more.
+  Point evaluated();
   bool kept(Index column) const { return column_state_[at(column)] == State::Kept; }
   Index row_of(Index column) const { return row_of_[at(column)]; }
   int F_evals() const { return counted_.F_evals(); }
