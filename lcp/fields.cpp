@@ -18,23 +18,23 @@ std::string range_text(const Range& range, bool integer) {
 }
 
 /// Of a number that is out of its range.
-std::optional<double> bad_number(const Field& field) {
+std::optional<double> bad_number(const Target& number, const Range& range) {
   return std::visit(
       [&](const auto& target) -> std::optional<double> {
         using T = std::remove_cvref_t<decltype(target)>;
         if constexpr (std::is_same_v<T, Seconds*>) {  // a run within another one may have no time left
           if (!(target->count() >= 0)) return target->count();
         } else if constexpr (std::is_arithmetic_v<std::remove_pointer_t<T>> && !std::is_same_v<T, bool*>) {
-          if (const auto value = static_cast<double>(*target); !field.range.has(value)) return value;
+          if (const auto value = static_cast<double>(*target); !range.has(value)) return value;
         }
         return std::nullopt;
       },
-      field.target);
+      number);
 }
 
 /// "tol is -1; it takes a number > 0"; empty where there is nothing to complain of.
 std::string complaint_of(const Field& field) {
-  const auto value = bad_number(field);
+  const auto value = bad_number(field.target, field.range);
   return value ? text_of(field.key, " is ", *value, "; it takes ", takes(field)) : std::string();
 }
 
@@ -71,7 +71,8 @@ std::string takes(const Field& field) {
 void Fields::add(std::string_view key, Target number, const Range& range, std::string_view help,
                  std::string_view alias) {
   if (checking_) {
-    if (bad_number_.empty()) bad_number_ = complaint_of({key, alias, help, std::move(number), range, inert_});
+    if (bad_number_.empty() && bad_number(number, range))
+      bad_number_ = complaint_of({key, alias, help, std::move(number), range, inert_});
     return;
   }
   all_.push_back({key, alias, help, std::move(number), range, inert_});

@@ -184,7 +184,7 @@ NewtonPoint NewtonPoints::solve(const Point& point, const Vec& x, const std::vec
     const bool if_monotone = lambda == 0 && cells.empty() && ray_if_monotone(problem);
     if (if_monotone) options.patience = std::min(patience, patience_before_rays(problem.size()));
     options.cells = cells;
-    options.keep_path = method_.search == Searchtype::Path;
+    options.keep_path = method_.search == Searchtype::Path && !leaves_out_kinks();
     if (std::optional<lcp::PivotResult> path = straight(problem, x, options)) {
       newton.path = *std::move(path);
       return newton;
@@ -203,6 +203,7 @@ NewtonPoint NewtonPoints::solve(const Point& point, const Vec& x, const std::vec
       options.patience = patience;
       newton.path = follow(problem, x, options);
     }
+    if (leaves_out_kinks()) path_options_ = options;
     last_pivots_ = newton.path.pivots;
     newton.singular = newton.path.repaired > 0 && !newton.solved() && !run_.mcp().is_affine();
     if (newton.solved() || newton.stopped() || fallback == Fallback::None) return newton;
@@ -224,6 +225,12 @@ NewtonPoint NewtonPoints::solve(const Point& point, const Vec& x, const std::vec
     if (good || newton.stopped()) break;
   }
   return newton;
+}
+
+std::vector<lcp::Breakpoint> NewtonPoints::kinks(const Point& point, const Vec& x, double lambda) const {
+  lcp::LemkeOptions options = path_options_;
+  options.keep_path = true;
+  return follow_path(linearised(run_.box(), point, lambda), x, options).path;
 }
 
 }  // namespace perp::ncp

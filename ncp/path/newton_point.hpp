@@ -68,6 +68,12 @@ class NewtonPoints {
   NewtonPoint solve(const Point& point, const Vec& x, const std::vector<lcp::Cell>& cells, double lambda,
                     Repair repair = Repair::Artificials, Fallback fallback = Fallback::Rays);
 
+  /// The kinks of a path that solve() has followed from this x with this lambda and not kept: followed once more. Of
+  /// affine problems nearly every Newton point is accepted, and nobody asks for the way there.
+  std::vector<lcp::Breakpoint> kinks(const Point& point, const Vec& x, double lambda) const;
+  /// Whether solve() leaves them out.
+  bool leaves_out_kinks() const { return run_.mcp().is_affine() && !run_.observed(); }
+
   int take_pivots() { return std::exchange(pivots_, 0); }
   bool exhausted() const { return left_ <= 0; }
 
@@ -80,7 +86,8 @@ class NewtonPoints {
   Run& run_;
   const PathSearch& method_;
   lcp::LemkeOptions options_;
-  lcp::SharedLu lu_;  ///< of all paths: their bases have few patterns
+  lcp::LemkeOptions path_options_;  ///< of the last path from an x, where its kinks were left out
+  lcp::SharedLu lu_;                ///< of all paths: their bases have few patterns
   lcp::SharedLu& straight_lu_;
   int last_pivots_ = 0;  ///< of the last path
   int pivots_ = 0;

@@ -101,7 +101,7 @@ class Attempt {
     singular_ = often_singular;
     return lambda_of(path_prox_after_crash, size_of(point_.J));
   }
-  Way way_to(const NewtonPoint& newton) const;
+  Way way_to(const NewtonPoint& newton) const;  ///< from where it was made
   NewtonPoint without_artificials(double& lambda);
   NewtonPoint doubtful_point(double& lambda);
   bool newton_step(Iteration& it);
@@ -152,8 +152,11 @@ class Attempt {
 
 Way Attempt::way_to(const NewtonPoint& newton) const {
   if (newton.from_ray || method_.search == Searchtype::Line) return Way::line(run_.box(), point_.x, newton.x());
-  if (method_.search == Searchtype::Arc || newton.path.path.size() < 2) return Way::arc(x_, newton.x());
-  return Way::path(x_, newton.path.path, newton.x(), newton.t());
+  if (method_.search == Searchtype::Arc) return Way::arc(x_, newton.x());
+  std::vector<lcp::Breakpoint> kinks =
+      newton_points_.leaves_out_kinks() ? newton_points_.kinks(point_, x_, newton.lambda) : newton.path.path;
+  if (kinks.size() < 2) return Way::arc(x_, newton.x());
+  return Way::path(x_, std::move(kinks), newton.x(), newton.t());
 }
 
 void Attempt::moved(Point&& to, Vec x, double merit) {
