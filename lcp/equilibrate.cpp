@@ -2,7 +2,9 @@
 #include "lcp/equilibrate.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <utility>
 
 namespace perp::lcp {
@@ -13,9 +15,15 @@ constexpr int most_sweeps = 10;
 /// two moves them by more.
 constexpr double near_one = 1.125;
 
-/// The nearest one, by its logarithm.
+/// The nearest one, by its logarithm: of numbers in the usual range by their bits.
 double power_of_two(double a) {
   constexpr int far = 500;
+  if (a > 0x1p-499 && a < 0x1p499) {
+    constexpr std::uint64_t fraction = (std::uint64_t{1} << 52U) - 1;
+    constexpr std::uint64_t root_of_two = std::bit_cast<std::uint64_t>(1.41421356237309504) & fraction;
+    const auto bits = std::bit_cast<std::uint64_t>(a);
+    return std::bit_cast<double>((bits & ~fraction) + ((bits & fraction) < root_of_two ? 0 : fraction + 1));
+  }
   int exponent = 0;
   const double half_to_one = std::frexp(a, &exponent);
   if (!(half_to_one > 0 && half_to_one < 1)) return a > 0 ? std::ldexp(1, far) : a == 0 ? std::ldexp(1, -far) : a;

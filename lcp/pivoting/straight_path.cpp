@@ -54,19 +54,19 @@ class StraightPiece final : public LastPiece {
 
   const std::vector<Index>& inside() const { return inside_; }
 
-  /// M_II^-1 r_I.
-  Vec solve(In r) const {
+  /// y = M_II^-1 r_I.
+  void solve(In r, Vec& y) const {
     Vec of_block(block_.rows());
-    Vec y(block_.rows());
+    y.resize(block_.rows());
     for (std::size_t k = 0; k < inside_.size(); ++k) of_block[static_cast<Index>(k)] = r[inside_[k]];
     if (!inside_.empty()) lu_.lu.solve(of_block, y);
-    return y;
   }
 
   /// The matrix of the piece has the columns M_.i inside and e_i outside.
   Vec chord_step(In r) const override {
     if (lu_.user != this) (void)factor();
-    const Vec y = solve(r);
+    Vec y;
+    solve(r, y);
     Vec dx = outer_ * y - r;
     for (std::size_t k = 0; k < inside_.size(); ++k) dx[inside_[k]] = -y[static_cast<Index>(k)];
     return dx;
@@ -151,13 +151,17 @@ std::optional<PivotResult> straight_path(const AffineMcp& problem, In start, con
   const double scale = 1 + (z.size() > 0 ? problem.q.lpNorm<::Eigen::Infinity>() : 0);
   const double rounding = 1e-13 * scale;
   Vec F = problem.M * z + problem.q;
+  Vec step;
+  Vec next;
+  Vec F_there;
   double left = largest_of(F, piece->inside());
   for (int k = 0; k < most_steps && (k == 0 || left > rounding); ++k) {
-    const Vec step = piece->solve(F);
-    Vec next = z;
+    piece->solve(F, step);
+    next = z;
     for (std::size_t j = 0; j < piece->inside().size(); ++j) next[piece->inside()[j]] -= step[static_cast<Index>(j)];
     if (!next.allFinite()) return std::nullopt;
-    Vec F_there = problem.M * next + problem.q;
+    F_there.noalias() = problem.M * next;
+    F_there += problem.q;
     const double left_there = largest_of(F_there, piece->inside());
     if (k > 0 && !(left_there < left)) break;
     z.swap(next);
