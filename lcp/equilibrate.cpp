@@ -107,12 +107,8 @@ Vec Scaling::to_scaled(const Box& box, In x) const {
 }
 
 Vec Scaling::to_original(const Box& scaled_box, In x) const {
-  Vec original(x.size());
-  for (Index i = 0; i < x.size(); ++i) {
-    const double z = project(scaled_box, i, x[i]);
-    original[i] = columns[i] * z + (x[i] - z) / rows[i];
-  }
-  return original;
+  const auto z = x.cwiseMax(scaled_box.lower).cwiseMin(scaled_box.upper);
+  return columns.cwiseProduct(z) + (x - z).cwiseQuotient(rows);
 }
 
 Scaling equilibrate(const AffineMcp& problem) { return equilibrated(problem).scaling; }

@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <functional>
 #include <new>
+#include <stdexcept>
 #include <utility>
+#include <vector>
 
 namespace perp::lcp {
 namespace {
@@ -23,6 +25,7 @@ Klu::~Klu() {
 }
 
 LuStatus Klu::analyze(const SpMat& A) {
+  factored_ = false;
   klu_free_numeric(&numeric_, &common_);  // belongs to the old analysis
   klu_free_symbolic(&symbolic_, &common_);
   pattern_ = A;  // KLU takes pointers to non-const
@@ -42,13 +45,15 @@ KernelCost Klu::spent() const {
 }
 
 LuStatus Klu::factor(const SpMat& A) {
+  factored_ = false;
   klu_free_numeric(&numeric_, &common_);
   std::copy_n(A.valuePtr(), A.nonZeros(), pattern_.valuePtr());
   numeric_ = klu_factor(pattern_.outerIndexPtr(), pattern_.innerIndexPtr(), pattern_.valuePtr(), symbolic_, &common_);
   if (!numeric_) return status();
   if (common_.status == KLU_SINGULAR) return LuStatus::Singular;
   // a pivot that underflowed or overflowed: min |U_ii| / max |U_ii|
-  return klu_rcond(symbolic_, numeric_, &common_) && common_.rcond > 0 ? LuStatus::Ok : LuStatus::Singular;
+  factored_ = klu_rcond(symbolic_, numeric_, &common_) && common_.rcond > 0;
+  return factored_ ? LuStatus::Ok : LuStatus::Singular;
 }
 
 void Klu::solve(const SpMat& A, In b, Out x, bool transposed) const {
@@ -66,77 +71,93 @@ void Klu::solve(const SpMat& A, In b, Out x, bool transposed) const {
     klu_solve(symbolic_, &numeric, n, 1, x.data(), &common);
 }
 
+bool Klu::factors(LuFactors& out) const {
+  if (!factored_) return false;
+  const auto n = at(numeric_->n);
+  struct Columns {
+    Columns(std::size_t columns, int entries) : start(columns + 1), row(at(entries)), value(at(entries)) {}
+    std::vector<int> start, row;
+    std::vector<double> value;
+    /// Those of column j but for the diagonal's.
+    void append(std::size_t j, Triangle& to) const {
+      for (auto k = at(start[j]); k < at(start[j + 1]); ++k)
+        if (row[k] != static_cast<int>(j)) to.push(row[k], value[k]);
+    }
+  };
+  Columns l(n, numeric_->lnz);
+  Columns u(n, numeric_->unz);
+  Columns above(n, numeric_->nzoff);
+  out.P.resize(n);
+  out.Q.resize(n);
+  out.blocks.resize(at(symbolic_->nblocks) + 1);
+  Vec scale(numeric_->n);
+  klu_common common = common_;
+  if (!klu_extract(numeric_, symbolic_, l.start.data(), l.row.data(), l.value.data(), u.start.data(), u.row.data(),
+                   u.value.data(), above.start.data(), above.row.data(), above.value.data(), out.P.data(), out.Q.data(),
+                   scale.data(), out.blocks.data(), &common))
+    throw std::bad_alloc();
+  out.R.resize(numeric_->n);
+  for (std::size_t k = 0; k < n; ++k) out.R[out.P[k]] = 1 / scale[static_cast<Index>(k)];  // scale is by pivots
+  out.diagonal = Eigen::Map<const Vec>(static_cast<const double*>(numeric_->Udiag), numeric_->n);
+  out.L = out.U = out.L_transposed = out.U_transposed = Triangle{};
+  for (auto* triangle : {&out.L, &out.U}) {
+    const std::size_t most = triangle == &out.L ? l.row.size() : u.row.size() + above.row.size();
+    triangle->start.reserve(n + 1);
+    triangle->row.reserve(most);
+    triangle->value.reserve(most);
+  }
+  for (std::size_t j = 0; j < n; ++j) {
+    l.append(j, out.L);
+    out.L.end_column();
+    u.append(j, out.U);
+    above.append(j, out.U);
+    out.U.end_column();
+  }
+  out.finish();
+  return true;
+}
+
 /// With L, U of the diagonal blocks and F above them, (R A)(P, Q) = L U + F = L (U + L^-1 F): what a factorization
 /// without blocks and with the same pivots would have come to.
 void Klu::extract(LuFactors& out) const {
-  const int n = numeric_->n;
-  const auto length = [](int size) { return static_cast<std::size_t>(size); };
-  Triangle l{.start = std::vector<int>(length(n) + 1),
-             .row = std::vector<int>(length(numeric_->lnz)),
-             .value = std::vector<double>(length(numeric_->lnz))};
-  Triangle u{.start = std::vector<int>(length(n) + 1),
-             .row = std::vector<int>(length(numeric_->unz)),
-             .value = std::vector<double>(length(numeric_->unz))};
-  Triangle f{.start = std::vector<int>(length(n) + 1),
-             .row = std::vector<int>(length(numeric_->nzoff)),
-             .value = std::vector<double>(length(numeric_->nzoff))};
-  out.P.resize(length(n));
-  out.Q.resize(length(n));
-  Vec scale(n);
-  std::vector<int> blocks(length(symbolic_->nblocks) + 1);
-  klu_common common = common_;
-  if (!klu_extract(numeric_, symbolic_, l.start.data(), l.row.data(), l.value.data(), u.start.data(), u.row.data(),
-                   u.value.data(), f.start.data(), f.row.data(), f.value.data(), out.P.data(), out.Q.data(),
-                   scale.data(), blocks.data(), &common))
-    throw std::bad_alloc();
-  out.R.resize(n);
-  for (int k = 0; k < n; ++k) out.R[out.P[length(k)]] = 1 / scale[k];  // scale is by pivots
-
-  out.L = Triangle{};
-  for (int j = 0; j < n; ++j) {
-    for (int k = l.start[length(j)]; k < l.start[length(j) + 1]; ++k)
-      if (l.row[length(k)] != j) out.L.push(l.row[length(k)], l.value[length(k)]);
-    out.L.end_column();
-  }
-  out.U = Triangle{};
-  out.diagonal.resize(n);
-  Vec x = Vec::Zero(n);  // zero wherever no row is waiting
-  std::vector<char> seen(length(n), 0);
+  if (!factors(out)) throw std::logic_error("KLU has no factors");
+  const Triangle by_blocks = std::exchange(out.U, Triangle{});
+  const std::vector<int> blocks = std::exchange(out.blocks, {});
+  Vec x = Vec::Zero(out.size());  // zero wherever no row is waiting
+  std::vector<char> seen(at(out.size()), 0);
   std::vector<int> waiting;  // a heap: L leads downwards only
   const auto wait = [&](int i) {
-    if (std::exchange(seen[length(i)], 1)) return;
+    if (std::exchange(seen[at(i)], 1)) return;
     waiting.push_back(i);
     std::ranges::push_heap(waiting, std::greater<>{});
   };
-  for (int j = 0; j < n; ++j) {
-    for (int k = u.start[length(j)]; k < u.start[length(j) + 1]; ++k) {
-      if (u.row[length(k)] == j)
-        out.diagonal[j] = u.value[length(k)];
-      else
-        out.U.push(u.row[length(k)], u.value[length(k)]);
-    }
-    for (int k = f.start[length(j)]; k < f.start[length(j) + 1]; ++k) {
-      x[f.row[length(k)]] = f.value[length(k)];
-      wait(f.row[length(k)]);
-    }
-    while (!waiting.empty()) {
-      std::ranges::pop_heap(waiting, std::greater<>{});
-      const int i = waiting.back();
-      waiting.pop_back();
-      seen[length(i)] = 0;
-      const double value = std::exchange(x[i], 0.0);
-      if (value == 0) continue;
-      out.U.push(i, value);
-      for (int k = out.L.start[length(i)]; k < out.L.start[length(i) + 1]; ++k) {
-        x[out.L.row[length(k)]] -= out.L.value[length(k)] * value;
-        wait(out.L.row[length(k)]);
+  for (std::size_t block = 0; block + 1 < blocks.size(); ++block)
+    for (int j = blocks[block]; j < blocks[block + 1]; ++j) {
+      for (auto k = at(by_blocks.start[at(j)]); k < at(by_blocks.start[at(j + 1)]); ++k) {
+        const int i = by_blocks.row[k];
+        if (i >= blocks[block]) {
+          out.U.push(i, by_blocks.value[k]);
+          continue;
+        }
+        x[i] = by_blocks.value[k];
+        wait(i);
       }
+      while (!waiting.empty()) {
+        std::ranges::pop_heap(waiting, std::greater<>{});
+        const int i = waiting.back();
+        waiting.pop_back();
+        seen[at(i)] = 0;
+        const double value = std::exchange(x[i], 0.0);
+        if (value == 0) continue;
+        out.U.push(i, value);
+        for (int k = out.L.start[at(i)]; k < out.L.start[at(i + 1)]; ++k) {
+          x[out.L.row[at(k)]] -= out.L.value[at(k)] * value;
+          wait(out.L.row[at(k)]);
+        }
+      }
+      out.U.end_column();
     }
-    out.U.end_column();
-  }
   out.L_transposed = out.L.transpose();
-  out.U_transposed = Triangle{};
-  out.finish();
 }
 
 std::unique_ptr<LuLibrary> make_klu() { return std::make_unique<Klu>(); }

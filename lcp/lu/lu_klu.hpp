@@ -23,8 +23,9 @@ class Klu final : public LuLibrary {
   /// The order of rows and columns that analyze() found, block triangular and AMD within the blocks. Pre: it was Ok.
   const int* rows_in_order() const { return symbolic_->P; }
   const int* columns_in_order() const { return symbolic_->Q; }
-  /// The factors of the whole matrix, from those of its diagonal blocks; pre: the last factor() was Ok. Not factors():
-  /// for the few hundred rows that KLU is asked for by its name, its own solves are faster.
+  /// Those of the diagonal blocks.
+  bool factors(LuFactors& out) const override;
+  /// The factors of the whole matrix, from those of its diagonal blocks; pre: the last factor() was Ok.
   void extract(LuFactors& out) const;
   /// What the last factor() came to, not estimated; pre: it was Ok.
   KernelCost spent() const;
@@ -36,6 +37,7 @@ class Klu final : public LuLibrary {
   klu_symbolic* symbolic_ = nullptr;
   klu_numeric* numeric_ = nullptr;
   SpMat pattern_;
+  bool factored_ = false;  // the last factor() was Ok
 };
 
 }  // namespace perp::lcp

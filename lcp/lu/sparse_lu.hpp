@@ -64,8 +64,8 @@ class SparseLu {
   double pivot_ratio() const;
 
   /// Copies L, U and the permutations, for solves with sparse right-hand sides; after a factor() that was Singular the
-  /// zero pivots are in their places. False where the library does not give them (Klu, Eigen) or nothing is factored.
-  /// Throws std::bad_alloc.
+  /// zero pivots are in their places. False where the library does not give them (Dense, Eigen) or nothing is factored;
+  /// of a matrix of several diagonal blocks Klu gives those of the blocks. Throws std::bad_alloc.
   bool factors(LuFactors& out) const;
 
   Index size() const;

@@ -65,8 +65,10 @@ class SparseVector {
   double largest() const {
     double found = 0;
     if (full_) {
-      if (!values_.allFinite()) return std::numeric_limits<double>::quiet_NaN();
-      return values_.size() > 0 ? values_.cwiseAbs().maxCoeff() : 0;
+      if (values_.size() == 0) return 0;
+      found = values_.cwiseAbs().maxCoeff();
+      const double zero = 0 * values_.sum();  // else NaN, or the sum overflows
+      return zero == 0 || values_.allFinite() ? found : std::numeric_limits<double>::quiet_NaN();
     }
     for (const int i : places_) {
       if (!std::isfinite(values_[i])) return std::numeric_limits<double>::quiet_NaN();

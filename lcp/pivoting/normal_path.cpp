@@ -46,10 +46,31 @@ bool NormalPath::drive() {
   return std::isfinite(d_largest_);
 }
 
+void NormalPath::set_column_largest() {
+  column_largest_ = Vec::Zero(n_);
+  for (Index j = 0; j < n_; ++j)
+    for (SpMat::InnerIterator it(A_, j); it; ++it)
+      column_largest_[j] = std::max(column_largest_[j], std::abs(it.value()));
+}
+
 /// Whether the rate of t is more than the rounding of d: with dt = 0 the equation  sum a_i dx_i + r dt = 0  of the
 /// segment has the residual r dt, which is compared with the terms of the sum. On the ray of an infeasible
 /// copositive-plus problem dt is zero (Cottle, Pang & Stone 1992, section 4.4).
-bool NormalPath::t_moves(double rate) const {
+bool NormalPath::t_moves(double rate) {
+  if (rate == 0) return false;
+  constexpr double rounding = 1e-12;
+  // Most rates are far from this: then bounds of the largest sum will do.
+  if (column_largest_.size() == 0) set_column_largest();
+  double least = column_largest(driver_);
+  double most = least;
+  d_.for_each([&](Index p, double v) {
+    if (head(p) == n_) return;
+    const double largest = std::abs(v) * column_largest(head(p));
+    least = std::max(least, largest);
+    most += largest;
+  });
+  if (std::abs(rate) <= rounding * least) return false;
+  if (std::abs(rate) > 2 * rounding * most) return true;
   Vec terms = Vec::Zero(n_);
   const auto add = [&](Index i, double v) {
     if (const Index j = column(i); j > n_)
@@ -61,7 +82,6 @@ bool NormalPath::t_moves(double rate) const {
   d_.for_each([&](Index p, double v) {
     if (head(p) != n_) add(head(p), v);
   });
-  const double rounding = 1e-12;
   return std::abs(rate) > rounding * terms.maxCoeff();  // ||r / s|| = 1
 }
 
@@ -123,15 +143,9 @@ bool NormalPath::accurate(const Block& block) const {
   return correction.lpNorm<::Eigen::Infinity>() <= small_part * std::abs(d_[block.position]);
 }
 
-void NormalPath::move(Index i, double by) {
-  if (i < n_)
-    x_[i] += by;
-  else if (i == n_)
-    tau_ += by;
-}
-
 void NormalPath::step(double length) {
-  d_.for_each([&](Index p, double v) { move(head(p), -direction_ * length * v); });
+  const double by = -direction_ * length;
+  d_.for_each([&](Index p, double v) { move(head(p), by * v); });
   move(driver_, direction_ * length);
 }
 
@@ -154,7 +168,7 @@ void NormalPath::end_on_ray(PivotResult& result) {
 }
 
 bool NormalPath::advance(PivotResult& result) {
-  if (!drive()) {
+  if (!std::exchange(driven_, false) && !drive()) {
     result.end = PivotEnd::SingularBasis;
     return false;
   }
@@ -214,7 +228,8 @@ void NormalPath::leave_artificial(Index row) {
   direction_ = x_[driver_] - low_[driver_] < high_[driver_] - x_[driver_] ? -1 : 1;
   start_ = cells_;
   away_ = 0;
-  if (!drive()) return;  // the next advance() says so
+  driven_ = drive();
+  if (!driven_) return;  // the next advance() says so
   bool undecided = true;
   for (Index p = 0; p < n_; ++p)
     if (head(p) == n_ && t_moves(d_[p])) {
@@ -249,6 +264,7 @@ bool NormalPath::take_other_branch() {
   direction_ = fork.other_direction;
   start_ = cells_;
   away_ = 0;
+  driven_ = false;
   distrusted_ = true;  // the factors are those of the other branch
   return true;
 }

@@ -51,7 +51,12 @@ class NormalPath final : public LastPiece {
   Index column(Index i) const { return i >= n_ || inside(i) ? i : n_ + 1 + i; }
   bool artificial(Index i) const { return i > n_; }
   double value(Index i) const { return i < n_ ? x_[i] : i == n_ ? tau_ : 0; }
-  void move(Index i, double by);
+  void move(Index i, double by) {
+    if (i < n_)
+      x_[i] += by;
+    else if (i == n_)
+      tau_ += by;
+  }
   double low(Index i) const { return i < n_ ? low_[i] : i == n_ ? -infinity : 0; }
   double high(Index i) const { return i < n_ ? high_[i] : i == n_ ? scale_ : 0; }
   Index& head(Index p) { return head_[static_cast<std::size_t>(p)]; }
@@ -82,7 +87,13 @@ class NormalPath final : public LastPiece {
   LuStatus factor_basis();
   bool refactor();
   bool drive();
-  bool t_moves(double rate) const;
+  bool t_moves(double rate);
+  void set_column_largest();
+  /// The size of the largest entry of unknown i's column.
+  double column_largest(Index i) const {
+    const Index j = column(i);
+    return j >= n_ ? 1 : column_largest_[j];  // the largest of r / s is 1, too
+  }
   double room(Index i, double rate) const;
   Block ratio_test();
   bool doubtful(const Block& block) const;
@@ -119,7 +130,8 @@ class NormalPath final : public LastPiece {
   double best_tau_ = 0;  // largest met, at best_x_
   Vec best_x_;
   Index pivots_at_best_ = 0;
-  SpMat A_;  // [M, r / s]
+  SpMat A_;             // [M, r / s]
+  Vec column_largest_;  // of M, once asked for
   BasisFactor factor_;
   std::vector<Index> head_;
   std::vector<Index> waiting_;  // the variable an artificial stands in for, by row; none
@@ -127,6 +139,7 @@ class NormalPath final : public LastPiece {
   double direction_ = 1;
   SparseVector d_;  // B^-1 a of the driver: the basic unknowns move by -direction d a unit step
   double d_largest_ = 0;
+  bool driven_ = false;  // d_ is the driver's
   std::vector<Block> candidates_;
   std::optional<Fork> fork_;
   bool distrusted_ = false;  // the last update was unstable or refused: factor afresh before the next solve

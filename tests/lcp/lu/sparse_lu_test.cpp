@@ -438,6 +438,31 @@ TEST(LuFactors, MultiplyToTheMatrix) {
   }
 }
 
+// KLU shows those of its diagonal blocks; that they solve for every unit vector needs all of L, U and what is above.
+// Catches results beyond the last step that b itself reaches, and what one solve leaves behind for the next.
+TEST(LuFactors, OfDiagonalBlocksSolve) {
+  Random random(11);
+  for (const int density : {1, 2, 3, 6}) {
+    SpMat A = support::random_sparse(60, density, random);
+    A.prune([](Index i, Index j, double) { return i / 15 <= j / 15; });
+    SparseLu lu(LuBackend::Klu);
+    ASSERT_EQ(lu.factor(A), LuStatus::Ok);
+    LuFactors factors;
+    ASSERT_TRUE(lu.factors(factors));
+    ASSERT_GE(factors.blocks.size(), 5U);
+    LuSolver solver(std::move(factors));
+    SparseVector x(60);
+    for (Index i = 0; i < 60; ++i) {
+      SparseVector unit(60);
+      unit.set(i, 1);
+      solver.solve(unit, x);
+      EXPECT_LE(backward_error(A, x.values(), unit.values()), 1e-12);
+      solver.solve_transposed(unit, x);
+      EXPECT_LE(backward_error(Dense(A).transpose(), x.values(), unit.values()), 1e-12);
+    }
+  }
+}
+
 // What BasisFactor repairs singular bases by. Catches zero pivots that spoil the factors, or are not shown.
 TEST(LuFactors, OfSingularMatricesHaveTheirZeros) {
   Random random(10);
