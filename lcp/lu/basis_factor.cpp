@@ -3,18 +3,23 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <stdexcept>
 #include <utility>
 
 #include "lcp/lu/condition.hpp"
 #include "lcp/lu/eta_file.hpp"
 #include "lcp/lu/lu_factors.hpp"
+#include "lcp/lu/past_zeros.hpp"
 #include "lcp/words.hpp"
 
 namespace perp::lcp {
 namespace {
 
 constexpr int none = -1;
+
+/// UMFPACK takes ten times as long as the arithmetic of a matrix of so many rows.
+constexpr Index few_rows = 300;
 
 void require_size(const char* what, Index size, Index rows) {
   if (size == rows) return;
@@ -181,8 +186,22 @@ LuStatus BasisFactor::Impl::factor(std::span<const Index> columns) {
   return status;
 }
 
-/// The columns of the present basis that depend on others, each with a row that none of the others can pivot on.
+/// The columns of the present basis that depend on others, each with a row that none of the others can pivot on. In a
+/// basis of few rows they depend on those before them: which come last are multipliers, as a rule, and most paths have
+/// fewer pivots where these wait than where variables do.
 std::vector<BasisFactor::Dependency> BasisFactor::Impl::dependencies(double tol) const {
+  if (C.rows() <= few_rows) {
+    std::vector<int> order(at(C.cols()));
+    std::iota(order.begin(), order.end(), 0);
+    const PastZeros factors(C, order, tol);
+    const std::vector<int> rows_left = factors.rows_left();
+    std::vector<Dependency> found;
+    for (std::size_t k = 0; k < rows_left.size(); ++k) {
+      const Index p = active_position[at(factors.dependent()[k])];
+      found.push_back({.position = p, .column = basis[at(p)], .row = active_row[at(rows_left[k])]});
+    }
+    return found;
+  }
   // The library goes on past zero pivots, and shows its factors. UMFPACK wants no row or column without an entry.
   SpMat zeros(C.rows(), C.cols());
   zeros.setIdentity();

@@ -3,6 +3,8 @@
 /// KLU as a library of SparseLu. Private to lcp/lu/.
 #include <klu.h>
 
+#include <span>
+
 #include "lcp/lu/lu_backend.hpp"
 
 namespace perp::lcp {
@@ -22,7 +24,7 @@ class Klu final : public LuLibrary {
 
   /// The order of rows and columns that analyze() found, block triangular and AMD within the blocks. Pre: it was Ok.
   const int* rows_in_order() const { return symbolic_->P; }
-  const int* columns_in_order() const { return symbolic_->Q; }
+  std::span<const int> columns_in_order() const { return {symbolic_->Q, at(symbolic_->n)}; }
   /// Those of the diagonal blocks.
   bool factors(LuFactors& out) const override;
   /// The factors of the whole matrix, from those of its diagonal blocks; pre: the last factor() was Ok.

@@ -10,6 +10,7 @@
 #include "lcp/gpl.hpp"
 #include "lcp/lu/eigen_sparse_lu.hpp"
 #include "lcp/lu/lu_klu.hpp"
+#include "lcp/lu/past_zeros.hpp"
 
 namespace perp::lcp {
 namespace {
@@ -19,15 +20,6 @@ namespace {
 constexpr double supernodal_flops = 130;
 /// As KLU's: the diagonal is kept where it is at least this part of its column's largest.
 constexpr double pivot_threshold = 0.1;
-/// Eliminating past zeros: what is left of a column is rounding below this part of what it was.
-constexpr double rounding = 1e-14;
-
-Vec row_scale(const SpMat& A) {
-  Vec largest = Vec::Zero(A.rows());
-  for (Index j = 0; j < A.cols(); ++j)
-    for (SpMat::InnerIterator it(A, j); it; ++it) largest[it.row()] = std::max(largest[it.row()], std::abs(it.value()));
-  return largest;
-}
 
 class Supernodal {
  public:
@@ -142,124 +134,6 @@ class Supernodal {
   std::unique_ptr<Lu> lu_;
 };
 
-/// Gilbert & Peierls' factorization with the largest pivot of each column, which goes on past columns without one: they
-/// come last, with the rows that are left. Neither library shows its factors of a singular matrix.
-class PastZeros {
- public:
-  PastZeros(const SpMat& A, const int* columns) : A_(A), scale_(row_scale(A)) {
-    const Index n = A.rows();
-    for (double& s : scale_) s = s > 0 ? 1 / s : 1;
-    step_of_row_.assign(at(n), -1);
-    seen_.assign(at(n), -1);
-    x_ = Vec::Zero(n);
-    for (Index k = 0; k < n; ++k) eliminate(columns[k], static_cast<int>(k));
-  }
-
-  void extract(LuFactors& out) {
-    const auto n = static_cast<std::size_t>(A_.rows());
-    for (std::size_t i = 0; i < n; ++i) {  // the rows that are left
-      if (step_of_row_[i] >= 0) continue;
-      step_of_row_[i] = static_cast<int>(pivot_row_.size());
-      pivot_row_.push_back(static_cast<int>(i));
-    }
-    for (int& i : L_.row) i = step_of_row_[static_cast<std::size_t>(i)];
-    const std::size_t regular = order_.size();
-    for (std::size_t k = 0; k < dependent_.size(); ++k) L_.end_column();
-    order_.insert(order_.end(), dependent_.begin(), dependent_.end());
-    for (std::size_t j = 0; j < dependent_.size(); ++j) {
-      for (int k = U_dependent_.start[j]; k < U_dependent_.start[j + 1]; ++k)
-        U_.push(U_dependent_.row[static_cast<std::size_t>(k)], U_dependent_.value[static_cast<std::size_t>(k)]);
-      U_.end_column();
-    }
-    out.diagonal = Vec::Zero(A_.rows());
-    std::copy_n(pivot_.begin(), regular, out.diagonal.begin());
-    out.L = std::move(L_);
-    out.U = std::move(U_);
-    out.L_transposed = out.L.transpose();
-    out.U_transposed = Triangle{};
-    out.P = pivot_row_;
-    out.Q = order_;
-    out.R = scale_;
-    out.finish();
-  }
-
- private:
-  void eliminate(int column, int mark) {
-    reached_.clear();
-    double size = 0;
-    for (SpMat::InnerIterator it(A_, column); it; ++it) {
-      x_[it.row()] = it.value() * scale_[it.row()];
-      size = std::max(size, std::abs(x_[it.row()]));
-      reach(static_cast<int>(it.row()), mark);
-    }
-    std::vector<std::pair<int, double>> upper;
-    for (auto i = reached_.rbegin(); i != reached_.rend(); ++i) {
-      const int step = step_of_row_[at(*i)];
-      const double value = x_[*i];
-      if (step < 0 || value == 0) continue;
-      upper.emplace_back(step, value);
-      size = std::max(size, std::abs(value));
-      for (int k = L_.start[at(step)]; k < L_.start[at(step) + 1]; ++k) x_[L_.row[at(k)]] -= L_.value[at(k)] * value;
-    }
-    int best = -1;
-    for (const int i : reached_)
-      if (step_of_row_[at(i)] < 0 && std::abs(x_[i]) > rounding * size &&
-          (best < 0 || std::abs(x_[i]) > std::abs(x_[best])))
-        best = i;
-    Triangle& U = best < 0 ? U_dependent_ : U_;
-    for (const auto& [step, value] : upper) U.push(step, value);
-    U.end_column();
-    if (best < 0) {
-      dependent_.push_back(column);
-    } else {
-      const double pivot = x_[best];
-      step_of_row_[at(best)] = static_cast<int>(order_.size());
-      pivot_row_.push_back(best);
-      pivot_.push_back(pivot);
-      order_.push_back(column);
-      for (const int i : reached_)
-        if (step_of_row_[at(i)] < 0 && x_[i] != 0) L_.push(i, x_[i] / pivot);
-      L_.end_column();
-    }
-    for (const int i : reached_) x_[i] = 0;
-  }
-
-  /// Appends what `root` leads to through L, each row after those it leads to.
-  void reach(int root, int mark) {
-    if (seen_[at(root)] == mark) return;
-    const auto begin_of = [this](int i) {
-      const int step = step_of_row_[at(i)];
-      return step < 0 ? 0 : L_.start[at(step)];
-    };
-    const auto end_of = [this](int i) {
-      const int step = step_of_row_[at(i)];
-      return step < 0 ? 0 : L_.start[at(step) + 1];
-    };
-    seen_[at(root)] = mark;
-    stack_.assign(1, {root, begin_of(root)});
-    while (!stack_.empty()) {
-      const int i = stack_.back().first;
-      if (stack_.back().second == end_of(i)) {
-        reached_.push_back(i);
-        stack_.pop_back();
-        continue;
-      }
-      const int next = L_.row[at(stack_.back().second++)];
-      if (std::exchange(seen_[at(next)], mark) != mark) stack_.emplace_back(next, begin_of(next));
-    }
-  }
-
-  const SpMat& A_;
-  Vec scale_;
-  Triangle L_;  // its rows are A's until the end
-  Triangle U_, U_dependent_;
-  std::vector<double> pivot_;
-  std::vector<int> step_of_row_, pivot_row_, order_, dependent_;
-  Vec x_;
-  std::vector<int> seen_, reached_;
-  std::vector<std::pair<int, int>> stack_;
-};
-
 class Mixed final : public LuLibrary {
  public:
   LuStatus analyze(const SpMat& A) override {
@@ -309,7 +183,7 @@ class Mixed final : public LuLibrary {
   }
   void make_supernodal(const SpMat& A) {
     auto supernodal = std::make_unique<Supernodal>();
-    supernodal->analyze(A, klu_.rows_in_order(), klu_.columns_in_order());
+    supernodal->analyze(A, klu_.rows_in_order(), klu_.columns_in_order().data());
     supernodal_ = std::move(supernodal);
   }
 
