@@ -179,7 +179,7 @@ LuStatus BasisFactor::Impl::factor(std::span<const Index> columns) {
   if (status != LuStatus::Ok) return status;
   LuFactors factors;
   sparse_solves = order > 0 && shared->lu.factors(factors);
-  factor_entries = sparse_solves && factors.blocks.empty() ? factors.nonzeros() : 4 * C.nonZeros();
+  factor_entries = sparse_solves ? factors.nonzeros() : 4 * C.nonZeros();
   if (sparse_solves) solver = LuSolver(std::move(factors));
   block_b = SparseVector(order);
   block_x = SparseVector(order);
