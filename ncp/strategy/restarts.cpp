@@ -18,6 +18,7 @@ namespace {
 
 /// Restarts are given up sooner than the attempt with the user's options.
 constexpr int restart_patience = 15;
+constexpr int scaled_patience = 10;
 
 constexpr int escape_rounds = 10;
 constexpr int trial_patience = 6;  // of the tries from the points that an escape visits
@@ -151,10 +152,15 @@ Run::Verdict last_words(Run& run, const Run::Verdict& first, const Point& user, 
 
 std::vector<Attempt> path_list(const PathSearch& method) {
   std::vector<Attempt> list;
-  if (method.scaling)
+  if (method.scaling) {
+    PathSearch scaled = method;
+    // The next attempt is at hand, and one that needs either seldom succeeds.
+    scaled.gradient_step_limit = 0;
+    scaled.patience = std::min(method.patience, scaled_patience);
     list.push_back(
-        uncounted(scaled_attempt(std::string(scaled_at_start), method, "that brings the entries of J together",
+        uncounted(scaled_attempt(std::string(scaled_at_start), scaled, "that brings the entries of J together",
                                  [](Run& run, const Point& start) { return helpful_scaling(run.mcp(), start.J); })));
+  }
   list.push_back(uncounted(loop_attempt("the options given", method)));
   return list;
 }
