@@ -159,20 +159,23 @@ LuStatus BasisFactor::Impl::factor(std::span<const Index> columns) {
   B_nonzeros = rows() - order + in_S + in_C;
   S.resize(rows(), order);
   C.resize(order, order);
-  S.reserve(in_S);
-  C.reserve(in_C);
+  S.resizeNonZeros(in_S);
+  C.resizeNonZeros(in_C);
+  in_S = in_C = 0;
+  const auto append = [](SpMat& T, Index& entries, Index row, double v) {
+    T.innerIndexPtr()[entries] = static_cast<int>(row);
+    T.valuePtr()[entries++] = v;
+  };
   for (Index k = 0; k < order; ++k) {
-    S.startVec(k);
-    C.startVec(k);
     for_column(basis[at(active_position[at(k)])], [&](Index i, double v) {
       if (const int block_row = block_of_row[at(i)]; block_row == none)
-        S.insertBack(i, k) = v;
+        append(S, in_S, i, v);
       else
-        C.insertBack(block_row, k) = v;
+        append(C, in_C, block_row, v);
     });
+    S.outerIndexPtr()[k + 1] = static_cast<int>(in_S);
+    C.outerIndexPtr()[k + 1] = static_cast<int>(in_C);
   }
-  S.finalize();
-  C.finalize();
   has_S_rows = false;
   shared->user = this;
   status = shared->lu.factor(C);

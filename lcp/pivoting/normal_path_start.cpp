@@ -4,6 +4,7 @@
 #include <cmath>
 #include <iterator>
 #include <new>
+#include <numeric>
 #include <utility>
 
 #include "lcp/pivoting/normal_path.hpp"
@@ -12,16 +13,21 @@ namespace perp::lcp {
 namespace {
 
 SpMat with_residual_column(const SpMat& M) {
-  const Index n = M.rows();
-  SpMat A(n, n + 1);
-  A.reserve(M.nonZeros() + n);
-  for (Index j = 0; j < n; ++j) {
-    A.startVec(j);
-    for (SpMat::InnerIterator it(M, j); it; ++it) A.insertBack(it.row(), j) = it.value();
+  if (!M.isCompressed()) {
+    SpMat compressed = M;
+    compressed.makeCompressed();
+    return with_residual_column(compressed);
   }
-  A.startVec(n);
-  for (Index i = 0; i < n; ++i) A.insertBack(i, n) = 0;  // r / s, when it is known
-  A.finalize();
+  const Index n = M.rows();
+  const Index entries = M.nonZeros();
+  SpMat A(n, n + 1);
+  A.resizeNonZeros(entries + n);
+  std::copy_n(M.outerIndexPtr(), n + 1, A.outerIndexPtr());
+  std::copy_n(M.innerIndexPtr(), entries, A.innerIndexPtr());
+  std::copy_n(M.valuePtr(), entries, A.valuePtr());
+  A.outerIndexPtr()[n + 1] = static_cast<int>(entries + n);
+  std::iota(A.innerIndexPtr() + entries, A.innerIndexPtr() + entries + n, 0);
+  std::fill_n(A.valuePtr() + entries, n, 0.0);  // r / s, when it is known
   return A;
 }
 
