@@ -55,16 +55,23 @@ void Region::add_columns(std::size_t from) {
   region_ = Problem();
 }
 
-std::size_t Region::grow(const Vec& r) {
-  const std::size_t before = inside_.size();
+std::vector<std::size_t> Region::leaving(const Vec& r) const {
+  std::vector<std::size_t> contacts;
   for (std::size_t a = 0; a < is_inside_.size(); ++a) {
     const Eigen::Vector3d of = problem_.blocks[a].of(r);
-    if (is_inside_[a] != 0 || of[0] - of.tail<2>().norm() >= -outside_cone) continue;
+    if (is_inside_[a] == 0 && of[0] - of.tail<2>().norm() < -outside_cone) contacts.push_back(a);
+  }
+  return contacts;
+}
+
+void Region::grow(const std::vector<std::size_t>& contacts) {
+  const std::size_t before = inside_.size();
+  for (const std::size_t a : contacts) {
+    if (is_inside_[a] != 0) continue;
     is_inside_[a] = 1;
     inside_.push_back(a);
   }
   if (inside_.size() > before) add_columns(before);
-  return inside_.size() - before;
 }
 
 /// c of the law of the others.

@@ -28,9 +28,10 @@ class Region {
 
   /// K's factors; false: there are none.
   bool factor();
-  /// Takes the others whose impulses in r are outside of the cone into the region; how many. Some room is left for
-  /// rounding.
-  std::size_t grow(const Vec& r);
+  /// The others whose impulses in r are outside of the cone, with some room for rounding.
+  std::vector<std::size_t> leaving(const Vec& r) const;
+  /// Takes these into the region: three solves with K's factors each.
+  void grow(const std::vector<std::size_t>& contacts);
   std::size_t size() const { return inside_.size(); }
 
   /// The region's problem, all mu = 1; kept until it grows.

@@ -237,16 +237,16 @@ std::optional<ConeHomotopy::Regional> ConeHomotopy::region(double stiffness) {
   for (Eigen::Matrix3d& of : inverse) of /= stiffness;
   Region region(problem_, system_, std::move(A), std::move(inverse), path_.r(), std::move(inside));
   if (!region.factor()) return {};
-  for (int k = 0; k < most_growths && region.size() <= most && !referee_.over(); ++k) {
+  for (int k = 0; k < most_growths && !referee_.over(); ++k) {
     const std::optional<Solution> solved = solution_of(region.problem());
     if (!solved) return {};
     Regional found{.r = region.whole(solved->r), .openings = Vec(), .tau = path_.tau()};
     if (!found.r.allFinite()) return {};
     found.openings = region.slips(solved->u);
-    const std::size_t before = region.size();
-    const std::size_t by = region.grow(found.r);
-    if (by == 0) return found;
-    if (by > std::max(before, most_growth)) return {};
+    const std::vector<std::size_t> leaving = region.leaving(found.r);
+    if (leaving.empty()) return found;
+    if (leaving.size() > std::min(std::max(region.size(), most_growth), most - region.size())) return {};
+    region.grow(leaving);
   }
   return {};
 }

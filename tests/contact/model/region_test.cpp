@@ -65,7 +65,10 @@ TEST(Region, TheOthersAreHeldAndItsVelocitiesAreThoseOfAll) {
       for (const std::size_t a : {0, 5, 9}) out[problem.blocks[a].first] = -1;
       if (round > 0) continue;
       for (std::size_t a = 0; a < n; ++a) out.segment<2>(problem.blocks[a].first + 1).setZero();
-      ASSERT_EQ(region.grow(out), 3U);
+      const std::vector<std::size_t> leaving = region.leaving(out);
+      ASSERT_EQ(leaving, (std::vector<std::size_t>{0, 5, 9}));
+      region.grow(leaving);
+      ASSERT_TRUE(region.leaving(out).empty());
       inside.insert(inside.end(), {0, 5, 9});
     }
   }
