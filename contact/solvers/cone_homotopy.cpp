@@ -54,13 +54,15 @@ constexpr double late_tau = 1e-4;
 constexpr std::array slip_late_tau{1e-2, 1e-4};
 
 /// Regions of slipping contacts, in rounds: a region, and a path with its openings. The path begins near the region's
-/// point, at `reopen_share` times its tau, and ends at `round_share` of it, or below it where the gap falls no more:
+/// point, at `reopen_share` times its tau, or, where the natural map there is above `far_map`, at the last point of the
+/// associated path with tau above `slip_tau`. It ends at `round_share` of it, or below it where the gap falls no more:
 /// above it slips would be seen less clearly. Where the others are too soft, impulses far
 /// outside of the cones or a problem that is not solved say so: then they are made stiffer. Where contacts do not slip
 /// yet the path goes on first.
 constexpr int most_rounds = 6;
 constexpr double reopen_share = 100;
 constexpr double latest_reopen = 1e-2;
+constexpr double far_map = 0.05;
 constexpr double round_share = 0.1;
 constexpr int most_round_steps = 10;
 constexpr int most_late_steps = 10;
@@ -131,7 +133,7 @@ ConeHomotopy::ConeHomotopy(Referee& referee, const Scaled& problem, AlartCurnier
 bool ConeHomotopy::run() {
   if (associated()) return true;
   if (points_.empty() || moves()) return false;
-  return slips(slip_tau) || all_coupled(points_[last_above(early_tau)].second) || fixed_point();
+  return slips(slip_tau) || all_coupled(points_[last_above(early_tau)].second);
 }
 
 /// One step of the path; true if it went on, and the run is not over.
@@ -181,7 +183,7 @@ bool ConeHomotopy::regions() {
     over = referee_.judge(found->r, {.by = Origin::Cones, .tau = found->tau}) ||
            (map <= regional_map && newton_steps(referee_, problem_, newton_, found->r, regional_newton));
     if (over || found->tau <= cone_end) break;
-    over = reopen(*found);
+    over = reopen(*found, map);
   }
   if (over || referee_.over()) return true;
   path_.open(back, openings);
@@ -197,10 +199,11 @@ std::optional<ConeHomotopy::Regional> ConeHomotopy::late_region() {
   return {};
 }
 
-/// The path with these openings from near this point; whether the run is over.
-bool ConeHomotopy::reopen(const Regional& from) {
+/// The path with these openings, from near this point if its natural map is not too large; whether the run is over.
+bool ConeHomotopy::reopen(const Regional& from, double map) {
   const double tau = std::min(reopen_share * from.tau, latest_reopen);
-  path_.open(path_.near(from.r, from.openings, tau), from.openings);
+  const bool far = map > far_map && !points_.empty();
+  path_.open(far ? points_[last_above(slip_tau)].second : path_.near(from.r, from.openings, tau), from.openings);
   Settling settling(from.tau);
   for (int k = 0; k < most_round_steps && path_.tau() > round_share * from.tau && !settling.done(); ++k) {
     if (!step()) break;
@@ -346,8 +349,8 @@ std::size_t ConeHomotopy::last_above(double tau) const {
   return i;
 }
 
-/// s = |u_T(s)|.
 bool ConeHomotopy::fixed_point() {
+  if (points_.empty() || moves()) return false;
   Vec last_image;  // |u_T| of the openings before
   Vec last_gap;
   double least = gap();

@@ -4,11 +4,11 @@
 /// turn back, and where all contacts stick its end obeys Coulomb's law as well. Where some slip, Coulomb's law is
 /// solved in their region (contact/model/region.hpp), in rounds: the path with the region's openings, and a region from
 /// there. Where that fails a path with these contacts coupled leads from an earlier point to Coulomb's law, or to more
-/// contacts that slip. Where it turns back: a path with all contacts coupled, then Cadoux' fixed point s = |u_T(s)|,
-/// each s a path from the last one's points, with Anderson's mixing of two, and from points of each a path with the
-/// contacts coupled that slip at its end. Newton steps on Alart & Curnier's equation are tried from the points for the
-/// last digits. Cadoux, Acary & Lemarechal (contact/classics/classics.hpp); Anderson, J. ACM 12 (1965) 547. Private to
-/// contact/.
+/// contacts that slip. Where it turns back: a path with all contacts coupled. Cadoux' fixed point s = |u_T(s)| is
+/// apart: each s is a path from the last one's points, with Anderson's mixing of two, and from points of each a path
+/// has the contacts coupled that slip at its end. Newton steps on Alart & Curnier's equation are tried from the points
+/// for the last digits. Cadoux, Acary & Lemarechal (contact/classics/classics.hpp); Anderson, J. ACM 12 (1965) 547.
+/// Private to contact/.
 #include <optional>
 #include <utility>
 #include <vector>
@@ -25,8 +25,10 @@ class ConeHomotopy {
   /// All outlive *this; `system` is that of `newton`.
   ConeHomotopy(Referee& referee, const Scaled& problem, AlartCurnier& newton, ContactSystem& system);
 
-  /// Whether the run is over.
+  /// The paths without the fixed point; whether the run is over.
   bool run();
+  /// s = |u_T(s)|, after run(); nothing where the pile collapses. Whether the run is over.
+  bool fixed_point();
 
  private:
   bool associated();
@@ -39,7 +41,7 @@ class ConeHomotopy {
   std::optional<Regional> late_region();
   std::optional<Regional> region(double stiffness);
   std::optional<Solution> solution_of(const Problem& region);
-  bool reopen(const Regional& from);
+  bool reopen(const Regional& from, double map);
   std::vector<std::size_t> slipping() const;
   bool slips(double tau);
   bool all_coupled(const ConePath::Point& from);
@@ -47,7 +49,6 @@ class ConeHomotopy {
   bool follow_coupled(const ConePath::Point& from, int& steps);
   double other_slip() const;
   void couple_slips();
-  bool fixed_point();
   bool follow(double until);
   bool step();
   bool try_newton(const NewtonSteps& steps) { return newton_steps(referee_, problem_, newton_, path_.r(), steps); }

@@ -43,6 +43,9 @@ constexpr std::array search_alphas{1e-5, 1e-4};
 /// as long as half of the associated path, whose matrices are Cholesky's.
 constexpr int first_steps_of_homotopy = 2;
 constexpr Index first_steps_rows = 2000;
+/// Up to so many rows the first attempt is made before Cadoux' fixed point of the cones' paths, which takes more
+/// factorizations where a pile collapses. Beyond them LU takes too long.
+constexpr Index early_attempt_rows = 6000;
 
 /// The proximal loop.
 constexpr double first_alpha = 1;
@@ -81,11 +84,7 @@ class Solver {
 
   void run(const Vec& start) {
     if (start.size() > 0 ? warm(start) : sweep()) return;
-    if (method_.cones && method_.polish) {
-      if (problem_.size() <= first_steps_rows && attempt(options_, nullptr, 1, first_steps_of_homotopy)) return;
-      if (ConeHomotopy(referee_, problem_, newton_, system_).run()) return;
-    }
-    if (attempt(options_)) return;
+    if (method_.cones && method_.polish ? with_cones() : attempt(options_)) return;
     if ((method_.homotopy.other_settings || method_.proximal) && referee_.no_solution()) return;
     if (method_.homotopy.other_settings && with_other_settings()) return;
     if (method_.proximal) proximal_loop();
@@ -95,7 +94,10 @@ class Solver {
   /// Each of these answers whether the run is over.
   bool warm(const Vec& start);
   bool sweep();
-  bool attempt(const HomotopyOptions& options, const Vec* from = nullptr, double tau = 1, int most = 0);
+  bool with_cones();
+  bool attempt(const HomotopyOptions& options, const Vec* from = nullptr, double tau = 1);
+  bool homotopy_steps(const HomotopyOptions& options, int most, Vec& best, const Vec* from = nullptr, double tau = 1);
+  bool search(Vec from);
   bool polish(Vec r, double alpha);
   bool with_other_settings();
   bool proximal_loop();
@@ -139,19 +141,36 @@ bool Solver::sweep() {
   return false;
 }
 
-/// At most so many steps, and then it counts as no attempt and has no damped Newton steps; 0: as many as the method
-/// has.
-bool Solver::attempt(const HomotopyOptions& options, const Vec* from, double tau, int most) {
-  if (most == 0) ++referee_.stats().attempts;
+/// The cones' paths, and the first attempt.
+bool Solver::with_cones() {
+  Vec best;
+  if (problem_.size() <= first_steps_rows && homotopy_steps(options_, first_steps_of_homotopy, best)) return true;
+  ConeHomotopy cones(referee_, problem_, newton_, system_);
+  if (cones.run()) return true;
+  const bool early = problem_.size() <= early_attempt_rows;
+  if (!early && cones.fixed_point()) return true;
+  ++referee_.stats().attempts;
+  if (homotopy_steps(options_, method_.homotopy.max_iterations, best)) return true;
+  return (early && cones.fixed_point()) || search(std::move(best));
+}
+
+bool Solver::attempt(const HomotopyOptions& options, const Vec* from, double tau) {
+  ++referee_.stats().attempts;
+  Vec best;
+  return homotopy_steps(options, method_.homotopy.max_iterations, best, from, tau) || search(std::move(best));
+}
+
+/// At most so many of an attempt; `best` is the point of the least natural map.
+bool Solver::homotopy_steps(const HomotopyOptions& options, int most, Vec& best, const Vec* from, double tau) {
   Homotopy homotopy(problem_, system_, options);
   if (from != nullptr) homotopy.start(*from, tau);
   double polish_at = method_.polish_at;
   std::size_t polished = 0;
-  Vec best = homotopy.r();
+  best = homotopy.r();
   double least = lcp::infinity;
   int in_a_row = 0;
   bool over = false;
-  for (int k = 0; k < (most > 0 ? most : method_.homotopy.max_iterations) && in_a_row < short_steps && !over; ++k) {
+  for (int k = 0; k < most && in_a_row < short_steps && !over; ++k) {
     const bool going = homotopy.step();
     ++referee_.stats().iterations;
     const HomotopyIteration& last = homotopy.last();
@@ -171,10 +190,15 @@ bool Solver::attempt(const HomotopyOptions& options, const Vec* from, double tau
       over = polish(homotopy.r(), polish_alphas[polished++ % polish_alphas.size()]);
     }
   }
-  if (over || !method_.polish || most > 0) return over;
+  return over;
+}
+
+/// Damped Newton steps after an attempt.
+bool Solver::search(Vec from) {
+  if (!method_.polish || referee_.over()) return referee_.over();
   const auto number = static_cast<std::size_t>(referee_.stats().attempts - 1);
-  const NewtonSteps search = search_with(search_alphas[number % search_alphas.size()]);
-  return newton_steps(referee_, problem_, newton_, std::move(best), search);
+  const NewtonSteps with = search_with(search_alphas[number % search_alphas.size()]);
+  return newton_steps(referee_, problem_, newton_, std::move(from), with);
 }
 
 /// Newton steps on the equation of Alart & Curnier with the proximal term of the iterate itself.

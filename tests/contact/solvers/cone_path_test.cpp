@@ -207,5 +207,19 @@ TEST(ConePath, SlipsAreFoundFromAnOpening) {
   EXPECT_EQ(result.stats.attempts, 0);
 }
 
+// About a hundred contacts of each of these piles slip. Regions and coupled paths make nothing of it, nor does Cadoux'
+// fixed point: the first attempt of Glocker's homotopy solves them (488 factorizations with the fixed point before it).
+TEST(ConePath, WhereThePileCollapsesTheHomotopyComesBeforeTheFixedPoint) {
+  int factorizations = 0;
+  for (const unsigned seed : {101U, 228U}) {
+    Problem problem = make_scene("spheres", 300, seed).problem();
+    problem.mu.setConstant(0.4);
+    const Result result = solve(problem);
+    EXPECT_TRUE(result.solved()) << result.message;
+    factorizations += result.stats.factorizations;
+  }
+  EXPECT_LE(factorizations, 380);
+}
+
 }  // namespace
 }  // namespace perp::contact
