@@ -62,7 +62,7 @@ constexpr std::array slip_late_tau{1e-2, 1e-4};
 constexpr int most_rounds = 6;
 constexpr double reopen_share = 100;
 constexpr double latest_reopen = 1e-2;
-constexpr double far_map = 0.05;
+constexpr double far_map = 0.1;
 constexpr double round_share = 0.1;
 constexpr int most_round_steps = 10;
 constexpr int most_late_steps = 10;

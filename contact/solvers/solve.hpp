@@ -39,11 +39,11 @@ struct GlockerHomotopy {
 };
 
 /// Sweeps of Gauss-Seidel; then the cones' paths, from the associated law (contact/solvers/cone_homotopy.hpp); then the
-/// homotopy, and the cones' fixed point before it or after its first attempt. When its point comes near a solution, Newton steps on the equation of
-/// Alart & Curnier are tried from it for the last digits (`polish`); where that fails the homotopy goes on. Where an
-/// attempt stalls: damped Newton steps from its best point. After all attempts a proximal loop: solve the problem with
-/// (W + alpha I, q - alpha r_k), r_{k+1} its solution, alpha falling as long as the subproblems are solved,
-/// extrapolated where successive increments are parallel. It is what singular W need.
+/// homotopy, and the cones' fixed point before it or after its first attempt. When its point comes near a solution,
+/// Newton steps on the equation of Alart & Curnier are tried from it for the last digits (`polish`); where that fails
+/// the homotopy goes on. Where an attempt stalls: damped Newton steps from its best point. After all attempts a
+/// proximal loop: solve the problem with (W + alpha I, q - alpha r_k), r_{k+1} its solution, alpha falling as long as
+/// the subproblems are solved, extrapolated where successive increments are parallel. It is what singular W need.
 struct Auto {
   GlockerHomotopy homotopy{};
   /// Sweeps of nonsmooth Gauss-Seidel before anything else (contact/classics/gauss_seidel.hpp), ended where they
