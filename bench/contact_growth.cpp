@@ -1,26 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
-/// bench_contact_growth MU SEEDS CONTACTS...: how the time of piles grows with their size, beside one factorization of
-/// the matrix of their steps. README.md says how to read it.
-#include <algorithm>
-#include <chrono>
+/// bench_contact_growth MU SEEDS CONTACTS CONTACTS...: how the time of piles grows with their size, beside one
+/// factorization of the matrix of their steps. README.md says how to read it.
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <exception>
+#include <stdexcept>
+#include <string>
 #include <vector>
 
 #include "contact/model/contact_system.hpp"
 #include "contact/scenes/generators.hpp"
 #include "contact/solvers/run.hpp"
+#include "timing.hpp"
 
 namespace {
 
 using namespace perp;
-using Clock = std::chrono::steady_clock;
 
-double seconds_since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
-
-/// One factorization of W~ + 1 with its analysis, as a step of the cone path makes it [s], the least of three.
+/// One factorization of W~ + 1 with its analysis, as a step of the cone path makes it [s].
 double factorization(const contact::Problem& problem) {
   const contact::Scaled scaled = contact::scaled(problem);
   std::vector<Eigen::Matrix3d> one;
@@ -28,14 +25,10 @@ double factorization(const contact::Problem& problem) {
     one.emplace_back(Eigen::Matrix3d::Zero());
     one.back().topLeftCorner(block.size, block.size).setIdentity();
   }
-  double least = std::nan("");
-  for (int k = 0; k < 3; ++k) {
+  return bench::least_seconds([&] {
     contact::ContactSystem system(scaled);
-    const auto begin = Clock::now();
-    if (!system.factor(one, one)) return std::nan("");
-    least = std::fmin(least, seconds_since(begin));
-  }
-  return least;
+    if (!system.factor(one, one)) throw std::runtime_error("W~ + 1 has no factors");
+  });
 }
 
 /// y = c n^p through the points (n, y): p, by least squares of the logarithms.
@@ -49,12 +42,6 @@ double exponent(const std::vector<double>& n, const std::vector<double>& y) {
   return (points * xy - x1 * y1) / (points * xx - x1 * x1);
 }
 
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<long>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 }  // namespace
 
 int main(int argc, char** argv) try {
@@ -64,6 +51,7 @@ int main(int argc, char** argv) try {
   }
   const double mu = std::atof(argv[1]);
   const int seeds = std::atoi(argv[2]);
+  if (seeds < 1) throw std::invalid_argument(std::string("SEEDS is '") + argv[2] + "'; it is at least 1");
   std::printf(
       "| pile | rows | solved by | natural map | factorizations | solve, s | one factorization, s | ratio |\n"
       "|---|---|---|---|---|---|---|---|\n");
@@ -75,23 +63,27 @@ int main(int argc, char** argv) try {
           contact::make_scene("spheres", std::atol(argv[k]), static_cast<unsigned>(seed)).problem();
       problem.mu.setConstant(mu);
       const contact::Run run = contact::run(problem, contact::variant_of("glocker"), {.seconds = 600});
-      rows.push_back(static_cast<double>(problem.q.size()));
-      solve.push_back(run.seconds);
-      factor.push_back(factorization(problem));
+      const double one = factorization(problem);
       long factorizations = 0;
       for (const auto& [what, count] : run.counts)
         if (what == "factorizations") factorizations = count;
-      std::printf("| %s, %d | %.0f | %s | %.1e | %ld | %.3g | %.3g | %.3g |\n", argv[k], seed, rows.back(),
-                  run.solved ? run.solved_by.c_str() : "not solved", run.residual.siconos, factorizations, solve.back(),
-                  factor.back(), solve.back() / factor.back());
+      std::printf("| %s, %d | %td | %s | %.1e | %ld | %.3g | %.3g | %.3g |\n", argv[k], seed, problem.q.size(),
+                  run.solved ? run.solved_by.c_str() : "not solved", run.residual.siconos, factorizations, run.seconds,
+                  one, run.seconds / one);
       std::fflush(stdout);
+      if (!run.solved) continue;
+      rows.push_back(static_cast<double>(problem.q.size()));
+      solve.push_back(run.seconds);
+      factor.push_back(one);
     }
-    sizes.push_back(median(rows));
-    solves.push_back(median(solve));
-    factors.push_back(median(factor));
+    if (rows.empty()) continue;
+    sizes.push_back(bench::median(rows));
+    solves.push_back(bench::median(solve));
+    factors.push_back(bench::median(factor));
   }
-  std::printf("Medians grow with the rows to the power %.2f (solve) and %.2f (one factorization).\n",
-              exponent(sizes, solves), exponent(sizes, factors));
+  std::printf(
+      "Of the solved ones, medians grow with the rows to the power %.2f (solve) and %.2f (one factorization).\n",
+      exponent(sizes, solves), exponent(sizes, factors));
   return 0;
 } catch (const std::exception& error) {
   std::fprintf(stderr, "bench_contact_growth: %s\n", error.what());

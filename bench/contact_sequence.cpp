@@ -11,6 +11,7 @@
 
 #include "contact/scenes/shaken_scene.hpp"
 #include "contact/solvers/sequence.hpp"
+#include "timing.hpp"
 
 namespace {
 
@@ -23,12 +24,6 @@ contact::Scene scene_of(const std::string& text) {
   const auto second = text.find(':', colon + 1);
   const unsigned seed = second == std::string::npos ? 1 : static_cast<unsigned>(std::stoul(text.substr(second + 1)));
   return contact::make_scene(text.substr(0, colon), std::stol(text.substr(colon + 1)), seed);
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<long>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 void measure(const std::string& name, int steps, double amplitude, const contact::Variant& variant) {
@@ -55,7 +50,7 @@ void measure(const std::string& name, int steps, double amplitude, const contact
   std::cout << "| " << name << " | " << cold.stats().solved << " | " << warm.stats().solved << " | "
             << warm.stats().cold_again << " | " << std::setprecision(3) << 1e3 * cold.stats().seconds / steps << " | "
             << 1e3 * warm.stats().seconds / steps << " | " << 100 * share(warm.stats().seconds, cold.stats().seconds)
-            << " % | " << 100 * share(median(seconds[1]), median(seconds[0])) << " % | "
+            << " % | " << 100 * share(bench::median(seconds[1]), bench::median(seconds[0])) << " % | "
             << share(double(cold.stats().factorizations), steps) << " | "
             << share(double(warm.stats().factorizations), steps) << " | "
             << share(double(cold.stats().iterations), steps) << " | " << share(double(warm.stats().iterations), steps)

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 /// How the time of a method grows with the size, in factorizations of J at the solution. See README.md.
-#include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <memory>
@@ -14,6 +12,7 @@
 #include "lcp/lu/sparse_lu.hpp"
 #include "ncp/collection/sized.hpp"
 #include "ncp/problem/affine.hpp"
+#include "timing.hpp"
 
 namespace {
 
@@ -21,11 +20,6 @@ using namespace perp;
 using ncp::Index;
 using ncp::SpMat;
 using ncp::Vec;
-using Clock = std::chrono::steady_clock;
-
-constexpr double long_enough = 2;  // [s]: what takes longer is timed once
-
-double seconds_since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
 
 /// An obstacle problem of convection and diffusion on the m x m inner points of the unit square, upwind: the rows are
 /// h^2 times  -Delta u + v . grad u - f  with v = (100, 50) and f = 100 sin(2 pi x) sin(2 pi y), 0 <= u.
@@ -76,30 +70,24 @@ Problem named(const std::string& text) {
   return {std::move(made.mcp), std::move(made.starts)};
 }
 
-/// The least of up to three factorizations of J(x) with their analyses [s], NaN if there are no factors.
+/// A factorization of J(x) with its analysis [s], NaN if there are no factors.
 double factorization(const ncp::Mcp& mcp, const Vec& x) {
   SpMat J = mcp.jacobian_pattern();
   if (!mcp.jacobian(x, J)) return std::nan("");
-  double least = lcp::infinity;
-  for (int k = 0; k < 3 && (k == 0 || least < long_enough); ++k) {
+  bool factored = true;
+  const double seconds = bench::least_seconds([&] {
     lcp::SparseLu lu(lcp::LuBackend::General);
-    const auto begin = Clock::now();
-    if (lu.factor(J) != lcp::LuStatus::Ok) return std::nan("");
-    least = std::min(least, seconds_since(begin));
-  }
-  return least;
+    factored = lu.factor(J) == lcp::LuStatus::Ok;
+  });
+  return factored ? seconds : std::nan("");
 }
 
 void line(const std::string& text, std::size_t start, const std::string& method) {
   const Problem problem = named(text);
   if (start > problem.starts.size()) throw std::invalid_argument(text + ": there is no start " + std::to_string(start));
-  double least = lcp::infinity;
   ncp::Result result;
-  for (int k = 0; k < 3 && (k == 0 || least < long_enough); ++k) {
-    const auto begin = Clock::now();
-    result = ncp::solve(*problem.mcp, problem.starts[start - 1], ncp::method_of(method));
-    least = std::min(least, seconds_since(begin));
-  }
+  const double least = bench::least_seconds(
+      [&] { result = ncp::solve(*problem.mcp, problem.starts[start - 1], ncp::method_of(method)); });
   const double lu = factorization(*problem.mcp, result.x);
   std::printf("| %s | %zu | %td | %s | %.2g | %.3g | %.2g | %.3g | %d | %d |\n", text.c_str(), start,
               problem.mcp->size(), result.accepted() ? method.c_str() : (method + " (not solved)").c_str(),

@@ -67,11 +67,10 @@ std::vector<std::size_t> Region::leaving(const Vec& r) const {
 void Region::grow(const std::vector<std::size_t>& contacts) {
   const std::size_t before = inside_.size();
   for (const std::size_t a : contacts) {
-    if (is_inside_[a] != 0) continue;
     is_inside_[a] = 1;
     inside_.push_back(a);
   }
-  if (inside_.size() > before) add_columns(before);
+  add_columns(before);
 }
 
 /// c of the law of the others.

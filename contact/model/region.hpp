@@ -30,7 +30,7 @@ class Region {
   bool factor();
   /// The others whose impulses in r are outside of the cone, with some room for rounding.
   std::vector<std::size_t> leaving(const Vec& r) const;
-  /// Takes these into the region: three solves with K's factors each.
+  /// Takes these into the region: three solves with K's factors each. Pre: there are some, and none is in it.
   void grow(const std::vector<std::size_t>& contacts);
   std::size_t size() const { return inside_.size(); }
 

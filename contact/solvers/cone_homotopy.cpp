@@ -56,9 +56,9 @@ constexpr std::array slip_late_tau{1e-2, 1e-4};
 /// Regions of slipping contacts, in rounds: a region, and a path with its openings. The path begins near the region's
 /// point, at `reopen_share` times its tau, or, where the natural map there is above `far_map`, at the last point of the
 /// associated path with tau above `slip_tau`. It ends at `round_share` of it, or below it where the gap falls no more:
-/// above it slips would be seen less clearly. Where the others are too soft, impulses far
-/// outside of the cones or a problem that is not solved say so: then they are made stiffer. Where contacts do not slip
-/// yet the path goes on first.
+/// above it slips would be seen less clearly. Where the others are too soft, impulses far outside of the cones or a
+/// problem that is not solved say so: then they are made stiffer. Where contacts do not slip yet the path goes on
+/// first.
 constexpr int most_rounds = 6;
 constexpr double reopen_share = 100;
 constexpr double latest_reopen = 1e-2;
@@ -202,8 +202,10 @@ std::optional<ConeHomotopy::Regional> ConeHomotopy::late_region() {
 /// The path with these openings, from near this point if its natural map is not too large; whether the run is over.
 bool ConeHomotopy::reopen(const Regional& from, double map) {
   const double tau = std::min(reopen_share * from.tau, latest_reopen);
-  const bool far = map > far_map && !points_.empty();
-  path_.open(far ? points_[last_above(slip_tau)].second : path_.near(from.r, from.openings, tau), from.openings);
+  if (map > far_map && !points_.empty())
+    path_.open(points_[last_above(slip_tau)].second, from.openings);
+  else
+    path_.open(path_.near(from.r, from.openings, tau), from.openings);
   Settling settling(from.tau);
   for (int k = 0; k < most_round_steps && path_.tau() > round_share * from.tau && !settling.done(); ++k) {
     if (!step()) break;

@@ -49,7 +49,7 @@ constexpr int follow_patience = 3;
 constexpr double follow_decrease = 0.9;
 constexpr int follow_halvings = 5;
 constexpr double follow_near = 1e-4;
-/// Points above this natural map are not judged.
+/// Points above this natural map, in units of the largest impulse where that is above 1, are not judged.
 constexpr double worth_judging = 1e-5;
 
 /// Sweeps are judged so many at a time, and ended unless r changes less by this factor than in the lot before: by
@@ -63,11 +63,13 @@ constexpr double settled_contraction = 0.9;
 constexpr int swept_newton = 3;
 constexpr double newton_again = 0.01;
 
-/// Paths over the cones: their first products, in units of the natural map times the largest impulse; their steps, and
-/// the least product; so many steps below this length in a row say that one turns back. Newton steps, so many, are
-/// tried below this natural map, and again as from sweeps. Of matrices with more rows LU takes too long.
+/// Paths over the cones: their first products, in units of the natural map times the largest impulse; the steps of one,
+/// factorizations of all, which are those of two cold starts, and the least product; so many steps below this length in
+/// a row say that one turns back. Newton steps, so many, are tried below this natural map, and again as from sweeps. Of
+/// matrices with more rows LU takes too long.
 constexpr std::array path_starts{10.0, 1e3, 1e5, 0.1};
 constexpr int most_path_steps = 25;
+constexpr long most_path_factorizations = 60;
 constexpr double path_end = 1e-10;
 constexpr double path_turning_step = 0.1;
 constexpr int path_turning_steps = 2;
@@ -95,6 +97,8 @@ double determinant(const Vector3d& x) {
   const double length = x.tail<2>().norm();
   return x[0] > 0 ? (x[0] - length) * (x[0] + length) : -1;
 }
+
+bool may_be_solved(double map, In r) { return map <= worth_judging * std::max(1.0, r.lpNorm<Eigen::Infinity>()); }
 
 Vector3d reflected(const Vector3d& x) { return {x[0], -x[1], -x[2]}; }
 
@@ -276,7 +280,8 @@ bool Follower::direction(In r, NewtonStep& step, bool first) {
   const auto rows_of = [&](std::size_t a, const Vector3d& r_a, const Vector3d& u_a) {
     const auto i = static_cast<Index>(a);
     const bool border = r_a[0] - r_a.tail<2>().norm() <= on_border * largest;
-    if (first && border && a < stuck_.size() && stuck_[a] != 0) return sticking_rows(kept.problem.blocks[a].size, u_a);
+    const bool stuck = a < stuck_.size() && stuck_[a] != 0 && r_a[0] > 0;
+    if (first && border && stuck) return sticking_rows(kept.problem.blocks[a].size, u_a);
     return alart_curnier_rows(kept.problem.blocks[a].size, r_a, u_a, kept.rho.N[i], kept.rho.T[i]);
   };
   NewtonSystem system = newton_system(kept.problem, rows_of, r, kept.problem.W * r + kept.problem.q);
@@ -302,7 +307,7 @@ bool Follower::sweep(Vec& r, const Accept& accept, const Stop& stop) {
     for (int i = 0; i < follow_lot; ++i) method.sweep(r, u);
     sweeps_ += follow_lot;
     const double map = natural_map(problem, r);
-    if (map <= worth_judging && accept(r)) {
+    if (may_be_solved(map, r) && accept(r)) {
       by_ = Origin::Sweeps;
       return true;
     }
@@ -344,7 +349,7 @@ bool Follower::newton(Vec& r, int most, bool first, const Accept& accept, const 
     if (!std::isfinite(least)) return false;
     x = std::move(to);
     last = least;
-    if (last <= worth_judging && accept(x)) {
+    if (may_be_solved(last, x) && accept(x)) {
       r = x;
       by_ = Origin::Newton;
       return true;
@@ -359,14 +364,14 @@ bool Follower::newton(Vec& r, int most, bool first, const Accept& accept, const 
 }
 
 /// The path of Coulomb's law over the cones from near r, with this product; whether r, a point of it, is accepted.
-bool Follower::path(Vec& r, double tau, const Accept& accept, const Stop& stop) {
+bool Follower::path(Vec& r, double tau, long last_factorization, const Accept& accept, const Stop& stop) {
   Kept& kept = *kept_;
   ConePath path(kept.problem, kept.system);
   const std::size_t contacts = kept.problem.blocks.size();
   path.couple(path.near(r, Vec::Zero(static_cast<Index>(contacts)), tau), std::vector<char>(contacts, 1));
   double newton_below = path_newton_map;
   for (int k = 0, turning = 0; k < most_path_steps && turning < path_turning_steps && path.tau() > path_end; ++k) {
-    if (stop()) return false;
+    if (stop() || factorizations_ >= last_factorization) return false;
     kept.rows.clear();  // the factors are the path's
     ++factorizations_;
     ++path_steps_;
@@ -374,7 +379,7 @@ bool Follower::path(Vec& r, double tau, const Accept& accept, const Stop& stop) 
     turning = path.last_step() < path_turning_step ? turning + 1 : 0;
     const double map = natural_map(kept.problem, path.r());
     r = path.r();
-    if (map <= worth_judging && accept(r)) {
+    if (may_be_solved(map, r) && accept(r)) {
       by_ = Origin::Cones;
       return true;
     }
@@ -388,13 +393,16 @@ bool Follower::path(Vec& r, double tau, const Accept& accept, const Stop& stop) 
 /// From each of the starts; where none led to a solution in the last step that needed them, from the first alone.
 bool Follower::paths(Vec& r, const Accept& accept, const Stop& stop) {
   const Scaled& problem = kept_->problem;
-  if (problem.W.shift() != 0 || problem.size() > most_path_rows) return false;
+  if (problem.size() > most_path_rows) return false;
   const double unit = natural_map(problem, r) * std::max(1.0, r.lpNorm<Eigen::Infinity>());
   const std::size_t starts = paths_fail_ ? 1 : path_starts.size();
+  const long last_factorization = factorizations_ + most_path_factorizations;
   for (std::size_t k = 0; k < starts; ++k) {
     Vec to = r;
-    paths_fail_ = !path(to, path_starts[k] * unit, accept, stop);
-    if (paths_fail_) continue;
+    const bool found = path(to, path_starts[k] * unit, last_factorization, accept, stop);
+    if (!found && stop()) return false;  // which says nothing of the paths
+    paths_fail_ = !found;
+    if (!found) continue;
     r = std::move(to);
     return true;
   }
@@ -404,14 +412,18 @@ bool Follower::paths(Vec& r, const Accept& accept, const Stop& stop) {
 /// Sweeps first where they solved the last step, and the paths last.
 bool Follower::attempt(Vec& r, const Accept& accept, const Stop& stop) {
   const Vec start = r;
-  const auto by_sweeps = [&](const Vec& from) {
-    Vec to = from;
-    sweeps_first_ = sweep(to, accept, stop);
-    if (sweeps_first_) r = std::move(to);
-    return sweeps_first_;
+  const auto by_sweeps = [&] {
+    Vec to = r;
+    const bool found = sweep(to, accept, stop);
+    if (!found && stop()) return false;
+    sweeps_first_ = found;
+    if (found) r = std::move(to);
+    return found;
   };
-  if (sweeps_first_ && by_sweeps(start)) return true;
-  if (newton(r, follow_steps, true, accept, stop) || by_sweeps(Vec(r))) return true;
+  const bool swept = sweeps_first_;
+  if (swept && by_sweeps()) return true;
+  if (newton(r, follow_steps, true, accept, stop)) return true;
+  if (!(swept && r == start) && by_sweeps()) return true;
   r = start;
   return paths(r, accept, stop);
 }

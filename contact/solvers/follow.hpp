@@ -58,7 +58,7 @@ class Follower {
   bool attempt(Vec& r, const Accept& accept, const Stop& stop);
   bool newton(Vec& r, int most, bool first, const Accept& accept, const Stop& stop);
   bool sweep(Vec& r, const Accept& accept, const Stop& stop);
-  bool path(Vec& r, double tau, const Accept& accept, const Stop& stop);
+  bool path(Vec& r, double tau, long last_factorization, const Accept& accept, const Stop& stop);
   bool paths(Vec& r, const Accept& accept, const Stop& stop);
   bool direction(In r, NewtonStep& step, bool first);
   bool factor(In r, const NewtonStep& step);

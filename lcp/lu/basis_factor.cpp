@@ -190,8 +190,8 @@ LuStatus BasisFactor::Impl::factor(std::span<const Index> columns) {
 }
 
 /// The columns of the present basis that depend on others, each with a row that none of the others can pivot on. In a
-/// basis of few rows they depend on those before them: which come last are multipliers, as a rule, and most paths have
-/// fewer pivots where these wait than where variables do.
+/// small basis they depend on those before them. The last columns are mostly multipliers, and most paths have fewer
+/// pivots if these wait rather than variables.
 std::vector<BasisFactor::Dependency> BasisFactor::Impl::dependencies(double tol) const {
   if (C.rows() <= few_rows) {
     std::vector<int> order(at(C.cols()));

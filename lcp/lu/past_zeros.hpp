@@ -41,7 +41,6 @@ class PastZeros {
   std::vector<double> pivot_;
   std::vector<int> step_of_row_, pivot_row_, order_, dependent_;
   Vec x_;
-  std::vector<int> count_;
   std::vector<int> seen_, reached_;
   std::vector<std::pair<int, int>> stack_;
 };

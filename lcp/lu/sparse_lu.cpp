@@ -115,7 +115,10 @@ SparseLu::SparseLu(SparseLu&&) noexcept = default;
 SparseLu& SparseLu::operator=(SparseLu&&) noexcept = default;
 
 Index SparseLu::size() const { return impl_->A.rows(); }
-bool SparseLu::factors(LuFactors& out) const { return impl_->analyzed && impl_->library->factors(out); }
+bool SparseLu::factors(LuFactors& out) const {
+  out.blocks.clear();
+  return impl_->analyzed && impl_->status != LuStatus::NotFinite && impl_->library->factors(out);
+}
 int SparseLu::analyses() const { return impl_->analyses; }
 
 LuStatus SparseLu::factor(const SpMat& A) {

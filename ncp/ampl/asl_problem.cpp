@@ -8,7 +8,7 @@
 #include <cstdlib>
 #include <mutex>
 #include <new>
-#ifdef __SSE2_MATH__
+#ifdef __x86_64__
 #include <xmmintrin.h>
 #endif
 
@@ -43,7 +43,7 @@ class WholeEnvironment {
 };
 
 /// The same of a call that only computes with doubles. The x87 part of the whole takes longer than a small problem.
-#ifdef __SSE2_MATH__
+#ifdef __x86_64__
 class EnvironmentOfDoubles {
  public:
   EnvironmentOfDoubles() : control_(_mm_getcsr()) {

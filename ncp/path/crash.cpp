@@ -198,8 +198,8 @@ bool keeps_promise(const SearchOutcome& found, double psi) {
   return found.merit < worthwhile * psi && psi - found.merit >= promised * found.t * (2 - found.t) * psi;
 }
 
-/// The search along d. Where some steps fail and the shortest one that the rule allows, too, d leads nowhere down, and
-/// those between would find nothing, one evaluation a step.
+/// The search along d. Where some steps fail and the shortest one that the rule allows, too, those between seldom find
+/// anything, at the price of an evaluation each.
 SearchOutcome search(Run& run, const CFunction& fb, const Armijo& rule, const Vec& d, double psi, double reference,
                      Point& point) {
   constexpr int some = 3;
@@ -207,12 +207,13 @@ SearchOutcome search(Run& run, const CFunction& fb, const Armijo& rule, const Ve
   Armijo first = rule;
   first.max_backtracks = some;
   SearchOutcome found = line_search(run, fb, first, d, -2 * psi, reference, true, point);
-  if (found.found) return found;
+  if (found.found || found.backtracks <= some) return found;
   const double shortest = std::pow(rule.beta, rule.max_backtracks);
   Point trial;
   trial.x = (point.x + shortest * d).cwiseMax(run.box().lower).cwiseMin(run.box().upper);
-  if (trial.x == point.x || !run.counted().eval(trial.x, trial.F) ||
-      !(merit(fb, run.box(), trial.x, trial.F) <= reference - 2 * rule.sigma * shortest * psi))
+  const bool moves = trial.x != point.x;  // else the rule allows steps below rounding
+  if (moves && !(run.counted().eval(trial.x, trial.F) &&
+                 merit(fb, run.box(), trial.x, trial.F) <= reference - 2 * rule.sigma * shortest * psi))
     return found;
   Armijo rest = rule;
   rest.max_backtracks -= found.backtracks;

@@ -135,7 +135,8 @@ lcp::PivotResult NewtonPoints::follow(const lcp::AffineMcp& problem, const Vec& 
   return path;
 }
 
-/// The path where it has no pivots, if the last one had few.
+/// The path where it has no pivots, if the last one had few; or none, ended by the limit of pivots, where it is too
+/// long.
 std::optional<lcp::PivotResult> NewtonPoints::straight(const lcp::AffineMcp& problem, const Vec& x,
                                                        const lcp::LemkeOptions& options) {
   if (run_.mcp().is_affine() || last_pivots_ > few_pivots || !finite(problem) || !x.allFinite()) return std::nullopt;
@@ -145,10 +146,9 @@ std::optional<lcp::PivotResult> NewtonPoints::straight(const lcp::AffineMcp& pro
   Stats& stats = run_.stats();
   stats.linear_time += std::chrono::steady_clock::now() - begin;
   ++stats.factorizations;
-  // Each leaves by a pivot, as a rule.
-  if (left_by > left_) {
+  if (!path && left_by > left_) {  // each leaves by a pivot, as a rule
     path = no_path(problem.box, x, lcp::PivotEnd::PivotLimit);
-    left_ = 0;
+    needed_ = left_by;
   }
   return path;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// The linearised problems of PathSearch, solved by following the path from x^k; private to ncp/.
+#include <algorithm>
 #include <array>
 #include <optional>
 #include <utility>
@@ -75,7 +76,11 @@ class NewtonPoints {
   bool leaves_out_kinks() const { return run_.mcp().is_affine() && !run_.observed(); }
 
   int take_pivots() { return std::exchange(pivots_, 0); }
-  bool exhausted() const { return left_ <= 0; }
+  /// Whether no pivots are left, or fewer than the next path would take.
+  bool exhausted() const { return left_ <= 0 || needed_ > 0; }
+  /// About so many, where the next path was not followed as that is more than are left; else 0.
+  Index needed() const { return needed_; }
+  int left() const { return std::max(left_, 0); }
 
  private:
   lcp::PivotResult follow(const lcp::AffineMcp& problem, const Vec& x, const lcp::LemkeOptions& options);
@@ -92,6 +97,7 @@ class NewtonPoints {
   int last_pivots_ = 0;  ///< of the last path
   int pivots_ = 0;
   int left_;
+  Index needed_ = 0;
   bool first_ = true;
 };
 

@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "lcp/words.hpp"
 #include "ncp/path/crash.hpp"
 #include "ncp/path/newton_point.hpp"
 #include "ncp/path/path_search.hpp"
@@ -411,7 +412,12 @@ bool Attempt::iterate(Iteration& it) {
 /// The verdict when no step was found.
 void Attempt::explain(const Iteration& it) {
   if (last_->stopped()) return;  // the run says so
-  if (newton_points_.exhausted())
+  if (newton_points_.needed() > 0)
+    run_.end(Status::IterationLimit,
+             "the next path would take some " + quantity(newton_points_.needed(), "pivot") + ", and " +
+                 std::to_string(newton_points_.left()) + " are left",
+             "raise cumulative_iteration_limit");
+  else if (newton_points_.exhausted())
     run_.end(Status::IterationLimit,
              "the limit of " + std::to_string(method_.cumulative_iteration_limit) + " pivots in all was reached",
              "raise cumulative_iteration_limit");
@@ -424,7 +430,9 @@ void Attempt::explain(const Iteration& it) {
                  (last_->lambda > 0 ? ", with proximal terms up to " + number(last_->lambda) + " neither" : ""),
              "try another start");
   else
-    run_.end(Status::NoProgress, "neither the Newton steps nor the gradient decrease the merit function",
+    run_.end(Status::NoProgress,
+             method_.gradient_step_limit > 0 ? "neither the Newton steps nor the gradient decrease the merit function"
+                                             : "the Newton steps do not decrease the merit function",
              "try another start");
 }
 

@@ -148,7 +148,7 @@ void automatic(Run& run, In x0, const Auto& method) {
   run.stats().restarts += static_cast<int>(tried.attempts.size()) - 1;
   if (run.accepted() && run.basis().empty()) run.keep_basis(cells_at(run.box(), run.best()));
   run.remark(account(run.mcp(), method, tried));
-  if (!run.accepted() && run.ended() && run.status() != Status::Infeasible) tell_existence(run);
+  if (!run.accepted() && run.ended() && run.status() != Status::Infeasible && !run.hopeless()) tell_existence(run);
 }
 
 void describe(Auto& m, Fields& f) {

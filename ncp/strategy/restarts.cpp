@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -19,6 +20,8 @@ namespace {
 /// Restarts are given up sooner than the attempt with the user's options.
 constexpr int restart_patience = 15;
 constexpr int scaled_patience = 10;
+
+constexpr std::string_view options_given = "the options given";
 
 constexpr int escape_rounds = 10;
 constexpr int trial_patience = 6;  // of the tries from the points that an escape visits
@@ -154,14 +157,14 @@ std::vector<Attempt> path_list(const PathSearch& method) {
   std::vector<Attempt> list;
   if (method.scaling) {
     PathSearch scaled = method;
-    // The next attempt is at hand, and one that needs either seldom succeeds.
+    // The attempt with the options given is next; a scaled one that needs gradient steps or patience seldom succeeds.
     scaled.gradient_step_limit = 0;
     scaled.patience = std::min(method.patience, scaled_patience);
     list.push_back(
         uncounted(scaled_attempt(std::string(scaled_at_start), scaled, "that brings the entries of J together",
                                  [](Run& run, const Point& start) { return helpful_scaling(run.mcp(), start.J); })));
   }
-  list.push_back(uncounted(loop_attempt("the options given", method)));
+  list.push_back(uncounted(loop_attempt(std::string(options_given), method)));
   return list;
 }
 
@@ -173,6 +176,17 @@ std::vector<Attempt> path_restarts(const PathSearch& method) {
     add_own_restarts(method, list);
   return list;
 }
+
+namespace {
+
+/// Of the attempt with the options given, if it was made: the one before it has a scaled problem, and hurries.
+const Run::Verdict& words_of(const Tried& tried) {
+  for (std::size_t i = 0; i < tried.verdicts.size(); ++i)
+    if (tried.attempts[i]->name == options_given) return tried.verdicts[i];
+  return tried.verdicts.front();
+}
+
+}  // namespace
 
 void path_attempts(Run& run, In x0, const PathSearch& method) {
   Point user;
@@ -191,7 +205,7 @@ void path_attempts(Run& run, In x0, const PathSearch& method) {
   if (!run.ended()) return;
   const bool at_limit = !tried.verdicts.empty() && run.status() == Status::IterationLimit;
   if (stuck(run.status()) || at_limit) {
-    Run::Verdict verdict = last_words(run, tried.verdicts.front(), user, restarted);
+    Run::Verdict verdict = last_words(run, words_of(tried), user, restarted);
     if (at_limit) verdict.message += ", and in the last one " + run.verdict().message;
     run.replace_verdict(std::move(verdict));
   }

@@ -91,9 +91,9 @@ void solve_or_refute(Run& run, In x0, const Method& method) {
   const double tol = stop(method).tol;
   const auto refutation = std::make_shared<Refutation>(mcp, tol);
   run.give_up_where([refutation] { return refutation->cheap() && refutation->verdict(); });
-  run_method(run, x0, method);
+  run.guard([&] { run_method(run, x0, method); });
   if (!run.ended()) return;
-  const bool late = run.status() == Status::TimeLimit;
+  const bool late = run.status() == Status::TimeLimit || run.status() == Status::OutOfMemory;
   const bool lost = ncp::stuck(run.status()) || run.status() == Status::IterationLimit || (late && refutation->cheap());
   if (!lost || mcp.enclosure() == nullptr) return;
   if (const auto& verdict = refutation->verdict())
@@ -133,7 +133,7 @@ int rescalings_of(const Method& method) {
 }
 
 void escape(Run& run, const Escape& options, int iterations, const Body& base) {
-  if (!stuck(run) || options.rounds == 0) return;
+  if (!stuck(run) || options.rounds == 0 || run.hopeless()) return;
   const Run::Verdict before = run.verdict();
   const Vec center = run.best();
   run.resume({});
@@ -167,9 +167,8 @@ void run_method(Run& run, In x0, const Method& method) {
   const Escape escapes = escape_of(method);
   const int rescalings = rescalings_of(method);
   base(run, x0);
-  if (!stuck(run) || run.hopeless()) return;
   // The escapes there get a part of the iterations, so that some are left for those on the problem itself.
-  if (rescalings > 0)
+  if (stuck(run) && rescalings > 0 && !run.hopeless())
     retry_scaled(run, x0, rescalings, [&](Run& scaled, In z0) {
       base(scaled, z0);
       escape(scaled, escapes, (scaled.iterations() + scaled.left().max_iterations) / 3, base);

@@ -228,6 +228,20 @@ TEST(Evaluation, SumOfConditions) {
   }
 }
 
+// log(2) is inexact and log(-1) invalid; a flag that the caller has raised stays. Catches an evaluation that keeps the
+// rounding mode alone.
+TEST(Evaluation, LeavesTheFlagsOfTheCaller) {
+  const auto m = read_text(diagonal({"o43\nv0\n"}));
+  Vec F(1);
+  std::feclearexcept(FE_ALL_EXCEPT);
+  EXPECT_TRUE(m->eval(Vec{{2}}, F));
+  EXPECT_EQ(std::fetestexcept(FE_INEXACT), 0);
+  std::feraiseexcept(FE_UNDERFLOW);
+  EXPECT_FALSE(m->eval(Vec{{-1}}, F));
+  EXPECT_NE(std::fetestexcept(FE_UNDERFLOW), 0);
+  std::feclearexcept(FE_ALL_EXCEPT);
+}
+
 // Nothing of the caller's floating-point environment, signal handlers or standard streams changes.
 TEST(Evaluation, LeavesTheProcessAlone) {
   std::fesetround(FE_UPWARD);

@@ -4,6 +4,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <string>
+#include <utility>
+#include <vector>
+
 #include "ncp/graph_problem.hpp"
 #include "ncp/strategy/presets.hpp"
 #include "ncp/strategy/solve.hpp"
@@ -24,11 +28,15 @@ GraphProblem exponential(double c, Box box) {
 // method went through all its iterations and restarts.
 TEST(NoSolution, EndsEveryMethodBeforeOtherAttempts) {
   const GraphProblem problem = exponential(0.1, Box::free(1));
-  for (const Preset& preset : presets()) {
-    const Result result = solve(problem, Vec::Zero(1), preset.method);
-    EXPECT_EQ(result.status, Status::Infeasible) << preset.name;
-    EXPECT_EQ(result.stats.restarts, 0) << preset.name;
-    EXPECT_LT(result.stats.iterations, stop(preset.method).max_iterations) << preset.name;
+  std::vector<std::pair<std::string, Method>> methods;
+  for (const Preset& preset : presets()) methods.emplace_back(preset.name, preset.method);
+  for (const char* strategy : {"escape(semismooth)", "scaled(semismooth)", "first(josephy, semismooth)"})
+    methods.emplace_back(strategy, method_of(strategy));
+  for (const auto& [name, method] : methods) {
+    const Result result = solve(problem, Vec::Zero(1), method);
+    EXPECT_EQ(result.status, Status::Infeasible) << name;
+    EXPECT_EQ(result.stats.restarts, 0) << name;
+    EXPECT_LT(result.stats.iterations, stop(method).max_iterations) << name;
     EXPECT_THAT(result.message, HasSubstr("equation F[1] lies in [0.1, inf] wherever the variables are within their "
                                           "bounds, and x[1] is free"));
   }

@@ -208,7 +208,7 @@ TEST(PathStatus, ASolutionNeedsNoJacobian) {
 }
 
 // F_i = x_i^3 + 5: the Newton point from 1 leaves every bound. Catches a path, with the factorization of its basis,
-// that is begun where its pivots cannot be enough.
+// that is begun where its pivots will hardly be enough.
 TEST(PathStatus, NoPathIsBegunThatNeedsMorePivotsThanAreLeft) {
   const auto mcp = make_mcp(support::dense(
       "cubes", {Vec::Zero(5), Vec::Constant(5, infinity)}, [](const Vec& x) { return Vec(x.array().cube() + 5); },
@@ -219,6 +219,7 @@ TEST(PathStatus, NoPathIsBegunThatNeedsMorePivotsThanAreLeft) {
   EXPECT_EQ(few.status, Status::IterationLimit) << few;
   EXPECT_EQ(few.stats.pivots, 0);
   EXPECT_EQ(few.stats.factorizations, 1);
+  EXPECT_THAT(few.message, HasSubstr("would take some 5 pivots, and 4 are left"));
   method.cumulative_iteration_limit = 10;
   expect_solution(*mcp, Vec::Ones(5), method, Vec::Zero(5), 1e-8);
 }
