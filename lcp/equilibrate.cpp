@@ -118,8 +118,8 @@ Equilibrated equilibrated(const AffineMcp& problem) {
   Scaling scaling = ones(n);
   Vec row_max(n);
   Vec column_max(n);
-  for (int k = 0; k < most_sweeps && sweep(problem.M, scaling, row_max, column_max); ++k) {
-  }
+  int k = 0;
+  while (k < most_sweeps && sweep(problem.M, scaling, row_max, column_max)) ++k;
   const double q = n > 0 ? scaling.rows.cwiseProduct(problem.q).lpNorm<::Eigen::Infinity>() : 0;
   if (q > 0 && std::isfinite(q)) {
     scaling.rows /= q;

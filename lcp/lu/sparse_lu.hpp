@@ -63,9 +63,9 @@ class SparseLu {
   /// small one nothing. 0 if that was not Ok or the library does not tell (Eigen).
   double pivot_ratio() const;
 
-  /// Copies L, U and the permutations, for solves with sparse right-hand sides; after a factor() that was Singular the
-  /// zero pivots are in their places. False where the library does not give them (Dense, Eigen) or nothing is factored;
-  /// of a matrix of several diagonal blocks Klu gives those of the blocks. Throws std::bad_alloc.
+  /// Copies L, U and the permutations, for solves with sparse right-hand sides. General gives them of Singular, too,
+  /// with the zero pivots in their places, Klu those of the diagonal blocks if there are several. False where the
+  /// library gives none (Dense, Eigen; Klu of Singular) or nothing is factored. Throws std::bad_alloc.
   bool factors(LuFactors& out) const;
 
   Index size() const;

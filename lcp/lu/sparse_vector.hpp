@@ -67,8 +67,8 @@ class SparseVector {
     if (full_) {
       if (values_.size() == 0) return 0;
       found = values_.cwiseAbs().maxCoeff();
-      const double zero = 0 * values_.sum();  // else NaN, or the sum overflows
-      return zero == 0 || values_.allFinite() ? found : std::numeric_limits<double>::quiet_NaN();
+      const bool finite = std::isfinite(values_.sum()) || values_.allFinite();  // the sum may overflow
+      return finite ? found : std::numeric_limits<double>::quiet_NaN();
     }
     for (const int i : places_) {
       if (!std::isfinite(values_[i])) return std::numeric_limits<double>::quiet_NaN();

@@ -210,7 +210,7 @@ SearchOutcome search(Run& run, const CFunction& fb, const Armijo& rule, const Ve
   if (found.found || found.backtracks <= some) return found;
   const double shortest = std::pow(rule.beta, rule.max_backtracks);
   Point trial;
-  trial.x = (point.x + shortest * d).cwiseMax(run.box().lower).cwiseMin(run.box().upper);
+  trial.x = lcp::project(run.box(), point.x + shortest * d);
   const bool moves = trial.x != point.x;  // else the rule allows steps below rounding
   if (moves && !(run.counted().eval(trial.x, trial.F) &&
                  merit(fb, run.box(), trial.x, trial.F) <= reference - 2 * rule.sigma * shortest * psi))

@@ -345,6 +345,23 @@ TEST_P(Basis, DependentColumnsAreReplaced) {
   }
 }
 
+// In a block of more rows than Perp looks at itself the library's factors say which columns depend on others: here
+// three sums of two others.
+TEST_P(Basis, DependentColumnsOfALargeBlockAreReplaced) {
+  constexpr Index n = 340;
+  Dense dense = Dense::Zero(n, n);
+  dense.diagonal().setConstant(2.5);
+  dense.diagonal(1).setConstant(-1);
+  dense.diagonal(-1).setConstant(-1);
+  for (const Index j : {50, 150, 250}) dense.col(j) = dense.col(j - 10) + dense.col(j + 10);
+  const SpMat A = support::sparse(dense);
+  BasisFactor factor(A, options());
+  std::vector<BasisFactor::Dependency> replaced;
+  ASSERT_EQ(factor.factor_repaired(first_columns(n), replaced), LuStatus::Ok);
+  EXPECT_EQ(replaced.size(), 3U);
+  EXPECT_GT(factor.rcond(), 1e-12);
+}
+
 // A basis that was just found singular is not factored a second time before it is repaired.
 TEST_P(Basis, RepairsWhatWasFoundSingular) {
   const SpMat A = matrix({{1, 0, 0}, {0, 0, 1}, {0, 0, 3}});
