@@ -10,6 +10,15 @@ namespace perp::ncp {
 
 using lcp::BoundState;
 
+namespace {
+
+/// Chord steps are for more free rows than this: below, a factorization is cheap and its digits are welcome.
+constexpr Index dear_rows = 2000;
+/// What a chord step must leave at most of the natural residual, as must the step before it.
+constexpr double digit = 0.1;
+
+}  // namespace
+
 std::vector<BoundState> active_set(const Box& box, const Point& point) {
   std::vector<BoundState> active(static_cast<std::size_t>(point.x.size()), BoundState::Free);
   for (Index i = 0; i < point.x.size(); ++i) {
@@ -22,44 +31,61 @@ std::vector<BoundState> active_set(const Box& box, const Point& point) {
   return active;
 }
 
-bool active_set_step(Run& run, const Point& point, const std::vector<BoundState>& active, lcp::LuBackend backend,
-                     Vec& to) {
-  const Index n = point.x.size();
-  const Box& box = run.box();
-  Vec d = Vec::Zero(n);
-  std::vector<Index> I;
-  for (Index i = 0; i < n; ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    if (active[k] == BoundState::AtLower) d[i] = box.lower[i] - point.x[i];
-    if (active[k] == BoundState::AtUpper) d[i] = box.upper[i] - point.x[i];
-    if (active[k] == BoundState::Free) I.push_back(i);
+/// J_II; false if it is singular.
+bool ActiveSetFinish::factor(const SpMat& J) {
+  I_.clear();
+  for (std::size_t k = 0; k < active_.size(); ++k)
+    if (active_[k] == BoundState::Free) I_.push_back(static_cast<Index>(k));
+  if (I_.empty()) return true;
+  ++run_.stats().factorizations;
+  return lu_.try_factor(lcp::principal_block(J, I_));
+}
+
+/// To the point that the factors lead to.
+bool ActiveSetFinish::move(const Point& point, Point& to) {
+  const Box& box = run_.box();
+  Vec d = Vec::Zero(point.x.size());
+  for (Index i = 0; i < d.size(); ++i) {
+    const BoundState state = active_[static_cast<std::size_t>(i)];
+    if (state == BoundState::AtLower) d[i] = box.lower[i] - point.x[i];
+    if (state == BoundState::AtUpper) d[i] = box.upper[i] - point.x[i];
   }
-  const auto m = static_cast<Index>(I.size());
-  if (m > 0) {
+  if (!I_.empty()) {
     const Vec moved = point.F + point.J * d;
-    Vec rhs(m);
-    for (Index k = 0; k < m; ++k) rhs[k] = -moved[I[static_cast<std::size_t>(k)]];
-    ++run.stats().factorizations;
-    lcp::SparseLu lu(backend, run.deadline());
-    if (!lu.try_factor(lcp::principal_block(point.J, I))) return false;
-    Vec free(m);
-    lu.solve(rhs, free);
+    const Vec rhs = -moved(I_);
+    Vec free(rhs.size());
+    lu_.solve(rhs, free);
     if (!free.allFinite()) return false;
-    for (Index k = 0; k < m; ++k) d[I[static_cast<std::size_t>(k)]] = free[k];
+    d(I_) = free;
   }
-  to = lcp::project(box, point.x + d);
+  to.x = lcp::project(box, point.x + d);
   return true;
 }
 
-bool ActiveSetFinish::step(Run& run, const Point& point, lcp::LuBackend backend, Point& to) {
+/// Whether the natural residual at `to` is at most this share of that at `point`, and F and J are defined there.
+bool ActiveSetFinish::falls(const Point& point, double share, Point& to) {
+  if (!run_.counted().eval(to.x, to.F)) return false;
+  const double before = residual(run_.box(), point.x, point.F).natural;
+  const double after = residual(run_.box(), to.x, to.F).natural;
+  if (!(after <= share * before) || !run_.counted().jacobian(to.x, to.J)) return false;
+  chords_ = after <= digit * before && static_cast<Index>(I_.size()) > dear_rows;
+  return true;
+}
+
+bool ActiveSetFinish::chord(const Point& point, Point& to) {
+  if (!std::exchange(chords_, false) || !move(point, to) || !falls(point, digit, to)) return false;
+  ++run_.stats().chord_steps;
+  return true;
+}
+
+bool ActiveSetFinish::step(const Point& point, Point& to) {
   constexpr double share = 0.5;
-  std::vector<lcp::BoundState> now = active_set(run.box(), point);
+  std::vector<BoundState> now = active_set(run_.box(), point);
   const bool settled = now == active_;
   active_ = std::move(now);
+  chords_ = chords_ && settled;
   if (!settled || pause_-- > 0) return false;
-  if (active_set_step(run, point, active_, backend, to.x) && run.counted().eval(to.x, to.F) &&
-      residual(run.box(), to.x, to.F).natural <= share * residual(run.box(), point.x, point.F).natural &&
-      run.counted().jacobian(to.x, to.J)) {
+  if (chord(point, to) || (factor(point.J) && move(point, to) && falls(point, share, to))) {
     pause_ = 0;
     return true;
   }

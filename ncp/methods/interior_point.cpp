@@ -92,7 +92,7 @@ class InteriorPath {
 };
 
 InteriorPath::InteriorPath(Run& run, const InteriorPoint& method, Point point)
-    : run_(run), method_(method), lu_(method.lu, run.deadline()) {
+    : run_(run), method_(method), lu_(method.lu, run.deadline()), finish_(run, method.lu) {
   const Index n = point.x.size();
   for (Index i = 0; i < n; ++i) {
     const bool held = fixed(i);
@@ -304,7 +304,7 @@ bool InteriorPath::step() {
 
 bool InteriorPath::finish() {
   Point to;
-  if (!finish_.step(run_, at_.point, method_.lu, to)) return false;
+  if (!finish_.step(at_.point, to)) return false;
   if (!left_) left_ = at_;
   at_.point = std::move(to);
   it_.kind = 'S';

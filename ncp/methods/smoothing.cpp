@@ -32,7 +32,8 @@ class Smoother {
         method_(method),
         point_(std::move(point)),
         lu_(method.lu, run.deadline()),
-        memory_(method.search.memory) {}
+        memory_(method.search.memory),
+        finish_(run, method.lu) {}
   void run();
 
  private:
@@ -186,7 +187,7 @@ bool Smoother::predict() {
 
 bool Smoother::finish() {
   Point to;
-  if (!finish_.step(run_, point_, method_.lu, to)) return false;
+  if (!finish_.step(point_, to)) return false;
   std::swap(point_, to);
   set_mu(std::min(mu_, scheduled(point_)));
   it_.kind = 'S';
