@@ -111,6 +111,44 @@ TEST(InteriorPoint, ConvergesQuadratically) {
   EXPECT_GE(measured, 3);
 }
 
+/// e^x_i - x_{i-1} / 4 - b_i in n rows, 0 <= x, which are free at the solution but for each tenth.
+Functions cycle_of_exponentials(Index n) {
+  Functions f;
+  f.box = {Vec::Zero(n), Vec::Constant(n, infinity)};
+  std::vector<Eigen::Triplet<double>> entries;
+  for (Index i = 0; i < n; ++i) {
+    entries.emplace_back(i, i, 1.0);
+    entries.emplace_back(i, (i + n - 1) % n, -0.25);
+  }
+  f.pattern.resize(n, n);
+  f.pattern.setFromTriplets(entries.begin(), entries.end());
+  f.F = [n](In x, Out F) {
+    for (Index i = 0; i < n; ++i) F[i] = std::exp(x[i]) - x[(i + n - 1) % n] / 4 - (i % 10 == 0 ? 0.5 : 3.0);
+    return true;
+  };
+  f.J = [pattern = f.pattern](In x, SpMat& J) {
+    J = pattern;
+    for (Index j = 0; j < x.size(); ++j) J.coeffRef(j, j) = std::exp(x[j]);
+    return true;
+  };
+  return f;
+}
+
+// Shamanskii 1967: with the factors of the step before, as long as each step gains a digit. Of small problems not, for
+// their last step is worth its digits. Catches factorizations for each of the last steps, and steps with the factors of
+// another active set.
+TEST(InteriorPoint, LargeProblemsEndByChordSteps) {
+  const Index large = 2400;
+  const Result result =
+      expect_solved(*make_mcp(cycle_of_exponentials(large)), Vec::Constant(large, 2.0), InteriorPoint{});
+  EXPECT_GT(result.stats.chord_steps, 0);
+  EXPECT_LE(result.stats.factorizations + result.stats.chord_steps, result.stats.iterations);
+  const Index small = 200;
+  EXPECT_EQ(expect_solved(*make_mcp(cycle_of_exponentials(small)), Vec::Constant(small, 2.0), InteriorPoint{})
+                .stats.chord_steps,
+            0);
+}
+
 // The records: the first is the start, tau falls to nothing, x is strictly inside until the active set decides.
 TEST(InteriorPoint, StaysInsideWhileTauFalls) {
   const auto mcp = make_mcp(support::kojima_shindo(true));
