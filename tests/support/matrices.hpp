@@ -54,6 +54,23 @@ inline SpMat from(Index n, const Triplets& entries) {
   return A;
 }
 
+/// The 27-point stencil on m^3 points, unsymmetric: nearly what convection and diffusion by trilinear elements give.
+inline SpMat stencil(int m) {
+  Triplets entries;
+  const auto inside = [m](int i) { return i >= 0 && i < m; };
+  const auto number = [m](int i, int j, int k) { return (i * m + j) * m + k; };
+  for (int i = 0; i < m; ++i)
+    for (int j = 0; j < m; ++j)
+      for (int k = 0; k < m; ++k)
+        for (int a = -1; a <= 1; ++a)
+          for (int b = -1; b <= 1; ++b)
+            for (int c = -1; c <= 1; ++c)
+              if (inside(i + a) && inside(j + b) && inside(k + c))
+                entries.emplace_back(number(i, j, k), number(i + a, j + b, k + c),
+                                     a == 0 && b == 0 && c == 0 ? 27 : -1 - 0.1 * a);
+  return from(m * m * m, entries);
+}
+
 /// One seeded stream of everything random in a test.
 class Random {
  public:

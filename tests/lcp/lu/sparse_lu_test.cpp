@@ -360,77 +360,6 @@ TEST_P(Lu, FactorsInTwoThreads) {
   EXPECT_EQ(wrong, 0);
 }
 
-/// The 27-point stencil on m^3 points, unsymmetric: nearly what convection and diffusion by trilinear elements give.
-SpMat cube(int m) {
-  std::vector<::Eigen::Triplet<double>> entries;
-  const auto inside = [m](int i) { return i >= 0 && i < m; };
-  const auto number = [m](int i, int j, int k) { return (i * m + j) * m + k; };
-  for (int i = 0; i < m; ++i)
-    for (int j = 0; j < m; ++j)
-      for (int k = 0; k < m; ++k)
-        for (int a = -1; a <= 1; ++a)
-          for (int b = -1; b <= 1; ++b)
-            for (int c = -1; c <= 1; ++c)
-              if (inside(i + a) && inside(j + b) && inside(k + c))
-                entries.emplace_back(number(i, j, k), number(i + a, j + b, k + c),
-                                     a == 0 && b == 0 && c == 0 ? 27 : -1 - 0.1 * a);
-  SpMat A(m * m * m, m * m * m);
-  A.setFromTriplets(entries.begin(), entries.end());
-  return A;
-}
-
-// George, SIAM J. Numer. Anal. 10 (1973) 345: on meshes in space nested dissection leaves fewer entries in the factors
-// than other orderings: 1.34 million here, where minimum degree leaves 2.01. Catches a dissection that is never asked
-// for.
-TEST(LuUmfpack, DissectsMeshesInSpace) {
-  if (!gpl_linked()) GTEST_SKIP() << not_in_this_build("umfpack");
-  SparseLu lu(LuBackend::General);
-  const SpMat A = cube(20);
-  ASSERT_EQ(lu.factor(A), LuStatus::Ok);
-  LuFactors factors;
-  ASSERT_TRUE(lu.factors(factors));
-  EXPECT_LT(factors.L.row.size(), 1'600'000U);
-  const Vec b = Vec::LinSpaced(A.rows(), -1, 1);
-  Vec x(A.rows());
-  lu.solve(b, x);
-  EXPECT_LE((A * x - b).lpNorm<::Eigen::Infinity>(), 1e-12);
-}
-
-/// n x n with a large diagonal; of five entries in a row off it two have their mirrors.
-SpMat half_symmetric(Index n) {
-  std::vector<Eigen::Triplet<double>> entries;
-  for (Index i = 0; i < n; ++i) {
-    entries.emplace_back(i, i, 10.0);
-    entries.emplace_back(i, (i + 1) % n, -1.0);
-    entries.emplace_back((i + 1) % n, i, 1.0);
-    for (const Index k : {7, 19, 31}) entries.emplace_back(i, (i + k) % n, 0.5);
-  }
-  SpMat A(n, n);
-  A.setFromTriplets(entries.begin(), entries.end());
-  return A;
-}
-
-// UMFPACK 6 (user guide, UMFPACK_STRATEGY_THRESH_SYM): the symmetric strategy, pivots on the diagonal, from a symmetry
-// of 0.3; UMFPACK 5 asks for 0.5 and this has 0.4. Catches a strategy that stays that of the library, or of the matrix
-// before.
-TEST(LuUmfpack, TakesPivotsOnTheDiagonalOfHalfSymmetricPatterns) {
-  if (!gpl_linked()) GTEST_SKIP() << not_in_this_build("umfpack");
-  SparseLu lu(LuBackend::General);
-  LuFactors factors;
-  ASSERT_EQ(lu.factor(half_symmetric(500)), LuStatus::Ok);
-  ASSERT_TRUE(lu.factors(factors));
-  EXPECT_EQ(factors.P, factors.Q);
-  SpMat shifted(500, 500);  // the same rows in another order: nothing on the diagonal
-  std::vector<Eigen::Triplet<double>> entries;
-  const SpMat A = half_symmetric(500);
-  for (Index j = 0; j < A.cols(); ++j)
-    for (SpMat::InnerIterator e(A, j); e; ++e) entries.emplace_back((e.row() + 100) % 500, j, e.value());
-  shifted.setFromTriplets(entries.begin(), entries.end());
-  ASSERT_EQ(lu.factor(shifted), LuStatus::Ok);
-  ASSERT_TRUE(lu.factors(factors));
-  EXPECT_NE(factors.P, factors.Q);
-}
-
 /// L U of the factors, and (R A)(P, Q).
 std::pair<Dense, Dense> products(const LuFactors& f, const SpMat& A) {
   const Index n = A.rows();
@@ -454,7 +383,7 @@ TEST(LuFactors, MultiplyToTheMatrix) {
   SpMat blocks = support::random_sparse(80, 2, random);
   blocks.prune([](Index i, Index j, double) { return i / 10 <= j / 10; });
   for (const SpMat& A :
-       {blocks, support::random_sparse(300, 2, random), support::random_sparse(300, 12, random), cube(6)}) {
+       {blocks, support::random_sparse(300, 2, random), support::random_sparse(300, 12, random), support::stencil(6)}) {
     SparseLu lu(LuBackend::General);
     ASSERT_EQ(lu.factor(A), LuStatus::Ok);
     LuFactors factors;
