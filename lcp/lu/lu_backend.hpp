@@ -22,6 +22,8 @@ class LuLibrary {
   /// Of factor(), after analyze().
   virtual KernelCost cost() const { return {}; }
   virtual LuStatus factor(const SpMat& A) = 0;
+  /// SparseLu::reuse_pivots(), where the library looks for pivots in each matrix anew.
+  virtual void reuse_pivots() {}
   /// Whether the last factor() only found that it has to be called again, at another cost().
   virtual bool begins_again() const { return false; }
   virtual void solve(const SpMat& A, In b, Out x, bool transposed) const = 0;
@@ -29,6 +31,7 @@ class LuLibrary {
   virtual double pivot_ratio() const { return 0; }
   /// Copies the factors of the last factor() that was Ok or Singular; false if the library does not give them.
   virtual bool factors(LuFactors&) const { return false; }
+  virtual bool gives_factors() const { return true; }  ///< false: factors() never does
 };
 
 // One of two files: lu_umfpack.cpp, or lu_mixed.cpp where PERP_GPL=OFF.
@@ -38,6 +41,7 @@ std::string_view general_lu();  ///< its name
 std::unique_ptr<LuLibrary> make_klu();
 std::unique_ptr<LuLibrary> make_eigen();
 std::unique_ptr<LuLibrary> make_dense();
+std::unique_ptr<LuLibrary> make_small();     // sparse, of some hundred rows
 std::unique_ptr<LuLibrary> make_definite();  // or general where the matrix is not
 
 }  // namespace perp::lcp

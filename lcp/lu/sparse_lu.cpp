@@ -15,14 +15,13 @@
 namespace perp::lcp {
 namespace {
 
-/// Up to this many rows a dense LU is faster than any sparse one; up to that many KLU is, as a rule, for it does not
-/// prepare for large dense blocks.
+/// Up to this many rows a dense LU is faster than any sparse one; up to that many the library's preparations take
+/// longer than the arithmetic.
 constexpr Index dense_rows = 32;
-constexpr Index klu_rows = 300;
+constexpr Index small_rows = 300;
 
 std::unique_ptr<LuLibrary> make(LuBackend backend, Index rows) {
-  if (backend == LuBackend::Auto)
-    backend = rows <= dense_rows ? LuBackend::Dense : rows <= klu_rows ? LuBackend::Klu : LuBackend::Auto;
+  if (backend == LuBackend::Auto && rows <= small_rows) return rows <= dense_rows ? make_dense() : make_small();
   switch (backend) {
     case LuBackend::Dense:
       return make_dense();
@@ -36,6 +35,12 @@ std::unique_ptr<LuLibrary> make(LuBackend backend, Index rows) {
       break;
   }
   return make_general();
+}
+
+/// Whether Auto's library for a matrix of so many rows is the one for another: it keeps its memory then.
+bool same_library(Index rows, Index other) {
+  if (rows > small_rows || other > small_rows) return rows == other;
+  return (rows <= dense_rows) == (other <= dense_rows);
 }
 
 bool same_pattern(const SpMat& A, const SpMat& B) {
@@ -99,6 +104,7 @@ struct SparseLu::Impl {
   bool analyzed = false;
   bool has_factors = false;  // of A
   int analyses = 0;
+  bool reuse_pivots = false;
   LuStatus status = LuStatus::Singular;
   std::shared_ptr<const NotEnoughMemory> short_of{};  // of the last OutOfMemory, if that was an estimate
   KernelClock clock;
@@ -119,7 +125,13 @@ bool SparseLu::factors(LuFactors& out) const {
   out.blocks.clear();
   return impl_->analyzed && impl_->status != LuStatus::NotFinite && impl_->library->factors(out);
 }
+bool SparseLu::gives_factors() const { return impl_->library && impl_->library->gives_factors(); }
 int SparseLu::analyses() const { return impl_->analyses; }
+
+void SparseLu::reuse_pivots() {
+  impl_->reuse_pivots = true;
+  if (impl_->library) impl_->library->reuse_pivots();
+}
 
 LuStatus SparseLu::factor(const SpMat& A) {
   if (A.rows() != A.cols()) {
@@ -169,7 +181,10 @@ LuStatus SparseLu::Impl::factor(const SpMat& matrix) {
   }
   if (!known) {
     ++analyses;
-    if (!library || (backend == LuBackend::Auto && made_for != A.rows())) library = make(backend, A.rows());
+    if (!library || (backend == LuBackend::Auto && !same_library(made_for, A.rows()))) {
+      library = make(backend, A.rows());
+      if (reuse_pivots) library->reuse_pivots();
+    }
     made_for = A.rows();
     const LuStatus answer = library->analyze(A);
     analyzed = answer == LuStatus::Ok;

@@ -18,8 +18,8 @@ enum class LuBackend {
   Klu,
   Eigen,  ///< its sparse LU
   Dense,  ///< Eigen's dense LU, rows scaled
-  Auto,   ///< Dense up to 32 rows, Klu up to 300; beyond, Cholesky (lcp/cholesky) of matrices that are symmetric up to
-          ///< 1e-15 and positive definite beyond doubt, General of others
+  Auto,   ///< Dense up to 32 rows, pivots by Markowitz' rule up to 300; beyond, Cholesky (lcp/cholesky) of matrices
+          ///< that are symmetric up to 1e-15 and positive definite beyond doubt, General of others
 };
 enum class LuStatus {
   Ok,
@@ -45,6 +45,9 @@ class SparseLu {
   [[nodiscard]] LuStatus factor(const SpMat& A);
   /// factor(): true if Ok, false if there are no factors of this matrix. Throws std::bad_alloc if OutOfMemory.
   [[nodiscard]] bool try_factor(const SpMat& A);
+  /// From now on the pivots of one matrix are tried for the next one of its pattern: Auto then takes a third of the
+  /// time, and the last digits of the factors depend on the matrices before.
+  void reuse_pivots();
   /// The longest factorization so far [s].
   double longest_call() const;
 
@@ -67,6 +70,7 @@ class SparseLu {
   /// with the zero pivots in their places, Klu those of the diagonal blocks if there are several. False where the
   /// library gives none (Dense, Eigen; Klu of Singular) or nothing is factored. Throws std::bad_alloc.
   bool factors(LuFactors& out) const;
+  bool gives_factors() const;  ///< whether factors() may be true
 
   Index size() const;
   /// Symbolic analyses made since construction: one a pattern.

@@ -62,6 +62,16 @@ std::vector<Index> members(const Places& in) {
   return I;
 }
 
+/// min |U_ii| / max |U_ii| of a J_II that is singular but for rounding.
+constexpr double hardly_regular = 1e-12;
+
+/// Factors B. False if it is singular, or hardly regular as far as the library tells.
+bool factored(lcp::SparseLu& lu, const SpMat& B) {
+  if (!lu.try_factor(B)) return false;
+  const double ratio = lu.pivot_ratio();
+  return ratio == 0 || ratio >= hardly_regular;
+}
+
 /// J_II + lambda I.
 SpMat block(const SpMat& J, const std::vector<Index>& I, double lambda) {
   SpMat B = lcp::principal_block(J, I);
@@ -134,7 +144,7 @@ bool direction(Run& run, const Point& point, const Places& in, lcp::SparseLu& lu
       rhs = -point.F(I);
       step.resize(rhs.size());
     }
-    if (lu.try_factor(block(point.J, I, term.lambda()))) {
+    if (factored(lu, block(point.J, I, term.lambda()))) {
       lu.solve(rhs, step);
       if (step.allFinite()) {
         d.setZero(point.x.size());
@@ -190,7 +200,7 @@ bool singular(Run& run, const Point& point, lcp::SparseLu& lu) {
   const std::vector<Index> I = members(inside(run.box(), point));
   if (I.empty()) return false;
   ++run.stats().factorizations;
-  return !lu.try_factor(block(point.J, I, 0));
+  return !factored(lu, block(point.J, I, 0));
 }
 
 /// Of a step of length t along a direction that would solve the linearised problem.
