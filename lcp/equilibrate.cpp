@@ -107,8 +107,16 @@ Vec Scaling::to_scaled(const Box& box, In x) const {
 }
 
 Vec Scaling::to_original(const Box& scaled_box, In x) const {
-  const auto z = x.cwiseMax(scaled_box.lower).cwiseMin(scaled_box.upper);
-  return columns.cwiseProduct(z) + (x - z).cwiseQuotient(rows);
+  Vec original = x;
+  make_original(scaled_box, original);
+  return original;
+}
+
+void Scaling::make_original(const Box& scaled_box, Vec& x) const {
+  for (Index i = 0; i < x.size(); ++i) {
+    const double z = std::min(std::max(x[i], scaled_box.lower[i]), scaled_box.upper[i]);
+    x[i] = columns[i] * z + (x[i] - z) / rows[i];
+  }
 }
 
 Scaling equilibrate(const AffineMcp& problem) { return equilibrated(problem).scaling; }

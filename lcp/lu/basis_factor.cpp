@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 
@@ -68,7 +69,6 @@ struct BasisFactor::Impl {
   mutable bool has_S_rows = false;
   SpMat C;
   Index B_nonzeros = 0;
-  bool sparse_solves = false;
 
   EtaFile etas;
   double growth = 1;
@@ -76,13 +76,13 @@ struct BasisFactor::Impl {
   mutable std::size_t eta_work = 0;  // entries of the file that solves passed through
   Index factor_entries = 0;          // of L + U, or a guess
 
-  mutable LuSolver solver;
-  mutable SparseVector block_b, block_x;  // of the order of C
-  mutable Vec block_;                     // the same
-  mutable SparseVector rhs;               // by rows
-  mutable SparseVector b_;                // by positions
-  mutable SparseVector given_, found_;    // of the solves with dense right-hand sides
-  mutable Vec rows_;                      // what is left of them in the rows of slacks
+  mutable std::optional<LuSolver> solver;  // where the library gives its factors
+  mutable SparseVector block_b, block_x;   // of the order of C
+  mutable Vec block_;                      // the same
+  mutable SparseVector rhs;                // by rows
+  mutable SparseVector b_;                 // by positions
+  mutable SparseVector given_, found_;     // of the solves with dense right-hand sides
+  mutable Vec rows_;                       // what is left of them in the rows of slacks
 
   Index rows() const { return A->rows(); }
   template <class F>
@@ -131,6 +131,7 @@ void BasisFactor::Impl::partition() {
   }
   const auto number = [n](const std::vector<int>& taken, std::vector<int>& members, std::vector<int>& inverse) {
     members.clear();
+    members.reserve(at(n));
     inverse.assign(at(n), none);
     for (Index i = 0; i < n; ++i) {
       if (taken[at(i)] != none) continue;
@@ -180,12 +181,16 @@ LuStatus BasisFactor::Impl::factor(std::span<const Index> columns) {
   shared->user = this;
   status = shared->lu.factor(C);
   if (status != LuStatus::Ok) return status;
-  LuFactors factors;
-  sparse_solves = order > 0 && shared->lu.factors(factors);
-  factor_entries = sparse_solves ? factors.nonzeros() : 4 * C.nonZeros();
-  if (sparse_solves) solver = LuSolver(std::move(factors));
-  block_b = SparseVector(order);
-  block_x = SparseVector(order);
+  solver.reset();
+  if (order > 0 && shared->lu.gives_factors()) {
+    LuFactors factors;
+    if (shared->lu.factors(factors)) solver.emplace(std::move(factors));
+  }
+  factor_entries = solver ? solver->factors().nonzeros() : 4 * C.nonZeros();
+  if (block_b.size() != order) {
+    block_b = SparseVector(order);
+    block_x = SparseVector(order);
+  }
   return status;
 }
 
@@ -232,11 +237,11 @@ std::vector<BasisFactor::Dependency> BasisFactor::Impl::dependencies(double tol)
 /// block_x <- C^-1 block_b, or with C'.
 void BasisFactor::Impl::solve_block(bool transposed) const {
   if (block_b.size() == 0) return;
-  if (sparse_solves) {
+  if (solver) {
     if (transposed)
-      solver.solve_transposed(block_b, block_x);
+      solver->solve_transposed(block_b, block_x);
     else
-      solver.solve(block_b, block_x);
+      solver->solve(block_b, block_x);
     return;
   }
   if (std::exchange(shared->user, this) != this) (void)shared->lu.try_factor(C);

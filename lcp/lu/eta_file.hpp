@@ -10,67 +10,92 @@
 namespace perp::lcp {
 
 /// The etas E_1 ... E_k, in one file. Those with few zeros are kept with them, which needs no row numbers.
-struct EtaFile {
-  std::vector<Index> position;
-  std::vector<double> pivot;
-  std::vector<std::size_t> start{0};      // of the values
-  std::vector<std::size_t> row_start{0};  // of the rows; none where the values are those of all rows
-  std::vector<int> row;
-  std::vector<double> value;
-
-  std::size_t size() const { return position.size(); }
-  std::size_t entries() const { return value.size(); }
-  bool dense(std::size_t k) const { return row_start[k] == row_start[k + 1] && start[k] != start[k + 1]; }
-  Eigen::Map<const Vec> values(std::size_t k) const {
-    return {value.data() + start[k], static_cast<Index>(start[k + 1] - start[k])};
-  }
+class EtaFile {
+ public:
+  std::size_t size() const { return etas_.size(); }
+  std::size_t entries() const { return value_.size(); }
   void clear() {
-    for (auto* offsets : {&start, &row_start}) offsets->assign(1, 0);
-    position.clear();
-    pivot.clear();
-    row.clear();
-    value.clear();
+    etas_.clear();
+    row_.clear();
+    value_.clear();
   }
   void push(Index p, const SparseVector& d) {
+    if (etas_.empty()) begin(at(d.size()));
+    Eta eta{.position = p, .pivot = d[p], .start = value_.size(), .row_start = row_.size()};
     if (d.full() && 2 * (d.values().array() != 0).count() > d.size()) {
-      value.insert(value.end(), d.values().data(), d.values().data() + d.size());
-      value[start.back() + at(p)] = 0;
+      value_.insert(value_.end(), d.values().data(), d.values().data() + d.size());
+      value_[eta.start + at(p)] = 0;
     } else {
       d.for_each([&](Index i, double v) {
         if (i == p) return;
-        row.push_back(static_cast<int>(i));
-        value.push_back(v);
+        row_.push_back(static_cast<int>(i));
+        value_.push_back(v);
       });
     }
-    start.push_back(value.size());
-    row_start.push_back(row.size());
-    position.push_back(p);
-    pivot.push_back(d[p]);
+    eta.end = value_.size();
+    eta.dense = row_.size() == eta.row_start && eta.end != eta.start;
+    etas_.push_back(eta);
   }
   /// x <- E_k^-1 ... E_1^-1 x; returns the entries passed through.
   std::size_t apply(SparseVector& x) const {
     std::size_t work = size();
     double* to = x.data();
-    for (std::size_t k = 0; k < size(); ++k) {
-      const Index p = position[k];
+    for (const Eta& eta : etas_) {
+      const Index p = eta.position;
       if (to[p] == 0) continue;
-      work += start[k + 1] - start[k];
-      const double xp = to[p] / pivot[k];
-      const double* v = value.data() + start[k];
-      const int* i = row.data() + row_start[k];
-      const int* end = row.data() + row_start[k + 1];
-      if (dense(k)) {
+      work += eta.end - eta.start;
+      const double xp = to[p] / eta.pivot;
+      const double* v = value_.data() + eta.start;
+      const double* end = value_.data() + eta.end;
+      const int* i = row_.data() + eta.row_start;
+      if (eta.dense) {
         x.set_full();
         subtract(xp, v, to, x.size());
       } else if (x.full()) {
-        for (; i != end; ++i) to[*i] -= *v++ * xp;
+        for (; v != end; ++v) to[*i++] -= *v * xp;
       } else {
-        for (; i != end; ++i) x.add(*i, -*v++ * xp);
+        for (; v != end; ++v) x.add(*i++, -*v * xp);
       }
       to[p] = xp;  // listed: it was not zero
     }
     return work;
   }
+  /// y <- E_1^-T ... E_k^-T y
+  void apply_transposed(SparseVector& y) const {
+    for (auto eta = etas_.rbegin(); eta != etas_.rend(); ++eta) {
+      const Index p = eta->position;
+      double sum = y[p];
+      const double* v = value_.data() + eta->start;
+      if (eta->dense) {
+        sum -= Eigen::Map<const Vec>(v, y.size()).dot(y.values());
+      } else {
+        const int* i = row_.data() + eta->row_start;
+        for (const double* end = value_.data() + eta->end; v != end; ++v) sum -= *v * y[*i++];
+      }
+      if (sum != 0 || y[p] != 0) y.set(p, sum / eta->pivot);
+    }
+  }
+
+ private:
+  struct Eta {
+    Index position;
+    double pivot;
+    std::size_t start;      // of the values
+    std::size_t row_start;  // of their rows; none where the values are those of all rows
+    std::size_t end = 0;
+    bool dense = false;
+  };
+
+  /// Room for some, so that a short file is not moved again and again.
+  void begin(std::size_t rows) {
+    constexpr std::size_t some = 8;
+    if (etas_.capacity() > 0 || rows > most_rows) return;
+    etas_.reserve(2 * some);
+    row_.reserve(some * rows / 2);
+    value_.reserve(some * rows);
+  }
+  static constexpr std::size_t most_rows = 1000;
+
   /// to -= factor v, eight at a time: most of the time of a long file goes here.
   static void subtract(double factor, const double* v, double* to, Index n) {
     constexpr Index together = 8;
@@ -79,20 +104,10 @@ struct EtaFile {
     for (; i + together <= n; i += together) Eigen::Map<Pack>(to + i) -= factor * Eigen::Map<const Pack>(v + i);
     for (; i < n; ++i) to[i] -= factor * v[i];
   }
-  /// y <- E_1^-T ... E_k^-T y
-  void apply_transposed(SparseVector& y) const {
-    for (std::size_t k = size(); k-- > 0;) {
-      const Index p = position[k];
-      double sum = y[p];
-      if (dense(k)) {
-        sum -= values(k).dot(y.values());
-      } else {
-        const double* v = value.data() + start[k];
-        for (std::size_t e = row_start[k]; e < row_start[k + 1]; ++e) sum -= *v++ * y[row[e]];
-      }
-      if (sum != 0 || y[p] != 0) y.set(p, sum / pivot[k]);
-    }
-  }
+
+  std::vector<Eta> etas_;
+  std::vector<int> row_;
+  std::vector<double> value_;
 };
 
 }  // namespace perp::lcp

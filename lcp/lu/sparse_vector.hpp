@@ -13,7 +13,9 @@ namespace perp::lcp {
 
 class SparseVector {
  public:
-  explicit SparseVector(Index n = 0) : values_(Vec::Zero(n)), listed_(static_cast<std::size_t>(n), false) {}
+  explicit SparseVector(Index n = 0) : values_(Vec::Zero(n)), listed_(static_cast<std::size_t>(n), false) {
+    places_.reserve(static_cast<std::size_t>(std::min(n / 5 + 1, most_at_once)));
+  }
 
   Index size() const { return values_.size(); }
   const Vec& values() const { return values_; }
@@ -89,6 +91,8 @@ class SparseVector {
   }
 
  private:
+  static constexpr Index most_at_once = 1000;  // places made room for in advance
+
   Vec values_;
   std::vector<int> places_;
   std::vector<char> listed_;

@@ -48,7 +48,7 @@ class Kinks {
   void finish(const NormalPath& at) {
     if (!on_) return;
     path_.push_back({at.t(), at.equilibrated_x()});
-    for (Breakpoint& kink : path_) kink.x = at.to_original(kink.x);
+    for (Breakpoint& kink : path_) at.make_original(kink.x);
   }
 
  private:

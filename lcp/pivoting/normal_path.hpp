@@ -6,11 +6,11 @@
 /// artificial of row i, in [0, 0], with column e_i. One of them, the driver, is nonbasic and moves; n others are basic,
 /// head_[p] at position p; the rest wait.
 #include <optional>
-#include <random>
 
 #include "lcp/equilibrate.hpp"
 #include "lcp/pivoting/last_piece.hpp"
 #include "lcp/pivoting/lemke.hpp"
+#include "lcp/pivoting/mersenne.hpp"
 
 namespace perp::lcp {
 
@@ -37,6 +37,7 @@ class NormalPath final : public LastPiece {
   Vec x() const { return to_original(x_); }  ///< in the units of the problem given
   const Vec& equilibrated_x() const { return x_; }
   Vec to_original(const Vec& x) const { return scaling_.to_original(problem_.box, x); }  ///< an equilibrated x
+  void make_original(Vec& x) const { scaling_.make_original(problem_.box, x); }          ///< the same
 
  private:
   NormalPath(const AffineMcp& problem, Equilibrated&& scaled, In start, const LemkeOptions& options);
@@ -63,7 +64,7 @@ class NormalPath final : public LastPiece {
   Index head(Index p) const { return head_[static_cast<std::size_t>(p)]; }
   double generic() {
     if (!random_) random_.emplace(options_.seed);
-    return std::uniform_real_distribution<double>(0.5, 1.5)(*random_);
+    return 0.5 + random_->uniform();
   }
 
   /// Where a path could go on in two directions with equal right.
@@ -118,7 +119,7 @@ class NormalPath final : public LastPiece {
   AffineMcp problem_;  // equilibrated: that is what makes the tolerances mean the same for every unknown
   const LemkeOptions& options_;
   Index n_;
-  std::optional<std::mt19937> random_;  // once a number is asked for: its state takes longer than a short path
+  std::optional<Mersenne> random_;  // once a number is asked for
   Vec x_;
   Vec low_;  // of the present cells
   Vec high_;
