@@ -8,9 +8,11 @@
 #include <utility>
 #include <vector>
 
+#include "contact/model/contact_system.hpp"
 #include "contact/model/expansion.hpp"
 #include "contact/model/residual.hpp"
 #include "contact/model/scaling.hpp"
+#include "contact/model/velocities.hpp"
 #include "lcp/cholesky/cholesky.hpp"
 #include "lcp/cholesky/symmetric.hpp"
 #include "lcp/kernel_clock.hpp"
@@ -31,8 +33,8 @@ constexpr std::array regularizations{1e-8, 1e-4, 1e-2};
 /// Contacts that a message names.
 constexpr std::size_t named = 6;
 
-/// D^-1/2 W D^-1/2 + (shift / 2) I without the rows that are zero; nothing if a diagonal entry forbids
-/// semidefiniteness.
+/// D^-1/2 W D^-1/2 + (shift / 2) I, D the diagonal of W, without the rows that are zero; nothing if a diagonal entry
+/// forbids semidefiniteness.
 std::optional<SpMat> unit_diagonal(const SpMat& W, double shift) {
   std::vector<int> place(at(W.rows()), -1);
   Vec root = Vec::Zero(W.rows());
@@ -59,7 +61,7 @@ std::optional<SpMat> unit_diagonal(const SpMat& W, double shift) {
 
 /// `shift` of existence.hpp, if W is symmetric and semidefinite up to it. Throws lcp::KernelTooLong where the
 /// factorization would end after the deadline.
-std::optional<double> semidefinite_up_to(const SpMat& W, lcp::Deadline deadline = lcp::no_deadline) {
+std::optional<double> semidefinite_up_to(const SpMat& W, lcp::Deadline deadline) {
   if (!lcp::symmetric(W, 0)) return std::nullopt;
   const auto m = static_cast<double>(W.rows());
   const double shift = 4 * (m + 8) * eps * m;
@@ -70,28 +72,55 @@ std::optional<double> semidefinite_up_to(const SpMat& W, lcp::Deadline deadline 
   return shift;
 }
 
-/// Least u_N - mu |u_T| less what the shift changes, rounded down; u exact before it is rounded.
-double margin(const Problem& problem, In r, double shift) {
-  std::vector<Expansion> u(at(problem.q.size()));
-  for (Index i = 0; i < problem.q.size(); ++i) u[at(i)].add(problem.q[i]);
-  const SpMat& W = problem.W.matrix();
-  for (Index j = 0; j < W.outerSize(); ++j)
-    for (SpMat::InnerIterator it(W, j); it; ++it) u[at(it.row())].add_product(it.value(), r[j]);
+/// H' M^-1 H is semidefinite itself where M is positive definite, which it is if D^-1 M D^-1 stays so with less on its
+/// diagonal.
+std::optional<double> semidefinite_up_to(const Delassus& W, lcp::Deadline deadline = lcp::no_deadline) {
+  const DelassusParts* parts = W.whole_parts();
+  if (parts == nullptr) return semidefinite_up_to(W.matrix(), deadline);
+  const SpMat& M = parts->inertia().M();
+  const auto m = static_cast<double>(M.rows());
+  const std::optional<SpMat> S = unit_diagonal(M, -4 * (m + 8) * eps * m);
+  lcp::Cholesky factor(deadline);
+  if (!S || S->rows() != M.rows() || (S->rows() > 0 && !factor.try_factor(*S))) return std::nullopt;
+  return 0;
+}
+
+/// u = q + A x, exactly.
+std::vector<Expansion> exact_sums(const Vec& q, const SpMat& A, const Vec& x) {
+  std::vector<Expansion> u(at(q.size()));
+  for (Index i = 0; i < q.size(); ++i) u[at(i)].add(q[i]);
+  for (Index j = 0; j < A.outerSize(); ++j)
+    for (SpMat::InnerIterator it(A, j); it; ++it) u[at(it.row())].add_product(it.value(), x[j]);
+  return u;
+}
+
+/// W r + q exactly; of bodies H' v + q, v near M^-1 H r: any v does, since H' and W have one range.
+std::vector<Expansion> exact_velocities_of(const Problem& problem, const Vec& r) {
+  const DelassusParts* parts = problem.W.whole_parts();
+  if (parts == nullptr) return exact_sums(problem.q, problem.W.matrix(), r);
+  return exact_sums(problem.q, parts->H().transpose(), parts->inverse(Vec(parts->H() * r)));
+}
+
+/// Least u_N - mu |u_T| less what the shift changes, and what a condensed q may be wrong by, rounded down; u exact
+/// before it is rounded.
+double margin(const Problem& problem, const Vec& r, double shift) {
+  const std::vector<Expansion> u = exact_velocities_of(problem, r);
+  const Vec unknown = problem.global ? condensation_error(problem) : Vec(Vec::Zero(problem.q.size()));
   const int d = problem.dimension;
   double least = lcp::infinity;
   for (Index a = 0; a < problem.contacts(); ++a) {
     const Index N = d * a;
     double squares = 0;
     double moved = 0;
-    double lost = u[at(N)].lost();
+    double lost = u[at(N)].lost() + unknown[N];
     for (int k = 1; k < d; ++k) {
       squares = std::hypot(squares, u[at(N + k)].value());
-      moved = std::hypot(moved, shift * W.coeff(N + k, N + k) * r[N + k]);
-      lost += u[at(N + k)].lost();
+      moved = std::hypot(moved, shift * problem.W.near(N + k, N + k) * r[N + k]);
+      lost += u[at(N + k)].lost() + unknown[N + k];
     }
     const double mu = problem.mu[a];
     const double normal = u[at(N)].value();
-    const double changed = shift * W.coeff(N, N) * std::abs(r[N]) + mu * moved;
+    const double changed = shift * problem.W.near(N, N) * std::abs(r[N]) + mu * moved;
     const double room = last_roundings * (std::abs(normal) + mu * squares + changed) + (1 + mu) * (lost + 1e-300);
     const double here = normal - mu * squares - changed - room;
     if (!std::isfinite(here)) return -lcp::infinity;
@@ -108,7 +137,7 @@ class WitnessSearch {
         deadline_(deadline),
         shift_(shift),
         scaled_(scaled(problem)),
-        factor_(deadline) {}
+        system_(scaled_, lcp::LuBackend::Auto, deadline) {}
 
   std::optional<Witness> run() {
     if (problem_.contacts() == 0) return std::nullopt;
@@ -132,10 +161,12 @@ class WitnessSearch {
     return here > 0;
   }
 
+  /// W~ + diagonal I.
   bool factor(double diagonal) {
-    SpMat K = scaled_.W.matrix();
-    for (Index i = 0; i < K.rows(); ++i) K.coeffRef(i, i) += diagonal;
-    return factor_.try_factor(K);
+    const Eigen::Matrix3d I = Eigen::Matrix3d::Identity();
+    const std::vector<Eigen::Matrix3d> A(scaled_.blocks.size(), diagonal * I);
+    const std::vector<Eigen::Matrix3d> inverse(scaled_.blocks.size(), I / diagonal);
+    return system_.factor(A, inverse);
   }
 
   /// Velocities as near to e_N as W lets them be, by a regularised solve: for regular W this is all.
@@ -144,7 +175,7 @@ class WitnessSearch {
     Vec right = -scaled_.q;
     for (const Scaled::Block& block : scaled_.blocks) right[block.first] += 1;
     Vec r(right.size());
-    factor_.solve(right, r);
+    system_.solve(right, r);
     return shows(r);
   }
 
@@ -155,7 +186,7 @@ class WitnessSearch {
     Vec z = Vec::Zero(right.size());
     Vec dual = z;
     for (int k = 1; k <= iterations && !over(); ++k) {
-      factor_.solve(right + penalty * (z - dual), r);
+      system_.solve(right + penalty * (z - dual), r);
       for (const Scaled::Block& block : scaled_.blocks) {
         const Index N = block.first;
         const int size = block.size;
@@ -184,7 +215,7 @@ class WitnessSearch {
   lcp::Deadline deadline_;
   double shift_;
   Scaled scaled_;
-  lcp::Cholesky factor_;
+  ContactSystem system_;
   std::optional<Witness> found_;
 };
 
@@ -212,7 +243,7 @@ std::optional<Witness> examine_witness(const Problem& problem, In r) {
   check(problem);
   if (r.size() != problem.q.size())
     refuse_input("contact: the witness has ", r.size(), " entries, the problem ", problem.q.size());
-  const std::optional<double> shift = r.allFinite() ? semidefinite_up_to(problem.W.matrix()) : std::nullopt;
+  const std::optional<double> shift = r.allFinite() ? semidefinite_up_to(problem.W) : std::nullopt;
   if (!shift) return std::nullopt;
   const double here = margin(problem, r, *shift);
   if (!(here > 0)) return std::nullopt;
@@ -223,7 +254,7 @@ std::optional<Witness> find_witness(const Problem& problem, const SearchLimits& 
   check(problem);
   const lcp::Deadline deadline = lcp::deadline_after(limits.max_time);
   try {
-    const std::optional<double> shift = semidefinite_up_to(problem.W.matrix(), deadline);
+    const std::optional<double> shift = semidefinite_up_to(problem.W, deadline);
     return shift ? WitnessSearch(problem, limits, deadline, *shift).run() : std::nullopt;
   } catch (const lcp::KernelTooLong&) {
     return std::nullopt;

@@ -20,6 +20,9 @@
 ///  * The margin of (*) is larger than the change of it by shift D^-2 r'. (*) then holds for W + shift D^-2, too, which
 ///    is certainly semidefinite.
 /// The statement is exact for W + shift D^-2. Its solutions solve the given problem up to shift D^-2 r in u.
+///
+/// W = H' M^-1 H by its parts is semidefinite itself, where such a factorization shows M to be positive definite: shift
+/// is 0. u' is then H' v' + q of v' near M^-1 H r', without rounding, and no entry of W is formed.
 #include <string>
 
 #include "contact/existence/infeasible.hpp"
@@ -40,7 +43,7 @@ struct Witness {
 std::optional<Witness> examine_witness(const Problem& problem, In r);
 
 /// Searches for r': on the line to the velocities nearest to e_N, then by ADMM for min 1/2 r'W r + (q - m e_N).r over
-/// K, m = |q|_inf, .. , |q|_inf / 1000: one sparse factorization.
+/// K, m = |q|_inf, .. , |q|_inf / 1000: one sparse factorization, of the bodies' size where W is by its parts.
 std::optional<Witness> find_witness(const Problem& problem, const SearchLimits& limits = {});
 
 struct Verdict {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "contact/model/expansion.hpp"
+#include "contact/model/velocities.hpp"
 
 namespace perp::contact {
 namespace {
@@ -19,6 +20,8 @@ using Block = std::array<Expansion, 3>;
 
 constexpr double tiny = 1e-300;
 constexpr double out_of_this_world = 1e12;
+/// Of a norm by the factors of M, in eps times its condition, generously.
+constexpr double norm_roundings = 100;
 
 /// W'(y e_N), contact by contact, exactly. Rows of W are read from the columns of contacts.
 std::vector<Block> product(const Problem& problem, In y) {
@@ -77,38 +80,37 @@ Part part_of(const Block& exact, double mu) {
 
 struct Certificate {
   double radius = 0;
-  std::vector<double> excess;
+  bool to_rounding = false;  ///< what keeps a finite radius finite is rounding
 };
 
-Certificate examine(const Problem& problem, In y) {
+/// -q_N.y, rounded down; 0 where it proves nothing. A condensed q is known to its roundings only.
+double approach_of(const Problem& problem, In y) {
   if (y.size() != problem.contacts())
     throw std::invalid_argument("contact: the certificate has " + std::to_string(y.size()) + " entries, the problem " +
                                 std::to_string(problem.contacts()) + " contacts");
-  Certificate out;
-  if (!y.allFinite() || (y.array() < 0).any()) return out;
+  if (!y.allFinite() || (y.array() < 0).any()) return 0;
   Expansion approach;
   for (Index a = 0; a < y.size(); ++a) approach.add_product(-problem.q[problem.dimension * a], y[a]);
-  const double least = approach.value() * (1 - last_roundings) - approach.lost();
-  if (!(least > 0) || !approach.finite()) return out;
-  bool inside = true;
-  double largest = 0;
-  std::vector<double> norms;
-  const std::vector<Block> g = product(problem, y);
-  for (Index a = 0; a < problem.contacts(); ++a) {
-    const Part part = part_of(g[at(a)], problem.mu[a]);
-    inside = inside && part.inside;
-    norms.push_back(part.norm);
-    out.excess.push_back(part.excess);
-    largest = std::max(largest, part.norm);
+  double least = approach.value() * (1 - last_roundings) - approach.lost();
+  if (problem.global) {
+    const Vec error = condensation_error(problem);
+    for (Index a = 0; a < y.size(); ++a) least -= error[problem.dimension * a] * y[a] * (1 + last_roundings);
   }
-  out.radius = lcp::infinity;
-  if (inside) return out;
+  return least > 0 && approach.finite() ? least : 0;
+}
+
+/// -q_N.y over the norm of these, rounded down.
+double radius_of(double least, const std::vector<double>& norms) {
+  double largest = tiny;
+  for (const double norm : norms) {
+    if (!std::isfinite(norm)) return 0;
+    largest = std::max(largest, norm);
+  }
   double sum = 0;
   for (const double norm : norms) sum += (norm / largest) * (norm / largest);
   const auto n = static_cast<double>(norms.size());
-  out.radius = least / (largest * std::sqrt(sum) * (1 + last_roundings + n * eps)) * (1 - last_roundings);
-  if (!std::isfinite(out.radius)) out.radius = std::isfinite(largest) ? std::numeric_limits<double>::max() : 0;
-  return out;
+  const double radius = least / (largest * std::sqrt(sum) * (1 + last_roundings + n * eps)) * (1 - last_roundings);
+  return std::min(radius, std::numeric_limits<double>::max());
 }
 
 /// Whether what sticks out of -K* is rounding, contact by contact.
@@ -134,6 +136,94 @@ bool to_rounding(const Problem& problem, In y, const std::vector<double>& excess
   return true;
 }
 
+Certificate examine_entries(const Problem& problem, In y, double least) {
+  bool inside = true;
+  std::vector<double> norms;
+  std::vector<double> excess;
+  const std::vector<Block> g = product(problem, y);
+  for (Index a = 0; a < problem.contacts(); ++a) {
+    const Part part = part_of(g[at(a)], problem.mu[a]);
+    inside = inside && part.inside;
+    norms.push_back(part.norm);
+    excess.push_back(part.excess);
+  }
+  if (inside) return {.radius = lcp::infinity};
+  return {.radius = radius_of(least, norms), .to_rounding = to_rounding(problem, y, excess)};
+}
+
+/// p = H (y e_N), what the weights y do to the bodies' momentum.
+struct Momentum {
+  Vec value;             ///< to 2 eps of itself
+  bool zero = true;      ///< exactly
+  bool complete = true;  ///< nothing was lost, and no entry overflowed
+  std::vector<int> met;  ///< of each body, its contacts with y > 0
+  Vec terms;             ///< of each body, sum_a y_a N_ba: the size of what cancels in p, in the norm of M^-1
+};
+
+Momentum momentum(const Problem& problem, const DelassusParts& parts, In y) {
+  const SpMat& H = parts.H();
+  std::vector<Expansion> sums(at(H.rows()));
+  const int bodies = parts.inertia().bodies();
+  Momentum p{.value = Vec(H.rows()), .met = std::vector<int>(at(bodies), 0), .terms = Vec::Zero(bodies)};
+  for (Index a = 0; a < y.size(); ++a) {
+    if (y[a] == 0) continue;
+    const Index j = problem.dimension * a;
+    for (SpMat::InnerIterator it(H, j); it; ++it) sums[at(it.row())].add_product(it.value(), y[a]);
+    for (SpMat::InnerIterator it(parts.shares(), j); it; ++it) {
+      p.terms[it.row()] += y[a] * it.value();
+      ++p.met[at(it.row())];
+    }
+  }
+  for (Index i = 0; i < p.value.size(); ++i) {
+    const Expansion& sum = sums[at(i)];
+    p.value[i] = sum.value();
+    p.zero = p.zero && sum.sign() == 0;
+    p.complete = p.complete && sum.lost() == 0 && std::isfinite(p.value[i]);
+  }
+  return p;
+}
+
+/// W = H' M^-1 H of bodies. Friction plays no part: -g in K* is W (y e_N) = 0, which is H (y e_N) = p = 0. Else, with
+/// |p|_b in the norm of body b's M^-1, |g_i| <= sum_b N_bi |p|_b.
+Certificate examine_bodies(const Problem& problem, const DelassusParts& parts, In y, double least) {
+  const Momentum p = momentum(problem, parts, y);
+  if (!p.complete) return {};
+  if (p.zero) return {.radius = lcp::infinity};
+  const double inexact = norm_roundings * eps / parts.inertia().rcond();
+  if (!(inexact < 0.5)) return {};
+  const int scale = -std::ilogb(p.value.lpNorm<Eigen::Infinity>());
+  const Vec scaled = p.value.unaryExpr([scale](double x) { return std::ldexp(x, scale); });
+  const Vec v = parts.inverse(scaled);
+  Vec of_bodies = Vec::Zero(p.terms.size());
+  for (Index i = 0; i < v.size(); ++i) of_bodies[parts.inertia().body_of()[at(i)]] += scaled[i] * v[i];
+  Certificate out{.to_rounding = true};
+  for (Index b = 0; b < of_bodies.size(); ++b) {
+    if (p.met[at(b)] == 0) continue;
+    of_bodies[b] = std::ldexp(std::sqrt(std::max(of_bodies[b], 0.0)) * (1 + inexact), -scale) + tiny;
+    if (!(of_bodies[b] <= 8 * (p.met[at(b)] + 2) * eps * p.terms[b])) out.to_rounding = false;
+  }
+  std::vector<double> norms;
+  for (Index i = 0; i < parts.shares().cols(); ++i)
+    norms.push_back(parts.shares().col(i).dot(of_bodies) * (1 + inexact));
+  out.radius = radius_of(least, norms);
+  return out;
+}
+
+Certificate examine(const Problem& problem, In y) {
+  const double least = approach_of(problem, y);
+  if (!(least > 0)) return {};
+  const DelassusParts* parts = problem.W.whole_parts();
+  return parts != nullptr ? examine_bodies(problem, *parts, y, least) : examine_entries(problem, y, least);
+}
+
+/// |W|_max: of a semidefinite W the largest is on the diagonal.
+double largest_entry(const Delassus& W) {
+  if (W.rows() == 0) return 0;
+  if (W.whole_parts() != nullptr) return W.diagonal().maxCoeff();
+  const auto entries = W.matrix().coeffs();
+  return entries.size() > 0 ? entries.abs().maxCoeff() : 0;
+}
+
 }  // namespace
 
 double infeasibility_radius(const Problem& problem, In y) { return examine(problem, y).radius; }
@@ -141,10 +231,8 @@ double infeasibility_radius(const Problem& problem, In y) { return examine(probl
 bool proves_infeasible(const Problem& problem, In y) {
   const Certificate found = examine(problem, y);
   if (!(found.radius < lcp::infinity)) return found.radius == lcp::infinity;
-  const auto W = problem.W.matrix().coeffs();
-  const double largest = W.size() > 0 ? W.abs().maxCoeff() : 0;
   const double q = problem.q.size() > 0 ? problem.q.lpNorm<Eigen::Infinity>() : 0;
-  return found.radius >= out_of_this_world * std::max(1.0, q / largest) && to_rounding(problem, y, found.excess);
+  return found.to_rounding && found.radius >= out_of_this_world * std::max(1.0, q / largest_entry(problem.W));
 }
 
 }  // namespace perp::contact

@@ -9,11 +9,15 @@
 /// Nothing is asked of W: not symmetry, not semidefiniteness. For symmetric positive semidefinite W, -g in K* is
 /// W (y e_N) = 0. Bodies squeezed between walls have such y: weights of contacts that cannot all stop approaching.
 ///
+/// Of bodies, W = H' M^-1 H, that is H (y e_N) = 0: no entry of W is formed, and what is left of H (y e_N), body by
+/// body in the norm of M^-1, bounds |g|. A q that was condensed is known to its roundings only: so much is taken from
+/// -q_N.y.
+///
 /// The same y serves every law whose impulses are in K: polygons inside the disk, no friction. Polygons about the disk
 /// reach 1 / cos(pi / K) further: theirs is the problem with mu larger by that.
 ///
 /// The search: max R(y) over y is the least |r| of r in K with (W r + q)_N >= 0 (strong duality). It is made as
-///     min over y >= 0, z in K* of |W'(y e_N) + z|^2 + (q_N.y + 1)^2
+///     min over y >= 0, z in K* of |W'(y e_N) + z|^2 + (q_N.y + 1)^2,     of bodies |H (y e_N)|^2 + (q_N.y + 1)^2
 /// by nonnegative least squares (conic_nnls.hpp), part by part where contacts fall into parts that do not act on each
 /// other: the minimum is 0 where there is a certificate, else the residual (rho, rho_0) gives r = rho / rho_0, which is
 /// in K and has u_N >= 0, so that there is none.
@@ -35,8 +39,9 @@ double infeasibility_radius(const Problem& problem, In y);
 /// Whether y proves that there is no solution: R is infinite; or
 ///  * R >= 1e12 max(1, |q|_inf / |W|_max): no impulses of this world, and
 ///  * what keeps R finite is rounding: in every contact (g_N + mu |g_T|)+ <= 8 (k + 2) eps t, k the entries that meet
-///    there, t = (1 + mu) sum_i y_i max(|W_ij|, sqrt(W_ii W_jj)) the size of what cancels. Without this diag(1, 1e-20),
-///    q_N = (-1, -1), solved by r_N = (1, 1e20), would be refused.
+///    there, t = (1 + mu) sum_i y_i max(|W_ij|, sqrt(W_ii W_jj)) the size of what cancels; of bodies, what is left of
+///    H (y e_N) is so small beside what cancels in each. Without this diag(1, 1e-20), q_N = (-1, -1), solved by
+///    r_N = (1, 1e20), would be refused.
 bool proves_infeasible(const Problem& problem, In y);
 
 struct Infeasible {
@@ -51,7 +56,8 @@ struct SearchLimits {
 };
 
 /// Searches for a certificate with few contacts in it, in small whole numbers where those make it exact. Nothing: there
-/// is none, none was found, or a limit was reached. Memory is that of W, and a dense matrix of at most 600 rows.
+/// is none, none was found, or a limit was reached. Memory is that of W, or of M and H, and a dense matrix of at most
+/// 600 rows.
 std::optional<Infeasible> find_infeasibility(const Problem& problem, const SearchLimits& limits = {});
 
 }  // namespace perp::contact

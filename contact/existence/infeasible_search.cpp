@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "contact/existence/conic_nnls.hpp"
+#include "contact/existence/frictionless_ray.hpp"
 #include "contact/existence/infeasible.hpp"
 #include "lcp/cholesky/symmetric.hpp"
 #include "lcp/kernel_clock.hpp"
-#include "lcp/solve/solve.hpp"
 
 namespace perp::contact {
 namespace {
@@ -18,10 +18,6 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using Dense = Eigen::MatrixXd;
 
-/// Contacts of a part up to which pivoting is asked, if W is symmetric; beyond, the QP.
-constexpr Index pivoting_to = 60;
-/// Impulses in units of their contacts beyond which the frictionless problem does not count as solved.
-constexpr double largest_impulse = 1e8;
 /// Columns, and rounds, of one least squares problem.
 constexpr std::size_t most_columns = 600;
 constexpr int rounds_a_contact = 40;
@@ -61,11 +57,38 @@ Vec whole_numbers(const Vec& v) {
   return (common * v).array().round().matrix();
 }
 
+/// What weights y of the contacts have to make: columns y in -K*, contact by contact, or 0 where W is semidefinite.
+struct Target {
+  SpMat columns{};        // one a contact: of W', or of H with each row in units of its own
+  int group = 1;          // rows that belong together: the d of a contact
+  bool symmetric = true;  // W
+};
+
+SpMat normal_columns(const SpMat& A, int d) {
+  SpMat out(A.rows(), A.cols() / d);
+  for (Index a = 0; a < out.cols(); ++a) {
+    out.startVec(a);
+    for (SpMat::InnerIterator it(A, d * a); it; ++it) out.insertBack(it.row(), a) = it.value();
+  }
+  out.finalize();
+  return out;
+}
+
+/// Of W = H' M^-1 H by its parts H (y e_N) = 0, whatever the units of its rows.
+Target target_of(const Problem& problem) {
+  const int d = problem.dimension;
+  if (const DelassusParts* parts = problem.W.whole_parts()) {
+    const Vec units = parts->M().diagonal().cwiseSqrt().cwiseInverse();
+    return {.columns = units.asDiagonal() * normal_columns(parts->H(), d)};
+  }
+  const SpMat& W = problem.W.matrix();
+  return {.columns = normal_columns(W.transpose(), d), .group = d, .symmetric = lcp::symmetric(W, 0)};
+}
+
 class Search {
  public:
   Search(const Problem& problem, const SearchLimits& limits)
-      : problem_(problem), limits_(limits), d_(problem.dimension), rows_(problem.W.matrix().transpose()) {
-    symmetric_ = lcp::symmetric(problem.W.matrix(), 0);
+      : problem_(problem), limits_(limits), d_(problem.dimension), target_(target_of(problem)) {
     const Vec q = problem.q.cwiseAbs();
     velocity_ = q.size() > 0 && q.maxCoeff() > 0 ? q.maxCoeff() : 1;
   }
@@ -89,8 +112,11 @@ class Search {
   std::vector<std::vector<Index>> parts() const;
   bool examine(const std::vector<Index>& part);
   void prepare(const std::vector<Index>& part);
-  double unit(Index a) const { return weight_[d_ * place_[at(a)]]; }
-  std::vector<Index> frictionless_ray(const std::vector<Index>& part, const lcp::Method& method, bool& solved);
+  double unit(Index a) const;
+  Index row_of(Index row) const { return group() * place_[at(row / group())] + row % group(); }
+  Index group() const { return target_.group; }
+  bool by_bodies() const { return problem_.W.whole_parts() != nullptr; }
+  std::vector<Index> frictionless_ray(const std::vector<Index>& part, bool& solved);
   bool least_squares(const std::vector<Index>& part, bool with_slack);
   ConicNnls::Column ray(Index a, const Vec& rho, double& slope) const;
   bool offer(const ConicNnls& method, const std::vector<Index>& part);
@@ -102,12 +128,11 @@ class Search {
   SearchLimits limits_;
   Clock::time_point begin_ = Clock::now();
   int d_;
-  SpMat rows_;  // column i is row i of W
-  bool symmetric_ = false;
+  Target target_;
   double velocity_ = 1;
   std::optional<Infeasible> best_;
 
-  // Of the part at hand: the contacts it acts on and their places, weights of rows, what columns are divided by.
+  // Of the part at hand: the groups of rows it acts on and their places, weights of rows, what columns are divided by.
   std::vector<Index> all_;
   std::vector<Index> place_;
   Vec weight_;
@@ -122,9 +147,16 @@ bool Search::try_one(const Vec& y) {
   return radius == lcp::infinity;
 }
 
+/// 1 / sqrt of the largest diagonal entry of W at the contact.
+double Search::unit(Index a) const {
+  double largest = 0;
+  for (int k = 0; k < d_; ++k) largest = std::max(largest, std::abs(problem_.W.near(d_ * a + k, d_ * a + k)));
+  return largest > 0 ? 1 / std::sqrt(largest) : 1;
+}
+
 bool Search::alone(Index a) {
-  for (SpMat::InnerIterator it(rows_, d_ * a); it; ++it)
-    if (it.row() % d_ == 0 && it.value() > 0) return false;
+  for (SpMat::InnerIterator it(target_.columns, a); it; ++it)
+    if (by_bodies() ? it.value() != 0 : it.row() % d_ == 0 && it.value() > 0) return false;
   Vec y = Vec::Zero(problem_.contacts());
   y[a] = 1;
   return try_one(y);
@@ -144,44 +176,29 @@ std::vector<std::vector<Index>> Search::parts() const {
 /// certificates for an answer: pivoting, or the QP, which is fast for any size, is asked first. Then least squares,
 /// without slack where W y e_N has to be 0.
 bool Search::examine(const std::vector<Index>& part) {
-  if (!symmetric_) return least_squares(part, true);
-  const bool small = static_cast<Index>(part.size()) < pivoting_to;
+  if (!target_.symmetric) return least_squares(part, true);
   bool solved = false;
-  const std::vector<Index> support =
-      frictionless_ray(part, small ? lcp::Method(lcp::PrincipalPivoting{}) : lcp::Method(lcp::BoundQp{}), solved);
+  const std::vector<Index> support = frictionless_ray(part, solved);
   if (best_) return true;
   if (solved) return false;
   if (!support.empty() && support.size() < part.size() && least_squares(support, false)) return true;
-  return least_squares(part, false) || (small && least_squares(part, true));
+  if (least_squares(part, false)) return true;
+  return !by_bodies() && static_cast<Index>(part.size()) < pivoting_to && least_squares(part, true);
 }
 
-/// Asks a method for the frictionless problem of the part; a certificate of it is offered. The contacts of that.
-std::vector<Index> Search::frictionless_ray(const std::vector<Index>& part, const lcp::Method& method, bool& solved) {
+/// Asks for the frictionless problem of the part; a certificate of it is offered. The contacts of that.
+std::vector<Index> Search::frictionless_ray(const std::vector<Index>& part, bool& solved) {
   prepare(part);
-  std::vector<Index> place(at(problem_.contacts()), -1);
-  for (std::size_t k = 0; k < part.size(); ++k) place[at(part[k])] = static_cast<Index>(k);
-  std::vector<Eigen::Triplet<double>> entries;
-  lcp::Vec q(static_cast<Index>(part.size()));
-  for (const Index a : part) {
-    q[place[at(a)]] = unit(a) * problem_.q[d_ * a];
-    for (SpMat::InnerIterator it(rows_, d_ * a); it; ++it)
-      if (const Index b = it.row() / d_; it.row() % d_ == 0 && place[at(b)] >= 0)
-        entries.emplace_back(static_cast<int>(place[at(a)]), static_cast<int>(place[at(b)]),
-                             unit(a) * it.value() * unit(b));
-  }
-  const double largest = q.lpNorm<Eigen::Infinity>();
-  SpMat M(q.size(), q.size());
-  M.setFromTriplets(entries.begin(), entries.end());
+  const Vec units = Vec::NullaryExpr(static_cast<Index>(part.size()), [&](Index k) { return unit(part[at(k)]); });
   lcp::Limits limits;
   limits.deadline = lcp::deadline_after(limits_.max_time, begin_);
   if (limits_.interrupt != nullptr) limits.interrupted = [stop = limits_.interrupt] { return stop->load(); };
-  const lcp::Result result =
-      lcp::solve(lcp::standard_lcp(std::move(M), q / largest), Vec::Zero(q.size()), method, limits);
-  solved = result.solved() && result.z.lpNorm<Eigen::Infinity>() <= largest_impulse;
-  if (result.certificate.size() != q.size()) return {};
+  const FrictionlessAnswer answer = frictionless_answer(problem_, part, units, limits);
+  solved = answer.solved;
+  if (answer.y.size() == 0) return {};
   Vec y = Vec::Zero(problem_.contacts());
-  for (const Index a : part) y[a] = std::max(0.0, result.certificate[place[at(a)]]) * unit(a);
-  std::vector<char> slack(at(problem_.contacts()), 0);
+  y(part) = answer.y;
+  const std::vector<char> slack(at(problem_.contacts()), 0);
   return offer(y, slack, part);
 }
 
@@ -209,20 +226,18 @@ ConicNnls::Column Search::ray(Index a, const Vec& rho, double& slope) const {
 
 /// Every contact in units of its own, friction cones with mu = 1; no rows for tangents that do no work.
 void Search::prepare(const std::vector<Index>& part) {
-  all_ = part;
+  all_.clear();
+  if (!by_bodies()) all_ = part;
   for (const Index a : part)
-    for (SpMat::InnerIterator it(rows_, d_ * a); it; ++it) all_.push_back(it.row() / d_);
+    for (SpMat::InnerIterator it(target_.columns, a); it; ++it) all_.push_back(it.row() / group());
   std::ranges::sort(all_);
   all_.erase(std::unique(all_.begin(), all_.end()), all_.end());
-  place_.assign(at(problem_.contacts()), -1);
+  place_.assign(at(target_.columns.rows() / group()), -1);
   for (std::size_t k = 0; k < all_.size(); ++k) place_[at(all_[k])] = static_cast<Index>(k);
-  weight_ = Vec::Ones(d_ * static_cast<Index>(all_.size()));
-  for (const Index b : all_) {
-    double largest = 0;
-    for (int k = 0; k < d_; ++k) largest = std::max(largest, std::abs(problem_.W.near(d_ * b + k, d_ * b + k)));
-    const double own = largest > 0 ? 1 / std::sqrt(largest) : 1;
-    for (int k = 0; k < d_; ++k) weight_[d_ * place_[at(b)] + k] = k == 0 ? own : problem_.mu[b] * own;
-  }
+  weight_ = Vec::Ones(group() * static_cast<Index>(all_.size()));
+  if (!by_bodies())
+    for (const Index b : all_)
+      for (int k = 0; k < d_; ++k) weight_[d_ * place_[at(b)] + k] = (k == 0 ? 1 : problem_.mu[b]) * unit(b);
   norm_ = Vec::Ones(problem_.contacts());
 }
 
@@ -234,8 +249,8 @@ bool Search::least_squares(const std::vector<Index>& part, bool with_slack) {
   for (const Index a : part) {
     ConicNnls::Column column{.tag = a, .entries = {}};
     double squares = 0;
-    for (SpMat::InnerIterator it(rows_, d_ * a); it; ++it) {
-      const Index row = d_ * place_[at(it.row() / d_)] + it.row() % d_;
+    for (SpMat::InnerIterator it(target_.columns, a); it; ++it) {
+      const Index row = row_of(it.row());
       const double value = weight_[row] * it.value();
       if (value != 0) column.entries.emplace_back(row, value);
       squares += value * value;
@@ -286,12 +301,14 @@ bool Search::least_squares(const std::vector<Index>& part, bool with_slack) {
 
 /// y = y - the shortest correction after which W'(y e_N) = 0 in contacts without slack.
 void Search::refine(Vec& y, const std::vector<Index>& support, const std::vector<char>& slack) const {
-  std::vector<std::pair<Index, Index>> entries_at;
+  const auto needed = [&](Index row) {
+    const Index b = row / d_;
+    return slack[at(b)] == 0 && (row % d_ == 0 || problem_.mu[b] > 0);
+  };
   std::vector<Index> rows;
   for (const Index a : support)
-    for (SpMat::InnerIterator it(rows_, d_ * a); it; ++it)
-      if (it.value() != 0 && slack[at(it.row() / d_)] == 0 && (it.row() % d_ == 0 || problem_.mu[it.row() / d_] > 0))
-        rows.push_back(it.row());
+    for (SpMat::InnerIterator it(target_.columns, a); it; ++it)
+      if (it.value() != 0 && (by_bodies() || needed(it.row()))) rows.push_back(it.row());
   std::ranges::sort(rows);
   rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
   if (rows.empty() || support.size() > most_columns) return;
@@ -300,10 +317,9 @@ void Search::refine(Vec& y, const std::vector<Index>& support, const std::vector
   for (std::size_t k = 0; k < support.size(); ++k) {
     const Index a = support[k];
     x[static_cast<Index>(k)] = y[a] * norm_[a];
-    for (SpMat::InnerIterator it(rows_, d_ * a); it; ++it)
+    for (SpMat::InnerIterator it(target_.columns, a); it; ++it)
       if (const auto found = std::ranges::lower_bound(rows, it.row()); found != rows.end() && *found == it.row())
-        G(found - rows.begin(), static_cast<Index>(k)) =
-            it.value() * weight_[d_ * place_[at(it.row() / d_)] + it.row() % d_] / norm_[a];
+        G(found - rows.begin(), static_cast<Index>(k)) = it.value() * weight_[row_of(it.row())] / norm_[a];
   }
   Eigen::CompleteOrthogonalDecomposition<Dense> factor;
   factor.setThreshold(1e-9);

@@ -97,6 +97,8 @@ class Delassus {
   Index cols() const;
   /// The parts; null where W is given by its entries.
   const DelassusParts* parts() const { return parts_.get(); }
+  /// The parts where they are all of W; null where it has a shift().
+  const DelassusParts* whole_parts() const { return shift_ == 0 ? parts_.get() : nullptr; }
   /// Whether the entries are there.
   bool formed() const;
   /// Whether both have the same entries, or the same M and H, bit by bit.

@@ -81,7 +81,7 @@ void add_shares(Residual& out, const Vector3d& r, const Vector3d& u, double mu, 
 void project_onto_cone(In y, double mu, lcp::Out out) {
   const Index d = y.size();
   const double T = d == 2 ? std::abs(y[1]) : std::hypot(y[1], y[2]);
-  if (T <= mu * y[0]) {
+  if (y[0] >= 0 && T <= mu * y[0]) {
     out = y;
     return;
   }

@@ -119,8 +119,8 @@ Scaled scaled(const Problem& problem, bool scale) {
     out.q[k] = to.weight[at(k)] * problem.q[out.rows[at(k)]] / units.velocity;
     out.impulse[k] = units.impulse * to.weight[at(k)];
   }
-  if (problem.W.parts() != nullptr && problem.W.shift() == 0) {
-    const auto parts = scaled_parts(*problem.W.parts(), to);
+  if (const DelassusParts* of = problem.W.whole_parts()) {
+    const auto parts = scaled_parts(*of, to);
     out.W = Delassus(parts, [parts, blocks = out.blocks] { return with_whole_blocks(parts->form(), blocks); });
   } else {
     out.W = fill(problem.W.matrix(), to);

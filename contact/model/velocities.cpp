@@ -17,6 +17,8 @@ constexpr double eps = std::numeric_limits<double>::epsilon();
 constexpr double wanted = 1e-14;
 /// Of Q_a: what u is compared with where it is less, of parts.
 constexpr double least_share = 1e-6;
+/// Of velocities: what an LU factorization leaves of them.
+constexpr double by_lu = 1e-10;
 /// Roundings of a sum over the contacts of a body, generously.
 constexpr double roundings = 100;
 
@@ -207,6 +209,20 @@ Velocities exact_velocities(const Problem& problem, In r, const std::vector<doub
 
 Vec exact_velocities(const DelassusParts& parts, In p, In w) {
   return velocities_of<lcp::ExactSum>(parts, {.value = p, .rest = Vec::Zero(p.size())}, w, 0, w);
+}
+
+/// Of q = H' v + w, v = M^-1 f to eps^2 in the norm of M, body by body; N_bi is H_i in that of M^-1.
+Vec condensation_error(const Problem& problem) {
+  const DelassusParts* parts = problem.W.whole_parts();
+  if (parts == nullptr) {
+    const std::vector<double> coupled = coupled_velocities(problem);
+    return Vec::NullaryExpr(problem.q.size(), [&](Index i) { return by_lu * coupled[at(i / problem.dimension)]; });
+  }
+  const Vec& f = problem.global->f;
+  const Vec v = parts->inverse(f);
+  Vec squares = Vec::Zero(parts->shares().rows());
+  for (Index i = 0; i < f.size(); ++i) squares[parts->inertia().body_of()[at(i)]] += std::abs(f[i] * v[i]);
+  return 8 * eps * problem.q.cwiseAbs() + roundings * eps * eps * (parts->shares().transpose() * squares.cwiseSqrt());
 }
 
 Vec velocities(const Problem& problem, In r) { return exact_velocities(problem, r, coupled_velocities(problem)).u; }

@@ -423,6 +423,7 @@ TEST(Projection, Cases) {
   EXPECT_EQ(project(vec({0, 0, 0}), 0.5), vec({0, 0, 0}));
   EXPECT_EQ(project(vec({3, 4, -5}), 0), vec({3, 0, 0}));
   EXPECT_EQ(project(vec({-3, 4, -5}), 0), vec({0, 0, 0}));
+  EXPECT_EQ(project(vec({-3, 0, 0}), 0), vec({0, 0, 0}));  // |y_T| = mu y_N, below the tip
   EXPECT_TRUE(project(vec({0, 3, 4}), 1).isApprox(vec({2.5, 1.5, 2}), 1e-15));
   EXPECT_TRUE(project(vec({0, -2}), 1).isApprox(vec({1, -1}), 1e-15));
   EXPECT_TRUE(project(vec({0, 3e250, 4e250}), 1).isApprox(vec({2.5e250, 1.5e250, 2e250}), 1e-15));

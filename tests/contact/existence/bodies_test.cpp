@@ -1,0 +1,229 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Proofs of global problems: by M and H, without the entries of W. Source: contact/existence/infeasible.hpp and
+/// existence.hpp; judged in rationals of M, of powers of two, and of H.
+#include <gtest/gtest.h>
+
+#include <utility>
+
+#include "contact/contact_support.hpp"
+#include "contact/existence/existence.hpp"
+#include "contact/model/velocities.hpp"
+#include "contact/scenes/generators.hpp"
+#include "contact/solvers/run.hpp"
+#include "exact_certificate.hpp"
+#include "unsolvable.hpp"
+
+namespace perp::contact {
+namespace {
+
+using support::Dense;
+using support::Random;
+using support::vec;
+using test::unsolvable::power;
+
+SpMat diagonal(const Vec& values) { return Dense(values.asDiagonal()).sparseView(); }
+
+Problem global_problem(SpMat M, const Dense& H, Vec f, Vec w, Vec mu, int d) {
+  const Index m = M.rows();
+  return condense(
+      {.M = std::move(M), .H = H.sparseView(), .G = SpMat(m, 0), .f = std::move(f), .w = std::move(w), .b = {}},
+      std::move(mu), d);
+}
+
+/// The same by its entries: exact where M is of powers of two and H of small whole numbers.
+Problem by_entries(const Problem& problem) {
+  Problem out = problem;
+  const Dense H(problem.global->H);
+  out.W = SpMat((H.transpose() * Dense(problem.global->M).diagonal().cwiseInverse().asDiagonal() * H).sparseView());
+  out.global = nullptr;
+  return out;
+}
+
+/// Bodies with weights y of contacts that nothing can keep from approaching.
+Problem squeezed(Random& random, Vec& y) {
+  const int d = random.integer(2, 3);
+  const Index n = random.integer(2, random.chance(0.2) ? 80 : 12);
+  const Index m = random.integer(2, static_cast<int>(d * n));
+  const Dense H =
+      test::unsolvable::squeezing(d, n, m, random.integer(2, static_cast<int>(std::min<Index>(n, 6))), y, random);
+  const Vec masses = Vec::NullaryExpr(m, [&] { return power(random, 8); });
+  Problem velocities{.dimension = d, .W = {}, .q = Vec::Zero(d * n), .mu = Vec::Constant(n, 0.5)};
+  test::unsolvable::set_velocities(velocities, y, random);
+  return global_problem(diagonal(masses), H, Vec::Zero(m), velocities.q, velocities.mu, d);
+}
+
+// Found in nearly all, with weights that hold in rationals. Catches a search that asks for the entries of W, a
+// certificate of another product than that of M and H.
+TEST(BodiesProofs, CertificatesAreFoundAndHoldExactly) {
+  Random random(31);
+  int found = 0;
+  constexpr int problems = 60;
+  constexpr SearchLimits soon{.max_time = std::chrono::milliseconds(20)};
+  for (int k = 0; k < problems; ++k) {
+    Vec y;
+    const Problem problem = squeezed(random, y);
+    EXPECT_TRUE(proves_infeasible(problem, y)) << k;
+    EXPECT_EQ(infeasibility_radius(problem, y), lcp::infinity) << k;
+    const std::optional<Infeasible> proof = find_infeasibility(problem);
+    EXPECT_FALSE(find_witness(problem, soon).has_value()) << k;
+    EXPECT_FALSE(problem.W.formed()) << k;
+    if (!proof) continue;
+    ++found;
+    if (proof->radius == lcp::infinity)
+      EXPECT_TRUE(test::exactly_infeasible(by_entries(problem), proof->y)) << k;
+    else
+      EXPECT_GE(test::exact_radius(by_entries(problem), proof->y), proof->radius) << k;
+  }
+  EXPECT_GE(found, 0.95 * problems);
+}
+
+// For any y the radius is not larger than in rationals. Catches a norm that is rounded down, or taken of a part.
+TEST(BodiesProofs, TheRadiusIsALowerBound) {
+  Random random(32);
+  int finite = 0;
+  for (int k = 0; k < 400; ++k) {
+    Vec y;
+    const Problem problem = squeezed(random, y);
+    const int scale = random.integer(-250, 250);
+    y = y.unaryExpr([&](double x) { return std::ldexp(random.chance(0.5) ? x : x * random.uniform(0.5, 2), scale); });
+    const double claimed = infeasibility_radius(problem, y);
+    const double exact = test::exact_radius(by_entries(problem), y);
+    EXPECT_LE(claimed, exact) << k;
+    finite += claimed > 0 && claimed < lcp::infinity ? 1 : 0;
+  }
+  EXPECT_GT(finite, 80);
+}
+
+// Bodies that are squeezed and at rest: v = 0 keeps all contacts, and q = H' M^-1 f approaches by its roundings alone.
+// Catches a proof from those, which there would be if q were what is given.
+TEST(BodiesProofs, RoundedVelocitiesProveNothing) {
+  Random random(33);
+  int by_roundings = 0;
+  for (int k = 0; k < 200; ++k) {
+    const Index n = random.integer(3, 6);
+    const Index m = random.integer(2, 5);
+    Vec y;
+    const Dense H = test::unsolvable::squeezing(2, n, m, n, y, random);
+    const Vec masses = Vec::NullaryExpr(m, [&] { return random.uniform(0.1, 10); });
+    Problem problem =
+        global_problem(diagonal(masses), H, random.normals(m), Vec::Zero(2 * n), Vec::Constant(n, 0.3), 2);
+    EXPECT_EQ(infeasibility_radius(problem, y), 0) << k;
+    EXPECT_FALSE(find_infeasibility(problem).has_value()) << k;
+    problem.global = nullptr;
+    by_roundings += proves_infeasible(problem, y) ? 1 : 0;
+  }
+  EXPECT_GT(by_roundings, 20);
+}
+
+// Turned by any angle, H (y e_N) = 0 to rounding only: said, and with a finite radius.
+TEST(BodiesProofs, TurnedWallsToRounding) {
+  Random random(34);
+  int proven = 0;
+  for (int k = 0; k < 50; ++k) {
+    Dense H = test::unsolvable::between_walls(3, 4, random);
+    const Eigen::Matrix3d Q =
+        Eigen::Quaterniond(random.normal(), random.normal(), random.normal(), random.normal()).normalized().matrix();
+    H.topRows(3) = Q * H.topRows(3);
+    H.bottomRows(3) = Q * H.bottomRows(3);
+    Problem velocities{.dimension = 3, .W = {}, .q = Vec::Zero(12), .mu = Vec::Constant(4, 0.3)};
+    test::unsolvable::set_velocities(velocities, vec({1, 1, 0, 0}), random);
+    const Vec masses = vec({2, 2, 2, 0.7, 0.8, 0.9});
+    const Problem problem = global_problem(diagonal(masses), H, Vec::Zero(6), velocities.q, velocities.mu, 3);
+    const std::optional<Infeasible> found = find_infeasibility(problem);
+    proven += found ? 1 : 0;
+    EXPECT_TRUE(!found || found->radius >= 1e12) << k;
+  }
+  EXPECT_GE(proven, 45);
+}
+
+// Problems with solutions are never refused, whatever the masses: v' inside the dual cones by construction, and a
+// witness of it is found without W.
+TEST(BodiesProofs, WitnessesHoldExactly) {
+  Random random(35);
+  int found = 0;
+  constexpr int problems = 100;
+  for (int k = 0; k < problems; ++k) {
+    const int d = random.integer(2, 3);
+    const Index n = random.integer(1, 6);
+    const Index m = random.integer(1, static_cast<int>(d * n));
+    const Dense H = Dense::NullaryExpr(m, d * n, [&] { return random.integer(-2, 2); });
+    const Vec masses = Vec::NullaryExpr(m, [&] { return power(random, 10); });
+    const Vec mu = Vec::Constant(n, 0.5);
+    Vec w = -H.transpose() * Vec::NullaryExpr(m, [&] { return static_cast<double>(random.integer(-3, 3)); });
+    for (Index a = 0; a < n; ++a) w[d * a] += random.uniform(0.01, 1);
+    const Problem problem = global_problem(diagonal(masses), H, Vec::Zero(m), w, mu, d);
+    EXPECT_FALSE(find_infeasibility(problem).has_value()) << k;
+    const std::optional<Witness> witness = find_witness(problem);
+    EXPECT_FALSE(problem.W.formed()) << k;
+    if (!witness) continue;
+    ++found;
+    EXPECT_EQ(witness->shift, 0);
+    EXPECT_TRUE(test::exactly_inside(by_entries(problem), witness->r)) << k;
+    EXPECT_TRUE(examine_witness(problem, witness->r).has_value()) << k;
+    EXPECT_FALSE(examine_witness(problem, -1e3 * witness->r).has_value() && witness->r.norm() > 1e3) << k;
+  }
+  EXPECT_GE(found, 0.9 * problems);
+}
+
+// Nothing is said of an inertia that is positive definite by rounding alone.
+TEST(BodiesProofs, AnInertiaOnTheBorderHasNoWitness) {
+  const double below = std::nextafter(1, 0);
+  const auto inertia = Inertia::of(support::matrix({{1, below}, {below, 1}}));
+  ASSERT_NE(inertia, nullptr);
+  Problem problem{.dimension = 2, .W = {}, .q = vec({1, 0}), .mu = vec({0.5})};
+  problem.W = Delassus(std::make_shared<const DelassusParts>(inertia, 1, support::matrix({{1, 0}, {0, 1}})));
+  EXPECT_FALSE(find_witness(problem).has_value());
+  const auto clear = Inertia::of(support::matrix({{1, 0.5}, {0.5, 1}}));
+  problem.W = Delassus(std::make_shared<const DelassusParts>(clear, 1, support::matrix({{1, 0}, {0, 1}})));
+  EXPECT_TRUE(find_witness(problem).has_value());
+}
+
+/// A ball between two walls that approach it, beside the bodies of the scene.
+Problem scene_and_squeezed_ball(const char* name, Index contacts) {
+  const Scene scene = make_scene(name, contacts);
+  Global global = *scene.problem().global;
+  const Index m = global.M.rows();
+  const Index n = global.w.size();
+  global.M.conservativeResize(m + 3, m + 3);
+  for (Index k = 0; k < 3; ++k) global.M.coeffRef(m + k, m + k) = 2;
+  global.H.conservativeResize(m + 3, n + 6);
+  for (Index k = 0; k < 3; ++k) {
+    global.H.coeffRef(m + k, n + k) = 1;
+    global.H.coeffRef(m + k, n + 3 + k) = -1;
+  }
+  global.G = SpMat(m + 3, 0);
+  global.f.conservativeResize(m + 3);
+  global.f.tail(3).setZero();
+  global.w.conservativeResize(n + 6);
+  global.w.tail(6) << -1, 0, 0, -0.5, 0, 0;
+  Vec mu = scene.problem().mu;
+  mu.conservativeResize(mu.size() + 2);
+  mu.tail(2).setConstant(0.5);
+  return condense(std::move(global), mu);
+}
+
+// Ten thousand contacts and one squeezed ball: every way to the answer names the two, and none forms W.
+TEST(BodiesProofs, OneSqueezedBallAmongThousands) {
+  const Problem problem = scene_and_squeezed_ball("wall", 10000);
+  const std::optional<Infeasible> found = find_infeasibility(problem);
+  ASSERT_TRUE(found.has_value());
+  EXPECT_EQ(found->radius, lcp::infinity);
+  EXPECT_EQ((found->y.array() > 0).count(), 2);
+  const contact::Run end = contact::run(problem, variant_of("coulomb+nsgs"), {.seconds = 2});
+  EXPECT_EQ(end.status, Status::Infeasible) << end.message;
+  EXPECT_FALSE(problem.W.formed());
+}
+
+// The bodies of a large scene are one part: interior points on their own problem see that there is a solution, and the
+// witness is found with factors of their size.
+TEST(BodiesProofs, LargeScenesHaveSolutions) {
+  for (const char* name : {"wall", "spheres"}) {
+    const Problem problem = make_scene(name, 1000).problem();
+    const SearchLimits limits{.max_time = std::chrono::duration<double>(20)};
+    EXPECT_FALSE(find_infeasibility(problem, limits).has_value()) << name;
+    EXPECT_FALSE(problem.W.formed()) << name;
+  }
+}
+
+}  // namespace
+}  // namespace perp::contact
