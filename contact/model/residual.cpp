@@ -153,8 +153,13 @@ Residual residual(const Problem& problem, In r) { return Judge(problem)(r); }
 
 std::vector<ContactState> states(const Problem& problem, In r, double tol) {
   check_impulses(problem, r);
+  return states(problem, {.r = r, .u = velocities(problem, r)}, tol);
+}
+
+std::vector<ContactState> states(const Problem& problem, const Solution& at, double tol) {
+  check_impulses(problem, at.r);
   const int d = problem.dimension;
-  const Vec u = velocities(problem, r);
+  const auto& [r, u] = at;
   double largest_r = 0;
   double largest_u = 0;
   for (Index a = 0; a < problem.contacts(); ++a) {

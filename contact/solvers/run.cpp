@@ -54,6 +54,7 @@ void run_exact(Run& run, const Problem& problem, const Variant& variant, const R
   run.message = std::move(result.message);
   run.verdict = std::move(result.verdict);
   run.solution = std::move(result.solution);
+  run.residual = result.residual;
   run.history = std::move(result.history);
   run.counts = {{"iterations", result.stats.iterations},
                 {"sweeps", result.stats.sweeps},
@@ -229,17 +230,20 @@ void judge(Run& run, const Problem& problem, const Variant& variant) {
 Run run(const Problem& problem, const Variant& variant, const RunLimits& limits) {
   const Clock::time_point begin = Clock::now();
   Run run;
-  if (variant.law == Law::Glocker || variant.law == Law::Coulomb)
+  const bool exact = variant.law == Law::Glocker || variant.law == Law::Coulomb;
+  if (exact)
     run_exact(run, problem, variant, limits);
   else if (variant.law == Law::Ncp1)
     run_first_ncp(run, problem, variant, limits);
   else
     run_affine(run, problem, encoding_of(problem, variant), variant, limits, begin);
   run.solved = run.status == Status::Solved;
-  if (variant.law != Law::Glocker && variant.law != Law::Coulomb)
-    ask_existence(run, problem, variant, limits, Clock::now() - begin);
+  if (!exact) ask_existence(run, problem, variant, limits, Clock::now() - begin);
   run.seconds = Seconds(Clock::now() - begin).count();
-  judge(run, problem, variant);
+  if (exact)
+    run.states = states(problem, run.solution);
+  else
+    judge(run, problem, variant);
   return run;
 }
 
