@@ -162,8 +162,12 @@ bool NormalPath::factor_start(PivotResult& result) {
   for (Index i = 0; i < n_; ++i) head(i) = i;
   driver_ = n_;
   direction_ = 1;
+  distrusted_ = true;  // stays so where the path does not begin: it may end at once, solved and without factors
   LuStatus status = factor_basis();
-  if (status == LuStatus::Ok && (factor_.surely_regular() || factor_.rcond() >= options_.singular_rcond)) return true;
+  if (status == LuStatus::Ok && (factor_.surely_regular() || factor_.rcond() >= options_.singular_rcond)) {
+    distrusted_ = false;
+    return true;
+  }
   if (!options_.repair || (status != LuStatus::Ok && status != LuStatus::Singular)) return false;
   std::vector<BasisFactor::Dependency> replaced;
   const std::vector<Index> columns = factor_.basis();
@@ -173,6 +177,7 @@ bool NormalPath::factor_start(PivotResult& result) {
     head(dependent.position) = n_ + 1 + dependent.row;
   }
   result.repaired = static_cast<int>(replaced.size());
+  distrusted_ = false;
   return true;
 }
 

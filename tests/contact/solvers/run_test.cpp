@@ -114,5 +114,13 @@ TEST(Run, RefusesASolverOfAnotherLaw) {
   EXPECT_THROW(run(problem, variant), std::invalid_argument);
 }
 
+// A start that is solved already, and whose cell has a singular matrix: the path has a zero of the normal map and no
+// factors. Catches a simplified Newton step with those, which ended the program.
+TEST(Run, GoesOnFromAPathWithoutFactors) {
+  Problem problem{.W = SpMat(3, 3), .q = Vec::Zero(3), .mu = vec({0.5})};
+  problem.W = SpMat(std::ldexp(1.0, -488) * support::matrix({{-4, -2, -3}, {-2, -1, -4}, {-3, -4, 0}}));
+  EXPECT_NO_THROW(static_cast<void>(contact::run(problem, variant_of("ncp1"))));
+}
+
 }  // namespace
 }  // namespace perp::contact
