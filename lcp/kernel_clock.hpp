@@ -29,6 +29,8 @@ class KernelTooLong : public std::runtime_error {
 class KernelClock {
  public:
   explicit KernelClock(Deadline deadline = no_deadline) : deadline_(deadline) {}
+  /// For the calls from now on; the rate stays known.
+  void set_deadline(Deadline deadline) { deadline_ = deadline; }
   /// Throws KernelTooLong if the call would end after the deadline, NotEnoughMemory if it does not fit in memory.
   void before(Index rows, const KernelCost& cost);
   /// It has come back. Its rate is the next one's: what the estimates are off by cancels.

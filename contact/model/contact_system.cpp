@@ -183,6 +183,12 @@ ContactSystem::ContactSystem(const Scaled& problem, const ContactSystem& shared)
 
 ContactSystem::~ContactSystem() = default;
 
+void ContactSystem::set_deadline(lcp::Deadline deadline) {
+  deadline_ = deadline;
+  cholesky_->set_deadline(deadline);
+  if (lu_) lu_->set_deadline(deadline);
+}
+
 ContactSystem::Form ContactSystem::form() {
   choose();
   return bodies_ ? Form::Bodies : Form::Contacts;

@@ -60,6 +60,8 @@ class ContactSystem {
   ContactSystem(const ContactSystem&) = delete;
   ContactSystem& operator=(const ContactSystem&) = delete;
 
+  void set_deadline(lcp::Deadline deadline);  ///< for the factorizations from now on
+
   // One block or pair of them a contact. False: there are no factors, the matrix is singular or not finite.
   bool factor(const std::vector<ContactRows>& rows);
   /// A + W with A symmetric positive definite, and these couplings; A's inverse is needed to more digits than A has.

@@ -440,7 +440,8 @@ void Follower::remember(In r) {
   }
 }
 
-std::optional<Vec> Follower::from(In start, const Accept& accept, const Stop& stop) {
+std::optional<Vec> Follower::from(In start, const Accept& accept, const Stop& stop, lcp::Deadline deadline) {
+  kept_->system.set_deadline(deadline);
   Vec r = start;
   by_ = Origin::WarmStart;
   if (natural_map(kept_->problem, r) <= worth_judging && accept(r)) return r;

@@ -89,9 +89,11 @@ Run Sequence::follow(const Problem& problem, const Vec& start) {
   const long steps = follower_->steps();
   const long path_steps = follower_->path_steps();
   const long sweeps = follower_->sweeps();
-  // Where memory is short for its LU, the cold start may do with less.
-  const auto found = lcp::within_limits([&] { return follower_->from(coordinates.reduce(start), accept, stop); },
-                                        [](Status, const std::string&) { return std::optional<Vec>(); });
+  const lcp::Deadline deadline = lcp::deadline_after(std::chrono::duration<double>(limits.seconds), begin);
+  // Where memory or time is short for its LU, the cold start may do with less.
+  const auto found =
+      lcp::within_limits([&] { return follower_->from(coordinates.reduce(start), accept, stop, deadline); },
+                         [](Status, const std::string&) { return std::optional<Vec>(); });
   Run run;
   run.counts = {{"iterations", follower_->path_steps() - path_steps},
                 {"sweeps", follower_->sweeps() - sweeps},
@@ -106,7 +108,7 @@ Run Sequence::follow(const Problem& problem, const Vec& start) {
     run.solution.u = velocities(problem, run.solution.r);
     run.residual = last;
     run.seconds = spent();  // as of contact::run: the states are told afterwards
-    run.states = states(problem, run.solution.r);
+    run.states = states(problem, run.solution);
     ++stats_.followed;
   } else {
     run.seconds = spent();

@@ -106,6 +106,7 @@ Cholesky::Cholesky(Deadline deadline, CholeskyOrdering ordering) : impl_(std::ma
   impl_->clock = KernelClock(deadline);
 }
 Cholesky::~Cholesky() = default;
+void Cholesky::set_deadline(Deadline deadline) { impl_->clock.set_deadline(deadline); }
 Cholesky::Cholesky(Cholesky&&) noexcept = default;
 Cholesky& Cholesky::operator=(Cholesky&&) noexcept = default;
 

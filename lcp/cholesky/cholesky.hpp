@@ -43,6 +43,8 @@ class Cholesky {
   Cholesky(Cholesky&&) noexcept;
   Cholesky& operator=(Cholesky&&) noexcept;
 
+  void set_deadline(Deadline deadline);  ///< for the factorizations from now on
+
   /// Factors the symmetric matrix whose lower triangle is A's; what A holds above its diagonal is not read. A is not
   /// kept but for its pattern: it may change or die afterwards. Answers OutOfMemory before the factorization if L would
   /// have more than `entries` entries. Throws std::invalid_argument if A is not square.

@@ -159,6 +159,8 @@ bool SparseLu::try_factor(const SpMat& A) {
   throw std::bad_alloc();
 }
 
+void SparseLu::set_deadline(Deadline deadline) { impl_->clock.set_deadline(deadline); }
+
 double SparseLu::longest_call() const { return impl_->clock.longest(); }
 
 LuStatus SparseLu::Impl::factor(const SpMat& matrix) {

@@ -38,6 +38,8 @@ class SparseLu {
   SparseLu(SparseLu&&) noexcept;
   SparseLu& operator=(SparseLu&&) noexcept;
 
+  void set_deadline(Deadline deadline);  ///< for the factorizations from now on
+
   /// Factors A (square; throws std::invalid_argument if it is not). A is copied: it may change or die afterwards.
   /// The matrix
   /// that was factored last is not factored again. OutOfMemory also where the estimate says that the factors do not

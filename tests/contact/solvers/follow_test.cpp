@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <optional>
 #include <string_view>
 
@@ -109,6 +110,22 @@ TEST(Follower, StopsOnItsPaths) {
     EXPECT_LE(follower.path_steps() - before, 2) << k;
   }
   EXPECT_GT(follower.path_steps(), 0);
+}
+
+// A factorization that cannot end in time is not begun, and with more time it is followed as ever. Catches a step of a
+// sequence that goes on long after its limit.
+TEST(Follower, BeginsNoFactorizationThatIsTooLong) {
+  const Problem problem = make_scene("wall", 10000).problem();
+  Follower follower;
+  const Scaled& coordinates = follower.take(problem);
+  const Vec far = coordinates.reduce(Vec::Zero(problem.q.size()));  // LU, which takes longest
+  const Vec near = 0.9 * coordinates.reduce(solve(problem).solution.r);
+  const auto accept = [&](const Vec& r) { return accepted(residual(problem, coordinates.expand(r)), 1e-8); };
+  const auto stop = [] { return false; };
+  const lcp::Deadline now = std::chrono::steady_clock::now();
+  EXPECT_THROW(static_cast<void>(follower.from(far, accept, stop, now)), lcp::KernelTooLong);
+  const std::optional<Vec> found = follower.from(near, accept, stop);
+  EXPECT_TRUE(found && accept(*found));
 }
 
 }  // namespace
