@@ -4,10 +4,11 @@
 /// unsymmetric as long as it is monotone.
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "contact/classics/classics.hpp"
 #include "contact/classics/trial.hpp"
-#include "lcp/lu/sparse_lu.hpp"
+#include "contact/model/contact_system.hpp"
 
 namespace perp::contact {
 namespace {
@@ -29,7 +30,7 @@ class ConvexContact {
         problem_(problem),
         method_(method),
         vi_(problem),
-        lu_(lcp::LuBackend::General, trial.deadline()),
+        system_(problem, lcp::LuBackend::General, trial.deadline()),
         rho_(method.penalty) {}
 
   /// Towards the solution for q_s, from z, until both residuals are at most `tol`; false if it cannot go on.
@@ -39,7 +40,7 @@ class ConvexContact {
     for (int k = 1; k <= method_.inner_iterations; ++k) {
       if (trial_.over() || (!factored_ && !factor())) return false;
       ++trial_.effort.sweeps;
-      lu_.solve(rho_ * (z - y_) - q_s, x);
+      system_.solve(rho_ * (z - y_) - q_s, x);
       const Vec mixed = method_.relaxation * x + (1 - method_.relaxation) * z;
       const Vec before = z;
       z = vi_.project(mixed + y_);
@@ -54,11 +55,13 @@ class ConvexContact {
   }
 
  private:
+  /// W + rho I: with factors of the bodies' size where W is by its parts.
   bool factor() {
-    SpMat K = problem_.W.matrix();
-    for (Index i = 0; i < K.cols(); ++i) K.coeffRef(i, i) += rho_;
+    const Eigen::Matrix3d I = Eigen::Matrix3d::Identity();
+    const std::size_t contacts = problem_.blocks.size();
     ++trial_.effort.factorizations;
-    factored_ = lu_.try_factor(K);
+    factored_ = system_.factor(std::vector<Eigen::Matrix3d>(contacts, rho_ * I),
+                               std::vector<Eigen::Matrix3d>(contacts, I / rho_));
     return factored_;
   }
 
@@ -75,7 +78,7 @@ class ConvexContact {
   const Scaled& problem_;
   const Cadoux& method_;
   ContactVi vi_;
-  lcp::SparseLu lu_;
+  ContactSystem system_;
   double rho_;
   Vec y_;
   bool factored_ = false;
