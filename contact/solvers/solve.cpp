@@ -203,12 +203,15 @@ bool Referee::no_solution() {
   return over();
 }
 
-/// What is known where no solution was found.
+/// What is known where no solution was found. Both searches together keep to the limits of one.
 void Referee::ask_existence() {
   if (options_.max_steps > 0) return;
-  if (result_.status == Status::NoProgress || result_.status == Status::TimeLimit) no_solution();
-  if (result_.status == Status::NoProgress || result_.status == Status::TimeLimit)
-    result_.verdict = verdict_without_certificate(problem_, search_limits());
+  const auto unknown = [this] { return result_.status == Status::NoProgress || result_.status == Status::TimeLimit; };
+  const auto begin = std::chrono::steady_clock::now();
+  SearchLimits limits = search_limits();
+  if (unknown()) no_solution();
+  limits.max_time -= std::chrono::steady_clock::now() - begin;
+  if (unknown()) result_.verdict = verdict_without_certificate(problem_, limits);
 }
 
 void Referee::guard(const std::function<void()>& part) {
