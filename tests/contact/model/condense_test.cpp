@@ -4,9 +4,9 @@
 
 #include <Eigen/Dense>
 
+#include "contact/condensation/free_motions.hpp"
 #include "contact/contact_support.hpp"
 #include "contact/model/facts.hpp"
-#include "contact/model/free_motions.hpp"
 #include "contact/scenes/generators.hpp"
 #include "contact/solvers/solve.hpp"
 #include "lcp/solve/schur.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "contact/model/free_motions.hpp"
+#include "contact/condensation/free_motions.hpp"
 
 #include <Eigen/QR>
 #include <utility>

@@ -5,8 +5,8 @@
 #include <utility>
 #include <vector>
 
+#include "contact/condensation/free_motions.hpp"
 #include "contact/model/checks.hpp"
-#include "contact/model/free_motions.hpp"
 #include "contact/model/velocities.hpp"
 #include "lcp/solve/schur.hpp"
 
