@@ -13,6 +13,8 @@ namespace {
 
 /// Of the largest pivot: less is a dependent constraint.
 constexpr double independent = 1e-12;
+/// What a constraint may be violated by, of what cancels in it: masses are too far apart for Z beyond.
+constexpr double held = 1e-11;
 
 /// Velocities that constraints join, and those constraints.
 struct Joint {
@@ -40,9 +42,14 @@ std::vector<Joint> joints(const SpMat& G) {
 /// Builds Z and v_b joint by joint.
 class Elimination {
  public:
-  explicit Elimination(const Global& g) : g_(g), v_b_(Vec::Zero(g.M.rows())), place_(at(g.M.rows())) {}
+  explicit Elimination(const Global& g)
+      : g_(g),
+        unit_(Vec(g.M.diagonal()).cwiseSqrt().cwiseInverse()),
+        v_b_(Vec::Zero(g.M.rows())),
+        place_(at(g.M.rows())) {}
 
   bool run() {
+    if (!unit_.allFinite()) return false;
     for (const Joint& joint : joints(g_.G))
       if (!add(joint)) return false;
     return motions_ > 0;
@@ -59,7 +66,7 @@ class Elimination {
     const auto m = static_cast<Index>(joint.rows.size());
     const auto k = static_cast<Index>(joint.columns.size());
     if (k == 0) {
-      for (const int row : joint.rows) entries_.emplace_back(row, motions_++, 1.0);
+      for (const int row : joint.rows) entries_.emplace_back(row, motions_++, unit_[row]);
       return true;
     }
     if (m > most_joined || k > m) return false;
@@ -67,7 +74,8 @@ class Elimination {
     Eigen::MatrixXd G = Eigen::MatrixXd::Zero(m, k);
     Vec b(k);
     for (Index j = 0; j < k; ++j) {
-      for (SpMat::InnerIterator it(g_.G, joint.columns[at(j)]); it; ++it) G(place_[at(it.row())], j) = it.value();
+      for (SpMat::InnerIterator it(g_.G, joint.columns[at(j)]); it; ++it)
+        G(place_[at(it.row())], j) = it.value() * unit_[it.row()];
       const double size = G.col(j).stableNorm();
       if (!(size > 0)) return false;
       G.col(j) /= size;
@@ -81,14 +89,22 @@ class Elimination {
     const Vec pivoted = qr.colsPermutation().transpose() * b;
     const auto R = qr.matrixR().topLeftCorner(k, k).triangularView<Eigen::Upper>();
     const Vec v = -Q.leftCols(k) * R.transpose().solve(pivoted);
-    for (Index i = 0; i < m; ++i) v_b_[joint.rows[at(i)]] = v[i];
+    if (!hold(G, v, b) || !hold(G, Q.rightCols(m - k), Eigen::MatrixXd::Zero(k, m - k))) return false;
+    for (Index i = 0; i < m; ++i) v_b_[joint.rows[at(i)]] = unit_[joint.rows[at(i)]] * v[i];
     for (Index j = k; j < m; ++j, ++motions_)
       for (Index i = 0; i < m; ++i)
-        if (Q(i, j) != 0) entries_.emplace_back(joint.rows[at(i)], motions_, Q(i, j));
+        if (Q(i, j) != 0) entries_.emplace_back(joint.rows[at(i)], motions_, unit_[joint.rows[at(i)]] * Q(i, j));
     return true;
   }
 
+  /// G' V + B = 0, each entry beside the terms that cancel in it.
+  static bool hold(const Eigen::MatrixXd& G, const Eigen::MatrixXd& V, const Eigen::MatrixXd& B) {
+    const Eigen::ArrayXXd terms = (G.cwiseAbs().transpose() * V.cwiseAbs() + B.cwiseAbs()).array();
+    return ((G.transpose() * V + B).array().abs() <= held * terms).all();
+  }
+
   const Global& g_;
+  Vec unit_;  // of the velocities: 1 / sqrt(M_ii), so that light bodies do not drown in heavy ones
   Vec v_b_;
   std::vector<Index> place_;
   std::vector<Eigen::Triplet<double>> entries_;

@@ -115,6 +115,37 @@ TEST(Condense, JointsLeaveAnOperator) {
   EXPECT_FALSE(p.W.formed());
 }
 
+// Masses by powers of ten apart in one mechanism: W is that of long doubles, entry by entry, light bodies as heavy
+// ones. Catches the inertia of a light body that is lost beside a heavy one's.
+TEST(Condense, JointsKeepLightBodies) {
+  using Long = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
+  Random random(15);
+  for (int k = 0; k < 60; ++k) {
+    const Index m = random.integer(3, 8);
+    const Index joints = random.integer(1, static_cast<int>(m) - 1);
+    const double range = k % 3 == 0 ? 1 : k % 3 == 1 ? 3 : 9;
+    const Vec masses = Vec::NullaryExpr(m, [&] { return std::pow(10, random.uniform(-range, range)); });
+    Global g{.M = sparse(masses.asDiagonal().toDenseMatrix()),
+             .H = sparse(random.normals(m, 6)),
+             .G = sparse(random.normals(m, joints)),
+             .f = Vec::Zero(m),
+             .w = Vec::Zero(6),
+             .b = Vec::Zero(joints)};
+    Long K = Long::Zero(m + joints, m + joints);
+    K.topLeftCorner(m, m) = Dense(g.M).cast<long double>();
+    K.topRightCorner(m, joints) = Dense(g.G).cast<long double>();
+    K.bottomLeftCorner(joints, m) = Dense(g.G).transpose().cast<long double>();
+    Long B = Long::Zero(m + joints, 6);
+    B.topRows(m) = Dense(g.H).cast<long double>();
+    const Dense W = Long(B.transpose() * K.fullPivLu().solve(B)).cast<double>();
+    const Problem p = condense(std::move(g), vec({0.5, 0.5}));
+    EXPECT_TRUE(range > 3 || p.W.parts()) << k;
+    for (Index i = 0; i < 6; ++i)
+      for (Index j = 0; j < 6; ++j)
+        EXPECT_NEAR(p.W.matrix().coeff(i, j), W(i, j), 1e-9 * std::sqrt(std::abs(W(i, i) * W(j, j)))) << k;
+  }
+}
+
 // More velocities than `most_joined` in one mechanism: by entries, and the same W.
 TEST(Condense, LongMechanismsHaveEntries) {
   Random random(14);
