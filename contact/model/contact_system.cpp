@@ -346,6 +346,11 @@ void ContactSystem::solve_definite(In c, Vec& x) const {
       c, refined, [this](const Vec& at) { return product(at); }, again, x);
 }
 
+void ContactSystem::solve_once(In c, Vec& x) const {
+  const Vec right = c;
+  bodies_ ? solve_by_bodies(right, x) : back_solve(right, x);
+}
+
 /// Q' x.
 Vec ContactSystem::couple(const Vec& x) const {
   Vec z(static_cast<Index>(couplings_.size()));

@@ -71,6 +71,8 @@ class ContactSystem {
   /// With the last factors; where the reduced system is not solved with those, with factors of the whole matrix, and x
   /// is NaN where that is singular. Pre: there are factors.
   void solve(In c, Vec& x);
+  /// The same without refinement. Pre: there are factors, and no couplings.
+  void solve_once(In c, Vec& x) const;
   /// All columns at once, refined once. Pre: there are factors, and no couplings.
   void solve_columns(const Eigen::MatrixXd& c, Eigen::MatrixXd& x) const;
 

@@ -86,6 +86,28 @@ constexpr double region_work = 3e9;
 constexpr double least_region_steps = 60;
 constexpr double most_region_steps = 400;
 
+/// The splitting. Its steps are looked at in lots. A path begins where they have come to `split_map`, or where openings
+/// change, relative to the largest, by less than `split_change` in so many lots in a row; the next ones at
+/// `split_again` of that; the map says nothing in the first `least_split_steps`, before openings have grown. It begins
+/// near the splitting's point with tau `split_start_share` times the map there, at least `split_end` and at most
+/// `latest_reopen`, and ends at `split_end_share` times it, at least `split_last` and at most `split_end`. Openings
+/// below `least_opening` of the largest are none. Points below `split_judged` are judged.
+constexpr int split_lot = 25;
+constexpr int split_settled = 2;
+constexpr int least_split_steps = 125;
+constexpr int most_split_steps = 1500;
+constexpr int most_split_paths = 3;
+constexpr double split_change = 2e-3;
+constexpr double split_map = 5e-4;
+constexpr double split_again = 0.01;
+constexpr double split_judged = 1e-7;
+constexpr double split_start_share = 20;
+constexpr double split_end_share = 0.02;
+constexpr double split_end = 1e-5;
+constexpr double split_last = 1e-7;
+constexpr int most_split_path_steps = 15;
+constexpr double least_opening = 1e-6;
+
 /// Newton steps. On the way: of the associated path first at `newton_tau` and again when tau has fallen by
 /// `newton_tau_again`, unless the gap is above `real_gap` times tau, which says that contacts slip in the end; of a
 /// coupled one, where tau says less, by the natural map; where one turns back with a map above `turned_map`, none; from
@@ -127,8 +149,14 @@ bool blocks_of_one_size(const Scaled& problem) {
 
 }  // namespace
 
-ConeHomotopy::ConeHomotopy(Referee& referee, const Scaled& problem, AlartCurnier& newton, ContactSystem& system)
-    : referee_(referee), problem_(problem), newton_(newton), system_(system), path_(problem, system) {}
+ConeHomotopy::ConeHomotopy(Referee& referee, const Scaled& problem, AlartCurnier& newton, ContactSystem& system,
+                           bool splitting)
+    : referee_(referee),
+      problem_(problem),
+      newton_(newton),
+      system_(system),
+      splitting_(splitting),
+      path_(problem, system) {}
 
 bool ConeHomotopy::run() {
   if (associated()) return true;
@@ -166,18 +194,23 @@ bool ConeHomotopy::associated() {
     at = newton_tau_again * path_.tau();
     if (try_newton(quick_newton)) return true;
   }
-  return referee_.over() || regions() || try_newton(last_newton);
+  const std::span all(stiffnesses);
+  const bool may_split = splitting_ && !moves();
+  if (referee_.over() || regions(most_rounds, may_split ? all.first(1) : all)) return true;
+  if (may_split && (split() || (refused_ && regions(most_rounds, all.subspan(1))))) return true;
+  return try_newton(last_newton);
 }
 
 /// Coulomb's law in the region of the contacts that slip at the end of this path, then the path with the openings that
 /// it has there, whose metric is that of a point nearer to the solution, and so on. At the end of a path there is one
 /// round alone: what it does not solve has slips that vanish. Back to where the path was if the run is not over.
-bool ConeHomotopy::regions() {
+bool ConeHomotopy::regions(int rounds, std::span<const double> first_stiffnesses) {
   const ConePath::Point back = path_.point();
   const Vec openings = path_.openings();
   bool over = false;
-  for (int k = 0; k < most_rounds && !over; ++k) {
-    const std::optional<Regional> found = late_region();
+  for (int k = 0; k < rounds && !over; ++k) {
+    const std::optional<Regional> found = late_region(k == 0 ? first_stiffnesses : std::span(stiffnesses));
+    if (k == 0) refused_ = !found;
     if (!found) break;
     const double map = natural_map(problem_, found->r);
     over = referee_.judge(found->r, {.by = Origin::Cones, .tau = found->tau}) ||
@@ -190,11 +223,11 @@ bool ConeHomotopy::regions() {
   return false;
 }
 
-/// At the first point of the path from here on where contacts slip: with the others as stiff as they are, then stiffer.
-std::optional<ConeHomotopy::Regional> ConeHomotopy::late_region() {
+/// At the first point of the path from here on where contacts slip: with the others so many times as stiff as they are.
+std::optional<ConeHomotopy::Regional> ConeHomotopy::late_region(std::span<const double> tries) {
   for (int k = 0; k < most_late_steps && slipping().empty(); ++k)
     if (path_.tau() <= cone_end || !step()) return {};
-  for (const double stiffness : stiffnesses)
+  for (const double stiffness : tries)
     if (auto found = region(stiffness)) return found;
   return {};
 }
@@ -258,7 +291,7 @@ std::optional<ConeHomotopy::Regional> ConeHomotopy::region(double stiffness) {
 
 /// Of a region's problem; nothing: it took too much work.
 std::optional<Solution> ConeHomotopy::solution_of(const Problem& region) {
-  Options options{.tol = region_tol, .interrupt = referee_.interrupt()};
+  Options options{.tol = region_tol, .interrupt = referee_.interrupt(), .method = Auto{.splitting = false}};
   options.max_time = std::chrono::duration<double>(std::max(0.0, referee_.seconds_left()));
   const double steps = region_work / std::pow(static_cast<double>(region.q.size()), 3);
   options.max_steps = static_cast<int>(std::clamp(steps, least_region_steps, most_region_steps));
@@ -271,6 +304,61 @@ std::optional<Solution> ConeHomotopy::solution_of(const Problem& region) {
   Result better = solve(region, options);
   referee_.stats().region_factorizations += better.stats.factorizations + better.stats.region_factorizations;
   return std::move((better.solved() ? better : result).solution);
+}
+
+/// Openings by the splitting from the end of this path, and paths with them, from nearer and nearer to a solution. Back
+/// to where the path was if the run is not over.
+bool ConeHomotopy::split() {
+  const ConePath::Point back = path_.point();
+  const Vec openings = path_.openings();
+  Splitting splitting(problem_, system_, back.r, back.y);
+  double change = split_change;
+  double map = split_map;
+  bool over = false;
+  for (int paths = 0; !over && paths < most_split_paths && splitting.factor(); ++paths) {
+    if (!settle(splitting, change, map)) break;
+    const double now = natural_map(problem_, splitting.r());
+    change *= split_again;
+    map = split_again * std::min(map, now);
+    over = referee_.over() || with_openings(splitting, now);
+  }
+  path_.open(back, openings);
+  return over || referee_.over();
+}
+
+/// Steps until the run is over, the natural map is at most `map`, or the openings change by less than `change` of the
+/// largest in one lot after the other; false: there were too many.
+bool ConeHomotopy::settle(Splitting& splitting, double change, double map) {
+  int& steps = referee_.stats().splitting_steps;
+  Vec last = splitting.openings();
+  for (int settled = 0; settled < split_settled;) {
+    if (steps >= most_split_steps) return false;
+    for (int i = 0; i < split_lot; ++i) splitting.step();
+    steps += split_lot;
+    const double now_map = natural_map(problem_, splitting.r());
+    if (now_map <= split_judged ? referee_.judge(splitting.r(), {.by = Origin::Cones}) : referee_.over()) return true;
+    if (now_map <= map && steps >= least_split_steps) return true;
+    const Vec now = splitting.openings();
+    settled = (now - last).lpNorm<Eigen::Infinity>() <= change * now.lpNorm<Eigen::Infinity>() ? settled + 1 : 0;
+    last = now;
+    splitting.extrapolate();
+  }
+  return true;
+}
+
+/// The path with these openings from near the splitting's point, whose natural map this is, and a region from its end;
+/// whether the run is over.
+bool ConeHomotopy::with_openings(const Splitting& splitting, double map) {
+  Vec openings = splitting.openings();
+  const double least = least_opening * openings.maxCoeff();
+  openings = (openings.array() >= least).select(openings, 0.0);
+  const double tau = std::clamp(split_start_share * map, split_end, latest_reopen);
+  path_.open(path_.near(splitting.r(), openings, tau), openings);
+  const double end = std::clamp(split_end_share * map, split_last, split_end);
+  for (int k = 0; k < most_split_path_steps && path_.tau() > end; ++k)
+    if (!step()) break;
+  return referee_.over() || regions(1, stiffnesses) ||
+         (natural_map(problem_, path_.r()) <= turned_map && try_newton(regional_newton));
 }
 
 /// Whether many contacts slip at the end of the associated path.

@@ -3,17 +3,20 @@
 /// Coulomb's law from the associated one. The path of the associated law (contact/solvers/cone_path.hpp, s = 0) cannot
 /// turn back, and where all contacts stick its end obeys Coulomb's law as well. Where some slip, Coulomb's law is
 /// solved in their region (contact/model/region.hpp), in rounds: the path with the region's openings, and a region from
-/// there. Where that fails a path with these contacts coupled leads from an earlier point to Coulomb's law, or to more
-/// contacts that slip. Where it turns back: a path with all contacts coupled. Cadoux' fixed point s = |u_T(s)| is
-/// apart: each s is a path from the last one's points, with Anderson's mixing of two, and from points of each a path
-/// has the contacts coupled that slip at its end. Newton steps on Alart & Curnier's equation are tried from the points
-/// for the last digits. Cadoux, Acary & Lemarechal (contact/classics/classics.hpp); Anderson, J. ACM 12 (1965) 547.
-/// Private to contact/.
+/// there. Where no region begins, openings by Douglas and Rachford's splitting (contact/classics/splitting.hpp) lead to
+/// a path, and a region from its end. Where that fails a path with these contacts coupled leads from an earlier point
+/// to Coulomb's law, or to more contacts that slip. Where it turns back: a path with all contacts coupled. Cadoux'
+/// fixed point s = |u_T(s)| is apart: each s is a path from the last one's points, with Anderson's mixing of two, and
+/// from points of each a path has the contacts coupled that slip at its end. Newton steps on Alart & Curnier's equation
+/// are tried from the points for the last digits. Cadoux, Acary & Lemarechal (contact/classics/classics.hpp); Anderson,
+/// J. ACM 12 (1965) 547. Private to contact/.
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
 #include "contact/classics/alart_curnier.hpp"
+#include "contact/classics/splitting.hpp"
 #include "contact/solvers/cone_path.hpp"
 #include "contact/solvers/newton_steps.hpp"
 #include "contact/solvers/referee.hpp"
@@ -23,7 +26,7 @@ namespace perp::contact {
 class ConeHomotopy {
  public:
   /// All outlive *this; `system` is that of `newton`.
-  ConeHomotopy(Referee& referee, const Scaled& problem, AlartCurnier& newton, ContactSystem& system);
+  ConeHomotopy(Referee& referee, const Scaled& problem, AlartCurnier& newton, ContactSystem& system, bool splitting);
 
   /// The paths without the fixed point; whether the run is over.
   bool run();
@@ -37,8 +40,11 @@ class ConeHomotopy {
     Vec openings;  // |u_T| in the region
     double tau = 0;
   };
-  bool regions();
-  std::optional<Regional> late_region();
+  bool regions(int rounds, std::span<const double> first_stiffnesses);
+  std::optional<Regional> late_region(std::span<const double> tries);
+  bool split();
+  bool settle(Splitting& splitting, double change, double map);
+  bool with_openings(const Splitting& splitting, double map);
   std::optional<Regional> region(double stiffness);
   std::optional<Solution> solution_of(const Problem& region);
   bool reopen(const Regional& from, double map);
@@ -60,6 +66,8 @@ class ConeHomotopy {
   const Scaled& problem_;
   AlartCurnier& newton_;
   ContactSystem& system_;
+  const bool splitting_;
+  bool refused_ = false;  // the first of the last regions
   ConePath path_;
   std::vector<char> coupled_;                               // contacts
   std::vector<std::pair<double, ConePath::Point>> points_;  // tau and where to come back to, tau falling

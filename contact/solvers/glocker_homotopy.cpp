@@ -145,7 +145,7 @@ bool Solver::sweep() {
 bool Solver::with_cones() {
   Vec best;
   if (problem_.size() <= first_steps_rows && homotopy_steps(options_, first_steps_of_homotopy, best)) return true;
-  ConeHomotopy cones(referee_, problem_, newton_, system_);
+  ConeHomotopy cones(referee_, problem_, newton_, system_, method_.splitting);
   if (cones.run()) return true;
   const bool early = problem_.size() <= early_attempt_rows;
   if (!early && cones.fixed_point()) return true;

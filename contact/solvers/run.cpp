@@ -59,6 +59,7 @@ void run_exact(Run& run, const Problem& problem, const Variant& variant, const R
   run.counts = {{"iterations", result.stats.iterations},
                 {"sweeps", result.stats.sweeps},
                 {"newton_steps", result.stats.newton_steps},
+                {"splitting_steps", result.stats.splitting_steps},
                 {"proximal_steps", result.stats.proximal_steps},
                 {"attempts", result.stats.attempts},
                 {"region_factorizations", result.stats.region_factorizations},

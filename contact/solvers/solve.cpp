@@ -83,6 +83,7 @@ void describe(GlockerHomotopy& m, ncp::Fields& f) {
 void describe(Auto& m, ncp::Fields& f) {
   f.add("sweeps", &m.sweeps, ncp::at_least(0), "of Gauss-Seidel, before anything else");
   f.add("cones", &m.cones, "interior points over the cones, from the associated law, before the homotopy");
+  f.add("splitting", &m.splitting, "openings by Douglas and Rachford's splitting where the cones' regions fail");
   f.add("polish", &m.polish, "Newton steps on Alart & Curnier's equation");
   f.add("polish_at", &m.polish_at, ncp::above(0), "relative natural residual at which they are tried first");
   f.add("proximal", &m.proximal, "a proximal loop after all attempts");

@@ -49,7 +49,10 @@ struct Auto {
   /// Sweeps of nonsmooth Gauss-Seidel before anything else (contact/classics/gauss_seidel.hpp), ended where they
   /// contract slowly: they cost little, and weakly coupled contacts need no more. 0: none.
   int sweeps = 100;
-  bool cones = true;       ///< interior points over the cones, from the associated law; not without `polish`
+  bool cones = true;  ///< interior points over the cones, from the associated law; not without `polish`
+  /// With `cones`, where a region is refused: openings by Douglas & Rachford's splitting
+  /// (contact/classics/splitting.hpp).
+  bool splitting = true;
   bool polish = true;      ///< Newton steps on Alart & Curnier's equation, damped ones too
   double polish_at = 0.1;  ///< relative natural residual at which they are tried first
   bool proximal = true;
@@ -133,10 +136,11 @@ struct Record {
 };
 
 struct Stats {
-  int iterations = 0;      ///< homotopy steps, or iterations of the ncp method or of a classic
-  int sweeps = 0;          ///< over all contacts; of Cadoux iterations of ADMM
-  int newton_steps = 0;    ///< on Alart & Curnier's equation
-  int proximal_steps = 0;  ///< moves of the proximal loop's centre
+  int iterations = 0;       ///< homotopy steps, or iterations of the ncp method or of a classic
+  int sweeps = 0;           ///< over all contacts; of Cadoux iterations of ADMM
+  int newton_steps = 0;     ///< on Alart & Curnier's equation
+  int splitting_steps = 0;  ///< of Douglas & Rachford's splitting: a solve each
+  int proximal_steps = 0;   ///< moves of the proximal loop's centre
   int attempts = 0;
   int factorizations = 0;         ///< of matrices of all contacts
   int region_factorizations = 0;  ///< of the regions' own problems, of some ten contacts

@@ -206,12 +206,13 @@ TEST(ConePath, ItsSlipsAreFoundWithoutTheHomotopy) {
   EXPECT_EQ(result.stats.attempts, 0);
 }
 
-// Regions, coupled paths, the first attempt of Glocker's homotopy and Cadoux' fixed point all fail on this pile, in
-// this order. Catches a fixed point that comes before the attempt, which costs less, or not at all.
+// Without the splitting regions, coupled paths, the first attempt of Glocker's homotopy and Cadoux' fixed point all
+// fail on this pile, in this order. Catches a fixed point that comes before the attempt, which costs less, or not at
+// all.
 TEST(ConePath, TheHomotopyComesBeforeTheFixedPoint) {
   Problem problem = make_scene("spheres", 300, 19).problem();
   problem.mu.setConstant(0.6);
-  const Result result = solve(problem, {.max_steps = 200});
+  const Result result = solve(problem, {.method = Auto{.splitting = false}, .max_steps = 200});
   int attempted = 0;  // steps of the homotopy in a row; the two before the cones' paths are no attempt
   bool fixed_point = false;
   for (const Record& record : result.history) {
