@@ -17,6 +17,8 @@ constexpr double split_weight = 0.7;
 constexpr double least_carried = 1e-3;   // of the largest
 constexpr double split_parallel = 0.95;  // cosine of successive changes
 constexpr double longest_jump = 10;      // changes
+constexpr double restart_share = 0.5;
+constexpr int most_lots_of_mean = 4;
 
 }  // namespace
 
@@ -50,6 +52,32 @@ void Splitting::step() {
     const Eigen::Vector3d x = split_relaxation * block.of(x_) + (1 - split_relaxation) * block.of(r_);
     set(a, x - block.of(y_) / rho_[a]);
   }
+  sum_ = summed_ == 0 ? state() : Vec(sum_ + state());
+  ++summed_;
+}
+
+void Splitting::accelerate() {
+  if (!restart()) return extrapolate();
+  last_state_.resize(0);
+  last_change_.resize(0);
+  echoes_ = 0;
+}
+
+/// From the mean, if that is nearer to a solution.
+bool Splitting::restart() {
+  if (summed_ == 0) return false;
+  const Vec r = r_;
+  const Vec y = y_;
+  set_all(sum_ / summed_);
+  const bool nearer = natural_map(problem_, r_) < restart_share * natural_map(problem_, r);
+  if (!nearer) {
+    r_ = r;
+    y_ = y;
+  }
+  if (!nearer && ++lots_ < most_lots_of_mean) return false;
+  summed_ = 0;
+  lots_ = 0;
+  return nearer;
 }
 
 /// r and y of w = r - R^-1 y: its parts in K and in -K.
@@ -58,6 +86,10 @@ void Splitting::set(std::size_t contact, const Eigen::Vector3d& w) {
   const Eigen::Vector3d r = project_onto_unit_cone(w);
   r_.segment(block.first, block.size) = r.head(block.size);
   y_.segment(block.first, block.size) = (rho_[contact] * (r - w)).head(block.size);
+}
+
+void Splitting::set_all(const Vec& w) {
+  for (std::size_t a = 0; a < rho_.size(); ++a) set(a, problem_.blocks[a].of(w));
 }
 
 Vec Splitting::state() const {
@@ -86,7 +118,7 @@ void Splitting::extrapolate() {
   if (!(last_change_.dot(change) > split_parallel * length * before)) return;
   const double ratio = length / before;
   now += (ratio < 1 ? std::min(longest_jump, ratio / (1 - ratio)) : longest_jump) * last_change_;
-  for (std::size_t a = 0; a < rho_.size(); ++a) set(a, problem_.blocks[a].of(now));
+  set_all(now);
   last_state_ = state();
   last_change_.resize(0);
   echoes_ = 1;

@@ -26,9 +26,11 @@ class Splitting {
   bool factor();
   /// Pre: factor().
   void step();
-  /// To be called after each lot of steps, of the same number: where the last two changed r - R^-1 y in nearly the same
-  /// direction, goes on along it to the limit of the geometric series, or ten times as far as the last.
-  void extrapolate();
+  /// To be called after each lot of steps, of the same number. Where r goes round, goes on from the mean of the steps
+  /// since the last such restart, or of the last lots, if its natural map is less than half (Applegate, Hinder, Lu &
+  /// Lubin, Math. Program. 201 (2023) 133). Where the last two lots changed r - R^-1 y in nearly the same direction,
+  /// goes on along it to the limit of the geometric series, or ten times as far as the last.
+  void accelerate();
 
   const Vec& r() const { return r_; }
   const Vec& y() const { return y_; }
@@ -37,12 +39,18 @@ class Splitting {
  private:
   Vec state() const;
   void set(std::size_t contact, const Eigen::Vector3d& w);
+  void set_all(const Vec& w);
+  bool restart();
+  void extrapolate();
 
   const Scaled& problem_;
   ContactSystem& system_;
   Vec r_;
   Vec y_;
   std::vector<double> rho_{};
+  Vec sum_{};  // of the states of the steps since the last restart
+  int summed_ = 0;
+  int lots_ = 0;
   Vec last_state_{};
   Vec last_change_{};
   int echoes_ = 0;  // changes yet to be left out

@@ -341,7 +341,7 @@ bool ConeHomotopy::settle(Splitting& splitting, double change, double map) {
     const Vec now = splitting.openings();
     settled = (now - last).lpNorm<Eigen::Infinity>() <= change * now.lpNorm<Eigen::Infinity>() ? settled + 1 : 0;
     last = now;
-    splitting.extrapolate();
+    splitting.accelerate();
   }
   return true;
 }
