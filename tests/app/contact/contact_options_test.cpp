@@ -165,7 +165,7 @@ TEST(ContactOptions, AreDocumented) {
     EXPECT_THAT(readme, HasSubstr(fmt::format("`{}`", it->str())));
     EXPECT_THAT(shell, HasSubstr(fmt::format(" {}= ", it->str())));
   }
-  EXPECT_EQ(keys, 18);
+  EXPECT_EQ(keys, 19);
 }
 
 }  // namespace
