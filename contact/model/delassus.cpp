@@ -6,9 +6,9 @@
 #include <atomic>
 #include <cmath>
 #include <mutex>
+#include <numeric>
 #include <utility>
 
-#include "contact/model/joined.hpp"
 #include "lcp/cholesky/symmetric.hpp"
 
 namespace perp::contact {
@@ -18,6 +18,36 @@ namespace {
 constexpr std::size_t largest_body = 24;
 /// Entries below this part of sqrt(W_ii W_jj) are zero by structure.
 constexpr double rounding_of_zero = 1e-15;
+
+/// Things that are joined two by two, and the sets they come to.
+class Joined {
+ public:
+  explicit Joined(Index things) : parent_(at(things)) { std::iota(parent_.begin(), parent_.end(), 0); }
+
+  void join(Index a, Index b) {
+    const int of_a = root(static_cast<int>(a));
+    const int of_b = root(static_cast<int>(b));
+    parent_[at(std::max(of_a, of_b))] = std::min(of_a, of_b);
+  }
+  /// A number for each, that of its set, from 0 in the order of their first members.
+  std::vector<int> numbers() {
+    std::vector<int> number(parent_.size(), -1);
+    int count = 0;
+    for (std::size_t i = 0; i < parent_.size(); ++i) {
+      const int r = root(static_cast<int>(i));
+      if (number[at(r)] < 0) number[at(r)] = count++;
+      number[i] = number[at(r)];
+    }
+    return number;
+  }
+
+ private:
+  int root(int i) {
+    while (parent_[at(i)] != i) i = parent_[at(i)] = parent_[at(parent_[at(i)])];
+    return i;
+  }
+  std::vector<int> parent_;
+};
 
 /// Which unknowns are coupled by M: a number for each.
 std::vector<int> coupled_by(const SpMat& M) {

@@ -214,7 +214,7 @@ Vec exact_velocities(const DelassusParts& parts, In p, In w) {
 /// Of q = H' v + w, v = M^-1 f to eps^2 in the norm of M, body by body; N_bi is H_i in that of M^-1.
 Vec condensation_error(const Problem& problem) {
   const DelassusParts* parts = problem.W.whole_parts();
-  if (parts == nullptr || problem.global->G.cols() != 0) {
+  if (parts == nullptr) {
     const std::vector<double> coupled = coupled_velocities(problem);
     return Vec::NullaryExpr(problem.q.size(), [&](Index i) { return by_lu * coupled[at(i / problem.dimension)]; });
   }

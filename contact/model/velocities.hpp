@@ -22,8 +22,8 @@ Velocities exact_velocities(const Problem& problem, In r, const std::vector<doub
 /// contacts of one body do.
 std::vector<double> coupled_velocities(const Problem& problem);
 
-/// What the condensed q of a problem with `global` may be wrong by, entry by entry: its roundings where W is by the
-/// parts of that, 1e-10 Q_a where constraints were eliminated, or an LU factorization has made it.
+/// What the condensed q of a problem with `global` may be wrong by, entry by entry: its roundings where W is by its
+/// parts, 1e-10 Q_a where an LU factorization has made it.
 Vec condensation_error(const Problem& problem);
 
 /// H' M^-1 p + w, each entry to a few eps of itself and to eps^2 |H'| |M^-1 p|.

@@ -4,11 +4,8 @@
 
 #include <Eigen/Dense>
 
-#include "contact/condensation/free_motions.hpp"
 #include "contact/contact_support.hpp"
 #include "contact/model/facts.hpp"
-#include "contact/scenes/generators.hpp"
-#include "contact/solvers/solve.hpp"
 #include "lcp/solve/schur.hpp"
 
 namespace perp::contact {
@@ -73,98 +70,6 @@ TEST(Condense, IsTheDenseElimination) {
     EXPECT_LE((p.W * r + p.q - u).norm(), 1e-10 * (1 + u.norm() + v.norm()));
     EXPECT_LE(Dense(p.W.matrix() - SpMat(p.W.matrix().transpose())).norm(), 0);
     EXPECT_LE((g.G.transpose() * v + g.b).norm(), 1e-10 * (1 + v.norm()));
-  }
-}
-
-// Bricks that are hinged two by two, at given speeds: W is an operator of the motions that are left, and u is that of
-// the whole system [M -G; G' 0] at any r, and at the impulses that solve it. Catches a sign of b, a part of f that the
-// constraints take up, and W by its entries.
-TEST(Condense, JointsLeaveAnOperator) {
-  Random random(13);
-  Global g = *make_scene("wall", 200).problem().global;
-  const Index m = g.M.rows();
-  support::Triplets G;
-  Index joints = 0;
-  for (Index body = 0; 12 * (body + 1) <= m; ++body)  // the second brick's point is the first's, along x and y
-    for (int axis = 0; axis < 2; ++axis, ++joints) {
-      G.emplace_back(static_cast<int>(12 * body + axis), static_cast<int>(joints), 1);
-      G.emplace_back(static_cast<int>(12 * body + 6 + axis), static_cast<int>(joints), -1);
-      G.emplace_back(static_cast<int>(12 * body + 9 + axis), static_cast<int>(joints), 0.3);
-    }
-  g.G = SpMat(m, joints);
-  g.G.setFromTriplets(G.begin(), G.end());
-  g.b = 1e-3 * random.normals(joints);
-  const Vec mu = Vec::Constant(g.w.size() / 3, 0.5);
-  const Problem p = condense(g, mu);
-  ASSERT_TRUE(p.W.parts());
-  const Dense whole =
-      (Dense(m + joints, m + joints) << Dense(g.M), -Dense(g.G), Dense(g.G).transpose(), Dense::Zero(joints, joints))
-          .finished();
-  const Eigen::PartialPivLU<Dense> lu(whole);
-  const auto u_of = [&](const Vec& r) {
-    Vec rhs(m + joints);
-    rhs << g.H * r + g.f, -g.b;
-    return Vec(g.H.transpose() * lu.solve(rhs).head(m) + g.w);
-  };
-  const Vec r = random.normals(g.w.size());
-  const Vec u = u_of(r);
-  EXPECT_LE((p.W * r + p.q - u).norm(), 1e-11 * u.norm());
-  const Result result = solve(p);
-  ASSERT_TRUE(result.solved()) << result.message;
-  EXPECT_LE((u_of(result.solution.r) - result.solution.u).norm(), 1e-10 * p.q.norm());
-  EXPECT_FALSE(p.W.formed());
-}
-
-// Masses by powers of ten apart in one mechanism: W is that of long doubles, entry by entry, light bodies as heavy
-// ones. Catches the inertia of a light body that is lost beside a heavy one's.
-TEST(Condense, JointsKeepLightBodies) {
-  using Long = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
-  Random random(15);
-  for (int k = 0; k < 60; ++k) {
-    const Index m = random.integer(3, 8);
-    const Index joints = random.integer(1, static_cast<int>(m) - 1);
-    const double range = k % 3 == 0 ? 1 : k % 3 == 1 ? 3 : 9;
-    const Vec masses = Vec::NullaryExpr(m, [&] { return std::pow(10, random.uniform(-range, range)); });
-    Global g{.M = sparse(masses.asDiagonal().toDenseMatrix()),
-             .H = sparse(random.normals(m, 6)),
-             .G = sparse(random.normals(m, joints)),
-             .f = Vec::Zero(m),
-             .w = Vec::Zero(6),
-             .b = Vec::Zero(joints)};
-    Long K = Long::Zero(m + joints, m + joints);
-    K.topLeftCorner(m, m) = Dense(g.M).cast<long double>();
-    K.topRightCorner(m, joints) = Dense(g.G).cast<long double>();
-    K.bottomLeftCorner(joints, m) = Dense(g.G).transpose().cast<long double>();
-    Long B = Long::Zero(m + joints, 6);
-    B.topRows(m) = Dense(g.H).cast<long double>();
-    const Dense W = Long(B.transpose() * K.fullPivLu().solve(B)).cast<double>();
-    const Problem p = condense(std::move(g), vec({0.5, 0.5}));
-    EXPECT_TRUE(range > 3 || p.W.parts()) << k;
-    for (Index i = 0; i < 6; ++i)
-      for (Index j = 0; j < 6; ++j)
-        EXPECT_NEAR(p.W.matrix().coeff(i, j), W(i, j), 1e-9 * std::sqrt(std::abs(W(i, i) * W(j, j)))) << k;
-  }
-}
-
-// More velocities than `most_joined` in one mechanism: by entries, and the same W.
-TEST(Condense, LongMechanismsHaveEntries) {
-  Random random(14);
-  for (const Index m : {most_joined, most_joined + 1}) {
-    support::Triplets G;
-    for (int j = 0; j + 1 < m; ++j) {
-      G.emplace_back(j, j, 1);
-      G.emplace_back(j + 1, j, -1);
-    }
-    Global g{.M = sparse(Dense::Identity(m, m)), .H = sparse(random.normals(m, 3)), .G = SpMat(m, m - 1), .f = {}};
-    g.G.setFromTriplets(G.begin(), G.end());
-    g.f = Vec::Zero(m);
-    g.w = Vec::Zero(3);
-    g.b = Vec::Zero(m - 1);
-    const Problem p = condense(g, vec({0.5}));
-    EXPECT_EQ(p.W.parts() != nullptr, m == most_joined);
-    const Vec sums = Dense(g.H).colwise().sum();  // all move alike
-    EXPECT_LE((Dense(p.W.matrix()) - sums * sums.transpose() / static_cast<double>(m)).norm(),
-              1e-11 * sums.squaredNorm() / static_cast<double>(m));
   }
 }
 

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <optional>
 #include <sstream>
 #include <stdexcept>
 #include <utility>
 #include <vector>
 
-#include "contact/condensation/free_motions.hpp"
 #include "contact/model/checks.hpp"
 #include "contact/model/velocities.hpp"
 #include "lcp/solve/schur.hpp"
@@ -54,13 +52,8 @@ bool regular(const lcp::Schur& s) { return s.status == lcp::LuStatus::Ok && !(s.
 }
 
 /// W and q by the parts; false where M has no factors to rely on.
-bool take_parts(const Global& given, Problem& p) {
-  std::optional<Global> free;
-  if (given.G.cols() != 0) {
-    free = free_motions(given);
-    if (!free) return false;
-  }
-  const Global& g = free ? *free : given;
+bool take_parts(const Global& g, Problem& p) {
+  if (g.G.cols() != 0) return false;
   auto inertia = Inertia::of(g.M);
   if (!inertia || !(inertia->rcond() >= least_rcond)) return false;
   const auto parts = std::make_shared<const DelassusParts>(std::move(inertia), 1, g.H);
