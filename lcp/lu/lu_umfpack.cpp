@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cmath>
+#include <functional>
 #include <new>
 #include <utility>
 
@@ -54,21 +55,16 @@ class Umfpack final : public LuLibrary {
 
   LuStatus analyze(const SpMat& A) override {
     control_[UMFPACK_STRATEGY] = UMFPACK_STRATEGY_AUTO;
-    LuStatus status = analyze_by(UMFPACK_ORDERING_AMD, A);
-    if (status == LuStatus::Ok && nearly_symmetric(A.rows())) {
+    const LuStatus status = analyze_by(UMFPACK_ORDERING_AMD, A);
+    if (status != LuStatus::Ok) return status;
+    if (nearly_symmetric(A.rows())) {
       control_[UMFPACK_STRATEGY] = UMFPACK_STRATEGY_SYMMETRIC;
-      status = analyze_by(UMFPACK_ORDERING_AMD, A);
+      // The two bounds on operations are not of the same kind: what is nearly symmetric decides.
+      try_analysis(UMFPACK_ORDERING_AMD, A, [](double, double) { return true; });
     }
-    if (status != LuStatus::Ok || info_[UMFPACK_STRATEGY_USED] != UMFPACK_STRATEGY_SYMMETRIC ||
-        A.nonZeros() <= dissection_entries * A.rows() || !(info_[UMFPACK_FLOPS_ESTIMATE] > dissection_flops))
-      return status;
-    const double flops = info_[UMFPACK_FLOPS_ESTIMATE];
-    const std::array<double, UMFPACK_INFO> of_degree = analysis_;
-    std::unique_ptr<void, FreeSymbolic> by_degree = std::move(symbolic_);
-    if (analyze_by(UMFPACK_ORDERING_METIS, A) != LuStatus::Ok || !(info_[UMFPACK_FLOPS_ESTIMATE] < flops)) {
-      symbolic_ = std::move(by_degree);
-      analysis_ = of_degree;
-    }
+    if (analysis_[UMFPACK_STRATEGY_USED] == UMFPACK_STRATEGY_SYMMETRIC &&
+        A.nonZeros() > dissection_entries * A.rows() && analysis_[UMFPACK_FLOPS_ESTIMATE] > dissection_flops)
+      try_analysis(UMFPACK_ORDERING_METIS, A, std::less<>());
     return LuStatus::Ok;
   }
 
@@ -142,9 +138,21 @@ class Umfpack final : public LuLibrary {
  private:
   /// What the analysis found, where it chose pivots off the diagonal.
   bool nearly_symmetric(Index n) const {
-    const double rest = static_cast<double>(n) - info_[UMFPACK_COL_SINGLETONS] - info_[UMFPACK_ROW_SINGLETONS];
-    return info_[UMFPACK_STRATEGY_USED] != UMFPACK_STRATEGY_SYMMETRIC && rest > 0 &&
-           info_[UMFPACK_PATTERN_SYMMETRY] >= least_symmetry && info_[UMFPACK_NZDIAG] >= least_diagonal * rest;
+    const double rest = static_cast<double>(n) - analysis_[UMFPACK_COL_SINGLETONS] - analysis_[UMFPACK_ROW_SINGLETONS];
+    return analysis_[UMFPACK_STRATEGY_USED] != UMFPACK_STRATEGY_SYMMETRIC && rest > 0 &&
+           analysis_[UMFPACK_PATTERN_SYMMETRY] >= least_symmetry && analysis_[UMFPACK_NZDIAG] >= least_diagonal * rest;
+  }
+
+  /// Another analysis in place of the last one, if it succeeds and is better by its estimate of operations.
+  template <class Better>
+  void try_analysis(int ordering, const SpMat& A, Better better) {
+    const std::array<double, UMFPACK_INFO> analysis = analysis_;
+    std::unique_ptr<void, FreeSymbolic> symbolic = std::move(symbolic_);
+    if (analyze_by(ordering, A) == LuStatus::Ok &&
+        better(analysis_[UMFPACK_FLOPS_ESTIMATE], analysis[UMFPACK_FLOPS_ESTIMATE]))
+      return;
+    symbolic_ = std::move(symbolic);
+    analysis_ = analysis;
   }
 
   LuStatus analyze_by(int ordering, const SpMat& A) {

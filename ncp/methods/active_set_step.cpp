@@ -84,13 +84,11 @@ bool ActiveSetFinish::step(const Point& point, Point& to) {
   const bool settled = now == active_;
   active_ = std::move(now);
   chords_ = chords_ && settled;
+  if (!chords_) lu_ = lcp::SparseLu(backend_, run_.deadline());  // the memory is the path's
   if (!settled || pause_-- > 0) return false;
-  if (chord(point, to) || (factor(point.J) && move(point, to) && falls(point, share, to))) {
-    pause_ = 0;
-    return true;
-  }
-  pause_ = 1 << std::min(failures_++, 5);
-  return false;
+  const bool stepped = chord(point, to) || (factor(point.J) && move(point, to) && falls(point, share, to));
+  pause_ = stepped ? 0 : 1 << std::min(failures_++, 5);
+  return stepped;
 }
 
 }  // namespace perp::ncp

@@ -135,8 +135,7 @@ Functions cycle_of_exponentials(Index n) {
 }
 
 // Shamanskii 1967: with the factors of the step before, as long as each step gains a digit. Of small problems not, for
-// their last step is worth its digits. Catches factorizations for each of the last steps, and steps with the factors of
-// another active set.
+// their last step is worth its digits. Catches factorizations for each of the last steps.
 TEST(InteriorPoint, LargeProblemsEndByChordSteps) {
   const Index large = 2400;
   const Result result =
