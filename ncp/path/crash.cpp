@@ -62,14 +62,22 @@ std::vector<Index> members(const Places& in) {
   return I;
 }
 
-/// min |U_ii| / max |U_ii| of a J_II that is singular but for rounding.
-constexpr double hardly_regular = 1e-12;
+/// Below this min |U_ii| / max |U_ii| it is in doubt whether a matrix is regular: one in other units has such pivots,
+/// too.
+constexpr double doubtful = 1e-12;
+/// Where the terms of B d cancel to such a part of them, B is singular but for rounding.
+constexpr double cancelled = 1e-10;
 
-/// Factors B. False if it is singular, or hardly regular as far as the library tells.
-bool factored(lcp::SparseLu& lu, const SpMat& B) {
+/// d with B d = b. False if B is singular, or no more than rounding makes it regular.
+bool solved(lcp::SparseLu& lu, const SpMat& B, const Vec& b, Vec& d) {
   if (!lu.try_factor(B)) return false;
+  d.resize(b.size());
+  lu.solve(b, d);
+  if (!d.allFinite()) return false;
   const double ratio = lu.pivot_ratio();
-  return ratio == 0 || ratio >= hardly_regular;
+  if (ratio == 0 || ratio >= doubtful) return true;  // 0: the library does not tell
+  const Vec terms = B.cwiseAbs() * d.cwiseAbs();     // whatever the units of the variables
+  return b.lpNorm<Eigen::Infinity>() >= cancelled * terms.maxCoeff();
 }
 
 /// J_II + lambda I.
@@ -142,15 +150,11 @@ bool direction(Run& run, const Point& point, const Places& in, lcp::SparseLu& lu
     if (I.empty()) {
       I = members(in);
       rhs = -point.F(I);
-      step.resize(rhs.size());
     }
-    if (factored(lu, block(point.J, I, term.lambda()))) {
-      lu.solve(rhs, step);
-      if (step.allFinite()) {
-        d.setZero(point.x.size());
-        for (std::size_t k = 0; k < I.size(); ++k) d[I[k]] = step[static_cast<Index>(k)];
-        return true;
-      }
+    if (solved(lu, block(point.J, I, term.lambda()), rhs, step)) {
+      d.setZero(point.x.size());
+      for (std::size_t k = 0; k < I.size(); ++k) d[I[k]] = step[static_cast<Index>(k)];
+      return true;
     }
     term.raise(run, point.J, rhs, blocks);
   }
@@ -200,7 +204,8 @@ bool singular(Run& run, const Point& point, lcp::SparseLu& lu) {
   const std::vector<Index> I = members(inside(run.box(), point));
   if (I.empty()) return false;
   ++run.stats().factorizations;
-  return !factored(lu, block(point.J, I, 0));
+  Vec step;
+  return !solved(lu, block(point.J, I, 0), -point.F(I), step);
 }
 
 /// Of a step of length t along a direction that would solve the linearised problem.

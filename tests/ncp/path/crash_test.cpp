@@ -81,6 +81,32 @@ TEST(Crash, PassesASingularMatrix) {
   expect_solved(*mcp, vec({0, 0}), PathSearch{});
 }
 
+/// Steps of the crash on M z + q = 0 without a proximal term.
+int plain_steps(const Dense& M, const Vec& q) {
+  int steps = 0;
+  const auto mcp = make_affine_mcp({support::sparse(M), q, Box::free(q.size())}, "linear equations");
+  solve(*mcp, Vec::Zero(q.size()), PathSearch{}, [&](const Iteration& it) {
+    steps += it.kind == 'C' && it.prox == 0 ? 1 : 0;
+    return Next::Continue;
+  });
+  return steps;
+}
+
+// Small pivots come of small units, or of columns that are equal but for the last digit. Catches a crash that takes
+// the first for singular, and one that takes a step of 1e15 along the second.
+TEST(Crash, TellsOtherUnitsFromASingularMatrix) {
+  for (const double unit : {1.0, 1e-13, 1e13}) {
+    Dense M(2, 2);
+    M << 1, unit, 1, 3 * unit;
+    EXPECT_EQ(plain_steps(M, vec({-2, -1})), 1) << unit;
+  }
+  for (const double unit : {1.0, 1e-13}) {
+    Dense M(2, 2);
+    M << 1, unit, 1, (1 + 0x1p-50) * unit;
+    EXPECT_EQ(plain_steps(M, vec({-2, -1})), 0) << unit;
+  }
+}
+
 // First-order conditions of min c'x with A log x >= b, 0.1 <= x <= 10: where the multipliers are 0, so is the Hessian,
 // and J_II has rank 12 of 26. Munson (2000) keeps a proximal term from there on. Catches a path search that begins
 // without one, and follows long paths from singular bases.
