@@ -12,6 +12,25 @@
 namespace perp::lcp {
 namespace {
 
+/// 1 / the largest entry of each row. False if one of them is no number.
+bool inverse_row_scale(const SpMat& A, Vec& scale) {
+  scale = row_scale(A).cwiseInverse();
+  return scale.allFinite();
+}
+
+/// 0 where no factors with these pivots are Ok.
+double ratio_of_pivots(double least, double most) { return least > 0 && std::isfinite(most) ? least / most : 0; }
+
+bool finite(const std::vector<double>& values) {
+  return std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
+}
+
+double largest(const std::vector<double>& values) {
+  double found = 0;
+  for (const double v : values) found = std::max(found, std::abs(v));
+  return found;
+}
+
 /// Row-scaled dense LU with partial pivoting: for matrices so small that the bookkeeping of the sparse codes is most of
 /// their work. Most entries are zero all the same, and a column with a zero in the row of the pivot is left alone.
 class DenseLu final : public LuLibrary {
@@ -20,10 +39,7 @@ class DenseLu final : public LuLibrary {
 
   LuStatus factor(const SpMat& A) override {
     pivot_ratio_ = 0;
-    scale_ = row_scale(A);
-    if (!(scale_.minCoeff() > 0)) return LuStatus::Singular;
-    scale_ = scale_.cwiseInverse();
-    if (!scale_.allFinite()) return LuStatus::Singular;
+    if (!inverse_row_scale(A, scale_)) return LuStatus::Singular;
     const Index n = A.rows();
     lu_.setZero(n, n);
     for (Index j = 0; j < n; ++j)
@@ -38,7 +54,7 @@ class DenseLu final : public LuLibrary {
       least = std::min(least, pivot);
       most = std::max(most, pivot);
     }
-    pivot_ratio_ = std::isfinite(most) ? least / most : 0;
+    pivot_ratio_ = ratio_of_pivots(least, most);
     return pivot_ratio_ > 0 ? LuStatus::Ok : LuStatus::Singular;
   }
 
@@ -90,6 +106,9 @@ class DenseLu final : public LuLibrary {
   std::vector<int> rows_;  // step k has the pivot in this row
 };
 
+/// With pivots that are taken again; where U grows beyond this, others are looked for.
+constexpr double most_growth = 1000;
+
 /// Of matrices of some hundred rows: the libraries' own analysis takes longer than these factors.
 class SmallLu final : public LuLibrary {
  public:
@@ -100,17 +119,11 @@ class SmallLu final : public LuLibrary {
 
   LuStatus factor(const SpMat& A) override {
     pivot_ratio_ = 0;
-    scale_ = row_scale(A);
-    if (!(scale_.minCoeff() > 0)) return LuStatus::Singular;
-    scale_ = scale_.cwiseInverse();
-    if (!scale_.allFinite()) return LuStatus::Singular;
-    known_ = (reuse_ && known_ && lu_.factor_again(A, scale_)) || lu_.factor(A, scale_);
-    if (!known_) return LuStatus::Singular;
-    const auto pivots = Eigen::Map<const Vec>(lu_.diagonal.data(), A.rows()).cwiseAbs();
-    const double least = pivots.minCoeff();
-    const double most = pivots.maxCoeff();
-    pivot_ratio_ = std::isfinite(most) && most > 0 && least > 0 ? least / most : 0;
-    return pivot_ratio_ > 0 ? LuStatus::Ok : LuStatus::Singular;
+    const bool known = std::exchange(known_, false);
+    if (!inverse_row_scale(A, scale_)) return LuStatus::Singular;
+    known_ =
+        (reuse_ && known && lu_.factor_again(A, scale_) && !grown() && usable()) || (lu_.factor(A, scale_) && usable());
+    return known_ ? LuStatus::Ok : LuStatus::Singular;
   }
 
   void reuse_pivots() override { reuse_ = true; }
@@ -151,6 +164,17 @@ class SmallLu final : public LuLibrary {
   }
 
  private:
+  /// Whether the factors are numbers: a pivot that is the only entry of its row may be so small that L has infinities.
+  bool usable() {
+    pivot_ratio_ = 0;
+    if (!finite(lu_.diagonal) || !finite(lu_.L.value) || !finite(lu_.U.value)) return false;
+    const auto pivots = Eigen::Map<const Vec>(lu_.diagonal.data(), static_cast<Index>(lu_.diagonal.size())).cwiseAbs();
+    pivot_ratio_ = ratio_of_pivots(pivots.minCoeff(), pivots.maxCoeff());
+    return pivot_ratio_ > 0;
+  }
+  /// Whether entries of U are large beside those of the scaled matrix, which are at most one: digits are lost then.
+  bool grown() const { return std::max(largest(lu_.diagonal), largest(lu_.U.value)) > most_growth; }
+
   static double product(const Triangle& T, Index k, const Vec& y) {
     double sum = 0;
     for (auto e = at(T.start[at(k)]); e < at(T.start[at(k) + 1]); ++e) sum += T.value[e] * y[T.row[e]];

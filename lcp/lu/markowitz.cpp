@@ -281,8 +281,8 @@ bool Markowitz::mostly_full(std::size_t steps) const {
   return left >= least_full && static_cast<double>(entries_) >= full_density * static_cast<double>(left * left);
 }
 
-/// The part that is left, by partial pivoting.
-void Markowitz::finish_full() {
+/// The part that is left, by partial pivoting. False if a pivot is zero.
+bool Markowitz::finish_full() {
   const std::size_t base = P.size();
   const Index m = n_ - static_cast<Index>(base);
   std::vector<int> rows;
@@ -315,6 +315,7 @@ void Markowitz::finish_full() {
     for (Index j = k + 1; j < m; ++j) U_rows_.push(Q[base + at(j)], full(k, j));
     U_rows_.end_column();
   }
+  return (full.diagonal().array() != 0).all();
 }
 
 void Markowitz::number_by_steps() {
@@ -328,7 +329,7 @@ bool Markowitz::factor(const SpMat& A, const Vec& R) {
   begin();
   while (P.size() < at(n_)) {
     if (mostly_full(P.size())) {
-      finish_full();
+      if (!finish_full()) return false;
       break;
     }
     const Pivot pivot = choose();

@@ -14,6 +14,7 @@ namespace perp::lcp {
 class Markowitz {
  public:
   /// R A = P' L U Q'. False if the matrix is singular, structurally or by an exact zero; then there are no factors.
+  /// The factors may hold infinities and NaN, where a pivot is as small as that.
   bool factor(const SpMat& A, const Vec& R);
   /// The same with the pivots and the pattern of the last factor() that was true, for another matrix of its pattern.
   /// False, and no factors, where these pivots are too small for it.
@@ -66,7 +67,7 @@ class Markowitz {
   void update(int column, double u);
   void append(int column, int row, double value);
   void forget_in_row(int row, int column);
-  void finish_full();
+  bool finish_full();
   void number_by_steps();
 
   Index n_ = 0;

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <vector>
@@ -128,7 +129,7 @@ TEST(Markowitz, TheSamePivotsAgainUnlessTheyAreTooSmall) {
 TEST(Markowitz, ASingularMatrixHasNoFactors) {
   Markowitz lu;
   for (const SpMat& A : {matrix({{1, 1, 1}, {1, 0, 0}, {1, 0, 0}}), matrix({{1, 2}, {2, 4}}), matrix({{1, 0}, {1, 0}}),
-                         SpMat(matrix({{1, 1}, {1, 2}}) * 0.0)})
+                         SpMat(matrix({{1, 1}, {1, 2}}) * 0.0), support::sparse(Dense::Ones(9, 9))})
     EXPECT_FALSE(lu.factor(A, Vec::Ones(A.rows())));
   Random random(3);
   const Dense half = random.normals(20, 10);

@@ -3,7 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <string>
+#include <utility>
+#include <vector>
 
+#include "lcp/lu/lu_factors.hpp"
 #include "lcp/lu/sparse_lu.hpp"
 #include "support/matrices.hpp"
 
@@ -48,6 +51,70 @@ TEST_P(ReusePivots, ASequenceIsSolvedAsEachMatrixAlone) {
       EXPECT_LT((A * again - b).lpNorm<Eigen::Infinity>(), 1e-12 * terms.maxCoeff()) << n << ' ' << k;
     }
   }
+}
+
+/// P and Q of a matrix, factored.
+std::pair<std::vector<int>, std::vector<int>> pivots_of(SparseLu& lu, const SpMat& A) {
+  LuFactors factors;
+  EXPECT_EQ(lu.factor(A), LuStatus::Ok);
+  EXPECT_TRUE(lu.factors(factors));
+  return {factors.P, factors.Q};
+}
+
+// Matrices for which the pivots of the one before do, but others would be taken. Catches a reuse_pivots() that does
+// nothing, or is forgotten when the size changes, and pivots that are taken again without the wish.
+TEST(PivotsAgain, AreThoseOfTheMatrixBefore) {
+  Random random(7);
+  SparseLu plain(LuBackend::Auto);
+  SparseLu reusing(LuBackend::Auto);
+  reusing.reuse_pivots();
+  ASSERT_EQ(reusing.factor(support::tridiagonal(20, 1, 4, 1)), LuStatus::Ok);  // by another library
+  for (const Index n : {60, 150}) {
+    const SpMat A = support::random_sparse(n, 4, random);
+    int others = 0;
+    for (int k = 0; k < 20; ++k) {
+      SpMat B = A;
+      for (Index e = 0; e < B.nonZeros(); ++e) B.valuePtr()[e] *= random.uniform(0.7, 1.3);
+      const auto before = pivots_of(plain, A);
+      const auto own = pivots_of(plain, B);
+      SparseLu alone(LuBackend::Auto);
+      EXPECT_EQ(pivots_of(alone, B), own) << n << ' ' << k;
+      ASSERT_EQ(reusing.factor(support::tridiagonal(n, 1, 4, 1)), LuStatus::Ok);  // of another pattern
+      EXPECT_EQ(pivots_of(reusing, A), before) << n << ' ' << k;
+      const auto again = pivots_of(reusing, B);
+      EXPECT_TRUE(again == before || again == own) << n << ' ' << k;
+      others += again != own ? 1 : 0;
+    }
+    EXPECT_GE(others, 1) << n;
+  }
+}
+
+// The only entry of a row is its pivot whatever its size: here 1e-310, by which the 1 below it is divided. Catches
+// factors with infinities that are called Ok, and reused pivots that answer other than fresh ones.
+TEST(PivotsAgain, WithFactorsThatAreNoNumbersAMatrixIsSingular) {
+  Eigen::MatrixXd D = Eigen::MatrixXd::Identity(40, 40);
+  D.topLeftCorner(4, 4) << 1, 1, 0, 0,  //
+      1, 0, 0, 0,                       //
+      0, 1, 1, 1,                       //
+      0, 0, 1, 2;
+  const SpMat regular = support::sparse(D);
+  SpMat tiny = regular;
+  tiny.coeffRef(0, 1) = 1e-310;
+  SparseLu fresh(LuBackend::Auto);
+  SparseLu reusing(LuBackend::Auto);
+  reusing.reuse_pivots();
+  EXPECT_EQ(fresh.factor(tiny), LuStatus::Singular);
+  for (int k = 0; k < 2; ++k) {
+    ASSERT_EQ(reusing.factor(regular), LuStatus::Ok);
+    EXPECT_EQ(reusing.factor(tiny), LuStatus::Singular);
+    LuFactors factors;
+    EXPECT_FALSE(reusing.factors(factors));
+  }
+  const Vec x = Vec::LinSpaced(40, 1, 2);
+  Vec found(40);
+  ASSERT_EQ(reusing.factor(regular), LuStatus::Ok);
+  reusing.solve(regular * x, found);
+  EXPECT_LT((found - x).norm(), 1e-13);
 }
 
 }  // namespace
