@@ -179,9 +179,9 @@ LuStatus BasisFactor::Impl::factor(std::span<const Index> columns) {
   }
   has_S_rows = false;
   shared->user = this;
-  status = shared->lu.factor(C);
-  if (status != LuStatus::Ok) return status;
+  const LuStatus answer = shared->lu.factor(C);
   solver.reset();
+  if (answer != LuStatus::Ok) return status = answer;
   if (order > 0 && shared->lu.gives_factors()) {
     LuFactors factors;
     if (shared->lu.factors(factors)) solver.emplace(std::move(factors));
@@ -191,7 +191,7 @@ LuStatus BasisFactor::Impl::factor(std::span<const Index> columns) {
     block_b = SparseVector(order);
     block_x = SparseVector(order);
   }
-  return status;
+  return status = answer;  // at last: there may have been no memory for a copy of the factors
 }
 
 /// The columns of the present basis that depend on others, each with a row that none of the others can pivot on. In a

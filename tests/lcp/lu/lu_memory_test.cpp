@@ -9,9 +9,14 @@
 #include <cstdlib>
 #include <fstream>
 #include <iostream>
+#include <limits>
 #include <new>
+#include <numeric>
+#include <stdexcept>
 #include <vector>
 
+#include "lcp/gpl.hpp"
+#include "lcp/lu/basis_factor.hpp"
 #include "lcp/lu/sparse_lu.hpp"
 #include "support/matrices.hpp"
 
@@ -133,6 +138,39 @@ TEST_P(LuMemory, SolveIsRightOrThrows) {
     const Vec Ax = transposed ? Vec(A.transpose() * x) : Vec(A * x);
     EXPECT_TRUE(thrown || (Ax - b).norm() < 1e-10) << transposed;
   }
+}
+
+// A basis copies the factors of its block. Catches solves without them where there was no memory for the copy.
+TEST(BasisMemory, NothingIsSolvedAfterAFailure) {
+  if (!gpl_linked()) GTEST_SKIP() << "only UMFPACK asks for memory to show its factors";
+  Random random(4);
+  const SpMat A = support::random_sparse(60, 3, random);
+  const Vec b = random.normals(60);
+  std::vector<Index> columns(60);
+  std::iota(columns.begin(), columns.end(), 0);
+  int thrown = 0;
+  bool made = true;  // the k-th request
+  for (long k = 0; made; ++k) {
+    BasisFactor basis(A, {.lu = LuBackend::General});
+    LuStatus status = LuStatus::OutOfMemory;
+    {
+      const FailingAllocator failing(k, k + 1);
+      try {
+        status = basis.factor(columns);
+      } catch (const std::bad_alloc&) {
+        ++thrown;
+      }
+      made = FailingAllocator::requests() > k;
+    }
+    Vec x(60);
+    if (status != LuStatus::Ok) {
+      EXPECT_THROW(basis.ftran(b, x), std::logic_error) << "request " << k;
+      ASSERT_EQ(basis.factor(columns), LuStatus::Ok) << "with memory again, after request " << k;
+    }
+    basis.ftran(b, x);
+    ASSERT_LT((A * x - b).norm(), 1e-10) << "request " << k;
+  }
+  EXPECT_GT(thrown, 0);
 }
 
 std::size_t address_space() {
