@@ -376,15 +376,21 @@ std::pair<Dense, Dense> products(const LuFactors& f, const SpMat& A) {
   return {L * U, permuted};
 }
 
-// The general library shows its factors, whichever it uses within: small matrices with many diagonal blocks, ones with
-// dense factors. Catches entries above the blocks that are lost, and scales by pivots taken for scales by rows.
+// The general library shows its factors, whichever it uses within, and so does that for some hundred rows: small
+// matrices with many diagonal blocks, ones with dense factors. Catches entries above the blocks that are lost, and
+// scales by pivots taken for scales by rows.
 TEST(LuFactors, MultiplyToTheMatrix) {
   Random random(9);
   SpMat blocks = support::random_sparse(80, 2, random);
   blocks.prune([](Index i, Index j, double) { return i / 10 <= j / 10; });
-  for (const SpMat& A :
-       {blocks, support::random_sparse(300, 2, random), support::random_sparse(300, 12, random), support::stencil(6)}) {
-    SparseLu lu(LuBackend::General);
+  const std::pair<LuBackend, SpMat> all[] = {{LuBackend::General, blocks},
+                                             {LuBackend::General, support::random_sparse(300, 2, random)},
+                                             {LuBackend::General, support::random_sparse(300, 12, random)},
+                                             {LuBackend::General, support::stencil(6)},
+                                             {LuBackend::Auto, support::random_sparse(100, 2, random)},
+                                             {LuBackend::Auto, support::random_sparse(100, 12, random)}};
+  for (const auto& [backend, A] : all) {
+    SparseLu lu(backend);
     ASSERT_EQ(lu.factor(A), LuStatus::Ok);
     LuFactors factors;
     ASSERT_TRUE(lu.factors(factors));
