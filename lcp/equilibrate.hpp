@@ -16,9 +16,9 @@ struct Scaling {
   AffineMcp apply(const AffineMcp& problem) const;
   /// Whether no number of apply(problem) was rounded: none overflows, or falls below the least normal double.
   bool loses_nothing(const AffineMcp& problem) const;
-  Vec to_scaled(const Box& box, In x) const;           ///< x -> x'; box of the problem as given
-  Vec to_original(const Box& scaled_box, In x) const;  ///< x' -> x; box' of the scaled problem
-  void make_original(const Box& scaled_box, Vec& x) const;
+  Vec to_scaled(const Box& box, In x) const;                ///< x -> x'; box of the problem as given
+  Vec to_original(const Box& scaled_box, In x) const;       ///< x' -> x; box' of the scaled problem
+  void make_original(const Box& scaled_box, Vec& x) const;  ///< to_original(), in the place of x'
 };
 
 /// The largest entries of every row and column of E M D are near one (Ruiz 2001), and so is the largest of |E q|. All

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-/// Sparse LU of one square matrix, P A Q = L U, over UMFPACK, KLU or Eigen: the only place where the three appear. A
-/// build with PERP_GPL=OFF has no UMFPACK (lcp/gpl.hpp). LuBackend::Auto takes L L' of positive definite matrices.
+/// Sparse LU of one square matrix, P A Q = L U, over UMFPACK, KLU or Eigen - the only place where the three appear - or
+/// own code. PERP_GPL=OFF: no UMFPACK (lcp/gpl.hpp). LuBackend::Auto takes L L' of large positive definite matrices.
 /// The symbolic analysis (ordering, elimination tree) is kept while the sparsity pattern of A is unchanged.
 /// References: Davis, ACM TOMS 30 (2004) 196 (UMFPACK); Davis & Palamadai Natarajan, TOMS 37 (2010) 36 (KLU).
 #include <memory>
@@ -17,7 +17,7 @@ enum class LuBackend {
   General,  ///< for any size: UMFPACK; without it "mixed", which is KLU or, where that has much to do, Eigen's
   Klu,
   Eigen,  ///< its sparse LU
-  Dense,  ///< Eigen's dense LU, rows scaled
+  Dense,  ///< partial pivoting in a full matrix, rows scaled
   Auto,   ///< Dense up to 32 rows, pivots by Markowitz' rule up to 300; beyond, Cholesky (lcp/cholesky) of matrices
           ///< that are symmetric up to 1e-15 and positive definite beyond doubt, General of others
 };
@@ -40,15 +40,15 @@ class SparseLu {
 
   void set_deadline(Deadline deadline);  ///< for the factorizations from now on
 
-  /// Factors A (square; throws std::invalid_argument if it is not). A is copied: it may change or die afterwards.
-  /// The matrix
-  /// that was factored last is not factored again. OutOfMemory also where the estimate says that the factors do not
-  /// fit. Throws KernelTooLong where the factorization would end after the deadline.
+  /// Factors A. That is copied: it may change or die afterwards. The matrix that was factored last is not factored
+  /// again. OutOfMemory also where the estimate says that the factors do not fit.
+  /// Throws std::invalid_argument if A is not square, and KernelTooLong where the factorization would end after the
+  /// deadline.
   [[nodiscard]] LuStatus factor(const SpMat& A);
   /// factor(): true if Ok, false if there are no factors of this matrix. Throws std::bad_alloc if OutOfMemory.
   [[nodiscard]] bool try_factor(const SpMat& A);
-  /// From now on the pivots of one matrix are tried for the next one of its pattern: Auto then takes a third of the
-  /// time, and the last digits of the factors depend on the matrices before.
+  /// From now on Auto tries the pivots of one matrix of 33 to 300 rows for the next of its pattern, in a third of the
+  /// time. P, Q, pivot_ratio(), last digits and, near singularity, the status may then depend on the matrices before.
   void reuse_pivots();
   /// The longest factorization so far [s].
   double longest_call() const;
@@ -70,7 +70,7 @@ class SparseLu {
 
   /// Copies L, U and the permutations, for solves with sparse right-hand sides. General gives them of Singular, too,
   /// with the zero pivots in their places, Klu those of the diagonal blocks if there are several. False where the
-  /// library gives none (Dense, Eigen; Klu of Singular) or nothing is factored. Throws std::bad_alloc.
+  /// library gives none (Dense, Eigen; Klu, Auto up to 300 rows of Singular) or nothing is factored. Throws bad_alloc.
   bool factors(LuFactors& out) const;
   bool gives_factors() const;  ///< whether factors() may be true
 

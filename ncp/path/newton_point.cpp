@@ -116,7 +116,9 @@ NewtonPoints::NewtonPoints(Run& run, const PathSearch& method, lcp::SharedLu& st
   options_.deadline = run.deadline();
   options_.max_pivots = std::min(options_.max_pivots, worthwhile_pivots(n));
   if (method.proximal_adaptive) options_.patience = std::min(options_.patience, patience_on_paths(run.mcp()));
-  if (!run.mcp().is_affine()) lu_.lu.reuse_pivots();  // else whether kinks are followed again would show
+  // The path of an affine problem may be followed a second time, for its kinks, unless the run is observed: other
+  // digits of that one would make an observed run another one.
+  if (!run.mcp().is_affine()) lu_.lu.reuse_pivots();
   options_.basis.shared = &lu_;
   options_.keep_basis = method.chord_steps > 0;
   options_.path_limit =

@@ -456,7 +456,7 @@ void iterate(Run& run, const PathSearch& method, Point point) {
   it.merit = merit(fischer_merit(), run.box(), point.x, point.F);
   if (!run.go_on(point, it)) return;
   lcp::SharedLu lu{lcp::SparseLu(lcp::LuBackend::Auto, run.deadline())};  // of J_II
-  lu.lu.reuse_pivots();
+  lu.lu.reuse_pivots();  // in affine problems, too: their crash is the same one, observed or not
   const CrashEnd crashed = crash(run, method.crash, point, it, lu.lu);
   if (crashed == CrashEnd::Over) return;
   const double start = point.x.size() > 0 ? point.x.lpNorm<Eigen::Infinity>() : 0;
