@@ -2,11 +2,15 @@
 /// Sequences of matrices with one pattern, with and without SparseLu::reuse_pivots().
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "lcp/lu/lu_factors.hpp"
+#include "lcp/lu/markowitz.hpp"
+#include "lcp/lu/past_zeros.hpp"
 #include "lcp/lu/sparse_lu.hpp"
 #include "support/matrices.hpp"
 
@@ -87,6 +91,37 @@ TEST(PivotsAgain, AreThoseOfTheMatrixBefore) {
     }
     EXPECT_GE(others, 1) << n;
   }
+}
+
+/// Five rows of a triangle, whose entries below the diagonal are `below`, and four full ones, all with an entry in
+/// column 5; the rest is the identity. With its diagonal as pivots, column 5 grows by 1 - below / diagonal a step.
+SpMat growing(double diagonal, double below) {
+  Eigen::MatrixXd D = Eigen::MatrixXd::Identity(40, 40);
+  D.block(5, 5, 4, 4).setOnes();
+  D.block(5, 5, 4, 4).diagonal().setConstant(5);
+  D.block(0, 5, 5, 1).setOnes();
+  for (Index i = 0; i < 9; ++i)
+    for (Index j = 0; j < std::min<Index>(i, 5); ++j) D(i, j) = below;
+  D.diagonal().head(5).setConstant(diagonal);
+  return support::sparse(D);
+}
+
+// Each pivot alone is large enough to be taken again, but U grows to 8e6. Catches pivots that lose as many digits.
+TEST(PivotsAgain, NotWhereTheyWouldGrow) {
+  const SpMat A = growing(1, 0.01);
+  const SpMat B = growing(0.031, -1);
+  Markowitz markowitz;
+  ASSERT_TRUE(markowitz.factor(A, row_scale(A).cwiseInverse()));
+  ASSERT_TRUE(markowitz.factor_again(B, row_scale(B).cwiseInverse()));
+  EXPECT_GT(*std::max_element(markowitz.U.value.begin(), markowitz.U.value.end()), 1e5);
+  SparseLu reusing(LuBackend::Auto);
+  reusing.reuse_pivots();
+  ASSERT_EQ(reusing.factor(A), LuStatus::Ok);
+  ASSERT_EQ(reusing.factor(B), LuStatus::Ok);
+  LuFactors factors;
+  ASSERT_TRUE(reusing.factors(factors));
+  for (const double u : factors.U.value) EXPECT_LE(std::abs(u), 1000);
+  EXPECT_LE(factors.diagonal.cwiseAbs().maxCoeff(), 1000);
 }
 
 // The only entry of a row is its pivot whatever its size: here 1e-310, by which the 1 below it is divided. Catches
