@@ -12,7 +12,6 @@
 #include "contact/model/expansion.hpp"
 #include "contact/model/residual.hpp"
 #include "contact/model/scaling.hpp"
-#include "contact/model/velocities.hpp"
 #include "lcp/cholesky/cholesky.hpp"
 #include "lcp/cholesky/symmetric.hpp"
 #include "lcp/kernel_clock.hpp"
@@ -101,11 +100,19 @@ std::vector<Expansion> exact_velocities_of(const Problem& problem, const Vec& r)
   return exact_sums(problem.q, parts->H().transpose(), parts->inverse(Vec(parts->H() * r)));
 }
 
-/// Least u_N - mu |u_T| less what the shift changes, and what a condensed q may be wrong by, rounded down; u exact
-/// before it is rounded.
+/// What W r + q may be wrong by, both condensed.
+Vec unknown_velocities(const Problem& problem, const Vec& r) {
+  const auto& [q, W] = problem.rounding;
+  Vec unknown = q.size() > 0 ? q : Vec(Vec::Zero(r.size()));
+  if (W.size() > 0) unknown += W.dot(r.cwiseAbs()) * W;
+  return unknown;
+}
+
+/// Least u_N - mu |u_T| less what the shift changes, and what rounding may have changed in W and q, rounded down; u
+/// exact before it is rounded.
 double margin(const Problem& problem, const Vec& r, double shift) {
   const std::vector<Expansion> u = exact_velocities_of(problem, r);
-  const Vec unknown = problem.global ? condensation_error(problem) : Vec(Vec::Zero(problem.q.size()));
+  const Vec unknown = unknown_velocities(problem, r);
   const int d = problem.dimension;
   double least = lcp::infinity;
   for (Index a = 0; a < problem.contacts(); ++a) {

@@ -19,7 +19,8 @@
 ///    4 gamma.
 ///  * The margin of (*) is larger than the change of it by shift D^-2 r'. (*) then holds for W + shift D^-2, too, which
 ///    is certainly semidefinite.
-/// The statement is exact for W + shift D^-2. Its solutions solve the given problem up to shift D^-2 r in u.
+/// The statement is exact for W + shift D^-2. Its solutions solve the given problem up to shift D^-2 r in u. Where W
+/// and q were condensed the margin is larger than what Problem::rounding says of W r' + q, too.
 ///
 /// W = H' M^-1 H by its parts is semidefinite itself, where such a factorization shows M to be positive definite: shift
 /// is 0. u' is then H' v' + q of v' near M^-1 H r', without rounding, and no entry of W is formed.

@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "contact/model/expansion.hpp"
-#include "contact/model/velocities.hpp"
 
 namespace perp::contact {
 namespace {
@@ -92,10 +91,9 @@ double approach_of(const Problem& problem, In y) {
   Expansion approach;
   for (Index a = 0; a < y.size(); ++a) approach.add_product(-problem.q[problem.dimension * a], y[a]);
   double least = approach.value() * (1 - last_roundings) - approach.lost();
-  if (problem.global) {
-    const Vec error = condensation_error(problem);
-    for (Index a = 0; a < y.size(); ++a) least -= error[problem.dimension * a] * y[a] * (1 + last_roundings);
-  }
+  if (const Vec& unknown = problem.rounding.q; unknown.size() > 0)
+    for (Index a = 0; a < y.size(); ++a)
+      if (y[a] > 0) least -= unknown[problem.dimension * a] * y[a] * (1 + last_roundings);
   return least > 0 && approach.finite() ? least : 0;
 }
 

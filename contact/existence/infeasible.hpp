@@ -10,8 +10,8 @@
 /// W (y e_N) = 0. Bodies squeezed between walls have such y: weights of contacts that cannot all stop approaching.
 ///
 /// Of bodies, W = H' M^-1 H, that is H (y e_N) = 0: no entry of W is formed, and what is left of H (y e_N), body by
-/// body in the norm of M^-1, bounds |g|. A q that was condensed is known to its roundings only: so much is taken from
-/// -q_N.y.
+/// body in the norm of M^-1, bounds |g|. A q that was condensed is known to its roundings only (Problem::rounding): so
+/// much is taken from -q_N.y. W counts as it is, unless nothing is known of q.
 ///
 /// The same y serves every law whose impulses are in K: polygons inside the disk, no friction. Polygons about the disk
 /// reach 1 / cos(pi / K) further: theirs is the problem with mu larger by that.

@@ -64,16 +64,6 @@ struct Target {
   bool symmetric = true;  // W
 };
 
-SpMat normal_columns(const SpMat& A, int d) {
-  SpMat out(A.rows(), A.cols() / d);
-  for (Index a = 0; a < out.cols(); ++a) {
-    out.startVec(a);
-    for (SpMat::InnerIterator it(A, d * a); it; ++it) out.insertBack(it.row(), a) = it.value();
-  }
-  out.finalize();
-  return out;
-}
-
 /// Of W = H' M^-1 H by its parts H (y e_N) = 0, whatever the units of its rows.
 Target target_of(const Problem& problem) {
   const int d = problem.dimension;

@@ -13,6 +13,7 @@
 #include "contact/io/fclib_parts.hpp"
 #include "contact/io/hdf5_check.hpp"
 #include "contact/io/hdf5_lazy.hpp"
+#include "contact/model/velocities.hpp"
 #include "lcp/io/output_file.hpp"
 #include "lcp/solve/schur.hpp"
 #include "lcp/words.hpp"
@@ -261,6 +262,7 @@ void eliminate(const Reader& in, Problem& p) {
   const lcp::Schur schur = lcp::schur(R, SpMat(V.transpose()), s, 0);
   if (schur.status == lcp::LuStatus::OutOfMemory) throw std::bad_alloc();
   if (schur.status != lcp::LuStatus::Ok || schur.rcond < 1e-15) in.refuse(root + "/R", "is singular");
+  p.rounding = rounding_by_lu(R, SpMat(V.transpose()), schur, p.q, p.W.diagonal());
   SpMat W = p.W.matrix() - schur.S;
   W.makeCompressed();
   p.W = std::move(W);

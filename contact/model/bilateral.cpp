@@ -12,17 +12,6 @@
 namespace perp::contact {
 namespace {
 
-SpMat normal_columns(const SpMat& H, int dimension) {
-  SpMat selection(H.cols(), H.cols() / dimension);
-  selection.reserve(selection.cols());
-  for (Index a = 0; a < selection.cols(); ++a) {
-    selection.startVec(a);
-    selection.insertBack(dimension * a, a) = 1;
-  }
-  selection.finalize();
-  return H * selection;
-}
-
 /// [A B; C D] of sparse blocks.
 SpMat blocks(const SpMat& A, const SpMat& B, const SpMat& C, const SpMat& D) {
   std::vector<Eigen::Triplet<double>> entries;

@@ -59,6 +59,7 @@ bool take_parts(const Global& g, Problem& p) {
   const auto parts = std::make_shared<const DelassusParts>(std::move(inertia), 1, g.H);
   p.W = Delassus(parts);
   p.q = exact_velocities(*parts, g.f, g.w);
+  p.rounding = rounding_by_parts(*parts, g.f, p.q);
   return true;
 }
 
@@ -76,6 +77,7 @@ void take_entries(const Global& g, Problem& p) {
   if (SpMat(K.transpose()).isApprox(K, 0)) s.S = 0.5 * (s.S + SpMat(s.S.transpose()));
   s.S.makeCompressed();
   p.q = B.transpose() * s.x + g.w;
+  p.rounding = rounding_by_lu(K, B, s, g.w, Vec::Zero(g.w.size()));
   p.W = std::move(s.S);
 }
 

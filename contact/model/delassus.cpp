@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "lcp/cholesky/symmetric.hpp"
+#include "lcp/lu/condition.hpp"
 
 namespace perp::contact {
 namespace {
@@ -49,14 +50,6 @@ class Joined {
   std::vector<int> parent_;
 };
 
-/// Which unknowns are coupled by M: a number for each.
-std::vector<int> coupled_by(const SpMat& M) {
-  Joined unknowns(M.rows());
-  for (Index j = 0; j < M.cols(); ++j)
-    for (SpMat::InnerIterator it(M, j); it; ++it) unknowns.join(it.row(), j);
-  return unknowns.numbers();
-}
-
 bool same_matrix(const SpMat& a, const SpMat& b) {
   return a.rows() == b.rows() && a.cols() == b.cols() && a.nonZeros() == b.nonZeros() &&
          std::equal(a.outerIndexPtr(), a.outerIndexPtr() + a.outerSize() + 1, b.outerIndexPtr()) &&
@@ -65,6 +58,23 @@ bool same_matrix(const SpMat& a, const SpMat& b) {
 }
 
 }  // namespace
+
+std::vector<int> coupled_by(const SpMat& A) {
+  Joined unknowns(A.rows());
+  for (Index j = 0; j < A.cols(); ++j)
+    for (SpMat::InnerIterator it(A, j); it; ++it) unknowns.join(it.row(), j);
+  return unknowns.numbers();
+}
+
+SpMat normal_columns(const SpMat& A, int d) {
+  SpMat out(A.rows(), A.cols() / d);
+  for (Index a = 0; a < out.cols(); ++a) {
+    out.startVec(a);
+    for (SpMat::InnerIterator it(A, d * a); it; ++it) out.insertBack(it.row(), a) = it.value();
+  }
+  out.finalize();
+  return out;
+}
 
 std::shared_ptr<const Inertia> Inertia::of(SpMat M) {
   M.makeCompressed();
@@ -87,7 +97,7 @@ bool Inertia::factor() {
   if (std::ranges::any_of(rows_, [](const std::vector<int>& rows) { return rows.size() > largest_body; })) {
     cholesky_ = std::make_unique<lcp::Cholesky>();
     if (cholesky_->factor(M_) != lcp::CholeskyStatus::Ok) return false;
-    rcond_ = cholesky_->rcond();
+    rcond_ = whole_rcond();
     return true;
   }
   for (const std::vector<int>& rows : rows_) {
@@ -104,6 +114,16 @@ bool Inertia::factor() {
     rcond_ = std::min(rcond_, unit.llt().rcond());
   }
   return true;
+}
+
+/// Of D M D, by solves: the pivots of Cholesky's factors would only tell what it is not below.
+double Inertia::whole_rcond() const {
+  const Vec D = M_.diagonal().cwiseSqrt().cwiseInverse();
+  const auto solve = [&](In b, lcp::Out x) {
+    cholesky_->solve(D.cwiseInverse().cwiseProduct(b), x);
+    x = D.cwiseInverse().cwiseProduct(x);
+  };
+  return lcp::reciprocal_condition(lcp::norm1(D.asDiagonal() * M_ * D.asDiagonal()), M_.rows(), solve, solve);
 }
 
 Vec Inertia::inverse(In p) const {

@@ -20,6 +20,12 @@ using lcp::Index;
 using lcp::SpMat;
 using lcp::Vec;
 
+/// Which unknowns a square matrix couples, however indirectly: a number for each, the same for these, from 0.
+std::vector<int> coupled_by(const SpMat& A);
+
+/// Columns 0, d, 2 d, .. of A, those of the contacts' normals.
+SpMat normal_columns(const SpMat& A, int d);
+
 /// Factors of an inertia M, symmetric bit by bit and positive definite: body by body where M has small blocks, else
 /// Cholesky's of all.
 class Inertia {
@@ -34,12 +40,14 @@ class Inertia {
   int bodies() const { return static_cast<int>(rows_.size()); }
   /// L^-1 H, M = L L', which has the entries of H and those of their bodies; nothing where M is factored as a whole.
   std::unique_ptr<const SpMat> root(const SpMat& H) const;
-  /// Reciprocal condition number, of D M D with unit diagonal: the least of the bodies'.
+  /// Reciprocal condition number, of D M D with unit diagonal: the least of the bodies'. Estimated in the 1-norm,
+  /// rarely three times too large.
   double rcond() const { return rcond_; }
 
  private:
   Inertia() = default;
   bool factor();
+  double whole_rcond() const;
 
   SpMat M_;
   std::vector<int> body_of_;

@@ -100,6 +100,8 @@ void check(const Problem& p) {
         if (!std::isfinite(it.value()))
           refuse("W(", it.row(), ", ", j, ") is ", it.value(), ", in the column of ", place(j, p.dimension));
   }
+  if (p.rounding.q.size() != 0) check_size("the rounding of q", p.rounding.q.size(), n, "one an entry of q");
+  if (p.rounding.W.size() != 0) check_size("the rounding of W", p.rounding.W.size(), n, "one a row of W");
   if (p.global) check(*p.global, n);
 }
 

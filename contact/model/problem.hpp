@@ -29,6 +29,13 @@ struct Global {
   Vec b{};    ///< [m/s]
 };
 
+/// What rounding may have changed in W and q: nothing where they are given, and these vectors are empty. Proofs of
+/// existence and of none take it into account.
+struct Rounding {
+  Vec q{};  ///< d n: q_i by so much at most
+  Vec W{};  ///< d n: W_ij by W_i W_j at most
+};
+
 struct Problem {
   int dimension = 3;  ///< d: 2 or 3
   Delassus W{};       ///< d n x d n: by compressed entries, or by the bodies' M and H, and then formed for nobody yet
@@ -36,6 +43,7 @@ struct Problem {
   Vec mu{};           ///< n
   std::string name{};
   std::shared_ptr<const Global> global{};  ///< where W and q are condensed from it
+  Rounding rounding{};                     ///< of whoever condensed it; to be emptied with a new q
 
   Index contacts() const { return mu.size(); }
 };

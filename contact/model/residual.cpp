@@ -47,6 +47,10 @@ double unit(const Delassus& W) {
   return trace > 0 && std::isfinite(rho) ? rho : 1;
 }
 
+void check_velocities(const Problem& problem, In u) {
+  if (u.size() != problem.q.size()) refuse_input("u has ", u.size(), " entries, not ", problem.q.size());
+}
+
 void check_impulses(const Problem& problem, In r) {
   if (r.size() != problem.q.size()) refuse_input("r has ", r.size(), " entries, not ", problem.q.size());
   for (Index i = 0; i < r.size(); ++i)
@@ -158,6 +162,7 @@ std::vector<ContactState> states(const Problem& problem, In r, double tol) {
 
 std::vector<ContactState> states(const Problem& problem, const Solution& at, double tol) {
   check_impulses(problem, at.r);
+  check_velocities(problem, at.u);
   const int d = problem.dimension;
   const auto& [r, u] = at;
   double largest_r = 0;

@@ -17,10 +17,11 @@ constexpr double eps = std::numeric_limits<double>::epsilon();
 constexpr double wanted = 1e-14;
 /// Of Q_a: what u is compared with where it is less, of parts.
 constexpr double least_share = 1e-6;
-/// Of velocities: what an LU factorization leaves of them.
-constexpr double by_lu = 1e-10;
-/// Roundings of a sum over the contacts of a body, generously.
+/// Roundings of a sum over the contacts of a body, or of an elimination, generously.
 constexpr double roundings = 100;
+/// Of what cancels: what an LU factorization leaves, at least, and where it is no longer of use.
+constexpr double least_by_lu = 1e-10;
+constexpr double most_by_lu = 1e-6;
 
 /// Row i of u for those that are asked for.
 void add_exactly(const Problem& problem, In r, const std::vector<char>& asked, Vec& u) {
@@ -211,20 +212,40 @@ Vec exact_velocities(const DelassusParts& parts, In p, In w) {
   return velocities_of<lcp::ExactSum>(parts, {.value = p, .rest = Vec::Zero(p.size())}, w, 0, w);
 }
 
-/// Of q = H' v + w, v = M^-1 f to eps^2 in the norm of M, body by body; N_bi is H_i in that of M^-1.
-Vec condensation_error(const Problem& problem) {
-  const DelassusParts* parts = problem.W.whole_parts();
-  if (parts == nullptr) {
-    const std::vector<double> coupled = coupled_velocities(problem);
-    return Vec::NullaryExpr(problem.q.size(), [&](Index i) { return by_lu * coupled[at(i / problem.dimension)]; });
-  }
-  const Vec& f = problem.global->f;
-  const Vec v = parts->inverse(f);
-  Vec squares = Vec::Zero(parts->shares().rows());
-  for (Index i = 0; i < f.size(); ++i) squares[parts->inertia().body_of()[at(i)]] += std::abs(f[i] * v[i]);
-  return 8 * eps * problem.q.cwiseAbs() + roundings * eps * eps * (parts->shares().transpose() * squares.cwiseSqrt());
+Vec velocities(const Problem& problem, In r) { return exact_velocities(problem, r, coupled_velocities(problem)).u; }
+
+/// A solution y in the units of the factorization is right to eps / rcond of its largest entry. That of a column of B
+/// is no larger than 1 / rcond times the column.
+Rounding rounding_by_lu(const SpMat& K, const SpMat& B, const lcp::Schur& schur, In w, In W_0) {
+  const Index n = B.cols();
+  const double share = std::max(least_by_lu, roundings * eps / schur.rcond);
+  if (!(share <= most_by_lu)) return {.q = Vec::Constant(n, lcp::infinity), .W = Vec::Constant(n, lcp::infinity)};
+  const std::vector<int> part_of = coupled_by(K);
+  Vec largest = Vec::Zero(K.rows());
+  for (Index i = 0; i < K.rows(); ++i)
+    largest[part_of[at(i)]] = std::max(largest[part_of[at(i)]], std::abs(schur.x[i] / schur.scale[i]));
+  Rounding out{.q = w.cwiseAbs(), .W = W_0.cwiseAbs().cwiseSqrt()};
+  for (Index j = 0; j < n; ++j)
+    for (SpMat::InnerIterator it(B, j); it; ++it) {
+      const double size = std::abs(schur.scale[it.row()] * it.value());
+      out.q[j] += size * largest[part_of[at(it.row())]];
+      out.W[j] += size;
+    }
+  out.q *= share;
+  out.W *= std::sqrt(std::max(least_by_lu, roundings * eps / schur.rcond / schur.rcond));
+  return out;
 }
 
-Vec velocities(const Problem& problem, In r) { return exact_velocities(problem, r, coupled_velocities(problem)).u; }
+/// v is right to eps^2 entry by entry in the norm of M's diagonal, so that in that of M it may be worse by
+/// sqrt(m / rcond); N_bi is H_i in that of M^-1.
+Rounding rounding_by_parts(const DelassusParts& parts, In f, In q) {
+  const Inertia& inertia = parts.inertia();
+  const Vec v = parts.inverse(f);
+  Vec squares = Vec::Zero(parts.shares().rows());
+  for (Index i = 0; i < f.size(); ++i) squares[inertia.body_of()[at(i)]] += std::abs(f[i] * v[i]);
+  const double worse = std::sqrt(static_cast<double>(f.size()) / inertia.rcond());
+  const Vec sizes = parts.shares().transpose() * squares.cwiseSqrt();
+  return {.q = 8 * eps * q.cwiseAbs() + roundings * eps * eps * worse * sizes, .W = {}};
+}
 
 }  // namespace perp::contact

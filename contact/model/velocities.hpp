@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "contact/model/problem.hpp"
+#include "lcp/solve/schur.hpp"
 
 namespace perp::contact {
 
@@ -22,11 +23,16 @@ Velocities exact_velocities(const Problem& problem, In r, const std::vector<doub
 /// contacts of one body do.
 std::vector<double> coupled_velocities(const Problem& problem);
 
-/// What the condensed q of a problem with `global` may be wrong by, entry by entry: its roundings where W is by its
-/// parts, 1e-10 Q_a where an LU factorization has made it.
-Vec condensation_error(const Problem& problem);
-
 /// H' M^-1 p + w, each entry to a few eps of itself and to eps^2 |H'| |M^-1 p|.
 Vec exact_velocities(const DelassusParts& parts, In p, In w);
+
+/// What rounding may have changed in W = B' K^-1 B + W_0 and q = B' x + w, x = K^-1 f, by this LU factorization of K;
+/// W_0 has this diagonal. An error is measured by what may have cancelled: B and x in the units in which K was
+/// factored, part by part where K falls into parts, and w. It is eps / rcond of that, and no less than 1e-10; beyond
+/// 1e-6 nothing is known, and it is infinite.
+Rounding rounding_by_lu(const SpMat& K, const SpMat& B, const lcp::Schur& schur, In w, In W_0);
+
+/// The same of q = H' v + w, v = M^-1 f refined to twice the precision.
+Rounding rounding_by_parts(const DelassusParts& parts, In f, In q);
 
 }  // namespace perp::contact

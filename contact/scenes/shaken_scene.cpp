@@ -59,6 +59,7 @@ Vec ShakenScene::impulse_of_forces() const {
 Problem ShakenScene::problem() const {
   Problem problem = first_;
   problem.global.reset();  // its f is the first step's
+  problem.rounding = {};
   problem.q = first_.global->H.transpose() * (M_inverse_ * impulse_of_forces());
   for (Index a = 0; a < gaps_.size(); ++a) problem.q[3 * a] += gaps_[a] / h_;
   return problem;

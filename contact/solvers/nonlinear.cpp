@@ -152,6 +152,7 @@ bool NonlinearNewton::make_contact_problem() {
     return !end(Status::Singular, text_of("R' cannot be used after ", now_.k, " Newton steps: ", why.what()));
   }
   linear_.contact.global.reset();  // q is not its
+  linear_.contact.rounding.q.resize(0);
   return true;
 }
 

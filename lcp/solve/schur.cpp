@@ -54,7 +54,7 @@ Schur schur(const SpMat& K, const SpMat& B, In f, double drop) {
   out.S.resize(n, n);
   out.x = Vec::Zero(K.rows());
   if (K.rows() == 0) return out;
-  const Vec D = symmetric_scale(K);
+  const Vec D = out.scale = symmetric_scale(K);
   SparseLu lu(LuBackend::General);
   LuFactors factors;
   out.status = lu.factor(D.asDiagonal() * K * D.asDiagonal());

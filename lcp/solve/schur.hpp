@@ -11,9 +11,10 @@ namespace perp::lcp {
 struct Schur {
   LuStatus status = LuStatus::Ok;
   double rcond =
-      0;    ///< of K with rows and columns scaled by powers of two; that below 1e-15 is singular up to rounding
-  SpMat S;  ///< columns of B squared; empty unless status is Ok
-  Vec x;    ///< rows of K; empty unless status is Ok
+      0;      ///< of K with rows and columns scaled by powers of two; that below 1e-15 is singular up to rounding
+  SpMat S;    ///< columns of B squared; empty unless status is Ok
+  Vec x;      ///< rows of K; empty unless status is Ok
+  Vec scale;  ///< of the rows and columns of K, when it was factored
 };
 
 /// An entry of S is left out where |S_ij| <= drop sqrt(|S_ii S_jj|): rounding of what is zero by structure.

@@ -229,6 +229,7 @@ TEST(Infeasible, OneSqueezedBodyAmongThousands) {
   const Problem scene = make_scene("stack", 10000, 1).problem();
   Problem problem = scene;
   problem.global = nullptr;
+  problem.rounding = {};
   const Index before = scene.q.size();
   std::vector<Eigen::Triplet<double>> entries;
   for (Index j = 0; j < before; ++j)

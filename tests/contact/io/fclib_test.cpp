@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "contact/contact_support.hpp"
+#include "contact/existence/infeasible.hpp"
 #include "contact/io/fclib_support.hpp"
 
 namespace perp::contact {
@@ -104,6 +105,33 @@ TEST(Fclib, LocalWithConstraints) {
   EXPECT_TRUE(p.q.isApprox(vec({2, 4}), 1e-15));
   file["/fclib_local/R/x"] = Doubles{0};
   EXPECT_THROW(parse(file), FileError);
+}
+
+// V = (2, 3), R = [3 1; 2 1], of which W_NN = 13 and q_N = 17 cancel: what is left is rounding, or as little as that,
+// and r = 0 solves it if it is none. Catches an elimination that is taken for exact.
+TEST(Fclib, RoundedConstraintsProveNothing) {
+  Datasets file = small_local();
+  for (const char* name : {"V", "R"}) {
+    const std::string path = std::string("/fclib_local/") + name;
+    file[path + "/m"] = Ints{2};
+    file[path + "/n"] = Ints{2};
+    file[path + "/nzmax"] = Ints{4};
+    file[path + "/nz"] = Ints{-2};
+    file[path + "/p"] = name[0] == 'V' ? Ints{0, 2, 2} : Ints{0, 2, 4};
+    file[path + "/i"] = name[0] == 'V' ? Ints{0, 1} : Ints{0, 1, 0, 1};
+    file[path + "/x"] = name[0] == 'V' ? Doubles{2, 3} : Doubles{3, 1, 2, 1};
+  }
+  file["/fclib_local/W/x"] = Doubles{13, 0, 0, 3, 0, 0};
+  file["/fclib_local/vectors/s"] = Doubles{8, 7};
+  file["/fclib_local/vectors/q"] = Doubles{17 - 1e-12, 4};
+  file["/fclib_local/vectors/mu"] = Doubles{0};
+  Problem p = parse(file).problem;
+  p.W.given().coeffRef(0, 0) = 0;
+  EXPECT_NEAR(p.q[0], 0, 2e-12);
+  EXPECT_EQ(infeasibility_radius(p, vec({1})), 0);
+  EXPECT_FALSE(find_infeasibility(p).has_value());
+  p.rounding = {};
+  EXPECT_GT(infeasibility_radius(p, vec({1})), 0);
 }
 
 // Other widths and byte orders, data within the object header.

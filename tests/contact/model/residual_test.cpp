@@ -365,6 +365,11 @@ TEST(Residual, RefusesBadImpulses) {
         states(p, vec({1, 0, INFINITY}));
       },
       testing::ThrowsMessage<std::invalid_argument>(HasSubstr("r[2] is inf")));
+  EXPECT_THAT(
+      [&] {
+        states(p, {.r = vec({1, 0, 0}), .u = vec({1, 0})});
+      },
+      testing::ThrowsMessage<std::invalid_argument>(HasSubstr("u has 2 entries, not 3")));
 }
 
 // --- the projection --------------------------------------------------------------------------------------------------
