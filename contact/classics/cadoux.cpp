@@ -40,7 +40,7 @@ class ConvexContact {
     for (int k = 1; k <= method_.inner_iterations; ++k) {
       if (trial_.over() || (!factored_ && !factor())) return false;
       ++trial_.effort.sweeps;
-      system_.solve(rho_ * (z - y_) - q_s, x);
+      solve(rho_ * (z - y_) - q_s, x);
       const Vec mixed = method_.relaxation * x + (1 - method_.relaxation) * z;
       const Vec before = z;
       z = vi_.project(mixed + y_);
@@ -63,6 +63,15 @@ class ConvexContact {
     factored_ = system_.factor(std::vector<Eigen::Matrix3d>(contacts, rho_ * I),
                                std::vector<Eigen::Matrix3d>(contacts, I / rho_));
     return factored_;
+  }
+
+  /// The matrix that was factored by contacts has a little more on its diagonal.
+  void solve(const Vec& c, Vec& x) {
+    system_.solve(c, x);
+    if (system_.form() == ContactSystem::Form::Bodies) return;
+    Vec dx(x.size());
+    system_.solve(c - problem_.W * x - rho_ * x, dx);
+    x += dx;
   }
 
   void balance(double primal, double dual) {
