@@ -92,7 +92,6 @@ constexpr double most_region_steps = 400;
 /// near the splitting's point with tau `split_start_share` times the map there, at least `split_end` and at most
 /// `latest_reopen`, and ends at `split_end_share` times it, at least `split_last` and at most `split_end`. Openings
 /// below `least_opening` of the largest are none. Points below `split_judged` are judged.
-constexpr int split_lot = 25;
 constexpr int split_settled = 2;
 constexpr int least_split_steps = 125;
 constexpr int most_split_steps = 1500;
@@ -197,7 +196,8 @@ bool ConeHomotopy::associated() {
   const std::span all(stiffnesses);
   const bool may_split = splitting_ && !moves();
   if (referee_.over() || regions(most_rounds, may_split ? all.first(1) : all)) return true;
-  if (may_split && (split() || (refused_ && regions(most_rounds, all.subspan(1))))) return true;
+  const bool refused = refused_;  // the splitting has regions of its own
+  if (may_split && (split() || (refused && regions(most_rounds, all.subspan(1))))) return true;
   return try_newton(last_newton);
 }
 
@@ -327,15 +327,18 @@ bool ConeHomotopy::split() {
 }
 
 /// Steps until the run is over, the natural map is at most `map`, or the openings change by less than `change` of the
-/// largest in one lot after the other; false: there were too many.
+/// largest in one lot after the other; false: there were too many, or they lead to no numbers.
 bool ConeHomotopy::settle(Splitting& splitting, double change, double map) {
   int& steps = referee_.stats().splitting_steps;
   Vec last = splitting.openings();
   for (int settled = 0; settled < split_settled;) {
     if (steps >= most_split_steps) return false;
-    for (int i = 0; i < split_lot; ++i) splitting.step();
-    steps += split_lot;
+    for (int i = 0; i < splitting_lot; ++i, ++steps) {
+      if (referee_.over()) return true;
+      splitting.step();
+    }
     const double now_map = natural_map(problem_, splitting.r());
+    if (!std::isfinite(now_map)) return false;
     if (now_map <= split_judged ? referee_.judge(splitting.r(), {.by = Origin::Cones}) : referee_.over()) return true;
     if (now_map <= map && steps >= least_split_steps) return true;
     const Vec now = splitting.openings();

@@ -3,13 +3,13 @@
 /// Coulomb's law from the associated one. The path of the associated law (contact/solvers/cone_path.hpp, s = 0) cannot
 /// turn back, and where all contacts stick its end obeys Coulomb's law as well. Where some slip, Coulomb's law is
 /// solved in their region (contact/model/region.hpp), in rounds: the path with the region's openings, and a region from
-/// there. Where no region begins, openings by Douglas and Rachford's splitting (contact/classics/splitting.hpp) lead to
-/// a path, and a region from its end. Where that fails a path with these contacts coupled leads from an earlier point
-/// to Coulomb's law, or to more contacts that slip. Where it turns back: a path with all contacts coupled. Cadoux'
-/// fixed point s = |u_T(s)| is apart: each s is a path from the last one's points, with Anderson's mixing of two, and
-/// from points of each a path has the contacts coupled that slip at its end. Newton steps on Alart & Curnier's equation
-/// are tried from the points for the last digits. Cadoux, Acary & Lemarechal (contact/classics/classics.hpp); Anderson,
-/// J. ACM 12 (1965) 547. Private to contact/.
+/// there. Where they do not solve it, openings by Douglas and Rachford's splitting (contact/classics/splitting.hpp)
+/// lead to a path, and a region from its end. Where that fails a path with these contacts coupled leads from an earlier
+/// point to Coulomb's law, or to more contacts that slip. Where it turns back: a path with all contacts coupled.
+/// Cadoux' fixed point s = |u_T(s)| is apart: each s is a path from the last one's points, with Anderson's mixing of
+/// two, and from points of each a path has the contacts coupled that slip at its end. Newton steps on Alart & Curnier's
+/// equation are tried from the points for the last digits. Cadoux, Acary & Lemarechal (contact/classics/classics.hpp);
+/// Anderson, J. ACM 12 (1965) 547. Private to contact/.
 #include <optional>
 #include <span>
 #include <utility>

@@ -174,8 +174,9 @@ bool Referee::over() {
 }
 
 bool Referee::enough_steps() const {
+  const Stats& s = result_.stats;
   return options_.max_steps > 0 &&
-         result_.stats.iterations + result_.stats.newton_steps + result_.stats.region_factorizations >=
+         s.iterations + s.newton_steps + s.region_factorizations + s.splitting_steps / splitting_lot >=
              options_.max_steps;
 }
 

@@ -50,13 +50,16 @@ struct Auto {
   /// contract slowly: they cost little, and weakly coupled contacts need no more. 0: none.
   int sweeps = 100;
   bool cones = true;  ///< interior points over the cones, from the associated law; not without `polish`
-  /// With `cones`, where a region is refused: openings by Douglas & Rachford's splitting
-  /// (contact/classics/splitting.hpp).
+  /// With `cones`, where the regions have not solved the problem and few contacts slip: openings by Douglas &
+  /// Rachford's splitting (contact/classics/splitting.hpp).
   bool splitting = true;
   bool polish = true;      ///< Newton steps on Alart & Curnier's equation, damped ones too
   double polish_at = 0.1;  ///< relative natural residual at which they are tried first
   bool proximal = true;
 };
+
+/// Steps of the splitting that are looked at together.
+inline constexpr int splitting_lot = 25;
 
 /// Glocker's NCP (contact/laws/glocker.hpp) as it stands, by any method of ncp/. With `stages` > 1 and the normalised
 /// row, delta is continued: 0.1 first, then in equal factors down to `delta`, each stage from the last one's end.
@@ -114,8 +117,8 @@ struct Options {
   Vec start{};  ///< r to begin near, of the step before; empty: cold
   /// Called with every r that is better than those before, and what made it; on the thread that solves.
   std::function<void(const Vec& r, Origin by)> better{};
-  /// Steps at most, each about a factorization: iterations, Newton steps, factorizations of regions. 0: any number. A
-  /// run that is limited so asks for no proof.
+  /// Steps at most, each about a factorization: iterations, Newton steps, factorizations of regions, lots of
+  /// `splitting_lot` steps of the splitting. 0: any number. A run that is limited so asks for no proof.
   int max_steps = 0;
 };
 
