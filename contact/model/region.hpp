@@ -3,7 +3,7 @@
 /// Coulomb's law at some contacts, the region, while the others hold as if glued: of the scaled problem, with r0 and D
 /// positive definite, one block a contact,
 ///     Coulomb's law at the contacts of the region,   u_b + D_b (r_b - r0_b) = 0 at the others,   u = W r + q.
-/// With D = T^-2 of an interior point (contact/solvers/cone_path.hpp) the others are what a step of its path makes of
+/// With D = T^-2 of an interior point (contact/cones/cone_path.hpp) the others are what a step of its path makes of
 /// contacts that stick: they hardly move, and impulses stay away from the border of the cone. In the region's own
 /// impulses this is again a contact problem, a small one. With K = W + D, c = -q + D r0 at the others and 0 in the
 /// region, G the region's part of K^-1, and a that of K^-1 c,

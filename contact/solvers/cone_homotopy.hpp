@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-/// Coulomb's law from the associated one. The path of the associated law (contact/solvers/cone_path.hpp, s = 0) cannot
+/// Coulomb's law from the associated one. The path of the associated law (contact/cones/cone_path.hpp, s = 0) cannot
 /// turn back, and where all contacts stick its end obeys Coulomb's law as well. Where some slip, Coulomb's law is
 /// solved in their region (contact/model/region.hpp), in rounds: the path with the region's openings, and a region from
-/// there. Where they do not solve it, openings by Douglas and Rachford's splitting (contact/classics/splitting.hpp)
+/// there. Where they do not solve it, openings by Douglas and Rachford's splitting (contact/cones/splitting.hpp)
 /// lead to a path, and a region from its end. Where that fails a path with these contacts coupled leads from an earlier
 /// point to Coulomb's law, or to more contacts that slip. Where it turns back: a path with all contacts coupled.
 /// Cadoux' fixed point s = |u_T(s)| is apart: each s is a path from the last one's points, with Anderson's mixing of
@@ -16,8 +16,8 @@
 #include <vector>
 
 #include "contact/classics/alart_curnier.hpp"
-#include "contact/classics/splitting.hpp"
-#include "contact/solvers/cone_path.hpp"
+#include "contact/cones/cone_path.hpp"
+#include "contact/cones/splitting.hpp"
 #include "contact/solvers/newton_steps.hpp"
 #include "contact/solvers/referee.hpp"
 

@@ -9,9 +9,9 @@
 
 #include "contact/classics/alart_curnier.hpp"
 #include "contact/classics/gauss_seidel.hpp"
+#include "contact/cones/cone_path.hpp"
 #include "contact/model/contact_system.hpp"
 #include "contact/model/units.hpp"
-#include "contact/solvers/cone_path.hpp"
 
 namespace perp::contact {
 namespace {

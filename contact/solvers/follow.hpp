@@ -4,7 +4,7 @@
 /// (contact/classics/alart_curnier.hpp) with a proximal term of the iterate itself, each step as long as the natural
 /// map asks for; where it fails sweeps of Gauss-Seidel while they contract, which come first after a step that they
 /// solved, and Newton steps from where they come to. Where many contacts change their states both fail. Then a path
-/// of Coulomb's law over the cones (contact/solvers/cone_path.hpp), coupled at all contacts, that begins near the
+/// of Coulomb's law over the cones (contact/cones/cone_path.hpp), coupled at all contacts, that begins near the
 /// impulses of the step before: some ten steps. Where it turns back, others, with other products.
 ///
 /// Where contacts are redundant r is not unique: what W does not see, its kernel, is free. Newton's steps of least norm

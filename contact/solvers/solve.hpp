@@ -51,7 +51,7 @@ struct Auto {
   int sweeps = 100;
   bool cones = true;  ///< interior points over the cones, from the associated law; not without `polish`
   /// With `cones`, where the regions have not solved the problem and few contacts slip: openings by Douglas &
-  /// Rachford's splitting (contact/classics/splitting.hpp).
+  /// Rachford's splitting (contact/cones/splitting.hpp).
   bool splitting = true;
   bool polish = true;      ///< Newton steps on Alart & Curnier's equation, damped ones too
   double polish_at = 0.1;  ///< relative natural residual at which they are tried first

@@ -64,8 +64,8 @@ class SparseLu {
   /// off by more than three.
   double rcond() const;
 
-  /// min |U_ii| / max |U_ii| of the last factor(), which costs nothing: a large one shows that the matrix is regular, a
-  /// small one nothing. 0 if that was not Ok or the library does not tell (Eigen).
+  /// min |U_ii| / max |U_ii| of the last factor(), which costs nothing: a large one speaks for a regular matrix, though
+  /// no proof, a small one says nothing. 0 if that was not Ok or the library does not tell (Eigen).
   double pivot_ratio() const;
 
   /// Copies L, U and the permutations, for solves with sparse right-hand sides. General gives them of Singular, too,

@@ -64,7 +64,7 @@ lcp lcp/cholesky lcp/lu lcp/judge lcp/linalg lcp/pivoting lcp/qp lcp/iterative l
 ncp/interval ncp/problem ncp/ampl ncp/run ncp/reformulation ncp/transforms ncp/analysis ncp/path ncp/methods ncp/strategy
 ncp/settings
 ncp/collection/base ncp/collection/random ncp/collection/models ncp/collection/scalable ncp/collection/kkt ncp/collection
-contact/model contact/existence contact/io contact/laws contact/classics contact/solvers contact/scenes
+contact/model contact/existence contact/io contact/laws contact/classics contact/cones contact/solvers contact/scenes
 capi capi/path
 petsc petsc/mpi
 app/program app/text app/options app/problem app/report app/campaign app/worker app/findings app/comparison_report

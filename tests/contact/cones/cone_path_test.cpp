@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// The paths over the cones, and the piles they are for (docs/contact/piles.md).
-#include "contact/solvers/cone_path.hpp"
+#include "contact/cones/cone_path.hpp"
 
 #include <gtest/gtest.h>
 

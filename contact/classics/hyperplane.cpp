@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Methods of projection on the variational inequality (vi.hpp): De Saxce & Feng's with a step length of its own,
-/// Korpelevich's extragradient method with Khobotov's, Solodov & Svaiter's projection onto a separating hyperplane.
+/// Solodov & Svaiter's projection onto a separating hyperplane.
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -42,49 +41,6 @@ Vec project_onto_both(const ContactVi& vi, const Vec& r, const Vec& F_y, const V
 }
 
 }  // namespace
-
-void describe(FixedPoint& m, Fields& f) {
-  describe(m.rule, f);
-  describe_loop(m.max_iterations, m.scaling, f);
-}
-
-void iterate(Trial& trial, const Scaled& problem, const FixedPoint& method, const Vec& start) {
-  const ContactVi vi(problem);
-  Vec r = vi.project(start_or_zero(problem, start));
-  Vec F = vi.F(r);
-  double rho = method.rule.rho;
-  for (int k = 0; k < method.max_iterations && F.allFinite(); ++k) {
-    ContactVi::Prediction next = vi.predict(method.rule, r, F, rho);
-    const bool done = next.r == r;
-    r = std::move(next.r);
-    F = std::move(next.F);
-    if (trial.cheap_step(r, {.step = next.rho})) return;
-    if (done) break;
-  }
-  trial.judge_iterate(r, {.step = rho});
-}
-
-void describe(Extragradient& m, Fields& f) {
-  describe(m.rule, f);
-  describe_loop(m.max_iterations, m.scaling, f);
-}
-
-void iterate(Trial& trial, const Scaled& problem, const Extragradient& method, const Vec& start) {
-  const ContactVi vi(problem);
-  Vec r = vi.project(start_or_zero(problem, start));
-  double rho = method.rule.rho;
-  for (int k = 0; k < method.max_iterations; ++k) {
-    const Vec F = vi.F(r);
-    if (!F.allFinite()) return;
-    const ContactVi::Prediction prediction = vi.predict(method.rule, r, F, rho);
-    Vec next = vi.project(r - prediction.rho * prediction.F);
-    const bool done = next == r;
-    r = std::move(next);
-    if (trial.cheap_step(r, {.step = prediction.rho})) return;
-    if (done) break;
-  }
-  trial.judge_iterate(r, {.step = rho});
-}
 
 void describe(Hyperplane& m, Fields& f) {
   f.add("sigma", &m.sigma, strictly_between(0, 1), "share of |r - s|^2 that F(y).(r - s) must have");

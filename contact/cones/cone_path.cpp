@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "contact/solvers/cone_path.hpp"
+#include "contact/cones/cone_path.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Douglas and Rachford's splitting of Coulomb's law, and the piles it is for (docs/contact/piles.md).
-#include "contact/classics/splitting.hpp"
+#include "contact/cones/splitting.hpp"
 
 #include <gtest/gtest.h>
 
 #include <vector>
 
+#include "contact/cones/cone_path.hpp"
 #include "contact/contact_support.hpp"
 #include "contact/laws/glocker_support.hpp"
 #include "contact/scenes/generators.hpp"
-#include "contact/solvers/cone_path.hpp"
 #include "contact/solvers/solve.hpp"
 
 namespace perp::contact {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "contact/classics/splitting.hpp"
+#include "contact/cones/splitting.hpp"
 
 #include <algorithm>
 #include <cmath>
