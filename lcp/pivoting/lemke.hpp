@@ -89,6 +89,8 @@ struct LemkeOptions {
   double singular_rcond = 1e-15;  ///< a start cell whose matrix has a smaller rcond() is repaired as rank deficient
   /// A rank-deficient start is repaired by artificials; else the path does not begin (SingularBasis).
   bool repair = true;
+  /// On a ray PivotResult::certificate is looked for, in exact arithmetic: it may take longer than the path.
+  bool certify = true;
   bool keep_basis = false;  ///< keep the factors of the last piece: PivotResult::last_piece
   bool keep_path = false;   ///< fill PivotResult::path (n doubles a kink)
   /// Of a longer path, every 2nd, 4th, 8th ... kink is kept, the first and the last among them.
@@ -118,8 +120,9 @@ struct PivotResult {
   Vec z;                    ///< project(box, x)
   std::vector<Cell> cells;  ///< the cell of the last linear piece: the final basis
   Vec ray;                  ///< direction in x, if end == Ray
-  /// y with proves_infeasible(problem, y) (lcp/judge/result.hpp), if end == Ray and its direction is one: always in
-  /// exact arithmetic from a Ray start with copositive-plus M (Cottle, Pang & Stone 1992, theorem 4.4.13).
+  /// y with proves_infeasible(problem, y) (lcp/judge/result.hpp), if end == Ray, options.certify and its direction is
+  /// one: always in exact arithmetic from a Ray start with copositive-plus M (Cottle, Pang & Stone 1992,
+  /// theorem 4.4.13).
   Vec certificate;
   double t = 0;       ///< homotopy parameter there: 1 at a solution
   double best_t = 0;  ///< largest t met, at best_x

@@ -36,13 +36,9 @@ class Subproblems {
  public:
   Subproblems(Run& run, const NewtonJosephy& method)
       : run_(run),
-        options_(method.lemke),
+        options_(linearised_options(run, method.lemke)),
         qp_(method.subproblem == Subproblem::Qp ||
-            (method.subproblem == Subproblem::Auto && run.box().size() > pivoting_to)) {
-    options_.interrupted = [&run] { return run.interrupted(); };
-    options_.deadline = run.deadline();
-    options_.max_pivots = std::min(options_.max_pivots, worthwhile_pivots(run.box().size()));
-  }
+            (method.subproblem == Subproblem::Auto && run.box().size() > pivoting_to)) {}
 
   /// The solution of the linearised problem with this lambda, from `start`, then from rays with several covering
   /// vectors. Not solved: the path from `start`, for the points on a path from a ray say nothing of the way from z^k.
@@ -89,7 +85,7 @@ class Subproblems {
   }
 
   Run& run_;
-  lcp::LemkeOptions options_;
+  const lcp::LemkeOptions options_;
   bool qp_;
   bool nested_ = true;  // coarse grids give the first start; later ones are near already
   int pivots_ = 0;

@@ -55,6 +55,14 @@ lcp::PivotResult no_path(const lcp::Box& box, const Vec& start, lcp::PivotEnd en
 
 }  // namespace
 
+lcp::LemkeOptions linearised_options(const Run& run, lcp::LemkeOptions asked) {
+  asked.interrupted = [&run] { return run.interrupted(); };
+  asked.deadline = run.deadline();
+  asked.max_pivots = std::min(asked.max_pivots, worthwhile_pivots(run.box().size()));
+  asked.certify = false;
+  return asked;
+}
+
 lcp::PivotResult follow_path(const lcp::AffineMcp& linearised, const Vec& start, const lcp::LemkeOptions& options) {
   if (finite(linearised) && start.allFinite()) return lcp::lemke(linearised, start, options);
   return no_path(linearised.box, start, lcp::PivotEnd::Inaccurate);
@@ -107,14 +115,11 @@ char NewtonPoint::letter() const {
 NewtonPoints::NewtonPoints(Run& run, const PathSearch& method, lcp::SharedLu& straight_lu)
     : run_(run),
       method_(method),
-      options_(method.lemke),
+      options_(linearised_options(run, method.lemke)),
       lu_{lcp::SparseLu(method.lemke.basis.lu, run.deadline())},
       straight_lu_(straight_lu),
       left_(method.cumulative_iteration_limit - run.stats().pivots) {
   const Index n = run.box().size();
-  options_.interrupted = [&run] { return run.interrupted(); };
-  options_.deadline = run.deadline();
-  options_.max_pivots = std::min(options_.max_pivots, worthwhile_pivots(n));
   if (method.proximal_adaptive) options_.patience = std::min(options_.patience, patience_on_paths(run.mcp()));
   // The path of an affine problem may be followed a second time, for its kinks, unless the run is observed: other
   // digits of that one would make an observed run another one.
@@ -179,6 +184,7 @@ NewtonPoint NewtonPoints::solve(const Point& point, const Vec& x, const std::vec
   NewtonPoint newton{.path = {}, .lambda = lambda};
   lcp::LemkeOptions options = options_;
   options.max_pivots = std::min(options.max_pivots, std::max(left_, 1));
+  options.certify = lambda == 0 && run_.mcp().is_affine();
   const bool ray_asked = method_.start == PathStart::Always || (method_.start == PathStart::First && first) ||
                          options.start == lcp::LemkeStart::Ray;
   bool promised = false;

@@ -22,6 +22,10 @@ bool finite(const lcp::AffineMcp& problem);
 /// A linearised problem is solved well enough for a step relative to its own size: relative (1 + ||q||_inf).
 double subproblem_tol(const lcp::AffineMcp& problem, double relative = 1e-9);
 
+/// Those asked for, with the limits of the run and of worthwhile_pivots(). No ray is certified: that a linearised
+/// problem has no solution says nothing of F.
+lcp::LemkeOptions linearised_options(const Run& run, lcp::LemkeOptions asked);
+
 /// lcp::lemke, for linearised problems: q = F - J x may overflow where F and J do not, and then no path begins
 /// (PivotEnd::Inaccurate, best_x = start).
 lcp::PivotResult follow_path(const lcp::AffineMcp& linearised, const Vec& start, const lcp::LemkeOptions& options);

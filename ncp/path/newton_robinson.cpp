@@ -9,10 +9,7 @@
 
 namespace perp::ncp {
 void iterate(Run& run, const NewtonRobinson& method, Point point) {
-  lcp::LemkeOptions options = method.lemke;
-  options.interrupted = [&run] { return run.interrupted(); };
-  options.deadline = run.deadline();
-  options.max_pivots = std::min(options.max_pivots, worthwhile_pivots(run.box().size()));
+  const lcp::LemkeOptions options = linearised_options(run, method.lemke);
   Vec y = normal_point(run.box(), point.x, point.F);
   Iteration it{.k = 0, .kind = 'I'};
   it.merit = 0.5 * (point.F + y - point.x).squaredNorm();

@@ -149,6 +149,19 @@ void expect_certificate(const AffineMcp& p, const PivotResult& result, const cha
   EXPECT_LT(p.q.dot(v), -1e-6) << what;
 }
 
+// Catches a proof that is asked for and not made, and one that is made and not asked for.
+TEST(LemkePath, ARayIsCertifiedWhereThatIsAskedFor) {
+  const AffineMcp p = standard_lcp(matrix({{0, -1}, {1, 0}}), vec({-1, -1}));
+  for (const bool certify : {true, false}) {
+    LemkeOptions options;
+    options.start = LemkeStart::Ray;
+    options.certify = certify;
+    const PivotResult result = lemke(p, Vec::Zero(2), options);
+    EXPECT_EQ(to_string(result.end), "ray");
+    EXPECT_EQ(result.certificate.size(), certify ? 2 : 0);
+  }
+}
+
 TEST(LemkePath, TheRayOfAnInfeasibleMonotoneProblemIsACertificate) {
   // F_1 = -z_2 - 1 < 0; and a linear program without a feasible point: x >= 2, -x >= -1.
   const AffineMcp skew = standard_lcp(matrix({{0, -1}, {1, 0}}), vec({-1, -1}));
