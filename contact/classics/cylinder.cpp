@@ -24,13 +24,13 @@ CylinderSweeps::CylinderSweeps(Trial& trial, const Scaled& problem)
   }
 }
 
-double CylinderSweeps::sweep(CylinderPart part, const Vec& theta, Vec& r, Vec& u) const {
+double CylinderSweeps::sweep(CylinderPart part, const Vec& theta, const Vec& r, MovingImpulses& moving) const {
   double change = 0;
   for (std::size_t a = 0; a < contacts_.size(); ++a) {
     const Scaled::Block& block = problem_.blocks[a];
     const Eigen::Vector3d before = block.of(r);
     Eigen::Vector3d after = before;
-    Eigen::Vector3d velocity = block.of(u);
+    Eigen::Vector3d velocity = moving.velocity(block);
     const Eigen::Matrix3d& W = contacts_[a].W();
     if (part != CylinderPart::Tangential && W(0, 0) > 0) {
       after[0] = std::max(0.0, before[0] - velocity[0] / W(0, 0));
@@ -40,18 +40,20 @@ double CylinderSweeps::sweep(CylinderPart part, const Vec& theta, Vec& r, Vec& u
       after.tail<2>() -= rho_T_[a] * velocity.tail<2>();
       after = project_onto_disk(after, theta[static_cast<Index>(a)]);
     }
-    change += set_impulse(problem_, block, after, r, u);
+    change += moving.set(block, after);
   }
   return std::sqrt(change);
 }
 
 void CylinderSweeps::solve(CylinderPart part, const Vec& theta, const CylinderLimits& limits, Vec& r, Vec& u) {
   u = problem_.W * r + problem_.q;
+  MovingImpulses moving(problem_, r, u);
   for (int k = 0; k < limits.sweeps && !trial_.over(); ++k) {
-    const double change = sweep(part, theta, r, u);
+    const double change = sweep(part, theta, r, moving);
     ++trial_.effort.sweeps;
-    if (!(change > std::max(limits.change, rounding_share * r.norm()))) return;
+    if (!(change > std::max(limits.change, rounding_share * r.norm()))) break;
   }
+  moving.finish();
 }
 
 Vec disk_radii(const Scaled& problem, const Vec& r) {

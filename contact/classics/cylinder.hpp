@@ -11,6 +11,7 @@
 
 namespace perp::contact {
 
+class MovingImpulses;
 class Trial;
 
 /// Which impulses a sweep moves; the others are given.
@@ -28,7 +29,7 @@ class CylinderSweeps {
   void solve(CylinderPart part, const Vec& theta, const CylinderLimits& limits, Vec& r, Vec& u);
 
  private:
-  double sweep(CylinderPart part, const Vec& theta, Vec& r, Vec& u) const;
+  double sweep(CylinderPart part, const Vec& theta, const Vec& r, MovingImpulses& moving) const;
 
   Trial& trial_;
   const Scaled& problem_;

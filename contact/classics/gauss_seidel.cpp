@@ -18,16 +18,39 @@ std::vector<LocalProblem> local_problems(const Scaled& problem) {
   return contacts;
 }
 
-double set_impulse(const Scaled& problem, const Scaled::Block& block, const Eigen::Vector3d& after, Vec& r, Vec& u) {
-  const Eigen::Vector3d d = after - block.of(r);
+MovingImpulses::MovingImpulses(const Scaled& problem, Vec& r, Vec& u)
+    : problem_(problem), parts_(problem.W.parts()), r_(r), u_(u) {
+  if (parts_ == nullptr) return;
+  H_ = parts_->root() != nullptr ? parts_->root() : &parts_->H();
+  v_ = *H_ * r;
+  if (parts_->root() == nullptr) v_ = parts_->inverse(v_);
+}
+
+Eigen::Vector3d MovingImpulses::velocity(const Scaled::Block& block) const {
+  if (parts_ == nullptr) return block.of(u_);
+  Eigen::Vector3d u = block.of(problem_.q) + problem_.W.shift() * block.of(r_);
+  for (int k = 0; k < block.size; ++k) u[k] += H_->col(block.first + k).dot(v_);
+  return u;
+}
+
+double MovingImpulses::set(const Scaled::Block& block, const Eigen::Vector3d& after) {
+  const Eigen::Vector3d d = after - block.of(r_);
   if (d.isZero(0)) return 0;
-  const SpMat& W = problem.W.matrix();
-  for (int k = 0; k < block.size; ++k) {
-    r[block.first + k] = after[k];
-    if (d[k] == 0) continue;
-    for (SpMat::InnerIterator it(W, block.first + k); it; ++it) u[it.row()] += it.value() * d[k];
+  r_.segment(block.first, block.size) = after.head(block.size);
+  if (parts_ != nullptr && parts_->root() == nullptr) {
+    v_ += parts_->inverse(Vec(H_->middleCols(block.first, block.size) * d.head(block.size)));
+    return d.squaredNorm();
   }
+  const SpMat& columns = parts_ != nullptr ? *H_ : problem_.W.matrix();
+  Vec& moved = parts_ != nullptr ? v_ : u_;
+  for (int k = 0; k < block.size; ++k)
+    if (d[k] != 0)
+      for (SpMat::InnerIterator it(columns, block.first + k); it; ++it) moved[it.row()] += it.value() * d[k];
   return d.squaredNorm();
+}
+
+void MovingImpulses::finish() {
+  if (parts_ != nullptr) u_ = problem_.W * r_ + problem_.q;
 }
 
 GaussSeidel::GaussSeidel(const Scaled& problem, LocalSolver local, double omega)
@@ -40,43 +63,14 @@ Eigen::Vector3d GaussSeidel::solved(std::size_t a, const Eigen::Vector3d& before
   return after;
 }
 
-/// With velocities v of the bodies in place of u: u_a = H_a'v + q_a, and v moves by M^-1 H_a dr_a. Of rigid bodies H
-/// stands for L^-1 H, and 1 for M.
-double GaussSeidel::sweep_by_parts(Vec& r, Vec& u) const {
-  const DelassusParts& parts = *problem_.W.parts();
-  const SpMat* root = parts.root();
-  const SpMat& H = root != nullptr ? *root : parts.H();
-  Vec v = H * r;
-  if (root == nullptr) v = parts.inverse(v);
-  double change = 0;
-  for (std::size_t a = 0; a < contacts_.size(); ++a) {
-    const Scaled::Block& block = problem_.blocks[a];
-    const Eigen::Vector3d before = block.of(r);
-    Eigen::Vector3d here = block.of(problem_.q) + problem_.W.shift() * before;
-    for (int k = 0; k < block.size; ++k) here[k] += H.col(block.first + k).dot(v);
-    const Eigen::Vector3d after = solved(a, before, here);
-    const Eigen::Vector3d d = after - before;
-    if (d.isZero(0)) continue;
-    r.segment(block.first, block.size) = after.head(block.size);
-    if (root != nullptr)
-      for (int k = 0; k < block.size; ++k)
-        for (SpMat::InnerIterator it(H, block.first + k); it; ++it) v[it.row()] += it.value() * d[k];
-    else
-      v += parts.inverse(Vec(H.middleCols(block.first, block.size) * d.head(block.size)));
-    change += d.squaredNorm();
-  }
-  u = problem_.W * r + problem_.q;
-  return std::sqrt(change);
-}
-
 double GaussSeidel::sweep(Vec& r, Vec& u) const {
-  if (problem_.W.parts() != nullptr) return sweep_by_parts(r, u);
+  MovingImpulses moving(problem_, r, u);
   double change = 0;
   for (std::size_t a = 0; a < contacts_.size(); ++a) {
     const Scaled::Block& block = problem_.blocks[a];
-    const Eigen::Vector3d before = block.of(r);
-    change += set_impulse(problem_, block, solved(a, before, block.of(u)), r, u);
+    change += moving.set(block, solved(a, block.of(r), moving.velocity(block)));
   }
+  moving.finish();
   return std::sqrt(change);
 }
 

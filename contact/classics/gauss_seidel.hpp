@@ -23,7 +23,6 @@ class GaussSeidel {
 
  private:
   Eigen::Vector3d solved(std::size_t a, const Eigen::Vector3d& before, const Eigen::Vector3d& u) const;
-  double sweep_by_parts(Vec& r, Vec& u) const;
 
   const Scaled& problem_;
   std::vector<LocalProblem> contacts_;
@@ -34,7 +33,26 @@ class GaussSeidel {
 /// W_aa of every contact; of smaller ones the first rows and columns.
 std::vector<LocalProblem> local_problems(const Scaled& problem);
 
-/// Sets the impulse of one contact, and u = W r + q with it; the squared norm of the change.
-double set_impulse(const Scaled& problem, const Scaled::Block& block, const Eigen::Vector3d& after, Vec& r, Vec& u);
+/// Impulses that are changed contact by contact, and their velocities u = W r + q. Where W is by its parts the
+/// velocities of the bodies move in place of u, and no entry of W is formed.
+class MovingImpulses {
+ public:
+  /// Pre: u = W r + q. Both outlive *this.
+  MovingImpulses(const Scaled& problem, Vec& r, Vec& u);
+  /// Of the contact: u as the impulses stand.
+  Eigen::Vector3d velocity(const Scaled::Block& block) const;
+  /// Sets its impulse; the squared norm of the change.
+  double set(const Scaled::Block& block, const Eigen::Vector3d& after);
+  /// Makes u that of the impulses.
+  void finish();
+
+ private:
+  const Scaled& problem_;
+  const DelassusParts* parts_;
+  const SpMat* H_ = nullptr;  // of rigid bodies L^-1 H, M = L L'
+  Vec& r_;
+  Vec& u_;
+  Vec v_{};  // M^-1 H r, or L^-1 H r
+};
 
 }  // namespace perp::contact

@@ -6,8 +6,8 @@
 #include <limits>
 #include <utility>
 
+#include "contact/classics/newton_matrix.hpp"
 #include "contact/classics/trial.hpp"
-#include "lcp/lu/sparse_lu.hpp"
 
 namespace perp::contact {
 namespace {
@@ -18,12 +18,7 @@ constexpr std::array newton_alphas{0.0, 1e-10, 1e-8, 1e-6, 1e-4, 1e-2};
 class NewtonRun {
  public:
   NewtonRun(Trial& trial, const Scaled& problem, const NewtonOptions& options, const RowsOf& rows_of)
-      : trial_(trial),
-        problem_(problem),
-        options_(options),
-        rows_of_(rows_of),
-        K_(problem.W.matrix()),
-        lu_(lcp::LuBackend::General, trial.deadline()) {}
+      : trial_(trial), problem_(problem), options_(options), rows_of_(rows_of), matrix_(problem, trial.deadline()) {}
 
   void run(Vec r) {
     Vec u = problem_.W * r + problem_.q;
@@ -40,15 +35,12 @@ class NewtonRun {
 
  private:
   bool direction(const NewtonSystem& system) {
-    d_.resize(system.c.size());
     for (const double alpha : newton_alphas) {
-      contact_matrix(problem_, system.rows, alpha, K_);
+      if (alpha == 0 && matrix_.by_bodies()) continue;
       ++trial_.effort.factorizations;
       alpha_ = alpha;
       if (trial_.over()) return false;
-      if (!lu_.try_factor(K_)) continue;
-      lu_.solve(system.c, d_);
-      if (d_.allFinite()) return true;
+      if (matrix_.factor(system.rows, alpha) && matrix_.solve(system.c, d_)) return true;
     }
     return false;
   }
@@ -80,8 +72,7 @@ class NewtonRun {
   const Scaled& problem_;
   const NewtonOptions& options_;
   const RowsOf& rows_of_;
-  SpMat K_;
-  lcp::SparseLu lu_;
+  NewtonMatrix matrix_;
   Vec d_;
   double alpha_ = 0;
 };

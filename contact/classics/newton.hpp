@@ -55,7 +55,7 @@ struct NewtonOptions {
 void describe(NewtonOptions& options, Fields& fields);
 
 /// Newton's method from r, judged after each step. Where the matrix is singular W + alpha I takes the place of W in it,
-/// alpha = 1e-10, 1e-8, .., 1e-2. Ends where no alpha gives a finite step.
+/// alpha = 1e-10, 1e-8, .., 1e-2; from the beginning where W is by its parts. Ends where no alpha gives a step.
 void newton(Trial& trial, const Scaled& problem, const NewtonOptions& options, const RowsOf& rows_of, Vec r);
 
 }  // namespace perp::contact

@@ -6,6 +6,7 @@
 
 #include "contact/contact_support.hpp"
 #include "contact/model/facts.hpp"
+#include "contact/model/random_global.hpp"
 #include "lcp/solve/schur.hpp"
 
 namespace perp::contact {
@@ -15,34 +16,9 @@ using support::Dense;
 using support::Random;
 using support::sparse;
 using support::vec;
+using test::random_global;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
-
-/// Bodies of 3 velocities with block-diagonal inertia, each contact between two of them or a body and the ground.
-Global random_global(Random& random, int d, Index bodies, Index contacts, Index constraints) {
-  const Index m = 3 * bodies;
-  Dense M = Dense::Zero(m, m);
-  for (Index k = 0; k < bodies; ++k) {
-    const Dense B = random.normals(3, 3);
-    M.block(3 * k, 3 * k, 3, 3) = B * B.transpose() + Dense::Identity(3, 3);
-  }
-  Dense H = Dense::Zero(m, d * contacts);
-  const auto touch = [&](Index a) {
-    H.block(3 * random.integer(0, static_cast<int>(bodies) - 1), d * a, 3, d) += random.normals(3, d);
-  };
-  for (Index a = 0; a < contacts; ++a) {
-    touch(a);
-    if (random.chance(0.7)) touch(a);
-  }
-  Dense G = Dense::Zero(m, constraints);
-  for (Index j = 0; j < constraints; ++j) G.col(j) = random.normals(m);
-  return {.M = sparse(M),
-          .H = sparse(H),
-          .G = sparse(G),
-          .f = random.normals(m),
-          .w = random.normals(d * contacts),
-          .b = random.normals(constraints)};
-}
 
 // v from the saddle-point system for any r: u = H' v + w must be W r + q, and G' v + b = 0 hold. Catches signs (of b,
 // of lambda) and a constraint that is added instead of eliminated.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Global problems: the default method works on M and H.
+/// Global problems: methods work on M and H.
 #include <gtest/gtest.h>
 
 #include "contact/scenes/generators.hpp"
@@ -30,6 +30,26 @@ TEST(GlobalProblem, TheDefaultMethodDoesNotFormW) {
       const bool solved = referee.result("").solved();
       EXPECT_FALSE(problem.W.formed()) << name;
       EXPECT_TRUE(solved || &method != &settings.front()) << name;
+    }
+  }
+}
+
+// The methods of contact/classics, as far as they come in a short time. Catches one that asks for the entries.
+TEST(GlobalProblem, TheClassicsDoNotFormW) {
+  for (const char* name : {"wall", "spheres", "arch", "chain"}) {
+    const Problem problem = make_scene(name, 60).problem();
+    for (const MethodEntry& entry : methods()) {
+      if (entry.glocker) continue;
+      const Scaled coordinates = scaled(problem);
+      const Options options{.max_time = std::chrono::duration<double>(0.2)};
+      Referee referee(problem, coordinates, options);
+      const auto run = [&](const auto& method) {
+        if constexpr (Classic<std::decay_t<decltype(method)>>) iterate(referee, coordinates, method, Vec());
+      };
+      referee.guard([&] { std::visit(run, entry.method); });
+      EXPECT_FALSE(coordinates.W.formed()) << name << ' ' << entry.name;
+      EXPECT_GT(referee.result("").stats.iterations, 0) << name << ' ' << entry.name;
+      EXPECT_FALSE(problem.W.formed()) << name << ' ' << entry.name;
     }
   }
 }
