@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// bench_contact_perturbed FOLDER ROUNDS FILES...: variants of recorded contact problems as FCLIB files in FOLDER, for
-/// `perp contact --compare`. README.md says how to read it.
+/// bench_contact_perturbed FOLDER ROUNDS[:SEED] FILES...: variants of recorded contact problems as FCLIB files in
+/// FOLDER, for `perp contact --compare`. README.md says how to read it.
 #include <cmath>
 #include <cstdlib>
 #include <exception>
@@ -9,6 +9,7 @@
 #include <numbers>
 #include <random>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "contact/io/fclib.hpp"
@@ -60,10 +61,13 @@ Problem pushed(const Problem& problem, std::mt19937& random) {
 
 int main(int argc, char** argv) try {
   if (argc < 4) {
-    std::cerr << "usage: bench_contact_perturbed FOLDER ROUNDS FILES...\n";
+    std::cerr << "usage: bench_contact_perturbed FOLDER ROUNDS[:SEED] FILES...\n";
     return 2;
   }
+  const std::string_view how_many = argv[2];
   const int rounds = std::atoi(argv[2]);
+  const auto colon = how_many.find(':');
+  const unsigned seed = colon == how_many.npos ? 1 : static_cast<unsigned>(std::atoi(argv[2] + colon + 1));
   for (int k = 3; k < argc; ++k) {
     Problem problem = contact::read_problem(argv[k]);
     problem.global.reset();
@@ -71,7 +75,7 @@ int main(int argc, char** argv) try {
       const std::string name = std::filesystem::path(argv[k]).stem().string() + "-" + how;
       contact::write_fclib(std::string(argv[1]) + "/" + name + ".hdf5", {.problem = variant, .title = name});
     };
-    std::mt19937 random(1);
+    std::mt19937 random(seed);
     for (int round = 1; round <= rounds; ++round) {
       if (problem.dimension == 3) write(turned(problem, random), "turned-" + std::to_string(round));
       write(pushed(problem, random), "pushed-" + std::to_string(round));

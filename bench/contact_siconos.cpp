@@ -35,10 +35,20 @@ struct Solver {
 };
 
 constexpr int sweeps = std::numeric_limits<int>::max() / 2;
-constexpr std::array solvers{
-    Solver{"NSGS", SICONOS_FRICTION_3D_NSGS, false, sweeps}, Solver{"NSN_AC", SICONOS_FRICTION_3D_NSN_AC, false, 2000},
-    Solver{"NSN_AC_HYBRID", SICONOS_FRICTION_3D_NSN_AC, true, 2000},
-    Solver{"NSN_FB", SICONOS_FRICTION_3D_NSN_FB, false, 2000}, Solver{"ADMM", SICONOS_FRICTION_3D_ADMM, false, sweeps}};
+constexpr std::array solvers{Solver{"NSGS", SICONOS_FRICTION_3D_NSGS, false, sweeps},
+                             Solver{"NSN_AC", SICONOS_FRICTION_3D_NSN_AC, false, 2000},
+                             Solver{"NSN_AC_HYBRID", SICONOS_FRICTION_3D_NSN_AC, true, 2000},
+                             Solver{"NSN_FB", SICONOS_FRICTION_3D_NSN_FB, false, 2000},
+                             Solver{"NSN_NM", SICONOS_FRICTION_3D_NSN_NM, false, 2000},
+                             Solver{"VI_FPP", SICONOS_FRICTION_3D_VI_FPP, false, sweeps},
+                             Solver{"VI_EG", SICONOS_FRICTION_3D_VI_EG, false, sweeps},
+                             Solver{"FPP", SICONOS_FRICTION_3D_FPP, false, sweeps},
+                             Solver{"EG", SICONOS_FRICTION_3D_EG, false, sweeps},
+                             Solver{"HP", SICONOS_FRICTION_3D_HP, false, sweeps},
+                             Solver{"TFP", SICONOS_FRICTION_3D_TFP, false, sweeps},
+                             Solver{"PFP", SICONOS_FRICTION_3D_PFP, false, sweeps},
+                             Solver{"ACLMFP", SICONOS_FRICTION_3D_ACLMFP, false, sweeps},
+                             Solver{"ADMM", SICONOS_FRICTION_3D_ADMM, false, sweeps}};
 
 /// Whole blocks; Siconos leaves out zeros, so those within a block are given as the smallest number.
 NumericsMatrix* blocks_of(const contact::SpMat& A) {
@@ -102,9 +112,11 @@ void run(const Solver& solver, const char* file, double tol) {
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   if (!r.allFinite()) r.setZero();
   const contact::Residual residual = contact::residual(problem, r);
-  std::printf("%s,%s,%ld,%s,%.4f,%d,%.1e,%.1e\n", file, solver.name, static_cast<long>(problem.contacts()),
-              residual.siconos <= tol * (1 + 1e-6) ? "solved" : "failed", seconds,
-              options->iparam[SICONOS_IPARAM_ITER_DONE], residual.siconos, residual.rr9118);
+  std::printf("%s,%s,%ld,%s,%s,%.5f,%d,%.1e,%.1e,%.1e\n", file, solver.name, static_cast<long>(problem.contacts()),
+              residual.siconos <= tol * (1 + 1e-6) ? "solved" : "failed",
+              contact::accepted(residual, tol) ? "accepted" : "refused", seconds,
+              options->iparam[SICONOS_IPARAM_ITER_DONE], residual.siconos, residual.rr9118,
+              std::max({residual.cone_share, residual.normal_share, residual.slip_share}));
 }
 
 }  // namespace
@@ -113,7 +125,9 @@ int main(int argc, char** argv) try {
   const std::string_view name = argc > 2 ? argv[1] : "";
   const auto* solver = std::find_if(solvers.begin(), solvers.end(), [&](const Solver& s) { return name == s.name; });
   if (solver == solvers.end()) {
-    std::fputs("usage: bench_contact_siconos NSGS|NSN_AC|NSN_AC_HYBRID|NSN_FB|ADMM FILE [TOL]\n", stderr);
+    std::fputs("usage: bench_contact_siconos SOLVER FILE [TOL]; the solvers are", stderr);
+    for (const Solver& s : solvers) std::fprintf(stderr, " %s", s.name);
+    std::fputc('\n', stderr);
     return 2;
   }
   run(*solver, argv[2], argc > 3 ? std::atof(argv[3]) : 1e-8);
