@@ -9,6 +9,7 @@
 
 #include "contact/scenes/generators.hpp"
 #include "contact/scenes/random.hpp"
+#include "lcp/types.hpp"
 #include "lcp/words.hpp"
 
 namespace perp::contact {
@@ -22,10 +23,91 @@ constexpr double pushed = 0.8;
 constexpr double least_sinking = 1e-4;
 /// Squares of distances beyond those of touching, rounding included.
 constexpr double beyond = 1 + 1e-14;
+/// Of pushing out of what is in the way after a step.
+constexpr int most_sweeps = 60;
+/// Obstacles are looked for so many steps around; a ball that has gone less than this part of it met no others.
+constexpr double nearby_steps = 16;
+constexpr double surely_nearby = 0.99;
 
 struct Ball {
   Vec3 centre;
   double radius;
+};
+
+/// What a ball may meet: balls, and the floor and walls of a box. Components are written out, which is all the time
+/// that making a pile takes.
+class Obstacles {
+ public:
+  /// Those that this ball may meet before it has gone farther than `far`.
+  void find(const Ball& ball, double far, const std::vector<Ball>& close, double width) {
+    balls_.clear();
+    for (const Ball& other : close) {
+      const double touching = ball.radius + other.radius;
+      const double reach = touching + far;
+      if ((ball.centre - other.centre).squaredNorm() > reach * reach) continue;
+      balls_.push_back({other.centre[0], other.centre[1], other.centre[2], touching, beyond * touching * touching});
+    }
+    least_ = ball.radius;
+    most_ = width - ball.radius;
+    const double sideways =
+        std::min(ball.centre.head<2>().minCoeff() - least_, most_ - ball.centre.head<2>().maxCoeff());
+    box_ = std::min(sideways, ball.centre[2] - least_) < far;
+  }
+
+  /// Pushes the ball out of all of them, sweep after sweep. False: it still overlaps something.
+  bool push_out(Ball& ball) {
+    double x = ball.centre[0];
+    double y = ball.centre[1];
+    double z = ball.centre[2];
+    const double small = 1e-9 * ball.radius;
+    double way = 0;
+    double moved = lcp::infinity;
+    for (int sweep = 0; sweep < most_sweeps && moved > small; ++sweep) {
+      moved = 0;
+      for (const Fixed& other : balls_) {
+        const double dx = x - other.x;
+        const double dy = y - other.y;
+        const double dz = z - other.z;
+        const double square = dx * dx + dy * dy + dz * dz;
+        if (square > other.beyond) continue;                  // needs no root
+        const double distance = Eigen::numext::sqrt(square);  // std::sqrt may call, which costs the registers
+        const double overlap = other.touching - distance;
+        if (overlap <= 0) continue;
+        const double share = overlap / distance;
+        x += share * dx;
+        y += share * dy;
+        z += share * dz;
+        way += overlap;
+        moved = overlap > moved ? overlap : moved;
+      }
+      if (!box_ || (x >= least_ && x <= most_ && y >= least_ && y <= most_ && z >= least_)) continue;
+      const Vec3 outside(x, y, z);
+      x = std::clamp(x, least_, most_);
+      y = std::clamp(y, least_, most_);
+      z = std::max(z, least_);
+      const double by_box = (Vec3(x, y, z) - outside).norm();
+      way += by_box;
+      moved = std::max(moved, by_box);
+    }
+    ball.centre = Vec3(x, y, z);
+    way_ = way;
+    return moved <= small;
+  }
+  /// How far the last push_out() has moved it, from one of them to the next.
+  double way() const { return way_; }
+
+ private:
+  struct Fixed {
+    double x, y, z;
+    double touching;  // distance, and the square of one beyond it
+    double beyond;
+  };
+
+  std::vector<Fixed> balls_;
+  double least_ = 0;  // of x and y, of z
+  double most_ = 0;   // of x and y
+  bool box_ = true;   // may floor or walls be met?
+  double way_ = 0;
 };
 
 /// The balls at rest, found by their places.
@@ -62,30 +144,17 @@ class Pile {
       if ((balls_[i].centre - x).squaredNorm() <= reach * reach) close.push_back(balls_[i]);
   }
 
-  /// Pushes the ball out of the floor, the walls and the balls `close` by, sweep after sweep. False: it still overlaps
-  /// something.
-  bool push_out(Ball& ball, const std::vector<Ball>& close) const {
-    for (int sweep = 0; sweep < 60; ++sweep) {
-      double moved = 0;
-      for (const Ball& other : close) {
-        const Vec3 apart = ball.centre - other.centre;
-        const double square = apart.squaredNorm();
-        const double touching = ball.radius + other.radius;
-        if (square > beyond * touching * touching) continue;  // most are, and need no root
-        const double distance = std::sqrt(square);
-        const double overlap = touching - distance;
-        if (overlap <= 0) continue;
-        ball.centre += overlap / distance * apart;
-        moved = std::max(moved, overlap);
-      }
-      const Vec3 inside(std::clamp(ball.centre[0], ball.radius, width_ - ball.radius),
-                        std::clamp(ball.centre[1], ball.radius, width_ - ball.radius),
-                        std::max(ball.centre[2], ball.radius));
-      moved = std::max(moved, (inside - ball.centre).norm());
-      ball.centre = inside;
-      if (moved <= 1e-9 * ball.radius) return true;
-    }
-    return false;
+  /// Pushes the ball, which has just gone down by `step`, out of the floor, the walls and the balls `close` by. False:
+  /// it still overlaps something. Most balls go no farther than a few steps: then those within them are all that it can
+  /// meet, and the sweeps are the same bit by bit.
+  bool push_out(Ball& ball, double step, const std::vector<Ball>& close, Obstacles& obstacles) const {
+    const Ball start = ball;
+    obstacles.find(ball, nearby_steps * step, close, width_);
+    const bool fits = obstacles.push_out(ball);
+    if (obstacles.way() <= surely_nearby * nearby_steps * step) return fits;
+    ball = start;
+    obstacles.find(ball, lcp::infinity, close, width_);
+    return obstacles.push_out(ball);
   }
 
  private:
@@ -109,6 +178,7 @@ class Pile {
 void settle(const Pile& pile, Ball& ball) {
   std::vector<std::size_t> found;
   std::vector<Ball> close;
+  Obstacles obstacles;
   Vec3 looked_at = ball.centre;
   pile.reachable(ball.centre, found, close);
   double step = 0.2 * ball.radius;
@@ -119,7 +189,7 @@ void settle(const Pile& pile, Ball& ball) {
     }
     Ball next = ball;
     next.centre[2] -= step;
-    const bool fits = pile.push_out(next, close);
+    const bool fits = pile.push_out(next, step, close, obstacles);
     if (!fits || ball.centre[2] - next.centre[2] < least_sinking * step)
       step /= 2;
     else
