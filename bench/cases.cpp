@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <filesystem>
 #include <random>
 #include <stdexcept>
@@ -128,6 +129,31 @@ Case model_case(const std::string& path) {
   std::shared_ptr<const ncp::ampl::Model> model = ncp::ampl::read_model(path);
   Vec start = model->start();
   return {std::filesystem::path(path).stem().string(), "model", std::move(model), std::move(start), true, false};
+}
+
+std::vector<Case> starts_of(const Case& model, int count, std::uint64_t seed) {
+  Numbers random(seed);
+  const lcp::Box& box = model.mcp->box();
+  const auto moved = [&](double share, double x) { return x + share * (1 + std::abs(x)) * random.uniform(-1, 1); };
+  const auto at_bound = [&](Index i) {
+    const bool low = box.has_lower(i) && (!box.has_upper(i) || random.uniform(0, 1) < 0.5);
+    return low ? box.lower[i] : box.has_upper(i) ? box.upper[i] : model.x0[i];
+  };
+  static constexpr std::array<const char*, 4> kinds{"near", "far", "scaled", "bound"};
+  std::vector<Case> cases;
+  for (int k = 0; k < count; ++k) {
+    const auto kind = static_cast<std::size_t>(k) % kinds.size();
+    Vec x = model.x0;
+    for (Index i = 0; i < x.size(); ++i) {
+      if (kind == 0) x[i] = moved(0.1, x[i]);
+      if (kind == 1) x[i] = moved(1, x[i]);
+      if (kind == 2) x[i] *= std::pow(10, random.uniform(-1, 1));
+      if (kind == 3 && random.uniform(0, 1) < 0.5) x[i] = at_bound(i);
+    }
+    cases.push_back({model.problem, std::string(kinds[kind]).append(" ").append(std::to_string(k / 4 + 1)), model.mcp,
+                     lcp::project(box, x), model.solvable, true});
+  }
+  return cases;
 }
 
 ncp::Method method_called(std::string_view name) {

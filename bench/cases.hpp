@@ -13,7 +13,7 @@ namespace perp::bench {
 
 struct Case {
   std::string problem;
-  std::string start;  ///< "1", "2", ... of the collection; "model" of an .nl file; "random 1", ...
+  std::string start;  ///< "1", "2", ... of the collection; "model" of an .nl file; "random 1", "near 1", ...
   std::shared_ptr<const ncp::Mcp> mcp;
   ncp::Vec x0;
   bool solvable = true;  ///< false: the collection says that there is no solution
@@ -32,6 +32,9 @@ std::vector<Case> random_cases(std::string_view problem, int count, std::uint64_
 std::vector<Case> random_programs(int count, std::uint64_t seed = 1);
 /// An .nl file at its own start.
 Case model_case(const std::string& path);
+/// `count` other starts of a model, in turn near its own, far from it, with other sizes, and with half of the variables
+/// at bounds.
+std::vector<Case> starts_of(const Case& model, int count, std::uint64_t seed = 1);
 
 /// The method called `name`, with its default options; throws std::invalid_argument with the known names.
 ncp::Method method_called(std::string_view name);

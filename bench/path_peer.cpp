@@ -3,8 +3,10 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <ctime>
 #include <exception>
 #include <map>
 #include <string>
@@ -12,12 +14,12 @@
 
 #include "cases.hpp"
 #include "ncp/problem/residual.hpp"
+#include "ncp/settings/settings.hpp"
 #include "path_library.hpp"
 
 namespace {
 
 using namespace perp;
-using Clock = std::chrono::steady_clock;
 
 struct Options {
   std::string method = "path";
@@ -26,13 +28,22 @@ struct Options {
   std::vector<std::string> random_problems{"kehoe", "colvdual"};
   int random = 200;
   int programs = 0;
+  int model_starts = 0;
+  std::vector<std::string> set;
   std::uint64_t seed = 1;
   double tolerance = 1e-6;
   double seconds = 60;
   int repetitions = 5;
   std::string crash = "default";
   bool all_lines = false;
+  bool processor = false;
 };
+
+/// Seconds by one of two clocks.
+double time_of(bool processor) {
+  if (processor) return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
 
 /// What one of the two did with a (problem, start).
 struct Run {
@@ -60,10 +71,16 @@ double median(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
+ncp::Method method_of(const Options& options) {
+  std::vector<settings::Assignment> given{{"method", options.method, "--method"}};
+  for (const std::string& text : options.set) given.push_back(settings::parse_assignment(text, "--option"));
+  return settings::apply_options(given).settings.method;
+}
+
 class Contest {
  public:
   Contest(const Options& options, const bench::PathLibrary& path)
-      : options_(options), path_(path), method_(bench::method_called(options.method)) {
+      : options_(options), path_(path), method_(method_of(options)) {
     ncp::stop(method_).tol = options.tolerance;
     ncp::stop(method_).max_time = std::chrono::duration<double>(options.seconds);
     path_options_ = {{"convergence_tolerance", text(options.tolerance)}, {"time_limit", text(options.seconds)}};
@@ -80,11 +97,12 @@ class Contest {
     std::vector<double> their_seconds;
     std::vector<double> our_seconds;
     for (int k = 0; k < options_.repetitions; ++k) {
+      const double begin = time_of(options_.processor);
       const bench::PathAnswer answer = path_.solve(*c.mcp, c.x0, path_options_);
-      their_seconds.push_back(answer.seconds);
-      const auto begin = Clock::now();
+      const double between = time_of(options_.processor);
       const ncp::Result result = ncp::solve(*c.mcp, c.x0, method_);
-      our_seconds.push_back(std::chrono::duration<double>(Clock::now() - begin).count());
+      our_seconds.push_back(time_of(options_.processor) - between);
+      their_seconds.push_back(between - begin);
       if (k == 0) {
         theirs = {answer.claimed, ncp::residual(*c.mcp, answer.x).natural,
                   answer.status,  {answer.majors, answer.minors, answer.crash},
@@ -175,7 +193,11 @@ std::vector<bench::Case> cases_of(const Options& o) {
     if (name.find(o.only) != std::string::npos)
       for (bench::Case& c : bench::random_cases(name, o.random, o.seed)) cases.push_back(std::move(c));
   for (bench::Case& c : bench::random_programs(o.programs, o.seed)) cases.push_back(std::move(c));
-  for (const std::string& path : o.models) cases.push_back(bench::model_case(path));
+  for (const std::string& path : o.models) {
+    cases.push_back(bench::model_case(path));
+    for (bench::Case& c : bench::starts_of(bench::Case(cases.back()), o.model_starts, o.seed))
+      cases.push_back(std::move(c));
+  }
   return cases;
 }
 
@@ -226,16 +248,19 @@ int main_or_throw(int argc, char** argv) {
   Options o;
   CLI::App app{"A method of Perp beside PATH 4.7 in one process."};
   app.add_option("--method", o.method, "semismooth, josephy, path")->capture_default_str();
+  app.add_option("-o,--option", o.set, "KEY=VALUE of the method")->allow_extra_args(false);
   app.add_option("--only", o.only, "problems whose name contains this");
   app.add_option("--random", o.random, "so many random starts of each of --random-problems")->capture_default_str();
   app.add_option("--programs", o.programs, "so many random sparse quadratic programs")->capture_default_str();
   app.add_option("--random-problems", o.random_problems)->delimiter(',')->capture_default_str();
+  app.add_option("--model-starts", o.model_starts, "so many other starts of each model")->capture_default_str();
   app.add_option("--seed", o.seed, "of the random starts")->capture_default_str();
   app.add_option("--tolerance", o.tolerance, "of both, and of the judge")->capture_default_str();
   app.add_option("--seconds", o.seconds, "limit of one solve, for both")->capture_default_str();
   app.add_option("--repetitions", o.repetitions, "of which the median is taken")->capture_default_str();
   app.add_option("--crash", o.crash, "default, or none for both")->check(CLI::IsMember({"default", "none"}));
   app.add_flag("--all", o.all_lines, "a line for every random start, not only where the two differ");
+  app.add_flag("--cpu", o.processor, "times of the processor, for machines that do other things meanwhile");
   app.add_option("models", o.models, ".nl files to run as well");
   CLI11_PARSE(app, argc, argv);
   return run(o);
