@@ -31,13 +31,15 @@ class Stall {
  public:
   explicit Stall(int window = 60, double factor = 0.99, double first = infinity)
       : window_(window), factor_(factor), best_(first), mark_(first) {}
-  bool stalled(double merit) {
+  bool stalled(double merit) { return stalled(merit, window_); }
+  /// With another window.
+  bool stalled(double merit, int window) {
     best_ = std::min(best_, merit);
     if (best_ < factor_ * mark_) {
       mark_ = best_;
       since_ = 0;
     }
-    return ++since_ > window_;
+    return ++since_ > window;
   }
 
  private:

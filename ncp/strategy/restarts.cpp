@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "ncp/analysis/diagnosis.hpp"
+#include "ncp/path/path_attempt.hpp"
 #include "ncp/reformulation/normal_map.hpp"
 #include "ncp/strategy/attempts.hpp"
 #include "ncp/strategy/proximal.hpp"
@@ -17,11 +18,13 @@
 namespace perp::ncp {
 namespace {
 
-/// Restarts are given up sooner than the attempt with the user's options.
+/// Restarts are given up sooner than the attempt with the user's options; and that one for a while, where there is a
+/// scaled problem.
 constexpr int restart_patience = 15;
-constexpr int scaled_patience = 10;
+constexpr int first_patience = 10;
 
 constexpr std::string_view options_given = "the options given";
+constexpr std::string_view options_given_again = "on with the options given";
 
 constexpr int escape_rounds = 10;
 constexpr int trial_patience = 6;  // of the tries from the points that an escape visits
@@ -153,18 +156,49 @@ Run::Verdict last_words(Run& run, const Run::Verdict& first, const Point& user, 
 
 }  // namespace
 
+namespace {
+
+/// What the attempts before the restarts share: the one with the options given, and whether the problem is one to
+/// scale.
+struct FirstAttempt {
+  std::optional<PathAttempt> path;
+  std::optional<Scaling> scaling;
+  bool in_haste = false;  ///< it was given up sooner than the options say
+};
+
+/// Neither the user's units nor those of the scaled problem are always the better ones: each attempt is given up soon
+/// where the other is at hand, and the first one is gone on with where both are stuck.
+void add_in_turns(const PathSearch& method, std::vector<Attempt>& list) {
+  const auto first = std::make_shared<FirstAttempt>();
+  const int soon = std::min(method.patience, first_patience);
+  const auto begin = [method, first, soon](Run& run, Point start) {
+    first->scaling = helpful_scaling(run.mcp(), start.J);
+    first->in_haste = first->scaling && soon < method.patience;
+    first->path.emplace(run, method, std::move(start));
+    first->path->go_on(first->in_haste ? soon : method.patience);
+  };
+  list.push_back({.name = std::string(options_given), .what = "path", .go = begin, .counted = false});
+  PathSearch scaled = method;
+  scaled.gradient_step_limit = 0;  // those that need them seldom succeed
+  scaled.patience = soon;
+  list.push_back(uncounted(scaled_attempt(std::string(scaled_at_start), scaled, "that brings the entries of J together",
+                                          [first](Run&, const Point&) { return std::move(first->scaling); })));
+  list.push_back({.name = std::string(options_given_again),
+                  .what = "path",
+                  .go = [method, first](Run&, const Point&) { first->path->go_on(method.patience); },
+                  .when = "the first attempt was given up soon",
+                  .worthwhile = [first](Run&, const Point&) { return first->in_haste && first->path->stalled(); },
+                  .counted = false});
+}
+
+}  // namespace
+
 std::vector<Attempt> path_list(const PathSearch& method) {
   std::vector<Attempt> list;
-  if (method.scaling) {
-    PathSearch scaled = method;
-    // The attempt with the options given is next; a scaled one that needs gradient steps or patience seldom succeeds.
-    scaled.gradient_step_limit = 0;
-    scaled.patience = std::min(method.patience, scaled_patience);
-    list.push_back(
-        uncounted(scaled_attempt(std::string(scaled_at_start), scaled, "that brings the entries of J together",
-                                 [](Run& run, const Point& start) { return helpful_scaling(run.mcp(), start.J); })));
-  }
-  list.push_back(uncounted(loop_attempt(std::string(options_given), method)));
+  if (method.scaling)
+    add_in_turns(method, list);
+  else
+    list.push_back(uncounted(loop_attempt(std::string(options_given), method)));
   return list;
 }
 
@@ -179,10 +213,10 @@ std::vector<Attempt> path_restarts(const PathSearch& method) {
 
 namespace {
 
-/// Of the attempt with the options given, if it was made: the one before it has a scaled problem, and hurries.
+/// Of the attempt with the options given, at its end.
 const Run::Verdict& words_of(const Tried& tried) {
   for (std::size_t i = 0; i < tried.verdicts.size(); ++i)
-    if (tried.attempts[i]->name == options_given) return tried.verdicts[i];
+    if (tried.attempts[i]->name == options_given_again) return tried.verdicts[i];
   return tried.verdicts.front();
 }
 

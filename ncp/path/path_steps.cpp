@@ -1,17 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "ncp/path/path_steps.hpp"
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <string>
 #include <utility>
 
 #include "lcp/words.hpp"
-#include "ncp/path/crash.hpp"
-#include "ncp/path/newton_point.hpp"
-#include "ncp/path/path_search.hpp"
 #include "ncp/reformulation/line_search.hpp"
-#include "ncp/reformulation/merit.hpp"
-#include "ncp/run/run.hpp"
 
 namespace perp::ncp {
 namespace {
@@ -44,114 +39,31 @@ constexpr double watchdog_least = 1e-3;
 /// Shorter steps than this along a way are taken only when no proximal term gives a longer one.
 constexpr double least_step = 0.1;
 
-/// The reference values M_1 .. M_m.
-class References {
- public:
-  References(const Nms& nms, double psi)
-      : values_(static_cast<std::size_t>(nms.on ? nms.memory : 1), (nms.on ? nms.initial_reference_factor : 1) * psi) {}
-  double largest() const { return *std::max_element(values_.begin(), values_.end()); }
-  void replace_largest(double psi) { *std::max_element(values_.begin(), values_.end()) = psi; }
-  void reset(double psi) { std::fill(values_.begin(), values_.end(), psi); }
+}  // namespace
 
- private:
-  std::vector<double> values_;
-};
+PathSteps::PathSteps(Run& run, const PathSearch& method, Point& point, CrashEnd crashed, lcp::SharedLu& lu)
+    : run_(run),
+      method_(method),
+      point_(point),
+      x_(normal_point(run.box(), point.x, point.F)),
+      cells_(method.basis),
+      newton_points_(run, method, lu),
+      lambda_(method.proximal_perturbation * size_of(point.J)),
+      psi_(psi(point.x, point.F, x_)),
+      references_(method.nms, psi_),
+      best_z_(point.x),
+      best_psi_(psi_) {
+  if (lambda_ > 0 || !method.proximal_adaptive) return;
+  doubtful_ = crashed == CrashEnd::Doubtful;
+  if (crashed == CrashEnd::Singular) lambda_ = lambda_of_singular();
+}
 
-/// One attempt: z^k = point.x with F and J, x^k, and what the non-monotone test remembers.
-class Attempt {
- public:
-  Attempt(Run& run, const PathSearch& method, Point& point, CrashEnd crashed, lcp::SharedLu& lu)
-      : run_(run),
-        method_(method),
-        point_(point),
-        x_(normal_point(run.box(), point.x, point.F)),
-        cells_(method.basis),
-        newton_points_(run, method, lu),
-        lambda_(method.proximal_perturbation * size_of(point.J)),
-        psi_(psi(point.x, point.F, x_)),
-        references_(method.nms, psi_),
-        best_z_(point.x),
-        best_psi_(psi_) {
-    if (lambda_ > 0 || !method.proximal_adaptive) return;
-    doubtful_ = crashed == CrashEnd::Doubtful;
-    if (crashed == CrashEnd::Singular) lambda_ = lambda_of_singular();
-  }
+double PathSteps::lambda_of_singular() {
+  singular_ = often_singular;
+  return lambda_of(path_prox_after_crash, size_of(point_.J));
+}
 
-  /// One major iteration. False: no step was found, and the run has a verdict or was asked to stop.
-  bool iterate(Iteration& it);
-  bool stalled() { return stall_.stalled(best_psi_); }
-  const std::vector<lcp::Cell>& basis() const { return basis_; }
-
- private:
-  struct Saved {  // the last point that passed the merit test, and the way from it
-    Point point;
-    Way way;
-    double t = 1;
-    double psi = 0;
-  };
-
-  double psi(In z, In F, In x) const {
-    if (method_.merit == PathMerit::Fischer) return ncp::merit(fb_, run_.box(), z, F);
-    return 0.5 * (F + x - z).squaredNorm();
-  }
-  /// O(||Phi||), to keep the local order; `size` is that of J.
-  double lambda_of(double share, double size) const { return share * std::min(1.0, std::sqrt(2 * psi_)) * size; }
-  double lambda_after(double lambda, double size) const;
-  /// To begin with where J_II is singular.
-  double lambda_of_singular() {
-    singular_ = often_singular;
-    return lambda_of(path_prox_after_crash, size_of(point_.J));
-  }
-  Way way_to(const NewtonPoint& newton) const;  ///< from where it was made
-  NewtonPoint without_artificials(double& lambda);
-  NewtonPoint doubtful_point(double& lambda);
-  bool newton_step(Iteration& it);
-  /// Of affine problems: among the restarts are the linear methods.
-  bool others_do_better() const {
-    return run_.mcp().is_affine() && method_.restart_limit > 0 && method_.restarts == PathRestarts::Own;
-  }
-  /// Whether steps other than Newton's may still be tried in this iteration.
-  bool may_go_on() const {
-    const bool given_up = others_do_better() && !last_->solved();
-    return !run_.ended() && !last_->stopped() && !newton_points_.exhausted() && !given_up;
-  }
-  bool accept(const NewtonPoint& newton, double least, Iteration& it);
-  void follow_chord(const NewtonPoint& newton, Point& trial, Vec& x, double& merit);
-  bool search(const Way& way, double t, double from, double least, Iteration& it);
-  bool watchdog(Iteration& it);
-  bool gradient_step(Iteration& it);
-  void moved(Point&& to, Vec x, double merit);
-  void explain(const Iteration& it);
-
-  Run& run_;
-  const PathSearch& method_;
-  Point trial_;  // kept for its memory; after a step the last point
-  const CFunction& fb_ = fischer_merit();
-  Point& point_;
-  Vec x_;
-  std::vector<lcp::Cell> cells_;  // of x^k, if known
-  std::vector<lcp::Cell> basis_;
-  NewtonPoints newton_points_;
-  double lambda_;
-  bool doubtful_ = false;        // CrashEnd::Doubtful, and proximal terms have led on so far
-  int singular_ = 0;             // iterations in which a path from a singular basis led nowhere
-  bool proximal_start_ = false;  // the first path had a proximal term because its basis was singular without
-  double psi_;
-  References references_;
-  Stall stall_{method_.patience};
-  Vec best_z_;
-  double best_psi_;
-  double delta_ = 0;   // the distance up to which steps go unchecked; that of the first step accepted
-  int unchecked_ = 0;  // D-steps since the last merit test
-  int watchdogs_ = 0;
-  int gradient_steps_ = 0;
-  std::optional<Saved> saved_;
-  std::optional<NewtonPoint> last_;
-  int undefined_ = 0;  // trial points of this iteration where F or J is not defined
-  WayTaken taken_;
-};
-
-Way Attempt::way_to(const NewtonPoint& newton) const {
+Way PathSteps::way_to(const NewtonPoint& newton) const {
   if (newton.from_ray || method_.search == Searchtype::Line) return Way::line(run_.box(), point_.x, newton.x());
   if (method_.search == Searchtype::Arc) return Way::arc(x_, newton.x());
   std::vector<lcp::Breakpoint> kinks =
@@ -160,7 +72,7 @@ Way Attempt::way_to(const NewtonPoint& newton) const {
   return Way::path(x_, std::move(kinks), newton.x(), newton.t());
 }
 
-void Attempt::moved(Point&& to, Vec x, double merit) {
+void PathSteps::moved(Point&& to, Vec x, double merit) {
   std::swap(point_, to);
   x_ = std::move(x);
   psi_ = merit;
@@ -172,7 +84,7 @@ void Attempt::moved(Point&& to, Vec x, double merit) {
 }
 
 /// Backwards from T = `from` along the way of a linearised problem solved up to t:  T = from, beta from, ...
-bool Attempt::search(const Way& way, double t, double from, double least, Iteration& it) {
+bool PathSteps::search(const Way& way, double t, double from, double least, Iteration& it) {
   Point& trial = trial_;
   double T = from;
   const double start = psi_;
@@ -205,7 +117,7 @@ bool Attempt::search(const Way& way, double t, double from, double least, Iterat
 }
 
 /// From the Newton point x on, with the Jacobian it was made with, as long as that pays.
-void Attempt::follow_chord(const NewtonPoint& newton, Point& trial, Vec& x, double& merit) {
+void PathSteps::follow_chord(const NewtonPoint& newton, Point& trial, Vec& x, double& merit) {
   if (!newton.path.last_piece || newton.lambda > 0) return;
   Point next;
   for (int k = 0; k < method_.chord_steps && merit > 0; ++k) {
@@ -222,10 +134,10 @@ void Attempt::follow_chord(const NewtonPoint& newton, Point& trial, Vec& x, doub
   }
 }
 
-WayTaken taken(const Way& way) { return {.kinks = way.corners(), .on_path = way.kinks().size() > 1}; }
+static WayTaken taken(const Way& way) { return {.kinks = way.corners(), .on_path = way.kinks().size() > 1}; }
 
 /// The Newton point by its merit (M), by its distance (D), by both (O), or backtracked to (B).
-bool Attempt::accept(const NewtonPoint& newton, double least, Iteration& it) {
+bool PathSteps::accept(const NewtonPoint& newton, double least, Iteration& it) {
   taken_ = run_.observed() ? taken(way_to(newton)) : WayTaken{};
   if (!newton.solved()) {
     it.kind = 'B';
@@ -283,7 +195,7 @@ bool Attempt::accept(const NewtonPoint& newton, double least, Iteration& it) {
 /// To begin with after a step by this one. Where J has been singular more than once it may be so at the solution, too:
 /// lambda then stays O(||Phi||) to the end, which keeps the order of Newton's method where ||Phi|| bounds the distance
 /// to the solutions (Fan & Yuan 2005). A lambda that had to be raised is needed by more than the singular J.
-double Attempt::lambda_after(double lambda, double size) const {
+double PathSteps::lambda_after(double lambda, double size) const {
   if (singular_ >= often_singular) {
     const double smaller = path_prox_singular_decay * lambda;
     return lambda > lambda_ ? smaller : std::min(smaller, lambda_of(path_prox_singular, size));
@@ -293,7 +205,7 @@ double Attempt::lambda_after(double lambda, double size) const {
 }
 
 /// Where the basis of the start is singular, with a proximal term: artificials would pivot for what it does at once.
-NewtonPoint Attempt::without_artificials(double& lambda) {
+NewtonPoint PathSteps::without_artificials(double& lambda) {
   NewtonPoint newton = newton_points_.solve(point_, x_, cells_, lambda, Repair::Never);
   if (!newton.not_begun()) return newton;
   lambda = lambda_of_singular();
@@ -301,7 +213,7 @@ NewtonPoint Attempt::without_artificials(double& lambda) {
 }
 
 /// The same for a quadratic program while the merit falls by it: a program without a solution has no end of such steps.
-NewtonPoint Attempt::doubtful_point(double& lambda) {
+NewtonPoint PathSteps::doubtful_point(double& lambda) {
   NewtonPoint newton = without_artificials(lambda);
   if (lambda == 0 || newton.stopped() || newton_points_.exhausted()) return newton;
   Vec F;
@@ -314,12 +226,12 @@ NewtonPoint Attempt::doubtful_point(double& lambda) {
 }
 
 /// Linearised problems with growing lambda until one gives a step.
-bool Attempt::newton_step(Iteration& it) {
+bool PathSteps::newton_step(Iteration& it) {
   const double size = size_of(point_.J);
   double lambda = lambda_;
   for (int i = 0; i <= path_prox_tries; ++i) {
     const bool avoid =
-        it.k == 1 && lambda == 0 && method_.crash.on && method_.proximal_adaptive && !run_.mcp().is_affine();
+        iterations_ == 1 && lambda == 0 && method_.crash.on && method_.proximal_adaptive && !run_.mcp().is_affine();
     // With a larger lambda a path takes a few pivots, a ray takes them from the other end of the box.
     const Fallback fallback = proximal_start_ && lambda > 0 && i < path_prox_tries ? Fallback::None : Fallback::Rays;
     last_ = doubtful_ ? doubtful_point(lambda)
@@ -352,7 +264,7 @@ bool Attempt::newton_step(Iteration& it) {
 }
 
 /// Back to the last point that passed a merit test, and a search along its way.
-bool Attempt::watchdog(Iteration& it) {
+bool PathSteps::watchdog(Iteration& it) {
   if (!saved_) return false;
   ++run_.stats().watchdogs;
   ++watchdogs_;
@@ -367,7 +279,7 @@ bool Attempt::watchdog(Iteration& it) {
 }
 
 /// A projected gradient step of the Fischer-Burmeister merit from the best point.
-bool Attempt::gradient_step(Iteration& it) {
+bool PathSteps::gradient_step(Iteration& it) {
   if (gradient_steps_ >= method_.gradient_step_limit) return false;
   if (best_psi_ < psi_) {
     Point best;
@@ -397,8 +309,9 @@ bool Attempt::gradient_step(Iteration& it) {
   return true;
 }
 
-bool Attempt::iterate(Iteration& it) {
+bool PathSteps::iterate(Iteration& it) {
   undefined_ = 0;
+  ++iterations_;
   it = {.k = it.k + 1, .normal_map = true};
   const bool found = newton_step(it) || (may_go_on() && (watchdog(it) || gradient_step(it)));
   it.pivots = newton_points_.take_pivots();
@@ -410,7 +323,7 @@ bool Attempt::iterate(Iteration& it) {
 }
 
 /// The verdict when no step was found.
-void Attempt::explain(const Iteration& it) {
+void PathSteps::explain(const Iteration& it) {
   if (last_->stopped()) return;  // the run says so
   if (newton_points_.needed() > 0)
     run_.end(Status::IterationLimit,
@@ -434,45 +347,6 @@ void Attempt::explain(const Iteration& it) {
              method_.gradient_step_limit > 0 ? "neither the Newton steps nor the gradient decrease the merit function"
                                              : "the Newton steps do not decrease the merit function",
              "try another start");
-}
-
-/// An iterate beyond this, relative to 1 + |start|, that is no solution has left for infinity.
-constexpr double far_away = 1e15;
-
-bool ran_off(Run& run, const Point& point, double start) {
-  Index i = 0;
-  if (point.x.size() == 0 || point.x.cwiseAbs().maxCoeff(&i) <= far_away * (1 + start)) return false;
-  run.end(Status::Unbounded,
-          "variable " + run.mcp().variable_name(i) + " has run off to " + number(point.x[i]) + " without a solution",
-          "bound it, or look for a mistake in the model: it may have no solution");
-  return true;
-}
-
-}  // namespace
-
-void iterate(Run& run, const PathSearch& method, Point point) {
-  Iteration it{.k = 0, .kind = 'I', .normal_map = true};
-  it.crash = method.crash.on && run.box().size() >= method.crash.minimum_dimension;
-  it.merit = merit(fischer_merit(), run.box(), point.x, point.F);
-  if (!run.go_on(point, it)) return;
-  lcp::SharedLu lu{lcp::SparseLu(lcp::LuBackend::Auto, run.deadline())};  // of J_II
-  lu.lu.reuse_pivots();  // in affine problems, too: their crash is the same one, observed or not
-  const CrashEnd crashed = crash(run, method.crash, point, it, lu.lu);
-  if (crashed == CrashEnd::Over) return;
-  const double start = point.x.size() > 0 ? point.x.lpNorm<Eigen::Infinity>() : 0;
-  Attempt attempt(run, method, point, crashed, lu);
-  do {
-    if (ran_off(run, point, start)) break;
-    if (attempt.stalled()) {
-      run.end(Status::NoProgress, "the merit function has stopped falling", "try another start");
-      break;
-    }
-    if (!attempt.iterate(it)) {
-      run.go_on(point, it);
-      break;
-    }
-  } while (run.go_on(point, it));
-  run.keep_basis(attempt.basis());
 }
 
 }  // namespace perp::ncp
