@@ -66,10 +66,10 @@ void trace(const Preset& preset, const collection::Entry& entry, const collectio
   stop(method).max_F_evals = 100 * iterations;
   stop(method).max_time = std::chrono::hours(24);
   Hash records, answer, counts, words;
-  const Observer observer = [&records](const Iteration& it) {
+  const Observer observer = of_ways([&records](const Iteration& it) {
     add(records, it);
     return Next::Continue;
-  };
+  });
   std::string status;
   Result result;
   try {

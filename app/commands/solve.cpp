@@ -134,7 +134,8 @@ ExitCode solve_within_limits(const SolveRequest& request, Streams streams, const
   const auto ways =
       std::make_shared<WayKeeper>(request.plot_iteration, path != nullptr ? path->merit : ncp::PathMerit::Fischer);
   ncp::Observer observer;
-  if (!request.plot.empty()) observer = [ways, keep = ways->observer()](const ncp::Iteration& it) { return keep(it); };
+  if (!request.plot.empty())
+    observer = ncp::of_ways([ways, keep = ways->observer()](const ncp::Iteration& it) { return keep(it); });
   const Report report = run_and_print(request, problem, options, streams, limits, std::move(observer));
   if (!request.plot.empty()) draw(request, report, *ways, streams);
   if (!request.solution.empty()) lcp::write_vector(request.solution, report.result.x, "solution of " + problem->label);

@@ -68,7 +68,7 @@ bool WayKeeper::worth_keeping(const ncp::Iteration& it) const {
 }
 
 ncp::Observer WayKeeper::observer() {
-  return [this](const ncp::Iteration& it) {
+  return ncp::of_ways([this](const ncp::Iteration& it) {
     if (!worth_keeping(it)) return ncp::Next::Continue;
     const std::vector<lcp::Breakpoint>& corners = it.way->kinks;
     KeptWay kept{.iteration = it, .on_path = it.way->on_path, .T = it.way->T};
@@ -80,7 +80,7 @@ ncp::Observer WayKeeper::observer() {
     kept.samples = merit_along(*it.problem, corners, merit_, kept.samples_between);
     kept_ = std::move(kept);
     return ncp::Next::Continue;
-  };
+  });
 }
 
 }  // namespace perp::app

@@ -126,8 +126,9 @@ Report run_within(const Patience& whole, std::shared_ptr<const LoadedProblem> pr
   const auto given_up = bounded_call(
       [shared, within = std::move(within), interrupt = whole.interrupt] {
         shared->start();
-        shared->report = run_method(*shared->problem, within, nullptr, interrupt,
-                                    [&s = *shared](const ncp::Iteration& it) { return s.see(it); });
+        ncp::Observer seen = [&s = *shared](const ncp::Iteration& it) { return s.see(it); };
+        seen.ways = shared->observer.ways;
+        shared->report = run_method(*shared->problem, within, nullptr, interrupt, seen);
       },
       patience(left, whole.interrupt));
   if (given_up) return report_of_best(*shared, *given_up);

@@ -16,10 +16,12 @@ constexpr std::size_t side_by_side = 5;  // solutions in one table
 
 /// Shows the records up to the first of deflation.
 ncp::Observer first_solve_only(const ncp::Observer& observer) {
-  return [&observer, over = false](const ncp::Iteration& it) mutable {
+  ncp::Observer first = [&observer, over = false](const ncp::Iteration& it) mutable {
     over = over || it.attempt.starts_with("deflation");
     return over ? ncp::Next::Continue : observer(it);
   };
+  first.ways = observer.ways;
+  return first;
 }
 
 void print_side_by_side(std::ostream& out, const Report& report, std::size_t begin, std::size_t end, bool full) {

@@ -77,7 +77,7 @@ class NewtonPoints {
   /// affine problems nearly every Newton point is accepted, and nobody asks for the way there.
   std::vector<lcp::Breakpoint> kinks(const Point& point, const Vec& x, double lambda) const;
   /// Whether solve() leaves them out.
-  bool leaves_out_kinks() const { return run_.mcp().is_affine() && !run_.observed(); }
+  bool leaves_out_kinks() const { return run_.mcp().is_affine() && !run_.shows_ways(); }
 
   int take_pivots() { return std::exchange(pivots_, 0); }
   /// Whether no pivots are left, or fewer than the next path would take.

@@ -138,7 +138,7 @@ static WayTaken taken(const Way& way) { return {.kinks = way.corners(), .on_path
 
 /// The Newton point by its merit (M), by its distance (D), by both (O), or backtracked to (B).
 bool PathSteps::accept(const NewtonPoint& newton, double least, Iteration& it) {
-  taken_ = run_.observed() ? taken(way_to(newton)) : WayTaken{};
+  taken_ = run_.shows_ways() ? taken(way_to(newton)) : WayTaken{};
   if (!newton.solved()) {
     it.kind = 'B';
     return search(way_to(newton), newton.t(), 1, least, it);
@@ -317,7 +317,7 @@ bool PathSteps::iterate(Iteration& it) {
   it.pivots = newton_points_.take_pivots();
   it.merit = psi_;
   if (!found || it.kind == 'G') taken_.T = 0;
-  it.way = &taken_;
+  if (run_.shows_ways()) it.way = &taken_;
   if (!found) explain(it);
   return found;
 }

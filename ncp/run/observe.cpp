@@ -138,13 +138,20 @@ Observer stop_when(const std::atomic<bool>& flag) {
   return [&flag](const Iteration&) { return flag ? Next::Stop : Next::Continue; };
 }
 
+Observer of_ways(Observer observer) {
+  observer.ways = true;
+  return observer;
+}
+
 Observer all(std::vector<Observer> observers) {
-  return [observers = std::move(observers)](const Iteration& it) {
+  const bool ways = std::ranges::any_of(observers, &Observer::ways);
+  Observer told = [observers = std::move(observers)](const Iteration& it) {
     Next next = Next::Continue;
     for (const Observer& observer : observers)
       if (observer && observer(it) == Next::Stop) next = Next::Stop;
     return next;
   };
+  return ways ? of_ways(std::move(told)) : told;
 }
 
 }  // namespace perp::ncp

@@ -49,11 +49,18 @@ struct Iteration {
   bool normal_map = false;        ///< x is a point of the normal map: pi(x) is the iterate
   const Vec* x = nullptr;         ///< the iterate; only during the call
   const Mcp* problem = nullptr;   ///< x and way are points of: the presolved problem, say; only during the call
-  const WayTaken* way = nullptr;  ///< PathSearch; only during the call
+  const WayTaken* way = nullptr;  ///< PathSearch, for an Observer of ways; only during the call
 };
 
 enum class Next { Continue, Stop };
-using Observer = std::function<Next(const Iteration&)>;
+
+struct Observer : std::function<Next(const Iteration&)> {
+  using function::function;
+  /// Asks for Iteration::way: a path is kept with all its kinks or followed a second time, and each kink of a presolved
+  /// problem takes two evaluations of F.
+  bool ways = false;
+};
+Observer of_ways(Observer observer);
 
 /// What a table shows.
 struct TableOptions {

@@ -132,8 +132,8 @@ Observer Run::counting_on(bool start_shown) {
     attempt_.clear();
     return {};
   }
-  return [this, start_shown, before = iterations(), F = F_evals(), J = J_evals(),
-          attempt = take_attempt()](const Iteration& it) mutable {
+  Observer counting = [this, start_shown, before = iterations(), F = F_evals(), J = J_evals(),
+                       attempt = take_attempt()](const Iteration& it) mutable {
     if (it.k == 0 && !start_shown) return Next::Continue;
     Iteration counted = it;
     counted.k += before;
@@ -143,6 +143,8 @@ Observer Run::counting_on(bool start_shown) {
     if (counted.kind == 'I' && !counted.attempt.empty()) counted.kind = 'R';
     return observer_(counted);
   };
+  counting.ways = observer_.ways;
+  return counting;
 }
 
 namespace {
@@ -150,7 +152,8 @@ namespace {
 /// Records of the transformed problem as those of the problem itself.
 Observer brought_back(const Mcp& mcp, const Transform& way, Observer observer) {
   if (!observer) return {};
-  return [&mcp, &way, observer = std::move(observer)](const Iteration& it) {
+  const bool ways = observer.ways;
+  Observer brought = [&mcp, &way, observer = std::move(observer)](const Iteration& it) {
     Iteration shown = it;
     shown.problem = &mcp;
     if (it.worst >= 0) shown.worst = way.equation_back(it.worst);
@@ -174,6 +177,8 @@ Observer brought_back(const Mcp& mcp, const Transform& way, Observer observer) {
     }
     return observer(shown);
   };
+  brought.ways = ways;
+  return brought;
 }
 
 Stop shared(Stop left, const Share& share) {

@@ -61,7 +61,7 @@ class Run {
   /// What is left of the limits.
   Stop left() const;
   /// Whether records are shown to anybody.
-  bool observed() const { return static_cast<bool>(observer_); }
+  bool shows_ways() const { return observer_.ways; }
   /// For subproblems: has somebody asked to stop?
   bool interrupted() const { return stop_.interrupt != nullptr && *stop_.interrupt; }
   std::chrono::steady_clock::time_point deadline() const { return deadline_; }

@@ -133,7 +133,7 @@ TEST(Plot, TheCurvePassesThroughTheIterates) {
                                           {"scaling", "no", "test"},
                                           {"preprocess", "no", "test"}};
     double before = 0;
-    const ncp::Observer check = [&](const ncp::Iteration& it) {
+    const ncp::Observer check = ncp::of_ways([&](const ncp::Iteration& it) {
       if (it.way != nullptr && it.step > 0 && it.kind != 'G') {
         KeptWay kept{.iteration = it, .on_path = it.way->on_path};
         for (const lcp::Breakpoint& corner : it.way->kinks) kept.t.push_back(corner.t);
@@ -152,7 +152,7 @@ TEST(Plot, TheCurvePassesThroughTheIterates) {
       }
       before = it.merit;
       return ncp::Next::Continue;
-    };
+    });
     run_method(problem, apply_options(options).settings, nullptr, nullptr, check);
   }
   EXPECT_GT(backtracked, 4) << "the test is of searches, too";

@@ -146,7 +146,7 @@ TEST(PathCollection, TheFirstAttemptSolvesMost) {
   EXPECT_GE(solved, starts * 95 / 100) << solved << " of " << starts;
 }
 
-// Without an observer the kinks of an affine problem's paths are not kept, and followed once more where a search goes
+// Without an observer of ways the kinks of an affine problem's paths are not kept, and followed once more where a search goes
 // along them. Catches another way than the one that was followed: paths of three pivots mostly end before t = 1.
 TEST(PathCollection, AnObserverChangesNothing) {
   int backtracks = 0;
@@ -158,7 +158,7 @@ TEST(PathCollection, AnObserverChangesNothing) {
     method.lemke.max_pivots = 3;
     for (const Vec& x0 : problem.starts) {
       const Result alone = solve(*problem.mcp, x0, method);
-      const Result seen = solve(*problem.mcp, x0, method, [](const Iteration&) { return Next::Continue; });
+      const Result seen = solve(*problem.mcp, x0, method, of_ways([](const Iteration&) { return Next::Continue; }));
       EXPECT_EQ(alone.x, seen.x) << entry.name;
       EXPECT_EQ(alone.stats.iterations, seen.stats.iterations) << entry.name;
       EXPECT_EQ(alone.stats.pivots, seen.stats.pivots) << entry.name;

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <utility>
 
 #include "lcp/affine_mcp.hpp"
 #include "ncp/strategy/solve.hpp"
@@ -26,11 +27,11 @@ struct Kept {
 };
 
 Observer keep(std::vector<Kept>& kept) {
-  return [&kept](const Iteration& it) {
+  return of_ways([&kept](const Iteration& it) {
     kept.push_back({it, *it.x, {}});
     if (it.way != nullptr) kept.back().way = *it.way;
     return Next::Continue;
-  };
+  });
 }
 
 /// The point of the way at T, t = T t_end for the first time: ncp/run/observe.hpp.
@@ -210,6 +211,64 @@ TEST(PathRecords, CrashStepsAreNoMajorIterations) {
   }
   EXPECT_GT(steps, 0);
   EXPECT_EQ(steps, result.stats.crash_iterations);
+}
+
+/// `f` and one more variable x_n, which occurs in F_n = 2 x_n - sum x_i^3 alone: presolve computes it afterwards.
+Functions with_a_singleton_column(const Functions& f, long& evaluations) {
+  const Index n = f.box.size();
+  Box box = f.box;
+  box.lower.conservativeResize(n + 1);
+  box.upper.conservativeResize(n + 1);
+  box.lower[n] = -lcp::infinity;
+  box.upper[n] = lcp::infinity;
+  Functions longer = support::dense(
+      "longer", box,
+      [f, n, &evaluations](const Vec& x) {
+        ++evaluations;
+        Vec F(n + 1);
+        Vec there(n);
+        f.F(x.head(n), there);
+        F << there, 2 * x[n] - x.head(n).array().cube().sum();
+        return F;
+      },
+      [f, n](const Vec& x) {
+        SpMat there = f.pattern;
+        f.J(x.head(n), there);
+        Dense J = Dense::Zero(n + 1, n + 1);
+        J.topLeftCorner(n, n) = there;
+        J.row(n).head(n) = -3 * x.head(n).array().square();
+        J(n, n) = 2;
+        return J;
+      });
+  longer.linear_entries.assign(static_cast<std::size_t>((n + 1) * (n + 1)), false);
+  std::fill(longer.linear_entries.end() - (n + 1), longer.linear_entries.end(), true);
+  return longer;
+}
+
+// Of a record an observer gets the iterate, which takes two evaluations of F where a variable is computed afterwards.
+// Catches the same for every kink of the paths, which nobody asked for.
+TEST(PathRecords, KinksAreBroughtBackWhereTheyAreAskedForAlone) {
+  Random random(5);
+  int kinks = 0;
+  for (int k = 0; k < 20; ++k) {
+    long evaluations = 0;
+    const auto mcp = make_mcp(with_a_singleton_column(support::planted(10, 0.5, random).functions, evaluations));
+    const Vec start = 20 * random.normals(11);
+    const PathSearch method{.crash = {.on = false}, .restart_limit = 0};
+    (void)solve(*mcp, start, method);
+    const long alone = std::exchange(evaluations, 0);
+    std::vector<Iteration> records;
+    (void)solve(*mcp, start, method, record(records));
+    EXPECT_LE(evaluations, alone + 3 * static_cast<long>(records.size()));
+    std::vector<Kept> kept;
+    (void)solve(*mcp, start, method, keep(kept));
+    for (const Kept& each : kept) {
+      if (!each.way) continue;
+      kinks += static_cast<int>(each.way->kinks.size());
+      EXPECT_EQ(each.way->kinks.back().x.size(), 11);
+    }
+  }
+  EXPECT_GT(kinks, 200);
 }
 
 // Pivots of the records sum up to those of the result, and so do kinds. Catches figures of the log that contradict
