@@ -356,10 +356,10 @@ TEST(PathRecords, AreOfTheFullProblemWithPresolve) {
       PathSearch method{.chord_steps = 0};
       method.crash.on = crash;
       std::vector<Kept> kept;
-      const Result result = solve(*mcp, Vec::Constant(7, start), method, [&](const Iteration& it) {
+      const Result result = solve(*mcp, Vec::Constant(7, start), method, of_ways([&](const Iteration& it) {
         EXPECT_EQ(it.problem, mcp.get());
         return keep(kept)(it);
-      });
+      }));
       ASSERT_TRUE(result.solved()) << result;
       EXPECT_EQ(result.stats.presolved, 3);
       EXPECT_LE((result.x - vec({2, std::sqrt(6) / 2, 1.5, 0, 0, 0.5, 0})).norm(), 1e-6) << result.x.transpose();
