@@ -6,7 +6,6 @@
 
 #include "contact/classics/classics.hpp"
 #include "contact/classics/cylinder.hpp"
-#include "contact/classics/newton_matrix.hpp"
 #include "contact/classics/trial.hpp"
 #include "contact/model/random_global.hpp"
 #include "contact/solvers/solve.hpp"
