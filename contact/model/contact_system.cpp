@@ -105,9 +105,11 @@ struct ContactSystem::Bodies {
   std::vector<Part> parts;
   SpMat K;
   std::vector<double> inertia;  // M on the pattern of K
+  Vec scale;                    // of K's rows and columns in LU's factors
 
   explicit Bodies(const Scaled& problem);
   void assemble(const std::vector<Block>& E);
+  SpMat with_unit_diagonal();
 };
 
 ContactSystem::Bodies::Bodies(const Scaled& problem) : M(problem.W.parts()->M()) {
@@ -152,6 +154,13 @@ void ContactSystem::Bodies::assemble(const std::vector<Block>& E) {
     for (Index j = 0; j < HE.rows(); ++j)
       for (Index i = 0; i < HE.rows(); ++i) K.valuePtr()[*place++] += HE.row(i).dot(part.H.row(j));
   }
+}
+
+/// K in the units of its diagonal, which may have E's 1e10 beside M's 1: LU looks for fewer pivots elsewhere, and fills
+/// up less.
+SpMat ContactSystem::Bodies::with_unit_diagonal() {
+  scale = K.diagonal().unaryExpr([](double value) { return value != 0 ? 1 / std::sqrt(std::abs(value)) : 1; });
+  return scale.asDiagonal() * K * scale.asDiagonal();
 }
 
 ContactSystem::ContactSystem(const Scaled& problem, lcp::LuBackend lu, lcp::Deadline deadline)
@@ -216,7 +225,8 @@ void ContactSystem::make_lu() {
 bool ContactSystem::take(const SpMat& K, bool definite) {
   ++factorizations_;
   by_cholesky_ = definite && cholesky_->try_factor(K);
-  return by_cholesky_ || lu_->try_factor(K);
+  if (by_cholesky_) return true;
+  return bodies_ ? lu_->try_factor(bodies_->with_unit_diagonal()) : lu_->try_factor(K);
 }
 
 /// E = A^-1 B of one contact; whether it is symmetric.
@@ -289,16 +299,20 @@ bool ContactSystem::factor(const std::vector<Block>& A, const std::vector<Block>
 
 void ContactSystem::back_solve(const Vec& b, Vec& x) const {
   x.resize(b.size());
-  if (by_cholesky_)
-    cholesky_->solve(b, x);
-  else
-    lu_->solve(b, x);
+  if (by_cholesky_) return cholesky_->solve(b, x);
+  if (!bodies_) return lu_->solve(b, x);
+  lu_->solve(bodies_->scale.cwiseProduct(b), x);
+  x = bodies_->scale.cwiseProduct(x).eval();
 }
 
 void ContactSystem::back_solve(const Eigen::MatrixXd& B, Eigen::MatrixXd& X) const {
   X = B;
   if (by_cholesky_) return cholesky_->solve_columns(X);
-  for (Index k = 0; k < X.cols(); ++k) lu_->solve(Vec(X.col(k)), X.col(k));
+  Vec x;
+  for (Index k = 0; k < X.cols(); ++k) {
+    back_solve(Vec(X.col(k)), x);
+    X.col(k) = x;
+  }
 }
 
 /// out_a += blocks_a in_a.
