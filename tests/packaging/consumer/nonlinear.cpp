@@ -26,7 +26,7 @@ int run(const Scene& scene, Motion at, const NonlinearOptions& options) {
   return 0;
 }
 
-int main(int, char** argv) {  // chain|rod METHOD
+int main(int, char** argv) {  // chain|rod VARIANT, as glocker or coulomb+nsgs
   const NonlinearOptions options{.tol = 1e-10, .inner = variant_of(argv[2])};
   if (argv[1] == std::string("rod")) return run(ElasticRod{}, ElasticRod{}.straight(), options);
   const PendulumChain chain{.links = 20, .floor = -1.2};
