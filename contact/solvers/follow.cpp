@@ -49,18 +49,24 @@ constexpr int follow_patience = 3;
 constexpr double follow_decrease = 0.9;
 constexpr int follow_halvings = 5;
 constexpr double follow_near = 1e-4;
+/// Steps that end other methods go on beyond their number, to so many, while each brings the map down so far.
+constexpr int most_last_steps = 6;
+constexpr double last_step_decrease = 0.1;
 /// Points above this natural map, in units of the largest impulse where that is above 1, are not judged.
 constexpr double worth_judging = 1e-5;
 
 /// Sweeps are judged so many at a time, and ended unless r changes less by this factor than in the lot before: by
 /// `settled_contraction` below `settled_map`, where the rest of the way costs less than to begin again. Contacts have
-/// their states where points are judged, and Newton steps, so many, are tried; again when the map has fallen so far.
+/// their states where points are judged, and Newton steps, so many, are tried where sweeps would need more lots than
+/// this to `swept_map`; again when the map has fallen so far.
 constexpr int follow_sweeps = 400;
 constexpr int follow_lot = 4;
 constexpr double follow_contraction = 0.5;
 constexpr double settled_map = 1e-4;
 constexpr double settled_contraction = 0.9;
 constexpr int swept_newton = 3;
+constexpr double few_lots = 3;
+constexpr double swept_map = 1e-8;
 constexpr double newton_again = 0.01;
 
 /// Paths over the cones: their first products, in units of the natural map times the largest impulse; the steps of one,
@@ -99,6 +105,12 @@ double determinant(const Vector3d& x) {
 }
 
 bool may_be_solved(double map, In r) { return map <= worth_judging * std::max(1.0, r.lpNorm<Eigen::Infinity>()); }
+
+/// Lots of sweeps that bring the map down to what is judged a solution, each of them by this factor.
+double lots_left(double map, In r, double contraction) {
+  const double wanted = swept_map * std::max(1.0, r.lpNorm<Eigen::Infinity>());
+  return contraction < 1 ? std::log(map / wanted) / -std::log(contraction) : lcp::infinity;
+}
 
 Vector3d reflected(const Vector3d& x) { return {x[0], -x[1], -x[2]}; }
 
@@ -311,7 +323,8 @@ bool Follower::sweep(Vec& r, const Accept& accept, const Stop& stop) {
       by_ = Origin::Sweeps;
       return true;
     }
-    if (map <= newton_below) {
+    const double change = (r - last).norm();
+    if (k > 0 && map <= newton_below && lots_left(map, r, change / before) > few_lots) {
       newton_below = newton_again * map;
       Vec to = r;
       if (newton(to, swept_newton, false, accept, stop)) {
@@ -319,14 +332,14 @@ bool Follower::sweep(Vec& r, const Accept& accept, const Stop& stop) {
         return true;
       }
     }
-    const double change = (r - last).norm();
     if (!(change <= (map <= settled_map ? settled_contraction : follow_contraction) * before)) return false;
     before = change;
   }
   return false;
 }
 
-/// Newton steps from r, which becomes the best point met; whether it is accepted. `first`: r is the last solution.
+/// So many Newton steps from r, which becomes the best point met; whether it is accepted. `first`: r is the last
+/// solution. Others may be some more.
 bool Follower::newton(Vec& r, int most, bool first, const Accept& accept, const Stop& stop) {
   const Scaled& problem = kept_->problem;
   Vec x = r;
@@ -348,12 +361,13 @@ bool Follower::newton(Vec& r, int most, bool first, const Accept& accept, const 
     }
     if (!std::isfinite(least)) return false;
     x = std::move(to);
-    last = least;
+    const double before = std::exchange(last, least);
     if (may_be_solved(last, x) && accept(x)) {
       r = x;
       by_ = Origin::Newton;
       return true;
     }
+    if (!first && k + 1 == most && most < most_last_steps && last <= last_step_decrease * before) ++most;
     ++since;
     if (last > follow_decrease * lowest) continue;
     lowest = last;
