@@ -74,10 +74,11 @@ class NonlinearNewton {
   double seconds_left() const;
   bool evaluate(NonlinearPoint& point);
   bool linearise();
-  bool make_contact_problem();
+  bool make_contact_problem(Linearised& at);
   void begin_on_the_law();
   bool path_point(double t, NonlinearPoint& point);
   bool search();
+  void measure(double step);
   bool judge(double step);
   double merit(const NonlinearPoint& point) const { return point.rest.cwiseQuotient(linear_.D).norm(); }
   double dynamics_scale() const;
@@ -124,35 +125,38 @@ bool NonlinearNewton::evaluate(NonlinearPoint& point) {
   return point.rest.allFinite();
 }
 
-/// A, its factors and W at the point; false where that cannot be, with the reason told.
+/// A, its factors and W at the point; false where that cannot be, with the reason told and the last ones kept.
 bool NonlinearNewton::linearise() {
-  linear_.A = problem_.R->jacobian_pattern();
+  Linearised at{.A = problem_.R->jacobian_pattern()};
   ++result_.stats.J_evals;
-  if (!problem_.R->jacobian(point_.v, linear_.A) || !Vec(linear_.A.coeffs()).allFinite())
+  if (!problem_.R->jacobian(point_.v, at.A) || !Vec(at.A.coeffs()).allFinite())
     return !end(Status::EvaluationFailed, text_of("R' is not defined after ", now_.k, " Newton steps"));
+  if (now_.k > 0 && (at.A.coeffs() == linear_.A.coeffs()).all()) return true;  // R is linear there
   ++result_.stats.factorizations;
-  const lcp::LuStatus status = linear_.lu.factor(linear_.A);
+  const lcp::LuStatus status = at.lu.factor(at.A);
   if (status == lcp::LuStatus::OutOfMemory) return !end(Status::OutOfMemory, "the factors of R' do not fit");
   if (status != lcp::LuStatus::Ok)
     return !end(Status::Singular, text_of("R' is singular after ", now_.k, " Newton steps: ", to_string(status)));
-  const Vec diagonal = linear_.A.diagonal().cwiseAbs();
+  const Vec diagonal = at.A.diagonal().cwiseAbs();
   const double typical = diagonal.maxCoeff() > 0 ? diagonal.maxCoeff() : 1;
-  linear_.D = diagonal.unaryExpr([&](double a) { return std::sqrt(a > 0 ? a : typical); });
-  return problem_.contacts() == 0 || make_contact_problem();
+  at.D = diagonal.unaryExpr([&](double a) { return std::sqrt(a > 0 ? a : typical); });
+  if (problem_.contacts() > 0 && !make_contact_problem(at)) return false;
+  linear_ = std::move(at);
+  return true;
 }
 
 /// W = H' A^-1 H.
-bool NonlinearNewton::make_contact_problem() {
+bool NonlinearNewton::make_contact_problem(Linearised& at) {
   const Index m = problem_.size();
   ++result_.stats.factorizations;  // condense() factors A by itself
   try {
-    linear_.contact = condense({.M = linear_.A, .H = problem_.H, .G = SpMat(m, 0), .f = Vec::Zero(m), .w = problem_.w},
-                               problem_.mu, problem_.dimension, problem_.name);
+    at.contact = condense({.M = at.A, .H = problem_.H, .G = SpMat(m, 0), .f = Vec::Zero(m), .w = problem_.w},
+                          problem_.mu, problem_.dimension, problem_.name);
   } catch (const std::invalid_argument& why) {  // H, w, mu are checked: A is singular up to rounding
     return !end(Status::Singular, text_of("R' cannot be used after ", now_.k, " Newton steps: ", why.what()));
   }
-  linear_.contact.global.reset();  // q is not its
-  linear_.contact.rounding.q.resize(0);
+  at.contact.global.reset();  // q is not its
+  at.contact.rounding.q.resize(0);
   return true;
 }
 
@@ -203,8 +207,8 @@ double NonlinearNewton::dynamics_scale() const {
   return std::max({size(impulses), size(momenta), given});
 }
 
-/// Says what the point is worth; true at the end.
-bool NonlinearNewton::judge(double step) {
+/// Writes down what the point is worth, in the scales of linear_.
+void NonlinearNewton::measure(double step) {
   result_.solution = {point_.r, problem_.H.transpose() * point_.v + problem_.w};
   result_.residual = {};
   if (problem_.contacts() > 0) {
@@ -216,6 +220,12 @@ bool NonlinearNewton::judge(double step) {
   now_.step = step;
   now_.dynamics = result_.dynamics;
   now_.law = result_.residual.largest();
+}
+
+/// Says whether the point is the end. linear_ is that of the point: by R' of the last one, which may be far stiffer, a
+/// residual can be small that is not.
+bool NonlinearNewton::judge(double step) {
+  measure(step);
   result_.history.push_back(now_);
   result_.stats.inner_solves += now_.inner_solves;
   result_.stats.inner_steps += now_.inner_steps;
@@ -267,8 +277,11 @@ void NonlinearNewton::run(In v) {
       end(Status::IterationLimit, text_of("not solved after ", now_.k, " Newton steps"));
       return;
     }
-    if (now_.k > 0 && !linearise()) return;
     if (!search()) return;
+    if (!linearise()) {
+      measure(now_.step);  // by the last R'
+      return;
+    }
   }
 }
 

@@ -16,7 +16,8 @@
 /// Oper. Res. 19 (1994) 352), searched for a decrease. On the straight line between two points that obey the law it
 /// does not hold, since the graph of friction is not convex.
 ///
-/// What is solved is said of the point (v, r) alone: contact::accepted() of u = H'v + w and r, in the scales of W, and
+/// What is solved is said of the point (v, r) alone, with A = R'(v) and W there: contact::accepted() of u = H'v + w and
+/// r, in the scales of W, and
 ///     |D^-1 (R - H r)| <= tol max(|D^-1 |H| |r||, |D^-1 |A| |v||, |D^-1 s|),   D = sqrt(|diag A|),
 /// s = `scale`. D makes a number without units of rows in N s and in N m s.
 #include <chrono>

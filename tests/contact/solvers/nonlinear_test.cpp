@@ -130,6 +130,30 @@ TEST(Nonlinear, ConvergesQuadratically) {
   }
 }
 
+// A mass that slides from beyond a stiff stop, with the stiffness k, to rest at 0.8 - 0.3. The first step leads to the
+// stop. R' is 1 there and k before: beside k |v| what is left of R is small, though it is as large as the impulse.
+TEST(Nonlinear, AStiffStopOnTheWayIsNotTheScaleOfTheEnd) {
+  for (const double k : {1e6, 1e8, 1e10}) {
+    NonlinearProblem problem{.H = matrix(Mat3::Identity()), .w = Vec::Zero(3), .mu = Vec::Constant(1, 0.3)};
+    const auto R = [=](In v, ncp::Out out) {
+      out = v - Vec3(-1, 0.8, 0);
+      out[1] += k * std::max(0.0, v[1] - 1);
+      return true;
+    };
+    const auto derivative = [=](In v, SpMat& A) {
+      A.coeffs().setOnes();
+      if (v[1] > 1) A.coeffs()[1] += k;
+      return true;
+    };
+    problem.R = ncp::make_mcp(
+        {.name = "stop", .box = ncp::Box::free(3), .pattern = matrix(Mat3::Identity()), .F = R, .J = derivative});
+    const NonlinearResult result = solve(problem, Vec3(0, 2, 0));
+    ASSERT_TRUE(result.solved()) << result.message;
+    EXPECT_NEAR(result.v[1], 0.5, 1e-7) << k << ": " << result.message;
+    EXPECT_NEAR(result.solution.r[1], -0.3, 1e-7) << k;
+  }
+}
+
 // The rod's W is positive definite: all methods of the same law must end in the same point, whichever formulation they
 // use. One that solved another law, or that the outer loop accepted too early, would stand out. The hyperplane method
 // stalls short of 1e-9, so less is asked of it.
