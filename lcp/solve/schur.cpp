@@ -6,11 +6,18 @@
 #include <utility>
 #include <vector>
 
+#include "lcp/exact_sum.hpp"
 #include "lcp/lu/lu_factors.hpp"
 #include "lcp/words.hpp"
 
 namespace perp::lcp {
 namespace {
+
+/// rcond below which solutions are refined to twice the precision: above it they are right to 1e-9.
+constexpr double refined_below = 1e-6;
+/// Corrections at most, and the last one, relative to the solution.
+constexpr int corrections = 20;
+constexpr double last_correction = 1e-22;
 
 /// D with the largest entries of the rows and columns of D K D near one, powers of two (Ruiz 2001).
 Vec symmetric_scale(const SpMat& K) {
@@ -42,6 +49,80 @@ void add_column(const SpMat& B_transposed, const SparseVector& z, int j, SparseV
   });
 }
 
+/// A vector value + rest, |rest| <= eps |value| entry by entry.
+struct InTwoParts {
+  Vec value;
+  Vec rest;
+
+  void add(Index i, double a) {
+    const TwoParts low = two_sum(rest[i], a);
+    const TwoParts sum = two_sum(value[i], low.value);
+    value[i] = sum.value;
+    rest[i] = sum.error + low.error;
+  }
+  void add_product(Index i, double a, double b) {
+    const TwoParts product = two_product(a, b);
+    add(i, product.value);
+    add(i, product.error);
+  }
+};
+
+/// K^-1 b: each correction reduces the error by eps / rcond.
+InTwoParts refined(const SparseLu& lu, const SpMat& K, In b) {
+  InTwoParts y{.value = Vec(b.size()), .rest = Vec::Zero(b.size())};
+  lu.solve(b, y.value);
+  double last = y.value.lpNorm<::Eigen::Infinity>();
+  Vec correction(b.size());
+  for (int k = 0; k < corrections; ++k) {
+    InTwoParts left{.value = b, .rest = Vec::Zero(b.size())};
+    for (Index j = 0; j < K.cols(); ++j)
+      for (SpMat::InnerIterator it(K, j); it; ++it) {
+        left.add_product(it.row(), -it.value(), y.value[j]);
+        left.add_product(it.row(), -it.value(), y.rest[j]);
+      }
+    lu.solve(left.value, correction);
+    const double size = correction.lpNorm<::Eigen::Infinity>();
+    if (!(size < last)) break;
+    for (Index i = 0; i < correction.size(); ++i) y.add(i, correction[i]);
+    if (size <= last_correction * y.value.lpNorm<::Eigen::Infinity>()) break;
+    last = size;
+  }
+  return y;
+}
+
+/// B' K^-1 B column by column, each by refined().
+void add_refined_columns(const SparseLu& lu, const SpMat& K, const SpMat& B,
+                         std::vector<Eigen::Triplet<double>>& entries) {
+  for (Index j = 0; j < B.cols(); ++j) {
+    const InTwoParts y = refined(lu, K, Vec(B.col(j)));
+    InTwoParts s{.value = Vec::Zero(B.cols()), .rest = Vec::Zero(B.cols())};
+    for (Index i = 0; i < B.cols(); ++i) {
+      for (SpMat::InnerIterator it(B, i); it; ++it) {
+        s.add_product(i, it.value(), y.value[it.row()]);
+        s.add_product(i, it.value(), y.rest[it.row()]);
+      }
+      if (s.value[i] != 0) entries.emplace_back(static_cast<int>(i), static_cast<int>(j), s.value[i]);
+    }
+  }
+}
+
+/// The same by solves with sparse right-hand sides.
+void add_columns(const SparseLu& lu, const SpMat& B, std::vector<Eigen::Triplet<double>>& entries) {
+  LuFactors factors;
+  if (!lu.factors(factors)) throw std::logic_error("the LU library gives no factors");
+  LuSolver solver(std::move(factors));
+  const SpMat transposed = B.transpose();
+  SparseVector b(B.rows());
+  SparseVector z(B.rows());
+  SparseVector s(B.cols());
+  for (Index j = 0; j < B.cols(); ++j) {
+    b.clear();
+    for (SpMat::InnerIterator it(B, j); it; ++it) b.add(it.row(), it.value());
+    solver.solve(b, z);
+    add_column(transposed, z, static_cast<int>(j), s, entries);
+  }
+}
+
 }  // namespace
 
 Schur schur(const SpMat& K, const SpMat& B, In f, double drop) {
@@ -56,28 +137,22 @@ Schur schur(const SpMat& K, const SpMat& B, In f, double drop) {
   if (K.rows() == 0) return out;
   const Vec D = out.scale = symmetric_scale(K);
   SparseLu lu(LuBackend::General);
-  LuFactors factors;
-  out.status = lu.factor(D.asDiagonal() * K * D.asDiagonal());
+  const SpMat scaled = D.asDiagonal() * K * D.asDiagonal();
+  out.status = lu.factor(scaled);
   if (out.status != LuStatus::Ok) return out;
   out.rcond = lu.rcond();
-  Vec y(K.rows());
-  lu.solve_refined(D.cwiseProduct(f), y);
-  out.x = D.cwiseProduct(y);
-  if (!lu.factors(factors)) throw std::logic_error("the LU library gives no factors");
-  LuSolver solver(std::move(factors));
-
-  const SpMat scaled = D.asDiagonal() * B;
-  const SpMat transposed = scaled.transpose();
-  SparseVector b(K.rows());
-  SparseVector z(K.rows());
-  SparseVector s(n);
+  const bool refine = out.rcond < refined_below;
+  const SpMat columns = D.asDiagonal() * B;
   std::vector<Eigen::Triplet<double>> entries;
-  for (Index j = 0; j < n; ++j) {
-    b.clear();
-    for (SpMat::InnerIterator it(scaled, j); it; ++it) b.add(it.row(), it.value());
-    solver.solve(b, z);
-    add_column(transposed, z, static_cast<int>(j), s, entries);
+  Vec y(K.rows());
+  if (refine) {
+    y = refined(lu, scaled, D.cwiseProduct(f)).value;
+    add_refined_columns(lu, scaled, columns, entries);
+  } else {
+    lu.solve_refined(D.cwiseProduct(f), y);
+    add_columns(lu, columns, entries);
   }
+  out.x = D.cwiseProduct(y);
   out.S.setFromTriplets(entries.begin(), entries.end());
   const Vec size = Vec(out.S.diagonal()).cwiseAbs().cwiseSqrt();
   out.S.prune([&](Index i, Index j, double value) { return !(std::abs(value) <= drop * size[i] * size[j]); });

@@ -2,7 +2,8 @@
 #pragma once
 /// S = B' K^-1 B  and  x = K^-1 f  for a sparse square K and a sparse B, column by column through one sparse LU
 /// factorization with sparse right-hand sides: nothing dense of more than one column is held, and blocks of K that a
-/// column of B does not meet cost it nothing (Gilbert & Peierls, SIAM J. Sci. Stat. Comput. 9 (1988) 862).
+/// column of B does not meet cost it nothing (Gilbert & Peierls, SIAM J. Sci. Stat. Comput. 9 (1988) 862). Where K is
+/// ill-conditioned the solutions are refined with residuals in twice the precision, one dense column at a time.
 #include "lcp/lu/sparse_lu.hpp"
 #include "lcp/types.hpp"
 
