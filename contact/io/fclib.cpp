@@ -261,7 +261,7 @@ void eliminate(const Reader& in, Problem& p) {
   const SpMat R = in.matrix(root + "/R", s.size(), s.size());
   const lcp::Schur schur = lcp::schur(R, SpMat(V.transpose()), s, 0);
   if (schur.status == lcp::LuStatus::OutOfMemory) throw std::bad_alloc();
-  if (schur.status != lcp::LuStatus::Ok || schur.rcond < 1e-15) in.refuse(root + "/R", "is singular");
+  if (!schur.regular()) in.refuse(root + "/R", "is singular");
   p.rounding = rounding_by_lu(R, SpMat(V.transpose()), schur, p.q, p.W.diagonal());
   SpMat W = p.W.matrix() - schur.S;
   W.makeCompressed();

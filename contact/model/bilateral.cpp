@@ -73,7 +73,7 @@ void BilateralContact::in_multipliers() {
   lcp::Schur schur = lcp::schur(global_.M, GH, global_.f, 0);
   if (schur.status == lcp::LuStatus::OutOfMemory || lu_.factor(global_.M) == lcp::LuStatus::OutOfMemory)
     throw std::bad_alloc();
-  if (schur.status != lcp::LuStatus::Ok || schur.rcond < singular) {
+  if (!schur.regular()) {
     refuse_input("bilateral contact: the inertia M is singular (", lcp::to_string(schur.status),
                  ", reciprocal condition number ", schur.rcond, ")");
   }

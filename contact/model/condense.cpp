@@ -35,16 +35,14 @@ SpMat saddle_point(const SpMat& M, const SpMat& G) {
   return K;
 }
 
-bool regular(const lcp::Schur& s) { return s.status == lcp::LuStatus::Ok && !(s.rcond < singular); }
-
 /// Why K is not regular: M by itself, or else G.
 [[noreturn]] void refuse_singular(const Global& g, const lcp::Schur& of_K) {
   if (of_K.status == lcp::LuStatus::OutOfMemory) throw std::bad_alloc();
   std::ostringstream why;
   const bool alone = g.G.cols() == 0;
   const lcp::Schur of_M = alone ? of_K : lcp::schur(g.M, SpMat(g.M.rows(), 0), g.f, 0);
-  why << (regular(of_M) ? "the constraints G' v + b = 0 are linearly dependent" : "the inertia M is singular");
-  const lcp::Schur& of = regular(of_M) ? of_K : of_M;
+  why << (of_M.regular() ? "the constraints G' v + b = 0 are linearly dependent" : "the inertia M is singular");
+  const lcp::Schur& of = of_M.regular() ? of_K : of_M;
   why << " (" << lcp::to_string(of.status);
   if (of.status == lcp::LuStatus::Ok) why << ", reciprocal condition number " << of.rcond;
   why << ")";
@@ -73,7 +71,7 @@ void take_entries(const Global& g, Problem& p) {
   f << g.f, -g.b;
   const SpMat K = saddle_point(g.M, g.G);
   lcp::Schur s = lcp::schur(K, B, f, drop);
-  if (!regular(s)) refuse_singular(g, s);
+  if (!s.regular()) refuse_singular(g, s);
   if (SpMat(K.transpose()).isApprox(K, 0)) s.S = 0.5 * (s.S + SpMat(s.S.transpose()));
   s.S.makeCompressed();
   p.q = B.transpose() * s.x + g.w;

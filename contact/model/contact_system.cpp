@@ -157,9 +157,20 @@ void ContactSystem::Bodies::assemble(const std::vector<Block>& E) {
 }
 
 /// K in the units of its diagonal, which may have E's 1e10 beside M's 1: LU looks for fewer pivots elsewhere, and fills
-/// up less.
+/// up less. A diagonal far below its column may be rounding alone.
 SpMat ContactSystem::Bodies::with_unit_diagonal() {
-  scale = K.diagonal().unaryExpr([](double value) { return value != 0 ? 1 / std::sqrt(std::abs(value)) : 1; });
+  constexpr double least_share = 1e-8;
+  scale = Vec::Ones(K.cols());
+  for (Index j = 0; j < K.cols(); ++j) {
+    double diagonal = 0;
+    double largest = 0;
+    for (SpMat::InnerIterator it(K, j); it; ++it) {
+      largest = std::max(largest, std::abs(it.value()));
+      if (it.row() == j) diagonal = std::abs(it.value());
+    }
+    const double unit = std::max(diagonal, least_share * largest);
+    if (unit > 0 && std::isfinite(unit)) scale[j] = 1 / std::sqrt(unit);
+  }
   return scale.asDiagonal() * K * scale.asDiagonal();
 }
 

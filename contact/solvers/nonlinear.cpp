@@ -79,6 +79,7 @@ class NonlinearNewton {
   bool path_point(double t, NonlinearPoint& point);
   bool search();
   void measure(double step);
+  void record(double step);
   bool judge(double step);
   double merit(const NonlinearPoint& point) const { return point.rest.cwiseQuotient(linear_.D).norm(); }
   double dynamics_scale() const;
@@ -209,6 +210,7 @@ double NonlinearNewton::dynamics_scale() const {
 
 /// Writes down what the point is worth, in the scales of linear_.
 void NonlinearNewton::measure(double step) {
+  result_.v = point_.v;
   result_.solution = {point_.r, problem_.H.transpose() * point_.v + problem_.w};
   result_.residual = {};
   if (problem_.contacts() > 0) {
@@ -225,18 +227,22 @@ void NonlinearNewton::measure(double step) {
 /// Says whether the point is the end. linear_ is that of the point: by R' of the last one, which may be far stiffer, a
 /// residual can be small that is not.
 bool NonlinearNewton::judge(double step) {
-  measure(step);
-  result_.history.push_back(now_);
-  result_.stats.inner_solves += now_.inner_solves;
-  result_.stats.inner_steps += now_.inner_steps;
-  now_.inner_solves = now_.inner_steps = 0;
-  if (options_.observer) options_.observer(now_);
+  record(step);
   const bool balanced = result_.dynamics <= options_.tol;
   if (balanced && accepted(result_.residual, options_.tol)) return end(Status::Solved, "solved");
   if (balanced && !options_.inner.exact() && step == 1)
     return end(Status::NotApplicable,
                text_of("R = H r with the law of ", options_.inner.formulation(), ", which is not Coulomb's"));
   return over();
+}
+
+void NonlinearNewton::record(double step) {
+  measure(step);
+  result_.history.push_back(now_);
+  result_.stats.inner_solves += now_.inner_solves;
+  result_.stats.inner_steps += now_.inner_steps;
+  now_.inner_solves = now_.inner_steps = 0;
+  if (options_.observer) options_.observer(now_);
 }
 
 /// A Newton step: the largest t = 1, 1/2, 1/4, .. at which |R - H r| falls enough. False where there is none.
@@ -265,7 +271,7 @@ bool NonlinearNewton::search() {
 }
 
 void NonlinearNewton::run(In v) {
-  point_.v = v;
+  result_.v = point_.v = v;
   point_.r = options_.start.size() > 0 ? options_.start : Vec::Zero(problem_.w.size());
   evaluate(point_);  // defined: check() has asked
   result_.solution = {point_.r, problem_.H.transpose() * point_.v + problem_.w};
@@ -278,15 +284,14 @@ void NonlinearNewton::run(In v) {
       return;
     }
     if (!search()) return;
-    if (!linearise()) {
-      measure(now_.step);  // by the last R'
+    if (over() || !linearise()) {
+      record(now_.step);  // by the last R'
       return;
     }
   }
 }
 
 NonlinearResult NonlinearNewton::result() {
-  result_.v = point_.v;
   result_.stats.J_R_evals = problem_.R->jacobian_work().F_evals - J_R_before_;
   result_.stats.time = NewtonClock::now() - begin_;
   result_.message =

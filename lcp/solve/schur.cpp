@@ -18,6 +18,9 @@ constexpr double refined_below = 1e-6;
 /// Corrections at most, and the last one, relative to the solution.
 constexpr int corrections = 20;
 constexpr double last_correction = 1e-22;
+/// A correction that is larger, and the last, leaves digits wrong.
+constexpr double largest_last_correction = 1e-14;
+constexpr double singular = 1e-15;
 
 /// D with the largest entries of the rows and columns of D K D near one, powers of two (Ruiz 2001).
 Vec symmetric_scale(const SpMat& K) {
@@ -67,11 +70,12 @@ struct InTwoParts {
   }
 };
 
-/// K^-1 b: each correction reduces the error by eps / rcond.
-InTwoParts refined(const SparseLu& lu, const SpMat& K, In b) {
-  InTwoParts y{.value = Vec(b.size()), .rest = Vec::Zero(b.size())};
+/// K^-1 b: each correction reduces the error by eps / rcond. False: it does not become small.
+bool refined(const SparseLu& lu, const SpMat& K, In b, InTwoParts& y) {
+  y = {.value = Vec(b.size()), .rest = Vec::Zero(b.size())};
   lu.solve(b, y.value);
   double last = y.value.lpNorm<::Eigen::Infinity>();
+  const auto small = [&y](double size, double share) { return size <= share * y.value.lpNorm<::Eigen::Infinity>(); };
   Vec correction(b.size());
   for (int k = 0; k < corrections; ++k) {
     InTwoParts left{.value = b, .rest = Vec::Zero(b.size())};
@@ -82,19 +86,20 @@ InTwoParts refined(const SparseLu& lu, const SpMat& K, In b) {
       }
     lu.solve(left.value, correction);
     const double size = correction.lpNorm<::Eigen::Infinity>();
-    if (!(size < last)) break;
+    if (!(size < last)) return small(last, largest_last_correction);
     for (Index i = 0; i < correction.size(); ++i) y.add(i, correction[i]);
-    if (size <= last_correction * y.value.lpNorm<::Eigen::Infinity>()) break;
+    if (small(size, last_correction)) return true;
     last = size;
   }
-  return y;
+  return small(last, largest_last_correction);
 }
 
-/// B' K^-1 B column by column, each by refined().
-void add_refined_columns(const SparseLu& lu, const SpMat& K, const SpMat& B,
+/// B' K^-1 B column by column, each by refined(), until one does not converge.
+bool add_refined_columns(const SparseLu& lu, const SpMat& K, const SpMat& B,
                          std::vector<Eigen::Triplet<double>>& entries) {
   for (Index j = 0; j < B.cols(); ++j) {
-    const InTwoParts y = refined(lu, K, Vec(B.col(j)));
+    InTwoParts y;
+    if (!refined(lu, K, Vec(B.col(j)), y)) return false;
     InTwoParts s{.value = Vec::Zero(B.cols()), .rest = Vec::Zero(B.cols())};
     for (Index i = 0; i < B.cols(); ++i) {
       for (SpMat::InnerIterator it(B, i); it; ++it) {
@@ -104,6 +109,7 @@ void add_refined_columns(const SparseLu& lu, const SpMat& K, const SpMat& B,
       if (s.value[i] != 0) entries.emplace_back(static_cast<int>(i), static_cast<int>(j), s.value[i]);
     }
   }
+  return true;
 }
 
 /// The same by solves with sparse right-hand sides.
@@ -124,6 +130,8 @@ void add_columns(const SparseLu& lu, const SpMat& B, std::vector<Eigen::Triplet<
 }
 
 }  // namespace
+
+bool Schur::regular() const { return status == LuStatus::Ok && !(rcond < singular) && converged; }
 
 Schur schur(const SpMat& K, const SpMat& B, In f, double drop) {
   if (K.rows() != K.cols() || B.rows() != K.rows() || f.size() != K.rows()) {
@@ -146,8 +154,9 @@ Schur schur(const SpMat& K, const SpMat& B, In f, double drop) {
   std::vector<Eigen::Triplet<double>> entries;
   Vec y(K.rows());
   if (refine) {
-    y = refined(lu, scaled, D.cwiseProduct(f)).value;
-    add_refined_columns(lu, scaled, columns, entries);
+    InTwoParts x;
+    out.converged = refined(lu, scaled, D.cwiseProduct(f), x) && add_refined_columns(lu, scaled, columns, entries);
+    y = x.value;
   } else {
     lu.solve_refined(D.cwiseProduct(f), y);
     add_columns(lu, columns, entries);

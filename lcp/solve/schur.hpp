@@ -2,20 +2,24 @@
 #pragma once
 /// S = B' K^-1 B  and  x = K^-1 f  for a sparse square K and a sparse B, column by column through one sparse LU
 /// factorization with sparse right-hand sides: nothing dense of more than one column is held, and blocks of K that a
-/// column of B does not meet cost it nothing (Gilbert & Peierls, SIAM J. Sci. Stat. Comput. 9 (1988) 862). Where K is
-/// ill-conditioned the solutions are refined with residuals in twice the precision, one dense column at a time.
+/// column of B does not meet cost it nothing (Gilbert & Peierls, SIAM J. Sci. Stat. Comput. 9 (1988) 862). Where K
+/// is ill-conditioned the solutions of all of it are refined with residuals in twice the precision, one dense column at
+/// a time.
 #include "lcp/lu/sparse_lu.hpp"
 #include "lcp/types.hpp"
 
 namespace perp::lcp {
 
 struct Schur {
+  /// Whether K is regular up to rounding: factored, rcond at least 1e-15, and converged.
+  bool regular() const;
+
   LuStatus status = LuStatus::Ok;
-  double rcond =
-      0;      ///< of K with rows and columns scaled by powers of two; that below 1e-15 is singular up to rounding
-  SpMat S;    ///< columns of B squared; empty unless status is Ok
-  Vec x;      ///< rows of K; empty unless status is Ok
-  Vec scale;  ///< of the rows and columns of K, when it was factored
+  double rcond = 0;       ///< of K with rows and columns scaled by powers of two
+  bool converged = true;  ///< whether what had to be refined came to an end
+  SpMat S;                ///< columns of B squared; empty unless status is Ok
+  Vec x;                  ///< rows of K; empty unless status is Ok
+  Vec scale;              ///< of the rows and columns of K, when it was factored
 };
 
 /// An entry of S is left out where |S_ij| <= drop sqrt(|S_ii S_jj|): rounding of what is zero by structure.

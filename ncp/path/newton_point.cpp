@@ -121,8 +121,8 @@ NewtonPoints::NewtonPoints(Run& run, const PathSearch& method, lcp::SharedLu& st
   count_pivots_left();
   const Index n = run.box().size();
   if (method.proximal_adaptive) options_.patience = std::min(options_.patience, patience_on_paths(run.mcp()));
-  // The path of an affine problem may be followed a second time, for its kinks, unless the run is observed: other
-  // digits of that one would make an observed run another one.
+  // The path of an affine problem may be followed a second time, for its kinks, unless ways are shown: where
+  // they are, other digits of that one would make the run another one.
   if (!run.mcp().is_affine()) lu_.lu.reuse_pivots();
   options_.basis.shared = &lu_;
   options_.keep_basis = method.chord_steps > 0;
@@ -239,6 +239,7 @@ NewtonPoint NewtonPoints::solve(const Point& point, const Vec& x, const std::vec
 std::vector<lcp::Breakpoint> NewtonPoints::kinks(const Point& point, const Vec& x, double lambda) const {
   lcp::LemkeOptions options = path_options_;
   options.keep_path = true;
+  options.certify = false;
   return follow_path(linearised(run_.box(), point, lambda), x, options).path;
 }
 

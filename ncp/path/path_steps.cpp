@@ -272,7 +272,7 @@ bool PathSteps::watchdog(Iteration& it) {
   saved_.reset();
   unchecked_ = 0;
   it.kind = 'W';
-  taken_ = taken(saved.way);
+  if (run_.shows_ways()) taken_ = taken(saved.way);
   Vec x = normal_point(run_.box(), saved.point.x, saved.point.F);
   moved(std::move(saved.point), std::move(x), saved.psi);
   return search(saved.way, saved.t, method_.beta, watchdog_least, it);

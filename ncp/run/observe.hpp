@@ -5,6 +5,7 @@
 #include <functional>
 #include <iosfwd>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "lcp/pivoting/lemke.hpp"
@@ -56,6 +57,7 @@ enum class Next { Continue, Stop };
 
 struct Observer : std::function<Next(const Iteration&)> {
   using function::function;
+  Observer(std::function<Next(const Iteration&)> f) : function(std::move(f)) {}
   /// Asks for Iteration::way: a path is kept with all its kinks or followed a second time, and each kink of a presolved
   /// problem takes two evaluations of F.
   bool ways = false;

@@ -60,7 +60,7 @@ class Run {
   double tol() const { return stop_.tol; }
   /// What is left of the limits.
   Stop left() const;
-  /// Whether records are shown to anybody.
+  /// Whether Iteration::way is asked for.
   bool shows_ways() const { return observer_.ways; }
   /// For subproblems: has somebody asked to stop?
   bool interrupted() const { return stop_.interrupt != nullptr && *stop_.interrupt; }

@@ -176,6 +176,7 @@ void add_in_turns(const PathSearch& method, std::vector<Attempt>& list) {
     first->in_haste = first->scaling && soon < method.patience;
     first->path.emplace(run, method, std::move(start));
     first->path->go_on(first->in_haste ? soon : method.patience);
+    if (!first->in_haste || !first->path->stalled()) first->path.reset();  // it holds factors and kinks
   };
   list.push_back({.name = std::string(options_given), .what = "path", .go = begin, .counted = false});
   PathSearch scaled = method;
@@ -185,9 +186,13 @@ void add_in_turns(const PathSearch& method, std::vector<Attempt>& list) {
                                           [first](Run&, const Point&) { return std::move(first->scaling); })));
   list.push_back({.name = std::string(options_given_again),
                   .what = "path",
-                  .go = [method, first](Run&, const Point&) { first->path->go_on(method.patience); },
+                  .go =
+                      [method, first](Run&, const Point&) {
+                        first->path->go_on(method.patience);
+                        first->path.reset();
+                      },
                   .when = "the first attempt was given up soon",
-                  .worthwhile = [first](Run&, const Point&) { return first->in_haste && first->path->stalled(); },
+                  .worthwhile = [first](Run&, const Point&) { return first->path.has_value(); },
                   .counted = false});
 }
 
@@ -213,7 +218,7 @@ std::vector<Attempt> path_restarts(const PathSearch& method) {
 
 namespace {
 
-/// Of the attempt with the options given, at its end.
+/// Of the attempt with the options given: at its end, if it has been gone on with to a verdict.
 const Run::Verdict& words_of(const Tried& tried) {
   for (std::size_t i = 0; i < tried.verdicts.size(); ++i)
     if (tried.attempts[i]->name == options_given_again) return tried.verdicts[i];
@@ -234,10 +239,13 @@ void path_attempts(Run& run, In x0, const PathSearch& method) {
     restarts_there = path_restarts(method);
     in_turn(run, user, restarts_there, method.restart_limit, tried);
   }
-  const std::size_t restarted = tried.attempts.size() - 1;
+  const auto goes_on = [](const Attempt* attempt) { return attempt->name == options_given_again; };
+  const std::size_t restarted =
+      tried.attempts.size() - 1 - static_cast<std::size_t>(std::ranges::count_if(tried.attempts, goes_on));
   run.stats().restarts = restarts + static_cast<int>(restarted);
   if (!run.ended()) return;
-  const bool at_limit = !tried.verdicts.empty() && run.status() == Status::IterationLimit;
+  const bool at_limit =
+      !tried.verdicts.empty() && run.status() == Status::IterationLimit && !goes_on(tried.attempts.back());
   if (stuck(run.status()) || at_limit) {
     Run::Verdict verdict = last_words(run, words_of(tried), user, restarted);
     if (at_limit) verdict.message += ", and in the last one " + run.verdict().message;

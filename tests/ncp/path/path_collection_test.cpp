@@ -146,8 +146,9 @@ TEST(PathCollection, TheFirstAttemptSolvesMost) {
   EXPECT_GE(solved, starts * 95 / 100) << solved << " of " << starts;
 }
 
-// Without an observer of ways the kinks of an affine problem's paths are not kept, and followed once more where a search goes
-// along them. Catches another way than the one that was followed: paths of three pivots mostly end before t = 1.
+// Without an observer of ways the kinks of an affine problem's paths are not kept, and followed once more where a
+// search goes along them. Catches another way than the one that was followed: paths of three pivots mostly end before t
+// = 1.
 TEST(PathCollection, AnObserverChangesNothing) {
   int backtracks = 0;
   for (const Entry& entry : collection::entries()) {

@@ -271,6 +271,22 @@ TEST(PathRecords, KinksAreBroughtBackWhereTheyAreAskedForAlone) {
   EXPECT_GT(kinks, 200);
 }
 
+// Catches a callback kept as a std::function that cannot be passed on, and a flag that copies lose.
+TEST(PathRecords, AnObserverIsMadeOfAFunction) {
+  int seen = 0;
+  const std::function<Next(const Iteration&)> function = [&seen](const Iteration& it) {
+    seen += it.way == nullptr;
+    return Next::Continue;
+  };
+  const auto mcp = make_mcp(support::billups());
+  (void)solve(*mcp, vec({0}), PathSearch{}, function);
+  EXPECT_GT(seen, 0);
+  const Observer asked = of_ways(function);
+  const Observer copy = all({{}, asked});
+  EXPECT_TRUE(copy.ways);
+  EXPECT_FALSE(Observer(function).ways);
+}
+
 // Pivots of the records sum up to those of the result, and so do kinds. Catches figures of the log that contradict
 // those of the statistics.
 TEST(PathRecords, AddUpToTheStatistics) {
