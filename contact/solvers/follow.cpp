@@ -106,11 +106,11 @@ double determinant(const Vector3d& x) {
 
 bool may_be_solved(double map, In r) { return map <= worth_judging * std::max(1.0, r.lpNorm<Eigen::Infinity>()); }
 
-/// Lots of sweeps that bring the map down to what is mostly judged a solution, each of them by this factor; infinite
-/// for a point that has been refused there.
+/// Lots of sweeps that bring the map down to what is mostly judged a solution, each of them by this factor; from
+/// a point that has been refused there, to a tenth.
 double lots_left(double map, In r, double contraction) {
-  const double wanted = swept_map * std::max(1.0, r.lpNorm<Eigen::Infinity>());
-  return contraction < 1 && map > wanted ? std::log(map / wanted) / -std::log(contraction) : lcp::infinity;
+  const double wanted = std::min(swept_map * std::max(1.0, r.lpNorm<Eigen::Infinity>()), map / 10);
+  return contraction < 1 ? std::log(map / wanted) / -std::log(contraction) : lcp::infinity;
 }
 
 Vector3d reflected(const Vector3d& x) { return {x[0], -x[1], -x[2]}; }

@@ -148,7 +148,7 @@ TEST(Condense, NearlyDependentConstraintsAreAsGoodAsTheirDifferenceOrRefused) {
       global.b = vec({b[0], b[0] + delta * b[1]});
       try {
         const Problem nearly = condense(global, mu);
-        const double tol = power <= -12 ? 1e-12 : 1e-9;
+        const double tol = power <= -15 ? 1e-12 : 1e-9;
         EXPECT_LE((nearly.q - direct.q).norm(), tol * direct.q.norm()) << trial << ' ' << power;
         EXPECT_LE((nearly.W.matrix() - direct.W.matrix()).norm(), tol * direct.W.matrix().norm())
             << trial << ' ' << power;

@@ -121,8 +121,8 @@ TEST(Fields, ReachEveryMember) {
         // basis is a warm start
         Count{"PathSearch", members<PathSearch>(), path, 4, crash + nms + lemke, 1},
         // of basis lu and refactor_every; start is described apart; repair is the path search's own; the rest are data,
-        // callbacks, limits and inner tolerances that no run was seen to depend on
-        Count{"LemkeOptions", members<lcp::LemkeOptions>(), lemke, 1, 2, 14},
+        // callbacks, limits, inner tolerances that no run was seen to depend on, and whether rays are certified
+        Count{"LemkeOptions", members<lcp::LemkeOptions>(), lemke, 1, 2, 15},
         Count{"lcp::LemkeHowson", members<lcp::LemkeHowson>(), described<lcp::LemkeHowson>(), 1, lemke - 1, 0},
         Count{"lcp::InteriorPoint", members<lcp::InteriorPoint>(), described<lcp::InteriorPoint>(), 0, 0, 0},
         Count{"lcp::MinNewton", members<lcp::MinNewton>(), described<lcp::MinNewton>(), 0, 0, 0},
