@@ -6,7 +6,8 @@
 
 PERP is the program perp, SICONOS is bench_contact_siconos, LIMIT is in seconds. The two of a pair run one after the
 other, so that both find the same load; what takes less than half a second runs three times, and the least counts.
-Prints a table as Markdown: solved, and seconds with LIMIT for what is not solved. Below are the problems of a pair that one of the two alone solves. Standard error has each pair of runs.
+Prints a table as Markdown: solved, and seconds with LIMIT for what is not solved. Below are the problems of a pair that
+one of the two alone solves. Standard error has each pair of runs.
 """
 import json
 import subprocess

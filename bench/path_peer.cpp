@@ -102,7 +102,7 @@ class Contest {
       const double between = time_of(options_.processor);
       const ncp::Result result = ncp::solve(*c.mcp, c.x0, method_);
       our_seconds.push_back(time_of(options_.processor) - between);
-      their_seconds.push_back(between - begin);
+      their_seconds.push_back(options_.processor ? between - begin : answer.seconds);
       if (k == 0) {
         theirs = {answer.claimed, ncp::residual(*c.mcp, answer.x).natural,
                   answer.status,  {answer.majors, answer.minors, answer.crash},

@@ -13,7 +13,7 @@ namespace perp::contact {
 struct Effort {
   int iterations = 0;      ///< of the method's outermost loop
   int sweeps = 0;          ///< over all contacts
-  int factorizations = 0;  ///< of a matrix of the size of W
+  int factorizations = 0;  ///< of the method's matrices
 };
 
 /// A step, for the record.

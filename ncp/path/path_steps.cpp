@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ncp/path/path_steps.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -38,6 +39,8 @@ constexpr double watchdog_least = 1e-3;
 
 /// Shorter steps than this along a way are taken only when no proximal term gives a longer one.
 constexpr double least_step = 0.1;
+
+WayTaken taken(const Way& way) { return {.kinks = way.corners(), .on_path = way.kinks().size() > 1}; }
 
 }  // namespace
 
@@ -133,8 +136,6 @@ void PathSteps::follow_chord(const NewtonPoint& newton, Point& trial, Vec& x, do
     ++run_.stats().chord_steps;
   }
 }
-
-static WayTaken taken(const Way& way) { return {.kinks = way.corners(), .on_path = way.kinks().size() > 1}; }
 
 /// The Newton point by its merit (M), by its distance (D), by both (O), or backtracked to (B).
 bool PathSteps::accept(const NewtonPoint& newton, double least, Iteration& it) {

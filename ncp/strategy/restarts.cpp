@@ -154,10 +154,6 @@ Run::Verdict last_words(Run& run, const Run::Verdict& first, const Point& user, 
   return verdict;
 }
 
-}  // namespace
-
-namespace {
-
 /// What the attempts before the restarts share: the one with the options given, and whether the problem is one to
 /// scale.
 struct FirstAttempt {
