@@ -25,6 +25,9 @@ constexpr int most_refinements = 4;
 constexpr double refined = 1e-13;
 constexpr double refinement_gain = 0.25;
 constexpr double symmetric_tol = 1e-13;
+/// W is symmetric but for the rounding of whoever assembled it: Cholesky's factors are of its lower triangle, and
+/// solutions are refined to those of W itself.
+constexpr double rounding_of_W = 1e-11;
 /// GMRES: residual and products. More contacts than `most_coupled` are not tried: LU takes less.
 constexpr double coupling_tol = 1e-11;
 constexpr int most_products = 80;
@@ -48,6 +51,19 @@ Block inverse_of(const Block& A, int size) {
   Block inverse = (scale.cwiseInverse().asDiagonal() * whole).partialPivLu().inverse();
   return inverse * scale.cwiseInverse().asDiagonal();
 }
+
+bool exactly_symmetric(const Scaled& problem) {
+  return problem.W.parts() != nullptr || lcp::symmetric(problem.W.matrix(), 0);
+}
+
+bool symmetric(const Scaled& problem) { return lcp::symmetric(problem.W.matrix(), rounding_of_W); }
+
+bool nearly_symmetric(const Block& A) {
+  return (A - A.transpose()).cwiseAbs().maxCoeff() <= symmetric_tol * A.diagonal().cwiseAbs().maxCoeff();
+}
+
+/// Whether A + W may be positive definite as far as this contact tells.
+bool definite(const ContactRows& rows) { return rows.B.isIdentity(0) && nearly_symmetric(rows.A); }
 
 /// x += solve(c - product(x)) while the residual is above `target`, relative, and falls.
 template <class Product, class Solve>
@@ -179,14 +195,16 @@ ContactSystem::ContactSystem(const Scaled& problem, lcp::LuBackend lu, lcp::Dead
       cholesky_(std::make_shared<lcp::Cholesky>(deadline, lcp::CholeskyOrdering::Thorough)),
       backend_(lu),
       deadline_(deadline),
-      symmetric_W_(problem.W.parts() != nullptr || lcp::symmetric(problem.W.matrix(), 0)),
+      exactly_symmetric_W_(exactly_symmetric(problem)),
+      symmetric_W_(exactly_symmetric_W_ || symmetric(problem)),
       W_(problem.W.plus(-problem.W.shift())) {}
 
 ContactSystem::ContactSystem(const Scaled& problem, const ContactSystem& shared)
     : problem_(problem),
       backend_(shared.backend_),
       deadline_(shared.deadline_),
-      symmetric_W_(shared.symmetric_W_),
+      exactly_symmetric_W_(exactly_symmetric(problem)),
+      symmetric_W_(exactly_symmetric_W_ || symmetric(problem)),
       chosen_(true),
       W_(problem.W.plus(-problem.W.shift())) {
   if (problem.W.parts() != nullptr)
@@ -245,7 +263,7 @@ bool ContactSystem::invert(std::size_t a) {
   const int size = problem_.blocks[a].size;
   A_inverse_[a] = inverse_of(rows_[a].A, size);
   E_[a] = A_inverse_[a].topLeftCorner(3, size) * rows_[a].B.topLeftCorner(size, 3);
-  return (E_[a] - E_[a].transpose()).cwiseAbs().maxCoeff() <= symmetric_tol * E_[a].diagonal().cwiseAbs().maxCoeff();
+  return nearly_symmetric(E_[a]);
 }
 
 /// By bodies: whether all E are symmetric without what friction takes from the normal impulse, A's first column.
@@ -283,6 +301,10 @@ bool ContactSystem::factor(const std::vector<ContactRows>& rows) {
   if (const double shift = problem_.W.shift(); shift != 0)
     for (ContactRows& of : rows_) of.A += shift * of.B;
   couplings_.clear();
+  if (!bodies_ && std::all_of(rows_.begin(), rows_.end(), definite)) {
+    contact_matrix(problem_, rows_, system_diagonal_term, K_);
+    return take(K_, symmetric_W_);
+  }
   if (!bodies_ || !part_by_bodies()) return factor_whole();
   bodies_->assemble(E_);
   return take(bodies_->K, true);
@@ -363,10 +385,9 @@ X ContactSystem::product(const X& x) const {
 }
 
 void ContactSystem::solve_definite(In c, Vec& x) const {
-  const Vec right = c;
-  if (!bodies_) return back_solve(right, x);
-  solve_by_bodies(right, x);
-  const auto again = [this](const Vec& rest, Vec& dx) { solve_by_bodies(rest, dx); };
+  solve_once(c, x);
+  if (!bodies_ && (exactly_symmetric_W_ || !by_cholesky_)) return;
+  const auto again = [this](const Vec& rest, Vec& dx) { solve_once(rest, dx); };
   refine(
       c, refined, [this](const Vec& at) { return product(at); }, again, x);
 }

@@ -108,7 +108,8 @@ class ContactSystem {
   std::shared_ptr<lcp::Cholesky> cholesky_;
   lcp::LuBackend backend_;
   lcp::Deadline deadline_;
-  bool symmetric_W_ = false;
+  bool exactly_symmetric_W_ = false;
+  bool symmetric_W_ = false;  // to rounding at least
   bool chosen_ = false;
   bool by_cholesky_ = false;
   SpMat K_;                         // by contacts

@@ -241,6 +241,56 @@ TEST(ContactSystem, ManyCouplingsAreSolvedApart) {
   EXPECT_EQ(system.factorizations(), 1);
 }
 
+/// W, each entry above the diagonal changed by up to this part of the largest.
+Scaled unsymmetric(Scaled problem, double by, Random& random) {
+  SpMat W = problem.W.matrix();
+  const double largest = W.coeffs().abs().maxCoeff();
+  for (Index j = 0; j < W.cols(); ++j)
+    for (SpMat::InnerIterator it(W, j); it; ++it)
+      if (it.row() < j) it.valueRef() += by * largest * random.uniform(-1, 1);
+  problem.W = Delassus(W);
+  return problem;
+}
+
+// Recorded W are symmetric but for rounding (KaplasTower: 1.7e-13). Cholesky's factors serve them, solutions are those
+// of W itself. Catches LU where half of its work does, and solutions of the triangle that was factored.
+TEST(ContactSystem, RoundingOfWIsRefinedAway) {
+  Random random(8);
+  for (const Scaled& problem : scenes())
+    for (const double by : {1e-13, 1e-3}) {
+      const Scaled alone = unsymmetric(problem, by, random);
+      std::vector<ContactRows> rows;
+      for (const Block& A : definite_blocks(alone, 1e-3, random)) rows.push_back({.A = A, .B = Block::Identity()});
+      const Vec c = random.normals(problem.size());
+      ContactSystem system(alone);
+      ASSERT_TRUE(system.factor(rows));
+      EXPECT_EQ(system.by_cholesky(), by < 1e-12);
+      Vec x;
+      system.solve(c, x);
+      EXPECT_LE(residual_of(alone, rows, x, c).norm(), 1e-12 * (1 + x.norm()));
+    }
+}
+
+// An analysis goes over to another W of the same pattern; that it was symmetric does not. Catches factors of its
+// triangle alone.
+TEST(ContactSystem, SharesTheAnalysisAlone) {
+  Random random(9);
+  const Scaled first = without_bodies(scenes()[0]);
+  const Scaled second = unsymmetric(first, 1e-2, random);
+  std::vector<ContactRows> rows;
+  for (const Block& A : definite_blocks(first, 1, random)) rows.push_back({.A = A, .B = Block::Identity()});
+  const Vec c = random.normals(first.size());
+  ContactSystem system(first);
+  ASSERT_TRUE(system.factor(rows));
+  EXPECT_TRUE(system.by_cholesky());
+  ContactSystem next(second, system);
+  ASSERT_TRUE(next.factor(rows));
+  EXPECT_FALSE(next.by_cholesky());
+  Vec x;
+  next.solve(c, x);
+  EXPECT_LE(residual_of(second, rows, x, c).norm(), 1e-11 * (1 + x.norm()));
+}
+
 // Where A is not definite, Cholesky's factorization fails and LU's takes its place.
 TEST(ContactSystem, IndefiniteBlocksAreFactoredByLu) {
   for (const Scaled& problem : scenes()) {
