@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "contact/existence/conic_nnls.hpp"
 
+#include <Eigen/Jacobi>
+#include <cmath>
 #include <utility>
 
 namespace perp::contact {
@@ -12,9 +14,12 @@ using lcp::Vec;
 
 /// Of the largest entry: less is zero.
 constexpr double negligible = 1e-14;
-/// Solutions of the normal equations are refined so often with the residual of the columns themselves.
-constexpr int refinements = 3;
-/// Up to so many entries the columns are factored themselves, which does not square their condition.
+/// A column of which the others leave less than this part depends on them.
+constexpr double dependent = 1e-15;
+/// Solutions are refined so often with the residual of the columns themselves; with R alone, of the normal equations.
+constexpr int refinements = 1;
+constexpr int normal_refinements = 3;
+/// Up to so many entries Q is kept, which does not square the condition of the columns.
 constexpr Index dense_entries = 200000;
 
 }  // namespace
@@ -32,56 +37,89 @@ Vec ConicNnls::residual(const Vec& x) const {
   return rho;
 }
 
-void ConicNnls::append(Column column) {
+/// The least squares solution of C z = v.
+Vec ConicNnls::coefficients(const Vec& v) const {
+  const auto R = R_.triangularView<Eigen::Upper>();
+  if (keeps_Q_) return R.solve(Q_.transpose() * v);
+  Vec products(x_.size());
+  for (Index j = 0; j < products.size(); ++j) products[j] = columns_[at(j)].dot(v);
+  return R.solve(R.transpose().solve(products));
+}
+
+/// False: it depends on the others up to rounding. Q's new column is made orthogonal twice, which is enough (Kahan and
+/// Parlett; Parlett 1998, 6.9).
+bool ConicNnls::append(Column column) {
   const auto size = static_cast<Index>(columns_.size());
   Vec dense = Vec::Zero(e_.size());
   for (const auto& [row, value] : column.entries) dense[row] += value;
-  gram_.conservativeResize(size + 1, size + 1);
-  for (Index j = 0; j < size; ++j) gram_(j, size) = gram_(size, j) = columns_[at(j)].dot(dense);
-  gram_(size, size) = dense.squaredNorm();
+  if (keeps_Q_ && (size + 1) * e_.size() > dense_entries) {
+    keeps_Q_ = false;
+    Q_.resize(0, 0);
+  }
+  const double squares = dense.squaredNorm();
+  Vec r(size);
+  double rest = 0;
+  if (keeps_Q_) {
+    r = Q_.transpose() * dense;
+    dense -= Q_ * r;
+    const Vec more = Q_.transpose() * dense;
+    dense -= Q_ * more;
+    r += more;
+    rest = dense.norm();
+  } else {
+    for (Index j = 0; j < size; ++j) r[j] = columns_[at(j)].dot(dense);
+    R_.triangularView<Eigen::Upper>().transpose().solveInPlace(r);
+    rest = std::sqrt(squares - r.squaredNorm());
+  }
+  if (!(rest > dependent * std::sqrt(squares))) return false;
+  if (keeps_Q_) {
+    Q_.conservativeResize(e_.size(), size + 1);
+    Q_.col(size) = dense / rest;
+  }
+  R_.conservativeResize(size + 1, size + 1);
+  R_.row(size).setZero();
+  R_.col(size).head(size) = r;
+  R_(size, size) = rest;
   columns_.push_back(std::move(column));
   x_.conservativeResize(size + 1);
   x_[size] = 0;
+  return true;
 }
 
 bool ConicNnls::least_squares(Vec& z) const {
-  if (x_.size() * e_.size() <= dense_entries) {
-    Eigen::MatrixXd C = Eigen::MatrixXd::Zero(e_.size(), x_.size());
-    for (Index j = 0; j < x_.size(); ++j)
-      for (const auto& [row, value] : columns_[at(j)].entries) C(row, j) += value;
-    const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> factor(C);
-    z = factor.solve(-e_);
-    z -= factor.solve(residual(z));
-    return z.allFinite();
-  }
-  const Eigen::LLT<Eigen::MatrixXd> factor(gram_);
-  if (factor.info() != Eigen::Success) return false;
-  z = Vec::Zero(x_.size());
-  for (int k = 0; k <= refinements; ++k) {
-    const Vec rho = residual(z);
-    Vec gradient(z.size());
-    for (Index j = 0; j < z.size(); ++j) gradient[j] = columns_[at(j)].dot(rho);
-    z -= factor.solve(gradient);
-  }
+  z = coefficients(-e_);
+  for (int k = 0; k < (keeps_Q_ ? refinements : normal_refinements); ++k) z -= coefficients(residual(z));
   return z.allFinite();
+}
+
+/// Column j of R goes, and Givens' rotations turn what is left of it into a triangle again.
+void ConicNnls::drop(Index j) {
+  const Index last = R_.cols() - 1;
+  for (Index k = j; k < last; ++k) R_.col(k) = R_.col(k + 1).eval();
+  for (Index k = j; k < last; ++k) {
+    Eigen::JacobiRotation<double> rotation;
+    rotation.makeGivens(R_(k, k), R_(k + 1, k));
+    R_.middleCols(k, last - k).applyOnTheLeft(k, k + 1, rotation.adjoint());
+    R_(k + 1, k) = 0;
+    if (keeps_Q_) Q_.applyOnTheRight(k, k + 1, rotation);
+  }
+  R_.conservativeResize(last, last);
+  if (keeps_Q_) Q_.conservativeResize(e_.size(), last);
+  columns_.erase(columns_.begin() + j);
+  for (Index k = j; k < last; ++k) x_[k] = x_[k + 1];
+  x_.conservativeResize(last);
 }
 
 void ConicNnls::drop_zeros() {
   const double zero = negligible * x_.lpNorm<Eigen::Infinity>();
-  std::vector<Index> kept;
-  for (Index j = 0; j < x_.size(); ++j)
-    if (x_[j] > zero) kept.push_back(j);
-  std::vector<Column> columns;
-  for (const Index j : kept) columns.push_back(std::move(columns_[at(j)]));
-  columns_ = std::move(columns);
-  gram_ = Eigen::MatrixXd(gram_(kept, kept));
-  x_ = Vec(x_(kept));
+  for (Index j = x_.size() - 1; j >= 0; --j)
+    if (!(x_[j] > zero)) drop(j);
 }
 
 bool ConicNnls::enter(Column column) {
   const double before = rho_.norm();
   const ConicNnls old = *this;
-  append(std::move(column));
+  if (!append(std::move(column))) return false;
   // Every round but the last drops a column.
   while (!columns_.empty()) {
     Vec z;

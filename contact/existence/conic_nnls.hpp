@@ -3,7 +3,8 @@
 /// Nonnegative least squares over a cone that is given by its generators, finitely or infinitely many:
 ///     min |rho|^2,   rho = sum_j x_j c_j + e,   x >= 0,
 /// by the active set method of Lawson & Hanson (1974, ch. 23): columns enter one at a time, the caller names them; the
-/// columns with x_j > 0 stay linearly independent, so that the supports are small. Ends when no c has c.rho < 0.
+/// columns with x_j > 0 stay linearly independent, so that the supports are small. Ends when no c has c.rho < 0. Their
+/// factors C = Q R are changed with them (ch. 24): O(rows columns) for each that enters or leaves.
 /// Private to contact/.
 #include <Eigen/Dense>
 #include <vector>
@@ -20,7 +21,7 @@ class ConicNnls {
     double dot(lcp::In v) const;
   };
 
-  explicit ConicNnls(lcp::Vec e) : e_(std::move(e)), rho_(e_) {}
+  explicit ConicNnls(lcp::Vec e) : e_(std::move(e)), rho_(e_), Q_(e_.size(), 0) {}
 
   const lcp::Vec& rho() const { return rho_; }
   const std::vector<Column>& columns() const { return columns_; }  ///< those with x > 0
@@ -32,15 +33,19 @@ class ConicNnls {
 
  private:
   bool least_squares(lcp::Vec& z) const;
-  void append(Column column);
+  bool append(Column column);
   void drop_zeros();
+  void drop(lcp::Index j);
   lcp::Vec residual(const lcp::Vec& x) const;
+  lcp::Vec coefficients(const lcp::Vec& v) const;
 
   lcp::Vec e_;
   lcp::Vec rho_;
   std::vector<Column> columns_;
   lcp::Vec x_;
-  Eigen::MatrixXd gram_;
+  Eigen::MatrixXd R_;
+  bool keeps_Q_ = true;  // not where it is large: C R^-1 takes its place
+  Eigen::MatrixXd Q_;
 };
 
 }  // namespace perp::contact
