@@ -93,11 +93,17 @@ std::vector<Expansion> exact_sums(const Vec& q, const SpMat& A, const Vec& x) {
   return u;
 }
 
-/// W r + q exactly; of bodies H' v + q, v near M^-1 H r: any v does, since H' and W have one range.
-std::vector<Expansion> exact_velocities_of(const Problem& problem, const Vec& r) {
+/// Of bodies v near M^-1 H r: any v does, since H' and W have one range.
+Vec moved_bodies(const Problem& problem, const Vec& r) {
+  const DelassusParts* parts = problem.W.whole_parts();
+  return parts != nullptr ? parts->inverse(Vec(parts->H() * r)) : Vec();
+}
+
+/// W r + q exactly; of bodies H' v + q.
+std::vector<Expansion> exact_velocities_of(const Problem& problem, const Vec& r, const Vec& v) {
   const DelassusParts* parts = problem.W.whole_parts();
   if (parts == nullptr) return exact_sums(problem.q, problem.W.matrix(), r);
-  return exact_sums(problem.q, parts->H().transpose(), parts->inverse(Vec(parts->H() * r)));
+  return exact_sums(problem.q, parts->H().transpose(), v);
 }
 
 /// What W r + q may be wrong by, both condensed.
@@ -110,8 +116,8 @@ Vec unknown_velocities(const Problem& problem, const Vec& r) {
 
 /// Least u_N - mu |u_T| less what the shift changes, and what rounding may have changed in W and q, rounded down; u
 /// exact before it is rounded.
-double margin(const Problem& problem, const Vec& r, double shift) {
-  const std::vector<Expansion> u = exact_velocities_of(problem, r);
+double margin(const Problem& problem, const Vec& r, const Vec& v, double shift) {
+  const std::vector<Expansion> u = exact_velocities_of(problem, r, v);
   const Vec unknown = unknown_velocities(problem, r);
   const int d = problem.dimension;
   double least = lcp::infinity;
@@ -163,8 +169,9 @@ class WitnessSearch {
   bool shows(const Vec& r) {
     if (!r.allFinite()) return false;
     const Vec whole = scaled_.expand(r);
-    const double here = margin(problem_, whole, shift_);
-    if (here > 0) found_ = Witness{.r = whole, .margin = here, .shift = shift_};
+    Vec v = moved_bodies(problem_, whole);
+    const double here = margin(problem_, whole, v, shift_);
+    if (here > 0) found_ = Witness{.r = whole, .v = std::move(v), .margin = here, .shift = shift_};
     return here > 0;
   }
 
@@ -252,9 +259,10 @@ std::optional<Witness> examine_witness(const Problem& problem, In r) {
     refuse_input("contact: the witness has ", r.size(), " entries, the problem ", problem.q.size());
   const std::optional<double> shift = r.allFinite() ? semidefinite_up_to(problem.W) : std::nullopt;
   if (!shift) return std::nullopt;
-  const double here = margin(problem, r, *shift);
+  Vec v = moved_bodies(problem, r);
+  const double here = margin(problem, r, v, *shift);
   if (!(here > 0)) return std::nullopt;
-  return Witness{.r = r, .margin = here, .shift = *shift};
+  return Witness{.r = r, .v = std::move(v), .margin = here, .shift = *shift};
 }
 
 std::optional<Witness> find_witness(const Problem& problem, const SearchLimits& limits) {

@@ -46,7 +46,10 @@ void add_verdict(Json& json, const Run& run) {
   json["existence"] = run.solved ? Json(nullptr) : Json(contact::to_string(verdict.existence));
   json["certificate"] = certified ? json_numbers(verdict.certificate) : Json(nullptr);
   json["radius"] = certified ? json_number(verdict.radius) : Json(nullptr);
-  json["witness"] = verdict.existence == contact::Existence::Exists ? json_numbers(verdict.witness.r) : Json(nullptr);
+  const bool exists = verdict.existence == contact::Existence::Exists;
+  const contact::Witness& witness = verdict.witness;
+  json["witness"] = exists ? json_numbers(witness.r) : Json(nullptr);
+  json["witness_velocities"] = exists && witness.v.size() > 0 ? json_numbers(witness.v) : Json(nullptr);
 }
 
 Json stats_json(const Run& run) {

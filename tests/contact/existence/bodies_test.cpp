@@ -262,6 +262,32 @@ TEST(BodiesProofs, WitnessesHoldExactly) {
   EXPECT_GE(refused, problems);
 }
 
+// r' loses digits in M^-1 that v' has: of an inertia as badly conditioned as parts are made of, u' = H' v' + q is
+// inside in rationals. Catches a v' that is not the one that was looked at.
+TEST(BodiesProofs, VelocitiesOfWitnessesHoldExactly) {
+  Random random(36);
+  int found = 0;
+  for (int k = 0; k < 60; ++k) {
+    const Index n = random.integer(1, 4);
+    const Index m = 3 * n;
+    const Dense R = random.normals(m, m);
+    const Vec sizes = Vec::LinSpaced(m, 0, -8).unaryExpr([](double x) { return std::pow(10, x); });
+    Dense M = R * sizes.asDiagonal() * R.transpose();
+    M = (0.5 * (M + M.transpose())).eval();
+    Vec w = random.normals(3 * n);
+    for (Index a = 0; a < n; ++a) w[3 * a] = random.uniform(-1, 2);
+    const Problem problem =
+        global_problem(SpMat(M.sparseView()), random.normals(m, 3 * n), Vec::Zero(m), w, Vec::Constant(n, 0.5), 3);
+    if (problem.W.parts() == nullptr) continue;
+    const std::optional<Witness> witness = find_witness(problem);
+    if (!witness) continue;
+    ++found;
+    const SpMat to_contacts = problem.W.parts()->H().transpose();
+    EXPECT_TRUE(test::exactly_inside(problem, to_contacts, witness->v)) << k;
+  }
+  EXPECT_GE(found, 30);
+}
+
 // Nothing is said of an inertia that is positive definite by rounding alone.
 TEST(BodiesProofs, AnInertiaOnTheBorderHasNoWitness) {
   const double below = std::nextafter(1, 0);

@@ -68,13 +68,13 @@ inline double exact_radius(const Problem& problem, const Vec& y) {
   return radius.get_d();
 }
 
-/// u_N > mu |u_T| of u = W r + q in every contact, exactly.
-inline bool exactly_inside(const Problem& problem, const Vec& r) {
+/// u_N > mu |u_T| of u = A x + q in every contact, exactly.
+inline bool exactly_inside(const Problem& problem, const SpMat& A, const Vec& x) {
   std::vector<mpq_class> u;
   for (const double q : problem.q) u.emplace_back(q);
-  for (Index j = 0; j < problem.W.matrix().outerSize(); ++j)
-    for (SpMat::InnerIterator it(problem.W.matrix(), j); it; ++it)
-      u[static_cast<std::size_t>(it.row())] += mpq_class(it.value()) * mpq_class(r[j]);
+  for (Index j = 0; j < A.outerSize(); ++j)
+    for (SpMat::InnerIterator it(A, j); it; ++it)
+      u[static_cast<std::size_t>(it.row())] += mpq_class(it.value()) * mpq_class(x[j]);
   const int d = problem.dimension;
   for (Index a = 0; a < problem.contacts(); ++a) {
     const auto at = static_cast<std::size_t>(d * a);
@@ -84,6 +84,11 @@ inline bool exactly_inside(const Problem& problem, const Vec& r) {
     if (u[at] <= 0 || mu * mu * squares >= u[at] * u[at]) return false;
   }
   return true;
+}
+
+/// The same of u = W r + q.
+inline bool exactly_inside(const Problem& problem, const Vec& r) {
+  return exactly_inside(problem, problem.W.matrix(), r);
 }
 
 /// Whether W + shift diag(W) is symmetric and positive semidefinite: L D L' in rationals, small W alone.
