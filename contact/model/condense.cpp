@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <sstream>
 #include <stdexcept>
 #include <utility>
@@ -49,15 +50,54 @@ SpMat saddle_point(const SpMat& M, const SpMat& G) {
   refuse(why.str());
 }
 
+/// Where each velocity is among those of the bodies that contacts touch, or -1. W and q need no others.
+std::vector<int> touched_velocities(const Inertia& inertia, const SpMat& H) {
+  std::vector<char> touched(at(inertia.bodies()), 0);
+  for (Index j = 0; j < H.cols(); ++j)
+    for (SpMat::InnerIterator it(H, j); it; ++it) touched[at(inertia.body_of()[at(it.row())])] = 1;
+  std::vector<int> place;
+  int count = 0;
+  for (const int body : inertia.body_of()) place.push_back(touched[at(body)] != 0 ? count++ : -1);
+  return place;
+}
+
+/// The rows of A that have a place, and of a square A the columns.
+SpMat at_places(const SpMat& A, const std::vector<int>& place, Index count, bool square) {
+  SpMat out(count, square ? count : A.cols());
+  out.reserve(A.nonZeros());
+  for (Index j = 0; j < A.cols(); ++j) {
+    const Index to = square ? place[at(j)] : j;
+    if (to < 0) continue;
+    out.startVec(to);
+    for (SpMat::InnerIterator it(A, j); it; ++it)
+      if (place[at(it.row())] >= 0) out.insertBack(place[at(it.row())], to) = it.value();
+  }
+  out.finalize();
+  return out;
+}
+
 /// W and q by the parts; false where M has no factors to rely on.
 bool take_parts(const Global& g, Problem& p) {
   if (g.G.cols() != 0) return false;
   auto inertia = Inertia::of(g.M);
-  if (!inertia || !(inertia->rcond() >= least_rcond)) return false;
-  const auto parts = std::make_shared<const DelassusParts>(std::move(inertia), 1, g.H);
+  if (!inertia) return false;
+  SpMat H = g.H;
+  Vec f = g.f;
+  const std::vector<int> place = touched_velocities(*inertia, g.H);
+  if (const auto count = static_cast<Index>(std::ranges::count_if(place, [](int k) { return k >= 0; }));
+      0 < count && count < f.size()) {
+    inertia = Inertia::of(at_places(g.M, place, count, true));
+    if (!inertia) return false;
+    H = at_places(g.H, place, count, false);
+    f.resize(count);
+    for (std::size_t i = 0; i < place.size(); ++i)
+      if (place[i] >= 0) f[place[i]] = g.f[static_cast<Index>(i)];
+  }
+  if (!(inertia->rcond() >= least_rcond)) return false;
+  const auto parts = std::make_shared<const DelassusParts>(std::move(inertia), 1, std::move(H));
   p.W = Delassus(parts);
-  p.q = exact_velocities(*parts, g.f, g.w);
-  p.rounding = rounding_by_parts(*parts, g.f, p.q);
+  p.q = exact_velocities(*parts, f, g.w);
+  p.rounding = rounding_by_parts(*parts, f, p.q);
   return true;
 }
 

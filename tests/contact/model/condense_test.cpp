@@ -7,6 +7,7 @@
 #include "contact/contact_support.hpp"
 #include "contact/model/facts.hpp"
 #include "contact/model/random_global.hpp"
+#include "contact/scenes/generators.hpp"
 #include "lcp/solve/schur.hpp"
 
 namespace perp::contact {
@@ -119,6 +120,35 @@ TEST(Condense, Refuses) {
   expect(g, mu, "w[3] is nan");
   expect(good, vec({0.3, -1}), "the coefficient of friction of contact 1 is -1");
   expect(good, mu, "the dimension is 4", 4);
+}
+
+// A pile among bodies that nothing touches is the pile. Catches bodies that are left in, one that is taken for another,
+// and an inertia of such a body that is not looked at.
+TEST(Condense, BodiesThatNothingTouchesAreNotThere) {
+  const Problem pile = make_scene("spheres", 60).problem();
+  const Global& g = *pile.global;
+  const Index m = g.M.rows();
+  const Dense pile_M(g.M);
+  const Dense pile_H(g.H);
+  Random random(5);
+  Dense M = Dense::Zero(2 * m, 2 * m);
+  Dense H = Dense::Zero(2 * m, g.H.cols());
+  Vec f = random.normals(2 * m);
+  for (Index i = 0; i < m; ++i) {  // every second velocity is the pile's
+    for (Index j = 0; j < m; ++j) M(2 * i + 1, 2 * j + 1) = pile_M(i, j);
+    M(2 * i, 2 * i) = 2;
+    H.row(2 * i + 1) = pile_H.row(i);
+    f[2 * i + 1] = g.f[i];
+  }
+  Global among{.M = sparse(M), .H = sparse(H), .G = SpMat(2 * m, 0), .f = f, .w = g.w, .b = Vec(0)};
+  const Problem problem = condense(among, pile.mu);
+  EXPECT_TRUE(problem.W.same_as(pile.W));
+  EXPECT_EQ(problem.q, pile.q);
+  EXPECT_EQ(problem.rounding.q, pile.rounding.q);
+  EXPECT_EQ(problem.global->M.rows(), 2 * m);
+  among.M.coeffRef(0, 0) = 0;
+  EXPECT_THAT([&] { condense(among, pile.mu); },
+              ThrowsMessage<std::invalid_argument>(HasSubstr("the inertia M is singular")));
 }
 
 // Columns g and g + delta c of G say the same as g and c, without rounding. By a plain LU factorization W and q were
