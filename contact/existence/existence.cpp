@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "contact/existence/expansion.hpp"
 #include "contact/model/contact_system.hpp"
-#include "contact/model/expansion.hpp"
 #include "contact/model/residual.hpp"
 #include "contact/model/scaling.hpp"
 #include "lcp/cholesky/cholesky.hpp"

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "contact/model/expansion.hpp"
+#include "contact/existence/expansion.hpp"
 
 namespace perp::contact {
 namespace {

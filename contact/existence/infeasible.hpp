@@ -30,10 +30,10 @@
 
 namespace perp::contact {
 
-/// R(y), never larger than it is for the given doubles: sums are exact (contact/model/expansion.hpp), what is rounded
-/// is rounded down. Infinite exactly where -W'(y e_N) in K* holds for the given doubles. 0 where y proves nothing: an
-/// entry is negative or not finite, q_N.y >= 0, or numbers overflow. Throws std::invalid_argument if y has not n
-/// entries.
+/// R(y), never larger than it is for the given doubles: sums are exact (contact/existence/expansion.hpp), what is
+/// rounded is rounded down. Infinite exactly where -W'(y e_N) in K* holds for the given doubles. 0 where y proves
+/// nothing: an entry is negative or not finite, q_N.y >= 0, or numbers overflow. Throws std::invalid_argument if y has
+/// not n entries.
 double infeasibility_radius(const Problem& problem, In y);
 
 /// Whether y proves that there is no solution: R is infinite; or

@@ -126,6 +126,13 @@ double Inertia::whole_rcond() const {
   return lcp::reciprocal_condition(lcp::norm1(D.asDiagonal() * M_ * D.asDiagonal()), M_.rows(), solve, solve);
 }
 
+double Inertia::entries_of_factor() const {
+  if (cholesky_) return cholesky_->nonzeros();
+  double entries = 0;
+  for (const Eigen::MatrixXd& L : L_) entries += 0.5 * static_cast<double>(L.rows() * (L.rows() + 1));
+  return entries;
+}
+
 Vec Inertia::inverse(In p) const {
   Vec v(p.size());
   if (cholesky_) {

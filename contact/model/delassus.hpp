@@ -43,6 +43,8 @@ class Inertia {
   /// Reciprocal condition number, of D M D with unit diagonal: the least of the bodies'. Estimated in the 1-norm,
   /// rarely three times too large.
   double rcond() const { return rcond_; }
+  /// Of the triangle that inverse() solves with, twice.
+  double entries_of_factor() const;
 
  private:
   Inertia() = default;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "contact/model/forms.hpp"
 #include "contact/model/natural_map.hpp"
 #include "contact/model/units.hpp"
 
@@ -91,7 +92,7 @@ Vec Scaled::reduce(In r) const {
   return Vec::NullaryExpr(size(), [&](Index k) { return r[rows[at(k)]] / impulse[k]; });
 }
 
-Scaled scaled(const Problem& problem, bool scale) {
+Scaled scaled(const Problem& problem, bool scale, WForm form) {
   const int d = problem.dimension;
   const Index n = problem.contacts();
   Scaled out;
@@ -121,7 +122,9 @@ Scaled scaled(const Problem& problem, bool scale) {
   }
   if (const DelassusParts* of = problem.W.whole_parts()) {
     const auto parts = scaled_parts(*of, to);
-    out.W = Delassus(parts, [parts, blocks = out.blocks] { return with_whole_blocks(parts->form(), blocks); });
+    const bool entries = form == WForm::Entries || (form == WForm::Cheaper && entries_take_less(*parts, out.blocks));
+    const auto make = [parts, blocks = out.blocks] { return with_whole_blocks(parts->form(), blocks); };
+    out.W = entries ? Delassus(make()) : Delassus(parts, make);
   } else {
     out.W = fill(problem.W.matrix(), to);
   }

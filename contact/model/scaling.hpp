@@ -24,8 +24,8 @@ struct Scaled {
       return part;
     }
   };
-  /// Square. By its parts, M and H scaled, where the problem's W is. Where a column has an entry in the rows of a
-  /// contact it has them all; it has its own contact's.
+  /// Square. By its parts, M and H scaled, where the problem's W is and they take less. Where a column has an entry in
+  /// the rows of a contact it has them all; it has its own contact's.
   Delassus W;
   Vec q;
   std::vector<Block> blocks;  ///< one a contact
@@ -37,8 +37,11 @@ struct Scaled {
   Vec expand(In r) const;  ///< r~ to r [N s]; zeros in the tangential entries of frictionless contacts
   Vec reduce(In r) const;  ///< r to r~, the opposite
 };
+/// How a scaled problem has a W that is known by its parts: as takes less to solve it (forms.hpp), by its parts, or by
+/// its entries.
+enum class WForm { Cheaper, Parts, Entries };
 /// `scale` = false: s = q_s = 1, so that only mu is taken out.
-Scaled scaled(const Problem& problem, bool scale = true);
+Scaled scaled(const Problem& problem, bool scale = true, WForm form = WForm::Cheaper);
 
 /// Computes the natural map of the scaled problem, the largest |r~ - P_K(r~ - u~ - |u~_T| e_N)| of a contact, with u~ =
 /// W~ r~ + q~.

@@ -73,7 +73,7 @@ std::vector<RowsOf> equations(const Scaled& problem) {
 TEST(ClassicsByBodies, NewtonDirections) {
   Random random(21);
   for (int k = 0; k < 40; ++k) {
-    const Scaled problem = scaled(random_problem(random, 2 + k % 2, 4, 3 + k % 7, 0.8));
+    const Scaled problem = scaled(random_problem(random, 2 + k % 2, 4, 3 + k % 7, 0.8), true, WForm::Parts);
     NewtonMatrix matrix(problem, lcp::no_deadline);
     ASSERT_TRUE(matrix.by_bodies());
     const Vec r = random.normals(problem.size());
@@ -97,7 +97,7 @@ TEST(ClassicsByBodies, NewtonDirections) {
 TEST(ClassicsByBodies, ADirectionSolvesTheSystemOrIsRefused) {
   Random random(22);
   for (int k = 0; k < 40; ++k) {
-    const Scaled problem = scaled(random_problem(random, 3, 3, 6, 0.8));
+    const Scaled problem = scaled(random_problem(random, 3, 3, 6, 0.8), true, WForm::Parts);
     NewtonMatrix matrix(problem, lcp::no_deadline);
     std::vector<ContactRows> rows(problem.blocks.size());
     Vec d;
@@ -127,7 +127,7 @@ TEST(ClassicsByBodies, CylinderSweeps) {
       const Vec start = random.normals(scaled(problem).size());
       for (const CylinderPart part : {Both, Normal, Tangential}) {
         std::vector<Vec> impulses;
-        for (const Scaled& given : {scaled(problem), scaled(by_entries(problem))}) {
+        for (const Scaled& given : {scaled(problem, true, WForm::Parts), scaled(by_entries(problem))}) {
           Endless trial;
           Vec r = start;
           Vec u;

@@ -52,7 +52,7 @@ std::vector<Scaled> scenes() {
   for (const char* name : {"wall", "spheres", "stack", "incline"}) {
     Problem problem = make_scene(name, 60).problem();
     problem.mu[0] = 0;  // one contact of one row
-    all.push_back(scaled(problem));
+    all.push_back(scaled(problem, true, WForm::Parts));
   }
   return all;
 }
@@ -219,7 +219,7 @@ TEST(ContactSystem, CouplingsAreSolvedApart) {
 // More couplings than the dense reduced system is for, so by GMRES. Catches one of the two that solves another system.
 TEST(ContactSystem, ManyCouplingsAreSolvedApart) {
   Random random(5);
-  const Scaled problem = scaled(make_scene("wall", 600).problem());
+  const Scaled problem = scaled(make_scene("wall", 600).problem(), true, WForm::Parts);
   const std::vector<Block> A = definite_blocks(problem, 1, random);
   std::vector<Block> inverse;
   std::vector<ContactRows> rows;

@@ -112,7 +112,7 @@ TEST(Delassus, OtherInertiaHasNoFactors) {
 // Catches solvers on parts that W is not made of.
 TEST(Delassus, ChangedEntriesAreNotThoseOfTheParts) {
   Problem problem = make_scene("wall", 60).problem();
-  ASSERT_TRUE(scaled(problem).W.parts());
+  ASSERT_TRUE(scaled(problem, true, WForm::Parts).W.parts());
   SpMat Q(problem.q.size(), problem.q.size());
   Q.setIdentity();
   Q.coeffRef(4, 4) = Q.coeffRef(5, 5) = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Global problems: methods work on M and H.
+/// Global problems: methods that are given M and H work on them.
 #include <gtest/gtest.h>
 
 #include "contact/classics/trial.hpp"
@@ -22,7 +22,7 @@ TEST(GlobalProblem, TheDefaultMethodDoesNotFormW) {
   for (const char* name : {"wall", "spheres", "arch", "chain"}) {
     const Problem problem = make_scene(name, 60).problem();
     for (const Auto& method : settings) {
-      const Scaled coordinates = scaled(problem);
+      const Scaled coordinates = scaled(problem, true, WForm::Parts);
       ASSERT_TRUE(coordinates.W.parts()) << name;
       const Options options{.max_time = std::chrono::seconds(2)};
       Referee referee(problem, coordinates, options);
@@ -55,7 +55,7 @@ TEST(GlobalProblem, TheClassicsDoNotFormW) {
     const Problem problem = make_scene(name, 60).problem();
     for (const MethodEntry& entry : methods()) {
       if (entry.glocker) continue;
-      const Scaled coordinates = scaled(problem);
+      const Scaled coordinates = scaled(problem, true, WForm::Parts);
       ThreeIterations trial;
       const auto run = [&](const auto& method) {
         if constexpr (Classic<std::decay_t<decltype(method)>>) iterate(trial, coordinates, method, Vec());
