@@ -52,12 +52,6 @@ Block inverse_of(const Block& A, int size) {
   return inverse * scale.cwiseInverse().asDiagonal();
 }
 
-bool exactly_symmetric(const Scaled& problem) {
-  return problem.W.parts() != nullptr || lcp::symmetric(problem.W.matrix(), 0);
-}
-
-bool symmetric(const Scaled& problem) { return lcp::symmetric(problem.W.matrix(), rounding_of_W); }
-
 bool nearly_symmetric(const Block& A) {
   return (A - A.transpose()).cwiseAbs().maxCoeff() <= symmetric_tol * A.diagonal().cwiseAbs().maxCoeff();
 }
@@ -195,16 +189,16 @@ ContactSystem::ContactSystem(const Scaled& problem, lcp::LuBackend lu, lcp::Dead
       cholesky_(std::make_shared<lcp::Cholesky>(deadline, lcp::CholeskyOrdering::Thorough)),
       backend_(lu),
       deadline_(deadline),
-      exactly_symmetric_W_(exactly_symmetric(problem)),
-      symmetric_W_(exactly_symmetric_W_ || symmetric(problem)),
+      exactly_symmetric_W_(problem.W.parts() != nullptr || lcp::symmetric(problem.W.matrix(), 0)),
+      symmetric_W_(exactly_symmetric_W_ || lcp::symmetric(problem.W.matrix(), rounding_of_W)),
       W_(problem.W.plus(-problem.W.shift())) {}
 
 ContactSystem::ContactSystem(const Scaled& problem, const ContactSystem& shared)
     : problem_(problem),
       backend_(shared.backend_),
       deadline_(shared.deadline_),
-      exactly_symmetric_W_(exactly_symmetric(problem)),
-      symmetric_W_(exactly_symmetric_W_ || symmetric(problem)),
+      exactly_symmetric_W_(problem.W.parts() != nullptr || lcp::symmetric(problem.W.matrix(), 0)),
+      symmetric_W_(exactly_symmetric_W_ || lcp::symmetric(problem.W.matrix(), rounding_of_W)),
       chosen_(true),
       W_(problem.W.plus(-problem.W.shift())) {
   if (problem.W.parts() != nullptr)
@@ -258,6 +252,11 @@ bool ContactSystem::take(const SpMat& K, bool definite) {
   return bodies_ ? lu_->try_factor(bodies_->with_unit_diagonal()) : lu_->try_factor(K);
 }
 
+bool ContactSystem::take_contacts(bool definite) {
+  contact_matrix(problem_, rows_, system_diagonal_term, K_);
+  return take(K_, definite);
+}
+
 /// E = A^-1 B of one contact; whether it is symmetric.
 bool ContactSystem::invert(std::size_t a) {
   const int size = problem_.blocks[a].size;
@@ -290,8 +289,7 @@ bool ContactSystem::factor_whole() {
     bodies_->assemble(E_);
     return take(bodies_->K, false);
   }
-  contact_matrix(problem_, rows_, system_diagonal_term, K_);
-  return take(K_, false);
+  return take_contacts(false);
 }
 
 bool ContactSystem::factor(const std::vector<ContactRows>& rows) {
@@ -301,10 +299,7 @@ bool ContactSystem::factor(const std::vector<ContactRows>& rows) {
   if (const double shift = problem_.W.shift(); shift != 0)
     for (ContactRows& of : rows_) of.A += shift * of.B;
   couplings_.clear();
-  if (!bodies_ && std::all_of(rows_.begin(), rows_.end(), definite)) {
-    contact_matrix(problem_, rows_, system_diagonal_term, K_);
-    return take(K_, symmetric_W_);
-  }
+  if (!bodies_ && std::all_of(rows_.begin(), rows_.end(), definite)) return take_contacts(symmetric_W_);
   if (!bodies_ || !part_by_bodies()) return factor_whole();
   bodies_->assemble(E_);
   return take(bodies_->K, true);
@@ -326,8 +321,7 @@ bool ContactSystem::factor(const std::vector<Block>& A, const std::vector<Block>
     bodies_->assemble(E_);
     return take(bodies_->K, true);
   }
-  contact_matrix(problem_, rows_, system_diagonal_term, K_);
-  return take(K_, true);
+  return take_contacts(true);
 }
 
 void ContactSystem::back_solve(const Vec& b, Vec& x) const {
@@ -385,16 +379,27 @@ X ContactSystem::product(const X& x) const {
 }
 
 void ContactSystem::solve_definite(In c, Vec& x) const {
-  solve_once(c, x);
+  solve_definite_once(c, x);
   if (!bodies_ && (exactly_symmetric_W_ || !by_cholesky_)) return;
-  const auto again = [this](const Vec& rest, Vec& dx) { solve_once(rest, dx); };
+  const auto again = [this](const Vec& rest, Vec& dx) { solve_definite_once(rest, dx); };
   refine(
       c, refined, [this](const Vec& at) { return product(at); }, again, x);
 }
 
-void ContactSystem::solve_once(In c, Vec& x) const {
+void ContactSystem::solve_definite_once(In c, Vec& x) const {
   const Vec right = c;
   bodies_ ? solve_by_bodies(right, x) : back_solve(right, x);
+}
+
+void ContactSystem::solve_once(In c, Vec& x) {
+  solve_definite_once(c, x);
+  if (couplings_.empty()) return;
+  if (const std::optional<Vec> z = solve_reduced(couple(x)))
+    solve_definite_once(c - spread(*z), x);
+  else if (factor_whole())
+    solve_definite_once(c, x);
+  else
+    x.setConstant(std::numeric_limits<double>::quiet_NaN());
 }
 
 /// Q' x.

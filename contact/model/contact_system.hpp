@@ -71,8 +71,8 @@ class ContactSystem {
   /// With the last factors; where the reduced system is not solved with those, with factors of the whole matrix, and x
   /// is NaN where that is singular. Pre: there are factors.
   void solve(In c, Vec& x);
-  /// The same without refinement. Pre: there are factors, and no couplings.
-  void solve_once(In c, Vec& x) const;
+  /// The same without refinement, for those who refine with a residual of their own. Pre: there are factors.
+  void solve_once(In c, Vec& x);
   /// All columns at once, refined once. Pre: there are factors, and no couplings.
   void solve_columns(const Eigen::MatrixXd& c, Eigen::MatrixXd& x) const;
 
@@ -85,10 +85,12 @@ class ContactSystem {
   void choose();
   void make_lu();
   bool take(const SpMat& K, bool definite);
+  bool take_contacts(bool definite);
   bool factor_whole();
   bool part_by_bodies();
   bool invert(std::size_t a);
   void solve_definite(In c, Vec& x) const;
+  void solve_definite_once(In c, Vec& x) const;
   bool solve_coupled(In c, Vec& x);
   std::optional<Vec> solve_reduced(const Vec& right);
   void reduce();

@@ -17,7 +17,8 @@
 /// r stays in the middle of its cones, and no larger than it needs to be, at the price of two solves.
 ///
 /// What depends on W alone is kept while its entries are the same, and the factors of K while contacts keep their
-/// states, as long as none slips: a step costs a few triangular solves then. Private to contact/.
+/// states: a step costs a few triangular solves then. Where contacts slip K is another in each step, and the factors of
+/// the last will do as long as refinement with them converges. Private to contact/.
 #include <functional>
 #include <memory>
 #include <optional>
@@ -28,6 +29,9 @@
 #include "contact/solvers/solve.hpp"
 
 namespace perp::contact {
+
+class FollowSystem;
+struct FollowStep;
 
 class Follower {
  public:
@@ -54,17 +58,21 @@ class Follower {
   long sweeps() const { return sweeps_; }
 
  private:
-  struct Kept;
-  struct NewtonStep;
+  struct NewtonSteps {
+    int most = 1;
+    bool first = false;  // r is the last solution
+    bool held = false;   // those alone that need no new factors
+  };
   bool attempt(Vec& r, const Accept& accept, const Stop& stop);
-  bool newton(Vec& r, int most, bool first, const Accept& accept, const Stop& stop);
+  bool newton(Vec& r, NewtonSteps steps, const Accept& accept, const Stop& stop);
   bool sweep(Vec& r, const Accept& accept, const Stop& stop);
   bool path(Vec& r, double tau, long last_factorization, const Accept& accept, const Stop& stop);
   bool paths(Vec& r, const Accept& accept, const Stop& stop);
-  bool direction(In r, NewtonStep& step, bool first);
-  bool factor(In r, const NewtonStep& step);
+  bool direction(In r, FollowStep& step, bool first, double margin);
+  bool newton_step(Vec& x, double& last, bool first);
+  bool held_step(Vec& x, double& last, bool first);
 
-  std::unique_ptr<Kept> kept_;
+  std::unique_ptr<FollowSystem> kept_;
   Origin by_ = Origin::WarmStart;
   std::vector<char> stuck_{};  // contacts of the last solution; a hint
   long factorizations_ = 0;

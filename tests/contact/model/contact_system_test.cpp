@@ -210,6 +210,9 @@ TEST(ContactSystem, CouplingsAreSolvedApart) {
         Vec x;
         system.solve(c, x);
         EXPECT_LE(residual_of(problem, rows, x, c).norm(), 1e-9 * (1 + x.norm()));
+        Vec once;
+        system.solve_once(c, once);
+        EXPECT_LE((once - x).norm(), 1e-8 * x.norm());
         EXPECT_EQ(system.factorizations(), 1);
       }
     }
@@ -238,6 +241,9 @@ TEST(ContactSystem, ManyCouplingsAreSolvedApart) {
   Vec x;
   system.solve(c, x);
   EXPECT_LE(residual_of(problem, rows, x, c).norm(), 1e-8 * (1 + x.norm()));
+  Vec once;
+  system.solve_once(c, once);
+  EXPECT_LE((once - x).norm(), 1e-7 * x.norm());
   EXPECT_EQ(system.factorizations(), 1);
 }
 
