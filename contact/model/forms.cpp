@@ -141,6 +141,16 @@ std::optional<Work> work_of(const Blocks& matrix) {
               .entries = square * static_cast<double>(matrix.pattern.nonZeros())};
 }
 
+/// What it takes without fill, and as a dense matrix.
+Work least_work(const Blocks& matrix) {
+  const double entries = matrix.size * matrix.size * static_cast<double>(matrix.pattern.nonZeros());
+  return {.factor = 0, .solve = 2 * entries, .entries = entries};
+}
+Work most_work(const Blocks& matrix) {
+  const double rows = matrix.size * static_cast<double>(matrix.pattern.rows());
+  return {.factor = rows * rows * rows / 3, .solve = 2 * rows * (rows + 1), .entries = least_work(matrix).entries};
+}
+
 double with_entries(const Work& W) {
   constexpr double assembly = 6;  // an entry
   return W.factor + solves * W.solve + (assembly + 2 * (products + sweeps)) * W.entries;
@@ -173,8 +183,12 @@ bool entries_take_less(const DelassusParts& parts, const std::vector<Scaled::Blo
   const double most = most_entries * static_cast<double>(parts.H().nonZeros() + parts.M().nonZeros());
   const std::optional<Blocks> of_W = blocks_of_W(parts.shares(), blocks, most);
   if (!of_W) return false;
+  const Blocks of_K = blocks_of_bodies(parts.M(), parts.H(), blocks);
+  // Small problems need no analysis.
+  if (with_entries(most_work(*of_W)) < with_bodies(least_work(of_K), parts, blocks)) return true;
+  if (with_entries(least_work(*of_W)) >= with_bodies(most_work(of_K), parts, blocks)) return false;
   const std::optional<Work> W = work_of(*of_W);
-  const std::optional<Work> K = work_of(blocks_of_bodies(parts.M(), parts.H(), blocks));
+  const std::optional<Work> K = work_of(of_K);
   return W && K && with_entries(*W) < with_bodies(*K, parts, blocks);
 }
 
