@@ -34,8 +34,8 @@ enum class Existence { Undecided, Exists, None };
 std::string_view to_string(Existence);
 
 struct Witness {
-  Vec r{};            ///< r' of (*), d n
-  Vec v{};            ///< v' near M^-1 H r', of which the proof is: u' = H' v' + q, of the parts. Empty where W has entries
+  Vec r{};  ///< r' of (*), d n
+  Vec v{};  ///< v' near M^-1 H r', of which the proof is: u' = H' v' + q, of the parts. Empty where W has entries
   double margin = 0;  ///< least u'_N - mu |u'_T| - what shift changes, rounded down [m/s]
   double shift = 0;   ///< relative to the diagonal of W
 };

@@ -116,7 +116,7 @@ void take_entries(const Global& g, Problem& p) {
   s.S.makeCompressed();
   p.q = B.transpose() * s.x + g.w;
   p.rounding = rounding_by_lu(K, B, s, g.w, Vec::Zero(g.w.size()));
-  p.W = std::move(s.S);
+  p.W = Delassus(std::move(s.S), std::make_shared<const lcp::SchurProduct>(K, B));
 }
 
 }  // namespace

@@ -256,6 +256,10 @@ Delassus::Delassus(SpMat W) : entries_(std::make_shared<Entries>()) {
   entries_->formed = true;
 }
 
+Delassus::Delassus(SpMat W, std::shared_ptr<const lcp::SchurProduct> exact) : Delassus(std::move(W)) {
+  condensed_ = std::move(exact);
+}
+
 Delassus::Delassus(std::shared_ptr<const DelassusParts> parts, std::function<SpMat()> form)
     : entries_(std::make_shared<Entries>()), parts_(std::move(parts)) {
   entries_->form = form ? std::move(form) : [of = parts_] { return of->form(); };
@@ -282,6 +286,7 @@ const SpMat& Delassus::matrix() const {
 }
 
 SpMat& Delassus::given() {
+  condensed_.reset();
   if (parts_ || entries_.use_count() > 1) *this = Delassus(SpMat(matrix()));
   return entries_->W;
 }

@@ -3,13 +3,15 @@
 /// The Delassus operator W of a contact problem, d n x d n [1/kg]: given by its entries, or by the parts of
 ///     W = H' M^-1 H,
 /// where it is a product with vectors. Its entries are then formed where somebody asks for them, once: with many
-/// contacts on a body, or bodies that are no rigid ones, they are the largest thing of all. Copies share them.
+/// contacts on a body, or bodies that are no rigid ones, they are the largest thing of all. Copies share them. Entries
+/// that were condensed come with what they were condensed from, for whom they are not exact enough.
 #include <array>
 #include <functional>
 #include <memory>
 #include <vector>
 
 #include "lcp/cholesky/cholesky.hpp"
+#include "lcp/solve/schur.hpp"
 #include "lcp/types.hpp"
 
 namespace perp::contact {
@@ -98,6 +100,8 @@ class Delassus {
  public:
   Delassus() : Delassus(SpMat()) {}
   Delassus(SpMat W);  // NOLINT(google-explicit-constructor)
+  /// `exact` has the same product to more digits.
+  Delassus(SpMat W, std::shared_ptr<const lcp::SchurProduct> exact);
   template <class Derived>
   Delassus(const Eigen::SparseMatrixBase<Derived>& W) : Delassus(SpMat(W)) {}  // NOLINT(google-explicit-constructor)
   /// By its parts; `form` makes the entries, parts->form() if nothing else does.
@@ -109,6 +113,8 @@ class Delassus {
   const DelassusParts* parts() const { return parts_.get(); }
   /// The parts where they are all of W; null where it has a shift().
   const DelassusParts* whole_parts() const { return shift_ == 0 ? parts_.get() : nullptr; }
+  /// What the entries were condensed from; null where they are given.
+  const lcp::SchurProduct* condensed() const { return condensed_.get(); }
   /// Whether the entries are there.
   bool formed() const;
   /// Whether both have the same entries, or the same M and H, bit by bit.
@@ -136,6 +142,7 @@ class Delassus {
   struct Entries;
   std::shared_ptr<Entries> entries_;
   std::shared_ptr<const DelassusParts> parts_;
+  std::shared_ptr<const lcp::SchurProduct> condensed_;
   double shift_ = 0;
 };
 

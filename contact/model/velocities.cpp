@@ -43,6 +43,7 @@ void add_exactly(const Problem& problem, In r, const std::vector<char>& asked, V
   }
 }
 
+/// Of what W was condensed from, where it was.
 Velocities by_entries(const Problem& problem, In r) {
   const Index n = problem.q.size();
   Velocities out{.u = problem.q, .terms = problem.q.cwiseAbs()};
@@ -60,6 +61,10 @@ Velocities by_entries(const Problem& problem, In r) {
       out.terms[i] += std::abs(product.value);
       ++entries[at(i)];
     }
+  }
+  if (const lcp::SchurProduct* product = problem.W.condensed(); product != nullptr) {
+    out.u = (*product)(r, problem.q);
+    return out;
   }
   std::vector<char> asked(at(n), 0);
   bool any = false;

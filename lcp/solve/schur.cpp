@@ -2,6 +2,7 @@
 #include "lcp/solve/schur.hpp"
 
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -21,6 +22,12 @@ constexpr double last_correction = 1e-22;
 /// A correction that is larger, and the last, leaves digits wrong.
 constexpr double largest_last_correction = 1e-14;
 constexpr double singular = 1e-15;
+
+void check_sizes(const SpMat& K, const SpMat& B, Index f) {
+  if (K.rows() != K.cols() || B.rows() != K.rows() || f != K.rows())
+    refuse_input("schur: K is ", K.rows(), " x ", K.cols(), ", B ", B.rows(), " x ", B.cols(), ", f has ", f,
+                 " entries");
+}
 
 /// D with the largest entries of the rows and columns of D K D near one, powers of two (Ruiz 2001).
 Vec symmetric_scale(const SpMat& K) {
@@ -70,15 +77,20 @@ struct InTwoParts {
   }
 };
 
+InTwoParts in_two_parts(Vec value) {
+  Vec rest = Vec::Zero(value.size());
+  return {.value = std::move(value), .rest = std::move(rest)};
+}
+
 /// K^-1 b: each correction reduces the error by eps / rcond. False: it does not become small.
-bool refined(const SparseLu& lu, const SpMat& K, In b, InTwoParts& y) {
-  y = {.value = Vec(b.size()), .rest = Vec::Zero(b.size())};
-  lu.solve(b, y.value);
+bool refined(const SparseLu& lu, const SpMat& K, const InTwoParts& b, InTwoParts& y) {
+  y = in_two_parts(Vec(b.value.size()));
+  lu.solve(b.value, y.value);
   double last = y.value.lpNorm<::Eigen::Infinity>();
   const auto small = [&y](double size, double share) { return size <= share * y.value.lpNorm<::Eigen::Infinity>(); };
-  Vec correction(b.size());
+  Vec correction(b.value.size());
   for (int k = 0; k < corrections; ++k) {
-    InTwoParts left{.value = b, .rest = Vec::Zero(b.size())};
+    InTwoParts left = b;
     for (Index j = 0; j < K.cols(); ++j)
       for (SpMat::InnerIterator it(K, j); it; ++it) {
         left.add_product(it.row(), -it.value(), y.value[j]);
@@ -86,6 +98,7 @@ bool refined(const SparseLu& lu, const SpMat& K, In b, InTwoParts& y) {
       }
     lu.solve(left.value, correction);
     const double size = correction.lpNorm<::Eigen::Infinity>();
+    if (size == 0) return true;
     if (!(size < last)) return small(last, largest_last_correction);
     for (Index i = 0; i < correction.size(); ++i) y.add(i, correction[i]);
     if (small(size, last_correction)) return true;
@@ -94,20 +107,25 @@ bool refined(const SparseLu& lu, const SpMat& K, In b, InTwoParts& y) {
   return small(last, largest_last_correction);
 }
 
+/// s = s + B' y.
+void add_transposed(const SpMat& B, const InTwoParts& y, InTwoParts& s) {
+  for (Index i = 0; i < B.cols(); ++i)
+    for (SpMat::InnerIterator it(B, i); it; ++it) {
+      s.add_product(i, it.value(), y.value[it.row()]);
+      s.add_product(i, it.value(), y.rest[it.row()]);
+    }
+}
+
 /// B' K^-1 B column by column, each by refined(), until one does not converge.
 bool add_refined_columns(const SparseLu& lu, const SpMat& K, const SpMat& B,
                          std::vector<Eigen::Triplet<double>>& entries) {
   for (Index j = 0; j < B.cols(); ++j) {
     InTwoParts y;
-    if (!refined(lu, K, Vec(B.col(j)), y)) return false;
-    InTwoParts s{.value = Vec::Zero(B.cols()), .rest = Vec::Zero(B.cols())};
-    for (Index i = 0; i < B.cols(); ++i) {
-      for (SpMat::InnerIterator it(B, i); it; ++it) {
-        s.add_product(i, it.value(), y.value[it.row()]);
-        s.add_product(i, it.value(), y.rest[it.row()]);
-      }
+    if (!refined(lu, K, in_two_parts(B.col(j)), y)) return false;
+    InTwoParts s = in_two_parts(Vec::Zero(B.cols()));
+    add_transposed(B, y, s);
+    for (Index i = 0; i < B.cols(); ++i)
       if (s.value[i] != 0) entries.emplace_back(static_cast<int>(i), static_cast<int>(j), s.value[i]);
-    }
   }
   return true;
 }
@@ -133,11 +151,28 @@ void add_columns(const SparseLu& lu, const SpMat& B, std::vector<Eigen::Triplet<
 
 bool Schur::regular() const { return status == LuStatus::Ok && !(rcond < singular) && converged; }
 
+SchurProduct::SchurProduct(const SpMat& K, const SpMat& B) : lu_(LuBackend::General) {
+  check_sizes(K, B, K.rows());
+  const Vec D = symmetric_scale(K);
+  K_ = D.asDiagonal() * K * D.asDiagonal();
+  B_ = D.asDiagonal() * B;
+  if (K.rows() > 0) status_ = lu_.factor(K_);
+}
+
+Vec SchurProduct::operator()(In r, In w) const {
+  InTwoParts b = in_two_parts(Vec::Zero(K_.rows()));
+  for (Index j = 0; j < B_.cols(); ++j)
+    for (SpMat::InnerIterator it(B_, j); it; ++it) b.add_product(it.row(), it.value(), r[j]);
+  InTwoParts s = in_two_parts(w);
+  InTwoParts y = in_two_parts(Vec());
+  if (status_ != LuStatus::Ok || (K_.rows() > 0 && !refined(lu_, K_, b, y)))
+    return Vec::Constant(w.size(), std::numeric_limits<double>::quiet_NaN());
+  if (K_.rows() > 0) add_transposed(B_, y, s);
+  return s.value + s.rest;
+}
+
 Schur schur(const SpMat& K, const SpMat& B, In f, double drop) {
-  if (K.rows() != K.cols() || B.rows() != K.rows() || f.size() != K.rows()) {
-    refuse_input("schur: K is ", K.rows(), " x ", K.cols(), ", B ", B.rows(), " x ", B.cols(), ", f has ", f.size(),
-                 " entries");
-  }
+  check_sizes(K, B, f.size());
   Schur out;
   const Index n = B.cols();
   out.S.resize(n, n);
@@ -152,16 +187,13 @@ Schur schur(const SpMat& K, const SpMat& B, In f, double drop) {
   const bool refine = out.rcond < refined_below;
   const SpMat columns = D.asDiagonal() * B;
   std::vector<Eigen::Triplet<double>> entries;
-  Vec y(K.rows());
-  if (refine) {
-    InTwoParts x;
-    out.converged = refined(lu, scaled, D.cwiseProduct(f), x) && add_refined_columns(lu, scaled, columns, entries);
-    y = x.value;
-  } else {
-    lu.solve_refined(D.cwiseProduct(f), y);
+  InTwoParts x = in_two_parts(Vec());
+  out.converged = refined(lu, scaled, in_two_parts(D.cwiseProduct(f)), x);
+  if (refine)
+    out.converged = out.converged && add_refined_columns(lu, scaled, columns, entries);
+  else
     add_columns(lu, columns, entries);
-  }
-  out.x = D.cwiseProduct(y);
+  out.x = D.cwiseProduct(x.value);
   out.S.setFromTriplets(entries.begin(), entries.end());
   const Vec size = Vec(out.S.diagonal()).cwiseAbs().cwiseSqrt();
   out.S.prune([&](Index i, Index j, double value) { return !(std::abs(value) <= drop * size[i] * size[j]); });

@@ -22,6 +22,22 @@ struct Schur {
   Vec scale;              ///< of the rows and columns of K, when it was factored
 };
 
+/// The same S as an operator on vectors, each product right to eps of itself and eps^2 of what cancels in it: for those
+/// to whom the entries of S are not exact enough. Used by several threads at once.
+class SchurProduct {
+ public:
+  /// Throws std::invalid_argument as schur() does.
+  SchurProduct(const SpMat& K, const SpMat& B);
+  /// S r + w; NaN where K is singular or its solutions do not converge. O(entries of K and of its factors, and of B).
+  Vec operator()(In r, In w) const;
+
+ private:
+  SparseLu lu_;
+  LuStatus status_ = LuStatus::Ok;
+  SpMat K_;  // scaled by rows and columns
+  SpMat B_;
+};
+
 /// An entry of S is left out where |S_ij| <= drop sqrt(|S_ii S_jj|): rounding of what is zero by structure.
 /// Throws std::invalid_argument if K is not square or sizes differ.
 Schur schur(const SpMat& K, const SpMat& B, In f, double drop);

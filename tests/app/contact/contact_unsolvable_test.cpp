@@ -122,7 +122,8 @@ TEST(ContactUnsolvable, TextAndJson) {
   problem.q[2] = 2;
   const contacts::Run solved = contacts::run(problem, parse_variant(std::string("glocker")), {});
   const Json json = parse_json(run_json(loaded, solved, exit_solved));
-  for (const char* key : {"existence", "certificate", "radius", "witness", "witness_velocities"}) EXPECT_TRUE(json.at(key).is_null()) << key;
+  for (const char* key : {"existence", "certificate", "radius", "witness", "witness_velocities"})
+    EXPECT_TRUE(json.at(key).is_null()) << key;
 }
 
 }  // namespace
