@@ -9,7 +9,7 @@
 namespace perp::contact {
 namespace {
 
-/// W may have so many times the entries of H and M, not more: it is to save time, and not to cost memory.
+/// W may have so many times the entries of the parts, not more: it is to save time, and not to cost memory.
 constexpr double most_entries = 3;
 /// Solves, products with W or its parts, and sweeps for each factorization, in a typical run of the default method.
 /// Weighed so, spheres, walls, arches, stacks, chains and inclines of 30 to 3,000 contacts get the form that takes
@@ -180,7 +180,8 @@ double with_bodies(const Work& K, const DelassusParts& parts, const std::vector<
 
 bool entries_take_less(const DelassusParts& parts, const std::vector<Scaled::Block>& blocks) {
   if (blocks.empty()) return false;
-  const double most = most_entries * static_cast<double>(parts.H().nonZeros() + parts.M().nonZeros());
+  const double most = most_entries * (static_cast<double>(parts.H().nonZeros() + parts.M().nonZeros()) +
+                                      parts.inertia().entries_of_factor());
   const std::optional<Blocks> of_W = blocks_of_W(parts.shares(), blocks, most);
   if (!of_W) return false;
   const Blocks of_K = blocks_of_bodies(parts.M(), parts.H(), blocks);

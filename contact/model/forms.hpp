@@ -8,8 +8,8 @@
 namespace perp::contact {
 
 /// Whether the operations of a solve are fewer with the entries of W: those of Cholesky's factorization, of solves with
-/// its factors, which by bodies are refined, and of products. Never where W has more than three times the entries of H
-/// and M, for which no more than so many are counted.
+/// its factors, which by bodies are refined, and of products. Never where W has more than three times the entries of H,
+/// M and M's factor, for which no more than so many are counted.
 bool entries_take_less(const DelassusParts& parts, const std::vector<Scaled::Block>& blocks);
 
 }  // namespace perp::contact

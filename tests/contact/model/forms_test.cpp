@@ -4,6 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <utility>
+#include <vector>
+
 #include "contact/scenes/generators.hpp"
 #include "contact/solvers/referee.hpp"
 #include "support/matrices.hpp"
@@ -30,12 +33,38 @@ Problem one_body(Index size, Index contacts, Random& random) {
                   Vec::Constant(contacts, 0.5));
 }
 
-// Links of a chain and a body of 60 coupled velocities with two contacts have small W; a wall and a body with 40
-// contacts large ones. Catches a comparison that is the wrong way round, or that one of the two never wins.
+/// A lattice of n^3 nodes with three velocities each, of which M couples neighbours; its floor touches.
+Problem lattice(int n) {
+  const int m = 3 * n * n * n;
+  std::vector<Eigen::Triplet<double>> M;
+  std::vector<Eigen::Triplet<double>> H;
+  int columns = 0;
+  for (int i = 0; i < m; ++i) {
+    M.emplace_back(i, i, 8);
+    const int node = i / 3;
+    const int next[] = {node % n + 1 < n ? i + 3 : m, node / n % n + 1 < n ? i + 3 * n : m, i + 3 * n * n};
+    for (const int j : next) {
+      if (j >= m) continue;
+      M.emplace_back(i, j, -1.2);
+      M.emplace_back(j, i, -1.2);
+    }
+    if (i < 3 * n * n) H.emplace_back(i, columns++, 1);  // the first is the normal
+  }
+  Global g{.M = SpMat(m, m), .H = SpMat(m, columns), .G = SpMat(m, 0), .f = -Vec::Ones(m)};
+  g.M.setFromTriplets(M.begin(), M.end());
+  g.H.setFromTriplets(H.begin(), H.end());
+  g.w = Vec::Zero(columns);
+  return condense(std::move(g), Vec::Constant(columns / 3, 0.3));
+}
+
+// Links of a chain, a body of 60 coupled velocities with two contacts and an elastic one have small W; a wall and a
+// body with 40 contacts large ones. Catches a comparison that is the wrong way round, or that one of the two never
+// wins.
 TEST(Forms, EntriesWhereTheyTakeLess) {
   Random random(3);
   EXPECT_TRUE(takes_entries(make_scene("chain", 60).problem()));
   EXPECT_TRUE(takes_entries(one_body(60, 2, random)));
+  EXPECT_TRUE(takes_entries(lattice(8)));
   EXPECT_FALSE(takes_entries(make_scene("wall", 60).problem()));
   EXPECT_FALSE(takes_entries(make_scene("spheres", 1000).problem()));
   EXPECT_FALSE(takes_entries(one_body(6, 40, random)));
