@@ -43,7 +43,8 @@ struct Crash {
 /// Non-monotone stabilisation (Ferris & Lucidi 1994; Dirkse & Ferris 1995). The references M_1 .. M_m begin at `factor`
 /// Psi(x^0); the largest of them is what a merit must beat, and what the new merit then replaces. A Newton point nearer
 /// than Delta is accepted without that test (a D-step) unless mstep_frequency iterations have gone by since the last
-/// test; where a test then fails, the run goes back to the last point that had passed one (watchdog).
+/// test; where a test then fails, the run goes back to the last point that had passed one (watchdog). Where a search
+/// comes to nothing the Newton point is taken so, too.
 struct Nms {
   bool on = true;  ///< off: every step must beat the last merit
   int memory = 10;

@@ -34,6 +34,11 @@ constexpr double path_prox_least = 0.01;
 /// A chord step is kept if it leaves at most this share of the merit.
 constexpr double chord_keeps = 0.7;
 
+/// A leap leads to at most this multiple of the largest reference: from much further up few runs come back. It limits
+/// Delta to so many times its length.
+constexpr double leap_rises = 1e4;
+constexpr double leap_distance = 4;
+
 /// The shortest step a watchdog takes.
 constexpr double watchdog_least = 1e-3;
 
@@ -190,7 +195,26 @@ bool PathSteps::accept(const NewtonPoint& newton, double least, Iteration& it) {
   if (!defined) ++undefined_;
   if (unchecked_ > 0) return false;  // the watchdog's turn
   it.kind = 'B';
-  return search(way_to(newton), 1, method_.beta, least, it);
+  return search(way_to(newton), 1, method_.beta, least, it) || (least > 0 && leap(newton, it));
+}
+
+/// The Newton point, untested (a D-step), where the search has come to nothing: before a proximal term is raised.
+bool PathSteps::leap(const NewtonPoint& newton, Iteration& it) {
+  if (!method_.nms.on || newton.lambda > lambda_ || watchdogs_ > method_.nms.maximum_watchdogs) return false;
+  Point& trial = trial_;
+  trial.x = lcp::project(run_.box(), newton.x());
+  if (!run_.counted().eval(trial.x, trial.F)) return false;
+  const double merit = psi(trial.x, trial.F, newton.x());
+  if (!(merit <= leap_rises * references_.largest()) || !run_.counted().jacobian(trial.x, trial.J)) return false;
+  it.kind = 'D';
+  it.step = taken_.T = 1;
+  ++run_.stats().unchecked_steps;
+  unchecked_ = 1;
+  saved_ = Saved{.point = point_, .way = way_to(newton), .t = newton.t(), .psi = psi_};
+  delta_ = leap_distance * (trial.x - point_.x).norm();
+  moved(std::move(trial), newton.x(), merit);
+  cells_ = newton.path.cells;
+  return true;
 }
 
 /// To begin with after a step by this one. Where J has been singular more than once it may be so at the solution, too:
@@ -276,7 +300,10 @@ bool PathSteps::watchdog(Iteration& it) {
   if (run_.shows_ways()) taken_ = taken(saved.way);
   Vec x = normal_point(run_.box(), saved.point.x, saved.point.F);
   moved(std::move(saved.point), std::move(x), saved.psi);
-  return search(saved.way, saved.t, method_.beta, watchdog_least, it);
+  const Vec from = point_.x;
+  const bool found = search(saved.way, saved.t, method_.beta, watchdog_least, it);
+  delta_ = found ? (point_.x - from).norm() : 0;
+  return found;
 }
 
 /// A projected gradient step of the Fischer-Burmeister merit from the best point.

@@ -74,6 +74,7 @@ class PathSteps {
   }
   bool accept(const NewtonPoint& newton, double least, Iteration& it);
   void follow_chord(const NewtonPoint& newton, Point& trial, Vec& x, double& merit);
+  bool leap(const NewtonPoint& newton, Iteration& it);
   bool search(const Way& way, double t, double from, double least, Iteration& it);
   bool watchdog(Iteration& it);
   bool gradient_step(Iteration& it);

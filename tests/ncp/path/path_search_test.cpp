@@ -188,9 +188,11 @@ std::vector<std::vector<Iteration>> rugged_runs(const Nms& nms) {
 }
 
 // Without stabilisation every step beats the last merit; with it merits rise, D-steps are taken without a look at the
-// merit, and watchdogs take runs back: to a merit no greater than the one before the D-steps. Catches a reference that
-// stays where it began, and stabilisation that is on in name only.
+// merit, in the first iteration where its search comes to nothing, and watchdogs take runs back: to a merit no greater
+// than the one before the D-steps. Catches a reference that stays where it began, stabilisation that is on in name
+// only, and leaps to anywhere.
 TEST(PathSearch, NonMonotoneStabilisationLetsMeritsRise) {
+  int leaps = 0;
   int unchecked = 0;
   int watchdogs = 0;
   int rises = 0;
@@ -203,12 +205,15 @@ TEST(PathSearch, NonMonotoneStabilisationLetsMeritsRise) {
       const Iteration& it = records[k];
       rises += it.merit > records[k - 1].merit;
       unchecked += it.kind == 'D';
+      leaps += k == 1 && it.kind == 'D';
+      EXPECT_TRUE(k > 1 || it.merit <= 1e4 * passed * (1 + 1e-12)) << it.merit;
       watchdogs += it.kind == 'W' && it.step > 0;
       if (it.kind == 'D' || it.step == 0) continue;
       EXPECT_LE(it.merit, passed) << it.kind;
       passed = it.merit;
     }
   }
+  EXPECT_GT(leaps, 0);
   EXPECT_GT(unchecked, 0);
   EXPECT_GT(watchdogs, 0);
   EXPECT_GT(rises, 0);
