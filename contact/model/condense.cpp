@@ -15,6 +15,8 @@ namespace {
 constexpr double drop = 1e-15;
 /// Of M, for velocities of its bodies to be refined to twice the precision.
 constexpr double least_rcond = 1e-11;
+/// Of all of M, below which it is singular up to rounding.
+constexpr double singular = 1e-15;
 
 [[noreturn]] void refuse(const std::string& why) { throw std::invalid_argument("condensation: " + why); }
 
@@ -80,7 +82,7 @@ SpMat at_places(const SpMat& A, const std::vector<int>& place, Index count, bool
 bool take_parts(const Global& g, Problem& p) {
   if (g.G.cols() != 0) return false;
   auto inertia = Inertia::of(g.M);
-  if (!inertia) return false;
+  if (!inertia || !(inertia->rcond() >= singular)) return false;
   SpMat H = g.H;
   Vec f = g.f;
   const std::vector<int> place = touched_velocities(*inertia, g.H);

@@ -52,12 +52,14 @@ Block inverse_of(const Block& A, int size) {
   return inverse * scale.cwiseInverse().asDiagonal();
 }
 
-bool nearly_symmetric(const Block& A) {
+bool nearly_symmetric(const Eigen::Ref<const Eigen::MatrixXd>& A) {
   return (A - A.transpose()).cwiseAbs().maxCoeff() <= symmetric_tol * A.diagonal().cwiseAbs().maxCoeff();
 }
 
-/// Whether A + W may be positive definite as far as this contact tells.
-bool definite(const ContactRows& rows) { return rows.B.isIdentity(0) && nearly_symmetric(rows.A); }
+/// Whether A + B W may be positive definite as far as this contact tells.
+bool definite(const ContactRows& rows, int size) {
+  return rows.B.topLeftCorner(size, size).isIdentity(0) && nearly_symmetric(rows.A.topLeftCorner(size, size));
+}
 
 /// x += solve(c - product(x)) while the residual is above `target`, relative, and falls.
 template <class Product, class Solve>
@@ -228,10 +230,8 @@ ContactSystem::Form ContactSystem::form() {
 
 void ContactSystem::choose() {
   if (std::exchange(chosen_, true)) return;
-  if (problem_.W.parts() != nullptr)
-    bodies_ = std::make_shared<Bodies>(problem_);
-  else
-    K_ = problem_.W.matrix();
+  if (problem_.W.parts() != nullptr) bodies_ = std::make_shared<Bodies>(problem_);
+  if (!bodies_) K_ = problem_.W.matrix();
   make_lu();
 }
 
@@ -299,7 +299,10 @@ bool ContactSystem::factor(const std::vector<ContactRows>& rows) {
   if (const double shift = problem_.W.shift(); shift != 0)
     for (ContactRows& of : rows_) of.A += shift * of.B;
   couplings_.clear();
-  if (!bodies_ && std::all_of(rows_.begin(), rows_.end(), definite)) return take_contacts(symmetric_W_);
+  bool all_definite = !bodies_ && symmetric_W_;
+  for (std::size_t a = 0; a < rows_.size() && all_definite; ++a)
+    all_definite = definite(rows_[a], problem_.blocks[a].size);
+  if (all_definite) return take_contacts(true);
   if (!bodies_ || !part_by_bodies()) return factor_whole();
   bodies_->assemble(E_);
   return take(bodies_->K, true);
@@ -379,25 +382,27 @@ X ContactSystem::product(const X& x) const {
 }
 
 void ContactSystem::solve_definite(In c, Vec& x) const {
-  solve_definite_once(c, x);
+  solve_definite_once(Vec(c), x);
   if (!bodies_ && (exactly_symmetric_W_ || !by_cholesky_)) return;
   const auto again = [this](const Vec& rest, Vec& dx) { solve_definite_once(rest, dx); };
   refine(
       c, refined, [this](const Vec& at) { return product(at); }, again, x);
 }
 
-void ContactSystem::solve_definite_once(In c, Vec& x) const {
-  const Vec right = c;
-  bodies_ ? solve_by_bodies(right, x) : back_solve(right, x);
+/// Of columns.
+template <class X>
+void ContactSystem::solve_definite_once(const X& c, X& x) const {
+  bodies_ ? solve_by_bodies(c, x) : back_solve(c, x);
 }
 
 void ContactSystem::solve_once(In c, Vec& x) {
-  solve_definite_once(c, x);
+  const Vec right = c;
+  solve_definite_once(right, x);
   if (couplings_.empty()) return;
   if (const std::optional<Vec> z = solve_reduced(couple(x)))
-    solve_definite_once(c - spread(*z), x);
+    solve_definite_once(Vec(right - spread(*z)), x);
   else if (factor_whole())
-    solve_definite_once(c, x);
+    solve_definite_once(right, x);
   else
     x.setConstant(std::numeric_limits<double>::quiet_NaN());
 }
@@ -436,7 +441,7 @@ void ContactSystem::reduce() {
       right.block(block.first, k, block.size, 1) = of.p.head(block.size);
     }
     Eigen::MatrixXd x;
-    bodies_ ? solve_by_bodies(right, x) : back_solve(right, x);
+    solve_definite_once(right, x);
     for (Index k = 0; k < width; ++k) whole.col(from + k) += couple(x.col(k));
   }
   reduced_.emplace(whole);
@@ -465,17 +470,14 @@ bool ContactSystem::solve_coupled(In c, Vec& x) {
 }
 
 void ContactSystem::solve_columns(const Eigen::MatrixXd& c, Eigen::MatrixXd& x) const {
-  const auto solve_once = [this](const Eigen::MatrixXd& right, Eigen::MatrixXd& out) {
-    bodies_ ? solve_by_bodies(right, out) : back_solve(right, out);
-  };
   x.resize(c.rows(), c.cols());
   for (Index from = 0; from < c.cols(); from += reduced_columns) {
     const Index width = std::min(reduced_columns, c.cols() - from);
     const Eigen::MatrixXd right = c.middleCols(from, width);
     Eigen::MatrixXd found;
-    solve_once(right, found);
+    solve_definite_once(right, found);
     Eigen::MatrixXd correction;
-    solve_once(right - product(found), correction);
+    solve_definite_once(Eigen::MatrixXd(right - product(found)), correction);
     x.middleCols(from, width) = found + correction;
   }
 }

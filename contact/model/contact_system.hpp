@@ -90,7 +90,8 @@ class ContactSystem {
   bool part_by_bodies();
   bool invert(std::size_t a);
   void solve_definite(In c, Vec& x) const;
-  void solve_definite_once(In c, Vec& x) const;
+  template <class X>
+  void solve_definite_once(const X& c, X& x) const;
   bool solve_coupled(In c, Vec& x);
   std::optional<Vec> solve_reduced(const Vec& right);
   void reduce();

@@ -54,7 +54,7 @@ Vec velocities(const Problem& problem, In r);
 class Judge {
  public:
   explicit Judge(const Problem& problem);
-  /// r has d n finite entries (else std::invalid_argument). O(entries of W, or of M, its factors and H).
+  /// r has d n finite entries (else std::invalid_argument). O(entries of W, or of M or K, its factors and H).
   Residual operator()(In r) const;
 
  private:

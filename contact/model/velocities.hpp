@@ -13,8 +13,7 @@ namespace perp::contact {
 
 struct Velocities {
   /// W r + q, each entry to a few eps of itself; of parts to that of max(|u_i|, 1e-6 Q_a), and what eps^2 |H'| |v| is.
-  /// Of a W that was condensed it is H' v + q of the velocities before it, likewise, and NaN where these do not
-  /// converge.
+  /// Of a condensed W it is B' K^-1 B r + q (lcp::SchurProduct), and NaN where refinement does not converge.
   Vec u;
   Vec terms;  ///< |W| |r| + |q|; of parts N'N |r| + |q| (DelassusParts::shares), which is not less
 };

@@ -83,10 +83,12 @@ NewtonRows rows_in(State state, int size, const Vector3d& r, const Vector3d& u, 
   if (state == State::Stick) return sticking_rows(size, u);
   Vector3d r_held = r;
   Vector3d u_held = u;
-  if (state == State::Open)
-    r_held[0] = std::min(r[0], rho_N * u[0]);
-  else
+  if (state == State::Open) {
+    r_held[0] = -1;
+    u_held[0] = 0;
+  } else {
     u_held[0] = std::min(u[0], r[0] / (2 * rho_N));
+  }
   NewtonRows rows = alart_curnier_rows(size, r_held, u_held, rho_N, rho_T);
   rows.c[0] = state == State::Open ? -r[0] / rho_N : -u[0];
   return rows;
@@ -206,24 +208,25 @@ bool Follower::sweep(Vec& r, const Accept& accept, const Stop& stop) {
 /// Goes from x by a Newton step, as long as the natural map asks for, which is `last` at x. Where a full step has made
 /// it larger, the equation has closed contacts that hardly carry anything. Then another counts if it is better, where
 /// these are open.
-bool Follower::newton_step(Vec& x, double& last, bool first) {
+bool Follower::newton_step(Vec& x, double& last, bool first, const Stop& stop) {
   FollowStep step;
   if (!direction(x, step, first, 0)) return false;
   const double enough = last <= follow_near ? lcp::infinity : follow_decrease * last;
   double least = lcp::infinity;
   Vec to = x;
-  const auto try_full = [&] {
+  const auto try_step = [&] {
     const Vec trial = x + step.d;
     const double now = natural_map(kept_->problem(), trial);
     if (!(now < least)) return;
     least = now;
     to = trial;
   };
-  for (int i = 0; i <= follow_halvings && !(least < enough); ++i, step.d *= 0.5) try_full();
+  for (int i = 0; i <= follow_halvings && !(least < enough); ++i, step.d *= 0.5) try_step();
   if (!std::isfinite(least)) return false;
   if (last <= follow_near && least > last) {
-    if (!direction(x, step, first, std::max(last, carries_nothing * x.lpNorm<Eigen::Infinity>()))) return false;
-    try_full();
+    if (stop() || !direction(x, step, first, std::max(last, carries_nothing * x.lpNorm<Eigen::Infinity>())))
+      return false;
+    try_step();
   }
   x = std::move(to);
   last = least;
@@ -240,7 +243,7 @@ bool Follower::newton(Vec& r, NewtonSteps steps, const Accept& accept, const Sto
     if (stop()) return false;
     const bool first = steps.first && k == 0;
     const double before = last;
-    if (!held_step(x, last, first) && (steps.held || !newton_step(x, last, first))) return false;
+    if (!held_step(x, last, first) && (steps.held || !newton_step(x, last, first, stop))) return false;
     if (may_be_solved(last, x) && accept(x)) {
       r = x;
       by_ = Origin::Newton;
@@ -316,9 +319,10 @@ bool Follower::attempt(Vec& r, const Accept& accept, const Stop& stop) {
   };
   const bool swept = sweeps_first_;
   if (swept && newton(r, {.most = follow_steps, .first = true, .held = true}, accept, stop)) return true;
+  const Vec swept_from = r;
   if (swept && by_sweeps()) return true;
   if (newton(r, {.most = follow_steps, .first = true}, accept, stop)) return true;
-  if (!(swept && r == start) && by_sweeps()) return true;
+  if (!(swept && r == swept_from) && by_sweeps()) return true;
   r = start;
   return paths(r, accept, stop);
 }

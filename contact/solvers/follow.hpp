@@ -69,7 +69,7 @@ class Follower {
   bool path(Vec& r, double tau, long last_factorization, const Accept& accept, const Stop& stop);
   bool paths(Vec& r, const Accept& accept, const Stop& stop);
   bool direction(In r, FollowStep& step, bool first, double margin);
-  bool newton_step(Vec& x, double& last, bool first);
+  bool newton_step(Vec& x, double& last, bool first, const Stop& stop);
   bool held_step(Vec& x, double& last, bool first);
 
   std::unique_ptr<FollowSystem> kept_;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "contact/model/units.hpp"
 
@@ -115,7 +116,10 @@ Vec FollowSystem::linear_part(const std::vector<ContactRows>& of, const Vec& x) 
 /// (A + B W) d = c, as far as that is in reach with the factors of K; whether what is left is a small part of c.
 /// Residuals are those of the equation itself: what rounding has taken from a solution comes back with what alpha has.
 bool FollowSystem::solve(In r, FollowStep& step, bool centred) {
+  // Where couplings ask for factors of the whole matrix that do not come to be, there are none.
+  std::vector<ContactRows> rows = std::exchange(rows_, {});
   system_.solve_once(step.c, step.d);
+  if (!step.d.allFinite()) return false;
   if (centred) centre(r, step, step.d);
   Vec rest = step.c - linear_part(step.rows, step.d);
   double size = rest.lpNorm<Eigen::Infinity>();
@@ -129,6 +133,7 @@ bool FollowSystem::solve(In r, FollowStep& step, bool centred) {
     size = now;
     step.d = more;
   }
+  rows_ = std::move(rows);
   return size <= std::max(follow_refined, kept_refined * step.c.lpNorm<Eigen::Infinity>());
 }
 

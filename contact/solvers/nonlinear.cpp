@@ -14,6 +14,12 @@
 namespace perp::contact {
 namespace {
 
+/// q for which the judge's velocities at r are u.
+void take_velocities(Problem& contact, const Vec& u, const Vec& r) {
+  contact.q.setZero();
+  contact.q = u - velocities(contact, r);
+}
+
 using NewtonClock = std::chrono::steady_clock;
 
 [[noreturn]] void refuse_step(const auto&... parts) { refuse_input("nonlinear contact: ", parts...); }
@@ -193,7 +199,7 @@ bool NonlinearNewton::path_point(double t, NonlinearPoint& point) {
 void NonlinearNewton::begin_on_the_law() {
   Problem& contact = linear_.contact;
   if (problem_.contacts() == 0) return;
-  contact.q = problem_.H.transpose() * point_.v + problem_.w - contact.W * point_.r;
+  take_velocities(contact, problem_.H.transpose() * point_.v + problem_.w, point_.r);
   if (accepted(residual(contact, point_.r), options_.tol)) return;
   NonlinearPoint on_it;
   on_the_law_ = path_point(0, on_it);
@@ -214,7 +220,7 @@ void NonlinearNewton::measure(double step) {
   result_.solution = {point_.r, problem_.H.transpose() * point_.v + problem_.w};
   result_.residual = {};
   if (problem_.contacts() > 0) {
-    linear_.contact.q = result_.solution.u - linear_.contact.W * point_.r;
+    take_velocities(linear_.contact, result_.solution.u, point_.r);
     result_.residual = residual(linear_.contact, point_.r);
   }
   const double rest = merit(point_);

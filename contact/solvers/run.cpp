@@ -47,7 +47,7 @@ void run_exact(Run& run, const Problem& problem, const Variant& variant, const R
       refuse_solver(variant);
   };
   std::visit(take, variant.solver);
-  if (ncp != nullptr) run.unknowns = Glocker(scaled(problem), ncp->formulation).size();
+  if (ncp != nullptr) run.unknowns = Glocker(scaled(problem, true, WForm::Parts), ncp->formulation).size();
   Result result = solve(problem, options);
   run.status = result.status;
   if (result.solved()) run.solved_by = of_method(result.by) ? variant.method : std::string(to_string(result.by));

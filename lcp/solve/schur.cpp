@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <limits>
+#include <new>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -83,7 +84,8 @@ InTwoParts in_two_parts(Vec value) {
 }
 
 /// K^-1 b: each correction reduces the error by eps / rcond. False: it does not become small.
-bool refined(const SparseLu& lu, const SpMat& K, const InTwoParts& b, InTwoParts& y) {
+bool refined(const SparseLu& lu, const SpMat& K, const InTwoParts& b, InTwoParts& y,
+             double largest_last = largest_last_correction) {
   y = in_two_parts(Vec(b.value.size()));
   lu.solve(b.value, y.value);
   double last = y.value.lpNorm<::Eigen::Infinity>();
@@ -99,12 +101,12 @@ bool refined(const SparseLu& lu, const SpMat& K, const InTwoParts& b, InTwoParts
     lu.solve(left.value, correction);
     const double size = correction.lpNorm<::Eigen::Infinity>();
     if (size == 0) return true;
-    if (!(size < last)) return small(last, largest_last_correction);
+    if (!(size < last)) return small(last, largest_last);
     for (Index i = 0; i < correction.size(); ++i) y.add(i, correction[i]);
     if (small(size, last_correction)) return true;
     last = size;
   }
-  return small(last, largest_last_correction);
+  return small(last, largest_last);
 }
 
 /// s = s + B' y.
@@ -157,6 +159,7 @@ SchurProduct::SchurProduct(const SpMat& K, const SpMat& B) : lu_(LuBackend::Gene
   K_ = D.asDiagonal() * K * D.asDiagonal();
   B_ = D.asDiagonal() * B;
   if (K.rows() > 0) status_ = lu_.factor(K_);
+  if (status_ == LuStatus::OutOfMemory) throw std::bad_alloc();
 }
 
 Vec SchurProduct::operator()(In r, In w) const {
@@ -165,7 +168,7 @@ Vec SchurProduct::operator()(In r, In w) const {
     for (SpMat::InnerIterator it(B_, j); it; ++it) b.add_product(it.row(), it.value(), r[j]);
   InTwoParts s = in_two_parts(w);
   InTwoParts y = in_two_parts(Vec());
-  if (status_ != LuStatus::Ok || (K_.rows() > 0 && !refined(lu_, K_, b, y)))
+  if (status_ != LuStatus::Ok || (K_.rows() > 0 && !refined(lu_, K_, b, y, last_correction)))
     return Vec::Constant(w.size(), std::numeric_limits<double>::quiet_NaN());
   if (K_.rows() > 0) add_transposed(B_, y, s);
   return s.value + s.rest;

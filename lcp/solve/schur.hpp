@@ -2,9 +2,9 @@
 #pragma once
 /// S = B' K^-1 B  and  x = K^-1 f  for a sparse square K and a sparse B, column by column through one sparse LU
 /// factorization with sparse right-hand sides: nothing dense of more than one column is held, and blocks of K that a
-/// column of B does not meet cost it nothing (Gilbert & Peierls, SIAM J. Sci. Stat. Comput. 9 (1988) 862). Where K
-/// is ill-conditioned the solutions of all of it are refined with residuals in twice the precision, one dense column at
-/// a time.
+/// column of B does not meet cost it nothing (Gilbert & Peierls, SIAM J. Sci. Stat. Comput. 9 (1988) 862). x is
+/// refined with residuals in twice the precision, and where K is ill-conditioned the columns are, too, one dense column
+/// at a time.
 #include "lcp/lu/sparse_lu.hpp"
 #include "lcp/types.hpp"
 
@@ -22,11 +22,12 @@ struct Schur {
   Vec scale;              ///< of the rows and columns of K, when it was factored
 };
 
-/// The same S as an operator on vectors, each product right to eps of itself and eps^2 of what cancels in it: for those
-/// to whom the entries of S are not exact enough. Used by several threads at once.
+/// The same S as an operator on vectors: y = K^-1 B r is refined until a correction is below 1e-22 of its largest
+/// entry, and B' y is added up in twice the precision. For those to whom the entries of S are not exact enough. Used by
+/// several threads at once.
 class SchurProduct {
  public:
-  /// Throws std::invalid_argument as schur() does.
+  /// Throws std::invalid_argument as schur() does, std::bad_alloc if the factors do not fit.
   SchurProduct(const SpMat& K, const SpMat& B);
   /// S r + w; NaN where K is singular or its solutions do not converge. O(entries of K and of its factors, and of B).
   Vec operator()(In r, In w) const;

@@ -237,6 +237,12 @@ TEST(SchurProduct, IsTheProduct) {
   const Vec exact = S * r + w;
   const Vec u = lcp::SchurProduct(K, B)(r, w);
   EXPECT_LE((u - exact).norm(), 1e-12 * exact.norm());
+  // With B = K, S = K: S r = (1, 1), of entries of 2^20 and a condition number of 2^42.
+  const double big = 0x1p20;
+  const SpMat L = sparse((Dense(2, 2) << big + 1, big, big, big - 1).finished());
+  const Vec rest = lcp::SchurProduct(L, L)(vec({1, -1}), vec({-1 + 0x1p-40, -1 - 0x1p-40}));
+  EXPECT_NEAR(rest[0], 0x1p-40, 0x1p-60);
+  EXPECT_NEAR(rest[1], -0x1p-40, 0x1p-60);
   EXPECT_TRUE(lcp::SchurProduct(sparse(Dense::Ones(3, 3)), B)(r, w).array().isNaN().all());
   EXPECT_EQ(lcp::SchurProduct(SpMat(0, 0), SpMat(0, 2))(r, w), w);
   EXPECT_THROW(lcp::SchurProduct(K, sparse(Dense::Ones(2, 2))), std::invalid_argument);
