@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "contact/existence/expansion.hpp"
+#include "lcp/cholesky/symmetric.hpp"
 
 namespace perp::contact {
 namespace {
@@ -134,13 +135,34 @@ bool to_rounding(const Problem& problem, In y, const std::vector<double>& excess
   return true;
 }
 
+/// Of a condensed W, which is symmetric: how far W'(y e_N) of its entries is from that of what it was condensed from.
+/// Its entries may be rounding alone.
+Vec lost_by_condensing(const Problem& problem, const lcp::SchurProduct& W, In y, const std::vector<Block>& g) {
+  const int d = problem.dimension;
+  Vec normals = Vec::Zero(problem.q.size());
+  for (Index a = 0; a < y.size(); ++a) normals[d * a] = y[a];
+  const Vec exact = W(normals, Vec::Zero(normals.size()));
+  Vec lost = Vec::Zero(y.size());
+  for (Index a = 0; a < y.size(); ++a)
+    for (int k = 0; k < d; ++k) lost[a] = std::hypot(lost[a], exact[d * a + k] - g[at(a)][at(k)].value());
+  return lost * (1 + last_roundings);
+}
+
 Certificate examine_entries(const Problem& problem, In y, double least) {
+  const lcp::SchurProduct* condensed = problem.W.condensed();
+  if (condensed != nullptr && !lcp::symmetric(problem.W.matrix(), 0)) return {};
   bool inside = true;
   std::vector<double> norms;
   std::vector<double> excess;
   const std::vector<Block> g = product(problem, y);
+  const Vec lost = condensed != nullptr ? lost_by_condensing(problem, *condensed, y, g) : Vec::Zero(y.size());
   for (Index a = 0; a < problem.contacts(); ++a) {
-    const Part part = part_of(g[at(a)], problem.mu[a]);
+    Part part = part_of(g[at(a)], problem.mu[a]);
+    if (lost[a] != 0) {  // P_K does not stretch
+      part.inside = false;
+      part.excess += (1 + problem.mu[a]) * lost[a];
+      part.norm += lost[a];
+    }
     inside = inside && part.inside;
     norms.push_back(part.norm);
     excess.push_back(part.excess);

@@ -112,11 +112,11 @@ void take_entries(const Global& g, Problem& p) {
   Vec f(m + k);
   f << g.f, -g.b;
   const SpMat K = saddle_point(g.M, g.G);
-  lcp::Schur s = lcp::schur(K, B, f, drop);
+  lcp::Schur s = lcp::schur(K, B, f, g.w, drop);
   if (!s.regular()) refuse_singular(g, s);
   if (SpMat(K.transpose()).isApprox(K, 0)) s.S = 0.5 * (s.S + SpMat(s.S.transpose()));
   s.S.makeCompressed();
-  p.q = B.transpose() * s.x + g.w;
+  p.q = std::move(s.image);
   p.rounding = rounding_by_lu(K, B, s, g.w, Vec::Zero(g.w.size()));
   p.W = Delassus(std::move(s.S), std::make_shared<const lcp::SchurProduct>(K, B));
 }

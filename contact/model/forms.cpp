@@ -151,12 +151,9 @@ Work most_work(const Blocks& matrix) {
   return {.factor = rows * rows * rows / 3, .solve = 2 * rows * (rows + 1), .entries = least_work(matrix).entries};
 }
 
-/// To form it: without a root, a solve with M's factor for each column.
-double with_entries(const Work& W, const DelassusParts& parts) {
+double with_entries(const Work& W) {
   constexpr double assembly = 6;  // an entry
-  const double columns =
-      parts.root() == nullptr ? static_cast<double>(parts.H().cols()) * 4 * parts.inertia().entries_of_factor() : 0;
-  return columns + W.factor + solves * W.solve + (assembly + 2 * (products + sweeps)) * W.entries;
+  return W.factor + solves * W.solve + (assembly + 2 * (products + sweeps)) * W.entries;
 }
 
 double with_bodies(const Work& K, const DelassusParts& parts, const std::vector<Scaled::Block>& blocks) {
@@ -189,11 +186,11 @@ bool entries_take_less(const DelassusParts& parts, const std::vector<Scaled::Blo
   if (!of_W) return false;
   const Blocks of_K = blocks_of_bodies(parts.M(), parts.H(), blocks);
   // Small problems need no analysis.
-  if (with_entries(most_work(*of_W), parts) < with_bodies(least_work(of_K), parts, blocks)) return true;
-  if (with_entries(least_work(*of_W), parts) >= with_bodies(most_work(of_K), parts, blocks)) return false;
+  if (with_entries(most_work(*of_W)) < with_bodies(least_work(of_K), parts, blocks)) return true;
+  if (with_entries(least_work(*of_W)) >= with_bodies(most_work(of_K), parts, blocks)) return false;
   const std::optional<Work> W = work_of(*of_W);
   const std::optional<Work> K = work_of(of_K);
-  return W && K && with_entries(*W, parts) < with_bodies(*K, parts, blocks);
+  return W && K && with_entries(*W) < with_bodies(*K, parts, blocks);
 }
 
 }  // namespace perp::contact

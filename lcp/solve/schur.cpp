@@ -151,6 +151,8 @@ void add_columns(const SparseLu& lu, const SpMat& B, std::vector<Eigen::Triplet<
 
 }  // namespace
 
+Schur schur(const SpMat& K, const SpMat& B, In f, double drop) { return schur(K, B, f, Vec::Zero(B.cols()), drop); }
+
 bool Schur::regular() const { return status == LuStatus::Ok && !(rcond < singular) && converged; }
 
 SchurProduct::SchurProduct(const SpMat& K, const SpMat& B) : lu_(LuBackend::General) {
@@ -174,12 +176,13 @@ Vec SchurProduct::operator()(In r, In w) const {
   return s.value + s.rest;
 }
 
-Schur schur(const SpMat& K, const SpMat& B, In f, double drop) {
+Schur schur(const SpMat& K, const SpMat& B, In f, In w, double drop) {
   check_sizes(K, B, f.size());
   Schur out;
   const Index n = B.cols();
   out.S.resize(n, n);
   out.x = Vec::Zero(K.rows());
+  out.image = w;
   if (K.rows() == 0) return out;
   const Vec D = out.scale = symmetric_scale(K);
   SparseLu lu(LuBackend::General);
@@ -197,6 +200,9 @@ Schur schur(const SpMat& K, const SpMat& B, In f, double drop) {
   else
     add_columns(lu, columns, entries);
   out.x = D.cwiseProduct(x.value);
+  InTwoParts image = in_two_parts(w);
+  add_transposed(columns, x, image);
+  out.image = image.value + image.rest;
   out.S.setFromTriplets(entries.begin(), entries.end());
   const Vec size = Vec(out.S.diagonal()).cwiseAbs().cwiseSqrt();
   out.S.prune([&](Index i, Index j, double value) { return !(std::abs(value) <= drop * size[i] * size[j]); });

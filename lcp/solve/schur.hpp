@@ -19,6 +19,7 @@ struct Schur {
   bool converged = true;  ///< whether what had to be refined came to an end
   SpMat S;                ///< columns of B squared; empty unless status is Ok
   Vec x;                  ///< rows of K; empty unless status is Ok
+  Vec image;              ///< B' x + w, of x before it was rounded; empty unless status is Ok
   Vec scale;              ///< of the rows and columns of K, when it was factored
 };
 
@@ -42,5 +43,7 @@ class SchurProduct {
 /// An entry of S is left out where |S_ij| <= drop sqrt(|S_ii S_jj|): rounding of what is zero by structure.
 /// Throws std::invalid_argument if K is not square or sizes differ.
 Schur schur(const SpMat& K, const SpMat& B, In f, double drop);
+/// With w, 0 above, in `image`.
+Schur schur(const SpMat& K, const SpMat& B, In f, In w, double drop);
 
 }  // namespace perp::lcp
