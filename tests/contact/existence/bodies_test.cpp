@@ -301,6 +301,23 @@ TEST(BodiesProofs, AnInertiaOnTheBorderHasNoWitness) {
   EXPECT_TRUE(find_witness(problem).has_value());
 }
 
+// H_N is 2^38 times the constraint, and 1 that it does not hold: W_NN = 9 / 23, of which rounding leaves nothing, and
+// r_N = 6 solves. Catches a certificate that takes condensed entries at their word: "no impulses" was said.
+TEST(BodiesProofs, EntriesThatAreRoundingProveNothing) {
+  for (const double k : {0x1p26, 0x1p30, 0x1p34, 0x1p38}) {
+    const Global global{.M = diagonal(vec({2, 5, 1})),
+                        .H = support::matrix({{k + 1, 0}, {-3 * k, -2}, {0, 1}}),
+                        .G = support::matrix({{1}, {-3}, {0}}),
+                        .f = Vec::Zero(3),
+                        .w = vec({-54.0 / 23, 36.0 / 23}),
+                        .b = vec({0})};
+    const Problem problem = condense(global, vec({0}), 2);
+    EXPECT_FALSE(proves_infeasible(problem, vec({1}))) << k;
+    EXPECT_FALSE(find_infeasibility(problem).has_value()) << k;
+    EXPECT_LE(infeasibility_radius(problem, vec({1})), 6 * (1 + 1e-9)) << k;
+  }
+}
+
 /// A ball between two walls that approach it, beside the bodies of the scene.
 Problem scene_and_squeezed_ball(const char* name, Index contacts) {
   const Scene scene = make_scene(name, contacts);

@@ -226,6 +226,21 @@ TEST(Condense, RoundingOfWIsNoMotion) {
   EXPECT_GT(left, 20);
 }
 
+// q = 10 / 21 - w cancels to what rounding has left of w. Catches v rounded before it is added to w: such a q is 0, and
+// impulses of 0 were called solutions.
+TEST(Condense, QKeepsWhatCancels) {
+  const double w = 10.0 / 21;
+  const Global global{.M = sparse((Dense(3, 3) << 3, 0, 0, 0, 7, 0, 0, 0, 1).finished()),
+                      .H = sparse((Dense(3, 2) << 1, 0, 1, 1, 0, 0).finished()),
+                      .G = sparse((Dense(3, 1) << 0, 0, 1).finished()),
+                      .f = vec({1, 1, 1}),
+                      .w = vec({-w, 0}),
+                      .b = vec({0})};
+  const double exact = std::fma(-21, w, 10) / 21;
+  ASSERT_NE(exact, 0);
+  EXPECT_NEAR(condense(global, vec({0.5}), 2).q[0], exact, 1e-9 * std::abs(exact));
+}
+
 // The operator is the matrix, to more digits than it has; nothing is made of a singular K. Catches a part of r or w
 // that is left out.
 TEST(SchurProduct, IsTheProduct) {
