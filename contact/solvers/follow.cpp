@@ -57,7 +57,8 @@ constexpr double swept_map = 1e-8;
 constexpr double newton_again = 0.01;
 
 /// Paths over the cones: their first products, in units of the natural map times the largest impulse; the steps of one,
-/// factorizations of all, which are those of two cold starts, and the least product; so many steps below this length in
+/// factorizations of all, which are those of two cold starts, and the least product: where the solution is degenerate
+/// the map is its square root; so many steps below this length in
 /// a row say that one turns back. Newton steps, so many, are tried below this natural map, and again as from sweeps. Of
 /// matrices with more rows LU takes too long.
 constexpr std::array path_starts{10.0, 1e3, 1e5, 0.1};

@@ -120,12 +120,13 @@ bool FollowSystem::solve(In r, FollowStep& step, bool centred) {
   std::vector<ContactRows> rows = std::exchange(rows_, {});
   system_.solve_once(step.c, step.d);
   if (!step.d.allFinite()) return false;
-  if (centred) centre(r, step, step.d);
+  if (centred && !centre(r, step, step.d)) return false;
   Vec rest = step.c - linear_part(step.rows, step.d);
   double size = rest.lpNorm<Eigen::Infinity>();
   Vec more;
   for (int k = 0; k < follow_refinements && size > follow_refined; ++k) {
     system_.solve_once(rest, more);
+    if (!more.allFinite()) return false;
     more += step.d;
     rest = step.c - linear_part(step.rows, more);
     const double now = rest.lpNorm<Eigen::Infinity>();
@@ -137,8 +138,9 @@ bool FollowSystem::solve(In r, FollowStep& step, bool centred) {
   return size <= std::max(follow_refined, kept_refined * step.c.lpNorm<Eigen::Infinity>());
 }
 
-/// Adds the step to the least barrier of the contacts that stick, or a part of it that leads there.
-void FollowSystem::centre(In r, const FollowStep& step, Vec& d) {
+/// Adds the step to the least barrier of the contacts that stick, or a part of it that leads there. False: there are no
+/// factors any more.
+bool FollowSystem::centre(In r, const FollowStep& step, Vec& d) {
   std::vector<std::size_t> sticking;
   Vec inwards = Vec::Zero(r.size());
   for (std::size_t a = 0; a < step.rows.size(); ++a) {
@@ -149,13 +151,14 @@ void FollowSystem::centre(In r, const FollowStep& step, Vec& d) {
     const Vector3d g = largest_ * follow_alpha * (inward(inside(r, a)) - down - metric_[a] * block.of(d) / largest_);
     inwards.segment(block.first, block.size) = g.head(block.size);
   }
-  if (sticking.empty()) return;
+  if (sticking.empty()) return true;
   Vec e;
   Vec seen;
   system_.solve_once(inwards, e);
+  if (!e.allFinite()) return false;
   system_.solve_once(linear_part(step.rows, e), seen);
   e -= seen;
-  if (!e.allFinite()) return;
+  if (!e.allFinite()) return false;
   const Vec to = r + d;
   const auto barrier = [&](double t) {
     double sum = 0;
@@ -176,6 +179,7 @@ void FollowSystem::centre(In r, const FollowStep& step, Vec& d) {
     length = t;
   }
   d += length * e;
+  return true;
 }
 
 /// The factors of K.

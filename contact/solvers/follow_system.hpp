@@ -48,7 +48,7 @@ class FollowSystem {
  private:
   static ContactSystem system_of(const Scaled& problem, const FollowSystem* before);
   Eigen::Vector3d inside(In r, std::size_t a) const;
-  void centre(In r, const FollowStep& step, Vec& d);
+  bool centre(In r, const FollowStep& step, Vec& d);
   Vec linear_part(const std::vector<ContactRows>& of, const Vec& x) const;
 
   Delassus W_;
