@@ -242,6 +242,7 @@ void ContactSystem::make_lu() {
     backend = K.rows() <= system_klu_rows && K.nonZeros() <= system_klu_entries * K.rows() ? lcp::LuBackend::Klu
                                                                                            : lcp::LuBackend::General;
   lu_ = std::make_shared<lcp::SparseLu>(backend, deadline_);
+  lu_->reuse_pivots();
 }
 
 /// The factors of K.

@@ -10,6 +10,9 @@
 
 namespace perp::lcp {
 
+/// With pivots that are taken again (SparseLu::reuse_pivots); where U grows beyond this, others are looked for.
+inline constexpr double most_growth_again = 1000;
+
 class LuLibrary {
  public:
   LuLibrary() = default;

@@ -44,10 +44,21 @@ KernelCost Klu::spent() const {
   return {.flops = common.flops, .bytes = entry_bytes * static_cast<double>(numeric_->lnz + numeric_->unz)};
 }
 
+/// The last factors' pivots; false if these do not do.
+bool Klu::factor_again() {
+  int* const start = pattern_.outerIndexPtr();
+  int* const row = pattern_.innerIndexPtr();
+  return klu_refactor(start, row, pattern_.valuePtr(), symbolic_, numeric_, &common_) && common_.status == KLU_OK &&
+         klu_rgrowth(start, row, pattern_.valuePtr(), symbolic_, numeric_, &common_) &&
+         common_.rgrowth * most_growth_again >= 1 && klu_rcond(symbolic_, numeric_, &common_) && common_.rcond > 0;
+}
+
 LuStatus Klu::factor(const SpMat& A) {
-  factored_ = false;
-  klu_free_numeric(&numeric_, &common_);
   std::copy_n(A.valuePtr(), A.nonZeros(), pattern_.valuePtr());
+  const bool known = std::exchange(factored_, false);
+  factored_ = reuse_ && known && factor_again();
+  if (factored_) return LuStatus::Ok;
+  klu_free_numeric(&numeric_, &common_);
   numeric_ = klu_factor(pattern_.outerIndexPtr(), pattern_.innerIndexPtr(), pattern_.valuePtr(), symbolic_, &common_);
   if (!numeric_) return status();
   if (common_.status == KLU_SINGULAR) return LuStatus::Singular;

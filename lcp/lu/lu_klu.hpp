@@ -19,6 +19,7 @@ class Klu final : public LuLibrary {
   LuStatus analyze(const SpMat& A) override;
   KernelCost cost() const override;
   LuStatus factor(const SpMat& A) override;
+  void reuse_pivots() override { reuse_ = true; }
   void solve(const SpMat& A, In b, Out x, bool transposed) const override;
   double pivot_ratio() const override { return common_.rcond; }
 
@@ -33,6 +34,7 @@ class Klu final : public LuLibrary {
   KernelCost spent() const;
 
  private:
+  bool factor_again();
   LuStatus status() const { return common_.status == KLU_SINGULAR ? LuStatus::Singular : LuStatus::OutOfMemory; }
 
   klu_common common_{};
@@ -40,6 +42,7 @@ class Klu final : public LuLibrary {
   klu_numeric* numeric_ = nullptr;
   SpMat pattern_;
   bool factored_ = false;  // the last factor() was Ok
+  bool reuse_ = false;
 };
 
 }  // namespace perp::lcp

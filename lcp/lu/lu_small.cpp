@@ -106,9 +106,6 @@ class DenseLu final : public LuLibrary {
   std::vector<int> rows_;  // step k has the pivot in this row
 };
 
-/// With pivots that are taken again; where U grows beyond this, others are looked for.
-constexpr double most_growth = 1000;
-
 /// Of matrices of some hundred rows: the libraries' own analysis takes longer than these factors.
 class SmallLu final : public LuLibrary {
  public:
@@ -173,7 +170,7 @@ class SmallLu final : public LuLibrary {
     return pivot_ratio_ > 0;
   }
   /// Whether entries of U are large beside those of the scaled matrix, which are at most one: digits are lost then.
-  bool grown() const { return std::max(largest(lu_.diagonal), largest(lu_.U.value)) > most_growth; }
+  bool grown() const { return std::max(largest(lu_.diagonal), largest(lu_.U.value)) > most_growth_again; }
 
   static double product(const Triangle& T, Index k, const Vec& y) {
     double sum = 0;

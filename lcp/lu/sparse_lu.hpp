@@ -47,8 +47,9 @@ class SparseLu {
   [[nodiscard]] LuStatus factor(const SpMat& A);
   /// factor(): true if Ok, false if there are no factors of this matrix. Throws std::bad_alloc if OutOfMemory.
   [[nodiscard]] bool try_factor(const SpMat& A);
-  /// From now on Auto tries the pivots of one matrix of 33 to 300 rows for the next of its pattern, in a third of the
-  /// time. P, Q, pivot_ratio(), last digits and, near singularity, the status may then depend on the matrices before.
+  /// From now on Klu, and Auto where it has 33 to 300 rows, try the pivots of one matrix for the next of its pattern,
+  /// in half of the time or less. P, Q, pivot_ratio(), last digits and, near singularity, the status may then depend on
+  /// the matrices before.
   void reuse_pivots();
   /// The longest factorization so far [s].
   double longest_call() const;

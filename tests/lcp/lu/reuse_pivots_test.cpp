@@ -57,6 +57,11 @@ TEST_P(ReusePivots, ASequenceIsSolvedAsEachMatrixAlone) {
   }
 }
 
+class PivotsAgain : public testing::TestWithParam<LuBackend> {};
+
+INSTANTIATE_TEST_SUITE_P(Backends, PivotsAgain, testing::Values(LuBackend::Klu, LuBackend::Auto),
+                         [](const auto& backend) { return std::string(to_string(backend.param)); });
+
 /// P and Q of a matrix, factored.
 std::pair<std::vector<int>, std::vector<int>> pivots_of(SparseLu& lu, const SpMat& A) {
   LuFactors factors;
@@ -67,10 +72,10 @@ std::pair<std::vector<int>, std::vector<int>> pivots_of(SparseLu& lu, const SpMa
 
 // Matrices for which the pivots of the one before do, but others would be taken. Catches a reuse_pivots() that does
 // nothing, or is forgotten when the size changes, and pivots that are taken again without the wish.
-TEST(PivotsAgain, AreThoseOfTheMatrixBefore) {
+TEST_P(PivotsAgain, AreThoseOfTheMatrixBefore) {
   Random random(7);
-  SparseLu plain(LuBackend::Auto);
-  SparseLu reusing(LuBackend::Auto);
+  SparseLu plain(GetParam());
+  SparseLu reusing(GetParam());
   reusing.reuse_pivots();
   ASSERT_EQ(reusing.factor(support::tridiagonal(20, 1, 4, 1)), LuStatus::Ok);  // by another library
   for (const Index n : {60, 150}) {
@@ -81,7 +86,7 @@ TEST(PivotsAgain, AreThoseOfTheMatrixBefore) {
       for (Index e = 0; e < B.nonZeros(); ++e) B.valuePtr()[e] *= random.uniform(0.7, 1.3);
       const auto before = pivots_of(plain, A);
       const auto own = pivots_of(plain, B);
-      SparseLu alone(LuBackend::Auto);
+      SparseLu alone(GetParam());
       EXPECT_EQ(pivots_of(alone, B), own) << n << ' ' << k;
       ASSERT_EQ(reusing.factor(support::tridiagonal(n, 1, 4, 1)), LuStatus::Ok);  // of another pattern
       EXPECT_EQ(pivots_of(reusing, A), before) << n << ' ' << k;
@@ -107,14 +112,14 @@ SpMat growing(double diagonal, double below) {
 }
 
 // Each pivot alone is large enough to be taken again, but U grows to 8e6. Catches pivots that lose as many digits.
-TEST(PivotsAgain, NotWhereTheyWouldGrow) {
+TEST_P(PivotsAgain, NotWhereTheyWouldGrow) {
   const SpMat A = growing(1, 0.01);
   const SpMat B = growing(0.031, -1);
   Markowitz markowitz;
   ASSERT_TRUE(markowitz.factor(A, row_scale(A).cwiseInverse()));
   ASSERT_TRUE(markowitz.factor_again(B, row_scale(B).cwiseInverse()));
   EXPECT_GT(*std::max_element(markowitz.U.value.begin(), markowitz.U.value.end()), 1e5);
-  SparseLu reusing(LuBackend::Auto);
+  SparseLu reusing(GetParam());
   reusing.reuse_pivots();
   ASSERT_EQ(reusing.factor(A), LuStatus::Ok);
   ASSERT_EQ(reusing.factor(B), LuStatus::Ok);
@@ -126,7 +131,7 @@ TEST(PivotsAgain, NotWhereTheyWouldGrow) {
 
 // The only entry of a row is its pivot whatever its size: here 1e-310, by which the 1 below it is divided. Catches
 // factors with infinities that are called Ok, and reused pivots that answer other than fresh ones.
-TEST(PivotsAgain, WithFactorsThatAreNoNumbersAMatrixIsSingular) {
+TEST(PivotsOfAuto, WithFactorsThatAreNoNumbersAMatrixIsSingular) {
   Eigen::MatrixXd D = Eigen::MatrixXd::Identity(40, 40);
   D.topLeftCorner(4, 4) << 1, 1, 0, 0,  //
       1, 0, 0, 0,                       //
