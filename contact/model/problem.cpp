@@ -1,7 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "contact/model/problem.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <memory>
+#include <stdexcept>
+#include <utility>
+#include <vector>
 
 #include "contact/model/checks.hpp"
 #include "lcp/words.hpp"
@@ -48,7 +53,94 @@ void check_finite_diagonal(const Problem& p) {
     if (!std::isfinite(diagonal[i])) refuse("W is ", diagonal[i], " on its diagonal, at ", place(i, p.dimension));
 }
 
+using Lines = std::vector<int>;
+
+/// A in these rows and columns, of `rows` rows: place[i] is the place of row i among them, which have all entries.
+SpMat part_of(const SpMat& A, Index rows, const Lines& columns, const Lines& place) {
+  std::vector<Eigen::Triplet<double>> entries;
+  for (std::size_t j = 0; j < columns.size(); ++j)
+    for (SpMat::InnerIterator it(A, columns[j]); it; ++it)
+      if (it.value() != 0) entries.emplace_back(place[at(it.row())], static_cast<int>(j), it.value());
+  SpMat part(rows, static_cast<Index>(columns.size()));
+  part.setFromTriplets(entries.begin(), entries.end());
+  return part;
+}
+
+/// Gives the lines their places in `place`.
+void number(const Lines& lines, Lines& place) {
+  for (std::size_t k = 0; k < lines.size(); ++k) place[at(lines[k])] = static_cast<int>(k);
+}
+
+/// W of groups of contacts, one after another.
+class DelassusOfGroups {
+ public:
+  explicit DelassusOfGroups(const Delassus& W) : W_(W), place_(at(W.rows()), 0) {
+    const DelassusParts* parts = W.whole_parts();
+    if (parts == nullptr) return;
+    const Lines& body_of = parts->inertia().body_of();
+    velocities_of_.resize(at(parts->inertia().bodies()));
+    velocity_place_.assign(body_of.size(), 0);
+    for (std::size_t i = 0; i < body_of.size(); ++i) velocities_of_[at(body_of[i])].push_back(static_cast<int>(i));
+  }
+
+  Delassus operator()(const Lines& rows) {
+    const DelassusParts* parts = W_.whole_parts();
+    const auto size = static_cast<Index>(rows.size());
+    if (parts == nullptr) {
+      number(rows, place_);
+      return part_of(W_.matrix(), size, rows, place_);
+    }
+    const Lines velocities = velocities_of(*parts, rows);
+    const auto m = static_cast<Index>(velocities.size());
+    number(velocities, velocity_place_);
+    auto inertia = Inertia::of(part_of(parts->M(), m, velocities, velocity_place_));
+    if (!inertia) throw std::logic_error("an inertia is positive definite, and not so of some of its bodies");
+    return Delassus(
+        std::make_shared<const DelassusParts>(std::move(inertia), 1, part_of(parts->H(), m, rows, velocity_place_)));
+  }
+
+ private:
+  /// Of the bodies of these contacts.
+  Lines velocities_of(const DelassusParts& parts, const Lines& rows) const {
+    Lines bodies;
+    for (const int j : rows)
+      for (SpMat::InnerIterator it(parts.H(), j); it; ++it) bodies.push_back(parts.inertia().body_of()[at(it.row())]);
+    std::ranges::sort(bodies);
+    bodies.erase(std::unique(bodies.begin(), bodies.end()), bodies.end());
+    Lines velocities;
+    for (const int body : bodies)
+      velocities.insert(velocities.end(), velocities_of_[at(body)].begin(), velocities_of_[at(body)].end());
+    std::ranges::sort(velocities);
+    return velocities;
+  }
+
+  const Delassus& W_;
+  Lines place_;
+  std::vector<Lines> velocities_of_{};  // of each body
+  Lines velocity_place_{};
+};
+
 }  // namespace
+
+std::vector<ContactGroup> separated(const Problem& problem) {
+  if (problem.W.condensed() != nullptr) return {};
+  const int d = problem.dimension;
+  std::vector<std::vector<Index>> groups = problem.W.groups(d);
+  if (groups.size() < 2) return {};
+  DelassusOfGroups W_of(problem.W);
+  std::vector<ContactGroup> out;
+  for (std::vector<Index>& contacts : groups) {
+    Lines rows;
+    for (const Index a : contacts)
+      for (int k = 0; k < d; ++k) rows.push_back(static_cast<int>(d * a + k));
+    Problem part{.dimension = d, .W = W_of(rows), .q = problem.q(rows), .mu = problem.mu(contacts)};
+    part.name = problem.name;
+    if (problem.rounding.q.size() != 0) part.rounding.q = problem.rounding.q(rows);
+    if (problem.rounding.W.size() != 0) part.rounding.W = problem.rounding.W(rows);
+    out.push_back({.contacts = std::move(contacts), .problem = std::move(part)});
+  }
+  return out;
+}
 
 void check(const Global& g, Index rows) {
   const Index m = g.M.rows();

@@ -12,6 +12,7 @@
 ///     mu  coefficients of friction [-], >= 0; 0 is a frictionless contact
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "contact/model/delassus.hpp"
 
@@ -57,6 +58,16 @@ struct Solution {
 /// Throws std::invalid_argument naming the contact and the value if the dimension is neither 2 nor 3, sizes differ, W
 /// is not square, an entry is not finite or a mu negative. Of W by its parts these are looked at.
 void check(const Problem& problem);
+
+/// Some contacts of a problem that no others act on.
+struct ContactGroup {
+  std::vector<Index> contacts{};  ///< of the problem, ascending
+  Problem problem{};              ///< of these alone, with a W as the whole one's is given; without `global`
+};
+/// The problem as those of its groups of contacts that do not act on each other (Delassus::groups), in that order;
+/// their solutions are the parts of one of the whole. Nothing where there is one group, or W was condensed to entries:
+/// the more exact product that they have is of the whole.
+std::vector<ContactGroup> separated(const Problem& problem);
 
 /// W = H' M^-1 H, q = H' M^-1 f + w; with bilateral constraints G' v + b = 0 these are eliminated first, all in one:
 ///     W = [H; 0]' K^-1 [H; 0],   q = [H; 0]' K^-1 [f; -b] + w,   K = [M G; G' 0].

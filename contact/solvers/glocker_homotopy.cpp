@@ -85,7 +85,7 @@ class Solver {
   void run(const Vec& start) {
     if (start.size() > 0 ? warm(start) : sweep()) return;
     if (method_.cones && method_.polish ? with_cones() : attempt(options_)) return;
-    if ((method_.homotopy.other_settings || method_.proximal) && referee_.no_solution()) return;
+    if ((method_.homotopy.other_settings || method_.proximal) && (referee_.no_solution() || by_groups())) return;
     if (method_.homotopy.other_settings && with_other_settings()) return;
     if (method_.proximal) proximal_loop();
   }
@@ -99,6 +99,7 @@ class Solver {
   bool homotopy_steps(const HomotopyOptions& options, int most, Vec& best, const Vec* from = nullptr, double tau = 1);
   bool search(Vec from);
   bool polish(Vec r, double alpha);
+  bool by_groups();
   bool with_other_settings();
   bool proximal_loop();
 
@@ -217,6 +218,30 @@ bool Solver::polish(Vec r, double alpha) {
     last = std::min(last, now);
   }
   return false;
+}
+
+/// Groups of contacts that do not act on each other, each by itself: most need no more than sweeps, and in what is left
+/// no step is shortened by what happens elsewhere. False where the whole is one group.
+bool Solver::by_groups() {
+  const Problem& whole = referee_.problem();
+  const int d = whole.dimension;
+  Vec r = referee_.best_impulses();
+  bool all = true;
+  const std::vector<ContactGroup> groups = separated(whole);
+  for (const ContactGroup& group : groups) {
+    if (referee_.over()) return true;
+    Options options{.tol = referee_.tol(), .interrupt = referee_.interrupt(), .method = method_};
+    options.max_time = std::chrono::duration<double>(std::max(0.0, referee_.seconds_left()));
+    options.max_steps = referee_.steps_left();  // and no proof is asked for: it was, for the whole
+    const Result part = solve(group.problem, options);
+    referee_.add(part.stats);
+    if (part.status == Status::OutOfMemory) throw std::bad_alloc();
+    all = all && part.solved();
+    for (std::size_t k = 0; k < group.contacts.size(); ++k)
+      r.segment(d * group.contacts[k], d) = part.solution.r.segment(d * static_cast<Index>(k), d);
+  }
+  if (groups.empty()) return false;
+  return referee_.judge(problem_.reduce(r), {.by = Origin::Groups}) || !all;
 }
 
 /// From the best point with products like its residual; from the start with shorter steps, which are blocked less often

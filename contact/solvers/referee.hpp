@@ -25,8 +25,15 @@ class Referee : public Trial {
   double last() const { return last_; }
   double best() const { return best_metric_; }
   const Vec& best_point() const { return best_; }  ///< r~
+  const Vec& best_impulses() const { return result_.solution.r; }
+  const Problem& problem() const { return problem_; }
   Stats& stats() { return result_.stats; }
+  /// Adds what a solve of a part of the problem took.
+  void add(const Stats& of_part);
+  double tol() const { return options_.tol; }
   double seconds_left() const;
+  /// Of Options::max_steps; the largest number where they are not limited.
+  int steps_left() const;
   const std::atomic<bool>* interrupt() const { return options_.interrupt; }
   /// Asks for a proof that there is no solution; true if that ends the run. For solvers that are about to do long work.
   bool no_solution() override;
@@ -52,7 +59,6 @@ class Referee : public Trial {
   double last_ = lcp::infinity;
   bool searched_ = false;  // for a certificate, to the end
 
-  bool enough_steps() const;
   SearchLimits search_limits() const;
   void ask_existence();
 };

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <sstream>
 #include <utility>
 
@@ -105,6 +106,7 @@ std::string_view to_string(Origin origin) {
                                                                   {Homotopy, "homotopy"},
                                                                   {Newton, "newton"},
                                                                   {DampedNewton, "damped-newton"},
+                                                                  {Groups, "groups"},
                                                                   {Proximal, "proximal"},
                                                                   {Ncp, "ncp"},
                                                                   {Iterate, "iterate"}};
@@ -170,14 +172,26 @@ bool Referee::over() {
     else if (seconds_left() <= 0)
       result_.status = Status::TimeLimit;
   }
-  return result_.status != Status::NoProgress || enough_steps();
+  return result_.status != Status::NoProgress || steps_left() <= 0;
 }
 
-bool Referee::enough_steps() const {
+int Referee::steps_left() const {
+  if (options_.max_steps == 0) return std::numeric_limits<int>::max();
   const Stats& s = result_.stats;
-  return options_.max_steps > 0 &&
-         s.iterations + s.newton_steps + s.region_factorizations + s.splitting_steps / splitting_lot >=
-             options_.max_steps;
+  return options_.max_steps - s.iterations - s.newton_steps - s.region_factorizations -
+         s.splitting_steps / splitting_lot;
+}
+
+void Referee::add(const Stats& of_part) {
+  Stats& s = result_.stats;
+  s.iterations += of_part.iterations;
+  s.sweeps += of_part.sweeps;
+  s.newton_steps += of_part.newton_steps;
+  s.splitting_steps += of_part.splitting_steps;
+  s.proximal_steps += of_part.proximal_steps;
+  s.attempts += of_part.attempts;
+  s.factorizations += of_part.factorizations;
+  s.region_factorizations += of_part.region_factorizations;
 }
 
 double Referee::seconds_left() const {

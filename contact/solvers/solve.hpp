@@ -41,7 +41,8 @@ struct GlockerHomotopy {
 /// Sweeps of Gauss-Seidel; then the cones' paths, from the associated law (contact/solvers/cone_homotopy.hpp); then the
 /// homotopy, and the cones' fixed point before it or after its first attempt. When its point comes near a solution,
 /// Newton steps on the equation of Alart & Curnier are tried from it for the last digits (`polish`); where that fails
-/// the homotopy goes on. Where an attempt stalls: damped Newton steps from its best point. After all attempts a
+/// the homotopy goes on. Where an attempt stalls: damped Newton steps from its best point. After the first
+/// one contacts are solved by groups that do not act on each other, if there are several. After all attempts a
 /// proximal loop: solve the problem with (W + alpha I, q - alpha r_k), r_{k+1} its solution, alpha falling as long as
 /// the subproblems are solved, extrapolated where successive increments are parallel. It is what singular W need.
 struct Auto {
@@ -102,11 +103,13 @@ enum class Origin {
   Homotopy,      ///< a step of it
   Newton,        ///< a step on Alart & Curnier's equation
   DampedNewton,  ///< a shortened one, or any of a search from the best point of an attempt
+  Groups,        ///< groups of contacts that do not act on each other, each solved by itself
   Proximal,      ///< the solution of a proximal problem
   Ncp,           ///< the method of GlockerNcp
   Iterate        ///< an iteration of a method of contact/classics
 };
-/// "zero", "warm-start", "sweeps", "cones", "homotopy", "newton", "damped-newton", "proximal", "ncp", "iterate".
+/// "zero", "warm-start", "sweeps", "cones", "homotopy", "newton", "damped-newton", "groups", "proximal", "ncp",
+/// "iterate".
 std::string_view to_string(Origin);
 
 struct Options {

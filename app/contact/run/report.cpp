@@ -100,6 +100,7 @@ std::string solved_by_text(const Run& run) {
       {"homotopy", "the homotopy"},
       {"newton", "Newton steps on Alart & Curnier's equation"},
       {"damped-newton", "damped Newton steps on Alart & Curnier's equation"},
+      {"groups", "groups of contacts that do not act on each other, each by itself"},
       {"proximal", "the proximal loop"}};
   const auto found = words.find(run.solved_by);
   return found == words.end() ? run.solved_by : found->second;

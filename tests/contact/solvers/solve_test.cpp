@@ -358,7 +358,36 @@ TEST(Solve, RockPile) {
   if (sanitized) GTEST_SKIP() << "slow with sanitizers";
   const Result result = expect_solved(recorded("RockPile_tob1.dat"), {.max_time = std::chrono::duration<double>(60)});
   EXPECT_GT(result.stats.proximal_steps, 0);
-  EXPECT_EQ(result.by, Origin::Proximal);
+  EXPECT_EQ(result.by, Origin::Groups);
+}
+
+// Problems side by side, with a method whose only attempt fails and a proximal loop: it solves each by itself. Catches
+// points of groups in wrong places, what one group takes that is not counted, and a limit of steps that is of each
+// group and not of all.
+TEST(Solve, GroupsByThemselves) {
+  Random random(8);
+  const Problem part = solvable_problem(3, 6, 5, random);
+  const auto n = static_cast<Index>(part.q.size());
+  Problem both = part;
+  support::Dense W = support::Dense::Zero(2 * n, 2 * n);
+  W.topLeftCorner(n, n) = part.W.matrix();
+  W.bottomRightCorner(n, n) = 3 * W.topLeftCorner(n, n);
+  both.W = support::sparse(W);
+  both.q = Vec(2 * n);
+  both.q << part.q, 2 * part.q;
+  both.mu = part.mu.replicate(2, 1);
+  const Auto method{
+      .homotopy = {.max_iterations = 1, .other_settings = false}, .sweeps = 0, .cones = false, .polish = false};
+  Result alone = expect_solved(part, {.method = method});
+  EXPECT_EQ(alone.by, Origin::Proximal);
+  const Result result = expect_solved(both, {.method = method});
+  EXPECT_EQ(result.by, Origin::Groups);
+  EXPECT_EQ(result.stats.attempts, 1 + 2 * alone.stats.attempts);
+  EXPECT_GT(result.stats.factorizations, alone.stats.factorizations);
+  const int steps = result.stats.iterations + result.stats.newton_steps;
+  const Result limited = solve(both, {.method = method, .max_steps = steps - 3});
+  EXPECT_FALSE(limited.solved());
+  EXPECT_LE(limited.stats.iterations + limited.stats.newton_steps, steps);
 }
 
 // Poured spheres, mu lower than they were poured for: the path of the homotopy turns back at a residual of 1e-3, a
