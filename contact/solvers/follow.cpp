@@ -35,7 +35,9 @@ constexpr double follow_decrease = 0.9;
 constexpr int follow_halvings = 5;
 constexpr double follow_near = 1e-4;
 /// A step with the factors of the last and with states that are held counts if it brings the natural map down so far.
+/// It is tried first of all, and after steps that brought it down to `held_after`: elsewhere states still change.
 constexpr double held_decrease = 0.1;
+constexpr double held_after = 1.0 / 3;
 /// Steps that end other methods go on beyond their number, to so many, while each brings the map down so far.
 constexpr int most_last_steps = 6;
 constexpr double last_step_decrease = 0.1;
@@ -240,11 +242,14 @@ bool Follower::newton(Vec& r, NewtonSteps steps, const Accept& accept, const Sto
   Vec x = r;
   double last = natural_map(kept_->problem(), x);
   double lowest = last;
+  bool settled = true;
   for (int k = 0, since = 0; k < steps.most && since < follow_patience; ++k) {
     if (stop()) return false;
     const bool first = steps.first && k == 0;
     const double before = last;
-    if (!held_step(x, last, first) && (steps.held || !newton_step(x, last, first, stop))) return false;
+    const bool held = settled && held_step(x, last, first);
+    if (!held && (steps.held || !newton_step(x, last, first, stop))) return false;
+    settled = last <= held_after * before;
     if (may_be_solved(last, x) && accept(x)) {
       r = x;
       by_ = Origin::Newton;
