@@ -36,13 +36,6 @@ constexpr Index reduced_columns = 32;
 constexpr double coupled_refined = 1e-9;
 constexpr double most_coupled = 0.5;
 
-/// The place of (i, j) among the values of A.
-Index place_of(const SpMat& A, int i, int j) {
-  const int* begin = A.innerIndexPtr() + A.outerIndexPtr()[j];
-  const int* end = A.innerIndexPtr() + A.outerIndexPtr()[j + 1];
-  return std::lower_bound(begin, end, i) - A.innerIndexPtr();
-}
-
 /// Of a block whose rows may differ by many powers of ten.
 Block inverse_of(const Block& A, int size) {
   Block whole = Block::Identity();
@@ -105,87 +98,6 @@ void contact_matrix(const Scaled& problem, const std::vector<ContactRows>& rows,
   }
 }
 
-/// M + H E H' on a pattern that is made once: where each contact's rows of H, k of them, meet each other in it.
-struct ContactSystem::Bodies {
-  struct Part {
-    int size = 3;
-    std::vector<int> rows;      // of H that the contact has entries in
-    Eigen::MatrixXd H;          // those rows, its columns
-    std::vector<Index> places;  // of the k x k entries among K's values, by columns
-  };
-  const SpMat& M;
-  std::vector<Part> parts;
-  SpMat K;
-  std::vector<double> inertia;  // M on the pattern of K
-  Vec scale;                    // of K's rows and columns in LU's factors
-
-  explicit Bodies(const Scaled& problem);
-  void assemble(const std::vector<Block>& E);
-  SpMat with_unit_diagonal();
-};
-
-ContactSystem::Bodies::Bodies(const Scaled& problem) : M(problem.W.parts()->M()) {
-  const SpMat& H = problem.W.parts()->H();
-  std::vector<Eigen::Triplet<double>> touched;  // rows of the contacts
-  for (const Scaled::Block& block : problem.blocks) {
-    Part& part = parts.emplace_back();
-    part.size = block.size;
-    for (int c = 0; c < block.size; ++c)
-      for (SpMat::InnerIterator it(H, block.first + c); it; ++it) part.rows.push_back(static_cast<int>(it.row()));
-    std::sort(part.rows.begin(), part.rows.end());
-    part.rows.erase(std::unique(part.rows.begin(), part.rows.end()), part.rows.end());
-    const auto k = static_cast<Index>(part.rows.size());
-    part.H = Eigen::MatrixXd::Zero(k, block.size);
-    for (int c = 0; c < block.size; ++c)
-      for (SpMat::InnerIterator it(H, block.first + c); it; ++it)
-        part.H(std::lower_bound(part.rows.begin(), part.rows.end(), it.row()) - part.rows.begin(), c) = it.value();
-    for (const int i : part.rows) touched.emplace_back(i, static_cast<int>(parts.size()) - 1, 1.0);
-  }
-  SpMat incidence(M.rows(), static_cast<Index>(parts.size()));
-  incidence.setFromTriplets(touched.begin(), touched.end());
-  SpMat pattern = M;
-  pattern.coeffs().setOnes();
-  K = pattern + SpMat(incidence * SpMat(incidence.transpose()));
-  K.makeCompressed();
-  for (Part& part : parts)
-    for (const int j : part.rows)
-      for (const int i : part.rows) part.places.push_back(place_of(K, i, j));
-  inertia.assign(at(K.nonZeros()), 0.0);
-  for (Index j = 0; j < M.cols(); ++j)
-    for (SpMat::InnerIterator it(M, j); it; ++it)
-      inertia[at(place_of(K, static_cast<int>(it.row()), static_cast<int>(j)))] = it.value();
-}
-
-void ContactSystem::Bodies::assemble(const std::vector<Block>& E) {
-  std::copy(inertia.begin(), inertia.end(), K.valuePtr());
-  Eigen::MatrixXd HE;
-  for (std::size_t a = 0; a < parts.size(); ++a) {
-    const Part& part = parts[a];
-    HE.noalias() = part.H * E[a].topLeftCorner(part.size, part.size);
-    const Index* place = part.places.data();
-    for (Index j = 0; j < HE.rows(); ++j)
-      for (Index i = 0; i < HE.rows(); ++i) K.valuePtr()[*place++] += HE.row(i).dot(part.H.row(j));
-  }
-}
-
-/// K in the units of its diagonal, which may have E's 1e10 beside M's 1: LU looks for fewer pivots elsewhere, and fills
-/// up less. A diagonal far below its column may be rounding alone.
-SpMat ContactSystem::Bodies::with_unit_diagonal() {
-  constexpr double least_share = 1e-8;
-  scale = Vec::Ones(K.cols());
-  for (Index j = 0; j < K.cols(); ++j) {
-    double diagonal = 0;
-    double largest = 0;
-    for (SpMat::InnerIterator it(K, j); it; ++it) {
-      largest = std::max(largest, std::abs(it.value()));
-      if (it.row() == j) diagonal = std::abs(it.value());
-    }
-    const double unit = std::max(diagonal, least_share * largest);
-    if (unit > 0 && std::isfinite(unit)) scale[j] = 1 / std::sqrt(unit);
-  }
-  return scale.asDiagonal() * K * scale.asDiagonal();
-}
-
 ContactSystem::ContactSystem(const Scaled& problem, lcp::LuBackend lu, lcp::Deadline deadline)
     : problem_(problem),
       cholesky_(std::make_shared<lcp::Cholesky>(deadline, lcp::CholeskyOrdering::Thorough)),
@@ -204,7 +116,7 @@ ContactSystem::ContactSystem(const Scaled& problem, const ContactSystem& shared)
       chosen_(true),
       W_(problem.W.plus(-problem.W.shift())) {
   if (problem.W.parts() != nullptr)
-    bodies_ = shared.bodies_ ? shared.bodies_ : std::make_shared<Bodies>(problem);
+    bodies_ = shared.bodies_ ? shared.bodies_ : std::make_shared<BodiesMatrix>(problem);
   else
     K_ = problem.W.matrix();
   if ((bodies_ != nullptr) == (shared.bodies_ != nullptr)) {
@@ -230,32 +142,36 @@ ContactSystem::Form ContactSystem::form() {
 
 void ContactSystem::choose() {
   if (std::exchange(chosen_, true)) return;
-  if (problem_.W.parts() != nullptr) bodies_ = std::make_shared<Bodies>(problem_);
+  if (problem_.W.parts() != nullptr) bodies_ = std::make_shared<BodiesMatrix>(problem_);
   if (!bodies_) K_ = problem_.W.matrix();
   make_lu();
 }
 
 void ContactSystem::make_lu() {
-  const SpMat& K = bodies_ ? bodies_->K : K_;
+  const SpMat& K = bodies_ ? bodies_->matrix() : K_;
   lcp::LuBackend backend = backend_;
   if (backend == lcp::LuBackend::Auto)
     backend = K.rows() <= system_klu_rows && K.nonZeros() <= system_klu_entries * K.rows() ? lcp::LuBackend::Klu
                                                                                            : lcp::LuBackend::General;
   lu_ = std::make_shared<lcp::SparseLu>(backend, deadline_);
-  lu_->reuse_pivots();
-}
-
-/// The factors of K.
-bool ContactSystem::take(const SpMat& K, bool definite) {
-  ++factorizations_;
-  by_cholesky_ = definite && cholesky_->try_factor(K);
-  if (by_cholesky_) return true;
-  return bodies_ ? lu_->try_factor(bodies_->with_unit_diagonal()) : lu_->try_factor(K);
+  if (!bodies_) lu_->reuse_pivots();  // by bodies E takes the digits that older pivots leave
 }
 
 bool ContactSystem::take_contacts(bool definite) {
+  ++factorizations_;
   contact_matrix(problem_, rows_, system_diagonal_term, K_);
-  return take(K_, definite);
+  by_cholesky_ = definite && cholesky_->try_factor(K_);
+  return by_cholesky_ || lu_->try_factor(K_);
+}
+
+/// `definite`: all E are symmetric.
+bool ContactSystem::take_bodies(bool definite) {
+  ++factorizations_;
+  if (definite) bodies_->assemble_lower(E_);
+  by_cholesky_ = definite && cholesky_->try_factor(bodies_->matrix());
+  if (by_cholesky_) return true;
+  bodies_->assemble(E_);
+  return lu_->try_factor(bodies_->with_unit_diagonal(scale_));
 }
 
 /// E = A^-1 B of one contact; whether it is symmetric.
@@ -287,8 +203,7 @@ bool ContactSystem::factor_whole() {
   for (const ContactCoupling& c : std::exchange(couplings_, {})) rows_[c.contact].A += c.p * c.q.transpose();
   if (bodies_) {
     for (std::size_t a = 0; a < rows_.size(); ++a) invert(a);
-    bodies_->assemble(E_);
-    return take(bodies_->K, false);
+    return take_bodies(false);
   }
   return take_contacts(false);
 }
@@ -304,9 +219,7 @@ bool ContactSystem::factor(const std::vector<ContactRows>& rows) {
   for (std::size_t a = 0; a < rows_.size() && all_definite; ++a)
     all_definite = definite(rows_[a], problem_.blocks[a].size);
   if (all_definite) return take_contacts(true);
-  if (!bodies_ || !part_by_bodies()) return factor_whole();
-  bodies_->assemble(E_);
-  return take(bodies_->K, true);
+  return bodies_ && part_by_bodies() ? take_bodies(true) : factor_whole();
 }
 
 bool ContactSystem::factor(const std::vector<Block>& A, const std::vector<Block>& inverse,
@@ -321,19 +234,15 @@ bool ContactSystem::factor(const std::vector<Block>& A, const std::vector<Block>
   E_ = inverse;
   if (!symmetric_W_ || static_cast<double>(couplings_.size()) > most_coupled * static_cast<double>(A.size()))
     return factor_whole();
-  if (bodies_) {
-    bodies_->assemble(E_);
-    return take(bodies_->K, true);
-  }
-  return take_contacts(true);
+  return bodies_ ? take_bodies(true) : take_contacts(true);
 }
 
 void ContactSystem::back_solve(const Vec& b, Vec& x) const {
   x.resize(b.size());
   if (by_cholesky_) return cholesky_->solve(b, x);
   if (!bodies_) return lu_->solve(b, x);
-  lu_->solve(bodies_->scale.cwiseProduct(b), x);
-  x = bodies_->scale.cwiseProduct(x).eval();
+  lu_->solve(scale_.cwiseProduct(b), x);
+  x = scale_.cwiseProduct(x).eval();
 }
 
 void ContactSystem::back_solve(const Eigen::MatrixXd& B, Eigen::MatrixXd& X) const {
@@ -351,7 +260,10 @@ template <class Blocks, class X>
 void ContactSystem::add_product(const Blocks& block, const X& in, X& out) const {
   for (std::size_t a = 0; a < problem_.blocks.size(); ++a) {
     const Scaled::Block& b = problem_.blocks[a];
-    out.middleRows(b.first, b.size) += block(a).topLeftCorner(b.size, b.size) * in.middleRows(b.first, b.size);
+    if (b.size == 3)
+      out.template middleRows<3>(b.first).noalias() += block(a) * in.template middleRows<3>(b.first);
+    else
+      out.middleRows(b.first, b.size) += block(a).topLeftCorner(b.size, b.size) * in.middleRows(b.first, b.size);
   }
 }
 

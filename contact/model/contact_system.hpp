@@ -25,6 +25,7 @@
 #include <optional>
 #include <vector>
 
+#include "contact/model/bodies_matrix.hpp"
 #include "contact/model/scaling.hpp"
 #include "lcp/cholesky/cholesky.hpp"
 #include "lcp/lu/sparse_lu.hpp"
@@ -81,11 +82,10 @@ class ContactSystem {
   int factorizations() const { return factorizations_; }  ///< since it was made
 
  private:
-  struct Bodies;
   void choose();
   void make_lu();
-  bool take(const SpMat& K, bool definite);
   bool take_contacts(bool definite);
+  bool take_bodies(bool definite);
   bool factor_whole();
   bool part_by_bodies();
   bool invert(std::size_t a);
@@ -115,9 +115,10 @@ class ContactSystem {
   bool symmetric_W_ = false;  // to rounding at least
   bool chosen_ = false;
   bool by_cholesky_ = false;
-  SpMat K_;                         // by contacts
-  std::shared_ptr<Bodies> bodies_;  // none: by contacts
-  Delassus W_;                      // without its shift, which is in rows_
+  SpMat K_;                               // by contacts
+  std::shared_ptr<BodiesMatrix> bodies_;  // none: by contacts
+  Vec scale_;                             // of the rows and columns of LU's factors by bodies
+  Delassus W_;                            // without its shift, which is in rows_
   // Of the last factors.
   std::vector<ContactRows> rows_;
   std::vector<ContactCoupling> couplings_;                       // none in a matrix factored whole

@@ -9,7 +9,7 @@
 #include <limits>
 #include <utility>
 
-#include "contact/model/region.hpp"
+#include "contact/cones/region.hpp"
 #include "contact/solvers/solve.hpp"
 
 namespace perp::contact {

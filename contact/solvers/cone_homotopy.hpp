@@ -2,7 +2,7 @@
 #pragma once
 /// Coulomb's law from the associated one. The path of the associated law (contact/cones/cone_path.hpp, s = 0) cannot
 /// turn back, and where all contacts stick its end obeys Coulomb's law as well. Where some slip, Coulomb's law is
-/// solved in their region (contact/model/region.hpp), in rounds: the path with the region's openings, and a region from
+/// solved in their region (contact/cones/region.hpp), in rounds: the path with the region's openings, and a region from
 /// there. Where they do not solve it, openings by Douglas and Rachford's splitting (contact/cones/splitting.hpp)
 /// lead to a path, and a region from its end. Where that fails a path with these contacts coupled leads from an earlier
 /// point to Coulomb's law, or to more contacts that slip. Where it turns back: a path with all contacts coupled.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Coulomb's law at some contacts while the others are held.
-#include "contact/model/region.hpp"
+#include "contact/cones/region.hpp"
 
 #include <gtest/gtest.h>
 
@@ -17,7 +17,7 @@ using support::Dense;
 using support::Random;
 using Block = Eigen::Matrix3d;
 
-// Source: the laws that contact/model/region.hpp states. For any impulses of the region, the others' velocities must be
+// Source: the laws that contact/cones/region.hpp states. For any impulses of the region, the others' velocities must be
 // -D (r - r0), and those of the region what its own problem says. By contacts and by bodies, and after the region has
 // grown. Catches a wrong sign or weight of the elimination, and columns in another order than the contacts.
 TEST(Region, TheOthersAreHeldAndItsVelocitiesAreThoseOfAll) {

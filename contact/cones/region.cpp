@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "contact/model/region.hpp"
+#include "contact/cones/region.hpp"
 
 #include <Eigen/LU>
 #include <utility>

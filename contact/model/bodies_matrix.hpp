@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+/// M + H E H' of contact systems that are solved by bodies (contact/model/contact_system.hpp), E one block a contact,
+/// on a pattern that is made once. Private to contact/.
+#include <Eigen/Dense>
+#include <vector>
+
+#include "contact/model/scaling.hpp"
+
+namespace perp::contact {
+
+class BodiesMatrix {
+ public:
+  /// Of a W by its parts, which outlive *this.
+  explicit BodiesMatrix(const Scaled& problem);
+
+  /// Of symmetric E: on and below the diagonal alone, what Cholesky reads.
+  void assemble_lower(const std::vector<Eigen::Matrix3d>& E) { assemble(E, true); }
+  void assemble(const std::vector<Eigen::Matrix3d>& E) { assemble(E, false); }
+  const SpMat& matrix() const { return K_; }
+  /// diag(scale) K diag(scale), and scale, in the units of K's diagonal, which may have E's 1e10 beside M's 1: LU looks
+  /// for fewer pivots elsewhere, and fills up less. A diagonal far below its column may be rounding alone.
+  SpMat with_unit_diagonal(Vec& scale) const;
+
+ private:
+  using Columns = Eigen::Matrix<double, Eigen::Dynamic, 3>;
+  /// The rows of H that a contact has entries in, and their k x k entries among K's values: column by column those on
+  /// and below the diagonal, and those above it.
+  struct Part {
+    Columns H;  // zero beyond the contact's columns
+    std::vector<Index> lower;
+    std::vector<Index> upper;
+  };
+  void assemble(const std::vector<Eigen::Matrix3d>& E, bool lower_alone);
+
+  const SpMat& M_;
+  std::vector<Part> parts_;
+  SpMat K_;
+  std::vector<double> inertia_;  // M on the pattern of K
+};
+
+}  // namespace perp::contact
