@@ -72,11 +72,13 @@ std::optional<double> semidefinite_up_to(const SpMat& W, lcp::Deadline deadline)
 }
 
 /// H' M^-1 H is semidefinite itself where M is positive definite, which it is if D^-1 M D^-1 stays so with less on its
-/// diagonal.
+/// diagonal. Constraints leave it so: of K^-1 = [M G; G' 0]^-1 it has the block of the velocities.
 std::optional<double> semidefinite_up_to(const Delassus& W, lcp::Deadline deadline = lcp::no_deadline) {
   const DelassusParts* parts = W.whole_parts();
   if (parts == nullptr) return semidefinite_up_to(W.matrix(), deadline);
-  const SpMat& M = parts->inertia().M();
+  const Inertia& inertia = parts->inertia();
+  if (!inertia.symmetric()) return std::nullopt;
+  const SpMat M = inertia.M().topLeftCorner(inertia.velocities(), inertia.velocities());
   const auto m = static_cast<double>(M.rows());
   const std::optional<SpMat> S = unit_diagonal(M, -4 * (m + 8) * eps * m);
   lcp::Cholesky factor(deadline);
@@ -93,32 +95,44 @@ std::vector<Expansion> exact_sums(const Vec& q, const SpMat& A, const Vec& x) {
   return u;
 }
 
-/// Of bodies v near M^-1 H r: any v does, since H' and W have one range.
+bool constrained(const Problem& problem) {
+  return problem.W.whole_parts() != nullptr && problem.W.parts()->inertia().constrained();
+}
+
+/// Of bodies v near M^-1 H r: any v does, since H' and W have one range. Those of constrained bodies have to satisfy
+/// G' v = 0, which rounded ones do not.
 Vec moved_bodies(const Problem& problem, const Vec& r) {
   const DelassusParts* parts = problem.W.whole_parts();
-  return parts != nullptr ? parts->inverse(Vec(parts->H() * r)) : Vec();
+  return parts != nullptr && !constrained(problem) ? parts->inverse(Vec(parts->H() * r)) : Vec();
 }
 
-/// W r + q exactly; of bodies H' v + q.
-std::vector<Expansion> exact_velocities_of(const Problem& problem, const Vec& r, const Vec& v) {
-  const DelassusParts* parts = problem.W.whole_parts();
-  if (parts == nullptr) return exact_sums(problem.q, problem.W.matrix(), r);
-  return exact_sums(problem.q, parts->H().transpose(), v);
-}
+struct Moved {
+  std::vector<Expansion> u;
+  Vec unknown;  ///< what it may be wrong by, where W or q were condensed
+};
 
-/// What W r + q may be wrong by, both condensed.
-Vec unknown_velocities(const Problem& problem, const Vec& r) {
+/// W r + q exactly; of bodies H' v + q, of constrained ones with a bound.
+Moved moved(const Problem& problem, const Vec& r, const Vec& v) {
   const auto& [q, W] = problem.rounding;
-  Vec unknown = q.size() > 0 ? q : Vec(Vec::Zero(r.size()));
-  if (W.size() > 0) unknown += W.dot(r.cwiseAbs()) * W;
-  return unknown;
+  Moved out{.u = {}, .unknown = q.size() > 0 ? q : Vec(Vec::Zero(r.size()))};
+  if (W.size() > 0) out.unknown += W.dot(r.cwiseAbs()) * W;
+  const DelassusParts* parts = problem.W.whole_parts();
+  if (parts == nullptr) {
+    out.u = exact_sums(problem.q, problem.W.matrix(), r);
+  } else if (constrained(problem)) {
+    const lcp::SchurImage image = parts->refined_product(r, 0, problem.q);
+    out.unknown += image.doubt + last_roundings * image.value.cwiseAbs();
+    out.u = exact_sums(image.value, SpMat(r.size(), 0), Vec());
+  } else {
+    out.u = exact_sums(problem.q, parts->H().transpose(), v);
+  }
+  return out;
 }
 
 /// Least u_N - mu |u_T| less what the shift changes, and what rounding may have changed in W and q, rounded down; u
 /// exact before it is rounded.
 double margin(const Problem& problem, const Vec& r, const Vec& v, double shift) {
-  const std::vector<Expansion> u = exact_velocities_of(problem, r, v);
-  const Vec unknown = unknown_velocities(problem, r);
+  const auto [u, unknown] = moved(problem, r, v);
   const int d = problem.dimension;
   double least = lcp::infinity;
   for (Index a = 0; a < problem.contacts(); ++a) {

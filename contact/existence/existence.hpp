@@ -23,7 +23,9 @@
 /// and q were condensed the margin is larger than what Problem::rounding says of W r' + q, too.
 ///
 /// W = H' M^-1 H by its parts is semidefinite itself, where such a factorization shows M to be positive definite: shift
-/// is 0. u' is then H' v' + q of v' near M^-1 H r', without rounding, and no entry of W is formed.
+/// is 0. u' is then H' v' + q of v' near M^-1 H r', without rounding, and no entry of W is formed. Of constrained
+/// bodies it is W r' + q by a refined solution, with a bound of what that may be wrong by, which the margin is larger
+/// than.
 #include <string>
 
 #include "contact/existence/infeasible.hpp"
@@ -35,7 +37,7 @@ std::string_view to_string(Existence);
 
 struct Witness {
   Vec r{};  ///< r' of (*), d n
-  Vec v{};  ///< v' near M^-1 H r', of which the proof is: u' = H' v' + q, of the parts. Empty where W has entries
+  Vec v{};  ///< v' near M^-1 H r', of which the proof is: u' = H' v' + q. Empty but of bodies without constraints
   double margin = 0;  ///< least u'_N - mu |u'_T| - what shift changes, rounded down [m/s]
   double shift = 0;   ///< relative to the diagonal of W
 };

@@ -49,6 +49,7 @@ SpMat normal_block(const Problem& problem, const std::vector<Index>& normals, co
 }
 
 /// (v, r_N): [M -H_N; H_N' 0], v of the bodies that the part's contacts touch, in units in which M has a unit diagonal.
+/// Of constrained ones (v, lambda) for v: [M -G; G' 0].
 lcp::AffineMcp bodies_problem(const DelassusParts& parts, const std::vector<Index>& normals, const Vec& unit,
                               const Vec& q) {
   const SpMat H = columns_of(parts.H(), normals, unit);
@@ -60,12 +61,15 @@ lcp::AffineMcp bodies_problem(const DelassusParts& parts, const std::vector<Inde
   int m = 0;
   for (std::size_t i = 0; i < place.size(); ++i)
     if (touched[at(body_of[i])] != 0) place[i] = m++;
-  const Vec units = parts.M().diagonal().cwiseSqrt().cwiseInverse();
+  const Index velocities = parts.inertia().velocities();
+  const Vec units = parts.inertia().constrained() ? parts.inertia().lu().scale()
+                                                  : Vec(parts.M().diagonal().cwiseSqrt().cwiseInverse());
   std::vector<Eigen::Triplet<double>> entries;
   for (Index j = 0; j < H.rows(); ++j)
     for (SpMat::InnerIterator it(parts.M(), j); it; ++it)
       if (place[at(j)] >= 0)
-        entries.emplace_back(place[at(it.row())], place[at(j)], units[it.row()] * it.value() * units[j]);
+        entries.emplace_back(place[at(it.row())], place[at(j)],
+                             (j < velocities ? 1 : -1) * units[it.row()] * it.value() * units[j]);
   for (Index k = 0; k < H.cols(); ++k)
     for (SpMat::InnerIterator it(H, k); it; ++it) {
       const int row = place[at(it.row())];

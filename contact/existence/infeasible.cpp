@@ -6,12 +6,12 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "contact/existence/expansion.hpp"
-#include "lcp/cholesky/symmetric.hpp"
 
 namespace perp::contact {
 namespace {
@@ -141,16 +141,17 @@ Vec lost_by_condensing(const Problem& problem, const lcp::SchurProduct& W, In y,
   const int d = problem.dimension;
   Vec normals = Vec::Zero(problem.q.size());
   for (Index a = 0; a < y.size(); ++a) normals[d * a] = y[a];
-  const Vec exact = W(normals, Vec::Zero(normals.size()));
+  const auto [exact, doubt, terms] = W(normals, Vec::Zero(normals.size()));
   Vec lost = Vec::Zero(y.size());
   for (Index a = 0; a < y.size(); ++a)
-    for (int k = 0; k < d; ++k) lost[a] = std::hypot(lost[a], exact[d * a + k] - g[at(a)][at(k)].value());
+    for (int k = 0; k < d; ++k)
+      lost[a] = std::hypot(lost[a], std::abs(exact[d * a + k] - g[at(a)][at(k)].value()) + doubt[d * a + k]);
   return lost * (1 + last_roundings);
 }
 
 Certificate examine_entries(const Problem& problem, In y, double least) {
   const lcp::SchurProduct* condensed = problem.W.condensed();
-  if (condensed != nullptr && !lcp::symmetric(problem.W.matrix(), 0)) return {};
+  if (condensed != nullptr && !condensed->symmetric()) return {};
   bool inside = true;
   std::vector<double> norms;
   std::vector<double> excess;
@@ -176,6 +177,7 @@ struct Momentum {
   Vec value;             ///< to 2 eps of itself
   bool zero = true;      ///< exactly
   bool complete = true;  ///< nothing was lost, and no entry overflowed
+  bool exact = true;     ///< `value` is not rounded
   std::vector<int> met;  ///< of each body, its contacts with y > 0
   Vec terms;             ///< of each body, sum_a y_a N_ba: the size of what cancels in p, in the norm of M^-1
 };
@@ -198,6 +200,9 @@ Momentum momentum(const Problem& problem, const DelassusParts& parts, In y) {
     const Expansion& sum = sums[at(i)];
     p.value[i] = sum.value();
     p.zero = p.zero && sum.sign() == 0;
+    Expansion rest = sum;
+    rest.add(-p.value[i]);
+    p.exact = p.exact && rest.sign() == 0;
     p.complete = p.complete && sum.lost() == 0 && std::isfinite(p.value[i]);
   }
   return p;
@@ -229,11 +234,63 @@ Certificate examine_bodies(const Problem& problem, const DelassusParts& parts, I
   return out;
 }
 
+/// Whether p is G lambda for these doubles lambda, exactly: what constraints hold moves nothing.
+bool held_exactly(const Inertia& inertia, const Vec& p, const Vec& lambda) {
+  const Index m = inertia.velocities();
+  std::vector<Expansion> left(at(m));
+  for (Index i = 0; i < m; ++i) left[at(i)].add(p[i]);
+  for (Index k = 0; k < lambda.size(); ++k)
+    for (SpMat::InnerIterator it(inertia.M(), m + k); it; ++it) left[at(it.row())].add_product(-it.value(), lambda[k]);
+  return std::ranges::all_of(left,
+                             [](const Expansion& sum) { return sum.sign() == 0 && sum.lost() == 0 && sum.finite(); });
+}
+
+/// |H|' sum_a y_a |K^-1 H_a|, the sizes of what cancels in W (y e_N); nothing of too many contacts.
+Vec sizes_of(const DelassusParts& parts, int d, In y) {
+  constexpr Index most = 1000;
+  if ((y.array() > 0).count() > most) return Vec::Zero(parts.H().cols());
+  Vec moved = Vec::Zero(parts.H().rows());
+  for (Index a = 0; a < y.size(); ++a)
+    if (y[a] > 0) moved += y[a] * parts.inverse(Vec(parts.H().col(d * a))).cwiseAbs();
+  return parts.H().cwiseAbs().transpose() * moved;
+}
+
+/// The same of bodies that constraints hold: H (y e_N) need not be 0 then, but W (y e_N), which is known with a bound.
+/// For an inertia that is not symmetric this is none of W'(y e_N).
+Certificate examine_constrained(const Problem& problem, const DelassusParts& parts, In y, double least) {
+  const Inertia& inertia = parts.inertia();
+  if (!inertia.symmetric()) return {};
+  const Momentum p = momentum(problem, parts, y);
+  if (!p.complete) return {};
+  if (p.zero) return {.radius = lcp::infinity};
+  const std::optional<lcp::TwoPartVector> v = inertia.lu().refined(lcp::TwoPartVector(p.value));
+  if (!v) return {};
+  const Vec lambda = v->value.tail(p.value.size() - inertia.velocities());
+  if (p.exact && held_exactly(inertia, p.value, lambda)) return {.radius = lcp::infinity};
+  const int d = problem.dimension;
+  Vec normals = Vec::Zero(problem.q.size());
+  for (Index a = 0; a < y.size(); ++a) normals[d * a] = y[a];
+  const lcp::SchurImage g = parts.refined_product(normals, 0, Vec::Zero(normals.size()));
+  const Vec sizes = sizes_of(parts, d, y);
+  const double roundings = 8 * (static_cast<double>((y.array() > 0).count()) + 2) * eps;
+  Certificate out{.to_rounding = true};
+  std::vector<double> norms;
+  for (Index a = 0; a < y.size(); ++a) {
+    const Vec upper = g.value.segment(d * a, d).cwiseAbs() + g.doubt.segment(d * a, d);
+    norms.push_back(upper.stableNorm() * (1 + last_roundings) + tiny);
+    if (!(upper.maxCoeff() <= roundings * sizes.segment(d * a, d).maxCoeff())) out.to_rounding = false;
+  }
+  out.radius = radius_of(least, norms);
+  return out;
+}
+
 Certificate examine(const Problem& problem, In y) {
   const double least = approach_of(problem, y);
   if (!(least > 0)) return {};
   const DelassusParts* parts = problem.W.whole_parts();
-  return parts != nullptr ? examine_bodies(problem, *parts, y, least) : examine_entries(problem, y, least);
+  if (parts == nullptr) return examine_entries(problem, y, least);
+  return parts->inertia().constrained() ? examine_constrained(problem, *parts, y, least)
+                                        : examine_bodies(problem, *parts, y, least);
 }
 
 /// |W|_max: of a semidefinite W the largest is on the diagonal.

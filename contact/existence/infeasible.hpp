@@ -10,7 +10,8 @@
 /// W (y e_N) = 0. Bodies squeezed between walls have such y: weights of contacts that cannot all stop approaching.
 ///
 /// Of bodies, W = H' M^-1 H, that is H (y e_N) = 0: no entry of W is formed, and what is left of H (y e_N), body by
-/// body in the norm of M^-1, bounds |g|. A q that was condensed is known to its roundings only (Problem::rounding): so
+/// body in the norm of M^-1, bounds |g|; of bodies that constraints hold, H (y e_N) = G lambda for some doubles lambda,
+/// or a refined W (y e_N) with its bound. A q that was condensed is known to its roundings only (Problem::rounding): so
 /// much is taken from -q_N.y. W counts as it is, unless nothing is known of q.
 ///
 /// The same y serves every law whose impulses are in K: polygons inside the disk, no friction. Polygons about the disk
@@ -40,8 +41,8 @@ double infeasibility_radius(const Problem& problem, In y);
 ///  * R >= 1e12 max(1, |q|_inf / |W|_max): no impulses of this world, and
 ///  * what keeps R finite is rounding: in every contact (g_N + mu |g_T|)+ <= 8 (k + 2) eps t, k the entries that meet
 ///    there, t = (1 + mu) sum_i y_i max(|W_ij|, sqrt(W_ii W_jj)) the size of what cancels; of bodies, what is left of
-///    H (y e_N) is so small beside what cancels in each. Without this diag(1, 1e-20), q_N = (-1, -1), solved by
-///    r_N = (1, 1e20), would be refused.
+///    H (y e_N), or of W (y e_N), is so small beside what cancels. Without this diag(1, 1e-20), q_N = (-1, -1), solved
+///    by r_N = (1, 1e20), would be refused.
 bool proves_infeasible(const Problem& problem, In y);
 
 struct Infeasible {
@@ -56,8 +57,8 @@ struct SearchLimits {
 };
 
 /// Searches for a certificate with few contacts in it, in small whole numbers where those make it exact. Nothing: there
-/// is none, none was found, or a limit was reached. Memory is that of W, or of M and H, and a dense matrix of at most
-/// 600 rows.
+/// is none, none was found, or a limit was reached. Memory is that of W, or of M and H and, with constraints, of at
+/// most 5 million entries of K^-1 H, and a dense matrix of at most 600 rows.
 std::optional<Infeasible> find_infeasibility(const Problem& problem, const SearchLimits& limits = {});
 
 }  // namespace perp::contact

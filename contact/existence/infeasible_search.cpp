@@ -2,6 +2,7 @@
 /// find_infeasibility(): single contacts, then part by part nonnegative least squares; simple numbers in the end.
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numeric>
 #include <utility>
 #include <vector>
@@ -29,6 +30,9 @@ constexpr double support_tol = 1e-9;
 /// Fractions tried: their largest denominator, and the largest common one.
 constexpr double largest_denominator = 1024;
 constexpr double largest_common = 0x1p40;
+/// Velocities of constrained bodies, all columns; the squares of those that are rounding.
+constexpr std::size_t most_entries = 5'000'000;
+constexpr double rounding_of_held = 1e-26;
 
 /// The nearest fraction of a small denominator by continued fractions; 0 if there is none within 1e-9 of v.
 double denominator(double v) {
@@ -59,26 +63,57 @@ Vec whole_numbers(const Vec& v) {
 
 /// What weights y of the contacts have to make: columns y in -K*, contact by contact, or 0 where W is semidefinite.
 struct Target {
-  SpMat columns{};        // one a contact: of W', or of H with each row in units of its own
+  SpMat columns{};        // one a contact: of W', of H with each row in units of its own, or of K^-1 H
   int group = 1;          // rows that belong together: the d of a contact
   bool symmetric = true;  // W
 };
 
+/// Of bodies that constraints hold the velocities K^-1 H (y e_N) have to be 0. Nothing where they do not fit, it is
+/// late, or nothing is proven by them.
+std::optional<SpMat> velocities_of(const DelassusParts& parts, int d, const std::function<bool()>& late) {
+  const Inertia& inertia = parts.inertia();
+  if (!inertia.symmetric()) return std::nullopt;
+  const Index m = inertia.velocities();
+  const Vec M = parts.M().diagonal();
+  const SpMat H = normal_columns(parts.H(), d);
+  const Vec free = free_squares(inertia, H);
+  std::vector<Eigen::Triplet<double>> entries;
+  bool all = true;
+  inertia.lu().for_each_column(H, [&](Index a, const lcp::SparseVector& v) {
+    v.for_each([&](Index i, double value) {
+      if (i >= m) return;
+      const double size = std::sqrt(M[i]) * value;
+      if (size * size > rounding_of_held * free[a])
+        entries.emplace_back(static_cast<int>(i), static_cast<int>(a), size);
+    });
+    all = entries.size() <= most_entries && !late();
+    return all;
+  });
+  if (!all) return std::nullopt;
+  SpMat V(m, H.cols());
+  V.setFromTriplets(entries.begin(), entries.end());
+  return V;
+}
+
 /// Of W = H' M^-1 H by its parts H (y e_N) = 0, whatever the units of its rows.
-Target target_of(const Problem& problem) {
+std::optional<Target> target_of(const Problem& problem, const std::function<bool()>& late) {
   const int d = problem.dimension;
   if (const DelassusParts* parts = problem.W.whole_parts()) {
+    if (parts->inertia().constrained()) {
+      std::optional<SpMat> V = velocities_of(*parts, d, late);
+      return V ? std::optional<Target>({.columns = std::move(*V)}) : std::nullopt;
+    }
     const Vec units = parts->M().diagonal().cwiseSqrt().cwiseInverse();
-    return {.columns = units.asDiagonal() * normal_columns(parts->H(), d)};
+    return Target{.columns = units.asDiagonal() * normal_columns(parts->H(), d)};
   }
   const SpMat& W = problem.W.matrix();
-  return {.columns = normal_columns(W.transpose(), d), .group = d, .symmetric = lcp::symmetric(W, 0)};
+  return Target{.columns = normal_columns(W.transpose(), d), .group = d, .symmetric = lcp::symmetric(W, 0)};
 }
 
 class Search {
  public:
-  Search(const Problem& problem, const SearchLimits& limits)
-      : problem_(problem), limits_(limits), d_(problem.dimension), target_(target_of(problem)) {
+  Search(const Problem& problem, const SearchLimits& limits, Target target)
+      : problem_(problem), limits_(limits), d_(problem.dimension), target_(std::move(target)) {
     const Vec q = problem.q.cwiseAbs();
     velocity_ = q.size() > 0 && q.maxCoeff() > 0 ? q.maxCoeff() : 1;
   }
@@ -367,7 +402,10 @@ std::vector<Index> Search::offer(Vec y, const std::vector<char>& slack, const st
 
 std::optional<Infeasible> find_infeasibility(const Problem& problem, const SearchLimits& limits) {
   check(problem);
-  return Search(problem, limits).run();
+  const lcp::Deadline deadline = lcp::deadline_after(limits.max_time);
+  std::optional<Target> target =
+      target_of(problem, [&] { return Clock::now() > deadline || (limits.interrupt != nullptr && *limits.interrupt); });
+  return target ? Search(problem, limits, std::move(*target)).run() : std::nullopt;
 }
 
 }  // namespace perp::contact

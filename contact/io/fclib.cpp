@@ -7,6 +7,7 @@
 #include <limits>
 #include <mutex>
 #include <new>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 
@@ -253,20 +254,22 @@ Vec friction(const Reader& in, const std::string& path) {
   return mu;
 }
 
-/// Eliminates lambda.
+/// Eliminates lambda: W - V R^-1 V', q - V R^-1 s.
 void eliminate(const Reader& in, Problem& p) {
   const std::string root = "/fclib_local";
   const Vec s = in.vector(root + "/vectors/s", -1, "");
-  const SpMat V = in.matrix(root + "/V", p.q.size(), s.size());
-  const SpMat R = in.matrix(root + "/R", s.size(), s.size());
-  const lcp::Schur schur = lcp::schur(R, SpMat(V.transpose()), s, 0);
-  if (schur.status == lcp::LuStatus::OutOfMemory) throw std::bad_alloc();
-  if (!schur.regular()) in.refuse(root + "/R", "is singular");
-  p.rounding = rounding_by_lu(R, SpMat(V.transpose()), schur, p.q, p.W.diagonal());
-  SpMat W = p.W.matrix() - schur.S;
-  W.makeCompressed();
-  p.W = std::move(W);
-  p.q -= V * schur.x;
+  const SpMat B = in.matrix(root + "/V", p.q.size(), s.size()).transpose();
+  const auto R = std::make_shared<const lcp::RefinedLu>(in.matrix(root + "/R", s.size(), s.size()));
+  std::optional<lcp::TwoPartVector> x;
+  if (R->regular()) x = R->refined(lcp::TwoPartVector(s));
+  const auto exact = std::make_shared<const lcp::SchurProduct>(R, B, -1, p.W.matrix());
+  std::optional<SpMat> W;
+  if (x) W = exact->matrix(0);
+  if (!W) in.refuse(root + "/R", "is singular (reciprocal condition number ", R->rcond(), ")");
+  p.rounding = rounding_by_lu(*R, B, x->value, p.q, p.W.diagonal());
+  p.q = exact->offset(s, p.q);
+  W->makeCompressed();
+  p.W = Delassus(std::move(*W), exact);
 }
 
 Problem read_local(const Reader& in) {

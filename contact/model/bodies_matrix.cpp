@@ -26,7 +26,9 @@ std::vector<int> rows_of(const SpMat& H, const Scaled::Block& block) {
 
 }  // namespace
 
-BodiesMatrix::BodiesMatrix(const Scaled& problem) : M_(problem.W.parts()->M()) {
+BodiesMatrix::BodiesMatrix(const Scaled& problem)
+    : velocities_(problem.W.parts()->inertia().velocities()), constrained_(problem.W.parts()->inertia().constrained()) {
+  const SpMat& M = problem.W.parts()->M();
   const SpMat& H = problem.W.parts()->H();
   std::vector<std::vector<int>> rows;           // of each contact
   std::vector<Eigen::Triplet<double>> touched;  // rows by contacts
@@ -39,9 +41,9 @@ BodiesMatrix::BodiesMatrix(const Scaled& problem) : M_(problem.W.parts()->M()) {
         part.H(std::lower_bound(own.begin(), own.end(), it.row()) - own.begin(), c) = it.value();
     for (const int i : own) touched.emplace_back(i, static_cast<int>(rows.size()) - 1, 1.0);
   }
-  SpMat incidence(M_.rows(), static_cast<Index>(parts_.size()));
+  SpMat incidence(M.rows(), static_cast<Index>(parts_.size()));
   incidence.setFromTriplets(touched.begin(), touched.end());
-  SpMat pattern = M_;
+  SpMat pattern = M;
   pattern.coeffs().setOnes();
   K_ = pattern + SpMat(incidence * SpMat(incidence.transpose()));
   K_.makeCompressed();
@@ -49,8 +51,8 @@ BodiesMatrix::BodiesMatrix(const Scaled& problem) : M_(problem.W.parts()->M()) {
     for (const int j : rows[a])
       for (const int i : rows[a]) (i >= j ? parts_[a].lower : parts_[a].upper).push_back(place_of(K_, i, j));
   inertia_.assign(at(K_.nonZeros()), 0.0);
-  for (Index j = 0; j < M_.cols(); ++j)
-    for (SpMat::InnerIterator it(M_, j); it; ++it)
+  for (Index j = 0; j < M.cols(); ++j)
+    for (SpMat::InnerIterator it(M, j); it; ++it)
       inertia_[at(place_of(K_, static_cast<int>(it.row()), static_cast<int>(j)))] = it.value();
 }
 
@@ -85,6 +87,12 @@ SpMat BodiesMatrix::with_unit_diagonal(Vec& scale) const {
     }
     const double unit = std::max(diagonal, least_share * largest);
     if (unit > 0 && std::isfinite(unit)) scale[j] = 1 / std::sqrt(unit);
+  }
+  for (Index j = velocities_; j < K_.cols(); ++j) {
+    double largest = 0;
+    for (SpMat::InnerIterator it(K_, j); it; ++it)
+      if (it.row() < velocities_) largest = std::max(largest, scale[it.row()] * std::abs(it.value()));
+    if (largest > 0 && std::isfinite(largest)) scale[j] = 1 / largest;
   }
   return scale.asDiagonal() * K_ * scale.asDiagonal();
 }

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// M + H E H' of contact systems that are solved by bodies (contact/model/contact_system.hpp), E one block a contact,
-/// on a pattern that is made once. Private to contact/.
+/// on a pattern that is made once. With bilateral constraints M is [M G; G' 0], and the matrix is indefinite. Private
+/// to contact/.
 #include <Eigen/Dense>
 #include <vector>
 
@@ -14,12 +15,14 @@ class BodiesMatrix {
   /// Of a W by its parts, which outlive *this.
   explicit BodiesMatrix(const Scaled& problem);
 
+  bool constrained() const { return constrained_; }  ///< may M be indefinite, or unsymmetric by its rounding?
   /// Of symmetric E: on and below the diagonal alone, what Cholesky reads.
   void assemble_lower(const std::vector<Eigen::Matrix3d>& E) { assemble(E, true); }
   void assemble(const std::vector<Eigen::Matrix3d>& E) { assemble(E, false); }
   const SpMat& matrix() const { return K_; }
   /// diag(scale) K diag(scale), and scale, in the units of K's diagonal, which may have E's 1e10 beside M's 1: LU looks
-  /// for fewer pivots elsewhere, and fills up less. A diagonal far below its column may be rounding alone.
+  /// for fewer pivots elsewhere, and fills up less. A diagonal far below its column may be rounding alone. Columns of
+  /// multipliers have none: their largest entry becomes one.
   SpMat with_unit_diagonal(Vec& scale) const;
 
  private:
@@ -33,7 +36,8 @@ class BodiesMatrix {
   };
   void assemble(const std::vector<Eigen::Matrix3d>& E, bool lower_alone);
 
-  const SpMat& M_;
+  Index velocities_;  // rows of M that are none of multipliers
+  bool constrained_;
   std::vector<Part> parts_;
   SpMat K_;
   std::vector<double> inertia_;  // M on the pattern of K

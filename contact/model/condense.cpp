@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <optional>
 #include <sstream>
 #include <stdexcept>
 #include <utility>
@@ -38,16 +39,17 @@ SpMat saddle_point(const SpMat& M, const SpMat& G) {
   return K;
 }
 
-/// Why K is not regular: M by itself, or else G.
-[[noreturn]] void refuse_singular(const Global& g, const lcp::Schur& of_K) {
-  if (of_K.status == lcp::LuStatus::OutOfMemory) throw std::bad_alloc();
+/// Why K is not regular, or solutions do not converge: M by itself, or else G.
+[[noreturn]] void refuse_singular(const Global& g, const lcp::RefinedLu& K) {
   std::ostringstream why;
   const bool alone = g.G.cols() == 0;
-  const lcp::Schur of_M = alone ? of_K : lcp::schur(g.M, SpMat(g.M.rows(), 0), g.f, 0);
-  why << (of_M.regular() ? "the constraints G' v + b = 0 are linearly dependent" : "the inertia M is singular");
-  const lcp::Schur& of = of_M.regular() ? of_K : of_M;
-  why << " (" << lcp::to_string(of.status);
-  if (of.status == lcp::LuStatus::Ok) why << ", reciprocal condition number " << of.rcond;
+  std::optional<lcp::RefinedLu> M;
+  if (!alone) M.emplace(g.M);
+  const bool dependent = M && M->regular();
+  const lcp::RefinedLu& of = alone || dependent ? K : *M;
+  why << (dependent ? "the constraints G' v + b = 0 are linearly dependent" : "the inertia M is singular");
+  why << " (" << lcp::to_string(of.status());
+  if (of.status() == lcp::LuStatus::Ok) why << ", reciprocal condition number " << of.rcond();
   why << ")";
   refuse(why.str());
 }
@@ -96,29 +98,39 @@ bool take_parts(const Global& g, Problem& p) {
       if (place[i] >= 0) f[place[i]] = g.f[static_cast<Index>(i)];
   }
   if (!(inertia->rcond() >= least_rcond)) return false;
-  const auto parts = std::make_shared<const DelassusParts>(std::move(inertia), 1, std::move(H));
+  const auto parts = std::make_shared<const DelassusParts>(std::move(inertia), std::move(H));
   p.W = Delassus(parts);
   p.q = exact_velocities(*parts, f, g.w);
   p.rounding = rounding_by_parts(*parts, f, p.q);
   return true;
 }
 
-/// With K = [M G; G' 0] and B = [H; 0]:  W = B' K^-1 B,  q = B' K^-1 [f; -b] + w.
-void take_entries(const Global& g, Problem& p) {
+/// With K = [M G; G' 0] and B = [H; 0]:  W = B' K^-1 B,  q = B' K^-1 [f; -b] + w. By the parts, or by entries where M
+/// is none of an inertia, or K so ill-conditioned that solutions cannot be relied on.
+void take_saddle_point(const Global& g, Problem& p) {
   const Index m = g.M.rows();
   const Index k = g.G.cols();
   SpMat B = g.H;
   B.conservativeResize(m + k, B.cols());
   Vec f(m + k);
   f << g.f, -g.b;
-  const SpMat K = saddle_point(g.M, g.G);
-  lcp::Schur s = lcp::schur(K, B, f, g.w, drop);
-  if (!s.regular()) refuse_singular(g, s);
-  if (SpMat(K.transpose()).isApprox(K, 0)) s.S = 0.5 * (s.S + SpMat(s.S.transpose()));
-  s.S.makeCompressed();
-  p.q = std::move(s.image);
-  p.rounding = rounding_by_lu(K, B, s, g.w, Vec::Zero(g.w.size()));
-  p.W = Delassus(std::move(s.S), std::make_shared<const lcp::SchurProduct>(K, B));
+  SpMat K = saddle_point(g.M, g.G);
+  const auto factors = std::make_shared<const lcp::RefinedLu>(K);
+  if (!factors->regular()) refuse_singular(g, *factors);
+  const std::optional<lcp::TwoPartVector> x = factors->refined(lcp::TwoPartVector(f));
+  if (!x) refuse_singular(g, *factors);
+  const auto exact = std::make_shared<const lcp::SchurProduct>(factors, B);
+  p.q = exact->offset(f, g.w);
+  p.rounding = rounding_by_lu(*factors, B, x->value, g.w, Vec::Zero(g.w.size()));
+  if (factors->rcond() >= least_rcond)
+    if (auto inertia = Inertia::of(g.M, K, factors)) {
+      p.W = Delassus(std::make_shared<const DelassusParts>(std::move(inertia), std::move(B)));
+      return;
+    }
+  std::optional<SpMat> W = exact->matrix(drop);
+  if (!W) refuse_singular(g, *factors);
+  W->makeCompressed();
+  p.W = Delassus(std::move(*W), exact);
 }
 
 }  // namespace
@@ -128,7 +140,7 @@ Problem condense(Global global, Vec mu, int dimension, std::string name) {
   check_friction(mu);
   check(global, dimension * mu.size());
   Problem p{.dimension = dimension, .name = std::move(name)};
-  if (!take_parts(global, p)) take_entries(global, p);
+  if (!take_parts(global, p)) take_saddle_point(global, p);
   p.mu = std::move(mu);
   p.global = std::make_shared<const Global>(std::move(global));
   check(p);

@@ -54,6 +54,12 @@ bool definite(const ContactRows& rows, int size) {
   return rows.B.topLeftCorner(size, size).isIdentity(0) && nearly_symmetric(rows.A.topLeftCorner(size, size));
 }
 
+/// Parts are symmetric to rounding at least.
+bool symmetric(const Delassus& W, double tol) {
+  if (W.parts() == nullptr) return lcp::symmetric(W.matrix(), tol);
+  return tol > 0 || W.parts()->inertia().symmetric();
+}
+
 /// x += solve(c - product(x)) while the residual is above `target`, relative, and falls.
 template <class Product, class Solve>
 void refine(In c, double target, const Product& product, const Solve& solve, Vec& x) {
@@ -103,16 +109,16 @@ ContactSystem::ContactSystem(const Scaled& problem, lcp::LuBackend lu, lcp::Dead
       cholesky_(std::make_shared<lcp::Cholesky>(deadline, lcp::CholeskyOrdering::Thorough)),
       backend_(lu),
       deadline_(deadline),
-      exactly_symmetric_W_(problem.W.parts() != nullptr || lcp::symmetric(problem.W.matrix(), 0)),
-      symmetric_W_(exactly_symmetric_W_ || lcp::symmetric(problem.W.matrix(), rounding_of_W)),
+      exactly_symmetric_W_(symmetric(problem.W, 0)),
+      symmetric_W_(exactly_symmetric_W_ || symmetric(problem.W, rounding_of_W)),
       W_(problem.W.plus(-problem.W.shift())) {}
 
 ContactSystem::ContactSystem(const Scaled& problem, const ContactSystem& shared)
     : problem_(problem),
       backend_(shared.backend_),
       deadline_(shared.deadline_),
-      exactly_symmetric_W_(problem.W.parts() != nullptr || lcp::symmetric(problem.W.matrix(), 0)),
-      symmetric_W_(exactly_symmetric_W_ || lcp::symmetric(problem.W.matrix(), rounding_of_W)),
+      exactly_symmetric_W_(symmetric(problem.W, 0)),
+      symmetric_W_(exactly_symmetric_W_ || symmetric(problem.W, rounding_of_W)),
       chosen_(true),
       W_(problem.W.plus(-problem.W.shift())) {
   if (problem.W.parts() != nullptr)
@@ -202,6 +208,8 @@ bool ContactSystem::part_by_bodies() {
 bool ContactSystem::factor_whole() {
   for (const ContactCoupling& c : std::exchange(couplings_, {})) rows_[c.contact].A += c.p * c.q.transpose();
   if (bodies_) {
+    A_inverse_.resize(rows_.size());
+    E_.resize(rows_.size());
     for (std::size_t a = 0; a < rows_.size(); ++a) invert(a);
     return take_bodies(false);
   }
@@ -219,7 +227,7 @@ bool ContactSystem::factor(const std::vector<ContactRows>& rows) {
   for (std::size_t a = 0; a < rows_.size() && all_definite; ++a)
     all_definite = definite(rows_[a], problem_.blocks[a].size);
   if (all_definite) return take_contacts(true);
-  return bodies_ && part_by_bodies() ? take_bodies(true) : factor_whole();
+  return bodies_ && !bodies_->constrained() && part_by_bodies() ? take_bodies(true) : factor_whole();
 }
 
 bool ContactSystem::factor(const std::vector<Block>& A, const std::vector<Block>& inverse,
@@ -232,9 +240,25 @@ bool ContactSystem::factor(const std::vector<Block>& A, const std::vector<Block>
   couplings_ = std::move(couplings);
   A_inverse_ = inverse;
   E_ = inverse;
+  if (bodies_ && bodies_->constrained()) {
+    couple_inverses();
+    return take_bodies(false);
+  }
   if (!symmetric_W_ || static_cast<double>(couplings_.size()) > most_coupled * static_cast<double>(A.size()))
     return factor_whole();
   return bodies_ ? take_bodies(true) : take_contacts(true);
+}
+
+/// Takes the couplings into A, and into its inverses by Sherman and Morrison's formula, which keeps their digits.
+void ContactSystem::couple_inverses() {
+  for (const ContactCoupling& c : std::exchange(couplings_, {})) {
+    Block& inverse = A_inverse_[c.contact];
+    const Eigen::Vector3d p = inverse * c.p;
+    const Eigen::RowVector3d q = c.q.transpose() * inverse;
+    inverse -= p * q / (1 + c.q.dot(p));
+    E_[c.contact] = inverse;
+    rows_[c.contact].A += c.p * c.q.transpose();
+  }
 }
 
 void ContactSystem::back_solve(const Vec& b, Vec& x) const {

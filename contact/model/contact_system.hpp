@@ -10,7 +10,7 @@
 ///    of the size of M, where bodies that touch are neighbours. A wall has 10 contacts a brick, a pile 3 a sphere.
 ///    Its entries are not formed.
 /// Where B = 1 and A is symmetric and positive definite, and with bodies wherever E is symmetric, the factor is
-/// Cholesky's, which takes half of what LU does; LU otherwise, and where Cholesky's fails.
+/// Cholesky's, which takes half of what LU does; LU otherwise, where Cholesky's fails, and with bilateral constraints.
 ///
 /// Coulomb's law is unsymmetric only where contacts slip, by one product p q' each: its friction follows its normal
 /// impulse, or its opening its slip. These are kept apart from A. With K = A + B W, P = diag(p_a) and Q = diag(q_a),
@@ -89,6 +89,7 @@ class ContactSystem {
   bool factor_whole();
   bool part_by_bodies();
   bool invert(std::size_t a);
+  void couple_inverses();
   void solve_definite(In c, Vec& x) const;
   template <class X>
   void solve_definite_once(const X& c, X& x) const;

@@ -4,12 +4,14 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <atomic>
+#include <cassert>
 #include <cmath>
+#include <limits>
 #include <mutex>
-#include <numeric>
 #include <utility>
 
 #include "lcp/cholesky/symmetric.hpp"
+#include "lcp/linalg/joined.hpp"
 #include "lcp/lu/condition.hpp"
 
 namespace perp::contact {
@@ -19,36 +21,13 @@ namespace {
 constexpr std::size_t largest_body = 24;
 /// Entries below this part of sqrt(W_ii W_jj) are zero by structure.
 constexpr double rounding_of_zero = 1e-15;
-
-/// Things that are joined two by two, and the sets they come to.
-class Joined {
- public:
-  explicit Joined(Index things) : parent_(at(things)) { std::iota(parent_.begin(), parent_.end(), 0); }
-
-  void join(Index a, Index b) {
-    const int of_a = root(static_cast<int>(a));
-    const int of_b = root(static_cast<int>(b));
-    parent_[at(std::max(of_a, of_b))] = std::min(of_a, of_b);
-  }
-  /// A number for each, that of its set, from 0 in the order of their first members.
-  std::vector<int> numbers() {
-    std::vector<int> number(parent_.size(), -1);
-    int count = 0;
-    for (std::size_t i = 0; i < parent_.size(); ++i) {
-      const int r = root(static_cast<int>(i));
-      if (number[at(r)] < 0) number[at(r)] = count++;
-      number[i] = number[at(r)];
-    }
-    return number;
-  }
-
- private:
-  int root(int i) {
-    while (parent_[at(i)] != i) i = parent_[at(i)] = parent_[at(parent_[at(i)])];
-    return i;
-  }
-  std::vector<int> parent_;
-};
+/// What an inertia may be unsymmetric by: the rounding of whoever assembled it.
+constexpr double rounding_of_M = 1e-11;
+/// Of what a contact velocity would be without constraints: below, its share is found from refined solutions.
+constexpr double held = 1e-6;
+constexpr double unsure_by_lu = 1e3;
+/// Below, it is zero.
+constexpr double held_altogether = 1e-20;
 
 bool same_matrix(const SpMat& a, const SpMat& b) {
   return a.rows() == b.rows() && a.cols() == b.cols() && a.nonZeros() == b.nonZeros() &&
@@ -58,13 +37,6 @@ bool same_matrix(const SpMat& a, const SpMat& b) {
 }
 
 }  // namespace
-
-std::vector<int> coupled_by(const SpMat& A) {
-  Joined unknowns(A.rows());
-  for (Index j = 0; j < A.cols(); ++j)
-    for (SpMat::InnerIterator it(A, j); it; ++it) unknowns.join(it.row(), j);
-  return unknowns.numbers();
-}
 
 SpMat normal_columns(const SpMat& A, int d) {
   SpMat out(A.rows(), A.cols() / d);
@@ -76,17 +48,45 @@ SpMat normal_columns(const SpMat& A, int d) {
   return out;
 }
 
+Vec free_squares(const Inertia& inertia, const SpMat& H) {
+  const Vec M = inertia.M().diagonal();
+  Vec out = Vec::Zero(H.cols());
+  for (Index j = 0; j < H.cols(); ++j)
+    for (SpMat::InnerIterator it(H, j); it; ++it)
+      if (it.row() < inertia.velocities()) out[j] += it.value() * it.value() / M[it.row()];
+  return out;
+}
+
 std::shared_ptr<const Inertia> Inertia::of(SpMat M) {
+  M.prune([](Index /*i*/, Index /*j*/, double value) { return value != 0; });
   M.makeCompressed();
   if (!lcp::symmetric(M, 0)) return nullptr;
   std::shared_ptr<Inertia> inertia(new Inertia);
   inertia->M_ = std::move(M);
+  inertia->velocities_ = inertia->M_.rows();
   if (!inertia->factor()) return nullptr;
   return inertia;
 }
 
-bool Inertia::factor() {
-  body_of_ = coupled_by(M_);
+std::shared_ptr<const Inertia> Inertia::of(const SpMat& M, SpMat K, std::shared_ptr<const lcp::RefinedLu> factors) {
+  if (!factors->regular() || !lcp::symmetric(M, rounding_of_M)) return nullptr;
+  const SpMat transposed = M.transpose();
+  if (!of(SpMat(0.5 * (M + transposed)))) return nullptr;
+  std::shared_ptr<Inertia> inertia(new Inertia);
+  inertia->symmetric_ = lcp::symmetric(M, 0);
+  inertia->velocities_ = M.rows();
+  inertia->M_ = std::move(K);
+  inertia->M_.makeCompressed();
+  inertia->body_of_ = factors->part_of();
+  inertia->find_bodies();
+  inertia->rcond_ = factors->rcond();
+  inertia->entries_of_lu_ = factors->entries_of_factors();
+  inertia->lu_ = std::move(factors);
+  return inertia;
+}
+
+/// The rows of each body, and the place of each among them.
+void Inertia::find_bodies() {
   place_.resize(body_of_.size());
   for (std::size_t i = 0; i < body_of_.size(); ++i) {
     const auto body = at(body_of_[i]);
@@ -94,6 +94,11 @@ bool Inertia::factor() {
     place_[i] = static_cast<int>(rows_[body].size());
     rows_[body].push_back(static_cast<int>(i));
   }
+}
+
+bool Inertia::factor() {
+  body_of_ = lcp::coupled_by(M_);
+  find_bodies();
   if (std::ranges::any_of(rows_, [](const std::vector<int>& rows) { return rows.size() > largest_body; })) {
     cholesky_ = std::make_unique<lcp::Cholesky>();
     if (cholesky_->factor(M_) != lcp::CholeskyStatus::Ok) return false;
@@ -127,6 +132,7 @@ double Inertia::whole_rcond() const {
 }
 
 double Inertia::entries_of_factor() const {
+  if (lu_) return entries_of_lu_ / 2;
   if (cholesky_) return cholesky_->nonzeros();
   double entries = 0;
   for (const Eigen::MatrixXd& L : L_) entries += 0.5 * static_cast<double>(L.rows() * (L.rows() + 1));
@@ -134,6 +140,7 @@ double Inertia::entries_of_factor() const {
 }
 
 Vec Inertia::inverse(In p) const {
+  if (lu_) return lu_->solve(p);
   Vec v(p.size());
   if (cholesky_) {
     cholesky_->solve(p, v);
@@ -152,7 +159,7 @@ Vec Inertia::inverse(In p) const {
 }
 
 std::unique_ptr<const SpMat> Inertia::root(const SpMat& H) const {
-  if (cholesky_) return nullptr;
+  if (cholesky_ || lu_) return nullptr;
   std::vector<Eigen::Triplet<double>> entries;
   entries.reserve(at(H.nonZeros()));
   std::vector<int> met;
@@ -179,20 +186,41 @@ std::unique_ptr<const SpMat> Inertia::root(const SpMat& H) const {
   return Z;
 }
 
-DelassusParts::DelassusParts(std::shared_ptr<const Inertia> inertia, double s, SpMat H)
-    : inertia_(std::move(inertia)), s_(s), M_(s * inertia_->M()), H_(std::move(H)) {
-  M_.makeCompressed();
+DelassusParts::DelassusParts(std::shared_ptr<const Inertia> inertia, SpMat H)
+    : inertia_(std::move(inertia)), M_(inertia_->M()), H_(std::move(H)) {
   H_.makeCompressed();
-  if (auto Z = inertia_->root(H_)) root_ = std::make_unique<const SpMat>(*Z / std::sqrt(s_));
+  if (auto Z = inertia_->root(H_)) root_ = std::move(Z);
   find_near_and_shares();
 }
 
-void DelassusParts::find_near_and_shares() {
-  const Index n = H_.cols();
+DelassusParts::DelassusParts(const DelassusParts& of, double s, const std::vector<Index>& rows,
+                             const std::vector<double>& weights)
+    : inertia_(of.inertia_), s_(s * of.s_), M_(s * of.M_) {
+  const auto taken = [&](const SpMat& A, double divisor) {
+    SpMat out(A.rows(), static_cast<Index>(rows.size()));
+    out.reserve(A.nonZeros());
+    for (std::size_t k = 0; k < rows.size(); ++k) {
+      out.startVec(static_cast<Index>(k));
+      for (SpMat::InnerIterator it(A, rows[k]); it; ++it)
+        out.insertBack(it.row(), static_cast<Index>(k)) = weights[k] * it.value() / divisor;
+    }
+    out.finalize();
+    return out;
+  };
+  H_ = taken(of.H_, 1);
+  shares_ = taken(of.shares_, std::sqrt(s));
+  if (of.root_) root_ = std::make_unique<const SpMat>(taken(*of.root_, std::sqrt(s)));
+  near_.assign(rows.size(), {});
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    for (std::size_t j = i; j < std::min(i + 3, rows.size()); ++j)
+      if (const Index apart = std::abs(rows[j] - rows[i]); apart <= 2)
+        near_[i][j - i] = weights[i] * weights[j] * of.near(rows[i], rows[j]) / s;
+}
+
+/// Of column j, with v = M^-1 H_j.
+void DelassusParts::take_near_and_shares(Index j, In v) {
   const std::vector<int>& body_of = inertia_->body_of();
-  near_.assign(at(n), {});
-  shares_ = SpMat(inertia_->bodies(), n);
-  std::vector<std::pair<int, double>> squares;  // of the column at hand: N_bj^2 and b
+  std::vector<std::pair<int, double>> squares;  // b and N_bj^2
   const auto add_square = [&](Index row, double square) {
     const int body = body_of[at(row)];
     const auto found = std::ranges::find(squares, body, &std::pair<int, double>::first);
@@ -201,22 +229,46 @@ void DelassusParts::find_near_and_shares() {
     else
       found->second += square;
   };
-  Vec v;
-  for (Index j = 0; j < n; ++j) {
-    squares.clear();
-    if (root_) {
-      for (Index i = std::max<Index>(0, j - 2); i <= j; ++i) near_[at(i)][at(j - i)] = root_->col(i).dot(root_->col(j));
-      for (SpMat::InnerIterator it(*root_, j); it; ++it) add_square(it.row(), it.value() * it.value());
-    } else {
-      v = inverse(Vec(H_.col(j)));
-      for (Index i = std::max<Index>(0, j - 2); i <= j; ++i) near_[at(i)][at(j - i)] = H_.col(i).dot(v);
-      for (SpMat::InnerIterator it(H_, j); it; ++it) add_square(it.row(), it.value() * v[it.row()]);
-    }
-    std::ranges::sort(squares);
-    shares_.startVec(j);
-    for (const auto& [body, square] : squares) shares_.insertBack(body, j) = std::sqrt(std::max(square, 0.0));
+  for (Index i = std::max<Index>(0, j - 2); i <= j; ++i)
+    near_[at(i)][at(j - i)] = root_ ? root_->col(i).dot(root_->col(j)) : H_.col(i).dot(v);
+  if (root_)
+    for (SpMat::InnerIterator it(*root_, j); it; ++it) add_square(it.row(), it.value() * it.value());
+  else
+    for (SpMat::InnerIterator it(H_, j); it; ++it) add_square(it.row(), it.value() * v[it.row()]);
+  std::ranges::sort(squares);
+  shares_.startVec(j);
+  for (const auto& [body, square] : squares) shares_.insertBack(body, j) = std::sqrt(std::max(square, 0.0));
+}
+
+void DelassusParts::find_near_and_shares() {
+  near_.assign(at(H_.cols()), {});
+  shares_ = SpMat(inertia_->bodies(), H_.cols());
+  if (inertia_->constrained()) {
+    find_constrained();
+  } else {
+    for (Index j = 0; j < H_.cols(); ++j) take_near_and_shares(j, root_ ? Vec() : inverse(Vec(H_.col(j))));
   }
   shares_.finalize();
+}
+
+/// Where constraints hold almost all of a velocity, what is left of a solution is its rounding, and where they hold all
+/// of it, what is left of a refined one.
+void DelassusParts::find_constrained() {
+  const lcp::RefinedLu& K = inertia_->lu();
+  const double unsure = std::max(held, unsure_by_lu * std::numeric_limits<double>::epsilon() / K.rcond());
+  const Vec free = free_squares(*inertia_, H_);
+  const Vec nothing = Vec::Zero(H_.rows());
+  K.for_each_column(H_, [&](Index j, const lcp::SparseVector& v) {
+    const auto moved = [&](const Vec& by) { return H_.col(j).dot(by); };
+    if (moved(v.values()) > unsure * free[j]) {
+      take_near_and_shares(j, v.values());
+      return true;
+    }
+    const std::optional<lcp::TwoPartVector> refined = K.refined(lcp::TwoPartVector(Vec(H_.col(j))));
+    const bool moves = refined && moved(refined->value) > held_altogether * free[j];
+    take_near_and_shares(j, moves ? refined->value : nothing);
+    return true;
+  });
 }
 
 Vec DelassusParts::product(In r) const {
@@ -224,15 +276,35 @@ Vec DelassusParts::product(In r) const {
   return H_.transpose() * inverse(Vec(H_ * r));
 }
 
+lcp::SchurImage DelassusParts::refined_product(In r, double shift, In w) const {
+  assert(s_ == 1);
+  lcp::TwoPartSums p(Vec::Zero(H_.rows()));
+  p.add_product(H_, r);
+  lcp::TwoPartSums rest{Vec(w)};
+  if (shift != 0)
+    for (Index i = 0; i < r.size(); ++i) {
+      rest.sum.add_product(i, shift, r[i]);
+      rest.terms[i] += std::abs(shift * r[i]);
+    }
+  return lcp::schur_image(inertia_->lu(), H_, p, rest);
+}
+
 SpMat DelassusParts::form() const {
   SpMat W = root_ ? SpMat(SpMat(root_->transpose()) * *root_) : form_by_columns();
   W.prune([this](Index i, Index j, double value) {
-    return !(std::abs(value) <= rounding_of_zero * std::sqrt(near(i, i) * near(j, j)));
+    if (std::abs(value) <= rounding_of_zero * std::sqrt(near(i, i) * near(j, j))) return false;
+    return !inertia_->constrained() || shares_.col(i).dot(shares_.col(j)) > 0;  // what is held acts on nothing
   });
   return W;
 }
 
 SpMat DelassusParts::form_by_columns() const {
+  if (inertia_->constrained()) {
+    if (std::optional<SpMat> W = inertia_->lu().schur(H_, 0)) {
+      *W /= s_;
+      return inertia_->symmetric() ? SpMat(0.5 * (*W + SpMat(W->transpose()))) : *W;
+    }
+  }
   std::vector<Eigen::Triplet<double>> entries;
   for (Index j = 0; j < H_.cols(); ++j) {
     const Vec column = H_.transpose() * inverse(Vec(H_.col(j)));
@@ -241,7 +313,7 @@ SpMat DelassusParts::form_by_columns() const {
   }
   SpMat W(H_.cols(), H_.cols());
   W.setFromTriplets(entries.begin(), entries.end());
-  return 0.5 * (W + SpMat(W.transpose()));
+  return inertia_->symmetric() ? SpMat(0.5 * (W + SpMat(W.transpose()))) : W;
 }
 
 struct Delassus::Entries {
@@ -316,7 +388,7 @@ Delassus Delassus::plus(double alpha) const {
 std::vector<std::vector<Index>> Delassus::groups(int d) const {
   const Index n = rows() / d;
   const SpMat& coupling = parts_ ? parts_->shares() : entries_->W;
-  Joined joined(n + (parts_ ? coupling.rows() : 0));  // contacts, then bodies
+  lcp::Joined joined(n + (parts_ ? coupling.rows() : 0));  // contacts, then bodies
   for (Index j = 0; j < coupling.cols(); ++j)
     for (SpMat::InnerIterator it(coupling, j); it; ++it)
       if (it.value() != 0) joined.join(j / d, parts_ ? n + it.row() : it.row() / d);

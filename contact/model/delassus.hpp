@@ -3,8 +3,9 @@
 /// The Delassus operator W of a contact problem, d n x d n [1/kg]: given by its entries, or by the parts of
 ///     W = H' M^-1 H,
 /// where it is a product with vectors. Its entries are then formed where somebody asks for them, once: with many
-/// contacts on a body, or bodies that are no rigid ones, they are the largest thing of all. Copies share them. Entries
-/// that were condensed come with what they were condensed from, for whom they are not exact enough.
+/// contacts on a body, or bodies that are no rigid ones, they are the largest thing of all. Copies share them.
+/// Bilateral constraints G' v + b = 0 are among the parts: with K = [M G; G' 0] for M and [H; 0] for H, W is of the
+/// same form. Entries that were condensed come with what they were condensed from, for whom they are not exact enough.
 #include <array>
 #include <functional>
 #include <memory>
@@ -22,21 +23,25 @@ using lcp::Index;
 using lcp::SpMat;
 using lcp::Vec;
 
-/// Which unknowns a square matrix couples, however indirectly: a number for each, the same for these, from 0.
-std::vector<int> coupled_by(const SpMat& A);
-
 /// Columns 0, d, 2 d, .. of A, those of the contacts' normals.
 SpMat normal_columns(const SpMat& A, int d);
 
 /// Factors of an inertia M, symmetric bit by bit and positive definite: body by body where M has small blocks, else
-/// Cholesky's of all.
+/// Cholesky's of all. Or LU's of an inertia that is symmetric to rounding, with bilateral constraints: M stands for
+/// K = [M G; G' 0] everywhere then, and multipliers for velocities, too.
 class Inertia {
  public:
   /// Nothing: M is not symmetric, not positive definite, or the factors do not fit.
   static std::shared_ptr<const Inertia> of(SpMat M);
+  /// By the factors of a regular K. Nothing: M is not symmetric to 1e-11, or not positive definite.
+  static std::shared_ptr<const Inertia> of(const SpMat& M, SpMat K, std::shared_ptr<const lcp::RefinedLu> factors);
 
   const SpMat& M() const { return M_; }
-  Vec inverse(In p) const;  ///< M^-1 p
+  bool constrained() const { return lu_ != nullptr; }  ///< is it by LU's factors?
+  bool symmetric() const { return symmetric_; }        ///< bit by bit
+  Index velocities() const { return velocities_; }     ///< rows of M; those of multipliers follow
+  const lcp::RefinedLu& lu() const { return *lu_; }    ///< pre: constrained()
+  Vec inverse(In p) const;                             ///< M^-1 p
   /// Velocities that M couples, however indirectly, have the same number, from 0.
   const std::vector<int>& body_of() const { return body_of_; }
   int bodies() const { return static_cast<int>(rows_.size()); }
@@ -45,11 +50,12 @@ class Inertia {
   /// Reciprocal condition number, of D M D with unit diagonal: the least of the bodies'. Estimated in the 1-norm,
   /// rarely three times too large.
   double rcond() const { return rcond_; }
-  /// Of the triangle that inverse() solves with, twice.
+  /// Of the triangle that inverse() solves with, twice: of LU's factors half of all.
   double entries_of_factor() const;
 
  private:
   Inertia() = default;
+  void find_bodies();
   bool factor();
   double whole_rcond() const;
 
@@ -59,13 +65,23 @@ class Inertia {
   std::vector<int> place_;              // of a velocity among those of its body
   std::vector<Eigen::MatrixXd> L_;      // of each body; none: by cholesky_
   std::unique_ptr<lcp::Cholesky> cholesky_;
+  std::shared_ptr<const lcp::RefinedLu> lu_;
+  double entries_of_lu_ = 0;
+  Index velocities_ = 0;
+  bool symmetric_ = true;
   double rcond_ = 1;
 };
+
+/// What contact velocities would be of, without constraints and couplings, as squares of N: sum_i H_ij^2 / M_ii.
+Vec free_squares(const Inertia& inertia, const SpMat& H);
 
 /// W = H' (s M)^-1 H.
 class DelassusParts {
  public:
-  DelassusParts(std::shared_ptr<const Inertia> inertia, double s, SpMat H);
+  /// H has a row for each of the inertia's.
+  DelassusParts(std::shared_ptr<const Inertia> inertia, SpMat H);
+  /// diag(weights) W diag(weights) / s in these of its rows and columns.
+  DelassusParts(const DelassusParts& of, double s, const std::vector<Index>& rows, const std::vector<double>& weights);
 
   const Inertia& inertia() const { return *inertia_; }
   const std::shared_ptr<const Inertia>& shared_inertia() const { return inertia_; }
@@ -75,20 +91,24 @@ class DelassusParts {
   const SpMat* root() const { return root_.get(); }
   Vec inverse(In p) const { return inertia_->inverse(p) / s_; }  ///< (s M)^-1 p
   Vec product(In r) const;                                       ///< W r
-  /// W_ij, |i - j| <= 2: what a contact does to itself.
+  /// W r + shift r + w, K^-1 H r refined to twice the precision; pre: inertia().constrained(), s = 1.
+  lcp::SchurImage refined_product(In r, double shift, In w) const;
+  /// W_ij of one contact, |i - j| <= 2: what it does to itself.
   double near(Index i, Index j) const { return near_[at(std::min(i, j))][at(std::abs(i - j))]; }
   /// N, bodies x d n: N_bi = |H_i|_b in the norm of body b's M^-1, the size of the velocity that contact velocity i
-  /// gets through b. |W_ij| <= (N'N)_ij.
+  /// gets through b, a body being all that constraints hold together. |W_ij| <= (N'N)_ij, but for rounding.
   const SpMat& shares() const { return shares_; }
   /// H' (s M)^-1 H by its entries, all of them.
   SpMat form() const;
 
  private:
   void find_near_and_shares();
+  void take_near_and_shares(Index j, In v);
+  void find_constrained();
   SpMat form_by_columns() const;
 
   std::shared_ptr<const Inertia> inertia_;
-  double s_;
+  double s_ = 1;
   SpMat M_;
   SpMat H_;
   std::unique_ptr<const SpMat> root_;
@@ -125,7 +145,7 @@ class Delassus {
   SpMat& given();
 
   Vec diagonal() const;
-  /// W_ij with |i - j| <= 2, without forming anything.
+  /// W_ij of one contact, |i - j| <= 2, without forming anything.
   double near(Index i, Index j) const;
   /// W + alpha I. Of parts the diagonal is kept apart, as shift().
   Delassus plus(double alpha) const;

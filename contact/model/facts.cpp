@@ -22,6 +22,14 @@ SpMat unit_diagonal(const SpMat& W) {
   return S;
 }
 
+double asymmetry(const SpMat& S) {
+  const SpMat skew = S - SpMat(S.transpose());
+  double largest = 0;
+  for (Index j = 0; j < skew.cols(); ++j)
+    for (SpMat::InnerIterator it(skew, j); it; ++it) largest = std::max(largest, std::abs(it.value()));
+  return largest;
+}
+
 /// The rows of each group of contacts.
 std::vector<Rows> parts(const Delassus& W, int d) {
   std::vector<Rows> all;
@@ -55,12 +63,12 @@ Facts facts(const Problem& problem, const FactsOptions& options) {
   out.parts = static_cast<Index>(all.size());
   for (const Rows& rows : all) out.largest_part = std::max(out.largest_part, static_cast<Index>(rows.size()));
   out.known = out.largest_part <= options.dense_limit;
-  const bool symmetric = problem.W.parts() != nullptr;
-  if (symmetric && !out.known) return out;  // nobody needs the entries
+  if (const DelassusParts* parts = problem.W.parts(); parts != nullptr && !out.known) {
+    out.asymmetry = asymmetry(unit_diagonal(parts->M()));  // nobody needs the entries
+    return out;
+  }
   const SpMat S = unit_diagonal(problem.W.matrix());
-  const SpMat skew = S - SpMat(S.transpose());
-  for (Index j = 0; j < skew.cols(); ++j)
-    for (SpMat::InnerIterator it(skew, j); it; ++it) out.asymmetry = std::max(out.asymmetry, std::abs(it.value()));
+  out.asymmetry = asymmetry(S);
   if (!out.known || all.empty()) return out;
   std::vector<Index> place(static_cast<std::size_t>(S.rows()), -1);
   std::vector<double> values;

@@ -14,7 +14,7 @@ struct FactsOptions {
 };
 
 struct Facts {
-  double asymmetry = 0;  ///< max |S_ij - S_ji|; up to 0.02 in recorded data
+  double asymmetry = 0;  ///< max |S_ij - S_ji|; up to 0.02 in recorded data. Of M where W is not formed
   bool known = false;    ///< whether the rest is: every part has at most dense_limit rows
   Index rank = 0;        ///< of (S + S') / 2
   double least = 0;      ///< eigenvalue of (S + S') / 2, and the largest; least < 0 beyond rounding: not semidefinite

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <stdexcept>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -83,7 +83,8 @@ class DelassusOfGroups {
     for (std::size_t i = 0; i < body_of.size(); ++i) velocities_of_[at(body_of[i])].push_back(static_cast<int>(i));
   }
 
-  Delassus operator()(const Lines& rows) {
+  /// Nothing: the inertia of these bodies alone is not positive definite to rounding, as that of all was.
+  std::optional<Delassus> operator()(const Lines& rows) {
     const DelassusParts* parts = W_.whole_parts();
     const auto size = static_cast<Index>(rows.size());
     if (parts == nullptr) {
@@ -93,13 +94,22 @@ class DelassusOfGroups {
     const Lines velocities = velocities_of(*parts, rows);
     const auto m = static_cast<Index>(velocities.size());
     number(velocities, velocity_place_);
-    auto inertia = Inertia::of(part_of(parts->M(), m, velocities, velocity_place_));
-    if (!inertia) throw std::logic_error("an inertia is positive definite, and not so of some of its bodies");
+    auto inertia = inertia_of(parts->inertia(), velocities);
+    if (!inertia) return std::nullopt;
     return Delassus(
-        std::make_shared<const DelassusParts>(std::move(inertia), 1, part_of(parts->H(), m, rows, velocity_place_)));
+        std::make_shared<const DelassusParts>(std::move(inertia), part_of(parts->H(), m, rows, velocity_place_)));
   }
 
  private:
+  /// Of these velocities, and multipliers, which have their places.
+  std::shared_ptr<const Inertia> inertia_of(const Inertia& whole, const Lines& velocities) const {
+    SpMat M = part_of(whole.M(), static_cast<Index>(velocities.size()), velocities, velocity_place_);
+    if (!whole.constrained()) return Inertia::of(std::move(M));
+    const Index m = std::ranges::lower_bound(velocities, whole.velocities()) - velocities.begin();
+    const SpMat of_velocities = M.topLeftCorner(m, m);
+    auto factors = std::make_shared<const lcp::RefinedLu>(M);
+    return Inertia::of(of_velocities, std::move(M), std::move(factors));
+  }
   /// Of the bodies of these contacts.
   Lines velocities_of(const DelassusParts& parts, const Lines& rows) const {
     Lines bodies;
@@ -133,7 +143,9 @@ std::vector<ContactGroup> separated(const Problem& problem) {
     Lines rows;
     for (const Index a : contacts)
       for (int k = 0; k < d; ++k) rows.push_back(static_cast<int>(d * a + k));
-    Problem part{.dimension = d, .W = W_of(rows), .q = problem.q(rows), .mu = problem.mu(contacts)};
+    std::optional<Delassus> W = W_of(rows);
+    if (!W) return {};
+    Problem part{.dimension = d, .W = std::move(*W), .q = problem.q(rows), .mu = problem.mu(contacts)};
     part.name = problem.name;
     if (problem.rounding.q.size() != 0) part.rounding.q = problem.rounding.q(rows);
     if (problem.rounding.W.size() != 0) part.rounding.W = problem.rounding.W(rows);

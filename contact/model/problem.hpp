@@ -71,11 +71,12 @@ std::vector<ContactGroup> separated(const Problem& problem);
 
 /// W = H' M^-1 H, q = H' M^-1 f + w; with bilateral constraints G' v + b = 0 these are eliminated first, all in one:
 ///     W = [H; 0]' K^-1 [H; 0],   q = [H; 0]' K^-1 [f; -b] + w,   K = [M G; G' 0].
-/// Without G, and with M symmetric bit by bit and positive definite, W is the operator of these parts (delassus.hpp),
-/// of the bodies that contacts touch. Otherwise it has entries, by one LU factorization of K, column by column with
-/// sparse right-hand sides. |W_ij| <= 1e-15 sqrt(W_ii W_jj) is rounding and left out. Symmetric if M is. Throws
-/// std::invalid_argument if sizes differ, an entry is not finite, M is singular or G has dependent columns (K singular
-/// up to rounding), std::bad_alloc if the factors do not fit.
+/// Where M is positive definite and symmetric to 1e-11, W is the operator of these parts (delassus.hpp): without G and
+/// with M symmetric bit by bit, by factors of M and of the bodies that contacts touch; else by one LU factorization of
+/// K. Of any other M it has entries, by those factors, column by column with sparse right-hand sides; symmetric if M
+/// is. |W_ij| <= 1e-15 sqrt(W_ii W_jj) is rounding and left out. Throws std::invalid_argument if sizes differ, an entry
+/// is not finite, M is singular or G has dependent columns (K singular up to rounding), std::bad_alloc if the factors
+/// do not fit.
 Problem condense(Global global, Vec mu, int dimension = 3, std::string name = {});
 
 }  // namespace perp::contact

@@ -23,7 +23,8 @@ struct ContactState {
 ///     V_a = max(|q_a|, |(W r)_a|, min(t_a, Q_a)),   t_a = |(|q| + |W| |r|)_a|,
 ///     R_a = max(|r_a|, V_a / w_a),                  Q_a the largest |q_b| of contacts b that W couples with a:
 /// the velocities that cancel in u_a, and the impulses that act or would stop V_a. Of W by its parts N'N stands for |W|
-/// (DelassusParts::shares), and the contacts of a body are coupled. Neither V_a nor R_a can be made large by an
+/// (DelassusParts::shares), and the contacts of a body are coupled; of bodies that constraints hold, which are one
+/// thing then, the lesser of that and |H|' |v|, v = K^-1 H r. Neither V_a nor R_a can be made large by an
 /// r in the kernel of W, nor depends on units.
 struct Residual {
   double natural = 0;       ///< ||e_1|| [mixed units]

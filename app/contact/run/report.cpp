@@ -126,7 +126,8 @@ std::string own_text(const Problem& problem, const Run& run) {
 std::string W_text(const contact::Delassus& W) {
   const auto rows = static_cast<double>(W.rows());
   if (!W.formed())
-    return fmt::format("W = H' M^-1 H, not formed: {} rows, {} velocities of bodies", W.rows(), W.parts()->H().rows());
+    return fmt::format("W = H' M^-1 H, not formed: {} rows, {} velocities of bodies", W.rows(),
+                       W.parts()->inertia().velocities());
   const Index nonzeros = W.matrix().nonZeros();
   return fmt::format("W: {} rows, {} nonzeros ({} %)", W.rows(), nonzeros,
                      number(100 * static_cast<double>(nonzeros) / std::max(1.0, rows * rows), 3));
@@ -147,7 +148,7 @@ void print_heading(std::ostream& out, const Loaded& loaded, const Variant& varia
     text += ", of full rank";
   if (facts.parts > 1) text += fmt::format("; {} groups of contacts that do not act on each other", facts.parts);
   out << text << '\n';
-  if (problem.global && problem.W.formed())
+  if (problem.global && (problem.W.formed() || problem.global->b.size() > 0))
     out << fmt::format("condensed from {} velocities{}\n", problem.global->M.rows(),
                        problem.global->b.size() > 0
                            ? fmt::format(" and {}", count(problem.global->b.size(), "bilateral constraint"))

@@ -2,8 +2,10 @@
 #include "contact/io/fclib.hpp"
 
 #include <gmock/gmock.h>
+#include <gmpxx.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <fstream>
 #include <optional>
@@ -12,6 +14,7 @@
 #include "contact/contact_support.hpp"
 #include "contact/existence/infeasible.hpp"
 #include "contact/io/fclib_support.hpp"
+#include "contact/model/residual.hpp"
 
 namespace perp::contact {
 namespace {
@@ -105,6 +108,43 @@ TEST(Fclib, LocalWithConstraints) {
   EXPECT_TRUE(p.q.isApprox(vec({2, 4}), 1e-15));
   file["/fclib_local/R/x"] = Doubles{0};
   EXPECT_THROW(parse(file), FileError);
+}
+
+/// W = diag(4 - gap, 3) less V R^-1 V' = diag(4, 0), q = (q_N, 4) less (2, 0).
+Problem held_local(double gap, double q_N) {
+  Datasets file = small_local();
+  for (const char* name : {"V", "R"}) {
+    const std::string path = std::string("/fclib_local/") + name;
+    file[path + "/m"] = Ints{name[0] == 'V' ? 2 : 1};
+    file[path + "/n"] = Ints{1};
+    file[path + "/nzmax"] = Ints{1};
+    file[path + "/nz"] = Ints{-1};
+    file[path + "/p"] = Ints{0, 1};
+    file[path + "/i"] = Ints{0};
+    file[path + "/x"] = Doubles{name[0] == 'V' ? 6. / 7 : 9. / 49};
+  }
+  file["/fclib_local/vectors/s"] = Doubles{3. / 7};
+  file["/fclib_local/W/x"] = Doubles{4 - gap, 0, 0, 3, 0, 0};
+  file["/fclib_local/vectors/q"] = Doubles{q_N, 4};
+  return parse(file).problem;
+}
+
+// W_NN and q_N are what is left of numbers that cancel: to twice the precision they are not 0, but what the rounding of
+// 6 / 7, 9 / 49 and 3 / 7 has left. Catches entries and a q that are taken away in doubles: impulses of 1e15 moved what
+// does not move, and were called solutions.
+TEST(Fclib, LocalConstraintsKeepWhatCancels) {
+  const mpq_class V(6. / 7);
+  const mpq_class R(9. / 49);
+  const mpq_class s(3. / 7);
+  for (const double gap : {0.0, 0x1p-49, -0x1p-48}) {
+    const Problem p = held_local(gap, 2);
+    const double q_N = mpq_class(2 - V * s / R).get_d();
+    const double u_N = mpq_class(1e15 * (4 - gap - V * V / R) + mpq_class(p.q[0])).get_d();
+    EXPECT_NEAR(p.q[0], q_N, 1e-12 * std::abs(q_N)) << gap;
+    EXPECT_NEAR(velocities(p, vec({1e15, 0}))[0], u_N, 1e-12 * std::abs(u_N)) << gap;
+  }
+  const Problem p = held_local(0, 1);  // what is left of W_NN moves the contact by less than 1e-15
+  for (const double r_N : {1e10, 1e13, 1e14}) EXPECT_FALSE(accepted(residual(p, vec({r_N, 0})), 1e-8)) << r_N;
 }
 
 // V = (2, 3), R = [3 1; 2 1], of which W_NN = 13 and q_N = 17 cancel: what is left is rounding, or as little as that,

@@ -7,6 +7,7 @@
 #include <Eigen/Dense>
 #include <vector>
 
+#include "contact/model/jointed.hpp"
 #include "contact/scenes/generators.hpp"
 #include "support/matrices.hpp"
 
@@ -54,6 +55,14 @@ std::vector<Scaled> scenes() {
     problem.mu[0] = 0;  // one contact of one row
     all.push_back(scaled(problem, true, WForm::Parts));
   }
+  return all;
+}
+
+/// One whose bodies are held together, and one whose inertia is symmetric but for its rounding: no Cholesky.
+std::vector<Scaled> constrained_scenes() {
+  std::vector<Scaled> all;
+  all.push_back(scaled(test::jointed("wall", 60, 10), true, WForm::Parts));
+  all.push_back(scaled(test::jointed("spheres", 60, 0, 1e-13), true, WForm::Parts));
   return all;
 }
 
@@ -313,6 +322,46 @@ TEST(ContactSystem, IndefiniteBlocksAreFactoredByLu) {
       system.solve(c, x);
       EXPECT_LE(residual_of(problem, rows, x, c).norm(), 1e-10);
     }
+  }
+}
+
+// With bilateral constraints every system is solved in one matrix, whatever A, B and the couplings are. Catches
+// multipliers that are left out, Cholesky's factors of what is indefinite, and inverses of A that are lost.
+TEST(ContactSystem, BilateralConstraintsAreInTheMatrix) {
+  Random random(12);
+  for (const Scaled& problem : constrained_scenes()) {
+    ASSERT_NE(problem.W.parts(), nullptr);
+    ContactSystem system(problem);
+    const std::size_t contacts = problem.blocks.size();
+    const Vec c = random.normals(problem.size(), 1);
+    Vec x;
+    std::vector<ContactRows> rows(contacts);
+    for (ContactRows& of : rows) of = {.A = random_block(random), .B = random_block(random)};
+    ASSERT_TRUE(system.factor(rows));
+    EXPECT_FALSE(system.by_cholesky());
+    system.solve(c, x);
+    EXPECT_LE(residual_of(problem, rows, x, c).norm(), 1e-9 * c.norm());
+
+    const std::vector<Block> A = definite_blocks(problem, 1e-3, random);
+    std::vector<Block> inverse;
+    for (std::size_t a = 0; a < contacts; ++a) {
+      const int size = problem.blocks[a].size;
+      inverse.emplace_back(Block::Zero());
+      inverse.back().topLeftCorner(size, size) = A[a].topLeftCorner(size, size).inverse();
+      rows[a] = {.A = A[a], .B = Block::Identity()};
+    }
+    const ContactCoupling slips{.contact = 3, .p = {0, 0.5, -0.2}, .q = {1, 0, 0}};
+    for (const bool coupled : {false, true}) {
+      ASSERT_TRUE(system.factor(A, inverse, coupled ? std::vector{slips} : std::vector<ContactCoupling>()));
+      EXPECT_FALSE(system.by_cholesky());
+      if (coupled) rows[3].A += slips.p * slips.q.transpose();
+      system.solve(c, x);
+      EXPECT_LE(residual_of(problem, rows, x, c).norm(), 1e-9 * c.norm()) << coupled;
+      Vec once;
+      system.solve_once(c, once);
+      EXPECT_LE((once - x).norm(), 1e-7 * x.norm()) << coupled;
+    }
+    EXPECT_FALSE(problem.W.formed());
   }
 }
 

@@ -6,6 +6,8 @@
 
 #include <algorithm>
 
+#include "contact/model/random_global.hpp"
+#include "contact/model/residual.hpp"
 #include "contact/model/scaling.hpp"
 #include "contact/scenes/generators.hpp"
 #include "support/matrices.hpp"
@@ -30,7 +32,10 @@ TEST(Delassus, PartsMakeTheProductAndTheEntries) {
   const SpMat whole = definite(40, random);
   const SpMat H = Dense(random.normals(40, 12)).sparseView();
   for (const auto& [M, of] : {std::pair{bodies.M, bodies.H}, std::pair{whole, H}}) {
-    const auto parts = std::make_shared<const DelassusParts>(Inertia::of(M), 2.5, of);
+    std::vector<Index> rows(at(of.cols()));
+    std::iota(rows.begin(), rows.end(), 0);
+    const auto parts = std::make_shared<const DelassusParts>(DelassusParts(Inertia::of(M), of), 2.5, rows,
+                                                             std::vector<double>(rows.size(), 1));
     EXPECT_EQ(parts->root() != nullptr, M.rows() != 40);
     const Dense W = Dense(of).transpose() * Dense(2.5 * M).partialPivLu().solve(Dense(of));
     const double size = W.cwiseAbs().maxCoeff();
@@ -44,6 +49,50 @@ TEST(Delassus, PartsMakeTheProductAndTheEntries) {
     EXPECT_LE((Dense(by_parts.matrix()) - W).cwiseAbs().maxCoeff(), 1e-13 * size);
     EXPECT_TRUE(by_parts.formed());
     EXPECT_EQ(SpMat(by_parts.matrix() - SpMat(by_parts.matrix().transpose())).norm(), 0);
+  }
+}
+
+// With constraints W is that of the dense elimination, too, also in other units; a contact whose normal is held by one
+// of them moves nothing. Catches multipliers that are taken for velocities, shares of what constraints hold (the square
+// root of rounding is 1e-8), and entries between contacts that do not act on each other.
+TEST(Delassus, PartsOfConstrainedBodiesAreTheMatrix) {
+  Random random(8);
+  for (const double unsymmetric : {0.0, 1e-12}) {
+    Global g = test::random_global(random, 3, 4, 6, 3);
+    g.H.coeffRef(0, 1) += 1;  // (0, 1) may be none
+    Dense H(g.H);
+    H.col(3) = -2 * Dense(g.G).col(1);
+    g.H = support::sparse(H);
+    g.M.coeffRef(0, 1) *= 1 + unsymmetric;
+    const Problem problem = condense(g, Vec::Constant(6, 0.5));
+    ASSERT_NE(problem.W.parts(), nullptr);
+    const DelassusParts& parts = *problem.W.parts();
+    EXPECT_TRUE(parts.inertia().constrained());
+    EXPECT_EQ(parts.inertia().symmetric(), unsymmetric == 0);
+    Dense K = Dense::Zero(15, 15);
+    K << Dense(g.M), Dense(g.G), Dense(g.G).transpose(), Dense::Zero(3, 3);
+    Dense B = Dense::Zero(15, 18);
+    B.topRows(12) = H;
+    const Dense W = B.transpose() * K.fullPivLu().solve(B);
+    const double size = W.cwiseAbs().maxCoeff();
+    const Vec r = random.normals(18);
+    EXPECT_LE((problem.W * r - W * r).norm(), 1e-12 * size * r.norm());
+    EXPECT_LE((velocities(problem, r) - W * r - problem.q).norm(), 1e-12 * size * r.norm());
+    const Dense shares = Dense(parts.shares()).transpose() * Dense(parts.shares());
+    for (Index i = 0; i < 18; ++i)
+      for (Index j = i; j < 18; ++j) {
+        const double known = i / 3 == j / 3 ? problem.W.near(i, j) : W(i, j);
+        EXPECT_NEAR(known, W(i, j), 1e-12 * size);
+        EXPECT_LE(std::abs(W(i, j)), shares(i, j) + 1e-12 * size);
+      }
+    EXPECT_LE(shares(3, 3), 1e-25 * size);
+    std::vector<Index> rows(18);
+    std::iota(rows.begin(), rows.end(), 0);
+    const DelassusParts heavier(parts, 4, rows, std::vector<double>(18, 3));
+    EXPECT_LE((heavier.product(r) - 9. / 4 * W * r).norm(), 1e-12 * size * r.norm());
+    EXPECT_LE((heavier.form() - 9. / 4 * W).norm(), 1e-11 * size);
+    EXPECT_FALSE(problem.W.formed());
+    EXPECT_LE((Dense(problem.W.matrix()) - W).norm(), 1e-11 * size);
   }
 }
 

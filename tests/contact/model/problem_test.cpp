@@ -108,9 +108,9 @@ std::size_t expect_groups_of(const Problem& whole, const std::vector<ContactGrou
   return groups.size();
 }
 
-// W by its parts and by entries, in 2D and 3D. Catches rows in wrong places, bodies of other groups, parts whose
-// entries are formed, and that W of bilateral constraints is divided, whose entries are not exact enough without the
-// whole.
+// W by its parts, with and without constraints, and by entries, in 2D and 3D. Catches rows in wrong places, bodies of
+// other groups, parts whose entries are formed, and that a W that was condensed to entries is divided: those are not
+// exact enough without the whole.
 TEST(ContactProblem, Separated) {
   test::Random random(5);
   std::size_t divided = 0;
@@ -127,6 +127,12 @@ TEST(ContactProblem, Separated) {
       EXPECT_EQ(expect_groups_of(by_entries(whole), separated(by_entries(whole))), several);
       global.G = sparse(Dense(Vec::Unit(36, 1)));
       global.b = Vec::Zero(1);
+      const Problem constrained = condense(global, whole.mu, d);
+      ASSERT_TRUE(constrained.W.parts() != nullptr && constrained.W.parts()->inertia().constrained());
+      const std::vector<ContactGroup> held = separated(constrained);
+      for (const ContactGroup& group : held) EXPECT_FALSE(group.problem.W.formed());
+      EXPECT_EQ(expect_groups_of(constrained, held), several);
+      global.M.coeffRef(0, 1) *= 1.5;
       EXPECT_TRUE(separated(condense(global, whole.mu, d)).empty());
     }
   EXPECT_GE(divided, 15U);

@@ -3,11 +3,21 @@
 #include <gtest/gtest.h>
 
 #include "contact/classics/trial.hpp"
+#include "contact/model/jointed.hpp"
 #include "contact/scenes/generators.hpp"
 #include "contact/solvers/referee.hpp"
 
 namespace perp::contact {
 namespace {
+
+/// Scenes, one with bilateral constraints, and one whose inertia is symmetric but for its rounding.
+std::vector<Problem> global_problems() {
+  std::vector<Problem> all;
+  for (const char* name : {"wall", "spheres", "arch", "chain"}) all.push_back(make_scene(name, 60).problem());
+  all.push_back(test::jointed("wall", 60, 10));
+  all.push_back(test::jointed("spheres", 60, 0, 1e-13));
+  return all;
+}
 
 // Each part of the default method alone, and all of them with attempts too short to end: Gauss-Seidel, the paths over
 // the cones, Glocker's homotopy, Newton steps, other settings, the proximal loop. Catches a part that asks for the
@@ -19,8 +29,8 @@ TEST(GlobalProblem, TheDefaultMethodDoesNotFormW) {
   settings[2].sweeps = 0;
   settings[3] = {.homotopy = {.max_iterations = 3}, .sweeps = 0, .cones = false};
   settings[4] = {.homotopy = {.max_iterations = 1}, .sweeps = 0, .cones = false, .polish = false};
-  for (const char* name : {"wall", "spheres", "arch", "chain"}) {
-    const Problem problem = make_scene(name, 60).problem();
+  for (const Problem& problem : global_problems()) {
+    const std::string& name = problem.name;
     for (const Auto& method : settings) {
       const Scaled coordinates = scaled(problem, true, WForm::Parts);
       ASSERT_TRUE(coordinates.W.parts()) << name;
@@ -51,8 +61,8 @@ class ThreeIterations final : public Trial {
 
 // Three iterations of the methods of contact/classics. Catches one that asks for the entries.
 TEST(GlobalProblem, TheClassicsDoNotFormW) {
-  for (const char* name : {"wall", "spheres", "arch", "chain"}) {
-    const Problem problem = make_scene(name, 60).problem();
+  for (const Problem& problem : global_problems()) {
+    const std::string& name = problem.name;
     for (const MethodEntry& entry : methods()) {
       if (entry.glocker) continue;
       const Scaled coordinates = scaled(problem, true, WForm::Parts);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "contact/model/bilateral.hpp"
+#include "contact/laws/bilateral.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "contact/model/bilateral.hpp"
+#include "contact/laws/bilateral.hpp"
 
 #include <new>
 #include <stdexcept>
@@ -71,11 +71,10 @@ void BilateralContact::in_multipliers() {
   const Index n = H_N_.cols();
   const SpMat GH = blocks(global_.G, H_N_, SpMat(0, k), SpMat(0, n));
   lcp::Schur schur = lcp::schur(global_.M, GH, global_.f, 0);
-  if (schur.status == lcp::LuStatus::OutOfMemory || lu_.factor(global_.M) == lcp::LuStatus::OutOfMemory)
-    throw std::bad_alloc();
+  if (lu_.factor(global_.M) == lcp::LuStatus::OutOfMemory) throw std::bad_alloc();
   if (!schur.regular()) {
-    refuse_input("bilateral contact: the inertia M is singular (", lcp::to_string(schur.status),
-                 ", reciprocal condition number ", schur.rcond, ")");
+    refuse_input("bilateral contact: the inertia M is singular (", lcp::to_string(schur.K->status()),
+                 ", reciprocal condition number ", schur.K->rcond(), ")");
   }
   mlcp_.A = part(schur.S, 0, k, 0, k);
   mlcp_.C = part(schur.S, 0, k, k, n);
