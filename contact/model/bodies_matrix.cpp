@@ -35,10 +35,10 @@ BodiesMatrix::BodiesMatrix(const Scaled& problem)
   for (const Scaled::Block& block : problem.blocks) {
     const std::vector<int>& own = rows.emplace_back(rows_of(H, block));
     Part& part = parts_.emplace_back();
-    part.H = Columns::Zero(static_cast<Index>(own.size()), 3);
+    part.H.assign(own.size(), Eigen::RowVector3d::Zero());
     for (int c = 0; c < block.size; ++c)
       for (SpMat::InnerIterator it(H, block.first + c); it; ++it)
-        part.H(std::lower_bound(own.begin(), own.end(), it.row()) - own.begin(), c) = it.value();
+        part.H[at(std::lower_bound(own.begin(), own.end(), it.row()) - own.begin())][c] = it.value();
     for (const int i : own) touched.emplace_back(i, static_cast<int>(rows.size()) - 1, 1.0);
   }
   SpMat incidence(M.rows(), static_cast<Index>(parts_.size()));
@@ -59,18 +59,16 @@ BodiesMatrix::BodiesMatrix(const Scaled& problem)
 void BodiesMatrix::assemble(const std::vector<Eigen::Matrix3d>& E, bool lower_alone) {
   std::copy(inertia_.begin(), inertia_.end(), K_.valuePtr());
   double* const value = K_.valuePtr();
-  Columns HE;
+  Rows HE;
   for (std::size_t a = 0; a < parts_.size(); ++a) {
     const Part& part = parts_[a];
-    HE.noalias() = part.H * E[a];
-    const auto entry = [&](Index i, Index j) {
-      return HE(i, 0) * part.H(j, 0) + HE(i, 1) * part.H(j, 1) + HE(i, 2) * part.H(j, 2);
-    };
+    HE.clear();
+    for (const Eigen::RowVector3d& row : part.H) HE.emplace_back(row * E[a]);
     const Index* lower = part.lower.data();
     const Index* upper = part.upper.data();
-    for (Index j = 0; j < HE.rows(); ++j) {
-      for (Index i = j; i < HE.rows(); ++i) value[*lower++] += entry(i, j);
-      for (Index i = 0; i < (lower_alone ? 0 : j); ++i) value[*upper++] += entry(i, j);
+    for (std::size_t j = 0; j < HE.size(); ++j) {
+      for (std::size_t i = j; i < HE.size(); ++i) value[*lower++] += HE[i].dot(part.H[j]);
+      for (std::size_t i = 0; i < (lower_alone ? 0 : j); ++i) value[*upper++] += HE[i].dot(part.H[j]);
     }
   }
 }

@@ -26,11 +26,11 @@ class BodiesMatrix {
   SpMat with_unit_diagonal(Vec& scale) const;
 
  private:
-  using Columns = Eigen::Matrix<double, Eigen::Dynamic, 3>;
+  using Rows = std::vector<Eigen::RowVector3d>;
   /// The rows of H that a contact has entries in, and their k x k entries among K's values: column by column those on
   /// and below the diagonal, and those above it.
   struct Part {
-    Columns H;  // zero beyond the contact's columns
+    Rows H;  // zero beyond the contact's columns
     std::vector<Index> lower;
     std::vector<Index> upper;
   };
