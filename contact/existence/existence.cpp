@@ -96,7 +96,7 @@ std::vector<Expansion> exact_sums(const Vec& q, const SpMat& A, const Vec& x) {
 }
 
 bool constrained(const Problem& problem) {
-  return problem.W.whole_parts() != nullptr && problem.W.parts()->inertia().constrained();
+  return problem.W.whole_parts() != nullptr && problem.W.parts()->inertia().by_lu();
 }
 
 /// Of bodies v near M^-1 H r: any v does, since H' and W have one range. Those of constrained bodies have to satisfy

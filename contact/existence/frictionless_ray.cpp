@@ -62,8 +62,8 @@ lcp::AffineMcp bodies_problem(const DelassusParts& parts, const std::vector<Inde
   for (std::size_t i = 0; i < place.size(); ++i)
     if (touched[at(body_of[i])] != 0) place[i] = m++;
   const Index velocities = parts.inertia().velocities();
-  const Vec units = parts.inertia().constrained() ? parts.inertia().lu().scale()
-                                                  : Vec(parts.M().diagonal().cwiseSqrt().cwiseInverse());
+  const Vec units =
+      parts.inertia().by_lu() ? parts.inertia().lu().scale() : Vec(parts.M().diagonal().cwiseSqrt().cwiseInverse());
   std::vector<Eigen::Triplet<double>> entries;
   for (Index j = 0; j < H.rows(); ++j)
     for (SpMat::InnerIterator it(parts.M(), j); it; ++it)

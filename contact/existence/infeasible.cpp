@@ -135,13 +135,18 @@ bool to_rounding(const Problem& problem, In y, const std::vector<double>& excess
   return true;
 }
 
+/// y e_N.
+Vec normals_of(const Problem& problem, In y) {
+  Vec normals = Vec::Zero(problem.q.size());
+  for (Index a = 0; a < y.size(); ++a) normals[problem.dimension * a] = y[a];
+  return normals;
+}
+
 /// Of a condensed W, which is symmetric: how far W'(y e_N) of its entries is from that of what it was condensed from.
 /// Its entries may be rounding alone.
 Vec lost_by_condensing(const Problem& problem, const lcp::SchurProduct& W, In y, const std::vector<Block>& g) {
   const int d = problem.dimension;
-  Vec normals = Vec::Zero(problem.q.size());
-  for (Index a = 0; a < y.size(); ++a) normals[d * a] = y[a];
-  const auto [exact, doubt, terms] = W(normals, Vec::Zero(normals.size()));
+  const auto [exact, doubt, terms] = W(normals_of(problem, y), Vec::Zero(problem.q.size()));
   Vec lost = Vec::Zero(y.size());
   for (Index a = 0; a < y.size(); ++a)
     for (int k = 0; k < d; ++k)
@@ -268,9 +273,7 @@ Certificate examine_constrained(const Problem& problem, const DelassusParts& par
   const Vec lambda = v->value.tail(p.value.size() - inertia.velocities());
   if (p.exact && held_exactly(inertia, p.value, lambda)) return {.radius = lcp::infinity};
   const int d = problem.dimension;
-  Vec normals = Vec::Zero(problem.q.size());
-  for (Index a = 0; a < y.size(); ++a) normals[d * a] = y[a];
-  const lcp::SchurImage g = parts.refined_product(normals, 0, Vec::Zero(normals.size()));
+  const lcp::SchurImage g = parts.refined_product(normals_of(problem, y), 0, Vec::Zero(problem.q.size()));
   const Vec sizes = sizes_of(parts, d, y);
   const double roundings = 8 * (static_cast<double>((y.array() > 0).count()) + 2) * eps;
   Certificate out{.to_rounding = true};
@@ -289,8 +292,8 @@ Certificate examine(const Problem& problem, In y) {
   if (!(least > 0)) return {};
   const DelassusParts* parts = problem.W.whole_parts();
   if (parts == nullptr) return examine_entries(problem, y, least);
-  return parts->inertia().constrained() ? examine_constrained(problem, *parts, y, least)
-                                        : examine_bodies(problem, *parts, y, least);
+  return parts->inertia().by_lu() ? examine_constrained(problem, *parts, y, least)
+                                  : examine_bodies(problem, *parts, y, least);
 }
 
 /// |W|_max: of a semidefinite W the largest is on the diagonal.

@@ -99,7 +99,7 @@ std::optional<SpMat> velocities_of(const DelassusParts& parts, int d, const std:
 std::optional<Target> target_of(const Problem& problem, const std::function<bool()>& late) {
   const int d = problem.dimension;
   if (const DelassusParts* parts = problem.W.whole_parts()) {
-    if (parts->inertia().constrained()) {
+    if (parts->inertia().by_lu()) {
       std::optional<SpMat> V = velocities_of(*parts, d, late);
       return V ? std::optional<Target>({.columns = std::move(*V)}) : std::nullopt;
     }

@@ -27,7 +27,7 @@ std::vector<int> rows_of(const SpMat& H, const Scaled::Block& block) {
 }  // namespace
 
 BodiesMatrix::BodiesMatrix(const Scaled& problem)
-    : velocities_(problem.W.parts()->inertia().velocities()), constrained_(problem.W.parts()->inertia().constrained()) {
+    : velocities_(problem.W.parts()->inertia().velocities()), by_lu_(problem.W.parts()->inertia().by_lu()) {
   const SpMat& M = problem.W.parts()->M();
   const SpMat& H = problem.W.parts()->H();
   std::vector<std::vector<int>> rows;           // of each contact

@@ -15,7 +15,7 @@ class BodiesMatrix {
   /// Of a W by its parts, which outlive *this.
   explicit BodiesMatrix(const Scaled& problem);
 
-  bool constrained() const { return constrained_; }  ///< may M be indefinite, or unsymmetric by its rounding?
+  bool by_lu() const { return by_lu_; }  ///< Inertia::by_lu(): no Cholesky of this either
   /// Of symmetric E: on and below the diagonal alone, what Cholesky reads.
   void assemble_lower(const std::vector<Eigen::Matrix3d>& E) { assemble(E, true); }
   void assemble(const std::vector<Eigen::Matrix3d>& E) { assemble(E, false); }
@@ -37,7 +37,7 @@ class BodiesMatrix {
   void assemble(const std::vector<Eigen::Matrix3d>& E, bool lower_alone);
 
   Index velocities_;  // rows of M that are none of multipliers
-  bool constrained_;
+  bool by_lu_;
   std::vector<Part> parts_;
   SpMat K_;
   std::vector<double> inertia_;  // M on the pattern of K

@@ -227,7 +227,7 @@ bool ContactSystem::factor(const std::vector<ContactRows>& rows) {
   for (std::size_t a = 0; a < rows_.size() && all_definite; ++a)
     all_definite = definite(rows_[a], problem_.blocks[a].size);
   if (all_definite) return take_contacts(true);
-  return bodies_ && !bodies_->constrained() && part_by_bodies() ? take_bodies(true) : factor_whole();
+  return bodies_ && !bodies_->by_lu() && part_by_bodies() ? take_bodies(true) : factor_whole();
 }
 
 bool ContactSystem::factor(const std::vector<Block>& A, const std::vector<Block>& inverse,
@@ -240,7 +240,7 @@ bool ContactSystem::factor(const std::vector<Block>& A, const std::vector<Block>
   couplings_ = std::move(couplings);
   A_inverse_ = inverse;
   E_ = inverse;
-  if (bodies_ && bodies_->constrained()) {
+  if (bodies_ && bodies_->by_lu()) {
     couple_inverses();
     return take_bodies(false);
   }

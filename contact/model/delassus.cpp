@@ -243,7 +243,7 @@ void DelassusParts::take_near_and_shares(Index j, In v) {
 void DelassusParts::find_near_and_shares() {
   near_.assign(at(H_.cols()), {});
   shares_ = SpMat(inertia_->bodies(), H_.cols());
-  if (inertia_->constrained()) {
+  if (inertia_->by_lu()) {
     find_constrained();
   } else {
     for (Index j = 0; j < H_.cols(); ++j) take_near_and_shares(j, root_ ? Vec() : inverse(Vec(H_.col(j))));
@@ -293,13 +293,13 @@ SpMat DelassusParts::form() const {
   SpMat W = root_ ? SpMat(SpMat(root_->transpose()) * *root_) : form_by_columns();
   W.prune([this](Index i, Index j, double value) {
     if (std::abs(value) <= rounding_of_zero * std::sqrt(near(i, i) * near(j, j))) return false;
-    return !inertia_->constrained() || shares_.col(i).dot(shares_.col(j)) > 0;  // what is held acts on nothing
+    return !inertia_->by_lu() || shares_.col(i).dot(shares_.col(j)) > 0;  // what is held acts on nothing
   });
   return W;
 }
 
 SpMat DelassusParts::form_by_columns() const {
-  if (inertia_->constrained()) {
+  if (inertia_->by_lu()) {
     if (std::optional<SpMat> W = inertia_->lu().schur(H_, 0)) {
       *W /= s_;
       return inertia_->symmetric() ? SpMat(0.5 * (*W + SpMat(W->transpose()))) : *W;

@@ -37,11 +37,11 @@ class Inertia {
   static std::shared_ptr<const Inertia> of(const SpMat& M, SpMat K, std::shared_ptr<const lcp::RefinedLu> factors);
 
   const SpMat& M() const { return M_; }
-  bool constrained() const { return lu_ != nullptr; }  ///< is it by LU's factors?
-  bool symmetric() const { return symmetric_; }        ///< bit by bit
-  Index velocities() const { return velocities_; }     ///< rows of M; those of multipliers follow
-  const lcp::RefinedLu& lu() const { return *lu_; }    ///< pre: constrained()
-  Vec inverse(In p) const;                             ///< M^-1 p
+  bool by_lu() const { return lu_ != nullptr; }
+  bool symmetric() const { return symmetric_; }      ///< bit by bit
+  Index velocities() const { return velocities_; }   ///< rows of M; those of multipliers follow
+  const lcp::RefinedLu& lu() const { return *lu_; }  ///< pre: by_lu()
+  Vec inverse(In p) const;                           ///< M^-1 p
   /// Velocities that M couples, however indirectly, have the same number, from 0.
   const std::vector<int>& body_of() const { return body_of_; }
   int bodies() const { return static_cast<int>(rows_.size()); }
@@ -91,7 +91,7 @@ class DelassusParts {
   const SpMat* root() const { return root_.get(); }
   Vec inverse(In p) const { return inertia_->inverse(p) / s_; }  ///< (s M)^-1 p
   Vec product(In r) const;                                       ///< W r
-  /// W r + shift r + w, K^-1 H r refined to twice the precision; pre: inertia().constrained(), s = 1.
+  /// W r + shift r + w, K^-1 H r refined to twice the precision; pre: inertia().by_lu(), s = 1.
   lcp::SchurImage refined_product(In r, double shift, In w) const;
   /// W_ij of one contact, |i - j| <= 2: what it does to itself.
   double near(Index i, Index j) const { return near_[at(std::min(i, j))][at(std::abs(i - j))]; }

@@ -172,7 +172,7 @@ double with_bodies(const Work& K, const DelassusParts& parts, const std::vector<
     const auto entries = static_cast<double>(H.middleCols(block.first, block.size).nonZeros());
     assembly += 2 * entries * entries / block.size;
   }
-  const double of_lu = parts.inertia().constrained() ? 2 : 1;  // of Cholesky's work
+  const double of_lu = parts.inertia().by_lu() ? 2 : 1;  // of Cholesky's work
   const double solve = refinements * (of_lu * K.solve + 4 * static_cast<double>(H.nonZeros()) + product);
   return of_lu * K.factor + solves * solve + products * product + sweeps * sweep + assembly;
 }

@@ -104,7 +104,7 @@ class DelassusOfGroups {
   /// Of these velocities, and multipliers, which have their places.
   std::shared_ptr<const Inertia> inertia_of(const Inertia& whole, const Lines& velocities) const {
     SpMat M = part_of(whole.M(), static_cast<Index>(velocities.size()), velocities, velocity_place_);
-    if (!whole.constrained()) return Inertia::of(std::move(M));
+    if (!whole.by_lu()) return Inertia::of(std::move(M));
     const Index m = std::ranges::lower_bound(velocities, whole.velocities()) - velocities.begin();
     const SpMat of_velocities = M.topLeftCorner(m, m);
     auto factors = std::make_shared<const lcp::RefinedLu>(M);

@@ -195,7 +195,7 @@ Velocities by_parts(const Problem& problem, In r, const std::vector<double>& cou
   const DelassusParts& parts = *problem.W.parts();
   const Vec size = r.cwiseAbs();
   Vec terms = parts.shares().transpose() * Vec(parts.shares() * size) + problem.W.shift() * size + problem.q.cwiseAbs();
-  if (parts.inertia().constrained()) {
+  if (parts.inertia().by_lu()) {
     const lcp::SchurImage image = parts.refined_product(r, problem.W.shift(), problem.q);
     return known(problem, image, parts.inertia().rcond(), terms.cwiseMin(image.terms), coupled);
   }

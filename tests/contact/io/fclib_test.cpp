@@ -10,6 +10,7 @@
 #include <fstream>
 #include <optional>
 #include <thread>
+#include <tuple>
 
 #include "contact/contact_support.hpp"
 #include "contact/existence/infeasible.hpp"
@@ -89,20 +90,25 @@ TEST(Fclib, GlobalWithConstraints) {
   EXPECT_EQ(f.solution->l, vec({7}));
 }
 
-// u = W r + V lambda + q with V' r + R lambda + s = 0: V = (1, 0)', R = -2, s = 6 gives lambda = r_N / 2 + 3.
-TEST(Fclib, LocalWithConstraints) {
-  Datasets file = small_local();
-  for (const char* name : {"V", "R"}) {
+/// V = (V_N, 0)', R and s of one constraint.
+void add_constraint(Datasets& file, double V_N, double R, double s) {
+  for (const auto& [name, rows, value] : {std::tuple{"V", 2, V_N}, {"R", 1, R}}) {
     const std::string path = std::string("/fclib_local/") + name;
-    file[path + "/m"] = Ints{name[0] == 'V' ? 2 : 1};
+    file[path + "/m"] = Ints{rows};
     file[path + "/n"] = Ints{1};
     file[path + "/nzmax"] = Ints{1};
     file[path + "/nz"] = Ints{1};
     file[path + "/p"] = Ints{0};
     file[path + "/i"] = Ints{0};
-    file[path + "/x"] = Doubles{name[0] == 'V' ? 1. : -2.};
+    file[path + "/x"] = Doubles{value};
   }
-  file["/fclib_local/vectors/s"] = Doubles{6};
+  file["/fclib_local/vectors/s"] = Doubles{s};
+}
+
+// u = W r + V lambda + q with V' r + R lambda + s = 0: V = (1, 0)', R = -2, s = 6 gives lambda = r_N / 2 + 3.
+TEST(Fclib, LocalWithConstraints) {
+  Datasets file = small_local();
+  add_constraint(file, 1, -2, 6);
   const Problem p = parse(file).problem;
   EXPECT_TRUE(Dense(p.W.matrix()).isApprox(dense({2.5, 1, 1, 3}), 1e-15));
   EXPECT_TRUE(p.q.isApprox(vec({2, 4}), 1e-15));
@@ -113,17 +119,7 @@ TEST(Fclib, LocalWithConstraints) {
 /// W = diag(4 - gap, 3) less V R^-1 V' = diag(4, 0), q = (q_N, 4) less (2, 0).
 Problem held_local(double gap, double q_N) {
   Datasets file = small_local();
-  for (const char* name : {"V", "R"}) {
-    const std::string path = std::string("/fclib_local/") + name;
-    file[path + "/m"] = Ints{name[0] == 'V' ? 2 : 1};
-    file[path + "/n"] = Ints{1};
-    file[path + "/nzmax"] = Ints{1};
-    file[path + "/nz"] = Ints{-1};
-    file[path + "/p"] = Ints{0, 1};
-    file[path + "/i"] = Ints{0};
-    file[path + "/x"] = Doubles{name[0] == 'V' ? 6. / 7 : 9. / 49};
-  }
-  file["/fclib_local/vectors/s"] = Doubles{3. / 7};
+  add_constraint(file, 6. / 7, 9. / 49, 3. / 7);
   file["/fclib_local/W/x"] = Doubles{4 - gap, 0, 0, 3, 0, 0};
   file["/fclib_local/vectors/q"] = Doubles{q_N, 4};
   return parse(file).problem;

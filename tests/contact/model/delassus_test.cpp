@@ -67,7 +67,7 @@ TEST(Delassus, PartsOfConstrainedBodiesAreTheMatrix) {
     const Problem problem = condense(g, Vec::Constant(6, 0.5));
     ASSERT_NE(problem.W.parts(), nullptr);
     const DelassusParts& parts = *problem.W.parts();
-    EXPECT_TRUE(parts.inertia().constrained());
+    EXPECT_TRUE(parts.inertia().by_lu());
     EXPECT_EQ(parts.inertia().symmetric(), unsymmetric == 0);
     Dense K = Dense::Zero(15, 15);
     K << Dense(g.M), Dense(g.G), Dense(g.G).transpose(), Dense::Zero(3, 3);

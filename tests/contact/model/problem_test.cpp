@@ -128,7 +128,7 @@ TEST(ContactProblem, Separated) {
       global.G = sparse(Dense(Vec::Unit(36, 1)));
       global.b = Vec::Zero(1);
       const Problem constrained = condense(global, whole.mu, d);
-      ASSERT_TRUE(constrained.W.parts() != nullptr && constrained.W.parts()->inertia().constrained());
+      ASSERT_TRUE(constrained.W.parts() != nullptr && constrained.W.parts()->inertia().by_lu());
       const std::vector<ContactGroup> held = separated(constrained);
       for (const ContactGroup& group : held) EXPECT_FALSE(group.problem.W.formed());
       EXPECT_EQ(expect_groups_of(constrained, held), several);
