@@ -393,7 +393,7 @@ class Run {
     Vec d = p_.expand_direction(y);
     const double size = d.size() > 0 ? d.cwiseAbs().maxCoeff() : 0;
     if (!(size > 0)) return false;
-    certificate_ = exact_certificate(problem_, d / size);
+    certificate_ = exact_certificate(problem_, d / size, limits_.tol);
     return certificate_.size() > 0;
   }
 

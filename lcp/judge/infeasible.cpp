@@ -3,47 +3,17 @@
 
 #include <Eigen/QR>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <utility>
 #include <vector>
 
 #include "lcp/equilibrate.hpp"
-#include "lcp/exact_sum.hpp"
+#include "lcp/judge/product_sum.hpp"
+#include "lcp/judge/refutation.hpp"
 
 namespace perp::lcp {
 namespace {
-
-/// The exact sum of products a b c, whatever their exponents: all are multiplied by one power of two, so that the
-/// largest is near 2^900.
-class ProductSum {
- public:
-  /// To be told of every product first.
-  void announce(double a, double b, double c = 1) {
-    if (a != 0 && b != 0 && c != 0) top_ = std::max(top_, std::ilogb(a) + std::ilogb(b) + std::ilogb(c));
-  }
-  void add(double a, double b, double c = 1) {
-    if (a == 0 || b == 0 || c == 0) return;
-    const std::array exponents{std::ilogb(a), std::ilogb(b), std::ilogb(c)};
-    const int shift = exponents[0] + exponents[1] + exponents[2] - top_ + 900;
-    if (shift < -800) {  // the last of 159 digits would be lost
-      exact_ = false;
-      return;
-    }
-    const TwoParts ab = two_product(std::scalbn(a, -exponents[0]), std::scalbn(b, -exponents[1]));
-    const double scaled_c = std::scalbn(c, -exponents[2]);
-    for (const double part : {ab.error, ab.value}) sum_.add_product(std::scalbn(part, shift), scaled_c);
-  }
-  bool exact() const { return exact_ && sum_.exact(); }
-  int sign() const { return sum_.sign(); }
-  double value() const { return std::scalbn(sum_.value(), top_ - 900); }
-
- private:
-  ExactSum sum_;
-  int top_ = -100000;
-  bool exact_ = true;
-};
 
 /// g_j = sum_i M_ij y_i in doubles, and the sum of its terms' sizes.
 struct Column {
@@ -71,25 +41,18 @@ struct Relation {
 /// Rounding of a sum of many terms, generously.
 constexpr double rounding = 1e-9;
 
-/// A vector of twice the digits: high + low, low_i below the digits of high_i; low empty: 0.
-struct Multipliers {
-  const Vec& high;
-  const Vec& low;
-  double low_of(Index i) const { return low.size() > 0 ? low[i] : 0; }
-};
-
 /// g_j, rounded once; false if it leaves the range.
-bool exact_column(const SpMat& M, Index j, const Multipliers& y, double& g) {
-  const Column rounded = column(M, j, y.high);
+bool exact_column(const SpMat& M, Index j, const TwoPartVector& y, double& g) {
+  const Column rounded = column(M, j, y.value);
   if (std::isfinite(rounded.size) && rounded.size > 1e-280 && std::abs(rounded.g) > rounding * rounded.size) {
     g = rounded.g;
     return true;
   }
   ProductSum sum;
-  for (SpMat::InnerIterator it(M, j); it; ++it) sum.announce(it.value(), y.high[it.row()]);
+  for (SpMat::InnerIterator it(M, j); it; ++it) sum.announce(it.value(), y.value[it.row()]);
   for (SpMat::InnerIterator it(M, j); it; ++it) {
-    sum.add(it.value(), y.high[it.row()]);
-    sum.add(it.value(), y.low_of(it.row()));
+    sum.add(it.value(), y.value[it.row()]);
+    sum.add(it.value(), y.rest[it.row()]);
   }
   g = sum.value();
   if (g == 0) g = sum.sign() * std::numeric_limits<double>::min();  // a value below all doubles keeps its sign
@@ -102,40 +65,48 @@ bool has_signs(const Box& W, In y) {
   return y.allFinite();
 }
 
-/// The radius within which y excludes solutions (infeasible.hpp), less its rounding; infinite, or 0 if it proves
-/// nothing.
-double excluded_radius(const Relation& r, const Multipliers& y) {
-  if (!has_signs(r.W, y.high)) return 0;
-  double wrong = 0;
+/// Margin 0 where y proves nothing.
+Exclusion excluded(const Relation& r, const TwoPartVector& y) {
+  if (!has_signs(r.W, y.value)) return {};
+  Exclusion out{.size = y.value.lpNorm<1>()};
   std::vector<std::pair<Index, double>> bounds;  // of the columns that add to the sum
   for (Index j = 0; j < r.q.size(); ++j) {
     double g = 0;
-    if (!exact_column(r.M, j, y, g)) return 0;
+    if (!exact_column(r.M, j, y, g)) return {};
     if (g == 0) continue;
     const double bound = g > 0 ? r.Z.upper[j] : r.Z.lower[j];
     if (!std::isfinite(bound)) {
-      const Column rounded = column(r.M, j, y.high);
-      if (std::abs(g) > rounding * rounded.size) return 0;
-      wrong += std::abs(g);
-    } else if (bound != 0) {
-      bounds.emplace_back(j, bound);
+      const Column rounded = column(r.M, j, y.value);
+      if (std::abs(g) > rounding * rounded.size) return {};
+      out.wrong += std::abs(g);
+      continue;
     }
+    out.size += std::abs(g);
+    if (bound != 0) bounds.emplace_back(j, bound);
   }
   ProductSum sup;
-  for (Index i = 0; i < r.q.size(); ++i) sup.announce(r.q[i], y.high[i]);
+  for (Index i = 0; i < r.q.size(); ++i) sup.announce(r.q[i], y.value[i]);
   for (const auto& [j, bound] : bounds)
-    for (SpMat::InnerIterator it(r.M, j); it; ++it) sup.announce(it.value(), y.high[it.row()], bound);
+    for (SpMat::InnerIterator it(r.M, j); it; ++it) sup.announce(it.value(), y.value[it.row()], bound);
   for (Index i = 0; i < r.q.size(); ++i) {
-    sup.add(r.q[i], y.high[i]);
-    sup.add(r.q[i], y.low_of(i));
+    sup.add(r.q[i], y.value[i]);
+    sup.add(r.q[i], y.rest[i]);
   }
   for (const auto& [j, bound] : bounds)
     for (SpMat::InnerIterator it(r.M, j); it; ++it) {
-      sup.add(it.value(), y.high[it.row()], bound);
-      sup.add(it.value(), y.low_of(it.row()), bound);
+      sup.add(it.value(), y.value[it.row()], bound);
+      sup.add(it.value(), y.rest[it.row()], bound);
     }
-  if (!sup.exact() || sup.sign() >= 0) return 0;
-  return wrong == 0 ? infinity : -sup.value() / wrong * (1 - rounding);
+  if (sup.exact() && sup.sign() < 0) out.margin = -sup.value();
+  return out;
+}
+
+/// The radius within which y excludes solutions (infeasible.hpp), less its rounding; infinite, or 0 if it proves
+/// nothing.
+double excluded_radius(const Relation& r, const TwoPartVector& y) {
+  const Exclusion e = excluded(r, y);
+  if (!(e.margin > 0)) return 0;
+  return e.wrong == 0 ? infinity : e.margin / e.wrong * (1 - rounding);
 }
 
 /// Whether y would be a proof if small g_j were 0: what a repair is worth trying for.
@@ -212,10 +183,10 @@ class TightColumns {
   }
   /// d that takes their rounding away.
   Vec correction() const {
+    const TwoPartVector y(y_);
     return solve([&](Index j) {
       double g = 0;
-      const Vec none;
-      return exact_column(r_.M, j, {y_, none}, g) ? -g : 0;
+      return exact_column(r_.M, j, y, g) ? -g : 0;
     });
   }
 
@@ -240,31 +211,37 @@ class TightColumns {
   Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver_;
 };
 
-/// The radius that y excludes after its rounding has been taken away by a second vector, which is not kept.
-double corrected_radius(const Relation& r, const Vec& y, const Vec& correction) {
-  Vec high = y;
-  Vec low = correction;
+/// y after its rounding has been taken away by a second vector; empty if that is no rounding.
+TwoPartVector corrected(const Vec& y, const Vec& correction) {
+  TwoPartVector out(y);
   for (Index i = 0; i < y.size(); ++i) {
-    if (!(std::abs(low[i]) <= 1e-6 * std::abs(y[i]))) return 0;
-    const TwoParts sum = two_sum(y[i], low[i]);
-    high[i] = sum.value;
-    low[i] = sum.error;
+    if (!(std::abs(correction[i]) <= 1e-6 * std::abs(y[i]))) return {};
+    const TwoParts sum = two_sum(y[i], correction[i]);
+    out.value[i] = sum.value;
+    out.rest[i] = sum.error;
   }
-  return excluded_radius(r, {high, low});
+  return out;
 }
 
-double excluded_by(const Relation& r, const Vec& y) {
-  const Vec none;
-  const double radius = excluded_radius(r, {y, none});
-  if (std::isinf(radius) || !nearly_excludes(r, y)) return radius;
-  const TightColumns tight(r, y);
-  return tight.usable() ? std::max(radius, corrected_radius(r, y, tight.correction())) : radius;
+/// y, or y corrected, whichever excludes more; empty if neither excludes anything.
+TwoPartVector best_parts(const Relation& r, const Vec& y) {
+  const TwoPartVector given(y);
+  const double radius = excluded_radius(r, given);
+  if (!std::isinf(radius) && nearly_excludes(r, y)) {
+    const TightColumns tight(r, y);
+    if (tight.usable()) {
+      const TwoPartVector better = corrected(y, tight.correction());
+      if (better.size() > 0 && excluded_radius(r, better) > radius) return better;
+    }
+  }
+  return radius > 0 ? given : TwoPartVector{};
 }
+
+double excluded_by(const Relation& r, const TwoPartVector& y) { return y.value.size() > 0 ? excluded_radius(r, y) : 0; }
 
 /// A y near `start` that excludes all, or all within the radius asked for; empty if none is found.
 Vec repaired(const Relation& r, const Vec& start) {
-  const Vec none;
-  const auto excludes = [&](const Vec& y) { return y.size() > 0 && excluded_radius(r, {y, none}) == infinity; };
+  const auto excludes = [&](const Vec& y) { return y.size() > 0 && excluded_radius(r, TwoPartVector(y)) == infinity; };
   if (excludes(start)) return start;
   Vec last;
   for (const double tiny : {0.0, 1e-13, 1e-10, 1e-7}) {
@@ -282,7 +259,7 @@ Vec repaired(const Relation& r, const Vec& start) {
     const TightColumns tight(r, y);
     if (!tight.usable()) continue;
     if (const Vec moved = y + tight.inwards(); excludes(moved)) return moved;
-    if (corrected_radius(r, y, tight.correction()) >= proof_radius) return y;
+    if (excluded_by(r, corrected(y, tight.correction())) >= proof_radius) return y;
   }
   return {};
 }
@@ -309,17 +286,50 @@ Vec normalized(const Vec& y) {
 
 }  // namespace
 
-double infeasible_radius(const AffineMcp& problem, In y) {
-  if (y.size() != problem.size() || !y.allFinite()) return 0;
+namespace {
+
+/// Whether y alone excludes all, of the problem as it is; else the best parts of the equilibrated one, in `scaling`.
+struct Parts {
+  TwoPartVector y{};
+  double radius = 0;
+  Vec rows{};  // E, of the scaled problem that y belongs to; empty: it is the problem's own
+};
+Parts parts_of(const AffineMcp& problem, In y) {
+  if (y.size() != problem.size() || !y.allFinite()) return {};
   const Box W = forces(problem.box);
-  const Vec none;
-  const Vec given = y;
-  if (excluded_radius({problem.M, problem.q, problem.box, W}, {given, none}) == infinity) return infinity;
+  TwoPartVector given{Vec(y)};
+  if (excluded_radius({problem.M, problem.q, problem.box, W}, given) == infinity)
+    return {std::move(given), infinity, {}};
   const Scaling scaling = equilibrate(problem);
   const AffineMcp scaled = scaling.apply(problem);
   const Vec scaled_y = normalized(y.cwiseQuotient(scaling.rows));
-  if (scaled_y.size() == 0 || !scaling.loses_nothing(problem)) return 0;
-  return excluded_by({scaled.M, scaled.q, scaled.box, W}, scaled_y);
+  if (scaled_y.size() == 0 || !scaling.loses_nothing(problem)) return {};
+  const Relation r{scaled.M, scaled.q, scaled.box, W};
+  TwoPartVector best = best_parts(r, scaled_y);
+  const double radius = excluded_by(r, best);
+  return {std::move(best), radius, scaling.rows};
+}
+
+}  // namespace
+
+double infeasible_radius(const AffineMcp& problem, In y) { return parts_of(problem, y).radius; }
+
+TwoPartVector certificate_parts(const AffineMcp& problem, In y) {
+  Parts parts = parts_of(problem, y);
+  if (parts.radius < proof_radius) return {};
+  for (Vec* v : {&parts.y.value, &parts.y.rest})
+    if (parts.rows.size() > 0 && v->size() > 0) *v = v->cwiseProduct(parts.rows);
+  return parts.y;
+}
+
+Exclusion exclusion(const AffineMcp& problem, const TwoPartVector& y) {
+  const Box W = forces(problem.box);
+  return excluded({problem.M, problem.q, problem.box, W}, y);
+}
+
+Exclusion exclusion(const SpMat& M, In q, const Box& Z, const Box& W, const TwoPartVector& y) {
+  const Vec q_copy = q;
+  return excluded({M, q_copy, Z, W}, y);
 }
 
 bool proves_infeasible(const AffineMcp& problem, In y) { return infeasible_radius(problem, y) >= proof_radius; }
@@ -334,7 +344,16 @@ Vec exact_exclusion(const SpMat& M, In q, const Box& Z, const Box& W, In given) 
   return repaired({M, q_copy, Z, W}, start);
 }
 
-Vec exact_certificate(const AffineMcp& problem, In y) {
+TwoPartVector exclusion_parts(const SpMat& M, In q, const Box& Z, const Box& W, In given) {
+  const Vec y = exact_exclusion(M, q, Z, W, given);
+  const Vec q_copy = q;
+  return y.size() > 0 ? best_parts({M, q_copy, Z, W}, y) : TwoPartVector{};
+}
+
+namespace {
+
+/// exact_certificate() without the tolerance.
+Vec certificate_near(const AffineMcp& problem, In y) {
   if (y.size() != problem.size() || !y.allFinite()) return {};
   const Box W = forces(problem.box);
   const auto cleared = [&](Index i) {
@@ -343,8 +362,7 @@ Vec exact_certificate(const AffineMcp& problem, In y) {
   };
   const Vec start = Vec::NullaryExpr(y.size(), cleared);
   const Relation unscaled{problem.M, problem.q, problem.box, W};
-  const Vec none;
-  if (excluded_radius(unscaled, {start, none}) == infinity) return normalized(start);
+  if (excluded_radius(unscaled, TwoPartVector(start)) == infinity) return normalized(start);
   if (!nearly_excludes(unscaled, start)) return {};
   const Scaling scaling = equilibrate(problem);
   const AffineMcp scaled = scaling.apply(problem);
@@ -352,6 +370,14 @@ Vec exact_certificate(const AffineMcp& problem, In y) {
   if (found.size() == 0) return {};
   const Vec certificate = normalized(found.cwiseProduct(scaling.rows));
   return certificate.size() > 0 && proves_infeasible(problem, certificate) ? certificate : Vec();
+}
+
+}  // namespace
+
+Vec exact_certificate(const AffineMcp& problem, In y, double tol) {
+  Vec found = certificate_near(problem, y);
+  if (tol > 0 && found.size() > 0 && refutation_by(problem, found).tolerance < tol) return {};
+  return found;
 }
 
 }  // namespace perp::lcp

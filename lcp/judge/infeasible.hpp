@@ -21,6 +21,7 @@
 /// rounding of y is taken away by a correction d, a second vector of doubles, with (M'd)_J = -g_J: R is about 1e30 if
 /// there is a y with g_J = 0 nearby, and at most about 1e17 if there is none, where a solution far out may exist.
 #include "lcp/affine_mcp.hpp"
+#include "lcp/two_part_vector.hpp"
 
 namespace perp::lcp {
 
@@ -34,13 +35,30 @@ double infeasible_radius(const AffineMcp& problem, In y);
 /// Whether it is at least proof_radius.
 bool proves_infeasible(const AffineMcp& problem, In y);
 
+/// y, or y corrected, whichever excludes more; empty if none excludes anything.
+TwoPartVector certificate_parts(const AffineMcp& problem, In y);
+
+/// What y excludes, for y of the signs asked for: with r the natural residual of z,
+///     margin <= r (|y|_1 + sum_j |g_j|) + max_J |z_j| sum_J |g_j|,   margin = -(q'y + ...) as above.
+struct Exclusion {
+  double margin = 0;  ///< 0: nothing
+  double wrong = 0;   ///< sum_J |g_j|
+  double size = 0;    ///< |y|_1 + sum |g_j| of the other j
+};
+Exclusion exclusion(const AffineMcp& problem, const TwoPartVector& y);
+/// The same for any boxes Z and W (entries of W: 0 or infinite).
+Exclusion exclusion(const SpMat& M, In q, const Box& Z, const Box& W, const TwoPartVector& y);
+
 /// A y near the given one that does, of length 1 (but for a factor of two) in the maximum norm; empty if none is found.
 /// Tried are y itself and, with the rows of M equilibrated and tiny y_i put to 0: multiples of y whose entries are
 /// nearly numbers of few digits, rounded to them (the products are then exact; for data of few digits); y moved so that
 /// all these g_j become clearly, though slightly, right (for data of all digits); and y corrected, as above.
-Vec exact_certificate(const AffineMcp& problem, In y);
+/// Empty, too, if a natural residual of `tol` is not excluded.
+Vec exact_certificate(const AffineMcp& problem, In y, double tol = 0);
 
 /// The same for any boxes Z and W (entries of W: 0 or infinite) and M of equilibrated rows.
 Vec exact_exclusion(const SpMat& M, In q, const Box& Z, const Box& W, In y);
+/// With its correction, where that is what excludes.
+TwoPartVector exclusion_parts(const SpMat& M, In q, const Box& Z, const Box& W, In y);
 
 }  // namespace perp::lcp

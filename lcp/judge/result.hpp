@@ -4,6 +4,7 @@
 /// a point Solved, so methods make their Result by judged().
 #include <chrono>
 #include <functional>
+#include <memory>
 #include <new>
 #include <optional>
 #include <string>
@@ -11,6 +12,7 @@
 
 #include "lcp/affine_mcp.hpp"
 #include "lcp/judge/infeasible.hpp"
+#include "lcp/judge/refutation.hpp"
 #include "lcp/kernel_clock.hpp"
 #include "lcp/memory.hpp"
 #include "lcp/status.hpp"
@@ -41,6 +43,8 @@ struct Result {
   long iterations = 0;     ///< pivots, sweeps or Newton steps: the method says which
   int factorizations = 0;  ///< of matrices, however small
   Vec certificate{};       ///< y with proves_infeasible(problem, y), if status == Infeasible and there is one
+  /// Of solve(), if status == Infeasible: what is proven, with a tolerance of at least that of the limits.
+  std::shared_ptr<const Refutation> refutation{};
   bool solved() const { return status == Status::Solved; }
   /// Solved, to the tolerance or to rounding.
   bool accepted() const { return solved() || status == Status::SolvedToRounding; }

@@ -164,7 +164,7 @@ void NormalPath::end_on_ray(PivotResult& result) {
   const double size = n_ > 0 ? dz.lpNorm<::Eigen::Infinity>() : 0;
   if (!(size > 0) || !options_.certify) return;
   // y = dz: copositive-plus M has (M + M') dz = 0.
-  result.certificate = exact_certificate(original_, dz / size);
+  result.certificate = exact_certificate(original_, dz / size, options_.residual_tol);
 }
 
 bool NormalPath::advance(PivotResult& result) {

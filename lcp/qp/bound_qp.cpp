@@ -311,7 +311,7 @@ bool Solver::certify(const Vec& d) {
       const bool above = box.upper[i] < infinity;
       if (std::abs(y[i]) < 1e-10 || (below && y[i] < 0) || (above && y[i] > 0)) y[i] = 0;
     }
-    certificate_ = exact_certificate(problem_, y);
+    certificate_ = exact_certificate(problem_, y, limits_.tol);
     if (certificate_.size() > 0) return true;
     if (!(problem_.q.dot(y) < 0) || !B_ || shift_ == 0) return false;
     // (M + eps D) w = eps D y on the support of y leaves of y its part in the null space.

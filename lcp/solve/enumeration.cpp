@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <sstream>
 
 #include "lcp/equilibrate.hpp"
@@ -57,20 +58,23 @@ class Search {
         cell_(problem, LuBackend::General, options.degenerate_tol) {}
 
   Solutions run() {
-    search();
+    Refutation::Proof proof = search();
     if (cut_degenerate_ && out_.stopped == Status::Solved && pieces_.empty()) {
       // "None" must not rest on a w_i that is 0 up to rounding: once more without these cuts.
       skip_degenerate_ = false;
       nodes_limit_ = out_.nodes + 100'000;
-      search();
+      proof = search();
     }
     out_.complete = out_.stopped == Status::Solved;
+    if (out_.complete && pieces_.empty()) keep(std::move(proof));
     for (Piece& piece : pieces_) out_.found.push_back({std::move(piece.original), piece.dimension});
     return std::move(out_);
   }
 
  private:
-  void search() {
+  Refutation::Proof search() {
+    kept_ = 0;
+    excluded_ = infinity;
     BoundedRows rows(M_, scaled_.q, scaled_.box, options_.degenerate_tol);
     for (Index i = 0; i < problem_.size(); ++i) {
       const Box& box = problem_.box;
@@ -79,21 +83,38 @@ class Search {
       if (box.has_lower(i) && !box.has_upper(i)) rows.set_bounds(rows.w(i), 0, infinity);
       if (!box.has_lower(i) && box.has_upper(i)) rows.set_bounds(rows.w(i), -infinity, 0);
     }
-    visit(std::move(rows));
+    return visit(std::move(rows));
   }
 
-  /// The partial cell: decided variables are at their places, the others anywhere between their bounds.
-  void visit(BoundedRows rows) {
-    if (done()) return;
+  /// What refutes the whole problem, for the largest tolerance that all of its cells allow.
+  void keep(Refutation::Proof proof) {
+    if (kept_ > most_kept) return;
+    out_.refutation = {.tolerance = 0, .radius = infinity, .proof = std::move(proof)};
+    // Beyond half of a box at its lower bound and off its upper one is the same.
+    double most = excluded_;
+    for (Index i = 0; i < problem_.size(); ++i)
+      if (!problem_.box.is_fixed(i)) most = std::min(most, (problem_.box.upper[i] - problem_.box.lower[i]) / 4);
+    for (const double t : {most * (1 - 1e-6), most / 2, limits_.tol}) {
+      out_.refutation.tolerance = t;
+      if (holds(problem_, out_.refutation)) return;
+    }
+    out_.refutation.tolerance = 0;
+  }
+
+  /// The partial cell: decided variables are at their places, the others anywhere between their bounds. Returns the
+  /// proof that it is empty, if it is.
+  Refutation::Proof visit(BoundedRows rows) {
+    Refutation::Proof proof;
+    if (done()) return proof;
     if (++out_.nodes > nodes_limit_) {
       stop(Status::Stalled, "rounding: cells where w is 0 throughout are too many to be examined one by one");
-      return;
+      return proof;
     }
-    if (is_empty(rows) || degenerate_in_whole(rows)) return;
+    if (is_empty(rows, proof) || degenerate_in_whole(rows)) return proof;
     const Index i = farthest_from_complementary(rows);
     if (i < 0) {
-      leaf(rows);
-      return;
+      leaf(rows, proof);
+      return proof;
     }
     decided_[at(i)] = 1;
     const double l = scaled_.box.lower[i];
@@ -103,22 +124,45 @@ class Search {
       BoundedRows next = rows;
       next.set_bounds(next.z(i), z_lower, z_upper);
       next.set_bounds(next.w(i), w_lower, w_upper);
-      visit(std::move(next));
+      return visit(std::move(next));
     };
-    if (problem_.box.has_lower(i)) branch(Place::Lower, l, l, 0, infinity);
-    branch(Place::Inside, l, u, 0, 0);
-    if (problem_.box.has_upper(i)) branch(Place::Upper, u, u, -infinity, 0);
+    // Off its bounds, off the lower one alone, and at it: each refuted supposes less.
+    const bool has_lower = problem_.box.has_lower(i);
+    if (has_lower) proof = branch(Place::Lower, l, l, 0, infinity);
+    Refutation::Proof off = branch(Place::Inside, l, u, 0, 0);
+    if (problem_.box.has_upper(i)) {
+      Refutation::Proof upper = branch(Place::Upper, u, u, -infinity, 0);
+      off = before({.variable = i, .above = false, .refuted = std::move(off)}, std::move(upper));
+    }
     decided_[at(i)] = 0;
+    return has_lower ? before({.variable = i, .above = true, .refuted = std::move(off)}, std::move(proof)) : off;
+  }
+
+  static Refutation::Proof before(Refutation::Assumption assumption, Refutation::Proof proof) {
+    proof.assumptions.insert(proof.assumptions.begin(), std::move(assumption));
+    return proof;
   }
 
   /// Whether no point is within the rows' bounds; proved without rounding, or the search is not complete.
-  bool is_empty(BoundedRows& rows) {
+  bool is_empty(BoundedRows& rows, Refutation::Proof& proof) {
     const Feasibility answer = rows.repair();
     if (answer == Feasibility::Feasible) return false;
-    const bool proved =
-        answer == Feasibility::Empty &&
-        exact_exclusion(scaled_.M, scaled_.q, rows.z_bounds(), rows.w_bounds(), rows.multipliers()).size() > 0;
-    if (!proved) stop(Status::Stalled, "rounding: a partial cell could not be decided");
+    TwoPartVector y;
+    if (answer == Feasibility::Empty)
+      y = exclusion_parts(scaled_.M, scaled_.q, rows.z_bounds(), rows.w_bounds(), rows.multipliers());
+    if (y.size() == 0) {
+      stop(Status::Stalled, "rounding: a partial cell could not be decided");
+      return true;
+    }
+    y.value = y.value.cwiseProduct(scaling_.rows);
+    y.rest = y.rest.cwiseProduct(scaling_.rows);
+    const Box z = rows.z_bounds();
+    const Exclusion there =
+        exclusion(problem_.M, problem_.q,
+                  {z.lower.cwiseProduct(scaling_.columns), z.upper.cwiseProduct(scaling_.columns)}, rows.w_bounds(), y);
+    excluded_ = std::min(excluded_, there.wrong > 0 ? 0 : there.margin / there.size);
+    for (Index i = 0; i < y.size() && kept_ <= most_kept; ++i)
+      if (y.value[i] != 0) proof.y.push_back({i, y.value[i], y.rest[i]}), ++kept_;
     return true;
   }
 
@@ -170,7 +214,7 @@ class Search {
     return found;
   }
 
-  void leaf(const BoundedRows& rows) {
+  void leaf(const BoundedRows& rows, Refutation::Proof& proof) {
     std::vector<Index> inside;
     for (Index i = 0; i < problem_.size(); ++i)
       if (places_[at(i)] == Place::Inside) inside.push_back(i);
@@ -186,7 +230,7 @@ class Search {
     // known accurately enough.
     BoundedRows strict = rows;
     strict.set_tolerance(0);
-    if (!is_empty(strict))
+    if (!is_empty(strict, proof))
       stop(Status::Stalled, "rounding: a cell holds a point that is not accurate enough to be judged");
   }
 
@@ -289,6 +333,9 @@ class Search {
   bool cut_degenerate_ = false;
   long nodes_limit_ = std::numeric_limits<long>::max();
   std::vector<Piece> pieces_;
+  static constexpr long most_kept = 4'000'000;  // multipliers of a certificate: 100 MB
+  long kept_ = 0;
+  double excluded_ = infinity;  // residuals below are, in all cells so far
   Solutions out_;
 };
 
@@ -338,6 +385,7 @@ Result enumeration(const AffineMcp& problem, In start, const Enumeration& option
     Result result = judged(problem, z, limits, otherwise, what.str());
     result.message = what.str();
     result.iterations = all.nodes;
+    if (result.status == Status::Infeasible) result.refutation = std::make_shared<const Refutation>(all.refutation);
     return result;
   };
   return within_limits(solve, at_start("enumeration", problem, start, limits));

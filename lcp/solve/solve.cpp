@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <memory>
 #include <utility>
 
 #include "lcp/judge/judge.hpp"
@@ -146,6 +147,28 @@ void refine(const AffineMcp& problem, const Limits& limits, Result& result) {
 
 }  // namespace
 
+namespace {
+
+/// Infeasible means that no point has a residual of at most the tolerance: a proof of less is no answer.
+void prove(const AffineMcp& problem, const Limits& limits, Result& result) {
+  if (result.status != Status::Infeasible) return;
+  if (!result.refutation)
+    result.refutation = std::make_shared<const Refutation>(refute(problem, result.certificate, limits.tol));
+  const double excluded = result.refutation->tolerance;
+  if (excluded >= limits.tol) return;
+  result.status = Status::Stalled;
+  result.message = excluded > 0
+                       ? text_of(
+                             "the numbers of the problem contradict each other, but by less than the tolerance: no "
+                             "point has a residual below ",
+                             excluded)
+                       : "the method found a contradiction that rounding may have made";
+  result.refutation.reset();
+  result.certificate.resize(0);
+}
+
+}  // namespace
+
 Result solve(const AffineMcp& problem, In start, const Method& method, const Limits& limits) {
   const Overloaded run{[&](const Auto& m) { return automatic(problem, start, m, limits); },
                        [&](const Lemke& m) { return lemke_method(problem, start, m, limits); },
@@ -162,6 +185,7 @@ Result solve(const AffineMcp& problem, In start, const Method& method, const Lim
   const auto method_and_refinement = [&] {
     Result result = std::visit(run, method);
     refine(problem, limits, result);
+    prove(problem, limits, result);
     return result;
   };
   return within_limits(method_and_refinement, at_start(name(method), problem, start, limits));
