@@ -11,6 +11,7 @@
 #include "app/problem/warm_start.hpp"
 #include "app/program/files.hpp"
 #include "app/text/json_parts.hpp"
+#include "ncp/analysis/certificate.hpp"
 #include "ncp/collection/sized.hpp"
 
 namespace perp::app {
@@ -260,6 +261,10 @@ std::string solve_json(const Report& report) {
   json["residual"] = residual_json(report.mcp(), result.residual);
   json["residual"]["relative"] = json_number(result.relative);
   json["residual"]["relative_worst"] = equation_json(report.mcp(), result.relative_row);
+  if (result.status == ncp::Status::Infeasible) {
+    json["residual_bound"] = json_number(result.proof.residual_bound);
+    json["certificate"] = Json::parse(ncp::certificate_json(report.mcp(), result.x, result.proof));
+  }
   json["stats"] = stats_json(result.stats);
   if (report.derivatives)
     json["derivatives"] = {{"defined", report.derivatives->defined}, {"worst", json_number(report.derivatives->worst)}};

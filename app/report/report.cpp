@@ -6,8 +6,10 @@
 #include <cmath>
 #include <limits>
 #include <ostream>
+#include <vector>
 
 #include "app/text/table.hpp"
+#include "ncp/analysis/certificate.hpp"
 #include "ncp/problem/affine.hpp"
 #include "ncp/problem/words.hpp"
 
@@ -140,9 +142,10 @@ void print_solution(std::ostream& out, const Report& report, bool full) {
 
 void print_all_solutions(std::ostream& out, const Report& report, bool full) {
   if (!report.all_solutions) return;
-  const auto& [found, complete, nodes, stopped, message] = *report.all_solutions;
+  const lcp::Solutions& all = *report.all_solutions;
+  const std::vector<lcp::Solution>& found = all.found;
   out << fmt::format("{}{}:\n", count(static_cast<ncp::Index>(found.size()), "solution"),
-                     complete ? ", and there are no others" : "; the search is not complete: " + message);
+                     all.complete ? ", and there are no others" : "; the search is not complete: " + all.message);
   for (std::size_t k = 0; k < found.size(); ++k) {
     if (!full && k == long_table) {
       out << "  ... --full shows them\n";
@@ -185,6 +188,9 @@ void print_initial_statistics(std::ostream& out, const LoadedProblem& problem) {
 void print_verdict(std::ostream& out, const Report& report) {
   const ncp::Result& result = report.result;
   out << fmt::format("{}: {}\n", ncp::to_string(result.status), result.message);
+  if (result.proof.certificate)
+    out << fmt::format("Proof: {} contradict each other; --json writes the certificate\n",
+                       ncp::rows_in_words(report.mcp(), result.proof));
   for (const std::string& note : result.notes) out << fmt::format("Note: {}\n", note);
   if (!result.advice.empty()) out << fmt::format("Try: {}\n", result.advice);
 }

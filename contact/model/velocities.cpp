@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "contact/model/residual.hpp"
-#include "lcp/two_part_vector.hpp"
+#include "lcp/judge/two_part_vector.hpp"
 
 namespace perp::contact {
 namespace {

@@ -21,7 +21,7 @@
 /// rounding of y is taken away by a correction d, a second vector of doubles, with (M'd)_J = -g_J: R is about 1e30 if
 /// there is a y with g_J = 0 nearby, and at most about 1e17 if there is none, where a solution far out may exist.
 #include "lcp/affine_mcp.hpp"
-#include "lcp/two_part_vector.hpp"
+#include "lcp/judge/two_part_vector.hpp"
 
 namespace perp::lcp {
 

@@ -284,7 +284,8 @@ class PrincipalRun {
     const double rounding = 1e-12 * y.lpNorm<Eigen::Infinity>();
     for (Index k = 0; k < y.size(); ++k)
       if (std::abs(y[k]) <= rounding || (y[k] < 0 && form_.free[at(k)] == 0)) y[k] = 0;
-    const Vec certificate = exact_certificate(problem_, form_.to_certificate(y).cwiseProduct(scaling_.rows), limits_.tol);
+    const Vec certificate =
+        exact_certificate(problem_, form_.to_certificate(y).cwiseProduct(scaling_.rows), limits_.tol);
     if (certificate.size() == 0)
       return end(Status::Ray,
                  "the driving variable grows without bound, but its row is no certificate: M is not "

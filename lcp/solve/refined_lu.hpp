@@ -7,9 +7,9 @@
 #include <optional>
 #include <vector>
 
+#include "lcp/judge/two_part_vector.hpp"
 #include "lcp/lu/sparse_lu.hpp"
 #include "lcp/lu/sparse_vector.hpp"
-#include "lcp/two_part_vector.hpp"
 
 namespace perp::lcp {
 

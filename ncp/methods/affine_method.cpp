@@ -19,7 +19,6 @@ Status status_of(Status affine) {
 }
 
 const char* advice(Status status, bool automatic) {
-  if (status == Status::Infeasible) return "look for a mistake in the model";
   if (status == Status::TimeLimit) return "raise the time limit";
   if (status == Status::OutOfMemory) return "a smaller problem, more memory, or --method psor";
   return automatic ? "the problem may have no solution; a nonlinear method (semismooth) may still find one"
@@ -44,7 +43,13 @@ void affine(Run& run, In x0, const Affine& method) {
   run.stats().factorizations += found.factorizations;
   point.x = found.z;
   it = {.k = 1, .kind = 'A'};
-  if (!run.evaluate(point) || run.go_on(point, it))
+  const bool open = !run.evaluate(point) || run.go_on(point, it);
+  if (open && found.status == Status::Infeasible)
+    run.end_infeasible({.residual_bound = found.refutation->tolerance,
+                        .certificate = found.refutation,
+                        .multipliers = found.certificate},
+                       found.message);
+  else if (open)
     run.end(found.accepted() ? Status::NoProgress : status_of(found.status), found.message,
             advice(found.status, std::holds_alternative<lcp::Auto>(method.method)));
   run.stats().iterations = static_cast<int>(std::min<long>(found.iterations, std::numeric_limits<int>::max()));

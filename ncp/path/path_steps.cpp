@@ -267,12 +267,9 @@ bool PathSteps::newton_step(Iteration& it) {
     it.linear = last_->letter();
     if (last_->solved()) basis_ = last_->path.cells;
     if (last_->stopped() || newton_points_.exhausted()) return false;
-    if (last_->path.certificate.size() > 0 && lambda == 0 && run_.mcp().is_affine()) {
-      run_.end(Status::Infeasible,
-               "proven to have no solution: the path of Lemke's method runs off along a ray that certifies it",
-               "look for a mistake in the model");
+    if (last_->path.certificate.size() > 0 && lambda == 0 && run_.mcp().is_affine() &&
+        run_.disprove(last_->path.certificate, "the path of Lemke's method runs off along a ray that certifies it"))
       return false;
-    }
     if (!last_->solved() && others_do_better()) return false;
     const bool last = i == path_prox_tries || !method_.proximal_adaptive;
     if (last_->usable() && accept(*last_, last ? 0 : least_step, it)) {

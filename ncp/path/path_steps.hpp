@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "lcp/iterative/search_memory.hpp"
 #include "ncp/path/crash.hpp"
 #include "ncp/path/newton_point.hpp"
 #include "ncp/path/path_search.hpp"

@@ -5,9 +5,11 @@
 #include <chrono>
 #include <iosfwd>
 #include <limits>
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "lcp/judge/refutation.hpp"
 #include "lcp/pivoting/lemke.hpp"
 #include "lcp/status.hpp"
 #include "ncp/problem/mcp.hpp"
@@ -71,6 +73,16 @@ void each(const Stats& stats, Visit visit) {
   visit("time_s", stats.time.count());
 }
 
+/// Why a problem has no solution, in numbers; the message has it in words.
+struct Infeasibility {
+  /// No point has a natural residual of at most this; 0 where nothing is proven.
+  double residual_bound = 0;
+  bool within_bounds = false;  ///< only points within the bounds are meant: F may not be defined elsewhere
+  /// What others can check (lcp/judge/refutation.hpp), of the affine rows; null if ranges of F are the proof.
+  std::shared_ptr<const lcp::Refutation> certificate{};
+  Vec multipliers{};  ///< of rows, where they alone led to the proof
+};
+
 struct Result {
   Status status = Status::IterationLimit;
   std::string message;  ///< what happened, with names and values
@@ -82,6 +94,7 @@ struct Result {
   /// (lcp/judge/judge.hpp). NaN and -1 if J is not defined.
   double relative = std::numeric_limits<double>::quiet_NaN();
   Index relative_row = -1;
+  Infeasibility proof{};             ///< if status == Infeasible
   std::vector<std::string> notes{};  ///< what a solution to the tolerance leaves to be said; with names and values
   std::vector<lcp::Cell> basis{};    ///< PathSearch: of the last linearised problem solved; empty if there was none
   Stats stats;

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "lcp/judge/result.hpp"
+#include "ncp/problem/linear_part.hpp"
 
 namespace perp::ncp {
 std::string solution_found(const Residual& residual) {
@@ -25,6 +26,30 @@ void Run::end(Status status, std::string message, std::string advice) {
   status_ = status == Status::SolvedToRounding ? Status::NoProgress : status;  // that is the judge's to say
   message_ = std::move(message);
   advice_ = std::move(advice);
+}
+
+Infeasibility Run::proven(const Vec& y) const {
+  const std::optional<LinearPart> part =
+      linear_part(mcp(), best_.x.size() > 0 ? best_.x : lcp::project(box(), Vec::Zero(box().size())));
+  if (!part) return {};
+  lcp::Refutation found = lcp::refute(part->problem, y, tol(), part->rows);
+  if (found.tolerance < tol()) return {};
+  return {.residual_bound = found.tolerance,
+          .certificate = std::make_shared<const lcp::Refutation>(std::move(found)),
+          .multipliers = y};
+}
+
+bool Run::disprove(const Vec& y, const std::string& words) {
+  Infeasibility proof = proven(y);
+  if (!(proof.residual_bound > 0)) return false;
+  end_infeasible(std::move(proof), "proven to have no solution: " + words);
+  return true;
+}
+
+void Run::end_infeasible(Infeasibility proof, std::string message) {
+  if (status_) return;
+  end(Status::Infeasible, std::move(message), "look for a mistake in the model");
+  proof_ = std::move(proof);
 }
 
 void Run::guard(const std::function<void()>& part) {
@@ -214,6 +239,13 @@ Result Run::within(const Transform& way, const Share& share, In x0, const Body& 
   result.x = way.back(result.x);
   result.basis = way.back(result.x, std::move(result.basis));
   judge_here(mcp(), limits, result, judge_.exact());
+  if (result.status == Status::Infeasible) {
+    result.proof = proven(way.multipliers_back(result.proof.multipliers));
+    if (!(result.proof.residual_bound > 0)) {
+      result.status = Status::NoProgress;
+      result.message = "another form of the problem has no solution, which rounding may have made";
+    }
+  }
   return result;
 }
 
@@ -221,6 +253,7 @@ void Run::replace_verdict(Verdict verdict) {
   status_ = verdict.status;
   message_ = std::move(verdict.message);
   advice_ = std::move(verdict.advice);
+  proof_ = std::move(verdict.proof);
 }
 
 void Run::remark(const std::string& text) {
@@ -245,6 +278,7 @@ void Run::take(const Result& other) {
   }
   if (!ended_with(other))  // limits of its own are no reason to stop
     end(other.status == Status::IterationLimit ? Status::NoProgress : other.status, other.message, other.advice);
+  if (status_ == Status::Infeasible) proof_ = other.proof;
 }
 
 void Run::charge(const Result& other) {
@@ -334,6 +368,7 @@ Result Run::result(In x0) {
     out.F = Vec::Constant(x0.size(), std::numeric_limits<double>::quiet_NaN());
   }
   out.basis = basis_;
+  if (out.status == Status::Infeasible) out.proof = proof_;
   out.stats = stats_;
   out.stats.F_evals += counted_.F_evals();
   out.stats.J_evals += counted_.J_evals();

@@ -69,6 +69,11 @@ class Run {
   /// Ends the run. Solved cannot be said: the judge says it, and where nothing is proven it looks at the best point
   /// once more: SolvedToRounding.
   void end(Status status, std::string message, std::string advice);
+  /// Ends the run as Infeasible if the multipliers `y` of rows (may be empty), or bounds carried from row to row, prove
+  /// that no point has a natural residual of at most the tolerance. `words` say why.
+  bool disprove(const Vec& y, const std::string& words);
+  /// Ends it so with a proof that is there.
+  void end_infeasible(Infeasibility proof, std::string message);
   /// Runs a part of a method, which may throw: where a factorization would end after the deadline, or memory is short,
   /// the run ends with that and keeps its best point.
   void guard(const std::function<void()>& part);
@@ -77,8 +82,9 @@ class Run {
   struct Verdict {
     Status status;
     std::string message, advice;
+    Infeasibility proof{};
   };
-  Verdict verdict() const { return {*status_, message_, advice_}; }  ///< Pre: ended()
+  Verdict verdict() const { return {*status_, message_, advice_, proof_}; }  ///< Pre: ended()
   bool accepted() const { return status_ == Status::Solved || status_ == Status::SolvedToRounding; }
   /// What tells that the problem is proven to have no solution, for where an attempt is stuck and another would begin.
   void give_up_where(std::function<bool()> hopeless) { hopeless_ = std::move(hopeless); }
@@ -136,6 +142,9 @@ class Run {
   /// The best point is Solved after all, or SolvedToRounding.
   bool settled();
   std::string undefined_at_start(In x, In F) const;
+  /// What is proven of this problem, with the multipliers of a proof on a transformed one; no bound if that is less
+  /// than the tolerance.
+  Infeasibility proven(const Vec& y) const;
 
   CountedMcp counted_;
   const Stop& stop_;
@@ -146,6 +155,7 @@ class Run {
   Stats stats_;  // its evaluations are those of other runs; this one's are counted_'s
   std::optional<Status> status_;
   std::string message_, advice_;
+  Infeasibility proof_;
   int offset_ = 0;       // iterations of earlier attempts
   std::string attempt_;  // that begins
   Judged best_;

@@ -12,9 +12,8 @@ void run_presolved(Run& run, In x0, const std::vector<lcp::Cell>& basis,
   const Presolved pre = presolve(run.mcp(), start);
   if (!pre.infeasible().empty()) {
     Point point;
-    if (run.start(x0, point))
-      run.end(Status::Infeasible, "proven to have no solution: " + pre.infeasible(), "look for a mistake in the model");
-    return;
+    if (!run.start(x0, point) || run.ended() || run.disprove({}, pre.infeasible())) return;
+    return body(run, x0, basis);  // rounding may have made the contradiction
   }
   if (&pre.problem() == &run.mcp()) return body(run, x0, basis);
 

@@ -51,9 +51,9 @@ void run_base(Run& run, In x0, const Method& method) {
 }
 
 /// Whether the ranges of F over the box leave no point that the judge could accept; looked at once, if at all.
-class Refutation {
+class RangesRefuse {
  public:
-  Refutation(const Mcp& mcp, double tol) : mcp_(mcp), tol_(tol) {}
+  RangesRefuse(const Mcp& mcp, double tol) : mcp_(mcp), tol_(tol) {}
   /// At most about a millisecond.
   bool cheap() const {
     constexpr double little_work = 30'000;
@@ -63,12 +63,24 @@ class Refutation {
   const std::optional<Run::Verdict>& verdict() {
     if (std::exchange(known_, true)) return verdict_;
     if (const auto proof = no_solution(mcp_, tol_))
-      verdict_ = Run::Verdict{Status::Infeasible, "proven to have no solution: " + describe(mcp_, *proof),
-                              "look for a mistake in the model"};
+      verdict_ = Run::Verdict{Status::Infeasible,
+                              "proven to have no solution: " + describe(mcp_, *proof),
+                              "look for a mistake in the model",
+                              {.residual_bound = largest_excluded(), .within_bounds = true}};
     return verdict_;
   }
 
  private:
+  /// To a factor of two; at least the tolerance.
+  double largest_excluded() const {
+    double excluded = tol_;
+    double factor = 1024;
+    while (excluded < 1e100 && no_solution(mcp_, factor * excluded)) excluded *= factor;
+    for (; factor > 2; factor = std::sqrt(factor))
+      if (no_solution(mcp_, factor * excluded)) excluded *= factor;
+    return excluded;
+  }
+
   const Mcp& mcp_;
   double tol_;
   bool known_ = false;
@@ -81,7 +93,8 @@ void refute_in_parts(Run& run, double tol) {
     run.replace_verdict({Status::Infeasible,
                          "proven to have no solution: in each of " + quantity(parts, "part") +
                              " of the box the ranges of F and J leave none",
-                         "look for a mistake in the model"});
+                         "look for a mistake in the model",
+                         {.residual_bound = tol, .within_bounds = true}});
 }
 
 /// The method, and of runs that have found nothing whether there is nothing. Most problems have a solution: the first
@@ -89,7 +102,7 @@ void refute_in_parts(Run& run, double tol) {
 void solve_or_refute(Run& run, In x0, const Method& method) {
   const Mcp& mcp = run.mcp();
   const double tol = stop(method).tol;
-  const auto refutation = std::make_shared<Refutation>(mcp, tol);
+  const auto refutation = std::make_shared<RangesRefuse>(mcp, tol);
   run.give_up_where([refutation] { return refutation->cheap() && refutation->verdict(); });
   run.guard([&] { run_method(run, x0, method); });
   if (!run.ended()) return;
@@ -221,6 +234,16 @@ void comment(const Mcp& mcp, const Method& method, Result& result) {
     blame_derivatives(mcp, result);
 }
 
+/// "; no point has a natural residual below 0.31".
+std::string words_on_proof(const Infeasibility& proof) {
+  if (!(proof.residual_bound > 0)) return {};
+  std::string words = std::string("; no point ") + (proof.within_bounds ? "within the bounds " : "") +
+                      "has a natural residual below " + number_below(proof.residual_bound);
+  if (proof.certificate && proof.certificate->radius < infinity)
+    words += " unless a variable is beyond " + number_below(proof.certificate->radius);
+  return words;
+}
+
 }  // namespace
 
 Result solve(const Mcp& mcp, In x0, const Method& method, const Observer& observer) {
@@ -237,7 +260,7 @@ Result solve(const Mcp& mcp, In x0, const Method& method, const Observer& observ
   Result result = run.result(x0);
   result.stats.J_colours = static_cast<int>(before.colours);
   result.stats.J_F_evals = static_cast<int>(mcp.jacobian_work().F_evals - before.F_evals);
-  result.message += words_on_best(mcp, result);
+  result.message += words_on_proof(result.proof) + words_on_best(mcp, result);
   try {
     if (result.status != Status::OutOfMemory) comment(mcp, method, result);
   } catch (const std::bad_alloc&) {  // the result stands without a comment

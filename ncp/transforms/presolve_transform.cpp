@@ -15,6 +15,14 @@ Vec PresolveTransform::kink_back(const Vec& z) const {
   return full;
 }
 
+// Rows that went have bounded their variables: the proof here knows it from the rows themselves.
+Vec PresolveTransform::multipliers_back(const Vec& y) const {
+  if (y.size() != static_cast<Index>(pre_.rows().size())) return {};
+  Vec full = Vec::Zero(mcp_.size());
+  for (Index k = 0; k < y.size(); ++k) full[equation_back(k)] = y[k];
+  return full;
+}
+
 std::vector<lcp::Cell> PresolveTransform::there(const std::vector<lcp::Cell>& basis) const {
   std::vector<lcp::Cell> cells;
   if (!basis.empty())

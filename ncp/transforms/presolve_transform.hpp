@@ -18,6 +18,7 @@ class PresolveTransform final : public Transform {
   std::vector<lcp::Cell> there(const std::vector<lcp::Cell>& basis) const override;
   /// The cells of all variables: those that stayed as they are, the others by where they ended.
   std::vector<lcp::Cell> back(In x, std::vector<lcp::Cell> basis) const override;
+  Vec multipliers_back(const Vec& y) const override;
   Index equation_back(Index i) const override { return pre_.rows()[static_cast<std::size_t>(i)]; }
   bool keeps_residuals() const override { return true; }
 

@@ -26,6 +26,9 @@ class ScaleTransform final : public Transform {
   }
   std::vector<lcp::Cell> there(const std::vector<lcp::Cell>& basis) const override { return basis; }
   std::vector<lcp::Cell> back(In, std::vector<lcp::Cell> basis) const override { return basis; }
+  Vec multipliers_back(const Vec& y) const override {
+    return y.size() == factors_.rows.size() ? Vec(y.cwiseProduct(factors_.rows)) : Vec();
+  }
   double tolerance(double tol) const override { return std::max(least_tolerance, scaled_.tolerance(tol)); }
   bool keeps_residuals() const override { return false; }
 
