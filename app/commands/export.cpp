@@ -34,7 +34,7 @@ Files files_of(const std::string& file) {
 
 /// Before anything is read: all of the paths are fit.
 template <class Paths>
-void check(const Paths& paths, const ProblemSource& source, bool force) {
+void check_paths(const Paths& paths, const ProblemSource& source, bool force) {
   std::vector<FileUse> outputs;
   for (const std::string& path : paths) outputs.push_back({"-o", path});
   check_outputs(outputs, files_of(source));
@@ -46,7 +46,7 @@ void check(const Paths& paths, const ProblemSource& source, bool force) {
 
 void write_and_tell(const ExportRequest& request, Streams streams) {
   const Files files = files_of(request.file);
-  check(files.all(), request.source, request.force);
+  check_paths(files.all(), request.source, request.force);
   const LoadedProblem problem = load_problem(request.source);
   const std::optional<lcp::AffineMcp> affine = ncp::affine_part(*problem.mcp);
   if (!affine)
@@ -75,7 +75,7 @@ void write_and_tell(const ExportRequest& request, Streams streams) {
 void write_nl(const ExportRequest& request, const std::string& file, Streams streams) {
   const std::string stem = file.substr(0, file.size() - 3);
   const std::array<std::string, 3> paths{file, stem + ".col", stem + ".row"};
-  check(paths, request.source, request.force);
+  check_paths(paths, request.source, request.force);
   const LoadedProblem problem = load_problem(request.source);
   if (problem.model != nullptr) throw input_error("'{}' is an .nl file already: copy it", problem.label);
   const std::optional<std::string> text = ncp::ampl::nl_text(*problem.mcp, problem.x0);

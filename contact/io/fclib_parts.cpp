@@ -11,17 +11,12 @@ namespace {
 using lcp::Index;
 using lcp::SpMat;
 
-template <class... Parts>
-[[noreturn]] void refuse(const Parts&... parts) {
-  refuse_input(parts...);
-}
-
 void check_length(const char* name, std::size_t length, long long needed, const char* why) {
-  if (static_cast<long long>(length) < needed) refuse(name, " has ", length, " entries, not ", needed, ": ", why);
+  if (static_cast<long long>(length) < needed) refuse_input(name, " has ", length, " entries, not ", needed, ": ", why);
 }
 
 void check_index(const char* name, long long k, long long value, long long below) {
-  if (value < 0 || value >= below) refuse(name, "[", k, "] is ", value, ", not within 0 and ", below - 1);
+  if (value < 0 || value >= below) refuse_input(name, "[", k, "] is ", value, ", not within 0 and ", below - 1);
 }
 
 class Entries {
@@ -29,7 +24,7 @@ class Entries {
   explicit Entries(const FclibMatrix& stored) : stored_(stored) {}
 
   SpMat matrix() {
-    if (stored_.nz < -2) refuse("nz is ", stored_.nz, ", neither -1, -2 nor a number of triplets");
+    if (stored_.nz < -2) refuse_input("nz is ", stored_.nz, ", neither -1, -2 nor a number of triplets");
     if (stored_.nz >= 0)
       triplets();
     else
@@ -43,13 +38,13 @@ class Entries {
   void check_entries(long long count) {
     check_length("i", stored_.i.size(), count, "one an entry");
     check_length("x", static_cast<std::size_t>(stored_.x.size()), count, "one an entry");
-    if (stored_.nzmax < count) refuse("nzmax is ", stored_.nzmax, ", below the number of entries, ", count);
+    if (stored_.nzmax < count) refuse_input("nzmax is ", stored_.nzmax, ", below the number of entries, ", count);
     entries_.reserve(static_cast<std::size_t>(count));
   }
 
   void add(long long k, long long row, long long column) {
     const double x = stored_.x[static_cast<Index>(k)];
-    if (!std::isfinite(x)) refuse("x[", k, "] is ", x);
+    if (!std::isfinite(x)) refuse_input("x[", k, "] is ", x);
     entries_.emplace_back(static_cast<int>(row), static_cast<int>(column), x);
   }
 
@@ -69,9 +64,9 @@ class Entries {
     const long long count = columns ? stored_.n : stored_.m;
     const std::vector<long long>& p = stored_.p;
     check_length("p", p.size(), count + 1, columns ? "one a column and one more" : "one a row and one more");
-    if (p[0] != 0) refuse("p[0] is ", p[0], ", not 0");
+    if (p[0] != 0) refuse_input("p[0] is ", p[0], ", not 0");
     for (std::size_t j = 1; j <= static_cast<std::size_t>(count); ++j)
-      if (p[j] < p[j - 1]) refuse("p[", j, "] is ", p[j], ", below p[", j - 1, "] = ", p[j - 1]);
+      if (p[j] < p[j - 1]) refuse_input("p[", j, "] is ", p[j], ", below p[", j - 1, "] = ", p[j - 1]);
     check_entries(p[static_cast<std::size_t>(count)]);
     for (long long j = 0; j < count; ++j)
       for (long long k = p[static_cast<std::size_t>(j)]; k < p[static_cast<std::size_t>(j) + 1]; ++k) {
@@ -89,7 +84,7 @@ class Entries {
 
 SpMat to_sparse(const FclibMatrix& stored, Index rows, Index columns) {
   if (stored.m != rows || stored.n != columns)
-    refuse("m x n is ", stored.m, " x ", stored.n, ", but the vectors make it ", rows, " x ", columns);
+    refuse_input("m x n is ", stored.m, " x ", stored.n, ", but the vectors make it ", rows, " x ", columns);
   return Entries(stored).matrix();
 }
 
@@ -110,9 +105,9 @@ FclibMatrix to_fclib(const SpMat& A) {
 void check(const FclibPoint& point, const Problem& problem) {
   const auto part = [](const char* name, const Vec& v, Index size) {
     if (v.size() > 0 && size >= 0 && v.size() != size)
-      refuse("FCLIB file: ", name, " of a solution or guess has ", v.size(), " entries, not ", size);
+      refuse_input("FCLIB file: ", name, " of a solution or guess has ", v.size(), " entries, not ", size);
     for (Index k = 0; k < v.size(); ++k)
-      if (!std::isfinite(v[k])) refuse("FCLIB file: ", name, "[", k, "] of a solution or guess is ", v[k]);
+      if (!std::isfinite(v[k])) refuse_input("FCLIB file: ", name, "[", k, "] of a solution or guess is ", v[k]);
   };
   const Global* g = problem.global.get();
   part("v", point.v, g != nullptr ? g->f.size() : -1);

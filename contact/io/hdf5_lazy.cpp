@@ -11,7 +11,7 @@
 namespace perp::contact {
 namespace {
 
-[[noreturn]] void refuse() {
+[[noreturn]] void refuse_library() {
   if (errno == ENOMEM) throw std::bad_alloc();
   const char* why = dlerror();
   throw std::runtime_error("HDF5 files need HDF5's library " PERP_HDF5 " (Debian: libhdf5-103-1): " +
@@ -24,7 +24,7 @@ void* library() {
     errno = 0;
     void* handle = dlopen(PERP_HDF5, RTLD_NOW | RTLD_LOCAL);
     if (handle == nullptr) handle = dlopen(PERP_HDF5_PATH, RTLD_NOW | RTLD_LOCAL);  // as it was found for the build
-    if (handle == nullptr) refuse();
+    if (handle == nullptr) refuse_library();
     return handle;
   }();
   return loaded;
@@ -35,7 +35,7 @@ void* library() {
 void* hdf5_function(const char* name) {
   errno = 0;
   void* const found = dlsym(library(), name);
-  if (found == nullptr) refuse();
+  if (found == nullptr) refuse_library();
   return found;
 }
 

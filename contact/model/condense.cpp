@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <optional>
-#include <sstream>
-#include <stdexcept>
+#include <string>
 #include <utility>
 #include <vector>
 
 #include "contact/model/checks.hpp"
 #include "contact/model/velocities.hpp"
 #include "lcp/solve/schur.hpp"
+#include "lcp/words.hpp"
 
 namespace perp::contact {
 namespace {
@@ -18,8 +18,6 @@ constexpr double drop = 1e-15;
 constexpr double least_rcond = 1e-11;
 /// Of all of M, below which it is singular up to rounding.
 constexpr double singular = 1e-15;
-
-[[noreturn]] void refuse(const std::string& why) { throw std::invalid_argument("condensation: " + why); }
 
 /// [M G; G' 0], by columns.
 SpMat saddle_point(const SpMat& M, const SpMat& G) {
@@ -41,17 +39,16 @@ SpMat saddle_point(const SpMat& M, const SpMat& G) {
 
 /// Why K is not regular, or solutions do not converge: M by itself, or else G.
 [[noreturn]] void refuse_singular(const Global& g, const lcp::RefinedLu& K) {
-  std::ostringstream why;
   const bool alone = g.G.cols() == 0;
   std::optional<lcp::RefinedLu> M;
   if (!alone) M.emplace(g.M);
   const bool dependent = M && M->regular();
   const lcp::RefinedLu& of = alone || dependent ? K : *M;
-  why << (dependent ? "the constraints G' v + b = 0 are linearly dependent" : "the inertia M is singular");
-  why << " (" << lcp::to_string(of.status());
-  if (of.status() == lcp::LuStatus::Ok) why << ", reciprocal condition number " << of.rcond();
-  why << ")";
-  refuse(why.str());
+  const std::string measured =
+      of.status() == lcp::LuStatus::Ok ? text_of(", reciprocal condition number ", of.rcond()) : std::string();
+  refuse_input(
+      "condensation: ", dependent ? "the constraints G' v + b = 0 are linearly dependent" : "the inertia M is singular",
+      " (", lcp::to_string(of.status()), measured, ")");
 }
 
 /// Where each velocity is among those of the bodies that contacts touch, or -1. W and q need no others.

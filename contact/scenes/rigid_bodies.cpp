@@ -8,11 +8,6 @@
 namespace perp::contact {
 namespace {
 
-template <class... Parts>
-[[noreturn]] void refuse(const Parts&... parts) {
-  refuse_input("rigid bodies: ", parts...);
-}
-
 using Triplets = std::vector<Eigen::Triplet<double, int>>;
 
 void add_block(Triplets& entries, Index row, Index column, const Mat3& block) {
@@ -45,9 +40,9 @@ Index RigidBodies::add(const Body& body) {
   const bool finite = std::isfinite(body.mass) && body.inertia.allFinite() && body.centre.allFinite() &&
                       body.velocity.allFinite() && body.spin.allFinite();
   if (!finite || !(body.mass > 0))
-    refuse("body ", bodies_.size(), " has the mass ", body.mass, ", or a part is not finite");
+    refuse_input("rigid bodies: body ", bodies_.size(), " has the mass ", body.mass, ", or a part is not finite");
   if (Eigen::LLT<Mat3>(body.inertia).info() != Eigen::Success)
-    refuse("the inertia of body ", bodies_.size(), " is not positive definite");
+    refuse_input("rigid bodies: the inertia of body ", bodies_.size(), " is not positive definite");
   bodies_.push_back(body);
   return static_cast<Index>(bodies_.size()) - 1;
 }
@@ -55,10 +50,11 @@ Index RigidBodies::add(const Body& body) {
 void RigidBodies::touch(const Contact& contact) {
   const auto known = [this](Index body) { return body >= ground && body < static_cast<Index>(bodies_.size()); };
   if (!known(contact.a) || !known(contact.b) || contact.a == contact.b)
-    refuse("contact ", contacts_.size(), " is between bodies ", contact.a, " and ", contact.b, " of ", bodies_.size());
+    refuse_input("rigid bodies: contact ", contacts_.size(), " is between bodies ", contact.a, " and ", contact.b,
+                 " of ", bodies_.size());
   if (!(std::abs(contact.normal.norm() - 1) < 1e-12) || !contact.point.allFinite())
-    refuse("the normal of contact ", contacts_.size(), " has the length ", contact.normal.norm(),
-           ", not 1, or its point is not finite");
+    refuse_input("rigid bodies: the normal of contact ", contacts_.size(), " has the length ", contact.normal.norm(),
+                 ", not 1, or its point is not finite");
   contacts_.push_back(contact);
 }
 

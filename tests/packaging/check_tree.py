@@ -6,6 +6,7 @@ includes   who may include which library (CONTRIBUTING.md, "The folders")
 floors     includes go down: a file includes what is in its own folder and in those below it
 crowd      no folder of sources with more than 25 files
 length     no source file beyond 500 lines
+names      no function template in an anonymous namespace shares its name with a function in that of another file of its folder
 format     clang-format (the major version below, else skipped) would change nothing
 readme     the examples of docs/cpp.md, docs/c.md, docs/contact/nonlinear.md and contact/README.md are those the packaging test builds and runs
 paths      files that texts and comments name exist, seen from the root or from where they are named
@@ -133,6 +134,29 @@ def length(root):
             yield f"{name}: {lines} lines, more than {LONGEST}"
 
 
+FUNCTION = re.compile(r"[^(=:]*?(?:[\w>]::[^(=:]*?)*[\s&*>](\w+)\(")
+
+
+def names(root):
+    """Unity builds compile files of a folder, in app of all its folders, as one: the template would take the other's calls."""
+    folders = collections.defaultdict(lambda: collections.defaultdict(dict))
+    for name in sources(root):
+        folder = "app" if name.startswith("app/") else posixpath.dirname(name)
+        hidden, before = False, ""
+        for line in (Path(root) / name).read_text(encoding="utf-8").splitlines() if name.endswith(".cpp") else ():
+            if line in ("namespace {", "}  // namespace"):
+                hidden = line == "namespace {"
+            found = FUNCTION.match(line) if hidden and re.match(r"[a-z\[]", line, re.I) else None
+            if found:
+                files = folders[folder][found[1]]
+                files[name] = files.get(name, False) or before.startswith("template")
+            before = line
+    for functions in folders.values():
+        for function, files in functions.items():
+            if len(files) > 1:
+                yield from (f"{name}: the template {function} has the name of a function in {', '.join(sorted(files.keys() - {name}))}" for name, template in files.items() if template)
+
+
 def format_(root):
     program = shutil.which(f"clang-format-{CLANG_FORMAT_VERSION}") or shutil.which("clang-format")
     version = subprocess.run([program, "--version"], capture_output=True, text=True).stdout if program else ""
@@ -243,6 +267,7 @@ CHECKS = {
     "floors": floors,
     "crowd": crowd,
     "length": length,
+    "names": names,
     "format": format_,
     "readme": readme,
     "paths": paths,
@@ -347,6 +372,14 @@ def self_test(_):
         write(folder, {"d.cpp": f"\n\n// {LICENCE}\n", "scripts/e": "#!/bin/sh\n", "LICENSE": "MIT\n"})
         if [violation.split(":")[0] for violation in licence(folder)] != ["LICENSE", "d.cpp", "scripts/e"]:
             yield f"{list(licence(folder))}: not the two files without a licence and the one with another"
+    with tempfile.TemporaryDirectory() as folder:
+        hidden = "namespace {{\n\n{}\n}}  // namespace\n"
+        template = hidden.format("template <class... T>\nvoid f(const T&... t) {\n}\n")
+        write(folder, {"a/a.cpp": template, "b/b.cpp": hidden.format("void f() {}\n"), "a/c.cpp": hidden.format("void g() {\n  f();\n}\nvoid C::f() {}\n")})
+        yield from (f"a good tree is refused: {violation}" for violation in names(folder))
+        write(folder, {"a/b.cpp": hidden.format("[[noreturn]] std::vector<a::B> f(long x) {}\n"), "app/a/a.cpp": template, "app/b.cpp": template})
+        if [violation.split(":")[0] for violation in names(folder)] != ["a/a.cpp", "app/a/a.cpp", "app/b.cpp"]:
+            yield f"{list(names(folder))}: not the templates whose name another file has"
     if shutil.which("clang-format"):
         with tempfile.TemporaryDirectory() as folder:
             write(folder, {".clang-format": "BasedOnStyle: Google\n", "a.cpp": "int a ;\n", "b.cpp": "int b;\n"})

@@ -14,7 +14,7 @@ namespace {
 
 /// What `make` reads; what it refuses is said with a word that is near.
 template <class Make>
-auto read(std::string_view before, const Make& make) {
+auto read_words(std::string_view before, const Make& make) {
   try {
     return make();
   } catch (const contact::UnknownWord& error) {
@@ -45,13 +45,13 @@ Variant parse_variant(const VariantRequest& request) {
                                     .encoding = request.encoding,
                                     .row = request.row,
                                     .form = request.form};
-  Variant variant{read("--", [&] { return contact::variant_of(words); }), request.options};
+  Variant variant{read_words("--", [&] { return contact::variant_of(words); }), request.options};
   set_options(variant);
   return variant;
 }
 
 Variant parse_variant(const std::string& text) {
-  return {read(fmt::format("'{}': ", text), [&] { return contact::variant_of(text); })};
+  return {read_words(fmt::format("'{}': ", text), [&] { return contact::variant_of(text); })};
 }
 
 std::vector<Variant> parse_variants(const std::string& list) {
@@ -59,7 +59,8 @@ std::vector<Variant> parse_variants(const std::string& list) {
   for (std::size_t at = 0; at <= list.size();) {
     const std::size_t end = std::min(list.find(',', at), list.size());
     const std::string text = list.substr(at, end - at);
-    for (contact::Variant& variant : read(fmt::format("'{}': ", text), [&] { return contact::variants_of(text); })) {
+    for (contact::Variant& variant :
+         read_words(fmt::format("'{}': ", text), [&] { return contact::variants_of(text); })) {
       if (std::ranges::any_of(variants, [&](const Variant& other) { return other.label() == variant.label(); }))
         throw input_error("--variants: {} is there twice", variant.label());
       variants.push_back({std::move(variant)});

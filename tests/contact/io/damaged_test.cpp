@@ -75,6 +75,16 @@ TEST(Damaged, FclibCutShort) {
   }
 }
 
+// The message names the part of the file and its place, in unity builds, too: there, another file's function of the
+// same name once took the call.
+TEST(Damaged, SaysWhichPartIsCutOff) {
+  const std::string bytes = bytes_of(small_local());
+  const std::string cut = bytes.substr(0, bytes.size() - 1);
+  EXPECT_THAT(
+      [&] { parse_fclib(cut, "cut.hdf5"); },
+      testing::ThrowsMessage<FileError>(testing::HasSubstr("superblock at byte 0: it says that the file ends")));
+}
+
 TEST(Damaged, Fclib) {
   Random random(31);
   for (const Datasets& datasets : {small_local(), small_global()}) {

@@ -99,7 +99,7 @@ TEST(Condense, Refuses) {
   EXPECT_NO_THROW(condense(good, mu));
   Global g = good;
   g.M = sparse(Dense::Ones(6, 6));
-  expect(g, mu, "the inertia M is singular");
+  expect(g, mu, "condensation: the inertia M is singular");
   g = good;
   g.G = sparse(Dense::Ones(6, 2));
   g.b = vec({1, 1});
@@ -149,7 +149,7 @@ TEST(Condense, BodiesThatNothingTouchesAreNotThere) {
   EXPECT_EQ(problem.global->M.rows(), 2 * m);
   among.M.coeffRef(0, 0) = 0;
   EXPECT_THAT([&] { condense(among, pile.mu); },
-              ThrowsMessage<std::invalid_argument>(HasSubstr("the inertia M is singular")));
+              ThrowsMessage<std::invalid_argument>(HasSubstr("condensation: the inertia M is singular")));
 }
 
 // Columns g and g + delta c of G say the same as g and c, without rounding. By a plain LU factorization W and q were
