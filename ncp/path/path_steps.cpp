@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "lcp/words.hpp"
-#include "ncp/reformulation/line_search.hpp"
 
 namespace perp::ncp {
 namespace {

@@ -10,6 +10,7 @@
 #include "ncp/path/crash.hpp"
 #include "ncp/path/newton_point.hpp"
 #include "ncp/path/path_search.hpp"
+#include "ncp/reformulation/line_search.hpp"
 #include "ncp/reformulation/merit.hpp"
 #include "ncp/run/run.hpp"
 
