@@ -76,8 +76,9 @@ std::shared_ptr<const Inertia> Inertia::of(const SpMat& M, SpMat K, std::shared_
   inertia->symmetric_ = lcp::symmetric(M, 0);
   inertia->velocities_ = M.rows();
   inertia->M_ = std::move(K);
-  inertia->M_.makeCompressed();
   inertia->body_of_ = factors->part_of();
+  const auto& body_of = inertia->body_of_;
+  inertia->M_.prune([&](Index i, Index j, double value) { return value != 0 && body_of[at(i)] == body_of[at(j)]; });
   inertia->find_bodies();
   inertia->rcond_ = factors->rcond();
   inertia->entries_of_lu_ = factors->entries_of_factors();

@@ -33,7 +33,8 @@ class Inertia {
  public:
   /// Nothing: M is not symmetric, not positive definite, or the factors do not fit.
   static std::shared_ptr<const Inertia> of(SpMat M);
-  /// By the factors of a regular K. Nothing: M is not symmetric to 1e-11, or not positive definite.
+  /// By the factors of a regular K. Entries between bodies are dropped: zeros that are stored, or vanish where rows
+  /// have their units. Nothing: M is not symmetric to 1e-11, or not positive definite.
   static std::shared_ptr<const Inertia> of(const SpMat& M, SpMat K, std::shared_ptr<const lcp::RefinedLu> factors);
 
   const SpMat& M() const { return M_; }

@@ -41,7 +41,8 @@ std::vector<Rows> parts(const Delassus& W, int d) {
   return all;
 }
 
-/// Of (S + S') / 2 in these rows and columns. `place` is workspace, -1 everywhere.
+/// Of (S + S') / 2 in these rows and columns. `place` is workspace, -1 everywhere. Entries in other rows are zeros that
+/// are stored, or too small for a group.
 Vec eigenvalues(const SpMat& S, const Rows& rows, std::vector<Index>& place) {
   const auto size = static_cast<Index>(rows.size());
   for (Index k = 0; k < size; ++k) place[static_cast<std::size_t>(rows[static_cast<std::size_t>(k)])] = k;
@@ -49,8 +50,10 @@ Vec eigenvalues(const SpMat& S, const Rows& rows, std::vector<Index>& place) {
   for (Index j = 0; j < size; ++j)
     for (SpMat::InnerIterator it(S, rows[static_cast<std::size_t>(j)]); it; ++it) {
       const Index i = place[static_cast<std::size_t>(it.row())];
+      if (i < 0) continue;
       A(std::max(i, j), std::min(i, j)) += (i == j ? 1 : 0.5) * it.value();
     }
+  for (const Index row : rows) place[static_cast<std::size_t>(row)] = -1;
   return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(A, Eigen::EigenvaluesOnly).eigenvalues();
 }
 

@@ -55,31 +55,34 @@ void check_finite_diagonal(const Problem& p) {
 
 using Lines = std::vector<int>;
 
-/// A in these rows and columns, of `rows` rows: place[i] is the place of row i among them, which have all entries.
+/// A in these rows and columns, of `rows` rows: place[i] is the place of row i among them, or -1.
 SpMat part_of(const SpMat& A, Index rows, const Lines& columns, const Lines& place) {
   std::vector<Eigen::Triplet<double>> entries;
   for (std::size_t j = 0; j < columns.size(); ++j)
     for (SpMat::InnerIterator it(A, columns[j]); it; ++it)
-      if (it.value() != 0) entries.emplace_back(place[at(it.row())], static_cast<int>(j), it.value());
+      if (const int row = place[at(it.row())]; row >= 0 && it.value() != 0)
+        entries.emplace_back(row, static_cast<int>(j), it.value());
   SpMat part(rows, static_cast<Index>(columns.size()));
   part.setFromTriplets(entries.begin(), entries.end());
   return part;
 }
 
-/// Gives the lines their places in `place`.
-void number(const Lines& lines, Lines& place) {
+/// Gives the lines their places in `place`, and -1 to those that had some.
+void number(const Lines& lines, Lines& place, Lines& numbered) {
+  for (const int line : numbered) place[at(line)] = -1;
   for (std::size_t k = 0; k < lines.size(); ++k) place[at(lines[k])] = static_cast<int>(k);
+  numbered = lines;
 }
 
 /// W of groups of contacts, one after another.
 class DelassusOfGroups {
  public:
-  explicit DelassusOfGroups(const Delassus& W) : W_(W), place_(at(W.rows()), 0) {
+  explicit DelassusOfGroups(const Delassus& W) : W_(W), place_(at(W.rows()), -1) {
     const DelassusParts* parts = W.whole_parts();
     if (parts == nullptr) return;
     const Lines& body_of = parts->inertia().body_of();
     velocities_of_.resize(at(parts->inertia().bodies()));
-    velocity_place_.assign(body_of.size(), 0);
+    velocity_place_.assign(body_of.size(), -1);
     for (std::size_t i = 0; i < body_of.size(); ++i) velocities_of_[at(body_of[i])].push_back(static_cast<int>(i));
   }
 
@@ -88,12 +91,12 @@ class DelassusOfGroups {
     const DelassusParts* parts = W_.whole_parts();
     const auto size = static_cast<Index>(rows.size());
     if (parts == nullptr) {
-      number(rows, place_);
+      number(rows, place_, numbered_);
       return part_of(W_.matrix(), size, rows, place_);
     }
     const Lines velocities = velocities_of(*parts, rows);
     const auto m = static_cast<Index>(velocities.size());
-    number(velocities, velocity_place_);
+    number(velocities, velocity_place_, numbered_);
     auto inertia = inertia_of(parts->inertia(), velocities);
     if (!inertia) return std::nullopt;
     return Delassus(
@@ -128,6 +131,7 @@ class DelassusOfGroups {
   Lines place_;
   std::vector<Lines> velocities_of_{};  // of each body
   Lines velocity_place_{};
+  Lines numbered_{};  // with a place in the one of both that is used
 };
 
 }  // namespace
