@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "capi/guard.hpp"
+#include "lcp/memory.hpp"
 
 namespace perp::capi {
 
@@ -90,6 +91,9 @@ Matrix checked(const Columns<Integer>& given) {
     require(given.value, argument(given, "value").c_str());
     check_values(given);
   }
+  constexpr double an_entry = sizeof(double) + sizeof(int);
+  lcp::require_memory((an_entry + (ascending ? 0 : 2 * sizeof(Index))) * static_cast<double>(nonzeros),
+                      "the " + std::to_string(nonzeros) + " entries of " + argument(given, "start"));
   Matrix matrix;
   if (!ascending) matrix.place = places(given);
   SpMat& M = matrix.entries;
@@ -122,6 +126,7 @@ Vec vector_of(const double* values, Index n, const char* argument) {
 }
 
 lcp::Box box_of(const double* lower, const double* upper, Index n) {
+  lcp::require_memory(2 * sizeof(double) * static_cast<double>(n), "the bounds of " + std::to_string(n) + " variables");
   lcp::Box box = lcp::Box::nonnegative(n);
   if (lower != nullptr) std::copy_n(lower, n, box.lower.data());
   if (upper != nullptr) std::copy_n(upper, n, box.upper.data());

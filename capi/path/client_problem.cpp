@@ -6,11 +6,14 @@
 #include <cmath>
 #include <limits>
 
+#include "lcp/memory.hpp"
+
 namespace perp::path {
 
 namespace {
 
 constexpr double path_infinity = 1e20;
+constexpr double bytes_a_variable = 4 * sizeof(double) + sizeof(int);
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 double bound(double given) { return given >= path_infinity ? infinity : given <= -path_infinity ? -infinity : given; }
@@ -54,6 +57,9 @@ void ClientProblem::ask() {
     throw End{MCP_Error, "problem_size answers " + std::to_string(n_) + " variables and " + std::to_string(nonzeros) +
                              " nonzeros"};
   const auto size = static_cast<std::size_t>(n_);
+  lcp::require_memory(bytes_a_variable * n_ + ClientJacobian::bytes(n_, nonzeros),
+                      "the " + std::to_string(n_) + " variables and " + std::to_string(nonzeros) +
+                          " nonzeros that problem_size promises");
   m_.x.assign(size, 0);
   m_.F.assign(size, 0);
   m_.lower.assign(size, -path_infinity);
@@ -89,7 +95,7 @@ void ClientProblem::ask_structure() {
   const Presolve_Interface& presolve = m_.presolve;
   if (presolve.start_pre != nullptr) presolve.start_pre(presolve.presolve_data);
   if (m_.affine)
-    linear_.assign(m_.jacobian.size(), 1);
+    linear_.emplace(m_.jacobian.size(), 1);
   else if (m_.has_presolve && presolve.jac_typ != nullptr)
     linear_ = m_.jacobian.linear(presolve);
   if (presolve.start_post != nullptr) presolve.start_post(presolve.presolve_data);
@@ -104,7 +110,8 @@ Problem ClientProblem::problem(bool named) {
                                 call_F, call_J, this, &made, &error) != PERP_OK)
     throw End{MCP_Error, error.message};
   Problem problem(made);
-  if (linear_.size() == m_.jacobian.size() && !linear_.empty()) perp_problem_set_linear(made, linear_.data(), nullptr);
+  static constexpr std::int8_t none = 1;  // flags of no entry are a promise, too: F is constant
+  if (linear_) perp_problem_set_linear(made, linear_->empty() ? &none : linear_->data(), nullptr);
   if (named) name(made);
   return problem;
 }
@@ -120,7 +127,7 @@ bool ClientProblem::grown() {
   if (!grows_) return false;
   grows_ = false;
   m_.jacobian.grow();
-  linear_.clear();  // those flags were for another pattern
+  linear_.reset();  // those flags were for another pattern
   return true;
 }
 

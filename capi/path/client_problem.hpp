@@ -2,6 +2,7 @@
 #pragma once
 /// A client's problem as one of perp.h: what its callbacks say, asked and checked.
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -53,8 +54,8 @@ class ClientProblem {
 
   MCP& m_;
   int n_ = 0;
-  std::vector<double> x_{};  // for callbacks, which may write into it
-  std::vector<std::int8_t> linear_{};
+  std::vector<double> x_{};                           // for callbacks, which may write into it
+  std::optional<std::vector<std::int8_t>> linear_{};  // flags of the pattern
   int F_evaluations_ = 0;
   int J_evaluations_ = 0;
   bool grows_ = false;

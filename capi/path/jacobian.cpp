@@ -2,7 +2,6 @@
 #include "capi/path/jacobian.hpp"
 
 #include <algorithm>
-#include <numeric>
 #include <utility>
 
 namespace perp::path {
@@ -14,6 +13,12 @@ constexpr std::size_t guard = 16;
 constexpr int untouched = -0x5EED;
 
 }  // namespace
+
+double ClientJacobian::bytes(int n, int nonzeros) {
+  constexpr double a_row = sizeof(double) + 2 * sizeof(int) + sizeof(std::int32_t);
+  constexpr double a_nonzero = sizeof(double) + 2 * sizeof(int);  // the rows are kept for comparison
+  return a_row * n + a_nonzero * nonzeros;
+}
 
 ClientJacobian::ClientJacobian(int n, int nonzeros)
     : n_(n),
@@ -36,15 +41,20 @@ std::string ClientJacobian::invalid() const {
                   [](int row) { return row != untouched; }))
     return "jacobian_evaluation writes more than the " + std::to_string(promised_) +
            " nonzeros that problem_size has promised";
+  std::size_t entries = 0;
   for (std::size_t j = 0; j < col_.size(); ++j) {
-    const std::string column = "jacobian_evaluation: column " + std::to_string(j + 1);
+    const auto column = [j] { return "jacobian_evaluation: column " + std::to_string(j + 1); };
     if (len_[j] < 0 || (len_[j] > 0 && (col_[j] < 1 || len_[j] > promised_ - col_[j] + 1)))
-      return column + " has " + std::to_string(len_[j]) + " entries from " + std::to_string(col_[j]) +
+      return column() + " has " + std::to_string(len_[j]) + " entries from " + std::to_string(col_[j]) +
              " on, which are not within the " + std::to_string(promised_) + " nonzeros that problem_size has promised";
+    entries += static_cast<std::size_t>(len_[j]);
+    if (entries > static_cast<std::size_t>(promised_))
+      return "jacobian_evaluation: the columns to " + std::to_string(j + 1) + " have " + std::to_string(entries) +
+             " entries, more than the " + std::to_string(promised_) + " that problem_size has promised";
     for (int k = 0; k < len_[j]; ++k) {
       const int row = client_row_[static_cast<std::size_t>(col_[j]) - 1 + static_cast<std::size_t>(k)];
       if (row < 1 || row > n_)
-        return column + " has an entry in row " + std::to_string(row == untouched ? 0 : row) + " of " +
+        return column() + " has an entry in row " + std::to_string(row == untouched ? 0 : row) + " of " +
                std::to_string(n_);
     }
   }
@@ -61,12 +71,9 @@ void ClientJacobian::each_entry(Each each) const {
     }
 }
 
-int ClientJacobian::entries() const { return std::accumulate(len_.begin(), len_.end(), 0); }
-
 bool ClientJacobian::fits() {
   if (col_ == known_col_ && len_ == known_len_ && client_row_ == known_row_) return true;
   std::vector<std::int32_t> place;
-  place.reserve(static_cast<std::size_t>(entries()));
   bool all = true;
   each_entry([&](std::size_t j, int row, std::size_t) {
     const auto begin = row_.begin() + start_[j];
@@ -108,7 +115,7 @@ void ClientJacobian::values(double* out) const {
 std::vector<std::int8_t> ClientJacobian::linear(const Presolve_Interface& client) {
   std::size_t last = 0;
   each_entry([&](std::size_t, int, std::size_t index) { last = std::max(last, index + 1); });
-  std::vector<int> types(data_.size(), 1);
+  std::vector<int> types(last, 1);
   client.jac_typ(client.presolve_data, static_cast<int>(last), types.data());
   std::vector<std::int8_t> flags(row_.size(), 1);
   std::size_t entry = 0;

@@ -15,6 +15,8 @@ class ClientJacobian {
  public:
   ClientJacobian() = default;
   ClientJacobian(int n, int nonzeros);
+  /// What that takes.
+  static double bytes(int n, int nonzeros);
 
   /// Calls jacobian_evaluation. The number of domain errors.
   int evaluate(const MCP_Interface& client, double* x);
@@ -43,7 +45,6 @@ class ClientJacobian {
  private:
   template <class Each>
   void each_entry(Each each) const;
-  int entries() const;
 
   int n_ = 0;
   int promised_ = 0;

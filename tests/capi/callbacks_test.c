@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 /* Malformed callbacks and arguments (capi/perp.h): each ends in a code or a status with words that name it, and in no
    crash. Would catch a null pointer that is followed, an answer that is believed, values that were never set. */
+#define _POSIX_C_SOURCE 200809L
 #include <stdlib.h>
 
 #include "check.h"
 #include "kojima.h"
+#include "little_memory.h"
 
 static perp_error error;
 static const double x0[] = {2, 2, 2, 2};
@@ -149,6 +151,19 @@ static void bad_patterns(void) {
   create(4, infinite, NULL, kojima_start, kojima_row, "lower: [lower, upper] of entry 2");
 }
 
+/* The bounds alone take 34 GB, and are refused before the arrays are looked at. */
+static void too_large(void) {
+  perp_problem* problem = NULL;
+  struct rlimit before;
+  if (limit_memory(&before)) {
+    REFUSED(perp_problem_create_int32(PERP_INTERFACE, 2147483646, NULL, NULL, kojima_start, kojima_row, kojima_F,
+                                      kojima_J, NULL, &problem, &error),
+            PERP_OUT_OF_MEMORY, "the bounds of 2147483646 variables need 34 GB");
+    CHECK(problem == NULL);
+  }
+  setrlimit(RLIMIT_AS, &before);
+}
+
 static void null_pointers(void) {
   perp_problem* problem = NULL;
   perp_result* result = NULL;
@@ -209,6 +224,7 @@ int main(void) {
   silence();
   bad_patterns();
   null_pointers();
+  too_large();
   nothing();
   return failed_checks == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
 }

@@ -78,6 +78,7 @@ static struct {
   double* (*MCP_GetX)(void*);
   double* (*MCP_GetF)(void*);
   int* (*MCP_GetB)(void*);
+  void (*Path_SetProblemClass)(void*, int);
   int (*License_GetRestrictions)(int*, int*);
 } path;
 
@@ -125,6 +126,7 @@ static void load_path(const char* file) {
   FIND(MCP_GetX);
   FIND(MCP_GetF);
   FIND(MCP_GetB);
+  FIND(Path_SetProblemClass);
   FIND(License_GetRestrictions);
 }
 
