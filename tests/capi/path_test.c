@@ -10,7 +10,6 @@
 #include <pthread.h>
 
 #include "check.h"
-#include "little_memory.h"
 
 enum { Solved = 1, NoProgress = 2, UserInterrupt = 6, BoundError = 7, DomainError = 8, Infeasible = 9, Error = 10 };
 enum { most = 16 };
@@ -87,8 +86,6 @@ union Guarded {
   unsigned char bytes[160];
 };
 
-static int affine; /* declared as MCP_LCP */
-
 struct Extras {
   const char* option;
   int named, linear, basic, framed;
@@ -115,7 +112,6 @@ static int solve(struct Problem* problem, union Guarded* guarded, struct Extras 
   if (extras.framed) interface.start = started, interface.finish = finished;
   path.MCP_SetInterface(mcp, &interface);
   if (extras.linear) path.MCP_SetPresolveInterface(mcp, &presolve);
-  if (affine) path.Path_SetProblemClass(mcp, 1);
   if (extras.option != NULL) CHECK(path.Options_Set(options, extras.option) == 0);
   path.Options_Display(options);
   memset(guarded->bytes, 0xA5, sizeof guarded->bytes);
@@ -304,67 +300,6 @@ static void malformed(void) {
   path.Output_SetInterface(NULL);
   CHECK(path.Options_Set(NULL, "output yes") != 0);
   path.Options_Destroy(NULL);
-}
-
-/* Sizes that are no sizes, or more than the memory there is: refused by their values, before anything is touched. Under
-   the limit two entries of 2e9 promised once took 24 GB. */
-static void promises(void) {
-  static const int sizes[][2] = {{4, 2000000000},          {4, 2147483647}, {2147483647, 12},
-                                 {2147483647, 2147483647}, {4, -1},         {-2147483647 - 1, 12}};
-  struct Extras extras = {"output yes", 0, 0, 0, 0};
-  union Guarded guarded;
-  struct rlimit before;
-  size_t k;
-  const int limited = limit_memory(&before);
-  for (k = 0; k < sizeof sizes / sizeof *sizes; ++k) {
-    struct Problem problem = example();
-    char n[16], nonzeros[16];
-    if (!limited && k < 2) continue; /* this machine may have so much */
-    problem.n = sizes[k][0];
-    problem.nonzeros = sizes[k][1];
-    snprintf(n, sizeof n, "%d ", problem.n);
-    snprintf(nonzeros, sizeof nonzeros, "%d ", problem.nonzeros);
-    CHECK_SAYING(solve(&problem, &guarded, extras, NULL, NULL) == Error, problem.text);
-    CHECK_SAYING(strstr(problem.text, n) != NULL && strstr(problem.text, nonzeros) != NULL, problem.text);
-    CHECK_SAYING(problem.F_calls == 0, problem.text);
-  }
-  setrlimit(RLIMIT_AS, &before);
-}
-
-/* F = (-1, 1) on x >= 0, declared as affine: no solution, proven, whether the Jacobian has a zero in it or nothing. The
-   latter once ended as a nonlinear one does. F = (2, 1) is solved by 0. */
-static double first_of_constant;
-static int constant_F(const double* x, double* f) {
-  (void)x;
-  f[0] = first_of_constant;
-  f[1] = 1;
-  return 0;
-}
-static int constant_J(struct Problem* problem, const double* x, int* col, int* len, int* row, double* value) {
-  (void)x;
-  col[0] = col[1] = 1;
-  len[0] = 0;
-  len[1] = problem->wrong;
-  row[0] = 2;
-  value[0] = 0;
-  return 0;
-}
-static void constant(void) {
-  struct Extras extras = {"output yes", 0, 0, 0, 0};
-  union Guarded guarded;
-  double x[2];
-  int entries;
-  affine = 1;
-  for (entries = 0; entries < 2; ++entries) {
-    struct Problem problem = {2, 2, {0}, {0}, {1e20, 1e20}, constant_F, constant_J, 0, 0, 0, 0, 0, {0}, entries, ""};
-    first_of_constant = -1;
-    CHECK_SAYING(solve(&problem, &guarded, extras, x, NULL) == Infeasible, problem.text);
-    problem.nonzeros = entries; /* nothing promised, either */
-    CHECK_SAYING(solve(&problem, &guarded, extras, x, NULL) == Infeasible, problem.text);
-    first_of_constant = 2;
-    CHECK_SAYING(solve(&problem, &guarded, extras, x, NULL) == Solved && x[0] == 0 && x[1] == 0, problem.text);
-  }
-  affine = 0;
 }
 
 /* 3e15 x = 1e15 has no double as its solution: the residual is 0.1 at best, which is rounding, but no solution to 1e-8.
@@ -560,8 +495,6 @@ int main(int argc, char** argv) {
   second_example();
   growing_pattern();
   malformed();
-  promises();
-  constant();
   unsolved();
   warm_basis();
   options();
