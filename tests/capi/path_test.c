@@ -250,10 +250,7 @@ static int wrong_J(struct Problem* problem, const double* x, int* col, int* len,
   if (problem->wrong == 4) return 3;
   if (problem->wrong == 5) value[2] = nan("");
   if (problem->wrong == 6) len[0] = -1;
-  if (problem->wrong == 7) { /* all of them four times */
-    int j;
-    for (j = 0; j < 4; ++j) col[j] = 1, len[j] = 12;
-  }
+  if (problem->wrong == 7) col[0] = col[1] = 1, len[0] = len[1] = 12; /* twice */
   return 0;
 }
 static int wrong_F(const double* x, double* f) {
