@@ -1,0 +1,294 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Pyomo's solver `perp`: writes the model as an .nl file, runs the program, and brings back what it says."""
+
+from __future__ import annotations
+
+import json
+import logging
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+import weakref
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Any, Mapping
+
+from pyomo.common import Executable
+from pyomo.common.collections import Bunch
+from pyomo.common.errors import ApplicationError
+from pyomo.core.base import Suffix, SymbolMap, value
+from pyomo.core.base.block import BlockData
+from pyomo.core.staleflag import StaleFlagManager
+from pyomo.opt import Solution, SolverFactory, SolverResults, SolverStatus, TerminationCondition
+from pyomo.opt.base.solvers import _extract_version
+from pyomo.opt.solver import SystemCallSolver
+
+from perp.pyomo._model import CompiledModel, Contents, ModelError
+from perp.pyomo._rows import Auxiliary
+
+logger = logging.getLogger("pyomo.solvers")
+
+# How Perp ended, in Pyomo's words.
+_OUTCOMES: dict[str, tuple[SolverStatus, TerminationCondition]] = {
+    "Solved": (SolverStatus.ok, TerminationCondition.optimal),
+    "SolvedToRounding": (SolverStatus.warning, TerminationCondition.feasible),
+    "Infeasible": (SolverStatus.warning, TerminationCondition.infeasible),
+    "Unbounded": (SolverStatus.warning, TerminationCondition.unbounded),
+    "IterationLimit": (SolverStatus.warning, TerminationCondition.maxIterations),
+    "TimeLimit": (SolverStatus.warning, TerminationCondition.maxTimeLimit),
+    "Interrupted": (SolverStatus.aborted, TerminationCondition.userInterrupt),
+    "OutOfMemory": (SolverStatus.aborted, TerminationCondition.resourceInterrupt),
+    "EvaluationFailed": (SolverStatus.warning, TerminationCondition.error),
+    "LinearAlgebraFailed": (SolverStatus.warning, TerminationCondition.solverFailure),
+    "NotApplicable": (SolverStatus.error, TerminationCondition.invalidProblem),
+    "InputError": (SolverStatus.error, TerminationCondition.invalidProblem),
+}
+_NO_SOLUTION = (SolverStatus.warning, TerminationCondition.noSolution)  # the method came to its end without one
+
+_IGNORED = ("symbolic_solver_labels", "suffixes", "warmstart", "io_options", "use_signal_handling", "available", "report_timing")
+
+_compiled: weakref.WeakKeyDictionary[Any, CompiledModel] = weakref.WeakKeyDictionary()
+
+
+@SolverFactory.register("perp", doc="Mixed complementarity problems, by the program perp")
+class Perp(SystemCallSolver):  # type: ignore[misc]
+    """SolverFactory("perp", executable=...): the program is that of the same environment, else that on the PATH."""
+
+    def __init__(self, **keywords: Any) -> None:
+        keywords["type"] = "perp"
+        super().__init__(**keywords)
+        self._capabilities = Bunch(linear=True, quadratic_constraint=True)
+
+    def _default_executable(self) -> str | None:
+        beside = Path(sys.executable).parent / ("perp.exe" if os.name == "nt" else "perp")
+        if os.access(beside, os.X_OK):
+            return str(beside)
+        found = Executable("perp")
+        if not found:
+            logger.warning("the program perp is neither beside %s nor on the PATH: give executable=", sys.executable)
+            return None
+        return str(found.path())
+
+    def _get_version(self) -> Any:
+        program = self.executable()
+        if program is None:
+            return _extract_version("")
+        return _extract_version(subprocess.run([program, "-v"], capture_output=True, text=True, timeout=10).stdout)
+
+    def warm_start_capable(self) -> bool:
+        return True  # every solve starts from the values of the variables
+
+    def solve(
+        self, model: Any, *, tee: bool = False, load_solutions: bool = True, logfile: str | None = None, keepfiles: bool = False,
+        timelimit: float | None = None, options: Mapping[str, Any] | None = None, options_string: str = "", **others: Any,
+    ) -> Any:
+        """Solves the model from the values that its variables have, and gives them those of the solution.
+
+        Raises ModelError, a ValueError, if the model is refused (with load_solutions=False the results say so instead),
+        and ApplicationError if the program cannot be run.
+        """
+        unknown = sorted(set(others).difference(_IGNORED))
+        if unknown:
+            raise ValueError(f"the solver perp does not know the keyword {', '.join(unknown)}")
+        if not isinstance(model, BlockData):
+            raise TypeError(f"the solver perp takes a ConcreteModel or a Block, not {type(model).__name__}")
+        if not model.is_constructed():
+            raise ValueError(f"the model {model.name} has no data yet: call create_instance()")
+        all_options = {**self.options, **(options or {}), **self._options_string_to_dict(options_string)}
+        if timelimit is not None:
+            all_options["time_limit"] = timelimit
+        begun = time.perf_counter()
+        try:
+            compiled = _compile(model)
+            text = compiled.nl()
+            compiled.check()
+        except ModelError as error:
+            answer = {"status": "InputError", "message": str(error)}
+            return _refused(answer, load_solutions)
+        note = compiled.note_objective()
+        if note:
+            logger.warning("perp: %s", note)
+        answer = self._run(compiled, text, all_options, tee, logfile, keepfiles)
+        return _results(model, compiled, answer, load_solutions, time.perf_counter() - begun)
+
+    def _run(
+        self, compiled: CompiledModel, text: str, options: Mapping[str, Any], tee: bool, logfile: str | None, keepfiles: bool
+    ) -> dict[str, Any]:
+        program = self.executable()
+        if program is None:
+            raise ApplicationError("the program perp was not found: give executable=, or install it where the PATH leads")
+        folder = tempfile.mkdtemp(prefix="perp-")
+        try:
+            stub = os.path.join(folder, "model")
+            for ending, content in ((".nl", text), (".row", compiled.row_names), (".col", compiled.column_names)):
+                with open(stub + ending, "w", encoding="utf-8", newline="\n") as file:
+                    file.write(content)
+            command = [program, "solve", stub + ".nl", "--json", stub + ".json"]
+            command += ["--log-level", "info" if tee or logfile else "quiet"]
+            for key, setting in options.items():
+                command += ["--option", f"{key}={_word(setting)}"]
+            if keepfiles:
+                print(f"perp: the files are {stub}.*; the command: {' '.join(command)}")
+            said, code = _execute(command, tee, logfile)
+            try:
+                with open(stub + ".json", encoding="utf-8") as file:
+                    answer: dict[str, Any] = json.load(file)
+            except (OSError, ValueError):
+                raise ApplicationError(f"perp ended with code {code} and no answer: {said.strip() or 'it said nothing'}") from None
+            answer["message"] = re.sub(r"^.*?model\.nl(:\d+)?: ", "", answer["message"])
+            return answer
+        finally:
+            if not keepfiles:
+                shutil.rmtree(folder, ignore_errors=True)
+
+
+def _compile(model: Any) -> CompiledModel:
+    """The compiled form of the model, the one from before if it still fits."""
+    contents = Contents(model)
+    before = _compiled.get(model)
+    if before is not None and before.still_fits(contents):
+        return before
+    try:
+        compiled = CompiledModel(contents)
+    except ModelError:
+        raise
+    except ValueError as error:
+        raise ModelError(str(error)) from error
+    _compiled[model] = compiled
+    return compiled
+
+
+def _word(setting: Any) -> str:
+    if isinstance(setting, bool):
+        return "yes" if setting else "no"
+    return str(setting)
+
+
+def _execute(command: list[str], tee: bool, logfile: str | None) -> tuple[str, int]:
+    """Runs the program; shows what it says, line by line, where that is asked for. What it said, and its exit code."""
+    with ExitStack() as stack:
+        file = stack.enter_context(open(logfile, "w", encoding="utf-8")) if logfile else None
+        try:
+            process = stack.enter_context(
+                subprocess.Popen(
+                    command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace"
+                )
+            )
+        except OSError as error:
+            raise ApplicationError(f"{command[0]} cannot be run: {error}") from None
+        lines = []
+        try:
+            for line in process.stdout or ():
+                lines.append(line)
+                if tee:
+                    sys.stdout.write(line)
+                    sys.stdout.flush()
+                if file:
+                    file.write(line)
+            code = process.wait()
+        except BaseException:  # Ctrl-C, which the program also gets
+            process.kill()
+            raise
+    return "".join(lines), code
+
+
+def _refused(answer: dict[str, Any], load_solutions: bool) -> Any:
+    if load_solutions:
+        raise ModelError(answer["message"])
+    results = SolverResults()
+    _set_outcome(results, answer)
+    return results
+
+
+def _set_outcome(results: Any, answer: dict[str, Any]) -> None:
+    solver = results.solver
+    solver.name = "perp"
+    solver.status, solver.termination_condition = _OUTCOMES.get(answer["status"], _NO_SOLUTION)
+    solver.termination_message = answer["status"]
+    solver.message = answer["message"]
+
+
+def _message(compiled: CompiledModel, answer: dict[str, Any]) -> str:
+    """What Perp says, its advice and notes, and what the writer left out."""
+    lines = [f"{answer['status']}: {answer['message']}"]
+    if answer.get("advice"):
+        lines.append(f"Try: {answer['advice']}")
+    notes = list(answer.get("notes", ()))
+    if compiled.contents.objectives:
+        notes.append(compiled.objective_note())
+    for condition, variable, body in compiled.dropped:
+        notes.append(f"{condition.name} is left out, because its variable {variable.name} is fixed")
+    return "\n".join(lines + [f"Note: {note}" for note in notes])
+
+
+def _results(model: Any, compiled: CompiledModel, answer: dict[str, Any], load_solutions: bool, seconds: float) -> Any:
+    if "variables" not in answer:
+        return _refused(answer, load_solutions)
+    results = SolverResults()
+    answer["message"] = _message(compiled, answer)
+    _set_outcome(results, answer)
+    results.solver.time = answer["stats"]["time_s"]
+    results.solver.wallclock_time = seconds
+    problem = results.problem
+    problem.name = model.name
+    problem.number_of_variables = len(compiled.columns)
+    problem.number_of_constraints = len(compiled.rows)
+    point = [entry["value"] for entry in answer["variables"][: len(compiled.columns)]]
+    F = [entry["F"] for entry in answer["variables"][: len(compiled.columns)]]
+    if not all(isinstance(number, float) for number in point):  # "nan", "inf"
+        return results
+    if load_solutions:
+        if results.solver.status != SolverStatus.ok:
+            logger.warning("perp: %s", results.solver.message)
+        _load(model, compiled, point, F)
+    else:
+        _keep(compiled, point, results)
+    return results
+
+
+def _load(model: Any, compiled: CompiledModel, point: list[float], F: list[float]) -> None:
+    """Gives the variables their values, and the suffixes dual, slack and rc, where the model imports them, theirs."""
+    StaleFlagManager.mark_all_as_stale()
+    for variable, number in zip(compiled.columns, point):
+        if not isinstance(variable, Auxiliary):
+            variable.set_value(number, skip_validation=True)
+    suffixes = {
+        suffix.local_name: suffix
+        for suffix in model.component_objects(Suffix, active=True, descend_into=False)
+        if suffix.import_enabled() and suffix.local_name in ("dual", "slack", "rc")
+    }
+    for suffix in suffixes.values():
+        suffix.clear()
+    if not suffixes:
+        return
+    found: dict[str, list[tuple[Any, float]]] = {"dual": [], "slack": [], "rc": []}
+    for i, row in compiled.pairs.items():
+        column = compiled.column[i]
+        found["dual"].append((row.component, point[column]))
+        found["slack"].append((row.component, F[column]))
+        if not isinstance(compiled.columns[column], Auxiliary):
+            found["rc"].append((compiled.columns[column], F[column]))
+    for condition, variable, body in compiled.dropped:
+        number = value(body, exception=False)
+        found["dual"].append((condition, value(variable)))
+        found["slack"].append((condition, number))
+        found["rc"].append((variable, number))
+    for name, suffix in suffixes.items():
+        suffix.update(found[name])
+
+
+def _keep(compiled: CompiledModel, point: list[float], results: Any) -> None:
+    """Keeps the point in the results, for model.solutions.load_from(results)."""
+    symbols = SymbolMap()
+    solution = Solution()
+    for k, (variable, number) in enumerate(zip(compiled.columns, point)):
+        if not isinstance(variable, Auxiliary):
+            symbols.addSymbol(variable, f"v{k}")
+            solution.variable[f"v{k}"] = {"Value": number}
+    results.solution.insert(solution)
+    results._smap_id = None
+    results._smap = symbols
