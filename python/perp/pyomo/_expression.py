@@ -43,6 +43,7 @@ class Tape:
         self._slots: dict[int, Slot] = {}
         self._steps: list[tuple[Callable[[float, float], float], int, int, int]] = []
         self._owners: list[str] = []  # of the steps
+        self._read: list[Any] = [None]  # the values of the leaves by which the slots were computed
         self.owner = ""  # the row that is being compiled
 
     def _new(self, number: float) -> Slot:
@@ -71,32 +72,35 @@ class Tape:
 
     def evaluate(self) -> bool:
         """Computes all slots; true if a leaf has another value than before. ValueError names what has none."""
-        read = [_value_of(item) for item in self.leaves]
-        values = self.values
-        if all(values[place] == number for place, number in zip(self._places, read)) and not self._stale:
+        read = [item.value for item in self.leaves]
+        if read == self._read:
             return False
-        self._stale = True
-        for place, number in zip(self._places, read):
-            values[place] = number
-        for k, (function, target, a, b) in enumerate(self._steps):
-            values[target] = _checked(function, values[a], values[b], self._owners[k])
-        self._stale = False
+        self._read = []
+        values = self.values
+        for place, item, number in zip(self._places, self.leaves, read):
+            values[place] = _finite(item, number)
+        try:
+            for function, target, a, b in self._steps:
+                values[target] = function(values[a], values[b])
+            computed = all(map(math.isfinite, values))
+        except (ArithmeticError, ValueError, TypeError):  # a complex number has no size
+            computed = False
+        if not computed:  # say where
+            for k, (function, target, a, b) in enumerate(self._steps):
+                values[target] = _checked(function, values[a], values[b], self._owners[k])
+        self._read = read
         return True
-
-    _stale = True  # an evaluation did not come to its end
 
     def number(self, number: Number) -> float:
         return self.values[number.at] if isinstance(number, Slot) else number
 
 
-def _value_of(item: Any) -> float:
-    found = item.value
-    if found is None:
+def _finite(item: Any, number: Any) -> float:
+    if number is None:
         raise ValueError(f"{item.name} is {'fixed' if item.is_variable_type() else 'used'}, but has no value")
-    number = float(found)
     if not math.isfinite(number):
         raise ValueError(f"{item.name} = {number}: it must be a finite number")
-    return number
+    return float(number)
 
 
 def _checked(function: Callable[[float, float], float], a: float, b: float, owner: str) -> float:

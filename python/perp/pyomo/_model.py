@@ -116,6 +116,9 @@ class CompiledModel:
         self.column = {variable: k for k, variable in enumerate(ids)}
         self.columns = [self._variables[i] for i in ids]
         self._boxes = [self._rows.boxes.get(i, (None, None)) for i in ids]
+        self._box_slots = any(isinstance(number, Slot) for box in self._boxes for number in box)
+        self._bounds: list[Any] = []  # of which the text was written last
+        self._bounds_written = ""
         self.n_nonlinear = len(nonlinear)
         for variable in self.columns:
             if not isinstance(variable, Auxiliary) and not variable.is_continuous():
@@ -228,37 +231,41 @@ class CompiledModel:
 
     def nl(self) -> str:
         """The file for the values that parameters, fixed variables and bounds have now."""
-        if self._tape.evaluate():
+        try:
+            changed = self._tape.evaluate()
+        except ValueError as error:
+            raise ModelError(str(error)) from None
+        if changed:
             values = self._tape.values
             self._texts = [template.text(values) for template in (self._head, self._ranges, self._tail)]
         head, ranges, tail = self._texts
         starts = []
-        bounds = []
-        for k, (variable, box) in enumerate(zip(self.columns, self._boxes)):
+        for k, variable in enumerate(self.columns):
             start = variable.value
             if start is not None:
+                starts.append(f"{k} {float(start)!r}\n")
                 if not math.isfinite(start):
                     raise ModelError(f"{variable.name} = {start}: a start must be finite")
-                starts.append(f"{k} {float(start)!r}\n")
-            bounds.append(self._bounds_text(variable, box))
-        return f"{head}x{len(starts)}\n{''.join(starts)}r\n{ranges}b\n{''.join(bounds)}{tail}"
+        return f"{head}x{len(starts)}\n{''.join(starts)}r\n{ranges}b\n{self._bounds_text()}{tail}"
 
-    def _bounds_text(self, variable: Any, box: tuple[Number | None, Number | None]) -> str:
-        lower, upper = variable.bounds
-        low, high = box
-        if low is not None:
-            number = self._tape.number(low)
-            lower = number if lower is None else max(lower, number)
-        if high is not None:
-            number = self._tape.number(high)
-            upper = number if upper is None else min(upper, number)
-        if lower is None:
-            return "3\n" if upper is None else f"1 {float(upper)!r}\n"
-        if upper is None:
-            return f"2 {float(lower)!r}\n"
-        if lower > upper:
-            raise ModelError(f"{variable.name} has the bounds [{lower}, {upper}], between which there is nothing")
-        return f"4 {float(lower)!r}\n" if lower == upper else f"0 {float(lower)!r} {float(upper)!r}\n"
+    def _bounds_text(self) -> str:
+        bounds = [(variable.bounds, *box) for variable, box in zip(self.columns, self._boxes)]
+        if bounds == self._bounds and not self._box_slots:
+            return self._bounds_written
+        written = []
+        for variable, (own, low, high) in zip(self.columns, bounds):
+            lower = _stronger(max, own[0], None if low is None else self._tape.number(low))
+            upper = _stronger(min, own[1], None if high is None else self._tape.number(high))
+            if lower is not None and upper is not None:
+                if lower > upper:
+                    raise ModelError(f"{variable.name} has the bounds [{lower}, {upper}], between which there is nothing")
+                written.append(f"4 {lower!r}\n" if lower == upper else f"0 {lower!r} {upper!r}\n")
+            elif lower is not None:
+                written.append(f"2 {lower!r}\n")
+            else:
+                written.append("3\n" if upper is None else f"1 {upper!r}\n")
+        self._bounds, self._bounds_written = bounds, "".join(written)
+        return self._bounds_written
 
     # Checks
 
@@ -296,6 +303,12 @@ class CompiledModel:
             return ""
         names = ", ".join(objective.name for objective in self.contents.objectives)
         return f"the objective {names} is ignored: the equations and conditions determine all variables"
+
+
+def _stronger(choose: Any, own: Any, of_condition: float | None) -> float | None:
+    if own is None:
+        return of_condition
+    return float(own if of_condition is None else choose(own, of_condition))
 
 
 def _part(number: Number) -> str | Slot:

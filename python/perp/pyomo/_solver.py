@@ -13,9 +13,8 @@ import sys
 import tempfile
 import time
 import weakref
-from contextlib import ExitStack
-from pathlib import Path
-from typing import Any, Mapping
+from contextlib import ExitStack, suppress
+from typing import Any, Callable, Mapping
 
 from pyomo.common import Executable
 from pyomo.common.collections import Bunch
@@ -51,8 +50,6 @@ _NO_SOLUTION = (SolverStatus.warning, TerminationCondition.noSolution)  # the me
 
 _IGNORED = ("symbolic_solver_labels", "suffixes", "warmstart", "io_options", "use_signal_handling", "available", "report_timing")
 
-_compiled: weakref.WeakKeyDictionary[Any, CompiledModel] = weakref.WeakKeyDictionary()
-
 
 @SolverFactory.register("perp", doc="Mixed complementarity problems, by the program perp")
 class Perp(SystemCallSolver):  # type: ignore[misc]
@@ -64,9 +61,9 @@ class Perp(SystemCallSolver):  # type: ignore[misc]
         self._capabilities = Bunch(linear=True, quadratic_constraint=True)
 
     def _default_executable(self) -> str | None:
-        beside = Path(sys.executable).parent / ("perp.exe" if os.name == "nt" else "perp")
+        beside = os.path.join(os.path.dirname(sys.executable), "perp.exe" if os.name == "nt" else "perp")
         if os.access(beside, os.X_OK):
-            return str(beside)
+            return beside
         found = Executable("perp")
         if not found:
             logger.warning("the program perp is neither beside %s nor on the PATH: give executable=", sys.executable)
@@ -103,7 +100,8 @@ class Perp(SystemCallSolver):  # type: ignore[misc]
             all_options["time_limit"] = timelimit
         begun = time.perf_counter()
         try:
-            compiled = _compile(model)
+            kept = _compile(model)
+            compiled = kept.compiled
             text = compiled.nl()
             compiled.check()
         except ModelError as error:
@@ -112,54 +110,85 @@ class Perp(SystemCallSolver):  # type: ignore[misc]
         note = compiled.note_objective()
         if note:
             logger.warning("perp: %s", note)
-        answer = self._run(compiled, text, all_options, tee, logfile, keepfiles)
+        files = Files(keep=True) if keepfiles else kept.files
+        if keepfiles:
+            print(f"perp: the files of {model.name} are {files.stub}.*")
+        answer = self._run(files, compiled, text, all_options, tee, logfile)
         return _results(model, compiled, answer, load_solutions, time.perf_counter() - begun)
 
     def _run(
-        self, compiled: CompiledModel, text: str, options: Mapping[str, Any], tee: bool, logfile: str | None, keepfiles: bool
+        self, files: Files, compiled: CompiledModel, text: str, options: Mapping[str, Any], tee: bool, logfile: str | None
     ) -> dict[str, Any]:
         program = self.executable()
         if program is None:
             raise ApplicationError("the program perp was not found: give executable=, or install it where the PATH leads")
-        folder = tempfile.mkdtemp(prefix="perp-")
+        stub = files.write(compiled, text)
+        shows = tee or logfile
+        command = [program, "solve", stub + ".nl"]
+        command += ["--json", stub + ".json"] if shows else ["--json", "-", "--log-level", "quiet"]
+        for key, setting in options.items():
+            command += ["--option", f"{key}={_word(setting)}"]
+        document = ""
+        if shows:
+            said, code = _execute_and_show(command, tee, logfile)
+            with suppress(OSError), open(stub + ".json", encoding="utf-8") as file:
+                document = file.read()
+        else:
+            document, said, code = _execute(command)
         try:
-            stub = os.path.join(folder, "model")
-            for ending, content in ((".nl", text), (".row", compiled.row_names), (".col", compiled.column_names)):
-                with open(stub + ending, "w", encoding="utf-8", newline="\n") as file:
-                    file.write(content)
-            command = [program, "solve", stub + ".nl", "--json", stub + ".json"]
-            command += ["--log-level", "info" if tee or logfile else "quiet"]
-            for key, setting in options.items():
-                command += ["--option", f"{key}={_word(setting)}"]
-            if keepfiles:
-                print(f"perp: the files are {stub}.*; the command: {' '.join(command)}")
-            said, code = _execute(command, tee, logfile)
-            try:
-                with open(stub + ".json", encoding="utf-8") as file:
-                    answer: dict[str, Any] = json.load(file)
-            except (OSError, ValueError):
-                raise ApplicationError(f"perp ended with code {code} and no answer: {said.strip() or 'it said nothing'}") from None
-            answer["message"] = re.sub(r"^.*?model\.nl(:\d+)?: ", "", answer["message"])
-            return answer
-        finally:
-            if not keepfiles:
-                shutil.rmtree(folder, ignore_errors=True)
+            answer: dict[str, Any] = json.loads(document)
+        except ValueError:
+            raise ApplicationError(f"perp ended with code {code} and no answer: {said.strip() or 'it said nothing'}") from None
+        answer["message"] = re.sub(r"^.*?model\.nl(:\d+)?: ", "", answer["message"])
+        return answer
 
 
-def _compile(model: Any) -> CompiledModel:
-    """The compiled form of the model, the one from before if it still fits."""
+class Files:
+    """The folder of a model's files. The names of its rows and columns are written once."""
+
+    def __init__(self, keep: bool = False) -> None:
+        self._process = os.getpid()
+        folder = tempfile.mkdtemp(prefix="perp-")
+        if not keep:
+            weakref.finalize(self, shutil.rmtree, folder, ignore_errors=True)
+        self._named: CompiledModel | None = None
+        self.stub = os.path.join(folder, "model")
+
+    def usable(self) -> bool:
+        """A process that was forked needs files of its own, and some systems tidy up in their folder for such files."""
+        return self._process == os.getpid() and os.path.isdir(os.path.dirname(self.stub))
+
+    def write(self, compiled: CompiledModel, text: str) -> str:
+        parts = [(".nl", text)]
+        if self._named is not compiled:
+            parts += [(".row", compiled.row_names), (".col", compiled.column_names)]
+        for ending, content in parts:
+            with open(self.stub + ending, "w", encoding="utf-8", newline="\n") as file:
+                file.write(content)
+        self._named = compiled
+        return self.stub
+
+
+class Kept:
+    """What is kept of a model between solves."""
+
+    def __init__(self, contents: Contents) -> None:
+        self.compiled = CompiledModel(contents)
+        self.files = Files()
+
+
+_kept: weakref.WeakKeyDictionary[Any, Kept] = weakref.WeakKeyDictionary()
+
+
+def _compile(model: Any) -> Kept:
+    """The compiled form of the model, that from the last solve if it still fits."""
     contents = Contents(model)
-    before = _compiled.get(model)
-    if before is not None and before.still_fits(contents):
-        return before
-    try:
-        compiled = CompiledModel(contents)
-    except ModelError:
-        raise
-    except ValueError as error:
-        raise ModelError(str(error)) from error
-    _compiled[model] = compiled
-    return compiled
+    kept = _kept.get(model)
+    if kept is None or not kept.compiled.still_fits(contents):
+        kept = _kept[model] = Kept(contents)
+    if not kept.files.usable():
+        kept.files = Files()
+    return kept
 
 
 def _word(setting: Any) -> str:
@@ -168,32 +197,50 @@ def _word(setting: Any) -> str:
     return str(setting)
 
 
-def _execute(command: list[str], tee: bool, logfile: str | None) -> tuple[str, int]:
-    """Runs the program; shows what it says, line by line, where that is asked for. What it said, and its exit code."""
+def _execute(command: list[str]) -> tuple[str, str, int]:
+    """Runs the program: the document that it writes, what it says besides, and its exit code."""
+    with _started(command, subprocess.PIPE) as process:
+        document, said = _to_the_end(process, process.communicate)
+    return document, said, process.returncode
+
+
+def _execute_and_show(command: list[str], tee: bool, logfile: str | None) -> tuple[str, int]:
+    """Runs the program and shows what it says, line by line. What it said, and its exit code."""
+    lines: list[str] = []
     with ExitStack() as stack:
         file = stack.enter_context(open(logfile, "w", encoding="utf-8")) if logfile else None
-        try:
-            process = stack.enter_context(
-                subprocess.Popen(
-                    command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace"
-                )
-            )
-        except OSError as error:
-            raise ApplicationError(f"{command[0]} cannot be run: {error}") from None
-        lines = []
-        try:
-            for line in process.stdout or ():
+        process = stack.enter_context(_started(command, subprocess.STDOUT))
+
+        def show() -> None:
+            for line in process.stdout:
                 lines.append(line)
                 if tee:
                     sys.stdout.write(line)
                     sys.stdout.flush()
                 if file:
                     file.write(line)
-            code = process.wait()
-        except BaseException:  # Ctrl-C, which the program also gets
-            process.kill()
-            raise
-    return "".join(lines), code
+
+        _to_the_end(process, show)
+    return "".join(lines), process.returncode
+
+
+def _started(command: list[str], errors: Any) -> Any:
+    try:
+        return subprocess.Popen(  # Python's own files are not inherited anyway
+            command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=errors, encoding="utf-8", errors="replace", close_fds=False
+        )
+    except OSError as error:
+        raise ApplicationError(f"{command[0]} cannot be run: {error}") from None
+
+
+def _to_the_end(process: Any, read: Callable[[], Any]) -> Any:
+    try:
+        answer = read()
+        process.wait()
+        return answer
+    except BaseException:  # Ctrl-C
+        process.kill()
+        raise
 
 
 def _refused(answer: dict[str, Any], load_solutions: bool) -> Any:
