@@ -8,7 +8,7 @@
 docs/pyomo.md says what it does with each kind of condition.
 """
 
-from perp.pyomo._model import ModelError
+from perp.pyomo._expression import ModelError
 from perp.pyomo._solver import Perp
 
 __all__ = ["ModelError", "Perp"]

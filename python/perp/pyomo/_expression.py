@@ -20,6 +20,10 @@ from pyomo.core.expr.visitor import StreamBasedExpressionVisitor
 from pyomo.repn.ampl import TextNLTemplate
 
 
+class ModelError(ValueError):
+    """The model cannot be solved as it is."""
+
+
 class Slot:
     """A place on the Tape."""
 
@@ -43,7 +47,7 @@ class Tape:
         self._slots: dict[int, Slot] = {}
         self._steps: list[tuple[Callable[[float, float], float], int, int, int]] = []
         self._owners: list[str] = []  # of the steps
-        self._read: list[Any] = [None]  # the values of the leaves by which the slots were computed
+        self._read: list[Any] | None = None  # the values of the leaves by which the slots were computed
         self.owner = ""  # the row that is being compiled
 
     def _new(self, number: float) -> Slot:
@@ -71,11 +75,11 @@ class Tape:
         return slot
 
     def evaluate(self) -> bool:
-        """Computes all slots; true if a leaf has another value than before. ValueError names what has none."""
+        """Computes all slots; true if a leaf has another value than before. ModelError names what has none."""
         read = [item.value for item in self.leaves]
         if read == self._read:
             return False
-        self._read = []
+        self._read = None
         values = self.values
         for place, item, number in zip(self._places, self.leaves, read):
             values[place] = _finite(item, number)
@@ -97,9 +101,9 @@ class Tape:
 
 def _finite(item: Any, number: Any) -> float:
     if number is None:
-        raise ValueError(f"{item.name} is {'fixed' if item.is_variable_type() else 'used'}, but has no value")
+        raise ModelError(f"{item.name} is {'fixed' if item.is_variable_type() else 'used'}, but has no value")
     if not math.isfinite(number):
-        raise ValueError(f"{item.name} = {number}: it must be a finite number")
+        raise ModelError(f"{item.name} = {number}: it must be a finite number")
     return float(number)
 
 
@@ -110,7 +114,7 @@ def _checked(function: Callable[[float, float], float], a: float, b: float, owne
             raise ValueError(f"a constant is {number}")
         return float(number)
     except (ArithmeticError, ValueError) as error:
-        raise ValueError(f"{owner}: an expression of parameters and fixed variables has no value: {error}") from None
+        raise ModelError(f"{owner}: an expression of parameters and fixed variables has no value: {error}") from None
 
 
 class Defined:
@@ -190,10 +194,10 @@ class Walker:
 
     def _before(self, node: Any, child: Any, index: int) -> tuple[bool, Any]:
         kind = child.__class__
-        if kind in native_numeric_types:
+        if kind in native_numeric_types or kind in native_logical_types:  # of Expr_if
             return False, self._constant(child)
-        if kind in native_logical_types or not hasattr(child, "is_expression_type"):
-            raise ValueError(f"{self.tape.owner}: {child!r} is no number")
+        if not hasattr(child, "is_expression_type"):
+            raise ModelError(f"{self.tape.owner}: {child!r} is no number")
         if child.is_expression_type():
             if id(child) in self._named:
                 return False, self._named[id(child)]
@@ -207,7 +211,7 @@ class Walker:
     def _constant(self, number: Any) -> float:
         constant = float(number)
         if not math.isfinite(constant):
-            raise ValueError(f"{self.tape.owner}: a constant is {constant}")
+            raise ModelError(f"{self.tape.owner}: a constant is {constant}")
         return constant
 
     def _variable(self, variable: Any) -> Value:
@@ -285,7 +289,7 @@ class Walker:
             return self._named_expression(node, data[0])
         if all(is_number(item) for item in data):
             return self.tape.later(lambda a, b: value(node))
-        raise ValueError(f"{self.tape.owner}: {node.getname()} of variables cannot be written to an .nl file")
+        raise ModelError(f"{self.tape.owner}: {node.getname()} of variables cannot be written to an .nl file")
 
     def _named_expression(self, node: Any, item: Value) -> Value:
         self.expressions.append((node, node.expr))
@@ -343,6 +347,9 @@ class Walker:
     def _choice(self, node: Any, data: list[Value]) -> Value:
         if all(is_number(item) for item in data):
             return self.tape.later(lambda a, b: value(node))
+        if isinstance(data[0], float):
+            chosen: Value = data[1] if data[0] else data[2]
+            return chosen
         condition = data[0] if isinstance(data[0], Form) else self.term("o24\n", [data[0], 1.0])
         return self.term("o35\n", [condition, *data[1:]])
 

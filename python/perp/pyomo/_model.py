@@ -10,15 +10,11 @@ from typing import Any, Iterator
 from pyomo.core.base import Block, Constraint, Objective
 from pyomo.mpec import Complementarity
 
-from perp.pyomo._expression import Defined, Form, Number, Slot, Text
+from perp.pyomo._expression import Defined, Form, ModelError, Number, Slot, Text
 from perp.pyomo._rows import Auxiliary, Row, Rows
 
 # Components that restrict a model and have no place in a complementarity problem.
 _REFUSED = ("SOSConstraint", "LogicalConstraint", "LogicalConstraintList", "Disjunction", "Disjunct", "Arc", "BooleanVar")
-
-
-class ModelError(ValueError):
-    """The model cannot be solved as it is."""
 
 
 class Template:
@@ -78,7 +74,7 @@ class CompiledModel:
         _refuse_foreign_components(contents)
         self._rows = Rows(contents.constraints, contents.conditions)
         walker = self._rows.walker
-        self._tape = walker.tape
+        self.tape = walker.tape
         self.dropped = self._rows.dropped
         self._variables = dict(walker.variables)
         self._fixed = list(walker.fixed.values())
@@ -88,7 +84,7 @@ class CompiledModel:
         self._order_columns()
         self.pairs = {row.variable: row for row in self.rows if row.variable is not None}
         self._write_static_parts()
-        self._objective_was_noted = False
+        self.warned = False  # of warnings()
 
     def still_fits(self, contents: Contents) -> bool:
         """Whether the model has the same rows, expressions and fixed variables as when it was compiled."""
@@ -127,8 +123,7 @@ class CompiledModel:
     # The file
 
     def _write_static_parts(self) -> None:
-        self.row_names = "".join(row.name + "\n" for row in self.rows)
-        self.column_names = "".join(variable.name + "\n" for variable in self.columns)
+        self.row_names, self.column_names = _lines(self.rows), _lines(self.columns)
         defined = list(self._defined_in_order())
         self._places: dict[int, str] = {i: f"v{k}\n" for i, k in self.column.items()}
         self._places |= {id(d): f"v{len(self.columns) + k}\n" for k, d in enumerate(defined)}
@@ -197,7 +192,7 @@ class CompiledModel:
         if row.variable is not None:
             return self._ranges.add(f"5 3 {self.column[row.variable] + 1}\n")
         walker = self._rows.walker
-        self._tape.owner = row.name
+        self.tape.owner = row.name
         numbers = [n if n is None else walker.plus(n, walker.times(form.constant, -1.0)) for n in (row.lower, row.upper)]
         if row.is_equation:
             kind, numbers = "4", numbers[:1]
@@ -231,12 +226,8 @@ class CompiledModel:
 
     def nl(self) -> str:
         """The file for the values that parameters, fixed variables and bounds have now."""
-        try:
-            changed = self._tape.evaluate()
-        except ValueError as error:
-            raise ModelError(str(error)) from None
-        if changed:
-            values = self._tape.values
+        if self.tape.evaluate():
+            values = self.tape.values
             self._texts = [template.text(values) for template in (self._head, self._ranges, self._tail)]
         head, ranges, tail = self._texts
         starts = []
@@ -254,8 +245,8 @@ class CompiledModel:
             return self._bounds_written
         written = []
         for variable, (own, low, high) in zip(self.columns, bounds):
-            lower = _stronger(max, own[0], None if low is None else self._tape.number(low))
-            upper = _stronger(min, own[1], None if high is None else self._tape.number(high))
+            lower = _stronger(max, own[0], None if low is None else self.tape.number(low))
+            upper = _stronger(min, own[1], None if high is None else self.tape.number(high))
             if lower is not None and upper is not None:
                 if lower > upper:
                     raise ModelError(f"{variable.name} has the bounds [{lower}, {upper}], between which there is nothing")
@@ -272,8 +263,8 @@ class CompiledModel:
     def check(self) -> None:
         """ModelError if a constraint without variables does not hold, or if this is no complementarity problem."""
         for row in self._rows.constants:
-            number = self._tape.number(row.form)  # type: ignore[arg-type]
-            low, high = (None if n is None else self._tape.number(n) for n in (row.lower, row.upper))
+            number = self.tape.number(row.form)  # type: ignore[arg-type]
+            low, high = (None if n is None else self.tape.number(n) for n in (row.lower, row.upper))
             slack = 1e-8 * max(1.0, abs(number))  # as Pyomo
             if (low is not None and number < low - slack) or (high is not None and number > high + slack):
                 bounds = f"{'' if low is None else f'{low:g} <= '}{number:g}{'' if high is None else f' <= {high:g}'}"
@@ -291,18 +282,31 @@ class CompiledModel:
         """Equations and conditions; a model is square if these are as many as its variables."""
         return sum(row.variable is not None or row.is_equation for row in self.rows)
 
-    def note_objective(self) -> str:
-        """The first time after compiling, what is to be said of an objective that is not used; else nothing."""
-        if self._objective_was_noted or not self.contents.objectives:
-            return ""
-        self._objective_was_noted = True
-        return self.objective_note()
+    def warnings(self, F: list[float]) -> list[str]:
+        """What the model says and its solution, with these values of F, does not do."""
+        found = []
+        if self.contents.objectives:
+            names = ", ".join(objective.name for objective in self.contents.objectives)
+            found.append(f"the objective {names} is ignored: the equations and conditions determine all variables")
+        for i, row in self.pairs.items():
+            if row.written_equal and abs(F[self.column[i]]) > 1e-6:
+                found.append(
+                    f"{row.name} is written as an equation, and does not hold as one: {self._variables[i].name} is at a bound, "
+                    f"where F = {F[self.column[i]]:.4g}"
+                )
+        return found
 
-    def objective_note(self) -> str:
-        if not self.contents.objectives:
-            return ""
-        names = ", ".join(objective.name for objective in self.contents.objectives)
-        return f"the objective {names} is ignored: the equations and conditions determine all variables"
+    def notes(self) -> list[str]:
+        """What was left out, and how it looks at the values that the variables have."""
+        return [
+            f"{dropped.condition.name} is left out, because its variable {dropped.variable.name} is fixed; its F is "
+            f"{dropped.F(self.tape):.4g}"
+            for dropped in self.dropped
+        ]
+
+
+def _lines(items: list[Any]) -> str:
+    return "".join(" ".join(item.name.splitlines()) + "\n" for item in items)
 
 
 def _stronger(choose: Any, own: Any, of_condition: float | None) -> float | None:

@@ -12,13 +12,14 @@ counts: `F >= b` is F = body - b. Where no side is a variable of its own, the on
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any, Iterator
 
 from pyomo.core.expr import relational_expr as relational
 from pyomo.core.expr.numvalue import native_types, value
 
-from perp.pyomo._expression import Form, Number, Value, Walker, is_number
+from perp.pyomo._expression import Form, ModelError, Number, Tape, Value, Walker, is_number
 
 
 @dataclass
@@ -73,6 +74,32 @@ class Side:
         return (self.lower is not None) + (self.upper is not None)
 
 
+    def bound(self) -> Number | None:
+        return self.upper if self.lower is None else self.lower
+
+    def is_reversed(self, at_lower: bool) -> bool:
+        """Whether F, which must not be negative at a lower bound, is bound - body."""
+        return self.bounds == 1 and (self.lower is not None) != at_lower
+
+
+@dataclass
+class Dropped:
+    """A condition whose variable is fixed: F may have any value."""
+
+    condition: Any
+    variable: Any
+    side: Side
+    at_lower: bool
+
+    def F(self, tape: Tape) -> float:
+        number = value(self.side.body, exception=False)
+        if number is None:
+            return math.nan
+        bound = self.side.bound()
+        number -= 0.0 if bound is None else tape.number(bound)
+        return -number if self.side.is_reversed(self.at_lower) else number
+
+
 def _varies(item: Any) -> bool:
     return item.__class__ not in native_types and bool(item.is_potentially_variable())
 
@@ -84,7 +111,7 @@ class Rows:
         self.walker = Walker()
         self.rows: list[Row] = []
         self.constants: list[Row] = []  # constraints without a variable, which hold or not
-        self.dropped: list[tuple[Any, Any, Any]] = []  # conditions whose variable is fixed: it, its variable, F's body
+        self.dropped: list[Dropped] = []
         self.boxes: dict[int, tuple[Number | None, Number | None]] = {}  # what a condition adds to a variable's bounds
         self.watched: list[Any] = []  # variables whose infinite bounds decide what a condition says
         self._taken: set[int] = set()
@@ -106,7 +133,7 @@ class Rows:
     def _add_constraint(self, constraint: Any) -> None:
         self.walker.tape.owner = constraint.name
         if hasattr(constraint, "_complementarity"):
-            raise ValueError(f"{constraint.name} was made by the transformation mpec.nl: solve the model that it was made from")
+            raise ModelError(f"{constraint.name} was made by the transformation mpec.nl: solve the model that it was made from")
         lower, body, upper = constraint.to_bounded_expression()
         row = Row(constraint.name, constraint, self.walker.walk(body), self._bound(lower), self._bound(upper))
         if constraint.equality:
@@ -119,7 +146,7 @@ class Rows:
             return None
         number = self.walker.walk(bound)
         if isinstance(number, Form):
-            raise ValueError(f"{self.walker.tape.owner}: a bound depends on variables that are not fixed: {bound}")
+            raise ModelError(f"{self.walker.tape.owner}: a bound depends on variables that are not fixed: {bound}")
         return number
 
     # Sides
@@ -127,14 +154,14 @@ class Rows:
     def _sides(self, condition: Any) -> list[Side]:
         arguments = getattr(condition, "_args", None)
         if arguments is None:
-            raise ValueError(f"{condition.name} is a Complementarity without a condition")
+            raise ModelError(f"{condition.name} is a Complementarity without a condition")
         return [self._side(argument) for argument in arguments]
 
     def _side(self, argument: Any) -> Side:
         name = self.walker.tape.owner
         if isinstance(argument, tuple):
             if len(argument) not in (2, 3):
-                raise ValueError(f"{name}: a tuple in complements() has 2 or 3 entries, not {len(argument)}")
+                raise ModelError(f"{name}: a tuple in complements() has 2 or 3 entries, not {len(argument)}")
             if len(argument) == 2:
                 return self._equality(*argument)
             return self._ranged(*argument)
@@ -192,15 +219,15 @@ class Rows:
         name = condition.name
         self.walker.tape.owner = name
         if all(side.is_equality for side in sides):
-            raise ValueError(f"{name}: both sides are equations: use two Constraints")
+            raise ModelError(f"{name}: both sides are equations: use two Constraints")
         if all(side.bounds == 2 for side in sides) and not any(side.is_equality for side in sides):
-            raise ValueError(f"{name}: both sides have two bounds: only one of them can")
+            raise ModelError(f"{name}: both sides have two bounds: only one of them can")
         for variable, side, F in candidates:
             if id(variable) in self._taken or self._is_equation(F, side, variable):
                 continue
             self._taken.add(id(variable))
             if variable.fixed:
-                self.dropped.append((condition, variable, F.body))
+                self.dropped.append(Dropped(condition, variable, F, self._at_lower(side, variable)))
                 return []
             return [self._pair(condition, side, F, variable)]
         for side in sides:
@@ -220,20 +247,24 @@ class Rows:
 
     def _pair(self, condition: Any, side: Side, F: Side, variable: Any) -> Row:
         self.boxes[id(variable)] = (side.lower, side.upper)
-        at_lower, at_upper = side.lower is not None, side.upper is not None
-        if at_lower == at_upper:
-            at_lower, at_upper = self._box_now(side, variable)
-        if not at_lower and not at_upper and F.bounds == 1:
-            raise ValueError(
+        if F.bounds == 1 and self._box_now(side, variable) == (False, False):
+            raise ModelError(
                 f"{condition.name}: {variable.name} has no bounds, so that the other side must be zero: write an equation, or "
                 "give bounds"
             )
-        return self._row(condition, F, at_lower, id(variable))
+        return self._row(condition, F, self._at_lower(side, variable), id(variable))
+
+    def _at_lower(self, side: Side, variable: Any) -> bool:
+        """Whether F is that of the lower bound."""
+        if side.bounds == 1:
+            return side.lower is not None
+        has_lower, has_upper = self._box_now(side, variable)
+        return has_lower or not has_upper
 
     def _row(self, condition: Any, F: Side, at_lower: bool, variable: int) -> Row:
-        bound = F.lower if F.lower is not None else F.upper
+        bound = F.bound()
         form = F.form if bound is None else self.walker.difference(F.form, bound)
-        if F.bounds == 1 and (F.lower is not None) != at_lower:
+        if F.is_reversed(at_lower):
             form = self.walker.scale(form, -1.0)
         return Row(condition.name, condition, form, variable=variable, written_equal=F.is_equality)
 
@@ -241,7 +272,7 @@ class Rows:
         k = max((1, 0), key=lambda k: sides[k].bounds)
         side, F = sides[k], sides[1 - k]
         if side.bounds == 0:
-            raise ValueError(f"{condition.name}: neither side has a bound")
+            raise ModelError(f"{condition.name}: neither side has a bound")
         auxiliary = Auxiliary(f"{condition.name}.arg{k}", side.body)
         variable = id(auxiliary)
         self.walker.variables[variable] = auxiliary

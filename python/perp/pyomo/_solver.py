@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import json
 import logging
+import math
 import os
 import re
 import shutil
@@ -26,7 +27,8 @@ from pyomo.opt import Solution, SolverFactory, SolverResults, SolverStatus, Term
 from pyomo.opt.base.solvers import _extract_version
 from pyomo.opt.solver import SystemCallSolver
 
-from perp.pyomo._model import CompiledModel, Contents, ModelError
+from perp.pyomo._model import CompiledModel, Contents
+from perp.pyomo._expression import ModelError
 from perp.pyomo._rows import Auxiliary
 
 logger = logging.getLogger("pyomo.solvers")
@@ -104,12 +106,9 @@ class Perp(SystemCallSolver):  # type: ignore[misc]
             compiled = kept.compiled
             text = compiled.nl()
             compiled.check()
-        except ModelError as error:
+        except ValueError as error:  # Pyomo's own say what is not initialised
             answer = {"status": "InputError", "message": str(error)}
             return _refused(answer, load_solutions)
-        note = compiled.note_objective()
-        if note:
-            logger.warning("perp: %s", note)
         files = Files(keep=True) if keepfiles else kept.files
         if keepfiles:
             print(f"perp: the files of {model.name} are {files.stub}.*")
@@ -259,16 +258,10 @@ def _set_outcome(results: Any, answer: dict[str, Any]) -> None:
     solver.message = answer["message"]
 
 
-def _message(compiled: CompiledModel, answer: dict[str, Any]) -> str:
-    """What Perp says, its advice and notes, and what the writer left out."""
+def _message(answer: dict[str, Any], notes: list[str]) -> str:
     lines = [f"{answer['status']}: {answer['message']}"]
     if answer.get("advice"):
         lines.append(f"Try: {answer['advice']}")
-    notes = list(answer.get("notes", ()))
-    if compiled.contents.objectives:
-        notes.append(compiled.objective_note())
-    for condition, variable, body in compiled.dropped:
-        notes.append(f"{condition.name} is left out, because its variable {variable.name} is fixed")
     return "\n".join(lines + [f"Note: {note}" for note in notes])
 
 
@@ -276,7 +269,6 @@ def _results(model: Any, compiled: CompiledModel, answer: dict[str, Any], load_s
     if "variables" not in answer:
         return _refused(answer, load_solutions)
     results = SolverResults()
-    answer["message"] = _message(compiled, answer)
     _set_outcome(results, answer)
     results.solver.time = answer["stats"]["time_s"]
     results.solver.wallclock_time = seconds
@@ -284,17 +276,27 @@ def _results(model: Any, compiled: CompiledModel, answer: dict[str, Any], load_s
     problem.name = model.name
     problem.number_of_variables = len(compiled.columns)
     problem.number_of_constraints = len(compiled.rows)
-    point = [entry["value"] for entry in answer["variables"][: len(compiled.columns)]]
-    F = [entry["F"] for entry in answer["variables"][: len(compiled.columns)]]
-    if not all(isinstance(number, float) for number in point):  # "nan", "inf"
-        return results
+    entries = answer["variables"][: len(compiled.columns)]
+    point, F = ([_number(entry[key]) for entry in entries] for key in ("value", "F"))
+    loads = load_solutions and all(map(math.isfinite, point))
+    if loads:
+        _load(model, compiled, point, F)
+    elif not load_solutions:
+        _keep(compiled, point, results)
+    warnings = compiled.warnings(F)
+    results.solver.message = _message(answer, answer["notes"] + warnings + (compiled.notes() if loads else []))
     if load_solutions:
         if results.solver.status != SolverStatus.ok:
             logger.warning("perp: %s", results.solver.message)
-        _load(model, compiled, point, F)
-    else:
-        _keep(compiled, point, results)
+        elif not compiled.warned:
+            compiled.warned = bool(warnings)
+            for warning in warnings:
+                logger.warning("perp: %s", warning)
     return results
+
+
+def _number(written: Any) -> float:
+    return math.nan if written is None else float(written)
 
 
 def _load(model: Any, compiled: CompiledModel, point: list[float], F: list[float]) -> None:
@@ -319,11 +321,11 @@ def _load(model: Any, compiled: CompiledModel, point: list[float], F: list[float
         found["slack"].append((row.component, F[column]))
         if not isinstance(compiled.columns[column], Auxiliary):
             found["rc"].append((compiled.columns[column], F[column]))
-    for condition, variable, body in compiled.dropped:
-        number = value(body, exception=False)
-        found["dual"].append((condition, value(variable)))
-        found["slack"].append((condition, number))
-        found["rc"].append((variable, number))
+    for dropped in compiled.dropped:
+        number = dropped.F(compiled.tape)
+        found["dual"].append((dropped.condition, value(dropped.variable)))
+        found["slack"].append((dropped.condition, number))
+        found["rc"].append((dropped.variable, number))
     for name, suffix in suffixes.items():
         suffix.update(found[name])
 
