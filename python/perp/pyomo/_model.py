@@ -249,7 +249,7 @@ class CompiledModel:
             upper = _stronger(min, own[1], None if high is None else self.tape.number(high))
             if lower is not None and upper is not None:
                 if lower > upper:
-                    raise ModelError(f"{variable.name} has the bounds [{lower}, {upper}], between which there is nothing")
+                    raise ModelError(f"{variable.name} has the bounds [{lower:g}, {upper:g}], between which there is nothing")
                 written.append(f"4 {lower!r}\n" if lower == upper else f"0 {lower!r} {upper!r}\n")
             elif lower is not None:
                 written.append(f"2 {lower!r}\n")

@@ -107,8 +107,7 @@ class Perp(SystemCallSolver):  # type: ignore[misc]
             text = compiled.nl()
             compiled.check()
         except ValueError as error:  # Pyomo's own say what is not initialised
-            answer = {"status": "InputError", "message": str(error)}
-            return _refused(answer, load_solutions)
+            return _refused({"status": "InputError", "message": str(error)}, load_solutions)
         files = Files(keep=True) if keepfiles else kept.files
         if keepfiles:
             print(f"perp: the files of {model.name} are {files.stub}.*")
@@ -244,7 +243,7 @@ def _to_the_end(process: Any, read: Callable[[], Any]) -> Any:
 
 def _refused(answer: dict[str, Any], load_solutions: bool) -> Any:
     if load_solutions:
-        raise ModelError(answer["message"])
+        raise ModelError(answer["message"]) from None
     results = SolverResults()
     _set_outcome(results, answer)
     return results
