@@ -148,7 +148,7 @@ class Files:
         self._process = os.getpid()
         folder = tempfile.mkdtemp(prefix="perp-")
         if not keep:
-            weakref.finalize(self, shutil.rmtree, folder, ignore_errors=True)
+            weakref.finalize(self, _remove, folder, self._process)
         self._named: CompiledModel | None = None
         self.stub = os.path.join(folder, "model")
 
@@ -165,6 +165,11 @@ class Files:
                 file.write(content)
         self._named = compiled
         return self.stub
+
+
+def _remove(folder: str, process: int) -> None:
+    if process == os.getpid():  # not that of the process from which this one was forked
+        shutil.rmtree(folder, ignore_errors=True)
 
 
 class Kept:
