@@ -3,19 +3,20 @@
 
 Expected values are computed by hand where a comment says no more; tests of laws compare with Pyomo's own value()."""
 
+import io
 import logging
 import os
 import random
-import stat
-import subprocess
+import re
 import sys
-import textwrap
 import time
+from pathlib import Path
 
 import pytest
 
 pyo = pytest.importorskip("pyomo.environ")
-from pyomo.common.errors import ApplicationError  # noqa: E402  (after the check)
+from pyomo.common import Executable  # noqa: E402  (after the check)
+from pyomo.common.errors import ApplicationError  # noqa: E402
 from pyomo.mpec import Complementarity, ComplementarityList, complements  # noqa: E402
 from pyomo.opt import SolverStatus, TerminationCondition  # noqa: E402
 
@@ -495,7 +496,7 @@ def test_bad_arguments(solver, tmp_path):
         solver.solve(abstract)
     broken = tmp_path / "broken"
     broken.write_text("#!/bin/sh\necho libfoo is missing >&2\nexit 3\n")
-    broken.chmod(broken.stat().st_mode | stat.S_IXUSR)
+    broken.chmod(0o755)
     with pytest.raises(ApplicationError, match="code 3.*libfoo is missing"):
         pyo.SolverFactory("perp", executable=str(broken)).solve(m)
 
@@ -510,19 +511,36 @@ def test_the_transformation_mpec_nl_is_recognised(solver):
 # The solver's interface
 
 
-def test_tee_shows_the_log_while_it_runs():
-    """The first lines come well before the program has ended, which waits for a line of ours here."""
-    script = textwrap.dedent(
-        """
-        import sys, pyomo.environ as pyo, perp.pyomo
-        m = pyo.ConcreteModel()
-        m.x = pyo.Var(initialize=1)
-        m.c = pyo.Constraint(expr=m.x**3 == 8)
-        pyo.SolverFactory("perp", executable=sys.argv[1]).solve(m, tee=True)
-        """
+def test_tee_shows_the_log_while_it_runs(tmp_path, monkeypatch):
+    """The program begins only after its first line was shown: would end in 10 s with code 4 if that came at the end."""
+    seen, waits = tmp_path / "seen", tmp_path / "waits"
+    waits.write_text(
+        f"#!/bin/sh\necho first\nfor i in $(seq 100); do\n  test -e {seen} && exec {PROGRAM} \"$@\"\n  sleep 0.1\ndone\nexit 4\n"
     )
-    shown = subprocess.run([sys.executable, "-c", script, PROGRAM], capture_output=True, text=True, check=True).stdout
-    assert "Major Iteration Log" in shown and "Solved" in shown and "(c)" in shown
+    waits.chmod(0o755)
+
+    class Screen(io.StringIO):
+        def write(self, text):
+            seen.touch()
+            return super().write(text)
+
+    monkeypatch.setattr(sys, "stdout", Screen())
+    solved(market(), pyo.SolverFactory("perp", executable=str(waits)), tee=True)
+    shown = sys.stdout.getvalue()
+    assert shown.startswith("first\n") and "Major Iteration Log" in shown and "profit[gas]" in shown
+
+
+def test_examples_of_the_page(monkeypatch, tmp_path):
+    """docs/pyomo.md, as a reader would run it, with the program on the PATH."""
+    (tmp_path / "perp").symlink_to(os.path.realpath(PROGRAM))
+    monkeypatch.setenv("PATH", str(tmp_path), prepend=os.pathsep)
+    Executable("perp").rehash()
+    page = Path(__file__).resolve().parents[2] / "docs" / "pyomo.md"
+    blocks = re.findall(r"^```python\n(.*?)^```", page.read_text(encoding="utf-8"), re.M | re.S)
+    assert len(blocks) == 2
+    scope = {}
+    for block in blocks:
+        exec(compile(block, "docs/pyomo.md", "exec"), scope)
 
 
 def test_log_file_and_kept_files(solver, tmp_path, capsys):
