@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 import operator
-from typing import Any, Callable, Union
+from typing import Any, Callable, Sequence, Union
 
 from pyomo.core.expr import numeric_expr as numeric
 from pyomo.core.expr import relational_expr as relational
@@ -268,12 +268,12 @@ class Walker:
             return item
         if item.whole is not None:
             return item.whole
-        texts = [v if c == 1.0 else ["o2\n", c, v] for v, c in item.linear.items()] + item.terms
+        texts: list[Text] = [v if c == 1.0 else ["o2\n", c, v] for v, c in item.linear.items()] + item.terms
         if item.constant != 0.0:
             texts.append(item.constant)
         return sum_of(texts)
 
-    def term(self, operation: str, items: list[Value]) -> Form:
+    def term(self, operation: str, items: Sequence[Value]) -> Form:
         variables = set().union(*(item.all_variables() for item in items if isinstance(item, Form)))
         return Form(terms=[[operation, *(self.text(item) for item in items)]], variables=variables)
 
@@ -336,7 +336,7 @@ class Walker:
         if all(is_number(item) for item in data):
             return self.tape.later(lambda a, b: float(value(node)))
         strict = node.strict if isinstance(node.strict, tuple) else (node.strict,) * (len(data) - 1)
-        parts = [self.term("o22\n" if s else "o23\n", [a, b]) for s, a, b in zip(strict, data, data[1:])]
+        parts: list[Value] = [self.term("o22\n" if s else "o23\n", [a, b]) for s, a, b in zip(strict, data, data[1:])]
         return parts[0] if len(parts) == 1 else self.term("o21\n", parts)
 
     def _equality(self, node: Any, data: list[Value]) -> Value:

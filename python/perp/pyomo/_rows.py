@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, Iterator
+from typing import Any
 
 from pyomo.core.expr import relational_expr as relational
 from pyomo.core.expr.numvalue import native_types, value
@@ -92,11 +92,9 @@ class Dropped:
     at_lower: bool
 
     def F(self, tape: Tape) -> float:
-        number = value(self.side.body, exception=False)
-        if number is None:
-            return math.nan
+        body = value(self.side.body, exception=False)
         bound = self.side.bound()
-        number -= 0.0 if bound is None else tape.number(bound)
+        number = math.nan if body is None else float(body) - (0.0 if bound is None else tape.number(bound))
         return -number if self.side.is_reversed(self.at_lower) else number
 
 
@@ -120,13 +118,13 @@ class Rows:
     def _read(self, constraints: list[Any], conditions: list[Any]) -> None:
         for constraint in constraints:
             self._add_constraint(constraint)
-        pending = []
+        pending: list[tuple[Any, list[Side], list[Any]]] = []
         for condition in conditions:
             self.walker.tape.owner = condition.name
             sides = self._sides(condition)
-            pending.append((condition, sides, list(self._candidates(sides))))
+            pending.append((condition, sides, self._candidates(sides)))
         pending.sort(key=lambda entry: len(entry[2]) > 1)  # stable: those that can choose come last
-        made = {id(condition): self._add_condition(condition, *rest) for condition, *rest in pending}
+        made = {id(entry[0]): self._add_condition(*entry) for entry in pending}
         for condition in conditions:  # in the order of the model
             self.rows.extend(made.get(id(condition), []))
 
@@ -197,13 +195,17 @@ class Rows:
 
     # Conditions
 
-    def _candidates(self, sides: list[Side]) -> Iterator[tuple[Any, Side, Side]]:
-        """The variables that can be the one of the pair, fixed or not, with their side and F's; the second side first,
-        as Pyomo does."""
-        for side, F in (sides[::-1], sides):
-            variable = self._plain_variable(side)
-            if variable is not None and not side.is_equality and (F.bounds < 2 or F.is_equality):
-                yield variable, side, F
+    def _candidates(self, sides: list[Side]) -> list[tuple[Any, Side, Side]]:
+        """The variables that can be the one of the pair, fixed or not, with their side and F's. A Var with bounds comes
+        first, for one without can be that of an equation; else the second side, as with Pyomo."""
+        plain = [(self._plain_variable(side), side, F) for side, F in (sides[::-1], sides)]
+        able = [
+            entry for entry in plain if entry[0] is not None and not entry[1].is_equality and (entry[2].bounds < 2 or entry[2].is_equality)
+        ]
+        if len(able) == 2:
+            self.watched.extend(entry[0] for entry in able)
+            able.sort(key=lambda entry: entry[0].bounds == (None, None))
+        return able
 
     def _plain_variable(self, side: Side) -> Any:
         """The variable that this side is, if it is no more than that."""
