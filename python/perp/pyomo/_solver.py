@@ -161,10 +161,16 @@ class Files:
         if self._named is not compiled:
             parts += [(".row", compiled.row_names), (".col", compiled.column_names)]
         for ending, content in parts:
-            with open(self.stub + ending, "w", encoding="utf-8", newline="\n") as file:
+            with open(self.stub + ending, "w", encoding="utf-8", newline="\n", opener=_overwrite) as file:
                 file.write(content)
+                file.truncate()
         self._named = compiled
         return self.stub
+
+
+def _overwrite(name: str, flags: int) -> int:
+    """Opens a file without emptying it: some file systems write one to the disk at once that is emptied and filled again."""
+    return os.open(name, flags & ~os.O_TRUNC, 0o600)
 
 
 def _remove(folder: str, process: int) -> None:
