@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import math
 import operator
+from itertools import groupby
 from typing import Any, Iterator
 
 from pyomo.core.base import Block, Constraint, Objective
@@ -21,20 +22,22 @@ class Template:
     """A text with places for numbers."""
 
     def __init__(self) -> None:
+        self._added: list[str | Slot] = []
         self._parts: list[str] = []
-        self._slots: list[tuple[int, int]] = []
+        self._slots: list[tuple[int, int]] = []  # which parts are numbers, and where these are on the tape
 
     def add(self, *parts: str | Slot) -> None:
-        for part in parts:
-            if isinstance(part, Slot):
-                self._slots.append((len(self._parts), part.at))
-                self._parts.append("")
-            elif self._parts and (not self._slots or self._slots[-1][0] != len(self._parts) - 1):
-                self._parts[-1] += part
-            else:
-                self._parts.append(part)
+        self._added.extend(parts)
 
     def text(self, values: list[float]) -> str:
+        for is_slot, run in groupby(self._added, lambda part: isinstance(part, Slot)):
+            if not is_slot:
+                self._parts.append("".join(run))  # type: ignore[arg-type]
+                continue
+            for slot in run:
+                self._slots.append((len(self._parts), slot.at))  # type: ignore[union-attr]
+                self._parts.append("")
+        self._added = []
         for place, at in self._slots:
             self._parts[place] = repr(values[at])
         return "".join(self._parts)
@@ -107,8 +110,8 @@ class CompiledModel:
                 used.update(row.form.linear)
             if row.variable is not None:
                 used.add(row.variable)
-        used |= nonlinear
-        ids = [i for i in self._variables if i in nonlinear] + [i for i in self._variables if i in used - nonlinear]
+        used -= nonlinear
+        ids = [i for i in self._variables if i in nonlinear] + [i for i in self._variables if i in used]
         self.column = {variable: k for k, variable in enumerate(ids)}
         self.columns = [self._variables[i] for i in ids]
         self._boxes = [self._rows.boxes.get(i, (None, None)) for i in ids]
