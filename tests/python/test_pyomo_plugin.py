@@ -425,6 +425,16 @@ def test_the_objective_of_a_square_model_is_ignored_and_that_is_said(solver, cap
     assert caplog.text.count("welfare") == 1
 
 
+def test_a_solution_by_being_small_is_warned_of(solver, caplog):
+    """F = 1e-28 x - 3e-28 is below the tolerance at x = 0, where it is not balanced at all."""
+    m = pyo.ConcreteModel()
+    m.x = pyo.Var(initialize=0)
+    m.small = Complementarity(expr=complements(m.x >= 0, 1e-28 * m.x - 3e-28 >= 0))
+    results = solver.solve(m)
+    if m.x.value < 1:  # else it was solved in spite of the units
+        assert "small" in results.solver.message and "small" in caplog.text
+
+
 def test_an_mpec_is_refused_as_such(solver):
     m = pyo.ConcreteModel()
     m.x, m.y = pyo.Var(bounds=(0, 1)), pyo.Var(bounds=(0, 1))
