@@ -170,14 +170,18 @@ void print_condition(Printout& print, const Inspection& inspection) {
 }
 
 /// Where and what the witness is, in names.
-std::string witness(const ncp::Mcp& mcp, std::string_view name, const lcp::Property& property) {
+std::string witness(const ncp::Mcp& mcp, const lcp::Diagnosis& classes, std::string_view name,
+                    const lcp::Property& property) {
   const Indices& at = property.indices;
+  const auto row_name = [&](Index i) {
+    return mcp.equation_name(classes.order ? classes.order->row_of[static_cast<std::size_t>(i)] : i);
+  };
   if (name == "P" || name == "P0" || (at.size() > 2 && property.vector.size() == 0)) {
     if (!at.empty()) return fmt::format(": rows and columns of {}", variables(mcp, at));
   } else if (at.size() == 2) {
-    return fmt::format(": {}, {}", mcp.equation_name(at[0]), mcp.variable_name(at[1]));
+    return fmt::format(": {}, {}", row_name(at[0]), mcp.variable_name(at[1]));
   } else if (at.size() == 1) {
-    return fmt::format(": {}", mcp.equation_name(at[0]));
+    return fmt::format(": {}", row_name(at[0]));
   }
   const ncp::Vec& v = property.vector;
   Indices order(static_cast<std::size_t>(v.size()));
@@ -200,12 +204,14 @@ void print_classes(Printout& print, const Inspection& inspection) {
                                                    ? "every variable with one bound: an LCP up to shifts and signs"
                                                : classes->bounded ? "every variable with two bounds"
                                                                   : "a mixed LCP"));
+  if (classes->order)
+    print.line("(its equations taken in the order of the variables with which M is symmetric but for signs)");
   std::ostream& out = print.raw();
   out << '\n';
   Table table({"M is", "", "why"});
   for (const auto& [name, property] : classes->all())
     table.add({std::string(name), std::string(lcp::to_string(property->answer)),
-               property->reason + (property->no() ? witness(inspection.mcp(), name, *property) : "")});
+               property->reason + (property->no() ? witness(inspection.mcp(), *classes, name, *property) : "")});
   table.print(out);
   const std::vector<lcp::Guarantee> guarantees = classes->guarantees();
   if (guarantees.empty()) return;

@@ -425,8 +425,9 @@ Diagnosis classify(const SpMat& M, const ClassifyOptions& options) {
   return d;
 }
 
-Diagnosis classify(const AffineMcp& problem, const ClassifyOptions& options) {
-  if (const auto why = problem.invalid()) refuse_input("classify: ", *why);
+namespace {
+
+Diagnosis classify_in_order(const AffineMcp& problem, const ClassifyOptions& options) {
   const Box& box = problem.box;
   std::vector<Index> kept;
   std::vector<int> number(at(problem.size()), -1);
@@ -462,6 +463,17 @@ Diagnosis classify(const AffineMcp& problem, const ClassifyOptions& options) {
     for (std::size_t k = 0; k < kept.size(); ++k) v[kept[k]] = sign[kept[k]] * property->vector[static_cast<Index>(k)];
     property->vector = std::move(v);
   }
+  return d;
+}
+
+}  // namespace
+
+Diagnosis classify(const AffineMcp& problem, const ClassifyOptions& options) {
+  if (const auto why = problem.invalid()) refuse_input("classify: ", *why);
+  std::optional<EquationOrder> order = equation_order(problem.M, problem.box);
+  if (!order) return classify_in_order(problem, options);
+  Diagnosis d = classify_in_order(order->apply(problem), options);
+  d.order = std::move(order);
   return d;
 }
 

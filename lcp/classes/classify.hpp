@@ -23,12 +23,13 @@
 /// principal submatrices. Hildebrand, same journal 459 (2014) 154: minimal zeros. Alanelli & Hadjidimos, SIAM J. Matrix
 /// Anal. Appl. 28 (2006) 470: H by diagonal scaling. Higham 2002, theorem 10.7: what Cholesky proves.
 #include <array>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
-#include "lcp/affine_mcp.hpp"
+#include "lcp/linalg/equation_order.hpp"
 
 namespace perp::lcp {
 
@@ -73,6 +74,8 @@ struct Diagnosis {
   // The box, where there is one (R^n_+ for a matrix alone), of the variables that are not fixed:
   bool cone = true;      ///< every variable has exactly one finite bound: an LCP after shifts and reflections
   bool bounded = false;  ///< every variable has two
+  /// The equations stand in this order: row i of M is its row i. Nothing: as they were given.
+  std::optional<EquationOrder> order{};
 
   /// The properties with their names, as in the list at the top.
   std::array<std::pair<std::string_view, const Property*>, 13> all() const;
@@ -88,7 +91,8 @@ Property positive_semidefinite(const SpMat& M, const ClassifyOptions& options = 
 
 /// The classes of the matrix that counts: rows and columns of fixed variables left out (indices and vectors of the
 /// witnesses are still those of the problem, with zeros there), those of variables with only an upper bound reflected
-/// (z_i -> -z_i, which changes the signs of row and column i and matters for Z and the copositive classes).
+/// (z_i -> -z_i, which changes the signs of row and column i and matters for Z and the copositive classes), and the
+/// equations of free variables in the order that equation_order() finds.
 Diagnosis classify(const AffineMcp& problem, const ClassifyOptions& options = {});
 
 }  // namespace perp::lcp

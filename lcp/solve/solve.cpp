@@ -9,6 +9,7 @@
 
 #include "lcp/judge/judge.hpp"
 #include "lcp/judge/shared_options.hpp"
+#include "lcp/linalg/equation_order.hpp"
 #include "lcp/words.hpp"
 
 namespace perp::lcp {
@@ -167,9 +168,7 @@ void prove(const AffineMcp& problem, const Limits& limits, Result& result) {
   result.certificate.resize(0);
 }
 
-}  // namespace
-
-Result solve(const AffineMcp& problem, In start, const Method& method, const Limits& limits) {
+Result solve_in_order(const AffineMcp& problem, In start, const Method& method, const Limits& limits) {
   const Overloaded run{[&](const Auto& m) { return automatic(problem, start, m, limits); },
                        [&](const Lemke& m) { return lemke_method(problem, start, m, limits); },
                        [&](const LemkeHowson& m) { return lemke_howson(problem, start, m, limits); },
@@ -182,13 +181,24 @@ Result solve(const AffineMcp& problem, In start, const Method& method, const Lim
                        [&](const InteriorPoint& m) { return interior_point(problem, start, m, limits); },
                        [&](const BoundQp& m) { return bound_qp(problem, start, m, limits); },
                        [&](const Enumeration& m) { return enumeration(problem, start, m, limits); }};
-  const auto method_and_refinement = [&] {
-    Result result = std::visit(run, method);
-    refine(problem, limits, result);
-    prove(problem, limits, result);
+  Result result = std::visit(run, method);
+  refine(problem, limits, result);
+  prove(problem, limits, result);
+  return result;
+}
+
+}  // namespace
+
+Result solve(const AffineMcp& problem, In start, const Method& method, const Limits& limits) {
+  const auto in_order = [&] {
+    const auto order = problem.invalid() ? std::nullopt : equation_order(problem.M, problem.box);
+    if (!order) return solve_in_order(problem, start, method, limits);
+    Result result = solve_in_order(order->apply(problem), start, method, limits);
+    if (result.certificate.size() > 0) result.certificate = order->multipliers_back(result.certificate);
+    if (result.refutation) result.refutation = std::make_shared<const Refutation>(order->back(*result.refutation));
     return result;
   };
-  return within_limits(method_and_refinement, at_start(name(method), problem, start, limits));
+  return within_limits(in_order, at_start(name(method), problem, start, limits));
 }
 
 }  // namespace perp::lcp

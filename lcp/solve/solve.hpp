@@ -43,7 +43,8 @@ void describe(Auto& method, Fields& fields);
 using Method = std::variant<Auto, Lemke, LemkeHowson, PrincipalPivoting, BlockPivoting, LeastIndex, ProjectedSor,
                             MinNewton, FbNewton, InteriorPoint, BoundQp, Enumeration>;
 
-/// Runs the method from `start` (methods that need none ignore it). Throws std::invalid_argument for malformed input.
+/// Runs the method from `start` (methods that need none ignore it), with the equations of free variables in the order
+/// that equation_order() finds. Throws std::invalid_argument for malformed input.
 Result solve(const AffineMcp& problem, In start, const Method& method = Auto{}, const Limits& limits = {});
 
 struct MethodEntry {
