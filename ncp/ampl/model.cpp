@@ -56,7 +56,8 @@ class AslModel final : public Model {
         start_(Vec::Zero(pairing_.box.size())),
         rows_(nl_.rows.size(), 0.0),
         nonzeros_(at(nl_.header.jacobian_nonzeros), 0.0) {
-    start_.head(n_var()) = Eigen::Map<const Vec>(nl_.start.data(), n_var());
+    point_.assign(at(nl_.header.n_var), 0.0);
+    for (Index u = 0; u < n_var(); ++u) start_[u] = nl_.start[at(pairing_.variables[at(u)])];
     all_used_ = std::find(pairing_.used.begin(), pairing_.used.end(), 0) == pairing_.used.end();
   }
 
@@ -69,18 +70,22 @@ class AslModel final : public Model {
   std::vector<bool> linear_entries() const override { return linear_; }
   const Enclosure* enclosure() const override { return enclosure_.get(); }
   std::string name() const override { return file_name(stub_); }
-  std::string variable_name(Index i) const override { return unknown_name(pairing_, names_, nl_.header.n_var, i); }
-  std::string equation_name(Index i) const override {
-    return ampl::equation_name(pairing_, names_, nl_.header.n_var, i);
-  }
+  std::string variable_name(Index i) const override { return unknown_name(pairing_, names_, i); }
+  std::string equation_name(Index i) const override { return ampl::equation_name(pairing_, names_, i); }
 
   const Vec& start() const override { return start_; }
-  Index n_var() const override { return nl_.header.n_var; }
+  Index n_var() const override { return static_cast<Index>(pairing_.variables.size()); }
   Index side_inequalities() const override { return size() - n_var(); }
   bool has_objective() const override { return nl_.header.n_obj > 0; }
   void write_sol(const std::string& message, In x, int solve_result_num) const override;
 
  private:
+  /// The model's variables, auxiliary ones 0.
+  const double* point(In x) const {
+    for (std::size_t u = 0; u < pairing_.variables.size(); ++u)
+      point_[at(pairing_.variables[u])] = x[static_cast<Index>(u)];
+    return point_.data();
+  }
   /// c(x); in the rows known to be undefined NaN, or infinity (of whatever sign) after an overflow. false: rows were
   /// left out.
   bool values_of_rows(In x) const;
@@ -96,13 +101,14 @@ class AslModel final : public Model {
   AslProblem asl_;
   Vec start_;
   bool all_used_ = true;                  // every row takes part in F
+  mutable std::vector<double> point_;     // see point()
   mutable std::vector<double> rows_;      // c(x); not finite where it is not defined
   mutable std::vector<double> nonzeros_;  // of c'(x)
 };
 
 bool AslModel::values_of_rows(In x) const {
-  if (asl_.values(x.data(), rows_.data())) return true;
-  const AslProblem::RowByRow outcome = asl_.values_by_row(x.data(), rows_.data());
+  if (asl_.values(point(x), rows_.data())) return true;
+  const AslProblem::RowByRow outcome = asl_.values_by_row(point_.data(), rows_.data());
   if (!outcome.evaluated) {
     std::fill(rows_.begin(), rows_.end(), 0.0);
     if (outcome.definition < nl_.header.defined())
@@ -118,16 +124,17 @@ bool AslModel::eval(In x, Out F) const {
   bool defined = values_of_rows(x);
   for (Index u = 0; u < size(); ++u) {
     const Equation& e = pairing_.equations[at(u)];
-    const double v = e.of_row ? rows_[at(e.index)] : x[e.index];
+    const double v = e.of_row ? rows_[at(e.index)] : point_[at(e.index)];
     F[u] = e.sign * (v - e.bound) - (e.side ? x[u] : 0.0);
+    if (e.condition >= 0) F[u] += rows_[at(e.condition)];
     if (!std::isfinite(F[u])) defined = false;
   }
   return defined;
 }
 
 bool AslModel::jacobian(In x, SpMat& J) const {
-  if (!asl_.jacobian(x.data(), nonzeros_.data()) &&
-      (all_used_ || !asl_.jacobian_of(pairing_.used, x.data(), nonzeros_.data())))
+  if (!asl_.jacobian(point(x), nonzeros_.data()) &&
+      (all_used_ || !asl_.jacobian_of(pairing_.used, point_.data(), nonzeros_.data())))
     return false;
   double* values = J.valuePtr();
   for (std::size_t k = 0; k < jacobian_.entries.size(); ++k) {
@@ -145,7 +152,14 @@ void AslModel::write_sol(const std::string& message, In x, int solve_result_num)
                                    std::to_string(n_var()) + " variables");
   for (Index i = 0; i < x.size(); ++i)
     if (!std::isfinite(x[i])) throw ModelError(bad_file, path + ": " + variable_name(i) + " is " + number(x[i]));
-  write_answer(stub_, sol_text(sol_format(nl_.header), message, {x.data(), at(x.size())}, solve_result_num));
+  const bool defined = pairing_.auxiliaries.empty() || values_of_rows(x);
+  point(x);
+  std::vector<double> all = point_;
+  for (const Auxiliary& v : pairing_.auxiliaries) {
+    const double value = (v.bound - rows_[at(v.row)]) / v.coefficient;
+    all[at(v.variable)] = defined && std::isfinite(value) ? value : nl_.start[at(v.variable)];
+  }
+  write_answer(stub_, sol_text(sol_format(nl_.header), message, all, solve_result_num));
 }
 
 }  // namespace

@@ -32,15 +32,17 @@ inline constexpr int nonsquare = 504;
 /// Of AMPL's failures, 500 to 599, our own: the model is sound, and not of the kind or size that the solver takes.
 inline constexpr int not_applicable = 590;
 
-/// An MCP read from an .nl file. The first n_var() unknowns are the model's variables in its order, the rest are the y
-/// of the side inequalities. Names come from the .col and .row files beside the stub where they exist.
+/// An MCP read from an .nl file. The first n_var() unknowns are the model's variables in its order, but for auxiliary
+/// ones that only stand for the expression of a condition (Pyomo's); the rest are the y of the side inequalities. Names
+/// come from the .col and .row files beside the stub where they exist.
 class Model : public Mcp {
  public:
   virtual const Vec& start() const = 0;  ///< the model's initial guess; 0 where it gives none; size() entries
-  virtual Index n_var() const = 0;       ///< variables of the model itself
+  virtual Index n_var() const = 0;       ///< variables of the model itself that are unknowns
   virtual Index side_inequalities() const = 0;
   virtual bool has_objective() const = 0;  ///< (ignored: an MCP has none)
-  /// Writes STUB.sol: `message`, x (n_var() entries) and solve_result_num. Throws ModelError if it cannot be written.
+  /// Writes STUB.sol: `message`, all variables, of which x has the n_var() unknowns, and solve_result_num. Throws
+  /// ModelError if it cannot be written.
   virtual void write_sol(const std::string& message, In x, int solve_result_num) const = 0;
 };
 

@@ -28,6 +28,12 @@ class ModelEnclosure final : public Enclosure {
  private:
   ExpressionGraph::Node root(int row) const { return model_.expressions.rows[at(row)]; }
   Interval row(int row, std::span<const Interval> X, const ExpressionGraph::Ranges& ranges) const;
+  /// Ranges of the model's variables, auxiliary ones 0.
+  std::vector<Interval> point(std::span<const Interval> X) const {
+    std::vector<Interval> all(model_.variables.size(), Interval(0));
+    for (std::size_t u = 0; u < pairing_.variables.size(); ++u) all[at(pairing_.variables[u])] = X[u];
+    return all;
+  }
 
   const NlModel& model_;
   const Pairing& pairing_;
@@ -44,11 +50,13 @@ Interval ModelEnclosure::row(int row, std::span<const Interval> X, const Express
 
 void ModelEnclosure::values(std::span<const Interval> X, std::span<Interval> F) const {
   if (work() > 0) require_some_memory();
-  const ExpressionGraph::Ranges ranges = model_.expressions.graph.ranges(X);
+  const std::vector<Interval> all = point(X);
+  const ExpressionGraph::Ranges ranges = model_.expressions.graph.ranges(all);
   for (std::size_t u = 0; u < F.size(); ++u) {
     const Equation& e = pairing_.equations[u];
-    const Interval v = e.of_row ? row(e.index, X, ranges) : X[at(e.index)];
+    const Interval v = e.of_row ? row(e.index, all, ranges) : all[at(e.index)];
     F[u] = e.sign * (v - e.bound);
+    if (e.condition >= 0) F[u] = F[u] + row(e.condition, all, ranges);
     if (e.side) F[u] = F[u] - X[u];
   }
 }
@@ -56,7 +64,7 @@ void ModelEnclosure::values(std::span<const Interval> X, std::span<Interval> F) 
 void ModelEnclosure::jacobian(std::span<const Interval> X, std::span<Interval> J, std::span<char> known) const {
   require_some_memory();
   const ExpressionGraph& graph = model_.expressions.graph;
-  const ExpressionGraph::Ranges ranges = graph.ranges(X);
+  const ExpressionGraph::Ranges ranges = graph.ranges(point(X));
   for (std::size_t u = 0; u < known.size(); ++u) {
     const Equation& e = pairing_.equations[u];
     known[u] = e.of_row ? ranges.smooth[at(root(e.index))] : 1;

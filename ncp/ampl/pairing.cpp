@@ -87,6 +87,39 @@ void refuse_nonsquare(const NlModel& model, const Names& names, const std::vecto
   throw ModelError(nonsquare, message);
 }
 
+/// Of each row that complements a variable, the equation of its auxiliary variable, or -1.
+std::vector<int> auxiliary_equations(const NlModel& model, const std::vector<char>& complemented) {
+  std::vector<char> in_expression(at(model.header.n_var + model.header.defined()), 0);
+  for (const auto* lists : {&model.mentions, &model.definitions})
+    for (const std::vector<Mention>& mentions : *lists)
+      for (const Mention& m : mentions) in_expression[at(m.index)] = 1;
+  const auto auxiliary = [&](int v) {
+    const NlRange& range = model.variables[at(v)];
+    return range.lower == -infinity && range.upper == infinity && !complemented[at(v)] && !in_expression[at(v)] &&
+           model.column_start[at(v) + 1] - model.column_start[at(v)] == 2;
+  };
+  std::vector<int> defining(model.variables.size(), -1);  // the equation that the variable is in
+  for (std::size_t i = 0; i < model.rows.size(); ++i)
+    if (is_equation(model.rows[i]))
+      for (const int j : model.row_variables[i]) defining[at(j)] = static_cast<int>(i);
+  const auto coefficient = [&](std::size_t row, int v) {
+    const std::vector<int>& variables = model.row_variables[row];
+    return model.coefficients[row][at(std::ranges::find(variables, v) - variables.begin())];
+  };
+  std::vector<int> equations(model.rows.size(), -1);
+  std::vector<char> taken(model.rows.size(), 0);
+  for (std::size_t i = 0; i < model.rows.size(); ++i) {
+    if (model.rows[i].complement < 0 || model.row_variables[i].size() != 1 || !model.mentions[i].empty()) continue;
+    const int v = model.row_variables[i].front();
+    if (!auxiliary(v) || defining[at(v)] < 0 || taken[at(defining[at(v)])]) continue;
+    const double c = coefficient(i, v), a = coefficient(at(defining[at(v)]), v);
+    if (c == 0 || std::abs(c) != std::abs(a)) continue;
+    equations[i] = defining[at(v)];
+    taken[at(defining[at(v)])] = 1;
+  }
+  return equations;
+}
+
 // Adds an unknown y >= 0 with F_y = sign (v - bound) - y.
 void add_side(Pairing& pairing, std::vector<Equation>& sides, bool of_row, int index, const NlRange& range) {
   if (of_row && (std::isfinite(range.lower) || std::isfinite(range.upper))) pairing.used[at(index)] = 1;
@@ -122,33 +155,54 @@ Pairing pair(const NlModel& model, const Names& names) {
   refuse_nonsquare(model, names, complemented);
 
   Pairing pairing;
-  pairing.equations.resize(model.variables.size());
   pairing.used.assign(model.rows.size(), 0);
-  std::vector<Equation> sides;
+  const std::vector<int> defining = auxiliary_equations(model, complemented);
+  std::vector<char> gone_row(model.rows.size(), 0), gone(model.variables.size(), 0);
+  std::vector<Equation> own(model.variables.size()), sides;
+  for (std::size_t i = 0; i < model.rows.size(); ++i) {
+    if (defining[i] < 0) continue;
+    const int v = model.row_variables[i].front(), e = defining[i];
+    const std::vector<int>& variables = model.row_variables[at(e)];
+    const double a = model.coefficients[at(e)][at(std::ranges::find(variables, v) - variables.begin())];
+    const double c = model.coefficients[i].front(), b = model.rows[at(e)].lower;
+    own[at(model.rows[i].complement)] = {
+        .index = e, .sign = c == a ? -1.0 : 1.0, .bound = b, .condition = static_cast<int>(i)};
+    pairing.auxiliaries.push_back({v, e, a, b});
+    gone_row[at(e)] = gone[at(v)] = pairing.used[i] = pairing.used[at(e)] = 1;
+  }
   int next = 0;  // the first variable that may still be without an equation
   for (std::size_t i = 0; i < model.rows.size(); ++i) {
     const NlRange& row = model.rows[i];
     const auto index = static_cast<int>(i);
+    if (defining[i] >= 0 || gone_row[i]) continue;
     if (row.complement >= 0) {
-      pairing.equations[at(row.complement)] = {true, index, 1, 0, false};
+      own[at(row.complement)] = {.index = index};
       pairing.used[i] = 1;
     } else if (is_equation(row)) {
-      while (complemented[at(next)]) ++next;
-      pairing.equations[at(next++)] = {true, index, 1, row.lower, false};
+      while (complemented[at(next)] || gone[at(next)]) ++next;
+      own[at(next++)] = {.index = index, .bound = row.lower};
       pairing.used[i] = 1;
     } else {
       add_side(pairing, sides, true, index, row);
     }
   }
   for (int j = 0; j < n_var; ++j)
-    if (!complemented[at(j)]) add_side(pairing, sides, false, j, model.variables[at(j)]);
+    if (!complemented[at(j)] && !gone[at(j)]) add_side(pairing, sides, false, j, model.variables[at(j)]);
 
+  pairing.unknowns.assign(model.variables.size(), -1);
+  for (int j = 0; j < n_var; ++j) {
+    if (gone[at(j)]) continue;
+    pairing.unknowns[at(j)] = static_cast<int>(pairing.variables.size());
+    pairing.variables.push_back(j);
+    pairing.equations.push_back(own[at(j)]);
+  }
   pairing.equations.insert(pairing.equations.end(), sides.begin(), sides.end());
   pairing.box = Box::free(static_cast<Index>(pairing.equations.size()));
-  for (int j = 0; j < n_var; ++j) {
+  for (std::size_t u = 0; u < pairing.variables.size(); ++u) {
+    const int j = pairing.variables[u];
     if (!complemented[at(j)]) continue;
-    pairing.box.lower[j] = model.variables[at(j)].lower;
-    pairing.box.upper[j] = model.variables[at(j)].upper;
+    pairing.box.lower[static_cast<Index>(u)] = model.variables[at(j)].lower;
+    pairing.box.upper[static_cast<Index>(u)] = model.variables[at(j)].upper;
   }
   pairing.box.lower.tail(static_cast<Index>(sides.size())).setZero();
   return pairing;
@@ -172,9 +226,11 @@ JacobianMap map_jacobian(const NlModel& model, const Pairing& pairing) {
     };
     if (e.of_row) {
       const std::vector<int>& variables = model.row_variables[at(e.index)];
-      for (std::size_t k = 0; k < variables.size(); ++k) add(variables[k], {nonzero[at(e.index)][k], e.sign});
+      for (std::size_t k = 0; k < variables.size(); ++k)
+        if (const int unknown = pairing.unknowns[at(variables[k])]; unknown >= 0)
+          add(unknown, {nonzero[at(e.index)][k], e.sign});
     } else {
-      add(e.index, {-1, e.sign});
+      add(pairing.unknowns[at(e.index)], {-1, e.sign});
     }
     if (e.side) add(u, {-1, -1.0});
   }
@@ -195,12 +251,19 @@ JacobianMap map_jacobian(const NlModel& model, const Pairing& pairing) {
   return map;
 }
 
-std::string unknown_name(const Pairing& pairing, const Names& names, int n_var, Index u) {
-  return u < n_var ? names.variable(static_cast<int>(u)) : side_name(pairing, names, u);
+std::string unknown_name(const Pairing& pairing, const Names& names, Index u) {
+  return at(u) < pairing.variables.size() ? names.variable(pairing.variables[at(u)]) : side_name(pairing, names, u);
 }
 
-std::string equation_name(const Pairing& pairing, const Names& names, int n_var, Index u) {
-  return u < n_var ? names.row(pairing.equations[at(u)].index) : side_name(pairing, names, u);
+std::string equation_name(const Pairing& pairing, const Names& names, Index u) {
+  if (at(u) >= pairing.variables.size()) return side_name(pairing, names, u);
+  const Equation& e = pairing.equations[at(u)];
+  const std::string row = names.row(e.index);
+  if (e.condition < 0) return row;
+  // Pyomo calls the two rows of a condition NAME.c and NAME.bc.
+  const std::string condition = names.row(e.condition);
+  const std::string name = condition.substr(0, condition.rfind('.'));
+  return name.size() < condition.size() && name == row.substr(0, row.rfind('.')) ? name : condition;
 }
 
 }  // namespace perp::ncp::ampl

@@ -3,6 +3,11 @@
 /// Which row gives which variable's F: the AMPL/PATH convention (see README.md). Every unknown u of the MCP gets
 ///     F_u(x, y) = sign_u (v_u(x) - bound_u) - [u is a side inequality] y_u,
 /// where v_u is a row c_i(x) of the model or one of its variables.
+///
+/// Pyomo writes a condition on an expression with an auxiliary variable v of its own:
+///     row i: c v + constant  complements x,    row e: a v + g(x) = b,    v free and in no other row.
+/// v is no unknown then: F_x = -(c / a) (g(x) - b) + constant. It is computed afterwards. Pre: |c| = |a|, so that
+/// nothing is rounded.
 #include <vector>
 
 #include "ncp/ampl/names.hpp"
@@ -17,12 +22,22 @@ struct Equation {
   double sign = 1;
   double bound = 0;
   bool side = false;
+  int condition = -1;  ///< row i of a condition whose auxiliary variable is gone; `index` is row e then
+};
+
+/// v = (bound - row(x)) / coefficient, the row at v = 0.
+struct Auxiliary {
+  int variable = 0, row = 0;
+  double coefficient = 1, bound = 0;
 };
 
 struct Pairing {
-  Box box;                          ///< n_var + side inequalities
+  Box box;                          ///< variables but the auxiliary ones, and side inequalities
   std::vector<Equation> equations;  ///< one an unknown
-  std::vector<char> used;           ///< n_con: 0 for free rows, which impose nothing
+  std::vector<int> variables;       ///< of the model, by unknowns; the side inequalities follow them
+  std::vector<int> unknowns;        ///< of the model's variables; -1: auxiliary
+  std::vector<Auxiliary> auxiliaries;
+  std::vector<char> used;  ///< n_con: 0 for free rows, which impose nothing
 };
 
 /// Throws ModelError: integer variables (bad_file), empty ranges (inconsistent_bounds), a complementarity row whose
@@ -42,7 +57,7 @@ struct JacobianMap {
 JacobianMap map_jacobian(const NlModel& model, const Pairing& pairing);
 
 /// Names of an unknown and of its F.
-std::string unknown_name(const Pairing& pairing, const Names& names, int n_var, Index u);
-std::string equation_name(const Pairing& pairing, const Names& names, int n_var, Index u);
+std::string unknown_name(const Pairing& pairing, const Names& names, Index u);
+std::string equation_name(const Pairing& pairing, const Names& names, Index u);
 
 }  // namespace perp::ncp::ampl

@@ -132,6 +132,57 @@ TEST(Pairing, CountsEquationsItself) {
   EXPECT_EQ(read_text(text({.eqns = 1, .cc = 1}) + "C0\nn-2\nr\n5 0 1\nb\n3\nk0\nJ0 1\n0 4\n")->size(), 1);
 }
 
+/// As Pyomo writes  0 <= F(x, y)  _|_  x >= 0  and  y = 1 - x:  v is free and in two rows, `condition` v + 5 of them.
+std::string with_auxiliary(const char* condition = "1", const char* definition = "1", const char* bounds_of_v = "3") {
+  return text({.vars = 3, .cons = 3, .eqns = 2, .cc = 1, .nonzeros = 6}) +
+         "C0\nn5\nC1\no5\nv1\nn2\nC2\nn0\nx3\n0 9\n1 4\n2 6\nr\n5 1 2\n4 -3\n4 1\nb\n" + bounds_of_v +
+         "\n2 0\n3\nk2\n2\n4\nJ0 1\n0 " + condition + "\nJ1 3\n0 " + definition + "\n1 -2\n2 7\nJ2 2\n1 1\n2 1\n";
+}
+
+// v = -3 - x^2 + 2 x - 7 y is no unknown: F_x = v + 5. Both rows belong to one condition, and are called so.
+TEST(Pairing, AuxiliaryVariablesOfConditionsAreNoUnknowns) {
+  for (const bool minus : {false, true}) {
+    const TempFolder folder;
+    folder.write("m.col", "c.bv\nx\ny\n");
+    folder.write("m.row", "c[1].c\nc[1].bc\nbalance\n");
+    const auto m = read_model(folder.write("m.nl", with_auxiliary("1", minus ? "-1" : "1")));
+    ASSERT_EQ(m->size(), 2);
+    EXPECT_EQ(m->n_var(), 2);
+    EXPECT_THAT(variable_names(*m), ElementsAre("x", "y"));
+    EXPECT_THAT(equation_names(*m), ElementsAre("c[1]", "balance"));
+    EXPECT_EQ(m->box().lower, (Vec{{0, -infinity}}));
+    EXPECT_EQ(m->start(), (Vec{{4, 6}}));
+    const double sign = minus ? -1 : 1;  // x = 2, y = 3: v = sign (-3 - 4 + 4 - 21)
+    EXPECT_EQ(values(*m, Vec{{2, 3}}), (Vec{{sign * -24 + 5, 4}}));
+    EXPECT_EQ(jacobian(*m, Vec{{2, 3}}), (Eigen::MatrixXd{{sign * -2, sign * -7}, {1, 1}}));
+    EXPECT_EQ(m->linear_entries(), (std::vector<bool>{false, true, true, true}));
+    // The file that answers has v, too: 0, 0, 0 after the sizes stand for no duals.
+    m->write_sol("m", Vec{{2, 3}}, 0);
+    const std::string sol = read_bytes(folder.path() + "/m.sol");
+    EXPECT_NE(sol.find((minus ? "\n24\n2\n3\n" : "\n-24\n2\n3\n")), std::string::npos) << sol;
+    EXPECT_THROW(m->write_sol("m", Vec{{1, 2, 3}}, 0), ModelError);
+  }
+}
+
+// A bound on v, a coefficient that would round, or another row with v: then v is an unknown like any other.
+TEST(Pairing, OtherVariablesStay) {
+  EXPECT_EQ(read_text(with_auxiliary("3"))->n_var(), 3);
+  EXPECT_EQ(read_text(with_auxiliary("1", "1", "2 0"))->n_var(), 3);
+  EXPECT_EQ(read_text(text({.vars = 2, .cons = 2, .eqns = 1, .cc = 1, .nonzeros = 3}) +
+                      "C0\nn0\nC1\no43\nv0\nr\n5 1 2\n4 0\nb\n3\n2 0\nk1\n2\nJ0 1\n0 1\nJ1 2\n0 0\n1 1\n")
+                ->n_var(),
+            2);
+}
+
+// Two auxiliary variables in one equation: only one can be computed from it.
+TEST(Pairing, AnEquationDefinesOneAuxiliaryVariable) {
+  const auto m = read_text(text({.vars = 4, .cons = 4, .eqns = 2, .cc = 2, .nonzeros = 6}) +
+                           "C0\nn0\nC1\nn0\nC2\nn0\nC3\nn0\nr\n5 1 3\n5 1 4\n4 1\n4 2\nb\n3\n3\n2 0\n2 0\nk3\n2\n4\n5\n"
+                           "J0 1\n0 1\nJ1 1\n1 1\nJ2 2\n0 1\n1 -1\nJ3 2\n2 1\n3 1\n");
+  EXPECT_EQ(m->n_var(), 3);
+  EXPECT_EQ(values(*m, Vec{{5, 2, 3}}), (Vec{{2 + 3 - 2, 1 + 5, 5}}));
+}
+
 TEST(Pairing, ObjectivesAreIgnored) {
   EXPECT_TRUE(read_text(rich_models()[0])->has_objective());
   EXPECT_FALSE(read_text(rich_models()[1])->has_objective());
