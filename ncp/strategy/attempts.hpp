@@ -54,6 +54,10 @@ Attempt loop_attempt(std::string name, Method method, From from = From::Start);
 Attempt scaled_attempt(std::string name, Method method, std::string when,
                        std::function<std::optional<Scaling>(Run&, const Point&)> factors);
 
+/// Where J is block triangular: the blocks one after the other, several together as long as that goes well, by the
+/// method without its crash. Blocks with inequalities are complementarity problems of their own.
+Attempt block_attempt(const PathSearch& method);
+
 std::vector<Attempt> path_list(const PathSearch& method);      ///< before restarts
 std::vector<Attempt> path_restarts(const PathSearch& method);  ///< after those, if all are stuck
 std::vector<Attempt> auto_list(const Auto& method);

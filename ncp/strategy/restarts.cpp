@@ -76,6 +76,7 @@ Attempt uncounted(Attempt attempt) {
 
 /// Other options, then other methods.
 void add_own_restarts(const PathSearch& method, std::vector<Attempt>& list) {
+  list.push_back(block_attempt(method));
   list.push_back(linear_attempt());
   PathSearch again = once(method);
   again.proximal_perturbation = 1;

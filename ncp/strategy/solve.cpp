@@ -104,7 +104,7 @@ void solve_or_refute(Run& run, In x0, const Method& method) {
   const double tol = stop(method).tol;
   const auto refutation = std::make_shared<RangesRefuse>(mcp, tol);
   run.give_up_where([refutation] { return refutation->cheap() && refutation->verdict(); });
-  run.guard([&] { run_method(run, x0, method); });
+  run.guard([&] { run_in_order(run, x0, [&](Run& inner, In z0) { run_method(inner, z0, method); }); });
   if (!run.ended()) return;
   const bool late = run.status() == Status::TimeLimit || run.status() == Status::OutOfMemory;
   const bool lost = ncp::stuck(run.status()) || run.status() == Status::IterationLimit || (late && refutation->cheap());

@@ -27,6 +27,8 @@ void run_method(Run& run, In x0, const Method& method);
 /// can be taken out, or where what was taken out leaves the last digits to do.
 void run_presolved(Run& run, In x0, const std::vector<lcp::Cell>& basis,
                    const std::function<void(Run&, In, const std::vector<lcp::Cell>&)>& body);
+/// `body` on the problem with its equations in the order that lcp::equation_order() finds, if there is another one.
+void run_in_order(Run& run, In x0, const Body& body);
 /// What the method's options ask for; PathSearch has both in its list of restarts.
 Escape escape_of(const Method& method);
 int rescalings_of(const Method& method);

@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Methods on what the structure of J makes of a problem: its equations in another order, its blocks one after the
+/// other.
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <numeric>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "lcp/linalg/block_triangular.hpp"
+#include "lcp/linalg/blocks.hpp"
+#include "lcp/linalg/equation_order.hpp"
+#include "lcp/linalg/structure.hpp"
+#include "ncp/strategy/attempts.hpp"
+#include "ncp/strategy/strategies.hpp"
+#include "ncp/transforms/part_transform.hpp"
+
+namespace perp::ncp {
+namespace {
+
+/// The pattern of J with ones.
+SpMat ones(const SpMat& pattern) {
+  SpMat P = pattern;
+  P.coeffs().setOnes();
+  return P;
+}
+
+std::vector<Index> free_variables(const Box& box) {
+  std::vector<Index> free;
+  for (Index i = 0; i < box.size(); ++i)
+    if (box.is_free(i)) free.push_back(i);
+  return free;
+}
+
+/// Of F's equations, where that makes J symmetric but for signs: by the values of J at x0, which are asked for only
+/// where the pattern leaves the question open.
+std::optional<lcp::EquationOrder> order_of_equations(Run& run, const Vec& x) {
+  const Mcp& mcp = run.mcp();
+  if (free_variables(mcp.box()).empty()) return std::nullopt;
+  if (!mcp.is_affine() && !lcp::equation_order(ones(mcp.jacobian_pattern()), mcp.box())) return std::nullopt;
+  SpMat J = mcp.jacobian_pattern();
+  if (!run.counted().jacobian(x, J)) return std::nullopt;
+  return lcp::equation_order(J, mcp.box());
+}
+
+/// The rows beside the variables, as many of the free ones as can be in rows that they are in.
+std::vector<Index> matched_rows(const Mcp& mcp) {
+  std::vector<Index> row_of(at(mcp.size()));
+  std::iota(row_of.begin(), row_of.end(), Index{0});
+  const std::vector<Index> free = free_variables(mcp.box());
+  if (free.empty()) return row_of;
+  const lcp::Matching matching =
+      lcp::maximum_matching(lcp::principal_block(mcp.jacobian_pattern(), free), lcp::Entries::Stored);
+  std::vector<Index> alone;  // rows, those beside a variable that is alone as well last
+  for (std::size_t k = 0; k < free.size(); ++k)
+    if (matching.column_of_row[k] < 0 && matching.row_of_column[k] >= 0) alone.push_back(free[k]);
+  for (std::size_t k = 0; k < free.size(); ++k) {
+    const Index row = matching.row_of_column[k];
+    if (row >= 0) {
+      row_of[at(free[k])] = free[at(row)];
+    } else if (matching.column_of_row[k] >= 0) {
+      row_of[at(free[k])] = alone.back();
+      alone.pop_back();
+    }
+  }
+  return row_of;
+}
+
+/// J is block lower triangular in this order: rows of block k depend on the columns of the blocks up to it alone.
+struct Blocks {
+  lcp::Components components;
+  std::vector<Index> row_of;
+};
+
+Blocks blocks_of(const Mcp& mcp) {
+  Blocks blocks{.components = {}, .row_of = matched_rows(mcp)};
+  const lcp::EquationOrder order{.row_of = blocks.row_of, .sign = Vec::Ones(mcp.size())};
+  blocks.components = lcp::strong_components(
+      order.apply({.M = ones(mcp.jacobian_pattern()), .q = Vec::Zero(mcp.size()), .box = mcp.box()}));
+  return blocks;
+}
+
+/// Several blocks together are tried for so many iterations: about twice what Newton's method takes from afar.
+constexpr int joint_iterations = 30;
+
+class Sweep {
+ public:
+  Sweep(Run& run, In x0, const PathSearch& method, const Blocks& blocks)
+      : run_(run),
+        method_(method),
+        blocks_(blocks),
+        count_(blocks.components.count()),
+        x_(lcp::project(run.box(), x0)) {}
+
+  /// Whether all of it is solved. A limit of the run may end it.
+  bool settles() {
+    // More of them after so many successes; twice as many from each failure on, so that failures stay few.
+    int patience = 1, successes = 0;
+    for (Index done = 0, size = 1; done < count_;) {
+      size = std::min(size, count_ - done);
+      const bool last = done + size == count_;
+      if (solve(done, size, last)) {
+        done += size;
+        if (++successes < patience) continue;
+        size *= 2;
+      } else if (run_.ended() || size == 1) {
+        return false;
+      } else {
+        size /= 2;
+        patience = std::min(2 * patience, 64);
+      }
+      successes = 0;
+    }
+    return run_.accepted();
+  }
+
+ private:
+  /// An iteration on a part of the problem is that part of an iteration.
+  void weigh(Stats& stats, std::size_t part) {
+    weighed_ += static_cast<double>(stats.iterations) * static_cast<double>(part) / static_cast<double>(x_.size());
+    stats.iterations = static_cast<int>(std::ceil(weighed_)) - counted_;
+    counted_ += stats.iterations;
+  }
+
+  bool solve(Index first, Index size, bool last) {
+    const auto& [order, begin] = blocks_.components;
+    std::vector<Index> columns(order.begin() + begin[at(first)], order.begin() + begin[at(first + size)]);
+    std::sort(columns.begin(), columns.end());
+    std::vector<Index> rows;
+    rows.reserve(columns.size());
+    for (const Index j : columns) rows.push_back(blocks_.row_of[at(j)]);
+    Point point;
+    point.x = x_;
+    const std::size_t part = columns.size();
+    const PartTransform way(run_.mcp(), std::move(point), std::move(columns), std::move(rows));
+    PathSearch method = std::get<PathSearch>(with_pivots_left(run_, method_));
+    Share share = part_of_left(run_, false);
+    if (size > 1) {
+      method.restart_limit = 0;
+      share.iterations = std::min(share.iterations, joint_iterations);
+    }
+    bool accepted = false;
+    Result result = run_.within(
+        way, share, x_, [&](Run& inner, In z0) { path_attempts(inner, z0, method); }, &accepted);
+    weigh(result.stats, part);
+    if (last && result.accepted())
+      run_.take(result);
+    else
+      run_.charge(result);
+    if (accepted) x_ = result.x;
+    return accepted;
+  }
+
+  Run& run_;
+  const PathSearch& method_;
+  const Blocks& blocks_;
+  Index count_;
+  Vec x_;
+  double weighed_ = 0;
+  int counted_ = 0;
+};
+
+}  // namespace
+
+void run_in_order(Run& run, In x0, const Body& body) {
+  Point point;
+  point.x = lcp::project(run.box(), x0);
+  std::optional<lcp::EquationOrder> order = order_of_equations(run, point.x);
+  if (!order) return body(run, x0);
+  std::vector<Index> all(at(run.mcp().size()));
+  std::iota(all.begin(), all.end(), Index{0});
+  const PartTransform way(run.mcp(), std::move(point), std::move(all), std::move(order->row_of), order->sign);
+  run.take(run.within(way, {}, x0, body));
+}
+
+Attempt block_attempt(const PathSearch& method) {
+  const auto blocks = std::make_shared<Blocks>();
+  const auto go = [method, blocks](Run& run, const Point& start) {
+    PathSearch part = method;
+    part.crash.on = false;
+    part.basis.clear();
+    Sweep sweep(run, start.x, part, *blocks);
+    if (!sweep.settles() && !run.ended())
+      run.end(Status::NoProgress,
+              "a block was not solved, for which another solution of those before it may be the cause", "");
+    if (run.accepted()) run.keep_basis(cells_at(run.box(), run.best()));
+    *blocks = {};
+  };
+  return {.name = "block by block",
+          .what = "path",
+          .go = go,
+          .when = "the Jacobian is block triangular",
+          .worthwhile = [blocks](Run& run, const Point&) {
+            if (run.mcp().is_affine()) return false;
+            *blocks = blocks_of(run.mcp());
+            return blocks->components.count() > 1;
+          }};
+}
+
+}  // namespace perp::ncp
