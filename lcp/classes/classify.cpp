@@ -74,6 +74,7 @@ class Classifier {
         }
       }
     d_.symmetric = yes(exactly ? "exactly" : "to rounding");
+    d_.symmetric.to_rounding = !exactly;
   }
 
   void z() {

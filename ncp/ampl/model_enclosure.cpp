@@ -22,7 +22,7 @@ class ModelEnclosure final : public Enclosure {
       : model_(model), pairing_(pairing), map_(map) {}
 
   double work() const override { return model_.expressions.graph.work(); }
-  void values(std::span<const Interval> X, std::span<Interval> F) const override;
+  void values(std::span<const Interval> X, std::span<Interval> F, std::span<char> defined) const override;
   void jacobian(std::span<const Interval> X, std::span<Interval> J, std::span<char> known) const override;
 
  private:
@@ -48,7 +48,7 @@ Interval ModelEnclosure::row(int row, std::span<const Interval> X, const Express
   return value;
 }
 
-void ModelEnclosure::values(std::span<const Interval> X, std::span<Interval> F) const {
+void ModelEnclosure::values(std::span<const Interval> X, std::span<Interval> F, std::span<char> defined) const {
   if (work() > 0) require_some_memory();
   const std::vector<Interval> all = point(X);
   const ExpressionGraph::Ranges ranges = model_.expressions.graph.ranges(all);
@@ -58,6 +58,7 @@ void ModelEnclosure::values(std::span<const Interval> X, std::span<Interval> F) 
     F[u] = e.sign * (v - e.bound);
     if (e.condition >= 0) F[u] = F[u] + row(e.condition, all, ranges);
     if (e.side) F[u] = F[u] - X[u];
+    if (!defined.empty()) defined[u] = e.of_row ? ranges.defined[at(root(e.index))] : char{1};
   }
 }
 

@@ -109,8 +109,20 @@ ExpressionGraph::Node value_of(ExpressionGraph& graph, int op, const std::vector
         extreme = graph.binary(op == 11 ? Minimum : Maximum, extreme, nodes[k]);
       return extreme;
     }
+    case 20:  // or, and, comparisons, "if and only if": of them it matters whether they have a value
+    case 21:
+    case 22:
+    case 23:
+    case 24:
+    case 28:
+    case 29:
+    case 30:
+    case 73:
+      return graph.binary(Either, nodes[0], nodes[1]);
+    case 34:  // not
+      return nodes[0];
     case 35:
-      return graph.binary(Either, nodes[1], nodes[2]);
+      return graph.binary(Guarded, graph.binary(Either, nodes[1], nodes[2]), nodes[0]);
     case 48:
       return graph.binary(Atan2, nodes[0], nodes[1]);
     case 54:

@@ -112,9 +112,16 @@ JacobianRange jacobian_range(const Mcp& mcp, const Enclosure& enclosure) {
       const Index row = place[at(it.row())], col = place[at(j)];
       if (row >= 0 && col >= 0 && J[k] != Interval(0)) range.rows[at(row)].push_back({col, J[k]});
     }
-  for (const Index i : range.variables)
-    if (known[at(i)] == 0 && range.unknown.empty())
-      range.unknown = "equation " + mcp.equation_name(i) + " is not known to be smooth on all of the box";
+  // The row of a fixed variable has no entries here, but where it has no value F has none.
+  std::vector<Interval> F(at(mcp.size()));
+  std::vector<char> defined(at(mcp.size()), 0);
+  enclosure.values(X, F, defined);
+  for (Index i = 0; i < mcp.size() && range.unknown.empty(); ++i) {
+    const bool fixed = place[at(i)] < 0;
+    if (fixed ? defined[at(i)] == 0 : known[at(i)] == 0)
+      range.unknown = "equation " + mcp.equation_name(i) + " is not known to be " + (fixed ? "defined" : "smooth") +
+                      " on all of the box";
+  }
   return range;
 }
 

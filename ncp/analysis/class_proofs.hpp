@@ -17,7 +17,8 @@ struct JacobianRange {
   };
   std::vector<std::vector<Entry>> rows;
   std::vector<Index> variables;  ///< the problem's
-  std::string unknown{};         ///< which row is not known to be smooth; empty: all are
+  /// Says which row is not known to be smooth, or, of a fixed variable, to be defined; empty: all are.
+  std::string unknown{};
   Index size() const { return static_cast<Index>(rows.size()); }
 };
 JacobianRange jacobian_range(const Mcp& mcp, const Enclosure& enclosure);

@@ -61,11 +61,14 @@ class Values {
   Values(const Mcp& mcp, const Enclosure* enclosure) : mcp_(mcp), enclosure_(enclosure) {}
 
   bool proven() const { return enclosure_ != nullptr; }
+  /// False where one of them, or F itself, may be undefined.
   bool at_point(In x, std::vector<Interval>& F) const {
     F.resize(at(x.size()));
     if (enclosure_ != nullptr) {
       const std::vector<Interval> X(x.begin(), x.end());
-      enclosure_->values(X, F);
+      std::vector<char> defined(F.size());
+      enclosure_->values(X, F, defined);
+      if (std::ranges::find(defined, 0) != defined.end()) return false;
     } else {
       Vec f(x.size());
       if (!mcp_.eval(x, f)) return false;

@@ -77,6 +77,8 @@ Interval combined(Operation operation, const Interval& a, const Interval& b) {
       return maximum(a, b);
     case Operation::Either:
       return hull(a, b);
+    case Operation::Guarded:
+      return a;
     case Operation::Atan2:
       return atan2(a, b);
     default:
@@ -172,22 +174,21 @@ Slopes slopes(Operation operation, const Interval& a, const Interval& b, const I
   }
 }
 
-/// Is f defined on all of A, and Lipschitz continuous there?
-bool smooth_on(Operation operation, const Interval& a) {
+/// Is f defined on all of A?
+bool defined_on(Operation operation, const Interval& a) {
   switch (operation) {
-    case Operation::Floor:
-    case Operation::Ceil:
-      return false;
     case Operation::Sqrt:
+      return a.lower >= 0;
     case Operation::Log:
     case Operation::Log10:
       return a.lower > 0;
     case Operation::Asin:
     case Operation::Acos:
+      return a.lower >= -1 && a.upper <= 1;
     case Operation::Atanh:
       return a.lower > -1 && a.upper < 1;
     case Operation::Acosh:
-      return a.lower > 1;
+      return a.lower >= 1;
     case Operation::Tan:
       return tan(a).bounded();
     default:
@@ -195,13 +196,37 @@ bool smooth_on(Operation operation, const Interval& a) {
   }
 }
 
+bool defined_on(Operation operation, const Interval& a, const Interval& b) {
+  if (operation == Operation::Divide) return !b.contains(0);
+  if (operation != Operation::Power || a.lower > 0) return true;
+  const bool integer = b.is_point() && b.lower == std::floor(b.lower);
+  return b.lower >= 0 ? integer || a.lower >= 0 : integer && !a.contains(0);
+}
+
+/// Is f, which is defined on all of A, Lipschitz continuous there?
+bool smooth_on(Operation operation, const Interval& a) {
+  switch (operation) {
+    case Operation::Floor:
+    case Operation::Ceil:
+      return false;
+    case Operation::Sqrt:
+      return a.lower > 0;
+    case Operation::Asin:
+    case Operation::Acos:
+      return a.lower > -1 && a.upper < 1;
+    case Operation::Acosh:
+      return a.lower > 1;
+    default:
+      return true;
+  }
+}
+
 bool smooth_on(Operation operation, const Interval& a, const Interval& b) {
   switch (operation) {
-    case Operation::Divide:
-      return !b.contains(0);
     case Operation::Power:
       return a.lower > 0 || (b.is_point() && b.lower >= 1 && (a.lower >= 0 || b.lower == std::floor(b.lower)));
     case Operation::Either:
+    case Operation::Guarded:
       return false;
     case Operation::Atan2:
       return b.lower > 0;
@@ -262,22 +287,36 @@ Interval ExpressionGraph::value(const Entry& entry, std::span<const Interval> va
   return combined(entry.operation, a, values[static_cast<std::size_t>(entry.b)]);
 }
 
-bool ExpressionGraph::smooth(const Entry& entry, const Ranges& ranges) const {
-  if (entry.operation == Operation::Constant) return std::isfinite(entry.value);
-  if (entry.operation == Operation::Variable) return true;
-  if (entry.operation == Operation::Unknown) return false;
-  const auto a = static_cast<std::size_t>(entry.a);
-  if (!is_binary(entry.operation)) return ranges.smooth[a] != 0 && smooth_on(entry.operation, ranges.values[a]);
-  const auto b = static_cast<std::size_t>(entry.b);
-  return ranges.smooth[a] != 0 && ranges.smooth[b] != 0 &&
-         smooth_on(entry.operation, ranges.values[a], ranges.values[b]);
+void ExpressionGraph::add_domain(const Entry& entry, Ranges& ranges) const {
+  bool defined = true, smooth = true;
+  const auto operand = [&](Node node) -> const Interval& {
+    defined = defined && ranges.defined[static_cast<std::size_t>(node)] != 0;
+    smooth = smooth && ranges.smooth[static_cast<std::size_t>(node)] != 0;
+    return ranges.values[static_cast<std::size_t>(node)];
+  };
+  if (entry.operation >= Operation::Constant) {
+    defined = entry.operation == Operation::Variable ||
+              (entry.operation == Operation::Constant && std::isfinite(entry.value));
+  } else if (const Interval& a = operand(entry.a); is_binary(entry.operation)) {
+    const Interval& b = operand(entry.b);
+    defined = defined && defined_on(entry.operation, a, b);
+    smooth = smooth && smooth_on(entry.operation, a, b);
+  } else {
+    defined = defined && defined_on(entry.operation, a);
+    smooth = smooth && smooth_on(entry.operation, a);
+  }
+  ranges.defined.push_back(defined ? 1 : 0);
+  ranges.smooth.push_back(defined && smooth ? 1 : 0);
 }
 
 ExpressionGraph::Ranges ExpressionGraph::ranges(std::span<const Interval> X) const {
-  Ranges ranges{std::vector<Interval>(nodes_.size()), std::vector<char>(nodes_.size(), 0)};
-  for (std::size_t k = 0; k < nodes_.size(); ++k) {
-    ranges.values[k] = value(nodes_[k], ranges.values, X);
-    ranges.smooth[k] = smooth(nodes_[k], ranges) ? 1 : 0;
+  Ranges ranges;
+  ranges.values.reserve(nodes_.size());
+  ranges.defined.reserve(nodes_.size());
+  ranges.smooth.reserve(nodes_.size());
+  for (const Entry& entry : nodes_) {
+    ranges.values.push_back(value(entry, ranges.values, X));
+    add_domain(entry, ranges);
   }
   return ranges;
 }

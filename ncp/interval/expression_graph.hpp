@@ -19,7 +19,8 @@ enum class Operation : std::uint8_t {
   Power,
   Minimum,
   Maximum,
-  Either,  ///< one of two values, nobody knows which: conditions are not looked at
+  Either,   ///< one of two values, nobody knows which: conditions are not decided
+  Guarded,  ///< the first, where the second has a value: what a condition compares
   Atan2,
   Negate,
   Absolute,
@@ -80,7 +81,9 @@ class ExpressionGraph {
   /// The range of every node over the box X, one interval a variable; or a larger one. Empty: defined nowhere there.
   struct Ranges {
     std::vector<Interval> values;
-    /// Is the node defined throughout, and Lipschitz continuous near every point? (What it depends on included.)
+    /// Is the node defined throughout? (What it depends on included, also in conditions and in both their branches.)
+    std::vector<char> defined;
+    /// And Lipschitz continuous near every point?
     std::vector<char> smooth;
   };
   Ranges ranges(std::span<const Interval> X) const;
@@ -98,7 +101,8 @@ class ExpressionGraph {
   /// The root and all that it depends on, from the root down: a node after all that it is an operand of.
   std::vector<Node> below(Node root, std::vector<char>& visited) const;
   Interval value(const Entry& entry, std::span<const Interval> values, std::span<const Interval> X) const;
-  bool smooth(const Entry& entry, const Ranges& ranges) const;
+  /// Of the next node: whether it is defined and smooth.
+  void add_domain(const Entry& entry, Ranges& ranges) const;
 
   std::vector<Entry> nodes_;  ///< operands before what they are operands of
 };

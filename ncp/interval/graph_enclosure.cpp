@@ -19,9 +19,10 @@ GraphEnclosure::GraphEnclosure(Expressions f, const lcp::SpMat& pattern) : f_(st
                             : 0);
 }
 
-void GraphEnclosure::values(std::span<const Interval> X, std::span<Interval> F) const {
+void GraphEnclosure::values(std::span<const Interval> X, std::span<Interval> F, std::span<char> defined) const {
   const auto ranges = f_.graph.ranges(X);
   for (std::size_t i = 0; i < F.size(); ++i) F[i] = ranges.values[static_cast<std::size_t>(f_.rows[i])];
+  for (std::size_t i = 0; i < defined.size(); ++i) defined[i] = ranges.defined[static_cast<std::size_t>(f_.rows[i])];
 }
 
 void GraphEnclosure::jacobian(std::span<const Interval> X, std::span<Interval> J, std::span<char> known) const {

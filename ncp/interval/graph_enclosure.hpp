@@ -15,7 +15,8 @@ class GraphEnclosure final : public Enclosure {
   GraphEnclosure(Expressions f, const lcp::SpMat& pattern);
   const Expressions& written() const { return f_; }
   double work() const override { return f_.graph.work(); }
-  void values(std::span<const Interval> X, std::span<Interval> F) const override;
+  using Enclosure::values;
+  void values(std::span<const Interval> X, std::span<Interval> F, std::span<char> defined) const override;
   void jacobian(std::span<const Interval> X, std::span<Interval> J, std::span<char> known) const override;
 
  private:

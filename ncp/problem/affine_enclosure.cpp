@@ -13,7 +13,8 @@ class AffineEnclosure final : public Enclosure {
  public:
   explicit AffineEnclosure(const lcp::AffineMcp& problem) : problem_(problem) {}
 
-  void values(std::span<const Interval> X, std::span<Interval> F) const override {
+  void values(std::span<const Interval> X, std::span<Interval> F, std::span<char> defined) const override {
+    std::ranges::fill(defined, 1);
     std::copy_n(problem_.q.data(), F.size(), F.begin());
     for (Index j = 0; j < problem_.M.cols(); ++j)
       for (lcp::SpMat::InnerIterator it(problem_.M, j); it; ++it) F[at(it.row())] += it.value() * X[at(j)];

@@ -36,9 +36,11 @@ class GraphProblem final : public Mcp, private Enclosure {
  private:
   static double middle(const Interval& a) { return a.lower + (a.upper - a.lower) / 2; }
   static std::vector<Interval> points(In x) { return {x.begin(), x.end()}; }
-  void values(std::span<const Interval> X, std::span<Interval> F) const override {
+  using Enclosure::values;
+  void values(std::span<const Interval> X, std::span<Interval> F, std::span<char> defined) const override {
     const auto ranges = graph_.ranges(X);
     for (std::size_t i = 0; i < rows_.size(); ++i) F[i] = ranges.values[at(rows_[i])];
+    for (std::size_t i = 0; i < defined.size(); ++i) defined[i] = ranges.defined[at(rows_[i])];
   }
   void jacobian(std::span<const Interval> X, std::span<Interval> J, std::span<char> known) const override {
     const auto ranges = graph_.ranges(X);

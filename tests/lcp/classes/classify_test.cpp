@@ -352,6 +352,15 @@ TEST(Classify, GuaranteesFollowTheClasses) {
   EXPECT_FALSE(says(skew, "exactly one solution"));
   AffineMcp free{.M = matrix({{1, 4}, {0, 1}}), .q = Vec::Zero(2), .box = Box::free(2)};
   EXPECT_FALSE(says(classify(free), "Lemke"));
+  // aa' with a = (1/3, 0.7), rounded: semidefinite but for that, and so is what follows; strictly copositive exactly.
+  const double a = 1. / 3, b = 0.7;
+  const Diagnosis rounded = classify(matrix({{a * a, a * b}, {a * b, b * b}}));
+  ASSERT_TRUE(rounded.positive_semidefinite.yes() && rounded.positive_semidefinite.to_rounding);
+  for (const char* words : {"to rounding: interior points", "to rounding: the solutions form a convex polyhedron",
+                            "to rounding: the solutions are the minima", "to rounding: M + eps D is P"})
+    EXPECT_TRUE(says(rounded, words)) << words;
+  EXPECT_FALSE(says(rounded, "to rounding: a solution exists for every q"));
+  EXPECT_FALSE(says(skew, "to rounding"));
 }
 
 TEST(Classify, RefusesBadInput) {

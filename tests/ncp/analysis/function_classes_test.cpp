@@ -6,6 +6,7 @@
 #include <cmath>
 #include <random>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include "ncp/graph_problem.hpp"
@@ -123,6 +124,51 @@ TEST(FunctionClasses, AskForSmoothness) {
   const FunctionClasses c = s.classes(s.g.unary(Operation::Log, s.x), 0, infinity);
   EXPECT_EQ(answers(c), "??????");
   EXPECT_NE(c.monotone.reason.find("not known to be smooth"), std::string::npos);
+}
+
+// Functions that increase strictly where they are defined, which is not everywhere in the box; the rest of each is
+// defined everywhere, so that its range hides the gap. Catches a witness where F has no value.
+TEST(FunctionClasses, RefuteByPointsOfTheDomain) {
+  using enum Operation;
+  Scalar s;
+  const auto zero = s.g.constant(0), five = s.g.constant(5);
+  const auto log = s.g.unary(Log, s.x), root = s.g.unary(Sqrt, s.x);
+  const auto square = s.g.binary(Multiply, s.x, s.x);
+  const auto pole = s.g.unary(Negate, s.g.binary(Divide, s.g.constant(1), root));
+  const std::pair<const char*, ExpressionGraph::Node> rows[] = {
+      {"if x >= 0 then x^2 else log(x)", s.g.binary(Either, square, log)},
+      {"x^2 + 0 log(x)", s.g.binary(Add, square, s.g.binary(Multiply, zero, log))},
+      {"atan(-1 / sqrt(x))", s.g.unary(Atan, pole)},
+      {"x^2 + min(sqrt(x), 0)", s.g.binary(Add, square, s.g.binary(Minimum, root, zero))},
+      {"x^2 + max(log(x), 5) - 5", s.g.binary(Add, square, s.g.binary(Subtract, s.g.binary(Maximum, log, five), five))},
+      {"x^1.5", s.g.binary(Power, s.x, s.g.constant(1.5))},
+      {"acosh(x)", s.g.unary(Acosh, s.x)},
+      {"atanh(x)", s.g.unary(Atanh, s.x)}};
+  for (const auto& [what, row] : rows) {
+    const FunctionClasses c = s.classes(row, -3, 4);
+    for (const auto& [name, property] : c.all()) EXPECT_NE(property->answer, Answer::No) << what << " " << name;
+  }
+  // A row that is defined nowhere near the witnesses of the other one.
+  const auto y = s.g.variable(1);
+  const auto falls = s.g.unary(Negate, s.x);
+  const GraphProblem problem(s.g, {falls, s.g.unary(Log, y)}, Box{Vec{{-1, -2}}, Vec{{1, -1}}});
+  EXPECT_EQ(answers(function_classes(problem, Vec{{0, -1}})), "??????");
+}
+
+// y = 2 is fixed, its row log(1 - y) + x has no value there: F is no function on the box. Catches a class of the other
+// rows alone; with log(y) in its place everything holds.
+TEST(FunctionClasses, HoldForTheRowsOfFixedVariables) {
+  using enum Operation;
+  for (const bool defined : {false, true}) {
+    ExpressionGraph g;
+    const auto x = g.variable(0), y = g.variable(1);
+    const auto argument = defined ? y : g.binary(Subtract, g.constant(1), y);
+    const auto row = g.binary(Add, g.unary(Log, argument), x);
+    const GraphProblem problem(std::move(g), {x, row}, Box{Vec{{-1, 2}}, Vec{{1, 2}}});
+    const FunctionClasses c = function_classes(problem, Vec{{0, 2}});
+    EXPECT_EQ(answers(c), defined ? "++++++" : "??????");
+    EXPECT_EQ(c.monotone.reason.find("not known to be defined") != std::string::npos, !defined) << c.monotone.reason;
+  }
 }
 
 // F_i = a_i x_i + sum of b_ij sin(x_j): what is proven holds at random pairs, and two points refute what they say

@@ -97,6 +97,10 @@ TEST(ExpressionGraph, RangesHoldOverRandomExpressions) {
       if (is_smooth) {
         ASSERT_FALSE(value.is_empty()) << k << ": said to be defined everywhere";
       }
+      ASSERT_TRUE(there.defined[root] != 0 || ranges.defined[root] == 0) << k << ": defined on the box, not at a point";
+      if (there.defined[root] != 0) {
+        ASSERT_FALSE(value.is_empty()) << k << ": defined without a value";
+      }
       if (value.is_empty()) continue;
       ++defined;
       // The point's own range may be wide, where it jumps.
