@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "ncp/ampl/model.hpp"
+#include "ncp/problem/words.hpp"
 
 namespace perp::ncp::ampl {
 namespace {
@@ -45,6 +46,19 @@ void refuse_empty_ranges(const NlModel& model, const Names& names) {
     check(model.variables[j], "variable " + names.variable(static_cast<int>(j)));
   for (std::size_t i = 0; i < model.rows.size(); ++i)
     check(model.rows[i], "constraint " + names.row(static_cast<int>(i)));
+}
+
+// Fewer conditions than variables leave the rest to an objective: a mathematical program with equilibrium constraints.
+void refuse_mpec(const NlModel& model) {
+  const auto conditions = std::ranges::count_if(model.rows, [](const NlRange& row) { return row.complement >= 0; });
+  const auto equations = std::ranges::count_if(model.rows, is_equation);
+  const auto left = std::ssize(model.variables) - conditions - equations;
+  if (model.header.n_obj == 0 || conditions == 0 || left <= 0) return;
+  throw ModelError(nonsquare, model.file + ": the model is an MPEC, an optimisation problem with equilibrium " +
+                                  "constraints: its " + quantity(conditions, "complementarity condition") + " and " +
+                                  quantity(equations, "equation") + " leave " + quantity(left, "variable") +
+                                  " to the objective; Perp solves models whose conditions determine all variables, " +
+                                  "and uses no objective");
 }
 
 // The bounds decide (the AMPL/PATH driver's rule). A kind that names a bound which is infinite changes nothing: such a
@@ -147,6 +161,7 @@ std::string side_name(const Pairing& pairing, const Names& names, Index u) {
 Pairing pair(const NlModel& model, const Names& names) {
   refuse_integers(model, names);
   refuse_empty_ranges(model, names);
+  refuse_mpec(model);
   refuse_contradictions(model, names);
   const auto n_var = static_cast<int>(model.variables.size());
   std::vector<char> complemented(model.variables.size(), 0);

@@ -28,6 +28,14 @@ TEST(Refusals, NotSquareListsFiveNames) {
   expect_refused(s + "J0 1\n0 1\n", nonsquare, {"_svar[2], _svar[3], _svar[4], _svar[5], _svar[6] and 3 more"});
 }
 
+// min x + y over 0 <= x _|_ x + y - 1 >= 0, y in [0, 1]: y is the objective's to choose. Catches a refusal in words of
+// kinds and bounds.
+TEST(Refusals, AnObjectiveThatHasVariablesToChoose) {
+  expect_refused(text({.vars = 2, .cons = 1, .objs = 1, .cc = 1, .nonzeros = 2, .gradient = 2}) +
+                     "C0\nn0\nO0 0\nn0\nr\n5 1 1\nb\n0 0 1\n0 0 1\nk1\n1\nJ0 2\n0 1\n1 1\nG0 2\n0 1\n1 1\n",
+                 nonsquare, {"MPEC", "1 complementarity condition and 0 equations leave 1 variable to the objective"});
+}
+
 TEST(Refusals, InconsistentBounds) {
   expect_refused(text({.cc = 1}) + "C0\nn0\nr\n5 3 1\nb\n0 2 1.5\nk0\nJ0 1\n0 1\n", 200,
                  {"model.nl:16: ", "variable _svar[1]", "lower 2 > upper 1.5"});
