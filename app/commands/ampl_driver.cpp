@@ -115,12 +115,13 @@ std::string message(const Report& report) {
            listed_notes(result);
   if (result.status == ncp::Status::SolvedToRounding)
     return fmt::format("Perp {}: solved to rounding only, natural residual {:.1e}: {}.\nTry: {}.", version_number(),
-                       result.residual.natural, result.message, result.advice);
+                       result.residual.natural, result.message, result.advice) +
+           listed_notes(result);
   std::string text =
       fmt::format("Perp {}: no solution found, {} after {}: {}.", version_number(), ncp::to_string(result.status),
                   count(result.stats.iterations, "iteration"), result.message);
   if (!result.advice.empty()) text += fmt::format("\nTry: {}.", result.advice);
-  return text;
+  return text + listed_notes(result);
 }
 
 /// There is no point to answer with: says so to the person and, in the .sol file, to AMPL. Whether that was written.

@@ -278,8 +278,10 @@ std::vector<Concern> concerns(const Inspection& inspection) {
     if (std::string wrong = ncp::describe(mcp, *inspection.derivatives); !wrong.empty())
       add(Concern::Derivatives, std::move(wrong));
   const ConditionFindings& condition = inspection.condition;
-  if (condition.active && *condition.active < singular && condition.active_size > 0)
-    add(Concern::Condition, "Newton's matrix at the start is singular");
+  if (condition.active && *condition.active < singular && condition.active_size > 0) {
+    const std::string why = ncp::explain_singularity(mcp, start.J, start.x, start.F);
+    add(Concern::Condition, why.empty() ? "Newton's matrix at the start is singular" : "at the start " + why);
+  }
   return found;
 }
 

@@ -89,10 +89,13 @@ Report run_and_print(const SolveRequest& request, const std::shared_ptr<const Lo
   report.notes = options.notes;
   if (shows(LogLevel::Info)) {
     log << '\n';
+    print_notes(log, report);
+    if (!report.result.notes.empty()) log << '\n';
     print_solution(log, report, request.full);
     log << '\n';
   }
   if (shows(LogLevel::Summary)) {
+    if (!shows(LogLevel::Info)) print_notes(log, report);
     print_verdict(log, report);
     if (shows_part(output.final_statistics)) print_final_statistics(log, report);
     if (shows_part(output.final_summary))

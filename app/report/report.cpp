@@ -8,6 +8,7 @@
 #include <ostream>
 #include <vector>
 
+#include "app/report/model_notes.hpp"
 #include "app/text/table.hpp"
 #include "ncp/analysis/certificate.hpp"
 #include "ncp/problem/affine.hpp"
@@ -89,6 +90,7 @@ Report run_method(const LoadedProblem& problem, const Settings& settings, std::o
       if (interrupt != nullptr) limits.interrupted = [interrupt] { return interrupt->load(); };
       report.all_solutions = lcp::enumerate(*ncp::affine_part(*problem.mcp), *enumeration, limits);
     }
+  add_model_notes(problem, method, report.result);
   if (settings.verify && report.result.accepted())
     report.verified = ncp::verify(*problem.mcp, ncp::stop(settings.method).tol, report.result);
   return report;
@@ -185,13 +187,16 @@ void print_initial_statistics(std::ostream& out, const LoadedProblem& problem) {
          fmt::format("{}, {}", mcp.equation_name(row), mcp.variable_name(column)));
 }
 
+void print_notes(std::ostream& out, const Report& report) {
+  for (const std::string& note : report.result.notes) out << fmt::format("Note: {}\n", note);
+}
+
 void print_verdict(std::ostream& out, const Report& report) {
   const ncp::Result& result = report.result;
   out << fmt::format("{}: {}\n", ncp::to_string(result.status), result.message);
   if (result.proof.certificate)
     out << fmt::format("Proof: {} contradict each other; --json writes the certificate\n",
                        ncp::rows_in_words(report.mcp(), result.proof));
-  for (const std::string& note : result.notes) out << fmt::format("Note: {}\n", note);
   if (!result.advice.empty()) out << fmt::format("Try: {}\n", result.advice);
 }
 

@@ -61,6 +61,8 @@ void print_heading(std::ostream& out, const LoadedProblem& problem, const Settin
 void print_solution(std::ostream& out, const Report& report, bool full);
 /// The largest entries of x, F and its Jacobian at the start.
 void print_initial_statistics(std::ostream& out, const LoadedProblem& problem);
+/// What is to be known before the numbers are used.
+void print_notes(std::ostream& out, const Report& report);
 /// What happened; what to try if it did not work.
 void print_verdict(std::ostream& out, const Report& report);
 /// The residuals at the end and the largest entries of x and F.

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <sstream>
 
 #include "lcp/linalg/blocks.hpp"
@@ -84,9 +85,11 @@ std::vector<Pair> parallel_columns(const SpMat& A) {
   return pairs;
 }
 
-/// The matrix with rows and columns divided by their largest entries, so that units do not pass for singularity.
-SpMat equilibrated(SpMat B) {
+/// The matrix with rows and columns divided by their largest entries, so that units do not pass for singularity. Sets
+/// the factors of its columns.
+SpMat equilibrated(SpMat B, Vec* columns = nullptr) {
   double* values = B.valuePtr();
+  if (columns != nullptr) *columns = Vec::Ones(B.cols());
   for (int sweep = 0; sweep < 3; ++sweep) {
     Vec row_max = Vec::Zero(B.rows());
     for (Index p = 0; p < B.nonZeros(); ++p) {
@@ -100,50 +103,65 @@ SpMat equilibrated(SpMat B) {
         column_max = std::max(column_max, std::abs(values[p]));
       }
       for (Index p = B.outerIndexPtr()[j]; p < B.outerIndexPtr()[j + 1]; ++p) values[p] /= column_max;
+      if (columns != nullptr && column_max > 0) (*columns)[j] /= column_max;
     }
   }
   return B;
 }
 
-/// Indices with a share in y, || y ||_inf = 1, where y'B (or B y) is as good as 0; empty if there is no such y. Inverse
-/// iteration with B + delta I, which is regular for almost all delta; but hardly so where left and right null vector
-/// are nearly orthogonal, and then the iterates after the first are rounding: the best one counts.
+/// Of a square B that is regular to working precision: nothing. Else B + delta I, factored, which is regular for almost
+/// all delta.
+std::optional<lcp::SparseLu> shifted_if_singular(const SpMat& B, lcp::Deadline deadline = lcp::no_deadline,
+                                                 double least_rcond = singular) {
+  lcp::SparseLu lu(lcp::LuBackend::General, deadline);
+  const lcp::LuStatus status = lu.factor(B);
+  if (status != lcp::LuStatus::Ok && status != lcp::LuStatus::Singular) return std::nullopt;
+  if (status == lcp::LuStatus::Ok && lu.rcond() > least_rcond) return std::nullopt;
+  SpMat identity(B.rows(), B.cols());
+  identity.setIdentity();
+  if (lu.factor(B + 1e-11 * identity) != lcp::LuStatus::Ok) return std::nullopt;
+  return lu;
+}
+
+/// y, || y ||_inf = 1, where B y (or y'B) is as good as 0; empty if there is no such y. By inverse iteration, which is
+/// hardly one where left and right null vector are nearly orthogonal, and then the iterates after the first are
+/// rounding: the best one counts.
+Vec null_vector(const SpMat& B, lcp::SparseLu& lu, bool transposed, double most = null) {
+  Vec y(B.rows()), z(B.rows());
+  for (Index i = 0; i < y.size(); ++i) y[i] = 1 + 0.5 * std::sin(static_cast<double>(i + 1));  // like no null vector
+  Vec best = y;
+  double least = lcp::infinity;
+  for (int k = 0; k < 3; ++k) {
+    transposed ? lu.solve_transposed(y, z) : lu.solve(y, z);
+    const double size = z.lpNorm<Eigen::Infinity>();
+    if (!(size > 0) || !std::isfinite(size)) return {};
+    y = z / size;
+    const Vec product = transposed ? Vec(B.transpose() * y) : Vec(B * y);
+    if (product.lpNorm<Eigen::Infinity>() < least) {
+      least = product.lpNorm<Eigen::Infinity>();
+      best = y;
+    }
+  }
+  return least <= most ? best : Vec{};
+}
+
+Indices share_of(const Vec& y) {
+  Indices out;
+  for (Index i = 0; i < y.size(); ++i)
+    if (std::abs(y[i]) >= takes_part) out.push_back(i);
+  return out;
+}
+
+/// Indices with a share in null vectors of the equilibrated B.
 struct NullVectors {
   Indices rows, columns;
 };
 NullVectors null_vectors(const SpMat& B) {
   NullVectors found;
-  lcp::SparseLu lu;
-  const lcp::LuStatus status = lu.factor(B);
-  if (status != lcp::LuStatus::Ok && status != lcp::LuStatus::Singular) return found;
-  if (status == lcp::LuStatus::Ok && lu.rcond() > singular) return found;
-  SpMat identity(B.rows(), B.cols());
-  identity.setIdentity();
-  if (lu.factor(B + 1e-11 * identity) != lcp::LuStatus::Ok) return found;
-  const auto iterate = [&](bool transposed) {
-    Vec y(B.rows()), z(B.rows());
-    for (Index i = 0; i < y.size(); ++i) y[i] = 1 + 0.5 * std::sin(static_cast<double>(i + 1));  // like no null vector
-    Vec best = y;
-    double least = lcp::infinity;
-    for (int k = 0; k < 3; ++k) {
-      transposed ? lu.solve_transposed(y, z) : lu.solve(y, z);
-      const double size = z.lpNorm<Eigen::Infinity>();
-      if (!(size > 0) || !std::isfinite(size)) return Indices{};
-      y = z / size;
-      const Vec product = transposed ? Vec(B.transpose() * y) : Vec(B * y);
-      if (product.lpNorm<Eigen::Infinity>() < least) {
-        least = product.lpNorm<Eigen::Infinity>();
-        best = y;
-      }
-    }
-    Indices share;
-    if (least <= null)
-      for (Index i = 0; i < best.size(); ++i)
-        if (std::abs(best[i]) >= takes_part) share.push_back(i);
-    return share;
-  };
-  found.rows = iterate(true);
-  found.columns = iterate(false);
+  std::optional<lcp::SparseLu> lu = shifted_if_singular(B);
+  if (!lu) return found;
+  found.rows = share_of(null_vector(B, *lu, true));
+  found.columns = share_of(null_vector(B, *lu, false));
   return found;
 }
 
@@ -156,6 +174,11 @@ std::string pairs_text(const std::vector<Pair>& pairs, const Indices& block, con
   }
   if (pairs.size() > few_pairs) text << " (and " << pairs.size() - few_pairs << " more such pairs)";
   return text.str();
+}
+
+std::string moving_together(const Mcp& mcp, const Indices& variables) {
+  return quantity(std::ssize(variables), "variable") + " can move together without changing any equation (" +
+         listed_variables(mcp, variables) + ")";
 }
 
 /// Of a block that no structure explains.
@@ -177,9 +200,7 @@ std::vector<std::string> numerical(const Mcp& mcp, const SpMat& B, const Indices
                                            " does not change with any variable (" + listed_equations(mcp, rows) + ")");
   if (!columns.empty())
     found.push_back(columns.size() == 1 ? "variable " + variable(columns[0]) + " hardly changes any equation"
-                                        : quantity(std::ssize(columns), "variable") +
-                                              " can move together without changing any equation (" +
-                                              listed_variables(mcp, columns) + ")");
+                                        : moving_together(mcp, columns));
   return found;
 }
 
@@ -270,6 +291,72 @@ std::string explain_singularity(const Mcp& mcp, const SpMat& J, In x, In F) {
   if (block.size() == 1) text = "the Jacobian of the variable off its bounds is singular: ";
   for (std::size_t k = 0; k < found.size(); ++k) text += (k > 0 ? "; " : "") + found[k];
   return text;
+}
+
+namespace {
+
+/// Whether a point of the box in the direction d is a solution, too: of those as far from x as 1 + |x|, a tenth and a
+/// hundredth of it, the farthest one where F is defined decides, so that a flat F does not pass for a constant one.
+bool another_solution(const Mcp& mcp, In x, const Vec& d, double tol) {
+  CountedMcp counted(mcp);
+  Vec F;
+  const double unit = (1 + x.lpNorm<Eigen::Infinity>()) / d.lpNorm<Eigen::Infinity>();
+  for (const double sign : {1.0, -1.0})
+    for (const double t : {1.0, 0.1, 0.01}) {
+      const Vec z = x + sign * t * unit * d;
+      if (lcp::project(mcp.box(), z) != z || !counted.eval(z, F)) continue;
+      if (residual(mcp.box(), z, F).natural <= tol) return true;
+      break;
+    }
+  return false;
+}
+
+/// Variables that can be moved, alone, and are in no equation.
+Indices in_no_equation(const Mcp& mcp, const SpMat& J, In x, In F, double tol) {
+  const Box& box = mcp.box();
+  Indices out;
+  for (Index j = 0; j < J.cols(); ++j) {
+    bool empty = true;
+    for (SpMat::InnerIterator it(J, j); it && empty; ++it) empty = it.value() == 0;
+    if (!empty || box.lower[j] == box.upper[j] || std::abs(F[j]) > tol) continue;
+    if (another_solution(mcp, x, Vec::Unit(x.size(), j), tol)) out.push_back(j);
+  }
+  return out;
+}
+
+}  // namespace
+
+std::string undetermined(const Mcp& mcp, const SpMat& J, In x, In F, double tol, lcp::Deadline deadline) {
+  expect_sizes(mcp, J, x, F);
+  if (!x.allFinite() || !F.allFinite() || !J.coeffs().allFinite()) return {};
+  constexpr Index most = 100'000;  // rows that are factored, which looks at no clock while it orders them
+  const std::string many = "the solution is not the only one: ";
+  const bool rough = mcp.jacobian_work().by == JacobianWork::By::Differences;
+  constexpr double differences = 1e-6;  // they are good to the root of the rounding, and to a hundred times that here
+  const Indices block = active_block(mcp.box(), x, F);
+  Vec columns;
+  std::optional<lcp::SparseLu> lu;
+  SpMat B;
+  try {
+    if (!block.empty() && std::ssize(block) <= most)
+      lu =
+          shifted_if_singular(B = equilibrated(block_of(J, block), &columns), deadline, rough ? differences : singular);
+  } catch (const lcp::KernelTooLong&) {
+    return {};
+  }
+  if (!lu) {
+    const Indices loose = in_no_equation(mcp, J, x, F, tol);
+    if (loose.empty()) return {};
+    return many + (loose.size() == 1 ? "variable " : "variables ") + listed_variables(mcp, loose) +
+           (loose.size() == 1 ? " is in no equation" : " are in no equation");
+  }
+  const std::string why = explain_singularity(mcp, J, x, F);
+  const Vec y = null_vector(B, *lu, false, rough ? differences : null);
+  Vec d = Vec::Zero(x.size());
+  for (Index k = 0; k < y.size(); ++k) d[block[at(k)]] = y[k] * columns[k];
+  const bool more = y.size() > 0 && another_solution(mcp, x, d, tol);
+  if (more) return many + (why.empty() ? moving_together(mcp, renumbered(share_of(y), block)) : why);
+  return why.empty() ? why : "the solution is perhaps not the only one: " + why;
 }
 
 }  // namespace perp::ncp

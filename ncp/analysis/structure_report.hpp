@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "lcp/kernel_clock.hpp"
 #include "lcp/linalg/structure.hpp"
 #include "ncp/problem/mcp.hpp"
 
@@ -36,5 +37,12 @@ std::vector<Index> active_block(const Box& box, In x, In F);
 /// finite. Costs a matching, and a factorization of B if its structural rank is full. Throws std::invalid_argument if
 /// the sizes do not fit.
 std::string explain_singularity(const Mcp& mcp, const SpMat& J, In x, In F);
+
+/// Says of a solution x, with J and F there, what makes it not the only one, or perhaps: variables that are in no
+/// equation, or B is singular (explain_singularity). It is not the only one if a point beside x, along a null vector of
+/// B, has a natural residual of at most `tol`, too. An empty string if B is regular, or where its factorization would
+/// last beyond the deadline.
+std::string undetermined(const Mcp& mcp, const SpMat& J, In x, In F, double tol,
+                         lcp::Deadline deadline = lcp::no_deadline);
 
 }  // namespace perp::ncp

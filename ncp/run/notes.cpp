@@ -33,12 +33,14 @@ std::string subject(const Mcp& mcp, const Result& result, Index i) {
 
 std::string variable(const Mcp& mcp, Index i) { return "variable " + mcp.variable_name(i); }
 
-/// What F_i moves by where every x_j moves by eps max(1, |x_j|), n_i + 2 times eightfold: less than that is no news.
-Vec noise(const SpMat& J, In x, const lcp::RowTerms& terms) {
+/// F_i moves by so much where every x_j moves by tol max(1, |x_j|), or by what rounds, n_i + 2 times eightfold: less
+/// than that is no news.
+Vec noise(const SpMat& J, In x, const lcp::RowTerms& terms, double tol) {
   Vec out = Vec::Zero(x.size());
   for (Index j = 0; j < J.cols(); ++j)
     for (SpMat::InnerIterator it(J, j); it; ++it) out[it.row()] += std::abs(it.value()) * std::max(1.0, std::abs(x[j]));
-  for (Index i = 0; i < x.size(); ++i) out[i] *= 8.0 * (terms.entries[i] + 2) * std::numeric_limits<double>::epsilon();
+  for (Index i = 0; i < x.size(); ++i)
+    out[i] *= std::max(tol, 8.0 * (terms.entries[i] + 2) * std::numeric_limits<double>::epsilon());
   return out;
 }
 
@@ -46,7 +48,7 @@ void add_notes(const Mcp& mcp, const Stop& stop, const SpMat& J, const lcp::RowT
   const Box& box = mcp.box();
   Vec rounding;  // once it is asked for
   const auto beyond_noise = [&](Index i, double F) {
-    if (rounding.size() == 0) rounding = noise(J, result.x, terms);
+    if (rounding.size() == 0) rounding = noise(J, result.x, terms, stop.tol);
     return F > rounding[i];
   };
   Kind unbalanced;
@@ -88,11 +90,21 @@ void add_notes(const Mcp& mcp, const Stop& stop, const SpMat& J, const lcp::RowT
 
 }  // namespace
 
-void annotate(const Mcp& mcp, const Stop& stop, Result& result) {
-  if (result.F.size() != mcp.size() || !result.F.allFinite() || !result.x.allFinite()) return;
+double imbalance(const Mcp& mcp, const SpMat& J, In x, In F, double tol) {
+  const lcp::RowTerms terms = row_terms(J, x, F);
+  const Vec rounding = noise(J, x, terms, tol);
+  double worst = 0;
+  for (Index i = 0; i < x.size(); ++i)
+    if (const double size = std::abs(F[i]); size > rounding[i] && !at_its_bound(mcp.box(), i, x[i], F[i]))
+      worst = std::max(worst, size / terms.size[i]);
+  return worst;
+}
+
+std::optional<SpMat> annotate(const Mcp& mcp, const Stop& stop, Result& result) {
+  if (result.F.size() != mcp.size() || !result.F.allFinite() || !result.x.allFinite()) return {};
   CountedMcp counted(mcp);
   SpMat J = mcp.jacobian_pattern();
-  if (!counted.jacobian(result.x, J)) return;
+  if (!counted.jacobian(result.x, J)) return {};
   const lcp::RowTerms terms = row_terms(J, result.x, result.F);
   const lcp::Accuracy accuracy = lcp::accuracy(row_residuals(mcp.box(), result.x, result.F), terms);
   result.relative = accuracy.relative;
@@ -103,6 +115,7 @@ void annotate(const Mcp& mcp, const Stop& stop, Result& result) {
     result.message += "; the tolerance is met, but |F_i| <= tol_relative t_i is not, off the bounds";
     result.advice = "scale the equations, or ask for a larger relative tolerance (--tol-relative)";
   }
+  return J;
 }
 
 }  // namespace perp::ncp

@@ -13,11 +13,17 @@ void describe(Stop& s, Fields& f) {
       "of the terms of F_i; inf: no such condition",
       "tol_relative");
   f.add("major_iteration_limit", &s.max_iterations, at_least(0),
-        "iterations (a linearisation each) after which to give up", "max_iterations");
+        "iterations (a linearisation each), of all attempts together, after which to give up; without a limit an "
+        "attempt ends after 500 without progress",
+        "max_iterations");
   f.add("evaluation_limit", &s.max_F_evals, at_least(1),
         "evaluations of F, of all attempts together, after which to give up; looked at after each iteration",
         "max_F_evals");
   f.add("time_limit", &s.max_time, strictly_between(0, years), "seconds after which to give up", "max_time");
+  f.add("stall_limit", &s.max_stall, strictly_between(0, years),
+        "seconds without progress, and 100 iterations, after which to give up: the best residual has not fallen by a "
+        "tenth",
+        "max_stall");
   f.add("check_derivatives", &s.check_derivatives,
         "compare the Jacobian with differences of F at the start, and refuse a problem whose Jacobian is wrong");
 }

@@ -16,14 +16,21 @@ namespace perp::ncp {
 class Run;
 struct Point;
 
+/// Of iterations: none. Runs end by time, evaluations and want of progress.
+inline constexpr int no_limit = std::numeric_limits<int>::max();
+
 struct Stop {
   double tol = 1e-8;  ///< on the natural residual, inf-norm, absolute
   /// A further condition for a solution: |F_i| <= tol_relative t_i in every row whose variable is not at the bound that
   /// the sign of F_i requires, with t_i = sum_j |J_ij x_j| + |F_i - sum_j J_ij x_j|. Infinity turns it off.
   double tol_relative = std::numeric_limits<double>::infinity();
-  int max_iterations = 500;                           ///< major iterations
+  /// Major iterations, of all attempts together. With no_limit an attempt ends after 500 without progress.
+  int max_iterations = no_limit;
   int max_F_evals = std::numeric_limits<int>::max();  ///< evaluations of F, looked at after each iteration
   std::chrono::duration<double> max_time{3600};
+  /// A run gives up after this time, and 100 iterations, without progress: the natural residual of its best point has
+  /// not fallen by a tenth.
+  std::chrono::duration<double> max_stall{10};
   /// If another thread sets it, the solve ends as Interrupted, even inside a subproblem. May be null; outlives the
   /// solve.
   const std::atomic<bool>* interrupt = nullptr;

@@ -8,6 +8,25 @@
 #include "ncp/problem/linear_part.hpp"
 
 namespace perp::ncp {
+namespace {
+
+/// Iterations without progress: so many are always granted; after so many an attempt ends; with fewer the residual is
+/// still falling.
+constexpr int always_granted = 100;
+constexpr int stalled_attempt = 500;
+constexpr int still_falling = 20;
+
+/// Advice at a limit, after so many iterations, the last `idle` of them without progress: more of the same only if the
+/// residual was falling.
+std::string raise_or_not(int made, int idle) {
+  if (made == 0) return "raise the limit";
+  return idle <= std::min(still_falling, made / 2)
+             ? "raise the limit, or go on from the point returned: the residual was still falling"
+             : "try another method or start: the residual was not falling any more";
+}
+
+}  // namespace
+
 std::string solution_found(const Residual& residual) {
   return "solution found: the natural residual is " + number(residual.natural);
 }
@@ -85,6 +104,8 @@ bool Run::start(In x0, Point& point) {
     return false;
   }
   best_.residual = residual(box(), point.x, point.F);
+  progress_.met(best_.residual.natural, iterations());
+  decade_ = best_;
   if (solved(best_)) return true;  // J is not needed
   point.F = best_.F;
   if (!counted_.jacobian(point.x, point.J)) {
@@ -128,25 +149,41 @@ void Run::resume(std::string attempt) {
   status_.reset();
   attempt_ = std::move(attempt);
   offset_ = stats_.iterations;
+  attempts_ = Progress(offset_);
 }
 
-void Run::end_at(Status limit) {
+bool Run::attempt_stalled() const {
+  const int idle = attempts_.iterations(iterations());
+  return (stop_.max_iterations == no_limit && idle >= stalled_attempt) ||
+         (idle >= always_granted && attempts_.seconds() >= stop_.max_stall.count());
+}
+
+bool Run::stalled() const {
+  return progress_.iterations(iterations()) >= always_granted && progress_.seconds() >= stop_.max_stall.count();
+}
+
+void Run::keep_best(Judged&& better) {
+  best_ = std::move(better);
+  progress_.met(best_.residual.natural, iterations());
+  if (!(best_.residual.natural <= decade_.residual.natural / 10)) return;
+  earlier_ = std::move(decade_);
+  decade_ = best_;
+}
+
+void Run::end_at(Status limit, std::string advice) {
   if (limit == Status::Interrupted)
-    end(limit, "interrupted after " + quantity(stats_.iterations, "iteration"), "run on from the point returned");
-  else if (limit == Status::TimeLimit)
-    end(limit, "the time limit of " + number(stop_.max_time.count()) + " s was reached",
-        "raise the time limit, or go on from the point returned");
-  else if (stats_.iterations < stop_.max_iterations)
-    end(Status::IterationLimit, "the limit of " + quantity(stop_.max_F_evals, "evaluation") + " of F was reached",
-        "raise the limit if the residual was still falling; otherwise try another method or start");
-  else
-    end(Status::IterationLimit, "the limit of " + quantity(stop_.max_iterations, "iteration") + " was reached",
-        "raise the limit if the residual was still falling; otherwise try another method or start");
+    return end(limit, "interrupted after " + quantity(stats_.iterations, "iteration"),
+               "run on from the point returned");
+  const std::string what = limit == Status::TimeLimit ? "time limit of " + number(stop_.max_time.count()) + " s"
+                           : stats_.iterations < stop_.max_iterations
+                               ? "limit of " + quantity(stop_.max_F_evals, "evaluation") + " of F"
+                               : "limit of " + quantity(stop_.max_iterations, "iteration");
+  end(limit, "the " + what + " was reached", std::move(advice));
 }
 
 Stop Run::left() const {
   Stop stop = stop_;
-  stop.max_iterations = std::max(0, stop_.max_iterations - iterations());
+  if (stop.max_iterations != no_limit) stop.max_iterations = std::max(0, stop_.max_iterations - iterations());
   stop.max_F_evals = std::max(1, stop_.max_F_evals - F_evals());
   stop.max_time = std::max(Seconds(0), Seconds(deadline_ - std::chrono::steady_clock::now()));
   return stop;
@@ -266,7 +303,7 @@ void Run::take(const Result& other) {
   Judged theirs{.x = other.x, .F = other.F, .residual = other.residual};
   const bool done = other.solved() && solved(theirs);
   const bool rounded = other.status == Status::SolvedToRounding && judge_.to_rounding(theirs);
-  if (done || rounded || theirs.residual.natural < best_.residual.natural) best_ = std::move(theirs);
+  if (done || rounded || theirs.residual.natural < best_.residual.natural) keep_best(std::move(theirs));
   if (done) {
     message_ = other.message;
     return;
@@ -287,7 +324,8 @@ void Run::charge(const Result& other) {
 }
 
 void Run::take_point(const Result& other) {
-  if (other.residual.natural < best_.residual.natural) best_ = {.x = other.x, .F = other.F, .residual = other.residual};
+  if (other.residual.natural < best_.residual.natural)
+    keep_best({.x = other.x, .F = other.F, .residual = other.residual});
 }
 
 bool Run::ended_with(const Result& other) {
@@ -298,7 +336,8 @@ bool Run::ended_with(const Result& other) {
   const bool late = other.status == Status::TimeLimit && std::chrono::steady_clock::now() >= deadline_;
   const bool at_end = !other.accepted() && at_limit() && other.status == Status::IterationLimit;
   if (!at_end && other.status != Status::Interrupted && !late) return false;
-  end_at(other.status);
+  const bool knows = other.stats.iterations > 0;  // whether the residual was falling
+  end_at(other.status, knows ? other.advice : raise_or_not(iterations(), progress_.iterations(iterations())));
   return true;
 }
 
@@ -313,7 +352,7 @@ bool Run::show(const Vec& x, Iteration it, Residual& there) {
   it.J_evals = J_evals();
   it.x = &x;
   it.problem = &mcp();
-  if (observer_ && observer_(it) == Next::Stop) end_at(Status::Interrupted);
+  if (observer_ && observer_(it) == Next::Stop) end_at(Status::Interrupted, "");
   return !ended();
 }
 
@@ -332,9 +371,10 @@ bool Run::go_on(const Point& point, Iteration it) {
   // A run that ended unsolved tells of where it ended, rather than of an earlier point that is as good.
   const bool last = status_ && now.residual.natural <= best_.residual.natural;
   const bool solution = !status_ && solved(now, &point.J);
-  if (solution || (!accepted && (last || now.residual.natural < best_.residual.natural))) best_ = std::move(now);
-  const bool done = status_.has_value();
   stats_.iterations = it.k;
+  if (solution || (!accepted && (last || now.residual.natural < best_.residual.natural))) keep_best(std::move(now));
+  attempts_.met(of_iterate.natural, it.k);
+  const bool done = status_.has_value();
   stats_.pivots += it.pivots;
   stats_.backtracks += it.backtracks;
   if (it.kind == 'G') ++stats_.gradient_steps;
@@ -347,11 +387,15 @@ bool Run::go_on(const Point& point, Iteration it) {
   const bool asked_to_stop = observer_ && observer_(it) == Next::Stop;
   if (done) return false;
   if (asked_to_stop || interrupted())
-    end_at(Status::Interrupted);
+    end_at(Status::Interrupted, "");
   else if (std::chrono::steady_clock::now() >= deadline_)
-    end_at(Status::TimeLimit);
+    end_at(Status::TimeLimit, raise_or_not(it.k - offset_, attempts_.iterations(it.k)));
   else if (at_limit())
-    end_at(Status::IterationLimit);
+    end_at(Status::IterationLimit, raise_or_not(it.k - offset_, attempts_.iterations(it.k)));
+  else if (attempt_stalled())
+    end(Status::NoProgress,
+        "the residual has not fallen by a tenth in " + quantity(attempts_.iterations(it.k), "iteration"),
+        "try another method or start");
   return !status_;
 }
 

@@ -31,6 +31,27 @@ struct Share {
   bool start_shown = true;
 };
 
+/// When a residual last fell by a tenth.
+class Progress {
+ public:
+  /// Of an attempt that begins after so many iterations.
+  explicit Progress(int iteration = 0) : iteration_(iteration) {}
+  void met(double residual, int iteration) {
+    if (!(residual < 0.9 * mark_)) return;
+    mark_ = residual;
+    iteration_ = iteration;
+    time_ = std::chrono::steady_clock::now();
+  }
+  /// Iterations since then, and seconds.
+  int iterations(int now) const { return now - iteration_; }
+  double seconds() const { return Seconds(std::chrono::steady_clock::now() - time_).count(); }
+
+ private:
+  double mark_ = infinity;
+  int iteration_;
+  std::chrono::steady_clock::time_point time_ = std::chrono::steady_clock::now();
+};
+
 /// "solution found: the natural residual is 1.2e-10".
 std::string solution_found(const Residual& residual);
 
@@ -86,6 +107,10 @@ class Run {
   };
   Verdict verdict() const { return {*status_, message_, advice_, proof_}; }  ///< Pre: ended()
   bool accepted() const { return status_ == Status::Solved || status_ == Status::SolvedToRounding; }
+  /// Whether stop.max_stall, and iterations enough, have passed without progress, so that no further attempt is worth
+  /// its time.
+  bool stalled() const;
+  double idle() const { return progress_.seconds(); }  ///< [s] without progress
   /// What tells that the problem is proven to have no solution, for where an attempt is stuck and another would begin.
   void give_up_where(std::function<bool()> hopeless) { hopeless_ = std::move(hopeless); }
   bool hopeless() const { return hopeless_ && hopeless_(); }
@@ -121,6 +146,8 @@ class Run {
   /// The best point of the box so far, with F there.
   const Vec& best() const { return best_.x; }
   double best_residual() const { return best_.residual.natural; }
+  /// A best point from before the residual fell to a tenth and less, and its residual; empty if there was none.
+  const Judged& earlier() const { return earlier_; }
   /// The verdict with the best point; x0, F not evaluated, where no point was met.
   Result result(In x0);
 
@@ -136,7 +163,11 @@ class Run {
   /// Of the projection of `point`: an answer lies in the box.
   Judged judged(const Point& point);
   /// Interrupted, TimeLimit or IterationLimit, in this run's numbers.
-  void end_at(Status limit);
+  void end_at(Status limit, std::string advice);
+  /// Whether the attempt that runs has come to nothing for too long.
+  bool attempt_stalled() const;
+  /// Takes a better point.
+  void keep_best(Judged&& better);
   /// Makes the verdict Solved if the judge says so (Judge::solved()); J there, if it is known.
   bool solved(Judged& judged, const SpMat* J = nullptr);
   /// The best point is Solved after all, or SolvedToRounding.
@@ -159,6 +190,8 @@ class Run {
   int offset_ = 0;       // iterations of earlier attempts
   std::string attempt_;  // that begins
   Judged best_;
+  Judged decade_, earlier_;       // best points; earlier_ of ten times decade_'s residual, or more
+  Progress progress_, attempts_;  // of the best point; of the attempt that runs
   std::vector<lcp::Cell> basis_;
   std::function<bool()> hopeless_;
 };

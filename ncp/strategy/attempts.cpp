@@ -5,6 +5,7 @@
 #include <memory>
 #include <utility>
 
+#include "ncp/analysis/diagnosis.hpp"
 #include "ncp/reformulation/merit.hpp"
 #include "ncp/transforms/scale_transform.hpp"
 
@@ -39,7 +40,7 @@ void in_turn(Run& run, const Point& start, const std::vector<Attempt>& list, int
   int restarts = 0;
   for (const Attempt& attempt : list) {
     if (attempt.counted && restarts == restart_limit) break;
-    if (!tried.attempts.empty() && run.hopeless()) break;
+    if (!tried.attempts.empty() && (run.hopeless() || run.stalled())) break;
     Point point;
     if (!begin(run, attempt.from, start, point) || (attempt.worthwhile && !attempt.worthwhile(run, start))) continue;
     if (attempt.counted) ++restarts;
@@ -51,10 +52,23 @@ void in_turn(Run& run, const Point& start, const std::vector<Attempt>& list, int
   }
 }
 
+Run::Verdict with_diagnosis(Run& run, Run::Verdict verdict, In start) {
+  Point best;
+  best.x = run.best();
+  if (!run.evaluate(best)) return verdict;
+  Diagnosis known = diagnose(run.mcp(), best, start, run.earlier());
+  if (known.unbounded) verdict.status = Status::Unbounded;
+  if (known.stationary) verdict.status = Status::StationaryPoint;
+  if (known.message.empty()) return verdict;
+  verdict.message = std::move(known.message);
+  verdict.advice = std::move(known.advice);
+  return verdict;
+}
+
 Share part_of_left(const Run& run, bool last) {
   const Stop left = run.left();
   const auto part = [last](int what, int enough) {
-    return last ? what : std::max((what + 1) / 2, std::min(what, enough));
+    return last || what == no_limit ? what : std::max((what + 1) / 2, std::min(what, enough));
   };
   return {.iterations = part(left.max_iterations, enough_iterations),
           .F_evals = part(left.max_F_evals, enough_F_evals)};

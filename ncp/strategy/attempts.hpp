@@ -39,6 +39,9 @@ struct Tried {
 /// met. The list outlives `tried`.
 void in_turn(Run& run, const Point& start, const std::vector<Attempt>& list, int restart_limit, Tried& tried);
 
+/// The verdict of a run that is stuck, with what is known about its best point.
+Run::Verdict with_diagnosis(Run& run, Run::Verdict verdict, In start);
+
 /// Of the iterations and evaluations left: half, or all where that is few or nothing follows.
 Share part_of_left(const Run& run, bool last);
 

@@ -2,6 +2,7 @@
 #include "ncp/strategy/auto.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <utility>
 #include <vector>
@@ -144,7 +145,11 @@ void automatic(Run& run, In x0, const Auto& method) {
   const std::vector<Attempt> list = auto_list(method);
   Tried tried;
   in_turn(run, start, list, static_cast<int>(list.size()), tried);
-  if (run.ended() && stuck(run.status())) run.replace_verdict(telling(tried));
+  if (run.ended() && stuck(run.status())) {
+    Run::Verdict verdict = with_diagnosis(run, telling(tried), start.x);
+    if (run.stalled()) verdict.message += "; given up: no progress in " + number(std::floor(run.idle())) + " s";
+    run.replace_verdict(std::move(verdict));
+  }
   run.stats().restarts += static_cast<int>(tried.attempts.size()) - 1;
   if (run.accepted() && run.basis().empty()) run.keep_basis(cells_at(run.box(), run.best()));
   run.remark(account(run.mcp(), method, tried));

@@ -66,7 +66,9 @@ class Rounds {
 
   /// Where the method has come to: accepted by this escape's mark.
   const Vec& x() const { return x_; }
-  int iterations_left() const { return std::max(0, iterations_ - run_.iterations()); }
+  int iterations_left() const {
+    return iterations_ == no_limit ? no_limit : std::max(0, iterations_ - run_.iterations());
+  }
 
   /// The point of F + lambda (x - center); lambda grows until it is found. False if it never is.
   bool perturbed(Vec& center, double& lambda) {
@@ -137,7 +139,7 @@ int proximal_escape(Run& run, Vec center, double residual, const Escape& escape,
   SpMat J = run.mcp().jacobian_pattern();
   int k = 0;
   double lambda = 0;
-  while (k < escape.rounds && !run.ended()) {
+  while (k < escape.rounds && !run.ended() && !run.stalled()) {
     const Vec before = center;
     if (lambda == 0) {
       if (!run.counted().jacobian(center, J)) break;

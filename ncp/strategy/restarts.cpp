@@ -9,7 +9,6 @@
 #include <utility>
 #include <vector>
 
-#include "ncp/analysis/diagnosis.hpp"
 #include "ncp/path/path_attempt.hpp"
 #include "ncp/reformulation/normal_map.hpp"
 #include "ncp/strategy/attempts.hpp"
@@ -52,7 +51,7 @@ Attempt escape_attempt(std::string name, const Method& base) {
   const auto go = [base](Run& run, const Point& best) {
     const Body body = [rest = with_pivots_left(run, base)](Run& inner, In z0) { run_once(inner, z0, rest); };
     const int k = proximal_escape(run, best.x, residual(run.box(), best.x, best.F).natural,
-                                  Escape{.rounds = escape_rounds}, std::numeric_limits<int>::max(), body);
+                                  Escape{.rounds = escape_rounds}, no_limit, body);
     if (run.accepted()) run.remark("after " + quantity(k, "proximal escape"));
     if (!run.ended()) run.end(Status::NoProgress, "proximal escapes do not help", "");
   };
@@ -137,18 +136,7 @@ void add_documented_restarts(const PathSearch& method, std::vector<Attempt>& lis
 
 /// The verdict of the first attempt, with what is known about the best point of all.
 Run::Verdict last_words(Run& run, const Run::Verdict& first, const Point& user, std::size_t restarts) {
-  Run::Verdict verdict = first;
-  Point best;
-  best.x = run.best();
-  if (run.evaluate(best)) {
-    const Diagnosis known = diagnose(run.mcp(), best, user.x);
-    if (known.unbounded) verdict.status = Status::Unbounded;
-    if (known.stationary) verdict.status = Status::StationaryPoint;
-    if (!known.message.empty()) {
-      verdict.message = known.message;
-      verdict.advice = known.advice;
-    }
-  }
+  Run::Verdict verdict = with_diagnosis(run, first, user.x);
   if (restarts > 0)
     verdict.message += "; " + quantity(static_cast<Index>(restarts), "restart") + (restarts == 1 ? " has" : " have") +
                        " not led to a solution either";

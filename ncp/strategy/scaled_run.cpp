@@ -21,7 +21,7 @@ void retry_scaled(Run& run, In x0, int rescalings, const Body& base) {
   constexpr std::string_view names[] = {scaled_at_best, scaled_at_start};
   int tried = 0;
   std::string last;
-  for (int k = 0; k < std::min(rescalings, 2) && stuck(run); ++k) {
+  for (int k = 0; k < std::min(rescalings, 2) && stuck(run) && !run.stalled(); ++k) {
     const std::optional<Scaling> factors = factors_at(run, scaled_at[k]);
     if (!factors) continue;
     const Run::Verdict before = run.verdict();

@@ -8,14 +8,18 @@
 #include <stdexcept>
 #include <utility>
 
+#include "lcp/equilibrate.hpp"
 #include "lcp/words.hpp"
+#include "ncp/analysis/diagnosis.hpp"
 #include "ncp/analysis/no_solution.hpp"
+#include "ncp/analysis/structure_report.hpp"
 #include "ncp/interval/enclosure.hpp"
 #include "ncp/run/notes.hpp"
 #include "ncp/run/run.hpp"
 #include "ncp/strategy/proximal.hpp"
 #include "ncp/strategy/strategies.hpp"
 #include "ncp/strategy/strategy_node.hpp"
+#include "ncp/transforms/scale_transform.hpp"
 
 namespace perp::ncp {
 namespace {
@@ -146,7 +150,7 @@ int rescalings_of(const Method& method) {
 }
 
 void escape(Run& run, const Escape& options, int iterations, const Body& base) {
-  if (!stuck(run) || options.rounds == 0 || run.hopeless()) return;
+  if (!stuck(run) || options.rounds == 0 || run.hopeless() || run.stalled()) return;
   const Run::Verdict before = run.verdict();
   const Vec center = run.best();
   run.resume({});
@@ -180,13 +184,15 @@ void run_method(Run& run, In x0, const Method& method) {
   const Escape escapes = escape_of(method);
   const int rescalings = rescalings_of(method);
   base(run, x0);
-  // The escapes there get a part of the iterations, so that some are left for those on the problem itself.
+  // Where iterations are limited the escapes there get a part of them, so that some are left for those on the problem
+  // itself.
   if (stuck(run) && rescalings > 0 && !run.hopeless())
     retry_scaled(run, x0, rescalings, [&](Run& scaled, In z0) {
       base(scaled, z0);
-      escape(scaled, escapes, (scaled.iterations() + scaled.left().max_iterations) / 3, base);
+      const int left = scaled.left().max_iterations;
+      escape(scaled, escapes, left == no_limit ? no_limit : (scaled.iterations() + left) / 3, base);
     });
-  escape(run, escapes, std::numeric_limits<int>::max(), base);
+  escape(run, escapes, no_limit, base);
 }
 
 std::string_view name(const Method& method) {
@@ -226,8 +232,82 @@ std::optional<std::string> invalid(const Method& method) {
 
 namespace {
 
-void comment(const Mcp& mcp, const Method& method, Result& result) {
-  annotate(mcp, stop(method), result);
+/// Says of a solution whether it is the only one near it, where that costs little beside the solve.
+void tell_undetermined(const Mcp& mcp, const Stop& stop, const SpMat& J, Result& result) {
+  constexpr Seconds always{0.01};
+  constexpr double share = 0.2;
+  const Seconds left = stop.max_time - result.stats.time;
+  const Seconds most = std::min(left, std::max(always, share * Seconds(result.stats.time)));
+  std::string text = undetermined(mcp, J, result.x, result.F, stop.tol, lcp::deadline_after(most));
+  if (!text.empty()) result.notes.push_back(std::move(text));
+}
+
+/// A row that is balanced to worse than this share of its terms may be solved by being small.
+constexpr double poor_balance = 1e-3;
+
+/// Goes on from a solution whose rows are poorly balanced, in units in which J is near 1 and so is q = F - J x, as long
+/// as each time they are balanced ten times better. False: it did not pay.
+bool balance(Run& run, const Method& method) {
+  constexpr int most = 5;
+  const Mcp& mcp = run.mcp();
+  const Body body = [&method](Run& inner, In z0) { run_method(inner, z0, method); };
+  Point point;
+  const auto balanced_to = [&](const Vec& x) {
+    point.x = x;
+    return run.evaluate(point) ? imbalance(mcp, point.J, x, point.F, run.tol()) : 0;
+  };
+  double before = balanced_to(run.best());
+  int k = 0;
+  for (; k < most && before > poor_balance; ++k) {
+    const lcp::AffineMcp linear{point.J, point.F - point.J * point.x, mcp.box()};
+    if (linear.invalid()) return k > 0;
+    const lcp::Scaling units = lcp::equilibrate(linear);
+    const ScaleTransform way(mcp, {.rows = units.rows, .columns = units.columns}, run.tol());
+    const Result better = run.within(way, {}, run.best(), body);
+    const double after = better.solved() ? balanced_to(better.x) : infinity;
+    if (!(after <= before / 10)) {
+      run.stats() += better.stats;
+      return k > 0;
+    }
+    const std::string how = run.verdict().message;
+    run.take(better);
+    if (const auto remarks = how.find("; "); remarks != std::string::npos) run.remark(how.substr(remarks + 2));
+    if (k == 0)
+      run.remark("gone on with in units in which its terms are near 1: in its own they are below the tolerance");
+    before = after;
+  }
+  return k > 0;
+}
+
+/// Says of a point whose residual some tolerance excuses that variables have grown while it fell: there may be no
+/// solution but at infinity.
+void tell_run_off(Run& run, In x0, const SpMat& J, Result& result) {
+  Point point;
+  point.x = result.x;
+  point.F = result.F;
+  point.J = J;
+  const Diagnosis known = diagnose(run.mcp(), point, lcp::project(run.box(), x0), run.earlier());
+  if (known.unbounded) result.notes.insert(result.notes.begin(), known.message + "; " + known.advice);
+}
+
+void comment(Run& run, In x0, const Method& method, Result& result) {
+  const Mcp& mcp = run.mcp();
+  std::optional<SpMat> J = annotate(mcp, stop(method), result);
+  if (result.solved() && result.relative > poor_balance) {
+    bool better = false;
+    run.guard([&] { better = balance(run, method); });
+    Result again = run.result(x0);
+    if (better) {
+      result = std::move(again);
+      J = annotate(mcp, stop(method), result);
+    } else {
+      result.stats = again.stats;
+    }
+  }
+  if (J && result.accepted()) {
+    if (!result.notes.empty()) tell_run_off(run, x0, *J, result);
+    tell_undetermined(mcp, stop(method), *J, result);
+  }
   if (std::holds_alternative<Affine>(method)) return;
   if (stuck(result.status, result.stats) || result.status == Status::IterationLimit ||
       result.status == Status::LinearAlgebraFailed)
@@ -258,13 +338,13 @@ Result solve(const Mcp& mcp, In x0, const Method& method, const Observer& observ
   Run run(mcp, stop(method), observer);
   run.guard([&] { solve_or_refute(run, x0, method); });
   Result result = run.result(x0);
-  result.stats.J_colours = static_cast<int>(before.colours);
-  result.stats.J_F_evals = static_cast<int>(mcp.jacobian_work().F_evals - before.F_evals);
   result.message += words_on_proof(result.proof) + words_on_best(mcp, result);
   try {
-    if (result.status != Status::OutOfMemory) comment(mcp, method, result);
+    if (result.status != Status::OutOfMemory) comment(run, x0, method, result);
   } catch (const std::bad_alloc&) {  // the result stands without a comment
   }
+  result.stats.J_colours = static_cast<int>(before.colours);
+  result.stats.J_F_evals = static_cast<int>(mcp.jacobian_work().F_evals - before.F_evals);
   return result;
 }
 

@@ -183,7 +183,7 @@ void run_strategy(Run& run, In x0, const StrategyNode& node) {
       return run_scaled(run, x0, body);
     case Kind::Escaping:
       body(run, x0);
-      return escape(run, node.escape, std::numeric_limits<int>::max(), body);
+      return escape(run, node.escape, no_limit, body);
     case Kind::FirstOf:
       return run_first_of(run, x0, node);
   }

@@ -2,6 +2,7 @@
 #pragma once
 /// Scaling by rows and columns as a transform. Private to ncp/.
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 #include "ncp/run/transform.hpp"
@@ -11,8 +12,9 @@ namespace perp::ncp {
 
 class ScaleTransform final : public Transform {
  public:
-  /// `mcp` outlives the transform.
-  ScaleTransform(const Mcp& mcp, Scaling factors) : mcp_(mcp), factors_(std::move(factors)), scaled_(mcp, factors_) {}
+  /// `mcp` outlives the transform. With `tol` that is asked of the scaled problem, in its units.
+  ScaleTransform(const Mcp& mcp, Scaling factors, std::optional<double> tol = {})
+      : mcp_(mcp), factors_(std::move(factors)), scaled_(mcp, factors_), tol_(tol) {}
   const Mcp& problem() const override { return scaled_; }
   Vec there(In x) const override { return scaled_.to_scaled(x); }
   Vec back(In z) const override { return lcp::project(mcp_.box(), scaled_.to_original(z)); }
@@ -29,7 +31,9 @@ class ScaleTransform final : public Transform {
   Vec multipliers_back(const Vec& y) const override {
     return y.size() == factors_.rows.size() ? Vec(y.cwiseProduct(factors_.rows)) : Vec();
   }
-  double tolerance(double tol) const override { return std::max(least_tolerance, scaled_.tolerance(tol)); }
+  double tolerance(double tol) const override {
+    return tol_ ? *tol_ : std::max(least_tolerance, scaled_.tolerance(tol));
+  }
   bool keeps_residuals() const override { return false; }
 
  private:
@@ -39,6 +43,7 @@ class ScaleTransform final : public Transform {
   const Mcp& mcp_;
   Scaling factors_;
   ScaledMcp scaled_;
+  std::optional<double> tol_;
 };
 
 }  // namespace perp::ncp

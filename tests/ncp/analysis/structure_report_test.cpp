@@ -9,6 +9,8 @@
 #include <cmath>
 
 #include "ncp/problem/affine.hpp"
+#include "ncp/problem/residual.hpp"
+#include "ncp/strategy/solve.hpp"
 #include "support/problems.hpp"
 
 namespace perp::ncp {
@@ -18,9 +20,11 @@ using support::Dense;
 using support::matrix;
 using support::Random;
 using support::vec;
+using testing::AllOf;
 using testing::AnyOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::Not;
 
 std::unique_ptr<Mcp> free_problem(const SpMat& J) {
   return make_affine_mcp({J, Vec::Zero(J.rows()), Box::free(J.rows())}, "free");
@@ -145,6 +149,64 @@ TEST(ExplainSingularity, RefusesSizesThatDoNotFit) {
   const auto mcp = free_problem(J);
   EXPECT_THROW((void)explain_singularity(*mcp, J, Vec::Zero(3), Vec::Zero(2)), std::invalid_argument);
   EXPECT_THROW((void)explain_singularity(*mcp, SpMat(3, 3), Vec::Zero(2), Vec::Zero(2)), std::invalid_argument);
+}
+
+/// Of the affine problem at a point that has to be a solution.
+std::string undetermined_at(const SpMat& M, const Vec& q, const Box& box, const Vec& x, double tol = 1e-8) {
+  const auto mcp = make_affine_mcp({M, q, box}, "affine");
+  Vec F(x.size());
+  EXPECT_TRUE(mcp->eval(x, F) && residual(*mcp, x).natural <= tol);
+  return undetermined(*mcp, M, x, F, tol);
+}
+
+// Solutions that a line of others goes through, by construction, and some that are alone. Catches a continuum that
+// nobody mentions, variables that do not take part in it, and a singular Jacobian that passes for a continuum.
+TEST(Undetermined, NamesWhatMoves) {
+  const std::string many = "the solution is not the only one: ";
+  // x - y = 0 twice: x and y move together, z = 1 does not.
+  const std::string homogeneous =
+      undetermined_at(matrix({{1, -1, 0}, {-1, 1, 0}, {0, 0, 2}}), vec({0, 0, -2}), Box::free(3), vec({5, 5, 1}));
+  EXPECT_THAT(homogeneous, testing::StartsWith(many));
+  EXPECT_THAT(homogeneous, AllOf(HasSubstr("x[1]"), HasSubstr("x[2]"), Not(HasSubstr("x[3]"))));
+  // The same away from zero, in other units.
+  EXPECT_THAT(undetermined_at(matrix({{1, -1e6}, {-1e-3, 1e3}}), vec({0, 0}), Box::nonnegative(2), vec({1e6, 1})),
+              testing::StartsWith(many));
+  // An equation without variables, whose variable is free.
+  EXPECT_THAT(undetermined_at(matrix({{0, 0}, {0, 1}}), vec({0, -3}), Box::free(2), vec({0, 3})),
+              AllOf(testing::StartsWith(many), HasSubstr("x[1]"), Not(HasSubstr("x[2]"))));
+  // q = 2 twice and nothing on p, which is at its bound.
+  EXPECT_EQ(undetermined_at(matrix({{0, 1}, {0, 1}}), vec({-2, -2}), Box::nonnegative(2), vec({0, 2})),
+            many + "variable x[1] is in no equation");
+  // p >= 0 of q - 1 = 1 is at its bound, and stays there.
+  EXPECT_EQ(undetermined_at(matrix({{0, 1}, {0, 1}}), vec({-1, -2}), Box::nonnegative(2), vec({0, 2})), "");
+  EXPECT_EQ(undetermined_at(matrix({{2, 1}, {1, 2}}), vec({-3, -3}), Box::nonnegative(2), vec({1, 1})), "");
+  // x^2 = 0 has one solution, where its Jacobian is 0.
+  const auto square = make_mcp(support::scalar(
+      -infinity, infinity, [](double x) { return x * x; }, [](double x) { return 2 * x; }));
+  EXPECT_THAT(undetermined(*square, matrix({{0}}), vec({0}), vec({0}), 1e-8),
+              testing::StartsWith("the solution is perhaps not the only one: "));
+}
+
+// Walras: excess demands of Cobb-Douglas consumers depend on relative prices alone. Catches curvature that hides a
+// continuum, and prices that are not named.
+TEST(Undetermined, NamesPricesWithoutANumeraire) {
+  Functions f;
+  f.name = "walras";
+  f.variable_names = {"p_bread", "p_wine"};
+  f.box = Box::nonnegative(2);
+  f.box.lower = vec({1e-3, 1e-3});
+  // Supply 1 of each less demand (p_bread + p_wine) / (2 p).
+  f.F = [](In p, Out F) {
+    const double income = p[0] + p[1];
+    F << 1 - income / (2 * p[0]), 1 - income / (2 * p[1]);
+    return true;
+  };
+  const auto mcp = make_mcp(std::move(f));
+  const Result result = solve(*mcp, vec({1, 3}), method_of("path"));
+  ASSERT_TRUE(result.solved()) << result;
+  ASSERT_FALSE(result.notes.empty());
+  EXPECT_THAT(result.notes.back(), AllOf(testing::StartsWith("the solution is not the only one: "),
+                                         HasSubstr("p_bread"), HasSubstr("p_wine")));
 }
 
 }  // namespace

@@ -72,7 +72,7 @@ TEST(PathOptions, EachIngredientCanBeLeftOut) {
         EXPECT_EQ(result.solved(), violation <= 1e-8)
             << label << ", " << entry.name << " " << k + 1 << ": " << result << ", " << violation;
         EXPECT_TRUE(problem.no_solution.empty() || !result.solved()) << label << ", " << entry.name;
-        EXPECT_LE(result.stats.iterations, 500) << label << ", " << entry.name;
+        EXPECT_LE(result.stats.iterations, 2000) << label << ", " << entry.name;
         if (problem.no_solution.empty()) ++starts, solved += result.solved();
       }
     }

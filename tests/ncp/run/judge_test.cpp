@@ -66,11 +66,13 @@ TEST(Notes, AnEquationThatIsSmallAsAWhole) {
   EXPECT_FALSE(balanced.solved() && std::exp(balanced.x[0]) > 0);
 }
 
-// 1e-12 (x^2 - 9): any x of moderate size passes; the relative tolerance leads to x = 3.
+// 1e-12 (x^2 - 9): any x of moderate size passes; the run goes on to x = 3, unless its iterations are at their end.
 TEST(Notes, AnEquationInTinyUnits) {
   const auto mcp =
       scalar([](double x) { return 1e-12 * (x * x - 9); }, [](double x) { return 2e-12 * x; }, -infinity, infinity);
-  EXPECT_THAT(at(*mcp, 1).notes, ElementsAre(HasSubstr("below the tolerance, but its terms are of size")));
+  EXPECT_THAT(at(*mcp, 1, {.max_iterations = 0}).notes,
+              ElementsAre(HasSubstr("below the tolerance, but its terms are of size")));
+  EXPECT_NEAR(at(*mcp, 1).x[0], 3, 1e-7);
   const Result balanced = at(*mcp, 1, {.tol_relative = 1e-9});
   EXPECT_TRUE(balanced.solved()) << balanced.message;
   EXPECT_NEAR(balanced.x[0], 3, 1e-7);
@@ -82,7 +84,8 @@ TEST(Notes, AnEquationInTinyUnits) {
 TEST(Notes, AnEquationInTinyUnitsAtABoundThatExcusesNothing) {
   const auto mcp =
       scalar([](double x) { return 1e-12 * (x * x - 9); }, [](double x) { return 2e-12 * x; }, 0, infinity);
-  EXPECT_THAT(at(*mcp, 0).notes, ElementsAre(HasSubstr("balanced to 100 % only")));
+  const Result gone_on = at(*mcp, 0);
+  EXPECT_TRUE(!gone_on.notes.empty() || std::abs(gone_on.x[0] - 3) < 1e-7);
   const Result balanced = at(*mcp, 0, {.tol_relative = 1e-9, .max_iterations = 50});
   EXPECT_TRUE(!balanced.solved() || std::abs(balanced.x[0] - 3) < 1e-7);
 }

@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+/// Notes on what a solve makes of the parts of a model that are no complementarity conditions.
+#include "app/problem/problem.hpp"
+#include "ncp/strategy/solve.hpp"
+
+namespace perp::app {
+
+/// Adds to result.notes that the objective is not used; and where no solution was found, but there is one without the
+/// side inequalities, which of them hold it out. That takes a second solve, no longer than the first one or a second.
+void add_model_notes(const LoadedProblem& problem, const ncp::Method& method, ncp::Result& result);
+
+}  // namespace perp::app

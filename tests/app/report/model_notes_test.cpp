@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Parts of a model that are no complementarity conditions: every output says what becomes of them.
+#include "app/report/model_notes.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "app/commands/ampl_driver.hpp"
+#include "app/commands/solve.hpp"
+#include "app/json.hpp"
+#include "app/support.hpp"
+
+namespace perp::app {
+namespace {
+
+using testing::HasSubstr;
+
+/// Text, JSON and .sol file of a model.
+void expect_note(const std::string& nl, const std::string& note) {
+  const test::Folder folder;
+  test::write(folder / "m.nl", nl);
+  test::Captured captured;
+  solve({.problem = folder / "m.nl", .json = folder / "out.json"}, captured.streams);
+  const std::string out = captured.out.str();
+  ASSERT_THAT(out, HasSubstr("Note: " + note));
+  EXPECT_LT(out.find("Note: "), out.find("variable  ")) << "before the table: " << out;
+  const test::Json notes = test::parse_json(test::read(folder / "out.json"))["notes"];
+  ASSERT_FALSE(notes.empty());
+  EXPECT_THAT(notes.back().get<std::string>(), HasSubstr(note));
+  test::Captured ampl;
+  ampl_driver({.arguments = {folder / "m", "-AMPL"}}, ampl.streams);
+  std::string sol = test::read(folder / "m.sol");
+  for (char& c : sol)
+    if (c == '\n') c = ' ';  // the message may be broken into lines
+  EXPECT_THAT(sol, HasSubstr("Note: " + note.substr(0, 20)));
+}
+
+// sqrt(2) minimises nothing. Catches a solution that passes for an optimum.
+TEST(ModelNotes, AnObjectiveIsNotUsed) {
+  std::string nl = test::sqrt2_nl();
+  nl.replace(nl.find("\n 1 1 0"), 7, "\n 1 1 1");
+  nl.insert(nl.find("x1\n"), "O0 0\nn5\n");
+  expect_note(nl, "the objective is not used");
+}
+
+// x^2 = 2, and the side inequality x^2 <= 1 wants 1 less. Catches "no progress" that does not say why.
+TEST(ModelNotes, SideInequalitiesThatHoldTheSolutionOut) {
+  std::string nl = test::side_inequality_nl();
+  nl.replace(nl.find("\n1 10\n"), 6, "\n1 1\n");
+  expect_note(nl, "without its side inequalities the model has a solution, which violates side[_scon[2]] (by 1)");
+}
+
+}  // namespace
+}  // namespace perp::app
