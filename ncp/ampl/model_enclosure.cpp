@@ -24,6 +24,8 @@ class ModelEnclosure final : public Enclosure {
   double work() const override { return model_.expressions.graph.work(); }
   void values(std::span<const Interval> X, std::span<Interval> F, std::span<char> defined) const override;
   void jacobian(std::span<const Interval> X, std::span<Interval> J, std::span<char> known) const override;
+  std::vector<UndefinedOperation> undefined(std::span<const double> x, bool derivatives,
+                                            const NameOf& name) const override;
 
  private:
   ExpressionGraph::Node root(int row) const { return model_.expressions.rows[at(row)]; }
@@ -89,6 +91,22 @@ void ModelEnclosure::jacobian(std::span<const Interval> X, std::span<Interval> J
     const JacobianMap::Entry& entry = map_.entries[k];
     J[k] = entry.nonzero < 0 ? Interval(entry.factor) : entry.factor * nonzeros[at(entry.nonzero)];
   }
+}
+
+std::vector<UndefinedOperation> ModelEnclosure::undefined(std::span<const double> x, bool derivatives,
+                                                          const NameOf& name) const {
+  const PointValues values(model_.expressions.graph, x);
+  std::vector<UndefinedOperation> found;
+  for (std::size_t u = 0; u < pairing_.equations.size(); ++u) {
+    if (!pairing_.equations[u].of_row) continue;
+    for (UndefinedOperation& operation : values.undefined(root(pairing_.equations[u].index), derivatives, name)) {
+      operation.row = static_cast<int>(u);
+      for (BoundedVariable& j : operation.variables)
+        j.bounds = {model_.variables[at(j.index)].lower, model_.variables[at(j.index)].upper};
+      found.push_back(std::move(operation));
+    }
+  }
+  return found;
 }
 
 }  // namespace

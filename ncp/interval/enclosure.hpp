@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "ncp/interval/interval.hpp"
+#include "ncp/interval/undefined.hpp"
 
 namespace perp::ncp {
 
@@ -22,6 +23,12 @@ class Enclosure {
   /// only Lipschitz continuous, Clarke's Jacobian. `known`, one flag a row: F_i is defined and Lipschitz continuous on
   /// all of X, so that its entries mean something. Throws std::bad_alloc.
   virtual void jacobian(std::span<const Interval> X, std::span<Interval> J, std::span<char> known) const = 0;
+  /// The operations that leave rows of F without a value at x, or with `derivatives` rows of J; `name` is that of a
+  /// variable. None: none is known.
+  virtual std::vector<UndefinedOperation> undefined(std::span<const double> /*x*/, bool /*derivatives*/,
+                                                    const NameOf& /*name*/) const {
+    return {};
+  }
 };
 
 }  // namespace perp::ncp

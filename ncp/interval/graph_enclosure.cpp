@@ -40,4 +40,16 @@ void GraphEnclosure::jacobian(std::span<const Interval> X, std::span<Interval> J
   }
 }
 
+std::vector<UndefinedOperation> GraphEnclosure::undefined(std::span<const double> x, bool derivatives,
+                                                          const NameOf& name) const {
+  const PointValues values(f_.graph, x);
+  std::vector<UndefinedOperation> found;
+  for (std::size_t i = 0; i < f_.rows.size(); ++i)
+    for (UndefinedOperation& operation : values.undefined(f_.rows[i], derivatives, name)) {
+      operation.row = static_cast<int>(i);
+      found.push_back(std::move(operation));
+    }
+  return found;
+}
+
 }  // namespace perp::ncp

@@ -18,6 +18,8 @@ class GraphEnclosure final : public Enclosure {
   using Enclosure::values;
   void values(std::span<const Interval> X, std::span<Interval> F, std::span<char> defined) const override;
   void jacobian(std::span<const Interval> X, std::span<Interval> J, std::span<char> known) const override;
+  std::vector<UndefinedOperation> undefined(std::span<const double> x, bool derivatives,
+                                            const NameOf& name) const override;
 
  private:
   Expressions f_;

@@ -6,6 +6,7 @@
 
 #include "lcp/judge/result.hpp"
 #include "ncp/problem/linear_part.hpp"
+#include "ncp/run/undefined_start.hpp"
 
 namespace perp::ncp {
 namespace {
@@ -100,7 +101,9 @@ bool Run::start(In x0, Point& point) {
   const bool has_F = counted_.eval(point.x, point.F);
   best_ = {.x = point.x, .F = point.F, .residual = {}};
   if (!has_F) {
-    end(Status::EvaluationFailed, undefined_at_start(point.x, point.F), "give a start inside the domain of F");
+    const std::string why = why_undefined(mcp(), point.x, point.F);
+    end(Status::EvaluationFailed, why.empty() ? "F is not defined at the start" : "not defined: " + why,
+        "give a start inside the domain of F");
     return false;
   }
   best_.residual = residual(box(), point.x, point.F);
@@ -109,27 +112,13 @@ bool Run::start(In x0, Point& point) {
   if (solved(best_)) return true;  // J is not needed
   point.F = best_.F;
   if (!counted_.jacobian(point.x, point.J)) {
-    std::string where;
-    for (Index j = 0; j < point.J.cols() && where.empty(); ++j)
-      for (SpMat::InnerIterator it(point.J, j); it && where.empty(); ++it)
-        if (!std::isfinite(it.value()))
-          where = ": the derivative of equation " + equation(it.row()) + " with respect to variable " +
-                  mcp().variable_name(j) + " is " + number(it.value());
-    end(Status::EvaluationFailed, "the Jacobian is not defined at the start" + where,
+    std::string why = why_undefined(mcp(), point.x, point.F, &point.J);
+    if (!why.empty()) why.insert(0, ": ");
+    end(Status::EvaluationFailed, "the Jacobian is not defined at the start" + why,
         "give a start inside the domain of the Jacobian, for instance away from the bounds");
     return false;
   }
   return true;
-}
-
-std::string Run::undefined_at_start(In x, In F) const {
-  for (Index i = 0; i < F.size(); ++i)
-    if (!std::isfinite(F[i])) {
-      const char* value = std::isnan(F[i]) ? "NaN" : "infinite (an overflow or a pole)";
-      return "equation " + equation(i) + " is " + value + " at the start, where its variable " +
-             mcp().variable_name(i) + " = " + number(x[i]);
-    }
-  return "F is not defined at the start";
 }
 
 Judged Run::judged(const Point& point) {

@@ -172,7 +172,6 @@ class Run {
   bool solved(Judged& judged, const SpMat* J = nullptr);
   /// The best point is Solved after all, or SolvedToRounding.
   bool settled();
-  std::string undefined_at_start(In x, In F) const;
   /// What is proven of this problem, with the multipliers of a proof on a transformed one; no bound if that is less
   /// than the tolerance.
   Infeasibility proven(const Vec& y) const;

@@ -16,6 +16,7 @@
 #include "ncp/interval/enclosure.hpp"
 #include "ncp/run/notes.hpp"
 #include "ncp/run/run.hpp"
+#include "ncp/run/undefined_start.hpp"
 #include "ncp/strategy/proximal.hpp"
 #include "ncp/strategy/strategies.hpp"
 #include "ncp/strategy/strategy_node.hpp"
@@ -103,12 +104,21 @@ void refute_in_parts(Run& run, double tol) {
 
 /// The method, and of runs that have found nothing whether there is nothing. Most problems have a solution: the first
 /// attempt goes before the proof, and a cheap proof before other attempts.
-void solve_or_refute(Run& run, In x0, const Method& method) {
+void solve_or_refute(Run& run, In x0, const Method& method, std::vector<std::string>& notes) {
   const Mcp& mcp = run.mcp();
   const double tol = stop(method).tol;
   const auto refutation = std::make_shared<RangesRefuse>(mcp, tol);
   run.give_up_where([refutation] { return refutation->cheap() && refutation->verdict(); });
-  run.guard([&] { run_in_order(run, x0, [&](Run& inner, In z0) { run_method(inner, z0, method); }); });
+  const Body in_order = [&method](Run& outer, In z0) {
+    run_in_order(outer, z0, [&method](Run& inner, In z) { run_method(inner, z, method); });
+  };
+  run.guard([&] { in_order(run, x0); });
+  if (run.ended() && run.status() == Status::EvaluationFailed && run.iterations() == 0)
+    if (const auto moved = moved_start(run.counted(), lcp::project(mcp.box(), x0))) {
+      notes.push_back(moved->note);
+      run.resume({});
+      run.guard([&] { in_order(run, moved->x); });
+    }
   if (!run.ended()) return;
   const bool late = run.status() == Status::TimeLimit || run.status() == Status::OutOfMemory;
   const bool lost = ncp::stuck(run.status()) || run.status() == Status::IterationLimit || (late && refutation->cheap());
@@ -336,8 +346,10 @@ Result solve(const Mcp& mcp, In x0, const Method& method, const Observer& observ
         refuse_input(mcp.name(), ": ", mismatch);
   const JacobianWork before = mcp.jacobian_work();
   Run run(mcp, stop(method), observer);
-  run.guard([&] { solve_or_refute(run, x0, method); });
+  std::vector<std::string> notes;
+  run.guard([&] { solve_or_refute(run, x0, method, notes); });
   Result result = run.result(x0);
+  result.notes = std::move(notes);
   result.message += words_on_proof(result.proof) + words_on_best(mcp, result);
   try {
     if (result.status != Status::OutOfMemory) comment(run, x0, method, result);

@@ -204,7 +204,7 @@ TEST(MinNewton, BacktracksIntoTheDomain) {
       0, infinity, [](double x) { return std::log(x); }, [](double x) { return 1 / x; }));
   for (const auto& [label, method] : both()) {
     expect_solution(*mcp, vec({5}), method, vec({1}), 1e-7, label);
-    EXPECT_EQ(solve(*mcp, vec({0}), method).status, Status::EvaluationFailed) << label;
+    expect_solution(*mcp, vec({0}), method, vec({1}), 1e-7, label + ", moved off the bound");
   }
 }
 

@@ -239,7 +239,7 @@ TEST(Status, EvaluationFailedAtTheStartNamesTheRow) {
   Functions functions = market(support::kojima_shindo());
   functions.F = [F = functions.F](In x, Out out) {
     F(x, out);
-    out[2] = std::log(x[2]);
+    out[2] = x[2] == 0 ? -infinity : nan;
     return true;
   };
   const auto mcp = make_mcp(functions);
@@ -255,7 +255,7 @@ TEST(Status, EvaluationFailedAtTheStartNamesTheRow) {
     return false;
   };
   EXPECT_THAT(solve(*make_mcp(functions), Vec::Ones(4), NewtonJosephy{}).message,
-              AllOf(HasSubstr("equation oats is NaN"), HasSubstr("price[3] = 1")));
+              AllOf(HasSubstr("row oats is NaN"), HasSubstr("price[3] = 1")));
   functions.F = [](In, Out) { return false; };
   EXPECT_THAT(solve(*make_mcp(functions), Vec::Ones(4), NewtonJosephy{}).message,
               HasSubstr("F is not defined at the start"));
@@ -269,12 +269,43 @@ TEST(Status, EvaluationFailedWhereTheJacobianIsNotDefined) {
     return true;
   };
   const auto mcp = make_mcp(functions);
+  const Result result = solve(*mcp, Vec::Zero(4), PathSearch{});
+  ASSERT_FALSE(result.notes.empty()) << result;
+  EXPECT_THAT(result.notes.front(), AllOf(HasSubstr("rye"), HasSubstr("price[4] = 0"), HasSubstr("to price[4] = 1")));
+  EXPECT_NE(result.status, Status::EvaluationFailed) << result;
+  // At no point at all: there is nowhere to move the start to.
+  functions.J = [J = functions.J](In x, SpMat& out) {
+    J(x, out);
+    out.coeffRef(1, 3) = infinity;
+    return true;
+  };
   for (const auto& [label, method] : methods({.check_derivatives = true})) {
-    const Result result = solve(*mcp, Vec::Zero(4), method);
-    EXPECT_EQ(result.status, Status::EvaluationFailed) << label;
-    EXPECT_THAT(result.message, AllOf(HasSubstr("Jacobian"), HasSubstr("rye"), HasSubstr("price[4]"), HasSubstr("inf")))
+    const Result failed = solve(*make_mcp(functions), Vec::Zero(4), method);
+    EXPECT_EQ(failed.status, Status::EvaluationFailed) << label;
+    EXPECT_THAT(failed.message, AllOf(HasSubstr("Jacobian"), HasSubstr("rye"), HasSubstr("price[4]"), HasSubstr("inf")))
         << label;
-    EXPECT_EQ(result.stats.F_evals, 1) << label;
+  }
+}
+
+// Logarithms given as functions, at 0: nothing but an infinity tells where they are defined. By hand, x = (1, 2, 1).
+// Catches that only models with expressions are moved off their bounds.
+TEST(Status, AStartOnABoundOutsideTheDomainIsMoved) {
+  Functions functions{.name = "logs", .box = Box::nonnegative(3), .pattern = dense_pattern(3), .F = {}};
+  functions.F = [](In x, Out F) {
+    F << std::log(x[0]), std::log(x[1]) - std::log(2), x[2] - 1;
+    return true;
+  };
+  functions.J = [](In x, SpMat& J) {
+    std::fill(J.valuePtr(), J.valuePtr() + 9, 0.0);
+    J.coeffRef(0, 0) = 1 / x[0];
+    J.coeffRef(1, 1) = 1 / x[1];
+    J.coeffRef(2, 2) = 1;
+    return true;
+  };
+  for (const auto& [label, method] : methods()) {
+    const Result result = solve(*make_mcp(functions), Vec::Zero(3), method);
+    ASSERT_TRUE(result.solved()) << label << ": " << result;
+    EXPECT_LT((result.x - vec({1, 2, 1})).lpNorm<Eigen::Infinity>(), 1e-5) << label;
   }
 }
 
