@@ -193,4 +193,31 @@ Structure dulmage_mendelsohn(const SpMat& A, Entries entries) {
   return s;
 }
 
+std::vector<StructurePart> overdetermined_parts(const SpMat& A, std::size_t most, Entries entries) {
+  const Graph columns = columns_of(A, entries);
+  const Graph rows = transposed(columns);
+  const Matching matching = HopcroftKarp(columns).matching();
+  std::vector<StructurePart> parts;
+  std::vector<Index> reached_from(at(A.cols()), -1);
+  for (Index start = 0; start < A.rows() && parts.size() < most; ++start) {
+    if (matching.column_of_row[at(start)] >= 0) continue;
+    StructurePart part{.rows = {start}, .columns = {}};
+    for (std::size_t head = 0; head < part.rows.size(); ++head) {
+      const Index i = part.rows[head];
+      for (Index k = rows.begin(i); k < rows.end(i); ++k) {
+        const Index j = rows.neighbours[at(k)];
+        if (reached_from[at(j)] == start) continue;
+        reached_from[at(j)] = start;
+        part.columns.push_back(j);
+        part.rows.push_back(matching.row_of_column[at(j)]);  // there is one: the matching is maximum
+      }
+    }
+    std::ranges::sort(part.rows);
+    std::ranges::sort(part.columns);
+    parts.push_back(std::move(part));
+  }
+  std::ranges::stable_sort(parts, {}, [](const StructurePart& part) { return part.rows.size(); });
+  return parts;
+}
+
 }  // namespace perp::lcp

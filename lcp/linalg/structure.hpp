@@ -58,4 +58,9 @@ struct Structure {
 /// The coarse decomposition; time and memory as maximum_matching().
 Structure dulmage_mendelsohn(const SpMat& A, Entries entries = Entries::NonZero);
 
+/// Small sets of rows with fewer columns than rows: of each row that a maximum matching leaves alone, at most `most` of
+/// them, it and the rows that alternating paths from it reach. All columns of the set but one row's are needed: without
+/// any one of the rows it can be matched. Ascending by size.
+std::vector<StructurePart> overdetermined_parts(const SpMat& A, std::size_t most, Entries entries = Entries::NonZero);
+
 }  // namespace perp::lcp

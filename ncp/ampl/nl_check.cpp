@@ -211,17 +211,10 @@ void Segments::suffix() {
 void Segments::ranges(std::vector<NlRange>& ranges, bool rows) {
   const int n = rows ? header_.n_con : header_.n_var;
   ranges.reserve(at(n));
-  std::vector<int> complemented(rows ? at(header_.n_var) : 0, -1);
   int conditions = 0;
   for (int i = 0; i < n; ++i) {
     ranges.push_back(range(rows ? "constraint" : "variable", rows));
     if (ranges.back().complement < 0) continue;
-    int& row = complemented[at(ranges.back().complement)];
-    if (row >= 0)
-      tokens_.fail("constraint " + std::to_string(i + 1) + " complements variable " +
-                   std::to_string(ranges.back().complement + 1) + ", as constraint " + std::to_string(row + 1) +
-                   " does");
-    row = i;
     ++conditions;
   }
   if (rows && conditions != header_.n_cc)

@@ -6,6 +6,8 @@
 #include <cmath>
 
 #include "ncp/ampl/model.hpp"
+#include "ncp/interval/undefined.hpp"
+#include "ncp/problem/model_structure.hpp"
 #include "ncp/problem/words.hpp"
 
 namespace perp::ncp::ampl {
@@ -77,27 +79,84 @@ void refuse_contradictions(const NlModel& model, const Names& names) {
   }
 }
 
-void refuse_nonsquare(const NlModel& model, const Names& names, const std::vector<char>& complemented) {
-  std::vector<std::string> equations, variables;
-  int conditions = 0;
+void refuse_double_complements(const NlModel& model, const Names& names, const std::vector<char>& complemented) {
+  std::vector<int> first(model.variables.size(), -1);
   for (std::size_t i = 0; i < model.rows.size(); ++i) {
-    if (model.rows[i].complement >= 0)
-      ++conditions;
-    else if (is_equation(model.rows[i]))
-      equations.push_back(names.row(static_cast<int>(i)));
+    const int j = model.rows[i].complement;
+    if (j < 0) continue;
+    if (first[at(j)] < 0) {
+      first[at(j)] = static_cast<int>(i);
+      continue;
+    }
+    std::vector<std::string> without;
+    for (std::size_t k = 0; k < model.variables.size(); ++k)
+      if (!complemented[k] && (std::isfinite(model.variables[k].lower) || std::isfinite(model.variables[k].upper)))
+        without.push_back(names.variable(static_cast<int>(k)));
+    std::string message = model.at(model.rows[i].place) + ": rows " + names.row(first[at(j)]) + " and " +
+                          names.row(static_cast<int>(i)) + " both complement variable " + names.variable(j);
+    if (!without.empty()) message += "; no row complements " + Names::list(without) + ", which has bounds";
+    throw ModelError(bad_file, message);
   }
-  for (std::size_t j = 0; j < complemented.size(); ++j)
-    if (!complemented[j]) variables.push_back(names.variable(static_cast<int>(j)));
-  if (equations.size() == variables.size()) return;
-  std::string message = model.file + ": the model is not square: " + std::to_string(equations.size()) +
-                        " equations and " + std::to_string(conditions) + " complementarity conditions for " +
-                        std::to_string(complemented.size()) + " variables; ";
-  const auto paired = static_cast<std::ptrdiff_t>(std::min(equations.size(), variables.size()));
-  const bool too_many = equations.size() > variables.size();
-  std::vector<std::string>& longer = too_many ? equations : variables;
-  longer.erase(longer.begin(), longer.begin() + paired);
-  message += (too_many ? "without a variable are the equations " : "without an equation or complement are ") +
-             Names::list(longer);
+}
+
+/// Rows and variables as they are written, with what rows change by between points where most of them are defined.
+ModelStructure structure_of(const NlModel& model, const Names& names) {
+  const auto m = static_cast<Index>(model.rows.size());
+  const auto n = static_cast<Index>(model.variables.size());
+  ModelStructure s{.pattern = SpMat(m, n),
+                   .own = SpMat(m, n),
+                   .complement = {},
+                   .changes = Eigen::MatrixXd::Zero(m, 3),
+                   .row = [&names](Index i) { return names.row(static_cast<int>(i)); },
+                   .variable = [&names](Index j) { return names.variable(static_cast<int>(j)); }};
+  std::vector<Eigen::Triplet<double>> entries, complements;
+  for (Index i = 0; i < m; ++i) {
+    const NlRange& row = model.rows[at(i)];
+    s.complement.push_back(row.complement);
+    s.imposes.push_back(row.complement >= 0 || is_equation(row) ? 1 : 0);
+    if (!s.imposes.back()) continue;
+    if (row.complement >= 0) complements.emplace_back(static_cast<int>(i), row.complement, 1);
+    for (const int j : model.row_variables[at(i)]) entries.emplace_back(static_cast<int>(i), j, 1);
+  }
+  s.own.setFromTriplets(entries.begin(), entries.end());
+  entries.insert(entries.end(), complements.begin(), complements.end());
+  s.pattern.setFromTriplets(entries.begin(), entries.end());
+  for (const NlRange& v : model.variables)
+    s.bounded.push_back(std::isfinite(v.lower) || std::isfinite(v.upper) ? 1 : 0);
+  Vec base;
+  for (int k = 0; k <= s.changes.cols(); ++k) {
+    Vec x(n);
+    for (Index j = 0; j < n; ++j)
+      x[j] = std::clamp(0.6 + 0.3 * std::sin(1.7 * static_cast<double>(j + 1) * (k + 1)), model.variables[at(j)].lower,
+                        std::max(model.variables[at(j)].lower, model.variables[at(j)].upper));
+    const PointValues values(model.expressions.graph, {x.data(), at(n)});
+    Vec c(m);
+    for (Index i = 0; i < m; ++i) {
+      c[i] = values[model.expressions.rows[at(i)]];
+      for (std::size_t e = 0; e < model.row_variables[at(i)].size(); ++e)
+        c[i] += model.coefficients[at(i)][e] * x[model.row_variables[at(i)][e]];
+    }
+    if (k == 0)
+      s.values = base = c;
+    else
+      s.changes.col(k - 1) = c - base;
+  }
+  return s;
+}
+
+void refuse_nonsquare(const NlModel& model, const Names& names, const std::vector<char>& complemented) {
+  std::ptrdiff_t conditions = 0, equations = 0;
+  for (const NlRange& row : model.rows) {
+    if (row.complement >= 0)
+      ++conditions;
+    else if (is_equation(row))
+      ++equations;
+  }
+  if (equations == std::ranges::count(complemented, 0)) return;
+  std::string message = model.file + ": the model is not square: " + quantity(equations, "equation") + " and " +
+                        quantity(conditions, "complementarity condition") + " for " +
+                        quantity(std::ssize(complemented), "variable");
+  for (const std::string& fault : faults(structure_of(model, names))) message += "; " + fault;
   throw ModelError(nonsquare, message);
 }
 
@@ -167,6 +226,7 @@ Pairing pair(const NlModel& model, const Names& names) {
   std::vector<char> complemented(model.variables.size(), 0);
   for (const NlRange& row : model.rows)
     if (row.complement >= 0) complemented[at(row.complement)] = 1;
+  refuse_double_complements(model, names, complemented);
   refuse_nonsquare(model, names, complemented);
 
   Pairing pairing;

@@ -41,7 +41,7 @@ struct Pairing {
 };
 
 /// Throws ModelError: integer variables (bad_file), empty ranges (inconsistent_bounds), a complementarity row whose
-/// kind contradicts its variable's bounds (bad_file), a model that is not square (nonsquare).
+/// kind contradicts its variable's bounds, or two of one variable (bad_file), a model that is not square (nonsquare).
 Pairing pair(const NlModel& model, const Names& names);
 
 /// The Jacobian of F in terms of the nonzeros of the model's own Jacobian, which come by columns, rows ascending.

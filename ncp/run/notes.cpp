@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "ncp/problem/model_structure.hpp"
 #include "ncp/run/judge.hpp"
 #include "ncp/run/run.hpp"
 
@@ -88,6 +89,15 @@ void add_notes(const Mcp& mcp, const Stop& stop, const SpMat& J, const lcp::RowT
   }
 }
 
+/// Tells of rows that are too many or too few: in the message where no solution was found.
+void tell_structure(const Mcp& mcp, const SpMat* J, Result& result) {
+  for (const std::string& fault : faults(structure_of(mcp, &result.F, J)))
+    if (result.accepted())
+      result.notes.push_back(fault);
+    else
+      result.message += "; " + fault;
+}
+
 }  // namespace
 
 double imbalance(const Mcp& mcp, const SpMat& J, In x, In F, double tol) {
@@ -101,10 +111,14 @@ double imbalance(const Mcp& mcp, const SpMat& J, In x, In F, double tol) {
 }
 
 std::optional<SpMat> annotate(const Mcp& mcp, const Stop& stop, Result& result) {
-  if (result.F.size() != mcp.size() || !result.F.allFinite() || !result.x.allFinite()) return {};
   CountedMcp counted(mcp);
   SpMat J = mcp.jacobian_pattern();
-  if (!counted.jacobian(result.x, J)) return {};
+  const bool finite = result.F.size() == mcp.size() && result.F.allFinite() && result.x.allFinite();
+  if (!finite || !counted.jacobian(result.x, J)) {
+    tell_structure(mcp, nullptr, result);
+    return {};
+  }
+  tell_structure(mcp, &J, result);
   const lcp::RowTerms terms = row_terms(J, result.x, result.F);
   const lcp::Accuracy accuracy = lcp::accuracy(row_residuals(mcp.box(), result.x, result.F), terms);
   result.relative = accuracy.relative;

@@ -412,8 +412,9 @@ Result Run::result(In x0) {
 std::string words_on_best(const Mcp& mcp, const Result& result) {
   const Residual& r = result.residual;
   if (result.status == Status::Solved || r.worst < 0 || !std::isfinite(r.natural)) return {};
+  // Which free variable a row is paired with is no part of the model.
   return "; the best point has natural residual " + number(r.natural) + ", worst in equation " +
-         mcp.equation_name(r.worst) + " of variable " + mcp.variable_name(r.worst);
+         mcp.equation_name(r.worst) + (mcp.box().is_free(r.worst) ? "" : " of variable " + mcp.variable_name(r.worst));
 }
 
 }  // namespace perp::ncp

@@ -160,7 +160,7 @@ TEST(Grammar, Ranges) {
   p.r = "r\n5 4 1\n5 1 2\n";
   expect_bad(p, {"kind of complementarity is 4, not in 0..3"});
   p.r = "r\n5 1 1\n5 1 1\n";
-  expect_bad(p, {"model.nl:21: ", "constraint 2 complements variable 1, as constraint 1 does"});
+  expect_bad(p, {"model.nl:21: ", "rows _scon[1] and _scon[2] both complement variable _svar[1]"});
   p.r = "r\n5 1 1\n4 0\n";
   expect_bad(p, {"declares 2 complementarity conditions, the rows have 1"});
   p.r = "r\n5 1 1\n";

@@ -2,8 +2,10 @@
 // What is no complementarity problem is refused with AMPL's codes and a message a person can act on.
 #include <sys/stat.h>
 
+#include <algorithm>
 #include <climits>
 
+#include "ncp/strategy/solve.hpp"
 #include "nl_text.hpp"
 
 namespace perp::ncp::ampl {
@@ -16,7 +18,7 @@ TEST(Refusals, NotSquare) {
                  {"not square", "2 equations and 0 complementarity conditions for 3 variables", "_svar[3]"});
   expect_refused(
       text({.cons = 2, .eqns = 2, .nonzeros = 2}) + "C0\nn0\nC1\nn0\nr\n4 1\n4 2\nb\n3\nk0\nJ0 1\n0 1\nJ1 1\n0 1\n",
-      nonsquare, {"2 equations", "1 variables", "without a variable are the equations _scon[2]"});
+      nonsquare, {"2 equations", "1 variable;", "row _scon[2] repeats row _scon[1]"});
   EXPECT_EQ(nonsquare, 504);
 }
 
@@ -34,6 +36,40 @@ TEST(Refusals, AnObjectiveThatHasVariablesToChoose) {
   expect_refused(text({.vars = 2, .cons = 1, .objs = 1, .cc = 1, .nonzeros = 2, .gradient = 2}) +
                      "C0\nn0\nO0 0\nn0\nr\n5 1 1\nb\n0 0 1\n0 0 1\nk1\n1\nJ0 2\n0 1\n1 1\nG0 2\n0 1\n1 1\n",
                  nonsquare, {"MPEC", "1 complementarity condition and 0 equations leave 1 variable to the objective"});
+}
+
+// x = 1, 2x = 1, y = 3 in every order of the rows, and without an equation for one of two variables: the rows in x
+// alone are named, and the variable that is in no row. Catches blame for whatever comes last in the file.
+TEST(Refusals, NotSquareNamesThePartThatIsToBlame) {
+  std::vector<int> order{0, 1, 2};
+  do {
+    std::string s = text({.vars = 2, .cons = 3, .eqns = 3, .nonzeros = 3}) + "C0\nn0\nC1\nn0\nC2\nn0\nr\n";
+    std::string j;
+    std::vector<std::string> names(3);
+    for (int i = 0; i < 3; ++i) {
+      const int row = order[static_cast<std::size_t>(i)];
+      s += row == 2 ? "4 3\n" : "4 1\n";
+      j += "J" + std::to_string(i) + " 1\n" + (row == 0 ? "0 1\n" : row == 1 ? "0 2\n" : "1 1\n");
+      names[static_cast<std::size_t>(row)] = "_scon[" + std::to_string(i + 1) + "]";
+    }
+    const auto [first, second] = std::minmax(names[0], names[1]);
+    expect_refused(s + "b\n3\n3\nk1\n2\n" + j, nonsquare,
+                   {"too many equations: 2 rows (" + first + " and " + second + ") for 1 variable (_svar[1])",
+                    "row " + second + " repeats row " + first});
+  } while (std::ranges::next_permutation(order).found);
+  expect_refused(text({.vars = 2, .cons = 1, .eqns = 1}) + "C0\nn0\nr\n4 2\nb\n3\n3\nk1\n0\nJ0 1\n1 1\n", nonsquare,
+                 {"variable _svar[1] is in no row"});
+}
+
+// The square model x = 1, 2x = 1 in x and y: what is wrong with it is told with whatever the solve says.
+TEST(Refusals, SquareButSingularIsTold) {
+  const auto model = read_text(text({.vars = 2, .cons = 2, .eqns = 2, .nonzeros = 2}) +
+                               "C0\nn0\nC1\nn0\nr\n4 1\n4 1\nb\n3\n3\nk1\n2\nJ0 1\n0 1\nJ1 1\n0 2\n");
+  const Result result = solve(*model, model->start(), Auto{});
+  EXPECT_FALSE(result.accepted());
+  EXPECT_THAT(result.message,
+              testing::AllOf(testing::HasSubstr("2 rows (_scon[1] and _scon[2]) for 1 variable (_svar[1])"),
+                             testing::HasSubstr("variable _svar[2] is in no row")));
 }
 
 TEST(Refusals, InconsistentBounds) {

@@ -1,0 +1,269 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ncp/problem/model_structure.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <iterator>
+#include <map>
+#include <unordered_map>
+
+#include "lcp/linalg/structure.hpp"
+#include "ncp/problem/words.hpp"
+
+namespace perp::ncp {
+namespace {
+
+using Indices = std::vector<Index>;
+using lcp::StructurePart;
+using NameAt = std::function<std::string(Index)>;
+
+constexpr std::size_t few = 5;         // rows that a person looks through
+constexpr std::size_t most_parts = 3;  // told
+
+std::string listed(const Indices& indices, const NameAt& name) {
+  std::string text;
+  for (std::size_t k = 0; k < std::min(few, indices.size()); ++k)
+    text += (k == 0 ? "" : k + 1 == indices.size() ? " and " : ", ") + name(indices[k]);
+  return indices.size() > few ? text + " and " + std::to_string(indices.size() - few) + " more" : text;
+}
+
+struct Multiple {
+  Index first, second;
+  double factor;  ///< second = factor * first, up to a constant
+};
+/// Rows of the same variables that change in proportion.
+std::vector<Multiple> multiples(const ModelStructure& model) {
+  std::vector<Multiple> found;
+  const SpMat rows = model.own.transpose();
+  std::map<Indices, Indices> by_variables;
+  if (model.changes.rows() == model.pattern.rows())
+    for (Index i = 0; i < rows.cols(); ++i) {
+      if (!model.imposes[at(i)] || !model.changes.row(i).allFinite() || model.changes.row(i).isZero(0)) continue;
+      Indices variables;
+      for (SpMat::InnerIterator it(rows, i); it; ++it) variables.push_back(it.row());
+      by_variables[std::move(variables)].push_back(i);
+    }
+  constexpr double equal = 1e-9;      // relative difference of changes: they are some 10 roundings off
+  constexpr std::size_t most = 1000;  // rows of the same variables that are compared
+  for (const auto& [variables, group] : by_variables)
+    for (std::size_t b = 1; b < std::min(most, group.size()); ++b)
+      for (std::size_t a = 0; a < b; ++a) {
+        const Vec u = model.changes.row(group[a]);
+        const Vec v = model.changes.row(group[b]);
+        const double factor = u.dot(v) / u.squaredNorm();
+        if ((v - factor * u).norm() > equal * v.norm()) continue;
+        // Conditions on opposite sides of an interval are in order; one and the same twice is not.
+        const bool equations = model.complement[at(group[a])] < 0 && model.complement[at(group[b])] < 0;
+        const bool equal_values =
+            std::abs(factor - 1) <= equal && std::abs(model.values[group[a]] - model.values[group[b]]) <=
+                                                 equal * (v.norm() + std::abs(model.values[group[b]]));
+        if (!equations && !equal_values) continue;
+        found.push_back({group[a], group[b], factor});
+        break;
+      }
+  return found;
+}
+
+/// Names of rows that are made of names of variables, or the other way round, as d_x of x: which have no partner?
+struct Unpaired {
+  std::vector<char> rows, variables;  ///< 1: without one although others of the kind have one
+};
+/// A part of the name that all of a kind share, and the rest: "d_" and "x1", "cap" and "[gas]".
+Unpaired unpaired(const ModelStructure& model) {
+  const Index m = model.pattern.rows(), n = model.pattern.cols();
+  std::vector<std::string> rows, variables;
+  for (Index i = 0; i < m; ++i) rows.push_back(model.row(i));
+  for (Index j = 0; j < n; ++j) variables.push_back(model.variable(j));
+  Unpaired out{std::vector<char>(at(m), 0), std::vector<char>(at(n), 0)};
+  std::vector<char> row_paired(at(m), 0), variable_paired(at(n), 0);
+  // `longer` = prefix + `shorter`.
+  const auto pair_up = [](const std::vector<std::string>& longer, const std::vector<std::string>& shorter,
+                          std::vector<char>& longer_paired, std::vector<char>& shorter_paired) {
+    constexpr std::size_t enough = 3;  // pairs that show a habit
+    std::unordered_map<std::string, std::size_t> index;
+    for (std::size_t k = 0; k < shorter.size(); ++k) index.emplace(shorter[k], k);
+    std::map<std::string, std::vector<std::pair<std::size_t, std::size_t>>> habits;
+    for (std::size_t k = 0; k < longer.size(); ++k)
+      for (std::size_t p = 0; p < std::min<std::size_t>(longer[k].size(), 16); ++p)
+        if (const auto it = index.find(longer[k].substr(p)); it != index.end())
+          habits[longer[k].substr(0, p)].emplace_back(k, it->second);
+    for (const auto& [prefix, pairs] : habits) {
+      if (pairs.size() < enough) continue;
+      for (const auto& [a, b] : pairs) {
+        longer_paired[a] = longer_paired[a] != 0 || shorter_paired[b] == 0 ? 1 : 0;
+        shorter_paired[b] = 1;
+      }
+    }
+  };
+  pair_up(rows, variables, row_paired, variable_paired);
+  pair_up(variables, rows, variable_paired, row_paired);
+  if (std::ranges::count(variable_paired, 1) * 2 > n)
+    for (Index j = 0; j < n; ++j) out.variables[at(j)] = variable_paired[at(j)] == 0 ? 1 : 0;
+  if (std::ranges::count(row_paired, 1) * 2 > m)
+    for (Index i = 0; i < m; ++i) out.rows[at(i)] = row_paired[at(i)] == 0 ? 1 : 0;
+  return out;
+}
+
+/// The family of a name and its index: "cap[gas]" is "cap" and "gas", "e12" is "e" and "12".
+std::pair<std::string, std::string> split(const std::string& name) {
+  if (const auto bracket = name.find('['); bracket != std::string::npos)
+    return {name.substr(0, bracket), name.substr(bracket)};
+  std::size_t digits = name.size();
+  while (digits > 0 && std::isdigit(static_cast<unsigned char>(name[digits - 1]))) --digits;
+  return {name.substr(0, digits), name.substr(digits)};
+}
+
+/// Of a part of many, those to look at first.
+Indices suspects(const Indices& all, const std::function<int(Index)>& rank) {
+  int best = 0;
+  for (const Index k : all) best = std::max(best, rank(k));
+  Indices chosen;
+  for (const Index k : all)
+    if (rank(k) == best) chosen.push_back(k);
+  return chosen;
+}
+
+/// Parts that have rows in common become one, as long as a person can look through it; those without columns, too.
+std::vector<StructurePart> joined(std::vector<StructurePart> parts) {
+  std::vector<StructurePart> out;
+  for (StructurePart& part : parts) {
+    const auto with = std::ranges::find_if(out, [&](const StructurePart& other) {
+      StructurePart both;
+      std::ranges::set_union(other.rows, part.rows, std::back_inserter(both.rows));
+      const bool meet = both.rows.size() < other.rows.size() + part.rows.size() && both.rows.size() <= few;
+      return meet || (other.columns.empty() && part.columns.empty());
+    });
+    if (with == out.end()) {
+      out.push_back(std::move(part));
+      continue;
+    }
+    StructurePart both;
+    std::ranges::set_union(with->rows, part.rows, std::back_inserter(both.rows));
+    std::ranges::set_union(with->columns, part.columns, std::back_inserter(both.columns));
+    *with = std::move(both);
+  }
+  return out;
+}
+
+std::string too_many(const ModelStructure& model, const StructurePart& part, const Unpaired& names) {
+  if (part.columns.empty())
+    return part.rows.size() == 1 ? "row " + model.row(part.rows.front()) + " has no variable"
+                                 : "rows without a variable: " + listed(part.rows, model.row);
+  std::string text = "too many equations: " + quantity(std::ssize(part.rows), "row") + " (" +
+                     listed(part.rows, model.row) + ") for " + quantity(std::ssize(part.columns), "variable") + " (" +
+                     listed(part.columns, model.variable) + ")";
+  if (part.rows.size() <= few) return text;
+  // Conditions have the variable that the modeller gave them.
+  const Indices first = suspects(
+      part.rows, [&](Index i) { return (model.complement[at(i)] < 0 ? 2 : 0) + (names.rows[at(i)] != 0 ? 1 : 0); });
+  return first.size() < part.rows.size() ? text + ", of which look first at " + listed(first, model.row) : text;
+}
+
+std::string too_few(const ModelStructure& model, const StructurePart& part, const Unpaired& names,
+                    const std::vector<char>& complemented) {
+  if (part.columns.empty())  // of the transpose
+    return part.rows.size() == 1
+               ? "variable " + model.variable(part.rows.front()) + " is in no row: nothing determines it"
+               : "in no row, so that nothing determines them: " + listed(part.rows, model.variable);
+  std::string text = "too few equations: " + quantity(std::ssize(part.rows), "variable") + " (" +
+                     listed(part.rows, model.variable) + ") in " + quantity(std::ssize(part.columns), "row") + " (" +
+                     listed(part.columns, model.row) + ")";
+  if (part.rows.size() <= few) return text;
+  const Indices first = suspects(part.rows, [&](Index j) {
+    if (complemented[at(j)]) return 0;
+    return 4 + (model.bounded[at(j)] ? 2 : 0) + (names.variables[at(j)] ? 1 : 0);
+  });
+  return first.size() < part.rows.size() ? text + ", of which look first at " + listed(first, model.variable) : text;
+}
+
+/// "row e7 is missing": families of rows that have every index of a run but one.
+void tell_gaps(const ModelStructure& model, std::vector<std::string>& text) {
+  std::map<std::string, std::vector<long>> numbers;
+  for (Index i = 0; i < model.pattern.rows(); ++i)
+    if (const auto [family, index] = split(model.row(i)); !index.empty() && index.front() != '[' && index.size() < 10)
+      numbers[family].push_back(std::stol(index));
+  for (auto& [family, list] : numbers) {
+    std::ranges::sort(list);
+    std::vector<long> gaps;
+    for (std::size_t k = 1; k < list.size(); ++k)
+      if (list[k] == list[k - 1] + 2) gaps.push_back(list[k] - 1);
+    if (gaps.size() == 1 && list.back() - list.front() == std::ssize(list) && list.size() >= 4)
+      text.push_back("of the rows " + family + std::to_string(list.front()) + " to " + family +
+                     std::to_string(list.back()) + " one is missing: " + family + std::to_string(gaps.front()));
+  }
+}
+
+}  // namespace
+
+ModelStructure structure_of(const Mcp& mcp, const Vec* F, const SpMat* J) {
+  const Box& box = mcp.box();
+  const SpMat& pattern = mcp.jacobian_pattern();
+  const Index n = mcp.size();
+  ModelStructure s{.pattern = SpMat(n, n),
+                   .complement = Indices(at(n), -1),
+                   .imposes = std::vector<char>(at(n), 1),
+                   .bounded = std::vector<char>(at(n), 0),
+                   .row = [&mcp](Index i) { return mcp.equation_name(i); },
+                   .variable = [&mcp](Index j) { return mcp.variable_name(j); }};
+  std::vector<char> left_out(at(n), 0);
+  for (Index j = 0; j < n; ++j) {
+    if (box.is_free(j)) continue;
+    s.bounded[at(j)] = 1;
+    s.complement[at(j)] = j;
+    bool alone = true;
+    for (SpMat::InnerIterator it(pattern, j); it; ++it) alone = alone && it.row() == j;
+    left_out[at(j)] = alone || box.is_fixed(j) ? 1 : 0;
+  }
+  std::vector<Eigen::Triplet<double>> entries;
+  for (Index j = 0; j < n; ++j) {
+    if (s.bounded[at(j)]) entries.emplace_back(static_cast<int>(j), static_cast<int>(j), 1);
+    if (left_out[at(j)]) continue;
+    for (SpMat::InnerIterator it(pattern, j); it; ++it)
+      if (!left_out[at(it.row())]) entries.emplace_back(it.row(), it.col(), 1);
+  }
+  s.pattern.setFromTriplets(entries.begin(), entries.end());
+  s.own = pattern;
+  if (F == nullptr || J == nullptr) return s;
+  Eigen::MatrixXd steps(n, 3);
+  for (Index j = 0; j < n; ++j)
+    for (Index k = 0; k < steps.cols(); ++k) steps(j, k) = std::sin(1.7 * static_cast<double>((j + 1) * (k + 1)));
+  s.changes = *J * steps;
+  s.values = *F;
+  return s;
+}
+
+std::vector<std::string> faults(const ModelStructure& model) {
+  std::vector<std::string> text;
+  const Index m = model.pattern.rows(), n = model.pattern.cols();
+  const SpMat columns = model.pattern.transpose();
+  auto over = lcp::overdetermined_parts(model.pattern, 10 * most_parts, lcp::Entries::Stored);
+  std::erase_if(over, [&](const StructurePart& part) { return !model.imposes[at(part.rows.front())]; });
+  const auto under = joined(lcp::overdetermined_parts(columns, 10 * most_parts, lcp::Entries::Stored));
+  const std::vector<Multiple> same = multiples(model);
+  if (over.empty() && under.empty() && same.empty()) return text;
+  std::vector<char> complemented(at(n), 0);
+  for (const Index j : model.complement)
+    if (j >= 0) complemented[at(j)] = 1;
+  const Unpaired names = unpaired(model);
+  for (std::size_t k = 0; k < std::min(most_parts, same.size()); ++k)
+    text.push_back("row " + model.row(same[k].second) + " repeats row " + model.row(same[k].first) +
+                   (std::abs(same[k].factor - 1) < 1e-9 ? "" : ", " + number(same[k].factor) + " times") +
+                   ", but for constants");
+  const auto all_multiples = [&](const StructurePart& part) {
+    return part.rows.size() > few && std::ranges::any_of(same, [&](const Multiple& pair) {
+             return std::ranges::binary_search(part.rows, pair.second);
+           });
+  };
+  std::erase_if(over, all_multiples);
+  over = joined(std::move(over));
+  for (std::size_t k = 0; k < std::min(most_parts, over.size()); ++k) text.push_back(too_many(model, over[k], names));
+  if (over.size() > most_parts) text.push_back("and more rows that are too many");
+  for (std::size_t k = 0; k < std::min(most_parts, under.size()); ++k)
+    text.push_back(too_few(model, under[k], names, complemented));
+  if (under.size() > most_parts) text.push_back("and more variables");
+  if (m < n) tell_gaps(model, text);
+  return text;
+}
+
+}  // namespace perp::ncp

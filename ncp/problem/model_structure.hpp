@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+/// Which rows of a model are too many, and which variables too few rows determine, square or not, in the model's own
+/// names. Private to ncp/. By the Dulmage-Mendelsohn decomposition (lcp/linalg/structure.hpp) of the pattern, in which
+/// a row that complements a variable has an entry for it: at a bound the variable is determined by that.
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "ncp/problem/mcp.hpp"
+
+namespace perp::ncp {
+
+struct ModelStructure {
+  SpMat pattern;                  ///< rows x variables, with the entries of conditions for what they complement
+  SpMat own{};                    ///< the same without these
+  std::vector<Index> complement;  ///< of each row the variable that it complements; -1: none
+  std::vector<char> imposes{};    ///< of each row: an equation or a condition, no inequality beside them
+  std::vector<char> bounded{};    ///< of each variable: it has a finite bound
+  Eigen::MatrixXd changes{};      ///< of each row between some points; NaN: not known
+  Vec values{};                   ///< of each row at one point
+  std::function<std::string(Index)> row;
+  std::function<std::string(Index)> variable;
+};
+
+/// Of a problem: variables that are in no row but their own, and those rows, are left out, as they explain nothing.
+/// With F and J at a point, if they are given.
+ModelStructure structure_of(const Mcp& mcp, const Vec* F = nullptr, const SpMat* J = nullptr);
+
+/// Sentences without a full stop; none where the structure is sound.
+std::vector<std::string> faults(const ModelStructure& model);
+
+}  // namespace perp::ncp
