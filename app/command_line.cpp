@@ -35,6 +35,7 @@ constexpr const char* main_footer =
     "  perp solve market.nl             solve an AMPL model\n"
     "  perp solve kojshin --start 2     solve a problem of the collection\n"
     "  perp inspect market.nl           its size, structure, scaling, start and derivatives, before it is solved\n"
+    "  perp judge market.nl x.mtx       is the point in this file a solution?\n"
     "  perp list                        the problems of the collection\n"
     "  perp export kojshin --nl         write a problem as an AMPL model, for other solvers\n"
     "  perp export ahn -o F.mtx         write an affine problem as Matrix Market files\n"
@@ -72,6 +73,15 @@ constexpr const char* inspect_footer =
     "  perp inspect market.nl --json - | jq .concerns\n"
     "\n"
     "A line with ! deserves a second look. The exit code is 0 whatever was found, and 2 for bad input.";
+
+constexpr const char* judge_footer =
+    "Examples:\n"
+    "  perp solve market.nl --solution x.mtx && perp judge market.nl x.mtx\n"
+    "  perp judge kojshin --start 2\n"
+    "  perp judge kojshin --json - | jq .residual.natural\n"
+    "\n"
+    "The natural residual is max_i |x_i - mid(l_i, x_i - F_i(x), u_i)|. A point that is out of its bounds by at most\n"
+    "the tolerance is judged at the bounds. Exit codes: 0 a solution, 1 none, 2 bad input.";
 
 constexpr const char* list_footer =
     "Examples:\n"
@@ -134,6 +144,10 @@ struct CommandLine {
   CLI::App* list = nullptr;
   CLI::App* methods = nullptr;
   std::string shown_method{};
+  bool methods_as_json = false;
+  std::vector<std::string> method_options{};
+  CLI::App* judge = nullptr;
+  JudgeRequest judge_request{};
   CLI::App* cfunctions = nullptr;
   CLI::App* export_command = nullptr;
   CLI::App* compare = nullptr;
@@ -158,6 +172,7 @@ struct CommandLine {
     app.add_flag("-V,--version", version, "version, licence and linked libraries (-v alone: one line)");
     add_solve();
     add_inspect();
+    add_judge();
     list = app.add_subcommand("list", "List the collection of test problems, or describe one of them");
     list->footer(list_footer);
     option(list, "NAME", list_request.name, "show everything about this one", " ");
@@ -169,6 +184,11 @@ struct CommandLine {
         app.add_subcommand("methods", "List the methods with their references, and all options with their defaults");
     methods->footer(methods_footer);
     option(methods, "--show", shown_method, "show what METHOD tries in turn, and its options", "METHOD");
+    option(methods, "-o,--option", method_options, "with --show and --json: an option that is set; may be repeated",
+           "KEY=VALUE")
+        ->allow_extra_args(false);
+    methods->add_flag("--json", methods_as_json,
+                      "write methods and C-functions as JSON; with --show also the options in force");
     cfunctions = app.add_subcommand("cfunctions",
                                     "List the C-functions and smoothings with formulas, properties and references");
     cfunctions->footer(cfunctions_footer);
@@ -245,6 +265,21 @@ struct CommandLine {
     solve->add_flag("--full", request.full, "print every row of a long solution");
   }
 
+  void add_judge() {
+    judge = app.add_subcommand("judge", "Evaluate the natural residual of a point: is it a solution?");
+    judge->footer(judge_footer);
+    ProblemSource& source = judge_request.source;
+    option(judge, "PROBLEM", source.problem,
+           "FILE.nl, a NAME that 'perp list' shows, or FILE.dat (Siconos); 'perp solve --help' says more", " ")
+        ->required();
+    option(judge, "POINT", judge_request.point, "a Matrix Market vector (default: the problem's start)", " ");
+    option(judge, "--start", source.start, "without POINT: which start, counted from 1", "K");
+    option(judge, "--tol", judge_request.tol, "what the residual may be at a solution (1e-8)", "TOL");
+    option(judge, "--json", judge_request.json,
+           "write the verdict as JSON; - is standard output, the text then goes to standard error", "FILE");
+    judge->add_flag("--full", judge_request.full, "bounds and point in the JSON, too");
+  }
+
   void add_inspect() {
     inspect = app.add_subcommand("inspect", "Tell what is known about a problem before it is solved");
     inspect->footer(inspect_footer);
@@ -284,12 +319,12 @@ std::string parse_message(const CLI::App& app, const CLI::ParseError& error) {
   const std::string what = error.what();
   const std::size_t dashes = what.rfind("--");
   if (dynamic_cast<const CLI::ExtrasError*>(&error) == nullptr || dashes == std::string::npos) return what + '.';
-  const std::string flag = what.substr(dashes, what.find_first_of(" =", dashes) - dashes);
+  const std::string given = what.substr(dashes, what.find_first_of(" =", dashes) - dashes);
   std::vector<std::string> names;
   for (const CLI::Option* option : app.get_options())
     for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
   const std::vector<std::string_view> views(names.begin(), names.end());
-  return fmt::format("there is no flag '{}'.{}", flag, did_you_mean(flag, views));
+  return fmt::format("there is no flag '{}'.{}", given, did_you_mean(given, views));
 }
 
 }  // namespace
@@ -327,6 +362,17 @@ int run_command(std::vector<std::string> arguments, Streams streams, const std::
   if (line.inspect->parsed()) return inspect(line.inspect_request, streams, interrupt);
   if (line.list->parsed()) return list(line.list_request, streams);
   if (line.export_command->parsed()) return export_problem(line.export_request, streams);
+  if (line.judge->parsed()) return judge(line.judge_request, streams);
+  if (line.methods->parsed() && (line.methods_as_json || !line.method_options.empty())) {
+    try {
+      if (!line.methods_as_json || (line.shown_method.empty() && !line.method_options.empty()))
+        throw InputError("--option goes with --show METHOD --json");
+      streams.out << methods_json(line.shown_method, line.method_options);
+      return exit_solved;
+    } catch (const InputError& error) {
+      return say_refused(streams, error.what());
+    }
+  }
   if (line.methods->parsed())
     return line.shown_method.empty() ? print_methods(streams) : show_method(line.shown_method, streams);
   if (line.cfunctions->parsed()) return print_cfunctions(streams);

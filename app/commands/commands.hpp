@@ -34,6 +34,19 @@ struct ExportRequest {
 /// paths that cannot be written and, without force, files that exist.
 ExitCode export_problem(const ExportRequest& request, Streams streams);
 
+// `perp judge`: the natural residual of a point, evaluated by nothing that a method could influence.
+
+struct JudgeRequest {
+  ProblemSource source{};
+  std::string point{};  ///< a file with the point; "" for the start
+  double tol = 1e-8;
+  std::string json{};  ///< "" for none, "-" for standard output (and the text to `err`)
+  bool full = false;   ///< bounds and point in the JSON
+};
+
+/// exit_solved if the point is a solution to the tolerance, exit_unsolved if not, exit_input if there is no verdict.
+ExitCode judge(const JudgeRequest& request, Streams streams);
+
 // `perp cfunctions`: the catalogue of C-functions and smoothings.
 
 /// Prints formula, parameter with range, properties and reference of each.

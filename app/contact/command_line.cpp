@@ -8,6 +8,7 @@
 
 #include "app/contact/compare/compare_variants.hpp"
 #include "app/contact/contact.hpp"
+#include "app/contact/run/report.hpp"
 #include "app/contact/run/variant.hpp"
 #include "app/contact/studies/ball.hpp"
 #include "app/contact/studies/facets.hpp"
@@ -63,7 +64,7 @@ std::string misplaced(const CLI::App& command, const ContactWords& words) {
       if (given(flag)) return fmt::format("{} goes with one run, not with --compare", flag);
     return "";
   }
-  for (const char* flag : {"--variants", "--out", "--resume", "--memory-limit", "--jobs"})
+  for (const char* flag : {"--out", "--resume", "--memory-limit", "--jobs"})
     if (given(flag)) return fmt::format("{} goes with --compare", flag);
   if (!facets) return "";
   for (const char* flag : {"--formulation", "--method", "--encoding", "--row"})
@@ -143,13 +144,18 @@ CLI::App* add_command(CLI::App& app, ContactWords& words) {
          "FILE");
   option(contact, "--log-level", words.level,
          fmt::format("one of {}; each shows more than the one before", fmt::join(log_level_names(), ", ")), "LEVEL");
+  option(contact, "--rotation", words.rotation, "with inner:K and outer:K: turn the polygon in its plane (0)",
+         "RADIANS");
   contact->add_flag("--full", words.full, "print every contact of a long table");
   contact->add_flag("--compare", words.compare, "run variants on all problems, each in a process of its own");
-  option(contact, "--variants", words.variants,
-         fmt::format("with --compare: FORMULATION[+METHOD][/WORD]...; * as METHOD is every method, * as WORD every "
-                     "form; default {}",
-                     default_variants),
-         "LIST");
+  option(
+      contact, "--variants", words.variants,
+      fmt::format(
+          "with --compare: run these; alone: say as JSON what the list stands for, and refuse problems that cannot be "
+          "read; FORMULATION[+METHOD][/WORD]...; * as METHOD is every method, * as WORD every "
+          "form; default {}",
+          default_variants),
+      "LIST");
   option(contact, "--out", words.out, "with --compare: folder for its files (contact-comparison)", "DIR");
   contact->add_flag("--resume", words.resume, "with --compare: go on with the comparison in DIR, with its options");
   option(contact, "--memory-limit", words.memory_mb, "with --compare: limit of the resident memory of a run (4096)",
@@ -184,6 +190,7 @@ int run_command(const CLI::App& command, const ContactWords& given, Streams stre
     request.resume = words.resume;
     return compare_variants(request, streams, interrupt);
   }
+  if (words.variants) return list_variants(*words.variants, all_problems(words), words.json, streams);
   if (command.count("--facets") > 0) return run_facets(words, streams, interrupt);
   ContactRequest request{.problems = words.problems,
                          .generated = words.generated,
@@ -195,6 +202,7 @@ int run_command(const CLI::App& command, const ContactWords& given, Streams stre
                      .encoding = if_given(command, "--encoding", words.encoding),
                      .row = if_given(command, "--row", words.row),
                      .form = if_given(command, "--form", words.form),
+                     .rotation = words.rotation,
                      .options = words.options};
   if (command.count("--formulation") > 0) request.variant.formulation = words.formulation;
   request.tol = words.tol.value_or(request.tol);

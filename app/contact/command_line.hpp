@@ -20,7 +20,7 @@ struct ContactWords {
   std::string method{}, encoding{}, row{}, form{}, json{}, fclib_out{}, svg{};
   std::vector<std::string> options{};
   std::string level = "info";
-  std::optional<double> tol{}, time_limit{}, mu{};
+  std::optional<double> tol{}, time_limit{}, mu{}, rotation{};
   bool full = false;
   bool compare = false;
   bool resume = false;

@@ -8,7 +8,9 @@
 #include <ostream>
 
 #include "app/options/options.hpp"
+#include "app/text/json_parts.hpp"
 #include "app/text/table.hpp"
+#include "ncp/reformulation/cfunction.hpp"
 
 namespace perp::app {
 
@@ -96,6 +98,43 @@ int show_method(const std::string& text, Streams streams) {
                                            : "");
   print_options_of(streams.out, {.method_name = text, .method = *method});
   return exit_solved;
+}
+
+std::string methods_json(const std::string& method, const std::vector<std::string>& options) {
+  Json json = json_header(Document::Methods);
+  json["methods"] = Json::array();
+  for (const MethodEntry& entry : methods())
+    json["methods"].push_back({{"name", entry.name},
+                               {"what", entry.what},
+                               {"reference", entry.reference},
+                               {"affine", entry.affine()},
+                               {"published", entry.published}});
+  json["libraries"] = library_versions();
+  json["cfunctions"] = Json::array();
+  for (const ncp::CFunction& c : ncp::cfunctions()) {
+    Json parameter = nullptr;
+    if (const auto& p = c.parameter) {
+      parameter = {{"name", p->name}, {"above", p->low}, {"below", json_number(p->high)}, {"values", Json::array()}};
+      for (const ncp::CFunction& at : ncp::cfunction_grid())
+        if (at.name == c.name) parameter["values"].push_back(at.parameter->value);
+    }
+    json["cfunctions"].push_back({{"name", c.name}, {"parameter", std::move(parameter)}});
+  }
+  if (method.empty()) return json_text(json);
+  std::vector<Assignment> given{{"method", method, "--show"}};
+  for (const std::string& option : options) {
+    given.push_back(parse_assignment(option, "--option"));
+    if (given.back().key == "method") throw InputError("--option: --show names the method");
+  }
+  Applied applied = apply_options(given);
+  json["method"] = applied.settings.method_name;
+  json["affine"] = std::holds_alternative<ncp::Affine>(applied.settings.method);
+  json["options"] = Json::object();
+  for (const ncp::Field& field : fields_of(applied.settings).options())
+    if (const std::string value = value_text(field); value != "-" && field.key != "method")
+      json["options"][std::string(field.key)] = value;
+  json["notes"] = applied.notes;
+  return json_text(json);
 }
 
 int print_methods(Streams streams) {

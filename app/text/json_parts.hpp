@@ -25,6 +25,9 @@ enum class Document {
   ContactRuns,
   ContactFacets,
   ContactBall,
+  ContactVariants,
+  Judge,
+  Methods,
   ContactCells
 };
 Json json_header(Document document);  ///< program, version and schema

@@ -31,6 +31,10 @@ void print_summaries(std::ostream& out, std::span<const Summary> all);
 
 /// One run as a JSON object.
 std::string run_json(const Loaded& loaded, const Run& run, ExitCode code);
+/// Says of a list of variants, to programs that run them: label, whether its law is Coulomb's, flags of `perp contact`.
+/// Problems that are files are read, and refused as by a run.
+ExitCode list_variants(const std::string& list, const std::vector<std::string>& problems, const std::string& json,
+                       Streams streams);
 /// Several: objects as above, or as of refused input.
 std::string runs_json(std::span<const std::string> objects, ExitCode code);
 

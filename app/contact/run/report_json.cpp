@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Runs as JSON.
 #include "app/contact/run/report.hpp"
+#include "app/problem/problem.hpp"
+#include "app/report/json.hpp"
 #include "app/text/json_parts.hpp"
 
 namespace perp::app::contacts {
@@ -74,6 +76,7 @@ std::string run_json(const Loaded& loaded, const Run& run, ExitCode code) {
   json["encoding"] = ncp ? Json(ncp->formulation.encoding == contact::Encoding::A ? "A" : "B") : Json(nullptr);
   json["row"] = ncp ? Json(original ? "original" : "normalised") : Json(nullptr);
   json["form"] = variant.faceted() ? Json(variant.form == contact::Form::Mixed ? "mixed" : "reduced") : Json(nullptr);
+  json["rotation"] = variant.faceted() ? json_number(variant.rotation) : Json(nullptr);
   json["options"] = variant.options;
   json["exact"] = variant.exact();
   json["tol"] = json_number(run.limits.tol);
@@ -83,6 +86,9 @@ std::string run_json(const Loaded& loaded, const Run& run, ExitCode code) {
   json["message"] = run.message;
   add_verdict(json, run);
   json["residual"] = exact_residual_json(run.residual);
+  const lcp::Vec& q = loaded.problem.q;
+  json["free_velocity"] = {{"norm", json_number(q.norm())},
+                           {"largest", json_number(q.size() > 0 ? q.lpNorm<Eigen::Infinity>() : 0)}};
   json["own_residual"] = json_known(run.own);
   json["unknowns"] = run.unknowns > 0 ? Json(run.unknowns) : Json(nullptr);
   json["states"] = {{"open", run.in_state(contact::State::Open)},
@@ -99,6 +105,20 @@ std::string runs_json(std::span<const std::string> objects, ExitCode code) {
   json["problems"] = Json::array();
   for (const std::string& object : objects) json["problems"].push_back(Json::parse(object));
   return json_text(json);
+}
+
+ExitCode list_variants(const std::string& list, const std::vector<std::string>& problems, const std::string& json,
+                       Streams streams) {
+  Json all = json_header(Document::ContactVariants);
+  const std::string why = refusal("", [&] {
+    all["variants"] = Json::array();
+    for (const Variant& variant : parse_variants(list))
+      all["variants"].push_back({{"label", variant.label()}, {"exact", variant.exact()}, {"flags", variant.flags()}});
+    for (const std::string& problem : problems)
+      if (!is_generated(problem)) load(problem);
+  });
+  if (!why.empty()) return deliver_refusal(json.empty() ? "-" : json, "", why, streams);
+  return deliver_json(json.empty() ? "-" : json, json_text(all), streams) ? exit_solved : exit_input;
 }
 
 }  // namespace perp::app::contacts

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <string_view>
 
 #include "app/program/program.hpp"
@@ -46,6 +47,9 @@ Variant parse_variant(const VariantRequest& request) {
                                     .row = request.row,
                                     .form = request.form};
   Variant variant{read_words("--", [&] { return contact::variant_of(words); }), request.options};
+  if (request.rotation && (!variant.faceted() || !std::isfinite(*request.rotation)))
+    throw input_error("--rotation {:g}: a finite angle in radians, of inner:K and outer:K", *request.rotation);
+  variant.rotation = request.rotation.value_or(0);
   set_options(variant);
   return variant;
 }

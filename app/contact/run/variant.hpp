@@ -23,6 +23,7 @@ struct VariantRequest {
   std::optional<std::string> encoding{};
   std::optional<std::string> row{};
   std::optional<std::string> form{};
+  std::optional<double> rotation{};  ///< of the polygon [rad]
   std::vector<std::string> options{};
 };
 /// Throws InputError naming flag and value: what contact::variant_of and set_options() refuse.

@@ -1,0 +1,20 @@
+# SPDX-License-Identifier: Apache-2.0
+"""python3 -m perp.lab compare|report; or python3 FOLDER compare|report with this folder, wherever it is."""
+
+import sys
+import types
+from pathlib import Path
+
+if not __package__:  # run as a folder: the rest of the package perp is not asked for
+    package = types.ModuleType("perp")
+    package.__path__ = [str(Path(__file__).resolve().parent.parent)]
+    sys.modules["perp"] = package
+
+from perp.lab.compare import compare, report, run
+
+COMMANDS = {"compare": compare, "report": report}
+
+if __name__ == "__main__":
+    if len(sys.argv) < 2 or sys.argv[1] not in COMMANDS:
+        sys.exit(f"python3 -m perp.lab {'|'.join(COMMANDS)}; 'compare --help' explains")
+    sys.exit(run(COMMANDS[sys.argv[1]], sys.argv[2:]))
