@@ -389,7 +389,8 @@ def most_solved(data, c):
     if len(c.methods) == 1:
         return f"{data.methods[c.methods[0]]} solves {of_pairs(most, pairs)} of a problem with a solution and a start."
     if not second:
-        return f"All {len(c.methods)} methods solve as many, {of_pairs(most, pairs)}."
+        who = "Both" if len(c.methods) == 2 else f"All {len(c.methods)}"
+        return f"{who} methods solve as many, {of_pairs(most, pairs)}."
     text = f"{listed(data.labels(first))} {verb(len(first), 'solve')} the most: {of_pairs(most, pairs)} with a solution; next {verb(len(second), 'come')} {listed(data.labels(second))} with {following}."
     close = [m for m in c.methods if data.count(m, c.pairs) < most and not clear(data, c.pairs, first[0], m)[0]]
     if close:

@@ -39,7 +39,7 @@ def figure(name, width=5.6, height=4.1, panels=None):
     from matplotlib.figure import Figure
 
     made = Figure(figsize=(width, height), layout="constrained")
-    return made, made.subplots(*panels) if panels else made.subplots()
+    return made, made.subplots(*(panels or (1, 1)), squeeze=panels is None)
 
 
 def line_style(style):
@@ -66,7 +66,7 @@ def profile_chart(name, title, x, curves, total, ratios):
     made, axes = figure(name)
     ends = [at for _, _, _, profile in curves for at, _ in profile]
     low = 1 if ratios else min(ends, default=1)
-    high = max(max(ends, default=1), low * (2 if ratios else 10**0.5))
+    high = max(max(ends, default=1), low * (2 if ratios else 10))
     high *= (high / low) ** 0.05
     axes.set_xscale("log", base=2 if ratios else 10)
     for identity, style, coloured, profile in reversed(curves):  # the first on top
@@ -117,7 +117,7 @@ def parameter_chart(data, c):
     axes.yaxis.set_major_formatter(lambda v, _: f"{v:.0f} %")
     plain_ticks(axes.xaxis)
     axes.grid(color="#e2e2e2")
-    made.legend(loc="outside lower center", ncols=2, frameon=False)
+    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16), ncols=2, frameon=False, fontsize=8.5)
     return svg_of(made)
 
 
