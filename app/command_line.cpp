@@ -13,8 +13,6 @@
 #include "app/commands/commands.hpp"
 #include "app/commands/inspect.hpp"
 #include "app/commands/solve.hpp"
-#include "app/compare/compare.hpp"
-#include "app/comparison_report/write_report.hpp"
 #include "app/contact/command_line.hpp"
 #include "app/options/methods.hpp"
 #include "app/program/command_option.hpp"
@@ -42,8 +40,7 @@ constexpr const char* main_footer =
     "  perp contact spheres:200         contact with friction: a generated problem, or a file of Siconos or FCLIB\n"
     "  perp methods                     the methods and their options\n"
     "  perp cfunctions                  the complementarity functions and smoothings that methods use\n"
-    "  perp compare --problems class:tiny  run every method on every problem, and make a report\n"
-    "  perp report DIR                  make the report of a comparison again\n"
+    "  perp-compare --problems class:tiny  run every method on every problem, and make a report\n"
     "  perp market -AMPL tol=1e-10      as AMPL calls a solver: reads market.nl, writes market.sol\n"
     "\n"
     "Exit codes: 0 solved, 1 not solved, 2 wrong usage or input, 3 internal error.\n"
@@ -111,16 +108,6 @@ constexpr const char* cfunctions_footer =
     "  perp solve kojshin --method semismooth --option cfunction=kanzow-kleinmichel --option cfunction_parameter=1\n"
     "  perp solve kojshin --method smooth --option smoothing_function=chks";
 
-constexpr const char* report_footer =
-    "Makes DIR/report.html, one page that needs nothing else, and its numbers as CSV and JSON. It reads the files\n"
-    "campaign.json and cells.jsonl that 'perp compare' has left in DIR. It also works while 'perp compare' runs, and\n"
-    "after it was killed.\n"
-    "\n"
-    "Examples:\n"
-    "  perp report campaign\n"
-    "  perp report part1 part2 part3 --out campaign      shards of 'perp compare --shard K/3', joined\n"
-    "  column -s, -t campaign/robustness.csv";
-
 /// Options with a flag of their own on `perp solve`.
 struct Shortcut {
   const char* flag;
@@ -150,19 +137,15 @@ struct CommandLine {
   JudgeRequest judge_request{};
   CLI::App* cfunctions = nullptr;
   CLI::App* export_command = nullptr;
-  CLI::App* compare = nullptr;
-  CLI::App* report = nullptr;
   CLI::App* contact = nullptr;
   SolveRequest solve_request;
   InspectRequest inspect_request;
   ListRequest list_request;
   ExportRequest export_request;
-  compare::CompareRequest compare_request;
   contacts::ContactWords contact_words;
   std::array<std::string, shortcuts.size()> shortcut_values;
   std::string level = "info";
   std::string all;
-  ReportRequest report_request;
   bool check_derivatives = false, verify = false;
   bool version = false;
 
@@ -192,12 +175,6 @@ struct CommandLine {
     cfunctions = app.add_subcommand("cfunctions",
                                     "List the C-functions and smoothings with formulas, properties and references");
     cfunctions->footer(cfunctions_footer);
-    compare = compare::add_command(app, compare_request);
-    report =
-        app.add_subcommand("report", "Make the report of a comparison: report.html and its numbers as CSV and JSON");
-    report->footer(report_footer);
-    option(report, "DIR", report_request.dirs, "folder of the campaign, or those of its shards", " ")->required();
-    option(report, "--out", report_request.out, "folder for the joined campaign of the shards; new or empty", "DIR");
     contact = contacts::add_command(app, contact_words);
   }
 
@@ -299,6 +276,15 @@ struct CommandLine {
   }
 };
 
+/// Where commands have gone that were a part of the program; "" for others.
+std::string moved(const std::vector<std::string>& arguments) {
+  const auto has = [&](const char* word) { return std::ranges::find(arguments, word) != arguments.end(); };
+  if (arguments[0] == "compare" || arguments[0] == "report") return "perp-" + arguments[0];
+  if (arguments[0] == "contact" && has("--compare")) return "perp-compare contact";
+  if (arguments[0] == "contact" && has("--facets") && !has("ball")) return "perp-compare facets";
+  return "";
+}
+
 /// A first word that is no command: what was meant?
 void check_command(const CLI::App& app, const std::string& word, const Streams& streams, bool& known) {
   std::vector<std::string> names{"help"};
@@ -336,6 +322,11 @@ int run_command(std::vector<std::string> arguments, Streams streams, const std::
   }
   CommandLine line;
   bool known = true;
+  if (const std::string now = arguments.empty() ? "" : moved(arguments); !now.empty()) {
+    streams.err << fmt::format("perp: this is '{}' now, a program of the Python package perp.lab; see '{} --help'\n",
+                               now, now);
+    return exit_input;
+  }
   if (!arguments.empty()) check_command(line.app, arguments[0], streams, known);
   if (!known) return exit_input;
 
@@ -376,13 +367,6 @@ int run_command(std::vector<std::string> arguments, Streams streams, const std::
   if (line.methods->parsed())
     return line.shown_method.empty() ? print_methods(streams) : show_method(line.shown_method, streams);
   if (line.cfunctions->parsed()) return print_cfunctions(streams);
-  if (line.compare->parsed()) {
-    line.compare_request.command_line = {"perp"};
-    line.compare_request.command_line.insert(line.compare_request.command_line.end(), arguments.begin(),
-                                             arguments.end());
-    return compare::compare(line.compare_request, streams, interrupt);
-  }
-  if (line.report->parsed()) return report_campaign(line.report_request, streams);
   if (line.contact->parsed()) return contacts::run_command(*line.contact, line.contact_words, streams, interrupt);
   if (line.solve->parsed()) {
     try {

@@ -19,8 +19,8 @@
 #include "app/command_line.hpp"
 #include "app/commands/ampl_driver.hpp"
 #include "app/program/bounded_call.hpp"
+#include "app/program/files.hpp"
 #include "app/program/signals.hpp"
-#include "app/worker/worker.hpp"
 #include "lcp/memory.hpp"
 
 namespace {
@@ -91,7 +91,6 @@ int main(int argc, char** argv) {
     const Guard guard(interrupted);
     const std::string program = argc > 0 ? std::filesystem::path(argv[0]).filename().string() : "perp";
     const std::vector<std::string> arguments(argv + std::min(argc, 1), argv + argc);
-    if (arguments.size() == 2 && arguments[0] == "compare-worker") return compare::worker(arguments[1], &interrupted);
     const PrintableStream out(std::cout);
     PrintableStream err(std::cerr);
     const Streams streams{std::cout, std::cerr, &err.raw()};

@@ -38,10 +38,6 @@ _perp_value() {  # of the flag before the cursor, whose line is $1: "  --flag TA
   case $prev in
     --method | --show)
       _perp_words "$(_perp_methods) $([ "$command" = contact ] && echo homotopy nsgs fixed-point extragradient hyperplane alart-curnier fischer-burmeister natural-map tresca panagiotopoulos cadoux)" ;;
-    --methods)
-      _perp_words 'presets published all cfunctions cfunction-grid none' ;;
-    --problems)
-      _perp_words "all $(_perp_problems)" ;;
     --class)
       _perp_words "$("${COMP_WORDS[0]}" list --json 2>/dev/null | sed -n 's/^ *"class": "\(.*\)",$/\1/p' | sort -u)" ;;
     *)
@@ -61,7 +57,6 @@ _perp_value() {  # of the flag before the cursor, whose line is $1: "  --flag TA
 _perp_positional() {
   case $command in
     help) _perp_words "$(_perp_commands)" ;;
-    report) compgen -d -- "$cur" ;;
     contact)
       _perp_words "ball $(sed -n 's/^contacts: \(.*\)\.$/\1/p' <<<"$help" | sed 's/,\|$/:/g')"
       compgen -f -X '!*.@(dat|hdf5|h5)' -- "$cur"

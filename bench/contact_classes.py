@@ -4,7 +4,7 @@
 
     contact_classes.py PERP DIR
 
-DIR is a folder of `PERP contact PROBLEMS --compare --out DIR`. The default method of PERP solves each problem again,
+DIR is a folder of `perp-compare contact PROBLEMS --out DIR`. The default method of PERP solves each problem again,
 for the states of its contacts. The classes are:
 
     few          at most FEW contacts

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// bench_contact_perturbed FOLDER ROUNDS[:SEED] FILES...: variants of recorded contact problems as FCLIB files in
-/// FOLDER, for `perp contact --compare`. README.md says how to read it.
+/// FOLDER, for `perp-compare contact`. README.md says how to read it.
 #include <cmath>
 #include <cstdlib>
 #include <exception>

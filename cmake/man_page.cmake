@@ -78,7 +78,9 @@ foreach(section IN LISTS sections)
     ".Sh SYNOPSIS\n.Nm perp\n.Cm ${command}\n${synopsis}.Sh DESCRIPTION\n${text}\n"
     ".Sh SEE ALSO\n.Xr perp 1\nhas the keys of the options, the environment and the exit status.\n")
 endforeach()
-file(WRITE ${folder}/man1/pathampl.1 ".so man1/perp.1\n")
+foreach(name IN ITEMS pathampl perp-compare perp-report)
+  file(WRITE ${folder}/man1/${name}.1 ".so man1/perp.1\n")
+endforeach()
 file(COPY ${RESULT} DESTINATION ${folder}/man1)
 find_program(GZIP gzip)
 if(GZIP)  # as Debian asks for; man reads both

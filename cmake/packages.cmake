@@ -93,6 +93,7 @@ perp_package(program perp math "${perp_hdf5}" "solver for mixed complementarity 
 F_i(x) <= 0 where x_i = u_i, and F_i(x) = 0 between. Reads AMPL's .nl files,
 stands in for PATH under the name pathampl, compares methods, and solves
 contact problems with Coulomb friction from FCLIB's files.")
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS "python3-matplotlib, python3-jinja2")  # of perp-compare
 perp_package(library libperp libs "${perp_hdf5}" "library for complementarity problems, from C"
 "Mixed and nonlinear complementarity problems, and contact with friction.
 This package has libperp.so, for programs that were built with perp.h.")

@@ -53,7 +53,7 @@ Entries entries_of(const std::vector<std::string>& classes) {
 }
 
 /// The words that fit, and "..." where some do not.
-std::string shortened(std::string_view text, std::size_t width) {
+std::string cut_at_a_word(std::string_view text, std::size_t width) {
   if (text.size() <= width) return std::string(text);
   const std::size_t end = text.find_last_of(' ', width - 3);
   text = text.substr(0, end == std::string_view::npos ? width - 3 : end);
@@ -80,7 +80,7 @@ void print_table(std::ostream& out, const Entries& entries) {
   const std::size_t others = std::accumulate(width.begin(), width.end() - 1, 2 * (width.size() - 1));
   Table table(columns);
   for (std::vector<std::string>& row : rows) {
-    row.back() = shortened(row.back(), widest - others);
+    row.back() = cut_at_a_word(row.back(), widest - others);
     table.add(std::move(row));
   }
   table.print(out);

@@ -6,12 +6,10 @@
 #include <ostream>
 #include <utility>
 
-#include "app/contact/compare/compare_variants.hpp"
+#include "app/contact/ball.hpp"
 #include "app/contact/contact.hpp"
 #include "app/contact/run/report.hpp"
 #include "app/contact/run/variant.hpp"
-#include "app/contact/studies/ball.hpp"
-#include "app/contact/studies/facets.hpp"
 #include "app/program/command_option.hpp"
 
 namespace perp::app::contacts {
@@ -31,11 +29,8 @@ constexpr const char* footer =
     "  perp contact incline:40:1:0.3 --json - | jq '.contacts[] | select(.state == \"slip\")'\n"
     "  perp contact Rover.dat --method homotopy                only Glocker's NCP by interior points\n"
     "  perp contact --generate stack:60 --fclib-out stack.hdf5\n"
-    "  perp contact data/*.dat --compare --out contact-comparison\n"
-    "  perp contact data/*.dat --facets 4,8,16,32 --svg facets.svg   the errors of polygons, drawn over K\n"
-    "  perp contact --compare --out contact-comparison --resume    after Ctrl-C, kill -9 or a power cut\n"
-    "  perp contact ball --svg ball.svg                        how polygons change the path of a ball\n"
-    "  perp contact wall:40 arch:40 --compare --variants glocker,glocker+path/B,inner:4,inner:16,ncp1\n"
+    "  perp-compare contact data/*.dat --out contact-comparison        variants compared\n"
+    "  perp-compare facets data/*.dat --facets 4,8,16,32 --svg facets.svg   the errors of polygons, drawn over K\n"
     "\n"
     "glocker, coulomb and ncp1 have Coulomb's law. They are solved when two conditions hold. The natural map, "
     "relative\n"
@@ -44,33 +39,13 @@ constexpr const char* footer =
     "and slip, relative to the impulses and velocities there. inner:K, outer:K and frictionless are solved when their\n"
     "own affine problem is solved. By how much they violate Coulomb's law is printed beside it.\n"
     "\n"
-    "Exit codes: 0 solved (--compare: complete), 1 not solved, 2 wrong usage or input, 3 internal error,\n"
-    "4 a comparison was interrupted (--resume goes on).";
+    "Exit codes: 0 solved, 1 not solved, 2 wrong usage or input, 3 internal error.";
 
-/// Flags of another mode: one run, --compare, --facets.
+/// Flags without a value.
 std::string misplaced(const CLI::App& command, const ContactWords& words) {
-  const auto given = [&](const char* flag) { return command.count(flag) > 0; };
   for (const auto& [flag, file] :
-       {std::pair{"--json", words.json}, std::pair{"--svg", words.svg}, std::pair{"--fclib-out", words.fclib_out},
-        std::pair{"--out", words.out.value_or("")}})
-    if (given(flag) && file.empty()) return fmt::format("{}: a name is missing", flag);
-  const bool facets = given("--facets");
-  if (words.compare && facets) return "--facets is a study of its own; --compare runs inner:8,outer:8 of --variants";
-  if (words.compare) {
-    for (const char* flag : {"--formulation", "--method", "--encoding", "--row", "--form"})
-      if (given(flag))
-        return fmt::format("{}: --compare runs what --variants lists, as in glocker+path/B,inner:8", flag);
-    for (const char* flag : {"--option", "--svg", "--fclib-out", "--log-level", "--full"})
-      if (given(flag)) return fmt::format("{} goes with one run, not with --compare", flag);
-    return "";
-  }
-  for (const char* flag : {"--out", "--resume", "--memory-limit", "--jobs"})
-    if (given(flag)) return fmt::format("{} goes with --compare", flag);
-  if (!facets) return "";
-  for (const char* flag : {"--formulation", "--method", "--encoding", "--row"})
-    if (given(flag)) return fmt::format("{}: --facets runs inner:K and outer:K, by Lemke's method first", flag);
-  for (const char* flag : {"--option", "--fclib-out", "--log-level", "--full"})
-    if (given(flag)) return fmt::format("{} goes with one run, not with --facets", flag);
+       {std::pair{"--json", words.json}, std::pair{"--svg", words.svg}, std::pair{"--fclib-out", words.fclib_out}})
+    if (command.count(flag) > 0 && file.empty()) return fmt::format("{}: a name is missing", flag);
   return "";
 }
 
@@ -95,19 +70,10 @@ std::string refusal_of_friction(ContactWords& words) {
   return "";
 }
 
-ExitCode run_facets(const ContactWords& words, Streams streams, const std::atomic<bool>* interrupt) {
-  FacetsRequest request{.problems = all_problems(words), .facets = words.facets, .svg = words.svg, .json = words.json};
-  if (!words.form.empty()) request.form = words.form;
-  request.tol = words.tol.value_or(request.tol);
-  request.time_limit = words.time_limit.value_or(request.time_limit);
-  return facets(request, streams, interrupt);
-}
-
 }  // namespace
 
 CLI::App* add_command(CLI::App& app, ContactWords& words) {
-  CLI::App* contact =
-      app.add_subcommand("contact", "Solve, judge and compare problems of contact with Coulomb friction");
+  CLI::App* contact = app.add_subcommand("contact", "Solve and judge problems of contact with Coulomb friction");
   contact->footer(footer);
   option(contact, "PROBLEM", words.problems, "files, or problems to make: NAME:SIZE[:SEED[:MU]]", "...");
   option(contact, "--generate", words.generated, "one more problem to make; may be repeated", "NAME:SIZE[:SEED[:MU]]")
@@ -134,37 +100,21 @@ CLI::App* add_command(CLI::App& app, ContactWords& words) {
                      homotopy_keys(), auto_keys(), classic_keys(), glocker_keys()),
          "KEY=VALUE")
       ->allow_extra_args(false);
-  option(contact, "--tol", words.tol, "tolerance (1e-8; with --facets 1e-9)", "TOL");
-  option(contact, "--time-limit", words.time_limit,
-         "give up after this time; with --compare and --facets: each run (30)", "SECONDS");
+  option(contact, "--tol", words.tol, "tolerance (1e-8)", "TOL");
+  option(contact, "--time-limit", words.time_limit, "give up after this time (30)", "SECONDS");
   option(contact, "--json", words.json,
          "write the result as JSON; - is standard output, the text then goes to standard error", "FILE");
   option(contact, "--fclib-out", words.fclib_out, "write problem and solution as an FCLIB file", "FILE");
-  option(contact, "--svg", words.svg, "draw the forces in their friction disks; with --facets: draw the errors over K",
-         "FILE");
+  option(contact, "--svg", words.svg, "draw the forces in their friction disks", "FILE");
   option(contact, "--log-level", words.level,
          fmt::format("one of {}; each shows more than the one before", fmt::join(log_level_names(), ", ")), "LEVEL");
   option(contact, "--rotation", words.rotation, "with inner:K and outer:K: turn the polygon in its plane (0)",
          "RADIANS");
   contact->add_flag("--full", words.full, "print every contact of a long table");
-  contact->add_flag("--compare", words.compare, "run variants on all problems, each in a process of its own");
-  option(
-      contact, "--variants", words.variants,
-      fmt::format(
-          "with --compare: run these; alone: say as JSON what the list stands for, and refuse problems that cannot be "
-          "read; FORMULATION[+METHOD][/WORD]...; * as METHOD is every method, * as WORD every "
-          "form; default {}",
-          default_variants),
-      "LIST");
-  option(contact, "--out", words.out, "with --compare: folder for its files (contact-comparison)", "DIR");
-  contact->add_flag("--resume", words.resume, "with --compare: go on with the comparison in DIR, with its options");
-  option(contact, "--memory-limit", words.memory_mb, "with --compare: limit of the resident memory of a run (4096)",
-         "MB");
-  option(contact, "--jobs", words.jobs, "with --compare: number of runs at a time (1, so that times can be compared)",
-         "N");
-  option(contact, "--facets", words.facets,
-         "solve with polygons of K facets, inside the disk and around it, and measure their errors by the exact law",
-         "K,K,...");
+  option(contact, "--variants", words.variants,
+         "say as JSON what the list stands for, FORMULATION[+METHOD][/WORD]..., with * for every METHOD or WORD, and "
+         "refuse problems that cannot be read: for programs that run perp",
+         "LIST");
   add_ball_command(*contact, words.ball);
   return contact;
 }
@@ -179,19 +129,7 @@ int run_command(const CLI::App& command, const ContactWords& given, Streams stre
     streams.err << "perp contact: " << why << '\n';
     return exit_input;
   }
-  if (words.compare) {
-    CompareVariantsRequest request{.problems = all_problems(words), .json = words.json};
-    request.variants = words.variants;
-    request.tol = words.tol;
-    request.time_limit = words.time_limit;
-    request.memory_mb = words.memory_mb;
-    request.jobs = words.jobs.value_or(request.jobs);
-    request.out = words.out.value_or(request.out);
-    request.resume = words.resume;
-    return compare_variants(request, streams, interrupt);
-  }
   if (words.variants) return list_variants(*words.variants, all_problems(words), words.json, streams);
-  if (command.count("--facets") > 0) return run_facets(words, streams, interrupt);
   ContactRequest request{.problems = words.problems,
                          .generated = words.generated,
                          .json = words.json,

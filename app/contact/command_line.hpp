@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "app/contact/studies/ball.hpp"
+#include "app/contact/ball.hpp"
 #include "app/program/program.hpp"
 
 namespace perp::app::contacts {
@@ -22,12 +22,7 @@ struct ContactWords {
   std::string level = "info";
   std::optional<double> tol{}, time_limit{}, mu{}, rotation{};
   bool full = false;
-  bool compare = false;
-  bool resume = false;
-  std::string facets{};
-  std::optional<std::string> variants{}, out{};
-  std::optional<long long> memory_mb{};
-  std::optional<int> jobs{};
+  std::optional<std::string> variants{};
   BallRequest ball{};  ///< of `perp contact ball`
 };
 

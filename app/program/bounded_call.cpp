@@ -30,7 +30,6 @@ constexpr milliseconds last_grace{900};
 
 // Of the process, as its signals are: whoever waits for it to end knows nothing of commands.
 std::atomic<int> left_behind{0};
-std::atomic<int> leave_code{exit_unsolved};
 std::atomic<Clock::rep> end_time{Clock::time_point::max().time_since_epoch().count()};
 std::atomic<Clock::rep> written_by{Clock::time_point::min().time_since_epoch().count()};
 
@@ -125,7 +124,7 @@ std::optional<GivenUp> wait(BoundedCall& call, const Patience& patience) {
     if (done <= 0) break;
     why.remove_prefix(static_cast<std::size_t>(done));
   }
-  _exit(leave_code);
+  _exit(exit_unsolved);
 }
 
 void watch(const std::atomic<bool>& interrupt) {
@@ -172,8 +171,6 @@ Guard::Guard(const std::atomic<bool>& interrupt) {
 }
 
 void end_by(Clock::time_point time) { end_time = time.time_since_epoch().count(); }
-
-void leave_with(int code) { leave_code = code; }
 
 void writing_takes(std::chrono::duration<double> time) {
   written_by = (Clock::now() + std::chrono::duration_cast<Clock::duration>(time)).time_since_epoch().count();

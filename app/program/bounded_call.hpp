@@ -43,8 +43,6 @@ class Guard {
 };
 /// The program has to have ended at that time; `max()` takes it back.
 void end_by(Clock::time_point time);
-/// The exit code of a process that the Guard ends; exit_unsolved if nothing is said.
-void leave_with(int code);
 /// A result is there and is being written, which may take so long although the user, or the clock, has asked to end.
 void writing_takes(std::chrono::duration<double> time);
 

@@ -76,15 +76,6 @@ std::string read_text(const std::string& path) {
   return std::move(text).str();
 }
 
-void write_files(std::span<const std::pair<std::string, std::string>> files) {
-  as_input_error([&] {
-    std::vector<lcp::OutputFile> drafts;
-    drafts.reserve(files.size());
-    for (const auto& [path, content] : files) drafts.emplace_back(path, content);
-    for (lcp::OutputFile& draft : drafts) draft.replace();
-  });
-}
-
 void check_apart(std::span<const FileUse> outputs, std::span<const FileUse> inputs) {
   for (std::size_t k = 0; k < outputs.size(); ++k) {
     const FileUse& output = outputs[k];
@@ -144,11 +135,6 @@ bool is_utf8(std::string_view text) {
     text.remove_prefix(length);
   }
   return true;
-}
-
-void check_utf8(const std::string& path) {
-  if (!is_utf8(path))
-    throw input_error("'{}': the name is not UTF-8, and a campaign's files cannot hold it: rename it", path);
 }
 
 std::string printable(std::string_view text) {

@@ -16,9 +16,6 @@ namespace perp::app {
 void write_file(const std::string& path, std::string_view content, lcp::Sync sync = lcp::Sync::Yes);
 void check_writable(const std::string& path);
 
-/// Writes all of them, each path with its content: the drafts first, so that a full disk leaves all as they were.
-void write_files(std::span<const std::pair<std::string, std::string>> files);
-
 /// What is in a file; empty where there is none. Throws InputError for one that cannot be read.
 std::string read_text(const std::string& path);
 
@@ -40,8 +37,6 @@ bool outputs_fit(std::span<const FileUse> outputs, std::span<const FileUse> inpu
 /// the text ends within it.
 std::size_t utf8_character(std::string_view text, bool& whole);
 bool is_utf8(std::string_view text);
-/// Throws InputError if the path is none, which texts such as campaign.json cannot hold.
-void check_utf8(const std::string& path);
 
 /// Control characters (ESC, C1, also between line ends) and bytes that are no UTF-8 as \x1b; line ends and tabs stay.
 std::string printable(std::string_view text);

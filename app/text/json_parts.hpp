@@ -20,15 +20,12 @@ enum class Document {
   Inspect,
   List,
   Problem,
-  Report,
   Contact,
   ContactRuns,
-  ContactFacets,
   ContactBall,
   ContactVariants,
   Judge,
-  Methods,
-  ContactCells
+  Methods
 };
 Json json_header(Document document);  ///< program, version and schema
 Json json_header();                   ///< program and version

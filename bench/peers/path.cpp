@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// PATH for `perp compare --external`: the user's own library, loaded at run time.
+/// PATH for `perp-compare --external`: the user's own library, loaded at run time.
 #include <algorithm>
 #include <cstdlib>
 #include <stdexcept>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-/// What the drivers of peers share: somebody else's solver as a program that AMPL, and `perp compare --external`, can
+/// What the drivers of peers share: somebody else's solver as a program that AMPL, and `perp-compare --external`, can
 /// call. `DRIVER [key=value]... STUB -AMPL` reads STUB.nl as an Mcp and writes STUB.sol.
 ///
 /// solve_result_num says what the peer says, not what is true: 0 where it claims a solution, 201 where it claims that

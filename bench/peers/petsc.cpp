@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// PETSc for `perp compare --external`: SNESVI (reduced space, semismooth) and TAO's semismooth methods.
+/// PETSc for `perp-compare --external`: SNESVI (reduced space, semismooth) and TAO's semismooth methods.
 #include <petsc.h>
 
 #include <algorithm>

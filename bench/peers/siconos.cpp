@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Siconos for `perp compare --external`: its solvers for NCPs, MCPs (equations and the orthant) and LCPs.
+/// Siconos for `perp-compare --external`: its solvers for NCPs, MCPs (equations and the orthant) and LCPs.
 #include <algorithm>
 #include <array>
 #include <cstdio>

@@ -5,7 +5,6 @@
 #include <cstring>
 #include <vector>
 
-#include "app/campaign/start.hpp"
 #include "fuzz/support.hpp"
 #include "ncp/ampl/model.hpp"
 #include "ncp/ampl/nl_check.hpp"
@@ -63,12 +62,6 @@ void use(const ampl::Model& model, bool write) {
   if (write) model.write_sol("of the fuzzer", x0.head(model.n_var()), 0);
 }
 
-void use_start(const std::string& text, const ampl::Model& model, const perp::fuzz::Scratch& scratch) {
-  const Vec x = model.start().head(model.n_var()).array() + 0.5;
-  const std::string path = scratch.write("started.nl", perp::app::compare::nl_with_start(text, x));
-  require(ampl::read_model(path)->start().head(model.n_var()) == x, "a model takes another start");
-}
-
 }  // namespace
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
@@ -80,6 +73,5 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   std::unique_ptr<ampl::Model> model;
   if (!perp::fuzz::accepted<ampl::ModelError>([&] { model = ampl::read_model(path); })) return 0;
   use(*model, perp::fuzz::one_in(64, bytes));
-  if (bytes.starts_with('g') && perp::fuzz::one_in(8, bytes)) use_start(std::string(bytes), *model, scratch);
   return 0;
 }

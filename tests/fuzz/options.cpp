@@ -1,15 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 /// What people, AMPL and files of options write. The first letter says what the rest is:
-///     f  a file of options          w  AMPL's words            m  a LIST of methods       p  a LIST of problems
+///     f  a file of options          w  AMPL's words            n  lists of numbers
 ///     v  variants of contact        s  NAME:SIZE of the collection, small                 c  of a contact scene, small
-///     n  lists of numbers           e  NAME=COMMAND
 /// Options in force, written as key=value, set what they say.
 #include "app/options/options.hpp"
 
 #include <algorithm>
 #include <sstream>
 
-#include "app/campaign/selection.hpp"
 #include "app/contact/run/number_list.hpp"
 #include "app/contact/run/run.hpp"
 #include "app/contact/run/variant.hpp"
@@ -58,12 +56,8 @@ bool no_file(std::string_view text) {
          text.find(".dat") == std::string_view::npos;
 }
 
-/// fnmatch() tries all ways to share a name among many stars.
-bool few_stars(std::string_view text) { return std::ranges::count(text, '*') <= 4; }
-
 void read(char kind, const std::string& text) {
   const bool seldom = fuzz::one_in(16, text);
-  std::vector<std::string> notes;
   switch (kind) {
     case 'f': {
       std::istringstream in(text);
@@ -71,12 +65,6 @@ void read(char kind, const std::string& text) {
     }
     case 'w':
       return apply(app::parse_words(text, "input"), app::Unknown::Report, seldom);
-    case 'm':
-      if (few_stars(text)) app::compare::select_methods(text, 1e-6, notes);
-      return;
-    case 'p':
-      if (few_stars(text) && no_file(text)) app::compare::select_problems(text);
-      return;
     case 'v':
       for (const app::contacts::Variant& variant : app::contacts::parse_variants(text))
         require(app::contacts::parse_variant(variant.label()).label() == variant.label(), "a label names its variant");
@@ -91,9 +79,6 @@ void read(char kind, const std::string& text) {
       app::contacts::parse_list<int>("--facets", text, 3, contact::most_facets);
       app::contacts::parse_list<double>("--angles", text, 0, 1);
       return;
-    case 'e':
-      app::compare::parse_external(text);
-      return;
     default:
       return;
   }
@@ -102,7 +87,7 @@ void read(char kind, const std::string& text) {
 }  // namespace
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  if (size == 0 || std::string_view("fwmpvscne").find(static_cast<char>(data[0])) == std::string_view::npos) return -1;
+  if (size == 0 || std::string_view("fwvscn").find(static_cast<char>(data[0])) == std::string_view::npos) return -1;
   const std::string text(fuzz::view(data + 1, size - 1));
   fuzz::accepted<app::InputError, std::invalid_argument>([&] { read(static_cast<char>(data[0]), text); });
   return 0;

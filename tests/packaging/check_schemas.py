@@ -55,7 +55,6 @@ RUNS = [
     ("no-result", 2, "inspect nowhere.nl"),
     ("no-result", 2, "contact nowhere.dat"),
     ("no-result", 1, "contact pipe --time-limit 0.1"),
-    ("no-result", 2, "contact nowhere.dat arch:9 --facets 4"),
     ("no-result", 2, "contact ball --load nowhere"),
     ("inspect", 0, "inspect feasible-unsolvable-own"),
     ("inspect", 0, "inspect helical-valley --start-at zeros.mtx"),
@@ -75,7 +74,12 @@ RUNS = [
     ("contact", 1, "contact stack:3 --formulation outer:4 --method psor"),
     ("contact", 1, "contact spheres:15 --method homotopy --option max_iterations=1"),
     ("contact-runs", 2, "contact incline:3 none.dat nowhere.dat"),
-    ("contact-facets", 0, "contact incline:3 spheres:9 --facets 3,6"),
+    (None, 0, "compare facets incline:3 data/contact/incline-3-sliding.hdf5 --facets 3,6 --json facets.json"),
+    ("judge", 1, "judge kojshin --start 2 --full"),
+    ("no-result", 2, "judge kojshin nowhere.mtx"),
+    ("methods", 0, "methods"),
+    ("methods", 0, "methods --show path --option crash_method=none --option cfunction=min"),
+    ("contact-variants", 0, "contact incline:3 --variants glocker,inner:4/mixed"),
     ("contact-ball", 0, "contact ball --facets 4 --exact --load 1,1.5 --cycles 1 --phase 0.1"),
     ("contact-ball", 1, "contact ball --exact --load 1.5 --cycles 5000"),
     (None, 0, "compare --problems kojshin --methods path --out all"),
@@ -87,9 +91,9 @@ RUNS = [
         " --methods path,lemke,semismooth:max_iterations=1 --starts 1 --restarts 1 --time-limit 20 --out some",
     ),
     (
-        "contact-cells",
+        None,
         0,
-        "contact data/contact/incline-4.hdf5 none.dat stack:3 --compare --variants glocker,outer:4+psor --out contact",
+        "compare contact data/contact/incline-4.hdf5 none.dat stack:3 --variants glocker,outer:4+psor --out contact",
     ),
 ]
 
@@ -110,6 +114,7 @@ LEFT = [
     ("cells", "some/cells.json"),
     ("report", "all/report.json"),
     ("report", "some/report.json"),
+    ("contact-facets", "facets.json"),
     ("contact-campaign", "contact/campaign.json"),
     ("contact-cells-line", "contact/cells.jsonl"),
     ("contact-cells", "contact/cells.json"),
@@ -125,8 +130,9 @@ FILES = {
 }
 
 # Keys that a document may lack, "*" for an item of a list, and tables of any keys.
-OPTIONAL = {("solve", "derivatives"), ("solve", "verified"), ("solve", "deflation"), ("campaign", "shard"), ("solve", "variables.*.basis")}
-OPEN = {("solve", "options"), ("campaign", "methods.*.in_force")}
+OPTIONAL = {("solve", "derivatives"), ("solve", "verified"), ("solve", "deflation"), ("campaign", "shard"), ("solve", "variables.*.basis"), ("judge", "lower"), ("judge", "x"), ("judge", "upper")}
+OPTIONAL |= {("methods", key) for key in ("method", "affine", "options", "notes")}
+OPEN = {("solve", "options"), ("methods", "options"), ("campaign", "methods.*.in_force")}
 # Where a document says its version; the cells of a comparison have that of its campaign.
 VERSIONS = ("schema", "campaign", "contact_campaign")
 UNVERSIONED = {"cells", "cells-line", "contact-cells-line"}
@@ -255,8 +261,9 @@ def documents(perp, perp_mpi, folder):
     for name, text in FILES.items():
         (Path(folder) / name).write_text(text, encoding="utf-8")
     for schema, code, words in RUNS:
-        flags = [] if schema is None else ["--json"] if words.startswith("list") else ["--json", "-"]
-        command = [perp, *words.split(), *flags]
+        flags = [] if schema is None else ["--json"] if words.startswith(("list", "methods")) else ["--json", "-"]
+        compares = words.startswith("compare ")  # perp-compare beside perp
+        command = [f"{perp}-compare" if compares else perp, *words.removeprefix("compare ").split(), *flags]
         with subprocess.Popen(command, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as run:
             while words in INTERRUPTED and run.poll() is None and not listens(run.pid):
                 time.sleep(0.01)

@@ -68,8 +68,7 @@ ncp/collection/base ncp/collection/random ncp/collection/models ncp/collection/s
 contact/model contact/existence contact/io contact/laws contact/classics contact/cones contact/solvers contact/scenes
 capi capi/path
 petsc petsc/mpi
-app/program app/text app/options app/problem app/report app/campaign app/worker app/findings app/comparison_report
-app/compare app/commands app/contact/run app/contact/compare app/contact/studies app/contact app
+app/program app/text app/options app/problem app/report app/commands app/contact/run app/contact app
 """.split()
 OURS = re.compile(r"(lcp|ncp|contact|capi|petsc|app)/(?!private/)")  # petsc/private is PETSc's own
 

@@ -33,10 +33,6 @@ Variant parse_variant(const std::string& text);
 /// Of a comma-separated list, with the stars of contact::variants_of; refuses repetitions.
 std::vector<Variant> parse_variants(const std::string& list);
 
-/// What `--compare` runs where nothing else is asked for.
-inline constexpr const char* default_variants =
-    "glocker+auto,glocker+homotopy,glocker+path/B,glocker+semismooth/B,glocker+smooth/B,inner:8,outer:8,frictionless";
-
 // Options of a variant's method, key=value (`--option`): those of `perp methods` for methods of ncp/ and lcp/, and of
 // contact/ its own (contact::describe): of auto, of homotopy, and of glocker by another method.
 

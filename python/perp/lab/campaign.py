@@ -13,6 +13,7 @@ import contextlib
 import csv
 import datetime
 import glob
+import importlib.util
 import io
 import json
 import math
@@ -21,6 +22,7 @@ import platform
 import re
 import shutil
 import subprocess
+import sys
 import tempfile
 import zlib
 from difflib import get_close_matches
@@ -47,6 +49,14 @@ def suggestion(word, words):
 
 def count(n, noun, several=None):
     return f"{n} {noun if n == 1 else several or noun + 's'}"
+
+
+def need_packages():
+    """Before anything runs: what the report is made with is there."""
+    missing = [name for name in ("matplotlib", "jinja2") if importlib.util.find_spec(name) is None]
+    if missing:
+        packages = " ".join(f"python3-{name}" for name in missing)
+        raise InputError(f"{sys.executable} has no {', '.join(missing)}: Debian has {packages}, pip install 'perp[lab]' elsewhere")
 
 
 # The program.

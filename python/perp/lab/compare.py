@@ -549,6 +549,8 @@ def compare(arguments):
 
 def run(command, arguments):
     try:
+        if not {"-h", "--help"} & set(arguments):
+            base.need_packages()
         return command(arguments)
     except InputError as error:
         print(f"perp: {error}", file=sys.stderr)

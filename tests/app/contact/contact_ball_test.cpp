@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// `perp contact ball`: what it prints, writes and draws, and what it refuses.
+/// `perp contact ball`: what it prints and writes, and what it refuses.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -8,9 +8,8 @@
 #include <cstdlib>
 #include <limits>
 #include <regex>
-#include <set>
 
-#include "app/contact/studies/ball.hpp"
+#include "app/contact/ball.hpp"
 #include "app/json.hpp"
 #include "contact_app_support.hpp"
 
@@ -18,9 +17,7 @@ namespace perp::app::contacts {
 namespace {
 
 using test::Json;
-using test::occurrences;
 using test::parse_json;
-using test::unclosed;
 using testing::HasSubstr;
 using testing::Not;
 
@@ -134,7 +131,7 @@ TEST(BallCommand, RefusesWithFlagAndValue) {
   EXPECT_THAT(why([](BallRequest& r) { r.ball.mu = -1; }), HasSubstr("mu is -1"));
   EXPECT_THAT(why([](BallRequest& r) { r.ball.h = 0; }), HasSubstr("h is 0"));
   EXPECT_THAT(why([](BallRequest& r) { r.ball.theta = 2; }), HasSubstr("theta is 2"));
-  EXPECT_THAT(why([](BallRequest& r) { r.svg = "/no/such/folder/x.svg"; }), HasSubstr("no folder"));
+  EXPECT_THAT(why([](BallRequest& r) { r.json = "/no/such/folder/x.json"; }), HasSubstr("no folder"));
 }
 
 TEST(BallCommand, InterruptedIsNotSolved) {
@@ -153,8 +150,8 @@ TEST(BallCommand, IsAPartOfContact) {
         std::string("'") + PERP_PROGRAM + "' contact " + arguments + " > '" + (folder / "text") + "' 2>&1";
     return WEXITSTATUS(std::system(command.c_str()));
   };
-  EXPECT_EQ(program("ball --facets 4,8 --exact --cycles 1 --step 0.1 --svg '" + (folder / "ball.svg") + "'"), 0);
-  EXPECT_THAT(test::read(folder / "ball.svg"), HasSubstr("8 facets"));
+  EXPECT_EQ(program("ball --facets 4,8 --exact --cycles 1 --step 0.1"), 0);
+  EXPECT_THAT(test::read(folder / "text"), HasSubstr("inner:8"));
   EXPECT_EQ(program("ball --help"), 0);
   EXPECT_THAT(test::read(folder / "text"), HasSubstr("--rolling"));
   EXPECT_EQ(program("stack:4 ball"), exit_input);
@@ -181,57 +178,7 @@ TEST(BallCommand, ManPageAndCompletionKnowEveryFlag) {
     }
     EXPECT_THAT(completion, HasSubstr(it->str()));
   }
-  EXPECT_GE(flags, 14);
-}
-
-// One line a law and panel, of a class and so of a colour of its own; all elements closed.
-TEST(BallPicture, EveryLawHasItsLook) {
-  const std::vector<BallScene> scenes{scene_of(1.5, {4, 8, 16})};
-  const std::string svg = ball_svg(scenes);
-  for (const char* css : {"path c0", "path c1", "path c2", "path exact"})
-    EXPECT_GE(occurrences(svg, std::string("<polyline class=\"") + css + "\""), 1U) << css;
-  EXPECT_EQ(unclosed(svg), 0);
-  for (const char* words : {"4 facets", "16 facets", "exact law", "Load = 1.5 mu m g", " m/s<", "bend the path"})
-    EXPECT_THAT(svg, HasSubstr(words));
-  EXPECT_THAT(svg, Not(HasSubstr("nan")));
-}
-
-// Seen from above, x to the right and y up: the lecture's first load points up and to the right (60 degrees).
-TEST(BallPicture, IsSeenFromAbove) {
-  BallScene scene{.ball = {.load = 1.5, .cycles = 1.0 / 3, .h = 0.05}};
-  scene.paths.push_back(run_ball(scene.ball, {}));
-  const std::string svg = ball_svg(std::vector<BallScene>{scene});
-  std::smatch points;
-  ASSERT_TRUE(std::regex_search(
-      svg, points, std::regex(R"re(class="path exact" points="([0-9.]+),([0-9.]+) .* ([0-9.]+),([0-9.]+)")re")));
-  const double right = std::stod(points[3]) - std::stod(points[1]);
-  const double up = std::stod(points[2]) - std::stod(points[4]);
-  EXPECT_GT(right, 50);
-  EXPECT_NEAR(up / right, std::sqrt(3), 0.02);
-}
-
-// A long path leaves no room for the others: they get a view of their own, and what leaves it is cut off there.
-TEST(BallPicture, SmallPathsAreShownLarger) {
-  const std::string with = ball_svg(std::vector<BallScene>{scene_of(1, {4, 8, 16})});
-  EXPECT_THAT(with, HasSubstr("times larger"));
-  EXPECT_THAT(with, HasSubstr("exact law: stays at rest"));
-  std::set<double> abscissas;
-  const std::regex point(R"re(([0-9.-]+),([0-9.-]+))re");
-  for (std::sregex_iterator it(with.begin(), with.end(), point), end; it != end; ++it) {
-    if (it->str(1).find('.') == std::string::npos) continue;
-    abscissas.insert(std::stod(it->str(1)));
-  }
-  ASSERT_FALSE(abscissas.empty());
-  EXPECT_GE(*abscissas.begin(), 0);
-  EXPECT_LE(*abscissas.rbegin(), 1240);
-  EXPECT_THAT(ball_svg(std::vector<BallScene>{scene_of(1.5, {8})}), Not(HasSubstr("times larger")));
-}
-
-// Nothing moves: a picture all the same, and no claim that facets bend anything.
-TEST(BallPicture, OfABallAtRest) {
-  const std::string svg = ball_svg(std::vector<BallScene>{scene_of(0.5, {4})});
-  EXPECT_THAT(svg, HasSubstr("4 facets: stays at rest"));
-  EXPECT_THAT(svg, Not(HasSubstr("bend the path")));
+  EXPECT_GE(flags, 13);
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Outputs that are also inputs, text for terminals, and CSV fields.
+/// Outputs that are also inputs, and text for terminals.
 #include "app/program/files.hpp"
 
 #include <gmock/gmock.h>
@@ -12,18 +12,12 @@
 #include "app/commands/commands.hpp"
 #include "app/commands/inspect.hpp"
 #include "app/commands/solve.hpp"
-#include "app/compare/baseline.hpp"
-#include "app/compare/compare.hpp"
-#include "app/comparison_report/write_report.hpp"
+#include "app/contact/ball.hpp"
 #include "app/contact/contact.hpp"
-#include "app/contact/studies/ball.hpp"
-#include "app/contact/studies/facets.hpp"
 #include "app/json.hpp"
 #include "app/report/json.hpp"
 #include "app/support.hpp"
-#include "app/text/csv.hpp"
 #include "app/text/json_parts.hpp"
-#include "app/worker/sol_file.hpp"
 #include "lcp/io/matrix_market.hpp"
 
 namespace perp::app {
@@ -127,14 +121,6 @@ TEST(Outputs, OfContactAreNoInputs) {
                                                   {.problems = {file}, .svg = file}})
     EXPECT_THAT(refused([&](Streams streams) { return contacts::solve_contact(request, streams); }),
                 HasSubstr("that is the input"));
-  EXPECT_THAT(refused([&](Streams streams) {
-                return contacts::facets({.problems = {file}, .facets = "4", .svg = file}, streams, nullptr);
-              }),
-              HasSubstr("--svg"));
-  contacts::BallRequest ball;
-  ball.svg = ball.json = folder / "new";
-  EXPECT_THAT(refused([&](Streams streams) { return contacts::ball(ball, streams, nullptr); }),
-              HasSubstr("that is the output --json"));
 }
 
 // AMPL's answer, STUB.sol, as a link to the model: the model must stay, and nothing else may be written in its place.
@@ -161,19 +147,6 @@ TEST(Outputs, OfAmplAreNoInputs) {
   EXPECT_EQ(test::read(folder / "m.sol"), "tol 1e-7\n");
 }
 
-TEST(Outputs, OfCampaignsAreNoInputs) {
-  const test::Folder folder;
-  test::write(folder / "base.csv", "method,problem,start,outcome\n");
-  fs::create_symlink("base.csv", folder / "cells.csv");
-  EXPECT_THAT(test::refused([&] {
-                check_campaign_files(folder / ".", std::vector<FileUse>{{"--baseline", folder / "base.csv"}});
-              }),
-              HasSubstr("the input --baseline"));
-  fs::remove(folder / "cells.csv");
-  fs::create_symlink("cells.jsonl", folder / "cells.csv");
-  EXPECT_THAT(test::refused([&] { check_campaign_files(folder / ".", {}); }), HasSubstr("that is the output"));
-}
-
 // The mark that some editors put before a text is no part of it, and no reason for a refusal that names another.
 TEST(ByteOrderMarks, OfTextFiles) {
   const test::Folder folder;
@@ -183,16 +156,6 @@ TEST(ByteOrderMarks, OfTextFiles) {
   EXPECT_EQ(read_options_file(folder / "options")[0].key, "tol");
   test::write(folder / "wide", "\xFF\xFEt");
   EXPECT_THAT(test::refused([&] { read_options_file(folder / "wide"); }), HasSubstr("wide:1: it is text in UTF-16"));
-  test::write(folder / "base.csv", mark + "method,problem,start,outcome\n'=a,p,1,solved\n");
-  const auto rows = compare::read_baseline(folder / "base.csv");
-  ASSERT_EQ(rows.size(), 1U);
-  EXPECT_EQ(rows[0].key.method, "=a");
-  test::write(folder / "open.csv", "method,problem,start,outcome\na,\"p,1,solved\n");
-  EXPECT_THAT(test::refused([&] { compare::read_baseline(folder / "open.csv"); }), HasSubstr("open.csv:2: a quote"));
-  const std::string line = compare::cell_line(compare::Cell{.method = "a", .problem = "p"});
-  EXPECT_EQ(compare::parse_cells(mark + line).cells.size(), 1U);
-  EXPECT_EQ(compare::parse_sol(mark + "\nOptions\n3\n1\n1\n0\n1\n0\n1\n1\n7\nobjno 0 0\n", 1).x,
-            ncp::Vec::Constant(1, 7));
   test::write(folder / "m.col", mark + "name\n");
   test::write(folder / "m.nl", test::sqrt2_nl());
   EXPECT_EQ(ncp::ampl::read_model(folder / "m.nl")->variable_name(0), "name");
@@ -208,22 +171,6 @@ TEST(ByteOrderMarks, OfTextFiles) {
   test::write(folder / "r.json", mark + test::read(folder / "r.json"));
   EXPECT_EQ(solve({.problem = "josephy", .warm_start = folder / "r.json"}, captured.streams), exit_solved)
       << captured.err.str();
-}
-
-// Issue 17: "left out: there is no file".
-TEST(Utf8, NamesThatCampaignsCannotHold) {
-  const test::Folder folder;
-  test::write(folder / "\xE9.nl", test::sqrt2_nl());
-  test::Captured captured;
-  compare::CompareRequest request;
-  request.problems = folder / "*.nl";
-  request.out = folder / "out";
-  EXPECT_EQ(compare::compare(request, captured.streams), exit_input);
-  EXPECT_THAT(captured.err.str(), HasSubstr("the name is not UTF-8"));
-  request.problems = "josephy";
-  request.out = folder / "\xE9";
-  EXPECT_EQ(compare::compare(request, captured.streams), exit_input);
-  EXPECT_FALSE(fs::exists(folder / "\xE9"));
 }
 
 TEST(Printable, LeavesTextAndShowsControls) {
@@ -272,37 +219,6 @@ TEST(Printable, Json) {
   const std::string text = json_text({{"name", name}});
   EXPECT_EQ(text, printable(text));
   EXPECT_EQ(parse_json(text)["name"], name);
-}
-
-// OWASP, "CSV Injection": cells that begin with = + - @ tab or carriage return.
-TEST(Csv, ProtectsFormulas) {
-  EXPECT_EQ(csv_field("=HYPERLINK(\"http://x\")"), "\"'=HYPERLINK(\"\"http://x\"\")\"");
-  for (const char* text : {"=1", "+x", "-x", "@x", "-", "--1"}) EXPECT_EQ(csv_field(text), std::string("'") + text);
-  EXPECT_EQ(csv_field("\tx"), "'\tx");
-  for (const char* text : {"-1.5", "+2", "-1e-300", "-inf", "0", "", "a=b", "it's", "'quoted'", "1e999", "-1e999"})
-    EXPECT_EQ(csv_field(text), text);
-}
-
-TEST(Csv, ReadsBack) {
-  std::mt19937 random(1);
-  const std::string letters = "='+-@\t\r\n\",x1.e";
-  std::uniform_int_distribution<std::size_t> letter(0, letters.size() - 1);
-  std::vector<std::vector<std::string>> records;
-  std::string text;
-  for (int k = 0; k < 2000; ++k) {
-    std::vector<std::string> record{"first"};
-    for (std::size_t n = 0; n < 3; ++n) {
-      std::string field;
-      for (std::size_t length = letter(random) / 2; length > 0; --length) field += letters[letter(random)];
-      record.push_back(field);
-    }
-    for (std::size_t n = 0; n < record.size(); ++n) text.append(n > 0 ? "," : "").append(csv_field(record[n]));
-    text += '\n';
-    records.push_back(std::move(record));
-  }
-  EXPECT_EQ(parse_csv(text), records);
-  EXPECT_EQ(parse_csv(std::string("\xEF\xBB\xBF").append(text)), records);
-  EXPECT_EQ(test::refused([] { parse_csv("a,b\n\"c\nd\",e\nf,\"g\nh", "x.csv"); }), "x.csv:4: a quote without its end");
 }
 
 }  // namespace

@@ -7,15 +7,15 @@
 #include <filesystem>
 #include <fstream>
 
-#include "app/compare/compare_process_support.hpp"
 #include "app/json.hpp"
+#include "app/process_support.hpp"
 #include "lcp/gpl.hpp"
 #include "lcp/io/matrix_market.hpp"
 
 namespace perp::app {
 namespace {
 
-using compare::Child;
+using test::Child;
 using test::Folder;
 using testing::HasSubstr;
 using Seconds = std::chrono::duration<double>;

@@ -1,0 +1,218 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The report: profiles, sentences, .sol files, and the page as a browser shows it."""
+
+import csv
+import json
+import math
+import re
+import shutil
+import socket
+import struct
+import subprocess
+import sys
+import tempfile
+import time
+import urllib.request
+
+import pytest
+from conftest import ROOT, compare, sol
+from perp.lab import cells as lab_cells
+from perp.lab import findings
+from perp.lab.report import write_report
+
+
+@pytest.fixture(scope="session")
+def campaign(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("report") / "out"
+    methods = "path,proxi,miles,semicomp,lemke,semismooth,semismooth:max_iterations=2,cfunctions:rho=0.1:rho=1"
+    run = compare("--problems", "class:tiny,class:lcp,-*-500,-*-1000,infeasible-own", "--methods", methods, "--starts", "1", "--restarts", "1", "--out", folder)
+    assert run.returncode == 0, run.stderr
+    return folder
+
+
+# The example of Dolan and More's definition worked out by hand: ties count for both, an unsolved pair stays.
+def test_profiles():
+    inf = math.inf
+    rho = findings.performance_profiles([[1, 4, inf, inf], [2, 4, 1, inf]])
+    assert rho == [[(1, 2)], [(1, 2), (2, 3)]]
+    assert findings.reached(rho[1], 1.5) == 2
+    assert findings.data_profiles([[6, 3, inf]], [2, 3, 1]) == [[(1, 1), (3, 2)]]
+
+
+# 2 P(X <= 1), X ~ B(8, 1/2) = 2 (1 + 8) / 256; equal numbers say nothing.
+def test_sign_test():
+    assert findings.sign_test(1, 7) == pytest.approx(18 / 256)
+    assert findings.sign_test(5, 5) == 1
+    assert findings.sign_test(0, 0) == 1
+
+
+def test_words():
+    assert findings.listed(list("abcdef")) == "a, b, c and 3 others"
+    assert findings.listed(["a", "b"]) == "a and b"
+    assert findings.percent(999, 1000) == "99.9 %"
+    assert findings.percent(9999, 10000) == "99.9 %"  # never 100 % unless it is
+    assert findings.percent(3, 3) == "100 %"
+
+
+def test_sol_files():
+    assert lab_cells.read_sol(sol("7", 0).encode(), 1) == ("peer", 0, [7.0])
+    assert lab_cells.read_sol(b"\xef\xbb\xbf" + sol("7", 100).encode(), 1)[1] == 100
+    for wrong in (b"", b"\n", sol("7", 0).encode()[:-1], sol("x", 0).encode(), sol("7", 0).replace("objno", "obj").encode(), sol("7", 0).replace("3\n1", "30\n1").encode()):
+        with pytest.raises(lab_cells.Garbage):
+            lab_cells.read_sol(wrong, 1)
+    with pytest.raises(lab_cells.Garbage):
+        lab_cells.read_sol(sol("7", 0).encode(), 2)
+
+    def record(data):
+        return struct.pack("<I", len(data)) + data + struct.pack("<I", len(data))
+
+    options = b"Options" + struct.pack("<8i", 3, 1, 1, 0, 1, 0, 1, 1)
+    binary = record(b"binary") + record(b"said") + record(b"") + record(options) + record(b"") + record(struct.pack("<d", 7)) + record(struct.pack("<2i", 0, 0))
+    assert lab_cells.read_sol(binary, 1) == ("said", 0, [7.0])
+    for end in range(len(binary)):
+        with pytest.raises(lab_cells.Garbage):
+            lab_cells.read_sol(binary[:end], 1)
+
+
+def test_starts():
+    point = {"x": [0.0, 5.0, "inf"], "lower": [0.0, "-inf", 1.0], "upper": [1.0, "inf", 2.0]}
+    first = lab_cells.perturbed(point, "1 p 1", 1)
+    assert first == lab_cells.perturbed(point, "1 p 1", 1) != lab_cells.perturbed(point, "2 p 1", 1)
+    assert 0 <= first[0] <= 0.1 and abs(first[1] - 5) <= 0.6 and first[2] == 2
+    model = (ROOT / "data" / "models" / "cournot.nl").read_text()
+    n = int(model.splitlines()[1].split()[0])
+    changed = lab_cells.nl_with_start(model, [float(k) for k in range(n)])
+    assert f"\nx{n}\n0 0.0\n" in changed
+
+
+# Everything follows from cells.csv, pairs.csv and methods.csv: the scripts of bench/README.md, as they stand there.
+@pytest.mark.parametrize(("script", "words", "file"), [("robustness.py", [], "robustness.csv")])
+def test_scripts_of_the_documentation(campaign, script, words, file):
+    text = (ROOT / "bench" / "README.md").read_text()
+    code = re.search(rf"`{re.escape(script)}.*?```python\n(.*?)```", text, re.S)[1]
+    run = subprocess.run([sys.executable, "-c", code, campaign, *words], capture_output=True, text=True, check=True)
+    with open(campaign / file, newline="") as written:
+        want = {tuple(row) for row in list(csv.reader(written))[1:]}
+    assert {tuple(row) for row in csv.reader(run.stdout.splitlines())} == want
+
+
+def test_journal_with_strange_lines(campaign, tmp_path):
+    folder = tmp_path / "copy"
+    shutil.copytree(campaign, folder)
+    lines = (folder / "cells.jsonl").read_bytes()
+    (folder / "cells.jsonl").write_bytes(b"\xff\n" + lines.replace(b'"solved"', b'"failed"', 1) + b'{"cell":{"method')
+    topics = dict(write_report(str(folder)))
+    assert "1 of them are not finished" in topics["What ran"]
+    page = (folder / "report.html").read_text()
+    assert "3 lines of cells.jsonl left out" in page
+
+
+class Browser:
+    """Chromium by its driver's protocol, at a width that phones have, too."""
+
+    def __init__(self, folder):
+        with socket.socket() as free:
+            free.bind(("127.0.0.1", 0))
+            self.port = free.getsockname()[1]
+        quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+        self.driver = subprocess.Popen(["chromedriver", f"--port={self.port}"], **quiet)
+        flags = "headless no-sandbox disable-gpu disable-quic no-first-run disable-background-networking disable-component-update disable-sync"
+        arguments = [f"--{flag}" for flag in flags.split()] + [f"--user-data-dir={folder}"]
+        for _ in range(400):
+            try:
+                self.call("GET", "/status")
+                break
+            except OSError:
+                time.sleep(0.05)
+        wanted = {"capabilities": {"alwaysMatch": {"goog:chromeOptions": {"args": arguments}, "goog:loggingPrefs": {"browser": "ALL"}}}}
+        self.session = self.call("POST", "/session", wanted)["sessionId"]
+
+    def call(self, method, path, body=None):
+        data = None if body is None else json.dumps(body).encode()
+        request = urllib.request.Request(f"http://127.0.0.1:{self.port}{path}", data, {"Content-Type": "application/json"}, method=method)
+        with urllib.request.urlopen(request, timeout=120) as answer:
+            return json.load(answer)["value"]
+
+    def open(self, page, width):
+        size = {"width": width, "height": 2000, "deviceScaleFactor": 1, "mobile": False}
+        self.call("POST", f"/session/{self.session}/goog/cdp/execute", {"cmd": "Emulation.setDeviceMetricsOverride", "params": size})
+        self.call("POST", f"/session/{self.session}/url", {"url": page.as_uri()})
+
+    def run(self, script):
+        return self.call("POST", f"/session/{self.session}/execute/sync", {"script": script, "args": []})
+
+    def errors(self):
+        return [e["message"] for e in self.call("POST", f"/session/{self.session}/se/log", {"type": "browser"}) if e["level"] == "SEVERE"]
+
+    def close(self):
+        self.call("DELETE", f"/session/{self.session}")
+        self.driver.terminate()
+        self.driver.wait()
+
+
+@pytest.fixture(scope="module")
+def browser():
+    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
+        made = Browser(folder)
+        yield made
+        made.close()
+
+
+CUT = """const width = document.documentElement.clientWidth;
+return [...document.querySelectorAll("body *")].filter((e) => { const r = e.getBoundingClientRect();
+  return r.width > 0 && (r.right > width + 1 || r.left < -1) && !e.closest(".scroll"); })
+  .map((e) => e.tagName + " " + (e.textContent || "").slice(0, 40))
+  .concat([...document.querySelectorAll(".scroll")].filter((e) => e.scrollWidth > e.clientWidth + 1 && width < 640)
+  .map((e) => "scrolls: " + e.getAttribute("aria-label")));"""
+
+
+# Catches charts and tables that a phone cuts off, and scripts that fail.
+@pytest.mark.parametrize("width", [1280, 400])
+def test_page_in_a_browser(browser, campaign, width):
+    browser.open(campaign / "report.html", width)
+    assert browser.errors() == []
+    assert browser.run(CUT) == []
+    assert browser.run("return document.querySelectorAll('#general .legend button').length") >= 6
+    assert browser.run("return document.querySelectorAll('#general .pane svg g.curve').length") >= 6 * 6
+    assert browser.run("return document.querySelectorAll('#cells-body tr').length") == 100
+    browser.run("document.getElementById('cells-search').value = 'kojshin semicomp'; document.getElementById('cells-search').dispatchEvent(new Event('input'))")
+    rows = browser.run("return [...document.querySelectorAll('#cells-body tr')].map((r) => r.textContent)")
+    assert len(rows) == 1 and "semicomp" in rows[0]
+    browser.run("document.querySelector('#cells-body button.show').click()")
+    assert "kojshin" in browser.run("return document.getElementById('curves-title').textContent")
+    assert browser.run("return document.querySelectorAll('#curves path.line').length") >= 1
+    muted = "return document.querySelectorAll('#general g.muted').length"
+    before = browser.run(muted)
+    browser.run("document.querySelector('#general .legend button[aria-pressed=true]').click()")
+    assert browser.run(muted) == before + 6
+    browser.run("document.querySelector('#robustness thead button').click()")
+    names = browser.run("return [...document.querySelectorAll('#robustness tbody th')].map((t) => t.textContent)")
+    assert names == sorted(names)
+    assert browser.errors() == []
+
+
+@pytest.mark.parametrize("width", [1280, 400])
+def test_contact_page_in_a_browser(browser, tmp_path, width):
+    run = compare("contact", "stack:3", "incline:3", "--variants", "glocker,glocker+path,inner:8", "--out", tmp_path / "out")
+    assert run.returncode == 0, run.stderr
+    browser.open(tmp_path / "out" / "report.html", width)
+    assert browser.errors() == []
+    assert browser.run(CUT) == []
+    assert browser.run("return document.querySelectorAll('#profiles g.curve').length") == 5
+
+
+# The page cannot be made to run what a message says.
+def test_messages_are_text(campaign, tmp_path):
+    folder = tmp_path / "copy"
+    shutil.copytree(campaign, folder)
+    cell = json.loads((folder / "cells.jsonl").read_text().splitlines()[0])["cell"]
+    cell["message"] = "</script><script>alert(1)</script><b>"
+    cell["outcome"] = "false-convergence"
+    from perp.lab.campaign import cell_line
+
+    with open(folder / "cells.jsonl", "ab") as journal:
+        journal.write(cell_line(cell))
+    write_report(str(folder))
+    page = (folder / "report.html").read_text()
+    assert "<script>alert" not in page
+    assert "&lt;/script&gt;" in page
