@@ -21,20 +21,15 @@ Hash mixed(Hash a) {  // the finalizer of splitmix64
   return a ^ (a >> 31U);
 }
 
-enum class By { Values, Pattern };
-
 /// What two entries have in common that may stand across the diagonal from each other; 0: no entry.
-Hash key(double a, By by) {
-  if (a == 0) return 0;
-  return by == By::Pattern ? 1 : 1 + Hash{std::bit_cast<std::uint32_t>(static_cast<float>(std::abs(a)))};
-}
+Hash key(double a) { return a == 0 ? 0 : 1 + Hash{std::bit_cast<std::uint32_t>(static_cast<float>(std::abs(a)))}; }
 
 /// Classes of equations and free variables that may belong together. Nodes are rows 0 .. f - 1 and columns f .. 2f - 1
 /// of the free ones.
 class Refinement {
  public:
-  Refinement(const SpMat& M, const SpMat& Mt, const std::vector<Index>& free, By by)
-      : M_(M), Mt_(Mt), free_(free), by_(by), f_(free.size()), number_(at(M.rows()), -1) {
+  Refinement(const SpMat& M, const SpMat& Mt, const std::vector<Index>& free)
+      : M_(M), Mt_(Mt), free_(free), f_(free.size()), number_(at(M.rows()), -1) {
     for (std::size_t k = 0; k < f_; ++k) number_[at(free[k])] = static_cast<int>(k);
   }
 
@@ -58,7 +53,7 @@ class Refinement {
   void for_entries(std::size_t node, Visit visit) const {
     const bool row = node < f_;
     for (SpMat::InnerIterator it(row ? Mt_ : M_, free_[row ? node : node - f_]); it; ++it)
-      if (const Hash k = key(it.value(), by_); k != 0) visit(it.row(), k, row);
+      if (const Hash k = key(it.value()); k != 0) visit(it.row(), k, row);
   }
   static Hash term(Hash k, Hash label) { return mixed(k * 0x9E3779B97F4A7C15U + mixed(label)); }
   static Hash class_label(Index c) { return 2 * static_cast<Hash>(c) + 1; }
@@ -192,7 +187,6 @@ class Refinement {
   const SpMat& M_;
   const SpMat& Mt_;
   const std::vector<Index>& free_;
-  By by_;
   std::size_t f_;
   std::vector<int> number_;                ///< of a variable among the free ones, or -1
   std::vector<Index> class_;               ///< of each node
@@ -211,19 +205,19 @@ class Refinement {
 };
 
 /// Whether the keys of M_ij and M_ji agree, row i being row_of[i].
-bool symmetric_in_order(const SpMat& M, const SpMat& Mt, const std::vector<Index>& row_of, By by) {
+bool symmetric_in_order(const SpMat& M, const SpMat& Mt, const std::vector<Index>& row_of) {
   std::vector<Index> pair_of(row_of.size());
   for (std::size_t i = 0; i < row_of.size(); ++i) pair_of[at(row_of[i])] = static_cast<Index>(i);
   std::vector<Hash> there(row_of.size(), 0);
   for (Index j = 0; j < M.cols(); ++j) {
     Index count = 0;
     for (SpMat::InnerIterator it(M, j); it; ++it) {  // column j, by pairs
-      there[at(pair_of[at(it.row())])] = key(it.value(), by);
+      there[at(pair_of[at(it.row())])] = key(it.value());
       count += it.value() != 0;
     }
     bool same = true;
     for (SpMat::InnerIterator it(Mt, row_of[at(j)]); it && same; ++it) {  // row j, by columns
-      same = key(it.value(), by) == 0 || key(it.value(), by) == there[at(it.row())];
+      same = key(it.value()) == 0 || key(it.value()) == there[at(it.row())];
       count -= it.value() != 0;
     }
     for (SpMat::InnerIterator it(M, j); it; ++it) there[at(pair_of[at(it.row())])] = 0;
@@ -233,8 +227,9 @@ bool symmetric_in_order(const SpMat& M, const SpMat& Mt, const std::vector<Index
 }
 
 /// Signs of equations with which no diagonal entry is negative, rows without one are skew to all others, and rows with
-/// one that were symmetric stay so. Ones where there are none.
-Vec signs(const SpMat& M, const SpMat& Mt, const std::vector<Index>& row_of, const std::vector<char>& is_free) {
+/// one that were symmetric stay so; nothing where there are none.
+std::optional<Vec> signs(const SpMat& M, const SpMat& Mt, const std::vector<Index>& row_of,
+                         const std::vector<char>& is_free) {
   const Index n = M.rows();
   std::vector<Index> pair_of(row_of.size());
   for (Index i = 0; i < n; ++i) pair_of[at(row_of[at(i)])] = i;
@@ -272,7 +267,8 @@ Vec signs(const SpMat& M, const SpMat& Mt, const std::vector<Index>& row_of, con
   follow();
   for (Index i = 0; i < n && consistent; ++i)
     if (sign[i] == 0) open.push_back(i), sign[i] = 1, follow();
-  return consistent ? sign : Vec::Ones(n);
+  if (!consistent) return std::nullopt;
+  return sign;
 }
 
 }  // namespace
@@ -325,23 +321,20 @@ std::optional<EquationOrder> equation_order(const SpMat& M, const Box& box) {
       free.push_back(i);
       is_free[at(i)] = 1;
     }
-  if (free.empty()) return std::nullopt;
+  if (free.empty() || std::ssize(free) == M.rows()) return std::nullopt;
   const SpMat Mt = M.transpose();
   std::vector<Index> natural(at(M.rows()));
   std::iota(natural.begin(), natural.end(), Index{0});
-  for (const By by : {By::Values, By::Pattern}) {
-    std::vector<Index> row_of = natural;
-    if (!symmetric_in_order(M, Mt, natural, by)) {
-      const std::vector<Index> found = Refinement(M, Mt, free, by).order();
-      if (found.empty()) continue;
-      for (std::size_t k = 0; k < free.size(); ++k) row_of[at(free[k])] = found[k];
-      if (!symmetric_in_order(M, Mt, row_of, by)) continue;
-    }
-    Vec sign = by == By::Values ? signs(M, Mt, row_of, is_free) : Vec::Ones(M.rows());
-    if (row_of == natural && (sign.array() > 0).all()) return std::nullopt;
-    return EquationOrder{std::move(row_of), std::move(sign)};
+  std::vector<Index> row_of = natural;
+  if (!symmetric_in_order(M, Mt, natural)) {
+    const std::vector<Index> found = Refinement(M, Mt, free).order();
+    if (found.empty()) return std::nullopt;
+    for (std::size_t k = 0; k < free.size(); ++k) row_of[at(free[k])] = found[k];
+    if (!symmetric_in_order(M, Mt, row_of)) return std::nullopt;
   }
-  return std::nullopt;
+  const std::optional<Vec> sign = signs(M, Mt, row_of, is_free);
+  if (!sign || (row_of == natural && (sign->array() > 0).all())) return std::nullopt;
+  return EquationOrder{std::move(row_of), *sign};
 }
 
 }  // namespace perp::lcp

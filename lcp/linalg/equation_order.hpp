@@ -32,8 +32,8 @@ struct EquationOrder {
   Refutation back(Refutation refutation) const;
 };
 
-/// Nothing: the rows are in such an order already, or there is none. Entries are compared to six digits; where values
-/// find no order, the pattern of entries other than 0 may.
+/// Nothing: the rows are in such an order already, or there is none, or there are equations alone, whose order is no
+/// matter. Entries are compared to seven digits.
 std::optional<EquationOrder> equation_order(const SpMat& M, const Box& box);
 
 }  // namespace perp::lcp

@@ -35,12 +35,15 @@ std::vector<Index> free_variables(const Box& box) {
   return free;
 }
 
-/// Of F's equations, where that makes J symmetric but for signs: by the values of J at x0, which are asked for only
-/// where the pattern leaves the question open.
+/// By the values of J at x, which are asked for only where its pattern is not symmetric as it is, or F is affine.
 std::optional<lcp::EquationOrder> order_of_equations(Run& run, const Vec& x) {
   const Mcp& mcp = run.mcp();
   if (free_variables(mcp.box()).empty()) return std::nullopt;
-  if (!mcp.is_affine() && !lcp::equation_order(ones(mcp.jacobian_pattern()), mcp.box())) return std::nullopt;
+  if (!mcp.is_affine()) {
+    const SpMat P = ones(mcp.jacobian_pattern());
+    const SpMat D = P - SpMat(P.transpose());
+    if (D.coeffs().isZero(0)) return std::nullopt;
+  }
   SpMat J = mcp.jacobian_pattern();
   if (!run.counted().jacobian(x, J)) return std::nullopt;
   return lcp::equation_order(J, mcp.box());
@@ -173,7 +176,14 @@ void run_in_order(Run& run, In x0, const Body& body) {
   std::vector<Index> all(at(run.mcp().size()));
   std::iota(all.begin(), all.end(), Index{0});
   const PartTransform way(run.mcp(), std::move(point), std::move(all), std::move(order->row_of), order->sign);
-  run.take(run.within(way, {}, x0, body));
+  std::string said;
+  run.take(run.within(way, {}, x0, [&](Run& inner, In z0) {
+    body(inner, z0);
+    if (inner.ended()) said = inner.verdict().message;
+  }));
+  // The verdict is this run's, with what was remarked on the way.
+  if (const auto remarks = said.find("; "); run.accepted() && remarks != std::string::npos)
+    run.remark(said.substr(remarks + 2));
 }
 
 Attempt block_attempt(const PathSearch& method) {

@@ -56,7 +56,7 @@ TEST(EquationOrder, ShuffledOptimalityConditionsArePutRight) {
   Random random(1);
   for (int k = 0; k < 60; ++k) {
     const Index n = random.integer(2, 13), m = random.integer(1, static_cast<int>(n));
-    const Index bounded = random.integer(0, static_cast<int>(n));
+    const Index bounded = random.integer(1, static_cast<int>(n));
     const Dense G = random_matrix(n, n, 0.4, random);
     const Dense H = k % 3 == 0 ? Dense::Zero(n, n) : Dense(G * G.transpose());
     const Dense A = random_matrix(m, n, 0.5, random);
@@ -97,15 +97,17 @@ TEST(EquationOrder, LongChains) {
   for (Index k = 0; k < m; ++k) ASSERT_EQ(order->row_of[at(n + k)], n + (k + 1) % m);
 }
 
-// Where values differ across the diagonal, the pattern may tell; and it may not.
-TEST(EquationOrder, ByThePattern) {
-  Box box = Box::free(3);
-  box.lower[0] = 0;
-  const auto order = equation_order(matrix({{1, 2, 0}, {0, 0, 7}, {3, 0, 0}}), box);
-  ASSERT_TRUE(order);
-  EXPECT_EQ(order->row_of, (std::vector<Index>{0, 2, 1}));
-  EXPECT_EQ(order->sign, Vec::Ones(3));
-  EXPECT_FALSE(equation_order(matrix({{1, 2, 0}, {0, 0, 7}, {0, 3, 0}}), box));
+// A band upside down is symmetric, and further from anything useful.
+TEST(EquationOrder, EquationsAloneStayAsTheyAre) {
+  EXPECT_FALSE(equation_order(matrix({{4, 1, 0, 0}, {2, 4, 1, 0}, {3, 2, 4, 1}, {0, 3, 2, 4}}), Box::free(4)));
+  EXPECT_FALSE(equation_order(matrix({{1, 0}, {1, 1}}), Box::free(2)));
+}
+
+// Symmetric in another order, but with signs that fit nowhere: M_12 = M_21 of a bounded pair and one without diagonal.
+TEST(EquationOrder, SymmetryWithoutSignsIsNone) {
+  Box box = Box::free(4);
+  box.lower.head(2).setZero();
+  EXPECT_FALSE(equation_order(matrix({{1, 0, 2, 3}, {0, 1, 4, 5}, {3, -5, 0, 0}, {2, 4, 0, 0}}), box));
 }
 
 // The certificate of the ordered problem is one of the problem given, and the classes are the same.
