@@ -2,6 +2,7 @@
 /// The problems of perp.h.
 #include <algorithm>
 #include <memory>
+#include <utility>
 
 #include "capi/guard.hpp"
 #include "capi/handles.hpp"
@@ -23,8 +24,9 @@ std::unique_ptr<perp_problem> functions(std::int32_t interface, std::int64_t n, 
   require_interface(interface);
   check_size(n, "n");
   if (F == nullptr) refuse("F", "is NULL");
-  auto callbacks = std::make_unique<CallbackMcp>(box_of(lower, upper, n),
-                                                 matrix_of(square<Integer>(n, start, row, nullptr)), F, J, user);
+  lcp::Box box = box_of(lower, upper, n);  // asks for the memory before the pattern is read
+  auto callbacks =
+      std::make_unique<CallbackMcp>(std::move(box), matrix_of(square<Integer>(n, start, row, nullptr)), F, J, user);
   CallbackMcp* known = callbacks.get();
   auto problem = std::make_unique<perp_problem>(std::move(callbacks));
   problem->callbacks = known;
