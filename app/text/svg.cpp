@@ -132,8 +132,6 @@ void Svg::end_group() { body_ += "</g>\n"; }
 
 std::string Svg::finish() const { return body_ + "</svg>\n"; }
 
-std::string Svg::inlined() const { return finish().substr(body_.find("<svg")); }
-
 Scale Scale::logarithmic(const std::vector<double>& values, double pixel_low, double pixel_high) {
   double low = std::numeric_limits<double>::infinity();
   double high = 0;

@@ -37,8 +37,6 @@ class Svg {
   void end_group();
 
   std::string finish() const;
-  /// The same to stand in an HTML page: without the declaration of a document of its own.
-  std::string inlined() const;
 
  private:
   std::string body_;

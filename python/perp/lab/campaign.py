@@ -237,10 +237,11 @@ def read_cells(folder, key, keys):
     except OSError as error:
         raise InputError(f"'{path}' cannot be read") from error
     cells, dropped = {}, []
-    for place, line in enumerate(text.split(b"\n")[: None if text and not text.endswith(b"\n") else -1], 1):
+    *lines, last = text.split(b"\n")
+    for place, line in enumerate(lines + [last] * bool(last), 1):
         match = re.fullmatch(rb'\{"cell":(.*),"crc":"([0-9a-f]{8})"\}', line, re.S)
         try:
-            if match is None or place > text.count(b"\n"):
+            if match is None or place > len(lines):
                 raise ValueError("torn")
             crc = zlib.crc32(match[1])
             if crc != int(match[2], 16):
