@@ -325,8 +325,9 @@ bool Run::ended_with(const Result& other) {
   const bool late = other.status == Status::TimeLimit && std::chrono::steady_clock::now() >= deadline_;
   const bool at_end = !other.accepted() && at_limit() && other.status == Status::IterationLimit;
   if (!at_end && other.status != Status::Interrupted && !late) return false;
-  const bool knows = other.stats.iterations > 0;  // whether the residual was falling
-  end_at(other.status, knows ? other.advice : raise_or_not(iterations(), progress_.iterations(iterations())));
+  // Of a run that bettered the best point, whether it was still doing so, it knows; of others the answer is no.
+  const bool bettered = other.stats.iterations > 0 && progress_.iterations(iterations()) == 0;
+  end_at(other.status, bettered ? other.advice : raise_or_not(iterations(), iterations()));
   return true;
 }
 

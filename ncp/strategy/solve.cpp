@@ -257,16 +257,12 @@ constexpr double poor_balance = 1e-3;
 
 /// Goes on from a solution whose rows are poorly balanced, in units in which J is near 1 and so is q = F - J x, as long
 /// as each time they are balanced ten times better. False: it did not pay.
-bool balance(Run& run, const Method& method) {
+bool balance(Run& run, Point point, const Method& method) {
   constexpr int most = 5;
   const Mcp& mcp = run.mcp();
   const Body body = [&method](Run& inner, In z0) { run_method(inner, z0, method); };
-  Point point;
-  const auto balanced_to = [&](const Vec& x) {
-    point.x = x;
-    return run.evaluate(point) ? imbalance(mcp, point.J, x, point.F, run.tol()) : 0;
-  };
-  double before = balanced_to(run.best());
+  const auto balanced = [&] { return imbalance(mcp, point.J, point.x, point.F, run.tol()); };
+  double before = balanced();
   int k = 0;
   for (; k < most && before > poor_balance; ++k) {
     const lcp::AffineMcp linear{point.J, point.F - point.J * point.x, mcp.box()};
@@ -274,7 +270,8 @@ bool balance(Run& run, const Method& method) {
     const lcp::Scaling units = lcp::equilibrate(linear);
     const ScaleTransform way(mcp, {.rows = units.rows, .columns = units.columns}, run.tol());
     const Result better = run.within(way, {}, run.best(), body);
-    const double after = better.solved() ? balanced_to(better.x) : infinity;
+    if (better.solved()) point.x = better.x;
+    const double after = better.solved() && run.evaluate(point) ? balanced() : infinity;
     if (!(after <= before / 10)) {
       run.stats() += better.stats;
       return k > 0;
@@ -303,9 +300,13 @@ void tell_run_off(Run& run, In x0, const SpMat& J, Result& result) {
 void comment(Run& run, In x0, const Method& method, Result& result) {
   const Mcp& mcp = run.mcp();
   std::optional<SpMat> J = annotate(mcp, stop(method), result);
-  if (result.solved() && result.relative > poor_balance) {
+  if (J && result.solved() && result.relative > poor_balance) {
+    Point point;
+    point.x = result.x;
+    point.F = result.F;
+    point.J = *J;
     bool better = false;
-    run.guard([&] { better = balance(run, method); });
+    run.guard([&] { better = balance(run, std::move(point), method); });
     Result again = run.result(x0);
     if (better) {
       result = std::move(again);
