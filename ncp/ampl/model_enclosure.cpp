@@ -95,14 +95,18 @@ void ModelEnclosure::jacobian(std::span<const Interval> X, std::span<Interval> J
 
 std::vector<UndefinedOperation> ModelEnclosure::undefined(std::span<const double> x, bool derivatives,
                                                           const NameOf& name) const {
-  const PointValues values(model_.expressions.graph, x);
+  std::vector<double> all(model_.variables.size(), 0.0);
+  for (std::size_t u = 0; u < pairing_.variables.size(); ++u) all[at(pairing_.variables[u])] = x[u];
+  const PointValues values(model_.expressions.graph, all);
+  const NameOf model_name = [&](int j) { return name(pairing_.unknowns[at(j)]); };
   std::vector<UndefinedOperation> found;
   for (std::size_t u = 0; u < pairing_.equations.size(); ++u) {
     if (!pairing_.equations[u].of_row) continue;
-    for (UndefinedOperation& operation : values.undefined(root(pairing_.equations[u].index), derivatives, name)) {
+    for (UndefinedOperation& operation : values.undefined(root(pairing_.equations[u].index), derivatives, model_name)) {
       operation.row = static_cast<int>(u);
       for (BoundedVariable& j : operation.variables)
-        j.bounds = {model_.variables[at(j.index)].lower, model_.variables[at(j.index)].upper};
+        j = {.index = pairing_.unknowns[at(j.index)],
+             .bounds = {model_.variables[at(j.index)].lower, model_.variables[at(j.index)].upper}};
       found.push_back(std::move(operation));
     }
   }

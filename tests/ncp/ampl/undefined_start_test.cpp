@@ -112,6 +112,23 @@ TEST(UndefinedStart, DifferencesAreMovedApart) {
   EXPECT_THAT(result.notes.front(), HasSubstr("_svar[1] - _svar[2] = 0 at the start, where _svar[1] = 0 and"));
 }
 
+// bv - log(x) = 1, bv complements x >= 0, where the auxiliary variable bv comes first and is no unknown: x = 1/e.
+// Catches unknowns taken for the model's variables.
+TEST(UndefinedStart, AuxiliaryVariablesAreNotCounted) {
+  const TempFolder folder;
+  const std::string path = folder.write("m.nl", text({.vars = 2, .cons = 2, .eqns = 1, .cc = 1, .nonzeros = 3}) +
+                                                    "C0\no16\no43\nv1\nC1\nn0\nr\n4 1\n5 1 2\nb\n3\n2 0\nk1\n2\n"
+                                                    "J0 2\n0 1\n1 0\nJ1 1\n0 1\n");
+  folder.write("m.col", "c.bv\nx\n");
+  folder.write("m.row", "c.bc\nc.c\n");
+  const auto model = read_model(path);
+  const Result result = solve(*model, model->start(), Auto{});
+  ASSERT_TRUE(result.solved()) << result;
+  EXPECT_NEAR(result.x[model->n_var() - 1], std::exp(-1), 1e-6);
+  ASSERT_FALSE(result.notes.empty());
+  EXPECT_THAT(result.notes.front(), HasSubstr("log(x) in row c: x = 0 at the start"));
+}
+
 // exp(800 x) at x = 1 has a value, which no double holds.
 TEST(UndefinedStart, OverflowIsSaidToBeOne) {
   const auto model = read_text(text({.vars = 1, .cons = 1, .eqns = 1, .nonzeros = 1}) +
