@@ -14,22 +14,35 @@ bounds X by assumptions. Each is refuted by a proof of its own, within the assum
 proof ends with multipliers y of rows for which  sup over X of y'(M z + q) + t |y|_1 < 0.
 """
 import json
-import struct
 import sys
 import zlib
+from decimal import Decimal
 from fractions import Fraction
 
-INFINITY = float("inf")
-FIELDS = ("index", "name", "lower", "upper", "constant", "entries") + (
-    "variable", "above", "value", "refuted", "assumptions", "multipliers")
+FIELDS = "index name lower upper constant entries variable above value refuted assumptions multipliers".split()
 
 
 class Refused(Exception):
     pass
 
 
+class Number(float):
+    """A double, and the digits that it was read from."""
+
+    def __new__(cls, text):
+        number = super().__new__(cls, text)
+        sign, digits, exponent = Decimal(text).normalize().as_tuple()
+        first, *others = map(str, digits)
+        number.digits = f"{'-' * sign}{first}{'.' * bool(others)}{''.join(others)}e{exponent + len(others):+03d}"
+        return number
+
+
+def read(text):
+    return json.loads(text, parse_float=Number, parse_int=Number)
+
+
 def checksum(certificate):
-    """CRC-32 over all numbers, as doubles, and all names, in the order of the text."""
+    """CRC-32 over all numbers, as d.ddde+xx, and all names, in the order of the text."""
     crc = 0
 
     def add(value):
@@ -39,13 +52,15 @@ def checksum(certificate):
         elif isinstance(value, list):
             for item in value:
                 add(item)
-            if not all(isinstance(v, (int, float)) for v in value) or not value:
-                crc = zlib.crc32(struct.pack("<d", len(value)), crc)
+            if not all(isinstance(v, float) for v in value) or not value:
+                add(Number(str(len(value))))
         elif isinstance(value, dict):
             for field in (f for f in FIELDS if f in value):
                 add(value[field])
+        elif isinstance(value, bool):
+            add(Number(str(int(value))))
         else:
-            crc = zlib.crc32(struct.pack("<d", INFINITY if value is None else float(value)), crc)
+            add("null" if value is None else value.digits)
 
     for key in ("tolerance", "radius", "variables", "rows", "proof"):
         add(certificate[key])
@@ -56,13 +71,9 @@ class Checker:
     def __init__(self, certificate):
         self.t = Fraction(certificate["tolerance"])
         self.radius = certificate["radius"] and Fraction(certificate["radius"])
-        if self.t < 0:
-            raise Refused("the tolerance is negative")
         exact = lambda bound: None if bound is None else Fraction(bound)
         self.box = {v["index"]: (exact(v["lower"]), exact(v["upper"])) for v in certificate["variables"]}
-        self.rows = {
-            r["index"]: (Fraction(r["constant"]), {j: Fraction(a) for j, a in r["entries"]}) for r in certificate["rows"]
-        }
+        self.rows = {r["index"]: (r["constant"], r["entries"]) for r in certificate["rows"]}
         # X: of each variable its least and largest value; None: no bound
         self.low = {j: l if l is None else l - self.t for j, (l, _) in self.box.items()}
         self.high = {j: u if u is None else u + self.t for j, (_, u) in self.box.items()}
@@ -107,9 +118,9 @@ class Checker:
             if yi == 0 or not (self.at_least(i) if yi > 0 else self.at_most(i)):
                 raise Refused(f"the sign of the multiplier of row {i} is not allowed")
             constant, entries = self.rows[i]
-            total += yi * constant + self.t * abs(yi)
-            for j, a in entries.items():
-                g[j] = g.get(j, 0) + yi * a
+            total += yi * Fraction(constant) + self.t * abs(yi)
+            for j, a in entries:
+                g[j] = g.get(j, 0) + yi * Fraction(a)
         for j, gj in g.items():
             if gj == 0:
                 continue
@@ -143,19 +154,18 @@ def compare(certificate, paths):
     M, q, lower, upper = (read_matrix(path) for path in paths)
     for r in certificate["rows"]:
         i = r["index"]
-        if {j: a for j, a in r["entries"]} != {j: a for (k, j), a in M.items() if k == i and a != 0}:
-            raise Refused(f"row {i} is not that of {paths[0]}")
-        if r["constant"] != q.get((i, 0), 0):
-            raise Refused(f"the constant of row {i} is not that of {paths[1]}")
+        row = {j: a for (k, j), a in M.items() if k == i and a != 0}
+        if dict(r["entries"]) != row or r["constant"] != q.get((i, 0), 0):
+            raise Refused(f"row {i} is not that of {paths[0]} and {paths[1]}")
     for v in certificate["variables"]:
-        for side, values, none in (("lower", lower, -INFINITY), ("upper", upper, INFINITY)):
+        for side, values, none in (("lower", lower, float("-inf")), ("upper", upper, float("inf"))):
             if (none if v[side] is None else v[side]) != values.get((v["index"], 0), 0):
                 raise Refused(f"the {side} bound of variable {v['index']} is not that of the file")
 
 
 def check(path, matrix):
     with open(path) as file:
-        certificate = json.load(file)
+        certificate = read(file.read())
     certificate = certificate.get("certificate", certificate)
     if not isinstance(certificate, dict) or certificate.get("format") != "perp certificate 1":
         raise Refused("there is no certificate")
@@ -170,15 +180,13 @@ def check(path, matrix):
 
 def main(arguments):
     matrix = arguments[1:5] if arguments[:1] == ["--matrix"] else None
-    files = arguments[5:] if matrix else arguments
-    if not files:
-        sys.exit(__doc__)
+    files = arguments[5:] if matrix else arguments or sys.exit(__doc__)
     refused = False
     for path in files:
         try:
             c = check(path, matrix)
-            within = "" if c["radius"] is None else f" with entries up to {c['radius']:g}"
-            print(f"{path}: proven: no point{within} has a natural residual of at most {c['tolerance']!r}")
+            within = f" with entries up to {c['radius']:g}" if c["radius"] else ""
+            print(f"{path}: proven: no point{within} has a natural residual of at most {float(c['tolerance'])!r}")
         except (Refused, KeyError, IndexError, TypeError, ValueError, OverflowError) as error:
             print(f"{path}: refused: {error}")
             refused = True

@@ -264,7 +264,7 @@ std::string solve_json(const Report& report) {
   json["residual"]["relative_worst"] = equation_json(report.mcp(), result.relative_row);
   if (result.status == ncp::Status::Infeasible) {
     json["residual_bound"] = json_number(result.proof.residual_bound);
-    json["certificate"] = Json::parse(ncp::certificate_json(report.mcp(), result.x, result.proof));
+    json["certificate"] = "";
   }
   json["stats"] = stats_json(result.stats);
   if (report.derivatives)
@@ -281,8 +281,12 @@ std::string solve_json(const Report& report) {
   }
   if (report.several) add_several(json, report);
   std::string text = json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
-  constexpr std::string_view place = "\n  \"variables\": ";  // no text has a line break of its own
-  text.replace(text.find(place) + place.size(), 2, variables_text(report));
+  const auto put = [&text](std::string_view place, const std::string& part) {  // no text has a line break of its own
+    text.replace(text.find(place) + place.size(), 2, part);
+  };
+  put("\n  \"variables\": ", variables_text(report));
+  if (result.status == ncp::Status::Infeasible)
+    put("\n  \"certificate\": ", ncp::certificate_json(report.mcp(), result.x, result.proof));
   return for_terminals(std::move(text));
 }
 

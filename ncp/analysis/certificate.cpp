@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <charconv>
 #include <cmath>
 #include <cstdint>
@@ -15,13 +14,17 @@
 namespace perp::ncp {
 namespace {
 
-/// CRC-32 (ISO 3309, as in zlib) of all numbers, as the 8 bytes of doubles, and of all names, in the order of the text.
+/// The shortest decimal number that is read back as the same double, d.ddde+xx.
+std::string decimal(double value) {
+  std::array<char, 32> buffer{};
+  const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value, std::chars_format::scientific);
+  return {buffer.data(), end.ptr};
+}
+
+/// CRC-32 (ISO 3309, as in zlib) of all numbers, as decimal() writes them, and of all names, in the order of the text.
 class Checksum {
  public:
-  void add(double value) {
-    const auto bits = std::bit_cast<std::uint64_t>(value);
-    for (int k = 0; k < 8; ++k) byte(static_cast<unsigned char>(bits >> (8 * k)));
-  }
+  void add(double value) { add(std::isinf(value) ? std::string("null") : decimal(value)); }
   void add(std::string_view name) {
     for (const char c : name) byte(static_cast<unsigned char>(c));
   }
@@ -41,14 +44,12 @@ class Writer {
   std::string text{};
 
   void literal(std::string_view part) { text += part; }
-  /// The shortest decimal number that is read back as the same double; null: infinite.
+  /// null: infinite.
   void number(double value) {
     value = std::isfinite(value) ? value + 0.0 : infinity;  // no -0
     sum_.add(value);
     if (value == infinity) return literal("null");
-    std::array<char, 32> buffer{};
-    const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value);
-    text.append(buffer.data(), end.ptr);
+    literal(decimal(value));
   }
   void number(Index value) { number(static_cast<double>(value)); }
   void name(std::string_view value) {

@@ -8,7 +8,7 @@
 
 namespace perp::ncp {
 
-/// Returns the certificate of a result as JSON, as docs/schema/certificate.json describes it; "null" if there is none.
+/// Returns the certificate of a result as JSON, as docs/schema/solve.json describes it; "null" if there is none.
 /// `x`: a point where J is defined, for problems that are not affine.
 std::string certificate_json(const Mcp& mcp, In x, const Infeasibility& proof);
 

@@ -22,7 +22,7 @@
 ///
 /// Every solution of the problem gives one of the reduced problem, unless x_i is not determined (F_i = 0 and x_i in no
 /// other row, a < 0 with two bounds): then one remains of the many. Every solution of the reduced problem is one of the
-/// problem by postsolve(). No tolerance decides a case: signs have to be clear of rounding, verdicts of 1e-6.
+/// problem by postsolve(). No tolerance decides a case: signs have to be clear of rounding, contradictions of 1e-6.
 ///
 /// References: Ferris & Munson, Preprocessing complementarity problems, in: Complementarity (Kluwer 2001) 143. Andersen
 /// & Andersen, Math. Prog. 71 (1995) 221.
@@ -53,8 +53,9 @@ struct PresolveCounts {
 
 class Presolved {
  public:
-  /// Says why there is no solution, with names and numbers; empty if that is not known. If it is not empty, the other
-  /// members have no meaning.
+  /// Says why there seems to be no solution, with names and numbers; empty if there is no contradiction. It is none of
+  /// exact arithmetic: what proves it carries the rounding of every step (lcp/judge/propagation.hpp). If it is not
+  /// empty, the other members have no meaning.
   const std::string& infeasible() const { return infeasible_; }
   /// Returns the reduced problem, or the original if nothing could be removed. Its size may be 0. Its variable k is
   /// columns()[k] of the original, and its equation k is rows()[k]; both keep their names. It lives as long as this

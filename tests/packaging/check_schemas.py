@@ -130,7 +130,7 @@ FILES = {
 }
 
 # Keys that a document may lack, "*" for an item of a list, and tables of any keys.
-OPTIONAL = {("solve", "derivatives"), ("solve", "verified"), ("solve", "deflation"), ("campaign", "shard"), ("solve", "variables.*.basis"), ("judge", "lower"), ("judge", "x"), ("judge", "upper")}
+OPTIONAL = {("solve", "derivatives"), ("solve", "residual_bound"), ("solve", "certificate"), ("solve", "verified"), ("solve", "deflation"), ("campaign", "shard"), ("solve", "variables.*.basis"), ("judge", "lower"), ("judge", "x"), ("judge", "upper")}
 OPTIONAL |= {("methods", key) for key in ("method", "affine", "options", "notes")}
 OPEN = {("solve", "options"), ("methods", "options"), ("campaign", "methods.*.in_force")}
 # Where a document says its version; the cells of a comparison have that of its campaign.
@@ -167,10 +167,14 @@ class Schemas:
             part = part[key]
         return name, part
 
-    def keys(self, name, part, path=()):
-        """(path, whether it is described) of every key that a document may have, "*" for an item of a list."""
+    def keys(self, name, part, path=(), within=()):
+        """(path, whether it is described) of every key that a document may have, "*" for an item of a list. What is part
+        of itself is gone into once."""
+        if part in within:
+            return
+        within = (*within, part)
         if "$ref" in part:
-            yield from self.keys(*self.follow(name, part["$ref"]), path)
+            yield from self.keys(*self.follow(name, part["$ref"]), path, within)
         for key, below in part.get("properties", {}).items():
             if below is False:
                 continue
@@ -178,11 +182,11 @@ class Schemas:
             while "description" not in described and "$ref" in described:
                 described = self.follow(name, described["$ref"])[1]
             yield ".".join((*path, key)), described.get("description", "").endswith((".", "?"))
-            yield from self.keys(name, below, (*path, key))
+            yield from self.keys(name, below, (*path, key), within)
         for below in part.get("anyOf", ()):
-            yield from self.keys(name, below, path)
+            yield from self.keys(name, below, path, within)
         if isinstance(part.get("items"), dict):
-            yield from self.keys(name, part["items"], (*path, "*"))
+            yield from self.keys(name, part["items"], (*path, "*"), within)
 
 
 def places(value, path=()):
