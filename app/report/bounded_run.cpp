@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <limits>
 #include <mutex>
+#include <optional>
 #include <utility>
 
 #include "app/text/table.hpp"
@@ -29,7 +30,8 @@ struct Shared {
   bool left = false;   // nobody waits any more
   ncp::Result best{};  // the best point so far
   std::vector<ncp::Iteration> iterations{};
-  Report report{};  // of a run that came back
+  std::optional<Report> judged{};  // of a run whose method is done; more may be told of its solution
+  Report report{};                 // of a run that came back
 
   const ncp::Mcp& mcp() const { return *problem->mcp; }
 
@@ -55,6 +57,11 @@ struct Shared {
     return observer ? observer(it) : ncp::Next::Continue;
   }
 
+  void judge(const Report& report) {
+    const std::lock_guard lock(mutex);
+    judged = report;
+  }
+
   void keep(ncp::Vec x) {
     ncp::Vec F(x.size());
     if (!mcp().eval(x, F)) return;
@@ -70,6 +77,13 @@ struct Shared {
 Report report_of_best(Shared& shared, GivenUp why) {
   const std::lock_guard lock(shared.mutex);
   shared.left = true;
+  if (shared.judged) {  // what the judge has said stands, whatever comes after it
+    Report report = *shared.judged;
+    report.result.notes.push_back(
+        fmt::format("what was asked for beside the solution was not done {}",
+                    why == GivenUp::Interrupted ? "before the interruption" : "within the time limit"));
+    return report;
+  }
   Report report{.problem = shared.problem.get(), .settings = shared.settings};
   report.iterations = shared.iterations;
   report.result = shared.best;
@@ -128,10 +142,19 @@ Report run_within(const Patience& whole, std::shared_ptr<const LoadedProblem> pr
         shared->start();
         ncp::Observer seen = [&s = *shared](const ncp::Iteration& it) { return s.see(it); };
         seen.ways = shared->observer.ways;
-        shared->report = run_method(*shared->problem, within, nullptr, interrupt, seen);
+        Report report = run_method(*shared->problem, within, nullptr, interrupt, seen);
+        if (has_more_to_tell(report)) {
+          shared->judge(report);
+          tell_more(report);
+        }
+        shared->report = std::move(report);
       },
       patience(left, whole.interrupt));
-  if (given_up) return report_of_best(*shared, *given_up);
+  if (given_up) {
+    Report best = report_of_best(*shared, *given_up);
+    best.settings = settings;
+    return best;
+  }
   Report report = std::move(shared->report);
   report.settings = settings;
   return report;

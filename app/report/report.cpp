@@ -83,17 +83,34 @@ Report run_method(const LoadedProblem& problem, const Settings& settings, std::o
     solve_several(report, method, shown);
   else
     report.result = ncp::solve(*problem.mcp, problem.x0, method, shown);
-  if (const auto* affine = std::get_if<ncp::Affine>(&method))
-    if (const auto* enumeration = std::get_if<lcp::Enumeration>(&affine->method);
-        enumeration && report.result.solved()) {
-      lcp::Limits limits{.tol = stop.tol};
-      if (interrupt != nullptr) limits.interrupted = [interrupt] { return interrupt->load(); };
-      report.all_solutions = lcp::enumerate(*ncp::affine_part(*problem.mcp), *enumeration, limits);
-    }
   add_model_notes(problem, method, report.result);
-  if (settings.verify && report.result.accepted())
-    report.verified = ncp::verify(*problem.mcp, ncp::stop(settings.method).tol, report.result);
   return report;
+}
+
+namespace {
+
+const lcp::Enumeration* enumeration_of(const ncp::Method& method) {
+  const auto* affine = std::get_if<ncp::Affine>(&method);
+  return affine != nullptr ? std::get_if<lcp::Enumeration>(&affine->method) : nullptr;
+}
+
+}  // namespace
+
+bool has_more_to_tell(const Report& report) {
+  return (report.settings.verify && report.result.accepted()) ||
+         (enumeration_of(report.settings.method) != nullptr && report.result.solved());
+}
+
+void tell_more(Report& report) {
+  const ncp::Mcp& mcp = *report.problem->mcp;
+  const ncp::Stop& stop = ncp::stop(report.settings.method);
+  if (const lcp::Enumeration* enumeration = enumeration_of(report.settings.method);
+      enumeration != nullptr && report.result.solved()) {
+    lcp::Limits limits{.tol = stop.tol};
+    if (stop.interrupt != nullptr) limits.interrupted = [&stop] { return stop.interrupt->load(); };
+    report.all_solutions = lcp::enumerate(*ncp::affine_part(mcp), *enumeration, limits);
+  }
+  if (report.settings.verify && report.result.accepted()) report.verified = ncp::verify(mcp, stop.tol, report.result);
 }
 
 std::string_view state_name(const ncp::Box& box, ncp::Index i, double x, double tol) {

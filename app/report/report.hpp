@@ -41,10 +41,14 @@ struct Report {
 ncp::Observer live_table(std::ostream& out, const ncp::Mcp& mcp, const Output& output);
 
 /// Solves; prints the tables of iterations that the settings ask for to `log` (nullptr: none). `interrupt` may be null.
-/// Where a verified point is as good, it takes the place of the one found. Throws InputError if the Jacobian was to be
-/// checked and is wrong or if side inequalities were to be refused; what ncp::solve throws.
+/// Throws InputError if the Jacobian was to be checked and is wrong or if side inequalities were to be refused; what
+/// ncp::solve throws.
 Report run_method(const LoadedProblem& problem, const Settings& settings, std::ostream* log,
                   const std::atomic<bool>* interrupt, const ncp::Observer& observer = {});
+/// Returns whether a proof or all other solutions were asked for, of a run that has found one.
+bool has_more_to_tell(const Report& report);
+/// Adds them, which may take long. Where a verified point is as good, it takes the place of the one found.
+void tell_more(Report& report);
 
 /// Where variable i is: "basic" (between its bounds), "at lower", "at upper", "fixed", "free" (it has no bounds), with
 /// distances up to `tol` counted as "at".

@@ -195,7 +195,8 @@ void Propagation::narrow(Index variable, bool is_above, bool off, double value, 
 }
 
 bool Propagation::wide(Index j) const {
-  return !(X_.upper[j] - X_.lower[j] <= narrow_width * (1 + std::abs(X_.upper[j])));
+  const double width = X_.upper[j] - X_.lower[j];
+  return !std::isfinite(width) || width > narrow_width * (1 + std::abs(X_.upper[j]));
 }
 
 void Propagation::end(std::vector<Multiplier> y) {

