@@ -105,13 +105,16 @@ bool CallbackMcp::called(const char* name, int evaluation, std::vector<double>& 
     end(stopped_, who());
     return false;
   }
+  const bool stop = stop_ != nullptr && *stop_;  // meanwhile: what was to be computed may not have been
   if (answer != PERP_DEFINED) {
+    if (stop) return false;
     end(failure_,
         who() + ", returned " + std::to_string(answer) + "; it must return 0 (defined), 1 (undefined) or 2 (stop)");
     return false;
   }
   const auto missing = std::find_if(values.begin(), values.end(), is_unset);
   if (missing == values.end()) return true;
+  if (stop) return false;
   end(failure_,
       who() + ", left " + place(name, missing - values.begin()) + " of " + std::to_string(values.size()) + " unset");
   return false;

@@ -78,6 +78,8 @@ def bound(given: Any, n: int, usual: float, name: str) -> Array | None:
     """n bounds; None: the library's own usual ones, which are `usual`."""
     if given is None or (type(given) in (int, float) and given == usual):
         return None
+    if type(given) is float:
+        return np.full(n, given)
     numbers = doubles(given, name)
     if numbers.ndim == 0:
         return np.full(n, float(numbers))
@@ -125,7 +127,10 @@ def shape_of(given: Any, name: str) -> tuple[int, int]:
 
 def indices(matrix: Any, part: str, name: str) -> npt.NDArray[Any]:
     """indptr, indices, ...: integers of 32 or 64 bits."""
-    array = np.ascontiguousarray(getattr(matrix, part))
+    array = getattr(matrix, part)
+    if type(array) is np.ndarray and array.dtype is _INT32 and array.ndim == 1 and array.flags.c_contiguous:
+        return array
+    array = np.ascontiguousarray(array)
     if array.ndim != 1 or array.dtype.kind not in "iu":
         refuse(name, f"{part} is no array of integers")
     return array if array.dtype in (_INT32, _INT64) else array.astype(np.int64)
@@ -143,9 +148,10 @@ def _check_coordinates(coo: Any, part: str, below: int, name: str) -> None:
 def compressed(matrix: Any, name: str) -> Any:
     """A matrix of scipy.sparse in CSC or CSR. Checks indices of other formats, which scipy would follow wherever they
     point; those of these two are for the library to check."""
-    form = str(matrix.format)
-    if form in ("csc", "csr"):
+    form = matrix.format
+    if form == "csc" or form == "csr":
         return matrix
+    form = str(form)
     if form == "bsr":
         matrix.check_format(True)
         return matrix.tocsc()

@@ -6,6 +6,7 @@ The library is loaded when it is first used: `lib` of this module."""
 from __future__ import annotations
 
 import ctypes
+import functools
 import os
 import sys
 from ctypes import POINTER, c_char, c_char_p, c_double, c_int32, c_int64, c_void_p
@@ -195,6 +196,10 @@ class Library:
                 function = getattr(dll, name)
                 function.restype, function.argtypes = answer, arguments
                 setattr(self, name, function)
+        self.Problem = _handle_class("Problem", self.perp_problem_free)
+        self.Solver = _handle_class("Solver", self.perp_solver_free)
+        self.Result = _handle_class("Result", self.perp_result_free)
+        self.Contact = _handle_class("Contact", self.perp_contact_free)
 
     def __getattr__(self, name: str) -> Any:  # for what reads types: every name is a function of C
         raise AttributeError(f"libperp has no function {name}")
@@ -221,22 +226,25 @@ def check(code: int, error: Error) -> None:
 
 
 class Handle:
-    """A handle of C; what it stands on stays as long as it does."""
+    """A handle of C; what it stands on stays as long as it does. The classes are lib.Problem, lib.Result, ..."""
 
-    __slots__ = ("pointer", "_free", "kept", "__weakref__")
+    __slots__ = ("pointer", "_as_parameter_", "kept", "__weakref__")
 
-    def __init__(self, pointer: int, free: Any, kept: Any = None) -> None:
-        self.pointer = pointer
-        self._free = free
+    def __init__(self, pointer: int, kept: Any = None) -> None:
+        self.pointer = self._as_parameter_ = pointer
         self.kept = kept
 
-    def __del__(self) -> None:
-        self._free(self.pointer)
+
+def _handle_class(name: str, free: Any) -> type[Handle]:
+    """Handles that are freed without a line of Python: what a handler of signals raises in a __del__ is lost. Python asks
+    for the attribute __del__, which frees, and calls what it gets, which does nothing."""
+    free.restype = functools.partial(functools.partial, int)
+    return type(name, (Handle,), {"__slots__": (), "__del__": property(free)})
 
 
-def made(function: Any, free: Any, *arguments: Any, kept: Any = None) -> Handle:
+def made(function: Any, kind: type[Handle], *arguments: Any, kept: Any = None) -> Handle:
     """The handle that a function makes."""
     pointer, error = c_void_p(), Error()
     check(function(*arguments, ctypes.byref(pointer), ctypes.byref(error)), error)
     assert pointer.value is not None
-    return Handle(pointer.value, free, kept)
+    return kind(pointer.value, kept)

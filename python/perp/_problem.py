@@ -457,7 +457,7 @@ def function_problem(
     places = functions.pattern()
     handle = made(
         _library.lib.perp_problem_create,
-        _library.lib.perp_problem_free,
+        _library.lib.Problem,
         INTERFACE,
         n,
         None if low is None else address(low),
@@ -506,7 +506,7 @@ def affine_handle(M: Any, q: Any, lower: Any, upper: Any) -> Handle:
     entries, kept = matrix(M, "M", n, n, lent=True)
     return made(
         _library.lib.perp_problem_affine,
-        _library.lib.perp_problem_free,
+        _library.lib.Problem,
         INTERFACE,
         ctypes.byref(entries),
         address(shift),
@@ -545,7 +545,7 @@ def read_nl(path: Path) -> Problem:
     if not any(os.path.exists(file + ending) for ending in ("", ".nl")):
         raise FileNotFoundError(f"path: there is no file {file}, nor {file}.nl")
     lib = _library.lib
-    return Problem(made(lib.perp_problem_read_nl, lib.perp_problem_free, INTERFACE, os.fsencode(file)))
+    return Problem(made(lib.perp_problem_read_nl, lib.Problem, INTERFACE, os.fsencode(file)))
 
 
 def read_matrix(M: Path, q: Path, lower: Path | None = None, upper: Path | None = None) -> Problem:
@@ -556,20 +556,20 @@ def read_matrix(M: Path, q: Path, lower: Path | None = None, upper: Path | None 
         if file is not None and not os.path.exists(file):
             raise FileNotFoundError(f"{name}: there is no file {os.fsdecode(file)}")
     lib = _library.lib
-    return Problem(made(lib.perp_problem_read_matrix, lib.perp_problem_free, INTERFACE, *files))
+    return Problem(made(lib.perp_problem_read_matrix, lib.Problem, INTERFACE, *files))
 
 
 def collection(name: str) -> Problem:
     """A test problem by its name, "josephy", or of a family in any size, "obstacle:50x50"; `collection_entries` lists
     them."""
     lib = _library.lib
-    return Problem(made(lib.perp_problem_collection, lib.perp_problem_free, INTERFACE, text(name, "name").encode()))
+    return Problem(made(lib.perp_problem_collection, lib.Problem, INTERFACE, text(name, "name").encode()))
 
 
 def listed(what: str) -> list[dict[str, Any]]:
     """The items of perp_list."""
     lib = _library.lib
-    answer = Fields(made(lib.perp_list, lib.perp_result_free, INTERFACE, what.encode()))
+    answer = Fields(made(lib.perp_list, lib.Result, INTERFACE, what.encode()))
     return [item.numbers() for item in answer.read("items")]
 
 

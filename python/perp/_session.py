@@ -16,7 +16,7 @@ import numpy as np
 
 from perp import _library
 from perp._functions import Functions, live, numbers, view
-from perp._library import INTERFACE, Handle, Iteration, check
+from perp._library import INTERFACE, Handle, Iteration, check, made
 
 _field = {name: getattr(Iteration, name).offset for name, _ in Iteration._fields_}
 _FORMATS = {"k": "i8", "residual": "f8", "worst": "i8", "merit": "f8", "step": "f8", "prox": "f8", "mu": "f8",
@@ -39,26 +39,44 @@ def _on_main_thread() -> bool:
     return threading.get_ident() == threading.main_thread().ident
 
 
+class _Lost:
+    """Catches, while it lives, what a handler of signals raises where a callback begins, before the callback can catch it:
+    ctypes hands it to sys.unraisablehook. Handlers run on the main thread."""
+
+    __slots__ = ("exception", "_before")
+
+    def __init__(self) -> None:
+        self.exception: BaseException | None = None
+        self._before = sys.unraisablehook
+        sys.unraisablehook = self
+
+    def __call__(self, unraisable: Any) -> None:
+        if "ctypes callback" in (unraisable.err_msg or ""):
+            self.exception = unraisable.exc_value or unraisable.exc_type()
+        else:
+            self._before(unraisable)
+
+    def end(self) -> None:
+        if sys.unraisablehook is self:
+            sys.unraisablehook = self._before
+
+
 class Solver:
     """A solver of C with its options: of one thread at a time."""
 
-    __slots__ = ("pointer", "error", "error_at", "answer", "answer_at", "heeds")
+    __slots__ = ("_handle", "pointer", "error", "error_at", "answer", "answer_at", "heeds")
 
     def __init__(self, options: Iterable[tuple[str, str]] = ()) -> None:
-        self.pointer = c_void_p()
+        lib = _library.lib
+        self._handle = made(lib.perp_solver_create, lib.Solver, INTERFACE)
+        self.pointer = self._handle.pointer
         self.error = _library.Error()
         self.error_at = byref(self.error)
         self.answer = c_void_p()
         self.answer_at = byref(self.answer)
         self.heeds = False
-        lib = _library.lib
-        check(lib.perp_solver_create(INTERFACE, byref(self.pointer), self.error_at), self.error)
         for key, value in options:
             self.set(key, value)
-
-    def __del__(self) -> None:
-        if self.pointer:
-            _library.lib.perp_solver_free(self.pointer)
 
     def set(self, key: str, value: str) -> None:
         code = _library.lib.perp_solver_set(self.pointer, key.encode(), value.encode(), self.error_at)
@@ -164,6 +182,7 @@ def work(
         check(lib.perp_solver_set_basis(solver.pointer, len(basis), basis.ctypes.data, solver.error_at), solver.error)
     interrupt: BaseException | None = None
     code = 0
+    lost = _Lost() if main and (functions is not None or listeners is not None) else None
     _running.add(solver)
     solver.answer.value = None
     try:
@@ -174,10 +193,12 @@ def work(
         interrupt = error
     except BaseException:  # of another handler of signals
         if solver.answer.value is not None:
-            lib.perp_result_free(solver.answer)
+            lib.Result(solver.answer.value)
         raise
     finally:
         _running.discard(solver)
+        if lost is not None:
+            lost.end()
         if listeners is not None:
             del live[listeners.number]
             lib.perp_solver_set_log(solver.pointer, _NO_LOG, None, None)
@@ -185,10 +206,10 @@ def work(
         if basis is not None:
             lib.perp_solver_set_basis(solver.pointer, 0, None, None)
     pointer = solver.answer.value
-    result = None if pointer is None else Handle(pointer, lib.perp_result_free)
-    failure = (listeners.failure if listeners is not None else None) or (
-        functions.failure if functions is not None else None
-    )
+    result = None if pointer is None else lib.Result(pointer)
+    failure = next((one.failure for one in (listeners, functions) if one is not None and one.failure is not None), None)
+    if lost is not None and lost.exception is not None:
+        failure = lost.exception
     if failure is not None:
         if not isinstance(failure, KeyboardInterrupt):
             raise failure

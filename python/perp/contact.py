@@ -152,7 +152,7 @@ class Problem:
             raise ValueError(f"tolerance: is {tolerance}, and must be positive")
         lib, impulses = _library.lib, self._impulses(r, "r")
         judged = made(
-            lib.perp_contact_judge, lib.perp_result_free, self._handle.pointer, address(impulses), float(tolerance)
+            lib.perp_contact_judge, lib.Result, self._handle.pointer, address(impulses), float(tolerance)
         )
         measures = Fields(judged).numbers()
         return bool(measures.pop("accepted")), measures
@@ -177,7 +177,7 @@ def problem(W: Matrix, q: npt.ArrayLike, mu: npt.ArrayLike) -> Problem:
     lib = _library.lib
     handle = made(
         lib.perp_contact_create,
-        lib.perp_contact_free,
+        lib.Contact,
         INTERFACE,
         len(shift) // k,
         k,
@@ -209,7 +209,7 @@ def read(path: Path) -> Problem:
     if not os.path.exists(file):
         raise FileNotFoundError(f"path: there is no file {file}")
     lib = _library.lib
-    return Problem(made(lib.perp_contact_read, lib.perp_contact_free, INTERFACE, os.fsencode(file)))
+    return Problem(made(lib.perp_contact_read, lib.Contact, INTERFACE, os.fsencode(file)))
 
 
 class Scene(NamedTuple):
@@ -228,4 +228,4 @@ def scene(name: str, contacts: int, seed: int = 1) -> Problem:
     """A step of bodies with about so many contacts, "arch", "wall", ... (`scenes`); the same for the same seed."""
     lib, count = _library.lib, _count(contacts, "contacts")
     name_ = text(name, "scene").encode()
-    return Problem(made(lib.perp_contact_scene, lib.perp_contact_free, INTERFACE, name_, count, _count(seed, "seed")))
+    return Problem(made(lib.perp_contact_scene, lib.Contact, INTERFACE, name_, count, _count(seed, "seed")))
