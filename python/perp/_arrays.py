@@ -39,7 +39,7 @@ def doubles(given: Any, name: str) -> Array:
         return given
     if given is None:
         refuse_type(name, "is None, and must be an array of numbers")
-    if isinstance(given, np.ma.MaskedArray) and np.ma.is_masked(given):
+    if isinstance(given, np.ma.MaskedArray) and getattr(np.ma, "is_masked")(given):
         refuse(name, "has masked entries, which are no numbers")
     try:
         array = np.asarray(given)

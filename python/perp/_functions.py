@@ -12,6 +12,7 @@ import warnings
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from perp import _arrays, _library
 from perp._arrays import FLOAT64, doubles, kind, refuse, refuse_type
@@ -29,10 +30,15 @@ def view(pointer: int, count: int, kept: Any = None) -> Array:
     """float64 of C, where they are; `kept` lives as long as the array."""
     if not count:
         return np.empty(0)
-    buffer = (ctypes.c_double * count).from_address(pointer)
+    return array_at(pointer, count, FLOAT64, kept)
+
+
+def array_at(pointer: int, count: int, dtype: np.dtype[Any], kept: Any) -> npt.NDArray[Any]:
+    """Memory of C as an array; `kept` lives as long as it does."""
+    buffer: Any = (ctypes.c_char * (count * dtype.itemsize)).from_address(pointer)
     if kept is not None:
         buffer._kept = kept
-    return np.frombuffer(buffer)
+    return np.frombuffer(buffer, dtype)
 
 
 def _require_callable(function: Any, name: str, or_what: str = "") -> None:
@@ -266,8 +272,7 @@ class Functions:
         self.reader.read(self.jac(at.copy()), self._J)
 
 
-@_library.F_callback
-def on_F(n: int, x: int, F: int, number: int) -> int:
+def _on_F(n: int, x: int, F: int, number: int) -> int:
     functions = live[number]
     try:
         functions.call_F(x, F)
@@ -277,8 +282,7 @@ def on_F(n: int, x: int, F: int, number: int) -> int:
         return 2
 
 
-@_library.J_callback
-def on_J(n: int, count: int, x: int, value: int, number: int) -> int:
+def _on_J(n: int, count: int, x: int, value: int, number: int) -> int:
     functions = live[number]
     try:
         functions.call_jac(x, value, count)
@@ -288,4 +292,5 @@ def on_J(n: int, count: int, x: int, value: int, number: int) -> int:
         return 2
 
 
+on_F, on_J = _library.F_callback(_on_F), _library.J_callback(_on_J)
 NO_J = _library.J_callback(0)

@@ -63,7 +63,7 @@ def _option_text(key: str, value: object) -> str:
         if isinstance(value, (str, bytes)) or not hasattr(value, "__float__"):
             raise TypeError(f"options: {key} is of type {kind(value)}, and must be text, a number, or True or False")
     try:
-        return repr(float(value))  # type: ignore[arg-type]
+        return repr(float(value))
     except TypeError:
         raise TypeError(
             f"options: {key} is of type {kind(value)}, and must be text, a number, or True or False"

@@ -6,6 +6,7 @@ of the library, where they are. A field that the library gets is one line here."
 
 from __future__ import annotations
 
+import ctypes
 import html
 from collections.abc import Callable, Iterator
 from typing import Any, Generic, TypeVar, overload
@@ -14,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from perp import _library
-from perp._functions import view
+from perp._functions import array_at, view
 from perp._library import Handle
 from perp._types import Array
 
@@ -70,11 +71,7 @@ class Fields:
         return self._array(lib.perp_result_iterations(here, key), count, ROW)
 
     def _array(self, pointer: int, count: int, dtype: np.dtype[Any]) -> npt.NDArray[Any]:
-        if not count:
-            return np.empty(0, dtype)
-        buffer = (_library.c_char * (count * dtype.itemsize)).from_address(pointer)
-        buffer._kept = self._handle
-        return np.frombuffer(buffer, dtype)
+        return array_at(pointer, count, dtype, self._handle) if count else np.empty(0, dtype)
 
     def numbers(self) -> dict[str, Any]:
         """Of a part that is a table of numbers."""
@@ -167,11 +164,11 @@ class Names:
         function = lib.perp_problem_equation_name if which else lib.perp_problem_variable_name
         size = 256
         while True:
-            name = _library.ctypes.create_string_buffer(size)
+            name = ctypes.create_string_buffer(size)
             error = _library.Error()
-            _library.check(function(self._handle.pointer, i, name, size, _library.ctypes.byref(error)), error)
+            _library.check(function(self._handle.pointer, i, name, size, ctypes.byref(error)), error)
             if len(name.value) < size - 1:
-                return name.value.decode(errors="replace")
+                return str(name.value.decode(errors="replace"))
             size *= 4  # it was cut off
 
     def variable(self, i: int) -> str:

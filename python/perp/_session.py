@@ -18,7 +18,7 @@ from perp import _library
 from perp._functions import Functions, live, numbers, view
 from perp._library import INTERFACE, Handle, Iteration, check, made
 
-_field = {name: getattr(Iteration, name).offset for name, _ in Iteration._fields_}
+_field = {name: getattr(Iteration, name).offset for name, *_ in Iteration._fields_}
 _FORMATS = {"k": "i8", "residual": "f8", "worst": "i8", "merit": "f8", "step": "f8", "prox": "f8", "mu": "f8",
             "pivots": "i8", "backtracks": "i8", "F_evals": "i8", "J_evals": "i8", "crash": "?", "kind": "U1",
             "linear": "U1"}  # fmt: skip
@@ -106,8 +106,7 @@ class Listeners:
             return True
 
 
-@_library.progress_callback
-def _on_progress(iteration: int, number: int) -> int:
+def _hear_progress(iteration: int, number: int) -> int:
     listeners = live[number]
     try:
         return 1 if listeners.failure or listeners.heard(iteration) else 0
@@ -116,8 +115,7 @@ def _on_progress(iteration: int, number: int) -> int:
         return 1
 
 
-@_library.log_callback
-def _on_log(line: bytes, number: int) -> None:
+def _hear_line(line: bytes, number: int) -> None:
     listeners = live[number]
     if listeners.failure:
         return
@@ -128,6 +126,7 @@ def _on_log(line: bytes, number: int) -> None:
         _library.lib.perp_solver_interrupt(listeners.solver.pointer)
 
 
+_on_progress, _on_log = _library.progress_callback(_hear_progress), _library.log_callback(_hear_line)
 _NO_LOG = _library.log_callback(0)
 _NO_PROGRESS = _library.progress_callback(0)
 
