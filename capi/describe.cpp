@@ -71,6 +71,7 @@ Part part_of(ncp::Result result, const CallbackMcp* callbacks) {
       .add("relative_row", result.relative_row)
       .add("notes", std::move(result.notes))
       .add("stats", part_of(result.stats, callbacks));
+  if (result.proof.residual_bound > 0) part->add("residual_bound", result.proof.residual_bound);
   Cells basis(result.basis.size());
   std::ranges::transform(result.basis, basis.begin(), [](lcp::Cell cell) { return static_cast<std::int8_t>(cell); });
   if (!basis.empty()) part->add("basis", std::move(basis));

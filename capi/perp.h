@@ -307,6 +307,9 @@ int32_t perp_list(int32_t interface_, const char* what, perp_result** result, pe
  *    residual, worst real, integer: the natural residual of x, by the judge, and the row where it is largest; -1: none
  *    relative, relative_row
  *                    the largest residual of a row beside the terms it is the rest of; NaN, -1 where J is not defined
+ *    residual_bound  real, of Infeasible: no point has a natural residual of at most this
+ *    certificate     text, of Infeasible: the proof as JSON, which scripts/check_certificate.py checks; none where the
+ *                    ranges of F are the proof
  *    notes           texts: what a solution to the tolerance leaves to be said
  *    basis           cells: perp_cells of the last linearised problem solved; not of all methods
  *    stats           part: iterations, F_evals, J_evals, pivots, ..., time_s (seconds); of functions F_calls,

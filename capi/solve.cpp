@@ -10,6 +10,7 @@
 
 #include "capi/describe.hpp"
 #include "capi/guard.hpp"
+#include "ncp/analysis/certificate.hpp"
 #include "ncp/analysis/verify.hpp"
 #include "ncp/path/warm_basis.hpp"
 #include "ncp/strategy/deflation.hpp"
@@ -146,7 +147,9 @@ Part solved(Work& work, const perp_problem& problem, const Vec& x0) {
     if (!verified->unique) result.notes.push_back("not verified: " + verified->why_not);
   }
   if (options.settings.output.all) listeners.tell(std::string(to_string(result.status)) + ": " + result.message);
+  const std::string certificate = ncp::certificate_json(mcp, result.x, result.proof);
   Part part = part_of(std::move(result), problem.callbacks);
+  if (certificate != "null") part->add("certificate", certificate);
   part->add("log", listeners.log());
   if (verified) part->add("verified", part_of(std::move(*verified)));
   return part;

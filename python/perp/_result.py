@@ -267,6 +267,10 @@ class Result(Record):
         "solution, a SolutionWarning says so."
     )
     relative_row: Field[int] = Field("That row; -1: none.")
+    residual_bound: Field[float] = Field("Of Infeasible: no point has a natural residual of at most this. Else nan.")
+    certificate: Field[str | None] = Field(
+        "Of Infeasible: the proof as JSON, which scripts/check_certificate.py checks; None where the ranges of F are the proof."
+    )
     notes: Field[list[str]] = Field("What a solution leaves to be said.", _texts)
     basis: Field[npt.NDArray[np.int8] | None] = Field(
         "Shape (n,): 0 at the lower bound, 1 between, 2 at the upper bound, 3 fixed; for `basis` of a nearby problem. None "
