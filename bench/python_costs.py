@@ -40,7 +40,7 @@ def F_cost(n):
     p.check_jacobian(x)
     evaluations = len(calls)
     own = smallest(lambda: per_call(lambda: F(x), 200))
-    return smallest(lambda: per_call(lambda: p._core.check_jacobian(x), 1)) / evaluations - own
+    return smallest(lambda: per_call(lambda: p.check_jacobian(x), 1)) / evaluations - own
 
 
 def J_cost(n):
@@ -52,8 +52,8 @@ def J_cost(n):
     def made():
         return sp.csc_matrix((A.data.copy(), A.indices.copy(), A.indptr.copy()), shape=A.shape)
 
-    p._core.jac(x)
-    return smallest(lambda: per_call(lambda: p._core.jac(x), 50)) - smallest(lambda: per_call(made, 50))
+    p.jac(x)
+    return smallest(lambda: per_call(lambda: p.jac(x), 50)) - smallest(lambda: per_call(made, 50))
 
 
 def affine_cost(wrap):

@@ -33,7 +33,12 @@ std::string exception_text() {
 
 CallbackMcp::CallbackMcp(lcp::Box box, Matrix pattern, perp_F F, perp_J J, void* user)
     : box_(std::move(box)), pattern_(std::move(pattern)), F_(F), J_(J), user_(user) {
-  if (J_ == nullptr) differences_.emplace(pattern_.entries);
+  x_.resize(box_.size());
+  values_F_.resize(lcp::at(box_.size()));
+  if (J_ == nullptr)
+    differences_.emplace(pattern_.entries);
+  else
+    values_J_.resize(lcp::at(pattern_.entries.nonZeros()));
 }
 
 ncp::JacobianWork CallbackMcp::jacobian_work() const {
@@ -69,57 +74,63 @@ void CallbackMcp::end(std::string& why, const std::string& text) const {
 
 /// Of the callback's own k-th value.
 std::string CallbackMcp::place(const char* name, Index k) const {
-  std::string entry = "entry " + std::to_string(k + 1);
-  if (*name == 'F') return entry;
+  if (*name == 'F') return "F[" + std::to_string(k) + "]";
+  Index there = k;
+  if (!pattern_.place.empty()) there = pattern_.place[lcp::at(k)];
   Index column = 0;
-  while (pattern_.entries.outerIndexPtr()[column + 1] <= k) ++column;
-  const Index there = pattern_.place.empty() ? k : pattern_.place[lcp::at(k)];
-  return entry + " (row " + std::to_string(pattern_.entries.innerIndexPtr()[there] + 1) + ", column " +
-         std::to_string(column + 1) + ")";
+  while (pattern_.entries.outerIndexPtr()[column + 1] <= there) ++column;
+  return "value[" + std::to_string(k) + "] (row " + std::to_string(pattern_.entries.innerIndexPtr()[there]) +
+         ", column " + std::to_string(column) + ")";
 }
 
 template <class Call>
-bool CallbackMcp::called(const char* name, int evaluation, double* values, Index count, Call call) const {
-  if (count == 0) return true;
-  const std::string who = std::string(name) + ", in its evaluation ";
-  std::fill_n(values, count, std::bit_cast<double>(unset));
+bool CallbackMcp::called(const char* name, int evaluation, std::vector<double>& values, Call call) const {
+  if (values.empty()) return true;
+  const auto who = [&] { return std::string(name) + ", in its evaluation " + std::to_string(evaluation); };
+  std::fill(values.begin(), values.end(), std::bit_cast<double>(unset));
   std::int32_t answer = 0;
   try {
-    answer = call(values);
+    answer = call(values.data());
   } catch (const abi::__forced_unwind&) {
     throw;
   } catch (...) {
-    end(failure_, who + std::to_string(evaluation) + ", threw an exception" + exception_text());
+    end(failure_, who() + ", threw an exception" + exception_text());
     return false;
   }
   if (answer == PERP_UNDEFINED) {
-    std::replace_if(values, values + count, is_unset, std::numeric_limits<double>::quiet_NaN());
+    std::replace_if(values.begin(), values.end(), is_unset, std::numeric_limits<double>::quiet_NaN());
     return false;
   }
   if (answer == PERP_STOP) {
-    end(stopped_, who + std::to_string(evaluation));
+    end(stopped_, who());
     return false;
   }
+  const bool stop = stop_ != nullptr && *stop_;  // meanwhile: what was to be computed may not have been
   if (answer != PERP_DEFINED) {
-    end(failure_, who + std::to_string(evaluation) + ", returned " + std::to_string(answer) +
-                      "; it must return 0 (defined), 1 (undefined) or 2 (stop)");
+    if (stop) return false;
+    end(failure_,
+        who() + ", returned " + std::to_string(answer) + "; it must return 0 (defined), 1 (undefined) or 2 (stop)");
     return false;
   }
-  const double* missing = std::find_if(values, values + count, is_unset);
-  if (missing == values + count) return true;
-  end(failure_, who + std::to_string(evaluation) + ", left " + place(name, missing - values) + " of " +
-                    std::to_string(count) + " unset");
+  const auto missing = std::find_if(values.begin(), values.end(), is_unset);
+  if (missing == values.end()) return true;
+  if (stop) return false;
+  end(failure_,
+      who() + ", left " + place(name, missing - values.begin()) + " of " + std::to_string(values.size()) + " unset");
   return false;
 }
 
-bool CallbackMcp::call_F(ncp::In x, ncp::Out F) const {
+bool CallbackMcp::call_F(ncp::In x, double* F) const {
   if (ended()) return false;
-  return called("F", ++F_evals_, F.data(), F.size(),
-                [&](double* values) { return F_(x.size(), x.data(), values, user_); });
+  x_ = x;
+  const bool defined =
+      called("F", ++F_evals_, values_F_, [&](double* values) { return F_(x_.size(), x_.data(), values, user_); });
+  std::copy(values_F_.begin(), values_F_.end(), F);
+  return defined;
 }
 
 bool CallbackMcp::eval(ncp::In x, ncp::Out F) const {
-  const bool defined = call_F(x, F);
+  const bool defined = call_F(x, F.data());
   if (defined && differences_) differences_->keep(x, F);
   return defined;
 }
@@ -127,14 +138,15 @@ bool CallbackMcp::eval(ncp::In x, ncp::Out F) const {
 bool CallbackMcp::jacobian(ncp::In x, SpMat& J) const {
   if (ended()) return false;
   if (differences_)
-    return differences_->jacobian([this](ncp::In y, ncp::Out F) { return call_F(y, F); }, box_, x, J.valuePtr());
+    return differences_->jacobian([this](ncp::In y, ncp::Out F) { return call_F(y, F.data()); }, box_, x, J.valuePtr());
+  x_ = x;
   const Index count = pattern_.entries.nonZeros();
-  const auto call = [&](double* values) { return J_(x.size(), count, x.data(), values, user_); };
-  ++J_evals_;
-  if (pattern_.place.empty()) return called("J", J_evals_, J.valuePtr(), count, call);
-  values_.resize(lcp::at(count));
-  const bool defined = called("J", J_evals_, values_.data(), count, call);
-  for (Index k = 0; k < count; ++k) J.valuePtr()[pattern_.place[lcp::at(k)]] = values_[lcp::at(k)];
+  const bool defined = called("J", ++J_evals_, values_J_,
+                              [&](double* values) { return J_(x_.size(), count, x_.data(), values, user_); });
+  if (pattern_.place.empty())
+    std::copy(values_J_.begin(), values_J_.end(), J.valuePtr());
+  else
+    for (std::size_t k = 0; k < values_J_.size(); ++k) J.valuePtr()[pattern_.place[k]] = values_J_[k];
   return defined;
 }
 

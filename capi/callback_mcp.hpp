@@ -30,18 +30,21 @@ class CallbackMcp final : public ncp::Mcp {
   /// In the order of the pattern as the caller gave it; null: none. Refused without J: differences are not exact.
   void set_linear(const std::int8_t* linear);
 
-  /// From now on *stop is set where a callback asks to stop or fails, and no callback is called any more.
+  /// From now on *stop is set where a callback asks to stop or fails, and no callback is called once it is set.
   void begin(std::atomic<bool>* stop) const;
   /// Who asked to stop, and when: "F, in its evaluation 3"; empty: nobody.
   const std::string& stopped() const { return stopped_; }
   /// What a callback did wrong; empty: nothing.
   const std::string& failure() const { return failure_; }
+  /// Calls since begin().
+  int F_calls() const { return F_evals_; }
+  int J_calls() const { return J_evals_; }
 
  private:
   template <class Call>
-  bool called(const char* name, int evaluation, double* values, Index count, Call call) const;
-  bool call_F(ncp::In x, ncp::Out F) const;
-  bool ended() const { return !stopped_.empty() || !failure_.empty(); }
+  bool called(const char* name, int evaluation, std::vector<double>& values, Call call) const;
+  bool call_F(ncp::In x, double* F) const;
+  bool ended() const { return !stopped_.empty() || !failure_.empty() || (stop_ != nullptr && *stop_); }
   void end(std::string& why, const std::string& text) const;
   std::string place(const char* name, Index k) const;
 
@@ -54,13 +57,16 @@ class CallbackMcp final : public ncp::Mcp {
   bool affine_ = false;
 
   mutable std::optional<ncp::ColouredDifferences> differences_{};  // where there is no J
+  // What the callbacks see: at the same places in every call.
+  mutable Vec x_{};
+  mutable std::vector<double> values_F_{};
+  mutable std::vector<double> values_J_{};
   // Of the solve that runs.
   mutable std::atomic<bool>* stop_ = nullptr;
   mutable int F_evals_ = 0;
   mutable int J_evals_ = 0;
   mutable std::string stopped_{};
   mutable std::string failure_{};
-  mutable std::vector<double> values_{};  // of J in the caller's order, where that is another
 };
 
 /// Watches the callbacks of a problem (null: it has none) while an object of this lives.

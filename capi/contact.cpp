@@ -1,16 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Contact problems of perp.h.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
-#include <array>
+#include <limits>
 #include <memory>
 #include <string>
 #include <utility>
 
+#include "capi/describe.hpp"
 #include "capi/guard.hpp"
 #include "capi/handles.hpp"
 #include "capi/solve.hpp"
 #include "contact/io/read.hpp"
 #include "contact/model/residual.hpp"
+#include "contact/scenes/generators.hpp"
 #include "contact/solvers/named_options.hpp"
 
 namespace perp::capi {
@@ -38,101 +43,44 @@ Index size_of(std::int32_t dimension, std::int64_t contacts) {
 Vec friction(const double* mu, std::int64_t contacts) {
   Vec copy = vector_of(mu, contacts, "mu");
   for (Index a = 0; a < contacts; ++a)
-    if (copy[a] < 0) refuse("mu", "entry " + std::to_string(a + 1) + " is " + std::to_string(copy[a]) + ", negative");
+    if (copy[a] < 0) refuse("mu", fmt::format("entry [{}] is {}, negative", a, copy[a]));
   return copy;
 }
 
-template <class Integer>
-std::unique_ptr<perp_contact> local(std::int32_t interface, std::int32_t dimension, std::int64_t contacts,
-                                    const Integer* start, const Integer* row, const double* value, const double* q,
-                                    const double* mu) {
-  require_interface(interface);
+std::unique_ptr<perp_contact> local(std::int32_t dimension, std::int64_t contacts, const perp_matrix* W,
+                                    const double* q, const double* mu) {
   const Index size = size_of(dimension, contacts);
   contact::Problem problem{.dimension = dimension};
-  problem.W = matrix_of(Columns<Integer>{
-                            .name = "W", .rows = size, .columns = size, .start = start, .row = row, .value = value})
-                  .entries;
+  problem.W = std::move(matrix_of(W, "W", size, size).entries);
   problem.q = vector_of(q, size, "q");
   problem.mu = friction(mu, contacts);
   contact::check(problem);
   return handle(std::move(problem));
 }
 
-template <class Integer>
-struct Bodies {
-  const Integer* M_start;
-  const Integer* M_row;
-  const double* M_value;
-  const Integer* H_start;
-  const Integer* H_row;
-  const double* H_value;
-};
-
-template <class Integer>
-std::unique_ptr<perp_contact> condensed(std::int32_t interface, std::int32_t dimension, std::int64_t contacts,
-                                        std::int64_t m, const Bodies<Integer>& bodies, const double* f, const double* w,
-                                        const double* mu) {
-  require_interface(interface);
-  const Index size = size_of(dimension, contacts);
-  check_size(m, "m");
-  contact::Global global;
-  global.M = matrix_of(Columns<Integer>{.name = "M",
-                                        .rows = m,
-                                        .columns = m,
-                                        .start = bodies.M_start,
-                                        .row = bodies.M_row,
-                                        .value = bodies.M_value})
-                 .entries;
-  global.H = matrix_of(Columns<Integer>{.name = "H",
-                                        .rows = m,
-                                        .columns = size,
-                                        .start = bodies.H_start,
-                                        .row = bodies.H_row,
-                                        .value = bodies.H_value})
-                 .entries;
-  global.G.resize(m, 0);
-  global.f = vector_of(f, m, "f");
-  global.w = vector_of(w, size, "w");
-  return handle(contact::condense(std::move(global), friction(mu, contacts), dimension));
-}
-
 contact::Variant variant_of(const char* words) {
   try {
     return contact::variant_of(words == nullptr ? "glocker" : words);
+  } catch (const contact::UnknownWord& unknown) {
+    refuse("variant", unknown.what() + settings::did_you_mean(unknown.word(), unknown.known()));
   } catch (const std::invalid_argument& wrong) {
     refuse("variant", wrong.what());
   }
 }
 
-std::unique_ptr<perp_contact_result> solved(perp_solver& solver, const contact::Problem& problem, const char* words) {
-  const StopsHeard heard(solver.stop);
+Part solved(Work& work, const contact::Problem& problem, const char* words, const double* r0) {
   contact::Variant variant = variant_of(words);
-  contact::RunLimits limits = contact::apply_options(variant, solver.given);
-  limits.interrupt = &solver.stop;
-  auto made = std::make_unique<perp_contact_result>();
-  made->run = contact::run(problem, variant, limits);
-  for (const contact::ContactState& state : made->run.states)
-    made->states.push_back(static_cast<std::int8_t>(state.state));
-  return made;
+  contact::RunLimits limits = contact::apply_options(variant, work.solver().given);
+  limits.interrupt = work.stop();
+  if (r0 != nullptr) limits.start = vector_of(r0, problem.q.size(), "r0");
+  return part_of(contact::run(problem, variant, limits));
 }
 
-std::optional<double> number_of(const contact::Run& run, const std::string& name) {
-  const contact::Residual& r = run.residual;
-  const std::array<std::pair<const char*, double>, 10> known{{{"natural", r.natural},
-                                                              {"siconos", r.siconos},
-                                                              {"rr9118", r.rr9118},
-                                                              {"scaled", r.scaled},
-                                                              {"cone", r.cone},
-                                                              {"normal", r.normal},
-                                                              {"slip", r.slip},
-                                                              {"largest", r.largest()},
-                                                              {"own", run.own},
-                                                              {"time_s", run.seconds}}};
-  for (const auto& [key, value] : known)
-    if (name == key) return value;
-  for (const auto& [key, value] : run.counts)
-    if (name == key) return static_cast<double>(value);
-  return std::nullopt;
+Part existence(Work& work, const contact::Problem& problem) {
+  contact::Variant usual = variant_of(nullptr);
+  const contact::RunLimits limits = contact::apply_options(usual, work.solver().given);
+  return part_of(contact::existence(
+      problem, {.max_time = std::chrono::duration<double>(limits.seconds), .interrupt = work.stop()}));
 }
 
 }  // namespace
@@ -141,39 +89,49 @@ std::optional<double> number_of(const contact::Run& run, const std::string& name
 
 using namespace perp::capi;  // NOLINT(google-build-using-namespace): what follows is the interface of C
 
-int32_t perp_contact_create_int32(int32_t interface_, int32_t dimension, int64_t contacts, const int32_t* W_start,
-                                  const int32_t* W_row, const double* W_value, const double* q, const double* mu,
-                                  perp_contact** contact, perp_error* error) {
-  return guarded_make(contact, "contact", error,
-                      [&] { return local(interface_, dimension, contacts, W_start, W_row, W_value, q, mu); });
-}
-
-int32_t perp_contact_create_int64(int32_t interface_, int32_t dimension, int64_t contacts, const int64_t* W_start,
-                                  const int64_t* W_row, const double* W_value, const double* q, const double* mu,
-                                  perp_contact** contact, perp_error* error) {
-  return guarded_make(contact, "contact", error,
-                      [&] { return local(interface_, dimension, contacts, W_start, W_row, W_value, q, mu); });
-}
-
-int32_t perp_contact_condense_int32(int32_t interface_, int32_t dimension, int64_t contacts, int64_t m,
-                                    const int32_t* M_start, const int32_t* M_row, const double* M_value,
-                                    const int32_t* H_start, const int32_t* H_row, const double* H_value,
-                                    const double* f, const double* w, const double* mu, perp_contact** contact,
-                                    perp_error* error) {
+int32_t perp_contact_create(int32_t interface_, int32_t dimension, int64_t contacts, const perp_matrix* W,
+                            const double* q, const double* mu, perp_contact** contact, perp_error* error) {
   return guarded_make(contact, "contact", error, [&] {
-    return condensed<int32_t>(interface_, dimension, contacts, m, {M_start, M_row, M_value, H_start, H_row, H_value}, f,
-                              w, mu);
+    require_interface(interface_);
+    return local(dimension, contacts, W, q, mu);
   });
 }
 
-int32_t perp_contact_condense_int64(int32_t interface_, int32_t dimension, int64_t contacts, int64_t m,
-                                    const int64_t* M_start, const int64_t* M_row, const double* M_value,
-                                    const int64_t* H_start, const int64_t* H_row, const double* H_value,
-                                    const double* f, const double* w, const double* mu, perp_contact** contact,
-                                    perp_error* error) {
+int32_t perp_contact_condense(int32_t interface_, int32_t dimension, int64_t contacts, const perp_matrix* M,
+                              const perp_matrix* H, const double* f, const double* w, const double* mu,
+                              perp_contact** contact, perp_error* error) {
   return guarded_make(contact, "contact", error, [&] {
-    return condensed<int64_t>(interface_, dimension, contacts, m, {M_start, M_row, M_value, H_start, H_row, H_value}, f,
-                              w, mu);
+    require_interface(interface_);
+    const Index size = size_of(dimension, contacts);
+    require(M, "M");
+    const Index m = M->columns;
+    perp::contact::Global global;
+    global.M = std::move(matrix_of(M, "M", m, m).entries);
+    global.H = std::move(matrix_of(H, "H", m, size).entries);
+    global.G.resize(m, 0);
+    global.f = vector_of(f, m, "f");
+    global.w = vector_of(w, size, "w");
+    return handle(perp::contact::condense(std::move(global), friction(mu, contacts), dimension));
+  });
+}
+
+int32_t perp_contact_scene(int32_t interface_, const char* scene, int64_t contacts, int64_t seed,
+                           perp_contact** contact, perp_error* error) {
+  return guarded_make(contact, "contact", error, [&] {
+    require_interface(interface_);
+    require(scene, "scene");
+    if (contacts < 1) refuse("contacts", std::to_string(contacts) + " is less than 1");
+    if (seed < 0 || seed > std::numeric_limits<std::uint32_t>::max())
+      refuse("seed", std::to_string(seed) + " is not within 0 and 2^32 - 1");
+    check_size(contacts, "contacts");
+    if (std::ranges::find(perp::contact::generators(), std::string_view(scene), &perp::contact::GeneratorEntry::name) ==
+        perp::contact::generators().end()) {
+      std::vector<std::string_view> names;
+      for (const perp::contact::GeneratorEntry& one : perp::contact::generators()) names.push_back(one.name);
+      refuse("scene", fmt::format("there is no scene '{}' among {}", scene, fmt::join(names, ", ")) +
+                          perp::settings::did_you_mean(scene, names));
+    }
+    return handle(perp::contact::make_scene(scene, contacts, static_cast<unsigned>(seed)).problem());
   });
 }
 
@@ -200,63 +158,45 @@ const double* perp_contact_mu(const perp_contact* contact) {
   return contact == nullptr ? nullptr : contact->problem.mu.data();
 }
 
-int32_t perp_contact_judge(const perp_contact* contact, const double* r, double tolerance, int32_t* accepted,
-                           double* largest, perp_error* error) {
+const char* perp_contact_name(const perp_contact* contact) {
+  return contact == nullptr ? "" : contact->problem.name.c_str();
+}
+
+int32_t perp_contact_W(const perp_contact* contact, perp_matrix* W, perp_error* error) {
   return guarded(error, [&] {
     require(contact, "contact");
-    if (!(tolerance > 0)) refuse("tolerance", std::to_string(tolerance) + " is no number > 0");
-    const perp::contact::Residual residual =
-        perp::contact::residual(contact->problem, vector_of(r, contact->problem.q.size(), "r"));
-    if (accepted != nullptr) *accepted = perp::contact::accepted(residual, tolerance) ? 1 : 0;
-    if (largest != nullptr) *largest = residual.largest();
+    require(W, "W");
+    *W = matrix_view(contact->problem.W.matrix());
   });
 }
 
-int32_t perp_contact_solve(perp_solver* solver, const perp_contact* contact, const char* variant,
-                           perp_contact_result** result, perp_error* error) {
+int32_t perp_contact_judge(const perp_contact* contact, const double* r, double tolerance, perp_result** result,
+                           perp_error* error) {
   return guarded_make(result, "result", error, [&] {
     require(contact, "contact");
-    if (solver != nullptr) return solved(*solver, contact->problem, variant);
-    perp_solver usual;
-    return solved(usual, contact->problem, variant);
+    if (!(tolerance > 0)) refuse("tolerance", fmt::format("{} is no number > 0", tolerance));
+    const perp::contact::Residual residual =
+        perp::contact::residual(contact->problem, vector_of(r, contact->problem.q.size(), "r"));
+    Part part = part_of(residual);
+    part->add("accepted", perp::contact::accepted(residual, tolerance));
+    return part;
   });
 }
 
-void perp_contact_result_free(perp_contact_result* result) { delete result; }
-
-int32_t perp_contact_result_status(const perp_contact_result* result) {
-  return result == nullptr ? -1 : static_cast<int32_t>(result->run.status);
-}
-int32_t perp_contact_result_solved(const perp_contact_result* result) {
-  return result != nullptr && result->run.solved ? 1 : 0;
-}
-const char* perp_contact_result_message(const perp_contact_result* result) {
-  return result == nullptr ? "" : result->run.message.c_str();
-}
-const char* perp_contact_result_solved_by(const perp_contact_result* result) {
-  return result == nullptr ? "" : result->run.solved_by.c_str();
-}
-int64_t perp_contact_result_size(const perp_contact_result* result) {
-  return result == nullptr ? 0 : result->run.solution.r.size();
-}
-const double* perp_contact_result_r(const perp_contact_result* result) {
-  return result == nullptr ? nullptr : result->run.solution.r.data();
-}
-const double* perp_contact_result_u(const perp_contact_result* result) {
-  return result == nullptr ? nullptr : result->run.solution.u.data();
-}
-const int8_t* perp_contact_result_states(const perp_contact_result* result) {
-  return result == nullptr || result->states.empty() ? nullptr : result->states.data();
+int32_t perp_contact_existence(perp_solver* solver, const perp_contact* contact, perp_result** result,
+                               perp_error* error) {
+  return guarded_make(result, "result", error, [&] {
+    require(contact, "contact");
+    Work work(solver);
+    return existence(work, contact->problem);
+  });
 }
 
-int32_t perp_contact_result_number(const perp_contact_result* result, const char* name, double* value,
-                                   perp_error* error) {
-  return guarded(error, [&] {
-    require(result, "result");
-    require(name, "name");
-    require(value, "value");
-    const std::optional<double> number = number_of(result->run, name);
-    if (!number) refuse("name", std::string("there is no number '") + name + "' in this result");
-    *value = *number;
+int32_t perp_contact_solve(perp_solver* solver, const perp_contact* contact, const char* variant, const double* r0,
+                           perp_result** result, perp_error* error) {
+  return guarded_make(result, "result", error, [&] {
+    require(contact, "contact");
+    Work work(solver);
+    return solved(work, contact->problem, variant, r0);
   });
 }

@@ -10,11 +10,9 @@
 #include "capi/callback_mcp.hpp"
 #include "capi/perp.h"
 #include "contact/model/problem.hpp"
-#include "contact/solvers/run.hpp"
 #include "ncp/ampl/model.hpp"
-#include "ncp/analysis/verify.hpp"
-#include "ncp/run/result.hpp"
 #include "ncp/settings/settings.hpp"
+#include "ncp/strategy/kept.hpp"
 
 namespace perp::capi {
 
@@ -30,24 +28,29 @@ class NamedMcp final : public ncp::Mcp {
   std::vector<bool> linear_entries() const override { return mcp_->linear_entries(); }
   ncp::JacobianWork jacobian_work() const override { return mcp_->jacobian_work(); }
   const ncp::Enclosure* enclosure() const override { return mcp_->enclosure(); }
-  std::string name() const override { return name_.empty() ? mcp_->name() : name_; }
-  std::string variable_name(Index i) const override {
-    return variables_.empty() ? mcp_->variable_name(i) : variables_[lcp::at(i)];
-  }
-  std::string equation_name(Index i) const override {
-    return equations_.empty() ? mcp_->equation_name(i) : equations_[lcp::at(i)];
-  }
+  std::string name() const override { return name_; }
+  std::string variable_name(Index i) const override { return name_of(variables_, "x", i, &ncp::Mcp::variable_name); }
+  std::string equation_name(Index i) const override { return name_of(equations_, "F", i, &ncp::Mcp::equation_name); }
 
-  void set_name(const char* name) { name_ = name; }
+  const std::string& kept_name() const { return name_; }
+  void set_name(std::string name) { name_ = std::move(name); }
+  /// The number of the first variable that has no name; nothing: names are the problem's own.
+  void count_from(int first) { first_ = first; }
   void set_names(std::vector<std::string> variables, std::vector<std::string> equations) {
     variables_ = std::move(variables);
     equations_ = std::move(equations);
   }
-  ncp::Mcp& inner() const { return *mcp_; }
 
  private:
+  std::string name_of(const std::vector<std::string>& given, const char* letter, Index i,
+                      std::string (ncp::Mcp::*own)(Index) const) const {
+    if (!given.empty()) return given[lcp::at(i)];
+    return first_ ? std::string(letter) + "[" + std::to_string(i + *first_) + "]" : (*mcp_.*own)(i);
+  }
+
   std::unique_ptr<ncp::Mcp> mcp_;
-  std::string name_{};
+  std::optional<int> first_{};
+  std::string name_ = mcp_->name();
   std::vector<std::string> variables_{};
   std::vector<std::string> equations_{};
 };
@@ -55,13 +58,21 @@ class NamedMcp final : public ncp::Mcp {
 }  // namespace perp::capi
 
 struct perp_problem {
-  explicit perp_problem(std::unique_ptr<perp::ncp::Mcp> problem) : mcp(std::move(problem)) {}
+  /// `first`: of names that are not the problem's own.
+  explicit perp_problem(std::unique_ptr<perp::ncp::Mcp> problem, std::optional<int> first = {})
+      : mcp(std::move(problem)) {
+    if (first) mcp.count_from(*first);
+  }
 
   perp::capi::NamedMcp mcp;
   /// Of a problem of functions, else null.
   perp::capi::CallbackMcp* callbacks = nullptr;
-  /// Of a problem from a file, else null.
+  /// Of a problem from an .nl file, else null.
   const perp::ncp::ampl::Model* model = nullptr;
+  bool own_names = false;
+  std::string source{};
+  /// None: 0.
+  std::vector<perp::lcp::Vec> starts{};
 };
 
 struct perp_solver {
@@ -72,22 +83,13 @@ struct perp_solver {
   void* log_user = nullptr;
   perp_progress progress = nullptr;
   void* progress_user = nullptr;
+  bool heeds_sigint = false;
+  /// Of perp_solve_kept.
+  std::optional<perp::ncp::KeptSolver> kept{};
   /// Ends a solve; set in signal handlers.
   std::atomic<bool> stop{false};
 };
 
-struct perp_result {
-  perp::ncp::Result result{};
-  std::vector<std::int8_t> basis{};
-  /// Of option verify.
-  std::optional<perp::ncp::Verified> verified{};
-};
-
 struct perp_contact {
   perp::contact::Problem problem{};
-};
-
-struct perp_contact_result {
-  perp::contact::Run run{};
-  std::vector<std::int8_t> states{};
 };

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "capi/perp.h"
 #include "lcp/box.hpp"
 
 namespace perp::capi {
@@ -13,26 +14,34 @@ using lcp::Index;
 using lcp::SpMat;
 using lcp::Vec;
 
-/// As the caller gave it.
-template <class Integer>
-struct Columns {
-  std::string name;  ///< in messages: "M" of M_start, M_row, M_value; "" of start, row, value
-  Index rows = 0;
-  Index columns = 0;
-  const Integer* start = nullptr;
-  const Integer* row = nullptr;
-  const double* value = nullptr;  ///< may be null in a pattern
-  bool pattern = false;
-};
-
 struct Matrix {
-  SpMat entries;             ///< rows in ascending order
+  SpMat entries;             ///< by columns, rows ascending, each place once
   std::vector<Index> place;  ///< of the caller's entry k among them; empty: k
 };
 
-/// Refuses what is no matrix, naming the argument, place and value.
-Matrix matrix_of(const Columns<std::int32_t>& given);
-Matrix matrix_of(const Columns<std::int64_t>& given);
+/// The caller's matrix. `name` is for messages, which name the array, the place in it and the value; rows and columns
+/// that must be so many, or any number where they are -1. Refuses what is no matrix and values that are not finite. The
+/// zeros of a dense matrix are left out.
+Matrix matrix_of(const perp_matrix* given, const char* name, Index rows, Index columns);
+/// The same without values, of which each place may be given once.
+Matrix pattern_of(const perp_matrix* given, const char* name, Index n);
+
+/// An Eigen matrix over arrays that are not its own, and are not written to.
+class BorrowedMatrix final : public SpMat {
+ public:
+  BorrowedMatrix();
+  BorrowedMatrix(const BorrowedMatrix&) = delete;
+  BorrowedMatrix& operator=(const BorrowedMatrix&) = delete;
+  ~BorrowedMatrix() { lend(0, 0, nullptr, nullptr, nullptr); }
+  /// Takes the arrays of a matrix that is lent and needs no conversion, checked as by matrix_of(); false: it does.
+  bool borrow(const perp_matrix& given, const char* name);
+
+ private:
+  void lend(Index rows, Index columns, int* start, int* row, double* value);
+};
+
+/// For the caller: by columns with indices of 32 bits.
+perp_matrix matrix_view(const SpMat& matrix);
 
 /// Refuses sizes that do not fit the library's indices.
 void check_size(std::int64_t n, const char* argument);

@@ -9,16 +9,15 @@
  *  Handles. A problem, a solver, a result and a contact problem are opaque: a function makes them, a function frees
  *  them (NULL is allowed there), and one thread at a time uses each. Different handles may be used by different threads
  *  at once; the library has no global state. perp_solver_interrupt() alone may be called from any thread and from a
- *  signal handler. Arguments are copied: the caller's arrays may go when the function returns.
+ *  signal handler. Arguments are copied: the caller's arrays may go when the function returns. A matrix that is lent
+ *  (perp_matrix) stays.
  *
  *  Errors. A function that can fail returns a code, PERP_OK or why it failed, and takes a perp_error, which may be
  * NULL, for the same in words; they begin with the name of the argument. What it should have made is then NULL.
  * Problems that are sound but unsolved are no error: the result has a status.
  *
- *  Numbers. Sizes are int64_t, n and the number of nonzeros at most 2^31 - 2. Index arrays come in both widths, and the
- *  functions that take them end in _int32 or _int64. Indices begin at 0, in messages at 1. Infinite bounds are
- *  INFINITY. Matrices are stored by columns: column j has the entries start[j] .. start[j+1] - 1 of row and value,
- *  in any order, each place once; start has one entry more than there are columns, and start[0] = 0.
+ *  Numbers. Sizes are int64_t, n and the number of nonzeros at most 2^31 - 2. Indices begin at 0, in messages, too:
+ * "x0: entry [3] is nan". Infinite bounds are INFINITY.
  *
  *  Callbacks get the `user` pointer given with them. They must return: no longjmp, no exceptions (an exception of C++
  * is caught, and is an error). They must not use the handles of the solve that they are called in but for
@@ -87,9 +86,33 @@ enum perp_status {
 /** "Solved", "SolvedToRounding", ...; "?" for other numbers. */
 const char* perp_status_name(int32_t status);
 
+/* Matrices. */
+
+/** How a matrix is stored, and how wide its indices are. */
+enum perp_form {
+  PERP_COLUMNS_INT32 = 0, /**< by columns (CSC): column j has the entries start[j] .. start[j+1] - 1 */
+  PERP_COLUMNS_INT64 = 1,
+  PERP_ROWS_INT32 = 2, /**< by rows (CSR) */
+  PERP_ROWS_INT64 = 3,
+  PERP_DENSE_COLUMNS = 4, /**< column after column; start and index are NULL */
+  PERP_DENSE_ROWS = 5
+};
+/** A matrix of the caller's. start has one entry more than there are columns (rows), and start[0] = 0. The entries of a
+ *  column (row) may come in any order. The values of a place that is given twice are added. */
+typedef struct perp_matrix {
+  int32_t form;        /**< perp_form */
+  int32_t lent;        /**< 1: the arrays stay, unchanged, as long as what is made of them: they need not be copied */
+  int64_t rows;        /**< number of rows */
+  int64_t columns;     /**< number of columns */
+  const void* start;   /**< int32_t or int64_t */
+  const void* index;   /**< row of each entry; by rows its column */
+  const double* value; /**< NULL in a pattern */
+} perp_matrix;
+
 /* Problems. */
 
 typedef struct perp_problem perp_problem;
+typedef struct perp_result perp_result;
 
 /** What F and J return. Other numbers are errors. */
 enum perp_evaluation {
@@ -97,32 +120,33 @@ enum perp_evaluation {
   PERP_UNDEFINED = 1, /**< not defined at x: a logarithm of a negative number, say. So is a NaN or an infinity */
   PERP_STOP = 2       /**< end the solve, as PERP_INTERRUPTED */
 };
-/** F[i] = F_i(x): x and F have n entries, and all of F must be set. */
+/** F[i] = F_i(x): x and F have n entries, and all of F must be set. x, F and value lie at the same places in every call
+ *  for one problem. */
 typedef int32_t (*perp_F)(int64_t n, const double* x, double* F, void* user);
 /** value[k] = dF_i/dx_j of entry k of the pattern, in the order in which the pattern was given; all must be set. */
 typedef int32_t (*perp_J)(int64_t n, int64_t nonzeros, const double* x, double* value, void* user);
 
-/** The problem of functions F and J = F'. `start` and `row` are the pattern of J, n x n: every entry that can be
- * nonzero. lower NULL is 0 everywhere, upper NULL is +infinity. J NULL: by differences of F, one evaluation for each
- * group of columns that share no row (Curtis, Powell & Reid 1974); see the statistics J_colours and J_F_evals. */
-int32_t perp_problem_create_int32(int32_t interface_, int64_t n, const double* lower, const double* upper,
-                                  const int32_t* start, const int32_t* row, perp_F F, perp_J J, void* user,
-                                  perp_problem** problem, perp_error* error);
-int32_t perp_problem_create_int64(int32_t interface_, int64_t n, const double* lower, const double* upper,
-                                  const int64_t* start, const int64_t* row, perp_F F, perp_J J, void* user,
-                                  perp_problem** problem, perp_error* error);
+/** The problem of functions F and J = F'. The pattern of J, n x n, has every entry that can be nonzero, each place
+ * once; NULL: all of them, dense by columns. lower NULL is 0 everywhere, upper NULL is +infinity. J NULL: by
+ * differences of F, one evaluation for each group of columns that share no row (Curtis, Powell & Reid 1974); see the
+ * statistics J_colours and J_F_evals. */
+int32_t perp_problem_create(int32_t interface_, int64_t n, const double* lower, const double* upper,
+                            const perp_matrix* pattern, perp_F F, perp_J J, void* user, perp_problem** problem,
+                            perp_error* error);
 
 /** The affine problem F(x) = M x + q, M n x n and finite, q with n entries. Bounds as above: with both NULL it is the
- *  linear complementarity problem 0 <= x _|_ M x + q >= 0. */
-int32_t perp_problem_affine_int32(int32_t interface_, int64_t n, const int32_t* start, const int32_t* row,
-                                  const double* value, const double* q, const double* lower, const double* upper,
-                                  perp_problem** problem, perp_error* error);
-int32_t perp_problem_affine_int64(int32_t interface_, int64_t n, const int64_t* start, const int64_t* row,
-                                  const double* value, const double* q, const double* lower, const double* upper,
-                                  perp_problem** problem, perp_error* error);
+ *  linear complementarity problem 0 <= x _|_ M x + q >= 0. An M that is lent is used where it is if it is stored by
+ *  columns with indices of 32 bits, rows ascending. */
+int32_t perp_problem_affine(int32_t interface_, const perp_matrix* M, const double* q, const double* lower,
+                            const double* upper, perp_problem** problem, perp_error* error);
 
 /** The complementarity problem of an .nl file, with or without ".nl", with its names and its start. */
 int32_t perp_problem_read_nl(int32_t interface_, const char* path, perp_problem** problem, perp_error* error);
+/** The affine problem of Matrix Market files of M and q; of lower and upper, or NULL for 0 and +infinity. */
+int32_t perp_problem_read_matrix(int32_t interface_, const char* M, const char* q, const char* lower, const char* upper,
+                                 perp_problem** problem, perp_error* error);
+/** A problem of the collection: "josephy", or of a family in any size, "obstacle:50x50". perp_list() names them. */
+int32_t perp_problem_collection(int32_t interface_, const char* name, perp_problem** problem, perp_error* error);
 
 void perp_problem_free(perp_problem* problem);
 
@@ -130,16 +154,33 @@ void perp_problem_free(perp_problem* problem);
 int64_t perp_problem_size(const perp_problem* problem);
 /** Entries of the pattern of J; 0 of NULL. */
 int64_t perp_problem_nonzeros(const perp_problem* problem);
+/** 1: F is known to be affine. */
+int32_t perp_problem_is_affine(const perp_problem* problem);
 /** Copies n bounds each; either array may be NULL. */
 int32_t perp_problem_bounds(const perp_problem* problem, double* lower, double* upper, perp_error* error);
-/** The problem's own start, n entries: of a file its initial guess, else 0 moved into the box. */
-int32_t perp_problem_start(const perp_problem* problem, double* x, perp_error* error);
+/** How many starts the problem has: of the collection one or more, else 1. */
+int64_t perp_problem_starts(const perp_problem* problem);
+/** Start k, from 0, n entries: of a file its initial guess, of functions and matrices 0; moved into the box. */
+int32_t perp_problem_start(const perp_problem* problem, int64_t k, double* x, perp_error* error);
+/** The pattern of J in the library's own arrays, by columns with indices of 32 bits, rows ascending, without values.
+ * They live as long as the problem. */
+int32_t perp_problem_pattern(const perp_problem* problem, perp_matrix* pattern, perp_error* error);
+/** F(x), n entries, and the values of J(x) in the order of perp_problem_pattern(). Either may be NULL. Where it is not
+ *  defined, entries are NaN. */
+int32_t perp_problem_evaluate(const perp_problem* problem, const double* x, double* F, double* J, perp_error* error);
 
-/** For messages and the log. */
+/** For messages and the log; of a file or the collection it is known. */
 int32_t perp_problem_set_name(perp_problem* problem, const char* name, perp_error* error);
-/** n names each, or NULL: "x[1]" and "F[1]". Not for files, which bring their own. */
+/** The name, as long as the problem lives and has no other; "" of NULL. */
+const char* perp_problem_name(const perp_problem* problem);
+/** Where it is from: the file, or the source of a problem of the collection; "". */
+const char* perp_problem_source(const perp_problem* problem);
+/** n names each, or NULL: "x[0]" and "F[0]", or what perp_problem_count_from() says. Not for files, which bring their
+ *  own. */
 int32_t perp_problem_set_names(perp_problem* problem, const char* const* variables, const char* const* equations,
                                perp_error* error);
+/** The number, 0 or 1, of the first variable and equation that have no name; 1 of files and of the collection. */
+int32_t perp_problem_count_from(perp_problem* problem, int32_t first, perp_error* error);
 /** Copies the name of variable i, at most size - 1 characters of it and a NUL. */
 int32_t perp_problem_variable_name(const perp_problem* problem, int64_t i, char* name, int64_t size, perp_error* error);
 int32_t perp_problem_equation_name(const perp_problem* problem, int64_t i, char* name, int64_t size, perp_error* error);
@@ -152,10 +193,6 @@ int32_t perp_problem_set_linear(perp_problem* problem, const int8_t* linear, per
  *  where it is largest (-1: none). +infinity where F is not defined. Either may be NULL. */
 int32_t perp_problem_residual(const perp_problem* problem, const double* x, double* natural, int64_t* worst,
                               perp_error* error);
-/** Compares J with differences of F at x: the largest |J_ij - D_ij| / max(1, |J_ij|, |D_ij|), and its place. Any of the
- *  three may be NULL. At least 2 n evaluations of F. */
-int32_t perp_problem_check_jacobian(const perp_problem* problem, const double* x, double* worst, int64_t* row,
-                                    int64_t* column, perp_error* error);
 
 /* Solvers: options and what goes with them. */
 
@@ -178,12 +215,6 @@ int32_t perp_solver_get(const perp_solver* solver, const char* key, char* value,
 /** What is said of the options in force (without effect, taken as another), a line each; NULL: there are no more. */
 const char* perp_solver_note(const perp_solver* solver, int64_t i);
 
-/** All options there are: how many, and of each its key, meaning and range; NULL beyond. */
-int64_t perp_option_count(void);
-const char* perp_option_key(int64_t i);
-const char* perp_option_help(int64_t i);
-const char* perp_option_takes(int64_t i);
-
 /** Where a variable lies in a basis: beyond its lower bound (nonbasic), inside (basic), beyond its upper bound, fixed.
  */
 enum perp_cell { PERP_BELOW = 0, PERP_INSIDE = 1, PERP_ABOVE = 2, PERP_FIXED = 3 };
@@ -196,8 +227,7 @@ typedef void (*perp_log)(const char* line, void* user);
 /** The options output_... say what is logged. NULL: no log. */
 int32_t perp_solver_set_log(perp_solver* solver, perp_log log, void* user, perp_error* error);
 
-/** An iteration, valid during the call only. Later versions add members at the end: struct_size says how many there
- * are. */
+/** An iteration. Later versions add members at the end: struct_size says how many there are. */
 typedef struct perp_iteration {
   int64_t struct_size;
   int64_t k;           /**< 0 is the start */
@@ -211,63 +241,119 @@ typedef struct perp_iteration {
   int64_t backtracks;  /**< of this iteration */
   int64_t F_evals;     /**< so far */
   int64_t J_evals;     /**< so far */
-  char kind;           /**< of step: the letter in the log */
-  char linear;         /**< how the linearised problem was solved: the letter in the log */
-  char crash;          /**< 1: a step of the crash, which is no major iteration */
+  int32_t kind;        /**< of step: the letter in the log, or 0 */
+  int32_t linear;      /**< how the linearised problem was solved: the letter in the log, or 0 */
+  int32_t crash;       /**< 1: a step of the crash, which is no major iteration */
   const char* attempt; /**< begun with this iteration, after the first: "no crash"; "" otherwise */
   int64_t n;
-  const double* x; /**< the iterate in the box, n entries; NULL where it belongs to a presolved or scaled problem */
+  const double* x; /**< the iterate in the box, n entries, during the call only; NULL where it belongs to a presolved or
+                        scaled problem, and in a result */
 } perp_iteration;
-/** 0 goes on, anything else ends the solve as PERP_INTERRUPTED. */
+/** Called after each iteration. 0 goes on, anything else ends the solve as PERP_INTERRUPTED. */
 typedef int32_t (*perp_progress)(const perp_iteration* iteration, void* user);
 int32_t perp_solver_set_progress(perp_solver* solver, perp_progress progress, void* user, perp_error* error);
 
 /** Ends the solve that runs, or the next one, as PERP_INTERRUPTED, at its best point. From any thread, and from signal
  *  handlers. */
 void perp_solver_interrupt(perp_solver* solver);
+/** on = 1: while a function works with this solver, SIGINT (Ctrl-C) does the same, and then what it did before; nothing
+ *  where it is ignored or ends the process. A process has one handler of a signal: at one time, one thread may use such
+ *  solvers, and a solve within a solve is the one that ends. */
+int32_t perp_solver_heed_sigint(perp_solver* solver, int32_t on, perp_error* error);
 
-/* Solving. */
+/* Solving. Where a solver may be given, NULL stands for all as usual. Results are to be freed. */
 
-typedef struct perp_result perp_result;
-
-/** Solves the problem from x0, n entries (NULL: the problem's own start), moved into the box first. solver NULL: all as
- *  usual. The result is to be freed. */
+/** Solves the problem from x0, n entries (NULL: the problem's own start), moved into the box first. */
 int32_t perp_solve(perp_solver* solver, const perp_problem* problem, const double* x0, perp_result** result,
                    perp_error* error);
+/** The same from the last solution that this solver has found in this way, as long as problems have the same pattern of
+ *  J; x0 is for the first one, and where that fails. Much faster for neighbouring problems. Without log and progress.
+ *  Setting an option forgets the last solution. */
+int32_t perp_solve_kept(perp_solver* solver, const perp_problem* problem, const double* x0, perp_result** result,
+                        perp_error* error);
+/** Several solutions, up to so many: the first by the method from x0, the others by deflation. Nothing says that all
+ * are found. */
+int32_t perp_solve_all(perp_solver* solver, const perp_problem* problem, const double* x0, int64_t solutions,
+                       perp_result** result, perp_error* error);
 
-/** 0 <= x _|_ M x + q >= 0 with the usual options: perp_problem_affine_... and perp_solve in one. */
-int32_t perp_lcp_int32(int32_t interface_, int64_t n, const int32_t* start, const int32_t* row, const double* value,
-                       const double* q, perp_result** result, perp_error* error);
-int32_t perp_lcp_int64(int32_t interface_, int64_t n, const int64_t* start, const int64_t* row, const double* value,
-                       const double* q, perp_result** result, perp_error* error);
+/** 0 <= x _|_ M x + q >= 0 with the usual options: perp_problem_affine() and perp_solve() in one. */
+int32_t perp_lcp(int32_t interface_, const perp_matrix* M, const double* q, perp_result** result, perp_error* error);
+
+/** Proves, if it can, that exactly one solution is near x, with every rounding accounted for (Krawczyk's operator). For
+ *  affine problems and those that have ranges, of files and the collection. */
+int32_t perp_verify(perp_solver* solver, const perp_problem* problem, const double* x, perp_result** result,
+                    perp_error* error);
+/** How the solution x moves with m parameters p: dF = dF/dp at x, n x m; dlower and dupper, of the bounds, or NULL.
+ * With a direction of m entries: in that direction only, which exists at degenerate solutions, too. */
+int32_t perp_sensitivity(perp_solver* solver, const perp_problem* problem, const double* x, const perp_matrix* dF,
+                         const perp_matrix* dlower, const perp_matrix* dupper, const double* direction,
+                         perp_result** result, perp_error* error);
+/** Compares J with differences of F at x (NULL: the start): at least 2 n evaluations of F. */
+int32_t perp_check_jacobian(perp_solver* solver, const perp_problem* problem, const double* x, perp_result** result,
+                            perp_error* error);
+/** What is known of the problem before it is solved; x0 NULL: the start. */
+int32_t perp_inspect(perp_solver* solver, const perp_problem* problem, const double* x0, perp_result** result,
+                     perp_error* error);
+/** What there is to choose from, of `what` = "methods", "options", "collection", "scenes". */
+int32_t perp_list(int32_t interface_, const char* what, perp_result** result, perp_error* error);
+
+/* Results: fields that have a name. Without such a field the answer is NULL, 0, NaN, -1 of integers.
+ *
+ *  perp_solve, perp_solve_kept:
+ *    status          text: "Solved", ...; its number by perp_result_status()
+ *    success         integer 1: the natural residual is at most the tolerance
+ *    message, advice text: what happened, with names and values; what to try
+ *    x, F            reals: the best point met, in the box, and F there
+ *    residual, worst real, integer: the natural residual of x, by the judge, and the row where it is largest; -1: none
+ *    relative, relative_row
+ *                    the largest residual of a row beside the terms it is the rest of; NaN, -1 where J is not defined
+ *    residual_bound  real, of Infeasible: no point has a natural residual of at most this
+ *    certificate     text, of Infeasible: the proof as JSON, which scripts/check_certificate.py checks; none where the
+ *                    ranges of F are the proof
+ *    notes           texts: what a solution to the tolerance leaves to be said
+ *    basis           cells: perp_cells of the last linearised problem solved; not of all methods
+ *    stats           part: iterations, F_evals, J_evals, pivots, ..., time_s (seconds); of functions F_calls,
+ *                    jac_calls, difference_groups (of columns, without J)
+ *    log             iterations
+ *    kept_by         text, of perp_solve_kept: "kept", "exchanges", "path", "anew"
+ *    verified        part, with option verify: as perp_verify
+ *  perp_solve_all: found (parts, as above, with how and singular), first (part), attempts, duplicates, message, stats
+ *  perp_verify: unique, x, radius (reals: |y_i - x_i| <= radius_i for the one solution y), active, why_not
+ *  perp_sensitivity: status, known, message, dx, dF (reals, n x directions by rows), directions, states (texts),
+ *    degenerate (integers), rcond, strongly_regular, residual
+ *  perp_check_jacobian: worst, row, column, given, difference, outside_pattern, message
+ *  perp_inspect: name, size, nonzeros, affine, bounds (part: free, lower, upper, boxed, fixed), structural_rank,
+ *    residual, worst (text), singular, warnings (texts), classes (part: 1 yes, 0 no, -1 not decided), guarantees
+ * (texts) perp_list: items (parts of texts and integers) perp_contact_...: below. */
+enum perp_kind {
+  PERP_NONE = 0, /**< there is no such field */
+  PERP_INTEGER = 1,
+  PERP_REAL = 2,
+  PERP_TEXT = 3,
+  PERP_TEXTS = 4,
+  PERP_REALS = 5,
+  PERP_INTEGERS = 6,
+  PERP_CELLS = 7, /**< int8_t */
+  PERP_PARTS = 8, /**< results again, or one */
+  PERP_ITERATIONS = 9
+};
 
 void perp_result_free(perp_result* result);
+/** perp_status of a solve; -1 of NULL and of other results. */
+int32_t perp_result_status(const perp_result* result);
 
-/* Of a result; what they point to lives as long as it does. */
-int32_t perp_result_status(const perp_result* result);      /**< perp_status */
-int32_t perp_result_solved(const perp_result* result);      /**< 1: PERP_SOLVED */
-const char* perp_result_message(const perp_result* result); /**< what happened, with names and values */
-const char* perp_result_advice(const perp_result* result);  /**< what to try; "" if solved */
-int64_t perp_result_size(const perp_result* result);        /**< n */
-const double* perp_result_x(const perp_result* result);     /**< the best point met, in the box */
-const double* perp_result_F(const perp_result* result);     /**< F there */
-double perp_result_residual(const perp_result* result);     /**< the natural residual of x, by the judge */
-int64_t perp_result_worst(const perp_result* result);       /**< the row where it is largest; -1: none */
-/** The largest residual of a row beside the terms it is the rest of, and that row; NaN and -1 where J is not defined.
- */
-double perp_result_relative(const perp_result* result);
-int64_t perp_result_relative_row(const perp_result* result);
-/** What a solution to the tolerance leaves to be said, a sentence each; NULL: there are no more. */
-const char* perp_result_note(const perp_result* result, int64_t i);
-/** With option verify: the largest r such that exactly one solution y has |y_i - x_i| <= r_i, r_i <= r, by a proof in
- *  interval arithmetic. NaN where nothing was proven; a note says why. For files and affine problems. */
-double perp_result_verified_radius(const perp_result* result);
-/** n perp_cells of the last linearised problem solved; NULL where the method has none. */
-const int8_t* perp_result_basis(const perp_result* result);
-/** "iterations", "F_evals", "pivots", ..., "time_s" (seconds). */
-int32_t perp_result_statistic(const perp_result* result, const char* name, double* value, perp_error* error);
-/** The names; NULL beyond the last. */
-const char* perp_statistic_name(int64_t i);
+/* What they point to lives as long as the result. */
+const char* perp_result_key(const perp_result* result, int64_t i);       /**< of field i; NULL beyond the last */
+int32_t perp_result_kind(const perp_result* result, const char* key);    /**< perp_kind */
+int64_t perp_result_length(const perp_result* result, const char* key);  /**< entries; 1 of a number or a text */
+int64_t perp_result_integer(const perp_result* result, const char* key); /**< -1 */
+double perp_result_real(const perp_result* result, const char* key);     /**< of an integer, too */
+const char* perp_result_text(const perp_result* result, const char* key, int64_t i); /**< i = 0 of a single text */
+const double* perp_result_reals(const perp_result* result, const char* key);
+const int64_t* perp_result_integers(const perp_result* result, const char* key);
+const int8_t* perp_result_cells(const perp_result* result, const char* key);
+const perp_result* perp_result_part(const perp_result* result, const char* key, int64_t i); /**< not to be freed */
+const perp_iteration* perp_result_iterations(const perp_result* result, const char* key);
 
 /* Contact with Coulomb friction: u = W r + q, K*_mu > u + mu |u_T| e_N _|_ r in K_mu, contact by contact. Block a of r,
  * u, q has d = dimension entries, the normal one first. Impulses r [N s], velocities u [m/s]. */
@@ -275,59 +361,52 @@ const char* perp_statistic_name(int64_t i);
 typedef struct perp_contact perp_contact;
 
 /** W d n x d n [1/kg], q d n [m/s], mu n coefficients >= 0, n = contacts, d = 2 or 3. */
-int32_t perp_contact_create_int32(int32_t interface_, int32_t dimension, int64_t contacts, const int32_t* W_start,
-                                  const int32_t* W_row, const double* W_value, const double* q, const double* mu,
-                                  perp_contact** contact, perp_error* error);
-int32_t perp_contact_create_int64(int32_t interface_, int32_t dimension, int64_t contacts, const int64_t* W_start,
-                                  const int64_t* W_row, const double* W_value, const double* q, const double* mu,
-                                  perp_contact** contact, perp_error* error);
+int32_t perp_contact_create(int32_t interface_, int32_t dimension, int64_t contacts, const perp_matrix* W,
+                            const double* q, const double* mu, perp_contact** contact, perp_error* error);
 /** Of the bodies' velocities v, m entries: M v = H r + f, u = H' v + w. M m x m [kg], positive definite, H m x d n,
  *  f m [N s], w d n [m/s]. W = H' M^-1 H, q = H' M^-1 f + w. */
-int32_t perp_contact_condense_int32(int32_t interface_, int32_t dimension, int64_t contacts, int64_t m,
-                                    const int32_t* M_start, const int32_t* M_row, const double* M_value,
-                                    const int32_t* H_start, const int32_t* H_row, const double* H_value,
-                                    const double* f, const double* w, const double* mu, perp_contact** contact,
-                                    perp_error* error);
-int32_t perp_contact_condense_int64(int32_t interface_, int32_t dimension, int64_t contacts, int64_t m,
-                                    const int64_t* M_start, const int64_t* M_row, const double* M_value,
-                                    const int64_t* H_start, const int64_t* H_row, const double* H_value,
-                                    const double* f, const double* w, const double* mu, perp_contact** contact,
-                                    perp_error* error);
+int32_t perp_contact_condense(int32_t interface_, int32_t dimension, int64_t contacts, const perp_matrix* M,
+                              const perp_matrix* H, const double* f, const double* w, const double* mu,
+                              perp_contact** contact, perp_error* error);
 /** From a file: FCLIB's HDF5, or Siconos' text. */
 int32_t perp_contact_read(int32_t interface_, const char* path, perp_contact** contact, perp_error* error);
+/** A step of bodies with about so many contacts: "stack", "spheres", "arch", "chain", "wall", "incline" (perp_list).
+ * The same for the same seed, up to rounding. */
+int32_t perp_contact_scene(int32_t interface_, const char* scene, int64_t contacts, int64_t seed,
+                           perp_contact** contact, perp_error* error);
 void perp_contact_free(perp_contact* contact);
 
 int32_t perp_contact_dimension(const perp_contact* contact); /**< 0 of NULL */
 int64_t perp_contact_contacts(const perp_contact* contact);  /**< 0 of NULL */
+const char* perp_contact_name(const perp_contact* contact);  /**< "" of NULL */
 const double* perp_contact_q(const perp_contact* contact);
 const double* perp_contact_mu(const perp_contact* contact);
-/** Whether impulses r, d n entries, solve the problem to `tolerance`, and the largest of the judge's measures. Either
- *  may be NULL. */
-int32_t perp_contact_judge(const perp_contact* contact, const double* r, double tolerance, int32_t* accepted,
-                           double* largest, perp_error* error);
-
-typedef struct perp_contact_result perp_contact_result;
+/** W by columns with indices of 32 bits, in the library's own arrays, which live as long as the problem. Of bodies it
+ * is formed here. */
+int32_t perp_contact_W(const perp_contact* contact, perp_matrix* W, perp_error* error);
+/** Judges impulses r, d n entries: accepted (integer 1: they solve the problem to `tolerance`), and the measures
+ *  natural, siconos, rr9118, scaled, cone, normal, slip, largest. */
+int32_t perp_contact_judge(const perp_contact* contact, const double* r, double tolerance, perp_result** result,
+                           perp_error* error);
+/** Whether the problem has a solution, as far as this can be proven: existence (text: "exists", "none", "undecided"),
+ *  message; certificate (reals y) and radius, of none; r and margin, of exists. */
+int32_t perp_contact_existence(perp_solver* solver, const perp_contact* contact, perp_result** result,
+                               perp_error* error);
 
 /** Solves by a law and a method in words, "glocker" (and NULL), "glocker+path", "inner:8+lemke", "frictionless":
- *  as `perp contact`. Of the solver (NULL: all as usual) it takes convergence_tolerance (1e-8), time_limit (30 s), the
- *  options of the method, and interruptions. */
-int32_t perp_contact_solve(perp_solver* solver, const perp_contact* contact, const char* variant,
-                           perp_contact_result** result, perp_error* error);
-void perp_contact_result_free(perp_contact_result* result);
-
-int32_t perp_contact_result_status(const perp_contact_result* result); /**< perp_status */
-int32_t perp_contact_result_solved(const perp_contact_result* result); /**< 1: the variant's law is solved */
-const char* perp_contact_result_message(const perp_contact_result* result);
-const char* perp_contact_result_solved_by(const perp_contact_result* result); /**< the step that made the point; "" */
-int64_t perp_contact_result_size(const perp_contact_result* result);          /**< d n */
-const double* perp_contact_result_r(const perp_contact_result* result);
-const double* perp_contact_result_u(const perp_contact_result* result);
+ *  as `perp contact`. r0, d n entries: impulses of a similar problem to begin near, or NULL. Of the solver it takes
+ *  convergence_tolerance (1e-8), time_limit (30 s), the options of the method, and interruptions. Fields of the result:
+ *    r, u            reals: impulses and velocities of the accepted point, or of the best one met
+ *    status, success, message
+ *                    as of perp_solve; success is 1 where the variant's law is solved
+ *    solved_by       text: the step that made the point; ""
+ *    residual        part: the measures of Coulomb's law, as perp_contact_judge, and own, of other laws' problems
+ *    states          cells: a perp_contact_state for each contact
+ *    stats           part: time_s, and what the method counted
+ *    verdict         part, where there is no solution: as perp_contact_existence */
+int32_t perp_contact_solve(perp_solver* solver, const perp_contact* contact, const char* variant, const double* r0,
+                           perp_result** result, perp_error* error);
 enum perp_contact_state { PERP_OPEN = 0, PERP_STICK = 1, PERP_SLIP = 2 };
-const int8_t* perp_contact_result_states(const perp_contact_result* result); /**< n perp_contact_states */
-/** "natural", "siconos", "rr9118", "scaled", "cone", "normal", "slip", "largest": measures of Coulomb's law; "own", of
- *  other laws; "time_s"; what the method counted, "iterations" first. */
-int32_t perp_contact_result_number(const perp_contact_result* result, const char* name, double* value,
-                                   perp_error* error);
 
 #ifdef __cplusplus
 }

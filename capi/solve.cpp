@@ -1,14 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
-/// perp_solve().
+/// perp_solve() and the functions beside it.
 #include "capi/solve.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <ostream>
 #include <streambuf>
 #include <string>
 
+#include "capi/describe.hpp"
 #include "capi/guard.hpp"
+#include "ncp/analysis/certificate.hpp"
+#include "ncp/analysis/verify.hpp"
 #include "ncp/path/warm_basis.hpp"
+#include "ncp/strategy/deflation.hpp"
 #include "ncp/strategy/solve.hpp"
 
 static_assert(static_cast<int>(perp::lcp::Cell::Fixed) == PERP_FIXED &&
@@ -54,35 +59,28 @@ class Listeners {
     if (solver_.log != nullptr) lines_.tell(line);
   }
   ncp::Observer observer() {
-    if (!table_ && solver_.progress == nullptr) return {};
     return [this](const ncp::Iteration& it) {
       if (table_) table_(it);
+      keep(it);
       return solver_.progress == nullptr || go_on(it) ? ncp::Next::Continue : ncp::Next::Stop;
     };
   }
+  Iterations log() { return std::move(log_); }
 
  private:
+  void keep(const ncp::Iteration& it) {
+    perp_iteration row = iteration_of(it);
+    row.n = mcp_.size();
+    row.attempt = it.attempt.empty() ? "" : log_.attempts.emplace_back(it.attempt).c_str();
+    log_.rows.push_back(row);
+  }
   bool go_on(const ncp::Iteration& it) const {
     Vec x;
-    if (it.x != nullptr && it.problem == &mcp_) x = lcp::project(mcp_.box(), *it.x);
-    const perp_iteration told{.struct_size = sizeof(perp_iteration),
-                              .k = it.k,
-                              .residual = it.residual,
-                              .worst = it.worst,
-                              .merit = it.merit,
-                              .step = it.step,
-                              .prox = it.prox,
-                              .mu = it.mu,
-                              .pivots = it.pivots,
-                              .backtracks = it.backtracks,
-                              .F_evals = it.F_evals,
-                              .J_evals = it.J_evals,
-                              .kind = it.kind,
-                              .linear = it.linear,
-                              .crash = it.crash ? '\1' : '\0',
-                              .attempt = it.attempt.c_str(),
-                              .n = mcp_.size(),
-                              .x = x.size() == mcp_.size() ? x.data() : nullptr};
+    perp_iteration told = log_.rows.back();
+    if (it.x != nullptr && it.problem == &mcp_) {
+      x = lcp::project(mcp_.box(), *it.x);
+      told.x = x.data();
+    }
     return solver_.progress(&told, solver_.progress_user) == 0;
   }
 
@@ -91,6 +89,7 @@ class Listeners {
   LineBuffer lines_;
   std::ostream out_;
   ncp::Observer table_{};
+  Iterations log_{};
 };
 
 /// Gives the method the basis.
@@ -98,10 +97,10 @@ void warm(ncp::Method& method, const perp_solver& solver, const ncp::Mcp& mcp, c
   if (solver.basis.empty()) return;
   ncp::PathSearch* path = ncp::path_of(method);
   if (path == nullptr)
-    refuse("solver", "its method, " + solver.options.settings.method_name + ", cannot begin with a basis");
+    refuse("basis", "method " + solver.options.settings.method_name + " cannot begin with one; auto and path can");
   if (static_cast<Index>(solver.basis.size()) != mcp.size())
-    refuse("solver", "its basis has " + std::to_string(solver.basis.size()) + " cells, the problem " +
-                         std::to_string(mcp.size()) + " variables");
+    refuse("basis", "has " + std::to_string(solver.basis.size()) + " cells, the problem " + std::to_string(mcp.size()) +
+                        " variables");
   path->basis = solver.basis;
   ncp::fit_basis(mcp.box(), x0, path->basis);
 }
@@ -112,45 +111,83 @@ void check_model(const perp_problem& problem, const settings::Settings& settings
                           " side inequalities, refused by sideineq = 2");
 }
 
-std::unique_ptr<perp_result> solved(perp_solver& solver, const perp_problem& problem, const double* x0) {
-  const ncp::Mcp& mcp = problem.mcp;
-  const StopsHeard heard(solver.stop);
+/// What every solve does first: options for this problem, with the basis.
+settings::Applied options_for(Work& work, const perp_problem& problem, const Vec& x0) {
+  perp_solver& solver = work.solver();
   check_model(problem, solver.options.settings);
-  const Vec start = x0 != nullptr ? vector_of(x0, mcp.size(), "x0") : own_start(problem);
   settings::Applied options = solver.options;
-  settings::note_limits_of_size(mcp.size(), options);
-  ncp::Method& method = options.settings.method;
-  warm(method, solver, mcp, start);
-  ncp::stop(method).interrupt = &solver.stop;
-  Listeners listeners(solver, mcp);
-  for (const std::string& note : options.notes) listeners.tell("note: " + note);
-  const Watch watch(problem.callbacks, &solver.stop);
-  auto made = std::make_unique<perp_result>();
-  ncp::Result& result = made->result;
-  result = ncp::solve(mcp, start, method, listeners.observer());
-  watch.check();
-  if (const std::string who = watch.stopped(); !who.empty() && !result.accepted()) {
-    result.status = Status::Interrupted;
-    result.message = who + ", asked to stop";
-    result.advice = "run on from the point returned";
-  }
-  if (options.settings.verify && result.accepted()) {
-    made->verified = ncp::verify(mcp, ncp::stop(method).tol, result);
-    watch.check();
-    if (!made->verified->unique) result.notes.push_back("not verified: " + made->verified->why_not);
-  }
-  for (const lcp::Cell cell : result.basis) made->basis.push_back(static_cast<std::int8_t>(cell));
-  if (solver.options.settings.output.all) listeners.tell(std::string(to_string(result.status)) + ": " + result.message);
-  return made;
+  settings::note_limits_of_size(problem.mcp.size(), options);
+  warm(options.settings.method, solver, problem.mcp, x0);
+  ncp::stop(options.settings.method).interrupt = work.stop();
+  return options;
 }
 
-/// All as usual.
-std::unique_ptr<perp_result> solved(const perp_problem& problem, const double* x0) {
-  perp_solver usual;
-  return solved(usual, problem, x0);
+/// Once somebody has asked to stop, no callback is called: what a method then says of the problem is not so.
+void note_stop(Work& work, ncp::Result& result) {
+  work.watch().check();
+  const std::string who = work.watch().stopped();
+  if (result.accepted() || !*work.stop() || (who.empty() && result.status == Status::Interrupted)) return;
+  result.status = Status::Interrupted;
+  result.message = who.empty() ? "interrupted" : who + ", asked to stop";
+  result.advice = "run on from the point returned";
+}
+
+Part solved(Work& work, const perp_problem& problem, const Vec& x0) {
+  const ncp::Mcp& mcp = problem.mcp;
+  settings::Applied options = options_for(work, problem, x0);
+  ncp::Method& method = options.settings.method;
+  Listeners listeners(work.solver(), mcp);
+  for (const std::string& note : options.notes) listeners.tell("note: " + note);
+  ncp::Result result = ncp::solve(mcp, x0, method, listeners.observer());
+  note_stop(work, result);
+  std::optional<ncp::Verified> verified;
+  if (options.settings.verify && result.accepted()) {
+    verified = ncp::verify(mcp, ncp::stop(method).tol, result);
+    work.watch().check();
+    if (!verified->unique) result.notes.push_back("not verified: " + verified->why_not);
+  }
+  if (options.settings.output.all) listeners.tell(std::string(to_string(result.status)) + ": " + result.message);
+  const std::string certificate = ncp::certificate_json(mcp, result.x, result.proof);
+  Part part = part_of(std::move(result), problem.callbacks);
+  if (certificate != "null") part->add("certificate", certificate);
+  part->add("log", listeners.log());
+  if (verified) part->add("verified", part_of(std::move(*verified)));
+  return part;
+}
+
+Part solved_kept(Work& work, const perp_problem& problem, const Vec& x0) {
+  perp_solver& solver = work.solver();
+  check_model(problem, solver.options.settings);
+  if (!solver.kept) {
+    ncp::Method method = solver.options.settings.method;
+    ncp::stop(method).interrupt = work.stop();
+    solver.kept.emplace(std::move(method));
+  }
+  ncp::Result result = solver.kept->solve(problem.mcp, x0);
+  note_stop(work, result);
+  Part part = part_of(std::move(result), problem.callbacks);
+  part->add("kept_by", ncp::to_string(solver.kept->by()));
+  return part;
+}
+
+Part all_solved(Work& work, const perp_problem& problem, const Vec& x0, std::int64_t solutions) {
+  constexpr std::int64_t most_solutions = std::numeric_limits<int>::max();
+  if (solutions < 1 || solutions > most_solutions)
+    refuse("solutions", std::to_string(solutions) + " is not within 1 and " + std::to_string(most_solutions));
+  settings::Applied options = options_for(work, problem, x0);
+  Listeners listeners(work.solver(), problem.mcp);
+  ncp::AllSolutions all =
+      ncp::solve_all(problem.mcp, x0, options.settings.method, {.solutions = static_cast<int>(solutions)},
+                     listeners.observer(), options.settings.method_name);
+  note_stop(work, all.first);
+  return part_of(std::move(all), problem.callbacks);
 }
 
 }  // namespace
+
+ncp::Vec start_of(const perp_problem& problem, const double* x0, const char* argument) {
+  return x0 != nullptr ? vector_of(x0, problem.mcp.size(), argument) : own_start(problem);
+}
 
 }  // namespace perp::capi
 
@@ -160,20 +197,34 @@ int32_t perp_solve(perp_solver* solver, const perp_problem* problem, const doubl
                    perp_error* error) {
   return guarded_make(result, "result", error, [&] {
     require(problem, "problem");
-    return solver == nullptr ? solved(*problem, x0) : solved(*solver, *problem, x0);
+    Work work(solver, problem->callbacks);
+    return solved(work, *problem, start_of(*problem, x0, "x0"));
   });
 }
 
-int32_t perp_lcp_int32(int32_t interface_, int64_t n, const int32_t* start, const int32_t* row, const double* value,
-                       const double* q, perp_result** result, perp_error* error) {
+int32_t perp_solve_kept(perp_solver* solver, const perp_problem* problem, const double* x0, perp_result** result,
+                        perp_error* error) {
   return guarded_make(result, "result", error, [&] {
-    return solved(*affine_problem(interface_, n, start, row, value, q, nullptr, nullptr), nullptr);
+    require(solver, "solver");
+    require(problem, "problem");
+    Work work(solver, problem->callbacks);
+    return solved_kept(work, *problem, start_of(*problem, x0, "x0"));
   });
 }
 
-int32_t perp_lcp_int64(int32_t interface_, int64_t n, const int64_t* start, const int64_t* row, const double* value,
-                       const double* q, perp_result** result, perp_error* error) {
+int32_t perp_solve_all(perp_solver* solver, const perp_problem* problem, const double* x0, int64_t solutions,
+                       perp_result** result, perp_error* error) {
   return guarded_make(result, "result", error, [&] {
-    return solved(*affine_problem(interface_, n, start, row, value, q, nullptr, nullptr), nullptr);
+    require(problem, "problem");
+    Work work(solver, problem->callbacks);
+    return all_solved(work, *problem, start_of(*problem, x0, "x0"), solutions);
+  });
+}
+
+int32_t perp_lcp(int32_t interface_, const perp_matrix* M, const double* q, perp_result** result, perp_error* error) {
+  return guarded_make(result, "result", error, [&] {
+    const std::unique_ptr<perp_problem> problem = affine_problem(interface_, M, q, nullptr, nullptr);
+    Work work(nullptr);
+    return solved(work, *problem, own_start(*problem));
   });
 }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Solvers of perp.h: options by name, and what goes with them.
 #include <algorithm>
-#include <array>
 #include <string>
 #include <vector>
 
@@ -12,33 +11,13 @@ namespace perp::capi {
 
 namespace {
 
-struct OptionText {
-  std::string key;
-  std::string help;
-  std::string takes;
-};
-
-const std::vector<OptionText>& option_texts() {
-  static const std::vector<OptionText> texts = [] {
-    std::vector<OptionText> all;
-    for (const settings::Option& option : settings::options())
-      all.push_back({std::string(option.key), option.help, option.takes});
-    return all;
-  }();
-  return texts;
-}
-
-const char* text_of(std::int64_t i, std::string OptionText::*part) {
-  const std::vector<OptionText>& texts = option_texts();
-  return i >= 0 && i < perp_option_count() ? (texts[static_cast<std::size_t>(i)].*part).c_str() : nullptr;
-}
-
 /// Takes them all, or none of them.
 void add(perp_solver& solver, const std::vector<settings::Assignment>& more) {
   std::vector<settings::Assignment> all = solver.given;
   all.insert(all.end(), more.begin(), more.end());
   solver.options = settings::apply_options(all);
   solver.given = std::move(all);
+  solver.kept.reset();
 }
 
 std::string value_of(const perp_solver& solver, const char* key) {
@@ -95,6 +74,7 @@ int32_t perp_solver_clear_options(perp_solver* solver, perp_error* error) {
     require(solver, "solver");
     solver->options = perp::settings::apply_options({});
     solver->given.clear();
+    solver->kept.reset();
   });
 }
 
@@ -111,11 +91,6 @@ const char* perp_solver_note(const perp_solver* solver, int64_t i) {
   return solver->options.notes[static_cast<std::size_t>(i)].c_str();
 }
 
-int64_t perp_option_count(void) { return static_cast<int64_t>(option_texts().size()); }
-const char* perp_option_key(int64_t i) { return text_of(i, &OptionText::key); }
-const char* perp_option_help(int64_t i) { return text_of(i, &OptionText::help); }
-const char* perp_option_takes(int64_t i) { return text_of(i, &OptionText::takes); }
-
 int32_t perp_solver_set_basis(perp_solver* solver, int64_t n, const int8_t* cells, perp_error* error) {
   return guarded(error, [&] {
     require(solver, "solver");
@@ -123,7 +98,7 @@ int32_t perp_solver_set_basis(perp_solver* solver, int64_t n, const int8_t* cell
     check_size(n, "n");
     for (int64_t i = 0; cells != nullptr && i < n; ++i) {
       if (cells[i] < PERP_BELOW || cells[i] > PERP_FIXED)
-        refuse("cells", "entry " + std::to_string(i + 1) + " is " + std::to_string(cells[i]) +
+        refuse("cells", "entry [" + std::to_string(i) + "] is " + std::to_string(cells[i]) +
                             ", and must be 0 (below), 1 (inside), 2 (above) or 3 (fixed)");
       basis.push_back(static_cast<perp::lcp::Cell>(cells[i]));
     }
@@ -150,4 +125,11 @@ int32_t perp_solver_set_progress(perp_solver* solver, perp_progress progress, vo
 void perp_solver_interrupt(perp_solver* solver) {
   static_assert(std::atomic<bool>::is_always_lock_free);  // or signal handlers must not
   if (solver != nullptr) solver->stop = true;
+}
+
+int32_t perp_solver_heed_sigint(perp_solver* solver, int32_t on, perp_error* error) {
+  return guarded(error, [&] {
+    require(solver, "solver");
+    solver->heeds_sigint = on != 0;
+  });
 }

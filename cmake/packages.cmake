@@ -4,7 +4,7 @@
 #   libperp      libperp.so, for programs in C
 #   libperp-dev  perp.h, the headers and static libraries of C++, for CMake and pkg-config
 #   libperp-path libperp_path.so, in place of PATH's library
-#   python3-perp the module for Debian's python3, where it is built
+#   python3-perp the package for Python, for any python3 and architecture: Python over libperp.so
 if(NOT PROJECT_IS_TOP_LEVEL OR SKBUILD)
   return()
 endif()
@@ -15,7 +15,7 @@ endif()
 if(NOT PERP_BUILD_C)
   list(REMOVE_ITEM perp_packages library path)
 endif()
-if(TARGET perp_python)
+if(PERP_BUILD_PYTHON)
   list(APPEND perp_packages python)
 endif()
 
@@ -36,6 +36,8 @@ set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_CONTROL_EXTRA ${CMAKE_CURRENT_LIST_DIR}/debian/triggers)
 set(CPACK_DEBIAN_PATH_PACKAGE_CONTROL_EXTRA ${CMAKE_CURRENT_LIST_DIR}/debian/triggers)
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_PROVIDES libperp1)  # the name after its SONAME
+set(CPACK_DEBIAN_PYTHON_PACKAGE_ARCHITECTURE all)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS OFF)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA ${CMAKE_CURRENT_LIST_DIR}/debian/python/postinst
   ${CMAKE_CURRENT_LIST_DIR}/debian/python/prerm)
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "")  # each package has its own
@@ -52,11 +54,6 @@ set(perp_same_version "(= ${PROJECT_VERSION})")
 set(perp_dev_packages "libeigen3-dev, libsuitesparse-dev, libamplsolver-dev, libmpfi-dev")
 if(PERP_GPL)
   string(APPEND perp_dev_packages ", libgsl-dev")
-endif()
-# An extension is for one version of Python.
-if(TARGET perp_python)
-  math(EXPR perp_next_python "${PERP_PYTHON_MINOR} + 1")
-  set(perp_python_versions "python3 (>= 3.${PERP_PYTHON_MINOR}~), python3 (<< 3.${perp_next_python}~)")
 endif()
 
 # What the program as linked is under (docs/licence.md).
@@ -105,7 +102,7 @@ for CMake's find_package(perp) and for pkg-config.")
 perp_package(path libperp-path libs "${perp_hdf5}" "library for complementarity problems, behind PATH's C interface"
 "libperp_path.so has the functions that clients of the PATH solver call, such
 as PATHSolver.jl and path-capi-python. They run unchanged with it.")
-perp_package(python python3-perp python "${perp_hdf5}, python3-numpy, python3-scipy, ${perp_python_versions}"
+perp_package(python python3-perp python "libperp ${perp_same_version}, python3 (>= 3.9), python3-numpy, python3-scipy"
 "solver for complementarity problems, from Python"
 "Mixed and nonlinear complementarity problems, and contact with friction,
 on arrays of numpy and matrices of scipy.sparse.")

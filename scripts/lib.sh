@@ -13,9 +13,9 @@ export CCACHE_SLOPPINESS=${CCACHE_SLOPPINESS:-pch_defines,time_macros}  # else i
 build_packages=(g++ cmake ninja-build libeigen3-dev libsuitesparse-dev libgsl-dev libamplsolver-dev
   libhdf5-dev libmpfi-dev libcli11-dev nlohmann-json3-dev libfmt-dev)
 test_packages=("${build_packages[@]}" libgtest-dev libgmock-dev libgmp-dev libmpfr-dev pkg-config python3
-  python3-jsonschema gjh-asl-json python3-dev pybind11-dev python3-numpy python3-scipy python3-pytest python3-matplotlib python3-jinja2
+  python3-jsonschema gjh-asl-json python3-numpy python3-scipy python3-pytest python3-matplotlib python3-jinja2
   chromium chromium-driver dpkg-dev file)
-package_packages=("${build_packages[@]}" dpkg-dev file gzip python3-dev pybind11-dev)
+package_packages=("${build_packages[@]}" dpkg-dev file gzip)
 fuzz_packages=("${build_packages[@]}" clang llvm libclang-rt-14-dev)
 
 fail() {

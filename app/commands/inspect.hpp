@@ -1,114 +1,29 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-/// `perp inspect`: what can be said of a problem without solving it. What is found is data here, told to a person by
-/// inspect_text.cpp and to a program by inspect_json.cpp. Rows and columns of fixed variables are left out of
-/// everything that is said of the Jacobian J and of the size of F: F_i is free there and x_i does not change.
+/// `perp inspect`: what can be said of a problem without solving it (ncp/analysis/inspection.hpp), told to a person by
+/// inspect_text.cpp and to a program by inspect_json.cpp.
 #include <atomic>
 #include <iosfwd>
-#include <optional>
 #include <string>
-#include <vector>
 
 #include "app/problem/problem.hpp"
 #include "app/program/program.hpp"
-#include "lcp/classes/classify.hpp"
-#include "lcp/linalg/structure.hpp"
-#include "ncp/analysis/function_classes.hpp"
-#include "ncp/problem/residual.hpp"
+#include "ncp/analysis/inspection.hpp"
 
 namespace perp::app {
 
-using Indices = std::vector<ncp::Index>;
+using ncp::Concern;
+using ncp::ConditionFindings;
+using ncp::Extreme;
+using ncp::Indices;
+using ncp::ScalingFindings;
+using ncp::StartFindings;
+using ncp::StructureFindings;
+using ncp::VariableKinds;
 
-struct VariableKinds {
-  ncp::Index free = 0;
-  ncp::Index lower = 0;  ///< a lower bound only
-  ncp::Index upper = 0;
-  ncp::Index boxed = 0;
-  Indices fixed{};
+struct Inspection : ncp::Inspection {
+  const LoadedProblem* loaded = nullptr;
 };
-
-/// Of the pattern of J; where the problem is affine, of its entries other than 0. Indices are the problem's.
-struct StructureFindings {
-  ncp::Index size = 0;  ///< rows and columns: the variables that are not fixed
-  ncp::Index rank = 0;  ///< structural
-  /// The structural rank of J with an entry on the diagonal of every bounded variable. Every basis matrix, in which the
-  /// columns of variables at a bound are unit vectors, has at most this rank: below `size`, all are singular.
-  ncp::Index rank_with_bounds = 0;
-  Indices empty_rows{};
-  Indices empty_columns{};
-  /// Of J with those diagonal entries if that is singular, else of J alone; empty if neither is.
-  lcp::StructurePart over{};
-  lcp::StructurePart under{};
-  bool full() const { return rank == size; }
-  bool singular() const { return rank_with_bounds < size; }
-};
-
-/// x is the start projected onto the bounds, as every method does first.
-struct StartFindings {
-  Indices outside{};  ///< variables whose start was not within their bounds
-  ncp::Vec x{};
-  ncp::Vec F{};
-  ncp::SpMat J{};
-  bool F_defined = true;
-  bool J_defined = true;
-  Indices F_undefined{};  ///< rows that are not finite; may be empty all the same
-  std::vector<std::pair<ncp::Index, ncp::Index>> J_undefined{};  ///< the same for entries of J
-  ncp::Residual residual{};
-  ncp::Index largest_F = -1;  ///< where |F_i| is largest, of the finite ones; -1: there is none
-  ncp::Index zeros_in_F = 0;
-  double smallest_F = 0;  ///< |F_i| other than 0
-  Indices degenerate{};   ///< x_i at a bound and F_i = 0, both to 1e-8; fixed variables do not count
-  ncp::Index rank = 0;    ///< structural, of the entries of J that are not 0 there
-};
-
-struct Extreme {
-  ncp::Index index = -1;
-  double value = 0;
-};
-/// Of the finite entries of J at the start that are not 0. Rows and columns by their largest |J_ij|, the largest and
-/// the smallest few.
-struct ScalingFindings {
-  ncp::Index entries = 0;
-  ncp::Index zeros = 0;  ///< entries of the pattern that are 0 at the start
-  double smallest = 0, largest = 0;
-  std::pair<ncp::Index, ncp::Index> smallest_at{-1, -1}, largest_at{-1, -1};
-  std::vector<Extreme> large_rows{}, small_rows{}, large_columns{}, small_columns{};
-  /// The larger of the ratios of the largest to the smallest of the rows, and of the columns.
-  double spread() const;
-};
-
-/// Estimates of the condition number in the 1-norm, as its reciprocal (0: singular); empty where not estimated.
-struct ConditionFindings {
-  std::optional<double> all{};  ///< of J
-  /// Of the rows and columns of J where the natural residual is |F_i|: the others, x_i - l_i or x_i - u_i, are at a
-  /// bound for Newton's method on it, and their rows are unit vectors.
-  std::optional<double> active{};
-  ncp::Index active_size = 0;
-  std::string why_not{};  ///< why there is no estimate
-};
-
-struct Inspection {
-  const LoadedProblem* problem = nullptr;
-  VariableKinds kinds{};
-  StructureFindings structure{};
-  StartFindings start{};
-  ScalingFindings scaling{};
-  std::optional<ncp::JacobianCheck> derivatives{};
-  ConditionFindings condition{};
-  std::optional<lcp::Diagnosis> classes{};                 ///< of affine problems
-  std::optional<ncp::FunctionClasses> function_classes{};  ///< of the others
-  std::string interrupted{};  ///< what was left out when somebody asked to stop; empty: nothing
-
-  const ncp::Mcp& mcp() const { return *problem->mcp; }
-};
-
-/// What deserves a second look, as sentences with names, by the part of the printout each belongs to.
-struct Concern {
-  enum Part { Structure, Start, Scaling, Derivatives, Condition } part;
-  std::string text;
-};
-std::vector<Concern> concerns(const Inspection& inspection);
 
 /// Throws std::invalid_argument if the problem is malformed: what ncp::solve throws. `interrupt` may be null. The
 /// problem outlives the answer.

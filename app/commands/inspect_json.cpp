@@ -160,8 +160,8 @@ Json function_classes_json(const Inspection& inspection) {
 std::string inspect_json(const Inspection& inspection) {
   const ncp::Mcp& mcp = inspection.mcp();
   Json json = json_header(Document::Inspect);
-  json["problem"] = inspection.problem->label;
-  json["start"] = inspection.problem->start;
+  json["problem"] = inspection.loaded->label;
+  json["start"] = inspection.loaded->start;
   json["status"] = "Inspected";
   json["exit_code"] = static_cast<int>(exit_solved);
   json["size"] = mcp.size();

@@ -19,14 +19,12 @@ namespace {
 using ncp::Index;
 
 constexpr double scaling_of_interest = 1e3;  // rows and columns are shown
-constexpr double scaling_of_concern = 1e8;   // half the digits of a double
 constexpr double singular = 1e-15;           // reciprocal condition
 constexpr std::size_t label_width = 13;
 constexpr std::size_t line_width = 110;
 
 using ncp::listed;
 std::string variables(const ncp::Mcp& mcp, const Indices& indices) { return ncp::listed_variables(mcp, indices); }
-std::string equations(const ncp::Mcp& mcp, const Indices& indices) { return ncp::listed_equations(mcp, indices); }
 std::string plural(std::size_t n, std::string_view noun) { return count(static_cast<long long>(n), noun); }
 std::string size_text(double value) { return number(value, 3); }
 std::string range_text(std::string_view what, double smallest, double largest) {
@@ -232,67 +230,14 @@ void print_function_classes(Printout& print, const Inspection& inspection) {
 
 }  // namespace
 
-std::vector<Concern> concerns(const Inspection& inspection) {
-  const ncp::Mcp& mcp = inspection.mcp();
-  std::vector<Concern> found;
-  const auto add = [&](Concern::Part part, std::string text) { found.push_back({part, std::move(text)}); };
-
-  const StructureFindings& structure = inspection.structure;
-  if (!structure.empty_rows.empty())
-    add(Concern::Structure,
-        fmt::format("{} no variable: {}",
-                    structure.empty_rows.size() == 1 ? "1 row depends on"
-                                                     : fmt::format("{} rows depend on", structure.empty_rows.size()),
-                    equations(mcp, structure.empty_rows)));
-  if (!structure.empty_columns.empty())
-    add(Concern::Structure, fmt::format("{} in no row: {}",
-                                        structure.empty_columns.size() == 1
-                                            ? "1 variable occurs"
-                                            : fmt::format("{} variables occur", structure.empty_columns.size()),
-                                        variables(mcp, structure.empty_columns)));
-  if (structure.singular()) {
-    add(Concern::Structure,
-        fmt::format("structurally singular whichever variables are at their bounds (rank {} of {} at most)",
-                    structure.rank_with_bounds, structure.size));
-    for (const std::string& text : blame(mcp, structure)) add(Concern::Structure, text);
-  }
-
-  const StartFindings& start = inspection.start;
-  if (!start.F_undefined.empty())
-    add(Concern::Start, "F is not defined in " + equations(mcp, start.F_undefined));
-  else if (!start.F_defined)
-    add(Concern::Start, "F is not defined, and the problem does not say in which rows");
-  if (!start.J_undefined.empty())
-    add(Concern::Start, "the Jacobian is not defined: " + listed(start.J_undefined.size(), [&](std::size_t k) {
-                          const auto& [i, j] = start.J_undefined[k];
-                          return fmt::format("{} by {}", mcp.equation_name(i), mcp.variable_name(j));
-                        }));
-  else if (!start.J_defined)
-    add(Concern::Start, "the Jacobian is not defined");
-
-  if (inspection.scaling.spread() > scaling_of_concern)
-    add(Concern::Scaling, fmt::format("the largest entries of rows or of columns differ by a factor of {:.0e}: other "
-                                      "units would make them comparable",
-                                      inspection.scaling.spread()));
-  if (inspection.derivatives && inspection.derivatives->defined)
-    if (std::string wrong = ncp::describe(mcp, *inspection.derivatives); !wrong.empty())
-      add(Concern::Derivatives, std::move(wrong));
-  const ConditionFindings& condition = inspection.condition;
-  if (condition.active && *condition.active < singular && condition.active_size > 0) {
-    const std::string why = ncp::explain_singularity(mcp, start.J, start.x, start.F);
-    add(Concern::Condition, why.empty() ? "Newton's matrix at the start is singular" : "at the start " + why);
-  }
-  return found;
-}
-
 void print_inspection(std::ostream& out, const Inspection& inspection) {
-  const LoadedProblem& problem = *inspection.problem;
+  const LoadedProblem& problem = *inspection.loaded;
   print_size(out, problem);
   if (problem.starts > 1) out << fmt::format(", start {} of {}", problem.start, problem.starts);
   out << "\n\n";
 
   Printout print(out);
-  const std::vector<Concern> all = concerns(inspection);
+  const std::vector<Concern> all = ncp::concerns(inspection);
   const auto print_concerns = [&](Concern::Part part) {  // the part's label stands before the first of them
     for (const Concern& concern : all)
       if (concern.part == part) print.concern(concern.text);

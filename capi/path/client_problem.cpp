@@ -106,11 +106,19 @@ Problem ClientProblem::problem(bool named) {
   perp_error error{};
   const std::vector<double> lower = bounds(m_.lower);
   const std::vector<double> upper = bounds(m_.upper);
-  if (perp_problem_create_int32(PERP_INTERFACE, n_, lower.data(), upper.data(), m_.jacobian.start(), m_.jacobian.row(),
-                                call_F, call_J, this, &made, &error) != PERP_OK)
+  const perp_matrix pattern{.form = PERP_COLUMNS_INT32,
+                            .lent = 0,
+                            .rows = n_,
+                            .columns = n_,
+                            .start = m_.jacobian.start(),
+                            .index = m_.jacobian.row(),
+                            .value = nullptr};
+  if (perp_problem_create(PERP_INTERFACE, n_, lower.data(), upper.data(), &pattern, call_F, call_J, this, &made,
+                          &error) != PERP_OK)
     throw End{MCP_Error, error.message};
   Problem problem(made);
-  static constexpr std::int8_t none = 1;  // flags of no entry are a promise, too: F is constant
+  perp_problem_count_from(made, 1, nullptr);  // as PATH does
+  static constexpr std::int8_t none = 1;      // flags of no entry are a promise, too: F is constant
   if (linear_) perp_problem_set_linear(made, linear_->empty() ? &none : linear_->data(), nullptr);
   if (named) name(made);
   return problem;

@@ -90,9 +90,14 @@ int read(const Options_Interface* o, const char* path) {
 
 void display(const OptionSet& options) {
   if (!options.on("output_options")) return;
-  for (std::int64_t i = 0; i < perp_option_count(); ++i)
-    if (const std::string value = options.get(perp_option_key(i)); value != "-")
-      tell(Output_Log, std::string(perp_option_key(i)) + " " + value + "\n");
+  perp_result* list = nullptr;
+  perp_list(PERP_INTERFACE, "options", &list, nullptr);
+  for (std::int64_t i = 0; i < perp_result_length(list, "items"); ++i) {
+    const char* key = perp_result_text(perp_result_part(list, "items", i), "key", 0);
+    if (const std::string value = options.get(key); value != "-")
+      tell(Output_Log, std::string(key) + " " + value + "\n");
+  }
+  perp_result_free(list);
 }
 
 template <class Number, class Convert>

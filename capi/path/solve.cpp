@@ -15,9 +15,7 @@ namespace perp::path {
 namespace {
 
 double statistic(const perp_result* result, const char* name) {
-  double value = 0;
-  perp_result_statistic(result, name, &value, nullptr);
-  return value;
+  return perp_result_real(perp_result_part(result, "stats", 0), name);
 }
 
 int count(const perp_result* result, const char* name) { return static_cast<int>(statistic(result, name)); }
@@ -56,9 +54,9 @@ int cell_at(const MCP& m, std::size_t i) {
 }
 
 void keep(MCP& m, const perp_result* result) {
-  std::copy_n(perp_result_x(result), m.x.size(), m.x.data());
-  std::copy_n(perp_result_F(result), m.F.size(), m.F.data());
-  const std::int8_t* basis = perp_result_basis(result);
+  std::copy_n(perp_result_reals(result, "x"), m.x.size(), m.x.data());
+  std::copy_n(perp_result_reals(result, "F"), m.F.size(), m.F.data());
+  const std::int8_t* basis = perp_result_cells(result, "basis");
   for (std::size_t i = 0; i < m.x.size(); ++i) m.basis[i] = basis_type(basis != nullptr ? basis[i] : cell_at(m, i));
 }
 
@@ -102,7 +100,7 @@ Result solved(ClientProblem& client, const OptionSet& options, const MCP& m, boo
     const std::int32_t code = perp_solve(options.solver(), problem.get(), from.data(), &made, &error);
     Result result(made);
     if (client.grown()) {
-      if (result != nullptr) std::copy_n(perp_result_x(result.get()), from.size(), from.data());
+      if (result != nullptr) std::copy_n(perp_result_reals(result.get(), "x"), from.size(), from.data());
       continue;
     }
     if (code != PERP_OK) throw End{MCP_Error, error.message};
@@ -119,7 +117,7 @@ struct Told {
 /// Fields before byte 84 only.
 void inform(Information* information, const ClientProblem& client, const perp_result* result, const Told& told) {
   if (information == nullptr) return;
-  information->residual = perp_result_residual(result);
+  information->residual = perp_result_real(result, "residual");
   information->distance = told.distance;
   information->steplength = told.step;
   information->total_time = statistic(result, "time_s");
@@ -166,7 +164,7 @@ MCP_Termination run(MCP& m, Information* information, const OptionSet& options) 
   const MCP_Termination termination = termination_of(result.get(), options);
   if (wanted != 0 && options.on("output")) {
     tell(wanted, std::string("\n ** EXIT - ") + perp_status_name(perp_result_status(result.get())) + ": " +
-                     perp_result_message(result.get()) + ".\n");
+                     perp_result_text(result.get(), "message", 0) + ".\n");
     if (information != nullptr) information->generated_output = wanted;
   }
   return termination;

@@ -14,8 +14,11 @@ A mixed complementarity problem MCP(l, u, F) asks for x in [l, u], n entries, su
 Arguments that make no sense raise ValueError or TypeError, whose text begins with the argument's name.
 """
 
+from typing import Any
+
 from perp import contact
-from perp._core import FileError, OptionError, __version__
+from perp._functions import Float32Warning
+from perp._library import FileError, LibraryError, OptionError
 from perp._plot import plot
 from perp._problem import (
     CollectionEntry,
@@ -28,19 +31,36 @@ from perp._problem import (
     methods,
     options,
     problem,
+    read_matrix,
     read_nl,
 )
-from perp._result import AllSolutions, FoundSolution, Inspection, Interrupted, JacobianCheck, Log, Result, Sensitivity, Verified
-from perp._solve import lcp, mcp_affine, sensitivity, solve, solve_all, verify
+from perp._result import (
+    AllSolutions,
+    FoundSolution,
+    Inspection,
+    Interrupted,
+    JacobianCheck,
+    Log,
+    Result,
+    Sensitivity,
+    SolutionWarning,
+    Verified,
+)
+from perp._solve import KeptSolver, lcp, mcp_affine, sensitivity, solve, solve_all, verify
+
+__version__: str
 
 __all__ = [
     "AllSolutions",
     "CollectionEntry",
     "FileError",
+    "Float32Warning",
     "FoundSolution",
     "Inspection",
     "Interrupted",
     "JacobianCheck",
+    "KeptSolver",
+    "LibraryError",
     "Log",
     "Method",
     "Option",
@@ -48,6 +68,7 @@ __all__ = [
     "Problem",
     "Result",
     "Sensitivity",
+    "SolutionWarning",
     "Verified",
     "__version__",
     "affine_problem",
@@ -60,9 +81,19 @@ __all__ = [
     "options",
     "plot",
     "problem",
+    "read_matrix",
     "read_nl",
     "sensitivity",
     "solve",
     "solve_all",
     "verify",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    """__version__, that of the library."""
+    if name != "__version__":
+        raise AttributeError(f"module 'perp' has no attribute {name!r}")
+    from perp import _library
+
+    return _library.lib.perp_version().decode()

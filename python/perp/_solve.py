@@ -3,13 +3,25 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import numpy.typing as npt
 
-from perp import _core
-from perp._problem import Problem, asked, listener, listener_of_iterations, problem
-from perp._result import AllSolutions, Result, Sensitivity, Verified, finished
-from perp._types import Bound, Callback, Function, Jacobian, LogTo, Matrix, Options
+from perp import _library
+from perp._arrays import split_bounds
+from perp._problem import (
+    Problem,
+    affine_handle,
+    asked,
+    function_problem,
+    listeners_of,
+    problem,
+    warn_of,
+)
+from perp._result import AllSolutions, Fields, Interrupted, Result, Sensitivity, Verified
+from perp._session import Solver
+from perp._types import Bound, Bounds, Callback, Function, Jacobian, LogTo, Matrix, Options
 
 
 def solve(
@@ -17,8 +29,10 @@ def solve(
     x0: npt.ArrayLike,
     lower: Bound = 0,
     upper: Bound = np.inf,
-    jac: Jacobian | None = None,
+    jac: Jacobian | bool | str | None = None,
     *,
+    bounds: Bounds | None = None,
+    args: Any = (),
     pattern: Matrix | None = None,
     method: str | None = None,
     options: Options | None = None,
@@ -34,9 +48,12 @@ def solve(
     x0      shape (n,), moved into the bounds first.
     lower, upper
             a number for all, or shape (n,); -inf and inf are no bounds.
+    bounds  in place of lower and upper, as in scipy.optimize: pairs (low, high) with None for none, or a Bounds.
     jac     x -> F'(x), shape (n, n), dense or scipy.sparse. A sparse one has the same pattern everywhere, that of x0,
             zeros stored included, unless `pattern` says more. None: differences, one evaluation of F for each group of
-            columns of the pattern that share no row, n for a dense one.
+            columns of the pattern that share no row, n for a dense one. True: F returns the pair of F and F', as in
+            scipy.optimize.
+    args    more arguments of F and jac: F(x, *args).
     pattern scipy.sparse or dense, shape (n, n): its entries are those of F' that can be nonzero.
     method  a name out of `perp.methods()`; None: "auto".
     options, more
@@ -48,9 +65,9 @@ def solve(
 
     Ctrl-C raises perp.Interrupted, a KeyboardInterrupt whose .result has the best point.
     """
-    core = _core.function_problem(F, x0, lower, upper, jac, pattern, "mcp", [], [])
-    heard = listener_of_iterations(callback)
-    return finished(core.solve(None, asked(method, options, more), basis, heard, listener(log)))
+    asked_ = asked(method, options, more)
+    listeners = listeners_of(callback, log)
+    return function_problem(F, x0, lower, upper, jac, pattern, bounds, args)._solve(None, asked_, basis, listeners)
 
 
 def lcp(
@@ -74,9 +91,8 @@ def lcp(
 
     The rest is as in `solve`.
     """
-    return mcp_affine(
-        M, q, 0.0, None, x0, method=method, options=options, basis=basis, callback=callback, log=log, **more
-    )
+    asked_ = asked(method, options, more)
+    return Problem(affine_handle(M, q, None, None))._solve(x0, asked_, basis, listeners_of(callback, log))
 
 
 def mcp_affine(
@@ -86,6 +102,7 @@ def mcp_affine(
     upper: Bound = np.inf,
     x0: npt.ArrayLike | None = None,
     *,
+    bounds: Bounds | None = None,
     method: str | None = None,
     options: Options | None = None,
     basis: npt.ArrayLike | None = None,
@@ -94,9 +111,9 @@ def mcp_affine(
     **more: object,
 ) -> Result:
     """Solves MCP(lower, upper, M x + q); M and q as of `lcp`, bounds and the rest as of `solve`."""
-    heard = listener_of_iterations(callback)
-    together = asked(method, options, more)
-    return finished(_core.solve_affine(M, q, lower, upper, x0, together, basis, heard, listener(log)))
+    asked_ = asked(method, options, more)
+    made = Problem(affine_handle(M, q, *split_bounds(bounds, lower, upper)))
+    return made._solve(x0, asked_, basis, listeners_of(callback, log))
 
 
 def solve_all(
@@ -104,8 +121,10 @@ def solve_all(
     x0: npt.ArrayLike | None = None,
     lower: Bound = 0,
     upper: Bound = np.inf,
-    jac: Jacobian | None = None,
+    jac: Jacobian | bool | str | None = None,
     *,
+    bounds: Bounds | None = None,
+    args: Any = (),
     pattern: Matrix | None = None,
     solutions: int = 10,
     method: str | None = None,
@@ -122,7 +141,7 @@ def solve_all(
         return F.solve_all(x0, solutions=solutions, method=method, options={**(options or {}), **more}, log=log)
     if x0 is None:
         raise TypeError("x0: is None, and must be an array of numbers")
-    of_functions = problem(F, x0, lower, upper, jac, pattern=pattern)
+    of_functions = problem(F, x0, lower, upper, jac, bounds=bounds, args=args, pattern=pattern)
     return of_functions.solve_all(solutions=solutions, method=method, options={**(options or {}), **more}, log=log)
 
 
@@ -132,8 +151,10 @@ def sensitivity(
     dF: Matrix,
     lower: Bound = 0,
     upper: Bound = np.inf,
-    jac: Jacobian | None = None,
+    jac: Jacobian | bool | str | None = None,
     *,
+    bounds: Bounds | None = None,
+    args: Any = (),
     pattern: Matrix | None = None,
     dlower: Matrix | None = None,
     dupper: Matrix | None = None,
@@ -149,7 +170,9 @@ def sensitivity(
     direction
             shape (m,): the derivative in one direction only, which exists at degenerate solutions, too.
     """
-    of_functions = F if isinstance(F, Problem) else problem(F, x, lower, upper, jac, pattern=pattern)
+    of_functions = (
+        F if isinstance(F, Problem) else problem(F, x, lower, upper, jac, bounds=bounds, args=args, pattern=pattern)
+    )
     return of_functions.sensitivity(x, dF, dlower=dlower, dupper=dupper, direction=direction)
 
 
@@ -160,3 +183,32 @@ def verify(problem: Problem, x: npt.ArrayLike) -> Verified:
     if not isinstance(problem, Problem):
         raise TypeError(f"problem: is of type {type(problem).__name__}, and must be a perp.Problem")
     return problem.verify(x)
+
+
+class KeptSolver:
+    """A solver that is kept between solves of neighbouring problems: parametric runs, games, receding horizons.
+
+    It begins with the active set and the factors of the last solution, as long as problems have the same pattern of J.
+    """
+
+    def __init__(self, method: str | None = None, *, options: Options | None = None, **more: object) -> None:
+        self._options = asked(method, options, more)
+        self._solver = Solver(self._options)
+
+    def solve(self, problem: Problem, x0: npt.ArrayLike | None = None) -> Result:
+        """Solves the problem. x0, shape (n,), is for the first solve, and where the last solution does not help; without
+        it the problem's own start. `kept_by` of the result says what it took."""
+        if not isinstance(problem, Problem):
+            raise TypeError(f"problem: is of type {type(problem).__name__}, and must be a perp.Problem")
+        at, kept = problem._start(x0)
+        handle, interrupt = problem._work(_library.lib.perp_solve_kept, at, solver=self._solver)
+        del kept
+        result = problem._result(Fields(handle))
+        if interrupt is not None:
+            raise Interrupted(result) from interrupt
+        warn_of(result)
+        return result
+
+    def forget(self) -> None:
+        """Forgets the last solution."""
+        self._solver = Solver(self._options)

@@ -19,6 +19,8 @@ Function = Callable[[Array], npt.ArrayLike]
 Jacobian = Callable[[Array], Matrix]
 #: True prints; a function gets each line.
 LogTo = Union[bool, Callable[[str], object], None]
+#: Pairs (low, high) with None for none, or a scipy.optimize.Bounds.
+Bounds = Any
 Options = Mapping[str, object]
 Path = Union[str, "os.PathLike[str]"]
 

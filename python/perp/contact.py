@@ -9,86 +9,137 @@ u [m/s], W [1/kg].
 
 from __future__ import annotations
 
+import ctypes
 import numbers
 import os
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy.typing as npt
 
-from perp import _core
-from perp._problem import asked, path_text, text
-from perp._result import Interrupted
+from perp import _library, _session
+from perp._arrays import address, copies_of, matrix, refuse, vector
+from perp._functions import view
+from perp._library import INTERFACE, Handle, check, made
+from perp._problem import _count, asked, listed, path_text, solver_of, text
+from perp._result import Field, Fields, Interrupted, Record, numbers_of
 from perp._types import Array, Matrix, Options, Path
 
-__all__ = ["Problem", "Result", "problem", "read", "solve"]
+__all__ = ["Existence", "Problem", "Result", "Scene", "problem", "read", "scene", "scenes", "solve"]
+
+_STATES = ("open", "stick", "slip")
 
 
-@dataclass(eq=False)
-class Result:
+class Existence(Record):
+    """Whether a problem has a solution, as far as that is proven."""
+
+    existence: Field[str] = Field('"exists", "none" or "undecided".')
+    message: Field[str] = Field("What there is to say of it, with the contacts that show it.")
+    certificate: Field[Array | None] = Field('Of "none": weights of the contacts that prove it; else None.')
+    radius: Field[float | None] = Field('Of "none": how far W and q may move and leave it so; else None.')
+    r: Field[Array | None] = Field('Of "exists": impulses that prove it; else None.')
+    margin: Field[float | None] = Field('Of "exists": by how much [m/s]; else None.')
+
+
+def _states(cells: Any) -> list[str]:
+    return [_STATES[cell] for cell in cells]
+
+
+def _verdict(parts: list[Fields] | None) -> Existence | None:
+    return Existence(parts[0]) if parts else None
+
+
+class Result(Record):
     """How a solve ended; r and u are those of the accepted point, or of the best one met."""
 
-    r: Array
-    """Shape (d k,): impulses."""
-    u: Array
-    """Shape (d k,): velocities."""
-    status: str
-    success: bool
-    """Whether the variant's law is solved to the tolerance."""
-    message: str
-    solved_by: str
-    """The step that made the point; empty if unsolved."""
-    residual: dict[str, float]
-    """Measures of Coulomb's law, "siconos", "natural", ..., "largest", and "own" of other laws' problems."""
-    states: list[str]
-    """Of each contact: "open", "stick" or "slip"."""
-    stats: dict[str, float]
-    """time_s, and what the method counted."""
+    r: Field[Array] = Field("Shape (d k,): impulses.")
+    u: Field[Array] = Field("Shape (d k,): velocities.")
+    status: Field[str] = Field('"Solved", "Infeasible", "NoProgress", "TimeLimit", ...')
+    success: Field[bool] = Field("Whether the variant's law is solved to the tolerance.", bool)
+    message: Field[str] = Field("What happened.")
+    solved_by: Field[str] = Field("The step that made the point; empty if unsolved.")
+    residual: Field[dict[str, float]] = Field(
+        'Measures of Coulomb\'s law, "siconos", "natural", ..., "largest", and "own" of other laws\' problems.', numbers_of
+    )
+    states: Field[list[str]] = Field('Of each contact: "open", "stick" or "slip".', _states)
+    stats: Field[dict[str, float]] = Field("time_s, and what the method counted.", numbers_of)
+    verdict: Field[Existence | None] = Field(
+        "Without a solution: what is known of whether there is one; None if nothing is.", _verdict
+    )
+
+    def _facts(self) -> list[tuple[str, str]]:
+        counts = ", ".join(f"{self.states.count(state)} {state}" for state in _STATES if state in self.states)
+        facts = super()._facts()
+        return [(label, counts if label == "states" else text) for label, text in facts if text != "None"]
 
 
 class Problem:
     """A contact problem."""
 
-    def __init__(self, core: _core.ContactProblem) -> None:
-        self._core = core
+    def __init__(self, handle: Handle) -> None:
+        self._handle = handle
 
     @property
     def dimension(self) -> int:
         """d."""
-        return self._core.dimension
+        return int(_library.lib.perp_contact_dimension(self._handle.pointer))
 
     @property
     def contacts(self) -> int:
         """k."""
-        return self._core.contacts
+        return int(_library.lib.perp_contact_contacts(self._handle.pointer))
 
     @property
     def name(self) -> str:
-        return self._core.name
+        """Of the file or the scene."""
+        return str(_library.lib.perp_contact_name(self._handle.pointer).decode(errors="replace"))
 
     @property
     def W(self) -> Matrix:
         """scipy.sparse.csc_matrix of shape (d k, d k)."""
-        return self._core.W
+        from scipy import sparse
+
+        W, error = _library.Matrix(), _library.Error()
+        check(_library.lib.perp_contact_W(self._handle.pointer, ctypes.byref(W), ctypes.byref(error)), error)
+        index, start, value = copies_of(W)
+        return sparse.csc_matrix((value, index, start), shape=(W.rows, W.columns))
 
     @property
     def q(self) -> Array:
         """Shape (d k,)."""
-        return self._core.q
+        return view(_library.lib.perp_contact_q(self._handle.pointer), self.dimension * self.contacts).copy()
 
     @property
     def mu(self) -> Array:
         """Shape (k,)."""
-        return self._core.mu
+        return view(_library.lib.perp_contact_mu(self._handle.pointer), self.contacts).copy()
 
     def __repr__(self) -> str:
         return f"<perp.contact.Problem {self.name}: {self.contacts} contacts in {self.dimension} dimensions>"
 
-    def solve(self, variant: str = "glocker", *, options: Options | None = None, **more: object) -> Result:
+    def _impulses(self, r: npt.ArrayLike, name: str) -> Array:
+        return vector(r, self.dimension * self.contacts, name)
+
+    def solve(
+        self,
+        variant: str = "glocker",
+        *,
+        r0: npt.ArrayLike | None = None,
+        options: Options | None = None,
+        **more: object,
+    ) -> Result:
         """Solves by a law and a method in words, as `perp contact` has them: "glocker", "glocker+path", "inner:8+lemke",
-        "frictionless". Options: convergence_tolerance, time_limit, and those of the method."""
-        *parts, interrupt = self._core.solve(text(variant, "variant"), asked(None, options, more))
-        result = Result(*parts)
+        "frictionless". r0, shape (d k,): impulses of a similar problem to begin near. Options: convergence_tolerance,
+        time_limit, and those of the method."""
+        words = text(variant, "variant").encode()
+        start = None if r0 is None else self._impulses(r0, "r0")
+        handle, interrupt = _session.work(
+            _library.lib.perp_contact_solve,
+            self._handle.pointer,
+            words,
+            None if start is None else address(start),
+            solver=solver_of(asked(None, options, more)),
+        )
+        result = Result(Fields(handle))
         if interrupt is not None:
             raise Interrupted(result) from interrupt
         return result
@@ -99,19 +150,57 @@ class Problem:
             raise TypeError(f"tolerance: is of type {type(tolerance).__name__}, and must be a number")
         if not tolerance > 0:
             raise ValueError(f"tolerance: is {tolerance}, and must be positive")
-        return self._core.judge(r, float(tolerance))
+        lib, impulses = _library.lib, self._impulses(r, "r")
+        judged = made(
+            lib.perp_contact_judge, lib.Result, self._handle.pointer, address(impulses), float(tolerance)
+        )
+        measures = Fields(judged).numbers()
+        return bool(measures.pop("accepted")), measures
+
+    def existence(self, **options: object) -> Existence:
+        """Whether there is a solution, with a proof. Option: time_limit."""
+        handle, interrupt = _session.work(
+            _library.lib.perp_contact_existence, self._handle.pointer, solver=solver_of(asked(None, None, options))
+        )
+        if interrupt is not None:
+            raise interrupt
+        return Existence(Fields(handle))
 
 
 def problem(W: Matrix, q: npt.ArrayLike, mu: npt.ArrayLike) -> Problem:
     """The problem of W, q and mu, for solving it more than once; arguments as of `solve`."""
-    return Problem(_core.ContactProblem(W, q, mu))
+    shift, friction = vector(q, -1, "q"), vector(mu, -1, "mu")
+    k = len(friction)
+    if len(shift) not in (2 * k, 3 * k):
+        refuse("q", f"has {len(shift)} entries, and must have 2 or 3 for each of the {k} contacts of mu")
+    entries, kept = matrix(W, "W", len(shift), len(shift))
+    lib = _library.lib
+    handle = made(
+        lib.perp_contact_create,
+        lib.Contact,
+        INTERFACE,
+        len(shift) // k,
+        k,
+        ctypes.byref(entries),
+        address(shift),
+        address(friction),
+    )
+    del kept
+    return Problem(handle)
 
 
 def solve(
-    W: Matrix, q: npt.ArrayLike, mu: npt.ArrayLike, variant: str = "glocker", *, options: Options | None = None, **more: Any
+    W: Matrix,
+    q: npt.ArrayLike,
+    mu: npt.ArrayLike,
+    variant: str = "glocker",
+    *,
+    r0: npt.ArrayLike | None = None,
+    options: Options | None = None,
+    **more: Any,
 ) -> Result:
     """Solves the contact problem of W, shape (d k, d k), dense or scipy.sparse, q, shape (d k,), and mu, shape (k,)."""
-    return problem(W, q, mu).solve(variant, options=options, **more)
+    return problem(W, q, mu).solve(variant, r0=r0, options=options, **more)
 
 
 def read(path: Path) -> Problem:
@@ -119,4 +208,24 @@ def read(path: Path) -> Problem:
     file = path_text(path)
     if not os.path.exists(file):
         raise FileNotFoundError(f"path: there is no file {file}")
-    return Problem(_core.read_contact(file))
+    lib = _library.lib
+    return Problem(made(lib.perp_contact_read, lib.Contact, INTERFACE, os.fsencode(file)))
+
+
+class Scene(NamedTuple):
+    """A kind of scene."""
+
+    name: str
+    what: str
+
+
+def scenes() -> list[Scene]:
+    """What `scene` can make."""
+    return [Scene(**one) for one in listed("scenes")]
+
+
+def scene(name: str, contacts: int, seed: int = 1) -> Problem:
+    """A step of bodies with about so many contacts, "arch", "wall", ... (`scenes`); the same for the same seed."""
+    lib, count = _library.lib, _count(contacts, "contacts")
+    name_ = text(name, "scene").encode()
+    return Problem(made(lib.perp_contact_scene, lib.Contact, INTERFACE, name_, count, _count(seed, "seed")))

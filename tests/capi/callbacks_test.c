@@ -5,6 +5,7 @@
 #include <stdlib.h>
 
 #include "check.h"
+#include "helpers.h"
 #include "kojima.h"
 #include "little_memory.h"
 
@@ -61,16 +62,15 @@ static int32_t solve(perp_F F, perp_J J, struct Wrong* wrong, const char* method
   int32_t code;
   *status = -1;
   memset(&error, 0, sizeof error);
-  OK(perp_problem_create_int32(PERP_INTERFACE, kojima_n, NULL, NULL, kojima_start, kojima_row, F, J, wrong, &problem,
-                               &error));
+  OK(perp_problem_create(PERP_INTERFACE, kojima_n, NULL, NULL, &kojima_pattern, F, J, wrong, &problem, &error));
   OK(perp_solver_create(PERP_INTERFACE, &solver, &error));
   OK(perp_solver_set(solver, "method", method, &error));
   code = perp_solve(solver, problem, x0, &result, &error);
   CHECK((code == PERP_OK) == (result != NULL));
   if (result != NULL) {
     *status = perp_result_status(result);
-    memcpy(error.message, perp_result_message(result), strlen(perp_result_message(result)) + 1);
-    CHECK(perp_result_size(result) == 4);
+    memcpy(error.message, perp_result_text(result, "message", 0), strlen(perp_result_text(result, "message", 0)) + 1);
+    CHECK(perp_result_length(result, "x") == 4);
   }
   perp_result_free(result);
   perp_solver_free(solver);
@@ -97,7 +97,9 @@ static void bad_callbacks(const char* method) {
       CHECK_SAYING(solve(F, J, &answers, method, &status) == PERP_BAD_CALLBACK, error.message);
       CHECK_SAYING(strstr(error.message, name) != NULL && strstr(error.message, "returned 77") != NULL, error.message);
       CHECK_SAYING(solve(F, J, &skips, method, &status) == PERP_BAD_CALLBACK, error.message);
-      CHECK_SAYING(strstr(error.message, name) != NULL && strstr(error.message, "left entry 3") != NULL, error.message);
+      CHECK_SAYING(strstr(error.message, name) != NULL &&
+                       strstr(error.message, where == 1 ? "left value[2]" : "left F[2]") != NULL,
+                   error.message);
       CHECK_SAYING(solve(F, J, &stops, method, &status) == PERP_OK && status == PERP_INTERRUPTED, error.message);
       CHECK_SAYING(strstr(error.message, name) != NULL, error.message);
       CHECK(stops.count == from); /* it is not called again */
@@ -118,9 +120,9 @@ static void silence(void) {
 
 static void create(int64_t n, const double* lower, const double* upper, const int32_t* start, const int32_t* row,
                    const char* said) {
+  const perp_matrix pattern = csc32(n, start, row, NULL);
   perp_problem* problem = (perp_problem*)&error; /* anything but NULL */
-  REFUSED(perp_problem_create_int32(PERP_INTERFACE, n, lower, upper, start, row, kojima_F, kojima_J, NULL, &problem,
-                                    &error),
+  REFUSED(perp_problem_create(PERP_INTERFACE, n, lower, upper, &pattern, kojima_F, kojima_J, NULL, &problem, &error),
           PERP_BAD_ARGUMENT, said);
   CHECK(problem == NULL);
 }
@@ -139,16 +141,16 @@ static void bad_patterns(void) {
   nan_bound[1] = nan("");
   create(-1, NULL, NULL, kojima_start, kojima_row, "n: -1");
   create(INT64_C(1) << 40, NULL, NULL, kojima_start, kojima_row, "n: 1099511627776");
-  create(4, NULL, NULL, NULL, kojima_row, "start: is NULL");
-  create(4, NULL, NULL, kojima_start, NULL, "row: is NULL");
-  create(4, NULL, NULL, falling, kojima_row, "start: entry 3 is 3");
-  create(4, NULL, NULL, from_one, kojima_row, "start: entry 1 is 1");
-  create(4, NULL, NULL, short_start, beyond, "row: entry 2 (of column 1) is 4");
-  create(4, NULL, NULL, short_start, negative, "row: entry 2 (of column 1) is -1");
-  create(4, NULL, NULL, short_start, twice, "row: row 3 stands twice in column 1");
-  create(4, crossed, above, kojima_start, kojima_row, "upper: [lower, upper] of entry 3");
-  create(4, nan_bound, above, kojima_start, kojima_row, "lower: [lower, upper] of entry 2");
-  create(4, infinite, NULL, kojima_start, kojima_row, "lower: [lower, upper] of entry 2");
+  create(4, NULL, NULL, NULL, kojima_row, "pattern: start is NULL");
+  create(4, NULL, NULL, kojima_start, NULL, "pattern: index is NULL");
+  create(4, NULL, NULL, falling, kojima_row, "pattern: start[2] is 3");
+  create(4, NULL, NULL, from_one, kojima_row, "pattern: start[0] is 1");
+  create(4, NULL, NULL, short_start, beyond, "pattern: index[1] (of column 0) is 4");
+  create(4, NULL, NULL, short_start, negative, "pattern: index[1] (of column 0) is -1");
+  create(4, NULL, NULL, short_start, twice, "pattern: row 2, column 0 is given twice");
+  create(4, crossed, above, kojima_start, kojima_row, "upper: entry [2]");
+  create(4, nan_bound, above, kojima_start, kojima_row, "lower: entry [1]");
+  create(4, infinite, NULL, kojima_start, kojima_row, "lower: entry [1]");
 }
 
 /* The bounds alone take 34 GB, and are refused before the arrays are looked at. */
@@ -165,54 +167,62 @@ static void too_large(void) {
 }
 
 static void null_pointers(void) {
-  perp_problem* problem = NULL;
+  perp_problem *problem = NULL, *problem_of_a_name = NULL;
   perp_result* result = NULL;
   double number = 0;
   char text[8];
   double bad_x0[] = {0, 0, 0, 0};
-  REFUSED(perp_problem_create_int32(PERP_INTERFACE, 4, NULL, NULL, kojima_start, kojima_row, NULL, kojima_J, NULL,
-                                    &problem, &error),
+  REFUSED(perp_problem_create(PERP_INTERFACE, 4, NULL, NULL, NULL, NULL, kojima_J, NULL, &problem, &error),
           PERP_BAD_ARGUMENT, "F: is NULL");
-  REFUSED(perp_problem_create_int32(PERP_INTERFACE, 4, NULL, NULL, kojima_start, kojima_row, kojima_F, kojima_J, NULL,
-                                    NULL, &error),
+  REFUSED(perp_problem_create(PERP_INTERFACE, 4, NULL, NULL, NULL, kojima_F, kojima_J, NULL, NULL, &error),
           PERP_BAD_ARGUMENT, "problem: is NULL");
-  OK(perp_problem_create_int32(PERP_INTERFACE, 4, NULL, NULL, kojima_start, kojima_row, kojima_F, kojima_J, NULL,
-                               &problem, &error));
+  OK(perp_problem_create(PERP_INTERFACE, 4, NULL, NULL, NULL, kojima_F, kojima_J, NULL, &problem, &error));
   REFUSED(perp_solve(NULL, problem, x0, NULL, &error), PERP_BAD_ARGUMENT, "result: is NULL");
   REFUSED(perp_solve(NULL, NULL, x0, &result, &error), PERP_BAD_ARGUMENT, "problem: is NULL");
   bad_x0[3] = nan("");
-  REFUSED(perp_solve(NULL, problem, bad_x0, &result, &error), PERP_BAD_ARGUMENT, "x0: entry 4 is nan");
+  REFUSED(perp_solve(NULL, problem, bad_x0, &result, &error), PERP_BAD_ARGUMENT, "x0: entry [3] is nan");
   REFUSED(perp_problem_residual(problem, NULL, &number, NULL, &error), PERP_BAD_ARGUMENT, "x: is NULL");
-  REFUSED(perp_problem_check_jacobian(problem, bad_x0, NULL, NULL, NULL, &error), PERP_BAD_ARGUMENT,
-          "x: entry 4 is nan");
+  REFUSED(perp_check_jacobian(NULL, problem, bad_x0, &result, &error), PERP_BAD_ARGUMENT, "x: entry [3] is nan");
+  REFUSED(perp_verify(NULL, problem, NULL, &result, &error), PERP_BAD_ARGUMENT, "x: is NULL");
+  REFUSED(perp_sensitivity(NULL, problem, x0, NULL, NULL, NULL, NULL, &result, &error), PERP_BAD_ARGUMENT,
+          "dF: is NULL");
+  REFUSED(perp_solve_all(NULL, problem, x0, 0, &result, &error), PERP_BAD_ARGUMENT, "solutions: 0");
+  REFUSED(perp_solve_kept(NULL, problem, x0, &result, &error), PERP_BAD_ARGUMENT, "solver: is NULL");
+  REFUSED(perp_list(PERP_INTERFACE, "nonsense", &result, &error), PERP_BAD_ARGUMENT, "what: 'nonsense'");
+  REFUSED(perp_problem_collection(PERP_INTERFACE, "josephi", &problem_of_a_name, &error), PERP_BAD_ARGUMENT,
+          "'josephy'");
   REFUSED(perp_problem_variable_name(problem, 0, NULL, 5, &error), PERP_BAD_ARGUMENT, "name: is NULL");
   REFUSED(perp_problem_variable_name(problem, 0, text, 0, &error), PERP_BAD_ARGUMENT, "size: 0");
   REFUSED(perp_solver_set(NULL, "method", "path", &error), PERP_BAD_ARGUMENT, "solver: is NULL");
-  REFUSED(perp_result_statistic(NULL, "iterations", &number, &error), PERP_BAD_ARGUMENT, "result: is NULL");
   OK(perp_solve(NULL, problem, NULL, &result, &error));
-  REFUSED(perp_result_statistic(result, "no such", &number, &error), PERP_BAD_ARGUMENT, "no such");
-  REFUSED(perp_result_statistic(result, NULL, &number, &error), PERP_BAD_ARGUMENT, "name: is NULL");
+  /* A field that is not there, of another kind, or beyond the end. */
+  CHECK(perp_result_kind(result, "no such") == PERP_NONE && perp_result_kind(result, NULL) == PERP_NONE);
+  CHECK(isnan(perp_result_real(result, "message")) && perp_result_integer(result, "x") == -1);
+  CHECK(perp_result_reals(result, "message") == NULL && perp_result_text(result, "message", 1) == NULL);
+  CHECK(perp_result_text(result, "notes", -1) == NULL && perp_result_part(result, "stats", 1) == NULL);
+  CHECK(perp_result_key(result, -1) == NULL && perp_result_key(result, 1000) == NULL);
   perp_result_free(result);
   perp_problem_free(problem);
   perp_problem_free(NULL);
   perp_solver_free(NULL);
   perp_result_free(NULL);
   perp_contact_free(NULL);
-  perp_contact_result_free(NULL);
   perp_solver_interrupt(NULL);
-  CHECK(perp_result_x(NULL) == NULL && perp_result_size(NULL) == 0 && perp_problem_size(NULL) == 0);
-  CHECK(perp_result_status(NULL) == -1 && perp_result_message(NULL)[0] == '\0' && perp_solver_note(NULL, 0) == NULL);
-  CHECK(perp_contact_result_r(NULL) == NULL && perp_contact_contacts(NULL) == 0);
+  CHECK(perp_result_reals(NULL, "x") == NULL && perp_result_length(NULL, "x") == 0 && perp_problem_size(NULL) == 0);
+  CHECK(perp_result_status(NULL) == -1 && perp_result_text(NULL, "message", 0) == NULL &&
+        perp_solver_note(NULL, 0) == NULL);
+  CHECK(perp_result_key(NULL, 0) == NULL && perp_contact_contacts(NULL) == 0);
 }
 
 /* A problem without variables is solved. */
 static void nothing(void) {
   const int32_t start[] = {0};
+  const perp_matrix pattern = csc32(0, start, NULL, NULL);
   perp_problem* problem = NULL;
   perp_result* result = NULL;
-  OK(perp_problem_create_int32(PERP_INTERFACE, 0, NULL, NULL, start, NULL, kojima_F, kojima_J, NULL, &problem, &error));
+  OK(perp_problem_create(PERP_INTERFACE, 0, NULL, NULL, &pattern, kojima_F, kojima_J, NULL, &problem, &error));
   OK(perp_solve(NULL, problem, NULL, &result, &error));
-  CHECK(perp_result_size(result) == 0 && perp_result_solved(result));
+  CHECK(perp_result_length(result, "x") == 0 && solved(result));
   perp_result_free(result);
   perp_problem_free(problem);
 }

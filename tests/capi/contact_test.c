@@ -4,7 +4,7 @@
 #include <stdlib.h>
 
 #include "check.h"
-#include "perp.h"
+#include "helpers.h"
 
 static perp_error error;
 
@@ -14,30 +14,33 @@ static const double q[] = {-1, 0.1, 0};
 static const double mu[] = {0.5};
 
 static void check_mass(perp_contact* contact) {
-  perp_contact_result* result = NULL;
-  double number = -1;
-  int32_t accepted = -1;
+  perp_result* result = NULL;
+  perp_result* judged = NULL;
   const double nothing[] = {0, 0, 0};
   CHECK(perp_contact_dimension(contact) == 3 && perp_contact_contacts(contact) == 1);
   CHECK_NEAR(perp_contact_q(contact)[0], -1, 1e-15);
   CHECK(perp_contact_mu(contact)[0] == 0.5);
-  OK(perp_contact_solve(NULL, contact, NULL, &result, &error));
-  CHECK_SAYING(perp_contact_result_solved(result), perp_contact_result_message(result));
-  CHECK(perp_contact_result_status(result) == PERP_SOLVED && perp_contact_result_size(result) == 3);
-  CHECK_NEAR(perp_contact_result_r(result)[0], 2, 1e-6);
-  CHECK_NEAR(perp_contact_result_r(result)[1], -0.2, 1e-6);
-  CHECK_NEAR(perp_contact_result_u(result)[0], 0, 1e-6);
-  CHECK(perp_contact_result_states(result)[0] == PERP_STICK);
-  CHECK(perp_contact_result_solved_by(result)[0] != '\0');
-  OK(perp_contact_result_number(result, "siconos", &number, &error));
-  CHECK(number <= 1e-8);
-  OK(perp_contact_result_number(result, "iterations", &number, &error));
-  REFUSED(perp_contact_result_number(result, "no such", &number, &error), PERP_BAD_ARGUMENT, "no such");
-  OK(perp_contact_judge(contact, perp_contact_result_r(result), 1e-8, &accepted, NULL, &error));
-  CHECK(accepted == 1);
-  OK(perp_contact_judge(contact, nothing, 1e-8, &accepted, &number, &error));
-  CHECK(accepted == 0 && number > 0.1);
-  perp_contact_result_free(result);
+  OK(perp_contact_solve(NULL, contact, NULL, NULL, &result, &error));
+  CHECK_SAYING(solved(result), perp_result_text(result, "message", 0));
+  CHECK(perp_result_status(result) == PERP_SOLVED && perp_result_length(result, "r") == 3);
+  CHECK_NEAR(perp_result_reals(result, "r")[0], 2, 1e-6);
+  CHECK_NEAR(perp_result_reals(result, "r")[1], -0.2, 1e-6);
+  CHECK_NEAR(perp_result_reals(result, "u")[0], 0, 1e-6);
+  CHECK(perp_result_cells(result, "states")[0] == PERP_STICK);
+  CHECK(perp_result_text(result, "solved_by", 0)[0] != '\0');
+  CHECK(number(result, "residual", "siconos") <= 1e-8);
+  CHECK(number(result, "stats", "iterations") >= 0 && isnan(number(result, "stats", "no such")));
+  OK(perp_contact_judge(contact, perp_result_reals(result, "r"), 1e-8, &judged, &error));
+  CHECK(perp_result_integer(judged, "accepted") == 1);
+  perp_result_free(judged);
+  OK(perp_contact_judge(contact, nothing, 1e-8, &judged, &error));
+  CHECK(perp_result_integer(judged, "accepted") == 0 && perp_result_real(judged, "largest") > 0.1);
+  perp_result_free(judged);
+  /* From these impulses there is nothing left to do. */
+  OK(perp_contact_solve(NULL, contact, NULL, perp_result_reals(result, "r"), &judged, &error));
+  CHECK(solved(judged) && strcmp(perp_result_text(judged, "solved_by", 0), "warm-start") == 0);
+  perp_result_free(judged);
+  perp_result_free(result);
 }
 
 static void given_as_W(void) {
@@ -45,18 +48,20 @@ static void given_as_W(void) {
   const int32_t row[] = {0, 1, 2};
   const double value[] = {0.5, 0.5, 0.5};
   const double bad_mu[] = {-1};
+  const perp_matrix W = csc32(3, start, row, value), no_rows = csc32(3, start, NULL, value);
+  perp_matrix again;
   perp_contact* contact = NULL;
-  OK(perp_contact_create_int32(PERP_INTERFACE, 3, 1, start, row, value, q, mu, &contact, &error));
+  OK(perp_contact_create(PERP_INTERFACE, 3, 1, &W, q, mu, &contact, &error));
   check_mass(contact);
+  OK(perp_contact_W(contact, &again, &error));
+  CHECK(again.rows == 3 && again.columns == 3 && again.value[2] == 0.5 && ((const int32_t*)again.index)[2] == 2);
   perp_contact_free(contact);
-  REFUSED(perp_contact_create_int32(PERP_INTERFACE, 4, 1, start, row, value, q, mu, &contact, &error),
-          PERP_BAD_ARGUMENT, "dimension: 4");
-  REFUSED(perp_contact_create_int32(PERP_INTERFACE, 3, 1, start, row, value, q, bad_mu, &contact, &error),
-          PERP_BAD_ARGUMENT, "mu: entry 1 is -1");
-  REFUSED(perp_contact_create_int32(PERP_INTERFACE, 3, 1, start, NULL, value, q, mu, &contact, &error),
-          PERP_BAD_ARGUMENT, "W_row: is NULL");
-  REFUSED(perp_contact_create_int32(PERP_INTERFACE, 3, 1, start, row, value, q, NULL, &contact, &error),
-          PERP_BAD_ARGUMENT, "mu: is NULL");
+  REFUSED(perp_contact_create(PERP_INTERFACE, 4, 1, &W, q, mu, &contact, &error), PERP_BAD_ARGUMENT, "dimension: 4");
+  REFUSED(perp_contact_create(PERP_INTERFACE, 3, 1, &W, q, bad_mu, &contact, &error), PERP_BAD_ARGUMENT,
+          "mu: entry [0] is -1");
+  REFUSED(perp_contact_create(PERP_INTERFACE, 3, 1, &no_rows, q, mu, &contact, &error), PERP_BAD_ARGUMENT,
+          "W: index is NULL");
+  REFUSED(perp_contact_create(PERP_INTERFACE, 3, 1, &W, q, NULL, &contact, &error), PERP_BAD_ARGUMENT, "mu: is NULL");
   CHECK(contact == NULL);
 }
 
@@ -66,15 +71,15 @@ static void given_as_bodies(void) {
   const int64_t row[] = {0, 1, 2};
   const double M[] = {2, 2, 2};
   const double singular[] = {2, 0, 2};
-  const double H[] = {1, 1, 1};
+  const double ones[] = {1, 1, 1};
   const double f[] = {0, 0, 0};
+  const perp_matrix inertia = csc64(3, start, row, M), none = csc64(3, start, row, singular);
+  const perp_matrix H = csc64(3, start, row, ones);
   perp_contact* contact = NULL;
-  OK(perp_contact_condense_int64(PERP_INTERFACE, 3, 1, 3, start, row, M, start, row, H, f, q, mu, &contact, &error));
+  OK(perp_contact_condense(PERP_INTERFACE, 3, 1, &inertia, &H, f, q, mu, &contact, &error));
   check_mass(contact);
   perp_contact_free(contact);
-  REFUSED(perp_contact_condense_int64(PERP_INTERFACE, 3, 1, 3, start, row, singular, start, row, H, f, q, mu, &contact,
-                                      &error),
-          PERP_BAD_ARGUMENT, "M");
+  REFUSED(perp_contact_condense(PERP_INTERFACE, 3, 1, &none, &H, f, q, mu, &contact, &error), PERP_BAD_ARGUMENT, "M");
   CHECK(contact == NULL);
 }
 
@@ -83,36 +88,64 @@ static void from_a_file(void) {
                                          "glocker+path", "inner:8+lemke", "frictionless"};
   size_t v;
   perp_contact* contact = NULL;
-  perp_contact_result* result = NULL;
+  perp_result* result = NULL;
   perp_solver* solver = NULL;
   OK(perp_solver_create(PERP_INTERFACE, &solver, &error));
   OK(perp_contact_read(PERP_INTERFACE, PERP_SOURCE_DIR "/data/contact/arch-9.hdf5", &contact, &error));
   for (v = 0; v < sizeof variants / sizeof *variants; ++v) {
-    OK(perp_contact_solve(solver, contact, variants[v], &result, &error));
-    CHECK_SAYING(perp_contact_result_solved(result), perp_contact_result_message(result));
-    perp_contact_result_free(result);
+    OK(perp_contact_solve(solver, contact, variants[v], NULL, &result, &error));
+    CHECK_SAYING(solved(result), perp_result_text(result, "message", 0));
+    perp_result_free(result);
   }
-  REFUSED(perp_contact_solve(solver, contact, "glocker+nonsense", &result, &error), PERP_BAD_ARGUMENT, "variant: ");
+  REFUSED(perp_contact_solve(solver, contact, "glocker+nonsense", NULL, &result, &error), PERP_BAD_ARGUMENT,
+          "variant: ");
   /* A limit that is reached: without time nothing is solved. */
   OK(perp_solver_set(solver, "convergence_tolerance", "1e-11", &error));
   OK(perp_solver_set(solver, "time_limit", "1e-9", &error));
-  OK(perp_contact_solve(solver, contact, "glocker+homotopy", &result, &error));
-  CHECK_SAYING(perp_contact_result_status(result) == PERP_TIME_LIMIT, perp_contact_result_message(result));
-  perp_contact_result_free(result);
+  OK(perp_contact_solve(solver, contact, "glocker+homotopy", NULL, &result, &error));
+  CHECK_SAYING(perp_result_status(result) == PERP_TIME_LIMIT, perp_result_text(result, "message", 0));
+  perp_result_free(result);
   OK(perp_solver_clear_options(solver, &error));
   perp_solver_interrupt(solver);
-  OK(perp_contact_solve(solver, contact, "glocker+homotopy", &result, &error));
-  CHECK_SAYING(perp_contact_result_status(result) == PERP_INTERRUPTED, perp_contact_result_message(result));
-  perp_contact_result_free(result);
+  OK(perp_contact_solve(solver, contact, "glocker+homotopy", NULL, &result, &error));
+  CHECK_SAYING(perp_result_status(result) == PERP_INTERRUPTED, perp_result_text(result, "message", 0));
+  perp_result_free(result);
   /* Options of the methods, and one that the method has not. */
   OK(perp_solver_set(solver, "psor_omega", "1.5", &error));
-  REFUSED(perp_contact_solve(solver, contact, "glocker+homotopy", &result, &error), PERP_BAD_OPTION, "psor_omega");
+  REFUSED(perp_contact_solve(solver, contact, "glocker+homotopy", NULL, &result, &error), PERP_BAD_OPTION,
+          "psor_omega");
   perp_solver_free(solver);
   perp_contact_free(contact);
   REFUSED(perp_contact_read(PERP_INTERFACE, "/no/such.hdf5", &contact, &error), PERP_BAD_FILE, "/no/such.hdf5");
 }
 
+/* A made arch stands: it has a solution, and without friction it falls, which is proven. */
+static void scenes(void) {
+  perp_contact* contact = NULL;
+  perp_result *result = NULL, *list = NULL;
+  int64_t k;
+  int known = 0;
+  OK(perp_contact_scene(PERP_INTERFACE, "arch", 40, 1, &contact, &error));
+  CHECK(perp_contact_contacts(contact) >= 30 && perp_contact_contacts(contact) <= 50);
+  CHECK(perp_contact_name(contact)[0] != '\0');
+  OK(perp_contact_solve(NULL, contact, NULL, NULL, &result, &error));
+  CHECK_SAYING(solved(result), perp_result_text(result, "message", 0));
+  perp_result_free(result);
+  OK(perp_contact_existence(NULL, contact, &result, &error));
+  CHECK_SAYING(strcmp(perp_result_text(result, "existence", 0), "none") != 0, perp_result_text(result, "message", 0));
+  perp_result_free(result);
+  perp_contact_free(contact);
+  REFUSED(perp_contact_scene(PERP_INTERFACE, "arches", 40, 1, &contact, &error), PERP_BAD_ARGUMENT, "'arch'");
+  REFUSED(perp_contact_scene(PERP_INTERFACE, "arch", 0, 1, &contact, &error), PERP_BAD_ARGUMENT, "contacts: 0");
+  OK(perp_list(PERP_INTERFACE, "scenes", &list, &error));
+  for (k = 0; k < perp_result_length(list, "items"); ++k)
+    if (strcmp(perp_result_text(perp_result_part(list, "items", k), "name", 0), "wall") == 0) ++known;
+  CHECK(known == 1);
+  perp_result_free(list);
+}
+
 int main(void) {
+  scenes();
   given_as_W();
   given_as_bodies();
   from_a_file();

@@ -4,6 +4,7 @@
 #ifndef PERP_TESTS_KOJIMA_H
 #define PERP_TESTS_KOJIMA_H
 
+#include <stddef.h>
 #include <stdint.h>
 
 #include "perp.h"
@@ -11,6 +12,7 @@
 enum { kojima_n = 4, kojima_nonzeros = 16 };
 static const int32_t kojima_start[] = {0, 4, 8, 12, 16};
 static const int32_t kojima_row[] = {0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
+static const perp_matrix kojima_pattern = {PERP_COLUMNS_INT32, 0, kojima_n, kojima_n, kojima_start, kojima_row, NULL};
 
 static int32_t kojima_F(int64_t n, const double* x, double* F, void* user) {
   (void)n;

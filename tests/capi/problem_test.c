@@ -6,14 +6,15 @@
 #include <stdlib.h>
 
 #include "check.h"
+#include "helpers.h"
 #include "kojima.h"
 
 static perp_error error;
 
 static perp_problem* kojima(void) {
   perp_problem* problem = NULL;
-  OK(perp_problem_create_int32(PERP_INTERFACE, kojima_n, NULL, NULL, kojima_start, kojima_row, kojima_F, kojima_J, NULL,
-                               &problem, &error));
+  OK(perp_problem_create(PERP_INTERFACE, kojima_n, NULL, NULL, &kojima_pattern, kojima_F, kojima_J, NULL, &problem,
+                         &error));
   return problem;
 }
 
@@ -36,14 +37,14 @@ static void every_method_solves(void) {
     double iterations = -1, natural = -1;
     int64_t worst = -2;
     OK(perp_solve(solver, problem, x0, &result, &error));
-    CHECK_SAYING(perp_result_solved(result) == 1, perp_result_message(result));
+    CHECK_SAYING(solved(result), perp_result_text(result, "message", 0));
     CHECK(perp_result_status(result) == PERP_SOLVED && strcmp(perp_status_name(PERP_SOLVED), "Solved") == 0);
-    CHECK(perp_result_size(result) == 4 && kojima_solved(perp_result_x(result)));
-    OK(perp_result_statistic(result, "iterations", &iterations, &error));
+    CHECK(perp_result_length(result, "x") == 4 && kojima_solved(perp_result_reals(result, "x")));
+    iterations = number(result, "stats", "iterations");
     CHECK(iterations >= 1);
-    OK(perp_problem_residual(problem, perp_result_x(result), &natural, &worst, &error));
-    CHECK(natural == perp_result_residual(result) && natural <= 1e-8);
-    CHECK(perp_result_message(result)[0] != '\0' && perp_result_advice(result)[0] == '\0');
+    OK(perp_problem_residual(problem, perp_result_reals(result, "x"), &natural, &worst, &error));
+    CHECK(natural == perp_result_real(result, "residual") && natural <= 1e-8);
+    CHECK(perp_result_text(result, "message", 0)[0] != '\0' && perp_result_text(result, "advice", 0)[0] == '\0');
     perp_result_free(result);
     perp_solver_free(solver);
   }
@@ -66,18 +67,19 @@ static void without_J(void) {
   const int32_t row[] = {3, 1, 2, 0, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
   const double x0[] = {1, 1, 1, 1};
   const int8_t linear[16] = {0};
-  double colours = 0, F_evals = 0, J_evals = 0, worst = 1;
+  const perp_matrix pattern = csc32(4, kojima_start, row, NULL);
+  double colours = 0, F_evals = 0, J_evals = 0;
   perp_problem* problem = NULL;
   perp_result* result = NULL;
-  OK(perp_problem_create_int32(PERP_INTERFACE, 4, NULL, NULL, kojima_start, row, kojima_F, NULL, NULL, &problem,
-                               &error));
-  OK(perp_problem_check_jacobian(problem, x0, &worst, NULL, NULL, &error));
-  CHECK(worst < 1e-4);
+  OK(perp_problem_create(PERP_INTERFACE, 4, NULL, NULL, &pattern, kojima_F, NULL, NULL, &problem, &error));
+  OK(perp_check_jacobian(NULL, problem, x0, &result, &error));
+  CHECK(perp_result_real(result, "worst") < 1e-4 && perp_result_text(result, "message", 0)[0] == '\0');
+  perp_result_free(result);
   OK(perp_solve(NULL, problem, x0, &result, &error));
-  CHECK_SAYING(perp_result_solved(result) && kojima_solved(perp_result_x(result)), perp_result_message(result));
-  OK(perp_result_statistic(result, "J_colours", &colours, &error));
-  OK(perp_result_statistic(result, "J_F_evals", &F_evals, &error));
-  OK(perp_result_statistic(result, "J_evals", &J_evals, &error));
+  CHECK_SAYING(solved(result) && kojima_solved(perp_result_reals(result, "x")), perp_result_text(result, "message", 0));
+  colours = number(result, "stats", "J_colours");
+  F_evals = number(result, "stats", "J_F_evals");
+  J_evals = number(result, "stats", "J_evals");
   CHECK(colours == 4 && J_evals >= 1 && F_evals >= 4 * J_evals);
   REFUSED(perp_problem_set_linear(problem, linear, &error), PERP_BAD_ARGUMENT, "linear: J of the problem is NULL");
   perp_result_free(result);
@@ -88,28 +90,32 @@ static void rows_in_any_order(void) {
   const int64_t start[] = {0, 4, 8, 12, 16};
   const int64_t row[] = {3, 1, 2, 0, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
   const double x0[] = {1, 1, 1, 1};
-  double worst = 1;
-  int64_t i = -1, j = -1;
+  const perp_matrix pattern = csc64(4, start, row, NULL);
+  int64_t i;
   perp_problem* problem = NULL;
   perp_result* result = NULL;
-  OK(perp_problem_create_int64(PERP_INTERFACE, 4, NULL, NULL, start, row, kojima_F, shuffled_J, NULL, &problem,
-                               &error));
-  OK(perp_problem_check_jacobian(problem, x0, &worst, &i, &j, &error));
-  CHECK(worst < 1e-6);
+  OK(perp_problem_create(PERP_INTERFACE, 4, NULL, NULL, &pattern, kojima_F, shuffled_J, NULL, &problem, &error));
+  OK(perp_check_jacobian(NULL, problem, x0, &result, &error));
+  CHECK(perp_result_real(result, "worst") < 1e-6);
+  perp_result_free(result);
   OK(perp_solve(NULL, problem, x0, &result, &error));
-  CHECK(kojima_solved(perp_result_x(result)));
+  CHECK(kojima_solved(perp_result_reals(result, "x")));
   perp_result_free(result);
   perp_problem_free(problem);
   /* In the other order J is wrong, which the check names. */
-  OK(perp_problem_create_int64(PERP_INTERFACE, 4, NULL, NULL, start, row, kojima_F, kojima_J, NULL, &problem, &error));
-  OK(perp_problem_check_jacobian(problem, x0, &worst, &i, &j, &error));
-  CHECK(worst > 0.1 && j == 0 && (i == 0 || i == 3));
+  OK(perp_problem_create(PERP_INTERFACE, 4, NULL, NULL, &pattern, kojima_F, kojima_J, NULL, &problem, &error));
+  OK(perp_check_jacobian(NULL, problem, x0, &result, &error));
+  i = perp_result_integer(result, "row");
+  CHECK(perp_result_real(result, "worst") > 0.1 && perp_result_integer(result, "column") == 0 && (i == 0 || i == 3));
+  CHECK(strstr(perp_result_text(result, "message", 0), "x[0]") != NULL);
+  perp_result_free(result);
   perp_problem_free(problem);
 }
 
 static void options(void) {
   char value[64];
   int64_t i, found = 0;
+  perp_result* list = NULL;
   perp_solver* solver = NULL;
   OK(perp_solver_create(PERP_INTERFACE, &solver, &error));
   OK(perp_solver_get(solver, "method", value, sizeof value, &error));
@@ -130,11 +136,14 @@ static void options(void) {
   OK(perp_solver_get(solver, "convergence_tolerance", value, sizeof value, &error));
   CHECK(strcmp(value, "1e-08") == 0);
   REFUSED(perp_solver_read_options(solver, "/no/such/file", &error), PERP_BAD_FILE, "/no/such/file");
-  for (i = 0; i < perp_option_count(); ++i) {
-    CHECK(perp_option_key(i)[0] != '\0' && perp_option_takes(i)[0] != '\0');
-    if (strcmp(perp_option_key(i), "convergence_tolerance") == 0) ++found;
+  OK(perp_list(PERP_INTERFACE, "options", &list, &error));
+  for (i = 0; i < perp_result_length(list, "items"); ++i) {
+    const perp_result* option = perp_result_part(list, "items", i);
+    CHECK(perp_result_text(option, "takes", 0)[0] != '\0' && perp_result_text(option, "help", 0)[0] != '\0');
+    if (strcmp(perp_result_text(option, "key", 0), "convergence_tolerance") == 0) ++found;
   }
-  CHECK(found == 1 && perp_option_key(i) == NULL && perp_option_help(-1) == NULL);
+  CHECK(found == 1 && perp_result_part(list, "items", i) == NULL);
+  perp_result_free(list);
   perp_solver_free(solver);
 }
 
@@ -171,9 +180,11 @@ static void listening_and_stopping(void) {
   OK(perp_solver_set_log(solver, hear, &heard, &error));
   OK(perp_solver_set_progress(solver, see, &heard, &error));
   OK(perp_solve(solver, problem, x0, &result, &error));
-  OK(perp_result_statistic(result, "iterations", &iterations, &error));
+  iterations = number(result, "stats", "iterations");
   CHECK(heard.iterations == (int)iterations + 1 && heard.last_k == (int)iterations); /* the start, too */
   CHECK(heard.lines >= heard.iterations && heard.with_x == heard.iterations);
+  CHECK(perp_result_length(result, "log") == heard.iterations);
+  CHECK(perp_result_iterations(result, "log")[heard.iterations - 1].residual == perp_result_real(result, "residual"));
   perp_result_free(result);
   /* The options that make PATH silent make this silent. */
   OK(perp_solver_set(solver, "output", "no", &error));
@@ -185,7 +196,8 @@ static void listening_and_stopping(void) {
   heard.iterations = 0;
   heard.stop_at = 2;
   OK(perp_solve(solver, problem, x0, &result, &error));
-  CHECK(perp_result_status(result) == PERP_INTERRUPTED && heard.iterations == 2 && perp_result_size(result) == 4);
+  CHECK(perp_result_status(result) == PERP_INTERRUPTED && heard.iterations == 2 &&
+        perp_result_length(result, "x") == 4);
   perp_result_free(result);
   /* An interruption before the solve ends it, and holds for one solve. */
   heard.stop_at = 0;
@@ -194,7 +206,7 @@ static void listening_and_stopping(void) {
   CHECK(perp_result_status(result) == PERP_INTERRUPTED);
   perp_result_free(result);
   OK(perp_solve(solver, problem, x0, &result, &error));
-  CHECK(perp_result_solved(result));
+  CHECK(solved(result));
   perp_result_free(result);
   perp_solver_free(solver);
   perp_problem_free(problem);
@@ -211,22 +223,22 @@ static void warm_basis(void) {
   perp_result* warm = NULL;
   double pivots = -1;
   OK(perp_solve(solver, problem, x0, &cold, &error));
-  CHECK(perp_result_basis(cold) != NULL);
-  OK(perp_solver_set_basis(solver, 4, perp_result_basis(cold), &error));
-  OK(perp_solve(solver, problem, perp_result_x(cold), &warm, &error));
-  OK(perp_result_statistic(warm, "pivots", &pivots, &error));
-  CHECK(perp_result_solved(warm) && pivots == 0);
-  CHECK(memcmp(perp_result_x(warm), perp_result_x(cold), 4 * sizeof(double)) == 0);
-  REFUSED(perp_solver_set_basis(solver, 4, outside, &error), PERP_BAD_ARGUMENT, "cells: entry 1 is 7");
+  CHECK(perp_result_cells(cold, "basis") != NULL);
+  OK(perp_solver_set_basis(solver, 4, perp_result_cells(cold, "basis"), &error));
+  OK(perp_solve(solver, problem, perp_result_reals(cold, "x"), &warm, &error));
+  pivots = number(warm, "stats", "pivots");
+  CHECK(solved(warm) && pivots == 0);
+  CHECK(memcmp(perp_result_reals(warm, "x"), perp_result_reals(cold, "x"), 4 * sizeof(double)) == 0);
+  REFUSED(perp_solver_set_basis(solver, 4, outside, &error), PERP_BAD_ARGUMENT, "cells: entry [0] is 7");
   perp_result_free(warm);
-  OK(perp_solver_set_basis(solver, 3, perp_result_basis(cold), &error));
+  OK(perp_solver_set_basis(solver, 3, perp_result_cells(cold, "basis"), &error));
   REFUSED(perp_solve(solver, problem, x0, &warm, &error), PERP_BAD_ARGUMENT, "3 cells");
   CHECK(warm == NULL);
   OK(perp_solver_set(solver, "method", "smooth", &error));
   REFUSED(perp_solve(solver, problem, x0, &warm, &error), PERP_BAD_ARGUMENT, "basis");
   OK(perp_solver_set_basis(solver, 0, NULL, &error));
   OK(perp_solve(solver, problem, x0, &warm, &error));
-  CHECK(perp_result_solved(warm));
+  CHECK(solved(warm));
   perp_result_free(warm);
   perp_result_free(cold);
   perp_solver_free(solver);
@@ -241,13 +253,16 @@ static void names_and_bounds(void) {
   double low[4], high[4], start[4];
   char name[8];
   perp_problem* problem = NULL;
-  OK(perp_problem_create_int32(PERP_INTERFACE, 4, lower, upper, kojima_start, kojima_row, kojima_F, kojima_J, NULL,
-                               &problem, &error));
+  OK(perp_problem_create(PERP_INTERFACE, 4, lower, upper, &kojima_pattern, kojima_F, kojima_J, NULL, &problem, &error));
   CHECK(perp_problem_size(problem) == 4 && perp_problem_nonzeros(problem) == 16);
   OK(perp_problem_bounds(problem, low, high, &error));
   CHECK(memcmp(low, lower, sizeof low) == 0 && memcmp(high, upper, sizeof high) == 0);
-  OK(perp_problem_start(problem, start, &error));
+  OK(perp_problem_start(problem, 0, start, &error));
+  REFUSED(perp_problem_start(problem, 1, start, &error), PERP_BAD_ARGUMENT, "k: 1");
   CHECK(start[0] == 0 && start[1] == 1 && start[2] == 0);
+  OK(perp_problem_variable_name(problem, 1, name, sizeof name, &error));
+  CHECK(strcmp(name, "x[1]") == 0);
+  OK(perp_problem_count_from(problem, 1, &error));
   OK(perp_problem_variable_name(problem, 1, name, sizeof name, &error));
   CHECK(strcmp(name, "x[2]") == 0);
   OK(perp_problem_set_name(problem, "breakfast", &error));
@@ -272,7 +287,7 @@ static void model_from_file(void) {
   OK(perp_problem_variable_name(problem, 0, name, sizeof name, &error));
   CHECK(name[0] != 'x');
   OK(perp_solve(NULL, problem, NULL, &result, &error));
-  CHECK_SAYING(perp_result_solved(result), perp_result_message(result));
+  CHECK_SAYING(solved(result), perp_result_text(result, "message", 0));
   perp_result_free(result);
   perp_problem_free(problem);
   REFUSED(perp_problem_read_nl(PERP_INTERFACE, "/no/such.nl", &problem, &error), PERP_BAD_FILE, "/no/such");
@@ -290,7 +305,71 @@ static void versions(void) {
   CHECK(strcmp(perp_status_name(-1), "?") == 0 && strcmp(perp_status_name(PERP_NO_MEMORY), "OutOfMemory") == 0);
 }
 
+/* Both solutions, the derivative x(p) = max(0, p) of F = x - p, a proof, and what is wrong with a problem. */
+static int32_t shifted_F(int64_t n, const double* x, double* F, void* user) {
+  int64_t i;
+  for (i = 0; i < n; ++i) F[i] = x[i] - ((const double*)user)[i];
+  return PERP_DEFINED;
+}
+
+static void more_than_a_solution(void) {
+  const double x0[] = {1, 1, 1, 1};
+  double p[] = {2, -1};
+  const double x[] = {2, 0};
+  const double minus_one[] = {-1, 0, 0, -1};
+  const perp_matrix dF = matrix(PERP_DENSE_ROWS, 2, 2, NULL, NULL, minus_one);
+  perp_problem* problem = kojima();
+  perp_result* result = NULL;
+  OK(perp_solve_all(NULL, problem, x0, 10, &result, &error));
+  CHECK(perp_result_length(result, "found") == 2);
+  CHECK(kojima_solved(perp_result_reals(perp_result_part(result, "found", 1), "x")));
+  CHECK(perp_result_text(perp_result_part(result, "found", 1), "how", 0)[0] != '\0');
+  perp_result_free(result);
+  OK(perp_verify(NULL, problem, x0, &result, &error));
+  CHECK(perp_result_integer(result, "unique") == 0 && perp_result_text(result, "why_not", 0)[0] != '\0');
+  perp_result_free(result);
+  perp_problem_free(problem);
+  OK(perp_problem_create(PERP_INTERFACE, 2, NULL, NULL, NULL, shifted_F, NULL, p, &problem, &error));
+  OK(perp_sensitivity(NULL, problem, x, &dF, NULL, NULL, NULL, &result, &error));
+  CHECK_SAYING(perp_result_integer(result, "known") == 1, perp_result_text(result, "message", 0));
+  CHECK(perp_result_length(result, "dx") == 4 && perp_result_integer(result, "directions") == 2);
+  CHECK_NEAR(perp_result_reals(result, "dx")[0], 1, 1e-6);
+  CHECK_NEAR(perp_result_reals(result, "dx")[3], 0, 1e-6);
+  CHECK_NEAR(perp_result_reals(result, "dF")[3], -1, 1e-6);
+  perp_result_free(result);
+  OK(perp_inspect(NULL, problem, NULL, &result, &error));
+  CHECK(perp_result_integer(result, "structural_rank") == 2 && number(result, "bounds", "lower") == 2);
+  perp_result_free(result);
+  p[0] = nan("");
+  OK(perp_inspect(NULL, problem, NULL, &result, &error));
+  CHECK(perp_result_length(result, "warnings") >= 1 && strstr(perp_result_text(result, "warnings", 0), "F[0]") != NULL);
+  perp_result_free(result);
+  perp_problem_free(problem);
+}
+
+static void the_collection(void) {
+  perp_problem* problem = NULL;
+  perp_result* result = NULL;
+  char name[32];
+  OK(perp_problem_collection(PERP_INTERFACE, "josephy", &problem, &error));
+  CHECK(perp_problem_size(problem) == 4 && perp_problem_starts(problem) > 1);
+  CHECK(strcmp(perp_problem_name(problem), "josephy") == 0 && perp_problem_source(problem)[0] != '\0');
+  OK(perp_problem_equation_name(problem, 0, name, sizeof name, &error));
+  CHECK(strcmp(name, "F[1]") == 0);
+  OK(perp_solve(NULL, problem, NULL, &result, &error));
+  CHECK(solved(result));
+  perp_result_free(result);
+  perp_problem_free(problem);
+  OK(perp_problem_collection(PERP_INTERFACE, "obstacle:7x5", &problem, &error));
+  CHECK(perp_problem_size(problem) == 35);
+  perp_problem_free(problem);
+  REFUSED(perp_problem_collection(PERP_INTERFACE, "obstacle:0x5", &problem, &error), PERP_BAD_ARGUMENT, "name: ");
+  REFUSED(perp_problem_collection(PERP_INTERFACE, "josephy:3", &problem, &error), PERP_BAD_ARGUMENT, "one size");
+}
+
 int main(void) {
+  more_than_a_solution();
+  the_collection();
   every_method_solves();
   without_J();
   rows_in_any_order();

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 
 #include "check.h"
+#include "helpers.h"
 #include "kojima.h"
 
 enum { threads = 8, solves = 200 };
@@ -26,15 +27,15 @@ static int timed(const char* name) { return strlen(name) > 2 && strcmp(name + st
 
 static void record(const perp_result* result, struct Record* out) {
   int64_t i;
-  perp_error error;
+  const perp_result* stats = perp_result_part(result, "stats", 0);
   out->status = perp_result_status(result);
-  out->residual = perp_result_residual(result);
-  memcpy(out->x, perp_result_x(result), sizeof out->x);
-  memcpy(out->F, perp_result_F(result), sizeof out->F);
-  strncpy(out->message, perp_result_message(result), sizeof out->message - 1);
-  for (i = 0; perp_statistic_name(i) != NULL; ++i)
-    if (!timed(perp_statistic_name(i)))
-      perp_result_statistic(result, perp_statistic_name(i), &out->statistics[i], &error);
+  out->residual = perp_result_real(result, "residual");
+  memcpy(out->x, perp_result_reals(result, "x"), sizeof out->x);
+  memcpy(out->F, perp_result_reals(result, "F"), sizeof out->F);
+  strncpy(out->message, perp_result_text(result, "message", 0), sizeof out->message - 1);
+  for (i = 0; perp_result_key(stats, i) != NULL && i < 32; ++i)
+    if (!timed(perp_result_key(stats, i))) out->statistics[i] = perp_result_real(stats, perp_result_key(stats, i));
+  CHECK(i > 10 && i < 32);
 }
 
 static void* run(void* argument) {
@@ -47,8 +48,8 @@ static void* run(void* argument) {
     perp_solver* solver = NULL;
     perp_result* result = NULL;
     const double x0[] = {k % 7, k % 5, k % 3, k % 2};
-    perp_problem_create_int32(PERP_INTERFACE, kojima_n, NULL, NULL, kojima_start, kojima_row, kojima_F, kojima_J, NULL,
-                              &problem, NULL);
+    perp_problem_create(PERP_INTERFACE, kojima_n, NULL, NULL, &kojima_pattern, kojima_F, kojima_J, NULL, &problem,
+                        NULL);
     perp_solver_create(PERP_INTERFACE, &solver, NULL);
     perp_solver_set(solver, "method", methods[k % 8], NULL);
     if (perp_solve(solver, problem, x0, &result, NULL) == PERP_OK) record(result, &mine[k]);

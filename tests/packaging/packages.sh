@@ -31,7 +31,7 @@ contents perp /bin/perp /bin/perp-compare /bin/perp-report /share/perp/lab/page.
 contents libperp '/libperp\.so\.1' '/libperp\.so\.1\.[0-9]+'
 contents libperp-dev /include/perp.h /include/perp/ncp/solve.hpp '/libperp\.so' '/libperp_ncp\.a' /perpConfig.cmake /perp.pc /perp-c.pc
 contents libperp-path '/libperp_path\.so' '/libperp_path\.so\.1'
-if [[ -d $build/python/perp ]]; then contents python3-perp /dist-packages/perp/__init__.py '/_core\..*\.so' /py.typed; fi
+if [[ -d $build/python/perp ]]; then contents python3-perp /dist-packages/perp/__init__.py /dist-packages/perp/_library.py /py.typed; fi
 
 dpkg-deb --extract "$work"/perp_*.deb "$work/root"
 output=$(cd / && "$work/root/usr/bin/perp" solve "$work/root/usr/share/perp/examples/energy.nl") ||

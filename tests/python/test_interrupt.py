@@ -201,3 +201,26 @@ def test_no_references_are_lost():
     gc.collect()
     assert [ref() for ref in alive] == [None, None]
     assert is_kojima_solution(perp.solve(kojima, np.ones(4)).x)
+
+
+@pytest.mark.parametrize("kind", [signal.SIGALRM, signal.SIGINT], ids=["alarm", "ctrl-c"])
+def test_what_a_handler_of_signals_raises_comes_out(kind):
+    """At any time: within F, in the library, where the library is about to call F, where Python's handler raises before
+    anybody can catch it, and while something is freed."""
+    def handler(*_):
+        raise Mine if kind == signal.SIGALRM else KeyboardInterrupt
+
+    def F(x):
+        return x**2 + 1 + 0.1 * np.sin(50 * x)
+
+    before = signal.signal(kind, handler)
+    wanted = Mine if kind == signal.SIGALRM else KeyboardInterrupt
+    try:
+        for k in range(25):
+            threading.Timer(0.01 + 0.0007 * k, os.kill, (os.getpid(), kind)).start()
+            with pytest.raises(wanted):
+                for _ in range(2000):
+                    perp.solve(F, np.ones(3), -np.inf, method="semismooth")
+                pytest.fail("the signal was lost")
+    finally:
+        signal.signal(kind, before)

@@ -27,7 +27,7 @@ def test_the_collection():
 def test_what_a_problem_says_of_itself():
     p = perp.problem(kojima, np.ones(4), jac=kojima_jac, name="mine", variable_names=list("abcd"))
     assert (p.name, p.size, p.nonzeros, p.affine) == ("mine", 4, 16, False)
-    assert p.variable_names == ["a", "b", "c", "d"] and p.equation_names[0] == "F[1]" and "mine" in repr(p)
+    assert p.variable_names == ["a", "b", "c", "d"] and p.equation_names[0] == "F[0]" and "mine" in repr(p)
     np.testing.assert_array_equal(p.x0, np.ones(4))
     np.testing.assert_array_equal(p.upper, np.full(4, np.inf))
     facts = p.inspect()
@@ -39,7 +39,7 @@ def test_what_a_problem_says_of_itself():
 def test_inspect_names_what_is_singular():
     p = perp.problem(lambda x: np.array([x[0] - 1, x[0] + 1]), [1.0, 1.0], -np.inf, pattern=[[1, 0], [1, 0]])
     facts = p.inspect()
-    assert facts.structural_rank == 1 and "x[2]" in facts.singular
+    assert facts.structural_rank == 1 and "x[1]" in facts.singular
 
 
 def test_nl_files():
