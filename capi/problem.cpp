@@ -160,7 +160,7 @@ int32_t perp_problem_create(int32_t interface_, int64_t n, const double* lower, 
     require_interface(interface_);
     check_size(n, "n");
     if (F == nullptr) refuse("F", "is NULL");
-    lcp::Box box = box_of(lower, upper, n);  // asks for the memory before the pattern is read
+    perp::lcp::Box box = box_of(lower, upper, n);  // asks for the memory before the pattern is read
     auto callbacks = std::make_unique<CallbackMcp>(std::move(box), pattern_of(pattern, "pattern", n), F, J, user);
     CallbackMcp* known = callbacks.get();
     auto made = std::make_unique<perp_problem>(std::move(callbacks), first_of_C);

@@ -57,9 +57,9 @@ struct Shared {
     return observer ? observer(it) : ncp::Next::Continue;
   }
 
-  void judge(const Report& report) {
+  void judge(const Report& found) {
     const std::lock_guard lock(mutex);
-    judged = report;
+    judged = found;
   }
 
   void keep(ncp::Vec x) {

@@ -92,7 +92,7 @@ class Search {
     out_.refutation = {.tolerance = 0, .radius = infinity, .proof = std::move(proof)};
     // Beyond half of a box at its lower bound and off its upper one is the same.
     double most = excluded_;
-    for (Index i = 0; i < problem_.size(); ++i)
+    for (Index i = 0; i < problem_.size() && !out_.refutation.proof.assumptions.empty(); ++i)
       if (!problem_.box.is_fixed(i)) most = std::min(most, (problem_.box.upper[i] - problem_.box.lower[i]) / 4);
     for (const double t : {most * (1 - 1e-6), most / 2, limits_.tol}) {
       out_.refutation.tolerance = t;

@@ -34,8 +34,10 @@ std::string Reducer::objection(Index row, double sign) const {
   const Index j = set_by_[at(row)];
   if (j >= 0) return "has to be 0, for other equations make " + mcp_.variable_name(j) + " = " + text(x_[j]);
   if (column_of_[at(row)] != row || is_free(row)) return "has to be 0";
-  return std::string("has to be ") + (sign > 0 ? "at most" : "at least") + " 0, as variable " +
-         mcp_.variable_name(row) + " has no " + (sign > 0 ? "lower" : "upper") + " bound";
+  const std::string has_to_be = std::string("has to be ") + (sign > 0 ? "at most" : "at least") + " 0";
+  if (mcp_.variable_name(row) == mcp_.equation_name(row)) return has_to_be;  // a side condition, whose variable is ours
+  return has_to_be + ", as variable " + mcp_.variable_name(row) + " has no " + (sign > 0 ? "lower" : "upper") +
+         " bound";
 }
 
 void Reducer::examine_row(Index row) {

@@ -95,8 +95,8 @@ inline std::string sqrt2_nl() { return scalar_nl("o1\no5\nv0\nn2\nn2\n", 1); }
 inline std::string infeasible_nl() { return scalar_nl("o1\no1\nv0\nv0\no0\nn1\no5\nv0\nn2\n", 1); }
 /// 0 <= x _|_ (x - 1)^2 - 1.01 >= 0 from 0, close to a local minimum of the merit functions (Billups 1995).
 inline std::string billups_nl() { return scalar_nl("o1\no5\no1\nv0\nn1\nn2\nn1.01\n", 0); }
-/// 0 <= x _|_ log(x) >= 0, from 0, where it is not defined.
-inline std::string undefined_nl() { return scalar_nl("o43\nv0\n", 0); }
+/// log(x) = 0, x free, from 0, where it is not defined, and no bound says on which side it is.
+inline std::string undefined_nl() { return scalar_nl("o43\nv0\n", 0, "3"); }
 
 /// sqrt2_nl with the side inequality x^2 <= 10 (not active at the solution).
 inline std::string side_inequality_nl() {

@@ -158,9 +158,9 @@ static void too_large(void) {
   perp_problem* problem = NULL;
   struct rlimit before;
   if (limit_memory(&before)) {
-    REFUSED(perp_problem_create_int32(PERP_INTERFACE, 2147483646, NULL, NULL, kojima_start, kojima_row, kojima_F,
-                                      kojima_J, NULL, &problem, &error),
-            PERP_OUT_OF_MEMORY, "the bounds of 2147483646 variables need 34 GB");
+    REFUSED(
+        perp_problem_create(PERP_INTERFACE, 2147483646, NULL, NULL, NULL, kojima_F, kojima_J, NULL, &problem, &error),
+        PERP_OUT_OF_MEMORY, "the bounds of 2147483646 variables need 34 GB");
     CHECK(problem == NULL);
   }
   setrlimit(RLIMIT_AS, &before);
