@@ -187,7 +187,7 @@ def main(arguments):
             c = check(path, matrix)
             within = f" with entries up to {c['radius']:g}" if c["radius"] else ""
             print(f"{path}: proven: no point{within} has a natural residual of at most {float(c['tolerance'])!r}")
-        except (Refused, KeyError, IndexError, TypeError, ValueError, OverflowError) as error:
+        except (OSError, Refused, KeyError, IndexError, TypeError, ValueError, OverflowError) as error:
             print(f"{path}: refused: {error}")
             refused = True
     return 1 if refused else 0

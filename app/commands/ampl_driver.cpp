@@ -192,7 +192,8 @@ ExitCode solve_stub(const AmplRequest& request, const Call& call, Streams stream
   const Output& output = options.settings.output;
   if (output.shows(output.options)) print_options(streams.out, options.settings);
   if (output.shows(output.initial_statistics)) print_initial_statistics(streams.out, problem);
-  const Report report = run_within(limits, loaded, options.settings, output.table() ? &streams.out : nullptr);
+  const Report report =
+      run_within(limits, loaded, options.settings, problem.mcp->size(), output.table() ? &streams.out : nullptr);
   writing_takes(patience_with_writing(problem.mcp->size()));
   if (output.shows(output.final_statistics)) print_final_statistics(streams.out, report);
   if (output.shows(output.final_summary)) print_final_summary(streams.out, report);

@@ -84,7 +84,9 @@ Report run_and_print(const SolveRequest& request, const std::shared_ptr<const Lo
   if (shows_part(output.initial_statistics)) print_initial_statistics(log, problem);
   const bool table = shows(LogLevel::Info) && output.table();
   if (table) log << '\n';
-  Report report = run_within(patience, loaded, options.settings, table ? &log : nullptr, std::move(observer));
+  const bool writes = request.full || !request.json.empty() || !request.solution.empty();
+  Report report = run_within(patience, loaded, options.settings, writes ? problem.mcp->size() : 0,
+                             table ? &log : nullptr, std::move(observer));
   writing_takes(patience_with_writing(problem.mcp->size()));
   report.notes = options.notes;
   if (shows(LogLevel::Info)) {

@@ -126,14 +126,14 @@ std::shared_ptr<const LoadedProblem> load_within(const Patience& patience, std::
 }
 
 Report run_within(const Patience& whole, std::shared_ptr<const LoadedProblem> problem, const Settings& settings,
-                  std::ostream* log, ncp::Observer observer) {
+                  ncp::Index written, std::ostream* log, ncp::Observer observer) {
   const auto shared = std::make_shared<Shared>();
   shared->problem = std::move(problem);
   shared->settings = settings;
   shared->observer = std::move(observer);
   if (log != nullptr) shared->table = live_table(*log, shared->mcp(), settings.output);
   std::chrono::duration<double> left = whole.deadline - Clock::now();
-  left -= std::min(left / 2, writing_time(shared->mcp().size()));
+  left -= std::min(left / 2, writing_time(written));
   Settings within = settings;
   std::chrono::duration<double>& limit = ncp::stop(within.method).max_time;
   if (left < limit - worth_telling) limit = std::max(left, decltype(left)::zero());

@@ -28,11 +28,11 @@ class OutOfTime : public std::runtime_error {
 std::shared_ptr<const LoadedProblem> load_within(const Patience& patience, std::function<LoadedProblem()> load,
                                                  const std::string& what);
 
-/// run_method() with `settings`, whose time limit is what is left of `whole`, less writing_time(). Where the method
-/// does not come back from a phase of linear algebra the report is of the best point met: TimeLimit or Interrupted.
-/// `observer`, if there is one, is not called any more then.
+/// run_method() with `settings`, whose time limit is what is left of `whole`, less writing_time(written); `written`
+/// variables are written to files afterwards. Where the method does not come back from a phase of linear algebra the
+/// report is of the best point met: TimeLimit or Interrupted. `observer`, if there is one, is not called any more then.
 Report run_within(const Patience& whole, std::shared_ptr<const LoadedProblem> problem, const Settings& settings,
-                  std::ostream* log, ncp::Observer observer = {});
+                  ncp::Index written, std::ostream* log, ncp::Observer observer = {});
 
 /// What writing a report of n variables takes at most, by and large: runs end so long before their time limit.
 std::chrono::duration<double> writing_time(ncp::Index n);
