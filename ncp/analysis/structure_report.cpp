@@ -11,6 +11,7 @@
 #include "lcp/lu/sparse_lu.hpp"
 #include "lcp/words.hpp"
 #include "ncp/problem/counted_mcp.hpp"
+#include "ncp/problem/residual.hpp"
 #include "ncp/problem/words.hpp"
 
 namespace perp::ncp {

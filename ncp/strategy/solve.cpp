@@ -76,8 +76,9 @@ class RangesRefuse {
   }
 
  private:
-  /// To a factor of two; at least the tolerance.
+  /// To a factor of two; the tolerance where ranges take long.
   double largest_excluded() const {
+    if (!cheap()) return tol_;
     double excluded = tol_;
     double factor = 1024;
     while (excluded < 1e100 && no_solution(mcp_, factor * excluded)) excluded *= factor;
