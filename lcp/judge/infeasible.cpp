@@ -288,7 +288,8 @@ Vec normalized(const Vec& y) {
 
 namespace {
 
-/// Whether y alone excludes all, of the problem as it is; else the best parts of the equilibrated one, in `scaling`.
+/// y, if it alone excludes all points of the problem as it is; else the best parts of the equilibrated one, in
+/// `scaling`.
 struct Parts {
   TwoPartVector y{};
   double radius = 0;

@@ -38,7 +38,7 @@ bool proves_infeasible(const AffineMcp& problem, In y);
 /// y, or y corrected, whichever excludes more; empty if none excludes anything.
 TwoPartVector certificate_parts(const AffineMcp& problem, In y);
 
-/// What y excludes, for y of the signs asked for: with r the natural residual of z,
+/// The points that y excludes, for y of the signs asked for: with r the natural residual of z,
 ///     margin <= r (|y|_1 + sum_j |g_j|) + max_J |z_j| sum_J |g_j|,   margin = -(q'y + ...) as above.
 struct Exclusion {
   double margin = 0;  ///< 0: nothing
@@ -58,7 +58,7 @@ Vec exact_certificate(const AffineMcp& problem, In y, double tol = 0);
 
 /// The same for any boxes Z and W (entries of W: 0 or infinite) and M of equilibrated rows.
 Vec exact_exclusion(const SpMat& M, In q, const Box& Z, const Box& W, In y);
-/// With its correction, where that is what excludes.
+/// The same with its correction, where that is what excludes.
 TwoPartVector exclusion_parts(const SpMat& M, In q, const Box& Z, const Box& W, In y);
 
 }  // namespace perp::lcp

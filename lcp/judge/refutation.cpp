@@ -18,7 +18,7 @@ double down(double a, double b) {
   return sum.error < 0 ? std::nextafter(sum.value, -infinity) : sum.value;
 }
 double up(double a, double b) { return -down(-a, -b); }
-/// Whether x < a + b, exactly.
+/// Returns whether x < a + b, exactly.
 bool less(double x, double a, double b) {
   const TwoParts sum = two_sum(a, b);
   return x < sum.value || (x == sum.value && sum.error > 0);
@@ -40,7 +40,7 @@ class Checker {
     }
   }
 
-  /// Whether the proof refutes X. X is as before afterwards.
+  /// Returns whether the proof refutes X, which is as before afterwards.
   bool refutes(const Refutation::Proof& proof) {
     struct Before {
       Index variable;
@@ -63,7 +63,7 @@ class Checker {
   }
 
  private:
-  /// Whether the assumption is refuted; narrows X to its contrary.
+  /// Returns whether the assumption is refuted; narrows X to its contrary.
   bool assume(const Refutation::Assumption& a) {
     const Index j = a.variable;
     const bool off = std::isnan(a.value);

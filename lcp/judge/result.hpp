@@ -43,7 +43,7 @@ struct Result {
   long iterations = 0;     ///< pivots, sweeps or Newton steps: the method says which
   int factorizations = 0;  ///< of matrices, however small
   Vec certificate{};       ///< y with proves_infeasible(problem, y), if status == Infeasible and there is one
-  /// Of solve(), if status == Infeasible: what is proven, with a tolerance of at least that of the limits.
+  /// The proof of solve(), if status == Infeasible, with a tolerance of at least that of the limits.
   std::shared_ptr<const Refutation> refutation{};
   bool solved() const { return status == Status::Solved; }
   /// Solved, to the tolerance or to rounding.

@@ -86,7 +86,7 @@ class Search {
     return visit(std::move(rows));
   }
 
-  /// What refutes the whole problem, for the largest tolerance that all of its cells allow.
+  /// Keeps the proof for the whole problem, for the largest tolerance that all of its cells allow.
   void keep(Refutation::Proof proof) {
     if (kept_ > most_kept) return;
     out_.refutation = {.tolerance = 0, .radius = infinity, .proof = std::move(proof)};

@@ -48,7 +48,7 @@ struct Solutions {
   Status stopped =
       Status::Solved;     ///< why it is not complete: a limit, NotApplicable, Stalled (a cell could not be decided)
   std::string message{};  ///< the same in words
-  /// Where it is complete and empty: the proof, cell by cell; its tolerance is 0 where it would be too long to keep.
+  /// The proof, cell by cell, if it is complete and empty; its tolerance is 0 where it would be too long to keep.
   Refutation refutation{};
 };
 /// Two polyhedra that meet are both reported. Throws std::invalid_argument for bad input and options.

@@ -78,7 +78,8 @@ struct Infeasibility {
   /// No point has a natural residual of at most this; 0 where nothing is proven.
   double residual_bound = 0;
   bool within_bounds = false;  ///< only points within the bounds are meant: F may not be defined elsewhere
-  /// What others can check (lcp/judge/refutation.hpp), of the affine rows; null if ranges of F are the proof.
+  /// The certificate that others can check (lcp/judge/refutation.hpp), of the affine rows; null if ranges of F are the
+  /// proof.
   std::shared_ptr<const lcp::Refutation> certificate{};
   Vec multipliers{};  ///< of rows, where they alone led to the proof
 };

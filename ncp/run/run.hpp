@@ -172,8 +172,8 @@ class Run {
   bool solved(Judged& judged, const SpMat* J = nullptr);
   /// The best point is Solved after all, or SolvedToRounding.
   bool settled();
-  /// What is proven of this problem, with the multipliers of a proof on a transformed one; no bound if that is less
-  /// than the tolerance.
+  /// Returns what is proven of this problem, with the multipliers of a proof on a transformed one; no bound if that is
+  /// less than the tolerance.
   Infeasibility proven(const Vec& y) const;
 
   CountedMcp counted_;

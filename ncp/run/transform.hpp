@@ -22,7 +22,7 @@ class Transform {
   virtual std::vector<lcp::Cell> there(const std::vector<lcp::Cell>& basis) const = 0;
   /// `x` is the point that belongs to the basis, back() already.
   virtual std::vector<lcp::Cell> back(In x, std::vector<lcp::Cell> basis) const = 0;
-  /// Of multipliers of the rows there, those of the rows here; empty where that is not known.
+  /// Returns the multipliers of the rows here, for those of the rows there; empty where that is not known.
   virtual Vec multipliers_back(const Vec&) const { return {}; }
   virtual Index equation_back(Index i) const { return i; }
   /// What is asked of the natural residual there, for `tol` here.
