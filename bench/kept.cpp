@@ -42,7 +42,7 @@ void sequence(const bench::Case& c, double change, int steps, std::vector<Share>
     const bool solved = solver.solve(*mcp, c.x0).solved();
     const double kept = seconds_since(begin);
     begin = Clock::now();
-    const bool cold_solved = ncp::solve(*mcp, c.x0, ncp::Auto{}).solved();
+    const bool cold_solved = ncp::solve(*mcp, c.x0, ncp::automatic()).solved();
     const double cold = seconds_since(begin);
     if (k == 0 || !solved || !cold_solved) continue;
     Share& share = by[static_cast<std::size_t>(solver.by())];

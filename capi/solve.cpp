@@ -92,17 +92,16 @@ class Listeners {
   Iterations log_{};
 };
 
-/// Gives the method the basis.
-void warm(ncp::Method& method, const perp_solver& solver, const ncp::Mcp& mcp, const Vec& x0) {
+/// Gives the settings the basis.
+void warm(settings::Settings& settings, const perp_solver& solver, const ncp::Mcp& mcp, const Vec& x0) {
   if (solver.basis.empty()) return;
-  ncp::PathSearch* path = ncp::path_of(method);
-  if (path == nullptr)
+  if (ncp::path_of(settings.method) == nullptr)
     refuse("basis", "method " + solver.options.settings.method_name + " cannot begin with one; auto and path can");
   if (static_cast<Index>(solver.basis.size()) != mcp.size())
     refuse("basis", "has " + std::to_string(solver.basis.size()) + " cells, the problem " + std::to_string(mcp.size()) +
                         " variables");
-  path->basis = solver.basis;
-  ncp::fit_basis(mcp.box(), x0, path->basis);
+  settings.basis = solver.basis;
+  ncp::fit_basis(mcp.box(), x0, settings.basis);
 }
 
 void check_model(const perp_problem& problem, const settings::Settings& settings) {
@@ -117,7 +116,7 @@ settings::Applied options_for(Work& work, const perp_problem& problem, const Vec
   check_model(problem, solver.options.settings);
   settings::Applied options = solver.options;
   settings::note_limits_of_size(problem.mcp.size(), options);
-  warm(options.settings.method, solver, problem.mcp, x0);
+  warm(options.settings, solver, problem.mcp, x0);
   ncp::stop(options.settings.method).interrupt = work.stop();
   return options;
 }
@@ -138,7 +137,7 @@ Part solved(Work& work, const perp_problem& problem, const Vec& x0) {
   ncp::Method& method = options.settings.method;
   Listeners listeners(work.solver(), mcp);
   for (const std::string& note : options.notes) listeners.tell("note: " + note);
-  ncp::Result result = ncp::solve(mcp, x0, method, listeners.observer());
+  ncp::Result result = ncp::solve(mcp, x0, method, listeners.observer(), options.settings.basis);
   note_stop(work, result);
   std::optional<ncp::Verified> verified;
   if (options.settings.verify && result.accepted()) {

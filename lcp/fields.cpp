@@ -32,6 +32,20 @@ std::optional<double> bad_number(const Target& number, const Range& range) {
       number);
 }
 
+bool same_value(const Target& a, const Target& b) {
+  return std::visit(
+      [&](const auto& one) {
+        using T = std::remove_cvref_t<decltype(one)>;
+        const T* other = std::get_if<T>(&b);
+        if (other == nullptr) return false;
+        if constexpr (std::is_pointer_v<T>)
+          return *one == **other;
+        else
+          return one.get() == other->get();
+      },
+      a);
+}
+
 /// "tol is -1; it takes a number > 0"; empty where there is nothing to complain of.
 std::string complaint_of(const Field& field) {
   const auto value = bad_number(field.target, field.range);
@@ -72,10 +86,21 @@ void Fields::add(std::string_view key, Target number, const Range& range, std::s
                  std::string_view alias) {
   if (checking_) {
     if (bad_number_.empty() && bad_number(number, range))
-      bad_number_ = complaint_of({key, alias, help, std::move(number), range, inert_});
+      bad_number_ = complaint_of({key, alias, help, std::move(number), range, inert_, {}});
     return;
   }
-  all_.push_back({key, alias, help, std::move(number), range, inert_});
+  Field field{key, alias, help, std::move(number), range, inert_};
+  const auto known = std::ranges::find(all_, key, &Field::key);
+  if (known == all_.end())
+    all_.push_back(std::move(field));
+  else
+    join(*known, std::move(field));
+}
+
+void Fields::join(Field& field, Field other) {
+  if (!other.inert.empty()) return;  // it would change nothing there
+  if (!field.inert.empty()) return std::swap(field, other);
+  if (same_value(field.target, other.target)) field.also.push_back(std::move(other.target));
 }
 
 void Fields::add(std::string_view key, Target target, std::string_view help, std::string_view alias) {

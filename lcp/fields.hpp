@@ -64,8 +64,9 @@ struct Field {
   std::string_view alias;  ///< another key; empty: none
   std::string_view help;   ///< empty: no option of the program, only checked
   Target target;
-  Range range{};             ///< of numbers
-  std::string_view inert{};  ///< the value of another option that takes the effect away: "nms = no"
+  Range range{};               ///< of numbers
+  std::string_view inert{};    ///< the value of another option that takes the effect away: "nms = no"
+  std::vector<Target> also{};  ///< places of the same option in other parts of a method, set with it
 };
 /// "a number > 0", "yes or no", "umfpack, klu or eigen".
 std::string takes(const Field& field);
@@ -75,7 +76,9 @@ std::string alternatives(const std::vector<std::string_view>& words);
 class Fields {
  public:
   enum class Purpose { Describe, Check };
-  /// Check: invalid() is all that is asked, and nothing is kept for the rest.
+  /// Check: invalid() is all that is asked, and nothing is kept for the rest. A key that is added once more, by another
+  /// part of a method, is the same option there (Field::also) if it has the same value; a part whose value differs was
+  /// given its own.
   explicit Fields(Purpose purpose = Purpose::Describe) : checking_(purpose == Purpose::Check) {}
 
   void add(std::string_view key, Target number, const Range& range, std::string_view help, std::string_view alias = {});
@@ -118,6 +121,9 @@ class Fields {
   std::optional<std::string> invalid() const;
 
  private:
+  /// Adds another place of an option.
+  static void join(Field& field, Field other);
+
   std::vector<Field> all_;
   bool checking_;
   std::string_view inert_;

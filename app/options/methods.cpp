@@ -82,20 +82,20 @@ int show_method(const std::string& text, Streams streams) {
   if (!method)
     throw input_error("--show: there is no method '{}'.{} 'perp methods' lists them.", text,
                       did_you_mean(text, method_names()));
-  const ncp::Outline outline = ncp::outline(*method);
-  streams.out << fmt::format("{}{}:\n", text, outline.presolved ? ", on the presolved problem" : "");
-  Table table({">", "method", "attempt"});
-  int k = 0;
-  for (const ncp::Outline::Line& line : outline.lines)
-    table.add({std::to_string(++k), line.what,
-               fmt::format("{}{}{}", line.name == line.what ? "" : line.name,
-                           line.name == line.what || line.when.empty() ? "" : ", ",
-                           line.when.empty() ? "" : "if " + line.when)});
-  table.print(streams.out);
-  streams.out << (outline.lines.size() > 1 ? "\nThe next one begins where one is stuck. A limit ends them all. Left "
-                                             "out are those whose condition does not hold\n"
-                                             "and those whose start was had before.\n"
-                                           : "");
+  const std::vector<ncp::OutlineLine> lines = ncp::outline(*method);
+  streams.out << fmt::format("{}:\n", text);
+  for (const ncp::OutlineLine& line : lines) {
+    const int indent = 2 + 2 * line.depth;
+    streams.out << fmt::format("{:{}}{}{}\n", "", indent, line.method, line.when.empty() ? "" : ", " + line.when);
+    for (const std::string& why : {line.reason, line.worth})
+      if (!why.empty()) print_wrapped(streams.out, why, indent + 4);
+  }
+  streams.out << (lines.size() > 1 ? "\nThe next one begins where one is stuck. A limit ends them all. Left out are "
+                                     "those whose condition does not hold\n"
+                                     "and those whose start was had before. An option reaches all of them but those "
+                                     "that were given another value;\n"
+                                     "NAME.key=value, such as semismooth.sigma=0.1, reaches those of that name.\n"
+                                   : "");
   print_options_of(streams.out, {.method_name = text, .method = *method});
   return exit_solved;
 }
@@ -145,12 +145,14 @@ int print_methods(Streams streams) {
   print_entries(out, false, true);
   out << "\nFor affine problems, F(x) = M x + q, where auto chooses among them:\n";
   print_entries(out, true, false);
-  out << "\nStrategies, put together from those for nonlinear problems: --method 'first(path, scaled(smooth), "
-         "escape(semismooth))'\n";
+  out << "\nStrategies, put together from those for nonlinear problems: --method 'first(path, on(scaled, "
+         "smooth), escape(semismooth))'\n";
   print_wrapped(
       out,
-      "first(...): one after the other, until one is not stuck; presolved(M) and scaled(M): M on the presolved "
-      "and on the scaled problem; escape(M): M with proximal escapes where it is stuck.",
+      "first(...): one after the other, until one is not stuck; on(presolved, M), on(scaled, M), on(rescaled, M), "
+      "on(blocks, M): M on the presolved problem, on the problem scaled by the Jacobian at the start or at the best "
+      "point, on its diagonal blocks; escape(M): M with proximal escapes where it is stuck. Options reach every method "
+      "in it; path.crash_method=none reaches those named path.",
       2);
 
   out << '\n';

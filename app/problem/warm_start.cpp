@@ -77,8 +77,7 @@ WarmStart parse_warm_start(std::string_view text, const std::string& path, const
 void set_warm_start(WarmStart warm, LoadedProblem& problem, Applied& options) {
   problem.x0 = std::move(warm.x);
   if (warm.basis.empty()) return;
-  ncp::PathSearch* path = ncp::path_of(options.settings.method);
-  if (path == nullptr) {
+  if (ncp::path_of(options.settings.method) == nullptr) {
     options.notes.push_back(fmt::format("--warm-start: method {} starts from the point alone, without the basis",
                                         options.settings.method_name));
     return;
@@ -88,7 +87,7 @@ void set_warm_start(WarmStart warm, LoadedProblem& problem, Applied& options) {
     options.notes.push_back(
         fmt::format("--warm-start: {} with bounds of another kind than then took the cell of the value",
                     count(adapted, "variable")));
-  path->basis = std::move(warm.basis);
+  options.settings.basis = std::move(warm.basis);
 }
 
 }  // namespace perp::app

@@ -33,7 +33,6 @@ std::string held_out_by(const LoadedProblem& problem, ncp::Method method, const 
   ncp::Stop& stop = ncp::stop(method);
   stop.max_time = std::min(stop.max_time - result.stats.time, std::max(at_least, ncp::Seconds(result.stats.time)));
   if (!(stop.max_time.count() > 0)) return {};
-  if (ncp::PathSearch* path = ncp::path_of(method)) path->basis.clear();
   const auto relaxed = without_sides(*problem.mcp, n_var);
   const ncp::Result there = ncp::solve(*relaxed, problem.x0, method);
   if (!there.accepted()) return {};

@@ -82,7 +82,7 @@ Report run_method(const LoadedProblem& problem, const Settings& settings, std::o
   if (settings.solutions)
     solve_several(report, method, shown);
   else
-    report.result = ncp::solve(*problem.mcp, problem.x0, method, shown);
+    report.result = ncp::solve(*problem.mcp, problem.x0, method, shown, report.settings.basis);
   add_model_notes(problem, method, report.result);
   return report;
 }

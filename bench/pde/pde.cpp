@@ -46,7 +46,7 @@ std::vector<Own> methods(double limit) {
           {"semismooth, LU", ncp::SemismoothNewton{.stop = stop, .linear = ncp::LinearSolver::Direct}},
           {"semismooth-min, Krylov",
            ncp::SemismoothNewton{.stop = stop, .cfunction = ncp::natural_min(), .linear = ncp::LinearSolver::Krylov}},
-          {"path", ncp::PathSearch{.stop = stop}}};
+          {"path", ncp::path({.stop = stop})}};
 }
 
 bool line(const ncp::Mcp& mcp, const PdeRun& run) {

@@ -4,7 +4,7 @@
 /// contact/classics, on r alone:
 ///     solve(problem)                                        several methods, one after another: Auto
 ///     solve(problem, {.method = GlockerHomotopy{}})         the interior-point homotopy alone
-///     solve(problem, {.method = GlockerNcp{.method = ncp::PathSearch{}}})   any method of ncp/
+///     solve(problem, {.method = GlockerNcp{.method = ncp::path()}})   any method of ncp/
 ///     solve(problem, {.method = Nsgs{}})                    a classic
 /// Only contact::accepted (contact/model/residual.hpp) calls a point solved, and Result::by says what made it. The
 /// faceted and frictionless laws have solvers of their own (contact/laws/affine_encoding.hpp); run.hpp takes any law by
@@ -65,7 +65,7 @@ inline constexpr int splitting_lot = 25;
 /// Glocker's NCP (contact/laws/glocker.hpp) as it stands, by any method of ncp/. With `stages` > 1 and the normalised
 /// row, delta is continued: 0.1 first, then in equal factors down to `delta`, each stage from the last one's end.
 struct GlockerNcp {
-  ncp::Method method = ncp::PathSearch{};
+  ncp::Method method = ncp::path();
   GlockerOptions formulation{};
   int stages = 4;
   bool scaling = true;

@@ -57,8 +57,6 @@ void affine(Run& run, In x0, const Affine& method) {
 }
 
 void describe(Affine& method, Fields& f) {
-  for (const char* of_iterations : {"major_iteration_limit", "stall_limit"})  // these count pivots, sweeps, ...
-    f.hide(of_iterations);
   std::visit([&](auto& m) { describe(m, f); }, method.method);
 }
 

@@ -370,7 +370,6 @@ void InteriorPath::run() {
 }  // namespace
 
 void describe(InteriorPoint& m, Fields& f) {
-  describe(m.escape, f);
   describe_lu(m.lu, f);
   f.add("patience", &m.patience, at_least(1),
         "iterations in which the natural residual must fall by 1 %, or the parameter is raised");

@@ -34,7 +34,6 @@ struct InteriorPoint {
   bool finish = true;            ///< Newton steps on the active set
   int restarts = 6;              ///< times that tau is raised
   int patience = 30;             ///< iterations without 1 % less natural residual after which it is
-  Escape escape{.rounds = 0};
   lcp::LuBackend lu = lcp::LuBackend::General;
   /// Called with tau before every linearisation; F and J are evaluated after it. Here a problem may tie smoothing
   /// parameters of its own to tau, so that one path leads both to zero. There are no Newton steps on the active set

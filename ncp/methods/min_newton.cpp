@@ -115,7 +115,6 @@ LeastSquaresEnd least_squares_step(LeastSquaresSteps& steps, const Linearisation
 
 void describe(MinNewton& m, Fields& f) {
   describe(m.search, f);
-  describe(m.escape, f);
   describe_lu(m.lu, f);
 }
 

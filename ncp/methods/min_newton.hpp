@@ -38,7 +38,6 @@ struct MinNewton {
   Stop stop{};
   Direction direction = Direction::Newton;
   Armijo search{};
-  Escape escape{.rounds = 0};
   lcp::LuBackend lu = lcp::LuBackend::General;  ///< of the Newton steps
 };
 

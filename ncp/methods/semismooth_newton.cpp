@@ -13,9 +13,8 @@
 namespace perp::ncp {
 namespace {
 
-/// Less merit within 60 iterations is progress; to get out of a crawl there are the escapes, if the method has them.
+/// Less merit than this share within 60 iterations is progress.
 constexpr double progress = 0.99;
-constexpr double progress_before_escapes = 0.8;
 
 /// After a full Newton step: x+ = x + d with H d = -Phi(x), H that of the Newton step, with Anderson's acceleration: of
 /// the last steps dX and the changes dD of d between them, the combination that d is nearest to is taken away.
@@ -237,7 +236,7 @@ class Steps {
   Memory memory_;
   SpMat spare_;        // the last J
   bool has_J_ = true;  // at the iterate
-  Stall stall_{60, method_.escape.rounds > 0 ? progress_before_escapes : progress};
+  Stall stall_{60, progress};
 };
 
 }  // namespace
@@ -274,7 +273,6 @@ void describe(SemismoothNewton& m, Fields& f) {
   describe_descent(m.descent_rho, m.descent_p, f);
   f.add("levenberg_marquardt", &m.levenberg_marquardt,
         "try Levenberg-Marquardt steps if Newton's step does not descend, before gradient steps");
-  describe(m.escape, f);
   describe_lu(m.lu, f);
   f.choice("linear_solver", &m.linear,
            {{"direct", LinearSolver::Direct}, {"krylov", LinearSolver::Krylov}, {"auto", LinearSolver::Auto}},

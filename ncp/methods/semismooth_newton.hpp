@@ -52,7 +52,6 @@ struct SemismoothNewton {
   double descent_rho = 1e-9;  ///< a Newton direction needs  grad psi . d <= -rho (||d|| / sqrt n)^p
   double descent_p = 2.1;
   bool levenberg_marquardt = true;  ///< steps of that kind before gradient steps
-  Escape escape{.rounds = 0};
   LinearSolver linear = LinearSolver::Auto;
   Forcing forcing{};
   lcp::LuBackend lu = lcp::LuBackend::General;

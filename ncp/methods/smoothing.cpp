@@ -269,7 +269,6 @@ void Smoother::run() {
 void describe(Smoothing& m, Fields& f) {
   using enum SmoothingSchedule;
   describe(m.search, f);
-  describe_rescalings(m.rescalings, f);
   describe_lu(m.lu, f);
   f.add("patience", &m.patience, at_least(1),
         "iterations in which the natural residual must fall by 1 %, or the parameter is raised");

@@ -40,9 +40,6 @@ struct Smoothing {
   bool finish = true;  ///< active-set Newton steps
   int restarts = 6;    ///< times that mu is raised
   int patience = 25;   ///< iterations without 1 % less natural residual after which it is
-  /// Where it is stuck at last: runs from the start on the scaled problem (ncp/transforms/scaling.hpp), by J at the
-  /// best point and by J at the start. 0, 1 or 2.
-  int rescalings = 2;
   lcp::LuBackend lu = lcp::LuBackend::General;
 };
 void describe(Smoothing& method, Fields& fields);

@@ -195,7 +195,6 @@ void iterate(Run& run, const NewtonJosephy& method, Point point) {
 
 void describe(NewtonJosephy& m, Fields& f) {
   describe(m.search, f);
-  describe(m.escape, f);
   f.add("chord_steps", &m.chord_steps, between(0, 1000),
         "simplified Newton steps with the last matrix after a Newton point, while they pay; where quadratic programs "
         "are solved");

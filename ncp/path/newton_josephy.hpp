@@ -18,7 +18,6 @@ enum class Subproblem {
 struct NewtonJosephy {
   Stop stop{};
   Armijo search{};
-  Escape escape{.rounds = 0};
   Subproblem subproblem = Subproblem::Auto;
   /// With Qp, after a full step to x+: so many steps that solve MCP(l, u, F(x+) + F'(x)(. - x+)), with the old Jacobian
   /// (Shamanskii 1967: order 2 + their number an iteration); one is kept if it leaves at most half of ||Phi||.

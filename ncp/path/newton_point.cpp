@@ -117,8 +117,8 @@ NewtonPoints::NewtonPoints(Run& run, const PathSearch& method, lcp::SharedLu& st
       method_(method),
       options_(linearised_options(run, method.lemke)),
       lu_{lcp::SparseLu(method.lemke.basis.lu, run.deadline())},
-      straight_lu_(straight_lu) {
-  count_pivots_left();
+      straight_lu_(straight_lu),
+      left_(run.left().max_pivots) {
   const Index n = run.box().size();
   if (method.proximal_adaptive) options_.patience = std::min(options_.patience, patience_on_paths(run.mcp()));
   // The path of an affine problem may be followed a second time, for its kinks, unless ways are shown: where

@@ -85,8 +85,6 @@ class NewtonPoints {
   /// About so many, where the next path was not followed as that is more than are left; else 0.
   Index needed() const { return needed_; }
   int left() const { return std::max(left_, 0); }
-  /// Afresh, where others of the run have pivoted, too.
-  void count_pivots_left() { left_ = method_.cumulative_iteration_limit - run_.stats().pivots; }
 
  private:
   lcp::PivotResult follow(const lcp::AffineMcp& problem, const Vec& x, const lcp::LemkeOptions& options);
@@ -102,7 +100,7 @@ class NewtonPoints {
   lcp::SharedLu& straight_lu_;
   int last_pivots_ = 0;  ///< of the last path
   int pivots_ = 0;
-  int left_ = 0;
+  int left_;
   Index needed_ = 0;
   bool first_ = true;
 };

@@ -54,13 +54,6 @@ void describe(PathSearch& m, Fields& f) {
         "take a proximal term also if a basis is singular or the path leads nowhere");
   f.add("gradient_step_limit", &m.gradient_step_limit, at_least(0),
         "projected gradient steps, taken where nothing else descends");
-  f.add("restart_limit", &m.restart_limit, at_least(0),
-        "number of attempts after the first; 'perp methods --show path' lists them");
-  f.choice("restarts", &m.restarts, {{"own", PathRestarts::Own}, {"documented", PathRestarts::Documented}},
-           "the attempts after the first: own (other options, then other methods), or the three that PATH documents");
-  f.add("cumulative_iteration_limit", &m.cumulative_iteration_limit, at_least(1), "limit of pivots in all attempts");
-  f.add("preprocess", &m.preprocess, "presolve: remove what constant rows and columns decide");
-  f.add("scaling", &m.scaling, "scale rows and columns if that helps; the judge looks at the problem as it is given");
 }
 
 }  // namespace perp::ncp

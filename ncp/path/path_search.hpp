@@ -55,12 +55,6 @@ struct Nms {
       0.5;  ///< a D-step shrinks Delta so; from 0 it grows to the longest step that passed the test
 };
 
-/// What is tried where the attempt with the options given is stuck.
-enum class PathRestarts {
-  Own,         ///< other options, then other methods
-  Documented,  ///< the three of PATH's documentation: perturbed; tested in each iteration; searched along arcs
-};
-
 /// Newton-Robinson on the normal map with path search: PATH's algorithm (Ralph 1994; Dirkse & Ferris 1995; Ferris,
 /// Kanzow & Munson 1999; Munson 2000). The linearised problem MCP(l, u, F(z^k) + (J + lambda I)(. - z^k)) is solved by
 /// following M z + q - w + v = (1 - t) r from x^k (t = 0) to the Newton point (t = 1) with lcp::lemke.
@@ -82,23 +76,20 @@ struct PathSearch {
   double proximal_perturbation = 0;
   bool proximal_adaptive = true;  ///< lambda > 0 where the path leads nowhere or its way gives no long step
   int gradient_step_limit = 5;    ///< projected gradient steps of the Fischer merit, where nothing else descends
-  PathRestarts restarts = PathRestarts::Own;
-  int restart_limit = 20;                      ///< so many of them: `perp methods --show path`
-  int cumulative_iteration_limit = 1'000'000;  ///< pivots of all attempts together
   /// Iterations without 1 % less than the best merit so far, after which an attempt is given up.
   int patience = 20;
-  bool preprocess = true;          ///< presolve
-  bool scaling = true;             ///< where it helps
-  lcp::LemkeOptions lemke{};       ///< max_pivots is for one linearised problem, at most 1000 + 20 n
-  std::vector<lcp::Cell> basis{};  ///< warm start: Result::basis of a nearby problem
+  lcp::LemkeOptions lemke{};  ///< max_pivots is for one linearised problem, at most 1000 + 20 n
+  /// An affine problem is its own linearised problem: where the path does not solve it, no other step is tried.
+  bool only_newton_if_affine = false;
+  double proximal_to_residual = 0;  ///< a further lambda to begin with, relative to the natural residual
 };
 
 void describe(Crash& crash, Fields& fields);
 void describe(Nms& nms, Fields& fields);
 void describe(PathSearch& method, Fields& fields);
 inline std::string_view name_of(const PathSearch&) { return "path"; }
-/// One attempt, from one start with one set of options. Leaves the cells of the last linearised problem that was
-/// solved.
+/// One attempt, from one start with one set of options; the first PathSearch of a run begins with the run's warm basis.
+/// Leaves the cells of the last linearised problem that was solved.
 void iterate(Run& run, const PathSearch& method, Point point);
 
 }  // namespace perp::ncp

@@ -53,9 +53,10 @@ PathSteps::PathSteps(Run& run, const PathSearch& method, Point& point, CrashEnd 
       method_(method),
       point_(point),
       x_(normal_point(run.box(), point.x, point.F)),
-      cells_(method.basis),
+      cells_(run.take_warm_basis()),
       newton_points_(run, method, lu),
-      lambda_(method.proximal_perturbation * size_of(point.J)),
+      lambda_(method.proximal_perturbation * size_of(point.J) +
+              method.proximal_to_residual * residual(run.box(), point.x, point.F).natural),
       psi_(psi(point.x, point.F, x_)),
       references_(method.nms, psi_),
       best_z_(point.x),
@@ -269,7 +270,7 @@ bool PathSteps::newton_step(Iteration& it) {
     if (last_->path.certificate.size() > 0 && lambda == 0 && run_.mcp().is_affine() &&
         run_.disprove(last_->path.certificate, "the path of Lemke's method runs off along a ray that certifies it"))
       return false;
-    if (!last_->solved() && others_do_better()) return false;
+    if (!last_->solved() && only_newton()) return false;
     const bool last = i == path_prox_tries || !method_.proximal_adaptive;
     if (last_->usable() && accept(*last_, last ? 0 : least_step, it)) {
       if (lambda > 0) ++run_.stats().proximal_steps;
@@ -355,8 +356,7 @@ void PathSteps::explain(const Iteration& it) {
                  std::to_string(newton_points_.left()) + " are left",
              "raise cumulative_iteration_limit");
   else if (newton_points_.exhausted())
-    run_.end(Status::IterationLimit,
-             "the limit of " + std::to_string(method_.cumulative_iteration_limit) + " pivots in all was reached",
+    run_.end(Status::IterationLimit, "the limit of pivots in all attempts was reached",
              "raise cumulative_iteration_limit");
   else if (undefined_ > 0 && undefined_ == it.backtracks)
     run_.end(Status::EvaluationFailed, "F or its Jacobian is not defined at any trial point, however short the step",

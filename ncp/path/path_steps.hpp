@@ -39,8 +39,6 @@ class PathSteps {
   bool iterate(Iteration& it);
   /// Whether the merit has not fallen by 1 % in `patience` iterations. Asked once an iteration.
   bool stalled(int patience) { return stall_.stalled(best_psi_, patience); }
-  /// After another attempt of the run.
-  void resume() { newton_points_.count_pivots_left(); }
   double merit() const { return psi_; }
   const std::vector<lcp::Cell>& basis() const { return basis_; }
 
@@ -65,13 +63,10 @@ class PathSteps {
   NewtonPoint without_artificials(double& lambda);
   NewtonPoint doubtful_point(double& lambda);
   bool newton_step(Iteration& it);
-  /// Of affine problems: among the restarts are the linear methods.
-  bool others_do_better() const {
-    return run_.mcp().is_affine() && method_.restart_limit > 0 && method_.restarts == PathRestarts::Own;
-  }
+  bool only_newton() const { return run_.mcp().is_affine() && method_.only_newton_if_affine; }
   /// Whether steps other than Newton's may still be tried in this iteration.
   bool may_go_on() const {
-    const bool given_up = others_do_better() && !last_->solved();
+    const bool given_up = only_newton() && !last_->solved();
     return !run_.ended() && !last_->stopped() && !newton_points_.exhausted() && !given_up;
   }
   bool accept(const NewtonPoint& newton, double least, Iteration& it);

@@ -19,6 +19,7 @@ void describe(Stop& s, Fields& f) {
   f.add("evaluation_limit", &s.max_F_evals, at_least(1),
         "evaluations of F, of all attempts together, after which to give up; looked at after each iteration",
         "max_F_evals");
+  f.add("cumulative_iteration_limit", &s.max_pivots, at_least(1), "limit of pivots in all attempts");
   f.add("time_limit", &s.max_time, strictly_between(0, years), "seconds after which to give up", "max_time");
   f.add("stall_limit", &s.max_stall, strictly_between(0, years),
         "seconds without progress, and 100 iterations, after which to give up: the best residual has not fallen by a "
@@ -49,7 +50,6 @@ void describe(Escape& e, Fields& f) {
     f.add("escape_tolerance", &e.perturbed_tol, above(0),
           "natural residual at which a proximal problem is solved well enough");
     f.add("escape_iteration_limit", &e.perturbed_iterations, at_least(1), "iterations for one proximal problem");
-    describe_rescalings(e.rescalings, f);
   });
 }
 
@@ -57,12 +57,6 @@ void describe_search(double& sigma, double& beta, int& max_backtracks, Fields& f
   f.add("sigma", &sigma, strictly_between(0, 1), "line search: required share of the predicted decrease of the merit");
   f.add("beta", &beta, strictly_between(0, 1), "line search: factor of the step length from trial to trial");
   f.add("max_backtracks", &max_backtracks, between(0, 1000), "line search: trials before the direction is given up");
-}
-
-void describe_rescalings(int& rescalings, Fields& f) {
-  f.add("rescalings", &rescalings, between(0, 2),
-        "runs from the start on the scaled problem, when smooth or a method with escapes is stuck: scaled by J at the "
-        "best point, then by J at the start");
 }
 
 }  // namespace perp::ncp

@@ -27,6 +27,7 @@ struct Stop {
   /// Major iterations, of all attempts together. With no_limit an attempt ends after 500 without progress.
   int max_iterations = no_limit;
   int max_F_evals = std::numeric_limits<int>::max();  ///< evaluations of F, looked at after each iteration
+  int max_pivots = 1'000'000;                         ///< of all attempts of the path search together
   std::chrono::duration<double> max_time{3600};
   /// A run gives up after this time, and 100 iterations, without progress: the natural residual of its best point has
   /// not fallen by a tenth.
@@ -66,9 +67,6 @@ struct Escape {
   int trial_iterations = 25;
   double perturbed_tol = 1e-6;  ///< natural residual at which a perturbed problem is solved well enough
   int perturbed_iterations = 60;
-  /// Runs before the escapes: the method, with escapes, from the start on the problem scaled
-  /// (ncp/transforms/scaling.hpp) by J at the best point and by J at the start. 0, 1 or 2.
-  int rescalings = 2;
 };
 
 void describe(Stop& stop, Fields& fields);
@@ -77,7 +75,6 @@ void describe(Escape& escape, Fields& fields);
 
 // Single options that several methods have.
 void describe_search(double& sigma, double& beta, int& max_backtracks, Fields& fields);
-void describe_rescalings(int& rescalings, Fields& fields);
 using lcp::describe_descent;
 using lcp::describe_lu;
 using lcp::describe_memory;

@@ -99,18 +99,25 @@ bool Run::start(In x0, Point& point) {
   point.x = lcp::project(box(), x0);
   point.J = mcp().jacobian_pattern();
   const bool has_F = counted_.eval(point.x, point.F);
-  best_ = {.x = point.x, .F = point.F, .residual = {}};
+  const bool begins = best_.x.size() == 0;
+  if (begins) best_ = {.x = point.x, .F = point.F, .residual = {}};
   if (!has_F) {
     const std::string why = why_undefined(mcp(), point.x, point.F);
     end(Status::EvaluationFailed, why.empty() ? "F is not defined at the start" : "not defined: " + why,
         "give a start inside the domain of F");
     return false;
   }
-  best_.residual = residual(box(), point.x, point.F);
-  progress_.met(best_.residual.natural, iterations());
-  decade_ = best_;
-  if (solved(best_)) return true;  // J is not needed
-  point.F = best_.F;
+  Judged there{.x = point.x, .F = point.F, .residual = residual(box(), point.x, point.F)};
+  const bool solution = solved(there);
+  point.F = there.F;
+  if (begins) {
+    best_ = std::move(there);
+    progress_.met(best_.residual.natural, iterations());
+    decade_ = best_;
+  } else if (solution || there.residual.natural < best_.residual.natural) {
+    keep_best(std::move(there));
+  }
+  if (solution) return true;  // J is not needed
   if (!counted_.jacobian(point.x, point.J)) {
     std::string why = why_undefined(mcp(), point.x, point.F, &point.J);
     if (!why.empty()) why.insert(0, ": ");
@@ -173,7 +180,8 @@ void Run::end_at(Status limit, std::string advice) {
 Stop Run::left() const {
   Stop stop = stop_;
   if (stop.max_iterations != no_limit) stop.max_iterations = std::max(0, stop_.max_iterations - iterations());
-  stop.max_F_evals = std::max(1, stop_.max_F_evals - F_evals());
+  if (stop.max_F_evals != no_limit) stop.max_F_evals = std::max(1, stop_.max_F_evals - F_evals());
+  stop.max_pivots = std::max(0, stop_.max_pivots - stats_.pivots);
   stop.max_time = std::max(Seconds(0), Seconds(deadline_ - std::chrono::steady_clock::now()));
   return stop;
 }
@@ -235,15 +243,17 @@ Observer brought_back(const Mcp& mcp, const Transform& way, Observer observer) {
 Stop shared(Stop left, const Share& share) {
   left.max_iterations = std::min(left.max_iterations, share.iterations);
   left.max_F_evals = std::min(left.max_F_evals, share.F_evals);
+  left.max_pivots = std::min(left.max_pivots, share.pivots);
   left.tol = share.tol.value_or(left.tol);
   return left;
 }
 
 }  // namespace
 
-Result Run::within(const Mcp& mcp, const Stop& limits, const Observer& shown, In x0, const Body& body,
-                   Judge::Word word) {
+Result Run::within(const Mcp& mcp, const Stop& limits, const Observer& shown, In x0, std::vector<lcp::Cell> basis,
+                   const Body& body, Judge::Word word) {
   Run inner(mcp, limits, shown, word);
+  inner.warm(std::move(basis));
   if (word == Judge::Word::Preliminary || &mcp == &this->mcp()) inner.give_up_where(hopeless_);
   inner.guard([&] { body(inner, x0); });
   return inner.result(x0);
@@ -251,7 +261,7 @@ Result Run::within(const Mcp& mcp, const Stop& limits, const Observer& shown, In
 
 Result Run::within(const Mcp& mcp, const Share& share, In x0, const Body& body) {
   const Observer shown = share.shown ? counting_on(share.start_shown) : Observer{};
-  return within(mcp, shared(left(), share), shown, x0, body, Judge::Word::Last);
+  return within(mcp, shared(left(), share), shown, x0, take_warm_basis(), body, Judge::Word::Last);
 }
 
 Result Run::within(const Transform& way, const Share& share, In x0, const Body& body, bool* accepted_there) {
@@ -259,8 +269,8 @@ Result Run::within(const Transform& way, const Share& share, In x0, const Body& 
   Stop there = limits;
   there.tol = way.tolerance(limits.tol);
   const Observer shown = share.shown ? counting_on(share.start_shown) : Observer{};
-  Result result =
-      within(way.problem(), there, brought_back(mcp(), way, shown), way.there(x0), body, Judge::Word::Preliminary);
+  Result result = within(way.problem(), there, brought_back(mcp(), way, shown), way.there(x0),
+                         way.there(take_warm_basis()), body, Judge::Word::Preliminary);
   if (accepted_there != nullptr) *accepted_there = result.accepted();
   result.x = way.back(result.x);
   result.basis = way.back(result.x, std::move(result.basis));

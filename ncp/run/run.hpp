@@ -26,6 +26,7 @@ using Body = std::function<void(Run&, In x0)>;
 struct Share {
   int iterations = std::numeric_limits<int>::max();  ///< at most
   int F_evals = std::numeric_limits<int>::max();     ///< at most
+  int pivots = std::numeric_limits<int>::max();      ///< at most
   std::optional<double> tol{};                       ///< of its own problem; none: that of the run it is in
   bool shown = true;                                 ///< to the observer
   bool start_shown = true;
@@ -111,7 +112,7 @@ class Run {
   /// its time.
   bool stalled() const;
   double idle() const { return progress_.seconds(); }  ///< [s] without progress
-  /// What tells that the problem is proven to have no solution, for where an attempt is stuck and another would begin.
+  /// Sets a test that is called before each new attempt; if it returns true, no attempt follows.
   void give_up_where(std::function<bool()> hopeless) { hopeless_ = std::move(hopeless); }
   bool hopeless() const { return hopeless_ && hopeless_(); }
   /// Of several attempts that all got stuck. Pre: not accepted().
@@ -140,6 +141,10 @@ class Run {
   void take_point(const Result& other);
   /// A judged record of a point that no method came to by a step. False: somebody asked to stop, and the run is over.
   bool show(const Vec& x, Iteration it, Residual& residual);
+  /// Sets the basis that the first PathSearch of the run begins with.
+  void warm(std::vector<lcp::Cell> basis) { warm_basis_ = std::move(basis); }
+  const std::vector<lcp::Cell>& warm_basis() const { return warm_basis_; }
+  std::vector<lcp::Cell> take_warm_basis() { return std::exchange(warm_basis_, {}); }
   /// For Result::basis.
   void keep_basis(std::vector<lcp::Cell> basis) { basis_ = std::move(basis); }
   const std::vector<lcp::Cell>& basis() const { return basis_; }
@@ -157,7 +162,8 @@ class Run {
   /// The observer, for a run within this one: its records count on from here.
   Observer counting_on(bool start_shown);
   std::string take_attempt() { return std::exchange(attempt_, {}); }
-  Result within(const Mcp& mcp, const Stop& limits, const Observer& shown, In x0, const Body& body, Judge::Word word);
+  Result within(const Mcp& mcp, const Stop& limits, const Observer& shown, In x0, std::vector<lcp::Cell> basis,
+                const Body& body, Judge::Word word);
   /// If a limit of this run has ended the other one, this run too.
   bool ended_with(const Result& other);
   /// Of the projection of `point`: an answer lies in the box.
@@ -191,7 +197,7 @@ class Run {
   Judged best_;
   Judged decade_, earlier_;       // best points; earlier_ of ten times decade_'s residual, or more
   Progress progress_, attempts_;  // of the best point; of the attempt that runs
-  std::vector<lcp::Cell> basis_;
+  std::vector<lcp::Cell> basis_, warm_basis_;
   std::function<bool()> hopeless_;
 };
 

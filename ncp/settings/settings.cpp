@@ -27,9 +27,9 @@ void describe(Settings& settings, ncp::Fields& f) {
 
 /// What the methods mean by a key; where that differs, each by its name.
 struct Meanings {
-  std::vector<std::pair<std::string_view, std::vector<std::string_view>>> texts;
+  std::vector<std::pair<std::string_view, std::vector<std::string>>> texts;
 
-  void add(std::string_view text, std::string_view method) {
+  void add(std::string_view text, const std::string& method) {
     auto known = std::ranges::find(texts, text, [](const auto& one) { return one.first; });
     if (known == texts.end()) known = texts.insert(texts.end(), {text, {}});
     if (std::ranges::find(known->second, method) == known->second.end()) known->second.push_back(method);
@@ -146,7 +146,10 @@ void set_word(const ncp::Words& words, const ncp::Field& field, const Assignment
 
 }  // namespace
 
-void set(const ncp::Field& field, const Assignment& given, std::vector<std::string>& notes) {
+namespace {
+
+void set_at(const ncp::Target& place, const ncp::Field& field, const Assignment& given,
+            std::vector<std::string>& notes) {
   std::visit(
       [&](const auto& target) {
         using T = std::remove_cvref_t<decltype(target)>;
@@ -173,7 +176,15 @@ void set(const ncp::Field& field, const Assignment& given, std::vector<std::stri
           *target = number_in_range<std::remove_pointer_t<T>>(given, field);
         }
       },
-      field.target);
+      place);
+}
+
+}  // namespace
+
+void set(const ncp::Field& field, const Assignment& given, std::vector<std::string>& notes) {
+  set_at(field.target, field, given, notes);
+  std::vector<std::string> said_already;
+  for (const ncp::Target& place : field.also) set_at(place, field, given, said_already);
 }
 
 std::string value_text(const ncp::Field& field) {
@@ -204,6 +215,7 @@ namespace {
 struct Found {
   std::string_view key{};               ///< of the option; empty: there is none
   const ncp::Method* method = nullptr;  ///< one that has it
+  std::string part{};                   ///< of the method, that the key names; empty: all of it
   std::string_view ignored{};           ///< a key of ignored_options()
 };
 
@@ -235,6 +247,11 @@ bool is_paths(std::string_view name) { return std::ranges::find(path_options(), 
 Found find_option(const Assignment& given) {
   const std::string key = lowercase(given.key);
   if (key.empty()) return {};
+  if (const std::size_t dot = key.rfind('.'); dot != std::string::npos) {
+    Found found = find_option({key.substr(dot + 1), given.value, given.source});
+    found.part = key.substr(0, dot);
+    return found;
+  }
   if (const Found found = find_at_once(key); !found.key.empty()) return found;
   const auto found = [](const Option& option) { return Found{.key = option.key, .method = &option.method}; };
   std::vector<std::pair<std::string_view, const Option*>> fits;
@@ -273,8 +290,28 @@ std::string unknown_key(const Assignment& given) {
   return fmt::format("{}: there is no option '{}'.{}", given.source, given.key, did_you_mean(given.key, names));
 }
 
+/// Sets it in the parts of the method that it names.
+void apply_to_parts(const Found& option, const Assignment& given, Applied& result) {
+  const std::vector<ncp::Method*> parts = ncp::parts_named(result.settings.method, option.part);
+  if (parts.empty())
+    throw input_error("{}: {}: method {} has no part '{}'", given.source, given.key, result.settings.method_name,
+                      option.part);
+  const Assignment inner{given.key.substr(given.key.rfind('.') + 1), given.value, given.source};
+  bool done = false;
+  for (ncp::Method* part : parts) {
+    ncp::Fields fields;
+    ncp::describe(*part, fields);
+    const ncp::Field* field = fields.find(option.key);
+    if (field == nullptr || !field->inert.empty()) continue;
+    set(*field, inner, result.notes);
+    done = true;
+  }
+  if (!done) result.notes.push_back(fmt::format("{}: {} has no effect on {}", given.source, option.key, option.part));
+}
+
 /// Sets it; where the settings have it not, or another option takes its effect away, that is noted.
 void apply(const Found& option, const Assignment& given, Applied& result) {
+  if (!option.part.empty()) return apply_to_parts(option, given, result);
   const ncp::Fields fields = fields_of(result.settings);
   const ncp::Field* field = fields.find(option.key);
   if (field != nullptr && field->inert.empty()) return set(*field, given, result.notes);
@@ -309,8 +346,10 @@ Applied apply_options(std::span<const Assignment> assignments, Unknown unknown) 
       result.unknown.push_back(unknown_key(given));
   }
   settings.method = *method_named(settings.method_name);
+  // What is said of a part comes after what is said of all.
   const auto place = [fields = fields_of(settings).options()](const auto& one) {
-    return std::ranges::find(fields, one.first.key, &ncp::Field::key) - fields.begin();
+    return std::pair(!one.first.part.empty(),
+                     std::ranges::find(fields, one.first.key, &ncp::Field::key) - fields.begin());
   };
   std::ranges::stable_sort(given_options, {}, place);
   for (const auto& [option, given] : given_options) apply(option, *given, result);

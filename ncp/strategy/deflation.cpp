@@ -11,7 +11,7 @@
 #include "ncp/analysis/structure_report.hpp"
 #include "ncp/reformulation/merit.hpp"
 #include "ncp/strategy/deflated_newton.hpp"
-#include "ncp/strategy/strategies.hpp"
+#include "ncp/strategy/run_plan.hpp"
 
 namespace perp::ncp {
 namespace {
@@ -109,7 +109,7 @@ class Search {
     if (!stopped().empty()) return result;
     const Share share{.iterations = polish_iterations, .tol = std::min(stop_.tol, 1e-12), .shown = false};
     const Result polished =
-        run_.within(mcp_, share, result.x, [](Run& inner, In z) { run_once(inner, z, SemismoothNewton{}); });
+        run_.within(mcp_, share, result.x, [](Run& inner, In z) { run_plan(inner, z, SemismoothNewton{}); });
     run_.charge(polished);
     if (polished.residual.natural < result.residual.natural) take(result, polished.x, polished.F, polished.residual);
     // Entries that are off a bound by rounding alone.

@@ -267,14 +267,13 @@ const Result& KeptSolver::solve(const Mcp& mcp, In x0) {
     s.result.stats.time = std::chrono::steady_clock::now() - begin;
     if (solved) return s.result;
     const PathSearch* own = path_of(s.method);
-    PathSearch path = own != nullptr ? *own : PathSearch{.stop = stop(s.method)};
+    PathSearch path = own != nullptr ? *own : PathSearch{};
+    path.stop = stop(s.method);
     path.crash.on = false;
-    path.restart_limit = 0;
-    path.basis = s.result.basis;
     s.by = By::Path;
-    if (static_cast<Index>(path.basis.size()) == mcp.size()) {
+    if (static_cast<Index>(s.result.basis.size()) == mcp.size()) {
       const Vec last = lcp::project(mcp.box(), s.result.x);
-      Result warm = ncp::solve(mcp, last, path);
+      Result warm = ncp::solve(mcp, last, path, {}, s.result.basis);
       if (warm.accepted()) {
         s.result = std::move(warm);
         s.remember(mcp);

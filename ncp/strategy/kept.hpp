@@ -20,7 +20,7 @@ namespace perp::ncp {
 
 class KeptSolver {
  public:
-  explicit KeptSolver(Method method = Auto{});
+  explicit KeptSolver(Method method = automatic());
   ~KeptSolver();
   KeptSolver(KeptSolver&&) noexcept;
   KeptSolver& operator=(KeptSolver&&) noexcept;

@@ -61,26 +61,22 @@ double norm_bound(const SpMat& J) {
 /// The base method on perturbed problems and on the problem itself, within the run.
 class Rounds {
  public:
-  Rounds(Run& run, const Vec& start, double residual, const Escape& escape, int iterations, const Body& base)
-      : run_(run), escape_(escape), iterations_(iterations), base_(base), x_(start), residual_(residual) {}
+  Rounds(Run& run, const Vec& start, double residual, const Escape& escape, const Body& base)
+      : run_(run), escape_(escape), base_(base), x_(start), residual_(residual) {}
 
   /// Where the method has come to: accepted by this escape's mark.
   const Vec& x() const { return x_; }
-  int iterations_left() const {
-    return iterations_ == no_limit ? no_limit : std::max(0, iterations_ - run_.iterations());
-  }
 
   /// The point of F + lambda (x - center); lambda grows until it is found. False if it never is.
   bool perturbed(Vec& center, double& lambda) {
     for (int tries = 0; tries < 4 && !run_.ended(); ++tries, lambda *= escape_.grow) {
       const ProximalMcp problem(run_.mcp(), lambda, center);
       const Result r = run_.within(problem,
-                                   {.iterations = std::min(escape_.perturbed_iterations, iterations_left()),
+                                   {.iterations = escape_.perturbed_iterations,
                                     .tol = std::max(run_.tol(), escape_.perturbed_tol),
                                     .shown = false},
                                    center, base_);
       run_.charge(r);
-      end_at_limit(r);
       if (!r.accepted()) continue;
       center = r.x;
       return true;
@@ -90,14 +86,13 @@ class Rounds {
 
   /// The base method from x on the problem itself; true if it came nearer to a solution.
   bool original(const Vec& x, int iterations) {
-    const Share share{.iterations = std::min(iterations, iterations_left()), .start_shown = false};
+    const Share share{.iterations = iterations, .start_shown = false};
     const Result r = run_.within(run_.mcp(), share, x, base_);  // its start is the centre shown before
     if (r.accepted()) {
       run_.take(r);
       return true;
     }
     run_.charge(r);
-    if (iterations > share.iterations) end_at_limit(r);
     if (!(r.residual.natural <= escape_.accept * residual_)) return false;
     run_.take_point(r);
     x_ = r.x;
@@ -118,14 +113,8 @@ class Rounds {
   }
 
  private:
-  void end_at_limit(const Result& r) {
-    if (r.status != Status::IterationLimit || iterations_left() > 0) return;
-    run_.end(Status::IterationLimit, "the limit of " + quantity(iterations_, "iteration") + " was reached", r.advice);
-  }
-
   Run& run_;
   const Escape& escape_;
-  int iterations_;
   const Body& base_;
   Vec x_;
   double residual_;
@@ -133,8 +122,8 @@ class Rounds {
 
 }  // namespace
 
-int proximal_escape(Run& run, Vec center, double residual, const Escape& escape, int iterations, const Body& base) {
-  Rounds rounds(run, center, residual, escape, iterations, base);
+int proximal_escape(Run& run, Vec center, double residual, const Escape& escape, const Body& base) {
+  Rounds rounds(run, center, residual, escape, base);
   constexpr int all = std::numeric_limits<int>::max();
   SpMat J = run.mcp().jacobian_pattern();
   int k = 0;

@@ -33,10 +33,10 @@ class ProximalMcp final : public Mcp {
 /// longer and longer steps, uphill in the merit function if need be) and grows where the base does not solve the
 /// perturbed problem.
 ///
-/// `run` has not ended; it ends unless it is stuck as before, with `center` the best point, of that residual. No more
-/// than `iterations` of the run are spent, those before it included. Records: one of kind E for each move, with its
+/// `run` has not ended; it ends unless it is stuck as before, with `center` the best point, of that residual.
+/// Records: one of kind E for each move, with its
 /// lambda in `prox`, and those of the base method on the problem itself; what perturbed problems take shows in the
 /// counters only. Returns the number of moves.
-int proximal_escape(Run& run, Vec center, double residual, const Escape& escape, int iterations, const Body& base);
+int proximal_escape(Run& run, Vec center, double residual, const Escape& escape, const Body& base);
 
 }  // namespace perp::ncp

@@ -17,42 +17,20 @@
 #include "ncp/run/notes.hpp"
 #include "ncp/run/run.hpp"
 #include "ncp/run/undefined_start.hpp"
-#include "ncp/strategy/proximal.hpp"
-#include "ncp/strategy/strategies.hpp"
-#include "ncp/strategy/strategy_node.hpp"
+#include "ncp/strategy/conditions.hpp"
+#include "ncp/strategy/run_plan.hpp"
+#include "ncp/strategy/structured_run.hpp"
+#include "ncp/transforms/presolve.hpp"
 #include "ncp/transforms/scale_transform.hpp"
 
 namespace perp::ncp {
 namespace {
 
-/// What only the problem shows to be wrong with a method.
-void check_fit(const Mcp& mcp, const Method& method) {
-  const PathSearch* path = path_of(method);
-  if (path == nullptr || path->basis.empty() || static_cast<Index>(path->basis.size()) == mcp.size()) return;
-  refuse_input(mcp.name(), ": path: the warm start's basis has ", path->basis.size(), " cells, the problem ",
-               mcp.size(), " variables");
-}
-
-bool stuck(Status status, const Stats& stats) {
-  return ncp::stuck(status) && (status != Status::EvaluationFailed || stats.iterations > 0);
-}
-
-void path(Run& run, In x0, const PathSearch& method) {
-  const auto attempts = [&method](Run& inner, In z0, const std::vector<lcp::Cell>& basis) {
-    PathSearch there = method;
-    there.basis = basis;
-    path_attempts(inner, z0, there);
-  };
-  return method.preprocess ? run_presolved(run, x0, method.basis, attempts) : attempts(run, x0, method.basis);
-}
-
-/// Without rescalings and escapes.
-void run_base(Run& run, In x0, const Method& method) {
-  std::visit(Overloaded{[&](const PathSearch& m) { path(run, x0, m); }, [&](const Auto& m) { automatic(run, x0, m); },
-                        [&](const Affine& m) { affine(run, x0, m); },
-                        [&](const Strategy& m) { run_strategy(run, x0, *m.tree); },
-                        [&](const auto&) { run_once(run, x0, method); }},
-             method);
+/// Refuses a basis of another problem.
+void check_fit(const Mcp& mcp, const std::vector<lcp::Cell>& basis) {
+  if (basis.empty() || static_cast<Index>(basis.size()) == mcp.size()) return;
+  refuse_input(mcp.name(), ": the warm start's basis has ", basis.size(), " cells, the problem ", mcp.size(),
+               " variables");
 }
 
 /// Whether the ranges of F over the box leave no point that the judge could accept; looked at once, if at all.
@@ -103,6 +81,16 @@ void refute_in_parts(Run& run, double tol) {
                          {.residual_bound = tol, .within_bounds = true}});
 }
 
+/// Says of an affine problem whose proof is a combination of rows what presolve says of it row by row.
+void explain(Run& run, In x0) {
+  if (run.status() != Status::Infeasible || !run.mcp().is_affine()) return;
+  const Presolved pre = presolve(run.mcp(), x0);
+  if (pre.infeasible().empty()) return;
+  Run::Verdict verdict = run.verdict();
+  verdict.message = "proven to have no solution: " + pre.infeasible();
+  run.replace_verdict(std::move(verdict));
+}
+
 /// The method, and of runs that have found nothing whether there is nothing. Most problems have a solution: the first
 /// attempt goes before the proof, and a cheap proof before other attempts.
 void solve_or_refute(Run& run, In x0, const Method& method, std::vector<std::string>& notes) {
@@ -111,7 +99,7 @@ void solve_or_refute(Run& run, In x0, const Method& method, std::vector<std::str
   const auto refutation = std::make_shared<RangesRefuse>(mcp, tol);
   run.give_up_where([refutation] { return refutation->cheap() && refutation->verdict(); });
   const Body in_order = [&method](Run& outer, In z0) {
-    run_in_order(outer, z0, [&method](Run& inner, In z) { run_method(inner, z, method); });
+    run_in_order(outer, z0, [&method](Run& inner, In z) { run_plan(inner, z, method); });
   };
   run.guard([&] { in_order(run, x0); });
   if (run.ended() && run.status() == Status::EvaluationFailed && run.iterations() == 0)
@@ -121,6 +109,7 @@ void solve_or_refute(Run& run, In x0, const Method& method, std::vector<std::str
       run.guard([&] { in_order(run, moved->x); });
     }
   if (!run.ended()) return;
+  explain(run, x0);
   const bool late = run.status() == Status::TimeLimit || run.status() == Status::OutOfMemory;
   const bool lost = ncp::stuck(run.status()) || run.status() == Status::IterationLimit || (late && refutation->cheap());
   if (!lost || mcp.enclosure() == nullptr) return;
@@ -128,6 +117,7 @@ void solve_or_refute(Run& run, In x0, const Method& method, std::vector<std::str
     run.replace_verdict(*verdict);
   else if (!mcp.is_affine() && !late)
     refute_in_parts(run, tol);
+  if (run.status() != Status::Infeasible) run.remark(words_on_existence(mcp, run.best()));
 }
 
 /// A derivative that does not match is the most frequent reason of a failure, and the hardest to see.
@@ -140,108 +130,6 @@ void blame_derivatives(const Mcp& mcp, Result& result) {
     result.advice = "correct the Jacobian first";
   }
 }
-
-}  // namespace
-
-Escape escape_of(const Method& method) {
-  return std::visit(
-      [](const auto& m) {
-        if constexpr (requires { m.escape; })
-          return m.escape;
-        else
-          return Escape{.rounds = 0};
-      },
-      method);
-}
-
-int rescalings_of(const Method& method) {
-  if (const auto* smoothing = std::get_if<Smoothing>(&method)) return smoothing->rescalings;
-  const Escape escape = escape_of(method);
-  return escape.rounds > 0 ? escape.rescalings : 0;
-}
-
-void escape(Run& run, const Escape& options, int iterations, const Body& base) {
-  if (!stuck(run) || options.rounds == 0 || run.hopeless() || run.stalled()) return;
-  const Run::Verdict before = run.verdict();
-  const Vec center = run.best();
-  run.resume({});
-  const int k = proximal_escape(run, center, run.best_residual(), options, iterations, base);
-  const std::string escapes = quantity(k, "proximal escape");
-  if (run.accepted()) return run.remark("after " + escapes + " from a local minimum");
-  if (!run.ended()) run.replace_verdict(before);
-  run.remark(escapes + (k == 1 ? " has" : " have") + " not led to a solution");
-}
-
-bool stuck(const Run& run) { return run.ended() && stuck(run.status(), run.stats()); }
-
-void run_loop(Run& run, Point point, const Method& method) {
-  const auto iterate_by = [&](const auto& m) {
-    using M = std::remove_cvref_t<decltype(m)>;
-    if constexpr (std::is_same_v<M, Auto> || std::is_same_v<M, Affine> || std::is_same_v<M, Strategy>)
-      throw std::logic_error("run_loop: the method has no loop of its own");
-    else
-      iterate(run, m, std::move(point));
-  };
-  std::visit(iterate_by, method);
-}
-
-void run_once(Run& run, In x0, const Method& method) {
-  Point point;
-  if (run.start(x0, point)) run_loop(run, std::move(point), method);
-}
-
-void run_method(Run& run, In x0, const Method& method) {
-  const Body base = [&method](Run& inner, In z0) { run_base(inner, z0, method); };
-  const Escape escapes = escape_of(method);
-  const int rescalings = rescalings_of(method);
-  base(run, x0);
-  // Where iterations are limited the escapes there get a part of them, so that some are left for those on the problem
-  // itself.
-  if (stuck(run) && rescalings > 0 && !run.hopeless())
-    retry_scaled(run, x0, rescalings, [&](Run& scaled, In z0) {
-      base(scaled, z0);
-      const int left = scaled.left().max_iterations;
-      escape(scaled, escapes, left == no_limit ? no_limit : (scaled.iterations() + left) / 3, base);
-    });
-  escape(run, escapes, no_limit, base);
-}
-
-std::string_view name(const Method& method) {
-  return std::visit([](const auto& m) { return name_of(m); }, method);
-}
-
-const PathSearch* path_of(const Method& method) {
-  const auto* automatic = std::get_if<Auto>(&method);
-  return automatic != nullptr ? &automatic->path : std::get_if<PathSearch>(&method);
-}
-
-PathSearch* path_of(Method& method) { return const_cast<PathSearch*>(path_of(std::as_const(method))); }
-
-const Stop& stop(const Method& method) {
-  return std::visit([](const auto& m) -> const Stop& { return m.stop; }, method);
-}
-
-Stop& stop(Method& method) {
-  return std::visit([](auto& m) -> Stop& { return m.stop; }, method);
-}
-
-void describe(Method& method, Fields& fields) {
-  std::visit(
-      [&](auto& m) {
-        describe(m.stop, fields);
-        describe(m, fields);
-      },
-      method);
-}
-
-std::optional<std::string> invalid(const Method& method) {
-  Method described = method;
-  Fields fields(Fields::Purpose::Check);
-  describe(described, fields);
-  return fields.invalid();
-}
-
-namespace {
 
 /// Says of a solution whether it is the only one near it, where that costs little beside the solve.
 void tell_undetermined(const Mcp& mcp, const Stop& stop, const SpMat& J, Result& result) {
@@ -261,7 +149,7 @@ constexpr double poor_balance = 1e-3;
 bool balance(Run& run, Point point, const Method& method) {
   constexpr int most = 5;
   const Mcp& mcp = run.mcp();
-  const Body body = [&method](Run& inner, In z0) { run_method(inner, z0, method); };
+  const Body body = [&method](Run& inner, In z0) { run_plan(inner, z0, method); };
   const auto balanced = [&] { return imbalance(mcp, point.J, point.x, point.F, run.tol()); };
   double before = balanced();
   int k = 0;
@@ -338,16 +226,18 @@ std::string words_on_proof(const Infeasibility& proof) {
 
 }  // namespace
 
-Result solve(const Mcp& mcp, In x0, const Method& method, const Observer& observer) {
+Result solve(const Mcp& mcp, In x0, const Method& method, const Observer& observer,
+             const std::vector<lcp::Cell>& basis) {
   if (const auto why = invalid(method)) refuse_input(name(method), ": ", *why);
   check_input(mcp, x0);
-  check_fit(mcp, method);
+  check_fit(mcp, basis);
   if (stop(method).check_derivatives)
     if (const JacobianCheck check = check_jacobian(mcp, lcp::project(mcp.box(), x0)); check.defined)
       if (const std::string mismatch = describe(mcp, check); !mismatch.empty())
         refuse_input(mcp.name(), ": ", mismatch);
   const JacobianWork before = mcp.jacobian_work();
   Run run(mcp, stop(method), observer);
+  run.warm(basis);
   std::vector<std::string> notes;
   run.guard([&] { solve_or_refute(run, x0, method, notes); });
   Result result = run.result(x0);

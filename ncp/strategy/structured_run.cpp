@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Methods on what the structure of J makes of a problem: its equations in another order, its blocks one after the
-/// other.
+#include "ncp/strategy/structured_run.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -14,8 +14,7 @@
 #include "lcp/linalg/blocks.hpp"
 #include "lcp/linalg/equation_order.hpp"
 #include "lcp/linalg/structure.hpp"
-#include "ncp/strategy/attempts.hpp"
-#include "ncp/strategy/strategies.hpp"
+#include "ncp/strategy/run_plan.hpp"
 #include "ncp/transforms/part_transform.hpp"
 
 namespace perp::ncp {
@@ -91,12 +90,8 @@ constexpr int joint_iterations = 30;
 
 class Sweep {
  public:
-  Sweep(Run& run, In x0, const PathSearch& method, const Blocks& blocks)
-      : run_(run),
-        method_(method),
-        blocks_(blocks),
-        count_(blocks.components.count()),
-        x_(lcp::project(run.box(), x0)) {}
+  Sweep(Run& run, In x0, const Body& body, const Blocks& blocks)
+      : run_(run), body_(body), blocks_(blocks), count_(blocks.components.count()), x_(lcp::project(run.box(), x0)) {}
 
   /// Whether all of it is solved. A limit of the run may end it.
   bool settles() {
@@ -139,15 +134,10 @@ class Sweep {
     point.x = x_;
     const std::size_t part = columns.size();
     const PartTransform way(run_.mcp(), std::move(point), std::move(columns), std::move(rows));
-    PathSearch method = std::get<PathSearch>(with_pivots_left(run_, method_));
     Share share = part_of_left(run_, false);
-    if (size > 1) {
-      method.restart_limit = 0;
-      share.iterations = std::min(share.iterations, joint_iterations);
-    }
+    if (size > 1) share.iterations = std::min(share.iterations, joint_iterations);
     bool accepted = false;
-    Result result = run_.within(
-        way, share, x_, [&](Run& inner, In z0) { path_attempts(inner, z0, method); }, &accepted);
+    Result result = run_.within(way, share, x_, body_, &accepted);
     weigh(result.stats, part);
     if (last && result.accepted())
       run_.take(result);
@@ -158,7 +148,7 @@ class Sweep {
   }
 
   Run& run_;
-  const PathSearch& method_;
+  const Body& body_;
   const Blocks& blocks_;
   Index count_;
   Vec x_;
@@ -186,28 +176,15 @@ void run_in_order(Run& run, In x0, const Body& body) {
     run.remark(said.substr(remarks + 2));
 }
 
-Attempt block_attempt(const PathSearch& method) {
-  const auto blocks = std::make_shared<Blocks>();
-  const auto go = [method, blocks](Run& run, const Point& start) {
-    PathSearch part = method;
-    part.crash.on = false;
-    part.basis.clear();
-    Sweep sweep(run, start.x, part, *blocks);
-    if (!sweep.settles() && !run.ended())
-      run.end(Status::NoProgress,
-              "a block was not solved, for which another solution of those before it may be the cause", "");
-    if (run.accepted()) run.keep_basis(cells_at(run.box(), run.best()));
-    *blocks = {};
-  };
-  return {.name = "block by block",
-          .what = "path",
-          .go = go,
-          .when = "the Jacobian is block triangular",
-          .worthwhile = [blocks](Run& run, const Point&) {
-            if (run.mcp().is_affine()) return false;
-            *blocks = blocks_of(run.mcp());
-            return blocks->components.count() > 1;
-          }};
+bool block_triangular(const Mcp& mcp) { return !mcp.is_affine() && blocks_of(mcp).components.count() > 1; }
+
+void run_blocks(Run& run, In x0, const Body& body) {
+  const Blocks blocks = blocks_of(run.mcp());
+  if (blocks.components.count() <= 1) return body(run, x0);
+  if (!Sweep(run, x0, body, blocks).settles() && !run.ended())
+    run.end(Status::NoProgress,
+            "a block was not solved, for which another solution of those before it may be the cause", "");
+  if (run.accepted()) run.keep_basis(cells_at(run.box(), run.best()));
 }
 
 }  // namespace perp::ncp

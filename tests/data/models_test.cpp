@@ -21,7 +21,7 @@ namespace {
 const std::filesystem::path folder = std::filesystem::path(PERP_SOURCE_DIR) / "data" / "models";
 
 Method method_called(const std::string& method) {
-  if (method == "path") return PathSearch{};
+  if (method == "path") return path();
   if (method == "semismooth") return SemismoothNewton{};
   return NewtonJosephy{};
 }

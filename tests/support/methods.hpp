@@ -20,11 +20,12 @@ struct NamedMethod {
 };
 
 inline std::vector<NamedMethod> methods(const ncp::Stop& stop = {}, const ncp::Escape& escape = {}) {
-  return {{"semismooth, Fischer-Burmeister", ncp::SemismoothNewton{.stop = stop, .escape = escape}},
-          {"semismooth, min", ncp::SemismoothNewton{.stop = stop, .cfunction = ncp::natural_min(), .escape = escape}},
-          {"josephy", ncp::NewtonJosephy{.stop = stop, .escape = escape}},
+  const auto escaping = [&](const ncp::Method& method) { return ncp::escaping(method, escape); };
+  return {{"semismooth, Fischer-Burmeister", escaping(ncp::SemismoothNewton{.stop = stop})},
+          {"semismooth, min", escaping(ncp::SemismoothNewton{.stop = stop, .cfunction = ncp::natural_min()})},
+          {"josephy", escaping(ncp::NewtonJosephy{.stop = stop})},
           // With its list of restarts where the others may escape.
-          {"path", ncp::PathSearch{.stop = stop, .restart_limit = escape.rounds}}};
+          {"path", ncp::path({.stop = stop}, escape.rounds)}};
 }
 
 /// Without proximal escapes: they end where they are stuck.
@@ -34,8 +35,8 @@ inline std::vector<NamedMethod> methods_without_escape(const ncp::Stop& stop = {
 
 /// Solved, and the judge that shares nothing with the library agrees.
 inline ncp::Result expect_solved(const Mcp& mcp, const Vec& x0, const ncp::Method& method, const std::string& what = "",
-                                 const ncp::Observer& observer = {}) {
-  ncp::Result result = ncp::solve(mcp, x0, method, observer);
+                                 const ncp::Observer& observer = {}, const std::vector<lcp::Cell>& basis = {}) {
+  ncp::Result result = ncp::solve(mcp, x0, method, observer, basis);
   EXPECT_TRUE(result.solved()) << what << ": " << result;
   EXPECT_LE(violation(mcp, result.x), ncp::stop(method).tol) << what;
   return result;

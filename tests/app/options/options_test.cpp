@@ -140,9 +140,9 @@ TEST(Options, ReachTheMethodsStructs) {
 
   const Settings pivoting =
       applied({{"lemke_start", "always", ""}, {"time_limit", "9", ""}, {"method", "josephy", ""}}).settings;
-  const auto& josephy = std::get<ncp::NewtonJosephy>(pivoting.method);
+  const auto& josephy = std::get<ncp::NewtonJosephy>(std::get<ncp::First>(pivoting.method).entries.front().method);
   EXPECT_EQ(josephy.lemke.start, lcp::LemkeStart::Ray);
-  EXPECT_EQ(josephy.stop.max_time.count(), 9);
+  EXPECT_EQ(ncp::stop(pivoting.method).max_time.count(), 9);
   EXPECT_EQ(std::get<ncp::SemismoothNewton>(applied({{"method", "semismooth-min", ""}}).settings.method).cfunction.name,
             ncp::natural_min().name);
 }
@@ -170,9 +170,29 @@ TEST(Options, PathsNamesReachPathSearch) {
   EXPECT_EQ(path.start, ncp::PathStart::First);
   EXPECT_EQ(path.lemke.start, lcp::LemkeStart::Regular) << "that would start every iteration from a ray";
   EXPECT_EQ(path.proximal_perturbation, 0.5);
-  EXPECT_EQ(path.restart_limit, 0);
   EXPECT_EQ(path.lemke.max_pivots, 7);
-  EXPECT_EQ(path.cumulative_iteration_limit, 70);
+  EXPECT_EQ(ncp::stop(settings.method).max_pivots, 70);
+  Settings copy = settings;
+  EXPECT_EQ(value_text(*fields_of(copy).find("restart_limit")), "0");
+}
+
+// "PART.key" reaches the parts of that name alone, "key" every method in a composition. Would catch options that a
+// composition swallows.
+TEST(Options, ReachThePartsOfACompositionByName) {
+  const Assignment method{"method", "first(path, on(scaled, smooth), escape(semismooth))", ""};
+  const auto beta = [](const Settings& settings, std::string_view name) {
+    ncp::Method all = settings.method;
+    ncp::Fields fields;
+    ncp::describe(*ncp::parts_named(all, name).front(), fields);
+    return value_text(*fields.find("beta"));
+  };
+  const Settings every = applied({method, {"beta", "0.25", ""}}).settings;
+  EXPECT_EQ(beta(every, "path"), "0.25");
+  EXPECT_EQ(beta(every, "semismooth"), "0.25");
+  const Settings one = applied({method, {"path.beta", "0.125", ""}, {"beta", "0.25", ""}}).settings;
+  EXPECT_EQ(beta(one, "path"), "0.125");
+  EXPECT_FALSE(ncp::path_of(applied({method, {"path.crash_method", "none", ""}}).settings.method)->crash.on);
+  EXPECT_THROW(applied({method, {"josie.beta", "0.25", ""}}), InputError);
 }
 
 // PATH's manual: output turns everything off, and parts can be turned on again, in any order.

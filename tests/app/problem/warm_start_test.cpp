@@ -77,7 +77,7 @@ TEST(WarmStart, SavesPivotsOnANearbyProblem) {
   const Report cold = run_method(nearby, options.settings, nullptr, nullptr);
   set_warm_start(read_warm_start(folder / "r.json", *nearby.mcp), nearby, options);
   EXPECT_THAT(options.notes, testing::IsEmpty());
-  EXPECT_EQ(ncp::path_of(options.settings.method)->basis.size(), 60U);
+  EXPECT_EQ(options.settings.basis.size(), 60U);
   const Report warm = run_method(nearby, options.settings, nullptr, nullptr);
   ASSERT_TRUE(cold.result.solved() && warm.result.solved());
   EXPECT_GT(cold.result.stats.pivots, 8);
@@ -147,8 +147,7 @@ TEST(WarmStart, CellsFollowTheBoundsOfTheNewProblem) {
   using lcp::Cell;
   set_warm_start({.x = Eigen::VectorXd{{0, 1, 2, 5}}, .basis = {Cell::Below, Cell::Above, Cell::Inside, Cell::Above}},
                  problem, options);
-  EXPECT_EQ(ncp::path_of(options.settings.method)->basis,
-            (std::vector{Cell::Inside, Cell::Above, Cell::Fixed, Cell::Inside}));
+  EXPECT_EQ(options.settings.basis, (std::vector{Cell::Inside, Cell::Above, Cell::Fixed, Cell::Inside}));
   EXPECT_EQ(problem.x0[3], 5);
   EXPECT_THAT(options.notes, testing::ElementsAre(HasSubstr("3 variables")));
 

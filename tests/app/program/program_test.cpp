@@ -133,7 +133,7 @@ TEST(Help, OneMethodWithItsOptions) {
   test::Captured captured;
   EXPECT_EQ(show_method("semismooth", captured.streams), exit_solved);
   EXPECT_THAT(captured.out.str(), AllOf(HasSubstr("descent_p\n"), HasSubstr("a number > 2; default 2.1"),
-                                        HasSubstr("no effect with escape_rounds = 0"), Not(HasSubstr("crash_method"))));
+                                        Not(HasSubstr("escape_rounds")), Not(HasSubstr("crash_method"))));
 }
 
 }  // namespace

@@ -127,11 +127,11 @@ TEST(Plot, TheCurvePassesThroughTheIterates) {
                          Case{"colvdual", 1, "path"}, Case{"josephy", 3, "arc"}, Case{"josephy", 3, "line"},
                          Case{"nash-own", 3, "arc"}}) {
     const LoadedProblem problem = load_problem(of.name, of.start);
-    const std::vector<Assignment> options{{"chord_steps", "0", "test"},
-                                          {"nms_searchtype", of.searchtype, "test"},
-                                          {"restart_limit", "0", "test"},
-                                          {"scaling", "no", "test"},
-                                          {"preprocess", "no", "test"}};
+    const std::vector<Assignment> options{{"method", "path-1997", "test"},
+                                          {"merit_function", "fischer", "test"},
+                                          {"proximal_adaptive", "yes", "test"},
+                                          {"gradient_step_limit", "5", "test"},
+                                          {"nms_searchtype", of.searchtype, "test"}};
     double before = 0;
     const ncp::Observer check = ncp::of_ways([&](const ncp::Iteration& it) {
       if (it.way != nullptr && it.step > 0 && it.kind != 'G') {

@@ -86,7 +86,7 @@ TEST(Glocker, SolutionsObeyTheLaw) {
       for (const Encoding encoding : {Encoding::A, Encoding::B}) {
         const Glocker mcp(scaled(problem), {.encoding = encoding, .delta = 1e-10});
         EXPECT_EQ(mcp.is_affine(), dimension == 2 || problem.mu.maxCoeff() == 0);
-        const ncp::Result result = ncp::solve(mcp, mcp.start(), ncp::PathSearch{.stop = {.tol = 1e-11}});
+        const ncp::Result result = ncp::solve(mcp, mcp.start(), ncp::path({.stop = {.tol = 1e-11}}));
         if (!result.solved()) continue;
         ++solved;
         EXPECT_LE(residual(problem, mcp.recover(result.x)).siconos, 1e-5) << dimension << "D";

@@ -316,7 +316,7 @@ TEST(Evaluation, CostlyRangesWaitForAFailure) {
     for (int k = 0; k < terms; ++k) sum += "o44\nv0\n";
     const auto model = read_text(text({.eqns = 1}) + sum + "r\n4 -0.1\nb\n3\nk0\nJ0 1\n0 0\n");
     ASSERT_NE(model->enclosure(), nullptr);
-    const Result result = solve(*model, Vec::Zero(1), PathSearch{});
+    const Result result = solve(*model, Vec::Zero(1), path());
     EXPECT_EQ(result.status, Status::Infeasible) << terms;
     EXPECT_THAT(result.message, testing::HasSubstr("proven to have no solution")) << terms;
     EXPECT_EQ(result.stats.restarts > 0, terms == 300) << terms;

@@ -65,7 +65,7 @@ TEST(Refusals, NotSquareNamesThePartThatIsToBlame) {
 TEST(Refusals, SquareButSingularIsTold) {
   const auto model = read_text(text({.vars = 2, .cons = 2, .eqns = 2, .nonzeros = 2}) +
                                "C0\nn0\nC1\nn0\nr\n4 1\n4 1\nb\n3\n3\nk1\n2\nJ0 1\n0 1\nJ1 1\n0 2\n");
-  const Result result = solve(*model, model->start(), Auto{});
+  const Result result = solve(*model, model->start(), automatic());
   EXPECT_FALSE(result.accepted());
   EXPECT_THAT(result.message,
               testing::AllOf(testing::HasSubstr("2 rows (_scon[1] and _scon[2]) for 1 variable (_svar[1])"),

@@ -85,7 +85,7 @@ TEST(UndefinedStart, OfAFreeVariableIsNamed) {
     folder.write("m.col", "price\nutility\n");
     folder.write("m.row", swapped ? "market\ndef_utility\n" : "def_utility\nmarket\n");
     const auto model = read_model(path);
-    const Result result = solve(*model, model->start(), Auto{});
+    const Result result = solve(*model, model->start(), automatic());
     EXPECT_EQ(result.status, Status::EvaluationFailed);
     EXPECT_THAT(result.message, AllOf(HasSubstr("log(price) in row def_utility: price = 0 at the start"),
                                       Not(HasSubstr("utility = 5"))));
@@ -96,7 +96,7 @@ TEST(UndefinedStart, OfAFreeVariableIsNamed) {
 TEST(UndefinedStart, TheModelsOwnBoundCountsWhereverItIs) {
   const auto model = read_text(text({.vars = 1, .cons = 1, .eqns = 1, .nonzeros = 1}) +
                                "C0\no43\nv0\nr\n4 1\nb\n2 0\nk0\nJ0 1\n0 0\n");
-  const Result result = solve(*model, model->start(), Auto{});
+  const Result result = solve(*model, model->start(), automatic());
   ASSERT_TRUE(result.solved()) << result;
   EXPECT_NEAR(result.x[0], std::exp(1), 1e-6);
 }
@@ -106,7 +106,7 @@ TEST(UndefinedStart, DifferencesAreMovedApart) {
   const auto model = read_text(text({.vars = 2, .cons = 2, .cc = 2, .nonzeros = 4}) +
                                "C0\no0\no5\no3\nn1\no1\nv0\nv1\nn2\no1\nv0\nn3\nC1\no0\no5\no3\nn1\no1\nv0\nv1\nn2\n"
                                "o1\nv1\nn1\nr\n5 1 1\n5 1 2\nb\n2 0\n2 0\nk1\n2\nJ0 2\n0 0\n1 0\nJ1 2\n0 0\n1 0\n");
-  const Result result = solve(*model, model->start(), Auto{});
+  const Result result = solve(*model, model->start(), automatic());
   EXPECT_NE(result.status, Status::EvaluationFailed) << result;
   ASSERT_FALSE(result.notes.empty());
   EXPECT_THAT(result.notes.front(), HasSubstr("_svar[1] - _svar[2] = 0 at the start, where _svar[1] = 0 and"));
@@ -122,7 +122,7 @@ TEST(UndefinedStart, AuxiliaryVariablesAreNotCounted) {
   folder.write("m.col", "c.bv\nx\n");
   folder.write("m.row", "c.bc\nc.c\n");
   const auto model = read_model(path);
-  const Result result = solve(*model, model->start(), Auto{});
+  const Result result = solve(*model, model->start(), automatic());
   ASSERT_TRUE(result.solved()) << result;
   EXPECT_NEAR(result.x[model->n_var() - 1], std::exp(-1), 1e-6);
   ASSERT_FALSE(result.notes.empty());
@@ -133,7 +133,7 @@ TEST(UndefinedStart, AuxiliaryVariablesAreNotCounted) {
 TEST(UndefinedStart, OverflowIsSaidToBeOne) {
   const auto model = read_text(text({.vars = 1, .cons = 1, .eqns = 1, .nonzeros = 1}) +
                                "C0\no44\no2\nn800\nv0\nx1\n0 1\nr\n4 1\nb\n3\nk0\nJ0 1\n0 0\n");
-  EXPECT_THAT(solve(*model, model->start(), Auto{}).message,
+  EXPECT_THAT(solve(*model, model->start(), automatic()).message,
               HasSubstr("exp(800*_svar[1]) in row _scon[1] is too large: 800*_svar[1] = 800 at the start"));
 }
 
@@ -148,7 +148,7 @@ TEST(UndefinedStart, LongArgumentsAreShortened) {
   for (const std::string& argument : {sum, deep}) {
     const auto model = read_text(text({.vars = 1, .cons = 1, .eqns = 1, .nonzeros = 1}) + "C0\no43\n" + argument +
                                  "r\n4 -10\nb\n3\nk0\nJ0 1\n0 0\n");
-    const std::string message = solve(*model, model->start(), Auto{}).message;
+    const std::string message = solve(*model, model->start(), automatic()).message;
     EXPECT_THAT(message, AllOf(HasSubstr("..."), HasSubstr("where _svar[1] = 0")));
     EXPECT_LT(message.size(), 400);
   }
@@ -158,7 +158,7 @@ TEST(UndefinedStart, LongArgumentsAreShortened) {
 TEST(UndefinedStart, WithinAConditionIsNamedWhereNothingElseIs) {
   const auto model = read_text(text({.vars = 1, .cons = 1, .cc = 1, .nonzeros = 1}) +
                                "C0\no35\no28\nv0\nn1\no43\nv0\no3\nn1\nv0\nr\n5 1 1\nb\n2 0\nk0\nJ0 1\n0 0\n");
-  const Result result = solve(*model, model->start(), Auto{});
+  const Result result = solve(*model, model->start(), automatic());
   ASSERT_FALSE(result.notes.empty()) << result;
   EXPECT_THAT(result.notes.front(), HasSubstr("_svar[1] = 0 at the start"));
 }

@@ -195,7 +195,7 @@ TEST(NoSolution, InPartsWhereEquationsDoNotMeet) {
   EXPECT_FALSE(no_solution(portfolio(0.9)));
   EXPECT_GT(no_solution_in_parts(portfolio(0.9)), 1);
   EXPECT_GT(no_solution_in_parts(portfolio(4.1)), 0);
-  const Result result = solve(portfolio(0.9), Vec::Constant(5, 0.3), PathSearch{});
+  const Result result = solve(portfolio(0.9), Vec::Constant(5, 0.3), path());
   EXPECT_EQ(result.status, Status::Infeasible);
   EXPECT_THAT(result.message, HasSubstr("parts of the box"));
 }

@@ -58,7 +58,7 @@ Shift readme_example() {
   // Two firms with unit costs 1 and 2 on the market P = 10 - q_1 - q_2, and one too dear at 9: how do outputs move
   // with the first one's cost?
   const auto market = lcp_of((Dense(3, 3) << 2, 1, 1, 1, 2, 1, 1, 1, 2).finished(), vec({1 - 10, 2 - 10, 9 - 10}));
-  const Result equilibrium = solve(*market, Vec::Ones(3), PathSearch{});
+  const Result equilibrium = solve(*market, Vec::Ones(3), path());
   SpMat dF(3, 1);  // F_i = c_i - P + q_i, and p = c_1
   dF.insert(0, 0) = 1;
   const Sensitivity s = sensitivity(*market, equilibrium.x, {.dF = dF});

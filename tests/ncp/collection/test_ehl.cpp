@@ -61,7 +61,7 @@ TEST(Ehl, SolutionCarriesTheLoadOnOneStretch) {
   double coarse = 0;
   for (const Index N : {50, 100}) {
     const Problem problem = ehl_kost(N);
-    const Result result = solve(*problem.mcp, problem.starts[0], PathSearch{});
+    const Result result = solve(*problem.mcp, problem.starts[0], path());
     ASSERT_TRUE(result.solved()) << result.message;
     const Vec p = result.x.tail(N);
     const double dx = 5.0 / static_cast<double>(N);

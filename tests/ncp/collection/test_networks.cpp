@@ -182,7 +182,7 @@ TEST(Traffic, TotalFlowsAndTimesAreUnique) {
   const auto totals = [&](const Vec& z) { return Vec(z.head(flows).reshaped(4, flows / 4).colwise().sum()); };
   double apart = 0;
   for (const Vec& start : {problem.starts[0], problem.starts[1]}) {
-    const Result result = solve(*problem.mcp, start, PathSearch{});
+    const Result result = solve(*problem.mcp, start, path());
     ASSERT_TRUE(result.solved()) << result.message;
     EXPECT_LT((totals(result.x) - totals(planted)).lpNorm<Eigen::Infinity>(), 1e-5);
     EXPECT_LT((result.x - planted).tail(times).lpNorm<Eigen::Infinity>(), 1e-5);

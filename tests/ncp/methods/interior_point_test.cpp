@@ -248,7 +248,6 @@ TEST(InteriorPoint, RefusesOptions) {
   EXPECT_THAT(why([](I& m) { m.margin = -1; }), Optional(HasSubstr("margin is -1")));
   EXPECT_THAT(why([](I& m) { m.restarts = -2; }), Optional(HasSubstr("restarts is -2")));
   EXPECT_THAT(why([](I& m) { m.patience = 0; }), Optional(HasSubstr("patience is 0")));
-  EXPECT_THAT(why([](I& m) { m.escape.rounds = -1; }), Optional(HasSubstr("rounds is -1")));
 }
 
 }  // namespace

@@ -7,9 +7,9 @@
 
 #include "ncp/collection/collection.hpp"
 #include "ncp/settings/input_error.hpp"
+#include "ncp/strategy/plan.hpp"
 #include "ncp/strategy/presets.hpp"
 #include "ncp/strategy/solve.hpp"
-#include "ncp/strategy/strategy.hpp"
 
 namespace perp::ncp {
 namespace {

@@ -18,9 +18,9 @@ using support::vec;
 /// With both C-functions and the linear algebra of each library.
 std::vector<support::NamedMethod> semismooth_variants() {
   return {{"Fischer-Burmeister", SemismoothNewton{}},
-          {"min, escapes", SemismoothNewton{.cfunction = natural_min(), .escape = Escape{}}},
+          {"min, escapes", escaping(SemismoothNewton{.cfunction = natural_min()})},
           {"Fischer-Burmeister, KLU", SemismoothNewton{.lu = lcp::LuBackend::Klu}},
-          {"monotone search, escapes", SemismoothNewton{.search = {.memory = 1}, .escape = Escape{}}}};
+          {"monotone search, escapes", escaping(SemismoothNewton{.search = {.memory = 1}})}};
 }
 
 // Catches a method that fails on the smallest classics: singular Jacobians at some starts, a degenerate solution.

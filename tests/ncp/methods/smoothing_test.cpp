@@ -203,11 +203,11 @@ TEST(Smoothing, RunsAgainOnTheScaledProblem) {
   for (const auto& [name, start] : {std::pair("powell-badly-scaled", 2), std::pair("hs62-kkt", 0)}) {
     const collection::Problem problem = collection::find(name)->make();
     const Vec x0 = problem.starts[static_cast<std::size_t>(start)];
-    const Result without = solve(*problem.mcp, x0, Smoothing{.rescalings = 0});
+    const Result without = solve(*problem.mcp, x0, Smoothing{});
     EXPECT_FALSE(without.solved()) << name;
     std::vector<Vec> begun;
     double last = infinity;
-    const Result result = expect_solved(*problem.mcp, x0, Smoothing{}, name, [&](const Iteration& it) {
+    const Result result = expect_solved(*problem.mcp, x0, method_of("smooth"), name, [&](const Iteration& it) {
       if (!it.attempt.empty()) begun.push_back(*it.x);
       last = it.residual;
       return Next::Continue;
@@ -216,11 +216,13 @@ TEST(Smoothing, RunsAgainOnTheScaledProblem) {
     ASSERT_EQ(static_cast<int>(begun.size()), result.stats.restarts) << name;
     EXPECT_LE((begun.front() - x0).lpNorm<Eigen::Infinity>(), 1e-12 * x0.lpNorm<Eigen::Infinity>()) << name;
     EXPECT_DOUBLE_EQ(last, result.residual.natural) << name;
-    EXPECT_THAT(result.message, HasSubstr("after a restart: rows and columns scaled")) << name;
+    EXPECT_THAT(result.message, HasSubstr("after a restart: on(rescaled, smooth)")) << name;
   }
   const collection::Problem hard = collection::find("trigonometric")->make();
-  const Result failed = solve(*hard.mcp, hard.starts[1], Smoothing{.stop = {.max_iterations = 2000}});
-  EXPECT_THAT(failed.message, HasSubstr("1 run on the scaled problem has not led to a solution")) << failed;
+  Method method = method_of("smooth");
+  stop(method).max_iterations = 2000;
+  const Result failed = solve(*hard.mcp, hard.starts[1], method);
+  EXPECT_THAT(failed.message, HasSubstr("not led to a solution either")) << failed;
 }
 
 // Billups 1995: a local minimum near 0 of the merit functions for small mu. A raised mu moves it: SMOOTH's way out is
@@ -267,7 +269,6 @@ TEST(Smoothing, RefusesOptionsWithoutSense) {
   EXPECT_THAT(why([](Smoothing& m) { m.neighbourhood = 0.5; }), HasSubstr("neighbourhood is 0.5"));
   EXPECT_THAT(why([](Smoothing& m) { m.restarts = -1; }), HasSubstr("restarts is -1"));
   EXPECT_THAT(why([](Smoothing& m) { m.patience = 0; }), HasSubstr("patience is 0"));
-  EXPECT_THAT(why([](Smoothing& m) { m.rescalings = 3; }), HasSubstr("rescalings is 3"));
   EXPECT_THAT(why([](Smoothing& m) { m.function.at = nullptr; }), HasSubstr("function"));
   EXPECT_THAT(why([](Smoothing& m) { m.stop.tol = -1; }), HasSubstr("convergence_tolerance is -1"));
 }

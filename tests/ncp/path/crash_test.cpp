@@ -21,7 +21,7 @@ using support::vec;
 TEST(Crash, SolvesTheObstacleProblemAlone) {
   for (const int N : {4, 16, 32}) {
     const auto mcp = make_mcp(support::obstacle(N));
-    const Result result = expect_solved(*mcp, Vec::Zero(N * N), PathSearch{});
+    const Result result = expect_solved(*mcp, Vec::Zero(N * N), path());
     EXPECT_EQ(result.stats.pivots, 0) << N;
     EXPECT_EQ(result.stats.iterations, 0) << N;
     EXPECT_LE(result.stats.crash_iterations, 6) << N;
@@ -36,8 +36,8 @@ TEST(Crash, NeverLeavesTheBoxAndNeverClimbs) {
     const auto [functions, solution] = support::planted(10, 0.3, random);
     const auto mcp = make_mcp(functions);
     double merit = infinity;
-    expect_solution(*mcp, 10 * random.normals(10), PathSearch{}, solution, 1e-3, "");
-    solve(*mcp, 10 * random.normals(10), PathSearch{}, [&](const Iteration& it) {
+    expect_solution(*mcp, 10 * random.normals(10), path(), solution, 1e-3, "");
+    solve(*mcp, 10 * random.normals(10), path(), [&](const Iteration& it) {
       if (it.kind == 'C') {
         EXPECT_EQ(lcp::project(mcp->box(), *it.x), *it.x);
         EXPECT_LT(it.merit, merit);
@@ -52,7 +52,7 @@ TEST(Crash, NeverLeavesTheBoxAndNeverClimbs) {
 TEST(Crash, EndsAtItsLimits) {
   const auto mcp = make_mcp(support::obstacle(16));
   const auto crash_steps = [&](const Crash& crash) {
-    const Result result = expect_solved(*mcp, Vec::Zero(256), PathSearch{.crash = crash});
+    const Result result = expect_solved(*mcp, Vec::Zero(256), path({.crash = crash}));
     return result.stats.crash_iterations;
   };
   const int all = crash_steps({});
@@ -77,15 +77,15 @@ TEST(Crash, PassesASingularMatrix) {
         J << 2 * x[0], 2 * x[1], 1, 1;
         return J;
       }));
-  expect_solved(*mcp, vec({0.5, 0.5}), PathSearch{});
-  expect_solved(*mcp, vec({0, 0}), PathSearch{});
+  expect_solved(*mcp, vec({0.5, 0.5}), path());
+  expect_solved(*mcp, vec({0, 0}), path());
 }
 
 /// Steps of the crash on M z + q = 0, as it is given, without a proximal term.
 int plain_steps(const Dense& M, const Vec& q) {
   int steps = 0;
   const auto mcp = make_affine_mcp({support::sparse(M), q, Box::free(q.size())}, "linear equations");
-  solve(*mcp, Vec::Zero(q.size()), PathSearch{.preprocess = false, .scaling = false}, [&](const Iteration& it) {
+  solve(*mcp, Vec::Zero(q.size()), PathSearch{}, [&](const Iteration& it) {
     steps += it.kind == 'C' && it.prox == 0 ? 1 : 0;
     return Next::Continue;
   });
@@ -143,7 +143,7 @@ TEST(Crash, LeavesAProximalTermWhereJStaysSingular) {
   for (const double start : {0.5, 1.0}) {
     Vec z0 = Vec::Zero(n + m);
     z0.head(n).setConstant(start);
-    const Result result = expect_solved(*mcp, z0, PathSearch{});
+    const Result result = expect_solved(*mcp, z0, path());
     proximal += result.stats.proximal_steps;
     pivots += result.stats.pivots;
   }
@@ -173,7 +173,7 @@ TEST(Crash, GoesOnWhereMultipliersMakeTheMatrixSingular) {
     box.lower.head(n).setZero();
     box.upper.head(n).setOnes();
     const auto mcp = make_affine_mcp({J.sparseView(), q, box}, "program");
-    pivots += expect_solved(*mcp, Vec::Zero(n + m), PathSearch{}).stats.pivots;
+    pivots += expect_solved(*mcp, Vec::Zero(n + m), path()).stats.pivots;
   }
   EXPECT_LE(pivots, 1800);
 }
@@ -181,7 +181,7 @@ TEST(Crash, GoesOnWhereMultipliersMakeTheMatrixSingular) {
 // The steps of a crash fall under the run's limits. Catches a crash that goes on after ^C.
 TEST(Crash, ObeysTheObserver) {
   const auto mcp = make_mcp(support::obstacle(16));
-  const Result result = solve(*mcp, Vec::Zero(256), PathSearch{},
+  const Result result = solve(*mcp, Vec::Zero(256), path(),
                               [](const Iteration& it) { return it.kind == 'C' ? Next::Stop : Next::Continue; });
   EXPECT_EQ(result.status, Status::Interrupted) << result;
   EXPECT_EQ(result.stats.crash_iterations, 1);
@@ -199,7 +199,7 @@ TEST(Crash, StaysInTheDomain) {
     const auto mcp = make_mcp(functions);
     Vec x0 = lcp::project(mcp->box(), solution + random.normals(6));
     if (x0.norm() >= radius) x0 = solution;
-    expect_solution(*mcp, x0, PathSearch{}, solution, 1e-6);
+    expect_solution(*mcp, x0, path(), solution, 1e-6);
   }
 }
 
@@ -234,7 +234,7 @@ TEST(Crash, QuadraticProgramsAreLeftFewPivots) {
   Index rows = 0;
   for (int k = 0; k < 30; ++k) {
     const auto mcp = make_affine_mcp(program(40 + 2 * k, true, random), "program");
-    const Result result = expect_solved(*mcp, Vec::Zero(mcp->size()), PathSearch{});
+    const Result result = expect_solved(*mcp, Vec::Zero(mcp->size()), path());
     EXPECT_LE(result.stats.iterations, 6);
     pivots += result.stats.pivots;
     rows += mcp->size();
@@ -249,7 +249,7 @@ TEST(Crash, TinyStepsHelpLinearPrograms) {
   Index pivots = 0;
   for (int k = 0; k < 30; ++k) {
     const auto mcp = make_affine_mcp(program(40 + 2 * k, false, random), "program");
-    pivots += expect_solved(*mcp, Vec::Zero(mcp->size()), PathSearch{}).stats.pivots;
+    pivots += expect_solved(*mcp, Vec::Zero(mcp->size()), path()).stats.pivots;
   }
   EXPECT_LE(pivots, 4050);
 }

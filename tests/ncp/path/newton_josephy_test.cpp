@@ -19,7 +19,7 @@ std::vector<support::NamedMethod> josephy_variants() {
   return {{"regular start", NewtonJosephy{}},
           {"ray start", NewtonJosephy{.lemke = {.start = lcp::LemkeStart::Ray}}},
           {"KLU", NewtonJosephy{.lemke = {.basis = {.lu = lcp::LuBackend::Klu}}}},
-          {"monotone search, escapes", NewtonJosephy{.search = {.memory = 1}, .escape = Escape{}}}};
+          {"monotone search, escapes", escaping(NewtonJosephy{.search = {.memory = 1}})}};
 }
 
 // Catches a method that fails on the smallest classics: subproblems without a solution at some starts, a degenerate

@@ -33,7 +33,7 @@ TEST(PathCollection, EveryStartIsSolvedOrHasNoSolution) {
     const Problem problem = entry.make();
     for (std::size_t k = 0; k < problem.starts.size(); ++k) {
       const std::string what = std::string(entry.name) + " from start " + std::to_string(k + 1);
-      const Result result = solve(*problem.mcp, problem.starts[k], PathSearch{});
+      const Result result = solve(*problem.mcp, problem.starts[k], path());
       if (!result.solved() && support::beyond_all(entry, k)) continue;
       if (problem.no_solution.empty()) {
         EXPECT_TRUE(result.solved()) << what << ": " << result;
@@ -81,7 +81,7 @@ TEST(PathCollection, KehoeAndColvdualFromRandomStarts) {
     const Problem problem = collection::find(name)->make();
     int k = 0;
     for (const Vec& x0 : random_starts(problem, 20))
-      support::expect_solved(*problem.mcp, x0, PathSearch{}, std::string(name) + " " + std::to_string(++k));
+      support::expect_solved(*problem.mcp, x0, path(), std::string(name) + " " + std::to_string(++k));
   }
 }
 
@@ -90,7 +90,7 @@ TEST(PathCollection, KehoeAndColvdualFromRandomStarts) {
 // its own (115 iterations, 5500 pivots and 3 restarts, beside 7 to 8 iterations from the start itself).
 TEST(PathCollection, ColvdualBeginsWhereTheCrashLedNowhere) {
   const Problem problem = collection::find("colvdual")->make();
-  const Result result = support::expect_solved(*problem.mcp, problem.starts[0], PathSearch{});
+  const Result result = support::expect_solved(*problem.mcp, problem.starts[0], path());
   EXPECT_LE(result.stats.iterations, 20);
   EXPECT_LE(result.stats.pivots, 500);
   EXPECT_EQ(result.stats.restarts, 0);
@@ -101,25 +101,25 @@ TEST(PathCollection, ColvdualBeginsWhereTheCrashLedNowhere) {
 // and 963 pivots, beside 8 and 333.
 TEST(PathCollection, TheFirstPathBeginsInARegularBasis) {
   const Problem small = collection::find("hs23-kkt")->make();
-  const Result first = support::expect_solved(*small.mcp, small.starts[3], PathSearch{});
+  const Result first = support::expect_solved(*small.mcp, small.starts[3], path());
   EXPECT_EQ(first.stats.restarts, 0);
   EXPECT_LE(first.stats.pivots, 30);
   const Problem larger = collection::find("spatial-price-own-1138")->make();
-  EXPECT_LE(support::expect_solved(*larger.mcp, larger.starts[2], PathSearch{}).stats.pivots, 600);
+  EXPECT_LE(support::expect_solved(*larger.mcp, larger.starts[2], path()).stats.pivots, 600);
 }
 
 // The dual of Colville's second problem (Colville 1968). The first basis is singular, and paths with small terms lead
 // nowhere. Catches rays between the tries of terms, and a term that is soon too small again: 154 pivots for 52.
 TEST(PathCollection, ALargerTermComesBeforeRays) {
   const Problem problem = collection::find("colvdual")->make();
-  EXPECT_LE(support::expect_solved(*problem.mcp, problem.starts[0], PathSearch{}).stats.pivots, 100);
+  EXPECT_LE(support::expect_solved(*problem.mcp, problem.starts[0], path()).stats.pivots, 100);
 }
 
 // Hock & Schittkowski 62 (1981) without a crash. After chord steps the path began in the cell of the Newton point
 // before them: from there Newton and chord steps went to and fro between two points.
 TEST(PathCollection, CellsAreForgottenAfterAChordStep) {
   const Problem problem = collection::find("hs62-kkt")->make();
-  PathSearch method{.restart_limit = 0};
+  PathSearch method{};
   method.crash.on = false;
   for (const Vec& x0 : problem.starts) support::expect_solved(*problem.mcp, x0, method);
 }
@@ -135,7 +135,7 @@ TEST(PathCollection, TheFirstAttemptSolvesMost) {
       const Problem problem = entry.make();
       if (!problem.no_solution.empty()) continue;
       for (const Vec& x0 : problem.starts) {
-        PathSearch method{.restart_limit = 0};
+        PathSearch method{};
         method.crash.on = crash;
         const Result result = solve(*problem.mcp, x0, method);
         ++starts;
@@ -155,7 +155,7 @@ TEST(PathCollection, AnObserverChangesNothing) {
     if (entry.size > 200) continue;
     const Problem problem = entry.make();
     if (!problem.mcp->is_affine()) continue;
-    PathSearch method{.crash = {.on = false}, .restart_limit = 0};
+    PathSearch method{.crash = {.on = false}};
     method.lemke.max_pivots = 3;
     for (const Vec& x0 : problem.starts) {
       const Result alone = solve(*problem.mcp, x0, method);

@@ -23,38 +23,47 @@ using testing::ThrowsMessage;
 
 template <class Change>
 PathSearch changed(Change change) {
-  PathSearch method;
-  change(method);
-  return method;
+  PathSearch kernel;
+  change(kernel);
+  return kernel;
+}
+/// The method as a user gets it.
+template <class Change>
+Method with(Change change) {
+  return path(changed(change));
+}
+
+PathSearch bare() {
+  return changed([](PathSearch& m) {
+    m.crash.on = m.nms.on = m.proximal_adaptive = false;
+    m.search = Searchtype::Line;
+    m.chord_steps = m.gradient_step_limit = 0;
+  });
 }
 
 /// The default with one ingredient less, and with none of them.
 std::vector<NamedMethod> ablations() {
-  return {{"no crash", changed([](PathSearch& m) { m.crash.on = false; })},
-          {"crash of one step", changed([](PathSearch& m) { m.crash.iteration_limit = 1; })},
-          {"monotone", changed([](PathSearch& m) { m.nms.on = false; })},
-          {"no unchecked steps", changed([](PathSearch& m) { m.nms.mstep_frequency = 1; })},
-          {"no watchdogs", changed([](PathSearch& m) { m.nms.maximum_watchdogs = 0; })},
-          {"line", changed([](PathSearch& m) { m.search = Searchtype::Line; })},
-          {"arc", changed([](PathSearch& m) { m.search = Searchtype::Arc; })},
-          {"normal map", changed([](PathSearch& m) { m.merit = PathMerit::NormalMap; })},
-          {"no adaptive proximal terms", changed([](PathSearch& m) { m.proximal_adaptive = false; })},
-          {"proximal terms", changed([](PathSearch& m) { m.proximal_perturbation = 1; })},
-          {"no restarts", changed([](PathSearch& m) { m.restart_limit = 0; })},
-          {"no chord steps", changed([](PathSearch& m) { m.chord_steps = 0; })},
-          {"five chord steps", changed([](PathSearch& m) { m.chord_steps = 5; })},
-          {"no presolve", changed([](PathSearch& m) { m.preprocess = false; })},
-          {"no scaling", changed([](PathSearch& m) { m.scaling = false; })},
-          {"no gradient steps", changed([](PathSearch& m) { m.gradient_step_limit = 0; })},
-          {"no backtracking", changed([](PathSearch& m) { m.max_backtracks = 0; })},
-          {"ray at first", changed([](PathSearch& m) { m.start = PathStart::First; })},
-          {"rays", changed([](PathSearch& m) { m.start = PathStart::Always; })},
-          {"impatient", changed([](PathSearch& m) { m.patience = 1; })},
-          {"bare", changed([](PathSearch& m) {
-             m.crash.on = m.nms.on = m.proximal_adaptive = m.preprocess = m.scaling = false;
-             m.search = Searchtype::Line;
-             m.restart_limit = m.chord_steps = m.gradient_step_limit = 0;
-           })}};
+  return {{"no crash", with([](PathSearch& m) { m.crash.on = false; })},
+          {"crash of one step", with([](PathSearch& m) { m.crash.iteration_limit = 1; })},
+          {"monotone", with([](PathSearch& m) { m.nms.on = false; })},
+          {"no unchecked steps", with([](PathSearch& m) { m.nms.mstep_frequency = 1; })},
+          {"no watchdogs", with([](PathSearch& m) { m.nms.maximum_watchdogs = 0; })},
+          {"line", with([](PathSearch& m) { m.search = Searchtype::Line; })},
+          {"arc", with([](PathSearch& m) { m.search = Searchtype::Arc; })},
+          {"normal map", with([](PathSearch& m) { m.merit = PathMerit::NormalMap; })},
+          {"no adaptive proximal terms", with([](PathSearch& m) { m.proximal_adaptive = false; })},
+          {"proximal terms", with([](PathSearch& m) { m.proximal_perturbation = 1; })},
+          {"no restarts", path({}, 0)},
+          {"no chord steps", with([](PathSearch& m) { m.chord_steps = 0; })},
+          {"five chord steps", with([](PathSearch& m) { m.chord_steps = 5; })},
+          {"no presolve", PathSearch{}},
+          {"presolve alone", on(Form::Presolved, PathSearch{})},
+          {"no gradient steps", with([](PathSearch& m) { m.gradient_step_limit = 0; })},
+          {"no backtracking", with([](PathSearch& m) { m.max_backtracks = 0; })},
+          {"ray at first", with([](PathSearch& m) { m.start = PathStart::First; })},
+          {"rays", with([](PathSearch& m) { m.start = PathStart::Always; })},
+          {"impatient", with([](PathSearch& m) { m.patience = 1; })},
+          {"bare", bare()}};
 }
 
 // Solved means solved, whatever is left out; and the easy half of the collection needs no ingredient in particular.
@@ -89,12 +98,8 @@ TEST(PathOptions, WhatIsLeftOutIsNotCounted) {
     const auto [functions, solution] = support::planted(6, 0.3, random);
     const auto mcp = make_mcp(functions);
     const Vec x0 = 20 * random.normals(6);
-    PathSearch none = changed([](PathSearch& m) {
-      m.crash.on = m.nms.on = m.proximal_adaptive = m.preprocess = m.scaling = false;
-      m.restart_limit = m.chord_steps = m.gradient_step_limit = 0;
-    });
-    all += solve(*mcp, x0, PathSearch{}).stats;
-    without += solve(*mcp, x0, none).stats;
+    all += solve(*mcp, x0, path()).stats;
+    without += solve(*mcp, x0, bare()).stats;
   }
   EXPECT_GT(all.crash_iterations, 0);
   EXPECT_GT(all.presolved, 0);
@@ -109,8 +114,7 @@ TEST(PathOptions, WhatIsLeftOutIsNotCounted) {
   EXPECT_EQ(without.restarts, 0);
   EXPECT_EQ(without.ray_starts, 0);
   EXPECT_GT(
-      solve(*make_mcp(support::kojima_shindo()), Vec::Zero(4), PathSearch{.start = PathStart::Always}).stats.ray_starts,
-      0);
+      solve(*make_mcp(support::kojima_shindo()), Vec::Zero(4), path({.start = PathStart::Always})).stats.ray_starts, 0);
 }
 
 template <class Change>
@@ -125,7 +129,7 @@ TEST(PathOptions, InvalidOnesAreNamed) {
     return Optional(HasSubstr(std::string(option) + " is " + value));
   };
   using P = PathSearch;
-  EXPECT_EQ(invalid(PathSearch{}), std::nullopt);
+  EXPECT_EQ(invalid(path()), std::nullopt);
   EXPECT_THAT(why([](P& m) { m.stop.tol = 0; }), names("convergence_tolerance", "0"));
   EXPECT_THAT(why([](P& m) { m.stop.max_iterations = -1; }), names("major_iteration_limit", "-1"));
   EXPECT_THAT(why([](P& m) { m.sigma = 0; }), names("sigma", "0"));
@@ -147,13 +151,13 @@ TEST(PathOptions, InvalidOnesAreNamed) {
   EXPECT_THAT(why([](P& m) { m.proximal_perturbation = -0.1; }), names("proximal_perturbation", "-0.1"));
   EXPECT_THAT(why([](P& m) { m.proximal_perturbation = nan; }), names("proximal_perturbation", "nan"));
   EXPECT_THAT(why([](P& m) { m.gradient_step_limit = -1; }), names("gradient_step_limit", "-1"));
-  EXPECT_THAT(why([](P& m) { m.restart_limit = -1; }), names("restart_limit", "-1"));
-  EXPECT_THAT(why([](P& m) { m.cumulative_iteration_limit = 0; }), names("cumulative_iteration_limit", "0"));
+  EXPECT_THAT(invalid(path({}, -1)), names("restart_limit", "-1"));
+  EXPECT_THAT(why([](P& m) { m.stop.max_pivots = 0; }), names("cumulative_iteration_limit", "0"));
   EXPECT_THAT(why([](P& m) { m.patience = 0; }), names("patience", "0"));
   EXPECT_THAT(why([](P& m) { m.lemke.max_pivots = -1; }), names("minor_iteration_limit", "-1"));
   const auto mcp = make_mcp(support::kojima_shindo());
   const Counting counted(*mcp);
-  EXPECT_THAT([&] { solve(counted, Vec::Zero(4), PathSearch{.beta = 7}); },
+  EXPECT_THAT([&] { solve(counted, Vec::Zero(4), path({.beta = 7})); },
               ThrowsMessage<std::invalid_argument>(AllOf(HasSubstr("path"), HasSubstr("beta is 7"))));
   EXPECT_EQ(counted.F_evals, 0);
 }

@@ -21,13 +21,13 @@ using support::vec;
 PathSearch without_crash() { return {.crash = {.on = false}}; }
 
 std::vector<NamedMethod> path_variants() {
-  return {{"path", PathSearch{}},
-          {"no crash", without_crash()},
-          {"line", PathSearch{.search = Searchtype::Line}},
-          {"arc", PathSearch{.search = Searchtype::Arc}},
-          {"normal map", PathSearch{.merit = PathMerit::NormalMap}},
-          {"monotone", PathSearch{.nms = {.on = false}}},
-          {"rays", PathSearch{.start = PathStart::Always}}};
+  return {{"path", path()},
+          {"no crash", path(without_crash())},
+          {"line", path({.search = Searchtype::Line})},
+          {"arc", path({.search = Searchtype::Arc})},
+          {"normal map", path({.merit = PathMerit::NormalMap})},
+          {"monotone", path({.nms = {.on = false}})},
+          {"rays", path({.start = PathStart::Always})}};
 }
 
 /// The starts (0, ...), (1, ...), (10, ...), (100, ...) with what PATH 4.7 takes of major iterations from each.
@@ -38,7 +38,7 @@ struct Measured {
 
 void expect_majors(bool josephy, std::initializer_list<Measured> measured) {
   const auto mcp = make_mcp(support::kojima_shindo(josephy));
-  for (const auto& [label, method] : {NamedMethod{"crash", PathSearch{}}, NamedMethod{"no crash", without_crash()}})
+  for (const auto& [label, method] : {NamedMethod{"crash", path()}, NamedMethod{"no crash", path(without_crash())}})
     for (const auto& [start, majors] : measured) {
       const Result result = expect_solved(*mcp, Vec::Constant(4, start), method, label);
       EXPECT_LE(result.stats.iterations, majors) << label << " from " << start;
@@ -145,7 +145,9 @@ TEST(PathSearch, PresolveOnAndOffComeToTheSameSolutions) {
     const auto mcp = make_mcp(functions);
     const Vec x0 = 2 * random.normals(n);
     for (const bool preprocess : {true, false}) {
-      const Result result = expect_solution(*mcp, x0, PathSearch{.preprocess = preprocess}, solution, 1e-6);
+      Method method = path();
+      std::get<On>(method).enabled = preprocess;
+      const Result result = expect_solution(*mcp, x0, method, solution, 1e-6);
       EXPECT_NEAR(result.residual.natural, support::violation(*mcp, result.x), 1e-15);
       presolved += result.stats.presolved;
       EXPECT_TRUE(preprocess || result.stats.presolved == 0);
@@ -174,7 +176,7 @@ TEST(PathSearch, SolvesAffineProblemsInOneIteration) {
 std::vector<std::vector<Iteration>> rugged_runs(const Nms& nms) {
   std::vector<std::vector<Iteration>> runs;
   const auto run = [&](const Mcp& mcp, const Vec& x0) {
-    PathSearch method{.crash = {.on = false}, .nms = nms, .restart_limit = 0};
+    PathSearch method{.crash = {.on = false}, .nms = nms};
     method.chord_steps = 0;
     solve(mcp, x0, method, record(runs.emplace_back()));
   };
@@ -272,7 +274,7 @@ TEST(PathSearch, StaysInTheBox) {
 // 10^4 unknowns; one dense matrix of them would take 800 MB, so would the kinks of a path that are all kept.
 TEST(PathSearch, ObstacleProblemStaysSparse) {
   const double before = support::peak_megabytes();
-  const Result near = expect_solved(*make_mcp(support::obstacle(100, 2)), Vec::Zero(10000), PathSearch{});
+  const Result near = expect_solved(*make_mcp(support::obstacle(100, 2)), Vec::Zero(10000), path());
   const Result result = expect_solved(*make_mcp(support::obstacle(100)), near.x, without_crash());
   EXPECT_EQ(result.stats.iterations, 1);
   EXPECT_GT(result.stats.pivots, 1);
@@ -282,7 +284,7 @@ TEST(PathSearch, ObstacleProblemStaysSparse) {
 // Equal solutions by crash alone, by pivoting alone and by a method that shares nothing with them but F.
 TEST(PathSearch, CrashAndPivotingAgreeOnTheObstacleProblem) {
   const auto mcp = make_mcp(support::obstacle(20));
-  const Result crash = expect_solved(*mcp, Vec::Zero(400), PathSearch{.stop = {.tol = 1e-12}});
+  const Result crash = expect_solved(*mcp, Vec::Zero(400), path({.stop = {.tol = 1e-12}}));
   PathSearch pivoting = without_crash();
   pivoting.stop.tol = 1e-12;
   const Result pivoted = expect_solved(*mcp, Vec::Zero(400), pivoting);
@@ -316,7 +318,7 @@ TEST(PathSearch, SolvesInBadUnits) {
         for (SpMat::InnerIterator e(out, j); e; ++e) e.valueRef() *= R[e.row()] * C[j];
       return defined;
     };
-    const Result result = expect_solved(*make_mcp(scaled), (3 * random.normals(6)).cwiseQuotient(C), PathSearch{});
+    const Result result = expect_solved(*make_mcp(scaled), (3 * random.normals(6)).cwiseQuotient(C), path());
     EXPECT_LE((result.x.cwiseProduct(C) - solution).norm(), 1e-5);
   }
 }

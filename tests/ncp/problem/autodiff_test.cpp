@@ -175,7 +175,7 @@ TEST(Autodiff, AtTheBorderOfTheDomain) {
   ASSERT_TRUE(mcp->jacobian(vec({0, 1}), J));
   EXPECT_EQ(J.coeff(0, 0), 0);
   EXPECT_EQ(J.coeff(1, 1), 1);
-  const Result at_pole = solve(*mcp, vec({1, 0}), PathSearch{});
+  const Result at_pole = solve(*mcp, vec({1, 0}), path());
   EXPECT_TRUE(at_pole.solved()) << at_pole.message;
   EXPECT_THAT(at_pole.notes, testing::ElementsAre(testing::HasSubstr("log(x[2]) in row F[2]: x[2] = 0 at the start")));
   const auto refusing = make_autodiff_mcp([](auto, auto) { return false; }, {.name = "no", .box = everywhere(1)});
@@ -192,7 +192,7 @@ TEST(Autodiff, ProofsWork) {
         f[0] = exp(x[0]) - 2;
       },
       {.name = "exp", .box = everywhere(1)});
-  Result result = solve(*mcp, vec({0}), PathSearch{});
+  Result result = solve(*mcp, vec({0}), path());
   ASSERT_TRUE(result.solved());
   EXPECT_NEAR(result.x[0], std::log(2.0), 1e-8);
   EXPECT_EQ(result.stats.J_colours, 1);
@@ -204,7 +204,7 @@ TEST(Autodiff, ProofsWork) {
         f[0] = exp(x[0]) + 0.1;
       },
       {.name = "none", .box = everywhere(1)});
-  EXPECT_EQ(solve(*none, vec({0}), PathSearch{}).status, Status::Infeasible);
+  EXPECT_EQ(solve(*none, vec({0}), path()).status, Status::Infeasible);
 }
 
 // Two threads, each with its own problem. Catches seeds shared between problems.
@@ -213,7 +213,7 @@ TEST(Autodiff, TwoThreadsAtOnce) {
   const auto work = [&](int which) {
     for (int round = 0; round < 20; ++round) {
       const auto mcp = make_autodiff_mcp(kojima_shindo, {.name = "kojima-shindo", .box = Box::nonnegative(4)});
-      results[which] = solve(*mcp, Vec::Ones(4), PathSearch{});
+      results[which] = solve(*mcp, Vec::Ones(4), path());
     }
   };
   std::thread other(work, 1);

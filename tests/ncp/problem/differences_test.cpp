@@ -155,12 +155,12 @@ Functions tridiagonal(Index n) {
 // one evaluation a column.
 TEST(Differences, AreCountedInTheStatistics) {
   const auto mcp = make_mcp(tridiagonal(50));
-  const Result result = solve(*mcp, Vec::Zero(50), PathSearch{});
+  const Result result = solve(*mcp, Vec::Zero(50), path());
   ASSERT_TRUE(result.solved()) << result.message;
   EXPECT_EQ(result.stats.J_colours, 3);
   EXPECT_GE(result.stats.J_F_evals, 3 * (result.stats.J_evals - 1));
   EXPECT_LE(result.stats.J_F_evals, 4 * result.stats.J_evals);
-  EXPECT_EQ(solve(*make_mcp(support::kojima_shindo()), Vec::Ones(4), PathSearch{}).stats.J_colours, 0);
+  EXPECT_EQ(solve(*make_mcp(support::kojima_shindo()), Vec::Ones(4), path()).stats.J_colours, 0);
 }
 
 // Differences agree with differences, unless the pattern lacks an entry. Catches a check that says nothing where J is

@@ -106,20 +106,19 @@ TEST(Fields, ReachEveryMember) {
   for (const Count& c :
        {Count{"Stop", members<Stop>(), stop, 0, 0, 1},  // interrupt is for programs
         Count{"Armijo", members<Armijo>(), armijo, 0, 0, 0}, Count{"Escape", members<Escape>(), escape, 0, 0, 0},
-        Count{"Auto", members<Auto>(), described<Auto>(), 2, path, 1},  // semismooth is set where it is named
         Count{"Forcing", members<Forcing>(), forcing, 0, 0, 0},
-        Count{"SemismoothNewton", members<SemismoothNewton>(), described<SemismoothNewton>(), 5,
-              cfunction + armijo + escape + forcing, 0},
+        Count{"SemismoothNewton", members<SemismoothNewton>(), described<SemismoothNewton>(), 4,
+              cfunction + armijo + forcing, 0},
         // direction is a method of its own on the command line
-        Count{"MinNewton", members<MinNewton>(), described<MinNewton>(), 3, armijo + escape, 1},
+        Count{"MinNewton", members<MinNewton>(), described<MinNewton>(), 2, armijo, 1},
         Count{"Smoothing", members<Smoothing>(), described<Smoothing>(), 3, smoothing + armijo, 0},
         // follow is for programs
-        Count{"InteriorPoint", members<InteriorPoint>(), described<InteriorPoint>(), 2, escape, 1},
-        Count{"NewtonJosephy", members<NewtonJosephy>(), described<NewtonJosephy>(), 4, armijo + escape + lemke + 1, 0},
+        Count{"InteriorPoint", members<InteriorPoint>(), described<InteriorPoint>(), 1, 0, 1},
+        Count{"NewtonJosephy", members<NewtonJosephy>(), described<NewtonJosephy>(), 3, armijo + lemke + 1, 0},
         Count{"NewtonRobinson", members<NewtonRobinson>(), described<NewtonRobinson>(), 2, lemke + 1, 0},
         Count{"Crash", members<Crash>(), crash, 0, 0, 0}, Count{"Nms", members<Nms>(), nms, 0, 0, 0},
-        // basis is a warm start
-        Count{"PathSearch", members<PathSearch>(), path, 4, crash + nms + lemke, 1},
+        // only_newton_if_affine and proximal_to_residual are of lists
+        Count{"PathSearch", members<PathSearch>(), path, 4, crash + nms + lemke, 2},
         // of basis lu and refactor_every; start is described apart; repair is the path search's own; the rest are data,
         // callbacks, limits, inner tolerances that no run was seen to depend on, and whether rays are certified
         Count{"LemkeOptions", members<lcp::LemkeOptions>(), lemke, 1, 2, 15},

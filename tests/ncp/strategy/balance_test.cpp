@@ -54,7 +54,7 @@ TEST(Balance, OfNonlinearProblems) {
       return true;
     };
     const auto mcp = make_mcp(std::move(f));
-    const Result result = solve(*mcp, vec({0, 0}), Auto{});
+    const Result result = solve(*mcp, vec({0, 0}), automatic());
     ASSERT_TRUE(result.solved()) << result;
     EXPECT_NEAR(result.x[0], std::log(2), 1e-6) << s;
     EXPECT_NEAR(std::pow(result.x[1], 3) + result.x[1], std::log(2), 1e-6) << s;
@@ -66,7 +66,7 @@ TEST(Balance, OfNonlinearProblems) {
 TEST(Balance, WhatStaysSoIsSaid) {
   const auto mcp = make_mcp(support::scalar(
       -infinity, infinity, [](double z) { return 1e-20 * (z * z + 1); }, [](double z) { return 2e-20 * z; }));
-  const Result result = solve(*mcp, vec({3}), Auto{});
+  const Result result = solve(*mcp, vec({3}), automatic());
   EXPECT_TRUE(result.solved());
   ASSERT_FALSE(result.notes.empty());
   EXPECT_THAT(result.notes.front(), HasSubstr("balanced to"));

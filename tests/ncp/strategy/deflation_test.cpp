@@ -95,7 +95,7 @@ TEST(Deflation, BothSolutionsOfKojimaShindoFromEveryStart) {
 TEST(Deflation, ThreeEquilibriaOfKehoe) {
   const collection::Problem problem = collection::find("kehoe")->make();
   for (const Vec& x0 : problem.starts) {
-    const AllSolutions all = solve_all(*problem.mcp, x0, PathSearch{});
+    const AllSolutions all = solve_all(*problem.mcp, x0, path());
     EXPECT_THAT(all.found, SizeIs(3));
     expect_distinct_solutions(*problem.mcp, all);
     for (const auto& known : problem.solutions) EXPECT_TRUE(has(all, known.x, 1e-4)) << known.label;
@@ -165,7 +165,7 @@ TEST(Deflation, SeveralEquilibriaOfTheCollectionsGames) {
   for (const char* name : {"bimatrix-own", "random-bimatrix-own"}) {
     const collection::Problem problem = collection::find(name)->make();
     for (const Vec& x0 : problem.starts) {
-      const AllSolutions all = solve_all(*problem.mcp, x0, PathSearch{}, {.solutions = 2});
+      const AllSolutions all = solve_all(*problem.mcp, x0, path(), {.solutions = 2});
       EXPECT_THAT(all.found, SizeIs(2)) << name;
       expect_distinct_solutions(*problem.mcp, all);
       EXPECT_THAT(all.message, HasSubstr("as many"));
@@ -206,14 +206,14 @@ TEST(Deflation, StartsAtASolution) {
 TEST(Deflation, KeepsToItsLimits) {
   const collection::Problem problem = collection::find("kehoe")->make();
   const Vec& x0 = problem.starts.front();
-  EXPECT_THAT(solve_all(*problem.mcp, x0, PathSearch{}, {.solutions = 1}).found, SizeIs(1));
-  const AllSolutions none = solve_all(*problem.mcp, x0, PathSearch{}, {.max_attempts = 0});
+  EXPECT_THAT(solve_all(*problem.mcp, x0, path(), {.solutions = 1}).found, SizeIs(1));
+  const AllSolutions none = solve_all(*problem.mcp, x0, path(), {.max_attempts = 0});
   EXPECT_THAT(none.found, SizeIs(1));
   EXPECT_EQ(none.attempts, 0);
   EXPECT_THAT(none.message, HasSubstr("limit of attempts"));
   // An observer that stops in the first attempt ends the whole.
   bool deflating = false;
-  const AllSolutions stopped = solve_all(*problem.mcp, x0, PathSearch{}, {}, [&](const Iteration& it) {
+  const AllSolutions stopped = solve_all(*problem.mcp, x0, path(), {}, [&](const Iteration& it) {
     deflating = deflating || it.attempt.find("deflation") != std::string::npos;
     return deflating ? Next::Stop : Next::Continue;
   });
@@ -383,7 +383,7 @@ TEST(Deflation, RefusesBadOptionsByName) {
   EXPECT_THAT(why({.tries = {{.sigma = -1}}}), HasSubstr("sigma is -1"));
   EXPECT_FALSE(invalid(Deflation{}).has_value());
   const auto mcp = make_mcp(support::kojima_shindo());
-  EXPECT_THROW(solve_all(*mcp, Vec::Ones(4), PathSearch{}, {.solutions = 0}), std::invalid_argument);
+  EXPECT_THROW(solve_all(*mcp, Vec::Ones(4), path(), {.solutions = 0}), std::invalid_argument);
   EXPECT_THROW(solve_all(*mcp, Vec::Ones(3)), std::invalid_argument);
 }
 

@@ -48,7 +48,7 @@ TEST(Kept, SolvesASequenceAsIfEachWereTheFirst) {
     const Result& result = kept.solve(*mcp, Vec::Zero(48));
     ASSERT_TRUE(result.solved()) << k << ": " << result;
     ASSERT_LE(residual(*mcp, result.x).natural, 1e-8) << k;
-    const Result alone = solve(*mcp, Vec::Zero(48), Auto{});
+    const Result alone = solve(*mcp, Vec::Zero(48), automatic());
     ASSERT_LT((alone.x.head(40) - result.x.head(40)).norm(), 1e-6) << k;
     ++by[static_cast<std::size_t>(kept.by())];
   }
@@ -80,7 +80,7 @@ std::unique_ptr<Mcp> shifted_cubic(double s) {
 // Nonlinear ones: Newton steps, few of them, whichever bounds are met or left on the way. Catches a Jacobian that stays
 // that of the last problem.
 TEST(Kept, NewtonStepsOnTheLastActiveSet) {
-  KeptSolver kept(PathSearch{});
+  KeptSolver kept(path());
   for (const double s : {0.3, 0.32, 0.34, 0.9, 1.2, -0.5, -0.5001, 0.3}) {
     const auto mcp = shifted_cubic(s);
     const Result& result = kept.solve(*mcp, Vec::Zero(10));

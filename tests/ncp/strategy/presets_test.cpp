@@ -36,15 +36,15 @@ TEST(Presets, PublishedOnesAreWithoutAdditions) {
   for (const Preset& preset : published()) {
     EXPECT_EQ(find_preset(preset.name), &preset) << "named twice: " << preset.name;
     EXPECT_EQ(invalid(preset.method), std::nullopt) << preset.name;
-    for (const Outline::Line& line : outline(preset.method).lines)
-      EXPECT_TRUE(line.what.find("scaled") == std::string::npos) << preset.name << ": " << line.name;
-    EXPECT_EQ(outline(preset.method).presolved,
+    for (const OutlineLine& line : outline(preset.method))
+      EXPECT_TRUE(line.method.find("scaled") == std::string::npos) << preset.name << ": " << line.method;
+    EXPECT_EQ(std::holds_alternative<On>(preset.method),
               preset.name == "path-one-attempt" || preset.name == "path-three-restarts");
     const auto mcp = make_mcp(support::kojima_shindo(true));
     EXPECT_TRUE(solve(*mcp, Vec::Ones(4), preset.method).solved()) << preset.name;
   }
-  EXPECT_EQ(outline(find_preset("path-1997")->method).lines.size(), 1U);
-  EXPECT_EQ(outline(find_preset("path-three-restarts")->method).lines.size(), 4U);
+  EXPECT_EQ(outline(find_preset("path-1997")->method).size(), 1U);
+  EXPECT_EQ(outline(find_preset("path-three-restarts")->method).size(), 4U);
 }
 
 // De Luca, Facchinei & Kanzow's method has no Levenberg-Marquardt steps, ours has. Catches an option without effect.

@@ -39,7 +39,7 @@ Functions hyperbola(double least_x2, std::chrono::microseconds pause = {}) {
 // Catches a count of iterations that ends the search of a small problem in milliseconds, and the advice to raise it.
 TEST(Progress, RunningOffIsSaidWithTheVariables) {
   const auto mcp = make_mcp(hyperbola(0));
-  for (const Method& method : {Method(Auto{}), Method(PathSearch{})})
+  for (const Method& method : {Method(automatic()), Method(path())})
     for (const Vec& start : {vec({0, 1, 1, 0}), vec({1, 1, 1, 1}), vec({0, 0, 0, 0}), vec({3, 0.1, 5, 0})}) {
       const Result result = solve(*mcp, start, method);
       if (result.solved()) {  // so far out that the tolerance excuses the rest
@@ -52,7 +52,7 @@ TEST(Progress, RunningOffIsSaidWithTheVariables) {
       EXPECT_THAT(result.message, AnyOf(HasSubstr("x1 ="), HasSubstr("m1 ="), HasSubstr("stationary"))) << result;
     }
   const auto solvable = make_mcp(hyperbola(0.5));
-  const Result result = solve(*solvable, vec({0, 1, 1, 0}), Auto{});
+  const Result result = solve(*solvable, vec({0, 1, 1, 0}), automatic());
   ASSERT_TRUE(result.solved()) << result;
   EXPECT_LE((result.x - vec({2, 0.5, 2, 0})).lpNorm<Eigen::Infinity>(), 1e-7);
 }
@@ -82,13 +82,13 @@ TEST(Progress, OnlyAFallingResidualAsksForMore) {
 TEST(Progress, ARunWithoutProgressGivesUp) {
   const auto slow = make_mcp(hyperbola(0, std::chrono::microseconds(200)));
   const auto begin = std::chrono::steady_clock::now();
-  const Result result = solve(*slow, vec({0, 1, 1, 0}), Auto{.stop = {.max_stall = Seconds(0.05)}});
+  const Result result = solve(*slow, vec({0, 1, 1, 0}), automatic({.max_stall = Seconds(0.05)}));
   const Seconds time = std::chrono::steady_clock::now() - begin;
   EXPECT_FALSE(result.solved());
   EXPECT_TRUE(stuck(result.status)) << result;
   EXPECT_THAT(result.message, HasSubstr("no progress in")) << result;
   EXPECT_LT(time.count(), 30);
-  const Result few = solve(*slow, vec({0, 1, 1, 0}), Auto{.stop = {.max_iterations = 7}});
+  const Result few = solve(*slow, vec({0, 1, 1, 0}), automatic({.max_iterations = 7}));
   EXPECT_LE(few.stats.iterations, 7);
 }
 

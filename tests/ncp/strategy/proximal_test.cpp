@@ -17,9 +17,9 @@ namespace {
 using support::vec;
 
 std::vector<support::NamedMethod> systems(const Escape& escape, const Stop& stop = {}) {
-  return {{"NE/SQP", MinNewton{.stop = stop, .direction = MinNewton::Direction::ConvexQp, .escape = escape}},
-          {"min-Newton", MinNewton{.stop = stop, .direction = MinNewton::Direction::Newton, .escape = escape}},
-          {"semismooth", SemismoothNewton{.stop = stop, .escape = escape}}};
+  return {{"NE/SQP", escaping(MinNewton{.stop = stop, .direction = MinNewton::Direction::ConvexQp}, escape)},
+          {"min-Newton", escaping(MinNewton{.stop = stop, .direction = MinNewton::Direction::Newton}, escape)},
+          {"semismooth", escaping(SemismoothNewton{.stop = stop}, escape)}};
 }
 
 const double billups_solution = 1 + std::sqrt(1.01);

@@ -61,10 +61,10 @@ void expect_stop_and_search_checked() {
   EXPECT_THAT(why<M>([](M& m) { m.search.beta = 1; }), names("beta", "1"));
   EXPECT_THAT(why<M>([](M& m) { m.search.max_backtracks = -7; }), names("max_backtracks", "-7"));
   EXPECT_THAT(why<M>([](M& m) { m.search.memory = 0; }), names("nms_memory_size", "0"));
-  EXPECT_THAT(why<M>([](M& m) { m.escape.rounds = -4; }), names("escape_rounds", "-4"));
-  EXPECT_THAT(why<M>([](M& m) { m.escape.lambda = -0.5; }), names("escape_lambda", "-0.5"));
-  EXPECT_THAT(why<M>([](M& m) { m.escape.lambda = nan; }), names("escape_lambda", "nan"));
-  EXPECT_THAT(why<M>([](M& m) { m.escape.lambda = infinity; }), names("escape_lambda", "inf"));
+  EXPECT_THAT(invalid(escaping(M{}, {.rounds = -4})), names("escape_rounds", "-4"));
+  EXPECT_THAT(invalid(escaping(M{}, {.lambda = -0.5})), names("escape_lambda", "-0.5"));
+  EXPECT_THAT(invalid(escaping(M{}, {.lambda = nan})), names("escape_lambda", "nan"));
+  EXPECT_THAT(invalid(escaping(M{}, {.lambda = infinity})), names("escape_lambda", "inf"));
 }
 
 // Every option by its name and value. Catches an option that is not looked at: a beta of 1 would loop, a NaN compares

@@ -94,7 +94,7 @@ std::unique_ptr<Mcp> mixed_chain(Index K) {
 
 TEST(BlockByBlock, InequalityPairsAreBlocksToo) {
   const auto mcp = mixed_chain(60);
-  const Result result = solve(*mcp, Vec::Constant(120, 0.1), PathSearch{});
+  const Result result = solve(*mcp, Vec::Constant(120, 0.1), path());
   ASSERT_TRUE(result.solved()) << result;
   for (Index k = 0; k < 60; ++k) EXPECT_NEAR(result.x[2 * k], k > 0 ? result.x[2 * k - 1] : 0.1, 1e-8);
 }
@@ -115,16 +115,16 @@ TEST(BlockByBlock, AnotherSolutionOfTheFirstBlockIsNeeded) {
     return true;
   };
   const auto mcp = make_mcp(std::move(f));
-  const Result result = solve(*mcp, Vec{{0.1, 1}}, PathSearch{});
+  const Result result = solve(*mcp, Vec{{0.1, 1}}, path());
   EXPECT_NE(result.status, Status::Infeasible);
-  EXPECT_TRUE(solve(*mcp, Vec{{0.9, 0.8}}, PathSearch{}).solved());
+  EXPECT_TRUE(solve(*mcp, Vec{{0.9, 0.8}}, path()).solved());
 }
 
 // A long chain that no method needs help with costs its blocks little: fewer than 60 evaluations, however long.
 TEST(BlockByBlock, LongChainsThatAreEasy) {
   const Index T = 20'000;
   const auto mcp = logistic(T, 0.9, natural(T));
-  const Result result = solve(*mcp, Vec::Constant(T, 0.1), PathSearch{});
+  const Result result = solve(*mcp, Vec::Constant(T, 0.1), path());
   ASSERT_TRUE(result.solved()) << result;
   EXPECT_LT(result.stats.F_evals, 200);
 }

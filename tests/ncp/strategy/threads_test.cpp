@@ -91,7 +91,7 @@ TEST(Threads, TwoSolvesAtOnceWithEscapesAndKlu) {
 // Restarts, presolve and pivoting, with a list of attempts in each run.
 TEST(Threads, TwoSolvesAtOnceWithRestarts) {
   const PathSearch pivoting{.crash = {.on = false}};
-  expect_independent([] { return trace(support::billups(), Vec::Zero(1), PathSearch{}); },
+  expect_independent([] { return trace(support::billups(), Vec::Zero(1), path()); },
                      [&] { return trace(support::obstacle(12), Vec::Zero(144), pivoting); }, 10);
 }
 

@@ -53,9 +53,8 @@ Sweep sweep(Index n, bool from_last, bool warm) {
   Vec x = Vec::Zero(n);
   std::vector<Cell> basis;
   for (int k = 0; k < 20; ++k) {
-    PathSearch method{.crash = {.on = false}};
-    if (warm) method.basis = basis;
-    const Result result = expect_solved(*make_mcp(loaded(n, 0.05 * k)), from_last ? x : Vec(Vec::Zero(n)), method);
+    const Result result = expect_solved(*make_mcp(loaded(n, 0.05 * k)), from_last ? x : Vec(Vec::Zero(n)),
+                                        path({.crash = {.on = false}}), "", {}, warm ? basis : std::vector<Cell>{});
     out.pivots += result.stats.pivots;
     out.iterations += result.stats.iterations;
     out.solutions.push_back(result.x);
@@ -82,13 +81,12 @@ TEST(WarmStart, TheBasisAloneSavesPivots) {
   int warm = 0;
   for (int k = 0; k < 10; ++k) {
     const auto mcp = make_mcp(loaded(60, 0.1 * k));
-    const Result solved = expect_solved(*mcp, Vec::Zero(60), PathSearch{.crash = {.on = false}});
+    const Result solved = expect_solved(*mcp, Vec::Zero(60), path({.crash = {.on = false}}));
     ASSERT_EQ(solved.basis.size(), 60U);
     const Vec x0 = solved.x + 1e-3 * random.normals(60).cwiseAbs();  // all inside
-    PathSearch method{.crash = {.on = false}};
+    const Method method = path({.crash = {.on = false}});
     cold += expect_solved(*mcp, x0, method).stats.pivots;
-    method.basis = solved.basis;
-    warm += expect_solved(*mcp, x0, method).stats.pivots;
+    warm += expect_solved(*mcp, x0, method, "", {}, solved.basis).stats.pivots;
   }
   EXPECT_LT(2 * warm, cold);
 }
@@ -100,7 +98,7 @@ TEST(WarmStart, TheBasisIsTheActiveSet) {
   for (int k = 0; k < 20; ++k) {
     const auto [functions, solution] = support::planted(12, 0, random);
     const auto mcp = make_mcp(functions);
-    const Result result = expect_solved(*mcp, 3 * random.normals(12), PathSearch{.crash = {.on = false}});
+    const Result result = expect_solved(*mcp, 3 * random.normals(12), path({.crash = {.on = false}}));
     if (result.basis.empty()) continue;  // presolve or the start solved it
     ASSERT_EQ(result.basis.size(), 12U);
     const Box& box = mcp->box();
@@ -123,24 +121,25 @@ TEST(WarmStart, AnyBasisLeadsToTheSolution) {
   Random random(3);
   for (int k = 0; k < 40; ++k) {
     const auto [functions, solution] = support::planted(8, 0, random);
-    PathSearch method{.preprocess = k % 2 == 0};
-    method.crash.on = k % 4 < 2;
-    for (int i = 0; i < 8; ++i) method.basis.push_back(static_cast<Cell>(random.integer(0, 3)));
-    support::expect_solution(*make_mcp(functions), random.normals(8), method, solution, 1e-6);
+    const PathSearch kernel{.crash = {.on = k % 4 < 2}};
+    const Method method = k % 2 == 0 ? path(kernel) : Method(kernel);
+    std::vector<Cell> basis;
+    for (int i = 0; i < 8; ++i) basis.push_back(static_cast<Cell>(random.integer(0, 3)));
+    const Result result = expect_solved(*make_mcp(functions), random.normals(8), method, "", {}, basis);
+    EXPECT_LE((result.x - solution).lpNorm<Eigen::Infinity>(), 1e-6) << k;
   }
 }
 
 // Catches reads beyond the end of a basis of another problem.
 TEST(WarmStart, ABasisOfAnotherSizeIsRefused) {
-  for (const bool preprocess : {true, false})
+  for (const Method& method : {path(), Method(PathSearch{}), automatic()})
     for (const std::size_t size : {1U, 3U, 5U}) {
-      PathSearch method{.preprocess = preprocess};
-      method.basis.assign(size, Cell::Below);
+      const std::vector<Cell> basis(size, Cell::Below);
       Functions functions = support::kojima_shindo();
       functions.box.lower[1] = functions.box.upper[1] = 0;  // something to presolve
       const auto mcp = make_mcp(functions);
       EXPECT_THAT(
-          [&] { solve(*mcp, Vec::Zero(4), method); },
+          [&] { solve(*mcp, Vec::Zero(4), method, {}, basis); },
           ThrowsMessage<std::invalid_argument>(
               AllOf(HasSubstr("kojima-shindo"), HasSubstr(std::to_string(size) + " cells"), HasSubstr("4 variables"))));
     }

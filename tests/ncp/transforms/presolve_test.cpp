@@ -415,8 +415,7 @@ TEST(PresolveAtRandom, KeepsTheSolutionsOfNonlinearProblems) {
     ASSERT_EQ(p.infeasible(), "");
     tally.add(p.counts());
     EXPECT_LE(residual(p.problem(), p.reduce(problem.solution)).natural, 1e-9);
-    const Result r = solve(p.problem(), p.start(),
-                           SemismoothNewton{.stop = {.tol = 1e-10, .max_iterations = 50}, .escape = {.rounds = 0}});
+    const Result r = solve(p.problem(), p.start(), SemismoothNewton{.stop = {.tol = 1e-10, .max_iterations = 50}});
     if (!r.solved()) continue;
     const Vec x = p.postsolve(r.x);
     EXPECT_LE(residual(*problem.mcp, x).natural, 1e-9 * (1 + x.lpNorm<Eigen::Infinity>()));

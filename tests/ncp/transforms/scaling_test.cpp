@@ -123,8 +123,7 @@ TEST(Scaling, RestoresSpoiltUnits) {
     advised += s.helps() ? 1 : 0;
     const ScaledMcp scaled(spoilt, s);
     const auto run = [&](const Mcp& problem, const Vec& x0) {
-      return solve(problem, x0,
-                   SemismoothNewton{.stop = {.tol = 1e-9, .max_iterations = 200}, .escape = {.rounds = 0}});
+      return solve(problem, x0, SemismoothNewton{.stop = {.tol = 1e-9, .max_iterations = 200}});
     };
     const Result r = run(scaled, scaled.to_scaled(start));
     solved += residual(*mcp, spoilt.to_original(scaled.to_original(r.x))).natural <= 1e-4 ? 1 : 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// ncp::Auto: what it chooses, what it says, and its one budget for all attempts.
+/// ncp::automatic(): what it chooses, what it says, and its one budget for all attempts.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -7,10 +7,11 @@
 #include <vector>
 
 #include "ncp/collection/collection.hpp"
+#include "ncp/collection/sized.hpp"
 #include "ncp/graph_problem.hpp"
 #include "ncp/problem/affine.hpp"
 #include "ncp/run/run.hpp"
-#include "ncp/strategy/attempts.hpp"
+#include "ncp/strategy/conditions.hpp"
 #include "ncp/strategy/presets.hpp"
 #include "ncp/strategy/solve.hpp"
 #include "support/collection.hpp"
@@ -30,7 +31,7 @@ TEST(Auto, SolvesTheCollectionAndSaysHow) {
     const collection::Problem problem = entry.make();
     for (std::size_t k = 0; k < problem.starts.size(); ++k) {
       const std::string what = std::string(entry.name) + " from start " + std::to_string(k + 1);
-      const Result result = solve(*problem.mcp, problem.starts[k], Auto{});
+      const Result result = solve(*problem.mcp, problem.starts[k], automatic());
       if (!result.solved() && support::beyond_all(entry, k)) continue;
       EXPECT_EQ(result.solved(), problem.no_solution.empty()) << what << ": " << result;
       EXPECT_TRUE(!result.solved() || support::violation(*problem.mcp, result.x) <= 1e-8) << what;
@@ -44,24 +45,21 @@ TEST(Auto, SolvesTheCollectionAndSaysHow) {
 
 TEST(Auto, ChoosesByClassAndBasis) {
   const auto affine = collection::find("cottle2")->make();
-  EXPECT_THAT(solve(*affine.mcp, Vec::Zero(2), Auto{}).message,
-              HasSubstr("auto chose the linear methods (the problem is affine and monotone)"));
+  EXPECT_THAT(
+      solve(*affine.mcp, Vec::Zero(2), automatic()).message,
+      HasSubstr("auto chose the linear methods (the problem is affine, the Jacobian is positive semidefinite)"));
   const auto indefinite = collection::find("tinloi42")->make();
-  EXPECT_THAT(solve(*indefinite.mcp, indefinite.starts[0], Auto{}).message,
+  EXPECT_THAT(solve(*indefinite.mcp, indefinite.starts[0], automatic()).message,
               HasSubstr("auto chose the linear methods (the problem is affine)"));
   const auto nonlinear = make_mcp(support::kojima_shindo());
-  EXPECT_THAT(solve(*nonlinear, Vec::Zero(4), Auto{}).message, HasSubstr("auto chose path (nonlinear, 4 variables)"));
-  const auto symmetric = collection::find("bratu-own")->make();
-  EXPECT_THAT(solve(*symmetric.mcp, symmetric.starts[0], Auto{.large = 100}).message,
-              HasSubstr("nonlinear, n > 100, the Jacobian is symmetric: quadratic programs"));
-  const auto spatial = collection::find("spatial-price-own")->make();
-  EXPECT_THAT(solve(*spatial.mcp, spatial.starts[0], Auto{.large = 100}).message,
-              HasSubstr("auto chose path with few pivots (n > 100, the Jacobian is not symmetric)"));
-  Auto warm;
-  warm.path.basis.assign(2, lcp::Cell::Inside);
-  EXPECT_THAT(solve(*affine.mcp, Vec::Zero(2), warm).message, HasSubstr("auto chose path (a warm basis is given)"));
-  warm.path.basis.assign(3, lcp::Cell::Inside);
-  EXPECT_THROW(solve(*affine.mcp, Vec::Zero(2), warm), std::invalid_argument);
+  EXPECT_THAT(solve(*nonlinear, Vec::Zero(4), automatic()).message, HasSubstr("auto chose path"));
+  const auto symmetric = collection::make(*collection::find_family("bratu-own"), "50x50");
+  EXPECT_THAT(solve(*symmetric.mcp, symmetric.starts[0], automatic()).message,
+              HasSubstr("auto chose josephy (the problem is nonlinear, n > 2000, the Jacobian is symmetric)"));
+  std::vector<lcp::Cell> basis(2, lcp::Cell::Inside);
+  EXPECT_THAT(solve(*affine.mcp, Vec::Zero(2), automatic(), {}, basis).message, HasSubstr("auto chose path"));
+  basis.push_back(lcp::Cell::Inside);
+  EXPECT_THROW(solve(*affine.mcp, Vec::Zero(2), automatic(), {}, basis), std::invalid_argument);
 }
 
 /// a x + x^3 - 1 at x >= 0: F' >= a.
@@ -82,11 +80,8 @@ TEST(Auto, UsesProvenClasses) {
     ncp::Run run(problem, stop, {});
     Point start;
     ASSERT_TRUE(run.start(Vec::Zero(1), start));
-    const auto list = auto_list(Auto{});
-    const auto attempt = std::ranges::find(list, "semismooth", &Attempt::name);
-    ASSERT_NE(attempt, list.end());
-    EXPECT_EQ(attempt->worthwhile(run, start), a > 0);
-    const Result cut = solve(problem, vec({100}), Auto{.stop = {.max_iterations = 1}});
+    EXPECT_EQ(Facts(run, start).hold({Condition::UniformP}), a > 0);
+    const Result cut = solve(problem, vec({100}), automatic({.max_iterations = 1}));
     ASSERT_FALSE(cut.solved());
     EXPECT_EQ(cut.message.find("exactly one solution") != std::string::npos, a > 0) << cut.message;
   }
@@ -96,8 +91,14 @@ TEST(Auto, UsesProvenClasses) {
 // that is not cut off, or whose limit ends the whole run.
 TEST(Auto, InteriorPointsWhereThePathIsLong) {
   const collection::Problem problem = collection::find("traffic-own-1148")->make();
-  Auto method{.large = 1000};
-  method.path.cumulative_iteration_limit = 50;
+  Method method = automatic();
+  Entry few = std::get<First>(method).entries[2];
+  few.pivots = 1;
+  few.method = PathSearch{.crash = {.on = false}};
+  const First list{
+      .entries = {few, {.method = InteriorPoint{}, .title = "interior points"}}, .tells = true, .name = "list"};
+  std::get<First>(method) = list;
+  std::get<First>(method).entries[0].when.clear();
   const Result result = support::expect_solved(*problem.mcp, problem.starts[2], method, "traffic");
   EXPECT_THAT(result.message, HasSubstr("then interior points"));
 }
@@ -105,7 +106,7 @@ TEST(Auto, InteriorPointsWhereThePathIsLong) {
 // A row without a solution is named, where a ray would tell a person nothing; the best point is told once.
 TEST(Auto, TellsOfAnAffineProblemWithoutSolutionInItsOwnNames) {
   const collection::Problem problem = collection::find("infeasible-row-own")->make();
-  const Result result = solve(*problem.mcp, problem.starts[0], Auto{});
+  const Result result = solve(*problem.mcp, problem.starts[0], automatic());
   EXPECT_EQ(result.status, Status::Infeasible);
   EXPECT_THAT(result.message, HasSubstr("equation F[1] is at most"));
   const std::size_t told = result.message.find("the best point");
@@ -120,7 +121,7 @@ TEST(Auto, OneBudgetForAllAttempts) {
       -infinity, infinity, [](double x) { return x * x + 1; }, [](double x) { return 2 * x; }));
   for (const int limit : {1, 7, 50, 1000}) {
     std::vector<Iteration> records;
-    const Result result = solve(*mcp, vec({1}), Auto{.stop = {.max_iterations = limit}}, record(records));
+    const Result result = solve(*mcp, vec({1}), automatic({.max_iterations = limit}), record(records));
     EXPECT_FALSE(result.solved());
     EXPECT_LE(result.stats.iterations, limit);
     EXPECT_FALSE(result.advice.empty());
@@ -130,13 +131,13 @@ TEST(Auto, OneBudgetForAllAttempts) {
     }
   }
   const auto murty = collection::find("murty-exp")->make();  // pivots are no iterations of auto's
-  const Result affine = solve(*murty.mcp, murty.starts[0], Auto{.stop = {.max_iterations = 3}});
+  const Result affine = solve(*murty.mcp, murty.starts[0], automatic({.max_iterations = 3}));
   EXPECT_TRUE(affine.solved()) << affine;
   EXPECT_LE(affine.stats.iterations, 3);
-  const Result few = solve(*mcp, vec({1}), Auto{.stop = {.max_F_evals = 40}});
+  const Result few = solve(*mcp, vec({1}), automatic({.max_F_evals = 40}));
   EXPECT_FALSE(few.solved());
   EXPECT_LT(few.stats.F_evals, 40 + 60);  // a search is not interrupted
-  EXPECT_LT(few.stats.F_evals, solve(*mcp, vec({1}), Auto{}).stats.F_evals);
+  EXPECT_LT(few.stats.F_evals, solve(*mcp, vec({1}), automatic()).stats.F_evals);
 }
 
 // F that answers otherwise each time: an attempt may believe it has a solution that the judge does not find. Catches a
@@ -146,7 +147,7 @@ TEST(Auto, WhatIsNotConfirmedIsNotSolved) {
   const auto mcp = make_mcp(support::scalar(
       -infinity, infinity, [&calls](double x) { return ++calls % 4 == 0 ? 1e-12 : x - 1 + 1e-3; },
       [](double) { return 1; }));
-  const Result result = solve(*mcp, vec({5}), Auto{});
+  const Result result = solve(*mcp, vec({5}), automatic());
   EXPECT_TRUE(result.solved() || !result.message.starts_with(";")) << result;
   EXPECT_TRUE(result.solved() || result.message.find("natural residual") > 5) << result;
 }
@@ -185,8 +186,8 @@ TEST(Auto, StopsWhenAsked) {
   const auto mcp = make_mcp(support::billups());
   for (int last = 0; last < 12; ++last) {
     int seen = 0;
-    const Result result =
-        solve(*mcp, vec({0}), Auto{}, [&](const Iteration&) { return seen++ == last ? Next::Stop : Next::Continue; });
+    const Result result = solve(*mcp, vec({0}), automatic(),
+                                [&](const Iteration&) { return seen++ == last ? Next::Stop : Next::Continue; });
     EXPECT_TRUE(result.status == Status::Interrupted || result.solved()) << result;
     EXPECT_LE(seen, last + 2) << "records after the stop";
   }
@@ -202,7 +203,7 @@ TEST(Auto, ToleranceOfBadlyScaledAffineProblems) {
   problem.M.insert(2, 2) = 2.7;
   problem.M.insert(2, 0) = 0.1;
   problem.M.makeCompressed();
-  const Result result = solve(*make_affine_mcp(problem, "large"), Vec::Zero(3), Auto{});
+  const Result result = solve(*make_affine_mcp(problem, "large"), Vec::Zero(3), automatic());
   EXPECT_EQ(result.status, Status::SolvedToRounding) << result;
   EXPECT_EQ(result.stats.restarts, 0);
   EXPECT_LE(result.residual.natural, 1e-3);

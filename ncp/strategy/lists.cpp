@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ncp/strategy/lists.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace perp::ncp {
+namespace {
+
+/// Iterations without 1 % less merit after which an attempt of the path search is given up: with another form of the
+/// problem at hand, and of the restarts.
+constexpr int first_patience = 10;
+constexpr int restart_patience = 15;
+constexpr int trial_patience = 6;  // of the tries from the points that an escape visits
+
+constexpr int escape_rounds = 10;
+
+/// Pivots of the path search on large problems, which needs few of them or very many. On nonlinear ones interior
+/// points, which come next, take some ten factorizations, each as much as some tens of pivots.
+constexpr int few_pivots_affine = 3000;
+constexpr int few_pivots_nonlinear = 50;
+
+using If = Condition;
+
+/// One attempt without crash.
+PathSearch restarted(PathSearch kernel) {
+  kernel.crash.on = false;
+  kernel.patience = std::min(kernel.patience, restart_patience);
+  return kernel;
+}
+
+/// One attempt from a point that an escape visits.
+PathSearch tried(PathSearch kernel) {
+  kernel.patience = std::min(kernel.patience, trial_patience);
+  return kernel;
+}
+
+template <class F>
+PathSearch with(PathSearch kernel, F change) {
+  change(kernel);
+  return kernel;
+}
+
+/// Neither the user's units nor those of the scaled problem are always the better ones: each attempt is given up soon
+/// where the other is at hand, and the first is gone on with where both are stuck.
+Method in_turns(const PathSearch& kernel) {
+  const PathSearch soon = with(kernel, [](PathSearch& m) { m.patience = std::min(m.patience, first_patience); });
+  // Gradient steps that the scaled problem needs seldom succeed.
+  const PathSearch scaled = with(soon, [](PathSearch& m) { m.gradient_step_limit = 0; });
+  PathSearch again = kernel;
+  again.crash.on = false;
+  return First{.entries = {{.method = soon, .title = "the options given"},
+                           {.method = on(Form::Scaled, scaled),
+                            .title = "rows and columns scaled",
+                            .when = {If::Scalable},
+                            .reason = "units in which the entries of J are near 1"},
+                           {.method = again,
+                            .title = "on with the options given",
+                            .from = From::Best,
+                            .reason = "with more patience"}},
+               .turns = true,
+               .name = "path"};
+}
+
+/// Attempts on one block, where a restart costs little.
+Method on_blocks(const PathSearch& kernel) {
+  const PathSearch again = restarted(kernel);
+  return on(Form::Blocks, First{.entries = {{.method = again},
+                                            {.method = with(again, [](PathSearch& m) { m.proximal_perturbation = 1; }),
+                                             .title = "proximal perturbation 1"},
+                                            {.method = again, .from = From::UnitBox},
+                                            {.method = SemismoothNewton{}},
+                                            {.method = escaping(tried(again), {.rounds = escape_rounds})}},
+                                .name = "path"});
+}
+
+}  // namespace
+
+Method path(const PathSearch& kernel, int restart_limit) {
+  PathSearch once = kernel;
+  once.only_newton_if_affine = true;
+  const PathSearch again = restarted(once);
+  const PathSearch other = with(again, [](PathSearch& m) {
+    m.merit = m.merit == PathMerit::Fischer ? PathMerit::NormalMap : PathMerit::Fischer;
+    m.search = m.search == Searchtype::Line ? Searchtype::Path : Searchtype::Line;
+    m.nms.initial_reference_factor = 2;
+  });
+  const Smoothing smoothing{.function = smoothed_fischer_burmeister(), .restarts = 1};
+  First list{.entries = {{.method = in_turns(once)},
+                         {.method = on_blocks(once), .title = "block by block", .when = {If::Triangular}},
+                         {.method = Affine{}, .title = "the best of the linear methods", .when = {If::Affine}},
+                         {.method = with(again, [](PathSearch& m) { m.proximal_perturbation = 1; }),
+                          .title = "proximal perturbation 1"},
+                         {.method = again, .from = From::Origin},
+                         {.method = again, .from = From::UnitBox},
+                         {.method = on(Form::Rescaled, again),
+                          .title = "rows and columns scaled as at the best point",
+                          .when = {If::Rescalable}},
+                         {.method = with(again, [](PathSearch& m) { m.start = PathStart::Always; }),
+                          .title = "Newton points from rays"},
+                         {.method = other, .title = "the other merit function, another search"},
+                         {.method = SemismoothNewton{}, .title = "semismooth Newton"},
+                         {.method = NewtonJosephy{}, .title = "Newton-Josephy"},
+                         {.method = escaping(tried(again), {.rounds = escape_rounds}),
+                          .title = "little patience, then proximal escapes",
+                          .from = From::Best},
+                         {.method = smoothing, .title = "smoothing"},
+                         {.method = on(Form::Rescaled, smoothing),
+                          .title = "smoothing, rows and columns scaled",
+                          .when = {If::Rescalable}},
+                         {.method = SemismoothNewton{}, .title = "semismooth Newton", .from = From::Best},
+                         {.method = SemismoothNewton{.cfunction = natural_min()},
+                          .title = "semismooth Newton on the min function"},
+                         {.method = escaping(SemismoothNewton{}, {.rounds = escape_rounds}),
+                          .title = "semismooth Newton, then proximal escapes",
+                          .from = From::Best}},
+             .restart_limit = restart_limit,
+             .name = "path"};
+  return On{.stop = kernel.stop, .form = Form::Presolved, .method = Method(std::move(list)), .name = "path"};
+}
+
+Method path_documented(const PathSearch& kernel, int restarts) {
+  PathSearch once = kernel;
+  once.crash.on = false;
+  once.nms.initial_reference_factor = 2;
+  PathSearch second = once;
+  second.nms.mstep_frequency = 1;
+  second.nms.initial_reference_factor = 10;
+  second.nms.memory = 2;
+  PathSearch third = once;
+  third.crash.on = true;
+  third.crash.nbchange_limit = 10;
+  third.search = Searchtype::Arc;
+  PathSearch perturbed = once;
+  perturbed.proximal_to_residual = 0.01;
+  First list{.entries = {{.method = kernel},
+                         {.method = perturbed, .title = "PATH's first restart: perturbed by 0.01 times the residual"},
+                         {.method = second, .title = "PATH's second restart: a test in each iteration"},
+                         {.method = third, .title = "PATH's third restart: searches along arcs"}},
+             .restart_limit = restarts,
+             .name = "path"};
+  return On{.stop = kernel.stop, .form = Form::Presolved, .method = Method(std::move(list)), .name = "path"};
+}
+
+Method automatic(const Stop& stop) {
+  const SemismoothNewton penalised{.cfunction = penalised_fischer_burmeister()};
+  return First{
+      .stop = stop,
+      .entries = {{.method = Affine{},
+                   .title = "the linear methods",
+                   .when = {If::Affine, If::Cold, If::Monotone},
+                   .reason = "interior points and pivots solve all of them"},
+                  {.method = path({}, 0),
+                   .title = "path with few pivots",
+                   .when = {If::Affine, If::Cold, If::Large, If::Unsymmetric},
+                   .pivots = few_pivots_affine,
+                   .reason = "large problems take few pivots or very many"},
+                  {.method = path({}, 0),
+                   .title = "path with few pivots",
+                   .when = {If::Nonlinear, If::Cold, If::Large, If::Unsymmetric},
+                   .pivots = few_pivots_nonlinear,
+                   .reason = "large problems take few pivots or very many"},
+                  {.method = InteriorPoint{},
+                   .title = "interior points",
+                   .when = {If::Cold, If::Large, If::Unsymmetric},
+                   .reason = "some ten factorizations, whatever the active set"},
+                  {.method = Affine{}, .title = "the linear methods", .when = {If::Affine, If::Cold}},
+                  {.method = NewtonJosephy{.subproblem = Subproblem::Qp},
+                   .when = {If::Nonlinear, If::Cold, If::Large, If::Symmetric},
+                   .reason = "quadratic programs by multigrid"},
+                  {.method = path(), .reason = "the most robust one"},
+                  {.method = SemismoothNewton{},
+                   .when = {If::UniformP},
+                   .reason = "every stationary point of its merit is the solution, its level sets are bounded: "
+                             "Facchinei & Pang (2003), section 9.1"},
+                  {.method = Smoothing{.function = smoothed_fischer_burmeister(), .restarts = 1},
+                   .title = "smoothing",
+                   .when = {If::Nonlinear}},
+                  {.method = InteriorPoint{.restarts = 0}, .title = "interior points", .when = {If::Nonlinear}},
+                  {.method = penalised, .title = "semismooth on the penalised function"},
+                  {.method = escaping(SemismoothNewton{}), .title = "semismooth with proximal escapes"}},
+      .tells = true,
+      .name = "auto"};
+}
+
+Method with_rescalings(Method method, std::string name) {
+  const Stop limits = stop(method);
+  std::vector<Entry> entries{{.method = method},
+                             {.method = on(Form::Rescaled, method), .when = {If::Rescalable}},
+                             {.method = on(Form::Scaled, method), .when = {If::Scalable}}};
+  return First{.stop = limits, .entries = std::move(entries), .name = std::move(name)};
+}
+
+Method with_escapes(Method method, std::string name) {
+  const Stop limits = stop(method);
+  const Method escapes = escaping(method);
+  std::vector<Entry> entries{{.method = method},
+                             {.method = on(Form::Rescaled, escapes), .when = {If::Rescalable}},
+                             {.method = on(Form::Scaled, escapes), .when = {If::Scalable}},
+                             {.method = escapes, .from = From::Best}};
+  return First{.stop = limits, .entries = std::move(entries), .name = std::move(name)};
+}
+
+}  // namespace perp::ncp
