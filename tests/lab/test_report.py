@@ -18,6 +18,7 @@ import pytest
 from conftest import ROOT, compare, sol
 from perp.lab import cells as lab_cells
 from perp.lab import findings
+from perp.lab.files import cell_line
 from perp.lab.report import write_report
 
 
@@ -173,14 +174,14 @@ def test_page_in_a_browser(browser, campaign, width):
     assert browser.errors() == []
     assert browser.run(CUT) == []
     assert browser.run("return document.querySelectorAll('#general .legend button').length") >= 6
-    assert browser.run("return document.querySelectorAll('#general .pane svg g.curve').length") >= 6 * 6
+    assert browser.run("return document.querySelectorAll('#general details svg g.curve').length") >= 6 * 6
     assert browser.run("return document.querySelectorAll('#cells-body tr').length") == 100
     browser.run("document.getElementById('cells-search').value = 'kojshin semicomp'; document.getElementById('cells-search').dispatchEvent(new Event('input'))")
     rows = browser.run("return [...document.querySelectorAll('#cells-body tr')].map((r) => r.textContent)")
     assert len(rows) == 1 and "semicomp" in rows[0]
     browser.run("document.querySelector('#cells-body button.show').click()")
     assert "kojshin" in browser.run("return document.getElementById('curves-title').textContent")
-    assert browser.run("return document.querySelectorAll('#curves path.line').length") >= 1
+    assert browser.run("return document.querySelectorAll('#curves polyline').length") >= 1
     muted = "return document.querySelectorAll('#general g.muted').length"
     before = browser.run(muted)
     browser.run("document.querySelector('#general .legend button[aria-pressed=true]').click()")
@@ -208,8 +209,6 @@ def test_messages_are_text(campaign, tmp_path):
     cell = json.loads((folder / "cells.jsonl").read_text().splitlines()[0])["cell"]
     cell["message"] = "</script><script>alert(1)</script><b>"
     cell["outcome"] = "false-convergence"
-    from perp.lab.campaign import cell_line
-
     with open(folder / "cells.jsonl", "ab") as journal:
         journal.write(cell_line(cell))
     write_report(str(folder))

@@ -1,43 +1,43 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Processes under limits of wall clock and memory, several at a time, in one thread.
+"""Processes under limits of wall clock and memory.
 
-A task is a generator: it yields a Request and is sent its End. Pool runs such tasks. All that a process has started
-ends with it, and with this process, however that ends.
-
-As a script, `process.py COMMAND STUB` is the guard of an external program: it runs `COMMAND STUB -AMPL`, kills what the
-program leaves running, prints what is known of its end as JSON, and does all this when its standard input is closed, too.
+All that a run has started ends with it, and with this program, however that ends. Each run has a mark in its environment,
+which all that it starts inherits: by the mark it is found in /proc. As a script, `process.py MARK` waits for the end of its
+standard input, which is the end of the program that has started it, and kills whatever bears a mark that begins so.
 """
 
-import ctypes
-import json
+import contextlib
+import itertools
 import os
 import select
 import signal
 import subprocess
 import sys
+import threading
 import time
-from collections import deque
 from dataclasses import dataclass
+
+try:
+    import resource
+except ImportError:  # no limits where there are none
+    resource = None
 
 MIB = 1 << 20
 OUTPUT_LIMIT = 1 << 30  # of standard output; a result of ten million variables fits
-LIBC = ctypes.CDLL(None, use_errno=True) if sys.platform == "linux" else None
-PR_SET_PDEATHSIG, PR_SET_CHILD_SUBREAPER = 1, 36
-THREADS = ("OPENBLAS", "OMP", "MKL", "BLIS", "GOTO")
+TAIL = 4000  # characters of standard error that are kept
+NAME, MARK, NUMBERS = "PERP_LAB_RUN", f"{os.getpid()}.{time.time_ns()}.", itertools.count()
+ONE_THREAD = {f"{name}_NUM_THREADS": "1" for name in ("OPENBLAS", "OMP", "MKL", "BLIS", "GOTO")}
 
 
-@dataclass
-class Request:
-    arguments: list
-    seconds: float = 60  # then SIGTERM
-    grace: float = 2  # s after it, then SIGKILL
-    memory_mb: float = 4096  # resident; of all that it started if `tree`
-    tree: bool = False  # it is a guard
+class Stopped(Exception):
+    """The campaign has been interrupted: nothing is booked of this run."""
 
 
 @dataclass
 class End:
-    why: str = "itself"  # or "time", "memory", "stopped"
+    """How a process ended."""
+
+    why: str = "itself"  # or "time", "memory"
     status: int = 0  # of os.wait4
     seconds: float = 0
     peak_mb: float = 0
@@ -55,13 +55,16 @@ class End:
     def words(self):
         return signal_name(self.signal) if self.signal else f"exit code {self.code}"
 
+    def said(self, most=300):
+        """The last words on standard error."""
+        return one_line(self.err.decode("utf-8", "replace")[-most:])
+
 
 def signal_name(number):
     return f"signal {number} ({signal.strsignal(number) or 'unknown'})"
 
 
 def one_line(text, most=600):
-    """The beginning of what a program says, in one line."""
     return "".join(c if c >= " " else " " for c in text[:most]).strip()
 
 
@@ -73,220 +76,171 @@ def resident_mb(pid):
         return 0.0
 
 
-def descendants(root):
-    parent = {}
+def marked(mark):
+    """The processes that bear a mark that begins so. One that has ended has no environment any more."""
+    found, word = [], f"{NAME}={mark}".encode()
     for name in os.listdir("/proc") if os.path.isdir("/proc") else ():
-        if name.isdigit():
-            try:
-                with open(f"/proc/{name}/stat", "rb") as file:
-                    parent[int(name)] = int(file.read().rpartition(b")")[2].split()[1])
-            except (OSError, IndexError, ValueError):
-                continue
-    found, layer = [], {root}
-    while layer:
-        layer = {pid for pid, of in parent.items() if of in layer} - set(found)
-        found += layer
+        with contextlib.suppress(OSError):
+            if name.isdigit():
+                with open(f"/proc/{name}/environ", "rb") as file:
+                    if any(entry.startswith(word) for entry in file.read().split(b"\0")):
+                        found.append(int(name))
     return found
 
 
-def kill_descendants(root):
-    for _ in range(20):  # what was started meanwhile is found in the next round
-        found = [pid for pid in descendants(root) if resident_mb(pid) > 0]
-        for pid in found:
-            try:
-                os.kill(pid, signal.SIGKILL)
-            except OSError:
-                pass
-        if not found:
+def kill_marked(mark, rounds=1):
+    """Kills until nothing is left: what was started meanwhile is found in the next round."""
+    for k in range(100):
+        found = marked(mark)
+        if not found and k + 1 >= rounds:
             return
+        for pid in found:
+            with contextlib.suppress(OSError):
+                os.kill(pid, signal.SIGKILL)
+        time.sleep(0.01)
 
 
 def kill_group(pid, number):
-    try:
+    with contextlib.suppress(OSError):
         os.killpg(pid, number)
-    except OSError:
-        pass
 
 
-def prepare(request, parent):
-    """What a child does before it becomes the program."""
-    import resource
+class Run:
+    """One process. `tree`: it may start others, whose memory counts; else the address space is limited, too."""
 
-    def limit(what, value):
-        hard = resource.getrlimit(what)[1]
-        value = value if hard == resource.RLIM_INFINITY else min(value, hard)
-        resource.setrlimit(what, (value, value))
-
-    def child():
-        os.setpgid(0, 0)
-        if LIBC is not None and not request.tree:  # a guard sees the end of its standard input instead
-            LIBC.prctl(PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0)
-            if os.getppid() != parent:
-                os._exit(127)
-        limit(resource.RLIMIT_CORE, 0)
-        if not request.tree:  # for what grows faster than one can look; reserved is not used
-            limit(resource.RLIMIT_AS, int(2 * MIB * request.memory_mb) + 1024 * MIB)
-
-    return child
-
-
-class Running:
-    def __init__(self, request):
-        self.request, self.end, self.told, self.looked, self.least = request, End(), False, 0.0, resident_mb(os.getpid())
-        environment = {**os.environ, **{f"{name}_NUM_THREADS": "1" for name in THREADS}}
-        self.child = subprocess.Popen(
-            request.arguments,
-            stdin=subprocess.PIPE if request.tree else subprocess.DEVNULL,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-            env=environment,
-            preexec_fn=prepare(request, os.getpid()) if os.name == "posix" else None,
-        )
-        self.pid, self.begin, self.out, self.err = self.child.pid, time.monotonic(), bytearray(), bytearray()
-        self.open = [self.child.stdout, self.child.stderr]
+    def __init__(self, arguments, seconds, memory_mb, grace, tree):
+        self.seconds, self.memory_mb, self.grace, self.tree = seconds, memory_mb, grace, tree
+        self.mark, self.end, self.told, self.looked = f"{MARK}{next(NUMBERS)}.", End(), False, 0.0
+        # Linux counts the memory of the process that forked, too: a maximum no larger than that says nothing.
+        self.least = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss if resource else 0
+        environment = {**os.environ, **ONE_THREAD, NAME: self.mark}
+        pipes = {"stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
+        self.child = subprocess.Popen(arguments, env=environment, start_new_session=True, **pipes)
+        self.pid, self.begin = self.child.pid, time.monotonic()
+        if not tree and hasattr(resource, "prlimit"):  # for what grows faster than one can look; reserved is not used
+            limit = int(2 * MIB * memory_mb) + 1024 * MIB
+            with contextlib.suppress(OSError, ValueError):
+                resource.prlimit(self.pid, resource.RLIMIT_AS, (limit, limit))
+        self.open = {stream.fileno(): bytearray() for stream in (self.child.stdout, self.child.stderr)}
+        self.out, self.err = self.open.values()
+        self.poll = select.poll()
         for stream in self.open:
-            os.set_blocking(stream.fileno(), False)
+            os.set_blocking(stream, False)
+            self.poll.register(stream, select.POLLIN)
 
     def read(self, stream):
+        """Takes what is there; false when there is nothing more for now."""
         try:
-            data = os.read(stream.fileno(), 1 << 16)
+            data = os.read(stream, 1 << 16)
         except BlockingIOError:
             return False
         except OSError:
             data = b""
         if not data:
-            self.open.remove(stream)
+            self.poll.unregister(stream)
+            del self.open[stream]
             return False
-        if stream is self.child.stdout:
-            self.out += data
-            if len(self.out) > OUTPUT_LIMIT:
-                self.stop(self.end.why)
-        else:
-            self.err += data
-            del self.err[4000:-4000]
+        self.open[stream] += data
+        del self.err[:-TAIL]
+        if len(self.out) > OUTPUT_LIMIT:
+            self.kill()
         return True
 
-    def stop(self, why):
-        self.end.why = why
+    def kill(self):
         kill_group(self.pid, signal.SIGSTOP)  # so that nobody starts another while one after the other dies
-        if self.request.tree:
-            kill_descendants(self.pid)
+        if self.tree:
+            kill_marked(self.mark)
         kill_group(self.pid, signal.SIGKILL)
 
-    def look(self):
-        """Keeps the limits; true when it has ended."""
-        pid, status, usage = os.wait4(self.pid, os.WNOHANG)
-        now, request = time.monotonic() - self.begin, self.request
-        if pid:
-            self.finish(status, now, usage.ru_maxrss / 1024)
-            return True
-        if now >= request.seconds and not self.told:
-            self.told = True
-            self.end.why = "time" if self.end.why == "itself" else self.end.why
+    def keep_limits(self):
+        now = time.monotonic() - self.begin
+        if now >= self.seconds and not self.told:
+            self.told, self.end.why = True, "time"
             kill_group(self.pid, signal.SIGTERM)
-        if now >= request.seconds + request.grace:
-            self.stop(self.end.why)
-        if now - self.looked >= (0.05 if request.tree else 0.01):
+        if now >= self.seconds + self.grace:
+            self.kill()
+        if now - self.looked >= (0.05 if self.tree else 0.01):
             self.looked = now
-            mb = resident_mb(self.pid) + sum(map(resident_mb, descendants(self.pid) if request.tree else ()))
+            mb = sum(map(resident_mb, marked(self.mark) if self.tree else [self.pid]))
             self.end.peak_mb = max(self.end.peak_mb, mb)
-            if mb > request.memory_mb:
-                self.stop("memory")
-        return False
+            if mb > self.memory_mb:
+                self.end.why = "memory"
+                self.kill()
 
-    def finish(self, status, seconds, largest_mb):
-        kill_group(self.pid, signal.SIGKILL)  # what it left behind
-        while any([self.read(stream) for stream in list(self.open)]):
-            pass
-        self.child.returncode = status
-        for stream in (self.child.stdout, self.child.stderr, self.child.stdin):
-            if stream is not None:
-                stream.close()
-        # Linux counts what this process had when it forked, too: a maximum no larger than that says nothing.
-        peak = largest_mb if largest_mb > self.least else 0
-        self.end.status, self.end.seconds, self.end.peak_mb = status, seconds, max(self.end.peak_mb, peak)
-        self.end.out, self.end.err = bytes(self.out), bytes(self.err)
-
-
-class Pool:
-    """Runs tasks, at most `jobs` at a time; `stopped()` is asked now and then and ends all."""
-
-    def __init__(self, jobs, stopped=lambda: False, tick=lambda: None):
-        self.jobs, self.stopped, self.tick = jobs, stopped, tick
-
-    def run(self, tasks):
-        waiting, running = deque(tasks), []
+    def wait(self, stopped):
         try:
-            while running or (waiting and not self.stopped()):
-                while waiting and len(running) < self.jobs and not self.stopped():
-                    self.step(waiting.popleft(), None, running)
-                self.wait(running)
-                for item in list(running):
-                    run, task = item
-                    if self.stopped() and run.end.why != "stopped":
-                        run.stop("stopped")
-                    if run.look():
-                        running.remove(item)
-                        self.step(task, run.end, running)
-                self.tick()
-        finally:
-            for run, _ in running:
-                run.stop("stopped")
-                while not run.look():
+            while True:
+                if self.open:
+                    for stream, _ in self.poll.poll(10):
+                        self.read(stream)
+                else:
                     time.sleep(0.001)
+                pid, self.end.status, usage = os.wait4(self.pid, os.WNOHANG)
+                if pid:
+                    break
+                if stopped():
+                    raise Stopped
+                self.keep_limits()
+        except BaseException:
+            self.kill()
+            os.waitpid(self.pid, 0)
+            raise
+        finally:
+            self.child.returncode = 0
+            self.end.seconds = time.monotonic() - self.begin
+            if self.tree:
+                kill_marked(self.mark)
+            kill_group(self.pid, signal.SIGKILL)  # what it left behind
+            for stream in list(self.open):
+                while self.read(stream):
+                    pass
+            self.child.stdout.close()
+            self.child.stderr.close()
+        if usage.ru_maxrss > self.least:
+            self.end.peak_mb = max(self.end.peak_mb, usage.ru_maxrss / 1024)
+        self.end.out, self.end.err = bytes(self.out), bytes(self.err)
+        return self.end
 
-    def step(self, task, end, running):
-        if end is not None and end.why == "stopped":
-            task.close()
-            return
-        try:
-            running.append((Running(task.send(end)), task))
-        except StopIteration:
-            pass
 
-    @staticmethod
-    def wait(running):
-        streams = {stream: run for run, _ in running for stream in run.open}
-        if not streams:
-            time.sleep(0.002 if running else 0)
-            return
-        for stream in select.select(list(streams), [], [], 0.01)[0]:
-            streams[stream].read(stream)
+def run(arguments, seconds=60.0, memory_mb=4096, grace=2.0, tree=False, stopped=lambda: False):
+    """The End of a process: after `seconds` it gets SIGTERM, `grace` seconds later SIGKILL. Raises Stopped."""
+    return Run(arguments, seconds, memory_mb, grace, tree).wait(stopped)
 
 
-def guard(command, stub):
-    signal.signal(signal.SIGTERM, lambda *_: None)  # the program gets its own
-    if LIBC is not None:
-        LIBC.prctl(PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0)  # orphans come to this process, which finds and ends them
-    begin, output = time.monotonic(), os.pipe()
-    script = f'exec {command} "$0" -AMPL'
-    with open(os.devnull, "rb") as nothing:
-        child = subprocess.Popen(["/bin/sh", "-c", script, stub], stdin=nothing, stdout=output[1], stderr=output[1])
-    os.close(output[1])
-    open_ends, tail, status, usage = [0, output[0]], b"", None, None
-    while status is None:
-        for end in select.select(open_ends, [], [], 0.01)[0]:
-            data = os.read(end, 1 << 16)
-            if end == 0 and not data:
-                kill_descendants(os.getpid())
-                os._exit(3)
-            if not data:
-                open_ends.remove(end)
-            tail = (tail + data)[-400:] if end else tail
-        pid, code, use = os.wait4(child.pid, os.WNOHANG)
-        if pid:
-            status, usage = code, use
-    seconds = time.monotonic() - begin
-    kill_descendants(os.getpid())  # before the rest is read: they could write for ever
-    os.set_blocking(output[0], False)
-    try:
-        while data := os.read(output[0], 1 << 16):
-            tail = (tail + data)[-400:]
-    except OSError:
-        pass
-    words = one_line(tail.decode("utf-8", "replace"))
-    print(json.dumps({"status": status, "seconds": seconds, "peak_mb": usage.ru_maxrss / 1024, "said": words}))
+def run_all(jobs, work, items, stopped, tick=lambda: None):
+    """work(item) of all items, `jobs` at a time; the first exception, or what `stopped` says, ends it."""
+    if resource:  # no run leaves a core dump
+        resource.setrlimit(resource.RLIMIT_CORE, (0, resource.getrlimit(resource.RLIMIT_CORE)[1]))
+    command = [sys.executable, "-S", "-E", __file__, MARK]
+    guard = subprocess.Popen(command, stdin=subprocess.PIPE, start_new_session=True)
+    waiting, lock, failed = iter(items), threading.Lock(), []
+
+    def worker():
+        while not failed and not stopped():
+            with lock:
+                item = next(waiting, None)
+            if item is None:
+                return
+            try:
+                work(item)
+            except Stopped:
+                return
+            except BaseException as error:
+                failed.append(error)
+
+    threads = [threading.Thread(target=worker) for _ in range(jobs)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        while thread.is_alive():
+            thread.join(0.1)
+            tick()
+    guard.stdin.close()
+    guard.wait()
+    if failed:
+        raise failed[0]
 
 
 if __name__ == "__main__":
-    guard(*sys.argv[1:])
+    sys.stdin.buffer.read()
+    kill_marked(sys.argv[1], rounds=5)  # one that was forked just now bears its mark a moment later

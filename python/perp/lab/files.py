@@ -1,0 +1,222 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Files of a campaign: JSON, CSV, files written whole or not at all, a lock, and the journal of its finished cells.
+
+The journal, DIR/cells.jsonl, has a line for each finished cell and only grows:
+
+    {"cell":{...},"crc":"xxxxxxxx"}
+
+with zlib's CRC-32 of the text of the cell's object. A line that is torn, or whose text does not fit its CRC, does not
+count, wherever it stands. A line is on the disk when Journal.add() returns; one that could not be written is cut off.
+"""
+
+import contextlib
+import csv
+import io
+import json
+import math
+import os
+import re
+import tempfile
+import threading
+import zlib
+
+try:
+    import fcntl
+except ImportError:  # no lock where there is none
+    fcntl = None
+
+
+class InputError(Exception):
+    """What the user can mend: refused, with exit code 2."""
+
+
+class Environment(Exception):
+    """The machine failed, as when its disk is full: nothing is booked any more."""
+
+
+class NotSeen(Environment):
+    """A process was killed by somebody else, or left nothing: its cell stays open, and others go on."""
+
+
+# JSON, where infinities and NaN are words.
+
+WORDS = {"inf": math.inf, "-inf": -math.inf, "nan": math.nan}
+
+
+def to_json(value):
+    if isinstance(value, float) and not math.isfinite(value):
+        return "nan" if math.isnan(value) else "inf" if value > 0 else "-inf"
+    if isinstance(value, dict):
+        return {key: to_json(item) for key, item in value.items()}
+    return [to_json(item) for item in value] if isinstance(value, (list, tuple)) else value
+
+
+def number(value):
+    """A number of JSON as a float: NaN for null."""
+    return math.nan if value is None else WORDS[value] if isinstance(value, str) else float(value)
+
+
+def compact(value):
+    return json.dumps(to_json(value), separators=(",", ":"), ensure_ascii=False, allow_nan=False)
+
+
+def pretty(value):
+    return json.dumps(to_json(value), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+# CSV.
+
+
+def csv_text(rows):
+    """RFC 4180. A text that a spreadsheet would compute gets an apostrophe before it."""
+    out = io.StringIO()
+    csv.writer(out, lineterminator="\n").writerows(map(field_text, row) for row in rows)
+    return out.getvalue()
+
+
+def field_text(value):
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, float):
+        return repr(to_json(value)).strip("'").removesuffix(".0")
+    guarded = isinstance(value, str) and value.startswith(tuple("=+-@\t\r")) and value not in WORDS
+    return f"'{value}" if guarded else value
+
+
+# Whole files.
+
+
+def crc_of(path):
+    with open(path, "rb") as file:
+        return f"{zlib.crc32(file.read()):08x}"
+
+
+def write_files(folder, files):
+    """Writes {name: text}, each whole or not at all: drafts of all are on the disk before the first is renamed."""
+    drafts = {}
+    mask = os.umask(0)
+    os.umask(mask)
+    try:
+        for name, text in files.items():
+            handle, draft = tempfile.mkstemp(prefix=".perp-", suffix=".part", dir=folder or ".")
+            drafts[draft] = os.path.join(folder, name)
+            with open(handle, "w", encoding="utf-8", errors="replace", newline="") as file:
+                file.write(text)
+                file.flush()
+                os.fsync(file.fileno())
+            os.chmod(draft, 0o666 & ~mask)
+        for draft, path in drafts.items():
+            os.replace(draft, path)
+        sync_folder(folder)
+    except BaseException:
+        for draft in drafts:
+            with contextlib.suppress(OSError):
+                os.unlink(draft)
+        raise
+
+
+def sync_folder(folder):
+    with contextlib.suppress(OSError):
+        handle = os.open(folder or ".", os.O_RDONLY)
+        with contextlib.suppress(OSError):
+            os.fsync(handle)
+        os.close(handle)
+
+
+def check_apart(outputs, inputs):
+    """No file that is written is one that is read, by whatever names and links, and no two of them are one."""
+
+    def places(path):
+        yield os.path.realpath(path)
+        with contextlib.suppress(OSError):
+            status = os.stat(path)
+            yield (status.st_dev, status.st_ino)
+
+    seen = {place: path for path in inputs if path for place in places(path)}
+    for path in outputs:
+        for place in set(places(path)):
+            if place in seen:
+                raise InputError(f"'{path}' is also '{seen[place]}': nothing is written over it")
+            seen[place] = path
+
+
+def take_folder(folder, fresh):
+    """Makes the folder, and holds it: the file that comes back is the lock, which goes with this process."""
+    if os.path.exists(folder) and not os.path.isdir(folder):
+        raise InputError(f"'{folder}' is a file")
+    try:
+        os.makedirs(folder, exist_ok=True)
+        names = [name for name in os.listdir(folder) if name not in ("lock", "work") and not name.startswith(".perp-")]
+        lock = open(os.path.join(folder, "lock"), "a+", encoding="ascii")
+    except OSError as error:
+        raise InputError(f"'{folder}' cannot be made: {error.strerror}") from error
+    if fresh and names:
+        holds = "campaign.json" in names
+        how = "holds a campaign: --resume goes on with it, --out DIR begins another" if holds else "is not empty: --out DIR names another"
+        raise InputError(f"'{folder}' {how}")
+    if fcntl is not None:
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError as error:
+            lock.seek(0)
+            raise InputError(f"'{folder}': another campaign is at work there (process {lock.read().strip()})") from error
+        lock.truncate(0)
+        lock.write(f"{os.getpid()}\n")
+        lock.flush()
+    return lock
+
+
+class Journal:
+    def __init__(self, folder):
+        self.path, self.lock = os.path.join(folder, "cells.jsonl"), threading.Lock()
+        self.file = os.open(self.path, os.O_RDWR | os.O_CREAT | os.O_APPEND, 0o666)
+        with open(self.path, "rb") as file:
+            text = file.read()
+        if text and not text.endswith(b"\n"):
+            os.ftruncate(self.file, text.rfind(b"\n") + 1)
+        os.fsync(self.file)
+        sync_folder(folder)
+
+    def add(self, cell):
+        with self.lock:
+            line, before = memoryview(cell_line(cell)), os.fstat(self.file).st_size
+            try:
+                while line:
+                    line = line[os.write(self.file, line) :]
+                os.fsync(self.file)
+            except OSError as error:
+                with contextlib.suppress(OSError):
+                    os.ftruncate(self.file, before)
+                raise Environment(f"{self.path}: {error.strerror}") from error
+
+
+def cell_line(cell):
+    text = compact(cell).encode("utf-8", "replace")
+    return b'{"cell":%s,"crc":"%08x"}\n' % (text, zlib.crc32(text))
+
+
+def read_cells(folder, kind):
+    """({key: cell}, what does not count and why); of two cells with one key the later. `kind` has KEYS and key()."""
+    path = os.path.join(folder, "cells.jsonl")
+    try:
+        with open(path, "rb") as file:
+            text = file.read().removeprefix(b"\xef\xbb\xbf")
+    except OSError as error:
+        raise InputError(f"'{path}' cannot be read") from error
+    cells, dropped = {}, []
+    *lines, last = text.split(b"\n")
+    for place, line in enumerate(lines + [last] * bool(last), 1):
+        match = re.fullmatch(rb'\{"cell":(.*),"crc":"([0-9a-f]{8})"\}', line, re.S)
+        try:
+            if match is None or place > len(lines):
+                raise ValueError("torn")
+            crc = zlib.crc32(match[1])
+            if crc != int(match[2], 16):
+                raise ValueError(f"its CRC is {crc:08x}, not {match[2].decode()}")
+            cell = json.loads(match[1])
+            if list(cell) != list(kind.KEYS):
+                raise ValueError("no cell of this kind of comparison")
+            cells[kind.key(cell)] = cell
+        except (ValueError, KeyError, TypeError) as error:
+            dropped.append(f"line {place}: {error}")
+    return cells, dropped
