@@ -120,43 +120,34 @@ def parse_shard(text):
     return int(match[1]), int(match[2])
 
 
-PROBLEM_FACTS = {"file": "file", "crc": "content (CRC)", "n": "size", "starts": "starts"}
-FLAGS = ("tol", "time_limit", "memory_limit_mb", "restarts", "seed", "starts")
+#: What may differ between cells of one campaign; of files the content counts.
+MAY_DIFFER = {"build", "libraries", "date", "command_line", "machine", "jobs", "shard", "file", "by_pattern"}
 
 
-def facts(campaign):
-    """{"methods" or the like: {name: {what: value}}}: what keeps cells apart. Jobs, build, machine and date may differ."""
-    found = {group: {label: {} for label in campaign[group]} for group in ("variants",) if group in campaign}
-    if "methods" in campaign:
-        found["methods"] = {
-            m["label"]: {"command": m.get("command", ""), **{f"option {k}": v for k, v in m["in_force"].items()}}
-            for m in campaign["methods"]
-        }
-    known = {key: what for key, what in PROBLEM_FACTS.items() if key != "file" or "methods" in campaign}
-    found["problems"] = {p["name"]: {what: p.get(key, "") for key, what in known.items()} for p in campaign["problems"]}
-    flags = {f"--{key.removesuffix('_mb').replace('_', '-')}": campaign[key] for key in FLAGS if key in campaign}
-    shards = parse_shard(campaign.get("shard"))[1]
-    found[""] = {"": {**flags, "number of shards": shards, "version of perp": campaign["version"]}}
-    return found
+def by_name(items):
+    return {item if isinstance(item, str) else item.get("label", item["name"]): item for item in items}
 
 
-def differences(before, now):
-    """What keeps cells of two campaigns apart, one line each."""
-
-    def some(these, others):
-        names = [name for name in these if name not in others]
-        return ", ".join(names[:5]) + (f" and {len(names) - 5} more" if len(names) > 5 else "")
-
-    lines, present = [], facts(now)
-    for group, there in facts(before).items():
-        here = present[group]
-        for names, where in ((some(there, here), "there but not here"), (some(here, there), "here but not there")):
-            lines += [f"{group} {where}: {names}"] if names else []
-        for name in there.keys() & here.keys():
-            for what, value in here[name].items():
-                old = there[name].get(what, "(none)")
-                if old != value:
-                    lines.append(f"{what}{' of ' + name if name else ''}: {old} there, {value} here")
+def differences(before, now, of=""):
+    """What keeps cells of two campaigns apart, one line each: what campaign.json says, but for MAY_DIFFER."""
+    lines = []
+    for key, there in before.items():
+        here = now.get(key, type(there)())
+        if key in MAY_DIFFER:
+            continue
+        if isinstance(there, list):
+            there, here = by_name(there), by_name(here)
+            for names, where in ((there.keys() - here, "there but not here"), (here.keys() - there, "here but not there")):
+                if names:
+                    more = f" and {len(names) - 5} more" if len(names) > 5 else ""
+                    lines.append(f"{key} {where}: {', '.join(sorted(names)[:5])}{more}")
+            for name in [name for name in there if name in here and isinstance(there[name], dict)]:
+                lines += differences(there[name], here[name], f" of {name}")
+        elif isinstance(there, dict):
+            lines += differences(there, here, of)
+        elif there != here:
+            what = key if of or key == "version" else "--" + key.removesuffix("_mb").replace("_", "-")
+            lines.append(f"{what}{of}: {there} there, {here} here")
     return lines
 
 
@@ -177,40 +168,29 @@ class Interrupt:
 
 
 class Campaign:
-    """A kind of campaign has NAME, COMMAND, KEYS and FILES (of its report), USUAL (its options), and the methods that raise
-    NotImplementedError here."""
+    """What a kind of campaign adds to this:
+
+    NAME, COMMAND, KEYS, FILES   the key in campaign.json, the command, the columns of a cell, the files of the report
+    USUAL           the options that campaign.json records, with their defaults
+    key(cell)       what tells a cell from others, in the order of KEYS
+    asked(before)   campaign.json by the words of the command line; what they leave open is as in `before`, if there is one
+    describe()      completes a new campaign by what only processes can say
+    table()         {key: what make() gets} of all cells, in the order in which they run
+    make(...)       a finished cell; raises NotSeen where there is none
+    show(cells, complete)   says and writes what came out; the exit code of a complete campaign
+    """
 
     def __init__(self, words, interrupt):
         self.words, self.interrupt, self.out, self.program = words, interrupt, words.out, Program(words.program)
         self.campaign, self.open, self.failed = None, [], False
-
-    @staticmethod
-    def key(cell):
-        """What tells a cell from others, in the order of KEYS."""
-        raise NotImplementedError
-
-    def asked(self, before):
-        """campaign.json of the words of the command line; what they leave open is as in `before`, if there is one."""
-        raise NotImplementedError
+        self.work_folder = os.path.join(os.path.abspath(self.out), "work")
 
     def describe(self):
-        """Completes a new campaign by what only processes can say."""
-
-    def table(self):
-        """{key: what make() gets} of all cells, in the order in which they run."""
-        raise NotImplementedError
-
-    def make(self, *what):
-        """The finished cell. Raises NotSeen where there is none."""
-        raise NotImplementedError
-
-    def show(self, cells, complete):
-        """Says and writes what came out; the exit code of a complete campaign."""
-        raise NotImplementedError
+        pass
 
     def values(self, before):
         """The options of USUAL: as given, else as before, else as usual."""
-        given = vars(self.words)
+        given = {**vars(self.words), "memory_limit_mb": self.words.memory_limit}
         return {key: (before or {}).get(key, usual) if given[key] is None else given[key] for key, usual in self.USUAL.items()}
 
     def stopped(self):
@@ -234,14 +214,11 @@ class Campaign:
         self.lock = take_folder(self.out, not before)
         if not before:
             write_files(self.out, {"campaign.json": pretty(self.campaign)})
-        self.work_folder = os.path.join(os.path.abspath(self.out), "work")
         return self.work(Journal(self.out))
 
     def check_same(self, before):
-        found = differences(before, self.campaign)
-        shards = before.get("shard", "all"), self.campaign.get("shard", "all")
-        if shards[0] != shards[1]:
-            found.append(f"--shard: {shards[0]} there, {shards[1]} here")
+        shards = ({"part": campaign.get("shard", "1/1")} for campaign in (before, self.campaign))
+        found = differences(before, self.campaign) + differences(*shards, " of the cells (--shard)")
         if found:
             lines = "\n  ".join(found)
             how = f"'--out {self.out} --resume' alone goes on as it was begun, another --out begins anew"
@@ -277,7 +254,7 @@ class Campaign:
             run_all(jobs, work, pending, self.stopped, progress.tick)
         except (Environment, OSError) as error:
             self.open.append(str(error))
-        progress.end()
+        progress.tick(last=True)
         shutil.rmtree(self.work_folder, ignore_errors=True)
         left = len(table) - len(cells)
         for why in dict.fromkeys(self.open[:5]):
@@ -311,34 +288,23 @@ class Progress:
 
     def __init__(self, total, cells, unsolvable):
         self.total, self.cells, self.unsolvable, self.before = max(total, 1), cells, unsolvable, len(cells)
-        self.begin, self.shown, self.shown_done, self.terminal = time.monotonic(), 0.0, len(cells), sys.stderr.isatty()
+        self.begin, self.shown, self.tenths, self.terminal = time.monotonic(), 0.0, -1, sys.stderr.isatty()
 
-    def line(self, seconds, done):
+    def tick(self, last=False):
+        seconds, done = time.monotonic() - self.begin, len(self.cells)
+        tenths = done * 10 // self.total
+        if not self.terminal and tenths == self.tenths and seconds - self.shown < 30 and not last:
+            return
+        self.shown, self.tenths = seconds, tenths
         words = Counter(word_of(cell, self.unsolvable) for cell in list(self.cells.values()))
         numbers = {name: sum(words[word] for word in of) for name, of in GROUPS.items()}
-        left = int(seconds / max(done - self.before, 1) * (self.total - done)) + 1
-        parts = [f"{done}/{self.total}", *(f"{name} {n}" for name, n in numbers.items() if n)]
+        text = "  ".join([f"{done}/{self.total}", *(f"{name} {n}" for name, n in numbers.items() if n)])
         if self.before < done < self.total:
-            parts.append(f"{datetime.timedelta(seconds=left)} left" if left >= 60 else f"{left} s left")
-        return "  ".join(parts)
-
-    def tick(self):
-        seconds, done = time.monotonic() - self.begin, len(self.cells)
-        tenth = done * 10 // self.total > self.shown_done * 10 // self.total
-        if self.terminal or tenth or seconds - self.shown >= 30:
-            self.show(seconds, done)
-
-    def show(self, seconds, done):
-        self.shown, self.shown_done = seconds, done
-        text, width = self.line(seconds, done), shutil.get_terminal_size().columns
-        line = f"\r\033[K{text[: width - 1]}" if self.terminal else f"perp: {text}\n"
+            left = int(seconds / (done - self.before) * (self.total - done)) + 1
+            text += f"  {datetime.timedelta(seconds=left)} left"
+        width = shutil.get_terminal_size().columns
+        line = f"\r\033[K{'' if last else text[: width - 1]}" if self.terminal else f"perp: {text}\n"
         print(line, end="", file=sys.stderr, flush=True)
-
-    def end(self):
-        if self.terminal:
-            print("\r\033[K", end="", file=sys.stderr, flush=True)
-        elif self.shown_done != len(self.cells):
-            self.show(time.monotonic() - self.begin, len(self.cells))
 
 
 def print_table(headers, rows):

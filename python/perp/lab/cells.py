@@ -6,6 +6,7 @@ judge's word counts. Where there is no word of the judge, or where the machine f
 stays open, and `--resume` runs it again.
 """
 
+import itertools
 import json
 import math
 import os
@@ -24,6 +25,7 @@ OUTCOMES = (
     "solved", "solved-to-rounding", "failed", "false-convergence", "unclaimed", "time-limit", "memory-limit", "crashed",
     "garbage", "not-applicable", "infeasible", "false-infeasible",
 )  # fmt: skip
+NO_JUDGE = ("time-limit", "memory-limit", "crashed", "garbage", "not-applicable")
 COUNTS = ("iterations", "F_evals", "J_evals", "factorizations", "krylov_iterations")
 KEYS = (
     "method", "problem", "start", "outcome", "status", "claimed", "natural", *COUNTS, "seconds", "peak_mb", "restarts",
@@ -47,19 +49,9 @@ class Attempt:
     """How a run ended: what its process tells, what the method says, what the judge says."""
 
     end: End = field(default_factory=End)
-    complete: bool = True
-    refused: str = ""
-    out_of_memory: bool = False
-    status: str = ""
-    claimed: bool = False
-    to_rounding: bool = False  # the method says so
-    infeasible: bool = False
-    proven: bool = False
-    not_applicable: bool = False
-    time_limit: bool = False
-    crashed: str = ""
-    garbage: str = ""
+    claim: str = "failed"  # "solved", "to rounding", "infeasible", "proven infeasible", or an outcome that needs no judge
     message: str = ""
+    status: str = ""
     counts: tuple = (None,) * len(COUNTS)
     seconds: float = 0
     curve: tuple = ()
@@ -68,41 +60,32 @@ class Attempt:
     judged_to_rounding: bool = False
 
     def outcome(self, problem, campaign):
-        """The one word: limits, crashes, garbage; then what the method says, held against the judge and the known."""
-        solvable = problem["solvable"]
+        """(the one word, why): limits, crashes, garbage; then what the method says, held against the judge and the known."""
+        solvable, claim, megabytes = problem["solvable"], self.claim, f"more than {campaign['memory_limit_mb']} MB"
         holds = self.natural <= campaign["tol"] and solvable
-        if self.end.why == "memory" or self.out_of_memory or self.end.peak_mb > campaign["memory_limit_mb"]:
-            return "memory-limit"
-        if self.end.why == "time" or self.time_limit:
-            return "time-limit"
-        if not self.complete or self.crashed:
-            return "crashed"
-        if self.garbage:
-            return "garbage"
-        if self.not_applicable:
-            return "not-applicable"
-        if self.to_rounding and not holds:
-            return "solved-to-rounding" if self.judged_to_rounding and solvable else "false-convergence"
-        if self.claimed or self.to_rounding:
-            return "solved" if holds else "false-convergence"
-        if self.infeasible and (not solvable or (self.proven and not holds and problem["known_solutions"] == 0)):
-            return "infeasible"
-        if self.infeasible and (holds or not problem.get("file")):
-            return "false-infeasible"
-        return "unclaimed" if holds else "failed"
-
-    def words(self, outcome, problem, campaign):
-        why, megabytes = self.end.why, f"more than {campaign['memory_limit_mb']} MB"
-        if outcome == "time-limit" and why == "time":
-            limit = f"told to end after {campaign['time_limit']:g} s"
-            return limit if self.complete else f"killed after {self.end.seconds:.3g} s"
-        if outcome == "memory-limit":
-            return f"killed: {megabytes}" if why == "memory" else "out of memory" if self.out_of_memory else f"used {megabytes}"
-        if outcome in ("crashed", "garbage"):
-            return self.crashed or self.garbage
-        if outcome == "false-convergence" and not problem["solvable"]:
-            return f"there is no solution: {problem['no_solution']}; it says: {self.message}"
-        return f"refused: {self.refused}" if self.refused else self.message
+        if self.end.why == "memory":
+            return "memory-limit", f"killed: {megabytes}"
+        if claim == "memory-limit":
+            return claim, "out of memory"
+        if self.end.peak_mb > campaign["memory_limit_mb"]:
+            return "memory-limit", f"used {megabytes}"
+        if self.end.why == "time":
+            killed = f"killed after {self.end.seconds:.3g} s"
+            return "time-limit", killed if claim == "crashed" else f"told to end after {campaign['time_limit']:g} s"
+        if claim in NO_JUDGE:
+            return claim, self.message
+        if claim == "to rounding" and not holds and self.judged_to_rounding and solvable:
+            return "solved-to-rounding", self.message
+        if claim in ("solved", "to rounding"):
+            known = "" if solvable else f"there is no solution: {problem['no_solution']}; it says: "
+            return "solved" if holds else "false-convergence", known + self.message
+        denies = claim in ("infeasible", "proven infeasible")
+        proven = claim == "proven infeasible" and not holds and problem["known_solutions"] == 0
+        if denies and (not solvable or proven):
+            return "infeasible", self.message
+        if denies and (holds or not problem.get("file")):
+            return "false-infeasible", self.message
+        return "unclaimed" if holds else "failed", self.message
 
 
 def thinned(curve):
@@ -137,30 +120,27 @@ def crash_words(end):
     return end.words() + ("" if end.signal else ", no result")
 
 
+CLAIMS = {
+    "Solved": "solved", "SolvedToRounding": "to rounding", "Infeasible": "proven infeasible", "NotApplicable": "not-applicable",
+    "TimeLimit": "time-limit", "OutOfMemory": "memory-limit",
+}  # fmt: skip
+
+
 def attempt_of(end, name):
     """Of a `perp solve --json -`."""
-    result, answer = Attempt(end, seconds=end.seconds), answer_of(end, name)
+    answer = answer_of(end, name)
     if answer is None:
-        result.complete, result.message = False, end.said()
-        result.crashed = crash_words(end) if end.why == "itself" else ""
-        return result
-    status = result.status = answer["status"]
-    result.message = answer["message"]
-    result.time_limit, result.out_of_memory = status == "TimeLimit", status == "OutOfMemory"
+        return Attempt(end, "crashed", crash_words(end), seconds=end.seconds)
+    status, message = answer["status"], answer["message"]
     if "stats" not in answer:
-        result.seconds = 0
         if status == "InputError":
-            result.out_of_memory = ": out of memory" in result.message
-            result.refused, result.status = result.message, "Refused"
-        return result
-    result.claimed, result.to_rounding = status == "Solved", status == "SolvedToRounding"
-    result.infeasible = result.proven = status == "Infeasible"
-    result.not_applicable = status == "NotApplicable"
-    result.counts = tuple(answer["stats"][name] for name in COUNTS)
-    result.seconds = answer["stats"]["time_s"]
-    result.curve = thinned([number(it["residual"]) for it in answer["iterations"]])
-    result.x = [number(v["value"]) for v in answer["variables"]]
-    return result
+            claim = "memory-limit" if ": out of memory" in message else "failed"
+            return Attempt(end, claim, f"refused: {message}", "Refused")
+        return Attempt(end, CLAIMS.get(status, "failed"), message, status)
+    counts = tuple(answer["stats"][name] for name in COUNTS)
+    curve = thinned([number(it["residual"]) for it in answer["iterations"]])
+    x = [number(v["value"]) for v in answer["variables"]]
+    return Attempt(end, CLAIMS.get(status, "failed"), message, status, counts, answer["stats"]["time_s"], curve, x)
 
 
 # Points and .sol files.
@@ -207,62 +187,43 @@ class Garbage(Exception):
 
 def read_sol(data, variables):
     """(message, solve_result_num, x or None) of a .sol file, text or binary (Gay, Hooking your solver to AMPL, 1997)."""
-    if not data:
-        raise Garbage("it is empty")
     try:
         read = sol_binary if data.startswith(b"\6\0\0\0binary\6\0\0\0") else sol_text
-        message, sizes, duals, x, code = read(data)
+        message, (rows, duals, columns, values), found, x, code = read(data)
     except (IndexError, struct.error) as error:
         raise Garbage("it ends too early") from error
-    rows, dual_values, columns, values = sizes
+    except ValueError as error:
+        raise Garbage(f"{error}") from error
     if columns != variables:
         raise Garbage(f"for {columns} variables, the model has {variables}")
-    if rows < 0 or dual_values not in (0, rows) or values not in (0, columns):
-        raise Garbage(f"{dual_values} dual values for {rows} rows, {values} values for {columns} variables")
-    if (duals, len(x)) != (dual_values, values):
-        raise Garbage("a record of values has another length")
+    if rows < 0 or duals not in (0, rows) or values not in (0, columns) or (found, len(x)) != (duals, values):
+        raise Garbage(f"{duals} dual values for {rows} rows, {values} values for {columns} variables")
     return message, code, x or None
 
 
-def has_tolerance(announced, options):
-    return announced > 4 and len(options) > 1 and options[1] == 3  # two of those announced are a tolerance then
+def split_options(announced, numbers):
+    """(are two of the options a tolerance?, where the sizes begin) of the numbers after 'Options'."""
+    if not 0 <= announced <= 11:
+        raise ValueError(f"{announced} options")
+    tolerance = announced > 4 and numbers[1] == 3
+    return tolerance, announced - 2 * tolerance
 
 
 def sol_text(data):
-    *lines, cut = data.removeprefix(b"\xef\xbb\xbf").decode("utf-8", "replace").split("\n")
-    if cut:
-        raise Garbage("its last line is cut off")
-    lines = [line.rstrip("\r") for line in lines]
-    blank = lines.index("") if "" in lines else len(lines)
-    begin = next((k for k in range(blank, len(lines)) if lines[k] == "Options"), len(lines))
-    message, rest = "\n".join(line for line in lines[:begin] if line), lines[begin + 1 :]
-
-    def read(kind, n=1):
-        if n > len(rest):
-            raise IndexError
-        taken, rest[:n] = rest[:n], []
-        try:
-            if any("_" in word for word in taken):
-                raise ValueError
-            return [kind(word) for word in taken]
-        except ValueError as error:
-            what = "whole number" if kind is int else "number"
-            raise Garbage(f"one of '{' '.join(taken[:5]):.40}' is no {what}") from error
-
-    (announced,) = read(int)
-    if not 0 <= announced <= 11:
-        raise Garbage(f"{announced} options")
-    options = read(int, min(announced, 2))
-    tolerance = has_tolerance(announced, options)
-    read(int, max(announced - 2, 0) - 2 * tolerance)
-    sizes = read(int, 4)
-    read(float, int(tolerance))
-    duals = len(read(float, max(sizes[1], 0)))
-    x = read(float, max(sizes[3], 0))
-    match = re.fullmatch(r"objno\s+-?\d{1,9}\s+(-?\d{1,9})\s*", rest[0], re.A)
+    *lines, cut = data.removeprefix(b"\xef\xbb\xbf").decode("utf-8", "replace").replace("\r\n", "\n").split("\n")
+    if cut or not data:
+        raise ValueError("its last line is cut off" if cut else "it is empty")
+    at = lines.index("Options", lines.index("") if "" in lines else len(lines) - 1)
+    numbers = [int(line) for line in itertools.takewhile(lambda line: re.fullmatch(r"-?\d{1,9}", line), lines[at + 1 :])]
+    tolerance, first = split_options(numbers[0], numbers[1:])
+    sizes = numbers[1 + first : 5 + first]
+    begin = at + 6 + first + tolerance
+    duals, values = (max(sizes[k], 0) for k in (1, 3))
+    floats = [float(line) for line in lines[begin : begin + duals + values]]
+    match = re.fullmatch(r"objno\s+-?\d{1,9}\s+(-?\d{1,9})\s*", lines[begin + duals + values], re.A)
     if not match:
-        raise Garbage(f"'{rest[0]:.40}' where objno belongs")
-    return message, sizes, duals, x, int(match[1])
+        raise ValueError(f"'{lines[begin + duals + values]:.40}' where objno belongs")
+    return "\n".join(filter(None, lines[:at])), sizes, len(floats[:duals]), floats[duals:], int(match[1])
 
 
 def sol_binary(data):
@@ -273,24 +234,18 @@ def sol_binary(data):
         (length,) = struct.unpack_from("<I", data, at)
         content = data[at + 4 : at + 4 + length]
         if struct.unpack_from("<I", data, at + 4 + length)[0] != length:
-            raise Garbage("a record's two lengths differ")
+            raise ValueError("a record's two lengths differ")
         at += 8 + length
         return content
 
-    message = b""
-    while part := record():
-        message += part
-    options = record()
+    message = b"".join(iter(record, b""))
+    options, duals, values, objno = record(), record(), record(), record()
     if not options.startswith(b"Options"):
-        raise Garbage("no record of options")
+        raise ValueError("no record of options")
     announced, *numbers = (v for (v,) in struct.iter_unpack("<i", options[7 : 7 + (len(options) - 7) // 4 * 4]))
-    first = announced - 2 * has_tolerance(announced, numbers)
-    if not 0 <= announced <= 11 or len(numbers) < first + 4:
-        raise Garbage("its record of options is short")
-    duals, values = record(), record()
+    first = split_options(announced, numbers)[1]
     x = [v for (v,) in struct.iter_unpack("<d", values[: len(values) // 8 * 8])]
-    code = struct.unpack_from("<ii", record())[1]
-    return message.decode("utf-8", "replace"), numbers[first : first + 4], len(duals) // 8, x, code
+    return message.decode("utf-8", "replace"), numbers[first : first + 4], len(duals) // 8, x, struct.unpack_from("<ii", objno)[1]
 
 
 def with_tolerance(command, tol):
@@ -348,7 +303,7 @@ class CellRunner:
         tol, limit = self.campaign["tol"], self.campaign["time_limit"]
         if method["affine"] and not problem["affine"]:
             message = "the method is for affine problems, and this one does not say it is one"
-            return Attempt(not_applicable=True, message=message)
+            return Attempt(claim="not-applicable", message=message)
         margin = min(max(0.02 * limit, 0.05), 1.0)
         own = min(float(method["in_force"].get("time_limit", "inf")), max(1e-3, limit - margin))
         words = ["solve", source_of(problem), "--json", "-", "--log-level", "quiet", "--time-limit", repr(own)]
@@ -372,17 +327,17 @@ class CellRunner:
                 raise NotSeen(f"writing {source} as .nl file: {end.words()}")
             if end.code == 2:
                 probe(folder)
-                return Attempt(not_applicable=True, message="neither an .nl file nor written as one")
+                return Attempt(claim="not-applicable", message="neither an .nl file nor written as one")
         if point is not None:
             with open(stub + ".nl", encoding="latin-1") as file:
                 text = nl_with_start(file.read(), point)
             if text is None:
-                return Attempt(refused="the initial guess of a binary .nl file is not changed")
+                return Attempt(message="refused: the initial guess of a binary .nl file is not changed")
             with open(stub + ".nl", "w", encoding="latin-1") as file:
                 file.write(text)
         model = self.judge(f"the size of {stub}", stub + ".nl")
         if "own_variables" not in model:
-            return Attempt(refused=model.get("message", ""))
+            return Attempt(message=f"refused: {model.get('message')}")
         command = f'exec {with_tolerance(method["command"], self.campaign["tol"])} "$0" -AMPL 1>&2'
         end = self.run("/bin/sh", "-c", command, stub, tree=True)
         return attempt_of_sol(end, stub, model["own_variables"], folder, method["label"])
@@ -398,14 +353,13 @@ class CellRunner:
 
     def cell(self, method, problem, start):
         first = self.attempt(method, problem, start, 0)
-        outcome = after = first.outcome(problem, self.campaign)
-        restarts = 0
+        outcome, message = first.outcome(problem, self.campaign)
+        after, restarts = outcome, 0
         while problem["solvable"] and restarts < self.campaign["restarts"] and is_failure(after):
             restarts += 1
-            after = self.attempt(method, problem, start, restarts).outcome(problem, self.campaign)
-        message = one_line(first.words(outcome, problem, self.campaign))
-        values = (method["label"], problem["name"], start, outcome, first.status, first.claimed, first.natural, *first.counts)
-        rest = (first.seconds, first.end.peak_mb, restarts, after, message, list(first.curve))
+            after = self.attempt(method, problem, start, restarts).outcome(problem, self.campaign)[0]
+        values = (method["label"], problem["name"], start, outcome, first.status, first.claim == "solved", first.natural, *first.counts)
+        rest = (first.seconds, first.end.peak_mb, restarts, after, one_line(message), list(first.curve))
         return dict(zip(KEYS, (*values, *rest)))
 
 
@@ -421,14 +375,19 @@ def probe(folder):
         os.fsync(file.fileno())
 
 
+def claim_of_sol(code):
+    """What a solve_result_num says."""
+    ranges = {"solved": range(100), "to rounding": range(100, 200), "infeasible": range(200, 300), "not-applicable": (590,)}
+    return next((claim for claim, codes in ranges.items() if code in codes), "failed")
+
+
 def attempt_of_sol(end, stub, variables, folder, name):
     """Of an external program."""
     check_seen(end, name)
-    result = Attempt(end, seconds=end.seconds, complete=end.why == "itself" or end.signal != signal.SIGKILL)
     said = end.words() + (f"; it said: {end.said(400)}" if end.err else "")
     if end.signal:
-        result.crashed = said
-        return result
+        told = end.why != "itself" and end.signal != signal.SIGKILL
+        return Attempt(end, "failed" if told else "crashed", said, seconds=end.seconds)
     try:
         if not os.path.isfile(stub + ".sol"):
             raise Garbage("there is none")
@@ -440,14 +399,10 @@ def attempt_of_sol(end, stub, variables, folder, name):
         probe(folder)
         shell = end.code - 128  # what a shell says of a signal
         if 0 < shell < 65 and signal.strsignal(shell):
-            result.crashed = f"{signal_name(shell)} of what it ran; {said}"
-        else:
-            result.garbage = f".sol file: {error}; {said}"
-        return result
-    result.status, result.message, result.x = f"solve_result_num {code}", message, [] if variables == 0 else x
-    result.claimed, result.to_rounding = code in range(100), code in range(100, 200)
-    result.infeasible, result.not_applicable = code in range(200, 300), code == 590
-    return result
+            return Attempt(end, "crashed", f"{signal_name(shell)} of what it ran; {said}", seconds=end.seconds)
+        return Attempt(end, "garbage", f".sol file: {error}; {said}", seconds=end.seconds)
+    x = [] if variables == 0 else x
+    return Attempt(end, claim_of_sol(code), message, f"solve_result_num {code}", seconds=end.seconds, x=x)
 
 
 def settle(campaign, cells):

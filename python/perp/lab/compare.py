@@ -7,12 +7,11 @@ import os
 import re
 import sys
 
-from . import cells as cell_module
 from .campaign import (
     INTERRUPTED, REFUSED, SOLVED, UNSOLVED, Campaign, Interrupt, cores, count, differences, machine, need_packages, note, now,
     parse_shard, print_table, read_campaign, word_of,
 )  # fmt: skip
-from .cells import OUTCOMES, CellRunner, good, is_failure, settle
+from .cells import KEYS, OUTCOMES, CellRunner, good, is_failure, settle, source_of
 from .files import Environment, InputError, cell_line, check_apart, crc_of, pretty, read_cells, take_folder, write_files
 from .lists import described, external_method, select_methods, select_problems
 from .process import run_all
@@ -26,13 +25,10 @@ METHODS is a comma-separated list of NAME, NAME:key=value:key=value, presets, pu
 Names may contain * and ?. An item that begins with - is taken out of the list.
 
 Examples:
-  perp-compare --problems class:tiny --out tiny
   perp-compare --problems all,-class:pde --methods path,miles,semismooth:tol=1e-9 --starts 1
-  perp-compare --methods=presets,-gsl* --restarts 2 --out with-restarts
   perp-compare --problems 'models/*.nl' --external 'peer=./peer tol={tol}' --out peers
-  perp-compare --out tiny --resume                      after Ctrl-C, kill -9, a full disk or a power cut
+  perp-compare --out peers --resume                     after Ctrl-C, kill -9, a full disk or a power cut
   perp-compare --problems all --shard 3/7 --out part3   the third of seven parts
-  perp-compare --problems class:tiny --baseline tiny/outcomes.csv --out again
   perp-compare contact --help                           variants on problems of contact with friction
   perp-compare facets --help                            what polygons cost in place of friction disks
   perp-compare ball --help                              the path of a ball by polygons and by Coulomb's law
@@ -61,46 +57,57 @@ def within(low, high, kind=float):
     return check
 
 
-def tolerance(parser, words, **usual):
-    parser.add_argument("--tol", type=within(1e-15, 1), metavar="TOL", help=words, **usual)
+NUMBERS = {  # of flags that commands have in common
+    "--tol": ("TOL", within(1e-15, 1)),
+    "--time-limit": ("SECONDS", within(0.01, 1e6)),
+    "--memory-limit": ("MB", within(16, 1 << 32, int)),
+    "--restarts": ("R", within(0, 1000, int)),
+    "--seed": ("N", within(0, 2**32 - 1, int)),
+    "--jobs": ("N", within(1, 1024, int)),
+}
 
 
-def time_limit(parser, words, **usual):
-    parser.add_argument("--time-limit", type=within(0.01, 1e6), metavar="SECONDS", help=words, **usual)
-
-
-def jobs_and_program(parser, words, **usual):
-    parser.add_argument("--jobs", type=within(1, 1024, int), metavar="N", help=words, **usual)
+def add_numbers(parser, usual=(), **flags):
+    """Flags of NUMBERS with their help, and with defaults, if there are any; --program, too."""
+    for name, words in flags.items():
+        flag = "--" + name.replace("_", "-")
+        metavar, kind = NUMBERS[flag]
+        parser.add_argument(flag, type=kind, metavar=metavar, help=words, default=dict(usual).get(name))
     parser.add_argument("--program", metavar="FILE", help="the program perp (PERP_PROGRAM, else perp on the PATH)")
 
 
-def campaign_flags(parser, folder, jobs):
-    memory = "limit of the resident memory of a run (4096)"
-    parser.add_argument("--memory-limit", dest="memory_limit_mb", type=within(16, 1 << 32, int), metavar="MB", help=memory)
+def add_folder(parser, folder):
     parser.add_argument("--out", default=folder, metavar="DIR", help=f"folder of the campaign ({folder})")
     parser.add_argument("--resume", action="store_true", help="go on with the campaign in DIR, with its options")
-    jobs_and_program(parser, f"number of runs at a time ({jobs})")
+
+
+MEMORY_WORDS = "limit of the resident memory of a run (4096)"
 
 
 def parser_of():
     kind = argparse.RawDescriptionHelpFormatter
     parser = argparse.ArgumentParser(prog="perp-compare", formatter_class=kind, epilog=COMPARE_WORDS, allow_abbrev=False)
     parser.description = "Compares methods on many problems: a campaign and its report."
-    parser.add_argument("--problems", metavar="PROBLEMS", help="which problems (all of the collection)")
-    parser.add_argument("--methods", metavar="METHODS", help="which methods (presets)")
-    parser.add_argument("--starts", metavar="all|K", help="all starts of each problem, or at most K (all)")
-    tolerance(parser, "tolerance of the judge, and of the methods unless their options set one (1e-6)")
-    time_limit(parser, "wall-clock limit of a run (60)")
-    restarts = "after a failure, up to R runs from perturbed starts (0)"
-    parser.add_argument("--restarts", type=within(0, 1000, int), metavar="R", help=restarts)
-    parser.add_argument("--seed", type=within(0, 2**32 - 1, int), metavar="N", help="seed of the perturbed starts (1)")
     external = "add a program that AMPL could call, as 'COMMAND stub -AMPL'; {tol} in COMMAND is the tolerance of --tol; may be repeated"
+    for flag, metavar, words in (
+        ("--problems", "PROBLEMS", "which problems (all of the collection)"),
+        ("--methods", "METHODS", "which methods (presets)"),
+        ("--starts", "all|K", "all starts of each problem, or at most K (all)"),
+        ("--shard", "K/N", "run part K of N of the cells, each part in a DIR of its own; 'perp-report' joins the parts"),
+        ("--baseline", "FILE.csv", "cells.csv or outcomes.csv of an earlier campaign: what is lost?"),
+    ):
+        parser.add_argument(flag, metavar=metavar, help=words)
     parser.add_argument("--external", action="append", default=[], metavar="NAME=COMMAND", help=external)
-    shard = "run part K of N of the cells, each part in a DIR of its own; 'perp-report' joins the parts"
-    parser.add_argument("--shard", metavar="K/N", help=shard)
-    baseline = "cells.csv or outcomes.csv of an earlier campaign: what is lost?"
-    parser.add_argument("--baseline", metavar="FILE.csv", help=baseline)
-    campaign_flags(parser, "comparison", "one for each core")
+    add_numbers(
+        parser,
+        tol="tolerance of the judge, and of the methods unless their options set one (1e-6)",
+        time_limit="wall-clock limit of a run (60)",
+        memory_limit=MEMORY_WORDS,
+        restarts="after a failure, up to R runs from perturbed starts (0)",
+        seed="seed of the perturbed starts (1)",
+        jobs="number of runs at a time (one for each core)",
+    )
+    add_folder(parser, "comparison")
     return parser
 
 
@@ -108,7 +115,7 @@ def parser_of():
 
 
 class Comparison(Campaign):
-    NAME, COMMAND, KEYS = "campaign", "perp-compare", cell_module.KEYS
+    NAME, COMMAND, KEYS = "campaign", "perp-compare", KEYS
     FILES = (
         "cells.csv", "cells.json", "outcomes.csv", "methods.csv", "pairs.csv", "profiles.csv", "summary.csv", "robustness.csv",
         "unsolvable.csv", "false_claims.csv", "curves.csv", "findings.txt", "report.json", "report.html",
@@ -186,7 +193,7 @@ class Comparison(Campaign):
         runner, refused = CellRunner(self.campaign, self.program, stopped=self.stopped), {}
 
         def describe(problem):
-            source = cell_module.source_of(problem)
+            source = source_of(problem)
             answer = runner.judge(source, source)
             if "residual" in answer:
                 problem.update(described(answer))
@@ -281,22 +288,17 @@ def read_baseline(path):
     """{(method, problem, start): outcome} of a cells.csv or outcomes.csv."""
     try:
         with open(path, encoding="utf-8-sig", newline="") as file:
-            header, *records = list(csv.reader(file)) or [[]]
+            records = list(csv.DictReader(file))
     except OSError as error:
         raise InputError(f"--baseline: '{path}': {error.strerror}") from error
-    columns, rows = ("method", "problem", "start", "outcome"), {}
-    for name in columns:
-        if name not in header:
-            raise InputError(f"{path}: no column '{name}'")
+    rows = {}
     for line, record in enumerate(records, 2):
-        if len(record) != len(header):
-            raise InputError(f"{path}: record {line} has {len(record)} fields, the header {len(header)}")
-        method, problem, start, outcome = (record[header.index(name)].removeprefix("'") for name in columns)
-        if not start.isdecimal():
-            raise InputError(f"{path}: record {line}: '{start}' is no start")
-        if outcome not in OUTCOMES:
-            raise InputError(f"{path}: record {line}: '{outcome}' is no outcome")
+        method, problem, start, outcome = ((record.get(name) or "").removeprefix("'") for name in (*KEYS[:3], "outcome"))
+        if None in record or None in record.values() or not start.isdecimal() or outcome not in OUTCOMES:
+            raise InputError(f"{path}: record {line} is not of a comparison: method, problem, start and outcome are asked for")
         rows[method, problem, int(start)] = outcome
+    if not rows:
+        raise InputError(f"{path}: there is no record in it")
     return rows
 
 
@@ -325,7 +327,8 @@ def join_shards(folders, out):
         part = read_campaign(folder, Comparison)
         number, of = parse_shard(part.get("shard"))
         campaign = campaign or part
-        if found := differences(campaign, part):
+        parts = ({"number": parse_shard(one.get("shard"))[1]} for one in (campaign, part))
+        if found := differences(campaign, part) + differences(*parts, " of shards"):
             listed = "\n  ".join(found)
             raise InputError(f"'{folders[0]}' and '{folder}' are of different campaigns:\n  {listed}")
         if number in shards:

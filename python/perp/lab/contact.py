@@ -14,7 +14,7 @@ from statistics import geometric_mean
 
 from .campaign import SOLVED, Campaign, count, machine, print_table
 from .cells import answer_of, crash_words
-from .compare import campaign_flags, time_limit, tolerance
+from .compare import MEMORY_WORDS, add_folder, add_numbers
 from .files import InputError, crc_of, csv_text, number, pretty, write_files
 from .process import one_line, run
 
@@ -194,10 +194,10 @@ class Shown:
         if any(self.exact.values()) and not all(self.exact.values()):
             charts.insert(0, self.chart("contact-exact", "Coulomb's exact law", exact_only=True))
         legend = [{"m": k, "style": k, "name": name, "on": True} for k, name in enumerate(self.names)]
-        columns = [report.column(name, tip, k > 3) for k, (name, tip) in enumerate(COLUMNS.items())]
-        lines = [[report.cell(words) for words in self.line(v)] for v in self.variants]
+        words = ("judged by", "solved", "solved by")
+        variants = report.table("Variants", COLUMNS, [self.line(v) for v in self.variants], words=words)
         sections = [
-            report.section("variants", "Variants", report.table("Variants", columns, lines)),
+            report.section("variants", "Variants", variants),
             report.section("profiles", "Performance profiles", {"legend": legend, "charts": [{"charts": charts}]}),
             report.section("problems", "Every problem", self.cells_table(report)),
         ]
@@ -212,7 +212,7 @@ class Shown:
     def cells_table(self, report):
         rows = []
         for p in self.problems:
-            row = [report.cell(os.path.basename(p)), report.cell(self.contacts(p))]
+            row = [os.path.basename(p), self.contacts(p)]
             mine = [self.table.get((v, p)) for v in self.variants]
             best = min((c["seconds"] for c in mine if c and c["exact"] and c["outcome"] == "solved"), default=0)
             for c in mine:
@@ -221,8 +221,8 @@ class Shown:
                 css = ("best" if c["exact"] and c["seconds"] <= best else "") if solved else "soft" if c is None else "bad"
                 row.append(report.cell(words, c["seconds"] if solved else None, css, c["message"] if c else ""))
             rows.append(row)
-        columns = [report.column("problem", number=False), report.column("contacts"), *map(report.column, self.variants)]
-        return report.table("Time of the solve; where the law is not Coulomb's, also the error of Coulomb's law", columns, rows)
+        caption = "Time of the solve; where the law is not Coulomb's, also the error of Coulomb's law"
+        return report.table(caption, dict.fromkeys(("problem", "contacts", *self.variants), ""), rows)
 
     def files(self):
         whole = {"program": "perp", "version": self.campaign["version"], "schema": "perp/contact-cells/1", "cells": self.cells}
@@ -239,7 +239,7 @@ def compare_contact(arguments, interrupt):
     parser.add_argument("problems", nargs="*", metavar="PROBLEM", help="files of FCLIB or Siconos, or NAME:SIZE[:SEED[:MU]]")
     variants = f"FORMULATION[+METHOD][/WORD]...; * as METHOD is every method, * as WORD every form; default {DEFAULT}"
     parser.add_argument("--variants", metavar="LIST", help=variants)
-    tolerance(parser, "tolerance (1e-8)")
-    time_limit(parser, "limit of each run (30)")
-    campaign_flags(parser, "contact-comparison", "1, so that times can be compared")
+    limits = {"tol": "tolerance (1e-8)", "time_limit": "limit of each run (30)", "memory_limit": MEMORY_WORDS}
+    add_numbers(parser, **limits, jobs="number of runs at a time (1, so that times can be compared)")
+    add_folder(parser, "contact-comparison")
     return ContactComparison(parser.parse_args(arguments), interrupt).run()

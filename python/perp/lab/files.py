@@ -125,19 +125,13 @@ def sync_folder(folder):
 
 def check_apart(outputs, inputs):
     """No file that is written is one that is read, by whatever names and links, and no two of them are one."""
-
-    def places(path):
-        yield os.path.realpath(path)
-        with contextlib.suppress(OSError):
-            status = os.stat(path)
-            yield (status.st_dev, status.st_ino)
-
-    seen = {place: path for path in inputs if path for place in places(path)}
-    for path in outputs:
-        for place in set(places(path)):
-            if place in seen:
-                raise InputError(f"'{path}' is also '{seen[place]}': nothing is written over it")
-            seen[place] = path
+    seen = {}
+    for path in [*filter(None, inputs), *outputs]:
+        status = os.stat(path) if os.path.exists(path) else None
+        place = (status.st_dev, status.st_ino) if status else os.path.realpath(path)
+        if place in seen and path in outputs:
+            raise InputError(f"'{path}' is also '{seen[place]}': nothing is written over it")
+        seen[place] = path
 
 
 def take_folder(folder, fresh):
@@ -148,21 +142,21 @@ def take_folder(folder, fresh):
         os.makedirs(folder, exist_ok=True)
         names = [name for name in os.listdir(folder) if name not in ("lock", "work") and not name.startswith(".perp-")]
         lock = open(os.path.join(folder, "lock"), "a+", encoding="ascii")
+        lock.seek(0)
     except OSError as error:
         raise InputError(f"'{folder}' cannot be made: {error.strerror}") from error
+    if fresh and "campaign.json" in names:
+        raise InputError(f"'{folder}' holds a campaign: --resume goes on with it, --out DIR begins another")
     if fresh and names:
-        holds = "campaign.json" in names
-        how = "holds a campaign: --resume goes on with it, --out DIR begins another" if holds else "is not empty: --out DIR names another"
-        raise InputError(f"'{folder}' {how}")
-    if fcntl is not None:
-        try:
+        raise InputError(f"'{folder}' is not empty: --out DIR names another")
+    try:
+        if fcntl is not None:
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError as error:
-            lock.seek(0)
-            raise InputError(f"'{folder}': another campaign is at work there (process {lock.read().strip()})") from error
-        lock.truncate(0)
-        lock.write(f"{os.getpid()}\n")
-        lock.flush()
+    except OSError as error:
+        raise InputError(f"'{folder}': another campaign is at work there (process {lock.read().strip()})") from error
+    lock.truncate(0)
+    lock.write(f"{os.getpid()}\n")
+    lock.flush()
     return lock
 
 

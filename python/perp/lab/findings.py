@@ -22,7 +22,7 @@ from .compare import Comparison as Campaign
 from .files import read_cells
 
 MEASURES = {"seconds": "time", "F_evals": "evaluations of F", "factorizations": "factorizations"}
-FLOOR = {"seconds": 1e-3, "F_evals": 1, "factorizations": 1, "iterations": 1}  # costs below count as this: nothing to compare
+FLOOR = {"iterations": 1, "F_evals": 1, "factorizations": 1, "seconds": 1e-3}  # costs below count as this: nothing to compare
 FEW_PAIRS = 5
 # What another BLAS or processor does to the difference of two methods: of 403 pairs smooth solves 384 to 390, others vary
 # by at most 2 (bench/results/collection.md): 6 and 2 together.
@@ -228,46 +228,27 @@ def comparisons(data):
     return found
 
 
-# A comparison in one line a method.
-
-
-@dataclass
-class Row:
-    method: int
-    solved: int
-    after: int  # with restarts
-    quickest: int
-    within_two: int
-    fewest_F: int
-    means: dict  # geometric, over the common pairs: iterations and the measures; NaN if not known
-
-
-@dataclass
-class Summary:
-    rows: list
-    pairs: int
-    common: int
-
-
 def summary(data, c):
+    """{method: {column of summary.csv: value}}; means are geometric, over the pairs that all with a mean solve."""
+
     def lead(measure, m, within):
         of = c.profiles[measure]
         return reached(of["performance"][of["methods"].index(m)], within) if m in of["methods"] else 0
 
     def mean(measure, m):
         values = data.raw[measure][m, common]
-        return float(np.exp(np.log(np.maximum(values, FLOOR[measure])).mean())) if m in part and len(common) else math.nan
+        return float(np.exp(np.log(np.maximum(values, FLOOR[measure])).mean())) if m in part and common else math.nan
 
     solved = {m: data.count(m, c.pairs) for m in c.methods}
     # Others would leave too few common pairs.
     part = [m for m in c.methods if solved[m] and 4 * solved[m] >= 3 * max(solved.values())]
     common = [p for p in c.pairs if part and data.solved[part, p].all()]
-    rows = []
+    rows = {}
     for m in c.methods:
-        leads = lead("seconds", m, 1), lead("seconds", m, 2), lead("F_evals", m, 1)
-        means = {measure: mean(measure, m) for measure in ("iterations", *MEASURES)}
-        rows.append(Row(m, solved[m], int(data.after[m, c.pairs].sum()), *leads, means))
-    return Summary(rows, len(c.pairs), len(common))
+        rows[m] = {"solved": solved[m], "pairs": len(c.pairs), "with_restarts": int(data.after[m, c.pairs].sum())}
+        rows[m] |= {"quickest": lead("seconds", m, 1), "within_two": lead("seconds", m, 2), "fewest_F": lead("F_evals", m, 1)}
+        rows[m] |= {"common": len(common), **{f"mean_{measure}": mean(measure, m) for measure in FLOOR}}
+    return rows
 
 
 def clear(data, pairs, a, b):
@@ -408,12 +389,11 @@ def most_solved_beside(whose):
 
 
 def cheapest(data, c):
-    rows = {row.method: row for row in summary(data, c).rows}
-    if len(c.methods) < 2 or not any(row.solved for row in rows.values()):
+    rows = summary(data, c)
+    if len(c.methods) < 2 or not any(row["solved"] for row in rows.values()):
         return ""
-    quick, within, fewest = (
-        Lead(data, c, value=lambda m, name=name: getattr(rows[m], name)) for name in ("quickest", "within_two", "fewest_F")
-    )
+    names = ("quickest", "within_two", "fewest_F")
+    quick, within, fewest = (Lead(data, c, value=lambda m, name=name: rows[m][name]) for name in names)
     text = f"Quickest most often {'is' if len(quick.first) == 1 else 'are'} {quick.names} (on {quick.most}; times below 1 ms are ties)"
     text += f", within twice the least time most often {within.names} (on {within.most})"
     if not fewest.most:
@@ -451,13 +431,14 @@ def cfunction_words(data, c):
     if lead.second:
         doubt = "" if lead.clear else " (no clear lead)"
         text = f"{lead.words()}, {of_pairs(lead.most, pairs)}; {lead.next_words()}{doubt}"
-    all_ = summary(data, c)
-    means = {c.name(data, row.method): row.means["F_evals"] for row in all_.rows if not math.isnan(row.means["F_evals"])}
-    if all_.common < FEW_PAIRS or len(means) < 2:
+    rows = summary(data, c)
+    common = max(row["common"] for row in rows.values())
+    means = {c.name(data, m): row["mean_F_evals"] for m, row in rows.items() if not math.isnan(row["mean_F_evals"])}
+    if common < FEW_PAIRS or len(means) < 2:
         return text + "."
     least, largest = min(means, key=means.get), max(means, key=means.get)
-    who = "all" if len(means) == len(all_.rows) else f"the best {len(means)} all"
-    text += f". On the {count(all_.common, 'pair')} that {who} solve "
+    who = "all" if len(means) == len(rows) else f"the best {len(means)} all"
+    text += f". On the {count(common, 'pair')} that {who} solve "
     if means[largest] < 1.05 * means[least]:
         return text + "their evaluations of F differ by less than 5 %."
     return f"{text}{least} needs the fewest evaluations of F (geometric mean {means[least]:.3g}), {largest} the most ({means[largest]:.3g})."

@@ -9,7 +9,6 @@ standard input, which is the end of the program that has started it, and kills w
 import contextlib
 import itertools
 import os
-import select
 import signal
 import subprocess
 import sys
@@ -17,10 +16,8 @@ import threading
 import time
 from dataclasses import dataclass
 
-try:
+with contextlib.suppress(ImportError):  # reports are made where processes have no limits, too
     import resource
-except ImportError:  # no limits where there are none
-    resource = None
 
 MIB = 1 << 20
 OUTPUT_LIMIT = 1 << 30  # of standard output; a result of ten million variables fits
@@ -105,112 +102,77 @@ def kill_group(pid, number):
         os.killpg(pid, number)
 
 
-class Run:
-    """One process. `tree`: it may start others, whose memory counts; else the address space is limited, too."""
-
-    def __init__(self, arguments, seconds, memory_mb, grace, tree):
-        self.seconds, self.memory_mb, self.grace, self.tree = seconds, memory_mb, grace, tree
-        self.mark, self.end, self.told, self.looked = f"{MARK}{next(NUMBERS)}.", End(), False, 0.0
-        # Linux counts the memory of the process that forked, too: a maximum no larger than that says nothing.
-        self.least = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss if resource else 0
-        environment = {**os.environ, **ONE_THREAD, NAME: self.mark}
-        pipes = {"stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
-        self.child = subprocess.Popen(arguments, env=environment, start_new_session=True, **pipes)
-        self.pid, self.begin = self.child.pid, time.monotonic()
-        if not tree and hasattr(resource, "prlimit"):  # for what grows faster than one can look; reserved is not used
-            limit = int(2 * MIB * memory_mb) + 1024 * MIB
-            with contextlib.suppress(OSError, ValueError):
-                resource.prlimit(self.pid, resource.RLIMIT_AS, (limit, limit))
-        self.open = {stream.fileno(): bytearray() for stream in (self.child.stdout, self.child.stderr)}
-        self.out, self.err = self.open.values()
-        self.poll = select.poll()
-        for stream in self.open:
-            os.set_blocking(stream, False)
-            self.poll.register(stream, select.POLLIN)
-
-    def read(self, stream):
-        """Takes what is there; false when there is nothing more for now."""
-        try:
-            data = os.read(stream, 1 << 16)
-        except BlockingIOError:
-            return False
-        except OSError:
-            data = b""
-        if not data:
-            self.poll.unregister(stream)
-            del self.open[stream]
-            return False
-        self.open[stream] += data
-        del self.err[:-TAIL]
-        if len(self.out) > OUTPUT_LIMIT:
-            self.kill()
-        return True
-
-    def kill(self):
-        kill_group(self.pid, signal.SIGSTOP)  # so that nobody starts another while one after the other dies
-        if self.tree:
-            kill_marked(self.mark)
-        kill_group(self.pid, signal.SIGKILL)
-
-    def keep_limits(self):
-        now = time.monotonic() - self.begin
-        if now >= self.seconds and not self.told:
-            self.told, self.end.why = True, "time"
-            kill_group(self.pid, signal.SIGTERM)
-        if now >= self.seconds + self.grace:
-            self.kill()
-        if now - self.looked >= (0.05 if self.tree else 0.01):
-            self.looked = now
-            mb = sum(map(resident_mb, marked(self.mark) if self.tree else [self.pid]))
-            self.end.peak_mb = max(self.end.peak_mb, mb)
-            if mb > self.memory_mb:
-                self.end.why = "memory"
-                self.kill()
-
-    def wait(self, stopped):
-        try:
-            while True:
-                if self.open:
-                    for stream, _ in self.poll.poll(10):
-                        self.read(stream)
-                else:
-                    time.sleep(0.001)
-                pid, self.end.status, usage = os.wait4(self.pid, os.WNOHANG)
-                if pid:
-                    break
-                if stopped():
-                    raise Stopped
-                self.keep_limits()
-        except BaseException:
-            self.kill()
-            os.waitpid(self.pid, 0)
-            raise
-        finally:
-            self.child.returncode = 0
-            self.end.seconds = time.monotonic() - self.begin
-            if self.tree:
-                kill_marked(self.mark)
-            kill_group(self.pid, signal.SIGKILL)  # what it left behind
-            for stream in list(self.open):
-                while self.read(stream):
-                    pass
-            self.child.stdout.close()
-            self.child.stderr.close()
-        if usage.ru_maxrss > self.least:
-            self.end.peak_mb = max(self.end.peak_mb, usage.ru_maxrss / 1024)
-        self.end.out, self.end.err = bytes(self.out), bytes(self.err)
-        return self.end
+def collect(stream, most, kept):
+    """Reads to the end, and keeps no more than the last part."""
+    with stream:
+        while data := stream.read1(1 << 16):
+            kept += data
+            if len(kept) > 2 * most:
+                del kept[:-most]
 
 
 def run(arguments, seconds=60.0, memory_mb=4096, grace=2.0, tree=False, stopped=lambda: False):
-    """The End of a process: after `seconds` it gets SIGTERM, `grace` seconds later SIGKILL. Raises Stopped."""
-    return Run(arguments, seconds, memory_mb, grace, tree).wait(stopped)
+    """The End of a process: after `seconds` it gets SIGTERM, `grace` seconds later SIGKILL. Raises Stopped.
+
+    tree: it may start others, whose memory counts, too; else its address space is limited.
+    """
+    mark, end, looked = f"{MARK}{next(NUMBERS)}.", End(), 0.0
+    # Linux counts the memory of the process that forked, too: a maximum no larger than that says nothing.
+    least = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    pipes = {"stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
+    child = subprocess.Popen(arguments, env={**os.environ, **ONE_THREAD, NAME: mark}, start_new_session=True, **pipes)
+    begin = time.monotonic()
+    if not tree and hasattr(resource, "prlimit"):  # for what grows faster than one can look; reserved is not used
+        limit = int(2 * MIB * memory_mb) + 1024 * MIB
+        with contextlib.suppress(OSError, ValueError):
+            resource.prlimit(child.pid, resource.RLIMIT_AS, (limit, limit))
+    out, err = bytearray(), bytearray()
+    streams = ((child.stdout, OUTPUT_LIMIT, out), (child.stderr, TAIL, err))
+    readers = [threading.Thread(target=collect, args=of, daemon=True) for of in streams]
+    for reader in readers:
+        reader.start()
+
+    def kill():
+        kill_group(child.pid, signal.SIGSTOP)  # so that nobody starts another while one after the other dies
+        if tree:
+            kill_marked(mark)
+        kill_group(child.pid, signal.SIGKILL)
+
+    while True:
+        pid, status, usage = os.wait4(child.pid, os.WNOHANG)
+        now = time.monotonic() - begin
+        if pid:
+            break
+        if end.why == "itself" and stopped():
+            end.why = "stopped"
+        if end.why == "itself" and now >= seconds:
+            end.why = "time"
+            kill_group(child.pid, signal.SIGTERM)
+        if now - looked >= (0.05 if tree else 0.01):
+            looked = now
+            mb = sum(map(resident_mb, marked(mark) if tree else [child.pid]))
+            end.peak_mb = max(end.peak_mb, mb)
+            end.why = "memory" if mb > memory_mb else end.why
+        if end.why in ("memory", "stopped") or now >= seconds + grace:
+            kill()
+        readers[0].join(0.002)  # most end when they close their output
+        if not readers[0].is_alive():
+            time.sleep(0.0005)
+    child.returncode, end.status, end.seconds = 0, status, now
+    kill()  # what it left behind
+    for reader in readers:
+        reader.join(1)
+    if end.why == "stopped":
+        raise Stopped
+    if usage.ru_maxrss > least:
+        end.peak_mb = max(end.peak_mb, usage.ru_maxrss / 1024)
+    end.out, end.err = bytes(out), bytes(err)
+    return end
 
 
 def run_all(jobs, work, items, stopped, tick=lambda: None):
     """work(item) of all items, `jobs` at a time; the first exception, or what `stopped` says, ends it."""
-    if resource:  # no run leaves a core dump
-        resource.setrlimit(resource.RLIMIT_CORE, (0, resource.getrlimit(resource.RLIMIT_CORE)[1]))
+    resource.setrlimit(resource.RLIMIT_CORE, (0, resource.getrlimit(resource.RLIMIT_CORE)[1]))  # no run leaves a dump
     command = [sys.executable, "-S", "-E", __file__, MARK]
     guard = subprocess.Popen(command, stdin=subprocess.PIPE, start_new_session=True)
     waiting, lock, failed = iter(items), threading.Lock(), []

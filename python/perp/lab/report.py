@@ -10,7 +10,7 @@ from .campaign import count
 from .cells import COUNTS, KEYS, with_tolerance
 from .files import compact, csv_text, pretty, to_json, write_files
 from .findings import (
-    MEASURES, UNSOLVABLE, Data, comparisons, false_claim, findings, given_cfunction, percent, robustness, summary, unsolvable,
+    FLOOR, MEASURES, UNSOLVABLE, Data, comparisons, false_claim, findings, given_cfunction, percent, robustness, summary, unsolvable,
 )  # fmt: skip
 
 COLOURS = ("#0072B2", "#D55E00", "#000000", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")  # of Okabe & Ito, without yellow
@@ -117,10 +117,6 @@ def parameter_chart(data, c):
 # Pieces of the page: what its template shows.
 
 
-def column(header, tip="", number=True):
-    return {"header": header, "tip": tip, "number": number}
-
-
 def cell(value, key=None, css="", tip=""):
     """`key` is what it is sorted by, unless that is its text. What is 0 or not known is pale."""
     if isinstance(value, float):
@@ -128,8 +124,11 @@ def cell(value, key=None, css="", tip=""):
     return {"text": str(value), "key": key, "css": f"{css} none" if value in (0, "-") else css, "tip": tip}
 
 
-def table(caption, columns, rows, css="", foot=None):
-    return {"table": {"caption": caption, "columns": columns, "rows": rows, "css": css, "foot": foot}}
+def table(caption, tips, rows, css="", foot=None, words=()):
+    """tips: {header: what it means}; rows: of values or cells. The first column and those of `words` are no numbers."""
+    columns = [{"header": name, "tip": tip, "number": k > 0 and name not in words} for k, (name, tip) in enumerate(tips.items())]
+    rows = [[one if isinstance(one, dict) else cell(one) for one in row] for row in [*rows, *([foot] if foot else [])]]
+    return {"table": {"caption": caption, "columns": columns, "rows": rows, "css": css, "foot": rows.pop() if foot else None}}
 
 
 def section(identity, title, *blocks, **more):
@@ -152,19 +151,18 @@ def machine_words(machine):
 
 def false_claims_table(wrong):
     names = ("method", "problem", "start", "what it is", "it said", "judge's residual", "message")
-    columns = [column(name, number=name in ("start", "judge's residual")) for name in names]
-
-    def row(c):
-        residual = "no point" if math.isnan(c["natural"]) else f"{c['natural']:.1e}"
-        values = [c["method"], c["problem"], c["start"], c["outcome"], c["status"], residual, c["message"]]
-        return [cell(value, css="bad" if k == 3 else "") for k, value in enumerate(values)]
-
-    return table("False claims", columns, [row(c) for c in wrong])
+    residuals = ("no point" if math.isnan(c["natural"]) else f"{c['natural']:.1e}" for c in wrong)
+    rows = [
+        [c["method"], c["problem"], c["start"], cell(c["outcome"], css="bad"), c["status"], residual, c["message"]]
+        for c, residual in zip(wrong, residuals)
+    ]
+    return table("False claims", dict.fromkeys(names, ""), rows, words=("problem", "what it is", "it said", "message"))
 
 
 def robustness_section(data):
-    rows, classes = robustness(data), data.classes()
-    extra = [(name, tip, k) for name, tip, k in (("not for it", "pairs that the method does not apply to", 3), ("unfinished", "", 4)) if any(row[1][k] for row in rows)]
+    rows, classes, pairs = robustness(data), data.classes(), data.solvable()
+    more = {"not for it": "pairs that the method does not apply to", "unfinished": ""}
+    extra = {name: k for k, name in enumerate(more, 3) if any(total[k] for _, total, _ in rows)}
 
     def failures(of, css=""):
         pairs, failed, after = of[:3]
@@ -174,24 +172,21 @@ def robustness_section(data):
 
     lines = []
     for m, total, by_class in rows:
-        solved, pairs = total[0] - total[1], total[0]
-        share = cell(percent(solved, pairs), solved / max(pairs, 1))
-        lines.append([cell(data.methods[m]), failures(total, "total"), share, *map(failures, by_class), *(cell(total[k]) for *_, k in extra)])
-    columns = [column("method", number=False), *map(column, ("total", "solved", *classes)), *(column(*e[:2]) for e in extra)]
-    pairs = data.solvable()
-    sizes = [int((data.classes_of[pairs] == cls).sum()) for cls in classes]
-    foot = [cell(words) for words in ("pairs", len(pairs), "", *sizes, *[""] * len(extra))]
+        share = cell(percent(total[0] - total[1], total[0]), (total[0] - total[1]) / max(total[0], 1))
+        lines.append([data.methods[m], failures(total, "total"), share, *map(failures, by_class), *(total[k] for k in extra.values())])
+    tips = dict.fromkeys(("method", "total", "solved", *classes), "") | {name: more[name] for name in extra}
+    foot = ["pairs", len(pairs), "", *(int((data.classes_of[pairs] == cls).sum()) for cls in classes), *[""] * len(extra)]
     caption = "Failures by method and class; in parentheses: left after restarts"
-    return section("robustness", "Robustness", table(caption, columns, lines, "dense", foot), restarts=data.campaign["restarts"])
+    return section("robustness", "Robustness", table(caption, tips, lines, "dense", foot), restarts=data.campaign["restarts"])
 
 
 def unsolvable_section(data):
     rows = unsolvable(data)
     shown = [name for k, name in enumerate(UNSOLVABLE) if k < 4 or any(of[name] for _, of in rows)]
-    columns = [column("method", number=False), *(column(name.replace("_", " "), UNSOLVABLE[name]) for name in shown)]
-    lines = [[cell(data.methods[m]), *(cell(of[name], css="bad" * (name == "wrong" and of[name] > 0)) for name in shown)] for m, of in rows]
+    tips = {"method": "", **{name.replace("_", " "): UNSOLVABLE[name] for name in shown}}
+    lines = [[data.methods[m], *(cell(of[name], css="bad" * (name == "wrong" and of[name] > 0)) for name in shown)] for m, of in rows]
     proven = ", ".join(f"{p['name']} (by {p['denied_by']})" for p in data.problems.values() if p.get("denied_by"))
-    block = table("Problems without a solution: how the runs ended", columns, lines)
+    block = table("Problems without a solution: how the runs ended", tips, lines)
     return section("unsolvable", "Problems without a solution", block, pairs=count(len(data.solvable(False)), "pair"), proven=proven)
 
 
@@ -227,21 +222,22 @@ def comparison_section(data, c, style):
     return section(c.id, c.title, {"text": words}, {"legend": legend, "charts": charts}, parameters, *summary_blocks(data, c), part=True)
 
 
+SUMMARY = {
+    "solved": "pairs", "share": "", "with restarts": "pairs solved by the run or one of its restarts",
+    "quickest": "pairs on which no method takes less time", "within 2x": "pairs on which it takes at most twice the least time",
+    "fewest F": "pairs on which no method evaluates F less often", "iterations*": "", "F*": "", "factorizations*": "", "seconds*": "",
+}  # fmt: skip
+
+
 def summary_blocks(data, c):
-    all_ = summary(data, c)
-    tips = {
-        "solved": "pairs", "share": "", "with restarts": "pairs solved by the run or one of its restarts",
-        "quickest": "pairs on which no method takes less time", "within 2x": "pairs on which it takes at most twice the least time",
-        "fewest F": "pairs on which no method evaluates F less often", "iterations*": "", "seconds*": "", "F*": "", "factorizations*": "",
-    }  # fmt: skip
-    columns = [column("C-function" if c.id.startswith("cfunctions") else "method", number=False)]
-    rows = []
-    for row in all_.rows:
-        share = cell(percent(row.solved, all_.pairs), row.solved)
-        numbers = row.after, row.quickest, row.within_two, row.fewest_F, *row.means.values()
-        rows.append([cell(c.name(data, row.method)), cell(row.solved), share, *map(cell, numbers)])
-    words = f"Of {count(all_.pairs, 'pair')}. * geometric mean over the {count(all_.common, 'pair')} that all methods with a mean solve. These are the methods that solve at least three quarters of what the best solves. What is below 1 counts as 1, times below 1 ms as 1 ms."
-    return [table(f"{c.title}: in numbers", columns + [column(*item) for item in tips.items()], rows), {"text": words}]
+    lines = []
+    for m, row in summary(data, c).items():
+        solved, pairs, *leads, common = [*row.values()][:7]
+        share = cell(percent(solved, pairs), solved)
+        lines.append([c.name(data, m), solved, share, *leads, *[*row.values()][7:]])
+    words = f"Of {count(pairs, 'pair')}. * geometric mean over the {count(common, 'pair')} that all methods with a mean solve. These are the methods that solve at least three quarters of what the best solves. What is below 1 counts as 1, times below 1 ms as 1 ms."
+    tips = {"C-function" if c.id.startswith("cfunctions") else "method": "", **SUMMARY}
+    return [table(f"{c.title}: in numbers", tips, lines), {"text": words}]
 
 
 def how(data):
@@ -348,14 +344,13 @@ def tables(data, all_comparisons):
     for m, total, classes in robustness(data):
         robust += [(data.methods[m], cls, *of[:3]) for cls, of in zip((*data.classes(), "total"), (*classes, total))]
     without = [("method", *UNSOLVABLE), *((data.methods[m], *of.values()) for m, of in unsolvable(data))]
-    summaries = [("comparison", "method", "solved", "pairs", "with_restarts", "quickest", "within_two", "fewest_F", "common", "mean_iterations", "mean_F_evals", "mean_factorizations", "mean_seconds")]
+    numbers = ("solved", "pairs", "with_restarts", "quickest", "within_two", "fewest_F", "common", *(f"mean_{name}" for name in FLOOR))
+    summaries = [("comparison", "method", *numbers)]
     profiles = [("comparison", "kind", "cost", "method", "x", "count", "of")]
     for c in all_comparisons:
-        all_ = summary(data, c)
-        for row in all_.rows:
-            means = [row.means[key] for key in ("iterations", "F_evals", "factorizations", "seconds")]
-            numbers = row.solved, all_.pairs, row.after, row.quickest, row.within_two, row.fewest_F, all_.common
-            summaries.append((c.id, data.methods[row.method], *numbers, *(None if math.isnan(v) else v for v in means)))
+        for m, row in summary(data, c).items():
+            known = (None if isinstance(v, float) and math.isnan(v) else v for v in row.values())
+            summaries.append((c.id, data.methods[m], *known))
         for measure, of in c.profiles.items():
             for kind in ("performance", "data"):
                 for m, profile in zip(of["methods"], of[kind]):

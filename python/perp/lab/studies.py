@@ -14,7 +14,7 @@ import sys
 from statistics import linear_regression, median
 
 from .campaign import INTERRUPTED, SOLVED, UNSOLVED, Program, count, print_table
-from .compare import jobs_and_program, time_limit, tolerance
+from .compare import add_numbers
 from .contact import run_contact, seconds
 from .files import InputError, NotSeen, check_apart, number, pretty, write_files
 from .process import run_all
@@ -168,9 +168,8 @@ def facets(arguments, interrupt):
     whole = "numbers of facets, from 3"
     parser.add_argument("--facets", required=True, type=lambda text: numbers(text, 3, 1000), metavar="K,K,...", help=whole)
     parser.add_argument("--form", choices=("reduced", "mixed"), default="reduced", help="an LCP, or an MLCP with r_T free (reduced)")
-    tolerance(parser, "on the natural residual of the affine problems (1e-9)", default=1e-9)
-    time_limit(parser, "limit of each run (30)", default=30.0)
-    jobs_and_program(parser, "number of problems at a time (1)", default=1)
+    usual, tol = {"tol": 1e-9, "time_limit": 30.0, "jobs": 1}, "on the natural residual of the affine problems (1e-9)"
+    add_numbers(parser, usual, tol=tol, time_limit="limit of each run (30)", jobs="number of problems at a time (1)")
     parser.add_argument("--svg", metavar="FILE", help="draw the errors over K")
     parser.add_argument("--json", metavar="FILE", help="write the study as JSON")
     words = parser.parse_args(arguments)
