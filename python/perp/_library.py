@@ -225,6 +225,12 @@ def check(code: int, error: Error) -> None:
         raise _KINDS.get(code, RuntimeError)(error.message.decode(errors="replace"))
 
 
+def call(function: Any, *arguments: Any) -> None:
+    """A function of C whose last argument is the error."""
+    error = Error()
+    check(function(*arguments, ctypes.byref(error)), error)
+
+
 class Handle:
     """A handle of C; what it stands on stays as long as it does. The classes are lib.Problem, lib.Result, ..."""
 
@@ -244,7 +250,7 @@ def _handle_class(name: str, free: Any) -> type[Handle]:
 
 def made(function: Any, kind: type[Handle], *arguments: Any, kept: Any = None) -> Handle:
     """The handle that a function makes."""
-    pointer, error = c_void_p(), Error()
-    check(function(*arguments, ctypes.byref(pointer), ctypes.byref(error)), error)
+    pointer = c_void_p()
+    call(function, *arguments, ctypes.byref(pointer))
     assert pointer.value is not None
     return kind(pointer.value, kept)

@@ -17,7 +17,7 @@ import numpy.typing as npt
 from perp import _arrays, _library, _session
 from perp._arrays import address, bound, copies_of, finite, kind, matrix, split_bounds, vector
 from perp._functions import NO_J, Functions, jacobian_argument, live, on_F, on_J, with_args
-from perp._library import INTERFACE, Handle, check, made
+from perp._library import INTERFACE, Handle, call, check, made
 from perp._result import (
     AllSolutions,
     Fields,
@@ -54,20 +54,17 @@ def _option_text(key: str, value: object) -> str:
         return text(value, f"options: {key}")
     if isinstance(value, (bool, np.bool_)):
         return "yes" if value else "no"
-    if not isinstance(value, float):
-        if isinstance(value, SupportsIndex):
-            try:
-                return str(operator.index(value))
-            except TypeError:
-                pass  # an array of numpy's, which is one if it is of one integer
-        if isinstance(value, (str, bytes)) or not hasattr(value, "__float__"):
-            raise TypeError(f"options: {key} is of type {kind(value)}, and must be text, a number, or True or False")
+    if isinstance(value, SupportsIndex):
+        try:
+            return str(operator.index(value))
+        except TypeError:
+            pass  # an array of numpy's, which is one if it is of one integer
     try:
-        return repr(float(value))
+        if hasattr(value, "__float__"):
+            return repr(float(value))
     except TypeError:
-        raise TypeError(
-            f"options: {key} is of type {kind(value)}, and must be text, a number, or True or False"
-        ) from None
+        pass
+    raise TypeError(f"options: {key} is of type {kind(value)}, and must be text, a number, or True or False")
 
 
 def listeners_of(callback: Callback | None, log: LogTo) -> Listeners | None:
@@ -154,6 +151,11 @@ def _derivative(given: Any, n: int, m: int, name: str) -> tuple[_library.Matrix,
     return matrix(given, name, n, m)
 
 
+def _place(array: Array | None) -> int | None:
+    """Its address, for as long as somebody holds it; None: there is none."""
+    return None if array is None else address(array)
+
+
 def warn_of(result: Result) -> None:
     """A solution by the tolerance that is none by the size of its terms is no news to be looked for."""
     if result.success and result.relative > 1e-3:
@@ -206,11 +208,7 @@ class Problem:
 
     def _bounds(self) -> tuple[Array, Array]:
         lower, upper = np.empty(self._n), np.empty(self._n)
-        error = _library.Error()
-        code = _library.lib.perp_problem_bounds(
-            self._handle.pointer, address(lower), address(upper), ctypes.byref(error)
-        )
-        check(code, error)
+        call(_library.lib.perp_problem_bounds, self._handle.pointer, address(lower), address(upper))
         return lower, upper
 
     @property
@@ -227,11 +225,10 @@ class Problem:
     def starts(self) -> list[Array]:
         """All starts, each of shape (n,); problems of the collection may have several."""
         if self._starts is None:
-            error = _library.Error()
-            self._starts = [np.empty(self._n) for _ in range(_library.lib.perp_problem_starts(self._handle.pointer))]
+            lib, pointer = _library.lib, self._handle.pointer
+            self._starts = [np.empty(self._n) for _ in range(lib.perp_problem_starts(pointer))]
             for k, start in enumerate(self._starts):
-                code = _library.lib.perp_problem_start(self._handle.pointer, k, address(start), ctypes.byref(error))
-                check(code, error)
+                call(lib.perp_problem_start, pointer, k, address(start))
         return [start.copy() for start in self._starts]
 
     @property
@@ -300,13 +297,11 @@ class Problem:
         finally:
             self._end()
 
-    def _start(self, x0: npt.ArrayLike | None, name: str = "x0") -> tuple[int, Any]:
-        """Its address, or that of the problem's own start; and what has to stay."""
+    def _start(self, x0: npt.ArrayLike | None, name: str = "x0") -> Array | None:
+        """None: the problem's own start."""
         if x0 is None:
-            start = self._starts[0] if self._starts else None
-            return (0, None) if start is None else (address(start), start)
-        start = vector(x0, self._n, name)
-        return address(start), start
+            return self._starts[0] if self._starts else None
+        return vector(x0, self._n, name)
 
     def _result(self, fields: Fields) -> Result:
         result = Result(fields)
@@ -329,9 +324,8 @@ class Problem:
 
     def _pattern(self) -> tuple[Any, Any]:
         """indices and indptr: copies."""
-        pattern, error = _library.Matrix(), _library.Error()
-        code = _library.lib.perp_problem_pattern(self._handle.pointer, ctypes.byref(pattern), ctypes.byref(error))
-        check(code, error)
+        pattern = _library.Matrix()
+        call(_library.lib.perp_problem_pattern, self._handle.pointer, ctypes.byref(pattern))
         return copies_of(pattern)[:2]
 
     def residual(self, x: npt.ArrayLike) -> float:
@@ -355,15 +349,12 @@ class Problem:
         return self._solve(x0, asked(method, options, more), basis, listeners_of(callback, log))
 
     def _solve(self, x0: Any, options: list[tuple[str, str]], basis: Any, listeners: Listeners | None) -> Result:
-        at, kept = self._start(x0)
-        handle, interrupt = self._work(
-            _library.lib.perp_solve,
-            at,
-            solver=solver_of(options),
-            listeners=listeners,
-            basis=basis_of(basis, self._n),
-        )
-        del kept
+        solver = solver_of(options)
+        return self._solved(_library.lib.perp_solve, x0, solver=solver, listeners=listeners, basis=basis_of(basis, self._n))
+
+    def _solved(self, function: Any, x0: Any, **how: Any) -> Result:
+        start = self._start(x0)
+        handle, interrupt = self._work(function, _place(start), **how)
         result = self._result(Fields(handle))
         if interrupt is not None:
             raise Interrupted(result) from interrupt
@@ -381,15 +372,14 @@ class Problem:
         **more: object,
     ) -> AllSolutions:
         """Several solutions, up to so many, by deflation from x0. The rest is as in `perp.solve_all`."""
-        at, kept = self._start(x0)
+        start = self._start(x0)
         handle, interrupt = self._work(
             _library.lib.perp_solve_all,
-            at,
+            _place(start),
             _count(solutions, "solutions"),
             solver=solver_of(asked(method, options, more)),
             listeners=listeners_of(None, log),
         )
-        del kept
         every = AllSolutions(Fields(handle), self._result)
         if interrupt is not None:
             raise Interrupted(every) from interrupt
@@ -406,29 +396,18 @@ class Problem:
     ) -> Sensitivity:
         """How the solution x, shape (n,), moves with parameters p, as in `perp.sensitivity`."""
         n, at = self._n, vector(x, self._n, "x")
-        of_F, kept = _derivative(dF, n, -1, "dF")
-        m = of_F.columns
-        bounds = [
-            None if given is None else _derivative(given, n, m, name)
-            for given, name in ((dlower, "dlower"), (dupper, "dupper"))
-        ]
+        of_F = _derivative(dF, n, -1, "dF")
+        m = of_F[0].columns
+        bounds = (None if d is None else _derivative(d, n, m, name) for d, name in ((dlower, "dlower"), (dupper, "dupper")))
+        matrices = [of_F, *bounds]
         dp = None if direction is None else vector(direction, m, "direction")
-        found = self._fields(
-            _library.lib.perp_sensitivity,
-            address(at),
-            ctypes.byref(of_F),
-            *(None if one is None else ctypes.byref(one[0]) for one in bounds),
-            None if dp is None else address(dp),
-        )
-        del kept
-        return Sensitivity(found)
+        places = (None if one is None else ctypes.byref(one[0]) for one in matrices)
+        return Sensitivity(self._fields(_library.lib.perp_sensitivity, address(at), *places, _place(dp)))
 
     def check_jacobian(self, x: npt.ArrayLike | None = None) -> JacobianCheck:
         """Compares jac with differences of F at x, shape (n,), or at the start: at least 2 n evaluations of F."""
-        at, kept = self._start(x, "x")
-        check_ = JacobianCheck(self._fields(_library.lib.perp_check_jacobian, at))
-        del kept
-        return check_
+        start = self._start(x, "x")
+        return JacobianCheck(self._fields(_library.lib.perp_check_jacobian, _place(start)))
 
     def verify(self, x: npt.ArrayLike) -> Verified:
         """Proves that exactly one solution is near x, shape (n,), if it can, as `perp.verify`."""
@@ -437,10 +416,8 @@ class Problem:
 
     def inspect(self, x0: npt.ArrayLike | None = None) -> Inspection:
         """What is known of the problem before it is solved; x0, shape (n,), as in `solve`."""
-        at, kept = self._start(x0)
-        found = Inspection(self._fields(_library.lib.perp_inspect, at))
-        del kept
-        return found
+        start = self._start(x0)
+        return Inspection(self._fields(_library.lib.perp_inspect, _place(start)))
 
 
 def function_problem(
@@ -460,8 +437,8 @@ def function_problem(
         _library.lib.Problem,
         INTERFACE,
         n,
-        None if low is None else address(low),
-        None if high is None else address(high),
+        _place(low),
+        _place(high),
         ctypes.byref(places),
         on_F,
         NO_J if jac is None else on_J,
@@ -492,10 +469,8 @@ def problem(
     made_ = function_problem(F, x0, lower, upper, jac, pattern, bounds, args)
     variables = _names(variable_names, made_.size, "variable_names")
     equations = _names(equation_names, made_.size, "equation_names")
-    error = _library.Error()
-    pointer = made_._handle.pointer
-    check(_library.lib.perp_problem_set_name(pointer, name.encode(), ctypes.byref(error)), error)
-    check(_library.lib.perp_problem_set_names(pointer, variables, equations, ctypes.byref(error)), error)
+    call(_library.lib.perp_problem_set_name, made_._handle.pointer, name.encode())
+    call(_library.lib.perp_problem_set_names, made_._handle.pointer, variables, equations)
     return made_
 
 
@@ -510,8 +485,8 @@ def affine_handle(M: Any, q: Any, lower: Any, upper: Any) -> Handle:
         INTERFACE,
         ctypes.byref(entries),
         address(shift),
-        None if low is None else address(low),
-        None if high is None else address(high),
+        _place(low),
+        _place(high),
         kept=kept if entries.lent else None,
     )
 

@@ -165,8 +165,7 @@ class Names:
         size = 256
         while True:
             name = ctypes.create_string_buffer(size)
-            error = _library.Error()
-            _library.check(function(self._handle.pointer, i, name, size, ctypes.byref(error)), error)
+            _library.call(function, self._handle.pointer, i, name, size)
             if len(name.value) < size - 1:
                 return str(name.value.decode(errors="replace"))
             size *= 4  # it was cut off

@@ -10,16 +10,8 @@ import numpy.typing as npt
 
 from perp import _library
 from perp._arrays import split_bounds
-from perp._problem import (
-    Problem,
-    affine_handle,
-    asked,
-    function_problem,
-    listeners_of,
-    problem,
-    warn_of,
-)
-from perp._result import AllSolutions, Fields, Interrupted, Result, Sensitivity, Verified
+from perp._problem import Problem, affine_handle, asked, function_problem, listeners_of
+from perp._result import AllSolutions, Result, Sensitivity, Verified
 from perp._session import Solver
 from perp._types import Bound, Bounds, Callback, Function, Jacobian, LogTo, Matrix, Options
 
@@ -137,12 +129,9 @@ def solve_all(
     F is a function, with the arguments of `solve`, or a Problem, with its own bounds and derivatives. Nothing says
     that all solutions are found.
     """
-    if isinstance(F, Problem):
-        return F.solve_all(x0, solutions=solutions, method=method, options={**(options or {}), **more}, log=log)
-    if x0 is None:
-        raise TypeError("x0: is None, and must be an array of numbers")
-    of_functions = problem(F, x0, lower, upper, jac, bounds=bounds, args=args, pattern=pattern)
-    return of_functions.solve_all(solutions=solutions, method=method, options={**(options or {}), **more}, log=log)
+    if not isinstance(F, Problem):
+        F, x0 = function_problem(F, x0, lower, upper, jac, pattern, bounds, args), None
+    return F.solve_all(x0, solutions=solutions, method=method, options={**(options or {}), **more}, log=log)
 
 
 def sensitivity(
@@ -170,10 +159,9 @@ def sensitivity(
     direction
             shape (m,): the derivative in one direction only, which exists at degenerate solutions, too.
     """
-    of_functions = (
-        F if isinstance(F, Problem) else problem(F, x, lower, upper, jac, bounds=bounds, args=args, pattern=pattern)
-    )
-    return of_functions.sensitivity(x, dF, dlower=dlower, dupper=dupper, direction=direction)
+    if not isinstance(F, Problem):
+        F = function_problem(F, x, lower, upper, jac, pattern, bounds, args)
+    return F.sensitivity(x, dF, dlower=dlower, dupper=dupper, direction=direction)
 
 
 def verify(problem: Problem, x: npt.ArrayLike) -> Verified:
@@ -200,14 +188,7 @@ class KeptSolver:
         it the problem's own start. `kept_by` of the result says what it took."""
         if not isinstance(problem, Problem):
             raise TypeError(f"problem: is of type {type(problem).__name__}, and must be a perp.Problem")
-        at, kept = problem._start(x0)
-        handle, interrupt = problem._work(_library.lib.perp_solve_kept, at, solver=self._solver)
-        del kept
-        result = problem._result(Fields(handle))
-        if interrupt is not None:
-            raise Interrupted(result) from interrupt
-        warn_of(result)
-        return result
+        return problem._solved(_library.lib.perp_solve_kept, x0, solver=self._solver)
 
     def forget(self) -> None:
         """Forgets the last solution."""

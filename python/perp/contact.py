@@ -19,7 +19,7 @@ import numpy.typing as npt
 from perp import _library, _session
 from perp._arrays import address, copies_of, matrix, refuse, vector
 from perp._functions import view
-from perp._library import INTERFACE, Handle, check, made
+from perp._library import INTERFACE, Handle, call, made
 from perp._problem import _count, asked, listed, path_text, solver_of, text
 from perp._result import Field, Fields, Interrupted, Record, numbers_of
 from perp._types import Array, Matrix, Options, Path
@@ -98,8 +98,8 @@ class Problem:
         """scipy.sparse.csc_matrix of shape (d k, d k)."""
         from scipy import sparse
 
-        W, error = _library.Matrix(), _library.Error()
-        check(_library.lib.perp_contact_W(self._handle.pointer, ctypes.byref(W), ctypes.byref(error)), error)
+        W = _library.Matrix()
+        call(_library.lib.perp_contact_W, self._handle.pointer, ctypes.byref(W))
         index, start, value = copies_of(W)
         return sparse.csc_matrix((value, index, start), shape=(W.rows, W.columns))
 
