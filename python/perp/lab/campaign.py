@@ -21,7 +21,7 @@ import time
 from collections import Counter
 from difflib import get_close_matches
 
-from .files import Environment, InputError, Journal, NotSeen, check_apart, crc_of, pretty, read_cells, take_folder, write_files
+from .files import Environment, InputError, Journal, NotSeen, check_apart, pretty, read_cells, take_folder, write_files
 from .process import run_all
 
 SOLVED, UNSOLVED, REFUSED, INTERNAL, INTERRUPTED = range(5)
@@ -233,8 +233,9 @@ class Campaign:
         pending = [what for key, what in table.items() if key not in cells]
         jobs = self.words.jobs or self.campaign.get("jobs", 1)
         to_do = f", {len(pending)} of them to do" if cells else ""
-        sizes = [count(len(self.campaign[name + "s"]), name) for name in ("method", "variant", "problem") if name + "s" in self.campaign]
-        print(f"perp: {' x '.join(sizes)}: {count(len(table), 'cell')}{to_do}, {jobs} at a time", file=sys.stderr, flush=True)
+        kinds = [kind for kind in ("method", "variant", "problem") if kind + "s" in self.campaign]
+        sizes = " x ".join(count(len(self.campaign[kind + "s"]), kind) for kind in kinds)
+        print(f"perp: {sizes}: {count(len(table), 'cell')}{to_do}, {jobs} at a time", file=sys.stderr, flush=True)
         unsolvable = {p["name"] for p in self.campaign["problems"] if not p.get("solvable", True)}
         progress = Progress(len(table), cells, unsolvable)
         shutil.rmtree(self.work_folder, ignore_errors=True)  # of a campaign that was killed
@@ -288,7 +289,8 @@ class Progress:
 
     def __init__(self, total, cells, unsolvable):
         self.total, self.cells, self.unsolvable, self.before = max(total, 1), cells, unsolvable, len(cells)
-        self.begin, self.shown, self.tenths, self.terminal = time.monotonic(), 0.0, -1, sys.stderr.isatty()
+        self.begin, self.shown, self.tenths, self.text = time.monotonic(), 0.0, -1, ""
+        self.terminal = sys.stderr.isatty()
 
     def tick(self, last=False):
         seconds, done = time.monotonic() - self.begin, len(self.cells)
@@ -304,7 +306,8 @@ class Progress:
             text += f"  {datetime.timedelta(seconds=left)} left"
         width = shutil.get_terminal_size().columns
         line = f"\r\033[K{'' if last else text[: width - 1]}" if self.terminal else f"perp: {text}\n"
-        print(line, end="", file=sys.stderr, flush=True)
+        print(line if line != self.text else "", end="", file=sys.stderr, flush=True)
+        self.text = line
 
 
 def print_table(headers, rows):

@@ -186,7 +186,9 @@ class Comparison(Campaign):
             note(f"another machine began this campaign ({before['machine']['cpu']}): times do not compare")
         if before["jobs"] != self.campaign["jobs"]:
             note(f"begun with {count(before['jobs'], 'run')}, now {self.campaign['jobs']} at a time: times do not compare")
-        self.campaign = {**before, "jobs": self.campaign["jobs"]}
+        now = {p["name"]: p for p in self.campaign["problems"]}
+        problems = [now[p["name"]] for p in before["problems"]]  # in their order, which shards count by
+        self.campaign = {**before, "jobs": self.campaign["jobs"], "problems": problems}
 
     def describe(self):
         """Of problems of a size, and files."""
@@ -346,7 +348,10 @@ def join_shards(folders, out):
 
 
 def report(arguments):
-    words = "Makes DIR/report.html, one page that needs nothing else, and its numbers as CSV and JSON, from the files campaign.json and cells.jsonl that perp-compare has left in DIR. It also works while perp-compare runs, and after it was killed."
+    words = (
+        "Makes DIR/report.html, one page that needs nothing else, and its numbers as CSV and JSON, from the files campaign.json "
+        "and cells.jsonl that perp-compare has left in DIR. It also works while perp-compare runs, and after it was killed."
+    )
     parser = argparse.ArgumentParser(prog="perp-report", description=words)
     parser.add_argument("dirs", nargs="+", metavar="DIR", help="folder of the campaign, or those of its shards")
     parser.add_argument("--out", metavar="DIR", help="folder for the joined campaign of the shards; new or empty")

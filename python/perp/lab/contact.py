@@ -184,7 +184,8 @@ class Shown:
         profiles = performance_profiles([[cost(self.variants[k], p) for p in self.problems] for k in shown])
         curves = [(f"{name}-m{k}", k, True, profile) for k, profile in zip(shown, profiles)]
         axis = "tau: solve time over the best one's" + ("; *: by a law of its own" if legend else "")
-        return profile_chart(name, title, axis, curves, len(self.problems), True, self.names if legend else None)
+        names = self.names if legend else None
+        return profile_chart(name, title, axis, curves, len(self.problems), True, names, what="problems")
 
     def page(self):
         from . import report

@@ -202,7 +202,8 @@ def comparisons(data):
         note = "On every pair of a problem with a solution and a start. A method has not solved what it does not apply to."
         add("general", "Methods for all problems", note, general)
     if affine:
-        note = f"On the pairs to which at least one of the {len(affine)} applies that are for affine problems, F(x) = M x + q, only. A method has not solved what it does not apply to."
+        note = f"On the pairs to which at least one of the {len(affine)} applies that are for affine problems, F(x) = M x + q, only."
+        note += " A method has not solved what it does not apply to."
         add("affine", "Methods for affine problems, beside those for all problems", note, affine + general, affine)
     if external:
         note = "On the pairs that an external program was given."
@@ -473,7 +474,8 @@ def ranking_1997(data, suffix):
     text = f"The comparison of 1997 ({SOURCE_1997}) puts {listed(data.labels(ahead))} ahead of {listed(data.labels(behind))}: {verdict}."
     text += f" Solved of {count(len(pairs), 'pair')}: {order}."
     if (n := len(ahead) * len(behind)) > 1:
-        text += f" Taken two by two, the former solve more pairs than the latter in {more} of {n} comparisons ({surely_more} clearly), as many (but for rounding) in {same}, fewer in {fewer} ({surely_fewer} clearly)."
+        text += f" Taken two by two, the former solve more pairs than the latter in {more} of {n} comparisons ({surely_more} clearly),"
+        text += f" as many (but for rounding) in {same}, fewer in {fewer} ({surely_fewer} clearly)."
     return text + ("" if suffix else " These are this program's presets, with what was added since: presolve, rescalings, restarts by other methods.")
 
 

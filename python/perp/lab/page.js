@@ -65,9 +65,8 @@ function show_rows() {
     const tr = add(by_id("cells-body"), "tr");
     row.forEach((text, k) => {
       const name = data.columns[k], bad = name === "outcome" && text.startsWith("false-");
-      const td = add(tr, "td", {class: bad ? "bad" : name, "data-label": name.replaceAll("_", " ")}, name === "method" ? "" : text);
-      if (name !== "method") return;
-      const button = add(td, "button", {type: "button", class: "show", title: "show its convergence"}, text);
+      if (k > 0) return add(tr, "td", {class: bad ? "bad" : name, "data-label": name}, text);
+      const button = add(add(tr, "th", {scope: "row"}), "button", {type: "button", class: "show", title: "show its convergence"}, text);
       button.addEventListener("click", () => { choose(pair_of(row), text); by_id("convergence").scrollIntoView(); });
     });
   }
@@ -100,8 +99,10 @@ function draw_curves() {
     (without.length ? `Without a curve: ${listed(without)}.` : "");
   if (!drawn.length) return add(parent, "p", {}, "None of the chosen methods left a curve here.");
   // A long curve has been thinned: its points are that many iterations apart.
-  const scale = ({row, curve}) => Math.max(1, row[place.iterations] / Math.max(1, curve.length - 1));
-  const points = drawn.map((c) => c.curve.map((v, k) => [k * scale(c), Math.max(-18, v / 100), v]).filter((p) => p[2] !== null));
+  const scale = ({row, curve}) => Math.max(1, row[place["iter."]] / Math.max(1, curve.length - 1));
+  const most = Number(by_id("curve-length").value) || Infinity;
+  const points = drawn.map((c) => c.curve.map((v, k) => [k * scale(c), Math.max(-18, v / 100), v])
+    .filter(([k, , v]) => v !== null && k <= most));
   const heights = points.flat().map((p) => p[1]), span = Math.max(1, ...points.flat().map((p) => p[0]));
   const high = Math.min(20, Math.ceil(Math.max(...heights))), low = Math.min(high - 1, Math.floor(Math.min(...heights)));
   const width = Math.max(300, parent.clientWidth), height = width < 600 ? 300 : 420;
@@ -141,14 +142,14 @@ if (data) {
   fill("cells-outcome", rows.map((row) => row[place.outcome]).sort());
   fill("cells-class", rows.map((row) => row[place.class]).sort());
   data.columns.forEach((name, column) => {
-    const th = add(by_id("cells-head"), "th", {scope: "col"}, name.replaceAll("_", " "));
+    const th = add(by_id("cells-head"), "th", {scope: "col"}, name);
     const number = rows.some((row) => row[column] !== "" && !isNaN(Number(row[column])));
     make_sortable(th, number, (down) => { sorted = {column, down}; select_rows(); });
   });
   by_id("cells-search").addEventListener("input", select_rows);
   for (const id of ["cells-outcome", "cells-class"]) by_id(id).addEventListener("change", select_rows);
   by_id("cells-more").addEventListener("click", () => { shown += 1000; show_rows(); });
-  by_id("curve-problem").addEventListener("change", draw_curves);
+  for (const id of ["curve-problem", "curve-length"]) by_id(id).addEventListener("change", draw_curves);
   window.addEventListener("resize", draw_curves);
   select_rows();
   choose(data.shown || by_id("curve-problem").value);

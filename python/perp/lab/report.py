@@ -69,7 +69,7 @@ def legend_below(axes):
     axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16), ncols=2, frameon=False, fontsize=8.5)
 
 
-def profile_chart(name, title, x, curves, total, ratios, names=None):
+def profile_chart(name, title, x, curves, total, ratios, names=None, what="pairs"):
     """Steps over a logarithmic axis; curves: (id, style, is it in colour?, [(x, how many)]). `names`: a picture of its own."""
     made, axes = figure(name, height=4.1 + 0.11 * len(names or ()))
     ends = [at for _, _, _, profile in curves for at, _ in profile]
@@ -83,10 +83,9 @@ def profile_chart(name, title, x, curves, total, ratios, names=None):
         label = names[style] if names else None
         (line,) = axes.step(xs, [*ys, ys[-1]], where="post", markevery=(style % span, span), label=label, **line_style(style))
         line.set(gid=identity, zorder=3 if coloured else 2)
-    axes.set(xlim=(low, high), ylim=(0, 103), title=title, xlabel=x, ylabel="share of the pairs")
+    axes.set(xlim=(low, high), ylim=(0, 103), title=title, xlabel=x, ylabel=f"share of the {what}")
     grid_and_ticks(axes)
     if names:
-        axes.set_ylabel("problems solved")
         legend_below(axes)
     svg = svg_of(made, inline=not names)
     for identity, _, coloured, _ in curves:
@@ -235,7 +234,10 @@ def summary_blocks(data, c):
         solved, pairs, *leads, common = [*row.values()][:7]
         share = cell(percent(solved, pairs), solved)
         lines.append([c.name(data, m), solved, share, *leads, *[*row.values()][7:]])
-    words = f"Of {count(pairs, 'pair')}. * geometric mean over the {count(common, 'pair')} that all methods with a mean solve. These are the methods that solve at least three quarters of what the best solves. What is below 1 counts as 1, times below 1 ms as 1 ms."
+    words = (
+        f"Of {count(pairs, 'pair')}. * geometric mean over the {count(common, 'pair')} that all methods with a mean solve. These are "
+        "the methods that solve at least three quarters of what the best solves. What is below 1 counts as 1, times below 1 ms as 1 ms."
+    )
     tips = {"C-function" if c.id.startswith("cfunctions") else "method": "", **SUMMARY}
     return [table(f"{c.title}: in numbers", tips, lines), {"text": words}]
 
@@ -280,22 +282,34 @@ def page(data, all_comparisons, found):
     )  # fmt: skip
 
 
+#: The table of all runs: columns of cells.csv, and their headers.
+PAGE_COLUMNS = {
+    "method": "method", "problem": "problem", "class": "class", "n": "n", "start": "start", "outcome": "outcome",
+    "outcome_after_restarts": "after restarts", "status": "status", "natural": "residual", "iterations": "iter.", "F_evals": "F",
+    "J_evals": "J", "factorizations": "fact.", "krylov_iterations": "Krylov", "restarts": "restarts", "seconds": "seconds",
+    "peak_mb": "MiB", "message": "message",
+}  # fmt: skip
+
+
 def script_data(data, shared):
     """The cells for the page's script, as cells.csv has them; the curves as round(100 log10(natural residual))."""
 
     def log(value):
         return None if math.isnan(value) else round(100 * math.log10(min(max(value, 1e-300), 1e300)))
 
-    problems = [data.problems[c["problem"]] for c in data.cells]
-    said = [name for name in CSV_COLUMNS if name != "claimed" and any(plain(name, c[name]) not in ("", None, 0) for c in data.cells)]
-    if not any(c["restarts"] for c in data.cells):
-        said = [name for name in said if name != "outcome_after_restarts"]
-    rows = [[p["class"], p["n"], *(plain(name, c[name]) for name in said)] for c, p in zip(data.cells, problems)]
+    def shown_value(name, value):
+        return f"{value:.1e}" if name == "natural" and 0 < value < math.inf else plain(name, value)
+
+    cells = [{**c, "class": data.problems[c["problem"]]["class"], "n": data.problems[c["problem"]]["n"]} for c in data.cells]
+    columns = {name: words for name, words in PAGE_COLUMNS.items() if any(plain(name, c[name]) not in ("", None, 0) for c in cells)}
+    if not any(c["restarts"] for c in cells):
+        columns.pop("outcome_after_restarts", None)
+    rows = [[shown_value(name, c[name]) for name in columns] for c in cells]
     curves = [[log(v) for v in c["curve"]] for c in data.cells]
     lengths = [(sum(len(c["curve"]) > 1 for (_, q), c in data.table.items() if q == p), -p) for p in range(len(data.pairs))]
     shown = data.pairs[-max(lengths)[1]] if lengths else None
     answer = {
-        "tol": data.campaign["tol"], "columns": ["class", "n", *said], "rows": rows, "curves": curves,
+        "tol": data.campaign["tol"], "columns": list(columns.values()), "rows": rows, "curves": curves,
         "styles": {data.methods[m]: style_of(k) for k, m in enumerate(shared)}, "shown": shown and f"{shown[0]['name']} from start {shown[1]}",
     }  # fmt: skip
     return compact(answer).replace("<", "\\u003c")

@@ -116,7 +116,8 @@ def print_facets(study, lines, powers):
     slips, sizes = sum(p["counts"] for p in problems), [p["contacts"] for p in problems]
     exact = sum(p["exact_solved"] for p in problems)
     print(f"{count(len(problems), 'problem')} of {min(sizes)} to {max(sizes)} contacts, {exact} of them solved by the exact law; in {slips} something slips")
-    print(f"Polygons of K facets in {len(POSITIONS)} positions; own residual: the largest of the solved; errors: medians over problems in which something slips\n")
+    what = "own residual: the largest of the solved; errors: medians over problems in which something slips"
+    print(f"Polygons of K facets in {len(POSITIONS)} positions; {what}\n")
     rows = []
     for line in lines:
         errors = ["-" if v is None else "0" if v < ROUNDING else f"{v:.3g}" for v in line["medians"].values()]
