@@ -236,6 +236,23 @@ def test_resume_asks_for_the_same(tmp_path, whole):
     assert "holds a campaign" in compare(*SMALL, "--out", whole).stderr
 
 
+# A file is known by its content: it may move, and what has changed is another problem.
+def test_resume_with_a_file_that_has_moved(tmp_path):
+    there, here = tmp_path / "model.nl", tmp_path / "elsewhere" / "model.nl"
+    shutil.copyfile(ROOT / "data" / "models" / "cournot.nl", there)
+    words = ("--methods", "path", "--out", tmp_path / "out")
+    assert compare("--problems", there, *words).returncode == 0
+    journal = tmp_path / "out" / "cells.jsonl"
+    journal.write_text("")
+    here.parent.mkdir()
+    there.rename(here)
+    assert "there is no file" in compare("--resume", *words).stderr
+    assert compare("--problems", here, "--resume", *words).returncode == 0
+    assert len(cells(tmp_path / "out")) == 1
+    here.write_text(here.read_text() + "\n")
+    assert "crc of model.nl" in compare("--problems", here, "--resume", *words).stderr
+
+
 # The baseline's classes of outcomes from the collection: what has no solution is proven so, or honestly not solved.
 def test_problems_without_a_solution(tmp_path):
     run = compare("--problems", "infeasible-own,feasible-unsolvable-own", "--methods", "lemke,path", "--starts", "1", "--out", tmp_path / "out")

@@ -193,12 +193,18 @@ def run_all(jobs, work, items, stopped, tick=lambda: None):
     threads = [threading.Thread(target=worker) for _ in range(jobs)]
     for thread in threads:
         thread.start()
+    try:
+        for thread in threads:
+            while thread.is_alive():
+                thread.join(0.1)
+                tick()
+    except BaseException as error:  # as where nobody reads standard error any more
+        failed.append(error)
     for thread in threads:
-        while thread.is_alive():
-            thread.join(0.1)
-            tick()
-    guard.stdin.close()
+        thread.join()
+    guard.kill()  # nothing is left for it
     guard.wait()
+    guard.stdin.close()
     if failed:
         raise failed[0]
 

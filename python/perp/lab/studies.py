@@ -144,7 +144,8 @@ def facets_svg(study, lines, powers):
     from .report import figure, grid_and_ticks, svg_of
 
     made, panels = figure("facets", 11, 8.2, (2, 2))
-    K, top = study.words.facets, max((x["medians"][e] or 0 for x in lines for e in ERRORS), default=1) or 1
+    K, medians = study.words.facets, [x["medians"][e] or 0 for x in lines for e in ERRORS]
+    top, least = max(medians) or 1, min((v for v in medians if v >= ROUNDING), default=0.1)
     for axes, (error, titles) in zip(panels.flat, ERRORS.items()):
         for side, (words, colour, dash, marker) in SIDES.items():
             points, p = points_of(lines, side, error), powers[side][error]
@@ -153,10 +154,11 @@ def facets_svg(study, lines, powers):
             axes.plot(xs, ys, label=f"{words}: {falls}", color=colour, linestyle=dash, marker=marker)
         for slope, label in ((1, "c / K"), (2, "c / K ^ 2")):
             axes.plot(K, [1.6 * top * (K[0] / k) ** slope for k in K], color="#8a8a8a", linestyle=":", label=label)
-        axes.set(xscale="log", yscale="log", title="\n".join(titles), xlabel="facets K")
+        heights = (least * (least / top) ** 0.7, 2 * top)  # with room for the legend
+        axes.set(xscale="log", yscale="log", title="\n".join(titles), xlabel="facets K", ylim=heights)
         axes.set_xticks(K)
         grid_and_ticks(axes, share="")
-        axes.legend(fontsize=8.5)
+        axes.legend(fontsize=8.5, loc="lower left")
     slips = sum(p["counts"] for p in study.problems)
     some = f"{count(len(study.problems), 'problem')}, in {slips} of them something slips; medians over those and three positions of each polygon"
     made.suptitle(f"Polygons of K facets in place of the friction disk: errors by Coulomb's exact law\n{some}", fontsize=11)
