@@ -152,5 +152,5 @@ if (data) {
   for (const id of ["curve-problem", "curve-length"]) by_id(id).addEventListener("change", draw_curves);
   window.addEventListener("resize", draw_curves);
   select_rows();
-  choose(data.shown || by_id("curve-problem").value);
+  choose(data.shown[0] || by_id("curve-problem").value);
 }

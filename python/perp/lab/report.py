@@ -4,6 +4,7 @@
 import io
 import math
 import re
+from collections import Counter
 from pathlib import Path
 
 from .campaign import count
@@ -306,11 +307,11 @@ def script_data(data, shared):
         columns.pop("outcome_after_restarts", None)
     rows = [[shown_value(name, c[name]) for name in columns] for c in cells]
     curves = [[log(v) for v in c["curve"]] for c in data.cells]
-    lengths = [(sum(len(c["curve"]) > 1 for (_, q), c in data.table.items() if q == p), -p) for p in range(len(data.pairs))]
-    shown = data.pairs[-max(lengths)[1]] if lengths else None
+    drawn = Counter(p for (_, p), c in sorted(data.table.items(), key=lambda item: item[0][1]) if len(c["curve"]) > 1)
+    shown = [data.pairs[p] for p, _ in drawn.most_common(1)]  # of those with most curves the first
     answer = {
         "tol": data.campaign["tol"], "columns": list(columns.values()), "rows": rows, "curves": curves,
-        "styles": {data.methods[m]: style_of(k) for k, m in enumerate(shared)}, "shown": shown and f"{shown[0]['name']} from start {shown[1]}",
+        "styles": {data.methods[m]: style_of(k) for k, m in enumerate(shared)}, "shown": [f"{problem['name']} from start {start}" for problem, start in shown],
     }  # fmt: skip
     return compact(answer).replace("<", "\\u003c")
 
