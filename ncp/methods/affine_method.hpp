@@ -8,7 +8,7 @@ namespace perp::ncp {
 
 /// Affine problems (Mcp::is_affine) only, by a method of lcp/. Stop::max_iterations has no meaning but 0.
 struct Affine {
-  Stop stop{.tol = 1e-9};
+  Stop stop{};
   lcp::Method method{};
 };
 void describe(Affine& method, Fields& fields);

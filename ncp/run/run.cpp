@@ -401,6 +401,11 @@ bool Run::go_on(const Point& point, Iteration it) {
 
 Result Run::result(In x0) {
   Result out;
+  // The residual beside a proof is that of exact sums; a point that meets the tolerance would refute it.
+  if (status_ == Status::Infeasible && best_.x.size() > 0 && judge_.solved_at(best_)) {
+    status_ = Status::Solved;
+    message_ = solution_found(best_.residual);
+  }
   out.status = status_.value_or(Status::NoProgress);
   out.message = message_;
   if (out.status != Status::Solved) out.advice = advice_;
