@@ -49,8 +49,7 @@ std::string held_out_by(const LoadedProblem& problem, ncp::Method method, const 
 
 void add_model_notes(const LoadedProblem& problem, const ncp::Method& method, ncp::Result& result) {
   if (problem.model == nullptr) return;
-  if (problem.model->has_objective())
-    result.notes.push_back("the objective is not used: the conditions of a square model determine its solution");
+  for (std::string& remark : problem.model->remarks()) result.notes.push_back(std::move(remark));
   if (result.accepted() || result.status == ncp::Status::Interrupted || problem.model->side_inequalities() == 0) return;
   if (const std::string sides = held_out_by(problem, method, result); !sides.empty())
     result.notes.push_back("without its side inequalities the model has a solution, which violates " + sides);

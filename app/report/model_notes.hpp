@@ -6,8 +6,9 @@
 
 namespace perp::app {
 
-/// Adds to result.notes that the objective is not used; and where no solution was found, but there is one without the
-/// side inequalities, which of them hold it out. That takes a second solve, no longer than the first one or a second.
+/// Adds the model's remarks to result.notes (ncp/ampl/model.hpp); and where no solution was found, but there is one
+/// without the side inequalities, which of them hold it out. That takes a second solve, no longer than the first one or
+/// a second.
 void add_model_notes(const LoadedProblem& problem, const ncp::Method& method, ncp::Result& result);
 
 }  // namespace perp::app

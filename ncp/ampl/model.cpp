@@ -77,6 +77,7 @@ class AslModel final : public Model {
   Index n_var() const override { return static_cast<Index>(pairing_.variables.size()); }
   Index side_inequalities() const override { return size() - n_var(); }
   bool has_objective() const override { return nl_.header.n_obj > 0; }
+  std::vector<std::string> remarks() const override;
   void write_sol(const std::string& message, In x, int solve_result_num) const override;
 
  private:
@@ -143,6 +144,14 @@ bool AslModel::jacobian(In x, SpMat& J) const {
     if (!std::isfinite(values[k])) return false;
   }
   return true;
+}
+
+std::vector<std::string> AslModel::remarks() const {
+  std::vector<std::string> text;
+  if (has_objective())
+    text.emplace_back("the objective is not used: the conditions of a square model determine its solution");
+  if (std::string sides = without_row(nl_, names_); !sides.empty()) text.push_back(std::move(sides));
+  return text;
 }
 
 void AslModel::write_sol(const std::string& message, In x, int solve_result_num) const {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <climits>
 #include <cmath>
+#include <optional>
 
 #include "ncp/ampl/model.hpp"
 #include "ncp/interval/undefined.hpp"
@@ -160,37 +161,83 @@ void refuse_nonsquare(const NlModel& model, const Names& names, const std::vecto
   throw ModelError(nonsquare, message);
 }
 
-/// Of each row that complements a variable, the equation of its auxiliary variable, or -1.
-std::vector<int> auxiliary_equations(const NlModel& model, const std::vector<char>& complemented) {
+/// Of each variable: it occurs in an expression.
+std::vector<char> in_expressions(const NlModel& model) {
   std::vector<char> in_expression(at(model.header.n_var + model.header.defined()), 0);
   for (const auto* lists : {&model.mentions, &model.definitions})
     for (const std::vector<Mention>& mentions : *lists)
       for (const Mention& m : mentions) in_expression[at(m.index)] = 1;
-  const auto auxiliary = [&](int v) {
-    const NlRange& range = model.variables[at(v)];
-    return range.lower == -infinity && range.upper == infinity && !complemented[at(v)] && !in_expression[at(v)] &&
-           model.column_start[at(v) + 1] - model.column_start[at(v)] == 2;
-  };
-  std::vector<int> defining(model.variables.size(), -1);  // the equation that the variable is in
+  return in_expression;
+}
+
+double coefficient(const NlModel& model, std::size_t row, int v) {
+  const std::vector<int>& variables = model.row_variables[row];
+  return model.coefficients[row][at(std::ranges::find(variables, v) - variables.begin())];
+}
+
+/// In how many rows the variable is.
+int rows_of(const NlModel& model, int v) { return model.column_start[at(v) + 1] - model.column_start[at(v)]; }
+
+/// Of each variable the last equation that it is in, or -1.
+std::vector<int> equations_of_variables(const NlModel& model) {
+  std::vector<int> equation(model.variables.size(), -1);
   for (std::size_t i = 0; i < model.rows.size(); ++i)
     if (is_equation(model.rows[i]))
-      for (const int j : model.row_variables[i]) defining[at(j)] = static_cast<int>(i);
-  const auto coefficient = [&](std::size_t row, int v) {
-    const std::vector<int>& variables = model.row_variables[row];
-    return model.coefficients[row][at(std::ranges::find(variables, v) - variables.begin())];
-  };
+      for (const int j : model.row_variables[i]) equation[at(j)] = static_cast<int>(i);
+  return equation;
+}
+
+bool is_free(const NlRange& range) { return range.lower == -infinity && range.upper == infinity; }
+
+/// Of each row that complements a variable, the equation of its auxiliary variable, or -1.
+std::vector<int> auxiliary_equations(const NlModel& model, const std::vector<char>& complemented,
+                                     const std::vector<char>& in_expression) {
+  const std::vector<int> defining = equations_of_variables(model);
   std::vector<int> equations(model.rows.size(), -1);
   std::vector<char> taken(model.rows.size(), 0);
   for (std::size_t i = 0; i < model.rows.size(); ++i) {
     if (model.rows[i].complement < 0 || model.row_variables[i].size() != 1 || !model.mentions[i].empty()) continue;
     const int v = model.row_variables[i].front();
-    if (!auxiliary(v) || defining[at(v)] < 0 || taken[at(defining[at(v)])]) continue;
-    const double c = coefficient(i, v), a = coefficient(at(defining[at(v)]), v);
+    if (!is_free(model.variables[at(v)]) || complemented[at(v)] || in_expression[at(v)] || rows_of(model, v) != 2)
+      continue;
+    if (defining[at(v)] < 0 || taken[at(defining[at(v)])]) continue;
+    const double c = coefficient(model, i, v), a = coefficient(model, at(defining[at(v)]), v);
     if (c == 0 || std::abs(c) != std::abs(a)) continue;
     equations[i] = defining[at(v)];
     taken[at(defining[at(v)])] = 1;
   }
   return equations;
+}
+
+/// A condition  0 <= v _|_ u >= 0  whose u is an affine function of one free variable x, and whose v stands for F: the
+/// bound u >= 0 is one of x, and x complements F.
+struct Turned {
+  int variable = 0;   ///< x
+  bool above = true;  ///< x >= bound; else x <= bound
+  double bound = 0;
+  int equation = 0;  ///< of v
+  double sign = 1;   ///< F = sign (row(x) - its bound), at v = 0
+};
+/// Nothing: row i, whose auxiliary variable row e defines, is no such condition, or the bound would be rounded.
+std::optional<Turned> turned(const NlModel& model, const PointValues& constants, const std::vector<char>& taken,
+                             const std::vector<int>& equation_of, const std::vector<char>& in_expression, std::size_t i,
+                             int e) {
+  const int u = model.row_variables[i].front(), v = model.rows[i].complement;
+  const NlRange& range = model.variables[at(v)];
+  if (range.lower != 0 || range.upper != infinity || in_expression[at(v)] || rows_of(model, v) != 1) return {};
+  const std::vector<int>& variables = model.row_variables[at(e)];
+  if (variables.size() != 2 || !model.mentions[at(e)].empty()) return {};
+  const int x = variables[variables[0] == u ? 1 : 0], f = equation_of[at(v)];
+  if (!is_free(model.variables[at(x)]) || taken[at(x)] || f < 0 || f == e) return {};
+  const double of_v = coefficient(model, at(f), v);
+  if (std::abs(of_v) != 1) return {};
+  if (constants[model.expressions.rows[i]] != 0 || constants[model.expressions.rows[at(e)]] != 0) return {};
+  // s (b - a x) >= 0, s = 1 or -1.
+  const double s = coefficient(model, i, u) == coefficient(model, at(e), u) ? 1 : -1;
+  const double a = coefficient(model, at(e), x), b = model.rows[at(e)].lower, bound = b / a;
+  if (!std::isfinite(bound) || std::fma(bound, a, -b) != 0) return {};
+  const bool above = s * a < 0;
+  return Turned{.variable = x, .above = above, .bound = bound, .equation = f, .sign = above ? -of_v : of_v};
 }
 
 // Adds an unknown y >= 0 with F_y = sign (v - bound) - y.
@@ -231,19 +278,38 @@ Pairing pair(const NlModel& model, const Names& names) {
 
   Pairing pairing;
   pairing.used.assign(model.rows.size(), 0);
-  const std::vector<int> defining = auxiliary_equations(model, complemented);
+  const std::vector<char> in_expression = in_expressions(model);
+  const std::vector<int> defining = auxiliary_equations(model, complemented, in_expression);
+  const std::vector<int> equation_of = equations_of_variables(model);
   std::vector<char> gone_row(model.rows.size(), 0), gone(model.variables.size(), 0);
+  std::vector<char> paired = complemented;      // variables that have their row
+  std::vector<char> spoken_for = complemented;  // those, and variables that a condition consists of
+  for (std::size_t i = 0; i < model.rows.size(); ++i)
+    if (model.rows[i].complement >= 0 && model.row_variables[i].size() == 1)
+      spoken_for[at(model.row_variables[i].front())] = 1;
+  std::vector<Turned> turns;
+  const PointValues constants(model.expressions.graph, std::vector<double>(model.variables.size(), 0));
   std::vector<Equation> own(model.variables.size()), sides;
   for (std::size_t i = 0; i < model.rows.size(); ++i) {
     if (defining[i] < 0) continue;
     const int v = model.row_variables[i].front(), e = defining[i];
-    const std::vector<int>& variables = model.row_variables[at(e)];
-    const double a = model.coefficients[at(e)][at(std::ranges::find(variables, v) - variables.begin())];
-    const double c = model.coefficients[i].front(), b = model.rows[at(e)].lower;
-    own[at(model.rows[i].complement)] = {
-        .index = e, .sign = c == a ? -1.0 : 1.0, .bound = b, .condition = static_cast<int>(i)};
+    const double a = coefficient(model, at(e), v), b = model.rows[at(e)].lower;
+    const int condition = static_cast<int>(i);
     pairing.auxiliaries.push_back({v, e, a, b});
     gone_row[at(e)] = gone[at(v)] = pairing.used[i] = pairing.used[at(e)] = 1;
+    if (const auto turn = turned(model, constants, spoken_for, equation_of, in_expression, i, e);
+        turn && !gone_row[at(turn->equation)]) {
+      const int f = turn->equation, y = model.rows[i].complement;
+      own[at(turn->variable)] = {
+          .index = f, .sign = turn->sign, .bound = model.rows[at(f)].lower, .condition = condition};
+      pairing.auxiliaries.push_back({y, f, coefficient(model, at(f), y), model.rows[at(f)].lower});
+      gone_row[at(f)] = gone[at(y)] = pairing.used[at(f)] = paired[at(turn->variable)] = 1;
+      spoken_for[at(turn->variable)] = 1;
+      turns.push_back(*turn);
+      continue;
+    }
+    own[at(model.rows[i].complement)] = {
+        .index = e, .sign = coefficient(model, i, v) == a ? -1.0 : 1.0, .bound = b, .condition = condition};
   }
   int next = 0;  // the first variable that may still be without an equation
   for (std::size_t i = 0; i < model.rows.size(); ++i) {
@@ -254,7 +320,7 @@ Pairing pair(const NlModel& model, const Names& names) {
       own[at(row.complement)] = {.index = index};
       pairing.used[i] = 1;
     } else if (is_equation(row)) {
-      while (complemented[at(next)] || gone[at(next)]) ++next;
+      while (paired[at(next)] || gone[at(next)]) ++next;
       own[at(next++)] = {.index = index, .bound = row.lower};
       pairing.used[i] = 1;
     } else {
@@ -279,8 +345,35 @@ Pairing pair(const NlModel& model, const Names& names) {
     pairing.box.lower[static_cast<Index>(u)] = model.variables[at(j)].lower;
     pairing.box.upper[static_cast<Index>(u)] = model.variables[at(j)].upper;
   }
+  for (const Turned& turn : turns)
+    (turn.above ? pairing.box.lower : pairing.box.upper)[pairing.unknowns[at(turn.variable)]] = turn.bound;
   pairing.box.lower.tail(static_cast<Index>(sides.size())).setZero();
   return pairing;
+}
+
+std::string without_row(const NlModel& model, const Names& names) {
+  std::vector<char> complemented(model.variables.size(), 0);
+  for (const NlRange& row : model.rows)
+    if (row.complement >= 0) complemented[at(row.complement)] = 1;
+  std::vector<int> alone;
+  std::size_t others = 0;
+  for (std::size_t j = 0; j < model.variables.size(); ++j)
+    if (std::isfinite(model.variables[j].lower) || std::isfinite(model.variables[j].upper))
+      complemented[j] ? void(++others) : alone.push_back(static_cast<int>(j));
+  constexpr std::size_t few = 5;  // names that a person reads
+  if (alone.empty() || alone.size() > few || alone.size() > others) return {};
+  const NameAt row = [&](Index i) { return names.row(static_cast<int>(i)); };
+  const NameAt variable = [&](Index j) { return names.variable(static_cast<int>(j)); };
+  const std::vector<Index> rows = namesakes(std::ssize(model.rows), std::ssize(model.variables), row, variable).row_of;
+  std::vector<std::string> variables, by_name;
+  for (const int j : alone) {
+    variables.push_back(names.variable(j));
+    if (rows[at(j)] >= 0) by_name.push_back(row(rows[at(j)]));
+  }
+  const bool one = alone.size() == 1;
+  return "no row complements " + Names::list(variables) +
+         (one ? ", which has bounds: they are" : ", which have bounds: these are") + " side inequalities" +
+         (by_name.empty() ? "" : "; by the names its row would be " + Names::list(by_name));
 }
 
 JacobianMap map_jacobian(const NlModel& model, const Pairing& pairing) {

@@ -7,7 +7,9 @@
 /// Pyomo writes a condition on an expression with an auxiliary variable v of its own:
 ///     row i: c v + constant  complements x,    row e: a v + g(x) = b,    v free and in no other row.
 /// v is no unknown then: F_x = -(c / a) (g(x) - b) + constant. It is computed afterwards. Pre: |c| = |a|, so that
-/// nothing is rounded.
+/// nothing is rounded. Where both sides are expressions, 0 <= x - 1 _|_ F >= 0, Pyomo takes F for the variable:
+///     row i: v complements w >= 0,    row e: v - x = -1,    row f: w - F(x) = 0,    x free, w in no other row.
+/// Then w is no unknown either, and x >= 1 complements F. Pre: the bound of x is not rounded.
 #include <vector>
 
 #include "ncp/ampl/names.hpp"
@@ -43,6 +45,10 @@ struct Pairing {
 /// Throws ModelError: integer variables (bad_file), empty ranges (inconsistent_bounds), a complementarity row whose
 /// kind contradicts its variable's bounds, or two of one variable (bad_file), a model that is not square (nonsquare).
 Pairing pair(const NlModel& model, const Names& names);
+
+/// "no row complements x3, which has bounds: they are side inequalities", where most variables with bounds have a row:
+/// a slip of the modeller's more often than not. Else empty.
+std::string without_row(const NlModel& model, const Names& names);
 
 /// The Jacobian of F in terms of the nonzeros of the model's own Jacobian, which come by columns, rows ascending.
 struct JacobianMap {

@@ -16,7 +16,6 @@ namespace {
 
 using Indices = std::vector<Index>;
 using lcp::StructurePart;
-using NameAt = std::function<std::string(Index)>;
 
 constexpr std::size_t few = 5;         // rows that a person looks through
 constexpr std::size_t most_parts = 3;  // told
@@ -65,46 +64,6 @@ std::vector<Multiple> multiples(const ModelStructure& model) {
   return found;
 }
 
-/// Names of rows that are made of names of variables, or the other way round, as d_x of x: which have no partner?
-struct Unpaired {
-  std::vector<char> rows, variables;  ///< 1: without one although others of the kind have one
-};
-/// A part of the name that all of a kind share, and the rest: "d_" and "x1", "cap" and "[gas]".
-Unpaired unpaired(const ModelStructure& model) {
-  const Index m = model.pattern.rows(), n = model.pattern.cols();
-  std::vector<std::string> rows, variables;
-  for (Index i = 0; i < m; ++i) rows.push_back(model.row(i));
-  for (Index j = 0; j < n; ++j) variables.push_back(model.variable(j));
-  Unpaired out{std::vector<char>(at(m), 0), std::vector<char>(at(n), 0)};
-  std::vector<char> row_paired(at(m), 0), variable_paired(at(n), 0);
-  // `longer` = prefix + `shorter`.
-  const auto pair_up = [](const std::vector<std::string>& longer, const std::vector<std::string>& shorter,
-                          std::vector<char>& longer_paired, std::vector<char>& shorter_paired) {
-    constexpr std::size_t enough = 3;  // pairs that show a habit
-    std::unordered_map<std::string, std::size_t> index;
-    for (std::size_t k = 0; k < shorter.size(); ++k) index.emplace(shorter[k], k);
-    std::map<std::string, std::vector<std::pair<std::size_t, std::size_t>>> habits;
-    for (std::size_t k = 0; k < longer.size(); ++k)
-      for (std::size_t p = 0; p < std::min<std::size_t>(longer[k].size(), 16); ++p)
-        if (const auto it = index.find(longer[k].substr(p)); it != index.end())
-          habits[longer[k].substr(0, p)].emplace_back(k, it->second);
-    for (const auto& [prefix, pairs] : habits) {
-      if (pairs.size() < enough) continue;
-      for (const auto& [a, b] : pairs) {
-        longer_paired[a] = longer_paired[a] != 0 || shorter_paired[b] == 0 ? 1 : 0;
-        shorter_paired[b] = 1;
-      }
-    }
-  };
-  pair_up(rows, variables, row_paired, variable_paired);
-  pair_up(variables, rows, variable_paired, row_paired);
-  if (std::ranges::count(variable_paired, 1) * 2 > n)
-    for (Index j = 0; j < n; ++j) out.variables[at(j)] = variable_paired[at(j)] == 0 ? 1 : 0;
-  if (std::ranges::count(row_paired, 1) * 2 > m)
-    for (Index i = 0; i < m; ++i) out.rows[at(i)] = row_paired[at(i)] == 0 ? 1 : 0;
-  return out;
-}
-
 /// The family of a name and its index: "cap[gas]" is "cap" and "gas", "e12" is "e" and "12".
 std::pair<std::string, std::string> split(const std::string& name) {
   if (const auto bracket = name.find('['); bracket != std::string::npos)
@@ -124,15 +83,14 @@ Indices suspects(const Indices& all, const std::function<int(Index)>& rank) {
   return chosen;
 }
 
-/// Parts that have rows in common become one, as long as a person can look through it; those without columns, too.
+/// Parts that have rows in common become one, as long as a person can look through it.
 std::vector<StructurePart> joined(std::vector<StructurePart> parts) {
   std::vector<StructurePart> out;
   for (StructurePart& part : parts) {
     const auto with = std::ranges::find_if(out, [&](const StructurePart& other) {
       StructurePart both;
       std::ranges::set_union(other.rows, part.rows, std::back_inserter(both.rows));
-      const bool meet = both.rows.size() < other.rows.size() + part.rows.size() && both.rows.size() <= few;
-      return meet || (other.columns.empty() && part.columns.empty());
+      return both.rows.size() < other.rows.size() + part.rows.size() && both.rows.size() <= few;
     });
     if (with == out.end()) {
       out.push_back(std::move(part));
@@ -146,7 +104,22 @@ std::vector<StructurePart> joined(std::vector<StructurePart> parts) {
   return out;
 }
 
-std::string too_many(const ModelStructure& model, const StructurePart& part, const Unpaired& names) {
+/// Overdetermined parts, the empty rows first, as one.
+std::vector<StructurePart> parts_of(const SpMat& A, const std::function<bool(Index)>& imposes) {
+  Indices entries(at(A.rows()), 0);
+  for (Index k = 0; k < A.nonZeros(); ++k) ++entries[at(A.innerIndexPtr()[k])];
+  const auto empty_rows = at(static_cast<Index>(std::ranges::count(entries, 0)));
+  auto parts = lcp::overdetermined_parts(A, 10 * most_parts + empty_rows, lcp::Entries::Stored);
+  std::erase_if(parts, [&](const StructurePart& p) { return p.columns.empty() || !imposes(p.rows.front()); });
+  parts = joined(std::move(parts));
+  StructurePart empty;
+  for (Index i = 0; i < A.rows(); ++i)
+    if (entries[at(i)] == 0 && imposes(i)) empty.rows.push_back(i);
+  if (!empty.rows.empty()) parts.insert(parts.begin(), std::move(empty));
+  return parts;
+}
+
+std::string too_many(const ModelStructure& model, const StructurePart& part, const Namesakes& names) {
   if (part.columns.empty())
     return part.rows.size() == 1 ? "row " + model.row(part.rows.front()) + " has no variable"
                                  : "rows without a variable: " + listed(part.rows, model.row);
@@ -160,7 +133,7 @@ std::string too_many(const ModelStructure& model, const StructurePart& part, con
   return first.size() < part.rows.size() ? text + ", of which look first at " + listed(first, model.row) : text;
 }
 
-std::string too_few(const ModelStructure& model, const StructurePart& part, const Unpaired& names,
+std::string too_few(const ModelStructure& model, const StructurePart& part, const Namesakes& names,
                     const std::vector<char>& complemented) {
   if (part.columns.empty())  // of the transpose
     return part.rows.size() == 1
@@ -175,6 +148,30 @@ std::string too_few(const ModelStructure& model, const StructurePart& part, cons
     return 4 + (model.bounded[at(j)] ? 2 : 0) + (names.variables[at(j)] ? 1 : 0);
   });
   return first.size() < part.rows.size() ? text + ", of which look first at " + listed(first, model.variable) : text;
+}
+
+/// "lambda_e1 has no row": variables without a namesake that no sentence has named yet.
+void tell_nameless(const ModelStructure& model, const Namesakes& names, std::vector<std::string>& text) {
+  Indices alone;
+  for (Index j = 0; j < model.pattern.cols(); ++j)
+    if (names.variables[at(j)]) alone.push_back(j);
+  if (alone.empty() || alone.size() > few) return;
+  const std::string list = listed(alone, model.variable);
+  for (const std::string& told : text)
+    if (told.ends_with(list)) return;
+  // The example: a pair that is named most alike.
+  const std::string first = model.variable(alone.front());
+  Index like = -1;
+  std::ptrdiff_t longest = -1;
+  for (Index j = 0; j < model.pattern.cols(); ++j) {
+    if (names.row_of[at(j)] < 0) continue;
+    const std::string name = model.variable(j);
+    const std::ptrdiff_t common = std::ranges::mismatch(name, first).in1 - name.begin();
+    if (common > longest) longest = common, like = j;
+  }
+  text.push_back("by their names most variables have a row, as " + model.variable(like) + " has " +
+                 model.row(names.row_of[at(like)]) + ", and " + list +
+                 (alone.size() == 1 ? " has none" : " have none"));
 }
 
 /// "row e7 is missing": families of rows that have every index of a run but one.
@@ -196,9 +193,47 @@ void tell_gaps(const ModelStructure& model, std::vector<std::string>& text) {
 
 }  // namespace
 
+Namesakes namesakes(Index m, Index n, const NameAt& row, const NameAt& variable) {
+  std::vector<std::string> rows, variables;
+  for (Index i = 0; i < m; ++i) rows.push_back(row(i));
+  for (Index j = 0; j < n; ++j) variables.push_back(variable(j));
+  Namesakes out{Indices(at(m), -1), Indices(at(n), -1), std::vector<char>(at(m), 0), std::vector<char>(at(n), 0)};
+  // `longer` = prefix + `shorter`.
+  const auto pair_up = [](const std::vector<std::string>& longer, const std::vector<std::string>& shorter,
+                          Indices& of_longer, Indices& of_shorter) {
+    constexpr std::size_t enough = 3;  // pairs that show a habit
+    std::unordered_map<std::string, std::size_t> index;
+    for (std::size_t k = 0; k < shorter.size(); ++k) index.emplace(shorter[k], k);
+    std::map<std::string, std::vector<std::pair<std::size_t, std::size_t>>> habits;
+    for (std::size_t k = 0; k < longer.size(); ++k)
+      for (std::size_t p = 0; p < std::min<std::size_t>(longer[k].size(), 16); ++p)
+        if (const auto it = index.find(longer[k].substr(p)); it != index.end())
+          habits[longer[k].substr(0, p)].emplace_back(k, it->second);
+    for (const auto& [prefix, pairs] : habits) {
+      if (pairs.size() < enough) continue;
+      for (const auto& [a, b] : pairs) {
+        if (of_shorter[b] >= 0) continue;
+        of_shorter[b] = static_cast<Index>(a);
+        if (of_longer[a] < 0) of_longer[a] = static_cast<Index>(b);
+      }
+    }
+  };
+  pair_up(rows, variables, out.variable_of, out.row_of);
+  pair_up(variables, rows, out.row_of, out.variable_of);
+  const auto without = [](const Indices& partners, std::vector<char>& alone) {
+    if (std::ranges::count(partners, -1) * 2 >= std::ssize(partners)) return;
+    for (std::size_t k = 0; k < partners.size(); ++k) alone[k] = partners[k] < 0 ? 1 : 0;
+  };
+  without(out.variable_of, out.rows);
+  without(out.row_of, out.variables);
+  return out;
+}
+
 ModelStructure structure_of(const Mcp& mcp, const Vec* F, const SpMat* J) {
   const Box& box = mcp.box();
-  const SpMat& pattern = mcp.jacobian_pattern();
+  // An entry that is 0 everywhere is none.
+  SpMat pattern = J != nullptr && mcp.is_affine() ? *J : mcp.jacobian_pattern();
+  if (J != nullptr && mcp.is_affine()) pattern.prune([](Index, Index, double value) { return value != 0; });
   const Index n = mcp.size();
   ModelStructure s{.pattern = SpMat(n, n),
                    .complement = Indices(at(n), -1),
@@ -223,7 +258,7 @@ ModelStructure structure_of(const Mcp& mcp, const Vec* F, const SpMat* J) {
       if (!left_out[at(it.row())]) entries.emplace_back(it.row(), it.col(), 1);
   }
   s.pattern.setFromTriplets(entries.begin(), entries.end());
-  s.own = pattern;
+  s.own = std::move(pattern);
   if (F == nullptr || J == nullptr) return s;
   Eigen::MatrixXd steps(n, 3);
   for (Index j = 0; j < n; ++j)
@@ -236,16 +271,14 @@ ModelStructure structure_of(const Mcp& mcp, const Vec* F, const SpMat* J) {
 std::vector<std::string> faults(const ModelStructure& model) {
   std::vector<std::string> text;
   const Index m = model.pattern.rows(), n = model.pattern.cols();
-  const SpMat columns = model.pattern.transpose();
-  auto over = lcp::overdetermined_parts(model.pattern, 10 * most_parts, lcp::Entries::Stored);
-  std::erase_if(over, [&](const StructurePart& part) { return !model.imposes[at(part.rows.front())]; });
-  const auto under = joined(lcp::overdetermined_parts(columns, 10 * most_parts, lcp::Entries::Stored));
+  auto over = parts_of(model.pattern, [&](Index i) { return model.imposes[at(i)] != 0; });
+  const auto under = parts_of(model.pattern.transpose(), [](Index) { return true; });
   const std::vector<Multiple> same = multiples(model);
   if (over.empty() && under.empty() && same.empty()) return text;
   std::vector<char> complemented(at(n), 0);
   for (const Index j : model.complement)
     if (j >= 0) complemented[at(j)] = 1;
-  const Unpaired names = unpaired(model);
+  const Namesakes names = namesakes(m, n, model.row, model.variable);
   for (std::size_t k = 0; k < std::min(most_parts, same.size()); ++k)
     text.push_back("row " + model.row(same[k].second) + " repeats row " + model.row(same[k].first) +
                    (std::abs(same[k].factor - 1) < 1e-9 ? "" : ", " + number(same[k].factor) + " times") +
@@ -256,13 +289,15 @@ std::vector<std::string> faults(const ModelStructure& model) {
            });
   };
   std::erase_if(over, all_multiples);
-  over = joined(std::move(over));
   for (std::size_t k = 0; k < std::min(most_parts, over.size()); ++k) text.push_back(too_many(model, over[k], names));
   if (over.size() > most_parts) text.push_back("and more rows that are too many");
   for (std::size_t k = 0; k < std::min(most_parts, under.size()); ++k)
     text.push_back(too_few(model, under[k], names, complemented));
   if (under.size() > most_parts) text.push_back("and more variables");
-  if (m < n) tell_gaps(model, text);
+  if (m < n) {
+    tell_gaps(model, text);
+    tell_nameless(model, names, text);
+  }
   return text;
 }
 

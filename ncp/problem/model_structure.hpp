@@ -11,6 +11,8 @@
 
 namespace perp::ncp {
 
+using NameAt = std::function<std::string(Index)>;
+
 struct ModelStructure {
   SpMat pattern;                  ///< rows x variables, with the entries of conditions for what they complement
   SpMat own{};                    ///< the same without these
@@ -19,9 +21,18 @@ struct ModelStructure {
   std::vector<char> bounded{};    ///< of each variable: it has a finite bound
   Eigen::MatrixXd changes{};      ///< of each row between some points; NaN: not known
   Vec values{};                   ///< of each row at one point
-  std::function<std::string(Index)> row;
-  std::function<std::string(Index)> variable;
+  NameAt row;
+  NameAt variable;
 };
+
+/// Names of rows that are made of names of variables, or the other way round, as d_x of x: a part of the name that all
+/// of a kind share, and the rest, as "d_" and "x1", "cap" and "[gas]".
+struct Namesakes {
+  std::vector<Index> variable_of, row_of;  ///< of each row, and of each variable; -1: none
+  std::vector<char> rows{}, variables{};   ///< 1: without one although most of the kind have one
+};
+/// Of m rows and n variables.
+Namesakes namesakes(Index m, Index n, const NameAt& row, const NameAt& variable);
 
 /// Of a problem: variables that are in no row but their own, and those rows, are left out, as they explain nothing.
 /// With F and J at a point, if they are given.

@@ -43,6 +43,15 @@ TEST(ModelNotes, AnObjectiveIsNotUsed) {
   expect_note(nl, "the objective is not used");
 }
 
+// Three conditions of the form 0 <= x_i _|_ x_i - 1 >= 0, of which the last one has lost its variable: an equation, and
+// x_3 >= 0 a side inequality. Catches a slip that passes for a model.
+TEST(ModelNotes, AVariableWithBoundsThatNoRowComplements) {
+  expect_note(test::nl_header(3, 3, 1, 2, 3) +
+                  "C0\nv0\nC1\nv1\nC2\nv2\nr\n5 1 1\n5 1 2\n4 1\nb\n2 0\n2 0\n2 0\nk2\n1\n2\nJ0 1\n0 0\nJ1 1\n1 0\n"
+                  "J2 1\n2 0\n",
+              "no row complements _svar[3], which has bounds: they are side inequalities");
+}
+
 // x^2 = 2, and the side inequality x^2 <= 1 wants 1 less. Catches "no progress" that does not say why.
 TEST(ModelNotes, SideInequalitiesThatHoldTheSolutionOut) {
   std::string nl = test::side_inequality_nl();

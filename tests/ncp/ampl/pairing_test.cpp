@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which row gives which variable's F (Ferris, Fourer & Gay 1999, section 4; the AMPL/PATH driver's conventions), with
 // values worked out by hand. Would catch a wrong partner, sign, right-hand side, bound or constant.
+#include <sstream>
+
 #include "nl_text.hpp"
 
 namespace perp::ncp::ampl {
@@ -175,6 +177,43 @@ TEST(Pairing, OtherVariablesStay) {
 }
 
 // Two auxiliary variables in one equation: only one can be computed from it.
+/// What Pyomo 6.10 writes of  0 <= a x - b _|_ x + y - 3 >= 0  and  0 <= y _|_ 2 y - x + 5 >= 0: variables c1.bv, x,
+/// c1.v, y, c2.bv.
+std::string of_two_expressions(double a, double b) {
+  std::ostringstream nl;
+  nl << text({.vars = 5, .cons = 5, .eqns = 3, .cc = 2, .nonzeros = 10})
+     << "C0\nn0\nC1\nn0\nC2\nn0\nC3\nn0\nC4\nn0\nx1\n1 4\nr\n5 1 3\n4 " << -b
+     << "\n4 -3\n5 1 4\n4 5\nb\n3\n3\n2 0\n2 0\n3\nk4\n2\n5\n6\n8\nJ0 1\n0 1\nJ1 2\n0 1\n1 " << -a
+     << "\nJ2 3\n1 -1\n2 1\n3 -1\nJ3 1\n4 1\nJ4 3\n1 1\n3 -2\n4 1\n";
+  return nl.str();
+}
+
+// x - 1, 2x - 1 and 1 - x are bounds of x; 3x - 1 would be rounded, and stays an equation. Catches a box or a sign that
+// is that of another side, and auxiliary values that answer nothing.
+TEST(Pairing, AConditionOfTwoExpressionsIsOneOfItsVariable) {
+  struct Side {
+    double a, b, lower, upper, sign;
+  };
+  for (const Side& c : {Side{1, 1, 1, infinity, 1}, Side{2, 1, 0.5, infinity, 1}, Side{-1, -1, -infinity, 1, -1}}) {
+    const TempFolder folder;
+    folder.write("m.col", "c1.bv\nx\nc1.v\ny\nc2.bv\n");
+    folder.write("m.row", "c1.c\nc1.bc\nc1.e\nc2.c\nc2.bc\n");
+    const auto m = read_model(folder.write("m.nl", of_two_expressions(c.a, c.b)));
+    ASSERT_EQ(m->size(), 2) << c.a;
+    EXPECT_THAT(variable_names(*m), ElementsAre("x", "y"));
+    EXPECT_THAT(equation_names(*m), ElementsAre("c1", "c2"));
+    EXPECT_EQ(m->box().lower, (Vec{{c.lower, 0}}));
+    EXPECT_EQ(m->box().upper, (Vec{{c.upper, infinity}}));
+    EXPECT_EQ(values(*m, Vec{{7, 3}}), (Vec{{c.sign * 7, 4}}));
+    EXPECT_EQ(jacobian(*m, Vec{{7, 3}}), (Eigen::MatrixXd{{c.sign, c.sign}, {-1, 2}}));
+    m->write_sol("m", Vec{{7, 3}}, 0);
+    std::ostringstream all;
+    all << '\n' << c.a * 7 - c.b << "\n7\n7\n3\n4\n";  // v = F, whatever the side
+    EXPECT_THAT(read_bytes(folder.path() + "/m.sol"), testing::HasSubstr(all.str()));
+  }
+  EXPECT_EQ(read_text(of_two_expressions(3, 1))->size(), 3);
+}
+
 TEST(Pairing, AnEquationDefinesOneAuxiliaryVariable) {
   const auto m = read_text(text({.vars = 4, .cons = 4, .eqns = 2, .cc = 2, .nonzeros = 6}) +
                            "C0\nn0\nC1\nn0\nC2\nn0\nC3\nn0\nr\n5 1 3\n5 1 4\n4 1\n4 2\nb\n3\n3\n2 0\n2 0\nk3\n2\n4\n5\n"

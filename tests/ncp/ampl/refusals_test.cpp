@@ -61,6 +61,29 @@ TEST(Refusals, NotSquareNamesThePartThatIsToBlame) {
                  {"variable _svar[1] is in no row"});
 }
 
+// Optimality conditions of min z over z = x^2 + y^2 (e1), x + y >= 1 (e2), x - y >= -1 (e3), x >= y - 5 (e4), without
+// row e1: that variable z is in no row is told, and that lambda_e1 is the one without its row. Catches names that are
+// not read.
+TEST(Refusals, NotSquareNamesTheVariableWithoutItsRow) {
+  const TempFolder folder;
+  folder.write("m.row", "d_x\nd_y\nd_z\ne2\ne3\ne4\n");
+  folder.write("m.col", "x\ny\nz\nlambda_e1\nlambda_e2\nlambda_e3\nlambda_e4\n");
+  const std::string nl = folder.write(
+      "m.nl",
+      text({.vars = 7, .cons = 6, .eqns = 3, .cc = 3, .nonzeros = 17}) +
+          "C0\no2\nv0\nv3\nC1\no2\nv1\nv3\nC2\nn0\nC3\nn0\nC4\nn0\nC5\nn0\nr\n4 0\n4 0\n4 1\n5 1 5\n5 1 6\n5 1 "
+          "7\nb\n3\n3\n3\n3\n2 0\n2 0\n2 0\nk6\n4\n8\n8\n11\n13\n15\nJ0 5\n0 0\n3 0\n4 -1\n5 -1\n6 -1\nJ1 5\n1 0\n3 "
+          "0\n4 -1\n5 1\n6 1\nJ2 1\n3 1\nJ3 2\n0 1\n1 1\nJ4 2\n0 1\n1 -1\nJ5 2\n0 1\n1 -1\n");
+  try {
+    read_model(nl);
+    ADD_FAILURE() << "not refused";
+  } catch (const ModelError& error) {
+    EXPECT_EQ(error.code(), nonsquare);
+    EXPECT_THAT(error.what(), testing::AllOf(testing::HasSubstr("variable z is in no row"),
+                                             testing::HasSubstr("as lambda_e2 has e2, and lambda_e1 has none")));
+  }
+}
+
 // The square model x = 1, 2x = 1 in x and y: what is wrong with it is told with whatever the solve says.
 TEST(Refusals, SquareButSingularIsTold) {
   const auto model = read_text(text({.vars = 2, .cons = 2, .eqns = 2, .nonzeros = 2}) +
