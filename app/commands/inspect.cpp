@@ -12,6 +12,13 @@ Inspection inspect_problem(const LoadedProblem& problem, const std::atomic<bool>
   return {ncp::inspect(*problem.mcp, problem.x0, interrupt), &problem};
 }
 
+std::vector<Concern> all_concerns(const Inspection& inspection) {
+  std::vector<Concern> all = concerns(inspection);
+  if (const ncp::ampl::Model* model = inspection.loaded->model; model != nullptr)
+    for (std::string& remark : model->remarks()) all.push_back({Concern::Structure, std::move(remark)});
+  return all;
+}
+
 ExitCode inspect(const InspectRequest& request, Streams streams, const std::atomic<bool>* interrupt) {
   const std::vector<FileUse> outputs{{"--json", request.json}};
   if (!outputs_fit(outputs, files_of(request.source), streams)) return exit_input;

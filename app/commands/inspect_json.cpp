@@ -169,7 +169,7 @@ std::string inspect_json(const Inspection& inspection) {
   json["affine"] = mcp.is_affine();
   json["interrupted"] = inspection.interrupted;
   json["concerns"] = Json::array();
-  for (const Concern& concern : concerns(inspection)) json["concerns"].push_back(concern.text);
+  for (const Concern& concern : all_concerns(inspection)) json["concerns"].push_back(concern.text);
   json["variables"] = kinds_json(inspection);
   json["structure"] = structure_json(inspection);
   json["at_start"] = start_json(inspection);

@@ -237,7 +237,7 @@ void print_inspection(std::ostream& out, const Inspection& inspection) {
   out << "\n\n";
 
   Printout print(out);
-  const std::vector<Concern> all = ncp::concerns(inspection);
+  const std::vector<Concern> all = all_concerns(inspection);
   const auto print_concerns = [&](Concern::Part part) {  // the part's label stands before the first of them
     for (const Concern& concern : all)
       if (concern.part == part) print.concern(concern.text);

@@ -2,10 +2,13 @@
 /// What of an inspection deserves a second look.
 #include <fmt/format.h>
 
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "ncp/analysis/inspection.hpp"
 #include "ncp/analysis/structure_report.hpp"
+#include "ncp/problem/model_structure.hpp"
 
 namespace perp::ncp {
 
@@ -22,37 +25,29 @@ std::vector<Concern> concerns(const Inspection& inspection) {
   const auto add = [&](Concern::Part part, std::string text) { found.push_back({part, std::move(text)}); };
 
   const StructureFindings& structure = inspection.structure;
-  if (!structure.empty_rows.empty())
-    add(Concern::Structure,
-        fmt::format("{} no variable: {}",
-                    structure.empty_rows.size() == 1 ? "1 row depends on"
-                                                     : fmt::format("{} rows depend on", structure.empty_rows.size()),
-                    listed_equations(mcp, structure.empty_rows)));
-  if (!structure.empty_columns.empty())
-    add(Concern::Structure, fmt::format("{} in no row: {}",
-                                        structure.empty_columns.size() == 1
-                                            ? "1 variable occurs"
-                                            : fmt::format("{} variables occur", structure.empty_columns.size()),
-                                        listed_variables(mcp, structure.empty_columns)));
-  if (structure.singular()) {
+  const StartFindings& start = inspection.start;
+  if (structure.singular())
     add(Concern::Structure,
         fmt::format("structurally singular whichever variables are at their bounds (rank {} of {} at most)",
                     structure.rank_with_bounds, structure.size));
-    for (const std::string& text : describe_parts(mcp, structure.over, structure.under)) add(Concern::Structure, text);
-  }
-
-  const StartFindings& start = inspection.start;
-  if (!start.F_undefined.empty())
-    add(Concern::Start, "F is not defined in " + listed_equations(mcp, start.F_undefined));
-  else if (!start.F_defined)
-    add(Concern::Start, "F is not defined, and the problem does not say in which rows");
-  if (!start.J_undefined.empty())
-    add(Concern::Start, "the Jacobian is not defined: " + listed(start.J_undefined.size(), [&](std::size_t k) {
-                          const auto& [i, j] = start.J_undefined[k];
-                          return fmt::format("{} by {}", mcp.equation_name(i), mcp.variable_name(j));
-                        }));
-  else if (!start.J_defined)
-    add(Concern::Start, "the Jacobian is not defined");
+  // What solve() says; of a bounded variable that is alone it says nothing.
+  for (std::string& fault : faults(structure_of(mcp, &start.F, start.J_defined ? &start.J : nullptr)))
+    add(Concern::Structure, std::move(fault));
+  const auto bounded = [&](Indices indices) {
+    std::erase_if(indices, [&](Index i) { return mcp.box().is_free(i); });
+    return indices;
+  };
+  if (const Indices rows = bounded(structure.empty_rows); !rows.empty())
+    add(Concern::Structure,
+        fmt::format("{} no variable: {}",
+                    rows.size() == 1 ? "1 row depends on" : fmt::format("{} rows depend on", rows.size()),
+                    listed_equations(mcp, rows)));
+  if (const Indices columns = bounded(structure.empty_columns); !columns.empty())
+    add(Concern::Structure,
+        fmt::format("{} in no row: {}",
+                    columns.size() == 1 ? "1 variable occurs" : fmt::format("{} variables occur", columns.size()),
+                    listed_variables(mcp, columns)));
+  if (!start.undefined.empty()) add(Concern::Start, start.undefined);
 
   if (inspection.scaling.spread() > scaling_of_concern)
     add(Concern::Scaling, fmt::format("the largest entries of rows or of columns differ by a factor of {:.0e}: other "

@@ -9,6 +9,8 @@
 
 #include "lcp/lu/sparse_lu.hpp"
 #include "ncp/problem/affine.hpp"
+#include "ncp/problem/counted_mcp.hpp"
+#include "ncp/run/undefined_start.hpp"
 
 namespace perp::ncp {
 
@@ -115,6 +117,12 @@ void judge_values(const Box& box, StartFindings& start) {
   }
 }
 
+std::string why_not_defined(const Mcp& mcp, const StartFindings& start) {
+  CountedMcp counted(mcp);
+  if (std::optional<MovedStart> moved = moved_start(counted, start.x)) return std::move(moved->note);
+  return undefined_start(mcp, start.x, start.F, start.F_defined ? &start.J : nullptr);
+}
+
 StartFindings start_of(const Mcp& mcp, const Vec& x0, const Indices& kept) {
   const Box& box = mcp.box();
   StartFindings start{.x = lcp::project(box, x0), .F = Vec::Zero(mcp.size()), .J = mcp.jacobian_pattern()};
@@ -135,6 +143,7 @@ StartFindings start_of(const Mcp& mcp, const Vec& x0, const Indices& kept) {
     for (SpMat::InnerIterator it(start.J, j); it; ++it)
       if (!std::isfinite(it.value())) start.J_undefined.emplace_back(it.row(), j);
   start.J_defined = start.J_defined && start.J_undefined.empty();
+  if (!start.F_defined || !start.J_defined) start.undefined = why_not_defined(mcp, start);
   if (start.J_defined) start.rank = lcp::structural_rank(principal(start.J, kept));
   return start;
 }

@@ -46,6 +46,7 @@ struct StartFindings {
   Vec x{};
   Vec F{};
   SpMat J{};
+  std::string undefined{};  ///< why F or J is not defined there, and where solve() starts instead; empty: they are
   bool F_defined = true;
   bool J_defined = true;
   Indices F_undefined{};                               ///< rows that are not finite; may be empty all the same

@@ -102,9 +102,7 @@ bool Run::start(In x0, Point& point) {
   const bool begins = best_.x.size() == 0;
   if (begins) best_ = {.x = point.x, .F = point.F, .residual = {}};
   if (!has_F) {
-    const std::string why = why_undefined(mcp(), point.x, point.F);
-    end(Status::EvaluationFailed, why.empty() ? "F is not defined at the start" : "not defined: " + why,
-        "give a start inside the domain of F");
+    end(Status::EvaluationFailed, undefined_start(mcp(), point.x, point.F), "give a start inside the domain of F");
     return false;
   }
   Judged there{.x = point.x, .F = point.F, .residual = residual(box(), point.x, point.F)};
@@ -119,9 +117,7 @@ bool Run::start(In x0, Point& point) {
   }
   if (solution) return true;  // J is not needed
   if (!counted_.jacobian(point.x, point.J)) {
-    std::string why = why_undefined(mcp(), point.x, point.F, &point.J);
-    if (!why.empty()) why.insert(0, ": ");
-    end(Status::EvaluationFailed, "the Jacobian is not defined at the start" + why,
+    end(Status::EvaluationFailed, undefined_start(mcp(), point.x, point.F, &point.J),
         "give a start inside the domain of the Jacobian, for instance away from the bounds");
     return false;
   }

@@ -150,6 +150,12 @@ std::string why_undefined(const Mcp& mcp, In x, In F, const SpMat* J) {
   return variables.size() > shown ? text + ", ..." : text;
 }
 
+std::string undefined_start(const Mcp& mcp, In x, In F, const SpMat* J) {
+  const std::string why = why_undefined(mcp, x, F, J);
+  if (J != nullptr) return "the Jacobian is not defined at the start" + (why.empty() ? "" : ": " + why);
+  return why.empty() ? "F is not defined at the start" : "not defined: " + why;
+}
+
 std::optional<MovedStart> moved_start(CountedMcp& counted, In x) {
   const Mcp& mcp = counted.mcp();
   Search search(counted, x);

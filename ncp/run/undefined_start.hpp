@@ -14,6 +14,8 @@ class CountedMcp;
 /// "log(price) in row market: price = 0 at the start", of F at x, where it is not defined; or of J, if it is given. F
 /// and J are what the problem left there. The row and its variables if no operation is known; empty if no row is.
 std::string why_undefined(const Mcp& mcp, In x, In F, const SpMat* J = nullptr);
+/// The same as a message: that F or J is not defined at the start, and why as far as it is known.
+std::string undefined_start(const Mcp& mcp, In x, In F, const SpMat* J = nullptr);
 
 /// A point of the box like x, which is in it, but off those of its bounds at which F or J is not defined.
 struct MovedStart {
