@@ -145,7 +145,10 @@ Part solved(Work& work, const perp_problem& problem, const Vec& x0) {
     work.watch().check();
     if (!verified->unique) result.notes.push_back("not verified: " + verified->why_not);
   }
-  if (options.settings.output.all) listeners.tell(std::string(to_string(result.status)) + ": " + result.message);
+  if (options.settings.output.all) {
+    listeners.tell(std::string(to_string(result.status)) + ": " + result.message);
+    for (const std::string& note : result.notes) listeners.tell("note: " + note);
+  }
   const std::string certificate = ncp::certificate_json(mcp, result.x, result.proof);
   Part part = part_of(std::move(result), problem.callbacks);
   if (certificate != "null") part->add("certificate", certificate);

@@ -79,18 +79,18 @@ void ClientProblem::ask() {
   ask_structure();
 }
 
-/// F goes first, as clients may know J from it.
+/// F goes first, as clients may know J from it. Where either is not defined at the start, solve() says why, or starts
+/// nearby; it needs J's pattern for that.
 void ClientProblem::ask_structure() {
   std::vector<double> F(m_.x.size());
-  const bool undefined = evaluate_F(m_.x.data(), F.data()) != PERP_DEFINED;
+  evaluate_F(m_.x.data(), F.data());
   ++J_evaluations_;
   x_ = m_.x;
   const bool unknown = m_.jacobian.evaluate(m_.client, x_.data()) != 0;
-  if (const std::string why = m_.jacobian.invalid(); !why.empty()) {
-    if (unknown) throw End{MCP_DomainError, "the Jacobian is not defined at the start"};
-    throw End{MCP_Error, why};
-  }
-  if (undefined) throw End{MCP_DomainError, "F is not defined at the start"};
+  const std::string why = m_.jacobian.invalid();
+  if (unknown && (!why.empty() || m_.jacobian.nonzeros() == 0))
+    throw End{MCP_DomainError, "the Jacobian is not defined at the start, and its pattern is not known"};
+  if (!why.empty()) throw End{MCP_Error, why};
   m_.jacobian.grow();
   const Presolve_Interface& presolve = m_.presolve;
   if (presolve.start_pre != nullptr) presolve.start_pre(presolve.presolve_data);
