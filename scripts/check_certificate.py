@@ -168,7 +168,7 @@ def check(path, matrix):
         certificate = read(file.read())
     certificate = certificate.get("certificate", certificate)
     if not isinstance(certificate, dict) or certificate.get("format") != "perp certificate 1":
-        raise Refused("there is no certificate")
+        raise Refused("there is no certificate; a proof by ranges of F is repeated by solving again")
     if certificate["checksum"] != checksum(certificate):
         raise Refused("the checksum is another one")
     if matrix:

@@ -264,6 +264,7 @@ std::string solve_json(const Report& report) {
   json["residual"]["relative_worst"] = equation_json(report.mcp(), result.relative_row);
   if (result.status == ncp::Status::Infeasible) {
     json["residual_bound"] = json_number(result.proof.residual_bound);
+    json["proven_by"] = result.proof.certificate ? "certificate" : "ranges";
     json["certificate"] = "";
   }
   json["stats"] = stats_json(result.stats);

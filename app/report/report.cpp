@@ -214,6 +214,8 @@ void print_verdict(std::ostream& out, const Report& report) {
   if (result.proof.certificate)
     out << fmt::format("Proof: {} contradict each other; --json writes the certificate\n",
                        ncp::rows_in_words(report.mcp(), result.proof));
+  else if (result.proof.residual_bound > 0)
+    out << "Proof: by the ranges of F, rounded outwards; it has no certificate, and another run repeats it\n";
   if (!result.advice.empty()) out << fmt::format("Try: {}\n", result.advice);
 }
 

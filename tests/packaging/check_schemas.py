@@ -130,7 +130,7 @@ FILES = {
 }
 
 # Keys that a document may lack, "*" for an item of a list, and tables of any keys.
-OPTIONAL = {("solve", "derivatives"), ("solve", "residual_bound"), ("solve", "certificate"), ("solve", "verified"), ("solve", "deflation"), ("campaign", "shard"), ("solve", "variables.*.basis"), ("judge", "lower"), ("judge", "x"), ("judge", "upper")}
+OPTIONAL = {("solve", "derivatives"), ("solve", "residual_bound"), ("solve", "proven_by"), ("solve", "certificate"), ("solve", "verified"), ("solve", "deflation"), ("campaign", "shard"), ("solve", "variables.*.basis"), ("judge", "lower"), ("judge", "x"), ("judge", "upper")}
 OPTIONAL |= {("methods", key) for key in ("method", "affine", "options", "notes")}
 OPEN = {("solve", "options"), ("methods", "options"), ("campaign", "methods.*.in_force")}
 # Where a document says its version; the cells of a comparison have that of its campaign.

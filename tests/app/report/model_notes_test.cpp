@@ -59,5 +59,25 @@ TEST(ModelNotes, SideInequalitiesThatHoldTheSolutionOut) {
   expect_note(nl, "without its side inequalities the model has a solution, which violates side[_scon[2]] (by 1)");
 }
 
+// exp(x) + 0.1 = 0 is refuted by its range, 0 x = 1 by its row. Catches a proof of which nobody says whether it can be
+// checked.
+TEST(ModelNotes, ProofsSayHowTheyCanBeChecked) {
+  const test::Folder folder;
+  const auto solved = [&](const std::string& nl, const std::string& by, const std::string& words) {
+    test::write(folder / "m.nl", nl);
+    test::Captured captured;
+    solve({.problem = folder / "m.nl", .json = folder / "out.json"}, captured.streams);
+    EXPECT_THAT(captured.out.str(), HasSubstr(words));
+    const test::Json json = test::parse_json(test::read(folder / "out.json"));
+    EXPECT_EQ(json["status"], "Infeasible");
+    EXPECT_EQ(json["proven_by"], by);
+    EXPECT_EQ(json["certificate"].is_null(), by == "ranges");
+  };
+  solved(test::scalar_nl("o0\no44\nv0\nn0.1\n", 0, "3"), "ranges", "Proof: by the ranges of F");
+  solved(
+      test::nl_header(2, 2, 2, 0, 4) + "C0\nn0\nC1\nn0\nr\n4 1\n4 3\nb\n3\n3\nk1\n2\nJ0 2\n0 1\n1 1\nJ1 2\n0 2\n1 2\n",
+      "certificate", "contradict each other; --json writes the certificate");
+}
+
 }  // namespace
 }  // namespace perp::app
