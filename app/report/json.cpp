@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -113,9 +114,11 @@ std::string variables_text(const Report& report) {
   const bool has_basis = static_cast<ncp::Index>(basis.size()) == mcp.size();
   if (mcp.size() == 0) return "[]";
   const auto quoted = [](std::string_view text) {
-    return Json(text).dump(-1, ' ', false, Json::error_handler_t::replace);
+    const bool plain = std::ranges::all_of(text, [](char c) { return c >= ' ' && c <= '~' && c != '"' && c != '\\'; });
+    return plain ? '"' + std::string(text) + '"' : Json(text).dump(-1, ' ', false, Json::error_handler_t::replace);
   };
   std::string text = "[";
+  text.reserve(200 * static_cast<std::size_t>(mcp.size()));  // what a variable takes, by and large
   for (ncp::Index i = 0; i < mcp.size(); ++i) {
     const auto number = [&](const char* key, double value) {
       text.append(",\n      \"").append(key).append("\": ");

@@ -151,12 +151,14 @@ void print_solution(std::ostream& out, const Report& report, bool full) {
   const ncp::Box& box = report.mcp().box();
   Table table({"variable", ">lower", ">value", ">upper", ">F", "state"});
   const double tol = ncp::stop(report.settings.method).tol;
-  for (ncp::Index i = 0; i < box.size(); ++i) {
+  const std::size_t limit = full ? 0 : long_table;
+  table.fill(static_cast<std::size_t>(box.size()), limit, [&](std::size_t k) -> std::vector<std::string> {
+    const auto i = static_cast<ncp::Index>(k);
     const double x = report.result.x[i];
-    table.add({report.mcp().variable_name(i), number(box.lower[i]), number(x), number(box.upper[i]),
-               number(F_value(report, i), 4), std::string(state_name(box, i, x, tol))});
-  }
-  table.print(out, 0, full ? 0 : long_table, "--full shows them");
+    return {report.mcp().variable_name(i), number(box.lower[i]),          number(x),
+            number(box.upper[i]),          number(F_value(report, i), 4), std::string(state_name(box, i, x, tol))};
+  });
+  table.print(out, 0, limit, "--full shows them");
 }
 
 void print_all_solutions(std::ostream& out, const Report& report, bool full) {

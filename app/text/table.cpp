@@ -18,6 +18,9 @@ std::size_t width_of(std::string_view text) {
       std::ranges::count_if(text, [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; }));
 }
 
+/// Of a table that is shortened to `limit` rows: so many of them are its last ones.
+std::size_t tail_of(std::size_t limit) { return limit / 6; }
+
 std::string padded(std::string_view text, std::size_t width, Align align, bool last) {
   const std::string space(width - std::min(width, width_of(text)), ' ');
   if (align == Align::Right) return space + std::string(text);
@@ -29,6 +32,16 @@ std::string padded(std::string_view text, std::size_t width, Align align, bool l
 void Table::add(std::vector<std::string> row) {
   assert(row.size() == columns_.size());
   rows_.push_back(std::move(row));
+}
+
+void Table::fill(std::size_t count, std::size_t limit,
+                 const std::function<std::vector<std::string>(std::size_t)>& row) {
+  const bool shorten = limit > 0 && count > limit;
+  const std::size_t head = shorten ? limit - tail_of(limit) : count;
+  for (std::size_t i = 0; i < head; ++i) add(row(i));
+  if (!shorten) return;
+  left_out_ = count - limit;
+  for (std::size_t i = count - tail_of(limit); i < count; ++i) add(row(i));
 }
 
 void Table::print(std::ostream& out, int indent, std::size_t limit, std::string_view how) const {
@@ -47,12 +60,12 @@ void Table::print(std::ostream& out, int indent, std::size_t limit, std::string_
   line([&](std::size_t j) -> std::string { return columns_[j].header; });
   line([&](std::size_t j) { return std::string(width[j], '-'); });
 
-  const bool shorten = limit > 0 && rows_.size() > limit;
-  const std::size_t tail = shorten ? limit / 6 : 0;
+  const bool shorten = limit > 0 && rows() > limit;
+  const std::size_t tail = shorten ? tail_of(limit) : 0;
   const std::size_t head = shorten ? limit - tail : rows_.size();
   for (std::size_t i = 0; i < head; ++i) line([&](std::size_t j) -> const std::string& { return rows_[i][j]; });
   if (!shorten) return;
-  out << margin << fmt::format("... {} rows are not shown{}{}\n", rows_.size() - limit, how.empty() ? "" : "; ", how);
+  out << margin << fmt::format("... {} rows are not shown{}{}\n", rows() - limit, how.empty() ? "" : "; ", how);
   for (std::size_t i = rows_.size() - tail; i < rows_.size(); ++i)
     line([&](std::size_t j) -> const std::string& { return rows_[i][j]; });
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Plain-text tables with aligned columns, and numbers for people.
+#include <functional>
 #include <iosfwd>
 #include <string>
 #include <string_view>
@@ -25,7 +26,9 @@ class Table {
  public:
   explicit Table(std::vector<Column> columns) : columns_(std::move(columns)) {}
   void add(std::vector<std::string> row);  ///< one cell a column
-  std::size_t rows() const { return rows_.size(); }
+  /// Adds rows 0 to count - 1, but makes only those that print() shows with this limit.
+  void fill(std::size_t count, std::size_t limit, const std::function<std::vector<std::string>(std::size_t)>& row);
+  std::size_t rows() const { return rows_.size() + left_out_; }
   /// Header, rule and rows. Where there are more than `limit` rows (0: no limit), only the first and the last ones are
   /// printed, and a line between them says how many are left out and `how` to see them.
   void print(std::ostream& out, int indent = 0, std::size_t limit = 0, std::string_view how = "") const;
@@ -33,6 +36,7 @@ class Table {
  private:
   std::vector<Column> columns_;
   std::vector<std::vector<std::string>> rows_;
+  std::size_t left_out_ = 0;  ///< rows that were not made
 };
 
 /// `digits` significant ones, no trailing zeros; "inf", "-inf", "nan".

@@ -65,6 +65,24 @@ TEST(Table, LongTablesAreShortened) {
   EXPECT_EQ(lines(all.str()).size(), 102U);
 }
 
+// A million rows of which sixty are shown: only these are made, and the text is that of the whole table. Catches
+// seconds for what nobody sees, after a time limit.
+TEST(Table, RowsThatAreNotShownAreNotMade) {
+  for (const std::size_t count : {std::size_t{5}, std::size_t{60}, std::size_t{61}, std::size_t{1000}}) {
+    Table whole({{"i", Align::Right}}), filled({{"i", Align::Right}});
+    std::size_t made = 0;
+    for (std::size_t i = 0; i < count; ++i) whole.add({std::to_string(i)});
+    filled.fill(count, 60,
+                [&](std::size_t i) -> std::vector<std::string> { return ++made, std::vector{std::to_string(i)}; });
+    EXPECT_EQ(made, std::min<std::size_t>(count, 60));
+    EXPECT_EQ(filled.rows(), count);
+    std::ostringstream a, b;
+    whole.print(a, 2, 60, "how");
+    filled.print(b, 2, 60, "how");
+    EXPECT_EQ(a.str(), b.str());
+  }
+}
+
 TEST(Numbers, ForPeople) {
   const double inf = std::numeric_limits<double>::infinity();
   EXPECT_EQ(number(inf), "inf");
