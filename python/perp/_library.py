@@ -90,6 +90,7 @@ _QUICK = {
     "perp_problem_pattern": (_I, [_V, _V, _V]),
     "perp_problem_name": (_T, [_V]),
     "perp_problem_source": (_T, [_V]),
+    "perp_problem_set_linear": (_I, [_V, _V, _V]),
     "perp_problem_set_name": (_I, [_V, _T, _V]),
     "perp_problem_set_names": (_I, [_V, POINTER(_T), POINTER(_T), _V]),
     "perp_problem_variable_name": (_I, [_V, _N, _T, _N, _V]),

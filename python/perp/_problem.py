@@ -421,7 +421,7 @@ class Problem:
 
 
 def function_problem(
-    F: Any, x0: Any, lower: Any, upper: Any, jac: Any, pattern: Any, bounds: Any = None, args: Any = ()
+    F: Any, x0: Any, lower: Any, upper: Any, jac: Any, pattern: Any, bounds: Any = None, args: Any = (), affine: bool = False
 ) -> Problem:
     F, jac = jacobian_argument(with_args(F, args), with_args(jac, args))
     start = finite(vector(x0, -1, "x0"), "x0")
@@ -444,7 +444,14 @@ def function_problem(
         NO_J if jac is None else on_J,
         functions.number,
     )
-    return Problem(handle, functions=functions, starts=[start])
+    made_ = Problem(handle, functions=functions, starts=[start])
+    if affine:
+        if jac is None:
+            _arrays.refuse("affine", "goes with jac, the matrix")
+        constant = np.ones(max(1, made_.nonzeros), dtype=np.int8)  # without entries F is constant: no null pointer
+        error = _library.Error()
+        check(_library.lib.perp_problem_set_linear(handle.pointer, address(constant), ctypes.byref(error)), error)
+    return made_
 
 
 def problem(
@@ -457,6 +464,7 @@ def problem(
     bounds: Bounds | None = None,
     args: Any = (),
     pattern: Matrix | None = None,
+    affine: bool = False,
     name: str = "mcp",
     variable_names: Sequence[str] = (),
     equation_names: Sequence[str] = (),
@@ -466,7 +474,7 @@ def problem(
     The names, n of each, are used in messages and the log.
     """
     name = text(name, "name")
-    made_ = function_problem(F, x0, lower, upper, jac, pattern, bounds, args)
+    made_ = function_problem(F, x0, lower, upper, jac, pattern, bounds, args, affine)
     variables = _names(variable_names, made_.size, "variable_names")
     equations = _names(equation_names, made_.size, "equation_names")
     call(_library.lib.perp_problem_set_name, made_._handle.pointer, name.encode())

@@ -26,6 +26,7 @@ def solve(
     bounds: Bounds | None = None,
     args: Any = (),
     pattern: Matrix | None = None,
+    affine: bool = False,
     method: str | None = None,
     options: Options | None = None,
     basis: npt.ArrayLike | None = None,
@@ -47,6 +48,7 @@ def solve(
             scipy.optimize.
     args    more arguments of F and jac: F(x, *args).
     pattern scipy.sparse or dense, shape (n, n): its entries are those of F' that can be nonzero.
+    affine  True: F(x) = F(0) + J x with one matrix J. It is solved as M x + q is, with proofs, and F is asked rarely.
     method  a name out of `perp.methods()`; None: "auto".
     options, more
             options by their names (`perp.options()`): solve(..., convergence_tolerance=1e-10, time_limit=60).
@@ -59,7 +61,7 @@ def solve(
     """
     asked_ = asked(method, options, more)
     listeners = listeners_of(callback, log)
-    return function_problem(F, x0, lower, upper, jac, pattern, bounds, args)._solve(None, asked_, basis, listeners)
+    return function_problem(F, x0, lower, upper, jac, pattern, bounds, args, affine)._solve(None, asked_, basis, listeners)
 
 
 def lcp(

@@ -153,3 +153,23 @@ def test_the_matrix_is_not_copied():
 
     assert share("int32") < 0.15
     assert share("int64") > 0.8
+
+
+def test_a_function_declared_affine_is_as_good_as_its_matrix():
+    """min -x - y, x + y + s = 1 as optimality conditions, and one without a solution: classes, proof and certificate of a
+    function that is declared affine are those of M and q. Catches a function that stays nonlinear."""
+    lower = np.array([0, 0, 0, -np.inf])
+    for A in ([[1.0, 1.0, 1.0]], [[-1.0, -1.0, -1.0]]):
+        A = np.array(A)
+        M = sp.csc_matrix(np.block([[np.zeros((3, 3)), -A.T], [A, np.zeros((1, 1))]]))
+        q = np.array([-1.0, -1.0, 0.0, -1.0])
+        by_matrix = perp.mcp_affine(M, q, lower)
+        declared = perp.solve(lambda x: M @ x + q, np.zeros(4), lower, jac=lambda x: M, affine=True)
+        assert declared.status == by_matrix.status == ("Solved" if A[0, 0] > 0 else "Infeasible")
+        assert (declared.certificate is None) == (by_matrix.certificate is None)
+        problem = perp.problem(lambda x: M @ x + q, np.zeros(4), lower, jac=lambda x: M, affine=True)
+        assert problem.affine and problem.inspect().classes
+    assert not perp.problem(lambda x: M @ x + q, np.zeros(4), lower, jac=lambda x: M).affine
+    assert perp.problem(lambda x: np.ones(2), np.zeros(2), jac=lambda x: sp.csc_matrix((2, 2)), affine=True).affine
+    with pytest.raises(ValueError, match="affine: goes with jac"):
+        perp.solve(lambda x: x, np.zeros(2), affine=True)
