@@ -132,7 +132,7 @@ class Perp(SystemCallSolver):  # type: ignore[misc]
             with suppress(OSError), open(stub + ".json", encoding="utf-8") as file:
                 document = file.read()
         else:
-            document, said, code = _execute(command)
+            document, said, code = _execute(command, stub + ".err")
         try:
             answer: dict[str, Any] = json.loads(document)
         except ValueError:
@@ -206,11 +206,16 @@ def _word(setting: Any) -> str:
     return str(setting)
 
 
-def _execute(command: list[str]) -> tuple[str, str, int]:
-    """Runs the program: the document that it writes, what it says besides, and its exit code."""
-    with _started(command, subprocess.PIPE) as process:
-        document, said = _to_the_end(process, process.communicate)
-    return document, said, process.returncode
+def _execute(command: list[str], errors: str) -> tuple[str, str, int]:
+    """Runs the program: the document that it writes, what it says besides, and its exit code.
+
+    What it says goes by way of a file: two pipes are watched in a loop that costs more than the reading.
+    """
+    with open(errors, "w+", encoding="utf-8", errors="replace") as file:
+        with _started(command, file) as process:
+            document, _ = _to_the_end(process, process.communicate)
+        file.seek(0)
+        return document, file.read(), process.returncode
 
 
 def _execute_and_show(command: list[str], tee: bool, logfile: str | None) -> tuple[str, int]:
