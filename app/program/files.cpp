@@ -24,11 +24,22 @@ void append_bytes(std::string& text, std::string_view bytes) {
   for (const char c : bytes) text += fmt::format("\\x{:02x}", static_cast<unsigned char>(c));
 }
 
+/// The text up to its first letter that is not one of ASCII, or steers.
+std::string_view plain_part(std::string_view text) {
+  const auto plain = [](char c) { return (c >= ' ' && c <= '~') || c == '\n' || c == '\t'; };
+  return text.substr(0, static_cast<std::size_t>(std::ranges::find_if_not(text, plain) - text.begin()));
+}
+
 /// What is before a character that is not whole yet, which stays in `text`.
 std::string take_printable(std::string_view& text) {
   std::string shown;
   shown.reserve(text.size());
   while (!text.empty()) {
+    if (const std::string_view plain = plain_part(text); !plain.empty()) {
+      shown += plain;
+      text.remove_prefix(plain.size());
+      continue;
+    }
     bool whole = true;
     const std::size_t length = utf8_character(text, whole);
     if (!whole) break;
@@ -174,6 +185,10 @@ void PrintableStream::Buffer::end() {
 }
 
 bool PrintableStream::Buffer::put(std::string_view text) {
+  if (begun_.empty() && plain_part(text).size() == text.size()) {
+    const auto all = static_cast<std::streamsize>(text.size());
+    return to_->sputn(text.data(), all) == all;
+  }
   begun_ += text;
   std::string_view rest = begun_;
   const std::string shown = take_printable(rest);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <cstdint>
 #include <iterator>
 #include <map>
 #include <unordered_map>
@@ -31,36 +32,47 @@ struct Multiple {
   Index first, second;
   double factor;  ///< second = factor * first, up to a constant
 };
+std::uint64_t mixed(std::uint64_t a) {  // the finalizer of splitmix64
+  a = (a ^ (a >> 30U)) * 0xBF58476D1CE4E5B9U;
+  a = (a ^ (a >> 27U)) * 0x94D049BB133111EBU;
+  return a ^ (a >> 31U);
+}
+
 /// Rows of the same variables that change in proportion.
 std::vector<Multiple> multiples(const ModelStructure& model) {
   std::vector<Multiple> found;
-  const SpMat rows = model.own.transpose();
-  std::map<Indices, Indices> by_variables;
-  if (model.changes.rows() == model.pattern.rows())
-    for (Index i = 0; i < rows.cols(); ++i) {
-      if (!model.imposes[at(i)] || !model.changes.row(i).allFinite() || model.changes.row(i).isZero(0)) continue;
-      Indices variables;
-      for (SpMat::InnerIterator it(rows, i); it; ++it) variables.push_back(it.row());
-      by_variables[std::move(variables)].push_back(i);
-    }
+  if (model.changes.rows() != model.pattern.rows()) return found;
+  std::vector<std::uint64_t> variables(at(model.own.rows()), 0);  // of each row, in 64 bits
+  for (Index j = 0; j < model.own.cols(); ++j)
+    for (SpMat::InnerIterator it(model.own, j); it; ++it)
+      variables[at(it.row())] += mixed(static_cast<std::uint64_t>(j) + 1);
+  std::vector<std::pair<std::uint64_t, Index>> rows;
+  for (Index i = 0; i < model.own.rows(); ++i)
+    if (model.imposes[at(i)] && model.changes.row(i).allFinite() && !model.changes.row(i).isZero(0))
+      rows.emplace_back(variables[at(i)], i);
+  std::ranges::sort(rows);
   constexpr double equal = 1e-9;      // relative difference of changes: they are some 10 roundings off
   constexpr std::size_t most = 1000;  // rows of the same variables that are compared
-  for (const auto& [variables, group] : by_variables)
-    for (std::size_t b = 1; b < std::min(most, group.size()); ++b)
-      for (std::size_t a = 0; a < b; ++a) {
-        const Vec u = model.changes.row(group[a]);
-        const Vec v = model.changes.row(group[b]);
+  for (std::size_t begin = 0, end = 0; begin < rows.size(); begin = end) {
+    for (end = begin; end < rows.size() && rows[end].first == rows[begin].first;) ++end;
+    for (std::size_t b = begin + 1; b < std::min(begin + most, end); ++b)
+      for (std::size_t a = begin; a < b; ++a) {
+        const Index first = rows[a].second, second = rows[b].second;
+        const Vec u = model.changes.row(first);
+        const Vec v = model.changes.row(second);
         const double factor = u.dot(v) / u.squaredNorm();
         if ((v - factor * u).norm() > equal * v.norm()) continue;
         // Conditions on opposite sides of an interval are in order; one and the same twice is not.
-        const bool equations = model.complement[at(group[a])] < 0 && model.complement[at(group[b])] < 0;
+        const bool equations = model.complement[at(first)] < 0 && model.complement[at(second)] < 0;
         const bool equal_values =
-            std::abs(factor - 1) <= equal && std::abs(model.values[group[a]] - model.values[group[b]]) <=
-                                                 equal * (v.norm() + std::abs(model.values[group[b]]));
+            std::abs(factor - 1) <= equal &&
+            std::abs(model.values[first] - model.values[second]) <= equal * (v.norm() + std::abs(model.values[second]));
         if (!equations && !equal_values) continue;
-        found.push_back({group[a], group[b], factor});
+        found.push_back({first, second, factor});
         break;
       }
+  }
+  std::ranges::sort(found, {}, &Multiple::second);
   return found;
 }
 
