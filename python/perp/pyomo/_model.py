@@ -327,7 +327,10 @@ def _is_nonlinear(row: Row) -> bool:
 
 
 def _variables_of(row: Row) -> set[int]:
-    return row.form.all_variables() if isinstance(row.form, Form) else set()
+    """Those with an entry in the file. A condition on one variable has its partner's, too: the program takes a free
+    variable that alone makes up a condition for one that a writer has added, and does not answer for it."""
+    found = row.form.all_variables() if isinstance(row.form, Form) else set()
+    return found | {row.variable} if row.variable is not None and len(found) == 1 else found
 
 
 def _linear_of(row: Row) -> dict[int, Number]:
