@@ -105,20 +105,23 @@ void append_number(std::string& text, double value) {
   if (shortest.find_first_of(".e") == std::string_view::npos) text += ".0";  // a double for readers that tell
 }
 
-/// Written at once, in the form of json_text(): a tree of a million variables takes several times as long as the text.
-std::string variables_text(const Report& report) {
+/// Appended at once, in the form of json_text(): a tree of a million variables takes several times as long as the text.
+void append_variables(std::string& text, const Report& report) {
   const ncp::Mcp& mcp = report.mcp();
   const ncp::Box& box = mcp.box();
   const double tol = ncp::stop(report.settings.method).tol;
   const std::vector<lcp::Cell>& basis = report.result.basis;
   const bool has_basis = static_cast<ncp::Index>(basis.size()) == mcp.size();
-  if (mcp.size() == 0) return "[]";
-  const auto quoted = [](std::string_view text) {
-    const bool plain = std::ranges::all_of(text, [](char c) { return c >= ' ' && c <= '~' && c != '"' && c != '\\'; });
-    return plain ? '"' + std::string(text) + '"' : Json(text).dump(-1, ' ', false, Json::error_handler_t::replace);
+  if (mcp.size() == 0) {
+    text += "[]";
+    return;
+  }
+  const auto quoted = [](std::string_view given) {
+    const bool plain = std::ranges::all_of(given, [](char c) { return c >= ' ' && c <= '~' && c != '"' && c != '\\'; });
+    return plain ? '"' + std::string(given) + '"' : Json(given).dump(-1, ' ', false, Json::error_handler_t::replace);
   };
-  std::string text = "[";
-  text.reserve(200 * static_cast<std::size_t>(mcp.size()));  // what a variable takes, by and large
+  text.reserve(text.size() + 200 * static_cast<std::size_t>(mcp.size()));  // what a variable takes, by and large
+  text += "[";
   for (ncp::Index i = 0; i < mcp.size(); ++i) {
     const auto number = [&](const char* key, double value) {
       text.append(",\n      \"").append(key).append("\": ");
@@ -137,7 +140,7 @@ std::string variables_text(const Report& report) {
     if (has_basis) word("basis", cell_name(basis[static_cast<std::size_t>(i)]));
     text += "\n    }";
   }
-  return text += "\n  ]";
+  text += "\n  ]";
 }
 
 Json iterations_json(const Report& report) {
@@ -285,12 +288,16 @@ std::string solve_json(const Report& report) {
   }
   if (report.several) add_several(json, report);
   std::string text = json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
-  const auto put = [&text](std::string_view place, const std::string& part) {  // no text has a line break of its own
-    text.replace(text.find(place) + place.size(), 2, part);
+  const auto put = [&text](std::string_view place, const auto& append) {  // no text has a line break of its own
+    const std::size_t begin = text.find(place) + place.size();
+    const std::string rest = text.substr(begin + 2);
+    text.resize(begin);
+    append();
+    text += rest;
   };
-  put("\n  \"variables\": ", variables_text(report));
   if (result.status == ncp::Status::Infeasible)
-    put("\n  \"certificate\": ", ncp::certificate_json(report.mcp(), result.x, result.proof));
+    put("\n  \"certificate\": ", [&] { text += ncp::certificate_json(report.mcp(), result.x, result.proof); });
+  put("\n  \"variables\": ", [&] { append_variables(text, report); });
   return for_terminals(std::move(text));
 }
 
