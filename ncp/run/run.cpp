@@ -59,6 +59,14 @@ Infeasibility Run::proven(const Vec& y) const {
           .multipliers = y};
 }
 
+Infeasibility Run::proven(std::optional<lcp::Refutation> refutation) const {
+  const lcp::AffineMcp* problem = judge_.exact()->problem();
+  if (!refutation || problem == nullptr || refutation->tolerance < tol() || !lcp::holds(*problem, *refutation))
+    return {};
+  return {.residual_bound = refutation->tolerance,
+          .certificate = std::make_shared<const lcp::Refutation>(std::move(*refutation))};
+}
+
 bool Run::disprove(const Vec& y, const std::string& words) {
   Infeasibility proof = proven(y);
   if (!(proof.residual_bound > 0)) return false;
@@ -272,7 +280,9 @@ Result Run::within(const Transform& way, const Share& share, In x0, const Body& 
   result.basis = way.back(result.x, std::move(result.basis));
   judge_here(mcp(), limits, result, judge_.exact());
   if (result.status == Status::Infeasible) {
+    const std::shared_ptr<const lcp::Refutation> certificate = result.proof.certificate;
     result.proof = proven(way.multipliers_back(result.proof.multipliers));
+    if (!(result.proof.residual_bound > 0) && certificate) result.proof = proven(way.refutation_back(*certificate));
     if (!(result.proof.residual_bound > 0)) {
       result.status = Status::NoProgress;
       result.message = "another form of the problem has no solution, which rounding may have made";

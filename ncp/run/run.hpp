@@ -181,6 +181,8 @@ class Run {
   /// Returns what is proven of this problem, with the multipliers of a proof on a transformed one; no bound if that is
   /// less than the tolerance.
   Infeasibility proven(const Vec& y) const;
+  /// The same by a certificate of this problem, if it holds.
+  Infeasibility proven(std::optional<lcp::Refutation> refutation) const;
 
   CountedMcp counted_;
   const Stop& stop_;

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// A problem made from a problem, and the way there and back: presolved, scaled. Private to ncp/.
+#include <optional>
 #include <vector>
 
+#include "lcp/judge/refutation.hpp"
 #include "lcp/pivoting/lemke.hpp"
 #include "ncp/problem/mcp.hpp"
 
@@ -24,6 +26,8 @@ class Transform {
   virtual std::vector<lcp::Cell> back(In x, std::vector<lcp::Cell> basis) const = 0;
   /// Returns the multipliers of the rows here, for those of the rows there; empty where that is not known.
   virtual Vec multipliers_back(const Vec&) const { return {}; }
+  /// Returns the certificate of the problem here, for that of the problem there; nothing where that is not known.
+  virtual std::optional<lcp::Refutation> refutation_back(const lcp::Refutation&) const { return {}; }
   virtual Index equation_back(Index i) const { return i; }
   /// What is asked of the natural residual there, for `tol` here.
   virtual double tolerance(double tol) const { return tol; }

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Some pairs of a problem, or all with their equations in another order, as a transform. Private to ncp/.
+#include <algorithm>
+#include <optional>
 #include <utility>
 #include <vector>
 
+#include "lcp/linalg/equation_order.hpp"
 #include "ncp/reformulation/normal_map.hpp"
 #include "ncp/run/transform.hpp"
 #include "ncp/transforms/reduced_mcp.hpp"
@@ -48,6 +51,11 @@ class PartTransform final : public Transform {
     Vec here = Vec::Zero(mcp_.size());
     for (Index k = 0; k < y.size(); ++k) here[rows_[at(k)]] = signs_.size() > 0 ? signs_[k] * y[k] : y[k];
     return here;
+  }
+  std::optional<lcp::Refutation> refutation_back(const lcp::Refutation& there) const override {
+    if (!keeps_residuals() || !std::ranges::is_sorted(columns_)) return {};
+    const Vec signs = signs_.size() > 0 ? signs_ : Vec(Vec::Ones(mcp_.size()));
+    return lcp::EquationOrder{.row_of = rows_, .sign = signs}.back(there);
   }
   Index equation_back(Index i) const override { return rows_[at(i)]; }
   bool keeps_residuals() const override { return std::ssize(columns_) == mcp_.size(); }

@@ -113,6 +113,29 @@ def test_systems_at_the_edge():
     assert {status for _, status in counts} >= {"Solved", "Infeasible"}, "the systems are at no edge"
 
 
+def infeasible_program(seed):
+    """Optimality conditions of a linear program whose rows add up to a'x = 1 with a <= 0, and the order of its rows in
+    which each equation stands beside the variable of the next one."""
+    rng = random.Random(seed)
+    m, n = rng.randint(3, 6), rng.randint(4, 10)
+    A = np.array([[float(rng.randint(-3, 3)) * (rng.random() < 0.6) for _ in range(n)] for _ in range(m)])
+    b = np.array([float(rng.randint(-4, 5)) for _ in range(m)])
+    A[-1] = -A[:-1].sum(0) - np.array([float(rng.randint(0, 2)) * (rng.random() < 0.5) for _ in range(n)])
+    b[-1] = 1 - b[:-1].sum()
+    M, q, lower, _ = kkt(A, b, np.array([float(rng.randint(-3, 3)) for _ in range(n)]), np.zeros((n, n)))
+    return M, q, lower, [*range(n), *(n + (i + 1) % m for i in range(m))]
+
+
+@pytest.mark.parametrize("seed", [0, 68, 202, 1, 2, 3])
+def test_another_order_of_the_equations_keeps_the_proof(seed):
+    """Of the first three no multipliers alone are found, but all cells are refuted: that certificate is brought back from
+    the order of symmetry, too."""
+    M, q, lower, order = infeasible_program(seed)
+    for rows in (slice(None), order):
+        result = perp.mcp_affine(sp.csc_matrix(M[rows]), q[rows], lower)
+        assert result.status == "Infeasible" and result.certificate is not None, result.message
+
+
 def test_the_residuals_are_true():
     """What the two tests rest on: a residual that is reported is that of the point, recomputed here."""
     for seed in range(40):
