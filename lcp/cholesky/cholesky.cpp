@@ -6,6 +6,7 @@
 #include <memory>
 #include <new>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include "lcp/cholesky/cholesky_library.hpp"
@@ -37,6 +38,7 @@ struct Cholesky::Impl {
   double rcond = 0;
   double nonzeros = 0;
   KernelClock clock;
+  bool is_signed = false;
   std::vector<int> columns, rows;  // the pattern that `library` has analysed; empty: none
   int analyses = 0;
 
@@ -93,8 +95,10 @@ CholeskyStatus Cholesky::Impl::factor(const SpMat& A, double entries) {
   clock.after(cost);
   if (answer == CholeskyStatus::NotPositiveDefinite) {
     failed_column = library->failed_column();
-    direction = library->witness(A);
-    columns.clear();  // witness() leaves nothing to go on with
+    if (!is_signed) {
+      direction = library->witness(A);
+      columns.clear();  // witness() leaves nothing to go on with
+    }
   }
   if (answer != CholeskyStatus::Ok) return answer;
   rcond = library->rcond();
@@ -107,6 +111,11 @@ Cholesky::Cholesky(Deadline deadline, CholeskyOrdering ordering) : impl_(std::ma
 }
 Cholesky::~Cholesky() = default;
 void Cholesky::set_deadline(Deadline deadline) { impl_->clock.set_deadline(deadline); }
+void Cholesky::set_signs(std::vector<signed char> signs) {
+  impl_->is_signed = !signs.empty();
+  impl_->columns.clear();
+  impl_->library->set_signs(std::move(signs));
+}
 Cholesky::Cholesky(Cholesky&&) noexcept = default;
 Cholesky& Cholesky::operator=(Cholesky&&) noexcept = default;
 

@@ -45,6 +45,11 @@ class Cholesky {
 
   void set_deadline(Deadline deadline);  ///< for the factorizations from now on
 
+  /// From now on P A P' = L S L' with S = diag(+-1), the sign of each row of A: quasi-definite matrices have such an L
+  /// for every P (Vanderbei, SIAM J. Optim. 5 (1995) 100, theorem 2.1). "Positive" below reads "of the sign asked for";
+  /// columns() and failed_direction() have no meaning then.
+  void set_signs(std::vector<signed char> signs);
+
   /// Factors the symmetric matrix whose lower triangle is A's; what A holds above its diagonal is not read. A is not
   /// kept but for its pattern: it may change or die afterwards. Answers OutOfMemory before the factorization if L would
   /// have more than `entries` entries. Throws std::invalid_argument if A is not square.

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <new>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "lcp/cholesky/cholesky_library.hpp"
@@ -94,6 +95,11 @@ class Cholmod final : public CholeskyLibrary {
   explicit Cholmod(CholeskyOrdering ordering) : thorough_(ordering == CholeskyOrdering::Thorough) {}
   ~Cholmod() override { clear(); }
 
+  void set_signs(std::vector<signed char> signs) override {
+    signs_ = std::move(signs);
+    common_.get()->final_ll = signs_.empty();
+    clear();
+  }
   CholeskyStatus analyze(const SpMat& A) override {
     analyze(A, 0);
     if (thorough_ && L_ && flops_ > worth_ordering) analyze(A, all_orderings);
@@ -107,6 +113,7 @@ class Cholmod final : public CholeskyLibrary {
     cholmod_sparse lower = lower_triangle(A);
     cholmod_factorize(&lower, L_, common_.get());
     if (common_.status() < CHOLMOD_OK) return failure_of(common_.status());
+    if (!signs_.empty() && L_->minor == L_->n) L_->minor = first_of_wrong_sign();
     return common_.status() == CHOLMOD_NOT_POSDEF || L_->minor < L_->n ? CholeskyStatus::NotPositiveDefinite
                                                                        : CholeskyStatus::Ok;
   }
@@ -151,6 +158,15 @@ class Cholmod final : public CholeskyLibrary {
     flops_ = common_.flops();
   }
   CholeskyStatus factor_supernodes(const SpMat& A);
+  /// The first pivot of L D L' whose sign is not the one asked for, or n; one that is not a number is taken for right.
+  std::size_t first_of_wrong_sign() const {
+    const auto* order = static_cast<const int*>(L_->Perm);
+    const auto* begin = static_cast<const int*>(L_->p);
+    const auto* value = static_cast<const double*>(L_->x);
+    for (std::size_t k = 0; k < L_->n; ++k)
+      if (value[begin[k]] * signs_[at(order[k])] <= 0) return k;
+    return L_->n;
+  }
   std::span<double> values() const { return {static_cast<double*>(L_->x), L_->xsize}; }
   template <class X>
   void solve_supernodes(X& x) const {
@@ -169,6 +185,7 @@ class Cholmod final : public CholeskyLibrary {
   }
 
   bool thorough_;
+  std::vector<signed char> signs_;  // of A's rows; empty: all positive
   Common common_;
   cholmod_factor* L_ = nullptr;
   std::optional<SupernodalFactor> supernodes_;  // of L_, once there was a matrix
@@ -180,7 +197,7 @@ class Cholmod final : public CholeskyLibrary {
 CholeskyStatus Cholmod::factor_supernodes(const SpMat& A) {
   if (!supernodes_) {
     const auto ints = [](const void* of, std::size_t size) { return std::span(static_cast<const int*>(of), size); };
-    supernodes_.emplace(A, ints(L_->Perm, L_->n),
+    supernodes_.emplace(A, ints(L_->Perm, L_->n), signs_,
                         SupernodalShape{.first = ints(L_->super, L_->nsuper + 1),
                                         .rows_at = ints(L_->pi, L_->nsuper + 1),
                                         .values_at = ints(L_->px, L_->nsuper + 1),

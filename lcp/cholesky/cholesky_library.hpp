@@ -16,6 +16,7 @@ class CholeskyLibrary {
   CholeskyLibrary& operator=(const CholeskyLibrary&) = delete;
   virtual ~CholeskyLibrary() = default;
 
+  virtual void set_signs(std::vector<signed char> signs) = 0;
   virtual CholeskyStatus analyze(const SpMat& A) = 0;
   virtual double entries() const = 0;  ///< of L
   virtual double flops() const = 0;    ///< of factor()

@@ -14,33 +14,38 @@ constexpr Index updated_columns = 64;
 using DenseBlock = Eigen::Map<Eigen::MatrixXd>;
 using DensePart = Eigen::Ref<Eigen::MatrixXd, 0, Eigen::OuterStride<>>;
 
-/// L of a small block, into its lower triangle. The first column without a positive pivot, or their number; a pivot
-/// that is not a number is taken for positive.
-Index eliminate_small(DensePart A) {
+/// L of a small block, A = L S L', into its lower triangle. The first column whose pivot has not its sign, or their
+/// number; a pivot that is not a number is taken for right.
+Index eliminate_small(DensePart A, In s) {
   for (Index k = 0; k < A.cols(); ++k) {
     const Index rest = A.cols() - k - 1;
-    const double pivot = A(k, k) - A.row(k).head(k).squaredNorm();
+    const Vec row = A.row(k).head(k).transpose().cwiseProduct(s.head(k));
+    const double pivot = s[k] * (A(k, k) - A.row(k).head(k).dot(row));
     if (pivot <= 0) return k;
     A(k, k) = std::sqrt(pivot);
-    A.col(k).tail(rest).noalias() -= A.bottomLeftCorner(rest, k) * A.row(k).head(k).transpose();
-    A.col(k).tail(rest) /= A(k, k);
+    A.col(k).tail(rest).noalias() -= A.bottomLeftCorner(rest, k) * row;
+    A.col(k).tail(rest) /= s[k] * A(k, k);
   }
   return A.cols();
 }
 
-/// C -= B B' in the lower triangle of C, B with the rows of C, and C's columns at the top.
-void subtract_square(const DensePart& B, DensePart C) {
+/// C -= B S B' in the lower triangle of C, B with the rows of C, and C's columns at the top.
+void subtract_square(const DensePart& B, In s, DensePart C) {
   for (Index j = 0; j < C.cols(); j += updated_columns) {
     const Index width = std::min(updated_columns, C.cols() - j);
     const Index rows = C.rows() - j;
-    C.block(j, j, rows, width).noalias() -= B.bottomRows(rows) * B.middleRows(j, width).transpose();
+    const Eigen::MatrixXd top = B.middleRows(j, width) * s.asDiagonal();
+    C.block(j, j, rows, width).noalias() -= B.bottomRows(rows) * top.transpose();
   }
 }
 
 }  // namespace
 
-SupernodalFactor::SupernodalFactor(const SpMat& A, std::span<const int> order, const SupernodalShape& shape)
-    : shape_(shape), owner_(order.size()), places_(at(A.nonZeros()), -1) {
+SupernodalFactor::SupernodalFactor(const SpMat& A, std::span<const int> order, std::span<const signed char> signs,
+                                   const SupernodalShape& shape)
+    : shape_(shape), signs_(Vec::Ones(A.rows())), owner_(order.size()), places_(at(A.nonZeros()), -1) {
+  if (!signs.empty())
+    for (std::size_t k = 0; k < order.size(); ++k) signs_[static_cast<Index>(k)] = signs[at(order[k])];
   std::size_t most = 0;
   for (std::size_t s = 0; s + 1 < shape.first.size(); ++s) {
     std::fill(owner_.begin() + shape.first[s], owner_.begin() + shape.first[s + 1], static_cast<int>(s));
@@ -63,7 +68,7 @@ SupernodalFactor::SupernodalFactor(const SpMat& A, std::span<const int> order, c
     }
 }
 
-/// L of the supernode's own block. Its first column without a positive pivot, or their number.
+/// L of the supernode's own block. Its first column whose pivot has not its sign, or their number.
 Index SupernodalFactor::eliminate(std::size_t s, double* values) const {
   const Index columns = shape_.first[s + 1] - shape_.first[s];
   const Index rows = shape_.rows_at[s + 1] - shape_.rows_at[s];
@@ -71,11 +76,13 @@ Index SupernodalFactor::eliminate(std::size_t s, double* values) const {
   for (Index j = 0; j < columns; j += eliminated_columns) {
     const Index width = std::min(eliminated_columns, columns - j);
     const Index below = rows - j - width;
-    const Index failed = eliminate_small(L.block(j, j, width, width));
+    const auto signs = signs_.segment(shape_.first[s] + j, width);
+    const Index failed = eliminate_small(L.block(j, j, width, width), signs);
     if (failed < width) return j + failed;
     auto under = L.block(j + width, j, below, width);
     L.block(j, j, width, width).triangularView<Eigen::Lower>().adjoint().solveInPlace<Eigen::OnTheRight>(under);
-    subtract_square(under, L.block(j + width, j + width, below, columns - j - width));
+    under *= signs.asDiagonal();
+    subtract_square(under, signs, L.block(j + width, j + width, below, columns - j - width));
   }
   return columns;
 }
@@ -102,7 +109,8 @@ void SupernodalFactor::update_ancestors(std::size_t s, double* values) {
   for (Index j = columns; j < rows; j += updated_columns) {
     const Index width = std::min(updated_columns, rows - j);
     auto update = update_.topLeftCorner(rows - j, width);
-    update.noalias() = L.bottomRows(rows - j) * L.middleRows(j, width).transpose();
+    const Eigen::MatrixXd top = L.middleRows(j, width) * signs_.segment(shape_.first[s], columns).asDiagonal();
+    update.noalias() = L.bottomRows(rows - j) * top.transpose();
     for (Index k = 0; k < width; ++k) {
       if (const std::size_t owner = at(owner_[at(row[j + k])]); owner != ancestor) {
         ancestor = owner;
@@ -148,6 +156,7 @@ void SupernodalFactor::solve(std::span<const double> values, X& x) const {
       for (Index c = 0; c < x.cols(); ++c)
         for (Index i = 0; i < L.rows(); ++i) x(row[i], c) -= under(i, c);
     });
+  x = signs_.asDiagonal() * x;
   for (std::size_t s = count; s-- > 0;)
     with_block(s, [&](const auto& diagonal, const auto& L, auto& own, auto& under, const int* row) {
       for (Index c = 0; c < x.cols(); ++c)

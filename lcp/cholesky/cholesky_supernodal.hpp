@@ -22,11 +22,13 @@ struct SupernodalShape {
 
 class SupernodalFactor {
  public:
-  /// Of matrices with the pattern of A, whose row order[k] is the k-th of P A P'. `shape` outlives *this.
-  SupernodalFactor(const SpMat& A, std::span<const int> order, const SupernodalShape& shape);
+  /// Of matrices with the pattern of A, whose row order[k] is the k-th of P A P'. `signs` of A's rows: P A P' = L S L';
+  /// empty: all are positive. `shape` outlives *this.
+  SupernodalFactor(const SpMat& A, std::span<const int> order, std::span<const signed char> signs,
+                   const SupernodalShape& shape);
 
-  /// L into its values; what A holds above the diagonal is not read. The first column of P A P' whose pivot is not
-  /// positive, or n: columns before that one are complete in the rows before it.
+  /// L into its values; what A holds above the diagonal is not read. The first column of P A P' whose pivot has not
+  /// its sign, or n: columns before that one are complete in the rows before it.
   Index factor(const SpMat& A, std::span<double> values);
 
   /// x <- (P A P')^-1 x, columns of a matrix or a vector, with these values of L. From several threads, too.
@@ -39,6 +41,7 @@ class SupernodalFactor {
   void locate(std::size_t s, Index from, std::size_t ancestor);
 
   SupernodalShape shape_;
+  Vec signs_;                  // of the columns of P A P'
   std::vector<int> owner_;     // the supernode of each column
   std::vector<int> places_;    // of A's entries among the values; -1: above the diagonal
   std::vector<int> relative_;  // where the rows of a supernode are in its ancestor

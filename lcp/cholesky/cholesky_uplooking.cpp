@@ -16,6 +16,7 @@ namespace {
 
 class UpLooking final : public CholeskyLibrary {
  public:
+  void set_signs(std::vector<signed char> signs) override { signs_ = std::move(signs); }
   CholeskyStatus analyze(const SpMat& A) override {
     n_ = A.rows();
     order_.resize(at(n_));
@@ -68,6 +69,7 @@ class UpLooking final : public CholeskyLibrary {
       const double yk = y[k] /= value_[e];
       for (++e; e < start_[at(k) + 1]; ++e) y[row_[e]] -= value_[e] * yk;
     }
+    for (Index k = 0; k < n_; ++k) y[k] *= sign(k);
     back_substitute(y, n_);
     for (Index k = 0; k < n_; ++k) x[order_[at(k)]] = y[k];
   }
@@ -161,13 +163,15 @@ class UpLooking final : public CholeskyLibrary {
     for (; top < n_; ++top) {
       const auto i = at(path[at(top)]);
       Index e = start_[i];
-      const double value = std::exchange(y[path[at(top)]], 0.0) / value_[e];
+      const double value = std::exchange(y[path[at(top)]], 0.0) / value_[e];  // times the column's sign: L_ki
       for (++e; e < end_[i]; ++e) y[row_[e]] -= value_[e] * value;
-      pivot -= value * value;
+      const double s = sign(path[at(top)]);
+      pivot -= s * value * value;
       row_[e] = k;
-      value_[e] = value;
+      value_[e] = s * value;
       end_[i] = e + 1;
     }
+    pivot *= sign(k);
     if (pivot <= 0) return false;  // not a number: rcond() tells
     row_[start_[at(k)]] = k;
     value_[start_[at(k)]] = std::sqrt(pivot);
@@ -185,7 +189,10 @@ class UpLooking final : public CholeskyLibrary {
     }
   }
 
+  double sign(Index k) const { return signs_.empty() ? 1 : signs_[at(order_[at(k)])]; }
+
   Index n_ = 0;
+  std::vector<signed char> signs_;  // of A's rows; empty: all positive
   std::vector<int> order_, place_;
   std::vector<int> upper_start_;
   std::vector<std::pair<int, double>> upper_;

@@ -2,115 +2,36 @@
 #include "lcp/iterative/interior_point.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "lcp/iterative/scaled_mcp.hpp"
+#include "lcp/iterative/shifted_system.hpp"
 #include "lcp/judge/cell.hpp"
 #include "lcp/judge/shared_options.hpp"
-#include "lcp/linalg/quasi_definite.hpp"
 #include "lcp/words.hpp"
 
 namespace perp::lcp {
 namespace {
 
-/// Residual, relative to the right-hand side, to which the symmetric form has to solve.
-constexpr double symmetric_accuracy = 1e-8;
-
-/// The problem without its fixed variables, z_i = D_i x_i, every row times D_i / unit: entries of M up to one, q too.
-class Scaled {
- public:
-  explicit Scaled(const AffineMcp& problem) : problem_(problem) {
-    const Box& box = problem.box;
-    std::vector<int> place(at(problem.size()), -1);
-    whole_ = project(box, Vec::Zero(problem.size()));
-    for (Index i = 0; i < problem.size(); ++i)
-      if (box.lower[i] != box.upper[i]) {
-        place[at(i)] = static_cast<int>(kept_.size());
-        kept_.push_back(i);
-        whole_[i] = 0;
-      }
-    const Vec shifted = problem.q + problem.M * whole_;  // whole_: the fixed variables
-    const auto n = static_cast<Index>(kept_.size());
-    std::vector<Eigen::Triplet<double>> entries;
-    entries.reserve(at(problem.M.nonZeros() + n));
-    for (Index j = 0; j < n; ++j) {
-      entries.emplace_back(static_cast<int>(j), static_cast<int>(j), 0.0);
-      for (SpMat::InnerIterator it(problem.M, kept_[at(j)]); it; ++it)
-        if (place[at(it.row())] >= 0) entries.emplace_back(place[at(it.row())], static_cast<int>(j), it.value());
-    }
-    M = SpMat(n, n);
-    M.setFromTriplets(entries.begin(), entries.end());
-    equilibrate();
-    q = Vec(n);
-    for (Index k = 0; k < n; ++k) q[k] = D_[k] * shifted[kept_[at(k)]];
-    const double size = n > 0 ? q.cwiseAbs().maxCoeff() : 0;
-    unit_ = size > 0 && std::isfinite(size) ? size : 1;
-    q /= unit_;
-    l = Vec(n);
-    u = Vec(n);
-    for (Index k = 0; k < n; ++k) {
-      l[k] = box.lower[kept_[at(k)]] / (D_[k] * unit_);
-      u[k] = box.upper[kept_[at(k)]] / (D_[k] * unit_);
-    }
-  }
-
-  Index size() const { return q.size(); }
-  Vec reduce(In z) const {
-    return Vec::NullaryExpr(size(), [&](Index k) { return z[kept_[at(k)]] / (D_[k] * unit_); });
-  }
-  Vec expand(const Vec& x) const {
-    Vec z = whole_;
-    for (Index k = 0; k < size(); ++k) z[kept_[at(k)]] = D_[k] * unit_ * x[k];
-    return z;
-  }
-  /// A direction: zero at fixed variables.
-  Vec expand_direction(const Vec& x) const {
-    Vec d = Vec::Zero(problem_.size());
-    for (Index k = 0; k < size(); ++k) d[kept_[at(k)]] = D_[k] * x[k];
-    return d;
-  }
-
-  SpMat M;  ///< with a full diagonal in its pattern
-  Vec q, l, u;
-
- private:
-  /// D_i of powers of two such that the largest entry of row and column i is about one.
-  void equilibrate() {
-    const Index n = M.rows();
-    D_ = Vec::Ones(n);
-    for (int pass = 0; pass < 4; ++pass) {
-      Vec largest = Vec::Zero(n);
-      for (Index j = 0; j < n; ++j)
-        for (SpMat::InnerIterator it(M, j); it; ++it) {
-          largest[j] = std::max(largest[j], std::abs(it.value()));
-          largest[it.row()] = std::max(largest[it.row()], std::abs(it.value()));
-        }
-      Vec factor = Vec::Ones(n);
-      for (Index i = 0; i < n; ++i)
-        if (largest[i] > 0) factor[i] = std::exp2(-std::round(std::log2(largest[i]) / 2));
-      for (Index j = 0; j < n; ++j)
-        for (SpMat::InnerIterator it(M, j); it; ++it) it.valueRef() *= factor[it.row()] * factor[j];
-      D_ = D_.cwiseProduct(factor);
-    }
-  }
-
-  const AffineMcp& problem_;
-  std::vector<Index> kept_;
-  Vec whole_;
-  Vec D_;
-  double unit_ = 1;
+/// A finite bound of variable i: s = sign (z_i - at) with sign 1 at a lower bound, -1 at an upper one.
+struct Bound {
+  Index i;
+  double sign;
+  double at;
 };
 
-/// z with its slacks and multipliers; s = t = 1, w = v = 0 where there is no such bound.
+/// z, and the slack s and multiplier w of each bound; or a direction in them.
 struct Iterate {
-  Vec z, s, w, t, v;
+  Vec z, s, w;
 };
-struct Direction {
-  Vec z, w, v;
-};
+
+/// Step lengths of the two groups of variables that linear programs have; equal for other problems.
+using Lengths = std::array<double, 2>;
 
 class Run {
  public:
@@ -120,13 +41,15 @@ class Run {
         limits_(limits),
         p_(problem),
         best_(problem, start),
-        ldlt_(KernelClock(limits.deadline)),
-        lu_(options.lu, limits.deadline),
-        polish_lu_(options.lu, limits.deadline),
-        K_(p_.M),
-        n_(p_.size()) {
-    const Vec x = p_.reduce(start);
-    first(x);
+        system_(p_.M, options.lu, limits.deadline),
+        n_(p_.size()),
+        delta_(options.proximal) {
+    for (Index i = 0; i < n_; ++i) {
+      if (p_.l[i] > -infinity) bounds_.push_back({i, 1, p_.l[i]});
+      if (p_.u[i] < infinity) bounds_.push_back({i, -1, p_.u[i]});
+    }
+    pairs_ = static_cast<Index>(bounds_.size());
+    find_groups();
   }
 
   Result run() {
@@ -137,6 +60,7 @@ class Run {
  private:
   Result iterate() {
     int short_steps = 0;
+    first();
     for (;;) {
       finish();
       if (solves(problem_, best_.z(), limits_.tol)) return end(Status::Stalled, "");
@@ -147,195 +71,268 @@ class Run {
 
       const LuStatus status = factor();
       if (status == LuStatus::OutOfMemory) return end(Status::OutOfMemory, "no memory for the factors of M + diag");
-      if (status != LuStatus::Ok)
-        return end(Status::Singular, "M + diag(w / s + v / t) is " + std::string(to_string(status)));
+      if (status != LuStatus::Ok) return end(Status::Singular, "M + diag(w / s) is " + std::string(to_string(status)));
       const double mu = gap(x_);
-      const Direction affine = direction(0, nullptr);
+      const Iterate affine = direction(-x_.s.cwiseProduct(x_.w));
       const double sigma = std::pow(std::max(0.0, gap(moved(affine, reach(affine)))) / std::max(mu, 1e-300), 3);
-      Direction d = direction(mu * std::min(1.0, sigma), &affine);
-      double alpha = length(d, mu);
-      if (alpha < 0.05 && pairs_ > 0) {  // the corrector may lead out of the neighbourhood: towards the centre instead
-        d = direction(0.5 * mu, nullptr);
-        alpha = length(d, mu);
+      const double target = mu * std::min(1.0, sigma);
+      Vec c = target - (x_.s.cwiseProduct(x_.w) + affine.s.cwiseProduct(affine.w)).array();
+      Iterate d = direction(c);
+      if (least(reach(d)) < 0.1 && pairs_ > 0) {  // the corrector leads out of the interior: towards the centre instead
+        const Vec centre = 0.5 * mu - x_.s.cwiseProduct(x_.w).array();
+        const Iterate other = direction(centre);
+        if (least(reach(other)) > least(reach(d))) c = centre, d = other;
       }
+      correct(c, d, target);
+      const Lengths alpha = length(d, mu);
       ++k_;
       last_step_ = d.z;
       x_ = moved(d, alpha);
-      if (!x_.z.allFinite() || !x_.w.allFinite() || !x_.v.allFinite())
-        return end(Status::Stalled, "the iterates overflow");
-      short_steps = alpha < 1e-6 ? short_steps + 1 : 0;
+      if (!x_.z.allFinite() || !x_.w.allFinite()) return end(Status::Stalled, "the iterates overflow");
+      short_steps = least(alpha) < 1e-6 ? short_steps + 1 : 0;
       if (short_steps >= 3 || (pairs_ > 0 && gap(x_) < 1e-28)) {
         finish(true);
         if (infeasible()) return proven();
-        return end(Status::Stalled, text_of("the steps have become short (", alpha, ") at mu = ", gap(x_),
-                                            ", |M z + q - w + v| = ", residual(x_).cwiseAbs().maxCoeff(),
+        return end(Status::Stalled, text_of("the steps have become short (", least(alpha), ") at mu = ", gap(x_),
+                                            ", |M z + q - w + v| = ", residual().cwiseAbs().maxCoeff(),
                                             ", |z| = ", x_.z.cwiseAbs().maxCoeff(), " (scaled)"));
       }
     }
   }
 
+  /// Linear programs: M_ij = 0 within {i: group 0} and within {i: group 1}. Then s of the one and w of the other group
+  /// are the primal variables.
+  void find_groups() {
+    group_.assign(at(n_), 0);
+    const Vec* signs = system_.signs();
+    if (!signs) return;
+    for (Index j = 0; j < n_; ++j)
+      for (SpMat::InnerIterator it(p_.M, j); it; ++it)
+        if (it.value() != 0 && (*signs)[it.row()] == (*signs)[j]) return;
+    linear_ = true;
+    for (Index i = 0; i < n_; ++i) group_[at(i)] = (*signs)[i] > 0 ? 0 : 1;
+  }
+  std::size_t group_of(Index p) const { return group_[at(bounds_[at(p)].i)]; }
+  static double least(const Lengths& alpha) { return std::min(alpha[0], alpha[1]); }
+
+  /// Mehrotra's start (1992, section 7): the least squares solution of the equations, as near to the bounds as they
+  /// allow, moved inside.
+  void first() {
+    Vec bounded = Vec::Zero(n_), target = Vec::Zero(n_);
+    for (const Bound& b : bounds_) bounded[b.i] += 1, target[b.i] += b.at;
+    x_ = {.z = Vec::Zero(n_), .s = Vec::Ones(pairs_), .w = Vec::Ones(pairs_)};
+    if (system_.factor(bounded.array() + delta_) == LuStatus::Ok) {
+      if (!linear_) {
+        (void)system_.solve(target - p_.q, x_.z);
+      } else {
+        for (const std::size_t g : {0U, 1U}) {
+          Vec rhs(n_), z(n_);
+          for (Index i = 0; i < n_; ++i) rhs[i] = group_[at(i)] == g ? target[i] : -p_.q[i];
+          (void)system_.solve(rhs, z);
+          for (Index i = 0; i < n_; ++i)
+            if (group_[at(i)] == g) x_.z[i] = z[i];
+        }
+      }
+    }
+    const Vec F = p_.M * x_.z + p_.q;
+    for (Index p = 0; p < pairs_; ++p) {
+      const Bound& b = bounds_[at(p)];
+      x_.s[p] = b.sign * (x_.z[b.i] - b.at);
+      x_.w[p] = bounded[b.i] > 1 ? std::max(0.0, b.sign * F[b.i]) : b.sign * F[b.i];
+    }
+    Lengths shift{0, 0};
+    each_value([&](double& value, std::size_t g, Index) { shift[g] = std::max(shift[g], -1.5 * value); });
+    each_value([&](double& value, std::size_t g, Index) { value += shift[g]; });
+    Lengths sum{0, 0};
+    each_value([&](double& value, std::size_t g, Index) { sum[g] += value; });
+    const double product = x_.s.dot(x_.w);
+    const Lengths more{sum[1] > 0 && product > 0 ? product / (2 * sum[1]) : 1,
+                       sum[0] > 0 && product > 0 ? product / (2 * sum[0]) : 1};
+    each_value([&](double& value, std::size_t g, Index) { value += more[g]; });
+  }
+
+  /// f(value, its group, its bound) for all s and w.
+  template <class F>
+  void each_value(F f) {
+    for (Index p = 0; p < pairs_; ++p) f(x_.s[p], group_of(p), p), f(x_.w[p], 1 - group_of(p), p);
+  }
+
   /// Whether z is long, and the residual no smaller than half of what it was when this was asked before.
   bool diverges() {
-    const double before = std::exchange(residual_, residual(x_).norm());
+    const double before = std::exchange(residual_, residual().norm());
     return residual_ > before / 2 && x_.z.cwiseAbs().maxCoeff() > 1e3;
   }
 
-  bool below(Index i) const { return p_.l[i] > -infinity; }
-  bool above(Index i) const { return p_.u[i] < infinity; }
-
-  /// Inside by 1, or half of the interval; products s w, t v about one.
-  void first(const Vec& x) {
-    x_ = {.z = x, .s = Vec::Ones(n_), .w = Vec::Zero(n_), .t = Vec::Ones(n_), .v = Vec::Zero(n_)};
-    for (Index i = 0; i < n_; ++i) {
-      const double margin = below(i) && above(i) ? std::min(1.0, (p_.u[i] - p_.l[i]) / 2) : 1;
-      if (below(i)) x_.z[i] = std::max(x_.z[i], p_.l[i] + margin);
-      if (above(i)) x_.z[i] = std::min(x_.z[i], p_.u[i] - margin);
-      if (below(i)) x_.s[i] = std::max(x_.z[i] - p_.l[i], margin);
-      if (above(i)) x_.t[i] = std::max(p_.u[i] - x_.z[i], margin);
-    }
-    const Vec F = p_.M * x_.z + p_.q;
-    for (Index i = 0; i < n_; ++i) {
-      if (below(i)) x_.w[i] = std::max(1.0, F[i]) / std::min(1.0, x_.s[i]), ++pairs_;
-      if (above(i)) x_.v[i] = std::max(1.0, -F[i]) / std::min(1.0, x_.t[i]), ++pairs_;
-    }
-    first_ratio_ = residual(x_).norm() / std::max(gap(x_), 1e-300);
+  /// F - w + v.
+  Vec residual() const {
+    Vec r = p_.M * x_.z + p_.q;
+    for (Index p = 0; p < pairs_; ++p) r[bounds_[at(p)].i] -= bounds_[at(p)].sign * x_.w[p];
+    return r;
   }
+  double gap(const Iterate& x) const { return pairs_ > 0 ? x.s.dot(x.w) / static_cast<double>(pairs_) : 0; }
 
-  Vec residual(const Iterate& x) const { return p_.M * x.z + p_.q - x.w + x.v; }
-  double gap(const Iterate& x) const {
-    return pairs_ > 0 ? (x.s.dot(x.w) + x.t.dot(x.v)) / static_cast<double>(pairs_) : 0;
-  }
-
+  /// M + diag(w / s) + delta I, and the residuals.
   LuStatus factor() {
-    K_ = p_.M;
-    for (Index i = 0; i < n_; ++i) {
-      double theta = x_.w[i] / x_.s[i] + x_.v[i] / x_.t[i];
-      if (!below(i) && !above(i)) theta = options_.proximal;
-      K_.coeffRef(i, i) += theta;
+    Vec theta = Vec::Zero(n_);
+    stiff_.assign(at(n_), -1);
+    Vec most = Vec::Ones(n_);
+    for (Index p = 0; p < pairs_; ++p) {
+      const Index i = bounds_[at(p)].i;
+      const double ratio = x_.w[p] / x_.s[p];
+      theta[i] += ratio;
+      if (ratio > most[i]) most[i] = ratio, stiff_[at(i)] = p;
     }
-    ++factorizations_;
-    if (symmetric_ && ldlt_.factor(K_)) return LuStatus::Ok;
-    symmetric_ = false;
-    const LuStatus status = lu_.factor(K_);
-    usable_ = status == LuStatus::Ok;
+    const LuStatus status = system_.factor(theta.array() + delta_);
+    r_ = residual();
+    slack_ = Vec(pairs_);
+    for (Index p = 0; p < pairs_; ++p) {
+      const Bound& b = bounds_[at(p)];
+      slack_[p] = b.sign * (x_.z[b.i] - b.at) - x_.s[p];
+    }
     return status;
   }
 
-  /// K z = rhs. Where the factors of the symmetric form are too poor, from here on by LU.
-  void solve(const Vec& rhs, Vec& z) {
-    if (symmetric_ && ldlt_.solve(K_, rhs, z, symmetric_accuracy)) return;
-    if (symmetric_) {
-      symmetric_ = false;
-      ++factorizations_;
-      usable_ = lu_.try_factor(K_);
+  /// Newton's direction that changes s w by c, to first order.
+  Iterate direction(const Vec& c) {
+    Vec rhs = -r_;
+    for (Index p = 0; p < pairs_; ++p)
+      rhs[bounds_[at(p)].i] += bounds_[at(p)].sign * (c[p] - x_.w[p] * slack_[p]) / x_.s[p];
+    Iterate d{.z = Vec(n_), .s = Vec(pairs_), .w = Vec(pairs_)};
+    (void)system_.solve(rhs, d.z);
+    for (Index p = 0; p < pairs_; ++p) {
+      const Bound& b = bounds_[at(p)];
+      d.s[p] = b.sign * d.z[b.i] + slack_[p];
+      d.w[p] = (c[p] - x_.w[p] * d.s[p]) / x_.s[p];
     }
-    if (usable_)
-      lu_.solve_refined(rhs, z, 2);
-    else  // every direction of this step
-      z.setConstant(std::numeric_limits<double>::quiet_NaN());
-  }
-
-  /// Newton's direction towards s w = t v = target, with the second-order terms of `affine` if there is one.
-  Direction direction(double target, const Direction* affine) {
-    Vec c = Vec::Zero(n_);
-    Vec e = Vec::Zero(n_);
-    for (Index i = 0; i < n_; ++i) {
-      if (below(i)) c[i] = target - x_.s[i] * x_.w[i] - (affine ? affine->z[i] * affine->w[i] : 0);
-      if (above(i)) e[i] = target - x_.t[i] * x_.v[i] + (affine ? affine->z[i] * affine->v[i] : 0);
-    }
-    const Vec rhs = -residual(x_) + c.cwiseQuotient(x_.s) - e.cwiseQuotient(x_.t);
-    Direction d{.z = Vec(n_), .w = Vec::Zero(n_), .v = Vec::Zero(n_)};
-    solve(rhs, d.z);
-    for (Index i = 0; i < n_; ++i) {
-      if (below(i)) d.w[i] = (c[i] - x_.w[i] * d.z[i]) / x_.s[i];
-      if (above(i)) d.v[i] = (e[i] + x_.v[i] * d.z[i]) / x_.t[i];
+    // Where w / s is large this is a difference of large numbers. The equation of the row gives it with all digits.
+    Vec row = p_.M * d.z + r_;
+    for (Index p = 0; p < pairs_; ++p) row[bounds_[at(p)].i] -= bounds_[at(p)].sign * d.w[p];
+    for (Index p = 0; p < pairs_; ++p) {
+      const Bound& b = bounds_[at(p)];
+      if (stiff_[at(b.i)] == p) d.w[p] += b.sign * row[b.i];
     }
     return d;
   }
 
-  /// The longest step to the boundary, at most one.
-  double reach(const Direction& d) const {
-    double alpha = 1;
-    const auto limit = [&](double value, double change) {
-      if (change < 0) alpha = std::min(alpha, -value / change);
-    };
-    for (Index i = 0; i < n_; ++i) {
-      if (below(i)) limit(x_.s[i], d.z[i]), limit(x_.w[i], d.w[i]);
-      if (above(i)) limit(x_.t[i], -d.z[i]), limit(x_.v[i], d.v[i]);
+  /// Multiple centrality correctors (Gondzio, Comput. Optim. Appl. 6 (1996) 137), more where a factorization takes many
+  /// solves: they bring the products that a longer step would have near `target`.
+  void correct(Vec& c, Iterate& d, double target) {
+    if (pairs_ == 0) return;
+    const int most = system_.dearness() > 30 ? 6 : 3;
+    for (int k = 0; k < most; ++k) {
+      const Lengths alpha = reach(d);
+      if (least(alpha) >= 0.95) return;
+      Lengths longer = alpha;
+      for (double& a : longer) a = std::min(1.0, a + 0.1);
+      const Iterate trial = moved(d, longer);
+      Vec better = c;
+      for (Index p = 0; p < pairs_; ++p) {
+        const double product = trial.s[p] * trial.w[p];
+        better[p] += std::max(std::clamp(product, 0.1 * target, 10 * target) - product, -10 * target);
+      }
+      const Iterate e = direction(better);
+      const Lengths now = reach(e);
+      if (now[0] + now[1] < alpha[0] + alpha[1] + 0.02) return;
+      c = better, d = e;
     }
+  }
+
+  /// The longest steps to the boundary, at most one.
+  Lengths reach(const Iterate& d) const {
+    Lengths alpha{1, 1};
+    for (Index p = 0; p < pairs_; ++p) {
+      double& of_s = alpha[group_of(p)];
+      double& of_w = alpha[1 - group_of(p)];
+      if (d.s[p] < 0) of_s = std::min(of_s, -x_.s[p] / d.s[p]);
+      if (d.w[p] < 0) of_w = std::min(of_w, -x_.w[p] / d.w[p]);
+    }
+    if (!linear_) alpha[0] = alpha[1] = least(alpha);
     return alpha;
   }
 
-  Iterate moved(const Direction& d, double alpha) const {
+  Lengths length(const Iterate& d, double mu) const {
+    Lengths alpha = reach(d);
+    for (double& a : alpha) a = std::min(1.0, a * std::max(options_.to_boundary, 1 - std::max(mu, 1e-6)));
+    if (pairs_ == 0) alpha = {1, 1};
+    return alpha;
+  }
+
+  Iterate moved(const Iterate& d, const Lengths& alpha) const {
     Iterate x = x_;
-    x.z += alpha * d.z;
-    x.w += alpha * d.w;
-    x.v += alpha * d.v;
-    for (Index i = 0; i < n_; ++i) {
-      if (below(i)) x.s[i] += alpha * d.z[i];
-      if (above(i)) x.t[i] -= alpha * d.z[i];
+    for (Index i = 0; i < n_; ++i) x.z[i] += alpha[group_[at(i)]] * d.z[i];
+    for (Index p = 0; p < pairs_; ++p) {
+      x.s[p] += alpha[group_of(p)] * d.s[p];
+      x.w[p] += alpha[1 - group_of(p)] * d.w[p];
     }
     return x;
   }
 
-  /// The longest step in the neighbourhood, down to a millionth of the one to the boundary.
-  double length(const Direction& d, double mu) const {
-    const double boundary = reach(d);
-    double alpha =
-        boundary >= 1 && mu < 1e-9 ? 1 - 1e-9 : std::min(1.0, boundary * std::max(options_.to_boundary, 1 - mu));
-    if (pairs_ == 0) return 1;
-    for (; alpha > 1e-9 * boundary; alpha *= 0.7)
-      if (central(moved(d, alpha))) return alpha;
-    return alpha;
-  }
-
-  bool central(const Iterate& x) const {
-    const double mu = gap(x);
-    if (!(mu > 0)) return false;
-    for (Index i = 0; i < n_; ++i) {
-      if (below(i) && !(x.s[i] > 0 && x.w[i] > 0 && x.s[i] * x.w[i] >= options_.gamma * mu)) return false;
-      if (above(i) && !(x.t[i] > 0 && x.v[i] > 0 && x.t[i] * x.v[i] >= options_.gamma * mu)) return false;
+  /// Where s < w says that a bound is active.
+  Places places() const {
+    Places places(at(n_), Place::Inside);
+    Vec share = Vec::Zero(n_);  // of w in the bound that is kept
+    for (Index p = 0; p < pairs_; ++p) {
+      const Bound& b = bounds_[at(p)];
+      if (x_.s[p] < x_.w[p] && x_.w[p] > share[b.i]) {
+        places[at(b.i)] = b.sign > 0 ? Place::Lower : Place::Upper;
+        share[b.i] = x_.w[p];
+      }
     }
-    const double rounding = 1e-14 * (1 + x.z.cwiseAbs().maxCoeff() + x.w.cwiseAbs().maxCoeff());
-    return residual(x).norm() <= std::max(1e4 * std::max(first_ratio_, 1.0) * mu, rounding * static_cast<double>(n_));
+    return places;
   }
 
   /// Offers the iterate, and the point of the cell that it points to once that has come to rest.
   void finish(bool now = false) {
     best_.offer(p_.expand(x_.z));
-    Places places(at(n_), Place::Inside);
-    for (Index i = 0; i < n_; ++i) {
-      if (below(i) && x_.s[i] < x_.w[i]) places[at(i)] = Place::Lower;
-      if (above(i) && x_.t[i] < x_.v[i] && x_.v[i] > x_.w[i]) places[at(i)] = Place::Upper;
-    }
+    const Places places = this->places();
     const std::uint64_t key = key_of(places);
-    const bool rest = key == last_key_ && gap(x_) < 1e-3;
+    const bool rest = key == last_key_ && gap(x_) < 1e-2 * polished_gap_;
     if ((rest || now || solves(problem_, best_.z(), limits_.tol)) && key != polished_key_ && n_ > 0) {
       polished_key_ = key;
+      polished_gap_ = gap(x_);
+      polish(places);
+    }
+    last_key_ = key;
+  }
+
+  /// Exchanges all violated places of a cell, as block pivoting does, while that halves the residual.
+  void polish(Places places) {
+    double last = infinity;
+    for (int k = 0; k < 10; ++k) {
       Vec z = x_.z;
       for (Index i = 0; i < n_; ++i) {
         if (places[at(i)] == Place::Lower) z[i] = p_.l[i];
         if (places[at(i)] == Place::Upper) z[i] = p_.u[i];
       }
       descend(places, z, p_.q);
+      if (solves(problem_, best_.z(), std::min(limits_.tol, 1e-13))) return;
+      const Vec F = p_.M * z + p_.q;
+      double wrong = 0;
+      for (Index i = 0; i < n_; ++i) {
+        Place& place = places[at(i)];
+        const Place was = place;
+        double by = 0;
+        if (was == Place::Inside && z[i] < p_.l[i]) place = Place::Lower, by = p_.l[i] - z[i];
+        if (was == Place::Inside && z[i] > p_.u[i]) place = Place::Upper, by = z[i] - p_.u[i];
+        if (was == Place::Lower && F[i] < 0) place = Place::Inside, by = -F[i];
+        if (was == Place::Upper && F[i] > 0) place = Place::Inside, by = F[i];
+        if (by < 1e-15) place = was;
+        wrong = std::max(wrong, by);
+      }
+      if (!(wrong < 0.5 * last)) return;
+      last = wrong;
     }
-    last_key_ = key;
   }
 
   /// Proximal steps for (M z + q)_I = 0, the others held: z_I -= (M_II + delta I)^-1 (M z + q)_I, while they help. With
   /// a tiny delta this is Newton's step with refinement; where M_II is singular but the equations consistent it goes
-  /// to a solution nearby.
+  /// to a solution nearby. Those held have a diagonal entry that leaves nothing of their change.
   void descend(const Places& places, Vec& z, const Vec& q) {
+    constexpr double hold = 1e20;
     const auto inside = [&](Index i) { return places[at(i)] == Place::Inside; };
-    for (const double delta : {1e-13, 1e-9, 1e-6}) {
-      SpMat A = p_.M;
-      for (Index j = 0; j < n_; ++j)
-        for (SpMat::InnerIterator it(A, j); it; ++it) {
-          if (!inside(it.row()) || !inside(j)) it.valueRef() = 0;
-          if (it.row() == j) it.valueRef() = inside(j) ? it.value() + delta : 1;
-        }
-      ++factorizations_;
-      if (polish_lu_.factor(A) != LuStatus::Ok) continue;
+    for (const double delta : {1e-10, 1e-7}) {
+      if (system_.factor(Vec::NullaryExpr(n_, [&](Index i) { return inside(i) ? delta : hold; })) != LuStatus::Ok)
+        continue;
       Vec x = z;
       double last = infinity;
       for (int step = 0; step < 12; ++step) {
@@ -348,45 +345,58 @@ class Run {
         z = x;
         if (&q == &p_.q) best_.offer(p_.expand(x));
         Vec dx(n_);
-        polish_lu_.solve(r, dx);
-        x -= dx;
+        (void)system_.solve(r, dx);
+        for (Index i = 0; i < n_; ++i)
+          if (inside(i)) x[i] -= dx[i];
         if (!x.allFinite()) break;
       }
-      if (&q != &p_.q || solves(problem_, best_.z(), std::min(limits_.tol, 1e-13))) return;
+      if (&q != &p_.q || last < 1e-12) return;
     }
   }
 
   /// Whether the direction in which z goes to infinity proves that there is no solution: for monotone M it tends to a d
-  /// of the recession cone of the box with M'd = -M d, (M d)_i = 0 where d_i != 0.
+  /// of the recession cone of the box with M'd = -M d, (M d)_i = 0 where d_i != 0. Proximal steps tend to one, too. Of
+  /// linear programs each group alone may be one.
   bool infeasible() {
-    for (const Vec& d : {x_.z, last_step_})
-      for (const double small : {1e-7, 1e-5, 1e-3, 1e-2, 0.1, 0.3}) {
-        Vec y = d / d.cwiseAbs().maxCoeff();
-        if (!y.allFinite()) break;
-        Places places(at(n_), Place::Inside);
+    const Places at_x = places();
+    for (const Vec& d : {last_step_, x_.z})
+      for (int part = linear_ ? 0 : 2; part < 3; ++part) {
+        Vec y = d;
         for (Index i = 0; i < n_; ++i) {
-          const bool wrong = (below(i) && y[i] < 0) || (above(i) && y[i] > 0);
-          if (wrong || std::abs(y[i]) < small) places[at(i)] = Place::Lower, y[i] = 0;
+          const bool wrong = (p_.l[i] > -infinity && y[i] < 0) || (p_.u[i] < infinity && y[i] > 0);
+          if (wrong || group_[at(i)] == static_cast<std::size_t>(part)) y[i] = 0;
         }
-        if (y.isZero(0)) continue;
+        y /= std::max(y.cwiseAbs().maxCoeff(), 1e-300);
+        if (!y.allFinite() || y.isZero(0)) continue;
         if (accept(y)) return true;
-        if (!nearly_certifies(places, y)) continue;
-        const Vec none = Vec::Zero(n_);
-        descend(places, y, none);
-        if (accept(y)) return true;
+        for (const double small : {0.0, 1e-5, 1e-2}) {
+          Vec z = y;
+          Places places = at_x;
+          for (Index i = 0; i < n_; ++i) {
+            if (small > 0) places[at(i)] = std::abs(y[i]) < small ? Place::Lower : Place::Inside;
+            if (places[at(i)] != Place::Inside) z[i] = 0;
+          }
+          if (!nearly_certifies(places, z)) continue;
+          descend(places, z, Vec::Zero(n_));
+          if (accept(z)) return true;
+        }
       }
     return false;
   }
 
-  /// Whether q'y < 0 and (M y)_i is small where y_i is not held at 0: else a correction of y, which takes
-  /// factorizations, leads to no certificate.
+  /// Whether y'(M z + q - w) < 0 for all z and w of the problem, but for what a correction of y may change.
   bool nearly_certifies(const Places& places, const Vec& y) const {
     constexpr double small = 0.01;  // M is equilibrated, and |y| = 1
-    if (!(p_.q.dot(y) < 0)) return false;
     const Vec r = p_.M * y;
     for (Index i = 0; i < n_; ++i)
       if (places[at(i)] == Place::Inside && std::abs(r[i]) > small) return false;
-    return true;
+    const Vec g = p_.M.transpose() * y;
+    double sum = p_.q.dot(y);
+    for (Index i = 0; i < n_; ++i) {
+      const double end = g[i] > 0 ? p_.u[i] : p_.l[i];
+      if (std::isfinite(end)) sum += g[i] * end;
+    }
+    return sum < 0;
   }
 
   bool accept(const Vec& y) {
@@ -406,42 +416,41 @@ class Run {
   Result end(Status status, std::string message) {
     Result result = judged(problem_, best_.z(), limits_, status, std::move(message));
     result.iterations = k_;
-    result.factorizations = factorizations_;
+    result.factorizations = system_.factorizations();
     return result;
   }
 
   const AffineMcp& problem_;
   const InteriorPoint& options_;
   const Limits& limits_;
-  Scaled p_;
+  ScaledMcp p_;
   Best best_;
-  QuasiDefinite ldlt_;
-  SparseLu lu_, polish_lu_;
-  SpMat K_;
+  ShiftedSystem system_;
   Index n_;
-  bool symmetric_ = ldlt_.analyze(p_.M);  ///< K is factored as L D L'
-  bool usable_ = false;                   ///< lu_ has the factors of a K
+  double delta_;
+  std::vector<Bound> bounds_;
+  Index pairs_ = 0;
+  std::vector<std::size_t> group_;  ///< of each variable
+  bool linear_ = false;
   Iterate x_;
-  Index pairs_ = 0;  ///< finite bounds
-  double first_ratio_ = 0;
+  Vec r_, slack_;               ///< residuals at x_: M z + q - w + v, and sign (z - at) - s
+  std::vector<Index> stiff_;    ///< of each variable: its bound with the largest w / s, or -1 where that is below one
   double residual_ = infinity;  ///< when it was last looked at
   std::uint64_t last_key_ = 0, polished_key_ = 0;
+  double polished_gap_ = 0.1;
   Vec last_step_ = Vec::Zero(n_);
   Vec certificate_;
   long k_ = 0;
-  int factorizations_ = 0;
 };
 
 }  // namespace
 
 void describe(InteriorPoint& m, Fields& f) {
   describe_iterations(m.max_iterations, f);
-  f.add("interior_neighbourhood", &m.gamma, strictly_between(0, 1),
-        "the least product is kept above this share of the mean");
   f.add("interior_to_boundary", &m.to_boundary, strictly_between(0, 1),
         "largest step, as a share of the way to the boundary");
   f.add("interior_proximal", &m.proximal, strictly_between(0, 1),
-        "weight of the proximal term of free variables, relative to the scaled M");
+        "weight of the proximal term, relative to the scaled M");
   describe_lu(m.lu, f);
 }
 

@@ -1,35 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lcp/linalg/quasi_definite.hpp"
 
-#include <Eigen/SparseCholesky>
 #include <algorithm>
-#include <cmath>
+#include <new>
+#include <utility>
 #include <vector>
 
 namespace perp::lcp {
-namespace {
-
-/// Operations from which on what works column by column loses to dense blocks: some tenths of a second.
-constexpr double most_flops = 3e8;
-/// Steps of refinement; each costs a solve.
-constexpr int refinements = 4;
-
-/// Eigen's, which knows the columns of L after the analysis, and tells derived classes.
-class Ldlt : public ::Eigen::SimplicialLDLT<SpMat> {
- public:
-  KernelCost cost() const {
-    KernelCost sum;
-    for (Index j = 0; j < m_nonZerosPerCol.size(); ++j) {
-      const double entries = m_nonZerosPerCol[j];
-      sum.flops += entries * (entries + 1);
-      sum.bytes += entries * (sizeof(double) + sizeof(int));
-    }
-    return sum;
-  }
-};
-
-}  // namespace
-
 namespace {
 
 bool same_pattern(const SpMat& A, const SpMat& B) {
@@ -86,48 +63,29 @@ std::optional<Vec> signs_of(const SpMat& M) {
   return sigma;
 }
 
-struct QuasiDefinite::Impl {
-  Vec sigma;
-  SpMat signed_K;
-  Ldlt ldlt;
-  KernelClock clock;
-};
-
-QuasiDefinite::QuasiDefinite(KernelClock clock) : impl_(std::make_unique<Impl>()) { impl_->clock = clock; }
-QuasiDefinite::~QuasiDefinite() = default;
+QuasiDefinite::QuasiDefinite(Deadline deadline) : cholesky_(deadline, CholeskyOrdering::Thorough) {}
 
 bool QuasiDefinite::analyze(const SpMat& M) {
   const auto sigma = signs_of(M);
   if (!sigma) return false;
-  impl_->sigma = *sigma;
-  impl_->signed_K = M;
-  impl_->ldlt.analyzePattern(impl_->signed_K);
-  return impl_->ldlt.cost().flops <= most_flops;
+  sigma_ = *sigma;
+  lower_ = SpMat(sigma_.asDiagonal() * M).triangularView<Eigen::Lower>();
+  lower_.makeCompressed();
+  diagonal_ = lower_.diagonal();
+  std::vector<signed char> signs(at(M.rows()));
+  for (Index i = 0; i < M.rows(); ++i) signs[at(i)] = sigma_[i] > 0 ? 1 : -1;
+  cholesky_.set_signs(std::move(signs));
+  const CholeskyStatus status = cholesky_.analyze(lower_);
+  if (status == CholeskyStatus::OutOfMemory) throw std::bad_alloc();
+  return status == CholeskyStatus::Ok;
 }
 
-bool QuasiDefinite::factor(const SpMat& K) {
-  impl_->signed_K = impl_->sigma.asDiagonal() * K;
-  const KernelCost cost = impl_->ldlt.cost();
-  impl_->clock.before(K.rows(), cost);
-  impl_->ldlt.factorize(impl_->signed_K);
-  impl_->clock.after(cost);
-  return impl_->ldlt.info() == ::Eigen::Success && impl_->ldlt.vectorD().allFinite();
+bool QuasiDefinite::factor(In d) {
+  for (Index j = 0; j < lower_.cols(); ++j)
+    lower_.valuePtr()[lower_.outerIndexPtr()[j]] = diagonal_[j] + sigma_[j] * d[j];
+  return cholesky_.try_factor(lower_);
 }
 
-bool QuasiDefinite::solve(const SpMat& K, In b, Out x, double accuracy) const {
-  const double enough = accuracy * b.lpNorm<::Eigen::Infinity>();
-  x.setZero();
-  Vec r = b;
-  double norm = infinity;
-  for (int k = 0; k <= refinements; ++k) {
-    const Vec better = x + impl_->ldlt.solve(impl_->sigma.cwiseProduct(r));
-    const Vec left = b - K * better;
-    const double now = left.lpNorm<::Eigen::Infinity>();
-    if (!(now < norm)) break;
-    x = better, r = left, norm = now;
-    if (norm <= 1e-3 * enough) break;
-  }
-  return norm <= enough;
-}
+void QuasiDefinite::solve(In b, Out x) const { cholesky_.solve(sigma_.cwiseProduct(b), x); }
 
 }  // namespace perp::lcp

@@ -1,15 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-/// L D L' of S K for the matrices K of interior points in linear and quadratic programs: with signs S = diag(+-1),
-///     S K = (Q + Theta_1   -A'      )        Q, R positive semidefinite, Theta positive diagonal,
-///           (-A            -R - Theta_2),
-/// is symmetric and quasi-definite, and so has an L D L' for every symmetric permutation (Vanderbei, SIAM J. Optim. 5
-/// (1995) 100, theorem 2.1). Without pivoting it takes a fraction of an LU's time; how good it is depends on Theta, so
-/// solve() looks. Ordering by AMD.
-#include <memory>
+/// Factors of M + diag(d), d > 0, for the M of linear and quadratic programs: with signs S = diag(+-1),
+///     S (M + diag(d)) = (Q + D_1   -A'    )        Q, R positive semidefinite, D positive diagonal,
+///                       (-A       -R - D_2),
+/// is symmetric and quasi-definite. It has an L S L' for every symmetric permutation (Vanderbei, SIAM J. Optim. 5
+/// (1995) 100, theorem 2.1), which takes what a Cholesky factorization does. How good it is depends on d.
 #include <optional>
 
-#include "lcp/kernel_clock.hpp"
+#include "lcp/cholesky/cholesky.hpp"
 
 namespace perp::lcp {
 
@@ -19,23 +17,27 @@ std::optional<Vec> signs_of(const SpMat& M);
 
 class QuasiDefinite {
  public:
-  /// No factorization is begun that would not have ended at the clock's deadline (lcp/kernel_clock.hpp).
-  explicit QuasiDefinite(KernelClock = KernelClock());
-  ~QuasiDefinite();
+  /// No factorization is begun that would not have ended at the deadline (lcp/kernel_clock.hpp).
+  explicit QuasiDefinite(Deadline = no_deadline);
 
   /// Looks for signs with which the square M is symmetric to the last bit, and analyses its pattern, which holds the
-  /// diagonal. False if there are none, or L has so many entries that a multifrontal LU is quicker. Throws
-  /// std::bad_alloc.
+  /// diagonal. False if there are none. Throws std::bad_alloc.
   bool analyze(const SpMat& M);
-  /// K = M but for the diagonal. False where a pivot is zero or not finite. Throws KernelTooLong, std::bad_alloc.
-  bool factor(const SpMat& K);
-  /// K x = b with the last factor(), which was true, and steps of refinement. False if that leaves a residual of more
-  /// than `accuracy` max |b_i|.
-  bool solve(const SpMat& K, In b, Out x, double accuracy) const;
+  /// Factors M + diag(d). False where a pivot has not the sign of its row, or is not finite. Throws KernelTooLong,
+  /// std::bad_alloc.
+  bool factor(In d);
+  /// (M + diag(d)) x = b with the last factor(), which was true. Without refinement.
+  void solve(In b, Out x) const;
+
+  const Vec& signs() const { return sigma_; }
+  double flops() const { return cholesky_.flops(); }        ///< of factor()
+  double nonzeros() const { return cholesky_.nonzeros(); }  ///< of L
 
  private:
-  struct Impl;
-  std::unique_ptr<Impl> impl_;
+  Vec sigma_;
+  SpMat lower_;   ///< of S M; its diagonal comes first in each column
+  Vec diagonal_;  ///< of S M
+  Cholesky cholesky_;
 };
 
 }  // namespace perp::lcp

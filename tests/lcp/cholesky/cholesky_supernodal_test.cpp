@@ -65,7 +65,7 @@ TEST(SupernodalFactor, IsCholeskysFactor) {
     SpMat spoilt = A;
     for (Index j = 0; j < n; ++j)
       for (SpMat::InnerIterator it(spoilt, j); it && it.row() < j; ++it) it.valueRef() = 1e9;
-    SupernodalFactor factor(A, order, arrow.shape());
+    SupernodalFactor factor(A, order, {}, arrow.shape());
     std::vector<double> values(static_cast<std::size_t>(arrow.values_at.back()), 7.0);
     for (const double scale : {4.0, 1.0}) {
       ASSERT_EQ(factor.factor(SpMat(scale * spoilt), values), n);
@@ -85,7 +85,7 @@ TEST(SupernodalFactor, StopsAtTheFirstPivotThatIsNotPositive) {
     std::iota(order.begin(), order.end(), 0);
     const SpMat matrix = sparse(A);
     std::vector<double> values(static_cast<std::size_t>(arrow.values_at.back()));
-    ASSERT_EQ(SupernodalFactor(matrix, order, arrow.shape()).factor(matrix, values), failed);
+    ASSERT_EQ(SupernodalFactor(matrix, order, {}, arrow.shape()).factor(matrix, values), failed);
     const Dense L = arrow.whole(values).topLeftCorner(failed, failed);
     EXPECT_LE((L * L.transpose() - A.topLeftCorner(failed, failed)).cwiseAbs().maxCoeff(), 1e-12 * A.norm()) << failed;
   }

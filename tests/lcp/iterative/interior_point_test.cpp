@@ -169,7 +169,7 @@ TEST(InteriorPoint, LimitsAndInput) {
   Limits limits;
   limits.interrupted = [] { return true; };
   EXPECT_EQ(interior_point(problem, Vec::Zero(50), {}, limits).status, Status::Interrupted);
-  EXPECT_THROW(interior_point(problem, Vec::Zero(50), {.gamma = 1}), std::invalid_argument);
+  EXPECT_THROW(interior_point(problem, Vec::Zero(50), {.proximal = 1}), std::invalid_argument);
   EXPECT_THROW(interior_point(problem, Vec::Zero(50), {.to_boundary = 1}), std::invalid_argument);
   EXPECT_THROW(interior_point(problem, Vec::Zero(5)), std::invalid_argument);
 }

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+/// (M + diag(d)) x = b for one M and many d > 0, the systems of interior points and of their cells: by L S L' where
+/// signs make M symmetric (lcp/linalg/quasi_definite.hpp), by sparse LU otherwise, or where L S L' meets a pivot of a
+/// wrong sign. Private to lcp/iterative/.
+#include "lcp/linalg/quasi_definite.hpp"
+#include "lcp/lu/sparse_lu.hpp"
+
+namespace perp::lcp {
+
+class ShiftedSystem {
+ public:
+  /// M has its diagonal in its pattern and outlives *this.
+  ShiftedSystem(const SpMat& M, LuBackend lu, Deadline deadline);
+
+  /// Signs that make M symmetric, or null.
+  const Vec* signs() const { return symmetric_ ? &ldlt_.signs() : nullptr; }
+  /// What a factorization takes in solves.
+  double dearness() const;
+
+  LuStatus factor(const Vec& d);
+  /// Solves with the last factor(), which was Ok, and refines. Returns the largest residual of a row over
+  /// max(1, d_i), beside that of b.
+  double solve(const Vec& b, Vec& x) const;
+  int factorizations() const { return factorizations_; }
+
+ private:
+  Vec solved(const Vec& b) const;
+
+  const SpMat& M_;
+  QuasiDefinite ldlt_;
+  SparseLu lu_;
+  SpMat K_;
+  Vec d_;
+  bool symmetric_ = false;
+  bool by_lu_ = false;  ///< the last factor() was
+  int factorizations_ = 0;
+};
+
+}  // namespace perp::lcp
