@@ -18,6 +18,9 @@
 namespace perp::lcp {
 namespace {
 
+/// Newton's direction is poor from such an accuracy on: residuals stay where they are.
+constexpr double poor = 1e-5;
+
 /// A finite bound of variable i: s = sign (z_i - at) with sign 1 at a lower bound, -1 at an upper one.
 struct Bound {
   Index i;
@@ -73,7 +76,9 @@ class Run {
       if (status == LuStatus::OutOfMemory) return end(Status::OutOfMemory, "no memory for the factors of M + diag");
       if (status != LuStatus::Ok) return end(Status::Singular, "M + diag(w / s) is " + std::string(to_string(status)));
       const double mu = gap(x_);
-      const Iterate affine = direction(-x_.s.cwiseProduct(x_.w));
+      Iterate affine = direction(-x_.s.cwiseProduct(x_.w));
+      if (accuracy_ > poor && !system_.by_lu() && system_.factor_by_lu() == LuStatus::Ok)
+        affine = direction(-x_.s.cwiseProduct(x_.w));
       const double sigma = std::pow(std::max(0.0, gap(moved(affine, reach(affine)))) / std::max(mu, 1e-300), 3);
       const double target = mu * std::min(1.0, sigma);
       Vec c = target - (x_.s.cwiseProduct(x_.w) + affine.s.cwiseProduct(affine.w)).array();
@@ -88,6 +93,10 @@ class Run {
       ++k_;
       last_step_ = d.z;
       x_ = moved(d, alpha);
+      // A step leaves the share 1 - alpha of the residual, and what the proximal term makes.
+      const bool stuck = residual().norm() > (1 - 0.5 * least(alpha)) * r_.norm();
+      if (!linear_ && least(alpha) < 0.1) delta_ = std::min(10 * delta_, 1e2 * options_.proximal);
+      if ((linear_ || least(alpha) > 0.5) && stuck) delta_ = std::max(0.1 * delta_, 1e-4 * options_.proximal);
       if (!x_.z.allFinite() || !x_.w.allFinite()) return end(Status::Stalled, "the iterates overflow");
       short_steps = least(alpha) < 1e-6 ? short_steps + 1 : 0;
       if (short_steps >= 3 || (pairs_ > 0 && gap(x_) < 1e-28)) {
@@ -198,7 +207,7 @@ class Run {
     for (Index p = 0; p < pairs_; ++p)
       rhs[bounds_[at(p)].i] += bounds_[at(p)].sign * (c[p] - x_.w[p] * slack_[p]) / x_.s[p];
     Iterate d{.z = Vec(n_), .s = Vec(pairs_), .w = Vec(pairs_)};
-    (void)system_.solve(rhs, d.z);
+    accuracy_ = system_.solve(rhs, d.z);
     for (Index p = 0; p < pairs_; ++p) {
       const Bound& b = bounds_[at(p)];
       d.s[p] = b.sign * d.z[b.i] + slack_[p];
@@ -435,6 +444,7 @@ class Run {
   Iterate x_;
   Vec r_, slack_;               ///< residuals at x_: M z + q - w + v, and sign (z - at) - s
   std::vector<Index> stiff_;    ///< of each variable: its bound with the largest w / s, or -1 where that is below one
+  double accuracy_ = 0;         ///< of the last direction: ShiftedSystem::solve()
   double residual_ = infinity;  ///< when it was last looked at
   std::uint64_t last_key_ = 0, polished_key_ = 0;
   double polished_gap_ = 0.1;

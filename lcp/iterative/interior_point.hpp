@@ -9,9 +9,9 @@
 /// one factorization of one pattern an iteration (lcp/iterative/shifted_system.hpp), and some solves. The predictor has
 /// c = -s w; sigma = (mu_aff / mu)^3; the corrector c = sigma mu - s w - ds_aff dw_aff (Mehrotra 1992); then Gondzio's
 /// multiple correctors, while they lengthen the step. The delta term is proximal, towards the last iterate, so that the
-/// limit solves the problem as it is (Rockafellar, SIAM J. Control 14 (1976) 877; Pougkakiotis & Gondzio, Comput. Optim.
-/// Appl. 78 (2021) 307). The start is Mehrotra's. Linear programs have two step lengths, other problems one. Fixed
-/// variables are taken out. M is scaled by D M D, which keeps monotonicity.
+/// limit solves the problem as it is (Rockafellar, SIAM J. Control 14 (1976) 877; Pougkakiotis & Gondzio, Comput.
+/// Optim. Appl. 78 (2021) 307). The start is Mehrotra's. Linear programs have two step lengths, other problems one.
+/// Fixed variables are taken out. M is scaled by D M D, which keeps monotonicity.
 ///
 /// When the signs of s - w stop changing they tell the active bounds, and the equations of the others are solved with
 /// refinement (M_II may be singular: proximal steps from the interior point); violated places are exchanged, as block

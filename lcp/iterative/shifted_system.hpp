@@ -19,8 +19,11 @@ class ShiftedSystem {
   double dearness() const;
 
   LuStatus factor(const Vec& d);
-  /// Solves with the last factor(), which was Ok, and refines. Returns the largest residual of a row over
-  /// max(1, d_i), beside that of b.
+  /// The same by LU, for d where solve() turns out to be poor.
+  LuStatus factor_by_lu();
+  bool by_lu() const { return by_lu_; }
+  /// Solves with the last factor(), which was Ok, and refines. Returns the residual beside b, each row over max(1,
+  /// d_i), in the 2-norm.
   double solve(const Vec& b, Vec& x) const;
   int factorizations() const { return factorizations_; }
 

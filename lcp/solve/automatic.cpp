@@ -5,6 +5,7 @@
 
 #include "lcp/cholesky/symmetric.hpp"
 #include "lcp/classes/classify.hpp"
+#include "lcp/linalg/quasi_definite.hpp"
 #include "lcp/solve/solve.hpp"
 
 namespace perp::lcp {
@@ -69,11 +70,10 @@ Lemke covered(Cover cover, unsigned seed, Index n) {
   return lemke;
 }
 
-/// Linear programs with hundreds of rows seldom need more than 3 n pivots, which take less time than interior points.
-int worthwhile_pivots_before_interior_points(Index n) {
-  constexpr Index many = 8000;
-  return 200 + static_cast<int>(std::min(3 * n, std::max(n, many)));
-}
+/// Pivots that take about what interior points do where no signs make M symmetric: some twenty sparse LUs, each as long
+/// as some thirty pivots. Elsewhere the L S L' of interior points is quicker than pivots from some fifty rows on.
+constexpr int pivots_before_interior_points = 600;
+constexpr Index few_rows = 50;
 
 Index cells(const Box& box) {  // variables that have more than one place
   Index count = 0;
@@ -120,9 +120,9 @@ bool try_by_class(Attempts& attempts, const AffineMcp& problem, const Diagnosis&
   const std::string why = psd.yes()                 ? "M is positive semidefinite: " + psd.reason
                           : d.copositive_plus.yes() ? "M is copositive-plus: " + d.copositive_plus.reason
                                                     : "M is a P-matrix: " + d.p.reason;
-  if (n <= pivoting_to && psd.yes()) {  // few pivots are quicker than interior points, and many are not
+  if (n <= pivoting_to && psd.yes() && (n <= few_rows || !signs_of(problem.M))) {
     Lemke brief = covered(Cover::Ones, seed, n);
-    brief.options.max_pivots = worthwhile_pivots_before_interior_points(n);
+    brief.options.max_pivots = pivots_before_interior_points;
     if (attempts.run(brief, "lemke with few pivots", why)) return true;
   }
   if (psd.yes() && attempts.run(InteriorPoint{}, "interior-point", why)) return true;
