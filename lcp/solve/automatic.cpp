@@ -71,9 +71,10 @@ Lemke covered(Cover cover, unsigned seed, Index n) {
 }
 
 /// Pivots that take about what interior points do where no signs make M symmetric: some twenty sparse LUs, each as long
-/// as some thirty pivots. Elsewhere the L S L' of interior points is quicker than pivots from some fifty rows on.
+/// as some thirty pivots. Elsewhere the L S L' of interior points is quicker.
 constexpr int pivots_before_interior_points = 600;
-constexpr Index few_rows = 50;
+/// Up to so many rows 2 n pivots take less than to tell the class of M; most problems need about n.
+constexpr Index few_rows = 100;
 
 Index cells(const Box& box) {  // variables that have more than one place
   Index count = 0;
@@ -120,7 +121,7 @@ bool try_by_class(Attempts& attempts, const AffineMcp& problem, const Diagnosis&
   const std::string why = psd.yes()                 ? "M is positive semidefinite: " + psd.reason
                           : d.copositive_plus.yes() ? "M is copositive-plus: " + d.copositive_plus.reason
                                                     : "M is a P-matrix: " + d.p.reason;
-  if (n <= pivoting_to && psd.yes() && (n <= few_rows || !signs_of(problem.M))) {
+  if (n > few_rows && n <= pivoting_to && psd.yes() && !signs_of(problem.M)) {
     Lemke brief = covered(Cover::Ones, seed, n);
     brief.options.max_pivots = pivots_before_interior_points;
     if (attempts.run(brief, "lemke with few pivots", why)) return true;
@@ -167,6 +168,11 @@ Result automatic(const AffineMcp& problem, In start, const Auto& method, const L
   const Result at_start = judged(problem, start, limits, Status::Stalled, {});
   if (at_start.solved()) return at_start;
   Attempts attempts(problem, start, limits);
+  if (const Index n = problem.size(); n <= few_rows) {
+    Lemke brief = covered(Cover::Ones, method.seed, n);
+    brief.options.max_pivots = 2 * static_cast<int>(n);
+    if (attempts.run(brief, "lemke", "few rows")) return attempts.end();
+  }
   const Diagnosis diagnosis = classify(problem, cheap(problem.M));
   if (!try_by_class(attempts, problem, diagnosis, method.seed)) try_everything(attempts, problem, method.seed);
   return attempts.end();

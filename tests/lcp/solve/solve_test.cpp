@@ -118,29 +118,39 @@ TEST_P(Campaign, NoMethodClaimsWhatIsNotSo) {
   EXPECT_GT(infeasible["lemke"], 25);
 }
 
-// Murty 1978: on these P-matrices Lemke's method and least-index rules take up to 2^n pivots; n = 60 is out of their
-// reach. They are triangular, which Auto sees.
+// Murty 1978: on these P-matrices Lemke's method and least-index rules take up to 2^n pivots; n = 120 is out of
+// their reach. They are triangular, which Auto sees.
 TEST(Auto, MurtysExponentialProblems) {
   const auto begin = std::chrono::steady_clock::now();
   for (const bool upper : {true, false}) {
-    const Index n = 60;
+    const Index n = 120;
     const Result result = automatically(standard_lcp(murty(n, upper), -Vec::Ones(n)));
     ASSERT_TRUE(result.solved()) << result.message;
     EXPECT_EQ(result.z, Vec::Unit(n, upper ? n - 1 : 0));
     EXPECT_THAT(result.message, HasSubstr("block-pivoting"));
   }
-  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(20)) << "2^60 pivots would take longer";
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(20)) << "2^120 pivots would take longer";
+}
+
+/// Sixty times M and q: beyond the few rows that Lemke's method takes before anything is known of M.
+AffineMcp sixty(const Dense& M, const Vec& q) {
+  const Index n = q.size();
+  Dense blocks = Dense::Zero(60 * n, 60 * n);
+  for (Index k = 0; k < 60; ++k) blocks.block(k * n, k * n, n, n) = M;
+  return standard_lcp(sparse(blocks), q.replicate(60, 1));
 }
 
 // The choice is told with its reason.
 TEST(Auto, SaysWhatItChoseAndWhy) {
-  EXPECT_THAT(automatically(standard_lcp(matrix({{2, 1}, {1, 2}}), vec({-5, -6}))).message,
+  EXPECT_THAT(automatically(sixty(Dense{{2, 1}, {1, 2}}, vec({-5, -6}))).message,
               testing::AllOf(HasSubstr("block-pivoting"), HasSubstr("H-matrix")));
-  const AffineMcp skew = standard_lcp(matrix({{0, 1}, {-1, 0}}), vec({-1, 2}));
-  EXPECT_THAT(automatically(skew).message, testing::AllOf(HasSubstr("lemke"), HasSubstr("positive semidefinite")));
+  EXPECT_THAT(automatically(sixty(Dense{{0, 1}, {-1, 0}}, vec({-1, 2}))).message,
+              testing::AllOf(HasSubstr("interior-point"), HasSubstr("positive semidefinite")));
+  EXPECT_THAT(automatically(standard_lcp(matrix({{2, 1}, {1, 2}}), vec({-5, -6}))).message,
+              HasSubstr("lemke (few rows"));
   Random random(3);
-  const Dense A = random.normals(30, 30);
-  const AffineMcp unknown = standard_lcp(sparse(A.cwiseAbs() - 0.2 * Dense::Ones(30, 30)), random.normals(30));
+  const Dense A = random.normals(120, 120);
+  const AffineMcp unknown = standard_lcp(sparse(A.cwiseAbs() - 0.2 * Dense::Ones(120, 120)), random.normals(120));
   EXPECT_THAT(automatically(unknown).message, HasSubstr("class"));
 }
 
