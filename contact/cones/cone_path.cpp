@@ -156,9 +156,9 @@ ConePath::Point ConePath::near(const Vec& r, const Vec& openings, double tau) co
   return point;
 }
 
-void ConePath::couple(Point point, const std::vector<char>& which) {
+void ConePath::couple(Point point) {
   open(std::move(point), Vec::Zero(static_cast<Index>(contacts_.size())));
-  for (std::size_t a = 0; a < contacts_.size(); ++a) contacts_[a].coupled = which[a] != 0;
+  for (Contact& c : contacts_) c.coupled = true;
 }
 
 Vec ConePath::openings() const {
@@ -172,17 +172,6 @@ Vec ConePath::slip() const {
   for (std::size_t a = 0; a < contacts_.size(); ++a)
     speeds[static_cast<Index>(a)] = contacts_[a].of(at_.y).tail<2>().norm();
   return speeds;
-}
-
-void ConePath::metric(const Point& point, std::vector<Eigen::Matrix3d>& A,
-                      std::vector<Eigen::Matrix3d>& inverse) const {
-  A.clear();
-  inverse.clear();
-  for (Contact c : contacts_) {
-    c.scale(c.of(point.r), c.of(point.y));
-    A.emplace_back(c.T_inverse * c.T_inverse);
-    inverse.emplace_back(c.T * c.T);
-  }
 }
 
 bool ConePath::assemble() {

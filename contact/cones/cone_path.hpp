@@ -8,7 +8,7 @@
 ///
 /// *s given*, one number a contact: a second-order cone problem. Where W is monotone its path is unique and cannot turn
 /// back. s = 0 is the associated law, whose slip lifts off: u_N = |u_T|.
-/// *s coupled*, at some contacts or all: s = -r_T.y_T / r_N besides, which makes r_N u_N = tau, Signorini's own path.
+/// *s coupled*: s = -r_T.y_T / r_N besides, which makes r_N u_N = tau, Signorini's own path.
 /// This one may turn back: docs/contact/piles.md.
 ///
 /// Nesterov & Todd's scaling, a matrix T of each contact with T y = T^-1 r, leaves
@@ -41,11 +41,8 @@ class ConePath {
   void open(Point point, const Vec& openings);
   /// Near r and u = W r + q, with r_a o y_a = tau e at every contact: r - u - s e_N = r_a - y_a with these openings.
   Point near(const Vec& r, const Vec& openings, double tau) const;
-  /// Goes on from `point` with s coupled at these contacts, and nothing opened at the others.
-  void couple(Point point, const std::vector<char>& which);
-
-  /// T^-2 at each contact, and its inverse, at this point.
-  void metric(const Point& point, std::vector<Eigen::Matrix3d>& A, std::vector<Eigen::Matrix3d>& inverse) const;
+  /// Goes on from `point` with s coupled at all contacts.
+  void couple(Point point);
 
   /// One predictor-corrector step. False: the matrix is singular, or nothing is finite.
   bool step();
@@ -53,7 +50,7 @@ class ConePath {
   const Vec& r() const { return at_.r; }
   double tau() const { return tau_; }  ///< mean r.y of the contacts
   double last_step() const { return last_step_; }
-  Vec openings() const;  ///< s, one a contact; where it is coupled, of the last matrix
+  Vec openings() const;  ///< s, one a contact; coupled ones of the last matrix
   Vec slip() const;      ///< |y_T|, one a contact
 
   struct Direction {

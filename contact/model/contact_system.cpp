@@ -406,19 +406,6 @@ bool ContactSystem::solve_coupled(In c, Vec& x) {
   return z && x.allFinite();
 }
 
-void ContactSystem::solve_columns(const Eigen::MatrixXd& c, Eigen::MatrixXd& x) const {
-  x.resize(c.rows(), c.cols());
-  for (Index from = 0; from < c.cols(); from += reduced_columns) {
-    const Index width = std::min(reduced_columns, c.cols() - from);
-    const Eigen::MatrixXd right = c.middleCols(from, width);
-    Eigen::MatrixXd found;
-    solve_definite_once(right, found);
-    Eigen::MatrixXd correction;
-    solve_definite_once(Eigen::MatrixXd(right - product(found)), correction);
-    x.middleCols(from, width) = found + correction;
-  }
-}
-
 void ContactSystem::solve(In c, Vec& x) {
   if (couplings_.empty()) return solve_definite(c, x);
   if (solve_coupled(c, x)) {

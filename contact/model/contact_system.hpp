@@ -74,8 +74,6 @@ class ContactSystem {
   void solve(In c, Vec& x);
   /// The same without refinement, for those who refine with a residual of their own. Pre: there are factors.
   void solve_once(In c, Vec& x);
-  /// All columns at once, refined once. Pre: there are factors, and no couplings.
-  void solve_columns(const Eigen::MatrixXd& c, Eigen::MatrixXd& x) const;
 
   Form form();                                            ///< chosen when it is first needed
   bool by_cholesky() const { return by_cholesky_; }       ///< are the last factors Cholesky's?

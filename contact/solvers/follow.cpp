@@ -270,8 +270,7 @@ bool Follower::newton(Vec& r, NewtonSteps steps, const Accept& accept, const Sto
 bool Follower::path(Vec& r, double tau, long last_factorization, const Accept& accept, const Stop& stop) {
   FollowSystem& kept = *kept_;
   ConePath path(kept.problem(), kept.give());
-  const std::size_t contacts = kept.problem().blocks.size();
-  path.couple(path.near(r, Vec::Zero(static_cast<Index>(contacts)), tau), std::vector<char>(contacts, 1));
+  path.couple(path.near(r, Vec::Zero(static_cast<Index>(kept.problem().blocks.size())), tau));
   double newton_below = path_newton_map;
   for (int k = 0, turning = 0; k < most_path_steps && turning < path_turning_steps && path.tau() > path_end; ++k) {
     if (stop() || factorizations_ >= last_factorization) return false;

@@ -16,58 +16,55 @@
 namespace perp::contact {
 namespace {
 
-/// Sweeps are judged so many at a time, and ended unless r changes less by this factor than in the lot before.
-constexpr int sweeps_a_lot = 4;
-constexpr double sweeps_contract = 0.5;
-/// But so many are made where they have come so near (both metrics): the contacts' states settle first.
-constexpr int sweeps_settle = 24;
-constexpr double sweeps_near = 1e-2;
-/// Of W + alpha I, r the centre, where the Newton steps of one polish are taken: nothing where W is regular, then more.
+struct Sweeping {
+  int lot = 4;               ///< sweeps between two judgements
+  double contraction = 0.5;  ///< of the change of r from lot to lot; slower sweeps end
+  int settling = 24;         ///< sweeps that are made in any case near a solution, until the contacts have their states
+  double near = 1e-2;        ///< what is near, both metrics
+};
+constexpr Sweeping sweeping{};
+
+/// Two steps of Glocker's homotopy are all that easy problems need. In more rows one LU takes as long as half of the
+/// associated path, whose matrices are Cholesky's.
+constexpr int first_steps = 2;
+constexpr Index first_steps_rows = 2000;
+
+/// Newton steps from a point of the homotopy.
+struct Polishing {
+  int steps = 12;
+  int failures = 2;    ///< so many steps in a row that do not halve the residual end them
+  double again = 0.1;  ///< the next ones are tried when the homotopy has come so much closer
+};
+constexpr Polishing polishing{};
+/// Of W + alpha I in turn: nothing for regular W, then more.
 constexpr std::array polish_alphas{1e-10, 1e-4, 1e-7};
-constexpr int polish_steps = 12;
-/// A polish that does not halve the residual this many times in a row is given up.
-constexpr int polish_failures = 2;
-/// The next polish is tried when the homotopy has come so much closer.
-constexpr double polish_again = 0.1;
+
 /// Steps this short in a row end an attempt.
 constexpr double short_step = 0.1;
 constexpr int short_steps = 5;
 
-/// Damped Newton steps from the best point of an attempt, of the first, third, .. and of the other attempts.
-constexpr NewtonSteps search_with(double alpha) {
-  return {.most = 100, .alpha = alpha, .decrease = 0.9, .full = Origin::DampedNewton, .patience = 40};
-}
-constexpr std::array search_alphas{1e-5, 1e-4};
+/// Damped Newton steps from the best point of an attempt.
+constexpr NewtonSteps search_steps{
+    .most = 100, .alpha = 1e-5, .decrease = 0.9, .full = Origin::DampedNewton, .patience = 40};
 
-/// Of Glocker's homotopy, before the cones' paths, up to so many rows: easy problems need no more. Beyond them LU takes
-/// as long as half of the associated path, whose matrices are Cholesky's.
-constexpr int first_steps_of_homotopy = 2;
-constexpr Index first_steps_rows = 2000;
-/// Up to so many rows the first attempt is made before Cadoux' fixed point of the cones' paths, which takes more
-/// factorizations where many contacts slip. Beyond them LU takes too long.
-constexpr Index early_attempt_rows = 6000;
+struct ProximalLoop {
+  double least_alpha = 1e-5;
+  double shrink = 0.7;         ///< of alpha after a subproblem that was solved; after another alpha is 4 times as large
+  double relaxation = 0.9;     ///< of the bound, twice the alpha that failed last, below which alpha does not fall
+  int patience = 3000;         ///< moves without half of the residual that end the loop
+  double homotopy_from = 0.3;  ///< alpha from which the homotopy solves what Newton's method does not
+};
+constexpr ProximalLoop proximal_loop_of{};
 
-/// The proximal loop.
-constexpr double first_alpha = 1;
-constexpr double least_alpha = 1e-5;
-constexpr double alpha_shrink = 0.7;
-constexpr double alpha_growth = 4;
-/// After a subproblem that was not solved alpha stays above twice its own; that bound falls so fast.
-constexpr double bound_relaxation = 0.9;
-/// Moves without half of the residual after which the loop is given up.
-constexpr int patience = 3000;
-constexpr int inner_newton = 10;
-/// Where Newton's method fails from the last solution, alpha is raised; from here on the homotopy solves the
-/// subproblem.
-constexpr double homotopy_from = 0.3;
-constexpr double largest_alpha = 100;
-constexpr int inner_homotopy = 60;
-constexpr double inner_to_boundary = 0.99;   // these problems are regular
-constexpr double inner_tol = 1e-11;          // of the subproblem's natural map, absolute, in scaled units,
-constexpr double inner_share = 0.1;          // or this part of alpha |r - centre|
-constexpr double inner_accept = 1e-7;        // what the homotopy must come to
-constexpr double parallel = 0.95;            // cosine of successive increments that are extrapolated
-constexpr double longest_extrapolation = 5;  // increments
+/// What the loop asks of a subproblem.
+struct Subproblem {
+  int newton = 10;       ///< steps
+  int homotopy = 60;     ///< steps
+  double tol = 1e-11;    ///< natural map in scaled units, or
+  double share = 0.1;    ///< this part of alpha |r - centre|
+  double accept = 1e-7;  ///< what the homotopy must come to
+};
+constexpr Subproblem subproblem{};
 
 class Solver {
  public:
@@ -85,9 +82,7 @@ class Solver {
   void run(const Vec& start) {
     if (start.size() > 0 ? warm(start) : sweep()) return;
     if (method_.cones && method_.polish ? with_cones() : attempt(options_)) return;
-    if ((method_.homotopy.other_settings || method_.proximal) && (referee_.no_solution() || by_groups())) return;
-    if (method_.homotopy.other_settings && with_other_settings()) return;
-    if (method_.proximal) proximal_loop();
+    if (method_.proximal && !referee_.no_solution() && !by_groups()) proximal_loop();
   }
 
  private:
@@ -100,7 +95,6 @@ class Solver {
   bool search(Vec from);
   bool polish(Vec r, double alpha);
   bool by_groups();
-  bool with_other_settings();
   bool proximal_loop();
 
   bool newton_on(In centre, double alpha, Vec& r);
@@ -129,14 +123,14 @@ bool Solver::sweep() {
   Vec r = Vec::Zero(problem_.size());
   Vec u = problem_.q;
   double before = lcp::infinity;  // change of r in the last lot
-  for (int k = 0; k < method_.sweeps; k += sweeps_a_lot) {
+  for (int k = 0; k < method_.sweeps; k += sweeping.lot) {
     const Vec last = r;
-    for (int i = 0; i < sweeps_a_lot; ++i) method.sweep(r, u);
-    referee_.stats().sweeps += sweeps_a_lot;
+    for (int i = 0; i < sweeping.lot; ++i) method.sweep(r, u);
+    referee_.stats().sweeps += sweeping.lot;
     if (referee_.judge(r, {.by = Origin::Sweeps})) return true;
     const double change = (r - last).norm();
-    const bool settling = k < sweeps_settle && referee_.last() <= sweeps_near;
-    if (!settling && !(change <= sweeps_contract * before)) return false;
+    const bool settling = k < sweeping.settling && referee_.last() <= sweeping.near;
+    if (!settling && !(change <= sweeping.contraction * before)) return false;
     before = change;
   }
   return false;
@@ -145,14 +139,8 @@ bool Solver::sweep() {
 /// The cones' paths, and the first attempt.
 bool Solver::with_cones() {
   Vec best;
-  if (problem_.size() <= first_steps_rows && homotopy_steps(options_, first_steps_of_homotopy, best)) return true;
-  ConeHomotopy cones(referee_, problem_, newton_, system_, method_.splitting);
-  if (cones.run()) return true;
-  const bool early = problem_.size() <= early_attempt_rows;
-  if (!early && cones.fixed_point()) return true;
-  ++referee_.stats().attempts;
-  if (homotopy_steps(options_, method_.homotopy.max_iterations, best)) return true;
-  return (early && cones.fixed_point()) || search(std::move(best));
+  if (problem_.size() <= first_steps_rows && homotopy_steps(options_, first_steps, best)) return true;
+  return ConeHomotopy(referee_, problem_, newton_, system_).run() || attempt(options_);
 }
 
 bool Solver::attempt(const HomotopyOptions& options, const Vec* from, double tau) {
@@ -187,7 +175,7 @@ bool Solver::homotopy_steps(const HomotopyOptions& options, int most, Vec& best,
     }
     const double largest = std::max(homotopy.r().lpNorm<Eigen::Infinity>(), homotopy.u().lpNorm<Eigen::Infinity>());
     if (const double near = map / std::max(largest, 1e-300); near <= polish_at) {
-      polish_at = polish_again * near;
+      polish_at = polishing.again * near;
       over = polish(homotopy.r(), polish_alphas[polished++ % polish_alphas.size()]);
     }
   }
@@ -197,16 +185,14 @@ bool Solver::homotopy_steps(const HomotopyOptions& options, int most, Vec& best,
 /// Damped Newton steps after an attempt.
 bool Solver::search(Vec from) {
   if (!method_.polish || referee_.over()) return referee_.over();
-  const auto number = static_cast<std::size_t>(referee_.stats().attempts - 1);
-  const NewtonSteps with = search_with(search_alphas[number % search_alphas.size()]);
-  return newton_steps(referee_, problem_, newton_, std::move(from), with);
+  return newton_steps(referee_, problem_, newton_, std::move(from), search_steps);
 }
 
 /// Newton steps on the equation of Alart & Curnier with the proximal term of the iterate itself.
 bool Solver::polish(Vec r, double alpha) {
   double last = natural_map(problem_, r);
   int failures = 0;
-  for (int k = 0; k < polish_steps && failures < polish_failures; ++k) {
+  for (int k = 0; k < polishing.steps && failures < polishing.failures; ++k) {
     Vec to;
     if (!newton_.step(r, r, alpha, to)) return false;
     r = std::move(to);
@@ -244,22 +230,6 @@ bool Solver::by_groups() {
   return referee_.judge(problem_.reduce(r), {.by = Origin::Groups}) || referee_.over() || !all;
 }
 
-/// From the best point with products like its residual; from the start with shorter steps, which are blocked less often
-/// (0.7 is what poured spheres like best), with more centring, with a stronger gauge.
-bool Solver::with_other_settings() {
-  HomotopyOptions careful = options_;
-  careful.least_centring = std::max(0.1, careful.least_centring);
-  const Vec best = referee_.best_point();
-  const double far = natural_map(problem_, best);
-  if (attempt(careful, &best, std::clamp(far * far, 1e-8, 1.0))) return true;
-  HomotopyOptions shorter = options_;
-  shorter.to_boundary = std::min(0.7, shorter.to_boundary);
-  if (attempt(shorter) || attempt(careful)) return true;
-  HomotopyOptions gauged = options_;
-  gauged.eps_share = 1;
-  return attempt(gauged);
-}
-
 Scaled Solver::proximal_problem(In centre, double alpha) const {
   Scaled proximal = problem_;
   proximal.W = problem_.W.plus(alpha);
@@ -271,13 +241,13 @@ Scaled Solver::proximal_problem(In centre, double alpha) const {
 bool Solver::newton_on(In centre, double alpha, Vec& r) {
   Vec x = r;
   double least = lcp::infinity;
-  for (int k = 0; k <= inner_newton; ++k) {
+  for (int k = 0; k <= subproblem.newton; ++k) {
     const double far = natural_map(problem_, x, centre, alpha);
-    if (far < inner_tol || (k > 0 && far < std::min(1e-6, inner_share * alpha * (x - centre).norm()))) {
+    if (far < subproblem.tol || (k > 0 && far < std::min(1e-6, subproblem.share * alpha * (x - centre).norm()))) {
       r = x;
       return true;
     }
-    if (!(far <= 1e3 * least) || k == inner_newton) return false;
+    if (!(far <= 1e3 * least) || k == subproblem.newton) return false;
     least = std::min(least, far);
     Vec to;
     ++referee_.stats().newton_steps;
@@ -291,11 +261,11 @@ bool Solver::homotopy_on(In centre, double alpha, Vec& r) {
   const Scaled proximal = proximal_problem(centre, alpha);
   HomotopyOptions careful = options_;
   careful.least_centring = std::max(0.1, careful.least_centring);
-  careful.to_boundary = inner_to_boundary;
+  careful.to_boundary = 0.99;
   ContactSystem system(proximal, system_);
   Homotopy homotopy(proximal, system, careful);
   double least = lcp::infinity;
-  for (int k = 0; k < inner_homotopy && least > 1e-9 && !referee_.over(); ++k) {
+  for (int k = 0; k < subproblem.homotopy && least > 1e-9 && !referee_.over(); ++k) {
     const bool going = homotopy.step();
     ++referee_.stats().iterations;
     if (const double far = natural_map(proximal, homotopy.r()); far < least) {
@@ -305,7 +275,7 @@ bool Solver::homotopy_on(In centre, double alpha, Vec& r) {
     if (!going || (k > 15 && homotopy.last().step < 0.02)) break;
   }
   referee_.stats().factorizations += system.factorizations();
-  return least <= inner_accept;
+  return least <= subproblem.accept;
 }
 
 bool Solver::proximal_loop() {
@@ -314,15 +284,15 @@ bool Solver::proximal_loop() {
   Vec reached = centre;  // the last subproblem's solution
   Vec r = centre;
   std::optional<Vec> increment;
-  double alpha = first_alpha;
+  double alpha = 1;
   double bound = 0;
   double milestone = lcp::infinity;
   int since = 0;  // moves since the best point was half as good
-  while (!referee_.over() && since < patience) {
-    if (!newton_on(centre, alpha, r) && (alpha < homotopy_from || !homotopy_on(centre, alpha, r))) {
-      if (alpha >= largest_alpha) return referee_.over();
+  while (!referee_.over() && since < proximal_loop_of.patience) {
+    if (!newton_on(centre, alpha, r) && (alpha < proximal_loop_of.homotopy_from || !homotopy_on(centre, alpha, r))) {
+      if (alpha >= 100) return referee_.over();
       bound = 2 * alpha;
-      alpha *= alpha_growth;
+      alpha *= 4;
       centre = r = reached;
       increment.reset();
       continue;
@@ -336,16 +306,16 @@ bool Solver::proximal_loop() {
     }
     const Vec moved = r - centre;
     centre = reached = r;
-    if (increment && moved.dot(*increment) > parallel * moved.norm() * increment->norm()) {
-      // Along a line: to the limit of the geometric series, or far.
+    if (increment && moved.dot(*increment) > 0.95 * moved.norm() * increment->norm()) {
+      // Nearly parallel (cosine above 0.95): to the limit of the geometric series, or five increments far.
       const double ratio = moved.norm() / increment->norm();
-      centre += std::min(longest_extrapolation, ratio < 1 ? ratio / (1 - ratio) : longest_extrapolation) * moved;
+      centre += std::min(5.0, ratio < 1 ? ratio / (1 - ratio) : 5.0) * moved;
       increment.reset();
     } else {
       increment = moved;
     }
-    bound *= bound_relaxation;
-    alpha = std::max({least_alpha, alpha_shrink * alpha, bound});
+    bound *= proximal_loop_of.relaxation;
+    alpha = std::max({proximal_loop_of.least_alpha, proximal_loop_of.shrink * alpha, bound});
   }
   return referee_.over();
 }

@@ -56,13 +56,9 @@ void run_exact(Run& run, const Problem& problem, const Variant& variant, const R
   run.solution = std::move(result.solution);
   run.residual = result.residual;
   run.history = std::move(result.history);
-  run.counts = {{"iterations", result.stats.iterations},
-                {"sweeps", result.stats.sweeps},
-                {"newton_steps", result.stats.newton_steps},
-                {"splitting_steps", result.stats.splitting_steps},
-                {"proximal_steps", result.stats.proximal_steps},
-                {"attempts", result.stats.attempts},
-                {"region_factorizations", result.stats.region_factorizations},
+  run.counts = {{"iterations", result.stats.iterations},         {"sweeps", result.stats.sweeps},
+                {"newton_steps", result.stats.newton_steps},     {"splitting_steps", result.stats.splitting_steps},
+                {"proximal_steps", result.stats.proximal_steps}, {"attempts", result.stats.attempts},
                 {"factorizations", result.stats.factorizations}};
   if (ncp != nullptr) run.counts = {run.counts.front(), run.counts.back()};
   if (variant.law == Law::Coulomb) run.counts = {run.counts[0], run.counts[1], run.counts.back()};

@@ -71,7 +71,6 @@ std::span<const MethodEntry> methods() {
 void describe(GlockerHomotopy& m, ncp::Fields& f) {
   HomotopyOptions& o = m.options;
   f.add("max_iterations", &m.max_iterations, ncp::at_least(1), "iterations of one attempt");
-  f.add("other_settings", &m.other_settings, "attempts with other settings where the first stalls");
   f.add("scaling", &m.scaling, "in the units of the contacts");
   f.add("delta_share", &o.delta_share, ncp::strictly_between(0, 10), "delta = delta_share tau");
   f.add("eps_share", &o.eps_share, {.low = 0, .high = 10, .open_high = true}, "eps = eps_share tau");
@@ -84,7 +83,6 @@ void describe(GlockerHomotopy& m, ncp::Fields& f) {
 void describe(Auto& m, ncp::Fields& f) {
   f.add("sweeps", &m.sweeps, ncp::at_least(0), "of Gauss-Seidel, before anything else");
   f.add("cones", &m.cones, "interior points over the cones, from the associated law, before the homotopy");
-  f.add("splitting", &m.splitting, "openings by Douglas and Rachford's splitting where the cones' regions fail");
   f.add("polish", &m.polish, "Newton steps on Alart & Curnier's equation");
   f.add("polish_at", &m.polish_at, ncp::above(0), "relative natural residual at which they are tried first");
   f.add("proximal", &m.proximal, "a proximal loop after all attempts");
@@ -178,8 +176,7 @@ bool Referee::over() {
 int Referee::steps_left() const {
   if (options_.max_steps == 0) return std::numeric_limits<int>::max();
   const Stats& s = result_.stats;
-  return options_.max_steps - s.iterations - s.newton_steps - s.region_factorizations -
-         s.splitting_steps / splitting_lot;
+  return options_.max_steps - s.iterations - s.newton_steps - s.splitting_steps / splitting_lot;
 }
 
 void Referee::add(const Stats& of_part) {
@@ -191,7 +188,6 @@ void Referee::add(const Stats& of_part) {
   s.proximal_steps += of_part.proximal_steps;
   s.attempts += of_part.attempts;
   s.factorizations += of_part.factorizations;
-  s.region_factorizations += of_part.region_factorizations;
 }
 
 double Referee::seconds_left() const {

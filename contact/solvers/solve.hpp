@@ -29,31 +29,25 @@
 
 namespace perp::contact {
 
-/// The homotopy of homotopy.hpp in scaled units, and no other equation: one attempt from its own start and, where that
-/// stalls, attempts with other settings, from the best point and from the start.
+/// The homotopy of homotopy.hpp in scaled units, and no other equation: one attempt from its own start.
 struct GlockerHomotopy {
   HomotopyOptions options{};
   int max_iterations = 60;  ///< of one attempt
-  bool other_settings = true;
-  bool scaling = true;  ///< of contact/model/scaling.hpp
+  bool scaling = true;      ///< of contact/model/scaling.hpp
 };
 
-/// Sweeps of Gauss-Seidel; then the cones' paths, from the associated law (contact/solvers/cone_homotopy.hpp); then the
-/// homotopy, and the cones' fixed point before it or after its first attempt. When its point comes near a solution,
-/// Newton steps on the equation of Alart & Curnier are tried from it for the last digits (`polish`); where that fails
-/// the homotopy goes on. Where an attempt stalls: damped Newton steps from its best point. After the first
-/// one contacts are solved by groups that do not act on each other, if there are several. After all attempts a
-/// proximal loop: solve the problem with (W + alpha I, q - alpha r_k), r_{k+1} its solution, alpha falling as long as
-/// the subproblems are solved, extrapolated where successive increments are parallel. It is what singular W need.
+/// These kernels, one after another, until one solves the problem (bench/results/ablations.md says what each is worth):
+/// sweeps of Gauss-Seidel; the cones' paths, from the associated law (contact/solvers/cone_homotopy.hpp); one attempt
+/// of the homotopy, with Newton steps on the equation of Alart & Curnier when it comes near a solution (`polish`), and
+/// damped Newton steps from its best point where it stalls; groups of contacts that do not act on each other, each by
+/// itself; and a proximal loop, which singular W need: r_{k+1} solves the problem with (W + alpha I, q - alpha r_k),
+/// alpha falls as long as these problems are solved, and parallel increments are extrapolated.
 struct Auto {
   GlockerHomotopy homotopy{};
   /// Sweeps of nonsmooth Gauss-Seidel before anything else (contact/classics/gauss_seidel.hpp), ended where they
   /// contract slowly: they cost little, and weakly coupled contacts need no more. 0: none.
   int sweeps = 100;
-  bool cones = true;  ///< interior points over the cones, from the associated law; not without `polish`
-  /// With `cones`, where the regions have not solved the problem and few contacts slip: openings by Douglas &
-  /// Rachford's splitting (contact/cones/splitting.hpp).
-  bool splitting = true;
+  bool cones = true;       ///< interior points over the cones, from the associated law; not without `polish`
   bool polish = true;      ///< Newton steps on Alart & Curnier's equation, damped ones too
   double polish_at = 0.1;  ///< relative natural residual at which they are tried first
   bool proximal = true;
@@ -120,8 +114,8 @@ struct Options {
   Vec start{};  ///< r to begin near, of the step before; empty: cold
   /// Called with every r that is better than those before, and what made it; on the thread that solves.
   std::function<void(const Vec& r, Origin by)> better{};
-  /// Steps at most, each about a factorization: iterations, Newton steps, factorizations of regions, lots of
-  /// `splitting_lot` steps of the splitting. 0: any number. A run that is limited so asks for no proof.
+  /// Steps at most, each about a factorization: iterations, Newton steps, lots of `splitting_lot` steps of the
+  /// splitting. 0: any number. A run that is limited so asks for no proof.
   int max_steps = 0;
 };
 
@@ -148,8 +142,7 @@ struct Stats {
   int splitting_steps = 0;  ///< of Douglas & Rachford's splitting: a solve each
   int proximal_steps = 0;   ///< moves of the proximal loop's centre
   int attempts = 0;
-  int factorizations = 0;         ///< of matrices of all contacts
-  int region_factorizations = 0;  ///< of the regions' own problems, of some ten contacts
+  int factorizations = 0;
   std::chrono::duration<double> time{0};
 };
 

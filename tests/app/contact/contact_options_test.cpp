@@ -31,16 +31,15 @@ TEST(ContactOptions, OfTheHomotopy) {
   EXPECT_EQ(plain.sweeps, contact::Auto{}.sweeps);
   EXPECT_EQ(plain.homotopy.max_iterations, usual.max_iterations);
   const Variant all =
-      parse_variant({.options = {"max_iterations=7", "sweeps=3", "polish=no", "polish_at=0.25", "other_settings=off",
-                                 "proximal=0", "scaling=FALSE", "delta_share=0.2", "eps_share=0.3",
-                                 "least_centring=0.4", "to_boundary=0.5", "neighbourhood=0.6", "LU=klu", "sweeps=5"}});
+      parse_variant({.options = {"max_iterations=7", "sweeps=3", "polish=no", "polish_at=0.25", "proximal=0",
+                                 "scaling=FALSE", "delta_share=0.2", "eps_share=0.3", "least_centring=0.4",
+                                 "to_boundary=0.5", "neighbourhood=0.6", "LU=klu", "sweeps=5"}});
   const auto& whole = std::get<contact::Auto>(all.solver);
   const contact::GlockerHomotopy& m = whole.homotopy;
   EXPECT_EQ(m.max_iterations, 7);
   EXPECT_EQ(whole.sweeps, 5) << "the last one counts";
   EXPECT_FALSE(whole.polish);
   EXPECT_EQ(whole.polish_at, 0.25);
-  EXPECT_FALSE(m.other_settings);
   EXPECT_FALSE(whole.proximal);
   EXPECT_FALSE(m.scaling);
   EXPECT_EQ(m.options.delta_share, 0.2);
@@ -79,9 +78,8 @@ TEST(ContactOptions, ReachTheRun) {
   EXPECT_GT(bare.result["stats"]["iterations"].get<int>(), 3);
   EXPECT_EQ(bare.result["options"], Json::array({"sweeps=0", "polish=no"}));
   EXPECT_THAT(bare.err, HasSubstr("options: sweeps=0, polish=no"));
-  const Answer cut = answer(
-      {.problems = {"spheres:20"},
-       .variant = {.options = {"sweeps=0", "polish=no", "max_iterations=1", "other_settings=no", "proximal=no"}}});
+  const Answer cut = answer({.problems = {"spheres:20"},
+                             .variant = {.options = {"sweeps=0", "polish=no", "max_iterations=1", "proximal=no"}}});
   EXPECT_EQ(cut.code, exit_unsolved);
   EXPECT_EQ(cut.result["stats"]["iterations"], 1);
   for (const VariantRequest& variant :

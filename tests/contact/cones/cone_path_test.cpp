@@ -97,7 +97,7 @@ TEST(ConePath, CoupledIsCoulombsLaw) {
   const Scaled coordinates = scaled(problem);
   ContactSystem system(coordinates);
   ConePath path(coordinates, system);
-  path.couple(ConePath::Point(path.point()), {1});
+  path.couple(ConePath::Point(path.point()));
   follow(path, 1e-13);
   EXPECT_LE(residual(problem, coordinates.expand(path.r())).largest(), 1e-8);
 }
@@ -121,7 +121,7 @@ TEST(ConePath, CoupledResidualFallsWithTheStep) {
     return e;
   };
   const ConePath::Point from = path.point();
-  path.couple(ConePath::Point(from), std::vector<char>(coordinates.blocks.size(), 1));
+  path.couple(ConePath::Point(from));
   ASSERT_TRUE(path.step());
   const double share = 1e-4;
   const ConePath::Point near{from.r + share * (path.point().r - from.r), from.y + share * (path.point().y - from.y)};
@@ -158,34 +158,6 @@ TEST(ConePath, CouplingFindsTheFewThatSlip) {
   }
 }
 
-// Piles on which every coupled path turns back (38 factorizations and more; the second was not solved at all): the
-// region of the slipping contacts is a problem of its own, of some ten contacts. Catches regions that are not tried
-// from the end of the associated path, and others that are not held by its metric.
-TEST(ConePath, TheRegionOfThoseThatSlipIsSolvedByItself) {
-  for (const auto& [seed, mu] : {std::pair{9U, 0.6}, {23U, 0.4}}) {
-    Problem problem = make_scene("spheres", 1000, seed).problem();
-    problem.mu.setConstant(mu);
-    const Result result = solve(problem);
-    EXPECT_TRUE(result.solved()) << result.message;
-    EXPECT_EQ(result.stats.attempts, 0) << seed;
-    EXPECT_LE(result.stats.factorizations, 25) << seed;
-  }
-}
-
-// Piles on which one region is not enough: after it the path with its openings has another metric, and a second or
-// third region ends in Coulomb's law (66 factorizations and more before). Catches rounds that begin too late for long
-// steps, and rounds that end while slips are not told apart from what sticks.
-TEST(ConePath, RegionsInRounds) {
-  for (const auto& [contacts, seed, mu] : {std::tuple{3000, 5U, 0.6}, {1000, 15U, 0.4}, {1000, 33U, 0.4}}) {
-    Problem problem = make_scene("spheres", contacts, seed).problem();
-    problem.mu.setConstant(mu);
-    const Result result = solve(problem);
-    EXPECT_TRUE(result.solved()) << result.message;
-    EXPECT_LE(result.stats.factorizations, 35) << seed;
-    EXPECT_GT(result.stats.region_factorizations, 0) << seed;
-  }
-}
-
 // Piles in which a contact neither moves nor carries anything in the end: its slip falls like the root of tau and looks
 // like a real one all the way. Regions make nothing of it (39 factorizations), Newton steps from the path's end do.
 TEST(ConePath, NothingIsMadeOfSlipsThatVanish) {
@@ -204,22 +176,6 @@ TEST(ConePath, ItsSlipsAreFoundWithoutTheHomotopy) {
   const Result result = solve(problem);
   EXPECT_TRUE(result.solved()) << result.message;
   EXPECT_EQ(result.stats.attempts, 0);
-}
-
-// Without the splitting regions, coupled paths, the first attempt of Glocker's homotopy and Cadoux' fixed point all
-// fail on this pile, in this order. Catches a fixed point that comes before the attempt, which costs less, or not at
-// all.
-TEST(ConePath, TheHomotopyComesBeforeTheFixedPoint) {
-  Problem problem = make_scene("spheres", 300, 19).problem();
-  problem.mu.setConstant(0.6);
-  const Result result = solve(problem, {.method = Auto{.splitting = false}, .max_steps = 200});
-  int attempted = 0;  // steps of the homotopy in a row; the two before the cones' paths are no attempt
-  bool fixed_point = false;
-  for (const Record& record : result.history) {
-    if (attempted <= 2) attempted = record.by == Origin::Homotopy ? attempted + 1 : 0;
-    fixed_point = fixed_point || (attempted > 2 && record.by == Origin::Cones);
-  }
-  EXPECT_TRUE(fixed_point);
 }
 
 }  // namespace

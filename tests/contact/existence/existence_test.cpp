@@ -82,7 +82,7 @@ TEST(Existence, NeverOfUnsolvableProblems) {
 // A solver that may not do enough says that there is a solution; one that is stopped by hand asks nothing.
 TEST(Existence, SaidWhereASolveIsGivenUp) {
   const Problem problem = make_scene("stack", 40).problem();
-  const GlockerHomotopy weak{.max_iterations = 1, .other_settings = false};
+  const GlockerHomotopy weak{.max_iterations = 1};
   const Result result = solve(problem, {.method = weak});
   EXPECT_EQ(result.status, Status::NoProgress);
   EXPECT_EQ(result.verdict.existence, Existence::Exists);

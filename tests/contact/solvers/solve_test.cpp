@@ -81,7 +81,7 @@ TEST(Homotopy, AloneReachesTheTolerance) {
   int solved = 0;
   for (int k = 0; k < 20; ++k) {
     const Problem problem = solvable_problem(3, 8, 30, random, 0.1);
-    const Options alone{.method = GlockerHomotopy{.other_settings = false}};
+    const Options alone{.method = GlockerHomotopy{}};
     const Result result = solve(problem, alone);
     solved += result.solved() ? 1 : 0;
     EXPECT_EQ(result.stats.newton_steps, 0);
@@ -376,8 +376,7 @@ TEST(Solve, GroupsByThemselves) {
   both.q = Vec(2 * n);
   both.q << part.q, 2 * part.q;
   both.mu = part.mu.replicate(2, 1);
-  const Auto method{
-      .homotopy = {.max_iterations = 1, .other_settings = false}, .sweeps = 0, .cones = false, .polish = false};
+  const Auto method{.homotopy = {.max_iterations = 1}, .sweeps = 0, .cones = false, .polish = false};
   Result alone = expect_solved(part, {.method = method});
   EXPECT_EQ(alone.by, Origin::Proximal);
   const Result result = expect_solved(both, {.method = method});
@@ -396,7 +395,7 @@ TEST(Solve, GroupsByThemselves) {
 TEST(Solve, WhereThePathTurnsBack) {
   Problem problem = make_scene("spheres", 299).problem();
   problem.mu.setConstant(0.4);
-  Auto method{.homotopy = {.other_settings = false}, .cones = false, .proximal = false};
+  Auto method{.cones = false, .proximal = false};
   const Result result = expect_solved(problem, {.method = method});
   EXPECT_EQ(result.by, Origin::DampedNewton);
   method.polish = false;
