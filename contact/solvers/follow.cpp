@@ -18,60 +18,54 @@ namespace {
 using Block = Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-/// A contact that stuck in the last step, below this speed, with its impulse so near the border of its cone, as a part
-/// of the largest, is taken to stick in the first Newton step: the equation does not tell there.
-constexpr double at_rest = 1e-6;
-constexpr double on_border = 1e-6;
-/// Impulses below this part of the largest are what a method has left of an open contact's. They begin with 0: else the
-/// contact is open in one Newton step and closed in the next, and sweeps bring it down slowly.
-constexpr double carries_nothing = 1e-6;
-
-/// Newton steps are ended by `follow_patience` in a row without a natural map below `follow_decrease` times the least.
-/// Of the lengths 1, 1/2, .. the first that brings it below `follow_decrease` times the last counts, else the best;
-/// below `follow_near` steps are full: the states of contacts near others decide there, and settle by themselves.
-constexpr int follow_steps = 10;
-constexpr int follow_patience = 3;
-constexpr double follow_decrease = 0.9;
-constexpr int follow_halvings = 5;
-constexpr double follow_near = 1e-4;
-/// A step with the factors of the last and with states that are held counts if it brings the natural map down so far.
-/// It is tried first of all, and after steps that brought it down to `held_after`: elsewhere states still change.
-constexpr double held_decrease = 0.1;
-constexpr double held_after = 1.0 / 3;
-/// Steps that end other methods go on beyond their number, to so many, while each brings the map down so far.
-constexpr int most_last_steps = 6;
-constexpr double last_step_decrease = 0.1;
+/// Speeds and parts of the largest impulse below this are none. A contact that stuck in the last step, with its impulse
+/// so near the border of its cone, is taken to stick in the first Newton step: the equation does not tell there. So
+/// small an impulse begins with 0: otherwise the contact is open in one Newton step and closed in the next.
+constexpr double negligible = 1e-6;
 /// Points above this natural map, in units of the largest impulse where that is above 1, are not judged.
 constexpr double worth_judging = 1e-5;
-
-/// Sweeps are judged so many at a time, and ended unless r changes less by this factor than in the lot before: by
-/// `settled_contraction` below `settled_map`, where the rest of the way costs less than to begin again. Contacts have
-/// their states where points are judged, and Newton steps, so many, are tried where sweeps would need more lots than
-/// this to `swept_map`; again when the map has fallen so far.
-constexpr int follow_sweeps = 400;
-constexpr int follow_lot = 4;
-constexpr double follow_contraction = 0.5;
+/// Below this map the states of contacts near others decide, and settle by themselves: Newton steps are full, sweeps go
+/// on, and Newton steps are tried from a path.
 constexpr double settled_map = 1e-4;
-constexpr double settled_contraction = 0.9;
-constexpr int swept_newton = 3;
-constexpr double few_lots = 3;
-constexpr double swept_map = 1e-8;
+/// Newton steps from sweeps and paths, tried again when the map has fallen by `newton_again`.
+constexpr int newton_on_the_way = 3;
 constexpr double newton_again = 0.01;
 
-/// Paths over the cones: their first products, in units of the natural map times the largest impulse; the steps of one,
-/// factorizations of all, which are those of two cold starts, and the least product: where the solution is degenerate
-/// the map is its square root; so many steps below this length in
-/// a row say that one turns back. Newton steps, so many, are tried below this natural map, and again as from sweeps. Of
-/// matrices with more rows LU takes too long.
+struct Following {
+  int steps = 10;
+  int patience = 3;       ///< steps in a row that do not bring the natural map below `decrease` times the least
+  double decrease = 0.9;  ///< of the lengths 1, 1/2, .. the first that brings the map so far counts, else the best
+  int halvings = 5;
+  int last_steps = 6;  ///< steps from sweeps and paths go on to so many while each counts as a held one would
+};
+constexpr Following following{};
+
+/// Steps with the factors of the last one and with states that are held.
+struct HeldSteps {
+  double decrease = 0.1;   ///< of the natural map, if the step is to count
+  double after = 1.0 / 3;  ///< they follow steps that brought the map so far: elsewhere states still change
+};
+constexpr HeldSteps held_steps{};
+
+struct FollowSweeps {
+  int most = 400;
+  int lot = 4;                       ///< sweeps between two looks
+  double contraction = 0.5;          ///< of the change of r from lot to lot; slower sweeps end
+  double settled_contraction = 0.9;  ///< the same below `settled_map`: the rest costs less than to begin again
+  double few_lots = 3;               ///< to the solution; if more are left Newton steps are tried
+};
+constexpr FollowSweeps follow_sweeps{};
+
+struct FollowPaths {
+  int steps = 25;            ///< of one path
+  long factorizations = 60;  ///< of all, those of two cold starts
+  double end = 1e-16;        ///< tau: at a degenerate solution the natural map is its root
+  double turning = 0.1;      ///< two steps in a row below this length say that a path turns back
+  Index rows = 6000;         ///< in more LU takes too long
+};
+constexpr FollowPaths follow_paths{};
+/// First products of the paths, in units of the natural map times the largest impulse.
 constexpr std::array path_starts{10.0, 1e3, 1e5, 0.1};
-constexpr int most_path_steps = 25;
-constexpr long most_path_factorizations = 60;
-constexpr double path_end = 1e-16;
-constexpr double path_turning_step = 0.1;
-constexpr int path_turning_steps = 2;
-constexpr int path_newton = 3;
-constexpr double path_newton_map = 1e-4;
-constexpr Index most_path_rows = 6000;
 
 NewtonRows sticking_rows(int size, const Vector3d& u) {
   NewtonRows rows;
@@ -102,14 +96,14 @@ bool may_be_solved(double map, In r) { return map <= worth_judging * std::max(1.
 /// Lots of sweeps that bring the map down to what is mostly judged a solution, each of them by this factor; from
 /// a point that has been refused there, to a tenth.
 double lots_left(double map, In r, double contraction) {
-  const double wanted = std::min(swept_map * std::max(1.0, r.lpNorm<Eigen::Infinity>()), map / 10);
+  const double wanted = std::min(1e-8 * std::max(1.0, r.lpNorm<Eigen::Infinity>()), map / 10);
   return contraction < 1 ? std::log(map / wanted) / -std::log(contraction) : lcp::infinity;
 }
 
 void open_what_carries_nothing(const Scaled& problem, Vec& r) {
   const double largest = r.lpNorm<Eigen::Infinity>();
   for (const Scaled::Block& block : problem.blocks)
-    if (block.of(r).norm() <= carries_nothing * largest) r.segment(block.first, block.size).setZero();
+    if (block.of(r).norm() <= negligible * largest) r.segment(block.first, block.size).setZero();
 }
 
 }  // namespace
@@ -131,7 +125,7 @@ bool Follower::direction(In r, FollowStep& step, bool first, double margin) {
   const double largest = r.lpNorm<Eigen::Infinity>();
   const auto rows_of = [&](std::size_t a, const Vector3d& r_a, const Vector3d& u_a) {
     const auto i = static_cast<Index>(a);
-    const bool border = r_a[0] - r_a.tail<2>().norm() <= on_border * largest;
+    const bool border = r_a[0] - r_a.tail<2>().norm() <= negligible * largest;
     const bool stuck = a < stuck_.size() && stuck_[a] != 0 && r_a[0] > 0;
     if (first && border && stuck) return sticking_rows(kept.problem().blocks[a].size, u_a);
     if (r_a[0] - kept.rho().N[i] * u_a[0] <= margin)
@@ -169,7 +163,7 @@ bool Follower::held_step(Vec& x, double& last, bool first) {
   if (!kept.solve(x, step, first)) return false;
   const Vec to = x + step.d;
   const double map = natural_map(kept.problem(), to);
-  if (!(map <= held_decrease * last)) return false;
+  if (!(map <= held_steps.decrease * last)) return false;
   x = to;
   last = map;
   return true;
@@ -183,26 +177,27 @@ bool Follower::sweep(Vec& r, const Accept& accept, const Stop& stop) {
   Vec u = problem.W * r + problem.q;
   double before = lcp::infinity;  // change of r in the last lot
   double newton_below = worth_judging;
-  for (int k = 0; k < follow_sweeps; k += follow_lot) {
+  for (int k = 0; k < follow_sweeps.most; k += follow_sweeps.lot) {
     if (stop()) return false;
     const Vec last = r;
-    for (int i = 0; i < follow_lot; ++i) method.sweep(r, u);
-    sweeps_ += follow_lot;
+    for (int i = 0; i < follow_sweeps.lot; ++i) method.sweep(r, u);
+    sweeps_ += follow_sweeps.lot;
     const double map = natural_map(problem, r);
     if (may_be_solved(map, r) && accept(r)) {
       by_ = Origin::Sweeps;
       return true;
     }
     const double change = (r - last).norm();
-    if (k > 0 && map <= newton_below && lots_left(map, r, change / before) > few_lots) {
+    if (k > 0 && map <= newton_below && lots_left(map, r, change / before) > follow_sweeps.few_lots) {
       newton_below = newton_again * map;
       Vec to = r;
-      if (newton(to, {.most = swept_newton}, accept, stop)) {
+      if (newton(to, {.most = newton_on_the_way}, accept, stop)) {
         r = std::move(to);
         return true;
       }
     }
-    if (!(change <= (map <= settled_map ? settled_contraction : follow_contraction) * before)) return false;
+    if (!(change <= (map <= settled_map ? follow_sweeps.settled_contraction : follow_sweeps.contraction) * before))
+      return false;
     before = change;
   }
   return false;
@@ -214,7 +209,7 @@ bool Follower::sweep(Vec& r, const Accept& accept, const Stop& stop) {
 bool Follower::newton_step(Vec& x, double& last, bool first, const Stop& stop) {
   FollowStep step;
   if (!direction(x, step, first, 0)) return false;
-  const double enough = last <= follow_near ? lcp::infinity : follow_decrease * last;
+  const double enough = last <= settled_map ? lcp::infinity : following.decrease * last;
   double least = lcp::infinity;
   Vec to = x;
   const auto try_step = [&] {
@@ -224,11 +219,10 @@ bool Follower::newton_step(Vec& x, double& last, bool first, const Stop& stop) {
     least = now;
     to = trial;
   };
-  for (int i = 0; i <= follow_halvings && !(least < enough); ++i, step.d *= 0.5) try_step();
+  for (int i = 0; i <= following.halvings && !(least < enough); ++i, step.d *= 0.5) try_step();
   if (!std::isfinite(least)) return false;
-  if (last <= follow_near && least > last) {
-    if (stop() || !direction(x, step, first, std::max(last, carries_nothing * x.lpNorm<Eigen::Infinity>())))
-      return false;
+  if (last <= settled_map && least > last) {
+    if (stop() || !direction(x, step, first, std::max(last, negligible * x.lpNorm<Eigen::Infinity>()))) return false;
     try_step();
   }
   x = std::move(to);
@@ -243,22 +237,22 @@ bool Follower::newton(Vec& r, NewtonSteps steps, const Accept& accept, const Sto
   double last = natural_map(kept_->problem(), x);
   double lowest = last;
   bool settled = true;
-  for (int k = 0, since = 0; k < steps.most && since < follow_patience; ++k) {
+  for (int k = 0, since = 0; k < steps.most && since < following.patience; ++k) {
     if (stop()) return false;
     const bool first = steps.first && k == 0;
     const double before = last;
     const bool held = settled && held_step(x, last, first);
     if (!held && (steps.held || !newton_step(x, last, first, stop))) return false;
-    settled = last <= held_after * before;
+    settled = last <= held_steps.after * before;
     if (may_be_solved(last, x) && accept(x)) {
       r = x;
       by_ = Origin::Newton;
       return true;
     }
-    if (!steps.first && k + 1 == steps.most && k + 1 < most_last_steps && last <= last_step_decrease * before)
+    if (!steps.first && k + 1 == steps.most && k + 1 < following.last_steps && last <= held_steps.decrease * before)
       ++steps.most;
     ++since;
-    if (last > follow_decrease * lowest) continue;
+    if (last > following.decrease * lowest) continue;
     lowest = last;
     r = x;
     since = 0;
@@ -271,14 +265,14 @@ bool Follower::path(Vec& r, double tau, long last_factorization, const Accept& a
   FollowSystem& kept = *kept_;
   ConePath path(kept.problem(), kept.give());
   path.couple(path.near(r, Vec::Zero(static_cast<Index>(kept.problem().blocks.size())), tau));
-  double newton_below = path_newton_map;
-  for (int k = 0, turning = 0; k < most_path_steps && turning < path_turning_steps && path.tau() > path_end; ++k) {
+  double newton_below = settled_map;
+  for (int k = 0, turning = 0; k < follow_paths.steps && turning < 2 && path.tau() > follow_paths.end; ++k) {
     if (stop() || factorizations_ >= last_factorization) return false;
     kept.give();  // Newton steps have made factors of their own
     ++factorizations_;
     ++path_steps_;
     if (!path.step()) return false;
-    turning = path.last_step() < path_turning_step ? turning + 1 : 0;
+    turning = path.last_step() < follow_paths.turning ? turning + 1 : 0;
     const double map = natural_map(kept.problem(), path.r());
     r = path.r();
     if (may_be_solved(map, r) && accept(r)) {
@@ -287,7 +281,7 @@ bool Follower::path(Vec& r, double tau, long last_factorization, const Accept& a
     }
     if (map > newton_below) continue;
     newton_below = newton_again * map;
-    if (newton(r, {.most = path_newton}, accept, stop)) return true;
+    if (newton(r, {.most = newton_on_the_way}, accept, stop)) return true;
   }
   return false;
 }
@@ -295,10 +289,10 @@ bool Follower::path(Vec& r, double tau, long last_factorization, const Accept& a
 /// From each of the starts; where none led to a solution in the last step that needed them, from the first alone.
 bool Follower::paths(Vec& r, const Accept& accept, const Stop& stop) {
   const Scaled& problem = kept_->problem();
-  if (problem.size() > most_path_rows) return false;
+  if (problem.size() > follow_paths.rows) return false;
   const double unit = natural_map(problem, r) * std::max(1.0, r.lpNorm<Eigen::Infinity>());
   const std::size_t starts = paths_fail_ ? 1 : path_starts.size();
-  const long last_factorization = factorizations_ + most_path_factorizations;
+  const long last_factorization = factorizations_ + follow_paths.factorizations;
   for (std::size_t k = 0; k < starts; ++k) {
     Vec to = r;
     const bool found = path(to, path_starts[k] * unit, last_factorization, accept, stop);
@@ -323,10 +317,10 @@ bool Follower::attempt(Vec& r, const Accept& accept, const Stop& stop) {
     return found;
   };
   const bool swept = sweeps_first_;
-  if (swept && newton(r, {.most = follow_steps, .first = true, .held = true}, accept, stop)) return true;
+  if (swept && newton(r, {.most = following.steps, .first = true, .held = true}, accept, stop)) return true;
   const Vec swept_from = r;
   if (swept && by_sweeps()) return true;
-  if (newton(r, {.most = follow_steps, .first = true}, accept, stop)) return true;
+  if (newton(r, {.most = following.steps, .first = true}, accept, stop)) return true;
   if (!(swept && r == swept_from) && by_sweeps()) return true;
   r = start;
   return paths(r, accept, stop);
@@ -340,7 +334,7 @@ void Follower::remember(In r) {
   stuck_.assign(problem.blocks.size(), 0);
   for (std::size_t a = 0; a < stuck_.size(); ++a) {
     const Scaled::Block& block = problem.blocks[a];
-    stuck_[a] = block.of(u).norm() <= at_rest && r[block.first] > on_border * largest ? 1 : 0;
+    stuck_[a] = block.of(u).norm() <= negligible && r[block.first] > negligible * largest ? 1 : 0;
   }
 }
 
