@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Does each ingredient of PathSearch earn its place? The collection, random starts and models with the default options
-/// and with one ingredient at a time turned off, with the restarts and without. See bench/README.md.
+/// Does each ingredient of PathSearch, and each entry of the list `path`, earn its place? The collection, random starts
+/// and models with the default options and with one ingredient or entry at a time left out. See bench/README.md.
 #include <cstdio>
 #include <exception>
 #include <functional>
+#include <string>
 #include <vector>
 
 #include "bench/cases.hpp"
@@ -29,8 +30,6 @@ const std::vector<Variant>& variants() {
       {"no gradient steps", [](ncp::PathSearch& m) { m.gradient_step_limit = 0; }},
       {"normal map's merit", [](ncp::PathSearch& m) { m.merit = ncp::PathMerit::NormalMap; }},
       {"rays always", [](ncp::PathSearch& m) { m.start = ncp::PathStart::Always; }},
-      {"no presolve", [](ncp::PathSearch& m) { m.preprocess = false; }},
-      {"no scaling", [](ncp::PathSearch& m) { m.scaling = false; }},
   };
   return all;
 }
@@ -60,11 +59,10 @@ void measure(const char* group, const std::vector<bench::Case>& cases) {
       Total total;
       for (const bench::Case& c : cases) {
         if (!c.solvable) continue;
-        ncp::PathSearch method;
-        method.stop.max_time = std::chrono::seconds(20);
-        variant.change(method);
-        if (!restarts) method.restart_limit = 0;
-        total.add(ncp::solve(*c.mcp, c.x0, method));
+        ncp::PathSearch kernel;
+        kernel.stop.max_time = std::chrono::seconds(20);
+        variant.change(kernel);
+        total.add(ncp::solve(*c.mcp, c.x0, restarts ? ncp::path(kernel) : ncp::path(kernel, 0)));
       }
       std::printf("%-30s %-9s %4d/%-4d %8ld %6ld %9ld %8ld %7ld %7ld %8.3f\n", variant.name, restarts ? "yes" : "no",
                   total.solved, total.runs, total.majors, total.crash, total.pivots, total.F, total.J,
@@ -73,9 +71,33 @@ void measure(const char* group, const std::vector<bench::Case>& cases) {
     }
 }
 
+/// The list of restarts within the method.
+ncp::First& list_of(ncp::Method& path) { return std::get<ncp::First>(*std::get<ncp::On>(path).method); }
+
+/// What is solved without each entry of the list.
+void leave_out(const char* group, const std::vector<bench::Case>& cases) {
+  ncp::Method whole = ncp::path();
+  std::printf("\n%s: without an entry of path\n", group);
+  for (std::size_t k = 0; k <= list_of(whole).entries.size(); ++k) {
+    ncp::Method method = ncp::path();
+    ncp::stop(method).max_time = std::chrono::seconds(20);
+    auto& entries = list_of(method).entries;
+    if (k > 0) entries.erase(entries.begin() + static_cast<std::ptrdiff_t>(k - 1));
+    Total total;
+    for (const bench::Case& c : cases)
+      if (c.solvable) total.add(ncp::solve(*c.mcp, c.x0, method));
+    const ncp::Entry* without = k > 0 ? &list_of(whole).entries[k - 1] : nullptr;
+    const std::string label =
+        without == nullptr ? "all" : ncp::name(without->method) + " " + std::string(without->title);
+    std::printf("%-60s %4d/%-4d %8ld %8.3f\n", label.c_str(), total.solved, total.runs, total.majors, total.seconds);
+    std::fflush(stdout);
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) try {
+  leave_out("collection", bench::collection_cases(""));
   measure("collection", bench::collection_cases(""));
   measure("kehoe, 200 random starts", bench::random_cases("kehoe", 200));
   measure("colvdual, 200 random starts", bench::random_cases("colvdual", 200));
