@@ -312,7 +312,7 @@ TEST_F(Inspect, SaysWhatSolveSays) {
   const test::Folder folder;
   test::write(folder / "m.nl", nl);
   const LoadedProblem problem = load_problem(folder / "m.nl");
-  const ncp::Result result = ncp::solve(*problem.mcp, problem.x0, ncp::Auto{});
+  const ncp::Result result = ncp::solve(*problem.mcp, problem.x0, ncp::automatic());
   EXPECT_TRUE(result.solved());
   const Inspection inspection = inspect_problem(problem);
   ASSERT_THAT(texts(inspection, Concern::Start), testing::SizeIs(1));
