@@ -113,7 +113,9 @@ bool Run::start(In x0, Point& point) {
     end(Status::EvaluationFailed, undefined_start(mcp(), point.x, point.F), "give a start inside the domain of F");
     return false;
   }
-  Judged there{.x = point.x, .F = point.F, .residual = residual(box(), point.x, point.F)};
+  const Residual of_start = residual(box(), point.x, point.F);
+  if (begins) best_.residual = of_start;  // a part of it is not left behind where memory ends
+  Judged there{.x = point.x, .F = point.F, .residual = of_start};
   const bool solution = solved(there);
   point.F = there.F;
   if (begins) {

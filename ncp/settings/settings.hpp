@@ -4,10 +4,10 @@
 /// sets is described where the options of a method are (ncp/problem/fields.hpp).
 ///
 /// A key may be shortened word by word as long as it is unique (maj_iter for major_iteration_limit; PATH's options go
-/// before ours, and names of as many words before longer ones), and is read without regard to case. "PART.key" sets it in the
-/// parts of the method with this name alone: path.crash_method of first(path, smooth). When a key is given
-/// more than once, the last value wins; the order is: environment (AMPL only: perp_options, path_options,
-/// pathampl_options), options file, then the command line from left to right.
+/// before ours, and names of as many words before longer ones), and is read without regard to case. "PART.key" sets it
+/// in the parts of the method with this name alone: path.crash_method of first(path, smooth). When a key is given more
+/// than once, the last value wins; the order is: environment (AMPL only: perp_options, path_options, pathampl_options),
+/// options file, then the command line from left to right.
 #include <optional>
 #include <span>
 #include <string>
@@ -53,7 +53,7 @@ ncp::TableOptions table_options(const Output& output);
 struct Settings {
   std::string method_name{default_method};
   ncp::Method method = find_method(default_method)->method;  ///< methods()' entry of that name, the options applied
-  std::vector<lcp::Cell> basis{};                       ///< warm start: Result::basis of a nearby problem
+  std::vector<lcp::Cell> basis{};                            ///< warm start: Result::basis of a nearby problem
   std::optional<int> solutions{};                            ///< several, by deflation: at most so many
   Output output{};
   int sideineq = 1;     ///< 1 accept side inequalities of a model, 2 refuse it for them

@@ -117,7 +117,7 @@ void solve_or_refute(Run& run, In x0, const Method& method, std::vector<std::str
     run.replace_verdict(*verdict);
   else if (!mcp.is_affine() && !late)
     refute_in_parts(run, tol);
-  if (run.status() != Status::Infeasible) run.remark(words_on_existence(mcp, run.best()));
+  if (!late && run.status() != Status::Infeasible) run.remark(words_on_existence(mcp, run.best()));
 }
 
 /// A derivative that does not match is the most frequent reason of a failure, and the hardest to see.

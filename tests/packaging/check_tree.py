@@ -4,7 +4,6 @@
 
 includes   who may include which library (CONTRIBUTING.md, "The folders")
 floors     includes go down: a file includes what is in its own folder and in those below it
-crowd      no folder of sources with more than 25 files
 length     no source file beyond 500 lines
 names      no function template in an anonymous namespace shares its name with a function in that of another file of its folder
 format     clang-format (the major version below, else skipped) would change nothing
@@ -117,12 +116,6 @@ def floors(root):
                 yield f"{name}:{number}: there is no {found[1]}"
             elif rank.get(posixpath.dirname(found[1]), 0) > rank[folder]:
                 yield f"{name}:{number}: includes {found[1]}, which stands above {folder}"
-
-
-def crowd(root):
-    sourced = {posixpath.dirname(name) for name in sources(root)}
-    count = collections.Counter(posixpath.dirname(name) for name in tracked(root))
-    yield from (f"{folder}: {count[folder]} files, more than {MOST_FILES}" for folder in sorted(sourced) if count[folder] > MOST_FILES)
 
 
 def length(root):
@@ -263,7 +256,6 @@ def licence(root):
 CHECKS = {
     "includes": includes,
     "floors": floors,
-    "crowd": crowd,
     "length": length,
     "names": names,
     "format": format_,
@@ -359,9 +351,6 @@ def self_test(_):
         write(folder, {"lcp/c.hpp": '#include "lcp/lu/b.hpp"\n', "lcp/d.hpp": '#include "lcp/b.hpp"\n', "lcp/e/f.hpp": "\n"})
         if [violation.split(":")[0] for violation in floors(folder)] != ["lcp/c.hpp", "lcp/d.hpp", "lcp/e/f.hpp"]:
             yield f"{list(floors(folder))}: not the include that goes up, the file that is missing, the folder without a floor"
-        write(folder, {f"lcp/{number}.hpp": "\n" for number in range(MOST_FILES - 2)} | {"docs/a.md": "\n"})
-        if [violation.split(":")[0] for violation in crowd(folder)] != ["lcp"]:
-            yield f"{list(crowd(folder))}: not the crowded folder"
     with tempfile.TemporaryDirectory() as folder:
         write(folder, {"a.cpp": f"// {LICENCE}\n", "b.py": f"#!/usr/bin/env python3\n# {LICENCE}\n", "c.txt": "\n"})
         yield from (f"a good tree is refused: {violation}" for violation in licence(folder))

@@ -163,7 +163,7 @@ TEST(ContactOptions, AreDocumented) {
     EXPECT_THAT(readme, HasSubstr(fmt::format("`{}`", it->str())));
     EXPECT_THAT(shell, HasSubstr(fmt::format(" {}= ", it->str())));
   }
-  EXPECT_EQ(keys, 19);
+  EXPECT_EQ(keys, 17);
 }
 
 }  // namespace

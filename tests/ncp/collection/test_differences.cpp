@@ -55,10 +55,9 @@ TEST_P(EachDifference, AgreesWithTheProblemsOwnJacobian) {
 TEST_P(EachDifference, SolveWhatTheirJacobianSolves) {
   if (entry.size > 300) GTEST_SKIP() << "size";
   const Problem problem = entry.make();
-  PathSearch path;
-  path.stop.max_time = Seconds(20);
-  const Result with = solve(*problem.mcp, problem.starts.front(), path);
-  const Result without = solve(*without_J(*problem.mcp, false), problem.starts.front(), path);
+  const Method method = path({.stop = {.max_time = Seconds(20)}});
+  const Result with = solve(*problem.mcp, problem.starts.front(), method);
+  const Result without = solve(*without_J(*problem.mcp, false), problem.starts.front(), method);
   EXPECT_TRUE(!with.accepted() || without.accepted()) << without.message;
   EXPECT_EQ(without.stats.J_colours > 0, entry.size > 0);
 }
