@@ -27,7 +27,6 @@ from pathlib import Path
 
 CLANG_FORMAT_VERSION = "14"
 LONGEST = 500
-MOST_FILES = 25
 SKIPPED = 77
 SOURCES = (".cpp", ".hpp", ".h", ".cc", ".c")
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]')
