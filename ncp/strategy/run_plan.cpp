@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 #include <utility>
 
 #include "ncp/analysis/diagnosis.hpp"
@@ -98,6 +99,8 @@ bool begin(Run& run, From from, const Point& user, Point& point) {
   return point.x != user.x && run.evaluate(point);
 }
 
+void run_list(Run& run, const Point& start, const First& list);
+
 /// The entry within its share of the limits.
 void run_entry(Run& run, const Entry& entry, bool last, Point point) {
   const Stop left = run.left();
@@ -113,6 +116,8 @@ void run_entry(Run& run, const Entry& entry, bool last, Point point) {
         [&](const auto& m) {
           if constexpr (requires { iterate(run, m, std::move(point)); })
             iterate(run, m, std::move(point));
+          else if constexpr (std::is_same_v<std::remove_cvref_t<decltype(m)>, First>)
+            run_list(run, point, m);
           else
             run_plan(run, point.x, entry.method);
         },
@@ -151,14 +156,8 @@ std::string account(const First& list, const std::vector<const Entry*>& tried) {
   return text;
 }
 
-void run_first(Run& run, In x0, const First& list) {
-  Point start;
-  if (!run.start(x0, start)) return;
-  if (run.ended()) {
-    run.go_on(start, {.k = 0, .kind = 'I'});
-    if (list.tells) run.remark(list.name + " had nothing to choose: the start is a solution");
-    return;
-  }
+/// From a start with F and J.
+void run_list(Run& run, const Point& start, const First& list) {
   Facts facts(run, start);
   std::vector<const Entry*> tried;
   Run::Verdict of_first{};
@@ -191,6 +190,14 @@ void run_first(Run& run, In x0, const First& list) {
   else if (restarts > 0)
     run.remark(quantity(static_cast<Index>(restarts), "restart") + (restarts == 1 ? " has" : " have") +
                " not led to a solution either");
+}
+
+void run_first(Run& run, In x0, const First& list) {
+  Point start;
+  if (!run.start(x0, start)) return;
+  if (!run.ended()) return run_list(run, start, list);
+  run.go_on(start, {.k = 0, .kind = 'I'});
+  if (list.tells) run.remark(list.name + " had nothing to choose: the start is a solution");
 }
 
 }  // namespace
