@@ -346,7 +346,7 @@ Applied apply_options(std::span<const Assignment> assignments, Unknown unknown) 
       result.unknown.push_back(unknown_key(given));
   }
   settings.method = *method_named(settings.method_name);
-  // What is said of a part comes after what is said of all.
+  // Values for a part are set after those for all, and so win.
   const auto place = [fields = fields_of(settings).options()](const auto& one) {
     return std::pair(!one.first.part.empty(),
                      std::ranges::find(fields, one.first.key, &ncp::Field::key) - fields.begin());

@@ -15,7 +15,7 @@ namespace {
 /// problems in milliseconds.
 constexpr Index large = 2000;
 
-/// What the ranges of F prove of it, where that costs less than a few iterations.
+/// Returns the classes that ranges of F prove, where that costs less than a few iterations.
 FunctionClasses proven_classes(const Mcp& mcp, In x) {
   constexpr Index most_variables = 300;
   if (mcp.is_affine() || mcp.size() > most_variables || mcp.enclosure() == nullptr) return {};
@@ -28,7 +28,7 @@ std::optional<Scaling> factors_at(Run& run, const Vec& x) {
   SpMat J = run.mcp().jacobian_pattern();
   if (!run.counted().jacobian(x, J)) return std::nullopt;
   Scaling factors = scaling(run.mcp(), J);
-  return factors.after < factors.before ? std::optional(factors) : std::nullopt;
+  return factors.helps() ? std::optional(std::move(factors)) : std::nullopt;
 }
 
 std::string_view words_of(Condition condition) {
@@ -86,7 +86,7 @@ bool Facts::holds(Condition condition) {
     case Condition::UniformP:
       return proven_classes(mcp, start_.x).uniform_p.answer == lcp::Answer::Yes;
     case Condition::Scalable:
-      return factors_at(run_, start_.x).has_value();
+      return scaling(mcp, start_.J).helps();
     case Condition::Rescalable:
       return factors_at(run_, run_.best()).has_value();
     case Condition::Triangular:

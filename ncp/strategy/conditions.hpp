@@ -9,13 +9,13 @@
 
 namespace perp::ncp {
 
-/// Factors of J at x; nothing where J is not defined there or they bring no entries together.
+/// Returns the factors of J at x; nothing where J is not defined there or they bring no entries together.
 std::optional<Scaling> factors_at(Run& run, const Vec& x);
 
-/// What conditions ask of a run and its start; each is looked at once, but for what the best point says.
+/// Decides conditions on a run and its start. Facts about J at the start are computed once.
 class Facts {
  public:
-  /// Both outlive it.
+  /// The run and its start outlive the facts.
   Facts(Run& run, const Point& start) : run_(run), start_(start) {}
   bool hold(const std::vector<Condition>& conditions);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-/// What is tried, on what form of the problem, from where and in which order: one recursive value. In text:
+/// Methods as values: what is tried, on what form of the problem, from where and in which order. In text:
 ///
 ///     first(path, on(scaled, smooth), escape(semismooth))
 ///
@@ -47,7 +47,7 @@ class Held {
   std::unique_ptr<Method> method_;
 };
 
-/// What can be made of a problem before a method, and undone after it.
+/// Forms that a problem can be given before a method; its answer is brought back.
 enum class Form {
   Presolved,  ///< without what constant rows and columns decide (ncp/transforms/presolve.hpp)
   Scaled,     ///< rows and columns scaled by J at the start (ncp/transforms/scaling.hpp)
@@ -89,7 +89,7 @@ enum class Condition {
 /// "the problem is affine".
 std::string_view words_of(Condition condition);
 
-/// Where an entry of a list starts.
+/// Starts of entries.
 enum class From {
   Start,    ///< the user's
   Best,     ///< the best point so far

@@ -22,15 +22,26 @@ namespace {
 constexpr int enough_iterations = 100;
 constexpr int enough_F_evals = 1000;
 
+bool restricts(const Share& share, const Run& run) {
+  const Stop left = run.left();
+  return share.iterations < left.max_iterations || share.F_evals < left.max_F_evals || share.pivots < left.max_pivots;
+}
+
+/// Runs `body` on the problem itself: in a run of its own where the share is less than what is left.
+void run_here(Run& run, In x0, const Share& share, const Body& body) {
+  if (!restricts(share, run)) return body(run, x0);
+  run.take(run.within(run.mcp(), share, x0, body));
+}
+
 void run_presolved(Run& run, In x0, const Share& share, const Body& body) {
   const Vec start = lcp::project(run.box(), x0);
   const Presolved pre = presolve(run.mcp(), start);
   if (!pre.infeasible().empty()) {
     Point point;
     if (!run.start(x0, point) || run.ended() || run.disprove({}, pre.infeasible())) return;
-    return body(run, x0);  // rounding may have made the contradiction
+    return run_here(run, x0, share, body);  // rounding may have made the contradiction
   }
-  if (&pre.problem() == &run.mcp()) return body(run, x0);
+  if (&pre.problem() == &run.mcp()) return run_here(run, x0, share, body);
   bool accepted = false;
   const Result result = run.within(PresolveTransform(run.mcp(), pre), share, start, body, &accepted);
   run.take(result);
@@ -38,32 +49,32 @@ void run_presolved(Run& run, In x0, const Share& share, const Body& body) {
   run.stats().F_evals += pre.F_evals();
   run.stats().J_evals += pre.J_evals();
   if (!accepted || result.solved()) return;
-  // What was computed afterwards amplifies the residual: the last digits are the full problem's.
+  // Variables that are computed afterwards amplify the residual: the last digits are the full problem's.
   run.resume("on the problem that was not presolved");
   run.warm(result.basis);
-  body(run, result.x);
+  run_here(run, result.x, share, body);
 }
 
 void run_scaled(Run& run, In x0, const Vec& at, const Share& share, const Body& body) {
   if (const auto factors = factors_at(run, at))
     return run.take(run.within(ScaleTransform(run.mcp(), *factors), share, x0, body));
-  body(run, x0);
+  run_here(run, x0, share, body);
   run.remark("not scaled: that brings no entries of J together");
 }
 
-/// On the problem itself the share is not kept.
 void run_on(Run& run, In x0, const On& on, const Share& share) {
   const Body body = [&on](Run& inner, In z0) { run_plan(inner, z0, *on.method); };
-  if (!on.enabled) return body(run, x0);
+  if (!on.enabled) return run_here(run, x0, share, body);
+  const Vec start = lcp::project(run.box(), x0);
   switch (on.form) {
     case Form::Presolved:
       return run_presolved(run, x0, share, body);
     case Form::Scaled:
-      return run_scaled(run, x0, lcp::project(run.box(), x0), share, body);
+      return run_scaled(run, x0, start, share, body);
     case Form::Rescaled:
-      return run_scaled(run, x0, run.best().size() > 0 ? run.best() : lcp::project(run.box(), x0), share, body);
+      return run_scaled(run, x0, run.best().size() > 0 ? run.best() : start, share, body);
     case Form::Blocks:
-      return run_blocks(run, x0, body);
+      return run_here(run, x0, share, [&body](Run& inner, In z0) { run_blocks(inner, z0, body); });
   }
 }
 
@@ -81,7 +92,7 @@ void run_escaping(Run& run, In x0, const Escaping& m) {
   run.remark(escapes + (k == 1 ? " has" : " have") + " not led to a solution");
 }
 
-/// The entry's first point with F and J; false if they are not defined there, or it is where others began.
+/// Finds the entry's first point, with F and J; false if they are not defined there, or others began there.
 bool begin(Run& run, From from, const Point& user, Point& point) {
   point = user;
   if (from == From::Start) return true;
@@ -101,17 +112,14 @@ bool begin(Run& run, From from, const Point& user, Point& point) {
 
 void run_list(Run& run, const Point& start, const First& list);
 
-/// The entry within its share of the limits.
+/// Runs the entry within its share of the limits.
 void run_entry(Run& run, const Entry& entry, bool last, Point point) {
-  const Stop left = run.left();
   Share share = part_of_left(run, last);
   share.pivots = entry.pivots;
-  const bool restricted =
-      share.iterations < left.max_iterations || share.F_evals < left.max_F_evals || share.pivots < left.max_pivots;
-  // It looks at the best point of this run.
+  // Form::Rescaled looks at the best point of this run.
   if (const auto* on = std::get_if<On>(&entry.method)) return run_on(run, point.x, *on, share);
   const bool affine = std::holds_alternative<Affine>(entry.method);
-  if (!restricted && !affine)
+  if (!affine && !restricts(share, run))
     return std::visit(
         [&](const auto& m) {
           if constexpr (requires { iterate(run, m, std::move(point)); })
@@ -127,7 +135,7 @@ void run_entry(Run& run, const Entry& entry, bool last, Point point) {
   run.take(result);
 }
 
-/// The verdict of a run that is stuck, with what is known about its best point.
+/// Completes the verdict of a run that is stuck with what is known about its best point.
 Run::Verdict with_diagnosis(Run& run, Run::Verdict verdict, In start) {
   Point best;
   best.x = run.best();
@@ -156,7 +164,7 @@ std::string account(const First& list, const std::vector<const Entry*>& tried) {
   return text;
 }
 
-/// From a start with F and J.
+/// Runs the entries from a start with F and J.
 void run_list(Run& run, const Point& start, const First& list) {
   Facts facts(run, start);
   std::vector<const Entry*> tried;

@@ -9,8 +9,8 @@ namespace perp::ncp {
 /// Runs the method from x0 until the run ends.
 void run_plan(Run& run, In x0, const Method& method);
 
-/// Whether the run has ended so that something else may help. EvaluationFailed does after a step: the iterates, which
-/// may leave the box, ran against the border of the domain.
+/// Returns whether the run has ended so that something else may help. EvaluationFailed does after a step: the iterates,
+/// which may leave the box, ran against the border of the domain.
 bool stuck(const Run& run);
 bool stuck(Status status, const Stats& stats);
 

@@ -83,7 +83,7 @@ void refute_in_parts(Run& run, double tol) {
 
 /// Says of an affine problem whose proof is a combination of rows what presolve says of it row by row.
 void explain(Run& run, In x0) {
-  if (run.status() != Status::Infeasible || !run.mcp().is_affine()) return;
+  if (run.status() != Status::Infeasible || run.verdict().proof.multipliers.size() == 0) return;
   const Presolved pre = presolve(run.mcp(), x0);
   if (pre.infeasible().empty()) return;
   Run::Verdict verdict = run.verdict();

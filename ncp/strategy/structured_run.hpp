@@ -9,7 +9,7 @@ namespace perp::ncp {
 /// one.
 void run_in_order(Run& run, In x0, const Body& body);
 
-/// Whether J of a nonlinear problem is block triangular, in some order of its equations.
+/// Returns whether J of a nonlinear problem is block triangular, in some order of its equations.
 bool block_triangular(const Mcp& mcp);
 /// Solves the diagonal blocks one after the other by `body`, several together as long as that goes well. Blocks with
 /// inequalities are complementarity problems of their own.

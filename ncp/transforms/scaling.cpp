@@ -57,23 +57,6 @@ std::vector<Entry> entries_of(const Mcp& mcp, const SpMat& J) {
   return all;
 }
 
-/// Whether the nonzeros of J, all of them finite, are near each other. None is negligible then, and no part of them is
-/// far apart.
-bool near_each_other(const SpMat& J) {
-  if (!J.isCompressed()) return false;
-  double low = infinity;
-  double high = 0;
-  const double* values = J.valuePtr();
-  for (Index p = 0; p < J.nonZeros(); ++p) {
-    const double a = std::abs(values[p]);
-    if (!(a < infinity)) return false;
-    if (a > 0) low = std::min(low, a);
-    high = std::max(high, a);
-  }
-  constexpr double rounding = 1e-9;  // far more than that of the logarithms
-  return high == 0 || !Scaling::far_apart(high / low * (1 + rounding));
-}
-
 template <class Log>
 double spread(const std::vector<Entry>& entries, Log log) {
   Range all;
@@ -141,15 +124,6 @@ Scaling scaling_of(const Mcp& mcp, const std::vector<Entry>& entries, double bef
 Scaling scaling(const Mcp& mcp, const SpMat& J) {
   const std::vector<Entry> entries = entries_of(mcp, J);
   return scaling_of(mcp, entries, spread(entries));
-}
-
-std::optional<Scaling> helpful_scaling(const Mcp& mcp, const SpMat& J) {
-  if (J.rows() == mcp.size() && J.cols() == mcp.size() && near_each_other(J)) return std::nullopt;
-  const std::vector<Entry> entries = entries_of(mcp, J);
-  const double before = spread(entries);
-  if (!Scaling::far_apart(before)) return std::nullopt;
-  Scaling factors = scaling_of(mcp, entries, before);
-  return factors.helps() ? std::optional(std::move(factors)) : std::nullopt;
 }
 
 ScaledMcp::ScaledMcp(const Mcp& base, const Scaling& scaling)

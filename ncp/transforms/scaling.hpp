@@ -20,10 +20,8 @@ struct Scaling {
   double before = 1;  ///< largest over smallest |J_ij|, see scaling()
   double after = 1;   ///< the same of R J C
 
-  /// Returns whether the scaling brings entries together that are far apart. Measured on the collection in random
-  /// units: at spreads of 1e4 scaling helps as often as it harms; from 1e6 on it helps.
-  bool helps() const { return far_apart(before) && before >= 1e3 * after; }
-  static bool far_apart(double spread) { return spread >= 1e6; }
+  /// Returns whether the scaling brings the entries closer together.
+  bool helps() const { return after < before; }
 };
 
 /// Computes the factors from J at some point, with the pattern of the problem. Entries that are 0 there are ignored,
@@ -32,9 +30,6 @@ struct Scaling {
 /// bound would overflow, underflow or coincide with another one. Throws std::invalid_argument if J is not n x n or not
 /// finite.
 Scaling scaling(const Mcp& mcp, const SpMat& J);
-
-/// scaling(), if it helps(): no factors are computed where the entries are near each other as they are.
-std::optional<Scaling> helpful_scaling(const Mcp& mcp, const SpMat& J);
 
 /// The scaled problem. `base` outlives it.
 class ScaledMcp final : public Mcp {

@@ -49,39 +49,11 @@ TEST(Scaling, TakesOutUnitsCompletely) {
     for (const double f : *factors) EXPECT_EQ(std::exp2(std::round(std::log2(f))), f);
 }
 
-TEST(Scaling, KeepsOffWhereUnitsAreFine) {
-  for (const auto& functions : {support::kojima_shindo(), support::kojima_shindo(true), support::nash10()}) {
-    const auto mcp = make_mcp(functions);
-    EXPECT_FALSE(scaling(*mcp, jacobian(*mcp, Vec::Ones(mcp->size()))).helps()) << mcp->name();
-  }
-}
-
-// What looks at the entries first gives the same factors, and where it gives none, none would help.
-TEST(Scaling, HelpfulOrNone) {
-  const auto mcp = make_mcp(support::kojima_shindo(true));
-  Random random(5);
-  int helpful = 0;
-  for (int trial = 0; trial < 40; ++trial) {
-    const ScaledMcp spoilt(*mcp, units(4, 0.1 * trial, random));
-    const SpMat J = jacobian(spoilt, spoilt.to_scaled(Vec::Ones(4)));
-    const Scaling s = scaling(spoilt, J);
-    const auto found = helpful_scaling(spoilt, J);
-    ASSERT_EQ(found.has_value(), s.helps()) << trial;
-    if (!found) continue;
-    ++helpful;
-    EXPECT_EQ(found->rows, s.rows);
-    EXPECT_EQ(found->columns, s.columns);
-  }
-  EXPECT_GT(helpful, 5);
-  EXPECT_LT(helpful, 35);
-}
-
 // An entry that is tiny at the start by chance (here x1 - 1 near 1) says nothing about units.
 TEST(Scaling, IgnoresEntriesThatAreTinyByChance) {
   support::AffineMcp problem{support::matrix({{1e-14, 1}, {1, 2}}), vec({1, 1}), Box::nonnegative(2)};
   const Scaling s = scaling(*make_mcp(support::affine(problem)), problem.M);
   EXPECT_EQ(s.before, 2);
-  EXPECT_FALSE(s.helps());
 }
 
 // There and back without rounding, bounds and signs kept, derivatives right, and the tolerance safe: over all kinds of
