@@ -30,7 +30,7 @@ struct Inspection : ncp::Inspection {
 Inspection inspect_problem(const LoadedProblem& problem, const std::atomic<bool>* interrupt = nullptr);
 Inspection inspect_problem(LoadedProblem&&, const std::atomic<bool>* = nullptr) = delete;
 
-/// With the remarks on a model (ncp/ampl/model.hpp).
+/// Returns the concerns of the inspection and the remarks on its model (ncp/ampl/model.hpp).
 std::vector<Concern> all_concerns(const Inspection& inspection);
 
 void print_inspection(std::ostream& out, const Inspection& inspection);

@@ -18,7 +18,7 @@ std::size_t width_of(std::string_view text) {
       std::ranges::count_if(text, [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; }));
 }
 
-/// Of a table that is shortened to `limit` rows: so many of them are its last ones.
+/// Number of last rows in a table that is shortened to `limit` rows.
 std::size_t tail_of(std::size_t limit) { return limit / 6; }
 
 std::string padded(std::string_view text, std::size_t width, Align align, bool last) {

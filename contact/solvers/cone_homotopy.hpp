@@ -35,7 +35,7 @@ class ConeHomotopy {
   /// All outlive *this; `system` is that of `newton`.
   ConeHomotopy(Referee& referee, const Scaled& problem, AlartCurnier& newton, ContactSystem& system);
 
-  /// Whether the run is over.
+  /// Runs the homotopy; returns whether the run is over.
   bool run();
 
  private:

@@ -36,7 +36,7 @@ struct Polishing {
   double again = 0.1;  ///< the next ones are tried when the homotopy has come so much closer
 };
 constexpr Polishing polishing{};
-/// Of W + alpha I in turn: nothing for regular W, then more.
+/// Values of alpha in W + alpha I, tried in turn: next to nothing for regular W, then more.
 constexpr std::array polish_alphas{1e-10, 1e-4, 1e-7};
 
 /// Steps this short in a row end an attempt.
@@ -56,7 +56,7 @@ struct ProximalLoop {
 };
 constexpr ProximalLoop proximal_loop_of{};
 
-/// What the loop asks of a subproblem.
+/// Requests of the loop to a subproblem.
 struct Subproblem {
   int newton = 10;       ///< steps
   int homotopy = 60;     ///< steps

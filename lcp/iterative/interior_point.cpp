@@ -166,7 +166,7 @@ class Run {
     for (Index p = 0; p < pairs_; ++p) f(x_.s[p], group_of(p), p), f(x_.w[p], 1 - group_of(p), p);
   }
 
-  /// Whether z is long, and the residual no smaller than half of what it was when this was asked before.
+  /// Returns whether z is long, and the residual no smaller than half of what it was when this was asked before.
   bool diverges() {
     const double before = std::exchange(residual_, residual().norm());
     return residual_ > before / 2 && x_.z.cwiseAbs().maxCoeff() > 1e3;
@@ -213,7 +213,7 @@ class Run {
       d.s[p] = b.sign * d.z[b.i] + slack_[p];
       d.w[p] = (c[p] - x_.w[p] * d.s[p]) / x_.s[p];
     }
-    // Where w / s is large this is a difference of large numbers. The equation of the row gives it with all digits.
+    // A difference of large numbers if w / s is large. The equation of the row gives it with all digits.
     Vec row = p_.M * d.z + r_;
     for (Index p = 0; p < pairs_; ++p) row[bounds_[at(p)].i] -= bounds_[at(p)].sign * d.w[p];
     for (Index p = 0; p < pairs_; ++p) {
@@ -393,7 +393,7 @@ class Run {
     return false;
   }
 
-  /// Whether y'(M z + q - w) < 0 for all z and w of the problem, but for what a correction of y may change.
+  /// Returns whether y'(M z + q - w) < 0 for all z and w of the problem, but for what a correction of y may change.
   bool nearly_certifies(const Places& places, const Vec& y) const {
     constexpr double small = 0.01;  // M is equilibrated, and |y| = 1
     const Vec r = p_.M * y;

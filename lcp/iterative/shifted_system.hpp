@@ -15,7 +15,7 @@ class ShiftedSystem {
 
   /// Signs that make M symmetric, or null.
   const Vec* signs() const { return symmetric_ ? &ldlt_.signs() : nullptr; }
-  /// What a factorization takes in solves.
+  /// Cost of a factorization, in solves.
   double dearness() const;
 
   LuStatus factor(const Vec& d);

@@ -42,7 +42,7 @@ class Model : public Mcp {
   virtual Index n_var() const = 0;       ///< variables of the model itself that are unknowns
   virtual Index side_inequalities() const = 0;
   virtual bool has_objective() const = 0;  ///< (ignored: an MCP has none)
-  /// What of the model is no condition, and deserves a second look: sentences without a full stop.
+  /// Parts of the model that are no condition and deserve a second look: sentences without a full stop.
   virtual std::vector<std::string> remarks() const = 0;
   /// Writes STUB.sol: `message`, all variables, of which x has the n_var() unknowns, and solve_result_num. Throws
   /// ModelError if it cannot be written.

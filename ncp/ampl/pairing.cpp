@@ -161,7 +161,7 @@ void refuse_nonsquare(const NlModel& model, const Names& names, const std::vecto
   throw ModelError(nonsquare, message);
 }
 
-/// Of each variable: it occurs in an expression.
+/// Marks each variable that occurs in an expression.
 std::vector<char> in_expressions(const NlModel& model) {
   std::vector<char> in_expression(at(model.header.n_var + model.header.defined()), 0);
   for (const auto* lists : {&model.mentions, &model.definitions})
@@ -175,10 +175,10 @@ double coefficient(const NlModel& model, std::size_t row, int v) {
   return model.coefficients[row][at(std::ranges::find(variables, v) - variables.begin())];
 }
 
-/// In how many rows the variable is.
+/// Number of rows with the variable.
 int rows_of(const NlModel& model, int v) { return model.column_start[at(v) + 1] - model.column_start[at(v)]; }
 
-/// Of each variable the last equation that it is in, or -1.
+/// Returns for each variable the last equation that it is in, or -1.
 std::vector<int> equations_of_variables(const NlModel& model) {
   std::vector<int> equation(model.variables.size(), -1);
   for (std::size_t i = 0; i < model.rows.size(); ++i)
@@ -189,7 +189,7 @@ std::vector<int> equations_of_variables(const NlModel& model) {
 
 bool is_free(const NlRange& range) { return range.lower == -infinity && range.upper == infinity; }
 
-/// Of each row that complements a variable, the equation of its auxiliary variable, or -1.
+/// Returns for each row that complements a variable the equation of its auxiliary variable, or -1.
 std::vector<int> auxiliary_equations(const NlModel& model, const std::vector<char>& complemented,
                                      const std::vector<char>& in_expression) {
   const std::vector<int> defining = equations_of_variables(model);

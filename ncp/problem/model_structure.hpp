@@ -31,7 +31,7 @@ struct Namesakes {
   std::vector<Index> variable_of, row_of;  ///< of each row, and of each variable; -1: none
   std::vector<char> rows{}, variables{};   ///< 1: without one although most of the kind have one
 };
-/// Of m rows and n variables.
+/// Finds the namesakes among m rows and n variables.
 Namesakes namesakes(Index m, Index n, const NameAt& row, const NameAt& variable);
 
 /// Of a problem: variables that are in no row but their own, and those rows, are left out, as they explain nothing.
