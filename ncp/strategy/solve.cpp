@@ -81,9 +81,9 @@ void refute_in_parts(Run& run, double tol) {
                          {.residual_bound = tol, .within_bounds = true}});
 }
 
-/// Says of an affine problem whose proof is a combination of rows what presolve says of it row by row.
+/// Says of an affine problem without a solution what presolve says of it row by row, if it finds a contradiction.
 void explain(Run& run, In x0) {
-  if (run.status() != Status::Infeasible || run.verdict().proof.multipliers.size() == 0) return;
+  if (run.status() != Status::Infeasible || !run.mcp().is_affine()) return;
   const Presolved pre = presolve(run.mcp(), x0);
   if (pre.infeasible().empty()) return;
   Run::Verdict verdict = run.verdict();
