@@ -5,78 +5,16 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "ncp/interval/operation_value.hpp"
+
 namespace perp::ncp {
 namespace {
 
 /// Of numbers, as the function's own double would have it.
-double folded(Operation operation, double a) {
-  switch (operation) {
-    case Operation::Negate:
-      return -a;
-    case Operation::Floor:
-      return std::floor(a);
-    case Operation::Ceil:
-      return std::ceil(a);
-    case Operation::Absolute:
-      return std::abs(a);
-    case Operation::Sqrt:
-      return std::sqrt(a);
-    case Operation::Exp:
-      return std::exp(a);
-    case Operation::Log:
-      return std::log(a);
-    case Operation::Log10:
-      return std::log10(a);
-    case Operation::Sin:
-      return std::sin(a);
-    case Operation::Cos:
-      return std::cos(a);
-    case Operation::Tan:
-      return std::tan(a);
-    case Operation::Asin:
-      return std::asin(a);
-    case Operation::Acos:
-      return std::acos(a);
-    case Operation::Atan:
-      return std::atan(a);
-    case Operation::Sinh:
-      return std::sinh(a);
-    case Operation::Cosh:
-      return std::cosh(a);
-    case Operation::Tanh:
-      return std::tanh(a);
-    case Operation::Asinh:
-      return std::asinh(a);
-    case Operation::Acosh:
-      return std::acosh(a);
-    case Operation::Atanh:
-      return std::atanh(a);
-    default:
-      throw std::invalid_argument("Expression: no operation of one number");
-  }
-}
-
 double folded(Operation operation, double a, double b) {
-  switch (operation) {
-    case Operation::Add:
-      return a + b;
-    case Operation::Subtract:
-      return a - b;
-    case Operation::Multiply:
-      return a * b;
-    case Operation::Divide:
-      return a / b;
-    case Operation::Power:
-      return std::pow(a, b);
-    case Operation::Minimum:
-      return std::min(a, b);
-    case Operation::Maximum:
-      return std::max(a, b);
-    case Operation::Atan2:
-      return std::atan2(a, b);
-    default:
-      throw std::invalid_argument("Expression: no operation of two numbers");
-  }
+  const std::optional<double> value = value_of(operation, a, b);
+  if (!value) throw std::invalid_argument("Expression: no operation of numbers");
+  return *value;
 }
 
 }  // namespace
@@ -97,7 +35,7 @@ void Expression::numbers(const Expression& a, const Expression& b) {
 }
 
 Expression Expression::unary(Operation operation, const Expression& a) {
-  if (a.graph_ == nullptr) return folded(operation, a.number_);
+  if (a.graph_ == nullptr) return folded(operation, a.number_, 0);
   Expression y;
   y.graph_ = a.graph_;
   y.node_ = a.graph_->unary(operation, a.node_);

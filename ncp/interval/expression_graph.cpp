@@ -7,83 +7,18 @@
 #include <stdexcept>
 #include <utility>
 
+#include "ncp/interval/operation_value.hpp"
+
 namespace perp::ncp {
 namespace {
 
 using Slopes = std::pair<Interval, Interval>;  // with respect to the first operand and to the second
 
-Interval elementary(Operation operation, const Interval& a) {
-  switch (operation) {
-    case Operation::Negate:
-      return -a;
-    case Operation::Absolute:
-      return absolute(a);
-    case Operation::Floor:
-      return floor(a);
-    case Operation::Ceil:
-      return ceil(a);
-    case Operation::Sqrt:
-      return sqrt(a);
-    case Operation::Exp:
-      return exp(a);
-    case Operation::Log:
-      return log(a);
-    case Operation::Log10:
-      return log10(a);
-    case Operation::Sin:
-      return sin(a);
-    case Operation::Cos:
-      return cos(a);
-    case Operation::Tan:
-      return tan(a);
-    case Operation::Asin:
-      return asin(a);
-    case Operation::Acos:
-      return acos(a);
-    case Operation::Atan:
-      return atan(a);
-    case Operation::Sinh:
-      return sinh(a);
-    case Operation::Cosh:
-      return cosh(a);
-    case Operation::Tanh:
-      return tanh(a);
-    case Operation::Asinh:
-      return asinh(a);
-    case Operation::Acosh:
-      return acosh(a);
-    case Operation::Atanh:
-      return atanh(a);
-    default:
-      return Interval::all();
-  }
-}
-
+/// Either and Guarded are of intervals alone.
 Interval combined(Operation operation, const Interval& a, const Interval& b) {
-  switch (operation) {
-    case Operation::Add:
-      return a + b;
-    case Operation::Subtract:
-      return a - b;
-    case Operation::Multiply:
-      return a * b;
-    case Operation::Divide:
-      return a / b;
-    case Operation::Power:
-      return power(a, b);
-    case Operation::Minimum:
-      return minimum(a, b);
-    case Operation::Maximum:
-      return maximum(a, b);
-    case Operation::Either:
-      return hull(a, b);
-    case Operation::Guarded:
-      return a;
-    case Operation::Atan2:
-      return atan2(a, b);
-    default:
-      return Interval::all();
-  }
+  if (operation == Operation::Either) return hull(a, b);
+  if (operation == Operation::Guarded) return a;
+  return value_of(operation, a, b).value_or(Interval::all());
 }
 
 /// f'(A), where f(A) = y.
@@ -278,7 +213,7 @@ Interval ExpressionGraph::value(const Entry& entry, std::span<const Interval> va
       break;
   }
   const Interval& a = values[static_cast<std::size_t>(entry.a)];
-  if (!is_binary(entry.operation)) return elementary(entry.operation, a);
+  if (!is_binary(entry.operation)) return combined(entry.operation, a, a);
   const Entry& first = nodes_[static_cast<std::size_t>(entry.a)];
   const Entry& second = nodes_[static_cast<std::size_t>(entry.b)];
   const bool same = entry.a == entry.b || (first.operation == Operation::Variable &&

@@ -8,74 +8,13 @@
 #include <limits>
 #include <utility>
 
+#include "ncp/interval/operation_value.hpp"
+
 namespace perp::ncp {
 namespace {
 
 using Node = ExpressionGraph::Node;
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-
-double value_of(Operation operation, double a, double b) {
-  switch (operation) {
-    case Operation::Add:
-      return a + b;
-    case Operation::Subtract:
-      return a - b;
-    case Operation::Multiply:
-      return a * b;
-    case Operation::Divide:
-      return a / b;
-    case Operation::Power:
-      return std::pow(a, b);
-    case Operation::Minimum:
-      return std::min(a, b);
-    case Operation::Maximum:
-      return std::max(a, b);
-    case Operation::Atan2:
-      return std::atan2(a, b);
-    case Operation::Negate:
-      return -a;
-    case Operation::Absolute:
-      return std::abs(a);
-    case Operation::Floor:
-      return std::floor(a);
-    case Operation::Ceil:
-      return std::ceil(a);
-    case Operation::Sqrt:
-      return std::sqrt(a);
-    case Operation::Exp:
-      return std::exp(a);
-    case Operation::Log:
-      return std::log(a);
-    case Operation::Log10:
-      return std::log10(a);
-    case Operation::Sin:
-      return std::sin(a);
-    case Operation::Cos:
-      return std::cos(a);
-    case Operation::Tan:
-      return std::tan(a);
-    case Operation::Asin:
-      return std::asin(a);
-    case Operation::Acos:
-      return std::acos(a);
-    case Operation::Atan:
-      return std::atan(a);
-    case Operation::Sinh:
-      return std::sinh(a);
-    case Operation::Cosh:
-      return std::cosh(a);
-    case Operation::Tanh:
-      return std::tanh(a);
-    case Operation::Asinh:
-      return std::asinh(a);
-    case Operation::Acosh:
-      return std::acosh(a);
-    case Operation::Atanh:
-      return std::atanh(a);
-    default:
-      return nan;
-  }
-}
 
 /// Does the operation grow beyond all doubles rather than have no value?
 bool overflows(Operation operation, double value) {
@@ -249,7 +188,7 @@ PointValues::PointValues(const ExpressionGraph& graph, std::span<const double> x
       } else if (is(State::Undefined) || is(State::Follows)) {
         states_[k] = State::Follows;
       } else {
-        values_[k] = value_of(operation, (*this)[a], (*this)[second]);
+        values_[k] = value_of<double>(operation, (*this)[a], (*this)[second]).value_or(nan);
         if (!std::isfinite(values_[k])) states_[k] = State::Undefined;
       }
       const auto smooth = [&](Node operand) { return smooth_[static_cast<std::size_t>(operand)] != 0; };
