@@ -25,6 +25,7 @@ class NamedMcp final : public ncp::Mcp {
   bool eval(ncp::In x, ncp::Out F) const override { return mcp_->eval(x, F); }
   bool jacobian(ncp::In x, SpMat& J) const override { return mcp_->jacobian(x, J); }
   bool is_affine() const override { return mcp_->is_affine(); }
+  const lcp::AffineMcp* affine() const override { return mcp_->affine(); }
   std::vector<bool> linear_entries() const override { return mcp_->linear_entries(); }
   ncp::JacobianWork jacobian_work() const override { return mcp_->jacobian_work(); }
   const ncp::Enclosure* enclosure() const override { return mcp_->enclosure(); }

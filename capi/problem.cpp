@@ -62,12 +62,18 @@ class AffineView final : public ncp::Mcp {
     return true;
   }
   bool is_affine() const override { return true; }
+  /// Copies M, the first time.
+  const lcp::AffineMcp* affine() const override {
+    if (!copy_) copy_ = std::make_unique<lcp::AffineMcp>(M_, q_, box_);
+    return copy_.get();
+  }
   std::string name() const override { return "affine"; }
 
  private:
   Vec q_;
   lcp::Box box_;
   BorrowedMatrix M_{};
+  mutable std::unique_ptr<lcp::AffineMcp> copy_;
 };
 
 std::unique_ptr<ncp::Mcp> affine_mcp(const perp_matrix* M, Vec q, lcp::Box box) {

@@ -48,7 +48,7 @@ void write_and_tell(const ExportRequest& request, Streams streams) {
   const Files files = files_of(request.file);
   check_paths(files.all(), request.source, request.force);
   const LoadedProblem problem = load_problem(request.source);
-  const std::optional<lcp::AffineMcp> affine = ncp::affine_part(*problem.mcp);
+  const auto affine = ncp::affine_part(*problem.mcp);
   if (!affine)
     throw input_error(
         "'{}' is not affine, F(x) = M x + q: Matrix Market files cannot hold it, an .nl file can: -o F.nl. 'perp list "

@@ -446,7 +446,7 @@ std::string Writer::text() {
 
 std::optional<std::string> nl_text(const Mcp& mcp, In x0) {
   Writer writer(mcp, x0);
-  if (const std::optional<lcp::AffineMcp> problem = affine_part(mcp)) {
+  if (const auto problem = affine_part(mcp)) {
     writer.affine(*problem);
   } else {
     const std::optional<Expressions> f = mcp.expressions();

@@ -166,7 +166,7 @@ FunctionClasses function_classes(const Mcp& mcp, In x0, const FunctionClassOptio
     throw std::invalid_argument(mcp.name() + ": function_classes: x0 has to have " + std::to_string(mcp.size()) +
                                 " finite entries");
   const Enclosure* enclosure = mcp.enclosure();
-  const std::optional<lcp::AffineMcp> affine = enclosure == nullptr ? affine_part(mcp) : std::nullopt;
+  const auto affine = enclosure == nullptr ? affine_part(mcp) : nullptr;
   const std::unique_ptr<Enclosure> of_affine = affine ? affine_enclosure(*affine) : nullptr;
   if (of_affine) enclosure = of_affine.get();
   FunctionClasses out;

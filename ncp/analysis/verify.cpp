@@ -274,7 +274,7 @@ Verified verify(const Mcp& mcp, In x) {
     throw std::invalid_argument(mcp.name() + ": verify: x has to have " + std::to_string(mcp.size()) +
                                 " finite entries");
   const Enclosure* enclosure = mcp.enclosure();
-  const std::optional<lcp::AffineMcp> affine = enclosure == nullptr ? affine_part(mcp) : std::nullopt;
+  const auto affine = enclosure == nullptr ? affine_part(mcp) : nullptr;
   const std::unique_ptr<Enclosure> of_affine = affine ? affine_enclosure(*affine) : nullptr;
   if (of_affine) enclosure = of_affine.get();
   if (enclosure == nullptr) {

@@ -29,7 +29,7 @@ const char* advice(Status status, bool automatic) {
 
 void affine(Run& run, In x0, const Affine& method) {
   const Mcp& mcp = run.mcp();
-  const std::optional<lcp::AffineMcp> problem = affine_part(mcp);
+  const auto problem = affine_part(mcp);
   if (!problem)
     throw std::invalid_argument(mcp.name() + ": method " + std::string(lcp::name(method.method)) +
                                 " is for affine problems, and this one does not say it is one");

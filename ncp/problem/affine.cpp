@@ -37,7 +37,7 @@ class AffineProblem final : public Mcp {
     std::copy_n(problem_.M.valuePtr(), problem_.M.nonZeros(), J.valuePtr());
     return true;
   }
-  bool is_affine() const override { return true; }
+  const lcp::AffineMcp* affine() const override { return &problem_; }
   std::string name() const override { return name_; }
   std::string variable_name(Index i) const override {
     return variable_names_.empty() ? Mcp::variable_name(i) : variable_names_[lcp::at(i)];
@@ -55,11 +55,12 @@ class AffineProblem final : public Mcp {
 
 }  // namespace
 
-std::optional<lcp::AffineMcp> affine_part(const Mcp& mcp) {
-  if (!mcp.is_affine()) return std::nullopt;
+std::shared_ptr<const lcp::AffineMcp> affine_part(const Mcp& mcp) {
+  if (const lcp::AffineMcp* own = mcp.affine()) return {std::shared_ptr<const void>(), own};
+  if (!mcp.is_affine()) return nullptr;
   const Vec zero = Vec::Zero(mcp.size());
-  lcp::AffineMcp problem{.M = mcp.jacobian_pattern(), .q = Vec(mcp.size()), .box = mcp.box()};
-  if (!mcp.eval(zero, problem.q) || !mcp.jacobian(zero, problem.M) || !problem.q.allFinite()) return std::nullopt;
+  const auto problem = std::make_shared<lcp::AffineMcp>(mcp.jacobian_pattern(), Vec(mcp.size()), mcp.box());
+  if (!mcp.eval(zero, problem->q) || !mcp.jacobian(zero, problem->M) || !problem->q.allFinite()) return nullptr;
   return problem;
 }
 

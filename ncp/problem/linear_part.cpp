@@ -13,9 +13,9 @@ namespace perp::ncp {
 
 std::optional<LinearPart> linear_part(const Mcp& mcp, In x) {
   if (mcp.is_affine()) {
-    std::optional<lcp::AffineMcp> all = affine_part(mcp);
+    const auto all = affine_part(mcp);
     if (!all) return std::nullopt;
-    return LinearPart{.problem = std::move(*all)};
+    return LinearPart{.problem = *all};
   }
   const std::vector<bool> linear = mcp.linear_entries();
   if (linear.empty()) return std::nullopt;

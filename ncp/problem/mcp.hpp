@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "lcp/affine_mcp.hpp"
 #include "lcp/box.hpp"
 #include "ncp/problem/differences.hpp"
 
@@ -55,7 +56,10 @@ class Mcp {
   virtual bool jacobian(In x, SpMat& J) const = 0;
 
   /// Promises, if true, that F(x) = F(0) + J x on all of R^n, with one matrix J.
-  virtual bool is_affine() const { return false; }
+  virtual bool is_affine() const { return affine() != nullptr; }
+  /// Returns M and q of a problem that keeps them, F(x) = M x + q; they live as long as the problem. Null: it keeps
+  /// none, though is_affine() may hold.
+  virtual const lcp::AffineMcp* affine() const { return nullptr; }
   /// Tells which entries of J are constant, with one flag for each nonzero of jacobian_pattern(), in its order. A flag
   /// at (i, j) promises that there is one number J_ij such that F_i(x) - J_ij x_j does not depend on x_j, wherever F_i
   /// is defined. A row is affine on all of R^n if all of its entries have the flag, or if it has no entries. An empty

@@ -24,7 +24,7 @@ std::optional<double> bound_of(const Box& box, Index i, double x, double F) {
 
 const lcp::AffineMcp* ExactValues::problem() {
   if (!std::exchange(affine_known_, true)) affine_ = affine_part(mcp_);
-  return affine_ ? &*affine_ : nullptr;
+  return affine_.get();
 }
 
 const Vec& ExactValues::F(const Vec& x) {

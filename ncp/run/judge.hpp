@@ -36,7 +36,7 @@ class ExactValues {
 
  private:
   const Mcp& mcp_;
-  std::optional<lcp::AffineMcp> affine_;
+  std::shared_ptr<const lcp::AffineMcp> affine_;
   bool affine_known_ = false;
   Vec x_, F_;
 };

@@ -36,7 +36,7 @@ lcp::AffineMcp exported(const test::Folder& folder, const std::string& name) {
                                            .upper = folder / "F-upper.mtx",
                                            .start_at = folder / "F-start.mtx"});
   EXPECT_EQ(read.x0, load_problem(name).x0) << name;
-  return ncp::affine_part(*read.mcp).value();
+  return *ncp::affine_part(*read.mcp);
 }
 
 // Every affine problem of the collection that is not large. Would catch digits, bounds, signs of infinities or entries

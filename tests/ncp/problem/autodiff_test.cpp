@@ -137,7 +137,7 @@ TEST(Autodiff, KnowsAffineProblems) {
   EXPECT_EQ(mcp->jacobian_pattern().nonZeros(), 118);
   EXPECT_EQ(mcp->jacobian_work().colours, 3);
   const auto affine = affine_part(*mcp);
-  ASSERT_TRUE(affine.has_value());
+  ASSERT_NE(affine, nullptr);
   EXPECT_EQ(affine->M.coeff(3, 4), -1);
   EXPECT_EQ(affine->q[3], -1);
 }
