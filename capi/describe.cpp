@@ -59,22 +59,8 @@ Part part_of(ncp::Result result, const CallbackMcp* callbacks) {
   Part part = empty();
   part->fields.reserve(16);
   part->status = static_cast<std::int32_t>(result.status);
-  part->add("status", to_string(result.status))
-      .add("success", result.solved())
-      .add("message", std::move(result.message))
-      .add("advice", std::move(result.advice))
-      .add("x", std::move(result.x))
-      .add("F", std::move(result.F))
-      .add("residual", result.residual.natural)
-      .add("worst", result.residual.worst)
-      .add("relative", result.relative)
-      .add("relative_row", result.relative_row)
-      .add("notes", std::move(result.notes))
-      .add("stats", part_of(result.stats, callbacks));
-  if (result.proof.residual_bound > 0) part->add("residual_bound", result.proof.residual_bound);
-  Cells basis(result.basis.size());
-  std::ranges::transform(result.basis, basis.begin(), [](lcp::Cell cell) { return static_cast<std::int8_t>(cell); });
-  if (!basis.empty()) part->add("basis", std::move(basis));
+  ncp::each(result, [&part](const char* name, auto&& value) { part->add(name, std::move(value)); });
+  part->add("stats", part_of(result.stats, callbacks));
   return part;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 /// A result of perp.h: fields that have a name. What an answer of the library says becomes fields in one place, here
 /// below; the accessors of perp.h know kinds and no field.
+#include <algorithm>
 #include <cstdint>
 #include <list>
 #include <memory>
@@ -12,6 +13,7 @@
 #include <vector>
 
 #include "capi/perp.h"
+#include "lcp/pivoting/lemke.hpp"
 #include "lcp/types.hpp"
 
 namespace perp::capi {
@@ -34,6 +36,11 @@ Value value_of(T value) {
     return static_cast<std::int64_t>(value);
   else
     return value;
+}
+inline Value value_of(const std::vector<lcp::Cell>& cells) {
+  std::vector<std::int8_t> numbers(cells.size());
+  std::ranges::transform(cells, numbers.begin(), [](lcp::Cell cell) { return static_cast<std::int8_t>(cell); });
+  return numbers;
 }
 inline Value value_of(const char* text) { return std::string(text); }
 inline Value value_of(std::string_view text) { return std::string(text); }

@@ -178,6 +178,19 @@ Json stats_json(const ncp::Stats& stats) {
   return json;
 }
 
+/// Adds the texts and numbers of a result that have no place of their own in the document.
+void add_other_fields(Json& json, const ncp::Result& result) {
+  constexpr std::array<std::string_view, 4> elsewhere{"success", "worst", "relative", "relative_row"};
+  ncp::each(result, [&](std::string_view name, const auto& value) {
+    using T = std::remove_cvref_t<decltype(value)>;
+    if (json.contains(name) || std::ranges::find(elsewhere, name) != elsewhere.end()) return;
+    if constexpr (std::is_same_v<T, double>)
+      json[std::string(name)] = json_number(value);
+    else if constexpr (std::is_arithmetic_v<T> || std::is_convertible_v<T, std::string_view>)
+      json[std::string(name)] = value;
+  });
+}
+
 Json options_json(const Settings& settings) {
   Settings copy = settings;
   Json json = Json::object();
@@ -274,6 +287,7 @@ std::string solve_json(const Report& report) {
     json["certificate"] = "";
   }
   json["stats"] = stats_json(result.stats);
+  add_other_fields(json, result);
   if (report.derivatives)
     json["derivatives"] = {{"defined", report.derivatives->defined}, {"worst", json_number(report.derivatives->worst)}};
   if (report.verified) json["verified"] = verified_json(*report.verified);

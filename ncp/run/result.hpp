@@ -103,6 +103,24 @@ struct Result {
   /// Returns whether the problem is solved, to the tolerance or to rounding.
   bool accepted() const { return solved() || status == Status::SolvedToRounding; }
 };
+/// Calls visit(name, value) for what a result says, as C, Python and JSON have it: a new field is a line here. R is
+/// Result or const Result; values that are its members may be moved from.
+template <class R, class Visit>
+void each(R& result, Visit visit) {
+  visit("status", to_string(result.status));
+  visit("success", result.solved());
+  visit("message", result.message);
+  visit("advice", result.advice);
+  visit("x", result.x);
+  visit("F", result.F);
+  visit("residual", result.residual.natural);
+  visit("worst", result.residual.worst);
+  visit("relative", result.relative);
+  visit("relative_row", result.relative_row);
+  if (result.proof.residual_bound > 0) visit("residual_bound", result.proof.residual_bound);
+  visit("notes", result.notes);
+  if (!result.basis.empty()) visit("basis", result.basis);
+}
 /// Writes one line: status, residual with the index of the worst equation, iterations, message.
 std::ostream& operator<<(std::ostream&, const Result&);
 

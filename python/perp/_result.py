@@ -115,6 +115,13 @@ class Record:
         self._source: Any = source
         self._values: dict[str, Any] = {}
 
+    def __getattr__(self, name: str) -> Any:
+        """A field of the library's that has no documentation of its own here."""
+        source = None if name.startswith("_") else self._source
+        if source is None or name not in source.names():
+            raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+        return source.read(name)
+
     def __getstate__(self) -> dict[str, Any]:
         return {name: getattr(self, name) for name in self._fields}
 
