@@ -74,22 +74,32 @@ void measure(const char* group, const std::vector<bench::Case>& cases) {
 /// The list of restarts within the method.
 ncp::First& list_of(ncp::Method& path) { return std::get<ncp::First>(*std::get<ncp::On>(path).method); }
 
-/// What is solved without each entry of the list.
-void leave_out(const char* group, const std::vector<bench::Case>& cases) {
+/// What each entry of the list is worth, on the cases that its first entry does not solve: how many are lost without
+/// it, and what the others cost then.
+void leave_out(const std::vector<bench::Case>& cases) {
+  constexpr std::chrono::seconds limit{5};
   ncp::Method whole = ncp::path();
-  std::printf("\n%s: without an entry of path\n", group);
-  for (std::size_t k = 0; k <= list_of(whole).entries.size(); ++k) {
-    ncp::Method method = ncp::path();
-    ncp::stop(method).max_time = std::chrono::seconds(20);
+  ncp::stop(whole).max_time = limit;
+  std::vector<const bench::Case*> hard;
+  Total all;
+  for (const bench::Case& c : cases) {
+    if (!c.solvable) continue;
+    const ncp::Result result = ncp::solve(*c.mcp, c.x0, whole);
+    if (result.solved() && result.stats.restarts == 0) continue;
+    hard.push_back(&c);
+    all.add(result);
+  }
+  std::printf("\nwithout an entry of path, %zu of %zu cases\n%-60s %4d/%-4d %8ld %8.3f\n", hard.size(), cases.size(),
+              "all", all.solved, all.runs, all.majors, all.seconds);
+  for (std::size_t k = 1; k < list_of(whole).entries.size(); ++k) {
+    ncp::Method method = whole;
     auto& entries = list_of(method).entries;
-    if (k > 0) entries.erase(entries.begin() + static_cast<std::ptrdiff_t>(k - 1));
+    entries.erase(entries.begin() + static_cast<std::ptrdiff_t>(k));
     Total total;
-    for (const bench::Case& c : cases)
-      if (c.solvable) total.add(ncp::solve(*c.mcp, c.x0, method));
-    const ncp::Entry* without = k > 0 ? &list_of(whole).entries[k - 1] : nullptr;
-    const std::string label =
-        without == nullptr ? "all" : ncp::name(without->method) + " " + std::string(without->title);
-    std::printf("%-60s %4d/%-4d %8ld %8.3f\n", label.c_str(), total.solved, total.runs, total.majors, total.seconds);
+    for (const bench::Case* c : hard) total.add(ncp::solve(*c->mcp, c->x0, method));
+    const ncp::Entry& without = list_of(whole).entries[k];
+    std::printf("%-60s %4d/%-4d %8ld %8.3f\n", (ncp::name(without.method) + " " + std::string(without.title)).c_str(),
+                total.solved, total.runs, total.majors, total.seconds);
     std::fflush(stdout);
   }
 }
@@ -97,13 +107,16 @@ void leave_out(const char* group, const std::vector<bench::Case>& cases) {
 }  // namespace
 
 int main(int argc, char** argv) try {
-  leave_out("collection", bench::collection_cases(""));
+  std::vector<bench::Case> cases = bench::collection_cases("");
+  for (int i = 1; i < argc; ++i) cases.push_back(bench::model_case(argv[i]));
+  const std::size_t given = cases.size();
+  for (std::size_t i = 0; i < given; ++i)
+    if (cases[i].mcp->size() <= 300)
+      for (bench::Case& c : bench::starts_of(cases[i], 5)) cases.push_back(std::move(c));
+  leave_out(cases);
   measure("collection", bench::collection_cases(""));
   measure("kehoe, 200 random starts", bench::random_cases("kehoe", 200));
   measure("colvdual, 200 random starts", bench::random_cases("colvdual", 200));
-  std::vector<bench::Case> models;
-  for (int i = 1; i < argc; ++i) models.push_back(bench::model_case(argv[i]));
-  if (!models.empty()) measure("models", models);
   return 0;
 } catch (const std::exception& error) {
   std::fprintf(stderr, "bench_ingredients: %s\n", error.what());
