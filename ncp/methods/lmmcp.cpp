@@ -173,11 +173,6 @@ double search(Run& run, const Lmmcp& method, LeastSquares& equations, const Vec&
 }  // namespace
 
 void describe(Lmmcp& m, Fields& f) {
-  f.add("lmmcp_lambda", &m.lambda, strictly_between(0, 1),
-        "weight of the Fischer-Burmeister part; the products have the rest");
-  f.add("lmmcp_presteps", &m.preprocess, at_least(0), "limit of steps of the preprocessor");
-  f.add("lmmcp_watchdog", &m.watchdog, at_least(1),
-        "steps without a better point before the method returns to the best one");
   describe_memory(m.memory, f);
   describe_search(m.sigma, m.beta, m.max_backtracks, f);
   describe_lu(m.lu, f);

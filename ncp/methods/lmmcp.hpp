@@ -25,9 +25,9 @@ namespace perp::ncp {
 /// [I -H; H' nu I], which does not square the condition of H.
 struct Lmmcp {
   Stop stop{};
-  double lambda = 0.1;
-  int preprocess = 20;
-  int watchdog = 20;
+  static constexpr double lambda = 0.1;
+  static constexpr int preprocess = 20;
+  static constexpr int watchdog = 20;
   double sigma = 1e-4;
   double beta = 0.55;
   int max_backtracks = 46;  ///< t > 1e-12

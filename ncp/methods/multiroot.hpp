@@ -31,10 +31,11 @@ std::string_view to_string(MultirootSolver);  ///< "gsl-hybridsj", ...
 struct Multiroot {
   Stop stop{};  ///< an iteration is one of GSL's
   MultirootSolver solver = MultirootSolver::Hybridsj;
-  double mu = 1;              ///< first mu, in the units of x and F; > 0
-  double shrink = 1e-2;       ///< in (0, 1)
-  double mu_end = 1e-9;       ///< in (0, mu]; at degenerate solutions the natural residual is about mu_end
-  lcp::Index max_size = 500;  ///< larger problems are refused (NotApplicable): O(n^2) memory, O(n^3) work an iteration
+  static constexpr double mu = 1;  ///< first mu, in the units of x and F
+  static constexpr double shrink = 1e-2;
+  static constexpr double mu_end = 1e-9;  ///< at degenerate solutions the natural residual is about mu_end
+  static constexpr lcp::Index max_size =
+      500;  ///< larger problems are refused (NotApplicable): O(n^2) memory, O(n^3) work an iteration
 };
 
 void describe(Multiroot& method, Fields& fields);

@@ -255,13 +255,6 @@ void iterate(Run& run, const SemismoothNewton& method, Point point) {
 }
 
 void describe(Forcing& o, Fields& f) {
-  f.add("forcing_max", &o.eta_max, strictly_between(0, 1), "krylov: largest relative residual of a Newton system");
-  f.add("forcing_gamma", &o.gamma, above_up_to(0, 1),
-        "krylov: factor of the forcing term  gamma (|Phi_k| / |Phi_k-1|)^alpha");
-  f.add("forcing_alpha", &o.alpha, above_up_to(1, 2),
-        "krylov: exponent alpha of the forcing term, the order of convergence");
-  f.add("krylov_iteration_limit", &o.max_iterations, at_least(1),
-        "krylov: iterations for one Newton system, after which LU takes over");
   f.add("chord_steps", &o.chord_steps, between(0, 1000),
         "simplified Newton steps with the last matrix after a Newton point, while they pay; where krylov solves the "
         "systems");
@@ -270,7 +263,6 @@ void describe(Forcing& o, Fields& f) {
 void describe(SemismoothNewton& m, Fields& f) {
   describe(m.cfunction, f);
   describe(m.search, f);
-  describe_descent(m.descent_rho, m.descent_p, f);
   f.add("levenberg_marquardt", &m.levenberg_marquardt,
         "try Levenberg-Marquardt steps if Newton's step does not descend, before gradient steps");
   describe_lu(m.lu, f);

@@ -21,9 +21,9 @@ enum class LinearSolver {
 /// (Eisenstat & Walker, SIAM J. Sci. Comput. 17 (1996) 16, choice 2 with their safeguard), nor tighter than Stop::tol
 /// asks for (Kelley 1995, section 6.3). alpha = 2: the convergence stays quadratic; alpha in (1, 2): of order alpha.
 struct Forcing {
-  double eta_max = 0.1;
-  double gamma = 0.9;
-  double alpha = 2;
+  static constexpr double eta_max = 0.1;
+  static constexpr double gamma = 0.9;
+  static constexpr double alpha = 2;
   int max_iterations = 300;  ///< of one linear solve
   /// After a full inexact Newton step, so many steps with its matrix and preconditioner (chord steps: Shamanskii 1967)
   /// at most, accelerated by the last differences (Anderson 1965; Walker & Ni, SIAM J. Numer. Anal. 49 (2011) 1715);
@@ -50,7 +50,7 @@ struct SemismoothNewton {
   CFunction cfunction = fischer_burmeister();
   Armijo search{};
   double descent_rho = 1e-9;  ///< a Newton direction needs  grad psi . d <= -rho (||d|| / sqrt n)^p
-  double descent_p = 2.1;
+  static constexpr double descent_p = 2.1;
   bool levenberg_marquardt = true;  ///< steps of that kind before gradient steps
   LinearSolver linear = LinearSolver::Auto;
   Forcing forcing{};

@@ -240,7 +240,7 @@ void Smoother::give_up(bool stationary, bool stalled) {
 
 void Smoother::run() {
   set_mu(scheduled(point_));
-  beta_ = std::max(method_.neighbourhood, 2 * size(point_, mu_) / mu_);
+  beta_ = std::max({method_.neighbourhood, 2 * method_.function.kappa, 2 * size(point_, mu_) / mu_});
   Stall stall(method_.patience);
   it_ = {.k = 0, .merit = merit(point_, mu_), .mu = mu_, .kind = 'I'};
   while (run_.go_on(point_, it_)) {
@@ -278,20 +278,6 @@ void describe(Smoothing& m, Fields& f) {
            "how the parameter mu shrinks: newton-armijo (with the residual) or predictor-corrector (along the path "
            "Phi_mu(x) = 0)");
   f.add("smoothing_finish", &m.finish, "Newton steps on the active set at the end");
-  f.when(m.schedule == NewtonArmijo, "smoothing_schedule = predictor-corrector", [&] {
-    f.add("smoothing_shrink", &m.shrink, strictly_between(0, 1),
-          "newton-armijo: factor of mu when the smooth system is solved");
-    f.add("smoothing_centring", &m.centring, strictly_between(0, 1e100),
-          "newton-armijo: the smooth system is solved to this multiple of mu");
-  });
-  f.when(m.schedule == PredictorCorrector, "smoothing_schedule = newton-armijo", [&] {
-    f.add("smoothing_neighbourhood", &m.neighbourhood, strictly_between(0, 1e100),
-          "predictor-corrector: |Phi_mu| is kept below this multiple of mu, which exceeds kappa of the smoothing");
-  });
-  f.check(m.neighbourhood > m.function.kappa, "smoothing_neighbourhood", m.neighbourhood,
-          "greater than the function's kappa");
-  f.add("smoothing_restarts", &m.restarts, at_least(0),
-        "number of times that mu is raised when the residual no longer falls");
 }
 
 void iterate(Run& run, const Smoothing& method, Point point) { Smoother(run, method, std::move(point)).run(); }

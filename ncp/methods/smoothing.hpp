@@ -33,10 +33,10 @@ struct Smoothing {
   SmoothingFunction function = neural();
   SmoothingSchedule schedule = SmoothingSchedule::NewtonArmijo;
   Armijo search{};
-  double shrink = 0.5;  ///< see NewtonArmijo; in (0, 1)
-  double centring = 1;  ///< see NewtonArmijo; > 0
-  /// PredictorCorrector: beta, at least twice what the start needs; > kappa of the function
-  double neighbourhood = 10;
+  static constexpr double shrink = 0.5;  ///< see NewtonArmijo
+  static constexpr double centring = 1;  ///< see NewtonArmijo
+  /// PredictorCorrector: beta, at least twice what the start needs, and 2 kappa of the function.
+  static constexpr double neighbourhood = 10;
   bool finish = true;  ///< active-set Newton steps
   int restarts = 6;    ///< times that mu is raised
   int patience = 25;   ///< iterations without 1 % less natural residual after which it is

@@ -11,8 +11,6 @@ void describe(Crash& c, Fields& f) {
     f.add("crash_minimum_dimension", &c.minimum_dimension, at_least(0), "smaller problems go without a crash");
     f.add("crash_nbchange_limit", &c.nbchange_limit, at_least(0),
           "the crash ends where fewer variables than this come to a bound or leave it");
-    f.add("crash_least_step", &c.least_step, above_up_to(0, 1),
-          "the crash ends where its step would be shorter; in affine problems a thousandth of it");
   });
 }
 
@@ -25,8 +23,6 @@ void describe(Nms& n, Fields& f) {
     f.add("nms_mstep_frequency", &n.mstep_frequency, at_least(1), "iterations between two tests of the merit");
     f.add("nms_maximum_watchdogs", &n.maximum_watchdogs, at_least(0),
           "returns to a checkpoint after which D-steps are no longer taken");
-    f.add("distance_decrease", &n.distance_decrease, above_up_to(0, 1),
-          "factor, for each D-step, of the distance within which Newton points are not tested");
   });
 }
 
@@ -50,8 +46,6 @@ void describe(PathSearch& m, Fields& f) {
            "fischer (Fischer-Burmeister) or normal (the normal map): half of its squared norm");
   f.add("proximal_perturbation", &m.proximal_perturbation, between(0, 1e100),
         "lambda of the proximal term lambda (z - z^k) to begin with, relative to the size of the Jacobian");
-  f.add("proximal_adaptive", &m.proximal_adaptive,
-        "take a proximal term also if a basis is singular or the path leads nowhere");
   f.add("gradient_step_limit", &m.gradient_step_limit, at_least(0),
         "projected gradient steps, taken where nothing else descends");
 }

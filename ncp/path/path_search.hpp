@@ -37,7 +37,8 @@ struct Crash {
   int iteration_limit = 50;
   Index minimum_dimension = 1;  ///< smaller problems go without
   Index nbchange_limit = 1;     ///< ends where fewer variables than this change between bound and inside
-  double least_step = 0.1;      ///< ends where alpha would be smaller; in affine problems a thousandth of it
+  static constexpr double least_step =
+      0.1;  ///< ends where alpha would be smaller; in affine problems a thousandth of it
 };
 
 /// Non-monotone stabilisation (Ferris & Lucidi 1994; Dirkse & Ferris 1995). The references M_1 .. M_m begin at `factor`
@@ -51,7 +52,7 @@ struct Nms {
   int mstep_frequency = 10;
   double initial_reference_factor = 20;
   int maximum_watchdogs = 5;  ///< of an attempt, after which it takes no more D-steps
-  double distance_decrease =
+  static constexpr double distance_decrease =
       0.5;  ///< a D-step shrinks Delta so; from 0 it grows to the longest step that passed the test
 };
 

@@ -37,19 +37,9 @@ void describe(Armijo& a, Fields& f) {
 void describe(Escape& e, Fields& f) {
   f.add(
       "escape_rounds", &e.rounds, at_least(0),
-      "proximal problems  F(x) + lambda (x - xbar)  that are tried when the method is stuck; with 0 the other options "
-      "escape_* have no effect");
+      "proximal problems  F(x) + lambda (x - xbar)  that are tried when the method is stuck");
   f.when(e.rounds != 0, "escape_rounds = 0", [&] {
     f.add("escape_lambda", &e.lambda, above(0), "first lambda of an escape, in units of sqrt(|J|_1 |J|_inf)");
-    f.add("escape_grow", &e.grow, strictly_between(1, 1e100),
-          "factor of lambda after a proximal problem that was not solved");
-    f.add("escape_shrink", &e.shrink, above_up_to(0, 1), "factor of lambda after each move of xbar");
-    f.add("escape_accept", &e.accept, strictly_between(0, 1),
-          "the method goes on from an xbar whose residual is at most this share of the best one");
-    f.add("escape_trial_iterations", &e.trial_iterations, at_least(0), "iterations that are tried from any other xbar");
-    f.add("escape_tolerance", &e.perturbed_tol, above(0),
-          "natural residual at which a proximal problem is solved well enough");
-    f.add("escape_iteration_limit", &e.perturbed_iterations, at_least(1), "iterations for one proximal problem");
   });
 }
 

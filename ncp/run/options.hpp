@@ -55,18 +55,19 @@ struct Armijo {
 /// in the box by implicit Euler steps of length 1 / lambda. They need not decrease the merit function, so they can
 /// leave its local minima. They lead to a solution that attracts the flow; if F is monotone, to some solution.
 struct Escape {
-  int rounds = 50;      ///< moves of the centre; 0: stay stuck
-  double lambda = 2;    ///< first lambda in units of sqrt(||J||_1 ||J||_inf) >= ||J(xbar)||_2: above 1 it is monotone
-  double grow = 10;     ///< lambda x grow where the perturbed problem has not been solved; > 1
-  double shrink = 0.5;  ///< lambda x shrink after a move; in (0, 1]
+  int rounds = 50;    ///< moves of the centre; 0: stay stuck
+  double lambda = 2;  ///< first lambda in units of sqrt(||J||_1 ||J||_inf) >= ||J(xbar)||_2: above 1 it is monotone
+  static constexpr double grow = 10;     ///< lambda x grow where the perturbed problem has not been solved
+  static constexpr double shrink = 0.5;  ///< lambda x shrink after a move
   /// A centre is accepted, and the method continues from it, if its natural residual is at most this share of the best
-  /// point's. In (0, 1).
-  double accept = 0.5;
+  /// point's.
+  static constexpr double accept = 0.5;
   /// Iterations that the method may take from a centre that was not accepted; its result is accepted by the same test.
   /// 0: it runs from accepted centres only.
   int trial_iterations = 25;
-  double perturbed_tol = 1e-6;  ///< natural residual at which a perturbed problem is solved well enough
-  int perturbed_iterations = 60;
+  static constexpr double perturbed_tol =
+      1e-6;  ///< natural residual at which a perturbed problem is solved well enough
+  static constexpr int perturbed_iterations = 60;
 };
 
 void describe(Stop& stop, Fields& fields);
@@ -75,7 +76,6 @@ void describe(Escape& escape, Fields& fields);
 
 // Single options that several methods have.
 void describe_search(double& sigma, double& beta, int& max_backtracks, Fields& fields);
-using lcp::describe_descent;
 using lcp::describe_lu;
 using lcp::describe_memory;
 using lcp::describe_start;

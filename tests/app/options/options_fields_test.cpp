@@ -35,11 +35,9 @@ TEST(Options, InertOnesAreNotShown) {
   };
   for (const Case& c :
        {Case{"semicomp", "escape_lambda", "3", "escape_rounds", "0", "9"},
-        Case{"semismooth", "forcing_max", "0.5", "linear_solver", "direct", "krylov"},
+        Case{"semismooth", "chord_steps", "5", "linear_solver", "direct", "krylov"},
         Case{"path", "crash_iteration_limit", "7", "crash_method", "none", "pnewton"},
-        Case{"auto", "nms_maximum_watchdogs", "1", "nms", "no", "yes"},
-        Case{"smooth", "smoothing_neighbourhood", "50", "smoothing_schedule", "newton-armijo", "predictor-corrector"},
-        Case{"smooth", "smoothing_shrink", "0.25", "smoothing_schedule", "predictor-corrector", "newton-armijo"}}) {
+        Case{"auto", "nms_maximum_watchdogs", "1", "nms", "no", "yes"}}) {
     const Assignment method{"method", c.method, ""}, on{c.by, c.on, ""}, off{c.by, c.off, ""}, set{c.key, c.value, ""};
     EXPECT_EQ(effect({method, off}, c.key), "-") << c.key;
     for (const auto& given : {std::vector{method, off, set}, std::vector{method, set, off}})

@@ -302,8 +302,7 @@ TEST(Options, BadValuesAreRefusedByName) {
                                                     {"output_major_iterations", "maybe", "yes or no"},
                                                     {"lemke_start", "never", "automatic, first or always"},
                                                     {"sideineq", "3", "in [1, 2]"},
-                                                    {"major", "99999999999", ">= 0"},
-                                                    {"descent_p", "2", "> 2"}};
+                                                    {"major", "99999999999", ">= 0"}};
   for (const auto& [key, value, range] : bad)
     EXPECT_THAT(refusal({{key, value, "here:7"}}),
                 testing::AllOf(HasSubstr("here:7"), HasSubstr(key), HasSubstr(value), HasSubstr(range)))

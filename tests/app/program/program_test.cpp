@@ -132,7 +132,7 @@ TEST(Help, CompletionKnowsMethodsOptionsAndLevels) {
 TEST(Help, OneMethodWithItsOptions) {
   test::Captured captured;
   EXPECT_EQ(show_method("semismooth", captured.streams), exit_solved);
-  EXPECT_THAT(captured.out.str(), AllOf(HasSubstr("descent_p\n"), HasSubstr("a number > 2; default 2.1"),
+  EXPECT_THAT(captured.out.str(), AllOf(HasSubstr("sigma\n"), HasSubstr("a number in (0, 1); default 0.0001"),
                                         Not(HasSubstr("escape_rounds")), Not(HasSubstr("crash_method"))));
 }
 

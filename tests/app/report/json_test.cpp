@@ -81,7 +81,7 @@ TEST(Json, IterationsAreTheRecords) {
   EXPECT_GT(pivots, 0);
   EXPECT_EQ(parsed["options"]["method"], "josephy");
   EXPECT_EQ(parsed["options"]["lemke_start"], "automatic");
-  EXPECT_FALSE(parsed["options"].contains("descent_rho")) << "that one is not josephy's";
+  EXPECT_FALSE(parsed["options"].contains("linear_solver")) << "that one is not josephy's";
 }
 
 // Smoothing's parameter, which is no prox; others have none.

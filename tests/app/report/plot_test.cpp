@@ -129,7 +129,6 @@ TEST(Plot, TheCurvePassesThroughTheIterates) {
     const LoadedProblem problem = load_problem(of.name, of.start);
     const std::vector<Assignment> options{{"method", "path-1997", "test"},
                                           {"merit_function", "fischer", "test"},
-                                          {"proximal_adaptive", "yes", "test"},
                                           {"gradient_step_limit", "5", "test"},
                                           {"nms_searchtype", of.searchtype, "test"}};
     double before = 0;

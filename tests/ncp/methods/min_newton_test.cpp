@@ -235,15 +235,6 @@ TEST(MinNewton, RefusesOptionsThatMakeNoSense) {
   EXPECT_THAT(why({.search = {.sigma = 2}}), testing::StartsWith("sigma is 2"));
   EXPECT_THAT(why({.search = {.memory = 0}}), testing::HasSubstr("nms_memory_size is 0"));
   EXPECT_THAT(why({.stop = {.tol = -1}}), testing::HasSubstr("convergence_tolerance is -1"));
-  EXPECT_THAT(invalid(escaping(MinNewton{}, {.shrink = 0})).value_or(""), testing::HasSubstr("escape_shrink is 0"));
-  EXPECT_THAT(invalid(escaping(MinNewton{}, {.grow = 1})).value_or(""), testing::HasSubstr("escape_grow is 1"));
-  EXPECT_THAT(invalid(escaping(MinNewton{}, {.accept = 1})).value_or(""), testing::HasSubstr("escape_accept is 1"));
-  EXPECT_THAT(invalid(escaping(MinNewton{}, {.trial_iterations = -1})).value_or(""),
-              testing::HasSubstr("escape_trial_iterations is -1"));
-  EXPECT_THAT(invalid(escaping(MinNewton{}, {.perturbed_tol = 0})).value_or(""),
-              testing::HasSubstr("escape_tolerance is 0"));
-  EXPECT_THAT(invalid(escaping(MinNewton{}, {.perturbed_iterations = 0})).value_or(""),
-              testing::HasSubstr("escape_iteration_limit is 0"));
 }
 
 }  // namespace

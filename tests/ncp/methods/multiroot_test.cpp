@@ -139,11 +139,11 @@ TEST(Multiroot, SolvesTheEmptyProblem) {
 }
 
 TEST(Multiroot, RefusesLargeProblems) {
-  const auto mcp = make_mcp(support::obstacle(10));
-  const Result result = solve(*mcp, Vec::Zero(100), Multiroot{.max_size = 99});
+  const auto mcp = make_mcp(support::obstacle(23));
+  const Result result = solve(*mcp, Vec::Zero(529), Multiroot{});
   EXPECT_EQ(result.status, Status::NotApplicable);
-  EXPECT_THAT(result.message, HasSubstr("100 variables"));
-  EXPECT_EQ(result.x.size(), 100);
+  EXPECT_THAT(result.message, HasSubstr("529 variables"));
+  EXPECT_EQ(result.x.size(), 529);
 }
 
 TEST(Multiroot, KeepsToItsLimitsAndShowsItsIterations) {
@@ -185,10 +185,6 @@ TEST(Multiroot, TwoThreads) {
 
 TEST(Multiroot, RefusesBadOptionsByName) {
   const auto why = [](const Multiroot& m) { return invalid(Method(m)).value_or(""); };
-  EXPECT_THAT(why({.mu = 0}), HasSubstr("mu is 0"));
-  EXPECT_THAT(why({.shrink = 1}), HasSubstr("shrink is 1"));
-  EXPECT_THAT(why({.mu_end = 2}), HasSubstr("mu_end is 2"));
-  EXPECT_THAT(why({.max_size = -1}), HasSubstr("max_size is -1"));
   EXPECT_THAT(why({.stop = {.tol = -1}}), HasSubstr("convergence_tolerance is -1"));
   EXPECT_THAT(why({.stop = {.max_iterations = -1}}), HasSubstr("major_iteration_limit is -1"));
   EXPECT_FALSE(invalid(Method(Multiroot{})).has_value());

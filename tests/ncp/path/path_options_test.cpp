@@ -138,15 +138,12 @@ TEST(PathOptions, InvalidOnesAreNamed) {
   EXPECT_THAT(why([](P& m) { m.beta = nan; }), names("beta", "nan"));
   EXPECT_THAT(why([](P& m) { m.max_backtracks = -2; }), names("max_backtracks", "-2"));
   EXPECT_THAT(why([](P& m) { m.crash.iteration_limit = -1; }), names("crash_iteration_limit", "-1"));
-  EXPECT_THAT(why([](P& m) { m.crash.least_step = 0; }), names("crash_least_step", "0"));
-  EXPECT_THAT(why([](P& m) { m.crash.least_step = 1.5; }), names("crash_least_step", "1.5"));
   EXPECT_THAT(why([](P& m) { m.nms.memory = 0; }), names("nms_memory_size", "0"));
   EXPECT_THAT(why([](P& m) { m.nms.mstep_frequency = 0; }), names("nms_mstep_frequency", "0"));
   EXPECT_THAT(why([](P& m) { m.nms.initial_reference_factor = 0.5; }), names("nms_initial_reference_factor", "0.5"));
   EXPECT_THAT(why([](P& m) { m.nms.initial_reference_factor = infinity; }),
               names("nms_initial_reference_factor", "inf"));
   EXPECT_THAT(why([](P& m) { m.nms.maximum_watchdogs = -1; }), names("nms_maximum_watchdogs", "-1"));
-  EXPECT_THAT(why([](P& m) { m.nms.distance_decrease = 2; }), names("distance_decrease", "2"));
   EXPECT_THAT(why([](P& m) { m.chord_steps = -1; }), names("chord_steps", "-1"));
   EXPECT_THAT(why([](P& m) { m.proximal_perturbation = -0.1; }), names("proximal_perturbation", "-0.1"));
   EXPECT_THAT(why([](P& m) { m.proximal_perturbation = nan; }), names("proximal_perturbation", "nan"));

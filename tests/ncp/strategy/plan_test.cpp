@@ -91,7 +91,7 @@ TEST(Plan, OptionsReachEveryKernel) {
   Fields fields;
   describe(method, fields);
   for (const char* key :
-       {"crash_method", "restart_limit", "preprocess", "smoothing_restarts", "escape_rounds", "sigma"})
+       {"crash_method", "restart_limit", "preprocess", "smoothing_schedule", "escape_rounds", "sigma"})
     EXPECT_NE(fields.find(key), nullptr) << key;
   const std::vector<Method*> parts = parts_named(method, "semismooth");
   ASSERT_FALSE(parts.empty());

@@ -49,7 +49,7 @@ TEST(ProximalEscape, CentresAloneLeadOut) {
 // At lambda = 1e-6 ||J|| the perturbed problem has the same local minimum: lambda must grow until it is solved.
 TEST(ProximalEscape, LambdaGrowsUntilThePerturbedProblemIsSolved) {
   const auto mcp = make_mcp(support::billups());
-  for (const auto& [label, method] : systems({.lambda = 1e-2, .grow = 10}))
+  for (const auto& [label, method] : systems({.lambda = 1e-2}))
     support::expect_solution(*mcp, vec({0}), method, vec({billups_solution}), 1e-7, label);
 }
 
@@ -71,7 +71,7 @@ TEST(ProximalEscape, KojimaShindo) {
 // first says what begins.
 TEST(ProximalEscape, RecordsTellTheMoves) {
   const auto mcp = make_mcp(support::billups());
-  for (const auto& [label, method] : systems({.lambda = 2, .shrink = 0.5})) {
+  for (const auto& [label, method] : systems({.lambda = 2})) {
     std::vector<Iteration> records;
     const Result result = solve(*mcp, vec({0}), method, record(records));
     std::vector<double> lambda;

@@ -74,8 +74,6 @@ TEST(Invalid, NamesTheOptionAndItsValue) {
   expect_stop_and_search_checked<NewtonJosephy>();
   using S = SemismoothNewton;
   EXPECT_THAT(why<S>([](S& m) { m.cfunction.at = nullptr; }), Optional(HasSubstr("cfunction")));
-  EXPECT_THAT(why<S>([](S& m) { m.descent_rho = -1; }), Optional(AllOf(HasSubstr("descent_rho"), HasSubstr("-1"))));
-  EXPECT_THAT(why<S>([](S& m) { m.descent_p = 2; }), Optional(AllOf(HasSubstr("descent_p"), HasSubstr("2"))));
   using J = NewtonJosephy;
   EXPECT_THAT(why<J>([](J& m) { m.lemke.max_pivots = -1; }), Optional(HasSubstr("minor_iteration_limit is -1")));
   EXPECT_THAT(why<J>([](J& m) { m.lemke.residual_tol = 0; }), Optional(HasSubstr("lemke.residual_tol is 0")));
