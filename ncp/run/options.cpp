@@ -35,9 +35,8 @@ void describe(Armijo& a, Fields& f) {
 }
 
 void describe(Escape& e, Fields& f) {
-  f.add(
-      "escape_rounds", &e.rounds, at_least(0),
-      "proximal problems  F(x) + lambda (x - xbar)  that are tried when the method is stuck");
+  f.add("escape_rounds", &e.rounds, at_least(0),
+        "proximal problems  F(x) + lambda (x - xbar)  that are tried when the method is stuck");
   f.when(e.rounds != 0, "escape_rounds = 0", [&] {
     f.add("escape_lambda", &e.lambda, above(0), "first lambda of an escape, in units of sqrt(|J|_1 |J|_inf)");
   });

@@ -33,11 +33,10 @@ TEST(Options, InertOnesAreNotShown) {
     const char* off;
     const char* on;
   };
-  for (const Case& c :
-       {Case{"semicomp", "escape_lambda", "3", "escape_rounds", "0", "9"},
-        Case{"semismooth", "chord_steps", "5", "linear_solver", "direct", "krylov"},
-        Case{"path", "crash_iteration_limit", "7", "crash_method", "none", "pnewton"},
-        Case{"auto", "nms_maximum_watchdogs", "1", "nms", "no", "yes"}}) {
+  for (const Case& c : {Case{"semicomp", "escape_lambda", "3", "escape_rounds", "0", "9"},
+                        Case{"semismooth", "chord_steps", "5", "linear_solver", "direct", "krylov"},
+                        Case{"path", "crash_iteration_limit", "7", "crash_method", "none", "pnewton"},
+                        Case{"auto", "nms_maximum_watchdogs", "1", "nms", "no", "yes"}}) {
     const Assignment method{"method", c.method, ""}, on{c.by, c.on, ""}, off{c.by, c.off, ""}, set{c.key, c.value, ""};
     EXPECT_EQ(effect({method, off}, c.key), "-") << c.key;
     for (const auto& given : {std::vector{method, off, set}, std::vector{method, set, off}})
