@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "app/program/files.hpp"
@@ -27,6 +28,9 @@ struct LoadedProblem {
   /// Of the variables a user knows: without those added for side inequalities.
   ncp::Index own_variables() const { return model != nullptr ? model->n_var() : mcp->size(); }
 };
+
+/// The state of a variable that is no unknown (ncp::ampl::Model::computed).
+inline constexpr std::string_view computed_state = "computed";
 
 /// What the command line names.
 struct ProblemSource {

@@ -44,9 +44,11 @@ WarmStart parse_warm_start(std::string_view text, const std::string& path, const
   const Json json = Json::parse(lcp::without_mark(text, path), nullptr, false);
   if (!json.is_object() || !json.contains("variables") || !json["variables"].is_array())
     fail("this is no result that 'perp solve --json' wrote");
-  const Json& variables = json["variables"];
-  if (static_cast<ncp::Index>(variables.size()) != mcp.size())
-    fail(fmt::format("{} variables, the problem has {}", variables.size(), mcp.size()));
+  const Json& variables = json["variables"];  // computed ones are the last
+  const auto unknowns = std::ranges::count_if(variables, [](const Json& variable) {
+    return !variable.is_object() || !variable.contains("state") || variable["state"] != computed_state;
+  });
+  if (unknowns != mcp.size()) fail(fmt::format("{} variables, the problem has {}", unknowns, mcp.size()));
   WarmStart warm{.x = ncp::Vec(mcp.size())};
   for (ncp::Index i = 0; i < mcp.size(); ++i) {
     const Json& variable = variables[static_cast<std::size_t>(i)];

@@ -120,24 +120,36 @@ void append_variables(std::string& text, const Report& report) {
     const bool plain = std::ranges::all_of(given, [](char c) { return c >= ' ' && c <= '~' && c != '"' && c != '\\'; });
     return plain ? '"' + std::string(given) + '"' : Json(given).dump(-1, ' ', false, Json::error_handler_t::replace);
   };
+  const auto number = [&](const char* key, double value) {
+    text.append(",\n      \"").append(key).append("\": ");
+    append_number(text, value);
+  };
+  const auto word = [&](const char* key, std::string_view value) {
+    text.append(",\n      \"").append(key).append("\": ").append(quoted(value));
+  };
+  const auto begin = [&](std::string_view name, std::string_view equation) {
+    text.append(text.back() == '[' ? "" : ",").append("\n    {\n      \"name\": ").append(quoted(name));
+    word("equation", equation);
+  };
   text.reserve(text.size() + 200 * static_cast<std::size_t>(mcp.size()));  // what a variable takes, by and large
   text += "[";
   for (ncp::Index i = 0; i < mcp.size(); ++i) {
-    const auto number = [&](const char* key, double value) {
-      text.append(",\n      \"").append(key).append("\": ");
-      append_number(text, value);
-    };
-    const auto word = [&](const char* key, std::string_view value) {
-      text.append(",\n      \"").append(key).append("\": ").append(quoted(value));
-    };
-    text.append(i > 0 ? "," : "").append("\n    {\n      \"name\": ").append(quoted(mcp.variable_name(i)));
-    word("equation", mcp.equation_name(i));
+    begin(mcp.variable_name(i), mcp.equation_name(i));
     number("lower", box.lower[i]);
     number("value", report.result.x[i]);
     number("upper", box.upper[i]);
     number("F", F_value(report, i));
     word("state", state_name(box, i, report.result.x[i], tol));
     if (has_basis) word("basis", cell_name(basis[static_cast<std::size_t>(i)]));
+    text += "\n    }";
+  }
+  for (const auto& [name, equation, value] : computed(report)) {
+    begin(name, equation);
+    number("lower", -ncp::infinity);
+    number("value", value);
+    number("upper", ncp::infinity);
+    number("F", 0);
+    word("state", computed_state);
     text += "\n    }";
   }
   text += "\n  ]";

@@ -128,6 +128,12 @@ std::string_view state_name(const ncp::Box& box, ncp::Index i, double x, double 
   return "basic";
 }
 
+std::vector<ncp::ampl::Model::Computed> computed(const Report& report) {
+  const ncp::ampl::Model* model = report.problem->model;
+  if (model == nullptr) return {};
+  return model->computed(report.result.x.head(model->n_var()));
+}
+
 double F_value(const Report& report, ncp::Index i) {
   return i < report.result.F.size() ? report.result.F[i] : std::numeric_limits<double>::quiet_NaN();
 }
@@ -152,7 +158,13 @@ void print_solution(std::ostream& out, const Report& report, bool full) {
   Table table({"variable", ">lower", ">value", ">upper", ">F", "state"});
   const double tol = ncp::stop(report.settings.method).tol;
   const std::size_t limit = full ? 0 : long_table;
-  table.fill(static_cast<std::size_t>(box.size()), limit, [&](std::size_t k) -> std::vector<std::string> {
+  const std::vector<ncp::ampl::Model::Computed> others = computed(report);
+  const auto size = static_cast<std::size_t>(box.size());
+  table.fill(size + others.size(), limit, [&](std::size_t k) -> std::vector<std::string> {
+    if (k >= size) {
+      const auto& [name, equation, value] = others[k - size];
+      return {name, number(-ncp::infinity), number(value), number(ncp::infinity), "0", std::string(computed_state)};
+    }
     const auto i = static_cast<ncp::Index>(k);
     const double x = report.result.x[i];
     return {report.mcp().variable_name(i), number(box.lower[i]),          number(x),

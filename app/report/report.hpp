@@ -54,6 +54,9 @@ void tell_more(Report& report);
 /// distances up to `tol` counted as "at".
 std::string_view state_name(const ncp::Box& box, ncp::Index i, double x, double tol);
 
+/// The variables of a model that are no unknowns, each the expression of a condition, at the result.
+std::vector<ncp::ampl::Model::Computed> computed(const Report& report);
+
 /// F_i at the result; NaN where it is not known.
 double F_value(const Report& report, ncp::Index i);
 
@@ -61,7 +64,7 @@ double F_value(const Report& report, ncp::Index i);
 void print_size(std::ostream& out, const LoadedProblem& problem);
 /// Name, size, start, method.
 void print_heading(std::ostream& out, const LoadedProblem& problem, const Settings& settings);
-/// Name, lower, value, upper, F, state of each variable; shortened beyond 60 unless `full`.
+/// Name, lower, value, upper, F, state of each variable, computed ones last; shortened beyond 60 unless `full`.
 void print_solution(std::ostream& out, const Report& report, bool full);
 /// The largest entries of x, F and its Jacobian at the start.
 void print_initial_statistics(std::ostream& out, const LoadedProblem& problem);

@@ -77,6 +77,7 @@ class AslModel final : public Model {
   Index n_var() const override { return static_cast<Index>(pairing_.variables.size()); }
   Index side_inequalities() const override { return size() - n_var(); }
   bool has_objective() const override { return nl_.header.n_obj > 0; }
+  std::vector<Computed> computed(In x) const override;
   std::vector<std::string> remarks() const override;
   void write_sol(const std::string& message, In x, int solve_result_num) const override;
 
@@ -90,6 +91,8 @@ class AslModel final : public Model {
   /// c(x); in the rows known to be undefined NaN, or infinity (of whatever sign) after an overflow. false: rows were
   /// left out.
   bool values_of_rows(In x) const;
+  /// v at the x of values_of_rows(); nan where that is not defined.
+  double value_of(const Auxiliary& v) const { return (v.bound - rows_[at(v.row)]) / v.coefficient; }
 
   std::string stub_;
   NlModel nl_;
@@ -154,6 +157,19 @@ std::vector<std::string> AslModel::remarks() const {
   return text;
 }
 
+std::vector<Model::Computed> AslModel::computed(In x) const {
+  std::vector<Computed> all;
+  if (pairing_.auxiliaries.empty()) return all;
+  const bool defined = values_of_rows(x);
+  for (const Auxiliary& v : pairing_.auxiliaries) {
+    const std::string name = names_.variable(v.variable), row = names_.row(v.row);
+    const std::string condition = name.substr(0, name.rfind('.'));
+    if (condition.size() < name.size() && (row == condition + ".bc" || row == condition + ".ve")) continue;
+    all.push_back({name, row, defined ? value_of(v) : nan});
+  }
+  return all;
+}
+
 void AslModel::write_sol(const std::string& message, In x, int solve_result_num) const {
   const std::string path = stub_ + ".sol";
   if (x.size() != n_var())
@@ -165,7 +181,7 @@ void AslModel::write_sol(const std::string& message, In x, int solve_result_num)
   point(x);
   std::vector<double> all = point_;
   for (const Auxiliary& v : pairing_.auxiliaries) {
-    const double value = (v.bound - rows_[at(v.row)]) / v.coefficient;
+    const double value = value_of(v);
     all[at(v.variable)] = defined && std::isfinite(value) ? value : nl_.start[at(v.variable)];
   }
   write_answer(stub_, sol_text(sol_format(nl_.header), message, all, solve_result_num));

@@ -42,6 +42,14 @@ class Model : public Mcp {
   virtual Index n_var() const = 0;       ///< variables of the model itself that are unknowns
   virtual Index side_inequalities() const = 0;
   virtual bool has_objective() const = 0;  ///< (ignored: an MCP has none)
+  /// Variables of the modeller's that are no unknowns: each stands for the expression of a condition, and `equation`
+  /// gives its value. nan where that is not defined.
+  struct Computed {
+    std::string name, equation;
+    double value = 0;
+  };
+  /// Those at x, the n_var() unknowns; Pyomo's own, NAME.bv and NAME.v of a condition NAME, are left out.
+  virtual std::vector<Computed> computed(In x) const = 0;
   /// Parts of the model that are no condition and deserve a second look: sentences without a full stop.
   virtual std::vector<std::string> remarks() const = 0;
   /// Writes STUB.sol: `message`, all variables, of which x has the n_var() unknowns, and solve_result_num. Throws

@@ -139,7 +139,7 @@ def attempt_of(end, name):
         return Attempt(end, CLAIMS.get(status, "failed"), message, status)
     counts = tuple(answer["stats"][name] for name in COUNTS)
     curve = thinned([number(it["residual"]) for it in answer["iterations"]])
-    x = [number(v["value"]) for v in answer["variables"]]
+    x = [number(v["value"]) for v in answer["variables"] if v["state"] != "computed"]
     return Attempt(end, CLAIMS.get(status, "failed"), message, status, counts, answer["stats"]["time_s"], curve, x)
 
 

@@ -47,6 +47,38 @@ TEST(Solve, ModelWithNames) {
   }
 }
 
+// profit = p - 3, 0 <= p _|_ profit >= 0: the reader makes p - 3 the F of p, and profit = 0 no unknown. Catches an
+// answer without a variable that the modeller has named, or with one that Pyomo has added.
+TEST(Solve, AVariableThatAloneMakesUpAConditionIsShown) {
+  const test::Folder folder;
+  test::write(folder / "m.nl",
+              "g3 1 1 0\n 2 2 0 0 1\n 0 0 1 0\n 0 0\n 0 0 0\n 0 0 0 1\n 0 0 0 0 0\n 3 0\n 0 0\n 0 0 0 0 0\n"
+              "C0\nn0\nC1\nn0\nx0\nr\n5 1 1\n4 -3\nb\n2 0\n3\nk1\n1\nJ0 1\n1 1\nJ1 2\n0 -1\n1 1\n");
+  const auto names_of = [&](const std::string& profit) {
+    test::write(folder / "m.col", "p\n" + profit + "\n");
+    test::write(folder / "m.row", "entry.c\nentry.bc\n");
+    test::Captured captured;
+    EXPECT_EQ(solve({.problem = folder / "m.nl", .json = folder / "m.json"}, captured.streams), exit_solved);
+    const Json parsed = parse_json(test::read(folder / "m.json"));
+    EXPECT_EQ(parsed["size"], 1);
+    std::vector<std::string> names;
+    for (const Json& variable : parsed["variables"]) {
+      names.push_back(variable["name"]);
+      EXPECT_THAT(captured.out.str(), HasSubstr("\n" + names.back() + " "));
+    }
+    return names;
+  };
+  EXPECT_THAT(names_of("entry.bv"), testing::ElementsAre("p"));
+  EXPECT_THAT(names_of("profit"), testing::ElementsAre("p", "profit"));
+  const Json profit = parse_json(test::read(folder / "m.json"))["variables"][1];
+  EXPECT_EQ(profit["state"], "computed");
+  EXPECT_EQ(profit["equation"], "entry.bc");
+  EXPECT_NEAR(profit["value"].get<double>(), 0, 1e-8);
+  test::Captured captured;  // the result is one to start from
+  EXPECT_EQ(solve({.problem = folder / "m.nl", .warm_start = folder / "m.json"}, captured.streams), exit_solved)
+      << captured.err.str();
+}
+
 TEST(Solve, StartsAreCountedFromOne) {
   for (const int start : {1, 8}) {
     test::Captured captured;
