@@ -153,7 +153,9 @@ std::vector<std::string> AslModel::remarks() const {
   std::vector<std::string> text;
   if (has_objective())
     text.emplace_back("the objective is not used: the conditions of a square model determine its solution");
-  if (std::string sides = without_row(nl_, names_); !sides.empty()) text.push_back(std::move(sides));
+  const std::string conditions = twice(nl_, pairing_, names_), sides = without_row(nl_, names_);
+  if (!conditions.empty() || !sides.empty())
+    text.push_back(conditions + (conditions.empty() || sides.empty() ? "" : "; ") + sides);
   return text;
 }
 

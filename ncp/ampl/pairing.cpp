@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <climits>
 #include <cmath>
-#include <optional>
 
+#include "ncp/ampl/conditions.hpp"
 #include "ncp/ampl/model.hpp"
 #include "ncp/interval/undefined.hpp"
 #include "ncp/problem/model_structure.hpp"
@@ -14,7 +14,7 @@
 namespace perp::ncp::ampl {
 namespace {
 
-bool is_equation(const NlRange& row) { return row.complement < 0 && row.lower == row.upper; }
+bool is_bounded(const NlRange& range) { return std::isfinite(range.lower) || std::isfinite(range.upper); }
 
 std::string interval(const NlRange& r) { return "[" + number(r.lower) + ", " + number(r.upper) + "]"; }
 
@@ -51,17 +51,22 @@ void refuse_empty_ranges(const NlModel& model, const Names& names) {
     check(model.rows[i], "constraint " + names.row(static_cast<int>(i)));
 }
 
-// Fewer conditions than variables leave the rest to an objective: a mathematical program with equilibrium constraints.
-void refuse_mpec(const NlModel& model) {
+// Fewer conditions than variables leave the rest to an objective: an optimisation problem, with or without equilibrium
+// constraints.
+void refuse_optimisation(const NlModel& model) {
   const auto conditions = std::ranges::count_if(model.rows, [](const NlRange& row) { return row.complement >= 0; });
   const auto equations = std::ranges::count_if(model.rows, is_equation);
   const auto left = std::ssize(model.variables) - conditions - equations;
-  if (model.header.n_obj == 0 || conditions == 0 || left <= 0) return;
-  throw ModelError(nonsquare, model.file + ": the model is an MPEC, an optimisation problem with equilibrium " +
-                                  "constraints: its " + quantity(conditions, "complementarity condition") + " and " +
-                                  quantity(equations, "equation") + " leave " + quantity(left, "variable") +
-                                  " to the objective; Perp solves models whose conditions determine all variables, " +
-                                  "and uses no objective");
+  if (model.header.n_obj == 0 || left <= 0) return;
+  const std::string leave = quantity(equations, "equation") +
+                            (conditions == 0 && equations == 1 ? " leaves " : " leave ") + quantity(left, "variable");
+  throw ModelError(nonsquare,
+                   model.file + ": the model is an " +
+                       (conditions == 0 ? "optimisation problem: it has no complementarity condition, and its " + leave
+                                        : "MPEC, an optimisation problem with equilibrium constraints: its " +
+                                              quantity(conditions, "complementarity condition") + " and " + leave) +
+                       " to the objective; Perp solves models whose conditions determine all variables, and uses no "
+                       "objective");
 }
 
 // The bounds decide (the AMPL/PATH driver's rule). A kind that names a bound which is infinite changes nothing: such a
@@ -73,10 +78,16 @@ void refuse_contradictions(const NlModel& model, const Names& names) {
     const NlRange& variable = model.variables[at(row.complement)];
     const int finite = (std::isfinite(variable.lower) ? 1 : 0) | (std::isfinite(variable.upper) ? 2 : 0);
     if ((finite & ~row.bounds) == 0) continue;
-    throw ModelError(bad_file, model.at(row.place) + ": constraint " + names.row(static_cast<int>(i)) +
-                                   " complements variable " + names.variable(row.complement) + " with kind " +
-                                   std::to_string(row.bounds) + ", which contradicts the variable's bounds " +
-                                   interval(variable) + " (their kind is " + std::to_string(finite) + ")");
+    const char* where = row.bounds == 0   ? "at no bound"
+                        : row.bounds == 1 ? "at its lower bound alone"
+                                          : "at its upper bound alone";
+    throw ModelError(bad_file,
+                     model.at(row.place) + ": constraint " + names.row(static_cast<int>(i)) + " complements variable " +
+                         names.variable(row.complement) + " " + where + " (kind " + std::to_string(row.bounds) +
+                         "), and the variable has the bounds " + interval(variable) + " (their kind is " +
+                         std::to_string(finite) +
+                         "): the condition does not say what holds at the other bound. Give it all of them (AMPL: l <= "
+                         "x <= u complements F; Pyomo: import perp.pyomo, and complements(F, inequality(l, x, u)))");
   }
 }
 
@@ -100,144 +111,123 @@ void refuse_double_complements(const NlModel& model, const Names& names, const s
   }
 }
 
-/// Rows and variables as they are written, with what rows change by between points where most of them are defined.
-ModelStructure structure_of(const NlModel& model, const Names& names) {
-  const auto m = static_cast<Index>(model.rows.size());
-  const auto n = static_cast<Index>(model.variables.size());
+/// Pyomo calls the two rows of a condition NAME.c and NAME.bc.
+std::string row_name(const Equation& e, const Names& names) {
+  const std::string row = names.row(e.index);
+  if (e.condition < 0) return row;
+  const std::string condition = names.row(e.condition);
+  const std::string name = condition.substr(0, condition.rfind('.'));
+  return name.size() < condition.size() && name == row.substr(0, row.rfind('.')) ? name : condition;
+}
+
+/// The variables with bounds that no row complements, where they are few and most have one: a slip of the modeller's
+/// more often than not.
+std::vector<int> without_condition(const NlModel& model) {
+  std::vector<char> complemented(model.variables.size(), 0);
+  for (const NlRange& row : model.rows)
+    if (row.complement >= 0) complemented[at(row.complement)] = 1;
+  std::vector<int> alone;
+  std::size_t others = 0;
+  for (std::size_t j = 0; j < model.variables.size(); ++j)
+    if (is_bounded(model.variables[j])) complemented[j] ? void(++others) : alone.push_back(static_cast<int>(j));
+  constexpr std::size_t few = 5;  // names that a person reads
+  if (alone.size() > few || alone.size() > others) alone.clear();
+  return alone;
+}
+
+/// "no row complements x3, which has bounds".
+std::string told(const std::vector<int>& without, const Names& names) {
+  std::vector<std::string> variables;
+  for (const int j : without) variables.push_back(names.variable(j));
+  return "no row complements " + Names::list(variables) +
+         (without.size() == 1 ? ", which has bounds" : ", which have bounds");
+}
+
+/// Rows and variables without those that only spell conditions, and what rows change by between points where most of
+/// them are defined.
+ModelStructure structure_of(const NlModel& model, const Names& names, const Conditions& found) {
+  std::vector<Index> column(model.variables.size(), -1);
+  std::vector<int> variables;
+  for (std::size_t j = 0; j < column.size(); ++j) {
+    if (found.gone[j]) continue;
+    column[j] = std::ssize(variables);
+    variables.push_back(static_cast<int>(j));
+  }
+  std::vector<Equation> rows;
+  std::vector<Index> complement;
+  const auto add = [&](const Equation& row, int variable) {
+    rows.push_back(row);
+    complement.push_back(variable >= 0 ? column[at(variable)] : -1);
+  };
+  for (std::size_t i = 0; i < model.rows.size(); ++i) {
+    const NlRange& row = model.rows[i];
+    if (!found.gone_row[i])
+      add({.index = static_cast<int>(i), .bound = row.complement < 0 ? row.lower : 0}, row.complement);
+    else if (const int x = found.complement[i]; x >= 0)
+      add(found.own[at(x)], x);
+  }
+  const auto m = std::ssize(rows), n = std::ssize(variables);
   ModelStructure s{.pattern = SpMat(m, n),
                    .own = SpMat(m, n),
-                   .complement = {},
+                   .complement = complement,
                    .changes = Eigen::MatrixXd::Zero(m, 3),
-                   .row = [&names](Index i) { return names.row(static_cast<int>(i)); },
-                   .variable = [&names](Index j) { return names.variable(static_cast<int>(j)); }};
+                   .row = [rows, &names](Index i) { return row_name(rows[at(i)], names); },
+                   .variable = [variables, &names](Index j) { return names.variable(variables[at(j)]); }};
   std::vector<Eigen::Triplet<double>> entries, complements;
   for (Index i = 0; i < m; ++i) {
-    const NlRange& row = model.rows[at(i)];
-    s.complement.push_back(row.complement);
-    s.imposes.push_back(row.complement >= 0 || is_equation(row) ? 1 : 0);
+    s.imposes.push_back(complement[at(i)] >= 0 || is_equation(model.rows[at(rows[at(i)].index)]) ? 1 : 0);
     if (!s.imposes.back()) continue;
-    if (row.complement >= 0) complements.emplace_back(static_cast<int>(i), row.complement, 1);
-    for (const int j : model.row_variables[at(i)]) entries.emplace_back(static_cast<int>(i), j, 1);
+    if (complement[at(i)] >= 0) complements.emplace_back(static_cast<int>(i), complement[at(i)], 1);
+    for (const int j : model.row_variables[at(rows[at(i)].index)])
+      if (column[at(j)] >= 0) entries.emplace_back(static_cast<int>(i), column[at(j)], 1);
   }
   s.own.setFromTriplets(entries.begin(), entries.end());
   entries.insert(entries.end(), complements.begin(), complements.end());
   s.pattern.setFromTriplets(entries.begin(), entries.end());
-  for (const NlRange& v : model.variables)
-    s.bounded.push_back(std::isfinite(v.lower) || std::isfinite(v.upper) ? 1 : 0);
+  for (const int j : variables) s.bounded.push_back(is_bounded(model.variables[at(j)]) ? 1 : 0);
   Vec base;
   for (int k = 0; k <= s.changes.cols(); ++k) {
-    Vec x(n);
-    for (Index j = 0; j < n; ++j)
-      x[j] = std::clamp(0.6 + 0.3 * std::sin(1.7 * static_cast<double>(j + 1) * (k + 1)), model.variables[at(j)].lower,
-                        std::max(model.variables[at(j)].lower, model.variables[at(j)].upper));
-    const PointValues values(model.expressions.graph, {x.data(), at(n)});
-    Vec c(m);
+    std::vector<double> x(model.variables.size(), 0);
+    for (const int j : variables)
+      x[at(j)] =
+          std::clamp(0.6 + 0.3 * std::sin(1.7 * static_cast<double>(j + 1) * (k + 1)), model.variables[at(j)].lower,
+                     std::max(model.variables[at(j)].lower, model.variables[at(j)].upper));
+    const PointValues values(model.expressions.graph, x);
+    const auto value_of = [&](int row) {
+      double c = values[model.expressions.rows[at(row)]];
+      for (std::size_t e = 0; e < model.row_variables[at(row)].size(); ++e)
+        c += model.coefficients[at(row)][e] * x[at(model.row_variables[at(row)][e])];
+      return c;
+    };
+    Vec F(m);
     for (Index i = 0; i < m; ++i) {
-      c[i] = values[model.expressions.rows[at(i)]];
-      for (std::size_t e = 0; e < model.row_variables[at(i)].size(); ++e)
-        c[i] += model.coefficients[at(i)][e] * x[model.row_variables[at(i)][e]];
+      const Equation& row = rows[at(i)];
+      F[i] = row.sign * (value_of(row.index) - row.bound) + (row.condition >= 0 ? value_of(row.condition) : 0);
     }
     if (k == 0)
-      s.values = base = c;
+      s.values = base = F;
     else
-      s.changes.col(k - 1) = c - base;
+      s.changes.col(k - 1) = F - base;
   }
   return s;
 }
 
-void refuse_nonsquare(const NlModel& model, const Names& names, const std::vector<char>& complemented) {
+void refuse_nonsquare(const NlModel& model, const Names& names, const Conditions& found) {
   std::ptrdiff_t conditions = 0, equations = 0;
-  for (const NlRange& row : model.rows) {
-    if (row.complement >= 0)
+  for (std::size_t i = 0; i < model.rows.size(); ++i) {
+    if (found.complement[i] >= 0)
       ++conditions;
-    else if (is_equation(row))
+    else if (!found.gone_row[i] && is_equation(model.rows[i]))
       ++equations;
   }
-  if (equations == std::ranges::count(complemented, 0)) return;
+  const auto variables = std::ranges::count(found.gone, 0);
+  if (equations + conditions == variables) return;
   std::string message = model.file + ": the model is not square: " + quantity(equations, "equation") + " and " +
-                        quantity(conditions, "complementarity condition") + " for " +
-                        quantity(std::ssize(complemented), "variable");
-  for (const std::string& fault : faults(structure_of(model, names))) message += "; " + fault;
+                        quantity(conditions, "complementarity condition") + " for " + quantity(variables, "variable");
+  for (const std::string& fault : faults(structure_of(model, names, found))) message += "; " + fault;
+  if (const auto without = without_condition(model); equations + conditions < variables && !without.empty())
+    message += "; " + told(without, names);
   throw ModelError(nonsquare, message);
-}
-
-/// Marks each variable that occurs in an expression.
-std::vector<char> in_expressions(const NlModel& model) {
-  std::vector<char> in_expression(at(model.header.n_var + model.header.defined()), 0);
-  for (const auto* lists : {&model.mentions, &model.definitions})
-    for (const std::vector<Mention>& mentions : *lists)
-      for (const Mention& m : mentions) in_expression[at(m.index)] = 1;
-  return in_expression;
-}
-
-double coefficient(const NlModel& model, std::size_t row, int v) {
-  const std::vector<int>& variables = model.row_variables[row];
-  return model.coefficients[row][at(std::ranges::find(variables, v) - variables.begin())];
-}
-
-/// Number of rows with the variable.
-int rows_of(const NlModel& model, int v) { return model.column_start[at(v) + 1] - model.column_start[at(v)]; }
-
-/// Returns for each variable the last equation that it is in, or -1.
-std::vector<int> equations_of_variables(const NlModel& model) {
-  std::vector<int> equation(model.variables.size(), -1);
-  for (std::size_t i = 0; i < model.rows.size(); ++i)
-    if (is_equation(model.rows[i]))
-      for (const int j : model.row_variables[i]) equation[at(j)] = static_cast<int>(i);
-  return equation;
-}
-
-bool is_free(const NlRange& range) { return range.lower == -infinity && range.upper == infinity; }
-
-/// Returns for each row that complements a variable the equation of its auxiliary variable, or -1.
-std::vector<int> auxiliary_equations(const NlModel& model, const std::vector<char>& complemented,
-                                     const std::vector<char>& in_expression) {
-  const std::vector<int> defining = equations_of_variables(model);
-  std::vector<int> equations(model.rows.size(), -1);
-  std::vector<char> taken(model.rows.size(), 0);
-  for (std::size_t i = 0; i < model.rows.size(); ++i) {
-    if (model.rows[i].complement < 0 || model.row_variables[i].size() != 1 || !model.mentions[i].empty()) continue;
-    const int v = model.row_variables[i].front();
-    if (!is_free(model.variables[at(v)]) || complemented[at(v)] || in_expression[at(v)] || rows_of(model, v) != 2)
-      continue;
-    if (defining[at(v)] < 0 || taken[at(defining[at(v)])]) continue;
-    const double c = coefficient(model, i, v), a = coefficient(model, at(defining[at(v)]), v);
-    if (c == 0 || std::abs(c) != std::abs(a)) continue;
-    equations[i] = defining[at(v)];
-    taken[at(defining[at(v)])] = 1;
-  }
-  return equations;
-}
-
-/// A condition  0 <= v _|_ u >= 0  whose u is an affine function of one free variable x, and whose v stands for F: the
-/// bound u >= 0 is one of x, and x complements F.
-struct Turned {
-  int variable = 0;   ///< x
-  bool above = true;  ///< x >= bound; else x <= bound
-  double bound = 0;
-  int equation = 0;  ///< of v
-  double sign = 1;   ///< F = sign (row(x) - its bound), at v = 0
-};
-/// Nothing: row i, whose auxiliary variable row e defines, is no such condition, or the bound would be rounded.
-std::optional<Turned> turned(const NlModel& model, const PointValues& constants, const std::vector<char>& taken,
-                             const std::vector<int>& equation_of, const std::vector<char>& in_expression, std::size_t i,
-                             int e) {
-  const int u = model.row_variables[i].front(), v = model.rows[i].complement;
-  const NlRange& range = model.variables[at(v)];
-  if (range.lower != 0 || range.upper != infinity || in_expression[at(v)] || rows_of(model, v) != 1) return {};
-  const std::vector<int>& variables = model.row_variables[at(e)];
-  if (variables.size() != 2 || !model.mentions[at(e)].empty()) return {};
-  const int x = variables[variables[0] == u ? 1 : 0], f = equation_of[at(v)];
-  if (!is_free(model.variables[at(x)]) || taken[at(x)] || f < 0 || f == e) return {};
-  const double of_v = coefficient(model, at(f), v);
-  if (std::abs(of_v) != 1) return {};
-  if (constants[model.expressions.rows[i]] != 0 || constants[model.expressions.rows[at(e)]] != 0) return {};
-  // s (b - a x) >= 0, s = 1 or -1.
-  const double s = coefficient(model, i, u) == coefficient(model, at(e), u) ? 1 : -1;
-  const double a = coefficient(model, at(e), x), b = model.rows[at(e)].lower, bound = b / a;
-  if (!std::isfinite(bound) || std::fma(bound, a, -b) != 0) return {};
-  const bool above = s * a < 0;
-  return Turned{.variable = x, .above = above, .bound = bound, .equation = f, .sign = above ? -of_v : of_v};
 }
 
 // Adds an unknown y >= 0 with F_y = sign (v - bound) - y.
@@ -267,60 +257,33 @@ std::string side_name(const Pairing& pairing, const Names& names, Index u) {
 Pairing pair(const NlModel& model, const Names& names) {
   refuse_integers(model, names);
   refuse_empty_ranges(model, names);
-  refuse_mpec(model);
+  refuse_optimisation(model);
   refuse_contradictions(model, names);
   const auto n_var = static_cast<int>(model.variables.size());
   std::vector<char> complemented(model.variables.size(), 0);
   for (const NlRange& row : model.rows)
     if (row.complement >= 0) complemented[at(row.complement)] = 1;
   refuse_double_complements(model, names, complemented);
-  refuse_nonsquare(model, names, complemented);
+  const Conditions found = conditions(model);
+  refuse_nonsquare(model, names, found);
 
   Pairing pairing;
   pairing.used.assign(model.rows.size(), 0);
-  const std::vector<char> in_expression = in_expressions(model);
-  const std::vector<int> defining = auxiliary_equations(model, complemented, in_expression);
-  const std::vector<int> equation_of = equations_of_variables(model);
-  std::vector<char> gone_row(model.rows.size(), 0), gone(model.variables.size(), 0);
-  std::vector<char> paired = complemented;      // variables that have their row
-  std::vector<char> spoken_for = complemented;  // those, and variables that a condition consists of
-  for (std::size_t i = 0; i < model.rows.size(); ++i)
-    if (model.rows[i].complement >= 0 && model.row_variables[i].size() == 1)
-      spoken_for[at(model.row_variables[i].front())] = 1;
-  std::vector<Turned> turns;
-  const PointValues constants(model.expressions.graph, std::vector<double>(model.variables.size(), 0));
-  std::vector<Equation> own(model.variables.size()), sides;
-  for (std::size_t i = 0; i < model.rows.size(); ++i) {
-    if (defining[i] < 0) continue;
-    const int v = model.row_variables[i].front(), e = defining[i];
-    const double a = coefficient(model, at(e), v), b = model.rows[at(e)].lower;
-    const int condition = static_cast<int>(i);
-    pairing.auxiliaries.push_back({v, e, a, b});
-    gone_row[at(e)] = gone[at(v)] = pairing.used[i] = pairing.used[at(e)] = 1;
-    if (const auto turn = turned(model, constants, spoken_for, equation_of, in_expression, i, e);
-        turn && !gone_row[at(turn->equation)]) {
-      const int f = turn->equation, y = model.rows[i].complement;
-      own[at(turn->variable)] = {
-          .index = f, .sign = turn->sign, .bound = model.rows[at(f)].lower, .condition = condition};
-      pairing.auxiliaries.push_back({y, f, coefficient(model, at(f), y), model.rows[at(f)].lower});
-      gone_row[at(f)] = gone[at(y)] = pairing.used[at(f)] = paired[at(turn->variable)] = 1;
-      spoken_for[at(turn->variable)] = 1;
-      turns.push_back(*turn);
-      continue;
-    }
-    own[at(model.rows[i].complement)] = {
-        .index = e, .sign = coefficient(model, i, v) == a ? -1.0 : 1.0, .bound = b, .condition = condition};
-  }
+  for (const int i : found.used) pairing.used[at(i)] = 1;
+  pairing.auxiliaries = found.auxiliaries;
+  std::vector<Equation> own = found.own, sides;
+  std::vector<char> paired = complemented;  // variables that have their row
+  for (const Turned& turn : found.turns) paired[at(turn.variable)] = 1;
   int next = 0;  // the first variable that may still be without an equation
   for (std::size_t i = 0; i < model.rows.size(); ++i) {
     const NlRange& row = model.rows[i];
     const auto index = static_cast<int>(i);
-    if (defining[i] >= 0 || gone_row[i]) continue;
+    if (found.gone_row[i]) continue;
     if (row.complement >= 0) {
       own[at(row.complement)] = {.index = index};
       pairing.used[i] = 1;
     } else if (is_equation(row)) {
-      while (paired[at(next)] || gone[at(next)]) ++next;
+      while (paired[at(next)] || found.gone[at(next)]) ++next;
       own[at(next++)] = {.index = index, .bound = row.lower};
       pairing.used[i] = 1;
     } else {
@@ -328,11 +291,11 @@ Pairing pair(const NlModel& model, const Names& names) {
     }
   }
   for (int j = 0; j < n_var; ++j)
-    if (!complemented[at(j)] && !gone[at(j)]) add_side(pairing, sides, false, j, model.variables[at(j)]);
+    if (!complemented[at(j)] && !found.gone[at(j)]) add_side(pairing, sides, false, j, model.variables[at(j)]);
 
   pairing.unknowns.assign(model.variables.size(), -1);
   for (int j = 0; j < n_var; ++j) {
-    if (gone[at(j)]) continue;
+    if (found.gone[at(j)]) continue;
     pairing.unknowns[at(j)] = static_cast<int>(pairing.variables.size());
     pairing.variables.push_back(j);
     pairing.equations.push_back(own[at(j)]);
@@ -345,35 +308,43 @@ Pairing pair(const NlModel& model, const Names& names) {
     pairing.box.lower[static_cast<Index>(u)] = model.variables[at(j)].lower;
     pairing.box.upper[static_cast<Index>(u)] = model.variables[at(j)].upper;
   }
-  for (const Turned& turn : turns)
+  for (const Turned& turn : found.turns)
     (turn.above ? pairing.box.lower : pairing.box.upper)[pairing.unknowns[at(turn.variable)]] = turn.bound;
   pairing.box.lower.tail(static_cast<Index>(sides.size())).setZero();
   return pairing;
 }
 
 std::string without_row(const NlModel& model, const Names& names) {
-  std::vector<char> complemented(model.variables.size(), 0);
-  for (const NlRange& row : model.rows)
-    if (row.complement >= 0) complemented[at(row.complement)] = 1;
-  std::vector<int> alone;
-  std::size_t others = 0;
-  for (std::size_t j = 0; j < model.variables.size(); ++j)
-    if (std::isfinite(model.variables[j].lower) || std::isfinite(model.variables[j].upper))
-      complemented[j] ? void(++others) : alone.push_back(static_cast<int>(j));
-  constexpr std::size_t few = 5;  // names that a person reads
-  if (alone.empty() || alone.size() > few || alone.size() > others) return {};
+  const std::vector<int> alone = without_condition(model);
+  if (alone.empty()) return {};
   const NameAt row = [&](Index i) { return names.row(static_cast<int>(i)); };
   const NameAt variable = [&](Index j) { return names.variable(static_cast<int>(j)); };
   const std::vector<Index> rows = namesakes(std::ssize(model.rows), std::ssize(model.variables), row, variable).row_of;
-  std::vector<std::string> variables, by_name;
-  for (const int j : alone) {
-    variables.push_back(names.variable(j));
+  std::vector<std::string> by_name;
+  for (const int j : alone)
     if (rows[at(j)] >= 0) by_name.push_back(row(rows[at(j)]));
-  }
-  const bool one = alone.size() == 1;
-  return "no row complements " + Names::list(variables) +
-         (one ? ", which has bounds: they are" : ", which have bounds: these are") + " side inequalities" +
+  return told(alone, names) + (alone.size() == 1 ? ": they are" : ": these are") + " side inequalities" +
          (by_name.empty() ? "" : "; by the names its row would be " + Names::list(by_name));
+}
+
+std::string twice(const NlModel& model, const Pairing& pairing, const Names& names) {
+  const auto condition_of = [&](int j) -> const Equation* {
+    const int u = pairing.unknowns[at(j)];
+    if (u < 0 || pairing.box.is_free(u)) return nullptr;
+    return &pairing.equations[at(u)];
+  };
+  for (std::size_t i = 0; i < model.rows.size(); ++i) {
+    const std::vector<int>& pair = model.row_variables[i];
+    if (!is_equation(model.rows[i]) || pair.size() != 2 || !model.mentions[i].empty()) continue;
+    for (const int k : {0, 1}) {
+      const int alias = pair[at(k)], x = pair[at(1 - k)];
+      const Equation *own = condition_of(x), *other = condition_of(alias);
+      if (own != nullptr && other != nullptr && model.column_start[at(alias) + 1] == model.column_start[at(alias)] + 1)
+        return names.variable(x) + " is in two conditions, " + row_name(*own, names) + " and " +
+               row_name(*other, names);
+    }
+  }
+  return {};
 }
 
 JacobianMap map_jacobian(const NlModel& model, const Pairing& pairing) {
@@ -425,13 +396,7 @@ std::string unknown_name(const Pairing& pairing, const Names& names, Index u) {
 
 std::string equation_name(const Pairing& pairing, const Names& names, Index u) {
   if (at(u) >= pairing.variables.size()) return side_name(pairing, names, u);
-  const Equation& e = pairing.equations[at(u)];
-  const std::string row = names.row(e.index);
-  if (e.condition < 0) return row;
-  // Pyomo calls the two rows of a condition NAME.c and NAME.bc.
-  const std::string condition = names.row(e.condition);
-  const std::string name = condition.substr(0, condition.rfind('.'));
-  return name.size() < condition.size() && name == row.substr(0, row.rfind('.')) ? name : condition;
+  return row_name(pairing.equations[at(u)], names);
 }
 
 }  // namespace perp::ncp::ampl

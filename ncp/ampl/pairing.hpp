@@ -3,13 +3,7 @@
 /// Which row gives which variable's F: the AMPL/PATH convention (see README.md). Every unknown u of the MCP gets
 ///     F_u(x, y) = sign_u (v_u(x) - bound_u) - [u is a side inequality] y_u,
 /// where v_u is a row c_i(x) of the model or one of its variables.
-///
-/// Pyomo writes a condition on an expression with an auxiliary variable v of its own:
-///     row i: c v + constant  complements x,    row e: a v + g(x) = b,    v free and in no other row.
-/// v is no unknown then: F_x = -(c / a) (g(x) - b) + constant. It is computed afterwards. Pre: |c| = |a|, so that
-/// nothing is rounded. Where both sides are expressions, 0 <= x - 1 _|_ F >= 0, Pyomo takes F for the variable:
-///     row i: v complements w >= 0,    row e: v - x = -1,    row f: w - F(x) = 0,    x free, w in no other row.
-/// Then w is no unknown either, and x >= 1 complements F. Pre: the bound of x is not rounded.
+/// conditions.hpp has conditions that are spelt with variables and rows of their own.
 #include <vector>
 
 #include "ncp/ampl/names.hpp"
@@ -49,6 +43,10 @@ Pairing pair(const NlModel& model, const Names& names);
 /// "no row complements x3, which has bounds: they are side inequalities", where most variables with bounds have a row:
 /// a slip of the modeller's more often than not. Else empty.
 std::string without_row(const NlModel& model, const Names& names);
+
+/// "q is in two conditions, supply and market", where a variable that equals q but for a constant, and that has no
+/// other row, is in one of them: q is complemented twice, and another variable never. Else empty.
+std::string twice(const NlModel& model, const Pairing& pairing, const Names& names);
 
 /// The Jacobian of F in terms of the nonzeros of the model's own Jacobian, which come by columns, rows ascending.
 struct JacobianMap {

@@ -30,7 +30,8 @@ std::string listed(const Indices& indices, const NameAt& name) {
 
 struct Multiple {
   Index first, second;
-  double factor;  ///< second = factor * first, up to a constant
+  double factor;      ///< second = factor * first, up to a constant
+  bool same = false;  ///< without one
 };
 std::uint64_t mixed(std::uint64_t a) {  // the finalizer of splitmix64
   a = (a ^ (a >> 30U)) * 0xBF58476D1CE4E5B9U;
@@ -64,11 +65,10 @@ std::vector<Multiple> multiples(const ModelStructure& model) {
         if ((v - factor * u).norm() > equal * v.norm()) continue;
         // Conditions on opposite sides of an interval are in order; one and the same twice is not.
         const bool equations = model.complement[at(first)] < 0 && model.complement[at(second)] < 0;
-        const bool equal_values =
-            std::abs(factor - 1) <= equal &&
-            std::abs(model.values[first] - model.values[second]) <= equal * (v.norm() + std::abs(model.values[second]));
-        if (!equations && !equal_values) continue;
-        found.push_back({first, second, factor});
+        const bool same = std::abs(factor * model.values[first] - model.values[second]) <=
+                          equal * (v.norm() + std::abs(model.values[second]));
+        if (!equations && !(same && std::abs(factor - 1) <= equal)) continue;
+        found.push_back({first, second, factor, same});
         break;
       }
   }
@@ -294,7 +294,7 @@ std::vector<std::string> faults(const ModelStructure& model) {
   for (std::size_t k = 0; k < std::min(most_parts, same.size()); ++k)
     text.push_back("row " + model.row(same[k].second) + " repeats row " + model.row(same[k].first) +
                    (std::abs(same[k].factor - 1) < 1e-9 ? "" : ", " + number(same[k].factor) + " times") +
-                   ", but for constants");
+                   (same[k].same ? "" : ", but for constants"));
   const auto all_multiples = [&](const StructurePart& part) {
     return part.rows.size() > few && std::ranges::any_of(same, [&](const Multiple& pair) {
              return std::ranges::binary_search(part.rows, pair.second);

@@ -52,6 +52,15 @@ TEST(ModelNotes, AVariableWithBoundsThatNoRowComplements) {
               "no row complements _svar[3], which has bounds: they are side inequalities");
 }
 
+// 0 <= q _|_ p - q - 1 >= 0 and 0 <= w _|_ q + p - 10 >= 0 with w = q, as Pyomo writes a second condition on q; p >= 0
+// has none. Catches a slip that ends in some solution of many.
+TEST(ModelNotes, AConditionTwice) {
+  expect_note(test::nl_header(3, 3, 1, 2, 6) +
+                  "C0\nn-1\nC1\nn-10\nC2\nn0\nr\n5 1 1\n5 1 3\n4 0\nb\n2 0\n2 0\n2 0\nk2\n3\n5\nJ0 2\n0 -1\n1 1\n"
+                  "J1 2\n0 1\n1 1\nJ2 2\n0 -1\n2 1\n",
+              "_svar[1] is in two conditions, _scon[1] and _scon[2]; no row complements _svar[2], which has bounds");
+}
+
 // x^2 = 2, and the side inequality x^2 <= 1 wants 1 less. Catches "no progress" that does not say why.
 TEST(ModelNotes, SideInequalitiesThatHoldTheSolutionOut) {
   std::string nl = test::side_inequality_nl();

@@ -38,6 +38,36 @@ TEST(Refusals, AnObjectiveThatHasVariablesToChoose) {
                  nonsquare, {"MPEC", "1 complementarity condition and 0 equations leave 1 variable to the objective"});
 }
 
+// min x + y over x + y = 1 has no condition at all. Catches a refusal that counts rows.
+TEST(Refusals, AnObjectiveWithoutConditions) {
+  expect_refused(text({.vars = 2, .cons = 1, .objs = 1, .eqns = 1, .nonzeros = 2, .gradient = 2}) +
+                     "C0\nn0\nO0 0\nn0\nr\n4 1\nb\n3\n3\nk1\n1\nJ0 2\n0 1\n1 1\nG0 2\n0 1\n1 1\n",
+                 nonsquare,
+                 {"an optimisation problem: it has no complementarity condition", "1 equation leaves 1 variable"});
+}
+
+// 0 <= x _|_ x - f - 1 >= 0 and 0 <= y _|_ y + f - 1 >= 0 as Pyomo writes them, with c1.bv and c2.bv; f >= 0 has no
+// condition. Catches counts and names of what the writer has added.
+TEST(Refusals, NotSquareSpeaksOfTheModelersRows) {
+  const TempFolder folder;
+  folder.write("m.col", "c1.bv\nx\nf\nc2.bv\ny\n");
+  folder.write("m.row", "c1.c\nc1.bc\nc2.c\nc2.bc\n");
+  const std::string nl = folder.write(
+      "m.nl",
+      text({.vars = 5, .cons = 4, .eqns = 2, .cc = 2, .nonzeros = 8}) +
+          "C0\nn0\nC1\nn0\nC2\nn0\nC3\nn0\nr\n5 1 2\n4 -1\n5 1 5\n4 -1\nb\n3\n2 0\n2 0\n3\n2 0\nk4\n2\n3\n5\n7\n"
+          "J0 1\n0 1\nJ1 3\n0 1\n1 -1\n2 1\nJ2 1\n3 1\nJ3 3\n2 -1\n3 1\n4 -1\n");
+  try {
+    read_model(nl);
+    ADD_FAILURE() << "not refused";
+  } catch (const ModelError& error) {
+    EXPECT_THAT(error.what(),
+                testing::AllOf(testing::HasSubstr("0 equations and 2 complementarity conditions for 3 variables"),
+                               testing::HasSubstr("no row complements f, which has bounds"),
+                               testing::Not(testing::HasSubstr(".bv")), testing::Not(testing::HasSubstr(".bc"))));
+  }
+}
+
 // x = 1, 2x = 1, y = 3 in every order of the rows, and without an equation for one of two variables: the rows in x
 // alone are named, and the variable that is in no row. Catches blame for whatever comes last in the file.
 TEST(Refusals, NotSquareNamesThePartThatIsToBlame) {
@@ -55,7 +85,7 @@ TEST(Refusals, NotSquareNamesThePartThatIsToBlame) {
     const auto [first, second] = std::minmax(names[0], names[1]);
     expect_refused(s + "b\n3\n3\nk1\n2\n" + j, nonsquare,
                    {"too many equations: 2 rows (" + first + " and " + second + ") for 1 variable (_svar[1])",
-                    "row " + second + " repeats row " + first});
+                    "row " + second + " repeats row " + first, ", but for constants"});
   } while (std::ranges::next_permutation(order).found);
   expect_refused(text({.vars = 2, .cons = 1, .eqns = 1}) + "C0\nn0\nr\n4 2\nb\n3\n3\nk1\n0\nJ0 1\n1 1\n", nonsquare,
                  {"variable _svar[1] is in no row"});
