@@ -83,15 +83,21 @@ class Writer {
     switch (entry.operation) {
       case Operation::Add:
       case Operation::Subtract:
-        return bracketed(terms(node, depth - 1), binding > sum);
+        return terms(node, depth - 1, binding);
       case Operation::Negate:
         return bracketed(std::string("-").append(text(entry.a, depth - 1, product)), binding > sum);
       case Operation::Multiply:
+        if (is_constant(entry.a, 1)) return text(entry.b, depth, binding);
+        if (is_constant(entry.a, -1))
+          return bracketed(std::string("-").append(text(entry.b, depth - 1, product)), binding > sum);
+        [[fallthrough]];
       case Operation::Divide: {
         const bool divides = entry.operation == Operation::Divide;
-        return bracketed(text(entry.a, depth - 1, product) + (divides ? "/" : "*") +
+        const Entry& first = graph_.entry(entry.a);
+        const bool negative = first.operation == Operation::Constant && first.value < 0;
+        return bracketed(text(entry.a, depth - 1, negative ? sum : product) + (divides ? "/" : "*") +
                              text(entry.b, depth - 1, divides ? power : product),
-                         binding > product);
+                         binding > (negative ? sum : product));
       }
       case Operation::Power:
         return bracketed(text(entry.a, depth - 1, power + 1) + "^" + exponent(entry.b, depth - 1), binding > power);
@@ -104,6 +110,7 @@ class Writer {
   }
 
  private:
+  using Entry = ExpressionGraph::Entry;
   static constexpr int sum = 1, product = 2, power = 3;  // how strongly they bind
 
   static std::string bracketed(const std::string& text, bool brackets) {
@@ -114,8 +121,13 @@ class Writer {
     return entry.operation == Operation::Constant ? short_number(entry.value) : text(node, depth, power);
   }
 
-  /// Long sums lean to the left, deeper than recursion may go.
-  std::string terms(Node node, int depth) const {
+  bool is_constant(Node node, double value) const {
+    const Entry& entry = graph_.entry(node);
+    return entry.operation == Operation::Constant && entry.value == value;
+  }
+
+  /// Long sums lean to the left, deeper than recursion may go. Writers of files add 0.
+  std::string terms(Node node, int depth, int binding) const {
     constexpr std::size_t shown = 4;
     std::vector<std::pair<bool, Node>> terms;  // minus?
     for (;;) {
@@ -126,12 +138,19 @@ class Writer {
     }
     terms.emplace_back(false, node);
     std::ranges::reverse(terms);
+    std::erase_if(terms, [&](const auto& term) { return is_constant(term.second, 0); });
+    if (terms.empty()) return "0";
+    if (terms.size() == 1 && !terms.front().first) return text(terms.front().second, depth, binding);
     std::string written;
     for (std::size_t k = 0; k < terms.size() && (k < shown || terms.size() == shown + 1); ++k) {
       auto [minus, term] = terms[k];
-      if (graph_.entry(term).operation == Operation::Negate) {
+      const Entry& entry = graph_.entry(term);
+      if (entry.operation == Operation::Negate) {
         minus = !minus;
-        term = graph_.entry(term).a;
+        term = entry.a;
+      } else if (entry.operation == Operation::Multiply && is_constant(entry.a, -1)) {
+        minus = !minus;
+        term = entry.b;
       }
       std::string next = text(term, depth, sum + (minus ? 1 : 0));
       if (k > 0 && !minus && next.starts_with('-')) {
@@ -141,7 +160,8 @@ class Writer {
       written += k == 0 ? (minus ? "-" : "") : (minus ? " - " : " + ");
       written += next;
     }
-    return terms.size() > shown + 1 ? written + " + ..." : written;
+    if (terms.size() > shown + 1) written += " + ...";
+    return bracketed(written, binding > sum);
   }
 
   const ExpressionGraph& graph_;

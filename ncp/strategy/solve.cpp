@@ -46,10 +46,12 @@ class RangesRefuse {
   const std::optional<Run::Verdict>& verdict() {
     if (std::exchange(known_, true)) return verdict_;
     if (const auto proof = no_solution(mcp_, tol_))
-      verdict_ = Run::Verdict{Status::Infeasible,
-                              "proven to have no solution: " + describe(mcp_, *proof),
-                              "look for a mistake in the model",
-                              {.residual_bound = largest_excluded(), .within_bounds = true}};
+      verdict_ =
+          Run::Verdict{Status::Infeasible,
+                       "proven to have no solution: " + describe(mcp_, *proof),
+                       "look for a mistake in the model",
+                       {.residual_bound = proof->range.is_empty() && !proof->narrowed ? infinity : largest_excluded(),
+                        .within_bounds = true}};
     return verdict_;
   }
 
@@ -216,7 +218,7 @@ void comment(Run& run, In x0, const Method& method, Result& result) {
 
 /// "; no point has a natural residual below 0.31".
 std::string words_on_proof(const Infeasibility& proof) {
-  if (!(proof.residual_bound > 0)) return {};
+  if (!(proof.residual_bound > 0) || proof.residual_bound == infinity) return {};  // no point has a residual at all
   std::string words = std::string("; no point ") + (proof.within_bounds ? "within the bounds " : "") +
                       "has a natural residual below " + number_below(proof.residual_bound);
   if (proof.certificate && proof.certificate->radius < infinity)

@@ -225,5 +225,18 @@ TEST(NoSolution, InPartsIsAboutTheTolerance) {
   EXPECT_EQ(no_solution_in_parts(portfolio(0.9), 0.05), 0);
 }
 
+// log(x) with x in [-3, -1] has no value anywhere: there is no residual to give a bound of. Catches a bound that is
+// where a search for it ended.
+TEST(NoSolution, DefinedNowhereHasNoResidual) {
+  ExpressionGraph g;
+  const auto row = g.unary(Operation::Log, g.variable(0));
+  const GraphProblem problem(std::move(g), {row}, Box{Vec{{-3}}, Vec{{-1}}});
+  const Result result = solve(problem, Vec{{-2}}, method_of("auto"));
+  EXPECT_EQ(result.status, Status::Infeasible);
+  EXPECT_EQ(result.proof.residual_bound, infinity);
+  EXPECT_THAT(result.message, testing::AllOf(HasSubstr("defined nowhere within the bounds"),
+                                             testing::Not(HasSubstr("has a natural residual below"))));
+}
+
 }  // namespace
 }  // namespace perp::ncp
