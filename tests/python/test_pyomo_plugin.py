@@ -459,7 +459,21 @@ BAD_MODELS = {
     "binary": (dict(x=lambda m: pyo.Var(domain=pyo.Binary), c=lambda m: pyo.Constraint(expr=m.x == 1)), "x is integer"),
     "division by a parameter that is zero": (
         dict(k=lambda m: pyo.Param(initialize=0, mutable=True), x=lambda m: pyo.Var(), c=lambda m: pyo.Constraint(expr=m.x / m.k == 1)),
-        "^c: .*division by zero",
+        r"^c: x/k has no value, where k = 0 \(.*division by zero",
+    ),
+    "a logarithm of a variable that is fixed at zero": (
+        dict(y=lambda m: fixed(0), x=lambda m: pyo.Var(), c=lambda m: pyo.Constraint(expr=m.x == pyo.log(m.y))),
+        r"^c: log\(y\) has no value, where y = 0 is fixed",
+    ),
+    "a fixed variable whose equation stays": (
+        dict(y=lambda m: fixed(1), x=lambda m: pyo.Var(), c=lambda m: pyo.Constraint(expr=m.x + m.y == 3),
+             d=lambda m: pyo.Constraint(expr=m.x - m.y == 1)),
+        "not square.*fixed are y",
+    ),
+    "an objective and no conditions": (
+        dict(x=lambda m: pyo.Var(), y=lambda m: pyo.Var(), c=lambda m: pyo.Constraint(expr=m.x + m.y == 3),
+             o=lambda m: pyo.Objective(expr=m.x**2 + m.y**2)),
+        "^this is an optimisation problem: objective o",
     ),
     "a parameter without a value": (
         dict(k=lambda m: pyo.Param(mutable=True), x=lambda m: pyo.Var(), c=lambda m: pyo.Constraint(expr=m.x * m.k == 1)),

@@ -16,7 +16,7 @@ from typing import Any, Callable, Sequence, Union
 from pyomo.core.expr import numeric_expr as numeric
 from pyomo.core.expr import relational_expr as relational
 from pyomo.core.expr.numvalue import native_logical_types, native_numeric_types, value
-from pyomo.core.expr.visitor import StreamBasedExpressionVisitor
+from pyomo.core.expr.visitor import StreamBasedExpressionVisitor, identify_mutable_parameters, identify_variables
 from pyomo.repn.ampl import TextNLTemplate
 
 
@@ -46,7 +46,7 @@ class Tape:
         self._places: list[int] = []  # of the leaves
         self._slots: dict[int, Slot] = {}
         self._steps: list[tuple[Callable[[float, float], float], int, int, int]] = []
-        self._owners: list[str] = []  # of the steps
+        self._sources: list[tuple[str, Any]] = []  # of the steps: their row, and their expression if it is one of the model's
         self._read: list[Any] | None = None  # the values of the leaves by which the slots were computed
         self.owner = ""  # the row that is being compiled
 
@@ -62,16 +62,16 @@ class Tape:
             self._places.append(slot.at)
         return slot
 
-    def apply(self, function: Callable[[float, float], float], a: Number, b: Number = 0.0) -> Number:
+    def apply(self, function: Callable[[float, float], float], a: Number, b: Number = 0.0, node: Any = None) -> Number:
         if not isinstance(a, Slot) and not isinstance(b, Slot):
-            return _checked(function, a, b, self.owner)
-        return self.later(function, a, b)
+            return _checked(function, a, b, (self.owner, node))
+        return self.later(function, a, b, node)
 
-    def later(self, function: Callable[[float, float], float], a: Number = 0.0, b: Number = 0.0) -> Slot:
+    def later(self, function: Callable[[float, float], float], a: Number = 0.0, b: Number = 0.0, node: Any = None) -> Slot:
         places = [number.at if isinstance(number, Slot) else self._new(number).at for number in (a, b)]
         slot = self._new(0.0)
         self._steps.append((function, slot.at, places[0], places[1]))
-        self._owners.append(self.owner)
+        self._sources.append((self.owner, node))
         return slot
 
     def evaluate(self) -> bool:
@@ -91,7 +91,7 @@ class Tape:
             computed = False
         if not computed:  # say where
             for k, (function, target, a, b) in enumerate(self._steps):
-                values[target] = _checked(function, values[a], values[b], self._owners[k])
+                values[target] = _checked(function, values[a], values[b], self._sources[k])
         self._read = read
         return True
 
@@ -107,14 +107,23 @@ def _finite(item: Any, number: Any) -> float:
     return float(number)
 
 
-def _checked(function: Callable[[float, float], float], a: float, b: float, owner: str) -> float:
+def _checked(function: Callable[[float, float], float], a: float, b: float, source: tuple[str, Any]) -> float:
     try:
         number = function(a, b)
         if isinstance(number, complex) or not math.isfinite(number):
             raise ValueError(f"a constant is {number}")
         return float(number)
     except (ArithmeticError, ValueError) as error:
-        raise ModelError(f"{owner}: an expression of parameters and fixed variables has no value: {error}") from None
+        row, node = source
+        what = f"{node} has no value{_where(node)}" if node is not None else "an expression of parameters and fixed variables has no value"
+        raise ModelError(f"{row}: {what} ({error})") from None
+
+
+def _where(node: Any) -> str:
+    """", where p = 0 is fixed": the numbers that the expression is made of."""
+    fixed = [f"{variable.name} = {variable.value} is fixed" for variable in identify_variables(node)]
+    told = fixed + [f"{parameter.name} = {parameter.value}" for parameter in identify_mutable_parameters(node)]
+    return f", where {' and '.join(told)}" if told else ""
 
 
 class Defined:
@@ -288,7 +297,7 @@ class Walker:
         if getattr(node, "is_named_expression_type", bool)():
             return self._named_expression(node, data[0])
         if all(is_number(item) for item in data):
-            return self.tape.later(lambda a, b: value(node))
+            return self.tape.later(lambda a, b: value(node), node=node)
         raise ModelError(f"{self.tape.owner}: {node.getname()} of variables cannot be written to an .nl file")
 
     def _named_expression(self, node: Any, item: Value) -> Value:
@@ -314,21 +323,21 @@ class Walker:
         a, b = data
         if isinstance(b, Form):
             return 0.0 if a == 0.0 else self.term("o3\n", data)
-        return self.scale(a, self.tape.apply(operator.truediv, 1.0, b)) if isinstance(a, Form) else self.tape.apply(
-            operator.truediv, a, b
-        )
+        if isinstance(a, Form):
+            return self.scale(a, self.tape.apply(operator.truediv, 1.0, b, node))
+        return self.tape.apply(operator.truediv, a, b, node)
 
     def _power(self, node: Any, data: list[Value]) -> Value:
         a, b = data
         if not isinstance(a, Form) and not isinstance(b, Form):
-            return self.tape.apply(operator.pow, a, b)
+            return self.tape.apply(operator.pow, a, b, node)
         if b == 0.0 or b == 1.0:
             return a if b == 1.0 else 1.0
         return self.term("o5\n", data)
 
     def _unary(self, node: Any, data: list[Value]) -> Value:
         if not isinstance(data[0], Form):
-            return self.tape.apply(lambda a, b: node._apply_operation((a,)), data[0])
+            return self.tape.apply(lambda a, b: node._apply_operation((a,)), data[0], node=node)
         name = node.getname()
         return self.term(TextNLTemplate.abs if name == "abs" else TextNLTemplate.unary[name], data)
 

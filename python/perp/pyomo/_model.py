@@ -275,11 +275,16 @@ class CompiledModel:
         if not self.columns:
             raise ModelError("no variable that is not fixed occurs in the active constraints and conditions")
         if self.contents.objectives and self.count() < len(self.columns):
+            kind = " with complementarity conditions (an MPEC)" if self.contents.conditions else ""
             raise ModelError(
-                f"this is an optimisation problem with complementarity conditions (an MPEC): objective "
-                f"{self.contents.objectives[0].name}, {len(self.columns)} variables, and {self.count()} equations and "
-                "conditions that determine them. Perp solves square models, which need no objective"
+                f"this is an optimisation problem{kind}: objective {self.contents.objectives[0].name}, {len(self.columns)} "
+                f"variables, and {self.count()} equations and conditions that determine them. Perp solves square models, "
+                "which need no objective"
             )
+
+    def fixed_beyond_need(self) -> list[str]:
+        """Of a model with more equations and conditions than variables: the variables that are fixed."""
+        return [variable.name for variable in self._fixed] if self.count() > len(self.columns) else []
 
     def count(self) -> int:
         """Equations and conditions; a model is square if these are as many as its variables."""

@@ -282,6 +282,8 @@ def _message(answer: dict[str, Any], notes: list[str]) -> str:
 
 def _results(model: Any, compiled: CompiledModel, answer: dict[str, Any], load_solutions: bool, seconds: float) -> Any:
     if "variables" not in answer:
+        if fixed := compiled.fixed_beyond_need():
+            answer["message"] += f"; a fixed variable is none of these, and its equation stays: fixed are {', '.join(fixed[:5])}"
         return _refused(answer, load_solutions)
     results = SolverResults()
     _set_outcome(results, answer)
