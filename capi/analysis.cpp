@@ -67,9 +67,7 @@ int32_t perp_inspect(perp_solver* solver, const perp_problem* problem, const dou
   return guarded_make(result, "result", error, [&] {
     require(problem, "problem");
     Work work(solver, problem->callbacks);
-    Part part = inspected(work, *problem, start_of(*problem, x0, "x0"));
-    work.watch().check();
-    return part;
+    return work.watch().over([&] { return inspected(work, *problem, start_of(*problem, x0, "x0")); });
   });
 }
 

@@ -5,9 +5,11 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <utility>
 
 #include "capi/guard.hpp"
+#include "ncp/problem/words.hpp"
 
 namespace perp::capi {
 
@@ -15,6 +17,9 @@ namespace {
 
 /// A NaN that no arithmetic makes: what a callback has not set is still this.
 constexpr std::uint64_t unset = 0x7FF8'5065'7270'0001;
+
+/// Relative: F or J differs from what a promise makes it. (As in presolve.)
+constexpr double broken = 1e-6;
 
 bool is_unset(double value) { return std::bit_cast<std::uint64_t>(value) == unset; }
 
@@ -51,6 +56,8 @@ void CallbackMcp::set_linear(const std::int8_t* linear) {
     refuse("linear", "J of the problem is NULL, and differences cannot keep the promise that entries are constant");
   linear_.clear();
   affine_ = false;
+  first_x_.resize(0);
+  knows_J_ = probed_ = false;
   if (linear == nullptr) return;
   const auto count = static_cast<std::size_t>(pattern_.entries.nonZeros());
   linear_.resize(count);
@@ -132,7 +139,54 @@ bool CallbackMcp::call_F(ncp::In x, double* F) const {
 bool CallbackMcp::eval(ncp::In x, ncp::Out F) const {
   const bool defined = call_F(x, F.data());
   if (defined && differences_) differences_->keep(x, F);
-  return defined;
+  if (defined && affine_) check_promise_of_F(x, F);
+  return defined && failure_.empty();
+}
+
+void CallbackMcp::check_promise_of_F(ncp::In x, ncp::In F) const {
+  if (first_x_.size() == 0) {
+    first_x_ = x;
+    first_F_ = F;
+    return probe();
+  }
+  if (!knows_J_) return;
+  Vec made = first_F_;
+  Vec size = made.cwiseAbs().cwiseMax(1);
+  const SpMat& pattern = pattern_.entries;
+  std::vector<double> J(first_J_.size());
+  for (std::size_t k = 0; k < J.size(); ++k) J[pattern_.place.empty() ? k : lcp::at(pattern_.place[k])] = first_J_[k];
+  for (Index j = 0; j < pattern.cols(); ++j)
+    for (Index k = pattern.outerIndexPtr()[j]; k < pattern.outerIndexPtr()[j + 1]; ++k) {
+      const double term = J[lcp::at(k)] * (x[j] - first_x_[j]);
+      made[pattern.innerIndexPtr()[k]] += term;
+      size[pattern.innerIndexPtr()[k]] += std::abs(term);
+    }
+  for (Index i = 0; i < F.size(); ++i)
+    if (std::isfinite(made[i]) && std::abs(F[i] - made[i]) > broken * size[i])
+      return end(failure_, place("F", i) + " is not as linear as the problem declares: it is " + ncp::number(F[i]) +
+                               " where its value at another point and J make it " + ncp::number(made[i]));
+}
+
+void CallbackMcp::check_promise_of_J() const {
+  if (!std::exchange(knows_J_, true)) {
+    first_J_ = values_J_;
+    return probe();
+  }
+  for (std::size_t k = 0; k < values_J_.size(); ++k)
+    if (std::abs(values_J_[k] - first_J_[k]) > broken * std::abs(first_J_[k]))
+      return end(failure_, "J, " + place("J", static_cast<Index>(k)) +
+                               " is not as constant as the problem declares: it is " + ncp::number(values_J_[k]) +
+                               ", and was " + ncp::number(first_J_[k]));
+}
+
+void CallbackMcp::probe() const {
+  if (first_x_.size() == 0 || !knows_J_ || std::exchange(probed_, true)) return;
+  Vec x = first_x_, F(x.size());
+  for (Index j = 0; j < x.size(); ++j) {
+    const double step = std::max(1.0, std::abs(x[j])) * (0.6 + 0.3 * std::sin(static_cast<double>(j)));
+    x[j] = lcp::project(box_, j, x[j] + step > box_.upper[j] ? x[j] - step : x[j] + step);
+  }
+  if (call_F(x, F.data())) check_promise_of_F(x, F);
 }
 
 bool CallbackMcp::jacobian(ncp::In x, SpMat& J) const {
@@ -143,11 +197,12 @@ bool CallbackMcp::jacobian(ncp::In x, SpMat& J) const {
   const Index count = pattern_.entries.nonZeros();
   const bool defined = called("J", ++J_evals_, values_J_,
                               [&](double* values) { return J_(x_.size(), count, x_.data(), values, user_); });
+  if (defined && affine_) check_promise_of_J();
   if (pattern_.place.empty())
     std::copy(values_J_.begin(), values_J_.end(), J.valuePtr());
   else
     for (std::size_t k = 0; k < values_J_.size(); ++k) J.valuePtr()[pattern_.place[k]] = values_J_[k];
-  return defined;
+  return defined && failure_.empty();
 }
 
 void Watch::check() const {

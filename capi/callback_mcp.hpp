@@ -3,6 +3,7 @@
 /// A problem of the caller's functions, and what goes wrong in them.
 #include <atomic>
 #include <cstdint>
+#include <exception>
 #include <optional>
 #include <string>
 #include <vector>
@@ -47,6 +48,11 @@ class CallbackMcp final : public ncp::Mcp {
   bool ended() const { return !stopped_.empty() || !failure_.empty() || (stop_ != nullptr && *stop_); }
   void end(std::string& why, const std::string& text) const;
   std::string place(const char* name, Index k) const;
+  /// Ends where F at x, or the J that has just been evaluated, is not what the promise of an affine F makes it.
+  void check_promise_of_F(ncp::In x, ncp::In F) const;
+  void check_promise_of_J() const;
+  /// Checks it at another point, once: a method may need F at one only.
+  void probe() const;
 
   lcp::Box box_;
   Matrix pattern_;
@@ -55,6 +61,10 @@ class CallbackMcp final : public ncp::Mcp {
   void* user_;
   std::vector<bool> linear_{};
   bool affine_ = false;
+  // The first F and J of an affine problem: they make all others.
+  mutable Vec first_x_{}, first_F_{};
+  mutable std::vector<double> first_J_{};
+  mutable bool knows_J_ = false, probed_ = false;
 
   mutable std::optional<ncp::ColouredDifferences> differences_{};  // where there is no J
   // What the callbacks see: at the same places in every call.
@@ -82,6 +92,18 @@ class Watch {
   Watch& operator=(const Watch&) = delete;
   /// Throws PERP_BAD_CALLBACK if one failed.
   void check() const;
+  /// What `work` returns, or throws; PERP_BAD_CALLBACK if one failed, which may be why `work` threw.
+  template <class Work>
+  auto over(Work work) const {
+    try {
+      auto made = work();
+      check();
+      return made;
+    } catch (const std::exception&) {
+      check();
+      throw;
+    }
+  }
   std::string stopped() const { return callbacks_ == nullptr ? "" : callbacks_->stopped(); }
 
  private:

@@ -137,7 +137,8 @@ Part solved(Work& work, const perp_problem& problem, const Vec& x0) {
   ncp::Method& method = options.settings.method;
   Listeners listeners(work.solver(), mcp);
   for (const std::string& note : options.notes) listeners.tell("note: " + note);
-  ncp::Result result = ncp::solve(mcp, x0, method, listeners.observer(), options.settings.basis);
+  ncp::Result result =
+      work.watch().over([&] { return ncp::solve(mcp, x0, method, listeners.observer(), options.settings.basis); });
   note_stop(work, result);
   std::optional<ncp::Verified> verified;
   if (options.settings.verify && result.accepted()) {

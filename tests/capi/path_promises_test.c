@@ -9,10 +9,10 @@
 
 enum { Solved = 1, Infeasible = 9, Error = 10 };
 
-/* F = (first, 1) on x >= 0. */
+/* F = (first + slope x, 1) on x >= 0. */
 static struct {
   int n, nonzeros, entries; /* entries that J has: (2, 2), which is 0, or none */
-  double first;
+  double first, slope;
   int calls;
   char text[1 << 12];
 } problem;
@@ -30,9 +30,8 @@ static void bounds(void* id, int n, double* x, double* lower, double* upper) {
 static int F(void* id, int n, double* x, double* f) {
   (void)id;
   (void)n;
-  (void)x;
   ++problem.calls;
-  f[0] = problem.first;
+  f[0] = problem.first + problem.slope * x[0];
   f[1] = 1;
   return 0;
 }
@@ -107,10 +106,21 @@ static void constant(void) {
   }
 }
 
+/* F = (x - 1, 1) is declared to be constant: x = 1 solves it. Once proven to have no solution. */
+static void broken_promise(void) {
+  problem.n = 2;
+  problem.nonzeros = problem.entries = 0;
+  problem.first = -1;
+  problem.slope = 1;
+  CHECK_SAYING(solve(NULL) == Error && strstr(problem.text, "not as linear as the problem declares") != NULL, problem.text);
+  problem.slope = 0;
+}
+
 int main(int argc, char** argv) {
   if (argc != 2) return EXIT_FAILURE;
   load_path(argv[1]);
   sizes();
   constant();
+  broken_promise();
   return failed_checks == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
 }

@@ -173,3 +173,15 @@ def test_a_function_declared_affine_is_as_good_as_its_matrix():
     assert perp.problem(lambda x: np.ones(2), np.zeros(2), jac=lambda x: sp.csc_matrix((2, 2)), affine=True).affine
     with pytest.raises(ValueError, match="affine: goes with jac"):
         perp.solve(lambda x: x, np.zeros(2), affine=True)
+
+
+@pytest.mark.parametrize("J", [sp.csc_matrix((2, 2)), sp.csc_matrix([[1.0, 0.0], [0.0, 2.0]]), sp.csc_matrix([[1.0, 1.0], [0.0, 3.0]])])
+def test_a_promise_of_affine_that_is_not_kept_is_refused(J):
+    """x + y = 3, 2 y = 2 with another matrix than its own: once "proven to have no solution" from the promise alone."""
+    with pytest.raises((ValueError, RuntimeError), match="not as linear as the problem declares"):
+        perp.solve(lambda x: np.array([x[0] + x[1] - 3, 2 * x[1] - 2]), np.ones(2), jac=lambda x: J, affine=True)
+
+
+def test_a_matrix_that_changes_is_no_promise_kept():
+    with pytest.raises((ValueError, RuntimeError), match="not as (linear|constant) as the problem declares"):
+        perp.solve(lambda x: x**2 - 2, np.ones(2), jac=lambda x: sp.diags(2 * x, format="csc"), affine=True)
