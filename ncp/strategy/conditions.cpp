@@ -90,7 +90,7 @@ bool Facts::holds(Condition condition) {
     case Condition::Rescalable:
       return factors_at(run_, run_.best()).has_value();
     case Condition::Triangular:
-      return block_triangular(mcp);
+      return block_triangular(run_, start_.x);
     case Condition::Cold:
       return run_.warm_basis().empty();
   }

@@ -49,13 +49,12 @@ std::optional<lcp::EquationOrder> order_of_equations(Run& run, const Vec& x) {
 }
 
 /// The rows beside the variables, as many of the free ones as can be in rows that they are in.
-std::vector<Index> matched_rows(const Mcp& mcp) {
+std::vector<Index> matched_rows(const Mcp& mcp, const SpMat& pattern) {
   std::vector<Index> row_of(at(mcp.size()));
   std::iota(row_of.begin(), row_of.end(), Index{0});
   const std::vector<Index> free = free_variables(mcp.box());
   if (free.empty()) return row_of;
-  const lcp::Matching matching =
-      lcp::maximum_matching(lcp::principal_block(mcp.jacobian_pattern(), free), lcp::Entries::Stored);
+  const lcp::Matching matching = lcp::maximum_matching(lcp::principal_block(pattern, free), lcp::Entries::Stored);
   std::vector<Index> alone;  // rows, those beside a variable that is alone as well last
   for (std::size_t k = 0; k < free.size(); ++k)
     if (matching.column_of_row[k] < 0 && matching.row_of_column[k] >= 0) alone.push_back(free[k]);
@@ -77,11 +76,37 @@ struct Blocks {
   std::vector<Index> row_of;
 };
 
-Blocks blocks_of(const Mcp& mcp) {
-  Blocks blocks{.components = {}, .row_of = matched_rows(mcp)};
+Blocks blocks_of(const Mcp& mcp, const SpMat& pattern) {
+  Blocks blocks{.components = {}, .row_of = matched_rows(mcp, pattern)};
   const lcp::EquationOrder order{.row_of = blocks.row_of, .sign = Vec::Ones(mcp.size())};
-  blocks.components = lcp::strong_components(
-      order.apply({.M = ones(mcp.jacobian_pattern()), .q = Vec::Zero(mcp.size()), .box = mcp.box()}));
+  blocks.components = lcp::strong_components(order.apply({.M = pattern, .q = Vec::Zero(mcp.size()), .box = mcp.box()}));
+  return blocks;
+}
+
+/// Ones where J is not zero at x0 or at a point near it: functions whose J is dense give no other pattern. What it
+/// misses the judge sees. Nothing where J is not defined.
+std::optional<SpMat> entries_near(Run& run, In x0) {
+  const Box& box = run.box();
+  Vec x = lcp::project(box, x0);
+  SpMat entries = run.mcp().jacobian_pattern();
+  entries.coeffs().setZero();
+  for (const bool moved : {false, true}) {
+    if (moved)
+      for (Index j = 0; j < x.size(); ++j)
+        x[j] += 0.1 * std::max(1.0, std::abs(x[j])) * std::sin(1.7 * static_cast<double>(j + 1));
+    SpMat J = run.mcp().jacobian_pattern();
+    if (!run.counted().jacobian(lcp::project(box, x), J)) return std::nullopt;
+    entries.coeffs() = entries.coeffs().max((J.coeffs() != 0).cast<double>());
+  }
+  entries.prune([](Index, Index, double value) { return value != 0; });
+  return entries;
+}
+
+/// By the pattern; where that is one block, by the entries near x0.
+Blocks blocks_of(Run& run, In x0) {
+  Blocks blocks = blocks_of(run.mcp(), ones(run.mcp().jacobian_pattern()));
+  if (blocks.components.count() > 1) return blocks;
+  if (const auto entries = entries_near(run, x0)) return blocks_of(run.mcp(), *entries);
   return blocks;
 }
 
@@ -176,10 +201,10 @@ void run_in_order(Run& run, In x0, const Body& body) {
     run.remark(said.substr(remarks + 2));
 }
 
-bool block_triangular(const Mcp& mcp) { return !mcp.is_affine() && blocks_of(mcp).components.count() > 1; }
+bool block_triangular(Run& run, In x0) { return !run.mcp().is_affine() && blocks_of(run, x0).components.count() > 1; }
 
 void run_blocks(Run& run, In x0, const Body& body) {
-  const Blocks blocks = blocks_of(run.mcp());
+  const Blocks blocks = blocks_of(run, x0);
   if (blocks.components.count() <= 1) return body(run, x0);
   if (!Sweep(run, x0, body, blocks).settles() && !run.ended())
     run.end(Status::NoProgress,

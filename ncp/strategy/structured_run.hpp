@@ -9,8 +9,9 @@ namespace perp::ncp {
 /// one.
 void run_in_order(Run& run, In x0, const Body& body);
 
-/// Returns whether J of a nonlinear problem is block triangular, in some order of its equations.
-bool block_triangular(const Mcp& mcp);
+/// Returns whether J of a nonlinear problem is block triangular, in some order of its equations: its pattern, or what
+/// of it is not zero near x0.
+bool block_triangular(Run& run, In x0);
 /// Solves the diagonal blocks one after the other by `body`, several together as long as that goes well. Blocks with
 /// inequalities are complementarity problems of their own.
 void run_blocks(Run& run, In x0, const Body& body);

@@ -64,6 +64,24 @@ TEST(BlockByBlock, ChaoticChainsOfAnyLength) {
       }
 }
 
+// The same as functions of Python are, with J given in full. Catches structure that only a pattern tells.
+TEST(BlockByBlock, ZerosOfADenseJacobianAreStructure) {
+  for (const Index T : {20, 100}) {
+    const auto chain = logistic(T, 3.8, natural(T));
+    Functions f{.name = "dense", .box = Box::free(T), .pattern = SpMat(Eigen::MatrixXd::Ones(T, T).sparseView()), .F = {}};
+    f.F = [&](In x, Out F) { return chain->eval(x, F); };
+    f.J = [&](In x, SpMat& J) {
+      SpMat sparse = chain->jacobian_pattern();
+      chain->jacobian(x, sparse);
+      Eigen::Map<Eigen::MatrixXd>(J.valuePtr(), T, T) = sparse;
+      return true;
+    };
+    const auto mcp = make_mcp(std::move(f));
+    const Result result = solve(*mcp, Vec::Constant(T, 0.5), automatic());
+    EXPECT_TRUE(result.solved()) << T << ' ' << result;
+  }
+}
+
 /// Blocks of two, a complementarity pair and an equation, on the block before:
 ///     0 <= a_k  _|_  a_k - s_(k-1),   s_k free: s_k = 3.8 a'(1 - a') with a' = min(a_k, 1).
 std::unique_ptr<Mcp> mixed_chain(Index K) {
