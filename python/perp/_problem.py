@@ -423,6 +423,9 @@ class Problem:
 def function_problem(
     F: Any, x0: Any, lower: Any, upper: Any, jac: Any, pattern: Any, bounds: Any = None, args: Any = (), affine: bool = False
 ) -> Problem:
+    if affine and not (jac is None or callable(jac) or isinstance(jac, (bool, str))):
+        M = jac if hasattr(jac, "tocsc") else np.asarray(jac, dtype=float)
+        jac = lambda *_: M  # noqa: E731
     F, jac = jacobian_argument(with_args(F, args), with_args(jac, args))
     start = finite(vector(x0, -1, "x0"), "x0")
     n = len(start)

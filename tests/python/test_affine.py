@@ -185,3 +185,9 @@ def test_a_promise_of_affine_that_is_not_kept_is_refused(J):
 def test_a_matrix_that_changes_is_no_promise_kept():
     with pytest.raises((ValueError, RuntimeError), match="not as (linear|constant) as the problem declares"):
         perp.solve(lambda x: x**2 - 2, np.ones(2), jac=lambda x: sp.diags(2 * x, format="csc"), affine=True)
+
+
+def test_the_matrix_of_an_affine_function_may_be_given_as_such():
+    for M in (np.array([[2.0, 1.0], [1.0, 2.0]]), [[2, 1], [1, 2]], sp.csr_matrix([[2.0, 1.0], [1.0, 2.0]])):
+        r = perp.solve(lambda x, q: np.array([[2, 1], [1, 2]]) @ x + q, np.zeros(2), jac=M, affine=True, args=(-3.0,))
+        np.testing.assert_allclose(r.x, [1, 1])
