@@ -105,54 +105,52 @@ void append_number(std::string& text, double value) {
   if (shortest.find_first_of(".e") == std::string_view::npos) text += ".0";  // a double for readers that tell
 }
 
-/// Appended at once, in the form of json_text(): a tree of a million variables takes several times as long as the text.
+void append_quoted(std::string& text, std::string_view word) {
+  if (std::ranges::all_of(word, [](char c) { return c >= ' ' && c <= '~' && c != '"' && c != '\\'; }))
+    text.append(1, '"').append(word).append(1, '"');
+  else
+    text += Json(word).dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+/// A line for each, at once: a tree of a million variables takes several times as long as the text.
 void append_variables(std::string& text, const Report& report) {
   const ncp::Mcp& mcp = report.mcp();
   const ncp::Box& box = mcp.box();
   const double tol = ncp::stop(report.settings.method).tol;
   const std::vector<lcp::Cell>& basis = report.result.basis;
   const bool has_basis = static_cast<ncp::Index>(basis.size()) == mcp.size();
-  if (mcp.size() == 0) {
-    text += "[]";
-    return;
-  }
-  const auto quoted = [](std::string_view given) {
-    const bool plain = std::ranges::all_of(given, [](char c) { return c >= ' ' && c <= '~' && c != '"' && c != '\\'; });
-    return plain ? '"' + std::string(given) + '"' : Json(given).dump(-1, ' ', false, Json::error_handler_t::replace);
-  };
-  const auto number = [&](const char* key, double value) {
-    text.append(",\n      \"").append(key).append("\": ");
-    append_number(text, value);
-  };
-  const auto word = [&](const char* key, std::string_view value) {
-    text.append(",\n      \"").append(key).append("\": ").append(quoted(value));
-  };
+  const std::size_t start = text.size();
   const auto begin = [&](std::string_view name, std::string_view equation) {
-    text.append(text.back() == '[' ? "" : ",").append("\n    {\n      \"name\": ").append(quoted(name));
-    word("equation", equation);
+    text += text.back() == '[' ? "\n    {\"name\": " : ",\n    {\"name\": ";
+    append_quoted(text, name);
+    text += ", \"equation\": ";
+    append_quoted(text, equation);
   };
-  text.reserve(text.size() + 200 * static_cast<std::size_t>(mcp.size()));  // what a variable takes, by and large
+  const auto numbers = [&](double lower, double value, double upper, double F) {
+    append_number(text += ", \"lower\": ", lower);
+    append_number(text += ", \"value\": ", value);
+    append_number(text += ", \"upper\": ", upper);
+    append_number(text += ", \"F\": ", F);
+  };
   text += "[";
   for (ncp::Index i = 0; i < mcp.size(); ++i) {
     begin(mcp.variable_name(i), mcp.equation_name(i));
-    number("lower", box.lower[i]);
-    number("value", report.result.x[i]);
-    number("upper", box.upper[i]);
-    number("F", F_value(report, i));
-    word("state", state_name(box, i, report.result.x[i], tol));
-    if (has_basis) word("basis", cell_name(basis[static_cast<std::size_t>(i)]));
-    text += "\n    }";
+    numbers(box.lower[i], report.result.x[i], box.upper[i], F_value(report, i));
+    append_quoted(text += ", \"state\": ", state_name(box, i, report.result.x[i], tol));
+    if (has_basis) append_quoted(text += ", \"basis\": ", cell_name(basis[static_cast<std::size_t>(i)]));
+    text += "}";
+    // A text that grows by doubling is copied, and takes twice the memory. What the first ones take, by and large:
+    constexpr ncp::Index measured = 1000;
+    if (i + 1 == measured)
+      text.reserve(start + (text.size() - start) / measured * static_cast<std::size_t>(mcp.size() + mcp.size() / 4));
   }
   for (const auto& [name, equation, value] : computed(report)) {
     begin(name, equation);
-    number("lower", -ncp::infinity);
-    number("value", value);
-    number("upper", ncp::infinity);
-    number("F", 0);
-    word("state", computed_state);
-    text += "\n    }";
+    numbers(-ncp::infinity, value, ncp::infinity, 0);
+    append_quoted(text += ", \"state\": ", computed_state);
+    text += "}";
   }
-  text += "\n  ]";
+  text += mcp.size() > 0 ? "\n  ]" : "]";
 }
 
 Json iterations_json(const Report& report) {

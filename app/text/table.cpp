@@ -21,17 +21,31 @@ std::size_t width_of(std::string_view text) {
 /// Number of last rows in a table that is shortened to `limit` rows.
 std::size_t tail_of(std::size_t limit) { return limit / 6; }
 
-std::string padded(std::string_view text, std::size_t width, Align align, bool last) {
-  const std::string space(width - std::min(width, width_of(text)), ' ');
-  if (align == Align::Right) return space + std::string(text);
-  return std::string(text) + (last ? "" : space);
+void append_padded(std::string& line, std::string_view text, std::size_t width, Align align, bool last) {
+  const std::size_t space = width - std::min(width, width_of(text));
+  if (align == Align::Right) line.append(space, ' ');
+  line += text;
+  if (align == Align::Left && !last) line.append(space, ' ');
 }
 
 }  // namespace
 
-void Table::add(std::vector<std::string> row) {
+Table::Table(std::vector<Column> columns) : columns_(std::move(columns)) {
+  for (const Column& column : columns_) width_.push_back(width_of(column.header));
+}
+
+void Table::add(const std::vector<std::string>& row) {
   assert(row.size() == columns_.size());
-  rows_.push_back(std::move(row));
+  for (std::size_t j = 0; j < row.size(); ++j) {
+    cells_ += row[j];
+    ends_.push_back(cells_.size());
+    width_[j] = std::max(width_[j], width_of(row[j]));
+  }
+}
+
+std::string_view Table::cell(std::size_t i, std::size_t j) const {
+  const std::size_t k = i * columns_.size() + j, begin = k == 0 ? 0 : ends_[k - 1];
+  return std::string_view(cells_).substr(begin, ends_[k] - begin);
 }
 
 void Table::fill(std::size_t count, std::size_t limit,
@@ -46,28 +60,33 @@ void Table::fill(std::size_t count, std::size_t limit,
 
 void Table::print(std::ostream& out, int indent, std::size_t limit, std::string_view how) const {
   const std::string margin(static_cast<std::size_t>(indent), ' ');
-  std::vector<std::size_t> width;
-  for (const Column& column : columns_) width.push_back(width_of(column.header));
-  for (const auto& row : rows_)
-    for (std::size_t j = 0; j < row.size(); ++j) width[j] = std::max(width[j], width_of(row[j]));
-
-  const auto line = [&](auto&& cell) {
-    std::string text = margin;
-    for (std::size_t j = 0; j < columns_.size(); ++j)
-      text += (j == 0 ? "" : "  ") + padded(cell(j), width[j], columns_[j].align, j + 1 == columns_.size());
-    out << text << '\n';
+  std::string text;  // several lines: a stream call for each takes longer than they do
+  const auto flush = [&] {
+    out << text;
+    text.clear();
   };
-  line([&](std::size_t j) -> std::string { return columns_[j].header; });
-  line([&](std::size_t j) { return std::string(width[j], '-'); });
+  const auto line = [&](auto&& text_of) {
+    constexpr std::size_t enough = 1 << 16;
+    text += margin;
+    for (std::size_t j = 0; j < columns_.size(); ++j) {
+      if (j > 0) text += "  ";
+      append_padded(text, text_of(j), width_[j], columns_[j].align, j + 1 == columns_.size());
+    }
+    text += '\n';
+    if (text.size() > enough) flush();
+  };
+  line([&](std::size_t j) -> std::string_view { return columns_[j].header; });
+  line([&](std::size_t j) { return std::string(width_[j], '-'); });
 
   const bool shorten = limit > 0 && rows() > limit;
   const std::size_t tail = shorten ? tail_of(limit) : 0;
-  const std::size_t head = shorten ? limit - tail : rows_.size();
-  for (std::size_t i = 0; i < head; ++i) line([&](std::size_t j) -> const std::string& { return rows_[i][j]; });
-  if (!shorten) return;
-  out << margin << fmt::format("... {} rows are not shown{}{}\n", rows() - limit, how.empty() ? "" : "; ", how);
-  for (std::size_t i = rows_.size() - tail; i < rows_.size(); ++i)
-    line([&](std::size_t j) -> const std::string& { return rows_[i][j]; });
+  const std::size_t head = shorten ? limit - tail : made();
+  for (std::size_t i = 0; i < head; ++i) line([&](std::size_t j) { return cell(i, j); });
+  if (shorten) {
+    text += margin + fmt::format("... {} rows are not shown{}{}\n", rows() - limit, how.empty() ? "" : "; ", how);
+    for (std::size_t i = made() - tail; i < made(); ++i) line([&](std::size_t j) { return cell(i, j); });
+  }
+  flush();
 }
 
 std::string number(double value, int digits) {

@@ -24,19 +24,24 @@ struct Column {
 
 class Table {
  public:
-  explicit Table(std::vector<Column> columns) : columns_(std::move(columns)) {}
-  void add(std::vector<std::string> row);  ///< one cell a column
+  explicit Table(std::vector<Column> columns);
+  void add(const std::vector<std::string>& row);  ///< one cell a column
   /// Adds rows 0 to count - 1, but makes only those that print() shows with this limit.
   void fill(std::size_t count, std::size_t limit, const std::function<std::vector<std::string>(std::size_t)>& row);
-  std::size_t rows() const { return rows_.size() + left_out_; }
+  std::size_t rows() const { return made() + left_out_; }
   /// Header, rule and rows. Where there are more than `limit` rows (0: no limit), only the first and the last ones are
   /// printed, and a line between them says how many are left out and `how` to see them.
   void print(std::ostream& out, int indent = 0, std::size_t limit = 0, std::string_view how = "") const;
 
  private:
+  std::size_t made() const { return ends_.size() / columns_.size(); }
+  std::string_view cell(std::size_t i, std::size_t j) const;
+
   std::vector<Column> columns_;
-  std::vector<std::vector<std::string>> rows_;
-  std::size_t left_out_ = 0;  ///< rows that were not made
+  std::vector<std::size_t> width_;
+  std::string cells_{};              ///< of the rows that were made, one after the other: there may be millions
+  std::vector<std::size_t> ends_{};  ///< of each cell
+  std::size_t left_out_ = 0;         ///< rows that were not made
 };
 
 /// `digits` significant ones, no trailing zeros; "inf", "-inf", "nan".
