@@ -49,7 +49,12 @@ std::string held_out_by(const LoadedProblem& problem, ncp::Method method, const 
 
 void add_model_notes(const LoadedProblem& problem, const ncp::Method& method, ncp::Result& result) {
   if (problem.model == nullptr) return;
-  for (std::string& remark : problem.model->remarks()) result.notes.push_back(std::move(remark));
+  std::vector<std::string> remarks = problem.model->remarks();
+  std::string said = result.message;
+  for (const auto* texts : {&result.notes, &remarks})
+    for (const std::string& text : *texts) said += text;
+  if (std::string advice = ncp::ampl::advice_on_names(said); !advice.empty()) result.notes.push_back(std::move(advice));
+  for (std::string& remark : remarks) result.notes.push_back(std::move(remark));
   if (result.accepted() || result.status == ncp::Status::Interrupted || problem.model->side_inequalities() == 0) return;
   if (const std::string sides = held_out_by(problem, method, result); !sides.empty())
     result.notes.push_back("without its side inequalities the model has a solution, which violates " + sides);

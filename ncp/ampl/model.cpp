@@ -195,8 +195,16 @@ std::unique_ptr<Model> read_model(const std::string& path) {
   const std::string stub = stub_of(path);
   const std::string file = stub + ".nl";
   const std::string bytes = read_file(file);
-  return std::make_unique<AslModel>(stub, bytes, check_nl(file, bytes));
+  try {
+    return std::make_unique<AslModel>(stub, bytes, check_nl(file, bytes));
+  } catch (const ModelError& refused) {
+    const std::string advice = Names::advice(refused.what());
+    if (advice.empty()) throw;
+    throw ModelError(refused.code(), std::string(refused.what()) + "; " + advice);
+  }
 }
+
+std::string advice_on_names(const std::string& text) { return Names::advice(text); }
 
 void write_failed_sol(const std::string& path, const std::string& message, int solve_result_num) {
   const std::string stub = stub_of(path);

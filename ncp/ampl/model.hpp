@@ -62,6 +62,9 @@ class Model : public Mcp {
 /// threads.
 std::unique_ptr<Model> read_model(const std::string& path);
 
+/// How to have names in a text that calls rows and variables by their numbers; empty for other texts.
+std::string advice_on_names(const std::string& text);
+
 /// Writes a .sol file for a model that could not be read as an MCP, so that AMPL hears why: no solution vector.
 void write_failed_sol(const std::string& path, const std::string& message, int solve_result_num);
 

@@ -45,4 +45,10 @@ std::string Names::list(const std::vector<std::string>& names) {
   return text;
 }
 
+std::string Names::advice(const std::string& text) {
+  if (text.find("_svar[") == std::string::npos && text.find("_scon[") == std::string::npos) return {};
+  return "_svar and _scon stand for names that the model's files lack: write them with symbolic_solver_labels=True in "
+         "Pyomo, with option auxfiles rc in AMPL";
+}
+
 }  // namespace perp::ncp::ampl

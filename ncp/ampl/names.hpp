@@ -16,6 +16,8 @@ class Names {
   std::string row(int i) const;       ///< _scon[i + 1]
   /// "a, b, c and 12 more"
   static std::string list(const std::vector<std::string>& names);
+  /// How to have names, for a text that has to do without; else empty.
+  static std::string advice(const std::string& text);
 
  private:
   std::vector<std::string> variables_, rows_;
