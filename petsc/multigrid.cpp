@@ -13,6 +13,8 @@ constexpr PetscInt small = 1500;   ///< rows that need no coarser grid: every ra
 constexpr PetscInt direct = 5000;  ///< ... and the most for LU, where the grid cannot be made coarser and has one
                                    ///< unknown a point: algebraic multigrid is poor at several
 
+constexpr PetscReal fill = 1;  ///< of PETSc's products: their patterns are kept, so that it matters once
+
 /// Whether a grid of every other point would be one, and every rank would keep some.
 PetscErrorCode can_be_coarsened(DM dm, bool* can) {
   PetscBool is_da = PETSC_FALSE;
@@ -68,24 +70,15 @@ PetscErrorCode as_rows(OwnMat& P) {
   return ok;
 }
 
-/// 1 where a coarse function is not closed and something is left of it, after all of its rows were made.
-PetscErrorCode untruncated_mask(const Multigrid::Level& coarse) {
-  const Reading open(coarse.open);
-  Values m(coarse.mask);
-  for (PetscInt i = 0; i < open.size(); ++i) m[i] = open[i] != 0 ? 1 : 0;
-  return ok;
-}
-
-/// The same where a row is new; r is overwritten.
-PetscErrorCode take_new_masks(const Multigrid::Level& coarse) {
+/// 1 where a coarse function is not closed and the face has left something of it; r is overwritten.
+PetscErrorCode take_mask(const Multigrid::Level& coarse) {
   PetscCall(MatGetDiagonal(coarse.T, coarse.r));
   const Reading d(coarse.diagonal);
   const Reading left(coarse.r);
   const Reading open(coarse.open);
   Values m(coarse.mask);
   for (PetscInt i = 0; i < d.size(); ++i)
-    if (coarse.changed[static_cast<std::size_t>(i)] != 0)
-      m[i] = open[i] != 0 && PetscAbsScalar(left[i]) > 1e-10 * PetscAbsScalar(d[i]) ? 1 : 0;
+    m[i] = open[i] != 0 && PetscAbsScalar(left[i]) > 1e-10 * PetscAbsScalar(d[i]) ? 1 : 0;
   return ok;
 }
 
@@ -113,14 +106,14 @@ PetscErrorCode Multigrid::become(PC pc) {
   return PCShellSetName(pc, "perp: truncated multigrid");
 }
 
-PetscErrorCode Multigrid::take_hierarchy(DM dm, PetscInt most, bool* usable) {
+PetscErrorCode Multigrid::take_hierarchy(DM dm, bool* usable) {
   levels_.clear();
   coarsest_.reset();
   levels_.emplace_back();
   PetscCall(PetscObjectReference(reinterpret_cast<PetscObject>(dm)));
   *levels_[0].dm.out() = dm;
   PetscCall(DMCreateGlobalVector(dm, levels_[0].b.out()));
-  while (static_cast<PetscInt>(levels_.size()) < most) {
+  for (;;) {
     bool can = false;
     PetscInt rows = 0;
     PetscCall(VecGetSize(levels_.back().b, &rows));
@@ -148,52 +141,35 @@ PetscErrorCode Multigrid::take_matrix(Mat A, Vec open) {
   PetscCall(PetscObjectReference(reinterpret_cast<PetscObject>(A)));
   *levels_[0].A.out() = A;
   PetscCall(VecCopy(open, levels_[0].open));
-  const bool again = levels_[0].T != nullptr;
-  PetscCall(again ? MatCopy(A, levels_[0].T, SAME_NONZERO_PATTERN)
-                  : MatDuplicate(A, MAT_COPY_VALUES, levels_[0].T.out()));
-  PetscCall(MatGetDiagonal(A, levels_[0].diagonal));
-  first_ = 0;
-  for (std::size_t k = 0; k + 1 < levels_.size(); ++k) {
-    Level& fine = levels_[k];
-    Level& coarse = levels_[k + 1];
-    PetscCall(again ? fine.product.forget() : fine.product.set_up(fine.T, fine.P, coarse.b, coarse.T));
-    PetscCall(fine.product.multiply(fine.T, fine.changed, coarse.T, coarse.changed));
-    PetscCall(again ? MatCopy(coarse.T, coarse.A, SAME_NONZERO_PATTERN)
-                    : MatDuplicate(coarse.T, MAT_COPY_VALUES, coarse.A.out()));
-    PetscCall(MatGetDiagonal(coarse.A, coarse.diagonal));
-    PetscCall(MatRestrict(fine.inject, fine.open, coarse.open));
-    PetscCall(untruncated_mask(coarse));
-  }
-  return ok;
-}
-
-/// The levels from `first` on as take_matrix left them: products are made again where a face then truncates something.
-PetscErrorCode Multigrid::untruncate(std::size_t first) {
-  first_ = first;
-  for (std::size_t k = first; k < levels_.size(); ++k) {
-    PetscCall(MatCopy(levels_[k].A, levels_[k].T, SAME_NONZERO_PATTERN));
+  for (std::size_t k = 0; k < levels_.size(); ++k) {
+    Level& level = levels_[k];
+    const bool again = level.T != nullptr;
+    if (!again) PetscCall(MatDuplicate(level.A, MAT_COPY_VALUES, level.T.out()));
+    PetscCall(MatGetDiagonal(level.A, level.diagonal));
     if (k + 1 == levels_.size()) break;
-    PetscCall(levels_[k].product.untruncate());
-    PetscCall(untruncated_mask(levels_[k + 1]));
+    PetscCall(MatPtAP(level.A, level.P, again ? MAT_REUSE_MATRIX : MAT_INITIAL_MATRIX, fill, levels_[k + 1].A.reuse()));
+    PetscCall(MatRestrict(level.inject, level.open, levels_[k + 1].open));
   }
   return ok;
 }
 
 PetscErrorCode Multigrid::take_face(std::size_t first, Vec mask) {
-  if (first != first_) PetscCall(untruncate(first));
+  first_ = first;
   Level& top = levels_[first];
   if (static_cast<Vec>(top.mask) != mask) PetscCall(VecCopy(mask, top.mask));
-  for (std::size_t k = first; k + 1 < levels_.size(); ++k) {
+  PetscCall(MatCopy(top.A, top.T, SAME_NONZERO_PATTERN));
+  for (std::size_t k = first; k < levels_.size(); ++k) {
     Level& fine = levels_[k];
-    Level& coarse = levels_[k + 1];
-    const Mat A = k == first ? static_cast<Mat>(fine.A) : nullptr;
-    PetscCall(fine.product.truncate(A, fine.mask, fine.diagonal, fine.T, fine.changed));
-    PetscCall(fine.product.multiply(fine.T, fine.changed, coarse.T, coarse.changed));
-    PetscCall(take_new_masks(coarse));
+    PetscCall(MatDiagonalScale(fine.T, fine.mask, fine.mask));
+    if (k + 1 < levels_.size()) {
+      Level& coarse = levels_[k + 1];
+      PetscCall(MatPtAP(fine.T, fine.P, coarse.product ? MAT_REUSE_MATRIX : MAT_INITIAL_MATRIX, fill,
+                        coarse.product ? coarse.T.reuse() : coarse.T.out()));
+      coarse.product = true;
+      PetscCall(take_mask(coarse));
+    }
+    PetscCall(set_cut_off_diagonal(fine.T, fine.mask, fine.diagonal));
   }
-  const Level& last = levels_.back();
-  if (first + 1 == levels_.size()) PetscCall(MatCopy(last.A, last.T, SAME_NONZERO_PATTERN));
-  PetscCall(cut_off(last.T, last.mask, last.diagonal));
   return take_coarsest();
 }
 
@@ -238,7 +214,7 @@ PetscErrorCode Multigrid::cycle(std::size_t k, Vec b, Vec x) {
   PetscCall(MatSOR(fine.T, b, 1, down, 0, 1, 1, x));
   PetscCall(MatMult(fine.T, x, fine.r));
   PetscCall(VecAYPX(fine.r, -1, b));
-  PetscCall(MatMult(fine.product.restriction(), fine.r, coarse.b));
+  PetscCall(MatMultTranspose(fine.P, fine.r, coarse.b));
   PetscCall(VecPointwiseMult(coarse.b, coarse.b, coarse.mask));
   PetscCall(cycle(k + 1, coarse.b, coarse.x));
   PetscCall(MatMultAdd(fine.P, coarse.x, x, x));  // what this moves of what is held the sweep sets back

@@ -12,7 +12,6 @@
 /// more than its part of any but a small coarsest level.
 #include <vector>
 
-#include "petsc/galerkin.hpp"
 #include "petsc/rows.hpp"
 
 namespace perp::petsc {
@@ -24,20 +23,19 @@ class Multigrid {
  public:
   struct Level {
     OwnDm dm;
-    OwnMat A;                   ///< Galerkin's product of the untruncated ones; level 0: the matrix given
-    OwnMat T;                   ///< truncated to the face
-    OwnMat P;                   ///< from the next coarser level to this one; none on the coarsest
-    OwnMat inject;              ///< values at the points of the next coarser level
-    Galerkin product;           ///< of the next coarser level's T
-    std::vector<char> changed;  ///< this rank's rows of T that the last face has changed
+    OwnMat A;              ///< Galerkin's product of the untruncated ones; level 0: the matrix given
+    OwnMat T;              ///< truncated to the face
+    OwnMat P;              ///< from the next coarser level to this one; none on the coarsest
+    OwnMat inject;         ///< values at the points of the next coarser level
+    bool product = false;  ///< T is a product of the finer T
     OwnVec mask;
     OwnVec diagonal;  ///< of A
     OwnVec open;      ///< 0 at the variables that are never part of a face: lonely rows
     OwnVec b, x, r;
   };
 
-  /// The levels of the DM, with at most `most` of them; false where it cannot be coarsened.
-  PetscErrorCode take_hierarchy(DM dm, PetscInt most, bool* usable);
+  /// The levels of the DM; false where it cannot be coarsened.
+  PetscErrorCode take_hierarchy(DM dm, bool* usable);
   /// The matrices of all levels. `open` has 0 where the variable is never free.
   PetscErrorCode take_matrix(Mat A, Vec open);
   /// The solver of the coarsest grid, after it failed: PETSc's does not recover with another matrix.
@@ -55,7 +53,6 @@ class Multigrid {
   PetscInt cycles = 0;  ///< V-cycles that began on level 0
 
  private:
-  PetscErrorCode untruncate(std::size_t first);
   PetscErrorCode cycle(std::size_t k, Vec b, Vec x);
   PetscErrorCode take_coarsest();
   PetscErrorCode make_coarsest();

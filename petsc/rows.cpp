@@ -25,55 +25,6 @@ PetscErrorCode made_up(Vec v, std::uint64_t seed) {
 
 }  // namespace
 
-PetscErrorCode Blocks::take(Mat block, Entries& entries) const {
-  if (block == nullptr) return ok;
-  PetscBool done = PETSC_FALSE;
-  PetscCall(MatGetRowIJ(block, 0, PETSC_FALSE, PETSC_FALSE, &entries.rows, &entries.start, &entries.column, &done));
-  PetscCheck(done, PETSC_COMM_SELF, PETSC_ERR_SUP, "perp: the rows of this type of matrix cannot be read");
-  if (writing_) return MatSeqAIJGetArray(block, &entries.value);
-  const PetscScalar* value = nullptr;
-  PetscCall(MatSeqAIJGetArrayRead(block, &value));
-  entries.value = const_cast<PetscScalar*>(value);  // NOLINT: nobody writes there
-  return ok;
-}
-
-PetscErrorCode Blocks::give_back(Mat block, Entries& entries) const {
-  if (block == nullptr || entries.start == nullptr) return ok;
-  PetscBool done = PETSC_FALSE;
-  const PetscScalar* value = entries.value;
-  PetscCall(writing_ ? MatSeqAIJRestoreArray(block, &entries.value) : MatSeqAIJRestoreArrayRead(block, &value));
-  PetscCall(MatRestoreRowIJ(block, 0, PETSC_FALSE, PETSC_FALSE, &entries.rows, &entries.start, &entries.column, &done));
-  entries = {};
-  return ok;
-}
-
-PetscErrorCode Blocks::open(Mat A, For use) {
-  PetscBool parallel = PETSC_FALSE;
-  PetscCall(close());
-  PetscCall(PetscObjectBaseTypeCompare(reinterpret_cast<PetscObject>(A), MATMPIAIJ, &parallel));
-  A_ = A;
-  writing_ = use == For::Writing;
-  blocks_[0] = A;
-  blocks_[1] = nullptr;
-  if (parallel) {
-    PetscCall(MatMPIAIJGetSeqAIJ(A, &blocks_[0], &blocks_[1], &ghosts));
-    PetscCall(MatGetSize(blocks_[1], nullptr, &ghost_count));
-  }
-  PetscCall(take(blocks_[0], own));
-  return take(blocks_[1], far);
-}
-
-PetscErrorCode Blocks::close() {
-  if (A_ == nullptr) return ok;
-  PetscCall(give_back(blocks_[0], own));
-  PetscCall(give_back(blocks_[1], far));
-  if (writing_) PetscCall(PetscObjectStateIncrease(reinterpret_cast<PetscObject>(A_)));
-  A_ = nullptr;
-  ghosts = nullptr;
-  ghost_count = 0;
-  return ok;
-}
-
 PetscErrorCode check_is_aij(Mat J) {
   PetscBool rows = PETSC_FALSE;
   PetscCall(PetscObjectBaseTypeCompareAny(reinterpret_cast<PetscObject>(J), &rows, MATSEQAIJ, MATMPIAIJ, ""));
@@ -117,9 +68,15 @@ PetscErrorCode lonely_step(const BoxProblem& p, Vec lonely, Vec step) {
 }
 
 PetscErrorCode sweep_step(const BoxProblem& p, Vec open, Vec step) {
-  Blocks blocks;
-  PetscCall(blocks.open(p.A, Blocks::For::Reading));
-  const Entries& A = blocks.own;
+  Mat own = nullptr;
+  PetscInt rows = 0;
+  const PetscInt* start = nullptr;
+  const PetscInt* column = nullptr;
+  const PetscScalar* value = nullptr;
+  PetscBool done = PETSC_FALSE;
+  PetscCall(MatGetDiagonalBlock(p.A, &own));
+  PetscCall(MatGetRowIJ(own, 0, PETSC_FALSE, PETSC_FALSE, &rows, &start, &column, &done));
+  PetscCall(MatSeqAIJGetArrayRead(own, &value));
   {
     const Reading d(p.diagonal);
     const Reading l(p.box.lower);
@@ -128,17 +85,18 @@ PetscErrorCode sweep_step(const BoxProblem& p, Vec open, Vec step) {
     const Reading g(p.g);
     const Reading o(open);
     Values s(step);
-    for (PetscInt i = 0; i < A.rows; ++i) s[i] = 0;
+    for (PetscInt i = 0; i < rows; ++i) s[i] = 0;
     const auto relax = [&](PetscInt i) {
       if (!(d[i] > 0) || o[i] == 0) return;
       PetscScalar residual = g[i];
-      for (PetscInt k = A.start[i]; k < A.start[i + 1]; ++k) residual += A.value[k] * s[A.column[k]];
+      for (PetscInt k = start[i]; k < start[i + 1]; ++k) residual += value[k] * s[column[k]];
       s[i] = std::min(std::max(s[i] - residual / d[i], l[i] - z[i]), u[i] - z[i]);
     };
-    for (PetscInt i = 0; i < A.rows; ++i) relax(i);
-    for (PetscInt i = A.rows; i-- > 0;) relax(i);
+    for (PetscInt i = 0; i < rows; ++i) relax(i);
+    for (PetscInt i = rows; i-- > 0;) relax(i);
   }
-  return blocks.close();
+  PetscCall(MatSeqAIJRestoreArrayRead(own, &value));
+  return MatRestoreRowIJ(own, 0, PETSC_FALSE, PETSC_FALSE, &rows, &start, &column, &done);
 }
 
 PetscErrorCode looks_symmetric(Mat A, Vec free, bool* symmetric) {

@@ -13,7 +13,7 @@ namespace {
 
 /// snes->data.
 struct Data {
-  Options options{};
+  PetscBool multigrid = PETSC_TRUE;
   std::unique_ptr<Solver> solver;  ///< from setup to reset
 };
 Data& data_of(SNES snes) { return *static_cast<Data*>(snes->data); }
@@ -57,7 +57,7 @@ PetscErrorCode set_up(SNES snes) {
   PetscCall(on_every_rank(comm, take_bounds(snes), "the function of the bounds"));
   PetscCall(on_every_rank(comm, check_sizes(snes), "the check of the bounds' sizes"));
   Data& data = data_of(snes);
-  data.solver = std::make_unique<Solver>(data.options);
+  data.solver = std::make_unique<Solver>(data.multigrid == PETSC_TRUE);
   return data.solver->set_up(snes);
 }
 
@@ -80,21 +80,11 @@ PetscErrorCode destroy(SNES snes) {
 }
 
 PetscErrorCode set_from_options(SNES snes, PetscOptionItems* PetscOptionsObject) {
-  Options& o = data_of(snes).options;
+  PetscBool& multigrid = data_of(snes).multigrid;
   PetscOptionsHeadBegin(PetscOptionsObject, "SNES perp options");
-  PetscCall(PetscOptionsBool("-snes_perp_multigrid", "Truncated multigrid where the DM can be coarsened", "",
-                             o.multigrid, &o.multigrid, nullptr));
-  PetscCall(PetscOptionsBool("-snes_perp_nested", "Start from its coarse grids", "", o.nested, &o.nested, nullptr));
-  PetscCall(PetscOptionsRangeInt("-snes_perp_levels", "Levels at most", "", o.levels, &o.levels, nullptr, 1, 100));
-  PetscCall(PetscOptionsRangeInt("-snes_perp_patience", "Steps without a new best point", "", o.patience, &o.patience,
-                                 nullptr, 1, 1000000));
-  PetscCall(
-      PetscOptionsReal("-snes_perp_loose", "KSP's rtol where the face may change", "", o.loose, &o.loose, nullptr));
-  PetscCall(PetscOptionsBool("-snes_perp_interrupt", "SIGINT and SIGTERM end the solve on all ranks", "", o.interrupt,
-                             &o.interrupt, nullptr));
+  PetscCall(PetscOptionsBool("-snes_perp_multigrid", "Truncated multigrid where the DM can be coarsened", "", multigrid,
+                             &multigrid, nullptr));
   PetscOptionsHeadEnd();
-  PetscCheck(o.loose > 0 && o.loose < 1, PetscObjectComm(reinterpret_cast<PetscObject>(snes)), PETSC_ERR_ARG_OUTOFRANGE,
-             "perp: -snes_perp_loose is %g, not between 0 and 1", static_cast<double>(o.loose));
   return ok;
 }
 

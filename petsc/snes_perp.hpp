@@ -13,25 +13,13 @@
 /// The equations on the face are solved by SNES's KSP, on J with the held rows and columns cut off. Where no PC was
 /// chosen, or "mg", and the DM can be coarsened, the PC is a truncated multigrid (multigrid.hpp), and a first step
 /// comes from the coarse grids (nested_start.hpp); otherwise it is BoomerAMG where PETSc has it, else GAMG. Where the
-/// residual has had no new minimum for `patience` steps, the run goes back to the best point and makes semismooth steps
-/// (semismooth.hpp), 5 at first, then twice as many.
+/// residual has had no new minimum for 10 steps, the run goes back to the best point and makes semismooth steps
+/// (semismooth.hpp), 5 at first, then twice as many. -snes_perp_multigrid false switches the multigrid off.
 #include <petscsnes.h>
 
 namespace perp::petsc {
 
 constexpr const char* snes_type = "perp";
-
-/// The options, with PETSc's key and default.
-struct Options {
-  PetscBool multigrid = PETSC_TRUE;  ///< -snes_perp_multigrid: with a DM that can be coarsened and no other PC chosen
-  PetscBool nested = PETSC_TRUE;     ///< -snes_perp_nested: with it, a first step from the coarse grids
-  PetscInt levels = 20;              ///< -snes_perp_levels: of the hierarchy, at most
-  PetscInt patience = 10;            ///< -snes_perp_patience: steps without a new best point, at least 1
-  PetscReal loose = 0.03;            ///< -snes_perp_loose: KSP's rtol where the face may still change, unless -ksp_rtol
-  /// -snes_perp_interrupt: SIGINT and SIGTERM on any rank end the solve on all ranks at the next iteration, with the
-  /// best point and SNES_DIVERGED_INNER; a second signal does what it did before the solve.
-  PetscBool interrupt = PETSC_TRUE;
-};
 
 /// What a solve has cost, beyond what SNES counts.
 struct Counts {
@@ -43,7 +31,6 @@ struct Counts {
   PetscInt64 face = 0;  ///< variables between their bounds in the last step
   PetscReal worst = 0;  ///< max_i of the natural residual
   PetscInt row = -1;    ///< where that is
-  PetscBool interrupted = PETSC_FALSE;
 };
 
 /// Registers the type: what PetscDLLibraryRegister_perp_petsc does for -dll_append libperp_petsc.so.

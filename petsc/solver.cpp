@@ -16,6 +16,7 @@ constexpr int halvings = 30;       ///< of a step to a point where F is not defi
 constexpr double accurate = 1e-2;  ///< the model of F counts as right up to this share of the residual
 constexpr double wrong = 0.5;      ///< ... and as wrong from this share on
 constexpr int shortenings = 8;
+constexpr PetscInt patience_of_steps = 10;  ///< without a new best point
 constexpr double growth = 1e6;   ///< a residual so many times the best one is the end of patience
 constexpr double hidden = 1e-4;  ///< rounding of more than this share of the load hides the problem: x is far too large
 constexpr double eps = PETSC_MACHINE_EPSILON;
@@ -24,22 +25,11 @@ constexpr double eps = PETSC_MACHINE_EPSILON;
 
 PetscErrorCode Solver::solve(SNES snes) {
   snes_ = snes;
-  const InterruptWatch watch(options_.interrupt == PETSC_TRUE);
   PetscCall(start());
   for (PetscInt it = 0; snes->reason == SNES_CONVERGED_ITERATING; ++it) {
-    int signal = 0;
     bool stop = false;
     PetscCall(report(it));
     if (snes->reason != SNES_CONVERGED_ITERATING) break;
-    PetscCall(watch.signal(PetscObjectComm(reinterpret_cast<PetscObject>(snes)), &signal));
-    if (signal != 0) {
-      counts_.interrupted = PETSC_TRUE;
-      snes->reason = SNES_DIVERGED_INNER;
-      PetscCall(go_back());
-      PetscCall(PetscPrintf(PetscObjectComm(reinterpret_cast<PetscObject>(snes)),
-                            "perp: signal %d: the best point so far is returned\n", signal));
-      break;
-    }
     if (it >= snes->max_its) {
       snes->reason = SNES_DIVERGED_MAX_IT;
       PetscCall(go_back());
@@ -110,6 +100,7 @@ PetscErrorCode Solver::report(PetscInt it) {
   if (snes_->reason == SNES_CONVERGED_SNORM_RELATIVE && snes_->ops->converged == SNESConvergedDefault && !rounded)
     snes_->reason = SNES_CONVERGED_ITERATING;
   if (snes_->reason == SNES_CONVERGED_ITERATING && rounded) snes_->reason = SNES_CONVERGED_SNORM_RELATIVE;
+  if (snes_->reason < 0) PetscCall(go_back());
   return ok;
 }
 
@@ -138,7 +129,7 @@ PetscErrorCode Solver::step(bool* stop) {
   ++counts_.steps;
   PetscCall(VecCopy(x_, z_));
   PetscCall(VecCopy(F_, g_));
-  if (multigrid_ && options_.nested == PETSC_TRUE && face_.fresh) {
+  if (multigrid_ && face_.fresh) {
     bool taken = false;
     PetscCall(solve_lonely_rows(model(), face_));  // what coarse grids take as given: displacements of a boundary
     PetscCall(first ? nested_start(model(), face_, grids_, &taken) : nested_correction(model(), face_, grids_, &taken));
@@ -185,7 +176,7 @@ PetscErrorCode Solver::accept() {
     return VecCopy(F_, best_F_);
   }
   // Every step on a symmetric affine problem lowers phi, whatever the residual does on the way.
-  const PetscInt patience = affine_ && symmetric_ ? 10 * options_.patience : options_.patience;
+  const PetscInt patience = affine_ && symmetric_ ? 10 * patience_of_steps : patience_of_steps;
   const bool stuck = moved_ == 0 && face_.changes == 0;  // rows of zeros, for example: every further step is the same
   if (++idle_ < patience && !stuck && residual_.norm <= growth * best_.norm) return ok;
   PetscCall(go_back());

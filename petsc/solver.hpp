@@ -2,7 +2,6 @@
 #pragma once
 /// What a SNES of type perp keeps between setup and reset: the loop, and its parts.
 #include "petsc/active_set.hpp"
-#include "petsc/interrupt.hpp"
 #include "petsc/multigrid.hpp"
 #include "petsc/semismooth.hpp"
 #include "petsc/snes_perp.hpp"
@@ -11,7 +10,7 @@ namespace perp::petsc {
 
 class Solver : FaceSolver {
  public:
-  explicit Solver(const Options& options) : options_(options) {}
+  explicit Solver(bool multigrid) : wants_multigrid_(multigrid) {}
   PetscErrorCode set_up(SNES snes);
   /// Gives the SNES its KSP back as set_up found it.
   PetscErrorCode release();
@@ -45,7 +44,7 @@ class Solver : FaceSolver {
     return {.A = J_, .diagonal = diagonal_, .box = box_, .z = z_, .g = g_, .symmetric = symmetric_};
   }
 
-  const Options& options_;
+  const bool wants_multigrid_;
   SNES snes_ = nullptr;
   Box box_{};
   Counts counts_{};

@@ -13,7 +13,8 @@
 namespace perp::petsc {
 namespace {
 
-constexpr double amg_loose = 1e-2;     // where the PC is costly to build a few iterations more cost little
+constexpr double multigrid_loose = 0.03;  // rtol of the KSP where the face may still change: the error is that of the face
+constexpr double amg_loose = 1e-2;     // ... where the PC is costly to build a few iterations more cost little
 constexpr double few = 1e-4;           // changes, beside what is held, after which the face is most likely the last one
 constexpr double ends = 2;             // ... and besides: the free boundary of a line of contact, however many are held
 constexpr double default_rtol = 1e-5;  // of PETSc's KSP
@@ -66,8 +67,8 @@ PetscErrorCode Solver::set_up(SNES snes) {
   const bool mg = pc_type != nullptr && std::strcmp(pc_type, PCMG) == 0;
   took_mg_ = mg;
   multigrid_ = false;
-  if (options_.multigrid == PETSC_TRUE && (chosen_pc_ || mg) && snes->dm != nullptr)
-    PetscCall(grids_.take_hierarchy(snes->dm, options_.levels, &multigrid_));
+  if (wants_multigrid_ && (chosen_pc_ || mg) && snes->dm != nullptr)
+    PetscCall(grids_.take_hierarchy(snes->dm, &multigrid_));
   if (!multigrid_) return ok;
   PetscInt sizes[2];  // the DM need not be that of the unknowns
   PetscCall(VecGetLocalSize(grids_.levels()[0].b, &sizes[0]));
@@ -123,7 +124,7 @@ PetscErrorCode Solver::take_matrix(Mat J) {
   shifts_ = 0;
   if (multigrid_) {
     if (other && grids_.levels()[0].T != nullptr)
-      PetscCall(grids_.take_hierarchy(snes_->dm, options_.levels, &multigrid_));
+      PetscCall(grids_.take_hierarchy(snes_->dm, &multigrid_));
     PetscCall(grids_.take_matrix(J, face_.open));
   } else if (other || T_ == nullptr) {
     PetscCall(MatDuplicate(J, MAT_COPY_VALUES, T_.out()));
@@ -158,7 +159,7 @@ PetscErrorCode Solver::face_tolerance(Vec b, bool changed) {
   if (!chosen_rtol_) return ok;
   PetscReal length = 0;
   PetscCall(VecNorm(b, NORM_2, &length));
-  const PetscReal loose = multigrid_ ? options_.loose : std::min(options_.loose, amg_loose);
+  const PetscReal loose = multigrid_ ? multigrid_loose : amg_loose;
   const PetscReal wanted = 0.1 * std::max(snes_->abstol, snes_->ttol);
   PetscInt all = 0;
   PetscCall(VecGetSize(b, &all));

@@ -29,7 +29,6 @@ struct Solved {
 PetscErrorCode judge(SNES snes, Vec x, Vec lower, Vec upper, Solved* solved);
 
 // multigrid_test.cpp
-PetscErrorCode truncated_products();
 
 // grids_test.cpp
 PetscErrorCode grids_in_space();

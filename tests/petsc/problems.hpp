@@ -23,7 +23,6 @@ struct Membrane {
   bool error_in_jacobian = false;    ///< likewise, after the assembly
   bool outside_in_jacobian = false;  ///< likewise: SNESSetJacobianDomainError
   bool error_in_bounds = false;      ///< likewise
-  int signal = 0;                    ///< the last rank sends itself this signal in the second evaluation
   int evaluations = 0;
   SNES snes = nullptr;
 };
