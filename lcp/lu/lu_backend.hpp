@@ -44,7 +44,6 @@ std::string_view general_lu();  ///< its name
 std::unique_ptr<LuLibrary> make_klu();
 std::unique_ptr<LuLibrary> make_eigen();
 std::unique_ptr<LuLibrary> make_dense();
-std::unique_ptr<LuLibrary> make_small();     // sparse, of some hundred rows
 std::unique_ptr<LuLibrary> make_definite();  // or general where the matrix is not
 
 }  // namespace perp::lcp

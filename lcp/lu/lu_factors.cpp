@@ -107,68 +107,8 @@ void LuSolver::eliminate(const Triangle& T, bool ascending, const Vec* diagonal,
   learn();
 }
 
-/// Block by block from the last that b reaches on: up to there everything is zero, and many a block later, too.
-void LuSolver::solve_blocks(const SparseVector& b, SparseVector& x) {
-  const LuFactors& f = factors_;
-  double* y = work_.data();
-  int last = -1;
-  b.for_each([&](Index i, double v) {
-    const int k = f.P_inverse[at(i)];
-    y[k] = v * f.R[i];
-    last = std::max(last, k);
-  });
-  const auto subtract = [y](const Triangle& T, int j) {
-    const double yj = y[j];
-    const int end = T.start[at(j + 1)];
-    for (int k = T.start[at(j)]; k < end; ++k) y[T.row[at(k)]] -= T.value[at(k)] * yj;
-  };
-  for (std::size_t k = f.blocks.size() - 1; k-- > 0;) {
-    const int begin = f.blocks[k];
-    const int end = f.blocks[k + 1];
-    if (begin > last) continue;
-    last = std::max(last, end - 1);  // L leads down to the end of the block
-    if (end - begin > 1)
-      for (int j = begin; j < end; ++j)
-        if (y[j] != 0) subtract(f.L, j);
-    for (int j = end; j-- > begin;) {
-      if (y[j] == 0) continue;
-      y[j] /= f.diagonal[j];
-      subtract(f.U, j);
-    }
-  }
-  x.clear();
-  for (int k = 0; k <= last; ++k) {
-    if (y[k] == 0) continue;
-    x.set(f.Q[at(k)], y[k]);
-    y[k] = 0;
-  }
-}
-
-void LuSolver::solve_blocks_transposed(const SparseVector& b, SparseVector& x) {
-  const LuFactors& f = factors_;
-  double* y = work_.data();
-  b.for_each([&](Index j, double v) { y[f.Q_inverse[at(j)]] = v; });
-  const auto product = [y](const Triangle& T, int j) {
-    double sum = 0;
-    for (int k = T.start[at(j)]; k < T.start[at(j + 1)]; ++k) sum += T.value[at(k)] * y[T.row[at(k)]];
-    return sum;
-  };
-  for (std::size_t k = 0; k + 1 < f.blocks.size(); ++k) {
-    for (int j = f.blocks[k]; j < f.blocks[k + 1]; ++j) y[j] = (y[j] - product(f.U, j)) / f.diagonal[j];
-    for (int j = f.blocks[k + 1]; j-- > f.blocks[k];) y[j] -= product(f.L, j);
-  }
-  x.clear();
-  for (Index k = 0; k < size(); ++k) {
-    if (y[k] == 0) continue;
-    const int i = f.P[at(k)];
-    x.set(i, y[k] * f.R[i]);
-    y[k] = 0;
-  }
-}
-
 void LuSolver::solve(const SparseVector& b, SparseVector& x) {
   const LuFactors& f = factors_;
-  if (!f.blocks.empty()) return solve_blocks(b, x);
   work_.clear();
   b.for_each([&](Index i, double v) { work_.set(f.P_inverse[static_cast<std::size_t>(i)], v * f.R[i]); });
   eliminate(f.L, true, nullptr, dense_L_);
@@ -179,7 +119,6 @@ void LuSolver::solve(const SparseVector& b, SparseVector& x) {
 
 void LuSolver::solve_transposed(const SparseVector& b, SparseVector& x) {
   LuFactors& f = factors_;
-  if (!f.blocks.empty()) return solve_blocks_transposed(b, x);
   if (f.U_transposed.size() != f.size()) f.U_transposed = f.U.transpose();
   work_.clear();
   b.for_each([&](Index j, double v) { work_.set(f.Q_inverse[static_cast<std::size_t>(j)], v); });

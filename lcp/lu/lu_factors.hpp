@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// The factors of one square matrix,  L U = (R A)(P, Q),  R diagonal, in a form that solves with sparse right-hand
-/// sides in time proportional to the arithmetic (Gilbert & Peierls, SIAM J. Sci. Stat. Comput. 9 (1988) 862); or those
-/// of the diagonal blocks of a block triangular one. Private to lcp/.
+/// sides in time proportional to the arithmetic (Gilbert & Peierls, SIAM J. Sci. Stat. Comput. 9 (1988) 862).
+/// Private to lcp/.
 #include <span>
 #include <vector>
 
@@ -35,9 +35,6 @@ struct LuFactors {
   std::vector<int> P, Q;  ///< step k eliminates row P[k] with column Q[k]
   std::vector<int> P_inverse, Q_inverse;
   Vec R;
-  /// The first steps of the diagonal blocks, and the order at the end; empty: one block. L and U are then block
-  /// diagonal, but that U has the entries of (R A)(P, Q) above the blocks, too.
-  std::vector<int> blocks{};
 
   Index size() const { return diagonal.size(); }
   Index nonzeros() const { return size() + static_cast<Index>(L.row.size() + U.row.size()); }
@@ -58,8 +55,6 @@ class LuSolver {
  private:
   void eliminate(const Triangle& T, bool ascending, const Vec* diagonal, double& density);
   bool reach(const Triangle& T);
-  void solve_blocks(const SparseVector& b, SparseVector& x);
-  void solve_blocks_transposed(const SparseVector& b, SparseVector& x);
 
   LuFactors factors_;
   SparseVector work_;

@@ -82,8 +82,10 @@ void Klu::solve(const SpMat& A, In b, Out x, bool transposed) const {
     klu_solve(symbolic_, &numeric, n, 1, x.data(), &common);
 }
 
-bool Klu::factors(LuFactors& out) const {
-  if (!factored_) return false;
+/// L and U of the diagonal blocks, U with the entries of (R A)(P, Q) above the blocks, too; where the blocks begin, and
+/// the order at the end.
+std::vector<int> Klu::extract_blocks(LuFactors& out) const {
+  if (!factored_) throw std::logic_error("KLU has no factors");
   const auto n = at(numeric_->n);
   struct Columns {
     Columns(std::size_t columns, int entries) : start(columns + 1), row(at(entries)), value(at(entries)) {}
@@ -100,12 +102,12 @@ bool Klu::factors(LuFactors& out) const {
   Columns above(n, numeric_->nzoff);
   out.P.resize(n);
   out.Q.resize(n);
-  out.blocks.resize(at(symbolic_->nblocks) + 1);
+  std::vector<int> blocks(at(symbolic_->nblocks) + 1);
   Vec scale(numeric_->n);
   klu_common common = common_;
   if (!klu_extract(numeric_, symbolic_, l.start.data(), l.row.data(), l.value.data(), u.start.data(), u.row.data(),
                    u.value.data(), above.start.data(), above.row.data(), above.value.data(), out.P.data(), out.Q.data(),
-                   scale.data(), out.blocks.data(), &common))
+                   scale.data(), blocks.data(), &common))
     throw std::bad_alloc();
   out.R.resize(numeric_->n);
   for (std::size_t k = 0; k < n; ++k) out.R[out.P[k]] = 1 / scale[static_cast<Index>(k)];  // scale is by pivots
@@ -125,15 +127,14 @@ bool Klu::factors(LuFactors& out) const {
     out.U.end_column();
   }
   out.finish();
-  return true;
+  return blocks;
 }
 
 /// With L, U of the diagonal blocks and F above them, (R A)(P, Q) = L U + F = L (U + L^-1 F): what a factorization
 /// without blocks and with the same pivots would have come to.
 void Klu::extract(LuFactors& out) const {
-  if (!factors(out)) throw std::logic_error("KLU has no factors");
+  const std::vector<int> blocks = extract_blocks(out);
   const Triangle by_blocks = std::exchange(out.U, Triangle{});
-  const std::vector<int> blocks = std::exchange(out.blocks, {});
   Vec x = Vec::Zero(out.size());  // zero wherever no row is waiting
   std::vector<char> seen(at(out.size()), 0);
   std::vector<int> waiting;  // a heap: L leads downwards only

@@ -4,6 +4,7 @@
 #include <klu.h>
 
 #include <span>
+#include <vector>
 
 #include "lcp/lu/lu_backend.hpp"
 
@@ -26,8 +27,7 @@ class Klu final : public LuLibrary {
   /// The order of rows and columns that analyze() found, block triangular and AMD within the blocks. Pre: it was Ok.
   const int* rows_in_order() const { return symbolic_->P; }
   std::span<const int> columns_in_order() const { return {symbolic_->Q, at(symbolic_->n)}; }
-  /// Those of the diagonal blocks.
-  bool factors(LuFactors& out) const override;
+  bool gives_factors() const override { return false; }  // klu_solve is as quick
   /// The factors of the whole matrix, from those of its diagonal blocks; pre: the last factor() was Ok.
   void extract(LuFactors& out) const;
   /// What the last factor() came to, not estimated; pre: it was Ok.
@@ -35,6 +35,7 @@ class Klu final : public LuLibrary {
 
  private:
   bool factor_again();
+  std::vector<int> extract_blocks(LuFactors& out) const;
   LuStatus status() const { return common_.status == KLU_SINGULAR ? LuStatus::Singular : LuStatus::OutOfMemory; }
 
   klu_common common_{};

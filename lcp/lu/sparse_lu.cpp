@@ -15,13 +15,13 @@
 namespace perp::lcp {
 namespace {
 
-/// Up to this many rows a dense LU is faster than any sparse one; up to that many the library's preparations take
-/// longer than the arithmetic.
+/// Up to so many rows a dense LU is faster than any sparse one, and up to so many KLU faster than what has dense
+/// blocks.
 constexpr Index dense_rows = 32;
 constexpr Index small_rows = 300;
 
 std::unique_ptr<LuLibrary> make(LuBackend backend, Index rows) {
-  if (backend == LuBackend::Auto && rows <= small_rows) return rows <= dense_rows ? make_dense() : make_small();
+  if (backend == LuBackend::Auto && rows <= small_rows) return rows <= dense_rows ? make_dense() : make_klu();
   switch (backend) {
     case LuBackend::Dense:
       return make_dense();
@@ -122,7 +122,6 @@ SparseLu& SparseLu::operator=(SparseLu&&) noexcept = default;
 
 Index SparseLu::size() const { return impl_->A.rows(); }
 bool SparseLu::factors(LuFactors& out) const {
-  out.blocks.clear();
   return impl_->analyzed && impl_->status != LuStatus::NotFinite && impl_->library->factors(out);
 }
 bool SparseLu::gives_factors() const { return impl_->library && impl_->library->gives_factors(); }

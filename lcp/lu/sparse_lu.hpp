@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-/// Sparse LU of one square matrix, P A Q = L U, over UMFPACK, KLU or Eigen - the only place where the three appear - or
-/// own code. PERP_GPL=OFF: no UMFPACK (lcp/gpl.hpp). LuBackend::Auto takes L L' of large positive definite matrices.
-/// The symbolic analysis (ordering, elimination tree) is kept while the sparsity pattern of A is unchanged.
-/// References: Davis, ACM TOMS 30 (2004) 196 (UMFPACK); Davis & Palamadai Natarajan, TOMS 37 (2010) 36 (KLU).
+/// Sparse LU of one square matrix, P A Q = L U, over UMFPACK, KLU or Eigen, the only place where the three appear.
+/// PERP_GPL=OFF: no UMFPACK (lcp/gpl.hpp). LuBackend::Auto takes L L' of large positive definite matrices. The symbolic
+/// analysis (ordering, elimination tree) is kept while the sparsity pattern of A is unchanged. References: Davis, ACM
+/// TOMS 30 (2004) 196 (UMFPACK); Davis & Palamadai Natarajan, TOMS 37 (2010) 36 (KLU).
 #include <memory>
 #include <string_view>
 
@@ -18,8 +18,8 @@ enum class LuBackend {
   Klu,
   Eigen,  ///< its sparse LU
   Dense,  ///< partial pivoting in a full matrix, rows scaled
-  Auto,   ///< Dense up to 32 rows, pivots by Markowitz' rule up to 300; beyond, Cholesky (lcp/cholesky) of matrices
-          ///< that are symmetric up to 1e-15 and positive definite beyond doubt, General of others
+  Auto,   ///< Dense up to 32 rows, Klu up to 300; beyond, Cholesky (lcp/cholesky) of matrices that are symmetric up to
+          ///< 1e-15 and positive definite beyond doubt, General of others
 };
 enum class LuStatus {
   Ok,
@@ -70,8 +70,8 @@ class SparseLu {
   double pivot_ratio() const;
 
   /// Copies L, U and the permutations, for solves with sparse right-hand sides. General gives them of Singular, too,
-  /// with the zero pivots in their places, Klu those of the diagonal blocks if there are several. False where the
-  /// library gives none (Dense, Eigen; Klu, Auto up to 300 rows of Singular) or nothing is factored. Throws bad_alloc.
+  /// with the zero pivots in their places. False where the library gives none (Dense, Klu, Eigen) or nothing is
+  /// factored. Throws bad_alloc.
   bool factors(LuFactors& out) const;
   bool gives_factors() const;  ///< whether factors() may be true
 

@@ -8,7 +8,6 @@
 
 #include "lcp/classes/classify.hpp"
 #include "lcp/linalg/blocks.hpp"
-#include "lcp/linalg/signed_blocks.hpp"
 #include "ncp/reformulation/line_search.hpp"
 #include "ncp/reformulation/normal_map.hpp"
 
@@ -86,21 +85,6 @@ SpMat block(const SpMat& J, const std::vector<Index>& I, double lambda) {
   return lambda > 0 ? plus_diagonal(B, lambda) : B;
 }
 
-/// Of affine problems with so many variables: fewer have little to save, and more are better factored each for itself.
-constexpr Index least_signed = 33;
-constexpr Index most_signed = 1000;
-/// Of a direction by them, relative to F_I: the search looks at what it is worth.
-constexpr double signed_accuracy = 1e-8;
-
-/// Of the J of a quadratic program; nothing of another one.
-std::optional<lcp::SignedBlocks> signed_blocks(const Run& run, const SpMat& J) {
-  std::optional<lcp::SignedBlocks> blocks;
-  if (!run.mcp().is_affine() || J.rows() < least_signed || J.rows() > most_signed || !curved(J)) return blocks;
-  blocks.emplace();
-  if (!blocks->analyze(J)) blocks.reset();
-  return blocks;
-}
-
 /// lambda, 0 until a J_II is singular.
 class ProximalTerm {
  public:
@@ -108,8 +92,8 @@ class ProximalTerm {
   /// The problem is affine, and J was found to be positive semidefinite when the first J_II was singular.
   bool monotone() const { return monotone_; }
 
-  /// With J and F_I of the point, and the blocks of a quadratic program.
-  void raise(const Run& run, const SpMat& J, const Vec& F, std::optional<lcp::SignedBlocks>& blocks) {
+  /// With J and F_I of the point.
+  void raise(const Run& run, const SpMat& J, const Vec& F) {
     if (lambda_ > 0) {
       lambda_ *= crash_prox_growth;
       return;
@@ -118,8 +102,7 @@ class ProximalTerm {
     if (!run.mcp().is_affine()) {
       first = 0.01 * std::min(1.0, F.norm());
       decay_ = 0.9;
-    } else if (monotone_ = (blocks && blocks->semidefinite()) || lcp::positive_semidefinite(J, {.dense_to = 0}).yes();
-               monotone_) {
+    } else if (monotone_ = lcp::positive_semidefinite(J, {.dense_to = 0}).yes(); monotone_) {
       first = 0.3;  // steps with less are too long for a search
       decay_ = 0.5;
     } else {
@@ -138,25 +121,19 @@ class ProximalTerm {
 };
 
 /// d with (J_II + lambda I) d_I = -F_I, d = 0 elsewhere; lambda > 0 if J_II is singular. False: no lambda helped.
-bool direction(Run& run, const Point& point, const Places& in, lcp::SparseLu& lu,
-               std::optional<lcp::SignedBlocks>& blocks, ProximalTerm& term, Vec& d) {
+bool direction(Run& run, const Point& point, const Places& in, lcp::SparseLu& lu, ProximalTerm& term, Vec& d) {
   if (std::find(in.begin(), in.end(), true) == in.end()) return false;
-  std::vector<Index> I;  // where the blocks do not do
-  Vec rhs;
+  const std::vector<Index> I = members(in);
+  const Vec rhs = -point.F(I);
   Vec step;
   for (int tries = 0; tries <= crash_prox_tries; ++tries) {
     ++run.stats().factorizations;
-    if (blocks && blocks->factor(in, term.lambda()) && blocks->solve(-point.F, signed_accuracy, d)) return true;
-    if (I.empty()) {
-      I = members(in);
-      rhs = -point.F(I);
-    }
     if (solved(lu, block(point.J, I, term.lambda()), rhs, step)) {
       d.setZero(point.x.size());
       for (std::size_t k = 0; k < I.size(); ++k) d[I[k]] = step[static_cast<Index>(k)];
       return true;
     }
-    term.raise(run, point.J, rhs, blocks);
+    term.raise(run, point.J, rhs);
   }
   return false;
 }
@@ -258,7 +235,6 @@ bool descend(Run& run, const Crash& options, Point& point, Iteration& it, lcp::S
   bool sweeps_pay = true;
   double psi = merit(fb, run.box(), point.x, point.F);
   ProximalTerm term;
-  std::optional<lcp::SignedBlocks> blocks = signed_blocks(run, point.J);
   Memory memory(4);
   memory.push(psi);
   Stall stall(2);
@@ -276,7 +252,7 @@ bool descend(Run& run, const Crash& options, Point& point, Iteration& it, lcp::S
     }
     before = std::move(in);
     Vec d;
-    if (!direction(run, point, before, lu, blocks, term, d)) return true;
+    if (!direction(run, point, before, lu, term, d)) return true;
     const double lambda = term.lambda();
     const double reference = sweeping ? memory.reference() : psi;
     const bool on_trial = lambda > 0 && !affine;
