@@ -20,17 +20,12 @@ void describe_memory(int& memory, Fields& f) {
 
 void describe_descent(double& rho, double& p, Fields& f) {
   f.add("descent_rho", &rho, above(0),
-        "a Newton direction d needs  merit'(x; d) <= -descent_rho (|d| / sqrt n)^descent_p; fb-newton: |d|^descent_p");
+        "a Newton direction d needs  merit'(x; d) <= -descent_rho (|d| / sqrt n)^descent_p");
   f.add("descent_p", &p, above(2), "see descent_rho");
 }
 
 void describe_iterations(long& limit, Fields& f) {
   f.add("affine_iteration_limit", &limit, at_least(0), "pivots, rounds or steps after which to give up");
-}
-
-void describe_degenerate(double& tol, Fields& f) {
-  f.add("degenerate_tolerance", &tol, {.high = 1, .open_high = true},
-        "smaller values count as 0; relative to the terms that the values come from");
 }
 
 }  // namespace perp::lcp

@@ -11,6 +11,5 @@ void describe_memory(int& memory, Fields& fields);
 void describe_descent(double& rho, double& p, Fields& fields);
 /// Steps of a method for affine problems.
 void describe_iterations(long& limit, Fields& fields);
-void describe_degenerate(double& tol, Fields& fields);
 
 }  // namespace perp::lcp

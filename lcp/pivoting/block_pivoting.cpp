@@ -19,6 +19,10 @@ namespace {
 constexpr Index coarse_from = 2000;
 constexpr int rounds_before_coarse = 5;
 constexpr long coarse_rounds = 50;
+// Signs within this x the size of the terms they come from are not violated.
+constexpr double degenerate = 1e-11;
+// Indices tried one by one where a block's matrix is singular: each takes a factorization.
+constexpr std::size_t singular_tries = 20;
 
 class BlockRun {
  public:
@@ -27,7 +31,7 @@ class BlockRun {
       : problem_(problem),
         options_(options),
         limits_(limits),
-        cell_(problem, options.lu, options.degenerate_tol, limits.deadline),
+        cell_(problem, options.lu, degenerate, limits.deadline),
         places_(places_of(problem.box, start)),
         best_(problem, start),
         rounds_alone_(rounds_alone) {}
@@ -81,7 +85,7 @@ class BlockRun {
     }
     ++least_index_;
     LuStatus status = LuStatus::Singular;
-    const std::size_t tries = std::min(V.size(), static_cast<std::size_t>(options_.singular_tries));
+    const std::size_t tries = std::min(V.size(), singular_tries);
     for (std::size_t k = 0; k < tries && status == LuStatus::Singular; ++k) {
       places_ = before;
       places_[static_cast<std::size_t>(V[k])] = after[static_cast<std::size_t>(V[k])];
@@ -154,12 +158,7 @@ Result by_components(const AffineMcp& problem, In start, const BlockPivoting& op
 
 void describe(BlockPivoting& m, Fields& f) {
   describe_iterations(m.max_iterations, f);
-  f.add("block_rounds", &m.p_max, at_least(0),
-        "rounds without progress before the least-index rule; 0: that rule at once");
-  describe_degenerate(m.degenerate_tol, f);
-  f.add("block_singular_tries", &m.singular_tries, at_least(1),
-        "indices tried one by one where a block's matrix is singular");
-  f.add("components", &m.components, "solve reducible problems component by component");
+  f.add("block_rounds", &m.p_max, at_least(0), {});  // least-index is the method with 0
   describe_lu(m.lu, f);
 }
 

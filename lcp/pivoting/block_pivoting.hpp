@@ -14,7 +14,7 @@
 /// unknowns or more that takes over five rounds goes on from the places of a coarser problem's solution, which is found
 /// in the same way (lcp/pivoting/coarse_problem.hpp). For other matrices it may cycle, which is noticed (Stalled), or
 /// meet a singular M_FF: then the round is repeated with one index of V after the other in place of the block, and
-/// Singular is the answer if none of the first `singular_tries` gives a nonsingular matrix. A singular M_FF of the
+/// Singular is the answer if none of the first 20 gives a nonsingular matrix. A singular M_FF of the
 /// start's places is replaced by the one with all variables inside. Failures leave the best point met (natural
 /// residual).
 ///
@@ -27,11 +27,9 @@
 namespace perp::lcp {
 
 struct BlockPivoting {
-  int p_max = 10;                 ///< rounds without progress before the least-index rule; 0: that rule at once
-  long max_iterations = 10000;    ///< rounds, of one component
-  double degenerate_tol = 1e-11;  ///< signs within this x the size of the terms they come from are not violated
-  int singular_tries = 20;        ///< indices tried one by one where a block's matrix is singular
-  bool components = true;         ///< use reducibility
+  int p_max = 10;               ///< rounds without progress before the least-index rule; 0: that rule at once
+  long max_iterations = 10000;  ///< rounds, of one component
+  bool components = true;       ///< use reducibility
   LuBackend lu = LuBackend::General;
 };
 void describe(BlockPivoting& method, Fields& fields);

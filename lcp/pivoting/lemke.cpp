@@ -116,14 +116,12 @@ void describe(LemkeOptions& l, Fields& f) {
   f.choice("lemke_cover", &l.cover, {{"ones", Cover::Ones}, {"generic", Cover::Generic}, {"spread", Cover::Spread}},
            "Lemke's covering vector: ones (the textbook's e), generic (random about e in equilibrated units) or spread "
            "(log-uniform over three decades)");
-  f.add("pivot_tolerance", &l.pivot_tol, strictly_between(0, 1),
-        "smallest pivot, relative to the largest entry of its column");
-  f.add("lemke_perturbation", &l.perturbation, between(0, 1e100),
-        "relative perturbation of the path's start, against ties; 0: none");
   f.add("lemke_seed", &l.seed, between(0, std::numeric_limits<int>::max()), "seed of the perturbation and of the ray",
         "seed");
-  f.add("refactor_every", &l.basis.refactor_every, at_least(1), "pivots between fresh factorizations of the basis");
   // Inner tolerances that no run was seen to depend on.
+  f.add("pivot_tolerance", &l.pivot_tol, strictly_between(0, 1), {});
+  f.add("lemke_perturbation", &l.perturbation, between(0, 1e100), {});
+  f.add("refactor_every", &l.basis.refactor_every, at_least(1), {});
   f.add("lemke.residual_tol", &l.residual_tol, above(0), {});
   f.add("lemke.feasibility_tol", &l.feasibility_tol, at_least(0), {});
   f.add("lemke.singular_rcond", &l.singular_rcond, {.high = 1, .open_high = true}, {});

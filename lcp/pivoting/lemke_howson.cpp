@@ -31,7 +31,7 @@ Vec howson_start(const AffineMcp& problem, Index k) {
 }
 
 void describe(LemkeHowson& m, Fields& f) {
-  f.add("lemke_howson_labels", &m.labels, at_least(0), "labels tried in turn, spread evenly over all");
+  f.add("lemke_howson_labels", &m.labels, at_least(0), {});
   describe(m.options, f);
   f.hide("lemke_cover");  // no path begins on a ray of its own
 }

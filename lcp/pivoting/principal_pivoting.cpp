@@ -16,6 +16,11 @@
 namespace perp::lcp {
 namespace {
 
+/// Values above minus this, of equilibrated data, are not negative: rounding.
+constexpr double not_negative = 1e-11;
+/// Entries within this x the largest of their column are zero.
+constexpr double smallest_pivot = 1e-9;
+
 /// The system w - M z = q with one basic and one nonbasic variable a pair. The basis matrix has the columns e_k of
 /// basic w_k and M_.k of basic z_k, whose unknowns are therefore w_k and -z_k.
 class Tableau {
@@ -181,7 +186,7 @@ class PrincipalRun {
   }
 
  private:
-  bool negative(double value) const { return value < -options_.degenerate_tol; }
+  bool negative(double value) const { return value < -not_negative; }
   bool driven_from_below(Index r) const { return negative(tableau_.nonbasic[r]); }  // (B)
 
   Index next_pair() const {
@@ -198,7 +203,7 @@ class PrincipalRun {
       if (const auto reached = limits_.reached()) return end(*reached, "values are still negative");
       const Vec rate = tableau_.column_of(r);
       if (!rate.allFinite() || !tableau_.basic.allFinite()) return end(Status::Singular, "the basis is singular");
-      const double zero = options_.pivot_tol * std::max(1.0, rate.lpNorm<Eigen::Infinity>());
+      const double zero = smallest_pivot * std::max(1.0, rate.lpNorm<Eigen::Infinity>());
       const auto [s, step] = block(r, below, rate, zero);
       if ((rate[r] < -zero || s < 0) && !tableau_.fresh()) {  // nothing is concluded from updated factors
         if (const LuStatus status = tableau_.refactor(); status != LuStatus::Ok) return failed(status);
@@ -208,7 +213,7 @@ class PrincipalRun {
       if (rate[r] < -zero) return not_sufficient(r);
       if (s < 0) return no_solution(r);
       if (step > 1e-13 * (1 + std::abs(tableau_.nonbasic[r]))) seen.clear();
-      if (!seen.insert(key_of(places())).second) return end(Status::Stalled, "degenerate pivots cycle");
+      if (!seen.insert(key_of(places())).second) return end(Status::Stalled, "not_negative pivots cycle");
       tableau_.nonbasic[r] += step;
       if (s == r) {
         tableau_.nonbasic[r] = below ? 0 : tableau_.nonbasic[r];
@@ -216,7 +221,7 @@ class PrincipalRun {
       }
       const bool at_lambda = negative(tableau_.basic[s]);
       const Vec column = tableau_.column_of(s);
-      const double small = options_.pivot_tol * std::max(1.0, column.lpNorm<Eigen::Infinity>());
+      const double small = smallest_pivot * std::max(1.0, column.lpNorm<Eigen::Infinity>());
       if (column[s] < -small || (column[s] <= small && column[r] <= 0)) {
         if (tableau_.fresh()) return not_sufficient(s);
         tableau_.nonbasic[r] -= step;
@@ -320,7 +325,7 @@ class PrincipalRun {
 
   Result end(Status status, const std::string& what) {
     // The last cell afresh, with refined solves: the pivots' rounding does not matter.
-    CellSolver cell(problem_, options_.lu, options_.degenerate_tol);
+    CellSolver cell(problem_, options_.lu, not_negative);
     if (tableau_.basic.size() == form_.size() && tableau_.basic.allFinite() && status != Status::Singular)
       if (cell.solve(places_of(problem_.box, point())) == LuStatus::Ok) best_.offer(cell.z());
     Result result = judged(problem_, best_.z(), limits_, status, what);
@@ -346,9 +351,6 @@ class PrincipalRun {
 
 void describe(PrincipalPivoting& m, Fields& f) {
   describe_iterations(m.max_iterations, f);
-  describe_degenerate(m.degenerate_tol, f);
-  f.add("pivot_tolerance", &m.pivot_tol, strictly_between(0, 1),
-        "smallest pivot, relative to the largest entry of its column");
   describe_lu(m.lu, f);
 }
 

@@ -31,9 +31,7 @@
 namespace perp::lcp {
 
 struct PrincipalPivoting {
-  long max_iterations = 100000;   ///< pivots
-  double degenerate_tol = 1e-11;  ///< values above minus this (of equilibrated data) are not negative
-  double pivot_tol = 1e-9;        ///< entries within this x the largest of their column are zero
+  long max_iterations = 100000;  ///< pivots
   LuBackend lu = LuBackend::General;
 };
 void describe(PrincipalPivoting& method, Fields& fields);

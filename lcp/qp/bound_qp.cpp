@@ -17,6 +17,22 @@ namespace {
 using Kind = BoundQp::Preconditioner;
 using End = Descent::End;
 
+/// j is strong for i if -m_ij >= strength max_k -m_ik: Ruge & Stueben's 1/4.
+constexpr double strength = 0.25;
+/// Auto takes M for mostly negative if the positive entries off the diagonal add up to at most this share of all: a
+/// plate on an obstacle (share 0.27, n = 40000) takes 1.1 s by Multilevel and 10 s by Cholesky.
+constexpr double positive_share = 0.33;
+/// Entries of the largest Cholesky factor: 2.4 GB.
+constexpr double cholesky_entries = 2e8;
+/// Reduction of the energy norm of the error on a face that may still change.
+constexpr double loose = 0.1;
+/// More conjugate gradient iterations than this on one face, and Multilevel gives way to Cholesky, that to GaussSeidel.
+constexpr long cg_limit = 200;
+/// eps of the proximal points. Larger: fewer digits are lost in d'(M + eps D)d where M d = 0; smaller: fewer points, as
+/// the error in an eigenvector to lambda (of D^-1 M) falls by eps / (lambda + eps) a point.
+constexpr double proximal = 1e-8;
+constexpr long proximal_limit = 200;
+
 /// A: the columns of M, T: its rows. Entries as assembled twice may differ by rounding, of terms as large as those of
 /// the diagonal.
 std::string asymmetry(const SparseRows& A, const SparseRows& T, const Vec& d) {
@@ -56,7 +72,7 @@ bool sorted(const SparseRows& A) {
   return true;
 }
 
-bool mostly_negative(const SparseRows& A, double share) {
+bool mostly_negative(const SparseRows& A) {
   double positive = 0;
   double all = 0;
   for (int i = 0; i < A.rows(); ++i)
@@ -65,7 +81,7 @@ bool mostly_negative(const SparseRows& A, double share) {
       all += std::abs(A.value[at(s)]);
       positive += std::max(0.0, A.value[at(s)]);
     }
-  return all > 0 && positive <= share * all;
+  return all > 0 && positive <= positive_share * all;
 }
 
 class Solver {
@@ -163,8 +179,7 @@ bool Solver::fix_zero_rows() {
 
 Kind Solver::first_choice() const {
   if (options_.preconditioner != Kind::Auto) return options_.preconditioner;
-  return A_.rows() > options_.direct && mostly_negative(A_, options_.positive_share) ? Kind::Multilevel
-                                                                                     : Kind::Cholesky;
+  return A_.rows() > options_.direct && mostly_negative(A_) ? Kind::Multilevel : Kind::Cholesky;
 }
 
 void Solver::prepare(Kind kind, double shift) {
@@ -185,11 +200,11 @@ void Solver::prepare(Kind kind, double shift) {
   qp_.q = problem_.q - shift * d_.cwiseProduct(z_);
   hierarchy_.reset();
   if (kind == Kind::Cholesky) {
-    B_ = std::make_unique<CholeskyFace>(A, options_.cholesky_entries, limits_.deadline);
+    B_ = std::make_unique<CholeskyFace>(A, cholesky_entries, limits_.deadline);
     return;
   }
   const auto direct = static_cast<int>(std::min<Index>(options_.direct, A.rows()));
-  hierarchy_ = std::make_unique<Hierarchy>(A, options_.strength, kind == Kind::Multilevel ? direct : A.rows());
+  hierarchy_ = std::make_unique<Hierarchy>(A, strength, kind == Kind::Multilevel ? direct : A.rows());
   B_ = std::make_unique<VCycle>(*hierarchy_, 0, kind == Kind::Multilevel ? direct : 0);
 }
 
@@ -233,9 +248,9 @@ void Solver::nested_start() {
     VCycle B(*hierarchy_, k, direct);
     // The face of the coarsest grid is found from any start; after that it settles within two to four steps.
     Descent coarse{.settle_only = true,
-                   .loose = options_.loose,
+                   .loose = loose,
                    .step_limit = k + 1 == grids.size() ? options_.step_limit : 20,
-                   .cg_limit = options_.cg_limit,
+                   .cg_limit = cg_limit,
                    .limits = &limits_};
     coarse.run(qps[k], B, z);
     factorizations_ += B.factorizations;
@@ -247,11 +262,10 @@ void Solver::nested_start() {
 }
 
 End Solver::descend(Vec& z) {
-  descent_ = Descent{
-      .loose = options_.loose,
-      .step_limit = options_.step_limit - steps_,
-      .cg_limit = kind_ == Kind::GaussSeidel ? std::max<long>(10 * z.size(), options_.cg_limit) : options_.cg_limit,
-      .limits = &limits_};
+  descent_ = Descent{.loose = loose,
+                     .step_limit = options_.step_limit - steps_,
+                     .cg_limit = kind_ == Kind::GaussSeidel ? std::max<long>(10 * z.size(), cg_limit) : cg_limit,
+                     .limits = &limits_};
   const End end = descent_.run(qp_, *B_, z);
   steps_ += descent_.steps;
   return end;
@@ -280,7 +294,7 @@ End Solver::proximal_points() {
   constexpr double rounding = 1e-15;
   double previous = infinity;
   int slow = 0;
-  for (long k = 0; k < options_.proximal_limit; ++k) {
+  for (long k = 0; k < proximal_limit; ++k) {
     Vec next = z_;
     qp_.q = problem_.q - shift_ * d_.cwiseProduct(z_);
     const End end = descend(next);
@@ -321,7 +335,7 @@ bool Solver::certify(const Vec& d) {
       null.lower[i] = y[i] == 0 ? 0 : -infinity;
       null.upper[i] = y[i] == 0 ? 0 : infinity;
     }
-    Descent project{.loose = options_.loose, .step_limit = 20, .cg_limit = options_.cg_limit, .limits = &limits_};
+    Descent project{.loose = loose, .step_limit = 20, .cg_limit = cg_limit, .limits = &limits_};
     project.run(null, *B_, y);
     const double largest = y.lpNorm<::Eigen::Infinity>();
     if (!(largest > 0) || !std::isfinite(largest)) return false;
@@ -353,7 +367,7 @@ Result Solver::solve() {
         if (shift_ > 0 || accepts(problem_, z_, limits_.tol))
           return finish(Status::Stalled, "no more digits: the residual is at the level of rounding");
         z_ = before;  // which may have gone far along a flat direction
-        prepare(kind_, options_.proximal);
+        prepare(kind_, proximal);
         break;
       case End::NegativeCurvature:
         if (const Curvature c = curvature(A_, descent_.direction / descent_.direction.norm()); c.negative())
@@ -369,7 +383,7 @@ Result Solver::solve() {
         }
         if (shift_ > 0) return finish(Status::Stalled, "M + eps D is singular up to rounding on a face");
         z_ = before;
-        prepare(kind_, options_.proximal);
+        prepare(kind_, proximal);
         nested_start();
         break;
       case End::Slow:
@@ -394,17 +408,8 @@ void describe(BoundQp& m, Fields& f) {
       "qp_preconditioner", &m.preconditioner,
       {{"auto", P::Auto}, {"multilevel", P::Multilevel}, {"cholesky", P::Cholesky}, {"gauss-seidel", P::GaussSeidel}},
       "preconditioner of the conjugate gradients on a face");
-  f.add("qp_nested", &m.nested, "multilevel: start from the solutions on coarser grids");
-  f.add("qp_strength", &m.strength, above_up_to(0, 1), "multilevel: share of a row's largest entry that is strong");
-  f.add("qp_positive_share", &m.positive_share, at_least(0),
-        "auto: largest share of positive entries off the diagonal for multilevel");
-  f.add("qp_direct", &m.direct, at_least(1), "number of unknowns up to which auto factors, and of the coarsest grid");
-  f.add("qp_cholesky_entries", &m.cholesky_entries, at_least(0), "entries of the largest Cholesky factor computed");
-  f.add("qp_loose", &m.loose, strictly_between(0, 1), "reduction of the error on a face that may still change");
-  f.add("qp_cg_limit", &m.cg_limit, at_least(1), "iterations on a face before another preconditioner is taken");
-  f.add("qp_step_limit", &m.step_limit, at_least(0), "steps, a sweep and a face each, after which to give up");
-  f.add("qp_proximal", &m.proximal, strictly_between(0, 1), "eps of the proximal points of a singular M");
-  f.add("qp_proximal_limit", &m.proximal_limit, at_least(1), "proximal points after which to give up");
+  describe_iterations(m.step_limit, f);
+  f.add("qp.direct", &m.direct, at_least(1), {});
 }
 
 Result bound_qp(const AffineMcp& problem, In start, const BoundQp& options, const Limits& limits) {

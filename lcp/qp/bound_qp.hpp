@@ -47,28 +47,10 @@ struct BoundQp {
   /// With Multilevel: start from the solutions on coarser grids, unless phi is lower at the start given. 500 x 500
   /// obstacle problem: 0.45 s with it, 1.3 s without.
   bool nested = true;
-  /// j is strong for i if -m_ij >= strength max_k -m_ik: Ruge & Stueben's 1/4. In (0, 1].
-  double strength = 0.25;
-  /// Auto takes M for mostly negative if the positive entries off the diagonal add up to at most this share of all. A
-  /// plate on an obstacle (13-point bilaplacian, share 0.27, n = 40000): 1.1 s by Multilevel, 10 s by Cholesky; plane
-  /// elasticity (share 0.18, n = 20402): 0.66 s and 0.32 s.
-  double positive_share = 0.33;
   /// Up to this many unknowns Auto factors; the coarsest grid has not more.
   Index direct = 1000;
-  /// Entries of the largest Cholesky factor to be computed (12 bytes each); beyond it Cholesky gives way to
-  /// GaussSeidel.
-  double cholesky_entries = 2e8;
-  /// On a face that may still change the energy norm of the error is reduced by this. In (0, 1).
-  double loose = 0.1;
-  /// More conjugate gradient iterations than this on one face and Multilevel gives way to Cholesky, that to
-  /// GaussSeidel.
-  long cg_limit = 200;
   /// Steps (a sweep forth and back and a face) in all.
   long step_limit = 10000;
-  /// eps of the proximal points. In (0, 1). Larger: fewer digits are lost in d'(M + eps D)d where M d = 0; smaller:
-  /// fewer points, as the error in an eigenvector to lambda (of D^-1 M) falls by eps / (lambda + eps) a point.
-  double proximal = 1e-8;
-  long proximal_limit = 200;  ///< proximal points
 };
 void describe(BoundQp& method, Fields& fields);
 

@@ -154,9 +154,7 @@ bool try_everything(Attempts& attempts, const AffineMcp& problem, unsigned seed)
   if (n <= pivoting_to &&
       (attempts.run(LemkeHowson{}, "lemke-howson", why) || attempts.run(regular, "lemke from the start", why)))
     return true;
-  if (attempts.run(FbNewton{}, "fb-newton", why) || attempts.run(MinNewton{}, "min-newton", why) ||
-      attempts.run(BlockPivoting{}, "block-pivoting", why))
-    return true;
+  if (attempts.run(BlockPivoting{}, "block-pivoting", why)) return true;
   if (n <= pivoting_to && pivot(1, 4)) return true;
   return bounded <= enumerated_at_last_to && attempts.run(Enumeration{}, "enumeration", "few cells");
 }

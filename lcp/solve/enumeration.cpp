@@ -18,6 +18,11 @@
 namespace perp::lcp {
 namespace {
 
+/// Values of equilibrated data within this of a bound are on it: cells are kept rather than lost.
+constexpr double degenerate = 1e-9;
+/// Relative threshold of the rank of M_FF and of a cell's equations.
+constexpr double dependent = 1e-11;
+
 using Eigen::MatrixXd;
 using Feasibility = BoundedRows::Feasibility;
 
@@ -55,7 +60,7 @@ class Search {
         M_(scaled_.M),
         places_(all_inside(problem.box)),
         decided_(at(problem.size()), 0),
-        cell_(problem, LuBackend::General, options.degenerate_tol) {}
+        cell_(problem, LuBackend::General, degenerate) {}
 
   Solutions run() {
     Refutation::Proof proof = search();
@@ -75,7 +80,7 @@ class Search {
   Refutation::Proof search() {
     kept_ = 0;
     excluded_ = infinity;
-    BoundedRows rows(M_, scaled_.q, scaled_.box, options_.degenerate_tol);
+    BoundedRows rows(M_, scaled_.q, scaled_.box, degenerate);
     for (Index i = 0; i < problem_.size(); ++i) {
       const Box& box = problem_.box;
       if (box.is_fixed(i) || box.is_free(i)) decided_[at(i)] = 1;
@@ -218,7 +223,7 @@ class Search {
     std::vector<Index> inside;
     for (Index i = 0; i < problem_.size(); ++i)
       if (places_[at(i)] == Place::Inside) inside.push_back(i);
-    if (rank(M_(inside, inside), options_.singular_tol) == static_cast<Index>(inside.size())) {
+    if (rank(M_(inside, inside), dependent) == static_cast<Index>(inside.size())) {
       const bool solvable = cell_.solve(places_) == LuStatus::Ok;
       if (solvable && offer(cell_.z().cwiseQuotient(scaling_.columns), 0)) return;
       if (offer(values(rows), 0)) return;
@@ -245,7 +250,7 @@ class Search {
     const auto push = [&](Index x, double direction) {
       BoundedRows pushed = rows;
       const double start = rows.value(x);
-      if (!pushed.push(x, direction, start + direction * 10 * options_.degenerate_tol * (1 + std::abs(start)))) return;
+      if (!pushed.push(x, direction, start + direction * 10 * degenerate * (1 + std::abs(start)))) return;
       sum += values(pushed);
       count += 1;
     };
@@ -263,7 +268,7 @@ class Search {
   }
 
   bool zero(double value, double scale = 0) const {
-    return std::isfinite(value) && std::abs(value) <= 2 * options_.degenerate_tol * (1 + std::abs(scale));
+    return std::isfinite(value) && std::abs(value) <= 2 * degenerate * (1 + std::abs(scale));
   }
 
   /// |F| less the rank of the equations that hold on the whole polyhedron: those of the cell, and the inequalities that
@@ -283,7 +288,7 @@ class Search {
     }
     MatrixXd A(static_cast<Index>(equations.size()), columns);
     for (std::size_t k = 0; k < equations.size(); ++k) A.row(static_cast<Index>(k)) = equations[k];
-    return columns - rank(A, options_.singular_tol);
+    return columns - rank(A, dependent);
   }
 
   /// Takes the point if it is a solution.
@@ -343,9 +348,6 @@ class Search {
 
 void describe(Enumeration& m, Fields& f) {
   f.add("enumeration_limit", &m.max_bounded, at_least(0), "variables between bounds up to which cells are enumerated");
-  f.add("enumeration_tolerance", &m.degenerate_tol, strictly_between(0, 1),
-        "values of equilibrated data within this of a bound are on it");
-  f.add("enumeration_rank_tolerance", &m.singular_tol, strictly_between(0, 1), "relative threshold of ranks");
 }
 
 Solutions enumerate(const AffineMcp& problem, const Enumeration& options, const Limits& limits) {

@@ -27,10 +27,7 @@
 namespace perp::lcp {
 
 struct Enumeration {
-  Index max_bounded = 20;  ///< problems with more variables between bounds are refused (NotApplicable)
-  double degenerate_tol =
-      1e-9;  ///< values of equilibrated data within this of a bound are on it; keep cells, not lose them
-  double singular_tol = 1e-11;       ///< relative threshold of the rank of M_FF and of a cell's equations
+  Index max_bounded = 20;            ///< problems with more variables between bounds are refused (NotApplicable)
   std::size_t max_solutions = 1000;  ///< the enumeration stops there, incomplete
 };
 void describe(Enumeration& method, Fields& fields);

@@ -26,13 +26,9 @@ std::span<const MethodEntry> methods() {
       MethodEntry{"block-pivoting", "exchanges all infeasible variables at once; finite for P-matrices",
                   "Kostreva 1978; Judice & Pires 1994", BlockPivoting{}},
       MethodEntry{"least-index", "exchanges the first infeasible variable; finite for P-matrices", "Murty 1974",
-                  LeastIndex{}},
+                  BlockPivoting{.p_max = 0, .components = false}},
       MethodEntry{"psor", "projected successive over-relaxation: symmetric positive definite or H-matrices",
                   "Cryer 1971; Mangasarian 1977", ProjectedSor{}},
-      MethodEntry{"min-newton", "damped Newton on min(z, M z + q)", "Harker & Pang 1990; Fischer & Kanzow 1996",
-                  MinNewton{}},
-      MethodEntry{"fb-newton", "damped Newton on the Fischer-Burmeister equation, safeguarded",
-                  "Fischer 1992; De Luca, Facchinei & Kanzow 1996", FbNewton{}},
       MethodEntry{"interior-point", "infeasible predictor-corrector primal-dual interior points; monotone problems",
                   "Mehrotra 1992; Wright 1997", InteriorPoint{}},
       MethodEntry{"qp", "symmetric positive semidefinite M: active sets, conjugate gradients, multigrid",
@@ -46,6 +42,8 @@ std::span<const MethodEntry> methods() {
 }
 
 std::string_view name(const Method& method) {
+  if (const auto* block = std::get_if<BlockPivoting>(&method); block != nullptr && block->p_max == 0)
+    return "least-index";
   const auto entry =
       std::ranges::find_if(methods(), [&](const MethodEntry& e) { return e.method.index() == method.index(); });
   return entry == methods().end() ? "?" : entry->name;
@@ -174,10 +172,7 @@ Result solve_in_order(const AffineMcp& problem, In start, const Method& method, 
                        [&](const LemkeHowson& m) { return lemke_howson(problem, start, m, limits); },
                        [&](const PrincipalPivoting& m) { return principal_pivoting(problem, start, m, limits); },
                        [&](const BlockPivoting& m) { return block_pivoting(problem, start, m, limits); },
-                       [&](const LeastIndex& m) { return least_index(problem, start, m, limits); },
                        [&](const ProjectedSor& m) { return projected_sor(problem, start, m, limits); },
-                       [&](const MinNewton& m) { return min_newton(problem, start, m, limits); },
-                       [&](const FbNewton& m) { return fb_newton(problem, start, m, limits); },
                        [&](const InteriorPoint& m) { return interior_point(problem, start, m, limits); },
                        [&](const BoundQp& m) { return bound_qp(problem, start, m, limits); },
                        [&](const Enumeration& m) { return enumeration(problem, start, m, limits); }};

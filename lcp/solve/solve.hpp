@@ -5,13 +5,10 @@
 #include <string_view>
 #include <variant>
 
-#include "lcp/iterative/fb_newton.hpp"
 #include "lcp/iterative/interior_point.hpp"
-#include "lcp/iterative/min_newton.hpp"
 #include "lcp/iterative/projected_sor.hpp"
 #include "lcp/judge/result.hpp"
 #include "lcp/pivoting/block_pivoting.hpp"
-#include "lcp/pivoting/least_index.hpp"
 #include "lcp/pivoting/lemke.hpp"
 #include "lcp/pivoting/lemke_howson.hpp"
 #include "lcp/pivoting/principal_pivoting.hpp"
@@ -33,15 +30,15 @@ void describe(Lemke& method, Fields& fields);
 ///  * symmetric M not known to be indefinite: block pivoting for small n, the QP for large n;
 ///  * P-matrices and M-matrices: block pivoting, component by component where M is reducible;
 ///  * monotone M: Lemke's method with about n pivots at most, interior points, Lemke's method to its end;
-///  * anything else: Lemke's method with several covering vectors; enumeration of all cells where there are few; the
-///    Newton methods.
+///  * anything else: Lemke's method with several covering vectors; enumeration of all cells where there are few;
+///    Lemke and Howson's paths; block pivoting.
 struct Auto {
   unsigned seed = 1;  ///< of the covering vectors tried after the first
 };
 void describe(Auto& method, Fields& fields);
 
-using Method = std::variant<Auto, Lemke, LemkeHowson, PrincipalPivoting, BlockPivoting, LeastIndex, ProjectedSor,
-                            MinNewton, FbNewton, InteriorPoint, BoundQp, Enumeration>;
+using Method = std::variant<Auto, Lemke, LemkeHowson, PrincipalPivoting, BlockPivoting, ProjectedSor, InteriorPoint,
+                            BoundQp, Enumeration>;
 
 /// Runs the method from `start` (methods that need none ignore it), with the equations of free variables in the order
 /// that equation_order() finds. Throws std::invalid_argument for malformed input.

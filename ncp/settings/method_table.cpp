@@ -31,6 +31,8 @@ std::span<const MethodEntry> methods() {
 }
 
 const MethodEntry* find_method(std::string_view name) {
+  if (name == "min-newton") name = "newton-min";  // names that methods for affine problems had
+  if (name == "fb-newton") name = "semismooth";
   const auto entry = std::ranges::find(methods(), name, &MethodEntry::name);
   return entry == methods().end() ? nullptr : &*entry;
 }

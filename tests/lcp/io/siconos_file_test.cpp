@@ -7,7 +7,6 @@
 #include <filesystem>
 
 #include "lcp/pivoting/block_pivoting.hpp"
-#include "lcp/pivoting/least_index.hpp"
 #include "lcp/pivoting/pivoting_support.hpp"
 #include "lcp/pivoting/principal_pivoting.hpp"
 #include "lcp/solve/enumeration.hpp"
@@ -246,7 +245,8 @@ TEST(SiconosFile, RecordedLcpsThatAreHard) {
   const AffineMcp mmc = recorded("lcp_mmc.dat");
   ASSERT_EQ(mmc.size(), 26);
   for (const Result& result :
-       {block_pivoting(mmc, Vec::Zero(26)), least_index(mmc, Vec::Zero(26)), principal_pivoting(mmc, Vec::Zero(26))})
+       {block_pivoting(mmc, Vec::Zero(26)), block_pivoting(mmc, Vec::Zero(26), {.p_max = 0, .components = false}),
+        principal_pivoting(mmc, Vec::Zero(26))})
     expect_solved(mmc, result, "mmc");
 }
 

