@@ -42,13 +42,6 @@ set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA ${CMAKE_CURRENT_LIST_DIR}/debian/p
   ${CMAKE_CURRENT_LIST_DIR}/debian/python/prerm)
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "")  # each package has its own
 
-# HDF5 is loaded when a file of contacts is read, where dpkg-shlibdeps does not see it.
-set(perp_hdf5 libhdf5-103-1)
-file(REAL_PATH ${HDF5Serial_LIBRARY} perp_hdf5_file)
-execute_process(COMMAND dpkg-query -S ${perp_hdf5_file} OUTPUT_VARIABLE perp_hdf5_owner ERROR_QUIET)
-if(perp_hdf5_owner MATCHES "^([^:,]+):")
-  set(perp_hdf5 ${CMAKE_MATCH_1})
-endif()
 set(perp_same_version "(= ${PROJECT_VERSION})")
 # What perpConfig.cmake and perp.pc look for.
 set(perp_dev_packages "libeigen3-dev, libsuitesparse-dev, libamplsolver-dev, libmpfi-dev")
@@ -85,13 +78,13 @@ macro(perp_package component name section depends summary text)
     COMPONENT ${component} EXCLUDE_FROM_ALL)
 endmacro()
 
-perp_package(program perp math "${perp_hdf5}" "solver for mixed complementarity problems"
+perp_package(program perp math "" "solver for mixed complementarity problems"
 "Finds x between bounds l and u such that F_i(x) >= 0 where x_i = l_i,
 F_i(x) <= 0 where x_i = u_i, and F_i(x) = 0 between. Reads AMPL's .nl files,
 stands in for PATH under the name pathampl, compares methods, and solves
 contact problems with Coulomb friction from FCLIB's files.")
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS "python3-matplotlib, python3-jinja2")  # of perp-compare
-perp_package(library libperp libs "${perp_hdf5}" "library for complementarity problems, from C"
+perp_package(library libperp libs "" "library for complementarity problems, from C"
 "Mixed and nonlinear complementarity problems, and contact with friction.
 This package has libperp.so, for programs that were built with perp.h.")
 perp_package(development libperp-dev libdevel "libperp ${perp_same_version}, libperp-path ${perp_same_version}, ${perp_dev_packages}"
@@ -99,7 +92,7 @@ perp_package(development libperp-dev libdevel "libperp ${perp_same_version}, lib
 "Mixed and nonlinear complementarity problems, and contact with friction.
 This package has perp.h, the headers and static libraries of C++, and files
 for CMake's find_package(perp) and for pkg-config.")
-perp_package(path libperp-path libs "${perp_hdf5}" "library for complementarity problems, behind PATH's C interface"
+perp_package(path libperp-path libs "" "library for complementarity problems, behind PATH's C interface"
 "libperp_path.so has the functions that clients of the PATH solver call, such
 as PATHSolver.jl and path-capi-python. They run unchanged with it.")
 perp_package(python python3-perp python "libperp ${perp_same_version}, python3 (>= 3.9), python3-numpy, python3-scipy"

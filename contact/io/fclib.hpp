@@ -17,14 +17,10 @@
 ///                this; the comment in its header says the reverse
 /// nzmax and the arrays may be longer than their used part: p[last] or nz entries. Entries of one place add up.
 ///
-/// Files are not trusted. HDF5 gets the bytes of the file after all of its metadata has been checked, and it never
-/// opens another file. External storage, external links and virtual datasets are refused. So are compressed datasets
-/// and HDF5's newer layouts; h5repack can rewrite these. A count is accepted only if the file has as many bytes. Values
-/// that are not finite, indices out of range and contradictory sizes are refused, by lcp::FileError with file, dataset
-/// and reason.
-///
-/// HDF5 is not made for threads (Debian's is built without the lock): calls of these functions wait for each other. A
-/// program that calls HDF5 itself has to keep its calls apart from these.
+/// Files are not trusted. HDF5's classic layout is read and written here (contact/io/hdf5.hpp), without HDF5's library.
+/// External storage, links, compressed datasets and HDF5's newer layouts are refused; h5repack can rewrite most. A
+/// count is accepted only if the file has as many bytes. Values that are not finite, indices out of range and
+/// contradictory sizes are refused, by lcp::FileError with file, dataset and reason.
 #include <optional>
 #include <string>
 #include <string_view>

@@ -3,7 +3,7 @@
 
 #include "contact/io/dat_file.hpp"
 #include "contact/io/fclib.hpp"
-#include "contact/io/hdf5_check.hpp"
+#include "contact/io/hdf5.hpp"
 #include "lcp/io/file_error.hpp"
 
 namespace perp::contact {

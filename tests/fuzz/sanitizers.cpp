@@ -9,6 +9,3 @@ extern "C" const char* __asan_default_options() {
 }
 extern "C" const char* __ubsan_default_options();
 extern "C" const char* __ubsan_default_options() { return "print_stacktrace=1"; }
-/// Memory that libraries lose where a damaged file ends their work halfway: findings of theirs (tests/fuzz/README.md).
-extern "C" const char* __lsan_default_suppressions();
-extern "C" const char* __lsan_default_suppressions() { return "leak:libhdf5_serial\n"; }

@@ -8,7 +8,7 @@
 #include "contact/contact_support.hpp"
 #include "contact/io/dat_file.hpp"
 #include "contact/io/fclib_support.hpp"
-#include "contact/io/hdf5_check.hpp"
+#include "contact/io/hdf5.hpp"
 
 namespace perp::contact {
 namespace {
@@ -65,7 +65,7 @@ std::string damaged(std::string bytes, Random& random) {
   return bytes;
 }
 
-// HDF5 allots a byte before it needs it: a file is whole only from its last metadata on.
+// The superblock says where the file ends.
 TEST(Damaged, FclibCutShort) {
   for (const Datasets& datasets : {small_local(), small_global()}) {
     const std::string bytes = bytes_of(datasets);
@@ -96,8 +96,7 @@ TEST(Damaged, Fclib) {
   }
 }
 
-// All that HDF5 reads before the data, byte by byte: each to 0, to 0xff, and one more. The library by itself ends the
-// process on some of these.
+// All metadata, byte by byte: each to 0, to 0xff, and one more.
 TEST(Damaged, FclibEveryByteOfTheHead) {
   const std::string bytes = bytes_of(small_local());
   for (std::size_t at = 0; at < 800; ++at)
@@ -152,20 +151,18 @@ TEST(Damaged, RecordedFiles) {
   }
 }
 
-// --- the look at the metadata ----------------------------------------------------------------------------------------
-
-TEST(Hdf5Check, FindsTheSignature) {
+// At 0, or behind a block of the user's, which is refused.
+TEST(Hdf5, FindsTheSignature) {
   const std::string bytes = bytes_of(small_local());
   EXPECT_EQ(find_hdf5(bytes), 0U);
   EXPECT_EQ(find_hdf5(std::string(512, ' ') + bytes), 512U);
   EXPECT_EQ(find_hdf5(std::string(100, ' ') + bytes), std::string::npos);
   EXPECT_EQ(find_hdf5("\x89HDF"), std::string::npos);
-  EXPECT_NO_THROW(check_hdf5(bytes));
-  EXPECT_THROW(check_hdf5(std::string(512, ' ') + bytes), std::invalid_argument);
+  EXPECT_EQ(fclib(std::string(512, ' ') + bytes), Outcome::Refused);
 }
 
-// Nobody has looked through those: they are refused, with the way out.
-TEST(Hdf5Check, RefusesNewerLayouts) {
+// They are refused, with the way out.
+TEST(Hdf5, RefusesNewerLayouts) {
   const Folder folder;
   const std::string path = folder / "new.hdf5";
   const hid_t access = H5Pcreate(H5P_FILE_ACCESS);
