@@ -8,7 +8,8 @@
 docs/pyomo.md says what it does with each kind of condition.
 """
 
+from perp.pyomo._equilibrium import Agent, Equilibrium, equilibrium
 from perp.pyomo._expression import ModelError
 from perp.pyomo._solver import Perp
 
-__all__ = ["ModelError", "Perp"]
+__all__ = ["Agent", "Equilibrium", "ModelError", "Perp", "equilibrium"]
