@@ -47,14 +47,14 @@ def _require_callable(function: Any, name: str, or_what: str = "") -> None:
 
 
 def jacobian_argument(F: Any, jac: Any) -> tuple[Any, Any]:
-    """What scipy calls jac: a function, True (F returns F and jac), or what stands for differences."""
+    """What scipy calls jac: a function, True (F returns F and jac), or what stands for differences; "jax" and "casadi"."""
     if jac is True:
         both = _Both(F)
         return both.F, both.jac
     if jac is None or jac is False or (isinstance(jac, str) and jac == "2-point"):
         return F, None
-    if isinstance(jac, str):
-        refuse("jac", f"'{jac}' is not offered: None takes differences with two points; a function is exact")
+    if isinstance(jac, str) and jac not in ("jax", "casadi"):
+        refuse("jac", f"'{jac}' is not offered: None takes differences with two points; 'jax', 'casadi' or a function are exact")
     return F, jac
 
 

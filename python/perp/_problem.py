@@ -14,7 +14,7 @@ from typing import Any, NamedTuple, SupportsIndex
 import numpy as np
 import numpy.typing as npt
 
-from perp import _arrays, _library, _session
+from perp import _arrays, _derivatives, _library, _session
 from perp._arrays import address, bound, copies_of, finite, kind, matrix, split_bounds, vector
 from perp._functions import NO_J, Functions, jacobian_argument, live, on_F, on_J, with_args
 from perp._library import INTERFACE, Handle, call, check, made
@@ -433,6 +433,8 @@ def function_problem(
     low, high = bound(lower, n, 0.0, "lower"), bound(upper, n, np.inf, "upper")
     start = start.copy() if start is x0 else start
     inside = np.clip(start, 0.0 if low is None else low, np.inf if high is None else high)
+    if isinstance(jac, str):
+        F, jac, pattern = _derivatives.by_name(jac, F, inside, pattern)
     functions = Functions(F, jac, pattern, inside)
     places = functions.pattern()
     handle = made(

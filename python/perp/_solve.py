@@ -45,7 +45,7 @@ def solve(
     jac     x -> F'(x), shape (n, n), dense or scipy.sparse. A sparse one has the same pattern everywhere, that of x0,
             zeros stored included, unless `pattern` says more. None: differences, one evaluation of F for each group of
             columns of the pattern that share no row, n for a dense one. True: F returns the pair of F and F', as in
-            scipy.optimize.
+            scipy.optimize. "jax", "casadi": exact and sparse, where F is written for arrays of these packages.
     args    more arguments of F and jac: F(x, *args).
     pattern scipy.sparse or dense, shape (n, n): its entries are those of F' that can be nonzero.
     affine  True: F(x) = F(0) + J x with one matrix J. It is solved as M x + q is, with proofs, and F is asked rarely.
