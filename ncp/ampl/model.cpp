@@ -7,6 +7,7 @@
 
 #include "lcp/io/output_file.hpp"
 #include "ncp/ampl/asl_problem.hpp"
+#include "ncp/ampl/exchanged.hpp"
 #include "ncp/ampl/linearity.hpp"
 #include "ncp/ampl/model_enclosure.hpp"
 #include "ncp/ampl/names.hpp"
@@ -153,6 +154,7 @@ std::vector<std::string> AslModel::remarks() const {
   std::vector<std::string> text;
   if (has_objective())
     text.emplace_back("the objective is not used: the conditions of a square model determine its solution");
+  if (std::string pairs = exchanged(pairing_, jacobian_, names_); !pairs.empty()) text.push_back(std::move(pairs));
   const std::string conditions = twice(nl_, pairing_, names_), sides = without_row(nl_, names_);
   if (!conditions.empty() || !sides.empty())
     text.push_back(conditions + (conditions.empty() || sides.empty() ? "" : "; ") + sides);
