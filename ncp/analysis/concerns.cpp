@@ -57,9 +57,13 @@ std::vector<Concern> concerns(const Inspection& inspection) {
     if (std::string wrong = describe(mcp, *inspection.derivatives); !wrong.empty())
       add(Concern::Derivatives, std::move(wrong));
   const ConditionFindings& condition = inspection.condition;
-  if (condition.active && *condition.active < singular_rcond && condition.active_size > 0) {
+  const bool active = condition.active && *condition.active < singular_rcond && condition.active_size > 0;
+  // Of the numbers alone: prices without a numeraire.
+  const bool all = condition.all && *condition.all < singular_rcond && structure.full();
+  if (active || all) {
     const std::string why = explain_singularity(mcp, start.J, start.x, start.F);
-    add(Concern::Condition, why.empty() ? "Newton's matrix at the start is singular" : "at the start " + why);
+    if (active || !why.empty())
+      add(Concern::Condition, why.empty() ? "Newton's matrix at the start is singular" : "at the start " + why);
   }
   return found;
 }

@@ -398,6 +398,17 @@ TEST_F(Inspect, JacobianThatLeavesItsPattern) {
   EXPECT_THROW(inspect_problem(loaded(functions, vec({0}))), std::invalid_argument);
 }
 
+// Three goods without a numeraire: M p = 0 where all prices move together. At the start most F are larger than p, so
+// that Newton's own matrix is regular there. Catches "nothing stands out" of what solve() says of the solution.
+TEST_F(Inspect, PricesWithoutANumeraireAreTold) {
+  const ncp::Box box{.lower = ncp::Vec::Constant(3, 1e-6), .upper = ncp::Vec::Constant(3, ncp::infinity)};
+  const Inspection inspection = inspect_problem(
+      loaded(ncp::make_affine_mcp({matrix({{8, -4, -4}, {-5, 6, -1}, {-3, -2, 5}}), vec({0, 0, 0}), box}, "goods"),
+             vec({3, 1, 1})));
+  EXPECT_GT(inspection.condition.active.value_or(1), 1e-3);
+  EXPECT_THAT(texts(inspection, Concern::Condition), ElementsAre(HasSubstr("3 variables can move together")));
+}
+
 // x^2 - 2 on the model's box. Catches a table that is left out, or one of M for a nonlinear F.
 TEST_F(Inspect, SaysTheClassOfNonlinearF) {
   const test::Folder folder;
