@@ -186,7 +186,8 @@ int32_t perp_problem_variable_name(const perp_problem* problem, int64_t i, char*
 int32_t perp_problem_equation_name(const perp_problem* problem, int64_t i, char* name, int64_t size, perp_error* error);
 /** Which entries of J are constant, a flag for each, in the order of the pattern as given: presolve uses them. The flag
  *  of (i, j) promises that F_i(x) - J_ij x_j does not depend on x_j. If all are set F is taken as affine, and the
- *  methods for affine problems apply. NULL: none. Only for problems of functions, with J. */
+ *  methods for affine problems apply; PERP_BAD_CALLBACK then says where F or J breaks the promise at a point that is
+ *  looked at, of which there are two at least. NULL: none. Only for problems of functions, with J. */
 int32_t perp_problem_set_linear(perp_problem* problem, const int8_t* linear, perp_error* error);
 
 /** The judge's word on x: natural = || x - mid(l, x - F(x), u) ||_inf, which is zero exactly at solutions, and the row
