@@ -112,7 +112,8 @@ static void broken_promise(void) {
   problem.nonzeros = problem.entries = 0;
   problem.first = -1;
   problem.slope = 1;
-  CHECK_SAYING(solve(NULL) == Error && strstr(problem.text, "not as linear as the problem declares") != NULL, problem.text);
+  CHECK_SAYING(solve(NULL) == Error && strstr(problem.text, "not as linear as the problem declares") != NULL,
+               problem.text);
   problem.slope = 0;
 }
 

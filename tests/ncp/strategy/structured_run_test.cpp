@@ -68,7 +68,8 @@ TEST(BlockByBlock, ChaoticChainsOfAnyLength) {
 TEST(BlockByBlock, ZerosOfADenseJacobianAreStructure) {
   for (const Index T : {20, 100}) {
     const auto chain = logistic(T, 3.8, natural(T));
-    Functions f{.name = "dense", .box = Box::free(T), .pattern = SpMat(Eigen::MatrixXd::Ones(T, T).sparseView()), .F = {}};
+    Functions f{
+        .name = "dense", .box = Box::free(T), .pattern = SpMat(Eigen::MatrixXd::Ones(T, T).sparseView()), .F = {}};
     f.F = [&](In x, Out F) { return chain->eval(x, F); };
     f.J = [&](In x, SpMat& J) {
       SpMat sparse = chain->jacobian_pattern();
