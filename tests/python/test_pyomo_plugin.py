@@ -459,7 +459,7 @@ BAD_MODELS = {
     "binary": (dict(x=lambda m: pyo.Var(domain=pyo.Binary), c=lambda m: pyo.Constraint(expr=m.x == 1)), "x is integer"),
     "division by a parameter that is zero": (
         dict(k=lambda m: pyo.Param(initialize=0, mutable=True), x=lambda m: pyo.Var(), c=lambda m: pyo.Constraint(expr=m.x / m.k == 1)),
-        r"^c: x/k has no value, where k = 0 \(.*division by zero",
+        r"^c: .*/k has no value, where k = 0 \(.*division by zero",
     ),
     "a logarithm of a variable that is fixed at zero": (
         dict(y=lambda m: fixed(0), x=lambda m: pyo.Var(), c=lambda m: pyo.Constraint(expr=m.x == pyo.log(m.y))),
