@@ -17,7 +17,7 @@ std::string number_above(double value);
 
 using perp::quantity;
 
-/// Levenshtein's distance, without regard to case.
+/// Levenshtein's distance, in which neighbours exchanged are one edit, without regard to case.
 std::size_t edit_distance(std::string_view a, std::string_view b);
 
 }  // namespace perp::ncp

@@ -34,6 +34,9 @@ TEST(DidYouMean, NearNamesOnly) {
   EXPECT_THAT(did_you_mean("SEMISMOTH", names), testing::StartsWith(" Did you mean 'semismooth'"));
   EXPECT_EQ(did_you_mean("xyz", names), "");
   EXPECT_EQ(did_you_mean("", names), "");
+  constexpr std::array<std::string_view, 2> commands{"solve", "list"};
+  EXPECT_EQ(did_you_mean("slove", commands), " Did you mean 'solve'?") << "neighbours exchanged, in a short word";
+  EXPECT_EQ(did_you_mean("volse", commands), "");
 }
 
 // A file of options may have a line of any length. Would catch one that is compared with every key letter by letter,
