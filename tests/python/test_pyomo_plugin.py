@@ -447,6 +447,16 @@ def test_an_mpec_is_refused_as_such(solver):
     assert results.solver.termination_condition == TerminationCondition.invalidProblem
 
 
+def test_rows_that_contradict_each_other_are_named(solver):
+    """x = y + 1 and x = y + 3: the message has the rows of the certificate, not the worst one alone."""
+    m = pyo.ConcreteModel()
+    m.x, m.y = pyo.Var(initialize=0), pyo.Var(initialize=0)
+    m.near, m.far = pyo.Constraint(expr=m.x == m.y + 1), pyo.Constraint(expr=m.x == m.y + 3)
+    results = solver.solve(m)
+    assert results.solver.termination_condition == TerminationCondition.infeasible
+    assert "Proof: rows near and far contradict each other" in results.solver.message
+
+
 def model_of(**components):
     m = pyo.ConcreteModel()
     for name, make in components.items():
