@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import ctypes
 import html
+import json
 from collections.abc import Callable, Iterator
 from typing import Any, Generic, TypeVar, overload
 
@@ -315,6 +316,7 @@ class Result(Record):
             ("status", self.status),
             ("success", str(self.success)),
             ("message", self.message),
+            *([("proof", contradiction(json.loads(self.certificate)))] if self.certificate else []),
             *([("advice", self.advice)] if self.advice else []),
             ("residual", f"{self.residual:.3g}" + (worst if self.residual > 0 else "")),
             ("iterations", str(self.stats["iterations"])),
@@ -328,6 +330,15 @@ class Result(Record):
             proof = self.verified
             facts.append(("verified", f"within {proof.radius.max():.2g}" if proof.unique else f"not: {proof.why_not}"))
         return facts
+
+
+def contradiction(certificate: dict[str, Any]) -> str:
+    """"rows a, b and c contradict each other"."""
+    names = [row["name"] for row in certificate["rows"]]
+    if len(names) == 1:
+        return f"row {names[0]} and the bounds contradict each other"
+    named = names if len(names) <= 5 else [*names[:4], f"{len(names) - 4} others"]
+    return f"rows {', '.join(named[:-1])} and {named[-1]} contradict each other"
 
 
 class SolutionWarning(UserWarning):

@@ -108,6 +108,8 @@ def test_bounds_of_an_affine_problem():
 def test_infeasible_is_a_status():
     r = perp.lcp([[-1.0]], [-1.0])
     assert r.status == "Infeasible" and not r.success
+    assert "row F[0] and the bounds contradict each other" in str(r)
+    assert "rows F[0] and F[1] contradict each other" in str(perp.mcp_affine([[1, -1], [1, -1]], [-1, -3], -np.inf))
 
 
 @pytest.mark.parametrize("method", ["lemke", "block-pivoting", "path"])

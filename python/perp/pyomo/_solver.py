@@ -27,6 +27,7 @@ from pyomo.opt import Solution, SolverFactory, SolverResults, SolverStatus, Term
 from pyomo.opt.base.solvers import _extract_version
 from pyomo.opt.solver import SystemCallSolver
 
+from perp._result import contradiction
 from perp.pyomo._model import CompiledModel, Contents
 from perp.pyomo._expression import ModelError
 from perp.pyomo._rows import Auxiliary
@@ -273,17 +274,10 @@ def _set_outcome(results: Any, answer: dict[str, Any]) -> None:
     solver.message = answer["message"]
 
 
-def _rows_in_words(names: list[str]) -> str:
-    if len(names) == 1:
-        return f"row {names[0]} and the bounds"
-    named = names if len(names) <= 5 else [*names[:4], f"{len(names) - 4} others"]
-    return f"rows {', '.join(named[:-1])} and {named[-1]}"
-
-
 def _message(answer: dict[str, Any], notes: list[str]) -> str:
     lines = [f"{answer['status']}: {answer['message']}"]
     if answer.get("certificate"):
-        lines.append(f"Proof: {_rows_in_words([row['name'] for row in answer['certificate']['rows']])} contradict each other")
+        lines.append(f"Proof: {contradiction(answer['certificate'])}")
     if answer.get("advice"):
         lines.append(f"Try: {answer['advice']}")
     return "\n".join(lines + [f"Note: {note}" for note in notes])
