@@ -13,6 +13,7 @@
 #include "app/report/bounded_run.hpp"
 #include "app/report/report.hpp"
 #include "app/text/table.hpp"
+#include "ncp/analysis/certificate.hpp"
 
 namespace perp::app {
 
@@ -120,6 +121,8 @@ std::string message(const Report& report) {
   std::string text =
       fmt::format("Perp {}: no solution found, {} after {}: {}.", version_number(), ncp::to_string(result.status),
                   count(result.stats.iterations, "iteration"), result.message);
+  if (result.proof.certificate)
+    text += fmt::format("\nProof: {} contradict each other.", ncp::rows_in_words(*report.problem->mcp, result.proof));
   if (!result.advice.empty()) text += fmt::format("\nTry: {}.", result.advice);
   return text + listed_notes(result);
 }

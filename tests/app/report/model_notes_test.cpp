@@ -81,6 +81,9 @@ TEST(ModelNotes, ProofsSayHowTheyCanBeChecked) {
     EXPECT_EQ(json["status"], "Infeasible");
     EXPECT_EQ(json["proven_by"], by);
     EXPECT_EQ(json["certificate"].is_null(), by == "ranges");
+    test::Captured ampl;
+    ampl_driver({.arguments = {folder / "m", "-AMPL"}}, ampl.streams);
+    EXPECT_EQ(ampl.out.str().find("contradict each other") == std::string::npos, by == "ranges") << ampl.out.str();
   };
   solved(test::scalar_nl("o0\no44\nv0\nn0.1\n", 0, "3"), "ranges", "Proof: by the ranges of F");
   solved(
