@@ -17,7 +17,7 @@ constexpr double accurate = 1e-2;  ///< the model of F counts as right up to thi
 constexpr double wrong = 0.5;      ///< ... and as wrong from this share on
 constexpr int shortenings = 8;
 constexpr PetscInt patience_of_steps = 10;  ///< without a new best point
-constexpr double growth = 1e6;   ///< a residual so many times the best one is the end of patience
+constexpr double growth = 1e6;              ///< a residual so many times the best one is the end of patience
 constexpr double hidden = 1e-4;  ///< rounding of more than this share of the load hides the problem: x is far too large
 constexpr double eps = PETSC_MACHINE_EPSILON;
 

@@ -13,7 +13,8 @@
 namespace perp::petsc {
 namespace {
 
-constexpr double multigrid_loose = 0.03;  // rtol of the KSP where the face may still change: the error is that of the face
+constexpr double multigrid_loose =
+    0.03;                              // rtol of the KSP where the face may still change: the error is that of the face
 constexpr double amg_loose = 1e-2;     // ... where the PC is costly to build a few iterations more cost little
 constexpr double few = 1e-4;           // changes, beside what is held, after which the face is most likely the last one
 constexpr double ends = 2;             // ... and besides: the free boundary of a line of contact, however many are held
@@ -123,8 +124,7 @@ PetscErrorCode Solver::take_matrix(Mat J) {
   face_.fresh = true;
   shifts_ = 0;
   if (multigrid_) {
-    if (other && grids_.levels()[0].T != nullptr)
-      PetscCall(grids_.take_hierarchy(snes_->dm, &multigrid_));
+    if (other && grids_.levels()[0].T != nullptr) PetscCall(grids_.take_hierarchy(snes_->dm, &multigrid_));
     PetscCall(grids_.take_matrix(J, face_.open));
   } else if (other || T_ == nullptr) {
     PetscCall(MatDuplicate(J, MAT_COPY_VALUES, T_.out()));

@@ -28,8 +28,6 @@ struct Solved {
 /// The point of the SNES, by the residual computed again.
 PetscErrorCode judge(SNES snes, Vec x, Vec lower, Vec upper, Solved* solved);
 
-// multigrid_test.cpp
-
 // grids_test.cpp
 PetscErrorCode grids_in_space();
 PetscErrorCode periodic_grids();
