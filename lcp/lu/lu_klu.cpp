@@ -44,6 +44,13 @@ KernelCost Klu::spent() const {
   return {.flops = common.flops, .bytes = entry_bytes * static_cast<double>(numeric_->lnz + numeric_->unz)};
 }
 
+bool Klu::refactor(const SpMat& A) {
+  std::copy_n(A.valuePtr(), A.nonZeros(), pattern_.valuePtr());
+  return klu_refactor(pattern_.outerIndexPtr(), pattern_.innerIndexPtr(), pattern_.valuePtr(), symbolic_, numeric_,
+                      &common_) != 0 &&
+         common_.status == KLU_OK && klu_rcond(symbolic_, numeric_, &common_) != 0 && common_.rcond > 0;
+}
+
 /// The last factors' pivots; false if these do not do.
 bool Klu::factor_again() {
   int* const start = pattern_.outerIndexPtr();

@@ -22,10 +22,13 @@ class Klu final : public LuLibrary {
   LuStatus factor(const SpMat& A) override;
   void reuse_pivots() override { reuse_ = true; }
   void solve(const SpMat& A, In b, Out x, bool transposed) const override;
+  /// factor() with the pivots of the last one that was Ok, without a request for memory. False where one has vanished.
+  bool refactor(const SpMat& A);
+  /// solve() by one thread at a time, without a request for memory.
+  void solve_in_place(Out b) { klu_solve(symbolic_, numeric_, numeric_->n, 1, b.data(), &common_); }
   double pivot_ratio() const override { return common_.rcond; }
 
-  /// The order of rows and columns that analyze() found, block triangular and AMD within the blocks. Pre: it was Ok.
-  const int* rows_in_order() const { return symbolic_->P; }
+  /// The order of the columns that analyze() found, block triangular and AMD within the blocks. Pre: it was Ok.
   std::span<const int> columns_in_order() const { return {symbolic_->Q, at(symbolic_->n)}; }
   bool gives_factors() const override { return false; }  // klu_solve is as quick
   /// The factors of the whole matrix, from those of its diagonal blocks; pre: the last factor() was Ok.

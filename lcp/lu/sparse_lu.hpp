@@ -70,7 +70,7 @@ class SparseLu {
   double pivot_ratio() const;
 
   /// Copies L, U and the permutations, for solves with sparse right-hand sides. General gives them of Singular, too,
-  /// with the zero pivots in their places. False where the library gives none (Dense, Klu, Eigen) or nothing is
+  /// with the zero pivots in their places. False where the library gives none (Dense, Klu) or nothing is
   /// factored. Throws bad_alloc.
   bool factors(LuFactors& out) const;
   bool gives_factors() const;  ///< whether factors() may be true
