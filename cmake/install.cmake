@@ -8,7 +8,6 @@ set(perp_public_headers
   contact/laws/affine_encoding.hpp
   contact/classics/alart_curnier.hpp
   contact/scenes/ball.hpp
-  contact/laws/bilateral.hpp
   contact/io/dat_file.hpp
   contact/existence/existence.hpp
   contact/model/facts.hpp
