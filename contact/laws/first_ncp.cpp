@@ -7,10 +7,9 @@
 #include "lcp/words.hpp"
 
 namespace perp::contact {
-FirstNcp::FirstNcp(const Problem& problem, const FirstNcpOptions& options)
-    : dimension_(problem.dimension), mu_(problem.mu), weight_(options.weight) {
+FirstNcp::FirstNcp(const Problem& problem, bool scale) : dimension_(problem.dimension), mu_(problem.mu) {
   check(problem);
-  units_ = options.scaled ? Units::of(problem.W, problem.q) : Units::none();
+  units_ = scale ? Units::of(problem.W, problem.q) : Units::none();
   W_ = problem.W.matrix() * (units_.impulse / units_.velocity);
   q_ = problem.q / units_.velocity;
   name_ = "first NCP";
@@ -52,11 +51,6 @@ Vec FirstNcp::impulses(In x) const {
   return r;
 }
 
-double FirstNcp::weight(Index a, In r) const {
-  return weight_ == FirstNcpOptions::Weight::Normal ? mu_[a] * r[dimension_ * a]
-                                                    : r.segment(dimension_ * a + 1, dimension_ - 1).norm();
-}
-
 bool FirstNcp::eval(In x, lcp::Out F) const {
   const Vec r = impulses(x);
   const Vec u = W_ * r + q_;
@@ -66,7 +60,7 @@ bool FirstNcp::eval(In x, lcp::Out F) const {
     F[r_N] = u[dimension_ * a];
     if (!frictional(a)) continue;
     const auto r_T = r.segment(dimension_ * a + 1, T);
-    F.segment(r_N + 1, T) = x[kappa(a)] * r_T + weight(a, r) * u.segment(dimension_ * a + 1, T);
+    F.segment(r_N + 1, T) = x[kappa(a)] * r_T + mu_[a] * r[dimension_ * a] * u.segment(dimension_ * a + 1, T);
     F[kappa(a)] = mu_[a] * r[dimension_ * a] - r_T.norm();
   }
   return F.allFinite();
@@ -81,8 +75,9 @@ bool FirstNcp::jacobian(In x, SpMat& J) const {
     for (SpMat::InnerIterator it(W_, j); it; ++it) {
       const Index row = unknown_[at(it.row())];
       if (row < 0 || unknown_[at(j)] < 0) continue;
+      const Index a = it.row() / dimension_;
       const bool normal = it.row() % dimension_ == 0;
-      J.coeffRef(row, unknown_[at(j)]) = (normal ? 1 : weight(it.row() / dimension_, r)) * it.value();
+      J.coeffRef(row, unknown_[at(j)]) = (normal ? 1 : mu_[a] * r[dimension_ * a]) * it.value();
     }
   for (Index a = 0; a < mu_.size(); ++a) {
     if (!frictional(a)) continue;
@@ -91,16 +86,13 @@ bool FirstNcp::jacobian(In x, SpMat& J) const {
     const Vec r_T = r.segment(dimension_ * a + 1, T);
     const double length = r_T.norm();
     const Vec direction = length > 0 ? Vec(r_T / length) : Vec::Zero(T);
-    const bool by_normal = weight_ == FirstNcpOptions::Weight::Normal;
     J.coeffRef(k, r_N) = mu_[a];
     for (Index t = 0; t < T; ++t) {
       const Index i = r_N + 1 + t;
-      const double u_t = u[dimension_ * a + 1 + t];
       J.coeffRef(k, i) = -direction[t];
       J.coeffRef(i, k) = r_T[t];
       J.coeffRef(i, i) += x[k];
-      if (by_normal) J.coeffRef(i, r_N) += mu_[a] * u_t;
-      for (Index s = 0; !by_normal && s < T; ++s) J.coeffRef(i, r_N + 1 + s) += u_t * direction[s];
+      J.coeffRef(i, r_N) += mu_[a] * u[dimension_ * a + 1 + t];
     }
   }
   return J.coeffs().allFinite();

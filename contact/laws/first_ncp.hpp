@@ -3,17 +3,13 @@
 /// The first NCP for Coulomb friction, by norms (Acary's lecture 3, (42)-(44)), for comparison with Glocker's. Contact
 /// by contact, u = W r + q,
 ///     u_N >= 0  _|_  r_N >= 0
-///     kappa r_T + weight u_T = 0                   (r_T free)
+///     kappa r_T + mu r_N u_T = 0                   (r_T free)
 ///     sigma = mu r_N - |r_T| >= 0  _|_  kappa >= 0,
 /// four unknowns (r_N, r_T, kappa); kappa = |u_T| where the contact slips.
 ///
-/// weight = mu r_N is what (44) must mean; it prints |P_N|, without mu, which makes kappa = |u_T| / mu. The system is
-/// equivalent to Coulomb's law: r_N > 0 and |r_T| < mu r_N give kappa = 0 and u_T = 0; r_N > 0 and |r_T| = mu r_N give
-/// kappa = |u_T| and r_T opposed to u_T; r_N = 0 gives r_T = 0.
-///
-/// weight = |r_T| is (43) without its equation kappa = |u_T|. With it, (43) has one equation more than unknowns;
-/// without it r_T = 0, kappa = 0 solves the law's rows whatever u_T is: every solution of the frictionless problem is
-/// one, though it is none of Coulomb's. Kept because it shows that.
+/// (44) prints |P_N| for mu r_N, without mu, which makes kappa = |u_T| / mu. The system is equivalent to Coulomb's law:
+/// r_N > 0 and |r_T| < mu r_N give kappa = 0 and u_T = 0; r_N > 0 and |r_T| = mu r_N give kappa = |u_T| and r_T opposed
+/// to u_T; r_N = 0 gives r_T = 0.
 ///
 /// |r_T| has no derivative at r_T = 0, where every method may start; the Jacobian there has 0, an element of Clarke's
 /// subdifferential, in its place (an edge of the cone is not seen from its axis). At an open contact both rows of r_T
@@ -28,16 +24,10 @@
 
 namespace perp::contact {
 
-struct FirstNcpOptions {
-  enum class Weight { Normal, Tangential };
-  Weight weight = Weight::Normal;  ///< mu r_N, or |r_T|
-  bool scaled = true;
-};
-
 class FirstNcp : public ncp::Mcp {
  public:
   /// Copies what it needs. Throws std::invalid_argument if the problem is malformed (check()).
-  explicit FirstNcp(const Problem& problem, const FirstNcpOptions& options = {});
+  explicit FirstNcp(const Problem& problem, bool scale = true);
 
   const ncp::Box& box() const override { return box_; }
   const SpMat& jacobian_pattern() const override { return pattern_; }
@@ -58,7 +48,6 @@ class FirstNcp : public ncp::Mcp {
   Index kappa(Index a) const { return first_[static_cast<std::size_t>(a)] + dimension_; }
   /// r~ from x.
   Vec impulses(In x) const;
-  double weight(Index a, In r) const;
   std::string label(Index i, const char* normal, const char* tangential, const char* last) const;
 
   int dimension_;
@@ -66,7 +55,6 @@ class FirstNcp : public ncp::Mcp {
   Vec q_;
   Vec mu_;
   Units units_;
-  FirstNcpOptions::Weight weight_;
   std::string name_;
   std::vector<Index> first_;    // unknown r_N of each contact; those of r_T and kappa follow
   std::vector<Index> unknown_;  // of each component of r; -1: r_T of a contact without friction

@@ -16,7 +16,6 @@ namespace perp::contact {
 namespace {
 
 using support::vec;
-using Weight = FirstNcpOptions::Weight;
 
 /// A sliding block of mass 1/2: r = (1, -0.4, -0.3), u = (0, 3.2, 2.4) opposed to it, |u_T| = 4.
 Problem block() {
@@ -30,47 +29,37 @@ double natural(const FirstNcp& f, In x) {
   return ncp::residual(f.box(), x, F).natural;
 }
 
-// The block's solution by hand: kappa = |u_T| = 4 for both weights. Without mu in the weight kappa would be 8.
+// The block's solution by hand: kappa = |u_T| = 4. Without mu in the weight of u_T kappa would be 8. The frictionless
+// solution, which slips without friction, is none.
 TEST(FirstNcp, SlidingBlock) {
-  for (const Weight weight : {Weight::Normal, Weight::Tangential}) {
-    const FirstNcp f(block(), {.weight = weight, .scaled = false});
-    EXPECT_LE(natural(f, vec({1, -0.4, -0.3, 4})), 1e-14);
-    EXPECT_GE(natural(f, vec({1, -0.4, -0.3, 8})), 0.1);
-    EXPECT_GE(natural(f, vec({1, 0.4, 0.3, 4})), 0.1);  // along the slip
-  }
-}
-
-// (43) without kappa = |u_T| accepts the frictionless solution, which slips without friction; the other weight does
-// not.
-TEST(FirstNcp, TangentialWeightHasSolutionsThatAreNone) {
-  const Vec frictionless = vec({1, 0, 0, 0});
-  EXPECT_LE(natural(FirstNcp(block(), {.weight = Weight::Tangential, .scaled = false}), frictionless), 1e-14);
-  EXPECT_GE(natural(FirstNcp(block(), {.weight = Weight::Normal, .scaled = false}), frictionless), 0.1);
-  EXPECT_GE(residual(block(), frictionless.head(3)).scaled, 0.1);
+  const FirstNcp f(block(), false);
+  EXPECT_LE(natural(f, vec({1, -0.4, -0.3, 4})), 1e-14);
+  EXPECT_GE(natural(f, vec({1, -0.4, -0.3, 8})), 0.1);
+  EXPECT_GE(natural(f, vec({1, 0.4, 0.3, 4})), 0.1);  // along the slip
+  EXPECT_GE(natural(f, vec({1, 0, 0, 0})), 0.1);
 }
 
 TEST(FirstNcp, JacobianMatchesDifferences) {
   std::mt19937 random(13);
   std::normal_distribution<double> normal;
-  for (const int dimension : {2, 3})
-    for (const Weight weight : {Weight::Normal, Weight::Tangential}) {
-      const FirstNcp f(random_problem(random, 5, dimension, 4, 0.1), {.weight = weight});
-      for (int k = 0; k < 5; ++k) {
-        Vec x(f.size());
-        for (Index i = 0; i < x.size(); ++i) x[i] = normal(random);
-        EXPECT_EQ(describe(f, check_jacobian(f, x)), "");
-      }
-      // What is said to be linear is: J's flagged entries do not change.
-      const auto flags = f.linear_entries();
-      SpMat A = f.jacobian_pattern();
-      SpMat B = A;
-      f.jacobian(f.start(), A);
-      f.jacobian(Vec(2 * f.start()), B);
-      for (std::size_t i = 0; i < flags.size(); ++i) {
-        if (!flags[i]) continue;
-        EXPECT_EQ(A.valuePtr()[i], B.valuePtr()[i]);
-      }
+  for (const int dimension : {2, 3}) {
+    const FirstNcp f(random_problem(random, 5, dimension, 4, 0.1));
+    for (int k = 0; k < 5; ++k) {
+      Vec x(f.size());
+      for (Index i = 0; i < x.size(); ++i) x[i] = normal(random);
+      EXPECT_EQ(describe(f, check_jacobian(f, x)), "");
     }
+    // What is said to be linear is: J's flagged entries do not change.
+    const auto flags = f.linear_entries();
+    SpMat A = f.jacobian_pattern();
+    SpMat B = A;
+    f.jacobian(f.start(), A);
+    f.jacobian(Vec(2 * f.start()), B);
+    for (std::size_t i = 0; i < flags.size(); ++i) {
+      if (!flags[i]) continue;
+      EXPECT_EQ(A.valuePtr()[i], B.valuePtr()[i]);
+    }
+  }
 }
 
 // Its solutions are Coulomb's: whatever the methods call solved, the judge accepts. And they do solve easy ones.
