@@ -346,7 +346,8 @@ Address add_header(const std::vector<std::string>& messages, std::string& file) 
   return at;
 }
 
-constexpr std::uint64_t leaf_k = 4;  // a node has at most twice as many symbols
+constexpr std::uint64_t leaf_k = 4;
+constexpr std::uint64_t most = 2 * leaf_k;  // symbols of a node
 
 }  // namespace
 
@@ -436,7 +437,6 @@ Hdf5Writer::Placed Hdf5Writer::place(const Node& node, std::uint64_t fanout, std
   }
   Placed out;
   std::string tree = "TREE";
-  constexpr std::size_t most = 2 * leaf_k;
   put(tree, 0, 2);
   put(tree, (entries.size() + most - 1) / most, 2);
   put(tree, undefined, 8);
@@ -478,9 +478,8 @@ std::size_t Hdf5Writer::largest(const Node& node) {
 }
 
 std::string Hdf5Writer::bytes() const {
-  constexpr std::size_t superblock = 96;
   const std::uint64_t fanout = std::max<std::uint64_t>(16, largest(root_) / (4 * leaf_k) + 1);
-  std::string file(superblock, '\0');
+  std::string file(96, '\0');
   const Placed root = place(root_, fanout, file);
   std::string head(signature);
   put(head, 0, 5);
@@ -493,7 +492,7 @@ std::string Hdf5Writer::bytes() const {
   put(head, file.size(), 8);
   put(head, undefined, 8);
   head += root.entry(0);
-  file.replace(0, superblock, head);
+  file.replace(0, head.size(), head);
   return file;
 }
 
