@@ -107,6 +107,10 @@ MoreauJean::MoreauJean(std::vector<MovingBody> bodies, std::vector<Plane> planes
   if (const auto why = invalid(options_)) refuse(*why);
   for (std::size_t i = 0; i < bodies_.size(); ++i) check(bodies_[i], i);
   for (std::size_t i = 0; i < planes_.size(); ++i) check(planes_[i], i);
+  const bool exact = options_.law.kind == FrictionLaw::Kind::Coulomb;
+  sequence_ = Sequence({.variant = exact ? Variant{} : variant_of(name(options_.law)),
+                        .limits = {.tol = options_.tol},
+                        .warm = options_.warm_start});
 }
 
 double MoreauJean::kinetic() const {
@@ -214,25 +218,12 @@ std::vector<ContactKey> MoreauJean::keys_of(const std::vector<Touch>& touches) c
 }
 
 bool MoreauJean::solve(const Problem& problem, Step& step) {
-  if (options_.law.kind == FrictionLaw::Kind::Coulomb) {
-    Options options{.tol = options_.tol};
-    const std::vector<ContactKey> keys = keys_of(step.touches);
-    if (options_.warm_start) options.start = kept_.start(problem.dimension, keys);
-    Result result = contact::solve(problem, options);
-    step.message = std::move(result.message);
-    step.iterations = result.stats.iterations + result.stats.newton_steps;
-    step.solution = std::move(result.solution);
-    step.residual = result.residual;
-    if (result.solved()) kept_.keep(problem.dimension, keys, step.solution.r);
-    return result.solved();
-  }
-  const AffineEncoding encoding = encoding_of(problem, variant_of(name(options_.law)));
-  lcp::Result result = contact::solve(encoding, {.tol = options_.tol});
-  step.message = std::move(result.message);
-  step.iterations = result.iterations;
-  step.solution = encoding.recover(result.z);
-  step.residual = residual(problem, step.solution.r);
-  return result.solved();
+  Run run = sequence_.step(problem, keys_of(step.touches));
+  step.message = std::move(run.message);
+  step.iterations = run.steps();
+  step.solution = std::move(run.solution);
+  step.residual = run.residual;
+  return run.solved;
 }
 
 /// Poses from v_theta, velocities from v.

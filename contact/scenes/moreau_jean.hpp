@@ -81,7 +81,7 @@ struct SteppingOptions {
   double gamma = 0.5;                ///< of the gap's forecast, in [0, 1]
   Vec3 gravity = Vec3(0, 0, -9.81);  ///< [m/s^2]
   FrictionLaw law{};
-  double tol = 1e-10;      ///< of each contact problem: contact::Options::tol; lcp::Limits::tol of polygons
+  double tol = 1e-10;      ///< of each contact problem: RunLimits::tol
   bool warm_start = true;  ///< from the last step's impulses, new contacts from 0; Coulomb's law alone
   /// Force at the centre of body i at the time t [N]; none if empty.
   std::function<Vec3(std::size_t i, double t)> load{};
@@ -108,7 +108,7 @@ struct Step {
   double time = 0;               ///< t_{k+1} [s]
   bool solved = true;            ///< false: the bodies are where they were
   std::string message{};         ///< of what solved the contact problem, or failed to; empty without contacts
-  long iterations = 0;           ///< Newton steps and those of the homotopy, or pivots
+  long iterations = 0;           ///< Run::steps(), or pivots
   std::vector<Touch> touches{};  ///< its contacts
   Solution solution{};           ///< r, and u with e U_N,k in it
   Residual residual{};           ///< by Coulomb's law, whichever was asked for
@@ -145,7 +145,7 @@ class MoreauJean {
   SteppingOptions options_;
   double time_ = 0;
   long steps_ = 0;
-  KeptImpulses kept_{};
+  Sequence sequence_;
 };
 
 }  // namespace perp::contact
