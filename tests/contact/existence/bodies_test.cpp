@@ -206,25 +206,33 @@ TEST(BodiesProofs, TheConditionOfLargeBodiesIsNotThatOfTheirPivots) {
   EXPECT_GE(inertia->rcond(), 0.99 * exact);
 }
 
-// Turned by any angle, H (y e_N) = 0 to rounding only: said, and with a finite radius.
+// Walls that are turned by any angle, by bodies and by entries: H (y e_N) = 0, or W (y e_N), to rounding only. Said,
+// and with a radius that holds.
 TEST(BodiesProofs, TurnedWallsToRounding) {
   Random random(34);
-  int proven = 0;
-  for (int k = 0; k < 50; ++k) {
-    Dense H = test::unsolvable::between_walls(3, 4, random);
-    const Eigen::Matrix3d Q =
-        Eigen::Quaterniond(random.normal(), random.normal(), random.normal(), random.normal()).normalized().matrix();
-    H.topRows(3) = Q * H.topRows(3);
-    H.bottomRows(3) = Q * H.bottomRows(3);
-    Problem velocities{.dimension = 3, .W = {}, .q = Vec::Zero(12), .mu = Vec::Constant(4, 0.3)};
-    test::unsolvable::set_velocities(velocities, vec({1, 1, 0, 0}), random);
-    const Vec masses = vec({2, 2, 2, 0.7, 0.8, 0.9});
-    const Problem problem = global_problem(diagonal(masses), H, Vec::Zero(6), velocities.q, velocities.mu, 3);
-    const std::optional<Infeasible> found = find_infeasibility(problem);
-    proven += found ? 1 : 0;
-    EXPECT_TRUE(!found || found->radius >= 1e12) << k;
+  for (const bool entries : {false, true}) {
+    int proven = 0;
+    for (int k = 0; k < 50; ++k) {
+      Dense H = test::unsolvable::between_walls(3, 4, random);
+      const Eigen::Matrix3d Q =
+          Eigen::Quaterniond(random.normal(), random.normal(), random.normal(), random.normal()).normalized().matrix();
+      H.topRows(3) = Q * H.topRows(3);
+      H.bottomRows(3) = Q * H.bottomRows(3);
+      Problem velocities{.dimension = 3, .W = {}, .q = Vec::Zero(12), .mu = Vec::Constant(4, 0.3)};
+      test::unsolvable::set_velocities(velocities, vec({1, 1, 0, 0}), random);
+      const Vec masses = vec({2, 2, 2, 0.7, 0.8, 0.9});
+      Problem problem = global_problem(diagonal(masses), H, Vec::Zero(6), velocities.q, velocities.mu, 3);
+      if (entries) problem = by_entries(problem);
+      const std::optional<Infeasible> found = find_infeasibility(problem);
+      proven += found ? 1 : 0;
+      if (!found || found->radius == lcp::infinity) continue;
+      EXPECT_GE(found->radius, 1e12) << k;
+      if (entries) {
+        EXPECT_LE(found->radius, test::exact_radius(problem, found->y));
+      }
+    }
+    EXPECT_GE(proven, 45) << entries;
   }
-  EXPECT_GE(proven, 45);
 }
 
 // Problems with solutions are never refused, whatever the masses: v' inside the dual cones by construction, and a

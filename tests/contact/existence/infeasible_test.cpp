@@ -199,31 +199,6 @@ TEST(Infeasible, NeverOfScenesAndRecordedProblems) {
   }
 }
 
-// Walls that are turned by any angle: W y e_N = 0 to rounding only. Said with a finite radius or none, and found.
-TEST(Infeasible, TurnedWallsToRounding) {
-  Random random(14);
-  int proven = 0;
-  for (int k = 0; k < 50; ++k) {
-    support::Dense H = test::unsolvable::between_walls(3, 4, random);
-    Eigen::Matrix3d Q =
-        Eigen::Quaterniond(random.normal(), random.normal(), random.normal(), random.normal()).normalized().matrix();
-    H.topRows(3) = Q * H.topRows(3);
-    H.bottomRows(3) = Q * H.bottomRows(3);
-    Problem problem{.dimension = 3, .W = {}, .q = Vec::Zero(12), .mu = Vec::Constant(4, 0.3)};
-    support::Dense W = H.transpose() * H / random.uniform(0.1, 10);
-    problem.W = W.sparseView();
-    problem.W.given().makeCompressed();
-    test::unsolvable::set_velocities(problem, vec({1, 1, 0, 0}), random);
-    const std::optional<Infeasible> found = find_infeasibility(problem);
-    proven += found ? 1 : 0;
-    if (found && found->radius < lcp::infinity) {
-      EXPECT_GE(found->radius, 1e12);
-      EXPECT_LE(found->radius, exact_radius(problem, found->y));
-    }
-  }
-  EXPECT_GE(proven, 45);
-}
-
 // Ten thousand contacts: bodies in a row, one of them squeezed. Catches a dense matrix.
 TEST(Infeasible, OneSqueezedBodyAmongThousands) {
   const Problem scene = make_scene("stack", 10000, 1).problem();

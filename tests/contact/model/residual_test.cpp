@@ -98,28 +98,34 @@ TEST(Residual, Frictionless) {
 
 // --- points that are no solutions, each wrong in one thing -----------------------------------------------------------
 
-// Each is what a solver without the last step of the law would return; each part of the judge must see its own.
+// Each is what a solver without the last step of the law would return; each part of the judge, in units and as a share,
+// must see its own.
 TEST(Residual, NonSolutions) {
   const Problem slip = point(vec({-3, 3, -4}), 0.1);
+  EXPECT_LE(residual(slip, vec({6, -0.36, 0.48})).largest(), 1e-15);
   // The maximal friction, but not opposite to the slip: only `slip` sees it.
   const Residual turned = residual(slip, vec({6, -0.48, 0.36}));
-  EXPECT_LE(turned.cone, 1e-15);
-  EXPECT_LE(turned.normal, 1e-15);
+  EXPECT_LE(std::max({turned.cone, turned.normal, turned.cone_share, turned.normal_share}), 1e-15);
   EXPECT_GT(turned.slip, 0.05);
+  EXPECT_GT(turned.slip_share, 0.01);
   EXPECT_GT(turned.natural, 0.05);
-  // Too little friction.
-  EXPECT_GT(residual(slip, vec({6, -0.18, 0.24})).slip, 0.1);
-  EXPECT_GT(residual(slip, vec({6, -0.18, 0.24})).scaled, 0.01);
+  // Too little friction, and too much.
+  const Residual little = residual(slip, vec({6, -0.18, 0.24}));
+  EXPECT_GT(little.slip, 0.1);
+  EXPECT_GT(std::min(little.slip_share, little.scaled), 0.01);
+  EXPECT_GT(residual(slip, vec({6, -0.72, 0.96})).cone_share, 0.05);
   // The associated (convex) law: r_N larger, so that u_N = mu |u_T|.
   const Residual associated = residual(slip, vec({7, -0.42, 0.56}));
   EXPECT_NEAR(associated.normal, 1, 1e-15);
-  EXPECT_GT(associated.scaled, 0.05);
-  // A pull.
+  EXPECT_GT(std::min(associated.normal_share, associated.scaled), 0.05);
+  // A pull, 2 N s of 2 |q|.
   const Residual pull = residual(point(vec({1, 2, -3}), 0.4), vec({-2, 0, 0}));
   EXPECT_EQ(pull.cone, 2);
+  EXPECT_GT(pull.cone_share, 0.2);
   EXPECT_GT(pull.scaled, 0.1);
   // Penetration.
   EXPECT_GT(residual(slip, Vec::Zero(3)).scaled, 0.1);
+  EXPECT_EQ(residual(point(vec({0, 0, 0}), 0.4), vec({0, 0, 0})).largest(), 0);
 }
 
 /// The law as it is written, row by row.
@@ -252,21 +258,6 @@ TEST(Accepted, RoundingOfWhatCancels) {
   Vec wrong = r;
   wrong[2] *= 1.0001;
   EXPECT_FALSE(accepted(residual(p, wrong), 1e-6));
-}
-
-// The shares name what is wrong: the points of NonSolutions.
-TEST(Accepted, EachPartSeesItsOwn) {
-  const Problem slip = point(vec({-3, 3, -4}), 0.1);
-  const Residual right = residual(slip, vec({6, -0.36, 0.48}));
-  EXPECT_LE(right.largest(), 1e-15);
-  const Residual turned = residual(slip, vec({6, -0.48, 0.36}));
-  EXPECT_LE(std::max(turned.cone_share, turned.normal_share), 1e-15);
-  EXPECT_GT(turned.slip_share, 0.01);
-  EXPECT_GT(residual(slip, vec({6, -0.18, 0.24})).slip_share, 0.01);
-  EXPECT_GT(residual(slip, vec({7, -0.42, 0.56})).normal_share, 0.05);
-  EXPECT_GT(residual(slip, vec({6, -0.72, 0.96})).cone_share, 0.05);
-  EXPECT_GT(residual(point(vec({1, 2, -3}), 0.4), vec({-2, 0, 0})).cone_share, 0.2);  // 2 N s of 2 |q|
-  EXPECT_EQ(residual(point(vec({0, 0, 0}), 0.4), vec({0, 0, 0})).largest(), 0);
 }
 
 // A contact that slips at 3e-5 of its velocities with friction 1e-5 inside its cone, beside a body of 1e6 N s: neither
