@@ -36,9 +36,6 @@ void check(const ElasticRod& rod, const Motion& at) {
                    " nodes have ", 3 * rod.nodes);
 }
 
-/// A gap below this part of the way that forces close within a step is closed: rounding opens contacts at rest.
-constexpr double closed = 1e-3;
-
 /// R of the header.
 struct RodDynamics {
   ElasticRod rod;
@@ -102,7 +99,7 @@ NonlinearProblem ElasticRod::step(const Motion& at, Derivative derivative) const
   int column = 0;
   for (int i = 0; i < static_cast<int>(nodes); ++i) {
     const double fall = h * h * std::max(0.0, -force[3 * i + 2]) / mass;
-    if (at.x[3 * i + 2] + h / 2 * at.v[3 * i + 2] > closed * fall) continue;
+    if (at.x[3 * i + 2] + h / 2 * at.v[3 * i + 2] > closed_gap * fall) continue;
     entries.emplace_back(3 * i + 2, column, 1);
     entries.emplace_back(3 * i, column + 1, 1);
     entries.emplace_back(3 * i + 1, column + 2, 1);

@@ -15,6 +15,9 @@ struct Motion {
   Vec v{};
 };
 
+/// A gap below this part of the way that forces close within a step is closed: rounding opens contacts at rest.
+inline constexpr double closed_gap = 1e-3;
+
 /// How R' is computed: by dual numbers, exact to rounding, or by differences of R, one for each colour of the pattern.
 enum class Derivative { Dual, Differences };
 

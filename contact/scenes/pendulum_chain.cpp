@@ -31,9 +31,6 @@ void check(const PendulumChain& chain, const Motion& at) {
                    chain.links, " links");
 }
 
-/// A gap below this part of the way that weight closes within a step is closed: rounding opens contacts at rest.
-constexpr double closed_chain = 1e-3;
-
 /// R of the header.
 struct ChainDynamics {
   PendulumChain chain;
@@ -78,7 +75,7 @@ NonlinearProblem PendulumChain::step(const Motion& at, Derivative derivative) co
   std::vector<double> w;
   for (Index i = 0; i < links; ++i) {
     const double U_N = up.head(i + 1).dot(at.v.head(i + 1));
-    if (height(at, i) - floor + h / 2 * U_N > closed_chain * h * h * std::max(0.0, gravity)) continue;
+    if (height(at, i) - floor + h / 2 * U_N > closed_gap * h * h * std::max(0.0, gravity)) continue;
     const int column = static_cast<int>(w.size());
     for (int j = 0; j <= static_cast<int>(i); ++j) {
       entries.emplace_back(j, column, up[j]);
