@@ -44,26 +44,25 @@ template <class T, std::size_t n> std::array<T, n> knobs(const char* name, std::
 
 # Where a phase begins, and what follows this line where it is off.
 PHASES = {
-    "sweeps": ("glocker_homotopy", "bool Solver::sweep() {", "return false;"),
-    "first_steps": ("glocker_homotopy", "if (problem_.size() <= first_steps_rows &&", ""),
+    "sweeps": ("auto", "bool Solver::sweep() {", "return false;"),
     "cones": ("cone_homotopy", "bool ConeHomotopy::run() {", "return false;"),
     "openings": ("cone_homotopy", "bool ConeHomotopy::openings() {", "return referee_.over();"),
     "restart_of_splitting": ("splitting", "bool Splitting::restart() {", "return false;"),
     "extrapolation_of_splitting": ("splitting", "void Splitting::extrapolate() {", "return;"),
     "newton_steps": ("newton_steps", "Vec r, const NewtonSteps& steps) {", "return false;"),
-    "polish": ("glocker_homotopy", "bool Solver::polish(Vec r, double alpha) {", "return false;"),
-    "search": ("glocker_homotopy", "bool Solver::search(Vec from) {", "return referee_.over();"),
-    "groups": ("glocker_homotopy", "bool Solver::by_groups() {", "return false;"),
-    "proximal_loop": ("glocker_homotopy", "bool Solver::proximal_loop() {", "return referee_.over();"),
-    "homotopy_in_proximal_loop": ("glocker_homotopy", "bool Solver::homotopy_on(In centre, double alpha, Vec& r) {",
+    "polish": ("auto", "bool Solver::polish(const Vec& r, double alpha) {", "return false;"),
+    "search": ("auto", "return method_.polish && !referee_.over() &&", ""),
+    "groups": ("auto", "bool Solver::by_groups() {", "return false;"),
+    "proximal_loop": ("auto", "bool Solver::proximal_loop() {", "return referee_.over();"),
+    "homotopy_in_proximal_loop": ("auto", "bool Solver::homotopy_on(In centre, double alpha, Vec& r) {",
                                   "return false;"),
     "held_steps": ("follow", "bool Follower::held_step(Vec& x, double& last, bool first) {", "return false;"),
+    "following_centre": ("follow_system", "bool FollowSystem::centre(In r, const FollowStep& step, Vec& d) {",
+                         "return true;"),
     "following_sweeps": ("follow", "bool Follower::sweep(Vec& r, const Accept& accept, const Stop& stop) {",
                          "return false;"),
     "following_paths": ("follow", "bool Follower::paths(Vec& r, const Accept& accept, const Stop& stop) {",
                         "return false;"),
-    "following_centre": ("follow_system", "bool FollowSystem::centre(In r, const FollowStep& step, Vec& d) {",
-                         "return true;"),
 }
 
 # Values of such structs.
@@ -128,7 +127,7 @@ def build(build_dir, folder):
             if sub.name in FOLDERS and (source.suffix == ".cpp" or source.stem in KERNELS):
                 text = switch(instrument(text, source.stem, names), source.stem)
             (target / source.name).write_text(text)
-            if source.suffix == ".cpp" and source.name != "hdf5_lazy.cpp":
+            if source.suffix == ".cpp":
                 unit.append(f'#include "contact/{sub.name}/{source.name}"')
         (folder / f"{sub.name}.cpp").write_text("\n".join(unit) + "\n")
         units.append(folder / f"{sub.name}.cpp")
@@ -142,8 +141,7 @@ def build(build_dir, folder):
                          and "gtest" not in word and "gmock" not in word and "libperp_contact" not in word
                          and not word.startswith("tests/"))
     libraries = libraries.split("&&")[0]
-    objects = " ".join([f"{folder}/{u.stem}.o" for u in units] +
-                       ["contact/CMakeFiles/perp_contact.dir/io/hdf5_lazy.cpp.o"])
+    objects = " ".join(f"{folder}/{u.stem}.o" for u in units)
     subprocess.run(f"g++ -o {folder}/outcomes {objects} {libraries}", shell=True, check=True, cwd=build_dir)
     return names
 

@@ -70,17 +70,19 @@ contact::Variant variant_of(const char* words) {
 
 Part solved(Work& work, const contact::Problem& problem, const char* words, const double* r0) {
   contact::Variant variant = variant_of(words);
-  contact::RunLimits limits = contact::apply_options(variant, work.solver().given);
-  limits.interrupt = work.stop();
+  const contact::AppliedOptions options = contact::apply_options(variant, work.solver().given);
+  contact::RunLimits limits{.interrupt = work.stop()};
+  limits.tol = options.tol.value_or(limits.tol);
+  limits.seconds = options.seconds.value_or(limits.seconds);
   if (r0 != nullptr) limits.start = vector_of(r0, problem.q.size(), "r0");
   return part_of(contact::run(problem, variant, limits));
 }
 
 Part existence(Work& work, const contact::Problem& problem) {
   contact::Variant usual = variant_of(nullptr);
-  const contact::RunLimits limits = contact::apply_options(usual, work.solver().given);
-  return part_of(contact::existence(
-      problem, {.max_time = std::chrono::duration<double>(limits.seconds), .interrupt = work.stop()}));
+  const double seconds = contact::apply_options(usual, work.solver().given).seconds.value_or(30);
+  return part_of(
+      contact::existence(problem, {.max_time = std::chrono::duration<double>(seconds), .interrupt = work.stop()}));
 }
 
 }  // namespace

@@ -95,9 +95,10 @@ CLI::App* add_command(CLI::App& app, ContactWords& words) {
   option(contact, "--form", words.form, "with inner and outer: an LCP, or an MLCP with r_T free (reduced)",
          "reduced|mixed");
   option(contact, "-o,--option", words.options,
-         fmt::format("of the method; may be repeated: of homotopy {}; of auto these and {}; {}; of others what 'perp "
-                     "methods' lists, and for glocker {}",
-                     homotopy_keys(), auto_keys(), classic_keys(), glocker_keys()),
+         fmt::format("of the method; may be repeated: of auto {}; of homotopy {}; {}; of others what 'perp methods' "
+                     "lists, and for glocker {}",
+                     contact::own_keys(contact::Auto{}), contact::own_keys(contact::GlockerHomotopy{}), classic_keys(),
+                     contact::own_keys(contact::GlockerNcp{})),
          "KEY=VALUE")
       ->allow_extra_args(false);
   option(contact, "--tol", words.tol, "tolerance (1e-8)", "TOL");
@@ -115,6 +116,7 @@ CLI::App* add_command(CLI::App& app, ContactWords& words) {
          "say as JSON what the list stands for, FORMULATION[+METHOD][/WORD]..., with * for every METHOD or WORD, and "
          "refuse problems that cannot be read: for programs that run perp",
          "LIST");
+  contact->add_flag("--show", words.show, "print what the method tries in turn, and its options, without a problem");
   add_ball_command(*contact, words.ball);
   return contact;
 }
@@ -147,6 +149,10 @@ int run_command(const CLI::App& command, const ContactWords& given, Streams stre
   request.time_limit = words.time_limit.value_or(request.time_limit);
   try {
     request.log_level = log_level(words.level);
+    if (words.show) {
+      show(streams.out, parse_variant(request.variant));
+      return exit_solved;
+    }
   } catch (const InputError& error) {
     return say_refused(streams, error.what());
   }

@@ -22,6 +22,7 @@ struct ContactWords {
   std::string level = "info";
   std::optional<double> tol{}, time_limit{}, mu{}, rotation{};
   bool full = false;
+  bool show = false;
   std::optional<std::string> variants{};
   BallRequest ball{};  ///< of `perp contact ball`
 };

@@ -46,21 +46,8 @@ bool files_fit(const ContactRequest& request, Streams streams) {
 void add_body_velocities(const contact::Global& global, contact::FclibPoint& point) {
   const lcp::Index m = global.M.rows();
   const lcp::Index bilateral = global.b.size();
-  std::vector<Eigen::Triplet<double>> entries;
-  const auto add = [&](const lcp::SpMat& block, lcp::Index column, bool both) {
-    for (int j = 0; j < block.outerSize(); ++j)
-      for (lcp::SpMat::InnerIterator it(block, j); it; ++it) {
-        const int at = static_cast<int>(column + it.col());
-        entries.emplace_back(static_cast<int>(it.row()), at, it.value());
-        if (both) entries.emplace_back(at, static_cast<int>(it.row()), it.value());
-      }
-  };
-  add(global.M, 0, false);
-  if (bilateral > 0) add(global.G, m, true);
-  lcp::SpMat K(m + bilateral, m + bilateral);
-  K.setFromTriplets(entries.begin(), entries.end());
   lcp::SparseLu lu;
-  if (lu.factor(K) != lcp::LuStatus::Ok) return;
+  if (lu.factor(contact::saddle_point(global.M, global.G)) != lcp::LuStatus::Ok) return;
   lcp::Vec right(m + bilateral);
   right << global.H * point.r + global.f, -global.b;
   lcp::Vec v(m + bilateral);
@@ -97,7 +84,7 @@ class Command {
         if (!is_generated(name)) generate(name);  // says why
     });
     if (why.empty() && shows(LogLevel::Warning))
-      for (const std::string& note : variant_.notes) streams_.err << "perp: note: " << note << '\n';
+      for (const std::string& note : variant_.applied.notes) streams_.err << "perp: note: " << note << '\n';
     if (!why.empty()) return refuse(problems.empty() ? "" : problems[0], why);
     for (std::size_t k = 0; k < problems.size() && !stopped(); ++k) {
       if (k > 0 && shows(LogLevel::Info)) log_ << '\n';
@@ -129,13 +116,15 @@ class Command {
     Summary summary;
     summary.label = name;
     const auto take_it = [&] {
-      const Patience limits = patience(std::chrono::duration<double>(request_.time_limit), interrupt_);
+      const double seconds = variant_.applied.seconds.value_or(request_.time_limit);
+      const double tol = variant_.applied.tol.value_or(request_.tol);
+      const Patience limits = patience(std::chrono::duration<double>(seconds), interrupt_);
       end_by(limits.deadline);
       const std::shared_ptr<const Loaded> kept = load_within(limits, name);
       const Loaded& loaded = *kept;
-      if (shows(LogLevel::Info)) print_heading(log_, loaded, variant_, request_.tol);
+      if (shows(LogLevel::Info)) print_heading(log_, loaded, variant_, tol);
       log_.flush();
-      summary.run = run_within(limits, kept, variant_, {.tol = request_.tol, .seconds = request_.time_limit});
+      summary.run = run_within(limits, kept, variant_, {.tol = tol, .seconds = seconds});
       writing_takes(patience_with_writing(loaded.problem.q.size()));
       const Run& run = summary.run;
       print(loaded, run);

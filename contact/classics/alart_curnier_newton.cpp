@@ -4,8 +4,7 @@
 #include <cmath>
 
 #include "contact/classics/classics.hpp"
-#include "contact/classics/cone.hpp"
-#include "contact/classics/trial.hpp"
+#include "contact/model/unit_cone.hpp"
 
 namespace perp::contact {
 namespace {
@@ -104,10 +103,6 @@ RowsOf equation(const Scaled& problem, const AlartCurnierNewton& method) {
     return alart_curnier_rows(size, r, u, rho.N[i], rho.T[i],
                               function == Function::Standard ? FrictionDisk::Augmented : FrictionDisk::JeanMoreau);
   };
-}
-
-void iterate(Trial& trial, const Scaled& problem, const AlartCurnierNewton& method, const Vec& start) {
-  newton(trial, problem, method.newton, equation(problem, method), start_or_zero(problem, start));
 }
 
 }  // namespace perp::contact

@@ -18,8 +18,7 @@ namespace {
 constexpr double penalty_factor = 4;
 constexpr double unbalanced = 10;
 constexpr int balanced_every = 20;
-constexpr double least_penalty = 1e-8;
-constexpr double largest_penalty = 1e8;
+constexpr double largest_penalty = 1e8;  // 1 over the least
 constexpr double least_inner = 1e-14;
 
 /// x = z - y / rho - (W + rho I)^-1 ..., z = P_K, y the scaled multiplier: kept from one s to the next.
@@ -30,7 +29,7 @@ class ConvexContact {
         problem_(problem),
         method_(method),
         vi_(problem),
-        system_(problem, lcp::LuBackend::General, trial.deadline()),
+        system_(problem, lcp::LuBackend::General),
         rho_(method.penalty) {}
 
   /// Towards the solution for q_s, from z, until both residuals are at most `tol`; false if it cannot go on.
@@ -77,7 +76,7 @@ class ConvexContact {
   void balance(double primal, double dual) {
     const double before = rho_;
     if (primal > unbalanced * dual) rho_ = std::min(largest_penalty, rho_ * penalty_factor);
-    if (dual > unbalanced * primal) rho_ = std::max(least_penalty, rho_ / penalty_factor);
+    if (dual > unbalanced * primal) rho_ = std::max(1 / largest_penalty, rho_ / penalty_factor);
     if (rho_ == before) return;
     y_ *= before / rho_;
     factored_ = false;

@@ -115,15 +115,11 @@ void describe(Tresca& method, Fields& fields);
 void describe(Panagiotopoulos& method, Fields& fields);
 void describe(Cadoux& method, Fields& fields);
 
-/// Iterates from r~, `start` or zero where that is empty. Throws lcp::KernelTooLong and std::bad_alloc of
-/// factorizations.
+/// Iterates from r~, `start` or zero where that is empty.
 void iterate(Trial& trial, const Scaled& problem, const Nsgs& method, const Vec& start);
 void iterate(Trial& trial, const Scaled& problem, const FixedPoint& method, const Vec& start);
 void iterate(Trial& trial, const Scaled& problem, const Extragradient& method, const Vec& start);
 void iterate(Trial& trial, const Scaled& problem, const Hyperplane& method, const Vec& start);
-void iterate(Trial& trial, const Scaled& problem, const AlartCurnierNewton& method, const Vec& start);
-void iterate(Trial& trial, const Scaled& problem, const FischerBurmeisterNewton& method, const Vec& start);
-void iterate(Trial& trial, const Scaled& problem, const NaturalMapNewton& method, const Vec& start);
 void iterate(Trial& trial, const Scaled& problem, const Tresca& method, const Vec& start);
 void iterate(Trial& trial, const Scaled& problem, const Panagiotopoulos& method, const Vec& start);
 void iterate(Trial& trial, const Scaled& problem, const Cadoux& method, const Vec& start);
@@ -132,6 +128,11 @@ void iterate(Trial& trial, const Scaled& problem, const Cadoux& method, const Ve
 RowsOf equation(const Scaled& problem, const AlartCurnierNewton& method);
 RowsOf equation(const Scaled& problem, const FischerBurmeisterNewton& method);
 RowsOf equation(const Scaled& problem, const NaturalMapNewton& method);
+template <class Method>
+requires requires(const Method& method) { method.newton; }
+void iterate(Trial& trial, const Scaled& problem, const Method& method, const Vec& start) {
+  newton(trial, problem, method.newton, equation(problem, method), start_or_zero(problem, start));
+}
 
 /// The two options that all have.
 void describe_loop(int& max_iterations, bool& scaling, Fields& fields);

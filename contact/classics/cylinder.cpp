@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "contact/classics/cone.hpp"
 #include "contact/classics/gauss_seidel.hpp"
 #include "contact/classics/trial.hpp"
+#include "contact/model/unit_cone.hpp"
 
 namespace perp::contact {
 namespace {

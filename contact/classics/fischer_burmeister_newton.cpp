@@ -7,8 +7,7 @@
 #include <cmath>
 
 #include "contact/classics/classics.hpp"
-#include "contact/classics/cone.hpp"
-#include "contact/classics/trial.hpp"
+#include "contact/model/unit_cone.hpp"
 
 namespace perp::contact {
 namespace {
@@ -92,10 +91,6 @@ void describe(FischerBurmeisterNewton& m, Fields& f) { describe(m.newton, f); }
 
 RowsOf equation(const Scaled& /*problem*/, const FischerBurmeisterNewton& /*method*/) {
   return [](std::size_t /*a*/, const Vector3d& r, const Vector3d& u) { return fischer_burmeister_rows(r, u); };
-}
-
-void iterate(Trial& trial, const Scaled& problem, const FischerBurmeisterNewton& method, const Vec& start) {
-  newton(trial, problem, method.newton, equation(problem, method), start_or_zero(problem, start));
 }
 
 }  // namespace perp::contact

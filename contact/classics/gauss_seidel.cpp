@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "contact/classics/cone.hpp"
+#include "contact/model/unit_cone.hpp"
 
 namespace perp::contact {
 

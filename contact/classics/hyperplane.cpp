@@ -12,8 +12,7 @@ namespace {
 
 /// Shorter steps tell nothing apart.
 constexpr double shortest_trial = 1e-12;
-constexpr int multiplier_doublings = 60;
-constexpr int multiplier_steps = 60;
+constexpr int multiplier_steps = 60;  // doublings, and halvings: a double has 53 bits
 
 /// P_{K and H}(r) = P_K(r - lambda F_y) with the least lambda >= 0 for which that is in H: F_y.(x - y) falls with
 /// lambda. From P_H(r)'s lambda on, which is too short or right.
@@ -22,7 +21,7 @@ Vec project_onto_both(const ContactVi& vi, const Vec& r, const Vec& F_y, const V
   double low = lambda;
   double high = lambda;
   Vec x = vi.project(r - high * F_y);
-  for (int k = 0; k < multiplier_doublings && beyond(x); ++k) {
+  for (int k = 0; k < multiplier_steps && beyond(x); ++k) {
     low = high;
     high *= 2;
     x = vi.project(r - high * F_y);

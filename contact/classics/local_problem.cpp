@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "contact/classics/alart_curnier.hpp"
-#include "contact/classics/cone.hpp"
+#include "contact/model/unit_cone.hpp"
 
 namespace perp::contact {
 namespace {
@@ -19,8 +19,6 @@ constexpr int local_steps = 10;
 constexpr double local_tol = 1e-13;
 /// De Saxce & Feng's steps of one visit.
 constexpr int local_projections = 10;
-constexpr int root_steps = 200;
-constexpr int root_doublings = 1000;
 
 /// The root of h in [low, high] with h(low) < 0 <= h(high), by regula falsi as in the Illinois algorithm, with a
 /// bisection every third step.
@@ -28,9 +26,10 @@ template <class Function>
 double root_between(const Function& h, double low, double high) {
   double at_low = h(low);
   double at_high = h(high);
-  for (int k = 0; k < root_steps && high - low > 1e-16 * high; ++k) {
+  for (int k = 0;; ++k) {
     double middle = k % 3 == 2 ? (low + high) / 2 : high - at_high * (high - low) / (at_high - at_low);
     if (!(middle > low && middle < high)) middle = (low + high) / 2;
+    if (!(middle > low && middle < high)) break;  // no double is between them
     const double value = h(middle);
     if (value < 0) {
       low = middle;
@@ -104,7 +103,7 @@ Vector3d LocalProblem::sliding(const Vector3d& b, const Vector3d& from) const {
   const auto g = [&](double lambda) { return W_.topRightCorner<1, 2>().dot(v(lambda)) - b[0] * p(lambda); };
   const auto h = [&](double lambda) { return g(lambda) - W_(0, 0) * v(lambda).norm(); };
   double high = std::max(norm_, 1e-300);
-  for (int k = 0; k < root_doublings && !(h(high) >= 0); ++k) high *= 2;
+  while (!(h(high) >= 0) && std::isfinite(high)) high *= 2;
   const double lambda = h(0) < 0 ? root_between(h, 0, high) : 0;
   Vector3d r;
   r << std::max(0.0, g(lambda) / W_(0, 0)), -v(lambda);

@@ -3,9 +3,8 @@
 #include <cmath>
 
 #include "contact/classics/classics.hpp"
-#include "contact/classics/cone.hpp"
-#include "contact/classics/trial.hpp"
 #include "contact/model/natural_map.hpp"
+#include "contact/model/unit_cone.hpp"
 
 namespace perp::contact {
 namespace {
@@ -42,10 +41,6 @@ RowsOf equation(const Scaled& problem, const NaturalMapNewton& /*method*/) {
   return [rho = NewtonWeights(problem)](std::size_t a, const Eigen::Vector3d& r, const Eigen::Vector3d& u) {
     return natural_map_rows(r, u, rho.N[static_cast<Index>(a)]);
   };
-}
-
-void iterate(Trial& trial, const Scaled& problem, const NaturalMapNewton& method, const Vec& start) {
-  newton(trial, problem, method.newton, equation(problem, method), start_or_zero(problem, start));
 }
 
 }  // namespace perp::contact

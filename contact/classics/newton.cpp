@@ -21,7 +21,7 @@ constexpr double direction_tol = 1e-6;
 class NewtonRun {
  public:
   NewtonRun(Trial& trial, const Scaled& problem, const NewtonOptions& options, const RowsOf& rows_of)
-      : trial_(trial), problem_(problem), options_(options), rows_of_(rows_of), matrix_(problem, trial.deadline()) {}
+      : trial_(trial), problem_(problem), options_(options), rows_of_(rows_of), matrix_(problem) {}
 
   void run(Vec r) {
     Vec u = problem_.W * r + problem_.q;
@@ -115,10 +115,9 @@ NewtonSystem newton_system(const Scaled& problem, const RowsOf& rows_of, In r, I
   return system;
 }
 
-NewtonMatrix::NewtonMatrix(const Scaled& problem, lcp::Deadline deadline)
-    : problem_(problem), lu_(lcp::LuBackend::General, deadline) {
+NewtonMatrix::NewtonMatrix(const Scaled& problem) : problem_(problem), lu_(lcp::LuBackend::General) {
   if (problem.W.whole_parts() != nullptr)
-    bodies_ = std::make_unique<ContactSystem>(problem, lcp::LuBackend::General, deadline);
+    bodies_ = std::make_unique<ContactSystem>(problem, lcp::LuBackend::General);
   else
     K_ = problem.W.matrix();
 }
@@ -140,18 +139,7 @@ bool NewtonMatrix::solve(In c, Vec& d) {
     return d.allFinite();
   }
   bodies_->solve(c, d);
-  return (c - product(d)).norm() <= direction_tol * c.norm();
-}
-
-/// (A + B (W + alpha I)) d.
-Vec NewtonMatrix::product(const Vec& d) const {
-  const Vec Wd = problem_.W * d;
-  Vec out(d.size());
-  for (std::size_t a = 0; a < rows_.size(); ++a) {
-    const Scaled::Block& block = problem_.blocks[a];
-    out.segment(block.first, block.size) = (rows_[a].A * block.of(d) + rows_[a].B * block.of(Wd)).head(block.size);
-  }
-  return out;
+  return (c - product(problem_, rows_, d)).norm() <= direction_tol * c.norm();
 }
 
 void newton(Trial& trial, const Scaled& problem, const NewtonOptions& options, const RowsOf& rows_of, Vec r) {

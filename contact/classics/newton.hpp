@@ -39,8 +39,8 @@ NewtonSystem newton_system(const Scaled& problem, const RowsOf& rows_of, In r, I
 ///    formed, and a direction that leaves a residual is refused.
 class NewtonMatrix {
  public:
-  /// `problem` outlives *this. No factorization is begun that would not have ended at the deadline.
-  NewtonMatrix(const Scaled& problem, lcp::Deadline deadline);
+  /// `problem` outlives *this.
+  explicit NewtonMatrix(const Scaled& problem);
 
   bool by_bodies() const { return bodies_ != nullptr; }
   /// Whether there are factors. Pre: alpha is not 0 by bodies.
@@ -49,8 +49,6 @@ class NewtonMatrix {
   bool solve(In c, Vec& d);
 
  private:
-  Vec product(const Vec& d) const;
-
   const Scaled& problem_;
   SpMat K_;  // by entries
   lcp::SparseLu lu_;

@@ -4,8 +4,7 @@
 namespace perp::contact {
 namespace {
 
-constexpr int judged_first = 10;
-constexpr int judged_every = 10;
+constexpr int judged = 10;  // so many iterations first, and then each of so many
 constexpr int proof_after = 1000;
 
 }  // namespace
@@ -18,7 +17,7 @@ bool Trial::step(In r, const TrialStep& step) {
 bool Trial::cheap_step(In r, const TrialStep& step) {
   const int k = ++effort.iterations;
   if (over()) return true;
-  if ((k <= judged_first || k % judged_every == 0) && judge_iterate(r, step)) return true;
+  if ((k <= judged || k % judged == 0) && judge_iterate(r, step)) return true;
   return k == proof_after && no_solution();
 }
 

@@ -5,7 +5,6 @@
 #include <atomic>
 
 #include "contact/model/scaling.hpp"
-#include "lcp/kernel_clock.hpp"
 
 namespace perp::contact {
 
@@ -31,7 +30,6 @@ class Trial {
   virtual bool over() = 0;
   /// Asks for a proof that there is no solution; true if that ends the run.
   virtual bool no_solution() = 0;
-  virtual lcp::Deadline deadline() const = 0;
 
   /// After an iteration that may be expensive: always judged.
   bool step(In r, const TrialStep& step);

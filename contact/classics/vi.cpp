@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "contact/classics/cone.hpp"
+#include "contact/model/unit_cone.hpp"
 
 namespace perp::contact {
 namespace {

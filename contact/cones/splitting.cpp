@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "contact/classics/cone.hpp"
+#include "contact/model/unit_cone.hpp"
 
 namespace perp::contact {
 namespace {

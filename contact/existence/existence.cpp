@@ -12,6 +12,7 @@
 #include "contact/model/contact_system.hpp"
 #include "contact/model/residual.hpp"
 #include "contact/model/scaling.hpp"
+#include "contact/model/unit_cone.hpp"
 #include "lcp/cholesky/cholesky.hpp"
 #include "lcp/cholesky/symmetric.hpp"
 #include "lcp/kernel_clock.hpp"
@@ -58,30 +59,29 @@ std::optional<SpMat> unit_diagonal(const SpMat& W, double shift) {
   return S;
 }
 
-/// `shift` of existence.hpp, if W is symmetric and semidefinite up to it. Throws lcp::KernelTooLong where the
-/// factorization would end after the deadline.
-std::optional<double> semidefinite_up_to(const SpMat& W, lcp::Deadline deadline) {
+/// `shift` of existence.hpp, if W is symmetric and semidefinite up to it.
+std::optional<double> semidefinite_up_to(const SpMat& W) {
   if (!lcp::symmetric(W, 0)) return std::nullopt;
   const auto m = static_cast<double>(W.rows());
   const double shift = 4 * (m + 8) * eps * m;
   const std::optional<SpMat> S = unit_diagonal(W, shift);
   if (!S) return std::nullopt;
-  lcp::Cholesky factor(deadline);
+  lcp::Cholesky factor;
   if (S->rows() > 0 && !factor.try_factor(*S)) return std::nullopt;
   return shift;
 }
 
 /// H' M^-1 H is semidefinite itself where M is positive definite, which it is if D^-1 M D^-1 stays so with less on its
 /// diagonal. Constraints leave it so: of K^-1 = [M G; G' 0]^-1 it has the block of the velocities.
-std::optional<double> semidefinite_up_to(const Delassus& W, lcp::Deadline deadline = lcp::no_deadline) {
+std::optional<double> semidefinite_up_to(const Delassus& W) {
   const DelassusParts* parts = W.whole_parts();
-  if (parts == nullptr) return semidefinite_up_to(W.matrix(), deadline);
+  if (parts == nullptr) return semidefinite_up_to(W.matrix());
   const Inertia& inertia = parts->inertia();
   if (!inertia.symmetric()) return std::nullopt;
   const SpMat M = inertia.M().topLeftCorner(inertia.velocities(), inertia.velocities());
   const auto m = static_cast<double>(M.rows());
   const std::optional<SpMat> S = unit_diagonal(M, -4 * (m + 8) * eps * m);
-  lcp::Cholesky factor(deadline);
+  lcp::Cholesky factor;
   if (!S || S->rows() != M.rows() || (S->rows() > 0 && !factor.try_factor(*S))) return std::nullopt;
   return 0;
 }
@@ -164,7 +164,7 @@ class WitnessSearch {
         deadline_(deadline),
         shift_(shift),
         scaled_(scaled(problem)),
-        system_(scaled_, lcp::LuBackend::Auto, deadline) {}
+        system_(scaled_) {}
 
   std::optional<Witness> run() {
     if (problem_.contacts() == 0) return std::nullopt;
@@ -215,15 +215,9 @@ class WitnessSearch {
     Vec dual = z;
     for (int k = 1; k <= iterations && !over(); ++k) {
       system_.solve(right + penalty * (z - dual), r);
-      for (const Scaled::Block& block : scaled_.blocks) {
-        const Index N = block.first;
-        const int size = block.size;
-        const Vec y = r.segment(N, size) + dual.segment(N, size);
-        if (size == 1)
-          z[N] = std::max(0.0, y[0]);
-        else
-          project_onto_cone(y, 1, z.segment(N, size));
-      }
+      const Vec y = r + dual;
+      for (const Scaled::Block& block : scaled_.blocks)
+        z.segment(block.first, block.size) = project_onto_unit_cone(block.of(y)).head(block.size);
       dual += r - z;
       if (k % look == 0 && promising(r) && shows(r)) return true;
     }
@@ -282,12 +276,8 @@ std::optional<Witness> examine_witness(const Problem& problem, In r) {
 std::optional<Witness> find_witness(const Problem& problem, const SearchLimits& limits) {
   check(problem);
   const lcp::Deadline deadline = lcp::deadline_after(limits.max_time);
-  try {
-    const std::optional<double> shift = semidefinite_up_to(problem.W, deadline);
-    return shift ? WitnessSearch(problem, limits, deadline, *shift).run() : std::nullopt;
-  } catch (const lcp::KernelTooLong&) {
-    return std::nullopt;
-  }
+  const std::optional<double> shift = semidefinite_up_to(problem.W);
+  return shift ? WitnessSearch(problem, limits, deadline, *shift).run() : std::nullopt;
 }
 
 Verdict verdict_of(const Problem& problem, Infeasible proof) {

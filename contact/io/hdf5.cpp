@@ -346,8 +346,7 @@ Address add_header(const std::vector<std::string>& messages, std::string& file) 
   return at;
 }
 
-constexpr std::uint64_t leaf_k = 4;
-constexpr std::uint64_t most = 2 * leaf_k;  // symbols of a node
+constexpr std::uint64_t leaf_k = 4;  // a node has at most twice as many symbols
 
 }  // namespace
 
@@ -436,6 +435,7 @@ Hdf5Writer::Placed Hdf5Writer::place(const Node& node, std::uint64_t fanout, std
     align(names);
   }
   Placed out;
+  const std::size_t most = 2 * leaf_k;
   std::string tree = "TREE";
   put(tree, 0, 2);
   put(tree, (entries.size() + most - 1) / most, 2);

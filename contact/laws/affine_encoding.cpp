@@ -74,8 +74,8 @@ void EncodingBuilder::check_size() const {
   std::ostringstream what;
   what.precision(3);
   what << "contact: the encoding's " << entries << " entries";
-  constexpr double most = std::numeric_limits<int>::max();
-  if (entries > most) refuse_input(what.str(), " are more than 2^31; use fewer facets, or form mixed");
+  if (entries > std::numeric_limits<int>::max())
+    refuse_input(what.str(), " are more than 2^31; use fewer facets, or form mixed");
   constexpr double bytes = 3 * (sizeof(double) + sizeof(int));  // the product, its sum with L, and what sorts them
   lcp::require_memory(bytes * entries, what.str());
 }

@@ -5,9 +5,6 @@
 
 namespace perp::contact {
 
-/// M is singular up to rounding below this reciprocal condition number.
-inline constexpr double singular = 1e-15;
-
 void check(const Global& global, Index rows);  ///< rows = d n
 void check_friction(const Vec& mu);
 void check_dimension(int dimension);

@@ -13,13 +13,10 @@
 namespace perp::contact {
 namespace {
 
-constexpr double drop = 1e-15;
 /// Of M, for velocities of its bodies to be refined to twice the precision.
 constexpr double least_rcond = 1e-11;
-/// Of all of M, below which it is singular up to rounding.
-constexpr double singular = 1e-15;
+}  // namespace
 
-/// [M G; G' 0], by columns.
 SpMat saddle_point(const SpMat& M, const SpMat& G) {
   const Index m = M.rows();
   std::vector<Eigen::Triplet<double>> entries;
@@ -36,6 +33,8 @@ SpMat saddle_point(const SpMat& M, const SpMat& G) {
   K.setFromTriplets(entries.begin(), entries.end());
   return K;
 }
+
+namespace {
 
 /// Why K is not regular, or solutions do not converge: M by itself, or else G.
 [[noreturn]] void refuse_singular(const Global& g, const lcp::RefinedLu& K) {
@@ -81,7 +80,7 @@ SpMat at_places(const SpMat& A, const std::vector<int>& place, Index count, bool
 bool take_parts(const Global& g, Problem& p) {
   if (g.G.cols() != 0) return false;
   auto inertia = Inertia::of(g.M);
-  if (!inertia || !(inertia->rcond() >= singular)) return false;
+  if (!inertia || !(inertia->rcond() >= rounding_of_zero)) return false;
   SpMat H = g.H;
   Vec f = g.f;
   const std::vector<int> place = touched_velocities(*inertia, g.H);
@@ -124,7 +123,7 @@ void take_saddle_point(const Global& g, Problem& p) {
       p.W = Delassus(std::make_shared<const DelassusParts>(std::move(inertia), std::move(B)));
       return;
     }
-  std::optional<SpMat> W = exact->matrix(drop);
+  std::optional<SpMat> W = exact->matrix(rounding_of_zero);
   if (!W) refuse_singular(g, *factors);
   W->makeCompressed();
   p.W = Delassus(std::move(*W), exact);

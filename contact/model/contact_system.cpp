@@ -20,14 +20,9 @@ using Block = Eigen::Matrix3d;
 constexpr Index system_klu_rows = 2000;
 constexpr Index system_klu_entries = 60;
 constexpr double system_diagonal_term = 1e-14;
-/// Refinement: at most so many steps, while a residual above `refined` (relative) falls by `refinement_gain`.
-constexpr int most_refinements = 4;
+/// Refinement while the residual is above this, relative.
 constexpr double refined = 1e-13;
-constexpr double refinement_gain = 0.25;
 constexpr double symmetric_tol = 1e-13;
-/// W is symmetric but for the rounding of whoever assembled it: Cholesky's factors are of its lower triangle, and
-/// solutions are refined to those of W itself.
-constexpr double rounding_of_W = 1e-11;
 /// GMRES: residual and products. More contacts than `most_coupled` are not tried: LU takes less.
 constexpr double coupling_tol = 1e-11;
 constexpr int most_products = 80;
@@ -60,25 +55,17 @@ bool symmetric(const Delassus& W, double tol) {
   return tol > 0 || W.parts()->inertia().symmetric();
 }
 
-/// x += solve(c - product(x)) while the residual is above `target`, relative, and falls.
-template <class Product, class Solve>
-void refine(In c, double target, const Product& product, const Solve& solve, Vec& x) {
-  const double small = target * c.lpNorm<Eigen::Infinity>();
-  Vec rest = c - product(x);
-  double size = rest.lpNorm<Eigen::Infinity>();
-  Vec dx;
-  for (int k = 0; k < most_refinements && size > small; ++k) {
-    solve(rest, dx);
-    const Vec better = x + dx;
-    rest = c - product(better);
-    const double now = rest.lpNorm<Eigen::Infinity>();
-    if (!(now < size)) return;
-    x = better;
-    if (now > refinement_gain * std::exchange(size, now)) return;
-  }
-}
-
 }  // namespace
+
+Vec product(const Scaled& problem, const std::vector<ContactRows>& rows, In x) {
+  const Vec Wx = problem.W * x;
+  Vec out(x.size());
+  for (std::size_t a = 0; a < rows.size(); ++a) {
+    const Scaled::Block& block = problem.blocks[a];
+    out.segment(block.first, block.size) = (rows[a].A * block.of(x) + rows[a].B * block.of(Wx)).head(block.size);
+  }
+  return out;
+}
 
 /// W has whole blocks only on the diagonal: elsewhere the rows of a contact may be in a column in part, which couples
 /// through B's off-diagonal entries.
@@ -104,21 +91,19 @@ void contact_matrix(const Scaled& problem, const std::vector<ContactRows>& rows,
   }
 }
 
-ContactSystem::ContactSystem(const Scaled& problem, lcp::LuBackend lu, lcp::Deadline deadline)
+ContactSystem::ContactSystem(const Scaled& problem, lcp::LuBackend lu)
     : problem_(problem),
-      cholesky_(std::make_shared<lcp::Cholesky>(deadline, lcp::CholeskyOrdering::Thorough)),
+      cholesky_(std::make_shared<lcp::Cholesky>(lcp::no_deadline, lcp::CholeskyOrdering::Thorough)),
       backend_(lu),
-      deadline_(deadline),
       exactly_symmetric_W_(symmetric(problem.W, 0)),
-      symmetric_W_(exactly_symmetric_W_ || symmetric(problem.W, rounding_of_W)),
+      symmetric_W_(exactly_symmetric_W_ || symmetric(problem.W, rounding_of_input)),
       W_(problem.W.plus(-problem.W.shift())) {}
 
 ContactSystem::ContactSystem(const Scaled& problem, const ContactSystem& shared)
     : problem_(problem),
       backend_(shared.backend_),
-      deadline_(shared.deadline_),
       exactly_symmetric_W_(symmetric(problem.W, 0)),
-      symmetric_W_(exactly_symmetric_W_ || symmetric(problem.W, rounding_of_W)),
+      symmetric_W_(exactly_symmetric_W_ || symmetric(problem.W, rounding_of_input)),
       chosen_(true),
       W_(problem.W.plus(-problem.W.shift())) {
   if (problem.W.parts() != nullptr)
@@ -130,16 +115,10 @@ ContactSystem::ContactSystem(const Scaled& problem, const ContactSystem& shared)
     cholesky_ = shared.cholesky_;
   }
   if (!lu_) make_lu();
-  if (!cholesky_) cholesky_ = std::make_shared<lcp::Cholesky>(deadline_);
+  if (!cholesky_) cholesky_ = std::make_shared<lcp::Cholesky>();
 }
 
 ContactSystem::~ContactSystem() = default;
-
-void ContactSystem::set_deadline(lcp::Deadline deadline) {
-  deadline_ = deadline;
-  cholesky_->set_deadline(deadline);
-  if (lu_) lu_->set_deadline(deadline);
-}
 
 ContactSystem::Form ContactSystem::form() {
   choose();
@@ -159,7 +138,7 @@ void ContactSystem::make_lu() {
   if (backend == lcp::LuBackend::Auto)
     backend = K.rows() <= system_klu_rows && K.nonZeros() <= system_klu_entries * K.rows() ? lcp::LuBackend::Klu
                                                                                            : lcp::LuBackend::General;
-  lu_ = std::make_shared<lcp::SparseLu>(backend, deadline_);
+  lu_ = std::make_shared<lcp::SparseLu>(backend);
   if (!bodies_) lu_->reuse_pivots();  // by bodies E takes the digits that older pivots leave
 }
 
@@ -323,7 +302,7 @@ void ContactSystem::solve_definite(In c, Vec& x) const {
   if (!bodies_ && (exactly_symmetric_W_ || !by_cholesky_)) return;
   const auto again = [this](const Vec& rest, Vec& dx) { solve_definite_once(rest, dx); };
   refine(
-      c, refined, [this](const Vec& at) { return product(at); }, again, x);
+      c, refined * c.lpNorm<Eigen::Infinity>(), [this](const Vec& at) { return product(at); }, again, x);
 }
 
 /// Of columns.
@@ -413,7 +392,7 @@ void ContactSystem::solve(In c, Vec& x) {
     const auto again = [this](const Vec& rest, Vec& dx) {
       if (!solve_coupled(rest, dx)) dx.setZero();
     };
-    refine(c, coupled_refined, whole, again, x);
+    refine(c, coupled_refined * c.lpNorm<Eigen::Infinity>(), whole, again, x);
   } else if (factor_whole()) {
     solve_definite(c, x);
   } else {

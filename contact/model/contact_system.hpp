@@ -23,6 +23,7 @@
 #include <Eigen/LU>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "contact/model/bodies_matrix.hpp"
@@ -45,23 +46,42 @@ struct ContactCoupling {
   Eigen::Vector3d q = Eigen::Vector3d::Zero();
 };
 
+/// (A + B W) x.
+Vec product(const Scaled& problem, const std::vector<ContactRows>& rows, In x);
 /// K = A + B (W + alpha I), whose pattern is that of W.
 void contact_matrix(const Scaled& problem, const std::vector<ContactRows>& rows, double alpha, SpMat& K);
+
+/// x += solve(c - product(x)), at most four times, while the largest entry of the residual is above `target` and falls
+/// to a quarter. Returns that entry.
+template <class Product, class Solve>
+double refine(const Vec& c, double target, const Product& product, const Solve& solve, Vec& x) {
+  Vec rest = c - product(x);
+  double size = rest.lpNorm<Eigen::Infinity>();
+  double before = lcp::infinity;
+  Vec dx;
+  for (int k = 0; k < 4 && size > target && size <= 0.25 * before; ++k) {
+    solve(rest, dx);
+    const Vec better = x + dx;
+    rest = c - product(better);
+    const double now = rest.lpNorm<Eigen::Infinity>();
+    if (!(now < size)) break;
+    x = better;
+    before = std::exchange(size, now);
+  }
+  return size;
+}
 
 class ContactSystem {
  public:
   enum class Form { Contacts, Bodies };
 
-  /// `problem` outlives *this. No factorization is begun that would not have ended at the deadline.
-  explicit ContactSystem(const Scaled& problem, lcp::LuBackend lu = lcp::LuBackend::Auto,
-                         lcp::Deadline deadline = lcp::no_deadline);
+  /// `problem` outlives *this.
+  explicit ContactSystem(const Scaled& problem, lcp::LuBackend lu = lcp::LuBackend::Auto);
   /// For another W of the same pattern, or the same parts with a shift(), with the analysis and memory of `shared`.
   ContactSystem(const Scaled& problem, const ContactSystem& shared);
   ~ContactSystem();
   ContactSystem(const ContactSystem&) = delete;
   ContactSystem& operator=(const ContactSystem&) = delete;
-
-  void set_deadline(lcp::Deadline deadline);  ///< for the factorizations from now on
 
   // One block or pair of them a contact. False: there are no factors, the matrix is singular or not finite.
   bool factor(const std::vector<ContactRows>& rows);
@@ -109,7 +129,6 @@ class ContactSystem {
   std::shared_ptr<lcp::SparseLu> lu_;
   std::shared_ptr<lcp::Cholesky> cholesky_;
   lcp::LuBackend backend_;
-  lcp::Deadline deadline_;
   bool exactly_symmetric_W_ = false;
   bool symmetric_W_ = false;  // to rounding at least
   bool chosen_ = false;

@@ -19,10 +19,6 @@ namespace {
 
 /// Bodies of more velocities are factored together, by sparse factors.
 constexpr std::size_t largest_body = 24;
-/// Entries below this part of sqrt(W_ii W_jj) are zero by structure.
-constexpr double rounding_of_zero = 1e-15;
-/// What an inertia may be unsymmetric by: the rounding of whoever assembled it.
-constexpr double rounding_of_M = 1e-11;
 /// Of what a contact velocity would be without constraints: below, its share is found from refined solutions.
 constexpr double held = 1e-6;
 constexpr double unsure_by_lu = 1e3;
@@ -69,7 +65,7 @@ std::shared_ptr<const Inertia> Inertia::of(SpMat M) {
 }
 
 std::shared_ptr<const Inertia> Inertia::of(const SpMat& M, SpMat K, std::shared_ptr<const lcp::RefinedLu> factors) {
-  if (!factors->regular() || !lcp::symmetric(M, rounding_of_M)) return nullptr;
+  if (!factors->regular() || !lcp::symmetric(M, rounding_of_input)) return nullptr;
   const SpMat transposed = M.transpose();
   if (!of(SpMat(0.5 * (M + transposed)))) return nullptr;
   std::shared_ptr<Inertia> inertia(new Inertia);

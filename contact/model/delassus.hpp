@@ -23,6 +23,12 @@ using lcp::Index;
 using lcp::SpMat;
 using lcp::Vec;
 
+/// What M or W may be unsymmetric by, relative: the rounding of whoever assembled it.
+inline constexpr double rounding_of_input = 1e-11;
+
+/// Entries below this part of sqrt(W_ii W_jj) are zero by structure.
+inline constexpr double rounding_of_zero = 1e-15;
+
 /// Columns 0, d, 2 d, .. of A, those of the contacts' normals.
 SpMat normal_columns(const SpMat& A, int d);
 

@@ -69,6 +69,9 @@ struct ContactGroup {
 /// the more exact product that they have is of the whole.
 std::vector<ContactGroup> separated(const Problem& problem);
 
+/// [M G; G' 0]
+SpMat saddle_point(const SpMat& M, const SpMat& G);
+
 /// W = H' M^-1 H, q = H' M^-1 f + w; with bilateral constraints G' v + b = 0 these are eliminated first, all in one:
 ///     W = [H; 0]' K^-1 [H; 0],   q = [H; 0]' K^-1 [f; -b] + w,   K = [M G; G' 0].
 /// Where M is positive definite and symmetric to 1e-11, W is the operator of these parts (delassus.hpp): without G and

@@ -12,6 +12,8 @@ namespace {
 
 constexpr AssociatedPath associated_path{};
 constexpr OpeningPaths opening_paths{};
+/// Steps of the splitting that are looked at together.
+constexpr int splitting_lot = 25;
 
 /// Slips below tau = 1e-3 do not depend on tau if they are real. Three steps in a row that leave more than 0.7 of the
 /// gap |y_T| - s end the path.

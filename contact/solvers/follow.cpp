@@ -338,8 +338,7 @@ void Follower::remember(In r) {
   }
 }
 
-std::optional<Vec> Follower::from(In start, const Accept& accept, const Stop& stop, lcp::Deadline deadline) {
-  kept_->set_deadline(deadline);
+std::optional<Vec> Follower::from(In start, const Accept& accept, const Stop& stop) {
   Vec r = start;
   by_ = Origin::WarmStart;
   if (natural_map(kept_->problem(), r) <= worth_judging && accept(r)) return r;

@@ -45,9 +45,8 @@ class Follower {
   /// Makes this the problem, and returns it in its scaled units, where it stays until the next.
   const Scaled& take(const Problem& problem);
   /// Goes from r~ until `accept` says yes, which is asked of points with a small natural map; the point then. `stop` is
-  /// asked before each factorization and some sweeps. Nothing where that, or failure, ends it first. No factorization
-  /// is begun that would not have ended at the deadline: throws lcp::KernelTooLong. Pre: take().
-  std::optional<Vec> from(In r, const Accept& accept, const Stop& stop, lcp::Deadline deadline = lcp::no_deadline);
+  /// asked before each factorization and some sweeps. Nothing where that, or failure, ends it first. Pre: take().
+  std::optional<Vec> from(In r, const Accept& accept, const Stop& stop);
   /// The next step begins from r~, which solves this problem and which others have found. Pre: take().
   void remember(In r);
 

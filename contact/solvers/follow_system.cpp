@@ -20,10 +20,8 @@ constexpr double follow_alpha = 1e-10;
 constexpr double follow_hold = 1e3;
 constexpr double largest_metric = 1e4;
 constexpr double least_margin = 1e-3;
-/// Solutions with K are refined to those without alpha while the residual falls: so often, to this, by this.
-constexpr int follow_refinements = 3;
+/// Solutions with K are refined to those without alpha, until the residual is this.
 constexpr double follow_refined = 1e-9;
-constexpr double follow_refinement_gain = 0.25;
 /// Factors of other rows will do if what is left then is this part of the right side.
 constexpr double kept_refined = 1e-2;
 
@@ -101,18 +99,6 @@ Vector3d FollowSystem::inside(In r, std::size_t a) const {
   return x;
 }
 
-/// (A + B W) x.
-Vec FollowSystem::linear_part(const std::vector<ContactRows>& of, const Vec& x) const {
-  const Vec Wx = problem_.W * x;
-  Vec out(x.size());
-  for (std::size_t a = 0; a < of.size(); ++a) {
-    const Scaled::Block& block = problem_.blocks[a];
-    const Vector3d part = of[a].A * block.of(x) + of[a].B * block.of(Wx);
-    out.segment(block.first, block.size) = part.head(block.size);
-  }
-  return out;
-}
-
 /// (A + B W) d = c, as far as that is in reach with the factors of K; whether what is left is a small part of c.
 /// Residuals are those of the equation itself: what rounding has taken from a solution comes back with what alpha has.
 bool FollowSystem::solve(In r, FollowStep& step, bool centred) {
@@ -121,19 +107,9 @@ bool FollowSystem::solve(In r, FollowStep& step, bool centred) {
   system_.solve_once(step.c, step.d);
   if (!step.d.allFinite()) return false;
   if (centred && !centre(r, step, step.d)) return false;
-  Vec rest = step.c - linear_part(step.rows, step.d);
-  double size = rest.lpNorm<Eigen::Infinity>();
-  Vec more;
-  for (int k = 0; k < follow_refinements && size > follow_refined; ++k) {
-    system_.solve_once(rest, more);
-    if (!more.allFinite()) return false;
-    more += step.d;
-    rest = step.c - linear_part(step.rows, more);
-    const double now = rest.lpNorm<Eigen::Infinity>();
-    if (!(now <= follow_refinement_gain * size)) break;
-    size = now;
-    step.d = more;
-  }
+  const double size = refine(
+      step.c, follow_refined, [&](const Vec& x) { return product(problem_, step.rows, x); },
+      [&](const Vec& rest, Vec& dx) { system_.solve_once(rest, dx); }, step.d);
   rows_ = std::move(rows);
   return size <= std::max(follow_refined, kept_refined * step.c.lpNorm<Eigen::Infinity>());
 }
@@ -156,7 +132,7 @@ bool FollowSystem::centre(In r, const FollowStep& step, Vec& d) {
   Vec seen;
   system_.solve_once(inwards, e);
   if (!e.allFinite()) return false;
-  system_.solve_once(linear_part(step.rows, e), seen);
+  system_.solve_once(product(problem_, step.rows, e), seen);
   e -= seen;
   if (!e.allFinite()) return false;
   const Vec to = r + d;

@@ -33,7 +33,6 @@ class FollowSystem {
 
   const Scaled& problem() const { return problem_; }
   const NewtonWeights& rho() const { return rho_; }
-  void set_deadline(lcp::Deadline deadline) { system_.set_deadline(deadline); }
 
   /// Computes the factors of K at r, unless those of the same rows are there, and counts. False: there are none.
   bool factor(In r, const FollowStep& step, long& factorizations);
@@ -49,7 +48,6 @@ class FollowSystem {
   static ContactSystem system_of(const Scaled& problem, const FollowSystem* before);
   Eigen::Vector3d inside(In r, std::size_t a) const;
   bool centre(In r, const FollowStep& step, Vec& d);
-  Vec linear_part(const std::vector<ContactRows>& of, const Vec& x) const;
 
   Delassus W_;
   Vec mu_;

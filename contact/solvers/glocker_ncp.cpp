@@ -8,9 +8,9 @@
 namespace perp::contact {
 namespace {
 
-constexpr double first_delta = 0.1;
+/// delta and eps as shares of tau, as in the homotopy; the first delta of the stages.
+constexpr HomotopyOptions shares{};
 constexpr double least_stage_delta = 1e-13;
-constexpr double tau_share = 0.1;
 /// The methods' tolerance, in scaled units; what the stages before the last are solved to.
 constexpr double loose_tol = 1e-6;
 /// The methods stop at a natural residual of the NCP, which says little of the exact law: where they are done and the
@@ -42,7 +42,8 @@ void tie(ncp::Method& method, Glocker& mcp, double last_delta) {
   interior->stop.tol = std::min(interior->stop.tol, tightest_tol);
   interior->follow = [&mcp, last_delta](double tau) {
     if (!std::isfinite(tau)) return;  // the method ends; no wrong option of the user's
-    mcp.set_smoothing(std::clamp(tau_share * tau, std::min(least_stage_delta, last_delta), 1.0), tau_share * tau);
+    mcp.set_smoothing(std::clamp(shares.delta_share * tau, std::min(least_stage_delta, last_delta), 1.0),
+                      shares.eps_share * tau);
   };
 }
 
@@ -65,7 +66,7 @@ void run_ncp(Referee& referee, const Scaled& problem, const GlockerNcp& method, 
     const bool last = stage + 1 == stages;
     if (stages > 1) {
       const double share = static_cast<double>(stage) / (stages - 1);
-      const double first = std::max(first_delta, last_delta);
+      const double first = std::max(shares.delta_share, last_delta);
       mcp.set_smoothing(first * std::pow(last_delta / first, share), formulation.eps);
     }
     const double tol = ncp::stop(method.method).tol;

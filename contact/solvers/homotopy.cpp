@@ -16,9 +16,6 @@ namespace {
 constexpr int neighbourhood_cuts = 6;
 constexpr double cut = 0.8;
 constexpr double least_delta = 1e-13;
-/// Steps below this are none; so many of them end the run.
-constexpr double vanishing_step = 1e-7;
-constexpr int vanishing_steps = 3;
 
 constexpr std::size_t disk = 3;  // its place among the sides
 
@@ -160,7 +157,6 @@ void Homotopy::start(In r, double tau) {
 void Homotopy::begin() {
   last_ = {.k = 0, .tau = tau_};
   last_step_ = 1;
-  short_steps_ = 0;
   parameters();
   spread();
 }
@@ -289,8 +285,7 @@ bool Homotopy::step() {
   tau_ = mean();
   last_step_ = alpha;
   last_ = {.k = last_.k + 1, .tau = tau_, .step = alpha, .sigma = sigma};
-  short_steps_ = alpha < vanishing_step ? short_steps_ + 1 : 0;
-  return std::isfinite(tau_) && tau_ > 0 && short_steps_ < vanishing_steps;
+  return std::isfinite(tau_) && tau_ > 0;
 }
 
 }  // namespace perp::contact

@@ -48,7 +48,7 @@ class Homotopy {
   /// From near r, with products about tau: for warm starts.
   void start(In r, double tau);
 
-  /// One predictor-corrector step. False: the matrix is singular, nothing is finite, or the steps have vanished.
+  /// One predictor-corrector step. False: the matrix is singular, or nothing is finite.
   bool step();
 
   const Vec& r() const { return r_; }
@@ -84,7 +84,6 @@ class Homotopy {
   ContactSystem& system_;
   HomotopyIteration last_;
   double last_step_ = 1;
-  int short_steps_ = 0;
 };
 
 }  // namespace perp::contact

@@ -2,11 +2,10 @@
 #include "contact/solvers/named_options.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
-#include <string>
 #include <utility>
-#include <variant>
 
 #include "ncp/settings/settings.hpp"
 
@@ -17,74 +16,100 @@ namespace {
 using settings::Assignment;
 using settings::InputError;
 
-/// Sets those that this method of contact/ has, and takes them out.
-template <class Method>
-void set_own(Method& method, std::vector<Assignment>& given) {
+std::vector<std::string_view> keys(const ncp::Fields& fields) {
+  std::vector<std::string_view> all;
+  for (const ncp::Field& field : fields.options()) all.push_back(field.key);
+  return all;
+}
+
+/// Tells whether it is about what is logged, of which contact problems have nothing.
+bool is_output(const Assignment& one) {
+  settings::Output any;
   ncp::Fields fields;
-  describe(method, fields);
-  std::vector<std::string> notes;
-  std::erase_if(given, [&](const Assignment& one) {
-    const ncp::Field* field = fields.find(settings::lowercase(one.key));
-    if (field != nullptr) settings::set(*field, one, notes);
-    return field != nullptr;
-  });
-  Options options;
-  options.method = method;
-  if (const auto why = invalid(options)) throw InputError(*why);
+  settings::describe(any, fields);
+  return fields.find(settings::lowercase(one.key)) != nullptr;
 }
 
-/// Is it one of the limits, or of what is logged? Other options would be for the methods of ncp/.
-bool only_a_limit(const Assignment& one) {
-  settings::Applied with = settings::apply_options({&one, 1});
-  settings::Settings plain;
-  const ncp::Stop& limits = ncp::stop(with.settings.method);
-  ncp::stop(plain.method).tol = limits.tol;
-  ncp::stop(plain.method).max_time = limits.max_time;
-  plain.output = with.settings.output;
-  const ncp::Fields usual = settings::fields_of(plain);
-  const auto same = [&](const ncp::Field& field) {
-    const ncp::Field* there = usual.find(field.key);
-    return there != nullptr && (field.key == "method" || settings::value_text(field) == settings::value_text(*there));
-  };
-  return with.notes.empty() && with.settings.method_name == plain.method_name &&
-         std::ranges::all_of(settings::fields_of(with.settings).options(), same);
+void note_without_effect(const Assignment& one, AppliedOptions& out) {
+  out.notes.push_back(fmt::format("{}: {} has no effect on contact problems", one.source, one.key));
 }
 
-/// Throws if one is given that this method of contact/ has not.
-void refuse_others(const std::vector<Assignment>& given, const Variant& variant) {
+/// A solver of contact/ has no others than its own but tolerance and time limit.
+void take_limits(const Variant& variant, const std::vector<Assignment>& given, const ncp::Fields& own,
+                 AppliedOptions& out) {
+  ncp::Stop stop;
+  ncp::Fields limits;
+  describe(stop, limits);
+  for (const Assignment& one : given) {
+    const std::string key = settings::lowercase(one.key);
+    const bool tol = key == "convergence_tolerance" || key == "tol";
+    const bool time = key == "time_limit" || key == "max_time";
+    if (tol || time) {
+      settings::set(*limits.find(tol ? "convergence_tolerance" : "time_limit"), one, out.notes);
+      if (tol) out.tol = stop.tol;
+      if (time) out.seconds = stop.max_time.count();
+    } else if (is_output(one)) {
+      note_without_effect(one, out);
+    } else if (keys(own).empty()) {
+      throw InputError(fmt::format("{} {}: {} by {} has no options; name a method, lemke for instance", one.source,
+                                   one.key, variant.formulation(), variant.method));
+    } else {
+      throw InputError(fmt::format("{}: method {} has no option '{}'; it has {}.{}", one.source, variant.method,
+                                   one.key, fmt::join(keys(own), ", "), settings::did_you_mean(key, keys(own))));
+    }
+  }
+}
+
+/// Options of a method of ncp/ or lcp/.
+settings::Settings apply_others(const Variant& variant, std::vector<Assignment> given, AppliedOptions& out) {
   for (const Assignment& one : given)
-    if (!only_a_limit(one))
-      throw InputError(
-          fmt::format("option: {} by {} has no option '{}'", variant.formulation(), variant.method, one.key));
+    if (is_output(one)) note_without_effect(one, out);
+  given.push_back({"method", variant.method, "variant"});
+  settings::Applied applied = settings::apply_options(given);
+  out.notes.insert(out.notes.end(), applied.notes.begin(), applied.notes.end());
+  const ncp::Method plain = settings::find_method(variant.method)->method;
+  const ncp::Stop& usual = ncp::stop(plain);
+  const ncp::Stop& now = ncp::stop(applied.settings.method);
+  if (now.tol != usual.tol) out.tol = now.tol;
+  if (now.max_time != usual.max_time) out.seconds = now.max_time.count();
+  return applied.settings;
 }
 
 }  // namespace
 
-RunLimits apply_options(Variant& variant, std::vector<Assignment> given) {
-  RunLimits limits;
-  const auto own = [&](auto& solver) {
-    if constexpr (is_method<std::remove_cvref_t<decltype(solver)>>) set_own(solver, given);
+ncp::Fields own_options(Variant::Solver& of) {
+  ncp::Fields fields;
+  const auto describe_own = [&fields](auto& solver) {
+    if constexpr (is_method<std::remove_cvref_t<decltype(solver)>>) describe(solver, fields);
   };
-  std::visit(own, variant.solver);
-  auto* of_glocker = std::get_if<GlockerNcp>(&variant.solver);
-  auto* of_ncp = std::get_if<ncp::Method>(&variant.solver);
-  auto* affine = std::get_if<lcp::Method>(&variant.solver);
-  const bool of_another = of_glocker != nullptr || of_ncp != nullptr || affine != nullptr;
-  if (!of_another) refuse_others(given, variant);
-  // What is given later holds: these stand for what is not given.
-  given.insert(given.begin(), {{"convergence_tolerance", fmt::format("{}", limits.tol), "contact"},
-                               {"time_limit", fmt::format("{}", limits.seconds), "contact"}});
-  if (of_another) given.push_back({"method", variant.method, "variant"});
-  const settings::Settings settings = settings::apply_options(given).settings;
-  limits.tol = ncp::stop(settings.method).tol;
-  limits.seconds = ncp::stop(settings.method).max_time.count();
-  if (of_glocker != nullptr)
-    of_glocker->method = settings.method;
-  else if (of_ncp != nullptr)
-    *of_ncp = settings.method;
-  else if (affine != nullptr)
-    *affine = std::get<ncp::Affine>(settings.method).method;
-  return limits;
+  std::visit(describe_own, of);
+  return fields;
+}
+
+std::string own_keys(Variant::Solver of) { return fmt::format("{}", fmt::join(keys(own_options(of)), ", ")); }
+
+AppliedOptions apply_options(Variant& variant, std::vector<Assignment> given) {
+  AppliedOptions out;
+  const ncp::Fields own = own_options(variant.solver);
+  std::erase_if(given, [&](const Assignment& one) {
+    const ncp::Field* field = own.find(settings::lowercase(one.key));
+    if (field != nullptr) settings::set(*field, one, out.notes);
+    return field != nullptr;
+  });
+  if (auto* of_glocker = std::get_if<GlockerNcp>(&variant.solver)) {
+    try {
+      of_glocker->method = apply_others(variant, given, out).method;
+    } catch (const settings::UnknownOption& error) {
+      throw InputError(fmt::format("{} Of Glocker's NCP there are also {}.", error.what(), fmt::join(keys(own), ", ")));
+    }
+  } else if (auto* of_ncp = std::get_if<ncp::Method>(&variant.solver)) {
+    *of_ncp = apply_others(variant, given, out).method;
+  } else if (auto* affine = std::get_if<lcp::Method>(&variant.solver)) {
+    *affine = std::get<ncp::Affine>(apply_others(variant, given, out).method).method;
+  } else {
+    take_limits(variant, given, own, out);
+  }
+  return out;
 }
 
 }  // namespace perp::contact

@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "contact/model/checks.hpp"
-#include "lcp/judge/result.hpp"
 #include "lcp/lu/sparse_lu.hpp"
 #include "lcp/words.hpp"
 
@@ -71,7 +70,6 @@ class NonlinearNewton {
       : problem_(problem), options_(options), J_R_before_(problem.R->jacobian_work().F_evals) {}
 
   void run(In v);
-  void stop(Status status, const std::string& why) { end(status, why); }
   NonlinearResult result();
 
  private:
@@ -140,10 +138,7 @@ bool NonlinearNewton::linearise() {
     return !end(Status::EvaluationFailed, text_of("R' is not defined after ", now_.k, " Newton steps"));
   if (now_.k > 0 && (at.A.coeffs() == linear_.A.coeffs()).all()) return true;  // R is linear there
   ++result_.stats.factorizations;
-  const lcp::LuStatus status = at.lu.factor(at.A);
-  if (status == lcp::LuStatus::OutOfMemory) return !end(Status::OutOfMemory, "the factors of R' do not fit");
-  if (status != lcp::LuStatus::Ok)
-    return !end(Status::Singular, text_of("R' is singular after ", now_.k, " Newton steps: ", to_string(status)));
+  if (!at.lu.try_factor(at.A)) return !end(Status::Singular, text_of("R' is singular after ", now_.k, " Newton steps"));
   const Vec diagonal = at.A.diagonal().cwiseAbs();
   const double typical = diagonal.maxCoeff() > 0 ? diagonal.maxCoeff() : 1;
   at.D = diagonal.unaryExpr([&](double a) { return std::sqrt(a > 0 ? a : typical); });
@@ -360,7 +355,7 @@ NonlinearResult solve(const NonlinearProblem& problem, In v, const NonlinearOpti
   if (const auto why = invalid(options)) refuse_step(*why);
   if (options.start.size() != 0) check_entries("the start r", options.start, problem.w.size());
   NonlinearNewton newton(problem, options);
-  lcp::within_limits([&] { newton.run(v); }, [&](Status status, const std::string& why) { newton.stop(status, why); });
+  newton.run(v);
   return newton.result();
 }
 

@@ -14,7 +14,8 @@ namespace perp::contact {
 
 class Referee : public Trial {
  public:
-  Referee(const Problem& problem, const Scaled& scaled, const Options& options);
+  /// All outlive *this. No proof is asked for a `part` of a problem.
+  Referee(const Problem& problem, const Scaled& scaled, const Options& options, bool part = false);
 
   /// Judges r~; true if it is the end: solved, or a limit.
   bool judge(In r, Record record);
@@ -30,18 +31,13 @@ class Referee : public Trial {
   Stats& stats() { return result_.stats; }
   /// Adds what a solve of a part of the problem took.
   void add(const Stats& of_part);
+  const Options& options() const { return options_; }
   double tol() const { return options_.tol; }
   double seconds_left() const;
-  /// Of Options::max_steps; the largest number where they are not limited.
-  int steps_left() const;
   const std::atomic<bool>* interrupt() const { return options_.interrupt; }
   /// Asks for a proof that there is no solution; true if that ends the run. For solvers that are about to do long work.
   bool no_solution() override;
-  /// Runs a part of a method, which may throw: where a factorization would end after the time limit, or memory is
-  /// short, the run is over with that and keeps its best point.
-  void guard(const std::function<void()>& part);
-  /// When the time is over.
-  lcp::Deadline deadline() const override;
+  bool solved() const { return result_.solved(); }
   Result result(const std::string& message);
 
  private:
@@ -51,13 +47,13 @@ class Referee : public Trial {
   Judge judge_;
   const Scaled& scaled_;
   const Options& options_;
-  std::string stopped_by_;  // what a part threw
   std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
   Result result_;
   Vec best_;
   double best_metric_ = lcp::infinity;
   double last_ = lcp::infinity;
   bool searched_ = false;  // for a certificate, to the end
+  bool part_ = false;
 
   SearchLimits search_limits() const;
   void ask_existence();

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "contact/solvers/follow.hpp"
-#include "lcp/judge/result.hpp"
 #include "lcp/words.hpp"
 
 namespace perp::contact {
@@ -89,11 +88,7 @@ Run Sequence::follow(const Problem& problem, const Vec& start) {
   const long steps = follower_->steps();
   const long path_steps = follower_->path_steps();
   const long sweeps = follower_->sweeps();
-  const lcp::Deadline deadline = lcp::deadline_after(std::chrono::duration<double>(limits.seconds), begin);
-  // Where memory or time is short for its LU, the cold start may do with less.
-  const auto found =
-      lcp::within_limits([&] { return follower_->from(coordinates.reduce(start), accept, stop, deadline); },
-                         [](Status, const std::string&) { return std::optional<Vec>(); });
+  const std::optional<Vec> found = follower_->from(coordinates.reduce(start), accept, stop);
   Run run;
   run.counts = {{"iterations", follower_->path_steps() - path_steps},
                 {"sweeps", follower_->sweeps() - sweeps},

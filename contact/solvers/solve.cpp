@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <limits>
 #include <sstream>
 #include <utility>
 
@@ -116,15 +115,14 @@ std::optional<std::string> invalid(const Options& given) {
   ncp::Fields fields;
   fields.add("tol", &options.tol, ncp::above(0), "of accepted()");
   fields.add("max_time", &options.max_time, ncp::at_least(0), "seconds");
-  fields.add("max_steps", &options.max_steps, ncp::at_least(0), "0: any number");
   std::visit([&](auto& method) { describe(method, fields); }, options.method);
   if (auto why = fields.invalid()) return why;
   const auto* ncp = std::get_if<GlockerNcp>(&options.method);
   return ncp == nullptr ? std::nullopt : ncp::invalid(ncp->method);
 }
 
-Referee::Referee(const Problem& problem, const Scaled& scaled, const Options& options)
-    : problem_(problem), judge_(problem), scaled_(scaled), options_(options) {
+Referee::Referee(const Problem& problem, const Scaled& scaled, const Options& options, bool part)
+    : problem_(problem), judge_(problem), scaled_(scaled), options_(options), part_(part) {
   const Vec zero = Vec::Zero(scaled.whole);
   take(Vec::Zero(scaled.size()), zero, judge_(zero), Origin::Zero);
 }
@@ -170,13 +168,7 @@ bool Referee::over() {
     else if (seconds_left() <= 0)
       result_.status = Status::TimeLimit;
   }
-  return result_.status != Status::NoProgress || steps_left() <= 0;
-}
-
-int Referee::steps_left() const {
-  if (options_.max_steps == 0) return std::numeric_limits<int>::max();
-  const Stats& s = result_.stats;
-  return options_.max_steps - s.iterations - s.newton_steps - s.splitting_steps / splitting_lot;
+  return result_.status != Status::NoProgress;
 }
 
 void Referee::add(const Stats& of_part) {
@@ -202,8 +194,7 @@ SearchLimits Referee::search_limits() const {
 }
 
 bool Referee::no_solution() {
-  if (searched_ || options_.max_steps > 0 || result_.status == Status::Solved || result_.status == Status::Interrupted)
-    return over();
+  if (searched_ || part_ || result_.status == Status::Solved || result_.status == Status::Interrupted) return over();
   const auto begin = std::chrono::steady_clock::now();
   const SearchLimits limits = search_limits();
   std::optional<Infeasible> proof = find_infeasibility(problem_, limits);
@@ -217,7 +208,6 @@ bool Referee::no_solution() {
 
 /// What is known where no solution was found. Both searches together keep to the limits of one.
 void Referee::ask_existence() {
-  if (options_.max_steps > 0) return;
   const auto unknown = [this] { return result_.status == Status::NoProgress || result_.status == Status::TimeLimit; };
   const auto begin = std::chrono::steady_clock::now();
   SearchLimits limits = search_limits();
@@ -226,18 +216,8 @@ void Referee::ask_existence() {
   if (unknown()) result_.verdict = verdict_without_certificate(problem_, limits);
 }
 
-void Referee::guard(const std::function<void()>& part) {
-  lcp::within_limits(part, [this](Status status, const std::string& why) {
-    if (result_.status != Status::NoProgress) return;
-    stopped_by_ = why;
-    result_.status = status == Status::TimeLimit ? Status::TimeLimit : Status::OutOfMemory;
-  });
-}
-
-lcp::Deadline Referee::deadline() const { return lcp::deadline_after(options_.max_time, begin_); }
-
 Result Referee::result(const std::string& message) {
-  guard([this] { ask_existence(); });
+  ask_existence();
   result_.stats.iterations += effort.iterations;
   result_.stats.sweeps += effort.sweeps;
   result_.stats.factorizations += effort.factorizations;
@@ -245,9 +225,6 @@ Result Referee::result(const std::string& message) {
   std::ostringstream text;
   if (result_.status == Status::Solved)
     text << "solved: ";
-  else if (!stopped_by_.empty())
-    text << (result_.status == Status::TimeLimit ? "stopped before the time limit: " : "out of memory: ") << stopped_by_
-         << "; ";
   else if (result_.status == Status::TimeLimit)
     text << "the time limit of " << options_.max_time.count() << " s was reached: ";
   else if (result_.status == Status::Interrupted)
@@ -281,8 +258,7 @@ Result solve(const Problem& problem, const Options& options) {
   Referee referee(problem, coordinates, options);
   const Vec start = options.start.size() > 0 ? coordinates.reduce(options.start) : Vec();
   if (!referee.over())
-    referee.guard(
-        [&] { std::visit([&](const auto& method) { run(referee, coordinates, method, start); }, options.method); });
+    std::visit([&](const auto& method) { run(referee, coordinates, method, start); }, options.method);
   return referee.result("no attempt comes closer");
 }
 

@@ -53,8 +53,8 @@ struct Auto {
   bool proximal = true;
 };
 
-/// Steps of the splitting that are looked at together.
-inline constexpr int splitting_lot = 25;
+/// Returns what Auto tries, in this order.
+std::vector<ncp::OutlineLine> outline_of_auto();
 
 /// Glocker's NCP (contact/laws/glocker.hpp) as it stands, by any method of ncp/. With `stages` > 1 and the normalised
 /// row, delta is continued: 0.1 first, then in equal factors down to `delta`, each stage from the last one's end.
@@ -114,9 +114,6 @@ struct Options {
   Vec start{};  ///< r to begin near, of the step before; empty: cold
   /// Called with every r that is better than those before, and what made it; on the thread that solves.
   std::function<void(const Vec& r, Origin by)> better{};
-  /// Steps at most, each about a factorization: iterations, Newton steps, lots of `splitting_lot` steps of the
-  /// splitting. 0: any number. A run that is limited so asks for no proof.
-  int max_steps = 0;
 };
 
 /// Infeasible: proven to have no solution, by Result::verdict.certificate (contact/existence/infeasible.hpp).

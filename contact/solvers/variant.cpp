@@ -14,7 +14,6 @@ namespace perp::contact {
 namespace {
 
 using Law = Variant::Law;
-constexpr int least_facets = 3;
 constexpr std::array<std::string_view, 6> laws{"glocker", "ncp1", "inner", "outer", "frictionless", "coulomb"};
 
 [[noreturn]] void refuse(const std::string& why) { throw std::invalid_argument(why); }
@@ -24,9 +23,8 @@ int facets_of(const std::string& formulation, std::string_view digits) {
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), facets);
   if (error != std::errc{} || end != digits.data() + digits.size() || digits.empty())
     refuse("formulation " + formulation + ": '" + std::string(digits) + "' is no number of facets");
-  if (facets < least_facets || facets > most_facets)
-    refuse("formulation " + formulation + ": a polygon needs K = " + std::to_string(least_facets) + " to " +
-           std::to_string(most_facets) + " facets");
+  if (facets < 3 || facets > most_facets)
+    refuse("formulation " + formulation + ": a polygon needs K = 3 to " + std::to_string(most_facets) + " facets");
   return facets;
 }
 
@@ -215,25 +213,19 @@ VariantWords words_of(std::string_view text) {
 }
 
 /// The variant in each of its forms.
-std::vector<Variant> forms_of(const VariantWords& words) {
+std::vector<Variant> forms_of(const Variant& one) {
   std::vector<Variant> forms;
-  const auto add = [&](const VariantWords& form) { forms.push_back(variant_of(form)); };
-  const Variant one = variant_of(words);
-  VariantWords form = words;
   if (one.as_ncp() != nullptr) {
-    for (const char* encoding : {"B", "A"})
-      for (const char* row : {"normalised", "original"}) {
-        form.encoding = encoding;
-        form.row = row;
-        add(form);
+    for (const Encoding encoding : {Encoding::B, Encoding::A})
+      for (const DiskRow row : {DiskRow::Normalised, DiskRow::Original}) {
+        GlockerOptions& formulation = std::get<GlockerNcp>(forms.emplace_back(one).solver).formulation;
+        formulation.encoding = encoding;
+        formulation.row = row;
       }
   } else if (one.faceted()) {
-    for (const char* shape : {"reduced", "mixed"}) {
-      form.form = shape;
-      add(form);
-    }
+    for (const Form form : {Form::Reduced, Form::Mixed}) forms.emplace_back(one).form = form;
   } else {
-    add(form);
+    forms.push_back(one);
   }
   return forms;
 }
@@ -258,7 +250,8 @@ std::vector<Variant> variants_of(std::string_view pattern) {
   std::vector<Variant> variants;
   for (const std::string& name : names) {
     if (words.method) words.method = name;
-    std::ranges::move(every_form ? forms_of(words) : std::vector{variant_of(words)}, std::back_inserter(variants));
+    const Variant one = variant_of(words);
+    std::ranges::move(every_form ? forms_of(one) : std::vector{one}, std::back_inserter(variants));
   }
   // A method's name can lead to its own formulation.
   if (every_method) std::erase_if(variants, [&](const Variant& variant) { return variant.law != every.law; });

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <filesystem>
 #include <mutex>
+#include <new>
 #include <utility>
 
 #include "app/program/program.hpp"
@@ -54,6 +55,7 @@ struct Shared {
   std::mutex mutex;
   lcp::Vec best{};  // r
   Run run{};        // one that came back
+  bool out_of_memory = false;
 };
 
 }  // namespace
@@ -139,19 +141,28 @@ Run run_within(const Patience& patience, std::shared_ptr<const Loaded> loaded, c
     const std::lock_guard lock(s.mutex);
     s.best = r;
   };
-  const auto given_up = bounded_call(
-      [shared, variant, within] { shared->run = contacts::run(shared->loaded->problem, variant, within); }, patience);
-  if (!given_up) {
+  const auto call = [shared, variant, within] {
+    try {
+      shared->run = contacts::run(shared->loaded->problem, variant, within);
+    } catch (const std::bad_alloc&) {
+      shared->out_of_memory = true;
+    }
+  };
+  const auto given_up = bounded_call(call, patience);
+  if (!given_up && !shared->out_of_memory) {
     shared->run.limits = limits;
     return std::move(shared->run);
   }
   Run run;
   run.variant = variant;
   run.limits = limits;
-  const bool interrupted = *given_up == GivenUp::Interrupted;
-  run.status = interrupted ? Status::Interrupted : Status::TimeLimit;
-  run.message = fmt::format("{} in a phase that did not end within 0.2 s; this is the best point met until then",
-                            interrupted ? "interrupted" : "the time limit was reached");
+  const bool interrupted = given_up == GivenUp::Interrupted;
+  run.status = !given_up ? Status::OutOfMemory : interrupted ? Status::Interrupted : Status::TimeLimit;
+  run.message = !given_up ? "out of memory; this is the best point met until then"
+                          : fmt::format(
+                                "{} in a phase that did not end within 0.2 s; this is the best point met until "
+                                "then",
+                                interrupted ? "interrupted" : "the time limit was reached");
   {
     const std::lock_guard lock(shared->mutex);
     run.solution.r = shared->best;

@@ -7,7 +7,9 @@
 #include <cmath>
 #include <string_view>
 
+#include "app/options/options.hpp"
 #include "app/program/program.hpp"
+#include "app/text/table.hpp"
 
 namespace perp::app::contacts {
 
@@ -50,7 +52,12 @@ Variant parse_variant(const VariantRequest& request) {
   if (request.rotation && (!variant.faceted() || !std::isfinite(*request.rotation)))
     throw input_error("--rotation {:g}: a finite angle in radians, of inner:K and outer:K", *request.rotation);
   variant.rotation = request.rotation.value_or(0);
-  set_options(variant);
+  std::vector<Assignment> given;
+  for (const std::string& option : variant.options) {
+    given.push_back(parse_assignment(option, "--option"));
+    if (lowercase(given.back().key) == "method") throw InputError("--option: the method is what --method says");
+  }
+  variant.applied = contact::apply_options(variant, std::move(given));
   return variant;
 }
 
@@ -72,6 +79,39 @@ std::vector<Variant> parse_variants(const std::string& list) {
     at = end + 1;
   }
   return variants;
+}
+
+std::string classic_names() {
+  std::vector<std::string_view> names;
+  for (const contact::MethodEntry& entry : contact::methods())
+    if (!entry.glocker) names.push_back(entry.name);
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+std::string classic_keys() {
+  std::vector<std::string> kinds;
+  for (const contact::MethodEntry& entry : contact::methods())
+    if (!entry.glocker) {
+      const auto solver = std::visit([](const auto& m) { return contact::Variant::Solver(m); }, entry.method);
+      kinds.push_back(fmt::format("of {} {}", entry.name, contact::own_keys(solver)));
+    }
+  return fmt::format("{}", fmt::join(kinds, "; "));
+}
+
+void show(std::ostream& out, Variant variant) {
+  out << fmt::format("{}: {}\n", variant.label(), variant.words());
+  if (variant.automatic())
+    for (const ncp::OutlineLine& line : contact::outline_of_auto()) {
+      out << fmt::format("  {}{}\n", line.method, line.when.empty() ? "" : ", " + line.when);
+      for (const std::string& why : {line.reason, line.worth})
+        if (!why.empty()) print_wrapped(out, why, 6);
+    }
+  out << "\nIts options:\n";
+  for (const ncp::Field& field : contact::own_options(variant.solver).options()) {
+    out << fmt::format("\n  {}\n", field.key);
+    print_wrapped(out, std::string(field.help), 6);
+    print_wrapped(out, fmt::format("{}; default {}", takes(field), value_text(field)), 6);
+  }
 }
 
 }  // namespace perp::app::contacts

@@ -41,7 +41,6 @@ class Endless final : public Trial {
   bool judge_iterate(In /*r*/, const TrialStep& /*step*/) override { return false; }
   bool over() override { return false; }
   bool no_solution() override { return false; }
-  lcp::Deadline deadline() const override { return lcp::no_deadline; }
 };
 
 /// A + B (W + alpha I).
@@ -74,7 +73,7 @@ TEST(ClassicsByBodies, NewtonDirections) {
   Random random(21);
   for (int k = 0; k < 40; ++k) {
     const Scaled problem = scaled(random_problem(random, 2 + k % 2, 4, 3 + k % 7, 0.8), true, WForm::Parts);
-    NewtonMatrix matrix(problem, lcp::no_deadline);
+    NewtonMatrix matrix(problem);
     ASSERT_TRUE(matrix.by_bodies());
     const Vec r = random.normals(problem.size());
     for (const RowsOf& rows_of : equations(problem)) {
@@ -98,7 +97,7 @@ TEST(ClassicsByBodies, ADirectionSolvesTheSystemOrIsRefused) {
   Random random(22);
   for (int k = 0; k < 40; ++k) {
     const Scaled problem = scaled(random_problem(random, 3, 3, 6, 0.8), true, WForm::Parts);
-    NewtonMatrix matrix(problem, lcp::no_deadline);
+    NewtonMatrix matrix(problem);
     std::vector<ContactRows> rows(problem.blocks.size());
     Vec d;
     const Vec c = random.normals(problem.size());

@@ -4,7 +4,6 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 #include <tuple>
 
@@ -129,53 +128,28 @@ TEST(ConePath, CoupledResidualFallsWithTheStep) {
   EXPECT_LE((change + error(from)).norm(), 1e-2 * error(from).norm());
 }
 
-// Piles of spheres poured for mu = 0.6 that stick at 0.4, and that Glocker's homotopy alone does not solve or only
-// after many attempts (89 factorizations and more): the associated path ends where they stand.
-TEST(ConePath, PilesStandByTheAssociatedLaw) {
-  for (const auto& [seed, mu] : {std::pair{1U, 0.4}, {2U, 0.4}, {15U, 0.4}, {2U, 0.6}}) {
-    Problem problem = make_scene("spheres", 300, seed).problem();
-    problem.mu.setConstant(mu);
-    const Result result = solve(problem);
-    EXPECT_TRUE(result.solved()) << result.message;
-    EXPECT_LE(result.stats.factorizations, 35) << seed;
-  }
-}
-
-// Piles in which two contacts slip in the end: with all contacts coupled the path turns back, and Newton steps from the
-// end of the associated path do not lead there. Coupled where contacts slip it leads to the slips before any attempt of
-// Glocker's homotopy is made; in the last pile others begin to slip on the way. Catches couplings that are lost between
-// paths, and a coupled path from the wrong point.
-TEST(ConePath, CouplingFindsTheFewThatSlip) {
-  for (const auto& [contacts, seed, mu] : {std::tuple{100, 4U, 0.6}, {100, 7U, 0.6}, {100, 8U, 0.6}, {300, 12U, 0.4}}) {
+// Piles that Glocker's homotopy alone does not solve, or only after many attempts (89 factorizations and more): some
+// stick in the end, in some a few contacts slip, in one nine, in some a contact neither moves nor carries anything and
+// its slip falls like the root of tau. Paths over the cones, the splitting and Newton steps lead there without it.
+TEST(ConePath, PilesNeedNoHomotopy) {
+  for (const auto& [contacts, seed, mu, most] : {std::tuple{300, 1U, 0.4, 35},
+                                                 {300, 2U, 0.4, 35},
+                                                 {300, 15U, 0.4, 35},
+                                                 {300, 2U, 0.6, 35},
+                                                 {100, 4U, 0.6, 40},
+                                                 {100, 7U, 0.6, 40},
+                                                 {100, 8U, 0.6, 40},
+                                                 {300, 12U, 0.4, 40},
+                                                 {100, 24U, 0.6, 25},
+                                                 {100, 60U, 0.6, 25},
+                                                 {1000, 4U, 0.4, 45}}) {
     Problem problem = make_scene("spheres", contacts, seed).problem();
     problem.mu.setConstant(mu);
     const Result result = solve(problem);
     EXPECT_TRUE(result.solved()) << result.message;
     EXPECT_EQ(result.stats.attempts, 0) << seed;
-    EXPECT_LE(result.stats.factorizations, 40) << seed;
-    const std::vector<ContactState> all = states(problem, result.solution.r);
-    EXPECT_GT(std::ranges::count(all, State::Slip, &ContactState::state), 0) << seed;
+    EXPECT_LE(result.stats.factorizations, most) << seed;
   }
-}
-
-// Piles in which a contact neither moves nor carries anything in the end: its slip falls like the root of tau and looks
-// like a real one all the way. Regions make nothing of it (39 factorizations), Newton steps from the path's end do.
-TEST(ConePath, NothingIsMadeOfSlipsThatVanish) {
-  for (const unsigned seed : {24U, 60U}) {
-    const Result result = solve(make_scene("spheres", 100, seed).problem());
-    EXPECT_TRUE(result.solved()) << result.message;
-    EXPECT_LE(result.stats.factorizations, 25) << seed;
-  }
-}
-
-// Nine contacts slip on this pile, and the path that is coupled where contacts slip by the associated law turns back.
-// Catches paths over the cones that leave it to Glocker's homotopy.
-TEST(ConePath, ItsSlipsAreFoundWithoutTheHomotopy) {
-  Problem problem = make_scene("spheres", 1000, 4).problem();
-  problem.mu.setConstant(0.4);
-  const Result result = solve(problem);
-  EXPECT_TRUE(result.solved()) << result.message;
-  EXPECT_EQ(result.stats.attempts, 0);
 }
 
 }  // namespace

@@ -131,21 +131,5 @@ TEST(Splitting, FindsTheOpeningsOfHardPiles) {
   }
 }
 
-// Steps of the splitting count, a lot as one, and a run ends in the middle of it. Catches a limit that it does not keep
-// to: on this pile it takes hundreds of steps.
-TEST(Splitting, KeepsToALimitOfSteps) {
-  const Problem problem = pile(300, 19, 0.6);
-  bool within = false;
-  for (const int most : {30, 40, 50}) {
-    const Stats stats = solve(problem, {.max_steps = most}).stats;
-    const int others = stats.iterations + stats.newton_steps;
-    within = within || (stats.splitting_steps > 0 && others < most);
-    if (others < most) {
-      EXPECT_EQ(others + stats.splitting_steps / splitting_lot, most);
-    }
-  }
-  EXPECT_TRUE(within);
-}
-
 }  // namespace
 }  // namespace perp::contact

@@ -3,14 +3,12 @@
 
 #include <gtest/gtest.h>
 
-#include <chrono>
 #include <optional>
 #include <string_view>
 
 #include "contact/model/residual.hpp"
 #include "contact/scenes/shaken_scene.hpp"
 #include "contact/solvers/sequence.hpp"
-#include "support/matrices.hpp"
 
 namespace perp::contact {
 namespace {
@@ -127,29 +125,6 @@ TEST(Follower, StopsOnItsPaths) {
     EXPECT_LE(follower.path_steps() - before, 2) << k;
   }
   EXPECT_GT(follower.path_steps(), 0);
-}
-
-// 300 contacts that stick, each of which acts on all: a factorization that takes 10 ms on any machine. It is not begun
-// where there is no time, and with time it is followed as ever. Catches a step of a sequence that goes on long after
-// its limit.
-TEST(Follower, BeginsNoFactorizationThatIsTooLong) {
-  support::Random random(5);
-  constexpr Index contacts = 300;
-  const support::Dense X = random.normals(3 * contacts, 3);
-  const support::Dense W = X * X.transpose() + support::Dense::Identity(3 * contacts, 3 * contacts);
-  Vec r = Vec::Zero(3 * contacts);
-  for (Index a = 0; a < contacts; ++a) r[3 * a] = 1;
-  Problem problem{.W = support::sparse(0.5 * (W + W.transpose())), .q = {}, .mu = Vec::Constant(contacts, 0.5)};
-  problem.q = -(problem.W * r);
-  Follower follower;
-  const Scaled& coordinates = follower.take(problem);
-  const Vec start = 0.9 * coordinates.reduce(r);
-  const auto accept = [&](const Vec& at) { return accepted(residual(problem, coordinates.expand(at)), 1e-8); };
-  const auto stop = [] { return false; };
-  const lcp::Deadline now = std::chrono::steady_clock::now();
-  EXPECT_THROW(static_cast<void>(follower.from(start, accept, stop, now)), lcp::KernelTooLong);
-  const std::optional<Vec> found = follower.from(start, accept, stop);
-  EXPECT_TRUE(found && accept(*found));
 }
 
 }  // namespace

@@ -36,7 +36,7 @@ TEST(GlobalProblem, TheDefaultMethodDoesNotFormW) {
       ASSERT_TRUE(coordinates.W.parts()) << name;
       const Options options{.max_time = std::chrono::seconds(2)};
       Referee referee(problem, coordinates, options);
-      referee.guard([&] { run_auto(referee, coordinates, method, Vec()); });
+      run_auto(referee, coordinates, method, Vec());
       EXPECT_FALSE(coordinates.W.formed()) << name;
       const bool solved = referee.result("").solved();
       EXPECT_FALSE(problem.W.formed()) << name;
@@ -51,7 +51,6 @@ class ThreeIterations final : public Trial {
   bool judge_iterate(In /*r*/, const TrialStep& /*step*/) override { return over(++iterations_); }
   bool over() override { return over(iterations_); }
   bool no_solution() override { return false; }
-  lcp::Deadline deadline() const override { return lcp::no_deadline; }
   int iterations() const { return iterations_; }
 
  private:

@@ -237,15 +237,10 @@ TEST(Solve, LimitsAndRefusals) {
   EXPECT_EQ(solve(problem, {.max_time = std::chrono::duration<double>(0)}).status, Status::TimeLimit);
   const std::atomic<bool> now{true};
   EXPECT_EQ(solve(problem, {.interrupt = &now}).status, Status::Interrupted);
-  const Result limited = solve(problem, {.method = Auto{.sweeps = 0}, .max_steps = 1});
-  EXPECT_EQ(limited.status, Status::NoProgress);
-  EXPECT_EQ(limited.stats.iterations + limited.stats.newton_steps, 1);
-  EXPECT_TRUE(limited.verdict.message.empty());
   const auto refuses = [&](const Options& options, const char* what) {
     EXPECT_THAT([&] { solve(problem, options); }, testing::ThrowsMessage<std::invalid_argument>(HasSubstr(what)));
   };
   refuses({.tol = 0}, "tol is 0");
-  refuses({.max_steps = -1}, "max_steps is -1");
   refuses({.method = GlockerHomotopy{.options = {.to_boundary = 1}}}, "to_boundary is 1");
   refuses({.method = GlockerHomotopy{.options = {.least_centring = 0}}}, "least_centring is 0");
   refuses({.method = GlockerHomotopy{.max_iterations = 0}}, "max_iterations is 0");
@@ -362,8 +357,7 @@ TEST(Solve, RockPile) {
 }
 
 // Problems side by side, with a method whose only attempt fails and a proximal loop: it solves each by itself. Catches
-// points of groups in wrong places, what one group takes that is not counted, and a limit of steps that is of each
-// group and not of all.
+// points of groups in wrong places, and what one group takes that is not counted.
 TEST(Solve, GroupsByThemselves) {
   Random random(8);
   const Problem part = solvable_problem(3, 6, 5, random);
@@ -383,10 +377,6 @@ TEST(Solve, GroupsByThemselves) {
   EXPECT_EQ(result.by, Origin::Groups);
   EXPECT_EQ(result.stats.attempts, 1 + 2 * alone.stats.attempts);
   EXPECT_GT(result.stats.factorizations, alone.stats.factorizations);
-  const int steps = result.stats.iterations + result.stats.newton_steps;
-  const Result limited = solve(both, {.method = method, .max_steps = steps - 3});
-  EXPECT_FALSE(limited.solved());
-  EXPECT_LE(limited.stats.iterations + limited.stats.newton_steps, steps);
 }
 
 // Poured spheres, mu lower than they were poured for: the path of the homotopy turns back at a residual of 1e-3, a
