@@ -24,7 +24,7 @@ def by_name(name: str, F: Any, start: Array, pattern: Any) -> tuple[Any, Any, An
     if not callable(F):
         refuse_type("F", f"is of type {type(F).__name__}, and must be a function of x")
     try:
-        return _casadi(F, start, pattern) if name == "casadi" else _jax(F, start, pattern)
+        return _casadi(F, start, pattern) if name == "casadi" else by_jax(F, start, pattern)
     except ModuleNotFoundError as error:
         if error.name != name:
             raise
@@ -70,22 +70,23 @@ def double(jax: Any) -> Any:
     return enable_x64()
 
 
-def _jax(F: Any, start: Array, pattern: Any) -> tuple[Any, Any, Any]:
+def by_jax(F: Any, start: Array, pattern: Any, more: Any = ()) -> tuple[Any, Any, Any]:
+    """F(x, *more), jac and pattern. `more`, a list of what JAX takes, may be changed between calls, but for its shapes."""
     import jax
     import jax.numpy as jnp
     from scipy import sparse
 
     n = len(start)
 
-    def vector(x: Any) -> Any:
-        value = F(x)
+    def vector(x: Any, *more: Any) -> Any:
+        value = F(x, *more)
         value = jnp.stack([jnp.asarray(one) for one in value]) if isinstance(value, (list, tuple)) else jnp.asarray(value)
         if value.shape != (n,):
             refuse("F", f"returned shape {value.shape}, and must return shape ({n},)")
         return value
 
     with double(jax):
-        trace = jax.make_jaxpr(vector)(np.zeros(n))
+        trace = jax.make_jaxpr(vector)(np.zeros(n), *more)
         if _has_float32(trace):
             warnings.warn(
                 "F has arrays or steps in float32, which have seven digits: F and its derivatives are no better than these. Make "
@@ -104,18 +105,18 @@ def _jax(F: Any, start: Array, pattern: Any) -> tuple[Any, Any, Any]:
         value = jax.jit(vector)
 
         @jax.jit
-        def slopes(x: Any) -> Any:
-            return jax.vmap(lambda seed: jax.jvp(vector, (x,), (seed,))[1])(seeds)
+        def slopes(x: Any, *more: Any) -> Any:
+            return jax.vmap(lambda seed: jax.jvp(lambda x: vector(x, *more), (x,), (seed,))[1])(seeds)
 
     columns = np.repeat(np.arange(n), np.diff(places.indptr))
 
     def numbers(x: Array) -> Array:
         with double(jax):
-            return np.asarray(value(x), dtype=np.float64)
+            return np.asarray(value(x, *more), dtype=np.float64)
 
     def jac(x: Array) -> Any:
         with double(jax):
-            entries = np.asarray(slopes(x), dtype=np.float64)[colour[columns], places.indices]
+            entries = np.asarray(slopes(x, *more), dtype=np.float64)[colour[columns], places.indices]
         return sparse.csc_matrix((entries, places.indices, places.indptr), shape=(n, n))
 
     return numbers, jac, places
@@ -175,7 +176,9 @@ class _Dependence:
 
     def of(self, trace: Any) -> Any:
         """The pattern of J, a csc_matrix."""
-        (out,) = self.run(trace, [_Mark(self.sparse.identity(self.n, format="csr"))])
+        x, *more = (v.aval for v in trace.jaxpr.invars)
+        none = [_Mark(self.sparse.csr_matrix((math.prod(one.shape), self.n))) for one in more]  # not known, and not of x
+        (out,) = self.run(trace, [_Mark(self.sparse.identity(self.n, format="csr")), *none])
         rows = out.rows if isinstance(out, _Mark) else self.sparse.csr_matrix((self.n, self.n))
         return pattern_of(rows.tocsc(), self.n, "jac", True)
 
