@@ -18,6 +18,7 @@ from typing import Any
 
 from perp import contact
 from perp._functions import Float32Warning
+from perp._games import BimatrixEquilibria, FiniteGame, MixedEquilibrium, NashSubset, bimatrix, finite_game, read_nfg
 from perp._library import FileError, LibraryError, OptionError
 from perp._plot import plot
 from perp._problem import (
@@ -52,8 +53,10 @@ __version__: str
 
 __all__ = [
     "AllSolutions",
+    "BimatrixEquilibria",
     "CollectionEntry",
     "FileError",
+    "FiniteGame",
     "Float32Warning",
     "FoundSolution",
     "Inspection",
@@ -63,6 +66,8 @@ __all__ = [
     "LibraryError",
     "Log",
     "Method",
+    "MixedEquilibrium",
+    "NashSubset",
     "Option",
     "OptionError",
     "Problem",
@@ -72,9 +77,11 @@ __all__ = [
     "Verified",
     "__version__",
     "affine_problem",
+    "bimatrix",
     "collection",
     "collection_entries",
     "contact",
+    "finite_game",
     "lcp",
     "mcp_affine",
     "methods",
@@ -82,6 +89,7 @@ __all__ = [
     "plot",
     "problem",
     "read_matrix",
+    "read_nfg",
     "read_nl",
     "sensitivity",
     "solve",
