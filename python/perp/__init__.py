@@ -20,6 +20,7 @@ from perp import contact
 from perp._functions import Float32Warning
 from perp._games import BimatrixEquilibria, FiniteGame, MixedEquilibrium, NashSubset, bimatrix, finite_game, read_nfg
 from perp._library import FileError, LibraryError, OptionError
+from perp._lq import LqEquilibrium, lq_game
 from perp._plot import plot
 from perp._problem import (
     CollectionEntry,
@@ -65,6 +66,7 @@ __all__ = [
     "KeptSolver",
     "LibraryError",
     "Log",
+    "LqEquilibrium",
     "Method",
     "MixedEquilibrium",
     "NashSubset",
@@ -83,6 +85,7 @@ __all__ = [
     "contact",
     "finite_game",
     "lcp",
+    "lq_game",
     "mcp_affine",
     "methods",
     "options",

@@ -1,0 +1,107 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Games of players with quadratic costs and linear constraints that all share, as arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from perp._arrays import doubles, refuse
+from perp._result import Result
+from perp._solve import mcp_affine
+from perp._types import Array, Bound, Options
+
+
+@dataclass(frozen=True, eq=False)
+class LqEquilibrium:
+    """What `lq_game` found."""
+
+    x: Array
+    """Shape (n,): the variables of all players."""
+    multipliers: Array
+    """Shape (rows of A,): y >= 0 of A x <= b, the same for all players."""
+    equality_multipliers: Array
+    """Shape (rows of Aeq,): of Aeq x = beq."""
+    convex: list[bool]
+    """Of each player, whether its own block of Q is positive semidefinite: then nobody gains alone at a solution."""
+    result: Result
+    """Of the affine complementarity problem."""
+
+    @property
+    def success(self) -> bool:
+        """Whether it is solved and every player's problem is convex: then x is an equilibrium."""
+        return self.result.success and all(self.convex)
+
+
+def lq_game(
+    sizes: Sequence[int],
+    Q: Sequence[npt.ArrayLike],
+    c: Sequence[npt.ArrayLike],
+    A: npt.ArrayLike | None = None,
+    b: npt.ArrayLike | None = None,
+    Aeq: npt.ArrayLike | None = None,
+    beq: npt.ArrayLike | None = None,
+    lower: Bound = -np.inf,
+    upper: Bound = np.inf,
+    *,
+    method: str | None = None,
+    options: Options | None = None,
+    **more: object,
+) -> LqEquilibrium:
+    """A variational equilibrium of the game in which player i chooses its part x_i of x:
+
+        min x' Q_i x / 2 + c_i' x    subject to    A x <= b,  Aeq x = beq,  lower <= x <= upper.
+
+    sizes   variables of each player, whose sum is n; x is x_1, then x_2, ...
+    Q, c    of each player: shape (n, n) and (n,). Only the rows of its own variables count; Q_i may be unsymmetric.
+    A, b, Aeq, beq
+            shape (m, n) and (m,), with one multiplier for all players.
+    lower, upper
+            as of `perp.solve`.
+    method, options, more
+            as of `perp.mcp_affine`.
+    """
+    sizes = [int(size) for size in sizes]
+    n, players = sum(sizes), len(sizes)
+    if not players or min(sizes) < 1 or len(Q) != players or len(c) != players:
+        refuse("sizes", f"has {players} players, and must have as many as Q, {len(Q)}, and c, {len(c)}, with a variable each")
+    G, g, convex, begin = np.empty((n, n)), np.empty(n), [], 0
+    for i, size in enumerate(sizes):
+        own = slice(begin, begin + size)
+        Qi, ci = _shaped(Q[i], (n, n), f"Q[{i}]"), _shaped(c[i], (n,), f"c[{i}]")
+        G[own] = 0.5 * (Qi[own] + Qi[:, own].T)
+        g[own] = ci[own]
+        least = np.linalg.eigvalsh(G[own, own])[0]
+        convex.append(bool(least >= -4 * size * np.finfo(float).eps * np.abs(G[own, own]).sum(axis=0).max()))
+        begin += size
+    shared, right = _rows(A, b, n, "A", "b")
+    equal, equal_right = _rows(Aeq, beq, n, "Aeq", "beq")
+    C, d = np.vstack([shared, equal]), np.concatenate([right, equal_right])
+    M = np.block([[G, C.T], [-C, np.zeros((len(C), len(C)))]])
+    low = np.concatenate([np.broadcast_to(lower, n), np.zeros(len(right)), np.full(len(equal), -np.inf)])
+    high = np.concatenate([np.broadcast_to(upper, n), np.full(len(C), np.inf)])
+    r = mcp_affine(M, np.concatenate([g, d]), low, high, method=method, options={**(options or {}), **more})
+    x = np.array(r.x)
+    return LqEquilibrium(x[:n], x[n : n + len(right)], x[n + len(right) :], convex, r)
+
+
+def _shaped(given: Any, shape: tuple[int, ...], name: str) -> Array:
+    numbers = doubles(given, name)
+    if numbers.shape != shape:
+        refuse(name, f"has shape {numbers.shape}, and must have shape {shape}")
+    return numbers
+
+
+def _rows(A: Any, b: Any, n: int, name: str, right: str) -> tuple[Array, Array]:
+    if A is None and b is None:
+        return np.empty((0, n)), np.empty(0)
+    if A is None or b is None:
+        refuse(name, f"goes with {right}: give both")
+    rows = doubles(A, name)
+    if rows.ndim != 2 or rows.shape[1] != n:
+        refuse(name, f"has shape {rows.shape}, and must have shape (m, {n})")
+    return rows, _shaped(b, (len(rows),), right)
