@@ -56,7 +56,8 @@ class Agent:
     value: float = np.nan
     """Of the objective."""
     convex: bool = False
-    """Whether its problem is proven convex, the others' variables fixed: a convex quadratic objective, linear constraints."""
+    """Whether its problem is convex, the others' variables fixed: a quadratic objective with eigenvalues that are at least 0, up to
+    their rounding, and linear constraints."""
     curvature: float = np.nan
     """The least eigenvalue of the Hessian of the Lagrangian on the face of all active bounds and constraints; inf: the face is
     a point."""
@@ -141,7 +142,7 @@ def equilibrium(
 
 def _data(components: Iterable[Any]) -> Iterable[Any]:
     for component in components:
-        if component.is_indexed() if hasattr(component, "is_indexed") else False:
+        if getattr(component, "is_indexed", bool)():
             yield from component.values()
         else:
             yield component
@@ -306,7 +307,7 @@ class _Game:
 
         def put(point: Any) -> None:
             for k, variable in real:
-                variable.set_value(point[k], skip_validation=True)
+                variable.set_value(float(point[k]), skip_validation=True)
 
         found = False
         try:
