@@ -56,7 +56,7 @@ std::optional<T> value_of(Operation operation, const T& a, const T& b) {
     case Acosh: return acosh(a);
     case Atanh: return atanh(a);
     default: return std::nullopt;
-    // clang-format on
+      // clang-format on
   }
 }
 

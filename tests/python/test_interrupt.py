@@ -81,7 +81,7 @@ def test_ctrl_c_in_linear_algebra():
     threading.Timer(0.5, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
     began = time.monotonic()
     with pytest.raises(perp.Interrupted) as raised:
-        perp.lcp(M, q, method="least-index", time_limit=60)
+        perp.lcp(M, q, method="least-index", affine_iteration_limit=10**9, time_limit=60)
     assert time.monotonic() - began < 5
     assert raised.value.result.status == "Interrupted"
 
@@ -92,7 +92,7 @@ def test_a_handler_that_raises_nothing_gets_the_result():
     before = signal.signal(signal.SIGINT, lambda *_: heard.append(0))
     try:
         threading.Timer(0.3, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
-        r = perp.lcp(M, q, method="least-index", time_limit=60)
+        r = perp.lcp(M, q, method="least-index", affine_iteration_limit=10**9, time_limit=60)
     finally:
         signal.signal(signal.SIGINT, before)
     assert heard and r.status == "Interrupted"
@@ -145,7 +145,7 @@ def test_the_gil_is_released():
 
     thread = threading.Thread(target=tick)
     thread.start()
-    perp.lcp(M, q, method="least-index", time_limit=0.5)
+    perp.lcp(M, q, method="least-index", affine_iteration_limit=10**9, time_limit=0.5)
     over.set()
     thread.join()
     assert len(ticks) > 10

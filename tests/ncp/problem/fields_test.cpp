@@ -111,14 +111,15 @@ TEST(Fields, ReachEveryMember) {
               cfunction + armijo + forcing, 0},
         // direction is a method of its own on the command line
         Count{"MinNewton", members<MinNewton>(), described<MinNewton>(), 2, armijo, 1},
-        Count{"Smoothing", members<Smoothing>(), described<Smoothing>(), 3, smoothing + armijo, 0},
+        // restarts is of lists
+        Count{"Smoothing", members<Smoothing>(), described<Smoothing>(), 3, smoothing + armijo, 1},
         // follow is for programs
         Count{"InteriorPoint", members<InteriorPoint>(), described<InteriorPoint>(), 1, 0, 1},
         Count{"NewtonJosephy", members<NewtonJosephy>(), described<NewtonJosephy>(), 3, armijo + lemke + 1, 0},
         Count{"NewtonRobinson", members<NewtonRobinson>(), described<NewtonRobinson>(), 2, lemke + 1, 0},
         Count{"Crash", members<Crash>(), crash, 0, 0, 0}, Count{"Nms", members<Nms>(), nms, 0, 0, 0},
-        // only_newton_if_affine and proximal_to_residual are of lists
-        Count{"PathSearch", members<PathSearch>(), path, 4, crash + nms + lemke, 2},
+        // only_newton_if_affine, proximal_to_residual and proximal_adaptive are of lists and presets
+        Count{"PathSearch", members<PathSearch>(), path, 4, crash + nms + lemke, 3},
         // of basis lu; start is described apart; repair is the path search's own; the rest are data,
         // callbacks, limits, inner tolerances that no run was seen to depend on, and whether rays are certified
         Count{"LemkeOptions", members<lcp::LemkeOptions>(), lemke, 1, 1, 17},
