@@ -1,17 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Infeasible primal-dual interior points with Mehrotra's predictor and corrector for monotone affine MCPs (M positive
-/// semidefinite, not necessarily symmetric). Each finite bound b of a variable z_i has a slack s = sign (z_i - b) > 0,
-/// sign = 1 at lower and -1 at upper bounds, and a multiplier w > 0. The conditions are
-///     r = (M z + q)_i - sum of sign w = 0,   rho = sign (z_i - b) - s = 0,   s w = mu,   mu -> 0,
-/// and Newton's direction that changes the products s w by c is
-///     (M + diag(w / s) + delta I) dz = -r + sign (c - w rho) / s,   ds = sign dz + rho,   dw = (c - w ds) / s:
-/// one factorization of one pattern an iteration (lcp/iterative/shifted_system.hpp), and some solves. The predictor has
-/// c = -s w; sigma = (mu_aff / mu)^3; the corrector c = sigma mu - s w - ds_aff dw_aff (Mehrotra 1992); then Gondzio's
-/// multiple correctors, while they lengthen the step. The delta term is proximal, towards the last iterate, so that the
-/// limit solves the problem as it is (Rockafellar, SIAM J. Control 14 (1976) 877; Pougkakiotis & Gondzio, Comput.
-/// Optim. Appl. 78 (2021) 307). The start is Mehrotra's. Linear programs have two step lengths, other problems one.
-/// Fixed variables are taken out. M is scaled by D M D, which keeps monotonicity.
+/// semidefinite, not necessarily symmetric), on the skeleton of lcp/iterative/interior_path.hpp with F(z) = M z + q:
+/// one factorization of one pattern an iteration, and some solves. The delta term is proximal, towards the last
+/// iterate, so that the limit solves the problem as it is (Rockafellar, SIAM J. Control 14 (1976) 877; Pougkakiotis &
+/// Gondzio, Comput. Optim. Appl. 78 (2021) 307). The start is Mehrotra's. Linear programs have two step lengths, other
+/// problems one. Fixed variables are taken out. M is scaled by D M D, which keeps monotonicity.
 ///
 /// When the signs of s - w stop changing they tell the active bounds, and the equations of the others are solved with
 /// refinement (M_II may be singular: proximal steps from the interior point); violated places are exchanged, as block

@@ -18,6 +18,8 @@ constexpr double solved_enough = 1e-7;
 ShiftedSystem::ShiftedSystem(const SpMat& M, LuBackend lu, Deadline deadline)
     : M_(M), ldlt_(deadline), lu_(lu, deadline), symmetric_(ldlt_.analyze(M)) {}
 
+void ShiftedSystem::update() { symmetric_ = ldlt_.analyze(M_); }
+
 double ShiftedSystem::dearness() const {
   // An entry of L takes two operations in a solve, and another two on the way back.
   return symmetric_ ? ldlt_.flops() / (4 * std::max(1.0, ldlt_.nonzeros())) : 10;

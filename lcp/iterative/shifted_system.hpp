@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// (M + diag(d)) x = b for one M and many d > 0, the systems of interior points and of their cells: by L S L' where
-/// signs make M symmetric (lcp/linalg/quasi_definite.hpp), by sparse LU otherwise, or where L S L' meets a pivot of a
-/// wrong sign. Private to lcp/iterative/.
+/// row factors make M symmetric (lcp/linalg/quasi_definite.hpp), by sparse LU otherwise, or where L S L' meets a pivot
+/// of a wrong sign. Private to lcp/iterative/.
 #include "lcp/linalg/quasi_definite.hpp"
 #include "lcp/lu/sparse_lu.hpp"
 
@@ -13,8 +13,10 @@ class ShiftedSystem {
   /// M has its diagonal in its pattern and outlives *this.
   ShiftedSystem(const SpMat& M, LuBackend lu, Deadline deadline);
 
-  /// Signs that make M symmetric, or null.
-  const Vec* signs() const { return symmetric_ ? &ldlt_.signs() : nullptr; }
+  /// M has been given other values, in its pattern.
+  void update();
+  /// Row factors that make M symmetric, or null.
+  const Vec* rows() const { return symmetric_ ? &ldlt_.rows() : nullptr; }
   /// Cost of a factorization, in solves.
   double dearness() const;
 

@@ -5,7 +5,9 @@
 ///                       (-A       -R - D_2),
 /// is symmetric and quasi-definite. It has an L S L' for every symmetric permutation (Vanderbei, SIAM J. Optim. 5
 /// (1995) 100, theorem 2.1), which takes what a Cholesky factorization does. How good it is depends on d.
+/// More generally R (M + diag(d)) with a diagonal R of any entries but zero may be: R is found with S, the signs of R.
 #include <optional>
+#include <vector>
 
 #include "lcp/cholesky/cholesky.hpp"
 
@@ -20,8 +22,9 @@ class QuasiDefinite {
   /// No factorization is begun that would not have ended at the deadline (lcp/kernel_clock.hpp).
   explicit QuasiDefinite(Deadline = no_deadline);
 
-  /// Looks for signs with which the square M is symmetric to the last bit, and analyses its pattern, which holds the
-  /// diagonal. False if there are none. Throws std::bad_alloc.
+  /// Looks for R with which the square M is symmetric but for rounding, and analyses its pattern, which holds the
+  /// diagonal and is symmetric. False if there is none. Entries that meet a zero of the pattern are left out of the
+  /// factors. Another M of the same pattern costs no more than its entries. Throws std::bad_alloc.
   bool analyze(const SpMat& M);
   /// Factors M + diag(d). False where a pivot has not the sign of its row, or is not finite. Throws KernelTooLong,
   /// std::bad_alloc.
@@ -29,14 +32,15 @@ class QuasiDefinite {
   /// (M + diag(d)) x = b with the last factor(), which was true. Without refinement.
   void solve(In b, Out x) const;
 
-  const Vec& signs() const { return sigma_; }
+  const Vec& rows() const { return R_; }                    ///< R
   double flops() const { return cholesky_.flops(); }        ///< of factor()
   double nonzeros() const { return cholesky_.nonzeros(); }  ///< of L
 
  private:
-  Vec sigma_;
-  SpMat lower_;   ///< of S M; its diagonal comes first in each column
-  Vec diagonal_;  ///< of S M
+  Vec R_;
+  std::vector<signed char> signs_;  ///< of R
+  SpMat lower_;                     ///< of R M; its diagonal comes first in each column
+  Vec diagonal_;                    ///< of R M
   Cholesky cholesky_;
 };
 

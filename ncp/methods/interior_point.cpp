@@ -3,12 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <new>
 #include <optional>
 #include <utility>
 #include <vector>
 
+#include "lcp/iterative/interior_path.hpp"
 #include "ncp/methods/active_set_step.hpp"
-#include "ncp/methods/predictor_corrector.hpp"
 #include "ncp/reformulation/line_search.hpp"
 #include "ncp/reformulation/merit.hpp"
 #include "ncp/run/run.hpp"
@@ -16,8 +17,6 @@
 namespace perp::ncp {
 namespace {
 
-/// sigma at least in restarts.
-constexpr double restart_centring = 0.1;
 /// Reductions of a step for the neighbourhood, by 0.8 each.
 constexpr int neighbourhood_cuts = 6;
 constexpr double cut = 0.8;
@@ -25,288 +24,229 @@ constexpr double cut = 0.8;
 constexpr int max_halvings = 20;
 /// A step below this is none.
 constexpr double vanishing_step = 1e-8;
-/// Proximal terms tried in turn, relative to the largest entry of J.
-constexpr double first_proximal = 1e-14;
-constexpr double proximal_growth = 1e4;
-constexpr int proximal_tries = 5;
+/// Starts tried, mu falling by 16.
+constexpr int most_starts = 20;
+/// Weight of the proximal term.
+constexpr double proximal = 1e-14;
+/// Products of the square of this share of the natural residual are small enough: smaller ones at the same residual
+/// would lead along the bounds.
+constexpr double share_of_residual = 0.03;
 
-struct Iterate {
-  Point point;
-  Vec w, v;  // 0 where there is no such bound
-};
+using lcp::InteriorPath;
 
-struct InteriorStep {
-  Vec x, w, v;
-};
-
-class InteriorPath {
+class InteriorRun {
  public:
-  InteriorPath(Run& run, const InteriorPoint& method, Point point);
+  InteriorRun(Run& run, const InteriorPoint& method, Point point);
   void run();
 
-  // Of predictor_corrector().
-  InteriorStep direction(double target, const InteriorStep* affine) const;
-  double reach(const InteriorStep& d) const;
-  double mean_after(const InteriorStep& d, double alpha) const { return gap(moved(d, alpha)); }
-
  private:
-  bool below(Index i) const { return has_[static_cast<std::size_t>(i)].below; }
-  bool above(Index i) const { return has_[static_cast<std::size_t>(i)].above; }
-  bool fixed(Index i) const { return run_.box().lower[i] == run_.box().upper[i]; }
-  double s(const Iterate& at, Index i) const { return at.point.x[i] - run_.box().lower[i]; }
-  double t(const Iterate& at, Index i) const { return run_.box().upper[i] - at.point.x[i]; }
+  using Iterate = InteriorPath::Iterate;
 
-  bool enter(double tau);
-  void multipliers(double tau);
-  Vec residual(const Iterate& at) const;
-  double gap(const Iterate& at) const;
-  double natural() const { return ncp::residual(run_.box(), at_.point.x, at_.point.F).natural; }
-  double merit() const;
+  bool start();
+  bool open_here(double tau);
+  bool open(const Vec& z, const Vec& t, double mu, double most_residual);
+  void follow_equations();
   bool follow();
-  bool factor();
-  Iterate moved(const InteriorStep& d, double alpha) const;
-  bool central(const Iterate& at) const;
-  bool advance(const InteriorStep& d);
+  void linearise();
+  double residual(const Iterate& x, const Point& point) const { return path_.residual(x, point.F).norm(); }
+  double natural() const { return ncp::residual(run_.box(), point_.x, point_.F).natural; }
+  double merit() const;
+  bool central(const Iterate& x) const;
+  bool advance(const Iterate& d);
   bool step();
   bool finish();
   bool raise_tau();
   void give_up();
 
-  struct Bounds {
-    bool below, above;
-  };
   Run& run_;
   const InteriorPoint& method_;
-  std::vector<Bounds> has_;  // finite bounds of variables that are not fixed
-  Index pairs_ = 0;
-  Iterate at_;
-  std::optional<Iterate> left_;  // the interior point that active-set steps began from
-  double last_step_ = 1;
-  lcp::SparseLu lu_;
-  SpMat K_;
+  Point point_;
+  SpMat J_;  // with a full diagonal
+  InteriorPath path_;
+  std::optional<Point> left_;  // the interior point that active-set steps began from
   Iteration it_;
   int undefined_ = 0;
   ActiveSetFinish finish_;
   int raises_ = 0;
+  int factorizations_ = 0;
   bool singular_ = false;
 };
 
-InteriorPath::InteriorPath(Run& run, const InteriorPoint& method, Point point)
-    : run_(run), method_(method), lu_(method.lu, run.deadline()), finish_(run, method.lu) {
-  const Index n = point.x.size();
-  for (Index i = 0; i < n; ++i) {
-    const bool held = fixed(i);
-    has_.push_back({!held && run.box().lower[i] > -infinity, !held && run.box().upper[i] < infinity});
-    pairs_ += (below(i) ? 1 : 0) + (above(i) ? 1 : 0);
-  }
-  SpMat diagonal(n, n);
-  diagonal.setIdentity();
-  K_ = point.J + diagonal;
-  K_.makeCompressed();
-  at_.point = std::move(point);
+SpMat with_diagonal(const SpMat& J) {
+  SpMat identity(J.rows(), J.rows());
+  identity.setIdentity();
+  SpMat out = J + 0 * identity;
+  out.makeCompressed();
+  return out;
 }
 
-/// Moves x inside and gives it multipliers of products about tau. False: F or J is defined at no point tried.
-bool InteriorPath::enter(double tau) {
-  const Vec from = at_.point.x;
-  const Box& box = run_.box();
-  double margin = method_.margin * std::min(1.0, tau);
-  for (int k = 0; k < max_halvings; ++k, margin /= 4) {
-    for (Index i = 0; i < from.size(); ++i) {
-      const double inside = below(i) && above(i) ? std::min(margin, (box.upper[i] - box.lower[i]) / 2) : margin;
-      if (below(i)) at_.point.x[i] = std::max(at_.point.x[i], box.lower[i] + inside);
-      if (above(i)) at_.point.x[i] = std::min(at_.point.x[i], box.upper[i] - inside);
+InteriorRun::InteriorRun(Run& run, const InteriorPoint& method, Point point)
+    : run_(run),
+      method_(method),
+      point_(std::move(point)),
+      J_(with_diagonal(point_.J)),
+      path_(J_, run.box(), false, method.to_boundary, proximal, method.lu, run.deadline()),
+      finish_(run, method.lu) {}
+
+/// By the size of the linearisation at the start, where that leads to no larger residuals than it comes from, or than
+/// the products; else by the start itself. False: F or J is defined at no point tried.
+bool InteriorRun::start() {
+  const Vec z = path_.nearest(point_.x, point_.F);
+  const Vec t = path_.halves(z, point_.F + J_ * (z - point_.x));
+  const double mean = path_.pairs() > 0 ? t.squaredNorm() / static_cast<double>(path_.pairs()) : 0;
+  const double mu = mean > 0 && std::isfinite(mean) ? mean : 1;
+  const double size = point_.F.norm();
+  return open(z, t, mu, size) || open(point_.x, path_.halves(point_.x, point_.F), mu, size) || open_here(1);
+}
+
+/// Moves the point inside by up to 1 and gives it multipliers w >= F, where that makes the row feasible, and products
+/// of tau or more.
+bool InteriorRun::open_here(double tau) {
+  const Vec from = point_.x;
+  Iterate& at = path_.x;
+  double margin = std::min(1.0, tau);
+  for (int k = 0; k < most_starts; ++k, margin /= 4) {
+    path_.open_inside(from, margin);
+    point_.x = at.z;
+    if (!run_.evaluate(point_)) {
+      ++undefined_;
+      continue;
     }
-    if (run_.evaluate(at_.point)) {
-      multipliers(tau);
-      return true;
+    for (Index p = 0; p < path_.pairs(); ++p) {
+      const auto& b = path_.bounds()[static_cast<std::size_t>(p)];
+      at.w[p] = std::max(b.sign * point_.F[b.i], tau / std::max(1.0, at.s[p]));
     }
-    ++undefined_;
-    at_.point.x = from;
+    return true;
   }
   return false;
 }
 
-/// w >= F where that makes the row feasible, s w >= tau.
-void InteriorPath::multipliers(double tau) {
-  const Index n = at_.point.x.size();
-  at_.w = Vec::Zero(n);
-  at_.v = Vec::Zero(n);
-  for (Index i = 0; i < n; ++i) {
-    const double F = at_.point.F[i];
-    if (below(i)) at_.w[i] = std::max(F, tau / std::max(1.0, s(at_, i)));
-    if (above(i)) at_.v[i] = std::max(-F, tau / std::max(1.0, t(at_, i)));
+/// Goes on centrally from z with products mu, or less where F or J is not defined.
+bool InteriorRun::open(const Vec& z, const Vec& t, double mu, double most_residual) {
+  for (int k = 0; k < most_starts; ++k, mu /= 16) {
+    path_.open_centrally(z, t, mu);
+    Point to;
+    to.x = lcp::project(run_.box(), path_.x.z);
+    if (!run_.evaluate(to)) {
+      ++undefined_;
+      continue;
+    }
+    if (residual(path_.x, to) > method_.growth * std::max(path_.gap(path_.x), most_residual)) break;
+    point_ = std::move(to);
+    follow_equations();
+    return true;
   }
+  return false;
 }
 
-Vec InteriorPath::residual(const Iterate& at) const {
-  Vec r = at.point.F - at.w + at.v;
-  for (Index i = 0; i < r.size(); ++i)
-    if (fixed(i)) r[i] = 0;
-  return r;
+/// Moves the free variables to where a Newton step solves their equations, the others held, if it does halve what these
+/// leave: v = sum x is no longer so where all x have moved inside.
+void InteriorRun::follow_equations() {
+  const auto left = [&](const Point& at) {
+    double sum = 0;
+    for (Index i = 0; i < at.F.size(); ++i)
+      if (run_.box().is_free(i)) sum += at.F[i] * at.F[i];
+    return std::sqrt(sum);
+  };
+  const double size = left(point_);
+  Vec dz(point_.x.size());
+  if (size == 0) return;
+  linearise();
+  if (!path_.step_of_free(point_.F, dz)) return;
+  Point to;
+  to.x = point_.x + dz;
+  if (!run_.evaluate(to) || !(left(to) < size / 2)) return;
+  point_ = std::move(to);
+  path_.x.z += dz;
 }
 
-/// The mean product.
-double InteriorPath::gap(const Iterate& at) const {
-  double sum = 0;
-  for (Index i = 0; i < at.w.size(); ++i) {
-    if (below(i)) sum += s(at, i) * at.w[i];
-    if (above(i)) sum += t(at, i) * at.v[i];
+/// J_ of the point.
+void InteriorRun::linearise() {
+  for (Index j = 0; j < J_.cols(); ++j) {
+    SpMat::InnerIterator a(point_.J, j);
+    for (SpMat::InnerIterator k(J_, j); k; ++k) {
+      k.valueRef() = 0;
+      if (a && a.row() == k.row()) k.valueRef() = a.value(), ++a;
+    }
   }
-  return pairs_ > 0 ? sum / static_cast<double>(pairs_) : 0;
+  path_.update();
 }
 
 /// 1/2 (||F - w + v||^2 + sum of squared products).
-double InteriorPath::merit() const {
-  double sum = residual(at_).squaredNorm();
-  for (Index i = 0; i < at_.w.size(); ++i) {
-    if (below(i)) sum += std::pow(s(at_, i) * at_.w[i], 2);
-    if (above(i)) sum += std::pow(t(at_, i) * at_.v[i], 2);
-  }
-  return sum / 2;
+double InteriorRun::merit() const {
+  const Iterate& x = path_.x;
+  return (std::pow(residual(x, point_), 2) + x.s.cwiseProduct(x.w).squaredNorm()) / 2;
 }
 
 /// False: F or J is not defined at x for this tau.
-bool InteriorPath::follow() {
+bool InteriorRun::follow() {
   if (!method_.follow) return true;
-  method_.follow(gap(at_));
-  return run_.evaluate(at_.point);
+  method_.follow(path_.gap(path_.x));
+  return run_.evaluate(point_);
 }
 
-/// K = J + diag(w / s + v / t), rows and columns of fixed variables those of the identity, with as small a proximal
-/// term as makes it regular.
-bool InteriorPath::factor() {
-  const Index n = at_.point.x.size();
-  const SpMat& J = at_.point.J;
-  const double size = J.nonZeros() > 0 ? J.coeffs().abs().maxCoeff() : 1;
-  Vec diagonal = Vec::Zero(n);
-  for (Index i = 0; i < n; ++i) {
-    if (below(i)) diagonal[i] += at_.w[i] / s(at_, i);
-    if (above(i)) diagonal[i] += at_.v[i] / t(at_, i);
-  }
-  double proximal = first_proximal;
-  for (int attempt = 0; attempt < proximal_tries; ++attempt, proximal *= proximal_growth) {
-    for (Index j = 0; j < n; ++j) {
-      SpMat::InnerIterator a(J, j);
-      for (SpMat::InnerIterator k(K_, j); k; ++k) {
-        double value = 0;
-        if (a && a.row() == k.row()) {
-          value = fixed(j) || fixed(k.row()) ? 0 : a.value();
-          ++a;
-        }
-        if (k.row() == j) value = fixed(j) ? 1 : value + diagonal[j] + proximal * std::max(1.0, size);
-        k.valueRef() = value;
-      }
-    }
-    ++run_.stats().factorizations;
-    if (lu_.try_factor(K_)) {
-      if (proximal > first_proximal) it_.prox = proximal * std::max(1.0, size);
-      return true;
-    }
-  }
-  return false;
-}
-
-/// Newton's direction towards products `target`, with the second-order terms of `affine` if there is one.
-InteriorStep InteriorPath::direction(double target, const InteriorStep* affine) const {
-  const Index n = at_.point.x.size();
-  InteriorStep d{.x = Vec(n), .w = Vec::Zero(n), .v = Vec::Zero(n)};
-  Vec c = Vec::Zero(n);
-  Vec e = Vec::Zero(n);
-  Vec rhs = -residual(at_);
-  for (Index i = 0; i < n; ++i) {
-    if (below(i)) {
-      c[i] = target - s(at_, i) * at_.w[i] - (affine != nullptr ? affine->x[i] * affine->w[i] : 0);
-      rhs[i] += c[i] / s(at_, i);
-    }
-    if (above(i)) {
-      e[i] = target - t(at_, i) * at_.v[i] + (affine != nullptr ? affine->x[i] * affine->v[i] : 0);
-      rhs[i] -= e[i] / t(at_, i);
-    }
-  }
-  lu_.solve(rhs, d.x);
-  for (Index i = 0; i < n; ++i) {
-    if (below(i)) d.w[i] = (c[i] - at_.w[i] * d.x[i]) / s(at_, i);
-    if (above(i)) d.v[i] = (e[i] + at_.v[i] * d.x[i]) / t(at_, i);
-  }
-  return d;
-}
-
-/// The step to the boundary, at most one.
-double InteriorPath::reach(const InteriorStep& d) const {
-  double alpha = 1;
-  const auto limit = [&alpha](double value, double change) {
-    if (change < 0) alpha = std::min(alpha, -value / change);
-  };
-  for (Index i = 0; i < d.x.size(); ++i) {
-    if (below(i)) limit(s(at_, i), d.x[i]), limit(at_.w[i], d.w[i]);
-    if (above(i)) limit(t(at_, i), -d.x[i]), limit(at_.v[i], d.v[i]);
-  }
-  return alpha;
-}
-
-Iterate InteriorPath::moved(const InteriorStep& d, double alpha) const {
-  Iterate to;
-  to.point.x = at_.point.x + alpha * d.x;
-  to.w = at_.w + alpha * d.w;
-  to.v = at_.v + alpha * d.v;
-  return to;
-}
-
-bool InteriorPath::central(const Iterate& at) const {
-  const double least = method_.neighbourhood * gap(at);
-  for (Index i = 0; i < at.w.size(); ++i) {
-    if (below(i) && !(s(at, i) * at.w[i] >= least)) return false;
-    if (above(i) && !(t(at, i) * at.v[i] >= least)) return false;
-  }
-  return true;
+bool InteriorRun::central(const Iterate& x) const {
+  const double least = method_.neighbourhood * path_.gap(x);
+  return (x.s.array() * x.w.array() >= least).all();
 }
 
 /// The step along d; false if F is defined at no point of it or the residual grows wherever it ends.
-bool InteriorPath::advance(const InteriorStep& d) {
-  if (!d.x.allFinite() || !d.w.allFinite() || !d.v.allFinite()) return false;
-  double alpha = std::min(1.0, method_.to_boundary * reach(d));
-  for (int k = 0; k < neighbourhood_cuts && !central(moved(d, alpha)); ++k) alpha *= cut;
-  const double size = residual(at_).norm();
-  const double floor = gap(at_);  // a residual below the products is small enough
+bool InteriorRun::advance(const Iterate& d) {
+  if (!d.z.allFinite() || !d.w.allFinite()) return false;
+  double alpha = InteriorPath::least(path_.length(d));
+  for (int k = 0; k < neighbourhood_cuts && !central(path_.moved(d, {alpha, alpha})); ++k) alpha *= cut;
+  const double size = residual(path_.x, point_);
+  const double floor = path_.gap(path_.x);  // a residual below the products is small enough
   for (int k = 0; k < max_halvings && alpha > vanishing_step; ++k, alpha /= 2, ++it_.backtracks) {
-    Iterate to = moved(d, alpha);
-    if (!run_.counted().eval(to.point.x, to.point.F)) {
+    Iterate to = path_.moved(d, {alpha, alpha});
+    Point point;
+    point.x = lcp::project(run_.box(), to.z);
+    if (!run_.counted().eval(point.x, point.F)) {
       ++undefined_;
       continue;
     }
-    if (!(residual(to).norm() <= method_.growth * std::max(size, floor))) continue;
-    to.point.J.swap(at_.point.J);  // its pattern
-    const bool defined = run_.counted().jacobian(to.point.x, to.point.J);
+    if (!(residual(to, point) <= method_.growth * std::max(size, floor))) continue;
+    point.J.swap(point_.J);  // its pattern
+    const bool defined = run_.counted().jacobian(point.x, point.J);
     if (!defined) {
       ++undefined_;
-      at_.point.J.swap(to.point.J);
-      run_.counted().jacobian(at_.point.x, at_.point.J);  // as it was
+      point_.J.swap(point.J);
+      run_.counted().jacobian(point_.x, point_.J);  // as it was
       continue;
     }
-    at_ = std::move(to);
-    it_.step = last_step_ = alpha;
+    point_ = std::move(point);
+    path_.x = std::move(to);
+    it_.step = alpha;
     it_.kind = 'N';
     return true;
   }
   return false;
 }
 
-bool InteriorPath::step() {
-  singular_ = !follow() || !factor();
+bool InteriorRun::step() {
+  singular_ = !follow();
   if (singular_) return false;
-  if (pairs_ == 0) return advance(direction(0, nullptr));
-  const double tau = gap(at_);
-  const double least = raises_ > 0 ? std::max(restart_centring, method_.least_centring) : method_.least_centring;
-  if (advance(predictor_corrector(*this, tau, least, last_step_).direction) && it_.step > vanishing_step) return true;
-  return advance(direction(most_centring * tau, nullptr));
+  linearise();
+  const lcp::LuStatus status = path_.factor(point_.F);
+  run_.stats().factorizations += path_.system().factorizations() - factorizations_;
+  factorizations_ = path_.system().factorizations();
+  if (status == lcp::LuStatus::OutOfMemory) throw std::bad_alloc();
+  singular_ = status != lcp::LuStatus::Ok;
+  if (singular_) return false;
+  const double size = residual(path_.x, point_);
+  if (!advance(path_.newton(std::pow(share_of_residual * natural(), 2)))) {
+    const Vec centre = 0.8 * path_.gap(path_.x) - path_.x.s.cwiseProduct(path_.x.w).array();
+    return path_.pairs() > 0 && advance(path_.direction(centre));
+  }
+  path_.adapt_proximal(it_.step, size, residual(path_.x, point_));
+  return true;
 }
 
-bool InteriorPath::finish() {
+bool InteriorRun::finish() {
   Point to;
-  if (!finish_.step(at_.point, to)) return false;
-  if (!left_) left_ = at_;
-  at_.point = std::move(to);
+  if (!finish_.step(point_, to)) return false;
+  if (!left_) left_ = point_;
+  point_ = std::move(to);
   it_.kind = 'S';
   it_.step = 1;
   return true;
@@ -314,19 +254,17 @@ bool InteriorPath::finish() {
 
 /// From the best point, or for every other restart from where the run is, with larger products: its natural residual,
 /// times 10 a restart.
-bool InteriorPath::raise_tau() {
+bool InteriorRun::raise_tau() {
   if (raises_ == method_.restarts) return false;
   ++raises_;
-  if (raises_ % 2 == 1) at_.point.x = run_.best();
-  const double tau = std::pow(10.0, raises_ - 1) * std::clamp(run_.best_residual(), 1e-3, 1e6);
-  if (!enter(tau)) return false;
-  last_step_ = 1;
+  if (raises_ % 2 == 1) point_.x = run_.best();
+  if (!open_here(std::pow(10.0, raises_ - 1) * std::clamp(run_.best_residual(), 1e-3, 1e6))) return false;
   it_.kind = 'U';
   it_.step = 1;
   return true;
 }
 
-void InteriorPath::give_up() {
+void InteriorRun::give_up() {
   const std::string raised = raises_ == 0 ? "" : ", after tau was raised " + quantity(raises_, "time");
   if (undefined_ > 0 && undefined_ >= it_.backtracks)
     run_.end(Status::EvaluationFailed, "F or its Jacobian is not defined at any trial point, however short the step",
@@ -335,15 +273,16 @@ void InteriorPath::give_up() {
     run_.end(Status::LinearAlgebraFailed, "the Newton matrix J + diag(w / s + v / t) is singular" + raised,
              "try another method; 'perp inspect' says why a Jacobian is singular");
   else
-    run_.end(Status::NoProgress,
-             "the natural residual has stopped falling on the central path, at tau = " + number(gap(at_)) + raised,
-             "try another start, or a method with proximal escapes, --method proxi or semicomp");
+    run_.end(
+        Status::NoProgress,
+        "the natural residual has stopped falling on the central path, at tau = " + number(path_.gap(path_.x)) + raised,
+        "try another start, or a method with proximal escapes, --method proxi or semicomp");
 }
 
-void InteriorPath::run() {
+void InteriorRun::run() {
   it_ = {.k = 0, .kind = 'I'};
-  if (!run_.go_on(at_.point, it_)) return;
-  if (!enter(1)) {
+  if (!run_.go_on(point_, it_)) return;
+  if (!start()) {
     give_up();
     return;
   }
@@ -352,7 +291,7 @@ void InteriorPath::run() {
     it_ = {.k = it_.k + 1};
     undefined_ = 0;
     if (!method_.finish || method_.follow || !finish()) {
-      if (left_) at_ = std::move(*left_);  // the path goes on from where it was left
+      if (left_) point_ = std::move(*left_);  // the path goes on from where it was left
       left_.reset();
       if (!stall.stalled(natural()) && step()) {
       } else if (raise_tau()) {
@@ -363,8 +302,8 @@ void InteriorPath::run() {
       }
     }
     it_.merit = merit();
-    it_.mu = gap(at_);
-  } while (run_.go_on(at_.point, it_));
+    it_.mu = path_.gap(path_.x);
+  } while (run_.go_on(point_, it_));
 }
 
 }  // namespace
@@ -373,8 +312,6 @@ void describe(InteriorPoint& m, Fields& f) {
   describe_lu(m.lu, f);
   f.add("patience", &m.patience, at_least(1),
         "iterations in which the natural residual must fall by 1 %, or the parameter is raised");
-  f.add("interior_centring", &m.least_centring, strictly_between(0, 1),
-        "interior: least sigma, the share of the mean product tau that a step aims at");
   f.add("interior_to_boundary", &m.to_boundary, strictly_between(0, 1),
         "largest step, as a share of the way to the boundary");
   f.add("interior_finish", &m.finish, "interior: Newton steps on the active set at the end");
@@ -382,14 +319,12 @@ void describe(InteriorPoint& m, Fields& f) {
         "the least product is kept above this share of the mean");
   f.add("interior_growth", &m.growth, strictly_between(1, 1e100),
         "interior: factor by which |F - w + v| may grow in one step");
-  f.add("interior_margin", &m.margin, strictly_between(0, 1e100),
-        "interior: the start is moved inside finite bounds by this much, or to the middle");
   f.add("interior_restarts", &m.restarts, at_least(0),
         "interior: number of times that tau is raised when the residual no longer falls");
 }
 
 void iterate(Run& run, const InteriorPoint& method, Point point) {
-  if (!run.ended()) InteriorPath(run, method, std::move(point)).run();
+  if (!run.ended()) InteriorRun(run, method, std::move(point)).run();
 }
 
 }  // namespace perp::ncp

@@ -34,6 +34,41 @@ std::vector<Index> free_variables(const Box& box) {
   return free;
 }
 
+/// Equations that hold one free variable define it, v = g(x), and stand beside it with the sign that makes its
+/// coefficient positive: then row factors may make J quasi-definite (lcp/linalg/quasi_definite.hpp). Nothing where they
+/// stand there.
+std::optional<lcp::EquationOrder> definitions(const SpMat& J, const Box& box) {
+  const Index n = box.size();
+  const std::vector<Index> free = free_variables(box);
+  std::vector<Index> holds(at(n), 0), row(at(n), -1);  // of equations: their free variables; of those: the row
+  lcp::EquationOrder order{.row_of = std::vector<Index>(at(n)), .sign = Vec::Ones(n)};
+  for (const Index j : free)
+    for (SpMat::InnerIterator it(J, j); it; ++it) ++holds[at(it.row())];
+  for (const Index j : free)
+    for (SpMat::InnerIterator it(J, j); it; ++it)
+      if (box.is_free(it.row()) && holds[at(it.row())] == 1 && (row[at(j)] < 0 || it.row() == j)) {
+        row[at(j)] = it.row();
+        order.sign[j] = it.value() < 0 ? -1 : 1;
+      }
+  std::vector<char> taken(at(n), 0);
+  for (const Index j : free)
+    if (row[at(j)] >= 0) taken[at(row[at(j)])] = 1;
+  for (const Index j : free)  // the others stay where they can
+    if (row[at(j)] < 0 && !taken[at(j)]) row[at(j)] = j, taken[at(j)] = 1;
+  auto next = free.begin();
+  for (const Index j : free) {
+    if (row[at(j)] >= 0) continue;
+    while (taken[at(*next)]) ++next;
+    row[at(j)] = *next++;
+  }
+  bool same = true;
+  for (Index j = 0; j < n; ++j) {
+    order.row_of[at(j)] = box.is_free(j) ? row[at(j)] : j;
+    same = same && order.row_of[at(j)] == j && order.sign[j] > 0;
+  }
+  return same ? std::nullopt : std::optional(order);
+}
+
 /// By the values of J at x, which are asked for only where its pattern is not symmetric as it is, or F is affine.
 std::optional<lcp::EquationOrder> order_of_equations(Run& run, const Vec& x) {
   const Mcp& mcp = run.mcp();
@@ -45,7 +80,8 @@ std::optional<lcp::EquationOrder> order_of_equations(Run& run, const Vec& x) {
   }
   SpMat J = mcp.jacobian_pattern();
   if (!run.counted().jacobian(x, J)) return std::nullopt;
-  return lcp::equation_order(J, mcp.box());
+  auto order = lcp::equation_order(J, mcp.box());
+  return order || mcp.is_affine() ? order : definitions(J, mcp.box());
 }
 
 /// The rows beside the variables, as many of the free ones as can be in rows that they are in.

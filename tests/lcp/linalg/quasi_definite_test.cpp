@@ -58,15 +58,40 @@ TEST(QuasiDefinite, SolvesSystemsOfInteriorPoints) {
   }
 }
 
-// A matrix that no signs make symmetric is left to the LU: M_12 = 1, M_21 = 2; a triangle with an odd number of
-// minuses; an entry without its mirror image.
-TEST(QuasiDefinite, RefusesWhatNoSignsMakeSymmetric) {
+// A matrix that no row factors make symmetric is left to the LU: a cycle whose factors do not close, an odd number of
+// minuses in a triangle, entries without their mirror images one after another. One of these alone is left to the
+// refinement.
+TEST(QuasiDefinite, RefusesWhatNoRowFactorsMakeSymmetric) {
   QuasiDefinite ldlt;
-  EXPECT_FALSE(ldlt.analyze(support::matrix({{1, 1}, {2, 1}})));
+  EXPECT_FALSE(ldlt.analyze(support::matrix({{1, 1, 1}, {2, 1, 1}, {1, 1, 1}})));
   EXPECT_FALSE(ldlt.analyze(support::matrix({{1, 1, 1}, {-1, 1, 1}, {1, 1, 1}})));
-  EXPECT_FALSE(ldlt.analyze(support::matrix({{1, 1}, {0, 1}})));
+  EXPECT_FALSE(ldlt.analyze(support::matrix({{1, 1, 0}, {0, 1, 1}, {0, 0, 1}})));
   EXPECT_TRUE(ldlt.analyze(support::matrix({{1, 1}, {-1, 1}})));
   EXPECT_TRUE(ldlt.analyze(support::matrix({{1, 3}, {3, 1}})));
+  EXPECT_TRUE(ldlt.analyze(support::matrix({{1, 1}, {0, 1}})));
+}
+
+// Rows in other units, as where a definition v = sum x is met with a slope: R is found, and the factors of
+// another M of the pattern follow it. Beside the equations themselves. Catches a row factor that is left out on the
+// way to L or back, and the R of the M before.
+TEST(QuasiDefinite, FindsTheUnitsOfRows) {
+  std::mt19937 random(6);
+  std::uniform_real_distribution<double> exponent(-3, 3);
+  std::uniform_real_distribution<double> value(-1, 1);
+  QuasiDefinite ldlt;
+  const SpMat M = bisymmetric(random, 40, 20);
+  for (int k = 0; k < 4; ++k) {
+    const Vec units = Vec::NullaryExpr(60, [&](Index) { return std::pow(10, exponent(random)); });
+    const SpMat N = units.asDiagonal() * M;
+    ASSERT_TRUE(ldlt.analyze(N));
+    const Vec theta = units * 0.5;
+    ASSERT_TRUE(ldlt.factor(theta));
+    const Vec b = Vec::NullaryExpr(60, [&](Index) { return value(random); });
+    Vec x(60);
+    ldlt.solve(b, x);
+    EXPECT_LE(((N * x + theta.cwiseProduct(x) - b).cwiseQuotient(units)).norm(),
+              1e-7 * (1 + b.cwiseQuotient(units).norm()));
+  }
 }
 
 // A zero pivot, and one of the wrong sign, are told: the caller goes on by LU. The next matrix is factored again.
