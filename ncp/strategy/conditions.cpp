@@ -5,6 +5,7 @@
 
 #include "lcp/cholesky/symmetric.hpp"
 #include "lcp/classes/classify.hpp"
+#include "lcp/linalg/quasi_definite.hpp"
 #include "ncp/analysis/function_classes.hpp"
 #include "ncp/strategy/structured_run.hpp"
 
@@ -20,6 +21,19 @@ FunctionClasses proven_classes(const Mcp& mcp, In x) {
   constexpr Index most_variables = 300;
   if (mcp.is_affine() || mcp.size() > most_variables || mcp.enclosure() == nullptr) return {};
   return function_classes(mcp, x, {.minors_to = 10, .samples = 0});
+}
+
+/// Returns whether J with its rows scaled is positive semidefinite: then some R > 0 and a skew part leave R J
+/// symmetric, and J + eps I has an L S L' with the signs of its rows. Costs a factorization of what interior points
+/// factor.
+bool monotone_in_scaled_rows(const SpMat& J, std::chrono::steady_clock::time_point deadline) {
+  constexpr double eps = 1e-6;  // above the rounding of J's entries
+  SpMat identity(J.rows(), J.rows());
+  identity.setIdentity();
+  SpMat with_diagonal = J + 0 * identity;
+  with_diagonal.makeCompressed();
+  lcp::QuasiDefinite ldlt(deadline);
+  return ldlt.analyze(with_diagonal) && ldlt.factor(Vec::Constant(J.rows(), eps));
 }
 
 }  // namespace
@@ -38,7 +52,7 @@ std::string_view words_of(Condition condition) {
     case Condition::Nonlinear:
       return "the problem is nonlinear";
     case Condition::Monotone:
-      return "the Jacobian is positive semidefinite";
+      return "the Jacobian is positive semidefinite in units of its rows";
     case Condition::Large:
       return "n > 2000";
     case Condition::Symmetric:
@@ -75,7 +89,9 @@ bool Facts::holds(Condition condition) {
     case Condition::Nonlinear:
       return !mcp.is_affine();
     case Condition::Monotone:
-      if (!monotone_) monotone_ = lcp::positive_semidefinite(start_.J, {.dense_to = 0}).yes();
+      if (!monotone_)
+        monotone_ = mcp.is_affine() ? lcp::positive_semidefinite(start_.J, {.dense_to = 0}).yes()
+                                    : monotone_in_scaled_rows(start_.J, run_.deadline());
       return *monotone_;
     case Condition::Large:
       return mcp.size() > large;

@@ -76,7 +76,7 @@ struct Escaping {
 enum class Condition {
   Affine,
   Nonlinear,
-  Monotone,     ///< J at the start is positive semidefinite
+  Monotone,     ///< J at the start is positive semidefinite, of nonlinear problems in units of its rows
   Large,        ///< more than 2000 variables
   Symmetric,    ///< J at the start
   Unsymmetric,  ///< J at the start
