@@ -48,7 +48,7 @@ def lq_game(
     lower: Bound = -np.inf,
     upper: Bound = np.inf,
     *,
-    method: str | None = None,
+    method: str | None = "path",
     options: Options | None = None,
     **more: object,
 ) -> LqEquilibrium:
@@ -63,7 +63,7 @@ def lq_game(
     lower, upper
             as of `perp.solve`.
     method, options, more
-            as of `perp.mcp_affine`.
+            as of `perp.mcp_affine`; the method path takes half of the time of auto here.
     """
     sizes = [int(size) for size in sizes]
     n, players = sum(sizes), len(sizes)
