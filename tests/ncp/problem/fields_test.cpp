@@ -105,10 +105,14 @@ TEST(Fields, ReachEveryMember) {
                     smoothing = described<SmoothingFunction>(), path = described<PathSearch>();
   for (const Count& c :
        {Count{"Stop", members<Stop>(), stop, 0, 0, 1},  // interrupt is for programs
-        Count{"Armijo", members<Armijo>(), armijo, 0, 0, 0}, Count{"Escape", members<Escape>(), escape, 0, 0, 0},
-        Count{"Forcing", members<Forcing>(), forcing, 0, 0, 0},
+        Count{"Armijo", members<Armijo>(), armijo, 0, 0, 0},
+        // trial_iterations is for programs
+        Count{"Escape", members<Escape>(), escape, 0, 0, 1},
+        // max_iterations is for programs
+        Count{"Forcing", members<Forcing>(), forcing, 0, 0, 1},
+        // descent_rho is for programs
         Count{"SemismoothNewton", members<SemismoothNewton>(), described<SemismoothNewton>(), 4,
-              cfunction + armijo + forcing, 0},
+              cfunction + armijo + forcing, 1},
         // direction is a method of its own on the command line
         Count{"MinNewton", members<MinNewton>(), described<MinNewton>(), 2, armijo, 1},
         // restarts is of lists
