@@ -18,7 +18,7 @@ namespace {
 /// A NaN that no arithmetic makes: what a callback has not set is still this.
 constexpr std::uint64_t unset = 0x7FF8'5065'7270'0001;
 
-/// Relative: F or J differs from what a promise makes it. (As in presolve.)
+/// Relative difference of F or J from what a promise makes it: far beyond rounding, far below a term that matters.
 constexpr double broken = 1e-6;
 
 bool is_unset(double value) { return std::bit_cast<std::uint64_t>(value) == unset; }
@@ -150,17 +150,9 @@ void CallbackMcp::check_promise_of_F(ncp::In x, ncp::In F) const {
     return probe();
   }
   if (!knows_J_) return;
-  Vec made = first_F_;
-  Vec size = made.cwiseAbs().cwiseMax(1);
-  const SpMat& pattern = pattern_.entries;
-  std::vector<double> J(first_J_.size());
-  for (std::size_t k = 0; k < J.size(); ++k) J[pattern_.place.empty() ? k : lcp::at(pattern_.place[k])] = first_J_[k];
-  for (Index j = 0; j < pattern.cols(); ++j)
-    for (Index k = pattern.outerIndexPtr()[j]; k < pattern.outerIndexPtr()[j + 1]; ++k) {
-      const double term = J[lcp::at(k)] * (x[j] - first_x_[j]);
-      made[pattern.innerIndexPtr()[k]] += term;
-      size[pattern.innerIndexPtr()[k]] += std::abs(term);
-    }
+  const Vec dx = x - first_x_;
+  const Vec made = first_F_ + first_J_ * dx;
+  const Vec size = first_F_.cwiseAbs().cwiseMax(1) + first_J_.cwiseAbs() * dx.cwiseAbs();
   for (Index i = 0; i < F.size(); ++i)
     if (std::isfinite(made[i]) && std::abs(F[i] - made[i]) > broken * size[i])
       return end(failure_, place("F", i) + " is not as linear as the problem declares: it is " + ncp::number(F[i]) +
@@ -169,14 +161,23 @@ void CallbackMcp::check_promise_of_F(ncp::In x, ncp::In F) const {
 
 void CallbackMcp::check_promise_of_J() const {
   if (!std::exchange(knows_J_, true)) {
-    first_J_ = values_J_;
+    first_J_ = pattern_.entries;
+    put_values(first_J_);
     return probe();
   }
   for (std::size_t k = 0; k < values_J_.size(); ++k)
-    if (std::abs(values_J_[k] - first_J_[k]) > broken * std::abs(first_J_[k]))
+    if (const double first = first_J_.valuePtr()[pattern_.place.empty() ? static_cast<Index>(k) : pattern_.place[k]];
+        std::abs(values_J_[k] - first) > broken * std::abs(first))
       return end(failure_, "J, " + place("J", static_cast<Index>(k)) +
                                " is not as constant as the problem declares: it is " + ncp::number(values_J_[k]) +
-                               ", and was " + ncp::number(first_J_[k]));
+                               ", and was " + ncp::number(first));
+}
+
+void CallbackMcp::put_values(SpMat& J) const {
+  if (pattern_.place.empty())
+    std::copy(values_J_.begin(), values_J_.end(), J.valuePtr());
+  else
+    for (std::size_t k = 0; k < values_J_.size(); ++k) J.valuePtr()[pattern_.place[k]] = values_J_[k];
 }
 
 void CallbackMcp::probe() const {
@@ -198,10 +199,7 @@ bool CallbackMcp::jacobian(ncp::In x, SpMat& J) const {
   const bool defined = called("J", ++J_evals_, values_J_,
                               [&](double* values) { return J_(x_.size(), count, x_.data(), values, user_); });
   if (defined && affine_) check_promise_of_J();
-  if (pattern_.place.empty())
-    std::copy(values_J_.begin(), values_J_.end(), J.valuePtr());
-  else
-    for (std::size_t k = 0; k < values_J_.size(); ++k) J.valuePtr()[pattern_.place[k]] = values_J_[k];
+  put_values(J);
   return defined && failure_.empty();
 }
 

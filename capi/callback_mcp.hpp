@@ -51,7 +51,9 @@ class CallbackMcp final : public ncp::Mcp {
   /// Ends where F at x, or the J that has just been evaluated, is not what the promise of an affine F makes it.
   void check_promise_of_F(ncp::In x, ncp::In F) const;
   void check_promise_of_J() const;
-  /// Checks it at another point, once: a method may need F at one only.
+  /// Copies the values that J's callback has left.
+  void put_values(SpMat& J) const;
+  /// Checks the promise at another point, once: a method may need F at one only.
   void probe() const;
 
   lcp::Box box_;
@@ -63,7 +65,7 @@ class CallbackMcp final : public ncp::Mcp {
   bool affine_ = false;
   // The first F and J of an affine problem: they make all others.
   mutable Vec first_x_{}, first_F_{};
-  mutable std::vector<double> first_J_{};
+  mutable SpMat first_J_{};
   mutable bool knows_J_ = false, probed_ = false;
 
   mutable std::optional<ncp::ColouredDifferences> differences_{};  // where there is no J
@@ -92,7 +94,7 @@ class Watch {
   Watch& operator=(const Watch&) = delete;
   /// Throws PERP_BAD_CALLBACK if one failed.
   void check() const;
-  /// What `work` returns, or throws; PERP_BAD_CALLBACK if one failed, which may be why `work` threw.
+  /// Returns what `work` returns, or throws what it throws; PERP_BAD_CALLBACK if a callback failed, which may be why.
   template <class Work>
   auto over(Work work) const {
     try {

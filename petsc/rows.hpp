@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-/// What the active-set steps need of the rows of a distributed matrix of type aij.
+/// Steps and changes of single rows of a distributed matrix of type aij, for active-set steps.
 #include "petsc/box.hpp"
 
 namespace perp::petsc {

@@ -50,10 +50,8 @@ std::string held_out_by(const LoadedProblem& problem, ncp::Method method, const 
 void add_model_notes(const LoadedProblem& problem, const ncp::Method& method, ncp::Result& result) {
   if (problem.model == nullptr) return;
   std::vector<std::string> remarks = problem.model->remarks();
-  std::string said = result.message;
-  for (const auto* texts : {&result.notes, &remarks})
-    for (const std::string& text : *texts) said += text;
-  if (std::string advice = ncp::ampl::advice_on_names(said); !advice.empty()) result.notes.push_back(std::move(advice));
+  const bool says_names = !result.solved() || !result.notes.empty() || !remarks.empty();
+  if (says_names && !problem.model->has_names()) result.notes.emplace_back(ncp::ampl::advice_on_names);
   for (std::string& remark : remarks) result.notes.push_back(std::move(remark));
   if (result.accepted() || result.status == ncp::Status::Interrupted || problem.model->side_inequalities() == 0) return;
   if (const std::string sides = held_out_by(problem, method, result); !sides.empty())

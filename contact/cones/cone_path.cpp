@@ -5,8 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "contact/cones/predictor_corrector.hpp"
 #include "lcp/types.hpp"
-#include "ncp/methods/predictor_corrector.hpp"
 
 namespace perp::contact {
 namespace {
@@ -223,7 +223,7 @@ double ConePath::mean_after(const Direction& d, double alpha) const {
 
 bool ConePath::step() {
   if (contacts_.empty() || !assemble()) return false;
-  const Direction d = ncp::predictor_corrector(*this, tau_, cone_least_centring, last_step_).direction;
+  const Direction d = predictor_corrector(*this, tau_, cone_least_centring, last_step_).direction;
   if (!d.r.allFinite() || !d.y.allFinite()) return false;
   last_step_ = cone_to_boundary * reach(d);
   at_.r += last_step_ * d.r;

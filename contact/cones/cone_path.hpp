@@ -14,7 +14,7 @@
 /// Nesterov & Todd's scaling, a matrix T of each contact with T y = T^-1 r, leaves
 ///     (W + diag(T^-2 + e_N g')) dr = rhs,   g = ds/dr - T^-2 ds/dy,
 /// g = 0 where s is given (contact/model/contact_system.hpp). Predictor and corrector are those of
-/// ncp/methods/predictor_corrector.hpp. Acary, Armand, Nguyen & Shpakovych, Second-order cone
+/// contact/cones/predictor_corrector.hpp. Acary, Armand, Nguyen & Shpakovych, Second-order cone
 /// programming for frictional contact mechanics using interior point algorithm, Optim. Methods Softw. 39 (2024) 634;
 /// Alizadeh & Goldfarb, Math. Program. 95 (2003) 3. Private to contact/.
 #include <vector>
@@ -57,7 +57,7 @@ class ConePath {
     Vec r;
     Vec y;
   };
-  // Of ncp::predictor_corrector().
+  // Called by predictor_corrector().
   Direction direction(double target, const Direction* affine);
   double reach(const Direction& d) const;
   double mean_after(const Direction& d, double alpha) const;

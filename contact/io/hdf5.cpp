@@ -174,7 +174,7 @@ void Hdf5Reader::datatype(Range body, Object& object) const {
     object.kind = Kind::Float;
 }
 
-/// Where the values are.
+/// Reads where the values are.
 void Hdf5Reader::layout(Range body, Object& object) const {
   const std::uint64_t version = number(body.at, 1);
   const std::uint64_t kind = number(body.at + 1, 1);
@@ -272,7 +272,7 @@ Hdf5Reader::Object Hdf5Reader::values(const std::string& path, Kind kind, const 
   return found;
 }
 
-/// Of value k.
+/// Returns the bits of value k.
 std::uint64_t Hdf5Reader::bits(const Object& data, Address k) const {
   const Address at = data.data.at + k * data.bytes;
   std::uint64_t value = 0;
@@ -470,7 +470,7 @@ Hdf5Writer::Placed Hdf5Writer::place(const Node& node, std::uint64_t fanout, std
   return out;
 }
 
-/// Of all groups, the most members.
+/// Returns the most members that a group has.
 std::size_t Hdf5Writer::largest(const Node& node) {
   std::size_t most = node.members.size();
   for (const auto& [name, member] : node.members) most = std::max(most, largest(member));

@@ -23,7 +23,7 @@ using lcp::Index;
 using lcp::SpMat;
 using lcp::Vec;
 
-/// What M or W may be unsymmetric by, relative: the rounding of whoever assembled it.
+/// Relative asymmetry of M or W that is allowed: the rounding of whoever assembled it.
 inline constexpr double rounding_of_input = 1e-11;
 
 /// Entries below this part of sqrt(W_ii W_jj) are zero by structure.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-/// Whether a solver is better off with the entries of W = H' M^-1 H or with its parts (delassus.hpp), told before any
-/// number of either. Private to contact/.
+/// Choice between the entries of W = H' M^-1 H and its parts (delassus.hpp), made before any number of either is
+/// computed. Private to contact/.
 #include "contact/model/scaling.hpp"
 
 namespace perp::contact {

@@ -7,8 +7,8 @@
 #include <limits>
 #include <utility>
 
+#include "contact/cones/predictor_corrector.hpp"
 #include "contact/laws/glocker_law.hpp"
-#include "ncp/methods/predictor_corrector.hpp"
 
 namespace perp::contact {
 namespace {
@@ -272,7 +272,7 @@ double Homotopy::shortened(const Direction& d, double alpha) const {
 bool Homotopy::step() {
   parameters();
   if (products_ == 0 || !assemble()) return false;
-  const auto [d, sigma] = ncp::predictor_corrector(*this, tau_, options_.least_centring, last_step_);
+  const auto [d, sigma] = predictor_corrector(*this, tau_, options_.least_centring, last_step_);
   if (!d.r.allFinite()) return false;
   const double alpha = shortened(d, std::min(1.0, options_.to_boundary * reach(d)));
   r_ += alpha * d.r;

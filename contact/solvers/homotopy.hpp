@@ -11,7 +11,7 @@
 /// delta = delta_share tau and eps = eps_share tau. In a Newton step kappa and w belong to their contact alone; they
 /// are eliminated (Schur complement), and what is left is a system of contact/model/contact_system.hpp:
 ///     (W + diag(B_a)) dr = rhs.
-/// Predictor and corrector are those of ncp/methods/predictor_corrector.hpp, step lengths as in
+/// Predictor and corrector are those of contact/cones/predictor_corrector.hpp, step lengths as in
 /// ncp/methods/interior_point.hpp, without any search on the residual.
 #include <vector>
 
@@ -56,7 +56,7 @@ class Homotopy {
   const HomotopyIteration& last() const { return last_; }
 
   struct Direction;
-  // Of ncp::predictor_corrector().
+  // Called by predictor_corrector().
   Direction direction(double target, const Direction* affine);
   double reach(const Direction& d) const;
   double mean_after(const Direction& d, double alpha) const;

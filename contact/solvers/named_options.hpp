@@ -11,7 +11,7 @@
 
 namespace perp::contact {
 
-/// What options set beside the method, and notes on those without effect.
+/// Values that options set beside the method, and notes on those without effect.
 struct AppliedOptions {
   std::optional<double> tol{};
   std::optional<double> seconds{};

@@ -107,7 +107,7 @@ void InteriorPath::open_inside(const Vec& z, double margin) {
   follow_z();
 }
 
-/// By `least` at least, or to the middle.
+/// Moves z_i away from the bound to a distance of at least `least`, or to the middle.
 void InteriorPath::move_inside(const Bound& b, double least) {
   const double inside = std::min(least, (box_.upper[b.i] - box_.lower[b.i]) / 2);
   x.z[b.i] = b.sign > 0 ? std::max(x.z[b.i], b.at + inside) : std::min(x.z[b.i], b.at - inside);

@@ -75,8 +75,8 @@ class InteriorPath {
   std::size_t group(Index i) const { return group_[at(i)]; }  ///< 0 but for linear programs
   double gap(const Iterate& of) const { return pairs() > 0 ? of.s.dot(of.w) / static_cast<double>(pairs()) : 0; }
   Vec residual(const Iterate& of, const Vec& F) const;  ///< r
-  /// Where s < w says that a bound is active.
-  std::vector<Index> active() const;  ///< of each variable: its bound, or -1
+  /// Returns the bound of each variable that s < w calls active, or -1.
+  std::vector<Index> active() const;
   ShiftedSystem& system() { return system_; }
   const ShiftedSystem& system() const { return system_; }
 

@@ -18,12 +18,6 @@ void describe_memory(int& memory, Fields& f) {
         "non-monotone search: merits remembered, the largest of which must be beaten; 1 is monotone", "memory");
 }
 
-void describe_descent(double& rho, double& p, Fields& f) {
-  f.add("descent_rho", &rho, above(0),
-        "a Newton direction d needs  merit'(x; d) <= -descent_rho (|d| / sqrt n)^descent_p");
-  f.add("descent_p", &p, above(2), "see descent_rho");
-}
-
 void describe_iterations(long& limit, Fields& f) {
   f.add("affine_iteration_limit", &limit, at_least(0), "pivots, rounds or steps after which to give up");
 }

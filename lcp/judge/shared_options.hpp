@@ -8,7 +8,6 @@ namespace perp::lcp {
 
 void describe_lu(LuBackend& lu, Fields& fields);
 void describe_memory(int& memory, Fields& fields);
-void describe_descent(double& rho, double& p, Fields& fields);
 /// Steps of a method for affine problems.
 void describe_iterations(long& limit, Fields& fields);
 

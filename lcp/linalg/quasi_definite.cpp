@@ -88,7 +88,7 @@ bool without_mirror_image(const SpMat& M, const SpMat& Mt, bool same) {
   return false;
 }
 
-/// What rounding and the walk from row to row may have left of symmetry; refinement makes it good.
+/// Asymmetry that rounding and the walk from row to row may leave, relative; refinement makes it good.
 constexpr double rounding = 1e-9;
 
 }  // namespace
@@ -99,6 +99,15 @@ std::optional<Vec> signs_of(const SpMat& M) {
   std::vector<Index> part;
   if (without_mirror_image(M, Mt, same)) return std::nullopt;
   return row_factors(M, Mt, same, part, [](double a, double b) { return a == b; });
+}
+
+SpMat with_diagonal(const SpMat& M) {
+  SpMat zeros(M.rows(), M.rows());
+  zeros.setIdentity();
+  zeros *= 0;
+  SpMat out = M + zeros;
+  out.makeCompressed();
+  return out;
 }
 
 QuasiDefinite::QuasiDefinite(Deadline deadline) : cholesky_(deadline, CholeskyOrdering::Thorough) {}

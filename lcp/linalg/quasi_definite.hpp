@@ -17,6 +17,9 @@ namespace perp::lcp {
 /// diagonal.
 std::optional<Vec> signs_of(const SpMat& M);
 
+/// Returns M with a place for each entry of its diagonal, zeros where it has none.
+SpMat with_diagonal(const SpMat& M);
+
 class QuasiDefinite {
  public:
   /// No factorization is begun that would not have ended at the deadline (lcp/kernel_clock.hpp).

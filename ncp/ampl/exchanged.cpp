@@ -24,7 +24,8 @@ Indices conditions_of(const Pairing& pairing) {
   return found;
 }
 
-/// Where an index may begin: "cap[gas]" at '[', "cap_gas" and "cap.gas" behind the mark, "e12" at the number.
+/// Returns whether an index may begin there: "cap[gas]" at '[', "cap_gas" and "cap.gas" behind the mark, "e12" at the
+/// number.
 bool begins_index(const std::string& name, std::size_t k) {
   const auto digit = [&](std::size_t at) { return name[at] >= '0' && name[at] <= '9'; };
   return k == 0 || name[k] == '[' || name[k - 1] == '_' || name[k - 1] == '.' || (digit(k) && !digit(k - 1));
@@ -42,11 +43,10 @@ std::vector<Habit> habits_of(const std::string& row, const std::string& variable
 
 std::string by_names(const Pairing& pairing, const Names& names) {
   const Indices conditions = conditions_of(pairing);
-  if (std::ssize(conditions) > most) return {};
+  if (!names.complete() || std::ssize(conditions) > most) return {};
   std::unordered_map<std::string, Index> unknown;
   std::map<Habit, Indices> followers;
   for (const Index u : conditions) {
-    if (equation_name(pairing, names, u).starts_with("_scon[")) return {};  // the file has no names
     unknown.emplace(unknown_name(pairing, names, u), u);
     for (Habit& habit : habits_of(equation_name(pairing, names, u), unknown_name(pairing, names, u)))
       followers[std::move(habit)].push_back(u);
@@ -54,7 +54,7 @@ std::string by_names(const Pairing& pairing, const Names& names) {
   std::erase_if(followers, [](const auto& entry) { return entry.second.size() < 2; });  // no habit
   std::set<Index> follows;
   for (const auto& [habit, those] : followers) follows.insert(those.begin(), those.end());
-  /// What the row's variable would be by the commonest habit of its like, and an example.
+  // Maps a row to the variable that the commonest habit of its like gives it, and an example.
   std::map<Index, std::pair<Index, Index>> expected;
   for (const Index u : conditions) {
     if (follows.contains(u)) continue;
@@ -69,7 +69,7 @@ std::string by_names(const Pairing& pairing, const Names& names) {
       expected[u] = {it->second, those.front()};
     }
   }
-  // Only whole circles: each has what another one should have.
+  // A whole circle is asked for: each has what another one should have.
   if (expected.size() < 2 || expected.size() > few) return {};
   std::set<Index> taken;
   for (const auto& [u, wants] : expected)
@@ -103,7 +103,7 @@ std::string by_pattern(const Pairing& pairing, const SpMat& P, const Names& name
   const SpMat transposed = P.transpose();
   constexpr std::size_t some = 200;  // of two rows, however long: more than that and they are not looked through
   const auto now = unmirrored(P, transposed, -1, -1, some);
-  // Of a few entries any exchange may make a symmetric pattern.
+  // Patterns of a few entries may become symmetric by any exchange.
   constexpr std::size_t evidence = 3;
   if (now.size() < evidence || now.size() == some || P.nonZeros() < 2 * std::ssize(now)) return {};
   // Two rows that have to do with all of these.

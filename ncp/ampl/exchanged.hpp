@@ -8,11 +8,10 @@
 
 namespace perp::ncp::ampl {
 
-/// Says which, by names or by the pattern of J; empty where nothing speaks for it.
-///
-/// By names: most rows cap[i] complement mu[i], row cap[a] does not, mu[a] exists, and the row that has mu[a] breaks a
-/// habit, too. By the pattern: it is not symmetric, and would be if two rows had each other's variables. Optimality
-/// conditions and equilibria of prices and quantities have symmetric patterns.
+/// Says which, by names or by the pattern of J; empty where nothing speaks for it. Names speak for it where most rows
+/// cap[i] complement mu[i], row cap[a] does not, mu[a] exists, and the row that has mu[a] breaks a habit, too. The
+/// pattern does where it is not symmetric, and would be if two rows had each other's variables: optimality conditions
+/// and equilibria of prices and quantities have symmetric patterns.
 std::string exchanged(const Pairing& pairing, const JacobianMap& jacobian, const Names& names);
 
 }  // namespace perp::ncp::ampl

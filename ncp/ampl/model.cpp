@@ -44,10 +44,10 @@ void write_answer(const std::string& stub, const std::string& content) {
 
 class AslModel final : public Model {
  public:
-  AslModel(const std::string& stub, const std::string& bytes, NlModel nl)
+  AslModel(const std::string& stub, const std::string& bytes, NlModel nl, Names names)
       : stub_(stub),
         nl_(std::move(nl)),
-        names_(stub, nl_.header.n_var, nl_.header.n_con),
+        names_(std::move(names)),
         pairing_(pair(nl_, names_)),
         jacobian_(map_jacobian(nl_, pairing_)),
         affine_(std::ranges::all_of(nl_.mentions, [](const auto& row) { return row.empty(); })),
@@ -77,6 +77,7 @@ class AslModel final : public Model {
   const Vec& start() const override { return start_; }
   Index n_var() const override { return static_cast<Index>(pairing_.variables.size()); }
   Index side_inequalities() const override { return size() - n_var(); }
+  bool has_names() const override { return names_.complete(); }
   bool has_objective() const override { return nl_.header.n_obj > 0; }
   std::vector<Computed> computed(In x) const override;
   std::vector<std::string> remarks() const override;
@@ -197,16 +198,15 @@ std::unique_ptr<Model> read_model(const std::string& path) {
   const std::string stub = stub_of(path);
   const std::string file = stub + ".nl";
   const std::string bytes = read_file(file);
+  NlModel nl = check_nl(file, bytes);
+  const Names names(stub, nl.header.n_var, nl.header.n_con);
   try {
-    return std::make_unique<AslModel>(stub, bytes, check_nl(file, bytes));
+    return std::make_unique<AslModel>(stub, bytes, std::move(nl), names);
   } catch (const ModelError& refused) {
-    const std::string advice = Names::advice(refused.what());
-    if (advice.empty()) throw;
-    throw ModelError(refused.code(), std::string(refused.what()) + "; " + advice);
+    if (names.complete()) throw;
+    throw ModelError(refused.code(), std::string(refused.what()) + "; " + advice_on_names);
   }
 }
-
-std::string advice_on_names(const std::string& text) { return Names::advice(text); }
 
 void write_failed_sol(const std::string& path, const std::string& message, int solve_result_num) {
   const std::string stub = stub_of(path);

@@ -41,6 +41,7 @@ class Model : public Mcp {
   virtual const Vec& start() const = 0;  ///< the model's initial guess; 0 where it gives none; size() entries
   virtual Index n_var() const = 0;       ///< variables of the model itself that are unknowns
   virtual Index side_inequalities() const = 0;
+  virtual bool has_names() const = 0;      ///< all of its rows and variables, from its .row and .col files
   virtual bool has_objective() const = 0;  ///< (ignored: an MCP has none)
   /// Variables of the modeller's that are no unknowns: each stands for the expression of a condition, and `equation`
   /// gives its value. nan where that is not defined.
@@ -62,8 +63,11 @@ class Model : public Mcp {
 /// threads.
 std::unique_ptr<Model> read_model(const std::string& path);
 
-/// How to have names in a text that calls rows and variables by their numbers; empty for other texts.
-std::string advice_on_names(const std::string& text);
+/// How to have names where messages call rows and variables by their numbers.
+inline constexpr const char* advice_on_names =
+    "_svar and _scon stand for names that the model's files lack: write them with symbolic_solver_labels=True in "
+    "Pyomo, "
+    "with option auxfiles rc in AMPL";
 
 /// Writes a .sol file for a model that could not be read as an MCP, so that AMPL hears why: no solution vector.
 void write_failed_sol(const std::string& path, const std::string& message, int solve_result_num);

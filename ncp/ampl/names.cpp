@@ -32,7 +32,12 @@ std::string name(const std::vector<std::string>& names, int i, const char* other
 }  // namespace
 
 Names::Names(const std::string& stub, int n_var, int n_con)
-    : variables_(read_lines(stub + ".col", n_var)), rows_(read_lines(stub + ".row", n_con)) {}
+    : variables_(read_lines(stub + ".col", n_var)), rows_(read_lines(stub + ".row", n_con)) {
+  const auto all_named = [](const std::vector<std::string>& names, int count) {
+    return std::ssize(names) >= count && std::ranges::none_of(names, &std::string::empty);
+  };
+  complete_ = all_named(variables_, n_var) && all_named(rows_, n_con);
+}
 
 std::string Names::variable(int i) const { return name(variables_, i, "_svar["); }
 std::string Names::row(int i) const { return name(rows_, i, "_scon["); }
@@ -43,12 +48,6 @@ std::string Names::list(const std::vector<std::string>& names) {
   for (std::size_t i = 0; i < std::min(names.size(), shown); ++i) text += (i == 0 ? "" : ", ") + names[i];
   if (names.size() > shown) text += " and " + std::to_string(names.size() - shown) + " more";
   return text;
-}
-
-std::string Names::advice(const std::string& text) {
-  if (text.find("_svar[") == std::string::npos && text.find("_scon[") == std::string::npos) return {};
-  return "_svar and _scon stand for names that the model's files lack: write them with symbolic_solver_labels=True in "
-         "Pyomo, with option auxfiles rc in AMPL";
 }
 
 }  // namespace perp::ncp::ampl

@@ -16,11 +16,12 @@ class Names {
   std::string row(int i) const;       ///< _scon[i + 1]
   /// "a, b, c and 12 more"
   static std::string list(const std::vector<std::string>& names);
-  /// How to have names, for a text that has to do without; else empty.
-  static std::string advice(const std::string& text);
+  /// Whether all variables and rows have a name of the files.
+  bool complete() const { return complete_; }
 
  private:
   std::vector<std::string> variables_, rows_;
+  bool complete_ = false;
 };
 
 }  // namespace perp::ncp::ampl

@@ -58,7 +58,7 @@ std::vector<Concern> concerns(const Inspection& inspection) {
       add(Concern::Derivatives, std::move(wrong));
   const ConditionFindings& condition = inspection.condition;
   const bool active = condition.active && *condition.active < singular_rcond && condition.active_size > 0;
-  // Of the numbers alone: prices without a numeraire.
+  // Prices without a numeraire are seen in the numbers alone.
   const bool all = condition.all && *condition.all < singular_rcond && structure.full();
   if (active || all) {
     const std::string why = explain_singularity(mcp, start.J, start.x, start.F);

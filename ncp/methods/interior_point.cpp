@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "lcp/iterative/interior_path.hpp"
+#include "lcp/linalg/quasi_definite.hpp"
 #include "ncp/methods/active_set_step.hpp"
 #include "ncp/reformulation/line_search.hpp"
 #include "ncp/reformulation/merit.hpp"
@@ -72,24 +73,16 @@ class InteriorRun {
   bool singular_ = false;
 };
 
-SpMat with_diagonal(const SpMat& J) {
-  SpMat identity(J.rows(), J.rows());
-  identity.setIdentity();
-  SpMat out = J + 0 * identity;
-  out.makeCompressed();
-  return out;
-}
-
 InteriorRun::InteriorRun(Run& run, const InteriorPoint& method, Point point)
     : run_(run),
       method_(method),
       point_(std::move(point)),
-      J_(with_diagonal(point_.J)),
+      J_(lcp::with_diagonal(point_.J)),
       path_(J_, run.box(), false, method.to_boundary, proximal, method.lu, run.deadline()),
       finish_(run, method.lu) {}
 
-/// By the size of the linearisation at the start, where that leads to no larger residuals than it comes from, or than
-/// the products; else by the start itself. False: F or J is defined at no point tried.
+/// Opens the path by the size of the linearisation at the start, where that leads to no larger residuals than it comes
+/// from, or than the products; else by the start itself. False: F or J is defined at no point tried.
 bool InteriorRun::start() {
   const Vec z = path_.nearest(point_.x, point_.F);
   const Vec t = path_.halves(z, point_.F + J_ * (z - point_.x));
@@ -160,7 +153,7 @@ void InteriorRun::follow_equations() {
   path_.x.z += dz;
 }
 
-/// J_ of the point.
+/// Sets J_ to J at the point.
 void InteriorRun::linearise() {
   for (Index j = 0; j < J_.cols(); ++j) {
     SpMat::InnerIterator a(point_.J, j);
@@ -252,7 +245,7 @@ bool InteriorRun::finish() {
   return true;
 }
 
-/// From the best point, or for every other restart from where the run is, with larger products: its natural residual,
+/// Restarts from the best point, every other time from where the run is, with larger products: its natural residual,
 /// times 10 a restart.
 bool InteriorRun::raise_tau() {
   if (raises_ == method_.restarts) return false;

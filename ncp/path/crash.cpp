@@ -92,7 +92,7 @@ class ProximalTerm {
   /// The problem is affine, and J was found to be positive semidefinite when the first J_II was singular.
   bool monotone() const { return monotone_; }
 
-  /// With J and F_I of the point.
+  /// Takes J and F_I of the point.
   void raise(const Run& run, const SpMat& J, const Vec& F) {
     if (lambda_ > 0) {
       lambda_ *= crash_prox_growth;

@@ -23,17 +23,12 @@ FunctionClasses proven_classes(const Mcp& mcp, In x) {
   return function_classes(mcp, x, {.minors_to = 10, .samples = 0});
 }
 
-/// Returns whether J with its rows scaled is positive semidefinite: then some R > 0 and a skew part leave R J
-/// symmetric, and J + eps I has an L S L' with the signs of its rows. Costs a factorization of what interior points
-/// factor.
-bool monotone_in_scaled_rows(const SpMat& J, std::chrono::steady_clock::time_point deadline) {
+/// Returns whether J + eps I has an L S L' with the signs of its rows, some R_i != 0 making R J symmetric, as where |R|
+/// J is positive semidefinite. Costs a factorization of what interior points factor.
+bool quasi_definite(const SpMat& J, std::chrono::steady_clock::time_point deadline) {
   constexpr double eps = 1e-6;  // above the rounding of J's entries
-  SpMat identity(J.rows(), J.rows());
-  identity.setIdentity();
-  SpMat with_diagonal = J + 0 * identity;
-  with_diagonal.makeCompressed();
   lcp::QuasiDefinite ldlt(deadline);
-  return ldlt.analyze(with_diagonal) && ldlt.factor(Vec::Constant(J.rows(), eps));
+  return ldlt.analyze(lcp::with_diagonal(J)) && ldlt.factor(Vec::Constant(J.rows(), eps));
 }
 
 }  // namespace
@@ -52,7 +47,9 @@ std::string_view words_of(Condition condition) {
     case Condition::Nonlinear:
       return "the problem is nonlinear";
     case Condition::Monotone:
-      return "the Jacobian is positive semidefinite in units of its rows";
+      return "the Jacobian is positive semidefinite";
+    case Condition::QuasiDefinite:
+      return "the Jacobian has an L S L' with the signs of its rows, as that of a monotone F has";
     case Condition::Large:
       return "n > 2000";
     case Condition::Symmetric:
@@ -89,10 +86,10 @@ bool Facts::holds(Condition condition) {
     case Condition::Nonlinear:
       return !mcp.is_affine();
     case Condition::Monotone:
-      if (!monotone_)
-        monotone_ = mcp.is_affine() ? lcp::positive_semidefinite(start_.J, {.dense_to = 0}).yes()
-                                    : monotone_in_scaled_rows(start_.J, run_.deadline());
+      if (!monotone_) monotone_ = lcp::positive_semidefinite(start_.J, {.dense_to = 0}).yes();
       return *monotone_;
+    case Condition::QuasiDefinite:
+      return quasi_definite(start_.J, run_.deadline());
     case Condition::Large:
       return mcp.size() > large;
     case Condition::Symmetric:

@@ -174,7 +174,7 @@ Method automatic(const Stop& stop) {
                    .reason = "large problems take few pivots or very many"},
                   {.method = InteriorPoint{},
                    .title = "interior points",
-                   .when = {If::Nonlinear, If::Cold, If::Large, If::Unsymmetric, If::Monotone},
+                   .when = {If::Nonlinear, If::Cold, If::Large, If::Unsymmetric, If::QuasiDefinite},
                    .reason = "some twenty factorizations that take little fill, whatever the active set"},
                   {.method = path({}, 0),
                    .title = "path with few pivots",

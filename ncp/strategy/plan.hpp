@@ -76,15 +76,16 @@ struct Escaping {
 enum class Condition {
   Affine,
   Nonlinear,
-  Monotone,     ///< J at the start is positive semidefinite, of nonlinear problems in units of its rows
-  Large,        ///< more than 2000 variables
-  Symmetric,    ///< J at the start
-  Unsymmetric,  ///< J at the start
-  UniformP,     ///< F is proven to be a uniform P-function
-  Scalable,     ///< scaling by J at the start brings its entries together
-  Rescalable,   ///< scaling by J at the best point does
-  Triangular,   ///< J is block triangular
-  Cold,         ///< no warm basis is given
+  Monotone,       ///< J at the start is positive semidefinite
+  QuasiDefinite,  ///< J at the start has an L S L' with the signs of its rows (lcp/linalg/quasi_definite.hpp)
+  Large,          ///< more than 2000 variables
+  Symmetric,      ///< J at the start
+  Unsymmetric,    ///< J at the start
+  UniformP,       ///< F is proven to be a uniform P-function
+  Scalable,       ///< scaling by J at the start brings its entries together
+  Rescalable,     ///< scaling by J at the best point does
+  Triangular,     ///< J is block triangular
+  Cold,           ///< no warm basis is given
 };
 /// "the problem is affine".
 std::string_view words_of(Condition condition);

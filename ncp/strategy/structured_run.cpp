@@ -138,7 +138,7 @@ std::optional<SpMat> entries_near(Run& run, In x0) {
   return entries;
 }
 
-/// By the pattern; where that is one block, by the entries near x0.
+/// Finds them by the pattern; where that is one block, by the entries near x0.
 Blocks blocks_of(Run& run, In x0) {
   Blocks blocks = blocks_of(run.mcp(), ones(run.mcp().jacobian_pattern()));
   if (blocks.components.count() > 1) return blocks;

@@ -242,3 +242,16 @@ def test_plot():
     assert axes.get_yscale() == "log" and "Solved" in axes.get_title()
     with pytest.raises(TypeError, match="result"):
         perp.plot(3)
+
+
+def test_fields_of_the_library_need_no_line_of_python():
+    """Record.__getattr__ gives what has no documentation of its own. Catches a new field that nobody can read."""
+
+    class Bare(perp._result.Record):
+        pass
+
+    r = perp.collection("kojshin").solve()
+    bare = Bare(r._source)
+    assert (bare.status, bare.residual, bare.worst) == (r.status, r.residual, r.worst)
+    with pytest.raises(AttributeError, match="no_such_field"):
+        _ = bare.no_such_field

@@ -8,10 +8,10 @@
 #include <algorithm>
 #include <vector>
 
+#include "contact/cones/predictor_corrector.hpp"
 #include "contact/contact_support.hpp"
 #include "contact/laws/glocker.hpp"
 #include "contact/laws/glocker_support.hpp"
-#include "ncp/methods/predictor_corrector.hpp"
 
 namespace perp::contact {
 namespace {
@@ -39,7 +39,7 @@ class Unreduced {
     const Direction stay{Vec::Zero(x_.size()), Vec::Zero(x_.size())};
     const double tau = mean_after(stay, 0);
     evaluate(tau);
-    const Direction d = ncp::predictor_corrector(*this, tau, options_.least_centring, last_).direction;
+    const Direction d = predictor_corrector(*this, tau, options_.least_centring, last_).direction;
     last_ = std::min(1.0, options_.to_boundary * reach(d));
     for (int k = 0; k < 6 && !central(d, last_); ++k) last_ *= 0.8;
     x_ += last_ * d.x;
