@@ -18,7 +18,7 @@
 #include "app/program/command_option.hpp"
 #include "app/program/files.hpp"
 #include "app/report/report.hpp"
-#include "ncp/collection/collection.hpp"
+#include "collection/collection.hpp"
 
 namespace perp::app {
 

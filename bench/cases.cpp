@@ -9,8 +9,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "collection/collection.hpp"
 #include "ncp/ampl/model.hpp"
-#include "ncp/collection/collection.hpp"
 #include "ncp/problem/affine.hpp"
 #include "ncp/strategy/presets.hpp"
 

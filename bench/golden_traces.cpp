@@ -9,7 +9,7 @@
 #include <string>
 #include <type_traits>
 
-#include "ncp/collection/collection.hpp"
+#include "collection/collection.hpp"
 #include "ncp/strategy/presets.hpp"
 
 namespace {

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "cases.hpp"
+#include "collection/sized.hpp"
 #include "lcp/lu/sparse_lu.hpp"
-#include "ncp/collection/sized.hpp"
 #include "ncp/problem/affine.hpp"
 #include "timing.hpp"
 

@@ -4,8 +4,8 @@
 
 #include "capi/guard.hpp"
 #include "capi/record.hpp"
+#include "collection/sized.hpp"
 #include "contact/scenes/generators.hpp"
-#include "ncp/collection/sized.hpp"
 #include "ncp/settings/method_table.hpp"
 #include "ncp/settings/settings.hpp"
 

@@ -8,8 +8,8 @@
 #include "capi/guard.hpp"
 #include "capi/handles.hpp"
 #include "capi/solve.hpp"
+#include "collection/sized.hpp"
 #include "lcp/io/matrix_market.hpp"
-#include "ncp/collection/sized.hpp"
 #include "ncp/problem/affine.hpp"
 
 namespace perp::capi {

@@ -48,8 +48,8 @@ set(perp_public_headers
   ncp/problem/autodiff.hpp
   ncp/ampl/model.hpp
   ncp/ampl/nl_writer.hpp
-  ncp/collection/collection.hpp
-  ncp/collection/scalable/generators.hpp
+  collection/collection.hpp
+  collection/scalable/generators.hpp
   ncp/strategy/deflation.hpp
   ncp/strategy/kept.hpp
   ncp/interval/enclosure.hpp
@@ -65,7 +65,7 @@ set(perp_public_headers
 set(perp_unread_headers ${perp_public_headers})
 while(perp_unread_headers)
   list(POP_FRONT perp_unread_headers header)
-  file(STRINGS ${PROJECT_SOURCE_DIR}/${header} includes REGEX "^#include \"(contact|lcp|ncp)/")
+  file(STRINGS ${PROJECT_SOURCE_DIR}/${header} includes REGEX "^#include \"(collection|contact|lcp|ncp)/")
   list(TRANSFORM includes REPLACE "^#include \"([^\"]+)\".*" "\\1")
   list(REMOVE_ITEM includes ${perp_public_headers})
   list(APPEND perp_public_headers ${includes})
@@ -76,10 +76,10 @@ endwhile()
 foreach(header IN LISTS perp_public_headers)
   cmake_path(GET header PARENT_PATH folder)
   install(FILES ${PROJECT_SOURCE_DIR}/${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/perp/${folder})
-  if(header MATCHES "^ncp/(ampl|collection)/[a-z_]+[.]hpp$")  # these have had no other name
+  if(header MATCHES "^ncp/ampl/[a-z_]+[.]hpp$")  # these have had no other name
     continue()
   endif()
-  string(REGEX REPLACE "^(lcp|ncp/collection|ncp|contact)/[a-z]+/([a-z_]+[.]hpp)$" "\\1/\\2" name ${header})
+  string(REGEX REPLACE "^(lcp|collection|ncp|contact)/[a-z]+/([a-z_]+[.]hpp)$" "\\1/\\2" name ${header})
   if(NOT EXISTS ${PROJECT_SOURCE_DIR}/${name})
     file(CONFIGURE OUTPUT ${perp_short_names}/${name} CONTENT "#pragma once\n#include \"${header}\"\n" @ONLY)
     cmake_path(GET name PARENT_PATH folder)

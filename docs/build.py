@@ -33,7 +33,7 @@ OUTSIDE = {  # texts outside of docs/, and where they are in the site
     "lcp/README.md": "folders/lcp.md",
     "ncp/README.md": "folders/ncp.md",
     "ncp/ampl/README.md": "folders/ampl.md",
-    "ncp/collection/README.md": "folders/collection.md",
+    "collection/README.md": "folders/collection.md",
 }
 
 

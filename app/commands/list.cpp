@@ -13,7 +13,7 @@
 #include "app/report/json.hpp"
 #include "app/report/report.hpp"
 #include "app/text/table.hpp"
-#include "ncp/collection/sized.hpp"
+#include "collection/sized.hpp"
 #include "ncp/problem/residual.hpp"
 
 namespace perp::app {

@@ -11,10 +11,10 @@
 #include <utility>
 
 #include "app/program/program.hpp"
+#include "collection/sized.hpp"
 #include "lcp/io/matrix_market.hpp"
 #include "lcp/io/siconos_file.hpp"
 #include "lcp/memory.hpp"
-#include "ncp/collection/sized.hpp"
 #include "ncp/problem/affine.hpp"
 
 namespace perp::app {

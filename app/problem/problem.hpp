@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "app/program/files.hpp"
+#include "collection/collection.hpp"
 #include "ncp/ampl/model.hpp"
-#include "ncp/collection/collection.hpp"
 
 namespace perp::app {
 
@@ -54,7 +54,7 @@ std::vector<FileUse> files_of(const ProblemSource& source);
 std::string refusal(const std::string& problem, const std::function<void()>& work);
 
 /// "FILE.nl", "FILE" beside which there is a FILE.nl, NAME, or NAME:SIZE[xSIZE...][:SEED] of a family in any size
-/// (ncp/collection/sized.hpp); a name of the collection goes before a file of that name without its ".nl". Throws
+/// (collection/sized.hpp); a name of the collection goes before a file of that name without its ".nl". Throws
 /// InputError (no such file, name or start; a suggestion where there is one) or ncp::ampl::ModelError.
 LoadedProblem load_problem(const std::string& argument, std::optional<int> start = {});
 

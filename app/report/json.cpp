@@ -12,8 +12,8 @@
 #include "app/problem/warm_start.hpp"
 #include "app/program/files.hpp"
 #include "app/text/json_parts.hpp"
+#include "collection/sized.hpp"
 #include "ncp/analysis/certificate.hpp"
-#include "ncp/collection/sized.hpp"
 
 namespace perp::app {
 

@@ -13,7 +13,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "ncp/collection/sized.hpp"
+#include "collection/sized.hpp"
 #include "ncp/problem/residual.hpp"
 #include "ncp/strategy/solve.hpp"
 

@@ -8,7 +8,7 @@
 
 #include <random>
 
-#include "ncp/collection/collection.hpp"
+#include "collection/collection.hpp"
 #include "ncp/problem/residual.hpp"
 
 namespace perp::bench {

@@ -6,8 +6,8 @@
 #include <optional>
 #include <sstream>
 
+#include "collection/collection.hpp"
 #include "faults/harness.hpp"
-#include "ncp/collection/collection.hpp"
 #include "ncp/problem/residual.hpp"
 #include "ncp/strategy/presets.hpp"
 

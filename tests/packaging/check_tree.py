@@ -61,13 +61,13 @@ FLOORS = """
 lcp lcp/cholesky lcp/lu lcp/judge lcp/linalg lcp/pivoting lcp/qp lcp/iterative lcp/classes lcp/solve lcp/io
 ncp/interval ncp/problem ncp/ampl ncp/run ncp/reformulation ncp/transforms ncp/analysis ncp/path ncp/methods ncp/strategy
 ncp/settings
-ncp/collection/base ncp/collection/random ncp/collection/models ncp/collection/scalable ncp/collection/kkt ncp/collection
+collection/base collection/random collection/models collection/scalable collection/kkt collection
 contact/model contact/existence contact/io contact/laws contact/classics contact/cones contact/solvers contact/scenes
 capi capi/path
 petsc petsc/mpi
 app/program app/text app/options app/problem app/report app/commands app/contact/run app/contact app
 """.split()
-OURS = re.compile(r"(lcp|ncp|contact|capi|petsc|app)/(?!private/)")  # petsc/private is PETSc's own
+OURS = re.compile(r"(lcp|ncp|collection|contact|capi|petsc|app)/(?!private/)")  # petsc/private is PETSc's own
 
 
 def tracked(root):

@@ -25,7 +25,7 @@ from check_tree import tracked
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 SKIPPED = 77
-FOLDERS = ("lcp/", "ncp/", "contact/", "capi/", "petsc/", "app/")
+FOLDERS = ("lcp/", "ncp/", "collection/", "contact/", "capi/", "petsc/", "app/")
 KEPT = re.compile(r"-(D(?!NDEBUG)|U|I|W|w|std=|fvisibility)")  # hardly any options of code generation: a precompiled header fits more files
 INCLUDED = re.compile(r'^#include "(.+)"$', re.M)
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// The collection as tests use it.
-#include "ncp/collection/collection.hpp"
+#include "collection/collection.hpp"
 
 namespace perp::support {
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-/// Nonlinear MCPs for the tests, written from their papers and not taken from ncp/collection, and a judge of solutions
+/// Nonlinear MCPs for the tests, written from their papers and not taken from collection, and a judge of solutions
 /// that shares nothing with the library's.
 #include <cmath>
 #include <functional>

@@ -8,8 +8,8 @@
 #include <filesystem>
 
 #include "app/support.hpp"
+#include "collection/collection.hpp"
 #include "lcp/io/matrix_market.hpp"
-#include "ncp/collection/collection.hpp"
 #include "ncp/problem/affine.hpp"
 
 namespace perp::app {
@@ -72,7 +72,7 @@ TEST(Export, SizesAndStarts) {
 
 // As .nl file with its names, from the start asked for; --nl without a file names it after the problem. Would catch a
 // start that is not written, names of other rows, and a problem that cannot be taken to other solvers. (All of the
-// collection: tests/ncp/collection/test_nl_files.cpp.)
+// collection: tests/collection/test_nl_files.cpp.)
 TEST(Export, WritesAmplModels) {
   const test::Folder folder;
   test::Captured captured;

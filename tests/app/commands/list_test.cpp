@@ -12,7 +12,7 @@
 
 #include "app/json.hpp"
 #include "app/support.hpp"
-#include "ncp/collection/collection.hpp"
+#include "collection/collection.hpp"
 
 namespace perp::app {
 namespace {

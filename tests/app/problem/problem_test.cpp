@@ -30,7 +30,7 @@ TEST(SizedProblem, NameAndSizeMakeIt) {
 }
 
 // The command line's errors are input errors (exit code 2), wherever a size is refused:
-// tests/ncp/collection/test_sized.cpp has the cases. Catches: a refusal that ends the program, a colon that hides a
+// tests/collection/test_sized.cpp has the cases. Catches: a refusal that ends the program, a colon that hides a
 // suggestion.
 TEST(SizedProblem, RefusesWhatIsNoSize) {
   for (const char* argument : {"obstacle:", "obstacle:3", "obstacle:3x", "obstacle:3x4x5", "obstacle:axb"})

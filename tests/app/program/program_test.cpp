@@ -16,8 +16,8 @@
 #include "app/options/methods.hpp"
 #include "app/options/options.hpp"
 #include "app/support.hpp"
+#include "collection/collection.hpp"
 #include "lcp/gpl.hpp"
-#include "ncp/collection/collection.hpp"
 #include "ncp/reformulation/cfunction.hpp"
 #include "ncp/reformulation/smoothing_function.hpp"
 

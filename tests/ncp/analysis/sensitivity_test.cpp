@@ -8,7 +8,7 @@
 #include <cmath>
 #include <limits>
 
-#include "ncp/collection/collection.hpp"
+#include "collection/collection.hpp"
 #include "ncp/strategy/solve.hpp"
 #include "support/methods.hpp"
 #include "support/problems.hpp"

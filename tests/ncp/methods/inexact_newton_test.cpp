@@ -7,8 +7,8 @@
 #include <chrono>
 #include <cmath>
 
-#include "ncp/collection/collection.hpp"
-#include "ncp/collection/scalable/generators.hpp"
+#include "collection/collection.hpp"
+#include "collection/scalable/generators.hpp"
 #include "ncp/strategy/solve.hpp"
 #include "support/methods.hpp"
 #include "support/problems.hpp"

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "ncp/collection/collection.hpp"
+#include "collection/collection.hpp"
 #include "ncp/problem/affine.hpp"
 #include "ncp/strategy/solve.hpp"
 #include "support/matrices.hpp"

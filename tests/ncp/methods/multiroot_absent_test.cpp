@@ -5,7 +5,7 @@
 
 #include <stdexcept>
 
-#include "ncp/collection/collection.hpp"
+#include "collection/collection.hpp"
 #include "ncp/settings/input_error.hpp"
 #include "ncp/strategy/plan.hpp"
 #include "ncp/strategy/presets.hpp"

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "ncp/collection/collection.hpp"
+#include "collection/collection.hpp"
 #include "ncp/strategy/solve.hpp"
 #include "support/collection.hpp"
 #include "support/methods.hpp"

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "ncp/collection/collection.hpp"
+#include "collection/collection.hpp"
 #include "ncp/strategy/solve.hpp"
 #include "support/methods.hpp"
 #include "support/problems.hpp"

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "ncp/collection/collection.hpp"
+#include "collection/collection.hpp"
 #include "ncp/problem/residual.hpp"
 #include "ncp/reformulation/cfunction.hpp"
 #include "ncp/strategy/solve.hpp"

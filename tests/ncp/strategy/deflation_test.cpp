@@ -9,8 +9,8 @@
 #include <chrono>
 #include <cmath>
 
+#include "collection/collection.hpp"
 #include "lcp/solve/enumeration.hpp"
-#include "ncp/collection/collection.hpp"
 #include "ncp/strategy/deflated_newton.hpp"
 #include "support/methods.hpp"
 #include "support/problems.hpp"

@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <vector>
 
-#include "ncp/collection/collection.hpp"
-#include "ncp/collection/sized.hpp"
+#include "collection/collection.hpp"
+#include "collection/sized.hpp"
 #include "ncp/graph_problem.hpp"
 #include "ncp/problem/affine.hpp"
 #include "ncp/run/run.hpp"

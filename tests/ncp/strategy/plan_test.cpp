@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "ncp/collection/collection.hpp"
+#include "collection/collection.hpp"
 #include "ncp/strategy/presets.hpp"
 #include "ncp/strategy/solve.hpp"
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <string>
 
-#include "ncp/collection/collection.hpp"
+#include "collection/collection.hpp"
 #include "ncp/strategy/presets.hpp"
 #include "support/collection.hpp"
 #include "support/methods.hpp"

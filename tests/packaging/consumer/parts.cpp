@@ -3,12 +3,12 @@
 // (UMFPACK), contact problems (HDF5). Prints the solution of the model named on the command line.
 #include <iostream>
 
+#include "collection/collection.hpp"
 #include "contact/fclib.hpp"
 #include "contact/residual.hpp"
 #include "lcp/file_error.hpp"
 #include "lcp/lemke.hpp"
 #include "ncp/ampl/model.hpp"
-#include "ncp/collection/collection.hpp"
 #include "ncp/solve.hpp"
 
 int main(int, char** argv) {
