@@ -23,7 +23,7 @@ Vec entries(const Eigen::MatrixXd& matrix) {
 
 }  // namespace
 
-perp_iteration iteration_of(const ncp::Iteration& it) {
+perp_iteration iteration_of(const ncp::Iteration& it, std::int64_t n) {
   return {.struct_size = sizeof(perp_iteration),
           .k = it.k,
           .residual = it.residual,
@@ -40,7 +40,7 @@ perp_iteration iteration_of(const ncp::Iteration& it) {
           .linear = letter(it.linear),
           .crash = it.crash ? 1 : 0,
           .attempt = it.attempt.c_str(),
-          .n = 0,
+          .n = n,
           .x = nullptr};
 }
 

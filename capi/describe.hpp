@@ -15,8 +15,8 @@
 
 namespace perp::capi {
 
-/// x of the iteration is null.
-perp_iteration iteration_of(const ncp::Iteration& it);
+/// Of a problem of n variables; x is null, texts are the record's.
+perp_iteration iteration_of(const ncp::Iteration& it, std::int64_t n);
 
 // `callbacks` of the problem, or null: their calls are counted.
 Part part_of(const ncp::Stats& stats, const CallbackMcp* callbacks);

@@ -4,7 +4,6 @@
 /// below; the accessors of perp.h know kinds and no field.
 #include <algorithm>
 #include <cstdint>
-#include <list>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -15,13 +14,14 @@
 #include "capi/perp.h"
 #include "lcp/pivoting/lemke.hpp"
 #include "lcp/types.hpp"
+#include "ncp/run/observe.hpp"
 
 namespace perp::capi {
 
-/// The iterations of a solve; those that begin an attempt say so in a text that is kept beside them.
+/// The iterations of a solve, as C sees them; texts are those of the records.
 struct Iterations {
+  std::vector<ncp::Iteration> records{};
   std::vector<perp_iteration> rows{};
-  std::list<std::string> attempts{};
 };
 
 using Part = std::unique_ptr<perp_result>;

@@ -11,10 +11,8 @@
 #include "capi/describe.hpp"
 #include "capi/guard.hpp"
 #include "ncp/analysis/certificate.hpp"
-#include "ncp/analysis/verify.hpp"
 #include "ncp/path/warm_basis.hpp"
-#include "ncp/strategy/deflation.hpp"
-#include "ncp/strategy/solve.hpp"
+#include "ncp/settings/session.hpp"
 
 static_assert(static_cast<int>(perp::lcp::Cell::Fixed) == PERP_FIXED &&
               static_cast<int>(perp::lcp::Cell::Inside) == PERP_INSIDE);
@@ -61,22 +59,14 @@ class Listeners {
   ncp::Observer observer() {
     return [this](const ncp::Iteration& it) {
       if (table_) table_(it);
-      keep(it);
       return solver_.progress == nullptr || go_on(it) ? ncp::Next::Continue : ncp::Next::Stop;
     };
   }
-  Iterations log() { return std::move(log_); }
 
  private:
-  void keep(const ncp::Iteration& it) {
-    perp_iteration row = iteration_of(it);
-    row.n = mcp_.size();
-    row.attempt = it.attempt.empty() ? "" : log_.attempts.emplace_back(it.attempt).c_str();
-    log_.rows.push_back(row);
-  }
   bool go_on(const ncp::Iteration& it) const {
     Vec x;
-    perp_iteration told = log_.rows.back();
+    perp_iteration told = iteration_of(it, mcp_.size());
     if (it.x != nullptr && it.problem == &mcp_) {
       x = lcp::project(mcp_.box(), *it.x);
       told.x = x.data();
@@ -89,7 +79,6 @@ class Listeners {
   LineBuffer lines_;
   std::ostream out_;
   ncp::Observer table_{};
-  Iterations log_{};
 };
 
 /// Gives the settings the basis.
@@ -104,20 +93,11 @@ void warm(settings::Settings& settings, const perp_solver& solver, const ncp::Mc
   ncp::fit_basis(mcp.box(), x0, settings.basis);
 }
 
-void check_model(const perp_problem& problem, const settings::Settings& settings) {
-  if (settings.sideineq == 2 && problem.model != nullptr && problem.model->side_inequalities() > 0)
-    refuse("problem", "the model has " + std::to_string(problem.model->side_inequalities()) +
-                          " side inequalities, refused by sideineq = 2");
-}
-
-/// What every solve does first: options for this problem, with the basis.
-settings::Applied options_for(Work& work, const perp_problem& problem, const Vec& x0) {
-  perp_solver& solver = work.solver();
-  check_model(problem, solver.options.settings);
+/// Options for this problem, with the basis.
+settings::Applied options_for(perp_solver& solver, const perp_problem& problem, const Vec& x0) {
   settings::Applied options = solver.options;
   settings::note_limits_of_size(problem.mcp.size(), options);
   warm(options.settings, solver, problem.mcp, x0);
-  ncp::stop(options.settings.method).interrupt = work.stop();
   return options;
 }
 
@@ -133,34 +113,37 @@ void note_stop(Work& work, ncp::Result& result) {
 
 Part solved(Work& work, const perp_problem& problem, const Vec& x0) {
   const ncp::Mcp& mcp = problem.mcp;
-  settings::Applied options = options_for(work, problem, x0);
-  ncp::Method& method = options.settings.method;
+  settings::Applied options = options_for(work.solver(), problem, x0);
   Listeners listeners(work.solver(), mcp);
   for (const std::string& note : options.notes) listeners.tell("note: " + note);
-  ncp::Result result =
-      work.watch().over([&] { return ncp::solve(mcp, x0, method, listeners.observer(), options.settings.basis); });
+  const bool tells_end = options.settings.output.all;
+  const settings::Session session{.mcp = mcp,
+                                  .x0 = x0,
+                                  .settings = std::move(options.settings),
+                                  .model = problem.model,
+                                  .interrupt = work.stop(),
+                                  .observer = listeners.observer()};
+  settings::Outcome outcome = work.watch().over([&] { return session.run(); });
+  ncp::Result& result = outcome.result;
   note_stop(work, result);
-  std::optional<ncp::Verified> verified;
-  if (options.settings.verify && result.accepted()) {
-    verified = ncp::verify(mcp, ncp::stop(method).tol, result);
-    work.watch().check();
-    if (!verified->unique) result.notes.push_back("not verified: " + verified->why_not);
-  }
-  if (options.settings.output.all) {
+  if (outcome.verified && !outcome.verified->unique)
+    result.notes.push_back("not verified: " + outcome.verified->why_not);
+  if (tells_end) {
     listeners.tell(std::string(to_string(result.status)) + ": " + result.message);
     for (const std::string& note : result.notes) listeners.tell("note: " + note);
   }
   const std::string certificate = ncp::certificate_json(mcp, result.x, result.proof);
   Part part = part_of(std::move(result), problem.callbacks);
   if (certificate != "null") part->add("certificate", certificate);
-  part->add("log", listeners.log());
-  if (verified) part->add("verified", part_of(std::move(*verified)));
+  Iterations log{.records = std::move(outcome.iterations)};
+  for (const ncp::Iteration& it : log.records) log.rows.push_back(iteration_of(it, mcp.size()));
+  part->add("log", std::move(log));
+  if (outcome.verified) part->add("verified", part_of(std::move(*outcome.verified)));
   return part;
 }
 
 Part solved_kept(Work& work, const perp_problem& problem, const Vec& x0) {
   perp_solver& solver = work.solver();
-  check_model(problem, solver.options.settings);
   if (!solver.kept) {
     ncp::Method method = solver.options.settings.method;
     ncp::stop(method).interrupt = work.stop();
@@ -177,11 +160,16 @@ Part all_solved(Work& work, const perp_problem& problem, const Vec& x0, std::int
   constexpr std::int64_t most_solutions = std::numeric_limits<int>::max();
   if (solutions < 1 || solutions > most_solutions)
     refuse("solutions", std::to_string(solutions) + " is not within 1 and " + std::to_string(most_solutions));
-  settings::Applied options = options_for(work, problem, x0);
   Listeners listeners(work.solver(), problem.mcp);
-  ncp::AllSolutions all =
-      ncp::solve_all(problem.mcp, x0, options.settings.method, {.solutions = static_cast<int>(solutions)},
-                     listeners.observer(), options.settings.method_name);
+  settings::Session session{.mcp = problem.mcp,
+                            .x0 = x0,
+                            .settings = options_for(work.solver(), problem, x0).settings,
+                            .model = problem.model,
+                            .interrupt = work.stop(),
+                            .observer = listeners.observer()};
+  session.settings.solutions = static_cast<int>(solutions);
+  session.settings.verify = false;
+  ncp::AllSolutions all = *session.run().several;
   note_stop(work, all.first);
   return part_of(std::move(all), problem.callbacks);
 }

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // What nearly every file includes, compiled once (CMakeLists.txt). Every file still names what it uses.
-#include "lcp/eigen_memory.hpp"
+#include <Eigen/Core>
+#include <Eigen/SparseCore>
 //

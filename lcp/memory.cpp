@@ -88,4 +88,9 @@ void require_memory(double bytes, const std::string& what_needs) {
   if (bytes > available) throw NotEnoughMemory(what_needs, bytes, available);
 }
 
+void require_factors(std::ptrdiff_t rows, double bytes) {
+  constexpr double little = 1 << 20;  // far less than require_memory() looks at: no words are made
+  if (bytes > little) require_memory(bytes, "the factors of " + std::to_string(rows) + " rows");
+}
+
 }  // namespace perp::lcp

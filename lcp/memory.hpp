@@ -2,6 +2,7 @@
 #pragma once
 /// How much memory there is, and the refusal to take more: asked before anything large is built, because Linux gives
 /// address space it does not have and ends the program later.
+#include <cstddef>
 #include <memory>
 #include <new>
 #include <string>
@@ -29,5 +30,7 @@ class NotEnoughMemory : public std::bad_alloc {
 
 /// Throws NotEnoughMemory if `bytes` are more than available_memory(). `what_needs`: a plural, "the factors".
 void require_memory(double bytes, const std::string& what_needs);
+/// The same for the factors of a matrix.
+void require_factors(std::ptrdiff_t rows, double bytes);
 
 }  // namespace perp::lcp

@@ -16,7 +16,7 @@
 #include <utility>
 
 #include "app/program/program.hpp"
-#include "lcp/kernel_clock.hpp"
+#include "lcp/deadline.hpp"
 
 namespace perp::app {
 

@@ -6,10 +6,12 @@
 #include <algorithm>
 #include <limits>
 #include <mutex>
+#include <new>
 #include <optional>
 #include <utility>
 
 #include "app/text/table.hpp"
+#include "lcp/memory.hpp"
 
 namespace perp::app {
 
@@ -62,6 +64,11 @@ struct Shared {
     judged = found;
   }
 
+  int iterations_so_far() {
+    const std::lock_guard lock(mutex);
+    return best.stats.iterations;
+  }
+
   void keep(ncp::Vec x) {
     ncp::Vec F(x.size());
     if (!mcp().eval(x, F)) return;
@@ -73,18 +80,39 @@ struct Shared {
   }
 };
 
-/// The report of a run that was left behind.
-Report report_of_best(Shared& shared, GivenUp why) {
+/// Why a run has no report of its own.
+struct CutShort {
+  ncp::Status status;
+  std::string message, advice;
+};
+
+CutShort left_behind(GivenUp why, int iterations) {
+  const bool interrupted = why == GivenUp::Interrupted;
+  return {interrupted ? ncp::Status::Interrupted : ncp::Status::TimeLimit,
+          fmt::format("{} {}, in a phase that did not end within 0.2 s",
+                      interrupted ? "interrupted after" : "the time limit was reached in iteration",
+                      interrupted ? count(iterations, "iteration") : std::to_string(iterations + 1)),
+          interrupted ? "run on from the point returned" : "raise the time limit"};
+}
+
+CutShort out_of_memory(const std::bad_alloc& error) {
+  const bool says_why = dynamic_cast<const lcp::NotEnoughMemory*>(&error) != nullptr;
+  return {ncp::Status::OutOfMemory, says_why ? error.what() : "out of memory",
+          "a smaller problem, more memory, or --method semismooth --option linear_solver=krylov"};
+}
+
+/// The report of a run that was cut short.
+Report report_of_best(Shared& shared, const CutShort& why) {
   const std::lock_guard lock(shared.mutex);
   shared.left = true;
   if (shared.judged) {  // what the judge has said stands, whatever comes after it
     Report report = *shared.judged;
-    report.result.notes.push_back(
-        fmt::format("what was asked for beside the solution was not done {}",
-                    why == GivenUp::Interrupted ? "before the interruption" : "within the time limit"));
+    report.result.notes.push_back(fmt::format("what was asked for beside the solution was not done: {}", why.message));
     return report;
   }
-  Report report{.problem = shared.problem.get(), .settings = shared.settings};
+  Report report;
+  report.problem = shared.problem.get();
+  report.settings = shared.settings;
   report.iterations = shared.iterations;
   report.result = shared.best;
   ncp::Result& result = report.result;
@@ -93,14 +121,9 @@ Report report_of_best(Shared& shared, GivenUp why) {
     result.F = ncp::Vec::Constant(result.x.size(), std::numeric_limits<double>::quiet_NaN());
   }
   result.relative = std::numeric_limits<double>::quiet_NaN();  // not asked for: it takes a Jacobian
-  const bool interrupted = why == GivenUp::Interrupted;
-  result.status = interrupted ? ncp::Status::Interrupted : ncp::Status::TimeLimit;
-  result.message = fmt::format(
-      "{} {}, in a phase that did not end within 0.2 s; this is the best point met until then, the counts are "
-      "those of the last iteration",
-      interrupted ? "interrupted after" : "the time limit was reached in iteration",
-      interrupted ? count(result.stats.iterations, "iteration") : std::to_string(result.stats.iterations + 1));
-  result.advice = interrupted ? "run on from the point returned" : "raise the time limit";
+  result.status = why.status;
+  result.message = why.message + "; this is the best point met until then, the counts are those of the last iteration";
+  result.advice = why.advice;
   result.stats.time = Clock::now() - shared.begin;
   return report;
 }
@@ -137,25 +160,22 @@ Report run_within(const Patience& whole, std::shared_ptr<const LoadedProblem> pr
   Settings within = settings;
   std::chrono::duration<double>& limit = ncp::stop(within.method).max_time;
   if (left < limit - worth_telling) limit = std::max(left, decltype(left)::zero());
-  const auto given_up = bounded_call(
-      [shared, within = std::move(within), interrupt = whole.interrupt] {
-        shared->start();
-        ncp::Observer seen = [&s = *shared](const ncp::Iteration& it) { return s.see(it); };
-        seen.ways = shared->observer.ways;
-        Report report = run_method(*shared->problem, within, nullptr, interrupt, seen);
-        if (has_more_to_tell(report)) {
-          shared->judge(report);
-          tell_more(report);
-        }
-        shared->report = std::move(report);
-      },
-      patience(left, whole.interrupt));
-  if (given_up) {
-    Report best = report_of_best(*shared, *given_up);
-    best.settings = settings;
-    return best;
+  const auto work = [shared, within = std::move(within), interrupt = whole.interrupt] {
+    shared->start();
+    ncp::Observer seen = [&s = *shared](const ncp::Iteration& it) { return s.see(it); };
+    seen.ways = shared->observer.ways;
+    shared->report =
+        run_method(*shared->problem, within, interrupt, seen, [&s = *shared](const Report& found) { s.judge(found); });
+  };
+  Report report;
+  try {
+    if (const auto given_up = bounded_call(work, patience(left, whole.interrupt)))
+      report = report_of_best(*shared, left_behind(*given_up, shared->iterations_so_far()));
+    else
+      report = std::move(shared->report);
+  } catch (const std::bad_alloc& error) {
+    report = report_of_best(*shared, out_of_memory(error));
   }
-  Report report = std::move(shared->report);
   report.settings = settings;
   return report;
 }

@@ -8,7 +8,6 @@
 #include <ostream>
 #include <vector>
 
-#include "app/report/model_notes.hpp"
 #include "app/text/table.hpp"
 #include "ncp/analysis/certificate.hpp"
 #include "ncp/problem/affine.hpp"
@@ -17,8 +16,6 @@
 namespace perp::app {
 
 namespace {
-
-constexpr double wrong_derivative = 1e-4;  // as ncp::describe
 
 /// "  what . . . . . . value (where)".
 void line(std::ostream& out, const std::string& what, const std::string& value, const std::string& where = "") {
@@ -55,62 +52,17 @@ ncp::Observer live_table(std::ostream& out, const ncp::Mcp& mcp, const Output& o
   };
 }
 
-Report run_method(const LoadedProblem& problem, const Settings& settings, std::ostream* log,
-                  const std::atomic<bool>* interrupt, const ncp::Observer& observer) {
-  Report report{.problem = &problem, .settings = settings};
-  if (settings.sideineq == 2 && problem.model != nullptr && problem.model->side_inequalities() > 0)
-    throw ncp::ampl::ModelError(
-        side_inequalities_refused,
-        fmt::format("{}: the model has {}, refused by sideineq = 2", problem.label,
-                    problem.model->side_inequalities() == 1
-                        ? std::string("1 side inequality")
-                        : fmt::format("{} side inequalities", problem.model->side_inequalities())));
-  ncp::Stop& stop = ncp::stop(report.settings.method);
-  stop.interrupt = interrupt;
-  if (stop.check_derivatives) {  // ncp::solve would refuse a wrong Jacobian, but not say how good a right one is
-    ncp::check_input(*problem.mcp, problem.x0);
-    report.derivatives = ncp::check_jacobian(*problem.mcp, lcp::project(problem.mcp->box(), problem.x0));
-    if (const std::string wrong = ncp::describe(*problem.mcp, *report.derivatives, wrong_derivative); !wrong.empty())
-      throw input_error("{}: {}", problem.label, wrong);
-  }
-  ncp::Method method = report.settings.method;
-  ncp::stop(method).check_derivatives = false;
-  std::vector<ncp::Observer> observers{ncp::record(report.iterations)};
-  if (log != nullptr) observers.push_back(live_table(*log, *problem.mcp, settings.output));
-  if (observer) observers.push_back(observer);
-  const ncp::Observer shown = ncp::all(std::move(observers));
-  if (settings.solutions)
-    solve_several(report, method, shown);
-  else
-    report.result = ncp::solve(*problem.mcp, problem.x0, method, shown, report.settings.basis);
-  add_model_notes(problem, method, report.result);
-  return report;
-}
-
-namespace {
-
-const lcp::Enumeration* enumeration_of(const ncp::Method& method) {
-  const auto* affine = std::get_if<ncp::Affine>(&method);
-  return affine != nullptr ? std::get_if<lcp::Enumeration>(&affine->method) : nullptr;
-}
-
-}  // namespace
-
-bool has_more_to_tell(const Report& report) {
-  return (report.settings.verify && report.result.accepted()) ||
-         (enumeration_of(report.settings.method) != nullptr && report.result.solved());
-}
-
-void tell_more(Report& report) {
-  const ncp::Mcp& mcp = *report.problem->mcp;
-  const ncp::Stop& stop = ncp::stop(report.settings.method);
-  if (const lcp::Enumeration* enumeration = enumeration_of(report.settings.method);
-      enumeration != nullptr && report.result.solved()) {
-    lcp::Limits limits{.tol = stop.tol};
-    if (stop.interrupt != nullptr) limits.interrupted = [&stop] { return stop.interrupt->load(); };
-    report.all_solutions = lcp::enumerate(*ncp::affine_part(mcp), *enumeration, limits);
-  }
-  if (report.settings.verify && report.result.accepted()) report.verified = ncp::verify(mcp, stop.tol, report.result);
+Report run_method(const LoadedProblem& problem, const Settings& settings, const std::atomic<bool>* interrupt,
+                  const ncp::Observer& observer, const std::function<void(const Report&)>& found) {
+  const auto report = [&](settings::Outcome outcome) { return Report{{std::move(outcome)}, &problem, settings, {}}; };
+  settings::Session session{.mcp = *problem.mcp,
+                            .x0 = problem.x0,
+                            .settings = settings,
+                            .model = problem.model,
+                            .interrupt = interrupt,
+                            .observer = observer};
+  if (found) session.found = [&](const settings::Outcome& outcome) { found(report(outcome)); };
+  return report(session.run());
 }
 
 std::string_view state_name(const ncp::Box& box, ncp::Index i, double x, double tol) {

@@ -4,6 +4,7 @@
 /// app/commands/ampl_driver.hpp.)
 #include <atomic>
 #include <cstddef>
+#include <functional>
 #include <iosfwd>
 #include <optional>
 #include <string>
@@ -12,25 +13,14 @@
 
 #include "app/options/options.hpp"
 #include "app/problem/problem.hpp"
-#include "ncp/analysis/verify.hpp"
-#include "ncp/strategy/deflation.hpp"
-#include "ncp/strategy/solve.hpp"
+#include "ncp/settings/session.hpp"
 
 namespace perp::app {
 
-/// AMPL's solve_result_num for a model refused because of its side inequalities.
-inline constexpr int side_inequalities_refused = 505;
-
-struct Report {
+struct Report : settings::Outcome {
   const LoadedProblem* problem = nullptr;
   Settings settings{};
-  ncp::Result result{};
-  std::vector<ncp::Iteration> iterations{};
-  std::optional<ncp::JacobianCheck> derivatives{};  ///< at the start, if asked for
   std::vector<std::string> notes{};
-  std::optional<lcp::Solutions> all_solutions{};  ///< of method enumeration
-  std::optional<ncp::Verified> verified{};        ///< if asked for, of an accepted point
-  std::optional<ncp::AllSolutions> several{};     ///< where settings.solutions asks for several
 
   const ncp::Mcp& mcp() const { return *problem->mcp; }
   ExitCode exit_code() const { return result.solved() ? exit_solved : exit_unsolved; }
@@ -40,15 +30,9 @@ struct Report {
 /// stream and the problem outlive the observer.
 ncp::Observer live_table(std::ostream& out, const ncp::Mcp& mcp, const Output& output);
 
-/// Solves; prints the tables of iterations that the settings ask for to `log` (nullptr: none). `interrupt` may be null.
-/// Throws InputError if the Jacobian was to be checked and is wrong or if side inequalities were to be refused; what
-/// ncp::solve throws.
-Report run_method(const LoadedProblem& problem, const Settings& settings, std::ostream* log,
-                  const std::atomic<bool>* interrupt, const ncp::Observer& observer = {});
-/// Returns whether a proof or all other solutions were asked for, of a run that has found one.
-bool has_more_to_tell(const Report& report);
-/// Adds them, which may take long. Where a verified point is as good, it takes the place of the one found.
-void tell_more(Report& report);
+/// A session on the problem. Throws what its run() does.
+Report run_method(const LoadedProblem& problem, const Settings& settings, const std::atomic<bool>* interrupt = nullptr,
+                  const ncp::Observer& observer = {}, const std::function<void(const Report&)>& found = {});
 
 /// Where variable i is: "basic" (between its bounds), "at lower", "at upper", "fixed", "free" (it has no bounds), with
 /// distances up to `tol` counted as "at".
@@ -94,11 +78,6 @@ inline constexpr int default_solutions = 10;
 
 /// How many solutions `--all K` asks for: default_solutions where K is empty. Throws InputError.
 int parse_solutions(const std::string& text);
-
-/// The first solution by `method`, which alone the observer sees, the others by deflation; fills report.several and
-/// report.result, the first. Throws InputError if the method has its own way to all solutions; what ncp::solve_all
-/// throws.
-void solve_several(Report& report, const ncp::Method& method, const ncp::Observer& observer);
 
 /// The solutions numbered, each with its residual and how it was found, and side by side; nothing if only one was asked
 /// for.

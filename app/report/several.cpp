@@ -14,16 +14,6 @@ namespace {
 
 constexpr std::size_t side_by_side = 5;  // solutions in one table
 
-/// Shows the records up to the first of deflation.
-ncp::Observer first_solve_only(const ncp::Observer& observer) {
-  ncp::Observer first = [&observer, over = false](const ncp::Iteration& it) mutable {
-    over = over || it.attempt.starts_with("deflation");
-    return over ? ncp::Next::Continue : observer(it);
-  };
-  first.ways = observer.ways;
-  return first;
-}
-
 void print_side_by_side(std::ostream& out, const Report& report, std::size_t begin, std::size_t end, bool full) {
   std::vector<Column> columns{"variable"};
   for (std::size_t k = begin; k < end; ++k) columns.push_back({fmt::format("{}", k + 1), Align::Right});
@@ -47,17 +37,6 @@ int parse_solutions(const std::string& text) {
                       default_solutions);
   if (count < 1) throw input_error("--all {}: at least 1 solution must be asked for", count);
   return count;
-}
-
-void solve_several(Report& report, const ncp::Method& method, const ncp::Observer& observer) {
-  if (const auto* affine = std::get_if<ncp::Affine>(&method);
-      affine != nullptr && std::holds_alternative<lcp::Enumeration>(affine->method))
-    throw InputError("--all: method enumeration lists all solutions by itself");
-  report.several =
-      ncp::solve_all(*report.problem->mcp, report.problem->x0, method, {.solutions = *report.settings.solutions},
-                     first_solve_only(observer), report.settings.method_name);
-  const auto& [found, first, attempts, duplicates, stats, message] = *report.several;
-  report.result = found.empty() ? first : found.front().result;
 }
 
 void print_several(std::ostream& out, const Report& report, bool full) {

@@ -125,7 +125,7 @@ NewtonMatrix::NewtonMatrix(const Scaled& problem) : problem_(problem), lu_(lcp::
 bool NewtonMatrix::factor(const std::vector<ContactRows>& rows, double alpha) {
   if (!bodies_) {
     contact_matrix(problem_, rows, alpha, K_);
-    return lu_.try_factor(K_);
+    return lu_.factor(K_) == lcp::LuStatus::Ok;
   }
   rows_ = rows;
   for (ContactRows& of : rows_) of.A += alpha * of.B;

@@ -15,7 +15,7 @@
 #include "contact/model/unit_cone.hpp"
 #include "lcp/cholesky/cholesky.hpp"
 #include "lcp/cholesky/symmetric.hpp"
-#include "lcp/kernel_clock.hpp"
+#include "lcp/deadline.hpp"
 #include "lcp/words.hpp"
 
 namespace perp::contact {

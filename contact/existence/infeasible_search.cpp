@@ -11,7 +11,7 @@
 #include "contact/existence/frictionless_ray.hpp"
 #include "contact/existence/infeasible.hpp"
 #include "lcp/cholesky/symmetric.hpp"
-#include "lcp/kernel_clock.hpp"
+#include "lcp/deadline.hpp"
 
 namespace perp::contact {
 namespace {

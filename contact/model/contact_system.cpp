@@ -93,7 +93,7 @@ void contact_matrix(const Scaled& problem, const std::vector<ContactRows>& rows,
 
 ContactSystem::ContactSystem(const Scaled& problem, lcp::LuBackend lu)
     : problem_(problem),
-      cholesky_(std::make_shared<lcp::Cholesky>(lcp::no_deadline, lcp::CholeskyOrdering::Thorough)),
+      cholesky_(std::make_shared<lcp::Cholesky>(lcp::CholeskyOrdering::Thorough)),
       backend_(lu),
       exactly_symmetric_W_(symmetric(problem.W, 0)),
       symmetric_W_(exactly_symmetric_W_ || symmetric(problem.W, rounding_of_input)),
@@ -146,7 +146,7 @@ bool ContactSystem::take_contacts(bool definite) {
   ++factorizations_;
   contact_matrix(problem_, rows_, system_diagonal_term, K_);
   by_cholesky_ = definite && cholesky_->try_factor(K_);
-  return by_cholesky_ || lu_->try_factor(K_);
+  return by_cholesky_ || lu_->factor(K_) == lcp::LuStatus::Ok;
 }
 
 /// `definite`: all E are symmetric.
@@ -156,7 +156,7 @@ bool ContactSystem::take_bodies(bool definite) {
   by_cholesky_ = definite && cholesky_->try_factor(bodies_->matrix());
   if (by_cholesky_) return true;
   bodies_->assemble(E_);
-  return lu_->try_factor(bodies_->with_unit_diagonal(scale_));
+  return lu_->factor(bodies_->with_unit_diagonal(scale_)) == lcp::LuStatus::Ok;
 }
 
 /// E = A^-1 B of one contact; whether it is symmetric.

@@ -138,7 +138,8 @@ bool NonlinearNewton::linearise() {
     return !end(Status::EvaluationFailed, text_of("R' is not defined after ", now_.k, " Newton steps"));
   if (now_.k > 0 && (at.A.coeffs() == linear_.A.coeffs()).all()) return true;  // R is linear there
   ++result_.stats.factorizations;
-  if (!at.lu.try_factor(at.A)) return !end(Status::Singular, text_of("R' is singular after ", now_.k, " Newton steps"));
+  if (at.lu.factor(at.A) != lcp::LuStatus::Ok)
+    return !end(Status::Singular, text_of("R' is singular after ", now_.k, " Newton steps"));
   const Vec diagonal = at.A.diagonal().cwiseAbs();
   const double typical = diagonal.maxCoeff() > 0 ? diagonal.maxCoeff() : 1;
   at.D = diagonal.unaryExpr([&](double a) { return std::sqrt(a > 0 ? a : typical); });

@@ -11,7 +11,7 @@
 #include "contact/laws/inner_faceting.hpp"
 #include "contact/laws/outer_faceting.hpp"
 #include "contact/model/facts.hpp"
-#include "lcp/kernel_clock.hpp"
+#include "lcp/deadline.hpp"
 #include "ncp/problem/affine.hpp"
 
 namespace perp::contact {

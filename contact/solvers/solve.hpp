@@ -161,7 +161,7 @@ struct Result {
 std::optional<std::string> invalid(const Options& options);
 
 /// Throws std::invalid_argument for what is no problem (contact::check), options that are invalid(), or a start that
-/// has not d n finite entries.
+/// has not d n finite entries. Memory and time limits as in ncp/strategy/solve.hpp.
 Result solve(const Problem& problem, const Options& options = {});
 
 }  // namespace perp::contact

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "lcp/cholesky/cholesky_library.hpp"
+#include "lcp/memory.hpp"
 #include "lcp/words.hpp"
 
 namespace perp::lcp {
@@ -37,7 +38,6 @@ struct Cholesky::Impl {
   Vec direction;
   double rcond = 0;
   double nonzeros = 0;
-  KernelClock clock;
   bool is_signed = false;
   std::vector<int> columns, rows;  // the pattern that `library` has analysed; empty: none
   int analyses = 0;
@@ -89,10 +89,8 @@ CholeskyStatus Cholesky::Impl::factor(const SpMat& A, double entries) {
   const CholeskyStatus analysed = analyze(A);
   if (analysed != CholeskyStatus::Ok) return analysed;
   if (nonzeros > entries) return CholeskyStatus::OutOfMemory;
-  const KernelCost cost{.flops = library->flops(), .bytes = (sizeof(double) + sizeof(int)) * nonzeros};
-  clock.before(n, cost);
+  require_factors(n, (sizeof(double) + sizeof(int)) * nonzeros);
   const CholeskyStatus answer = library->factor(A);
-  clock.after(cost);
   if (answer == CholeskyStatus::NotPositiveDefinite) {
     failed_column = library->failed_column();
     if (!is_signed) {
@@ -106,11 +104,8 @@ CholeskyStatus Cholesky::Impl::factor(const SpMat& A, double entries) {
   return std::isfinite(rcond) && rcond > 0 ? CholeskyStatus::Ok : CholeskyStatus::NotPositiveDefinite;
 }
 
-Cholesky::Cholesky(Deadline deadline, CholeskyOrdering ordering) : impl_(std::make_unique<Impl>(ordering)) {
-  impl_->clock = KernelClock(deadline);
-}
+Cholesky::Cholesky(CholeskyOrdering ordering) : impl_(std::make_unique<Impl>(ordering)) {}
 Cholesky::~Cholesky() = default;
-void Cholesky::set_deadline(Deadline deadline) { impl_->clock.set_deadline(deadline); }
 void Cholesky::set_signs(std::vector<signed char> signs) {
   impl_->is_signed = !signs.empty();
   impl_->columns.clear();

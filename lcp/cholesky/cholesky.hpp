@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "lcp/kernel_clock.hpp"
+#include "lcp/types.hpp"
 
 namespace perp::lcp {
 
@@ -37,13 +37,10 @@ struct CholeskyColumns {
 
 class Cholesky {
  public:
-  /// No factorization is begun that would not have ended at the deadline (lcp/kernel_clock.hpp).
-  explicit Cholesky(Deadline = no_deadline, CholeskyOrdering = CholeskyOrdering::Quick);
+  explicit Cholesky(CholeskyOrdering = CholeskyOrdering::Quick);
   ~Cholesky();
   Cholesky(Cholesky&&) noexcept;
   Cholesky& operator=(Cholesky&&) noexcept;
-
-  void set_deadline(Deadline deadline);  ///< for the factorizations from now on
 
   /// From now on P A P' = L S L' with S = diag(+-1), the sign of each row of A: quasi-definite matrices have such an L
   /// for every P (Vanderbei, SIAM J. Optim. 5 (1995) 100, theorem 2.1). "Positive" below reads "of the sign asked for";
@@ -57,7 +54,6 @@ class Cholesky {
   /// Rounding decides about matrices that are nearly singular: Ok says that A is within n eps ||A|| of a positive
   /// definite matrix, NotPositiveDefinite that it is within that of one that is not (Higham, Accuracy and Stability of
   /// Numerical Algorithms, 2nd ed. 2002, theorems 10.3, 10.7 and 10.14). rcond() and failed_direction() tell how near.
-  /// Throws KernelTooLong where the factorization would end after the deadline.
   [[nodiscard]] CholeskyStatus factor(const SpMat& A, double entries = infinity);
   /// factor(): true if Ok, false if A is not positive definite. Throws std::bad_alloc if OutOfMemory.
   [[nodiscard]] bool try_factor(const SpMat& A);

@@ -15,12 +15,12 @@ constexpr double of_fixed = 1e20;
 }  // namespace
 
 InteriorPath::InteriorPath(const SpMat& J, const Box& box, bool affine, double to_boundary, double proximal,
-                           LuBackend lu, Deadline deadline)
+                           LuBackend lu)
     : J_(J),
       box_(box),
       to_boundary_(to_boundary),
       proximal_(proximal),
-      system_(J, lu, deadline),
+      system_(J, lu),
       delta_(proximal),
       group_(at(J.rows()), 0) {
   for (Index i = 0; i < size(); ++i) {
@@ -161,7 +161,7 @@ LuStatus InteriorPath::factor(const Vec& F) {
   r_ = residual(x, F);
   LuStatus status = system_.factor(theta);
   for (const double more : {1e-6, 1e-2})
-    if (status != LuStatus::Ok && status != LuStatus::OutOfMemory) status = system_.factor(theta.array() + more);
+    if (status != LuStatus::Ok) status = system_.factor(theta.array() + more);
   return status;
 }
 

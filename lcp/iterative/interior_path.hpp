@@ -37,8 +37,7 @@ class InteriorPath {
   static double least(const Lengths& alpha) { return std::min(alpha[0], alpha[1]); }
 
   /// J has its diagonal in its pattern, and outlives *this. `affine`: J does not change, and may be a linear program's.
-  InteriorPath(const SpMat& J, const Box& box, bool affine, double to_boundary, double proximal, LuBackend lu,
-               Deadline deadline);
+  InteriorPath(const SpMat& J, const Box& box, bool affine, double to_boundary, double proximal, LuBackend lu);
 
   /// The least squares solution of the equations that F = F(z) and J at z make, as near to z as they allow.
   Vec nearest(const Vec& z, const Vec& F);

@@ -26,18 +26,12 @@ class Run {
         p_(problem),
         box_{p_.l, p_.u},
         best_(problem, start),
-        path_(p_.M, box_, true, options.to_boundary, options.proximal, options.lu, limits.deadline),
+        path_(p_.M, box_, true, options.to_boundary, options.proximal, options.lu),
         n_(p_.size()) {}
 
-  Result run() {
-    return within_limits([this] { return iterate(); },
-                         [this](Status s, const std::string& why) { return end(s, why); });
-  }
-
- private:
   using Iterate = InteriorPath::Iterate;
 
-  Result iterate() {
+  Result run() {
     int short_steps = 0;
     const Vec bounds = this->bounds();
     const Vec nearest = path_.nearest(bounds, p_.M * bounds + p_.q);
@@ -51,7 +45,6 @@ class Run {
       if (over) return end(Status::IterationLimit, "the limit of iterations is reached");
 
       const LuStatus status = path_.factor(F());
-      if (status == LuStatus::OutOfMemory) return end(Status::OutOfMemory, "no memory for the factors of M + diag");
       if (status != LuStatus::Ok) return end(Status::Singular, "M + diag(w / s) is " + std::string(to_string(status)));
       const Iterate d = path_.newton();
       const InteriorPath::Lengths alpha = path_.length(d);

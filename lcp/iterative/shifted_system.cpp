@@ -15,8 +15,7 @@ constexpr double solved_enough = 1e-7;
 
 }  // namespace
 
-ShiftedSystem::ShiftedSystem(const SpMat& M, LuBackend lu, Deadline deadline)
-    : M_(M), ldlt_(deadline), lu_(lu, deadline), symmetric_(ldlt_.analyze(M)) {}
+ShiftedSystem::ShiftedSystem(const SpMat& M, LuBackend lu) : M_(M), lu_(lu), symmetric_(ldlt_.analyze(M)) {}
 
 void ShiftedSystem::update() { symmetric_ = ldlt_.analyze(M_); }
 

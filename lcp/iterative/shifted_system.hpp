@@ -11,7 +11,7 @@ namespace perp::lcp {
 class ShiftedSystem {
  public:
   /// M has its diagonal in its pattern and outlives *this.
-  ShiftedSystem(const SpMat& M, LuBackend lu, Deadline deadline);
+  ShiftedSystem(const SpMat& M, LuBackend lu);
 
   /// M has been given other values, in its pattern.
   void update();

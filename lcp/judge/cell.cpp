@@ -49,8 +49,8 @@ std::uint64_t key_of(const Places& places) {
   return key;
 }
 
-CellSolver::CellSolver(const AffineMcp& problem, LuBackend lu, double tol, Deadline deadline)
-    : problem_(problem), tol_(tol), lu_(lu, deadline), row_max_(Vec::Zero(problem.size())) {
+CellSolver::CellSolver(const AffineMcp& problem, LuBackend lu, double tol)
+    : problem_(problem), tol_(tol), lu_(lu), row_max_(Vec::Zero(problem.size())) {
   for (Index j = 0; j < problem.M.cols(); ++j)
     for (SpMat::InnerIterator it(problem.M, j); it; ++it)
       row_max_[it.row()] = std::max(row_max_[it.row()], std::abs(it.value()));

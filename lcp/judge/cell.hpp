@@ -30,7 +30,7 @@ class CellSolver {
   /// The problem must outlive *this. Values count as zero within `tol` times the terms they are the sum of:
   ///     F_i:        tol (|q_i| + sum_j |M_ij z_j|)
   ///     z_i - l_i:  tol ((|q_i| + sum_j |M_ij z_j|) / max_j |M_ij| + |l_i|).
-  CellSolver(const AffineMcp& problem, LuBackend lu, double tol, Deadline deadline = no_deadline);
+  CellSolver(const AffineMcp& problem, LuBackend lu, double tol);
 
   /// Solves for the cell's z and F = M z + q. Singular also if z is not finite.
   [[nodiscard]] LuStatus solve(const Places& places);

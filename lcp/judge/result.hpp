@@ -5,16 +5,14 @@
 #include <chrono>
 #include <functional>
 #include <memory>
-#include <new>
 #include <optional>
 #include <string>
 #include <string_view>
 
 #include "lcp/affine_mcp.hpp"
+#include "lcp/deadline.hpp"
 #include "lcp/judge/infeasible.hpp"
 #include "lcp/judge/refutation.hpp"
-#include "lcp/kernel_clock.hpp"
-#include "lcp/memory.hpp"
 #include "lcp/status.hpp"
 
 namespace perp {
@@ -59,27 +57,6 @@ bool accepts(const AffineMcp& problem, In z, double tol);
 /// SolvedToRounding if z is as good as doubles allow and `otherwise` is not a proof. In all other cases it is
 /// `otherwise`, with `message`.
 Result judged(const AffineMcp& problem, In z, const Limits& limits, Status otherwise, std::string message);
-
-/// Runs solve(), or end(status, why) if a factorization would end after the deadline or memory is short.
-template <class Solve, class End>
-auto within_limits(Solve solve, End end) -> decltype(solve()) {
-  try {
-    return solve();
-  } catch (const KernelTooLong& error) {
-    return end(Status::TimeLimit, error.what());
-  } catch (const NotEnoughMemory& error) {
-    return end(Status::OutOfMemory, error.what());
-  } catch (const std::bad_alloc&) {
-    return end(Status::OutOfMemory, "there is no more memory");
-  }
-}
-
-/// Makes an `end` for methods that have no better point than the start.
-inline auto at_start(std::string_view method, const AffineMcp& problem, In start, const Limits& limits) {
-  return [method, &problem, start, &limits](Status status, const std::string& why) {
-    return judged(problem, start, limits, status, std::string(method) + ": " + why);
-  };
-}
 
 /// Throws std::invalid_argument with `method`'s name if the problem is malformed, the start has another length or is
 /// not finite, or the tolerance is not a positive number.

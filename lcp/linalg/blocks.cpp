@@ -47,7 +47,7 @@ SpMat least_squares_system(const SpMat& H, double nu) {
 }
 
 bool damped_least_squares(SparseLu& lu, const SpMat& H, In b, double nu, Vec& d) {
-  if (!lu.try_factor(least_squares_system(H, nu))) return false;
+  if (lu.factor(least_squares_system(H, nu)) != LuStatus::Ok) return false;
   Vec rhs = Vec::Zero(H.rows() + H.cols());
   rhs.head(H.rows()) = b;
   Vec solution(rhs.size());

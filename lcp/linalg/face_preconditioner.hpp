@@ -58,8 +58,7 @@ Curvature curvature(const SparseRows& A, const Vec& d);
 class CholeskyFace final : public FacePreconditioner {
  public:
   /// A must live as long. A factor with more than `entries` entries is OutOfMemory.
-  CholeskyFace(const SparseRows& A, double entries, Deadline deadline = no_deadline)
-      : A_(A), entries_(entries), block_(deadline) {}
+  CholeskyFace(const SparseRows& A, double entries) : A_(A), entries_(entries) {}
   FaceStatus set_free(const Mask& free) override;
   void apply(const Vec& r, Vec& x) override;
 

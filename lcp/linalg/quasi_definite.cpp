@@ -110,7 +110,7 @@ SpMat with_diagonal(const SpMat& M) {
   return out;
 }
 
-QuasiDefinite::QuasiDefinite(Deadline deadline) : cholesky_(deadline, CholeskyOrdering::Thorough) {}
+QuasiDefinite::QuasiDefinite() : cholesky_(CholeskyOrdering::Thorough) {}
 
 bool QuasiDefinite::analyze(const SpMat& M) {
   const SpMat Mt = M.transpose();

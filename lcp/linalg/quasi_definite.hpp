@@ -22,14 +22,13 @@ SpMat with_diagonal(const SpMat& M);
 
 class QuasiDefinite {
  public:
-  /// No factorization is begun that would not have ended at the deadline (lcp/kernel_clock.hpp).
-  explicit QuasiDefinite(Deadline = no_deadline);
+  QuasiDefinite();
 
   /// Looks for R with which the square M is symmetric but for rounding, and analyses its pattern, which holds the
   /// diagonal and is symmetric. False if there is none. Entries that meet a zero of the pattern are left out of the
   /// factors. Another M of the same pattern costs no more than its entries. Throws std::bad_alloc.
   bool analyze(const SpMat& M);
-  /// Factors M + diag(d). False where a pivot has not the sign of its row, or is not finite. Throws KernelTooLong,
+  /// Factors M + diag(d). False where a pivot has not the sign of its row, or is not finite. Throws
   /// std::bad_alloc.
   bool factor(In d);
   /// (M + diag(d)) x = b with the last factor(), which was true. Without refinement.

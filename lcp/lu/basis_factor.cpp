@@ -36,11 +36,10 @@ void require_below(const char* what, Index i, Index limit) {
 }  // namespace
 
 struct BasisFactor::Impl {
-  Impl(const SpMat& matrix, BasisOptions o, Deadline until)
+  Impl(const SpMat& matrix, BasisOptions o)
       : A(&matrix),
         options(o),
-        deadline(until),
-        own{SparseLu(o.lu, until)},
+        own{SparseLu(o.lu)},
         shared(o.shared ? o.shared : &own),
         rhs(matrix.rows()),
         b_(matrix.rows()),
@@ -49,7 +48,6 @@ struct BasisFactor::Impl {
 
   const SpMat* A;
   BasisOptions options;
-  Deadline deadline;
   SharedLu own;
   SharedLu* shared;
   LuStatus status = LuStatus::Singular;
@@ -214,8 +212,8 @@ std::vector<BasisFactor::Dependency> BasisFactor::Impl::dependencies(double tol)
   SpMat zeros(C.rows(), C.cols());
   zeros.setIdentity();
   zeros *= 0;
-  SparseLu revealing(LuBackend::General, deadline);
-  (void)revealing.try_factor(C + zeros);
+  SparseLu revealing(LuBackend::General);
+  (void)revealing.factor(C + zeros);
   LuFactors f;
   std::vector<Dependency> found;
   if (!revealing.factors(f)) return found;
@@ -244,7 +242,7 @@ void BasisFactor::Impl::solve_block(bool transposed) const {
       solver->solve(block_b, block_x);
     return;
   }
-  if (std::exchange(shared->user, this) != this) (void)shared->lu.try_factor(C);
+  if (std::exchange(shared->user, this) != this) (void)shared->lu.factor(C);
   block_.resize(block_b.size());
   if (transposed)
     shared->lu.solve_transposed(block_b.values(), block_);
@@ -345,9 +343,9 @@ double BasisFactor::Impl::norm1() const {
   return worst;
 }
 
-BasisFactor::BasisFactor(const SpMat& A, BasisOptions options, Deadline deadline) {
+BasisFactor::BasisFactor(const SpMat& A, BasisOptions options) {
   if (A.cols() < A.rows()) throw std::invalid_argument("BasisFactor: fewer columns than rows");
-  impl_ = std::make_unique<Impl>(A, options, deadline);
+  impl_ = std::make_unique<Impl>(A, options);
 }
 BasisFactor::~BasisFactor() = default;
 BasisFactor::BasisFactor(BasisFactor&&) noexcept = default;

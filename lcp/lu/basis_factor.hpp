@@ -52,9 +52,7 @@ class BasisFactor {
     Index row;
   };
 
-  /// No factorization is begun that would not have ended at the deadline (lcp/kernel_clock.hpp).
-  explicit BasisFactor(const SpMat& A, BasisOptions = {},
-                       Deadline = no_deadline);  ///< m >= n; A outlives *this, its values may change
+  explicit BasisFactor(const SpMat& A, BasisOptions = {});  ///< m >= n; A outlives *this, its values may change
   ~BasisFactor();
   BasisFactor(BasisFactor&&) noexcept;
   BasisFactor& operator=(BasisFactor&&) noexcept;

@@ -4,7 +4,6 @@
 #include <memory>
 #include <string_view>
 
-#include "lcp/kernel_clock.hpp"
 #include "lcp/lu/lu_factors.hpp"
 #include "lcp/lu/sparse_lu.hpp"
 
@@ -12,6 +11,12 @@ namespace perp::lcp {
 
 /// With pivots that are taken again (SparseLu::reuse_pivots); where U grows beyond this, others are looked for.
 inline constexpr double most_growth_again = 1000;
+
+/// What a numeric factorization takes, estimated from the analysis of the pattern; 0 where nothing is known.
+struct FactorCost {
+  double flops = 0;
+  double bytes = 0;
+};
 
 class LuLibrary {
  public:
@@ -23,12 +28,10 @@ class LuLibrary {
   // Pre of all: A is square, compressed, not empty, finite; analyze() before factor() before the solves.
   virtual LuStatus analyze(const SpMat& A) = 0;
   /// Of factor(), after analyze().
-  virtual KernelCost cost() const { return {}; }
+  virtual FactorCost cost() const { return {}; }
   virtual LuStatus factor(const SpMat& A) = 0;
   /// SparseLu::reuse_pivots(), where the library looks for pivots in each matrix anew.
   virtual void reuse_pivots() {}
-  /// Whether the last factor() only found that it has to be called again, at another cost().
-  virtual bool begins_again() const { return false; }
   virtual void solve(const SpMat& A, In b, Out x, bool transposed) const = 0;
   /// Of the last factor() that was Ok: min |U_ii| / max |U_ii|; 0 where the library does not tell.
   virtual double pivot_ratio() const { return 0; }

@@ -8,6 +8,7 @@
 #include "lcp/cholesky/cholesky.hpp"
 #include "lcp/cholesky/symmetric.hpp"
 #include "lcp/lu/lu_backend.hpp"
+#include "lcp/memory.hpp"
 
 namespace perp::lcp {
 namespace {
@@ -28,13 +29,12 @@ class DefiniteLu final : public LuLibrary {
     return definite_ ? LuStatus::Ok : analyze_general(A);
   }
 
-  KernelCost cost() const override {
+  FactorCost cost() const override {
     if (!definite_) return general_->cost();
     return {.flops = cholesky_.flops(), .bytes = (sizeof(double) + sizeof(int)) * cholesky_.nonzeros()};
   }
 
   LuStatus factor(const SpMat& A) override {
-    begins_again_ = false;
     if (definite_ && looks_definite(A)) {
       if (cholesky_.factor(A) == CholeskyStatus::Ok && cholesky_.rcond() >= surely_regular) {
         failures_ = 0;
@@ -44,11 +44,11 @@ class DefiniteLu final : public LuLibrary {
     }
     if (!definite_) return general_->factor(A);
     const LuStatus answer = analyze_general(A);
-    begins_again_ = answer == LuStatus::Ok;
-    definite_ = !begins_again_;
-    return answer;
+    if (answer != LuStatus::Ok) return answer;
+    definite_ = false;
+    require_factors(A.rows(), general_->cost().bytes);
+    return general_->factor(A);
   }
-  bool begins_again() const override { return begins_again_; }
 
   void solve(const SpMat& A, In b, Out x, bool transposed) const override {
     definite_ ? cholesky_.solve(b, x) : general_->solve(A, b, x, transposed);
@@ -66,7 +66,6 @@ class DefiniteLu final : public LuLibrary {
   Cholesky cholesky_;
   std::unique_ptr<LuLibrary> general_;
   bool definite_ = false;
-  bool begins_again_ = false;
   int failures_ = 0;
 };
 

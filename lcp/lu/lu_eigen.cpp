@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <Eigen/OrderingMethods>
+#include <Eigen/SparseLU>
 #include <cmath>
-#include <new>
 
-#include "lcp/lu/eigen_sparse_lu.hpp"
 #include "lcp/lu/lu_backend.hpp"
 
 namespace perp::lcp {
 namespace {
 
+/// Not int: the factors may have more than 2^31 entries.
+using LuIndex = ::Eigen::Index;
 using Matrix = ::Eigen::SparseMatrix<double, ::Eigen::ColMajor, LuIndex>;
 
 /// Eigen's, with a way to its factors.
@@ -46,14 +48,8 @@ class Lu : public ::Eigen::SparseLU<Matrix, ::Eigen::COLAMDOrdering<LuIndex>> {
 class EigenLu final : public LuLibrary {
  public:
   LuStatus analyze(const SpMat& A) override {
-    auto lu = std::make_unique<Lu>();
-    try {
-      lu->analyzePattern(Matrix(A));
-    } catch (const std::bad_alloc&) {
-      (void)lu.release();  // may hold freed memory (eigen_sparse_lu.hpp): better lost than freed twice
-      throw;
-    }
-    lu_ = std::move(lu);
+    lu_ = std::make_unique<Lu>();
+    lu_->analyzePattern(Matrix(A));
     return LuStatus::Ok;
   }
 

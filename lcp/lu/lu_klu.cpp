@@ -24,6 +24,11 @@ Klu::~Klu() {
   klu_free_symbolic(&symbolic_, &common_);
 }
 
+LuStatus Klu::status() const {
+  if (common_.status == KLU_SINGULAR) return LuStatus::Singular;
+  throw std::bad_alloc();
+}
+
 LuStatus Klu::analyze(const SpMat& A) {
   factored_ = false;
   klu_free_numeric(&numeric_, &common_);  // belongs to the old analysis
@@ -33,12 +38,12 @@ LuStatus Klu::analyze(const SpMat& A) {
   return symbolic_ ? LuStatus::Ok : status();
 }
 
-KernelCost Klu::cost() const {
+FactorCost Klu::cost() const {
   return {.flops = std::max(0.0, symbolic_->est_flops),
           .bytes = entry_bytes * std::max(0.0, symbolic_->lnz + symbolic_->unz)};
 }
 
-KernelCost Klu::spent() const {
+FactorCost Klu::spent() const {
   klu_common common = common_;
   klu_flops(symbolic_, numeric_, &common);
   return {.flops = common.flops, .bytes = entry_bytes * static_cast<double>(numeric_->lnz + numeric_->unz)};

@@ -18,7 +18,7 @@ class Klu final : public LuLibrary {
   ~Klu() override;
 
   LuStatus analyze(const SpMat& A) override;
-  KernelCost cost() const override;
+  FactorCost cost() const override;
   LuStatus factor(const SpMat& A) override;
   void reuse_pivots() override { reuse_ = true; }
   void solve(const SpMat& A, In b, Out x, bool transposed) const override;
@@ -34,12 +34,12 @@ class Klu final : public LuLibrary {
   /// The factors of the whole matrix, from those of its diagonal blocks; pre: the last factor() was Ok.
   void extract(LuFactors& out) const;
   /// What the last factor() came to, not estimated; pre: it was Ok.
-  KernelCost spent() const;
+  FactorCost spent() const;
 
  private:
   bool factor_again();
   std::vector<int> extract_blocks(LuFactors& out) const;
-  LuStatus status() const { return common_.status == KLU_SINGULAR ? LuStatus::Singular : LuStatus::OutOfMemory; }
+  LuStatus status() const;
 
   klu_common common_{};
   klu_symbolic* symbolic_ = nullptr;

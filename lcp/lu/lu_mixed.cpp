@@ -24,10 +24,9 @@ class Mixed final : public LuLibrary {
     return status;
   }
 
-  KernelCost cost() const override { return klu_.cost(); }
+  FactorCost cost() const override { return klu_.cost(); }
 
   LuStatus factor(const SpMat& A) override {
-    status_ = LuStatus::OutOfMemory;  // if it throws
     if (!eigen_ && estimate_ * excess_ > supernodal_flops) {
       auto eigen = make_eigen();
       (void)eigen->analyze(A);
@@ -60,7 +59,7 @@ class Mixed final : public LuLibrary {
   }
 
  private:
-  static double flops_of_entry(const KernelCost& cost) {
+  static double flops_of_entry(const FactorCost& cost) {
     constexpr double bytes_of_entry = sizeof(double) + sizeof(int);
     return cost.bytes > 0 ? cost.flops * 2 * bytes_of_entry / cost.bytes : 0;
   }
@@ -71,8 +70,8 @@ class Mixed final : public LuLibrary {
   // are like the last one.
   double excess_ = 1;
   std::unique_ptr<LuLibrary> eigen_;
-  LuStatus status_ = LuStatus::OutOfMemory;  // of the last factor()
-  SpMat A_;                                  // if that was Singular
+  LuStatus status_ = LuStatus::NotFinite;  // of the last factor()
+  SpMat A_;                                // if that was Singular
 };
 
 }  // namespace

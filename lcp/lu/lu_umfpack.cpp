@@ -27,7 +27,7 @@ LuStatus status_of(int code) {
       return LuStatus::Ok;
     case UMFPACK_ERROR_out_of_memory:
     case UMFPACK_ERROR_ordering_failed:  // AMD and COLAMD fail for lack of memory or of 32-bit indices only
-      return LuStatus::OutOfMemory;
+      throw std::bad_alloc();
     default:
       return LuStatus::Singular;
   }
@@ -70,7 +70,7 @@ class Umfpack final : public LuLibrary {
 
   /// Of pivots on the diagonal where the strategy is symmetric; the bounds for the other are far above what it comes
   /// to.
-  KernelCost cost() const override {
+  FactorCost cost() const override {
     constexpr double above = 10;
     constexpr double bytes_of_entry = sizeof(double) + sizeof(int);
     if (analysis_[UMFPACK_STRATEGY_USED] == UMFPACK_STRATEGY_SYMMETRIC && analysis_[UMFPACK_SYMMETRIC_FLOPS] > 0)

@@ -75,8 +75,6 @@ std::string_view to_string(LuStatus status) {
       return "singular";
     case LuStatus::NotFinite:
       return "not finite";
-    case LuStatus::OutOfMemory:
-      return "out of memory";
   }
   return "?";
 }
@@ -106,16 +104,12 @@ struct SparseLu::Impl {
   int analyses = 0;
   bool reuse_pivots = false;
   LuStatus status = LuStatus::Singular;
-  std::shared_ptr<const NotEnoughMemory> short_of{};  // of the last OutOfMemory, if that was an estimate
-  KernelClock clock;
 
   LuStatus factor(const SpMat& matrix);
   void solve(In b, Out x, bool transposed) const;
 };
 
-SparseLu::SparseLu(LuBackend backend, Deadline deadline) : impl_(std::make_unique<Impl>(backend)) {
-  impl_->clock = KernelClock(deadline);
-}
+SparseLu::SparseLu(LuBackend backend) : impl_(std::make_unique<Impl>(backend)) {}
 SparseLu::~SparseLu() = default;
 SparseLu::SparseLu(SparseLu&&) noexcept = default;
 SparseLu& SparseLu::operator=(SparseLu&&) noexcept = default;
@@ -138,29 +132,9 @@ LuStatus SparseLu::factor(const SpMat& A) {
   }
   Impl& s = *impl_;
   s.status = LuStatus::Singular;
-  s.short_of.reset();
-  try {
-    s.status = s.factor(A);
-  } catch (const NotEnoughMemory& error) {
-    s.status = LuStatus::OutOfMemory;
-    s.short_of = std::make_shared<const NotEnoughMemory>(error);
-  } catch (const std::bad_alloc&) {
-    s.analyzed = false;
-    s.status = LuStatus::OutOfMemory;
-  }
+  s.status = s.factor(A);
   return s.status;
 }
-
-bool SparseLu::try_factor(const SpMat& A) {
-  const LuStatus status = factor(A);
-  if (status != LuStatus::OutOfMemory) return status == LuStatus::Ok;
-  if (impl_->short_of) throw NotEnoughMemory(*impl_->short_of);
-  throw std::bad_alloc();
-}
-
-void SparseLu::set_deadline(Deadline deadline) { impl_->clock.set_deadline(deadline); }
-
-double SparseLu::longest_call() const { return impl_->clock.longest(); }
 
 LuStatus SparseLu::Impl::factor(const SpMat& matrix) {
   if (!matrix.isCompressed()) {
@@ -191,13 +165,8 @@ LuStatus SparseLu::Impl::factor(const SpMat& matrix) {
     analyzed = answer == LuStatus::Ok;
     if (!analyzed) return answer;
   }
-  clock.before(A.rows(), library->cost());
-  LuStatus answer = library->factor(A);
-  if (library->begins_again()) {
-    clock.before(A.rows(), library->cost());
-    answer = library->factor(A);
-  }
-  clock.after(library->cost());
+  require_factors(A.rows(), library->cost().bytes);
+  const LuStatus answer = library->factor(A);
   has_factors = answer == LuStatus::Ok;
   return answer;
 }

@@ -7,7 +7,7 @@
 #include <memory>
 #include <string_view>
 
-#include "lcp/kernel_clock.hpp"
+#include "lcp/types.hpp"
 
 namespace perp::lcp {
 
@@ -23,36 +23,27 @@ enum class LuBackend {
 };
 enum class LuStatus {
   Ok,
-  Singular,     ///< structurally, or an exactly zero (or not finite) pivot; near-singularity is told by rcond()
-  NotFinite,    ///< A holds a NaN or an infinity
-  OutOfMemory,  ///< the factors do not fit, or have more than 2^31 entries
+  Singular,   ///< structurally, or an exactly zero (or not finite) pivot; near-singularity is told by rcond()
+  NotFinite,  ///< A holds a NaN or an infinity
 };
 std::string_view to_string(LuBackend);  ///< as the options name it
 std::string_view to_string(LuStatus);
 
 class SparseLu {
  public:
-  /// No factorization is begun that would not have ended at the deadline (lcp/kernel_clock.hpp).
-  explicit SparseLu(LuBackend = LuBackend::General, Deadline = no_deadline);
+  explicit SparseLu(LuBackend = LuBackend::General);
   ~SparseLu();
   SparseLu(SparseLu&&) noexcept;
   SparseLu& operator=(SparseLu&&) noexcept;
 
-  void set_deadline(Deadline deadline);  ///< for the factorizations from now on
-
   /// Factors A. That is copied: it may change or die afterwards. The matrix that was factored last is not factored
-  /// again. OutOfMemory also where the estimate says that the factors do not fit.
-  /// Throws std::invalid_argument if A is not square, and KernelTooLong where the factorization would end after the
-  /// deadline.
+  /// again. Throws std::invalid_argument if A is not square, std::bad_alloc (NotEnoughMemory, by the estimate) where
+  /// the factors do not fit, or have more than 2^31 entries.
   [[nodiscard]] LuStatus factor(const SpMat& A);
-  /// factor(): true if Ok, false if there are no factors of this matrix. Throws std::bad_alloc if OutOfMemory.
-  [[nodiscard]] bool try_factor(const SpMat& A);
   /// From now on Klu, and Auto where it has 33 to 300 rows, try the pivots of one matrix for the next of its pattern,
   /// in half of the time or less. P, Q, pivot_ratio(), last digits and, near singularity, the status may then depend on
   /// the matrices before.
   void reuse_pivots();
-  /// The longest factorization so far [s].
-  double longest_call() const;
 
   // Solves with the last factor(); pre: that was Ok, else std::logic_error. b and x have n rows, may not overlap.
   void solve(In b, Out x) const;             ///< A  x = b

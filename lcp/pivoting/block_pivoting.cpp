@@ -31,13 +31,13 @@ class BlockRun {
       : problem_(problem),
         options_(options),
         limits_(limits),
-        cell_(problem, options.lu, degenerate, limits.deadline),
+        cell_(problem, options.lu, degenerate),
         places_(places_of(problem.box, start)),
         best_(problem, start),
         rounds_alone_(rounds_alone) {}
 
   Result run() {
-    if (const LuStatus status = enter(); status != LuStatus::Ok) return failed(status, "the start's block M_FF");
+    if (enter() != LuStatus::Ok) return singular("the start's block M_FF");
     std::size_t fewest = std::numeric_limits<std::size_t>::max();
     int patience = options_.p_max;
     for (;; ++rounds_) {
@@ -62,7 +62,7 @@ class BlockRun {
       if (!block && !seen_by_least_index_.insert(key_of(places_)).second)
         return end(Status::Stalled, "the least-index rule cycles: M is not a P-matrix, or rounding; " + left(V.size()));
       if (const LuStatus status = exchange(V, block); status != LuStatus::Ok)
-        return failed(status, "every block M_FF that the exchanges lead to");
+        return singular("every block M_FF that the exchanges lead to");
     }
   }
 
@@ -115,11 +115,7 @@ class BlockRun {
     return text_of(violated, violated == 1 ? " sign is" : " signs are", " violated");
   }
 
-  Result failed(LuStatus status, const std::string& which) {
-    const bool memory = status == LuStatus::OutOfMemory;
-    return end(memory ? Status::OutOfMemory : Status::Singular,
-               which + (memory ? " does not fit into the memory" : " is singular"));
-  }
+  Result singular(const std::string& which) { return end(Status::Singular, which + " is singular"); }
 
   Result end(Status status, const std::string& what) {
     Result result = judged(problem_, best_.z(), limits_, status, what);
@@ -165,17 +161,14 @@ void describe(BlockPivoting& m, Fields& f) {
 Result block_pivoting(const AffineMcp& problem, In start, const BlockPivoting& options, const Limits& limits) {
   check_input("block_pivoting", problem, start, limits);
   refuse_invalid("block_pivoting", options);
-  const auto solve = [&] {
-    if (!options.components || strong_components(problem).count() <= 1)
-      return BlockRun(problem, start, options, limits).run();
-    Result parts = by_components(problem, start, options, limits);
-    if (parts.accepted() || parts.status == Status::OutOfMemory || limits.reached()) return parts;
-    Result whole = BlockRun(problem, start, options, limits).run();
-    whole.iterations += parts.iterations;
-    whole.factorizations += parts.factorizations;
-    return whole;
-  };
-  return within_limits(solve, at_start("block_pivoting", problem, start, limits));
+  if (!options.components || strong_components(problem).count() <= 1)
+    return BlockRun(problem, start, options, limits).run();
+  Result parts = by_components(problem, start, options, limits);
+  if (parts.accepted() || limits.reached()) return parts;
+  Result whole = BlockRun(problem, start, options, limits).run();
+  whole.iterations += parts.iterations;
+  whole.factorizations += parts.factorizations;
+  return whole;
 }
 
 }  // namespace perp::lcp

@@ -142,8 +142,8 @@ struct PivotResult {
 Vec chord_step(const PivotResult& result, In r);
 
 /// Follows the path from `start` (any point of R^n: outside the box it means the cell beyond the bound).
-/// Throws std::invalid_argument if the problem, the start or an option is malformed; KernelTooLong if a factorization
-/// would end after the deadline; std::bad_alloc. Terminates for every M in exact
+/// Throws std::invalid_argument if the problem, the start or an option is malformed; std::bad_alloc.
+/// Terminates for every M in exact
 /// arithmetic: a path through a cell with nonsingular matrix is one segment there, so it ends or comes back to the
 /// start (Loop). From a Ray start it finds a solution if M is copositive-plus and the problem is feasible, or a
 /// P-matrix (LCP).

@@ -39,36 +39,33 @@ void describe(LemkeHowson& m, Fields& f) {
 Result lemke_howson(const AffineMcp& problem, In start, const LemkeHowson& options, const Limits& limits) {
   check_input("lemke-howson", problem, start, limits);
   refuse_invalid("lemke-howson", options);
-  const auto solve = [&] {
-    const Index n = problem.size();
-    for (Index i = 0; i < n; ++i)
-      if (std::isinf(problem.box.lower[i]) || problem.box.upper[i] < infinity)
-        return judged(problem, start, limits, Status::NotApplicable,
-                      "variable " + std::to_string(i + 1) + " is not bounded below only");
-    LemkeOptions path_options = options.options;
-    path_options.residual_tol = limits.tol;
-    path_options.deadline = limits.deadline;
-    path_options.interrupted = limits.interrupted;
-    Result best = judged(problem, start, limits, Status::Stalled, "no label's path ends in a solution");
-    const Index labels = std::min<Index>(n, options.labels);
-    for (Index k = 0; k < labels && !best.accepted(); ++k) {
-      const Vec x0 = howson_start(problem, k * n / labels);
-      if (x0.size() == 0 || !x0.allFinite()) continue;
-      const PivotResult path = lemke(problem, x0, path_options);
-      const long iterations = best.iterations + path.pivots;
-      const int factorizations = best.factorizations + path.refactorizations;
-      if (path.residual < best.residual) best = judged(problem, path.z, limits, best.status, best.message);
-      best.iterations = iterations;
-      best.factorizations = factorizations;
-      if (const auto stopped = limits.reached(); stopped && !best.accepted()) {
-        best.status = *stopped;
-        best.message = std::string(to_string(*stopped));
-        break;
-      }
+  const Index n = problem.size();
+  for (Index i = 0; i < n; ++i)
+    if (std::isinf(problem.box.lower[i]) || problem.box.upper[i] < infinity)
+      return judged(problem, start, limits, Status::NotApplicable,
+                    "variable " + std::to_string(i + 1) + " is not bounded below only");
+  LemkeOptions path_options = options.options;
+  path_options.residual_tol = limits.tol;
+  path_options.deadline = limits.deadline;
+  path_options.interrupted = limits.interrupted;
+  Result best = judged(problem, start, limits, Status::Stalled, "no label's path ends in a solution");
+  const Index labels = std::min<Index>(n, options.labels);
+  for (Index k = 0; k < labels && !best.accepted(); ++k) {
+    const Vec x0 = howson_start(problem, k * n / labels);
+    if (x0.size() == 0 || !x0.allFinite()) continue;
+    const PivotResult path = lemke(problem, x0, path_options);
+    const long iterations = best.iterations + path.pivots;
+    const int factorizations = best.factorizations + path.refactorizations;
+    if (path.residual < best.residual) best = judged(problem, path.z, limits, best.status, best.message);
+    best.iterations = iterations;
+    best.factorizations = factorizations;
+    if (const auto stopped = limits.reached(); stopped && !best.accepted()) {
+      best.status = *stopped;
+      best.message = std::string(to_string(*stopped));
+      break;
     }
-    return best;
-  };
-  return within_limits(solve, at_start("lemke-howson", problem, start, limits));
+  }
+  return best;
 }
 
 }  // namespace perp::lcp

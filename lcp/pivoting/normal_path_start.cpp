@@ -47,7 +47,7 @@ NormalPath::NormalPath(const AffineMcp& problem, Equilibrated&& scaled, In start
       high_(n_),
       cells_(at(n_)),
       A_(with_residual_column(problem_.M)),
-      factor_(A_, options.basis, options.deadline),
+      factor_(A_, options.basis),
       waiting_(at(n_), none),
       d_(n_) {}
 
@@ -151,9 +151,7 @@ void NormalPath::set_residual_column() {
 LuStatus NormalPath::factor_basis() {
   std::vector<Index> columns(head_.size());
   std::transform(head_.begin(), head_.end(), columns.begin(), [this](Index i) { return column(i); });
-  const LuStatus status = factor_.factor(columns);
-  if (status == LuStatus::OutOfMemory) throw std::bad_alloc();  // no other basis needs less
-  return status;
+  return factor_.factor(columns);
 }
 
 /// The basis of all x_i in their present cells, t nonbasic; artificials in the places of dependent columns.

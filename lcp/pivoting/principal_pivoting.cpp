@@ -25,8 +25,8 @@ constexpr double smallest_pivot = 1e-9;
 /// basic w_k and M_.k of basic z_k, whose unknowns are therefore w_k and -z_k.
 class Tableau {
  public:
-  Tableau(const StandardForm& form, LuBackend lu, Deadline deadline)
-      : form_(form), factor_(form.M, {.lu = lu}, deadline), z_basic_(at(form.size())), position_(at(form.size())) {}
+  Tableau(const StandardForm& form, LuBackend lu)
+      : form_(form), factor_(form.M, {.lu = lu}), z_basic_(at(form.size())), position_(at(form.size())) {}
 
   /// Basic z_k where `inside`, the nonbasic variables at zero. Singular also where that is only hidden by rounding.
   LuStatus start(const std::vector<char>& inside) {
@@ -160,7 +160,7 @@ class PrincipalRun {
         scaling_(equilibrate(problem)),
         scaled_(scaling_.apply(problem)),
         form_(scaled_, split_free),
-        tableau_(form_, options.lu, limits.deadline),
+        tableau_(form_, options.lu),
         best_(problem, start) {}
 
   /// False if the block of the free variables is singular.
@@ -175,7 +175,7 @@ class PrincipalRun {
   }
 
   Result run() {
-    if (entry_ != LuStatus::Ok) return failed(entry_);
+    if (entry_ != LuStatus::Ok) return singular();
     for (;;) {
       tableau_.evaluate();
       best_.offer(point());
@@ -206,7 +206,7 @@ class PrincipalRun {
       const double zero = smallest_pivot * std::max(1.0, rate.lpNorm<Eigen::Infinity>());
       const auto [s, step] = block(r, below, rate, zero);
       if ((rate[r] < -zero || s < 0) && !tableau_.fresh()) {  // nothing is concluded from updated factors
-        if (const LuStatus status = tableau_.refactor(); status != LuStatus::Ok) return failed(status);
+        if (tableau_.refactor() != LuStatus::Ok) return singular();
         tableau_.evaluate();
         continue;
       }
@@ -225,7 +225,7 @@ class PrincipalRun {
       if (column[s] < -small || (column[s] <= small && column[r] <= 0)) {
         if (tableau_.fresh()) return not_sufficient(s);
         tableau_.nonbasic[r] -= step;
-        if (const LuStatus status = tableau_.refactor(); status != LuStatus::Ok) return failed(status);
+        if (tableau_.refactor() != LuStatus::Ok) return singular();
         tableau_.evaluate();
         seen.erase(key_of(places()));
         continue;
@@ -272,14 +272,14 @@ class PrincipalRun {
   std::optional<Result> exchange(Index s) {
     ++pivots_;
     const LuStatus status = tableau_.pivot(s);
-    if (status != LuStatus::Ok) return failed(status);
+    if (status != LuStatus::Ok) return singular();
     tableau_.nonbasic[s] = 0;
     return std::nullopt;
   }
   std::optional<Result> exchange(Index s, Index r, double leaving) {
     ++pivots_;
     const LuStatus status = tableau_.pivot(s, r);
-    if (status != LuStatus::Ok) return failed(status);
+    if (status != LuStatus::Ok) return singular();
     tableau_.nonbasic[r] = leaving;
     return std::nullopt;
   }
@@ -306,11 +306,7 @@ class PrincipalRun {
                        " of the standard form have the wrong sign"));
   }
 
-  Result failed(LuStatus status) {
-    const bool memory = status == LuStatus::OutOfMemory;
-    return end(memory ? Status::OutOfMemory : Status::Singular,
-               memory ? "the basis does not fit into the memory" : "a basis is singular");
-  }
+  Result singular() { return end(Status::Singular, "a basis is singular"); }
 
   Vec point() const { return form_.to_z(tableau_.z()).cwiseProduct(scaling_.columns); }
 
@@ -357,14 +353,11 @@ void describe(PrincipalPivoting& m, Fields& f) {
 Result principal_pivoting(const AffineMcp& problem, In start, const PrincipalPivoting& options, const Limits& limits) {
   check_input("principal_pivoting", problem, start, limits);
   refuse_invalid("principal_pivoting", options);
-  const auto solve = [&] {
-    PrincipalRun run(problem, start, options, limits, false);
-    if (run.enter(start)) return run.run();
-    PrincipalRun split(problem, start, options, limits, true);
-    split.enter(start);  // the basis of unit columns at the latest
-    return split.run();
-  };
-  return within_limits(solve, at_start("principal_pivoting", problem, start, limits));
+  PrincipalRun run(problem, start, options, limits, false);
+  if (run.enter(start)) return run.run();
+  PrincipalRun split(problem, start, options, limits, true);
+  split.enter(start);  // the basis of unit columns at the latest
+  return split.run();
 }
 
 }  // namespace perp::lcp

@@ -49,7 +49,7 @@ class StraightPiece final : public LastPiece {
   /// False if M_II is singular, or nearly so.
   bool factor() const {
     lu_.user = this;
-    return lu_.lu.try_factor(block_) && lu_.lu.pivot_ratio() >= regular;
+    return lu_.lu.factor(block_) == LuStatus::Ok && lu_.lu.pivot_ratio() >= regular;
   }
 
   const std::vector<Index>& inside() const { return inside_; }

@@ -200,7 +200,7 @@ void Solver::prepare(Kind kind, double shift) {
   qp_.q = problem_.q - shift * d_.cwiseProduct(z_);
   hierarchy_.reset();
   if (kind == Kind::Cholesky) {
-    B_ = std::make_unique<CholeskyFace>(A, cholesky_entries, limits_.deadline);
+    B_ = std::make_unique<CholeskyFace>(A, cholesky_entries);
     return;
   }
   const auto direct = static_cast<int>(std::min<Index>(options_.direct, A.rows()));
@@ -415,8 +415,7 @@ void describe(BoundQp& m, Fields& f) {
 Result bound_qp(const AffineMcp& problem, In start, const BoundQp& options, const Limits& limits) {
   check_input("bound_qp", problem, start, limits);
   refuse_invalid("bound_qp", options);
-  return within_limits([&] { return Solver(problem, start, options, limits).solve(); },
-                       at_start("bound_qp", problem, start, limits));
+  return Solver(problem, start, options, limits).solve();
 }
 
 }  // namespace perp::lcp

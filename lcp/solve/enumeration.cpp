@@ -367,30 +367,27 @@ Solutions enumerate(const AffineMcp& problem, const Enumeration& options, const 
 
 Result enumeration(const AffineMcp& problem, In start, const Enumeration& options, const Limits& limits) {
   check_input("enumeration", problem, start, limits);
-  const auto solve = [&] {
-    const Solutions all = enumerate(problem, options, limits);
-    int two = 0;
-    int three = 0;
-    for (Index i = 0; i < problem.size(); ++i) {
-      if (problem.box.is_fixed(i) || problem.box.is_free(i)) continue;
-      ++(problem.box.has_lower(i) && problem.box.has_upper(i) ? three : two);
-    }
-    std::ostringstream what;
-    if (all.complete)
-      what << "all 2^" << two << (three > 0 ? " 3^" + std::to_string(three) : "") << " cells examined: ";
-    else
-      what << all.message << ": ";
-    what << all.found.size() << (all.found.size() == 1 ? " solution or set of them" : " solutions or sets of them");
-    const Vec z = all.found.empty() ? Vec(start) : all.found.front().z;
-    const bool none = all.complete && all.found.empty();
-    const Status otherwise = none ? Status::Infeasible : all.complete ? Status::Stalled : all.stopped;
-    Result result = judged(problem, z, limits, otherwise, what.str());
-    result.message = what.str();
-    result.iterations = all.nodes;
-    if (result.status == Status::Infeasible) result.refutation = std::make_shared<const Refutation>(all.refutation);
-    return result;
-  };
-  return within_limits(solve, at_start("enumeration", problem, start, limits));
+  const Solutions all = enumerate(problem, options, limits);
+  int two = 0;
+  int three = 0;
+  for (Index i = 0; i < problem.size(); ++i) {
+    if (problem.box.is_fixed(i) || problem.box.is_free(i)) continue;
+    ++(problem.box.has_lower(i) && problem.box.has_upper(i) ? three : two);
+  }
+  std::ostringstream what;
+  if (all.complete)
+    what << "all 2^" << two << (three > 0 ? " 3^" + std::to_string(three) : "") << " cells examined: ";
+  else
+    what << all.message << ": ";
+  what << all.found.size() << (all.found.size() == 1 ? " solution or set of them" : " solutions or sets of them");
+  const Vec z = all.found.empty() ? Vec(start) : all.found.front().z;
+  const bool none = all.complete && all.found.empty();
+  const Status otherwise = none ? Status::Infeasible : all.complete ? Status::Stalled : all.stopped;
+  Result result = judged(problem, z, limits, otherwise, what.str());
+  result.message = what.str();
+  result.iterations = all.nodes;
+  if (result.status == Status::Infeasible) result.refutation = std::make_shared<const Refutation>(all.refutation);
+  return result;
 }
 
 }  // namespace perp::lcp

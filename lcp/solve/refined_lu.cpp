@@ -137,7 +137,6 @@ RefinedLu::RefinedLu(SpMat K) : K_(std::move(K)), lu_(LuBackend::General) {
   part_of_ = coupled_by(K_);
   if (size() == 0) return;
   status_ = lu_.factor(K_);
-  if (status_ == LuStatus::OutOfMemory) throw std::bad_alloc();
   rcond_ = lu_.rcond();
 }
 

@@ -124,8 +124,7 @@ Result by_lemke(const AffineMcp& problem, In start, const Lemke& method, const L
 
 Result lemke_method(const AffineMcp& problem, In start, const Lemke& method, const Limits& limits) {
   check_input("lemke", problem, start, limits);
-  return within_limits([&] { return by_lemke(problem, start, method, limits); },
-                       at_start("lemke", problem, start, limits));
+  return by_lemke(problem, start, method, limits);
 }
 
 namespace {
@@ -185,15 +184,12 @@ Result solve_in_order(const AffineMcp& problem, In start, const Method& method, 
 }  // namespace
 
 Result solve(const AffineMcp& problem, In start, const Method& method, const Limits& limits) {
-  const auto in_order = [&] {
-    const auto order = problem.invalid() ? std::nullopt : equation_order(problem.M, problem.box);
-    if (!order) return solve_in_order(problem, start, method, limits);
-    Result result = solve_in_order(order->apply(problem), start, method, limits);
-    if (result.certificate.size() > 0) result.certificate = order->multipliers_back(result.certificate);
-    if (result.refutation) result.refutation = std::make_shared<const Refutation>(order->back(*result.refutation));
-    return result;
-  };
-  return within_limits(in_order, at_start(name(method), problem, start, limits));
+  const auto order = problem.invalid() ? std::nullopt : equation_order(problem.M, problem.box);
+  if (!order) return solve_in_order(problem, start, method, limits);
+  Result result = solve_in_order(order->apply(problem), start, method, limits);
+  if (result.certificate.size() > 0) result.certificate = order->multipliers_back(result.certificate);
+  if (result.refutation) result.refutation = std::make_shared<const Refutation>(order->back(*result.refutation));
+  return result;
 }
 
 }  // namespace perp::lcp

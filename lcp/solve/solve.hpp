@@ -41,7 +41,8 @@ using Method = std::variant<Auto, Lemke, LemkeHowson, PrincipalPivoting, BlockPi
                             BoundQp, Enumeration>;
 
 /// Runs the method from `start` (methods that need none ignore it), with the equations of free variables in the order
-/// that equation_order() finds. Throws std::invalid_argument for malformed input.
+/// that equation_order() finds. Throws std::invalid_argument for malformed input. Out of memory,
+/// std::bad_alloc leaves solve(), and objects may only be destroyed; limits are looked at between two factorizations.
 Result solve(const AffineMcp& problem, In start, const Method& method = Auto{}, const Limits& limits = {});
 
 struct MethodEntry {

@@ -194,7 +194,6 @@ std::optional<double> rcond(const SpMat& A) {
     case lcp::LuStatus::Singular:
       return 0.0;
     case lcp::LuStatus::NotFinite:
-    case lcp::LuStatus::OutOfMemory:
       break;
   }
   return std::nullopt;

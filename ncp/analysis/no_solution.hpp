@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "lcp/kernel_clock.hpp"
+#include "lcp/deadline.hpp"
 #include "ncp/interval/interval.hpp"
 #include "ncp/problem/mcp.hpp"
 

@@ -163,9 +163,6 @@ class Analysis {
     sort_indices();
     system_.emplace(J_, inside_, options_.lu);
     out_.rcond = system_->rcond();
-    if (system_->status() == lcp::LuStatus::OutOfMemory)
-      return refuse(SensitivityStatus::TooLarge, "out of memory factoring the Jacobian of " +
-                                                     std::to_string(inside_.size()) + " variables off their bounds");
     if (!(out_.rcond > options_.singular_rcond)) return refuse(SensitivityStatus::Singular, singular());
     return true;
   }

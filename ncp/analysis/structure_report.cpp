@@ -112,9 +112,8 @@ SpMat equilibrated(SpMat B, Vec* columns = nullptr) {
 
 /// Of a square B that is regular to working precision: nothing. Else B + delta I, factored, which is regular for almost
 /// all delta.
-std::optional<lcp::SparseLu> shifted_if_singular(const SpMat& B, lcp::Deadline deadline = lcp::no_deadline,
-                                                 double least_rcond = singular) {
-  lcp::SparseLu lu(lcp::LuBackend::General, deadline);
+std::optional<lcp::SparseLu> shifted_if_singular(const SpMat& B, double least_rcond = singular) {
+  lcp::SparseLu lu(lcp::LuBackend::General);
   const lcp::LuStatus status = lu.factor(B);
   if (status != lcp::LuStatus::Ok && status != lcp::LuStatus::Singular) return std::nullopt;
   if (status == lcp::LuStatus::Ok && lu.rcond() > least_rcond) return std::nullopt;
@@ -327,10 +326,10 @@ Indices in_no_equation(const Mcp& mcp, const SpMat& J, In x, In F, double tol) {
 
 }  // namespace
 
-std::string undetermined(const Mcp& mcp, const SpMat& J, In x, In F, double tol, lcp::Deadline deadline) {
+std::string undetermined(const Mcp& mcp, const SpMat& J, In x, In F, double tol) {
   expect_sizes(mcp, J, x, F);
   if (!x.allFinite() || !F.allFinite() || !J.coeffs().allFinite()) return {};
-  constexpr Index most = 100'000;  // rows that are factored, which looks at no clock while it orders them
+  constexpr Index most = 100'000;  // rows that are factored: it may take as long as the solve
   const std::string many = "the solution is not the only one: ";
   const bool rough = mcp.jacobian_work().by == JacobianWork::By::Differences;
   constexpr double differences = 1e-6;  // they are good to the root of the rounding, and to a hundred times that here
@@ -338,13 +337,8 @@ std::string undetermined(const Mcp& mcp, const SpMat& J, In x, In F, double tol,
   Vec columns;
   std::optional<lcp::SparseLu> lu;
   SpMat B;
-  try {
-    if (!block.empty() && std::ssize(block) <= most)
-      lu =
-          shifted_if_singular(B = equilibrated(block_of(J, block), &columns), deadline, rough ? differences : singular);
-  } catch (const lcp::KernelTooLong&) {
-    return {};
-  }
+  if (!block.empty() && std::ssize(block) <= most)
+    lu = shifted_if_singular(B = equilibrated(block_of(J, block), &columns), rough ? differences : singular);
   if (!lu) {
     const Indices loose = in_no_equation(mcp, J, x, F, tol);
     if (loose.empty()) return {};

@@ -9,7 +9,6 @@
 #include <string>
 #include <vector>
 
-#include "lcp/kernel_clock.hpp"
 #include "lcp/linalg/structure.hpp"
 #include "ncp/problem/mcp.hpp"
 
@@ -40,9 +39,7 @@ std::string explain_singularity(const Mcp& mcp, const SpMat& J, In x, In F);
 
 /// Says of a solution x, with J and F there, what makes it not the only one, or perhaps: variables that are in no
 /// equation, or B is singular (explain_singularity). It is not the only one if a point beside x, along a null vector of
-/// B, has a natural residual of at most `tol`, too. An empty string if B is regular, or where its factorization would
-/// last beyond the deadline.
-std::string undetermined(const Mcp& mcp, const SpMat& J, In x, In F, double tol,
-                         lcp::Deadline deadline = lcp::no_deadline);
+/// B, has a natural residual of at most `tol`, too. An empty string if B is regular.
+std::string undetermined(const Mcp& mcp, const SpMat& J, In x, In F, double tol);
 
 }  // namespace perp::ncp

@@ -38,7 +38,7 @@ bool ActiveSetFinish::factor(const SpMat& J) {
     if (active_[k] == BoundState::Free) I_.push_back(static_cast<Index>(k));
   if (I_.empty()) return true;
   ++run_.stats().factorizations;
-  return lu_.try_factor(lcp::principal_block(J, I_));
+  return lu_.factor(lcp::principal_block(J, I_)) == lcp::LuStatus::Ok;
 }
 
 /// To the point that the factors lead to.
@@ -84,7 +84,7 @@ bool ActiveSetFinish::step(const Point& point, Point& to) {
   const bool settled = now == active_;
   active_ = std::move(now);
   chords_ = chords_ && settled;
-  if (!chords_) lu_ = lcp::SparseLu(backend_, run_.deadline());  // the memory is the path's
+  if (!chords_) lu_ = lcp::SparseLu(backend_);  // the memory is the path's
   if (!settled || pause_-- > 0) return false;
   const bool stepped = chord(point, to) || (factor(point.J) && move(point, to) && falls(point, share, to));
   pause_ = stepped ? 0 : 1 << std::min(failures_++, 5);

@@ -19,7 +19,7 @@ std::vector<lcp::BoundState> active_set(const Box& box, const Point& point);
 /// steps: Shamanskii 1967) stand in for those of new ones as long as each gains a digit.
 class ActiveSetFinish {
  public:
-  ActiveSetFinish(Run& run, lcp::LuBackend backend) : run_(run), backend_(backend), lu_(backend, run.deadline()) {}
+  ActiveSetFinish(Run& run, lcp::LuBackend backend) : run_(run), backend_(backend), lu_(backend) {}
   /// A step from `point`, if its active set is that of the last call, to one of at most half the natural residual.
   /// After failures it is tried more and more seldom.
   bool step(const Point& point, Point& to);

@@ -20,7 +20,6 @@ Status status_of(Status affine) {
 
 const char* advice(Status status, bool automatic) {
   if (status == Status::TimeLimit) return "raise the time limit";
-  if (status == Status::OutOfMemory) return "a smaller problem, more memory, or --method psor";
   return automatic ? "the problem may have no solution; a nonlinear method (semismooth) may still find one"
                    : "try --method auto";
 }

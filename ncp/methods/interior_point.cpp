@@ -78,7 +78,7 @@ InteriorRun::InteriorRun(Run& run, const InteriorPoint& method, Point point)
       method_(method),
       point_(std::move(point)),
       J_(lcp::with_diagonal(point_.J)),
-      path_(J_, run.box(), false, method.to_boundary, proximal, method.lu, run.deadline()),
+      path_(J_, run.box(), false, method.to_boundary, proximal, method.lu),
       finish_(run, method.lu) {}
 
 /// Opens the path by the size of the linearisation at the start, where that leads to no larger residuals than it comes
@@ -223,7 +223,6 @@ bool InteriorRun::step() {
   const lcp::LuStatus status = path_.factor(point_.F);
   run_.stats().factorizations += path_.system().factorizations() - factorizations_;
   factorizations_ = path_.system().factorizations();
-  if (status == lcp::LuStatus::OutOfMemory) throw std::bad_alloc();
   singular_ = status != lcp::LuStatus::Ok;
   if (singular_) return false;
   const double size = residual(path_.x, point_);

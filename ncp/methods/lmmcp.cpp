@@ -27,7 +27,7 @@ constexpr double singular = 1e-12;
 class LeastSquares {
  public:
   LeastSquares(Run& run, const Lmmcp& method)
-      : run_(run), lambda_(method.lambda), n_(run.box().size()), lu_(method.lu, run.deadline()) {}
+      : run_(run), lambda_(method.lambda), n_(run.box().size()), lu_(method.lu) {}
 
   double merit(In x, In F) {
     evaluate(x, F, Phi_trial_);
@@ -108,7 +108,7 @@ class LeastSquares {
     SpMat system(3 * n_, 3 * n_);
     system.setFromTriplets(entries.begin(), entries.end());
     ++run_.stats().factorizations;
-    return lu_.try_factor(system) && (nu > least_nu || lu_.rcond() > singular * singular);
+    return lu_.factor(system) == lcp::LuStatus::Ok && (nu > least_nu || lu_.rcond() > singular * singular);
   }
 
   Run& run_;

@@ -22,7 +22,7 @@ constexpr int patience = 10;
 /// The Newton step by blocks: d_A = -Phi_A, J_II d_I = -F_I - J_IA d_A.
 class NewtonSteps {
  public:
-  NewtonSteps(Run& run, lcp::LuBackend lu) : run_(run), lu_(lu, run.deadline()) {}
+  NewtonSteps(Run& run, lcp::LuBackend lu) : run_(run), lu_(lu) {}
 
   /// False where J_II is singular.
   bool solve(const Linearisation& lin, const SpMat& J, Vec& d) {
@@ -52,7 +52,7 @@ class NewtonSteps {
     SpMat block(inside, inside);
     block.setFromTriplets(entries.begin(), entries.end());
     ++run_.stats().factorizations;
-    if (!lu_.try_factor(block)) return false;
+    if (lu_.factor(block) != lcp::LuStatus::Ok) return false;
     Vec inner(inside);
     lu_.solve_refined(rhs, inner);
     for (Index i = 0; i < n; ++i)

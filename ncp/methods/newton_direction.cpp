@@ -45,8 +45,8 @@ Directions::Directions(Run& run, const SemismoothNewton& method)
       limits_{.deadline = run.deadline(), .interrupted = [&run] { return run.interrupted(); }},
       krylov_(method.linear == LinearSolver::Krylov ||
               (method.linear == LinearSolver::Auto && run.box().size() > direct_to)),
-      lu_(method.lu, run.deadline()),
-      lm_(method.lu, run.deadline()) {}
+      lu_(method.lu),
+      lm_(method.lu) {}
 
 double Directions::forcing_term(double norm) {
   const Forcing& f = method_.forcing;
@@ -102,7 +102,7 @@ bool Directions::direct(const Linearisation& lin, const Point& point, Direction&
   ++run_.stats().factorizations;
   SpMat assembled;
   if (lin.H.rows() == 0) assemble(lin.at.Da, lin.at.Db, point.J, assembled);
-  if (!lu_.try_factor(lin.H.rows() == 0 ? assembled : lin.H)) return false;
+  if (lu_.factor(lin.H.rows() == 0 ? assembled : lin.H) != lcp::LuStatus::Ok) return false;
   out = {.d = Vec(lin.at.Phi.size()), .kind = 'N', .nu = 0, .linear = failures_ > 0 ? 'D' : ' '};
   lu_.solve(-lin.at.Phi, out.d);
   return out.d.allFinite();

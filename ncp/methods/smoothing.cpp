@@ -31,7 +31,7 @@ class Smoother {
       : run_(run),
         method_(method),
         point_(std::move(point)),
-        lu_(method.lu, run.deadline()),
+        lu_(method.lu),
         memory_(method.search.memory),
         finish_(run, method.lu) {}
   void run();
@@ -111,7 +111,7 @@ bool Smoother::newton(const Vec& rhs, Vec& d) const {
 
 bool Smoother::levenberg_marquardt(double nu, Vec& d) {
   ++run_.stats().factorizations;
-  lcp::SparseLu lu(method_.lu, run_.deadline());
+  lcp::SparseLu lu(method_.lu);
   return lcp::damped_least_squares(lu, H_, -at_.Phi, nu, d);
 }
 
@@ -155,7 +155,7 @@ bool Smoother::step() {
   const auto n = static_cast<double>(point_.x.size());
   Vec d(point_.x.size());
   ++run_.stats().factorizations;
-  if (lu_.try_factor(H_)) {
+  if (lu_.factor(H_) == lcp::LuStatus::Ok) {
     if (method_.schedule == SmoothingSchedule::PredictorCorrector && predict()) return true;
     if (newton(-at_.Phi, d) && search(d, 'N')) return true;
   }

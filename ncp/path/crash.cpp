@@ -69,7 +69,7 @@ constexpr double cancelled = 1e-10;
 
 /// d with B d = b. False if B is singular, or no more than rounding makes it regular.
 bool solved(lcp::SparseLu& lu, const SpMat& B, const Vec& b, Vec& d) {
-  if (!lu.try_factor(B)) return false;
+  if (lu.factor(B) != lcp::LuStatus::Ok) return false;
   d.resize(b.size());
   lu.solve(b, d);
   if (!d.allFinite()) return false;

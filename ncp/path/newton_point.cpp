@@ -116,7 +116,7 @@ NewtonPoints::NewtonPoints(Run& run, const PathSearch& method, lcp::SharedLu& st
     : run_(run),
       method_(method),
       options_(linearised_options(run, method.lemke)),
-      lu_{lcp::SparseLu(method.lemke.basis.lu, run.deadline())},
+      lu_{lcp::SparseLu(method.lemke.basis.lu)},
       straight_lu_(straight_lu),
       left_(run.left().max_pivots) {
   const Index n = run.box().size();

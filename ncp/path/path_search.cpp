@@ -22,7 +22,7 @@ bool ran_off(Run& run, const Point& point, double start) {
 }  // namespace
 
 void iterate(Run& run, const PathSearch& method, Point point) {
-  lcp::SharedLu lu{lcp::SparseLu(lcp::LuBackend::Auto, run.deadline())};  // of J_II
+  lcp::SharedLu lu{lcp::SparseLu(lcp::LuBackend::Auto)};  // of J_II
   lu.lu.reuse_pivots();  // in affine problems, too: their crash is the same one, observed or not
   Iteration it{.k = 0, .kind = 'I', .normal_map = true};
   it.crash = method.crash.on && run.box().size() >= method.crash.minimum_dimension;

@@ -80,18 +80,6 @@ void Run::end_infeasible(Infeasibility proof, std::string message) {
   proof_ = std::move(proof);
 }
 
-void Run::guard(const std::function<void()>& part) {
-  // Not end(): to settle what is open takes factorizations too.
-  lcp::within_limits(part, [this](Status status, const std::string& why) {
-    if (status_ && !stuck(*status_)) return;  // one that is stuck was to go on
-    const bool late = status == Status::TimeLimit;
-    message_ = late ? "stopped before the time limit: " + why : why;
-    advice_ = late ? "raise the time limit, or go on from the point returned"
-                   : "a smaller problem, more memory, or --method semismooth --option linear_solver=krylov";
-    status_ = late ? Status::TimeLimit : Status::OutOfMemory;
-  });
-}
-
 bool Run::settled() {
   if (best_.x.size() == 0) return false;
   judge_.refine(best_);
@@ -261,7 +249,7 @@ Result Run::within(const Mcp& mcp, const Stop& limits, const Observer& shown, In
   Run inner(mcp, limits, shown, word);
   inner.warm(std::move(basis));
   if (word == Judge::Word::Preliminary || &mcp == &this->mcp()) inner.give_up_where(hopeless_);
-  inner.guard([&] { body(inner, x0); });
+  body(inner, x0);
   return inner.result(x0);
 }
 
@@ -336,10 +324,6 @@ void Run::take_point(const Result& other) {
 }
 
 bool Run::ended_with(const Result& other) {
-  if (other.status == Status::OutOfMemory) {
-    end(other.status, other.message, other.advice);
-    return true;
-  }
   const bool late = other.status == Status::TimeLimit && std::chrono::steady_clock::now() >= deadline_;
   const bool at_end = !other.accepted() && at_limit() && other.status == Status::IterationLimit;
   if (!at_end && other.status != Status::Interrupted && !late) return false;

@@ -96,9 +96,6 @@ class Run {
   bool disprove(const Vec& y, const std::string& words);
   /// Ends it so with a proof that is there.
   void end_infeasible(Infeasibility proof, std::string message);
-  /// Runs a part of a method, which may throw: where a factorization would end after the deadline, or memory is short,
-  /// the run ends with that and keeps its best point.
-  void guard(const std::function<void()>& part);
   bool ended() const { return status_.has_value(); }
   Status status() const { return *status_; }  ///< Pre: ended()
   struct Verdict {

@@ -25,9 +25,9 @@ FunctionClasses proven_classes(const Mcp& mcp, In x) {
 
 /// Returns whether J + eps I has an L S L' with the signs of its rows, some R_i != 0 making R J symmetric, as where |R|
 /// J is positive semidefinite. Costs a factorization of what interior points factor.
-bool quasi_definite(const SpMat& J, std::chrono::steady_clock::time_point deadline) {
+bool quasi_definite(const SpMat& J) {
   constexpr double eps = 1e-6;  // above the rounding of J's entries
-  lcp::QuasiDefinite ldlt(deadline);
+  lcp::QuasiDefinite ldlt;
   return ldlt.analyze(lcp::with_diagonal(J)) && ldlt.factor(Vec::Constant(J.rows(), eps));
 }
 
@@ -89,7 +89,7 @@ bool Facts::holds(Condition condition) {
       if (!monotone_) monotone_ = lcp::positive_semidefinite(start_.J, {.dense_to = 0}).yes();
       return *monotone_;
     case Condition::QuasiDefinite:
-      return quasi_definite(start_.J, run_.deadline());
+      return quasi_definite(start_.J);
     case Condition::Large:
       return mcp.size() > large;
     case Condition::Symmetric:

@@ -32,13 +32,12 @@ namespace {
 /// The steps of one iteration, from the fastest to the safest.
 class DeflatedSteps {
  public:
-  explicit DeflatedSteps(Run& run)
-      : run_(run), lu_(lcp::LuBackend::General, run.deadline()), lm_(lcp::LuBackend::General, run.deadline()) {}
+  explicit DeflatedSteps(Run& run) : run_(run), lu_(lcp::LuBackend::General), lm_(lcp::LuBackend::General) {}
 
   /// tau d.
   bool newton(const Linearisation& lin, const Vec& m, Vec& step) {
     ++run_.stats().factorizations;
-    if (!lu_.try_factor(lin.H)) return false;
+    if (lu_.factor(lin.H) != lcp::LuStatus::Ok) return false;
     step.resize(m.size());
     lu_.solve(-lin.at.Phi, step);
     step *= deflated_length(m.dot(step));
@@ -50,7 +49,7 @@ class DeflatedSteps {
   bool levenberg_marquardt(const Linearisation& lin, const Vec& m, double nu, Vec& step) {
     const Index n = m.size();
     ++run_.stats().factorizations;
-    if (!lm_.try_factor(lcp::least_squares_system(lin.H, nu))) return false;
+    if (lm_.factor(lcp::least_squares_system(lin.H, nu)) != lcp::LuStatus::Ok) return false;
     Vec rhs = Vec::Zero(2 * n), a(2 * n), b(2 * n);
     rhs.head(n) = lin.at.Phi;
     lm_.solve(rhs, a);

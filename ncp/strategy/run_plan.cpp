@@ -177,7 +177,7 @@ void run_list(Run& run, const Point& start, const First& list) {
     if (!tried.empty()) run.resume(title_of(entry));
     tried.push_back(&entry);
     run.keep_basis({});
-    run.guard([&] { run_entry(run, entry, &entry == &list.entries.back(), std::move(point)); });
+    run_entry(run, entry, &entry == &list.entries.back(), std::move(point));
     if (!run.ended() || !stuck(run.status())) break;
     if (tried.size() == 1) of_first = run.verdict();
   }

@@ -103,16 +103,16 @@ void solve_or_refute(Run& run, In x0, const Method& method, std::vector<std::str
   const Body in_order = [&method](Run& outer, In z0) {
     run_in_order(outer, z0, [&method](Run& inner, In z) { run_plan(inner, z, method); });
   };
-  run.guard([&] { in_order(run, x0); });
+  in_order(run, x0);
   if (run.ended() && run.status() == Status::EvaluationFailed && run.iterations() == 0)
     if (const auto moved = moved_start(run.counted(), lcp::project(mcp.box(), x0))) {
       notes.push_back(moved->note);
       run.resume({});
-      run.guard([&] { in_order(run, moved->x); });
+      in_order(run, moved->x);
     }
   if (!run.ended()) return;
   explain(run, x0);
-  const bool late = run.status() == Status::TimeLimit || run.status() == Status::OutOfMemory;
+  const bool late = run.status() == Status::TimeLimit;
   const bool lost = ncp::stuck(run.status()) || run.status() == Status::IterationLimit || (late && refutation->cheap());
   if (!lost || mcp.enclosure() == nullptr) return;
   if (const auto& verdict = refutation->verdict())
@@ -135,11 +135,10 @@ void blame_derivatives(const Mcp& mcp, Result& result) {
 
 /// Says of a solution whether it is the only one near it, where that costs little beside the solve.
 void tell_undetermined(const Mcp& mcp, const Stop& stop, const SpMat& J, Result& result) {
-  constexpr Seconds always{0.01};
-  constexpr double share = 0.2;
-  const Seconds left = stop.max_time - result.stats.time;
-  const Seconds most = std::min(left, std::max(always, share * Seconds(result.stats.time)));
-  std::string text = undetermined(mcp, J, result.x, result.F, stop.tol, lcp::deadline_after(most));
+  constexpr Index always = 1000;  // rows: some milliseconds
+  constexpr int often = 5;        // one factorization more is a fifth of the time
+  if ((mcp.size() > always && result.stats.factorizations < often) || result.stats.time >= stop.max_time) return;
+  std::string text = undetermined(mcp, J, result.x, result.F, stop.tol);
   if (!text.empty()) result.notes.push_back(std::move(text));
 }
 
@@ -196,8 +195,7 @@ void comment(Run& run, In x0, const Method& method, Result& result) {
     point.x = result.x;
     point.F = result.F;
     point.J = *J;
-    bool better = false;
-    run.guard([&] { better = balance(run, std::move(point), method); });
+    const bool better = balance(run, std::move(point), method);
     Result again = run.result(x0);
     if (better) {
       result = std::move(again);
@@ -241,14 +239,11 @@ Result solve(const Mcp& mcp, In x0, const Method& method, const Observer& observ
   Run run(mcp, stop(method), observer);
   run.warm(basis);
   std::vector<std::string> notes;
-  run.guard([&] { solve_or_refute(run, x0, method, notes); });
+  solve_or_refute(run, x0, method, notes);
   Result result = run.result(x0);
   result.notes = std::move(notes);
   result.message += words_on_proof(result.proof) + words_on_best(mcp, result);
-  try {
-    if (result.status != Status::OutOfMemory) comment(run, x0, method, result);
-  } catch (const std::bad_alloc&) {  // the result stands without a comment
-  }
+  comment(run, x0, method, result);
   result.stats.J_colours = static_cast<int>(before.colours);
   result.stats.J_F_evals = static_cast<int>(mcp.jacobian_work().F_evals - before.F_evals);
   return result;

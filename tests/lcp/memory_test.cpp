@@ -37,6 +37,11 @@ TEST(Memory, WhatIsTooMuchIsRefusedWithTheFigure) {
   }
 }
 
+TEST(Memory, FactorsThatAreTooMuchAreRefused) {
+  EXPECT_NO_THROW(require_factors(100, 1e6));
+  EXPECT_THROW(require_factors(100, 1e18), NotEnoughMemory);
+}
+
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 // `ulimit -v`: what the process has counts. In a child, whose limit is its own.
 TEST(Memory, TheLimitOfTheAddressSpaceCounts) {

@@ -3,8 +3,7 @@
 """Compiles headers or sources one by one: compile_alone.py headers|sources BUILD [FOLDER...].
 
 In unity builds a file sees what those before it include. Here it sees what the presets give it, which compile file by
-file: the options of compile_commands.json in BUILD, and lcp/eigen_memory.hpp before everything (CMakeLists.txt), as a
-precompiled header, for speed. Only syntax and types are checked, with assertions and without optimization.
+file: the options of compile_commands.json in BUILD, and Eigen before everything, as a precompiled header, for speed. Only syntax and types are checked, with assertions and without optimization.
 
 Prints the first errors of each file that does not compile; exit status 1 if there is one, 77 if BUILD has no
 compile_commands.json.
@@ -78,7 +77,7 @@ class Compiler:
         for known in every:
             first = self.scratch / str(len(self.precompiled)) / "first.hpp"
             first.parent.mkdir()
-            first.write_text(f'#include "{ROOT}/lcp/eigen_memory.hpp"\n')
+            first.write_text("#include <Eigen/Core>\n#include <Eigen/SparseCore>\n")
             self.precompiled[known] = first
 
         def make(known, first):

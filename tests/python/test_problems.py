@@ -52,6 +52,14 @@ def test_nl_files():
     assert r.x.shape == (p.size,) and r.residual == p.residual(r.x)
 
 
+def test_remarks_on_a_model_are_notes_as_in_the_program():
+    """The objective of a square model is not used: shared/cases/ignored-objective."""
+    model = Path(__file__).parents[3] / "shared/cases/ignored-objective/square-with-objective.nl"
+    if not model.exists():
+        pytest.skip("no ../shared")
+    assert any("the objective is not used" in note for note in perp.read_nl(model).solve().notes)
+
+
 def test_where_F_is_not_defined_it_is_nan():
     p = perp.problem(lambda x: np.log(x), [1.0], -np.inf)
     with np.errstate(all="ignore"):

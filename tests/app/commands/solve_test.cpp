@@ -399,7 +399,7 @@ TEST(Solve, WrongDerivativesAreRefused) {
                               .x0 = ncp::Vec::Ones(1) * 3};
   const std::vector<Assignment> options{{"check_derivatives", "yes", "test"}};
   try {
-    run_method(problem, apply_options(options).settings, nullptr, nullptr);
+    run_method(problem, apply_options(options).settings);
     ADD_FAILURE();
   } catch (const InputError& error) {
     EXPECT_THAT(error.what(), testing::AllOf(HasSubstr("price"), HasSubstr("market")));

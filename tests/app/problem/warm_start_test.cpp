@@ -40,7 +40,7 @@ const std::vector<Assignment> by_pivots{
 
 /// A result with a basis, as JSON.
 Json result_with_basis(const LoadedProblem& problem) {
-  return parse_json(solve_json(run_method(problem, apply_options(by_pivots).settings, nullptr, nullptr)));
+  return parse_json(solve_json(run_method(problem, apply_options(by_pivots).settings)));
 }
 
 std::string refusal(const std::string& path, const ncp::Mcp& mcp) {
@@ -56,7 +56,7 @@ std::string refusal(const std::string& path, const ncp::Mcp& mcp) {
 TEST(WarmStart, ReadsWhatWasWritten) {
   const test::Folder folder;
   const LoadedProblem problem = obstacle(20, 1);
-  const Report report = run_method(problem, apply_options(by_pivots).settings, nullptr, nullptr);
+  const Report report = run_method(problem, apply_options(by_pivots).settings);
   ASSERT_TRUE(report.result.solved());
   ASSERT_EQ(report.result.basis.size(), 20U);
   test::write(folder / "r.json", solve_json(report));
@@ -74,11 +74,11 @@ TEST(WarmStart, SavesPivotsOnANearbyProblem) {
   test::write(folder / "r.json", result_with_basis(obstacle(60, 1)).dump());
   LoadedProblem nearby = obstacle(60, 1.03);
   Applied options = apply_options(by_pivots);
-  const Report cold = run_method(nearby, options.settings, nullptr, nullptr);
+  const Report cold = run_method(nearby, options.settings);
   set_warm_start(read_warm_start(folder / "r.json", *nearby.mcp), nearby, options);
   EXPECT_THAT(options.notes, testing::IsEmpty());
   EXPECT_EQ(options.settings.basis.size(), 60U);
-  const Report warm = run_method(nearby, options.settings, nullptr, nullptr);
+  const Report warm = run_method(nearby, options.settings);
   ASSERT_TRUE(cold.result.solved() && warm.result.solved());
   EXPECT_GT(cold.result.stats.pivots, 8);
   EXPECT_LT(warm.result.stats.pivots, cold.result.stats.pivots / 4);

@@ -21,7 +21,7 @@ using test::parse_json;
 using testing::HasSubstr;
 
 Report report_of(const LoadedProblem& problem, const std::vector<Assignment>& options = {}) {
-  return run_method(problem, apply_options(options).settings, nullptr, nullptr);
+  return run_method(problem, apply_options(options).settings);
 }
 
 // Would catch a missing key, numbers cut to six digits, null in place of infinities.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Parts of a model that are no complementarity conditions: every output says what becomes of them.
-#include "app/report/model_notes.hpp"
+#include "ncp/settings/model_notes.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -88,7 +88,7 @@ Pictured pictured(const LoadedProblem& problem, const std::vector<Assignment>& o
                   std::optional<int> iteration = {}) {
   const Settings settings = apply_options(options).settings;
   WayKeeper keeper(iteration, ncp::PathMerit::Fischer);
-  Report report = run_method(problem, settings, nullptr, nullptr, keeper.observer());
+  Report report = run_method(problem, settings, nullptr, keeper.observer());
   std::string svg = plot_svg(report, keeper.kept());
   return {std::move(report), keeper.kept(), std::move(svg)};
 }
@@ -152,7 +152,7 @@ TEST(Plot, TheCurvePassesThroughTheIterates) {
       before = it.merit;
       return ncp::Next::Continue;
     });
-    run_method(problem, apply_options(options).settings, nullptr, nullptr, check);
+    run_method(problem, apply_options(options).settings, nullptr, check);
   }
   EXPECT_GT(backtracked, 4) << "the test is of searches, too";
 }

@@ -66,7 +66,7 @@ TEST(Cholesky, ThoroughOrderingsTakeLess) {
   space.setFromTriplets(entries.begin(), entries.end());
   for (const SpMat& A : {line, space}) {
     Cholesky quick;
-    Cholesky thorough(no_deadline, CholeskyOrdering::Thorough);
+    Cholesky thorough(CholeskyOrdering::Thorough);
     ASSERT_EQ(quick.factor(A), CholeskyStatus::Ok);
     ASSERT_EQ(thorough.factor(A), CholeskyStatus::Ok);
     EXPECT_LE(thorough.flops(), quick.flops());

@@ -106,19 +106,5 @@ TEST(QuasiDefinite, SaysWhereThereIsNoFactor) {
   EXPECT_LE((x - Vec{{1, 1}}).norm(), 1e-14);
 }
 
-// No factorization that would end after the deadline is begun, once there was one that told what they take.
-TEST(QuasiDefinite, KeepsTheDeadline) {
-  constexpr Index n = 400;
-  Eigen::MatrixXd K = Eigen::MatrixXd::Identity(2 * n, 2 * n);
-  K.bottomLeftCorner(n, n).setConstant(0.5);
-  K.topRightCorner(n, n).setConstant(-0.5);
-  QuasiDefinite ldlt(std::chrono::steady_clock::now() + std::chrono::milliseconds(100));
-  ASSERT_TRUE(ldlt.analyze(K.sparseView()));
-  const auto many = [&] {
-    for (int k = 0; k < 1000; ++k) (void)ldlt.factor(Vec::Ones(2 * n));
-  };
-  EXPECT_THROW(many(), KernelTooLong);
-}
-
 }  // namespace
 }  // namespace perp::lcp

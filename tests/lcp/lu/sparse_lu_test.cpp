@@ -432,7 +432,6 @@ TEST(LuNames, AreWords) {
   EXPECT_EQ(to_string(LuStatus::Ok), "ok");
   EXPECT_EQ(to_string(LuStatus::Singular), "singular");
   EXPECT_EQ(to_string(LuStatus::NotFinite), "not finite");
-  EXPECT_EQ(to_string(LuStatus::OutOfMemory), "out of memory");
 }
 
 }  // namespace

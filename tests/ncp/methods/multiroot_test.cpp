@@ -56,7 +56,11 @@ TEST(Multiroot, SolvesRosenbrocksSystem) {
       [](const Vec& x) {
         return vec({1 - x[0], 10 * (x[1] - x[0] * x[0])});
       },
-      [](const Vec& x) { return (Dense(2, 2) << -1, 0, -20 * x[0], 10).finished(); }));
+      [](const Vec& x) {
+        Dense J(2, 2);
+        J << -1, 0, -20 * x[0], 10;
+        return J;
+      }));
   for (const Multiroot& method : solvers())
     expect_solution(*mcp, vec({-10, -5}), method, vec({1, 1}), 1e-8, std::string(name(method)));
 }
@@ -118,7 +122,11 @@ TEST(Multiroot, SingularJacobiansDoNotEndTheProcess) {
       [](const Vec& x) {
         return vec({x[0] + x[1] - 1, 2 * x[0] + 2 * x[1] - 3});
       },
-      [](const Vec&) { return (Dense(2, 2) << 1, 1, 2, 2).finished(); }));
+      [](const Vec&) {
+        Dense J(2, 2);
+        J << 1, 1, 2, 2;
+        return J;
+      }));
   for (const Multiroot& method : solvers()) {
     const Result result = solve(*mcp, vec({0, 0}), method);
     EXPECT_FALSE(result.solved());

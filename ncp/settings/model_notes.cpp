@@ -1,15 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "app/report/model_notes.hpp"
-
-#include <fmt/format.h>
+#include "ncp/settings/model_notes.hpp"
 
 #include <algorithm>
 #include <chrono>
 
-#include "app/text/table.hpp"
 #include "ncp/analysis/structure_report.hpp"
+#include "ncp/problem/words.hpp"
 
-namespace perp::app {
+namespace perp::settings {
 namespace {
 
 /// The model without its side inequalities: their variables u = v - bound, v >= bound, are free.
@@ -27,35 +25,35 @@ std::unique_ptr<ncp::Mcp> without_sides(const ncp::Mcp& mcp, ncp::Index n_var) {
 }
 
 /// "side[capacity] (by 3)" of those that the solution without them violates; empty if there is none.
-std::string held_out_by(const LoadedProblem& problem, ncp::Method method, const ncp::Result& result) {
+std::string held_out_by(const ncp::Mcp& mcp, ncp::Index n_var, ncp::In x0, ncp::Method method,
+                        const ncp::Result& result) {
   constexpr ncp::Seconds at_least{1};
-  const ncp::Index n_var = problem.model->n_var();
   ncp::Stop& stop = ncp::stop(method);
   stop.max_time = std::min(stop.max_time - result.stats.time, std::max(at_least, ncp::Seconds(result.stats.time)));
   if (!(stop.max_time.count() > 0)) return {};
-  const auto relaxed = without_sides(*problem.mcp, n_var);
-  const ncp::Result there = ncp::solve(*relaxed, problem.x0, method);
+  const auto relaxed = without_sides(mcp, n_var);
+  const ncp::Result there = ncp::solve(*relaxed, x0, method);
   if (!there.accepted()) return {};
   std::vector<ncp::Index> violated;
   for (ncp::Index u = n_var; u < there.x.size(); ++u)
     if (there.x[u] < -stop.tol) violated.push_back(u);
   return violated.empty() ? std::string() : ncp::listed(violated.size(), [&](std::size_t k) {
     const ncp::Index u = violated[k];
-    return fmt::format("{} (by {})", problem.mcp->equation_name(u), number(-there.x[u]));
+    return mcp.equation_name(u) + " (by " + ncp::number(-there.x[u]) + ")";
   });
 }
 
 }  // namespace
 
-void add_model_notes(const LoadedProblem& problem, const ncp::Method& method, ncp::Result& result) {
-  if (problem.model == nullptr) return;
-  std::vector<std::string> remarks = problem.model->remarks();
+void add_model_notes(const ncp::Mcp& mcp, const ncp::ampl::Model& model, ncp::In x0, const ncp::Method& method,
+                     ncp::Result& result) {
+  std::vector<std::string> remarks = model.remarks();
   const bool says_names = !result.solved() || !result.notes.empty() || !remarks.empty();
-  if (says_names && !problem.model->has_names()) result.notes.emplace_back(ncp::ampl::advice_on_names);
+  if (says_names && !model.has_names()) result.notes.emplace_back(ncp::ampl::advice_on_names);
   for (std::string& remark : remarks) result.notes.push_back(std::move(remark));
-  if (result.accepted() || result.status == ncp::Status::Interrupted || problem.model->side_inequalities() == 0) return;
-  if (const std::string sides = held_out_by(problem, method, result); !sides.empty())
+  if (result.accepted() || result.status == ncp::Status::Interrupted || model.side_inequalities() == 0) return;
+  if (const std::string sides = held_out_by(mcp, model.n_var(), x0, method, result); !sides.empty())
     result.notes.push_back("without its side inequalities the model has a solution, which violates " + sides);
 }
 
-}  // namespace perp::app
+}  // namespace perp::settings

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ncp/settings/session.hpp"
+
+#include <string>
+#include <utility>
+
+#include "ncp/problem/affine.hpp"
+#include "ncp/problem/words.hpp"
+#include "ncp/settings/model_notes.hpp"
+
+namespace perp::settings {
+namespace {
+
+constexpr double wrong_derivative = 1e-4;  // as ncp::describe
+
+const lcp::Enumeration* enumeration_of(const ncp::Method& method) {
+  const auto* affine = std::get_if<ncp::Affine>(&method);
+  return affine != nullptr ? std::get_if<lcp::Enumeration>(&affine->method) : nullptr;
+}
+
+void check_sides(const Session& session) {
+  if (session.settings.sideineq != 2 || session.model == nullptr || session.model->side_inequalities() == 0) return;
+  const ncp::Index sides = session.model->side_inequalities();
+  throw ncp::ampl::ModelError(side_inequalities_refused,
+                              session.mcp.name() + ": the model has " + std::to_string(sides) + " side " +
+                                  (sides == 1 ? "inequality" : "inequalities") + ", refused by sideineq = 2");
+}
+
+/// ncp::solve would refuse a wrong Jacobian, but not say how good a right one is.
+ncp::JacobianCheck checked_derivatives(const Session& session) {
+  ncp::check_input(session.mcp, session.x0);
+  ncp::JacobianCheck check = ncp::check_jacobian(session.mcp, lcp::project(session.mcp.box(), session.x0));
+  if (const std::string wrong = ncp::describe(session.mcp, check, wrong_derivative); !wrong.empty())
+    throw InputError(session.mcp.name() + ": " + wrong);
+  return check;
+}
+
+/// Shows the records up to the first of deflation.
+ncp::Observer first_solve_only(ncp::Observer observer) {
+  const bool ways = observer.ways;
+  ncp::Observer first = [observer = std::move(observer), over = false](const ncp::Iteration& it) mutable {
+    over = over || it.attempt.starts_with("deflation");
+    return over ? ncp::Next::Continue : observer(it);
+  };
+  first.ways = ways;
+  return first;
+}
+
+}  // namespace
+
+Outcome Session::run() const {
+  check_sides(*this);
+  if (settings.solutions && enumeration_of(settings.method) != nullptr)
+    throw InputError("several solutions: method enumeration lists all of them by itself");
+  Outcome outcome;
+  ncp::Method method = settings.method;
+  ncp::Stop& stop = ncp::stop(method);
+  stop.interrupt = interrupt;
+  if (std::exchange(stop.check_derivatives, false)) outcome.derivatives = checked_derivatives(*this);
+  std::vector<ncp::Observer> observers{ncp::record(outcome.iterations)};
+  if (observer) observers.push_back(observer);
+  const ncp::Observer shown = ncp::all(std::move(observers));
+  ncp::Result& result = outcome.result;
+  if (settings.solutions) {
+    outcome.several = ncp::solve_all(mcp, x0, method, {.solutions = *settings.solutions}, first_solve_only(shown),
+                                     settings.method_name);
+    result = outcome.several->found.empty() ? outcome.several->first : outcome.several->found.front().result;
+  } else {
+    result = ncp::solve(mcp, x0, method, shown, settings.basis);
+  }
+  if (model != nullptr) add_model_notes(mcp, *model, x0, method, result);
+
+  const lcp::Enumeration* enumeration = result.solved() ? enumeration_of(method) : nullptr;
+  const bool verifies = settings.verify && result.accepted();
+  if (found && (enumeration != nullptr || verifies)) found(outcome);
+  if (enumeration != nullptr) {
+    lcp::Limits limits{.tol = stop.tol};
+    if (interrupt != nullptr) limits.interrupted = [this] { return interrupt->load(); };
+    outcome.all_solutions = lcp::enumerate(*ncp::affine_part(mcp), *enumeration, limits);
+  }
+  if (verifies) outcome.verified = ncp::verify(mcp, stop.tol, result);
+  return outcome;
+}
+
+}  // namespace perp::settings
