@@ -105,7 +105,8 @@ TEST(Json, MuOfSmoothing) {
 // Everything Stats has, under its own name. Would catch a count left out, or written under another's name.
 TEST(Json, StatsAreComplete) {
   const LoadedProblem problem = load_problem("kojshin");
-  Report report{.problem = &problem};
+  Report report;
+  report.problem = &problem;
   report.result.x = ncp::Vec::Zero(4);
   ncp::Stats& stats = report.result.stats;
   stats = {.iterations = 1,
@@ -142,7 +143,8 @@ TEST(Json, StatsAreComplete) {
 // Crash, linear problems and restarts in the records.
 TEST(Json, IterationsOfPathSearch) {
   LoadedProblem problem = load_problem("kojshin");
-  Report report{.problem = &problem};
+  Report report;
+  report.problem = &problem;
   report.result.x = ncp::Vec::Zero(4);
   report.iterations = {{.k = 0, .kind = 'I', .crash = true},
                        {.k = 0, .kind = 'C', .crash = true, .changes = 3, .inside = 2},
@@ -161,7 +163,8 @@ TEST(Json, IterationsOfPathSearch) {
 // The values JSON has no numbers for, in every place a result can have them.
 TEST(Json, InfinitiesAndNaN) {
   LoadedProblem problem = load_problem("kojshin");
-  Report report{.problem = &problem};
+  Report report;
+  report.problem = &problem;
   report.result.x = ncp::Vec::Zero(4);
   report.result.F = ncp::Vec::Constant(4, std::numeric_limits<double>::quiet_NaN());
   report.result.F[1] = -ncp::infinity;
@@ -177,7 +180,8 @@ TEST(Json, InfinitiesAndNaN) {
 // A result whose F is empty (nothing could be evaluated) is still written, as is a message that is no UTF-8.
 TEST(Json, BrokenResultsAreWritten) {
   LoadedProblem problem = load_problem("kojshin");
-  Report report{.problem = &problem};
+  Report report;
+  report.problem = &problem;
   report.result.x = ncp::Vec::Zero(4);
   report.result.message = "bad byte \xFF";
   const Json parsed = parse_json(solve_json(report));

@@ -200,7 +200,8 @@ TEST(Plot, GapsWhereFIsNotDefined) {
   EXPECT_NEAR(samples[20].merit, 0.5 * std::pow(1 - 1 - std::sqrt(2.0), 2), 1e-15);
   EXPECT_NEAR(merit_along(*problem.mcp, corners, ncp::PathMerit::NormalMap, 0)[0].merit, 0.5 * 9, 1e-15);
 
-  Report report{.problem = &problem};
+  Report report;
+  report.problem = &problem;
   report.settings = apply_options({}).settings;
   report.result.x = ncp::Vec::Zero(1);
   report.iterations = {{.k = 0, .residual = 1, .merit = 8, .kind = 'I'},
@@ -233,7 +234,8 @@ TEST(Plot, AnyRunIsDrawn) {
     const Pictured picture = pictured(problem, {{"method", method, "test"}});
     EXPECT_THAT(Xml(picture.svg).text, testing::AllOf(HasSubstr(method), HasSubstr("no path to show")));
   }
-  Report empty{.problem = &problem};
+  Report empty;
+  empty.problem = &problem;
   empty.settings = apply_options({}).settings;
   EXPECT_NO_THROW(Xml(plot_svg(empty, {})));
 }
