@@ -47,39 +47,40 @@ constexpr int first_of_C = 0;
 /// An affine problem whose matrix stays where the caller has it.
 class AffineView final : public ncp::Mcp {
  public:
-  AffineView(Vec q, lcp::Box box) : q_(std::move(q)), box_(std::move(box)) {}
-  BorrowedMatrix& M() { return M_; }
+  AffineView(Vec q, lcp::Box box) : problem_{.M = {}, .q = std::move(q), .box = std::move(box)} {}
+  AffineView(const AffineView&) = delete;
+  AffineView& operator=(const AffineView&) = delete;
+  ~AffineView() override { problem_.M.swap(lent_); }
+  /// Takes the caller's arrays as M, if they need no conversion.
+  bool borrow(const perp_matrix& M) {
+    if (!lent_.borrow(M, "M")) return false;
+    problem_.M.swap(lent_);
+    return true;
+  }
 
-  const lcp::Box& box() const override { return box_; }
-  const SpMat& jacobian_pattern() const override { return M_; }
+  const lcp::Box& box() const override { return problem_.box; }
+  const SpMat& jacobian_pattern() const override { return problem_.M; }
   bool eval(ncp::In x, ncp::Out F) const override {
-    F = q_;
-    F.noalias() += M_ * x;
+    F = problem_.q;
+    F.noalias() += problem_.M * x;
     return F.allFinite();
   }
   bool jacobian(ncp::In /*x*/, SpMat& J) const override {
-    std::copy_n(M_.valuePtr(), M_.nonZeros(), J.valuePtr());
+    std::copy_n(problem_.M.valuePtr(), problem_.M.nonZeros(), J.valuePtr());
     return true;
   }
-  bool is_affine() const override { return true; }
-  /// Copies M, the first time.
-  const lcp::AffineMcp* affine() const override {
-    if (!copy_) copy_ = std::make_unique<lcp::AffineMcp>(M_, q_, box_);
-    return copy_.get();
-  }
+  const lcp::AffineMcp* affine() const override { return &problem_; }
   std::string name() const override { return "affine"; }
 
  private:
-  Vec q_;
-  lcp::Box box_;
-  BorrowedMatrix M_{};
-  mutable std::unique_ptr<lcp::AffineMcp> copy_;
+  BorrowedMatrix lent_{};
+  lcp::AffineMcp problem_;
 };
 
 std::unique_ptr<ncp::Mcp> affine_mcp(const perp_matrix* M, Vec q, lcp::Box box) {
   if (M->lent != 0 && M->form == PERP_COLUMNS_INT32) {
     auto view = std::make_unique<AffineView>(q, box);
-    if (view->M().borrow(*M, "M")) return view;
+    if (view->borrow(*M)) return view;
   }
   lcp::AffineMcp affine{.M = {}, .q = std::move(q), .box = std::move(box)};
   matrix_of(M, "M", M->columns, M->columns).entries.swap(affine.M);

@@ -168,7 +168,6 @@ ModelStructure structure_of(const NlModel& model, const Names& names, const Cond
   }
   const auto m = std::ssize(rows), n = std::ssize(variables);
   ModelStructure s{.pattern = SpMat(m, n),
-                   .own = SpMat(m, n),
                    .complement = complement,
                    .changes = Eigen::MatrixXd::Zero(m, 3),
                    .row = [rows, &names](Index i) { return row_name(rows[at(i)], names); },
@@ -181,7 +180,8 @@ ModelStructure structure_of(const NlModel& model, const Names& names, const Cond
     for (const int j : model.row_variables[at(rows[at(i)].index)])
       if (column[at(j)] >= 0) entries.emplace_back(static_cast<int>(i), column[at(j)], 1);
   }
-  s.own.setFromTriplets(entries.begin(), entries.end());
+  s.pattern.setFromTriplets(entries.begin(), entries.end());
+  s.keys = row_keys(s.pattern);
   entries.insert(entries.end(), complements.begin(), complements.end());
   s.pattern.setFromTriplets(entries.begin(), entries.end());
   for (const int j : variables) s.bounded.push_back(is_bounded(model.variables[at(j)]) ? 1 : 0);

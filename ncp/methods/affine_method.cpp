@@ -33,7 +33,7 @@ void affine(Run& run, In x0, const Affine& method) {
     throw std::invalid_argument(mcp.name() + ": method " + std::string(lcp::name(method.method)) +
                                 " is for affine problems, and this one does not say it is one");
   Point point;
-  if (!run.start(x0, point)) return;
+  if (!run.start(x0, point, false)) return;
   Iteration it{.k = 0, .kind = 'I'};
   if (!run.go_on(point, it)) return;
   lcp::Limits limits{.tol = run.tol(), .deadline = run.deadline()};
@@ -42,7 +42,7 @@ void affine(Run& run, In x0, const Affine& method) {
   run.stats().factorizations += found.factorizations;
   point.x = found.z;
   it = {.k = 1, .kind = 'A'};
-  const bool open = !run.evaluate(point) || run.go_on(point, it);
+  const bool open = !run.counted().eval(point.x, point.F) || run.go_on(point, it);
   if (open && found.status == Status::Infeasible)
     run.end_infeasible({.residual_bound = found.refutation->tolerance,
                         .certificate = found.refutation,

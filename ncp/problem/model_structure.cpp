@@ -43,14 +43,10 @@ std::uint64_t mixed(std::uint64_t a) {  // the finalizer of splitmix64
 std::vector<Multiple> multiples(const ModelStructure& model) {
   std::vector<Multiple> found;
   if (model.changes.rows() != model.pattern.rows()) return found;
-  std::vector<std::uint64_t> variables(at(model.own.rows()), 0);  // of each row, in 64 bits
-  for (Index j = 0; j < model.own.cols(); ++j)
-    for (SpMat::InnerIterator it(model.own, j); it; ++it)
-      variables[at(it.row())] += mixed(static_cast<std::uint64_t>(j) + 1);
   std::vector<std::pair<std::uint64_t, Index>> rows;
-  for (Index i = 0; i < model.own.rows(); ++i)
+  for (Index i = 0; i < model.pattern.rows(); ++i)
     if (model.imposes[at(i)] && model.changes.row(i).allFinite() && !model.changes.row(i).isZero(0))
-      rows.emplace_back(variables[at(i)], i);
+      rows.emplace_back(model.keys[at(i)], i);
   std::ranges::sort(rows);
   constexpr double equal = 1e-9;      // relative difference of changes: they are some 10 roundings off
   constexpr std::size_t most = 1000;  // rows of the same variables that are compared
@@ -241,11 +237,19 @@ Namesakes namesakes(Index m, Index n, const NameAt& row, const NameAt& variable)
   return out;
 }
 
+std::vector<std::uint64_t> row_keys(const SpMat& A, bool zeros) {
+  std::vector<std::uint64_t> keys(at(A.rows()), 0);
+  for (Index j = 0; j < A.cols(); ++j)
+    for (SpMat::InnerIterator it(A, j); it; ++it)
+      if (zeros || it.value() != 0) keys[at(it.row())] += mixed(static_cast<std::uint64_t>(j) + 1);
+  return keys;
+}
+
 ModelStructure structure_of(const Mcp& mcp, const Vec* F, const SpMat* J) {
   const Box& box = mcp.box();
-  // An entry that is 0 everywhere is none.
-  SpMat pattern = J != nullptr && mcp.is_affine() ? *J : mcp.jacobian_pattern();
-  if (J != nullptr && mcp.is_affine()) pattern.prune([](Index, Index, double value) { return value != 0; });
+  const bool constant = J != nullptr && mcp.is_affine();  // then an entry that is 0 is none
+  const SpMat& entries = constant ? *J : mcp.jacobian_pattern();
+  const auto counts = [&](const SpMat::InnerIterator& it) { return !constant || it.value() != 0; };
   const Index n = mcp.size();
   ModelStructure s{.pattern = SpMat(n, n),
                    .complement = Indices(at(n), -1),
@@ -254,23 +258,33 @@ ModelStructure structure_of(const Mcp& mcp, const Vec* F, const SpMat* J) {
                    .row = [&mcp](Index i) { return mcp.equation_name(i); },
                    .variable = [&mcp](Index j) { return mcp.variable_name(j); }};
   std::vector<char> left_out(at(n), 0);
+  bool matched = true;  // by the diagonal
   for (Index j = 0; j < n; ++j) {
+    bool alone = true, diagonal = false;
+    for (SpMat::InnerIterator it(entries, j); it; ++it) {
+      if (!counts(it)) continue;
+      diagonal = diagonal || it.row() == j;
+      alone = alone && it.row() == j;
+    }
+    matched = matched && (diagonal || !box.is_free(j));
     if (box.is_free(j)) continue;
     s.bounded[at(j)] = 1;
     s.complement[at(j)] = j;
-    bool alone = true;
-    for (SpMat::InnerIterator it(pattern, j); it; ++it) alone = alone && it.row() == j;
     left_out[at(j)] = alone || box.is_fixed(j) ? 1 : 0;
   }
-  std::vector<Eigen::Triplet<double>> entries;
-  for (Index j = 0; j < n; ++j) {
-    if (s.bounded[at(j)]) entries.emplace_back(static_cast<int>(j), static_cast<int>(j), 1);
-    if (left_out[at(j)]) continue;
-    for (SpMat::InnerIterator it(pattern, j); it; ++it)
-      if (!left_out[at(it.row())]) entries.emplace_back(it.row(), it.col(), 1);
+  if (matched) {
+    s.pattern.setIdentity();
+  } else {
+    std::vector<Eigen::Triplet<double>> kept;
+    for (Index j = 0; j < n; ++j) {
+      if (s.bounded[at(j)]) kept.emplace_back(static_cast<int>(j), static_cast<int>(j), 1);
+      if (left_out[at(j)]) continue;
+      for (SpMat::InnerIterator it(entries, j); it; ++it)
+        if (counts(it) && !left_out[at(it.row())]) kept.emplace_back(it.row(), it.col(), 1);
+    }
+    s.pattern.setFromTriplets(kept.begin(), kept.end());
   }
-  s.pattern.setFromTriplets(entries.begin(), entries.end());
-  s.own = std::move(pattern);
+  s.keys = row_keys(entries, !constant);
   if (F == nullptr || J == nullptr) return s;
   Eigen::MatrixXd steps(n, 3);
   for (Index j = 0; j < n; ++j)

@@ -3,6 +3,7 @@
 /// Which rows of a model are too many, and which variables too few rows determine, square or not, in the model's own
 /// names. Private to ncp/. By the Dulmage-Mendelsohn decomposition (lcp/linalg/structure.hpp) of the pattern, in which
 /// a row that complements a variable has an entry for it: at a bound the variable is determined by that.
+#include <cstdint>
 #include <functional>
 #include <string>
 #include <vector>
@@ -14,8 +15,9 @@ namespace perp::ncp {
 using NameAt = std::function<std::string(Index)>;
 
 struct ModelStructure {
-  SpMat pattern;                  ///< rows x variables, with the entries of conditions for what they complement
-  SpMat own{};                    ///< the same without these
+  SpMat pattern;  ///< rows x variables, with the entries of conditions for what they complement
+  /// Of each row: equal for rows that have the same variables (row_keys()).
+  std::vector<std::uint64_t> keys{};
   std::vector<Index> complement;  ///< of each row the variable that it complements; -1: none
   std::vector<char> imposes{};    ///< of each row: an equation or a condition, no inequality beside them
   std::vector<char> bounded{};    ///< of each variable: it has a finite bound
@@ -34,7 +36,11 @@ struct Namesakes {
 /// Finds the namesakes among m rows and n variables.
 Namesakes namesakes(Index m, Index n, const NameAt& row, const NameAt& variable);
 
-/// Of a problem: variables that are in no row but their own, and those rows, are left out, as they explain nothing.
+/// A number of the columns in which each row has an entry, by a hash; without the zeros, if these are none.
+std::vector<std::uint64_t> row_keys(const SpMat& A, bool zeros = true);
+
+/// Of a problem: variables that are in no row but their own, and those rows, are left out, as they explain nothing; of
+/// a problem whose rows all have an entry of their own variable, so that none is too many, the diagonal is enough.
 /// With F and J at a point, if they are given.
 ModelStructure structure_of(const Mcp& mcp, const Vec* F = nullptr, const SpMat* J = nullptr);
 

@@ -110,15 +110,23 @@ double imbalance(const Mcp& mcp, const SpMat& J, In x, In F, double tol) {
   return worst;
 }
 
-std::optional<SpMat> annotate(const Mcp& mcp, const Stop& stop, Result& result) {
-  CountedMcp counted(mcp);
-  SpMat J = mcp.jacobian_pattern();
+namespace {
+
+/// J at x, of an affine problem its own; null where it is not defined.
+std::shared_ptr<const SpMat> jacobian_at(const Mcp& mcp, const Vec& x) {
+  if (const lcp::AffineMcp* own = mcp.affine()) return {std::shared_ptr<const void>(), &own->M};
+  const auto J = std::make_shared<SpMat>(mcp.jacobian_pattern());
+  return CountedMcp(mcp).jacobian(x, *J) ? J : nullptr;
+}
+
+}  // namespace
+
+std::shared_ptr<const SpMat> annotate(const Mcp& mcp, const Stop& stop, Result& result) {
   const bool finite = result.F.size() == mcp.size() && result.F.allFinite() && result.x.allFinite();
-  if (!finite || !counted.jacobian(result.x, J)) {
-    tell_structure(mcp, nullptr, result);
-    return {};
-  }
-  tell_structure(mcp, &J, result);
+  const auto known = finite ? jacobian_at(mcp, result.x) : nullptr;
+  tell_structure(mcp, known.get(), result);
+  if (!known) return known;
+  const SpMat& J = *known;
   const lcp::RowTerms terms = row_terms(J, result.x, result.F);
   const lcp::Accuracy accuracy = lcp::accuracy(row_residuals(mcp.box(), result.x, result.F), terms);
   result.relative = accuracy.relative;
@@ -129,7 +137,7 @@ std::optional<SpMat> annotate(const Mcp& mcp, const Stop& stop, Result& result) 
     result.message += "; the tolerance is met, but |F_i| <= tol_relative t_i is not, off the bounds";
     result.advice = "scale the equations, or ask for a larger relative tolerance (--tol-relative)";
   }
-  return J;
+  return known;
 }
 
 }  // namespace perp::ncp

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// What is told of the point that a solve returns, beside its residual. Private to ncp/.
-#include <optional>
+#include <memory>
 
 #include "ncp/run/options.hpp"
 #include "ncp/run/result.hpp"
@@ -15,8 +15,8 @@ namespace perp::ncp {
 ///     (and it is more than a change of every x_j by tol max(1, |x_j|) explains);
 ///   * |F_i| > T, excused by a bound that x_i is near but not at, where the point would be no solution;
 ///   * |F_i| > T where the bounds of x_i are no further apart than the tolerance.
-/// Returns that J; nothing where it is not defined.
-std::optional<SpMat> annotate(const Mcp& mcp, const Stop& stop, Result& result);
+/// Returns that J, of an affine problem its own; null where it is not defined.
+std::shared_ptr<const SpMat> annotate(const Mcp& mcp, const Stop& stop, Result& result);
 
 /// The largest |F_i| / t_i of the rows that no bound excuses, where F_i is more than such a change explains.
 double imbalance(const Mcp& mcp, const SpMat& J, In x, In F, double tol);

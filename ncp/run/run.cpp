@@ -91,9 +91,9 @@ bool Run::settled() {
   return true;
 }
 
-bool Run::start(In x0, Point& point) {
+bool Run::start(In x0, Point& point, bool with_J) {
   point.x = lcp::project(box(), x0);
-  point.J = mcp().jacobian_pattern();
+  if (with_J) point.J = mcp().jacobian_pattern();
   const bool has_F = counted_.eval(point.x, point.F);
   const bool begins = best_.x.size() == 0;
   if (begins) best_ = {.x = point.x, .F = point.F, .residual = {}};
@@ -101,9 +101,7 @@ bool Run::start(In x0, Point& point) {
     end(Status::EvaluationFailed, undefined_start(mcp(), point.x, point.F), "give a start inside the domain of F");
     return false;
   }
-  const Residual of_start = residual(box(), point.x, point.F);
-  if (begins) best_.residual = of_start;  // a part of it is not left behind where memory ends
-  Judged there{.x = point.x, .F = point.F, .residual = of_start};
+  Judged there{.x = point.x, .F = point.F, .residual = residual(box(), point.x, point.F)};
   const bool solution = solved(there);
   point.F = there.F;
   if (begins) {
@@ -113,7 +111,7 @@ bool Run::start(In x0, Point& point) {
   } else if (solution || there.residual.natural < best_.residual.natural) {
     keep_best(std::move(there));
   }
-  if (solution) return true;  // J is not needed
+  if (solution || !with_J) return true;
   if (!counted_.jacobian(point.x, point.J)) {
     end(Status::EvaluationFailed, undefined_start(mcp(), point.x, point.F, &point.J),
         "give a start inside the domain of the Jacobian, for instance away from the bounds");
@@ -362,7 +360,7 @@ bool Run::go_on(const Point& point, Iteration it) {
   const bool accepted = status_ == Status::Solved || status_ == Status::SolvedToRounding;
   // A run that ended unsolved tells of where it ended, rather than of an earlier point that is as good.
   const bool last = status_ && now.residual.natural <= best_.residual.natural;
-  const bool solution = !status_ && solved(now, &point.J);
+  const bool solution = !status_ && solved(now, point.J.rows() > 0 ? &point.J : nullptr);
   stats_.iterations = it.k;
   if (solution || (!accepted && (last || now.residual.natural < best_.residual.natural))) keep_best(std::move(now));
   attempts_.met(of_iterate.natural, it.k);

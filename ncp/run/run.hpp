@@ -68,8 +68,9 @@ class Run {
   const Stats& stats() const { return stats_; }
   int iterations() const { return stats_.iterations; }
 
-  /// F and J at the projection of x0. False with the verdict made if they are not defined there.
-  bool start(In x0, Point& point);
+  /// F and, unless a method does without, J at the projection of x0. False with the verdict made if they are not
+  /// defined there.
+  bool start(In x0, Point& point, bool with_J = true);
   /// F and J at x; false if one of them is not defined there.
   bool evaluate(Point& point) { return counted_.eval(point.x, point.F) && counted_.jacobian(point.x, point.J); }
 

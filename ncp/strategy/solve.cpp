@@ -189,7 +189,7 @@ void tell_run_off(Run& run, In x0, const SpMat& J, Result& result) {
 
 void comment(Run& run, In x0, const Method& method, Result& result) {
   const Mcp& mcp = run.mcp();
-  std::optional<SpMat> J = annotate(mcp, stop(method), result);
+  std::shared_ptr<const SpMat> J = annotate(mcp, stop(method), result);
   if (J && result.solved() && result.relative > poor_balance) {
     Point point;
     point.x = result.x;
