@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-# bash completion for perp; installed as share/bash-completion/completions/perp. Commands, flags and words are those of
-# the program's own help.
+# bash completion for perp, perp-compare and perp-report; installed under each of these names in
+# share/bash-completion/completions. Commands, flags and words are those of the programs' own help.
 
 _perp_help() {  # of the command on the line: --help, without its lists of commands and examples
   local words=()
@@ -86,4 +86,37 @@ _perp() {
   fi
 }
 
+_perp_list() {  # the words after the last comma of a list, behind what is before it
+  local cur=${cur##*,} list=${cur%"${cur##*,}"}
+  _perp_words "$1" | sed "s|^|$list|"
+  compopt -o nospace 2>/dev/null
+}
+
+_perp_lab() {
+  local cur=${COMP_WORDS[COMP_CWORD]} prev=${COMP_WORDS[COMP_CWORD-1]} kind=${COMP_WORDS[1]} help
+  COMPREPLY=()
+  case $kind in contact | facets | ball) ;; *) kind='' ;; esac
+  case $prev in
+    --problems) mapfile -t COMPREPLY < <(_perp_list "all $(COMP_WORDS=(perp); _perp_problems)") ;;
+    --methods) mapfile -t COMPREPLY < <(_perp_list "presets published all none cfunctions $(COMP_WORDS=(perp); _perp_methods)") ;;
+    --baseline | --svg | --json | --program) mapfile -t COMPREPLY < <(compgen -f -- "$cur") ;;
+    --out) mapfile -t COMPREPLY < <(compgen -d -- "$cur") ;;
+    --form) mapfile -t COMPREPLY < <(_perp_words "reduced mixed") ;;
+    --*)
+      [ "$prev" = --resume ] && mapfile -t COMPREPLY < <(_perp_words "--out") ;;
+    *)
+      if [ "${cur:0:1}" = - ]; then
+        help=$(COLUMNS=1000 "${COMP_WORDS[0]}" $kind --help 2>/dev/null)
+        mapfile -t COMPREPLY < <(_perp_words "$(_perp_flags)")
+      elif [ "${COMP_WORDS[0]##*/}" = perp-report ]; then
+        mapfile -t COMPREPLY < <(compgen -d -- "$cur")
+      elif [ "$COMP_CWORD" -eq 1 ]; then
+        mapfile -t COMPREPLY < <(_perp_words "contact facets ball")
+      else
+        mapfile -t COMPREPLY < <(compgen -f -- "$cur")
+      fi ;;
+  esac
+}
+
 complete -F _perp perp
+complete -F _perp_lab perp-compare perp-report
