@@ -4,6 +4,7 @@
 import json
 import os
 import random
+import re
 import shutil
 import signal
 import subprocess
@@ -12,7 +13,7 @@ import time
 from pathlib import Path
 
 import pytest
-from conftest import PROGRAM, ROOT, cells, command, compare, script, sol, start, wrapper, writes
+from conftest import LAB, PROGRAM, ROOT, cells, command, compare, script, sol, start, wrapper, writes
 
 SMALL = ("--problems", "class:tiny", "--methods", "path,semismooth:max_iterations=3", "--starts", "2", "--jobs", "2")
 
@@ -213,7 +214,7 @@ def test_baseline(tmp_path, whole):
         (("--methods", "path:crash_methd=none"), "crash_method"),
         (("--methods", "cfunctions:rho=-1"), "no C-function takes"),
         (("--problems", "kojshin,"), "an item is empty"),
-        (("--starts", "0"), "--starts '0'"),
+        (("--starts", "0"), "--starts: '0'"),
         (("--tol", "7"), "a number from"),
         (("--shard", "4/3"), "no K/N"),
         (("--external", "path=cat"), "a method of perp's own"),
@@ -291,3 +292,33 @@ def test_studies(tmp_path):
     run = compare("ball", "--svg", tmp_path / "b.svg", "--facets", "4", "--exact", "--load", "1", "--cycles", "1")
     assert run.returncode == 0, run.stderr
     assert "law: stays at rest" in (tmp_path / "b.svg").read_text()
+
+
+# Catches an option that the man page does not have, and one that is no more.
+@pytest.mark.parametrize(("words", "section"), [("compare", "compare"), ("compare contact", "compare contact"), ("compare facets", "compare facets"), ("report", "report")])
+def test_man_page(words, section):
+    page = (ROOT / "app" / "perp-compare.1").read_text().split(f"\n.Ss perp-{section}\n")[1].split("\n.S")[0]
+    run = subprocess.run(command(*words.split(), "--help"), capture_output=True, text=True, check=True, env={**os.environ, "COLUMNS": "1000"})
+    assert set(re.findall(r"^\.It Fl -([a-z-]+)", page, re.M)) == set(re.findall(r"^  --([a-z-]+)", run.stdout, re.M))
+
+
+# What a user at the keyboard gets: flags of each command, names of the collection behind a comma.
+@pytest.mark.parametrize(
+    ("line", "some"),
+    [
+        ("perp-compare --re", {"--restarts", "--resume"}),
+        ("perp-compare facets --f", {"--facets", "--form"}),
+        ("perp-compare con", {"contact"}),
+        ("perp-compare --problems kojshin,jose", {"kojshin,josephy"}),
+        ("perp-compare --methods path,nes", {"path,nesqp"}),
+        ("perp-report --o", {"--out"}),
+    ],
+)
+def test_completion(tmp_path, line, some):
+    for name in ("compare", "report"):
+        script(tmp_path / f"perp-{name}", f"exec '{sys.executable}' '{LAB}' {name} \"$@\"")
+    (tmp_path / "perp").symlink_to(PROGRAM)
+    code = f"source '{ROOT}/app/perp.bash'; COMP_WORDS=({line}) COMP_CWORD={len(line.split()) - 1}; _perp_lab; printf '%s\\n' \"${{COMPREPLY[@]}}\""
+    environment = {**os.environ, "PATH": f"{tmp_path}:{os.environ['PATH']}"}
+    run = subprocess.run(["bash", "-c", code], capture_output=True, text=True, check=True, env=environment)
+    assert some <= set(run.stdout.split()), run.stderr

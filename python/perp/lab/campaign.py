@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """A campaign: cells of a table, each made by processes of its own and on the disk before the next one begins.
 
-Campaign is what perp-compare and perp-compare contact have in common: DIR/campaign.json, which says what was asked for, the
-journal, resuming, several cells at a time, progress, and cells that stay open where the machine has failed.
+Campaign is what perp-compare and perp-compare contact have in common: options, DIR/campaign.json, which says what was
+asked for, the journal, resuming, several cells at a time, progress, and cells that stay open where the machine failed.
 """
 
+import argparse
 import contextlib
 import datetime
 import importlib.util
@@ -44,9 +45,9 @@ def need_packages():
     """Before anything runs: what the report is made with is there."""
     missing = [name for name in ("matplotlib", "jinja2") if importlib.util.find_spec(name) is None]
     if missing:
-        packages = " ".join(f"python3-{name}" for name in missing)
-        elsewhere = "Debian has {}, pip install 'perp[lab]' elsewhere".format(packages)
-        raise InputError(f"{sys.executable} has no {', '.join(missing)}: {elsewhere}")
+        debian = " ".join(f"python3-{name}" for name in missing)
+        where = f"Debian has {debian}, pip install 'perp[lab]' elsewhere"
+        raise InputError(f"{sys.executable} has no {', '.join(missing)}: {where}")
 
 
 class Program:
@@ -56,7 +57,8 @@ class Program:
         wanted = path or os.environ.get("PERP_PROGRAM") or "perp"
         found = shutil.which(wanted)
         if found is None:
-            raise InputError(f"there is no program '{wanted}': --program or the variable PERP_PROGRAM says where perp is")
+            where = "--program or the variable PERP_PROGRAM says where perp is"
+            raise InputError(f"there is no program '{wanted}': {where}")
         self.path = os.path.abspath(found)
 
     def json(self, *arguments):
@@ -71,6 +73,9 @@ class Program:
             raise InputError(answer.get("message", error).removeprefix("perp: "))
         return answer
 
+    def version(self):
+        return self.json("methods", "--json")["version"]
+
 
 def machine():
     cpu, memory = "unknown", 0
@@ -78,16 +83,56 @@ def machine():
         cpu = next((line.split(": ", 1)[1].strip() for line in file if line.startswith("model name")), cpu)
     with contextlib.suppress(OSError, ValueError, AttributeError):
         memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") >> 20
-    system = platform.uname()
-    return {"cpu": cpu, "cores": cores(), "memory_mb": memory, "system": f"{system.system} {system.release} {system.machine}"}
+    of = platform.uname()
+    return {"cpu": cpu, "cores": cores(), "memory_mb": memory, "system": f"{of.system} {of.release} {of.machine}"}
 
 
 def cores():
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-def now():
-    return datetime.datetime.now(datetime.timezone.utc).strftime("%Y-%m-%dT%H:%M:%SZ")
+# Options that commands have in common.
+
+
+def between(low, high, kind=float):
+    def check(text):
+        value = kind(text)
+        if not low <= value <= high:
+            raise argparse.ArgumentTypeError(f"{text}: a number from {low:g} to {high:g} is asked for")
+        return value
+
+    check.__name__ = "number"
+    return check
+
+
+OPTIONS = {  # flag: key in campaign.json, word for its value, kind
+    "--tol": ("tol", "TOL", between(1e-15, 1)),
+    "--time-limit": ("time_limit", "SECONDS", between(0.01, 1e6)),
+    "--memory-limit": ("memory_limit_mb", "MB", between(16, 1 << 32, int)),
+    "--restarts": ("restarts", "R", between(0, 1000, int)),
+    "--seed": ("seed", "N", between(0, 2**32 - 1, int)),
+    "--jobs": ("jobs", "N", between(1, 1024, int)),
+}
+
+
+def add_options(parser, *options):
+    """`options`: (flag of OPTIONS, default, help)."""
+    for flag, usual, words in options:
+        dest, metavar, kind = OPTIONS[flag]
+        words += "" if words.endswith(")") else " (%(default)g)"
+        parser.add_argument(flag, dest=dest, type=kind, metavar=metavar, default=usual, help=words)
+    parser.add_argument("--program", metavar="FILE", help="the program perp (PERP_PROGRAM, else perp on the PATH)")
+
+
+def parse_shard(text):
+    """(K, N) of "K/N"; "" is the whole."""
+    match = re.fullmatch(r"(\d{1,6})/(\d{1,6})", text or "1/1", re.A)
+    if not match or not 1 <= int(match[1]) <= int(match[2]) <= 100_000:
+        raise InputError(f"--shard: '{text}' is no K/N with 1 <= K <= N <= 100000, such as 3/7")
+    return int(match[1]), int(match[2])
+
+
+# What two campaigns have in common.
 
 
 def read_campaign(folder, kind):
@@ -112,14 +157,6 @@ def read_campaign(folder, kind):
     return campaign
 
 
-def parse_shard(text):
-    """(K, N) of "K/N"; "" is the whole."""
-    match = re.fullmatch(r"(\d{1,6})/(\d{1,6})", text or "1/1", re.A)
-    if not match or not 1 <= int(match[1]) <= int(match[2]) <= 100_000:
-        raise InputError(f"--shard: '{text}' is no K/N with 1 <= K <= N <= 100000, such as 3/7")
-    return int(match[1]), int(match[2])
-
-
 #: What may differ between cells of one campaign; of files the content counts.
 MAY_DIFFER = {"build", "libraries", "date", "command_line", "machine", "jobs", "shard", "file", "by_pattern"}
 
@@ -131,24 +168,23 @@ def by_name(items):
 def differences(before, now, of=""):
     """What keeps cells of two campaigns apart, one line each: what campaign.json says, but for MAY_DIFFER."""
     lines = []
-    for key, there in before.items():
-        here = now.get(key, type(there)())
-        if key in MAY_DIFFER:
-            continue
+    for key in before.keys() - MAY_DIFFER:
+        there, here = before[key], now.get(key, type(before[key])())
         if isinstance(there, list):
             there, here = by_name(there), by_name(here)
-            for names, where in ((there.keys() - here, "there but not here"), (here.keys() - there, "here but not there")):
-                if names:
-                    more = f" and {len(names) - 5} more" if len(names) > 5 else ""
-                    lines.append(f"{key} {where}: {', '.join(sorted(names)[:5])}{more}")
-            for name in [name for name in there if name in here and isinstance(there[name], dict)]:
-                lines += differences(there[name], here[name], f" of {name}")
+            only = {"there but not here": there.keys() - here, "here but not there": here.keys() - there}
+            for where, names in only.items():
+                more = f" and {len(names) - 5} more" if len(names) > 5 else ""
+                lines += [f"{key} {where}: {', '.join(sorted(names)[:5])}{more}"] if names else []
+            for name in there.keys() & here:
+                if isinstance(there[name], dict):
+                    lines += differences(there[name], here[name], f" of {name}")
         elif isinstance(there, dict):
             lines += differences(there, here, of)
         elif there != here:
             what = key if of or key == "version" else "--" + key.removesuffix("_mb").replace("_", "-")
             lines.append(f"{what}{of}: {there} there, {here} here")
-    return lines
+    return sorted(lines)
 
 
 class Interrupt:
@@ -171,48 +207,58 @@ class Campaign:
     """What a kind of campaign adds to this:
 
     NAME, COMMAND, KEYS, FILES   the key in campaign.json, the command, the columns of a cell, the files of the report
-    USUAL           the options that campaign.json records, with their defaults
+    OPTIONS         the options that campaign.json records
+    parser()        of the command line
     key(cell)       what tells a cell from others, in the order of KEYS
-    asked(before)   campaign.json by the words of the command line; what they leave open is as in `before`, if there is one
+    asked(before)   campaign.json by the words of the command line; lists they leave out are as in `before`, if it is
     describe()      completes a new campaign by what only processes can say
     table()         {key: what make() gets} of all cells, in the order in which they run
     make(...)       a finished cell; raises NotSeen where there is none
     show(cells, complete)   says and writes what came out; the exit code of a complete campaign
     """
 
-    def __init__(self, words, interrupt):
-        self.words, self.interrupt, self.out, self.program = words, interrupt, words.out, Program(words.program)
-        self.campaign, self.open, self.failed = None, [], False
+    def __init__(self, arguments, interrupt):
+        self.arguments, self.interrupt, self.open, self.failed = arguments, interrupt, [], False
+        parser = self.parser()
+        self.words, self.before = parser.parse_args(arguments), None
+        self.out = self.words.out
+        if self.words.resume and os.path.exists(os.path.join(self.out, "campaign.json")):
+            self.before = read_campaign(self.out, type(self))
+            parser.set_defaults(**{key: self.before[key] for key in self.OPTIONS if key in self.before})
+            self.words = parser.parse_args(arguments)
+        self.program = Program(self.words.program)
         self.work_folder = os.path.join(os.path.abspath(self.out), "work")
+
+    @staticmethod
+    def add_folder(parser, folder):
+        parser.add_argument("--out", default=folder, metavar="DIR", help="folder of the campaign (%(default)s)")
+        parser.add_argument("--resume", action="store_true", help="go on with the campaign in DIR, with its options")
 
     def describe(self):
         pass
 
-    def values(self, before):
-        """The options of USUAL: as given, else as before, else as usual."""
-        given = {**vars(self.words), "memory_limit_mb": self.words.memory_limit}
-        return {key: (before or {}).get(key, usual) if given[key] is None else given[key] for key, usual in self.USUAL.items()}
+    def options(self):
+        return {key: getattr(self.words, key) for key in self.OPTIONS}
 
     def stopped(self):
         return self.failed or self.interrupt()
 
     def run(self):
-        resumed = self.words.resume and os.path.exists(os.path.join(self.out, "campaign.json"))
-        before = read_campaign(self.out, type(self)) if resumed else None
-        self.campaign = self.asked(before)
-        if before:
-            self.check_same(before)
+        self.campaign = self.asked(self.before)
+        if self.before:
+            self.check_same(self.before)
         else:
             if self.words.resume:
                 note(f"there is no campaign in '{self.out}' yet: one begins")
             self.describe()
         outputs = [os.path.join(self.out, name) for name in ("lock", "campaign.json", "cells.jsonl", *self.FILES)]
-        check_apart(outputs, [getattr(self.words, "baseline", None), *(p.get("file") for p in self.campaign["problems"])])
+        files = [p.get("file") for p in self.campaign["problems"]]
+        check_apart(outputs, [getattr(self.words, "baseline", None), *files])
         if self.stopped():
             print("perp: interrupted before the first cell", file=sys.stderr)
             return INTERRUPTED
-        self.lock = take_folder(self.out, not before)
-        if not before:
+        self.lock = take_folder(self.out, not self.before)
+        if not self.before:
             write_files(self.out, {"campaign.json": pretty(self.campaign)})
         return self.work(Journal(self.out))
 
@@ -228,13 +274,12 @@ class Campaign:
         cells, dropped = read_cells(self.out, type(self))
         for line in dropped:
             note(f"{self.out}/cells.jsonl, {line}: left out, its cell runs again")
-        table = self.table()
+        table, jobs = self.table(), self.words.jobs
         cells = {key: cell for key, cell in cells.items() if key in table}
         pending = [what for key, what in table.items() if key not in cells]
-        jobs = self.words.jobs or self.campaign.get("jobs", 1)
-        to_do = f", {len(pending)} of them to do" if cells else ""
         kinds = [kind for kind in ("method", "variant", "problem") if kind + "s" in self.campaign]
         sizes = " x ".join(count(len(self.campaign[kind + "s"]), kind) for kind in kinds)
+        to_do = f", {len(pending)} of them to do" if cells else ""
         print(f"perp: {sizes}: {count(len(table), 'cell')}{to_do}, {jobs} at a time", file=sys.stderr, flush=True)
         unsolvable = {p["name"] for p in self.campaign["problems"] if not p.get("solvable", True)}
         progress = Progress(len(table), cells, unsolvable)
@@ -274,8 +319,8 @@ class Campaign:
 
 GROUPS = {
     "solved": ("solved", "infeasible"), "to rounding": ("solved-to-rounding",), "failed": ("failed", "unclaimed"),
-    "false": ("false-convergence", "false-infeasible"), "limits": ("time-limit", "memory-limit"), "crashed": ("crashed",),
-    "garbage": ("garbage",), "n/a": ("not-applicable",), "honest": ("honest",),
+    "false": ("false-convergence", "false-infeasible"), "limits": ("time-limit", "memory-limit"),
+    "crashed": ("crashed",), "garbage": ("garbage",), "n/a": ("not-applicable",), "honest": ("honest",),
 }  # fmt: skip
 
 
@@ -315,5 +360,5 @@ def print_table(headers, rows):
     names = [header.lstrip(">") for header in headers]
     widths = [max(len(line[k]) for line in [names, *rows]) for k in range(len(names))]
     for line in [names, ["-" * width for width in widths], *rows]:
-        padded = (text.rjust(w) if header.startswith(">") else text.ljust(w) for text, w, header in zip(line, widths, headers))
-        print("  ".join(padded).rstrip())
+        columns = zip(headers, line, widths)
+        print("  ".join(text.rjust(w) if head.startswith(">") else text.ljust(w) for head, text, w in columns).rstrip())

@@ -49,7 +49,7 @@ class Attempt:
     """How a run ended: what its process tells, what the method says, what the judge says."""
 
     end: End = field(default_factory=End)
-    claim: str = "failed"  # "solved", "to rounding", "infeasible", "proven infeasible", or an outcome that needs no judge
+    claim: str = "failed"  # or "solved", "to rounding", "infeasible", "proven infeasible", an outcome of NO_JUDGE
     message: str = ""
     status: str = ""
     counts: tuple = (None,) * len(COUNTS)
@@ -60,7 +60,7 @@ class Attempt:
     judged_to_rounding: bool = False
 
     def outcome(self, problem, campaign):
-        """(the one word, why): limits, crashes, garbage; then what the method says, held against the judge and the known."""
+        """(the one word, why): limits, crashes, garbage; then its claim, held against the judge and what is known."""
         solvable, claim, megabytes = problem["solvable"], self.claim, f"more than {campaign['memory_limit_mb']} MB"
         holds = self.natural <= campaign["tol"] and solvable
         if self.end.why == "memory":
@@ -121,8 +121,8 @@ def crash_words(end):
 
 
 CLAIMS = {
-    "Solved": "solved", "SolvedToRounding": "to rounding", "Infeasible": "proven infeasible", "NotApplicable": "not-applicable",
-    "TimeLimit": "time-limit", "OutOfMemory": "memory-limit",
+    "Solved": "solved", "SolvedToRounding": "to rounding", "Infeasible": "proven infeasible",
+    "NotApplicable": "not-applicable", "TimeLimit": "time-limit", "OutOfMemory": "memory-limit",
 }  # fmt: skip
 
 
@@ -154,7 +154,10 @@ def write_point(folder, name, x):
 
 
 def perturbed(point, rule, run):
-    """x_i = mid(l_i, x0_i + d (1 + |x0_i|) u_i, u_i), d = min(2^(run-1)/10, 1), u_i uniform in [-1, 1): the same for all methods."""
+    """x_i = mid(l_i, x0_i + d (1 + |x0_i|) u_i, u_i), d = min(2^(run-1)/10, 1), u_i uniform in [-1, 1).
+
+    It is the same for all methods.
+    """
     uniform = random.Random(f"{rule} {run}").random
     d = min(0.1 * 2 ** (run - 1), 1.0)
     moved = (x + d * (1 + abs(x)) * (2 * uniform() - 1) for x in map(number, point["x"]))
@@ -186,7 +189,7 @@ class Garbage(Exception):
 
 
 def read_sol(data, variables):
-    """(message, solve_result_num, x or None) of a .sol file, text or binary (Gay, Hooking your solver to AMPL, 1997)."""
+    """(message, solve_result_num, x or None) of a .sol file (Gay, Hooking your solver to AMPL, 1997)."""
     try:
         read = sol_binary if data.startswith(b"\6\0\0\0binary\6\0\0\0") else sol_text
         message, (rows, duals, columns, values), found, x, code = read(data)
@@ -201,12 +204,14 @@ def read_sol(data, variables):
     return message, code, x or None
 
 
-def split_options(announced, numbers):
-    """(are two of the options a tolerance?, where the sizes begin) of the numbers after 'Options'."""
+def sizes_in(options):
+    """([rows, dual values, columns, values], how many of the numbers follow them) of the numbers after 'Options'."""
+    announced, *numbers = options
     if not 0 <= announced <= 11:
         raise ValueError(f"{announced} options")
-    tolerance = announced > 4 and numbers[1] == 3
-    return tolerance, announced - 2 * tolerance
+    tolerance = announced > 4 and numbers[1] == 3  # two of the announced are a real number, after the sizes
+    first = announced - 2 * tolerance
+    return numbers[first : first + 4], 1 + first + 4 + tolerance
 
 
 def sol_text(data):
@@ -214,38 +219,38 @@ def sol_text(data):
     if cut or not data:
         raise ValueError("its last line is cut off" if cut else "it is empty")
     at = lines.index("Options", lines.index("") if "" in lines else len(lines) - 1)
-    numbers = [int(line) for line in itertools.takewhile(lambda line: re.fullmatch(r"-?\d{1,9}", line), lines[at + 1 :])]
-    tolerance, first = split_options(numbers[0], numbers[1:])
-    sizes = numbers[1 + first : 5 + first]
-    begin = at + 6 + first + tolerance
-    duals, values = (max(sizes[k], 0) for k in (1, 3))
-    floats = [float(line) for line in lines[begin : begin + duals + values]]
-    match = re.fullmatch(r"objno\s+-?\d{1,9}\s+(-?\d{1,9})\s*", lines[begin + duals + values], re.A)
+    is_number = re.compile(r"-?\d{1,9}").fullmatch
+    sizes, length = sizes_in([int(line) for line in itertools.takewhile(is_number, lines[at + 1 :])])
+    duals, values = max(sizes[1], 0), max(sizes[3], 0)
+    *floats, objno = lines[at + 1 + length :][: duals + values + 1]
+    match = re.fullmatch(r"objno\s+-?\d{1,9}\s+(-?\d{1,9})\s*", objno, re.A)
     if not match:
-        raise ValueError(f"'{lines[begin + duals + values]:.40}' where objno belongs")
+        raise ValueError(f"'{objno:.40}' where objno belongs")
+    floats = [float(line) for line in floats]
     return "\n".join(filter(None, lines[:at])), sizes, len(floats[:duals]), floats[duals:], int(match[1])
 
 
 def sol_binary(data):
-    at = 14
-
-    def record():
-        nonlocal at
+    records, at = [], 14
+    while at < len(data):
         (length,) = struct.unpack_from("<I", data, at)
-        content = data[at + 4 : at + 4 + length]
+        records.append(data[at + 4 : at + 4 + length])
         if struct.unpack_from("<I", data, at + 4 + length)[0] != length:
             raise ValueError("a record's two lengths differ")
         at += 8 + length
-        return content
-
-    message = b"".join(iter(record, b""))
-    options, duals, values, objno = record(), record(), record(), record()
+    end = records.index(b"")  # of the message
+    options, duals, values, objno = records[end + 1 : end + 5]
     if not options.startswith(b"Options"):
         raise ValueError("no record of options")
-    announced, *numbers = (v for (v,) in struct.iter_unpack("<i", options[7 : 7 + (len(options) - 7) // 4 * 4]))
-    first = split_options(announced, numbers)[1]
-    x = [v for (v,) in struct.iter_unpack("<d", values[: len(values) // 8 * 8])]
-    return message.decode("utf-8", "replace"), numbers[first : first + 4], len(duals) // 8, x, struct.unpack_from("<ii", objno)[1]
+    sizes, _ = sizes_in(whole_numbers("i", options[7:]))
+    code, message = struct.unpack_from("<ii", objno)[1], b"".join(records[:end]).decode("utf-8", "replace")
+    return message, sizes, len(duals) // 8, whole_numbers("d", values), code
+
+
+def whole_numbers(kind, data):
+    """All numbers of a kind that are whole in the data."""
+    size = struct.calcsize("<" + kind)
+    return [v for (v,) in struct.iter_unpack("<" + kind, data[: len(data) // size * size])]
 
 
 def with_tolerance(command, tol):
@@ -358,9 +363,9 @@ class CellRunner:
         while problem["solvable"] and restarts < self.campaign["restarts"] and is_failure(after):
             restarts += 1
             after = self.attempt(method, problem, start, restarts).outcome(problem, self.campaign)[0]
-        values = (method["label"], problem["name"], start, outcome, first.status, first.claim == "solved", first.natural, *first.counts)
-        rest = (first.seconds, first.end.peak_mb, restarts, after, one_line(message), list(first.curve))
-        return dict(zip(KEYS, (*values, *rest)))
+        values = method["label"], problem["name"], start, outcome, first.status, first.claim == "solved", first.natural
+        rest = first.seconds, first.end.peak_mb, restarts, after, one_line(message), list(first.curve)
+        return dict(zip(KEYS, (*values, *first.counts, *rest)))
 
 
 def source_of(problem):
@@ -377,8 +382,9 @@ def probe(folder):
 
 def claim_of_sol(code):
     """What a solve_result_num says."""
-    ranges = {"solved": range(100), "to rounding": range(100, 200), "infeasible": range(200, 300), "not-applicable": (590,)}
-    return next((claim for claim, codes in ranges.items() if code in codes), "failed")
+    if code == 590:
+        return "not-applicable"
+    return {0: "solved", 1: "to rounding", 2: "infeasible"}.get(code // 100, "failed")
 
 
 def attempt_of_sol(end, stub, variables, folder, name):
@@ -406,8 +412,11 @@ def attempt_of_sol(end, stub, variables, folder, name):
 
 
 def settle(campaign, cells):
-    """What cells say of each other's problems. A method of perp that says infeasible has a proof: it settles a problem of
-    which nobody knew, unless somebody has a solution. The files are not touched; whoever shows cells calls this first."""
+    """What cells say of each other's problems.
+
+    A method of perp that says infeasible has a proof: it settles a problem of which nobody knew, unless somebody has a
+    solution. The files are not touched; whoever shows cells calls this first.
+    """
     for problem in campaign["problems"]:
         these = [(c, {c["outcome"], c["outcome_after_restarts"]}) for c in cells if c["problem"] == problem["name"]]
         deniers = [c for c, words in these if "infeasible" in words]

@@ -3,17 +3,17 @@
 
 import argparse
 import csv
+import datetime
 import os
-import re
 import sys
 
 from .campaign import (
-    INTERRUPTED, REFUSED, SOLVED, UNSOLVED, Campaign, Interrupt, cores, count, differences, machine, need_packages, note, now,
-    parse_shard, print_table, read_campaign, word_of,
+    INTERRUPTED, REFUSED, SOLVED, UNSOLVED, Campaign, Interrupt, add_options, cores, count, differences, machine,
+    need_packages, note, parse_shard, print_table, read_campaign, word_of,
 )  # fmt: skip
 from .cells import KEYS, OUTCOMES, CellRunner, good, is_failure, settle, source_of
 from .files import Environment, InputError, cell_line, check_apart, crc_of, pretty, read_cells, take_folder, write_files
-from .lists import described, external_method, select_methods, select_problems
+from .lists import described, external_methods, select_methods, select_problems
 from .process import run_all
 
 COMPARE_WORDS = """\
@@ -43,140 +43,84 @@ Exit codes: 0 complete, 1 complete but something that the baseline solved is not
 3 internal error, 4 interrupted, or cells are open (--resume goes on)."""
 
 
-# The command line.
-
-
-def within(low, high, kind=float):
-    def check(text):
-        value = kind(text)
-        if not low <= value <= high:
-            raise argparse.ArgumentTypeError(f"{text}: a number from {low:g} to {high:g} is asked for")
-        return value
-
-    check.__name__ = "number"
-    return check
-
-
-NUMBERS = {  # of flags that commands have in common
-    "--tol": ("TOL", within(1e-15, 1)),
-    "--time-limit": ("SECONDS", within(0.01, 1e6)),
-    "--memory-limit": ("MB", within(16, 1 << 32, int)),
-    "--restarts": ("R", within(0, 1000, int)),
-    "--seed": ("N", within(0, 2**32 - 1, int)),
-    "--jobs": ("N", within(1, 1024, int)),
-}
-
-
-def add_numbers(parser, usual=(), **flags):
-    """Flags of NUMBERS with their help, and with defaults, if there are any; --program, too."""
-    for name, words in flags.items():
-        flag = "--" + name.replace("_", "-")
-        metavar, kind = NUMBERS[flag]
-        parser.add_argument(flag, type=kind, metavar=metavar, help=words, default=dict(usual).get(name))
-    parser.add_argument("--program", metavar="FILE", help="the program perp (PERP_PROGRAM, else perp on the PATH)")
-
-
-def add_folder(parser, folder):
-    parser.add_argument("--out", default=folder, metavar="DIR", help=f"folder of the campaign ({folder})")
-    parser.add_argument("--resume", action="store_true", help="go on with the campaign in DIR, with its options")
-
-
-MEMORY_WORDS = "limit of the resident memory of a run (4096)"
-
-
-def parser_of():
-    kind = argparse.RawDescriptionHelpFormatter
-    parser = argparse.ArgumentParser(prog="perp-compare", formatter_class=kind, epilog=COMPARE_WORDS, allow_abbrev=False)
-    parser.description = "Compares methods on many problems: a campaign and its report."
-    external = "add a program that AMPL could call, as 'COMMAND stub -AMPL'; {tol} in COMMAND is the tolerance of --tol; may be repeated"
-    for flag, metavar, words in (
-        ("--problems", "PROBLEMS", "which problems (all of the collection)"),
-        ("--methods", "METHODS", "which methods (presets)"),
-        ("--starts", "all|K", "all starts of each problem, or at most K (all)"),
-        ("--shard", "K/N", "run part K of N of the cells, each part in a DIR of its own; 'perp-report' joins the parts"),
-        ("--baseline", "FILE.csv", "cells.csv or outcomes.csv of an earlier campaign: what is lost?"),
-    ):
-        parser.add_argument(flag, metavar=metavar, help=words)
-    parser.add_argument("--external", action="append", default=[], metavar="NAME=COMMAND", help=external)
-    add_numbers(
-        parser,
-        tol="tolerance of the judge, and of the methods unless their options set one (1e-6)",
-        time_limit="wall-clock limit of a run (60)",
-        memory_limit=MEMORY_WORDS,
-        restarts="after a failure, up to R runs from perturbed starts (0)",
-        seed="seed of the perturbed starts (1)",
-        jobs="number of runs at a time (one for each core)",
-    )
-    add_folder(parser, "comparison")
-    return parser
-
-
-# The campaign.
+def all_or_number(text):
+    if text != "all" and not (text.isdecimal() and int(text) > 0):
+        raise argparse.ArgumentTypeError(f"'{text}': 'all', or how many of each problem at most, from 1")
+    return text if text == "all" else int(text)
 
 
 class Comparison(Campaign):
     NAME, COMMAND, KEYS = "campaign", "perp-compare", KEYS
     FILES = (
-        "cells.csv", "cells.json", "outcomes.csv", "methods.csv", "pairs.csv", "profiles.csv", "summary.csv", "robustness.csv",
-        "unsolvable.csv", "false_claims.csv", "curves.csv", "findings.txt", "report.json", "report.html",
+        "cells.csv", "cells.json", "outcomes.csv", "methods.csv", "pairs.csv", "profiles.csv", "summary.csv",
+        "robustness.csv", "unsolvable.csv", "false_claims.csv", "curves.csv", "findings.txt", "report.json",
+        "report.html",
     )  # fmt: skip
-    USUAL = {
-        "tol": 1e-6, "time_limit": 60.0, "memory_limit_mb": 4096, "restarts": 0, "seed": 1, "starts": "all", "shard": "",
-        "jobs": cores(),
-    }  # fmt: skip
+    OPTIONS = ("tol", "time_limit", "memory_limit_mb", "restarts", "seed", "starts", "shard", "jobs")
+
+    @classmethod
+    def parser(cls):
+        parser = argparse.ArgumentParser(prog=cls.COMMAND, epilog=COMPARE_WORDS, allow_abbrev=False)
+        parser.formatter_class = argparse.RawDescriptionHelpFormatter
+        parser.description = "Compares methods on many problems: a campaign and its report."
+        starts = "all starts of each problem, or at most K (%(default)s)"
+        shard = "run part K of N of the cells, each part in a DIR of its own; 'perp-report' joins the parts"
+        external = "add a program that AMPL could call, as 'COMMAND stub -AMPL'; {tol} in COMMAND is the tolerance"
+        add = parser.add_argument
+        add("--problems", metavar="PROBLEMS", help="which problems (all of the collection)")
+        add("--methods", metavar="METHODS", help="which methods (presets)")
+        add("--starts", metavar="all|K", default="all", type=all_or_number, help=starts)
+        add("--shard", metavar="K/N", default="", help=shard)
+        add("--baseline", metavar="FILE.csv", help="cells.csv or outcomes.csv of an earlier campaign: what is lost?")
+        add("--external", action="append", default=[], metavar="NAME=COMMAND", help=external + "; may be repeated")
+        add_options(
+            parser,
+            ("--tol", 1e-6, "tolerance of the judge, and of the methods unless their options set one"),
+            ("--time-limit", 60.0, "wall-clock limit of a run"),
+            ("--memory-limit", 4096, "limit of the resident memory of a run"),
+            ("--restarts", 0, "after a failure, up to R runs from perturbed starts"),
+            ("--seed", 1, "seed of the perturbed starts"),
+            ("--jobs", cores(), "number of runs at a time (one for each core)"),
+        )
+        cls.add_folder(parser, "comparison")
+        return parser
 
     @staticmethod
     def key(cell):
         return cell["method"], cell["problem"], cell["start"]
 
     def asked(self, before):
-        words = self.words
+        words, notes = self.words, []
         if words.baseline and words.shard:
             raise InputError("--baseline: compares all cells, --shard runs some of them")
         if words.resume and not before and not (words.problems or words.methods or words.external):
             raise InputError(f"--resume: there is no campaign in '{self.out}'")
         self.baseline = read_baseline(words.baseline) if words.baseline else {}
-        values = self.values(before)
-        if values["starts"] != "all":
-            if not str(values["starts"]).isdecimal() or int(values["starts"]) < 1:
-                raise InputError(f"--starts '{values['starts']}': 'all', or how many of each problem at most, from 1")
-            values["starts"] = int(values["starts"])
-        parse_shard(values["shard"])
-        notes = []
-        methods = self.methods(before, values["tol"], notes)
+        parse_shard(words.shard)
+        methods = [m for m in before["methods"] if not m["external"]] if before else []
+        if words.methods is not None or not before:
+            methods = select_methods(words.methods or "presets", words.tol, self.program, notes)
+        external = [m for m in before["methods"] if m["external"]] if before else []
+        methods += external_methods(words.external, self.program, notes) or external
+        if not methods:
+            raise InputError("--methods: nothing is left")
         known = {p["name"]: p for p in before["problems"]} if before else {}
-        problems = select_problems(words.problems or "all", self.program) if words.problems or not before else known.values()
-        problems = [known_problem(p, known) for p in problems if not before or p["name"] in known or not p.get("by_pattern")]
+        problems = known.values()
+        if words.problems or not before:
+            problems = select_problems(words.problems or "all", self.program)
+        if before:  # files that came since the pattern was asked for are not of this campaign
+            problems = [p for p in problems if p["name"] in known or not p.get("by_pattern")]
+        problems = [known_problem(p, known) for p in problems]
         for text in () if before else notes:
             note(text)
         program = self.program.json("methods", "--json")
         head = {"program": "perp", "version": program["version"], self.NAME: 1, "build": crc_of(self.program.path)}
-        head |= {"libraries": program["libraries"], "date": now(), "command_line": [self.COMMAND, *words.given]}
-        campaign = {**head, "machine": machine(), **values, "methods": methods, "problems": problems}
+        date = datetime.datetime.now(datetime.timezone.utc).strftime("%Y-%m-%dT%H:%M:%SZ")
+        head |= {"libraries": program["libraries"], "date": date, "command_line": [self.COMMAND, *self.arguments]}
+        campaign = {**head, "machine": machine(), **self.options(), "methods": methods, "problems": problems}
         if not campaign["shard"]:
             del campaign["shard"]
         return campaign
-
-    def methods(self, before, tol, notes):
-        """As asked for, else as before; the same of external programs."""
-        words, methods = self.words, []
-        if before:
-            methods = [m for m in before["methods"] if not m["external"]]
-        if words.methods is not None or not before:
-            methods = select_methods(words.methods or "presets", tol, self.program, notes)
-        external = [external_method(text, self.program) for text in words.external]
-        for method in external:
-            name = method["label"]
-            if [m["label"] for m in external].count(name) > 1:
-                raise InputError(f"--external: '{name}' is given twice")
-            for word in re.findall(r"(?:^|(?<!\$))(\{[A-Za-z_]+\})", method["command"]):
-                if word != "{tol}":
-                    notes.append(f"--external {name}: {word} is left to the shell as it is; only {{tol}} is filled in")
-        if before and not external:
-            external = [m for m in before["methods"] if m["external"]]
-        if not methods and not external:
-            raise InputError("--methods: nothing is left")
-        return methods + external
 
     def check_same(self, before):
         super().check_same(before)
@@ -184,11 +128,11 @@ class Comparison(Campaign):
             note("the program is another build than the one that began this campaign")
         if before["machine"]["cpu"] != self.campaign["machine"]["cpu"]:
             note(f"another machine began this campaign ({before['machine']['cpu']}): times do not compare")
-        if before["jobs"] != self.campaign["jobs"]:
-            note(f"begun with {count(before['jobs'], 'run')}, now {self.campaign['jobs']} at a time: times do not compare")
+        if before["jobs"] != self.words.jobs:
+            note(f"begun with {count(before['jobs'], 'run')}, now {self.words.jobs} at a time: times do not compare")
         now = {p["name"]: p for p in self.campaign["problems"]}
         problems = [now[p["name"]] for p in before["problems"]]  # in their order, which shards count by
-        self.campaign = {**before, "jobs": self.campaign["jobs"], "problems": problems}
+        self.campaign = {**before, "jobs": self.words.jobs, "problems": problems}
 
     def describe(self):
         """Of problems of a size, and files."""
@@ -222,11 +166,8 @@ class Comparison(Campaign):
         number, of = parse_shard(campaign.get("shard"))
         starts = [(p, s) for p in campaign["problems"] for s in range(1, p["starts"] + 1)]
         cells = [(m, p, s) for p, s in starts for m in campaign["methods"]]
-        self.runner = CellRunner(campaign, self.program, self.work_folder, self.stopped)
+        self.make = CellRunner(campaign, self.program, self.work_folder, self.stopped).cell
         return {(m["label"], p["name"], s): (m, p, s) for m, p, s in cells[number - 1 :: of]}
-
-    def make(self, method, problem, start):
-        return self.runner.cell(method, problem, start)
 
     def show(self, cells, complete):
         from .report import write_report
@@ -248,12 +189,12 @@ class Comparison(Campaign):
 
 def known_problem(problem, known):
     """With what a campaign knows of it, and the CRC of its file as it is now."""
-    problem = {**problem, **known.get(problem["name"], {}), **({"file": problem["file"]} if "file" in problem else {})}
-    if "file" in problem:
-        if not os.path.isfile(problem["file"]):
-            raise InputError(f"there is no file '{problem['file']}' any more")
-        problem["crc"] = crc_of(problem["file"])
-    return problem
+    file = problem.get("file")
+    if file is None:
+        return {**problem, **known.get(problem["name"], {})}
+    if not os.path.isfile(file):
+        raise InputError(f"there is no file '{file}' any more")
+    return {**problem, **known.get(problem["name"], {}), "file": file, "crc": crc_of(file)}
 
 
 def print_outcomes(campaign, cells):
@@ -275,10 +216,10 @@ def print_outcomes(campaign, cells):
 
 def print_false_claims(cells):
     wrong = [c for c in cells if c["outcome"] in ("false-convergence", "false-infeasible")]
-    rows = [[c["method"], c["problem"], str(c["start"]), c["outcome"], f"{c['natural']:.3g}", c["message"]] for c in wrong[:20]]
-    if rows:
+    if wrong:
+        shown = [(*(str(c[key]) for key in KEYS[:4]), f"{c['natural']:.3g}", c["message"]) for c in wrong[:20]]
         print()
-        print_table(["false claim of", "problem", ">start", "outcome", ">residual", "message"], rows)
+        print_table(["false claim of", "problem", ">start", "outcome", ">residual", "message"], shown)
         if len(wrong) > 20:
             print(f"  ... {len(wrong) - 20} more; the report shows them")
 
@@ -295,9 +236,10 @@ def read_baseline(path):
         raise InputError(f"--baseline: '{path}': {error.strerror}") from error
     rows = {}
     for line, record in enumerate(records, 2):
-        method, problem, start, outcome = ((record.get(name) or "").removeprefix("'") for name in (*KEYS[:3], "outcome"))
+        method, problem, start, outcome = ((record.get(name) or "").removeprefix("'") for name in KEYS[:4])
         if None in record or None in record.values() or not start.isdecimal() or outcome not in OUTCOMES:
-            raise InputError(f"{path}: record {line} is not of a comparison: method, problem, start and outcome are asked for")
+            asked = "method, problem, start and outcome are asked for"
+            raise InputError(f"{path}: record {line} is not of a comparison: {asked}")
         rows[method, problem, int(start)] = outcome
     if not rows:
         raise InputError(f"{path}: there is no record in it")
@@ -349,8 +291,9 @@ def join_shards(folders, out):
 
 def report(arguments):
     words = (
-        "Makes DIR/report.html, one page that needs nothing else, and its numbers as CSV and JSON, from the files campaign.json "
-        "and cells.jsonl that perp-compare has left in DIR. It also works while perp-compare runs, and after it was killed."
+        "Makes DIR/report.html, one page that needs nothing else, and its numbers as CSV and JSON, from the files "
+        "campaign.json and cells.jsonl that perp-compare has left in DIR. It also works while perp-compare runs, and "
+        "after it was killed."
     )
     parser = argparse.ArgumentParser(prog="perp-report", description=words)
     parser.add_argument("dirs", nargs="+", metavar="DIR", help="folder of the campaign, or those of its shards")
@@ -373,16 +316,14 @@ def report(arguments):
 def compare(arguments):
     interrupt, kind = Interrupt(), arguments[0] if arguments else ""
     if kind == "contact":
-        from .contact import compare_contact
+        from .contact import ContactComparison
 
-        return compare_contact(arguments[1:], interrupt)
+        return ContactComparison(arguments[1:], interrupt).run()
     if kind in ("facets", "ball"):
         from . import studies
 
         return getattr(studies, kind)(arguments[1:], interrupt)
-    words = parser_of().parse_args(arguments)
-    words.given = arguments
-    return Comparison(words, interrupt).run()
+    return Comparison(arguments, interrupt).run()
 
 
 def run(command, arguments):

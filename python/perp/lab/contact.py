@@ -12,17 +12,18 @@ import shlex
 from collections import Counter
 from statistics import geometric_mean
 
-from .campaign import SOLVED, Campaign, count, machine, print_table
+from .campaign import SOLVED, Campaign, add_options, count, machine, print_table
 from .cells import answer_of, crash_words
-from .compare import MEMORY_WORDS, add_folder, add_numbers
 from .files import InputError, crc_of, csv_text, number, pretty, write_files
 from .process import one_line, run
 
 KEYS = (
-    "variant", "problem", "exact", "outcome", "status", "solved_by", "contacts", "iterations", "seconds", "peak_mb", "siconos",
-    "rr9118", "scaled", "own_residual", "message", "command",
+    "variant", "problem", "exact", "outcome", "status", "solved_by", "contacts", "iterations", "seconds", "peak_mb",
+    "siconos", "rr9118", "scaled", "own_residual", "message", "command",
 )  # fmt: skip
-DEFAULT = "glocker+auto,glocker+homotopy,glocker+path/B,glocker+semismooth/B,glocker+smooth/B,inner:8,outer:8,frictionless"
+DEFAULT = (
+    "glocker+auto,glocker+homotopy,glocker+path/B,glocker+semismooth/B,glocker+smooth/B,inner:8,outer:8,frictionless"
+)
 READING = 10  # s, beside the solve's own limit twice: then a process counts as hanging
 LEAST_TIME = 1e-6  # s; below it times are noise
 OUTCOME_OF = {
@@ -31,12 +32,12 @@ OUTCOME_OF = {
 }  # fmt: skip
 
 
-def run_contact(program, words, campaign, stopped):
-    """The End of `perp contact WORDS`, and its answer."""
-    arguments = [program.path, "contact", *words, "--tol", repr(campaign["tol"]), "--time-limit", repr(campaign["time_limit"])]
-    limits = {"seconds": 2 * campaign["time_limit"] + READING, "memory_mb": campaign["memory_limit_mb"], "stopped": stopped}
-    end = run([*arguments, "--log-level", "quiet", "--json", "-"], **limits)
-    return end, answer_of(end, "perp contact"), "perp " + shlex.join(arguments[1:])
+def run_contact(program, words, tol, time_limit, memory_mb, stopped):
+    """The End of `perp contact WORDS`, its answer, and the command."""
+    arguments = ["contact", *words, "--tol", repr(tol), "--time-limit", repr(time_limit)]
+    arguments += ["--log-level", "quiet", "--json", "-"]
+    end = run([program.path, *arguments], seconds=2 * time_limit + READING, memory_mb=memory_mb, stopped=stopped)
+    return end, answer_of(end, "perp contact"), "perp " + shlex.join(arguments[:-4])
 
 
 def cell_of(end, answer, campaign):
@@ -58,7 +59,8 @@ def cell_of(end, answer, campaign):
         cell.update(outcome="memory-limit", message=f"killed: more than {campaign['memory_limit_mb']} MB")
     elif end.why == "time":
         told = f"told to end after {end.seconds:.3g} s; {cell['message']}"
-        cell.update(outcome="time-limit", message=told if answer else f"killed after {end.seconds:.3g} s, reading included")
+        killed = f"killed after {end.seconds:.3g} s, reading included"
+        cell.update(outcome="time-limit", message=told if answer else killed)
     elif cell["seconds"] > campaign["time_limit"] and cell["outcome"] in ("solved", "failed"):
         if cell["outcome"] == "solved":
             cell["message"] = f"solved after {cell['seconds']:.3g} s, beyond the limit"
@@ -69,7 +71,25 @@ def cell_of(end, answer, campaign):
 class ContactComparison(Campaign):
     NAME, COMMAND, KEYS = "contact_campaign", "perp-compare contact", KEYS
     FILES = ("cells.csv", "cells.json", "profile.svg", "report.html")
-    USUAL = {"tol": 1e-8, "time_limit": 30.0, "memory_limit_mb": 4096}
+    OPTIONS = ("tol", "time_limit", "memory_limit_mb")
+
+    @classmethod
+    def parser(cls):
+        words = "Runs variants of formulation and method on problems of contact with friction, a process for each run."
+        parser = argparse.ArgumentParser(prog=cls.COMMAND, description=words, allow_abbrev=False)
+        problems = "files of FCLIB or Siconos, or NAME:SIZE[:SEED[:MU]]"
+        variants = f"FORMULATION[+METHOD][/WORD]...; * as METHOD is every method, * as WORD every form ({DEFAULT})"
+        parser.add_argument("problems", nargs="*", metavar="PROBLEM", help=problems)
+        parser.add_argument("--variants", metavar="LIST", help=variants)
+        add_options(
+            parser,
+            ("--tol", 1e-8, "tolerance"),
+            ("--time-limit", 30.0, "limit of each run"),
+            ("--memory-limit", 4096, "limit of the resident memory of a run"),
+            ("--jobs", 1, "number of runs at a time; with 1 their times can be compared"),
+        )
+        cls.add_folder(parser, "contact-comparison")
+        return parser
 
     @staticmethod
     def key(cell):
@@ -85,13 +105,14 @@ class ContactComparison(Campaign):
             raise InputError("a problem is there twice")
         variants = words.variants or (",".join(before["variants"]) if before else DEFAULT)
         # Files are read once before anything runs: a misspelt name is no result.
-        self.variants = self.program.json("contact", *problems, "--variants", variants, "--json", "-")["variants"]
+        answer = self.program.json("contact", *problems, "--variants", variants, "--json", "-")
+        self.variants = answer["variants"]
         names, asked = {p.get("file", p["name"]): p["name"] for p in there}, []
         for problem in problems:
             file = {"file": os.path.abspath(problem), "crc": crc_of(problem)} if os.path.isfile(problem) else {}
             asked.append({"name": names.get(problem, problem), **file})
-        head = {"program": "perp", "version": self.program.json("methods", "--json")["version"], self.NAME: 1}
-        return {**head, **self.values(before), "variants": [v["label"] for v in self.variants], "problems": asked}
+        lists = {"variants": [v["label"] for v in self.variants], "problems": asked}
+        return {"program": "perp", "version": self.program.version(), self.NAME: 1, **self.options(), **lists}
 
     def table(self):
         pairs = [(p, v) for p in self.campaign["problems"] for v in self.variants]
@@ -99,15 +120,17 @@ class ContactComparison(Campaign):
 
     def make(self, problem, variant):
         words = [problem.get("file", problem["name"]), *variant["flags"]]
-        end, answer, command = run_contact(self.program, words, self.campaign, self.stopped)
-        cell = cell_of(end, answer, self.campaign)
-        return {**cell, "variant": variant["label"], "problem": problem["name"], "exact": variant["exact"], "command": command}
+        limits = (self.campaign[key] for key in self.OPTIONS)
+        end, answer, command = run_contact(self.program, words, *limits, self.stopped)
+        known = {"variant": variant["label"], "problem": problem["name"], "exact": variant["exact"], "command": command}
+        return {**cell_of(end, answer, self.campaign), **known}
 
     def show(self, cells, complete):
         shown = Shown(self.campaign, cells)
         write_files(self.out, shown.files())
         shown.print()
-        print(f"\n{self.out}/report.html shows it; {self.out}/cells.csv has every cell, {self.out}/profile.svg the profile.")
+        out = self.out
+        print(f"\n{out}/report.html shows it; {out}/cells.csv has every cell, {out}/profile.svg the profile.")
         return SOLVED
 
 
@@ -122,21 +145,23 @@ def median(values):
 
 
 COLUMNS = {
-    "variant": "formulation+method/form", "judged by": "the law whose residual decides", "solved": "of the cells that ran",
-    "solved by": "the step that made the accepted point", "infeasible": "proven to have no solution",
-    "failed": "the method gave up, or its point is no solution", "time limit": "", "broken": "crashed, or beyond the limit of memory",
-    "not applicable": "", "time in all": "what was neither solved nor proven infeasible counts as the time limit",
+    "variant": "formulation+method/form", "judged by": "the law whose residual decides",
+    "solved": "of the cells that ran", "solved by": "the step that made the accepted point",
+    "infeasible": "proven to have no solution", "failed": "the method gave up, or its point is no solution",
+    "time limit": "", "broken": "crashed, or beyond the limit of memory", "not applicable": "",
+    "time in all": "what was neither solved nor proven infeasible counts as the time limit",
     "iterations": "median of the solved", "exact-law error": "Siconos' metric of Coulomb's law, median of the solved",
     "largest": "of those errors",
 }  # fmt: skip
-SHORT = {"failed": "failed", "time-limit": "limit", "memory-limit": "memory", "crashed": "CRASH", "infeasible": "infeasible"}
+SHORT = {"time-limit": "limit", "memory-limit": "memory", "crashed": "CRASH", "not-applicable": "n/a"}
 
 
 class Shown:
     """What a comparison says: tables for a terminal, a page, a chart."""
 
     def __init__(self, campaign, cells):
-        self.campaign, self.variants, self.problems = campaign, campaign["variants"], [p["name"] for p in campaign["problems"]]
+        self.campaign, self.variants = campaign, campaign["variants"]
+        self.problems = [p["name"] for p in campaign["problems"]]
         self.table = {(c["variant"], c["problem"]): c for c in cells}
         self.cells = [self.table[v, p] for p in self.problems for v in self.variants if (v, p) in self.table]
         self.exact = {v: all(c["exact"] for c in self.cells if c["variant"] == v) for v in self.variants}
@@ -146,27 +171,35 @@ class Shown:
         mine = [c for c in self.cells if c["variant"] == variant]
         counts, solved = Counter(c["outcome"] for c in mine), [c for c in mine if c["outcome"] == "solved"]
         errors = [max(1e-300, number(c["siconos"])) for c in solved]
-        by = Counter(c["solved_by"] for c in solved if c["solved_by"])
-        time = sum(c["seconds"] if c["outcome"] in ("solved", "infeasible") else self.campaign["time_limit"] for c in mine)
+        by = Counter(c["solved_by"] for c in solved if c["solved_by"]).most_common()
+        limit = self.campaign["time_limit"]
+        time = sum(c["seconds"] if c["outcome"] in ("solved", "infeasible") else limit for c in mine)
+        numbers = median(max(1, c["iterations"] or 1) for c in solved), median(errors), max(errors, default=math.nan)
         broken = counts["crashed"] + counts["memory-limit"]
-        steps, error = median(max(1, c["iterations"] or 1) for c in solved), median(errors)
         return [
             variant, "Coulomb" if self.exact[variant] else "its own", f"{len(solved)}/{len(mine)}",
-            ", ".join(f"{name} {n}" for name, n in by.most_common()),
-            *map(str, (counts["infeasible"], counts["failed"], counts["time-limit"], broken, counts["not-applicable"])), seconds(time),
-            *("" if math.isnan(v) else f"{v:.{d}g}" for v, d in ((steps, 3), (error, 2), (max(errors, default=math.nan), 2))),
+            ", ".join(f"{name} {n}" for name, n in by), str(counts["infeasible"]), str(counts["failed"]),
+            str(counts["time-limit"]), str(broken), str(counts["not-applicable"]), seconds(time),
+            *("" if math.isnan(v) else f"{v:.{digits}g}" for v, digits in zip(numbers, (3, 2, 2))),
         ]  # fmt: skip
 
-    def contacts(self, problem):
-        return str(max((c["contacts"] for c in self.cells if c["problem"] == problem and c["contacts"] is not None), default=""))
+    def rows(self):
+        """(name, number of contacts, cells or None) of each problem."""
+        for problem in self.problems:
+            mine = [self.table.get((v, problem)) for v in self.variants]
+            contacts = max((c["contacts"] for c in mine if c and c["contacts"] is not None), default="")
+            yield os.path.basename(problem), str(contacts), mine
 
     def word(self, cell):
-        return "-" if cell is None else seconds(cell["seconds"]) if cell["outcome"] == "solved" else SHORT.get(cell["outcome"], "n/a")
+        if cell is None:
+            return "-"
+        return seconds(cell["seconds"]) if cell["outcome"] == "solved" else SHORT.get(cell["outcome"], cell["outcome"])
 
     def print(self):
-        print_table([name if k < 2 else f">{name}" for k, name in enumerate(COLUMNS)], [self.line(v) for v in self.variants])
+        headers = [name if k < 2 else f">{name}" for k, name in enumerate(COLUMNS)]
+        print_table(headers, [self.line(v) for v in self.variants])
         print("\nTimes; [1], [2], ... are the variants in the order above")
-        rows = [[os.path.basename(p)[:36], self.contacts(p), *(self.word(self.table.get((v, p))) for v in self.variants)] for p in self.problems]
+        rows = [[name[:36], contacts, *map(self.word, mine)] for name, contacts, mine in self.rows()]
         print_table(["problem", ">contacts", *(f">[{k}]" for k in range(1, len(self.variants) + 1))], rows)
         for c in self.cells:
             if c["outcome"] == "crashed":
@@ -190,57 +223,47 @@ class Shown:
     def page(self):
         from . import report
 
-        c = self.campaign
         charts = [self.chart("contact-all", "All variants, each by its own law (* not Coulomb's)")]
         if any(self.exact.values()) and not all(self.exact.values()):
             charts.insert(0, self.chart("contact-exact", "Coulomb's exact law", exact_only=True))
         legend = [{"m": k, "style": k, "name": name, "on": True} for k, name in enumerate(self.names)]
-        words = ("judged by", "solved", "solved by")
-        variants = report.table("Variants", COLUMNS, [self.line(v) for v in self.variants], words=words)
+        lines, words = [self.line(v) for v in self.variants], ("judged by", "solved", "solved by")
+        profiles = {"legend": legend, "charts": [{"charts": charts}]}
         sections = [
-            report.section("variants", "Variants", variants),
-            report.section("profiles", "Performance profiles", {"legend": legend, "charts": [{"charts": charts}]}),
+            report.section("variants", "Variants", report.table("Variants", COLUMNS, lines, words=words)),
+            report.section("profiles", "Performance profiles", profiles),
             report.section("problems", "Every problem", self.cells_table(report)),
         ]
-        how = {
-            "program": f"perp {c['version']}", "machine": report.machine_words(machine()), "tolerance": f"{c['tol']:g}",
-            "limits of a run": f"{c['time_limit']:g} s, {c['memory_limit_mb']} MB; each in a process of its own",
-        }  # fmt: skip
-        words = f"{count(len(self.variants), 'variant')} on {count(len(self.problems), 'problem')}"
-        title, sub = "Contact problems: formulations and methods", f"{words} \u00b7 perp {c['version']}"
+        c = self.campaign
+        limits = f"{c['time_limit']:g} s, {c['memory_limit_mb']} MB; each in a process of its own"
+        how = {"program": f"perp {c['version']}", "machine": report.machine_words(machine())}
+        how |= {"tolerance": f"{c['tol']:g}", "limits of a run": limits}
+        sizes = f"{count(len(self.variants), 'variant')} on {count(len(self.problems), 'problem')}"
+        title, sub = "Contact problems: formulations and methods", f"{sizes} \u00b7 perp {c['version']}"
         return report.html_page(kind="contact", title=title, sub=sub, sections=sections, how=how)
 
     def cells_table(self, report):
         rows = []
-        for p in self.problems:
-            row = [os.path.basename(p), self.contacts(p)]
-            mine = [self.table.get((v, p)) for v in self.variants]
-            best = min((c["seconds"] for c in mine if c and c["exact"] and c["outcome"] == "solved"), default=0)
+        for name, contacts, mine in self.rows():
+            row = [name, contacts]
+            exact = [c["seconds"] for c in mine if c and c["exact"] and c["outcome"] == "solved"]
             for c in mine:
-                solved = c is not None and c["outcome"] == "solved"
-                words = self.word(c) + (f"; error {number(c['siconos']):.2g}" if solved and not c["exact"] else "")
-                css = ("best" if c["exact"] and c["seconds"] <= best else "") if solved else "soft" if c is None else "bad"
-                row.append(report.cell(words, c["seconds"] if solved else None, css, c["message"] if c else ""))
+                if c is None or c["outcome"] != "solved":
+                    row.append(report.cell(self.word(c), None, "bad" if c else "soft", c["message"] if c else ""))
+                    continue
+                error = "" if c["exact"] else f"; error {number(c['siconos']):.2g}"
+                best = "best" if c["exact"] and c["seconds"] <= min(exact) else ""
+                row.append(report.cell(self.word(c) + error, c["seconds"], best, c["message"]))
             rows.append(row)
         caption = "Time of the solve; where the law is not Coulomb's, also the error of Coulomb's law"
         return report.table(caption, dict.fromkeys(("problem", "contacts", *self.variants), ""), rows)
 
     def files(self):
-        whole = {"program": "perp", "version": self.campaign["version"], "schema": "perp/contact-cells/1", "cells": self.cells}
+        whole = {"program": "perp", "version": self.campaign["version"], "schema": "perp/contact-cells/1"}
         title = "Problems solved within tau times the best time"
         return {
-            "cells.csv": csv_text([KEYS, *(c.values() for c in self.cells)]), "cells.json": pretty(whole),
-            "profile.svg": self.chart("profile", title, legend=True), "report.html": self.page(),
-        }  # fmt: skip
-
-
-def compare_contact(arguments, interrupt):
-    words = "Runs variants of the formulation and method on all problems of contact with friction, each in a process of its own."
-    parser = argparse.ArgumentParser(prog="perp-compare contact", description=words, allow_abbrev=False)
-    parser.add_argument("problems", nargs="*", metavar="PROBLEM", help="files of FCLIB or Siconos, or NAME:SIZE[:SEED[:MU]]")
-    variants = f"FORMULATION[+METHOD][/WORD]...; * as METHOD is every method, * as WORD every form; default {DEFAULT}"
-    parser.add_argument("--variants", metavar="LIST", help=variants)
-    limits = {"tol": "tolerance (1e-8)", "time_limit": "limit of each run (30)", "memory_limit": MEMORY_WORDS}
-    add_numbers(parser, **limits, jobs="number of runs at a time (1, so that times can be compared)")
-    add_folder(parser, "contact-comparison")
-    return ContactComparison(parser.parse_args(arguments), interrupt).run()
+            "cells.csv": csv_text([KEYS, *(c.values() for c in self.cells)]),
+            "cells.json": pretty({**whole, "cells": self.cells}),
+            "profile.svg": self.chart("profile", title, legend=True),
+            "report.html": self.page(),
+        }

@@ -25,6 +25,8 @@ try:
 except ImportError:  # no lock where there is none
     fcntl = None
 
+WORDS = {"inf": math.inf, "-inf": -math.inf, "nan": math.nan}  # of JSON, which has no such numbers
+
 
 class InputError(Exception):
     """What the user can mend: refused, with exit code 2."""
@@ -38,14 +40,9 @@ class NotSeen(Environment):
     """A process was killed by somebody else, or left nothing: its cell stays open, and others go on."""
 
 
-# JSON, where infinities and NaN are words.
-
-WORDS = {"inf": math.inf, "-inf": -math.inf, "nan": math.nan}
-
-
 def to_json(value):
     if isinstance(value, float) and not math.isfinite(value):
-        return "nan" if math.isnan(value) else "inf" if value > 0 else "-inf"
+        return str(value)
     if isinstance(value, dict):
         return {key: to_json(item) for key, item in value.items()}
     return [to_json(item) for item in value] if isinstance(value, (list, tuple)) else value
@@ -64,9 +61,6 @@ def pretty(value):
     return json.dumps(to_json(value), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
 
 
-# CSV.
-
-
 def csv_text(rows):
     """RFC 4180. A text that a spreadsheet would compute gets an apostrophe before it."""
     out = io.StringIO()
@@ -78,12 +72,9 @@ def field_text(value):
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, float):
-        return repr(to_json(value)).strip("'").removesuffix(".0")
+        return str(value).removesuffix(".0")
     guarded = isinstance(value, str) and value.startswith(tuple("=+-@\t\r")) and value not in WORDS
     return f"'{value}" if guarded else value
-
-
-# Whole files.
 
 
 def crc_of(path):
@@ -92,32 +83,22 @@ def crc_of(path):
 
 
 def write_files(folder, files):
-    """Writes {name: text}, each whole or not at all: drafts of all are on the disk before the first is renamed."""
-    drafts = {}
-    mask = os.umask(0)
-    os.umask(mask)
-    try:
+    """Writes {name: text}: all drafts are on the disk before the first takes the place of its file."""
+    with tempfile.TemporaryDirectory(prefix=".perp-", dir=folder) as drafts:
         for name, text in files.items():
-            handle, draft = tempfile.mkstemp(prefix=".perp-", suffix=".part", dir=folder or ".")
-            drafts[draft] = os.path.join(folder, name)
-            with open(handle, "w", encoding="utf-8", errors="replace", newline="") as file:
+            draft = os.path.join(drafts, name)
+            with open(draft, "w", encoding="utf-8", errors="replace", newline="") as file:
                 file.write(text)
                 file.flush()
                 os.fsync(file.fileno())
-            os.chmod(draft, 0o666 & ~mask)
-        for draft, path in drafts.items():
-            os.replace(draft, path)
+        for name in files:
+            os.replace(os.path.join(drafts, name), os.path.join(folder, name))
         sync_folder(folder)
-    except BaseException:
-        for draft in drafts:
-            with contextlib.suppress(OSError):
-                os.unlink(draft)
-        raise
 
 
 def sync_folder(folder):
     with contextlib.suppress(OSError):
-        handle = os.open(folder or ".", os.O_RDONLY)
+        handle = os.open(folder, os.O_RDONLY)
         with contextlib.suppress(OSError):
             os.fsync(handle)
         os.close(handle)
@@ -136,8 +117,6 @@ def check_apart(outputs, inputs):
 
 def take_folder(folder, fresh):
     """Makes the folder, and holds it: the file that comes back is the lock, which goes with this process."""
-    if os.path.exists(folder) and not os.path.isdir(folder):
-        raise InputError(f"'{folder}' is a file")
     try:
         os.makedirs(folder, exist_ok=True)
         names = [name for name in os.listdir(folder) if name not in ("lock", "work") and not name.startswith(".perp-")]
@@ -194,19 +173,17 @@ def read_cells(folder, kind):
     path = os.path.join(folder, "cells.jsonl")
     try:
         with open(path, "rb") as file:
-            text = file.read().removeprefix(b"\xef\xbb\xbf")
+            lines = file.read().removeprefix(b"\xef\xbb\xbf").splitlines(keepends=True)
     except OSError as error:
         raise InputError(f"'{path}' cannot be read") from error
     cells, dropped = {}, []
-    *lines, last = text.split(b"\n")
-    for place, line in enumerate(lines + [last] * bool(last), 1):
-        match = re.fullmatch(rb'\{"cell":(.*),"crc":"([0-9a-f]{8})"\}', line, re.S)
+    for place, line in enumerate(lines, 1):
+        match = re.fullmatch(rb'\{"cell":(.*),"crc":"([0-9a-f]{8})"\}\n', line)
         try:
-            if match is None or place > len(lines):
+            if match is None:
                 raise ValueError("torn")
-            crc = zlib.crc32(match[1])
-            if crc != int(match[2], 16):
-                raise ValueError(f"its CRC is {crc:08x}, not {match[2].decode()}")
+            if zlib.crc32(match[1]) != int(match[2], 16):
+                raise ValueError(f"its CRC is {zlib.crc32(match[1]):08x}, not {match[2].decode()}")
             cell = json.loads(match[1])
             if list(cell) != list(kind.KEYS):
                 raise ValueError("no cell of this kind of comparison")

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a campaign shows: which methods are compared on which pairs, profiles, robustness, and careful sentences.
 
-A pair is a problem and a start. Performance profile (Dolan & More, Math. Prog. 91 (2002) 201): the share of pairs p with
-t_ps <= tau min_s t_ps; data profile (More & Wild, SIAM J. Optim. 20 (2009) 172): with t_ps <= alpha u_p, u_p = n_p + 1 for
-evaluations of F, else 1. Ties count for all; a pair that nobody solved stays in the denominator.
+A pair is a problem and a start. Performance profile (Dolan & More, Math. Prog. 91 (2002) 201): the share of pairs p
+with t_ps <= tau min_s t_ps; data profile (More & Wild, SIAM J. Optim. 20 (2009) 172): with t_ps <= alpha u_p, where
+u_p = n_p + 1 for evaluations of F, else 1. Ties count for all; a pair that nobody solved stays in the denominator.
 
 A lead counts as clear only if an exact sign test of the pairs on which two methods differ rejects equal chances at 5 %,
 and if it is more than ROUNDING of the pairs.
@@ -22,10 +22,10 @@ from .compare import Comparison as Campaign
 from .files import read_cells
 
 MEASURES = {"seconds": "time", "F_evals": "evaluations of F", "factorizations": "factorizations"}
-FLOOR = {"iterations": 1, "F_evals": 1, "factorizations": 1, "seconds": 1e-3}  # costs below count as this: nothing to compare
+FLOOR = {"iterations": 1, "F_evals": 1, "factorizations": 1, "seconds": 1e-3}  # costs below count as this
 FEW_PAIRS = 5
-# What another BLAS or processor does to the difference of two methods: of 403 pairs smooth solves 384 to 390, others vary
-# by at most 2 (bench/results/collection.md): 6 and 2 together.
+# What another BLAS or processor does to the difference of two methods: of 403 pairs smooth solves 384 to 390, others
+# vary by at most 2 (bench/results/collection.md): 6 and 2 together.
 ROUNDING = 0.02
 SYSTEMS_1997 = ("proxi", "path", "smooth", "miles", "nesqp", "qpcomp", "semicomp", "semismooth")
 AHEAD_1997 = 3
@@ -34,7 +34,7 @@ SOURCE_1997 = "Billups, Dirkse & Ferris, Comput. Optim. Appl. 7 (1997) 3"
 
 
 class Data:
-    """The methods, problems and cells of a campaign folder; arrays have a row for each method, a column for each pair."""
+    """The methods, problems and cells of a campaign; arrays have a row for each method, a column for each pair."""
 
     def __init__(self, folder):
         self.campaign = read_campaign(folder, Campaign)
@@ -84,8 +84,8 @@ class Data:
 
     def method(self, name):
         """The method of this name that has no options; None if there is none."""
-        plain = (m for m, of in enumerate(self.campaign["methods"]) if (of["name"], of["options"], of["external"]) == (name, [], False))
-        return next(plain, None)
+        plain = [of["name"] if not (of["options"] or of["external"]) else None for of in self.campaign["methods"]]
+        return plain.index(name) if name in plain else None
 
 
 def known(value):
@@ -198,19 +198,20 @@ def comparisons(data):
         pairs = np.flatnonzero(data.with_solution & ~(data.there & data.refused)[asked].all(0)).tolist()
         found.append(finish(data, Comparison(identity, title, note, list(methods), pairs, list(subject))))
 
+    unsolved = "A method has not solved what it does not apply to."
     if general:
-        note = "On every pair of a problem with a solution and a start. A method has not solved what it does not apply to."
+        note = f"On every pair of a problem with a solution and a start. {unsolved}"
         add("general", "Methods for all problems", note, general)
     if affine:
-        note = f"On the pairs to which at least one of the {len(affine)} applies that are for affine problems, F(x) = M x + q, only."
-        note += " A method has not solved what it does not apply to."
+        note = f"On the pairs to which at least one of the {len(affine)} applies that are for affine problems, "
+        note += f"F(x) = M x + q, only. {unsolved}"
         add("affine", "Methods for affine problems, beside those for all problems", note, affine + general, affine)
     if external:
         note = "On the pairs that an external program was given."
         add("external", "External programs, beside the methods for all problems", note, external + general, external)
     for suffix, identity, words, more in (
-        ("", "lecture", "", "here Perp's presets of these names, with what was added since"),
-        (PUBLISHED, "published", ", as published", "without what was added since"),
+        ("", "systems-1997", "", "here Perp's presets of these names, with what was added since"),
+        (PUBLISHED, "systems-1997-published", ", as published", "without what was added since"),
     ):
         eight = [m for name in SYSTEMS_1997 if (m := data.method(name + suffix)) is not None]
         if 2 <= len(eight) < len(general):
@@ -223,7 +224,8 @@ def comparisons(data):
         same = [m for m in range(len(methods)) if without_cfunction(methods[m]) == base]
         mine = [m for m in same if m in variants]
         given = [given_cfunction(methods[m]) for m in mine]
-        mine += [m for m in same if not given_cfunction(methods[m]) and methods[m]["in_force"].get("cfunction", "") not in given]
+        plain = [m for m in same if m not in variants]
+        mine += [m for m in plain if methods[m]["in_force"].get("cfunction", "") not in given]
         if len(mine) > 1:
             add(identity, f"C-functions in {base}", "The same method; nothing differs but its C-function.", mine)
     return found
@@ -246,9 +248,11 @@ def summary(data, c):
     common = [p for p in c.pairs if part and data.solved[part, p].all()]
     rows = {}
     for m in c.methods:
-        rows[m] = {"solved": solved[m], "pairs": len(c.pairs), "with_restarts": int(data.after[m, c.pairs].sum())}
-        rows[m] |= {"quickest": lead("seconds", m, 1), "within_two": lead("seconds", m, 2), "fewest_F": lead("F_evals", m, 1)}
-        rows[m] |= {"common": len(common), **{f"mean_{measure}": mean(measure, m) for measure in FLOOR}}
+        rows[m] = {
+            "solved": solved[m], "pairs": len(c.pairs), "with_restarts": int(data.after[m, c.pairs].sum()),
+            "quickest": lead("seconds", m, 1), "within_two": lead("seconds", m, 2), "fewest_F": lead("F_evals", m, 1),
+            "common": len(common), **{f"mean_{measure}": mean(measure, m) for measure in FLOOR},
+        }  # fmt: skip
     return rows
 
 
@@ -285,8 +289,10 @@ def robustness(data):
 
 
 UNSOLVABLE = {
-    "infeasible": "says that there is none: best", "honest": "says that it has not solved it, or came to a limit: right",
-    "wrong": "claims a solution", "broken": "crashed, or wrote what cannot be read", "not_applicable": "", "unfinished": "",
+    "infeasible": "says that there is none: best",
+    "honest": "says that it has not solved it, or came to a limit: right",
+    "wrong": "claims a solution", "broken": "crashed, or wrote what cannot be read",
+    "not_applicable": "", "unfinished": "",
 }  # fmt: skip
 WORD_WITHOUT_SOLUTION = {
     "infeasible": "infeasible", "crashed": "broken", "garbage": "broken", "failed": "honest", "time-limit": "honest",
@@ -301,7 +307,11 @@ def unsolvable(data):
         outcomes = [data.table[m, p]["outcome"] if data.there[m, p] else "unfinished" for p in pairs]
         counts = Counter(WORD_WITHOUT_SOLUTION.get(outcome, "wrong") for outcome in outcomes)
         rows.append((m, {word: counts[word] for word in UNSOLVABLE}))
-    return sorted(rows, key=lambda row: (row[1]["wrong"], row[1]["broken"], -row[1]["infeasible"], data.methods[row[0]]))
+
+    def worst_last(row):
+        return row[1]["wrong"], row[1]["broken"], -row[1]["infeasible"], data.methods[row[0]]
+
+    return sorted(rows, key=worst_last)
 
 
 # Sentences.
@@ -356,7 +366,8 @@ def scope(data):
     if not data.cells:
         return text + " None of them is finished: nothing can be said yet."
     if left := cells - len(data.cells):
-        text += f" {left} of them are not finished: what follows is provisional, and counts the pairs only that all methods compared have finished."
+        text += f" {left} of them are not finished: what follows is provisional, and counts the pairs only that all "
+        text += "methods compared have finished."
     return text
 
 
@@ -395,11 +406,12 @@ def cheapest(data, c):
         return ""
     names = ("quickest", "within_two", "fewest_F")
     quick, within, fewest = (Lead(data, c, value=lambda m, name=name: rows[m][name]) for name in names)
-    text = f"Quickest most often {'is' if len(quick.first) == 1 else 'are'} {quick.names} (on {quick.most}; times below 1 ms are ties)"
+    is_or_are = "is" if len(quick.first) == 1 else "are"
+    text = f"Quickest most often {is_or_are} {quick.names} (on {quick.most}; times below 1 ms are ties)"
     text += f", within twice the least time most often {within.names} (on {within.most})"
-    if not fewest.most:
-        return text + "."
-    return f"{text}; the fewest evaluations of F most often {verb(len(fewest.first), 'need')} {fewest.names} (on {fewest.most})."
+    need = verb(len(fewest.first), "need")
+    more = f"; the fewest evaluations of F most often {need} {fewest.names} (on {fewest.most})"
+    return text + (more if fewest.most else "") + "."
 
 
 def of_class(data, c, pairs, cls):
@@ -439,10 +451,11 @@ def cfunction_words(data, c):
         return text + "."
     least, largest = min(means, key=means.get), max(means, key=means.get)
     who = "all" if len(means) == len(rows) else f"the best {len(means)} all"
-    text += f". On the {count(common, 'pair')} that {who} solve "
+    text += f". On the {count(common, 'pair')} that {who} solve, "
     if means[largest] < 1.05 * means[least]:
         return text + "their evaluations of F differ by less than 5 %."
-    return f"{text}{least} needs the fewest evaluations of F (geometric mean {means[least]:.3g}), {largest} the most ({means[largest]:.3g})."
+    fewest = f"{least} needs the fewest evaluations of F (geometric mean {means[least]:.3g})"
+    return f"{text}{fewest}, {largest} the most ({means[largest]:.3g})."
 
 
 def ranking_verdict(more, same, fewer, clearly):
@@ -468,15 +481,21 @@ def ranking_1997(data, suffix):
             sure, beyond = clear(data, pairs, a, b)
             side = "more" if counts[a] > counts[b] else "fewer"
             duels.update({side if beyond else "same": 1, "clearly " + side: int(sure)})
-    more, same, fewer, surely_more, surely_fewer = (duels[k] for k in ("more", "same", "fewer", "clearly more", "clearly fewer"))
+    more, same, fewer = duels["more"], duels["same"], duels["fewer"]
+    surely_more, surely_fewer = duels["clearly more"], duels["clearly fewer"]
     verdict = ranking_verdict(more, same, fewer, surely_more or surely_fewer)
     order = ", ".join(f"{data.methods[m]} {counts[m]}" for m in sorted(counts, key=lambda m: -counts[m]))
-    text = f"The comparison of 1997 ({SOURCE_1997}) puts {listed(data.labels(ahead))} ahead of {listed(data.labels(behind))}: {verdict}."
+    former, latter = listed(data.labels(ahead)), listed(data.labels(behind))
+    text = f"The comparison of 1997 ({SOURCE_1997}) puts {former} ahead of {latter}: {verdict}."
     text += f" Solved of {count(len(pairs), 'pair')}: {order}."
     if (n := len(ahead) * len(behind)) > 1:
-        text += f" Taken two by two, the former solve more pairs than the latter in {more} of {n} comparisons ({surely_more} clearly),"
-        text += f" as many (but for rounding) in {same}, fewer in {fewer} ({surely_fewer} clearly)."
-    return text + ("" if suffix else " These are this program's presets, with what was added since: presolve, rescalings, restarts by other methods.")
+        text += f" Taken two by two, the former solve more pairs than the latter in {more} of {n} comparisons"
+        text += f" ({surely_more} clearly), as many (but for rounding) in {same}, "
+        text += f"fewer in {fewer} ({surely_fewer} clearly)."
+    if suffix:
+        return text
+    since = "presolve, rescalings, restarts by other methods"
+    return f"{text} These are this program's presets, with what was added since: {since}."
 
 
 def without_solution(data):
@@ -489,7 +508,7 @@ def without_solution(data):
     text = f"No method recognises any of the {count(len(pairs), 'pair')}"
     if lead.most:
         text = f"{lead.words('the most', 'recognise')}: {lead.most} of {count(len(pairs), 'pair')}"
-    return text + (f"; {count(claims, 'cell claims', 'cells claim')} a solution." if claims else "; none claims a solution.")
+    return f"{text}; {count(claims, 'cell claims', 'cells claim') if claims else 'none claims'} a solution."
 
 
 def false_claims(data):
@@ -521,6 +540,7 @@ def findings(data, all_comparisons):
     if not data.cells:
         return found
     for c in (c for c in all_comparisons if c.pairs):
-        found += [(topic or c.title, say(data, c)) for topic, say in OF_COMPARISONS.get(c.id.partition("-")[0], {}).items()]
+        sentences = OF_COMPARISONS.get(c.id.partition("-")[0], {})
+        found += [(topic or c.title, say(data, c)) for topic, say in sentences.items()]
     found += [(topic, say(data)) for topic, say in OF_ALL.items()]
     return [(topic, text) for topic, text in found if text]

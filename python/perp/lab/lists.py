@@ -3,6 +3,7 @@
 
 import glob
 import os
+import re
 import shutil
 from fnmatch import fnmatchcase
 
@@ -27,14 +28,14 @@ def items_of(text, flag):
 
 
 def select(items, expand, name):
-    taken, away = {}, set()
-    for item, take in items:
-        for found in expand(item):
-            if take:
-                taken.setdefault(name(found), found)
-            else:
-                away.add(name(found))
-    return [found for key, found in taken.items() if key not in away]
+    """What the items name, each once, without what is taken out."""
+    found = [(name(one), one, take) for item, take in items for one in expand(item)]
+    away = {key for key, _, take in found if not take}
+    taken = {}
+    for key, one, _ in found:
+        if key not in away:
+            taken.setdefault(key, one)
+    return list(taken.values())
 
 
 def is_pattern(text):
@@ -180,16 +181,25 @@ def select_methods(text, tol, program, notes):
     return methods
 
 
-def external_method(text, program):
-    """Of NAME=COMMAND."""
-    name, _, command = (part.strip() for part in text.partition("="))
-    if not name or not command:
-        raise InputError(f"--external '{text}': NAME=COMMAND is asked for, as in path=./path_peer")
-    if any(c in name for c in ",:/*?[ ") or name.startswith("-"):
-        raise InputError(f"--external: '{name}' is no NAME: letters, digits, _ and - make one")
-    if name in [m["name"] for m in program.json("methods", "--json")["methods"]]:
-        raise InputError(f"--external: '{name}' is a method of perp's own")
-    word = command.split()[0]
-    if not any(c in word for c in "'\"$`\\(") and shutil.which(word) is None:
-        raise InputError(f"--external {name}: '{word}' is no program that can be run")
-    return {"label": name, "name": name, "options": [], "external": True, "affine": False, "in_force": {}, "command": command}
+def external_methods(texts, program, notes):
+    """Of NAME=COMMAND, each."""
+    methods, own = {}, [m["name"] for m in program.json("methods", "--json")["methods"]] if texts else []
+    for text in texts:
+        name, _, command = (part.strip() for part in text.partition("="))
+        if not name or not command:
+            raise InputError(f"--external '{text}': NAME=COMMAND is asked for, as in path=./path_peer")
+        if any(c in name for c in ",:/*?[ ") or name.startswith("-"):
+            raise InputError(f"--external: '{name}' is no NAME: letters, digits, _ and - make one")
+        if name in methods:
+            raise InputError(f"--external: '{name}' is given twice")
+        if name in own:
+            raise InputError(f"--external: '{name}' is a method of perp's own")
+        word = command.split()[0]
+        if not any(c in word for c in "'\"$`\\(") and shutil.which(word) is None:
+            raise InputError(f"--external {name}: '{word}' is no program that can be run")
+        for brace in re.findall(r"(?:^|(?<!\$))(\{[A-Za-z_]+\})", command):
+            if brace != "{tol}":
+                notes.append(f"--external {name}: {brace} is left to the shell as it is; only {{tol}} is filled in")
+        methods[name] = {"label": name, "name": name, "options": [], "external": True, "affine": False, "in_force": {}}
+        methods[name]["command"] = command
+    return list(methods.values())

@@ -41,7 +41,8 @@ for (const table of document.querySelectorAll("table.sortable"))
 // Names above the charts: pressing shows a curve or makes it grey, resting on one brings it out.
 for (const button of document.querySelectorAll(".legend button")) {
   const section = button.closest("section");
-  const each = (name, on) => section.querySelectorAll(`g[id$="-${button.dataset.curve}"]`).forEach((g) => g.classList.toggle(name, on));
+  const curves = section.querySelectorAll(`g[id$="-${button.dataset.curve}"]`);
+  const each = (name, on) => curves.forEach((g) => g.classList.toggle(name, on));
   const lit = (on) => { section.classList.toggle("lit", on); each("strong", on); };
   button.addEventListener("click", () => {
     const on = button.getAttribute("aria-pressed") !== "true";
@@ -66,11 +67,13 @@ function show_rows() {
     row.forEach((text, k) => {
       const name = data.columns[k], bad = name === "outcome" && text.startsWith("false-");
       if (k > 0) return add(tr, "td", {class: bad ? "bad" : name, "data-label": name}, text);
-      const button = add(add(tr, "th", {scope: "row"}), "button", {type: "button", class: "show", title: "show its convergence"}, text);
+      const words = {type: "button", class: "show", title: "show its convergence"};
+      const button = add(add(tr, "th", {scope: "row"}), "button", words, text);
       button.addEventListener("click", () => { choose(pair_of(row), text); by_id("convergence").scrollIntoView(); });
     });
   }
-  by_id("cells-count").textContent = `${Math.min(shown, chosen.length)} of ${chosen.length} runs that fit, of ${rows.length}`;
+  const count = Math.min(shown, chosen.length);
+  by_id("cells-count").textContent = `${count} of ${chosen.length} runs that fit, of ${rows.length}`;
   by_id("cells-more").hidden = shown >= chosen.length;
 }
 
@@ -89,7 +92,8 @@ function draw_curves() {
   const parent = by_id("curves"), pair = by_id("curve-problem").value;
   by_id("curves-title").textContent = pair;
   parent.textContent = "";
-  const pressed = new Set(Array.from(document.querySelectorAll("#curve-methods [aria-pressed=true]"), (b) => b.dataset.name));
+  const buttons = document.querySelectorAll("#curve-methods [aria-pressed=true]");
+  const pressed = new Set(Array.from(buttons, (b) => b.dataset.name));
   const all = rows.map((row, k) => ({row, name: row[place.method], outcome: row[place.outcome], curve: data.curves[k]}))
     .filter(({row, name}) => pressed.has(name) && pair_of(row) === pair);
   const drawn = all.filter(({curve}) => curve.some((v) => v !== null));
@@ -104,15 +108,18 @@ function draw_curves() {
   const points = drawn.map((c) => c.curve.map((v, k) => [k * scale(c), Math.max(-18, v / 100), v])
     .filter(([k, , v]) => v !== null && k <= most));
   const heights = points.flat().map((p) => p[1]), span = Math.max(1, ...points.flat().map((p) => p[0]));
-  const high = Math.min(20, Math.ceil(Math.max(...heights))), low = Math.min(high - 1, Math.floor(Math.min(...heights)));
+  const high = Math.min(20, Math.ceil(Math.max(...heights)));
+  const low = Math.min(high - 1, Math.floor(Math.min(...heights)));
   const width = Math.max(300, parent.clientWidth), height = width < 600 ? 300 : 420;
-  const x = (k) => 45 + k / span * (width - 65), y = (v) => height - 15 - (Math.min(v, high) - low) / (high - low) * (height - 30);
+  const x = (k) => 45 + k / span * (width - 65);
+  const y = (v) => height - 15 - (Math.min(v, high) - low) / (high - low) * (height - 30);
   const svg = add(parent, "svg", {viewBox: `0 0 ${width} ${height + 30}`, role: "img"});
   for (let v = low, step = Math.ceil((high - low) / 10); v <= high; v += step) {
     add(svg, "line", {x1: 45, x2: width - 20, y1: y(v), y2: y(v), stroke: "#e2e2e2"});
     add(svg, "text", {x: 22, y: y(v) + 4}, "1e" + v);
   }
-  for (let k = 0, step = Math.ceil(span / (width / 90)); k <= span; k += step) add(svg, "text", {x: x(k), y: height + 5}, k);
+  const apart = Math.ceil(span / (width / 90));
+  for (let k = 0; k <= span; k += apart) add(svg, "text", {x: x(k), y: height + 5}, k);
   add(svg, "text", {x: width / 2, y: height + 24}, "iterations");
   const tol = Math.log10(data.tol);
   if (tol > low && tol < high)

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Processes under limits of wall clock and memory.
 
-All that a run has started ends with it, and with this program, however that ends. Each run has a mark in its environment,
-which all that it starts inherits: by the mark it is found in /proc. As a script, `process.py MARK` waits for the end of its
-standard input, which is the end of the program that has started it, and kills whatever bears a mark that begins so.
+All that a run has started ends with it, and with this program, however that ends. Each run has a mark in its
+environment, which all that it starts inherits: by the mark it is found in /proc. As a script, `process.py MARK` waits
+for the end of its standard input, which is the end of the program that has started it, and kills whatever bears a mark
+that begins so.
 """
 
 import contextlib
@@ -66,22 +67,18 @@ def one_line(text, most=600):
 
 
 def resident_mb(pid):
-    try:
-        with open(f"/proc/{pid}/statm", encoding="ascii") as file:
-            return int(file.read().split()[1]) * os.sysconf("SC_PAGESIZE") / MIB
-    except (OSError, IndexError, ValueError):
-        return 0.0
+    with contextlib.suppress(OSError, IndexError, ValueError), open(f"/proc/{pid}/statm", encoding="ascii") as file:
+        return int(file.read().split()[1]) * os.sysconf("SC_PAGESIZE") / MIB
+    return 0.0
 
 
 def marked(mark):
     """The processes that bear a mark that begins so. One that has ended has no environment any more."""
     found, word = [], f"{NAME}={mark}".encode()
-    for name in os.listdir("/proc") if os.path.isdir("/proc") else ():
-        with contextlib.suppress(OSError):
-            if name.isdigit():
-                with open(f"/proc/{name}/environ", "rb") as file:
-                    if any(entry.startswith(word) for entry in file.read().split(b"\0")):
-                        found.append(int(name))
+    for name in filter(str.isdigit, os.listdir("/proc") if os.path.isdir("/proc") else ()):
+        with contextlib.suppress(OSError), open(f"/proc/{name}/environ", "rb") as file:
+            if any(entry.startswith(word) for entry in file.read().split(b"\0")):
+                found.append(int(name))
     return found
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The report of a campaign: DIR/report.html, one page that needs nothing else, and the numbers beside it as CSV and JSON."""
+"""The report of a campaign: DIR/report.html, one page that needs nothing else, and its numbers as CSV and JSON."""
 
 import io
 import math
@@ -11,12 +11,14 @@ from .campaign import count
 from .cells import COUNTS, KEYS, with_tolerance
 from .files import compact, csv_text, pretty, to_json, write_files
 from .findings import (
-    FLOOR, MEASURES, UNSOLVABLE, Data, comparisons, false_claim, findings, given_cfunction, percent, robustness, summary, unsolvable,
+    FLOOR, MEASURES, UNSOLVABLE, Data, comparisons, false_claim, findings, given_cfunction, percent, robustness,
+    summary, unsolvable,
 )  # fmt: skip
 
-COLOURS = ("#0072B2", "#D55E00", "#000000", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")  # of Okabe & Ito, without yellow
+# Okabe's and Ito's colours without yellow.
+COLOURS = ("#0072B2", "#D55E00", "#000000", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 DASHES = ((), (4.5, 2), (1.3, 1.5), (6, 1.5, 1.3, 1.5))
-MARKERS = {"o": "\u25cf", "s": "\u25a0", "^": "\u25b2", "D": "\u25c6", "v": "\u25bc", "h": "\u2b22", "+": "+", "x": "\u00d7"}
+MARKERS = dict(zip("os^Dvh+x", "\u25cf\u25a0\u25b2\u25c6\u25bc\u2b22+\u00d7"))  # matplotlib's, and as text
 IN_COLOUR = 8  # curves of a chart; the others are grey until they are asked for
 
 
@@ -24,12 +26,12 @@ IN_COLOUR = 8  # curves of a chart; the others are grey until they are asked for
 
 
 def figure(name, width=5.6, height=4.1, panels=(1, 1)):
-    """matplotlib's figure, whose SVG keeps text as text; ids differ by `name`, so that pictures can stand in one page."""
+    """matplotlib's figure, whose SVG keeps text as text; ids differ by `name`, as pictures stand in one page."""
     import matplotlib
 
     matplotlib.use("Agg")
-    matplotlib.rcParams.update({"svg.fonttype": "none", "svg.hashsalt": name, "font.size": 9.5, "font.family": "DejaVu Sans"})
-    matplotlib.rcParams.update({"axes.spines.top": False, "axes.spines.right": False, "axes.titlesize": 10.5})
+    matplotlib.rcParams.update({"svg.fonttype": "none", "svg.hashsalt": name, "font.size": 9.5, "axes.titlesize": 10.5})
+    matplotlib.rcParams.update({"font.family": "DejaVu Sans", "axes.spines.top": False, "axes.spines.right": False})
     from matplotlib.figure import Figure
 
     made = Figure(figsize=(width, height), layout="constrained")
@@ -43,16 +45,16 @@ def line_style(k):
 
 
 def style_of(k):
-    return {"colour": COLOURS[k % 7], "dash": " ".join(f"{2 * d:g}" for d in DASHES[k % 4]), "marker": [*MARKERS.values()][k % 8]}
+    dash = " ".join(f"{2 * d:g}" for d in DASHES[k % 4])
+    return {"colour": COLOURS[k % 7], "dash": dash, "marker": list(MARKERS.values())[k % 8]}
 
 
 def svg_of(made, inline=True):
     text = io.StringIO()
     made.savefig(text, format="svg", metadata={"Date": None, "Creator": None})
     svg = text.getvalue()
-    if not inline:
-        return svg
-    return re.sub(r' id="[a-zA-Z0-9.]+_\d+"', "", svg[svg.index("<svg") :])  # ids of matplotlib's own are the same in all
+    # Ids of matplotlib's own are the same in all pictures.
+    return re.sub(r' id="[a-zA-Z0-9.]+_\d+"', "", svg[svg.index("<svg") :]) if inline else svg
 
 
 def grid_and_ticks(axes, share="y"):
@@ -71,7 +73,10 @@ def legend_below(axes):
 
 
 def profile_chart(name, title, x, curves, total, ratios, names=None, what="pairs"):
-    """Steps over a logarithmic axis; curves: (id, style, is it in colour?, [(x, how many)]). `names`: a picture of its own."""
+    """Steps over a logarithmic axis; curves: (id, style, is it in colour?, [(x, how many)]).
+
+    names: of the styles, for a legend in a picture of its own.
+    """
     made, axes = figure(name, height=4.1 + 0.11 * len(names or ()))
     ends = [at for _, _, _, profile in curves for at, _ in profile]
     low = 1 if ratios else min(ends, default=1)
@@ -81,9 +86,8 @@ def profile_chart(name, title, x, curves, total, ratios, names=None, what="pairs
     for identity, style, coloured, profile in reversed(curves):  # the first on top
         xs, ys = [low, *(max(at, low) for at, _ in profile), high], [0, *(100 * n / max(total, 1) for _, n in profile)]
         span = max(1, len(xs) // 5)
-        label = names[style] if names else None
-        (line,) = axes.step(xs, [*ys, ys[-1]], where="post", markevery=(style % span, span), label=label, **line_style(style))
-        line.set(gid=identity, zorder=3 if coloured else 2)
+        (line,) = axes.step(xs, [*ys, ys[-1]], where="post", markevery=(style % span, span), **line_style(style))
+        line.set(gid=identity, zorder=3 if coloured else 2, label=names[style] if names else None)
     axes.set(xlim=(low, high), ylim=(0, 103), title=title, xlabel=x, ylabel=f"share of the {what}")
     grid_and_ticks(axes)
     if names:
@@ -126,9 +130,10 @@ def cell(value, key=None, css="", tip=""):
 
 def table(caption, tips, rows, css="", foot=None, words=()):
     """tips: {header: what it means}; rows: of values or cells. The first column and those of `words` are no numbers."""
-    columns = [{"header": name, "tip": tip, "number": k > 0 and name not in words} for k, (name, tip) in enumerate(tips.items())]
-    rows = [[one if isinstance(one, dict) else cell(one) for one in row] for row in [*rows, *([foot] if foot else [])]]
-    return {"table": {"caption": caption, "columns": columns, "rows": rows, "css": css, "foot": rows.pop() if foot else None}}
+    words = {next(iter(tips)), *words}
+    columns = [{"header": name, "tip": tip, "number": name not in words} for name, tip in tips.items()]
+    *rows, foot = [[one if isinstance(one, dict) else cell(one) for one in row] for row in [*rows, foot or ()]]
+    return {"table": {"caption": caption, "columns": columns, "rows": rows, "css": css, "foot": foot}}
 
 
 def section(identity, title, *blocks, **more):
@@ -140,7 +145,8 @@ def html_page(**context):
     import jinja2
 
     folder = Path(__file__).resolve().parent
-    environment = jinja2.Environment(autoescape=True, loader=jinja2.FileSystemLoader(folder), trim_blocks=True, lstrip_blocks=True)
+    environment = jinja2.Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True)
+    environment.loader = jinja2.FileSystemLoader(folder)
     static = {name: (folder / f"page.{name}").read_text(encoding="utf-8") for name in ("css", "js")}
     return environment.get_template("page.html.j2").render(style_of=style_of, **static, **context)
 
@@ -150,12 +156,11 @@ def machine_words(machine):
 
 
 def false_claims_table(wrong):
-    names = ("method", "problem", "start", "what it is", "it said", "judge's residual", "message")
-    residuals = ("no point" if math.isnan(c["natural"]) else f"{c['natural']:.1e}" for c in wrong)
-    rows = [
-        [c["method"], c["problem"], c["start"], cell(c["outcome"], css="bad"), c["status"], residual, c["message"]]
-        for c, residual in zip(wrong, residuals)
-    ]
+    names, rows = ("method", "problem", "start", "what it is", "it said", "judge's residual", "message"), []
+    for c in wrong:
+        residual = "no point" if math.isnan(c["natural"]) else f"{c['natural']:.1e}"
+        said = cell(c["outcome"], css="bad"), c["status"], residual, c["message"]
+        rows.append([c["method"], c["problem"], c["start"], *said])
     return table("False claims", dict.fromkeys(names, ""), rows, words=("problem", "what it is", "it said", "message"))
 
 
@@ -173,28 +178,32 @@ def robustness_section(data):
     lines = []
     for m, total, by_class in rows:
         share = cell(percent(total[0] - total[1], total[0]), (total[0] - total[1]) / max(total[0], 1))
-        lines.append([data.methods[m], failures(total, "total"), share, *map(failures, by_class), *(total[k] for k in extra.values())])
+        others = [total[k] for k in extra.values()]
+        lines.append([data.methods[m], failures(total, "total"), share, *map(failures, by_class), *others])
     tips = dict.fromkeys(("method", "total", "solved", *classes), "") | {name: more[name] for name in extra}
-    foot = ["pairs", len(pairs), "", *(int((data.classes_of[pairs] == cls).sum()) for cls in classes), *[""] * len(extra)]
-    caption = "Failures by method and class; in parentheses: left after restarts"
-    return section("robustness", "Robustness", table(caption, tips, lines, "dense", foot), restarts=data.campaign["restarts"])
+    sizes = [int((data.classes_of[pairs] == cls).sum()) for cls in classes]
+    foot = ["pairs", len(pairs), "", *sizes, *[""] * len(extra)]
+    made = table("Failures by method and class; in parentheses: left after restarts", tips, lines, "dense", foot)
+    return section("robustness", "Robustness", made, restarts=data.campaign["restarts"])
 
 
 def unsolvable_section(data):
     rows = unsolvable(data)
     shown = [name for k, name in enumerate(UNSOLVABLE) if k < 4 or any(of[name] for _, of in rows)]
     tips = {"method": "", **{name.replace("_", " "): UNSOLVABLE[name] for name in shown}}
-    lines = [[data.methods[m], *(cell(of[name], css="bad" * (name == "wrong" and of[name] > 0)) for name in shown)] for m, of in rows]
+    bad = [{name: "bad" if name == "wrong" and of[name] else "" for name in shown} for _, of in rows]
+    lines = [[data.methods[m], *(cell(of[k], css=css[k]) for k in shown)] for (m, of), css in zip(rows, bad)]
     proven = ", ".join(f"{p['name']} (by {p['denied_by']})" for p in data.problems.values() if p.get("denied_by"))
-    block = table("Problems without a solution: how the runs ended", tips, lines)
-    return section("unsolvable", "Problems without a solution", block, pairs=count(len(data.solvable(False)), "pair"), proven=proven)
+    block, pairs = table("Problems without a solution: how the runs ended", tips, lines), data.solvable(False)
+    return section("unsolvable", "Problems without a solution", block, pairs=count(len(pairs), "pair"), proven=proven)
 
 
 def chart(data, c, measure, kind, style, coloured):
     of, ratios = c.profiles[measure], kind == "performance"
     name = f"{c.id}-{measure}-{kind}"
     unit = {"F_evals": "(n + 1) evaluations of F, n the number of variables"}.get(measure, measure)
-    x = f"tau: within tau times the least {'time' if measure == 'seconds' else 'number'}" if ratios else f"budget: {unit}"
+    least = "time" if measure == "seconds" else "number"
+    x = f"tau: within tau times the least {least}" if ratios else f"budget: {unit}"
     curves = [(f"{name}-m{m}", style(c, m), m in coloured, profile) for m, profile in zip(of["methods"], of[kind])]
     return profile_chart(name, f"{kind.capitalize()} profile: {MEASURES[measure]}", x, curves, len(c.pairs), ratios)
 
@@ -219,13 +228,16 @@ def comparison_section(data, c, style):
         charts.append({"title": title, "charts": pictures, "left_out": left_out})
     legend = [{"m": m, "style": style(c, m), "name": c.name(data, m), "on": m in coloured} for m in c.methods]
     parameters = {"picture": parameter_chart(data, c) if c.id.startswith("cfunctions") else ""}
-    return section(c.id, c.title, {"text": words}, {"legend": legend, "charts": charts}, parameters, *summary_blocks(data, c), part=True)
+    blocks = [{"text": words}, {"legend": legend, "charts": charts}, parameters, *summary_blocks(data, c)]
+    return section(c.id, c.title, *blocks, part=True)
 
 
 SUMMARY = {
     "solved": "pairs", "share": "", "with restarts": "pairs solved by the run or one of its restarts",
-    "quickest": "pairs on which no method takes less time", "within 2x": "pairs on which it takes at most twice the least time",
-    "fewest F": "pairs on which no method evaluates F less often", "iterations*": "", "F*": "", "factorizations*": "", "seconds*": "",
+    "quickest": "pairs on which no method takes less time",
+    "within 2x": "pairs on which it takes at most twice the least time",
+    "fewest F": "pairs on which no method evaluates F less often",
+    "iterations*": "", "F*": "", "factorizations*": "", "seconds*": "",
 }  # fmt: skip
 
 
@@ -236,8 +248,9 @@ def summary_blocks(data, c):
         share = cell(percent(solved, pairs), solved)
         lines.append([c.name(data, m), solved, share, *leads, *[*row.values()][7:]])
     words = (
-        f"Of {count(pairs, 'pair')}. * geometric mean over the {count(common, 'pair')} that all methods with a mean solve. These are "
-        "the methods that solve at least three quarters of what the best solves. What is below 1 counts as 1, times below 1 ms as 1 ms."
+        f"Of {count(pairs, 'pair')}. * geometric mean over the {count(common, 'pair')} that all methods with a mean "
+        "solve. These are the methods that solve at least three quarters of what the best solves. What is below 1 "
+        "counts as 1, times below 1 ms as 1 ms."
     )
     tips = {"C-function" if c.id.startswith("cfunctions") else "method": "", **SUMMARY}
     return [table(f"{c.title}: in numbers", tips, lines), {"text": words}]
@@ -249,11 +262,13 @@ def how(data):
         "when": c["date"], "program": f"perp {c['version']}", "libraries": ", ".join(c["libraries"]),
         "machine": machine_words(c["machine"]), "command": " ".join(c["command_line"]),
         "tolerance": f"{c['tol']:g} on the natural residual of the problem as given, evaluated outside of the method",
-        "limits of a run": f"{c['time_limit']:g} s, {c['memory_limit_mb']} MiB; each in a process of its own, {c['jobs']} at a time",
+        "limits of a run": f"{c['time_limit']:g} s, {c['memory_limit_mb']} MiB; each in a process of its own, "
+        f"{c['jobs']} at a time",
         "restarts": f"{c['restarts']} at most, seed {c['seed']}",
         "starts": "all of each problem" if c["starts"] == "all" else f"at most {c['starts']} of each problem",
     }  # fmt: skip
-    return rows | {f"external {m['label']}": with_tolerance(m["command"], c["tol"]) for m in c["methods"] if m["external"]}
+    external = [m for m in c["methods"] if m["external"]]
+    return rows | {f"external {m['label']}": with_tolerance(m["command"], c["tol"]) for m in external}
 
 
 def page(data, all_comparisons, found):
@@ -261,7 +276,7 @@ def page(data, all_comparisons, found):
 
     def style(c, m):
         """C-functions and the systems of 1997 have styles of their own, so that they differ most."""
-        own = c.id.startswith("cfunctions") or c.id in ("lecture", "published")
+        own = c.id.startswith("cfunctions") or c.id.startswith("systems-1997")
         return c.methods.index(m) if own else shared.index(m)
 
     sections = [robustness_section(data)] + ([unsolvable_section(data)] if len(data.solvable(False)) else [])
@@ -274,21 +289,22 @@ def page(data, all_comparisons, found):
     title = f"Comparison of {count(len(data.methods), 'method')} on {count(len(data.problems), 'problem')}"
     sub = f"{c['date']} \u00b7 perp {c['version']} \u00b7 {machine_words(c['machine'])}"
     converged = sum(c["outcome"] == "false-convergence" for c in wrong)
-    claims = {"table": false_claims_table(wrong), "converged": converged, "infeasible": len(wrong) - converged} if wrong else None
+    claims = {"table": false_claims_table(wrong), "converged": converged, "infeasible": len(wrong) - converged}
     legend = [{"m": m, "style": k, "name": data.methods[m], "on": k < IN_COLOUR} for k, m in enumerate(shared)]
-    dropped = f"{count(len(data.dropped), 'line')} of cells.jsonl left out: {'; '.join(data.dropped)}" if data.dropped else ""
+    dropped = f"{count(len(data.dropped), 'line')} of cells.jsonl left out: {'; '.join(data.dropped)}"
     return html_page(
-        kind="methods", title=title, sub=sub, tol=c["tol"], any_cells=bool(data.cells), claims=claims, findings=found,
-        sections=sections, how=how(data), dropped=dropped, all_methods=legend, data=script_data(data, shared),
+        kind="methods", title=title, sub=sub, tol=c["tol"], any_cells=bool(data.cells), findings=found, how=how(data),
+        claims=claims if wrong else None, dropped=dropped if data.dropped else "", sections=sections,
+        all_methods=legend, data=script_data(data, shared),
     )  # fmt: skip
 
 
 #: The table of all runs: columns of cells.csv, and their headers.
 PAGE_COLUMNS = {
-    "method": "method", "problem": "problem", "class": "class", "n": "n", "start": "start", "outcome": "outcome",
-    "outcome_after_restarts": "after restarts", "status": "status", "natural": "residual", "iterations": "iter.", "F_evals": "F",
-    "J_evals": "J", "factorizations": "fact.", "krylov_iterations": "Krylov", "restarts": "restarts", "seconds": "seconds",
-    "peak_mb": "MiB", "message": "message",
+    **{name: name for name in ("method", "problem", "class", "n", "start", "outcome")},
+    "outcome_after_restarts": "after restarts", "status": "status", "natural": "residual", "iterations": "iter.",
+    "F_evals": "F", "J_evals": "J", "factorizations": "fact.", "krylov_iterations": "Krylov", "restarts": "restarts",
+    "seconds": "seconds", "peak_mb": "MiB", "message": "message",
 }  # fmt: skip
 
 
@@ -301,17 +317,19 @@ def script_data(data, shared):
     def shown_value(name, value):
         return f"{value:.1e}" if name == "natural" and 0 < value < math.inf else plain(name, value)
 
-    cells = [{**c, "class": data.problems[c["problem"]]["class"], "n": data.problems[c["problem"]]["n"]} for c in data.cells]
-    columns = {name: words for name, words in PAGE_COLUMNS.items() if any(plain(name, c[name]) not in ("", None, 0) for c in cells)}
-    if not any(c["restarts"] for c in cells):
-        columns.pop("outcome_after_restarts", None)
+    problems = ((c, data.problems[c["problem"]]) for c in data.cells)
+    cells = [{**c, "class": problem["class"], "n": problem["n"]} for c, problem in problems]
+    columns = [name for name in PAGE_COLUMNS if any(plain(name, c[name]) not in ("", None, 0) for c in cells)]
+    if "restarts" not in columns and "outcome_after_restarts" in columns:
+        columns.remove("outcome_after_restarts")
     rows = [[shown_value(name, c[name]) for name in columns] for c in cells]
     curves = [[log(v) for v in c["curve"]] for c in data.cells]
     drawn = Counter(p for (_, p), c in sorted(data.table.items(), key=lambda item: item[0][1]) if len(c["curve"]) > 1)
     shown = [data.pairs[p] for p, _ in drawn.most_common(1)]  # of those with most curves the first
     answer = {
-        "tol": data.campaign["tol"], "columns": list(columns.values()), "rows": rows, "curves": curves,
-        "styles": {data.methods[m]: style_of(k) for k, m in enumerate(shared)}, "shown": [f"{problem['name']} from start {start}" for problem, start in shown],
+        "tol": data.campaign["tol"], "columns": [PAGE_COLUMNS[name] for name in columns], "rows": rows,
+        "curves": curves, "styles": {data.methods[m]: style_of(k) for k, m in enumerate(shared)},
+        "shown": [f"{problem['name']} from start {start}" for problem, start in shown],
     }  # fmt: skip
     return compact(answer).replace("<", "\\u003c")
 
@@ -359,8 +377,8 @@ def tables(data, all_comparisons):
     for m, total, classes in robustness(data):
         robust += [(data.methods[m], cls, *of[:3]) for cls, of in zip((*data.classes(), "total"), (*classes, total))]
     without = [("method", *UNSOLVABLE), *((data.methods[m], *of.values()) for m, of in unsolvable(data))]
-    numbers = ("solved", "pairs", "with_restarts", "quickest", "within_two", "fewest_F", "common", *(f"mean_{name}" for name in FLOOR))
-    summaries = [("comparison", "method", *numbers)]
+    numbers = ("solved", "pairs", "with_restarts", "quickest", "within_two", "fewest_F", "common")
+    summaries = [("comparison", "method", *numbers, *(f"mean_{name}" for name in FLOOR))]
     profiles = [("comparison", "kind", "cost", "method", "x", "count", "of")]
     for c in all_comparisons:
         for m, row in summary(data, c).items():
@@ -369,9 +387,11 @@ def tables(data, all_comparisons):
         for measure, of in c.profiles.items():
             for kind in ("performance", "data"):
                 for m, profile in zip(of["methods"], of[kind]):
-                    profiles += [(c.id, kind, measure, data.methods[m], x, n, len(c.pairs)) for x, n in profile or [(math.inf, 0)]]
+                    which = c.id, kind, measure, data.methods[m]
+                    profiles += [(*which, x, n, len(c.pairs)) for x, n in profile or [(math.inf, 0)]]
     curves = [("method", "problem", "start", "point", "natural")]
-    curves += [(c["method"], c["problem"], c["start"], k, plain("", v)) for c in data.cells for k, v in enumerate(c["curve"])]
+    for c in data.cells:
+        curves += [(c["method"], c["problem"], c["start"], k, plain("", v)) for k, v in enumerate(c["curve"])]
     return {
         "robustness": robust, "unsolvable": without, "summary": summaries, "profiles": profiles, "methods": methods,
         "pairs": pairs, "curves": curves,
@@ -383,15 +403,20 @@ def write_report(folder):
     data = Data(folder)
     all_comparisons = comparisons(data)
     found, made = findings(data, all_comparisons), tables(data, all_comparisons)
-    head = {"program": "perp", "version": data.campaign["version"], "schema": "perp/report/1", "date": data.campaign["date"]}
-    head["findings"] = [{"topic": topic, "text": text} for topic, text in found]
+    head = {"program": "perp", "version": data.campaign["version"], "schema": "perp/report/1"}
+    head |= {"date": data.campaign["date"], "findings": [{"topic": topic, "text": text} for topic, text in found]}
     for name in ("robustness", "unsolvable", "summary", "profiles"):
         head[name] = [dict(zip(made[name][0], row)) for row in made[name][1:]]
     lines = ",\n".join(map(compact, data.cells))
-    files = {f"{name}.csv": csv_text(rows) for name, rows in made.items()}
-    files |= {"false_claims.csv": cells_csv([c for c in data.cells if false_claim(c)]), "report.json": pretty(head)}
-    files |= {"cells.csv": cells_csv(data.cells), "outcomes.csv": outcomes_csv(data.cells), "cells.json": f"[\n{lines}\n]\n" if lines else "[\n]\n"}
-    files |= {"findings.txt": "".join(f"{topic}: {words}\n" for topic, words in found)}
-    files["report.html"] = page(data, all_comparisons, found)
+    files = {
+        **{f"{name}.csv": csv_text(rows) for name, rows in made.items()},
+        "cells.csv": cells_csv(data.cells),
+        "outcomes.csv": outcomes_csv(data.cells),
+        "false_claims.csv": cells_csv([c for c in data.cells if false_claim(c)]),
+        "cells.json": f"[\n{lines}\n]\n" if lines else "[\n]\n",
+        "findings.txt": "".join(f"{topic}: {words}\n" for topic, words in found),
+        "report.json": pretty(head),
+        "report.html": page(data, all_comparisons, found),
+    }
     write_files(folder, files)
     return found

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """perp-compare facets: what friction by polygons of K facets costs. perp-compare ball: the path of a ball by polygons.
 
-Errors of a polygon's solution (r, u), free of units: natural and velocity are of the angle between friction and the nearest
-corner, up to pi / K; cone and slip of the gap between polygon and disk, 1 - cos(pi / K).
+Errors of a polygon's solution (r, u), free of units: natural and velocity are of the angle between friction and the
+nearest corner, up to pi / K; cone and slip of the gap between polygon and disk, 1 - cos(pi / K).
 """
 
 import argparse
@@ -13,8 +13,7 @@ import subprocess
 import sys
 from statistics import linear_regression, median
 
-from .campaign import INTERRUPTED, SOLVED, UNSOLVED, Program, count, print_table
-from .compare import add_numbers
+from .campaign import INTERRUPTED, SOLVED, UNSOLVED, Program, add_options, count, note, print_table
 from .contact import run_contact, seconds
 from .files import InputError, NotSeen, check_apart, number, pretty, write_files
 from .process import run_all
@@ -25,22 +24,30 @@ ERRORS = {
     "cone": ("Force outside of the friction cone", "(|r_T| - mu r_N) / max r_N"),
     "slip": ("Missing dissipation", "missing dissipation over max r_N times max |q|"),
 }
-SIDES = {"inner": ("in the disk (inner:K)", "#0072B2", "-", "o"), "outer": ("around the disk (outer:K)", "#D55E00", "--", "s")}
+SIDES = {
+    "inner": {"label": "in the disk (inner:K)", "color": "#0072B2", "linestyle": "-", "marker": "o"},
+    "outer": {"label": "around the disk (outer:K)", "color": "#D55E00", "linestyle": "--", "marker": "s"},
+}
 POSITIONS = (1 / 12, 5 / 12, 9 / 12)  # of the angle between two corners; in one position a corner may lie well by luck
 ROUNDING = 1e-12  # errors below are rounding
 EXACT_TOL, EXACT_ENOUGH = 1e-9, 1e-8  # asked for; what a solution is by all metrics
 LEAST = sys.float_info.min
 
 
-def numbers(text, low, high):
+def facet_numbers(text):
     try:
         values = [int(word) for word in text.split(",")]
     except ValueError as error:
         raise argparse.ArgumentTypeError(f"{text}: {error}; a list is like 4,6,8") from error
     for value in values:
-        if not low <= value <= high or values.count(value) > 1:
-            raise argparse.ArgumentTypeError(f"{text}: {value} is not in [{low}, {high}], or stands there twice")
+        if not 3 <= value <= 1000 or values.count(value) > 1:
+            raise argparse.ArgumentTypeError(f"{text}: {value} is not in [3, 1000], or stands there twice")
     return sorted(values)
+
+
+def write_file(path, text):
+    folder, name = os.path.split(os.path.abspath(path))
+    write_files(folder, {name: text})
 
 
 class Facets:
@@ -50,8 +57,8 @@ class Facets:
         self.words, self.program, self.interrupt, self.problems, self.runs = words, program, interrupt, [], []
 
     def solve(self, problem, tol, *flags):
-        limits = {"tol": tol, "time_limit": self.words.time_limit, "memory_limit_mb": 1 << 20}
-        end, answer, command = run_contact(self.program, [problem, *flags], limits, self.interrupt)
+        limits = self.words.time_limit, 1 << 20
+        end, answer, command = run_contact(self.program, [problem, *flags], tol, *limits, self.interrupt)
         if answer is None or "stats" not in answer:
             raise NotSeen(f"{command}: {answer['message'] if answer else end.words()}")
         return answer
@@ -61,9 +68,12 @@ class Facets:
         residual, contacts = exact["residual"], exact["contacts"]
         shares = ("siconos", "rr9118", "cone_share", "normal_share", "slip_share")
         solved = all(number(residual[name]) <= EXACT_ENOUGH for name in shares)
-        problem = {"problem": label, "dimension": exact["dimension"], "contacts": len(contacts), "slipping": exact["states"]["slip"]}
-        counts = solved and problem["slipping"] > 0 and problem["dimension"] == 3  # else polygons have no error
+        slipping, dimension = exact["states"]["slip"], exact["dimension"]
+        problem = {"problem": label, "dimension": dimension, "contacts": len(contacts), "slipping": slipping}
+        counts = solved and slipping > 0 and dimension == 3  # else polygons have no error
         self.problems.append({**problem, "exact_solved": solved, "siconos": residual["siconos"], "counts": counts})
+        if solved and not counts:
+            note(f"{label}: nothing slips, or it is plane: polygons have no error there; Ctrl-C ends the study")
         for side in SIDES:
             for K in self.words.facets:
                 for position in POSITIONS:
@@ -71,9 +81,9 @@ class Facets:
                     flags = ("--formulation", f"{side}:{K}", "--form", self.words.form, "--rotation", repr(turn))
                     answer = self.solve(label, self.words.tol, *flags)
                     run = {"problem": label, "polygon": side, "facets": K, "rotation": turn}
-                    facts = {key: answer[key] for key in ("status", "own_residual")} | {"unknowns": answer["unknowns"] or 0}
-                    errors = errors_of(answer, contacts if solved else None)
-                    self.runs.append({**run, **facts, "time_s": answer["stats"]["time_s"], "errors": errors})
+                    run |= {"status": answer["status"], "own_residual": answer["own_residual"]}
+                    run |= {"unknowns": answer["unknowns"] or 0, "time_s": answer["stats"]["time_s"]}
+                    self.runs.append({**run, "errors": errors_of(answer, contacts if solved else None)})
 
     def lines(self):
         found, counting = [], {p["problem"] for p in self.problems if p["counts"]}
@@ -102,7 +112,8 @@ def errors_of(answer, exact):
 
 def points_of(lines, side, error):
     """(K, median error) above rounding."""
-    return [(x["facets"], x["medians"][error]) for x in lines if x["polygon"] == side and (x["medians"][error] or 0) >= ROUNDING]
+    points = [(x["facets"], x["medians"][error] or 0) for x in lines if x["polygon"] == side]
+    return [(K, value) for K, value in points if value >= ROUNDING]
 
 
 def power(lines, side, error):
@@ -115,7 +126,8 @@ def print_facets(study, lines, powers):
     problems = study.problems
     slips, sizes = sum(p["counts"] for p in problems), [p["contacts"] for p in problems]
     exact = sum(p["exact_solved"] for p in problems)
-    print(f"{count(len(problems), 'problem')} of {min(sizes)} to {max(sizes)} contacts, {exact} of them solved by the exact law; in {slips} something slips")
+    which = f"{count(len(problems), 'problem')} of {min(sizes)} to {max(sizes)} contacts"
+    print(f"{which}, {exact} of them solved by the exact law; in {slips} something slips")
     what = "own residual: the largest of the solved; errors: medians over problems in which something slips"
     print(f"Polygons of K facets in {len(POSITIONS)} positions; {what}\n")
     rows = []
@@ -124,7 +136,8 @@ def print_facets(study, lines, powers):
         own = "-" if line["own_residual"] is None else f"{line['own_residual']:.2g}"
         solved = f"{line['solved']}/{line['runs']}"
         rows.append([line["polygon"], str(line["facets"]), solved, own, *errors, seconds(line["slowest_s"])])
-    rows += [[side, "fit", "", "", *("-" if p is None else f"K^{p:.2f}" for p in of.values()), ""] for side, of in powers.items()]
+    for side, of in powers.items():
+        rows.append([side, "fit", "", "", *("-" if p is None else f"K^{p:.2f}" for p in of.values()), ""])
     print_table(["polygon", ">K", ">solved", ">own residual", *(f">{e}" for e in ERRORS), ">slowest"], rows)
     for name, (_, words) in ERRORS.items():
         print(f"  {name:9} {words}")
@@ -147,11 +160,10 @@ def facets_svg(study, lines, powers):
     K, medians = study.words.facets, [x["medians"][e] or 0 for x in lines for e in ERRORS]
     top, least = max(medians) or 1, min((v for v in medians if v >= ROUNDING), default=0.1)
     for axes, (error, titles) in zip(panels.flat, ERRORS.items()):
-        for side, (words, colour, dash, marker) in SIDES.items():
+        for side, style in SIDES.items():
             points, p = points_of(lines, side, error), powers[side][error]
             falls = f"falls like K^{p:.2f}" if p is not None else "" if points else "0, to rounding"
-            xs, ys = zip(*points) if points else ((), ())
-            axes.plot(xs, ys, label=f"{words}: {falls}", color=colour, linestyle=dash, marker=marker)
+            axes.plot(*(zip(*points) if points else ((), ())), **{**style, "label": f"{style['label']}: {falls}"})
         for slope, label in ((1, "c / K"), (2, "c / K ^ 2")):
             axes.plot(K, [1.6 * top * (K[0] / k) ** slope for k in K], color="#8a8a8a", linestyle=":", label=label)
         heights = (least * (least / top) ** 0.7, 2 * top)  # with room for the legend
@@ -160,27 +172,30 @@ def facets_svg(study, lines, powers):
         grid_and_ticks(axes, share="")
         axes.legend(fontsize=8.5, loc="lower left")
     slips = sum(p["counts"] for p in study.problems)
-    some = f"{count(len(study.problems), 'problem')}, in {slips} of them something slips; medians over those and three positions of each polygon"
-    made.suptitle(f"Polygons of K facets in place of the friction disk: errors by Coulomb's exact law\n{some}", fontsize=11)
+    title = "Polygons of K facets in place of the friction disk: errors by Coulomb's exact law\n"
+    title += f"{count(len(study.problems), 'problem')}, in {slips} of them something slips; "
+    made.suptitle(title + "medians over those and three positions of each polygon", fontsize=11)
     return svg_of(made, inline=False)
 
 
 def facets(arguments, interrupt):
     parser = argparse.ArgumentParser(prog="perp-compare facets", description=__doc__.splitlines()[0])
-    parser.add_argument("problems", nargs="+", metavar="PROBLEM", help="files of FCLIB or Siconos, or NAME:SIZE[:SEED[:MU]]")
-    whole = "numbers of facets, from 3"
-    parser.add_argument("--facets", required=True, type=lambda text: numbers(text, 3, 1000), metavar="K,K,...", help=whole)
-    parser.add_argument("--form", choices=("reduced", "mixed"), default="reduced", help="an LCP, or an MLCP with r_T free (reduced)")
-    usual, tol = {"tol": 1e-9, "time_limit": 30.0, "jobs": 1}, "on the natural residual of the affine problems (1e-9)"
-    add_numbers(parser, usual, tol=tol, time_limit="limit of each run (30)", jobs="number of problems at a time (1)")
-    parser.add_argument("--svg", metavar="FILE", help="draw the errors over K")
-    parser.add_argument("--json", metavar="FILE", help="write the study as JSON")
+    add, problems = parser.add_argument, "files of FCLIB or Siconos, or NAME:SIZE[:SEED[:MU]]"
+    add("problems", nargs="+", metavar="PROBLEM", help=problems)
+    add("--facets", required=True, type=facet_numbers, metavar="K,K,...", help="numbers of facets, from 3")
+    forms = "an LCP, or an MLCP with r_T free (%(default)s)"
+    add("--form", choices=("reduced", "mixed"), default="reduced", help=forms)
+    tol = "tolerance on the natural residual of the affine problems"
+    limits = ("--time-limit", 30.0, "limit of each run"), ("--jobs", 1, "number of problems at a time")
+    add_options(parser, ("--tol", 1e-9, tol), *limits)
+    add("--svg", metavar="FILE", help="draw the errors over K")
+    add("--json", metavar="FILE", help="write the study as JSON")
     words = parser.parse_args(arguments)
     if len(set(words.problems)) < len(words.problems):
         raise InputError("a problem is there twice")
     check_apart([path for path in (words.svg, words.json) if path], words.problems)
     program = Program(words.program)
-    program.json("contact", *words.problems, "--variants", "inner:3", "--json", "-")  # refuses files that cannot be read
+    program.json("contact", *words.problems, "--variants", "inner:3", "--json", "-")  # refuses what cannot be read
     study = Facets(words, program, interrupt)
     run_all(words.jobs, study.work, words.problems, interrupt)
     if interrupt():
@@ -190,12 +205,12 @@ def facets(arguments, interrupt):
     print_facets(study, lines, powers)
     complete = all(p["exact_solved"] for p in study.problems) and all(r["status"] == "Solved" for r in study.runs)
     code = SOLVED if complete else UNSOLVED
-    head = {"program": "perp", "version": program.json("methods", "--json")["version"], "schema": "perp/contact-facets/1"}
+    head = {"program": "perp", "version": program.version(), "schema": "perp/contact-facets/1"}
     facts = {"exit_code": code, "form": words.form, "tol": words.tol, "lines": lines, "powers": powers}
     if words.svg:
-        write_files("", {words.svg: facets_svg(study, lines, powers)})
+        write_file(words.svg, facets_svg(study, lines, powers))
     if words.json:
-        write_files("", {words.json: pretty({**head, **facts, "problems": study.problems, "runs": study.runs})})
+        write_file(words.json, pretty({**head, **facts, "problems": study.problems, "runs": study.runs}))
     return code
 
 
@@ -229,7 +244,8 @@ def ball_svg(answer):
         axes.legend(fontsize=8.5, loc="best")
         closer.set_title("The small paths, closer")
         closer.set_visible(near is not None)
-    how = f"a load from 60, 180 and -60 degrees in turn, {answer['phase']:g} s each, {count(int(answer['cycles']), 'cycle')}, mu = {answer['mu']:g}"
+    how = f"a load from 60, 180 and -60 degrees in turn, {answer['phase']:g} s each, "
+    how += f"{count(int(answer['cycles']), 'cycle')}, mu = {answer['mu']:g}"
     ring = "ring: the start, at rest; drift: mean velocity over the last cycle, 0 by Coulomb's law"
     made.suptitle(f"Ball on a plane, seen from above: {how}\n{ring}", fontsize=10.5)
     return svg_of(made, inline=False)
@@ -244,5 +260,5 @@ def ball(arguments, _):
     command = [Program(given.program).path, "contact", "ball", *others, "--json", "-"]
     run = subprocess.run(command, stdout=subprocess.PIPE, check=False)
     if run.returncode in (0, 1):
-        write_files("", {os.path.abspath(given.svg): ball_svg(json.loads(run.stdout))})
+        write_file(given.svg, ball_svg(json.loads(run.stdout)))
     return run.returncode
