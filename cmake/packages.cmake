@@ -78,7 +78,7 @@ macro(perp_package component name section depends summary text)
     COMPONENT ${component} EXCLUDE_FROM_ALL)
 endmacro()
 
-perp_package(program perp math "" "solver for mixed complementarity problems"
+perp_package(program perp math "python3:any" "solver for mixed complementarity problems"
 "Finds x between bounds l and u such that F_i(x) >= 0 where x_i = l_i,
 F_i(x) <= 0 where x_i = u_i, and F_i(x) = 0 between. Reads AMPL's .nl files,
 stands in for PATH under the name pathampl, compares methods, and solves
