@@ -17,13 +17,14 @@ import numpy.typing as npt
 
 from perp._arrays import refuse, refuse_type
 from perp._library import FileError
+from perp._result import Shown
 from perp._types import Array, Path
 
 Exact = tuple[Fraction, ...]
 
 
 @dataclass(frozen=True)
-class NashSubset:
+class NashSubset(Shown):
     """A maximal Nash subset: every x in the convex hull of `first` with every y in that of `second` is an equilibrium."""
 
     first: tuple[Exact, ...]
@@ -38,7 +39,7 @@ class NashSubset:
 
 
 @dataclass(frozen=True)
-class BimatrixEquilibria:
+class BimatrixEquilibria(Shown):
     """All equilibria of a bimatrix game: they are the union of `subsets`."""
 
     extreme: list[tuple[Exact, Exact]]
@@ -164,7 +165,7 @@ def _meet(pairs: list[tuple[list[int], list[int]]], some: list[int], others: lis
 
 
 @dataclass(frozen=True, eq=False)
-class MixedEquilibrium:
+class MixedEquilibrium(Shown):
     """An equilibrium of a finite game."""
 
     strategies: list[Array]
@@ -255,7 +256,7 @@ def _against(payoff: Array, x: list[Array], kept: tuple[int, ...]) -> Array:
 
 
 @dataclass(frozen=True, eq=False)
-class FiniteGame:
+class FiniteGame(Shown):
     """A game of an .nfg file."""
 
     title: str

@@ -11,13 +11,13 @@ import numpy as np
 import numpy.typing as npt
 
 from perp._arrays import doubles, refuse
-from perp._result import Result
+from perp._result import Result, Shown
 from perp._solve import mcp_affine
 from perp._types import Array, Bound, Options
 
 
 @dataclass(frozen=True, eq=False)
-class LqEquilibrium:
+class LqEquilibrium(Shown):
     """What `lq_game` found."""
 
     x: Array

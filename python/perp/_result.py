@@ -7,6 +7,7 @@ of the library, where they are. A field that the library gets is one line here."
 from __future__ import annotations
 
 import ctypes
+import dataclasses
 import html
 import json
 from collections.abc import Callable, Iterator
@@ -151,6 +152,13 @@ def _text(value: Any) -> str:
     if isinstance(value, dict):
         return ", ".join(f"{name} {_text(one)}" for name, one in value.items())
     return str(value)
+
+
+class Shown:
+    """A dataclass that notebooks show as a table of its fields."""
+
+    def _repr_html_(self) -> str:
+        return _table([(one.name, _text(getattr(self, one.name))) for one in dataclasses.fields(self)])  # type: ignore[arg-type]
 
 
 class Names:

@@ -115,6 +115,11 @@ def test_everything_has_a_notebook_form_and_explains_its_fields():
         for name in answer._fields:
             assert inspect.getdoc(inspect.getattr_static(type(answer), name)) in help_.replace("\n |      ", "\n"), name
     assert "<table>" in answers[0].log._repr_html_()
+    coins = np.array([[1.0, -1.0], [-1.0, 1.0]])
+    games = [perp.bimatrix(coins, -coins), *perp.finite_game([coins, -coins], starts=3)]
+    games.append(perp.lq_game([1, 1], [np.eye(2), np.eye(2)], [[-1.0, 0], [0, -1.0]]))
+    for answer in (*games, *games[0].subsets):
+        assert "<table>" in answer._repr_html_(), type(answer)
 
 
 def test_inspect_warns():
