@@ -11,6 +11,7 @@ readme     the examples of docs/cpp.md, docs/c.md, docs/contact/nonlinear.md and
 paths      files that texts and comments name exist, seen from the root or from where they are named
 links      files and headings that texts link to exist
 licence    sources and scripts name their licence in the first lines; pyproject.toml, CITATION.cff and LICENSE name the same
+version    CITATION.cff and perp.h name the version of CMakeLists.txt
 self-test  each check reports a tree that breaks its rule
 
 Prints one line a violation; exit status 1 if there is one, 77 if the check was skipped.
@@ -164,16 +165,18 @@ def format_(root):
         yield f"{program}: {run.stderr.strip()}"
 
 
+CONSUMER = "tests/packaging/consumer"
 EXAMPLES = {
-    "docs/cpp.md": "tests/packaging/consumer/example.cpp",
-    "contact/README.md": "tests/packaging/consumer/contact.cpp",
-    "docs/contact/nonlinear.md": "tests/packaging/consumer/nonlinear.cpp",
-    "docs/c.md": "tests/packaging/consumer/from_c.c",
+    f"{CONSUMER}/example.cpp": "docs/cpp.md",
+    f"{CONSUMER}/lcp.cpp": "docs/cpp.md",
+    f"{CONSUMER}/contact.cpp": "contact/README.md",
+    f"{CONSUMER}/nonlinear.cpp": "docs/contact/nonlinear.md",
+    f"{CONSUMER}/from_c.c": "docs/c.md",
 }
 
 
 def readme(root):
-    for page, source in EXAMPLES.items():
+    for source, page in EXAMPLES.items():
         example = (Path(root) / source).read_text(encoding="utf-8").removeprefix(f"// {LICENCE}\n")
         if f"```{source.rpartition('.')[2]}\n{example}```" not in (Path(root) / page).read_text(encoding="utf-8"):
             yield f"{page}: its example is not {source}"
@@ -253,6 +256,19 @@ def licence(root):
             yield f"{name}: does not say {GRANTS[name]!r}"
 
 
+VERSIONS = {  # files that name the version, and how
+    "CITATION.cff": "version: {}\n",
+    "capi/perp.h": 'Version of the library that runs, "{}".',
+}
+
+
+def version(root):
+    found = re.search(r"project\(perp VERSION ([\d.]+)", (Path(root) / "CMakeLists.txt").read_text(encoding="utf-8"))[1]
+    for name, words in VERSIONS.items():
+        if words.format(found) not in (Path(root) / name).read_text(encoding="utf-8"):
+            yield f"{name}: does not say {words.format(found)!r}"
+
+
 CHECKS = {
     "includes": includes,
     "floors": floors,
@@ -263,6 +279,7 @@ CHECKS = {
     "paths": paths,
     "links": links,
     "licence": licence,
+    "version": version,
 }
 
 
@@ -329,9 +346,9 @@ def self_test(_):
         subprocess.run(["git", "-C", folder, "add", "ncp/a.hpp"], check=True)
         if sources(folder) != ["ncp/a.hpp"]:
             yield "untracked files are looked at"
-        write(folder, dict.fromkeys(EXAMPLES, "```cpp\nint a;\n```\n```c\nint a;\n```\n") | dict.fromkeys(EXAMPLES.values(), "int a;\n"))
+        write(folder, dict.fromkeys(EXAMPLES.values(), "```cpp\nint a;\n```\n```c\nint a;\n```\n") | dict.fromkeys(EXAMPLES, "int a;\n"))
         yield from readme(folder)
-        write(folder, dict.fromkeys(EXAMPLES.values(), "int b;\n"))
+        write(folder, dict.fromkeys(EXAMPLES, "int b;\n"))
         if len(list(readme(folder))) != len(EXAMPLES):
             yield "another example is taken for the text's"
     with tempfile.TemporaryDirectory() as folder:
@@ -357,6 +374,12 @@ def self_test(_):
         write(folder, {"d.cpp": f"\n\n// {LICENCE}\n", "scripts/e": "#!/bin/sh\n", "LICENSE": "MIT\n"})
         if [violation.split(":")[0] for violation in licence(folder)] != ["LICENSE", "d.cpp", "scripts/e"]:
             yield f"{list(licence(folder))}: not the two files without a licence and the one with another"
+    with tempfile.TemporaryDirectory() as folder:
+        write(folder, {name: words.format("1.2.3") for name, words in VERSIONS.items()} | {"CMakeLists.txt": "project(perp VERSION 1.2.3)\n"})
+        yield from (f"a good tree is refused: {violation}" for violation in version(folder))
+        write(folder, {"CITATION.cff": "version: 1.2.30\n"})
+        if len(list(version(folder))) != 1:
+            yield "a version of another number is not the one reported"
     with tempfile.TemporaryDirectory() as folder:
         hidden = "namespace {{\n\n{}\n}}  // namespace\n"
         template = hidden.format("template <class... T>\nvoid f(const T&... t) {\n}\n")

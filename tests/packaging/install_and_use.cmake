@@ -31,6 +31,10 @@ run("${consumer_build}/example")
 if(NOT output MATCHES "x = 0.618034 +1.61803")  # x2 = x1 + 1, the golden ratio
   message(FATAL_ERROR "the example printed:\n${output}")
 endif()
+run("${consumer_build}/lcp")
+if(NOT output MATCHES "z = 1.33333 +2.33333")  # 2 z1 + z2 = 5, z1 + 2 z2 = 6
+  message(FATAL_ERROR "the LCP printed:\n${output}")
+endif()
 if(EXISTS "${consumer_build}/from_c")
   run("${consumer_build}/from_c")
   if(NOT output MATCHES "^Solved: .*x = 0.618034 1.61803")
