@@ -66,6 +66,25 @@ missing_packages() {
   done
 }
 
+# What the build needs at least. Older systems are refused before anything is changed.
+least_versions=(cmake 3.25 g++ 4:12 libeigen3-dev 3.4 libgsl-dev 2.7)
+
+# check_versions PACKAGES...: of those that have a least version, what is installed, or what apt would install, is new enough.
+check_versions() {
+  local k package least has old=()
+  for ((k = 0; k < ${#least_versions[@]}; k += 2)); do
+    package=${least_versions[k]} least=${least_versions[k + 1]}
+    [[ " $* " == *" $package "* ]] || continue
+    has=$(dpkg-query -W -f='${Version}' "$package" 2>/dev/null) || has=
+    [[ -n $has ]] || has=$(apt-cache policy "$package" 2>/dev/null | sed -n 's/^ *Candidate: //p')
+    if [[ -n $has && $has != '(none)' ]] && dpkg --compare-versions "$has" lt "$least"; then
+      old+=("$package ${has#*:} (at least ${least#*:})")
+    fi
+  done
+  ((${#old[@]} == 0)) || fail "this system is too old to build Perp: $(printf '%s, ' "${old[@]}" | sed 's/, $//')." \
+    "docs/install.md says how to use a file built elsewhere. Nothing was changed"
+}
+
 # A broken third-party source makes the update fail although Debian's own lists are there: let the installation decide.
 apt_update() { "$@" apt-get -q update || printf 'apt-get update failed, going on with the lists there are\n'; }
 
@@ -73,8 +92,9 @@ apt_update() { "$@" apt-get -q update || printf 'apt-get update failed, going on
 ensure_packages() {
   command -v dpkg-query >/dev/null ||
     fail "this is no Debian system. Install what corresponds to Debian's packages and build with" \
-      "cmake --workflow --preset release: $*"
+      "cmake --workflow --preset release (docs/install.md): $*"
   local missing become_root=()
+  check_versions "$@"
   mapfile -t missing < <(missing_packages "$@")
   ((${#missing[@]})) || return 0
   if ((EUID != 0)); then
@@ -87,6 +107,7 @@ ensure_packages() {
   printf 'installing: %s\n' "${missing[*]}"
   local apt=("${become_root[@]}" env DEBIAN_FRONTEND=noninteractive)
   step "apt-get update" apt_update "${apt[@]}"
+  check_versions "$@"  # by the lists that apt has now
   step "apt-get install" "${apt[@]}" apt-get -q install -y --no-install-recommends -o DPkg::Lock::Timeout=120 \
     "${missing[@]}"
   mapfile -t missing < <(missing_packages "$@")
