@@ -57,6 +57,7 @@ class Data:
         settle(self.campaign, self.cells)
         self.classes_of = np.array([p["class"] for p, _ in self.pairs])
         self.with_solution = np.array([p["solvable"] for p, _ in self.pairs], bool)
+        self.affine = np.array([p["affine"] for p, _ in self.pairs], bool)
         self.there = self.array(lambda c: True, False)
         self.solved = self.array(lambda c: c["outcome"] == "solved", False)
         self.after = self.array(lambda c: "solved" in (c["outcome"], c["outcome_after_restarts"]), False)
@@ -170,28 +171,22 @@ def finish(data, c):
     return c
 
 
-def kinds_of_methods(data):
-    """Methods for all problems, for affine ones, external programs that refuse some, C-functions."""
-    kinds = {"general": [], "affine": [], "external": [], "variants": []}
-    nonlinear = np.array([not p["affine"] for p, _ in data.pairs], bool)
-    for m, method in enumerate(data.campaign["methods"]):
-        there, refused = data.there[m], data.refused[m]
-        kind = "general"
-        if given_cfunction(method):
-            kind = "variants"
-        elif method["external"]:
-            kind = "external" if (refused & data.with_solution).any() else "general"
-        elif (there & nonlinear).any() and refused[there & nonlinear].all():
-            kind = "affine"
-        kinds[kind].append(m)
-    if not (kinds["general"] or kinds["affine"] or kinds["external"]):
-        kinds["general"] = kinds["variants"]
-    return kinds
+def kind_of(data, m):
+    """For all problems, for affine ones, an external program that refuses some, or a given C-function."""
+    method, refused, nonlinear = data.campaign["methods"][m], data.refused[m], data.there[m] & ~data.affine
+    if given_cfunction(method):
+        return "variant"
+    if method["external"]:
+        return "external" if (refused & data.with_solution).any() else "general"
+    return "affine" if nonlinear.any() and refused[nonlinear].all() else "general"
 
 
 def comparisons(data):
-    general, affine, external, variants = kinds_of_methods(data).values()
-    found = []
+    kinds = [kind_of(data, m) for m in range(len(data.methods))]
+    general, affine, external, variants = (
+        [m for m, of in enumerate(kinds) if of == kind] for kind in ("general", "affine", "external", "variant")
+    )
+    general, found = general if general or affine or external else variants, []
 
     def add(identity, title, note, methods, subject=()):
         asked = list(subject) or methods
