@@ -191,8 +191,7 @@ def unsolvable_section(data):
     rows = unsolvable(data)
     shown = [name for k, name in enumerate(UNSOLVABLE) if k < 4 or any(of[name] for _, of in rows)]
     tips = {"method": "", **{name.replace("_", " "): UNSOLVABLE[name] for name in shown}}
-    bad = [{name: "bad" if name == "wrong" and of[name] else "" for name in shown} for _, of in rows]
-    lines = [[data.methods[m], *(cell(of[k], css=css[k]) for k in shown)] for (m, of), css in zip(rows, bad)]
+    lines = [[data.methods[m], *(of[name] for name in shown)] for m, of in rows]
     proven = ", ".join(f"{p['name']} (by {p['denied_by']})" for p in data.problems.values() if p.get("denied_by"))
     block, pairs = table("Problems without a solution: how the runs ended", tips, lines), data.solvable(False)
     return section("unsolvable", "Problems without a solution", block, pairs=count(len(pairs), "pair"), proven=proven)
