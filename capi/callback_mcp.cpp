@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "capi/callback_mcp.hpp"
 
-#include <cxxabi.h>
-
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <utility>
 
+#include "capi/forced_unwind.hpp"
 #include "capi/guard.hpp"
 #include "ncp/problem/words.hpp"
 
@@ -98,7 +97,7 @@ bool CallbackMcp::called(const char* name, int evaluation, std::vector<double>& 
   std::int32_t answer = 0;
   try {
     answer = call(values.data());
-  } catch (const abi::__forced_unwind&) {
+  } catch (const ForcedUnwind&) {
     throw;
   } catch (...) {
     end(failure_, who() + ", threw an exception" + exception_text());

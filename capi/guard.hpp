@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// The wall between C and C++: nothing is thrown across it.
-#include <cxxabi.h>
-
 #include <cstdint>
 #include <stdexcept>
 #include <string>
 
+#include "capi/forced_unwind.hpp"
 #include "capi/perp.h"
 
 namespace perp::capi {
@@ -39,7 +38,7 @@ std::int32_t guarded(perp_error* error, Body body) {
   try {
     body();
     return report(error, PERP_OK, "");
-  } catch (const abi::__forced_unwind&) {
+  } catch (const ForcedUnwind&) {
     throw;
   } catch (...) {
     return report_exception(error);

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Path_Solve().
-#include <cxxabi.h>
-
 #include <algorithm>
 #include <cmath>
 #include <exception>
 #include <string>
 
+#include "capi/forced_unwind.hpp"
 #include "capi/path/client_problem.hpp"
 #include "capi/path/thread_state.hpp"
 
@@ -180,7 +179,7 @@ MCP_Termination framed(MCP& m, Information* information, const OptionSet& option
   } catch (const End& end) {
     warn(" ** " + end.why);
     termination = end.termination;
-  } catch (const abi::__forced_unwind&) {  // the thread is being cancelled
+  } catch (const ForcedUnwind&) {  // the thread is being cancelled
     throw;
   } catch (const std::exception& error) {
     warn(std::string(" ** ") + error.what());
@@ -208,7 +207,7 @@ MCP_Termination Path_Solve(MCP* m, Information* information) {
     std::shared_ptr<OptionSet> options = this_thread().options.lock();
     if (options == nullptr) options = std::make_shared<OptionSet>();
     return framed(*m, information, *options);
-  } catch (const abi::__forced_unwind&) {
+  } catch (const ForcedUnwind&) {
     throw;
   } catch (...) {  // no memory for a message, or the client's own output threw
     return MCP_Error;
