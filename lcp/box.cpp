@@ -38,12 +38,12 @@ double project(const Box& box, Index i, double z) {
 
 Vec project(const Box& box, In z) { return z.cwiseMax(box.lower).cwiseMin(box.upper); }
 
-BoundState bound_state(const Box& box, Index i, double z, double tol) {
-  if (box.lower[i] == box.upper[i]) return BoundState::Fixed;
+Cell cell_of(const Box& box, Index i, double z, double tol) {
+  if (box.lower[i] == box.upper[i]) return Cell::Fixed;
   const double above_lower = z - box.lower[i];
   const double below_upper = box.upper[i] - z;
-  if (!(std::min(above_lower, below_upper) <= tol)) return BoundState::Free;
-  return above_lower <= below_upper ? BoundState::AtLower : BoundState::AtUpper;
+  if (!(std::min(above_lower, below_upper) <= tol)) return Cell::Inside;
+  return above_lower <= below_upper ? Cell::Below : Cell::Above;
 }
 
 }  // namespace perp::lcp

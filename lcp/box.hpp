@@ -33,9 +33,10 @@ struct Box {
 Vec project(const Box& box, In z);
 double project(const Box& box, Index i, double z);
 
-/// Where z_i lies in [l_i, u_i]; a fixed variable counts as Fixed.
-enum class BoundState { Free, AtLower, AtUpper, Fixed };
-/// Returns the state of z_i. A distance of at most `tol` counts as "at the bound".
-BoundState bound_state(const Box& box, Index i, double z, double tol = 0);
+/// Where a variable is: at or below its lower bound, between the bounds, at or above the upper one; or it is fixed. In
+/// the normal map the column of x_i is M_{.i} if Inside, e_i otherwise.
+enum class Cell : signed char { Below, Inside, Above, Fixed };
+/// Returns the cell of z_i in the box. A distance of at most `tol` counts as "at the bound".
+Cell cell_of(const Box& box, Index i, double z, double tol = 0);
 
 }  // namespace perp::lcp

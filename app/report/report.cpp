@@ -67,14 +67,14 @@ Report run_method(const LoadedProblem& problem, const Settings& settings, const 
 
 std::string_view state_name(const ncp::Box& box, ncp::Index i, double x, double tol) {
   if (box.lower[i] == -ncp::infinity && box.upper[i] == ncp::infinity) return "free";
-  switch (lcp::bound_state(box, i, x, tol)) {
-    case lcp::BoundState::AtLower:
+  switch (lcp::cell_of(box, i, x, tol)) {
+    case lcp::Cell::Below:
       return "at lower";
-    case lcp::BoundState::AtUpper:
+    case lcp::Cell::Above:
       return "at upper";
-    case lcp::BoundState::Fixed:
+    case lcp::Cell::Fixed:
       return "fixed";
-    case lcp::BoundState::Free:
+    case lcp::Cell::Inside:
       break;
   }
   return "basic";

@@ -179,7 +179,7 @@ MCP_Termination framed(MCP& m, Information* information, const OptionSet& option
   } catch (const End& end) {
     warn(" ** " + end.why);
     termination = end.termination;
-  } catch (const ForcedUnwind&) {  // the thread is being cancelled
+  } catch (const perp::ForcedUnwind&) {  // the thread is being cancelled
     throw;
   } catch (const std::exception& error) {
     warn(std::string(" ** ") + error.what());
@@ -207,7 +207,7 @@ MCP_Termination Path_Solve(MCP* m, Information* information) {
     std::shared_ptr<OptionSet> options = this_thread().options.lock();
     if (options == nullptr) options = std::make_shared<OptionSet>();
     return framed(*m, information, *options);
-  } catch (const ForcedUnwind&) {
+  } catch (const perp::ForcedUnwind&) {
     throw;
   } catch (...) {  // no memory for a message, or the client's own output threw
     return MCP_Error;

@@ -86,51 +86,51 @@ class Run {
   Vec F() const { return p_.M * x_.z + p_.q; }
   Vec residual() const { return path_.residual(x_, F()); }
 
-  Places places() const {
-    Places places(at(n_), Place::Inside);
+  Cells cells() const {
+    Cells cells(at(n_), Cell::Inside);
     const std::vector<Index> active = path_.active();
     for (Index i = 0; i < n_; ++i)
       if (const Index p = active[at(i)]; p >= 0)
-        places[at(i)] = path_.bounds()[at(p)].sign > 0 ? Place::Lower : Place::Upper;
-    return places;
+        cells[at(i)] = path_.bounds()[at(p)].sign > 0 ? Cell::Below : Cell::Above;
+    return cells;
   }
 
   /// Offers the iterate, and the point of the cell that it points to once that has come to rest.
   void finish(bool now = false) {
     best_.offer(p_.expand(x_.z));
-    const Places places = this->places();
-    const std::uint64_t key = key_of(places);
+    const Cells cells = this->cells();
+    const std::uint64_t key = key_of(cells);
     const bool rest = key == last_key_ && path_.gap(x_) < 1e-2 * polished_gap_;
     if ((rest || now || solves(problem_, best_.z(), limits_.tol)) && key != polished_key_ && n_ > 0) {
       polished_key_ = key;
       polished_gap_ = path_.gap(x_);
-      polish(places);
+      polish(cells);
     }
     last_key_ = key;
   }
 
-  /// Exchanges all violated places of a cell, as block pivoting does, while that halves the residual.
-  void polish(Places places) {
+  /// Exchanges all violated cells of a cell, as block pivoting does, while that halves the residual.
+  void polish(Cells cells) {
     double last = infinity;
     for (int k = 0; k < 10; ++k) {
       Vec z = x_.z;
       for (Index i = 0; i < n_; ++i) {
-        if (places[at(i)] == Place::Lower) z[i] = p_.l[i];
-        if (places[at(i)] == Place::Upper) z[i] = p_.u[i];
+        if (cells[at(i)] == Cell::Below) z[i] = p_.l[i];
+        if (cells[at(i)] == Cell::Above) z[i] = p_.u[i];
       }
-      descend(places, z, p_.q);
+      descend(cells, z, p_.q);
       if (solves(problem_, best_.z(), std::min(limits_.tol, 1e-13))) return;
       const Vec F = p_.M * z + p_.q;
       double wrong = 0;
       for (Index i = 0; i < n_; ++i) {
-        Place& place = places[at(i)];
-        const Place was = place;
+        Cell& cell = cells[at(i)];
+        const Cell was = cell;
         double by = 0;
-        if (was == Place::Inside && z[i] < p_.l[i]) place = Place::Lower, by = p_.l[i] - z[i];
-        if (was == Place::Inside && z[i] > p_.u[i]) place = Place::Upper, by = z[i] - p_.u[i];
-        if (was == Place::Lower && F[i] < 0) place = Place::Inside, by = -F[i];
-        if (was == Place::Upper && F[i] > 0) place = Place::Inside, by = F[i];
-        if (by < 1e-15) place = was;
+        if (was == Cell::Inside && z[i] < p_.l[i]) cell = Cell::Below, by = p_.l[i] - z[i];
+        if (was == Cell::Inside && z[i] > p_.u[i]) cell = Cell::Above, by = z[i] - p_.u[i];
+        if (was == Cell::Below && F[i] < 0) cell = Cell::Inside, by = -F[i];
+        if (was == Cell::Above && F[i] > 0) cell = Cell::Inside, by = F[i];
+        if (by < 1e-15) cell = was;
         wrong = std::max(wrong, by);
       }
       if (!(wrong < 0.5 * last)) return;
@@ -141,9 +141,9 @@ class Run {
   /// Proximal steps for (M z + q)_I = 0, the others held: z_I -= (M_II + delta I)^-1 (M z + q)_I, while they help. With
   /// a tiny delta this is Newton's step with refinement; where M_II is singular but the equations consistent it goes
   /// to a solution nearby. Those held have a diagonal entry that leaves nothing of their change.
-  void descend(const Places& places, Vec& z, const Vec& q) {
+  void descend(const Cells& cells, Vec& z, const Vec& q) {
     constexpr double hold = 1e20;
-    const auto inside = [&](Index i) { return places[at(i)] == Place::Inside; };
+    const auto inside = [&](Index i) { return cells[at(i)] == Cell::Inside; };
     for (const double delta : {1e-10, 1e-7}) {
       if (path_.system().factor(Vec::NullaryExpr(n_, [&](Index i) { return inside(i) ? delta : hold; })) !=
           LuStatus::Ok)
@@ -173,7 +173,7 @@ class Run {
   /// of the recession cone of the box with M'd = -M d, (M d)_i = 0 where d_i != 0. Proximal steps tend to one, too. Of
   /// linear programs each group alone may be one.
   bool infeasible() {
-    const Places at_x = places();
+    const Cells at_x = cells();
     for (const Vec& d : {last_step_, x_.z})
       for (int part = path_.linear() ? 0 : 2; part < 3; ++part) {
         Vec y = d;
@@ -186,13 +186,13 @@ class Run {
         if (accept(y)) return true;
         for (const double small : {0.0, 1e-5, 1e-2}) {
           Vec z = y;
-          Places places = at_x;
+          Cells cells = at_x;
           for (Index i = 0; i < n_; ++i) {
-            if (small > 0) places[at(i)] = std::abs(y[i]) < small ? Place::Lower : Place::Inside;
-            if (places[at(i)] != Place::Inside) z[i] = 0;
+            if (small > 0) cells[at(i)] = std::abs(y[i]) < small ? Cell::Below : Cell::Inside;
+            if (cells[at(i)] != Cell::Inside) z[i] = 0;
           }
-          if (!nearly_certifies(places, z)) continue;
-          descend(places, z, Vec::Zero(n_));
+          if (!nearly_certifies(cells, z)) continue;
+          descend(cells, z, Vec::Zero(n_));
           if (accept(z)) return true;
         }
       }
@@ -200,11 +200,11 @@ class Run {
   }
 
   /// Returns whether y'(M z + q - w) < 0 for all z and w of the problem, but for what a correction of y may change.
-  bool nearly_certifies(const Places& places, const Vec& y) const {
+  bool nearly_certifies(const Cells& cells, const Vec& y) const {
     constexpr double small = 0.01;  // M is equilibrated, and |y| = 1
     const Vec r = p_.M * y;
     for (Index i = 0; i < n_; ++i)
-      if (places[at(i)] == Place::Inside && std::abs(r[i]) > small) return false;
+      if (cells[at(i)] == Cell::Inside && std::abs(r[i]) > small) return false;
     const Vec g = p_.M.transpose() * y;
     double sum = p_.q.dot(y);
     for (Index i = 0; i < n_; ++i) {

@@ -21,27 +21,27 @@ void add_product(const SpMat& M, const Vec& z, Vec& F, Vec& terms) {
 
 }  // namespace
 
-Places places_of(const Box& box, In z) {
-  Places places(static_cast<std::size_t>(box.size()));
+Cells cells_of(const Box& box, In z) {
+  Cells cells(static_cast<std::size_t>(box.size()));
   for (Index i = 0; i < box.size(); ++i) {
     const bool lower = z[i] <= box.lower[i] || box.lower[i] == box.upper[i];
-    const Place beyond_lower = z[i] >= box.upper[i] ? Place::Upper : Place::Inside;
-    places[static_cast<std::size_t>(i)] = lower ? Place::Lower : beyond_lower;
+    const Cell beyond_lower = z[i] >= box.upper[i] ? Cell::Above : Cell::Inside;
+    cells[static_cast<std::size_t>(i)] = lower ? Cell::Below : beyond_lower;
   }
-  return places;
+  return cells;
 }
 
-Places all_inside(const Box& box) {
-  Places places(static_cast<std::size_t>(box.size()));
+Cells all_inside(const Box& box) {
+  Cells cells(static_cast<std::size_t>(box.size()));
   for (Index i = 0; i < box.size(); ++i)
-    places[static_cast<std::size_t>(i)] = box.lower[i] == box.upper[i] ? Place::Lower : Place::Inside;
-  return places;
+    cells[static_cast<std::size_t>(i)] = box.lower[i] == box.upper[i] ? Cell::Below : Cell::Inside;
+  return cells;
 }
 
-std::uint64_t key_of(const Places& places) {
+std::uint64_t key_of(const Cells& cells) {
   std::uint64_t key = 0x9e3779b97f4a7c15U;
-  for (const Place place : places) {  // the finalizer of splitmix64 over every place
-    key += 0x9e3779b97f4a7c15U + static_cast<std::uint64_t>(place);
+  for (const Cell cell : cells) {  // the finalizer of splitmix64 over every cell
+    key += 0x9e3779b97f4a7c15U + static_cast<std::uint64_t>(cell);
     key = (key ^ (key >> 30)) * 0xbf58476d1ce4e5b9U;
     key = (key ^ (key >> 27)) * 0x94d049bb133111ebU;
     key ^= key >> 31;
@@ -56,12 +56,12 @@ CellSolver::CellSolver(const AffineMcp& problem, LuBackend lu, double tol)
       row_max_[it.row()] = std::max(row_max_[it.row()], std::abs(it.value()));
 }
 
-SpMat CellSolver::block(const Places& places) {
+SpMat CellSolver::block(const Cells& cells) {
   const Index n = problem_.size();
   inside_.clear();
   position_.assign(static_cast<std::size_t>(n), -1);
   for (Index i = 0; i < n; ++i)
-    if (places[static_cast<std::size_t>(i)] == Place::Inside) {
+    if (cells[static_cast<std::size_t>(i)] == Cell::Inside) {
       position_[static_cast<std::size_t>(i)] = static_cast<int>(inside_.size());
       inside_.push_back(i);
     }
@@ -77,9 +77,9 @@ SpMat CellSolver::block(const Places& places) {
   return A;
 }
 
-LuStatus CellSolver::solve(const Places& places) {
+LuStatus CellSolver::solve(const Cells& cells) {
   const Index n = problem_.size();
-  const SpMat A = block(places);
+  const SpMat A = block(cells);
   const Index m = A.rows();
   if (m > 0) {
     ++factorizations_;
@@ -87,8 +87,8 @@ LuStatus CellSolver::solve(const Places& places) {
   }
   z_ = Vec::Zero(n);
   for (Index i = 0; i < n; ++i) {
-    const Place place = places[static_cast<std::size_t>(i)];
-    if (place != Place::Inside) z_[i] = place == Place::Lower ? problem_.box.lower[i] : problem_.box.upper[i];
+    const Cell cell = cells[static_cast<std::size_t>(i)];
+    if (cell != Cell::Inside) z_[i] = cell == Cell::Below ? problem_.box.lower[i] : problem_.box.upper[i];
   }
   F_ = problem_.q;
   terms_ = problem_.q.cwiseAbs();
@@ -118,16 +118,18 @@ bool CellSolver::correct(In F, Vec& x) const {
   return true;
 }
 
-bool CellSolver::violated(const Places& places, Index i) const {
+bool CellSolver::violated(const Cells& cells, Index i) const {
   const double lower = problem_.box.lower[i];
   const double upper = problem_.box.upper[i];
   const double rounding = tol_ * terms_[i];
-  switch (places[static_cast<std::size_t>(i)]) {
-    case Place::Lower:
+  switch (cells[static_cast<std::size_t>(i)]) {
+    case Cell::Below:
       return F_[i] < -rounding && lower < upper;
-    case Place::Upper:
+    case Cell::Above:
       return F_[i] > rounding;
-    case Place::Inside:
+    case Cell::Fixed:
+      return false;
+    case Cell::Inside:
       break;
   }
   const double z_rounding = row_max_[i] > 0 ? rounding / row_max_[i] : 0;
@@ -135,16 +137,16 @@ bool CellSolver::violated(const Places& places, Index i) const {
          (z_[i] > upper && z_[i] > upper + z_rounding + tol_ * std::abs(upper));
 }
 
-std::vector<Index> CellSolver::all_violated(const Places& places) const {
+std::vector<Index> CellSolver::all_violated(const Cells& cells) const {
   std::vector<Index> indices;
   for (Index i = 0; i < problem_.size(); ++i)
-    if (violated(places, i)) indices.push_back(i);
+    if (violated(cells, i)) indices.push_back(i);
   return indices;
 }
 
-Place CellSolver::exchanged(const Places& places, Index i) const {
-  if (places[static_cast<std::size_t>(i)] != Place::Inside) return Place::Inside;
-  return z_[i] < problem_.box.lower[i] ? Place::Lower : Place::Upper;
+Cell CellSolver::exchanged(const Cells& cells, Index i) const {
+  if (cells[static_cast<std::size_t>(i)] != Cell::Inside) return Cell::Inside;
+  return z_[i] < problem_.box.lower[i] ? Cell::Below : Cell::Above;
 }
 
 Best::Best(const AffineMcp& problem, In start)

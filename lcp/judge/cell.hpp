@@ -14,15 +14,14 @@
 
 namespace perp::lcp {
 
-enum class Place : std::int8_t { Lower, Upper, Inside };
-using Places = std::vector<Place>;
+using Cells = std::vector<Cell>;
 
-/// The places of a point: at a bound it touches or lies beyond, else inside. Fixed variables are Lower.
-Places places_of(const Box& box, In z);
+/// The cells of a point: at a bound it touches or lies beyond, else inside. Fixed variables count as Below.
+Cells cells_of(const Box& box, In z);
 /// The same with every variable that is not fixed inside.
-Places all_inside(const Box& box);
-/// For sets of cells: different places have different keys, but with probability 2^-64.
-std::uint64_t key_of(const Places& places);
+Cells all_inside(const Box& box);
+/// For sets of cells: different cells have different keys, but with probability 2^-64.
+std::uint64_t key_of(const Cells& cells);
 
 /// The points of cells, with what one needs to tell a violated sign from rounding.
 class CellSolver {
@@ -33,7 +32,7 @@ class CellSolver {
   CellSolver(const AffineMcp& problem, LuBackend lu, double tol);
 
   /// Solves for the cell's z and F = M z + q. Singular also if z is not finite.
-  [[nodiscard]] LuStatus solve(const Places& places);
+  [[nodiscard]] LuStatus solve(const Cells& cells);
 
   /// A step of refinement of a point x of that cell, F = F(x): x_I -= M_II^-1 F_I. False if there is nothing to do.
   [[nodiscard]] bool correct(In F, Vec& x) const;
@@ -42,13 +41,13 @@ class CellSolver {
   const Vec& F() const { return F_; }
   int factorizations() const { return factorizations_; }
   /// Whether index i of the cell solved last violates a sign condition.
-  bool violated(const Places& places, Index i) const;
-  std::vector<Index> all_violated(const Places& places) const;
-  /// The place where the variable of a violated index goes: from a bound inside, from inside to the bound it is beyond.
-  Place exchanged(const Places& places, Index i) const;
+  bool violated(const Cells& cells, Index i) const;
+  std::vector<Index> all_violated(const Cells& cells) const;
+  /// The cell where the variable of a violated index goes: from a bound inside, from inside to the bound it is beyond.
+  Cell exchanged(const Cells& cells, Index i) const;
 
  private:
-  SpMat block(const Places& places);
+  SpMat block(const Cells& cells);
 
   const AffineMcp& problem_;
   double tol_;

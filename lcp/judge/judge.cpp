@@ -122,19 +122,19 @@ namespace {
 
 /// The cell of z where each variable is on the side of its pair that is the smaller: z_i - l_i against F_i in units of
 /// the row's terms over its largest entry.
-Places cell_of(const AffineMcp& problem, In z, In F) {
+Cells cells_of(const AffineMcp& problem, In z, In F) {
   const Box& box = problem.box;
   Vec largest = Vec::Zero(problem.size());
   for (Index j = 0; j < problem.M.cols(); ++j)
     for (SpMat::InnerIterator it(problem.M, j); it; ++it)
       largest[it.row()] = std::max(largest[it.row()], std::abs(it.value()));
-  Places places = all_inside(box);
+  Cells cells = all_inside(box);
   for (Index i = 0; i < problem.size(); ++i) {
     const double unit = largest[i] > 0 ? largest[i] : 1;
-    if (F[i] > unit * (z[i] - box.lower[i])) places[static_cast<std::size_t>(i)] = Place::Lower;
-    if (F[i] < unit * (z[i] - box.upper[i])) places[static_cast<std::size_t>(i)] = Place::Upper;
+    if (F[i] > unit * (z[i] - box.lower[i])) cells[static_cast<std::size_t>(i)] = Cell::Below;
+    if (F[i] < unit * (z[i] - box.upper[i])) cells[static_cast<std::size_t>(i)] = Cell::Above;
   }
-  return places;
+  return cells;
 }
 
 }  // namespace
@@ -142,7 +142,7 @@ Places cell_of(const AffineMcp& problem, In z, In F) {
 bool rounds_a_solution(const AffineMcp& problem, In z, In F, const RowTerms& terms) {
   constexpr double share = 1e-4;
   CellSolver cell(problem, LuBackend::Auto, 1e-13);
-  if (cell.solve(cell_of(problem, z, F)) != LuStatus::Ok) return false;
+  if (cell.solve(cells_of(problem, z, F)) != LuStatus::Ok) return false;
   Vec there = z;
   if (!cell.correct(F, there)) return true;  // nothing is inside its bounds
   Vec moved = Vec::Zero(problem.size());
@@ -163,7 +163,7 @@ Vec refined(const AffineMcp& problem, In z, double tol) {
   Judgement now = judge(problem, best);
   if (!std::isfinite(now.natural)) return best;
   CellSolver cell(problem, LuBackend::Auto, 1e-13);
-  if (cell.solve(cell_of(problem, best, now.F)) != LuStatus::Ok) return best;
+  if (cell.solve(cells_of(problem, best, now.F)) != LuStatus::Ok) return best;
   Vec x = project(problem.box, cell.z());
   for (int step = 0; step < 4; ++step) {
     Judgement there = judge(problem, x);

@@ -15,7 +15,7 @@
 namespace perp::lcp {
 namespace {
 
-// A problem of at least so many unknowns that is not solved in so many rounds asks the coarser problem for places.
+// A problem of at least so many unknowns that is not solved in so many rounds asks the coarser problem for cells.
 constexpr Index coarse_from = 2000;
 constexpr int rounds_before_coarse = 5;
 constexpr long coarse_rounds = 50;
@@ -32,7 +32,7 @@ class BlockRun {
         options_(options),
         limits_(limits),
         cell_(problem, options.lu, degenerate),
-        places_(places_of(problem.box, start)),
+        cells_(cells_of(problem.box, start)),
         best_(problem, start),
         rounds_alone_(rounds_alone) {}
 
@@ -42,7 +42,7 @@ class BlockRun {
     int patience = options_.p_max;
     for (;; ++rounds_) {
       const bool better = best_.offer(cell_.z());
-      const std::vector<Index> V = cell_.all_violated(places_);
+      const std::vector<Index> V = cell_.all_violated(cells_);
       if (V.empty()) return end(Status::Stalled, "no sign is violated, but the residual is above the tolerance");
       if (rounds_ == options_.max_iterations) return end(Status::IterationLimit, left(V.size()));
       if (const auto reached = limits_.reached()) return end(*reached, left(V.size()));
@@ -57,9 +57,9 @@ class BlockRun {
       } else if (patience > 0) {
         --patience;
       }
-      if (!seen_.insert(key_of(places_)).second) patience = 0;
+      if (!seen_.insert(key_of(cells_)).second) patience = 0;
       const bool block = patience > 0;
-      if (!block && !seen_by_least_index_.insert(key_of(places_)).second)
+      if (!block && !seen_by_least_index_.insert(key_of(cells_)).second)
         return end(Status::Stalled, "the least-index rule cycles: M is not a P-matrix, or rounding; " + left(V.size()));
       if (const LuStatus status = exchange(V, block); status != LuStatus::Ok)
         return singular("every block M_FF that the exchanges lead to");
@@ -68,33 +68,33 @@ class BlockRun {
 
  private:
   LuStatus enter() {
-    const LuStatus status = cell_.solve(places_);
+    const LuStatus status = cell_.solve(cells_);
     if (status != LuStatus::Singular) return status;
-    places_ = all_inside(problem_.box);
-    return cell_.solve(places_);
+    cells_ = all_inside(problem_.box);
+    return cell_.solve(cells_);
   }
 
   /// Exchanges all of V or its least index; where that block is singular, the first of V that gives a regular one.
   LuStatus exchange(const std::vector<Index>& V, bool block) {
-    const Places before = places_;
-    Places after = before;
+    const Cells before = cells_;
+    Cells after = before;
     for (const Index i : V) after[static_cast<std::size_t>(i)] = cell_.exchanged(before, i);
     if (block && V.size() > 1) {
-      places_ = after;
-      if (const LuStatus status = cell_.solve(places_); status != LuStatus::Singular) return status;
+      cells_ = after;
+      if (const LuStatus status = cell_.solve(cells_); status != LuStatus::Singular) return status;
     }
     ++least_index_;
     LuStatus status = LuStatus::Singular;
     const std::size_t tries = std::min(V.size(), singular_tries);
     for (std::size_t k = 0; k < tries && status == LuStatus::Singular; ++k) {
-      places_ = before;
-      places_[static_cast<std::size_t>(V[k])] = after[static_cast<std::size_t>(V[k])];
-      status = cell_.solve(places_);
+      cells_ = before;
+      cells_[static_cast<std::size_t>(V[k])] = after[static_cast<std::size_t>(V[k])];
+      status = cell_.solve(cells_);
     }
     return status;
   }
 
-  /// Takes the places of the coarser problem's solution, if there are such.
+  /// Takes the cells of the coarser problem's solution, if there are such.
   bool from_coarser() {
     if (problem_.size() < coarse_from) return false;
     const auto coarse = coarser(problem_);
@@ -105,10 +105,10 @@ class BlockRun {
     const Result result = run.run();
     coarse_factorizations_ += result.factorizations;
     if (!result.accepted()) return false;
-    const Places before = std::exchange(places_, coarse->finer(run.places_, problem_.box));
-    if (cell_.solve(places_) == LuStatus::Ok) return true;
-    places_ = before;
-    return cell_.solve(places_) == LuStatus::Ok;  // as it was
+    const Cells before = std::exchange(cells_, coarse->finer(run.cells_, problem_.box));
+    if (cell_.solve(cells_) == LuStatus::Ok) return true;
+    cells_ = before;
+    return cell_.solve(cells_) == LuStatus::Ok;  // as it was
   }
 
   std::string left(std::size_t violated) const {
@@ -130,7 +130,7 @@ class BlockRun {
   const BlockPivoting& options_;
   const Limits& limits_;
   CellSolver cell_;
-  Places places_;
+  Cells cells_;
   Best best_;
   long rounds_ = 0;
   long least_index_ = 0;

@@ -49,19 +49,19 @@ std::optional<CoarseProblem> coarser(const AffineMcp& problem) {
   return coarse;
 }
 
-Places CoarseProblem::finer(const Places& coarse, const Box& box) const {
+Cells CoarseProblem::finer(const Cells& coarse, const Box& box) const {
   std::vector<std::array<double, 3>> weight(static_cast<std::size_t>(P.rows()), {0, 0, 0});
   for (Index j = 0; j < P.cols(); ++j)
     for (SpMat::InnerIterator it(P, j); it; ++it)
       weight[static_cast<std::size_t>(it.row())][static_cast<std::size_t>(coarse[static_cast<std::size_t>(j)])] +=
           it.value();
-  Places fine = all_inside(box);
+  Cells fine = all_inside(box);
   for (std::size_t i = 0; i < fine.size(); ++i) {
-    const auto& [lower, upper, inside] = weight[i];
+    const auto& [lower, inside, upper] = weight[i];  // in the order of Cell
     const auto k = static_cast<Index>(i);
     if (box.lower[k] == box.upper[k]) continue;
-    if (lower > std::max(upper, inside) && box.lower[k] > -infinity) fine[i] = Place::Lower;
-    if (upper > std::max(lower, inside) && box.upper[k] < infinity) fine[i] = Place::Upper;
+    if (lower > std::max(upper, inside) && box.lower[k] > -infinity) fine[i] = Cell::Below;
+    if (upper > std::max(lower, inside) && box.upper[k] < infinity) fine[i] = Cell::Above;
   }
   return fine;
 }

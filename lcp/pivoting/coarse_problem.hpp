@@ -16,9 +16,9 @@ struct CoarseProblem {
   SpMat P;                     ///< fine rows, coarse columns; its entries are not negative
   std::vector<int> fine_of{};  ///< the fine index of each coarse unknown
 
-  /// Places of the fine unknowns, whose bounds are `box`: those of C have their own, others the one that weighs most in
+  /// Cells of the fine unknowns, whose bounds are `box`: those of C have their own, others the one that weighs most in
   /// their row of P. None is at an infinite bound; fixed ones are Lower.
-  Places finer(const Places& coarse, const Box& box) const;
+  Cells finer(const Cells& coarse, const Box& box) const;
 };
 
 /// Coarsens. Nothing where M is not of a mesh: entries off the diagonal are not mostly negative, or the coarse problem

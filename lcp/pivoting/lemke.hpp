@@ -63,9 +63,6 @@ enum class Cover {
   Given,    ///< `covering`
 };
 
-/// Where x_i lies; the column of x_i in the normal map is M_{.i} if Inside, e_i otherwise.
-enum class Cell : signed char { Below, Inside, Above, Fixed };
-
 struct LemkeOptions {
   LemkeStart start = LemkeStart::Regular;
   Cover cover = Cover::Generic;

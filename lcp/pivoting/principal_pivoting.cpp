@@ -213,7 +213,7 @@ class PrincipalRun {
       if (rate[r] < -zero) return not_sufficient(r);
       if (s < 0) return no_solution(r);
       if (step > 1e-13 * (1 + std::abs(tableau_.nonbasic[r]))) seen.clear();
-      if (!seen.insert(key_of(places())).second) return end(Status::Stalled, "not_negative pivots cycle");
+      if (!seen.insert(key_of(cells())).second) return end(Status::Stalled, "not_negative pivots cycle");
       tableau_.nonbasic[r] += step;
       if (s == r) {
         tableau_.nonbasic[r] = below ? 0 : tableau_.nonbasic[r];
@@ -227,7 +227,7 @@ class PrincipalRun {
         tableau_.nonbasic[r] -= step;
         if (tableau_.refactor() != LuStatus::Ok) return singular();
         tableau_.evaluate();
-        seen.erase(key_of(places()));
+        seen.erase(key_of(cells()));
         continue;
       }
       std::optional<Result> stopped;
@@ -310,11 +310,11 @@ class PrincipalRun {
 
   Vec point() const { return form_.to_z(tableau_.z()).cwiseProduct(scaling_.columns); }
 
-  Places places() const {
-    Places key(at(form_.size()));
+  Cells cells() const {
+    Cells key(at(form_.size()));
     for (std::size_t k = 0; k < key.size(); ++k) {
       const bool lambda = tableau_.nonbasic[static_cast<Index>(k)] == lambda_;
-      key[k] = static_cast<Place>((tableau_.z_basic()[k] != 0 ? 1 : 0) + (lambda ? 2 : 0));
+      key[k] = static_cast<Cell>((tableau_.z_basic()[k] != 0 ? 1 : 0) + (lambda ? 2 : 0));
     }
     return key;
   }
@@ -323,7 +323,7 @@ class PrincipalRun {
     // The last cell afresh, with refined solves: the pivots' rounding does not matter.
     CellSolver cell(problem_, options_.lu, not_negative);
     if (tableau_.basic.size() == form_.size() && tableau_.basic.allFinite() && status != Status::Singular)
-      if (cell.solve(places_of(problem_.box, point())) == LuStatus::Ok) best_.offer(cell.z());
+      if (cell.solve(cells_of(problem_.box, point())) == LuStatus::Ok) best_.offer(cell.z());
     Result result = judged(problem_, best_.z(), limits_, status, what);
     result.iterations = pivots_;
     result.factorizations = tableau_.factorizations() + cell.factorizations();

@@ -35,7 +35,7 @@ Index rank(const MatrixXd& A, double tol) {
 
 /// A polyhedron of solutions: its cell, a relative interior point (of the equilibrated data), the dimension.
 struct Piece {
-  Places places;
+  Cells cells;
   Vec z;
   Vec w;
   Vec original;
@@ -58,7 +58,7 @@ class Search {
         scaling_(exact_scaling(problem)),
         scaled_(scaling_.apply(problem)),
         M_(scaled_.M),
-        places_(all_inside(problem.box)),
+        cells_(all_inside(problem.box)),
         decided_(at(problem.size()), 0),
         cell_(problem, LuBackend::General, degenerate) {}
 
@@ -106,7 +106,7 @@ class Search {
     out_.refutation.tolerance = 0;
   }
 
-  /// The partial cell: decided variables are at their places, the others anywhere between their bounds. Returns the
+  /// The partial cell: decided variables are at their cells, the others anywhere between their bounds. Returns the
   /// proof that it is empty, if it is.
   Refutation::Proof visit(BoundedRows rows) {
     Refutation::Proof proof;
@@ -124,8 +124,8 @@ class Search {
     decided_[at(i)] = 1;
     const double l = scaled_.box.lower[i];
     const double u = scaled_.box.upper[i];
-    const auto branch = [&](Place place, double z_lower, double z_upper, double w_lower, double w_upper) {
-      places_[at(i)] = place;
+    const auto branch = [&](Cell cell, double z_lower, double z_upper, double w_lower, double w_upper) {
+      cells_[at(i)] = cell;
       BoundedRows next = rows;
       next.set_bounds(next.z(i), z_lower, z_upper);
       next.set_bounds(next.w(i), w_lower, w_upper);
@@ -133,10 +133,10 @@ class Search {
     };
     // Off its bounds, off the lower one alone, and at it: each refuted supposes less.
     const bool has_lower = problem_.box.has_lower(i);
-    if (has_lower) proof = branch(Place::Lower, l, l, 0, infinity);
-    Refutation::Proof off = branch(Place::Inside, l, u, 0, 0);
+    if (has_lower) proof = branch(Cell::Below, l, l, 0, infinity);
+    Refutation::Proof off = branch(Cell::Inside, l, u, 0, 0);
     if (problem_.box.has_upper(i)) {
-      Refutation::Proof upper = branch(Place::Upper, u, u, -infinity, 0);
+      Refutation::Proof upper = branch(Cell::Above, u, u, -infinity, 0);
       off = before({.variable = i, .above = false, .refuted = std::move(off)}, std::move(upper));
     }
     decided_[at(i)] = 0;
@@ -177,8 +177,8 @@ class Search {
     if (!skip_degenerate_) return false;
     const double rounding = 1e-12;
     for (Index i = 0; i < problem_.size(); ++i) {
-      if (decided_[at(i)] == 0 || places_[at(i)] == Place::Inside || problem_.box.is_fixed(i)) continue;
-      const double direction = places_[at(i)] == Place::Lower ? 1 : -1;
+      if (decided_[at(i)] == 0 || cells_[at(i)] == Cell::Inside || problem_.box.is_fixed(i)) continue;
+      const double direction = cells_[at(i)] == Cell::Below ? 1 : -1;
       if (direction * rows.value(rows.w(i)) > rounding) continue;
       BoundedRows pushed = rows;
       if (pushed.push(rows.w(i), direction, direction * rounding)) continue;
@@ -222,9 +222,9 @@ class Search {
   void leaf(const BoundedRows& rows, Refutation::Proof& proof) {
     std::vector<Index> inside;
     for (Index i = 0; i < problem_.size(); ++i)
-      if (places_[at(i)] == Place::Inside) inside.push_back(i);
+      if (cells_[at(i)] == Cell::Inside) inside.push_back(i);
     if (rank(M_(inside, inside), dependent) == static_cast<Index>(inside.size())) {
-      const bool solvable = cell_.solve(places_) == LuStatus::Ok;
+      const bool solvable = cell_.solve(cells_) == LuStatus::Ok;
       if (solvable && offer(cell_.z().cwiseQuotient(scaling_.columns), 0)) return;
       if (offer(values(rows), 0)) return;
     } else {
@@ -255,10 +255,10 @@ class Search {
       count += 1;
     };
     for (Index i = 0; i < problem_.size(); ++i) {
-      const Place place = places_[at(i)];
+      const Cell cell = cells_[at(i)];
       if (problem_.box.is_fixed(i)) continue;
-      if (place != Place::Inside) {
-        push(rows.w(i), place == Place::Lower ? 1 : -1);
+      if (cell != Cell::Inside) {
+        push(rows.w(i), cell == Cell::Below ? 1 : -1);
         continue;
       }
       if (problem_.box.has_lower(i)) push(rows.z(i), 1);
@@ -278,7 +278,7 @@ class Search {
     const auto columns = static_cast<Index>(inside.size());
     std::vector<Eigen::RowVectorXd> equations;
     for (Index i = 0; i < problem_.size(); ++i)
-      if (!problem_.box.is_fixed(i) && (places_[at(i)] == Place::Inside || zero(w[i])))
+      if (!problem_.box.is_fixed(i) && (cells_[at(i)] == Cell::Inside || zero(w[i])))
         equations.emplace_back(M_(i, inside));
     for (Index k = 0; k < columns; ++k) {
       const Index i = inside[at(k)];
@@ -293,8 +293,7 @@ class Search {
 
   /// Takes the point if it is a solution.
   bool offer(const Vec& scaled_z, Index dimension) {
-    Piece piece{
-        .places = places_, .z = project(scaled_.box, scaled_z), .w = {}, .original = {}, .dimension = dimension};
+    Piece piece{.cells = cells_, .z = project(scaled_.box, scaled_z), .w = {}, .original = {}, .dimension = dimension};
     piece.original = project(problem_.box, piece.z.cwiseProduct(scaling_.columns));
     if (!piece.original.allFinite()) return false;
     if (!accepts(problem_, piece.original, limits_.tol)) {
@@ -317,10 +316,10 @@ class Search {
       return (outer.z - inner.z).lpNorm<Eigen::Infinity>() <= near * (1 + outer.z.lpNorm<Eigen::Infinity>());
     for (Index i = 0; i < problem_.size(); ++i) {
       if (problem_.box.is_fixed(i)) continue;
-      const Place place = outer.places[at(i)];
-      const double bound = place == Place::Upper ? scaled_.box.upper[i] : scaled_.box.lower[i];
-      const double off = place == Place::Inside ? inner.w[i] : inner.z[i] - bound;
-      if (std::abs(off) > near * (1 + std::abs(place == Place::Inside ? 0 : bound))) return false;
+      const Cell cell = outer.cells[at(i)];
+      const double bound = cell == Cell::Above ? scaled_.box.upper[i] : scaled_.box.lower[i];
+      const double off = cell == Cell::Inside ? inner.w[i] : inner.z[i] - bound;
+      if (std::abs(off) > near * (1 + std::abs(cell == Cell::Inside ? 0 : bound))) return false;
     }
     return true;
   }
@@ -331,7 +330,7 @@ class Search {
   Scaling scaling_;
   AffineMcp scaled_;
   MatrixXd M_;
-  Places places_;
+  Cells cells_;
   std::vector<char> decided_;
   CellSolver cell_;
   bool skip_degenerate_ = true;

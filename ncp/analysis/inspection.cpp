@@ -112,7 +112,7 @@ void judge_values(const Box& box, StartFindings& start) {
       if (start.smallest_F == 0 || F < start.smallest_F) start.smallest_F = F;
       if (start.largest_F < 0 || F > std::abs(start.F[start.largest_F])) start.largest_F = i;
     }
-    if (lcp::bound_state(box, i, start.x[i], degenerate_within) != lcp::BoundState::Free && F <= degenerate_within)
+    if (lcp::cell_of(box, i, start.x[i], degenerate_within) != lcp::Cell::Inside && F <= degenerate_within)
       start.degenerate.push_back(i);
   }
 }

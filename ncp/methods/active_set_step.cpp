@@ -8,7 +8,7 @@
 
 namespace perp::ncp {
 
-using lcp::BoundState;
+using lcp::Cell;
 
 namespace {
 
@@ -19,14 +19,14 @@ constexpr double digit = 0.1;
 
 }  // namespace
 
-std::vector<BoundState> active_set(const Box& box, const Point& point) {
-  std::vector<BoundState> active(static_cast<std::size_t>(point.x.size()), BoundState::Free);
+std::vector<Cell> active_set(const Box& box, const Point& point) {
+  std::vector<Cell> active(static_cast<std::size_t>(point.x.size()), Cell::Inside);
   for (Index i = 0; i < point.x.size(); ++i) {
     const double t = point.x[i] - point.F[i];
     if (t <= box.lower[i] || box.lower[i] == box.upper[i])
-      active[static_cast<std::size_t>(i)] = BoundState::AtLower;
+      active[static_cast<std::size_t>(i)] = Cell::Below;
     else if (t >= box.upper[i])
-      active[static_cast<std::size_t>(i)] = BoundState::AtUpper;
+      active[static_cast<std::size_t>(i)] = Cell::Above;
   }
   return active;
 }
@@ -35,7 +35,7 @@ std::vector<BoundState> active_set(const Box& box, const Point& point) {
 bool ActiveSetFinish::factor(const SpMat& J) {
   I_.clear();
   for (std::size_t k = 0; k < active_.size(); ++k)
-    if (active_[k] == BoundState::Free) I_.push_back(static_cast<Index>(k));
+    if (active_[k] == Cell::Inside) I_.push_back(static_cast<Index>(k));
   if (I_.empty()) return true;
   ++run_.stats().factorizations;
   return lu_.factor(lcp::principal_block(J, I_)) == lcp::LuStatus::Ok;
@@ -46,9 +46,9 @@ bool ActiveSetFinish::move(const Point& point, Point& to) {
   const Box& box = run_.box();
   Vec d = Vec::Zero(point.x.size());
   for (Index i = 0; i < d.size(); ++i) {
-    const BoundState state = active_[static_cast<std::size_t>(i)];
-    if (state == BoundState::AtLower) d[i] = box.lower[i] - point.x[i];
-    if (state == BoundState::AtUpper) d[i] = box.upper[i] - point.x[i];
+    const Cell state = active_[static_cast<std::size_t>(i)];
+    if (state == Cell::Below) d[i] = box.lower[i] - point.x[i];
+    if (state == Cell::Above) d[i] = box.upper[i] - point.x[i];
   }
   if (!I_.empty()) {
     const Vec moved = point.F + point.J * d;
@@ -80,7 +80,7 @@ bool ActiveSetFinish::chord(const Point& point, Point& to) {
 
 bool ActiveSetFinish::step(const Point& point, Point& to) {
   constexpr double share = 0.5;
-  std::vector<BoundState> now = active_set(run_.box(), point);
+  std::vector<Cell> now = active_set(run_.box(), point);
   const bool settled = now == active_;
   active_ = std::move(now);
   chords_ = chords_ && settled;

@@ -10,7 +10,7 @@ namespace perp::ncp {
 
 /// Where each variable is guessed to end: by the sign of x - F beyond its bounds. AtLower: x_i - F_i <= l_i (fixed
 /// variables too); AtUpper: x_i - F_i >= u_i; Free: between, where F_i = 0 is asked for.
-std::vector<lcp::BoundState> active_set(const Box& box, const Point& point);
+std::vector<lcp::Cell> active_set(const Box& box, const Point& point);
 
 /// Newton's steps on the equation of that guess, at the end of a method that comes to its solutions along a path: d_i =
 /// l_i - x_i or u_i - x_i for the active variables, J_II d_I = -(F_I + J_IA d_A) for the free ones I, and x + d is
@@ -33,7 +33,7 @@ class ActiveSetFinish {
   Run& run_;
   lcp::LuBackend backend_;
   lcp::SparseLu lu_;  // of J_II of some point, while a chord step may follow
-  std::vector<lcp::BoundState> active_;
+  std::vector<lcp::Cell> active_;
   std::vector<Index> I_;  // free in active_
   bool chords_ = false;   // the last step began with these factors and gained a digit
   int pause_ = 0;         // calls until the next try

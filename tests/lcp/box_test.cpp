@@ -86,27 +86,27 @@ TEST(Box, SaysWhichIntervalIsWrong) {
 
 TEST(Box, StateAtBoundsAndBetween) {
   const Box box = interval(0, 1);
-  EXPECT_EQ(bound_state(box, 0, 0), BoundState::AtLower);
-  EXPECT_EQ(bound_state(box, 0, 1e-9), BoundState::Free);
-  EXPECT_EQ(bound_state(box, 0, 1e-9, 1e-8), BoundState::AtLower);
-  EXPECT_EQ(bound_state(box, 0, -1), BoundState::AtLower);
-  EXPECT_EQ(bound_state(box, 0, 1), BoundState::AtUpper);
-  EXPECT_EQ(bound_state(box, 0, 1 - 1e-9), BoundState::Free);
-  EXPECT_EQ(bound_state(box, 0, 1 - 1e-9, 1e-8), BoundState::AtUpper);
-  EXPECT_EQ(bound_state(box, 0, 2), BoundState::AtUpper);
-  EXPECT_EQ(bound_state(Box::free(1), 0, 1e308, 1), BoundState::Free);
-  EXPECT_EQ(bound_state(Box::free(1), 0, -1e308, 1), BoundState::Free);
-  EXPECT_EQ(bound_state(interval(2, 2), 0, 7), BoundState::Fixed);
+  EXPECT_EQ(cell_of(box, 0, 0), Cell::Below);
+  EXPECT_EQ(cell_of(box, 0, 1e-9), Cell::Inside);
+  EXPECT_EQ(cell_of(box, 0, 1e-9, 1e-8), Cell::Below);
+  EXPECT_EQ(cell_of(box, 0, -1), Cell::Below);
+  EXPECT_EQ(cell_of(box, 0, 1), Cell::Above);
+  EXPECT_EQ(cell_of(box, 0, 1 - 1e-9), Cell::Inside);
+  EXPECT_EQ(cell_of(box, 0, 1 - 1e-9, 1e-8), Cell::Above);
+  EXPECT_EQ(cell_of(box, 0, 2), Cell::Above);
+  EXPECT_EQ(cell_of(Box::free(1), 0, 1e308, 1), Cell::Inside);
+  EXPECT_EQ(cell_of(Box::free(1), 0, -1e308, 1), Cell::Inside);
+  EXPECT_EQ(cell_of(interval(2, 2), 0, 7), Cell::Fixed);
 }
 
 // Catches that the lower bound wins because it is asked first: at the upper bound of an interval narrower than tol the
 // sign of F to demand is the upper bound's.
 TEST(Box, StateInANarrowIntervalIsTheNearerBound) {
   const Box box = interval(0, 1e-9);
-  EXPECT_EQ(bound_state(box, 0, 0, 1e-6), BoundState::AtLower);
-  EXPECT_EQ(bound_state(box, 0, 1e-9, 1e-6), BoundState::AtUpper);
-  EXPECT_EQ(bound_state(box, 0, 0.9e-9, 1e-6), BoundState::AtUpper);
-  EXPECT_EQ(bound_state(box, 0, 0.1e-9, 1e-6), BoundState::AtLower);
+  EXPECT_EQ(cell_of(box, 0, 0, 1e-6), Cell::Below);
+  EXPECT_EQ(cell_of(box, 0, 1e-9, 1e-6), Cell::Above);
+  EXPECT_EQ(cell_of(box, 0, 0.9e-9, 1e-6), Cell::Above);
+  EXPECT_EQ(cell_of(box, 0, 0.1e-9, 1e-6), Cell::Below);
 }
 
 }  // namespace

@@ -35,20 +35,20 @@ TEST(CoarseProblem, HasTheUnknownsOfTheFineOne) {
   EXPECT_LT((coarse->problem.q - P.transpose() * problem.q).cwiseAbs().maxCoeff(), 1e-13);
 }
 
-// Unknowns of C keep their places, and between neighbours of one place there is no other.
-TEST(CoarseProblem, GivesPlaces) {
+// Unknowns of C keep their cells, and between neighbours in one cell there is no other.
+TEST(CoarseProblem, GivesCells) {
   const int N = 12;
   const auto coarse = coarser(standard_lcp(support::five_point(N, 4), Vec::Zero(N * N)));
   ASSERT_TRUE(coarse);
   const Box box{Vec::Zero(N * N), Vec::Ones(N * N)};
   Random random(2);
-  Places places(coarse->fine_of.size());
-  for (Place& place : places) place = static_cast<Place>(random.integer(0, 2));
-  const Places fine = coarse->finer(places, box);
-  for (std::size_t c = 0; c < places.size(); ++c)
-    EXPECT_EQ(fine[static_cast<std::size_t>(coarse->fine_of[c])], places[c]);
-  for (const Place place : {Place::Lower, Place::Upper, Place::Inside})
-    EXPECT_EQ(coarse->finer(Places(places.size(), place), box), Places(static_cast<std::size_t>(N * N), place));
+  Cells cells(coarse->fine_of.size());
+  for (Cell& cell : cells) cell = static_cast<Cell>(random.integer(0, 2));
+  const Cells fine = coarse->finer(cells, box);
+  for (std::size_t c = 0; c < cells.size(); ++c)
+    EXPECT_EQ(fine[static_cast<std::size_t>(coarse->fine_of[c])], cells[c]);
+  for (const Cell cell : {Cell::Below, Cell::Above, Cell::Inside})
+    EXPECT_EQ(coarse->finer(Cells(cells.size(), cell), box), Cells(static_cast<std::size_t>(N * N), cell));
 }
 
 // Free unknowns beside bounded ones at a bound stay inside, fixed ones never go there. Catches z = -infinity.
@@ -59,13 +59,13 @@ TEST(CoarseProblem, PutsNothingAtAnInfiniteBound) {
   for (int i = 1; i < N * N; i += 7) problem.box.lower[i] = problem.box.upper[i] = 1;
   const auto coarse = coarser(problem);
   ASSERT_TRUE(coarse);
-  for (const Place place : {Place::Lower, Place::Upper, Place::Inside}) {
-    const Places fine = coarse->finer(Places(coarse->fine_of.size(), place), problem.box);
+  for (const Cell cell : {Cell::Below, Cell::Above, Cell::Inside}) {
+    const Cells fine = coarse->finer(Cells(coarse->fine_of.size(), cell), problem.box);
     for (Index i = 0; i < N * N; ++i) {
-      const Place at = fine[static_cast<std::size_t>(i)];
-      EXPECT_TRUE(problem.box.lower[i] != problem.box.upper[i] || at == Place::Lower) << i;
-      EXPECT_FALSE(problem.box.lower[i] == -infinity && at == Place::Lower) << i;
-      EXPECT_FALSE(problem.box.upper[i] == infinity && at == Place::Upper) << i;
+      const Cell at = fine[static_cast<std::size_t>(i)];
+      EXPECT_TRUE(problem.box.lower[i] != problem.box.upper[i] || at == Cell::Below) << i;
+      EXPECT_FALSE(problem.box.lower[i] == -infinity && at == Cell::Below) << i;
+      EXPECT_FALSE(problem.box.upper[i] == infinity && at == Cell::Above) << i;
     }
   }
 }
