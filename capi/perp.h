@@ -316,6 +316,7 @@ int32_t perp_list(int32_t interface_, const char* what, perp_result** result, pe
  *    stats           part: iterations, F_evals, J_evals, pivots, ..., time_s (seconds); of functions F_calls,
  *                    jac_calls, difference_groups (of columns, without J)
  *    log             iterations
+ *    computed        part, of models that have such: the variables that are no unknowns, by name, each with its value
  *    kept_by         text, of perp_solve_kept: "kept", "exchanges", "path", "anew"
  *    verified        part, with option verify: as perp_verify
  *  perp_solve_all: found (parts, as above, with how and singular), first (part), attempts, duplicates, message, stats

@@ -133,11 +133,16 @@ Part solved(Work& work, const perp_problem& problem, const Vec& x0) {
     for (const std::string& note : result.notes) listeners.tell("note: " + note);
   }
   const std::string certificate = ncp::certificate_json(mcp, result.x, result.proof);
+  Part computed = std::make_unique<perp_result>();
+  if (problem.model != nullptr)
+    for (const auto& [name, equation, value] : problem.model->computed(result.x.head(problem.model->n_var())))
+      computed->add(name, value);
   Part part = part_of(std::move(result), problem.callbacks);
   if (certificate != "null") part->add("certificate", certificate);
   Iterations log{.records = std::move(outcome.iterations)};
   for (const ncp::Iteration& it : log.records) log.rows.push_back(iteration_of(it, mcp.size()));
   part->add("log", std::move(log));
+  if (!computed->fields.empty()) part->add("computed", std::move(computed));
   if (outcome.verified) part->add("verified", part_of(std::move(*outcome.verified)));
   return part;
 }

@@ -300,6 +300,11 @@ class Result(Record):
     verified: Field[Verified | None] = Field(
         "With the option verify: the proof that a solution is near, or why there is none; else None.", _verified
     )
+    computed: Field[dict[str, Any]] = Field(
+        "Of models from .nl files: the variables that are no unknowns, as each stands for the expression of a condition, and "
+        "their values.",
+        numbers_of,
+    )
     kept_by: Field[str | None] = Field(
         'Of KeptSolver: what the solve took, "kept", "exchanges", "path", "anew"; else None.'
     )
@@ -332,6 +337,7 @@ class Result(Record):
             ("time", f"{self.stats['time_s']:.3g} s"),
             ("x", self._point(self.x, 0)),
             ("F", self._point(self.F, 1)),
+            *(("computed", f"{name} = {value:.6g}") for name, value in self.computed.items()),
         ]
         facts += [("note", note) for note in self.notes]
         if self.verified is not None:

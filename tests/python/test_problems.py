@@ -60,6 +60,18 @@ def test_remarks_on_a_model_are_notes_as_in_the_program():
     assert any("the objective is not used" in note for note in perp.read_nl(model).solve().notes)
 
 
+def test_variables_that_alone_make_up_a_condition_are_computed(tmp_path):
+    """profit = p - 3, 0 <= p _|_ profit >= 0: profit is no unknown. Catches a variable of the modeller's that is lost."""
+    (tmp_path / "m.nl").write_text(
+        "g3 1 1 0\n 2 2 0 0 1\n 0 0 1 0\n 0 0\n 0 0 0\n 0 0 0 1\n 0 0 0 0 0\n 3 0\n 0 0\n 0 0 0 0 0\n"
+        "C0\nn0\nC1\nn0\nx0\nr\n5 1 1\n4 -3\nb\n2 0\n3\nk1\n1\nJ0 1\n1 1\nJ1 2\n0 -1\n1 1\n"
+    )
+    (tmp_path / "m.col").write_text("p\nprofit\n")
+    (tmp_path / "m.row").write_text("entry.c\nentry.bc\n")
+    r = perp.read_nl(tmp_path / "m.nl").solve()
+    assert r.x == pytest.approx([3]) and r.computed == {"profit": pytest.approx(0, abs=1e-8)} and "profit" in repr(r)
+
+
 def test_where_F_is_not_defined_it_is_nan():
     p = perp.problem(lambda x: np.log(x), [1.0], -np.inf)
     with np.errstate(all="ignore"):
