@@ -98,7 +98,7 @@ void leave_out(const std::vector<bench::Case>& cases) {
     Total total;
     for (const bench::Case* c : hard) total.add(ncp::solve(*c->mcp, c->x0, method));
     const ncp::Entry& without = list_of(whole).entries[k];
-    std::printf("%-60s %4d/%-4d %8ld %8.3f\n", (ncp::name(without.method) + " " + std::string(without.title)).c_str(),
+    std::printf("%-60s %4d/%-4d %8ld %8.3f\n", (ncp::name(*without.method) + " " + std::string(without.title)).c_str(),
                 total.solved, total.runs, total.majors, total.seconds);
     std::fflush(stdout);
   }

@@ -90,11 +90,11 @@ void Fields::add(std::string_view key, Target number, const Range& range, std::s
     return;
   }
   Field field{key, alias, help, std::move(number), range, inert_};
-  const auto known = std::ranges::find(all_, key, &Field::key);
-  if (known == all_.end())
+  const auto [known, is_new] = place_.try_emplace(key, all_.size());
+  if (is_new)
     all_.push_back(std::move(field));
   else
-    join(*known, std::move(field));
+    join(all_[known->second], std::move(field));
 }
 
 void Fields::join(Field& field, Field other) {
@@ -105,13 +105,6 @@ void Fields::join(Field& field, Field other) {
 
 void Fields::add(std::string_view key, Target target, std::string_view help, std::string_view alias) {
   add(key, std::move(target), Range{}, help, alias);
-}
-
-void Fields::when(bool effect, std::string_view because, const std::function<void()>& described) {
-  const std::string_view outer = inert_;
-  if (!effect && outer.empty()) inert_ = because;
-  described();
-  inert_ = outer;
 }
 
 void Fields::hide(std::string_view key) {
@@ -134,8 +127,8 @@ std::vector<Field> Fields::options() const {
 }
 
 const Field* Fields::find(std::string_view key) const {
-  const auto found = std::ranges::find(all_, key, &Field::key);
-  return found == all_.end() || found->help.empty() ? nullptr : &*found;
+  const auto found = place_.find(key);
+  return found == place_.end() || all_[found->second].help.empty() ? nullptr : &all_[found->second];
 }
 
 std::optional<std::string> Fields::invalid() const {

@@ -13,6 +13,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <unordered_map>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -105,10 +106,17 @@ class Fields {
     add(key, Target(std::move(words)), help);
   }
   /// Those that `described` adds have an effect only if `effect`; else `because`, "nms = no", takes it away.
-  void when(bool effect, std::string_view because, const std::function<void()>& described);
+  template <class Described>
+  void when(bool effect, std::string_view because, const Described& described) {
+    const std::string_view outer = inert_;
+    if (!effect && outer.empty()) inert_ = because;
+    described();
+    inert_ = outer;
+  }
 
   /// Only checked from now on: no option of the program.
   void hide(std::string_view key);
+  bool checking() const { return checking_; }
 
   // What a range cannot say.
   void check(bool holds, std::string_view why);
@@ -125,6 +133,7 @@ class Fields {
   static void join(Field& field, Field other);
 
   std::vector<Field> all_;
+  std::unordered_map<std::string_view, std::size_t> place_;  // of each key in all_
   bool checking_;
   std::string_view inert_;
   std::string bad_number_;  // where checking

@@ -74,9 +74,17 @@ std::vector<Option> all_options() {
 
 }  // namespace
 
+namespace {
+
+void describe_method_name(Settings& settings, ncp::Fields& fields) {
+  fields.add("method", &settings.method_name, "the method that runs");
+}
+
+}  // namespace
+
 ncp::Fields fields_of(Settings& settings) {
   ncp::Fields fields;
-  fields.add("method", &settings.method_name, "the method that runs");
+  describe_method_name(settings, fields);
   ncp::describe(settings.method, fields);
   describe(settings, fields);
   return fields;
@@ -222,10 +230,14 @@ struct Found {
 /// An option of the program or of its default method, by its whole name: most are, and the table of all options takes
 /// as long as a small problem.
 Found find_at_once(std::string_view key) {
-  Settings settings;
-  const ncp::Fields fields = fields_of(settings);
-  const ncp::Field* field = fields.find(key);
-  return field == nullptr ? Found{} : Found{.key = field->key, .method = &find_method(default_method)->method};
+  static const std::vector<std::string_view> keys = [] {
+    Settings settings;
+    std::vector<std::string_view> names;
+    for (const ncp::Field& field : fields_of(settings).options()) names.push_back(field.key);
+    return names;
+  }();
+  const auto known = std::ranges::find(keys, key);
+  return known == keys.end() ? Found{} : Found{.key = *known, .method = &find_method(default_method)->method};
 }
 
 /// "maj_iter" of "major_iteration_limit": every word of the key begins the word in its place.
@@ -309,6 +321,12 @@ void apply_to_parts(const Found& option, const Assignment& given, Applied& resul
   if (!done) result.notes.push_back(fmt::format("{}: {} has no effect on {}", given.source, option.key, option.part));
 }
 
+void apply_method(const Assignment& given, Applied& result) {
+  ncp::Fields fields;
+  describe_method_name(result.settings, fields);
+  set(*fields.find("method"), given, result.notes);
+}
+
 /// Sets it; where the settings have it not, or another option takes its effect away, that is noted.
 void apply(const Found& option, const Assignment& given, Applied& result) {
   if (!option.part.empty()) return apply_to_parts(option, given, result);
@@ -327,6 +345,17 @@ void apply(const Found& option, const Assignment& given, Applied& result) {
 
 }  // namespace
 
+namespace {
+
+std::optional<int> pivots_of(ncp::Method method) {
+  ncp::Fields fields;
+  ncp::describe(method, fields);
+  const ncp::Field* field = fields.find("minor_iteration_limit");
+  return field == nullptr ? std::nullopt : std::optional(*std::get<int*>(field->target));
+}
+
+}  // namespace
+
 Applied apply_options(std::span<const Assignment> assignments, Unknown unknown) {
   Applied result;
   Settings& settings = result.settings;
@@ -334,8 +363,8 @@ Applied apply_options(std::span<const Assignment> assignments, Unknown unknown) 
   std::vector<std::string_view> ignored;
   for (const Assignment& given : assignments) {
     const Found found = find_option(given);
-    if (found.key == "method")
-      apply(found, given, result);
+    if (found.key == "method" && found.part.empty())
+      apply_method(given, result);
     else if (!found.key.empty())
       given_options.emplace_back(found, &given);
     else if (!found.ignored.empty())
@@ -346,32 +375,29 @@ Applied apply_options(std::span<const Assignment> assignments, Unknown unknown) 
       result.unknown.push_back(unknown_key(given));
   }
   settings.method = *method_named(settings.method_name);
-  // Values for a part are set after those for all, and so win.
-  const auto place = [fields = fields_of(settings).options()](const auto& one) {
-    return std::pair(!one.first.part.empty(),
-                     std::ranges::find(fields, one.first.key, &ncp::Field::key) - fields.begin());
-  };
-  std::ranges::stable_sort(given_options, {}, place);
+  if (!given_options.empty()) {  // values for a part are set after those for all, and so win
+    const auto place = [fields = fields_of(settings).options()](const auto& one) {
+      return std::pair(!one.first.part.empty(),
+                       std::ranges::find(fields, one.first.key, &ncp::Field::key) - fields.begin());
+    };
+    std::ranges::stable_sort(given_options, {}, place);
+  }
   for (const auto& [option, given] : given_options) apply(option, *given, result);
   if (!ignored.empty())
     result.notes.push_back(fmt::format("accepted, but without effect in this version: {}", fmt::join(ignored, ", ")));
   if (const auto why = ncp::invalid(settings.method)) throw InputError(*why);
+  if (!given_options.empty() && !std::holds_alternative<ncp::Affine>(settings.method))  // they take the limit as it is
+    if (const auto pivots = pivots_of(settings.method); pivots != pivots_of(*method_named(settings.method_name)))
+      result.pivots = pivots;
   return result;
 }
 
 void note_limits_of_size(ncp::Index n, Applied& options) {
-  if (std::holds_alternative<ncp::Affine>(options.settings.method)) return;  // they take the limit as it is
-  const auto pivots = [](ncp::Method method) -> std::optional<int> {
-    ncp::Fields fields;
-    ncp::describe(method, fields);
-    const ncp::Field* field = fields.find("minor_iteration_limit");
-    return field == nullptr ? std::nullopt : std::optional(*std::get<int*>(field->target));
-  };
-  const std::optional<int> given = pivots(options.settings.method);
   const int most = ncp::worthwhile_pivots(n);
-  if (!given || *given <= most || given == pivots(*method_named(options.settings.method_name))) return;
-  options.notes.push_back(fmt::format(
-      "minor_iteration_limit = {} is taken as {}, which is 1000 + 20 n: a longer path leads nowhere", *given, most));
+  if (!options.pivots || *options.pivots <= most) return;
+  options.notes.push_back(
+      fmt::format("minor_iteration_limit = {} is taken as {}, which is 1000 + 20 n: a longer path leads nowhere",
+                  *options.pivots, most));
 }
 
 }  // namespace perp::settings

@@ -102,6 +102,7 @@ struct Applied {
   Settings settings;
   std::vector<std::string> notes;    ///< options without effect, and why
   std::vector<std::string> unknown;  ///< messages about unknown keys
+  std::optional<int> pivots{};       ///< minor_iteration_limit, if it is not the method's own
 };
 /// Starts from the defaults of the method named last and applies the assignments in the order of fields_of(), so that
 /// what depends on another option finds it set; of several of one key the last one wins. Throws InputError naming

@@ -2,6 +2,7 @@
 #include "ncp/strategy/plan.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <cctype>
 #include <stdexcept>
 
@@ -12,13 +13,19 @@
 namespace perp::ncp {
 
 Held::Held() : Held(Method{}) {}
-Held::Held(Method method) : method_(std::make_unique<Method>(std::move(method))) {}
-Held::Held(const Held& other) : Held(Method(*other)) {}
-Held& Held::operator=(const Held& other) {
-  if (this != &other) method_ = std::make_unique<Method>(*other);
-  return *this;
+struct Held::Shared {
+  explicit Shared(Method m) : method(std::move(m)) {}
+  Method method;
+  std::atomic<bool> valid{false};  // checked already
+};
+
+Held::Held(Method method) : shared_(std::make_shared<Shared>(std::move(method))) {}
+const Method& Held::operator*() const { return shared_->method; }
+Method& Held::operator*() {
+  if (shared_.use_count() > 1) shared_ = std::make_shared<Shared>(shared_->method);
+  shared_->valid = false;
+  return shared_->method;
 }
-Held::~Held() = default;
 
 namespace {
 
@@ -38,7 +45,7 @@ std::string composed_name(const On& m) { return text_of("on(", word_of(m.form), 
 std::string composed_name(const Escaping& m) { return "escape(" + name(*m.method) + ')'; }
 std::string composed_name(const First& m) {
   std::string text = "first(";
-  for (const Entry& entry : m.entries) text += (text.ends_with('(') ? "" : ", ") + name(entry.method);
+  for (const Entry& entry : m.entries) text += (text.ends_with('(') ? "" : ", ") + name(*entry.method);
   return text + ')';
 }
 
@@ -122,7 +129,7 @@ auto methods_in(M& method) {
         if constexpr (requires { m.method.operator*(); })
           inner.push_back(&*m.method);
         else if constexpr (requires { m.entries; })
-          for (auto& entry : m.entries) inner.push_back(&entry.method);
+          for (auto& entry : m.entries) inner.push_back(&*entry.method);
       },
       method);
   return inner;
@@ -134,17 +141,17 @@ void describe_own(Method& method, Fields& f);
 void describe(On& m, Fields& f) {
   if (m.form == Form::Presolved)
     f.add("preprocess", &m.enabled, "presolve: remove what constant rows and columns decide");
-  describe_own(*m.method, f);
+  m.method.describe(f);
 }
 
 void describe(Escaping& m, Fields& f) {
-  describe_own(*m.method, f);
+  m.method.describe(f);
   describe(m.escape, f);
 }
 
 void describe(First& m, Fields& f) {
   if (m.entries.empty()) return f.check(false, "a list of methods is empty");
-  for (Entry& entry : m.entries) describe_own(entry.method, f);
+  for (Entry& entry : m.entries) entry.method.describe(f);
   if (m.restart_limit)
     f.add("restart_limit", &*m.restart_limit, at_least(0),
           "number of attempts after the first; 'perp methods --show' lists them");
@@ -167,11 +174,11 @@ std::string joined(const std::vector<Condition>& conditions, From from) {
 void add_lines(const Method& method, int depth, std::vector<OutlineLine>& lines) {
   if (const auto* list = std::get_if<First>(&method)) {
     for (const Entry& entry : list->entries) {
-      std::string what = name(entry.method);
+      std::string what = name(*entry.method);
       if (!entry.title.empty()) what += text_of(": ", entry.title);
       lines.push_back({depth, std::move(what), joined(entry.when, entry.from), std::string(entry.reason),
                        std::string(entry.worth)});
-      add_lines(entry.method, depth + 1, lines);
+      add_lines(*entry.method, depth + 1, lines);
     }
     return;
   }
@@ -220,6 +227,17 @@ std::string name(const Method& method) {
           return std::string(name_of(m));
       },
       method);
+}
+
+void Held::describe(Fields& fields) {
+  if (!fields.checking()) return describe_own(**this, fields);
+  if (shared_->valid) return;
+  Fields own(Fields::Purpose::Check);
+  Method copy = shared_->method;
+  describe_own(copy, own);
+  const auto why = own.invalid();
+  shared_->valid = !why;
+  if (why) fields.check(false, *why);
 }
 
 void describe(Method& method, Fields& fields) {

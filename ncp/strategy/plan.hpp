@@ -6,6 +6,7 @@
 ///
 /// A method is a kernel, which is one loop with its options, or one of three compositions of methods: On, Escaping and
 /// First. Options reach every kernel in every composition (describe()).
+#include <concepts>
 #include <memory>
 #include <optional>
 #include <string>
@@ -30,21 +31,21 @@ namespace perp::ncp {
 
 struct Method;
 
-/// Holds a method as a value: a copy has its own.
+/// Holds a method as a value. A copy shares it until one of the two is changed.
 class Held {
  public:
   Held();
   Held(Method method);  // NOLINT: a method is held wherever one is asked for
-  Held(const Held& other);
-  Held& operator=(const Held& other);
-  Held(Held&&) noexcept = default;
-  Held& operator=(Held&&) noexcept = default;
-  ~Held();
-  Method& operator*() { return *method_; }
-  const Method& operator*() const { return *method_; }
+  template <class M>
+  requires(!std::same_as<M, Held>) Held(M method) : Held(Method(std::move(method))) {}  // NOLINT: as any of its kinds
+  Method& operator*();
+  const Method& operator*() const;
+  /// Describes the options of the method; where they are only checked, once for all copies that share them.
+  void describe(Fields& fields);
 
  private:
-  std::unique_ptr<Method> method_;
+  struct Shared;
+  std::shared_ptr<Shared> shared_;
 };
 
 /// Forms that a problem can be given before a method; its answer is brought back.
@@ -120,7 +121,7 @@ struct Method : std::variant<SemismoothNewton, MinNewton, Smoothing, InteriorPoi
 };
 
 struct Entry {
-  Method method{};
+  Held method{};
   std::string_view title{};       ///< for people; empty: the method's name
   std::vector<Condition> when{};  ///< all of them hold; empty: always
   From from = From::Start;

@@ -117,8 +117,8 @@ void run_entry(Run& run, const Entry& entry, bool last, Point point) {
   Share share = part_of_left(run, last);
   share.pivots = entry.pivots;
   // Form::Rescaled looks at the best point of this run.
-  if (const auto* on = std::get_if<On>(&entry.method)) return run_on(run, point.x, *on, share);
-  const bool affine = std::holds_alternative<Affine>(entry.method);
+  if (const auto* on = std::get_if<On>(&*entry.method)) return run_on(run, point.x, *on, share);
+  const bool affine = std::holds_alternative<Affine>(*entry.method);
   if (!affine && !restricts(share, run))
     return std::visit(
         [&](const auto& m) {
@@ -127,10 +127,10 @@ void run_entry(Run& run, const Entry& entry, bool last, Point point) {
           else if constexpr (std::is_same_v<std::remove_cvref_t<decltype(m)>, First>)
             run_list(run, point, m);
           else
-            run_plan(run, point.x, entry.method);
+            run_plan(run, point.x, *entry.method);
         },
-        entry.method);
-  Result result = run.within(run.mcp(), share, point.x, [&](Run& inner, In z0) { run_plan(inner, z0, entry.method); });
+        *entry.method);
+  Result result = run.within(run.mcp(), share, point.x, [&](Run& inner, In z0) { run_plan(inner, z0, *entry.method); });
   if (affine) result.stats.pivots += std::exchange(result.stats.iterations, std::min(result.stats.iterations, 1));
   run.take(result);
 }
@@ -151,7 +151,7 @@ Run::Verdict with_diagnosis(Run& run, Run::Verdict verdict, In start) {
 
 std::string title_of(const Entry& entry) {
   if (!entry.title.empty()) return std::string(entry.title);
-  return entry.from == From::Start ? name(entry.method) : text_of(name(entry.method), ' ', words_of(entry.from));
+  return entry.from == From::Start ? name(*entry.method) : text_of(name(*entry.method), ' ', words_of(entry.from));
 }
 
 /// "auto chose path (the problem is nonlinear), then ..."

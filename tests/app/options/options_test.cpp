@@ -140,7 +140,7 @@ TEST(Options, ReachTheMethodsStructs) {
 
   const Settings pivoting =
       applied({{"lemke_start", "always", ""}, {"time_limit", "9", ""}, {"method", "josephy", ""}}).settings;
-  const auto& josephy = std::get<ncp::NewtonJosephy>(std::get<ncp::First>(pivoting.method).entries.front().method);
+  const auto& josephy = std::get<ncp::NewtonJosephy>(*std::get<ncp::First>(pivoting.method).entries.front().method);
   EXPECT_EQ(josephy.lemke.start, lcp::LemkeStart::Ray);
   EXPECT_EQ(ncp::stop(pivoting.method).max_time.count(), 9);
   EXPECT_EQ(std::get<ncp::SemismoothNewton>(applied({{"method", "semismooth-min", ""}}).settings.method).cfunction.name,
