@@ -11,8 +11,8 @@ export CCACHE_SLOPPINESS=${CCACHE_SLOPPINESS:-pch_defines,time_macros}  # else i
 
 # The one list of Debian packages: to build the program, to test it as well, to make packages of it, to fuzz it.
 build_packages=(g++ cmake ninja-build libeigen3-dev libsuitesparse-dev libgsl-dev libamplsolver-dev
-  libhdf5-dev libmpfi-dev libcli11-dev nlohmann-json3-dev libfmt-dev)
-test_packages=("${build_packages[@]}" libgtest-dev libgmock-dev libgmp-dev libmpfr-dev pkg-config python3
+  libmpfi-dev libcli11-dev nlohmann-json3-dev libfmt-dev)
+test_packages=("${build_packages[@]}" libgtest-dev libgmock-dev libhdf5-dev libgmp-dev libmpfr-dev pkg-config python3
   python3-jsonschema gjh-asl-json python3-numpy python3-scipy python3-pytest python3-matplotlib python3-jinja2
   chromium chromium-driver dpkg-dev file)
 package_packages=("${build_packages[@]}" dpkg-dev file gzip)
