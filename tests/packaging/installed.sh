@@ -20,9 +20,10 @@ use() {
   expect 'Apache License' perp --version
   expect '^Solved' perp solve $examples/energy.nl
   expect '^Solved' perp contact $examples/arch-9.hdf5
-  for page in perp pathampl $(perp --help | awk '/^Subcommands:/ { on = 1; next } !NF { on = 0 } on { print "perp-" $1 }'); do
+  for page in perp pathampl perp-compare perp-report $(perp --help | awk '/^Subcommands:/ { on = 1; next } !NF { on = 0 } on { print "perp-" $1 }'); do
     expect '^NAME' man "$page"
   done
+  expect '^usage: perp-compare' perp-compare --help
   cp $examples/cournot.nl /tmp/market.nl
   expect 'solution found' pathampl /tmp/market -AMPL
   expect '^solve' bash -ic 'source /usr/share/bash-completion/bash_completion; _completion_loader perp
