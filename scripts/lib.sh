@@ -117,7 +117,8 @@ ensure_packages() {
 # configure_release OPTIONS...: the preset `release`, in build/release; files of a folder are compiled together, which
 # takes half of the time.
 configure_release() {
-  if command -v ccache >/dev/null; then export CMAKE_CXX_COMPILER_LAUNCHER=ccache; fi
+  # Not exported: the systems in which packages are tried have no ccache.
+  if command -v ccache >/dev/null; then local -x CMAKE_CXX_COMPILER_LAUNCHER=ccache; fi
   cd "$root" || return
   cmake --preset release -DCMAKE_UNITY_BUILD=ON "$@"
 }
