@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <limits>
 #include <memory>
 #include <utility>
 
@@ -52,10 +51,6 @@ std::string_view name(const Method& method) {
 void describe(Lemke& m, Fields& f) {
   describe_start(m.options.start, f);
   describe(m.options, f);
-}
-
-void describe(Auto& m, Fields& f) {
-  f.add("lemke_seed", &m.seed, between(0, std::numeric_limits<int>::max()), "of Lemke's covering vectors", "seed");
 }
 
 namespace {

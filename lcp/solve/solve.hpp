@@ -4,6 +4,7 @@
 #include <span>
 #include <string_view>
 #include <variant>
+#include <vector>
 
 #include "lcp/iterative/interior_point.hpp"
 #include "lcp/iterative/projected_sor.hpp"
@@ -25,20 +26,43 @@ struct Lemke {
 };
 void describe(Lemke& method, Fields& fields);
 
-/// Chooses methods from the structure of M (lcp/classes/classify.hpp) and tries them in turn until one solves the
-/// problem or proves it infeasible; Result::message says which and why. The order:
-///  * symmetric M not known to be indefinite: block pivoting for small n, the QP for large n;
-///  * P-matrices and M-matrices: block pivoting, component by component where M is reducible;
-///  * monotone M: Lemke's method with about n pivots at most, interior points, Lemke's method to its end;
-///  * anything else: Lemke's method with several covering vectors; enumeration of all cells where there are few;
-///    Lemke and Howson's paths; block pivoting.
+struct Attempt;
+std::vector<Attempt> automatic_list();
+
+/// Runs the attempts of a list in turn until one solves the problem or proves it infeasible; Result::message says which
+/// and why.
 struct Auto {
-  unsigned seed = 1;  ///< of the covering vectors tried after the first
+  std::vector<Attempt> list = automatic_list();
 };
+/// An option reaches every method of the list that has it and whose value the list has not itself made another one.
 void describe(Auto& method, Fields& fields);
 
 using Method = std::variant<Auto, Lemke, LemkeHowson, PrincipalPivoting, BlockPivoting, ProjectedSor, InteriorPoint,
                             BoundQp, Enumeration>;
+
+/// When an attempt has its turn: what is known of the box and of the class of M (lcp/classes/classify.hpp).
+enum class Condition {
+  FewRows,    ///< n <= 100
+  Large,      ///< more than 2000: multigrid costs less than block pivoting's steps
+  Pivotable,  ///< up to 20,000: Lemke's method makes about n pivots
+  FewCells,   ///< at most 20 variables have a bound
+  Convex,     ///< M is symmetric and not known to be indefinite
+  P,          ///< M is a P-matrix: an M- or H+-matrix, positive definite or by its minors
+  Monotone,   ///< M is positive semidefinite
+};
+/// "n <= 100".
+std::string_view words_of(Condition condition);
+
+/// A line of a list.
+struct Attempt {
+  Method method;
+  std::string_view title{};       ///< for people; empty: the method's name
+  std::vector<Condition> when{};  ///< all of them hold; empty: always
+  /// Lemke's method makes at most so many pivots, and so many more a row: ten times what is usual.
+  int pivots = 1000, pivots_a_row = 20;
+  std::string_view reason{};  ///< why it stands where it does
+  std::string_view worth{};   ///< what the list loses without it, measured: bench/linear_list.cpp
+};
 
 /// Runs the method from `start` (methods that need none ignore it), with the equations of free variables in the order
 /// that equation_order() finds. Throws std::invalid_argument for malformed input. Out of memory,

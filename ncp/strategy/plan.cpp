@@ -171,7 +171,20 @@ std::string joined(const std::vector<Condition>& conditions, From from) {
   return all;
 }
 
+/// The list of the methods for affine problems.
+void add_lines(const lcp::Auto& list, int depth, std::vector<OutlineLine>& lines) {
+  for (const lcp::Attempt& attempt : list.list) {
+    std::string when;
+    for (const lcp::Condition condition : attempt.when)
+      when += text_of(when.empty() ? "if " : ", ", lcp::words_of(condition));
+    lines.push_back({depth, std::string(attempt.title.empty() ? lcp::name(attempt.method) : attempt.title),
+                     std::move(when), std::string(attempt.reason), std::string(attempt.worth)});
+  }
+}
+
 void add_lines(const Method& method, int depth, std::vector<OutlineLine>& lines) {
+  if (const auto* affine = std::get_if<Affine>(&method))
+    if (const auto* list = std::get_if<lcp::Auto>(&affine->method)) return add_lines(*list, depth, lines);
   if (const auto* list = std::get_if<First>(&method)) {
     for (const Entry& entry : list->entries) {
       std::string what = name(*entry.method);
