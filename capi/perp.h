@@ -280,6 +280,20 @@ int32_t perp_solve_all(perp_solver* solver, const perp_problem* problem, const d
 /** 0 <= x _|_ M x + q >= 0 with the usual options: perp_problem_affine() and perp_solve() in one. */
 int32_t perp_lcp(int32_t interface_, const perp_matrix* M, const double* q, perp_result** result, perp_error* error);
 
+/** A solver of small dense affine problems that come often, such as a simulator's. It keeps its memory, and the cell of
+ *  its last solution, in which it begins where the next problem has as many variables. */
+typedef struct perp_dense perp_dense;
+int32_t perp_dense_create(int32_t interface_, perp_dense** solver, perp_error* error);
+void perp_dense_free(perp_dense* solver);
+/** Solves MCP(lower, upper, M x + q), M n x n by rows; lower NULL is 0, upper NULL +infinity. x gets n entries, status
+ * a perp_status, residual the natural residual of x, which is at most tol where status is PERP_SOLVED; each of the two
+ * may be NULL. */
+int32_t perp_dense_solve(perp_dense* solver, int64_t n, const double* M, const double* q, const double* lower,
+                         const double* upper, double tol, double* x, int32_t* status, double* residual,
+                         perp_error* error);
+/** The next solve begins at the bounds. */
+void perp_dense_forget(perp_dense* solver);
+
 /** Proves, if it can, that exactly one solution is near x, with every rounding accounted for (Krawczyk's operator). For
  *  affine problems and those that have ranges, of files and the collection. */
 int32_t perp_verify(perp_solver* solver, const perp_problem* problem, const double* x, perp_result** result,

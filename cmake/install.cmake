@@ -41,6 +41,7 @@ set(perp_public_headers
   lcp/linalg/blocks.hpp
   lcp/cholesky/cholesky.hpp
   lcp/classes/classify.hpp
+  lcp/solve/dense.hpp
   lcp/io/matrix_market.hpp
   lcp/io/output_file.hpp
   lcp/io/siconos_file.hpp

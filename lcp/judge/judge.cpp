@@ -9,6 +9,7 @@
 
 #include "lcp/exact_sum.hpp"
 #include "lcp/judge/cell.hpp"
+#include "lcp/judge/dense_judge.hpp"
 #include "lcp/words.hpp"
 
 namespace perp::lcp {
@@ -58,9 +59,16 @@ void for_terms(const AffineMcp& problem, In z, Add add) {
     for (SpMat::InnerIterator it(problem.M, j); it; ++it)
       if (it.value() != 0) add(it.row(), it.value(), z[j]);
 }
+template <class Add>
+void for_terms(const DenseMcp& problem, In z, Add add) {
+  for (Index j = 0; j < problem.size(); ++j)
+    for (Index i = 0; i < problem.size(); ++i)
+      if (const double a = problem.M(i, j); a != 0) add(i, a, z[j]);
+}
 
 /// The rows that shorter sums have not settled.
-void sum_exactly(const AffineMcp& problem, In z, const std::vector<Index>& rows, Vec& F) {
+template <class Problem>
+void sum_exactly(const Problem& problem, In z, const std::vector<Index>& rows, Vec& F) {
   std::vector<int> place(at(problem.size()), -1);
   std::vector<ExactSum> sums(rows.size());
   for (std::size_t k = 0; k < rows.size(); ++k) {
@@ -74,7 +82,8 @@ void sum_exactly(const AffineMcp& problem, In z, const std::vector<Index>& rows,
 }
 
 /// M z + q, each the double nearest to the exact sum; and the terms.
-Vec exact_values(const AffineMcp& problem, In z, RowTerms& terms) {
+template <class Problem>
+Vec exact_values(const Problem& problem, In z, RowTerms& terms) {
   const Index n = problem.size();
   terms = {.size = problem.q.cwiseAbs(), .entries = Eigen::VectorXi::Zero(n)};
   std::vector<TripleSum> sums(problem.q.begin(), problem.q.end());
@@ -94,9 +103,8 @@ Vec exact_values(const AffineMcp& problem, In z, RowTerms& terms) {
   return F;
 }
 
-}  // namespace
-
-Judgement judge(const AffineMcp& problem, In z) {
+template <class Problem>
+Judgement judge_any(const Problem& problem, In z) {
   const Index n = problem.size();
   if (z.size() != n) {
     refuse_input("judge: z has ", z.size(), " entries, the problem ", n);
@@ -117,6 +125,11 @@ Judgement judge(const AffineMcp& problem, In z) {
   out.accuracy = accuracy(out.rows, out.terms);
   return out;
 }
+
+}  // namespace
+
+Judgement judge(const AffineMcp& problem, In z) { return judge_any(problem, z); }
+Judgement judge(const DenseMcp& problem, In z) { return judge_any(problem, z); }
 
 namespace {
 

@@ -17,6 +17,7 @@ Arguments that make no sense raise ValueError or TypeError, whose text begins wi
 from typing import Any
 
 from perp import contact
+from perp._dense import DenseResult, DenseSolver
 from perp._functions import Float32Warning
 from perp._games import BimatrixEquilibria, FiniteGame, MixedEquilibrium, NashSubset, bimatrix, finite_game, read_nfg
 from perp._library import FileError, LibraryError, OptionError
@@ -56,6 +57,8 @@ __all__ = [
     "AllSolutions",
     "BimatrixEquilibria",
     "CollectionEntry",
+    "DenseResult",
+    "DenseSolver",
     "FileError",
     "FiniteGame",
     "Float32Warning",

@@ -104,6 +104,10 @@ _QUICK = {
     "perp_solver_set_progress": (_I, [_V, progress_callback, _V, _V]),
     "perp_solver_heed_sigint": (_I, [_V, _I, _V]),
     "perp_solver_interrupt": (None, [_V]),
+    "perp_dense_create": (_I, [_I, _V, _V]),
+    "perp_dense_free": (None, [_V]),
+    "perp_dense_forget": (None, [_V]),
+    "perp_status_name": (_T, [_I]),
     "perp_list": (_I, [_I, _T, _V, _V]),
     "perp_result_free": (None, [_V]),
     "perp_result_key": (_T, [_V, _N]),
@@ -140,6 +144,7 @@ _LONG = {
     "perp_sensitivity": (_I, [_V, _V, _V, _V, _V, _V, _V, _V, _V]),
     "perp_check_jacobian": (_I, [_V, _V, _V, _V, _V]),
     "perp_inspect": (_I, [_V, _V, _V, _V, _V]),
+    "perp_dense_solve": (_I, [_V, _N, _V, _V, _V, _V, c_double, _V, _V, _V, _V]),
     "perp_contact_create": (_I, [_I, _I, _N, _V, _V, _V, _V, _V]),
     "perp_contact_condense": (_I, [_I, _I, _N, _V, _V, _V, _V, _V, _V, _V]),
     "perp_contact_read": (_I, [_I, _T, _V, _V]),
@@ -200,6 +205,7 @@ class Library:
         self.Problem = _handle_class("Problem", self.perp_problem_free)
         self.Solver = _handle_class("Solver", self.perp_solver_free)
         self.Result = _handle_class("Result", self.perp_result_free)
+        self.Dense = _handle_class("Dense", self.perp_dense_free)
         self.Contact = _handle_class("Contact", self.perp_contact_free)
 
     def __getattr__(self, name: str) -> Any:  # for what reads types: every name is a function of C

@@ -205,7 +205,34 @@ static void files_and_a_kept_solver(void) {
   perp_solver_free(solver);
 }
 
+/* 2 x_1 = 2 and x_2 = x_1 - 1/2, or x_1 = 1/2 at its upper bound. M is not symmetric, which tells a transposed one. */
+static void dense(void) {
+  const double M[] = {2, 0, -1, 1}, q[] = {-2, 0.5}, upper[] = {0.5, 9}, broken[] = {2, 0, -1, NAN};
+  double x[2], residual = -1;
+  int32_t status = -1;
+  perp_dense* solver = NULL;
+  int k;
+  OK(perp_dense_create(PERP_INTERFACE, &solver, &error));
+  for (k = 0; k < 3; ++k) {
+    OK(perp_dense_solve(solver, 2, M, q, NULL, NULL, 1e-9, x, &status, &residual, &error));
+    CHECK(status == PERP_SOLVED && residual <= 1e-9);
+    CHECK_NEAR(x[0], 1, 1e-12);
+    CHECK_NEAR(x[1], 0.5, 1e-12);
+    if (k == 1) perp_dense_forget(solver);
+  }
+  OK(perp_dense_solve(solver, 2, M, q, NULL, upper, 1e-9, x, NULL, NULL, &error));
+  CHECK_NEAR(x[0], 0.5, 1e-12);
+  CHECK_NEAR(x[1], 0, 1e-12);
+  REFUSED(perp_dense_solve(solver, 2, broken, q, NULL, NULL, 1e-9, x, NULL, NULL, &error), PERP_BAD_ARGUMENT,
+          "M: entry [1, 1]");
+  REFUSED(perp_dense_solve(solver, 2, M, NULL, NULL, NULL, 1e-9, x, NULL, NULL, &error), PERP_BAD_ARGUMENT, "q:");
+  REFUSED(perp_dense_solve(NULL, 2, M, q, NULL, NULL, 1e-9, x, NULL, NULL, &error), PERP_BAD_ARGUMENT, "solver:");
+  perp_dense_free(solver);
+  perp_dense_free(NULL);
+}
+
 int main(void) {
+  dense();
   every_form();
   files_and_a_kept_solver();
   small();
