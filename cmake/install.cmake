@@ -57,6 +57,7 @@ set(perp_public_headers
   ncp/analysis/function_classes.hpp
   ncp/analysis/no_solution.hpp
   ncp/analysis/verify.hpp
+  ncp/explain/explain.hpp
   ncp/path/pivot_limit.hpp
   ncp/strategy/presets.hpp
   ncp/transforms/presolve.hpp

@@ -15,15 +15,20 @@ constexpr int most_rounds = 20;
 }  // namespace
 
 std::optional<NoSolution> no_solution(const Mcp& mcp, double tol) {
+  return no_solution(mcp, tol, std::vector<char>(at(mcp.size()), 1), mcp.box());
+}
+
+std::optional<NoSolution> no_solution(const Mcp& mcp, double tol, const std::vector<char>& rows, const Box& begin) {
   const Enclosure* enclosure = mcp.enclosure();
   if (enclosure == nullptr) return std::nullopt;
   const Box& box = mcp.box();
   std::vector<Interval> X(at(mcp.size())), F(at(mcp.size()));
-  for (Index i = 0; i < mcp.size(); ++i) X[at(i)] = {box.lower[i], box.upper[i]};
+  for (Index i = 0; i < mcp.size(); ++i) X[at(i)] = {begin.lower[i], begin.upper[i]};
   for (int round = 0; round < most_rounds; ++round) {
     enclosure->values(X, F);
     bool narrowed = false;
     for (Index i = 0; i < mcp.size(); ++i) {
+      if (rows[at(i)] == 0) continue;
       const Interval range = F[at(i)];
       const bool nowhere = range.is_empty();
       if (box.lower[i] == box.upper[i] && !nowhere) continue;

@@ -3,6 +3,7 @@
 /// A proof that a problem has no solution, from the ranges of F (ncp/interval/enclosure.hpp).
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "lcp/deadline.hpp"
 #include "ncp/interval/interval.hpp"
@@ -21,6 +22,9 @@ struct NoSolution {
 /// box X. Where F_i > tol on all of X, x_i <= l_i + tol, which narrows X_i, and there is none if l_i is infinite; F_i <
 /// -tol likewise. Repeated until X stays as it is. Nothing: no proof was found that way, or the problem has no ranges.
 std::optional<NoSolution> no_solution(const Mcp& mcp, double tol = 0);
+
+/// The same by the rows marked 1 alone, and by the bounds that X has of the box.
+std::optional<NoSolution> no_solution(const Mcp& mcp, double tol, const std::vector<char>& rows, const Box& X);
 
 /// "equation "F[1]" lies in [0.1, inf] wherever its variables are within their bounds, and x[1] is free".
 std::string describe(const Mcp& mcp, const NoSolution& proof);

@@ -72,15 +72,6 @@ std::vector<Multiple> multiples(const ModelStructure& model) {
   return found;
 }
 
-/// The family of a name and its index: "cap[gas]" is "cap" and "gas", "e12" is "e" and "12".
-std::pair<std::string, std::string> split(const std::string& name) {
-  if (const auto bracket = name.find('['); bracket != std::string::npos)
-    return {name.substr(0, bracket), name.substr(bracket)};
-  std::size_t digits = name.size();
-  while (digits > 0 && std::isdigit(static_cast<unsigned char>(name[digits - 1]))) --digits;
-  return {name.substr(0, digits), name.substr(digits)};
-}
-
 /// Of a part of many, those to look at first.
 Indices suspects(const Indices& all, const std::function<int(Index)>& rank) {
   int best = 0;
@@ -186,7 +177,8 @@ void tell_nameless(const ModelStructure& model, const Namesakes& names, std::vec
 void tell_gaps(const ModelStructure& model, std::vector<std::string>& text) {
   std::map<std::string, std::vector<long>> numbers;
   for (Index i = 0; i < model.pattern.rows(); ++i)
-    if (const auto [family, index] = split(model.row(i)); !index.empty() && index.front() != '[' && index.size() < 10)
+    if (const auto [family, index] = split_name(model.row(i));
+        !index.empty() && index.front() != '[' && index.size() < 10)
       numbers[family].push_back(std::stol(index));
   for (auto& [family, list] : numbers) {
     std::ranges::sort(list);
@@ -200,6 +192,14 @@ void tell_gaps(const ModelStructure& model, std::vector<std::string>& text) {
 }
 
 }  // namespace
+
+std::pair<std::string, std::string> split_name(const std::string& name) {
+  if (const auto bracket = name.find('['); bracket != std::string::npos)
+    return {name.substr(0, bracket), name.substr(bracket)};
+  std::size_t digits = name.size();
+  while (digits > 0 && std::isdigit(static_cast<unsigned char>(name[digits - 1]))) --digits;
+  return {name.substr(0, digits), name.substr(digits)};
+}
 
 Namesakes namesakes(Index m, Index n, const NameAt& row, const NameAt& variable) {
   std::vector<std::string> rows, variables;

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "ncp/problem/mcp.hpp"
@@ -35,6 +36,9 @@ struct Namesakes {
 };
 /// Finds the namesakes among m rows and n variables.
 Namesakes namesakes(Index m, Index n, const NameAt& row, const NameAt& variable);
+
+/// The family of a name and its index: "cap[gas]" is "cap" and "[gas]", "e12" is "e" and "12".
+std::pair<std::string, std::string> split_name(const std::string& name);
 
 /// A number of the columns in which each row has an entry, by a hash; without the zeros, if these are none.
 std::vector<std::uint64_t> row_keys(const SpMat& A, bool zeros = true);

@@ -62,7 +62,7 @@ UNRULED = ("tests/", "bench/", "data/")
 FLOORS = """
 lcp lcp/cholesky lcp/lu lcp/judge lcp/linalg lcp/pivoting lcp/qp lcp/iterative lcp/classes lcp/solve lcp/io
 ncp/interval ncp/problem ncp/ampl ncp/run ncp/reformulation ncp/transforms ncp/analysis ncp/path ncp/methods ncp/strategy
-ncp/settings
+ncp/explain ncp/settings
 collection/base collection/random collection/models collection/scalable collection/kkt collection
 contact/model contact/existence contact/io contact/laws contact/classics contact/cones contact/solvers contact/scenes
 capi capi/path
