@@ -11,6 +11,7 @@
 #include <ostream>
 
 #include "app/commands/commands.hpp"
+#include "app/commands/explain.hpp"
 #include "app/commands/inspect.hpp"
 #include "app/commands/solve.hpp"
 #include "app/contact/command_line.hpp"
@@ -33,6 +34,7 @@ constexpr const char* main_footer =
     "  perp solve market.nl             solve an AMPL model\n"
     "  perp solve kojshin --start 2     solve a problem of the collection\n"
     "  perp inspect market.nl           its size, structure, scaling, start and derivatives, before it is solved\n"
+    "  perp explain market.nl           why it has no solution, which row is the cause, what would mend it\n"
     "  perp judge market.nl x.mtx       is the point in this file a solution?\n"
     "  perp list                        the problems of the collection\n"
     "  perp export kojshin --nl         write a problem as an AMPL model, for other solvers\n"
@@ -96,6 +98,11 @@ constexpr const char* export_footer =
     "\n"
     "The command that solves the files is printed. They hold the same problem, digit for digit.";
 
+constexpr const char* explain_footer =
+    "Examples:\n"
+    "  perp explain market.nl\n"
+    "  perp explain market.nl --json - | jq '.answers[0]'";
+
 constexpr const char* methods_footer =
     "Examples:\n"
     "  perp methods\n"
@@ -128,6 +135,7 @@ struct CommandLine {
   CLI::App app{about, "perp"};
   CLI::App* solve = nullptr;
   CLI::App* inspect = nullptr;
+  CLI::App* explain = nullptr;
   CLI::App* list = nullptr;
   CLI::App* methods = nullptr;
   std::string shown_method{};
@@ -140,6 +148,7 @@ struct CommandLine {
   CLI::App* contact = nullptr;
   SolveRequest solve_request;
   InspectRequest inspect_request;
+  ExplainRequest explain_request;
   ListRequest list_request;
   ExportRequest export_request;
   contacts::ContactWords contact_words;
@@ -155,6 +164,7 @@ struct CommandLine {
     app.add_flag("-V,--version", version, "version, licence and linked libraries (-v alone: one line)");
     add_solve();
     add_inspect();
+    add_explain();
     add_judge();
     list = app.add_subcommand("list", "List the collection of test problems, or describe one of them");
     list->footer(list_footer);
@@ -265,6 +275,16 @@ struct CommandLine {
            "write the findings as JSON; - is standard output, the text then goes to standard error", "FILE");
   }
 
+  void add_explain() {
+    explain =
+        app.add_subcommand("explain", "Say why a model has no solution, which row is the cause, what would mend it");
+    explain->footer(explain_footer);
+    add_problem(explain, explain_request.source, "start from the point in this file");
+    option(explain, "--time-limit", explain_request.time_limit, "for all of it (30)", "SECONDS");
+    option(explain, "--json", explain_request.json,
+           "write the answers as JSON; - is standard output, the text then goes to standard error", "FILE");
+  }
+
   void finish_solve_request() {
     solve_request.log_level = log_level(level);
     if (solve->count("--all") > 0) solve_request.all = parse_solutions(all);
@@ -351,6 +371,7 @@ int run_command(std::vector<std::string> arguments, Streams streams, const std::
     return exit_solved;
   }
   if (line.inspect->parsed()) return inspect(line.inspect_request, streams, interrupt);
+  if (line.explain->parsed()) return explain(line.explain_request, streams, interrupt);
   if (line.list->parsed()) return list(line.list_request, streams);
   if (line.export_command->parsed()) return export_problem(line.export_request, streams);
   if (line.judge->parsed()) return judge(line.judge_request, streams);

@@ -18,6 +18,7 @@ enum class Document {
   Solve,
   NoResult,
   Inspect,
+  Explain,
   List,
   Problem,
   Contact,

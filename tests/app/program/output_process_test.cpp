@@ -87,6 +87,7 @@ std::vector<Command> commands(const test::Folder& folder) {
   return {{{"solve", "josephy", "--json", J, "--plot", S, "--solution", folder / "x.mtx"},
            paths({"a.json", "a.svg", "x.mtx"})},
           {{"inspect", "josephy", "--json", J}, paths({"a.json"})},
+          {{"explain", "josephy", "--json", J}, paths({"a.json"})},
           {{"export", "ahn:50", "-o", F, "--force"},
            paths({"F.mtx", "F-q.mtx", "F-lower.mtx", "F-upper.mtx", "F-start.mtx"})},
           {{"contact", "chain:3", "--json", J, "--svg", S, "--fclib-out", H}, paths({"a.json", "a.svg", "a.hdf5"})},
