@@ -1,12 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 /// What perp.h says of problems beside solving them.
-#include <optional>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "capi/describe.hpp"
 #include "capi/guard.hpp"
 #include "capi/solve.hpp"
+#include "ncp/analysis/certificate.hpp"
 #include "ncp/analysis/inspection.hpp"
 #include "ncp/analysis/structure_report.hpp"
+#include "ncp/explain/explain.hpp"
 
 namespace perp::capi {
 
@@ -51,6 +56,59 @@ Part inspected(Work& work, const perp_problem& problem, const Vec& x0) {
   return part;
 }
 
+Part demand_part(const ncp::Mcp& mcp, const ncp::Demand& demand) {
+  Part part = std::make_unique<perp_result>();
+  part->add("what", ncp::to_string(demand.of)).add("name", ncp::name_of(mcp, demand)).add("index", demand.index);
+  return part;
+}
+
+Part explained(Work& work, const perp_problem& problem, const Vec& x0, double seconds) {
+  const ncp::Mcp& mcp = problem.mcp;
+  const ncp::Explanation found =
+      ncp::explain(mcp, x0, {.method = work.solver().options.settings.method, .seconds = seconds}, work.stop());
+  Part part = std::make_unique<perp_result>();
+  std::vector<Part> answers, demands, changes;
+  for (const ncp::Answer& a : found.answers) {
+    std::vector<std::string> rows, variables;
+    for (const Index i : a.rows) rows.push_back(mcp.equation_name(i));
+    for (const Index j : a.variables) variables.push_back(mcp.variable_name(j));
+    answers.push_back(std::make_unique<perp_result>());
+    answers.back()
+        ->add("kind", ncp::to_string(a.kind))
+        .add("proven", a.proven)
+        .add("text", a.text)
+        .add("rows", std::move(rows))
+        .add("variables", std::move(variables))
+        .add("row_indices", std::vector<std::int64_t>(a.rows.begin(), a.rows.end()))
+        .add("variable_indices", std::vector<std::int64_t>(a.variables.begin(), a.variables.end()));
+  }
+  part->add("status", to_string(found.result.status))
+      .add("success", found.result.accepted())
+      .add("message", found.result.message)
+      .add("answers", std::move(answers))
+      .add("notes", found.result.notes);
+  part->status = static_cast<std::int32_t>(found.result.status);
+  if (found.conflict) {
+    for (const ncp::Demand& d : found.conflict->demands) demands.push_back(demand_part(mcp, d));
+    Part conflict = std::make_unique<perp_result>();
+    conflict->add("demands", std::move(demands)).add("smallest", found.conflict->smallest);
+    if (found.conflict->certificate)
+      conflict->add("certificate",
+                    ncp::certificate_json(mcp, found.result.x, {.certificate = found.conflict->certificate}));
+    part->add("conflict", std::move(conflict));
+  }
+  if (!found.repair.changes.empty()) {
+    for (const ncp::Change& c : found.repair.changes) {
+      changes.push_back(demand_part(mcp, c.what));
+      changes.back()->add("from", c.from).add("to", c.to);
+    }
+    Part repair = std::make_unique<perp_result>();
+    repair->add("changes", std::move(changes)).add("least", found.repair.least).add("verified", found.repair.verified);
+    part->add("repair", std::move(repair));
+  }
+  return part;
+}
+
 /// Nothing of null.
 SpMat derivative_of(const perp_matrix* given, const char* name, Index n, Index m) {
   return given == nullptr ? SpMat() : std::move(matrix_of(given, name, n, m).entries);
@@ -68,6 +126,16 @@ int32_t perp_inspect(perp_solver* solver, const perp_problem* problem, const dou
     require(problem, "problem");
     Work work(solver, problem->callbacks);
     return work.watch().over([&] { return inspected(work, *problem, start_of(*problem, x0, "x0")); });
+  });
+}
+
+int32_t perp_explain(perp_solver* solver, const perp_problem* problem, const double* x0, double seconds,
+                     perp_result** result, perp_error* error) {
+  return guarded_make(result, "result", error, [&] {
+    require(problem, "problem");
+    if (!(seconds > 0)) refuse("seconds", "not a positive number");
+    Work work(solver, problem->callbacks);
+    return work.watch().over([&] { return explained(work, *problem, start_of(*problem, x0, "x0"), seconds); });
   });
 }
 

@@ -309,6 +309,10 @@ int32_t perp_check_jacobian(perp_solver* solver, const perp_problem* problem, co
 /** What is known of the problem before it is solved; x0 NULL: the start. */
 int32_t perp_inspect(perp_solver* solver, const perp_problem* problem, const double* x0, perp_result** result,
                      perp_error* error);
+/** Why the problem has no solution, which row is the cause, and what would mend it; or what in it looks like a slip. By
+ *  the solver's method, in at most so many seconds; x0 NULL: the start. */
+int32_t perp_explain(perp_solver* solver, const perp_problem* problem, const double* x0, double seconds,
+                     perp_result** result, perp_error* error);
 /** What there is to choose from, of `what` = "methods", "options", "collection", "scenes". */
 int32_t perp_list(int32_t interface_, const char* what, perp_result** result, perp_error* error);
 
@@ -340,7 +344,12 @@ int32_t perp_list(int32_t interface_, const char* what, perp_result** result, pe
  *  perp_check_jacobian: worst, row, column, given, difference, outside_pattern, message
  *  perp_inspect: name, size, nonzeros, affine, bounds (part: free, lower, upper, boxed, fixed), structural_rank,
  *    residual, worst (text), singular, warnings (texts), classes (part: 1 yes, 0 no, -1 not decided), guarantees
- * (texts) perp_list: items (parts of texts and integers) perp_contact_...: below. */
+ *    (texts)
+ *  perp_explain: status, success, message, notes (texts), answers (parts, the first one first: kind, proven, text, rows
+ *    and variables (texts), row_indices, variable_indices), conflict (part: demands (parts: what, name, index),
+ *    smallest, certificate (text, JSON, where there is an exact one)), repair (part: changes (parts: as demands, and
+ *    from, to), least, verified); without conflict and repair where none was found
+ *  perp_list: items (parts of texts and integers) perp_contact_...: below. */
 enum perp_kind {
   PERP_NONE = 0, /**< there is no such field */
   PERP_INTEGER = 1,

@@ -39,6 +39,10 @@ from perp._problem import (
 )
 from perp._result import (
     AllSolutions,
+    Answer,
+    Change,
+    Demand,
+    Explanation,
     FoundSolution,
     Inspection,
     Interrupted,
@@ -49,16 +53,20 @@ from perp._result import (
     SolutionWarning,
     Verified,
 )
-from perp._solve import KeptSolver, lcp, mcp_affine, sensitivity, solve, solve_all, verify
+from perp._solve import KeptSolver, explain, lcp, mcp_affine, sensitivity, solve, solve_all, verify
 
 __version__: str
 
 __all__ = [
     "AllSolutions",
+    "Answer",
     "BimatrixEquilibria",
+    "Change",
     "CollectionEntry",
+    "Demand",
     "DenseResult",
     "DenseSolver",
+    "Explanation",
     "FileError",
     "FiniteGame",
     "Float32Warning",
@@ -86,6 +94,7 @@ __all__ = [
     "collection",
     "collection_entries",
     "contact",
+    "explain",
     "finite_game",
     "lcp",
     "lq_game",

@@ -145,6 +145,7 @@ _LONG = {
     "perp_check_jacobian": (_I, [_V, _V, _V, _V, _V]),
     "perp_inspect": (_I, [_V, _V, _V, _V, _V]),
     "perp_dense_solve": (_I, [_V, _N, _V, _V, _V, _V, c_double, _V, _V, _V, _V]),
+    "perp_explain": (_I, [_V, _V, _V, c_double, _V, _V]),
     "perp_contact_create": (_I, [_I, _I, _N, _V, _V, _V, _V, _V]),
     "perp_contact_condense": (_I, [_I, _I, _N, _V, _V, _V, _V, _V, _V, _V]),
     "perp_contact_read": (_I, [_I, _T, _V, _V]),

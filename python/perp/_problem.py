@@ -21,6 +21,7 @@ from perp._library import INTERFACE, Handle, call, check, made
 from perp._result import (
     AllSolutions,
     Fields,
+    Explanation,
     Inspection,
     Interrupted,
     JacobianCheck,
@@ -413,6 +414,12 @@ class Problem:
         """Proves that exactly one solution is near x, shape (n,), if it can, as `perp.verify`."""
         at = vector(x, self._n, "x")
         return Verified(self._fields(_library.lib.perp_verify, address(at)))
+
+    def explain(self, x0: npt.ArrayLike | None = None, *, seconds: float = 30) -> Explanation:
+        """Why the problem has no solution, which row is the cause, and what would mend it; or what in it looks like a
+        slip although it has one. x0, shape (n,), as in `solve`; seconds: for all of it."""
+        start = self._start(x0)
+        return Explanation(self._fields(_library.lib.perp_explain, _place(start), float(seconds)))
 
     def inspect(self, x0: npt.ArrayLike | None = None) -> Inspection:
         """What is known of the problem before it is solved; x0, shape (n,), as in `solve`."""

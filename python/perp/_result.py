@@ -514,3 +514,61 @@ class Inspection(Record):
         if self.classes:
             facts.append(("matrix", ", ".join(name for name, yes in self.classes.items() if yes) or "none known"))
         return facts + [("guarantee", text) for text in self.guarantees] + [("warning", text) for text in self.warnings]
+
+
+class Answer(Record):
+    """One of the answers to why a model has no solution, or to what in it looks like a slip."""
+
+    kind: Field[str] = Field('"conflict", "repair", "residual", "structure", "mirror", "family" or "start".')
+    proven: Field[bool] = Field("Whether it is proven; False: it is likely.", bool)
+    text: Field[str] = Field("In a sentence, with names.")
+    rows: Field[list[str]] = Field("The rows it is about.", _texts)
+    variables: Field[list[str]] = Field("The variables it is about.", _texts)
+    row_indices: Field[Array] = Field("The same rows, from 0.")
+    variable_indices: Field[Array] = Field("The same variables, from 0.")
+
+    def _facts(self) -> list[tuple[str, str]]:
+        return [("proven" if self.proven else "likely", self.text)]
+
+
+class Demand(Record):
+    """A row, or a bound, of a contradiction or of a change."""
+
+    what: Field[str] = Field('"row", "lower bound" or "upper bound".')
+    name: Field[str] = Field("Of the row, or of the variable that has the bound.")
+    index: Field[int] = Field("Its place, from 0.")
+
+    def _facts(self) -> list[tuple[str, str]]:
+        return [(self.what, self.name)]
+
+
+class Change(Demand):
+    """A constant that is added to F in a row, or a bound: from one value to another."""
+
+    to: Field[float] = Field("The new value.")
+
+    def _facts(self) -> list[tuple[str, str]]:
+        return [(self.what, f"{self.name}: {self.to:.6g}")]
+
+
+class Explanation(Record):
+    """Why a model has no solution, the likeliest cause first, and what would mend it."""
+
+    status: Field[str] = Field("How the solve ended.")
+    success: Field[bool] = Field("Whether it has a solution.", bool)
+    message: Field[str] = Field("What the solve says.")
+    answers: Field[list[Answer]] = Field("The first one first.", lambda parts: [Answer(part) for part in parts or []])
+    conflict: Field[list[Demand]] = Field(
+        "Rows and bounds that contradict each other; empty: none were found.",
+        lambda parts: [Demand(part) for part in parts[0].read("demands")] if parts else [],
+    )
+    repair: Field[list[Change]] = Field(
+        "The changes that would mend the model; empty: none were found.",
+        lambda parts: [Change(part) for part in parts[0].read("changes")] if parts else [],
+    )
+    notes: Field[list[str]] = Field("What a solution leaves to be said.", _texts)
+
+    def _facts(self) -> list[tuple[str, str]]:
+        facts = [("status", self.status)]
+        facts += [("proven" if a.proven else "likely", a.text) for a in self.answers]
+        return facts + [("note", text) for text in self.notes]

@@ -10,10 +10,10 @@ import numpy.typing as npt
 
 from perp import _library
 from perp._arrays import split_bounds
-from perp._problem import Problem, affine_handle, asked, function_problem, listeners_of
-from perp._result import AllSolutions, Result, Sensitivity, Verified
+from perp._problem import Problem, affine_handle, asked, function_problem, listeners_of, read_nl
+from perp._result import AllSolutions, Explanation, Result, Sensitivity, Verified
 from perp._session import Solver
-from perp._types import Bound, Bounds, Callback, Function, Jacobian, LogTo, Matrix, Options
+from perp._types import Bound, Bounds, Callback, Function, Jacobian, LogTo, Matrix, Options, Path
 
 
 def solve(
@@ -164,6 +164,13 @@ def sensitivity(
     if not isinstance(F, Problem):
         F = function_problem(F, x, lower, upper, jac, pattern, bounds, args)
     return F.sensitivity(x, dF, dlower=dlower, dupper=dupper, direction=direction)
+
+
+def explain(problem: Problem | Path, x0: npt.ArrayLike | None = None, *, seconds: float = 30) -> Explanation:
+    """Why a model has no solution, which row is the cause, and what would mend it; or what in it looks like a slip although
+    it has one. Of a problem or of an .nl file; x0, shape (n,), as in `solve`; seconds: for all of it."""
+    model = problem if isinstance(problem, Problem) else read_nl(problem)
+    return model.explain(x0, seconds=seconds)
 
 
 def verify(problem: Problem, x: npt.ArrayLike) -> Verified:
