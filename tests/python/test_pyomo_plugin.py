@@ -648,3 +648,26 @@ def test_side_inequalities(solver):
     assert m.x.value == pytest.approx(3)
     m.e = pyo.Constraint(expr=m.x >= 4)
     assert solver.solve(m).solver.termination_condition == TerminationCondition.infeasible
+
+
+# Why there is no solution
+
+
+def test_explain_speaks_in_components(solver):
+    """Demand 30 of b is above both capacities, 4 and 5, by 21, and a needs another 3: computed by hand."""
+    m = pyo.ConcreteModel()
+    m.P, m.T = pyo.Set(initialize=["n", "s"]), pyo.Set(initialize=["a", "b"])
+    capacity, demand = {"n": 4, "s": 5}, {"a": 3, "b": 30}
+    m.ship, m.price, m.rent = pyo.Var(m.P, m.T, initialize=1), pyo.Var(m.T, initialize=1), pyo.Var(m.P, initialize=0)
+    m.profit = Complementarity(m.P, m.T, rule=lambda m, p, t: complements(2 + m.rent[p] - m.price[t] >= 0, m.ship[p, t] >= 0))
+    m.market = Complementarity(m.T, rule=lambda m, t: complements(sum(m.ship[p, t] for p in m.P) >= demand[t], m.price[t] >= 0))
+    m.capacity = Complementarity(
+        m.P, rule=lambda m, p: complements(sum(m.ship[p, t] for t in m.T) <= capacity[p], m.rent[p] >= 0)
+    )
+    why = solver.explain(m)
+    assert why.status == "Infeasible" and why.answers[0].proven
+    assert {id(c) for c in why.constraints} == {id(c) for c in (m.market["b"], m.capacity["n"], m.capacity["s"])}
+    assert {id(v) for v in why.variables} == {id(v) for v in (m.ship["n", "a"], m.ship["s", "a"])}
+    assert "add 24" in str(why)
+    m.market["b"].deactivate(), m.price["b"].fix(1)
+    assert not solver.explain(m).answers

@@ -9,7 +9,8 @@ docs/pyomo.md says what it does with each kind of condition.
 """
 
 from perp.pyomo._equilibrium import Agent, Equilibrium, equilibrium
+from perp.pyomo._explain import Answer, Explanation
 from perp.pyomo._expression import ModelError
 from perp.pyomo._solver import Perp
 
-__all__ = ["Agent", "Equilibrium", "ModelError", "Perp", "equilibrium"]
+__all__ = ["Agent", "Answer", "Equilibrium", "Explanation", "ModelError", "Perp", "equilibrium"]

@@ -28,8 +28,9 @@ from pyomo.opt.base.solvers import _extract_version
 from pyomo.opt.solver import SystemCallSolver
 
 from perp._result import contradiction
-from perp.pyomo._model import CompiledModel, Contents
+from perp.pyomo._explain import Explanation, explanation_of
 from perp.pyomo._expression import ModelError
+from perp.pyomo._model import CompiledModel, Contents
 from perp.pyomo._rows import Auxiliary
 
 logger = logging.getLogger("pyomo.solvers")
@@ -115,15 +116,29 @@ class Perp(SystemCallSolver):  # type: ignore[misc]
         answer = self._run(files, compiled, text, all_options, tee, logfile)
         return _results(model, compiled, answer, load_solutions, time.perf_counter() - begun)
 
-    def _run(
-        self, files: Files, compiled: CompiledModel, text: str, options: Mapping[str, Any], tee: bool, logfile: str | None
-    ) -> dict[str, Any]:
+    def explain(self, model: Any, *, timelimit: float = 30) -> Explanation:
+        """Why the model has no solution, which constraint is the cause, and what would mend it, in the model's components.
+        In at most so many seconds."""
+        kept = _compile(model)
+        text = kept.compiled.nl()
+        kept.compiled.check()
+        stub = kept.files.write(kept.compiled, text)
+        command = [self._program(), "explain", stub + ".nl", "--json", "-", "--time-limit", str(timelimit)]
+        document, said, code = _execute(command, stub + ".err")
+        return explanation_of(kept.compiled, _parsed(document, said, code))
+
+    def _program(self) -> str:
         program = self.executable()
         if program is None:
             raise ApplicationError("the program perp was not found: give executable=, or install it where the PATH leads")
+        return str(program)
+
+    def _run(
+        self, files: Files, compiled: CompiledModel, text: str, options: Mapping[str, Any], tee: bool, logfile: str | None
+    ) -> dict[str, Any]:
         stub = files.write(compiled, text)
         shows = tee or logfile
-        command = [program, "solve", stub + ".nl"]
+        command = [self._program(), "solve", stub + ".nl"]
         command += ["--json", stub + ".json"] if shows else ["--json", "-", "--log-level", "quiet"]
         for key, setting in options.items():
             command += ["--option", f"{key}={_word(setting)}"]
@@ -134,12 +149,16 @@ class Perp(SystemCallSolver):  # type: ignore[misc]
                 document = file.read()
         else:
             document, said, code = _execute(command, stub + ".err")
-        try:
-            answer: dict[str, Any] = json.loads(document)
-        except ValueError:
-            raise ApplicationError(f"perp ended with code {code} and no answer: {said.strip() or 'it said nothing'}") from None
-        answer["message"] = re.sub(r"^.*?model\.nl(:\d+)?: ", "", answer["message"])
-        return answer
+        return _parsed(document, said, code)
+
+
+def _parsed(document: str, said: str, code: int) -> dict[str, Any]:
+    try:
+        answer: dict[str, Any] = json.loads(document)
+    except ValueError:
+        raise ApplicationError(f"perp ended with code {code} and no answer: {said.strip() or 'it said nothing'}") from None
+    answer["message"] = re.sub(r"^.*?model\.nl(:\d+)?: ", "", answer["message"])
+    return answer
 
 
 class Files:
