@@ -13,15 +13,15 @@ constexpr double negligible = 1e-13;
 
 }  // namespace
 
-bool DensePivoting::run(const DenseMcp& problem, Places& places, const Limits& limits) {
+bool DensePivoting::run(const DenseMcp& problem, Cells& cells, const Limits& limits) {
   const Index n = problem.size();
   largest_ = n > 0 ? problem.M.cwiseAbs().maxCoeff() : 0;
   Index fewest = n + 1;
   int left = rounds_without_gain;
   for (rounds_ = 0; rounds_ <= n + rounds_without_gain && !limits.reached();) {
     ++rounds_;
-    if (!solve_cell(problem, places)) return false;
-    find_violated(problem, places);
+    if (!solve_cell(problem, cells)) return false;
+    find_violated(problem, cells);
     const auto violated = static_cast<Index>(violated_.size());
     if (violated == 0) return true;
     if (violated < fewest) {
@@ -32,25 +32,25 @@ bool DensePivoting::run(const DenseMcp& problem, Places& places, const Limits& l
     }
     if (left == 0) violated_.resize(1);
     for (const Index i : violated_) {
-      const Place beyond = z_[i] < problem.box.lower[i] ? Place::Lower : Place::Upper;
-      places[at(i)] = places[at(i)] == Place::Inside ? beyond : Place::Inside;
+      const Cell beyond = z_[i] < problem.box.lower[i] ? Cell::Below : Cell::Above;
+      cells[at(i)] = cells[at(i)] == Cell::Inside ? beyond : Cell::Inside;
     }
   }
   return false;
 }
 
 /// Sets z and F of the cell; false if it has none, or M is no P-matrix.
-bool DensePivoting::solve_cell(const DenseMcp& problem, const Places& places) {
+bool DensePivoting::solve_cell(const DenseMcp& problem, const Cells& cells) {
   const Index n = problem.size();
   z_.resize(n);
   F_ = problem.q;
   inside_.clear();
   for (Index j = 0; j < n; ++j) {
-    if (places[at(j)] == Place::Inside) {
+    if (cells[at(j)] == Cell::Inside) {
       inside_.push_back(j);
       continue;
     }
-    z_[j] = places[at(j)] == Place::Lower ? problem.box.lower[j] : problem.box.upper[j];
+    z_[j] = cells[at(j)] == Cell::Below ? problem.box.lower[j] : problem.box.upper[j];
     if (z_[j] != 0) F_ += z_[j] * problem.M.col(j);
   }
   if (!factor(problem.M)) return false;
@@ -89,16 +89,16 @@ void DensePivoting::solve(Vec& x) const {
   }
 }
 
-void DensePivoting::find_violated(const DenseMcp& problem, const Places& places) {
+void DensePivoting::find_violated(const DenseMcp& problem, const Cells& cells) {
   const double zero_F = negligible * (problem.q.lpNorm<Eigen::Infinity>() + largest_ * z_.lpNorm<1>());
   const double zero_z = largest_ > 0 ? zero_F / largest_ : 0;
   violated_.clear();
   for (Index i = 0; i < problem.size(); ++i) {
     const double l = problem.box.lower[i], u = problem.box.upper[i];
-    const Place place = places[at(i)];
-    const bool violated = place == Place::Inside  ? z_[i] < l - zero_z || z_[i] > u + zero_z
-                          : place == Place::Lower ? F_[i] < -zero_F && l < u
-                                                  : F_[i] > zero_F;
+    const Cell cell = cells[at(i)];
+    const bool violated = cell == Cell::Inside  ? z_[i] < l - zero_z || z_[i] > u + zero_z
+                          : cell == Cell::Below ? F_[i] < -zero_F && l < u
+                                                : F_[i] > zero_F;
     if (violated) violated_.push_back(i);
   }
 }

@@ -11,12 +11,12 @@ namespace perp::lcp {
 const Result& DenseSolver::solve(const Matrix& M, In q, In lower, In upper, const Limits& limits) {
   take(M, q, lower, upper, limits.tol);
   enter();
-  const bool ended = pivoting_.run(problem_, places_, limits);
+  const bool ended = pivoting_.run(problem_, cells_, limits);
   const int rounds = pivoting_.rounds();
   if (!ended || !judged_solution(limits.tol)) {
     const AffineMcp sparse{problem_.M.sparseView(), problem_.q, problem_.box};
     result_ = lcp::solve(sparse, project(sparse.box, Vec::Zero(sparse.size())), Auto{}, limits);
-    places_ = result_.solved() ? places_of(problem_.box, result_.z) : Places{};
+    cells_ = result_.solved() ? cells_of(problem_.box, result_.z) : Cells{};
   } else {
     result_.iterations = 0;
     result_.factorizations = 0;
@@ -44,15 +44,15 @@ void DenseSolver::take(const Matrix& M, In q, In lower, In upper, double tol) {
   }
 }
 
-/// Keeps the places that the bounds allow; the others are at a finite bound, or inside where there is none.
+/// Keeps the cells that the bounds allow; the others are at a finite bound, or inside where there is none.
 void DenseSolver::enter() {
-  if (static_cast<Index>(places_.size()) != problem_.size()) places_.assign(at(problem_.size()), Place::Lower);
+  if (static_cast<Index>(cells_.size()) != problem_.size()) cells_.assign(at(problem_.size()), Cell::Below);
   for (Index i = 0; i < problem_.size(); ++i) {
-    Place& place = places_[at(i)];
-    if (problem_.box.is_fixed(i)) place = Place::Lower;
-    if (place == Place::Lower && !problem_.box.has_lower(i)) place = Place::Upper;
-    if (place == Place::Upper && !problem_.box.has_upper(i))
-      place = problem_.box.has_lower(i) ? Place::Lower : Place::Inside;
+    Cell& cell = cells_[at(i)];
+    if (problem_.box.is_fixed(i)) cell = Cell::Below;
+    if (cell == Cell::Below && !problem_.box.has_lower(i)) cell = Cell::Above;
+    if (cell == Cell::Above && !problem_.box.has_upper(i))
+      cell = problem_.box.has_lower(i) ? Cell::Below : Cell::Inside;
   }
 }
 

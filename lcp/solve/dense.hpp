@@ -22,7 +22,7 @@ class DenseSolver {
   /// Throws std::invalid_argument for malformed input.
   const Result& solve(const Matrix& M, In q, In lower, In upper, const Limits& limits = {});
   /// Begins the next solve at the bounds.
-  void forget() { places_.clear(); }
+  void forget() { cells_.clear(); }
 
  private:
   void take(const Matrix& M, In q, In lower, In upper, double tol);
@@ -30,7 +30,7 @@ class DenseSolver {
   bool judged_solution(double tol);
 
   DenseMcp problem_;
-  Places places_;
+  Cells cells_;
   DensePivoting pivoting_;
   Result result_;
 };

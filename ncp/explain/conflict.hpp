@@ -17,7 +17,7 @@
 #include <vector>
 
 #include "lcp/judge/refutation.hpp"
-#include "lcp/kernel_clock.hpp"
+#include "lcp/deadline.hpp"
 #include "ncp/problem/mcp.hpp"
 
 namespace perp::ncp {
