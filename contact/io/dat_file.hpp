@@ -7,8 +7,8 @@
 ///     q            d n               MATRIX H     m x d n
 ///     mu           n                 f  m,   w  d n,   mu  n
 /// and at the end, in some files, a flag 0 or 1 that nothing depends on. MATRIX is that of
-/// lcp/io/siconos_file.hpp, dense or sparse by blocks. Zeros are not stored in W, M, H. A global problem is condensed
-/// (contact::condense), its G has no columns.
+/// lcp/io/siconos_file.hpp, dense, sparse by blocks or compressed. Zeros are not stored in W, M, H. A global problem is
+/// condensed (contact::condense), its G has no columns.
 ///
 /// Nothing is trusted: counts, shapes, values that are not finite, coefficients below zero, a file that ends too early
 /// or has numbers left over are refused, by lcp::FileError with line and reason.

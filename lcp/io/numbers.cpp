@@ -50,6 +50,13 @@ Vec Numbers::vector(const char* what, Index n) {
   return v;
 }
 
+void Numbers::word(const std::string& expected) {
+  if (const std::string_view found = next(expected.c_str()); found != expected)
+    refuse("'", found, "' stands where '", expected, "' should be");
+}
+
+void Numbers::skip_line() { rest_.remove_prefix(std::min(rest_.find('\n'), rest_.size())); }
+
 Eigen::MatrixXd Numbers::by_rows(const char* what, Index rows, Index columns) {
   expect(what, rows, columns);
   Eigen::MatrixXd A(rows, columns);

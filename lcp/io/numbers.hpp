@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-/// Text files of numbers separated by blanks and line ends, read one after the other; what does not fit is refused by
-/// FileError with line and reason. Private to the readers of the project.
+/// Text files of numbers, and some words, separated by blanks and line ends, read one after the other; what does not
+/// fit is refused by FileError with line and reason. Private to the readers of the project.
 #include <string>
 #include <string_view>
 #include <vector>
@@ -26,6 +26,9 @@ class Numbers {
   /// Finite.
   double number(const char* what);
   Vec vector(const char* what, Index n);
+  /// Refuses any other word.
+  void word(const std::string& expected);
+  void skip_line();  ///< its rest
   Eigen::MatrixXd by_rows(const char* what, Index rows, Index columns);
 
   /// Refuses counts above what a file of so many more bytes can hold, before anything is allocated.

@@ -31,7 +31,15 @@
 ///                                    left out
 ///     c_1 .. c_b                     block column of each block
 ///     number, entries by COLUMNS     of each block, numbered from 0
-/// Storage 2 (compressed) is refused.
+/// or
+///     storage rows columns           storage 2: compressed, as CSparse prints it
+///     2                              1: triplets, 2: columns
+///     CSparse Version ..
+///     ROWS-by-COLUMNS, nzmax: N nnz: N, 1-norm: X
+///     col 0 : locations 0 to 1       of each column its entries, row : value
+///     0 : 856.713
+///     ..
+/// Of triplets the third line is "triplet: ROWS-by-COLUMNS, nzmax: N nnz: N", and each entry row column : value.
 ///
 /// Blocks may come in any number and order; u and v gather the unknowns of the equations and of the conditions. After
 /// the problem may stand the known solution (z, w) or (v, w), or on a new line any text that does not begin with a

@@ -13,7 +13,6 @@ constexpr Index most = std::numeric_limits<int>::max();
 
 SiconosMatrix::SiconosMatrix(Numbers& in, const char* name) : in_(in), name_(name) {
   storage_ = in.integer("the storage type", 0, 2);
-  if (storage_ == 2) in.refuse("the storage type of ", name, " is 2 (compressed), only 0 and 1 are read");
   rows_ = in.integer("the number of rows", 0, most);
   columns_ = in.integer("the number of columns", 0, most);
 }
@@ -24,18 +23,22 @@ SpMat SiconosMatrix::entries() {
   in_.expect(name_, columns_, 1);
   if (storage_ == 0)
     read_dense();
-  else
+  else if (storage_ == 1)
     read_blocks();
+  else
+    read_compressed();
   SpMat A(rows_, columns_);
   A.setFromTriplets(entries_.begin(), entries_.end());
   return A;
 }
 
+void SiconosMatrix::add(Index row, Index column, double value) {
+  if (value != 0) entries_.emplace_back(static_cast<int>(row), static_cast<int>(column), value);
+}
+
 void SiconosMatrix::read_block(Index row, Index column, Index rows, Index columns) {
   for (Index j = 0; j < columns; ++j)
-    for (Index i = 0; i < rows; ++i)
-      if (const double a = in_.number(name_); a != 0)
-        entries_.emplace_back(static_cast<int>(row + i), static_cast<int>(column + j), a);
+    for (Index i = 0; i < rows; ++i) add(row + i, column + j, in_.number(name_));
 }
 
 void SiconosMatrix::read_dense() {
@@ -84,6 +87,41 @@ void SiconosMatrix::read_blocks() {
       in_.expect(name_, rows, columns);
       read_block(row_end[i], column_end[j], rows, columns);
     }
+}
+
+/// What CSparse prints.
+void SiconosMatrix::read_compressed() {
+  const bool triplets = in_.integer("the form of a compressed matrix (1: triplets, 2: columns)", 1, 2) == 1;
+  in_.word("CSparse");
+  in_.skip_line();
+  if (triplets) in_.word("triplet:");
+  in_.word(text_of(rows_, "-by-", columns_, ","));
+  in_.word("nzmax:");
+  in_.integer("nzmax", 0, most);
+  in_.word("nnz:");
+  const auto entry = [this](Index row, Index column) {
+    in_.word(":");
+    add(row, column, in_.number(name_));
+  };
+  if (triplets) {
+    for (Index left = in_.integer("the number of triplets", 0, most); left > 0; --left) {
+      const Index row = in_.integer("the row of a triplet", 0, rows_ - 1);
+      entry(row, in_.integer("the column of a triplet", 0, columns_ - 1));
+    }
+    return;
+  }
+  in_.skip_line();  // the number of entries, which the last column tells, and the 1-norm
+  Index next = 0;
+  for (Index j = 0; j < columns_; ++j) {
+    in_.word("col");
+    in_.integer("the number of a column", j, j);
+    in_.word(":");
+    in_.word("locations");
+    in_.integer("the place of a column's first entry", next, next);
+    in_.word("to");
+    const Index last = in_.integer("the place of a column's last entry", next - 1, most);
+    for (; next <= last; ++next) entry(in_.integer("the row of an entry", 0, rows_ - 1), j);
+  }
 }
 
 }  // namespace perp::lcp

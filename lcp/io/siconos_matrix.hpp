@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-/// The matrices in Siconos' `.dat` files: MATRIX of lcp/io/siconos_file.hpp, storage 0 (dense) and 1 (sparse by
-/// blocks). Private to the readers of the project.
+/// The matrices in Siconos' `.dat` files: MATRIX of lcp/io/siconos_file.hpp, storage 0 (dense), 1 (sparse by
+/// blocks) and 2 (compressed). Private to the readers of the project.
 #include <vector>
 
 #include "lcp/io/numbers.hpp"
@@ -22,10 +22,12 @@ class SiconosMatrix {
  private:
   using Triplets = std::vector<Eigen::Triplet<double>>;
 
+  void add(Index row, Index column, double value);
   void read_block(Index row, Index column, Index rows, Index columns);
   void read_dense();
   std::vector<Index> ends(const char* what, Index blocks, Index size);
   void read_blocks();
+  void read_compressed();
 
   Numbers& in_;
   const char* name_;

@@ -127,7 +127,10 @@ TEST(Damaged, Dat) {
   const std::string blocks =
       "2 2 1 4 4 3 2 2 2 4 2 4 3 3 0 2 3 0 1 1 0 1 2 3 4 1 5 6 7 8 2 9 10 0 12 -1 -2 -3 -4 0.5 0.25 0";
   const std::string global = "2 1 0 2 2 2 2 2 0 0 4 0 2 2 2 2 1 2 3 4 2 4 10 20 0.5 1";
-  for (const std::string& text : {dense, blocks, global}) {
+  const std::string columns =
+      "2 1 2 2 2 2\nCSparse 3\n2-by-2, nzmax: 3 nnz: 3, 1-norm: 4\ncol 0 : locations 0 to 1\n0 : 1\n1 : 2\n"
+      "col 1 : locations 2 to 2\n1 : 4\n-5 6e0\n0.25";
+  for (const std::string& text : {dense, blocks, global, columns}) {
     int refused = 0;
     for (int k = 0; k < 3000; ++k) refused += dat(damaged(text, random)) == Outcome::Refused ? 1 : 0;
     EXPECT_GT(refused, 300);

@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 
+#include <sstream>
 #include <string>
 
 #include "contact/contact_support.hpp"
@@ -81,17 +82,124 @@ TEST(DatFile, RecordedStoragesAgree) {
   EXPECT_EQ(dense.mu, blocks.mu);
 }
 
+std::string with(std::string text, const std::string& from, const std::string& to) {
+  const std::size_t at = text.find(from);
+  EXPECT_NE(at, std::string::npos);
+  return text.replace(at, from.size(), to);
+}
+
+enum class Form { Full, Triplets, Columns };
+
+/// The matrix as Siconos writes it (NM_write_in_file; CSparseMatrix_print_in_file), with all digits.
+std::string written(const SpMat& A, Form form) {
+  std::ostringstream out;
+  out.precision(17);
+  out << (form == Form::Full ? 0 : 2) << '\n' << A.rows() << '\n' << A.cols() << '\n';
+  if (form == Form::Full) {
+    out << A.rows() << '\t' << A.cols() << '\n';
+    const Dense entries(A);
+    for (const double a : entries.reshaped()) out << a << ' ';
+    out << '\n';
+    return out.str();
+  }
+  const bool columns = form == Form::Columns;
+  out << (columns ? 2 : 1) << "\nCSparse Version 3.1.9, May 4, 2016.  Copyright (c) Timothy A. Davis, 2006-2016\n"
+      << (columns ? "" : "triplet: ") << A.rows() << "-by-" << A.cols() << ", nzmax: " << A.nonZeros() + 1
+      << " nnz: " << A.nonZeros() << (columns ? ", 1-norm: 7152.83\n" : "\n");
+  for (Index j = 0; j < A.cols(); ++j) {
+    const int* p = A.outerIndexPtr() + j;
+    if (columns) out << "    col " << j << " : locations " << p[0] << " to " << p[1] - 1 << '\n';
+    for (SpMat::InnerIterator it(A, j); it; ++it)
+      out << "    " << it.row() << ' ' << (columns ? "" : std::to_string(j) + ' ') << ": " << it.value() << '\n';
+  }
+  return out.str();
+}
+
+std::string written(const Vec& v) {
+  std::ostringstream out;
+  out.precision(17);
+  out << v.transpose() << '\n';
+  return out.str();
+}
+
+std::string written(int d, const Vec& mu, const std::string& between) {
+  return std::to_string(d) + '\n' + std::to_string(mu.size()) + '\n' + between + written(mu);
+}
+
+// Local and global problems in 2D and 3D, with and without contacts, are the same in every storage. Catches rows taken
+// for columns, empty columns, a global problem that is taken for a local one.
+TEST(DatFile, CompressedMatricesAreTheDenseOnes) {
+  support::Random random(4);
+  for (const int d : {2, 3})
+    for (const Index n : {0, 1, 5})
+      for (int k = 0; k < 5; ++k) {
+        const Index m = 3 * random.integer(1, 4);
+        const auto sparse = [&](Index rows, Index columns) {
+          return support::sparse(
+              Dense::NullaryExpr(rows, columns, [&] { return random.chance(0.4) ? random.normal() : 0; }));
+        };
+        const SpMat W = sparse(d * n, d * n);
+        const Vec masses = Vec::NullaryExpr(m, [&] { return random.uniform(0.1, 10); });
+        const SpMat M = support::sparse(Dense(masses.asDiagonal()));
+        const SpMat H = sparse(m, d * n);
+        const Vec q = random.normals(d * n);
+        const Vec f = random.normals(m);
+        const Vec mu = random.normals(n).cwiseAbs();
+        std::vector<Problem> local;
+        std::vector<Problem> global;
+        for (const Form form : {Form::Full, Form::Triplets, Form::Columns}) {
+          local.push_back(parse_dat(written(d, mu, written(W, form) + written(q)), "local"));
+          const std::string matrices = written(M, form) + written(H, form);
+          global.push_back(parse_dat(written(d, mu, matrices + written(f) + written(q)), "global"));
+        }
+        for (const Problem& p : local) {
+          EXPECT_EQ(Dense(p.W.matrix()), Dense(W));
+          EXPECT_EQ(p.q, q);
+          EXPECT_EQ(p.mu, mu);
+        }
+        for (const Problem& p : global) {
+          ASSERT_TRUE(p.global);
+          EXPECT_EQ(Dense(p.global->M), Dense(M));
+          EXPECT_EQ(Dense(p.global->H), Dense(H));
+          EXPECT_EQ(p.q, global[0].q);
+        }
+      }
+}
+
+/// W = [1 3; 2 4] by columns.
+const std::string columns_2d =
+    written(2, vec({0.25}), written(support::matrix({{1, 3}, {2, 4}}), Form::Columns) + "-5 6\n");
+
+TEST(DatFile, RefusesWhatIsNotCompressed) {
+  EXPECT_EQ(dat_error(columns_2d), "read");
+  EXPECT_EQ(dat_error(with(columns_2d, "\n2\nCSparse", "\n3\nCSparse")),
+            "x.dat:6: the form of a compressed matrix (1: triplets, 2: columns) is 3, not within 1 and 2");
+  EXPECT_EQ(dat_error(with(columns_2d, "CSparse", "(null)")), "x.dat:7: '(null)' stands where 'CSparse' should be");
+  EXPECT_EQ(dat_error(with(columns_2d, "2-by-2", "2-by-3")), "x.dat:8: '2-by-3,' stands where '2-by-2,' should be");
+  EXPECT_EQ(dat_error(with(columns_2d, "col 1", "col 2")), "x.dat:12: the number of a column is 2, not within 1 and 1");
+  EXPECT_EQ(dat_error(with(columns_2d, "locations 2", "locations 1")),
+            "x.dat:12: the place of a column's first entry is 1, not within 2 and 2");
+  EXPECT_EQ(dat_error(with(columns_2d, "to 1", "to 0")), "x.dat:11: '1' stands where 'col' should be");
+  EXPECT_EQ(dat_error(with(columns_2d, " 1 : 4", " 2 : 4")), "x.dat:14: the row of an entry is 2, not within 0 and 1");
+  EXPECT_EQ(dat_error(with(columns_2d, "1 : 4", "1 : inf")), "x.dat:14: the first matrix, W or M, has an entry inf");
+  EXPECT_EQ(dat_error(with(columns_2d, "1 : 4", "1 :4")), "x.dat:14: ':4' stands where ':' should be");
+  EXPECT_THAT(dat_error(with(with(columns_2d, "\n2\n2\n2\n", "\n2\n2000000000\n2\n"), "2-by", "2000000000-by")),
+              HasSubstr("more than the rest of the file can hold"));
+  const std::string triplets =
+      written(2, vec({0.25}), written(support::matrix({{1, 3}, {2, 4}}), Form::Triplets) + "-5 6\n");
+  EXPECT_EQ(dat_error(triplets), "read");
+  EXPECT_EQ(dat_error(with(triplets, "1 1 : 4", "1 2 : 4")),
+            "x.dat:12: the column of a triplet is 2, not within 0 and 1");
+  EXPECT_EQ(dat_error(with(triplets, "nnz: 4", "nnz: 5")), "x.dat:13: the row of a triplet is -5, not within 0 and 1");
+  EXPECT_EQ(dat_error(with(triplets, "triplet:", "csr:")), "x.dat:8: 'csr:' stands where 'triplet:' should be");
+}
+
 TEST(DatFile, Refuses) {
-  const auto with = [](std::string text, const std::string& from, const std::string& to) {
-    const std::size_t at = text.find(from);
-    EXPECT_NE(at, std::string::npos);
-    return text.replace(at, from.size(), to);
-  };
   EXPECT_EQ(dat_error(""), "x.dat:1: the file ends where the dimension should be");
   EXPECT_EQ(dat_error("4 1"), "x.dat:1: the dimension is 4, not within 2 and 3");
   EXPECT_EQ(dat_error("3 -1"), "x.dat:1: the number of contacts is -1, not within 0 and 715827882");
   EXPECT_THAT(dat_error("3 700000000 0 3 3"), HasSubstr("more than the rest of the file can hold"));
-  EXPECT_THAT(dat_error("3 1 2 3 3"), HasSubstr("is 2 (compressed), only 0 and 1 are read"));
+  EXPECT_EQ(dat_error("3 1 3 3 3"), "x.dat:1: the storage type is 3, not within 0 and 2");
   EXPECT_THAT(dat_error("2 1 0 2000000000 2 2 2"), HasSubstr("more than the rest of the file can hold"));
   EXPECT_EQ(dat_error(with(local_2d, "2 2", "2 3")),
             "x.dat:6: the second pair of sizes of the first matrix, W or M, differs from the first, 2 x 2");
@@ -117,7 +225,7 @@ TEST(DatFile, Refuses) {
 // Cut off anywhere before its last number, with one exception that the format has: "0 2 2" of H, the matrix that makes
 // a problem global, may as well be q and mu of a local one.
 TEST(DatFile, CutShort) {
-  for (const std::string& text : {local_2d, blocks_2d, global_2d}) {
+  for (const std::string& text : {local_2d, blocks_2d, global_2d, columns_2d}) {
     const std::size_t last = text.rfind("0.");
     for (std::size_t size = 0; size < last; ++size) {
       const std::string why = dat_error(text.substr(0, size));

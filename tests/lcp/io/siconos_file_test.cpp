@@ -72,7 +72,7 @@ TEST(SiconosFile, RefusesBadLcps) {
   EXPECT_EQ(dat_error("-1 0"), "x.dat:1: n is -1, not within 0 and 2147483647");
   EXPECT_EQ(dat_error("1.5"), "x.dat:1: n is '1.5', not an integer");
   EXPECT_EQ(dat_error("99999999999999999999"), "x.dat:1: n is '99999999999999999999', not an integer");
-  EXPECT_THAT(dat_error("2\n2\n2 2"), HasSubstr("the storage type of M is 2 (compressed), only 0 and 1 are read"));
+  EXPECT_THAT(dat_error("2\n3\n2 2"), HasSubstr("the storage type is 3, not within 0 and 2"));
   EXPECT_EQ(dat_error("2\n0\n2 3 2 3"), "x.dat:3: M is 2 x 3, not 2 x 2");
   EXPECT_THAT(dat_error("2 0 2 2 2 1"), HasSubstr("differs from the first, 2 x 2"));
   EXPECT_THAT(dat_error("2000000000 0 2000000000 2000000000 2000000000 2000000000 1 2"),
