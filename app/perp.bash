@@ -5,7 +5,6 @@
 _perp_help() {  # of the command on the line: --help, without its lists of commands and examples
   local words=()
   [ "$command" = help ] || words=("$command")
-  [ "$command" = contact ] && [ "$COMP_CWORD" -gt 2 ] && [ "${COMP_WORDS[2]}" = ball ] && words+=(ball)
   "${COMP_WORDS[0]}" "${words[@]}" --help 2>/dev/null
 }
 
@@ -58,7 +57,7 @@ _perp_positional() {
   case $command in
     help) _perp_words "$(_perp_commands)" ;;
     contact)
-      _perp_words "ball $(sed -n 's/^contacts: \(.*\)\.$/\1/p' <<<"$help" | sed 's/,\|$/:/g')"
+      _perp_words "$(sed -n 's/^contacts: \(.*\)\.$/\1/p' <<<"$help" | sed 's/,\|$/:/g')"
       compgen -f -X '!*.@(dat|hdf5|h5)' -- "$cur"
       compgen -d -- "$cur" ;;
     *)
@@ -95,7 +94,7 @@ _perp_list() {  # the words after the last comma of a list, behind what is befor
 _perp_lab() {
   local cur=${COMP_WORDS[COMP_CWORD]} prev=${COMP_WORDS[COMP_CWORD-1]} kind=${COMP_WORDS[1]} help
   COMPREPLY=()
-  case $kind in contact | facets | ball) ;; *) kind='' ;; esac
+  case $kind in contact | facets | ball | forces) ;; *) kind='' ;; esac
   case $prev in
     --problems) mapfile -t COMPREPLY < <(_perp_list "all $(COMP_WORDS=(perp); _perp_problems)") ;;
     --methods) mapfile -t COMPREPLY < <(_perp_list "presets published all none cfunctions $(COMP_WORDS=(perp); _perp_methods)") ;;
@@ -111,7 +110,7 @@ _perp_lab() {
       elif [ "${COMP_WORDS[0]##*/}" = perp-report ]; then
         mapfile -t COMPREPLY < <(compgen -d -- "$cur")
       elif [ "$COMP_CWORD" -eq 1 ]; then
-        mapfile -t COMPREPLY < <(_perp_words "contact facets ball")
+        mapfile -t COMPREPLY < <(_perp_words "contact facets ball forces")
       else
         mapfile -t COMPREPLY < <(compgen -f -- "$cur")
       fi ;;

@@ -7,7 +7,6 @@ include(CMakePackageConfigHelpers)
 set(perp_public_headers
   contact/laws/affine_encoding.hpp
   contact/classics/alart_curnier.hpp
-  contact/scenes/ball.hpp
   contact/io/dat_file.hpp
   contact/existence/existence.hpp
   contact/model/facts.hpp

@@ -6,9 +6,9 @@
 #include <ostream>
 #include <utility>
 
-#include "app/contact/ball.hpp"
 #include "app/contact/contact.hpp"
 #include "app/contact/run/report.hpp"
+#include "app/contact/run/run.hpp"
 #include "app/contact/run/variant.hpp"
 #include "app/program/command_option.hpp"
 
@@ -23,7 +23,6 @@ constexpr const char* footer =
     "\n"
     "Examples:\n"
     "  perp contact Capsules.hdf5                              Coulomb's law, by several methods in turn\n"
-    "  perp contact spheres:200:7 --svg forces.svg             the forces in their friction disks\n"
     "  perp contact wall:100 --formulation inner:8             octagons as friction disks, and the error this makes\n"
     "  perp contact Rover.dat --method path --encoding B --row original\n"
     "  perp contact incline:40:1:0.3 --json - | jq '.contacts[] | select(.state == \"slip\")'\n"
@@ -31,6 +30,7 @@ constexpr const char* footer =
     "  perp contact --generate stack:60 --fclib-out stack.hdf5\n"
     "  perp-compare contact data/*.dat --out contact-comparison        variants compared\n"
     "  perp-compare facets data/*.dat --facets 4,8,16,32 --svg facets.svg   the errors of polygons, drawn over K\n"
+    "  perp-compare forces spheres:200:7 --svg forces.svg      the forces in their friction disks, drawn\n"
     "\n"
     "glocker, coulomb and ncp1 have Coulomb's law. They are solved when two conditions hold. The natural map, "
     "relative\n"
@@ -41,28 +41,18 @@ constexpr const char* footer =
     "\n"
     "Exit codes: 0 solved, 1 not solved, 2 wrong usage or input, 3 internal error.";
 
-/// Flags without a value.
-std::string misplaced(const CLI::App& command, const ContactWords& words) {
-  for (const auto& [flag, file] :
-       {std::pair{"--json", words.json}, std::pair{"--svg", words.svg}, std::pair{"--fclib-out", words.fclib_out}})
-    if (command.count(flag) > 0 && file.empty()) return fmt::format("{}: a name is missing", flag);
+/// A flag without a value.
+std::string misplaced(const CLI::App& command) {
+  for (const char* flag : {"--json", "--fclib-out", "--method", "--encoding", "--row", "--form"})
+    if (const CLI::Option* option = command.get_option(flag); option->count() > 0 && option->results().back().empty())
+      return fmt::format("{}: a name is missing", flag);
   return "";
-}
-
-std::optional<std::string> if_given(const CLI::App& command, const char* flag, const std::string& value) {
-  return command.count(flag) > 0 ? std::optional(value) : std::nullopt;
-}
-
-std::vector<std::string> all_problems(const ContactWords& words) {
-  std::vector<std::string> all = words.problems;
-  all.insert(all.end(), words.generated.begin(), words.generated.end());
-  return all;
 }
 
 /// Gives all problems the coefficient of friction; why that cannot be.
 std::string refusal_of_friction(ContactWords& words) {
   try {
-    for (auto* problems : {&words.problems, &words.generated})
+    for (auto* problems : {&words.request.problems, &words.request.generated})
       for (std::string& problem : *problems) problem = with_friction(problem, *words.mu);
   } catch (const InputError& error) {
     return error.what();
@@ -75,78 +65,66 @@ std::string refusal_of_friction(ContactWords& words) {
 CLI::App* add_command(CLI::App& app, ContactWords& words) {
   CLI::App* contact = app.add_subcommand("contact", "Solve and judge problems of contact with Coulomb friction");
   contact->footer(footer);
-  option(contact, "PROBLEM", words.problems, "files, or problems to make: NAME:SIZE[:SEED[:MU]]", "...");
-  option(contact, "--generate", words.generated, "one more problem to make; may be repeated", "NAME:SIZE[:SEED[:MU]]")
+  ContactRequest& request = words.request;
+  VariantRequest& variant = request.variant;
+  option(contact, "PROBLEM", request.problems, "files, or problems to make: NAME:SIZE[:SEED[:MU]]", "...");
+  option(contact, "--generate", request.generated, "one more problem to make; may be repeated", "NAME:SIZE[:SEED[:MU]]")
       ->allow_extra_args(false);
   option(contact, "--mu", words.mu, "coefficient of friction of all problems that are made", "MU");
-  option(contact, "--formulation", words.formulation,
+  option(contact, "--formulation", variant.formulation,
          fmt::format("one of {}; default glocker", contact::formulation_names), "NAME");
-  option(contact, "--method", words.method,
+  option(contact, "--method", variant.method,
          fmt::format(
              "with glocker: auto (the default: several methods in turn), homotopy, or a nonlinear method of 'perp "
              "methods'; with coulomb, which follows from the name: {}; with ncp1: a nonlinear method of 'perp methods' "
              "(path); with the others: auto (the default: Lemke's first), or any method of 'perp methods'",
              classic_names()),
          "NAME");
-  option(contact, "--encoding", words.encoding,
+  option(contact, "--encoding", variant.encoding,
          "with glocker and a method of 'perp methods': A, an MCP, or B, an NCP (B)", "A|B");
-  option(contact, "--row", words.row, "with glocker and a method of 'perp methods': the row of the disk (normalised)",
+  option(contact, "--row", variant.row, "with glocker and a method of 'perp methods': the row of the disk (normalised)",
          "normalised|original");
-  option(contact, "--form", words.form, "with inner and outer: an LCP, or an MLCP with r_T free (reduced)",
+  option(contact, "--form", variant.form, "with inner and outer: an LCP, or an MLCP with r_T free (reduced)",
          "reduced|mixed");
-  option(contact, "-o,--option", words.options,
+  option(contact, "-o,--option", variant.options,
          fmt::format("of the method; may be repeated: of auto {}; of homotopy {}; {}; of others what 'perp methods' "
                      "lists, and for glocker {}",
                      contact::own_keys(contact::Auto{}), contact::own_keys(contact::GlockerHomotopy{}), classic_keys(),
                      contact::own_keys(contact::GlockerNcp{})),
          "KEY=VALUE")
       ->allow_extra_args(false);
-  option(contact, "--tol", words.tol, "tolerance (1e-8)", "TOL");
-  option(contact, "--time-limit", words.time_limit, "give up after this time (30)", "SECONDS");
-  option(contact, "--json", words.json,
+  option(contact, "--tol", request.tol, "tolerance (1e-8)", "TOL");
+  option(contact, "--time-limit", request.time_limit, "give up after this time (30)", "SECONDS");
+  option(contact, "--json", request.json,
          "write the result as JSON; - is standard output, the text then goes to standard error", "FILE");
-  option(contact, "--fclib-out", words.fclib_out, "write problem and solution as an FCLIB file", "FILE");
-  option(contact, "--svg", words.svg, "draw the forces in their friction disks", "FILE");
+  option(contact, "--fclib-out", request.fclib_out, "write problem and solution as an FCLIB file", "FILE");
   option(contact, "--log-level", words.level,
          fmt::format("one of {}; each shows more than the one before", fmt::join(log_level_names(), ", ")), "LEVEL");
-  option(contact, "--rotation", words.rotation, "with inner:K and outer:K: turn the polygon in its plane (0)",
+  option(contact, "--rotation", variant.rotation, "with inner:K and outer:K: turn the polygon in its plane (0)",
          "RADIANS");
-  contact->add_flag("--full", words.full, "print every contact of a long table");
+  contact->add_flag("--full", request.full, "print every contact of a long table");
   option(contact, "--variants", words.variants,
          "say as JSON what the list stands for, FORMULATION[+METHOD][/WORD]..., with * for every METHOD or WORD, and "
          "refuse problems that cannot be read: for programs that run perp",
          "LIST");
   contact->add_flag("--show", words.show, "print what the method tries in turn, and its options, without a problem");
-  add_ball_command(*contact, words.ball);
   return contact;
 }
 
 int run_command(const CLI::App& command, const ContactWords& given, Streams streams,
                 const std::atomic<bool>* interrupt) {
-  if (command.got_subcommand("ball")) return run_ball_command(command, given.ball, streams, interrupt);
   ContactWords words = given;
-  std::string why = misplaced(command, words);
+  ContactRequest& request = words.request;
+  std::string why = misplaced(command);
   if (why.empty() && words.mu) why = refusal_of_friction(words);
   if (!why.empty()) {
     streams.err << "perp contact: " << why << '\n';
     return exit_input;
   }
-  if (words.variants) return list_variants(*words.variants, all_problems(words), words.json, streams);
-  ContactRequest request{.problems = words.problems,
-                         .generated = words.generated,
-                         .json = words.json,
-                         .fclib_out = words.fclib_out,
-                         .svg = words.svg,
-                         .full = words.full};
-  request.variant = {.method = if_given(command, "--method", words.method),
-                     .encoding = if_given(command, "--encoding", words.encoding),
-                     .row = if_given(command, "--row", words.row),
-                     .form = if_given(command, "--form", words.form),
-                     .rotation = words.rotation,
-                     .options = words.options};
-  if (command.count("--formulation") > 0) request.variant.formulation = words.formulation;
-  request.tol = words.tol.value_or(request.tol);
-  request.time_limit = words.time_limit.value_or(request.time_limit);
+  if (words.variants) {
+    request.problems.insert(request.problems.end(), request.generated.begin(), request.generated.end());
+    return list_variants(*words.variants, request.problems, request.json, streams);
+  }
   try {
     request.log_level = log_level(words.level);
     if (words.show) {

@@ -5,26 +5,19 @@
 #include <atomic>
 #include <optional>
 #include <string>
-#include <vector>
 
-#include "app/contact/ball.hpp"
+#include "app/contact/contact.hpp"
 #include "app/program/program.hpp"
 
 namespace perp::app::contacts {
 
-/// What the words of a command line say, before anything is looked at.
+/// What a command line asks for.
 struct ContactWords {
-  std::vector<std::string> problems{};
-  std::vector<std::string> generated{};
-  std::string formulation{};
-  std::string method{}, encoding{}, row{}, form{}, json{}, fclib_out{}, svg{};
-  std::vector<std::string> options{};
+  ContactRequest request{};
   std::string level = "info";
-  std::optional<double> tol{}, time_limit{}, mu{}, rotation{};
-  bool full = false;
-  bool show = false;
-  std::optional<std::string> variants{};
-  BallRequest ball{};  ///< of `perp contact ball`
+  std::optional<double> mu{};             ///< of all problems that are made
+  bool show = false;                      ///< what the method tries, without a problem
+  std::optional<std::string> variants{};  ///< a list to be told about
 };
 
 /// Adds the command; what it is called with goes to `words`, which must outlive `app`.

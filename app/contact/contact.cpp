@@ -8,7 +8,6 @@
 #include <ostream>
 #include <sstream>
 
-#include "app/contact/forces_svg.hpp"
 #include "app/contact/run/report.hpp"
 #include "app/contact/run/run.hpp"
 #include "app/problem/problem.hpp"
@@ -28,17 +27,14 @@ void check_request(const ContactRequest& request, std::size_t problems) {
   if (!(request.tol > 0) || !std::isfinite(request.tol))
     throw input_error("--tol {:g}: a tolerance is positive", request.tol);
   if (!(request.time_limit > 0)) throw input_error("--time-limit {:g}: a limit is positive", request.time_limit);
-  for (const auto& [flag, file] : {std::pair{"--svg", request.svg}, std::pair{"--fclib-out", request.fclib_out}}) {
-    if (file.empty()) continue;
-    if (file == "-") throw input_error("{} -: that goes to a file", flag);
-    if (problems > 1) throw input_error("{} {}: goes with one problem, not with {}", flag, file, problems);
-  }
+  if (request.fclib_out == "-") throw InputError("--fclib-out -: that goes to a file");
+  if (!request.fclib_out.empty() && problems > 1)
+    throw input_error("--fclib-out {}: goes with one problem, not with {}", request.fclib_out, problems);
 }
 
 /// A refusal is not written as JSON where these do not fit.
 bool files_fit(const ContactRequest& request, Streams streams) {
-  const std::vector<FileUse> outputs{
-      {"--json", request.json}, {"--svg", request.svg}, {"--fclib-out", request.fclib_out}};
+  const std::vector<FileUse> outputs{{"--json", request.json}, {"--fclib-out", request.fclib_out}};
   return outputs_fit(outputs, files_of(request.problems), streams);
 }
 
@@ -131,7 +127,6 @@ class Command {
       const ExitCode code = run.solved ? exit_solved : exit_unsolved;
       code_ = std::max(code_, code);
       json_.push_back(request_.json.empty() ? "{}" : run_json(loaded, run, code));
-      if (!request_.svg.empty()) write_file(request_.svg, forces_svg(loaded, run));
       if (!request_.fclib_out.empty()) write_solution(request_.fclib_out, loaded, run);
     };
     try {

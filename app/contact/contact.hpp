@@ -19,7 +19,6 @@ struct ContactRequest {
   double time_limit = 30;   ///< s
   std::string json{};       ///< "" for none, "-" for standard output (and the text to `err`)
   std::string fclib_out{};  ///< where problem and solution are written; "" for nowhere
-  std::string svg{};        ///< where the forces are drawn; "" for nowhere
   LogLevel log_level = LogLevel::Info;
   bool full = false;  ///< print every row of a long table
 };

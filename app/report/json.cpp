@@ -58,10 +58,10 @@ std::string json_text(const Json& json) {
 
 Json json_header(Document document) {
   // A number rises when a key goes or changes its meaning.
-  static constexpr std::array<std::string_view, 12> schemas{
-      "perp/solve/1",        "perp/no-result/1",        "perp/inspect/1", "perp/explain/1",
-      "perp/list/1",         "perp/problem/1",          "perp/contact/1", "perp/contact-runs/1",
-      "perp/contact-ball/1", "perp/contact-variants/1", "perp/judge/1",   "perp/methods/1"};
+  static constexpr std::array<std::string_view, 11> schemas{
+      "perp/solve/1",   "perp/no-result/1", "perp/inspect/1",      "perp/explain/1",          "perp/list/1",
+      "perp/problem/1", "perp/contact/1",   "perp/contact-runs/1", "perp/contact-variants/1", "perp/judge/1",
+      "perp/methods/1"};
   Json json = json_header();
   json["schema"] = schemas.at(static_cast<std::size_t>(document));
   return json;

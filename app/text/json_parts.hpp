@@ -23,7 +23,6 @@ enum class Document {
   Problem,
   Contact,
   ContactRuns,
-  ContactBall,
   ContactVariants,
   Judge,
   Methods

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// What people, AMPL and files of options write. The first letter says what the rest is:
-///     f  a file of options          w  AMPL's words            n  lists of numbers
+///     f  a file of options          w  AMPL's words
 ///     v  variants of contact        s  NAME:SIZE of the collection, small                 c  of a contact scene, small
 /// Options in force, written as key=value, set what they say.
 #include "app/options/options.hpp"
@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <sstream>
 
-#include "app/contact/run/number_list.hpp"
 #include "app/contact/run/run.hpp"
 #include "app/contact/run/variant.hpp"
 #include "app/problem/problem.hpp"
@@ -75,10 +74,6 @@ void read(char kind, const std::string& text) {
     case 'c':
       if (seldom && small(text) && no_file(text)) app::contacts::generate(text);
       return;
-    case 'n':
-      app::contacts::parse_list<int>("--facets", text, 3, contact::most_facets);
-      app::contacts::parse_list<double>("--angles", text, 0, 1);
-      return;
     default:
       return;
   }
@@ -87,7 +82,7 @@ void read(char kind, const std::string& text) {
 }  // namespace
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  if (size == 0 || std::string_view("fwvscn").find(static_cast<char>(data[0])) == std::string_view::npos) return -1;
+  if (size == 0 || std::string_view("fwvsc").find(static_cast<char>(data[0])) == std::string_view::npos) return -1;
   const std::string text(fuzz::view(data + 1, size - 1));
   fuzz::accepted<app::InputError, std::invalid_argument>([&] { read(static_cast<char>(data[0]), text); });
   return 0;

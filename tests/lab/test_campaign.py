@@ -292,6 +292,14 @@ def test_studies(tmp_path):
     run = compare("ball", "--svg", tmp_path / "b.svg", "--facets", "4", "--exact", "--load", "1", "--cycles", "1")
     assert run.returncode == 0, run.stderr
     assert "law: stays at rest" in (tmp_path / "b.svg").read_text()
+    run = compare("ball", "--facets", "6,8", "--load", "1", "--cycles", "1")  # of Acary's: 6 facets hold this load, 8 do not
+    drift = {words[0]: float(words[-1]) for line in run.stdout.splitlines() if (words := line.split()) and ":" in words[0]}
+    assert drift["inner:6"] < 1e-12 < 1e-2 < drift["inner:8"]
+    for flags, slipping in (([], "slip: 12"), (["--formulation", "inner:6", "--rotation", "0.3"], "slip: 9")):
+        run = compare("forces", sliding, "--svg", tmp_path / "r.svg", *flags)
+        assert run.returncode == 0, run.stderr
+        assert slipping in (tmp_path / "r.svg").read_text()
+    assert compare("forces", "nowhere.dat", "--svg", tmp_path / "no.svg").returncode == 2
 
 
 # Catches an option that the man page does not have, and one that is no more.

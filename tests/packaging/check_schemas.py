@@ -55,7 +55,6 @@ RUNS = [
     ("no-result", 2, "inspect nowhere.nl"),
     ("no-result", 2, "contact nowhere.dat"),
     ("no-result", 1, "contact pipe --time-limit 0.1"),
-    ("no-result", 2, "contact ball --load nowhere"),
     ("inspect", 0, "inspect feasible-unsolvable-own"),
     ("inspect", 0, "inspect helical-valley --start-at zeros.mtx"),
     ("inspect", 0, "inspect data/models/harberger.nl"),
@@ -84,8 +83,6 @@ RUNS = [
     ("methods", 0, "methods"),
     ("methods", 0, "methods --show path --option crash_method=none --option cfunction=min"),
     ("contact-variants", 0, "contact incline:3 --variants glocker,inner:4/mixed"),
-    ("contact-ball", 0, "contact ball --facets 4 --exact --load 1,1.5 --cycles 1 --phase 0.1"),
-    ("contact-ball", 1, "contact ball --exact --load 1.5 --cycles 5000"),
     (None, 0, "compare --problems kojshin --methods path --out all"),
     (None, 0, "compare --problems kojshin --methods path --shard 1/2 --out shard"),
     (
@@ -106,7 +103,7 @@ MPI_RUNS = [(0, "solve M.mtx q.mtx"), (1, "solve M.mtx q.mtx --max-iterations 0 
 MPI = "solve-mpi"
 
 # Those that get SIGINT as soon as they listen to it.
-INTERRUPTED = ("solve kojshin --start-at pipe", "contact ball --exact --load 1.5 --cycles 5000")
+INTERRUPTED = ("solve kojshin --start-at pipe", "contact spheres:10000")
 
 # (schema, file that the runs have left)
 LEFT = [

@@ -26,7 +26,7 @@ contents() {
     grep -qE -- "$pattern( -> .*)?$" <<<"$list" || fail "$name has no file $pattern:"$'\n'"$list"
   done
 }
-contents perp /bin/perp /bin/perp-compare /bin/perp-report /share/perp/lab/page.js /bin/pathampl /man1/perp.1.gz /man1/pathampl.1.gz /man1/perp-solve.1.gz /man1/perp-contact-ball.1.gz \
+contents perp /bin/perp /bin/perp-compare /bin/perp-report /share/perp/lab/page.js /bin/pathampl /man1/perp.1.gz /man1/pathampl.1.gz /man1/perp-solve.1.gz /man1/perp-contact.1.gz \
   /man1/perp-compare.1.gz /man1/perp-report.1.gz /completions/perp /completions/perp-compare /completions/perp-report /schema/solve.json /examples/energy.nl /examples/energy.col /examples/arch-9.hdf5
 contents libperp '/libperp\.so\.1' '/libperp\.so\.1\.[0-9]+'
 contents libperp-dev /include/perp.h /include/perp/ncp/solve.hpp '/libperp\.so' '/libperp_ncp\.a' /perpConfig.cmake /perp.pc /perp-c.pc

@@ -81,9 +81,8 @@ std::string advice(const Run& run) {
   if (run.status == Status::Interrupted) return "";
   if (run.variant.exact() && !run.variant.automatic()) return " Try: --formulation glocker --method auto.";
   if (run.variant.exact() && run.status == Status::NoProgress)
-    return larger_metric(run.residual) <= nearly
-               ? " Try: a looser --tol; --svg and the table show what is not decided yet."
-               : " --svg and the table show what is not decided yet.";
+    return larger_metric(run.residual) <= nearly ? " Try: a looser --tol; the table shows what is not decided yet."
+                                                 : " The table shows what is not decided yet.";
   return "";
 }
 

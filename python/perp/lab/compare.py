@@ -32,6 +32,7 @@ Examples:
   perp-compare contact --help                           variants on problems of contact with friction
   perp-compare facets --help                            what polygons cost in place of friction disks
   perp-compare ball --help                              the path of a ball by polygons and by Coulomb's law
+  perp-compare forces --help                            the forces of a solution, drawn in their friction disks
 
 A cell is one method on one problem from one start. It runs in a process of its own, with limits of time and
 memory. The judge, another process, builds the problem anew and evaluates the natural residual at the point found.
@@ -319,7 +320,7 @@ def compare(arguments):
         from .contact import ContactComparison
 
         return ContactComparison(arguments[1:], interrupt).run()
-    if kind in ("facets", "ball"):
+    if kind in ("facets", "ball", "forces"):
         from . import studies
 
         return getattr(studies, kind)(arguments[1:], interrupt)

@@ -1,15 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """perp-compare facets: what friction by polygons of K facets costs. perp-compare ball: the path of a ball by polygons.
+perp-compare forces: the forces of a solution in their friction disks.
 
 Errors of a polygon's solution (r, u), free of units: natural and velocity are of the angle between friction and the
 nearest corner, up to pi / K; cone and slip of the gap between polygon and disk, 1 - cos(pi / K).
 """
 
 import argparse
-import json
 import math
-import os
-import subprocess
 import sys
 from statistics import linear_regression, median
 
@@ -232,7 +230,7 @@ def ball_svg(answer):
                 style, name = {"color": "#000000", "linewidth": 4, "zorder": 1}, "Coulomb's law"
             rest = "stays at rest" if size < 1e-3 else f"drift {math.hypot(*path['drift']):.3f} m/s"
             _, xs, ys = zip(*path["path"])
-            axes.plot(xs, ys, label=f"{name}: {rest}" + ("" if path["solved"] else ", UNSOLVED"), **style)
+            axes.plot(xs, ys, label=f"{name}: {rest}", **style)
             if near is not None and size <= near:
                 closer.plot(xs, ys, **style)
         for panel in (axes, closer):
@@ -245,20 +243,179 @@ def ball_svg(answer):
         closer.set_title("The small paths, closer")
         closer.set_visible(near is not None)
     how = f"a load from 60, 180 and -60 degrees in turn, {answer['phase']:g} s each, "
-    how += f"{count(int(answer['cycles']), 'cycle')}, mu = {answer['mu']:g}"
+    how += f"{answer['cycles']:g} cycles, mu = {answer['mu']:g}"
     ring = "ring: the start, at rest; drift: mean velocity over the last cycle, 0 by Coulomb's law"
     made.suptitle(f"Ball on a plane, seen from above: {how}\n{ring}", fontsize=10.5)
     return svg_of(made, inline=False)
 
 
+def corners_of(K, outer, turn):
+    """Of the polygon in the unit disk, the first at `turn`; or around it, the first facet's normal there."""
+    radius, first = (1 / math.cos(math.pi / K), turn + math.pi / K) if outer else (1, turn)
+    return [(radius * math.cos(first + 2 * math.pi * k / K), radius * math.sin(first + 2 * math.pi * k / K)) for k in range(K)]
+
+
+def nearest(x, y, corners):
+    """The point of the unit disk, or of a polygon, that is nearest to (x, y)."""
+    if corners is None:
+        size = max(1, math.hypot(x, y))
+        return x / size, y / size
+    near, inside = [], True
+    for (ax, ay), (bx, by) in zip(corners, corners[1:] + corners[:1]):
+        ex, ey = bx - ax, by - ay
+        inside = inside and ex * (y - ay) - ey * (x - ax) >= 0
+        along = min(1, max(0, ((x - ax) * ex + (y - ay) * ey) / (ex * ex + ey * ey)))
+        near.append((ax + along * ex, ay + along * ey))
+    return (x, y) if inside else min(near, key=lambda p: math.hypot(p[0] - x, p[1] - y))
+
+
+def ball_path(load, corners, words, gravity=9.81):
+    """(t, x, y) by the midpoint rule, and the drift: the mean velocity over the last cycle. The contact has r_N = m g h, and
+    W_T = 1 / m, or 3.5 / m if the ball may roll, times the identity: r_T is the projection of -u_free / W_T on mu r_N times
+    the disk or polygon. Velocities are in mu g h here, until the end."""
+    rolling, step = 3.5 if words.rolling else 1, words.step
+    x, y, vx, vy, ux, uy, path = 0, 0, 0, 0, 0, 0, [(0, 0, 0)]
+    scale = words.mu * gravity * step * step
+    for k in range(round(3 * words.phase * words.cycles / step)):
+        angle = math.radians((60, 180, -60)[int((k + 0.5) * step / words.phase) % 3])
+        lx, ly = load * math.cos(angle), load * math.sin(angle)
+        rx, ry = nearest(-(ux + lx) / rolling, -(uy + ly) / rolling, corners)
+        x, y = x + vx + (lx + rx) / 2, y + vy + (ly + ry) / 2
+        vx, vy, ux, uy = vx + lx + rx, vy + ly + ry, ux + lx + rolling * rx, uy + ly + rolling * ry
+        path.append(((k + 1) * step, scale * x, scale * y))
+    back = path[max(0, len(path) - 1 - round(3 * words.phase / step))]
+    span = max(path[-1][0] - back[0], step)
+    return path, [(path[-1][i] - back[i]) / span for i in (1, 2)]
+
+
 def ball(arguments, _):
-    words = "Draws the paths that 'perp contact ball' computes. Other flags are those of 'perp contact ball --help'."
+    words = "The path of a ball on a plane under a load from 60, 180 and -60 degrees in turn (lecture 3 by Acary), "
+    words += "by Coulomb's law and by polygons."
     parser = argparse.ArgumentParser(prog="perp-compare ball", description=words)
-    parser.add_argument("--svg", required=True, metavar="FILE", help="draw the paths, seen from above")
+    parser.add_argument("--facets", type=facet_numbers, metavar="K,K,...", help="friction polygons (4,6,8,16)")
+    parser.add_argument("--exact", action="store_true", help="Coulomb's law; the default if --facets is not given")
+    parser.add_argument("--outer", action="store_true", help="polygons around the friction disk, not inside it")
+    parser.add_argument("--rolling", action="store_true", help="let the ball turn")
+    for flag, usual, least, what in (
+        ("mu", 0.3, 0, "coefficient of friction"),
+        ("frame", 0, -math.inf, "turn the contact's tangents by so many degrees"),
+        ("phase", 5, 1e-9, "time for which the load keeps a direction [s]"),
+        ("cycles", 4, 1e-9, "number of cycles of three phases"),
+        ("step", 0.01, 1e-9, "time step [s]"),
+    ):
+        parser.add_argument(f"--{flag}", type=lambda text, least=least: real(text, least), default=usual, help=f"{what} ({usual})")
+    loads = {"type": lambda text: [real(word, 0) for word in text.split(",")], "default": [1, 1.5], "metavar": "L,L,..."}
+    parser.add_argument("--load", **loads, help="sizes of the load in units of mu m g (1,1.5)")
+    parser.add_argument("--svg", metavar="FILE", help="draw the paths, seen from above")
+    given = parser.parse_args(arguments)
+    if 3 * given.phase * given.cycles > 1e6 * given.step or given.step > given.phase:
+        raise InputError("--step: at most the phase, and at most 1e6 steps in all")
+    laws = {"exact": None} if given.exact or not given.facets else {}
+    side, turn = "outer" if given.outer else "inner", math.radians(given.frame)
+    for K in given.facets or ([] if given.exact else [4, 6, 8, 16]):
+        laws[f"{side}:{K}"] = corners_of(K, given.outer, turn)
+    answer = {"phase": given.phase, "cycles": given.cycles, "mu": given.mu, "loads": []}
+    for load in given.load:
+        paths, rows, start = [], [], None
+        for law, corners in laws.items():
+            path, drift = ball_path(load, corners, given)
+            paths.append({"law": law, "drift": drift, "path": path[:: 1 + len(path) // 1000] + path[-1:]})
+            start = start or (path[-1] if law == "exact" else None)
+            far = f"{math.dist(path[-1][1:], start[1:]):.3f}" if start else "-"
+            rows.append([law, *(f"{round(v, 3) + 0.0:.3f}" for v in path[-1][1:]), far, f"{math.hypot(*drift):.4f}"])
+        answer["loads"].append({"load": load, "paths": paths})
+        print(f"Load {load:g} mu m g")
+        print_table(["law", ">end x [m]", ">y [m]", ">from exact [m]", ">drift [m/s]"], rows)
+    if given.svg:
+        write_file(given.svg, ball_svg(answer))
+    return SOLVED
+
+
+def real(text, least):
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not (math.isfinite(value) and value >= least):
+        raise argparse.ArgumentTypeError(f"{text}: a number, at least {least:g}, is asked for")
+    return value
+
+
+# Forces.
+
+STATES = {"stick": ("#0072B2", "o"), "slip": ("#D55E00", "D"), "open": ("#767676", "x")}
+MOST = 3000  # contacts that are drawn
+
+
+def forces_svg(answer):
+    """The friction disk (interval in 2D) of each contact, all of one size, with r_T, a tick along -u_T and a bar of r_N."""
+    from matplotlib.collections import EllipseCollection, LineCollection
+
+    from .report import figure, svg_of
+
+    contacts = sorted(answer["contacts"], key=lambda c: -number(c["r"][0]))[:MOST]
+    contacts.sort(key=lambda c: c["contact"])
+    across = max(1, math.ceil(math.sqrt(1.5 * len(contacts))))
+    down = max(1, math.ceil(len(contacts) / across))
+    made, axes = figure("forces", 11, 1.5 + min(60, 10 * down / across))
+    side, _, K = answer["formulation"].partition(":")
+    polygon = corners_of(int(K), side == "outer", answer["rotation"] or 0) if K and answer["dimension"] == 3 else []
+    largest = max([LEAST, *(number(c["r"][0]) for c in contacts)])
+    lines = {"#bbbbbb": [], "#333333": []}
+    for name, (colour, marker) in STATES.items():
+        rims, points, lines[colour] = [], [], []
+        for k, c in enumerate(contacts):
+            if c["state"] != name:
+                continue
+            x, y = 3 * (k % across), -3 * (k // across)
+            r_N, *r_T = map(number, c["r"])
+            u_T = [*map(number, c["u"][1:]), 0.0][:2]
+            radius = number(c["mu"]) * max(r_N, 0)
+            fx, fy = ([v / radius for v in [*r_T, 0.0][:2]]) if radius > 0 and name != "open" else (0.0, 0.0)
+            shown = min(1, 1.4 / max(LEAST, math.hypot(fx, fy)))  # of a force out of its cone
+            points.append((x + shown * fx, y + shown * fy))
+            lines[colour] += [((x, y), points[-1]), ((x + 1.4, y - 1), (x + 1.4, y - 1 + 2 * max(r_N, 0) / largest))]
+            if (size := math.hypot(*u_T)) > 0 and name == "slip":
+                lines["#333333"].append([(x - s * u_T[0] / size, y - s * u_T[1] / size) for s in (1.05, 1.35)])
+            if answer["dimension"] == 2:
+                lines[colour].append(((x - 1, y), (x + 1, y)))
+            else:
+                rims.append((x, y))
+            if polygon:
+                lines["#bbbbbb"].append([(x + px, y + py) for px, py in polygon + polygon[:1]])
+            if len(contacts) <= 200:
+                axes.text(x - 1.2, y + 0.95, str(c["contact"]), fontsize=7, color="#555555")
+        if rims:
+            rim = {"edgecolors": colour, "facecolors": "none", "linewidths": 1.6 if name == "slip" else 0.8}
+            axes.add_collection(EllipseCollection(2, 2, 0, units="xy", offsets=rims, transOffset=axes.transData, **rim))
+        xs, ys = zip(*points) if points else ((), ())
+        axes.plot(xs, ys, linestyle="", marker=marker, markersize=3.5, color=colour, label=f"{name}: {len(points)}")
+    for colour, segments in lines.items():
+        axes.add_collection(LineCollection(segments, colors=colour, linewidths=1))
+    axes.set(xlim=(-2, 3 * across), ylim=(1 - 3 * down, 2), aspect="equal")
+    axes.axis("off")
+    axes.legend(loc="upper left", bbox_to_anchor=(0, 0), ncols=3, frameon=False)
+    solved = "" if answer["status"] == "Solved" else f"NOT SOLVED ({answer['status']}), "
+    some = count(len(contacts), "contact") + (f" of {len(answer['contacts'])}, those of the largest r_N" if len(contacts) < len(answer["contacts"]) else "")
+    made.suptitle(f"{answer['problem']} by {answer['variant']}: {solved}{some}\nr_T / (mu r_N) in the friction disk; bar: r_N; tick: -u_T", fontsize=11)
+    return svg_of(made, inline=False)
+
+
+def forces(arguments, interrupt):
+    words = "Draws the forces of a solution in their friction disks. Other flags are those of 'perp contact --help'."
+    parser = argparse.ArgumentParser(prog="perp-compare forces", usage="%(prog)s PROBLEM --svg FILE [FLAG OF perp contact]...", description=words)
+    parser.add_argument("problem", metavar="PROBLEM", help="a file of FCLIB or Siconos, or NAME:SIZE[:SEED[:MU]]")
+    parser.add_argument("--svg", required=True, metavar="FILE", help="the picture")
+    parser.add_argument("--time-limit", type=float, default=30.0, metavar="SECONDS", help="of the solution (30)")
+    parser.add_argument("--tol", type=float, default=1e-8, help="of the solution (1e-8)")
     parser.add_argument("--program", metavar="FILE", help="the program perp")
     given, others = parser.parse_known_args(arguments)
-    command = [Program(given.program).path, "contact", "ball", *others, "--json", "-"]
-    run = subprocess.run(command, stdout=subprocess.PIPE, check=False)
-    if run.returncode in (0, 1):
-        write_file(given.svg, ball_svg(json.loads(run.stdout)))
-    return run.returncode
+    check_apart([given.svg], [given.problem])
+    limits = given.tol, given.time_limit, 1 << 20
+    end, answer, command = run_contact(Program(given.program), [given.problem, *others], *limits, interrupt)
+    if answer is None or "contacts" not in answer:
+        raise InputError(f"{command}: {answer['message'] if answer else end.words()}")
+    write_file(given.svg, forces_svg(answer))
+    states = ", ".join(f"{n} {name}" for name, n in answer["states"].items())
+    print(f"{answer['status']}: {states}; {given.svg}")
+    return SOLVED if answer["status"] == "Solved" else UNSOLVED

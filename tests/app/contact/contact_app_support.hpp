@@ -41,16 +41,4 @@ inline Answer answer(contacts::ContactRequest request) {
   return {code, parse_json(captured.out.str()), captured.err.str()};
 }
 
-inline std::size_t occurrences(const std::string& text, const std::string& part) {
-  std::size_t n = 0;
-  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + part.size())) ++n;
-  return n;
-}
-
-/// Elements that are opened and not closed again: 0 in XML.
-inline long unclosed(const std::string& svg) {
-  const auto number = [&](const char* part) { return static_cast<long>(occurrences(svg, part)); };
-  return number("<") - 2 * number("</") - number("<?") - number("/>");
-}
-
 }  // namespace perp::app::test

@@ -289,9 +289,7 @@ TEST(Contact, BadRequestsAreRefused) {
   EXPECT_THAT(why({.problems = {file}, .tol = 0}), HasSubstr("--tol 0"));
   EXPECT_THAT(why({.problems = {file}, .tol = std::nan("")}), HasSubstr("--tol nan"));
   EXPECT_THAT(why({.problems = {file}, .time_limit = -1}), HasSubstr("--time-limit -1"));
-  EXPECT_THAT(why({.problems = {file, "stack:4"}, .svg = folder / "f.svg"}), HasSubstr("one problem"));
   EXPECT_THAT(why({.problems = {file, "stack:4"}, .fclib_out = folder / "f.hdf5"}), HasSubstr("one problem"));
-  EXPECT_THAT(why({.problems = {file}, .svg = folder / "no/f.svg"}), HasSubstr("no/f.svg"));
   EXPECT_THAT(why({.problems = {file}, .fclib_out = folder / "no/f.hdf5"}), HasSubstr("no/f.hdf5"));
   EXPECT_THAT(why({.problems = {file}, .json = folder / "no/f.json"}), HasSubstr("no/f.json"));
   EXPECT_THAT(why({.problems = {file}, .variant = {.formulation = "inner:2"}}), HasSubstr("inner:2"));

@@ -12,7 +12,6 @@
 #include "app/commands/commands.hpp"
 #include "app/commands/inspect.hpp"
 #include "app/commands/solve.hpp"
-#include "app/contact/ball.hpp"
 #include "app/contact/contact.hpp"
 #include "app/json.hpp"
 #include "app/report/json.hpp"
@@ -116,9 +115,8 @@ TEST(Outputs, OfContactAreNoInputs) {
     EXPECT_EQ(test::read(file), "no problem");
     return captured.err.str();
   };
-  for (const contacts::ContactRequest& request : {contacts::ContactRequest{.problems = {file}, .json = file},
-                                                  {.problems = {file}, .fclib_out = file},
-                                                  {.problems = {file}, .svg = file}})
+  for (const contacts::ContactRequest& request :
+       {contacts::ContactRequest{.problems = {file}, .json = file}, {.problems = {file}, .fclib_out = file}})
     EXPECT_THAT(refused([&](Streams streams) { return contacts::solve_contact(request, streams); }),
                 HasSubstr("that is the input"));
 }

@@ -4,11 +4,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <random>
 #include <stdexcept>
+#include <vector>
 
 #include "contact/scenes/scenes_support.hpp"
 
@@ -392,6 +394,69 @@ TEST(MoreauJean, WarmStartsChangeNothing) {
     return stepping.bodies()[1];
   };
   EXPECT_LE((run(true).centre - run(false).centre).norm(), 1e-8);
+}
+
+/// Where a ball goes from rest, step by step, under a load of L mu m g from 60, 180 and -60 degrees in turn, 5 s each:
+/// (26) of the lecture.
+std::vector<Vec3> cyclic_path(double L, double cycles, const FrictionLaw& law = {}, double frame = 0) {
+  constexpr double h = 0.05;
+  const double mu = 0.3;
+  const auto load = [force = L * mu * 2 * g](std::size_t, double t) {
+    const double angle = std::array{60, 180, -60}.at(static_cast<std::size_t>(t / 5) % 3) * std::numbers::pi / 180;
+    return Vec3(force * std::cos(angle), force * std::sin(angle), 0);
+  };
+  MoreauJean stepping({ball_on_floor(Vec3::Zero())}, {{.mu = mu, .frame = frame}}, {.h = h, .law = law, .load = load});
+  std::vector<Vec3> path{stepping.bodies()[0].centre};
+  for (long k = std::lround(15 * cycles / h); k > 0; --k) {
+    EXPECT_TRUE(stepping.step().solved) << name(law);
+    path.push_back(stepping.bodies()[0].centre);
+  }
+  return path;
+}
+
+double farthest(const std::vector<Vec3>& path, const std::vector<Vec3>& from) {
+  double distance = 0;
+  for (std::size_t k = 0; k < path.size(); ++k) distance = std::max(distance, (path[k] - from[k]).norm());
+  return distance;
+}
+
+using enum FrictionLaw::Kind;
+
+// L = 1, as large as friction can be: by Coulomb's law the ball stays. A polygon within the disk lets it go where it
+// has no corner: 4 facets let it slide by tens of metres, 6 have corners towards all three loads.
+TEST(CyclicLoad, MovesNothingByCoulombsLawAlone) {
+  const std::vector<Vec3> exact = cyclic_path(1, 1);
+  EXPECT_LE(farthest(exact, std::vector<Vec3>(exact.size(), exact[0])), 1e-7);
+  EXPECT_GT(farthest(cyclic_path(1, 1, {Inner, 4}), exact), 10);
+  EXPECT_GT(farthest(cyclic_path(1, 1, {Inner, 8}), exact), 1);
+  EXPECT_LT(farthest(cyclic_path(1, 1, {Inner, 6}), exact), 1e-6);
+  EXPECT_LT(farthest(cyclic_path(1, 1, {Outer, 4}), exact), 1e-6);
+}
+
+// From rest under L > 1 it slides along the load: x = (L - 1) mu g t^2 / 2. By symmetry the exact path closes, and so
+// does one with 6 facets; with 4, 8, 16 the ball drifts for ever: its mean velocity over the last cycle.
+TEST(CyclicLoad, ExactPathClosesAndPolygonsDrift) {
+  const auto drift = [](const FrictionLaw& law) {
+    const std::vector<Vec3> path = cyclic_path(1.5, 5, law);
+    return (path.back() - path[path.size() - 301]).norm() / 15;
+  };
+  const std::vector<Vec3> first = cyclic_path(1.5, 1.0 / 3);
+  const Vec3 along(0.5, std::sqrt(3) / 2, 0);
+  EXPECT_LE((first.back() - first[0] - 0.5 * 0.5 * 0.3 * g * 25 * along).norm(), 1e-7);
+  EXPECT_LT(drift({}), 1e-4);
+  EXPECT_LT(drift({Inner, 6}), 1e-4);
+  EXPECT_GT(drift({Inner, 4}), 1);
+  EXPECT_GT(drift({Inner, 8}), 0.3);
+  EXPECT_GT(drift({Inner, 16}), 0.1);
+  EXPECT_GT(drift({Outer, 8}), 0.3);
+}
+
+// The frame (T1, T2) is a convention: Coulomb's law gives the same path in any, a polygon turns with it.
+TEST(CyclicLoad, FrameMeansNothingToTheExactLaw) {
+  for (const double frame : {0.2, 2.0}) {
+    EXPECT_LE(farthest(cyclic_path(1.3, 1, {}, frame), cyclic_path(1.3, 1)), 1e-6) << frame;
+    EXPECT_GE(farthest(cyclic_path(1.3, 1, {Inner, 8}, frame), cyclic_path(1.3, 1, {Inner, 8})), 1) << frame;
+  }
 }
 
 TEST(MoreauJean, RefusesWhatIsNoScene) {
