@@ -2,6 +2,7 @@
 #include "lcp/fields.hpp"
 
 #include <iterator>
+#include <set>
 #include <type_traits>
 
 #include "lcp/words.hpp"
@@ -44,6 +45,15 @@ bool same_value(const Target& a, const Target& b) {
           return one.get() == other->get();
       },
       a);
+}
+
+/// How many values the words of an option stand for.
+std::size_t meanings(const Target& target) {
+  const auto* words = std::get_if<Words>(&target);
+  if (words == nullptr) return 0;
+  std::set<int> values;
+  for (const auto& word : words->words) values.insert(word.second);
+  return values.size();
 }
 
 /// "tol is -1; it takes a number > 0"; empty where there is nothing to complain of.
@@ -100,7 +110,12 @@ void Fields::add(std::string_view key, Target number, const Range& range, std::s
 void Fields::join(Field& field, Field other) {
   if (!other.inert.empty()) return;  // it would change nothing there
   if (!field.inert.empty()) return std::swap(field, other);
-  if (same_value(field.target, other.target)) field.also.push_back(std::move(other.target));
+  const bool same = same_value(field.target, other.target);
+  if (meanings(other.target) > meanings(field.target)) {  // its words say more
+    std::swap(field, other);
+    if (same) field.also = std::move(other.also);
+  }
+  if (same) field.also.push_back(std::move(other.target));
 }
 
 void Fields::add(std::string_view key, Target target, std::string_view help, std::string_view alias) {

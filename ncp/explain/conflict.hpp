@@ -16,8 +16,8 @@
 #include <string_view>
 #include <vector>
 
-#include "lcp/judge/refutation.hpp"
 #include "lcp/deadline.hpp"
+#include "lcp/judge/refutation.hpp"
 #include "ncp/problem/mcp.hpp"
 
 namespace perp::ncp {

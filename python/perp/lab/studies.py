@@ -8,6 +8,7 @@ nearest corner, up to pi / K; cone and slip of the gap between polygon and disk,
 
 import argparse
 import math
+import os
 import sys
 from statistics import linear_regression, median
 

@@ -43,7 +43,8 @@ class Matrix : public testing::Test {
 TEST_F(Matrix, AutoIsTheDefaultAndSaysWhy) {
   const Json result = solved(request());
   EXPECT_EQ(result["method"], "auto");
-  EXPECT_THAT(result["message"].get<std::string>(), HasSubstr("lemke (few rows); auto chose the linear methods"));
+  EXPECT_THAT(result["message"].get<std::string>(),
+              HasSubstr("lemke with few pivots (n <= 100); auto chose the linear methods"));
   EXPECT_NEAR(result["variables"][0]["value"].get<double>(), 4.0 / 3, 1e-14);
   EXPECT_NEAR(result["variables"][1]["value"].get<double>(), 7.0 / 3, 1e-14);
 }
