@@ -1,19 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lcp/io/matrix_market.hpp"
 
-#include <sys/stat.h>
-
 #include <algorithm>
 #include <array>
 #include <cctype>
 #include <cerrno>
 #include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <cstring>
+#include <filesystem>
 #include <limits>
 #include <memory>
 #include <new>
+#include <system_error>
 #include <vector>
 
 #include "lcp/io/output_file.hpp"
@@ -298,14 +299,14 @@ std::string read_file(const std::string& path) {
   const File file(std::fopen(path.c_str(), "rb"));
   if (!file) throw FileError(path, 0, std::strerror(errno));
   std::string text;
-  struct stat status {};
-  if (fstat(fileno(file.get()), &status) == 0 && S_ISREG(status.st_mode)) {
+  std::error_code no_size;  // a pipe's
+  if (const std::uintmax_t size = std::filesystem::file_size(path, no_size); !no_size) {
     try {
-      require_memory(static_cast<double>(status.st_size), "the characters of the file");
+      require_memory(static_cast<double>(size), "the characters of the file");
     } catch (const NotEnoughMemory& error) {
       throw FileError(path, 0, error.what());
     }
-    text.reserve(static_cast<std::size_t>(status.st_size));
+    text.reserve(static_cast<std::size_t>(size));
   }
   std::array<char, 1 << 16> buffer{};
   while (const std::size_t got = std::fread(buffer.data(), 1, buffer.size(), file.get()))

@@ -12,6 +12,7 @@
 #include <xmmintrin.h>
 #endif
 
+#include "ncp/ampl/memory_stream.hpp"
 #include "ncp/ampl/model.hpp"
 
 // Last: it defines macros with everyday names.
@@ -83,35 +84,6 @@ class LibraryCall {
   int errno_;
   ASL* cur_asl_;
   std::FILE* stderr_;
-};
-
-/// A stream the library prints to.
-class Messages {
- public:
-  Messages() : stream_(open_memstream(&text_, &size_)) {
-    if (stream_ == nullptr) throw std::bad_alloc();
-  }
-  Messages(const Messages&) = delete;
-  Messages& operator=(const Messages&) = delete;
-  ~Messages() {
-    std::fclose(stream_);
-    std::free(text_);
-  }
-  std::FILE* stream() const { return stream_; }
-  /// On one line.
-  std::string text() const {
-    std::fflush(stream_);
-    std::string line(text_, size_);
-    for (char& c : line)
-      if (c == '\n' || c == '\t' || c == '\r') c = ' ';
-    while (!line.empty() && line.back() == ' ') line.pop_back();
-    return line;
-  }
-
- private:
-  char* text_ = nullptr;
-  std::size_t size_ = 0;
-  std::FILE* stream_;
 };
 
 // The functions below call the library with its error jump set. A jump passes over their frames, which therefore hold
@@ -197,8 +169,7 @@ AslProblem::AslProblem(const std::string& stub, std::string_view body, const Siz
   asl->i.x0len_ = static_cast<std::size_t>(i.n_var_) * sizeof(real);
   asl->i.congrd_mode = 2;
 
-  std::FILE* segments = fmemopen(const_cast<char*>(body.data()), body.size(), "rb");
-  if (segments == nullptr) throw std::bad_alloc();
+  std::FILE* segments = stream_of(body);
   const bool read = read_guarded(asl, segments);
   if (!read) {
     std::fclose(segments);  // the library closes it only where all went well

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ncp/ampl/nl_tokens.hpp"
 
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <array>
 #include <bit>
 #include <cerrno>
 #include <charconv>
 #include <climits>
 #include <cmath>
+#include <cstdint>
 #include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <system_error>
 
 #include "ncp/ampl/model.hpp"
 
@@ -38,16 +38,6 @@ bool underflows(std::string_view token) {
   return token.substr(0, token.find('.')).find_first_of("123456789") == std::string_view::npos;
 }
 
-struct Descriptor {
-  explicit Descriptor(int value) : fd(value) {}
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  ~Descriptor() {
-    if (fd >= 0) ::close(fd);
-  }
-  int fd;
-};
-
 }  // namespace
 
 std::string number(double value) {
@@ -57,24 +47,20 @@ std::string number(double value) {
 
 std::string read_file(const std::string& path) {
   const auto refuse = [&](const std::string& why) { throw ModelError(bad_file, path + ": " + why); };
-  // Non-blocking, so that a pipe nobody writes to is refused below instead of waited for.
-  const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
-  if (file.fd < 0) refuse(std::string("cannot be opened: ") + std::strerror(errno));
-  struct stat status {};
-  if (::fstat(file.fd, &status) != 0) refuse(std::string("cannot be read: ") + std::strerror(errno));
-  if (S_ISDIR(status.st_mode)) refuse("is a directory, not an .nl file");
-  if (!S_ISREG(status.st_mode)) refuse("is not a regular file");
-  if (static_cast<std::size_t>(status.st_size) > max_file) refuse("is larger than 1 GiB, the most this reader takes");
-  std::string bytes(static_cast<std::size_t>(status.st_size), '\0');
-  std::size_t have = 0;
-  while (have < bytes.size()) {
-    const ssize_t got = ::read(file.fd, bytes.data() + have, bytes.size() - have);
-    if (got < 0 && errno == EINTR) continue;
-    if (got < 0) refuse(std::string("cannot be read: ") + std::strerror(errno));
-    if (got == 0) break;
-    have += static_cast<std::size_t>(got);
-  }
-  bytes.resize(have);
+  std::error_code error;
+  const std::filesystem::file_status status = std::filesystem::status(path, error);
+  if (!std::filesystem::exists(status)) refuse("cannot be opened: " + error.message());
+  if (std::filesystem::is_directory(status)) refuse("is a directory, not an .nl file");
+  if (!std::filesystem::is_regular_file(status)) refuse("is not a regular file");
+  const std::uintmax_t size = std::filesystem::file_size(path, error);
+  if (error) refuse("cannot be read: " + error.message());
+  if (size > max_file) refuse("is larger than 1 GiB, the most this reader takes");
+  std::ifstream file(path, std::ios::binary);
+  if (!file) refuse(std::string("cannot be opened: ") + std::strerror(errno));
+  std::string bytes(static_cast<std::size_t>(size), '\0');
+  file.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  if (file.bad()) refuse(std::string("cannot be read: ") + std::strerror(errno));
+  bytes.resize(static_cast<std::size_t>(file.gcount()));
   if (bytes.empty()) refuse("is empty");
   return bytes;
 }

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+/// What main() asks of the system.
+#include <atomic>
+#include <ostream>
+
+namespace perp::app {
+
+/// Before anything else is done.
+void begin_process(char** argv, std::atomic<bool>& interrupted);
+
+/// Whether there is room to factor a matrix; else `err` says what is missing.
+bool can_factor(std::ostream& err);
+
+/// Whether whoever read the standard output has gone.
+bool reader_has_gone();
+
+/// Ends the process without its destructors.
+[[noreturn]] void end_process(int code);
+
+}  // namespace perp::app
