@@ -36,10 +36,9 @@ void print_explanation(std::ostream& out, const LoadedProblem& problem, const nc
     out << (count == 0 ? "\n\nThe model has a solution, and nothing stands out.\n"
                        : "\n\nThe model has a solution, but look at this:\n\n");
   } else {
-    out << "\n\n";
-    const bool proven = result.status == ncp::Status::Infeasible;
-    print_wrapped(out, fmt::format("{}: {}", ncp::to_string(result.status), result.message),
-                  proven ? "The model has no solution. " : "No solution was found. ", answer_width);
+    out << (result.status == ncp::Status::Infeasible ? "\n\nThe model has no solution.\n"
+                                                     : "\n\nNo solution was found.\n");
+    print_wrapped(out, fmt::format("{}: {}", ncp::to_string(result.status), result.message), "  ", answer_width);
     out << '\n';
   }
   for (std::size_t k = 0; k < count; ++k)

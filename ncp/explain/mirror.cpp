@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <iterator>
 #include <map>
 #include <numeric>
 #include <set>
@@ -184,6 +185,17 @@ class Mirror {
     return out;
   }
 
+  /// The edges between rows of the same two families: of two, either may be the wrong one.
+  std::vector<Edge> alike(const Edge& e) const {
+    const auto families = [&](const Edge& one) {
+      return std::minmax({split_name(row(one.i)).first, split_name(row(one.j)).first});
+    };
+    std::vector<Edge> all;
+    std::ranges::copy_if(edges_, std::back_inserter(all),
+                         [&](const Edge& one) { return families(one) == families(e); });
+    return all;
+  }
+
   /// Tells the edges of the wrong sign: with one side for all rows of a family, or where that puts several rows in the
   /// wrong, with the sides of single rows that make these edges fewest.
   void colour() {
@@ -206,7 +218,14 @@ class Mirror {
     if (culprits.empty()) return;
     const Edge& e = wrong.front();
     const std::string law = ": wherever else a variable and a row meet, the signs agree with those of all others";
-    if (wrong.size() == 1) return tell(told(e) + law, {e.i, e.j}, {e.i, e.j});
+    if (wrong.size() == 1) {
+      const std::vector<Edge> twins = alike(e);
+      if (twins.size() != 2) return tell(told(e) + law, {e.i, e.j}, {e.i, e.j});
+      const Indices rows{twins[0].i, twins[0].j, twins[1].i, twins[1].j};
+      return tell(
+          "one sign is the wrong way round of two that should be alike: " + told(twins[0]) + "; but " + told(twins[1]),
+          rows, rows);
+    }
     const Index k = culprits.front();
     const auto all = std::ranges::count_if(edges_, [k](const Edge& other) { return other.i == k || other.j == k; });
     Indices both;  // of two alike either may be the other way round
