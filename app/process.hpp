@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-/// What main() asks of the system.
+/// The calls of the system that main() makes.
 #include <atomic>
 #include <ostream>
 
@@ -9,10 +9,10 @@ namespace perp::app {
 /// Before anything else is done.
 void begin_process(char** argv, std::atomic<bool>& interrupted);
 
-/// Whether there is room to factor a matrix; else `err` says what is missing.
+/// Returns whether there is room to factor a matrix; else `err` says what is missing.
 bool can_factor(std::ostream& err);
 
-/// Whether whoever read the standard output has gone.
+/// Returns whether nobody reads the standard output any more.
 bool reader_has_gone();
 
 /// Ends the process without its destructors.

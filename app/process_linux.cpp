@@ -46,7 +46,8 @@ void begin_process(char** argv, std::atomic<bool>& interrupted) {
   std::signal(SIGXFSZ, SIG_IGN);  // a file beyond the limit is an error like a full disk
 }
 
-/// Whether OpenBLAS finds room for the buffer of one thread, 32 MB x 4 (its BUFFER_SIZE); else it asks for ever.
+/// Returns whether OpenBLAS finds room for the buffer of one thread, 32 MB x 4 (its BUFFER_SIZE); else it asks for
+/// ever.
 bool can_factor(std::ostream& err) {
   constexpr double buffer = 140e6;
   if (dlsym(RTLD_DEFAULT, "openblas_set_num_threads") == nullptr || !address_space_is_limited()) return true;

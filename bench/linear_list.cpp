@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What is each entry of the list for affine problems worth? The affine problems of the collection, and those of files
-/// NAME.mtx with NAME-q.mtx, NAME-lower.mtx and NAME-upper.mtx, with one entry at a time left out. See README.md.
+/// Measures what each entry of the list for affine problems is worth. The affine problems of the collection, and those
+/// of files NAME.mtx with NAME-q.mtx, NAME-lower.mtx and NAME-upper.mtx, with one entry at a time left out. See
+/// README.md.
 #include <chrono>
 #include <cstdio>
 #include <ctime>

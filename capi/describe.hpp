@@ -15,7 +15,7 @@
 
 namespace perp::capi {
 
-/// Of a problem of n variables; x is null, texts are the record's.
+/// The record as C sees it, of a problem of n variables; x is null, texts are the record's.
 perp_iteration iteration_of(const ncp::Iteration& it, std::int64_t n);
 
 // `callbacks` of the problem, or null: their calls are counted.

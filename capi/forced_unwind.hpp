@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-/// What unwinds the stack of a thread that is being cancelled. Only GNU's library gives it a type, and it must be
-/// thrown on; with other libraries nobody throws this one.
+/// The exception that unwinds the stack of a thread that is being cancelled. Only GNU's library gives it a type, and it
+/// must be thrown on; with other libraries nobody throws this one.
 #include <version>
 
 #ifdef __GLIBCXX__

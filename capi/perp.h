@@ -81,7 +81,7 @@ enum perp_status {
   PERP_ITERATION_LIMIT = 13,
   PERP_TIME_LIMIT = 14,
   PERP_INTERRUPTED = 15, /**< somebody asked to stop */
-  PERP_NO_MEMORY = 16    /**< something of the method's did not fit */
+  PERP_NO_MEMORY = 16    /**< of the program alone: perp_solve() returns PERP_OUT_OF_MEMORY */
 };
 /** "Solved", "SolvedToRounding", ...; "?" for other numbers. */
 const char* perp_status_name(int32_t status);

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double unknown = 9007199254740992;  // 2^53 bytes
 
-/// Of /proc/meminfo.
+/// Reads /proc/meminfo.
 double free_of_machine() {
   std::ifstream in("/proc/meminfo");
   std::string name;
@@ -30,7 +30,8 @@ double number_in(const std::string& file) {
   return in >> value ? value : unknown;  // "max" is no number
 }
 
-/// Of the group the process is in and those about it, where they are told by the second version of control groups.
+/// Reads the limits of the group the process is in and those about it, where they are told by the second version of
+/// control groups.
 double free_of_groups() {
   std::ifstream in("/proc/self/cgroup");
   double left = unknown;

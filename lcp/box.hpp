@@ -33,8 +33,8 @@ struct Box {
 Vec project(const Box& box, In z);
 double project(const Box& box, Index i, double z);
 
-/// Where a variable is: at or below its lower bound, between the bounds, at or above the upper one; or it is fixed. In
-/// the normal map the column of x_i is M_{.i} if Inside, e_i otherwise.
+/// The place of a variable: at or below its lower bound, between the bounds, at or above the upper one; or it is fixed.
+/// In the normal map the column of x_i is M_{.i} if Inside, e_i otherwise.
 enum class Cell : signed char { Below, Inside, Above, Fixed };
 /// Returns the cell of z_i in the box. A distance of at most `tol` counts as "at the bound".
 Cell cell_of(const Box& box, Index i, double z, double tol = 0);

@@ -79,7 +79,7 @@ class Fields {
   enum class Purpose { Describe, Check };
   /// Check: invalid() is all that is asked, and nothing is kept for the rest. A key that is added once more, by another
   /// part of a method, is the same option there (Field::also) if it has the same value; a part whose value differs was
-  /// given its own.
+  /// given its own. The part in which its words stand for more values is the one that is shown.
   explicit Fields(Purpose purpose = Purpose::Describe) : checking_(purpose == Purpose::Check) {}
 
   void add(std::string_view key, Target number, const Range& range, std::string_view help, std::string_view alias = {});

@@ -100,19 +100,17 @@ std::string explain_json(const LoadedProblem& problem, const ncp::Explanation& e
   return json_text(json);
 }
 
-/// A model that cannot be read as a problem: what the reader says, one part a line.
-ExitCode explain_refused(const ExplainRequest& request, const std::string& why, Streams streams) {
+/// Tells why a model cannot be read as a problem: each thing that the reader found wrong is an answer.
+ExitCode explain_refused(const ExplainRequest& request, const ncp::ampl::ModelError& refused, Streams streams) {
   std::ostream& log = request.json == "-" ? streams.err : streams.out;
   Json json = json_header(Document::Explain);
   json["problem"] = request.source.problem;
   json["status"] = "InputError";
   json["exit_code"] = static_cast<int>(exit_input);
-  json["message"] = why;
+  json["message"] = refused.what();
   json["answers"] = Json::array();
   log << "The model is refused.\n\n";
-  for (std::size_t begin = 0, end = 0; begin < why.size(); begin = end + 2) {
-    end = std::min(why.find("; ", begin), why.size());
-    const std::string text = why.substr(begin, end - begin);
+  for (const std::string& text : refused.parts()) {
     print_answer(log, json["answers"].size() + 1, true, text);
     json["answers"].push_back({{"kind", "structure"},
                                {"proven", true},
@@ -139,7 +137,7 @@ ExitCode explain(const ExplainRequest& request, Streams streams, const std::atom
       problem = load_problem(request.source);
     } catch (const ncp::ampl::ModelError& error) {
       refused = true;
-      code = explain_refused(request, error.what(), streams);
+      code = explain_refused(request, error, streams);
       return;
     }
     const ncp::Explanation explanation =

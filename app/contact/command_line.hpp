@@ -11,7 +11,7 @@
 
 namespace perp::app::contacts {
 
-/// What a command line asks for.
+/// The request that a command line makes.
 struct ContactWords {
   ContactRequest request{};
   std::string level = "info";

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-/// What bounded_call() asks of the system.
+/// The calls of the system that bounded_call() makes.
 #include <functional>
 #include <string_view>
 

@@ -60,7 +60,7 @@ bool start_thread(std::function<void()> work) {
   return made;
 }
 
-/// With write(2) alone.
+/// Uses write(2) alone: other threads may hold the streams.
 void leave(std::string_view why, int code) {
   while (!why.empty()) {
     const ssize_t done = write(STDERR_FILENO, why.data(), why.size());

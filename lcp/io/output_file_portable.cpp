@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// With the C++ library alone: a file in a folder is written to a draft beside it, which then takes its place; whether
+/// Uses the C++ library alone: a file in a folder is written to a draft beside it, which then takes its place; whether
 /// it has come to the disk is left to the system. What is no file is written in place.
 #include <array>
 #include <atomic>

@@ -39,7 +39,7 @@
 ///     col 0 : locations 0 to 1       of each column its entries, row : value
 ///     0 : 856.713
 ///     ..
-/// Of triplets the third line is "triplet: ROWS-by-COLUMNS, nzmax: N nnz: N", and each entry row column : value.
+/// The third line of triplets is "triplet: ROWS-by-COLUMNS, nzmax: N nnz: N", and each entry row column : value.
 ///
 /// Blocks may come in any number and order; u and v gather the unknowns of the equations and of the conditions. After
 /// the problem may stand the known solution (z, w) or (v, w), or on a new line any text that does not begin with a

@@ -89,7 +89,7 @@ void SiconosMatrix::read_blocks() {
     }
 }
 
-/// What CSparse prints.
+/// The text that CSparse prints.
 void SiconosMatrix::read_compressed() {
   const bool triplets = in_.integer("the form of a compressed matrix (1: triplets, 2: columns)", 1, 2) == 1;
   in_.word("CSparse");

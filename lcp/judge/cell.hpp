@@ -20,7 +20,7 @@ using Cells = std::vector<Cell>;
 Cells cells_of(const Box& box, In z);
 /// The same with every variable that is not fixed inside.
 Cells all_inside(const Box& box);
-/// For sets of cells: different cells have different keys, but with probability 2^-64.
+/// A key for sets of cells: different cells have different keys, but with probability 2^-64.
 std::uint64_t key_of(const Cells& cells);
 
 /// The points of cells, with what one needs to tell a violated sign from rounding.

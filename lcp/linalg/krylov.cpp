@@ -294,11 +294,7 @@ KrylovSystem& KrylovSystem::operator=(KrylovSystem&&) noexcept = default;
 KrylovResult KrylovSystem::solve(In b, double eta) {
   KrylovResult result;
   result.d = Vec::Zero(b.size());
-  try {
-    parts_->solve(b, eta, result);
-  } catch (const std::bad_alloc&) {
-    result.end = KrylovEnd::OutOfMemory;
-  }
+  parts_->solve(b, eta, result);
   return result;
 }
 

@@ -30,8 +30,7 @@ struct KrylovOptions {
 enum class KrylovEnd {
   Solved,
   NotConverged,  ///< max_iterations, or the residual has stopped falling
-  OutOfMemory,
-  Stopped,  ///< by the limits
+  Stopped,       ///< by the limits
 };
 enum class KrylovKind { None, ConjugateGradients, BiCgStab };  ///< None: every unknown was known
 

@@ -12,7 +12,7 @@ namespace perp::lcp {
 /// With pivots that are taken again (SparseLu::reuse_pivots); where U grows beyond this, others are looked for.
 inline constexpr double most_growth_again = 1000;
 
-/// What a numeric factorization takes, estimated from the analysis of the pattern; 0 where nothing is known.
+/// The cost of a numeric factorization, estimated from the analysis of the pattern; 0 where nothing is known.
 struct FactorCost {
   double flops = 0;
   double bytes = 0;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Block principal pivoting on dense factors, for small problems with a P-matrix M, such as a positive definite one.
-/// From the cell in which the variables are at a bound (B) or inside (I), with
+/// Begins in the cell in which the variables are at a bound (B) or inside (I), with
 ///     M_II z_I = -(q_I + M_IB z_B),   F_B = q_B + M_BB z_B + M_BI z_I,
 /// all variables exchange their cells that violate a bound or the sign of their F; only the first one does where that
 /// has not made them fewer for some rounds (Judice & Pires, Comput. Oper. Res. 21 (1994) 587). P-matrices have positive

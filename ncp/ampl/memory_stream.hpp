@@ -15,7 +15,7 @@ class Messages {
   Messages& operator=(const Messages&) = delete;
   ~Messages();
   std::FILE* stream() const { return stream_; }
-  /// What was printed, on one line.
+  /// The text that was printed, on one line.
   std::string text() const;
 
  private:

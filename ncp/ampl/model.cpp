@@ -204,7 +204,9 @@ std::unique_ptr<Model> read_model(const std::string& path) {
     return std::make_unique<AslModel>(stub, bytes, std::move(nl), names);
   } catch (const ModelError& refused) {
     if (names.complete()) throw;
-    throw ModelError(refused.code(), std::string(refused.what()) + "; " + advice_on_names);
+    std::vector<std::string> parts = refused.parts();
+    parts.emplace_back(advice_on_names);
+    throw ModelError(refused.code(), std::string(refused.what()) + "; " + advice_on_names, std::move(parts));
   }
 }
 

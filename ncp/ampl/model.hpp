@@ -12,6 +12,7 @@
 #include <memory>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "ncp/problem/mcp.hpp"
@@ -21,11 +22,16 @@ namespace perp::ncp::ampl {
 /// Why a file is refused; code() is AMPL's solve_result_num for it.
 class ModelError : public std::runtime_error {
  public:
-  ModelError(int code, const std::string& what) : std::runtime_error(what), code_(code) {}
+  /// A fault of the model. `parts`: what is wrong with it, if that is more than one thing; what() has all.
+  ModelError(int code, const std::string& what, std::vector<std::string> parts = {})
+      : std::runtime_error(what), code_(code), parts_(std::move(parts)) {}
   int code() const { return code_; }
+  /// Returns at least one.
+  std::vector<std::string> parts() const { return parts_.empty() ? std::vector<std::string>{what()} : parts_; }
 
  private:
   int code_;
+  std::vector<std::string> parts_;
 };
 inline constexpr int inconsistent_bounds = 200;
 inline constexpr int bad_file = 500;  ///< unreadable, malformed, truncated, integer variables, unknown functions

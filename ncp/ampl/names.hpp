@@ -16,7 +16,7 @@ class Names {
   std::string row(int i) const;       ///< _scon[i + 1]
   /// "a, b, c and 12 more"
   static std::string list(const std::vector<std::string>& names);
-  /// Whether all variables and rows have a name of the files.
+  /// Returns whether all variables and rows have a name of the files.
   bool complete() const { return complete_; }
 
  private:

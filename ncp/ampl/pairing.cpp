@@ -222,12 +222,15 @@ void refuse_nonsquare(const NlModel& model, const Names& names, const Conditions
   }
   const auto variables = std::ranges::count(found.gone, 0);
   if (equations + conditions == variables) return;
-  std::string message = model.file + ": the model is not square: " + quantity(equations, "equation") + " and " +
-                        quantity(conditions, "complementarity condition") + " for " + quantity(variables, "variable");
-  for (const std::string& fault : faults(structure_of(model, names, found))) message += "; " + fault;
+  std::vector<std::string> parts{"the model is not square: " + quantity(equations, "equation") + " and " +
+                                 quantity(conditions, "complementarity condition") + " for " +
+                                 quantity(variables, "variable")};
+  for (Fault& fault : faults(structure_of(model, names, found))) parts.push_back(std::move(fault.text));
   if (const auto without = without_condition(model); equations + conditions < variables && !without.empty())
-    message += "; " + told(without, names);
-  throw ModelError(nonsquare, message);
+    parts.push_back(told(without, names));
+  std::string message = model.file + ":";
+  for (const std::string& part : parts) message += (&part == &parts.front() ? " " : "; ") + part;
+  throw ModelError(nonsquare, message, std::move(parts));
 }
 
 // Adds an unknown y >= 0 with F_y = sign (v - bound) - y.

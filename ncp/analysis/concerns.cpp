@@ -31,8 +31,8 @@ std::vector<Concern> concerns(const Inspection& inspection) {
         fmt::format("structurally singular whichever variables are at their bounds (rank {} of {} at most)",
                     structure.rank_with_bounds, structure.size));
   // What solve() says; of a bounded variable that is alone it says nothing.
-  for (std::string& fault : faults(structure_of(mcp, &start.F, start.J_defined ? &start.J : nullptr)))
-    add(Concern::Structure, std::move(fault));
+  for (Fault& fault : faults(structure_of(mcp, &start.F, start.J_defined ? &start.J : nullptr)))
+    add(Concern::Structure, std::move(fault.text));
   const auto bounded = [&](Indices indices) {
     std::erase_if(indices, [&](Index i) { return mcp.box().is_free(i); });
     return indices;

@@ -13,9 +13,9 @@
 namespace perp::ncp {
 namespace {
 
-/// Of the largest multiplier: below it is rounding of the methods, which stop at 1e-9.
+/// Share of the largest multiplier below which there is only rounding of the methods, which stop at 1e-9.
 constexpr double no_share = 1e-6;
-/// Of a scaled demand, beside the size of its constant: the same.
+/// Size of a miss, beside the constant of a scaled demand, below which it is rounding.
 constexpr double missed_at_all = 1e-7;
 
 bool late(lcp::Deadline deadline) { return std::chrono::steady_clock::now() >= deadline; }
@@ -198,7 +198,7 @@ Demands LinearDemands::support(const Demands& demands, const Elastic& found) {
 
 namespace {
 
-/// Whether the demands contradict each other; then only those with multipliers are left.
+/// Returns whether the demands contradict each other; then only those with multipliers are left.
 bool contradict(const LinearDemands& all, Demands& demands, Vec& y, lcp::Deadline deadline) {
   const auto found = all.elastic(demands, deadline);
   if (!found || !(found->total > 0)) return false;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-/// What an affine MCP asks of z whatever complements what: the rows F_i >= 0 (only l_i is finite), F_i <= 0 (only u_i
-/// is), F_i = 0 (neither is), F = M z + q, and the bounds of z. Smallest sets of these that contradict each other, and
-/// the least change with which they do not. Private to ncp/.
+/// The demands of an affine MCP on z, whatever complements what: the rows F_i >= 0 (only l_i is finite), F_i <= 0 (only
+/// u_i is), F_i = 0 (neither is), F = M z + q, and the bounds of z. Smallest sets of these that contradict each other,
+/// and the least change with which they do not. Private to ncp/.
 ///
 /// The least change in the sum, min sum_k s_k, where demand k, scaled to coefficients of at most 1, is missed by s_k,
 /// is a complementarity problem that always has a solution, as it is a linear program with a skew matrix:
@@ -54,9 +54,9 @@ class LinearDemands {
   /// The same with the bounds that are 0, signs of variables, left as they are.
   std::optional<Elastic> repaired(const Demands& demands, lcp::Deadline deadline) const;
 
-  /// Whether multipliers of demands that contradict each other are the only ones but for their length: no demand can
-  /// go then. The rows have rank one less than their number in the columns without a bound among the demands (Gleeson &
-  /// Ryan). False, too, of more than 1000 rows.
+  /// Returns whether multipliers of demands that contradict each other are the only ones but for their length: no
+  /// demand can go then. The rows have rank one less than their number in the columns without a bound among the demands
+  /// (Gleeson & Ryan). False, too, of more than 1000 rows.
   bool has_one_proof(const Demands& demands) const;
   /// The demands with multipliers.
   static Demands support(const Demands& demands, const Elastic& found);
@@ -73,7 +73,7 @@ class LinearDemands {
 
 struct Conflict {
   Demands demands{};
-  bool smallest = false;  ///< without any one of them the others can be met
+  bool smallest = false;  ///< without any one of them no contradiction was found
   /// The proof; null: the numbers say so, and no exact proof was found.
   std::shared_ptr<const lcp::Refutation> certificate{};
 };

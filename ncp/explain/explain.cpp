@@ -26,42 +26,19 @@ constexpr std::pair<Kind, std::string_view> kinds[] = {{Kind::Conflict, "conflic
                                                        {Kind::Mirror, "mirror"},     {Kind::Family, "family"},
                                                        {Kind::Start, "start"}};
 
-/// The problem with other constants and bounds.
-class Changed final : public Mcp {
- public:
-  Changed(const Mcp& base, const std::vector<Change>& changes)
-      : base_(base), box_(base.box()), added_(Vec::Zero(base.size())) {
-    for (const Change& c : changes) switch (c.what.of) {
-        case Demand::Row:
-          added_[c.what.index] = c.to;
-          break;
-        case Demand::Lower:
-          box_.lower[c.what.index] = c.to;
-          break;
-        case Demand::Upper:
-          box_.upper[c.what.index] = c.to;
-          break;
-      }
-  }
-  const Box& box() const override { return box_; }
-  const SpMat& jacobian_pattern() const override { return base_.jacobian_pattern(); }
-  bool eval(In x, Out F) const override {
-    const bool defined = base_.eval(x, F);
-    F += added_;
+/// The problem with other constants and bounds, which it outlives.
+Functions changed(const Mcp& base, const std::vector<Change>& changes) {
+  Functions f = functions_of(base);
+  Vec added = Vec::Zero(base.size());
+  for (const auto& [what, from, to] : changes)
+    (what.of == Demand::Row ? added : what.of == Demand::Lower ? f.box.lower : f.box.upper)[what.index] = to;
+  f.F = [&base, added](In x, Out F) {
+    const bool defined = base.eval(x, F);
+    F += added;
     return defined;
-  }
-  bool jacobian(In x, SpMat& J) const override { return base_.jacobian(x, J); }
-  bool is_affine() const override { return base_.is_affine(); }
-  std::vector<bool> linear_entries() const override { return base_.linear_entries(); }
-  std::string name() const override { return base_.name(); }
-  std::string variable_name(Index i) const override { return base_.variable_name(i); }
-  std::string equation_name(Index i) const override { return base_.equation_name(i); }
-
- private:
-  const Mcp& base_;
-  Box box_;
-  Vec added_;
-};
+  };
+  return f;
+}
 
 /// J at a point near x0 at which no entry is 0 by chance; nothing if it is not defined at those that are tried.
 std::optional<SpMat> generic_jacobian(const Mcp& mcp, In x0) {
@@ -113,8 +90,12 @@ class Explainer {
     if (!out_.result.accepted()) {  // of a solution its notes say so
       Vec F(mcp_.size());
       const bool defined = mcp_.eval(lcp::project(mcp_.box(), x0_), F);
-      for (std::string& fault : faults(structure_of(mcp_, defined ? &F : nullptr, J ? &*J : nullptr)))
-        all.push_back({.kind = Kind::Structure, .proven = true, .text = std::move(fault)});
+      for (Fault& fault : faults(structure_of(mcp_, defined ? &F : nullptr, J ? &*J : nullptr)))
+        all.push_back({.kind = Kind::Structure,
+                       .proven = fault.by_pattern,
+                       .rows = std::move(fault.rows),
+                       .variables = std::move(fault.variables),
+                       .text = std::move(fault.text)});
     }
     add_start_faults(mcp_, x0_, all);
     return all;
@@ -172,11 +153,12 @@ class Explainer {
                   : bounds.empty()        ? "rows " + rows + " contradict each other"
                                           : "rows " + rows + " contradict each other, with ";
     if (!bounds.empty()) answer.text += (bounds.size() == 1 ? "the bound " : "the bounds ") + limits;
-    if (out_.conflict->smallest && all.size() > 1) answer.text += "; without any one of these the others can be met";
+    if (out_.conflict->smallest && all.size() > 1)
+      answer.text += "; no contradiction was found without any one of these";
     out_.answers.push_back(std::move(answer));
   }
 
-  /// What the model asks at its linearisation at the best point.
+  /// Looks for a contradiction, and a repair, of the linearisation at the best point.
   void tell_linearised() {
     CountedMcp counted(mcp_);
     Point best;
@@ -210,10 +192,10 @@ class Explainer {
       out_.repair.changes.push_back({all[k], from, from - (all[k].of == Demand::Row ? -1 : 1) * found->missed[k]});
     }
     out_.repair.least = mcp_.is_affine();
-    const Changed mended(mcp_, out_.repair.changes);
+    Functions mended = changed(mcp_, out_.repair.changes);
     stop(method_).max_time = Seconds(part_of_time(0.8) - std::chrono::steady_clock::now());
-    if (!mended.box().invalid() && stop(method_).max_time.count() > 0)
-      out_.repair.verified = solve(mended, lcp::project(mended.box(), x0_), method_).accepted();
+    if (!mended.box.invalid() && stop(method_).max_time.count() > 0)
+      out_.repair.verified = solve(*make_mcp(std::move(mended)), x0_, method_).accepted();
     tell_repair();
   }
 
@@ -223,7 +205,8 @@ class Explainer {
     for (const Change& c : changes) what.push_back(c.what);
     Answer answer = answer_of(Kind::Repair, out_.repair.verified, what);
     answer.text =
-        (out_.repair.least ? "the least change that would mend this: " : "a change that may mend it: ") +
+        (out_.repair.least ? "the least change that would mend this, up to rounding: "
+                           : "a change that may mend it: ") +
         listed(changes.size(),
                [&](std::size_t k) {
                  const Change& c = changes[k];

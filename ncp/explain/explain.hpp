@@ -38,7 +38,9 @@ struct Change {
 };
 struct Repair {
   std::vector<Change> changes{};
-  bool least = false;     ///< in the sum of the changes, each in units of its row's largest coefficient
+  /// Up to rounding, in the sum of the changes, each in units of its row's largest coefficient; bounds that are 0,
+  /// signs of variables, stay.
+  bool least = false;
   bool verified = false;  ///< the changed model was solved
 };
 

@@ -21,7 +21,7 @@ using Indices = std::vector<Index>;
 
 constexpr std::size_t like = 5;  // rows of a family: so many agree by no chance
 
-/// What a row has of one family of variables.
+/// The entries of a row for one family of variables.
 struct Part {
   bool positive = false, negative = false;
   double largest = 0;
@@ -39,7 +39,7 @@ Index odd_one(const Indices& members, const std::function<bool(Index)>& is) {
   return yes.size() == 1 ? yes.front() : no.size() == 1 ? no.front() : -1;
 }
 
-/// Of positive sizes: the one that is far from all others, which are near each other; -1: there is none.
+/// Finds the one of positive sizes that is far from all others, which are near each other; -1: there is none.
 Index odd_size(std::vector<std::pair<double, Index>> sizes) {
   constexpr double far = 100, near = 10;  // factors
   if (sizes.size() < like) return -1;

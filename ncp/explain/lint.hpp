@@ -16,7 +16,7 @@ namespace perp::ncp {
 /// whether nearly all entries keep the law.
 bool add_mirror_faults(const Mcp& mcp, const SpMat& J, std::vector<Answer>& found);
 
-/// Of rows whose names differ in an index alone: the one that has another sign or size of entries where all
+/// Tells, of rows whose names differ in an index alone, the one that has another sign or size of entries where all
 /// others agree.
 void add_family_faults(const Mcp& mcp, const SpMat& J, std::vector<Answer>& found);
 

@@ -78,6 +78,18 @@ std::vector<bool> Mcp::linear_entries() const {
                      : std::vector<bool>{};
 }
 
+Functions functions_of(const Mcp& mcp) {
+  Functions f;
+  f.name = mcp.name();
+  f.box = mcp.box();
+  f.pattern = mcp.jacobian_pattern();
+  f.F = [&mcp](In x, Out F) { return mcp.eval(x, F); };
+  f.J = [&mcp](In x, SpMat& J) { return mcp.jacobian(x, J); };
+  f.affine = mcp.is_affine();
+  f.linear_entries = mcp.linear_entries();
+  return f;
+}
+
 std::unique_ptr<Mcp> make_mcp(Functions functions) {
   const Index n = functions.box.lower.size();
   const std::string& name = functions.name;

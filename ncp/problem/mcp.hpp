@@ -105,6 +105,9 @@ inline constexpr Index most_enclosed = 5000;
 /// where entries are promised to be constant: differences are not exact.
 std::unique_ptr<Mcp> make_mcp(Functions functions);
 
+/// The problem as functions, from which another one can be made; it outlives them. They have no names.
+Functions functions_of(const Mcp& mcp);
+
 /// Returns the full n x n pattern, for small dense problems.
 SpMat dense_pattern(Index n);
 

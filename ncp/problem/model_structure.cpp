@@ -150,14 +150,12 @@ std::string too_few(const ModelStructure& model, const StructurePart& part, cons
 }
 
 /// "lambda_e1 has no row": variables without a namesake that no sentence has named yet.
-void tell_nameless(const ModelStructure& model, const Namesakes& names, std::vector<std::string>& text) {
+void tell_nameless(const ModelStructure& model, const Namesakes& names, std::vector<Fault>& found) {
   Indices alone;
   for (Index j = 0; j < model.pattern.cols(); ++j)
     if (names.variables[at(j)]) alone.push_back(j);
   if (alone.empty() || alone.size() > few) return;
-  const std::string list = listed(alone, model.variable);
-  for (const std::string& told : text)
-    if (told.ends_with(list)) return;
+  if (std::ranges::find(found, alone, &Fault::variables) != found.end()) return;
   // The example: a pair that is named most alike.
   const std::string first = model.variable(alone.front());
   Index like = -1;
@@ -168,13 +166,15 @@ void tell_nameless(const ModelStructure& model, const Namesakes& names, std::vec
     const std::ptrdiff_t common = std::ranges::mismatch(name, first).in1 - name.begin();
     if (common > longest) longest = common, like = j;
   }
-  text.push_back("by their names most variables have a row, as " + model.variable(like) + " has " +
-                 model.row(names.row_of[at(like)]) + ", and " + list +
-                 (alone.size() == 1 ? " has none" : " have none"));
+  found.push_back({.text = "by their names most variables have a row, as " + model.variable(like) + " has " +
+                           model.row(names.row_of[at(like)]) + ", and " + listed(alone, model.variable) +
+                           (alone.size() == 1 ? " has none" : " have none"),
+                   .variables = std::move(alone),
+                   .by_pattern = false});
 }
 
 /// "row e7 is missing": families of rows that have every index of a run but one.
-void tell_gaps(const ModelStructure& model, std::vector<std::string>& text) {
+void tell_gaps(const ModelStructure& model, std::vector<Fault>& found) {
   std::map<std::string, std::vector<long>> numbers;
   for (Index i = 0; i < model.pattern.rows(); ++i)
     if (const auto [family, index] = split_name(model.row(i));
@@ -186,8 +186,10 @@ void tell_gaps(const ModelStructure& model, std::vector<std::string>& text) {
     for (std::size_t k = 1; k < list.size(); ++k)
       if (list[k] == list[k - 1] + 2) gaps.push_back(list[k] - 1);
     if (gaps.size() == 1 && list.back() - list.front() == std::ssize(list) && list.size() >= 4)
-      text.push_back("of the rows " + family + std::to_string(list.front()) + " to " + family +
-                     std::to_string(list.back()) + " one is missing: " + family + std::to_string(gaps.front()));
+      found.push_back({.text = "of the rows " + family + std::to_string(list.front()) + " to " + family +
+                               std::to_string(list.back()) + " one is missing: " + family +
+                               std::to_string(gaps.front()),
+                       .by_pattern = false});
   }
 }
 
@@ -294,37 +296,40 @@ ModelStructure structure_of(const Mcp& mcp, const Vec* F, const SpMat* J) {
   return s;
 }
 
-std::vector<std::string> faults(const ModelStructure& model) {
-  std::vector<std::string> text;
+std::vector<Fault> faults(const ModelStructure& model) {
+  std::vector<Fault> found;
   const Index m = model.pattern.rows(), n = model.pattern.cols();
   auto over = parts_of(model.pattern, [&](Index i) { return model.imposes[at(i)] != 0; });
   const auto under = parts_of(model.pattern.transpose(), [](Index) { return true; });
   const std::vector<Multiple> same = multiples(model);
-  if (over.empty() && under.empty() && same.empty()) return text;
+  if (over.empty() && under.empty() && same.empty()) return found;
   std::vector<char> complemented(at(n), 0);
   for (const Index j : model.complement)
     if (j >= 0) complemented[at(j)] = 1;
   const Namesakes names = namesakes(m, n, model.row, model.variable);
   for (std::size_t k = 0; k < std::min(most_parts, same.size()); ++k)
-    text.push_back("row " + model.row(same[k].second) + " repeats row " + model.row(same[k].first) +
-                   (std::abs(same[k].factor - 1) < 1e-9 ? "" : ", " + number(same[k].factor) + " times") +
-                   (same[k].same ? "" : ", but for constants"));
+    found.push_back({.text = "row " + model.row(same[k].second) + " repeats row " + model.row(same[k].first) +
+                             (std::abs(same[k].factor - 1) < 1e-9 ? "" : ", " + number(same[k].factor) + " times") +
+                             (same[k].same ? "" : ", but for constants"),
+                     .rows = {same[k].first, same[k].second},
+                     .by_pattern = false});
   const auto all_multiples = [&](const StructurePart& part) {
     return part.rows.size() > few && std::ranges::any_of(same, [&](const Multiple& pair) {
              return std::ranges::binary_search(part.rows, pair.second);
            });
   };
   std::erase_if(over, all_multiples);
-  for (std::size_t k = 0; k < std::min(most_parts, over.size()); ++k) text.push_back(too_many(model, over[k], names));
-  if (over.size() > most_parts) text.push_back("and more rows that are too many");
+  for (std::size_t k = 0; k < std::min(most_parts, over.size()); ++k)
+    found.push_back({too_many(model, over[k], names), over[k].rows, over[k].columns});
+  if (over.size() > most_parts) found.push_back({"and more rows that are too many"});
   for (std::size_t k = 0; k < std::min(most_parts, under.size()); ++k)
-    text.push_back(too_few(model, under[k], names, complemented));
-  if (under.size() > most_parts) text.push_back("and more variables");
+    found.push_back({too_few(model, under[k], names, complemented), under[k].columns, under[k].rows});
+  if (under.size() > most_parts) found.push_back({"and more variables"});
   if (m < n) {
-    tell_gaps(model, text);
-    tell_nameless(model, names, text);
+    tell_gaps(model, found);
+    tell_nameless(model, names, found);
   }
-  return text;
+  return found;
 }
 
 }  // namespace perp::ncp

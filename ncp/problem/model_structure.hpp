@@ -17,7 +17,7 @@ using NameAt = std::function<std::string(Index)>;
 
 struct ModelStructure {
   SpMat pattern;  ///< rows x variables, with the entries of conditions for what they complement
-  /// Of each row: equal for rows that have the same variables (row_keys()).
+  /// A number for each row: equal for rows that have the same variables (row_keys()).
   std::vector<std::uint64_t> keys{};
   std::vector<Index> complement;  ///< of each row the variable that it complements; -1: none
   std::vector<char> imposes{};    ///< of each row: an equation or a condition, no inequality beside them
@@ -43,12 +43,17 @@ std::pair<std::string, std::string> split_name(const std::string& name);
 /// A number of the columns in which each row has an entry, by a hash; without the zeros, if these are none.
 std::vector<std::uint64_t> row_keys(const SpMat& A, bool zeros = true);
 
-/// Of a problem: variables that are in no row but their own, and those rows, are left out, as they explain nothing; of
-/// a problem whose rows all have an entry of their own variable, so that none is too many, the diagonal is enough.
-/// With F and J at a point, if they are given.
+/// The structure of a problem: variables that are in no row but their own, and those rows, are left out, as they
+/// explain nothing; of a problem whose rows all have an entry of their own variable, so that none is too many, the
+/// diagonal is enough. With F and J at a point, if they are given.
 ModelStructure structure_of(const Mcp& mcp, const Vec* F = nullptr, const SpMat* J = nullptr);
 
-/// Sentences without a full stop; none where the structure is sound.
-std::vector<std::string> faults(const ModelStructure& model);
+struct Fault {
+  std::string text;  ///< a sentence without a full stop
+  std::vector<Index> rows{}, variables{};
+  bool by_pattern = true;  ///< false: seen in numbers, which are rounded
+};
+/// Finds what is wrong with the structure; nothing where it is sound.
+std::vector<Fault> faults(const ModelStructure& model);
 
 }  // namespace perp::ncp

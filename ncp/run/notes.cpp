@@ -91,11 +91,11 @@ void add_notes(const Mcp& mcp, const Stop& stop, const SpMat& J, const lcp::RowT
 
 /// Tells of rows that are too many or too few: in the message where no solution was found.
 void tell_structure(const Mcp& mcp, const SpMat* J, Result& result) {
-  for (const std::string& fault : faults(structure_of(mcp, &result.F, J)))
+  for (const Fault& fault : faults(structure_of(mcp, &result.F, J)))
     if (result.accepted())
-      result.notes.push_back(fault);
+      result.notes.push_back(fault.text);
     else
-      result.message += "; " + fault;
+      result.message += "; " + fault.text;
 }
 
 }  // namespace

@@ -12,15 +12,8 @@ namespace {
 
 /// The model without its side inequalities: their variables u = v - bound, v >= bound, are free.
 std::unique_ptr<ncp::Mcp> without_sides(const ncp::Mcp& mcp, ncp::Index n_var) {
-  ncp::Functions f;
-  f.name = mcp.name();
-  f.box = mcp.box();
+  ncp::Functions f = ncp::functions_of(mcp);
   f.box.lower.tail(mcp.size() - n_var).setConstant(-ncp::infinity);
-  f.pattern = mcp.jacobian_pattern();
-  f.F = [&mcp](ncp::In x, ncp::Out F) { return mcp.eval(x, F); };
-  f.J = [&mcp](ncp::In x, ncp::SpMat& J) { return mcp.jacobian(x, J); };
-  f.affine = mcp.is_affine();
-  f.linear_entries = mcp.linear_entries();
   return ncp::make_mcp(std::move(f));
 }
 

@@ -18,7 +18,7 @@ namespace perp::settings {
 /// AMPL's solve_result_num for a model refused because of its side inequalities.
 inline constexpr int side_inequalities_refused = 505;
 
-/// What a session finds.
+/// The findings of a session.
 struct Outcome {
   ncp::Result result{};  ///< of several solutions the first
   std::vector<ncp::Iteration> iterations{};

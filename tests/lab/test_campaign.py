@@ -310,7 +310,7 @@ def test_man_page(words, section):
     assert set(re.findall(r"^\.It Fl -([a-z-]+)", page, re.M)) == set(re.findall(r"^  --([a-z-]+)", run.stdout, re.M))
 
 
-# What a user at the keyboard gets: flags of each command, names of the collection behind a comma.
+# Completion at the keyboard: flags of each command, names of the collection behind a comma.
 @pytest.mark.parametrize(
     ("line", "some"),
     [

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What the headers promise of files, streams, signals and threads, of the implementations for other systems than
+/// Promises of the headers about files, streams, signals and threads, of the implementations for other systems than
 /// Linux.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -132,7 +132,7 @@ def parse_shard(text):
     return int(match[1]), int(match[2])
 
 
-# What two campaigns have in common.
+# Parts that two campaigns have in common.
 
 
 def read_campaign(folder, kind):

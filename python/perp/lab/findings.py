@@ -24,7 +24,7 @@ from .files import read_cells
 MEASURES = {"seconds": "time", "F_evals": "evaluations of F", "factorizations": "factorizations"}
 FLOOR = {"iterations": 1, "F_evals": 1, "factorizations": 1, "seconds": 1e-3}  # costs below count as this
 FEW_PAIRS = 5
-# What another BLAS or processor does to the difference of two methods: of 403 pairs smooth solves 384 to 390, others
+# Effect of another BLAS or processor on the difference of two methods: of 403 pairs smooth solves 384 to 390, others
 # vary by at most 2 (bench/results/collection.md): 6 and 2 together.
 ROUNDING = 0.02
 SYSTEMS_1997 = ("proxi", "path", "smooth", "miles", "nesqp", "qpcomp", "semicomp", "semismooth")

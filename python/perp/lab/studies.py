@@ -253,7 +253,8 @@ def ball_svg(answer):
 def corners_of(K, outer, turn):
     """Of the polygon in the unit disk, the first at `turn`; or around it, the first facet's normal there."""
     radius, first = (1 / math.cos(math.pi / K), turn + math.pi / K) if outer else (1, turn)
-    return [(radius * math.cos(first + 2 * math.pi * k / K), radius * math.sin(first + 2 * math.pi * k / K)) for k in range(K)]
+    angles = [first + 2 * math.pi * k / K for k in range(K)]
+    return [(radius * math.cos(angle), radius * math.sin(angle)) for angle in angles]
 
 
 def nearest(x, y, corners):
@@ -271,9 +272,10 @@ def nearest(x, y, corners):
 
 
 def ball_path(load, corners, words, gravity=9.81):
-    """(t, x, y) by the midpoint rule, and the drift: the mean velocity over the last cycle. The contact has r_N = m g h, and
-    W_T = 1 / m, or 3.5 / m if the ball may roll, times the identity: r_T is the projection of -u_free / W_T on mu r_N times
-    the disk or polygon. Velocities are in mu g h here, until the end."""
+    """(t, x, y) by the midpoint rule, and the drift: the mean velocity over the last cycle.
+
+    The contact has r_N = m g h, and W_T = 1 / m, or 3.5 / m if the ball may roll, times the identity: r_T is the
+    projection of -u_free / W_T on mu r_N times the disk or polygon. Velocities are in mu g h here, until the end."""
     rolling, step = 3.5 if words.rolling else 1, words.step
     x, y, vx, vy, ux, uy, path = 0, 0, 0, 0, 0, 0, [(0, 0, 0)]
     scale = words.mu * gravity * step * step
@@ -304,9 +306,10 @@ def ball(arguments, _):
         ("cycles", 4, 1e-9, "number of cycles of three phases"),
         ("step", 0.01, 1e-9, "time step [s]"),
     ):
-        parser.add_argument(f"--{flag}", type=lambda text, least=least: real(text, least), default=usual, help=f"{what} ({usual})")
-    loads = {"type": lambda text: [real(word, 0) for word in text.split(",")], "default": [1, 1.5], "metavar": "L,L,..."}
-    parser.add_argument("--load", **loads, help="sizes of the load in units of mu m g (1,1.5)")
+        kind = lambda text, least=least: real(text, least)  # noqa: E731
+        parser.add_argument(f"--{flag}", type=kind, default=usual, help=f"{what} ({usual})")
+    loads = lambda text: [real(word, 0) for word in text.split(",")]  # noqa: E731
+    parser.add_argument("--load", type=loads, default=[1, 1.5], metavar="L,L,...", help="loads over mu m g (1,1.5)")
     parser.add_argument("--svg", metavar="FILE", help="draw the paths, seen from above")
     given = parser.parse_args(arguments)
     if 3 * given.phase * given.cycles > 1e6 * given.step or given.step > given.phase:
@@ -349,7 +352,7 @@ MOST = 3000  # contacts that are drawn
 
 
 def forces_svg(answer):
-    """The friction disk (interval in 2D) of each contact, all of one size, with r_T, a tick along -u_T and a bar of r_N."""
+    """The friction disk (2D: interval) of each contact, all of one size, with r_T, a tick along -u_T, a bar of r_N."""
     from matplotlib.collections import EllipseCollection, LineCollection
 
     from .report import figure, svg_of
@@ -397,14 +400,18 @@ def forces_svg(answer):
     axes.axis("off")
     axes.legend(loc="upper left", bbox_to_anchor=(0, 0), ncols=3, frameon=False)
     solved = "" if answer["status"] == "Solved" else f"NOT SOLVED ({answer['status']}), "
-    some = count(len(contacts), "contact") + (f" of {len(answer['contacts'])}, those of the largest r_N" if len(contacts) < len(answer["contacts"]) else "")
-    made.suptitle(f"{answer['problem']} by {answer['variant']}: {solved}{some}\nr_T / (mu r_N) in the friction disk; bar: r_N; tick: -u_T", fontsize=11)
+    some, all_of_them = count(len(contacts), "contact"), len(answer["contacts"])
+    if len(contacts) < all_of_them:
+        some += f" of {all_of_them}, those of the largest r_N"
+    key = "r_T / (mu r_N) in the friction disk; bar: r_N; tick: -u_T"
+    made.suptitle(f"{answer['problem']} by {answer['variant']}: {solved}{some}\n{key}", fontsize=11)
     return svg_of(made, inline=False)
 
 
 def forces(arguments, interrupt):
     words = "Draws the forces of a solution in their friction disks. Other flags are those of 'perp contact --help'."
-    parser = argparse.ArgumentParser(prog="perp-compare forces", usage="%(prog)s PROBLEM --svg FILE [FLAG OF perp contact]...", description=words)
+    usage = "%(prog)s PROBLEM --svg FILE [FLAG OF perp contact]..."
+    parser = argparse.ArgumentParser(prog="perp-compare forces", usage=usage, description=words)
     parser.add_argument("problem", metavar="PROBLEM", help="a file of FCLIB or Siconos, or NAME:SIZE[:SEED[:MU]]")
     parser.add_argument("--svg", required=True, metavar="FILE", help="the picture")
     parser.add_argument("--time-limit", type=float, default=30.0, metavar="SECONDS", help="of the solution (30)")

@@ -396,7 +396,7 @@ TEST(MoreauJean, WarmStartsChangeNothing) {
   EXPECT_LE((run(true).centre - run(false).centre).norm(), 1e-8);
 }
 
-/// Where a ball goes from rest, step by step, under a load of L mu m g from 60, 180 and -60 degrees in turn, 5 s each:
+/// The path of a ball from rest, step by step, under a load of L mu m g from 60, 180 and -60 degrees in turn, 5 s each:
 /// (26) of the lecture.
 std::vector<Vec3> cyclic_path(double L, double cycles, const FrictionLaw& law = {}, double frame = 0) {
   constexpr double h = 0.05;
@@ -433,8 +433,8 @@ TEST(CyclicLoad, MovesNothingByCoulombsLawAlone) {
   EXPECT_LT(farthest(cyclic_path(1, 1, {Outer, 4}), exact), 1e-6);
 }
 
-// From rest under L > 1 it slides along the load: x = (L - 1) mu g t^2 / 2. By symmetry the exact path closes, and so
-// does one with 6 facets; with 4, 8, 16 the ball drifts for ever: its mean velocity over the last cycle.
+// The ball slides from rest under L > 1 along the load: x = (L - 1) mu g t^2 / 2. By symmetry the exact path closes,
+// and so does one with 6 facets; with 4, 8, 16 the ball drifts for ever: its mean velocity over the last cycle.
 TEST(CyclicLoad, ExactPathClosesAndPolygonsDrift) {
   const auto drift = [](const FrictionLaw& law) {
     const std::vector<Vec3> path = cyclic_path(1.5, 5, law);
