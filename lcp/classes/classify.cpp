@@ -200,12 +200,16 @@ class Classifier {
           ++b;
         } else {
           if (a.row() < j) {
-            ExactSum minor;
-            minor.add_product(diagonal_[j], diagonal_[a.row()]);
-            minor.add_product(-a.value(), b.value());
             const auto [one, two] = products(diagonal_[j], diagonal_[a.row()], a.value(), b.value());
-            const bool beyond = one - two < -options_.tol * (std::abs(one) + std::abs(two));
-            if (beyond || (minor.exact() && minor.sign() <= 0)) refute({a.row(), j}, one - two, beyond);
+            const auto allowance = options_.tol * (std::abs(one) + std::abs(two));
+            ExactSum minor;  // where rounding may decide
+            if (one - two <= allowance) {
+              minor.add_product(diagonal_[j], diagonal_[a.row()]);
+              minor.add_product(-a.value(), b.value());
+            }
+            const bool beyond = one - two < -allowance;
+            if (beyond || (one - two <= allowance && minor.exact() && minor.sign() <= 0))
+              refute({a.row(), j}, one - two, beyond);
           }
           ++a;
           ++b;

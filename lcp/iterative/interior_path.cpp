@@ -207,7 +207,8 @@ InteriorPath::Iterate InteriorPath::direction(const Vec& c) {
 /// Multiple centrality correctors (Gondzio, Comput. Optim. Appl. 6 (1996) 137), more where a factorization takes many
 /// solves: they bring the products that a longer step would have near `target`.
 void InteriorPath::correct(Vec& c, Iterate& d, double target) {
-  const int most = system_.dearness() > 30 ? 6 : 3;
+  const double dearness = system_.dearness();
+  const int most = dearness > 50 ? 3 : dearness > 30 ? 2 : dearness > 10 ? 1 : 0;
   for (int k = 0; k < most; ++k) {
     const Lengths alpha = reach(d);
     if (least(alpha) >= 0.95) return;

@@ -38,7 +38,7 @@ class Run {
     path_.open(nearest, p_.M * nearest + p_.q);
     for (;;) {
       finish();
-      if (solves(problem_, best_.z(), limits_.tol)) return end(Status::Stalled, "");
+      if (best_.solves(limits_.tol)) return end(Status::Stalled, "");
       if (const auto stop = limits_.reached()) return end(*stop, "stopped between two steps");
       const bool over = k_ >= options_.max_iterations;
       if ((over || (k_ % 5 == 4 && diverges())) && infeasible()) return proven();
@@ -101,7 +101,7 @@ class Run {
     const Cells cells = this->cells();
     const std::uint64_t key = key_of(cells);
     const bool rest = key == last_key_ && path_.gap(x_) < 1e-2 * polished_gap_;
-    if ((rest || now || solves(problem_, best_.z(), limits_.tol)) && key != polished_key_ && n_ > 0) {
+    if ((rest || now || best_.solves(limits_.tol)) && key != polished_key_ && n_ > 0) {
       polished_key_ = key;
       polished_gap_ = path_.gap(x_);
       polish(cells);
@@ -119,7 +119,7 @@ class Run {
         if (cells[at(i)] == Cell::Above) z[i] = p_.u[i];
       }
       descend(cells, z, p_.q);
-      if (solves(problem_, best_.z(), std::min(limits_.tol, 1e-13))) return;
+      if (best_.solves(std::min(limits_.tol, 1e-13))) return;
       const Vec F = p_.M * z + p_.q;
       double wrong = 0;
       for (Index i = 0; i < n_; ++i) {
@@ -155,7 +155,7 @@ class Run {
         for (Index i = 0; i < n_; ++i)
           if (!inside(i)) r[i] = 0;
         const double norm = r.cwiseAbs().maxCoeff();
-        if (!(norm < 0.5 * last)) break;
+        if (!(norm < 0.1 * last)) break;
         last = norm;
         z = x;
         if (&q == &p_.q) best_.offer(p_.expand(x));

@@ -67,6 +67,7 @@ class Best {
   explicit Best(const AffineMcp& problem, In start);
   bool offer(In z);  ///< projected on the box; kept (true) if its natural residual is smaller
   const Vec& z() const { return z_; }
+  bool solves(double tol) const { return residual_ <= tol && lcp::solves(problem_, z_, tol); }
 
  private:
   const AffineMcp& problem_;

@@ -7,6 +7,7 @@
 #include <array>
 #include <charconv>
 #include <stdexcept>
+#include <tuple>
 
 #include "ncp/path/pivot_limit.hpp"
 
@@ -327,12 +328,19 @@ void apply_method(const Assignment& given, Applied& result) {
   set(*fields.find("method"), given, result.notes);
 }
 
-/// Sets it; where the settings have it not, or another option takes its effect away, that is noted.
-void apply(const Found& option, const Assignment& given, Applied& result) {
+/// Sets it; where the settings have it not, or another option takes its effect away, that is noted. `fields` are those
+/// of the settings, or none yet: real numbers change none of them, the others may.
+void apply(const Found& option, const Assignment& given, std::optional<ncp::Fields>& fields, Applied& result) {
   if (!option.part.empty()) return apply_to_parts(option, given, result);
-  const ncp::Fields fields = fields_of(result.settings);
-  const ncp::Field* field = fields.find(option.key);
-  if (field != nullptr && field->inert.empty()) return set(*field, given, result.notes);
+  if (!fields) fields = fields_of(result.settings);
+  const ncp::Field* field = fields->find(option.key);
+  if (field != nullptr && field->inert.empty()) {
+    set(*field, given, result.notes);
+    const bool real =
+        std::holds_alternative<double*>(field->target) || std::holds_alternative<ncp::Seconds*>(field->target);
+    if (!real) fields.reset();
+    return;
+  }
   Settings other = result.settings;  // the value is checked all the same
   if (field == nullptr) other.method = *option.method;
   const ncp::Fields others = fields_of(other);
@@ -375,18 +383,22 @@ Applied apply_options(std::span<const Assignment> assignments, Unknown unknown) 
       result.unknown.push_back(unknown_key(given));
   }
   settings.method = *method_named(settings.method_name);
-  if (!given_options.empty()) {  // values for a part are set after those for all, and so win
-    const auto place = [fields = fields_of(settings).options()](const auto& one) {
-      return std::pair(!one.first.part.empty(),
-                       std::ranges::find(fields, one.first.key, &ncp::Field::key) - fields.begin());
+  if (!given_options.empty()) {
+    std::optional<ncp::Fields> fields = fields_of(settings);
+    // Values for a part are set after those for all, and so win.
+    const auto place = [&](const auto& one) {  // in the order of the fields, others last
+      const ncp::Field* field = fields->find(one.first.key);
+      return std::tuple(!one.first.part.empty(), field == nullptr, field);
     };
     std::ranges::stable_sort(given_options, {}, place);
+    for (const auto& [option, given] : given_options) apply(option, *given, fields, result);
   }
-  for (const auto& [option, given] : given_options) apply(option, *given, result);
   if (!ignored.empty())
     result.notes.push_back(fmt::format("accepted, but without effect in this version: {}", fmt::join(ignored, ", ")));
   if (const auto why = ncp::invalid(settings.method)) throw InputError(*why);
-  if (!given_options.empty() && !std::holds_alternative<ncp::Affine>(settings.method))  // they take the limit as it is
+  const bool limits_pivots =
+      std::ranges::any_of(given_options, [](const auto& one) { return one.first.key == "minor_iteration_limit"; });
+  if (limits_pivots && !std::holds_alternative<ncp::Affine>(settings.method))  // they take the limit as it is
     if (const auto pivots = pivots_of(settings.method); pivots != pivots_of(*method_named(settings.method_name)))
       result.pivots = pivots;
   return result;
