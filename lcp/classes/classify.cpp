@@ -185,6 +185,7 @@ class Classifier {
   /// Minors of one and two rows. False: one refutes P.
   bool small_minors() {
     const auto refute = [&](std::vector<Index> alpha, long double minor, bool negative) {
+      if (d_.p.no() && (!negative || d_.p0.no())) return;
       std::ostringstream reason;
       reason << "a principal minor is " << minor;
       settle(d_.p, no(reason.str(), alpha));

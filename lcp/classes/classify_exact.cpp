@@ -119,9 +119,17 @@ void take_back(Property& property, const char* reason) { property = {.reason = r
 }  // namespace
 
 bool exact_sum(const SpMat& M, const SpMat& Mt, const SpMat& S) {
-  const SpMat part = S - M;
-  const SpMat error = SpMat(M - SpMat(S - part)) + SpMat(Mt - part);
-  return std::all_of(error.valuePtr(), error.valuePtr() + error.nonZeros(), [](double e) { return e == 0; });
+  for (Index j = 0; j < S.cols(); ++j) {
+    SpMat::InnerIterator m(M, j), mt(Mt, j);
+    for (SpMat::InnerIterator s(S, j); s; ++s) {
+      const double a = m && m.row() == s.row() ? m.value() : 0, b = mt && mt.row() == s.row() ? mt.value() : 0;
+      if (m && m.row() == s.row()) ++m;
+      if (mt && mt.row() == s.row()) ++mt;
+      const double part = s.value() - a;
+      if ((a - (s.value() - part)) + (b - part) != 0) return false;
+    }
+  }
+  return true;
 }
 
 void take_back_rounded_zeros(const SpMat& M, double tol, Diagnosis& d) {

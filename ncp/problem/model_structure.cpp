@@ -7,6 +7,8 @@
 #include <cstdint>
 #include <iterator>
 #include <map>
+#include <span>
+#include <tuple>
 #include <unordered_map>
 
 #include "lcp/linalg/structure.hpp"
@@ -43,20 +45,31 @@ std::uint64_t mixed(std::uint64_t a) {  // the finalizer of splitmix64
 std::vector<Multiple> multiples(const ModelStructure& model) {
   std::vector<Multiple> found;
   if (model.changes.rows() != model.pattern.rows()) return found;
-  std::vector<std::pair<std::uint64_t, Index>> rows;
-  for (Index i = 0; i < model.pattern.rows(); ++i)
-    if (model.imposes[at(i)] && model.changes.row(i).allFinite() && !model.changes.row(i).isZero(0))
-      rows.emplace_back(model.keys[at(i)], i);
-  std::ranges::sort(rows);
+  struct Row {
+    std::uint64_t key;
+    double angle;  ///< of the first two changes: multiples have the same one
+    Index i;
+  };
+  std::vector<Row> rows;
+  for (Index i = 0; i < model.pattern.rows(); ++i) {
+    if (!model.imposes[at(i)] || !model.changes.row(i).allFinite() || model.changes.row(i).isZero(0)) continue;
+    const double x = model.changes(i, 0), y = model.changes(i, 1);
+    rows.push_back({model.keys[at(i)], x != 0 ? std::atan(y / x) : 0, i});
+  }
+  std::ranges::sort(rows, {}, [](const Row& row) { return std::tuple(row.key, row.angle, row.i); });
   constexpr double equal = 1e-9;      // relative difference of changes: they are some 10 roundings off
-  constexpr std::size_t most = 1000;  // rows of the same variables that are compared
+  constexpr std::size_t most = 1000;  // rows of one direction that are compared
   for (std::size_t begin = 0, end = 0; begin < rows.size(); begin = end) {
-    for (end = begin; end < rows.size() && rows[end].first == rows[begin].first;) ++end;
-    for (std::size_t b = begin + 1; b < std::min(begin + most, end); ++b)
-      for (std::size_t a = begin; a < b; ++a) {
-        const Index first = rows[a].second, second = rows[b].second;
-        const Vec u = model.changes.row(first);
-        const Vec v = model.changes.row(second);
+    for (end = begin + 1;
+         end < rows.size() && rows[end].key == rows[begin].key && rows[end].angle - rows[end - 1].angle <= 100 * equal;)
+      ++end;
+    const auto cluster = std::span(rows).subspan(begin, end - begin);
+    std::ranges::sort(cluster, {}, &Row::i);
+    for (std::size_t b = 1; b < std::min(most, cluster.size()); ++b)
+      for (std::size_t a = 0; a < b; ++a) {
+        const Index first = cluster[a].i, second = cluster[b].i;
+        const Eigen::Vector3d u = model.changes.row(first);
+        const Eigen::Vector3d v = model.changes.row(second);
         const double factor = u.dot(v) / u.squaredNorm();
         if ((v - factor * u).norm() > equal * v.norm()) continue;
         // Conditions on opposite sides of an interval are in order; one and the same twice is not.

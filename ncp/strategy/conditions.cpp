@@ -46,8 +46,8 @@ std::string_view words_of(Condition condition) {
       return "the problem is affine";
     case Condition::Nonlinear:
       return "the problem is nonlinear";
-    case Condition::Monotone:
-      return "the Jacobian is positive semidefinite";
+    case Condition::NotMonotone:
+      return "the Jacobian is not known to be positive semidefinite";
     case Condition::QuasiDefinite:
       return "the Jacobian has an L S L' with the signs of its rows, as that of a monotone F has";
     case Condition::Large:
@@ -85,9 +85,9 @@ bool Facts::holds(Condition condition) {
       return mcp.is_affine();
     case Condition::Nonlinear:
       return !mcp.is_affine();
-    case Condition::Monotone:
+    case Condition::NotMonotone:
       if (!monotone_) monotone_ = lcp::positive_semidefinite(start_.J, {.dense_to = 0}).yes();
-      return *monotone_;
+      return !*monotone_;
     case Condition::QuasiDefinite:
       return quasi_definite(start_.J);
     case Condition::Large:

@@ -77,7 +77,7 @@ struct Escaping {
 enum class Condition {
   Affine,
   Nonlinear,
-  Monotone,       ///< J at the start is positive semidefinite
+  NotMonotone,    ///< J at the start is not known to be positive semidefinite
   QuasiDefinite,  ///< J at the start has an L S L' with the signs of its rows (lcp/linalg/quasi_definite.hpp)
   Large,          ///< more than 2000 variables
   Symmetric,      ///< J at the start
