@@ -2,6 +2,7 @@
 #include "lcp/judge/judge.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -98,6 +99,35 @@ Vec exact_values(const Problem& problem, In z, RowTerms& terms) {
   for (Index i = 0; i < n; ++i) {
     if (!sums[at(i)].settle()) open.push_back(i);
     F[i] = sums[at(i)].value();
+  }
+  if (!open.empty()) sum_exactly(problem, z, open, F);
+  return F;
+}
+
+/// The same of a dense problem, for some rows at once.
+Vec exact_values(const DenseMcp& problem, In z, RowTerms& terms) {
+  constexpr Index width = 64;  // some arrays of it stay in the first cache
+  const Index n = problem.size();
+  terms = {.size = Vec(n), .entries = Eigen::VectorXi(n)};
+  Vec F(n);
+  std::vector<Index> open;
+  for (Index first = 0; first < n; first += width) {
+    const Index count = std::min(width, n - first);
+    TripleSums<width> sums(problem.q.data() + first, at(count));
+    std::array<double, width> entries;  // counted in doubles, as vectors of one width are
+    std::fill_n(entries.begin(), count, 0.0);
+    for (Index j = 0; j < n; ++j) {
+      const double* column = problem.M.col(j).data() + first;
+      for (std::size_t i = 0; i < at(count); ++i) entries[i] += column[i] != 0 ? 1.0 : 0.0;
+      if (z[j] != 0) sums.add_products(column, z[j]);
+    }
+    sums.settle();
+    for (Index i = 0; i < count; ++i) {
+      if (!sums.settled_at(at(i))) open.push_back(first + i);
+      F[first + i] = sums.value(at(i));
+      terms.size[first + i] = sums.size(at(i));
+      terms.entries[first + i] = static_cast<int>(entries[at(i)]);
+    }
   }
   if (!open.empty()) sum_exactly(problem, z, open, F);
   return F;

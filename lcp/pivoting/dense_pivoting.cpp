@@ -13,9 +13,13 @@ constexpr double negligible = 1e-13;
 
 }  // namespace
 
+void DensePivoting::renew(const Eigen::MatrixXd& M) {
+  largest_ = M.size() > 0 ? M.cwiseAbs().maxCoeff() : 0;
+  factored_.clear();
+}
+
 bool DensePivoting::run(const DenseMcp& problem, Cells& cells, const Limits& limits) {
   const Index n = problem.size();
-  largest_ = n > 0 ? problem.M.cwiseAbs().maxCoeff() : 0;
   Index fewest = n + 1;
   int left = rounds_without_gain;
   for (rounds_ = 0; rounds_ <= n + rounds_without_gain && !limits.reached();) {
@@ -65,6 +69,8 @@ bool DensePivoting::solve_cell(const DenseMcp& problem, const Cells& cells) {
 }
 
 bool DensePivoting::factor(const Eigen::MatrixXd& M) {
+  if (!factored_.empty() && factored_ == inside_) return true;
+  factored_.clear();
   const auto size = static_cast<Index>(inside_.size());
   if (lu_.rows() < M.rows()) lu_.resize(M.rows(), M.rows());
   for (Index k = 0; k < size; ++k)
@@ -77,6 +83,7 @@ bool DensePivoting::factor(const Eigen::MatrixXd& M) {
     column /= lu_(k, k);
     for (Index j = k + 1; j < size; ++j) lu_.col(j).segment(k + 1, rest) -= lu_(k, j) * column;
   }
+  factored_ = inside_;
   return true;
 }
 

@@ -17,6 +17,8 @@ namespace perp::lcp {
 /// Keeps its memory from problem to problem.
 class DensePivoting {
  public:
+  /// Forgets the factors: M is another one.
+  void renew(const Eigen::MatrixXd& M);
   /// Goes from the cell `cells` to one without violated signs, whose point is z(); false if there is none on the way.
   bool run(const DenseMcp& problem, Cells& cells, const Limits& limits);
   /// A step of refinement of z within its cell, F = F(z).
@@ -36,7 +38,8 @@ class DensePivoting {
   Vec z_, F_;
   Vec x_;  ///< of M_II x = b
   std::vector<Index> inside_, violated_;
-  Eigen::MatrixXd lu_;  ///< of M_II in its corner
+  std::vector<Index> factored_;  ///< I of the factors at hand
+  Eigen::MatrixXd lu_;           ///< of M_II in its corner
 };
 
 }  // namespace perp::lcp

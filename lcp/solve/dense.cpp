@@ -29,19 +29,20 @@ const Result& DenseSolver::solve(const Matrix& M, In q, In lower, In upper, cons
 void DenseSolver::take(const Matrix& M, In q, In lower, In upper, double tol) {
   const Index n = q.size();
   if (M.rows() != n || M.cols() != n) refuse_input("M: is ", M.rows(), " x ", M.cols(), ", and q has ", n, " entries");
-  problem_.M = M;
   problem_.q = q;
   problem_.box.lower = lower;
   problem_.box.upper = upper;
   if (const auto why = problem_.box.invalid()) refuse_input("lower, upper: ", *why);
   if (lower.size() != n) refuse_input("lower: has ", lower.size(), " entries, and q has ", n);
   if (!(tol > 0) || tol == infinity) refuse_input("tol: is ", tol, ", not a positive number");
-  if (problem_.M.allFinite() && problem_.q.allFinite()) return;
-  for (Index i = 0; i < n; ++i) {
+  for (Index i = 0; i < n; ++i)
     if (!std::isfinite(q[i])) refuse_input("q: entry [", i, "] is ", q[i], ", no finite number");
-    for (Index j = 0; j < n; ++j)
+  if (problem_.M.rows() == n && problem_.M == M) return;
+  for (Index j = 0; j < n; ++j)
+    for (Index i = 0; i < n; ++i)
       if (!std::isfinite(M(i, j))) refuse_input("M: entry [", i, ", ", j, "] is ", M(i, j), ", no finite number");
-  }
+  problem_.M = M;
+  pivoting_.renew(problem_.M);
 }
 
 /// Keeps the cells that the bounds allow; the others are at a finite bound, or inside where there is none.

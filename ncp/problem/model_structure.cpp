@@ -319,7 +319,8 @@ std::vector<Fault> faults(const ModelStructure& model) {
   std::vector<char> complemented(at(n), 0);
   for (const Index j : model.complement)
     if (j >= 0) complemented[at(j)] = 1;
-  const Namesakes names = namesakes(m, n, model.row, model.variable);
+  const bool by_name = !over.empty() || !under.empty() || m < n;
+  const Namesakes names = by_name ? namesakes(m, n, model.row, model.variable) : Namesakes{};
   for (std::size_t k = 0; k < std::min(most_parts, same.size()); ++k)
     found.push_back({.text = "row " + model.row(same[k].second) + " repeats row " + model.row(same[k].first) +
                              (std::abs(same[k].factor - 1) < 1e-9 ? "" : ", " + number(same[k].factor) + " times") +

@@ -66,6 +66,22 @@ TEST(DenseSolver, BeginsInTheLastCell) {
   EXPECT_EQ(DenseSolver().solve(murty, -Vec::Ones(n), lower, Vec::Constant(n, infinity)).z, Vec::Unit(n, n - 1));
 }
 
+// A problem that is refused leaves nothing behind: neither its M, nor the factors of the one before for its M. Catches
+// a matrix that is taken for checked, or for factored, because it was seen before.
+TEST(DenseSolver, KeepsNothingOfARefusedProblem) {
+  const Vec q = vec({-1, -2}), zero = vec({0, 0}), one = vec({9, 9});
+  const Dense M = Dense::Identity(2, 2), other = 2 * M;
+  Dense infinite = M;
+  infinite(0, 1) = infinity;
+  DenseSolver solver;
+  EXPECT_EQ(solver.solve(M, q, zero, one).z, vec({1, 2}));
+  EXPECT_THROW(solver.solve(other, vec({infinity, 1}), zero, one), std::invalid_argument);
+  const Result& result = solver.solve(other, q, zero, one);
+  EXPECT_EQ(result.z, vec({0.5, 1}));
+  EXPECT_EQ(result.iterations, 1);
+  for (int k = 0; k < 2; ++k) EXPECT_THROW(solver.solve(infinite, q, zero, one), std::invalid_argument);
+}
+
 TEST(DenseSolver, RefusesWhatIsNoProblem) {
   DenseSolver solver;
   const Dense M = Dense::Identity(2, 2);
