@@ -27,8 +27,6 @@ Lemke from_start() {
   return lemke;
 }
 
-}  // namespace
-
 std::vector<Attempt> automatic_list() {
   return {{.method = Lemke{},
            .title = "lemke with few pivots",
@@ -68,8 +66,6 @@ std::vector<Attempt> automatic_list() {
            .when = {If::FewCells},
            .reason = "all cells: a solution, or the proof that there is none"}};
 }
-
-namespace {
 
 constexpr Index few_rows = 100;
 constexpr Index large = 2000;
@@ -162,6 +158,8 @@ Result run(const Attempt& attempt, const AffineMcp& problem, In start, const Lim
 }
 
 }  // namespace
+
+Auto::Auto() : list(automatic_list()) {}
 
 std::string_view words_of(Condition condition) {
   switch (condition) {

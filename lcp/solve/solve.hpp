@@ -27,12 +27,12 @@ struct Lemke {
 void describe(Lemke& method, Fields& fields);
 
 struct Attempt;
-std::vector<Attempt> automatic_list();
 
 /// Runs the attempts of a list in turn until one solves the problem or proves it infeasible; Result::message says which
 /// and why.
 struct Auto {
-  std::vector<Attempt> list = automatic_list();
+  Auto();  ///< the default list; here, Attempt is incomplete
+  std::vector<Attempt> list;
 };
 /// An option reaches every method of the list that has it and whose value the list has not itself made another one.
 void describe(Auto& method, Fields& fields);
