@@ -50,11 +50,16 @@ def need_packages():
         raise InputError(f"{sys.executable} has no {', '.join(missing)}: {where}")
 
 
+def beside(command):
+    """Where perp is if it was installed with this command."""
+    return os.path.join(os.path.dirname(os.path.abspath(command)), "perp")
+
+
 class Program:
     """The program perp."""
 
     def __init__(self, path=None):
-        wanted = path or os.environ.get("PERP_PROGRAM") or "perp"
+        wanted = path or os.environ.get("PERP_PROGRAM") or shutil.which(beside(sys.argv[0])) or "perp"
         found = shutil.which(wanted)
         if found is None:
             where = "--program or the variable PERP_PROGRAM says where perp is"
@@ -121,7 +126,7 @@ def add_options(parser, *options):
         dest, metavar, kind = OPTIONS[flag]
         words += "" if words.endswith(")") else " (%(default)g)"
         parser.add_argument(flag, dest=dest, type=kind, metavar=metavar, default=usual, help=words)
-    parser.add_argument("--program", metavar="FILE", help="the program perp (PERP_PROGRAM, else perp on the PATH)")
+    parser.add_argument("--program", metavar="FILE", help="the program perp (PERP_PROGRAM, else perp beside this command or on the PATH)")
 
 
 def parse_shard(text):

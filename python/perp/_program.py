@@ -1,0 +1,11 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The program perp by the name pathampl, under which Pyomo and others call PATH: a wheel can hold no link to it."""
+
+import os
+import sys
+
+
+def pathampl() -> None:
+    """Becomes the program that was installed beside this command."""
+    program = os.path.join(os.path.dirname(os.path.abspath(sys.argv[0])), "perp")
+    os.execv(program, ["pathampl", *sys.argv[1:]])
