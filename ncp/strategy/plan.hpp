@@ -37,7 +37,7 @@ class Held {
   Held();
   Held(Method method);  // NOLINT: a method is held wherever one is asked for
   template <class M>
-  requires(!std::same_as<M, Held>) Held(M method) : Held(Method(std::move(method))) {}  // NOLINT: as any of its kinds
+  requires(!std::same_as<M, Held>) Held(M method);  // NOLINT: as any of its kinds
   Method& operator*();
   const Method& operator*() const;
   /// Describes the options of the method; where they are only checked, once for all copies that share them.
@@ -119,6 +119,9 @@ struct Method : std::variant<SemismoothNewton, MinNewton, Smoothing, InteriorPoi
                              PathSearch, Lmmcp, Multiroot, Affine, On, Escaping, First> {
   using variant::variant;
 };
+
+template <class M>
+requires(!std::same_as<M, Held>) Held::Held(M method) : Held(Method(std::move(method))) {}
 
 struct Entry {
   Held method{};
