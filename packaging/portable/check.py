@@ -37,7 +37,7 @@ WHEEL = [
     "perp/libperp.so",
     "perp/libperp_path.so",
     r"perp-[0-9.]+\.data/scripts/perp",
-    r"perp-[0-9.]+\.data/data/share/man/man1/perp-solve\.1",
+    r"perp-[0-9.]+\.data/data/share/man/man1/perp-solve\.1\.gz",
     r"perp-[0-9.]+\.dist-info/entry_points\.txt",
     r"perp-[0-9.]+\.dist-info/licenses/LICENSE",
     r"perp-[0-9.]+\.dist-info/licenses/NOTICE",
@@ -57,7 +57,7 @@ ARCHIVE = [
     "lib/libperp_path.so",
     r"lib/libperp_path\.so\.1",
     "lib/pkgconfig/perp-c.pc",
-    r"share/man/man1/perp-solve\.1",
+    r"share/man/man1/perp-solve\.1\.gz",
     "share/bash-completion/completions/perp",
     r"share/perp/examples/energy\.nl",
     r"share/perp/schema/solve\.json",
@@ -79,7 +79,7 @@ def wrong_with(binary):
     """What a program or library needs beyond what a system has."""
     needed = re.findall(r"\(NEEDED\).*\[(.*)\]", readelf("-d", binary))
     yield from (f"needs {name}" for name in needed if not OF_THE_SYSTEM.fullmatch(name))
-    versions = set(re.findall(r"Name: ([A-Z]+)_([0-9.]+)\b", readelf("-V", binary)))
+    versions = set(re.findall(r"Name: ([A-Z]+)_([0-9.]+) +Flags:", readelf("-V", binary)))  # not of its own functions
     for name, version in sorted(versions):
         if name != "GLIBC" or tuple(map(int, version.split("."))) > NEWEST:
             yield f"needs {name}_{version}"

@@ -42,6 +42,7 @@ class Portable(unittest.TestCase):
         self.assertEqual(list(check.wrong_with(self.of_version("GLIBC_2.29"))), ["needs GLIBC_2.29"])
         self.assertEqual(list(check.wrong_with(self.of_version("GLIBC_2.3.4"))), [])
         self.assertEqual(list(check.wrong_with(self.of_version("GLIBCXX_3.4"))), ["needs GLIBCXX_3.4"])
+        self.assertEqual(list(check.wrong_with(self.folder / "m.so")), [])  # has it, and needs nothing
 
     def test_libraries(self):
         self.library("umfpack.so", "int f(void) { return 1; }", "-Wl,-soname,libumfpack.so.5")
