@@ -42,8 +42,8 @@ std::vector<std::string> library_versions() {
 std::string licence_line() {
   return lcp::gpl_linked() ? "Perp is under the Apache License 2.0; with UMFPACK, CHOLMOD and GSL linked, the whole is "
                              "under the GNU GPL, version 3 or later."
-                           : "Perp is under the Apache License 2.0; KLU and BTF, which are linked, are under the GNU "
-                             "LGPL, AMD and COLAMD under the BSD licence.";
+                           : "Perp is under the Apache License 2.0; KLU, BTF, MPFI, MPFR and GMP, which are linked, "
+                             "are under the GNU LGPL, AMD and COLAMD under the BSD licence.";
 }
 
 std::string version_text() {

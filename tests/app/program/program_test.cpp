@@ -68,7 +68,8 @@ TEST(Version, SaysTheLicenceOfThisBuild) {
     EXPECT_THAT(licence_line(), HasSubstr("GNU GPL, version 3"));
     EXPECT_THAT(version_text(), HasSubstr("UMFPACK and KLU of"));
   } else {
-    EXPECT_THAT(licence_line(), AllOf(HasSubstr("LGPL"), HasSubstr("BSD"), Not(HasSubstr("UMFPACK"))));
+    EXPECT_THAT(licence_line(),
+                AllOf(HasSubstr("LGPL"), HasSubstr("MPFI"), HasSubstr("BSD"), Not(HasSubstr("UMFPACK"))));
     EXPECT_THAT(version_text(), Not(HasSubstr("UMFPACK")));
   }
 }
