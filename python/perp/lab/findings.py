@@ -23,14 +23,9 @@ from .files import read_cells
 
 MEASURES = {"seconds": "time", "F_evals": "evaluations of F", "factorizations": "factorizations"}
 FLOOR = {"iterations": 1, "F_evals": 1, "factorizations": 1, "seconds": 1e-3}  # costs below count as this
-FEW_PAIRS = 5
 # Effect of another BLAS or processor on the difference of two methods: of 403 pairs smooth solves 384 to 390, others
 # vary by at most 2 (bench/results/collection.md): 6 and 2 together.
 ROUNDING = 0.02
-SYSTEMS_1997 = ("proxi", "path", "smooth", "miles", "nesqp", "qpcomp", "semicomp", "semismooth")
-AHEAD_1997 = 3
-PUBLISHED = "-1997"  # ends the names of presets that are as published
-SOURCE_1997 = "Billups, Dirkse & Ferris, Comput. Optim. Appl. 7 (1997) 3"
 
 
 class Data:
@@ -82,11 +77,6 @@ class Data:
 
     def labels(self, methods):
         return [self.methods[m] for m in methods]
-
-    def method(self, name):
-        """The method of this name that has no options; None if there is none."""
-        plain = [of["name"] if not (of["options"] or of["external"]) else None for of in self.campaign["methods"]]
-        return plain.index(name) if name in plain else None
 
 
 def known(value):
@@ -204,13 +194,6 @@ def comparisons(data):
     if external:
         note = "On the pairs that an external program was given."
         add("external", "External programs, beside the methods for all problems", note, external + general, external)
-    for suffix, identity, words, more in (
-        ("", "systems-1997", "", "here Perp's presets of these names, with what was added since"),
-        (PUBLISHED, "systems-1997-published", ", as published", "without what was added since"),
-    ):
-        eight = [m for name in SYSTEMS_1997 if (m := data.method(name + suffix)) is not None]
-        if 2 <= len(eight) < len(general):
-            add(identity, f"The systems of the comparison of 1997{words}", f"{SOURCE_1997}; {more}.", eight)
     methods = data.campaign["methods"]
     for base in dict.fromkeys(without_cfunction(methods[m]) for m in variants):
         identity = "cfunctions-" + re.sub(r"[^A-Za-z0-9]+", "-", base)
@@ -252,11 +235,10 @@ def summary(data, c):
 
 
 def clear(data, pairs, a, b):
-    """(is the difference of two methods clear?, is it more than rounding may make?)."""
+    """Is the difference of two methods more than chance and rounding may make?"""
     A, B = data.solved[a, pairs], data.solved[b, pairs]
     only_a, only_b = int((A & ~B).sum()), int((B & ~A).sum())
-    beyond = abs(only_a - only_b) > ROUNDING * len(pairs)
-    return beyond and sign_test(only_a, only_b) < 0.05, beyond
+    return abs(only_a - only_b) > ROUNDING * len(pairs) and sign_test(only_a, only_b) < 0.05
 
 
 def sign_test(a, b):
@@ -337,21 +319,16 @@ def of_pairs(n, pairs):
 class Lead:
     """Which methods have the most, and which the next most, of what is counted: solved pairs unless `value` says."""
 
-    def __init__(self, data, c, pairs=None, value=None):
-        pairs = c.pairs if pairs is None else pairs
-        self.values = {m: value(m) if value else data.count(m, pairs) for m in c.methods}
+    def __init__(self, data, c, value=None):
+        self.values = {m: value(m) if value else data.count(m, c.pairs) for m in c.methods}
         self.most = max(self.values.values(), default=0)
         self.following = max((v for v in self.values.values() if v < self.most), default=0)
         self.first = [m for m, v in self.values.items() if v == self.most]
         self.second = [m for m, v in self.values.items() if v == self.following < self.most]
         self.names, self.next_names = (listed([c.name(data, m) for m in of]) for of in (self.first, self.second))
-        self.clear = bool(self.second) and clear(data, pairs, self.first[0], self.second[0])[0]
 
     def words(self, what="the most", infinitive="solve"):
         return f"{self.names} {verb(len(self.first), infinitive)} {what}"
-
-    def next_words(self):
-        return f"next {verb(len(self.second), 'come')} {self.next_names} with {self.following}"
 
 
 def scope(data):
@@ -375,24 +352,16 @@ def most_solved(data, c):
     if not lead.second:
         who = "Both" if len(c.methods) == 2 else f"All {len(c.methods)}"
         return f"{who} methods solve as many, {of_pairs(lead.most, pairs)}."
-    text = f"{lead.words()}: {of_pairs(lead.most, pairs)} with a solution; {lead.next_words()}."
+    following = f"next {verb(len(lead.second), 'come')} {lead.next_names} with {lead.following}"
+    text = f"{lead.words()}: {of_pairs(lead.most, pairs)} with a solution; {following}."
     fewer = [m for m in c.methods if lead.values[m] < lead.most]
-    if close := [m for m in fewer if not clear(data, c.pairs, lead.first[0], m)[0]]:
-        text += f" Not clearly behind {'them' if len(lead.first) > 1 else 'it'}: {listed(data.labels(close))}."
+    if close := [c.name(data, m) for m in fewer if not clear(data, c.pairs, lead.first[0], m)]:
+        text += f" Not clearly behind {'them' if len(lead.first) > 1 else 'it'}: {listed(close)}."
     least = min(lead.values.values())
     if least < lead.following:
-        text += f" Fewest: {listed(data.labels([m for m in fewer if lead.values[m] == least]))} with {least}."
-    return text
-
-
-def most_solved_beside(whose):
-    """most_solved, and the numbers of the methods that the comparison is about."""
-
-    def words(data, c):
-        counts = [f"{data.methods[m]} {data.count(m, c.pairs)}" for m in c.methods if m in c.subject]
-        return most_solved(data, c) + (f" {whose}: {', '.join(counts)}." if counts else "")
-
-    return words
+        text += f" Fewest: {listed([c.name(data, m) for m in fewer if lead.values[m] == least])} with {least}."
+    counts = [f"{data.methods[m]} {lead.values[m]}" for m in c.subject if m in lead.values]
+    return text + (f" {c.title.partition(',')[0]}: {', '.join(counts)}." if counts else "")
 
 
 def cheapest(data, c):
@@ -407,90 +376,6 @@ def cheapest(data, c):
     need = verb(len(fewest.first), "need")
     more = f"; the fewest evaluations of F most often {need} {fewest.names} (on {fewest.most})"
     return text + (more if fewest.most else "") + "."
-
-
-def of_class(data, c, pairs, cls):
-    lead = Lead(data, c, pairs)
-    if lead.most == 0:
-        return f"{cls}: none (0 of {len(pairs)})"
-    if not lead.second:
-        return f"{cls}: all alike ({lead.most} of {len(pairs)})"
-    if len(lead.first) > 1:
-        return f"{cls}: {lead.names} ({lead.most} of {len(pairs)})"
-    doubt = "" if lead.clear else ": no clear lead"
-    return f"{cls}: {lead.names} alone ({lead.most} of {len(pairs)}, next {lead.next_names} {lead.following}{doubt})"
-
-
-def by_class(data, c):
-    of = {cls: [p for p in c.pairs if data.classes_of[p] == cls] for cls in data.classes()}
-    if len(of) < 2:
-        return ""  # all is said
-    judged = [of_class(data, c, pairs, cls) for cls, pairs in of.items() if len(pairs) >= FEW_PAIRS]
-    few = [cls for cls, pairs in of.items() if len(pairs) < FEW_PAIRS]
-    parts = [f"The most are solved in {'; '.join(judged)}."] if judged else []
-    return " ".join(parts + ([f"Fewer than {FEW_PAIRS} pairs, too few to tell: {', '.join(few)}."] if few else []))
-
-
-def cfunction_words(data, c):
-    lead, pairs = Lead(data, c), len(c.pairs)
-    if lead.most == 0:
-        return "None solves anything."
-    text = f"All {len(c.methods)} solve as many, {of_pairs(lead.most, pairs)}"
-    if lead.second:
-        doubt = "" if lead.clear else " (no clear lead)"
-        text = f"{lead.words()}, {of_pairs(lead.most, pairs)}; {lead.next_words()}{doubt}"
-    rows = summary(data, c)
-    common = max(row["common"] for row in rows.values())
-    means = {c.name(data, m): row["mean_F_evals"] for m, row in rows.items() if not math.isnan(row["mean_F_evals"])}
-    if common < FEW_PAIRS or len(means) < 2:
-        return text + "."
-    least, largest = min(means, key=means.get), max(means, key=means.get)
-    who = "all" if len(means) == len(rows) else f"the best {len(means)} all"
-    text += f". On the {count(common, 'pair')} that {who} solve, "
-    if means[largest] < 1.05 * means[least]:
-        return text + "their evaluations of F differ by less than 5 %."
-    fewest = f"{least} needs the fewest evaluations of F (geometric mean {means[least]:.3g})"
-    return f"{text}{fewest}, {largest} the most ({means[largest]:.3g})."
-
-
-def ranking_verdict(more, same, fewer, clearly):
-    if not clearly:
-        return "no difference between them is clear on these data"
-    if fewer == 0 and more > 0:
-        return "its ranking holds on these data" + (", with ties" if same else "")
-    if more == fewer:
-        return "its ranking does not show in these data"
-    return "its ranking holds by and large" if more > fewer else "these data turn its ranking round"
-
-
-def ranking_1997(data, suffix):
-    """Does the order of the comparison of 1997, proxi, path and smooth ahead of the others, show here?"""
-    eight = [data.method(name + suffix) for name in SYSTEMS_1997]
-    ahead, behind = ([m for m in part if m is not None] for part in (eight[:AHEAD_1997], eight[AHEAD_1997:]))
-    pairs = [p for p in data.solvable() if data.there[ahead + behind, p].all()]
-    if not ahead or not behind or not pairs:
-        return ""
-    duels, counts = Counter(), {m: data.count(m, pairs) for m in ahead + behind}
-    for a in ahead:
-        for b in behind:
-            sure, beyond = clear(data, pairs, a, b)
-            side = "more" if counts[a] > counts[b] else "fewer"
-            duels.update({side if beyond else "same": 1, "clearly " + side: int(sure)})
-    more, same, fewer = duels["more"], duels["same"], duels["fewer"]
-    surely_more, surely_fewer = duels["clearly more"], duels["clearly fewer"]
-    verdict = ranking_verdict(more, same, fewer, surely_more or surely_fewer)
-    order = ", ".join(f"{data.methods[m]} {counts[m]}" for m in sorted(counts, key=lambda m: -counts[m]))
-    former, latter = listed(data.labels(ahead)), listed(data.labels(behind))
-    text = f"The comparison of 1997 ({SOURCE_1997}) puts {former} ahead of {latter}: {verdict}."
-    text += f" Solved of {count(len(pairs), 'pair')}: {order}."
-    if (n := len(ahead) * len(behind)) > 1:
-        text += f" Taken two by two, the former solve more pairs than the latter in {more} of {n} comparisons"
-        text += f" ({surely_more} clearly), as many (but for rounding) in {same}, "
-        text += f"fewer in {fewer} ({surely_fewer} clearly)."
-    if suffix:
-        return text
-    since = "presolve, rescalings, restarts by other methods"
-    return f"{text} These are this program's presets, with what was added since: {since}."
 
 
 def without_solution(data):
@@ -516,17 +401,12 @@ def false_claims(data):
 
 #: What is said of a comparison, by the first part of its id: topic and sentences.
 OF_COMPARISONS = {
-    "general": {"Most solved": most_solved, "Least cost": cheapest, "Class by class": by_class},
-    "affine": {"Affine problems": most_solved_beside("The methods for affine problems")},
-    "external": {"Where external programs ran": most_solved_beside("The external programs")},
-    "cfunctions": {"": cfunction_words},
+    "general": {"Most solved": most_solved, "Least cost": cheapest},
+    "affine": {"Affine problems": most_solved},
+    "external": {"Where external programs ran": most_solved},
+    "cfunctions": {"": most_solved},
 }
-OF_ALL = {
-    "The ranking of 1997": lambda data: ranking_1997(data, ""),
-    "The ranking of 1997, as published": lambda data: ranking_1997(data, PUBLISHED),
-    "Problems without a solution": without_solution,
-    "False claims": false_claims,
-}
+OF_ALL = {"Problems without a solution": without_solution, "False claims": false_claims}
 
 
 def findings(data, all_comparisons):

@@ -274,9 +274,8 @@ def page(data, all_comparisons, found):
     shared = list(dict.fromkeys([m for c in all_comparisons for m in c.methods] + list(range(len(data.methods)))))
 
     def style(c, m):
-        """C-functions and the systems of 1997 have styles of their own, so that they differ most."""
-        own = c.id.startswith("cfunctions") or c.id.startswith("systems-1997")
-        return c.methods.index(m) if own else shared.index(m)
+        """C-functions have styles of their own, so that they differ most."""
+        return c.methods.index(m) if c.id.startswith("cfunctions") else shared.index(m)
 
     sections = [robustness_section(data)] + ([unsolvable_section(data)] if len(data.solvable(False)) else [])
     sections.append(section("profiles", "Profiles"))
