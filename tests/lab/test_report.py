@@ -25,7 +25,7 @@ from perp.lab.report import write_report
 @pytest.fixture(scope="session")
 def campaign(tmp_path_factory):
     folder = tmp_path_factory.mktemp("report") / "out"
-    methods = "path,proxi,miles,semicomp,lemke,semismooth,semismooth:max_iterations=2,cfunctions:rho=0.1:rho=1"
+    methods = "path,proxi,miles,semicomp,lemke,semismooth,semismooth:max_iterations=2,cfunctions"
     run = compare("--problems", "class:tiny,class:lcp,-*-500,-*-1000,infeasible-own", "--methods", methods, "--starts", "1", "--restarts", "1", "--out", folder)
     assert run.returncode == 0, run.stderr
     return folder

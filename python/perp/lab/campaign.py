@@ -163,33 +163,27 @@ def read_campaign(folder, kind):
 
 
 #: What may differ between cells of one campaign; of files the content counts.
-MAY_DIFFER = {"build", "libraries", "date", "command_line", "machine", "jobs", "shard", "file", "by_pattern"}
+MAY_DIFFER = {"build", "libraries", "date", "command_line", "machine", "jobs", "shard", "file"}
 
 
-def by_name(items):
-    return {item if isinstance(item, str) else item.get("label", item["name"]): item for item in items}
+def flat(value, place=()):
+    """{place: value} of what campaign.json says; items of a list by their names."""
+    if isinstance(value, dict):
+        items = value.items()
+    elif isinstance(value, list):
+        items = ((one, "there") if isinstance(one, str) else (one.get("label", one["name"]), one) for one in value)
+    else:
+        return {place: value}
+    return {k: v for key, item in items if key not in MAY_DIFFER for k, v in flat(item, (*place, key)).items()}
 
 
-def differences(before, now, of=""):
+def differences(before, now):
     """What keeps cells of two campaigns apart, one line each: what campaign.json says, but for MAY_DIFFER."""
-    lines = []
-    for key in before.keys() - MAY_DIFFER:
-        there, here = before[key], now.get(key, type(before[key])())
-        if isinstance(there, list):
-            there, here = by_name(there), by_name(here)
-            only = {"there but not here": there.keys() - here, "here but not there": here.keys() - there}
-            for where, names in only.items():
-                more = f" and {len(names) - 5} more" if len(names) > 5 else ""
-                lines += [f"{key} {where}: {', '.join(sorted(names)[:5])}{more}"] if names else []
-            for name in there.keys() & here:
-                if isinstance(there[name], dict):
-                    lines += differences(there[name], here[name], f" of {name}")
-        elif isinstance(there, dict):
-            lines += differences(there, here, of)
-        elif there != here:
-            what = key if of or key == "version" else "--" + key.removesuffix("_mb").replace("_", "-")
-            lines.append(f"{what}{of}: {there} there, {here} here")
-    return sorted(lines)
+    there, here = flat(before), flat(now)
+    places = sorted(place for place in there.keys() | here if there.get(place) != here.get(place))
+    named = dict.fromkeys(place[:2] for place in places)  # of a method or problem one line is enough
+    first = [next(place for place in places if place[:2] == name) for name in named]
+    return [f"{' of '.join(reversed(at))}: {there.get(at, 'not')} there, {here.get(at, 'not')} here" for at in first]
 
 
 class Interrupt:
@@ -268,8 +262,9 @@ class Campaign:
         return self.work(Journal(self.out))
 
     def check_same(self, before):
-        shards = ({"part": campaign.get("shard", "1/1")} for campaign in (before, self.campaign))
-        found = differences(before, self.campaign) + differences(*shards, " of the cells (--shard)")
+        found = differences(before, self.campaign)
+        shards = [campaign.get("shard", "1/1") for campaign in (before, self.campaign)]
+        found += [f"shard: {shards[0]} there, {shards[1]} here"] if shards[0] != shards[1] else []
         if found:
             lines = "\n  ".join(found)
             how = f"'--out {self.out} --resume' alone goes on as it was begun, another --out begins anew"

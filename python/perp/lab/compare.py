@@ -19,10 +19,9 @@ from .process import run_all
 COMPARE_WORDS = """\
 PROBLEMS is a comma-separated list of NAME, NAME:SIZE, class:CLASS, FILE.nl, FILE.dat and all.
 METHODS is a comma-separated list of NAME, NAME:key=value:key=value, presets, published, all, none and:
-  cfunctions                    semismooth with every C-function
-  cfunctions:rho=0.01:rho=100   the same, with these values of the parameters rho, lambda or alpha
-  cfunction-grid                the C-functions that have a parameter, each at 4 or 5 values of it
-Names may contain * and ?. An item that begins with - is taken out of the list.
+  cfunctions       semismooth with every C-function
+  cfunction-grid   the C-functions that have a parameter, each at 4 or 5 values of it
+Options follow these words, too: presets:max_iterations=50. Names may contain * and ?. An item that begins with - is taken out of the list.
 
 Examples:
   perp-compare --problems all,-class:pde --methods path,miles,semismooth:tol=1e-9 --starts 1
@@ -102,15 +101,13 @@ class Comparison(Campaign):
         if words.methods is not None or not before:
             methods = select_methods(words.methods or "presets", words.tol, self.program, notes)
         external = [m for m in before["methods"] if m["external"]] if before else []
-        methods += external_methods(words.external, self.program, notes) or external
+        methods += external_methods(words.external, self.program) or external
         if not methods:
             raise InputError("--methods: nothing is left")
         known = {p["name"]: p for p in before["problems"]} if before else {}
         problems = known.values()
         if words.problems or not before:
             problems = select_problems(words.problems or "all", self.program)
-        if before:  # files that came since the pattern was asked for are not of this campaign
-            problems = [p for p in problems if p["name"] in known or not p.get("by_pattern")]
         problems = [known_problem(p, known) for p in problems]
         for text in () if before else notes:
             note(text)
@@ -144,7 +141,7 @@ class Comparison(Campaign):
             answer = runner.judge(source, source)
             if "residual" in answer:
                 problem.update(described(answer))
-            elif problem.get("by_pattern"):
+            elif problem.get("file"):
                 refused[problem["name"]] = answer["message"]
             else:
                 raise InputError(answer["message"])
@@ -157,7 +154,6 @@ class Comparison(Campaign):
         if not problems:
             raise InputError("--problems: every file is refused")
         for problem in problems:
-            problem.pop("by_pattern", None)
             if most != "all" and "starts" in problem:
                 problem["starts"] = min(problem["starts"], most)
 
@@ -272,8 +268,10 @@ def join_shards(folders, out):
         part = read_campaign(folder, Comparison)
         number, of = parse_shard(part.get("shard"))
         campaign = campaign or part
-        parts = ({"number": parse_shard(one.get("shard"))[1]} for one in (campaign, part))
-        if found := differences(campaign, part) + differences(*parts, " of shards"):
+        found = differences(campaign, part)
+        if of != parse_shard(campaign.get("shard"))[1]:
+            found.append("the numbers of shards")
+        if found:
             listed = "\n  ".join(found)
             raise InputError(f"'{folders[0]}' and '{folder}' are of different campaigns:\n  {listed}")
         if number in shards:

@@ -8,7 +8,7 @@ import shutil
 from fnmatch import fnmatchcase
 
 from .campaign import suggestion
-from .files import InputError, crc_of, number
+from .files import InputError, crc_of
 
 
 def items_of(text, flag):
@@ -45,17 +45,14 @@ def is_pattern(text):
 # Problems.
 
 
-def of_file(path, by_pattern=False):
-    """A file yet to be described; those that a pattern has found may be left out."""
+def of_file(path):
+    """A file yet to be described."""
     if not path.endswith((".nl", ".dat")):
         raise InputError(f"--problems: '{path}' is neither an .nl nor a .dat file")
     if not os.path.isfile(path):
         raise InputError(f"--problems: there is no file '{path}'")
-    file = os.path.realpath(path)
-    if not file.isprintable() or any("\ud800" <= c <= "\udfff" for c in file):
-        raise InputError(f"--problems: the name of {ascii(file)} is not printable UTF-8")
-    kind = os.path.splitext(path)[1][1:]
-    return {"name": os.path.basename(path), "class": kind, "file": file, "crc": crc_of(file), "by_pattern": by_pattern}
+    file, kind = os.path.realpath(path), os.path.splitext(path)[1][1:]
+    return {"name": os.path.basename(path), "class": kind, "file": file, "crc": crc_of(file)}
 
 
 def described(answer):
@@ -70,31 +67,22 @@ def select_problems(text, program):
     entries = program.json("list", "--json")["problems"]
     known = {entry["name"]: {"name": entry["name"], "class": entry["class"], **described(entry)} for entry in entries}
 
-    def fitting(pattern, key, complaint):
-        found = [p for p in known.values() if fnmatchcase(p[key], pattern)]
-        if not found:
-            raise InputError(f"--problems: {complaint}")
-        return found
-
     def expand(item):
         name, sized, _ = item.partition(":")
-        if item == "all":
-            return known.values()
-        if item.startswith("class:"):
-            classes = ", ".join(sorted({p["class"] for p in known.values()}))
-            return fitting(item[6:], "class", f"there is no class '{item[6:]}'; the collection has {classes}")
         if item.endswith((".nl", ".dat")) or "/" in item:
-            if not is_pattern(item):
-                return [of_file(item)]
-            if paths := sorted(glob.glob(item)):
-                return [of_file(path, True) for path in paths]
-            raise InputError(f"--problems: no file fits '{item}'")
-        if is_pattern(item):
-            return fitting(item, "name", f"no problem of the collection fits '{item}'")
-        if name not in known:
-            near = suggestion(name, known)
-            raise InputError(f"there is no problem '{name}' in the collection.{near} 'perp list' shows all.")
-        return [{"name": item, "class": known[name]["class"]} if sized else known[name]]
+            found = [of_file(path) for path in (sorted(glob.glob(item)) if is_pattern(item) else [item])]
+        elif item == "all" or name == "class":
+            pattern = "*" if item == "all" else item[6:]
+            found = [p for p in known.values() if fnmatchcase(p["class"], pattern)]
+        elif sized and name in known:
+            found = [{"name": item, "class": known[name]["class"]}]
+        else:
+            found = [p for p in known.values() if fnmatchcase(p["name"], item)]
+        if not found:
+            classes = f" It has the classes {', '.join(sorted({p['class'] for p in known.values()}))}."
+            more = classes if name == "class" else suggestion(name, known)
+            raise InputError(f"--problems: nothing fits '{item}'.{more} 'perp list' shows the collection.")
+        return found
 
     files = {}
 
@@ -114,31 +102,6 @@ def select_problems(text, program):
 # Methods.
 
 
-def cfunctions(item, known):
-    """Of cfunctions:rho=0.01:lu=klu: semismooth over all functions, those with a rho at this value."""
-
-    def takes(parameter, key, value):
-        return bool(parameter) and parameter["name"] == key and parameter["above"] < value < number(parameter["below"])
-
-    parameters, values, options = [c["parameter"] for c in known if c["parameter"]], [], ""
-    for option in item.split(":")[1:]:
-        key, _, value = option.partition("=")
-        if all(p["name"] != key for p in parameters):
-            options += ":" + option
-            continue
-        try:
-            fits = any(takes(p, key, float(value)) for p in parameters)
-        except ValueError:
-            fits = False
-        if not fits:
-            raise InputError(f"--methods {item}: no C-function takes {option}; 'perp cfunctions' has the ranges")
-        values.append((key, value))
-    for c in known:
-        name = f"semismooth:cfunction={c['name']}"
-        at = [f"{name}:cfunction_parameter={v}{options}" for k, v in values if takes(c["parameter"], k, float(v))]
-        yield from at or [name + options]
-
-
 def select_methods(text, tol, program, notes):
     known = program.json("methods", "--json")
     names, functions = [m["name"] for m in known["methods"]], known["cfunctions"]
@@ -148,24 +111,19 @@ def select_methods(text, tol, program, notes):
         "none": [],
         "presets": [m["name"] for m in known["methods"] if not m["affine"] and not m["published"]],
         "published": [m["name"] for m in known["methods"] if m["published"]],
+        "cfunctions": [f"semismooth:cfunction={c['name']}" for c in functions],
         "cfunction-grid": [f"semismooth:cfunction={name}:cfunction_parameter={value:g}" for name, value in grid],
     }
 
     def expand(item):
-        name, colon, rest = item.partition(":")
-        if name == "cfunctions":
-            return cfunctions(item, functions)
-        if item in kinds:
-            return kinds[item]
+        name, colon, options = item.partition(":")
         if "(" in name:
             return [item]
-        found = [m + colon + rest for m in names if fnmatchcase(m, name)]
-        if not found and is_pattern(name):
-            raise InputError(f"--methods: no method fits '{name}'")
-        if not found:
-            near = suggestion(name, [*names, *kinds, "cfunctions"])
+        found = kinds[name] if name in kinds else [m for m in names if fnmatchcase(m, name)]
+        if not found and name not in kinds:
+            near = suggestion(name, [*names, *kinds])
             raise InputError(f"--methods: there is no method '{name}'.{near} 'perp methods' lists them.")
-        return found
+        return [label + colon + options for label in found]
 
     methods = []
     for label in select(items_of(text, "--methods"), expand, str):
@@ -181,25 +139,19 @@ def select_methods(text, tol, program, notes):
     return methods
 
 
-def external_methods(texts, program, notes):
+def external_methods(texts, program):
     """Of NAME=COMMAND, each."""
     methods, own = {}, [m["name"] for m in program.json("methods", "--json")["methods"]] if texts else []
     for text in texts:
         name, _, command = (part.strip() for part in text.partition("="))
-        if not name or not command:
+        if not re.fullmatch(r"\w[\w.-]*", name) or not command:
             raise InputError(f"--external '{text}': NAME=COMMAND is asked for, as in path=./path_peer")
-        if any(c in name for c in ",:/*?[ ") or name.startswith("-"):
-            raise InputError(f"--external: '{name}' is no NAME: letters, digits, _ and - make one")
-        if name in methods:
-            raise InputError(f"--external: '{name}' is given twice")
-        if name in own:
-            raise InputError(f"--external: '{name}' is a method of perp's own")
+        if name in methods or name in own:
+            what = "given twice" if name in methods else "a method of perp's own"
+            raise InputError(f"--external: '{name}' is {what}")
         word = command.split()[0]
         if not any(c in word for c in "'\"$`\\(") and shutil.which(word) is None:
             raise InputError(f"--external {name}: '{word}' is no program that can be run")
-        for brace in re.findall(r"(?:^|(?<!\$))(\{[A-Za-z_]+\})", command):
-            if brace != "{tol}":
-                notes.append(f"--external {name}: {brace} is left to the shell as it is; only {{tol}} is filled in")
         methods[name] = {"label": name, "name": name, "options": [], "external": True, "affine": False, "in_force": {}}
         methods[name]["command"] = command
     return list(methods.values())
