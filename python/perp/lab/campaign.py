@@ -22,7 +22,7 @@ import time
 from collections import Counter
 from difflib import get_close_matches
 
-from .files import Environment, InputError, Journal, NotSeen, check_apart, pretty, read_cells, take_folder, write_files
+from .files import Environment, InputError, Journal, NotSeen, pretty, read_cells, take_folder, write_files
 from .process import run_all
 
 SOLVED, UNSOLVED, REFUSED, INTERNAL, INTERRUPTED = range(5)
@@ -43,11 +43,10 @@ def note(text):
 
 def need_packages():
     """Before anything runs: what the report is made with is there."""
-    missing = [name for name in ("matplotlib", "jinja2") if importlib.util.find_spec(name) is None]
-    if missing:
-        debian = " ".join(f"python3-{name}" for name in missing)
-        where = f"Debian has {debian}, pip install 'perp[lab]' elsewhere"
-        raise InputError(f"{sys.executable} has no {', '.join(missing)}: {where}")
+    for name in ("matplotlib", "jinja2"):
+        if importlib.util.find_spec(name) is None:
+            where = f"Debian has python3-{name}, pip install 'perp[lab]' elsewhere"
+            raise InputError(f"{sys.executable} has no {name}: {where}")
 
 
 def beside(command):
@@ -205,7 +204,7 @@ class Interrupt:
 class Campaign:
     """What a kind of campaign adds to this:
 
-    NAME, COMMAND, KEYS, FILES   the key in campaign.json, the command, the columns of a cell, the files of the report
+    NAME, COMMAND, KEYS   the key in campaign.json, the command, the columns of a cell
     OPTIONS         the options that campaign.json records
     parser()        of the command line
     key(cell)       what tells a cell from others, in the order of KEYS
@@ -250,9 +249,6 @@ class Campaign:
             if self.words.resume:
                 note(f"there is no campaign in '{self.out}' yet: one begins")
             self.describe()
-        outputs = [os.path.join(self.out, name) for name in ("lock", "campaign.json", "cells.jsonl", *self.FILES)]
-        files = [p.get("file") for p in self.campaign["problems"]]
-        check_apart(outputs, [getattr(self.words, "baseline", None), *files])
         if self.stopped():
             print("perp: interrupted before the first cell", file=sys.stderr)
             return INTERRUPTED
@@ -317,13 +313,6 @@ class Campaign:
 # What is said on the way and in the end.
 
 
-GROUPS = {
-    "solved": ("solved", "infeasible"), "to rounding": ("solved-to-rounding",), "failed": ("failed", "unclaimed"),
-    "false": ("false-convergence", "false-infeasible"), "limits": ("time-limit", "memory-limit"),
-    "crashed": ("crashed",), "garbage": ("garbage",), "n/a": ("not-applicable",), "honest": ("honest",),
-}  # fmt: skip
-
-
 def word_of(cell, unsolvable):
     """Its outcome; who fails on a problem without a solution is honest."""
     return "honest" if cell["outcome"] == "failed" and cell["problem"] in unsolvable else cell["outcome"]
@@ -344,8 +333,7 @@ class Progress:
             return
         self.shown, self.tenths = seconds, tenths
         words = Counter(word_of(cell, self.unsolvable) for cell in list(self.cells.values()))
-        numbers = {name: sum(words[word] for word in of) for name, of in GROUPS.items()}
-        text = "  ".join([f"{done}/{self.total}", *(f"{name} {n}" for name, n in numbers.items() if n)])
+        text = "  ".join([f"{done}/{self.total}", *(f"{word} {n}" for word, n in sorted(words.items()))])
         if self.before < done < self.total:
             left = int(seconds / (done - self.before) * (self.total - done)) + 1
             text += f"  {datetime.timedelta(seconds=left)} left"

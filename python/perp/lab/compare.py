@@ -12,7 +12,7 @@ from .campaign import (
     need_packages, note, parse_shard, print_table, read_campaign, word_of,
 )  # fmt: skip
 from .cells import KEYS, OUTCOMES, CellRunner, good, is_failure, settle, source_of
-from .files import Environment, InputError, cell_line, check_apart, crc_of, pretty, read_cells, take_folder, write_files
+from .files import Environment, InputError, cell_line, crc_of, pretty, read_cells, take_folder, write_files
 from .lists import described, external_methods, select_methods, select_problems
 from .process import run_all
 
@@ -21,7 +21,8 @@ PROBLEMS is a comma-separated list of NAME, NAME:SIZE, class:CLASS, FILE.nl, FIL
 METHODS is a comma-separated list of NAME, NAME:key=value:key=value, presets, published, all, none and:
   cfunctions       semismooth with every C-function
   cfunction-grid   the C-functions that have a parameter, each at 4 or 5 values of it
-Options follow these words, too: presets:max_iterations=50. Names may contain * and ?. An item that begins with - is taken out of the list.
+Options follow these words, too: presets:max_iterations=50. Names may contain * and ?. An item that begins with - is
+taken out of the list.
 
 Examples:
   perp-compare --problems all,-class:pde --methods path,miles,semismooth:tol=1e-9 --starts 1
@@ -51,11 +52,6 @@ def all_or_number(text):
 
 class Comparison(Campaign):
     NAME, COMMAND, KEYS = "campaign", "perp-compare", KEYS
-    FILES = (
-        "cells.csv", "cells.json", "outcomes.csv", "methods.csv", "pairs.csv", "profiles.csv", "summary.csv",
-        "robustness.csv", "unsolvable.csv", "false_claims.csv", "curves.csv", "findings.txt", "report.json",
-        "report.html",
-    )  # fmt: skip
     OPTIONS = ("tol", "time_limit", "memory_limit_mb", "restarts", "seed", "starts", "shard", "jobs")
 
     @classmethod
@@ -305,7 +301,6 @@ def report(arguments):
     for text in join_shards(given.dirs, given.out) if given.out else ():
         note(text)
     folder = given.out or given.dirs[0]
-    check_apart([os.path.join(folder, name) for name in Comparison.FILES], [])
     for topic, text in write_report(folder):
         print(f"{topic}: {text}")
     print(f"{folder}/report.html")

@@ -10,7 +10,7 @@ import math
 import os
 import shlex
 from collections import Counter
-from statistics import geometric_mean
+from statistics import median
 
 from .campaign import SOLVED, Campaign, add_options, count, machine, print_table
 from .cells import answer_of, crash_words
@@ -70,7 +70,6 @@ def cell_of(end, answer, campaign):
 
 class ContactComparison(Campaign):
     NAME, COMMAND, KEYS = "contact_campaign", "perp-compare contact", KEYS
-    FILES = ("cells.csv", "cells.json", "profile.svg", "report.html")
     OPTIONS = ("tol", "time_limit", "memory_limit_mb")
 
     @classmethod
@@ -138,12 +137,6 @@ def seconds(value):
     return f"{1e3 * value:.3g} ms" if value < 1 else f"{value:.3g} s"
 
 
-def median(values):
-    """Geometric between the middle two."""
-    values = sorted(values)
-    return geometric_mean([values[(len(values) - 1) // 2], values[len(values) // 2]]) if values else math.nan
-
-
 COLUMNS = {
     "variant": "formulation+method/form", "judged by": "the law whose residual decides",
     "solved": "of the cells that ran", "solved by": "the step that made the accepted point",
@@ -174,7 +167,8 @@ class Shown:
         by = Counter(c["solved_by"] for c in solved if c["solved_by"]).most_common()
         limit = self.campaign["time_limit"]
         time = sum(c["seconds"] if c["outcome"] in ("solved", "infeasible") else limit for c in mine)
-        numbers = median(max(1, c["iterations"] or 1) for c in solved), median(errors), max(errors, default=math.nan)
+        steps = [max(1, c["iterations"] or 1) for c in solved]
+        numbers = (median(steps), median(errors), max(errors)) if solved else (math.nan,) * 3
         broken = counts["crashed"] + counts["memory-limit"]
         return [
             variant, "Coulomb" if self.exact[variant] else "its own", f"{len(solved)}/{len(mine)}",
@@ -198,9 +192,6 @@ class Shown:
     def print(self):
         headers = [name if k < 2 else f">{name}" for k, name in enumerate(COLUMNS)]
         print_table(headers, [self.line(v) for v in self.variants])
-        print("\nTimes; [1], [2], ... are the variants in the order above")
-        rows = [[name[:36], contacts, *map(self.word, mine)] for name, contacts, mine in self.rows()]
-        print_table(["problem", ">contacts", *(f">[{k}]" for k in range(1, len(self.variants) + 1))], rows)
         for c in self.cells:
             if c["outcome"] == "crashed":
                 print(f"CRASH: {c['command']}: {c['message']}")

@@ -104,17 +104,6 @@ def sync_folder(folder):
         os.close(handle)
 
 
-def check_apart(outputs, inputs):
-    """No file that is written is one that is read, by whatever names and links, and no two of them are one."""
-    seen = {}
-    for path in [*filter(None, inputs), *outputs]:
-        status = os.stat(path) if os.path.exists(path) else None
-        place = (status.st_dev, status.st_ino) if status else os.path.realpath(path)
-        if place in seen and path in outputs:
-            raise InputError(f"'{path}' is also '{seen[place]}': nothing is written over it")
-        seen[place] = path
-
-
 def take_folder(folder, fresh):
     """Makes the folder, and holds it: the file that comes back is the lock, which goes with this process."""
     try:

@@ -12,9 +12,11 @@ import os
 import sys
 from statistics import linear_regression, median
 
+import numpy as np
+
 from .campaign import INTERRUPTED, SOLVED, UNSOLVED, Program, add_options, count, note, print_table
 from .contact import run_contact, seconds
-from .files import InputError, NotSeen, check_apart, number, pretty, write_files
+from .files import InputError, NotSeen, number, pretty, write_files
 from .process import run_all
 
 ERRORS = {
@@ -42,6 +44,13 @@ def facet_numbers(text):
         if not 3 <= value <= 1000 or values.count(value) > 1:
             raise argparse.ArgumentTypeError(f"{text}: {value} is not in [3, 1000], or stands there twice")
     return sorted(values)
+
+
+def picture(path):
+    """So that no problem is written over by a slip."""
+    if not path.endswith(".svg"):
+        raise argparse.ArgumentTypeError(f"'{path}': the name of a picture ends in .svg")
+    return path
 
 
 def write_file(path, text):
@@ -187,12 +196,11 @@ def facets(arguments, interrupt):
     tol = "tolerance on the natural residual of the affine problems"
     limits = ("--time-limit", 30.0, "limit of each run"), ("--jobs", 1, "number of problems at a time")
     add_options(parser, ("--tol", 1e-9, tol), *limits)
-    add("--svg", metavar="FILE", help="draw the errors over K")
+    add("--svg", type=picture, metavar="FILE.svg", help="draw the errors over K")
     add("--json", metavar="FILE", help="write the study as JSON")
     words = parser.parse_args(arguments)
     if len(set(words.problems)) < len(words.problems):
         raise InputError("a problem is there twice")
-    check_apart([path for path in (words.svg, words.json) if path], words.problems)
     program = Program(words.program)
     program.json("contact", *words.problems, "--variants", "inner:3", "--json", "-")  # refuses what cannot be read
     study = Facets(words, program, interrupt)
@@ -215,12 +223,13 @@ def facets(arguments, interrupt):
 
 # The ball.
 
+PHASE = 5  # s, for which the load keeps a direction
 
-def ball_svg(answer):
+
+def ball_svg(loads, words):
     """A panel for each load, seen from above, and a closer one where some paths make the others small."""
     from .report import figure, line_style, svg_of
 
-    loads = answer["loads"]
     made, panels = figure("ball", 11, 0.8 + 4.4 * len(loads), (len(loads), 2))
     for (axes, closer), scene in zip(panels.reshape(-1, 2), loads):
         sizes = [max(math.hypot(x, y) for _, x, y in path["path"]) for path in scene["paths"]]
@@ -243,8 +252,7 @@ def ball_svg(answer):
         axes.legend(fontsize=8.5, loc="best")
         closer.set_title("The small paths, closer")
         closer.set_visible(near is not None)
-    how = f"a load from 60, 180 and -60 degrees in turn, {answer['phase']:g} s each, "
-    how += f"{answer['cycles']:g} cycles, mu = {answer['mu']:g}"
+    how = f"a load from 60, 180 and -60 degrees in turn, {PHASE} s each, {words.cycles:g} cycles, mu = {words.mu:g}"
     ring = "ring: the start, at rest; drift: mean velocity over the last cycle, 0 by Coulomb's law"
     made.suptitle(f"Ball on a plane, seen from above: {how}\n{ring}", fontsize=10.5)
     return svg_of(made, inline=False)
@@ -257,36 +265,33 @@ def corners_of(K, outer, turn):
     return [(radius * math.cos(angle), radius * math.sin(angle)) for angle in angles]
 
 
-def nearest(x, y, corners):
-    """The point of the unit disk, or of a polygon, that is nearest to (x, y)."""
+def nearest(point, corners):
+    """The point of the unit disk, or of a polygon, that is nearest to a point."""
     if corners is None:
-        size = max(1, math.hypot(x, y))
-        return x / size, y / size
-    near, inside = [], True
-    for (ax, ay), (bx, by) in zip(corners, corners[1:] + corners[:1]):
-        ex, ey = bx - ax, by - ay
-        inside = inside and ex * (y - ay) - ey * (x - ax) >= 0
-        along = min(1, max(0, ((x - ax) * ex + (y - ay) * ey) / (ex * ex + ey * ey)))
-        near.append((ax + along * ex, ay + along * ey))
-    return (x, y) if inside else min(near, key=lambda p: math.hypot(p[0] - x, p[1] - y))
+        return point / max(1, np.hypot(*point))
+    corners = np.array(corners)
+    edges, offsets = np.roll(corners, -1, 0) - corners, point - corners
+    if (edges[:, 0] * offsets[:, 1] >= edges[:, 1] * offsets[:, 0]).all():
+        return point
+    along = np.clip((edges * offsets).sum(1) / (edges**2).sum(1), 0, 1)
+    near = corners + along[:, None] * edges
+    return near[np.hypot(*(near - point).T).argmin()]
 
 
 def ball_path(load, corners, words, gravity=9.81):
     """(t, x, y) by the midpoint rule, and the drift: the mean velocity over the last cycle.
 
-    The contact has r_N = m g h, and W_T = 1 / m, or 3.5 / m if the ball may roll, times the identity: r_T is the
-    projection of -u_free / W_T on mu r_N times the disk or polygon. Velocities are in mu g h here, until the end."""
-    rolling, step = 3.5 if words.rolling else 1, words.step
-    x, y, vx, vy, ux, uy, path = 0, 0, 0, 0, 0, 0, [(0, 0, 0)]
+    The contact has r_N = m g h and W_T = 1 / m: r_T is the projection of -m u_free on mu r_N times the disk or polygon.
+    Velocities are in mu g h here, until the end."""
+    x, u, step, path = np.zeros(2), np.zeros(2), words.step, [(0, 0, 0)]
     scale = words.mu * gravity * step * step
-    for k in range(round(3 * words.phase * words.cycles / step)):
-        angle = math.radians((60, 180, -60)[int((k + 0.5) * step / words.phase) % 3])
-        lx, ly = load * math.cos(angle), load * math.sin(angle)
-        rx, ry = nearest(-(ux + lx) / rolling, -(uy + ly) / rolling, corners)
-        x, y = x + vx + (lx + rx) / 2, y + vy + (ly + ry) / 2
-        vx, vy, ux, uy = vx + lx + rx, vy + ly + ry, ux + lx + rolling * rx, uy + ly + rolling * ry
-        path.append(((k + 1) * step, scale * x, scale * y))
-    back = path[max(0, len(path) - 1 - round(3 * words.phase / step))]
+    for k in range(round(3 * PHASE * words.cycles / step)):
+        angle = math.radians((60, 180, -60)[int((k + 0.5) * step / PHASE) % 3])
+        push = load * np.array([math.cos(angle), math.sin(angle)])
+        push = push + nearest(-(u + push), corners)
+        x, u = x + u + push / 2, u + push
+        path.append(((k + 1) * step, *(scale * x).tolist()))
+    back = path[max(0, len(path) - 1 - round(3 * PHASE / step))]
     span = max(path[-1][0] - back[0], step)
     return path, [(path[-1][i] - back[i]) / span for i in (1, 2)]
 
@@ -295,54 +300,45 @@ def ball(arguments, _):
     words = "The path of a ball on a plane under a load from 60, 180 and -60 degrees in turn (lecture 3 by Acary), "
     words += "by Coulomb's law and by polygons."
     parser = argparse.ArgumentParser(prog="perp-compare ball", description=words)
-    parser.add_argument("--facets", type=facet_numbers, metavar="K,K,...", help="friction polygons (4,6,8,16)")
-    parser.add_argument("--exact", action="store_true", help="Coulomb's law; the default if --facets is not given")
-    parser.add_argument("--outer", action="store_true", help="polygons around the friction disk, not inside it")
-    parser.add_argument("--rolling", action="store_true", help="let the ball turn")
-    for flag, usual, least, what in (
-        ("mu", 0.3, 0, "coefficient of friction"),
-        ("frame", 0, -math.inf, "turn the contact's tangents by so many degrees"),
-        ("phase", 5, 1e-9, "time for which the load keeps a direction [s]"),
-        ("cycles", 4, 1e-9, "number of cycles of three phases"),
-        ("step", 0.01, 1e-9, "time step [s]"),
-    ):
-        kind = lambda text, least=least: real(text, least)  # noqa: E731
-        parser.add_argument(f"--{flag}", type=kind, default=usual, help=f"{what} ({usual})")
-    loads = lambda text: [real(word, 0) for word in text.split(",")]  # noqa: E731
-    parser.add_argument("--load", type=loads, default=[1, 1.5], metavar="L,L,...", help="loads over mu m g (1,1.5)")
-    parser.add_argument("--svg", metavar="FILE", help="draw the paths, seen from above")
+    add, loads = parser.add_argument, lambda text: [real(0)(word) for word in text.split(",")]
+    add("--facets", type=facet_numbers, default=[4, 6, 8, 16], metavar="K,K,...", help="friction polygons (4,6,8,16)")
+    add("--outer", action="store_true", help="polygons around the friction disk, not inside it")
+    add("--mu", type=real(0), default=0.3, help="coefficient of friction (%(default)s)")
+    add("--frame", type=real(-math.inf), default=0, help="turn the contact's tangents by so many degrees")
+    add("--cycles", type=real(1e-9), default=4, help=f"cycles of three loads of {PHASE} s each (%(default)s)")
+    add("--step", type=real(1e-9), default=0.01, help="time step [s] (%(default)s)")
+    add("--load", type=loads, default=[1, 1.5], metavar="L,L,...", help="loads over mu m g (1,1.5)")
+    add("--svg", type=picture, metavar="FILE.svg", help="draw the paths, seen from above")
     given = parser.parse_args(arguments)
-    if 3 * given.phase * given.cycles > 1e6 * given.step or given.step > given.phase:
-        raise InputError("--step: at most the phase, and at most 1e6 steps in all")
-    laws = {"exact": None} if given.exact or not given.facets else {}
+    if 3 * PHASE * given.cycles > 1e6 * given.step or given.step > PHASE:
+        raise InputError(f"--step: at most {PHASE} s, and at most 1e6 steps in all")
     side, turn = "outer" if given.outer else "inner", math.radians(given.frame)
-    for K in given.facets or ([] if given.exact else [4, 6, 8, 16]):
-        laws[f"{side}:{K}"] = corners_of(K, given.outer, turn)
-    answer = {"phase": given.phase, "cycles": given.cycles, "mu": given.mu, "loads": []}
+    laws = {"exact": None} | {f"{side}:{K}": corners_of(K, given.outer, turn) for K in given.facets}
+    scenes = []
     for load in given.load:
-        paths, rows, start = [], [], None
+        paths, rows, end = [], [], None
         for law, corners in laws.items():
             path, drift = ball_path(load, corners, given)
             paths.append({"law": law, "drift": drift, "path": path[:: 1 + len(path) // 1000] + path[-1:]})
-            start = start or (path[-1] if law == "exact" else None)
-            far = f"{math.dist(path[-1][1:], start[1:]):.3f}" if start else "-"
+            end = end or path[-1][1:]  # by Coulomb's law, which is the first
+            far = f"{math.dist(path[-1][1:], end):.3f}"
             rows.append([law, *(f"{round(v, 3) + 0.0:.3f}" for v in path[-1][1:]), far, f"{math.hypot(*drift):.4f}"])
-        answer["loads"].append({"load": load, "paths": paths})
+        scenes.append({"load": load, "paths": paths})
         print(f"Load {load:g} mu m g")
         print_table(["law", ">end x [m]", ">y [m]", ">from exact [m]", ">drift [m/s]"], rows)
     if given.svg:
-        write_file(given.svg, ball_svg(answer))
+        write_file(given.svg, ball_svg(scenes, given))
     return SOLVED
 
 
-def real(text, least):
-    try:
+def real(least):
+    def number(text):
         value = float(text)
-    except ValueError:
-        value = math.nan
-    if not (math.isfinite(value) and value >= least):
-        raise argparse.ArgumentTypeError(f"{text}: a number, at least {least:g}, is asked for")
-    return value
+        if not (math.isfinite(value) and value >= least):
+            raise argparse.ArgumentTypeError(f"{text}: a number, at least {least:g}, is asked for")
+        return value
+
+    return number
 
 
 # Forces.
@@ -413,12 +409,11 @@ def forces(arguments, interrupt):
     usage = "%(prog)s PROBLEM --svg FILE [FLAG OF perp contact]..."
     parser = argparse.ArgumentParser(prog="perp-compare forces", usage=usage, description=words)
     parser.add_argument("problem", metavar="PROBLEM", help="a file of FCLIB or Siconos, or NAME:SIZE[:SEED[:MU]]")
-    parser.add_argument("--svg", required=True, metavar="FILE", help="the picture")
+    parser.add_argument("--svg", required=True, type=picture, metavar="FILE.svg", help="the picture")
     parser.add_argument("--time-limit", type=float, default=30.0, metavar="SECONDS", help="of the solution (30)")
     parser.add_argument("--tol", type=float, default=1e-8, help="of the solution (1e-8)")
     parser.add_argument("--program", metavar="FILE", help="the program perp")
     given, others = parser.parse_known_args(arguments)
-    check_apart([given.svg], [given.problem])
     limits = given.tol, given.time_limit, 1 << 20
     end, answer, command = run_contact(Program(given.program), [given.problem, *others], *limits, interrupt)
     if answer is None or "contacts" not in answer:
