@@ -167,14 +167,14 @@ class Comparison(Campaign):
 
         if not complete:
             return INTERRUPTED
-        write_report(self.out)
+        found = dict(write_report(self.out))
         if self.campaign.get("shard"):
             shard = self.campaign["shard"]
             print(f"Shard {shard} is complete. 'perp-report DIR... --out JOINED' joins the folders of all.")
             return SOLVED
         settle(self.campaign, cells)
         print_outcomes(self.campaign, cells)
-        print_false_claims(cells)
+        print(f"\nFalse claims: {found['False claims']}")
         out = self.out
         print(f"\n{out}/report.html shows and {out}/findings.txt says what came out; {out}/cells.csv has every cell.")
         return against_baseline(self.words.baseline, self.baseline, cells) if self.words.baseline else SOLVED
@@ -205,16 +205,6 @@ def print_outcomes(campaign, cells):
     said = {"infeasible": "infeasible, it says so", "honest": "honest, it does not claim one"}
     if parts := [said[w] for w in said if w in occur]:
         print("\nOf problems that have no solution: " + "; ".join(parts) + ".")
-
-
-def print_false_claims(cells):
-    wrong = [c for c in cells if c["outcome"] in ("false-convergence", "false-infeasible")]
-    if wrong:
-        shown = [(*(str(c[key]) for key in KEYS[:4]), f"{c['natural']:.3g}", c["message"]) for c in wrong[:20]]
-        print()
-        print_table(["false claim of", "problem", ">start", "outcome", ">residual", "message"], shown)
-        if len(wrong) > 20:
-            print(f"  ... {len(wrong) - 20} more; the report shows them")
 
 
 # Baselines and shards.

@@ -79,9 +79,7 @@ function show_rows() {
 
 function select_rows() {
   const words = by_id("cells-search").value.toLowerCase().split(/\s+/).filter(Boolean);
-  const outcome = by_id("cells-outcome").value, cls = by_id("cells-class").value;
-  chosen = rows.filter((row) => (!outcome || row[place.outcome] === outcome) && (!cls || row[place.class] === cls) &&
-    words.every((word) => row.join("\n").toLowerCase().includes(word)));
+  chosen = rows.filter((row) => words.every((word) => row.join("\n").toLowerCase().includes(word)));
   if (sorted) chosen.sort((a, b) => order(a[sorted.column], b[sorted.column], sorted.down));
   shown = 100;
   show_rows();
@@ -103,10 +101,9 @@ function draw_curves() {
     (without.length ? `Without a curve: ${listed(without)}.` : "");
   if (!drawn.length) return add(parent, "p", {}, "None of the chosen methods left a curve here.");
   // A long curve has been thinned: its points are that many iterations apart.
-  const scale = ({row, curve}) => Math.max(1, row[place["iter."]] / Math.max(1, curve.length - 1));
-  const most = Number(by_id("curve-length").value) || Infinity;
+  const scale = ({row, curve}) => Math.max(1, row[place.iterations] / Math.max(1, curve.length - 1));
   const points = drawn.map((c) => c.curve.map((v, k) => [k * scale(c), Math.max(-18, v / 100), v])
-    .filter(([k, , v]) => v !== null && k <= most));
+    .filter(([, , v]) => v !== null));
   const heights = points.flat().map((p) => p[1]), span = Math.max(1, ...points.flat().map((p) => p[0]));
   const high = Math.min(20, Math.ceil(Math.max(...heights)));
   const low = Math.min(high - 1, Math.floor(Math.min(...heights)));
@@ -144,19 +141,15 @@ function choose(pair, method) {
 }
 
 if (data) {
-  const fill = (id, names) => { for (const name of new Set(names)) add(by_id(id), "option", {value: name}, name); };
-  fill("curve-problem", rows.map(pair_of).sort());
-  fill("cells-outcome", rows.map((row) => row[place.outcome]).sort());
-  fill("cells-class", rows.map((row) => row[place.class]).sort());
+  for (const pair of new Set(rows.map(pair_of).sort())) add(by_id("curve-problem"), "option", {value: pair}, pair);
   data.columns.forEach((name, column) => {
     const th = add(by_id("cells-head"), "th", {scope: "col"}, name);
     const number = rows.some((row) => row[column] !== "" && !isNaN(Number(row[column])));
     make_sortable(th, number, (down) => { sorted = {column, down}; select_rows(); });
   });
   by_id("cells-search").addEventListener("input", select_rows);
-  for (const id of ["cells-outcome", "cells-class"]) by_id(id).addEventListener("change", select_rows);
   by_id("cells-more").addEventListener("click", () => { shown += 1000; show_rows(); });
-  for (const id of ["curve-problem", "curve-length"]) by_id(id).addEventListener("change", draw_curves);
+  by_id("curve-problem").addEventListener("change", draw_curves);
   window.addEventListener("resize", draw_curves);
   select_rows();
   choose(data.shown[0] || by_id("curve-problem").value);

@@ -155,15 +155,6 @@ def machine_words(machine):
     return f"{machine['cpu']}, {count(machine['cores'], 'core')}, {machine['memory_mb']} MiB, {machine['system']}"
 
 
-def false_claims_table(wrong):
-    names, rows = ("method", "problem", "start", "what it is", "it said", "judge's residual", "message"), []
-    for c in wrong:
-        residual = "no point" if math.isnan(c["natural"]) else f"{c['natural']:.1e}"
-        said = cell(c["outcome"], css="bad"), c["status"], residual, c["message"]
-        rows.append([c["method"], c["problem"], c["start"], *said])
-    return table("False claims", dict.fromkeys(names, ""), rows, words=("problem", "what it is", "it said", "message"))
-
-
 def robustness_section(data):
     rows, classes, pairs = robustness(data), data.classes(), data.solvable()
     more = {"not for it": "pairs that the method does not apply to", "unfinished": ""}
@@ -287,7 +278,7 @@ def page(data, all_comparisons, found):
     title = f"Comparison of {count(len(data.methods), 'method')} on {count(len(data.problems), 'problem')}"
     sub = f"{c['date']} \u00b7 perp {c['version']} \u00b7 {machine_words(c['machine'])}"
     converged = sum(c["outcome"] == "false-convergence" for c in wrong)
-    claims = {"table": false_claims_table(wrong), "converged": converged, "infeasible": len(wrong) - converged}
+    claims = {"converged": converged, "infeasible": len(wrong) - converged}
     legend = [{"m": m, "style": k, "name": data.methods[m], "on": k < IN_COLOUR} for k, m in enumerate(shared)]
     dropped = f"{count(len(data.dropped), 'line')} of cells.jsonl left out: {'; '.join(data.dropped)}"
     return html_page(
@@ -295,15 +286,6 @@ def page(data, all_comparisons, found):
         claims=claims if wrong else None, dropped=dropped if data.dropped else "", sections=sections,
         all_methods=legend, data=script_data(data, shared),
     )  # fmt: skip
-
-
-#: The table of all runs: columns of cells.csv, and their headers.
-PAGE_COLUMNS = {
-    **{name: name for name in ("method", "problem", "class", "n", "start", "outcome")},
-    "outcome_after_restarts": "after restarts", "status": "status", "natural": "residual", "iterations": "iter.",
-    "F_evals": "F", "J_evals": "J", "factorizations": "fact.", "krylov_iterations": "Krylov", "restarts": "restarts",
-    "seconds": "seconds", "peak_mb": "MiB", "message": "message",
-}  # fmt: skip
 
 
 def script_data(data, shared):
@@ -317,15 +299,15 @@ def script_data(data, shared):
 
     problems = ((c, data.problems[c["problem"]]) for c in data.cells)
     cells = [{**c, "class": problem["class"], "n": problem["n"]} for c, problem in problems]
-    columns = [name for name in PAGE_COLUMNS if any(plain(name, c[name]) not in ("", None, 0) for c in cells)]
-    if "restarts" not in columns and "outcome_after_restarts" in columns:
-        columns.remove("outcome_after_restarts")
+    usual = ("method", "problem", "class", "n", *(name for name in CSV_COLUMNS[2:] if name != "claimed"))
+    told = [name for name in usual if data.campaign["restarts"] or "restarts" not in name]
+    columns = [name for name in told if any(plain(name, c[name]) not in ("", None, 0) for c in cells)]
     rows = [[shown_value(name, c[name]) for name in columns] for c in cells]
     curves = [[log(v) for v in c["curve"]] for c in data.cells]
     drawn = Counter(p for (_, p), c in sorted(data.table.items(), key=lambda item: item[0][1]) if len(c["curve"]) > 1)
     shown = [data.pairs[p] for p, _ in drawn.most_common(1)]  # of those with most curves the first
     answer = {
-        "tol": data.campaign["tol"], "columns": [PAGE_COLUMNS[name] for name in columns], "rows": rows,
+        "tol": data.campaign["tol"], "columns": columns, "rows": rows,
         "curves": curves, "styles": {data.methods[m]: style_of(k) for k, m in enumerate(shared)},
         "shown": [f"{problem['name']} from start {start}" for problem, start in shown],
     }  # fmt: skip
@@ -410,7 +392,6 @@ def write_report(folder):
         **{f"{name}.csv": csv_text(rows) for name, rows in made.items()},
         "cells.csv": cells_csv(data.cells),
         "outcomes.csv": outcomes_csv(data.cells),
-        "false_claims.csv": cells_csv([c for c in data.cells if false_claim(c)]),
         "cells.json": f"[\n{lines}\n]\n" if lines else "[\n]\n",
         "findings.txt": "".join(f"{topic}: {words}\n" for topic, words in found),
         "report.json": pretty(head),
