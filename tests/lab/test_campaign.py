@@ -247,7 +247,7 @@ def test_resume_with_a_file_that_has_moved(tmp_path):
     journal.write_text("")
     here.parent.mkdir()
     there.rename(here)
-    assert "there is no file" in compare("--resume", *words).stderr
+    assert "there is no file" in compare("--resume", *words[2:]).stderr
     assert compare("--problems", here, "--resume", *words).returncode == 0
     assert len(cells(tmp_path / "out")) == 1
     here.write_text(here.read_text() + "\n")

@@ -22,7 +22,7 @@ import time
 from collections import Counter
 from difflib import get_close_matches
 
-from .files import Environment, InputError, Journal, NotSeen, pretty, read_cells, take_folder, write_files
+from .files import Environment, InputError, Journal, NotSeen, crc_of, pretty, read_cells, take_folder, write_files
 from .process import run_all
 
 SOLVED, UNSOLVED, REFUSED, INTERNAL, INTERRUPTED = range(5)
@@ -162,7 +162,7 @@ def read_campaign(folder, kind):
 
 
 #: What may differ between cells of one campaign; of files the content counts.
-MAY_DIFFER = {"build", "libraries", "date", "command_line", "machine", "jobs", "shard", "file"}
+MAY_DIFFER = {"build", "libraries", "date", "command_line", "machine", "jobs", "file"}
 
 
 def flat(value, place=()):
@@ -172,17 +172,20 @@ def flat(value, place=()):
     elif isinstance(value, list):
         items = ((one, "there") if isinstance(one, str) else (one.get("label", one["name"]), one) for one in value)
     else:
-        return {place: value}
+        return {place: value} if value != "" else {}
     return {k: v for key, item in items if key not in MAY_DIFFER for k, v in flat(item, (*place, key)).items()}
 
 
 def differences(before, now):
-    """What keeps cells of two campaigns apart, one line each: what campaign.json says, but for MAY_DIFFER."""
+    """What keeps cells of two campaigns apart, one line each; `before` may tell more of a problem."""
     there, here = flat(before), flat(now)
-    places = sorted(place for place in there.keys() | here if there.get(place) != here.get(place))
-    named = dict.fromkeys(place[:2] for place in places)  # of a method or problem one line is enough
-    first = [next(place for place in places if place[:2] == name) for name in named]
-    return [f"{' of '.join(reversed(at))}: {there.get(at, 'not')} there, {here.get(at, 'not')} here" for at in first]
+    items = {place[:2] for place in here}
+    places = sorted(place for place in there | here if place in here or place[:2] not in items)
+    apart = [place for place in places if there.get(place) != here.get(place)]
+    first = {place[:2]: place for place in reversed(apart)}.values()  # of a method or problem one line is enough
+    return sorted(
+        f"{' of '.join(reversed(at))}: {there.get(at, 'not')} there, {here.get(at, 'not')} here" for at in first
+    )
 
 
 class Interrupt:
@@ -205,10 +208,10 @@ class Campaign:
     """What a kind of campaign adds to this:
 
     NAME, COMMAND, KEYS   the key in campaign.json, the command, the columns of a cell
-    OPTIONS         the options that campaign.json records
+    OPTIONS, LISTS  the options that campaign.json records, and those that say which problems and methods
     parser()        of the command line
     key(cell)       what tells a cell from others, in the order of KEYS
-    asked(before)   campaign.json by the words of the command line; lists they leave out are as in `before`, if it is
+    asked()         campaign.json by the words of the command line
     describe()      completes a new campaign by what only processes can say
     table()         {key: what make() gets} of all cells, in the order in which they run
     make(...)       a finished cell; raises NotSeen where there is none
@@ -242,12 +245,12 @@ class Campaign:
         return self.failed or self.interrupt()
 
     def run(self):
-        self.campaign = self.asked(self.before)
         if self.before:
             self.check_same(self.before)
-        else:
-            if self.words.resume:
-                note(f"there is no campaign in '{self.out}' yet: one begins")
+        elif self.words.resume and not any(getattr(self.words, key) for key in self.LISTS):
+            raise InputError(f"--resume: there is no campaign in '{self.out}'")
+        self.campaign = self.before or self.asked()
+        if not self.before:
             self.describe()
         if self.stopped():
             print("perp: interrupted before the first cell", file=sys.stderr)
@@ -258,13 +261,18 @@ class Campaign:
         return self.work(Journal(self.out))
 
     def check_same(self, before):
-        found = differences(before, self.campaign)
-        shards = [campaign.get("shard", "1/1") for campaign in (before, self.campaign)]
-        found += [f"shard: {shards[0]} there, {shards[1]} here"] if shards[0] != shards[1] else []
-        if found:
+        """The words ask for nothing else than those that began the campaign, and its files are what they were."""
+        if any(getattr(self.words, key) for key in self.LISTS):
+            now = self.asked()
+        else:
+            problems = [{**p, "crc": crc_of(p["file"])} if "file" in p else p for p in before["problems"]]
+            now = {**before, **self.options(), "version": self.program.version(), "problems": problems}
+        if found := differences(before, now):
             lines = "\n  ".join(found)
             how = f"'--out {self.out} --resume' alone goes on as it was begun, another --out begins anew"
             raise InputError(f"--resume: '{self.out}' holds a campaign that asks for something else:\n  {lines}\n{how}")
+        paths = {p["name"]: {"file": p["file"]} for p in now["problems"] if "file" in p}  # a file may move
+        before["problems"] = [{**p, **paths.get(p["name"], {})} for p in before["problems"]]
 
     def work(self, journal):
         cells, dropped = read_cells(self.out, type(self))

@@ -4,7 +4,6 @@
 import argparse
 import csv
 import datetime
-import os
 import sys
 
 from .campaign import (
@@ -53,6 +52,7 @@ def all_or_number(text):
 class Comparison(Campaign):
     NAME, COMMAND, KEYS = "campaign", "perp-compare", KEYS
     OPTIONS = ("tol", "time_limit", "memory_limit_mb", "restarts", "seed", "starts", "shard", "jobs")
+    LISTS = ("problems", "methods", "external")
 
     @classmethod
     def parser(cls):
@@ -85,27 +85,15 @@ class Comparison(Campaign):
     def key(cell):
         return cell["method"], cell["problem"], cell["start"]
 
-    def asked(self, before):
+    def asked(self):
         words, notes = self.words, []
-        if words.baseline and words.shard:
-            raise InputError("--baseline: compares all cells, --shard runs some of them")
-        if words.resume and not before and not (words.problems or words.methods or words.external):
-            raise InputError(f"--resume: there is no campaign in '{self.out}'")
-        self.baseline = read_baseline(words.baseline) if words.baseline else {}
         parse_shard(words.shard)
-        methods = [m for m in before["methods"] if not m["external"]] if before else []
-        if words.methods is not None or not before:
-            methods = select_methods(words.methods or "presets", words.tol, self.program, notes)
-        external = [m for m in before["methods"] if m["external"]] if before else []
-        methods += external_methods(words.external, self.program) or external
+        methods = select_methods(words.methods or "presets", words.tol, self.program, notes)
+        methods += external_methods(words.external, self.program)
         if not methods:
             raise InputError("--methods: nothing is left")
-        known = {p["name"]: p for p in before["problems"]} if before else {}
-        problems = known.values()
-        if words.problems or not before:
-            problems = select_problems(words.problems or "all", self.program)
-        problems = [known_problem(p, known) for p in problems]
-        for text in () if before else notes:
+        problems = select_problems(words.problems or "all", words.starts, self.program)
+        for text in () if self.before else notes:
             note(text)
         program = self.program.json("methods", "--json")
         head = {"program": "perp", "version": program["version"], self.NAME: 1, "build": crc_of(self.program.path)}
@@ -118,15 +106,27 @@ class Comparison(Campaign):
 
     def check_same(self, before):
         super().check_same(before)
-        if before["build"] != self.campaign["build"]:
-            note("the program is another build than the one that began this campaign")
-        if before["machine"]["cpu"] != self.campaign["machine"]["cpu"]:
-            note(f"another machine began this campaign ({before['machine']['cpu']}): times do not compare")
-        if before["jobs"] != self.words.jobs:
-            note(f"begun with {count(before['jobs'], 'run')}, now {self.words.jobs} at a time: times do not compare")
-        now = {p["name"]: p for p in self.campaign["problems"]}
-        problems = [now[p["name"]] for p in before["problems"]]  # in their order, which shards count by
-        self.campaign = {**before, "jobs": self.words.jobs, "problems": problems}
+        jobs = count(before["jobs"], "run")
+        for same, text in (
+            (before["build"] == crc_of(self.program.path), "the program is another build than that of the other cells"),
+            (
+                before["machine"]["cpu"] == machine()["cpu"],
+                "another machine made the other cells: times do not compare",
+            ),
+            (
+                before["jobs"] == self.words.jobs,
+                f"begun with {jobs}, now {self.words.jobs} at a time: times do not compare",
+            ),
+        ):
+            if not same:
+                note(text)
+        before["jobs"] = self.words.jobs
+
+    def run(self):
+        if self.words.baseline and self.words.shard:
+            raise InputError("--baseline: compares all cells, --shard runs some of them")
+        self.baseline = read_baseline(self.words.baseline) if self.words.baseline else {}
+        return super().run()
 
     def describe(self):
         """Of problems of a size, and files."""
@@ -136,22 +136,19 @@ class Comparison(Campaign):
             source = source_of(problem)
             answer = runner.judge(source, source)
             if "residual" in answer:
-                problem.update(described(answer))
+                problem.update(described(answer, self.campaign["starts"]))
             elif problem.get("file"):
                 refused[problem["name"]] = answer["message"]
             else:
                 raise InputError(answer["message"])
 
-        problems, most = self.campaign["problems"], self.campaign["starts"]
+        problems = self.campaign["problems"]
         run_all(self.campaign["jobs"], describe, [p for p in problems if "n" not in p], self.stopped)
         for name, why in refused.items():
             note(f"{name} is left out: {why}")
         problems[:] = [p for p in problems if p["name"] not in refused]
         if not problems:
             raise InputError("--problems: every file is refused")
-        for problem in problems:
-            if most != "all" and "starts" in problem:
-                problem["starts"] = min(problem["starts"], most)
 
     def table(self):
         """Problem by problem, so that what is seen first is comparable; of a shard, its own."""
@@ -178,16 +175,6 @@ class Comparison(Campaign):
         out = self.out
         print(f"\n{out}/report.html shows and {out}/findings.txt says what came out; {out}/cells.csv has every cell.")
         return against_baseline(self.words.baseline, self.baseline, cells) if self.words.baseline else SOLVED
-
-
-def known_problem(problem, known):
-    """With what a campaign knows of it, and the CRC of its file as it is now."""
-    file = problem.get("file")
-    if file is None:
-        return {**problem, **known.get(problem["name"], {})}
-    if not os.path.isfile(file):
-        raise InputError(f"there is no file '{file}' any more")
-    return {**problem, **known.get(problem["name"], {}), "file": file, "crc": crc_of(file)}
 
 
 def print_outcomes(campaign, cells):
@@ -252,12 +239,10 @@ def join_shards(folders, out):
     campaign, shards, lines = None, {}, b""
     for folder in folders:
         part = read_campaign(folder, Comparison)
-        number, of = parse_shard(part.get("shard"))
+        number, of = parse_shard(part.pop("shard", ""))
+        part["number of shards"] = of
         campaign = campaign or part
-        found = differences(campaign, part)
-        if of != parse_shard(campaign.get("shard"))[1]:
-            found.append("the numbers of shards")
-        if found:
+        if found := differences(campaign, part):
             listed = "\n  ".join(found)
             raise InputError(f"'{folders[0]}' and '{folder}' are of different campaigns:\n  {listed}")
         if number in shards:
@@ -266,7 +251,7 @@ def join_shards(folders, out):
         cells = read_cells(folder, Comparison)[0]
         lines += b"".join(cell_line(cells[key]) for key in sorted(cells))
     take_folder(out, True)
-    campaign.pop("shard", None)
+    del campaign["number of shards"]
     write_files(out, {"campaign.json": pretty(campaign), "cells.jsonl": lines.decode("utf-8")})
     return [f"shard {k}/{of} is missing: its cells are not in the report" for k in range(1, of + 1) if k not in shards]
 

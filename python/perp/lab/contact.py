@@ -13,7 +13,7 @@ from collections import Counter
 from statistics import median
 
 from .campaign import SOLVED, Campaign, add_options, count, machine, print_table
-from .cells import answer_of, crash_words
+from .cells import answer_of, crash_words, source_of
 from .files import InputError, crc_of, csv_text, number, pretty, write_files
 from .process import one_line, run
 
@@ -70,7 +70,7 @@ def cell_of(end, answer, campaign):
 
 class ContactComparison(Campaign):
     NAME, COMMAND, KEYS = "contact_campaign", "perp-compare contact", KEYS
-    OPTIONS = ("tol", "time_limit", "memory_limit_mb")
+    OPTIONS, LISTS = ("tol", "time_limit", "memory_limit_mb"), ("problems", "variants")
 
     @classmethod
     def parser(cls):
@@ -94,31 +94,31 @@ class ContactComparison(Campaign):
     def key(cell):
         return cell["variant"], cell["problem"]
 
-    def asked(self, before):
-        words, there = self.words, before["problems"] if before else []
-        if not words.problems and not before:
-            nothing = "which problems? FILE..., or NAME:SIZE[:SEED[:MU]] of a generator"
-            raise InputError(f"--resume: there is no campaign in '{self.out}'" if words.resume else nothing)
-        problems = words.problems or [p.get("file", p["name"]) for p in there]
-        if len(set(problems)) < len(problems):
+    def asked(self):
+        words = self.words
+        if not words.problems:
+            raise InputError("which problems? FILE..., or NAME:SIZE[:SEED[:MU]] of a generator")
+        if len(set(words.problems)) < len(words.problems):
             raise InputError("a problem is there twice")
-        variants = words.variants or (",".join(before["variants"]) if before else DEFAULT)
-        # Files are read once before anything runs: a misspelt name is no result.
-        answer = self.program.json("contact", *problems, "--variants", variants, "--json", "-")
-        self.variants = answer["variants"]
-        names, asked = {p.get("file", p["name"]): p["name"] for p in there}, []
-        for problem in problems:
+        asked = []
+        for problem in words.problems:
             file = {"file": os.path.abspath(problem), "crc": crc_of(problem)} if os.path.isfile(problem) else {}
-            asked.append({"name": names.get(problem, problem), **file})
-        lists = {"variants": [v["label"] for v in self.variants], "problems": asked}
-        return {"program": "perp", "version": self.program.version(), self.NAME: 1, **self.options(), **lists}
+            asked.append({"name": problem, **file})
+        # Files are read once before anything runs: a misspelt name is no result.
+        lists = {"variants": [v["label"] for v in self.expand(words.problems, words.variants or DEFAULT)]}
+        version = self.program.version()
+        return {"program": "perp", "version": version, self.NAME: 1, **self.options(), **lists, "problems": asked}
+
+    def expand(self, problems, variants):
+        return self.program.json("contact", *problems, "--variants", variants, "--json", "-")["variants"]
 
     def table(self):
-        pairs = [(p, v) for p in self.campaign["problems"] for v in self.variants]
-        return {(v["label"], p["name"]): (p, v) for p, v in pairs}
+        problems = self.campaign["problems"]
+        variants = self.expand([source_of(p) for p in problems], ",".join(self.campaign["variants"]))
+        return {(v["label"], p["name"]): (p, v) for p in problems for v in variants}
 
     def make(self, problem, variant):
-        words = [problem.get("file", problem["name"]), *variant["flags"]]
+        words = [source_of(problem), *variant["flags"]]
         limits = (self.campaign[key] for key in self.OPTIONS)
         end, answer, command = run_contact(self.program, words, *limits, self.stopped)
         known = {"variant": variant["label"], "problem": problem["name"], "exact": variant["exact"], "command": command}

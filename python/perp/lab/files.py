@@ -78,8 +78,11 @@ def field_text(value):
 
 
 def crc_of(path):
-    with open(path, "rb") as file:
-        return f"{zlib.crc32(file.read()):08x}"
+    try:
+        with open(path, "rb") as file:
+            return f"{zlib.crc32(file.read()):08x}"
+    except OSError as error:
+        raise InputError(f"there is no file '{path}' that can be read") from error
 
 
 def write_files(folder, files):

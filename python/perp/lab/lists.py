@@ -49,23 +49,22 @@ def of_file(path):
     """A file yet to be described."""
     if not path.endswith((".nl", ".dat")):
         raise InputError(f"--problems: '{path}' is neither an .nl nor a .dat file")
-    if not os.path.isfile(path):
-        raise InputError(f"--problems: there is no file '{path}'")
     file, kind = os.path.realpath(path), os.path.splitext(path)[1][1:]
     return {"name": os.path.basename(path), "class": kind, "file": file, "crc": crc_of(file)}
 
 
-def described(answer):
-    """The facts of a problem in the words of campaign.json, from `perp list` or `perp judge`."""
+def described(answer, most):
+    """The facts of a problem in the words of campaign.json, from `perp list` or `perp judge`; of its starts `most`."""
     reason = answer["no_solution"]
-    facts = {key: answer[key] for key in ("nonzeros", "affine", "starts", "known_solutions")}
-    return {"n": answer["size"], **facts, "solvable": not reason, "no_solution": reason}
+    facts = {key: answer[key] for key in ("nonzeros", "affine", "known_solutions")}
+    starts = answer["starts"] if most == "all" else min(answer["starts"], most)
+    return {"n": answer["size"], **facts, "starts": starts, "solvable": not reason, "no_solution": reason}
 
 
-def select_problems(text, program):
+def select_problems(text, most, program):
     """The problems of a LIST, those of the collection described; sized ones and files are yet to be."""
     entries = program.json("list", "--json")["problems"]
-    known = {entry["name"]: {"name": entry["name"], "class": entry["class"], **described(entry)} for entry in entries}
+    known = {e["name"]: {"name": e["name"], "class": e["class"], **described(e, most)} for e in entries}
 
     def expand(item):
         name, sized, _ = item.partition(":")
