@@ -201,19 +201,14 @@ def read_baseline(path):
     """{(method, problem, start): outcome} of a cells.csv or outcomes.csv."""
     try:
         with open(path, encoding="utf-8-sig", newline="") as file:
-            records = list(csv.DictReader(file))
+            records = [[one[name].removeprefix("'") for name in KEYS[:4]] for one in csv.DictReader(file, strict=True)]
+        if not records or not all(outcome in OUTCOMES for *_, outcome in records):
+            raise ValueError("no outcomes of a comparison")
+        return {(method, problem, int(start)): outcome for method, problem, start, outcome in records}
     except OSError as error:
         raise InputError(f"--baseline: '{path}': {error.strerror}") from error
-    rows = {}
-    for line, record in enumerate(records, 2):
-        method, problem, start, outcome = ((record.get(name) or "").removeprefix("'") for name in KEYS[:4])
-        if None in record or None in record.values() or not start.isdecimal() or outcome not in OUTCOMES:
-            asked = "method, problem, start and outcome are asked for"
-            raise InputError(f"{path}: record {line} is not of a comparison: {asked}")
-        rows[method, problem, int(start)] = outcome
-    if not rows:
-        raise InputError(f"{path}: there is no record in it")
-    return rows
+    except (KeyError, AttributeError, ValueError, csv.Error) as error:
+        raise InputError(f"--baseline: '{path}' is no cells.csv or outcomes.csv: {error}") from error
 
 
 def against_baseline(path, baseline, cells):

@@ -146,7 +146,6 @@ COLUMNS = {
     "iterations": "median of the solved", "exact-law error": "Siconos' metric of Coulomb's law, median of the solved",
     "largest": "of those errors",
 }  # fmt: skip
-SHORT = {"time-limit": "limit", "memory-limit": "memory", "crashed": "CRASH", "not-applicable": "n/a"}
 
 
 class Shown:
@@ -176,18 +175,6 @@ class Shown:
             str(counts["time-limit"]), str(broken), str(counts["not-applicable"]), seconds(time),
             *("" if math.isnan(v) else f"{v:.{digits}g}" for v, digits in zip(numbers, (3, 2, 2))),
         ]  # fmt: skip
-
-    def rows(self):
-        """(name, number of contacts, cells or None) of each problem."""
-        for problem in self.problems:
-            mine = [self.table.get((v, problem)) for v in self.variants]
-            contacts = max((c["contacts"] for c in mine if c and c["contacts"] is not None), default="")
-            yield os.path.basename(problem), str(contacts), mine
-
-    def word(self, cell):
-        if cell is None:
-            return "-"
-        return seconds(cell["seconds"]) if cell["outcome"] == "solved" else SHORT.get(cell["outcome"], cell["outcome"])
 
     def print(self):
         headers = [name if k < 2 else f">{name}" for k, name in enumerate(COLUMNS)]
@@ -223,7 +210,7 @@ class Shown:
         sections = [
             report.section("variants", "Variants", report.table("Variants", COLUMNS, lines, words=words)),
             report.section("profiles", "Performance profiles", profiles),
-            report.section("problems", "Every problem", self.cells_table(report)),
+            report.section("problems", "Every problem", self.every_problem(report)),
         ]
         c = self.campaign
         limits = f"{c['time_limit']:g} s, {c['memory_limit_mb']} MB; each in a process of its own"
@@ -233,19 +220,18 @@ class Shown:
         title, sub = "Contact problems: formulations and methods", f"{sizes} \u00b7 perp {c['version']}"
         return report.html_page(kind="contact", title=title, sub=sub, sections=sections, how=how)
 
-    def cells_table(self, report):
+    def every_problem(self, report):
+        def shown(c):
+            if c is None or c["outcome"] != "solved":
+                return report.cell(c["outcome"] if c else "-", None, "bad" if c else "", c["message"] if c else "")
+            error = "" if c["exact"] else f"; error {number(c['siconos']):.2g}"
+            return report.cell(seconds(c["seconds"]) + error, c["seconds"], "", c["message"])
+
         rows = []
-        for name, contacts, mine in self.rows():
-            row = [name, contacts]
-            exact = [c["seconds"] for c in mine if c and c["exact"] and c["outcome"] == "solved"]
-            for c in mine:
-                if c is None or c["outcome"] != "solved":
-                    row.append(report.cell(self.word(c), None, "bad" if c else "soft", c["message"] if c else ""))
-                    continue
-                error = "" if c["exact"] else f"; error {number(c['siconos']):.2g}"
-                best = "best" if c["exact"] and c["seconds"] <= min(exact) else ""
-                row.append(report.cell(self.word(c) + error, c["seconds"], best, c["message"]))
-            rows.append(row)
+        for problem in self.problems:
+            mine = [self.table.get((v, problem)) for v in self.variants]
+            contacts = max((c["contacts"] or 0 for c in mine if c), default=0)
+            rows.append([os.path.basename(problem), contacts, *map(shown, mine)])
         caption = "Time of the solve; where the law is not Coulomb's, also the error of Coulomb's law"
         return report.table(caption, dict.fromkeys(("problem", "contacts", *self.variants), ""), rows)
 

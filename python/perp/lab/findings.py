@@ -378,19 +378,6 @@ def cheapest(data, c):
     return text + (more if fewest.most else "") + "."
 
 
-def without_solution(data):
-    pairs = [p for p in data.solvable(False) if data.there[:, p].all()]
-    if not pairs:
-        return ""
-    claims = sum(c["outcome"] == "false-convergence" for (_, p), c in data.table.items() if not data.with_solution[p])
-    everyone = Comparison("", "", "", list(range(len(data.methods))), pairs)
-    lead = Lead(data, everyone, value=lambda m: sum(data.table[m, p]["outcome"] == "infeasible" for p in pairs))
-    text = f"No method recognises any of the {count(len(pairs), 'pair')}"
-    if lead.most:
-        text = f"{lead.words('the most', 'recognise')}: {lead.most} of {count(len(pairs), 'pair')}"
-    return f"{text}; {count(claims, 'cell claims', 'cells claim') if claims else 'none claims'} a solution."
-
-
 def false_claims(data):
     wrong = Counter(cell["method"] for cell in data.cells if false_claim(cell))
     if not wrong:
@@ -406,7 +393,6 @@ OF_COMPARISONS = {
     "external": {"Where external programs ran": most_solved},
     "cfunctions": {"": most_solved},
 }
-OF_ALL = {"Problems without a solution": without_solution, "False claims": false_claims}
 
 
 def findings(data, all_comparisons):
@@ -417,5 +403,4 @@ def findings(data, all_comparisons):
     for c in (c for c in all_comparisons if c.pairs):
         sentences = OF_COMPARISONS.get(c.id.partition("-")[0], {})
         found += [(topic or c.title, say(data, c)) for topic, say in sentences.items()]
-    found += [(topic, say(data)) for topic, say in OF_ALL.items()]
-    return [(topic, text) for topic, text in found if text]
+    return [(topic, text) for topic, text in [*found, ("False claims", false_claims(data))] if text]

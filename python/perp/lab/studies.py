@@ -14,7 +14,7 @@ from statistics import linear_regression, median
 
 import numpy as np
 
-from .campaign import INTERRUPTED, SOLVED, UNSOLVED, Program, add_options, count, note, print_table
+from .campaign import INTERRUPTED, SOLVED, UNSOLVED, Program, add_options, count, print_table
 from .contact import run_contact, seconds
 from .files import InputError, NotSeen, number, pretty, write_files
 from .process import run_all
@@ -80,8 +80,6 @@ class Facets:
         problem = {"problem": label, "dimension": dimension, "contacts": len(contacts), "slipping": slipping}
         counts = solved and slipping > 0 and dimension == 3  # else polygons have no error
         self.problems.append({**problem, "exact_solved": solved, "siconos": residual["siconos"], "counts": counts})
-        if solved and not counts:
-            note(f"{label}: nothing slips, or it is plane: polygons have no error there; Ctrl-C ends the study")
         for side in SIDES:
             for K in self.words.facets:
                 for position in POSITIONS:
@@ -151,13 +149,8 @@ def print_facets(study, lines, powers):
         print(f"  {name:9} {words}")
     if not slips:
         print("Nothing slips (or all is plane): polygons have no error here.")
-    for p in problems:
-        if not p["exact_solved"]:
-            print(f"{p['problem']}: no exact solution to compare with (Siconos' metric {number(p['siconos']):.2g})")
-    for r in study.runs:
-        if r["status"] != "Solved":
-            residual = number(r["own_residual"])
-            print(f"{r['problem']}, {r['polygon']}:{r['facets']}: {r['status']}, natural residual {residual:.2g}")
+    for p in (p for p in problems if not p["exact_solved"]):
+        print(f"{p['problem']}: no exact solution to compare with (Siconos' metric {number(p['siconos']):.2g})")
 
 
 def facets_svg(study, lines, powers):
