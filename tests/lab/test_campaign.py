@@ -254,6 +254,18 @@ def test_resume_with_a_file_that_has_moved(tmp_path):
     assert "crc of model.nl" in compare("--problems", here, "--resume", *words).stderr
 
 
+# A file that perp refuses is no reason to run nothing, and none to begin anew.
+def test_refused_files_are_left_out(tmp_path):
+    shutil.copyfile(ROOT / "data" / "models" / "cournot.nl", tmp_path / "good.nl")
+    (tmp_path / "bad.nl").write_text("no model\n")
+    words = ("--problems", tmp_path / "*.nl", "--methods", "path", "--out", tmp_path / "out")
+    run = compare(*words)
+    assert run.returncode == 0, run.stderr
+    assert "bad.nl is left out" in run.stderr
+    assert compare(*words, "--resume").returncode == 0
+    assert {c["problem"] for c in cells(tmp_path / "out")} == {"good.nl"}
+
+
 # The baseline's classes of outcomes from the collection: what has no solution is proven so, or honestly not solved.
 def test_problems_without_a_solution(tmp_path):
     run = compare("--problems", "infeasible-own,feasible-unsolvable-own", "--methods", "lemke,path", "--starts", "1", "--out", tmp_path / "out")

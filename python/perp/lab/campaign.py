@@ -326,7 +326,7 @@ class Progress:
 
     def __init__(self, total, cells, unsolvable):
         self.total, self.cells, self.unsolvable, self.before = max(total, 1), cells, unsolvable, len(cells)
-        self.begin, self.shown, self.tenths, self.text = time.monotonic(), 0.0, -1, ""
+        self.begin, self.shown, self.tenths = time.monotonic(), 0.0, -1
         self.terminal = sys.stderr.isatty()
 
     def tick(self, last=False):
@@ -342,8 +342,7 @@ class Progress:
             text += f"  {datetime.timedelta(seconds=left)} left"
         width = shutil.get_terminal_size().columns
         line = f"\r\033[K{'' if last else text[: width - 1]}" if self.terminal else f"perp: {text}\n"
-        print(line if line != self.text else "", end="", file=sys.stderr, flush=True)
-        self.text = line
+        print(line, end="", file=sys.stderr, flush=True)
 
 
 def print_table(headers, rows):

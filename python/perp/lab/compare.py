@@ -93,6 +93,9 @@ class Comparison(Campaign):
         if not methods:
             raise InputError("--methods: nothing is left")
         problems = select_problems(words.problems or "all", words.starts, self.program)
+        if self.before:  # without files that were refused when it began, or that have come since
+            begun = {p["name"] for p in self.before["problems"]}
+            problems = [p for p in problems if p["name"] in begun or "file" not in p]
         for text in () if self.before else notes:
             note(text)
         program = self.program.json("methods", "--json")
