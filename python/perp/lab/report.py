@@ -178,14 +178,12 @@ def robustness_section(data):
     return section("robustness", "Robustness", made, restarts=data.campaign["restarts"])
 
 
-def unsolvable_section(data):
-    rows = unsolvable(data)
-    shown = [name for k, name in enumerate(UNSOLVABLE) if k < 4 or any(of[name] for _, of in rows)]
-    tips = {"method": "", **{name.replace("_", " "): UNSOLVABLE[name] for name in shown}}
-    lines = [[data.methods[m], *(of[name] for name in shown)] for m, of in rows]
+def unsolvable_section(data, made):
+    tips = {"method": "", **UNSOLVABLE}
+    block = table("Problems without a solution: how the runs ended", tips, made["unsolvable"][1:])
     proven = ", ".join(f"{p['name']} (by {p['denied_by']})" for p in data.problems.values() if p.get("denied_by"))
-    block, pairs = table("Problems without a solution: how the runs ended", tips, lines), data.solvable(False)
-    return section("unsolvable", "Problems without a solution", block, pairs=count(len(pairs), "pair"), proven=proven)
+    pairs = count(len(data.solvable(False)), "pair")
+    return section("unsolvable", "Problems without a solution", block, pairs=pairs, proven=proven)
 
 
 def chart(data, c, measure, kind, style, coloured):
@@ -198,19 +196,16 @@ def chart(data, c, measure, kind, style, coloured):
     return profile_chart(name, f"{kind.capitalize()} profile: {MEASURES[measure]}", x, curves, len(c.pairs), ratios)
 
 
-def comparison_section(data, c, style):
+def comparison_section(data, c, style, made):
     words = f"{c.note} {count(len(c.pairs), 'pair')}."
     if c.unfinished:
         them = "it" if c.unfinished == 1 else "them"
         words += f" {count(c.unfinished, 'pair is', 'pairs are')} left out, as not every method has finished {them}."
     if not c.pairs:
         return section(c.id, c.title, {"text": f"{words} Nothing to compare yet."}, part=True)
-    # In colour are those that solve most, five of them of the subject if there is one.
-    chosen = [m for m in c.methods if m in c.subject][:5]
-    coloured = set(chosen + [m for m in c.methods if m not in chosen][: IN_COLOUR - len(chosen)])
+    coloured = sorted(c.methods, key=lambda m: m not in c.subject)[:IN_COLOUR]  # of either those that solve most
     if len(c.methods) > len(coloured):
-        which = "those of either kind that solve most" if c.subject else "the eight that solve most"
-        words += f" In colour: {which}. Press a name to change that; rest on it to bring it out."
+        words += f" {IN_COLOUR} are in colour. Press a name to change that; rest on it to bring it out."
     charts = []
     for measure, title in MEASURES.items():
         left_out = ", ".join(data.labels(c.profiles[measure]["left_out"]))
@@ -218,38 +213,33 @@ def comparison_section(data, c, style):
         charts.append({"title": title, "charts": pictures, "left_out": left_out})
     legend = [{"m": m, "style": style(c, m), "name": c.name(data, m), "on": m in coloured} for m in c.methods]
     parameters = {"picture": parameter_chart(data, c) if c.id.startswith("cfunctions") else ""}
-    blocks = [{"text": words}, {"legend": legend, "charts": charts}, parameters, *summary_blocks(data, c)]
+    blocks = [{"text": words}, {"legend": legend, "charts": charts}, parameters, *summary_blocks(c, made)]
     return section(c.id, c.title, *blocks, part=True)
 
 
 SUMMARY = {
-    "solved": "pairs", "share": "", "with restarts": "pairs solved by the run or one of its restarts",
+    "method": "", "solved": "pairs", "pairs": "of the comparison",
+    "with_restarts": "pairs solved by the run or one of its restarts",
     "quickest": "pairs on which no method takes less time",
-    "within 2x": "pairs on which it takes at most twice the least time",
-    "fewest F": "pairs on which no method evaluates F less often",
-    "iterations*": "", "F*": "", "factorizations*": "", "seconds*": "",
+    "within_two": "pairs on which it takes at most twice the least time",
+    "fewest_F": "pairs on which no method evaluates F less often", "common": "pairs that all methods with a mean solve",
+    **{f"mean_{name}": "geometric, over the common pairs" for name in FLOOR},
 }  # fmt: skip
 
 
-def summary_blocks(data, c):
-    lines = []
-    for m, row in summary(data, c).items():
-        solved, pairs, *leads, common = [*row.values()][:7]
-        share = cell(percent(solved, pairs), solved)
-        lines.append([c.name(data, m), solved, share, *leads, *[*row.values()][7:]])
+def summary_blocks(c, made):
+    rows = [["-" if v is None else v for v in row[1:]] for row in made["summary"] if row[0] == c.id]
     words = (
-        f"Of {count(pairs, 'pair')}. * geometric mean over the {count(common, 'pair')} that all methods with a mean "
-        "solve. These are the methods that solve at least three quarters of what the best solves. What is below 1 "
-        "counts as 1, times below 1 ms as 1 ms."
+        "Means are of the methods that solve at least three quarters of what the best solves. What is below 1 counts "
     )
-    tips = {"C-function" if c.id.startswith("cfunctions") else "method": "", **SUMMARY}
-    return [table(f"{c.title}: in numbers", tips, lines), {"text": words}]
+    words += "as 1, times below 1 ms as 1 ms."
+    return [table(f"{c.title}: in numbers", SUMMARY, rows), {"text": words}]
 
 
 def how(data):
     c = data.campaign
     rows = {
-        "when": c["date"], "program": f"perp {c['version']}", "libraries": ", ".join(c["libraries"]),
+        "program": f"perp {c['version']}",
         "machine": machine_words(c["machine"]), "command": " ".join(c["command_line"]),
         "tolerance": f"{c['tol']:g} on the natural residual of the problem as given, evaluated outside of the method",
         "limits of a run": f"{c['time_limit']:g} s, {c['memory_limit_mb']} MiB; each in a process of its own, "
@@ -261,19 +251,19 @@ def how(data):
     return rows | {f"external {m['label']}": with_tolerance(m["command"], c["tol"]) for m in external}
 
 
-def page(data, all_comparisons, found):
+def page(data, all_comparisons, found, made):
     shared = list(dict.fromkeys([m for c in all_comparisons for m in c.methods] + list(range(len(data.methods)))))
 
     def style(c, m):
         """C-functions have styles of their own, so that they differ most."""
         return c.methods.index(m) if c.id.startswith("cfunctions") else shared.index(m)
 
-    sections = [robustness_section(data)] + ([unsolvable_section(data)] if len(data.solvable(False)) else [])
+    sections = [robustness_section(data)] + ([unsolvable_section(data, made)] if len(data.solvable(False)) else [])
     sections.append(section("profiles", "Profiles"))
     for c in all_comparisons:
         if c.id.startswith("cfunctions") and all(s["id"] != "cfunctions" for s in sections):
             sections.append(section("cfunctions", "C-functions"))
-        sections.append(comparison_section(data, c, style))
+        sections.append(comparison_section(data, c, style, made))
     c, wrong = data.campaign, [c for c in data.cells if false_claim(c)]
     title = f"Comparison of {count(len(data.methods), 'method')} on {count(len(data.problems), 'problem')}"
     sub = f"{c['date']} \u00b7 perp {c['version']} \u00b7 {machine_words(c['machine'])}"
@@ -395,7 +385,7 @@ def write_report(folder):
         "cells.json": f"[\n{lines}\n]\n" if lines else "[\n]\n",
         "findings.txt": "".join(f"{topic}: {words}\n" for topic, words in found),
         "report.json": pretty(head),
-        "report.html": page(data, all_comparisons, found),
+        "report.html": page(data, all_comparisons, found, made),
     }
     write_files(folder, files)
     return found
