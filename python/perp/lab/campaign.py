@@ -322,27 +322,24 @@ def word_of(cell, unsolvable):
 
 
 class Progress:
-    """How far a campaign is: on a terminal one line that is rewritten, elsewhere a line now and then."""
+    """A line at each tenth of a campaign, and after half a minute."""
 
     def __init__(self, total, cells, unsolvable):
         self.total, self.cells, self.unsolvable, self.before = max(total, 1), cells, unsolvable, len(cells)
         self.begin, self.shown, self.tenths = time.monotonic(), 0.0, -1
-        self.terminal = sys.stderr.isatty()
 
     def tick(self, last=False):
         seconds, done = time.monotonic() - self.begin, len(self.cells)
         tenths = done * 10 // self.total
-        if not self.terminal and tenths == self.tenths and seconds - self.shown < 30 and not last:
+        if tenths == self.tenths and seconds - self.shown < 30 and not (last and done < self.total):
             return
         self.shown, self.tenths = seconds, tenths
         words = Counter(word_of(cell, self.unsolvable) for cell in list(self.cells.values()))
-        text = "  ".join([f"{done}/{self.total}", *(f"{word} {n}" for word, n in sorted(words.items()))])
+        text = "  ".join([f"perp: {done}/{self.total}", *(f"{word} {n}" for word, n in sorted(words.items()))])
         if self.before < done < self.total:
             left = int(seconds / (done - self.before) * (self.total - done)) + 1
             text += f"  {datetime.timedelta(seconds=left)} left"
-        width = shutil.get_terminal_size().columns
-        line = f"\r\033[K{'' if last else text[: width - 1]}" if self.terminal else f"perp: {text}\n"
-        print(line, end="", file=sys.stderr, flush=True)
+        print(text, file=sys.stderr, flush=True)
 
 
 def print_table(headers, rows):

@@ -18,6 +18,8 @@ import struct
 import tempfile
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from .files import NotSeen, number
 from .process import End, one_line, run, signal_name
 
@@ -242,15 +244,10 @@ def sol_binary(data):
     options, duals, values, objno = records[end + 1 : end + 5]
     if not options.startswith(b"Options"):
         raise ValueError("no record of options")
-    sizes, _ = sizes_in(whole_numbers("i", options[7:]))
+    whole = len(values) // 8 * 8  # a record that ends within a number is told by how many there are
+    sizes, _ = sizes_in(np.frombuffer(options[7:], "<i4").tolist())
     code, message = struct.unpack_from("<ii", objno)[1], b"".join(records[:end]).decode("utf-8", "replace")
-    return message, sizes, len(duals) // 8, whole_numbers("d", values), code
-
-
-def whole_numbers(kind, data):
-    """All numbers of a kind that are whole in the data."""
-    size = struct.calcsize("<" + kind)
-    return [v for (v,) in struct.iter_unpack("<" + kind, data[: len(data) // size * size])]
+    return message, sizes, len(duals) // 8, np.frombuffer(values[:whole], "<f8").tolist(), code
 
 
 def with_tolerance(command, tol):
