@@ -67,7 +67,9 @@ def figures(some: list[Answer], kind: str) -> str:
 
 
 def short(value: float) -> str:
-    return f"{value:.2g}" if value >= 1e-9 else "< 1e-9"
+    if value < 1e-9:
+        return "< 1e-9"
+    return f"{value:.0f}" if value >= 100 else f"{value:.2g}"
 
 
 def by_law(all_answers: list[Answer]) -> None:
