@@ -327,9 +327,6 @@ class Lead:
         self.second = [m for m, v in self.values.items() if v == self.following < self.most]
         self.names, self.next_names = (listed([c.name(data, m) for m in of]) for of in (self.first, self.second))
 
-    def words(self, what="the most", infinitive="solve"):
-        return f"{self.names} {verb(len(self.first), infinitive)} {what}"
-
 
 def scope(data):
     pairs, cells = count(len(data.pairs), "pair"), len(data.methods) * len(data.pairs)
@@ -353,7 +350,8 @@ def most_solved(data, c):
         who = "Both" if len(c.methods) == 2 else f"All {len(c.methods)}"
         return f"{who} methods solve as many, {of_pairs(lead.most, pairs)}."
     following = f"next {verb(len(lead.second), 'come')} {lead.next_names} with {lead.following}"
-    text = f"{lead.words()}: {of_pairs(lead.most, pairs)} with a solution; {following}."
+    most = f"{lead.names} {verb(len(lead.first), 'solve')} the most"
+    text = f"{most}: {of_pairs(lead.most, pairs)} with a solution; {following}."
     fewer = [m for m in c.methods if lead.values[m] < lead.most]
     if close := [c.name(data, m) for m in fewer if not clear(data, c.pairs, lead.first[0], m)]:
         text += f" Not clearly behind {'them' if len(lead.first) > 1 else 'it'}: {listed(close)}."

@@ -29,17 +29,9 @@ def items_of(text, flag):
 
 def select(items, expand, name):
     """What the items name, each once, without what is taken out."""
-    found = [(name(one), one, take) for item, take in items for one in expand(item)]
-    away = {key for key, _, take in found if not take}
-    taken = {}
-    for key, one, _ in found:
-        if key not in away:
-            taken.setdefault(key, one)
-    return list(taken.values())
-
-
-def is_pattern(text):
-    return any(c in text for c in "*?[")
+    away = {name(one) for item, take in items if not take for one in expand(item)}
+    found = [one for item, take in items if take for one in expand(item)]
+    return list({name(one): one for one in found if name(one) not in away}.values())
 
 
 # Problems.
@@ -69,7 +61,7 @@ def select_problems(text, most, program):
     def expand(item):
         name, sized, _ = item.partition(":")
         if item.endswith((".nl", ".dat")) or "/" in item:
-            found = [of_file(path) for path in (sorted(glob.glob(item)) if is_pattern(item) else [item])]
+            found = [of_file(path) for path in sorted(glob.glob(item)) or [item]]
         elif item == "all" or name == "class":
             pattern = "*" if item == "all" else item[6:]
             found = [p for p in known.values() if fnmatchcase(p["class"], pattern)]

@@ -325,13 +325,14 @@ def ball(arguments, _):
 
 
 def real(least):
-    def number(text):
+    def check(text):
         value = float(text)
         if not (math.isfinite(value) and value >= least):
             raise argparse.ArgumentTypeError(f"{text}: a number, at least {least:g}, is asked for")
         return value
 
-    return number
+    check.__name__ = "number"
+    return check
 
 
 # Forces.
