@@ -280,6 +280,29 @@ int32_t perp_solve_all(perp_solver* solver, const perp_problem* problem, const d
 /** 0 <= x _|_ M x + q >= 0 with the usual options: perp_problem_affine() and perp_solve() in one. */
 int32_t perp_lcp(int32_t interface_, const perp_matrix* M, const double* q, perp_result** result, perp_error* error);
 
+/** The variational inequality over C = {lower <= A x <= upper, and the problem's bounds}: x in C with
+ *  F(x)'(y - x) >= 0 for all y in C; A m x n, lower NULL is 0, upper NULL +infinity; equal sides make an equation.
+ * Solved means that the natural residual || x - P(x - F(x)) ||_inf, P the projection on C, is at most the tolerance,
+ * with a bound on P's error in it. Affine problems of up to 3000 rows and variables are solved on faces of C, others as
+ * the complementarity problem with multipliers, by the solver's method. */
+int32_t perp_vi(perp_solver* solver, const perp_problem* problem, const perp_matrix* A, const double* lower,
+                const double* upper, const double* x0, perp_result** result, perp_error* error);
+
+/** Numbers of many problems: those of problem k begin at values + k step; step 0: all have the same. */
+typedef struct perp_varying {
+  const double* values;
+  int64_t step;
+} perp_varying;
+/** `count` affine variational inequalities as perp_vi has them, F = M x + q, of n variables and m rows, dense, M and A
+ * by rows, in so many threads; threads 0: one a processor. NULL sides and bounds are 0 and +infinity; m = 0: MCPs. x
+ * gets count n entries, multipliers count m, status (perp_status) and residual count; each but x may be NULL. What
+ * comes back depends neither on the order nor on the threads, to the last bit. */
+int32_t perp_batch_vi(int32_t interface_, int64_t count, int64_t n, int64_t m, const perp_varying* M,
+                      const perp_varying* q, const perp_varying* A, const perp_varying* row_lower,
+                      const perp_varying* row_upper, const perp_varying* lower, const perp_varying* upper, double tol,
+                      int32_t threads, double* x, double* multipliers, int32_t* status, double* residual,
+                      perp_error* error);
+
 /** A solver of small dense affine problems that come often, such as a simulator's. It keeps its memory, and the cell of
  *  its last solution, in which it begins where the next problem has as many variables. */
 typedef struct perp_dense perp_dense;
@@ -342,6 +365,10 @@ int32_t perp_list(int32_t interface_, const char* what, perp_result** result, pe
  *  perp_sensitivity: status, known, message, dx, dF (reals, n x directions by rows), directions, states (texts),
  *    degenerate (integers), rcond, strongly_regular, residual
  *  perp_check_jacobian: worst, row, column, given, difference, outside_pattern, message
+ *  perp_vi: status, success, message, x, F, residual, projection_error (real: how much of residual is the bound on the
+ *    projection's error), worst, multipliers (reals, of the rows: F = A'multipliers + reduced, >= 0 at lower sides, <=
+ * 0 at upper ones), reduced (reals, of the bounds), rows, bounds (cells: the active ones), empty (integer 1: proven
+ *    that C is), certificate (reals, of Infeasible), iterations, stats (part, where the method ran)
  *  perp_inspect: name, size, nonzeros, affine, bounds (part: free, lower, upper, boxed, fixed), structural_rank,
  *    residual, worst (text), singular, warnings (texts), classes (part: 1 yes, 0 no, -1 not decided), guarantees
  *    (texts)

@@ -41,6 +41,8 @@ set(perp_public_headers
   lcp/cholesky/cholesky.hpp
   lcp/classes/classify.hpp
   lcp/solve/dense.hpp
+  lcp/vi/vi.hpp
+  lcp/vi/batch.hpp
   lcp/io/matrix_market.hpp
   lcp/io/output_file.hpp
   lcp/io/siconos_file.hpp
@@ -52,6 +54,7 @@ set(perp_public_headers
   collection/scalable/generators.hpp
   ncp/strategy/deflation.hpp
   ncp/strategy/kept.hpp
+  ncp/strategy/vi.hpp
   ncp/interval/enclosure.hpp
   ncp/analysis/function_classes.hpp
   ncp/analysis/no_solution.hpp

@@ -17,6 +17,7 @@ Arguments that make no sense raise ValueError or TypeError, whose text begins wi
 from typing import Any
 
 from perp import contact
+from perp._batch import BatchResult, batch
 from perp._dense import DenseResult, DenseSolver
 from perp._functions import Float32Warning
 from perp._games import BimatrixEquilibria, FiniteGame, MixedEquilibrium, NashSubset, bimatrix, finite_game, read_nfg
@@ -54,12 +55,14 @@ from perp._result import (
     Verified,
 )
 from perp._solve import KeptSolver, explain, lcp, mcp_affine, sensitivity, solve, solve_all, verify
+from perp._vi import ViResult, vi
 
 __version__: str
 
 __all__ = [
     "AllSolutions",
     "Answer",
+    "BatchResult",
     "BimatrixEquilibria",
     "Change",
     "CollectionEntry",
@@ -88,8 +91,10 @@ __all__ = [
     "Sensitivity",
     "SolutionWarning",
     "Verified",
+    "ViResult",
     "__version__",
     "affine_problem",
+    "batch",
     "bimatrix",
     "collection",
     "collection_entries",
@@ -110,6 +115,7 @@ __all__ = [
     "solve",
     "solve_all",
     "verify",
+    "vi",
 ]
 
 

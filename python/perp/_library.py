@@ -139,6 +139,8 @@ _LONG = {
     "perp_problem_residual": (_I, [_V, _V, _V, _V, _V]),
     "perp_solve": (_I, [_V, _V, _V, _V, _V]),
     "perp_solve_kept": (_I, [_V, _V, _V, _V, _V]),
+    "perp_vi": (_I, [_V, _V, _V, _V, _V, _V, _V, _V]),
+    "perp_batch_vi": (_I, [_I, _N, _N, _N, _V, _V, _V, _V, _V, _V, _V, c_double, _I, _V, _V, _V, _V, _V]),
     "perp_solve_all": (_I, [_V, _V, _V, _N, _V, _V]),
     "perp_verify": (_I, [_V, _V, _V, _V, _V]),
     "perp_sensitivity": (_I, [_V, _V, _V, _V, _V, _V, _V, _V, _V]),

@@ -60,7 +60,7 @@ UNRULED = ("tests/", "bench/", "data/")
 
 # The folders from the ground up.
 FLOORS = """
-lcp lcp/cholesky lcp/lu lcp/judge lcp/linalg lcp/pivoting lcp/qp lcp/iterative lcp/classes lcp/solve lcp/io
+lcp lcp/cholesky lcp/lu lcp/judge lcp/linalg lcp/pivoting lcp/qp lcp/iterative lcp/classes lcp/solve lcp/vi lcp/io
 ncp/interval ncp/problem ncp/ampl ncp/run ncp/reformulation ncp/transforms ncp/analysis ncp/path ncp/methods ncp/strategy
 ncp/explain ncp/settings
 collection/base collection/random collection/models collection/scalable collection/kkt collection

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The examples of docs/python.md, run in turn as a reader would; and what the package says of its types."""
+"""The examples of pages of docs/, run in turn as a reader would; and what the package says of its types."""
 
 import inspect
 import re
@@ -12,14 +12,15 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 
 
-def test_examples():
-    blocks = re.findall(r"^```python\n(.*?)^```", (ROOT / "docs" / "python.md").read_text(encoding="utf-8"), re.M | re.S)
-    assert len(blocks) >= 6
+@pytest.mark.parametrize("page, least", [("python", 6), ("vi", 1), ("batch", 2)])
+def test_examples(page, least):
+    blocks = re.findall(r"^```python\n(.*?)^```", (ROOT / "docs" / f"{page}.md").read_text(encoding="utf-8"), re.M | re.S)
+    assert len(blocks) >= least
     scope = {}
     for block in blocks:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", RuntimeWarning)  # of numpy's, at points where F overflows
-            exec(compile(block, "docs/python.md", "exec"), scope)
+            exec(compile(block, f"docs/{page}.md", "exec"), scope)
 
 
 @pytest.mark.parametrize("name", perp.__all__)

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lcp/vi/batch.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <exception>
+#include <limits>
+#include <mutex>
+#include <optional>
+#include <thread>
+#include <vector>
+
+#include "lcp/judge/dense_judge.hpp"
+#include "lcp/solve/dense.hpp"
+
+namespace perp::lcp {
+namespace {
+
+using ByRows = Eigen::Map<const FacePivoting::Rows>;
+using Values = Eigen::Map<const Vec>;
+
+/// What one thread keeps.
+class Worker {
+ public:
+  Worker(const ViBatch& batch, const BatchAnswers& answers, const Limits& limits)
+      : batch_(batch), answers_(answers), limits_(limits) {}
+
+  void solve(Index k) {
+    if (batch_.m == 0)
+      solve_in_box(k);
+    else
+      solve_in_polyhedron(k);
+  }
+
+ private:
+  Box rows(Index k) const { return {Values(batch_.b.of(k), batch_.m), Values(batch_.c.of(k), batch_.m)}; }
+  Box box(Index k) const { return {Values(batch_.l.of(k), batch_.n), Values(batch_.u.of(k), batch_.n)}; }
+
+  void solve_in_box(Index k) {
+    const Index n = batch_.n;
+    const Eigen::Map<const Eigen::MatrixXd, 0, Eigen::Stride<Eigen::Dynamic, Eigen::Dynamic>> M(
+        batch_.M.of(k), n, n, Eigen::Stride<Eigen::Dynamic, Eigen::Dynamic>(1, n));
+    dense_.forget();
+    const Result& r =
+        dense_.solve(M, Values(batch_.q.of(k), n), Values(batch_.l.of(k), n), Values(batch_.u.of(k), n), limits_);
+    put(k, r.z, {}, r.status, r.residual);
+  }
+
+  void solve_in_polyhedron(Index k) {
+    const Index n = batch_.n, m = batch_.m;
+    const bool new_M = k == 0 || batch_.M.step != 0 || !projector_, new_A = batch_.A.step != 0 || !projector_;
+    if (new_A) projector_.emplace(Polyhedron{SpMat(ByRows(batch_.A.of(k), m, n).sparseView()), rows(k), box(k)});
+    if (new_M) problem_ = {ByRows(batch_.M.of(k), n, n), Vec(n), Box::free(n)};
+    if (new_A || new_M) pivoting_.prepare(&problem_.M, projector_->dense());
+    problem_.q = Values(batch_.q.of(k), n);
+    projector_->set_sides(rows(k), box(k));
+    const Polyhedron& C = projector_->polyhedron();
+    Face face;
+    const auto end = problem_.M.allFinite() && problem_.q.allFinite()
+                         ? pivoting_.run(problem_.q, C.rows, C.box, face, limits_)
+                         : FacePivoting::End::Stopped;
+    if (end == FacePivoting::End::Found) {
+      const Judgement judgement = judge(problem_, pivoting_.x());
+      if (judgement.F.size() == n) {
+        constexpr double eps = std::numeric_limits<double>::epsilon();
+        const ViResult r = judge_vi(*projector_, pivoting_.x(), judgement.F, eps * judgement.F.norm(),
+                                    judgement.terms.size, std::move(face), limits_);
+        if (r.accepted()) return put(k, r.x, r.multipliers, r.status, r.residual);
+      }
+    }
+    const ViResult r = solve_vi({problem_.M.sparseView(), problem_.q, C}, {}, limits_);
+    put(k, r.x, r.multipliers, r.status, r.residual);
+  }
+
+  void put(Index k, const Vec& x, const Vec& multipliers, Status status, double residual) const {
+    constexpr double none = std::numeric_limits<double>::quiet_NaN();
+    const auto write = [&](std::span<double> to, Index size, const Vec& from) {
+      if (to.empty()) return;
+      Eigen::Map<Vec> place(to.data() + k * size, size);
+      if (from.size() == size)
+        place = from;
+      else
+        place.setConstant(none);
+    };
+    write(answers_.x, batch_.n, x);
+    write(answers_.multipliers, batch_.m, multipliers);
+    if (!answers_.status.empty()) answers_.status[at(k)] = status;
+    if (!answers_.residual.empty()) answers_.residual[at(k)] = residual;
+  }
+
+  const ViBatch& batch_;
+  const BatchAnswers& answers_;
+  const Limits& limits_;
+  DenseSolver dense_{};
+  DenseMcp problem_{};
+  FacePivoting pivoting_{};
+  std::optional<Projector> projector_{};
+};
+
+}  // namespace
+
+void solve_batch(const ViBatch& batch, const BatchAnswers& answers, int threads, const Limits& limits) {
+  // A few instances at a time, so that threads end together.
+  constexpr Index portion = 8;
+  std::atomic<Index> next{0};
+  std::atomic<bool> failed{false};
+  std::exception_ptr failure;
+  std::mutex lock;
+  const auto work = [&] {
+    try {
+      Worker worker(batch, answers, limits);
+      for (Index k = next.fetch_add(portion); k < batch.count && !failed; k = next.fetch_add(portion))
+        for (Index i = k; i < std::min(k + portion, batch.count); ++i) worker.solve(i);
+    } catch (...) {
+      const std::lock_guard hold(lock);
+      if (!failed.exchange(true)) failure = std::current_exception();
+    }
+  };
+  const Index most = (batch.count + portion - 1) / portion;
+  const Index wanted = threads > 0 ? threads : std::max(1U, std::thread::hardware_concurrency());
+  std::vector<std::thread> others;
+  for (Index t = 1; t < std::min(wanted, most); ++t) others.emplace_back(work);
+  work();
+  for (std::thread& thread : others) thread.join();
+  if (failure) std::rethrow_exception(failure);
+}
+
+}  // namespace perp::lcp

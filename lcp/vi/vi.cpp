@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lcp/vi/vi.hpp"
+
+#include <cmath>
+#include <limits>
+
+#include "lcp/judge/judge.hpp"
+#include "lcp/solve/solve.hpp"
+#include "lcp/words.hpp"
+
+namespace perp::lcp {
+namespace {
+
+constexpr double unit = std::numeric_limits<double>::epsilon();
+/// Rows and variables up to which faces are pivoted on: a dense matrix of 72 MB.
+constexpr Index most_dense = 3000;
+
+/// What says that the lifted problem's point is on a row or bound: multipliers beside rounding.
+Face face_of(const Polyhedron& C, In z) {
+  const Index n = C.size(), m = C.A.rows();
+  Face face{.rows = std::vector<Cell>(at(m), Cell::Inside), .bounds = std::vector<Cell>(at(n), Cell::Inside)};
+  const double small = m > 0 ? 1e-10 * z.segment(n, m).lpNorm<Eigen::Infinity>() : 0;
+  for (Index j = 0; j < n; ++j) face.bounds[at(j)] = cell_of(C.box, j, z[j]);
+  for (Index i = 0; i < m; ++i) {
+    const double y = z[n + i];
+    face.rows[at(i)] = C.rows.is_fixed(i) ? Cell::Fixed
+                       : y > small        ? Cell::Below
+                       : y < -small       ? Cell::Above
+                                          : Cell::Inside;
+  }
+  return face;
+}
+
+class Solver {
+ public:
+  Solver(const AffineVi& vi, const Limits& limits) : vi_(vi), limits_(limits), projector_(vi.C) {}
+
+  ViResult judged(In x, const Face& face) {
+    const Judgement judgement = judge(AffineMcp{vi_.M, vi_.q, Box::free(vi_.size())}, x);
+    if (judgement.F.size() == 0) return {};
+    return judge_vi(projector_, x, judgement.F, unit * judgement.F.norm(), judgement.terms.size, face, limits_);
+  }
+
+  ViResult faces() {
+    const Eigen::MatrixXd M(vi_.M);
+    Face face;
+    FacePivoting pivoting;
+    pivoting.prepare(&M, projector_.dense());
+    const auto end = pivoting.run(vi_.q, vi_.C.rows, vi_.C.box, face, limits_);
+    ViResult result;
+    if (end == FacePivoting::End::Found) {
+      result = judged(pivoting.x(), face);
+    } else if (end == FacePivoting::End::Empty) {
+      const AffineMcp mcp = lifted(vi_);
+      result.certificate = proof_of_empty(mcp, vi_.C, pivoting.certificate());
+      if (result.certificate.size() > 0) {
+        result.status = Status::Infeasible;
+        result.empty = true;
+        result.message = "the polyhedron is empty: rows of it contradict each other, by the certificate";
+      }
+    }
+    result.iterations = pivoting.pivots();
+    result.by_faces = true;
+    return result;
+  }
+
+  ViResult by_multipliers() {
+    const AffineMcp mcp = lifted(vi_);
+    const Result found = lcp::solve(mcp, project(mcp.box, Vec::Zero(mcp.size())), Auto{}, limits_);
+    ViResult result = judged(found.z.head(vi_.size()), face_of(vi_.C, found.z));
+    result.iterations = found.iterations;
+    if (!result.accepted() && found.status == Status::Infeasible) {
+      result.status = Status::Infeasible;
+      result.certificate = found.certificate;
+      result.message = found.message;
+      const Vec y = found.certificate.size() > 0 ? Vec(found.certificate.segment(vi_.size(), vi_.C.A.rows())) : Vec{};
+      result.empty = y.size() > 0 && proof_of_empty(mcp, vi_.C, y).size() > 0;
+    } else if (!result.accepted() && !found.accepted()) {
+      result.status = found.status;
+      result.message = found.message;
+    }
+    return result;
+  }
+
+ private:
+  const AffineVi& vi_;
+  const Limits& limits_;
+  Projector projector_;
+};
+
+}  // namespace
+
+ViResult solve_vi(const AffineVi& vi, const ViOptions& options, const Limits& limits) {
+  if (const auto why = AffineMcp{vi.M, vi.q, Box::free(vi.size())}.invalid()) refuse_input(*why);
+  if (vi.C.size() != vi.size()) refuse_input("l: has ", vi.C.size(), " entries, and q has ", vi.size());
+  if (!(limits.tol > 0) || limits.tol == infinity) refuse_input("tol: is ", limits.tol, ", not a positive number");
+  Solver solver(vi, limits);
+  using By = ViOptions::Method;
+  ViResult result;
+  const bool small = vi.size() + vi.C.A.rows() <= most_dense;
+  if (options.method == By::Faces || (options.method == By::Auto && small)) {
+    result = solver.faces();
+    if (options.method == By::Faces || result.accepted() || result.status == Status::Infeasible) return result;
+  }
+  const ViResult faces = result;
+  result = solver.by_multipliers();
+  if (!result.accepted() && result.status != Status::Infeasible && faces.residual < result.residual) return faces;
+  return result;
+}
+
+ViResult judge_vi(Projector& projector, In x, In F, double F_error, In terms, Face face, const Limits& limits) {
+  ViResult result;
+  const Index n = x.size();
+  result.x = x;
+  result.F = F;
+  TwoPartVector t{Vec(x)};
+  for (Index i = 0; i < n; ++i) t.add(i, -F[i]);
+  const Projection& projection = projector.project(t, std::move(face), 1e-3 * limits.tol, limits);
+  result.face = projection.face;
+  if (projection.p.size() != n || projection.empty) {
+    result.message = projection.empty ? "no point of the polyhedron was found, and no proof that it is empty"
+                                      : "the projection on the polyhedron was not found";
+    return result;
+  }
+  result.multipliers = projection.multipliers;
+  result.reduced = projection.reduced;
+  result.projection_error = projection.error + F_error;
+  const Vec off = (x - projection.p).cwiseAbs();
+  const double largest = n > 0 ? off.maxCoeff(&result.worst) : 0;
+  result.residual = n > 0 ? largest * (1 + 4 * unit) + result.projection_error : 0;
+  if (result.residual <= limits.tol) {
+    result.status = Status::Solved;
+    result.message = text_of("solved: natural residual ", result.residual);
+    return result;
+  }
+  // What the rounding of F and of the rows leaves.
+  Vec sizes = terms + x.cwiseAbs();
+  sizes += projector.polyhedron().A.cwiseAbs().transpose() * projection.multipliers.cwiseAbs();
+  const bool to_rounding = (off.array() <= 8.0 * static_cast<double>(n + 2) * unit * sizes.array()).all();
+  if (largest <= limits.tol || to_rounding) {
+    result.status = Status::SolvedToRounding;
+    result.message =
+        largest <= limits.tol
+            ? text_of("natural residual ", largest,
+                      " by a projection whose error has no bound: the polyhedron is flat, or nearly; equations "
+                      "are written by equal sides")
+            : text_of("natural residual ", result.residual, ", within the rounding of its terms");
+    return result;
+  }
+  result.message = text_of("natural residual ", result.residual);
+  return result;
+}
+
+}  // namespace perp::lcp
