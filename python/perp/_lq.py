@@ -11,9 +11,9 @@ import numpy as np
 import numpy.typing as npt
 
 from perp._arrays import doubles, refuse
-from perp._result import Result, Shown
-from perp._solve import mcp_affine
+from perp._result import Shown
 from perp._types import Array, Bound, Options
+from perp._vi import ViResult, vi
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,8 +28,8 @@ class LqEquilibrium(Shown):
     """Shape (rows of Aeq,): of Aeq x = beq."""
     convex: list[bool]
     """Of each player, whether its own block of Q is positive semidefinite: then nobody gains alone at a solution."""
-    result: Result
-    """Of the affine complementarity problem."""
+    result: ViResult
+    """Of the affine variational inequality."""
 
     @property
     def success(self) -> bool:
@@ -48,7 +48,7 @@ def lq_game(
     lower: Bound = -np.inf,
     upper: Bound = np.inf,
     *,
-    method: str | None = "path",
+    method: str | None = None,
     options: Options | None = None,
     **more: object,
 ) -> LqEquilibrium:
@@ -63,7 +63,7 @@ def lq_game(
     lower, upper
             as of `perp.solve`.
     method, options, more
-            as of `perp.mcp_affine`; the method path takes half of the time of auto here.
+            as of `perp.vi`.
     """
     sizes = [int(size) for size in sizes]
     n, players = sum(sizes), len(sizes)
@@ -80,13 +80,13 @@ def lq_game(
         begin += size
     shared, right = _rows(A, b, n, "A", "b")
     equal, equal_right = _rows(Aeq, beq, n, "Aeq", "beq")
-    C, d = np.vstack([shared, equal]), np.concatenate([right, equal_right])
-    M = np.block([[G, C.T], [-C, np.zeros((len(C), len(C)))]])
-    low = np.concatenate([np.broadcast_to(lower, n), np.zeros(len(right)), np.full(len(equal), -np.inf)])
-    high = np.concatenate([np.broadcast_to(upper, n), np.full(len(C), np.inf)])
-    r = mcp_affine(M, np.concatenate([g, d]), low, high, method=method, options={**(options or {}), **more})
-    x = np.array(r.x)
-    return LqEquilibrium(x[:n], x[n : n + len(right)], x[n + len(right) :], convex, r)
+    rows = np.vstack([shared, equal])
+    low = np.concatenate([np.full(len(right), -np.inf), equal_right])
+    r = vi((G, g), None, rows, low, np.concatenate([right, equal_right]), lower, upper, method=method, options={**(options or {}), **more})
+    found = len(r.x) == n
+    x = np.array(r.x) if found else np.full(n, np.nan)
+    y = -r.multipliers if found else np.full(len(rows), np.nan)
+    return LqEquilibrium(x, y[: len(right)], y[len(right) :], convex, r)
 
 
 def _shaped(given: Any, shape: tuple[int, ...], name: str) -> Array:
