@@ -55,6 +55,7 @@ from perp._result import (
     Verified,
 )
 from perp._solve import KeptSolver, explain, lcp, mcp_affine, sensitivity, solve, solve_all, verify
+from perp._trace import Curve, TraceEvent, trace
 from perp._vi import ViResult, vi
 
 __version__: str
@@ -66,6 +67,7 @@ __all__ = [
     "BimatrixEquilibria",
     "Change",
     "CollectionEntry",
+    "Curve",
     "Demand",
     "DenseResult",
     "DenseSolver",
@@ -90,6 +92,7 @@ __all__ = [
     "Result",
     "Sensitivity",
     "SolutionWarning",
+    "TraceEvent",
     "Verified",
     "ViResult",
     "__version__",
@@ -114,6 +117,7 @@ __all__ = [
     "sensitivity",
     "solve",
     "solve_all",
+    "trace",
     "verify",
     "vi",
 ]

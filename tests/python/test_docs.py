@@ -12,7 +12,7 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 
 
-@pytest.mark.parametrize("page, least", [("python", 6), ("vi", 1), ("batch", 2)])
+@pytest.mark.parametrize("page, least", [("python", 6), ("vi", 1), ("batch", 2), ("trace", 2)])
 def test_examples(page, least):
     blocks = re.findall(r"^```python\n(.*?)^```", (ROOT / "docs" / f"{page}.md").read_text(encoding="utf-8"), re.M | re.S)
     assert len(blocks) >= least
