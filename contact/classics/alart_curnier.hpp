@@ -7,6 +7,8 @@
 /// Moreau). alpha > 0 makes it the proximal problem of `centre`: regular where W is not.
 ///
 /// Fast near a solution and without a guarantee elsewhere: the last digits of a homotopy.
+#include <array>
+
 #include "contact/classics/newton.hpp"
 #include "contact/model/contact_system.hpp"
 #include "contact/model/scaling.hpp"
@@ -19,14 +21,32 @@ enum class FrictionDisk {
   Augmented    ///< (r_N - rho_N u_N)+, Alart & Curnier's own: lecture, (53)
 };
 
-/// Phi / rho of one contact; lecture, (57)-(58).
-NewtonRows alart_curnier_rows(int size, const Eigen::Vector3d& r, const Eigen::Vector3d& u, double rho_N, double rho_T,
-                              FrictionDisk disk = FrictionDisk::JeanMoreau);
+/// rho_T of each disk of contact a.
+template <int Size>
+std::array<double, disks<Size>> tangential_weights(const NewtonWeights& rho, std::size_t a) {
+  const auto i = static_cast<Index>(a);
+  if constexpr (disks<Size> == 1)
+    return {rho.T[i]};
+  else
+    return {rho.T[i], rho.R[i]};
+}
 
-class AlartCurnier {
+/// Phi / rho of one contact; lecture, (57)-(58). Each disk has its rho_T.
+template <int Size>
+NewtonRowsOfSize<Size> alart_curnier_rows(const Scaled::Block& block, const ContactVector<Size>& r,
+                                          const ContactVector<Size>& u, double rho_N,
+                                          const std::array<double, disks<Size>>& rho_T,
+                                          FrictionDisk radius = FrictionDisk::JeanMoreau);
+inline NewtonRows alart_curnier_rows(int size, const Eigen::Vector3d& r, const Eigen::Vector3d& u, double rho_N,
+                                     double rho_T, FrictionDisk radius = FrictionDisk::JeanMoreau) {
+  return alart_curnier_rows<3>({.size = size}, r, u, rho_N, {rho_T}, radius);
+}
+
+template <int Size>
+class AlartCurnierOf {
  public:
   /// Both outlive *this. The factors of `system`, which is the problem's, are overwritten each step.
-  AlartCurnier(const Scaled& problem, ContactSystem& system);
+  AlartCurnierOf(const Scaled& problem, ContactSystemOf<Size>& system);
 
   /// r + dr, the full Newton step from r; false if the matrix is singular or dr not finite.
   bool step(In r, In centre, double alpha, Vec& to);
@@ -34,7 +54,8 @@ class AlartCurnier {
  private:
   const Scaled& problem_;
   NewtonWeights rho_;
-  ContactSystem& system_;
+  ContactSystemOf<Size>& system_;
 };
+using AlartCurnier = AlartCurnierOf<3>;
 
 }  // namespace perp::contact

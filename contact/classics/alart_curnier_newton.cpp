@@ -2,6 +2,7 @@
 /// Alart & Curnier's equation and its kin, by Newton's method with a line search.
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include "contact/classics/classics.hpp"
 #include "contact/model/unit_cone.hpp"
@@ -91,6 +92,18 @@ void describe(AlartCurnierNewton& m, Fields& f) {
            {{"standard", Standard}, {"jean-moreau", JeanMoreau}, {"hueeber", Hueeber}, {"xuewen", Xuewen}},
            "the equation");
   describe(m.newton, f);
+}
+
+RowsOfContacts<5> rolling_equation(const Scaled& problem, const AlartCurnierNewton& method) {
+  if (method.function != Function::Standard && method.function != Function::JeanMoreau)
+    throw std::invalid_argument("alart-curnier: of rolling friction the functions are standard and jean-moreau");
+  const FrictionDisk radius =
+      method.function == Function::Standard ? FrictionDisk::Augmented : FrictionDisk::JeanMoreau;
+  return [&problem, radius, rho = NewtonWeights(problem)](std::size_t a, const ContactVector<5>& r,
+                                                          const ContactVector<5>& u) {
+    return alart_curnier_rows<5>(problem.blocks[a], r, u, rho.N[static_cast<Index>(a)], tangential_weights<5>(rho, a),
+                                 radius);
+  };
 }
 
 RowsOf equation(const Scaled& problem, const AlartCurnierNewton& method) {

@@ -6,6 +6,7 @@
 /// a limit so high that the time limit ends them.
 #include <string>
 #include <tuple>
+#include <type_traits>
 
 #include "contact/classics/alart_curnier.hpp"
 #include "contact/classics/local_problem.hpp"
@@ -128,10 +129,15 @@ void iterate(Trial& trial, const Scaled& problem, const Cadoux& method, const Ve
 RowsOf equation(const Scaled& problem, const AlartCurnierNewton& method);
 RowsOf equation(const Scaled& problem, const FischerBurmeisterNewton& method);
 RowsOf equation(const Scaled& problem, const NaturalMapNewton& method);
+/// The same of two disks; of the functions Standard and JeanMoreau.
+RowsOfContacts<5> rolling_equation(const Scaled& problem, const AlartCurnierNewton& method);
 template <class Method>
 requires requires(const Method& method) { method.newton; }
 void iterate(Trial& trial, const Scaled& problem, const Method& method, const Vec& start) {
-  newton(trial, problem, method.newton, equation(problem, method), start_or_zero(problem, start));
+  if constexpr (std::is_same_v<Method, AlartCurnierNewton>)
+    if (problem.rolls)
+      return newton<5>(trial, problem, method.newton, rolling_equation(problem, method), start_or_zero(problem, start));
+  newton<3>(trial, problem, method.newton, equation(problem, method), start_or_zero(problem, start));
 }
 
 /// The two options that all have.

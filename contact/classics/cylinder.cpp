@@ -17,8 +17,8 @@ constexpr double rounding_share = 1e-15;
 }  // namespace
 
 CylinderSweeps::CylinderSweeps(Trial& trial, const Scaled& problem)
-    : trial_(trial), problem_(problem), contacts_(local_problems(problem)) {
-  for (const LocalProblem& contact : contacts_) {
+    : trial_(trial), problem_(problem), contacts_(local_problems<3>(problem)) {
+  for (const LocalProblem<3>& contact : contacts_) {
     const double norm = contact.W().bottomRightCorner<2, 2>().cwiseAbs().rowwise().sum().maxCoeff();
     rho_T_.push_back(norm > 0 ? 1 / norm : 0);
   }
@@ -30,7 +30,7 @@ double CylinderSweeps::sweep(CylinderPart part, const Vec& theta, const Vec& r, 
     const Scaled::Block& block = problem_.blocks[a];
     const Eigen::Vector3d before = block.of(r);
     Eigen::Vector3d after = before;
-    Eigen::Vector3d velocity = moving.velocity(block);
+    Eigen::Vector3d velocity = moving.velocity<3>(block);
     const Eigen::Matrix3d& W = contacts_[a].W();
     if (part != CylinderPart::Tangential && W(0, 0) > 0) {
       after[0] = std::max(0.0, before[0] - velocity[0] / W(0, 0));
@@ -40,7 +40,7 @@ double CylinderSweeps::sweep(CylinderPart part, const Vec& theta, const Vec& r, 
       after.tail<2>() -= rho_T_[a] * velocity.tail<2>();
       after = project_onto_disk(after, theta[static_cast<Index>(a)]);
     }
-    change += moving.set(block, after);
+    change += moving.set<3>(block, after);
   }
   return std::sqrt(change);
 }

@@ -33,7 +33,7 @@ class CylinderSweeps {
 
   Trial& trial_;
   const Scaled& problem_;
-  std::vector<LocalProblem> contacts_;
+  std::vector<LocalProblem<3>> contacts_;
   std::vector<double> rho_T_;  // 1 / |W_TT|
 };
 

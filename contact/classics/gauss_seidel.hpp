@@ -6,6 +6,7 @@
 /// is solved (local_problem.hpp; lecture, (71); Jean & Moreau 1992; Jourdan, Alart & Jean, Comput. Methods Appl. Mech.
 /// Eng. 155 (1998) 31). A sweep costs as much as a product with W. It contracts fast where contacts are coupled weakly,
 /// and hardly at all elsewhere.
+#include <variant>
 #include <vector>
 
 #include "contact/classics/local_problem.hpp"
@@ -22,16 +23,20 @@ class GaussSeidel {
   double sweep(Vec& r, Vec& u) const;
 
  private:
-  Eigen::Vector3d solved(std::size_t a, const Eigen::Vector3d& before, const Eigen::Vector3d& u) const;
+  template <int Size>
+  using Contacts = std::vector<LocalProblem<Size>>;
+  template <int Size>
+  double sweep(const Contacts<Size>& contacts, Vec& r, Vec& u) const;
 
   const Scaled& problem_;
-  std::vector<LocalProblem> contacts_;
+  std::variant<Contacts<3>, Contacts<5>> contacts_;
   LocalSolver local_;
   double omega_;
 };
 
 /// W_aa of every contact; of smaller ones the first rows and columns.
-std::vector<LocalProblem> local_problems(const Scaled& problem);
+template <int Size>
+std::vector<LocalProblem<Size>> local_problems(const Scaled& problem);
 
 /// Impulses that are changed contact by contact, and their velocities u = W r + q. Where W is by its parts the
 /// velocities of the bodies move in place of u, and no entry of W is formed.
@@ -40,9 +45,11 @@ class MovingImpulses {
   /// Pre: u = W r + q. Both outlive *this.
   MovingImpulses(const Scaled& problem, Vec& r, Vec& u);
   /// Of the contact: u as the impulses stand.
-  Eigen::Vector3d velocity(const Scaled::Block& block) const;
+  template <int Size>
+  ContactVector<Size> velocity(const Scaled::Block& block) const;
   /// Sets its impulse; the squared norm of the change.
-  double set(const Scaled::Block& block, const Eigen::Vector3d& after);
+  template <int Size>
+  double set(const Scaled::Block& block, const ContactVector<Size>& after);
   /// Makes u that of the impulses.
   void finish();
 

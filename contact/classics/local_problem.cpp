@@ -3,7 +3,9 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 
 #include "contact/classics/alart_curnier.hpp"
 #include "contact/model/unit_cone.hpp"
@@ -13,12 +15,15 @@ namespace {
 
 using Eigen::Matrix2d;
 using Eigen::Vector2d;
-using Eigen::Vector3d;
 
 constexpr int local_steps = 10;
 constexpr double local_tol = 1e-13;
 /// De Saxce & Feng's steps of one visit.
 constexpr int local_projections = 10;
+/// Of two disks in turn, for one normal impulse.
+constexpr int local_turns = 100;
+/// Normal impulses of two disks are looked for up to so many times what stops the contact without friction.
+constexpr double most_local_impulse = 1e8;
 
 /// The root of h in [low, high] with h(low) < 0 <= h(high), by regula falsi as in the Illinois algorithm, with a
 /// bisection every third step.
@@ -45,37 +50,67 @@ double root_between(const Function& h, double low, double high) {
   return high;
 }
 
+/// The least of t'A t / 2 + c.t in the disk of that radius, A semidefinite: (A + lambda) t = -c, lambda > 0 where |t|
+/// is the radius (More & Sorensen, SIAM J. Sci. Stat. Comput. 4 (1983) 553).
+Vector2d least_in_disk(const Matrix2d& A, const Vector2d& c, double radius) {
+  if (!(radius > 0)) return Vector2d::Zero();
+  const auto t = [&](double lambda) -> Vector2d { return -(A + lambda * Matrix2d::Identity()).inverse() * c; };
+  const auto h = [&](double lambda) { return radius - t(lambda).norm(); };
+  const double low = std::numeric_limits<double>::epsilon() * A.trace();  // A may be singular
+  if (h(low) >= 0) return t(low);
+  double high = std::max(c.norm() / radius, 2 * low);
+  while (!(h(high) >= 0) && std::isfinite(high)) high *= 2;
+  const Vector2d on_it = t(root_between(h, low, high));
+  return radius / on_it.norm() * on_it;
+}
+
 }  // namespace
 
-LocalProblem::LocalProblem(int size, const Eigen::Matrix3d& W)
-    : size_(size), W_(W), norm_(W.cwiseAbs().rowwise().sum().maxCoeff()) {
-  Eigen::Matrix3d padded = W;
-  for (int i = size; i < 3; ++i) padded(i, i) = 1;
-  const Eigen::FullPivLU<Eigen::Matrix3d> factors(padded);
+template <int Size>
+LocalProblem<Size>::LocalProblem(const Scaled::Block& block, const Matrix& W)
+    : size_(block.size), width_(block.width), W_(W), norm_(W.cwiseAbs().rowwise().sum().maxCoeff()) {
+  Matrix padded = W;
+  for (int i = size_; i < Size; ++i) padded(i, i) = 1;
+  const Eigen::FullPivLU<Matrix> factors(padded);
   if (factors.isInvertible()) inverse_ = factors.inverse();
 }
 
-Vector3d LocalProblem::solve(LocalSolver solver, const Vector3d& b, const Vector3d& from) const {
-  if (b[0] >= 0) return Vector3d::Zero();
+template <int Size>
+bool LocalProblem<Size>::sticks(const Vector& r) const {
+  for (int j = 0; j < disks<Size>; ++j)
+    if (!(disk<Size>(r, j, width_).norm() <= r[0])) return false;
+  return true;
+}
+
+template <int Size>
+ContactVector<Size> LocalProblem<Size>::solve(LocalSolver solver, const Vector& b, const Vector& from) const {
+  if (b[0] >= 0) return Vector::Zero();
   if (!(W_(0, 0) > 0)) return from;
-  if (size_ == 1) return {-b[0] / W_(0, 0), 0, 0};
+  if (size_ == 1) return -b[0] / W_(0, 0) * Vector::Unit(0);
   if (solver == LocalSolver::Projection) return project(b, from);
-  const Vector3d stuck = -(inverse_ * b);
-  if ((W_ * stuck + b).norm() <= 1e-12 * b.norm() && stuck.tail<2>().norm() <= stuck[0]) return stuck;
-  if (Vector3d r = from; solver == LocalSolver::Newton && newton(b, r)) return r;
+  const Vector stuck = -(inverse_ * b);
+  if ((W_ * stuck + b).norm() <= 1e-12 * b.norm() && sticks(stuck)) return stuck;
+  if (Vector r = from; solver == LocalSolver::Newton && newton(b, r)) return r;
   return sliding(b, from);
 }
 
-bool LocalProblem::newton(const Vector3d& b, Vector3d& r) const {
+template <int Size>
+bool LocalProblem<Size>::newton(const Vector& b, Vector& r) const {
+  const Scaled::Block block{.size = size_, .width = width_};
   const double rho_N = 1 / W_(0, 0);
-  const double tangential = size_ == 2 ? W_(1, 1) : (W_(1, 1) + W_(2, 2)) / 2;
-  const double rho_T = tangential > 0 ? 1 / tangential : 1;
+  std::array<double, disks<Size>> rho_T{};
+  for (int j = 0; j < disks<Size>; ++j) {
+    const int first = 1 + j * width_;
+    const int count = std::min(width_, size_ - first);
+    const double tangential = count > 0 ? W_.diagonal().segment(first, count).mean() : 0;
+    rho_T[at(j)] = tangential > 0 ? 1 / tangential : 1;
+  }
   r[0] = std::max(r[0], -b[0] * rho_N);
   for (int k = 0; k < local_steps; ++k) {
-    const NewtonRows rows = alart_curnier_rows(size_, r, W_ * r + b, rho_N, rho_T);
-    Eigen::Matrix3d K = rows.A + rows.B * W_;
-    for (int i = size_; i < 3; ++i) K(i, i) = 1;
-    const Vector3d d = K.partialPivLu().solve(rows.c);
+    const NewtonRowsOfSize<Size> rows = alart_curnier_rows<Size>(block, r, W_ * r + b, rho_N, rho_T);
+    Matrix K = rows.A + rows.B * W_;
+    for (int i = size_; i < Size; ++i) K(i, i) = 1;
+    const Vector d = K.partialPivLu().solve(rows.c);
     if (!d.allFinite()) return false;
     r += d;
     if (d.norm() <= local_tol * r.norm()) return true;
@@ -83,8 +118,10 @@ bool LocalProblem::newton(const Vector3d& b, Vector3d& r) const {
   return false;
 }
 
-Vector3d LocalProblem::project(const Vector3d& b, Vector3d r) const {
-  for (int k = 0; k < local_projections; ++k) r = project_onto_unit_cone(r - corrected(W_ * r + b) / norm_);
+template <int Size>
+ContactVector<Size> LocalProblem<Size>::project(const Vector& b, Vector r) const {
+  for (int k = 0; k < local_projections; ++k)
+    r = project_onto_unit_cone<Size>(r - corrected<Size>(W_ * r + b, width_) / norm_, width_);
   return r;
 }
 
@@ -92,7 +129,8 @@ Vector3d LocalProblem::project(const Vector3d& b, Vector3d r) const {
 ///     r_T = -v / p,   r_N = g / (W_NN p),   v = (adj A + lambda I) c,   p = det(A + lambda I),   g = W_NT v - b_N p,
 /// and h(lambda) = g - W_NN |v| = 0. h grows like -b_N lambda^2 > 0, and h(0) < 0 where the contact cannot stick: there
 /// is a root. Its square is the quartic of Bonnefon & Daviet (2011).
-Vector3d LocalProblem::sliding(const Vector3d& b, const Vector3d& from) const {
+template <>
+ContactVector<3> LocalProblem<3>::sliding(const Vector& b, const Vector& from) const {
   Matrix2d A = W_.bottomRightCorner<2, 2>() - W_.bottomLeftCorner<2, 1>() * W_.topRightCorner<1, 2>() / W_(0, 0);
   if (size_ == 2) A(1, 1) = 1;
   const Vector2d c = b.tail<2>() - W_.bottomLeftCorner<2, 1>() * (b[0] / W_(0, 0));
@@ -105,10 +143,48 @@ Vector3d LocalProblem::sliding(const Vector3d& b, const Vector3d& from) const {
   double high = std::max(norm_, 1e-300);
   while (!(h(high) >= 0) && std::isfinite(high)) high *= 2;
   const double lambda = h(0) < 0 ? root_between(h, 0, high) : 0;
-  Vector3d r;
+  Vector r;
   r << std::max(0.0, g(lambda) / W_(0, 0)), -v(lambda);
   r /= p(lambda);
   return r.allFinite() ? r : from;
 }
+
+/// r with this normal impulse and friction that opposes slip and rolling: the least of r'W r / 2 + b.r in both disks,
+/// by turns.
+template <>
+ContactVector<5> LocalProblem<5>::in_disks(double normal, const Vector& b, Vector r) const {
+  r[0] = normal;
+  for (int k = 0; k < local_turns; ++k) {
+    const Vector before = r;
+    for (int j = 0; j < 2; ++j) {
+      const int first = 1 + j * width_;
+      const int count = std::min(width_, size_ - first);
+      if (count <= 0) break;
+      Vector rest = r;
+      set_disk<5>(rest, j, width_, Vector2d::Zero());
+      Matrix2d A = Matrix2d::Identity();
+      A.topLeftCorner(count, count) = W_.block(first, first, count, count);
+      const Vector2d part = least_in_disk(A, disk<5>(W_ * rest + b, j, width_), normal);
+      set_disk<5>(r, j, width_, part);
+    }
+    if ((r - before).norm() <= local_tol * r.norm()) break;
+  }
+  return r;
+}
+
+/// u_N as a function of r_N, the disks' impulses following, is below zero at 0, and above it far out where W is
+/// positive definite: there is a root, and it solves the contact.
+template <>
+ContactVector<5> LocalProblem<5>::sliding(const Vector& b, const Vector& from) const {
+  const auto opening = [&](double normal) { return W_.row(0).dot(in_disks(normal, b, from)) + b[0]; };
+  double high = -b[0] / W_(0, 0);
+  while (!(opening(high) >= 0) && high < most_local_impulse * (-b[0] / W_(0, 0))) high *= 2;
+  if (!(opening(high) >= 0)) return project(b, from);
+  const Vector r = in_disks(root_between(opening, 0, high), b, from);
+  return r.allFinite() ? r : from;
+}
+
+template class LocalProblem<3>;
+template class LocalProblem<5>;
 
 }  // namespace perp::contact

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-/// The problem of one contact in the coordinates of contact/model/scaling.hpp (mu = 1), W = W_aa of 1 to 3 rows:
+/// The problem of one contact in the coordinates of contact/model/scaling.hpp (mu = 1), W = W_aa of 1 to 3 rows, or
+/// to 5 where there are two disks:
 ///     u = W r + b,   K* > u + |u_T| e_N  _|_  r in K
 /// and three ways to solve it (lecture, after (71); Siconos' one-contact solvers).
-#include <Eigen/Core>
+#include "contact/model/scaling.hpp"
 
 namespace perp::contact {
 
@@ -13,23 +14,29 @@ enum class LocalSolver {
   Cases        ///< open, sticking, sliding; sliding is the root of one scalar equation
 };
 
+template <int Size>
 class LocalProblem {
  public:
-  /// `W` in the first `size` rows and columns, zero elsewhere.
-  LocalProblem(int size, const Eigen::Matrix3d& W);
-  int size() const { return size_; }
-  const Eigen::Matrix3d& W() const { return W_; }
+  using Vector = ContactVector<Size>;
+  using Matrix = ContactMatrix<Size>;
+
+  /// `W` in the first block.size rows and columns, zero elsewhere.
+  LocalProblem(const Scaled::Block& block, const Matrix& W);
+  const Matrix& W() const { return W_; }
   /// The impulse; `from` where W_NN is not positive, or the projections' start.
-  Eigen::Vector3d solve(LocalSolver solver, const Eigen::Vector3d& b, const Eigen::Vector3d& from) const;
+  Vector solve(LocalSolver solver, const Vector& b, const Vector& from) const;
 
  private:
-  bool newton(const Eigen::Vector3d& b, Eigen::Vector3d& r) const;
-  Eigen::Vector3d project(const Eigen::Vector3d& b, Eigen::Vector3d r) const;
-  Eigen::Vector3d sliding(const Eigen::Vector3d& b, const Eigen::Vector3d& from) const;
+  bool sticks(const Vector& r) const;
+  bool newton(const Vector& b, Vector& r) const;
+  Vector project(const Vector& b, Vector r) const;
+  Vector sliding(const Vector& b, const Vector& from) const;
+  Vector in_disks(double normal, const Vector& b, Vector r) const;  // of two
 
   int size_;
-  Eigen::Matrix3d W_;
-  Eigen::Matrix3d inverse_ = Eigen::Matrix3d::Zero();  // of singular W: none
+  int width_;
+  Matrix W_;
+  Matrix inverse_ = Matrix::Zero();  // of singular W: none
   double norm_ = 0;
 };
 

@@ -18,15 +18,16 @@ constexpr std::array newton_alphas{0.0, 1e-10, 1e-8, 1e-6, 1e-4, 1e-2};
 /// digits.
 constexpr double direction_tol = 1e-6;
 
+template <int Size>
 class NewtonRun {
  public:
-  NewtonRun(Trial& trial, const Scaled& problem, const NewtonOptions& options, const RowsOf& rows_of)
+  NewtonRun(Trial& trial, const Scaled& problem, const NewtonOptions& options, const RowsOfContacts<Size>& rows_of)
       : trial_(trial), problem_(problem), options_(options), rows_of_(rows_of), matrix_(problem) {}
 
   void run(Vec r) {
     Vec u = problem_.W * r + problem_.q;
     for (int k = 0; k < options_.max_iterations; ++k) {
-      const NewtonSystem system = newton_system(problem_, rows_of_, r, u);
+      const NewtonSystemOf<Size> system = newton_system<Size>(problem_, rows_of_, r, u);
       if (!std::isfinite(system.merit()) || system.merit() == 0 || !direction(system)) return;
       const Vec Wd = problem_.W * d_;
       const double t = length(system, r, u, Wd);
@@ -37,7 +38,7 @@ class NewtonRun {
   }
 
  private:
-  bool direction(const NewtonSystem& system) {
+  bool direction(const NewtonSystemOf<Size>& system) {
     for (const double alpha : newton_alphas) {
       if (alpha == 0 && matrix_.by_bodies()) continue;
       ++trial_.effort.factorizations;
@@ -48,10 +49,10 @@ class NewtonRun {
     return false;
   }
 
-  double merit_at(In r, In u) const { return newton_system(problem_, rows_of_, r, u).merit(); }
+  double merit_at(In r, In u) const { return newton_system<Size>(problem_, rows_of_, r, u).merit(); }
 
   /// The slope of psi along a Newton step is -2 psi.
-  double length(const NewtonSystem& system, const Vec& r, const Vec& u, const Vec& Wd) const {
+  double length(const NewtonSystemOf<Size>& system, const Vec& r, const Vec& u, const Vec& Wd) const {
     if (options_.line_search == ContactLineSearch::None) return 1;
     const double psi = system.merit();
     const bool both = options_.line_search == ContactLineSearch::GoldsteinPrice;
@@ -74,8 +75,8 @@ class NewtonRun {
   Trial& trial_;
   const Scaled& problem_;
   const NewtonOptions& options_;
-  const RowsOf& rows_of_;
-  NewtonMatrix matrix_;
+  const RowsOfContacts<Size>& rows_of_;
+  NewtonMatrix<Size> matrix_;
   Vec d_;
   double alpha_ = 0;
 };
@@ -93,46 +94,61 @@ void describe(NewtonOptions& o, Fields& f) {
 }
 
 NewtonWeights::NewtonWeights(const Scaled& problem)
-    : N(static_cast<Index>(problem.blocks.size())), T(static_cast<Index>(problem.blocks.size())) {
+    : N(static_cast<Index>(problem.blocks.size())),
+      T(static_cast<Index>(problem.blocks.size())),
+      R(problem.rolls ? static_cast<Index>(problem.blocks.size()) : 0) {
   const Vec diagonal = problem.W.diagonal();
-  const auto inverse = [](double w) { return w > 1e-12 ? 1 / w : 1; };
+  const auto inverse = [](double w) { return w > 1e-12 ? 1 / w : 1.0; };
   for (std::size_t a = 0; a < problem.blocks.size(); ++a) {
     const Scaled::Block& block = problem.blocks[a];
     const auto i = static_cast<Index>(a);
     N[i] = inverse(diagonal[block.first]);
-    T[i] = block.size > 1 ? inverse(diagonal.segment(block.first + 1, block.size - 1).mean()) : 1;
+    const auto of_disk = [&](int j) {
+      if (j >= block.disk_count()) return 1.0;
+      return inverse(diagonal.segment(block.first + block.first_of(j), block.entries()).mean());
+    };
+    T[i] = of_disk(0);
+    if (problem.rolls) R[i] = of_disk(1);
   }
 }
 
-NewtonSystem newton_system(const Scaled& problem, const RowsOf& rows_of, In r, In u) {
-  NewtonSystem system{.rows = std::vector<ContactRows>(problem.blocks.size()), .c = Vec(r.size())};
+template <int Size>
+NewtonSystemOf<Size> newton_system(const Scaled& problem, const std::type_identity_t<RowsOfContacts<Size>>& rows_of,
+                                   In r, In u) {
+  NewtonSystemOf<Size> system{.rows = std::vector<RowsOfSize<Size>>(problem.blocks.size()), .c = Vec(r.size())};
   for (std::size_t a = 0; a < system.rows.size(); ++a) {
     const Scaled::Block& block = problem.blocks[a];
-    const NewtonRows rows = rows_of(a, block.of(r), block.of(u));
+    const NewtonRowsOfSize<Size> rows = rows_of(a, block.of<Size>(r), block.of<Size>(u));
     system.rows[a] = rows;
     system.c.segment(block.first, block.size) = rows.c.head(block.size);
   }
   return system;
 }
 
-NewtonMatrix::NewtonMatrix(const Scaled& problem) : problem_(problem), lu_(lcp::LuBackend::General) {
+template NewtonSystemOf<3> newton_system<3>(const Scaled&, const RowsOfContacts<3>&, In, In);
+template NewtonSystemOf<5> newton_system<5>(const Scaled&, const RowsOfContacts<5>&, In, In);
+
+template <int Size>
+NewtonMatrix<Size>::NewtonMatrix(const Scaled& problem) : problem_(problem), lu_(lcp::LuBackend::General) {
   if (problem.W.whole_parts() != nullptr)
-    bodies_ = std::make_unique<ContactSystem>(problem, lcp::LuBackend::General);
+    bodies_ = std::make_unique<ContactSystemOf<Size>>(problem, lcp::LuBackend::General);
   else
     K_ = problem.W.matrix();
 }
 
-bool NewtonMatrix::factor(const std::vector<ContactRows>& rows, double alpha) {
+template <int Size>
+bool NewtonMatrix<Size>::factor(const std::vector<RowsOfSize<Size>>& rows, double alpha) {
   if (!bodies_) {
     contact_matrix(problem_, rows, alpha, K_);
     return lu_.factor(K_) == lcp::LuStatus::Ok;
   }
   rows_ = rows;
-  for (ContactRows& of : rows_) of.A += alpha * of.B;
+  for (RowsOfSize<Size>& of : rows_) of.A += alpha * of.B;
   return bodies_->factor(rows_);
 }
 
-bool NewtonMatrix::solve(In c, Vec& d) {
+template <int Size>
+bool NewtonMatrix<Size>::solve(In c, Vec& d) {
   d.resize(c.size());
   if (!bodies_) {
     lu_.solve(c, d);
@@ -142,8 +158,15 @@ bool NewtonMatrix::solve(In c, Vec& d) {
   return (c - product(problem_, rows_, d)).norm() <= direction_tol * c.norm();
 }
 
-void newton(Trial& trial, const Scaled& problem, const NewtonOptions& options, const RowsOf& rows_of, Vec r) {
-  NewtonRun(trial, problem, options, rows_of).run(std::move(r));
+template <int Size>
+void newton(Trial& trial, const Scaled& problem, const NewtonOptions& options, const RowsOfContacts<Size>& rows_of,
+            Vec r) {
+  NewtonRun<Size>(trial, problem, options, rows_of).run(std::move(r));
 }
+
+template class NewtonMatrix<3>;
+template class NewtonMatrix<5>;
+template void newton<3>(Trial&, const Scaled&, const NewtonOptions&, const RowsOfContacts<3>&, Vec);
+template void newton<5>(Trial&, const Scaled&, const NewtonOptions&, const RowsOfContacts<5>&, Vec);
 
 }  // namespace perp::contact

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <functional>
 #include <memory>
+#include <type_traits>
 #include <vector>
 
 #include "contact/model/contact_system.hpp"
@@ -16,27 +17,36 @@ namespace perp::contact {
 
 class Trial;
 
-/// The rows of one contact of 1, 2 or 3 entries at (r, u): A dr + B du = c for the step to the equation's zero, c =
-/// -Phi.
-struct NewtonRows : ContactRows {
-  Eigen::Vector3d c = Eigen::Vector3d::Zero();
+/// The rows of one contact at (r, u): A dr + B du = c for the step to the equation's zero, c = -Phi.
+template <int Size>
+struct NewtonRowsOfSize : RowsOfSize<Size> {
+  ContactVector<Size> c = ContactVector<Size>::Zero();
 };
+using NewtonRows = NewtonRowsOfSize<3>;
 /// The rows of contact a.
-using RowsOf = std::function<NewtonRows(std::size_t a, const Eigen::Vector3d& r, const Eigen::Vector3d& u)>;
+template <int Size>
+using RowsOfContacts =
+    std::function<NewtonRowsOfSize<Size>(std::size_t a, const ContactVector<Size>& r, const ContactVector<Size>& u)>;
+using RowsOf = RowsOfContacts<3>;
 
 /// The equation at r, with u = W r + q.
-struct NewtonSystem {
-  std::vector<ContactRows> rows;
+template <int Size>
+struct NewtonSystemOf {
+  std::vector<RowsOfSize<Size>> rows;
   Vec c;  ///< of all contacts: -Phi
   double merit() const { return c.squaredNorm() / 2; }
 };
-NewtonSystem newton_system(const Scaled& problem, const RowsOf& rows_of, In r, In u);
+using NewtonSystem = NewtonSystemOf<3>;
+template <int Size = 3>
+NewtonSystemOf<Size> newton_system(const Scaled& problem, const std::type_identity_t<RowsOfContacts<Size>>& rows_of,
+                                   In r, In u);
 
 /// A + B (W + alpha I) and its factors.
 ///  * Where W is given by entries, on their pattern.
 ///  * Where W = H' M^-1 H is known by its parts, with factors of M + H (A + alpha B)^-1 B H'
 ///    (contact/model/contact_system.hpp). Where contacts stick A is zero: there is no alpha = 0. No entry of W is
 ///    formed, and a direction that leaves a residual is refused.
+template <int Size = 3>
 class NewtonMatrix {
  public:
   /// `problem` outlives *this.
@@ -44,7 +54,7 @@ class NewtonMatrix {
 
   bool by_bodies() const { return bodies_ != nullptr; }
   /// Whether there are factors. Pre: alpha is not 0 by bodies.
-  bool factor(const std::vector<ContactRows>& rows, double alpha);
+  bool factor(const std::vector<RowsOfSize<Size>>& rows, double alpha);
   /// Whether d solves the system of the last factors. Pre: there are some.
   bool solve(In c, Vec& d);
 
@@ -52,14 +62,15 @@ class NewtonMatrix {
   const Scaled& problem_;
   SpMat K_;  // by entries
   lcp::SparseLu lu_;
-  std::unique_ptr<ContactSystem> bodies_;
-  std::vector<ContactRows> rows_;  // of bodies_, with alpha B in A
+  std::unique_ptr<ContactSystemOf<Size>> bodies_;
+  std::vector<RowsOfSize<Size>> rows_;  // of bodies_, with alpha B in A
 };
 
-/// 1 / W_NN and 1 / mean(W_TT), one a contact.
+/// 1 / W_NN and 1 / mean(W_TT), one a contact; R: of its second disk.
 struct NewtonWeights {
   Vec N;
   Vec T;
+  Vec R;
   explicit NewtonWeights(const Scaled& problem);
 };
 
@@ -81,6 +92,8 @@ void describe(NewtonOptions& options, Fields& fields);
 
 /// Newton's method from r, judged after each step. Where the matrix is singular W + alpha I takes the place of W in it,
 /// alpha = 1e-10, 1e-8, .., 1e-2; from the beginning where W is by its parts. Ends where no alpha gives a step.
-void newton(Trial& trial, const Scaled& problem, const NewtonOptions& options, const RowsOf& rows_of, Vec r);
+template <int Size>
+void newton(Trial& trial, const Scaled& problem, const NewtonOptions& options, const RowsOfContacts<Size>& rows_of,
+            Vec r);
 
 }  // namespace perp::contact

@@ -27,16 +27,20 @@ Vec start_or_zero(const Scaled& problem, const Vec& start) {
   return start.size() > 0 ? start : Vec(Vec::Zero(problem.size()));
 }
 
-Vec ContactVi::F(In r) const {
-  Vec u = problem_.W * r + problem_.q;
-  for (const Scaled::Block& block : problem_.blocks)
-    u[block.first] += u.segment(block.first + 1, block.size - 1).norm();
+Vec ContactVi::corrected(Vec u) const {
+  with_size(problem_, [&]<int Size>() {
+    for (const Scaled::Block& block : problem_.blocks)
+      u[block.first] = contact::corrected<Size>(block.of<Size>(u), block.width)[0];
+  });
   return u;
 }
 
 Vec ContactVi::project(Vec y) const {
-  for (const Scaled::Block& block : problem_.blocks)
-    y.segment(block.first, block.size) = project_onto_unit_cone(block.of(y)).head(block.size);
+  with_size(problem_, [&]<int Size>() {
+    for (const Scaled::Block& block : problem_.blocks)
+      y.segment(block.first, block.size) =
+          project_onto_unit_cone<Size>(block.of<Size>(y), block.width).head(block.size);
+  });
   return y;
 }
 

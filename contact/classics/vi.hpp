@@ -2,7 +2,7 @@
 #pragma once
 /// Coulomb's law as a variational inequality over the cones, in the coordinates of contact/model/scaling.hpp (lecture,
 /// (64)-(68)): r in K with
-///     F(r).(s - r) >= 0 for all s in K,   F(r) = W r + q + |u_T| e_N,
+///     F(r).(s - r) >= 0 for all s in K,   F(r) = W r + q + |u_T| e_N   (of two disks W r + q + (|u_T| + |w_R|) e_N),
 /// and what the methods of projection share. F is Lipschitz and not monotone.
 #include "contact/model/scaling.hpp"
 #include "lcp/fields.hpp"
@@ -25,7 +25,8 @@ class ContactVi {
  public:
   explicit ContactVi(const Scaled& problem) : problem_(problem) {}
 
-  Vec F(In r) const;
+  Vec F(In r) const { return corrected(problem_.W * r + problem_.q); }
+  Vec corrected(Vec u) const;  ///< uhat
   Vec project(Vec y) const;
 
   /// A projected step from r, and F there; rho is shortened before it and lengthened after it, as the rule says.

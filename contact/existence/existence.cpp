@@ -8,11 +8,11 @@
 #include <utility>
 #include <vector>
 
+#include "contact/classics/vi.hpp"
 #include "contact/existence/expansion.hpp"
 #include "contact/model/contact_system.hpp"
 #include "contact/model/residual.hpp"
 #include "contact/model/scaling.hpp"
-#include "contact/model/unit_cone.hpp"
 #include "lcp/cholesky/cholesky.hpp"
 #include "lcp/cholesky/symmetric.hpp"
 #include "lcp/deadline.hpp"
@@ -129,42 +129,53 @@ Moved moved(const Problem& problem, const Vec& r, const Vec& v) {
   return out;
 }
 
-/// Least u_N - mu |u_T| less what the shift changes, and what rounding may have changed in W and q, rounded down; u
-/// exact before it is rounded.
+/// Least u_N - mu |u_T| - mu_r |w_R| less what the shift changes, and what rounding may have changed in W and q,
+/// rounded down; u exact before it is rounded.
 double margin(const Problem& problem, const Vec& r, const Vec& v, double shift) {
   const auto [u, unknown] = moved(problem, r, v);
   const int d = problem.dimension;
   double least = lcp::infinity;
   for (Index a = 0; a < problem.contacts(); ++a) {
     const Index N = d * a;
-    double squares = 0;
-    double moved = 0;
+    double friction = 0;  // mu |u_T| + mu_r |w_R|
+    double changed = shift * problem.W.near(N, N) * std::abs(r[N]);
     double lost = u[at(N)].lost() + unknown[N];
-    for (int k = 1; k < d; ++k) {
-      squares = std::hypot(squares, u[at(N + k)].value());
-      moved = std::hypot(moved, shift * problem.W.near(N + k, N + k) * r[N + k]);
-      lost += u[at(N + k)].lost() + unknown[N + k];
-    }
-    const double mu = problem.mu[a];
+    double mu = 0;  // of all disks
+    const auto take_disk = [&](Index first, Index end, double coefficient) {
+      double length = 0;
+      double moved = 0;
+      for (Index i = first; i < end; ++i) {
+        length = std::hypot(length, u[at(i)].value());
+        moved = std::hypot(moved, shift * problem.W.near(i, i) * r[i]);
+        lost += u[at(i)].lost() + unknown[i];
+      }
+      friction += coefficient * length;
+      changed += coefficient * moved;
+      mu += coefficient;
+    };
+    take_disk(N + 1, N + problem.space(), problem.mu[a]);
+    if (problem.rolls()) take_disk(N + problem.space(), N + d, problem.mu_r[a]);
     const double normal = u[at(N)].value();
-    const double changed = shift * problem.W.near(N, N) * std::abs(r[N]) + mu * moved;
-    const double room = last_roundings * (std::abs(normal) + mu * squares + changed) + (1 + mu) * (lost + 1e-300);
-    const double here = normal - mu * squares - changed - room;
+    const double room = last_roundings * (std::abs(normal) + friction + changed) + (1 + mu) * (lost + 1e-300);
+    const double here = normal - friction - changed - room;
     if (!std::isfinite(here)) return -lcp::infinity;
     least = std::min(least, here);
   }
   return least;
 }
 
+template <int Size>
 class WitnessSearch {
  public:
-  WitnessSearch(const Problem& problem, const SearchLimits& limits, lcp::Deadline deadline, double shift)
+  WitnessSearch(const Problem& problem, Scaled coordinates, const SearchLimits& limits, lcp::Deadline deadline,
+                double shift)
       : problem_(problem),
         limits_(limits),
         deadline_(deadline),
         shift_(shift),
-        scaled_(scaled(problem)),
-        system_(scaled_) {}
+        scaled_(std::move(coordinates)),
+        system_(scaled_),
+        vi_(scaled_) {}
 
   std::optional<Witness> run() {
     if (problem_.contacts() == 0) return std::nullopt;
@@ -191,9 +202,9 @@ class WitnessSearch {
 
   /// W~ + diagonal I.
   bool factor(double diagonal) {
-    const Eigen::Matrix3d I = Eigen::Matrix3d::Identity();
-    const std::vector<Eigen::Matrix3d> A(scaled_.blocks.size(), diagonal * I);
-    const std::vector<Eigen::Matrix3d> inverse(scaled_.blocks.size(), I / diagonal);
+    const ContactMatrix<Size> I = ContactMatrix<Size>::Identity();
+    const std::vector<ContactMatrix<Size>> A(scaled_.blocks.size(), diagonal * I);
+    const std::vector<ContactMatrix<Size>> inverse(scaled_.blocks.size(), I / diagonal);
     return system_.factor(A, inverse);
   }
 
@@ -215,9 +226,7 @@ class WitnessSearch {
     Vec dual = z;
     for (int k = 1; k <= iterations && !over(); ++k) {
       system_.solve(right + penalty * (z - dual), r);
-      const Vec y = r + dual;
-      for (const Scaled::Block& block : scaled_.blocks)
-        z.segment(block.first, block.size) = project_onto_unit_cone(block.of(y)).head(block.size);
+      z = vi_.project(r + dual);
       dual += r - z;
       if (k % look == 0 && promising(r) && shows(r)) return true;
     }
@@ -227,9 +236,9 @@ class WitnessSearch {
   /// Whether it is worth an exact look.
   bool promising(const Vec& r) const {
     const Vec u = scaled_.W * r + scaled_.q;
-    return std::ranges::all_of(scaled_.blocks, [&](const Scaled::Block& block) {
-      return u[block.first] > (block.size > 1 ? u.segment(block.first + 1, block.size - 1).norm() : 0);
-    });
+    const Vec opened = vi_.corrected(u) - u;
+    return std::ranges::all_of(scaled_.blocks,
+                               [&](const Scaled::Block& block) { return u[block.first] > opened[block.first]; });
   }
 
   const Problem& problem_;
@@ -237,7 +246,8 @@ class WitnessSearch {
   lcp::Deadline deadline_;
   double shift_;
   Scaled scaled_;
-  ContactSystem system_;
+  ContactSystemOf<Size> system_;
+  ContactVi vi_;
   std::optional<Witness> found_;
 };
 
@@ -277,7 +287,11 @@ std::optional<Witness> find_witness(const Problem& problem, const SearchLimits& 
   check(problem);
   const lcp::Deadline deadline = lcp::deadline_after(limits.max_time);
   const std::optional<double> shift = semidefinite_up_to(problem.W);
-  return shift ? WitnessSearch(problem, limits, deadline, *shift).run() : std::nullopt;
+  if (!shift) return std::nullopt;
+  const Scaled coordinates = scaled(problem);
+  return with_size(coordinates, [&]<int Size>() {
+    return WitnessSearch<Size>(problem, coordinates, limits, deadline, *shift).run();
+  });
 }
 
 Verdict verdict_of(const Problem& problem, Infeasible proof) {

@@ -6,10 +6,11 @@
 ///
 /// *Exists*: for symmetric positive semidefinite W, if some velocities that impulses (of any sign) can bring about are
 /// inside the dual cones,
-///     u' = W r' + q,   u'_N > mu |u'_T| in every contact                                                         (*)
+///     u' = W r' + q,   u'_N > mu |u'_T| in every contact   (rolling: u'_N > mu |u'_T| + mu_r |w'_R|)             (*)
 /// (Acary, Cadoux, Lemarechal & Malick, ZAMM 91 (2011) 155, whose H'v + w in int K* it is, since H' and W have one
 /// range). The proof turns convex problems min 1/2 r'W r + (q + mu s e_N).r over K into a continuous map of s = |u_T|
-/// with bounded range. For unsymmetric W nothing is said.
+/// with bounded range. It asks of K no more than that it is a closed convex cone with e_N in K*: with rolling friction
+/// s = (|u_T|, |w_R|), and q + (mu s_T + mu_r s_R) e_N. For unsymmetric W nothing is said.
 ///
 /// W counts as symmetric only if it is so bit by bit. Rounding would decide whether a singular matrix of doubles is
 /// semidefinite. The proof therefore shows that S = D W D, D = diag(W_ii^-1/2), has no eigenvalue below -shift:

@@ -16,7 +16,7 @@
 namespace perp::contact {
 namespace {
 
-using Block = std::array<Expansion, 3>;
+using Block = std::array<Expansion, 5>;  // of a contact, zero after its d entries
 
 constexpr double tiny = 1e-300;
 constexpr double out_of_this_world = 1e12;
@@ -35,16 +35,34 @@ std::vector<Block> product(const Problem& problem, In y) {
 }
 
 struct Part {
-  bool inside = false;  ///< g_N + mu |g_T| <= 0, exactly
-  double excess = 0;    ///< at least (g_N + mu |g_T|)+
+  bool inside = false;  ///< g_N + sum mu_j |g_j| <= 0, exactly
+  double excess = 0;    ///< at least (g_N + sum mu_j |g_j|)+
   double norm = 0;      ///< at least |P_K(g)|
 };
 
+/// A disk of a contact: its coefficient, and where its entries are; 0 of the second stands for none.
+struct Disk {
+  double mu = 0;
+  std::array<std::size_t, 2> at{};
+};
+
+std::vector<Disk> disks_of(const Problem& problem, Index a) {
+  const auto width = static_cast<std::size_t>(problem.disk_width());
+  const auto disk = [width](double mu, std::size_t first) {
+    return Disk{.mu = mu, .at = {first, width == 2 ? first + 1 : 0}};
+  };
+  std::vector<Disk> out{disk(problem.mu[a], 1)};
+  if (problem.rolls()) out.push_back(disk(problem.mu_r[a], 1 + width));
+  std::erase_if(out, [](const Disk& d) { return d.mu == 0; });
+  return out;
+}
+
 /// mu |T| <= -N of N < 0 by squares, all exact; false also where something was lost.
-bool inside_exactly(const Block& g, double mu) {
+bool inside_exactly(const Block& g, const Disk& disk) {
+  const double mu = disk.mu;
   Expansion squares;
-  squares.add_product(g[1], g[1]);
-  squares.add_product(g[2], g[2]);
+  for (const std::size_t i : disk.at)
+    if (i > 0) squares.add_product(g[i], g[i]);
   Expansion weight;
   weight.add_product(mu, mu);
   Expansion difference;
@@ -55,26 +73,47 @@ bool inside_exactly(const Block& g, double mu) {
          difference.sign() >= 0;
 }
 
-Part part_of(const Block& exact, double mu) {
-  const double size = std::max({std::abs(exact[0].value()), std::abs(exact[1].value()), std::abs(exact[2].value())});
-  if (!std::isfinite(size)) return {.excess = lcp::infinity, .norm = lcp::infinity};
-  const double lost = exact[0].lost() + exact[1].lost() + exact[2].lost();
-  const bool straight = mu == 0 || (exact[1].sign() == 0 && exact[2].sign() == 0 && lost == 0);
+Part part_of(const Block& exact, const std::vector<Disk>& disks) {
+  double size = 0;
+  double lost = 0;
+  for (const Expansion& entry : exact) {
+    size = std::isfinite(entry.value()) ? std::max(size, std::abs(entry.value())) : lcp::infinity;
+    lost += entry.lost();
+    if (!std::isfinite(size)) return {.excess = lcp::infinity, .norm = lcp::infinity};
+  }
+  const auto nothing = [&exact](const Disk& disk) {
+    return exact[disk.at[0]].sign() == 0 && (disk.at[1] == 0 || exact[disk.at[1]].sign() == 0);
+  };
+  const bool straight = disks.empty() || (std::ranges::all_of(disks, nothing) && lost == 0);
   if (straight && exact[0].sign() <= 0 && exact[0].lost() == 0) return {.inside = true};
   // Near one, nothing of what follows over- or underflows where it matters.
   const int scale = size > 0 ? -std::ilogb(size) : 0;
-  const Block g{exact[0].scaled(scale), exact[1].scaled(scale), exact[2].scaled(scale)};
-  const double lost_here = g[0].lost() + g[1].lost() + g[2].lost();
+  Block g;
+  double lost_here = 0;
+  double whole = 0;
+  for (std::size_t i = 0; i < g.size(); ++i) {
+    g[i] = exact[i].scaled(scale);
+    lost_here += g[i].lost();
+    whole = std::hypot(whole, g[i].value());
+  }
   const double N = g[0].value();
-  const double T = std::hypot(g[1].value(), g[2].value());
-  const double friction = mu * T;
+  double friction = 0;
+  double mu = 0;  // of all disks
+  for (const Disk& disk : disks) {
+    friction += disk.mu * std::hypot(g[disk.at[0]].value(), disk.at[1] > 0 ? g[disk.at[1]].value() : 0);
+    mu += disk.mu;
+  }
   if (!std::isfinite(friction) || !std::isfinite(lost_here)) return {.excess = lcp::infinity, .norm = lcp::infinity};
   const double room = last_roundings * (std::abs(N) + friction) + tiny + 3 * lost_here * (1 + mu);
   if (-N - friction >= room) return {.inside = true};
-  if (N < 0 && std::abs(N + friction) <= room && inside_exactly(g, mu)) return {.inside = true};
+  if (disks.size() == 1 && N < 0 && std::abs(N + friction) <= room && inside_exactly(g, disks[0]))
+    return {.inside = true};
   const double excess = std::max(N + friction, 0.0) + room;
-  const double whole = (std::hypot(N, T) + 3 * lost_here) * (1 + last_roundings) + tiny;
-  const double norm = T <= mu * N ? whole : std::min(whole, excess / std::hypot(1, mu) * (1 + last_roundings) + tiny);
+  whole = (whole + 3 * lost_here) * (1 + last_roundings) + tiny;
+  // |P_K(g)| = g.x for a unit vector x of K, and g.x <= x_N excess; on the boundary of one disk x_N = 1 / |(1, mu)|.
+  double norm = std::min(whole, excess);
+  if (disks.size() == 1)
+    norm = friction <= mu * mu * N ? whole : std::min(whole, excess / std::hypot(1, mu) * (1 + last_roundings) + tiny);
   return {.excess = std::ldexp(excess, -scale), .norm = std::ldexp(norm, -scale)};
 }
 
@@ -112,6 +151,9 @@ double radius_of(double least, const std::vector<double>& norms) {
   return std::min(radius, std::numeric_limits<double>::max());
 }
 
+/// The coefficients of all its disks.
+double friction_of(const Problem& problem, Index a) { return problem.mu[a] + (problem.rolls() ? problem.mu_r[a] : 0); }
+
 /// Whether what sticks out of -K* is rounding, contact by contact.
 bool to_rounding(const Problem& problem, In y, const std::vector<double>& excess) {
   const int d = problem.dimension;
@@ -131,7 +173,7 @@ bool to_rounding(const Problem& problem, In y, const std::vector<double>& excess
       ++met[a];
     }
   for (Index a = 0; a < problem.contacts(); ++a)
-    if (!(excess[at(a)] <= 8 * (met[a] + 2) * eps * (1 + problem.mu[a]) * terms[a])) return false;
+    if (!(excess[at(a)] <= 8 * (met[a] + 2) * eps * (1 + friction_of(problem, a)) * terms[a])) return false;
   return true;
 }
 
@@ -163,10 +205,10 @@ Certificate examine_entries(const Problem& problem, In y, double least) {
   const std::vector<Block> g = product(problem, y);
   const Vec lost = condensed != nullptr ? lost_by_condensing(problem, *condensed, y, g) : Vec::Zero(y.size());
   for (Index a = 0; a < problem.contacts(); ++a) {
-    Part part = part_of(g[at(a)], problem.mu[a]);
+    Part part = part_of(g[at(a)], disks_of(problem, a));
     if (lost[a] != 0) {  // P_K does not stretch
       part.inside = false;
-      part.excess += (1 + problem.mu[a]) * lost[a];
+      part.excess += (1 + friction_of(problem, a)) * lost[a];
       part.norm += lost[a];
     }
     inside = inside && part.inside;

@@ -6,6 +6,7 @@
 /// so if q_N.y < 0 no r in K with
 ///     |r| < R(y) = -q_N.y / |P_K(g)|                                                              (radius, [N s])
 /// has u_N >= 0, and if -g in K* contact by contact, that is g_N + mu |g_T| <= 0, R is infinite and no r solves at all.
+/// With rolling friction that is g_N + mu |g_T| + mu_r |g_R| <= 0, and |r| has its parts in N s and in N m s.
 /// Nothing is asked of W: not symmetry, not semidefiniteness. For symmetric positive semidefinite W, -g in K* is
 /// W (y e_N) = 0. Bodies squeezed between walls have such y: weights of contacts that cannot all stop approaching.
 ///

@@ -10,6 +10,7 @@
 #include "contact/existence/conic_nnls.hpp"
 #include "contact/existence/frictionless_ray.hpp"
 #include "contact/existence/infeasible.hpp"
+#include "contact/model/unit_cone.hpp"
 #include "lcp/cholesky/symmetric.hpp"
 #include "lcp/deadline.hpp"
 
@@ -138,6 +139,10 @@ class Search {
   bool examine(const std::vector<Index>& part);
   void prepare(const std::vector<Index>& part);
   double unit(Index a) const;
+  /// The coefficient of the disk that entry k of the contact is of; 1 of the normal.
+  double friction(Index a, Index k) const {
+    return k == 0 ? 1 : k < problem_.space() ? problem_.mu[a] : problem_.mu_r[a];
+  }
   Index row_of(Index row) const { return group() * place_[at(row / group())] + row % group(); }
   Index group() const { return target_.group; }
   bool by_bodies() const { return problem_.W.whole_parts() != nullptr; }
@@ -230,19 +235,14 @@ std::vector<Index> Search::frictionless_ray(const std::vector<Index>& part, bool
 /// The generator of K* at contact a that reduces |rho| most: -P_K*(-rho_a), in coordinates where mu = 1.
 ConicNnls::Column Search::ray(Index a, const Vec& rho, double& slope) const {
   const Index first = d_ * place_[at(a)];
-  const double N = rho[first];
-  const double T = problem_.mu[a] > 0 ? rho.segment(first + 1, d_ - 1).norm() : 0;
   ConicNnls::Column column{.tag = -1 - a, .entries = {}};
-  slope = 0;
-  if (N >= T) return column;
-  Vec z = -rho.segment(first, d_);
-  if (problem_.mu[a] == 0) z.tail(d_ - 1).setZero();
-  if (-N < T) {  // not in the cone: on its boundary
-    const double length = (T - N) / 2;
-    z.tail(d_ - 1) *= length / T;
-    z[0] = length;
-  }
+  ContactVector<5> y = ContactVector<5>::Zero();
+  for (int k = 0; k < d_; ++k)
+    if (friction(a, k) > 0) y[k] = rho[first + k];
+  // Moreau: -P_K*(-y) = y - P_K(y).
+  ContactVector<5> z = project_onto_unit_cone<5>(y, problem_.rolls() ? problem_.disk_width() : 2) - y;
   slope = -z.norm();
+  if (slope == 0) return column;
   z /= z.norm();
   for (int k = 0; k < d_; ++k)
     if (z[k] != 0) column.entries.emplace_back(first + k, z[k]);
@@ -262,7 +262,7 @@ void Search::prepare(const std::vector<Index>& part) {
   weight_ = Vec::Ones(group() * static_cast<Index>(all_.size()));
   if (!by_bodies())
     for (const Index b : all_)
-      for (int k = 0; k < d_; ++k) weight_[d_ * place_[at(b)] + k] = (k == 0 ? 1 : problem_.mu[b]) * unit(b);
+      for (int k = 0; k < d_; ++k) weight_[d_ * place_[at(b)] + k] = friction(b, k) * unit(b);
   norm_ = Vec::Ones(problem_.contacts());
 }
 
@@ -328,7 +328,7 @@ bool Search::least_squares(const std::vector<Index>& part, bool with_slack) {
 void Search::refine(Vec& y, const std::vector<Index>& support, const std::vector<char>& slack) const {
   const auto needed = [&](Index row) {
     const Index b = row / d_;
-    return slack[at(b)] == 0 && (row % d_ == 0 || problem_.mu[b] > 0);
+    return slack[at(b)] == 0 && friction(b, row % d_) > 0;
   };
   std::vector<Index> rows;
   for (const Index a : support)

@@ -6,7 +6,9 @@
 ///     MATRIX W     d n x d n         MATRIX M     m x m
 ///     q            d n               MATRIX H     m x d n
 ///     mu           n                 f  m,   w  d n,   mu  n
-/// and at the end, in some files, a flag 0 or 1 that nothing depends on. MATRIX is that of
+///     [mu_r        n]                [mu_r  n]
+/// and at the end, in some files, a flag 0 or 1 that nothing depends on. d is 2 or 3; with mu_r, of rolling friction
+/// (RFC2D, RFC3D, GRFC3D), 3 or 5. MATRIX is that of
 /// lcp/io/siconos_file.hpp, dense, sparse by blocks or compressed. Zeros are not stored in W, M, H. A global problem is
 /// condensed (contact::condense), its G has no columns.
 ///

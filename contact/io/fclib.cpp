@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "contact/io/hdf5.hpp"
+#include "contact/model/checks.hpp"
 #include "contact/model/velocities.hpp"
 #include "lcp/io/output_file.hpp"
 #include "lcp/solve/schur.hpp"
@@ -190,8 +191,7 @@ Vec friction(Reader& in, const std::string& path) {
 }
 
 /// Eliminates lambda: W - V R^-1 V', q - V R^-1 s.
-void eliminate(Reader& in, Problem& p) {
-  const std::string root = "/fclib_local";
+void eliminate(Reader& in, const std::string& root, Problem& p) {
   const Vec s = in.vector(root + "/vectors/s");
   const SpMat B = in.matrix(root + "/V", p.q.size(), s.size()).transpose();
   const auto R = std::make_shared<const lcp::RefinedLu>(in.matrix(root + "/R", s.size(), s.size()));
@@ -207,24 +207,30 @@ void eliminate(Reader& in, Problem& p) {
   p.W = Delassus(std::move(*W), exact);
 }
 
-Problem read_local(Reader& in) {
-  const std::string root = "/fclib_local";
-  Problem p;
-  p.dimension = static_cast<int>(in.integer(root + "/spacedim", 2, 3));
+constexpr const char* rolling = "_rolling";
+
+void read_law(Reader& in, const std::string& root, Problem& p) {
+  const bool rolls = root.ends_with(rolling);
+  p.dimension = static_cast<int>(in.integer(root + "/spacedim", rolls ? 3 : 2, rolls ? 5 : 3));
   p.mu = friction(in, root + "/vectors/mu");
+  if (rolls) p.mu_r = friction(in, root + "/vectors/mu_r");
+  at_path(root + "/spacedim", [&] { check_rolling(p.dimension, p.mu, p.mu_r); });
+}
+
+Problem read_local(Reader& in, const std::string& root) {
+  Problem p;
+  read_law(in, root, p);
   p.q = in.vector(root + "/vectors/q", p.dimension * p.contacts(), "spacedim for each entry of mu");
   p.W = in.matrix(root + "/W", p.q.size(), p.q.size());
-  if (in.has(root + "/V") || in.has(root + "/R")) eliminate(in, p);
+  if (in.has(root + "/V") || in.has(root + "/R")) eliminate(in, root, p);
   return p;
 }
 
 /// To be condensed: W and q are not filled.
-Problem read_global(Reader& in) {
-  const std::string root = "/fclib_global";
+Problem read_global(Reader& in, const std::string& root) {
   Problem p;
   Global g;
-  p.dimension = static_cast<int>(in.integer(root + "/spacedim", 2, 3));
-  p.mu = friction(in, root + "/vectors/mu");
+  read_law(in, root, p);
   g.w = in.vector(root + "/vectors/w", p.dimension * p.contacts(), "spacedim for each entry of mu");
   g.f = in.vector(root + "/vectors/f");
   g.M = in.matrix(root + "/M", g.f.size(), g.f.size());
@@ -253,12 +259,16 @@ FclibPoint read_point(Reader& in, const std::string& path, const PointSizes& siz
 
 Fclib read_all(std::string_view content) {
   Reader in(content);
-  const bool local = in.has("/fclib_local");
-  if (local && in.has("/fclib_global")) throw std::invalid_argument("has both /fclib_local and /fclib_global");
-  if (!local && !in.has("/fclib_global")) throw std::invalid_argument("has neither /fclib_local nor /fclib_global");
+  std::string root;
+  for (const char* name : {"/fclib_local", "/fclib_global", "/fclib_local_rolling", "/fclib_global_rolling"}) {
+    if (!in.has(name)) continue;
+    if (!root.empty()) refuse_input("has both ", root, " and ", name);
+    root = name;
+  }
+  if (root.empty()) throw std::invalid_argument("has neither /fclib_local nor /fclib_global");
   Fclib out;
-  const Problem& p = out.problem = local ? read_local(in) : read_global(in);
-  const std::string info = local ? "/fclib_local/info/" : "/fclib_global/info/";
+  const Problem& p = out.problem = root.starts_with("/fclib_local") ? read_local(in, root) : read_global(in, root);
+  const std::string info = root + "/info/";
   out.title = in.text(info + "title");
   out.description = in.text(info + "description");
   out.math_info = in.text(info + "math_info");
@@ -292,9 +302,10 @@ void write_matrix(Hdf5Writer& out, const std::string& path, const SpMat& A) {
 
 void write_problem(Hdf5Writer& out, const Fclib& file, bool global) {
   const Problem& p = file.problem;
-  const std::string root = global ? "/fclib_global" : "/fclib_local";
+  const std::string root = std::string(global ? "/fclib_global" : "/fclib_local") + (p.rolls() ? rolling : "");
   out.integers(root + "/spacedim", {p.dimension});
   out.numbers(root + "/vectors/mu", p.mu);
+  if (p.rolls()) out.numbers(root + "/vectors/mu_r", p.mu_r);
   if (global) {
     const Global& g = *p.global;
     write_matrix(out, root + "/M", g.M);
@@ -330,7 +341,7 @@ Fclib parse_fclib(std::string_view content, const std::string& name) {
     Fclib out = read_all(content);
     Problem& p = out.problem;
     at_path(p.global ? "/fclib_global" : "/fclib_local", [&] {
-      if (p.global) p = condense(*p.global, p.mu, p.dimension);
+      if (p.global) p = condense(*p.global, p.mu, p.dimension, {}, p.mu_r);
       check(p);
     });
     p.name = name;

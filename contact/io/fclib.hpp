@@ -3,10 +3,10 @@
 /// Files of the Frictional Contact Library, FCLIB (Acary, Bremond, Koziara & Perignon, 2014; HDF5). Of the two problems
 ///     /fclib_local     u = W r + V lambda + q,   0 = V' r + R lambda + s         (V, R, s may be absent)
 ///     /fclib_global    M v = H r + G lambda + f,   u = H' v + w,   0 = G' v + b  (G, b may be absent)
-/// a file has one, as datasets
-///     spacedim                            d, 2 or 3
+/// a file has one, as datasets (with rolling friction in /fclib_local_rolling or /fclib_global_rolling)
+///     spacedim                            d, 2 or 3; with rolling friction 3 or 5
 ///     W, V, R or M, H, G                  groups with the matrices
-///     vectors/{q,s,mu} or {f,w,b,mu}      doubles; mu one a contact
+///     vectors/{q,s,mu} or {f,w,b,mu}      doubles; mu one a contact, and mu_r with rolling friction
 ///     info/{title,description,math_info}  text, may be absent
 /// and beside it, if anything, /solution and /guesses/1 .. /guesses/number_of_guesses with v, u, r, l (l is lambda).
 ///

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "contact/laws/encoding_builder.hpp"
+#include "contact/model/checks.hpp"
 #include "lcp/memory.hpp"
 #include "lcp/solve/solve.hpp"
 #include "lcp/words.hpp"
@@ -13,6 +14,7 @@
 namespace perp::contact {
 
 void check(const char* who, const Problem& problem, const Polygons& polygons) {
+  check_no_rolling(who, problem);
   const auto n = static_cast<std::size_t>(problem.contacts());
   if (polygons.size() != 1 && polygons.size() != n) {
     refuse_input(who, ": ", polygons.size(), " polygons for ", n, " contacts; give one, or one for each");

@@ -4,11 +4,13 @@
 #include <algorithm>
 #include <sstream>
 
+#include "contact/model/checks.hpp"
 #include "lcp/words.hpp"
 
 namespace perp::contact {
 FirstNcp::FirstNcp(const Problem& problem, bool scale) : dimension_(problem.dimension), mu_(problem.mu) {
   check(problem);
+  check_no_rolling("the first NCP", problem);
   units_ = scale ? Units::of(problem.W, problem.q) : Units::none();
   W_ = problem.W.matrix() * (units_.impulse / units_.velocity);
   q_ = problem.q / units_.velocity;

@@ -34,6 +34,7 @@ Problem with_newton_impact(Problem problem, In e, In before) {
 
 Problem without_friction(Problem problem) {
   problem.mu.setZero();
+  problem.mu_r.setZero();
   return problem;
 }
 

@@ -36,19 +36,50 @@ int unknowns(Encoding encoding, int size) {
 
 using Triplets = std::vector<Eigen::Triplet<double>>;
 
+/// One disk of a contact, which is a contact of `size` entries by itself: its places among the contact's entries and
+/// unknowns, of which r_N is common.
+struct DiskPlaces {
+  int size;
+  int unknowns;
+  std::array<int, 3> entry{};
+  std::array<int, 7> unknown{};
+};
+
+int unknowns(Encoding encoding, const Scaled::Block& block) {
+  return 1 + block.disk_count() * (unknowns(encoding, block.entries() + 1) - 1);
+}
+
+DiskPlaces places_of(Encoding encoding, const Scaled::Block& block, int disk) {
+  const int size = block.entries() + 1;
+  DiskPlaces out{.size = size, .unknowns = unknowns(encoding, size)};
+  for (int i = 1; i < size; ++i) out.entry[at(i)] = block.first_of(disk) + i - 1;
+  const bool impulses = encoding == Encoding::A;  // those of all disks come first
+  const int own = out.unknowns - (impulses ? size : 1);
+  for (int k = 1; k < out.unknowns; ++k)
+    out.unknown[at(k)] = impulses && k < size ? out.entry[at(k)]
+                         : impulses           ? block.size + disk * own + k - size
+                                              : 1 + disk * own + k - 1;
+  return out;
+}
+
 /// r~ = T z and F = L u~ + .. of one contact, in its rows of r~ (from `r`) and of z (from `z`).
-void add_contact(Encoding encoding, int size, int r, int z, Triplets& T, Triplets& L) {
+void add_contact(Encoding encoding, const Scaled::Block& block, int r, int z, Triplets& T, Triplets& L) {
   T.emplace_back(r, z, 1);
   L.emplace_back(z, r, 1);
-  for (int i = 1; i < size; ++i) {
-    if (encoding == Encoding::A) {
-      T.emplace_back(r + i, z + i, 1);
-      L.emplace_back(z + i, r + i, 1);
-      continue;
+  for (int d = 0; d < block.disk_count(); ++d) {
+    const DiskPlaces of = places_of(encoding, block, d);
+    const auto row = [&](int i) { return r + of.entry[at(i)]; };
+    const auto place = [&](int i) { return z + of.unknown[at(i)]; };
+    for (int i = 1; i < of.size; ++i) {
+      if (encoding == Encoding::A) {
+        T.emplace_back(row(i), place(i), 1);
+        L.emplace_back(place(i), row(i), 1);
+        continue;
+      }
+      for (int j = 0; j < of.size; ++j)
+        if (const double entry = slacks(of.size).impulse(i, j); entry != 0) T.emplace_back(row(i), place(j), entry);
+      for (int j = 1; j < of.size; ++j) L.emplace_back(place(i), row(j), -slacks(of.size).multiplier(i - 1, j - 1));
     }
-    for (int j = 0; j < size; ++j)
-      if (const double entry = slacks(size).impulse(i, j); entry != 0) T.emplace_back(r + i, z + j, entry);
-    for (int j = 1; j < size; ++j) L.emplace_back(z + i, r + j, -slacks(size).multiplier(i - 1, j - 1));
   }
 }
 
@@ -82,7 +113,7 @@ Disk disk_at(const GlockerOptions& law, double N, double T1, double T2) {
 
 }  // namespace
 
-/// The terms of one contact that are not L u~, with their derivatives. z are the contact's own unknowns.
+/// The terms of one disk that are not L u~, with their derivatives. z are its own unknowns (DiskPlaces).
 struct Glocker::Local {
   Eigen::Matrix<double, 7, 1> F;
   Eigen::Matrix<double, 7, 7> J;
@@ -178,13 +209,13 @@ Glocker::Glocker(Scaled problem, const GlockerOptions& options) : problem_(std::
   Triplets blocks;
   for (const Scaled::Block& block : problem_.blocks) {
     first_.push_back(n);
-    const int m = unknowns(options.encoding, block.size);
+    const int m = unknowns(options.encoding, block);
     const auto r = static_cast<int>(block.first);
     const auto z = static_cast<int>(n);
-    add_contact(options.encoding, block.size, r, z, T, L);
+    add_contact(options.encoding, block, r, z, T, L);
     for (int j = 0; j < m; ++j)
       for (int i = 0; i < m; ++i) blocks.emplace_back(z + i, z + j, 0.0);
-    if (block.size == 3) ++disks_;
+    if (block.entries() == 2) disks_ += block.disk_count();
     n += m;
   }
   first_.push_back(n);
@@ -220,17 +251,29 @@ void Glocker::set_smoothing(double delta, double eps) {
   options_ = options;
 }
 
-void Glocker::local(const Scaled::Block& block, In z, Local& out) const {
+void Glocker::local(int size, In z, Local& out) const {
   out.F.setZero();
   out.J.setZero();
-  if (block.size == 1) return;
   if (options_.encoding == Encoding::A) {
-    out.facets(block.size, options_.eps, z);
-    if (block.size == 3) out.disk(disk_at(options_, z[0], z[1], z[2]), z);
-  } else if (block.size == 2) {
+    out.facets(size, options_.eps, z);
+    if (size == 3) out.disk(disk_at(options_, z[0], z[1], z[2]), z);
+  } else if (size == 2) {
     out.interval_slacks(options_.eps, z);
   } else {
     out.triangle_slacks(options_, z);
+  }
+}
+
+/// add(places, terms) of each disk of the contact at x.
+template <class Add>
+void Glocker::for_terms(std::size_t a, In x, const Add& add) const {
+  Local part;
+  for (int d = 0; d < problem_.blocks[a].disk_count(); ++d) {
+    const DiskPlaces of = places_of(options_.encoding, problem_.blocks[a], d);
+    Eigen::Matrix<double, 7, 1> z = Eigen::Matrix<double, 7, 1>::Zero();
+    for (int k = 0; k < of.unknowns; ++k) z[k] = x[first_[a] + of.unknown[at(k)]];
+    local(of.size, z, part);
+    add(of, part);
   }
 }
 
@@ -238,25 +281,22 @@ bool Glocker::eval(In x, lcp::Out F) const {
   const Vec r = T_ * x;
   const Vec u = problem_.W * r + problem_.q;
   F = L_ * u;
-  Local part;
-  for (std::size_t a = 0; a < problem_.blocks.size(); ++a) {
-    const Index m = first_[a + 1] - first_[a];
-    local(problem_.blocks[a], x.segment(first_[a], m), part);
-    F.segment(first_[a], m) += part.F.head(m);
-  }
+  for (std::size_t a = 0; a < problem_.blocks.size(); ++a)
+    for_terms(a, x, [&](const DiskPlaces& of, const Local& part) {
+      for (int k = 0; k < of.unknowns; ++k) F[first_[a] + of.unknown[at(k)]] += part.F[k];
+    });
   return F.allFinite();
 }
 
 bool Glocker::jacobian(In x, SpMat& J) const {
   std::copy(constant_.valuePtr(), constant_.valuePtr() + constant_.nonZeros(), J.valuePtr());
-  Local part;
-  std::size_t k = 0;
-  for (std::size_t a = 0; a < problem_.blocks.size(); ++a) {
-    const Index m = first_[a + 1] - first_[a];
-    local(problem_.blocks[a], x.segment(first_[a], m), part);
-    for (Index j = 0; j < m; ++j, ++k)
-      for (Index i = 0; i < m; ++i) J.valuePtr()[block_entries_[k] + i] += part.J(i, j);
-  }
+  for (std::size_t a = 0; a < problem_.blocks.size(); ++a)
+    for_terms(a, x, [&](const DiskPlaces& of, const Local& part) {
+      for (int j = 0; j < of.unknowns; ++j) {
+        const Index column = block_entries_[at(first_[a] + of.unknown[at(j)])];
+        for (int i = 0; i < of.unknowns; ++i) J.valuePtr()[column + of.unknown[at(i)]] += part.J(i, j);
+      }
+    });
   return true;
 }
 
@@ -275,35 +315,37 @@ Vec Glocker::start_at(In r) const {
   const Vec u = problem_.W * r + problem_.q;
   Vec z = Vec::Zero(box_.size());
   for (std::size_t a = 0; a < problem_.blocks.size(); ++a) {
-    const auto [N, size] = problem_.blocks[a];
-    auto own = z.segment(first_[a], first_[a + 1] - first_[a]);
-    own[0] = std::max(0.0, r[N]);
-    if (size == 1) continue;
-    const Vec r_T = r.segment(N + 1, size - 1);
-    const Vec u_T = u.segment(N + 1, size - 1);
-    const bool slides = size == 3 && own[0] > loaded;
-    const bool normalised = options_.row == DiskRow::Normalised;
-    const double kappa_D = !slides ? 0 : u_T.norm() / (normalised ? 2 : 2 * own[0]);
-    Vec more = Vec::Zero(size - 1);  // of kappa than of the last facet
-    if (!slides) more = -slacks(size).multiplier.topLeftCorner(size - 1, size - 1) * u_T;
-    const double last = std::max(0.0, -more.minCoeff());
-    if (options_.encoding == Encoding::A) {
-      own.segment(1, size - 1) = r_T;
-      own.segment(size, size - 1) = more.array() + last;
-      own[2 * size - 1] = last;
-    } else {
+    const Scaled::Block& block = problem_.blocks[a];
+    const double r_N = z[first_[a]] = std::max(0.0, r[block.first]);
+    for (int d = 0; d < block.disk_count(); ++d) {
+      const DiskPlaces of = places_of(options_.encoding, block, d);
+      const int size = of.size;
+      const auto own = [&](int k) -> double& { return z[first_[a] + of.unknown[at(k)]]; };
+      const Vec r_T = r.segment(block.first + block.first_of(d), size - 1);
+      const Vec u_T = u.segment(block.first + block.first_of(d), size - 1);
+      const bool slides = size == 3 && r_N > loaded;
+      const bool normalised = options_.row == DiskRow::Normalised;
+      const double kappa_D = !slides ? 0 : u_T.norm() / (normalised ? 2 : 2 * r_N);
+      Vec more = Vec::Zero(size - 1);  // of kappa than of the last facet
+      if (!slides) more = -slacks(size).multiplier.topLeftCorner(size - 1, size - 1) * u_T;
+      const double last = std::max(0.0, -more.minCoeff());
       for (int i = 1; i < size; ++i) {
+        if (options_.encoding == Encoding::A) {
+          own(i) = r_T[i - 1];
+          own(size + i - 1) = more[i - 1] + last;
+          continue;
+        }
         const auto& e = facet_normal(size, at(i - 1));
-        own[i] = std::max(0.0, own[0] - e[0] * r_T[0] - (size == 3 ? e[1] * r_T[1] : 0));
+        own(i) = std::max(0.0, r_N - e[0] * r_T[0] - (size == 3 ? e[1] * r_T[1] : 0));
       }
-      own[size] = last;
+      own(options_.encoding == Encoding::A ? 2 * size - 1 : size) = last;
+      if (size == 3) own(of.unknowns - 1) = kappa_D;
     }
-    if (size == 3) own[own.size() - 1] = kappa_D;
   }
   return z;
 }
 
-/// Names of a contact's unknowns, or rows, in the order of these words.
+/// Names of a disk's unknowns, or rows, in the order of these words; R beside those of a second disk.
 std::string Glocker::label(Index i, bool equation) const {
   using Names = std::array<const char*, 7>;
   static constexpr std::array<std::array<Names, 2>, 4> names{{
@@ -314,8 +356,17 @@ std::string Glocker::label(Index i, bool equation) const {
       {{{"r_N", "s_1", "s_2", "kappa_3", "kappa_D"}, {"u_N", "kappa_1", "kappa_2", "s_3", "sigma_D"}}},
   }};
   const auto a = static_cast<std::size_t>(std::upper_bound(first_.begin(), first_.end(), i) - first_.begin() - 1);
-  const std::size_t form = (options_.encoding == Encoding::B ? 2 : 0) + (problem_.blocks[a].size == 3 ? 1 : 0);
-  return std::string(names[form][equation ? 1 : 0][at(i - first_[a])]) + "[" + std::to_string(a + 1) + "]";
+  const Scaled::Block& block = problem_.blocks[a];
+  const std::string contact = "[" + std::to_string(a + 1) + "]";
+  for (int d = 0; d < block.disk_count(); ++d) {
+    const DiskPlaces of = places_of(options_.encoding, block, d);
+    const auto k = std::find(of.unknown.begin(), of.unknown.begin() + of.unknowns, static_cast<int>(i - first_[a]));
+    if (k == of.unknown.begin() + of.unknowns) continue;
+    const std::size_t form = (options_.encoding == Encoding::B ? 2 : 0) + (of.size == 3 ? 1 : 0);
+    return names[form][equation ? 1 : 0][static_cast<std::size_t>(k - of.unknown.begin())] +
+           std::string(d == 1 ? "^R" : "") + contact;
+  }
+  return (equation ? "u_N" : "r_N") + contact;
 }
 
 std::string Glocker::variable_name(Index i) const { return label(i, false); }

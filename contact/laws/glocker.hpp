@@ -19,7 +19,8 @@
 ///     r_T = ((s_2 - s_1) / sqrt 3, 2 r_N - s_1 - s_2),   s_3 = 3 r_N - s_1 - s_2 + eps kappa_3,
 ///     kappa_1 = kappa_3 + w_2 + w_1 / sqrt 3,   kappa_2 = kappa_3 + w_2 - w_1 / sqrt 3,   w = -u_T - c r_T kappa_D.
 /// In 2D the disk is an interval and two facets are exact: (r_N, r_T, kappa_1, kappa_2) and (r_N, s_1, kappa_2),
-/// affine. Frictionless contacts have r_N alone.
+/// affine. Frictionless contacts have r_N alone. With rolling friction each disk has facets, a row and multipliers of
+/// its own, and r_N is common: 13 unknowns in A, 9 in B (docs/contact/rolling.md).
 #include <optional>
 #include <string>
 #include <vector>
@@ -74,7 +75,9 @@ class Glocker final : public ncp::Mcp {
 
  private:
   struct Local;
-  void local(const Scaled::Block& block, In z, Local& out) const;
+  void local(int size, In z, Local& out) const;
+  template <class Add>
+  void for_terms(std::size_t a, In x, const Add& add) const;
   std::string label(Index i, bool equation) const;
 
   Scaled problem_;

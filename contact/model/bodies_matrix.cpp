@@ -26,7 +26,8 @@ std::vector<int> rows_of(const SpMat& H, const Scaled::Block& block) {
 
 }  // namespace
 
-BodiesMatrix::BodiesMatrix(const Scaled& problem)
+template <int Size>
+BodiesMatrixOf<Size>::BodiesMatrixOf(const Scaled& problem)
     : velocities_(problem.W.parts()->inertia().velocities()), by_lu_(problem.W.parts()->inertia().by_lu()) {
   const SpMat& M = problem.W.parts()->M();
   const SpMat& H = problem.W.parts()->H();
@@ -35,7 +36,7 @@ BodiesMatrix::BodiesMatrix(const Scaled& problem)
   for (const Scaled::Block& block : problem.blocks) {
     const std::vector<int>& own = rows.emplace_back(rows_of(H, block));
     Part& part = parts_.emplace_back();
-    part.H.assign(own.size(), Eigen::RowVector3d::Zero());
+    part.H.assign(own.size(), Row::Zero());
     for (int c = 0; c < block.size; ++c)
       for (SpMat::InnerIterator it(H, block.first + c); it; ++it)
         part.H[at(std::lower_bound(own.begin(), own.end(), it.row()) - own.begin())][c] = it.value();
@@ -56,14 +57,15 @@ BodiesMatrix::BodiesMatrix(const Scaled& problem)
       inertia_[at(place_of(K_, static_cast<int>(it.row()), static_cast<int>(j)))] = it.value();
 }
 
-void BodiesMatrix::assemble(const std::vector<Eigen::Matrix3d>& E, bool lower_alone) {
+template <int Size>
+void BodiesMatrixOf<Size>::assemble(const std::vector<ContactMatrix<Size>>& E, bool lower_alone) {
   std::copy(inertia_.begin(), inertia_.end(), K_.valuePtr());
   double* const value = K_.valuePtr();
   Rows HE;
   for (std::size_t a = 0; a < parts_.size(); ++a) {
     const Part& part = parts_[a];
     HE.clear();
-    for (const Eigen::RowVector3d& row : part.H) HE.emplace_back(row * E[a]);
+    for (const Row& row : part.H) HE.emplace_back(row * E[a]);
     const Index* lower = part.lower.data();
     const Index* upper = part.upper.data();
     for (std::size_t j = 0; j < HE.size(); ++j) {
@@ -73,7 +75,8 @@ void BodiesMatrix::assemble(const std::vector<Eigen::Matrix3d>& E, bool lower_al
   }
 }
 
-SpMat BodiesMatrix::with_unit_diagonal(Vec& scale) const {
+template <int Size>
+SpMat BodiesMatrixOf<Size>::with_unit_diagonal(Vec& scale) const {
   constexpr double least_share = 1e-8;
   scale = Vec::Ones(K_.cols());
   for (Index j = 0; j < K_.cols(); ++j) {
@@ -94,5 +97,8 @@ SpMat BodiesMatrix::with_unit_diagonal(Vec& scale) const {
   }
   return scale.asDiagonal() * K_ * scale.asDiagonal();
 }
+
+template class BodiesMatrixOf<3>;
+template class BodiesMatrixOf<5>;
 
 }  // namespace perp::contact

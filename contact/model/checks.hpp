@@ -7,6 +7,10 @@ namespace perp::contact {
 
 void check(const Global& global, Index rows);  ///< rows = d n
 void check_friction(const Vec& mu);
-void check_dimension(int dimension);
+void check_dimension(int dimension);                                ///< without rolling friction
+void check_rolling(int dimension, const Vec& mu, const Vec& mu_r);  ///< with it or without
+
+/// Of what knows contacts with one disk alone.
+void check_no_rolling(const char* who, const Problem& problem);
 
 }  // namespace perp::contact

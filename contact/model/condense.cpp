@@ -131,13 +131,13 @@ void take_saddle_point(const Global& g, Problem& p) {
 
 }  // namespace
 
-Problem condense(Global global, Vec mu, int dimension, std::string name) {
-  check_dimension(dimension);
-  check_friction(mu);
+Problem condense(Global global, Vec mu, int dimension, std::string name, Vec mu_r) {
+  check_rolling(dimension, mu, mu_r);
   check(global, dimension * mu.size());
   Problem p{.dimension = dimension, .name = std::move(name)};
   if (!take_parts(global, p)) take_saddle_point(global, p);
   p.mu = std::move(mu);
+  p.mu_r = std::move(mu_r);
   p.global = std::make_shared<const Global>(std::move(global));
   check(p);
   return p;

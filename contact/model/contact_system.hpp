@@ -34,22 +34,28 @@
 namespace perp::contact {
 
 /// Of one contact: rows A dr + B du, of which its size counts.
-struct ContactRows {
-  Eigen::Matrix3d A = Eigen::Matrix3d::Zero();
-  Eigen::Matrix3d B = Eigen::Matrix3d::Zero();
+template <int Size>
+struct RowsOfSize {
+  ContactMatrix<Size> A = ContactMatrix<Size>::Zero();
+  ContactMatrix<Size> B = ContactMatrix<Size>::Zero();
 };
+using ContactRows = RowsOfSize<3>;
 
 /// Rows p (q.dr) of one contact besides.
-struct ContactCoupling {
+template <int Size>
+struct CouplingOfSize {
   std::size_t contact = 0;
-  Eigen::Vector3d p = Eigen::Vector3d::Zero();
-  Eigen::Vector3d q = Eigen::Vector3d::Zero();
+  ContactVector<Size> p = ContactVector<Size>::Zero();
+  ContactVector<Size> q = ContactVector<Size>::Zero();
 };
+using ContactCoupling = CouplingOfSize<3>;
 
 /// (A + B W) x.
-Vec product(const Scaled& problem, const std::vector<ContactRows>& rows, In x);
+template <int Size>
+Vec product(const Scaled& problem, const std::vector<RowsOfSize<Size>>& rows, In x);
 /// K = A + B (W + alpha I), whose pattern is that of W.
-void contact_matrix(const Scaled& problem, const std::vector<ContactRows>& rows, double alpha, SpMat& K);
+template <int Size>
+void contact_matrix(const Scaled& problem, const std::vector<RowsOfSize<Size>>& rows, double alpha, SpMat& K);
 
 /// x += solve(c - product(x)), at most four times, while the largest entry of the residual is above `target` and falls
 /// to a quarter. Returns that entry.
@@ -71,24 +77,28 @@ double refine(const Vec& c, double target, const Product& product, const Solve& 
   return size;
 }
 
-class ContactSystem {
+/// Of contacts with one disk, Size = 3, or two, Size = 5; those have no form by bodies (scaling.hpp).
+template <int Size>
+class ContactSystemOf {
  public:
+  using Rows = RowsOfSize<Size>;
+  using Coupling = CouplingOfSize<Size>;
+  using Block = ContactMatrix<Size>;
   enum class Form { Contacts, Bodies };
 
   /// `problem` outlives *this.
-  explicit ContactSystem(const Scaled& problem, lcp::LuBackend lu = lcp::LuBackend::Auto);
+  explicit ContactSystemOf(const Scaled& problem, lcp::LuBackend lu = lcp::LuBackend::Auto);
   /// For another W of the same pattern, or the same parts with a shift(), with the analysis and memory of `shared`.
-  ContactSystem(const Scaled& problem, const ContactSystem& shared);
-  ~ContactSystem();
-  ContactSystem(const ContactSystem&) = delete;
-  ContactSystem& operator=(const ContactSystem&) = delete;
+  ContactSystemOf(const Scaled& problem, const ContactSystemOf& shared);
+  ~ContactSystemOf();
+  ContactSystemOf(const ContactSystemOf&) = delete;
+  ContactSystemOf& operator=(const ContactSystemOf&) = delete;
 
   // One block or pair of them a contact. False: there are no factors, the matrix is singular or not finite.
-  bool factor(const std::vector<ContactRows>& rows);
+  bool factor(const std::vector<Rows>& rows);
   /// A + W with A symmetric positive definite, and these couplings; A's inverse is needed to more digits than A has.
   /// Pre: W has no shift().
-  bool factor(const std::vector<Eigen::Matrix3d>& A, const std::vector<Eigen::Matrix3d>& inverse,
-              std::vector<ContactCoupling> couplings = {});
+  bool factor(const std::vector<Block>& A, const std::vector<Block>& inverse, std::vector<Coupling> couplings = {});
   /// With the last factors; where the reduced system is not solved with those, with factors of the whole matrix, and x
   /// is NaN where that is singular. Pre: there are factors.
   void solve(In c, Vec& x);
@@ -133,17 +143,18 @@ class ContactSystem {
   bool symmetric_W_ = false;  // to rounding at least
   bool chosen_ = false;
   bool by_cholesky_ = false;
-  SpMat K_;                               // by contacts
-  std::shared_ptr<BodiesMatrix> bodies_;  // none: by contacts
-  Vec scale_;                             // of the rows and columns of LU's factors by bodies
-  Delassus W_;                            // without its shift, which is in rows_
+  SpMat K_;                                       // by contacts
+  std::shared_ptr<BodiesMatrixOf<Size>> bodies_;  // none: by contacts
+  Vec scale_;                                     // of the rows and columns of LU's factors by bodies
+  Delassus W_;                                    // without its shift, which is in rows_
   // Of the last factors.
-  std::vector<ContactRows> rows_;
-  std::vector<ContactCoupling> couplings_;                       // none in a matrix factored whole
+  std::vector<Rows> rows_;
+  std::vector<Coupling> couplings_;                              // none in a matrix factored whole
   std::optional<Eigen::PartialPivLU<Eigen::MatrixXd>> reduced_;  // 1 + Q' K^-1 P, once it is needed
-  std::vector<Eigen::Matrix3d> A_inverse_;
-  std::vector<Eigen::Matrix3d> E_;
+  std::vector<Block> A_inverse_;
+  std::vector<Block> E_;
   int factorizations_ = 0;
 };
+using ContactSystem = ContactSystemOf<3>;
 
 }  // namespace perp::contact

@@ -20,9 +20,13 @@ template <class... Parts>
 }
 
 /// "contact 3, component T1 (entry 10)": where entry i of a vector over the contacts stands.
-std::string place(Index i, int dimension) {
-  static constexpr const char* components[] = {"N", "T1", "T2"};
-  return text_of("contact ", i / dimension, ", component ", components[i % dimension], " (entry ", i, ")");
+std::string place(Index i, const Problem& p) {
+  static constexpr const char* of_disks[] = {"T1", "T2", "R1", "R2"};
+  const Index contact = i / p.dimension;
+  const Index k = i % p.dimension - 1;
+  const Index width = p.disk_width();
+  const char* component = k < 0 ? "N" : of_disks[k < width ? k : 2 + k - width];
+  return text_of("contact ", contact, ", component ", component, " (entry ", i, ")");
 }
 
 void check_size(const char* what, Index size, Index expected, const char* why) {
@@ -50,7 +54,7 @@ void check_finite(const char* what, const Vec& v) {
 void check_finite_diagonal(const Problem& p) {
   const Vec diagonal = p.W.diagonal();
   for (Index i = 0; i < diagonal.size(); ++i)
-    if (!std::isfinite(diagonal[i])) refuse("W is ", diagonal[i], " on its diagonal, at ", place(i, p.dimension));
+    if (!std::isfinite(diagonal[i])) refuse("W is ", diagonal[i], " on its diagonal, at ", place(i, p));
 }
 
 using Lines = std::vector<int>;
@@ -151,6 +155,7 @@ std::vector<ContactGroup> separated(const Problem& problem) {
     if (!W) return {};
     Problem part{.dimension = d, .W = std::move(*W), .q = problem.q(rows), .mu = problem.mu(contacts)};
     part.name = problem.name;
+    if (problem.mu_r.size() != 0) part.mu_r = problem.mu_r(contacts);
     if (problem.rounding.q.size() != 0) part.rounding.q = problem.rounding.q(rows);
     if (problem.rounding.W.size() != 0) part.rounding.W = problem.rounding.W(rows);
     out.push_back({.contacts = std::move(contacts), .problem = std::move(part)});
@@ -174,18 +179,37 @@ void check(const Global& g, Index rows) {
   check_finite("b", g.b);
 }
 
-void check_friction(const Vec& mu) {
+namespace {
+
+void check_coefficients(const char* friction, const Vec& mu) {
   for (Index a = 0; a < mu.size(); ++a)
     if (!(std::isfinite(mu[a]) && mu[a] >= 0))
-      refuse("the coefficient of friction of contact ", a, " is ", mu[a], "; it must be finite and not negative");
+      refuse("the coefficient of ", friction, " of contact ", a, " is ", mu[a], "; it must be finite and not negative");
+}
+
+}  // namespace
+
+void check_friction(const Vec& mu) { check_coefficients("friction", mu); }
+
+void check_no_rolling(const char* who, const Problem& problem) {
+  if (problem.rolls()) refuse_input(who, ": a problem with rolling friction, which this does not know");
 }
 
 void check_dimension(int dimension) {
   if (dimension != 2 && dimension != 3) refuse("the dimension is ", dimension, ", neither 2 nor 3");
 }
 
+void check_rolling(int dimension, const Vec& mu, const Vec& mu_r) {
+  check_friction(mu);
+  if (dimension != 5 && mu_r.size() == 0) return check_dimension(dimension);
+  if (dimension != 3 && dimension != 5)
+    refuse("with rolling friction a contact has ", dimension, " entries, neither 3, in 2D, nor 5, in 3D");
+  check_size("mu_r", mu_r.size(), mu.size(), "one a contact");
+  check_coefficients("rolling friction", mu_r);
+}
+
 void check(const Problem& p) {
-  check_dimension(p.dimension);
+  check_rolling(p.dimension, p.mu, p.mu_r);
   const Index n = p.dimension * p.contacts();
   static constexpr const char* square =
       "a row a velocity of the contacts, as many as dimension x coefficients of friction";
@@ -194,9 +218,8 @@ void check(const Problem& p) {
   else if (p.W.rows() != n)
     refuse("W is ", p.W.rows(), " x ", p.W.cols(), ", not ", n, " x ", n, ": ", square);
   check_size("q", p.q.size(), n, "one a velocity of the contacts");
-  check_friction(p.mu);
   for (Index i = 0; i < n; ++i)
-    if (!std::isfinite(p.q[i])) refuse("q is ", p.q[i], " at ", place(i, p.dimension));
+    if (!std::isfinite(p.q[i])) refuse("q is ", p.q[i], " at ", place(i, p));
   if (p.W.parts() != nullptr) {
     check_finite("M", p.W.parts()->M());
     check_finite("H", p.W.parts()->H());
@@ -206,7 +229,7 @@ void check(const Problem& p) {
     for (Index j = 0; j < n; ++j)
       for (SpMat::InnerIterator it(W, j); it; ++it)
         if (!std::isfinite(it.value()))
-          refuse("W(", it.row(), ", ", j, ") is ", it.value(), ", in the column of ", place(j, p.dimension));
+          refuse("W(", it.row(), ", ", j, ") is ", it.value(), ", in the column of ", place(j, p));
   }
   if (p.rounding.q.size() != 0) check_size("the rounding of q", p.rounding.q.size(), n, "one an entry of q");
   if (p.rounding.W.size() != 0) check_size("the rounding of W", p.rounding.W.size(), n, "one a row of W");

@@ -3,13 +3,18 @@
 /// Unilateral contact with Coulomb friction, discrete in time, at n contacts:
 ///     u = W r + q,   K*_mu > u + mu |u_T| e_N  _|_  r in K_mu,   K_mu = {r : |r_T| <= mu r_N}
 /// contact by contact (De Saxce & Feng 1998; Acary & Brogliato 2008, eq. 13.58). Block a of r, u, q is
-/// (N, T1[, T2]) of contact a: with d = `dimension`, entries d a .. d a + d - 1.
+/// (N, T1[, T2]) of contact a: with d = `dimension`, entries d a .. d a + d - 1. With rolling friction it is
+/// (N, T1[, T2], R1[, R2]), with a second disk:
+///     K_mu = {r : |r_T| <= mu r_N, |m_R| <= mu_r r_N},   K*_mu > u + (mu |u_T| + mu_r |w_R|) e_N  _|_  r in K_mu.
 ///     r   impulses [N s], r_N >= 0 pushes the bodies apart
 ///     u   relative velocities after the impact [m/s]; q is the free velocity with Newton's impact law folded in
 ///         (e U_N,k added to the normal part)
 ///     W   Delassus operator H' M^-1 H [1/kg]: positive semidefinite, of low rank where contacts are redundant; in
 ///         recorded data unsymmetric by up to some per cent
 ///     mu  coefficients of friction [-], >= 0; 0 is a frictionless contact
+///     m_R, w_R   rolling parts of r and u: angular impulses [N m s] and velocities [rad/s] about tangential axes, or
+///         in 2D the one across the plane
+///     mu_r  coefficients of rolling friction [m], >= 0
 #include <memory>
 #include <string>
 #include <vector>
@@ -38,15 +43,20 @@ struct Rounding {
 };
 
 struct Problem {
-  int dimension = 3;  ///< d: 2 or 3
+  int dimension = 3;  ///< d, entries of a contact: 2 or 3; with rolling friction 3 in 2D, 5 in 3D
   Delassus W{};       ///< d n x d n: by compressed entries, or by the bodies' M and H, and then formed for nobody yet
   Vec q{};            ///< d n
   Vec mu{};           ///< n
+  Vec mu_r{};         ///< n where there is rolling friction; else empty
   std::string name{};
   std::shared_ptr<const Global> global{};  ///< where W and q are condensed from it
   Rounding rounding{};                     ///< of whoever condensed it; to be emptied with a new q
 
   Index contacts() const { return mu.size(); }
+  bool rolls() const { return dimension == 5 || mu_r.size() > 0; }
+  /// Entries of a contact's disk, or of each of its two.
+  int disk_width() const { return rolls() ? (dimension - 1) / 2 : dimension - 1; }
+  int space() const { return disk_width() + 1; }  ///< 2 or 3: where the bodies move
 };
 
 /// Impulses and velocities of the contacts, as a reader or a solver returns them, before they are judged.
@@ -55,8 +65,8 @@ struct Solution {
   Vec u{};  ///< d n
 };
 
-/// Throws std::invalid_argument naming the contact and the value if the dimension is neither 2 nor 3, sizes differ, W
-/// is not square, an entry is not finite or a mu negative. Of W by its parts these are looked at.
+/// Throws std::invalid_argument naming the contact and the value if the dimension is none of these, sizes differ, W is
+/// not square, an entry is not finite or a coefficient negative. Of W by its parts these are looked at.
 void check(const Problem& problem);
 
 /// Some contacts of a problem that no others act on.
@@ -80,6 +90,6 @@ SpMat saddle_point(const SpMat& M, const SpMat& G);
 /// is. |W_ij| <= 1e-15 sqrt(W_ii W_jj) is rounding and left out. Throws std::invalid_argument if sizes differ, an entry
 /// is not finite, M is singular or G has dependent columns (K singular up to rounding), std::bad_alloc if the factors
 /// do not fit.
-Problem condense(Global global, Vec mu, int dimension = 3, std::string name = {});
+Problem condense(Global global, Vec mu, int dimension = 3, std::string name = {}, Vec mu_r = {});
 
 }  // namespace perp::contact

@@ -15,21 +15,40 @@ namespace {
 constexpr double least_scale = 1e-300;
 
 using Eigen::Vector2d;
-using Eigen::Vector3d;
 
 struct Parts {
-  double N;  ///< normal
-  double T;  ///< size of the tangential part
+  double N;      ///< normal
+  double T;      ///< size of the tangential part
+  double R = 0;  ///< of the rolling part, times or over the contact's lever
 };
 
-Parts parts(In v, Index a, int d) {
-  return {v[d * a], d == 2 ? std::abs(v[d * a + 1]) : std::hypot(v[d * a + 1], v[d * a + 2])};
+/// `per_lever`: what the rolling part is multiplied by.
+Parts parts(const Problem& problem, In v, Index a, double per_lever) {
+  const int width = problem.disk_width();
+  const auto length = [&v, width](Index i) { return width == 1 ? std::abs(v[i]) : std::hypot(v[i], v[i + 1]); };
+  const Index N = problem.dimension * a;
+  return {v[N], length(N + 1), problem.rolls() ? per_lever * length(N + 1 + width) : 0};
 }
 
-/// (N, T1, T2) of contact a, T2 = 0 in 2D.
-Vector3d part(In v, Index a, int d) { return {v[d * a], v[d * a + 1], d == 3 ? v[d * a + 2] : 0}; }
+/// Contact a's part of v, with zeros after it; rolling multiplied by this.
+template <int Size>
+ContactVector<Size> part(const Problem& problem, In v, Index a, double per_lever) {
+  const int d = problem.dimension;
+  ContactVector<Size> out = ContactVector<Size>::Zero();
+  for (int k = 0; k < d; ++k) out[k] = v[d * a + k];
+  if constexpr (disks<Size> == 2) out.tail(Size - 1 - problem.disk_width()) *= per_lever;
+  return out;
+}
 
-double size(const Parts& p) { return std::hypot(p.N, p.T); }
+template <int Size>
+Frictions<Size> frictions(const Problem& problem, Index a, double lever) {
+  if constexpr (disks<Size> == 1)
+    return {problem.mu[a]};
+  else
+    return {problem.mu[a], problem.mu_r[a] / lever};
+}
+
+double size(const Parts& p) { return p.R == 0 ? std::hypot(p.N, p.T) : std::hypot(p.N, p.T, p.R); }
 
 /// The larger, NaN if there is one.
 double larger(double a, double b) { return b <= a || std::isnan(a) ? a : b; }
@@ -41,9 +60,9 @@ double told(double metric) {
 }
 
 /// 1 / mean(diag W), the unit kg of r / u; 1 where W has no positive trace.
-double unit(const Delassus& W) {
-  const double trace = W.diagonal().sum();
-  const double rho = static_cast<double>(W.rows()) / trace;
+double unit(In diagonal) {
+  const double trace = diagonal.sum();
+  const double rho = static_cast<double>(diagonal.size()) / trace;
   return trace > 0 && std::isfinite(rho) ? rho : 1;
 }
 
@@ -64,18 +83,23 @@ double share(double x, double scale) {
 }
 
 /// Adds contact a's shares to the largest so far.
-void add_shares(Residual& out, const Vector3d& r, const Vector3d& u, double mu, double V, double w) {
+template <int Size>
+void add_shares(Residual& out, const ContactVector<Size>& r, const ContactVector<Size>& u, const Frictions<Size>& mu,
+                int width, double V, double w) {
   const double r_size = r.stableNorm();
   const double R = w > 0 ? std::max(r_size, V / w) : r_size;
-  out.cone_share = larger(out.cone_share, share(natural_map(r, Vector3d::Zero(), mu).stableNorm(), R));
+  const ContactVector<Size> none = ContactVector<Size>::Zero();
+  out.cone_share = larger(out.cone_share, share(natural_map<Size>(r, none, mu, 1, width).stableNorm(), R));
   out.normal_share = larger(out.normal_share, std::abs(std::min(share(r[0], R), share(u[0], V))));
-  const Vector2d r_T(share(r[1], R), share(r[2], R));
-  const Vector2d u_T(share(u[1], V), share(u[2], V));
-  const double most = std::max(mu * share(r[0], R), 0.0);
-  const Vector2d y = r_T - u_T;
-  const double Y = y.stableNorm();
-  const double slip = Y <= most ? u_T.stableNorm() : (r_T - most / Y * y).stableNorm();
-  out.slip_share = larger(out.slip_share, slip);
+  for (int j = 0; j < disks<Size>; ++j) {
+    const Vector2d r_T = disk<Size>(r, j, width).unaryExpr([R](double x) { return share(x, R); });
+    const Vector2d u_T = disk<Size>(u, j, width).unaryExpr([V](double x) { return share(x, V); });
+    const double most = std::max(mu[at(j)] * share(r[0], R), 0.0);
+    const Vector2d y = r_T - u_T;
+    const double Y = y.stableNorm();
+    const double slip = Y <= most ? u_T.stableNorm() : (r_T - most / Y * y).stableNorm();
+    out.slip_share = larger(out.slip_share, slip);
+  }
 }
 
 }  // namespace
@@ -106,35 +130,64 @@ double Residual::largest() const { return std::max({siconos, rr9118, cone_share,
 
 bool accepted(const Residual& residual, double tol) { return residual.largest() <= tol; }
 
-Judge::Judge(const Problem& problem) : problem_(problem), rho_(unit(problem.W)), coupled_(coupled_velocities(problem)) {
-  const Vec diagonal = problem.W.diagonal();
-  for (Index a = 0; a < problem.contacts(); ++a)
-    diagonal_.push_back(diagonal.segment(problem.dimension * a, problem.dimension).mean());
+Judge::Judge(const Problem& problem) : problem_(problem), coupled_(coupled_velocities(problem)) {
+  Vec diagonal = problem.W.diagonal();
+  const int d = problem.dimension;
+  for (Index a = 0; a < problem.contacts(); ++a) {
+    lever_.push_back(lever(problem, a));
+    if (problem.rolls()) diagonal.segment(d * a, d).array() *= levers(problem, lever_.back()).array().square();
+    diagonal_.push_back(diagonal.segment(d * a, d).mean());
+  }
+  rho_ = unit(diagonal);
 }
 
 Residual Judge::operator()(In r) const {
   check_impulses(problem_, r);
-  const int d = problem_.dimension;
   const Velocities at_r = exact_velocities(problem_, r, coupled_);
+  return problem_.rolls() ? judged<5>(r, at_r) : judged<3>(r, at_r);
+}
+
+template <int Size>
+Residual Judge::judged(In r, const Velocities& at_r) const {
   const Vec Wr = at_r.u - problem_.q;
+  const int width = disks<Size> == 1 ? 2 : problem_.disk_width();
   Residual out;
   double worst = -1;
   Vec natural(problem_.contacts());
   Vec e_rho(problem_.contacts());
+  // r, u and q of all contacts, at their levers.
+  Vec sizes_r(problem_.rolls() ? problem_.contacts() : 0);
+  Vec sizes_u = sizes_r;
+  Vec sizes_q = sizes_r;
   for (Index a = 0; a < problem_.contacts(); ++a) {
-    const Vector3d force = part(r, a, d);
-    const Vector3d velocity = part(at_r.u, a, d);
-    const double mu = problem_.mu[a];
-    const double T = std::hypot(force[1], force[2]);
-    const double power = force[1] * velocity[1] + force[2] * velocity[2];
-    out.cone = larger(out.cone, larger(T - mu * force[0], -force[0]));
+    const double arm = lever_[at(a)];
+    const ContactVector<Size> force = part<Size>(problem_, r, a, 1 / arm);
+    const ContactVector<Size> velocity = part<Size>(problem_, at_r.u, a, arm);
+    const Frictions<Size> mu = frictions<Size>(problem_, a, arm);
+    out.cone = larger(out.cone, -force[0]);
     out.normal = larger(out.normal, std::abs(std::min(force[0], rho_ * velocity[0])));
-    out.slip = larger(out.slip, std::abs(std::hypot(velocity[1], velocity[2]) * mu * force[0] + power));
-    const auto size_of = [&](const Vec& v) { return v.segment(d * a, d).stableNorm(); };
-    const double V = std::max({size_of(problem_.q), size_of(Wr), std::min(size_of(at_r.terms), coupled_[at(a)])});
-    add_shares(out, force, velocity, mu, V, diagonal_[at(a)]);
-    natural[a] = told(natural_map(force, velocity, mu).stableNorm());
-    e_rho[a] = told(natural_map(force, velocity, mu, rho_).stableNorm());
+    for (int j = 0; j < disks<Size>; ++j) {
+      const Vector2d r_T = disk<Size>(force, j, width);
+      const Vector2d u_T = disk<Size>(velocity, j, width);
+      const double most = mu[at(j)] * force[0];
+      out.cone = larger(out.cone, std::hypot(r_T[0], r_T[1]) - most);
+      out.slip = larger(out.slip, std::abs(std::hypot(u_T[0], u_T[1]) * most + (r_T[0] * u_T[0] + r_T[1] * u_T[1])));
+    }
+    const auto size_of = [&](const Vec& v) { return part<Size>(problem_, v, a, arm).stableNorm(); };
+    const double size_of_q = size_of(problem_.q);
+    const double V = std::max({size_of_q, size_of(Wr), std::min(size_of(at_r.terms), coupled_[at(a)])});
+    add_shares<Size>(out, force, velocity, mu, width, V, diagonal_[at(a)]);
+    e_rho[a] = told(natural_map<Size>(force, velocity, mu, rho_, width).stableNorm());
+    if constexpr (disks<Size> == 1) {
+      natural[a] = told(natural_map<Size>(force, velocity, mu).stableNorm());
+    } else {  // the published metrics are in the problem's own units
+      natural[a] = told(natural_map<Size>(part<Size>(problem_, r, a, 1), part<Size>(problem_, at_r.u, a, 1),
+                                          frictions<Size>(problem_, a, 1), 1, width)
+                            .stableNorm());
+      sizes_r[a] = force.stableNorm();
+      sizes_u[a] = velocity.stableNorm();
+      sizes_q[a] = size_of_q;
+    }
     if (e_rho[a] > worst) {
       worst = e_rho[a];
       out.worst = a;
@@ -143,7 +196,10 @@ Residual Judge::operator()(In r) const {
   const double q = problem_.q.stableNorm();
   const double u = told(at_r.u.stableNorm());
   const double sizes = std::max({q, r.stableNorm(), u});
-  const double scaled_sizes = std::max({r.stableNorm(), rho_ * u, rho_ * q});
+  const double scaled_sizes =
+      problem_.rolls()
+          ? std::max({sizes_r.stableNorm(), rho_ * told(sizes_u.stableNorm()), rho_ * sizes_q.stableNorm()})
+          : std::max({r.stableNorm(), rho_ * u, rho_ * q});
   out.natural = told(natural.stableNorm());
   out.siconos = told(out.natural / std::max(sizes, least_scale));
   out.rr9118 = told(out.natural / std::max(q, least_scale));
@@ -163,24 +219,28 @@ std::vector<ContactState> states(const Problem& problem, In r, double tol) {
 std::vector<ContactState> states(const Problem& problem, const Solution& at, double tol) {
   check_impulses(problem, at.r);
   check_velocities(problem, at.u);
-  const int d = problem.dimension;
   const auto& [r, u] = at;
   double largest_r = 0;
   double largest_u = 0;
   for (Index a = 0; a < problem.contacts(); ++a) {
-    largest_r = std::max(largest_r, size(parts(r, a, d)));
-    largest_u = std::max({largest_u, size(parts(u, a, d)), size(parts(problem.q, a, d))});
+    const double arm = lever(problem, a);
+    largest_r = std::max(largest_r, size(parts(problem, r, a, 1 / arm)));
+    largest_u = std::max({largest_u, size(parts(problem, u, a, arm)), size(parts(problem, problem.q, a, arm))});
   }
   std::vector<ContactState> out(static_cast<std::size_t>(problem.contacts()));
   for (Index a = 0; a < problem.contacts(); ++a) {
-    const Parts force = parts(r, a, d);
-    const Parts velocity = parts(u, a, d);
+    const double arm = lever(problem, a);
+    const Parts force = parts(problem, r, a, 1 / arm);
+    const Parts velocity = parts(problem, u, a, arm);
     const double most = problem.mu[a] * force.N;
+    const double most_rolling = problem.rolls() ? problem.mu_r[a] / arm * force.N : 0;
     ContactState& state = out[static_cast<std::size_t>(a)];
     if (size(force) <= tol * largest_r)
       state = {State::Open, velocity.N};
     else if (force.T >= (1 - tol) * most && velocity.T > tol * largest_u)
       state = {State::Slip, velocity.T};
+    else if (problem.rolls() && force.R >= (1 - tol) * most_rolling && velocity.R > tol * largest_u)
+      state = {State::Roll, velocity.R / arm};
     else
       state = {State::Stick, most - force.T};
   }
@@ -195,6 +255,8 @@ const char* name(State state) {
       return "stick";
     case State::Slip:
       return "slip";
+    case State::Roll:
+      return "roll";
   }
   return "?";
 }

@@ -2,19 +2,25 @@
 #pragma once
 /// The judge of contact problems. It uses r and the problem only, and does not depend on the formulation:
 ///     u = W r + q,   uhat = u + mu |u_T| e_N,   e_rho(r) = r - P_K(r - rho uhat)   contact by contact,
-/// zero exactly at solutions, for every rho > 0 (natural map; Acary & Brogliato 2008, 13.3; INRIA RR-9118, 3).
+/// zero exactly at solutions, for every rho > 0 (natural map; Acary & Brogliato 2008, 13.3; INRIA RR-9118, 3). With
+/// rolling friction uhat = u + (mu |u_T| + mu_r |w_R|) e_N, K has both disks, and beside the published metrics rolling
+/// counts as what it is at a lever of l_a = sqrt(w_T / w_R) [m], the means of W's diagonal over the contact's entries
+/// (N, T) and (R): m_R / l_a, l_a w_R and mu_r / l_a, in N s, m/s and without a unit.
 #include <vector>
 
 #include "contact/model/problem.hpp"
 
 namespace perp::contact {
 
-enum class State { Open, Stick, Slip };
+struct Velocities;
+
+/// Roll: does not slip, and its rolling friction is fully used.
+enum class State { Open, Stick, Slip, Roll };
 
 struct ContactState {
   State state = State::Open;
   /// The distance to another state: u_N [m/s] of an open contact, mu r_N - |r_T| [N s] of a sticking one, |u_T| [m/s]
-  /// of a slipping one.
+  /// of a slipping one, |w_R| [rad/s] of a rolling one.
   double margin = 0;
 };
 
@@ -31,7 +37,7 @@ struct Residual {
   double siconos = 0;       ///< ||e_1|| / max(||q||, ||r||, ||u||), the largest not below 1e-300: Siconos 4.4's metric
   double rr9118 = 0;        ///< ||e_1|| / ||q||: the metric of INRIA RR-9118
   double scaled = 0;        ///< ||e_rho|| / max(||r||, rho ||u||, rho ||q||) with rho = 1 / mean(diag W): free of units
-  double cone = 0;          ///< max over contacts of (|r_T| - mu r_N)+ and (-r_N)+ [N s]
+  double cone = 0;          ///< max over contacts and disks of (|r_T| - mu r_N)+ and (-r_N)+ [N s]
   double normal = 0;        ///< max of |min(r_N, rho u_N)| [N s]: normal complementarity
   double slip = 0;          ///< max of |u_T| mu r_N + r_T.u_T [J], 0 where friction opposes slip and is fully used
   double cone_share = 0;    ///< max over contacts of dist(r, K) / R_a
@@ -59,9 +65,13 @@ class Judge {
   Residual operator()(In r) const;
 
  private:
+  template <int Size>
+  Residual judged(In r, const Velocities& at_r) const;
+
   const Problem& problem_;
   double rho_ = 1;
   std::vector<double> coupled_;   // Q_a
+  std::vector<double> lever_;     // l_a
   std::vector<double> diagonal_;  // w_a
 };
 /// One point.
@@ -69,7 +79,7 @@ Residual residual(const Problem& problem, In r);
 
 /// Returns the state of each contact. It is Open if |r| is at most `tol` times the largest |r|. It is Slip if |r_T| >=
 /// (1 - tol) mu r_N and |u_T| exceeds tol times the largest |u| or |q|; |q| counts because u is mere rounding where all
-/// contacts stick. It is Stick otherwise.
+/// contacts stick. It is Roll by the same of m_R and w_R. It is Stick otherwise.
 std::vector<ContactState> states(const Problem& problem, In r, double tol = 1e-6);
 /// The same with u = W r + q, as velocities() has it, in at.u.
 std::vector<ContactState> states(const Problem& problem, const Solution& at, double tol = 1e-6);

@@ -85,20 +85,35 @@ Scaled scaled(const Problem& problem, bool scale, WForm form) {
   const Index n = problem.contacts();
   Scaled out;
   out.whole = d * n;
+  const int width = problem.disk_width();
   const Units units = scale ? Units::of(problem.W, problem.q) : Units::none();
 
   Coordinates to;
   to.place.assign(at(d * n), -1);
   to.s = units.W;
   for (Index a = 0; a < n; ++a) {
-    const int size = problem.mu[a] > 0 ? d : 1;
-    out.blocks.push_back({static_cast<Index>(out.rows.size()), size});
-    for (int k = 0; k < size; ++k) {
-      to.place[at(d * a + k)] = static_cast<int>(out.rows.size());
-      out.rows.push_back(d * a + k);
-      to.weight.push_back(k == 0 ? 1 : problem.mu[a]);
-    }
+    Scaled::Block& block = out.blocks.emplace_back(static_cast<Index>(out.rows.size()), 0);
+    int disks = 0;
+    const auto take = [&](int from, int count, double weight) {
+      for (int k = from; k < from + count; ++k) {
+        to.place[at(d * a + k)] = static_cast<int>(out.rows.size());
+        out.rows.push_back(d * a + k);
+        to.weight.push_back(weight);
+      }
+      block.size += count;
+    };
+    const auto take_disk = [&](int from, double mu) {
+      if (!(mu > 0)) return;
+      take(from, width, mu);
+      ++disks;
+    };
+    take(0, 1, 1);
+    take_disk(1, problem.mu[a]);
+    if (problem.rolls()) take_disk(1 + width, problem.mu_r[a]);
+    if (disks == 2) block.width = width;
+    out.rolls = out.rolls || disks == 2;
   }
+  if (out.rolls) form = WForm::Entries;
   to.blocks = out.blocks;
   to.rows = out.rows;
   const auto m = static_cast<Index>(out.rows.size());
@@ -123,13 +138,16 @@ double natural_map(const Scaled& problem, In r) { return natural_map(problem, r,
 
 double natural_map(const Scaled& problem, In r, In centre, double alpha) {
   const Vec u = problem.W * r + problem.q + alpha * (r - centre);
-  double worst = 0;
-  for (const Scaled::Block& block : problem.blocks) {
-    const double part = natural_map(block.of(r), block.of(u), 1).norm();
-    if (!(part <= worst)) worst = part;
-  }
-  if (std::isnan(worst)) return lcp::infinity;
-  return worst;
+  return with_size(problem, [&]<int Size>() {
+    Frictions<Size> mu;
+    mu.fill(1);
+    double worst = 0;
+    for (const Scaled::Block& block : problem.blocks) {
+      const double part = natural_map<Size>(block.of<Size>(r), block.of<Size>(u), mu, 1, block.width).norm();
+      if (!(part <= worst)) worst = part;
+    }
+    return std::isnan(worst) ? lcp::infinity : worst;
+  });
 }
 
 }  // namespace perp::contact

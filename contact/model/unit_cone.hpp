@@ -1,16 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-/// The unit cone K = {|r_T| <= r_N} in R^3, of the coordinates of contact/model/scaling.hpp; entries that a smaller
-/// contact has not are zero. K is its own dual. Private to contact/.
-#include <Eigen/Core>
+/// The unit cone K = {|r_j| <= r_N, j the contact's disks} in R^3 or R^5, of the coordinates of
+/// contact/model/scaling.hpp; entries that a smaller contact has not are zero (disks.hpp). Of one disk K is its own
+/// dual. Private to contact/.
+#include <algorithm>
+
+#include "contact/model/disks.hpp"
 
 namespace perp::contact {
 
-/// uhat = u + |u_T| e_N: De Saxce's change of variables.
-inline Eigen::Vector3d corrected(Eigen::Vector3d u) {
-  u[0] += u.tail<2>().norm();
+/// uhat = u + |u_T| e_N: De Saxce's change of variables. Of two disks u + (|u_T| + |w_R|) e_N.
+template <int Size>
+ContactVector<Size> corrected(ContactVector<Size> u, int width) {
+  double opening = 0;
+  for (int j = 0; j < disks<Size>; ++j) opening += disk<Size>(u, j, width).norm();
+  u[0] += opening;
   return u;
 }
+inline Eigen::Vector3d corrected(const Eigen::Vector3d& u) { return corrected<3>(u, 2); }
 
 /// y_T / |y_T|, or zero.
 inline Eigen::Vector2d tangential_direction(const Eigen::Vector3d& y) {
@@ -25,6 +32,28 @@ inline Eigen::Vector3d project_onto_unit_cone(const Eigen::Vector3d& y) {
   Eigen::Vector3d p;
   p << 1, tangential_direction(y);
   return (y[0] + length) / 2 * p;
+}
+
+/// The root x >= 0 of x - y_N = sum (|y_j| - x)+ is P_N; each disk is cut to it.
+template <int Size>
+ContactVector<Size> project_onto_unit_cone(const ContactVector<Size>& y, int width) {
+  if constexpr (disks<Size> == 1) {
+    return project_onto_unit_cone(y);
+  } else {
+    const double T = disk<Size>(y, 0, width).norm();
+    const double R = disk<Size>(y, 1, width).norm();
+    const double longer = std::max(T, R);
+    const double shorter = std::min(T, R);
+    double x = y[0];
+    if (longer > x) x = (y[0] + longer) / 2;
+    if (shorter > x) x = (y[0] + longer + shorter) / 3;
+    if (!(x > 0)) return ContactVector<Size>::Zero();
+    ContactVector<Size> p = y;
+    p[0] = x;
+    if (T > x) set_disk<Size>(p, 0, width, x / T * disk<Size>(y, 0, width));
+    if (R > x) set_disk<Size>(p, 1, width, x / R * disk<Size>(y, 1, width));
+    return p;
+  }
 }
 
 /// r_T onto the disk of that radius.

@@ -56,10 +56,12 @@ Velocities known(const Problem& problem, const lcp::SchurImage& image, double rc
   Velocities out{.u = image.value, .terms = std::move(terms)};
   for (Index a = 0; a < problem.contacts(); ++a) {
     const double Q = coupled[at(a)];
-    const auto of = [&](const Vec& v) { return v.segment(d * a, d).stableNorm(); };
+    const auto unit = levers(problem, lever(problem, a));
+    const auto of = [&](const Vec& v) { return v.segment(d * a, d).cwiseProduct(unit).stableNorm(); };
     const double compared = std::max({of(image.value), of(problem.q), std::min(of(out.terms), Q)});
     for (Index i = d * a; i < d * a + d; ++i) {
-      if (Q > 0 && image.doubt[i] > most_doubt * compared) out.u[i] = std::numeric_limits<double>::quiet_NaN();
+      if (Q > 0 && unit[i - d * a] * image.doubt[i] > most_doubt * compared)
+        out.u[i] = std::numeric_limits<double>::quiet_NaN();
       if (Q == 0 && std::abs(image.value[i]) <= rcond * image.doubt[i]) out.u[i] = 0;
     }
   }
@@ -202,8 +204,10 @@ Velocities by_parts(const Problem& problem, In r, const std::vector<double>& cou
   Velocities out{.u = by_parts<DoubledSum>(problem, r), .terms = std::move(terms)};
   const double rounding = roundings * eps * eps / parts.inertia().rcond();
   for (Index i = 0; i < r.size(); ++i) {
-    const double compared = std::max(std::abs(out.u[i]), least_share * coupled[at(i / problem.dimension)]);
-    if (std::isfinite(out.u[i]) && rounding * out.terms[i] > wanted * compared) {
+    const Index a = i / problem.dimension;
+    const double unit = i % problem.dimension < problem.space() ? 1 : lever(problem, a);
+    const double compared = std::max(unit * std::abs(out.u[i]), least_share * coupled[at(a)]);
+    if (std::isfinite(out.u[i]) && unit * rounding * out.terms[i] > wanted * compared) {
       out.u = by_parts<lcp::ExactSum>(problem, r);
       break;
     }
@@ -213,12 +217,35 @@ Velocities by_parts(const Problem& problem, In r, const std::vector<double>& cou
 
 }  // namespace
 
+double lever(const Problem& problem, Index contact) {
+  if (!problem.rolls()) return 1;
+  const int d = problem.dimension;
+  const int slides = problem.space();
+  const auto mean = [&](int from, int to) {
+    double sum = 0;
+    for (Index i = d * contact + from; i < d * contact + to; ++i) sum += problem.W.near(i, i);
+    return sum / (to - from);
+  };
+  const double square = mean(0, slides) / mean(slides, d);
+  return square > 0 && std::isfinite(square) ? std::sqrt(square) : 1;
+}
+
+Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 5, 1> levers(const Problem& problem, double lever) {
+  Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 5, 1> out = Vec::Ones(problem.dimension);
+  out.tail(problem.dimension - problem.space()).setConstant(lever);
+  return out;
+}
+
 std::vector<double> coupled_velocities(const Problem& problem) {
   const int d = problem.dimension;
   std::vector<double> out(at(problem.contacts()));
   for (const std::vector<Index>& group : problem.W.groups(d)) {
     double largest = 0;
-    for (const Index a : group) largest = std::max(largest, problem.q.segment(d * a, d).stableNorm());
+    for (const Index a : group) {
+      const auto q = problem.q.segment(d * a, d);
+      largest = std::max(
+          largest, problem.rolls() ? q.cwiseProduct(levers(problem, lever(problem, a))).stableNorm() : q.stableNorm());
+    }
     for (const Index a : group) out[at(a)] = largest;
   }
   return out;

@@ -56,6 +56,7 @@ struct Subproblem {
 };
 constexpr Subproblem subproblem{};
 
+template <int Size>
 class Solver {
  public:
   Solver(Referee& referee, const Scaled& problem, const Auto& method)
@@ -87,15 +88,19 @@ class Solver {
  private:
   bool is_warm() const { return start_.size() > 0; }
   bool sweeps() const { return !is_warm() && method_.sweeps > 0; }
-  bool over_cones() const { return method_.cones && method_.polish; }
-  bool polishes() const { return method_.polish; }
+  bool over_cones() const { return method_.cones && method_.polish && Size == 3; }
   bool always() const { return true; }
   bool proximal() const { return method_.proximal; }
 
   bool newton_from_start();
   bool homotopy_from_start();
   bool sweep();
-  bool cones() { return ConeHomotopy(referee_, problem_, newton_, system_).run(); }
+  bool cones() {
+    if constexpr (Size == 3)
+      return ConeHomotopy(referee_, problem_, newton_, system_).run();
+    else
+      return false;
+  }
   bool homotopy() { return attempt(nullptr, 1); }
   bool proof() { return referee_.no_solution(); }
   bool by_groups();
@@ -111,42 +116,48 @@ class Solver {
   const Scaled& problem_;
   const Auto& method_;
   HomotopyOptions options_;
-  ContactSystem system_;  // of all: one analysis, and one set of factors in memory
-  AlartCurnier newton_;
+  ContactSystemOf<Size> system_;  // of all: one analysis, and one set of factors in memory
+  AlartCurnierOf<Size> newton_;
   Vec start_{};
 };
 
-const std::array<Solver::Entry, 8> Solver::list{{
+template <int Size>
+const std::array<typename Solver<Size>::Entry, 8> Solver<Size>::list{{
     {"Newton steps from the start", "a start is given", "the solution of a similar problem is near", "",
-     &Solver::is_warm, &Solver::newton_from_start},
+     &Solver<Size>::is_warm, &Solver<Size>::newton_from_start},
     {"homotopy from near the start", "a start is given", "the more has changed, the farther the path begins", "",
-     &Solver::is_warm, &Solver::homotopy_from_start},
+     &Solver<Size>::is_warm, &Solver<Size>::homotopy_from_start},
     {"sweeps of Gauss-Seidel", "no start is given", "they cost little, and weakly coupled contacts need no more",
-     "they alone solve 21 of 31 recorded sets", &Solver::sweeps, &Solver::sweep},
-    {"paths over the cones", "", "the path of the associated law cannot turn back",
-     "without its splitting 2 of 463 problems are lost, and 22 % of the time", &Solver::over_cones, &Solver::cones},
+     "they alone solve 21 of 31 recorded sets", &Solver<Size>::sweeps, &Solver<Size>::sweep},
+    {"paths over the cones", "no contact has rolling friction", "the path of the associated law cannot turn back",
+     "without its splitting 2 of 463 problems are lost, and 22 % of the time", &Solver<Size>::over_cones,
+     &Solver<Size>::cones},
     {"homotopy", "", "it follows Coulomb's law itself, with Newton steps near a solution and damped ones at its end",
-     "without the damped steps 22 % more factorizations", &Solver::always, &Solver::homotopy},
-    {"proof that there is no solution", "", "what has none need not be tried longer", "", &Solver::proximal,
-     &Solver::proof},
+     "without the damped steps 22 % more factorizations", &Solver<Size>::always, &Solver<Size>::homotopy},
+    {"proof that there is no solution", "", "what has none need not be tried longer", "", &Solver<Size>::proximal,
+     &Solver<Size>::proof},
     {"groups of contacts by themselves", "", "no step is shortened by what happens elsewhere",
-     "RockPile with mu = 0.2 takes 3,509 factorizations without, 265 with", &Solver::proximal, &Solver::by_groups},
+     "RockPile with mu = 0.2 takes 3,509 factorizations without, 265 with", &Solver<Size>::proximal,
+     &Solver<Size>::by_groups},
     {"proximal loop", "", "singular W need it", "without its homotopy RockPile is not solved in 20 s",
-     &Solver::proximal, &Solver::proximal_loop},
+     &Solver<Size>::proximal, &Solver<Size>::proximal_loop},
 }};
 
 /// Newton steps from the last solution.
-bool Solver::newton_from_start() {
+template <int Size>
+bool Solver<Size>::newton_from_start() {
   return referee_.judge(start_, {.by = Origin::WarmStart}) || (method_.polish && polish(start_, polish_alphas.front()));
 }
 
-bool Solver::homotopy_from_start() {
+template <int Size>
+bool Solver<Size>::homotopy_from_start() {
   const double far = natural_map(problem_, start_);
   return attempt(&start_, std::clamp(far * far, 1e-6, 1.0));
 }
 
 /// Sweeps while they contract.
-bool Solver::sweep() {
+template <int Size>
+bool Solver<Size>::sweep() {
   const GaussSeidel method(problem_);
   Vec r = Vec::Zero(problem_.size());
   Vec u = problem_.q;
@@ -166,9 +177,10 @@ bool Solver::sweep() {
 
 /// Takes steps of the homotopy, with Newton steps where it comes near a solution; then damped Newton steps from the
 /// point of the least natural map.
-bool Solver::attempt(const Vec* from, double tau) {
+template <int Size>
+bool Solver<Size>::attempt(const Vec* from, double tau) {
   ++referee_.stats().attempts;
-  Homotopy homotopy(problem_, system_, options_);
+  Homotopy<Size> homotopy(problem_, system_, options_);
   if (from != nullptr) homotopy.start(*from, tau);
   double polish_at = method_.polish_at;
   std::size_t polished = 0;
@@ -188,7 +200,8 @@ bool Solver::attempt(const Vec* from, double tau) {
       least = map;
       best = homotopy.r();
     }
-    const double largest = std::max(homotopy.r().lpNorm<Eigen::Infinity>(), homotopy.u().lpNorm<Eigen::Infinity>());
+    const double largest =
+        std::max(homotopy.r().template lpNorm<Eigen::Infinity>(), homotopy.u().template lpNorm<Eigen::Infinity>());
     const double near = map / std::max(largest, 1e-300);
     if (near > polish_at) continue;
     polish_at = polish_again * near;
@@ -198,7 +211,8 @@ bool Solver::attempt(const Vec* from, double tau) {
 }
 
 /// Newton steps on the equation of Alart & Curnier with the proximal term of the iterate itself.
-bool Solver::polish(const Vec& r, double alpha) {
+template <int Size>
+bool Solver<Size>::polish(const Vec& r, double alpha) {
   NewtonSteps steps = polishing;
   steps.alpha = alpha;
   return newton_steps(referee_, problem_, newton_, r, steps);
@@ -206,7 +220,8 @@ bool Solver::polish(const Vec& r, double alpha) {
 
 /// Groups of contacts that do not act on each other, each by itself: most need no more than sweeps, and in what is left
 /// no step is shortened by what happens elsewhere. False where the whole is one group.
-bool Solver::by_groups() {
+template <int Size>
+bool Solver<Size>::by_groups() {
   const Problem& whole = referee_.problem();
   const int d = whole.dimension;
   Vec r = referee_.best_impulses();
@@ -219,7 +234,7 @@ bool Solver::by_groups() {
     options.better = {};
     options.max_time = std::chrono::duration<double>(std::max(0.0, referee_.seconds_left()));
     Referee part(group.problem, coordinates, options, true);
-    if (!part.over()) Solver(part, coordinates, method_).run({});
+    if (!part.over()) run_auto(part, coordinates, method_, {});
     referee_.add(part.stats());
     all = all && part.solved();
     for (std::size_t k = 0; k < group.contacts.size(); ++k)
@@ -229,7 +244,8 @@ bool Solver::by_groups() {
   return referee_.judge(problem_.reduce(r), {.by = Origin::Groups}) || referee_.over() || !all;
 }
 
-Scaled Solver::proximal_problem(In centre, double alpha) const {
+template <int Size>
+Scaled Solver<Size>::proximal_problem(In centre, double alpha) const {
   Scaled proximal = problem_;
   proximal.W = problem_.W.plus(alpha);
   proximal.q -= alpha * centre;
@@ -237,7 +253,8 @@ Scaled Solver::proximal_problem(In centre, double alpha) const {
 }
 
 /// Newton's method on the proximal problem of `centre`, from r.
-bool Solver::newton_on(In centre, double alpha, Vec& r) {
+template <int Size>
+bool Solver<Size>::newton_on(In centre, double alpha, Vec& r) {
   Vec x = r;
   double least = lcp::infinity;
   for (int k = 0; k <= subproblem.newton; ++k) {
@@ -256,13 +273,14 @@ bool Solver::newton_on(In centre, double alpha, Vec& r) {
   return false;
 }
 
-bool Solver::homotopy_on(In centre, double alpha, Vec& r) {
+template <int Size>
+bool Solver<Size>::homotopy_on(In centre, double alpha, Vec& r) {
   const Scaled proximal = proximal_problem(centre, alpha);
   HomotopyOptions careful = options_;
   careful.least_centring = std::max(0.1, careful.least_centring);
   careful.to_boundary = 0.99;
-  ContactSystem system(proximal, system_);
-  Homotopy homotopy(proximal, system, careful);
+  ContactSystemOf<Size> system(proximal, system_);
+  Homotopy<Size> homotopy(proximal, system, careful);
   double least = lcp::infinity;
   for (int k = 0; k < subproblem.homotopy && least > 1e-9 && !referee_.over(); ++k) {
     const bool going = homotopy.step();
@@ -277,7 +295,8 @@ bool Solver::homotopy_on(In centre, double alpha, Vec& r) {
   return least <= subproblem.accept;
 }
 
-bool Solver::proximal_loop() {
+template <int Size>
+bool Solver<Size>::proximal_loop() {
   ++referee_.stats().attempts;
   Vec centre = Vec::Zero(problem_.size());
   Vec reached = centre;  // the last subproblem's solution
@@ -323,7 +342,7 @@ bool Solver::proximal_loop() {
 
 std::vector<ncp::OutlineLine> outline_of_auto() {
   std::vector<ncp::OutlineLine> lines;
-  for (const Solver::Entry& entry : Solver::list)
+  for (const Solver<3>::Entry& entry : Solver<3>::list)
     lines.push_back({.method = std::string(entry.name),
                      .when = std::string(entry.when_in_words),
                      .reason = std::string(entry.reason),
@@ -332,7 +351,7 @@ std::vector<ncp::OutlineLine> outline_of_auto() {
 }
 
 void run_auto(Referee& referee, const Scaled& problem, const Auto& method, const Vec& start) {
-  Solver(referee, problem, method).run(start);
+  with_size(problem, [&]<int Size>() { Solver<Size>(referee, problem, method).run(start); });
 }
 
 }  // namespace perp::contact

@@ -11,6 +11,7 @@
 /// delta = delta_share tau and eps = eps_share tau. In a Newton step kappa and w belong to their contact alone; they
 /// are eliminated (Schur complement), and what is left is a system of contact/model/contact_system.hpp:
 ///     (W + diag(B_a)) dr = rhs.
+/// Of two disks each has facets and a row of its own, with the same r_N and g (docs/contact/rolling.md).
 /// Predictor and corrector are those of contact/cones/predictor_corrector.hpp, step lengths as in
 /// ncp/methods/interior_point.hpp, without any search on the residual.
 #include <vector>
@@ -38,10 +39,11 @@ struct HomotopyIteration {
 };
 
 /// The run, step by step: the caller judges r after each.
+template <int Size = 3>
 class Homotopy {
  public:
   /// From r_N = 1, r_T = 0, kappa = 1. `problem` and `system` as for AlartCurnier.
-  Homotopy(const Scaled& problem, ContactSystem& system, const HomotopyOptions& options = {});
+  Homotopy(const Scaled& problem, ContactSystemOf<Size>& system, const HomotopyOptions& options = {});
   ~Homotopy();
   Homotopy(const Homotopy&) = delete;
   Homotopy& operator=(const Homotopy&) = delete;
@@ -81,7 +83,7 @@ class Homotopy {
   Vec r_, u_;
   std::vector<Contact> contacts_;
   Index products_ = 0;
-  ContactSystem& system_;
+  ContactSystemOf<Size>& system_;
   HomotopyIteration last_;
   double last_step_ = 1;
 };

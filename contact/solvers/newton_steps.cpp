@@ -7,7 +7,9 @@
 
 namespace perp::contact {
 
-bool newton_steps(Referee& referee, const Scaled& problem, AlartCurnier& newton, Vec r, const NewtonSteps& steps) {
+template <int Size>
+bool newton_steps(Referee& referee, const Scaled& problem, AlartCurnierOf<Size>& newton, Vec r,
+                  const NewtonSteps& steps) {
   double last = natural_map(problem, r);
   double lowest = last;
   for (int k = 0, since = 0; k < steps.most && since < steps.patience && last <= steps.most_growth * lowest; ++k) {
@@ -34,5 +36,8 @@ bool newton_steps(Referee& referee, const Scaled& problem, AlartCurnier& newton,
   }
   return false;
 }
+
+template bool newton_steps<3>(Referee&, const Scaled&, AlartCurnierOf<3>&, Vec, const NewtonSteps&);
+template bool newton_steps<5>(Referee&, const Scaled&, AlartCurnierOf<5>&, Vec, const NewtonSteps&);
 
 }  // namespace perp::contact

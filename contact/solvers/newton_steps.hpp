@@ -21,6 +21,8 @@ struct NewtonSteps {
 };
 
 /// Takes the steps from r, and counts and judges them. Returns whether the run is over.
-bool newton_steps(Referee& referee, const Scaled& problem, AlartCurnier& newton, Vec r, const NewtonSteps& steps);
+template <int Size>
+bool newton_steps(Referee& referee, const Scaled& problem, AlartCurnierOf<Size>& newton, Vec r,
+                  const NewtonSteps& steps);
 
 }  // namespace perp::contact

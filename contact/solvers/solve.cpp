@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <sstream>
+#include <type_traits>
 #include <utility>
 
 #include "contact/solvers/referee.hpp"
@@ -38,6 +39,13 @@ template <Classic M>
 void run(Referee& referee, const Scaled& problem, const M& method, const Vec& start) {
   iterate(referee, problem, method, start);
 }
+
+/// Whether the method knows contacts with two disks.
+template <class M>
+inline constexpr bool rolls =
+    std::is_same_v<M, Auto> || std::is_same_v<M, GlockerHomotopy> || std::is_same_v<M, GlockerNcp> ||
+    std::is_same_v<M, Nsgs> || std::is_same_v<M, FixedPoint> || std::is_same_v<M, Extragradient> ||
+    std::is_same_v<M, Hyperplane> || std::is_same_v<M, AlartCurnierNewton>;
 
 double larger_metric(const Residual& residual) { return std::max(residual.siconos, residual.rr9118); }
 
@@ -255,6 +263,11 @@ Result solve(const Problem& problem, const Options& options) {
                  " entries, or some that are not finite; the problem has ", problem.q.size());
   const bool scale = std::visit([](const auto& m) { return scales(m); }, options.method);
   const Scaled coordinates = scaled(problem, scale);
+  if (coordinates.rolls && !std::visit([]<class M>(const M&) { return rolls<M>; }, options.method))
+    refuse_input(
+        "contact::solve: the method knows no rolling friction; auto does, homotopy, methods for NCPs, nsgs, "
+        "fixed-point, "
+        "extragradient, hyperplane and alart-curnier");
   Referee referee(problem, coordinates, options);
   const Vec start = options.start.size() > 0 ? coordinates.reduce(options.start) : Vec();
   if (!referee.over())

@@ -35,6 +35,11 @@ class Numbers {
   void expect(const char* what, Index rows, Index columns) const;
   /// Numbers and words left.
   Index left() const;
+  /// Whether what comes next is this word.
+  bool next_is(std::string_view word) {
+    skip_blanks();
+    return token() == word;
+  }
   /// The numbers of a known solution, or text on a line of its own; nothing else may be left.
   std::vector<double> end();
 

@@ -14,6 +14,7 @@ namespace {
 
 using lcp::FileError;
 using support::Dense;
+using support::Random;
 using support::vec;
 using testing::HasSubstr;
 
@@ -194,9 +195,51 @@ TEST(DatFile, RefusesWhatIsNotCompressed) {
   EXPECT_EQ(dat_error(with(triplets, "triplet:", "csr:")), "x.dat:8: 'csr:' stands where 'triplet:' should be");
 }
 
+// mu_r after mu, then the flag. Of one contact with 3 entries a lone 0 or 1 is the flag, as of 3D; what Siconos writes
+// of mu_r has a point. Catches a local file of rolling friction that is taken for a global one.
+TEST(DatFile, RollingFriction) {
+  const std::string plane = "3\n1\n0\n3\n3\n3 3\n1 0 0 0 1 0 0 0 1\n-1 2 3\n0.5\n";
+  EXPECT_FALSE(parse_dat(plane, "x").rolls());
+  EXPECT_FALSE(parse_dat(plane + "1", "x").rolls());
+  EXPECT_EQ(parse_dat(plane + "1.0", "x").mu_r, vec({1}));
+  EXPECT_EQ(parse_dat(plane + "0.25", "x").mu_r, vec({0.25}));
+  const Problem p = parse_dat(plane + "0.25 1", "x");
+  EXPECT_EQ(p.mu, vec({0.5}));
+  EXPECT_EQ(p.mu_r, vec({0.25}));
+  EXPECT_EQ(p.space(), 2);
+  EXPECT_FALSE(p.global);
+  EXPECT_EQ(dat_error(plane + "-0.25"), "x.dat:10: the coefficient of rolling friction of contact 0 is -0.25");
+  EXPECT_EQ(dat_error(plane + "0.25 2"), "x.dat:10: the flag at the end is 2, not within 0 and 1");
+
+  Random random(8);
+  for (const Index n : {1, 2, 3}) {
+    const SpMat W = support::sparse(random.normals(5 * n, 5 * n));
+    const Vec q = random.normals(5 * n);
+    const Vec mu = random.normals(n).cwiseAbs();
+    const Vec mu_r = random.normals(n).cwiseAbs();
+    const std::string head = "5\n" + std::to_string(n) + "\n";
+    const Problem local = parse_dat(head + written(W, Form::Full) + written(q) + written(mu) + written(mu_r), "x");
+    EXPECT_EQ(Dense(local.W.matrix()), Dense(W));
+    EXPECT_EQ(local.q, q);
+    EXPECT_EQ(local.mu, mu);
+    EXPECT_EQ(local.mu_r, mu_r);
+    EXPECT_FALSE(local.global);
+    const SpMat M = support::sparse(2 * Dense::Identity(5 * n, 5 * n));
+    const Problem global = parse_dat(head + written(M, Form::Columns) + written(W, Form::Triplets) + written(q) +
+                                         written(q) + written(mu) + written(mu_r) + "1",
+                                     "x");
+    ASSERT_TRUE(global.global);
+    EXPECT_EQ(global.mu_r, mu_r);
+    EXPECT_TRUE(Dense(global.W.matrix()).isApprox(0.5 * Dense(W.transpose() * W), 1e-14));
+    EXPECT_THAT(dat_error(head + written(W, Form::Full) + written(q) + written(mu)), HasSubstr("mu_r"));
+  }
+}
+
 TEST(DatFile, Refuses) {
   EXPECT_EQ(dat_error(""), "x.dat:1: the file ends where the dimension should be");
-  EXPECT_EQ(dat_error("4 1"), "x.dat:1: the dimension is 4, not within 2 and 3");
+  EXPECT_EQ(dat_error("4 1"),
+            "x.dat:1: the dimension is 4; contacts have 2 or 3 entries, with rolling friction 3 or 5");
+  EXPECT_EQ(dat_error("6 1"), "x.dat:1: the dimension is 6, not within 2 and 5");
   EXPECT_EQ(dat_error("3 -1"), "x.dat:1: the number of contacts is -1, not within 0 and 715827882");
   EXPECT_THAT(dat_error("3 700000000 0 3 3"), HasSubstr("more than the rest of the file can hold"));
   EXPECT_EQ(dat_error("3 1 3 3 3"), "x.dat:1: the storage type is 3, not within 0 and 2");

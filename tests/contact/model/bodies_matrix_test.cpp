@@ -33,7 +33,7 @@ TEST(BodiesMatrix, IsWhatItSays) {
       ASSERT_NE(coordinates.W.parts(), nullptr);
       const Dense M = coordinates.W.parts()->M();
       const Dense H = coordinates.W.parts()->H();
-      BodiesMatrix matrix(coordinates);
+      BodiesMatrixOf<3> matrix(coordinates);
       std::vector<Eigen::Matrix3d> E(8);
       for (int round = 0; round < 2; ++round) {  // nothing is left of the first
         for (Eigen::Matrix3d& e : E) e = random.normals(3, 3);
