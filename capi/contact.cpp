@@ -24,7 +24,8 @@ namespace {
 
 static_assert(static_cast<int>(contact::State::Open) == PERP_OPEN &&
               static_cast<int>(contact::State::Stick) == PERP_STICK &&
-              static_cast<int>(contact::State::Slip) == PERP_SLIP);
+              static_cast<int>(contact::State::Slip) == PERP_SLIP &&
+              static_cast<int>(contact::State::Roll) == PERP_ROLL);
 
 std::unique_ptr<perp_contact> handle(contact::Problem problem) {
   auto made = std::make_unique<perp_contact>();

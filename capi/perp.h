@@ -428,7 +428,9 @@ int32_t perp_contact_scene(int32_t interface_, const char* scene, int64_t contac
                            perp_contact** contact, perp_error* error);
 void perp_contact_free(perp_contact* contact);
 
-int32_t perp_contact_dimension(const perp_contact* contact); /**< 0 of NULL */
+/** d, entries of a contact in q, r and u: 2 or 3; with rolling friction, of files that have it, 3 in 2D and 5 in 3D.
+ *  0 of NULL. */
+int32_t perp_contact_dimension(const perp_contact* contact);
 int64_t perp_contact_contacts(const perp_contact* contact);  /**< 0 of NULL */
 const char* perp_contact_name(const perp_contact* contact);  /**< "" of NULL */
 const double* perp_contact_q(const perp_contact* contact);
@@ -458,7 +460,8 @@ int32_t perp_contact_existence(perp_solver* solver, const perp_contact* contact,
  *    verdict         part, where there is no solution: as perp_contact_existence */
 int32_t perp_contact_solve(perp_solver* solver, const perp_contact* contact, const char* variant, const double* r0,
                            perp_result** result, perp_error* error);
-enum perp_contact_state { PERP_OPEN = 0, PERP_STICK = 1, PERP_SLIP = 2 };
+/** PERP_ROLL: does not slip, and its rolling friction is fully used. */
+enum perp_contact_state { PERP_OPEN = 0, PERP_STICK = 1, PERP_SLIP = 2, PERP_ROLL = 3 };
 
 #ifdef __cplusplus
 }

@@ -26,7 +26,7 @@ from perp._types import Array, Matrix, Options, Path
 
 __all__ = ["Existence", "Problem", "Result", "Scene", "problem", "read", "scene", "scenes", "solve"]
 
-_STATES = ("open", "stick", "slip")
+_STATES = ("open", "stick", "slip", "roll")
 
 
 class Existence(Record):
@@ -60,7 +60,7 @@ class Result(Record):
     residual: Field[dict[str, float]] = Field(
         'Measures of Coulomb\'s law, "siconos", "natural", ..., "largest", and "own" of other laws\' problems.', numbers_of
     )
-    states: Field[list[str]] = Field('Of each contact: "open", "stick" or "slip".', _states)
+    states: Field[list[str]] = Field('Of each contact: "open", "stick", "slip" or "roll".', _states)
     stats: Field[dict[str, float]] = Field("time_s, and what the method counted.", numbers_of)
     verdict: Field[Existence | None] = Field(
         "Without a solution: what is known of whether there is one; None if nothing is.", _verdict
@@ -114,7 +114,7 @@ class Problem:
         return view(_library.lib.perp_contact_mu(self._handle.pointer), self.contacts).copy()
 
     def __repr__(self) -> str:
-        return f"<perp.contact.Problem {self.name}: {self.contacts} contacts in {self.dimension} dimensions>"
+        return f"<perp.contact.Problem {self.name}: {self.contacts} contacts of {self.dimension} entries>"
 
     def _impulses(self, r: npt.ArrayLike, name: str) -> Array:
         return vector(r, self.dimension * self.contacts, name)

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <map>
 #include <ostream>
+#include <string>
+#include <vector>
 
 #include "app/text/table.hpp"
 #include "contact/model/facts.hpp"
@@ -46,14 +48,16 @@ void line(std::ostream& out, const std::string& what, const std::string& value, 
 
 std::string metric(double value) { return number(value, 3); }
 
-/// Of contact a: r_N, |r_T|, u_N, |u_T|.
+/// Of contact a: r_N, |r_T|, u_N, |u_T|, and |m_R|, |w_R| where it may roll.
 struct Parts {
-  double r_N, r_T, u_N, u_T;
+  double r_N, r_T, u_N, u_T, m_R, w_R;
 };
 Parts parts(const Problem& problem, const Run& run, Index a) {
-  const int d = problem.dimension;
-  return {run.solution.r[d * a], run.solution.r.segment(d * a + 1, d - 1).norm(), run.solution.u[d * a],
-          run.solution.u.segment(d * a + 1, d - 1).norm()};
+  const int width = problem.disk_width();
+  const Index N = problem.dimension * a;
+  const auto& [r, u] = run.solution;
+  const auto rolling = [&](const Vec& v) { return problem.rolls() ? v.segment(N + 1 + width, width).norm() : 0; };
+  return {r[N], r.segment(N + 1, width).norm(), u[N], u.segment(N + 1, width).norm(), rolling(r), rolling(u)};
 }
 
 std::string counts_text(const Run& run) {
@@ -136,8 +140,9 @@ std::string W_text(const contact::Delassus& W) {
 
 void print_heading(std::ostream& out, const Loaded& loaded, const Variant& variant, double tol) {
   const Problem& problem = loaded.problem;
-  out << fmt::format("{}: {} in {} dimensions, mu {}\n", loaded.label, count(problem.contacts(), "contact"),
-                     problem.dimension, range_text(problem.mu));
+  out << fmt::format("{}: {} in {} dimensions, mu {}{}\n", loaded.label, count(problem.contacts(), "contact"),
+                     problem.space(), range_text(problem.mu),
+                     problem.rolls() ? fmt::format(", mu_r {} m (rolling friction)", range_text(problem.mu_r)) : "");
   const contact::Facts facts = contact::facts(problem, {.dense_limit = dense_limit});
   std::string text = W_text(problem.W);
   text += facts.asymmetry < symmetric ? ", symmetric" : fmt::format(", asymmetric by {}", number(facts.asymmetry, 2));
@@ -178,18 +183,31 @@ void print_history(std::ostream& out, const Run& run) {
 }
 
 void print_contacts(std::ostream& out, const Problem& problem, const Run& run, bool full) {
-  Table table({">contact", "state", ">r_N [N s]", ">|r_T|", ">mu r_N", ">u_N [m/s]", ">|u_T|", ">margin"});
+  std::vector<Column> columns{">contact", "state", ">r_N [N s]", ">|r_T|", ">mu r_N"};
+  if (problem.rolls()) columns.insert(columns.end(), {">|m_R| [N m s]", ">mu_r r_N"});
+  columns.insert(columns.end(), {">u_N [m/s]", ">|u_T|"});
+  if (problem.rolls()) columns.emplace_back(">|w_R| [1/s]");
+  columns.emplace_back(">margin");
+  Table table(columns);
   const double impulses = rounding * largest(run.solution.r);
   const double velocities = rounding * std::max(largest(run.solution.u), largest(problem.q));
   for (Index a = 0; a < problem.contacts(); ++a) {
     const Parts p = parts(problem, run, a);
     const contact::ContactState& s = run.states[static_cast<std::size_t>(a)];
-    table.add({fmt::format("{}", a + 1), name(s.state), shown(p.r_N, impulses), shown(p.r_T, impulses),
-               shown(problem.mu[a] * p.r_N, impulses), shown(p.u_N, velocities), shown(p.u_T, velocities),
-               fmt::format("{} {}", number(s.margin, 3), s.state == State::Stick ? "N s" : "m/s")});
+    std::vector<std::string> row{fmt::format("{}", a + 1), name(s.state), shown(p.r_N, impulses),
+                                 shown(p.r_T, impulses), shown(problem.mu[a] * p.r_N, impulses)};
+    if (problem.rolls()) row.insert(row.end(), {shown(p.m_R, impulses), shown(problem.mu_r[a] * p.r_N, impulses)});
+    row.insert(row.end(), {shown(p.u_N, velocities), shown(p.u_T, velocities)});
+    if (problem.rolls()) row.push_back(shown(p.w_R, velocities));
+    row.push_back(fmt::format("{} {}", number(s.margin, 3),
+                              s.state == State::Stick  ? "N s"
+                              : s.state == State::Roll ? "1/s"
+                                                       : "m/s"));
+    table.add(row);
   }
   table.print(out, 2, full ? 0 : long_table, "--full shows them");
-  out << "  margin: how far from another state: open u_N, stick mu r_N - |r_T|, slip |u_T|\n";
+  out << "  margin: how far from another state: open u_N, stick mu r_N - |r_T|, slip |u_T|"
+      << (problem.rolls() ? ", roll |w_R|\n" : "\n");
 }
 
 void print_verdict(std::ostream& out, const Problem& problem, const Run& run) {
@@ -203,8 +221,9 @@ void print_verdict(std::ostream& out, const Problem& problem, const Run& run) {
                   0);
   else
     print_wrapped(out, (run.solved ? "" : unsolved_text(run) + " ") + own_text(problem, run), 0);
-  out << fmt::format("{}: {} open, {} stick, {} slip\n", count(problem.contacts(), "contact"),
-                     run.in_state(State::Open), run.in_state(State::Stick), run.in_state(State::Slip));
+  out << fmt::format("{}: {} open, {} stick, {} slip{}\n", count(problem.contacts(), "contact"),
+                     run.in_state(State::Open), run.in_state(State::Stick), run.in_state(State::Slip),
+                     problem.rolls() ? fmt::format(", {} roll", run.in_state(State::Roll)) : "");
   out << counts_text(run) << '\n';
 }
 
@@ -224,9 +243,11 @@ void print_judge(std::ostream& out, const Problem& problem, const Run& run) {
        "at the worst contact, each relative to what is compared there");
   if (r.worst < 0 || r.scaled == 0) return;
   const Parts p = parts(problem, run, r.worst);
-  line(out, "worst contact", fmt::format("{}", r.worst + 1),
-       fmt::format("{}: r_N {}, |r_T| {}, u_N {}, |u_T| {}", name(run.states[static_cast<std::size_t>(r.worst)].state),
-                   size_text(p.r_N), size_text(p.r_T), size_text(p.u_N), size_text(p.u_T)));
+  line(
+      out, "worst contact", fmt::format("{}", r.worst + 1),
+      fmt::format("{}: r_N {}, |r_T| {}, u_N {}, |u_T| {}{}", name(run.states[static_cast<std::size_t>(r.worst)].state),
+                  size_text(p.r_N), size_text(p.r_T), size_text(p.u_N), size_text(p.u_T),
+                  problem.rolls() ? fmt::format(", |m_R| {}, |w_R| {}", size_text(p.m_R), size_text(p.w_R)) : ""));
 }
 
 void print_summaries(std::ostream& out, std::span<const Summary> all) {

@@ -23,6 +23,7 @@ Json contacts_json(const Problem& problem, const Run& run) {
                      {"margin", json_number(s.margin)},
                      {"r", json_numbers(run.solution.r.segment(d * a, d))},
                      {"u", json_numbers(run.solution.u.segment(d * a, d))}});
+    if (problem.rolls()) array.back()["mu_r"] = json_number(problem.mu_r[a]);
   }
   return array;
 }
@@ -67,7 +68,7 @@ std::string run_json(const Loaded& loaded, const Run& run, ExitCode code) {
   const Variant& variant = run.variant;
   Json json = json_header(Document::Contact);
   json["problem"] = loaded.label;
-  json["dimension"] = loaded.problem.dimension;
+  json["dimension"] = loaded.problem.space();
   json["formulation"] = variant.formulation();
   json["method"] = variant.method;
   json["variant"] = variant.label();
@@ -94,6 +95,7 @@ std::string run_json(const Loaded& loaded, const Run& run, ExitCode code) {
   json["states"] = {{"open", run.in_state(contact::State::Open)},
                     {"stick", run.in_state(contact::State::Stick)},
                     {"slip", run.in_state(contact::State::Slip)}};
+  if (loaded.problem.rolls()) json["states"]["roll"] = run.in_state(contact::State::Roll);
   json["stats"] = stats_json(run);
   json["contacts"] = contacts_json(loaded.problem, run);
   return json_text(json);

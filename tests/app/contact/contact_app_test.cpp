@@ -115,6 +115,26 @@ TEST(Contact, PrintsTableVerdictAndJudge) {
   EXPECT_EQ(captured.err.str(), "");
 }
 
+// W = I: sticks with r_T = -0.3 and rolls on with |m_R| = 0.25 r_N, w_R = -0.75; in 3D and in 2D. Catches a table or
+// JSON without the second disk.
+TEST(Contact, ShowsRollingFriction) {
+  const test::Folder folder;
+  test::write(folder / "space.dat", test::identity_dat(5, 1, "-1 0.3 0 -1 0", "0.5 0.25"));
+  test::write(folder / "plane.dat", test::identity_dat(3, 1, "-1 0.3 -1", "0.5 0.25"));
+  for (const auto& [file, space] : {std::pair("space.dat", 3), std::pair("plane.dat", 2)}) {
+    test::Captured captured;
+    EXPECT_EQ(solve_contact({.problems = {folder / file}}, captured.streams), exit_solved);
+    const std::string dimensions = "1 contact in " + std::to_string(space) + " dimensions, mu 0.5, mu_r 0.25 m";
+    for (const char* part : {dimensions.c_str(), "|m_R| [N m s]", "0.75 1/s", "0 stick, 0 slip, 1 roll"})
+      EXPECT_THAT(captured.out.str(), HasSubstr(part));
+    const test::Answer run = test::answer({.problems = {folder / file}});
+    EXPECT_EQ(run.result["dimension"], space);
+    EXPECT_EQ(run.result["states"]["roll"], 1);
+    EXPECT_EQ(run.result["contacts"][0]["mu_r"], 0.25);
+    EXPECT_EQ(run.result["contacts"][0]["r"].size(), 2U * static_cast<std::size_t>(space) - 1);
+  }
+}
+
 // Each level adds to those before it.
 TEST(Contact, LogLevels) {
   const test::Folder folder;
