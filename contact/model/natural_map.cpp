@@ -8,12 +8,13 @@
 #include <utility>
 
 #include "lcp/exact_sum.hpp"
-#include "lcp/words.hpp"
+#include "lcp/types.hpp"
 
 namespace perp::contact {
 namespace {
 
 using Eigen::Vector2d;
+using lcp::at;
 
 /// A difference above this part of what is subtracted has its digits as it stands.
 constexpr double cancels = 0.01;
@@ -120,9 +121,12 @@ class Map {
 
   ContactVector<Size> value() {
     double b = -std::numeric_limits<double>::infinity();
+    unsigned left = 0;  // the disks that y has left; P_N >= y_N brings it back into some, and out of none
     for (int j = 0; j < disks<Size>; ++j) {
       const Direction of = direction(1U << j);
-      b = std::max(b, of.cosine * disk_[at(j)].longer + of.sine[at(j)] * hat_);
+      const double b_j = of.cosine * disk_[at(j)].longer + of.sine[at(j)] * hat_;
+      if (b_j > 0) left |= 1U << j;
+      b = std::max(b, b_j);
     }
     const double c = normal(all);
     // About y = 0 rounding may say both: the one that is further from 0 is no rounding.
@@ -135,9 +139,10 @@ class Map {
     }
     small_r_ = r_size <= w_size;
     if constexpr (disks<Size> == 2)
-      for (const int j : {0, 1})
-        if (excess(1 - j, 1U << j) <= 0) return outside(1U << j);
-    return outside(all);
+      if (left == all)
+        for (const int j : {0, 1})
+          if (excess(1 - j, 1U << j) <= 0) return outside(1U << j);
+    return outside(left);
   }
 
  private:

@@ -18,6 +18,7 @@
 namespace perp::contact::rolling {
 namespace {
 
+using lcp::at;
 using support::Random;
 using Vector = ContactVector<5>;
 using test::Real;
@@ -201,6 +202,16 @@ TEST(NaturalMap, OfRollingAgreesWithMpfr) {
   }
   RecordProperty("worst_share", std::to_string(worst));
   std::printf("worst share of what is allowed: %.3f\n", worst);
+}
+
+// y is in the cone, y_R = 0 and mu_r = 0: rounding says of |y_R| that it has left its disk. Catches that this lets the
+// other disk, which y has not left, be cut.
+TEST(NaturalMap, OfRollingCutsNoDiskThatIsNotLeft) {
+  Point p{.mu = {0x1.cfcfe0e02dfd1p+8, 0}};
+  p.r << 0x1.a94ba46862cf7p-232, -0x1.6de837968c5a9p+172, 0x1.68ac8c1b5b35p+173, 0x1.b34b783165e3ap+171,
+      0x1.02709b005c799p+174;
+  p.u << -0x1.6e5c100f73b74p+182, 0, 0x1.68ac8c1b5b35p+173, 0x1.b34b783165e3ap+171, 0x1.02709b005c799p+174;
+  EXPECT_LE(share(p), 1);
 }
 
 // A second disk that nothing touches changes nothing.
