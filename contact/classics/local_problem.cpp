@@ -20,7 +20,7 @@ constexpr int local_steps = 10;
 constexpr double local_tol = 1e-13;
 /// De Saxce & Feng's steps of one visit.
 constexpr int local_projections = 10;
-/// Of two disks in turn, for one normal impulse.
+/// Solves two disks in turn, for one normal impulse.
 constexpr int local_turns = 100;
 /// Normal impulses of two disks are looked for up to so many times what stops the contact without friction.
 constexpr double most_local_impulse = 1e8;

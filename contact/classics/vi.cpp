@@ -2,9 +2,6 @@
 #include "contact/classics/vi.hpp"
 
 #include <algorithm>
-#include <utility>
-
-#include "contact/model/unit_cone.hpp"
 
 namespace perp::contact {
 namespace {
@@ -25,23 +22,6 @@ void describe(StepRule& rule, Fields& f) {
 
 Vec start_or_zero(const Scaled& problem, const Vec& start) {
   return start.size() > 0 ? start : Vec(Vec::Zero(problem.size()));
-}
-
-Vec ContactVi::corrected(Vec u) const {
-  with_size(problem_, [&]<int Size>() {
-    for (const Scaled::Block& block : problem_.blocks)
-      u[block.first] = contact::corrected<Size>(block.of<Size>(u), block.width)[0];
-  });
-  return u;
-}
-
-Vec ContactVi::project(Vec y) const {
-  with_size(problem_, [&]<int Size>() {
-    for (const Scaled::Block& block : problem_.blocks)
-      y.segment(block.first, block.size) =
-          project_onto_unit_cone<Size>(block.of<Size>(y), block.width).head(block.size);
-  });
-  return y;
 }
 
 ContactVi::Prediction ContactVi::predict(const StepRule& rule, In r, In F_r, double& rho) const {

@@ -4,6 +4,8 @@
 /// (64)-(68)): r in K with
 ///     F(r).(s - r) >= 0 for all s in K,   F(r) = W r + q + |u_T| e_N   (of two disks W r + q + (|u_T| + |w_R|) e_N),
 /// and what the methods of projection share. F is Lipschitz and not monotone.
+#include <utility>
+
 #include "contact/model/scaling.hpp"
 #include "lcp/fields.hpp"
 
@@ -26,8 +28,8 @@ class ContactVi {
   explicit ContactVi(const Scaled& problem) : problem_(problem) {}
 
   Vec F(In r) const { return corrected(problem_.W * r + problem_.q); }
-  Vec corrected(Vec u) const;  ///< uhat
-  Vec project(Vec y) const;
+  Vec corrected(Vec u) const { return contact::corrected(problem_, std::move(u)); }  ///< uhat
+  Vec project(Vec y) const { return project_onto_cones(problem_, std::move(y)); }
 
   /// A projected step from r, and F there; rho is shortened before it and lengthened after it, as the rule says.
   struct Prediction {

@@ -8,7 +8,6 @@
 #include <utility>
 #include <vector>
 
-#include "contact/classics/vi.hpp"
 #include "contact/existence/expansion.hpp"
 #include "contact/model/contact_system.hpp"
 #include "contact/model/residual.hpp"
@@ -132,22 +131,22 @@ Moved moved(const Problem& problem, const Vec& r, const Vec& v) {
 /// Least u_N - mu |u_T| - mu_r |w_R| less what the shift changes, and what rounding may have changed in W and q,
 /// rounded down; u exact before it is rounded.
 double margin(const Problem& problem, const Vec& r, const Vec& v, double shift) {
-  const auto [u, unknown] = moved(problem, r, v);
+  const Moved at_r = moved(problem, r, v);
   const int d = problem.dimension;
   double least = lcp::infinity;
   for (Index a = 0; a < problem.contacts(); ++a) {
     const Index N = d * a;
     double friction = 0;  // mu |u_T| + mu_r |w_R|
     double changed = shift * problem.W.near(N, N) * std::abs(r[N]);
-    double lost = u[at(N)].lost() + unknown[N];
+    double lost = at_r.u[at(N)].lost() + at_r.unknown[N];
     double mu = 0;  // of all disks
     const auto take_disk = [&](Index first, Index end, double coefficient) {
       double length = 0;
       double moved = 0;
       for (Index i = first; i < end; ++i) {
-        length = std::hypot(length, u[at(i)].value());
+        length = std::hypot(length, at_r.u[at(i)].value());
         moved = std::hypot(moved, shift * problem.W.near(i, i) * r[i]);
-        lost += u[at(i)].lost() + unknown[i];
+        lost += at_r.u[at(i)].lost() + at_r.unknown[i];
       }
       friction += coefficient * length;
       changed += coefficient * moved;
@@ -155,7 +154,7 @@ double margin(const Problem& problem, const Vec& r, const Vec& v, double shift) 
     };
     take_disk(N + 1, N + problem.space(), problem.mu[a]);
     if (problem.rolls()) take_disk(N + problem.space(), N + d, problem.mu_r[a]);
-    const double normal = u[at(N)].value();
+    const double normal = at_r.u[at(N)].value();
     const double room = last_roundings * (std::abs(normal) + friction + changed) + (1 + mu) * (lost + 1e-300);
     const double here = normal - friction - changed - room;
     if (!std::isfinite(here)) return -lcp::infinity;
@@ -174,8 +173,7 @@ class WitnessSearch {
         deadline_(deadline),
         shift_(shift),
         scaled_(std::move(coordinates)),
-        system_(scaled_),
-        vi_(scaled_) {}
+        system_(scaled_) {}
 
   std::optional<Witness> run() {
     if (problem_.contacts() == 0) return std::nullopt;
@@ -226,7 +224,7 @@ class WitnessSearch {
     Vec dual = z;
     for (int k = 1; k <= iterations && !over(); ++k) {
       system_.solve(right + penalty * (z - dual), r);
-      z = vi_.project(r + dual);
+      z = project_onto_cones(scaled_, r + dual);
       dual += r - z;
       if (k % look == 0 && promising(r) && shows(r)) return true;
     }
@@ -236,7 +234,7 @@ class WitnessSearch {
   /// Whether it is worth an exact look.
   bool promising(const Vec& r) const {
     const Vec u = scaled_.W * r + scaled_.q;
-    const Vec opened = vi_.corrected(u) - u;
+    const Vec opened = corrected(scaled_, u) - u;
     return std::ranges::all_of(scaled_.blocks,
                                [&](const Scaled::Block& block) { return u[block.first] > opened[block.first]; });
   }
@@ -247,7 +245,6 @@ class WitnessSearch {
   double shift_;
   Scaled scaled_;
   ContactSystemOf<Size> system_;
-  ContactVi vi_;
   std::optional<Witness> found_;
 };
 

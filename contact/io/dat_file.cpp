@@ -25,7 +25,8 @@ Vec friction(Numbers& in, const char* name, const char* what, Index n) {
 }
 Vec sliding_friction(Numbers& in, Index n) { return friction(in, "mu", "friction", n); }
 
-/// Of 5 entries a contact; of 3 where there is mu_r, and the contacts roll in 2D. A single 0 or 1 is the flag.
+/// Reads mu_r of contacts of 5 entries, and of 3 where it is there, and the contacts roll in 2D. A single 0 or 1 is the
+/// flag.
 Vec rolling_friction(Numbers& in, int d, Index n) {
   const bool flag = in.left() == 1 && (in.next_is("0") || in.next_is("1"));
   if (d == 5 || (d == 3 && n > 0 && in.left() >= n && !flag)) return friction(in, "mu_r", "rolling friction", n);

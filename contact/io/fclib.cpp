@@ -340,7 +340,8 @@ Fclib parse_fclib(std::string_view content, const std::string& name) {
   try {
     Fclib out = read_all(content);
     Problem& p = out.problem;
-    at_path(p.global ? "/fclib_global" : "/fclib_local", [&] {
+    const std::string group = p.global ? "/fclib_global" : "/fclib_local";
+    at_path(group + (p.mu_r.size() > 0 ? "_rolling" : ""), [&] {
       if (p.global) p = condense(*p.global, p.mu, p.dimension, {}, p.mu_r);
       check(p);
     });

@@ -6,6 +6,7 @@
 
 #include "contact/model/forms.hpp"
 #include "contact/model/natural_map.hpp"
+#include "contact/model/unit_cone.hpp"
 #include "contact/model/units.hpp"
 
 namespace perp::contact {
@@ -92,7 +93,8 @@ Scaled scaled(const Problem& problem, bool scale, WForm form) {
   to.place.assign(at(d * n), -1);
   to.s = units.W;
   for (Index a = 0; a < n; ++a) {
-    Scaled::Block& block = out.blocks.emplace_back(static_cast<Index>(out.rows.size()), 0);
+    Scaled::Block& block =
+        out.blocks.emplace_back(Scaled::Block{.first = static_cast<Index>(out.rows.size()), .size = 0});
     int disks = 0;
     const auto take = [&](int from, int count, double weight) {
       for (int k = from; k < from + count; ++k) {
@@ -132,6 +134,23 @@ Scaled scaled(const Problem& problem, bool scale, WForm form) {
     out.W = fill(problem.W.matrix(), to);
   }
   return out;
+}
+
+Vec corrected(const Scaled& problem, Vec u) {
+  with_size(problem, [&]<int Size>() {
+    for (const Scaled::Block& block : problem.blocks)
+      u[block.first] = corrected<Size>(block.of<Size>(u), block.width)[0];
+  });
+  return u;
+}
+
+Vec project_onto_cones(const Scaled& problem, Vec y) {
+  with_size(problem, [&]<int Size>() {
+    for (const Scaled::Block& block : problem.blocks)
+      y.segment(block.first, block.size) =
+          project_onto_unit_cone<Size>(block.of<Size>(y), block.width).head(block.size);
+  });
+  return y;
 }
 
 double natural_map(const Scaled& problem, In r) { return natural_map(problem, r, r, 0); }

@@ -59,6 +59,11 @@ auto with_size(const Scaled& problem, const Use& use) {
   return problem.rolls ? use.template operator()<5>() : use.template operator()<3>();
 }
 
+/// u~ + (|u~_T| + |w~_R|) e_N of every contact.
+Vec corrected(const Scaled& problem, Vec u);
+/// The projection on the cones.
+Vec project_onto_cones(const Scaled& problem, Vec y);
+
 /// Computes the natural map of the scaled problem, the largest |r~ - P_K(r~ - u~ - |u~_T| e_N)| of a contact, with u~ =
 /// W~ r~ + q~.
 double natural_map(const Scaled& problem, In r);

@@ -40,7 +40,7 @@ void run(Referee& referee, const Scaled& problem, const M& method, const Vec& st
   iterate(referee, problem, method, start);
 }
 
-/// Whether the method knows contacts with two disks.
+/// Returns whether the method knows contacts with two disks.
 template <class M>
 inline constexpr bool rolls =
     std::is_same_v<M, Auto> || std::is_same_v<M, GlockerHomotopy> || std::is_same_v<M, GlockerNcp> ||

@@ -22,6 +22,7 @@ bool DensePivoting::run(const DenseMcp& problem, Cells& cells, const Limits& lim
   const Index n = problem.size();
   Index fewest = n + 1;
   int left = rounds_without_gain;
+  factorizations_ = 0;
   for (rounds_ = 0; rounds_ <= n + rounds_without_gain && !limits.reached();) {
     ++rounds_;
     if (!solve_cell(problem, cells)) return false;
@@ -71,6 +72,7 @@ bool DensePivoting::solve_cell(const DenseMcp& problem, const Cells& cells) {
 bool DensePivoting::factor(const Eigen::MatrixXd& M) {
   if (!factored_.empty() && factored_ == inside_) return true;
   factored_.clear();
+  ++factorizations_;
   const auto size = static_cast<Index>(inside_.size());
   if (lu_.rows() < M.rows()) lu_.resize(M.rows(), M.rows());
   for (Index k = 0; k < size; ++k)

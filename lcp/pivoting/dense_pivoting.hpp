@@ -25,7 +25,8 @@ class DensePivoting {
   void correct(In F, Out z);
 
   const Vec& z() const { return z_; }
-  int rounds() const { return rounds_; }  ///< of the last run, a factorization each
+  int rounds() const { return rounds_; }                  ///< of the last run
+  int factorizations() const { return factorizations_; }  ///< likewise
 
  private:
   bool solve_cell(const DenseMcp& problem, const Cells& cells);
@@ -33,7 +34,7 @@ class DensePivoting {
   void solve(Vec& x) const;
   void find_violated(const DenseMcp& problem, const Cells& cells);
 
-  int rounds_ = 0;
+  int rounds_ = 0, factorizations_ = 0;
   double largest_ = 0;  ///< max |M_ij|
   Vec z_, F_;
   Vec x_;  ///< of M_II x = b

@@ -12,7 +12,7 @@ const Result& DenseSolver::solve(const Matrix& M, In q, In lower, In upper, cons
   take(M, q, lower, upper, limits.tol);
   enter();
   const bool ended = pivoting_.run(problem_, cells_, limits);
-  const int rounds = pivoting_.rounds();
+  const int rounds = pivoting_.rounds(), factorizations = pivoting_.factorizations();
   if (!ended || !judged_solution(limits.tol)) {
     const AffineMcp sparse{problem_.M.sparseView(), problem_.q, problem_.box};
     result_ = lcp::solve(sparse, project(sparse.box, Vec::Zero(sparse.size())), Auto{}, limits);
@@ -22,7 +22,7 @@ const Result& DenseSolver::solve(const Matrix& M, In q, In lower, In upper, cons
     result_.factorizations = 0;
   }
   result_.iterations += rounds;
-  result_.factorizations += rounds;
+  result_.factorizations += factorizations;
   return result_;
 }
 

@@ -221,7 +221,7 @@ std::string moving_together(const Mcp& mcp, const Indices& variables) {
          listed_variables(mcp, variables) + ")";
 }
 
-/// Of a block that no structure explains. `shifted`: its factors, equilibrated, where they are known.
+/// Explains a block that no structure explains. `shifted`: its factors, equilibrated, where they are known.
 std::vector<std::string> numerical(const Mcp& mcp, const SpMat& B, const Indices& block, Shifted* shifted) {
   std::vector<std::string> found;
   const auto equation = [&](Index i) { return mcp.equation_name(i); };

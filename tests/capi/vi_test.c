@@ -19,7 +19,8 @@ static perp_matrix dense(int64_t rows, int64_t columns, const double* values) {
   return matrix;
 }
 
-/* min x^2 / 2 + y^2 / 2 over x + y >= 1 is at (1/2, 1/2), by hand, with multiplier 1/2. Catches sides and signs mixed up. */
+/* min x^2 / 2 + y^2 / 2 over x + y >= 1 is at (1/2, 1/2), by hand, with multiplier 1/2. Catches sides and signs mixed
+ * up. */
 static void finds_the_nearest_point(void) {
   const double q[2] = {0, 0}, row[2] = {1, 1}, one = 1, free_below[2] = {-INFINITY, -INFINITY};
   const perp_matrix M = dense(2, 2, identity), A = dense(1, 2, row);

@@ -70,13 +70,14 @@ RUNS = [
     ("problem", 0, "list obstacle"),
     ("contact", 0, "contact data/contact/incline-4.hdf5"),
     ("contact", 0, "contact plane.dat --method path --encoding A --row original --option delta=1e-9"),
+    ("contact", 0, "contact roll.dat"),
     ("contact", 0, "contact incline:3 --formulation inner:4 --form mixed"),
     ("contact", 0, "contact incline:3 --formulation ncp1"),
     ("contact", 1, "contact none.dat"),
     ("contact", 1, "contact none.dat --formulation frictionless"),
     ("contact", 1, "contact stack:3 --formulation outer:4 --method psor"),
     ("contact", 1, "contact spheres:15 --method homotopy --option max_iterations=1"),
-    ("contact-runs", 2, "contact incline:3 none.dat nowhere.dat"),
+    ("contact-runs", 2, "contact incline:3 roll.dat none.dat nowhere.dat"),
     (None, 0, "compare facets incline:3 data/contact/incline-3-sliding.hdf5 --facets 3,6 --json facets.json"),
     ("judge", 1, "judge kojshin --start 2 --full"),
     ("no-result", 2, "judge kojshin nowhere.mtx"),
@@ -127,11 +128,15 @@ FILES = {
     "zeros.mtx": "%%MatrixMarket matrix array real general\n3 1\n0\n0\n0\n",
     # W = I, slipping and sticking; W = 0 and a velocity that nothing stops.
     "plane.dat": "2\n2\n0 4 4\n4 4\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n-1 2 -1 -0.2\n0.5 0.5\n",
+    # Rolling in 2D: W = I, mu_r = 0.1.
+    "roll.dat": "3\n1\n0 3 3\n3 3\n1 0 0\n0 1 0\n0 0 1\n-1 0.2 1\n0.5\n0.1\n",
     "none.dat": "2\n1\n0 2 2\n2 2\n0 0\n0 0\n-1 0\n0.5\n",
 }
 
 # Keys that a document may lack, "*" for an item of a list, and tables of any keys.
 OPTIONAL = {("solve", "derivatives"), ("solve", "residual_bound"), ("solve", "proven_by"), ("solve", "certificate"), ("solve", "verified"), ("solve", "deflation"), ("campaign", "shard"), ("solve", "variables.*.basis"), ("judge", "lower"), ("judge", "x"), ("judge", "upper")}
+OPTIONAL |= {("contact", "states.roll"), ("contact", "contacts.*.mu_r")}  # with rolling friction
+OPTIONAL |= {("contact-runs", "problems.*." + key) for key in ("states.roll", "contacts.*.mu_r")}
 OPTIONAL |= {("methods", key) for key in ("method", "affine", "options", "notes")}
 OPEN = {("solve", "options"), ("methods", "options"), ("campaign", "methods.*.in_force")}
 # Where a document says its version; the cells of a comparison have that of its campaign.

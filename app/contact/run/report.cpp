@@ -48,7 +48,7 @@ void line(std::ostream& out, const std::string& what, const std::string& value, 
 
 std::string metric(double value) { return number(value, 3); }
 
-/// Of contact a: r_N, |r_T|, u_N, |u_T|, and |m_R|, |w_R| where it may roll.
+/// The numbers of contact a: r_N, |r_T|, u_N, |u_T|, and |m_R|, |w_R| where it may roll.
 struct Parts {
   double r_N, r_T, u_N, u_T, m_R, w_R;
 };

@@ -54,6 +54,7 @@ TEST(DenseSolver, BeginsInTheLastCell) {
   ASSERT_TRUE(solver.solve(M, q, lower, upper).solved());
   const Vec z = solver.solve(M, q, lower, upper).z;
   EXPECT_EQ(solver.solve(M, q, lower, upper).iterations, 1);
+  EXPECT_EQ(solver.solve(M, q, lower, upper).factorizations, 0);
   solver.forget();
   EXPECT_GT(solver.solve(M, q, lower, upper).iterations, 1);
   const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> rows = M;

@@ -3,8 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <chrono>
-
 #include "lcp/pivoting/block_pivoting.hpp"
 #include "lcp/pivoting/pivoting_support.hpp"
 #include "lcp/pivoting/principal_pivoting.hpp"
@@ -161,10 +159,9 @@ TEST(Enumeration, DegeneratePointsComeOnce) {
   }
 }
 
-// n = 20 in much less than a second: random (indefinite), P, infeasible, and one with 2^10 solutions.
+// n = 20, a million cells, in far fewer partial ones: random (indefinite), P, infeasible, and one with 2^10 solutions.
 TEST(Enumeration, TwentyVariables) {
   Random random(3);
-  const auto begin = std::chrono::steady_clock::now();
   for (int run = 0; run < 8; ++run) {
     Dense M = random.normals(20, 20);
     Vec q = random.normals(20);
@@ -178,6 +175,7 @@ TEST(Enumeration, TwentyVariables) {
     const AffineMcp problem = standard_lcp(support::sparse(M), q);
     const Solutions all = enumerate(problem, {.max_solutions = 2000});
     EXPECT_TRUE(all.complete) << all.message;
+    EXPECT_LT(all.nodes, 30'000);
     if (run % 4 == 1) {
       EXPECT_EQ(all.found.size(), 1U);
     }
@@ -188,7 +186,6 @@ TEST(Enumeration, TwentyVariables) {
       EXPECT_EQ(all.found.size(), 1024U);
     }
   }
-  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(5));
 }
 
 // q = 0: z = 0 is a solution, a point of all 2^20 cells. The cells in which a w_i is zero throughout are left to their

@@ -45,9 +45,8 @@ TEST(Auto, SolvesTheCollectionAndSaysHow) {
 
 TEST(Auto, ChoosesByClassAndBasis) {
   const auto affine = collection::find("cottle2")->make();
-  EXPECT_THAT(
-      solve(*affine.mcp, Vec::Zero(2), automatic()).message,
-      HasSubstr("auto chose the linear methods (the problem is affine)"));
+  EXPECT_THAT(solve(*affine.mcp, Vec::Zero(2), automatic()).message,
+              HasSubstr("auto chose the linear methods (the problem is affine)"));
   const auto quasi_definite = collection::make(*collection::find_family("spatial-price-own"), "500");
   EXPECT_THAT(solve(*quasi_definite.mcp, quasi_definite.starts[0], automatic()).message,
               testing::AllOf(HasSubstr("auto chose interior points"), HasSubstr("L S L'")));
