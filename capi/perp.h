@@ -283,8 +283,9 @@ int32_t perp_lcp(int32_t interface_, const perp_matrix* M, const double* q, perp
 /** The variational inequality over C = {lower <= A x <= upper, and the problem's bounds}: x in C with
  *  F(x)'(y - x) >= 0 for all y in C; A m x n, lower NULL is 0, upper NULL +infinity; equal sides make an equation.
  * Solved means that the natural residual || x - P(x - F(x)) ||_inf, P the projection on C, is at most the tolerance,
- * with a bound on P's error in it. Affine problems of up to 3000 rows and variables are solved on faces of C, others as
- * the complementarity problem with multipliers, by the solver's method. */
+ * with a bound on P's error in it, and of affine F on that of F. Affine problems of up to 3000 rows and variables are
+ * solved on faces of C, others as the complementarity problem with multipliers: nonlinear ones by the solver's method,
+ * affine ones by their own, which heeds the solver's tolerance, time limit and interruptions alone. */
 int32_t perp_vi(perp_solver* solver, const perp_problem* problem, const perp_matrix* A, const double* lower,
                 const double* upper, const double* x0, perp_result** result, perp_error* error);
 
@@ -365,10 +366,11 @@ int32_t perp_list(int32_t interface_, const char* what, perp_result** result, pe
  *  perp_sensitivity: status, known, message, dx, dF (reals, n x directions by rows), directions, states (texts),
  *    degenerate (integers), rcond, strongly_regular, residual
  *  perp_check_jacobian: worst, row, column, given, difference, outside_pattern, message
- *  perp_vi: status, success, message, x, F, residual, projection_error (real: how much of residual is the bound on the
- *    projection's error), worst, multipliers (reals, of the rows: F = A'multipliers + reduced, >= 0 at lower sides, <=
- * 0 at upper ones), reduced (reals, of the bounds), rows, bounds (cells: the active ones), empty (integer 1: proven
- *    that C is), certificate (reals, of Infeasible), iterations, stats (part, where the method ran)
+ *  perp_vi: status, success, message, x, F, residual, projection_error (real: how much of residual bounds the errors of
+ *    the projection and of affine F), worst, multipliers (reals, of the rows: F = A'multipliers + reduced, at least 0
+ *    at lower sides and at most 0 at upper ones), reduced (reals, of the bounds), rows, bounds (cells: the active
+ *    ones), empty (integer 1: proven that C is), certificate (reals, of Infeasible), iterations, stats (part, where the
+ *    method ran)
  *  perp_inspect: name, size, nonzeros, affine, bounds (part: free, lower, upper, boxed, fixed), structural_rank,
  *    residual, worst (text), singular, warnings (texts), classes (part: 1 yes, 0 no, -1 not decided), guarantees
  *    (texts)
@@ -376,7 +378,8 @@ int32_t perp_list(int32_t interface_, const char* what, perp_result** result, pe
  *    and variables (texts), row_indices, variable_indices), conflict (part: demands (parts: what, name, index),
  *    smallest, certificate (text, JSON, where there is an exact one)), repair (part: changes (parts: as demands, and
  *    from, to), least, verified); without conflict and repair where none was found
- *  perp_list: items (parts of texts and integers) perp_contact_...: below. */
+ *  perp_list: items (parts of texts and integers)
+ *  perp_contact_...: below. */
 enum perp_kind {
   PERP_NONE = 0, /**< there is no such field */
   PERP_INTEGER = 1,
@@ -431,8 +434,8 @@ void perp_contact_free(perp_contact* contact);
 /** d, entries of a contact in q, r and u: 2 or 3; with rolling friction, of files that have it, 3 in 2D and 5 in 3D.
  *  0 of NULL. */
 int32_t perp_contact_dimension(const perp_contact* contact);
-int64_t perp_contact_contacts(const perp_contact* contact);  /**< 0 of NULL */
-const char* perp_contact_name(const perp_contact* contact);  /**< "" of NULL */
+int64_t perp_contact_contacts(const perp_contact* contact); /**< 0 of NULL */
+const char* perp_contact_name(const perp_contact* contact); /**< "" of NULL */
 const double* perp_contact_q(const perp_contact* contact);
 const double* perp_contact_mu(const perp_contact* contact);
 /** W by columns with indices of 32 bits, in the library's own arrays, which live as long as the problem. Of bodies it

@@ -19,7 +19,7 @@ namespace {
 using ByRows = Eigen::Map<const FacePivoting::Rows>;
 using Values = Eigen::Map<const Vec>;
 
-/// What one thread keeps.
+/// Solves one thread's instances, and keeps its memory.
 class Worker {
  public:
   Worker(const ViBatch& batch, const BatchAnswers& answers, const Limits& limits)
@@ -48,7 +48,7 @@ class Worker {
 
   void solve_in_polyhedron(Index k) {
     const Index n = batch_.n, m = batch_.m;
-    const bool new_M = k == 0 || batch_.M.step != 0 || !projector_, new_A = batch_.A.step != 0 || !projector_;
+    const bool new_M = batch_.M.step != 0 || !projector_, new_A = batch_.A.step != 0 || !projector_;
     if (new_A) projector_.emplace(Polyhedron{SpMat(ByRows(batch_.A.of(k), m, n).sparseView()), rows(k), box(k)});
     if (new_M) problem_ = {ByRows(batch_.M.of(k), n, n), Vec(n), Box::free(n)};
     if (new_A || new_M) pivoting_.prepare(&problem_.M, projector_->dense());
@@ -61,7 +61,7 @@ class Worker {
                          : FacePivoting::End::Stopped;
     if (end == FacePivoting::End::Found) {
       const Judgement judgement = judge(problem_, pivoting_.x());
-      if (judgement.F.size() == n) {
+      if (judgement.F.size() == n && judgement.F.allFinite()) {
         constexpr double eps = std::numeric_limits<double>::epsilon();
         const ViResult r = judge_vi(*projector_, pivoting_.x(), judgement.F, eps * judgement.F.norm(),
                                     judgement.terms.size, std::move(face), limits_);
@@ -119,7 +119,11 @@ void solve_batch(const ViBatch& batch, const BatchAnswers& answers, int threads,
   const Index most = (batch.count + portion - 1) / portion;
   const Index wanted = threads > 0 ? threads : std::max(1U, std::thread::hardware_concurrency());
   std::vector<std::thread> others;
-  for (Index t = 1; t < std::min(wanted, most); ++t) others.emplace_back(work);
+  others.reserve(at(std::max(std::min(wanted, most), Index{1})));
+  try {
+    for (Index t = 1; t < std::min(wanted, most); ++t) others.emplace_back(work);
+  } catch (const std::exception&) {  // the system has no more threads: those that run do the work
+  }
   work();
   for (std::thread& thread : others) thread.join();
   if (failure) std::rethrow_exception(failure);

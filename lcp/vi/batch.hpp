@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Many affine variational inequalities over polyhedra (polyhedron.hpp) of one size, dense, in threads: games, control
-/// steps, scenarios. What is the same for all is factored once a thread. Every instance is solved from scratch, so that
-/// its result does not depend on the order of the instances, nor on the threads, to the last bit.
+/// steps, scenarios. With rows, what is the same for all is factored once a thread. Every instance is solved from
+/// scratch, so that its result does not depend on the order of the instances, nor on the threads, to the last bit.
 #include <span>
 
 #include "lcp/vi/vi.hpp"
@@ -22,7 +22,7 @@ struct ViBatch {
   Varying M{}, q{}, A{}, b{}, c{}, l{}, u{};
 };
 
-/// Of each instance, one after the other; empty: not wanted.
+/// Places for the answers of each instance, one after the other; empty: not wanted.
 struct BatchAnswers {
   std::span<double> x;            ///< count n
   std::span<double> multipliers;  ///< count m, of the rows

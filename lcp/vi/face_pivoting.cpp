@@ -67,7 +67,7 @@ bool FacePivoting::begin(In q, const Box& rows, const Box& box, const Face& face
   in_.assign(at(all), 0);
   const auto take = [&](Index r, Cell cell) {
     const auto k = static_cast<Index>(active_.size());
-    if (cell == Cell::Inside || k >= n_) return;
+    if (cell == Cell::Inside || k >= n_ || in_[at(r)] != 0) return;
     const int sign = cell == Cell::Above ? -1 : 1;
     if (!std::isfinite(sign > 0 ? lower_[r] : upper_[r])) return;
     columns_.col(k) = Eigen::Map<const Vec>(column_of(r), all);
@@ -75,12 +75,14 @@ bool FacePivoting::begin(In q, const Box& rows, const Box& box, const Face& face
     sign_.push_back(sign);
     in_[at(r)] = 1;
   };
+  for (Index r = m_; r < all; ++r)
+    if (fixed(r)) take(r, Cell::Fixed);
+  const std::size_t held = active_.size();
   for (std::size_t i = 0; i < face.rows.size(); ++i) take(static_cast<Index>(i), face.rows[i]);
   for (std::size_t j = 0; j < face.bounds.size(); ++j) take(m_ + static_cast<Index>(j), face.bounds[j]);
   if (!rebuild()) {  // dependent normals
-    active_.clear();
-    sign_.clear();
-    in_.assign(at(all), 0);
+    for (; active_.size() > held; active_.pop_back()) in_[at(active_.back())] = 0;
+    sign_.resize(held);
     return rebuild();
   }
   for (bool gone = true; gone;) {  // multipliers of the wrong sign go, all at once

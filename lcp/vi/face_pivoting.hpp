@@ -3,8 +3,8 @@
 /// A dense active-set method for affine variational inequalities over polyhedra (polyhedron.hpp) with positive definite
 /// M, symmetric or not. With W the active rows and bounds, A_W their normals and b_W their sides,
 ///     x = M^-1 (A_W'lambda - q),   S lambda = b_W + A_W M^-1 q,   S = A_W M^-1 A_W',
-/// the method begins with W empty, keeps the signs of lambda right, and takes in violated rows one at a time. For row r
-/// the multiplier lambda_r grows from 0, and x and lambda_W move such that A_W x = b_W,
+/// the method begins with the fixed variables in W, keeps the signs of lambda right, and takes in violated rows one at
+/// a time. For row r the multiplier lambda_r grows from 0, and x and lambda_W move such that A_W x = b_W,
 ///     dlambda = -S^-1 A_W M^-1 a_r,   dx = M^-1 (a_r + A_W'dlambda),   a_r'dx = dx'M dx >= 0,
 /// until the row holds, and enters W, or the sign of a lambda_s would turn, and s leaves W. A row with dx = 0 that no
 /// lambda_s stops is a combination of rows that contradicts them: C is empty (Farkas). Only one column of M^-1 A' is
@@ -30,7 +30,8 @@ class FacePivoting {
 
   /// Factors M, nullptr the identity, for runs with rows A; both outlive them. What runs compute of M and A is kept.
   void prepare(const Eigen::MatrixXd* M, const Rows& A);
-  /// From the face given, as far as its normals are independent and its signs right, to the solution's.
+  /// From the face given, as far as its normals are independent and its signs right, to the solution's, on which all
+  /// fixed variables are Fixed.
   End run(In q, const Box& rows, const Box& box, Face& face, const Limits& limits = {});
 
   const Vec& x() const { return x_; }
@@ -62,12 +63,12 @@ class FacePivoting {
   Vec x_, y_, y0_;  ///< y0 = -B M^-1 q
   Vec direction_, rates_, row_;
   std::vector<Index> active_;  ///< W
-  std::vector<int> sign_;      ///< of W: 1 at the lower side, -1 at the upper one
-  std::vector<char> in_;       ///< of all rows and bounds: in W
+  std::vector<int> sign_;      ///< 1: in W at the lower side, -1: at the upper one
+  std::vector<char> in_;       ///< 1: the row or bound is in W
   Vec lambda_;                 ///< its first |W| entries
   Eigen::MatrixXd T_;          ///< the columns computed so far
   std::vector<char> has_;      ///< which those are
-  Eigen::MatrixXd columns_;    ///< of W
+  Eigen::MatrixXd columns_;    ///< those of W
   Eigen::MatrixXd inverse_;    ///< S^-1
   Vec certificate_;
   int pivots_ = 0;

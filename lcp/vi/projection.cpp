@@ -13,7 +13,7 @@ namespace perp::lcp {
 namespace {
 
 constexpr double eps = std::numeric_limits<double>::epsilon();
-/// What a step of a sum in two doubles may lose, beside its terms.
+/// Bounds the loss of a step of a sum in two doubles, beside its terms.
 constexpr double eps_twice = 8 * eps * eps;
 /// Up to so many rows and variables a dense projection is tried.
 constexpr Index dense_size = 3000;
@@ -73,11 +73,13 @@ void Projector::set_sides(Box rows, Box box) {
 const Projection& Projector::project(const TwoPartVector& t, Face face, double wanted, const Limits& limits) {
   out_.empty = false;
   out_.certificate.resize(0);
-  out_.error = infinity;
+  out_.error = out_.misses = infinity;
+  out_.p.resize(0);
   face.rows.resize(at(rows_.rows()), Cell::Inside);
   face.bounds.resize(at(C_.size()), Cell::Inside);
   for (const bool search : {false, true}) {
     if (search && !find_face(t, face, limits)) break;
+    keep_fixed(face);
     std::optional<Point> point = solve_face(face, t);
     if (!point) continue;
     at_ = std::move(*point);
@@ -90,6 +92,19 @@ const Projection& Projector::project(const TwoPartVector& t, Face face, double w
     if (out_.error <= wanted) break;
   }
   return out_;
+}
+
+/// Holds the fixed variables, and takes no side that is none for an equation.
+void Projector::keep_fixed(Face& face) const {
+  for (Index i = 0; i < rows_.rows(); ++i)
+    if (face.rows[at(i)] == Cell::Fixed && !C_.rows.is_fixed(i)) face.rows[at(i)] = Cell::Inside;
+  for (Index j = 0; j < C_.size(); ++j) {
+    Cell& cell = face.bounds[at(j)];
+    if (C_.box.is_fixed(j))
+      cell = Cell::Fixed;
+    else if (cell == Cell::Fixed)
+      cell = Cell::Inside;
+  }
 }
 
 /// The face that the projection lies on, by pivoting; false if there is none, or it was not found.
@@ -178,7 +193,8 @@ std::optional<Projector::Point> Projector::solve_face(const Face& face, const Tw
       if (step + 1 < refinements) correct(r);
     }
   }
-  if (!point.p.value.allFinite()) return {};
+  for (const Vec* part : {&point.p.value, &point.p.rest, &point.mu.value, &point.mu.rest})
+    if (!part->allFinite()) return {};
   return point;
 }
 
@@ -218,10 +234,22 @@ double Projector::error_bound(const TwoPartVector& t, const Limits& limits) {
   }
   out_.reduced = nu.value;
   const double moved = wrong + std::sqrt(square);
+  out_.misses = moved + violation();
   const double eta = distance(limits);
   const double away = (at_.p.value - t.value).norm() * (1 + 4 * eps) + eps * (at_.p.value.norm() + t.value.norm());
   // Rounding of these few positive sums, generously.
-  return (moved + std::sqrt(kappa + (away + eta) * eta)) * (1 + 1e-6) + eps * at_.p.value.norm();
+  const double error = (moved + std::sqrt(kappa + (away + eta) * eta)) * (1 + 1e-6) + eps * at_.p.value.norm();
+  return std::isnan(error) ? infinity : error;
+}
+
+/// By how much p misses the row or bound that it misses most, rows beside their norms; infinite where that overflows.
+double Projector::violation() const {
+  double worst = 0;
+  for (Index i = 0; i < rows_.rows(); ++i)
+    if (const double inside = row_slack(i, at_.p); !(inside >= 0))
+      worst = std::max(worst, norms_[i] > 0 && std::isfinite(norms_[i]) ? -inside / norms_[i] : infinity);
+  for (Index j = 0; j < C_.size(); ++j) worst = std::max(worst, -bound_slack(j, at_.p));
+  return worst;
 }
 
 /// At least the distance from p to a point of C.
@@ -294,7 +322,7 @@ double Projector::through_equations(const std::vector<Index>& tight, const std::
   return zeta;
 }
 
-/// Whether row j is s times row i.
+/// True if row j is s times row i.
 bool Projector::same_row(Index i, Index j, double s) const {
   Rows::InnerIterator a(rows_, i), b(rows_, j);
   for (; a && b; ++a, ++b)
@@ -323,6 +351,8 @@ double Projector::through_inside(const Limits& limits) {
   if (n + m > dense_size) return infinity;
   const TwoPartVector& p = at_.p;
   const double size = p.value.lpNorm<Eigen::Infinity>() + 1;
+  for (Index j = 0; j < n; ++j)  // no way leads from a fixed variable's wrong value
+    if (C_.box.is_fixed(j) && (p.value[j] != C_.box.lower[j] || p.rest[j] != 0)) return infinity;
   Face equations{std::vector<Cell>(at(m), Cell::Inside), std::vector<Cell>(at(n), Cell::Inside)};
   std::vector<char> held(at(n), 0);
   for (Index i = 0; i < m; ++i)
@@ -356,7 +386,7 @@ double Projector::through_inside(const Limits& limits) {
     const double zeta = step_onto(E, held, misses);
     double theta = 0;
     const auto go = [&](double at_p, double at_z, double room) {
-      if (!(at_z > room))
+      if (!(at_z > room) || !(at_p > -infinity))
         theta = infinity;
       else if (at_p < room)
         theta = std::max(theta, (room - at_p) / (at_z - at_p));
@@ -390,10 +420,14 @@ Projector::Slack Projector::slack(Index i, double side, const TwoPartVector& y) 
     add(it.value(), y.value[it.col()]);
     if (const double low = y.rest[it.col()]; low != 0) add(it.value(), low);
   }
-  return {sum + (rest + last), 4 * static_cast<double>(rows_.cols() + 2) * eps * lost};
+  const TwoParts high = two_sum(sum, rest);
+  const double low = high.error + last;
+  const TwoParts all = two_sum(high.value, low);
+  return {all.value,
+          std::abs(all.error) + eps * std::abs(low) + 4 * static_cast<double>(rows_.cols() + 2) * eps * lost};
 }
 
-/// How far the row is inside its sides: a lower bound of it, exact where it matters.
+/// How far the row is inside its sides: a lower bound of it, exact where it matters; -infinity where it overflows.
 double Projector::row_slack(Index i, const TwoPartVector& y) const {
   double a = 0, terms = 0;
   for (Rows::InnerIterator it(rows_, i); it; ++it) {
@@ -401,6 +435,7 @@ double Projector::row_slack(Index i, const TwoPartVector& y) const {
     a += term;
     terms += std::abs(term);
   }
+  if (!std::isfinite(terms)) return -infinity;
   const double lower = C_.rows.lower[i], upper = C_.rows.upper[i];
   const double rounding = eps * (static_cast<double>(rows_.cols()) + 4) * terms;
   const double near = std::min(a - lower, upper - a);
@@ -408,13 +443,12 @@ double Projector::row_slack(Index i, const TwoPartVector& y) const {
   if (near == infinity || near > 1e-6 * (terms + (std::isfinite(side) ? std::abs(side) : 0)) + rounding)
     return near * (1 - 4 * eps) - rounding;
   double least = infinity;
-  if (lower > -infinity) {
-    const Slack s = slack(i, lower, y);
-    least = s.value - eps * std::abs(s.value) - s.error;
-  }
-  if (upper < infinity) {
-    const Slack s = slack(i, upper, y);
-    least = std::min(least, -s.value - eps * std::abs(s.value) - s.error);
+  for (const bool above : {false, true}) {
+    if (!std::isfinite(above ? upper : lower)) continue;
+    const Slack s = slack(i, above ? upper : lower, y);
+    const double inside = (above ? -s.value : s.value) - eps * std::abs(s.value) - s.error;
+    if (!(inside > -infinity)) return -infinity;
+    least = std::min(least, inside);
   }
   return least;
 }

@@ -26,11 +26,13 @@ namespace perp::lcp {
 struct Projection {
   Vec p;
   double error = infinity;  ///< ||p - p*||_2 <= error
-  Vec multipliers;          ///< mu
-  Vec reduced;              ///< nu
+  /// How far t is moved by wrong signs, and how far p is off C's rows and bounds. Small does not say that C is near.
+  double misses = infinity;
+  Vec multipliers;  ///< mu
+  Vec reduced;      ///< nu
   Face face;
   bool empty = false;  ///< the rows contradict each other, as `certificate` says in doubles
-  Vec certificate;     ///< of the rows: proof_of_empty() makes a proof of it
+  Vec certificate;     ///< multipliers of the rows: proof_of_empty() makes a proof of them
 };
 
 /// Keeps C and its memory.
@@ -49,6 +51,7 @@ class Projector {
  private:
   using Rows = Eigen::SparseMatrix<double, Eigen::RowMajor>;
   bool find_face(const TwoPartVector& t, Face& face, const Limits& limits);
+  void keep_fixed(Face& face) const;
   FacePivoting& pivoting();
   /// A point of a face.
   struct Point {
@@ -58,6 +61,7 @@ class Projector {
   };
   std::optional<Point> solve_face(const Face& face, const TwoPartVector& t) const;
   double error_bound(const TwoPartVector& t, const Limits& limits);
+  double violation() const;
   double distance(const Limits& limits);
   double through_equations(const std::vector<Index>& tight, const std::vector<char>& held,
                            const TwoPartVector& y) const;
@@ -77,14 +81,15 @@ class Projector {
   Vec norms_;
   FacePivoting::Rows dense_{};
   bool has_dense_ = false;
-  FacePivoting pivoting_{};  ///< of M = I; prepared where it is used
+  FacePivoting pivoting_{};  ///< with M = I; prepared where it is used
   bool prepared_ = false;
   Projection out_{};
   Point at_{};  ///< the projection's
 };
 
-/// y, of the lifted MCP's rows, that proves C empty exactly (proves_infeasible()), from y of C's rows; empty if it is
-/// no proof. `mcp` is lifted(vi) of any vi over C.
+/// y, of the lifted MCP's rows, that proves C empty by proves_infeasible(), from y of C's rows; empty if it is no
+/// proof. The sums are exact; excluded are points of norm below proof_radius of the equilibrated problem, for data in
+/// doubles need not contradict themselves exactly. `mcp` is lifted(vi) of any vi over C.
 Vec proof_of_empty(const AffineMcp& mcp, const Polyhedron& C, In y);
 
 }  // namespace perp::lcp

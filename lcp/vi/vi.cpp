@@ -15,7 +15,7 @@ constexpr double unit = std::numeric_limits<double>::epsilon();
 /// Rows and variables up to which faces are pivoted on: a dense matrix of 72 MB.
 constexpr Index most_dense = 3000;
 
-/// What says that the lifted problem's point is on a row or bound: multipliers beside rounding.
+/// The rows and bounds that the lifted problem's point is on, as multipliers beside rounding say.
 Face face_of(const Polyhedron& C, In z) {
   const Index n = C.size(), m = C.A.rows();
   Face face{.rows = std::vector<Cell>(at(m), Cell::Inside), .bounds = std::vector<Cell>(at(n), Cell::Inside)};
@@ -37,7 +37,12 @@ class Solver {
 
   ViResult judged(In x, const Face& face) {
     const Judgement judgement = judge(AffineMcp{vi_.M, vi_.q, Box::free(vi_.size())}, x);
-    if (judgement.F.size() == 0) return {};
+    if (judgement.F.size() != vi_.size() || !judgement.F.allFinite()) {
+      ViResult refused;
+      refused.x = x;
+      refused.message = "F overflows at the point reached";
+      return refused;
+    }
     return judge_vi(projector_, x, judgement.F, unit * judgement.F.norm(), judgement.terms.size, face, limits_);
   }
 
@@ -60,7 +65,6 @@ class Solver {
       }
     }
     result.iterations = pivoting.pivots();
-    result.by_faces = true;
     return result;
   }
 
@@ -118,6 +122,7 @@ ViResult judge_vi(Projector& projector, In x, In F, double F_error, In terms, Fa
   const Projection& projection = projector.project(t, std::move(face), 1e-3 * limits.tol, limits);
   result.face = projection.face;
   if (projection.p.size() != n || projection.empty) {
+    if (const auto why = limits.reached()) result.status = *why;
     result.message = projection.empty ? "no point of the polyhedron was found, and no proof that it is empty"
                                       : "the projection on the polyhedron was not found";
     return result;
@@ -127,26 +132,34 @@ ViResult judge_vi(Projector& projector, In x, In F, double F_error, In terms, Fa
   result.projection_error = projection.error + F_error;
   const Vec off = (x - projection.p).cwiseAbs();
   const double largest = n > 0 ? off.maxCoeff(&result.worst) : 0;
-  result.residual = n > 0 ? largest * (1 + 4 * unit) + result.projection_error : 0;
+  result.residual = largest * (1 + 4 * unit) + result.projection_error;
   if (result.residual <= limits.tol) {
     result.status = Status::Solved;
     result.message = text_of("solved: natural residual ", result.residual);
     return result;
   }
-  // What the rounding of F and of the rows leaves.
+  // The error has no bound that is small enough: p stands for the projection as far as it meets what defines one.
   Vec sizes = terms + x.cwiseAbs();
   sizes += projector.polyhedron().A.cwiseAbs().transpose() * projection.multipliers.cwiseAbs();
-  const bool to_rounding = (off.array() <= 8.0 * static_cast<double>(n + 2) * unit * sizes.array()).all();
-  if (largest <= limits.tol || to_rounding) {
+  sizes *= 8.0 * static_cast<double>(n + 2) * unit;  // the rounding of F and of the rows
+  const bool finite = std::isfinite(off.sum()) && std::isfinite(sizes.sum());
+  const bool to_tolerance = finite && largest + projection.misses <= limits.tol;
+  const bool to_rounding =
+      finite && (off.array() <= sizes.array()).all() && projection.misses <= sizes.lpNorm<Eigen::Infinity>();
+  if (to_tolerance || to_rounding) {
     result.status = Status::SolvedToRounding;
-    result.message =
-        largest <= limits.tol
-            ? text_of("natural residual ", largest,
-                      " by a projection whose error has no bound: the polyhedron is flat, or nearly; equations "
-                      "are written by equal sides")
-            : text_of("natural residual ", result.residual, ", within the rounding of its terms");
+    if (!to_tolerance)
+      result.message = text_of("natural residual ", result.residual, ", within the rounding of its terms");
+    else if (projection.error == infinity && !limits.reached())
+      result.message = text_of("natural residual ", largest,
+                               " by a projection whose error has no bound: the polyhedron is flat, or nearly; "
+                               "equations are written by equal sides");
+    else
+      result.message = text_of("natural residual ", largest, " by a projection whose error is at most ",
+                               result.projection_error, " with that of F");
     return result;
   }
+  if (const auto why = limits.reached()) result.status = *why;
   result.message = text_of("natural residual ", result.residual);
   return result;
 }

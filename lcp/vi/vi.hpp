@@ -4,7 +4,7 @@
 /// them: the natural map of C itself,
 ///     r(x) = || x - p*(x - F(x)) ||_inf,   p* the projection on C (projection.hpp),
 /// which is zero exactly at the solutions, and knows no multipliers, which need not be unique. What is called Solved
-/// has r(x) <= tol with the errors of F and of the projection in it.
+/// has r(x) <= tol with the projection's error in it, and of affine F that of F.
 ///
 ///     perp::lcp::ViResult r = perp::lcp::solve_vi({M, q, {A, rows, box}});
 #include "lcp/vi/projection.hpp"
@@ -17,15 +17,14 @@ struct ViResult {
   Vec x;                               ///< the best point met
   Vec F;                               ///< there
   double residual = infinity;          ///< r(x) is at most this
-  double projection_error = infinity;  ///< of which so much is the bound on the projection's error
+  double projection_error = infinity;  ///< so much of it bounds the errors of the projection and of affine F
   Index worst = -1;                    ///< where |x - p| is largest
   Vec multipliers;                     ///< lambda, of the rows
   Vec reduced;                         ///< nu = F(x) - A'lambda of the active bounds; 0 elsewhere
-  Face face;                           ///< of the projection: the active rows and bounds
+  Face face;                           ///< the projection's: the active rows and bounds
   bool empty = false;                  ///< Infeasible because C is empty
-  Vec certificate{};      ///< Infeasible: proves_infeasible(lifted(vi), certificate), if it is of that kind
-  long iterations = 0;    ///< pivots, or what the method for the lifted problem counts
-  bool by_faces = false;  ///< whether the dense pivoting on faces found it
+  Vec certificate{};    ///< Infeasible: proves_infeasible(lifted(vi), certificate), if it is of that kind
+  long iterations = 0;  ///< pivots, or what the method for the lifted problem counts
   bool solved() const { return status == Status::Solved; }
   bool accepted() const { return solved() || status == Status::SolvedToRounding; }
 };
@@ -42,7 +41,7 @@ struct ViOptions {
 /// Throws std::invalid_argument for malformed input.
 ViResult solve_vi(const AffineVi& vi, const ViOptions& options = {}, const Limits& limits = {});
 
-/// Judges x: everything but status Infeasible, iterations and by_faces. `F_error` bounds the error of F in the 2-norm,
+/// Judges x: everything but status Infeasible and iterations. `F_error` bounds the error of F in the 2-norm,
 /// `terms` has the sizes of what F's entries are the rest of. Begins to look for the projection on `face`.
 ViResult judge_vi(Projector& projector, In x, In F, double F_error, In terms, Face face, const Limits& limits);
 

@@ -55,7 +55,7 @@ lcp::ViResult solve_vi(const Mcp& mcp, const SpMat& A, const Box& rows, In x0, c
   }
   best.iterations = found.stats.iterations;
   if (best.accepted()) return best;
-  best.status = found.accepted() ? Status::Stalled : found.status;
+  if (!found.accepted()) best.status = found.status;
   best.message = found.accepted() ? best.message + ", though the problem with multipliers is solved" : found.message;
   if (found.status == Status::Infeasible || limits.reached()) return best;
   // The projection of x says whether C is empty; a proof is the affine one.
@@ -71,9 +71,12 @@ lcp::ViResult solve_vi(const Mcp& mcp, const SpMat& A, const Box& rows, In x0, c
   return best;
 }
 
-lcp::ViResult solve_vi(const Mcp& mcp, const SpMat& A, const Box& rows, In x0, const lcp::Limits& limits) {
+lcp::ViResult solve_vi(const Mcp& mcp, const SpMat& A, const Box& rows, In x0, const Stop& stop) {
+  lcp::Limits limits{.tol = stop.tol, .deadline = lcp::deadline_after(stop.max_time)};
+  if (stop.interrupt != nullptr) limits.interrupted = [flag = stop.interrupt] { return flag->load(); };
+  const Method method = automatic(stop);
   return solve_vi(
-      mcp, A, rows, x0, [](const Mcp& problem, const Vec& z0) { return solve(problem, z0, automatic()); }, limits);
+      mcp, A, rows, x0, [&](const Mcp& problem, const Vec& z0) { return solve(problem, z0, method); }, limits);
 }
 
 }  // namespace perp::ncp

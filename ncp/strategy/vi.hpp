@@ -17,10 +17,11 @@ namespace perp::ncp {
 /// Solves the lifted MCP from a start.
 using LiftedSolve = std::function<Result(const Mcp& lifted, const Vec& z0)>;
 
-/// Affine problems that keep M and q are solved by lcp::solve_vi() first. Throws std::invalid_argument for malformed
-/// input.
+/// Affine problems that keep M and q are solved by lcp::solve_vi(), without `solve`. Throws std::invalid_argument for
+/// malformed input.
 lcp::ViResult solve_vi(const Mcp& mcp, const SpMat& A, const Box& rows, In x0, const LiftedSolve& solve,
                        const lcp::Limits& limits = {});
-lcp::ViResult solve_vi(const Mcp& mcp, const SpMat& A, const Box& rows, In x0, const lcp::Limits& limits = {});
+/// By automatic(), within the tolerance, the time and the interruption of `stop`.
+lcp::ViResult solve_vi(const Mcp& mcp, const SpMat& A, const Box& rows, In x0, const Stop& stop = {});
 
 }  // namespace perp::ncp

@@ -47,8 +47,8 @@ def batch(
     *,
     parameters: npt.ArrayLike | None = None,
     A: npt.ArrayLike | None = None,
-    b: npt.ArrayLike = 0,
-    c: npt.ArrayLike = np.inf,
+    b: npt.ArrayLike | None = None,
+    c: npt.ArrayLike | None = None,
     tol: float = 1e-9,
     threads: int = 0,
 ) -> BatchResult:
@@ -59,7 +59,8 @@ def batch(
 
     M       (n, n) or (count, n, n).
     q       (n,) or (count, n); lower, upper alike, or a number.
-    A       (m, n) or (count, m, n); b, c  (m,) or (count, m), or a number.
+    A       (m, n) or (count, m, n); b, c  (m,) or (count, m), or a number. None: -inf and inf; with
+            neither, b = 0.
     threads 0: one for each processor. The results do not depend on it, nor on the order of the problems, to the bit.
 
     With a function, of MCP(lower, upper, F(., p)) for each of the parameters, with x0, lower and upper as above:
@@ -94,18 +95,21 @@ def _affine(M: Any, q: Any, A: Any, b: Any, c: Any, lower: Any, upper: Any, tol:
         given["A"] = doubles(A, "A")
     m = given["A"].shape[-2] if A is not None and given["A"].ndim >= 2 else 0
     shapes: dict[str, tuple[int, ...]] = {"M": (n, n), "q": (n,), "A": (m, n), "b": (m,), "c": (m,), "lower": (n,), "upper": (n,)}
-    sides = {"lower": lower, "upper": upper, **({"b": b, "c": c} if m else {})}
+    if b is None:
+        b = 0.0 if c is None else -np.inf
+    sides = {"lower": lower, "upper": upper, **({"b": b, "c": np.inf if c is None else c} if m else {})}
     for name, side in sides.items():
         array = np.asarray(side, dtype=float)
         given[name] = np.broadcast_to(array, shapes[name]) if array.ndim == 0 else array
-    count = 1
+    counted: int | None = None
     for name, array in given.items():
         if array.shape[-len(shapes[name]) :] != shapes[name] or array.ndim > len(shapes[name]) + 1:
             refuse(name, f"has shape {array.shape}, and must have shape {shapes[name]} or (count, {', '.join(map(str, shapes[name]))})")
         if array.ndim > len(shapes[name]):
-            if count != 1 and len(array) != count:
-                refuse(name, f"has {len(array)} problems, and others have {count}")
-            count = len(array)
+            if counted is not None and len(array) != counted:
+                refuse(name, f"has {len(array)} problems, and others have {counted}")
+            counted = len(array)
+    count = 1 if counted is None else counted
     varying, kept = {}, []
     for name in shapes:
         if name not in given:
@@ -114,7 +118,7 @@ def _affine(M: Any, q: Any, A: Any, b: Any, c: Any, lower: Any, upper: Any, tol:
         array = np.ascontiguousarray(given[name], dtype=float)
         kept.append(array)
         several = array.ndim > len(shapes[name])
-        varying[name] = ctypes.byref(_Varying(address(array), array[0].size if several else 0))
+        varying[name] = ctypes.byref(_Varying(address(array), int(np.prod(shapes[name])) if several else 0))
     x, multipliers = np.empty((count, n)), np.empty((count, m))
     status, residual = np.empty(count, np.int32), np.empty(count)
     call(

@@ -63,7 +63,7 @@ def lq_game(
     lower, upper
             as of `perp.solve`.
     method, options, more
-            as of `perp.vi`.
+            as of `perp.vi` with affine F.
     """
     sizes = [int(size) for size in sizes]
     n, players = sum(sizes), len(sizes)

@@ -25,9 +25,10 @@ class ViResult(Record):
     success: Field[bool] = Field("Whether the natural residual is at most the tolerance.", bool)
     message: Field[str] = Field("What happened.")
     residual: Field[float] = Field(
-        "A bound of the natural residual ||x - P(x - F(x))||_inf, P the projection on C, with all errors in it."
+        "A bound of the natural residual ||x - P(x - F(x))||_inf, P the projection on C: the error of P is in it, and of affine F "
+        "that of F."
     )
-    projection_error: Field[float] = Field("How much of it is the bound of the projection's error.")
+    projection_error: Field[float] = Field("How much of it is the bound of these errors.")
     worst: Field[int] = Field("The variable where it is largest; -1: none.")
     multipliers: Field[Array] = Field(
         "Shape (m,), of the rows: F = A'multipliers + reduced, at least 0 at b, at most 0 at c, 0 between."
@@ -66,14 +67,14 @@ def vi(
 
     F       a pair (M, q) for F(x) = M x + q; or x -> F(x), with jac, args and pattern as of `perp.solve`; or a Problem,
             with its own bounds.
-    x0      shape (n,); needed for a function.
+    x0      shape (n,); needed for a function. None: the start of a Problem. Affine F needs none.
     A       shape (m, n), dense or scipy.sparse; None: no rows.
     b, c    a number for all, or shape (m,); -inf and inf are no sides, equal ones an equation. None: -inf and inf; with
             neither, b = 0.
     lower, upper, bounds
             as of `perp.solve`, but that there are none by default.
     method, options, more
-            as of `perp.solve`.
+            as of `perp.solve`; for affine F only the tolerance and the limit of time count.
     """
     if isinstance(F, Problem):
         problem = F
@@ -83,7 +84,6 @@ def vi(
         problem = affine_problem(*F, *split_bounds(bounds, lower, upper))
     else:
         problem = function_problem(F, x0, lower, upper, jac, pattern, bounds, args)
-        x0 = None
     n = problem.size
     if A is None:
         A, b, c = np.empty((0, n)), 0.0, None
@@ -93,12 +93,12 @@ def vi(
     m = rows.rows
     low = bound(-np.inf if b is None and c is not None else b, m, 0.0, "b")
     high = bound(c, m, np.inf, "c")
-    start = None if x0 is None else vector(x0, n, "x0")
+    start = vector(problem.x0 if x0 is None else x0, n, "x0")
     handle, interrupt = problem._work(
         _library.lib.perp_vi,
         ctypes.byref(rows),
         *(None if side is None or not m else address(side) for side in (low, high)),
-        None if start is None else address(start),
+        address(start),
         solver=solver_of(asked(method, options, more)),
         listeners=listeners_of(None, None),
     )

@@ -100,13 +100,13 @@ def exact_projection(t, A, b):
     return None
 
 
-# Against rational arithmetic, on 300 small problems: general ones, of integers, with nearly parallel rows, with opposite
+# Against rational arithmetic, on 600 small problems, half with bounds, of which some are fixed: general ones, of integers, with nearly parallel rows, with opposite
 # rows, with rows of sizes 1e-6 to 1e5; half of the rows pass through a point. What is called solved has a natural residual of at
 # most what is said, and what is called empty is. Catches bounds of the projection's error that are none.
 def test_against_rational_arithmetic():
     solved = 0
     exactly = lambda rows: [[Fraction(float(a)) for a in row] for row in np.atleast_2d(rows)]  # noqa: E731
-    for k in range(300):
+    for k in range(600):
         random = np.random.default_rng(k)
         n, m = random.integers(1, 4), random.integers(1, 8)
         A, inside = random.normal(size=(m, n)), np.round(random.normal(size=n) * 4) / 4
@@ -121,8 +121,14 @@ def test_against_rational_arithmetic():
         b = A @ inside - np.abs(A).sum(axis=1) * random.random(m) * (random.random(m) < 0.5)
         M = random.normal(size=(n, n))
         M, q = M - M.T + (random.random() < 0.7) * np.eye(n), random.normal(size=n) * 10.0 ** random.integers(-2, 3)
-        r = perp.vi((M, q), A=A, b=b)
-        rows, (sides,) = exactly(A), exactly(b)
+        low, high = np.full(n, -np.inf), np.full(n, np.inf)
+        if k >= 300:
+            low = np.where(random.random(n) < 0.6, inside - np.round(random.random(n) * 2), low)
+            high = np.where(random.random(n) < 0.4, inside + np.round(random.random(n) * 2), high)
+        r = perp.vi((M, q), A=A, b=b, lower=low, upper=high)
+        I = np.eye(n)
+        rows = exactly(np.vstack([A, I[np.isfinite(low)], -I[np.isfinite(high)]]))
+        (sides,) = exactly(np.concatenate([b, low[np.isfinite(low)], -high[np.isfinite(high)]]))
         if r.status == "Infeasible" and r.empty:
             assert exact_projection([Fraction(0)] * n, rows, sides) is None, k
         if r.success:
@@ -131,7 +137,31 @@ def test_against_rational_arithmetic():
             F = [sum(a * z for a, z in zip(row, x)) + s for row, s in zip(exactly(M), shift)]
             p = exact_projection([a - f for a, f in zip(x, F)], rows, sides)
             assert p is not None and max(abs(a - z) for a, z in zip(x, p)) <= r.residual <= 1e-8, k
-    assert solved > 150
+    assert solved > 300
+
+
+# Roots 1, 5 and -3: from a start near one, that one is found. Catches starts that are not used, x0 and a Problem's own.
+def test_starts_where_it_is_told():
+    F = lambda x: (x - 1) * (x - 5) * (x + 3)  # noqa: E731
+    for start, root in ((4.9, 5), (0.9, 1), (-2.9, -3)):
+        problem = perp.problem(F, [start], -np.inf)
+        found = (perp.vi(F, [start]), perp.vi(problem), perp.vi(perp.problem(F, [9.0], -np.inf), [start]))
+        assert all(r.success and abs(r.x[0] - root) < 1e-6 for r in found), start
+
+
+# Without time nothing is found, and nothing is said to be solved. Catches points accepted far from C.
+def test_a_limit_of_time():
+    for F in ((np.eye(2), [0, 0]), lambda x: x + x**3):
+        r = perp.vi(F, [0.0, 0.0], A=[[1, 1]], b=1, max_time=1e-9)
+        assert r.status == "TimeLimit" and not r.success
+
+
+# The judge's test of fixed variables (tests/lcp/vi/vi_test.cpp) with F that is defined at one point alone.
+def test_fixed_variables_are_held():
+    x = np.array([1 + 8e-7, 0])
+    F = lambda z: np.array([z[0] - x[0], -9e-9]) if (z == x).all() else np.full(2, np.nan)  # noqa: E731
+    r = perp.vi(F, x, [[1, -100]], None, 1, [0.99, 0], [np.inf, 0], jac=lambda z: np.diag([1.0, 0.0]))
+    assert not r.success and r.residual > 7.9e-7
 
 
 def test_refuses():
@@ -159,6 +189,11 @@ def test_batch_of_affine_ones():
     assert (turned.x[::-1] == r.x).all()
     with pytest.raises(ValueError, match="lower"):
         perp.batch((np.eye(2), np.zeros((3, 2))), lower=np.zeros((4, 2)))
+    with pytest.raises(ValueError, match="q"):  # a batch of one is no number for all
+        perp.batch((np.eye(2)[None], np.zeros((3, 2))))
+    assert perp.batch((M[:0], q[:0])).x.shape == (0, 4)
+    above = perp.batch((M, q), lower=-np.inf, A=A, c=-b)  # c alone: no lower side, as perp.vi has it
+    assert all(np.allclose(perp.vi((M[k], q[k]), A=A, c=-b[k]).x, above.x[k], atol=1e-9) for k in range(20))
 
 
 # Kojima and Shindo's 2 x 2 game with parameters in its place; singular at the start of some. Catches a problem that Newton's

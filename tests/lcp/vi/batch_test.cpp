@@ -92,6 +92,55 @@ TEST(Batch, DependsNeitherOnThreadsNorOnOrder) {
   }
 }
 
+// Each instance has its own M, A and sides. Catches factors, rows and bounds that are kept of the instance before.
+TEST(Batch, VariesEverything) {
+  constexpr Index count = 30, n = 5;
+  for (const Index m : {7, 0}) {
+    Random random(6);
+    std::vector<double> M, q, A, b, c, l, u;
+    const auto append = [](std::vector<double>& to, const FacePivoting::Rows& entries) {
+      to.insert(to.end(), entries.data(), entries.data() + entries.size());
+    };
+    for (Index k = 0; k < count; ++k) {
+      const Dense G = random.normals(n, n), S = random.normals(n, n);
+      append(M, Dense(G * G.transpose() + Dense::Identity(n, n) + S - S.transpose()));
+      append(A, Dense(random.normals(m, n)));
+      for (Index j = 0; j < n; ++j) {
+        q.push_back(10 * random.normal());
+        l.push_back(-random.uniform(0, 1));
+        u.push_back(j == 2 && k % 2 == 0 ? l.back() : random.uniform(0, 1));  // a fixed variable in every other
+      }
+      for (Index i = 0; i < m; ++i) {
+        const double at_lower =
+            Eigen::Map<const Vec>(A.data() + (k * m + i) * n, n).dot(Eigen::Map<const Vec>(l.data() + k * n, n));
+        b.push_back(at_lower - random.uniform(0, 1));
+        c.push_back(at_lower + random.uniform(0, 1));
+      }
+    }
+    const ViBatch batch{.count = count,
+                        .n = n,
+                        .m = m,
+                        .M = {M.data(), n * n},
+                        .q = {q.data(), n},
+                        .A = {A.data(), m * n},
+                        .b = {b.data(), m},
+                        .c = {c.data(), m},
+                        .l = {l.data(), n},
+                        .u = {u.data(), n}};
+    const Answers all(batch, 1);
+    for (Index k = 0; k < count; ++k) {
+      const auto of = [&](const std::vector<double>& values, Index size) {
+        return Vec(Eigen::Map<const Vec>(values.data() + k * size, size));
+      };
+      const Eigen::Map<const FacePivoting::Rows> Mk(M.data() + k * n * n, n, n), Ak(A.data() + k * m * n, m, n);
+      const ViResult one = solve_vi({sparse(Mk), of(q, n), {sparse(Ak), {of(b, m), of(c, m)}, {of(l, n), of(u, n)}}});
+      ASSERT_EQ(all.status[at(k)], Status::Solved);
+      ASSERT_TRUE(one.solved());
+      ASSERT_LE((one.x - of(all.x, n)).lpNorm<Eigen::Infinity>(), 1e-8);
+    }
+  }
+}
+
 // What is no number in one instance is said, from whichever thread. Catches exceptions that end the program.
 TEST(Batch, RefusesWhatIsNoProblem) {
   Games games(40, 4, 3);

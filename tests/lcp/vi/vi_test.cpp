@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <chrono>
 #include <cmath>
 #include <string>
 
@@ -150,6 +151,88 @@ std::string name_of(const testing::TestParamInfo<Kind>& kind) {
 }
 INSTANTIATE_TEST_SUITE_P(Kinds, Generated, testing::Values(Definite, Semidefinite, NotMonotone, Degenerate, Empty),
                          name_of);
+
+/// x1 in [0.99, infinity), x2 = 0, x1 - 100 x2 <= 1.
+Polyhedron with_a_fixed_variable() {
+  Dense A(1, 2);
+  A << 1, -100;
+  return {sparse(A),
+          {Vec::Constant(1, -infinity), Vec::Constant(1, 1)},
+          {support::vec({0.99, 0}), support::vec({infinity, 0})}};
+}
+
+// At x = (1 + 8e-7, 0) with F(x) = (0, -9e-9) the projection of x - F(x) is (1, 0), by hand. The empty face lets x2 be
+// 9e-9, where the row seems to hold. Catches a fixed variable that is not at its bound.
+TEST(JudgeVi, HoldsFixedVariables) {
+  const Vec x = support::vec({1 + 8e-7, 0}), F = support::vec({0, -9e-9});
+  Projector projector(with_a_fixed_variable());
+  for (const Cell second : {Cell::Inside, Cell::Fixed}) {
+    const ViResult r =
+        judge_vi(projector, x, F, 0, x.cwiseAbs(), {.rows = {}, .bounds = {Cell::Inside, second}}, Limits{.tol = 1e-8});
+    EXPECT_FALSE(r.accepted()) << r.message;
+    EXPECT_GE(r.residual, 7.9e-7);
+  }
+  const ViResult r = judge_vi(projector, x, F, 0, x.cwiseAbs(), {}, Limits{.tol = 1e-6});
+  EXPECT_TRUE(r.solved()) << r.message;
+  EXPECT_NEAR(r.residual, 8e-7, 1e-15);
+}
+
+// Fixed variables that equations say, too: x1 = 1, x2 = 2, x1 + x3 = 2, x2 + x3 = 3, x1 + x2 = 3. Catches faces whose
+// normals become dependent where a fixed variable is held.
+TEST(SolveVi, HoldsFixedVariablesThatRowsSayToo) {
+  Dense A(3, 3);
+  A << 1, 0, 1, 0, 1, 1, 1, 1, 0;
+  const Vec b = support::vec({2, 3, 3});
+  const Polyhedron C{sparse(A), {b, b}, {support::vec({1, 2, -infinity}), support::vec({1, 2, infinity})}};
+  for (const auto method : {ViOptions::Method::Auto, ViOptions::Method::Lifted}) {
+    const ViResult r = solve_vi({sparse(Dense::Identity(3, 3)), Vec::Ones(3), C}, {.method = method});
+    EXPECT_TRUE(r.solved()) << r.message;
+  }
+}
+
+// A face that says Fixed of a row with two sides has no sign to be wrong: the projection of 0 on 1 <= x1 + x2 <= 2 is
+// (1/2, 1/2), of (3/4, 3/4) itself. Catches multipliers of any sign that are taken for right.
+TEST(JudgeVi, TakesNoInequalityForAnEquation) {
+  Projector projector({sparse(Dense::Constant(1, 2, 1)), {Vec::Constant(1, 1), Vec::Constant(1, 2)}, Box::free(2)});
+  const Vec x = Vec::Constant(2, 0.5), F = Vec::Constant(2, -0.25);
+  const ViResult r =
+      judge_vi(projector, x, F, 0, x, {.rows = {Cell::Fixed}, .bounds = {Cell::Inside, Cell::Inside}}, {});
+  EXPECT_FALSE(r.accepted()) << r.message;
+  EXPECT_NEAR(r.residual, 0.25, 1e-15);
+}
+
+// A point beside C that there was no time to project, and one whose row overflows. Catches points far from C that are
+// accepted because they are their own projection on a wrong face.
+TEST(JudgeVi, AcceptsNoPointOutsideC) {
+  const Polyhedron half{
+      sparse(Dense::Constant(1, 2, 1)), {Vec::Constant(1, 1), Vec::Constant(1, infinity)}, Box::free(2)};
+  const Limits over{.deadline = std::chrono::steady_clock::now()};
+  for (const auto method : {ViOptions::Method::Auto, ViOptions::Method::Lifted}) {
+    const ViResult r = solve_vi({sparse(Dense::Identity(2, 2)), Vec::Zero(2), half}, {.method = method}, over);
+    EXPECT_EQ(r.status, Status::TimeLimit) << r.message;
+  }
+  Projector projector(half);
+  const ViResult r = judge_vi(projector, Vec::Zero(2), Vec::Zero(2), 0, Vec::Zero(2), {}, over);
+  EXPECT_EQ(r.status, Status::TimeLimit) << r.message;
+  const Polyhedron huge{
+      sparse(Dense::Constant(1, 1, 1e200)), {Vec::Constant(1, -infinity), Vec::Zero(1)}, Box::free(1)};
+  EXPECT_FALSE(solve_vi({sparse(Dense::Identity(1, 1)), Vec::Constant(1, -1e200), huge}).accepted());
+}
+
+// M x + q overflows. Catches a residual that is no number and taken for small.
+TEST(SolveVi, AcceptsNoOverflow) {
+  const Polyhedron box{SpMat(0, 1), Box::free(0), {Vec::Constant(1, 1e200), Vec::Constant(1, infinity)}};
+  EXPECT_FALSE(solve_vi({sparse(Dense::Constant(1, 1, 1e200)), Vec::Zero(1), box}).accepted());
+}
+
+// Without variables a row is 0, which is in its sides or not.
+TEST(SolveVi, LooksAtRowsWithoutVariables) {
+  for (const double b : {-1.0, 1.0}) {
+    const Polyhedron C{SpMat(1, 0), {Vec::Constant(1, b), Vec::Constant(1, infinity)}, Box::free(0)};
+    const ViResult r = solve_vi({SpMat(0, 0), Vec(0), C});
+    EXPECT_EQ(r.solved(), b < 0) << r.message;
+  }
+}
 
 }  // namespace
 }  // namespace perp::lcp
