@@ -50,11 +50,14 @@ class AffineView final : public ncp::Mcp {
   AffineView(Vec q, lcp::Box box) : problem_{.M = {}, .q = std::move(q), .box = std::move(box)} {}
   AffineView(const AffineView&) = delete;
   AffineView& operator=(const AffineView&) = delete;
-  ~AffineView() override { problem_.M.swap(lent_); }
+  ~AffineView() override {
+    if (borrowed_) problem_.M.swap(lent_);  // Eigen frees its own arrays, and not the caller's
+  }
   /// Takes the caller's arrays as M, if they need no conversion.
   bool borrow(const perp_matrix& M) {
     if (!lent_.borrow(M, "M")) return false;
     problem_.M.swap(lent_);
+    borrowed_ = true;
     return true;
   }
 
@@ -74,6 +77,7 @@ class AffineView final : public ncp::Mcp {
 
  private:
   BorrowedMatrix lent_{};
+  bool borrowed_ = false;
   lcp::AffineMcp problem_;
 };
 
