@@ -104,7 +104,7 @@ class ExactSum {
 /// approximates: `errors` is the sum of the sizes of what was added up in `low`, in `terms` + 1 steps.
 struct Settled {
   double value;
-  double open;
+  double doubt;
 };
 inline Settled settled(double sum, double middle, double low, double errors, int terms) {
   TwoParts rest = two_sum(middle, low);
@@ -143,7 +143,7 @@ class TripleSum {
   bool settle() {
     const Settled at = settled(sum_, middle_, low_, errors_, terms_);
     sum_ = at.value;
-    return in_range_ && at.open == 0;
+    return in_range_ && at.doubt == 0;
   }
   double value() const { return sum_; }
 
@@ -193,7 +193,7 @@ class TripleSums {
     for (std::size_t i = 0; i < count_; ++i) {
       const Settled at = settled(sum_[i], middle_[i], low_[i], errors_[i], terms_);
       sum_[i] = at.value;
-      lost_[i] += at.open;
+      lost_[i] += at.doubt;
     }
   }
   /// After settle(): whether value(i) is that of an ExactSum.

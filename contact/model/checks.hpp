@@ -10,7 +10,7 @@ void check_friction(const Vec& mu);
 void check_dimension(int dimension);                                ///< without rolling friction
 void check_rolling(int dimension, const Vec& mu, const Vec& mu_r);  ///< with it or without
 
-/// Of what knows contacts with one disk alone.
+/// Refuses rolling friction, for methods that know contacts with one disk alone.
 void check_no_rolling(const char* who, const Problem& problem);
 
 }  // namespace perp::contact

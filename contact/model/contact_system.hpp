@@ -77,7 +77,7 @@ double refine(const Vec& c, double target, const Product& product, const Solve& 
   return size;
 }
 
-/// Of contacts with one disk, Size = 3, or two, Size = 5; those have no form by bodies (scaling.hpp).
+/// Contacts with one disk have Size = 3, with two Size = 5; those have no form by bodies (scaling.hpp).
 template <int Size>
 class ContactSystemOf {
  public:

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-/// What a contact's impulses and velocities are made of: a normal entry, and one disk of friction, or two,
+/// The parts of a contact's impulses and velocities: a normal entry, and one disk of friction, or two,
 ///     (N, T1[, T2])     sliding:               |r_T| <= mu r_N
 ///     (N, T.., R..)     sliding and rolling:   |r_T| <= mu r_N,   |m_R| <= mu_r r_N.
 /// A vector of fixed size holds any contact of a problem, with zeros after its entries: of size 3 where there is one
@@ -14,7 +14,7 @@ using ContactVector = Eigen::Matrix<double, Size, 1>;
 template <int Size>
 using ContactMatrix = Eigen::Matrix<double, Size, Size>;
 
-/// How many disks a vector of that size has.
+/// The number of disks in a vector of that size.
 template <int Size>
 inline constexpr int disks = (Size - 1) / 2;
 

@@ -27,7 +27,7 @@ Velocities exact_velocities(const Problem& problem, In r, const std::vector<doub
 /// l_a of residual.hpp, at which rolling counts as sliding; 1 where the diagonal of W does not say, and without
 /// rolling.
 double lever(const Problem& problem, Index contact);
-/// What the entries of a contact's velocity are multiplied by, to be of one unit: 1, and the lever.
+/// The factors that bring the entries of a contact's velocity to one unit: 1, and the lever.
 Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 5, 1> levers(const Problem& problem, double lever);
 
 /// Q_a of each contact: the largest |q_b| of those it acts on, or that act on it, directly or through others. Of parts,

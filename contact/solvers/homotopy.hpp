@@ -11,7 +11,7 @@
 /// delta = delta_share tau and eps = eps_share tau. In a Newton step kappa and w belong to their contact alone; they
 /// are eliminated (Schur complement), and what is left is a system of contact/model/contact_system.hpp:
 ///     (W + diag(B_a)) dr = rhs.
-/// Of two disks each has facets and a row of its own, with the same r_N and g (docs/contact/rolling.md).
+/// With two disks, each has facets and a row of its own, with the same r_N and g (docs/contact/rolling.md).
 /// Predictor and corrector are those of contact/cones/predictor_corrector.hpp, step lengths as in
 /// ncp/methods/interior_point.hpp, without any search on the residual.
 #include <vector>

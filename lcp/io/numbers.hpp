@@ -35,7 +35,7 @@ class Numbers {
   void expect(const char* what, Index rows, Index columns) const;
   /// Numbers and words left.
   Index left() const;
-  /// Whether what comes next is this word.
+  /// Returns whether this word comes next.
   bool next_is(std::string_view word) {
     skip_blanks();
     return token() == word;

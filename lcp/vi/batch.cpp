@@ -60,13 +60,9 @@ class Worker {
                          ? pivoting_.run(problem_.q, C.rows, C.box, face, limits_)
                          : FacePivoting::End::Stopped;
     if (end == FacePivoting::End::Found) {
-      const Judgement judgement = judge(problem_, pivoting_.x());
-      if (judgement.F.size() == n && judgement.F.allFinite()) {
-        constexpr double eps = std::numeric_limits<double>::epsilon();
-        const ViResult r = judge_vi(*projector_, pivoting_.x(), judgement.F, eps * judgement.F.norm(),
-                                    judgement.terms.size, std::move(face), limits_);
-        if (r.accepted()) return put(k, r.x, r.multipliers, r.status, r.residual);
-      }
+      const Vec& x = pivoting_.x();
+      const ViResult r = judge_affine_vi(*projector_, x, judge(problem_, x), std::move(face), limits_);
+      if (r.accepted()) return put(k, r.x, r.multipliers, r.status, r.residual);
     }
     const ViResult r = solve_vi({problem_.M.sparseView(), problem_.q, C}, {}, limits_);
     put(k, r.x, r.multipliers, r.status, r.residual);

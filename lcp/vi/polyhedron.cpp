@@ -65,4 +65,19 @@ AffineMcp lifted(const AffineVi& vi) {
   return mcp;
 }
 
+Face face_of(const Polyhedron& C, In z) {
+  const Index n = C.size(), m = C.A.rows();
+  Face face{.rows = std::vector<Cell>(at(m), Cell::Inside), .bounds = std::vector<Cell>(at(n), Cell::Inside)};
+  const double small = m > 0 ? 1e-10 * z.segment(n, m).lpNorm<Eigen::Infinity>() : 0;
+  for (Index j = 0; j < n; ++j) face.bounds[at(j)] = cell_of(C.box, j, z[j]);
+  for (Index i = 0; i < m; ++i) {
+    const double y = z[n + i];
+    face.rows[at(i)] = C.rows.is_fixed(i) ? Cell::Fixed
+                       : y > small        ? Cell::Below
+                       : y < -small       ? Cell::Above
+                                          : Cell::Inside;
+  }
+  return face;
+}
+
 }  // namespace perp::lcp

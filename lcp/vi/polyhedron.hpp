@@ -24,7 +24,7 @@ struct Polyhedron {
   std::optional<std::string> invalid() const;
 };
 
-/// Which rows and bounds hold as equations: Below at b or l, Above at c or u, Fixed where both are the same.
+/// The rows and bounds that hold as equations: Below at b or l, Above at c or u, Fixed where both are the same.
 struct Face {
   std::vector<Cell> rows;
   std::vector<Cell> bounds;
@@ -42,5 +42,7 @@ struct AffineVi {
 ///     F_x = M x + q - A'lambda,   F_lambda = A x - (b, c, or s),   F_s = lambda,
 /// whose solutions are those of the variational inequality with their multipliers. It is monotone if M is.
 AffineMcp lifted(const AffineVi& vi);
+/// The face that a point (x, lambda, ...) of the lifted MCP is on, as its multipliers beside rounding say.
+Face face_of(const Polyhedron& C, In z);
 
 }  // namespace perp::lcp

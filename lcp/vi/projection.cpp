@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "lcp/exact_sum.hpp"
 #include "lcp/solve/solve.hpp"
 #include "lcp/words.hpp"
 
@@ -124,16 +125,7 @@ bool Projector::find_face(const TwoPartVector& t, Face& face, const Limits& limi
     return false;
   }
   if (!found.accepted()) return false;
-  const Index n = C_.size();
-  const double small = 1e-9 * (1 + found.z.segment(n, rows_.rows()).lpNorm<Eigen::Infinity>());
-  for (Index j = 0; j < n; ++j) face.bounds[at(j)] = cell_of(C_.box, j, found.z[j]);
-  for (Index i = 0; i < rows_.rows(); ++i) {
-    const double y = found.z[n + i];
-    face.rows[at(i)] = C_.rows.is_fixed(i) ? Cell::Fixed
-                       : y > small         ? Cell::Below
-                       : y < -small        ? Cell::Above
-                                           : Cell::Inside;
-  }
+  face = face_of(C_, found.z);
   return true;
 }
 
@@ -401,33 +393,26 @@ double Projector::through_inside(const Limits& limits) {
   return infinity;
 }
 
-/// a_i y - side as by three times the digits (Ogita, Rump & Oishi, SIAM J. Sci. Comput. 26 (2005) 1955).
+/// a_i y - side, to the nearest double: exactly where three doubles do not tell it.
 Projector::Slack Projector::slack(Index i, double side, const TwoPartVector& y) const {
-  double sum = -side, rest = 0, last = 0, lost = 0;
-  const auto add = [&](double a, double b) {
-    const TwoParts product = two_product(a, b);
-    if (std::abs(product.value) < 0x1p-968 && a != 0 && b != 0) lost += 0x1p-1000;
-    const TwoParts high = two_sum(sum, product.value);
-    const TwoParts middle = two_sum(rest, high.error);
-    const TwoParts low = two_sum(middle.value, product.error);
-    const double error = middle.error + low.error;
-    sum = high.value;
-    rest = low.value;
-    last += error;
-    lost += std::abs(error);
+  const auto sum_up = [&](auto& sum) {
+    for (Rows::InnerIterator it(rows_, i); it; ++it)
+      for (const double part : {y.value[it.col()], y.rest[it.col()]})
+        if (part != 0) sum.add_product(it.value(), part);
   };
-  for (Rows::InnerIterator it(rows_, i); it; ++it) {
-    add(it.value(), y.value[it.col()]);
-    if (const double low = y.rest[it.col()]; low != 0) add(it.value(), low);
-  }
-  const TwoParts high = two_sum(sum, rest);
-  const double low = high.error + last;
-  const TwoParts all = two_sum(high.value, low);
-  return {all.value,
-          std::abs(all.error) + eps * std::abs(low) + 4 * static_cast<double>(rows_.cols() + 2) * eps * lost};
+  TripleSum sum(-side);
+  sum_up(sum);
+  if (sum.settle()) return {sum.value(), eps * std::abs(sum.value())};
+  ExactSum exact;
+  exact.add(-side);
+  sum_up(exact);
+  const double value = exact.value();
+  // Of products below the range less than 2^-1000 each is lost.
+  const double lost = exact.exact() ? 0 : 0x1p-1000 * static_cast<double>(2 * rows_.cols() + 1);
+  return {value, std::isfinite(value) ? eps * std::abs(value) + lost : infinity};
 }
 
-/// How far the row is inside its sides: a lower bound of it, exact where it matters; -infinity where it overflows.
+/// Bounds from below how far the row is inside its sides, exactly where it matters; -infinity where it overflows.
 double Projector::row_slack(Index i, const TwoPartVector& y) const {
   double a = 0, terms = 0;
   for (Rows::InnerIterator it(rows_, i); it; ++it) {

@@ -26,7 +26,8 @@ namespace perp::lcp {
 struct Projection {
   Vec p;
   double error = infinity;  ///< ||p - p*||_2 <= error
-  /// How far t is moved by wrong signs, and how far p is off C's rows and bounds. Small does not say that C is near.
+  /// The length by which wrong signs move t, and by which p is off C's rows and bounds. Small does not say that C is
+  /// near.
   double misses = infinity;
   Vec multipliers;  ///< mu
   Vec reduced;      ///< nu

@@ -15,35 +15,12 @@ constexpr double unit = std::numeric_limits<double>::epsilon();
 /// Rows and variables up to which faces are pivoted on: a dense matrix of 72 MB.
 constexpr Index most_dense = 3000;
 
-/// The rows and bounds that the lifted problem's point is on, as multipliers beside rounding say.
-Face face_of(const Polyhedron& C, In z) {
-  const Index n = C.size(), m = C.A.rows();
-  Face face{.rows = std::vector<Cell>(at(m), Cell::Inside), .bounds = std::vector<Cell>(at(n), Cell::Inside)};
-  const double small = m > 0 ? 1e-10 * z.segment(n, m).lpNorm<Eigen::Infinity>() : 0;
-  for (Index j = 0; j < n; ++j) face.bounds[at(j)] = cell_of(C.box, j, z[j]);
-  for (Index i = 0; i < m; ++i) {
-    const double y = z[n + i];
-    face.rows[at(i)] = C.rows.is_fixed(i) ? Cell::Fixed
-                       : y > small        ? Cell::Below
-                       : y < -small       ? Cell::Above
-                                          : Cell::Inside;
-  }
-  return face;
-}
-
 class Solver {
  public:
   Solver(const AffineVi& vi, const Limits& limits) : vi_(vi), limits_(limits), projector_(vi.C) {}
 
   ViResult judged(In x, const Face& face) {
-    const Judgement judgement = judge(AffineMcp{vi_.M, vi_.q, Box::free(vi_.size())}, x);
-    if (judgement.F.size() != vi_.size() || !judgement.F.allFinite()) {
-      ViResult refused;
-      refused.x = x;
-      refused.message = "F overflows at the point reached";
-      return refused;
-    }
-    return judge_vi(projector_, x, judgement.F, unit * judgement.F.norm(), judgement.terms.size, face, limits_);
+    return judge_affine_vi(projector_, x, judge(AffineMcp{vi_.M, vi_.q, Box::free(vi_.size())}, x), face, limits_);
   }
 
   ViResult faces() {
@@ -110,6 +87,15 @@ ViResult solve_vi(const AffineVi& vi, const ViOptions& options, const Limits& li
   result = solver.by_multipliers();
   if (!result.accepted() && result.status != Status::Infeasible && faces.residual < result.residual) return faces;
   return result;
+}
+
+ViResult judge_affine_vi(Projector& projector, In x, const Judgement& of_F, Face face, const Limits& limits) {
+  if (of_F.F.size() == x.size() && of_F.F.allFinite())
+    return judge_vi(projector, x, of_F.F, unit * of_F.F.norm(), of_F.terms.size, std::move(face), limits);
+  ViResult refused;
+  refused.x = x;
+  refused.message = "F overflows at the point reached";
+  return refused;
 }
 
 ViResult judge_vi(Projector& projector, In x, In F, double F_error, In terms, Face face, const Limits& limits) {

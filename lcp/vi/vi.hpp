@@ -11,6 +11,8 @@
 
 namespace perp::lcp {
 
+struct Judgement;  // lcp/judge/judge.hpp
+
 struct ViResult {
   Status status = Status::Stalled;
   std::string message;                 ///< what happened
@@ -41,6 +43,8 @@ struct ViOptions {
 /// Throws std::invalid_argument for malformed input.
 ViResult solve_vi(const AffineVi& vi, const ViOptions& options = {}, const Limits& limits = {});
 
+/// Judges x of an affine VI, whose F at x is the judged M x + q, nearest doubles. Not Solved where F overflows.
+ViResult judge_affine_vi(Projector& projector, In x, const Judgement& of_F, Face face, const Limits& limits);
 /// Judges x: everything but status Infeasible and iterations. `F_error` bounds the error of F in the 2-norm,
 /// `terms` has the sizes of what F's entries are the rest of. Begins to look for the projection on `face`.
 ViResult judge_vi(Projector& projector, In x, In F, double F_error, In terms, Face face, const Limits& limits);

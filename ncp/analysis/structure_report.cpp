@@ -156,6 +156,7 @@ class Shifted {
     symmetric_.emplace();
     const SpMat M = lcp::with_diagonal(B);
     if (symmetric_->analyze(M) && symmetric_->factor(Vec::Constant(M.rows(), delta))) {
+      // With a null vector the solution is about 1 / (delta sqrt(n)) long at the least.
       const double length = solved(generic(B.rows()), false).lpNorm<Eigen::Infinity>();
       regular = length < 0.01 / delta / std::sqrt(static_cast<double>(B.rows()));
       if (!regular && null_vector(B, false, singular_direction).size() > 0) return true;

@@ -171,7 +171,7 @@ Method automatic(const Stop& stop) {
                   {.method = Affine{},
                    .title = "the linear methods",
                    .when = {If::Affine, If::Cold},
-                   .reason = "interior points and pivots solve all of them that are monotone"},
+                   .reason = "methods that use that M is constant, and proofs"},
                   {.method = InteriorPoint{},
                    .title = "interior points",
                    .when = {If::Nonlinear, If::Cold, If::Large, If::Unsymmetric, If::QuasiDefinite},

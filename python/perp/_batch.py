@@ -204,6 +204,13 @@ def _phi(a: Array, b: Array) -> tuple[Array, Array, Array]:
     return np.where(free, b, value), np.where(free, 0, da), np.where(free, 1, db)
 
 
+def _solved(system: Array, phi: Array) -> Array:
+    try:
+        return np.asarray(-np.linalg.solve(system, phi))
+    except np.linalg.LinAlgError:
+        return np.full_like(phi, np.nan)
+
+
 def _newton(value: Any, x: Array, F: Array, J: Array, p: Any, low: Array, high: Array) -> Array:
     """A step of semismooth Newton on phi(x - low, -phi(high - x, -F)) = 0 (Billups 1995), with a search by halves."""
 
@@ -218,8 +225,8 @@ def _newton(value: Any, x: Array, F: Array, J: Array, p: Any, low: Array, high: 
     system[:, range(n), range(n)] += of_x
     try:
         d = -np.linalg.solve(system, phi[:, :, None])[:, :, 0]
-    except np.linalg.LinAlgError:
-        d = np.full_like(x, np.nan)
+    except np.linalg.LinAlgError:  # some are singular: the others are solved as they would be alone
+        d = np.array([_solved(*one) for one in zip(system, phi)])
     bad = ~np.isfinite(d).all(axis=1)
     if bad.any():  # singular: the least step of least squares
         rows = np.where(np.isfinite(system[bad]), system[bad], 0)

@@ -68,7 +68,7 @@ MODELS = {
     "zigzag": (zigzag, [-1, 0, 0], (-1, 3), [NONE, 0, 0], np.inf, [1, 0], [1, 0], [], [5, 4, 3]),
     # In the middle p / 8 reaches the obstacle 1 first, and after it its two neighbours at once, which ends the path.
     "string": (string, np.zeros(19), (0, 8.5), NONE, 1, [8], [], [], None),
-    # Of x = max(0, p), y = max(0, 1 - x): y leaves where x is 1.
+    # x = max(0, p), y = max(0, 1 - x): y leaves where x is 1.
     "two in turn": (
         lambda x, p: np.array([x[0] - p, x[1] - 1 + x[0]]), [0, 1], (-1, 2), 0, np.inf, [0, 1], [], [], [2, 0],
     ),  # fmt: skip
@@ -100,7 +100,7 @@ def test_known_curves(name):
     assert curve.p[-1] in interval
 
 
-# Of the oligopoly between its kinks at 3 and 6, q_1 = a / 3 by hand. Catches slopes of the wrong piece.
+# The oligopoly between its kinks at 3 and 6, q_1 = a / 3 by hand. Catches slopes of the wrong piece.
 def test_slopes_and_elasticities():
     F, x0, interval, lower, upper, *_ = MODELS["oligopoly"]
     curve = perp.trace(F, x0, interval, lower, upper, step=0.1)

@@ -141,7 +141,7 @@ TEST(Batch, VariesEverything) {
   }
 }
 
-// What is no number in one instance is said, from whichever thread. Catches exceptions that end the program.
+// A NaN in one instance is said, from whichever thread. Catches exceptions that end the program.
 TEST(Batch, RefusesWhatIsNoProblem) {
   Games games(40, 4, 3);
   games.u[1] = -infinity;

@@ -141,7 +141,7 @@ TEST_P(Generated, IsSolvedOrProvenEmpty) {
     }
   }
   RecordProperty("solved", solved);
-  // Of the degenerate ones some are flat, and are solved to rounding.
+  // Some of the degenerate ones are flat, and are solved to rounding.
   EXPECT_GE(solved, GetParam() == Empty ? 0 : GetParam() == Degenerate ? 90 : 99);
 }
 
