@@ -9,6 +9,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 
 namespace perp::lcp {
 
@@ -116,7 +117,7 @@ inline Settled settled(double sum, double middle, double low, double errors, int
   const double rounded = (terms + 1) * errors;  // the sum of what was rounded to 53 digits, low at every step
   const double off = (std::abs(rest.error) + 0x1p-51 * (rounded + std::abs(high.error))) * (1 + 0x1p-50);
   const double above = value + (high.error + off), below = value + (high.error - off);
-  return {value, std::abs(above - value) + std::abs(below - value)};
+  return {value, (std::abs(above - value) + std::abs(below - value)) * (1 + 0x1p-50)};
 }
 
 /// A sum in three doubles, without a branch a term, that knows what it may be off by: mostly little enough to say which
@@ -143,13 +144,18 @@ class TripleSum {
   bool settle() {
     const Settled at = settled(sum_, middle_, low_, errors_, terms_);
     sum_ = at.value;
-    return in_range_ && at.doubt == 0;
+    if (in_range_ && at.doubt < 0x1p1000) doubt_ = at.doubt;
+    return doubt_ == 0;
   }
   double value() const { return sum_; }
+  /// After settle(): bounds |sum - value()| by doubt() + 2^-52 |value()|; infinite where products lost digits below the
+  /// range or overflowed.
+  double doubt() const { return doubt_; }
 
  private:
   double sum_, middle_ = 0, low_ = 0;
   double errors_ = 0;  // of what low_ is the sum of, the sizes
+  double doubt_ = std::numeric_limits<double>::infinity();
   int terms_ = 0;
   bool in_range_ = true;
 };

@@ -237,9 +237,16 @@ double Projector::error_bound(const TwoPartVector& t, const Limits& limits) {
 /// By how much p misses the row or bound that it misses most, rows beside their norms; infinite where that overflows.
 double Projector::violation() const {
   double worst = 0;
-  for (Index i = 0; i < rows_.rows(); ++i)
-    if (const double inside = row_slack(i, at_.p); !(inside >= 0))
-      worst = std::max(worst, norms_[i] > 0 && std::isfinite(norms_[i]) ? -inside / norms_[i] : infinity);
+  const auto off_row = [&](Index i, double by) {
+    if (!(by <= 0)) worst = std::max(worst, norms_[i] > 0 && std::isfinite(norms_[i]) ? by / norms_[i] : infinity);
+  };
+  std::size_t k = 0;  // W is in order
+  for (Index i = 0; i < rows_.rows(); ++i) {
+    if (k < at_.active.size() && at_.active[k] == i)
+      off_row(i, at_.misses[static_cast<Index>(k++)]);
+    else
+      off_row(i, -row_slack(i, at_.p));
+  }
   for (Index j = 0; j < C_.size(); ++j) worst = std::max(worst, -bound_slack(j, at_.p));
   return worst;
 }
@@ -276,20 +283,24 @@ double Projector::distance(const Limits& limits) {
   }
   for (Index i = 0; i < rows_.rows(); ++i)
     if (in[at(i)] == 0 && row_slack(i, y) <= 1e-20 * norms_[i] * (size + 1e-300)) E.push_back(i);
-  const double eta = through_equations(E, held, y) + moved;
+  const double eta = through_equations(E, held, y, moved > 0) + moved;
   if (eta < infinity) return eta;
   return through_inside(limits);
 }
 
 /// The distance from y to a point with y's values of held variables on which the rows E are equations, if all else
-/// holds there.
+/// holds there. `tight` begins with W; y is p unless it is `moved`.
 double Projector::through_equations(const std::vector<Index>& tight, const std::vector<char>& held,
-                                    const TwoPartVector& y) const {
+                                    const TwoPartVector& y, bool moved) const {
   std::vector<Index> E;
   std::vector<double> sides, off;
-  for (const Index i : tight) {
+  for (std::size_t t = 0; t < tight.size(); ++t) {
+    const Index i = tight[t];
     const Cell cell = out_.face.rows[at(i)];
-    const auto miss = [&](double side) { return std::isfinite(side) ? slack(i, side, y).size() : infinity; };
+    const auto miss = [&](double side) {
+      if (t < at_.active.size() && !moved) return at_.misses[static_cast<Index>(t)];
+      return std::isfinite(side) ? slack(i, side, y).size() : infinity;
+    };
     const double below = cell == Cell::Above ? infinity : miss(C_.rows.lower[i]);
     const double above = cell == Cell::Below || cell == Cell::Fixed ? infinity : miss(C_.rows.upper[i]);
     const double side = below <= above ? C_.rows.lower[i] : C_.rows.upper[i];
@@ -393,7 +404,7 @@ double Projector::through_inside(const Limits& limits) {
   return infinity;
 }
 
-/// a_i y - side, to the nearest double: exactly where three doubles do not tell it.
+/// a_i y - side, in three doubles, and exactly where products leave the range.
 Projector::Slack Projector::slack(Index i, double side, const TwoPartVector& y) const {
   const auto sum_up = [&](auto& sum) {
     for (Rows::InnerIterator it(rows_, i); it; ++it)
@@ -402,7 +413,8 @@ Projector::Slack Projector::slack(Index i, double side, const TwoPartVector& y) 
   };
   TripleSum sum(-side);
   sum_up(sum);
-  if (sum.settle()) return {sum.value(), eps * std::abs(sum.value())};
+  sum.settle();
+  if (sum.doubt() < infinity) return {sum.value(), eps * std::abs(sum.value()) + 2 * sum.doubt()};
   ExactSum exact;
   exact.add(-side);
   sum_up(exact);

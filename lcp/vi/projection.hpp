@@ -64,8 +64,8 @@ class Projector {
   double error_bound(const TwoPartVector& t, const Limits& limits);
   double violation() const;
   double distance(const Limits& limits);
-  double through_equations(const std::vector<Index>& tight, const std::vector<char>& held,
-                           const TwoPartVector& y) const;
+  double through_equations(const std::vector<Index>& tight, const std::vector<char>& held, const TwoPartVector& y,
+                           bool moved) const;
   bool same_row(Index i, Index j, double s) const;
   double step_onto(const std::vector<Index>& E, const std::vector<char>& held, const Vec& misses) const;
   double through_inside(const Limits& limits);
