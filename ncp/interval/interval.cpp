@@ -47,10 +47,14 @@ double product_down(double a, double b) {
 
 double product_up(double a, double b) { return -product_down(-a, b); }
 
-/// Three numbers of 53 bits for the operations of a thread, so that none of them allocates.
+/// Three numbers of 53 bits for the operations of a thread, so that none of them allocates. The end of the thread frees
+/// them, and what MPFR keeps for it.
 struct Scratch {
   Scratch() { mpfi_init2(a, 53), mpfi_init2(b, 53), mpfi_init2(result, 53); }
-  ~Scratch() { mpfi_clear(a), mpfi_clear(b), mpfi_clear(result); }
+  ~Scratch() {
+    mpfi_clear(a), mpfi_clear(b), mpfi_clear(result);
+    mpfr_free_cache2(MPFR_FREE_LOCAL_CACHE);
+  }
   Scratch(const Scratch&) = delete;
   Scratch& operator=(const Scratch&) = delete;
   /// Empty where all there is of it is an infinity, as of atanh at 1.

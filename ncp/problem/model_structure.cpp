@@ -319,7 +319,8 @@ std::vector<Fault> faults(const ModelStructure& model) {
   std::vector<char> complemented(at(n), 0);
   for (const Index j : model.complement)
     if (j >= 0) complemented[at(j)] = 1;
-  const bool by_name = !over.empty() || !under.empty() || m < n;
+  const auto long_part = [](const StructurePart& part) { return part.rows.size() > few && !part.columns.empty(); };
+  const bool by_name = m < n || std::ranges::any_of(over, long_part) || std::ranges::any_of(under, long_part);
   const Namesakes names = by_name ? namesakes(m, n, model.row, model.variable) : Namesakes{};
   for (std::size_t k = 0; k < std::min(most_parts, same.size()); ++k)
     found.push_back({.text = "row " + model.row(same[k].second) + " repeats row " + model.row(same[k].first) +
