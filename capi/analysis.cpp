@@ -92,9 +92,8 @@ Part explained(Work& work, const perp_problem& problem, const Vec& x0, double se
     for (const ncp::Demand& d : found.conflict->demands) demands.push_back(demand_part(mcp, d));
     Part conflict = std::make_unique<perp_result>();
     conflict->add("demands", std::move(demands)).add("smallest", found.conflict->smallest);
-    if (found.conflict->certificate)
-      conflict->add("certificate",
-                    ncp::certificate_json(mcp, found.result.x, {.certificate = found.conflict->certificate}));
+    if (found.conflict->proof.certificate)
+      conflict->add("certificate", ncp::certificate_json(mcp, found.result.x, found.conflict->proof));
     part->add("conflict", std::move(conflict));
   }
   if (!found.repair.changes.empty()) {

@@ -62,8 +62,8 @@ Json conflict_json(const ncp::Mcp& mcp, const ncp::Explanation& explanation) {
   Json demands = Json::array();
   for (const Demand& d : conflict.demands) demands.push_back(demand_json(mcp, d));
   Json certificate = nullptr;
-  if (conflict.certificate)
-    certificate = Json::parse(certificate_json(mcp, explanation.result.x, {.certificate = conflict.certificate}));
+  if (conflict.proof.certificate)
+    certificate = Json::parse(certificate_json(mcp, explanation.result.x, conflict.proof));
   return {{"demands", std::move(demands)}, {"smallest", conflict.smallest}, {"certificate", std::move(certificate)}};
 }
 

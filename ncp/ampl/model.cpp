@@ -70,6 +70,7 @@ class AslModel final : public Model {
   bool is_affine() const override { return affine_; }
   std::vector<bool> linear_entries() const override { return linear_; }
   const Enclosure* enclosure() const override { return enclosure_.get(); }
+  std::optional<Expressions> expressions() const override { return model_expressions(nl_, pairing_); }
   std::string name() const override { return file_name(stub_); }
   std::string variable_name(Index i) const override { return unknown_name(pairing_, names_, i); }
   std::string equation_name(Index i) const override { return ampl::equation_name(pairing_, names_, i); }

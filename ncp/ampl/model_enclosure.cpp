@@ -113,7 +113,68 @@ std::vector<UndefinedOperation> ModelEnclosure::undefined(std::span<const double
   return found;
 }
 
+/// Writes the model's graph in another's unknowns, and sums of its rows.
+class WrittenRows {
+ public:
+  using Node = ExpressionGraph::Node;
+
+  WrittenRows(const NlModel& model, const Pairing& pairing, ExpressionGraph& graph)
+      : model_(model), unknowns_(pairing.unknowns), graph_(graph) {
+    const ExpressionGraph& from = model.expressions.graph;
+    for (Node k = 0; k < static_cast<Node>(from.size()); ++k) nodes_.push_back(copy(from.entry(k)));
+  }
+  /// x_j; auxiliary ones are 0.
+  Node variable(int j) {
+    const int u = unknowns_[at(j)];
+    return u < 0 ? graph_.constant(0) : graph_.variable(u);
+  }
+  Node row(int i) {
+    std::vector<Node> terms{nodes_[at(model_.expressions.rows[at(i)])]};
+    const std::vector<int>& variables = model_.row_variables[at(i)];
+    for (std::size_t k = 0; k < variables.size(); ++k)
+      if (const double c = model_.coefficients[at(i)][k]; c != 0) terms.push_back(times(c, variable(variables[k])));
+    return graph_.sum(terms);
+  }
+  Node times(double c, Node a) { return graph_.binary(Operation::Multiply, graph_.constant(c), a); }
+
+ private:
+  Node copy(const ExpressionGraph::Entry& e) {
+    switch (e.operation) {
+      case Operation::Constant:
+        return graph_.constant(e.value);
+      case Operation::Variable:
+        return variable(e.a);
+      case Operation::Unknown:
+        return graph_.unknown();
+      default:
+        return ExpressionGraph::is_binary(e.operation) ? graph_.binary(e.operation, nodes_[at(e.a)], nodes_[at(e.b)])
+                                                       : graph_.unary(e.operation, nodes_[at(e.a)]);
+    }
+  }
+
+  const NlModel& model_;
+  const std::vector<int>& unknowns_;
+  ExpressionGraph& graph_;
+  std::vector<Node> nodes_{};  ///< of the model's
+};
+
 }  // namespace
+
+Expressions model_expressions(const NlModel& model, const Pairing& pairing) {
+  Expressions out;
+  ExpressionGraph& graph = out.graph;
+  WrittenRows written(model, pairing, graph);
+  for (std::size_t u = 0; u < pairing.equations.size(); ++u) {
+    const Equation& e = pairing.equations[u];
+    const ExpressionGraph::Node v = e.of_row ? written.row(e.index) : written.variable(e.index);
+    std::vector<ExpressionGraph::Node> terms{e.sign == 1 ? v : written.times(e.sign, v),
+                                             graph.constant(-e.sign * e.bound)};
+    if (e.condition >= 0) terms.push_back(written.row(e.condition));
+    if (e.side) terms.push_back(graph.unary(Operation::Negate, graph.variable(static_cast<int>(u))));
+    out.rows.push_back(graph.sum(terms));
+  }
+  return out;
+}
 
 std::unique_ptr<Enclosure> model_enclosure(const NlModel& model, const Pairing& pairing, const JacobianMap& map) {
   return std::make_unique<ModelEnclosure>(model, pairing, map);

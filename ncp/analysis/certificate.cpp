@@ -126,11 +126,12 @@ void add_variables(const lcp::Refutation::Proof& proof, std::vector<Index>& vari
 
 std::string certificate_json(const Mcp& mcp, In x, const Infeasibility& proof) {
   if (!proof.certificate) return "null";
-  const std::optional<LinearPart> part = linear_part(mcp, x);
+  const std::optional<LinearPart> part = proof.sums ? LinearPart{*proof.sums} : linear_part(mcp, x);
   if (!part) return "null";
+  const lcp::AffineMcp& problem = part->problem;
   const lcp::Refutation& refutation = *proof.certificate;
   const std::vector<Index> rows = rows_of(refutation);
-  const SpMat by_row = part->problem.M.transpose();
+  const SpMat by_row = problem.M.transpose();
   std::vector<Index> variables = rows;
   add_variables(refutation.proof, variables);
   for (const Index i : rows)
@@ -149,11 +150,11 @@ std::string certificate_json(const Mcp& mcp, In x, const Infeasibility& proof) {
     w.literal("{\"index\":");
     w.number(j);
     w.literal(",\"name\":");
-    w.name(mcp.variable_name(j));
+    w.name(j < mcp.size() ? mcp.variable_name(j) : "term " + std::to_string(j - mcp.size() + 1));
     w.literal(",\"lower\":");
-    w.number(mcp.box().lower[j]);
+    w.number(problem.box.lower[j]);
     w.literal(",\"upper\":");
-    w.number(mcp.box().upper[j]);
+    w.number(problem.box.upper[j]);
     w.literal("}");
   });
   w.literal(",\"rows\":");
@@ -163,7 +164,7 @@ std::string certificate_json(const Mcp& mcp, In x, const Infeasibility& proof) {
     w.literal(",\"name\":");
     w.name(mcp.equation_name(i));
     w.literal(",\"constant\":");
-    w.number(part->problem.q[i]);
+    w.number(problem.q[i]);
     w.literal(",\"entries\":");
     std::vector<std::pair<Index, double>> entries;
     for (SpMat::InnerIterator it(by_row, i); it; ++it) entries.emplace_back(it.row(), it.value());

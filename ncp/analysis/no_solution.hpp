@@ -8,6 +8,7 @@
 #include "lcp/deadline.hpp"
 #include "ncp/interval/interval.hpp"
 #include "ncp/problem/mcp.hpp"
+#include "ncp/run/result.hpp"
 
 namespace perp::ncp {
 
@@ -34,5 +35,11 @@ std::string describe(const Mcp& mcp, const NoSolution& proof);
 /// Returns how many parts were refuted, all of the box; 0: no proof was found within about a second or the deadline, or
 /// the problem has no ranges. Reference: Neumaier, Acta Numerica 13 (2004) 271.
 int no_solution_in_parts(const Mcp& mcp, double tol = 0, lcp::Deadline deadline = lcp::no_deadline);
+
+/// The same by multipliers of rows, in whose sum the terms that are not affine cancel or keep the sign of their range
+/// (ncp/analysis/row_sums.hpp), as exp(x_1) does in x_2 - exp(x_1) >= 0 and exp(x_1) - x_2 >= 1. They are those of a
+/// linear program that asks for the signs of F, which is given at most a second. Nothing: no proof was found that way.
+std::optional<Infeasibility> no_solution_by_sums(const Mcp& mcp, double tol = 0,
+                                                 lcp::Deadline deadline = lcp::no_deadline);
 
 }  // namespace perp::ncp

@@ -251,13 +251,13 @@ std::optional<Conflict> smallest_conflict(const LinearDemands& all, Demands firs
   out.demands = std::move(first);
   if (const Vec exact = lcp::exact_certificate(all.problem(), y); exact.size() > 0)
     if (lcp::Refutation proof = lcp::refutation_by(all.problem(), exact); proof.tolerance > 0)
-      out.certificate = std::make_shared<const lcp::Refutation>(std::move(proof));
+      out.proof.certificate = std::make_shared<const lcp::Refutation>(std::move(proof));
   return out;
 }
 
 Conflict smallest_conflict(const lcp::AffineMcp& problem, const lcp::Refutation& certificate, double tol,
                            lcp::Deadline deadline) {
-  Conflict out{.certificate = std::make_shared<const lcp::Refutation>(certificate)};
+  Conflict out{.proof = {.certificate = std::make_shared<const lcp::Refutation>(certificate)}};
   std::vector<Index> rows = lcp::rows_of(certificate);
   std::vector<char> known;
   const auto refuted = [&](std::vector<Index>& rest) {
@@ -266,7 +266,7 @@ Conflict smallest_conflict(const lcp::AffineMcp& problem, const lcp::Refutation&
     lcp::Refutation proof = lcp::refute(problem, Vec(), tol, known);
     if (!(proof.tolerance >= tol)) return false;
     rest = lcp::rows_of(proof);
-    out.certificate = std::make_shared<const lcp::Refutation>(std::move(proof));
+    out.proof.certificate = std::make_shared<const lcp::Refutation>(std::move(proof));
     return true;
   };
   std::vector<Index> begin = rows;

@@ -19,6 +19,7 @@
 #include "lcp/deadline.hpp"
 #include "lcp/judge/refutation.hpp"
 #include "ncp/problem/mcp.hpp"
+#include "ncp/run/result.hpp"
 
 namespace perp::ncp {
 
@@ -74,8 +75,8 @@ class LinearDemands {
 struct Conflict {
   Demands demands{};
   bool smallest = false;  ///< without any one of them no contradiction was found
-  /// The proof; null: the numbers say so, and no exact proof was found.
-  std::shared_ptr<const lcp::Refutation> certificate{};
+  /// With the certificate; none: the numbers say so, and no exact proof was found.
+  Infeasibility proof{};
 };
 
 /// A smallest set of demands that contradict each other, by deletion of halves, quarters, ... and at last of single

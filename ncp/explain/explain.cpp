@@ -107,20 +107,33 @@ class Explainer {
     const bool proven = out_.result.status == Status::Infeasible;
     if (const auto affine = linear_part(mcp_, x); affine && (proven || mcp_.is_affine())) {
       const LinearDemands demands(affine->problem, affine->rows);
-      const auto& certificate = out_.result.proof.certificate;
+      const auto& certificate = out_.result.proof.sums ? nullptr : out_.result.proof.certificate;
       Demands first = certificate ? demands.of_rows(lcp::rows_of(*certificate)) : demands.all();
       out_.conflict = smallest_conflict(demands, std::move(first), part_of_time(0.5));
       if (!out_.conflict && certificate)
         out_.conflict = smallest_conflict(affine->problem, *certificate, stop(method_).tol, part_of_time(0.5));
-      if (out_.conflict) tell_conflict(out_.conflict->certificate != nullptr);
+      if (out_.conflict) tell_conflict(out_.conflict->proof.certificate != nullptr);
       if (mcp_.is_affine()) repair(demands);
     }
+    if (proven && !out_.conflict && out_.result.proof.sums) find_cause_in_sums(out_.result.proof);
     if (proven && !out_.conflict) {
       out_.conflict = smallest_conflict(mcp_, stop(method_).tol, part_of_time(0.5));
       if (out_.conflict) tell_conflict(true);
     }
     if (!mcp_.is_affine()) tell_linearised();
     if (!out_.conflict) tell_residual();
+  }
+
+  /// Of the demands those on terms that are not affine are left out: nobody can change the range of exp.
+  void find_cause_in_sums(const Infeasibility& proof) {
+    std::vector<char> rows(at(proof.sums->size()), 0);
+    std::fill_n(rows.begin(), mcp_.size(), char{1});
+    const LinearDemands demands(*proof.sums, rows);
+    out_.conflict = smallest_conflict(demands, demands.of_rows(lcp::rows_of(*proof.certificate)), part_of_time(0.5));
+    if (!out_.conflict) return;
+    std::erase_if(out_.conflict->demands, [this](const Demand& d) { return d.index >= mcp_.size(); });
+    out_.conflict->proof = proof;
+    tell_conflict(true);
   }
 
   lcp::Deadline part_of_time(double share) const {
@@ -172,7 +185,7 @@ class Explainer {
     if (!out_.conflict) {
       out_.conflict = smallest_conflict(demands, demands.all(), part_of_time(0.5));
       if (!out_.conflict) return;
-      out_.conflict->certificate = nullptr;
+      out_.conflict->proof = {};
       tell_conflict(false);
       out_.answers.back().text = "near the best point found " + out_.answers.back().text;
     }

@@ -78,9 +78,12 @@ struct Infeasibility {
   /// No point has a natural residual of at most this; 0 where nothing is proven.
   double residual_bound = 0;
   bool within_bounds = false;  ///< only points within the bounds are meant: F may not be defined elsewhere
-  /// The certificate that others can check (lcp/judge/refutation.hpp), of the affine rows; null if ranges of F are the
-  /// proof.
+  /// The certificate that others can check (lcp/judge/refutation.hpp), of the affine rows or of `sums`; null if ranges
+  /// of F are the proof.
   std::shared_ptr<const lcp::Refutation> certificate{};
+  /// F as sums of terms (ncp/analysis/row_sums.hpp) where terms that are not affine are part of the certificate; or
+  /// null.
+  std::shared_ptr<const lcp::AffineMcp> sums{};
   Vec multipliers{};  ///< of rows, where they alone led to the proof
 };
 

@@ -10,6 +10,7 @@
 
 #include "lcp/equilibrate.hpp"
 #include "lcp/words.hpp"
+#include "ncp/analysis/certificate.hpp"
 #include "ncp/analysis/diagnosis.hpp"
 #include "ncp/analysis/no_solution.hpp"
 #include "ncp/analysis/structure_report.hpp"
@@ -74,7 +75,14 @@ class RangesRefuse {
 };
 
 /// Where methods are stuck, there may be no solution.
-void refute_in_parts(Run& run, double tol) {
+void refute(Run& run, double tol) {
+  if (std::optional<Infeasibility> proof = no_solution_by_sums(run.mcp(), tol, run.deadline())) {
+    std::string words =
+        "proven to have no solution: " + rows_in_words(run.mcp(), *proof) +
+        " contradict each other, whatever values within their ranges the terms have that are not affine";
+    return run.replace_verdict(
+        {Status::Infeasible, std::move(words), "look for a mistake in the model", std::move(*proof)});
+  }
   if (const int parts = no_solution_in_parts(run.mcp(), tol, run.deadline()); parts > 0)
     run.replace_verdict({Status::Infeasible,
                          "proven to have no solution: in each of " + quantity(parts, "part") +
@@ -118,7 +126,7 @@ void solve_or_refute(Run& run, In x0, const Method& method, std::vector<std::str
   if (const auto& verdict = refutation->verdict())
     run.replace_verdict(*verdict);
   else if (!mcp.is_affine() && !late)
-    refute_in_parts(run, tol);
+    refute(run, tol);
   if (!late && run.status() != Status::Infeasible) run.remark(words_on_existence(mcp, run.best()));
 }
 

@@ -3,10 +3,14 @@
 
 #include <unistd.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
+
+#include "ncp/interval/graph_enclosure.hpp"
 
 namespace perp::ncp::ampl {
 namespace fs = std::filesystem;
@@ -236,6 +240,16 @@ const std::vector<std::string>& rich_models() {
 Vec values(const Model& model, const Vec& x) {
   Vec F(model.size());
   EXPECT_TRUE(model.eval(x, F));
+  // Catches rows that are written down otherwise than the library evaluates them.
+  std::vector<Interval> X(x.begin(), x.end()), written(X.size());
+  const std::optional<Expressions> f = model.expressions();
+  GraphEnclosure(*f, model.jacobian_pattern()).values(X, written);
+  for (Index i = 0; i < model.size(); ++i) {
+    const Interval row = written[lcp::at(i)];
+    const double slack = 1e-12 * std::max(1.0, std::abs(F[i]));  // of the library's own rounding
+    EXPECT_TRUE(row.is_empty() || Interval(row.lower - slack, row.upper + slack).contains(F[i]))
+        << "row " << i << ": " << F[i] << " is not in [" << row.lower << ", " << row.upper << "]";
+  }
   return F;
 }
 

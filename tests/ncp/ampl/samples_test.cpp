@@ -27,6 +27,7 @@ TEST(Samples, LoadOrAreRefusedForWhatTheyAre) {
       EXPECT_FALSE(model->box().invalid());
       const Vec x = model->start().array() + 0.3;
       EXPECT_EQ(describe(*model, check_jacobian(*model, x)), "");
+      values(*model, x);
     } catch (const ModelError& e) {
       EXPECT_THAT(e.what(), testing::StartsWith(path));
       EXPECT_EQ(e.code(), nonsquare_ones.contains(base(path)) ? nonsquare : bad_file) << e.what();

@@ -7,7 +7,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <span>
+
 #include "ncp/problem/affine.hpp"
+#include "ncp/problem/autodiff.hpp"
 #include "ncp/strategy/lists.hpp"
 #include "support/matrices.hpp"
 
@@ -56,11 +60,34 @@ TEST(Explain, SmallestConflictAndLeastRepair) {
   EXPECT_THAT(found.answers.front().rows, ElementsAre(2, 3, 4));
   ASSERT_TRUE(found.conflict);
   EXPECT_TRUE(found.conflict->smallest);
-  ASSERT_NE(found.conflict->certificate, nullptr);
-  EXPECT_TRUE(holds(broken, *found.conflict->certificate));
+  ASSERT_NE(found.conflict->proof.certificate, nullptr);
+  EXPECT_TRUE(holds(broken, *found.conflict->proof.certificate));
   double total = 0;
   for (const Change& c : found.repair.changes) total += std::abs(c.to - c.from);
   EXPECT_NEAR(total, 2, 1e-6);
+  EXPECT_TRUE(found.repair.verified);
+}
+
+// x_2 - exp(x_1) >= 0 and exp(x_1) - x_2 >= 1 contradict each other whatever exp(x_1) is; the third row has nothing to
+// do with it. Would catch a contradiction of rows that are not affine that is told as likely, demands on exp(x_1), and
+// a repair that does not mend.
+TEST(Explain, ConflictOfRowsWithTheSameTerms) {
+  const auto mcp = make_autodiff_mcp(
+      []<class T>(std::span<const T> x, std::span<T> F) {
+        using std::exp;
+        F[0] = x[1] - exp(x[0]);
+        F[1] = exp(x[0]) - x[1] - 1;
+        F[2] = x[2] + exp(x[1]) - 3;
+      },
+      {.box = Box::nonnegative(3), .equation_names = {"supply", "demand", "other"}});
+  const Explanation found = explain(*mcp, Vec::Zero(3), {.method = automatic()});
+  ASSERT_EQ(found.result.status, Status::Infeasible);
+  ASSERT_FALSE(found.answers.empty());
+  EXPECT_EQ(found.answers.front().kind, Answer::Kind::Conflict);
+  EXPECT_TRUE(found.answers.front().proven);
+  EXPECT_THAT(found.answers.front().rows, ElementsAre(0, 1));
+  EXPECT_THAT(found.answers.front().variables, IsEmpty());
+  EXPECT_THAT(found.answers.front().text, HasSubstr("rows supply and demand contradict each other"));
   EXPECT_TRUE(found.repair.verified);
 }
 
