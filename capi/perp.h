@@ -40,7 +40,7 @@ extern "C" {
 #define PERP_INTERFACE 1000
 /** PERP_INTERFACE of the library that runs. */
 int32_t perp_interface(void);
-/** Version of the library that runs, "0.1.0". */
+/** Version of the library that runs, "1.0.0". */
 const char* perp_version(void);
 
 /* Errors. */

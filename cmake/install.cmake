@@ -95,13 +95,7 @@ set(perp_package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/perp)
 install(EXPORT perpTargets NAMESPACE perp:: DESTINATION ${perp_package_dir})
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/perpConfig.cmake.in ${PROJECT_BINARY_DIR}/perpConfig.cmake
   INSTALL_DESTINATION ${perp_package_dir} NO_SET_AND_CHECK_MACRO)
-# Before 1.0 a minor version may change the interface.
-if(PROJECT_VERSION_MAJOR EQUAL 0)
-  set(perp_compatibility SameMinorVersion)
-else()
-  set(perp_compatibility SameMajorVersion)
-endif()
-write_basic_package_version_file(${PROJECT_BINARY_DIR}/perpConfigVersion.cmake COMPATIBILITY ${perp_compatibility})
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/perpConfigVersion.cmake COMPATIBILITY SameMajorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/perpConfig.cmake ${PROJECT_BINARY_DIR}/perpConfigVersion.cmake
   ${CMAKE_CURRENT_LIST_DIR}/FindSuiteSparse.cmake ${CMAKE_CURRENT_LIST_DIR}/FindASL.cmake
   ${CMAKE_CURRENT_LIST_DIR}/FindMPFI.cmake

@@ -40,7 +40,7 @@ using settings::did_you_mean;
 /// A word as a shell takes it: in quotes where it needs them.
 std::string shell_quoted(const std::string& word);
 
-/// "0.1.0".
+/// "1.0.0".
 std::string_view version_number();
 /// One line for `-v`; its first number of the form x.y.z is ours (Pyomo looks for it).
 std::string version_line();

@@ -11,7 +11,7 @@ readme     the examples of docs/cpp.md, docs/c.md, docs/contact/nonlinear.md and
 paths      files that texts and comments name exist, seen from the root or from where they are named
 links      files and headings that texts link to exist
 licence    sources and scripts name their licence in the first lines; pyproject.toml, CITATION.cff and LICENSE name the same
-version    CITATION.cff and perp.h name the version of CMakeLists.txt
+version    CITATION.cff, CHANGELOG.md, perp.h and docs/path-library.md name the version of CMakeLists.txt
 self-test  each check reports a tree that breaks its rule
 
 Prints one line a violation; exit status 1 if there is one, 77 if the check was skipped.
@@ -257,8 +257,10 @@ def licence(root):
 
 
 VERSIONS = {  # files that name the version, and how
+    "CHANGELOG.md": "\n## [{}] - 2",
     "CITATION.cff": "version: {}\n",
     "capi/perp.h": 'Version of the library that runs, "{}".',
+    "docs/path-library.md": "(Perp {})",
 }
 
 

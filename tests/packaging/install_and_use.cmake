@@ -59,7 +59,8 @@ endforeach()
 
 # The version asked for must be one with the same interface.
 file(WRITE "${WORK_DIR}/next/CMakeLists.txt" "cmake_minimum_required(VERSION 3.25)\nproject(next LANGUAGES CXX)\n"
-  "find_package(perp 0.2 CONFIG QUIET)\nif(perp_FOUND)\n  message(FATAL_ERROR \"0.2 was accepted\")\nendif()\n")
+  "foreach(version IN ITEMS 0.1 1.99 2.0)\n  find_package(perp \${version} CONFIG QUIET)\n"
+  "  if(perp_FOUND)\n    message(FATAL_ERROR \"\${version} was accepted\")\n  endif()\nendforeach()\n")
 run(${CMAKE_COMMAND} -S "${WORK_DIR}/next" -B "${WORK_DIR}/next/build" -G Ninja -DCMAKE_PREFIX_PATH=${prefix}
   -DCMAKE_CXX_COMPILER=${CXX})
 

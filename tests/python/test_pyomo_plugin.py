@@ -607,7 +607,7 @@ def test_load_solutions_later(solver):
 
 def test_availability():
     assert pyo.SolverFactory("perp", executable=PROGRAM).available()
-    assert pyo.SolverFactory("perp", executable=PROGRAM).version()[:2] == (0, 1)
+    assert pyo.SolverFactory("perp", executable=PROGRAM).version()[:2] == (1, 0)
 
 
 def test_names_of_all_kinds(solver):

@@ -49,12 +49,12 @@ TEST(AmplDriver, SolvesWithAndWithoutSuffix) {
     std::filesystem::remove(folder / "m.sol");
     const Answer answer = call({folder / stub, "-AMPL"});
     EXPECT_EQ(answer.code, exit_solved);
-    EXPECT_THAT(answer.out, testing::StartsWith("Perp 0.1.0: solution found. "));
+    EXPECT_THAT(answer.out, testing::StartsWith("Perp 1.0.0: solution found. "));
     EXPECT_THAT(answer.out, HasSubstr("natural residual"));
     EXPECT_THAT(answer.out, Not(HasSubstr("major"))) << "no table unless asked for";
     EXPECT_EQ(answer.err, "");
     const std::string sol = test::read(folder / "m.sol");
-    EXPECT_THAT(sol, testing::StartsWith("Perp 0.1.0: solution found."));
+    EXPECT_THAT(sol, testing::StartsWith("Perp 1.0.0: solution found."));
     EXPECT_THAT(sol, HasSubstr("\n1.41421356"));
     EXPECT_EQ(objno(sol), "objno 0 0");
   }
@@ -136,7 +136,7 @@ TEST(AmplDriver, RefusedModelsLeaveASolFileWithTheReason) {
     EXPECT_EQ(answer.out, "") << name;
     const std::string sol = test::read(folder / (name + ".sol"));
     EXPECT_EQ(objno(sol), code) << name << '\n' << sol << answer.err;
-    EXPECT_THAT(sol, testing::StartsWith("Perp 0.1.0: ")) << name;
+    EXPECT_THAT(sol, testing::StartsWith("Perp 1.0.0: ")) << name;
     EXPECT_THAT(answer.err, testing::StartsWith("perp: ")) << name;
   }
 }

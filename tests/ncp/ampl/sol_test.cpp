@@ -151,13 +151,13 @@ TEST_P(SolFile, RoundTrip) {
   const auto m = read_model(nl_);
   ASSERT_EQ(m->size(), 3);
   const Vec x{{1.0 / 3, -4.9406564584124654e-324}};
-  m->write_sol("Perp 0.1.0: solved.\n\n3 iterations\n", x, 0);
+  m->write_sol("Perp 1.0.0: solved.\n\n3 iterations\n", x, 0);
   const Sol own = parse();
   std::vector<Sol> all{own};
   // Debian 12's library refuses binary files without dual values, its own ones as well (mended since).
   if (!GetParam()) all.push_back(Library(folder_.path() + "/m").read());
   for (const Sol& sol : all) {
-    EXPECT_EQ(sol.message, "Perp 0.1.0: solved.\n \n3 iterations\n");
+    EXPECT_EQ(sol.message, "Perp 1.0.0: solved.\n \n3 iterations\n");
     EXPECT_EQ(sol.x, (std::vector<double>{x[0], x[1]}));
     EXPECT_EQ(sol.code, 0);
   }
