@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The examples of pages of docs/, run in turn as a reader would; and what the package says of its types."""
+"""The examples of README.md and of pages of docs/, run in turn as a reader would; and what the package says of its types."""
 
 import inspect
 import re
@@ -12,15 +12,17 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 
 
-@pytest.mark.parametrize("page, least", [("python", 6), ("vi", 1), ("batch", 2), ("trace", 2)])
+@pytest.mark.parametrize(
+    "page, least", [("README.md", 1), ("docs/python.md", 6), ("docs/vi.md", 1), ("docs/batch.md", 2), ("docs/trace.md", 2)]
+)
 def test_examples(page, least):
-    blocks = re.findall(r"^```python\n(.*?)^```", (ROOT / "docs" / f"{page}.md").read_text(encoding="utf-8"), re.M | re.S)
+    blocks = re.findall(r"^```python\n(.*?)^```", (ROOT / page).read_text(encoding="utf-8"), re.M | re.S)
     assert len(blocks) >= least
     scope = {}
     for block in blocks:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", RuntimeWarning)  # of numpy's, at points where F overflows
-            exec(compile(block, f"docs/{page}.md", "exec"), scope)
+            exec(compile(block, page, "exec"), scope)
 
 
 @pytest.mark.parametrize("name", perp.__all__)
