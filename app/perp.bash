@@ -21,7 +21,7 @@ _perp_problems() {  # names of the collection
 }
 
 _perp_methods() {
-  "${COMP_WORDS[0]}" methods 2>/dev/null | awk '/^Options:/ { exit } /^  [a-z]/ && !/[(]/ || /[(]default[)]/ { print $1 }'
+  "${COMP_WORDS[0]}" methods 2>/dev/null | awk '/^Options:/ { exit } /^  [a-z0-9-]+( +[(]default[)])?$/ { print $1 }'
 }
 
 _perp_keys() {  # of options
