@@ -24,6 +24,20 @@ if(EXISTS "${prefix}/bin/perp" AND NOT EXISTS "${prefix}/share/perp/schema/solve
   message(FATAL_ERROR "the schemas are not installed")
 endif()
 
+# The headers that docs/stable.md promises.
+file(READ ${SOURCE_DIR}/docs/stable.md page)
+string(REGEX MATCHALL "`(lcp|ncp|collection|contact)/[a-z_/]+[.]hpp`" headers "${page}")
+list(LENGTH headers promised)
+if(promised LESS 20)
+  message(FATAL_ERROR "docs/stable.md names ${promised} headers")
+endif()
+foreach(header IN LISTS headers)
+  string(REPLACE "`" "" header ${header})
+  if(NOT EXISTS "${prefix}/include/perp/${header}")
+    message(FATAL_ERROR "docs/stable.md promises ${header}, which is not installed")
+  endif()
+endforeach()
+
 run(${CMAKE_COMMAND} -S ${consumer} -B "${consumer_build}" -G Ninja -DCMAKE_BUILD_TYPE=Debug
   -DCMAKE_PREFIX_PATH=${prefix} -DCMAKE_CXX_COMPILER=${CXX} -DCMAKE_CXX_FLAGS=${CXX_FLAGS})
 run(${CMAKE_COMMAND} --build "${consumer_build}")
