@@ -28,6 +28,7 @@ set(perp_public_headers
   contact/io/read.hpp
   contact/model/residual.hpp
   contact/scenes/elastic_rod.hpp
+  contact/solvers/sensitivity.hpp
   contact/solvers/sequence.hpp
   contact/scenes/shaken_scene.hpp
   contact/scenes/rigid_bodies.hpp
