@@ -17,6 +17,7 @@
 #include "contact/model/residual.hpp"
 #include "contact/scenes/generators.hpp"
 #include "contact/solvers/named_options.hpp"
+#include "contact/solvers/sensitivity.hpp"
 
 namespace perp::capi {
 
@@ -84,6 +85,23 @@ Part existence(Work& work, const contact::Problem& problem) {
   const double seconds = contact::apply_options(usual, work.solver().given).seconds.value_or(30);
   return part_of(
       contact::existence(problem, {.max_time = std::chrono::duration<double>(seconds), .interrupt = work.stop()}));
+}
+
+/// What of it is not NULL.
+contact::ParameterDerivatives derivatives_of(const contact::Problem& problem, std::int64_t m, const perp_matrix* dq,
+                                             const perp_matrix* dmu, const perp_matrix* dW) {
+  const Index size = problem.q.size();
+  if (dq == nullptr && dmu == nullptr && dW == nullptr) {
+    if (m != 0) refuse("m", fmt::format("is {}, without dq, dmu and dW", m));
+    return contact::by_q_and_mu(problem);
+  }
+  check_size(m, "m");
+  contact::ParameterDerivatives out;
+  if (dq != nullptr) out.dq = std::move(matrix_of(dq, "dq", size, m).entries);
+  if (dmu != nullptr) out.dmu = std::move(matrix_of(dmu, "dmu", problem.contacts(), m).entries);
+  for (std::int64_t j = 0; dW != nullptr && j < m; ++j)
+    out.dW.push_back(std::move(matrix_of(dW + j, "dW", size, size).entries));
+  return out;
 }
 
 }  // namespace
@@ -201,5 +219,22 @@ int32_t perp_contact_solve(perp_solver* solver, const perp_contact* contact, con
     require(contact, "contact");
     Work work(solver);
     return solved(work, contact->problem, variant, r0);
+  });
+}
+
+int32_t perp_contact_sensitivity(perp_solver* solver, const perp_contact* contact, const double* r, int64_t m,
+                                 const perp_matrix* dq, const perp_matrix* dmu, const perp_matrix* dW,
+                                 const double* direction, perp_result** result, perp_error* error) {
+  return guarded_make(result, "result", error, [&] {
+    require(contact, "contact");
+    const perp::contact::Problem& problem = contact->problem;
+    const Vec at = vector_of(r, problem.q.size(), "r");
+    const perp::contact::ParameterDerivatives p = derivatives_of(problem, m, dq, dmu, dW);
+    const Work work(solver);
+    const perp::contact::Sensitivity found =
+        direction == nullptr
+            ? perp::contact::sensitivity(problem, at, p)
+            : perp::contact::sensitivity(problem, at, p, vector_of(direction, m == 0 ? p.dq.cols() : m, "direction"));
+    return part_of(found);
   });
 }

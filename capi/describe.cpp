@@ -166,4 +166,22 @@ Part part_of(contact::Run run) {
   return part;
 }
 
+Part part_of(const contact::Sensitivity& found) {
+  Part part = empty();
+  std::vector<std::string> regions;
+  for (const contact::Region region : found.regions) regions.emplace_back(contact::to_string(region));
+  part->add("status", to_string(found.status))
+      .add("known", found.known())
+      .add("message", found.message)
+      .add("dr", entries(found.dr))
+      .add("du", entries(found.du))
+      .add("directions", found.dr.cols())
+      .add("regions", std::move(regions))
+      .add("degenerate", std::vector<std::int64_t>(found.degenerate.begin(), found.degenerate.end()))
+      .add("rcond", found.rcond)
+      .add("strongly_regular", found.strongly_regular)
+      .add("residual", part_of(found.residual));
+  return part;
+}
+
 }  // namespace perp::capi

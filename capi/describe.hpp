@@ -6,6 +6,7 @@
 #include "capi/record.hpp"
 #include "contact/existence/existence.hpp"
 #include "contact/solvers/run.hpp"
+#include "contact/solvers/sensitivity.hpp"
 #include "lcp/classes/classify.hpp"
 #include "ncp/analysis/sensitivity.hpp"
 #include "ncp/analysis/verify.hpp"
@@ -28,5 +29,6 @@ Part part_of(const ncp::Mcp& mcp, const ncp::JacobianCheck& check);
 Part part_of(const contact::Residual& residual);
 Part part_of(const contact::Verdict& verdict);
 Part part_of(contact::Run run);
+Part part_of(const contact::Sensitivity& found);
 
 }  // namespace perp::capi

@@ -463,6 +463,18 @@ int32_t perp_contact_existence(perp_solver* solver, const perp_contact* contact,
  *    verdict         part, where there is no solution: as perp_contact_existence */
 int32_t perp_contact_solve(perp_solver* solver, const perp_contact* contact, const char* variant, const double* r0,
                            perp_result** result, perp_error* error);
+/** How the solution r moves with m parameters p: dq = dq/dp, d n x m; dmu = dmu/dp, n x m; dW, m matrices dW/dp_j, d n
+ * x d n; NULL: does not depend on p. m = 0, all NULL: by q and, after it, mu. With a direction of m entries: in that
+ *  direction only, which exists at kinks, too. Fields of the result:
+ *    status, known, message, directions, rcond, strongly_regular
+ *                    as of perp_sensitivity
+ *    dr, du          reals, d n x directions by rows
+ *    regions         texts: "open", "stick", "slip", "roll"; at a kink "touching", "edge"
+ *    degenerate      integers: the contacts at a kink
+ *    residual        part: of r, as perp_contact_judge */
+int32_t perp_contact_sensitivity(perp_solver* solver, const perp_contact* contact, const double* r, int64_t m,
+                                 const perp_matrix* dq, const perp_matrix* dmu, const perp_matrix* dW,
+                                 const double* direction, perp_result** result, perp_error* error);
 /** PERP_ROLL: does not slip, and its rolling friction is fully used. */
 enum perp_contact_state { PERP_OPEN = 0, PERP_STICK = 1, PERP_SLIP = 2, PERP_ROLL = 3 };
 

@@ -144,7 +144,53 @@ static void scenes(void) {
   perp_result_free(list);
 }
 
+/* The block of check_mass slips under a push of 0.9: r_T = -mu r_N, so by q_N dr = (-2, 1, 0), by mu (0, -2, 0). Would
+   catch columns in another order, and a kink that is called differentiable. */
+static void derivatives(void) {
+  const int32_t start[] = {0, 1, 2, 3};
+  const int32_t row[] = {0, 1, 2};
+  const double value[] = {0.5, 0.5, 0.5};
+  const double pushed[] = {-1, 0.9, 0}, r[] = {2, -1, 0}, at_the_edge[] = {-1, 0.5, 0};
+  const double dq_of_push[] = {0, 1, 0}, up[] = {1};
+  const perp_matrix W = csc32(3, start, row, value);
+  perp_matrix dq = W;
+  perp_contact* contact = NULL;
+  perp_result* result = NULL;
+  const double* dr;
+  OK(perp_contact_create(PERP_INTERFACE, 3, 1, &W, pushed, mu, &contact, &error));
+  OK(perp_contact_sensitivity(NULL, contact, r, 0, NULL, NULL, NULL, NULL, &result, &error));
+  CHECK_SAYING(perp_result_integer(result, "known") == 1, perp_result_text(result, "message", 0));
+  CHECK(strcmp(perp_result_text(result, "status", 0), "Differentiable") == 0);
+  CHECK(strcmp(perp_result_text(result, "regions", 0), "slip") == 0);
+  CHECK(perp_result_integer(result, "directions") == 4 && perp_result_length(result, "dr") == 12);
+  dr = perp_result_reals(result, "dr");
+  CHECK_NEAR(dr[0], -2, 1e-12);
+  CHECK_NEAR(dr[4], 1, 1e-12);
+  CHECK_NEAR(dr[7], -2, 1e-12);
+  CHECK_NEAR(perp_result_reals(result, "du")[7], -1, 1e-12);
+  perp_result_free(result);
+  perp_contact_free(contact);
+  OK(perp_contact_create(PERP_INTERFACE, 3, 1, &W, at_the_edge, mu, &contact, &error));
+  dq.columns = 1;
+  dq.form = PERP_DENSE_COLUMNS;
+  dq.start = dq.index = NULL;
+  dq.value = dq_of_push;
+  OK(perp_contact_sensitivity(NULL, contact, r, 1, &dq, NULL, NULL, NULL, &result, &error));
+  CHECK(perp_result_integer(result, "known") == 0 && perp_result_integers(result, "degenerate")[0] == 0);
+  perp_result_free(result);
+  OK(perp_contact_sensitivity(NULL, contact, r, 1, &dq, NULL, NULL, up, &result, &error));
+  CHECK(strcmp(perp_result_text(result, "status", 0), "Directional") == 0);
+  CHECK_NEAR(perp_result_reals(result, "du")[1], 1, 1e-12);
+  perp_result_free(result);
+  REFUSED(perp_contact_sensitivity(NULL, contact, r, 2, &dq, NULL, NULL, NULL, &result, &error), PERP_BAD_ARGUMENT,
+          "dq: ");
+  REFUSED(perp_contact_sensitivity(NULL, contact, NULL, 1, &dq, NULL, NULL, NULL, &result, &error), PERP_BAD_ARGUMENT,
+          "r: is NULL");
+  perp_contact_free(contact);
+}
+
 int main(void) {
+  derivatives();
   scenes();
   given_as_W();
   given_as_bodies();
