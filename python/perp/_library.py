@@ -156,6 +156,7 @@ _LONG = {
     "perp_contact_judge": (_I, [_V, _V, c_double, _V, _V]),
     "perp_contact_existence": (_I, [_V, _V, _V, _V]),
     "perp_contact_solve": (_I, [_V, _V, _T, _V, _V, _V]),
+    "perp_contact_sensitivity": (_I, [_V, _V, _V, _N, _V, _V, _V, _V, _V, _V]),
 }
 
 _FILE = {"win32": "perp.dll", "darwin": "libperp.dylib"}.get(sys.platform, "libperp.so")

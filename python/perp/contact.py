@@ -12,19 +12,21 @@ from __future__ import annotations
 import ctypes
 import numbers
 import os
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
+import numpy as np
 import numpy.typing as npt
 
 from perp import _library, _session
 from perp._arrays import address, copies_of, matrix, refuse, vector
 from perp._functions import view
 from perp._library import INTERFACE, Handle, call, made
-from perp._problem import _count, asked, listed, path_text, solver_of, text
-from perp._result import Field, Fields, Interrupted, Record, numbers_of
+from perp._problem import _count, _derivative, asked, listed, path_text, solver_of, text
+from perp._result import Field, Fields, Interrupted, Record, _texts, numbers_of
 from perp._types import Array, Matrix, Options, Path
 
-__all__ = ["Existence", "Problem", "Result", "Scene", "problem", "read", "scene", "scenes", "solve"]
+__all__ = ["Existence", "Problem", "Result", "Scene", "Sensitivity", "problem", "read", "scene", "scenes", "solve"]
 
 _STATES = ("open", "stick", "slip", "roll")
 
@@ -70,6 +72,32 @@ class Result(Record):
         counts = ", ".join(f"{self.states.count(state)} {state}" for state in _STATES if state in self.states)
         facts = super()._facts()
         return [(label, counts if label == "states" else text) for label, text in facts if text != "None"]
+
+
+class Sensitivity(Record):
+    """How a solution moves with m parameters."""
+
+    status: Field[str] = Field(
+        '"Differentiable", "Directional"; refused: "Degenerate", "Singular", "NotASolution", "TooLarge".'
+    )
+    known: Field[bool] = Field("Whether dr and du are derivatives.", bool)
+    message: Field[str] = Field("What was found; of a refusal, why.")
+    dr: Field[Array] = Field("Shape (d k, m): dr_i/dp_j; (d k, 1) in a direction; (0, 0) if refused.")
+    du: Field[Array] = Field("Of the same shape: du_i/dp_j.")
+    regions: Field[list[str]] = Field(
+        'Of each contact: "open", "stick", "slip", "roll"; at a kink "touching", "edge".', _texts
+    )
+    degenerate: Field[npt.NDArray[np.int64]] = Field("The contacts at a kink.")
+    rcond: Field[float] = Field("About 1 / condition of the contacts' equations, equilibrated.")
+    strongly_regular: Field[bool] = Field("Whether there is proven to be one derivative in every direction.", bool)
+    residual: Field[dict[str, float]] = Field("Measures of r, as of `judge`.", numbers_of)
+
+    def __init__(self, source: Fields) -> None:
+        super().__init__(source)
+        columns = source.read("directions")
+        for name in ("dr", "du"):
+            entries = source.read(name)
+            self._values[name] = entries.reshape(-1, columns) if entries.size else np.empty((0, 0))
 
 
 class Problem:
@@ -156,6 +184,43 @@ class Problem:
         )
         measures = Fields(judged).numbers()
         return bool(measures.pop("accepted")), measures
+
+    def sensitivity(
+        self,
+        r: npt.ArrayLike,
+        *,
+        dq: Matrix | None = None,
+        dmu: Matrix | None = None,
+        dW: Sequence[Matrix] | None = None,
+        direction: npt.ArrayLike | None = None,
+    ) -> Sensitivity:
+        """How the solution r, shape (d k,), moves with m parameters p: dq = dq/dp, shape (d k, m), dmu = dmu/dp, shape
+        (k, m), and dW, the m matrices dW/dp_j; vectors for m = 1. Without these by all entries of q and, after them, of
+        mu. At a kink, such as a contact between stick and slip, there is only a derivative in a direction of p, with m
+        entries. Refused (`known`) where W does not determine the impulses."""
+        at, k = self._impulses(r, "r"), self.contacts
+        size, m = self.dimension * k, -1
+        columns: list[tuple[_library.Matrix, Any] | None] = []
+        for one, rows, name in ((dq, size, "dq"), (dmu, k, "dmu")):
+            columns.append(None if one is None else _derivative(one, rows, m, name))
+            m = m if one is None else columns[-1][0].columns
+        matrices = None if dW is None else [matrix(one, "dW", size, size) for one in dW]
+        if matrices is not None and m not in (-1, len(matrices)):
+            refuse("dW", f"has {len(matrices)} matrices, and must have {m}, as dq or dmu has columns")
+        m = max(m, 0) if matrices is None else len(matrices)
+        dp = None if direction is None else vector(direction, m or size + k, "direction")
+        handle, interrupt = _session.work(
+            _library.lib.perp_contact_sensitivity,
+            self._handle.pointer,
+            address(at),
+            m,
+            *(None if one is None else ctypes.byref(one[0]) for one in columns),
+            None if matrices is None else (_library.Matrix * m)(*(one[0] for one in matrices)),
+            None if dp is None else address(dp),
+        )
+        if interrupt is not None:
+            raise interrupt
+        return Sensitivity(Fields(handle))
 
     def existence(self, **options: object) -> Existence:
         """Whether there is a solution, with a proof. Option: time_limit."""

@@ -46,3 +46,38 @@ def test_files():
     assert problem.q.shape == (problem.dimension * problem.contacts,) and problem.W.shape[0] == problem.q.size
     r = problem.solve(time_limit=20)
     assert problem.judge(r.r)[0] == r.success
+
+
+def test_sensitivity_of_a_block_that_slips():
+    """W = I, q = (-1, 0.9, 0), mu = 0.5: r = (1, -0.5, 0), u_T = 0.4. By hand: r_T = mu q_N, across slip r_T / |u_T|
+    turns. Would catch columns in another order, dW that does not arrive, one direction for another."""
+    problem = perp.contact.problem(np.eye(3), [-1.0, 0.9, 0.0], [0.5])
+    r = problem.solve().r
+    s = problem.sensitivity(r)
+    assert s.known and s.status == "Differentiable" and s.regions == ["slip"] and s.strongly_regular
+    assert s.dr.shape == s.du.shape == (3, 4)
+    np.testing.assert_allclose(s.dr[:, [0, 1, 3]], [[-1, 0, 0], [0.5, 0, -1], [0, 0, 0]], atol=1e-6)
+    np.testing.assert_allclose(s.dr[2, 2], -0.5 / 0.4 * s.du[2, 2], atol=1e-6)
+    by_mu = problem.sensitivity(r, dmu=[1.0])
+    np.testing.assert_allclose(by_mu.dr, s.dr[:, 3:], atol=1e-12)
+    dW = sp.csc_matrix(([1.0], ([0], [0])), shape=(3, 3))  # r_N = 1 / W_NN
+    by_W = problem.sensitivity(r, dq=np.zeros((3, 2)), dW=[np.zeros((3, 3)), dW])
+    np.testing.assert_allclose(by_W.dr, [[0, -1], [0, 0.5], [0, 0]], atol=1e-6)
+    one_way = problem.sensitivity(r, direction=[0, 0, 0, 2.0])
+    np.testing.assert_allclose(one_way.dr, 2 * by_mu.dr, atol=1e-12)
+
+
+def test_sensitivity_at_a_kink_is_one_sided():
+    """At the edge, q_T = mu: a larger push slips, a smaller one changes the friction."""
+    problem = perp.contact.problem(np.eye(3), [-1.0, 0.5, 0.0], [0.5])
+    r = [1.0, -0.5, 0.0]
+    both = problem.sensitivity(r)
+    assert not both.known and both.status == "Degenerate" and both.dr.shape == (0, 0) and both.degenerate.tolist() == [0]
+    for push, dr, du in ((1.0, 0.0, 1.0), (-1.0, 1.0, 0.0)):
+        s = problem.sensitivity(r, dq=[0.0, 1.0, 0.0], direction=[push])
+        assert s.known and s.status == "Directional" and s.regions == ["edge"]
+        np.testing.assert_allclose([s.dr[1, 0], s.du[1, 0]], [dr, du], atol=1e-9)
+    with pytest.raises(ValueError, match="dW: has 1 matrices, and must have 2"):
+        problem.sensitivity(r, dq=np.zeros((3, 2)), dW=[np.eye(3)])
+    with pytest.raises(ValueError, match="direction"):
+        problem.sensitivity(r, dq=[0.0, 1.0, 0.0], direction=[1.0, 2.0])

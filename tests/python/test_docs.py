@@ -13,7 +13,15 @@ ROOT = Path(__file__).resolve().parents[2]
 
 
 @pytest.mark.parametrize(
-    "page, least", [("README.md", 1), ("docs/python.md", 6), ("docs/vi.md", 1), ("docs/batch.md", 2), ("docs/trace.md", 2)]
+    "page, least",
+    [
+        ("README.md", 1),
+        ("docs/python.md", 6),
+        ("docs/vi.md", 1),
+        ("docs/batch.md", 2),
+        ("docs/trace.md", 2),
+        ("docs/contact/derivatives.md", 1),
+    ],
 )
 def test_examples(page, least):
     blocks = re.findall(r"^```python\n(.*?)^```", (ROOT / page).read_text(encoding="utf-8"), re.M | re.S)
@@ -32,7 +40,8 @@ def test_everything_says_what_it_is(name):
 
 
 def test_arguments_have_shapes_in_words():
-    for function in (perp.solve, perp.lcp, perp.sensitivity, perp.contact.solve, perp.Problem.F):
+    contact = (perp.contact.solve, perp.contact.Problem.sensitivity)
+    for function in (perp.solve, perp.lcp, perp.sensitivity, perp.Problem.F, *contact):
         assert re.search(r"shape \(", inspect.getdoc(function)), function
 
 

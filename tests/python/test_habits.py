@@ -105,7 +105,8 @@ def test_everything_has_a_notebook_form_and_explains_its_fields():
     contact = perp.contact.solve(np.eye(3), [-1.0, 0.9, 0.0], [0.5])
     answers = [p.solve(verify=True), perp.solve_all(kojima, np.ones(4)), p.inspect(), p.check_jacobian(),
                p.verify([1.0, 0.0]), p.sensitivity([1.0, 0.0], dF=-np.eye(2)), contact,
-               perp.contact.problem(np.eye(3), [-1.0, 0.9, 0.0], [0.5]).existence()]  # fmt: skip
+               perp.contact.problem(np.eye(3), [-1.0, 0.9, 0.0], [0.5]).existence(),
+               perp.contact.problem(np.eye(3), [-1.0, 0.9, 0.0], [0.5]).sensitivity([1.0, -0.5, 0.0])]  # fmt: skip
     answers += [answers[0].verified, answers[1][0]]
     for answer in answers:
         assert "<table>" in answer._repr_html_() and "\n" in repr(answer), type(answer)
