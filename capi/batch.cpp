@@ -15,14 +15,14 @@ namespace perp::capi {
 namespace {
 
 /// The caller's numbers, or `otherwise` for all.
-lcp::Varying varying(const perp_varying* given, Index size, const char* name, const std::vector<double>* otherwise) {
+lcp::Varying varying(const perp_varying* given, int64_t size, const char* name, const std::vector<double>* otherwise) {
   if (size == 0) return {};
   if (given == nullptr || given->values == nullptr) {
     if (otherwise == nullptr) require(nullptr, name);
     return {otherwise->data(), 0};
   }
   if (given->step < 0) refuse(name, "its step is " + std::to_string(given->step) + ", negative");
-  return {given->values, given->step};
+  return {given->values, static_cast<Index>(given->step)};  // as wide as an address
 }
 
 }  // namespace
@@ -47,9 +47,9 @@ int32_t perp_batch_vi(int32_t interface_, int64_t count, int64_t n, int64_t m, c
     if (n > 0) require(x, "x");
     const auto all = static_cast<std::size_t>(std::max(n, m));
     const std::vector<double> zeros(all, 0), infinities(all, perp::lcp::infinity);
-    const perp::lcp::ViBatch batch{.count = count,
-                                   .n = n,
-                                   .m = m,
+    const perp::lcp::ViBatch batch{.count = static_cast<Index>(count),
+                                   .n = static_cast<Index>(n),
+                                   .m = static_cast<Index>(m),
                                    .M = varying(M, n * n, "M", nullptr),
                                    .q = varying(q, n, "q", nullptr),
                                    .A = varying(A, m * n, "A", nullptr),

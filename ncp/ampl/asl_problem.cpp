@@ -205,8 +205,12 @@ AslProblem::RowByRow AslProblem::values_by_row(const double* x, double* c) const
   result.overflow = result.defined;
   auto* point = const_cast<double*>(x);
   forget_x(asl);
-  // The library says that there is no value, the processor why.
+  // The library says that there is no value, the processor why; WebAssembly keeps no flags.
+#ifdef FE_OVERFLOW
   const auto overflowed = [] { return std::fetestexcept(FE_OVERFLOW | FE_INVALID | FE_DIVBYZERO) == FE_OVERFLOW; };
+#else
+  const auto overflowed = [] { return false; };
+#endif
   std::feclearexcept(FE_ALL_EXCEPT);
   // Known once, so that the rows need not compare x.
   evaluate_guarded(asl, [=](fint* error) { asl->p.Xknown(asl, point, error); });

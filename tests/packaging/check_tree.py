@@ -35,7 +35,7 @@ INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]')
 # Below: (headers, folders or files that may include them). tests/ and bench/ may include everything.
 RULES = [
     (r"(app)/", ("app/",), "only app sees app"),
-    (r"(capi)/", ("capi/",), "only capi sees capi"),
+    (r"(capi)/", ("capi/", "web/"), "only capi and web see capi"),
     (r"(contact)/", ("contact/", "capi/", "app/"), "only contact, capi and app see contact"),
     (r"(collection)/", ("collection/", "capi/", "app/"), "only collection, capi and app see collection"),
     (r"(ncp)/", ("ncp/", "collection/", "contact/", "capi/", "app/"), "lcp sees nothing above it"),
