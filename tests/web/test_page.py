@@ -17,6 +17,8 @@ MODELS = ROOT / "data" / "models"
 PAGE = Path(os.environ["PERP_WEB"]) / "page" / "index.html"
 
 sys.path.insert(0, str(ROOT / "tests" / "support"))
+sys.path.insert(0, str(ROOT / "packaging" / "portable"))
+import check  # noqa: E402
 from browser import CUT, Browser  # noqa: E402
 
 ENTER, TAB = "\ue007", "\ue004"
@@ -124,7 +126,7 @@ def test_damaged(page, tmp_path):
     page.choose_files("files", [tmp_path / "damaged.nl"])
     page.wait_for("document.getElementById('refused').textContent")
     assert text(page, "refused").startswith("damaged.nl:")
-    assert page.run("return document.getElementById('solve-part').hidden")
+    assert page.run("return document.getElementById('solve').disabled")
     (tmp_path / "letter.txt").write_text("Dear reader,")
     page.choose_files("files", [tmp_path / "letter.txt"])
     page.wait_for("document.getElementById('refused').textContent.includes('letter.txt')")
@@ -184,4 +186,12 @@ def test_everything_has_a_name(page):
 def test_size():
     files = [path for path in PAGE.parent.rglob("*") if path.is_file()]
     assert sum(path.stat().st_size for path in files) <= 8e6
-    assert {"LICENSE", "NOTICE"} <= {path.name for path in files}
+
+
+# Catches a page or package without the licence of a part.
+@pytest.mark.parametrize("part", ["page", "npm"])
+def test_licences(part):
+    place = PAGE.parent.parent / part
+    assert (place / "LICENSE").is_file() and (place / "NOTICE").is_file()
+    for name in [*check.LICENCES, "libcxxabi", "libunwind", "wasi-libc", "musl"]:
+        assert any((place / "licences" / name).iterdir()), name

@@ -47,6 +47,7 @@ async function perp(args, files, { on_text = () => {}, stoppable = true } = {}) 
   });
 }
 
+const said_by = (run) => run.err.trim().replace(/^perp: /gm, "") || `perp ended with code ${run.code}`;
 const json_of = (run, name) => {
   const bytes = run.files[name];
   return bytes === undefined ? undefined : JSON.parse(new TextDecoder().decode(bytes));
@@ -78,18 +79,32 @@ function forget() {
   ++turn;
   refuse("");
   say("");
-  for (const id of ["chosen", "roles", "structure-part", "solve-part", "result-part", "log-part"]) show(id, false);
+  for (const id of ["chosen", "roles", "structure-part", "result-part", "log-part"]) show(id, false);
+  set_busy(false);
   for (const button of $("examples").children) button.setAttribute("aria-pressed", "false");
 }
 
 // Problems.
 
-const ends = (name, ending) => name.toLowerCase().endsWith(ending);
+/** The files under names that the program takes: endings in small letters, nothing that looks like an option, and the
+ *  names of rows and columns beside the one model there is, whatever they are called. */
+function tidy(files) {
+  const tidied = Object.fromEntries(Object.entries(files).map(([name, bytes]) =>
+    [name.replace(/\.[^.]*$/, (ending) => ending.toLowerCase()).replace(/^-/, "_"), bytes]));
+  const of = (ending) => Object.keys(tidied).filter((name) => name.endsWith(ending));
+  const [model, ...others] = of(".nl");
+  if (model && others.length === 0)
+    for (const ending of [".row", ".col"]) {
+      const found = of(ending);
+      if (found.length === 1) tidied[model.replace(/\.nl$/, ending)] = tidied[found[0]];
+    }
+  return tidied;
+}
 
 /** The files that were dropped, as one problem. Throws a text where they are none. */
 function problem_of(files) {
   const names = Object.keys(files);
-  const of = (ending) => names.filter((name) => ends(name, ending));
+  const of = (ending) => names.filter((name) => name.endsWith(ending));
   const one = (list, what) => {
     if (list.length > 1) throw `These are several ${what}: ${list.join(", ")}. Choose one.`;
     return list[0];
@@ -121,13 +136,14 @@ const role_labels = { M: "Matrix M", q: "Vector q", lower: "Lower bounds", upper
 const role_defaults = { M: "none", q: "none", lower: "0", upper: "infinity" };
 
 function show_roles() {
+  const shown = problem;
   $("roles").replaceChildren(...Object.keys(role_labels).map((role) => {
     const label = document.createElement("label");
     const select = document.createElement("select");
-    select.append(new Option(role_defaults[role], ""), ...problem.names.map((name) => new Option(name, name)));
-    select.value = problem.roles[role];
+    select.append(new Option(role_defaults[role], ""), ...shown.names.map((name) => new Option(name, name)));
+    select.value = shown.roles[role];
     select.addEventListener("change", () => {
-      const changed = { ...problem, roles: { ...problem.roles, [role]: select.value } };
+      const changed = { ...shown, roles: { ...shown.roles, [role]: select.value } };
       forget();
       take(changed);
     });
@@ -154,18 +170,17 @@ async function take(wanted) {
       problem.words = words_of_roles(problem.roles);
     }
     say(`Reading ${problem.title} ...`);
-    show("solve-part", true);
     set_busy(true, "read");
     const run = await look(problem);
     if (mine !== turn) return;
-    if (run.code === 2) throw run.err.trim().replace(/^perp: /gm, "");
+    if (run.code === 2) throw said_by(run);
     show_methods();
     $("structure").textContent = run.out.trimEnd();
     show("structure-part", true);
     say("Ready to solve.");
   } catch (error) {
     if (mine !== turn) return;
-    show("solve-part", false);
+    say("");
     refuse(typeof error === "string" ? error : error instanceof Stopped ? "Stopped before it was read." : reason(error));
     problem = undefined;
   } finally {
@@ -179,7 +194,8 @@ async function look(of) {
     const run = await perp(["inspect", ...of.words], of.files);
     if (!of.either || run.code !== 2) return run;
     const contact = await look({ ...of, either: false, contact: true });
-    if (contact.code !== 2) of.contact = true;
+    if (contact.code === 2) return { ...run, err: `As an LCP: ${said_by(run)}\nAs contact: ${said_by(contact)}` };
+    of.contact = true;
     return contact;
   }
   const run = await perp(["contact", ...of.words, "--formulation", "frictionless", "--time-limit", "5"], of.files);
@@ -192,7 +208,7 @@ async function take_files(list) {
   const mine = turn;
   try {
     const read = await Promise.all([...list].map(async (file) => [file.name, new Uint8Array(await file.arrayBuffer())]));
-    if (mine === turn) await take(problem_of(Object.fromEntries(read)));
+    if (mine === turn) await take(problem_of(tidy(Object.fromEntries(read))));
   } catch (error) {
     refuse(typeof error === "string" ? error : `The file cannot be read: ${error.message}`);
   }
@@ -223,14 +239,14 @@ let methods = []; // of the command `methods`
 
 function show_methods() {
   const select = $("method");
-  const names = problem.contact ? ["auto", "homotopy", "nsgs", "alart-curnier"] : methods;
+  const names = problem?.contact ? ["auto", "homotopy", "nsgs", "alart-curnier"] : methods;
   const before = select.value;
   select.replaceChildren(...names.map((name) => new Option(name, name)));
   select.value = names.includes(before) ? before : "auto";
 }
 
 function set_busy(busy, what) {
-  $("solve").disabled = busy;
+  $("solve").disabled = busy || problem === undefined;
   $("stop").disabled = !busy;
   $("result-part").setAttribute("aria-busy", String(busy && what === "solve"));
 }
@@ -254,7 +270,7 @@ async function solve() {
     const run = await perp(words, now.files, { on_text: log });
     if (mine !== turn) return;
     const json = json_of(run, "result.json");
-    if (run.code > 1 || json === undefined) throw (run.err || `perp ended with code ${run.code}`).trim().replace(/^perp: /gm, "");
+    if (run.code > 1 || json === undefined) throw said_by(run);
     show_result(json);
     $("log-part").open = false; // the result comes into view
     if (run.code === 1 && !now.contact) await explain(now, mine, started);
@@ -465,7 +481,7 @@ async function begin() {
     const all = JSON.parse(run.out);
     methods = all.methods.map((method) => method.name);
     $("version").textContent = `Perp ${perp_engine.version}, Apache License 2.0, with libraries under licences of their own (folder licences).`;
-    if (problem) show_methods();
+    show_methods();
   } catch (error) {
     refuse(`This browser cannot run the engine, which needs WebAssembly with exceptions: ${error.message}`);
   }
