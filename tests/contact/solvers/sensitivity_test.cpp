@@ -154,7 +154,7 @@ TEST(ContactSensitivity, MatchesCentralDifferencesInEveryRegion) {
   for (const Region region : smooth) EXPECT_GE(contacts[region], 1000);
 }
 
-constexpr std::array all{Region::Open, Region::Stick, Region::Slip, Region::Touching, Region::Edge};
+constexpr std::array every_region{Region::Open, Region::Stick, Region::Slip, Region::Touching, Region::Edge};
 
 // More than 1,000 contacts at each kink, alone and beside others, up to 6 together, in 2D and 3D, from both sides.
 // Catches a wrong critical cone, S with a wrong sign, and a one-sided derivative that is called a derivative. Known
@@ -168,7 +168,7 @@ TEST(ContactSensitivity, MatchesOneSidedDifferencesAtKinks) {
     for (int k = 0; k < 640; ++k) {
       std::vector<Region> regions{k % 4 < 2 ? Region::Touching : Region::Edge};
       for (int a = 1; a < (k % 2 == 0 ? 1 : 2 + k % 5); ++a)
-        regions.push_back(all[static_cast<std::size_t>(random.uniform(0, 5))]);
+        regions.push_back(every_region[static_cast<std::size_t>(random.uniform(0, 5))]);
       const auto [problem, r, expected] = planted(d, regions, random, k % 5 == 0);
       const ParameterDerivatives parameters = random_parameters(problem, random);
       EXPECT_EQ(sensitivity(problem, r, parameters).status, SensitivityStatus::Degenerate);
@@ -204,7 +204,7 @@ TEST(ContactSensitivity, RollingMatchesDifferences) {
       std::vector<Region> regions;
       for (int a = 0; a < 1 + k % 3; ++a)
         regions.push_back(k % 2 == 0 ? smooth[static_cast<std::size_t>(random.uniform(0, 3))]
-                                     : all[static_cast<std::size_t>(random.uniform(0, 5))]);
+                                     : every_region[static_cast<std::size_t>(random.uniform(0, 5))]);
       const auto [problem, r, expected] = planted(d, regions, random, false, true);
       const ParameterDerivatives parameters = random_parameters(problem, random);
       const Sensitivity s = sensitivity(problem, r, parameters, vec({1}));
