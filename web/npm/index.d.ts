@@ -83,6 +83,7 @@ export interface Result {
 export class PerpError extends Error {
   /** perp_code of perp.h. */
   code: number;
+  constructor(code: number, message: string);
 }
 
 /** Finds x in [lower, upper] with F_i(x) >= 0 where x_i is at its lower bound, <= 0 at its upper one, = 0 between, from

@@ -50,10 +50,11 @@ export class PerpError extends Error {
 const view = () => new DataView(c.memory.buffer);
 const reals_at = (pointer, count) => new Float64Array(c.memory.buffer, pointer, count);
 
+const decoder = new TextDecoder();
 function text_at(pointer) {
   if (pointer === 0) return undefined;
   const bytes = new Uint8Array(c.memory.buffer, pointer);
-  return new TextDecoder().decode(bytes.slice(0, bytes.indexOf(0)));
+  return decoder.decode(bytes.subarray(0, bytes.indexOf(0)));
 }
 
 /** F or J of the caller. An exception does not pass through the engine: it stops the solve, and is thrown after it. */
@@ -162,28 +163,39 @@ function iterations_of(result, key) {
   });
 }
 
+function field(result, key) {
+  const count = Number(c.perp_result_length(result, key));
+  const list = (get) => Array.from({ length: count }, (_, k) => get(result, key, BigInt(k)));
+  switch (c.perp_result_kind(result, key)) {
+    case kinds.integer:
+      return Number(c.perp_result_integer(result, key));
+    case kinds.real:
+      return c.perp_result_real(result, key);
+    case kinds.text:
+      return text_at(c.perp_result_text(result, key, 0n));
+    case kinds.texts:
+      return list((...place) => text_at(c.perp_result_text(...place)));
+    case kinds.reals:
+      return reals_at(c.perp_result_reals(result, key), count).slice();
+    case kinds.integers:
+      return Array.from(new BigInt64Array(c.memory.buffer, c.perp_result_integers(result, key), count), Number);
+    case kinds.cells:
+      return new Int8Array(c.memory.buffer, c.perp_result_cells(result, key), count).slice();
+    case kinds.parts:
+      return list((...place) => fields(c.perp_result_part(...place)));
+    case kinds.iterations:
+      return iterations_of(result, key);
+  }
+}
+
 /** All fields of a perp_result. */
 function fields(result) {
   const object = {};
   for (let i = 0n; ; ++i) {
     const key = c.perp_result_key(result, i);
     if (key === 0) return object;
-    const count = Number(c.perp_result_length(result, key));
-    const list = (get) => Array.from({ length: count }, (_, k) => get(BigInt(k)));
-    const read = {
-      [kinds.integer]: () => Number(c.perp_result_integer(result, key)),
-      [kinds.real]: () => c.perp_result_real(result, key),
-      [kinds.text]: () => text_at(c.perp_result_text(result, key, 0n)),
-      [kinds.texts]: () => list((k) => text_at(c.perp_result_text(result, key, k))),
-      [kinds.reals]: () => reals_at(c.perp_result_reals(result, key), count).slice(),
-      [kinds.integers]: () => Array.from(new BigInt64Array(c.memory.buffer, c.perp_result_integers(result, key), count), Number),
-      [kinds.cells]: () => new Int8Array(c.memory.buffer, c.perp_result_cells(result, key), count).slice(),
-      [kinds.parts]: () => list((k) => fields(c.perp_result_part(result, key, k))),
-      [kinds.iterations]: () => iterations_of(result, key),
-    }[c.perp_result_kind(result, key)];
-    const name = text_at(key);
-    object[name] = read();
-    if (name === "stats" || name === "computed") object[name] = object[name][0];
+    const name = text_at(key), value = field(result, key);
+    object[name] = name === "stats" || name === "computed" ? value[0] : value;
   }
 }
 

@@ -424,7 +424,7 @@ function draw_plot(json) {
   if (tolerance > 0) {
     const at = y(Math.log10(tolerance));
     add("line", { class: "tolerance", x1: left, x2: width - right, y1: at, y2: at });
-    add("text", { class: "tolerance-name", x: width - right, y: at - 5, "text-anchor": "end" }, "tolerance");
+    add("text", { class: "tolerance-name", x: left + 4, y: at - 5 }, "tolerance");
   }
   add("polyline", { class: "way", points: logs.map((log, k) => `${x(k)},${y(log)}`).join(" ") });
   if (values.length <= 60) logs.forEach((log, k) => add("circle", { class: "point", cx: x(k), cy: y(log), r: 3 }));
