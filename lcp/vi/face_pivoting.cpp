@@ -26,7 +26,7 @@ FacePivoting::End FacePivoting::run(In q, const Box& rows, const Box& box, Face&
       return End::Found;
     }
     if (r < 0) {  // y is computed anew from W
-      if (!rebuild()) return End::Stopped;
+      if (!refined() && !rebuild()) return End::Stopped;
     } else if (!enter(r)) {
       return certificate_.size() > 0 ? End::Empty : End::Stopped;
     }
@@ -95,6 +95,24 @@ bool FacePivoting::begin(In q, const Box& rows, const Box& box, const Face& face
     if (gone && !rebuild()) return false;
   }
   return true;
+}
+
+/// y of W and lambda, and a step of refinement; false if S^-1 has lost too many digits on the way for it.
+bool FacePivoting::refined() {
+  const auto k = static_cast<Index>(active_.size());
+  const auto off = [&] {
+    Vec b(k);
+    for (Index i = 0; i < k; ++i) b[i] = side(i) - y_[active_[at(i)]];
+    return b;
+  };
+  y_ = y0_;
+  y_.noalias() += columns_.leftCols(k) * lambda_.head(k);
+  const Vec d = inverse_.topLeftCorner(k, k) * off();
+  lambda_.head(k) += d;
+  y_.noalias() += columns_.leftCols(k) * d;
+  x_ = y_.tail(n_);
+  return x_.allFinite() &&
+         off().cwiseAbs().sum() <= negligible * (y_.cwiseAbs().maxCoeff() + y0_.cwiseAbs().maxCoeff());
 }
 
 /// S^-1, lambda and y of W, with a step of refinement; false if S is singular.

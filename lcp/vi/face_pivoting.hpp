@@ -42,6 +42,7 @@ class FacePivoting {
  private:
   bool begin(In q, const Box& rows, const Box& box, const Face& face);
   bool rebuild();
+  bool refined();
   Index most_violated() const;
   bool enter(Index r);
   Index met(Index r, double& step) const;
