@@ -142,6 +142,83 @@ def test_three_equilibria_on_one_curve():
         assert min(np.abs(x - equilibrium).max() for x in met) < 1e-8
 
 
+HOUSEHOLDS = ((90, 8, 54, 50, 0.8), (10, 80, 46, 50, 1.5))  # labour, capital; demand for X and Y at the benchmark; elasticity
+
+
+def harberger(z, t):
+    """data/README.md: a general equilibrium with a tax t on capital in sector X, and an untaxed technology U for the same good.
+    Wage 1; z is X, Y, U, welfare of two households, prices of X, Y, capital and of welfare, incomes, revenue."""
+    X, Y, U, worker, owner, p_X, p_Y, p_K, *rest = z
+    welfare, living, income, revenue = (worker, owner), rest[:2], rest[2:4], rest[4]
+    v = p_K * (1 + t) / 1.25
+    c_X, c_Y, c_U = (0.4 + 0.6 * v**0.5) ** 2, p_K**0.4, 1.08 * p_K**0.3
+    demand_X, demand_Y, profits, markets, budgets = 0, 0, [], [], []
+    for (labour, capital, x, y, s), W, q, I in zip(HOUSEHOLDS, welfare, living, income):
+        e = ((x * p_X ** (1 - s) + y * p_Y ** (1 - s)) / (x + y)) ** (1 / (1 - s))
+        demand_X += x * W * (e / p_X) ** s
+        demand_Y += y * W * (e / p_Y) ** s
+        profits.append((x + y) * (e - q))
+        markets.append((x + y) * W - I / q)
+        budgets.append(I - labour - p_K * capital - revenue / 2)
+    capital_X = 48 * X * (c_X / v) ** 0.5
+    return np.array([
+        100 * (c_X - p_X), 100 * (c_Y - p_Y), 100 * (c_U - p_X), *profits, 100 * X + 100 * U - demand_X, 100 * Y - demand_Y,
+        88 - capital_X - 40 * Y * c_Y / p_K - 30 * U * c_U / p_K, *markets, *budgets, revenue - t * p_K * capital_X,
+    ])  # fmt: skip
+
+
+def switching_tax(low, high, taxed):
+    """The tax at which both technologies for X cost the same while only the taxed one works, or only the other. All but the
+    price of capital follows in closed form; it is where the market of capital clears, between low and high."""
+
+    def at(p_K):
+        p_X, p_Y = 1.08 * p_K**0.3, p_K**0.4
+        v = ((p_X**0.5 - 0.4) / 0.6) ** 2
+        t = 1.25 * v / p_K - 1
+        use = 48 * (p_X / v) ** 0.5 if taxed else 30 * p_X / p_K  # of capital by 100 units of X
+        # Demands are a + b G with the revenue G, which is t p_K use X: 100 X = a + b G.
+        demand = np.zeros((2, 2))
+        for labour, capital, x, y, s in HOUSEHOLDS:
+            e = ((x * p_X ** (1 - s) + y * p_Y ** (1 - s)) / (x + y)) ** (1 / (1 - s))
+            of_income = np.array([x * (e / p_X) ** s, y * (e / p_Y) ** s]) / ((x + y) * e)
+            demand += np.outer(of_income, [labour + p_K * capital, 0.5])
+        revenue_of_X = t * p_K * use if taxed else 0
+        X = demand[0, 0] / (100 - demand[0, 1] * revenue_of_X)
+        Y = (demand[1, 0] + demand[1, 1] * revenue_of_X * X) / 100
+        return 88 - use * X - 40 * Y * p_Y / p_K, t
+
+    below = at(low)[0] > 0
+    assert below != (at(high)[0] > 0)
+    for _ in range(60):
+        middle = (low + high) / 2
+        low, high = (middle, high) if (at(middle)[0] > 0) == below else (low, middle)
+    return at(low)[1]
+
+
+# The tax swept from 0 to 3: the untaxed technology enters, and then the taxed one leaves. On its way the curve passes the
+# benchmark, where all prices and activities are 1, and the solution at t = 0.5 that data/models/reference.py found by other means.
+# Catches kinks of a larger economy that are not located, and a curve that leaves the equilibria.
+def test_tax_sweep_of_a_general_equilibrium():
+    low = [0, 0, 0, 0, 0, 1e-3, 1e-3, 1e-3, 1e-3, 1e-3, NONE, NONE, NONE]
+    start = [1, 1, 0, 1, 1, 1, 1, 1, 1, 1, 104, 96, 12]
+    curve = perp.trace(harberger, start, (0, 3), low)
+    assert curve.success, curve.message
+    known = [switching_tax(0.8, 1, True), switching_tax(0.6, 0.95, False)]
+    assert not curve.kinds("fold") and not curve.kinds("bifurcation")
+    assert np.allclose(events(curve, "kink"), known, rtol=0, atol=1e-8), curve.table()
+    assert curve.residual.max() <= 1e-8
+
+    def on_the_curve(t):
+        """The point of the curve beyond t, corrected to t."""
+        k = np.flatnonzero(curve.p >= t)[0]
+        return perp.solve(lambda z: harberger(z, t), curve.x[k], low, convergence_tolerance=1e-11).x
+
+    assert np.allclose(on_the_curve(0.25), start, atol=1e-9)
+    reference = json.loads((Path(__file__).parents[2] / "data/models/harberger.sol.json").read_text())
+    expected = [value for name, value in reference.items() if name != "price[labour]"]
+    assert np.allclose(on_the_curve(0.5), expected, rtol=1e-8)
+
+
 # A variable of a problem as the parameter, its condition left out. Catches rows that stay.
 def test_variable_of_a_problem():
     problem = perp.problem(
