@@ -72,15 +72,16 @@ def main(perp, folder):
         campaign = json.load(file)
     with open(f"{folder}/cells.csv", newline="") as file:
         rows = list(csv.DictReader(file))
-    cells = {(r["variant"], r["problem"]): float(r["seconds"]) if r["outcome"] == "solved" else None for r in rows}
+    cells = {(r["method"], r["problem"]): float(r["seconds"]) if r["outcome"] == "solved" else None for r in rows}
     contacts = {r["problem"]: int(r["contacts"]) for r in rows if r["contacts"]}
     of = {}
     for problem in campaign["problems"]:
         name = problem["name"]
         of[name] = classes_of(perp, problem.get("file", name), contacts[name])
         print(f"{name}: {', '.join(sorted(of[name]))}", file=sys.stderr, flush=True)
-    class_table(campaign["variants"], of, cells, campaign["time_limit"])
-    profile_table(campaign["variants"], list(of), cells)
+    variants = [method["label"] for method in campaign["methods"]]
+    class_table(variants, of, cells, campaign["time_limit"])
+    profile_table(variants, list(of), cells)
 
 
 if __name__ == "__main__":

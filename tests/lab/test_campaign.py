@@ -32,7 +32,7 @@ def whole(tmp_path_factory):
 
 
 def test_says_what_was_solved_and_leaves_the_files(whole):
-    names = {"campaign.json", "cells.jsonl", "cells.csv", "cells.json", "outcomes.csv", "report.html", "report.json", "findings.txt"}
+    names = {"campaign.json", "cells.jsonl", "cells.csv", "outcomes.csv", "report.html", "report.json", "findings.txt"}
     assert names <= set(os.listdir(whole))
     assert not (whole / "work").exists()
     # Three iterations are too few for semismooth on some of the class, and path solves all of it (docs/tutorial.md).
@@ -234,24 +234,23 @@ def test_resume_asks_for_the_same(tmp_path, whole):
     run = compare("--resume", "--tol", "1e-9", "--out", whole)
     assert run.returncode == 2
     assert "tol: 1e-06 there, 1e-09 here" in run.stderr
+    run = compare("--resume", "--methods", "path", "--out", whole)
+    assert run.returncode == 2
+    assert "methods: path,semismooth:max_iterations=3 there, path here" in run.stderr
     assert "holds a campaign" in compare(*SMALL, "--out", whole).stderr
 
 
-# A file is known by its content: it may move, and what has changed is another problem.
-def test_resume_with_a_file_that_has_moved(tmp_path):
-    there, here = tmp_path / "model.nl", tmp_path / "elsewhere" / "model.nl"
-    shutil.copyfile(ROOT / "data" / "models" / "cournot.nl", there)
-    words = ("--methods", "path", "--out", tmp_path / "out")
-    assert compare("--problems", there, *words).returncode == 0
-    journal = tmp_path / "out" / "cells.jsonl"
-    journal.write_text("")
-    here.parent.mkdir()
-    there.rename(here)
-    assert "there is no file" in compare("--resume", *words[2:]).stderr
-    assert compare("--problems", here, "--resume", *words).returncode == 0
-    assert len(cells(tmp_path / "out")) == 1
-    here.write_text(here.read_text() + "\n")
-    assert "crc of model.nl" in compare("--problems", here, "--resume", *words).stderr
+# A file is known by its content: what has changed is another problem.
+def test_resume_with_a_file_that_has_changed(tmp_path):
+    model = tmp_path / "model.nl"
+    shutil.copyfile(ROOT / "data" / "models" / "cournot.nl", model)
+    words = ("--problems", model, "--methods", "path", "--out", tmp_path / "out")
+    assert compare(*words).returncode == 0
+    assert compare("--resume", *words).returncode == 0
+    model.write_text(model.read_text() + "\n")
+    assert "crc of model.nl" in compare("--resume", *words).stderr
+    model.unlink()
+    assert "there is no file" in compare("--resume", *words[-2:]).stderr
 
 
 # A file that perp refuses is no reason to run nothing, and none to begin anew.
@@ -274,39 +273,44 @@ def test_problems_without_a_solution(tmp_path):
     assert "Of problems that have no solution" in run.stdout
 
 
-# The contact comparison on the same engine: solved by its own law, open where it is killed, resumed.
+# The contact comparison on the same engine: solved by its own law, open where it is killed, resumed. W of outer:4 has
+# zeros on the diagonal, for which psor is not made. What a polygon that is not turned calls solved is exact here by luck,
+# as the boxes slide towards one of its corners; turned, its error is of the order of the angle between the corners.
 def test_contact(tmp_path):
-    words = ("contact", ROOT / "data" / "contact" / "incline-4.hdf5", "stack:3", "--variants", "glocker,outer:4+psor,inner:8", "--out", tmp_path / "out")
-    wrong = wrapper(tmp_path / "perp", 'case "$*" in *"--formulation inner"*) kill -9 $$;; esac')
+    out, sliding = tmp_path / "out", ROOT / "data" / "contact" / "incline-3-sliding.hdf5"
+    words = ("contact", sliding, "stack:3", "--variants", "glocker,outer:4+psor,inner:8,inner:16", "--out", out)
+    wrong = wrapper(tmp_path / "perp", 'case "$*" in *"--formulation inner:8"*) kill -9 $$;; esac')
     run = compare(*words, "--program", wrong)
     assert run.returncode == 4
-    assert len(cells(tmp_path / "out")) == 4
-    run = compare("contact", "--resume", "--out", tmp_path / "out")
+    assert len(cells(out)) == 6
+    run = compare("contact", "--resume", "--out", out)
     assert run.returncode == 0, run.stderr
-    outcome = {(c["variant"], Path(c["problem"]).name): c["outcome"] for c in cells(tmp_path / "out")}
-    assert outcome["glocker+auto", "incline-4.hdf5"] == outcome["inner:8", "stack:3"] == "solved"
-    assert outcome["outer:4+psor", "stack:3"] == "not-applicable"  # its M is not positive on the diagonal
-    assert {"report.html", "profile.svg", "cells.csv", "cells.json"} <= set(os.listdir(tmp_path / "out"))
+    outcome = {(c["method"], Path(c["problem"]).name): c["outcome"] for c in cells(out)}
+    assert outcome["glocker+auto", sliding.name] == outcome["inner:8", "stack:3"] == "solved"
+    assert outcome["outer:4+psor", "stack:3"] == "not-applicable"
+    error = {c["method"]: c["siconos"] for c in cells(out) if c["problem"] == str(sliding)}
+    assert error["glocker+auto"] <= 1e-8 and error["inner:8"] <= 1e-12
+    assert compare(*words[:-1], tmp_path / "turned", "--turn", "0.5").returncode == 0
+    error = {c["method"]: c["siconos"] for c in cells(tmp_path / "turned") if c["problem"] == str(sliding)}
+    assert error["glocker+auto"] <= 1e-8 and 1e-4 < error["inner:16"] < error["inner:8"] / 2
+    assert re.search(r"By Coulomb's law: .*inner:8 \d", (tmp_path / "turned" / "findings.txt").read_text())
     refused = compare("contact", "nowhere.hdf5", "--out", tmp_path / "no")
     assert refused.returncode == 2
     assert "nowhere.hdf5" in refused.stderr
 
 
-# Friction turned towards a corner by up to pi / K: the errors of polygons fall at least like 1/K (contact/README.md).
-def test_studies(tmp_path):
+# Seconds beyond the limit, a message that a process leaves, and one that hangs.
+def test_contact_limits(tmp_path):
+    for body, outcome in (("kill -SEGV $$", "crashed"), ("exec sleep 60", "time-limit")):
+        wrong = wrapper(tmp_path / "perp", f'case "$*" in *--formulation*) {body};; esac')
+        words = ("contact", "stack:3", "--variants", "glocker", "--time-limit", "0.01", "--program", wrong)
+        run = compare(*words, "--out", tmp_path / outcome)
+        assert run.returncode == 0, run.stderr
+        assert [c["outcome"] for c in cells(tmp_path / outcome)] == [outcome]
+
+
+def test_forces(tmp_path):
     sliding = ROOT / "data" / "contact" / "incline-3-sliding.hdf5"
-    run = compare("facets", sliding, "--facets", "4,16", "--svg", tmp_path / "f.svg", "--json", tmp_path / "f.json")
-    assert run.returncode == 0, run.stderr
-    study = json.loads((tmp_path / "f.json").read_text())
-    assert study["powers"]["inner"]["natural"] < -1
-    assert study["powers"]["outer"]["cone"] < -1
-    assert study["lines"][0]["solved"] == 3
-    run = compare("ball", "--svg", tmp_path / "b.svg", "--facets", "4", "--load", "1", "--cycles", "1")
-    assert run.returncode == 0, run.stderr
-    assert "law: stays at rest" in (tmp_path / "b.svg").read_text()
-    run = compare("ball", "--facets", "6,8", "--load", "1", "--cycles", "1")  # of Acary's: 6 facets hold this load, 8 do not
-    drift = {words[0]: float(words[-1]) for line in run.stdout.splitlines() if (words := line.split()) and ":" in words[0]}
-    assert drift["inner:6"] < 1e-12 < 1e-2 < drift["inner:8"]
     for flags, slipping in (([], "slip: 12"), (["--formulation", "inner:6", "--rotation", "0.3"], "slip: 9")):
         run = compare("forces", sliding, "--svg", tmp_path / "r.svg", *flags)
         assert run.returncode == 0, run.stderr
@@ -316,7 +320,7 @@ def test_studies(tmp_path):
 
 
 # Catches an option that the man page does not have, and one that is no more.
-@pytest.mark.parametrize(("words", "section"), [("compare", "compare"), ("compare contact", "compare contact"), ("compare facets", "compare facets"), ("report", "report")])
+@pytest.mark.parametrize(("words", "section"), [("compare", "compare"), ("compare contact", "compare contact"), ("report", "report")])
 def test_man_page(words, section):
     page = (ROOT / "app" / "perp-compare.1").read_text().split(f"\n.Ss perp-{section}\n")[1].split("\n.S")[0]
     run = subprocess.run(command(*words.split(), "--help"), capture_output=True, text=True, check=True, env={**os.environ, "COLUMNS": "1000"})
@@ -328,7 +332,7 @@ def test_man_page(words, section):
     ("line", "some"),
     [
         ("perp-compare --re", {"--restarts", "--resume"}),
-        ("perp-compare facets --f", {"--facets", "--form"}),
+        ("perp-compare contact --t", {"--tol", "--time-limit", "--turn"}),
         ("perp-compare con", {"contact"}),
         ("perp-compare --problems kojshin,jose", {"kojshin,josephy"}),
         ("perp-compare --methods path,nes", {"path,nesqp"}),

@@ -6,9 +6,7 @@ import json
 import math
 import re
 import shutil
-import struct
 import subprocess
-import sys
 import tempfile
 
 import pytest
@@ -64,16 +62,6 @@ def test_sol_files():
     with pytest.raises(lab_cells.Garbage):
         lab_cells.read_sol(sol("7", 0).encode(), 2)
 
-    def record(data):
-        return struct.pack("<I", len(data)) + data + struct.pack("<I", len(data))
-
-    options = b"Options" + struct.pack("<8i", 3, 1, 1, 0, 1, 0, 1, 1)
-    binary = record(b"binary") + record(b"said") + record(b"") + record(options) + record(b"") + record(struct.pack("<d", 7)) + record(struct.pack("<2i", 0, 0))
-    assert lab_cells.read_sol(binary, 1) == ("said", 0, [7.0])
-    for end in range(len(binary)):
-        with pytest.raises(lab_cells.Garbage):
-            lab_cells.read_sol(binary[:end], 1)
-
 
 def test_starts():
     point = {"x": [0.0, 5.0, "inf"], "lower": [0.0, "-inf", 1.0], "upper": [1.0, "inf", 2.0]}
@@ -86,15 +74,27 @@ def test_starts():
     assert f"\nx{n}\n0 0.0\n" in changed
 
 
-# Everything follows from cells.csv, pairs.csv and methods.csv: the scripts of bench/README.md, as they stand there.
-@pytest.mark.parametrize(("script", "words", "file"), [("robustness.py", [], "robustness.csv")])
-def test_scripts_of_the_documentation(campaign, script, words, file):
-    text = (ROOT / "bench" / "README.md").read_text()
-    code = re.search(rf"`{re.escape(script)}.*?```python\n(.*?)```", text, re.S)[1]
-    run = subprocess.run([sys.executable, "-c", code, campaign, *words], capture_output=True, text=True, check=True)
-    with open(campaign / file, newline="") as written:
-        want = {tuple(row) for row in list(csv.reader(written))[1:]}
-    assert {tuple(row) for row in csv.reader(run.stdout.splitlines())} == want
+# Failures by class are those that cells.csv has, counted another way.
+def test_robustness_follows_from_cells(campaign):
+    with open(campaign / "cells.csv", newline="") as file:
+        rows = [row for row in csv.DictReader(file) if row["outcome"] != "not-applicable"]
+    problems = {p["name"]: p for p in json.loads((campaign / "campaign.json").read_text())["problems"]}
+    data = findings.Data(campaign)
+    for m, total, classes in findings.robustness(data):
+        for cls, (pairs, failures, after, _) in zip((*data.classes(), "total"), (*classes, total)):
+            mine = [row for row in rows if row["method"] == data.methods[m] and problems[row["problem"]]["solvable"]]
+            mine = [row for row in mine if cls in ("total", problems[row["problem"]]["class"])]
+            failed = [row["outcome_after_restarts"] for row in mine if row["outcome"] != "solved"]
+            assert (pairs, failures, after) == (len(mine), len(failed), len(failed) - failed.count("solved"))
+
+
+# The last step of a profile is what the table says is solved.
+def test_report_json(campaign):
+    made = json.loads((campaign / "report.json").read_text())
+    solved = {(row["comparison"], row["method"]): row["solved"] for row in made["summary"]}
+    assert {key[0] for key in solved} == {"general", "some", "cfunctions-1"}
+    last = {(row["comparison"], row["method"]): row["count"] for row in made["profiles"] if row["cost"] == "seconds"}
+    assert last == solved
 
 
 def test_journal_with_strange_lines(campaign, tmp_path):
@@ -148,7 +148,9 @@ def test_contact_page_in_a_browser(browser, tmp_path, width):
     browser.open(tmp_path / "out" / "report.html", width)
     assert browser.errors() == []
     assert browser.run(CUT) == []
-    assert browser.run("return document.querySelectorAll('#profiles g.curve').length") == 5
+    assert browser.run("return document.querySelectorAll('#general g.curve').length") == 2 * 2
+    assert browser.run("return document.querySelectorAll('#laws tbody tr').length") == 3
+    assert browser.run("return document.querySelectorAll('#cells-body tr').length") == 2 * 3
 
 
 # The page cannot be made to run what a message says.

@@ -78,7 +78,6 @@ RUNS = [
     ("contact", 1, "contact stack:3 --formulation outer:4 --method psor"),
     ("contact", 1, "contact spheres:15 --method homotopy --option max_iterations=1"),
     ("contact-runs", 2, "contact incline:3 roll.dat none.dat nowhere.dat"),
-    (None, 0, "compare facets incline:3 data/contact/incline-3-sliding.hdf5 --facets 3,6 --json facets.json"),
     ("judge", 1, "judge kojshin --start 2 --full"),
     ("no-result", 2, "judge kojshin nowhere.mtx"),
     ("methods", 0, "methods"),
@@ -113,13 +112,11 @@ LEFT = [
     ("campaign", "some/campaign.json"),
     ("campaign", "shard/campaign.json"),
     ("cells-line", "some/cells.jsonl"),
-    ("cells", "some/cells.json"),
     ("report", "all/report.json"),
     ("report", "some/report.json"),
-    ("contact-facets", "facets.json"),
-    ("contact-campaign", "contact/campaign.json"),
-    ("contact-cells-line", "contact/cells.jsonl"),
-    ("contact-cells", "contact/cells.json"),
+    ("campaign", "contact/campaign.json"),
+    ("cells-line", "contact/cells.jsonl"),
+    ("report", "contact/report.json"),
 ]
 
 FILES = {
@@ -137,11 +134,13 @@ FILES = {
 OPTIONAL = {("solve", "derivatives"), ("solve", "residual_bound"), ("solve", "proven_by"), ("solve", "certificate"), ("solve", "verified"), ("solve", "deflation"), ("campaign", "shard"), ("solve", "variables.*.basis"), ("judge", "lower"), ("judge", "x"), ("judge", "upper")}
 OPTIONAL |= {("contact", "states.roll"), ("contact", "contacts.*.mu_r")}  # with rolling friction
 OPTIONAL |= {("contact-runs", "problems.*." + key) for key in ("states.roll", "contacts.*.mu_r")}
+OPTIONAL |= {("cells-line", "cell." + key) for key in ("contacts", "solved_by", "siconos", "rr9118", "command")}
+OPTIONAL |= {("campaign", "contact"), ("campaign", "methods.*.exact")}  # of contact
 OPTIONAL |= {("methods", key) for key in ("method", "affine", "options", "notes")}
 OPEN = {("solve", "options"), ("methods", "options"), ("campaign", "methods.*.in_force")}
 # Where a document says its version; the cells of a comparison have that of its campaign.
-VERSIONS = ("schema", "campaign", "contact_campaign")
-UNVERSIONED = {"cells", "cells-line", "contact-cells-line"}
+VERSIONS = ("schema", "campaign")
+UNVERSIONED = {"cells-line"}
 WRONG = [[None]]  # fits no key
 
 

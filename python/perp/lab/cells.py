@@ -14,11 +14,9 @@ import random
 import re
 import shutil
 import signal
-import struct
 import tempfile
+from collections import Counter
 from dataclasses import dataclass, field
-
-import numpy as np
 
 from .files import NotSeen, number
 from .process import End, one_line, run, signal_name
@@ -28,6 +26,7 @@ OUTCOMES = (
     "garbage", "not-applicable", "infeasible", "false-infeasible",
 )  # fmt: skip
 NO_JUDGE = ("time-limit", "memory-limit", "crashed", "garbage", "not-applicable")
+HONEST = ("failed", "time-limit", "memory-limit")  # ends that claim nothing
 COUNTS = ("iterations", "F_evals", "J_evals", "factorizations", "krylov_iterations")
 KEYS = (
     "method", "problem", "start", "outcome", "status", "claimed", "natural", *COUNTS, "seconds", "peak_mb", "restarts",
@@ -60,17 +59,16 @@ class Attempt:
     x: list = None
     natural: float = math.nan
     judged_to_rounding: bool = False
+    facts: dict = field(default_factory=dict)  # further columns of the cell
 
     def outcome(self, problem, campaign):
         """(the one word, why): limits, crashes, garbage; then its claim, held against the judge and what is known."""
-        solvable, claim, megabytes = problem["solvable"], self.claim, f"more than {campaign['memory_limit_mb']} MB"
+        solvable, claim, most = problem["solvable"], self.claim, campaign["memory_limit_mb"]
         holds = self.natural <= campaign["tol"] and solvable
-        if self.end.why == "memory":
-            return "memory-limit", f"killed: {megabytes}"
+        if self.end.why == "memory" or self.end.peak_mb > most:
+            return "memory-limit", f"more than {most} MB"
         if claim == "memory-limit":
             return claim, "out of memory"
-        if self.end.peak_mb > campaign["memory_limit_mb"]:
-            return "memory-limit", f"used {megabytes}"
         if self.end.why == "time":
             killed = f"killed after {self.end.seconds:.3g} s"
             return "time-limit", killed if claim == "crashed" else f"told to end after {campaign['time_limit']:g} s"
@@ -118,31 +116,31 @@ def answer_of(end, name):
     return answer
 
 
-def crash_words(end):
-    return end.words() + ("" if end.signal else ", no result")
-
-
 CLAIMS = {
     "Solved": "solved", "SolvedToRounding": "to rounding", "Infeasible": "proven infeasible",
     "NotApplicable": "not-applicable", "TimeLimit": "time-limit", "OutOfMemory": "memory-limit",
 }  # fmt: skip
 
 
-def attempt_of(end, name):
-    """Of a `perp solve --json -`."""
+def attempt_of(end, name, read):
+    """Of a run of perp with `--json -`; `read` makes the last fields of a finished one from its answer."""
     answer = answer_of(end, name)
     if answer is None:
-        return Attempt(end, "crashed", crash_words(end), seconds=end.seconds)
+        return Attempt(end, "crashed", end.words() + ("" if end.signal else ", no result"), seconds=end.seconds)
     status, message = answer["status"], answer["message"]
-    if "stats" not in answer:
-        if status == "InputError":
-            claim = "memory-limit" if ": out of memory" in message else "failed"
-            return Attempt(end, claim, f"refused: {message}", "Refused")
-        return Attempt(end, CLAIMS.get(status, "failed"), message, status)
+    if status == "InputError":
+        claim = "memory-limit" if ": out of memory" in message else "failed"
+        return Attempt(end, claim, f"refused: {message}", "Refused")
+    fields = read(answer) if "stats" in answer else {}
+    return Attempt(end, CLAIMS.get(status, "failed"), message, status, **fields)
+
+
+def read_solve(answer):
+    """Of `perp solve`: the judge is yet to see x."""
     counts = tuple(answer["stats"][name] for name in COUNTS)
     curve = thinned([number(it["residual"]) for it in answer["iterations"]])
     x = [number(v["value"]) for v in answer["variables"] if v["state"] != "computed"]
-    return Attempt(end, CLAIMS.get(status, "failed"), message, status, counts, answer["stats"]["time_s"], curve, x)
+    return {"counts": counts, "seconds": answer["stats"]["time_s"], "curve": curve, "x": x}
 
 
 # Points and .sol files.
@@ -168,10 +166,8 @@ def perturbed(point, rule, run):
 
 
 def nl_with_start(text, x):
-    """An .nl file with its initial guess replaced by the first entries of x; None for a binary one."""
+    """An .nl file with its initial guess replaced by the first entries of x."""
     lines = text.splitlines(keepends=True)
-    if not text.startswith("g") or len(lines) < 10:
-        return None
     variables = int(lines[1].split()[0])
     result, skip = lines[:10], 0
     for line in lines[10:]:
@@ -191,63 +187,29 @@ class Garbage(Exception):
 
 
 def read_sol(data, variables):
-    """(message, solve_result_num, x or None) of a .sol file (Gay, Hooking your solver to AMPL, 1997)."""
-    try:
-        read = sol_binary if data.startswith(b"\6\0\0\0binary\6\0\0\0") else sol_text
-        message, (rows, duals, columns, values), found, x, code = read(data)
-    except (IndexError, struct.error) as error:
-        raise Garbage("it ends too early") from error
-    except ValueError as error:
-        raise Garbage(f"{error}") from error
-    if columns != variables:
-        raise Garbage(f"for {columns} variables, the model has {variables}")
-    if rows < 0 or duals not in (0, rows) or values not in (0, columns) or (found, len(x)) != (duals, values):
-        raise Garbage(f"{duals} dual values for {rows} rows, {values} values for {columns} variables")
-    return message, code, x or None
-
-
-def sizes_in(options):
-    """([rows, dual values, columns, values], how many of the numbers follow them) of the numbers after 'Options'."""
-    announced, *numbers = options
-    if not 0 <= announced <= 11:
-        raise ValueError(f"{announced} options")
-    tolerance = announced > 4 and numbers[1] == 3  # two of the announced are a real number, after the sizes
-    first = announced - 2 * tolerance
-    return numbers[first : first + 4], 1 + first + 4 + tolerance
-
-
-def sol_text(data):
+    """(message, solve_result_num, x or None) of a .sol file in text (Gay, Hooking your solver to AMPL, 1997)."""
     *lines, cut = data.removeprefix(b"\xef\xbb\xbf").decode("utf-8", "replace").replace("\r\n", "\n").split("\n")
     if cut or not data:
-        raise ValueError("its last line is cut off" if cut else "it is empty")
-    at = lines.index("Options", lines.index("") if "" in lines else len(lines) - 1)
+        raise Garbage("its last line is cut off" if cut else "it is empty")
     is_number = re.compile(r"-?\d{1,9}").fullmatch
-    sizes, length = sizes_in([int(line) for line in itertools.takewhile(is_number, lines[at + 1 :])])
-    duals, values = max(sizes[1], 0), max(sizes[3], 0)
-    *floats, objno = lines[at + 1 + length :][: duals + values + 1]
+    try:
+        at = lines.index("Options", lines.index(""))  # an empty line ends the message
+        announced, *options = map(int, itertools.takewhile(is_number, lines[at + 1 :]))
+        tolerance = announced > 4 and options[1] == 3  # two of the announced are a real number, after the sizes
+        first = announced - 2 * tolerance
+        rows, duals, columns, values = options[first : first + 4]
+        *floats, objno = lines[at + 6 + first + tolerance :][: max(duals, 0) + max(values, 0) + 1]
+        floats = [float(line) for line in floats]
+    except (IndexError, ValueError) as error:
+        raise Garbage(f"{error}") from error
     match = re.fullmatch(r"objno\s+-?\d{1,9}\s+(-?\d{1,9})\s*", objno, re.A)
     if not match:
-        raise ValueError(f"'{objno:.40}' where objno belongs")
-    floats = [float(line) for line in floats]
-    return "\n".join(filter(None, lines[:at])), sizes, len(floats[:duals]), floats[duals:], int(match[1])
-
-
-def sol_binary(data):
-    records, at = [], 14
-    while at < len(data):
-        (length,) = struct.unpack_from("<I", data, at)
-        records.append(data[at + 4 : at + 4 + length])
-        if struct.unpack_from("<I", data, at + 4 + length)[0] != length:
-            raise ValueError("a record's two lengths differ")
-        at += 8 + length
-    end = records.index(b"")  # of the message
-    options, duals, values, objno = records[end + 1 : end + 5]
-    if not options.startswith(b"Options"):
-        raise ValueError("no record of options")
-    whole = len(values) // 8 * 8  # a record that ends within a number is told by how many there are
-    sizes, _ = sizes_in(np.frombuffer(options[7:], "<i4").tolist())
-    code, message = struct.unpack_from("<ii", objno)[1], b"".join(records[:end]).decode("utf-8", "replace")
-    return message, sizes, len(duals) // 8, np.frombuffer(values[:whole], "<f8").tolist(), code
+        raise Garbage(f"'{objno:.40}' where objno belongs")
+    if columns != variables:
+        raise Garbage(f"for {columns} variables, the model has {variables}")
+    if rows < 0 or duals not in (0, rows) or values not in (0, columns) or len(floats) != duals + values:
+        raise Garbage(f"{duals} dual values for {rows} rows, {values} values for {columns} variables")
+    return "\n".join(filter(None, lines[:at])), int(match[1]), floats[duals:] or None
 
 
 def with_tolerance(command, tol):
@@ -258,14 +220,13 @@ def with_tolerance(command, tol):
 class CellRunner:
     """Makes cells; `folder` is for the files of its processes, a folder below it for each cell that is being made."""
 
-    def __init__(self, campaign, program, folder=None, stopped=lambda: False):
+    def __init__(self, campaign, program, folder, stopped):
         self.campaign, self.program, self.folder, self.stopped = campaign, program.path, folder, stopped
-        self.grace = min(max(0.1 * campaign["time_limit"], 0.5), 2.0)
 
     def run(self, *words, **how):
         """A run of a method."""
         limits = {"seconds": self.campaign["time_limit"], "memory_mb": self.campaign["memory_limit_mb"], **how}
-        return run(list(words), grace=self.grace, stopped=self.stopped, **limits)
+        return run(list(words), stopped=self.stopped, **limits)
 
     def help(self, *words):
         """`perp WORDS`, which is no run of a method."""
@@ -313,7 +274,7 @@ class CellRunner:
             words += ["--option", option]
         point = self.start_of(problem, start, restart)
         words += ["--start", str(start)] if point is None else ["--start-at", write_point(folder, "start.mtx", point)]
-        return attempt_of(self.run(self.program, *words), f"{method['label']} on {problem['name']}")
+        return attempt_of(self.run(self.program, *words), f"{method['label']} on {problem['name']}", read_solve)
 
     def external(self, method, problem, start, restart, folder):
         """One run of somebody else's program, on a private copy of the model."""
@@ -330,13 +291,13 @@ class CellRunner:
             if end.code == 2:
                 probe(folder)
                 return Attempt(claim="not-applicable", message="neither an .nl file nor written as one")
+        with open(stub + ".nl", encoding="latin-1") as file:
+            text = file.read()
+        if not text.startswith("g"):
+            return Attempt(claim="not-applicable", message="a binary .nl file; external programs are given text ones")
         if point is not None:
-            with open(stub + ".nl", encoding="latin-1") as file:
-                text = nl_with_start(file.read(), point)
-            if text is None:
-                return Attempt(message="refused: the initial guess of a binary .nl file is not changed")
             with open(stub + ".nl", "w", encoding="latin-1") as file:
-                file.write(text)
+                file.write(nl_with_start(text, point))
         model = self.judge(f"the size of {stub}", stub + ".nl")
         if "own_variables" not in model:
             return Attempt(message=f"refused: {model.get('message')}")
@@ -362,7 +323,7 @@ class CellRunner:
             after = self.attempt(method, problem, start, restarts).outcome(problem, self.campaign)[0]
         values = method["label"], problem["name"], start, outcome, first.status, first.claim == "solved", first.natural
         rest = first.seconds, first.end.peak_mb, restarts, after, one_line(message), list(first.curve)
-        return dict(zip(KEYS, (*values, *first.counts, *rest)))
+        return {**dict(zip(KEYS, (*values, *first.counts, *rest))), **first.facts}
 
 
 def source_of(problem):
@@ -414,6 +375,8 @@ def settle(campaign, cells):
     A method of perp that says infeasible has a proof: it settles a problem of which nobody knew, unless somebody has a
     solution. The files are not touched; whoever shows cells calls this first.
     """
+    if campaign.get("contact"):  # its variants have laws of their own
+        return
     for problem in campaign["problems"]:
         these = [(c, {c["outcome"], c["outcome_after_restarts"]}) for c in cells if c["problem"] == problem["name"]]
         deniers = [c for c, words in these if "infeasible" in words]
@@ -428,3 +391,12 @@ def settle(campaign, cells):
             for key in ("outcome", "outcome_after_restarts"):
                 cell[key] = "false-infeasible" if cell[key] == "infeasible" else cell[key]
             cell["message"] = f"{solvers[0]['method']} has a solution; it says: {cell['message']}"
+
+
+def outcome_counts(campaign, cells):
+    """(the words of these cells, {method: how many of each}); honest: no claim, where there is no solution."""
+    unsolvable = {p["name"] for p in campaign["problems"] if not p["solvable"]}
+    honest = [cell["outcome"] in HONEST and cell["problem"] in unsolvable for cell in cells]
+    ends = Counter((cell["method"], "honest" if is_so else cell["outcome"]) for cell, is_so in zip(cells, honest))
+    occur = [word for word in (*OUTCOMES, "honest") if any(word == of for _, of in ends)]
+    return occur, {m["label"]: [ends[m["label"], word] for word in occur] for m in campaign["methods"]}

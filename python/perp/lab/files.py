@@ -62,7 +62,7 @@ def pretty(value):
 
 
 def csv_text(rows):
-    """RFC 4180. A text that a spreadsheet would compute gets an apostrophe before it."""
+    """RFC 4180."""
     out = io.StringIO()
     csv.writer(out, lineterminator="\n").writerows(map(field_text, row) for row in rows)
     return out.getvalue()
@@ -71,10 +71,7 @@ def csv_text(rows):
 def field_text(value):
     if isinstance(value, bool):
         return "yes" if value else "no"
-    if isinstance(value, float):
-        return str(value).removesuffix(".0")
-    guarded = isinstance(value, str) and value.startswith(tuple("=+-@\t\r")) and value not in WORDS
-    return f"'{value}" if guarded else value
+    return str(value).removesuffix(".0") if isinstance(value, float) else value
 
 
 def crc_of(path):
@@ -131,6 +128,20 @@ def take_folder(folder, fresh):
     return lock
 
 
+def read_campaign(folder):
+    path = os.path.join(folder, "campaign.json")
+    try:
+        with open(path, encoding="utf-8") as file:
+            campaign = json.load(file)
+        if campaign["campaign"] != 1:
+            raise InputError(f"{path}: written in format {campaign['campaign']}, of another version")
+    except OSError as error:
+        raise InputError(f"'{path}' cannot be read") from error
+    except (ValueError, KeyError, TypeError) as error:
+        raise InputError(f"{path}: no campaign: {error}") from error
+    return campaign
+
+
 class Journal:
     def __init__(self, folder):
         self.path, self.lock = os.path.join(folder, "cells.jsonl"), threading.Lock()
@@ -160,8 +171,12 @@ def cell_line(cell):
     return b'{"cell":%s,"crc":"%08x"}\n' % (text, zlib.crc32(text))
 
 
-def read_cells(folder, kind):
-    """({key: cell}, what does not count and why); of two cells with one key the later. `kind` has KEYS and key()."""
+def key_of(cell):
+    return cell["method"], cell["problem"], cell["start"]
+
+
+def read_cells(folder):
+    """({key: cell}, what does not count and why); of two cells with one key the later."""
     path = os.path.join(folder, "cells.jsonl")
     try:
         with open(path, "rb") as file:
@@ -177,9 +192,7 @@ def read_cells(folder, kind):
             if zlib.crc32(match[1]) != int(match[2], 16):
                 raise ValueError(f"its CRC is {zlib.crc32(match[1]):08x}, not {match[2].decode()}")
             cell = json.loads(match[1])
-            if list(cell) != list(kind.KEYS):
-                raise ValueError("no cell of this kind of comparison")
-            cells[kind.key(cell)] = cell
+            cells[key_of(cell)] = cell
         except (ValueError, KeyError, TypeError) as error:
             dropped.append(f"line {place}: {error}")
     return cells, dropped

@@ -10,61 +10,64 @@ and if it is more than ROUNDING of the pairs.
 """
 
 import math
-import re
 from collections import Counter
 from dataclasses import dataclass, field
+from statistics import median
 
 import numpy as np
 
-from .campaign import count, read_campaign
+from .campaign import count
 from .cells import settle
-from .compare import Comparison as Campaign
-from .files import read_cells
+from .files import number, read_campaign, read_cells
 
 MEASURES = {"seconds": "time", "F_evals": "evaluations of F", "factorizations": "factorizations"}
 FLOOR = {"iterations": 1, "F_evals": 1, "factorizations": 1, "seconds": 1e-3}  # costs below count as this
+FLOOR_OF_CONTACT = {**FLOOR, "seconds": 1e-6}  # most problems of contact are solved within a millisecond
 # Effect of another BLAS or processor on the difference of two methods: of 403 pairs smooth solves 384 to 390, others
 # vary by at most 2 (bench/results/collection.md): 6 and 2 together.
 ROUNDING = 0.02
 
 
 class Data:
-    """The methods, problems and cells of a campaign; arrays have a row for each method, a column for each pair."""
+    """The methods, problems and cells of a campaign; arrays have a row for each method, a column for each pair.
+
+    Pairs that not every method has finished are left out; `cells` has their cells, too.
+    """
 
     def __init__(self, folder):
-        self.campaign = read_campaign(folder, Campaign)
-        cells, self.dropped = read_cells(folder, Campaign)
+        self.campaign = read_campaign(folder)
+        cells, self.dropped = read_cells(folder)
+        self.contact = self.campaign.get("contact", False)
+        self.floor = FLOOR_OF_CONTACT if self.contact else FLOOR
+        self.least_time = f"{1e3 * self.floor['seconds']:g} ms"
         self.methods = [m["label"] for m in self.campaign["methods"]]
         self.problems = {p["name"]: p for p in self.campaign["problems"]}
         self.pairs = [(p, s) for p in self.problems.values() for s in range(1, p["starts"] + 1)]
-        row = {label: m for m, label in enumerate(self.methods)}
-        column = {(p["name"], s): k for k, (p, s) in enumerate(self.pairs)}
-        self.table = {}
-        for key in sorted(cells):
-            if key[0] not in row or key[1:] not in column:
-                self.dropped.append(f"{key[0]} on {key[1]} from start {key[2]}: not of this campaign")
-                continue
-            cell = self.table[row[key[0]], column[key[1:]]] = cells[key]
+        wanted = {(m, p["name"], s) for p, s in self.pairs for m in self.methods}
+        self.dropped += [f"{' '.join(map(str, key))}: not of this campaign" for key in sorted(cells.keys() - wanted)]
+        self.cells, self.unfinished = [cells[key] for key in sorted(wanted & cells.keys())], len(wanted - cells.keys())
+        for cell in self.cells:
             # As cells.csv prints them, so that whatever is computed from here can be computed from there.
             cell["seconds"], cell["natural"] = float(f"{cell['seconds']:.6g}"), float(cell["natural"])
             cell["curve"] = [float(v) for v in cell["curve"]]
-        self.cells = list(self.table.values())
         settle(self.campaign, self.cells)
+        self.pairs = [(p, s) for p, s in self.pairs if all((m, p["name"], s) in cells for m in self.methods)]
+        at = [(m, k) for m in range(len(self.methods)) for k in range(len(self.pairs))]
+        self.table = {(m, k): cells[self.methods[m], self.pairs[k][0]["name"], self.pairs[k][1]] for m, k in at}
         self.classes_of = np.array([p["class"] for p, _ in self.pairs])
         self.with_solution = np.array([p["solvable"] for p, _ in self.pairs], bool)
         self.affine = np.array([p["affine"] for p, _ in self.pairs], bool)
-        self.there = self.array(lambda c: True, False)
-        self.solved = self.array(lambda c: c["outcome"] == "solved", False)
-        self.after = self.array(lambda c: "solved" in (c["outcome"], c["outcome_after_restarts"]), False)
-        self.refused = self.array(lambda c: c["outcome"] == "not-applicable", False)
-        self.raw = {measure: self.array(lambda c: known(c[measure]), math.nan) for measure in FLOOR}
-        self.cost = {key: np.where(self.solved, np.maximum(self.raw[key], FLOOR[key]), math.inf) for key in MEASURES}
+        self.solved = self.array(lambda c: c["outcome"] == "solved")
+        self.after = self.array(lambda c: "solved" in (c["outcome"], c["outcome_after_restarts"]))
+        self.refused = self.array(lambda c: c["outcome"] == "not-applicable")
+        self.raw = {measure: self.array(lambda c: known(c[measure]), float) for measure in FLOOR}
+        self.cost = {}
+        for key in (key for key in MEASURES if not np.isnan(self.raw[key]).all()):
+            self.cost[key] = np.where(self.solved, np.maximum(self.raw[key], self.floor[key]), math.inf)
 
-    def array(self, value, usual):
-        made = np.full((len(self.methods), len(self.pairs)), usual)
-        for at, cell in self.table.items():
-            made[at] = value(cell)
-        return made
+    def array(self, value, kind=bool):
+        shape = len(self.methods), len(self.pairs)
+        return np.array([value(self.table[at]) for at in np.ndindex(shape)], kind).reshape(shape)
 
     def count(self, m, pairs):
         return int(self.solved[m, pairs].sum())
@@ -108,7 +111,6 @@ class Comparison:
     methods: list  # most solved first, then least sum of log(time)
     pairs: list
     subject: list = field(default_factory=list)  # the methods for some problems only that it is about
-    unfinished: int = 0
     profiles: dict = field(default_factory=dict)  # by measure: {"methods", "left_out", "performance", "data"}
 
     def name(self, data, m):
@@ -138,11 +140,8 @@ def data_profiles(costs, units):
     return [steps(row) for row in np.array(costs, float) / np.array(units, float)]
 
 
-def finish(data, c):
-    """Keeps the pairs that all have finished, orders the methods, makes the profiles."""
-    c.methods = [m for m in c.methods if data.there[m, c.pairs].any()]
-    finished = [p for p in c.pairs if c.methods and data.there[c.methods, p].all()]
-    c.unfinished, c.pairs = len(c.pairs) - len(finished), finished
+def compared(data, c):
+    """The comparison with its methods in order, and its profiles."""
 
     def rank(m):
         times = data.cost["seconds"][m, c.pairs]
@@ -162,63 +161,63 @@ def finish(data, c):
 
 
 def kind_of(data, m):
-    """For all problems, for affine ones, an external program that refuses some, or a given C-function."""
-    method, refused, nonlinear = data.campaign["methods"][m], data.refused[m], data.there[m] & ~data.affine
+    """For all problems, for some (affine ones, or those that an external program takes), or a given C-function."""
+    method, refused, nonlinear = data.campaign["methods"][m], data.refused[m], ~data.affine
     if given_cfunction(method):
         return "variant"
-    if method["external"]:
-        return "external" if (refused & data.with_solution).any() else "general"
-    return "affine" if nonlinear.any() and refused[nonlinear].all() else "general"
+    some = (refused & data.with_solution).any() if method["external"] else nonlinear.any() and refused[nonlinear].all()
+    return "some" if some else "general"
 
 
 def comparisons(data):
-    kinds = [kind_of(data, m) for m in range(len(data.methods))]
-    general, affine, external, variants = (
-        [m for m, of in enumerate(kinds) if of == kind] for kind in ("general", "affine", "external", "variant")
+    kinds, found, methods = [kind_of(data, m) for m in range(len(data.methods))], [], data.campaign["methods"]
+    general, some, variants = (
+        [m for m, of in enumerate(kinds) if of == kind] for kind in ("general", "some", "variant")
     )
-    general, found = general if general or affine or external else variants, []
+    general = general if general or some else variants
 
     def add(identity, title, note, methods, subject=()):
         asked = list(subject) or methods
-        pairs = np.flatnonzero(data.with_solution & ~(data.there & data.refused)[asked].all(0)).tolist()
-        found.append(finish(data, Comparison(identity, title, note, list(methods), pairs, list(subject))))
+        if pairs := np.flatnonzero(data.with_solution & ~data.refused[asked].all(0)).tolist():
+            found.append(compared(data, Comparison(identity, title, note, list(methods), pairs, list(subject))))
 
+    if data.contact:
+        exact = [m for m, of in enumerate(methods) if of["exact"]]
+        if exact:
+            add("general", "Coulomb's exact law", "On every problem.", exact)
+        if len(exact) < len(methods):
+            add("all", "All variants, each by its own law", "On every problem.", range(len(methods)))
+        return found
     unsolved = "A method has not solved what it does not apply to."
     if general:
         note = f"On every pair of a problem with a solution and a start. {unsolved}"
         add("general", "Methods for all problems", note, general)
-    if affine:
-        note = f"On the pairs to which at least one of the {len(affine)} applies that are for affine problems, "
-        note += f"F(x) = M x + q, only. {unsolved}"
-        add("affine", "Methods for affine problems, beside those for all problems", note, affine + general, affine)
-    if external:
-        note = "On the pairs that an external program was given."
-        add("external", "External programs, beside the methods for all problems", note, external + general, external)
-    methods = data.campaign["methods"]
-    for base in dict.fromkeys(without_cfunction(methods[m]) for m in variants):
-        identity = "cfunctions-" + re.sub(r"[^A-Za-z0-9]+", "-", base)
-        while any(c.id == identity for c in found):
-            identity += "-2"
+    if some:
+        note = f"On the pairs to which at least one of the {len(some)} applies that are for some problems only, such "
+        note += f"as affine ones, F(x) = M x + q. {unsolved}"
+        add("some", "Methods for some problems only, beside those for all", note, some + general, some)
+    for k, base in enumerate(dict.fromkeys(without_cfunction(methods[m]) for m in variants), 1):
         same = [m for m in range(len(methods)) if without_cfunction(methods[m]) == base]
         mine = [m for m in same if m in variants]
         given = [given_cfunction(methods[m]) for m in mine]
-        plain = [m for m in same if m not in variants]
-        mine += [m for m in plain if methods[m]["in_force"].get("cfunction", "") not in given]
+        mine += [m for m in same if m not in mine and methods[m]["in_force"].get("cfunction", "") not in given]
         if len(mine) > 1:
-            add(identity, f"C-functions in {base}", "The same method; nothing differs but its C-function.", mine)
+            add(f"cfunctions-{k}", f"C-functions in {base}", "Nothing differs but the C-function.", mine)
     return found
 
 
 def summary(data, c):
-    """{method: {column of summary.csv: value}}; means are geometric, over the pairs that all with a mean solve."""
+    """{method: {column of the table: value}}; means are geometric, over the pairs that all with a mean solve."""
 
     def lead(measure, m, within):
-        of = c.profiles[measure]
+        of = c.profiles.get(measure, {"methods": ()})
         return reached(of["performance"][of["methods"].index(m)], within) if m in of["methods"] else 0
 
     def mean(measure, m):
-        values = data.raw[measure][m, common]
-        return float(np.exp(np.log(np.maximum(values, FLOOR[measure])).mean())) if m in part and common else math.nan
+        if m not in part or not common:
+            return math.nan
+        values = np.maximum(data.raw[measure][m, common], data.floor[measure])
+        return float(np.exp(np.log(values).mean()))
 
     solved = {m: data.count(m, c.pairs) for m in c.methods}
     # Others would leave too few common pairs.
@@ -246,14 +245,14 @@ def sign_test(a, b):
     return min(1.0, 2 * sum(math.comb(a + b, k) for k in range(min(a, b) + 1)) / 2 ** (a + b))
 
 
-# Robustness, as the comparison of 1997 prints it, and problems without a solution.
+# Robustness, as the comparison of 1997 prints it.
 
 
 def failures(data, m, pairs):
-    """(pairs it applies to, failures, those left after restarts, pairs it does not apply to, unfinished)."""
-    mine = data.there[m, pairs] & ~data.refused[m, pairs]
+    """(pairs it applies to, failures, those left after restarts, pairs it does not apply to)."""
+    mine = ~data.refused[m, pairs]
     failed, left = mine & ~data.solved[m, pairs], mine & ~data.after[m, pairs]
-    return tuple(int(v.sum()) for v in (mine, failed, left, data.refused[m, pairs], ~data.there[m, pairs]))
+    return tuple(int(v.sum()) for v in (mine, failed, left, ~mine))
 
 
 def robustness(data):
@@ -262,33 +261,30 @@ def robustness(data):
     rows = []
     for m in range(len(data.methods)):
         rows.append((m, failures(data, m, data.solvable()), [failures(data, m, pairs) for pairs in by_class]))
-    return sorted(rows, key=lambda row: (row[1][3] > 0, row[1][1] + row[1][4], row[1][2], data.methods[row[0]]))
+    return sorted(rows, key=lambda row: (row[1][3] > 0, row[1][1], row[1][2], data.methods[row[0]]))
 
 
-UNSOLVABLE = {
-    "infeasible": "says that there is none: best",
-    "honest": "says that it has not solved it, or came to a limit: right",
-    "wrong": "claims a solution", "broken": "crashed, or wrote what cannot be read",
-    "not_applicable": "", "unfinished": "",
-}  # fmt: skip
-WORD_WITHOUT_SOLUTION = {
-    "infeasible": "infeasible", "crashed": "broken", "garbage": "broken", "failed": "honest", "time-limit": "honest",
-    "memory-limit": "honest", "not-applicable": "not_applicable", "unfinished": "unfinished",
+# What Coulomb's law says of solutions by other laws.
+
+LAWS = {
+    "variant": "formulation+method/form", "judged by": "the law whose residual decides", "solved": "problems",
+    "infeasible": "proven to have no solution", "solved by": "the step that made the accepted point",
+    "error": "Siconos' metric of Coulomb's law, median of the solved", "largest": "of those errors",
 }  # fmt: skip
 
 
-def unsolvable(data):
-    """[(method, {how its runs ended: how many})] on problems without a solution."""
-    rows, pairs = [], data.solvable(False)
-    for m in range(len(data.methods) if len(pairs) else 0):
-        outcomes = [data.table[m, p]["outcome"] if data.there[m, p] else "unfinished" for p in pairs]
-        counts = Counter(WORD_WITHOUT_SOLUTION.get(outcome, "wrong") for outcome in outcomes)
-        rows.append((m, {word: counts[word] for word in UNSOLVABLE}))
-
-    def worst_last(row):
-        return row[1]["wrong"], row[1]["broken"], -row[1]["infeasible"], data.methods[row[0]]
-
-    return sorted(rows, key=worst_last)
+def laws(data):
+    """Rows with the columns of LAWS."""
+    rows = []
+    for m, of in enumerate(data.campaign["methods"]):
+        mine = [cell for (k, _), cell in data.table.items() if k == m]
+        solved = [cell for cell in mine if cell["outcome"] == "solved"]
+        errors, by = [number(cell["siconos"]) for cell in solved], Counter(cell["solved_by"] for cell in solved)
+        infeasible, law = sum(cell["outcome"] == "infeasible" for cell in mine), "Coulomb" if of["exact"] else "its own"
+        steps = ", ".join(f"{name} {n}" for name, n in by.most_common())
+        found = (median(errors), max(errors)) if errors else (math.nan, math.nan)
+        rows.append([of["label"], law, len(solved), infeasible, steps, *found])
+    return rows
 
 
 # Sentences.
@@ -329,14 +325,13 @@ class Lead:
 
 
 def scope(data):
-    pairs, cells = count(len(data.pairs), "pair"), len(data.methods) * len(data.pairs)
+    runs = len(data.cells) + data.unfinished
+    pairs, cells = count(runs // max(len(data.methods), 1), "pair"), count(runs, "run")
     methods, problems = count(len(data.methods), "method"), count(len(data.problems), "problem")
-    text = f"{methods} on {problems}: {pairs} of a problem and a start, {count(cells, 'run')}."
-    if not data.cells:
-        return text + " None of them is finished: nothing can be said yet."
-    if left := cells - len(data.cells):
-        text += f" {left} of them are not finished: what follows is provisional, and counts the pairs only that all "
-        text += "methods compared have finished."
+    text = f"{methods} on {problems}: {pairs} of a problem and a start, {cells}."
+    if data.unfinished:
+        text += f" {data.unfinished} of them are not finished: what follows is provisional, and counts the pairs only "
+        text += "that all methods have finished."
     return text
 
 
@@ -366,14 +361,18 @@ def cheapest(data, c):
     rows = summary(data, c)
     if len(c.methods) < 2 or not any(row["solved"] for row in rows.values()):
         return ""
-    names = ("quickest", "within_two", "fewest_F")
-    quick, within, fewest = (Lead(data, c, value=lambda m, name=name: rows[m][name]) for name in names)
+    quick, fewest = (Lead(data, c, lambda m, name=name: rows[m][name]) for name in ("quickest", "fewest_F"))
     is_or_are = "is" if len(quick.first) == 1 else "are"
-    text = f"Quickest most often {is_or_are} {quick.names} (on {quick.most}; times below 1 ms are ties)"
-    text += f", within twice the least time most often {within.names} (on {within.most})"
+    text = f"Quickest most often {is_or_are} {quick.names} (on {quick.most}; times below {data.least_time} are ties)"
     need = verb(len(fewest.first), "need")
     more = f"; the fewest evaluations of F most often {need} {fewest.names} (on {fewest.most})"
     return text + (more if fewest.most else "") + "."
+
+
+def errors_of_laws(data):
+    others = [(name, error) for name, law, *_, error, _ in laws(data) if law == "its own"]
+    said = ", ".join(f"{name} {error:.2g}" for name, error in others if not math.isnan(error))
+    return f"Median error of what other laws call solved, by Siconos' metric: {said}." if said else ""
 
 
 def false_claims(data):
@@ -387,8 +386,7 @@ def false_claims(data):
 #: What is said of a comparison, by the first part of its id: topic and sentences.
 OF_COMPARISONS = {
     "general": {"Most solved": most_solved, "Least cost": cheapest},
-    "affine": {"Affine problems": most_solved},
-    "external": {"Where external programs ran": most_solved},
+    "some": {"Where methods for some problems apply": most_solved},
     "cfunctions": {"": most_solved},
 }
 
@@ -396,9 +394,9 @@ OF_COMPARISONS = {
 def findings(data, all_comparisons):
     """[(topic, sentences)] in the order of their weight; nothing is said of methods that were not run."""
     found = [("What ran", scope(data))]
-    if not data.cells:
-        return found
-    for c in (c for c in all_comparisons if c.pairs):
+    for c in all_comparisons:
         sentences = OF_COMPARISONS.get(c.id.partition("-")[0], {})
         found += [(topic or c.title, say(data, c)) for topic, say in sentences.items()]
+    if data.contact:
+        found.append(("By Coulomb's law", errors_of_laws(data)))
     return [(topic, text) for topic, text in [*found, ("False claims", false_claims(data))] if text]

@@ -8,6 +8,7 @@ import shutil
 from fnmatch import fnmatchcase
 
 from .campaign import suggestion
+from .cells import source_of
 from .files import InputError, crc_of
 
 
@@ -53,10 +54,11 @@ def described(answer, most):
     return {"n": answer["size"], **facts, "starts": starts, "solvable": not reason, "no_solution": reason}
 
 
-def select_problems(text, most, program):
-    """The problems of a LIST, those of the collection described; sized ones and files are yet to be."""
+def select_problems(text, most, program, notes):
+    """The problems of a LIST, described; files that perp refuses are left out."""
     entries = program.json("list", "--json")["problems"]
     known = {e["name"]: {"name": e["name"], "class": e["class"], **described(e, most)} for e in entries}
+    files = {}  # by name
 
     def expand(item):
         name, sized, _ = item.partition(":")
@@ -73,18 +75,21 @@ def select_problems(text, most, program):
             classes = f" It has the classes {', '.join(sorted({p['class'] for p in known.values()}))}."
             more = classes if name == "class" else suggestion(name, known)
             raise InputError(f"--problems: nothing fits '{item}'.{more} 'perp list' shows the collection.")
-        return found
-
-    files = {}
-
-    def expand_checked(item):
-        for problem in expand(item):
-            name, file = problem["name"], problem.get("file")
+        for name, file in ((p["name"], p.get("file")) for p in found):
             if files.setdefault(name, file) != file:
                 raise InputError(f"--problems: '{name}' is the name of two files, {files[name]} and {file}")
-            yield problem
+        return found
 
-    problems = select(items_of(text, "--problems"), expand_checked, lambda p: p["name"])
+    problems = []
+    for problem in select(items_of(text, "--problems"), expand, lambda p: p["name"]):
+        try:
+            if "n" not in problem:
+                problem.update(described(program.json("judge", source_of(problem), "--json", "-"), most))
+            problems.append(problem)
+        except InputError as error:
+            if "file" not in problem:
+                raise
+            notes.append(f"{problem['name']} is left out: {error}")
     if not problems:
         raise InputError(f"--problems '{text}': nothing is left")
     return problems

@@ -55,8 +55,8 @@ for (const button of document.querySelectorAll(".legend button")) {
 }
 
 // The table of all runs: rows are made for a hundred at a time.
-const rows = data ? data.rows.map((row) => row.map((v) => v === null ? "" : String(v))) : [];
-const place = data ? Object.fromEntries(data.columns.map((name, k) => [name, k])) : {};
+const rows = data.rows.map((row) => row.map((v) => v === null ? "" : String(v)));
+const place = Object.fromEntries(data.columns.map((name, k) => [name, k]));
 const pair_of = (row) => row[place.problem] + " from start " + row[place.start];
 let chosen = rows, sorted = null, shown = 100;
 
@@ -66,7 +66,7 @@ function show_rows() {
     const tr = add(by_id("cells-body"), "tr");
     row.forEach((text, k) => {
       const name = data.columns[k], bad = name === "outcome" && text.startsWith("false-");
-      if (k > 0) return add(tr, "td", {class: bad ? "bad" : name, "data-label": name}, text);
+      if (k > 0 || !by_id("convergence")) return add(tr, k > 0 ? "td" : "th", {class: bad ? "bad" : name, "data-label": name}, text);
       const words = {type: "button", class: "show", title: "show its convergence"};
       const button = add(add(tr, "th", {scope: "row"}), "button", words, text);
       button.addEventListener("click", () => { choose(pair_of(row), text); by_id("convergence").scrollIntoView(); });
@@ -140,17 +140,17 @@ function choose(pair, method) {
   draw_curves();
 }
 
-if (data) {
+data.columns.forEach((name, column) => {
+  const th = add(by_id("cells-head"), "th", {scope: "col"}, name);
+  const number = rows.some((row) => row[column] !== "" && !isNaN(Number(row[column])));
+  make_sortable(th, number, (down) => { sorted = {column, down}; select_rows(); });
+});
+by_id("cells-search").addEventListener("input", select_rows);
+by_id("cells-more").addEventListener("click", () => { shown += 1000; show_rows(); });
+select_rows();
+if (by_id("convergence")) {
   for (const pair of new Set(rows.map(pair_of).sort())) add(by_id("curve-problem"), "option", {value: pair}, pair);
-  data.columns.forEach((name, column) => {
-    const th = add(by_id("cells-head"), "th", {scope: "col"}, name);
-    const number = rows.some((row) => row[column] !== "" && !isNaN(Number(row[column])));
-    make_sortable(th, number, (down) => { sorted = {column, down}; select_rows(); });
-  });
-  by_id("cells-search").addEventListener("input", select_rows);
-  by_id("cells-more").addEventListener("click", () => { shown += 1000; show_rows(); });
   by_id("curve-problem").addEventListener("change", draw_curves);
   window.addEventListener("resize", draw_curves);
-  select_rows();
   choose(data.shown[0] || by_id("curve-problem").value);
 }

@@ -22,6 +22,7 @@ with contextlib.suppress(ImportError):  # reports are made where processes have 
 
 MIB = 1 << 20
 OUTPUT_LIMIT = 1 << 30  # of standard output; a result of ten million variables fits
+GRACE = 2.0  # s between SIGTERM and SIGKILL
 TAIL = 4000  # characters of standard error that are kept
 NAME, MARK, NUMBERS = "PERP_LAB_RUN", f"{os.getpid()}.{time.time_ns()}.", itertools.count()
 ONE_THREAD = {f"{name}_NUM_THREADS": "1" for name in ("OPENBLAS", "OMP", "MKL", "BLIS", "GOTO")}
@@ -108,8 +109,8 @@ def collect(stream, most, kept):
                 del kept[:-most]
 
 
-def run(arguments, seconds=60.0, memory_mb=4096, grace=2.0, tree=False, stopped=lambda: False):
-    """The End of a process: after `seconds` it gets SIGTERM, `grace` seconds later SIGKILL. Raises Stopped.
+def run(arguments, seconds=60.0, memory_mb=4096, tree=False, stopped=lambda: False):
+    """The End of a process: after `seconds` it gets SIGTERM, GRACE seconds later SIGKILL. Raises Stopped.
 
     tree: it may start others, whose memory counts, too; else its address space is limited.
     """
@@ -150,7 +151,7 @@ def run(arguments, seconds=60.0, memory_mb=4096, grace=2.0, tree=False, stopped=
             mb = sum(map(resident_mb, marked(mark) if tree else [child.pid]))
             end.peak_mb = max(end.peak_mb, mb)
             end.why = "memory" if mb > memory_mb else end.why
-        if end.why in ("memory", "stopped") or now >= seconds + grace:
+        if end.why in ("memory", "stopped") or now >= seconds + GRACE:
             kill()
         readers[0].join(0.002)  # most end when they close their output
         if not readers[0].is_alive():

@@ -8,11 +8,12 @@ from collections import Counter
 from pathlib import Path
 
 from .campaign import count
-from .cells import COUNTS, KEYS, with_tolerance
+from .cells import COUNTS, KEYS, outcome_counts, with_tolerance
+from .contact import FACTS
 from .files import compact, csv_text, pretty, to_json, write_files
 from .findings import (
-    FLOOR, MEASURES, UNSOLVABLE, Data, comparisons, false_claim, findings, given_cfunction, percent, robustness,
-    summary, unsolvable,
+    FLOOR, LAWS, MEASURES, Data, comparisons, false_claim, findings, given_cfunction, laws, percent,
+    robustness, summary,
 )  # fmt: skip
 
 # Okabe's and Ito's colours without yellow.
@@ -25,7 +26,7 @@ IN_COLOUR = 8  # curves of a chart; the others are grey until they are asked for
 # Pictures.
 
 
-def figure(name, width=5.6, height=4.1, panels=(1, 1)):
+def figure(name, width=5.6, height=4.1):
     """matplotlib's figure, whose SVG keeps text as text; ids differ by `name`, as pictures stand in one page."""
     import matplotlib
 
@@ -35,7 +36,7 @@ def figure(name, width=5.6, height=4.1, panels=(1, 1)):
     from matplotlib.figure import Figure
 
     made = Figure(figsize=(width, height), layout="constrained")
-    return made, made.subplots(*panels, squeeze=panels == (1, 1))
+    return made, made.subplots()
 
 
 def line_style(k):
@@ -57,44 +58,40 @@ def svg_of(made, inline=True):
     return re.sub(r' id="[a-zA-Z0-9.]+_\d+"', "", svg[svg.index("<svg") :]) if inline else svg
 
 
-def grid_and_ticks(axes, share="y"):
-    """A light grid, plain numbers on the x axis, percent on the y axis if it is a share."""
+def grid_and_ticks(axes):
+    """A light grid, plain numbers on the x axis, percent on the y axis."""
     from matplotlib.ticker import NullFormatter
 
     axes.grid(color="#e2e2e2")
     axes.xaxis.set_major_formatter(lambda v, _: f"{v:g}")
     axes.xaxis.set_minor_formatter(NullFormatter())
-    if share:
-        axes.yaxis.set_major_formatter(lambda v, _: f"{v:.0f} %")
+    axes.yaxis.set_major_formatter(lambda v, _: f"{v:.0f} %")
 
 
-def legend_below(axes):
-    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16), ncols=2, frameon=False, fontsize=8.5)
-
-
-def profile_chart(name, title, x, curves, total, ratios, names=None, what="pairs"):
-    """Steps over a logarithmic axis; curves: (id, style, is it in colour?, [(x, how many)]).
-
-    names: of the styles, for a legend in a picture of its own.
-    """
-    made, axes = figure(name, height=4.1 + 0.11 * len(names or ()))
-    ends = [at for _, _, _, profile in curves for at, _ in profile]
+def profile_chart(data, c, measure, kind, style, coloured):
+    """Steps over a logarithmic axis; style(c, m) numbers the style of a method, those of `coloured` are in colour."""
+    of, ratios, name = c.profiles[measure], kind == "performance", f"{c.id}-{measure}-{kind}"
+    profiles = {m: profile for m, profile in zip(of["methods"], of[kind])}
+    made, axes = figure(name)
+    ends = [at for profile in profiles.values() for at, _ in profile]
     low = 1 if ratios else min(ends, default=1)
     high = max([low * (2 if ratios else 10), *ends])
     high *= (high / low) ** 0.05
+    for m, profile in reversed(profiles.items()):  # the first on top
+        xs, ys = [low, *(max(at, low) for at, _ in profile), high], [0, *(100 * n / len(c.pairs) for _, n in profile)]
+        span, k = max(1, len(xs) // 5), style(c, m)
+        (line,) = axes.step(xs, [*ys, ys[-1]], where="post", markevery=(k % span, span), **line_style(k))
+        line.set(gid=f"{name}-m{m}", zorder=3 if m in coloured else 2)
     axes.set_xscale("log", base=2 if ratios else 10)
-    for identity, style, coloured, profile in reversed(curves):  # the first on top
-        xs, ys = [low, *(max(at, low) for at, _ in profile), high], [0, *(100 * n / max(total, 1) for _, n in profile)]
-        span = max(1, len(xs) // 5)
-        (line,) = axes.step(xs, [*ys, ys[-1]], where="post", markevery=(style % span, span), **line_style(style))
-        line.set(gid=identity, zorder=3 if coloured else 2, label=names[style] if names else None)
-    axes.set(xlim=(low, high), ylim=(0, 103), title=title, xlabel=x, ylabel=f"share of the {what}")
+    budget = "(n + 1) evaluations of F, n the number of variables" if measure == "F_evals" else measure
+    x = f"tau: within tau times the least {MEASURES[measure]}" if ratios else f"budget: {budget}"
+    title = f"{kind.capitalize()} profile: {MEASURES[measure]}"
+    axes.set(xlim=(low, high), ylim=(0, 103), title=title, xlabel=x, ylabel="share of the pairs")
     grid_and_ticks(axes)
-    if names:
-        legend_below(axes)
-    svg = svg_of(made, inline=not names)
-    for identity, _, coloured, _ in curves:
-        svg = svg.replace(f'<g id="{identity}">', f'<g id="{identity}" class="curve{"" if coloured else " muted"}">')
+    svg = svg_of(made)
+    for m in profiles:
+        colour = "" if m in coloured else " muted"
+        svg = svg.replace(f'<g id="{name}-m{m}">', f'<g id="{name}-m{m}" class="curve{colour}">')
     return svg
 
 
@@ -104,7 +101,7 @@ def parameter_chart(data, c):
     for m in c.methods:
         name, _, value = given_cfunction(data.campaign["methods"][m]).partition(" ")
         if re.fullmatch(r"[\d.]+(e-?\d+)?", value) and float(value) > 0:
-            curves.setdefault(name, []).append((float(value), 100 * data.count(m, c.pairs) / max(pairs, 1)))
+            curves.setdefault(name, []).append((float(value), 100 * data.count(m, c.pairs) / pairs))
     curves = {name: sorted(points) for name, points in curves.items() if len(points) > 1}
     if not curves:
         return ""
@@ -114,7 +111,7 @@ def parameter_chart(data, c):
         axes.plot(*zip(*points), label=name, **line_style(style))
     axes.set(xlabel="parameter of the C-function", ylabel="solved", title=f"Solved of {pairs} pairs, by the parameter")
     grid_and_ticks(axes)
-    legend_below(axes)
+    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16), ncols=2, frameon=False, fontsize=8.5)
     return svg_of(made)
 
 
@@ -156,64 +153,50 @@ def machine_words(machine):
 
 
 def robustness_section(data):
-    rows, classes, pairs = robustness(data), data.classes(), data.solvable()
-    more = {"not for it": "pairs that the method does not apply to", "unfinished": ""}
-    extra = {name: k for k, name in enumerate(more, 3) if any(total[k] for _, total, _ in rows)}
+    rows, classes, pairs, restarts = robustness(data), data.classes(), data.solvable(), data.campaign["restarts"]
+    partial = any(total[3] for _, total, _ in rows)
 
     def failures(of, css=""):
         pairs, failed, after = of[:3]
-        words = "-" if pairs == 0 else f"{failed} ({after})" if failed else 0
+        words = "-" if pairs == 0 else f"{failed} ({after})" if failed and restarts else failed
         tip = f"{pairs - failed} of {pairs} ({percent(pairs - failed, pairs)}) solved"
         return cell(words, failed + after / (pairs + 1), css, tip)
 
     lines = []
     for m, total, by_class in rows:
         share = cell(percent(total[0] - total[1], total[0]), (total[0] - total[1]) / max(total[0], 1))
-        others = [total[k] for k in extra.values()]
-        lines.append([data.methods[m], failures(total, "total"), share, *map(failures, by_class), *others])
-    tips = dict.fromkeys(("method", "total", "solved", *classes), "") | {name: more[name] for name in extra}
+        lines.append([data.methods[m], failures(total, "total"), share, *map(failures, by_class), *total[3:] * partial])
+    tips = dict.fromkeys(("method", "total", "solved", *classes), "")
+    tips |= {"not for it": "pairs that the method does not apply to"} if partial else {}
     sizes = [int((data.classes_of[pairs] == cls).sum()) for cls in classes]
-    foot = ["pairs", len(pairs), "", *sizes, *[""] * len(extra)]
-    made = table("Failures by method and class; in parentheses: left after restarts", tips, lines, "dense", foot)
-    return section("robustness", "Robustness", made, restarts=data.campaign["restarts"])
+    foot = ["pairs", len(pairs), "", *sizes, *[""] * partial]
+    caption = "Failures by method and class" + ("; in parentheses: left after restarts" if restarts else "")
+    return section("robustness", "Robustness", table(caption, tips, lines, "dense", foot), restarts=restarts)
 
 
-def unsolvable_section(data, made):
-    tips = {"method": "", **UNSOLVABLE}
-    block = table("Problems without a solution: how the runs ended", tips, made["unsolvable"][1:])
+def unsolvable_section(data):
+    cells = [cell for cell in data.cells if not data.problems[cell["problem"]]["solvable"]]
+    occur, counts = outcome_counts(data.campaign, cells)
+    rows = [[label, *numbers] for label, numbers in counts.items()]
+    block = table("How the runs ended", dict.fromkeys(("method", *occur), ""), rows)
     proven = ", ".join(f"{p['name']} (by {p['denied_by']})" for p in data.problems.values() if p.get("denied_by"))
     pairs = count(len(data.solvable(False)), "pair")
     return section("unsolvable", "Problems without a solution", block, pairs=pairs, proven=proven)
 
 
-def chart(data, c, measure, kind, style, coloured):
-    of, ratios = c.profiles[measure], kind == "performance"
-    name = f"{c.id}-{measure}-{kind}"
-    unit = {"F_evals": "(n + 1) evaluations of F, n the number of variables"}.get(measure, measure)
-    least = "time" if measure == "seconds" else "number"
-    x = f"tau: within tau times the least {least}" if ratios else f"budget: {unit}"
-    curves = [(f"{name}-m{m}", style(c, m), m in coloured, profile) for m, profile in zip(of["methods"], of[kind])]
-    return profile_chart(name, f"{kind.capitalize()} profile: {MEASURES[measure]}", x, curves, len(c.pairs), ratios)
-
-
-def comparison_section(data, c, style, made):
+def comparison_section(data, c, style):
     words = f"{c.note} {count(len(c.pairs), 'pair')}."
-    if c.unfinished:
-        them = "it" if c.unfinished == 1 else "them"
-        words += f" {count(c.unfinished, 'pair is', 'pairs are')} left out, as not every method has finished {them}."
-    if not c.pairs:
-        return section(c.id, c.title, {"text": f"{words} Nothing to compare yet."}, part=True)
     coloured = sorted(c.methods, key=lambda m: m not in c.subject)[:IN_COLOUR]  # of either those that solve most
     if len(c.methods) > len(coloured):
         words += f" {IN_COLOUR} are in colour. Press a name to change that; rest on it to bring it out."
     charts = []
-    for measure, title in MEASURES.items():
-        left_out = ", ".join(data.labels(c.profiles[measure]["left_out"]))
-        pictures = [chart(data, c, measure, kind, style, coloured) for kind in ("performance", "data")]
-        charts.append({"title": title, "charts": pictures, "left_out": left_out})
+    for measure, of in c.profiles.items():
+        pictures = [profile_chart(data, c, measure, kind, style, coloured) for kind in ("performance", "data")]
+        left_out = ", ".join(data.labels(of["left_out"]))
+        charts.append({"title": MEASURES[measure], "charts": pictures, "left_out": left_out})
     legend = [{"m": m, "style": style(c, m), "name": c.name(data, m), "on": m in coloured} for m in c.methods]
     parameters = {"picture": parameter_chart(data, c) if c.id.startswith("cfunctions") else ""}
-    blocks = [{"text": words}, {"legend": legend, "charts": charts}, parameters, *summary_blocks(c, made)]
+    blocks = [{"text": words}, {"legend": legend, "charts": charts}, parameters, *summary_blocks(data, c)]
     return section(c.id, c.title, *blocks, part=True)
 
 
@@ -227,13 +210,16 @@ SUMMARY = {
 }  # fmt: skip
 
 
-def summary_blocks(c, made):
-    rows = [["-" if v is None else v for v in row[1:]] for row in made["summary"] if row[0] == c.id]
-    words = (
-        "Means are of the methods that solve at least three quarters of what the best solves. What is below 1 counts "
-    )
-    words += "as 1, times below 1 ms as 1 ms."
+def summary_blocks(data, c):
+    rows = [[data.methods[m], *row.values()] for m, row in summary(data, c).items()]
+    words = "Means are of the methods that solve at least three quarters of what the best solves. What is below 1 "
+    words += f"counts as 1, times below {data.least_time} as that."
     return [table(f"{c.title}: in numbers", SUMMARY, rows), {"text": words}]
+
+
+def laws_section(data):
+    block = table("Variants and their laws", LAWS, laws(data), words=("judged by", "solved by"))
+    return section("laws", "By Coulomb's law", block)
 
 
 def how(data):
@@ -241,39 +227,41 @@ def how(data):
     rows = {
         "program": f"perp {c['version']}",
         "machine": machine_words(c["machine"]), "command": " ".join(c["command_line"]),
-        "tolerance": f"{c['tol']:g} on the natural residual of the problem as given, evaluated outside of the method",
+        "tolerance": f"{c['tol']:g}",
         "limits of a run": f"{c['time_limit']:g} s, {c['memory_limit_mb']} MiB; each in a process of its own, "
         f"{c['jobs']} at a time",
-        "restarts": f"{c['restarts']} at most, seed {c['seed']}",
-        "starts": "all of each problem" if c["starts"] == "all" else f"at most {c['starts']} of each problem",
     }  # fmt: skip
+    if not data.contact:
+        rows["tolerance"] += " on the natural residual of the problem as given, evaluated outside of the method"
+        rows["restarts"] = f"{c['restarts']} at most, seed {c['seed']}"
+        rows["starts"] = "all of each problem" if c["starts"] == "all" else f"at most {c['starts']} of each problem"
     external = [m for m in c["methods"] if m["external"]]
     return rows | {f"external {m['label']}": with_tolerance(m["command"], c["tol"]) for m in external}
 
 
-def page(data, all_comparisons, found, made):
+def page(data, all_comparisons, found):
     shared = list(dict.fromkeys([m for c in all_comparisons for m in c.methods] + list(range(len(data.methods)))))
 
     def style(c, m):
         """C-functions have styles of their own, so that they differ most."""
         return c.methods.index(m) if c.id.startswith("cfunctions") else shared.index(m)
 
-    sections = [robustness_section(data)] + ([unsolvable_section(data, made)] if len(data.solvable(False)) else [])
+    sections = [robustness_section(data)] + ([unsolvable_section(data)] if len(data.solvable(False)) else [])
+    sections += [laws_section(data)] if data.contact else []
     sections.append(section("profiles", "Profiles"))
     for c in all_comparisons:
         if c.id.startswith("cfunctions") and all(s["id"] != "cfunctions" for s in sections):
             sections.append(section("cfunctions", "C-functions"))
-        sections.append(comparison_section(data, c, style, made))
-    c, wrong = data.campaign, [c for c in data.cells if false_claim(c)]
-    title = f"Comparison of {count(len(data.methods), 'method')} on {count(len(data.problems), 'problem')}"
+        sections.append(comparison_section(data, c, style))
+    c = data.campaign
+    sizes = f"{count(len(data.methods), 'method')} on {count(len(data.problems), 'problem')}"
+    title = f"Contact with friction: {sizes}" if data.contact else f"Comparison of {sizes}"
     sub = f"{c['date']} \u00b7 perp {c['version']} \u00b7 {machine_words(c['machine'])}"
-    converged = sum(c["outcome"] == "false-convergence" for c in wrong)
-    claims = {"converged": converged, "infeasible": len(wrong) - converged}
     legend = [{"m": m, "style": k, "name": data.methods[m], "on": k < IN_COLOUR} for k, m in enumerate(shared)]
     dropped = f"{count(len(data.dropped), 'line')} of cells.jsonl left out: {'; '.join(data.dropped)}"
     return html_page(
-        kind="methods", title=title, sub=sub, tol=c["tol"], any_cells=bool(data.cells), findings=found, how=how(data),
-        claims=claims if wrong else None, dropped=dropped if data.dropped else "", sections=sections,
+        contact=data.contact, floor=data.least_time, title=title, sub=sub, tol=c["tol"], findings=found, how=how(data),
+        wrong=sum(map(false_claim, data.cells)), dropped=dropped if data.dropped else "", sections=sections,
         all_methods=legend, data=script_data(data, shared),
     )  # fmt: skip
 
@@ -285,11 +273,14 @@ def script_data(data, shared):
         return None if math.isnan(value) else round(100 * math.log10(min(max(value, 1e-300), 1e300)))
 
     def shown_value(name, value):
-        return f"{value:.1e}" if name == "natural" and 0 < value < math.inf else plain(name, value)
+        short = name in ("natural", "siconos", "rr9118") and isinstance(value, float) and 0 < value < math.inf
+        return f"{value:.1e}" if short else plain(name, value)
 
     problems = ((c, data.problems[c["problem"]]) for c in data.cells)
     cells = [{**c, "class": problem["class"], "n": problem["n"]} for c, problem in problems]
-    usual = ("method", "problem", "class", "n", *(name for name in CSV_COLUMNS[2:] if name != "claimed"))
+    all_columns = CONTACT_COLUMNS if data.contact else CSV_COLUMNS
+    others = [name for name in all_columns[2:] if name not in ("claimed", "command")]
+    usual = ("method", "problem", "class", "n", *others)
     told = [name for name in usual if data.campaign["restarts"] or "restarts" not in name]
     columns = [name for name in told if any(plain(name, c[name]) not in ("", None, 0) for c in cells)]
     rows = [[shown_value(name, c[name]) for name in columns] for c in cells]
@@ -307,6 +298,7 @@ def script_data(data, shared):
 # Files beside the page.
 
 CSV_COLUMNS = (*KEYS[:7], *COUNTS, "restarts", "outcome_after_restarts", "seconds", "peak_mb", "message")
+CONTACT_COLUMNS = (*CSV_COLUMNS, *FACTS)
 TIMELESS = 14  # columns that do not depend on time and memory
 
 
@@ -319,7 +311,7 @@ def plain(name, value):
     return value
 
 
-def cells_csv(cells, columns=CSV_COLUMNS):
+def cells_csv(cells, columns):
     return csv_text([columns, *([plain(name, c[name]) for name in columns] for c in cells)])
 
 
@@ -332,60 +324,37 @@ def outcomes_csv(cells):
     return cells_csv(shown, CSV_COLUMNS[:TIMELESS])
 
 
-def tables(data, all_comparisons):
-    """{name: rows, the header first} of what is computed from cells."""
-    methods = [("method", "name", "options", "external", "cfunction", *(c.id for c in all_comparisons))]
-    for m, of in enumerate(data.campaign["methods"]):
-        cfunction = given_cfunction(of) or of["in_force"].get("cfunction", "")
-        taking_part = (m in c.methods for c in all_comparisons)
-        methods.append((of["label"], of["name"], " ".join(of["options"]), of["external"], cfunction, *taking_part))
-    pairs = [("problem", "start", "class", "n", "nonzeros", "solvable", *(c.id for c in all_comparisons))]
-    for p, (of, start) in enumerate(data.pairs):
-        facts = of["name"], start, of["class"], of["n"], of["nonzeros"], of["solvable"]
-        pairs.append((*facts, *(p in c.pairs for c in all_comparisons)))
-    robust = [("method", "class", "pairs", "failures", "after_restarts")]
-    for m, total, classes in robustness(data):
-        robust += [(data.methods[m], cls, *of[:3]) for cls, of in zip((*data.classes(), "total"), (*classes, total))]
-    without = [("method", *UNSOLVABLE), *((data.methods[m], *of.values()) for m, of in unsolvable(data))]
-    numbers = ("solved", "pairs", "with_restarts", "quickest", "within_two", "fewest_F", "common")
-    summaries = [("comparison", "method", *numbers, *(f"mean_{name}" for name in FLOOR))]
-    profiles = [("comparison", "kind", "cost", "method", "x", "count", "of")]
+def report_json(data, all_comparisons, found):
+    """The findings, and the numbers of the charts and of the tables beside them."""
+    made = {"program": "perp", "version": data.campaign["version"], "schema": "perp/report/1"}
+    made |= {"date": data.campaign["date"], "findings": [{"topic": topic, "text": text} for topic, text in found]}
+    summaries, profiles = [], []
     for c in all_comparisons:
         for m, row in summary(data, c).items():
-            known = (None if isinstance(v, float) and math.isnan(v) else v for v in row.values())
-            summaries.append((c.id, data.methods[m], *known))
+            known = {key: None if math.isnan(value) else value for key, value in row.items()}
+            summaries.append({"comparison": c.id, "method": data.methods[m], **known})
         for measure, of in c.profiles.items():
             for kind in ("performance", "data"):
-                for m, profile in zip(of["methods"], of[kind]):
-                    which = c.id, kind, measure, data.methods[m]
-                    profiles += [(*which, x, n, len(c.pairs)) for x, n in profile or [(math.inf, 0)]]
-    curves = [("method", "problem", "start", "point", "natural")]
-    for c in data.cells:
-        curves += [(c["method"], c["problem"], c["start"], k, plain("", v)) for k, v in enumerate(c["curve"])]
-    return {
-        "robustness": robust, "unsolvable": without, "summary": summaries, "profiles": profiles, "methods": methods,
-        "pairs": pairs, "curves": curves,
-    }  # fmt: skip
+                which = {"comparison": c.id, "kind": kind, "cost": measure}
+                profiles += [
+                    {**which, "method": data.methods[m], "x": x, "count": n, "of": len(c.pairs)}
+                    for m, profile in zip(of["methods"], of[kind])
+                    for x, n in profile or [(math.inf, 0)]
+                ]
+    return pretty({**made, "summary": summaries, "profiles": profiles})
 
 
 def write_report(folder):
     """All files of the report, or none of them; the findings come back."""
     data = Data(folder)
     all_comparisons = comparisons(data)
-    found, made = findings(data, all_comparisons), tables(data, all_comparisons)
-    head = {"program": "perp", "version": data.campaign["version"], "schema": "perp/report/1"}
-    head |= {"date": data.campaign["date"], "findings": [{"topic": topic, "text": text} for topic, text in found]}
-    for name in ("robustness", "unsolvable", "summary", "profiles"):
-        head[name] = [dict(zip(made[name][0], row)) for row in made[name][1:]]
-    lines = ",\n".join(map(compact, data.cells))
+    found = findings(data, all_comparisons)
     files = {
-        **{f"{name}.csv": csv_text(rows) for name, rows in made.items()},
-        "cells.csv": cells_csv(data.cells),
+        "cells.csv": cells_csv(data.cells, CONTACT_COLUMNS if data.contact else CSV_COLUMNS),
         "outcomes.csv": outcomes_csv(data.cells),
-        "cells.json": f"[\n{lines}\n]\n" if lines else "[\n]\n",
         "findings.txt": "".join(f"{topic}: {words}\n" for topic, words in found),
-        "report.json": pretty(head),
-        "report.html": page(data, all_comparisons, found, made),
+        "report.json": report_json(data, all_comparisons, found),
+        "report.html": page(data, all_comparisons, found),
     }
     write_files(folder, files)
     return found
