@@ -84,11 +84,27 @@ def check_values(page, model):
 def test_an_example(page):
     take_example(page, "cournot")
     assert "5 variables" in text(page, "structure")
+    page.run("document.getElementById('prove').click()")
     solve(page)
+    assert "exactly one solution" in text(page, "facts")
+    page.run("document.getElementById('way-part').open = true")
+    page.wait_for("document.getElementById('way').naturalWidth > 0")
     assert text(page, "outcome").startswith("Solved: ")
     assert "Major Iteration Log" in page.run("return document.getElementById('log').textContent")
     assert page.run("return document.querySelectorAll('#plot circle').length") >= 4
     check_values(page, "cournot")
+
+
+DROP = """const carried = new DataTransfer();
+  carried.items.add(new File([CONTENT], 'dropped.nl'));
+  document.dispatchEvent(new DragEvent('drop', { dataTransfer: carried, bubbles: true, cancelable: true }));"""
+
+
+def test_a_drop(page):
+    page.run(DROP.replace("CONTENT", json.dumps((MODELS / "harberger.nl").read_text())))
+    page.wait_for("document.getElementById('structure').textContent.startsWith('dropped.nl: 14 variables')")
+    solve(page)
+    assert text(page, "outcome").startswith("Solved: ")
 
 
 def test_files(page):
@@ -167,7 +183,7 @@ def test_keyboard(page):
     page.press([ENTER])
     page.wait_for("document.getElementById('structure').textContent && !document.getElementById('solve').disabled")
     page.run("document.getElementById('method').focus()")
-    page.press([TAB, TAB, TAB])
+    page.press([TAB, TAB, TAB, TAB])
     assert page.run("return document.activeElement.id") == "solve"
     page.press([ENTER])
     page.wait_for(SOLVED)

@@ -239,6 +239,7 @@ let methods = []; // of the command `methods`
 
 function show_methods() {
   const select = $("method");
+  show("prove-part", !problem?.contact);
   const names = problem?.contact ? ["auto", "homotopy", "nsgs", "alart-curnier"] : methods;
   const before = select.value;
   select.replaceChildren(...names.map((name) => new Option(name, name)));
@@ -258,6 +259,7 @@ async function solve() {
   const common = ["--tol", $("tolerance").value.trim(), "--time-limit", $("limit").value.trim()];
   const words = [now.contact ? "contact" : "solve", ...now.words, ...common, "--json", "result.json"];
   if ($("method").value !== "auto") words.push("--method", $("method").value);
+  if (!now.contact) words.push("--plot", "way.svg", ...($("prove").checked ? ["--verify"] : []));
   refuse("");
   show("result-part", false);
   show("log-part", true);
@@ -272,6 +274,7 @@ async function solve() {
     const json = json_of(run, "result.json");
     if (run.code > 1 || json === undefined) throw said_by(run);
     show_result(json);
+    show_way(run.files["way.svg"]);
     $("log-part").open = false; // the result comes into view
     if (run.code === 1 && !now.contact) await explain(now, mine, started);
     if (mine === turn) say(`${json.status} after ${seconds(started)}.`);
@@ -346,7 +349,7 @@ function show_result(json) {
     "natural residual": json.residual?.natural, [of_contact ? "worst contact" : "worst row"]: json.residual?.worst, method: json.method,
     iterations: json.stats?.iterations, "evaluations of F": json.stats?.F_evals, pivots: json.stats?.pivots,
     sweeps: json.stats?.sweeps, open: json.states?.open, stick: json.states?.stick, slip: json.states?.slip,
-    "time [s]": json.stats?.time_s, notes: json.notes?.length ? json.notes.join("; ") : undefined,
+    "time [s]": json.stats?.time_s, proof: proof_of(json.verified), notes: json.notes?.length ? json.notes.join("; ") : undefined,
   };
   $("facts").replaceChildren(...Object.entries(facts).filter(([, value]) => value !== undefined && value !== null).map(([name, value]) => {
     const pair = document.createElement("div"), term = document.createElement("dt"), text = document.createElement("dd");
@@ -362,6 +365,21 @@ function show_result(json) {
   show("filter-part", list.length > 10);
   show_table();
   show("result-part", true);
+}
+
+/** What --verify says: y is the one solution in the box. */
+function proof_of(verified) {
+  if (!verified) return undefined;
+  return verified.unique ? `exactly one solution within ${verified.radius.toExponential(1)} of these values` : `none: ${verified.why_not}`;
+}
+
+/** The program's own picture, with the path of one iteration. */
+function show_way(svg) {
+  URL.revokeObjectURL($("way").src);
+  show("way-part", svg !== undefined);
+  if (svg === undefined) return;
+  $("way").src = URL.createObjectURL(new Blob([svg], { type: "image/svg+xml" }));
+  $("way").alt = `The merit over the iterations, and along the path of one of them: ${result.json.status}.`;
 }
 
 function show_table() {
