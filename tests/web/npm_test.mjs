@@ -57,6 +57,12 @@ test("what is thrown comes back", () => {
   near(solve((x) => [x[0] - 1], [0]).x, [1]); // and nothing is left behind
 });
 
+// 4 GB are all that 32 bits reach: catches sizes that overflow there.
+test("more memory than there is", () => {
+  for (const n of [20000, 46000]) assert.throws(() => solve((x) => x, new Float64Array(n)), /need [0-9.]+ GB, 4.3 GB are available/);
+  near(solve((x) => [x[0] - 1], [0]).x, [1]);
+});
+
 test("a solve within a solve", () => {
   const inner = (a) => solve(([x]) => [x * x * x - a], [1], { lower: [-Infinity] }).x[0];
   near(solve(([x]) => [inner(x) - 2], [1]).x, [8], 1e-5);

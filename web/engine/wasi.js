@@ -276,6 +276,10 @@ export class System {
         return done;
       },
     };
-    return new Proxy(known, { get: (functions, name) => functions[name] ?? (() => ERRNO.nosys) });
+    // Addresses beyond 2 GB come as negative numbers.
+    const unsigned = (word) => (typeof word === "number" ? word >>> 0 : word);
+    return new Proxy(known, {
+      get: (functions, name) => (...words) => functions[name]?.(...words.map(unsigned)) ?? ERRNO.nosys,
+    });
   }
 }

@@ -28,7 +28,7 @@ const instance = await WebAssembly.instantiate(module, {
       const own = callbacks.get(user);
       if (own.thrown === undefined)
         try {
-          own.log(text_at(line));
+          own.log(text_at(line >>> 0));
         } catch (error) {
           own.thrown = { error };
         }
@@ -47,8 +47,10 @@ export class PerpError extends Error {
   }
 }
 
+/** What a function returns as an address: WebAssembly gives those beyond 2 GB as negative numbers. */
+const address = (name, ...words) => c[name](...words) >>> 0;
 const view = () => new DataView(c.memory.buffer);
-const reals_at = (pointer, count) => new Float64Array(c.memory.buffer, pointer, count);
+const reals_at = (pointer, count) => new Float64Array(c.memory.buffer, pointer >>> 0, count);
 
 const decoder = new TextDecoder();
 function text_at(pointer) {
@@ -76,7 +78,7 @@ function evaluate(user, name, n, count, x, result) {
 class Arena {
   pointers = [];
   take(size) {
-    const pointer = c.malloc(Math.max(8, size));
+    const pointer = address("malloc", Math.max(8, size));
     if (pointer === 0) throw new PerpError(5, "out of memory");
     this.pointers.push(pointer);
     return pointer;
@@ -149,7 +151,7 @@ function make(arena, name, ...words) {
 
 function iterations_of(result, key) {
   const count = Number(c.perp_result_length(result, key));
-  let at = c.perp_result_iterations(result, key);
+  let at = address("perp_result_iterations", result, key);
   const stride = count > 0 ? Number(view().getBigInt64(at, true)) : 0;
   return Array.from({ length: count }, () => {
     const memory = view(), own = at;
@@ -172,17 +174,17 @@ function field(result, key) {
     case kinds.real:
       return c.perp_result_real(result, key);
     case kinds.text:
-      return text_at(c.perp_result_text(result, key, 0n));
+      return text_at(address("perp_result_text", result, key, 0n));
     case kinds.texts:
-      return list((...place) => text_at(c.perp_result_text(...place)));
+      return list((...place) => text_at(address("perp_result_text", ...place)));
     case kinds.reals:
-      return reals_at(c.perp_result_reals(result, key), count).slice();
+      return reals_at(address("perp_result_reals", result, key), count).slice();
     case kinds.integers:
-      return Array.from(new BigInt64Array(c.memory.buffer, c.perp_result_integers(result, key), count), Number);
+      return Array.from(new BigInt64Array(c.memory.buffer, address("perp_result_integers", result, key), count), Number);
     case kinds.cells:
-      return new Int8Array(c.memory.buffer, c.perp_result_cells(result, key), count).slice();
+      return new Int8Array(c.memory.buffer, address("perp_result_cells", result, key), count).slice();
     case kinds.parts:
-      return list((...place) => fields(c.perp_result_part(...place)));
+      return list((...place) => fields(address("perp_result_part", ...place)));
     case kinds.iterations:
       return iterations_of(result, key);
   }
@@ -192,7 +194,7 @@ function field(result, key) {
 function fields(result) {
   const object = {};
   for (let i = 0n; ; ++i) {
-    const key = c.perp_result_key(result, i);
+    const key = address("perp_result_key", result, i);
     if (key === 0) return object;
     const name = text_at(key), value = field(result, key);
     object[name] = name === "stats" || name === "computed" ? value[0] : value;
@@ -287,4 +289,4 @@ export async function program(words, files = {}) {
   return { code: run.code, out: said[0], err: said[1], files: run.files };
 }
 
-export const version = text_at(c.perp_version());
+export const version = text_at(address("perp_version"));
