@@ -79,6 +79,17 @@ test("a model of AMPL", { skip: !models && "PERP_MODELS is not set" }, async () 
   assert.equal(JSON.parse(new TextDecoder().decode(run.files["out.json"])).status, "Solved");
   assert.match(run.out, /Solved: solution found/);
   assert.equal((await program(["solve", "absent.nl"])).code, 2);
+  // Deeper than the stack of Node: the engine breaks off, and the next solve is as the first.
+  const text = new TextDecoder().decode(nl).replace("C0\n", `C0\n${"o16\n".repeat(9990)}`);
+  for (let k = 0; k < 2; ++k) {
+    assert.throws(() => solveNl(new TextEncoder().encode(text)), RangeError);
+    near(solveNl(nl).x, result.x, 1e-9);
+  }
+  // The same in a solve within a solve: this one cannot go on, whether F minds or not.
+  const deep = () => solveNl(new TextEncoder().encode(text));
+  assert.throws(() => solve(([x]) => (deep(), [x]), [1]), RangeError);
+  assert.throws(() => solve(([x]) => { try { deep(); } catch {} return [x - 1]; }, [3]), /broke off in a solve within/);
+  near(solveNl(nl).x, result.x, 1e-9);
 });
 
 test("memory is given back", () => {

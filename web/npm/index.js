@@ -17,27 +17,39 @@ async function compile() {
 }
 
 const callbacks = new Map(); // number to {F, J, log, thrown}
-const system = new System({ args: ["perp"] });
 const module = await compile();
-const instance = await WebAssembly.instantiate(module, {
-  wasi_snapshot_preview1: system.imports(),
-  perp: {
-    F: (n, x, F, user) => evaluate(user, "F", n, n, x, F),
-    J: (count, x, value, user) => evaluate(user, "J", callbacks.get(user).n, count, x, value),
-    log: (line, user) => {
-      const own = callbacks.get(user);
-      if (own.thrown === undefined)
-        try {
-          own.log(text_at(line >>> 0));
-        } catch (error) {
-          own.thrown = { error };
-        }
+let system; // of the instance
+let c; // its exports
+
+function imports() {
+  system = new System({ args: ["perp"] });
+  return {
+    wasi_snapshot_preview1: system.imports(),
+    perp: {
+      F: (n, x, F, user) => evaluate(user, "F", n, n, x, F),
+      J: (count, x, value, user) => evaluate(user, "J", callbacks.get(user).n, count, x, value),
+      log: (line, user) => {
+        const own = callbacks.get(user);
+        if (own.thrown === undefined && own.begun === c)
+          try {
+            own.log(text_at(line >>> 0));
+          } catch (error) {
+            own.thrown = { error };
+          }
+      },
     },
-  },
-});
-const c = instance.exports;
-system.memory = c.memory;
-c._initialize();
+  };
+}
+
+function begin(instance) {
+  c = instance.exports;
+  system.memory = c.memory;
+  c._initialize();
+}
+begin(await WebAssembly.instantiate(module, imports()));
+
+/** Whether the engine itself broke off: its memory and stack are then as the moment left them, and it has to begin anew. */
+const broke = (error) => error instanceof WebAssembly.RuntimeError || (error instanceof RangeError && /stack/.test(error.message));
 
 export class PerpError extends Error {
   constructor(code, message) {
@@ -62,9 +74,10 @@ function text_at(pointer) {
 /** F or J of the caller. An exception does not pass through the engine: it stops the solve, and is thrown after it. */
 function evaluate(user, name, n, count, x, result) {
   const own = callbacks.get(user);
-  if (own.thrown !== undefined) return stop;
+  if (own.thrown !== undefined || own.begun !== c) return stop;
   try {
     const values = own[name](reals_at(x, n).slice());
+    if (own.begun !== c) return stop;
     if (values?.length !== count) throw new PerpError(4, `${name}: returned ${values?.length ?? typeof values} numbers in place of ${count}`);
     reals_at(result, count).set(values);
     return 0;
@@ -206,7 +219,8 @@ function run({ method, tolerance, timeLimit, options = {}, log }, own, create, x
   const arena = new Arena();
   let user = 1;
   while (callbacks.has(user)) ++user;
-  callbacks.set(user, { ...own, log });
+  const begun = c; // another one once the engine has broken off, here or in a solve within
+  callbacks.set(user, { ...own, log, begun });
   let problem = 0, solver = 0, result = 0;
   try {
     problem = create(arena, user);
@@ -219,6 +233,7 @@ function run({ method, tolerance, timeLimit, options = {}, log }, own, create, x
     const thrown = () => {
       const { thrown } = callbacks.get(user);
       if (thrown) throw thrown.error;
+      if (c !== begun) throw new PerpError(7, "the engine broke off in a solve within this one");
     };
     try {
       result = make(arena, "perp_solve", solver, problem, arena.reals(x0, "x0", n));
@@ -229,12 +244,18 @@ function run({ method, tolerance, timeLimit, options = {}, log }, own, create, x
     thrown();
     const all = fields(result);
     return { ...all, success: all.success === 1, ...more(problem, arena) };
+  } catch (error) {
+    if (c === begun && broke(error) && callbacks.get(user).thrown?.error !== error)
+      begin(new WebAssembly.Instance(module, imports()));
+    throw error;
   } finally {
     callbacks.delete(user);
-    c.perp_result_free(result);
-    c.perp_solver_free(solver);
-    c.perp_problem_free(problem);
-    arena.free();
+    if (c === begun) {
+      c.perp_result_free(result);
+      c.perp_solver_free(solver);
+      c.perp_problem_free(problem);
+      arena.free();
+    }
   }
 }
 

@@ -55,6 +55,7 @@ const json_of = (run, name) => {
 
 /** What went wrong, in the program's words, or where there are none in the browser's. */
 function reason(error) {
+  if (/stack/.test(error.message)) return "The expressions of this model are nested deeper than this browser's stack. The program outside of the browser takes up to 10000 levels.";
   if (/memory/i.test(error.message)) return "The memory of this page does not suffice for this problem.";
   return `The engine broke off: ${error.message}. The program outside of the browser may say more.`;
 }
