@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <utility>
 
 #include "contact/model/natural_map.hpp"
 #include "contact/model/velocities.hpp"
@@ -132,6 +134,7 @@ bool accepted(const Residual& residual, double tol) { return residual.largest() 
 
 Judge::Judge(const Problem& problem) : problem_(problem), coupled_(coupled_velocities(problem)) {
   Vec diagonal = problem.W.diagonal();
+  largest_diagonal_ = diagonal.size() > 0 ? diagonal.maxCoeff() : 0;
   const int d = problem.dimension;
   for (Index a = 0; a < problem.contacts(); ++a) {
     lever_.push_back(lever(problem, a));
@@ -142,9 +145,46 @@ Judge::Judge(const Problem& problem) : problem_(problem), coupled_(coupled_veloc
 }
 
 Residual Judge::operator()(In r) const {
+  Vec u;
+  return (*this)(r, u);
+}
+
+Residual Judge::operator()(In r, Vec& u) const {
   check_impulses(problem_, r);
-  const Velocities at_r = exact_velocities(problem_, r, coupled_);
-  return problem_.rolls() ? judged<5>(r, at_r) : judged<3>(r, at_r);
+  Velocities at_r = exact_velocities(problem_, r, coupled_);
+  const Residual out = problem_.rolls() ? judged<5>(r, at_r) : judged<3>(r, at_r);
+  u = std::move(at_r.u);
+  return out;
+}
+
+/// Of W semidefinite |W_ij| is at most the largest entry of its diagonal.
+std::optional<Residual> Judge::far(In r, double tol) const {
+  constexpr double surely = 1e3;
+  constexpr double eps = std::numeric_limits<double>::epsilon();
+  const Vec u = problem_.W * r + problem_.q;
+  Residual out;
+  out.natural = told(problem_.rolls() ? natural<5>(r, u) : natural<3>(r, u));
+  const double q = problem_.q.stableNorm();
+  out.siconos = told(out.natural / std::max({q, r.stableNorm(), told(u.stableNorm()), least_scale}));
+  out.rr9118 = told(out.natural / std::max(q, least_scale));
+  const auto entries = static_cast<double>(r.size());
+  const double rounding = entries * eps * (largest_diagonal_ * r.lpNorm<1>() + q);
+  const bool sure =
+      std::max(out.siconos, out.rr9118) > surely * tol && out.natural > 10 * std::sqrt(entries) * rounding;
+  if (!sure) return {};
+  return out;
+}
+
+/// In the problem's own units.
+template <int Size>
+double Judge::natural(In r, In u) const {
+  const int width = disks<Size> == 1 ? 2 : problem_.disk_width();
+  Vec out(problem_.contacts());
+  for (Index a = 0; a < problem_.contacts(); ++a)
+    out[a] = told(natural_map<Size>(part<Size>(problem_, r, a, 1), part<Size>(problem_, u, a, 1),
+                                    frictions<Size>(problem_, a, 1), 1, width)
+                      .stableNorm());
+  return out.stableNorm();
 }
 
 template <int Size>

@@ -41,7 +41,7 @@ class Referee : public Trial {
   Result result(const std::string& message);
 
  private:
-  void take(In r, const Vec& impulses, const Residual& residual, Origin by);
+  Residual take(In r, const Vec& impulses, Origin by);
 
   const Problem& problem_;
   Judge judge_;

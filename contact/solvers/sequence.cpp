@@ -77,10 +77,11 @@ Run Sequence::follow(const Problem& problem, const Vec& start) {
   const Scaled& coordinates = follower_->take(problem);
   const Judge is_a_solution(problem);
   Residual last;
+  Vec u;
   const auto accept = [&](const Vec& r) {
     const Vec impulses = coordinates.expand(r);
     if (!impulses.allFinite()) return false;
-    last = is_a_solution(impulses);
+    last = is_a_solution(impulses, u);
     return accepted(last, limits.tol);
   };
   const auto stop = [&] { return spent() > limits.seconds || (limits.interrupt != nullptr && *limits.interrupt); };
@@ -100,7 +101,7 @@ Run Sequence::follow(const Problem& problem, const Vec& start) {
     run.solved_by = to_string(follower_->by());
     run.message = "solved: followed from the step before";
     run.solution.r = coordinates.expand(*found);
-    run.solution.u = velocities(problem, run.solution.r);
+    run.solution.u = std::move(u);  // of the point that was judged last
     run.residual = last;
     run.seconds = spent();  // as of contact::run: the states are told afterwards
     run.states = states(problem, run.solution);

@@ -131,8 +131,7 @@ std::optional<std::string> invalid(const Options& given) {
 
 Referee::Referee(const Problem& problem, const Scaled& scaled, const Options& options, bool part)
     : problem_(problem), judge_(problem), scaled_(scaled), options_(options), part_(part) {
-  const Vec zero = Vec::Zero(scaled.whole);
-  take(Vec::Zero(scaled.size()), zero, judge_(zero), Origin::Zero);
+  take(Vec::Zero(scaled.size()), Vec::Zero(scaled.whole), Origin::Zero);
 }
 
 /// An accepted point is the end; else the best one is that of the least metrics, which say how near all of it is.
@@ -140,29 +139,33 @@ bool Referee::judge(In r, Record record) {
   last_ = lcp::infinity;
   // Impulses that overflow are no solution, and no error of whoever asked.
   if (const Vec impulses = scaled_.expand(r); impulses.allFinite()) {
-    const Residual now = judge_(impulses);
+    const Residual now = take(r, impulses, record.by);
     record.k = static_cast<int>(result_.history.size());
     record.siconos = now.siconos;
     record.rr9118 = now.rr9118;
     result_.history.push_back(record);
-    take(r, impulses, now, record.by);
   }
   return over();
 }
 
-void Referee::take(In r, const Vec& impulses, const Residual& residual, Origin by) {
+/// Judges a point, and keeps it if it is the best one. What is far from a solution is judged in working precision.
+Residual Referee::take(In r, const Vec& impulses, Origin by) {
+  Vec u;
+  const std::optional<Residual> far = judge_.far(impulses, options_.tol);
+  const Residual residual = far ? *far : judge_(impulses, u);
   last_ = larger_metric(residual);
-  const bool solved = accepted(residual, options_.tol);
-  if (result_.solved() || !(solved || last_ < best_metric_ || best_.size() != r.size())) return;
+  const bool solved = !far && accepted(residual, options_.tol);
+  if (result_.solved() || !(solved || last_ < best_metric_ || best_.size() != r.size())) return residual;
   Vec best = r;  // what may throw comes first: the point and what is said of it change together
   Vec solution = impulses;
   if (solved) result_.status = Status::Solved;
   best_metric_ = last_;
   best_ = std::move(best);
-  result_.solution.r = std::move(solution);
+  result_.solution = {.r = std::move(solution), .u = std::move(u)};
   result_.residual = residual;
   result_.by = by;
   if (options_.better) options_.better(result_.solution.r, by);
+  return residual;
 }
 
 bool Referee::judge_iterate(In r, const TrialStep& step) {
@@ -229,7 +232,8 @@ Result Referee::result(const std::string& message) {
   result_.stats.iterations += effort.iterations;
   result_.stats.sweeps += effort.sweeps;
   result_.stats.factorizations += effort.factorizations;
-  result_.solution.u = velocities(problem_, result_.solution.r);
+  if (result_.solution.u.size() != result_.solution.r.size())
+    result_.residual = judge_(result_.solution.r, result_.solution.u);
   std::ostringstream text;
   if (result_.status == Status::Solved)
     text << "solved: ";

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <optional>
 
 #include "contact/contact_support.hpp"
 
@@ -337,6 +338,43 @@ TEST(Residual, LargeNumbers) {
   EXPECT_EQ(e.natural, lcp::infinity);
   EXPECT_EQ(e.siconos, lcp::infinity);
   EXPECT_EQ(e.scaled, lcp::infinity);
+}
+
+// What is refused in working precision has the metrics of the exact judge, a random solution moved by less than the
+// tolerance is never refused so, and beside huge impulses that cancel nothing is known so. Catches a point that is
+// refused by rounding.
+TEST(Judge, FarPointsHaveTheExactMetrics) {
+  Random random(31);
+  constexpr double tol = 1e-8;
+  int refused = 0;
+  for (int k = 0; k < 200; ++k) {
+    const int d = 2 + k % 2;
+    const Index n = 1 + k % 5;
+    Problem p = random_problem(random, d, n);
+    const Judge judge(p);
+    const Vec r = random.normals(d * n) * std::pow(10, random.uniform(-3, 3));
+    const std::optional<Residual> far = judge.far(r, tol);
+    if (far) {
+      const Residual exact = judge(r);
+      EXPECT_FALSE(accepted(exact, tol));
+      EXPECT_NEAR(far->natural, exact.natural, 1e-6 * exact.natural);
+      EXPECT_NEAR(far->siconos, exact.siconos, 1e-6 * exact.siconos);
+      EXPECT_NEAR(far->rr9118, exact.rr9118, 1e-6 * exact.rr9118);
+      ++refused;
+    }
+    // Sticks: u = 0.
+    Vec stuck = Vec::Zero(d * n);
+    for (Index a = 0; a < n; ++a) stuck[d * a] = random.uniform(0.1, 1);
+    p.q = -(p.W * stuck);
+    const Judge of_solution(p);
+    EXPECT_FALSE(of_solution.far(stuck + 1e-12 * random.normals(d * n), tol));
+  }
+  EXPECT_GE(refused, 150);
+  // u_N is what is left of two times 5e16, and u_T = 1 is less than a unit in their last place.
+  Problem huge = point(vec({0, 1, 0}), 0.5);
+  const Vec impulse = vec({1e17, 0, 0});
+  huge.q[0] = -0.5e17;
+  EXPECT_FALSE(Judge(huge).far(impulse, tol));
 }
 
 TEST(Residual, RefusesBadImpulses) {
