@@ -340,6 +340,27 @@ TEST(ContactSensitivity, RefusesWherePathsBranchOrEnd) {
   EXPECT_FALSE(s.strongly_regular);
 }
 
+// One contact at rest with W = I has one derivative for mu < 2; two with W_NN = (1 0.9; 0.9 1), W_TT = I by the same
+// inequality for mu < c / 5 = 0.459, c^2 = 1 / 0.19: the least eigenvalue of W_NN is 0.1. Catches a proof that takes
+// more than the inequality gives, in slip or in the normal parts.
+TEST(ContactSensitivity, ClaimsOneDerivativeAtRestNoFartherThanItIsProven) {
+  for (const double mu : {1.99, 2.01}) {
+    const Problem one = contact({{1, 0}, {0, 1}}, vec({0, 0}), mu);
+    const Sensitivity s = sensitivity(one, vec({0, 0}), {.dq = sparse(Dense::Identity(2, 2))}, vec({-1, 0.3}));
+    EXPECT_EQ(s.strongly_regular, mu < 2) << mu;
+    EXPECT_EQ(s.known(), mu < 2) << mu;
+  }
+  for (const double mu : {0.45, 0.47}) {
+    Problem two = contact({{1, 0, 0.9, 0}, {0, 1, 0, 0}, {0.9, 0, 1, 0}, {0, 0, 0, 1}}, Vec::Zero(4), mu);
+    two.dimension = 2;
+    two.mu = vec({mu, mu});
+    const Sensitivity s =
+        sensitivity(two, Vec::Zero(4), {.dq = sparse(Dense::Identity(4, 4))}, vec({-1, 0.3, -0.5, 0.1}));
+    EXPECT_EQ(s.strongly_regular, mu < 0.459) << mu;
+    EXPECT_EQ(s.known(), mu < 0.459) << mu;
+  }
+}
+
 // Thirty pairs of balls that touch each other and a floor, with random velocities: W by its parts, M and H. The whole
 // Jacobian by q and mu, beside central differences in a direction of both. Catches what small dense W hide: an order of
 // contacts, and a W that nobody formed.
