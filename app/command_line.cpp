@@ -20,6 +20,7 @@
 #include "app/program/files.hpp"
 #include "app/report/report.hpp"
 #include "collection/collection.hpp"
+#include "lcp/io/file_path.hpp"
 
 namespace perp::app {
 
@@ -314,7 +315,7 @@ void check_command(const CLI::App& app, const std::string& word, const Streams& 
   if (known) return;
   std::string hint = did_you_mean(word, commands);
   std::error_code ignored;
-  if (word.ends_with(".nl") || std::filesystem::exists(word + ".nl", ignored) ||
+  if (word.ends_with(".nl") || std::filesystem::exists(perp::lcp::file_path(word + ".nl"), ignored) ||
       perp::ncp::collection::find(word) != nullptr)
     hint = fmt::format(" Did you mean 'perp solve {}'?", word);
   streams.err << fmt::format("perp: there is no command '{}'.{} 'perp --help' lists the commands.\n", word, hint);

@@ -41,8 +41,12 @@ int main(int argc, char** argv) {
   try {
     begin_process(argv, interrupted);
     const Guard guard(interrupted);
-    const std::string program = argc > 0 ? std::filesystem::path(argv[0]).filename().string() : "perp";
-    const std::vector<std::string> arguments(argv + std::min(argc, 1), argv + argc);
+    std::vector<std::string> arguments = arguments_of(argc, argv);
+    std::string program = "perp";
+    if (!arguments.empty()) {
+      program = std::filesystem::path(arguments[0]).stem().string();  // on Windows without ".exe"
+      arguments.erase(arguments.begin());
+    }
     const PrintableStream out(std::cout);
     PrintableStream err(std::cerr);
     const Streams streams{std::cout, std::cerr, &err.raw()};

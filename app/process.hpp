@@ -3,8 +3,13 @@
 /// The calls of the system that main() makes.
 #include <atomic>
 #include <ostream>
+#include <string>
+#include <vector>
 
 namespace perp::app {
+
+/// The arguments of main() in UTF-8, its name the first.
+std::vector<std::string> arguments_of(int argc, char** argv);
 
 /// Before anything else is done.
 void begin_process(char** argv, std::atomic<bool>& interrupted);

@@ -38,6 +38,8 @@ void pin_blas(char** argv) {
 
 }  // namespace
 
+std::vector<std::string> arguments_of(int argc, char** argv) { return {argv, argv + argc}; }
+
 void begin_process(char** argv, std::atomic<bool>& interrupted) {
   pin_blas(argv);
   mallopt(M_ARENA_MAX, 1);  // one thread works at a time, and each arena takes 64 MB of address space

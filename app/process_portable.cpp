@@ -8,6 +8,8 @@
 
 namespace perp::app {
 
+std::vector<std::string> arguments_of(int argc, char** argv) { return {argv, argv + argc}; }
+
 void begin_process(char**, std::atomic<bool>& interrupted) { wait_for_signals(interrupted); }
 
 bool can_factor(std::ostream&) { return true; }

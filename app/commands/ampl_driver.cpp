@@ -13,6 +13,7 @@
 #include "app/report/bounded_run.hpp"
 #include "app/report/report.hpp"
 #include "app/text/table.hpp"
+#include "lcp/io/file_path.hpp"
 #include "ncp/analysis/certificate.hpp"
 
 namespace perp::app {
@@ -255,7 +256,7 @@ ExitCode ampl_driver(const AmplRequest& request, Streams streams, const std::ato
   }
   const std::string file = call.stub.ends_with(".nl") ? call.stub : call.stub + ".nl";
   std::error_code ignored;
-  if (!std::filesystem::is_regular_file(file, ignored)) {  // no model to answer
+  if (!std::filesystem::is_regular_file(lcp::file_path(file), ignored)) {  // no model to answer
     streams.err << fmt::format("{}: there is no file '{}'\n", request.program, file);
     return exit_input;
   }

@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "app/program/files.hpp"
+#include "lcp/io/file_path.hpp"
 #include "lcp/io/matrix_market.hpp"
 #include "ncp/ampl/model.hpp"
 #include "ncp/ampl/nl_writer.hpp"
@@ -40,7 +41,8 @@ void check_paths(const Paths& paths, const ProblemSource& source, bool force) {
   check_outputs(outputs, files_of(source));
   for (const std::string& path : paths) {
     std::error_code ignored;
-    if (!force && std::filesystem::exists(path, ignored)) throw input_error("'{}' exists; --force overwrites it", path);
+    if (!force && std::filesystem::exists(lcp::file_path(path), ignored))
+      throw input_error("'{}' exists; --force overwrites it", path);
   }
 }
 

@@ -12,6 +12,7 @@
 
 #include "app/program/program.hpp"
 #include "collection/sized.hpp"
+#include "lcp/io/file_path.hpp"
 #include "lcp/io/matrix_market.hpp"
 #include "lcp/io/siconos_file.hpp"
 #include "lcp/memory.hpp"
@@ -26,7 +27,7 @@ namespace collection = ncp::collection;
 
 bool exists(const std::string& path) {
   std::error_code ignored;
-  return fs::exists(path, ignored);
+  return fs::exists(lcp::file_path(path), ignored);
 }
 
 /// "" or " Did you mean ...?", of the collection.
@@ -188,8 +189,9 @@ LoadedProblem load_problem(const ProblemSource& source) {
 
 LoadedProblem load_problem(const std::string& argument, std::optional<int> start) {
   std::error_code ignored;
-  if (fs::is_directory(argument, ignored)) throw input_error("'{}' is a directory, not a model", argument);
-  if (argument.ends_with(".nl") || argument.find('/') != std::string::npos) return from_file(argument, start);
+  if (fs::is_directory(lcp::file_path(argument), ignored))
+    throw input_error("'{}' is a directory, not a model", argument);
+  if (argument.ends_with(".nl") || lcp::file_path(argument).has_parent_path()) return from_file(argument, start);
   if (const collection::Entry* entry = collection::find(argument))
     return from_collection(argument, entry->make(), start);
   if (std::optional<collection::Problem> made = of_size(argument))
@@ -204,7 +206,7 @@ LoadedProblem load_problem(const std::string& argument, std::optional<int> start
 std::vector<FileUse> files_of(const ProblemSource& source) {
   std::vector<FileUse> files;
   const std::string& problem = source.problem;
-  const bool path = problem.find('/') != std::string::npos;
+  const bool path = lcp::file_path(problem).has_parent_path();
   if (is_matrix_file(problem)) {
     files.push_back({"", problem});
   } else if (problem.ends_with(".nl") || path || collection::find(problem) == nullptr) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "app/program/files.hpp"
+#include "lcp/io/file_path.hpp"
 
 #include <fmt/format.h>
 
@@ -78,10 +79,10 @@ void check_writable(const std::string& path) {
 }
 
 std::string read_text(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
+  std::ifstream file(lcp::file_path(path), std::ios::binary);
   std::ostringstream text;
   std::error_code ignored;
-  if (!file && std::filesystem::exists(path, ignored)) throw input_error("'{}' cannot be read", path);
+  if (!file && std::filesystem::exists(lcp::file_path(path), ignored)) throw input_error("'{}' cannot be read", path);
   if (file && file.peek() != std::ifstream::traits_type::eof()) text << file.rdbuf();
   if (file.bad() || !text) throw input_error("'{}' cannot be read", path);
   return std::move(text).str();

@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "capi/path/thread_state.hpp"
+#include "lcp/io/file_path.hpp"
 
 struct _Options_Interface {  // NOLINT(bugprone-reserved-identifier): as its clients declare it
   std::shared_ptr<perp::path::OptionSet> set = std::make_shared<perp::path::OptionSet>();
@@ -73,7 +74,7 @@ bool is_comment(std::string_view line) {
 }
 
 int read(const Options_Interface* o, const char* path) {
-  std::ifstream file(path);
+  std::ifstream file(lcp::file_path(path));
   if (!file) {
     tell(Output_Log, std::string("Options file ") + path + " cannot be read.\n");
     return 1;

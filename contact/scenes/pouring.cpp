@@ -158,19 +158,19 @@ class Pile {
   }
 
  private:
-  using Place = std::array<long, 3>;
-  static long hash(const Place& p) { return (p[0] * 2097152 + p[1]) * 2097152 + p[2]; }
+  using Place = std::array<long long, 3>;
+  static long long hash(const Place& p) { return (p[0] * 2097152 + p[1]) * 2097152 + p[2]; }
   Place place(const Vec3& x) const {
-    return {std::lround(std::floor(x[0] / cell_)), std::lround(std::floor(x[1] / cell_)),
-            std::lround(std::floor(x[2] / cell_))};
+    return {std::llround(std::floor(x[0] / cell_)), std::llround(std::floor(x[1] / cell_)),
+            std::llround(std::floor(x[2] / cell_))};
   }
-  long key(const Vec3& x) const { return hash(place(x)); }
+  long long key(const Vec3& x) const { return hash(place(x)); }
 
   double cell_;
   double width_;
   double top_ = 0;
   std::vector<Ball> balls_;
-  std::unordered_map<long, std::vector<std::size_t>> cells_;
+  std::unordered_map<long long, std::vector<std::size_t>> cells_;
 };
 
 /// Small steps down, each followed by pushing out of what is in the way: the ball falls, and rolls along what it meets.

@@ -10,7 +10,9 @@
 namespace perp::lcp {
 namespace {
 
-std::string form_reason(long double value, const char* relation) { return text_of("v'Mv = ", value, relation); }
+std::string form_reason(long double value, const char* relation) {
+  return text_of("v'Mv = ", static_cast<double>(value), relation);
+}
 
 void refute(Property& property, const Vec& v, long double value) {
   property = {.answer = Answer::No, .reason = form_reason(value, value < 0 ? " < 0" : ""), .vector = v};

@@ -17,6 +17,7 @@
 #include <system_error>
 #include <vector>
 
+#include "lcp/io/file_path.hpp"
 #include "lcp/io/output_file.hpp"
 #include "lcp/memory.hpp"
 
@@ -296,11 +297,11 @@ std::string_view without_mark(std::string_view text, const std::string& file) {
 }
 
 std::string read_file(const std::string& path) {
-  const File file(std::fopen(path.c_str(), "rb"));
+  const File file(open_file(path));
   if (!file) throw FileError(path, 0, std::strerror(errno));
   std::string text;
   std::error_code no_size;  // a pipe's
-  if (const std::uintmax_t size = std::filesystem::file_size(path, no_size); !no_size) {
+  if (const std::uintmax_t size = std::filesystem::file_size(file_path(path), no_size); !no_size) {
     try {
       require_memory(static_cast<double>(size), "the characters of the file");
     } catch (const NotEnoughMemory& error) {

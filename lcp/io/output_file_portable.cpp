@@ -9,6 +9,7 @@
 #include <random>
 #include <system_error>
 
+#include "lcp/io/file_path.hpp"
 #include "lcp/io/output_file.hpp"
 
 namespace perp::lcp {
@@ -20,6 +21,12 @@ namespace fs = std::filesystem;
   throw FileError(path, 0, "cannot be written: " + why);
 }
 
+/// Without links and dots, as far as it is there.
+fs::path whole_path(const std::string& name, std::error_code& error) {
+  const fs::path path = fs::absolute(file_path(name), error);
+  return error ? path : fs::weakly_canonical(path, error);
+}
+
 struct Place {
   fs::path path;  // where links lead
   bool in_place = false;
@@ -29,7 +36,7 @@ struct Place {
 Place fit_place(const std::string& path) {
   if (path.empty()) refuse(path, "it has no name");
   std::error_code error;
-  Place place{.path = fs::weakly_canonical(path, error)};
+  Place place{.path = whole_path(path, error)};
   if (error) refuse(path, error.message());
   const fs::file_status status = fs::status(place.path, error);
   if (fs::is_directory(status)) refuse(path, "it is a directory");
@@ -101,14 +108,15 @@ void check_writable(const std::string& path) { fit_place(path); }
 
 bool replaces(const std::string& path) {
   std::error_code ignored;
-  const fs::file_status status = fs::status(path, ignored);
+  const fs::file_status status = fs::status(file_path(path), ignored);
   return !fs::exists(status) || fs::is_regular_file(status);
 }
 
 bool same_file(const std::string& a, const std::string& b) {
   std::error_code error;
-  if (fs::equivalent(a, b, error)) return true;
-  const fs::path one = fs::weakly_canonical(a, error), other = fs::weakly_canonical(b, error);
+  if (fs::equivalent(file_path(a), file_path(b), error)) return true;
+  error.clear();
+  const fs::path one = whole_path(a, error), other = whole_path(b, error);
   return !error && one == other;
 }
 

@@ -24,7 +24,7 @@
 namespace perp::lcp {
 
 struct InteriorPoint {
-  long max_iterations = 200;
+  Index max_iterations = 200;
   double to_boundary = 0.995;  ///< share of the way to the boundary at most, in (0, 1)
   double proximal = 1e-10;     ///< delta, the weight of the proximal term, relative to the scaled M
   LuBackend lu = LuBackend::General;

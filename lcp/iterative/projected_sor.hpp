@@ -30,9 +30,9 @@ struct ProjectedSor {
   double omega = 1;        ///< relaxation, in (0, 2)
   bool symmetric = false;  ///< sweep forth and back (SSOR); counts as two sweeps
   Index block = 1;  ///< variables of a block, 1 to 6 (3^6 cells); 3 for the contacts of three-dimensional mechanics
-  long max_sweeps = 100'000;
-  int check_every = 10;  ///< sweeps between two looks at the residual; at least 1
-  long patience = 2000;  ///< sweeps within which the residual must fall by a hundredth
+  Index max_sweeps = 100'000;
+  int check_every = 10;   ///< sweeps between two looks at the residual; at least 1
+  Index patience = 2000;  ///< sweeps within which the residual must fall by a hundredth
 };
 void describe(ProjectedSor& method, Fields& fields);
 

@@ -18,7 +18,7 @@ void describe_memory(int& memory, Fields& f) {
         "non-monotone search: merits remembered, the largest of which must be beaten; 1 is monotone", "memory");
 }
 
-void describe_iterations(long& limit, Fields& f) {
+void describe_iterations(Index& limit, Fields& f) {
   f.add("affine_iteration_limit", &limit, at_least(0), "pivots, rounds or steps after which to give up");
 }
 

@@ -9,6 +9,6 @@ namespace perp::lcp {
 void describe_lu(LuBackend& lu, Fields& fields);
 void describe_memory(int& memory, Fields& fields);
 /// Steps of a method for affine problems.
-void describe_iterations(long& limit, Fields& fields);
+void describe_iterations(Index& limit, Fields& fields);
 
 }  // namespace perp::lcp

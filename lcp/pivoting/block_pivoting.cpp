@@ -18,7 +18,7 @@ namespace {
 // A problem of at least so many unknowns that is not solved in so many rounds asks the coarser problem for cells.
 constexpr Index coarse_from = 2000;
 constexpr int rounds_before_coarse = 5;
-constexpr long coarse_rounds = 50;
+constexpr Index coarse_rounds = 50;
 // Signs within this x the size of the terms they come from are not violated.
 constexpr double degenerate = 1e-11;
 // Indices tried one by one where a block's matrix is singular: each takes a factorization.

@@ -27,9 +27,9 @@
 namespace perp::lcp {
 
 struct BlockPivoting {
-  int p_max = 10;               ///< rounds without progress before the least-index rule; 0: that rule at once
-  long max_iterations = 10000;  ///< rounds, of one component
-  bool components = true;       ///< use reducibility
+  int p_max = 10;                ///< rounds without progress before the least-index rule; 0: that rule at once
+  Index max_iterations = 10000;  ///< rounds, of one component
+  bool components = true;        ///< use reducibility
   LuBackend lu = LuBackend::General;
 };
 void describe(BlockPivoting& method, Fields& fields);

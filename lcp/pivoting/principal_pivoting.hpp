@@ -31,7 +31,7 @@
 namespace perp::lcp {
 
 struct PrincipalPivoting {
-  long max_iterations = 100000;  ///< pivots
+  Index max_iterations = 100000;  ///< pivots
   LuBackend lu = LuBackend::General;
 };
 void describe(PrincipalPivoting& method, Fields& fields);

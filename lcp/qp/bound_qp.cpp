@@ -27,7 +27,7 @@ constexpr double cholesky_entries = 2e8;
 /// Reduction of the energy norm of the error on a face that may still change.
 constexpr double loose = 0.1;
 /// More conjugate gradient iterations than this on one face, and Multilevel gives way to Cholesky, that to GaussSeidel.
-constexpr long cg_limit = 200;
+constexpr Index cg_limit = 200;
 /// eps of the proximal points. Larger: fewer digits are lost in d'(M + eps D)d where M d = 0; smaller: fewer points, as
 /// the error in an eigenvector to lambda (of D^-1 M) falls by eps / (lambda + eps) a point.
 constexpr double proximal = 1e-8;
@@ -264,7 +264,7 @@ void Solver::nested_start() {
 End Solver::descend(Vec& z) {
   descent_ = Descent{.loose = loose,
                      .step_limit = options_.step_limit - steps_,
-                     .cg_limit = kind_ == Kind::GaussSeidel ? std::max<long>(10 * z.size(), cg_limit) : cg_limit,
+                     .cg_limit = kind_ == Kind::GaussSeidel ? std::max(10 * z.size(), cg_limit) : cg_limit,
                      .limits = &limits_};
   const End end = descent_.run(qp_, *B_, z);
   steps_ += descent_.steps;

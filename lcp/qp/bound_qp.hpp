@@ -50,7 +50,7 @@ struct BoundQp {
   /// Up to this many unknowns Auto factors; the coarsest grid has not more.
   Index direct = 1000;
   /// Steps (a sweep forth and back and a face) in all.
-  long step_limit = 10000;
+  Index step_limit = 10000;
 };
 void describe(BoundQp& method, Fields& fields);
 

@@ -36,8 +36,8 @@ struct Descent {
 
   bool settle_only = false;  ///< end when the face has settled: for the coarse grids
   double loose = 0.1;        ///< reduction of the energy norm of the error on a face that has not settled
-  long step_limit = 1000;    ///< steps
-  long cg_limit = 1000;      ///< iterations a face
+  Index step_limit = 1000;   ///< steps
+  Index cg_limit = 1000;     ///< iterations a face
   const Limits* limits = nullptr;
 
   End run(const BoxQp& qp, FacePreconditioner& B, Vec& z);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "lcp/io/file_path.hpp"
 #include "lcp/io/output_file.hpp"
 #include "ncp/ampl/asl_problem.hpp"
 #include "ncp/ampl/exchanged.hpp"
@@ -23,7 +24,10 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 /// The path without its ".nl".
 std::string stub_of(const std::string& path) { return path.ends_with(".nl") ? path.substr(0, path.size() - 3) : path; }
 
-std::string file_name(const std::string& path) { return path.substr(path.find_last_of('/') + 1); }
+std::string file_name(const std::string& path) {
+  const std::u8string name = lcp::file_path(path).filename().u8string();
+  return {name.begin(), name.end()};
+}
 
 SolFormat sol_format(const NlHeader& header) {
   return {header.binary, header.options, header.tolerance, header.n_con, header.n_var};

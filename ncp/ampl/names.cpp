@@ -5,13 +5,14 @@
 #include <fstream>
 
 #include "lcp/io/file_error.hpp"
+#include "lcp/io/file_path.hpp"
 
 namespace perp::ncp::ampl {
 namespace {
 
 std::vector<std::string> read_lines(const std::string& path, int at_most) {
   std::vector<std::string> lines;
-  std::ifstream file(path);
+  std::ifstream file(lcp::file_path(path));
   file.exceptions(std::ios::badbit);  // else want of memory would be the end of the file
   try {
     for (std::string line; static_cast<int>(lines.size()) < at_most && std::getline(file, line);

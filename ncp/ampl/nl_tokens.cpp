@@ -13,6 +13,7 @@
 #include <fstream>
 #include <system_error>
 
+#include "lcp/io/file_path.hpp"
 #include "ncp/ampl/model.hpp"
 
 namespace perp::ncp::ampl {
@@ -47,20 +48,21 @@ std::string number(double value) {
 
 std::string read_file(const std::string& path) {
   const auto refuse = [&](const std::string& why) { throw ModelError(bad_file, path + ": " + why); };
+  const std::filesystem::path file = lcp::file_path(path);
   std::error_code error;
-  const std::filesystem::file_status status = std::filesystem::status(path, error);
+  const std::filesystem::file_status status = std::filesystem::status(file, error);
   if (!std::filesystem::exists(status)) refuse("cannot be opened: " + error.message());
   if (std::filesystem::is_directory(status)) refuse("is a directory, not an .nl file");
   if (!std::filesystem::is_regular_file(status)) refuse("is not a regular file");
-  const std::uintmax_t size = std::filesystem::file_size(path, error);
+  const std::uintmax_t size = std::filesystem::file_size(file, error);
   if (error) refuse("cannot be read: " + error.message());
   if (size > max_file) refuse("is larger than 1 GiB, the most this reader takes");
-  std::ifstream file(path, std::ios::binary);
-  if (!file) refuse(std::string("cannot be opened: ") + std::strerror(errno));
+  std::ifstream in(file, std::ios::binary);
+  if (!in) refuse(std::string("cannot be opened: ") + std::strerror(errno));
   std::string bytes(static_cast<std::size_t>(size), '\0');
-  file.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  if (file.bad()) refuse(std::string("cannot be read: ") + std::strerror(errno));
-  bytes.resize(static_cast<std::size_t>(file.gcount()));
+  in.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  if (in.bad()) refuse(std::string("cannot be read: ") + std::strerror(errno));
+  bytes.resize(static_cast<std::size_t>(in.gcount()));
   if (bytes.empty()) refuse("is empty");
   return bytes;
 }

@@ -10,6 +10,7 @@
 #include <istream>
 
 #include "lcp/io/file_error.hpp"
+#include "lcp/io/file_path.hpp"
 #include "ncp/settings/input_error.hpp"
 
 namespace perp::settings {
@@ -115,9 +116,10 @@ std::vector<Assignment> parse_options_file(std::istream& in, const std::string& 
 }
 
 std::vector<Assignment> read_options_file(const std::string& path) {
-  std::ifstream in(path);
+  const std::filesystem::path file = lcp::file_path(path);
+  std::ifstream in(file);
   std::error_code ignored;
-  if (!in || std::filesystem::is_directory(path, ignored)) throw input_error("options file '{}' cannot be read", path);
+  if (!in || std::filesystem::is_directory(file, ignored)) throw input_error("options file '{}' cannot be read", path);
   return parse_options_file(in, path);
 }
 

@@ -14,6 +14,7 @@
 #include "app/program/program.hpp"
 #include "contact/io/read.hpp"
 #include "contact/scenes/generators.hpp"
+#include "lcp/io/file_path.hpp"
 
 namespace perp::app::contacts {
 
@@ -63,7 +64,7 @@ struct Shared {
 bool is_generated(const std::string& argument) {
   std::error_code ignored;
   return argument.find(':') != std::string::npos && known_generator(name_of(argument)) &&
-         !std::filesystem::exists(argument, ignored);
+         !std::filesystem::exists(lcp::file_path(argument), ignored);
 }
 
 std::vector<FileUse> files_of(const std::vector<std::string>& arguments) {
@@ -109,8 +110,9 @@ std::string with_friction(const std::string& argument, double mu) {
 Loaded load(const std::string& argument) {
   std::error_code ignored;
   if (is_generated(argument)) return generate(argument);
-  if (std::filesystem::is_directory(argument, ignored)) throw input_error("'{}' is a directory, not a file", argument);
-  if (!std::filesystem::exists(argument, ignored))
+  if (std::filesystem::is_directory(lcp::file_path(argument), ignored))
+    throw input_error("'{}' is a directory, not a file", argument);
+  if (!std::filesystem::exists(lcp::file_path(argument), ignored))
     throw input_error("there is no file '{}'; problems that can be made, as NAME:SIZE[:SEED[:MU]]: {}.{}", argument,
                       generator_names(), similar(name_of(argument)));
   return {argument, contact::read_problem(argument)};
