@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ncp/interval/semidefinite.hpp"
 
+#include <cfloat>  // which gmpxx.h uses
+
 #include <gmpxx.h>
 
 #include <cmath>

@@ -1,19 +1,25 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""check.py PREFIX WHEEL ARCHIVE: what scripts/portable has made for Linux is whole, and needs no more of a system than
-PEP 600 lets manylinux_2_28 need; every library that it was linked with, in PREFIX, has its licence in it."""
+"""check.py SYSTEM PREFIX WHEEL ARCHIVE: what scripts/portable has made for Linux, Windows or Darwin is whole, and needs no
+more of a system than each has (of Linux what PEP 600 lets manylinux_2_28 need); every library that it was linked with, in
+PREFIX, has its licence in it."""
 
 import re
+import shutil
 import subprocess
 import sys
-import tarfile
 import tempfile
-import zipfile
 from pathlib import Path
 
 NEWEST = (2, 28)  # of glibc
-#: What every Linux has, and may be linked at run time.
-OF_THE_SYSTEM = re.compile(r"lib(c|m|dl|pthread|rt)\.so\.\d|ld-linux-x86-64\.so\.2")
+#: What each system has, and may be linked at run time.
+OF_THE_SYSTEM = {
+    "Linux": re.compile(r"lib(c|m|dl|pthread|rt)\.so\.\d|ld-linux-x86-64\.so\.2"),
+    "Windows": re.compile(r"(kernel32|shell32|advapi32|ntdll|api-ms-win-crt-[a-z]+-l1-1-0)\.dll", re.I),
+    "Darwin": re.compile(r"/usr/lib/libSystem\.B\.dylib"),
+}
+#: The first bytes of programs and libraries.
+MAGIC = {"Linux": b"\x7fELF", "Windows": b"MZ", "Darwin": b"\xcf\xfa\xed\xfe"}
 
 #: Static libraries, and the folder of their licence.
 LIBRARIES = {
@@ -29,15 +35,15 @@ LIBRARIES = {
 OTHERS = ["SuiteSparse-BTF", "SuiteSparse-COLAMD", "libeigen3-dev", "libcli11-dev", "nlohmann-json3-dev", "libcxx", "zig"]
 LICENCES = [*LIBRARIES.values(), *OTHERS]
 
+#: Of all systems; {...} are names that each system writes in its own way.
 WHEEL = [
     "perp/__init__.py",
     "perp/py.typed",
     "perp/pyomo/__init__.py",
     "perp/lab/page.js",
-    "perp/libperp.so",
-    "perp/libperp_path.so",
-    r"perp-[0-9.]+\.data/scripts/perp",
-    r"perp-[0-9.]+\.data/data/share/man/man1/perp-solve\.1\.gz",
+    "perp/{perp}",
+    "perp/{perp_path}",
+    r"perp-[0-9.]+\.data/scripts/perp{exe}",
     r"perp-[0-9.]+\.dist-info/entry_points\.txt",
     r"perp-[0-9.]+\.dist-info/licenses/LICENSE",
     r"perp-[0-9.]+\.dist-info/licenses/NOTICE",
@@ -47,23 +53,51 @@ WHEEL = [
 ARCHIVE = [
     "LICENSE",
     "NOTICE",
-    "bin/perp",
-    "bin/pathampl",
+    "bin/perp{exe}",
+    "bin/pathampl{exe}",
     "bin/perp-compare",
     "include/perp.h",
     "include/perp_path.h",
-    "lib/libperp.so",
-    r"lib/libperp\.so\.1",
-    "lib/libperp_path.so",
-    r"lib/libperp_path\.so\.1",
     "lib/pkgconfig/perp-c.pc",
-    r"share/man/man1/perp-solve\.1\.gz",
-    "share/bash-completion/completions/perp",
     r"share/perp/examples/energy\.nl",
     r"share/perp/schema/solve\.json",
     "share/perp/licences/libraries",
     *(rf"share/perp/licences/{re.escape(name)}/[^/]+" for name in LICENCES),
 ]
+NAMES = {
+    "Linux": {"{exe}": "", "{perp}": r"libperp\.so", "{perp_path}": r"libperp_path\.so"},
+    "Windows": {"{exe}": r"\.exe", "{perp}": r"perp\.dll", "{perp_path}": r"perp_path\.dll"},
+    "Darwin": {"{exe}": "", "{perp}": r"libperp\.dylib", "{perp_path}": r"libperp_path\.dylib"},
+}
+#: The man pages are written by the program, which runs on Linux alone where they are made.
+WHEEL_TOO = {"Linux": [r"perp-[0-9.]+\.data/data/share/man/man1/perp-solve\.1\.gz"], "Windows": [], "Darwin": []}
+ARCHIVE_TOO = {
+    "Linux": [
+        "lib/libperp.so",
+        r"lib/libperp\.so\.1",
+        "lib/libperp_path.so",
+        r"lib/libperp_path\.so\.1",
+        r"share/man/man1/perp-solve\.1\.gz",
+        "share/bash-completion/completions/perp",
+    ],
+    "Windows": [r"bin/perp\.dll", r"bin/perp_path\.dll", r"lib/perp\.lib", r"lib/perp_path\.lib"],
+    "Darwin": [r"lib/libperp\.dylib", r"lib/libperp\.1\.dylib", r"lib/libperp_path\.1\.dylib"],
+}
+
+
+def of_system(patterns, system):
+    """The patterns, with the names as the system writes them."""
+    for word, name in NAMES[system].items():
+        patterns = [pattern.replace(word, name) for pattern in patterns]
+    return patterns
+
+
+def wheel(system):
+    return of_system(WHEEL, system) + WHEEL_TOO[system]
+
+
+def archive(system):
+    return of_system(ARCHIVE, system) + ARCHIVE_TOO[system]
 
 
 def missing(patterns, names):
@@ -71,33 +105,43 @@ def missing(patterns, names):
     return [pattern for pattern in patterns if not any(re.fullmatch(pattern, name) for name in names)]
 
 
-def readelf(*arguments):
-    return subprocess.run(["readelf", "-W", *arguments], check=True, capture_output=True, text=True).stdout
+def output(*command):
+    return subprocess.run(command, check=True, capture_output=True, text=True).stdout
 
 
-def wrong_with(binary):
+def libraries_of(binary, system):
+    """The names of what it is linked with at run time."""
+    if system == "Windows":
+        return re.findall(r"DLL Name: (.*)", output("objdump", "-p", binary))
+    if system == "Darwin":
+        return re.findall(r"cmd LC_LOAD_DYLIB\n.*\n *name (\S+)", output("llvm-objdump", "--macho", "--private-headers", binary))
+    return re.findall(r"\(NEEDED\).*\[(.*)\]", output("readelf", "-W", "-d", binary))
+
+
+def wrong_with(binary, system="Linux"):
     """What a program or library needs beyond what a system has."""
-    needed = re.findall(r"\(NEEDED\).*\[(.*)\]", readelf("-d", binary))
-    yield from (f"needs {name}" for name in needed if not OF_THE_SYSTEM.fullmatch(name))
-    versions = set(re.findall(r"Name: ([A-Z]+)_([0-9.]+) +Flags:", readelf("-V", binary)))  # not of its own functions
+    yield from (f"needs {name}" for name in libraries_of(binary, system) if not OF_THE_SYSTEM[system].fullmatch(name))
+    if system != "Linux":
+        return
+    versions = set(re.findall(r"Name: ([A-Z]+)_([0-9.]+) +Flags:", output("readelf", "-W", "-V", binary)))  # not of its own
     for name, version in sorted(versions):
         if name != "GLIBC" or tuple(map(int, version.split("."))) > NEWEST:
             yield f"needs {name}_{version}"
 
 
-def is_elf(path):
+def is_binary(path, system):
     with open(path, "rb") as file:
-        return file.read(4) == b"\x7fELF"
+        return file.read(len(MAGIC[system])) == MAGIC[system]
 
 
-def wrong_with_folder(folder, patterns, binaries):
+def wrong_with_folder(folder, patterns, binaries, system="Linux"):
     """What is missing in an unpacked wheel or archive, and what is wrong with the binaries in it; they are so many."""
-    names = [str(path.relative_to(folder)) for path in folder.rglob("*") if not path.is_dir()]
+    names = [path.relative_to(folder).as_posix() for path in folder.rglob("*") if not path.is_dir()]
     yield from (f"has no {pattern}" for pattern in missing(patterns, names))
-    elves = [name for name in names if not (folder / name).is_symlink() and is_elf(folder / name)]
-    if len(elves) != binaries:
-        yield f"has {len(elves)} programs and libraries in place of {binaries}: {elves}"
-    yield from (f"{name} {fault}" for name in elves for fault in wrong_with(folder / name))
+    found = [name for name in names if not (folder / name).is_symlink() and is_binary(folder / name, system)]
+    if len(found) != binaries:
+        yield f"has {len(found)} programs and libraries in place of {binaries}: {found}"
+    yield from (f"{name} {fault}" for name in found for fault in wrong_with(folder / name, system))
 
 
 def wrong_with_prefix(prefix):
@@ -108,17 +152,19 @@ def wrong_with_prefix(prefix):
 
 
 def main():
-    if len(sys.argv) != 4:
+    if len(sys.argv) != 5:
         sys.exit(__doc__)
-    prefix, wheel, archive = map(Path, sys.argv[1:])
+    system = sys.argv[1]
+    prefix, made, packed = map(Path, sys.argv[2:])
     wrong = list(wrong_with_prefix(prefix))
     with tempfile.TemporaryDirectory() as folder:
-        zipfile.ZipFile(wheel).extractall(f"{folder}/wheel")
-        wrong += [f"{wheel.name} {fault}" for fault in wrong_with_folder(Path(folder) / "wheel", WHEEL, 3)]
-        with tarfile.open(archive) as tar:
-            tar.extractall(folder)
-        unpacked = Path(folder) / archive.name.removesuffix(".tar.gz")
-        wrong += [f"{archive.name} {fault}" for fault in wrong_with_folder(unpacked, ARCHIVE, 3)]
+        shutil.unpack_archive(made, f"{folder}/wheel", "zip")
+        wrong += [f"{made.name} {fault}" for fault in wrong_with_folder(Path(folder) / "wheel", wheel(system), 3, system)]
+        shutil.unpack_archive(packed, f"{folder}/archive")
+        (unpacked,) = (Path(folder) / "archive").iterdir()
+        copies = system == "Windows"  # pathampl is no link
+        faults = wrong_with_folder(unpacked, archive(system), 3 + copies, system)
+        wrong += [f"{packed.name} {fault}" for fault in faults]
     print("\n".join(wrong), end="\n" if wrong else "")
     return 1 if wrong else 0
 
