@@ -186,6 +186,7 @@ def main(arguments):
         try:
             c = check(path, matrix)
             within = f" with entries up to {c['radius']:g}" if c["radius"] else ""
+            within += " within the bounds, and its terms within their ranges," if "terms_from" in c else ""
             print(f"{path}: proven: no point{within} has a natural residual of at most {float(c['tolerance'])!r}")
         except (OSError, Refused, KeyError, IndexError, TypeError, ValueError, OverflowError) as error:
             print(f"{path}: refused: {error}")

@@ -25,7 +25,8 @@ Place place(const Problem& problem, In r, In u, Index a, In diagonal, double tol
   const double size = r.segment(N, d).cwiseQuotient(arms).stableNorm();
   const double R = w > 0 ? std::max(size, V / w) : size;
   const auto share = [](double x, double of) { return of > 0 ? x / of : 0.0; };
-  const double impulse = share(r[N], R);
+  // Friction may be mu times as large as what presses.
+  const double impulse = share(std::max(1.0, problem.mu[a]) * r[N], R);
   const double parting = share(std::abs(u[N]), V);
   Place out;
   if (impulse <= tol && parting <= tol)

@@ -11,8 +11,13 @@
 
 namespace perp::ncp::ampl {
 
-/// Deepest nesting of an expression. AMPL's library recurses: 240 bytes of stack a level when it reads.
+/// Deepest nesting of an expression. AMPL's library recurses: 240 bytes of stack a level when it reads. Engines of
+/// JavaScript end calls of WebAssembly that are some 4000 levels deep.
+#ifdef __wasm__
+inline constexpr int max_depth = 2000;
+#else
 inline constexpr int max_depth = 10000;
+#endif
 
 /// An expression mentions a variable (index < n_var) or a defined variable (n_var + its number).
 struct Mention {

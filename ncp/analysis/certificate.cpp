@@ -145,6 +145,7 @@ std::string certificate_json(const Mcp& mcp, In x, const Infeasibility& proof) {
   w.number(refutation.tolerance);
   w.literal(",\"radius\":");
   w.number(refutation.radius);
+  if (proof.sums) w.literal(",\"terms_from\":" + std::to_string(mcp.size()));
   w.literal(",\"variables\":");
   w.list(variables, [&](Index j) {
     w.literal("{\"index\":");
@@ -193,6 +194,15 @@ std::string rows_in_words(const Mcp& mcp, const Infeasibility& proof, std::size_
   if (rows.size() == 1) words += " and the bounds";
   if (named < rows.size()) words += " and " + std::to_string(rows.size() - named) + " others";
   return words;
+}
+
+bool uses_terms(const Mcp& mcp, const Infeasibility& proof) {
+  if (!proof.certificate || !proof.sums) return false;
+  const std::vector<Index> rows = rows_of(*proof.certificate);
+  for (Index j = mcp.size(); j < proof.sums->size(); ++j)
+    for (SpMat::InnerIterator it(proof.sums->M, j); it; ++it)
+      if (std::ranges::binary_search(rows, Index{it.row()})) return true;
+  return false;
 }
 
 }  // namespace perp::ncp

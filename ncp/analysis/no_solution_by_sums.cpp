@@ -4,6 +4,7 @@
 #include <memory>
 #include <vector>
 
+#include "lcp/exact_sum.hpp"
 #include "lcp/judge/refutation.hpp"
 #include "lcp/solve/solve.hpp"
 #include "ncp/analysis/no_solution.hpp"
@@ -52,6 +53,29 @@ FeasibilityProgram feasibility_program(const RowSums& sums) {
   return out;
 }
 
+/// A proof within a radius is one of variables below it; terms may be beyond, as exp(72) is beyond 1e31. Of them it
+/// needs the right sign of y'B where their range is infinite.
+bool terms_keep_their_sign(const RowSums& sums, Index n, const lcp::Refutation& proof) {
+  if (proof.radius == infinity) return true;
+  if (!proof.proof.assumptions.empty()) return false;
+  const Index all = sums.problem.size();
+  std::vector<lcp::ExactSum> along(at(all - n));
+  const SpMat by_row = sums.problem.M.transpose();
+  for (const auto& [row, high, low] : proof.proof.y)
+    for (SpMat::InnerIterator it(by_row, row); it; ++it)
+      if (it.row() >= n) {
+        along[at(it.row() - n)].add_product(it.value(), high);
+        along[at(it.row() - n)].add_product(it.value(), low);
+      }
+  for (Index j = n; j < all; ++j) {
+    const lcp::ExactSum& g = along[at(j - n)];
+    if (!g.exact() || (g.sign() > 0 && sums.problem.box.upper[j] == infinity) ||
+        (g.sign() < 0 && sums.problem.box.lower[j] == -infinity))
+      return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 std::optional<Infeasibility> no_solution_by_sums(const Mcp& mcp, double tol, lcp::Deadline deadline) {
@@ -70,6 +94,7 @@ std::optional<Infeasibility> no_solution_by_sums(const Mcp& mcp, double tol, lcp
   if (const Vec exact = lcp::exact_certificate(sums->problem, y, tol); exact.size() > 0) y = exact;
   lcp::Refutation proof = lcp::refute(sums->problem, y, tol, sums->rows);
   if (proof.tolerance < tol || !lcp::holds(sums->problem, proof)) return std::nullopt;
+  if (!terms_keep_their_sign(*sums, mcp.size(), proof)) return std::nullopt;
   return Infeasibility{.residual_bound = proof.tolerance,
                        .within_bounds = true,
                        .certificate = std::make_shared<const lcp::Refutation>(std::move(proof)),

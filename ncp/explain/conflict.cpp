@@ -75,11 +75,13 @@ std::optional<LinearDemands::Elastic> LinearDemands::repaired(const Demands& dem
   if (!found) return found;
   Elastic all{.z = std::move(found->z),
               .y = std::vector<double>(demands.size(), 0),
+              .share = std::vector<double>(demands.size(), 0),
               .missed = std::vector<double>(demands.size(), 0),
               .total = found->total};
   for (std::size_t k = 0, s = 0; k < demands.size(); ++k) {
     if (s == soft.size() || !(soft[s] == demands[k])) continue;
     all.y[k] = found->y[s];
+    all.share[k] = found->share[s];
     all.missed[k] = found->missed[s++];
   }
   return all;
@@ -150,11 +152,13 @@ std::optional<LinearDemands::Elastic> LinearDemands::solve(const Demands& demand
   if (!found.accepted()) return std::nullopt;
   Elastic out{.z = lcp::project(box, Vec::Zero(problem_.size())),
               .y = std::vector<double>(m),
+              .share = std::vector<double>(m),
               .missed = std::vector<double>(m, 0)};
   for (Index j = 0; j < n; ++j) out.z[columns[at(j)]] = found.z[j];
   const Vec F = lp.M * found.z + lp.q;
   for (std::size_t k = 0; k < m; ++k) {
     const Index r = n + static_cast<Index>(k);
+    out.share[k] = found.z[r];
     out.y[k] = found.z[r] * scale[static_cast<Index>(k)];
     const double value = F[r];
     const bool misses = (value < 0 && lp.box.upper[r] > 0) || (value > 0 && lp.box.lower[r] < 0);
@@ -189,11 +193,25 @@ bool LinearDemands::has_one_proof(const Demands& demands) const {
 
 Demands LinearDemands::support(const Demands& demands, const Elastic& found) {
   double largest = 0;
-  for (const double y : found.y) largest = std::max(largest, std::abs(y));
+  for (const double y : found.share) largest = std::max(largest, std::abs(y));
   Demands out;
   for (std::size_t k = 0; k < demands.size(); ++k)
-    if (std::abs(found.y[k]) > no_share * largest) out.push_back(demands[k]);
+    if (std::abs(found.share[k]) > no_share * largest) out.push_back(demands[k]);
   return out;
+}
+
+bool LinearDemands::proves(const Demands& demands, In y) const {
+  const Box& box = problem_.box;
+  Box Z = Box::free(problem_.size()), W = Box::free(problem_.size());
+  for (const auto& [of, i] : demands) {
+    if (of == Demand::Lower) Z.lower[i] = box.lower[i];
+    if (of == Demand::Upper) Z.upper[i] = box.upper[i];
+    if (of != Demand::Row) continue;
+    if (!box.has_upper(i)) W.lower[i] = 0;
+    if (!box.has_lower(i)) W.upper[i] = 0;
+  }
+  const lcp::Exclusion found = lcp::exclusion(problem_.M, problem_.q, Z, W, lcp::TwoPartVector(Vec(y)));
+  return found.margin > lcp::proof_radius * found.wrong;
 }
 
 namespace {
@@ -249,7 +267,11 @@ std::optional<Conflict> smallest_conflict(const LinearDemands& all, Demands firs
                                                  },
                                                  deadline);
   out.demands = std::move(first);
-  if (const Vec exact = lcp::exact_certificate(all.problem(), y); exact.size() > 0)
+  Vec shown = Vec::Zero(y.size());
+  for (const auto& [of, i] : out.demands)
+    if (of == Demand::Row) shown[i] = y[i];
+  if (const Vec exact = lcp::exact_certificate(all.problem(), shown);
+      exact.size() > 0 && all.proves(out.demands, exact))
     if (lcp::Refutation proof = lcp::refutation_by(all.problem(), exact); proof.tolerance > 0)
       out.proof.certificate = std::make_shared<const lcp::Refutation>(std::move(proof));
   return out;

@@ -47,6 +47,7 @@ class LinearDemands {
   struct Elastic {
     Vec z;                       ///< of all variables; those in no demand are 0, moved into the box
     std::vector<double> y;       ///< multipliers of the demands as they are, not scaled
+    std::vector<double> share;   ///< multipliers of the scaled ones, up to about 1
     std::vector<double> missed;  ///< how much has to be added to the left-hand side of each, with its sign
     double total = 0;            ///< of the scaled ones
   };
@@ -61,6 +62,8 @@ class LinearDemands {
   bool has_one_proof(const Demands& demands) const;
   /// The demands with multipliers.
   static Demands support(const Demands& demands, const Elastic& found);
+  /// Whether y proves exactly that these demands alone contradict each other.
+  bool proves(const Demands& demands, In y) const;
   const lcp::AffineMcp& problem() const { return problem_; }
 
  private:

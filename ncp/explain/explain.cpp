@@ -131,9 +131,13 @@ class Explainer {
     const LinearDemands demands(*proof.sums, rows);
     out_.conflict = smallest_conflict(demands, demands.of_rows(lcp::rows_of(*proof.certificate)), part_of_time(0.5));
     if (!out_.conflict) return;
-    std::erase_if(out_.conflict->demands, [this](const Demand& d) { return d.index >= mcp_.size(); });
-    out_.conflict->proof = proof;
-    tell_conflict(true);
+    const bool ranges =
+        std::erase_if(out_.conflict->demands, [this](const Demand& d) { return d.index >= mcp_.size(); }) > 0;
+    Infeasibility& found = out_.conflict->proof;
+    if (found.certificate && found.certificate->radius < infinity) found = {};  // a term may be beyond
+    if (found.certificate) found.sums = proof.sums;
+    tell_conflict(found.certificate != nullptr);
+    if (ranges) out_.answers.back().text += ", with the ranges of terms that are not affine";
   }
 
   lcp::Deadline part_of_time(double share) const {
@@ -162,9 +166,10 @@ class Explainer {
     std::erase_if(bounds, [](const Demand& d) { return d.of == Demand::Row; });
     const std::string rows = listed_equations(mcp_, answer.rows);
     const std::string limits = listed(bounds.size(), [&](std::size_t k) { return told(bounds[k]); });
-    answer.text = answer.rows.size() == 1 ? "row " + rows + " contradicts "
-                  : bounds.empty()        ? "rows " + rows + " contradict each other"
-                                          : "rows " + rows + " contradict each other, with ";
+    const bool one = answer.rows.size() == 1;
+    answer.text = (one ? "row " : "rows ") + rows;
+    answer.text += !one ? " contradict each other" : bounds.empty() ? " cannot hold" : " contradicts ";
+    if (!one && !bounds.empty()) answer.text += ", with ";
     if (!bounds.empty()) answer.text += (bounds.size() == 1 ? "the bound " : "the bounds ") + limits;
     if (out_.conflict->smallest && all.size() > 1)
       answer.text += "; no contradiction was found without any one of these";

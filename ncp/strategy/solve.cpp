@@ -77,9 +77,9 @@ class RangesRefuse {
 /// Where methods are stuck, there may be no solution.
 void refute(Run& run, double tol) {
   if (std::optional<Infeasibility> proof = no_solution_by_sums(run.mcp(), tol, run.deadline())) {
-    std::string words =
-        "proven to have no solution: " + rows_in_words(run.mcp(), *proof) +
-        " contradict each other, whatever values within their ranges the terms have that are not affine";
+    std::string words = "proven to have no solution: " + rows_in_words(run.mcp(), *proof) + " contradict each other";
+    if (uses_terms(run.mcp(), *proof))
+      words += ", whatever values within their ranges the terms have that are not affine";
     return run.replace_verdict(
         {Status::Infeasible, std::move(words), "look for a mistake in the model", std::move(*proof)});
   }

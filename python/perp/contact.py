@@ -208,7 +208,8 @@ class Problem:
         if matrices is not None and m not in (-1, len(matrices)):
             refuse("dW", f"has {len(matrices)} matrices, and must have {m}, as dq or dmu has columns")
         m = max(m, 0) if matrices is None else len(matrices)
-        dp = None if direction is None else vector(direction, m or size + k, "direction")
+        named = any(one is not None for one in (dq, dmu, dW))
+        dp = None if direction is None else vector(direction, m if named else size + k, "direction")
         handle, interrupt = _session.work(
             _library.lib.perp_contact_sensitivity,
             self._handle.pointer,

@@ -287,6 +287,9 @@ export function solveAffine(M, q, { lower, upper, pattern, ...options } = {}) {
 
 export function solveNl(nl, { row, col, ...options } = {}) {
   const names = ["model.nl", "model.row", "model.col"];
+  [nl, row, col].forEach((bytes, k) => {
+    if (!(bytes instanceof Uint8Array || (k > 0 && bytes === undefined))) throw new TypeError(`${names[k]} is no Uint8Array`);
+  });
   [nl, row, col].forEach((bytes, k) => bytes && system.put(names[k], bytes));
   try {
     return run(options, {}, (arena) => make(arena, "perp_problem_read_nl", interface_, arena.text(names[0])), undefined,

@@ -123,6 +123,19 @@ TEST(NoSolutionBySums, IsNotClaimedWhereThereIsASolution) {
   }
 }
 
+// (1 + eps) e^x - e^u = 0 and e^x - (1 - eps) e^u = 1 have the solution e^x = 2^104: multipliers prove that there is
+// none with terms below 1e31, and variables of 72 have larger ones. Catches a radius that is kept for variables only.
+TEST(NoSolutionBySums, IsNotClaimedWhereTermsAreLarge) {
+  const auto mcp = make_autodiff_mcp(
+      []<class T>(std::span<const T> x, std::span<T> F) {
+        using std::exp;
+        F[0] = (1 + 0x1p-52) * exp(x[0]) - exp(x[1]);
+        F[1] = exp(x[0]) - (1 - 0x1p-52) * exp(x[1]) - 1;
+      },
+      {.box = Box::free(2)});
+  EXPECT_FALSE(no_solution_by_sums(*mcp, 1e-8));
+}
+
 // The sums are F: at points, with terms at the values that they have there. Catches terms that are taken for the same,
 // coefficients that were rounded, and signs.
 TEST(RowSums, EqualF) {
@@ -166,7 +179,9 @@ TEST(NoSolutionBySums, HasACertificateWithItsTerms) {
   EXPECT_NEAR(proof->residual_bound, 0.5, 1e-6);
   const std::string text = certificate_json(*mcp, Vec::Zero(2), *proof);
   EXPECT_THAT(text, HasSubstr("\"name\":\"term 1\",\"lower\":null,\"upper\":null"));
+  EXPECT_THAT(text, HasSubstr("\"terms_from\":2"));
   EXPECT_EQ(rows_in_words(*mcp, *proof), "rows F[1] and F[2]");
+  EXPECT_TRUE(uses_terms(*mcp, *proof));
 }
 
 }  // namespace

@@ -91,6 +91,36 @@ TEST(Explain, ConflictOfRowsWithTheSameTerms) {
   EXPECT_TRUE(found.repair.verified);
 }
 
+// x - y = 0, 1e8 (y - z) = 0 and z - x = 1 contradict each other, no two of them do. Would catch a row that is left out
+// because its multiplier is small beside the others' in the units that it is written in.
+TEST(Explain, ConflictKeepsRowsOfLargeCoefficients) {
+  const Explanation found =
+      explained({.M = matrix({{1, -1, 0}, {0, 1e8, -1e8}, {-1, 0, 1}}), .q = vec({0, 0, -1}), .box = Box::free(3)});
+  ASSERT_EQ(found.result.status, Status::Infeasible);
+  ASSERT_FALSE(found.answers.empty());
+  EXPECT_TRUE(found.answers.front().proven);
+  EXPECT_THAT(found.answers.front().rows, ElementsAre(0, 1, 2));
+}
+
+// e^x = -1, by terms that cancel beside it. Would catch a sentence without an end where nothing but the range of a term
+// contradicts.
+TEST(Explain, ConflictOfARowAndARange) {
+  const auto mcp = make_autodiff_mcp(
+      []<class T>(std::span<const T> x, std::span<T> F) {
+        using std::exp;
+        F[0] = x[1] * x[1] - x[0];
+        F[1] = exp(x[0]) - x[1] * x[0] + x[2] + 1;
+        F[2] = x[1] * x[0] - x[2];
+      },
+      {.box = Box::free(3)});
+  const Explanation found = explain(*mcp, Vec::Zero(3), {.method = automatic()});
+  ASSERT_EQ(found.result.status, Status::Infeasible) << found.result.message;
+  ASSERT_FALSE(found.answers.empty());
+  EXPECT_TRUE(found.answers.front().proven);
+  EXPECT_THAT(found.answers.front().rows, ElementsAre(1, 2));
+  EXPECT_THAT(found.answers.front().text, HasSubstr("with the ranges of terms that are not affine"));
+}
+
 // Each is solved, or found to have no solution, and in each the row is told that is no mirror of the others. Would
 // catch a law that is read off the wrong entries, or blames the others.
 TEST(Explain, RowThatBreaksTheSymmetry) {
