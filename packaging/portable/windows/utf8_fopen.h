@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Included before each source of AMPL's library, which opens the .nl file: fopen takes its name in UTF-8, as all of Perp
-   has it, where Windows' own takes letters of the machine's code page. */
+/* Included before each source of AMPL's library, which opens the .nl file: fopen takes its name in UTF-8, as all of
+   Perp has it, where Windows' own takes letters of the machine's code page. */
 #ifndef PERP_PORTABLE_UTF8_FOPEN_H
 #define PERP_PORTABLE_UTF8_FOPEN_H
 
