@@ -246,6 +246,16 @@ TEST(ContactSensitivity, SlidingBlockIsTheClosedForm) {
   EXPECT_LE((s.dr.bottomRightCorner(2, 3).leftCols(2) * n + 0.6 / 1.5 * n).norm(), 1e-12);
 }
 
+// mu = 1e8: it slips, with an impulse that presses 1e-8 of the one that brakes. Would catch a normal impulse that is
+// measured by friction and taken for none.
+TEST(ContactSensitivity, LargeFrictionPressesLittle) {
+  const Problem problem = contact({{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, vec({-1e-7, 11, 0}), 1e8);
+  const Sensitivity s = sensitivity(problem, vec({1e-7, -10, 0}), by_q_and_mu(problem));
+  ASSERT_EQ(s.status, SensitivityStatus::Differentiable) << s.message;
+  EXPECT_EQ(s.regions, std::vector<Region>{Region::Slip});
+  EXPECT_LE((s.dr.col(0) - vec({-1, 1e8, 0})).norm(), 1e-4);
+}
+
 // u_N = max(q_N, 0), r_N = max(-q_N, 0) / W_NN of a contact that touches and slips; and without slip, at the cone's
 // point, where the derivative is Coulomb's law itself: a push below mu sticks, one above slips.
 TEST(ContactSensitivity, TouchingContactsInClosedForm) {

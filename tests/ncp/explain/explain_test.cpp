@@ -94,8 +94,9 @@ TEST(Explain, ConflictOfRowsWithTheSameTerms) {
 // x - y = 0, 1e8 (y - z) = 0 and z - x = 1 contradict each other, no two of them do. Would catch a row that is left out
 // because its multiplier is small beside the others' in the units that it is written in.
 TEST(Explain, ConflictKeepsRowsOfLargeCoefficients) {
-  const Explanation found =
-      explained({.M = matrix({{1, -1, 0}, {0, 1e8, -1e8}, {-1, 0, 1}}), .q = vec({0, 0, -1}), .box = Box::free(3)});
+  const auto mcp = make_affine_mcp(
+      {.M = matrix({{1, -1, 0}, {0, 1e8, -1e8}, {-1, 0, 1}}), .q = vec({0, 0, -1}), .box = Box::free(3)}, "made");
+  const Explanation found = explain(*mcp, Vec::Zero(3), {.method = automatic()});
   ASSERT_EQ(found.result.status, Status::Infeasible);
   ASSERT_FALSE(found.answers.empty());
   EXPECT_TRUE(found.answers.front().proven);
