@@ -7,6 +7,7 @@
 #include "lcp/exact_sum.hpp"
 #include "lcp/judge/refutation.hpp"
 #include "lcp/solve/solve.hpp"
+#include "ncp/analysis/exact_multipliers.hpp"
 #include "ncp/analysis/no_solution.hpp"
 #include "ncp/analysis/row_sums.hpp"
 
@@ -76,6 +77,18 @@ bool terms_keep_their_sign(const RowSums& sums, Index n, const lcp::Refutation& 
   return true;
 }
 
+lcp::Refutation exact_refutation(const lcp::AffineMcp& problem, In y) {
+  lcp::Refutation proof;
+  const std::optional<lcp::TwoPartVector> exact = exact_multipliers(problem, y);
+  if (!exact) return proof;
+  const lcp::Exclusion excluded = lcp::exclusion(problem, *exact);
+  if (!(excluded.margin > 0) || excluded.wrong > 0) return proof;
+  for (Index i = 0; i < y.size(); ++i)
+    if (exact->value[i] != 0) proof.proof.y.push_back({i, exact->value[i], exact->rest[i]});
+  lcp::raise_tolerance(problem, proof, excluded.margin / excluded.size);
+  return proof;
+}
+
 }  // namespace
 
 std::optional<Infeasibility> no_solution_by_sums(const Mcp& mcp, double tol, lcp::Deadline deadline) {
@@ -92,9 +105,13 @@ std::optional<Infeasibility> no_solution_by_sums(const Mcp& mcp, double tol, lcp
   for (std::size_t k = 0; k < program.rows.size(); ++k)
     y[program.rows[k]] = found.certificate[y.size() + static_cast<Index>(k)];
   if (const Vec exact = lcp::exact_certificate(sums->problem, y, tol); exact.size() > 0) y = exact;
+  const auto proves = [&](const lcp::Refutation& proof) {
+    return proof.tolerance >= tol && lcp::holds(sums->problem, proof) &&
+           terms_keep_their_sign(*sums, mcp.size(), proof);
+  };
   lcp::Refutation proof = lcp::refute(sums->problem, y, tol, sums->rows);
-  if (proof.tolerance < tol || !lcp::holds(sums->problem, proof)) return std::nullopt;
-  if (!terms_keep_their_sign(*sums, mcp.size(), proof)) return std::nullopt;
+  if (!proves(proof)) proof = exact_refutation(sums->problem, y);
+  if (!proves(proof)) return std::nullopt;
   return Infeasibility{.residual_bound = proof.tolerance,
                        .within_bounds = true,
                        .certificate = std::make_shared<const lcp::Refutation>(std::move(proof)),

@@ -95,7 +95,7 @@ TEST(NoSolutionBySums, IsProvenOfMonotoneProblems) {
     EXPECT_TRUE(lcp::holds(*proof->sums, *proof->certificate)) << run;
     EXPECT_GE(proof->residual_bound, 1e-8) << run;
   }
-  EXPECT_GE(proven, 80);  // the multipliers of some are fractions that two doubles do not hold
+  EXPECT_GE(proven, 95);  // the multipliers of a few have more digits than two doubles
 }
 
 // The end of a solve says it, with a certificate. Catches a method that is stuck, and nobody looks for the proof.
@@ -112,7 +112,7 @@ TEST(NoSolutionBySums, EndsASolve) {
     ++proven;
     EXPECT_THAT(result.message, HasSubstr("proven to have no solution")) << run;
   }
-  EXPECT_GE(proven, 15);
+  EXPECT_GE(proven, 18);
 }
 
 // Problems with a planted solution. Catches a proof of what is false.
