@@ -7,9 +7,9 @@
 #include "lcp/exact_sum.hpp"
 #include "lcp/judge/refutation.hpp"
 #include "lcp/solve/solve.hpp"
-#include "ncp/analysis/exact_multipliers.hpp"
 #include "ncp/analysis/no_solution.hpp"
 #include "ncp/analysis/row_sums.hpp"
+#include "ncp/interval/exact_multipliers.hpp"
 
 namespace perp::ncp {
 namespace {

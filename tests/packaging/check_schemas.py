@@ -57,10 +57,12 @@ RUNS = [
     ("no-result", 1, "contact pipe --time-limit 0.1"),
     ("inspect", 0, "inspect feasible-unsolvable-own"),
     ("inspect", 0, "inspect helical-valley --start-at zeros.mtx"),
+    ("solve", 1, "solve terms.nl"),
     ("inspect", 0, "inspect data/models/harberger.nl"),
     ("inspect", 0, "inspect M.mtx q.mtx"),
     ("explain", 0, "explain data/models/cournot.nl"),
     ("explain", 1, "explain infeasible-own"),
+    ("explain", 1, "explain terms.nl"),
     ("explain", 1, "explain feasible-unsolvable-own"),
     ("no-result", 2, "explain nowhere.nl"),
     ("list", 0, "list --class tiny"),
@@ -123,6 +125,8 @@ FILES = {
     "M.mtx": "%%MatrixMarket matrix coordinate real general\n2 2 2\n1 1 1\n2 1 1e-300\n",
     "q.mtx": "%%MatrixMarket matrix array real general\n2 1\n-1\n1\n",
     "zeros.mtx": "%%MatrixMarket matrix array real general\n3 1\n0\n0\n0\n",
+    # x_2 - exp(x_1) >= 0 and exp(x_1) - x_2 >= 1.
+    "terms.nl": "g3 1 1 0\n 2 2 0 0 0 0\n 2 0 0 2 0 0\n 0 0\n 2 2 2\n 0 0 0 1\n 0 0 0 0 0\n 4 0\n 0 0\n 0 0 0 0 0\nC0\no16\no44\nv0\nC1\no0\nn-1\no44\nv0\nx0\nr\n5 1 1\n5 1 2\nb\n2 0\n2 0\nk1\n2\nJ0 2\n0 0\n1 1\nJ1 2\n0 0\n1 -1\n",
     # W = I, slipping and sticking; W = 0 and a velocity that nothing stops.
     "plane.dat": "2\n2\n0 4 4\n4 4\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n-1 2 -1 -0.2\n0.5 0.5\n",
     # Rolling in 2D: W = I, mu_r = 0.1.
@@ -132,6 +136,7 @@ FILES = {
 
 # Keys that a document may lack, "*" for an item of a list, and tables of any keys.
 OPTIONAL = {("solve", "derivatives"), ("solve", "residual_bound"), ("solve", "proven_by"), ("solve", "certificate"), ("solve", "verified"), ("solve", "deflation"), ("campaign", "shard"), ("solve", "variables.*.basis"), ("judge", "lower"), ("judge", "x"), ("judge", "upper")}
+OPTIONAL |= {("solve", "certificate.terms_from"), ("explain", "conflict.certificate.terms_from")}
 OPTIONAL |= {("contact", "states.roll"), ("contact", "contacts.*.mu_r")}  # with rolling friction
 OPTIONAL |= {("contact-runs", "problems.*." + key) for key in ("states.roll", "contacts.*.mu_r")}
 OPTIONAL |= {("cells-line", "cell." + key) for key in ("contacts", "solved_by", "siconos", "rr9118", "command")}

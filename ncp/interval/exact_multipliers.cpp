@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ncp/analysis/exact_multipliers.hpp"
+#include "ncp/interval/exact_multipliers.hpp"
 
 #include <cfloat>  // which gmpxx.h uses
 
@@ -9,15 +9,18 @@
 #include <utility>
 #include <vector>
 
-#include "ncp/problem/mcp.hpp"
-
 namespace perp::ncp {
 namespace {
 
+using lcp::at;
+using lcp::Index;
+using lcp::SpMat;
+using lcp::Vec;
+
 /// Multipliers and sums within this x the largest, or their terms, are rounding.
 constexpr double nearly = 1e-9;
-/// The elimination is O(most^3) in rational numbers: below a second.
-constexpr std::size_t most = 200;
+/// The elimination is O(most_rows^3) in rational numbers: below a second.
+constexpr std::size_t most_rows = 200;
 constexpr int free_digits = 24;
 
 using Rationals = std::vector<mpq_class>;
@@ -61,27 +64,27 @@ bool in_two_parts(const mpz_class& value, int shift, double& high, double& low) 
 std::optional<lcp::TwoPartVector> exact_multipliers(const lcp::AffineMcp& problem, lcp::In y) {
   const double largest = y.lpNorm<Eigen::Infinity>();
   std::vector<Index> S;
-  std::vector<std::size_t> place(at(y.size()), most);
+  std::vector<std::size_t> place(at(y.size()), most_rows);
   for (Index i = 0; i < y.size(); ++i)
     if (std::abs(y[i]) > nearly * largest) {
       place[at(i)] = S.size();
       S.push_back(i);
     }
-  if (S.empty() || S.size() > most) return std::nullopt;
+  if (S.empty() || S.size() > most_rows) return std::nullopt;
   std::vector<Rationals> E;
   for (Index j = 0; j < problem.size(); ++j) {
     if (std::isfinite(problem.box.lower[j]) && std::isfinite(problem.box.upper[j])) continue;
     Rationals column(S.size());
     double sum = 0, terms = 0;
     for (SpMat::InnerIterator it(problem.M, j); it; ++it) {
-      if (place[at(it.row())] == most) continue;
+      if (place[at(it.row())] == most_rows) continue;
       column[place[at(it.row())]] = it.value();
       sum += it.value() * y[it.row()];
       terms += std::abs(it.value() * y[it.row()]);
     }
     if (terms > 0 && std::abs(sum) <= nearly * terms) E.push_back(std::move(column));
   }
-  if (E.size() > most) return std::nullopt;
+  if (E.size() > most_rows) return std::nullopt;
   const std::vector<std::size_t> pivots = eliminate(E, S.size());
   if (pivots.size() == S.size()) return std::nullopt;
   Rationals exact(S.size());

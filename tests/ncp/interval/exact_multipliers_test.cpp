@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ncp/analysis/exact_multipliers.hpp"
+#include "ncp/interval/exact_multipliers.hpp"
 
 #include <gtest/gtest.h>
 
