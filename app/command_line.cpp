@@ -301,7 +301,9 @@ struct CommandLine {
 std::string moved(const std::vector<std::string>& arguments) {
   const auto has = [&](const char* word) { return std::ranges::find(arguments, word) != arguments.end(); };
   if (arguments[0] == "compare" || arguments[0] == "report") return "perp-" + arguments[0];
-  if (arguments[0] == "contact" && (has("--compare") || has("--facets"))) return "perp-compare contact";
+  if (arguments[0] == "contact" && has("--compare")) return "perp-compare contact";
+  if (arguments[0] == "contact" && has("--facets")) return "perp-compare facets";
+  if (arguments[0] == "contact" && has("ball")) return "perp-compare ball";
   if (arguments[0] == "contact" && has("--svg")) return "perp-compare forces";
   return "";
 }

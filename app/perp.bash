@@ -94,12 +94,13 @@ _perp_list() {  # the words after the last comma of a list, behind what is befor
 _perp_lab() {
   local cur=${COMP_WORDS[COMP_CWORD]} prev=${COMP_WORDS[COMP_CWORD-1]} kind=${COMP_WORDS[1]} help
   COMPREPLY=()
-  case $kind in contact | forces) ;; *) kind='' ;; esac
+  case $kind in contact | facets | ball | forces) ;; *) kind='' ;; esac
   case $prev in
     --problems) mapfile -t COMPREPLY < <(_perp_list "all $(COMP_WORDS=(perp); _perp_problems)") ;;
     --methods) mapfile -t COMPREPLY < <(_perp_list "presets published all none cfunctions $(COMP_WORDS=(perp); _perp_methods)") ;;
-    --baseline | --svg | --program) mapfile -t COMPREPLY < <(compgen -f -- "$cur") ;;
+    --baseline | --svg | --json | --program) mapfile -t COMPREPLY < <(compgen -f -- "$cur") ;;
     --out) mapfile -t COMPREPLY < <(compgen -d -- "$cur") ;;
+    --form) mapfile -t COMPREPLY < <(_perp_words "reduced mixed") ;;
     --*)
       [ "$prev" = --resume ] && mapfile -t COMPREPLY < <(_perp_words "--out") ;;
     *)
@@ -109,7 +110,7 @@ _perp_lab() {
       elif [ "${COMP_WORDS[0]##*/}" = perp-report ]; then
         mapfile -t COMPREPLY < <(compgen -d -- "$cur")
       elif [ "$COMP_CWORD" -eq 1 ]; then
-        mapfile -t COMPREPLY < <(_perp_words "contact forces")
+        mapfile -t COMPREPLY < <(_perp_words "contact facets ball forces")
       else
         mapfile -t COMPREPLY < <(compgen -f -- "$cur")
       fi ;;

@@ -29,7 +29,7 @@ constexpr const char* footer =
     "  perp contact Rover.dat --method homotopy                only Glocker's NCP by interior points\n"
     "  perp contact --generate stack:60 --fclib-out stack.hdf5\n"
     "  perp-compare contact data/*.dat --out contact-comparison        variants compared\n"
-    "  perp-compare contact data/*.dat --variants glocker,inner:8,inner:16    what polygons cost\n"
+    "  perp-compare facets data/*.dat --facets 4,8,16,32 --svg facets.svg   the errors of polygons, drawn over K\n"
     "  perp-compare forces spheres:200:7 --svg forces.svg      the forces in their friction disks, drawn\n"
     "\n"
     "glocker, coulomb and ncp1 have Coulomb's law. They are solved when two conditions hold. The natural map, "

@@ -309,6 +309,40 @@ def test_contact_limits(tmp_path):
         assert [c["outcome"] for c in cells(tmp_path / outcome)] == [outcome]
 
 
+# Friction turned towards a corner by up to pi / K: the errors of polygons fall at least like 1/K (contact/README.md).
+# By hand: inner polygons never leave the cone, outer ones miss no dissipation.
+def test_facets(tmp_path):
+    sliding = ROOT / "data" / "contact" / "incline-3-sliding.hdf5"
+    words = ("facets", sliding, "stack:3", "--facets", "16,4", "--svg", tmp_path / "f.svg", "--json", tmp_path / "f.json")
+    run = compare(*words)
+    assert run.returncode == 0, run.stderr
+    study = json.loads((tmp_path / "f.json").read_text())
+    assert [p["counts"] for p in study["problems"]] == [True, False]
+    assert study["powers"]["inner"]["natural"] < -1
+    assert study["powers"]["outer"]["cone"] < -1
+    assert study["powers"]["inner"]["cone"] is None and study["powers"]["outer"]["slip"] is None
+    assert [(line["polygon"], line["facets"], line["solved"]) for line in study["lines"]] == [(side, K, 6) for side in ("inner", "outer") for K in (4, 16)]
+    assert len(study["runs"]) == 2 * 2 * 2 * 3
+    assert f"in the disk (inner:K): falls like K^{study['powers']['inner']['natural']:.2f}" in (tmp_path / "f.svg").read_text()
+    wrong = wrapper(tmp_path / "perp", 'case "$*" in *"--formulation outer:16"*) kill -9 $$;; esac')
+    run = compare(*words, "--program", wrong)
+    assert run.returncode == 4
+    assert "outer:16" in run.stderr and "signal 9" in run.stderr
+    for refused, why in ((("--facets", "2"), "from 3 to 1000"), (("--facets", "4", "--svg", sliding), "ends in .svg")):
+        run = compare("facets", sliding, *refused)
+        assert run.returncode == 2
+        assert why in run.stderr
+
+
+def test_ball(tmp_path):
+    run = compare("ball", "--svg", tmp_path / "b.svg", "--facets", "4", "--load", "1", "--cycles", "1")
+    assert run.returncode == 0, run.stderr
+    assert "law: stays at rest" in (tmp_path / "b.svg").read_text()
+    run = compare("ball", "--facets", "6,8", "--load", "1", "--cycles", "1")  # of Acary's: 6 facets hold this load, 8 do not
+    drift = {words[0]: float(words[-1]) for line in run.stdout.splitlines() if (words := line.split()) and ":" in words[0]}
+    assert drift["inner:6"] < 1e-12 < 1e-2 < drift["inner:8"]
+
+
 def test_forces(tmp_path):
     sliding = ROOT / "data" / "contact" / "incline-3-sliding.hdf5"
     for flags, slipping in (([], "slip: 12"), (["--formulation", "inner:6", "--rotation", "0.3"], "slip: 9")):
@@ -320,7 +354,7 @@ def test_forces(tmp_path):
 
 
 # Catches an option that the man page does not have, and one that is no more.
-@pytest.mark.parametrize(("words", "section"), [("compare", "compare"), ("compare contact", "compare contact"), ("report", "report")])
+@pytest.mark.parametrize(("words", "section"), [("compare", "compare"), ("compare contact", "compare contact"), ("compare facets", "compare facets"), ("report", "report")])
 def test_man_page(words, section):
     page = (ROOT / "app" / "perp-compare.1").read_text().split(f"\n.Ss perp-{section}\n")[1].split("\n.S")[0]
     run = subprocess.run(command(*words.split(), "--help"), capture_output=True, text=True, check=True, env={**os.environ, "COLUMNS": "1000"})
@@ -333,6 +367,7 @@ def test_man_page(words, section):
     [
         ("perp-compare --re", {"--restarts", "--resume"}),
         ("perp-compare contact --t", {"--tol", "--time-limit", "--turn"}),
+        ("perp-compare facets --f", {"--facets", "--form"}),
         ("perp-compare con", {"contact"}),
         ("perp-compare --problems kojshin,jose", {"kojshin,josephy"}),
         ("perp-compare --methods path,nes", {"path,nesqp"}),

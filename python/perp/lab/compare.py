@@ -72,6 +72,10 @@ def compare(arguments):
         from .forces import forces
 
         return forces(arguments[1:])
+    if kind in ("facets", "ball"):
+        from . import polygons
+
+        return polygons.ball(arguments[1:]) if kind == "ball" else polygons.facets(arguments[1:], interrupts())
     if kind == "contact":
         from .contact import ContactComparison
 

@@ -39,6 +39,8 @@ Examples:
   perp-compare --out peers --resume                     after Ctrl-C, kill -9, a full disk or a power cut
   perp-compare --problems all --shard 3/7 --out part3   the third of seven parts
   perp-compare contact --help                           variants on problems of contact with friction
+  perp-compare facets --help                            what polygons cost in place of friction disks
+  perp-compare ball --help                              the path of a ball by polygons
   perp-compare forces --help                            the forces of a solution, drawn in their friction disks
 
 A cell is one method on one problem from one start. It runs in a process of its own, with limits of time and

@@ -35,15 +35,20 @@ def read_contact(answer):
 
 
 class ContactRunner(CellRunner):
+    def contact(self, source, flags, tol):
+        """(its End, the command that repeats it) of a run of `perp contact`."""
+        limit = self.campaign["time_limit"]
+        words = ["contact", source, *flags, "--tol", repr(tol), "--time-limit", repr(limit)]
+        end = self.run(self.program, *words, "--log-level", "quiet", "--json", "-", seconds=2 * limit + READING)
+        return end, "perp " + shlex.join(words)
+
     def attempt(self, method, problem, start, restart):
         limit = self.campaign["time_limit"]
-        words = ["contact", source_of(problem), *method["options"], "--tol", repr(self.campaign["tol"])]
-        words += ["--time-limit", repr(limit)]
-        end = self.run(self.program, *words, "--log-level", "quiet", "--json", "-", seconds=2 * limit + READING)
+        end, command = self.contact(source_of(problem), method["options"], self.campaign["tol"])
         made = attempt_of(end, f"{method['label']} on {problem['name']}", read_contact)
         if made.claim in ("solved", "failed") and made.seconds > limit:
             made.claim, made.message = "time-limit", f"{made.message} after {made.seconds:.3g} s, beyond the limit"
-        made.facts = {**dict.fromkeys(FACTS), **made.facts, "command": "perp " + shlex.join(words)}
+        made.facts = {**dict.fromkeys(FACTS), **made.facts, "command": command}
         return made
 
 

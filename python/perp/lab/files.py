@@ -96,6 +96,11 @@ def write_files(folder, files):
         sync_folder(folder)
 
 
+def write_file(path, text):
+    folder, name = os.path.split(os.path.abspath(path))
+    write_files(folder, {name: text})
+
+
 def sync_folder(folder):
     with contextlib.suppress(OSError):
         handle = os.open(folder, os.O_RDONLY)

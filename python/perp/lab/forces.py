@@ -3,14 +3,20 @@
 
 import argparse
 import math
-import os
 import sys
 
 from .campaign import SOLVED, UNSOLVED, Program, count
-from .files import InputError, number, write_files
+from .files import InputError, number, write_file
 
 LEAST = sys.float_info.min
 STATES = {"stick": ("#0072B2", "o"), "slip": ("#D55E00", "D"), "open": ("#767676", "x")}
+
+
+def picture(path):
+    """The name of a picture, so that no problem is written over by a slip."""
+    if not path.endswith(".svg"):
+        raise argparse.ArgumentTypeError(f"'{path}': the name of a picture ends in .svg")
+    return path
 
 
 def corners_of(K, outer, turn):
@@ -78,16 +84,13 @@ def forces(arguments):
     usage = "%(prog)s PROBLEM --svg FILE [FLAG OF perp contact]..."
     parser = argparse.ArgumentParser(prog="perp-compare forces", usage=usage, description=words)
     parser.add_argument("problem", metavar="PROBLEM", help="a file of FCLIB or Siconos, or NAME:SIZE[:SEED[:MU]]")
-    parser.add_argument("--svg", required=True, metavar="FILE.svg", help="the picture")
+    parser.add_argument("--svg", required=True, type=picture, metavar="FILE.svg", help="the picture")
     parser.add_argument("--program", metavar="FILE", help="the program perp")
     given, others = parser.parse_known_args(arguments)
-    if not given.svg.endswith(".svg"):
-        raise InputError(f"--svg '{given.svg}': the name of a picture ends in .svg")  # no problem is written over
     answer = Program(given.program).json("contact", given.problem, *others, "--log-level", "quiet", "--json", "-")
     if "contacts" not in answer:
         raise InputError(answer["message"])
-    folder, name = os.path.split(os.path.abspath(given.svg))
-    write_files(folder, {name: forces_svg(answer)})
+    write_file(given.svg, forces_svg(answer))
     states = ", ".join(f"{n} {name}" for name, n in answer["states"].items())
     print(f"{answer['status']}: {states}; {given.svg}")
     return SOLVED if answer["status"] == "Solved" else UNSOLVED

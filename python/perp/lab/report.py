@@ -26,7 +26,7 @@ IN_COLOUR = 8  # curves of a chart; the others are grey until they are asked for
 # Pictures.
 
 
-def figure(name, width=5.6, height=4.1):
+def figure(name, width=5.6, height=4.1, shape=(1, 1)):
     """matplotlib's figure, whose SVG keeps text as text; ids differ by `name`, as pictures stand in one page."""
     import matplotlib
 
@@ -36,7 +36,7 @@ def figure(name, width=5.6, height=4.1):
     from matplotlib.figure import Figure
 
     made = Figure(figsize=(width, height), layout="constrained")
-    return made, made.subplots()
+    return made, made.subplots(*shape)
 
 
 def line_style(k):
