@@ -167,19 +167,13 @@ def perturbed(point, rule, run):
 
 def nl_with_start(text, x):
     """An .nl file with its initial guess replaced by the first entries of x."""
-    lines = text.splitlines(keepends=True)
-    variables = int(lines[1].split()[0])
-    result, skip = lines[:10], 0
-    for line in lines[10:]:
-        if line.startswith("x") and line[1:2].isdigit():
-            skip = int(re.match(r"\d+", line[1:])[0])
-        elif skip > 0:
-            skip -= 1
-        else:
-            if line.startswith("r"):
-                result += [f"x{variables}\n", *(f"{i} {x[i]!r}\n" for i in range(variables))]
-            result.append(line)
-    return "".join(result)
+    variables = int(text.splitlines()[1].split()[0])
+    guess = f"x{variables}\n" + "".join(f"{i} {x[i]!r}\n" for i in range(variables))
+    without = re.sub(r"^x\d.*\n(\d.*\n)*", "", text, flags=re.M)
+    return re.sub("^r", guess + "r", without, count=1, flags=re.M)  # the bounds of the rows, which come next
+
+
+CLAIMS_OF_SOL = {0: "solved", 1: "to rounding", 2: "infeasible"}  # by the hundreds of its solve_result_num
 
 
 class Garbage(Exception):
@@ -338,13 +332,6 @@ def probe(folder):
         os.fsync(file.fileno())
 
 
-def claim_of_sol(code):
-    """What a solve_result_num says."""
-    if code == 590:
-        return "not-applicable"
-    return {0: "solved", 1: "to rounding", 2: "infeasible"}.get(code // 100, "failed")
-
-
 def attempt_of_sol(end, stub, variables, folder, name):
     """Of an external program."""
     check_seen(end, name)
@@ -366,7 +353,8 @@ def attempt_of_sol(end, stub, variables, folder, name):
             return Attempt(end, "crashed", f"{signal_name(shell)} of what it ran; {said}", seconds=end.seconds)
         return Attempt(end, "garbage", f".sol file: {error}; {said}", seconds=end.seconds)
     x = [] if variables == 0 else x
-    return Attempt(end, claim_of_sol(code), message, f"solve_result_num {code}", seconds=end.seconds, x=x)
+    claim = "not-applicable" if code == 590 else CLAIMS_OF_SOL.get(code // 100, "failed")
+    return Attempt(end, claim, message, f"solve_result_num {code}", seconds=end.seconds, x=x)
 
 
 def settle(campaign, cells):

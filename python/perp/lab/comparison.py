@@ -43,11 +43,8 @@ Examples:
   perp-compare ball --help                              the path of a ball by polygons
   perp-compare forces --help                            the forces of a solution, drawn in their friction disks
 
-A cell is one method on one problem from one start. It runs in a process of its own, with limits of time and
-memory. The judge, another process, builds the problem anew and evaluates the natural residual at the point found.
-Every finished cell is on the disk at once. If the machine fails (a full disk, a judge that is killed), the cell stays
-open, and --resume runs it again. In the end DIR has report.html, report.json and cells.csv. outcomes.csv has no times,
-so two campaigns can be compared with cmp.
+A cell is one method on one problem from one start, in a process of its own. In the end DIR has report.html,
+report.json and cells.csv; outcomes.csv has no times, so that cmp compares two campaigns.
 
 Exit codes: 0 complete, 1 complete but something that the baseline solved is not solved, 2 wrong usage or input,
 3 internal error, 4 interrupted, or cells are open (--resume goes on)."""

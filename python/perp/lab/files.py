@@ -10,8 +10,6 @@ count, wherever it stands. A line is on the disk when Journal.add() returns; one
 """
 
 import contextlib
-import csv
-import io
 import json
 import math
 import os
@@ -24,8 +22,6 @@ try:
     import fcntl
 except ImportError:  # no lock where there is none
     fcntl = None
-
-WORDS = {"inf": math.inf, "-inf": -math.inf, "nan": math.nan}  # of JSON, which has no such numbers
 
 
 class InputError(Exception):
@@ -49,8 +45,8 @@ def to_json(value):
 
 
 def number(value):
-    """A number of JSON as a float: NaN for null."""
-    return math.nan if value is None else WORDS[value] if isinstance(value, str) else float(value)
+    """A number of JSON, or "inf", "-inf", "nan", as a float: NaN for null."""
+    return math.nan if value is None else float(value)
 
 
 def compact(value):
@@ -59,19 +55,6 @@ def compact(value):
 
 def pretty(value):
     return json.dumps(to_json(value), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
-
-
-def csv_text(rows):
-    """RFC 4180."""
-    out = io.StringIO()
-    csv.writer(out, lineterminator="\n").writerows(map(field_text, row) for row in rows)
-    return out.getvalue()
-
-
-def field_text(value):
-    if isinstance(value, bool):
-        return "yes" if value else "no"
-    return str(value).removesuffix(".0") if isinstance(value, float) else value
 
 
 def crc_of(path):

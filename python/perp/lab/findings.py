@@ -78,9 +78,6 @@ class Data:
     def classes(self):
         return sorted(set(self.classes_of[self.with_solution].tolist()))
 
-    def labels(self, methods):
-        return [self.methods[m] for m in methods]
-
 
 def known(value):
     return math.nan if value is None or not 0 <= value < math.inf else value

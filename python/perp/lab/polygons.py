@@ -216,12 +216,10 @@ def ball_svg(scenes, title):
     for (axes, closer), (load, paths) in zip(panels.reshape(-1, 2), scenes.items()):
         sizes = [np.abs(path).max() for path, _ in paths.values()]
         for k, (law, (path, drift)) in enumerate(paths.items()):
-            style, name = {**line_style(k + 3 * (k > 1)), "marker": ""}, f"{law.partition(':')[2]} facets"
-            if law == "exact":
-                style, name = {"color": "#000000", "linewidth": 4, "zorder": 1}, "Coulomb's law"
+            style = {**line_style(k), "marker": "", "linewidth": 1.7 if k else 4}
             rest = "stays at rest" if sizes[k] < 1e-3 else f"drift {math.hypot(*drift):.3f} m/s"
             for panel in (axes, closer) if sizes[k] < max(sizes) else (axes,):
-                panel.plot(*path[:: 1 + len(path) // 1000].T, label=f"{name}: {rest}", **style)
+                panel.plot(*path[:: 1 + len(path) // 1000].T, label=f"{law}: {rest}", **style)
         for panel in (axes, closer):
             panel.plot(0, 0, marker="o", color="white", markeredgecolor="black", zorder=5)
             panel.set_aspect("equal", adjustable="datalim")
@@ -252,10 +250,10 @@ def ball(arguments):
     if 3 * PHASE * given.cycles > 1e6 * given.step:
         raise InputError("--step: at most 1e6 steps in all")
     side, turn, scenes = "outer" if given.outer else "inner", math.radians(given.frame), {}
-    laws = {"exact": None} | {f"{side}:{K}": np.array(corners_of(K, given.outer, turn)) for K in given.facets}
+    laws = {"Coulomb's law": None} | {f"{side}:{K}": np.array(corners_of(K, given.outer, turn)) for K in given.facets}
     for load in given.load:
         paths = scenes[load] = {law: ball_path(load, corners, given) for law, corners in laws.items()}
-        rows, exact = [], paths["exact"][0][-1]
+        rows, exact = [], paths["Coulomb's law"][0][-1]
         for law, (path, drift) in paths.items():
             end = [*path[-1], math.dist(path[-1], exact)]
             rows.append([law, *(f"{round(v, 3) + 0.0:.3f}" for v in end), f"{math.hypot(*drift):.4f}"])

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The report of a campaign: DIR/report.html, one page that needs nothing else, and its numbers as CSV and JSON."""
 
+import csv
 import io
 import math
 import re
@@ -10,7 +11,7 @@ from pathlib import Path
 from .campaign import count
 from .cells import COUNTS, KEYS, outcome_counts, with_tolerance
 from .contact import FACTS
-from .files import compact, csv_text, pretty, to_json, write_files
+from .files import compact, pretty, write_files
 from .findings import (
     FLOOR, LAWS, MEASURES, Data, comparisons, false_claim, findings, given_cfunction, laws, percent,
     robustness, summary,
@@ -192,7 +193,7 @@ def comparison_section(data, c, style):
     charts = []
     for measure, of in c.profiles.items():
         pictures = [profile_chart(data, c, measure, kind, style, coloured) for kind in ("performance", "data")]
-        left_out = ", ".join(data.labels(of["left_out"]))
+        left_out = ", ".join(data.methods[m] for m in of["left_out"])
         charts.append({"title": MEASURES[measure], "charts": pictures, "left_out": left_out})
     legend = [{"m": m, "style": style(c, m), "name": c.name(data, m), "on": m in coloured} for m in c.methods]
     parameters = {"picture": parameter_chart(data, c) if c.id.startswith("cfunctions") else ""}
@@ -304,15 +305,18 @@ TIMELESS = 14  # columns that do not depend on time and memory
 
 def plain(name, value):
     """A value in cells.csv."""
-    if isinstance(value, float):
-        if math.isnan(value):
-            return ""
-        return f"{value:.6g}" if name == "seconds" else f"{value:.1f}" if name == "peak_mb" else to_json(value)
-    return value
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if not isinstance(value, float):
+        return value
+    digits = {"seconds": ".6g", "peak_mb": ".1f"}.get(name, "")
+    return "" if math.isnan(value) else f"{value:{digits}}".removesuffix(".0")
 
 
 def cells_csv(cells, columns):
-    return csv_text([columns, *([plain(name, c[name]) for name in columns] for c in cells)])
+    out = io.StringIO()
+    csv.writer(out, lineterminator="\n").writerows([columns, *([plain(k, c[k]) for k in columns] for c in cells)])
+    return out.getvalue()
 
 
 def outcomes_csv(cells):
